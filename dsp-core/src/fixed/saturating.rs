@@ -1,0 +1,73 @@
+//! Saturating arithmetic: the bus clips, it never wraps.
+
+use super::{FULL_SCALE_24_BIT, rounding_shift_right};
+
+/// `a + b`, saturated to 32 bits (QADD, one cycle).
+#[inline(always)]
+pub const fn qadd(a: i32, b: i32) -> i32 {
+    a.saturating_add(b)
+}
+
+/// `a - b`, saturated to 32 bits (QSUB, one cycle).
+#[inline(always)]
+pub const fn qsub(a: i32, b: i32) -> i32 {
+    a.saturating_sub(b)
+}
+
+/// `value · 2^shift`, saturated to 32 bits. Shifts of 32 and more saturate any value but 0.
+#[inline(always)]
+pub const fn saturating_shift_left(value: i32, shift: u32) -> i32 {
+    let shift = if shift > 32 { 32 } else { shift };
+    let wide = (value as i64) << shift;
+    if wide > i32::MAX as i64 {
+        i32::MAX
+    } else if wide < i32::MIN as i64 {
+        i32::MIN
+    } else {
+        wide as i32
+    }
+}
+
+/// A bus sample (Q4.27) as a signed 24-bit sample: nearest, half up, clipped to ±full scale.
+///
+/// The one saturating step at the very end of the signal flow.
+///
+/// ```
+/// use dsp_core::fixed::{ONE_Q27, to_24_bit};
+/// assert_eq!(to_24_bit(ONE_Q27 / 2), 1 << 22);
+/// assert_eq!(to_24_bit(ONE_Q27 * 4), (1 << 23) - 1);
+/// ```
+#[inline(always)]
+pub const fn to_24_bit(bus: i32) -> i32 {
+    let rounded = rounding_shift_right(bus, 4);
+    if rounded > FULL_SCALE_24_BIT - 1 {
+        FULL_SCALE_24_BIT - 1
+    } else if rounded < -FULL_SCALE_24_BIT {
+        -FULL_SCALE_24_BIT
+    } else {
+        rounded
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_saturating_shift_is_the_exact_product_clipped(value: i32, shift in 0u32..50) {
+            let exact = (i128::from(value) << shift.min(60)).clamp(i128::from(i32::MIN), i128::from(i32::MAX));
+            prop_assert_eq!(i128::from(saturating_shift_left(value, shift)), exact);
+        }
+
+        #[test]
+        fn the_output_step_is_monotonic_and_within_half_a_step(a: i32) {
+            let out = to_24_bit(a);
+            prop_assert!((-(1 << 23)..(1 << 23)).contains(&out));
+            if (-(1i64 << 27)..(1i64 << 27) - 16).contains(&i64::from(a)) {
+                prop_assert!((i64::from(out) * 16 - i64::from(a)).abs() <= 8);
+            }
+        }
+    }
+}

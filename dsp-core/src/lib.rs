@@ -1,0 +1,12 @@
+#![no_std]
+#![doc = "Malleus' instrument, from trigger to samples."]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod fixed;
+pub mod table;
+
+mod rate;
+
+pub use rate::SampleRate;

@@ -1,0 +1,52 @@
+//! The sample rate, exactly.
+
+use core::fmt;
+
+/// A sample rate in Hz as a ratio, because clocks divide: 86 000 000 / 1792 is not 47 991.
+///
+/// ```
+/// let board = dsp_core::SampleRate::new(86_000_000, 1792).unwrap();
+/// assert!((board.hz() - 47_991.071_43).abs() < 1e-4);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SampleRate {
+    numerator: u32,
+    denominator: u32,
+}
+
+impl SampleRate {
+    /// The lowest rate that the engine is made for, in Hz.
+    pub const MIN_HZ: f64 = 8_000.0;
+    /// The highest rate that the engine is made for, in Hz.
+    pub const MAX_HZ: f64 = 192_000.0;
+
+    /// A rate of `numerator / denominator` Hz, or `None` where it is not between [`MIN_HZ`](Self::MIN_HZ) and [`MAX_HZ`](Self::MAX_HZ).
+    pub fn new(numerator: u32, denominator: u32) -> Option<Self> {
+        let rate = Self { numerator, denominator };
+        (denominator != 0 && (Self::MIN_HZ..=Self::MAX_HZ).contains(&rate.hz())).then_some(rate)
+    }
+
+    /// 48 kHz.
+    pub const HZ_48000: Self = Self { numerator: 48_000, denominator: 1 };
+    /// 44.1 kHz.
+    pub const HZ_44100: Self = Self { numerator: 44_100, denominator: 1 };
+
+    /// The rate in Hz.
+    pub fn hz(self) -> f64 {
+        f64::from(self.numerator) / f64::from(self.denominator)
+    }
+
+    /// The rate as (numerator, denominator).
+    pub const fn ratio(self) -> (u32, u32) {
+        (self.numerator, self.denominator)
+    }
+}
+
+impl fmt::Display for SampleRate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.denominator {
+            1 => write!(f, "{} Hz", self.numerator),
+            _ => write!(f, "{}/{} Hz", self.numerator, self.denominator),
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! The records of a kit's bytes, in the order in which they stand, and the registry of section tags.
+//!
+//! All records have alignment 1, so that a kit may lie at any address; sections are padded to 4 bytes all the same.
+
+use zerocopy::byteorder::little_endian::{F32, U16, U32};
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
+
+/// The first four bytes of a kit.
+pub const MAGIC: [u8; 4] = *b"MALL";
+/// The format version that this crate reads and `kit` writes.
+pub const FORMAT_VERSION: u32 = 1;
+/// The version of each section that this crate knows.
+pub const SECTION_VERSION: u32 = 1;
+/// Bytes in a name, padded with zeros.
+pub const NAME_BYTES: usize = 24;
+/// Strikers that one pad may be played with.
+pub const STRIKERS_PER_PAD: usize = 4;
+/// MIDI notes that may play one pad.
+pub const MIDI_NOTES_PER_PAD: usize = 4;
+/// Fills an unused place in a pad's list of strikers.
+pub const NO_STRIKER: u16 = 0xFFFF;
+/// Fills an unused place in a pad's list of MIDI notes.
+pub const NO_NOTE: u8 = 0xFF;
+
+/// The registry of section tags.
+pub mod tag {
+    /// The kit's name, once.
+    pub const META: [u8; 4] = *b"META";
+    /// A struck object: [`ObjectHeader`](super::ObjectHeader), modes, gains, texts. One section an object.
+    pub const OBJECT: [u8; 4] = *b"OBJT";
+    /// A striker: [`StrikerHeader`](super::StrikerHeader), modes, gains, texts. One section a striker.
+    pub const STRIKER: [u8; 4] = *b"STRK";
+    /// [`PadRecord`](super::PadRecord)s, all in one section.
+    pub const PADS: [u8; 4] = *b"PADS";
+}
+
+/// The head of a kit.
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct FileHeader {
+    /// [`MAGIC`].
+    pub magic: [u8; 4],
+    /// [`FORMAT_VERSION`].
+    pub version: U32,
+    /// Bytes of the kit, this header included.
+    pub length: U32,
+    /// CRC-32/ISO-HDLC of the bytes from the end of this header to `length`.
+    pub crc: U32,
+}
+
+/// One line of the directory, which begins with the number of entries as a [`U32`].
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct SectionEntry {
+    /// Which kind of section, from [`tag`].
+    pub tag: [u8; 4],
+    /// [`SECTION_VERSION`].
+    pub version: U32,
+    /// Where it begins, in bytes from the beginning of the kit; a multiple of 4.
+    pub offset: U32,
+    /// Its length in bytes, a multiple of 4.
+    pub length: U32,
+}
+
+/// The `META` section.
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct MetaRecord {
+    /// The kit's name.
+    pub name: [u8; NAME_BYTES],
+}
+
+/// The head of an `OBJT` section; behind it `mode_count` [`ModeRecord`]s, `mode_count · position_count` [`GainRecord`]s (all
+/// positions of the first mode, then of the second ...), source and licence as UTF-8, zeros up to a multiple of 4.
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct ObjectHeader {
+    /// The object's name.
+    pub name: [u8; NAME_BYTES],
+    /// The force in newtons (1 where uncalibrated) that 1.0 on the force bus stands for.
+    pub reference_force: F32,
+    /// Acceleration sound α, output per unit of force.
+    pub acceleration: F32,
+    /// Number of modes.
+    pub mode_count: U16,
+    /// Number of positions along the object at which gains are given, at least 1.
+    pub position_count: U16,
+    /// Bytes of the source text.
+    pub source_bytes: U16,
+    /// Bytes of the licence text.
+    pub licence_bytes: U16,
+}
+
+/// The head of a `STRK` section; behind it modes, gains (one position) and texts as in [`ObjectHeader`].
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct StrikerHeader {
+    /// The striker's name.
+    pub name: [u8; NAME_BYTES],
+    /// Shape of the contact pulse: 0 Hertz half-sine, 1 Gaussian.
+    pub pulse: U32,
+    /// Peak force m1 at velocity 1, in newtons.
+    pub peak_force: F32,
+    /// Exponent a of the peak force, `m = m1 v^a`.
+    pub peak_exponent: F32,
+    /// Contact time τ1 at velocity 1, in seconds.
+    pub contact_time_s: F32,
+    /// Exponent b of the contact time, `τ = τ1 v^b`.
+    pub contact_exponent: F32,
+    /// Number of modes of the striker itself.
+    pub mode_count: U16,
+    /// Bytes of the source text.
+    pub source_bytes: U16,
+    /// Bytes of the licence text.
+    pub licence_bytes: U16,
+    /// 0.
+    pub reserved: U16,
+}
+
+/// One mode's pole.
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct ModeRecord {
+    /// Frequency f in Hz.
+    pub frequency_hz: F32,
+    /// Decay rate d in 1/s; T60 = ln(1000)/d.
+    pub decay_per_s: F32,
+}
+
+/// One mode's gain at one position: `h(t) = e^{-d t} (sine · sin 2πft + cosine · cos 2πft)`, output per newton-second.
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct GainRecord {
+    /// Gain gs of the sine phase.
+    pub sine: F32,
+    /// Gain gc of the cosine phase.
+    pub cosine: F32,
+}
+
+/// One pad.
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct PadRecord {
+    /// The pad's name.
+    pub name: [u8; NAME_BYTES],
+    /// Which object, counted from 0 in the order of the `OBJT` sections.
+    pub object: U16,
+    /// 0.
+    pub reserved: U16,
+    /// Which strikers, counted from 0 in the order of the `STRK` sections; the first is the default, [`NO_STRIKER`] fills up.
+    pub strikers: [U16; STRIKERS_PER_PAD],
+    /// Level in dB.
+    pub level_db: F32,
+    /// Constant-power pan, -1 (left) to 1 (right).
+    pub pan: F32,
+    /// Weight η of the strikers' own banks.
+    pub striker_weight: F32,
+    /// T60 in seconds that a choke imposes, or 0 for a pad that cannot be choked.
+    pub choke_t60_s: F32,
+    /// MIDI notes that play the pad, [`NO_NOTE`] fills up.
+    pub midi_notes: [u8; MIDI_NOTES_PER_PAD],
+}

@@ -1,0 +1,41 @@
+//! Tables: what a fit produces and a board plays, read in place.
+//!
+//! A kit is one block of bytes, in flash or in a file:
+//!
+//! ```text
+//! header    magic "MALL", format version, length, CRC-32 of all that follows
+//! directory section count, then an entry a section: tag, version, offset, length
+//! sections  META one · OBJT one an object · STRK one a striker · PADS one
+//! ```
+//!
+//! All numbers are little-endian, floats are IEEE single precision, sections are 4-byte aligned and tile the file without
+//! gaps; what follows `length` must be erased flash (0xFF). The records are in [`layout`], the valid ranges in [`range`].
+//! [`Kit::parse`] checks every length, index, name and float once and then hands out views without copying; each refusal is a
+//! [`TableError`] that says which field, where, and what was expected.
+//!
+//! A new stage is a new section. As in PNG, a section whose tag begins with a lower-case letter may be skipped by a reader that
+//! does not know it; any other unknown tag, or a newer version of a known one, is refused by name.
+
+mod error;
+pub mod layout;
+pub mod range;
+mod read;
+
+pub use error::{Field, Place, TableError};
+pub use read::{Kit, Object, Pad, Striker};
+
+use crc::{CRC_32_ISO_HDLC, Crc, Table};
+
+/// CRC-32/ISO-HDLC (the one of zip and Ethernet) over a kit's bytes after its header.
+pub fn checksum(bytes: &[u8]) -> u32 {
+    const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
+    CRC.checksum(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_checksum_is_the_published_one() {
+        assert_eq!(super::checksum(b"123456789"), 0xCBF4_3926);
+    }
+}

@@ -1,0 +1,55 @@
+//! The valid range of every number in a kit; outside it a kit is refused.
+//!
+//! Ranges are those of the physics with room to spare, and those within which the fixed-point engine keeps its stated accuracy.
+//! Two further limits depend on the sample rate and are checked on load ([`crate::engine::LoadError`]).
+
+/// A closed interval of allowed values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// The smallest allowed value.
+    pub min: f32,
+    /// The largest allowed value.
+    pub max: f32,
+}
+
+impl Range {
+    const fn new(min: f32, max: f32) -> Self {
+        Self { min, max }
+    }
+
+    /// Whether the value lies in the interval; NaN never does.
+    pub fn holds(self, value: f32) -> bool {
+        value >= self.min && value <= self.max
+    }
+}
+
+/// Mode frequency in Hz. Modes at or above Nyquist are legal and not rendered.
+pub const FREQUENCY_HZ: Range = Range::new(0.1, 1e6);
+/// Mode decay in 1/s: T60 from 0.35 ms to 690 s. At low sample rates the upper limit is lower, see [`crate::resonator::max_decay_per_s`].
+pub const DECAY_PER_S: Range = Range::new(0.01, 20_000.0);
+/// Modal gains, either sign.
+pub const GAIN: Range = Range::new(-1e9, 1e9);
+/// Reference force in newtons.
+pub const REFERENCE_FORCE: Range = Range::new(1e-6, 1e6);
+/// Acceleration sound, output per newton.
+pub const ACCELERATION: Range = Range::new(-1e6, 1e6);
+/// Peak force at velocity 1, in newtons.
+pub const PEAK_FORCE: Range = Range::new(1e-6, 1e6);
+/// Exponent of the peak force.
+pub const PEAK_EXPONENT: Range = Range::new(0.0, 8.0);
+/// Contact time at velocity 1, in seconds.
+pub const CONTACT_TIME_S: Range = Range::new(2e-5, 0.1);
+/// Exponent of the contact time.
+pub const CONTACT_EXPONENT: Range = Range::new(-1.0, 1.0);
+/// Level of a pad in dB.
+pub const LEVEL_DB: Range = Range::new(-120.0, 40.0);
+/// Pan of a pad.
+pub const PAN: Range = Range::new(-1.0, 1.0);
+/// Weight of a pad's strikers.
+pub const STRIKER_WEIGHT: Range = Range::new(-1e3, 1e3);
+/// T60 of a choke in seconds (0 stands for "cannot be choked").
+pub const CHOKE_T60_S: Range = Range::new(0.001, 100.0);
+/// Modes of one object or striker.
+pub const MODES_PER_BANK: usize = 4096;
+/// Positions along an object.
+pub const POSITIONS: usize = 64;

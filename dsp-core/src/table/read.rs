@@ -1,0 +1,557 @@
+//! Reading a kit in place: everything is checked once in [`Kit::parse`], after which the views cannot fail.
+
+use zerocopy::byteorder::little_endian::U32;
+use zerocopy::{FromBytes, Immutable, KnownLayout, Unaligned};
+
+use super::checksum;
+use super::error::{Field, Place, TableError};
+use super::layout::{
+    FORMAT_VERSION, FileHeader, GainRecord, MAGIC, MetaRecord, ModeRecord, NO_NOTE, NO_STRIKER, ObjectHeader,
+    PadRecord, SECTION_VERSION, SectionEntry, StrikerHeader, tag,
+};
+use super::range::{self, Range};
+
+/// A checked kit: views into the caller's bytes, nothing is copied.
+#[derive(Clone, Copy, Debug)]
+pub struct Kit<'a> {
+    bytes: &'a [u8],
+    directory: &'a [SectionEntry],
+    meta: &'a MetaRecord,
+    pads: &'a [PadRecord],
+}
+
+/// A struck object of a [`Kit`].
+#[derive(Clone, Copy, Debug)]
+pub struct Object<'a> {
+    header: &'a ObjectHeader,
+    modes: &'a [ModeRecord],
+    gains: &'a [GainRecord],
+    source: &'a str,
+    licence: &'a str,
+}
+
+/// A striker of a [`Kit`].
+#[derive(Clone, Copy, Debug)]
+pub struct Striker<'a> {
+    header: &'a StrikerHeader,
+    modes: &'a [ModeRecord],
+    gains: &'a [GainRecord],
+    source: &'a str,
+    licence: &'a str,
+}
+
+/// A pad of a [`Kit`].
+#[derive(Clone, Copy, Debug)]
+pub struct Pad<'a> {
+    record: &'a PadRecord,
+}
+
+impl<'a> Kit<'a> {
+    /// Checks a kit's bytes and gives a view of them.
+    ///
+    /// Cost: one pass of CRC-32 and one over the records; no allocation, no copy.
+    ///
+    /// # Errors
+    /// A [`TableError`] for the first thing that is wrong.
+    pub fn parse(bytes: &'a [u8]) -> Result<Self, TableError> {
+        let (directory, kit_bytes) = read_frame(bytes)?;
+        check_sections(directory, kit_bytes)?;
+        let kit = Self {
+            bytes: kit_bytes,
+            directory,
+            meta: only_section(directory, kit_bytes, tag::META)
+                .and_then(|body| whole::<MetaRecord>(body, Place::Kit))?,
+            pads: only_section(directory, kit_bytes, tag::PADS).and_then(|body| {
+                <[PadRecord]>::ref_from_bytes(body).map_err(|_| TableError::LengthMismatch {
+                    place: Place::Kit,
+                    expected: body.len() / size_of::<PadRecord>() * size_of::<PadRecord>(),
+                    found: body.len(),
+                })
+            })?,
+        };
+        kit.check()?;
+        Ok(kit)
+    }
+
+    /// The kit's name.
+    pub fn name(&self) -> &'a str {
+        name_str(&self.meta.name)
+    }
+
+    /// The kit's length in bytes, without what may follow it in flash.
+    pub fn len_bytes(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// The objects, in the order in which pads count them.
+    pub fn objects(&self) -> impl Iterator<Item = Object<'a>> + Clone + use<'a> {
+        sections(self.directory, self.bytes, tag::OBJECT).filter_map(|body| Object::read(body, 0).ok())
+    }
+
+    /// The strikers, in the order in which pads count them.
+    pub fn strikers(&self) -> impl Iterator<Item = Striker<'a>> + Clone + use<'a> {
+        sections(self.directory, self.bytes, tag::STRIKER).filter_map(|body| Striker::read(body, 0).ok())
+    }
+
+    /// The pads.
+    pub fn pads(&self) -> impl ExactSizeIterator<Item = Pad<'a>> + Clone + use<'a> {
+        self.pads.iter().map(|record| Pad { record })
+    }
+
+    /// The object that a pad plays. `None` only for a pad of another kit.
+    pub fn object_of(&self, pad: Pad<'_>) -> Option<Object<'a>> {
+        self.objects().nth(usize::from(pad.record.object.get()))
+    }
+
+    /// The strikers of a pad, the default one first.
+    pub fn strikers_of<'p>(&self, pad: Pad<'p>) -> impl Iterator<Item = Striker<'a>> + use<'a, 'p> {
+        let kit = *self;
+        pad.striker_indices().filter_map(move |index| kit.strikers().nth(index))
+    }
+
+    /// Tags of sections that were skipped because this reader does not know them.
+    pub fn skipped_sections(&self) -> impl Iterator<Item = [u8; 4]> + use<'a> {
+        self.directory.iter().map(|entry| entry.tag).filter(|&tag| !is_known(tag))
+    }
+
+    fn check(&self) -> Result<(), TableError> {
+        check_name(&self.meta.name, Place::Kit)?;
+        let mut objects = 0;
+        for body in sections(self.directory, self.bytes, tag::OBJECT) {
+            Object::read(body, objects)?.check(objects)?;
+            objects += 1;
+        }
+        let mut strikers = 0;
+        for body in sections(self.directory, self.bytes, tag::STRIKER) {
+            Striker::read(body, strikers)?.check(strikers)?;
+            strikers += 1;
+        }
+        for (index, record) in self.pads.iter().enumerate() {
+            Pad { record }.check(index, objects, strikers)?;
+        }
+        check_distinct(self.objects().map(|object| object.name()), Place::Object)?;
+        check_distinct(self.strikers().map(|striker| striker.name()), Place::Striker)?;
+        check_distinct(self.pads().map(|pad| pad.name()), Place::Pad)?;
+        self.check_notes()
+    }
+
+    fn check_notes(&self) -> Result<(), TableError> {
+        let mut claimed = [false; 128];
+        for (index, pad) in self.pads().enumerate() {
+            for note in pad.midi_notes() {
+                match claimed.get_mut(usize::from(note)) {
+                    Some(taken) if !*taken => *taken = true,
+                    _ => {
+                        return Err(TableError::BadNote { place: Place::Pad(index), note });
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<'a> Object<'a> {
+    fn read(body: &'a [u8], index: usize) -> Result<Self, TableError> {
+        let place = Place::Object(index);
+        let (header, rest) = head::<ObjectHeader>(body, place)?;
+        let modes = usize::from(header.mode_count.get());
+        let positions = usize::from(header.position_count.get());
+        check_count(place, Field::Positions, positions, 1, range::POSITIONS)?;
+        check_count(place, Field::Modes, modes, 0, range::MODES_PER_BANK)?;
+        let texts = (usize::from(header.source_bytes.get()), usize::from(header.licence_bytes.get()));
+        let (modes, gains, source, licence) = read_bank(body.len(), rest, modes, positions, texts, place)?;
+        Ok(Self { header, modes, gains, source, licence })
+    }
+
+    fn check(&self, index: usize) -> Result<(), TableError> {
+        let place = Place::Object(index);
+        check_name(&self.header.name, place)?;
+        check_range(place, Field::ReferenceForce, self.reference_force(), range::REFERENCE_FORCE)?;
+        check_range(place, Field::Acceleration, self.acceleration(), range::ACCELERATION)?;
+        check_bank(self.modes, self.gains, self.position_count(), |mode| Place::ObjectMode(index, mode))
+    }
+
+    /// The object's name.
+    pub fn name(&self) -> &'a str {
+        name_str(&self.header.name)
+    }
+
+    /// Newtons (1 where uncalibrated) that 1.0 on the force bus stands for.
+    pub fn reference_force(&self) -> f32 {
+        self.header.reference_force.get()
+    }
+
+    /// Acceleration sound α, output per newton.
+    pub fn acceleration(&self) -> f32 {
+        self.header.acceleration.get()
+    }
+
+    /// Number of positions at which gains are given, at least 1.
+    pub fn position_count(&self) -> usize {
+        usize::from(self.header.position_count.get())
+    }
+
+    /// The modes' poles.
+    pub fn modes(&self) -> &'a [ModeRecord] {
+        self.modes
+    }
+
+    /// The modes' gains: all positions of the first mode, then of the second ...
+    pub fn gains(&self) -> &'a [GainRecord] {
+        self.gains
+    }
+
+    /// Where the numbers come from.
+    pub fn source(&self) -> &'a str {
+        self.source
+    }
+
+    /// The licence of the numbers.
+    pub fn licence(&self) -> &'a str {
+        self.licence
+    }
+}
+
+impl<'a> Striker<'a> {
+    fn read(body: &'a [u8], index: usize) -> Result<Self, TableError> {
+        let place = Place::Striker(index);
+        let (header, rest) = head::<StrikerHeader>(body, place)?;
+        let modes = usize::from(header.mode_count.get());
+        check_count(place, Field::Modes, modes, 0, range::MODES_PER_BANK)?;
+        let texts = (usize::from(header.source_bytes.get()), usize::from(header.licence_bytes.get()));
+        let (modes, gains, source, licence) = read_bank(body.len(), rest, modes, 1, texts, place)?;
+        Ok(Self { header, modes, gains, source, licence })
+    }
+
+    fn check(&self, index: usize) -> Result<(), TableError> {
+        let place = Place::Striker(index);
+        check_name(&self.header.name, place)?;
+        check_count(place, Field::Pulse, self.header.pulse.get() as usize, 0, 1)?;
+        check_range(place, Field::PeakForce, self.peak_force(), range::PEAK_FORCE)?;
+        check_range(place, Field::PeakExponent, self.peak_exponent(), range::PEAK_EXPONENT)?;
+        check_range(place, Field::ContactTimeS, self.contact_time_s(), range::CONTACT_TIME_S)?;
+        check_range(place, Field::ContactExponent, self.contact_exponent(), range::CONTACT_EXPONENT)?;
+        if self.header.reserved.get() != 0 {
+            return Err(TableError::NotZero { place, field: Field::Padding });
+        }
+        check_bank(self.modes, self.gains, 1, |mode| Place::StrikerMode(index, mode))
+    }
+
+    /// The striker's name.
+    pub fn name(&self) -> &'a str {
+        name_str(&self.header.name)
+    }
+
+    /// Whether the contact pulse is Gaussian; otherwise it is a Hertz half-sine.
+    pub fn is_gaussian(&self) -> bool {
+        self.header.pulse.get() == 1
+    }
+
+    /// Peak force m1 at velocity 1, in newtons.
+    pub fn peak_force(&self) -> f32 {
+        self.header.peak_force.get()
+    }
+
+    /// Exponent a of the peak force.
+    pub fn peak_exponent(&self) -> f32 {
+        self.header.peak_exponent.get()
+    }
+
+    /// Contact time τ1 at velocity 1, in seconds.
+    pub fn contact_time_s(&self) -> f32 {
+        self.header.contact_time_s.get()
+    }
+
+    /// Exponent b of the contact time.
+    pub fn contact_exponent(&self) -> f32 {
+        self.header.contact_exponent.get()
+    }
+
+    /// The poles of the striker's own modes.
+    pub fn modes(&self) -> &'a [ModeRecord] {
+        self.modes
+    }
+
+    /// The gains of the striker's own modes.
+    pub fn gains(&self) -> &'a [GainRecord] {
+        self.gains
+    }
+
+    /// Where the numbers come from.
+    pub fn source(&self) -> &'a str {
+        self.source
+    }
+
+    /// The licence of the numbers.
+    pub fn licence(&self) -> &'a str {
+        self.licence
+    }
+}
+
+impl<'a> Pad<'a> {
+    fn check(&self, index: usize, objects: usize, strikers: usize) -> Result<(), TableError> {
+        let place = Place::Pad(index);
+        check_name(&self.record.name, place)?;
+        if self.object_index() >= objects {
+            return Err(TableError::Dangling {
+                place,
+                field: Field::Object,
+                index: self.object_index(),
+                count: objects,
+            });
+        }
+        if let Some(index) = self.striker_indices().find(|&index| index >= strikers) {
+            return Err(TableError::Dangling { place, field: Field::Strikers, index, count: strikers });
+        }
+        check_count(place, Field::Strikers, self.striker_indices().count(), 1, super::layout::STRIKERS_PER_PAD)?;
+        let filled = self.striker_indices().count();
+        let ordered = self.record.strikers.iter().skip(filled).all(|index| index.get() == NO_STRIKER);
+        let notes_ordered = self.record.midi_notes.iter().skip(self.midi_notes().count()).all(|&note| note == NO_NOTE);
+        if !ordered || !notes_ordered || self.record.reserved.get() != 0 {
+            return Err(TableError::NotZero { place, field: Field::Padding });
+        }
+        check_range(place, Field::LevelDb, self.level_db(), range::LEVEL_DB)?;
+        check_range(place, Field::Pan, self.pan(), range::PAN)?;
+        check_range(place, Field::StrikerWeight, self.striker_weight(), range::STRIKER_WEIGHT)?;
+        if self.choke_t60_s() != 0.0 {
+            check_range(place, Field::ChokeT60S, self.choke_t60_s(), range::CHOKE_T60_S)?;
+        }
+        Ok(())
+    }
+
+    /// The pad's name.
+    pub fn name(&self) -> &'a str {
+        name_str(&self.record.name)
+    }
+
+    /// Which object it plays, counted from 0.
+    pub fn object_index(&self) -> usize {
+        usize::from(self.record.object.get())
+    }
+
+    /// Its strikers, counted from 0 in the kit, the default one first.
+    pub fn striker_indices(&self) -> impl Iterator<Item = usize> + use<'a> {
+        self.record.strikers.iter().map(|index| index.get()).take_while(|&index| index != NO_STRIKER).map(usize::from)
+    }
+
+    /// Level in dB.
+    pub fn level_db(&self) -> f32 {
+        self.record.level_db.get()
+    }
+
+    /// Constant-power pan, -1 (left) to 1 (right).
+    pub fn pan(&self) -> f32 {
+        self.record.pan.get()
+    }
+
+    /// Weight η of the strikers' own banks.
+    pub fn striker_weight(&self) -> f32 {
+        self.record.striker_weight.get()
+    }
+
+    /// T60 in seconds that a choke imposes; 0 for a pad that cannot be choked.
+    pub fn choke_t60_s(&self) -> f32 {
+        self.record.choke_t60_s.get()
+    }
+
+    /// MIDI notes that play it.
+    pub fn midi_notes(&self) -> impl Iterator<Item = u8> + use<'a> {
+        self.record.midi_notes.iter().copied().take_while(|&note| note != NO_NOTE)
+    }
+}
+
+/// Header, checksum and directory; gives the directory and the kit's own bytes.
+fn read_frame(bytes: &[u8]) -> Result<(&[SectionEntry], &[u8]), TableError> {
+    let truncated = |needed| TableError::Truncated { needed, found: bytes.len() };
+    let (header, _) = FileHeader::ref_from_prefix(bytes).map_err(|_| truncated(size_of::<FileHeader>()))?;
+    if header.magic != MAGIC {
+        return Err(TableError::WrongMagic { found: header.magic });
+    }
+    if header.version.get() != FORMAT_VERSION {
+        return Err(TableError::NewerVersion { found: header.version.get() });
+    }
+    let length = header.length.get() as usize;
+    let kit = bytes.get(..length).ok_or(truncated(length))?;
+    let body = kit
+        .get(size_of::<FileHeader>()..)
+        .ok_or(TableError::Truncated { needed: size_of::<FileHeader>(), found: length })?;
+    let computed = checksum(body);
+    if computed != header.crc.get() {
+        return Err(TableError::WrongCrc { stored: header.crc.get(), computed });
+    }
+    if let Some(extra) = bytes.iter().skip(length).position(|&byte| byte != 0xFF) {
+        return Err(TableError::TrailingBytes { offset: length + extra });
+    }
+    let (count, rest) = U32::ref_from_prefix(body)
+        .map_err(|_| TableError::Truncated { needed: size_of::<FileHeader>() + 4, found: length })?;
+    let (directory, _) = <[SectionEntry]>::ref_from_prefix_with_elems(rest, count.get() as usize).map_err(|_| {
+        TableError::Truncated {
+            needed: (count.get() as usize)
+                .saturating_mul(size_of::<SectionEntry>())
+                .saturating_add(size_of::<FileHeader>() + 4),
+            found: length,
+        }
+    })?;
+    Ok((directory, kit))
+}
+
+fn is_known(tag: [u8; 4]) -> bool {
+    [tag::META, tag::OBJECT, tag::STRIKER, tag::PADS].contains(&tag)
+}
+
+/// Sections tile the kit from the directory's end to the kit's, and are of known kinds and versions.
+fn check_sections(directory: &[SectionEntry], kit: &[u8]) -> Result<(), TableError> {
+    let mut expected_offset = size_of::<FileHeader>() + 4 + size_of_val(directory);
+    for (section, entry) in directory.iter().enumerate() {
+        let (offset, length) = (entry.offset.get() as usize, entry.length.get() as usize);
+        let end = offset.checked_add(length).filter(|&end| end <= kit.len());
+        let is_last = section + 1 == directory.len();
+        match end {
+            Some(end) if offset == expected_offset && length % 4 == 0 && (!is_last || end == kit.len()) => {
+                expected_offset = end;
+            }
+            _ => {
+                return Err(TableError::SectionBounds {
+                    section,
+                    tag: entry.tag,
+                    offset,
+                    length,
+                    expected_offset,
+                    kit_length: kit.len(),
+                });
+            }
+        }
+        if is_known(entry.tag) {
+            if entry.version.get() != SECTION_VERSION {
+                return Err(TableError::NewerSection { tag: entry.tag, found: entry.version.get() });
+            }
+        } else if !entry.tag.first().is_some_and(u8::is_ascii_lowercase) {
+            return Err(TableError::UnknownSection { tag: entry.tag });
+        }
+    }
+    Ok(())
+}
+
+fn sections<'a>(directory: &'a [SectionEntry], kit: &'a [u8], tag: [u8; 4]) -> impl Iterator<Item = &'a [u8]> + Clone {
+    directory.iter().filter(move |entry| entry.tag == tag).filter_map(|entry| {
+        let offset = entry.offset.get() as usize;
+        kit.get(offset..offset.checked_add(entry.length.get() as usize)?)
+    })
+}
+
+fn only_section<'a>(directory: &'a [SectionEntry], kit: &'a [u8], tag: [u8; 4]) -> Result<&'a [u8], TableError> {
+    let mut found = sections(directory, kit, tag);
+    match (found.next(), found.count()) {
+        (Some(body), 0) => Ok(body),
+        (first, more) => Err(TableError::SectionCount { tag, found: usize::from(first.is_some()) + more }),
+    }
+}
+
+fn whole<T: FromBytes + KnownLayout + Immutable + Unaligned>(body: &[u8], place: Place) -> Result<&T, TableError> {
+    T::ref_from_bytes(body).map_err(|_| TableError::LengthMismatch {
+        place,
+        expected: size_of::<T>(),
+        found: body.len(),
+    })
+}
+
+fn head<T: FromBytes + KnownLayout + Immutable + Unaligned>(
+    body: &[u8],
+    place: Place,
+) -> Result<(&T, &[u8]), TableError> {
+    T::ref_from_prefix(body).map_err(|_| TableError::LengthMismatch {
+        place,
+        expected: size_of::<T>(),
+        found: body.len(),
+    })
+}
+
+type BankView<'a> = (&'a [ModeRecord], &'a [GainRecord], &'a str, &'a str);
+
+/// Modes, gains and texts behind a section's head; the section must be exactly as long as its head says.
+fn read_bank<'a>(
+    section_bytes: usize,
+    rest: &'a [u8],
+    modes: usize,
+    positions: usize,
+    (source_bytes, licence_bytes): (usize, usize),
+    place: Place,
+) -> Result<BankView<'a>, TableError> {
+    // Counts come from 16-bit fields and are bounded by `range`, so that none of this can overflow 32 bits.
+    let gains = modes * positions;
+    let announced = modes * size_of::<ModeRecord>() + gains * size_of::<GainRecord>() + source_bytes + licence_bytes;
+    let padded = announced.next_multiple_of(4);
+    let mismatch = TableError::LengthMismatch {
+        place,
+        expected: section_bytes.saturating_sub(rest.len()).saturating_add(padded),
+        found: section_bytes,
+    };
+    if rest.len() != padded {
+        return Err(mismatch);
+    }
+    let (modes, rest) = <[ModeRecord]>::ref_from_prefix_with_elems(rest, modes).map_err(|_| mismatch)?;
+    let (gains, rest) = <[GainRecord]>::ref_from_prefix_with_elems(rest, gains).map_err(|_| mismatch)?;
+    let (source, rest) = rest.split_at_checked(source_bytes).ok_or(mismatch)?;
+    let (licence, padding) = rest.split_at_checked(licence_bytes).ok_or(mismatch)?;
+    if padding.iter().any(|&byte| byte != 0) {
+        return Err(TableError::NotZero { place, field: Field::Padding });
+    }
+    let text = |bytes| core::str::from_utf8(bytes).map_err(|_| TableError::BadText { place });
+    Ok((modes, gains, text(source)?, text(licence)?))
+}
+
+fn check_bank(
+    modes: &[ModeRecord],
+    gains: &[GainRecord],
+    positions: usize,
+    place: impl Fn(usize) -> Place,
+) -> Result<(), TableError> {
+    for (index, mode) in modes.iter().enumerate() {
+        check_range(place(index), Field::FrequencyHz, mode.frequency_hz.get(), range::FREQUENCY_HZ)?;
+        check_range(place(index), Field::DecayPerS, mode.decay_per_s.get(), range::DECAY_PER_S)?;
+    }
+    for (index, gains) in gains.chunks(positions.max(1)).enumerate() {
+        for gain in gains {
+            check_range(place(index), Field::GainSine, gain.sine.get(), range::GAIN)?;
+            check_range(place(index), Field::GainCosine, gain.cosine.get(), range::GAIN)?;
+        }
+    }
+    Ok(())
+}
+
+fn check_range(place: Place, field: Field, value: f32, allowed: Range) -> Result<(), TableError> {
+    if allowed.holds(value) { Ok(()) } else { Err(TableError::OutOfRange { place, field, value, allowed }) }
+}
+
+fn check_count(place: Place, field: Field, value: usize, min: usize, max: usize) -> Result<(), TableError> {
+    if (min..=max).contains(&value) { Ok(()) } else { Err(TableError::Count { place, field, value, min, max }) }
+}
+
+/// The text of a zero-padded name; empty where it is not ASCII.
+fn name_str(name: &[u8]) -> &str {
+    let end = name.iter().position(|&byte| byte == 0).unwrap_or(name.len());
+    name.get(..end).and_then(|name| core::str::from_utf8(name).ok()).unwrap_or("")
+}
+
+fn check_name(name: &[u8], place: Place) -> Result<(), TableError> {
+    let text = name_str(name);
+    let padded_with_zeros = name.iter().skip(text.len()).all(|&byte| byte == 0);
+    let allowed = |c: char| (' '..='~').contains(&c) && c != ',' && c != '"';
+    if text.is_empty() || text.trim() != text || !text.chars().all(allowed) || !padded_with_zeros {
+        return Err(TableError::BadName { place });
+    }
+    Ok(())
+}
+
+fn check_distinct<'a>(
+    names: impl Iterator<Item = &'a str> + Clone,
+    place: impl Fn(usize) -> Place,
+) -> Result<(), TableError> {
+    for (index, name) in names.clone().enumerate() {
+        if names.clone().take(index).any(|earlier| earlier == name) {
+            return Err(TableError::DuplicateName { place: place(index) });
+        }
+    }
+    Ok(())
+}
