@@ -5,6 +5,7 @@
 extern crate std;
 
 pub mod fixed;
+pub mod resonator;
 pub mod table;
 
 mod rate;

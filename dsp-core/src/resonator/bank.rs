@@ -1,0 +1,550 @@
+//! The modal bank: `y[n] = (1/fs) Σ F[m] h[n-m]`, `h[n] = r^n (gs sin nθ + gc cos nθ)`, h[0] at half weight.
+
+use core::ops::Range;
+
+use super::TICK_FRAMES;
+use super::coefficient::{Coefficients, Orbit, Pole, delta_of_t60, max_decay_per_s};
+use super::group::{GROUP_MODES, Group, Guard};
+use super::mode::Mode;
+use super::retirement::{Retired, Retirement};
+use crate::SampleRate;
+use crate::fixed::{self, Scale};
+use crate::table::layout::{GainRecord, ModeRecord};
+
+/// What a bank needs to find its way back after a choke or to a new position; only banks that can be choked or have several
+/// positions keep it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Origin {
+    /// The mode's coefficients as loaded.
+    coefficients: Coefficients,
+    /// The mode's index in the table.
+    index: u16,
+}
+
+/// The modes of a table, as a bank is loaded from them.
+#[derive(Clone, Copy, Debug)]
+pub struct BankTable<'a> {
+    /// Poles.
+    pub modes: &'a [ModeRecord],
+    /// Gains: all positions of the first mode, then of the second ...
+    pub gains: &'a [GainRecord],
+    /// Number of positions, at least 1.
+    pub positions: usize,
+    /// All gains are multiplied by this: reference force, and η for a striker.
+    pub weight: f64,
+    /// T60 in seconds of its choke, or 0.
+    pub choke_t60_s: f64,
+    /// A typical contact, (impulse in bus units of force times seconds, contact time in s): it decides the order of modes, not their sound.
+    pub typical_contact: (f32, f32),
+}
+
+/// Why a bank cannot be loaded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BankError {
+    /// More modes than the engine has room for.
+    TooManyModes,
+    /// More register groups than the engine has room for.
+    TooManyGroups,
+    /// More modes with positions or choke than the engine has room for.
+    TooManyOrigins,
+    /// A mode decays faster than [`max_decay_per_s`] at this rate.
+    DecayTooFast {
+        /// Which mode of the table.
+        mode: usize,
+        /// Its decay in 1/s.
+        decay_per_s: f32,
+    },
+    /// Gains times reference force times weight are beyond what the fixed-point form holds (2^23 times the rate).
+    GainTooLarge,
+}
+
+/// Memory in which banks live: each takes a contiguous part of each slice.
+#[derive(Debug)]
+pub struct Memory<'m> {
+    /// Modes of all banks.
+    pub modes: &'m mut [Mode],
+    /// Register groups of all banks.
+    pub groups: &'m mut [Group],
+    /// Origins of all banks that keep them.
+    pub origins: &'m mut [Origin],
+}
+
+/// How much of a [`Memory`] has been given away.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Used {
+    /// Modes.
+    pub modes: usize,
+    /// Groups.
+    pub groups: usize,
+    /// Origins.
+    pub origins: usize,
+}
+
+/// What a bank did over a run of frames, in modes (times the frames of the run for the work).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BankWork {
+    /// Modes that ran with input, times frames.
+    pub driven_mode_frames: u32,
+    /// Modes that rang freely, times frames.
+    pub free_mode_frames: u32,
+    /// Guards beyond the one a tick, because a force outgrew its allowance.
+    pub extra_guards: u32,
+    /// Runs of a group whose input was refused for want of room.
+    pub refused: u32,
+}
+
+/// A bank of modes in fixed point.
+///
+/// Accuracy against the `f64` reference: 96 dB and better (`cargo bench -p host-tests --bench accuracy`).
+#[derive(Clone, Debug)]
+pub struct Bank {
+    modes: Range<usize>,
+    groups: Range<usize>,
+    origins: Range<usize>,
+    keeps_origins: bool,
+    has_mirrored: bool,
+    /// The half of h[0] that does not belong to the integral: -Σ gc / (2 fs), times the force, is added to the sound.
+    onset: Scale,
+    choke_delta: i32,
+    choked: bool,
+    position: f32,
+    /// What is left of the |force| for which the groups were guarded.
+    allowance: u64,
+    /// The |force| since the last tick.
+    spent: u64,
+    mix_exponent: i32,
+    ringing: bool,
+    retired: Retired,
+}
+
+impl Bank {
+    /// A bank without modes.
+    pub const EMPTY: Self = Self {
+        modes: 0..0,
+        groups: 0..0,
+        origins: 0..0,
+        keeps_origins: false,
+        has_mirrored: false,
+        onset: Scale::ZERO,
+        choke_delta: 0,
+        choked: false,
+        position: 0.0,
+        allowance: 0,
+        spent: 0,
+        mix_exponent: 0,
+        ringing: false,
+        retired: Retired::NOTHING,
+    };
+
+    /// Derives a bank from a table for a sample rate and puts it behind what is `used`.
+    ///
+    /// Modes at or above Nyquist are left out. The others are ordered by form and, within a form, by how long a typical
+    /// strike keeps them audible, so that modes that end together share a group.
+    ///
+    /// # Errors
+    /// A [`BankError`]; the memory behind `used` is then unspecified, `used` unchanged.
+    pub fn load(
+        table: &BankTable<'_>,
+        rate: SampleRate,
+        memory: &mut Memory<'_>,
+        used: &mut Used,
+    ) -> Result<Self, BankError> {
+        let keeps_origins = table.positions > 1 || table.choke_t60_s > 0.0;
+        let modes = order_modes(table, rate, memory.modes, used.modes)?;
+        let origins = used.origins..used.origins + if keeps_origins { modes.len() } else { 0 };
+        if origins.end > memory.origins.len() {
+            return Err(BankError::TooManyOrigins);
+        }
+        let mut bank = Self { keeps_origins, origins, ..Self::EMPTY };
+        let mut group_end = used.groups;
+        let mut cosine_sum = 0.0;
+        let mut start = modes.start;
+        while let Some(first) = memory.modes.get(start).filter(|_| start < modes.end) {
+            let key = order_key(first);
+            let same = memory.modes.get(start..modes.end).unwrap_or(&[]).iter().take(GROUP_MODES);
+            let count = same.take_while(|mode| order_key(mode) == key).count();
+            let group_slot = memory.groups.get_mut(group_end).ok_or(BankError::TooManyGroups)?;
+            let group_modes = memory.modes.get_mut(start..start + count).unwrap_or(&mut []);
+            let mut indices = [0usize; GROUP_MODES];
+            for (slot, (mode, index)) in group_modes.iter_mut().zip(&mut indices).enumerate() {
+                *index = mode.state.u as usize;
+                let pole =
+                    table.modes.get(*index).and_then(|record| pole_of(record, rate)).ok_or(BankError::TooManyModes)?;
+                *mode = Mode { coefficients: pole.coefficients, ..Mode::SILENT };
+                cosine_sum += f64::from(gain_at(table.gains, table.positions, *index, 0.0).1);
+                if slot == 0 {
+                    *group_slot = Group::new(pole.form, pole.mirrored, count as u8);
+                    bank.has_mirrored |= pole.mirrored;
+                }
+                if keeps_origins {
+                    let origin = bank.origins.start + start - modes.start + slot;
+                    if let Some(origin) = memory.origins.get_mut(origin) {
+                        *origin = Origin { coefficients: pole.coefficients, index: *index as u16 };
+                    }
+                }
+            }
+            let gain = gain_law(table, rate, 0.0);
+            if !group_slot.set_gains(group_modes, orbit_gains(group_slot, |slot| gain(indices.get(slot).copied()))) {
+                return Err(BankError::GainTooLarge);
+            }
+            start += count;
+            group_end += 1;
+        }
+        bank.groups = used.groups..group_end;
+        bank.modes = modes;
+        bank.onset = onset(cosine_sum, table, rate);
+        if table.choke_t60_s > 0.0 {
+            bank.choke_delta = delta_of_t60(table.choke_t60_s, rate);
+        }
+        *used = Used { modes: bank.modes.end, groups: bank.groups.end, origins: bank.origins.end };
+        Ok(bank)
+    }
+
+    /// Number of modes that it renders.
+    pub fn mode_count(&self) -> usize {
+        self.modes.len()
+    }
+
+    /// Whether anything rings.
+    pub fn is_ringing(&self) -> bool {
+        self.ringing
+    }
+
+    /// Sum of the amplitudes that have been retired and may still be missing, in output units (1.0 = full scale).
+    pub fn retired_amplitude(&self) -> f32 {
+        self.retired.amplitude()
+    }
+
+    /// Moves the striking point for the contacts that follow: gains are interpolated between the table's positions.
+    ///
+    /// About 300 cycles a mode on a Cortex-M4F where the table has several positions; nothing otherwise.
+    pub fn set_position(&mut self, position: f32, table: &BankTable<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
+        if table.positions > 1 && position != self.position {
+            self.position = position;
+            self.derive_gains(table, rate, memory);
+        }
+    }
+
+    /// Raises the decay of every mode to the choke's, or lets go again. The sound goes on without a step.
+    pub fn set_choked(&mut self, choked: bool, table: &BankTable<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
+        if self.choke_delta == 0 || choked == self.choked {
+            return;
+        }
+        self.choked = choked;
+        let choke_delta = self.choke_delta;
+        let origins = memory.origins.get(self.origins.clone()).unwrap_or(&[]);
+        let mut origins = origins.iter();
+        for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
+            for (mode, origin) in modes.iter_mut().zip(origins.by_ref()) {
+                let rest = origin.coefficients;
+                let target = if choked { rest.choked(group.form(), choke_delta) } else { rest };
+                move_pole(group, mode, target);
+            }
+        });
+        self.derive_gains(table, rate, memory);
+        // A moved pole may have a larger u for the same sound.
+        self.guard(memory, self.allowance, false);
+    }
+
+    fn derive_gains(&mut self, table: &BankTable<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
+        let origins = memory.origins.get(self.origins.clone()).unwrap_or(&[]);
+        let gain = gain_law(table, rate, self.position);
+        let mut first = 0;
+        for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
+            let index = |slot: usize| origins.get(first + slot).map(|origin| usize::from(origin.index));
+            // Gains fitted on load at every position's largest value do not grow by interpolation or by a faster decay.
+            let gains = orbit_gains(group, |slot| gain(index(slot)));
+            group.set_gains(modes, gains);
+            first += modes.len();
+        });
+        let cosines = origins
+            .iter()
+            .map(|origin| f64::from(gain_at(table.gains, table.positions, usize::from(origin.index), self.position).1));
+        self.onset = onset(cosines.sum(), table, rate);
+        // New gains need new guards.
+        self.allowance = 0;
+    }
+
+    /// The bookkeeping of a tick: exponents follow the sound down, modes that have become inaudible retire.
+    ///
+    /// `retirement` is `None` where nothing may be skipped.
+    pub fn tick(&mut self, memory: &mut Memory<'_>, retirement: Option<&mut Retirement>) {
+        self.retired.decay();
+        if !self.ringing {
+            self.spent = 0;
+            self.allowance = 0;
+            return;
+        }
+        // What comes is expected to be at most twice what came; if it is more, `render` guards again.
+        let expected = self.spent.saturating_mul(2);
+        if expected == 0 {
+            if let Some(retirement) = retirement {
+                let retired = &mut self.retired;
+                for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
+                    retirement.consider(group, modes, retired);
+                });
+            }
+        }
+        self.spent = 0;
+        self.guard(memory, expected, false);
+    }
+
+    /// Guards all groups for an allowance of |force|; gives how many refuse it. `all` includes groups at rest.
+    fn guard(&mut self, memory: &mut Memory<'_>, allowance: u64, all: bool) -> u32 {
+        let mut refused = 0;
+        let mut sum = 0u64;
+        let mut mix_exponent = 0;
+        let mut ringing = false;
+        for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
+            if group.ringing() || all {
+                refused += u32::from(group.guard(modes, allowance) == Guard::Refused);
+            }
+            if group.ringing() {
+                ringing = true;
+                sum = sum.saturating_add(group.mix_bound());
+                mix_exponent = mix_exponent.max(group.smallest_mix_exponent());
+            }
+        });
+        // sum < 2^bits: shifted right by bits - 31 it stays below 2^31.
+        let bits = 64 - sum.leading_zeros() as i32;
+        self.mix_exponent = mix_exponent.max(bits - 31).max(0);
+        self.ringing = ringing;
+        self.allowance = allowance;
+        refused
+    }
+
+    /// Adds the bank's sound for a run of at most a tick's frames to `out`.
+    ///
+    /// `force` is the input in bus steps, `None` where there is none; `odd_start` says whether the first frame's absolute number is odd;
+    /// `skip` leaves out groups at rest and the input work of a zero force. The bits do not depend on how a caller cuts time into runs.
+    pub fn render(
+        &mut self,
+        memory: &mut Memory<'_>,
+        force: Option<&[i32]>,
+        odd_start: bool,
+        skip: bool,
+        out: &mut [i32],
+    ) -> BankWork {
+        let mut work = BankWork::default();
+        let Some(force) = force.filter(|force| !skip || force.iter().any(|&x| x != 0)) else {
+            if self.ringing || !skip {
+                self.run(memory, None, odd_start, skip, out, &mut work);
+            }
+            return work;
+        };
+        for (out, &x) in out.iter_mut().zip(force) {
+            *out = fixed::qadd(*out, self.onset.apply(x));
+        }
+        let (mut force, mut out, mut odd) = (force, out, odd_start);
+        while !force.is_empty() && !out.is_empty() {
+            let (count, spent) = affordable(force, self.allowance);
+            if count == 0 {
+                let next = force.first().map_or(0, |x| u64::from(x.unsigned_abs()));
+                // Room for a tick of twice this force, or four times what this tick has brought already, at most for what can come at all.
+                let wanted = (next * 2 * TICK_FRAMES as u64).max(self.spent.saturating_mul(4));
+                work.refused += self.guard(memory, wanted.min((TICK_FRAMES as u64) << 31), true);
+                work.extra_guards += 1;
+                continue;
+            }
+            let (now, later) = force.split_at_checked(count).unwrap_or((force, &[]));
+            let (out_now, out_later) =
+                core::mem::take(&mut out).split_at_mut_checked(count).unwrap_or((&mut [], &mut []));
+            self.run(memory, Some(now), odd, skip, out_now, &mut work);
+            self.allowance -= spent;
+            self.spent = self.spent.saturating_add(spent);
+            (force, out, odd) = (later, out_later, odd ^ (count % 2 == 1));
+        }
+        work
+    }
+
+    /// A run for which the groups are guarded.
+    fn run(
+        &mut self,
+        memory: &mut Memory<'_>,
+        force: Option<&[i32]>,
+        odd_start: bool,
+        skip: bool,
+        out: &mut [i32],
+        work: &mut BankWork,
+    ) {
+        let frames = out.len().min(TICK_FRAMES);
+        let mut mix = [0; TICK_FRAMES];
+        let mut mirrored_mix = [0; TICK_FRAMES];
+        let mut mirrored_force = [0; TICK_FRAMES];
+        if let (Some(force), true) = (force, self.has_mirrored) {
+            for (frame, (mirrored, &x)) in mirrored_force.iter_mut().zip(force).enumerate() {
+                *mirrored = alternate(x, odd_start, frame);
+            }
+        }
+        let (Some(mix), Some(mirrored_mix), Some(mirrored_force)) =
+            (mix.get_mut(..frames), mirrored_mix.get_mut(..frames), mirrored_force.get(..frames))
+        else {
+            return; // frames is at most a tick
+        };
+        let mix_exponent = self.mix_exponent;
+        for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
+            if skip && !group.ringing() {
+                return;
+            }
+            let (force, mix) = match group.mirrored() {
+                false => (force, &mut *mix),
+                true => (force.map(|_| mirrored_force), &mut *mirrored_mix),
+            };
+            group.render(modes, force, mix_exponent, mix);
+            let mode_frames = (modes.len() * frames) as u32;
+            if force.is_some() {
+                work.driven_mode_frames += mode_frames;
+            } else {
+                work.free_mode_frames += mode_frames;
+            }
+        });
+        for (frame, (out, (&plain, &mirrored))) in out.iter_mut().zip(mix.iter().zip(mirrored_mix.iter())).enumerate() {
+            // Each of the two sums stays below half of what the mix exponent allows for both together.
+            let sum = fixed::qadd(plain, alternate(mirrored, odd_start, frame));
+            *out = fixed::qadd(*out, fixed::saturating_shift_left(sum, mix_exponent as u32));
+        }
+    }
+}
+
+/// `(-1)^n x` with n the absolute number of the frame.
+fn alternate(x: i32, odd_start: bool, frame: usize) -> i32 {
+    if odd_start == (frame % 2 == 1) { x } else { x.saturating_neg() }
+}
+
+/// The longest beginning of a force whose sum of magnitudes is within the allowance, and that sum.
+fn affordable(force: &[i32], allowance: u64) -> (usize, u64) {
+    let mut spent = 0;
+    let mut count = 0;
+    for x in force {
+        let more = spent + u64::from(x.unsigned_abs());
+        if more > allowance {
+            break;
+        }
+        spent = more;
+        count += 1;
+    }
+    (count, spent)
+}
+
+/// Calls `visit` with each group and its modes.
+fn for_each_group(
+    modes: &Range<usize>,
+    groups: &Range<usize>,
+    all_modes: &mut [Mode],
+    all_groups: &mut [Group],
+    mut visit: impl FnMut(&mut Group, &mut [Mode]),
+) {
+    let mut rest = all_modes.get_mut(modes.clone()).unwrap_or(&mut []);
+    for group in all_groups.get_mut(groups.clone()).unwrap_or(&mut []) {
+        let Some((modes, behind)) = rest.split_at_mut_checked(group.count()) else { return };
+        visit(group, modes);
+        rest = behind;
+    }
+}
+
+fn pole_of(record: &ModeRecord, rate: SampleRate) -> Option<Pole> {
+    Pole::new(f64::from(record.frequency_hz.get()), f64::from(record.decay_per_s.get()), rate)
+}
+
+/// Fills modes behind `start` with the table's renderable modes in the order in which they are grouped. Until they are derived, a mode
+/// holds its table index in `state.u`, its lifetime in `state.v` and its form in `gain.u`.
+fn order_modes(
+    table: &BankTable<'_>,
+    rate: SampleRate,
+    modes: &mut [Mode],
+    start: usize,
+) -> Result<Range<usize>, BankError> {
+    let mut end = start;
+    for (index, record) in table.modes.iter().enumerate() {
+        let (frequency_hz, decay_per_s) = (record.frequency_hz.get(), record.decay_per_s.get());
+        if f64::from(frequency_hz) >= rate.hz() / 2.0 {
+            continue;
+        }
+        if f64::from(decay_per_s) > max_decay_per_s(rate) {
+            return Err(BankError::DecayTooFast { mode: index, decay_per_s });
+        }
+        let Some(pole) = pole_of(record, rate) else { continue };
+        let slot = modes.get_mut(end).ok_or(BankError::TooManyModes)?;
+        *slot = Mode::SILENT;
+        slot.state.u = index as i32;
+        slot.state.v = lifetime_ms(table, index, frequency_hz, decay_per_s);
+        slot.gain.u = (pole.form as i32) << 1 | i32::from(pole.mirrored);
+        end += 1;
+    }
+    if let Some(taken) = modes.get_mut(start..end) {
+        taken.sort_unstable_by_key(|mode| (order_key(mode), core::cmp::Reverse(mode.state.v), mode.state.u));
+    }
+    Ok(start..end)
+}
+
+fn order_key(mode: &Mode) -> i32 {
+    mode.gain.u
+}
+
+/// How long a typical strike keeps a mode above the retirement threshold: the order of groups, so that only its order of size matters.
+fn lifetime_ms(table: &BankTable<'_>, index: usize, frequency_hz: f32, decay_per_s: f32) -> i32 {
+    let (impulse, contact_time_s) = table.typical_contact;
+    let gains = table.gains.get(index * table.positions..).unwrap_or(&[]).iter().take(table.positions);
+    let gain = gains.fold(0.0f32, |gain, at| gain.max(at.sine.get().abs()).max(at.cosine.get().abs()));
+    // The spectrum of a half-sine pulse falls as 1/f² above 1/(2 τ).
+    let corner = 2.0 * frequency_hz * contact_time_s;
+    let level = gain * table.weight as f32 * impulse / (1.0 + corner * corner);
+    let periods = libm::logf((level / Retirement::THRESHOLD).max(1.0));
+    (1000.0 * periods / decay_per_s) as i32
+}
+
+/// Gains (sine, cosine) of a table's mode at a position, linear between the table's positions.
+fn gain_at(gains: &[GainRecord], positions: usize, index: usize, position: f32) -> (f32, f32) {
+    let place = position * (positions.saturating_sub(1)) as f32;
+    let below = (place as usize).min(positions.saturating_sub(1));
+    let fraction = place - below as f32;
+    let at = |position: usize| gains.get(index * positions + position.min(positions.saturating_sub(1)));
+    match (at(below), at(below + 1)) {
+        (Some(low), Some(high)) if fraction > 0.0 => {
+            let between = |low: f32, high: f32| low + (high - low) * fraction;
+            (between(low.sine.get(), high.sine.get()), between(low.cosine.get(), high.cosine.get()))
+        }
+        (Some(low), _) => (low.sine.get(), low.cosine.get()),
+        (None, _) => (0.0, 0.0),
+    }
+}
+
+/// The law that gives a table mode's gains as bus steps of state a bus step of force and sample.
+fn gain_law<'a>(
+    table: &'a BankTable<'_>,
+    rate: SampleRate,
+    position: f32,
+) -> impl Fn(Option<usize>) -> (f32, f32) + use<'a> {
+    let scale = (table.weight / rate.hz()) as f32;
+    let (gains, positions) = (table.gains, table.positions);
+    move |index| {
+        let (sine, cosine) = index.map_or((0.0, 0.0), |index| gain_at(gains, positions, index, position));
+        (sine * scale, cosine * scale)
+    }
+}
+
+/// Turns phase gains into injections of a group's form.
+fn orbit_gains<G: Fn(usize) -> (f32, f32)>(group: &Group, gain: G) -> impl Fn(usize, &Mode) -> (f32, f32) + use<G> {
+    let (form, mirrored) = (group.form(), group.mirrored());
+    move |slot, mode| {
+        let (sine, cosine) = gain(slot);
+        // sin n(π - θ') = -(-1)^n sin nθ'
+        let sine = if mirrored { -sine } else { sine };
+        Orbit::new(form, mode.coefficients).state(sine, cosine)
+    }
+}
+
+/// Keeps sine and cosine of a ringing mode while its pole moves.
+fn move_pole(group: &Group, mode: &mut Mode, target: Coefficients) {
+    let form = group.form();
+    let (u, v) = (mode.state.u as f32, mode.state.v as f32);
+    let (sine, cosine) = Orbit::new(form, mode.coefficients).phases(u, v);
+    mode.coefficients = target;
+    // v keeps its bits; u may leave the group's room for the moment, hence the clip, and the guard that follows.
+    let (moved, _) = Orbit::new(form, target).state(sine, cosine);
+    mode.state.u = (libm::rintf(moved) as i32).clamp(-(1 << 29), 1 << 29);
+}
+
+fn onset(cosine_sum: f64, table: &BankTable<'_>, rate: SampleRate) -> Scale {
+    Scale::new(-cosine_sum * table.weight / (2.0 * rate.hz()))
+}

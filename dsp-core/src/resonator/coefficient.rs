@@ -1,0 +1,250 @@
+//! From a mode's frequency and decay to the coefficients of a form.
+
+use crate::SampleRate;
+
+/// The arithmetic of one mode; which one is chosen by the mode's step `e` (see [`Pole::new`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Form {
+    /// Modified coupled form, e < 1/2: `u -= δu; u -= e v; v += e u`.
+    Coupled = 0,
+    /// Shifted form, e² < 1/2: `u -= δu; u -= e² v; v += u`.
+    Shifted0 = 1,
+    /// Shifted form, e² < 1: `u -= δu; u -= (e²/2) v; v += 2u`.
+    Shifted1 = 2,
+    /// Shifted form, e² < 2: `u -= δu; u -= (e²/4) v; v += 4u`.
+    Shifted2 = 3,
+}
+
+impl Form {
+    /// The shift k of the shifted forms; 0 for the coupled one.
+    pub const fn shift(self) -> u32 {
+        match self {
+            Self::Coupled | Self::Shifted0 => 0,
+            Self::Shifted1 => 1,
+            Self::Shifted2 => 2,
+        }
+    }
+}
+
+/// The two multipliers of a form as Q32: `value · 2^-32`, both in [0, 1/2).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
+pub struct Coefficients {
+    /// δ = 1 - r².
+    pub delta: i32,
+    /// e for the coupled form, e²/2^k for the shifted ones.
+    pub epsilon: i32,
+}
+
+/// A mode's place in the z-plane, as one of the forms realises it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pole {
+    /// The arithmetic.
+    pub form: Form,
+    /// Whether the bank runs the mode at fs/2 - f, on input and output of alternating sign: above fs/4.
+    pub mirrored: bool,
+    /// The multipliers.
+    pub coefficients: Coefficients,
+}
+
+/// The fastest decay in 1/s that the forms can hold at a rate (δ < 1/2): T60 of 0.42 ms at 48 kHz.
+pub fn max_decay_per_s(rate: SampleRate) -> f64 {
+    0.34 * rate.hz()
+}
+
+impl Pole {
+    /// Chooses the form and derives its coefficients in `f64`, with the pole radius `r = e^{-d/fs}`, its angle `θ = 2πf/fs` and
+    /// the step `e² = (1-r)² + 4r sin²(θ/2)`:
+    ///
+    /// | | f (for r near 1) | form |
+    /// | --- | --- | --- |
+    /// | e < 1/2 | below fs/12.4 | coupled |
+    /// | otherwise | up to fs/4 | shifted by the smallest k with e²/2^k < 1/2 |
+    /// | above fs/4 | | mirrored: the mode fs/2 - f, by the same rule |
+    ///
+    /// `None` for a mode at or above Nyquist, which is never rendered, and for a decay above [`max_decay_per_s`].
+    ///
+    /// Accuracy over 1 Hz to 0.499 fs and T60 1 ms to 120 s: frequency within 0.004 cent, decay within 0.01 %
+    /// (`cargo test -p dsp-core quantised_poles`). Cost: one `exp`, one `sin`, two `expm1` in software `f64`: on load only.
+    pub fn new(frequency_hz: f64, decay_per_s: f64, rate: SampleRate) -> Option<Self> {
+        let fs = rate.hz();
+        if frequency_hz >= fs / 2.0 || decay_per_s > max_decay_per_s(rate) {
+            return None;
+        }
+        let mirrored = frequency_hz > fs / 4.0;
+        let folded_hz = if mirrored { fs / 2.0 - frequency_hz } else { frequency_hz };
+        let radius = libm::exp(-decay_per_s / fs);
+        let gap = -libm::expm1(-decay_per_s / fs); // 1 - r, exact for slow decays
+        let sine = libm::sin(core::f64::consts::PI * folded_hz / fs);
+        let step_squared = gap * gap + 4.0 * radius * sine * sine;
+        let (form, epsilon) = match step_squared {
+            e2 if e2 < 0.25 => (Form::Coupled, libm::sqrt(e2)),
+            e2 if e2 < 0.5 => (Form::Shifted0, e2),
+            e2 if e2 < 1.0 => (Form::Shifted1, e2 / 2.0),
+            e2 => (Form::Shifted2, e2 / 4.0),
+        };
+        let delta = -libm::expm1(-2.0 * decay_per_s / fs);
+        Some(Self { form, mirrored, coefficients: Coefficients { delta: q32_from(delta), epsilon: q32_from(epsilon) } })
+    }
+}
+
+const TWO_POW_32: f64 = 4294967296.0;
+
+/// Nearest Q32; at 1/2 exactly (f = fs/4, no decay) the largest Q32 below.
+fn q32_from(value: f64) -> i32 {
+    libm::rint(value * TWO_POW_32) as i32
+}
+
+/// A pole in single precision: what is needed to turn gains into injections and states into amplitudes, and to move a pole
+/// while it rings.
+///
+/// In the coupled form a mode that starts with `v = C` and `u = cs S + cc C` rings as `v[n] = r^n (S sin nθ + C cos nθ)`, with
+/// `cs = r sin θ / (e r²)` and `cc = (e² - δ) / (2 e r²)`; the shifted form's u is e/2^k of that.
+#[derive(Clone, Copy, Debug)]
+pub struct Orbit {
+    /// `cs` of the form.
+    sine_to_u: f32,
+    /// `cc` of the form.
+    cosine_to_u: f32,
+}
+
+impl Orbit {
+    /// From the quantised coefficients. Relative error 1e-6 for decays up to a few times 2πf, growing beyond (overdamped).
+    pub fn new(form: Form, coefficients: Coefficients) -> Self {
+        let (delta, e, e_squared) = steps(form, coefficients);
+        // r² sin²θ = e² - ((δ + e²)/2)², factored so that low frequencies keep their precision.
+        let half = (delta + e_squared) / 2.0;
+        let radius_sine = libm::sqrtf(((e - half) * (e + half)).max(f32::MIN_POSITIVE));
+        let unit = match form {
+            Form::Coupled => 1.0 / (e * (1.0 - delta)),
+            _ => 1.0 / ((1u32 << form.shift()) as f32 * (1.0 - delta)),
+        };
+        Self { sine_to_u: radius_sine * unit, cosine_to_u: (e_squared - delta) / 2.0 * unit }
+    }
+
+    /// The state (u, v) that rings as `sine · sin nθ + cosine · cos nθ`.
+    pub fn state(self, sine: f32, cosine: f32) -> (f32, f32) {
+        (self.sine_to_u * sine + self.cosine_to_u * cosine, cosine)
+    }
+
+    /// The (sine, cosine) as which a state rings.
+    pub fn phases(self, u: f32, v: f32) -> (f32, f32) {
+        ((u - self.cosine_to_u * v) / self.sine_to_u, v)
+    }
+}
+
+impl Coefficients {
+    /// The same frequency with a faster decay: δ is raised to `choke_delta` (Q32) and the step follows,
+    /// `e'² = (1-r')² + (r'/r) (e² - (1-r)²)`. Unchanged where the mode already decays faster.
+    ///
+    /// In single precision: frequency within 0.001 cent. Costs about 100 cycles on a Cortex-M4F.
+    pub fn choked(self, form: Form, choke_delta: i32) -> Self {
+        if choke_delta <= self.delta {
+            return self;
+        }
+        let (delta, e, _) = steps(form, self);
+        let choked_delta = choke_delta as f32 / TWO_POW_32 as f32;
+        let (radius, choked_radius) = (libm::sqrtf(1.0 - delta), libm::sqrtf(1.0 - choked_delta));
+        // 1 - r = δ / (1 + r) does not cancel.
+        let (gap, choked_gap) = (delta / (1.0 + radius), choked_delta / (1.0 + choked_radius));
+        let e_squared = choked_gap * choked_gap + choked_radius / radius * ((e - gap) * (e + gap)).max(0.0);
+        let epsilon = match form {
+            Form::Coupled => libm::sqrtf(e_squared),
+            _ => e_squared / (1u32 << form.shift()) as f32,
+        };
+        Self { delta: choke_delta, epsilon: libm::rintf(epsilon * TWO_POW_32 as f32) as i32 }
+    }
+}
+
+/// The Q32 δ of a T60, for chokes.
+pub fn delta_of_t60(t60_s: f64, rate: SampleRate) -> i32 {
+    let decay_per_s = (core::f64::consts::LN_10 * 3.0 / t60_s).min(max_decay_per_s(rate));
+    q32_from(-libm::expm1(-2.0 * decay_per_s / rate.hz()))
+}
+
+/// δ, e and e² as they are after quantisation.
+fn steps(form: Form, coefficients: Coefficients) -> (f32, f32, f32) {
+    let unit = TWO_POW_32 as f32;
+    let (delta, epsilon) = (coefficients.delta as f32 / unit, coefficients.epsilon as f32 / unit);
+    match form {
+        Form::Coupled => (delta, epsilon, epsilon * epsilon),
+        _ => {
+            let e_squared = epsilon * (1u32 << form.shift()) as f32;
+            (delta, libm::sqrtf(e_squared), e_squared)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Frequency and decay of the pole that quantised coefficients realise.
+    fn realised(pole: Pole, fs: f64) -> (f64, f64) {
+        let delta = f64::from(pole.coefficients.delta) / TWO_POW_32;
+        let epsilon = f64::from(pole.coefficients.epsilon) / TWO_POW_32;
+        let e_squared = match pole.form {
+            Form::Coupled => epsilon * epsilon,
+            _ => epsilon * f64::from(1 << pole.form.shift()),
+        };
+        let gap = -libm::expm1(libm::log1p(-delta) / 2.0);
+        let sine = libm::sqrt((e_squared - gap * gap) / (4.0 * (1.0 - gap)));
+        let folded = libm::asin(sine) * fs / core::f64::consts::PI;
+        let frequency = if pole.mirrored { fs / 2.0 - folded } else { folded };
+        (frequency, -fs * libm::log1p(-delta) / 2.0)
+    }
+
+    #[test]
+    fn quantised_poles_keep_frequency_and_decay() {
+        let (mut worst_cent, mut worst_decay) = (0.0f64, 0.0f64);
+        for rate in [SampleRate::HZ_44100, SampleRate::HZ_48000] {
+            let fs = rate.hz();
+            for step in 0..400 {
+                let frequency = (f64::from(step) / 399.0 * (0.499 * fs).ln()).exp();
+                for t60 in [0.001, 0.05, 0.2, 1.0, 5.0, 20.0, 120.0] {
+                    let decay = 1000f64.ln() / t60;
+                    if decay > 0.5 * core::f64::consts::TAU * frequency {
+                        continue; // barely a mode: its frequency means nothing
+                    }
+                    let pole = Pole::new(frequency, decay, rate).unwrap();
+                    let (got_frequency, got_decay) = realised(pole, fs);
+                    worst_cent = worst_cent.max((1200.0 * (got_frequency / frequency).log2()).abs());
+                    worst_decay = worst_decay.max((got_decay / decay - 1.0).abs());
+                }
+            }
+        }
+        assert!(worst_cent < 0.004, "{worst_cent} cent");
+        assert!(worst_decay < 1e-4, "{worst_decay}");
+    }
+
+    #[test]
+    fn modes_at_or_above_nyquist_have_no_pole() {
+        assert_eq!(Pole::new(24_000.0, 1.0, SampleRate::HZ_48000), None);
+        assert!(Pole::new(23_999.0, 1.0, SampleRate::HZ_48000).is_some_and(|pole| pole.mirrored));
+    }
+
+    #[test]
+    fn forms_change_where_their_coefficients_would_leave_q32() {
+        let form = |hz| Pole::new(hz, 1.0, SampleRate::HZ_48000).unwrap();
+        assert_eq!(form(3_800.0).form, Form::Coupled);
+        assert_eq!(form(3_900.0).form, Form::Shifted0);
+        assert_eq!(form(6_000.0).form, Form::Shifted1);
+        assert_eq!((form(11_999.0).form, form(11_999.0).mirrored), (Form::Shifted2, false));
+        assert_eq!((form(12_000.0).form, form(12_000.0).mirrored), (Form::Shifted2, false));
+        assert_eq!((form(12_001.0).form, form(12_001.0).mirrored), (Form::Shifted2, true));
+        assert_eq!((form(23_000.0).form, form(23_000.0).mirrored), (Form::Coupled, true));
+    }
+
+    #[test]
+    fn a_choke_keeps_the_frequency() {
+        for frequency in [30.0, 440.0, 3_500.0, 5_000.0, 11_000.0, 20_000.0] {
+            let pole = Pole::new(frequency, 0.5, SampleRate::HZ_48000).unwrap();
+            let delta = delta_of_t60(0.1, SampleRate::HZ_48000);
+            let choked = Pole { coefficients: pole.coefficients.choked(pole.form, delta), ..pole };
+            let (got, decay) = realised(choked, 48_000.0);
+            assert!((1200.0 * (got / frequency).log2()).abs() < 0.01, "{frequency}: {got}");
+            assert!((decay / (1000f64.ln() / 0.1) - 1.0).abs() < 1e-6);
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! Decay: what has become inaudible stops costing.
+
+use super::TICK_FRAMES;
+use super::group::Group;
+use super::mode::Mode;
+
+/// The rule by which modes retire: a group retires when each of its modes is below -110 dBFS, and only while the sum of all retired
+/// amplitudes stays below -100 dBFS. So the output differs from the unskipped one by less than -100 dBFS at any time.
+#[derive(Clone, Copy, Debug)]
+pub struct Retirement {
+    /// What the retired amplitudes may still grow by, output units.
+    room: f32,
+    /// Output units a bus step of this pad: level and pan of its louder side.
+    unit: f32,
+    retired_modes: u32,
+}
+
+impl Retirement {
+    /// -110 dBFS: the amplitude below which a mode may retire.
+    pub const THRESHOLD: f32 = 3.162_277_7e-6;
+    /// -100 dBFS: what the retired amplitudes may sum up to.
+    pub const SUM: f32 = 1e-5;
+
+    /// With amplitudes of `already` missing; `unit` is the output (1.0 = full scale) that a bus step of the pad makes.
+    pub fn new(already: f32, unit: f32) -> Self {
+        Self { room: Self::SUM - already, unit, retired_modes: 0 }
+    }
+
+    /// Modes that retired under this rule so far.
+    pub fn retired_modes(&self) -> u32 {
+        self.retired_modes
+    }
+
+    /// Retires a group if the rule allows.
+    pub(super) fn consider(&mut self, group: &mut Group, modes: &mut [Mode], retired: &mut Retired) {
+        if !group.ringing() || self.room <= 0.0 {
+            return;
+        }
+        let Some(sum) = group.amplitudes_below(modes, Self::THRESHOLD / self.unit) else { return };
+        let sum = sum * self.unit;
+        if sum < self.room {
+            self.room -= sum;
+            self.retired_modes += modes.len() as u32;
+            retired.add(sum, slowest_decay_per_tick(modes));
+            group.silence(modes);
+        }
+    }
+}
+
+/// What a bank has retired and may still be missing from its sound: a bound that decays with the slowest of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Retired {
+    amplitude: f32,
+    decay_per_tick: f32,
+}
+
+impl Retired {
+    pub(super) const NOTHING: Self = Self { amplitude: 0.0, decay_per_tick: 0.0 };
+    /// -200 dBFS, below which the bound is dropped.
+    const NEGLIGIBLE: f32 = 1e-10;
+
+    pub(super) fn amplitude(&self) -> f32 {
+        self.amplitude
+    }
+
+    fn add(&mut self, amplitude: f32, decay_per_tick: f32) {
+        self.amplitude += amplitude;
+        self.decay_per_tick = self.decay_per_tick.max(decay_per_tick);
+    }
+
+    pub(super) fn decay(&mut self) {
+        self.amplitude *= self.decay_per_tick;
+        if self.amplitude < Self::NEGLIGIBLE {
+            *self = Self::NOTHING;
+        }
+    }
+}
+
+/// r^32 of the slowest mode, from r² = 1 - δ.
+fn slowest_decay_per_tick(modes: &[Mode]) -> f32 {
+    let delta = modes.iter().map(|mode| mode.coefficients.delta).min().unwrap_or(0);
+    let mut power = 1.0 - delta as f32 / 4_294_967_296.0;
+    // (r²)^16 by squaring four times; a tick is 32 samples.
+    const { assert!(TICK_FRAMES == 32) };
+    for _ in 0..4 {
+        power *= power;
+    }
+    power
+}
