@@ -4,6 +4,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod contact;
 pub mod fixed;
 pub mod resonator;
 pub mod table;

@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use super::TICK_FRAMES;
 use super::coefficient::{Coefficients, Orbit, Pole, delta_of_t60, max_decay_per_s};
-use super::group::{GROUP_MODES, Group, Guard};
+use super::group::{GROUP_MODES, Group, Guard, MAX_GAIN_EXPONENT};
 use super::mode::Mode;
 use super::retirement::{Retired, Retirement};
 use crate::SampleRate;
@@ -54,7 +54,7 @@ pub enum BankError {
         /// Its decay in 1/s.
         decay_per_s: f32,
     },
-    /// Gains times reference force times weight are beyond what the fixed-point form holds (2^23 times the rate).
+    /// Gains times reference force times weight are beyond what the fixed-point form holds (2^21 times the rate).
     GainTooLarge,
 }
 
@@ -101,7 +101,6 @@ pub struct Bank {
     modes: Range<usize>,
     groups: Range<usize>,
     origins: Range<usize>,
-    keeps_origins: bool,
     has_mirrored: bool,
     /// The half of h[0] that does not belong to the integral: -Σ gc / (2 fs), times the force, is added to the sound.
     onset: Scale,
@@ -123,7 +122,6 @@ impl Bank {
         modes: 0..0,
         groups: 0..0,
         origins: 0..0,
-        keeps_origins: false,
         has_mirrored: false,
         onset: Scale::ZERO,
         choke_delta: 0,
@@ -149,13 +147,14 @@ impl Bank {
         memory: &mut Memory<'_>,
         used: &mut Used,
     ) -> Result<Self, BankError> {
+        check_gains(table, rate)?;
         let keeps_origins = table.positions > 1 || table.choke_t60_s > 0.0;
         let modes = order_modes(table, rate, memory.modes, used.modes)?;
         let origins = used.origins..used.origins + if keeps_origins { modes.len() } else { 0 };
         if origins.end > memory.origins.len() {
             return Err(BankError::TooManyOrigins);
         }
-        let mut bank = Self { keeps_origins, origins, ..Self::EMPTY };
+        let mut bank = Self { origins, ..Self::EMPTY };
         let mut group_end = used.groups;
         let mut cosine_sum = 0.0;
         let mut start = modes.start;
@@ -184,9 +183,8 @@ impl Bank {
                 }
             }
             let gain = gain_law(table, rate, 0.0);
-            if !group_slot.set_gains(group_modes, orbit_gains(group_slot, |slot| gain(indices.get(slot).copied()))) {
-                return Err(BankError::GainTooLarge);
-            }
+            let gains = orbit_gains(group_slot, |slot| gain(indices.get(slot).copied()));
+            group_slot.set_gains(group_modes, gains);
             start += count;
             group_end += 1;
         }
@@ -235,6 +233,8 @@ impl Bank {
         let origins = memory.origins.get(self.origins.clone()).unwrap_or(&[]);
         let mut origins = origins.iter();
         for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
+            // A moved pole may have a larger u for the same sound.
+            group.make_room(modes);
             for (mode, origin) in modes.iter_mut().zip(origins.by_ref()) {
                 let rest = origin.coefficients;
                 let target = if choked { rest.choked(group.form(), choke_delta) } else { rest };
@@ -242,8 +242,7 @@ impl Bank {
             }
         });
         self.derive_gains(table, rate, memory);
-        // A moved pole may have a larger u for the same sound.
-        self.guard(memory, self.allowance, false);
+        self.guard(memory, 0, false);
     }
 
     fn derive_gains(&mut self, table: &BankTable<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
@@ -252,7 +251,6 @@ impl Bank {
         let mut first = 0;
         for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
             let index = |slot: usize| origins.get(first + slot).map(|origin| usize::from(origin.index));
-            // Gains fitted on load at every position's largest value do not grow by interpolation or by a faster decay.
             let gains = orbit_gains(group, |slot| gain(index(slot)));
             group.set_gains(modes, gains);
             first += modes.len();
@@ -277,13 +275,11 @@ impl Bank {
         }
         // What comes is expected to be at most twice what came; if it is more, `render` guards again.
         let expected = self.spent.saturating_mul(2);
-        if expected == 0 {
-            if let Some(retirement) = retirement {
-                let retired = &mut self.retired;
-                for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
-                    retirement.consider(group, modes, retired);
-                });
-            }
+        if let (0, Some(retirement)) = (expected, retirement) {
+            let retired = &mut self.retired;
+            for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
+                retirement.consider(group, modes, retired);
+            });
         }
         self.spent = 0;
         self.guard(memory, expected, false);
@@ -509,6 +505,19 @@ fn gain_at(gains: &[GainRecord], positions: usize, index: usize, position: f32) 
     }
 }
 
+/// Gains beyond this, in bus steps of state a bus step of force and sample, are refused. An [`Orbit`] makes at most four times as much
+/// of them, which the smallest block exponent still holds.
+const MAX_GAIN: f64 = (1u32 << (MAX_GAIN_EXPONENT - 2)) as f64;
+
+fn check_gains(table: &BankTable<'_>, rate: SampleRate) -> Result<(), BankError> {
+    let largest = table
+        .gains
+        .iter()
+        .fold(0.0f32, |largest, gain| largest.max(gain.sine.get().abs()).max(gain.cosine.get().abs()));
+    let gain = (f64::from(largest) * table.weight / rate.hz()).abs();
+    if gain < MAX_GAIN { Ok(()) } else { Err(BankError::GainTooLarge) }
+}
+
 /// The law that gives a table mode's gains as bus steps of state a bus step of force and sample.
 fn gain_law<'a>(
     table: &'a BankTable<'_>,
@@ -540,9 +549,8 @@ fn move_pole(group: &Group, mode: &mut Mode, target: Coefficients) {
     let (u, v) = (mode.state.u as f32, mode.state.v as f32);
     let (sine, cosine) = Orbit::new(form, mode.coefficients).phases(u, v);
     mode.coefficients = target;
-    // v keeps its bits; u may leave the group's room for the moment, hence the clip, and the guard that follows.
     let (moved, _) = Orbit::new(form, target).state(sine, cosine);
-    mode.state.u = (libm::rintf(moved) as i32).clamp(-(1 << 29), 1 << 29);
+    mode.state.u = libm::rintf(moved) as i32;
 }
 
 fn onset(cosine_sum: f64, table: &BankTable<'_>, rate: SampleRate) -> Scale {

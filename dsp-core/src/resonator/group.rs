@@ -28,6 +28,8 @@ pub struct Group {
     mirrored: bool,
     count: u8,
     ringing: bool,
+    /// Whether input must be kept out until the next guard.
+    refusing: bool,
     exponent: i8,
     /// A gain mantissa g stands for `g · 2^(gain_exponent - 31)` bus steps a bus step of force.
     gain_exponent: i16,
@@ -53,6 +55,7 @@ impl Group {
         mirrored: false,
         count: 0,
         ringing: false,
+        refusing: false,
         exponent: 0,
         gain_exponent: 0,
         gain_peak: 0,
@@ -88,10 +91,9 @@ impl Group {
         i32::from(self.exponent)
     }
 
-    /// Sets the input gains, in bus steps of state a bus step of force: `gains` gives (into u, into v) for each mode.
-    ///
-    /// Gives false, and no input, where the gains exceed what the fixed-point form can hold (2^23).
-    pub(super) fn set_gains(&mut self, modes: &mut [Mode], gains: impl Fn(usize, &Mode) -> (f32, f32)) -> bool {
+    /// Sets the input gains, in bus steps of state a bus step of force: `gains` gives (into u, into v) for each mode, below
+    /// 2^[`MAX_GAIN_EXPONENT`].
+    pub(super) fn set_gains(&mut self, modes: &mut [Mode], gains: impl Fn(usize, &Mode) -> (f32, f32)) {
         let weight = (1u32 << self.form.shift()) as f32;
         let peak = modes
             .iter()
@@ -99,19 +101,25 @@ impl Group {
             .map(|(index, mode)| gains(index, mode))
             .fold(0.0f32, |peak, (u, v)| peak.max((u * weight).abs()).max(v.abs()));
         let (_, exponent) = libm::frexpf(peak);
-        let fits = peak.is_finite() && exponent <= MAX_GAIN_EXPONENT;
-        let exponent = if fits { exponent } else { 0 };
-        self.gain_exponent = exponent.clamp(-1000, 1000) as i16;
+        self.gain_exponent = exponent as i16;
         let mut gain_peak = 0;
         for (index, mode) in modes.iter_mut().enumerate() {
-            let (u, v) = if fits { gains(index, mode) } else { (0.0, 0.0) };
+            let (u, v) = gains(index, mode);
             let mantissa = |gain: f32| libm::rintf(libm::scalbnf(gain, 31 - exponent)) as i32;
             mode.gain.u = mantissa(u);
             mode.gain.v = mantissa(v);
             gain_peak = size_of(self.form, mode.gain.u, mode.gain.v).max(gain_peak);
         }
         self.gain_peak = gain_peak.min(u64::from(u32::MAX)) as u32;
-        fits
+    }
+
+    /// Shifts the states down by two bits, for poles that are about to move. A guard must follow.
+    pub(super) fn make_room(&mut self, modes: &mut [Mode]) {
+        for mode in modes {
+            mode.state.u = shifted(mode.state.u, -2);
+            mode.state.v = shifted(mode.state.v, -2);
+        }
+        self.exponent -= 2;
     }
 
     /// Shifts the states so that nothing can wrap while the sum of |force| stays within `allowance` (bus steps), and so that they
@@ -121,6 +129,7 @@ impl Group {
         let input = self.input_size(allowance);
         if size == 0 && input == 0 {
             self.ringing = false;
+            self.refusing = false;
             self.bound = 0;
             return Guard::Ready;
         }
@@ -129,7 +138,8 @@ impl Group {
             self.exponent = self.largest_exponent(true) as i8;
         }
         let decided = self.normalise(modes, size, self.input_size(allowance), allowance > 0);
-        if decided == Guard::Refused {
+        self.refusing = decided == Guard::Refused;
+        if self.refusing {
             self.normalise(modes, size, 0, false);
         }
         self.ringing = true;
@@ -193,7 +203,7 @@ impl Group {
     pub(super) fn render(&self, modes: &mut [Mode], force: Option<&[i32]>, mix_exponent: i32, mix: &mut [i32]) {
         let mix_scale = mix_scale(self.exponent() + mix_exponent);
         match force {
-            Some(force) if self.gain_peak != 0 => {
+            Some(force) if self.gain_peak != 0 && !self.refusing => {
                 let gain_shift = -(i32::from(self.gain_exponent) + 1 + self.exponent());
                 kernel::driven(self.form, modes, gain_shift.max(0) as u32, force, mix_scale, mix);
             }
@@ -227,19 +237,12 @@ impl Group {
             }
             let (sine, cosine) = Orbit::new(self.form, mode.coefficients).phases(u, v);
             let amplitude = libm::sqrtf(sine * sine + cosine * cosine);
-            if !(amplitude <= threshold) {
+            if amplitude.is_nan() || amplitude > threshold {
                 return None;
             }
             sum += amplitude;
         }
         Some(sum)
-    }
-
-    /// Whether the guard's bound leaves it open that all modes are below an amplitude, in bus steps. Two shifts, no mode is touched.
-    pub(super) fn may_be_below(&self, modes: &[Mode], threshold: f32) -> bool {
-        // Amplitudes are at least as large as |v|, and the bound is at most twice the largest size plus rounding.
-        let largest = modes.iter().fold(0u32, |largest, mode| largest.max(mode.state.v.unsigned_abs()));
-        largest as f32 * libm::scalbnf(1.0, -self.exponent()) <= threshold
     }
 }
 

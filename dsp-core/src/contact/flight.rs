@@ -1,0 +1,129 @@
+//! The contacts that are under way.
+
+use super::law::Impact;
+use super::pulse::{Pulse, SHAPE_BITS};
+use crate::fixed;
+
+/// 1.0 of a contact's phase.
+const WHOLE: u64 = 1 << 63;
+
+/// One contact under way.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact {
+    pad: u8,
+    striker: u8,
+    pulse: Pulse,
+    /// Peak force, Q4.27.
+    peak: i32,
+    /// Fraction of the pulse at the next frame, 1.0 = 2^63.
+    phase: u64,
+    /// Fraction of the pulse in one frame.
+    step: u64,
+}
+
+impl Contact {
+    const OVER: Self = Self { pad: 0, striker: 0, pulse: Pulse::HertzHalfSine, peak: 0, phase: WHOLE, step: 0 };
+
+    /// A contact whose pulse began `early_samples` (0 to 1) before the next frame: onsets fall between samples.
+    pub fn new(pad: u8, striker: u8, impact: Impact, early_samples: f64) -> Self {
+        let per_sample = WHOLE as f64 / impact.length_samples;
+        Self {
+            pad,
+            striker,
+            pulse: impact.pulse,
+            peak: impact.peak,
+            // `as` saturates: a pulse shorter than a sample is over at once.
+            phase: (early_samples * per_sample) as u64,
+            step: (per_sample as u64).max(1),
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        self.phase > WHOLE
+    }
+
+    /// Adds the pulse to a run of force and moves on.
+    fn add_to(&mut self, force: &mut [i32]) {
+        for force in force {
+            if self.is_over() {
+                return;
+            }
+            // At exactly 1.0 both shapes are at their end; the fraction must not wrap to 0.
+            let fraction = ((self.phase << 1) >> 32) as u32;
+            let fraction = if self.phase == WHOLE { u32::MAX } else { fraction };
+            let value =
+                (i64::from(self.pulse.shape(fraction)) * i64::from(self.peak) + (1 << (SHAPE_BITS - 1))) >> SHAPE_BITS;
+            *force = fixed::qadd(*force, value as i32);
+            self.phase = self.phase.saturating_add(self.step);
+        }
+    }
+}
+
+/// All contacts of an engine, in the order in which they began; at most `CAPACITY` at a time.
+#[derive(Debug)]
+pub struct Flight<const CAPACITY: usize> {
+    contacts: [Contact; CAPACITY],
+    count: usize,
+}
+
+impl<const CAPACITY: usize> Flight<CAPACITY> {
+    /// Nothing under way.
+    pub const EMPTY: Self = Self { contacts: [Contact::OVER; CAPACITY], count: 0 };
+
+    /// Contacts under way.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Contacts under way on a pad.
+    pub fn count_on(&self, pad: u8) -> usize {
+        self.under_way().iter().filter(|contact| contact.pad == pad).count()
+    }
+
+    /// Adds a contact. When all places are taken it takes the place of the one nearest to its end, and says so.
+    pub fn begin(&mut self, contact: Contact) -> bool {
+        if let Some(place) = self.contacts.get_mut(self.count) {
+            *place = contact;
+            self.count += 1;
+            return false;
+        }
+        let nearest_to_end = self.contacts.iter_mut().max_by_key(|contact| contact.phase);
+        if let Some(place) = nearest_to_end {
+            *place = contact;
+        }
+        true
+    }
+
+    /// Adds the force of a pad's contacts to a run of force buffers, one of each striker, and moves these contacts on.
+    pub fn add_force<const STRIKERS: usize, const FRAMES: usize>(
+        &mut self,
+        pad: u8,
+        force: &mut [[i32; FRAMES]; STRIKERS],
+        frames: usize,
+    ) {
+        for contact in self.contacts.iter_mut().take(self.count).filter(|contact| contact.pad == pad) {
+            if let Some(force) = force.get_mut(usize::from(contact.striker)).and_then(|force| force.get_mut(..frames)) {
+                contact.add_to(force);
+            }
+        }
+    }
+
+    /// Forgets contacts that are over; the others keep their order.
+    pub fn clear_finished(&mut self) {
+        let mut kept = 0;
+        for index in 0..self.count {
+            let Some(contact) = self.contacts.get(index).copied().filter(|contact| !contact.is_over()) else {
+                continue;
+            };
+            if let Some(place) = self.contacts.get_mut(kept) {
+                *place = contact;
+                kept += 1;
+            }
+        }
+        self.count = kept;
+    }
+
+    fn under_way(&self) -> &[Contact] {
+        self.contacts.get(..self.count).unwrap_or(&[])
+    }
+}

@@ -1,0 +1,131 @@
+//! The shapes of a contact: force over time, as a fraction of the peak.
+
+/// Bits of a pulse's fraction: 1.0 = 2^30.
+pub const SHAPE_BITS: u32 = 30;
+
+/// How the contact force rises and falls.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pulse {
+    /// Hertz half-sine, `sin(π t/τ)` for `0 <= t <= τ`: frictionless spheres in contact (diffimpact §3.2).
+    #[default]
+    HertzHalfSine,
+    /// Gaussian, `exp(-6/τ² (t - t_i - τ/2)²)` (diffimpact eq. 2), cut where it is 100 dB down on either side; it begins there.
+    Gaussian,
+}
+
+impl Pulse {
+    /// Length of the pulse in contact times τ: 1, or `2 sqrt(ln(10^5)/6)` = 2.770 for the Gaussian.
+    pub const fn length(self) -> f64 {
+        match self {
+            Self::HertzHalfSine => 1.0,
+            Self::Gaussian => 2.770_456_069_868_846,
+        }
+    }
+
+    /// Mean of the pulse over τ, relative to its peak: the impulse is `m τ` times this.
+    pub const fn area(self) -> f64 {
+        match self {
+            Self::HertzHalfSine => core::f64::consts::FRAC_2_PI,
+            // sqrt(π/6); the parts that are cut off are 1.6e-6 of it.
+            Self::Gaussian => 0.723_601_254_558_268,
+        }
+    }
+
+    /// The pulse in Q1.30 at a fraction of its length (2^32 = 1). Error at most 4e-9 of the peak; about 25 cycles on a Cortex-M4.
+    pub fn shape(self, fraction: u32) -> i32 {
+        // Distance from the middle, -1 to 1 as Q31; both shapes are functions of its square.
+        let from_middle = (fraction ^ 0x8000_0000) as i32;
+        let square = ((i64::from(from_middle) * i64::from(from_middle)) >> 31).min(i64::from(i32::MAX)) as i32;
+        match self {
+            Self::HertzHalfSine => cos_half_pi_sqrt(square),
+            Self::Gaussian => gaussian_100_db(square),
+        }
+    }
+}
+
+/// Horner's scheme in Q30 on a Q31 argument in 0 to 1.
+fn polynomial<const N: usize>(z: i32, coefficients: [i32; N]) -> i32 {
+    let mut sum = 0i32;
+    for coefficient in coefficients {
+        // The partial sums of both series below stay within ±2 (Q30: ±2^31), since their terms alternate and fall.
+        sum = coefficient.wrapping_add(((i64::from(sum) * i64::from(z) + (1 << 30)) >> 31) as i32);
+    }
+    sum
+}
+
+/// `cos(π/2 · sqrt(z))`, z in 0 to 1 as Q31: the Taylor series of the cosine, seven terms of (π/2)^2k / (2k)!.
+fn cos_half_pi_sqrt(z: i32) -> i32 {
+    const TERMS: [i32; 8] = [
+        q30(-6.386_603_083_791_84e-9),
+        q30(4.710_874_778_818_17e-7),
+        q30(-2.520_204_237_306_06e-5),
+        q30(9.192_602_748_394_26e-4),
+        q30(-2.086_348_076_335_30e-2),
+        q30(2.536_695_079_010_48e-1),
+        q30(-1.233_700_550_136_17),
+        1 << SHAPE_BITS,
+    ];
+    polynomial(z, TERMS).max(0)
+}
+
+/// `10^(-5 z)`, z in 0 to 1 as Q31, as a power of two: integer part by shift, fraction by the Taylor series of `2^-f`.
+fn gaussian_100_db(z: i32) -> i32 {
+    // 5 log2(10) in Q27: the exponent has five integer bits.
+    const SLOPE: i64 = (16.609_640_474_436_812 * (1u64 << 27) as f64) as i64;
+    let exponent = (i64::from(z) * SLOPE) >> 31; // Q27
+    let whole = (exponent >> 27) as u32;
+    let fraction = ((exponent & ((1 << 27) - 1)) << 4) as i32; // Q31
+    /// (-ln 2)^k / k!, k from 10 to 0.
+    const TERMS: [i32; 11] = [
+        q30(7.054_911_620_801_12e-9),
+        q30(-1.017_808_600_923_97e-7),
+        q30(1.321_548_679_014_43e-6),
+        q30(-1.525_273_380_405_98e-5),
+        q30(1.540_353_039_338_16e-4),
+        q30(-1.333_355_814_642_84e-3),
+        q30(9.618_129_107_628_48e-3),
+        q30(-5.550_410_866_482_16e-2),
+        q30(2.402_265_069_591_01e-1),
+        q30(-6.931_471_805_599_45e-1),
+        1 << SHAPE_BITS,
+    ];
+    crate::fixed::rounding_shift_right(polynomial(fraction, TERMS), whole)
+}
+
+const fn q30(value: f64) -> i32 {
+    let scaled = value * (1u32 << SHAPE_BITS) as f64;
+    (if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 }) as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn worst(pulse: Pulse, exact: impl Fn(f64) -> f64) -> f64 {
+        (0..=1_000_000u64)
+            .map(|step| {
+                let fraction = (step * u64::from(u32::MAX) / 1_000_000) as u32;
+                let got = f64::from(pulse.shape(fraction)) / f64::from(1 << SHAPE_BITS);
+                (got - exact(f64::from(fraction) / 2f64.powi(32))).abs()
+            })
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn both_shapes_follow_their_law_to_4e_9_of_the_peak() {
+        let half_sine = worst(Pulse::HertzHalfSine, |x| (core::f64::consts::PI * x).sin());
+        let gaussian = worst(Pulse::Gaussian, |x| (-1e5f64.ln() * (2.0 * x - 1.0).powi(2)).exp());
+        assert!(half_sine < 4e-9, "{half_sine}");
+        assert!(gaussian < 4e-9, "{gaussian}");
+    }
+
+    #[test]
+    fn lengths_and_areas_are_those_of_the_laws() {
+        assert!((Pulse::Gaussian.length() - 2.0 * (1e5f64.ln() / 6.0).sqrt()).abs() < 1e-12);
+        for pulse in [Pulse::HertzHalfSine, Pulse::Gaussian] {
+            let sum: f64 = (0..100_000u32).map(|step| f64::from(pulse.shape(step.wrapping_mul(42_950)))).sum::<f64>();
+            let area = sum / 100_000.0 / f64::from(1 << SHAPE_BITS) * pulse.length();
+            assert!((area - pulse.area()).abs() < 1e-4, "{pulse:?}: {area}");
+        }
+    }
+}
