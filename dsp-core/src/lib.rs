@@ -5,7 +5,12 @@
 extern crate std;
 
 pub mod contact;
+pub mod engine;
+pub mod event;
 pub mod fixed;
+pub mod output;
+pub mod pad;
+pub mod radiation;
 pub mod resonator;
 pub mod table;
 

@@ -1,1 +1,98 @@
-//! Under construction.
+//! What a struck object sounds like: the model in `f64`, written from the papers.
+//!
+//! This crate is to be read beside *DiffImpact: Differentiable Rendering and Identification of
+//! Impact Sounds* (Clarke et al., 2021), whose equation numbers stand in the comments ("eq. 2").
+//! It knows physical parameters only (hertz, newtons, seconds) and computes in double precision,
+//! with no thought for a microcontroller: the real-time instrument is measured against it.
+//!
+//! # Signal flow, a module a stage
+//!
+//! ```text
+//!  event          contact             resonator                   pad               scene
+//!
+//!  strike ──► m = m1·v^a          ┌─► object bank ───────────┐
+//!  (v, where,  τ = τ1·v^b    F    │   radiation              │     y     level, pan
+//!   with what) pulse m·C(t) ──►(+)┼─► α·F ────────────────►(+)────────► (+) ──► left, right
+//!                              ▲  │                          │              ▲
+//!  direct force ───────────────┘  └─► η · striker banks ─────┘              └─ the other pads
+//! ```
+//!
+//! | stage | what it computes | source |
+//! | --- | --- | --- |
+//! | [`event`] | who is struck when, how hard, where, with what; chokes and releases | this project |
+//! | [`contact`] | from velocity to a contact force over time; strikes sum | eq. 2, 3 |
+//! | [`resonator`] | the force drives a bank of decaying modes | §3.3 |
+//! | [`radiation`] | the click of the striker's deceleration, `α·F` | eq. 1, §3.2 |
+//! | [`pad`] | one object, its strikers, and the sum of all they radiate | eq. 1 |
+//! | [`scene`] | several pads: level, pan, stereo, and 24-bit quantisation | this project |
+//!
+//! Of eq. 1, the background noise `N` and the room `IR_e` are not part of this model. Added to it
+//! are the striker's own bank with weight η (as §4.3 does for tools), a cosine gain for every mode,
+//! gains that depend on the position of the contact, and the choke.
+//!
+//! # Conventions
+//!
+//! Sample `n` stands for time `n/fs`. Events carry times in samples with a fraction, which is never
+//! rounded for a strike: its pulse is evaluated at `n/fs`. Pulses are not band-limited. A signal of
+//! 1.0 is 0 dBFS; gains turn newton-seconds into that scale, so that a set of parameters sounds the
+//! same at every sample rate.
+//!
+//! # Example
+//!
+//! ```
+//! use reference::{Action, Event, Gain, Mode, Object, Pad, Pulse, SampleRate, Striker};
+//!
+//! let bell = Pad {
+//!     object: Object {
+//!         modes: vec![Mode {
+//!             frequency_hz: 880.0,
+//!             decay_per_s: 3.0,
+//!             gains: vec![Gain { sine: 2.0, cosine: 0.0 }],
+//!         }],
+//!         acceleration: 0.001,
+//!     },
+//!     strikers: vec![Striker {
+//!         pulse: Pulse::HertzHalfSine,
+//!         peak_force: 50.0,
+//!         peak_exponent: Striker::HERTZ_PEAK_EXPONENT,
+//!         contact_time_s: 0.0005,
+//!         contact_exponent: Striker::HERTZ_CONTACT_EXPONENT,
+//!         modes: vec![],
+//!     }],
+//!     striker_weight: 0.0,
+//!     level_db: -6.0,
+//!     pan: 0.0,
+//!     choke_t60_s: 0.1,
+//! };
+//! let strike = Event {
+//!     time_samples: 10.25,
+//!     pad: 0,
+//!     velocity: 0.8,
+//!     position: 0.0,
+//!     striker: 0,
+//!     action: Action::Strike,
+//! };
+//! let rate = SampleRate { numerator: 48_000, denominator: 1 };
+//! let sound = reference::render(&[bell], &[strike], None, rate, 4_800)?;
+//! assert_eq!(sound[10], [0.0, 0.0]);
+//! assert_ne!(sound[11], [0.0, 0.0]);
+//! # Ok::<(), reference::Error>(())
+//! ```
+
+pub mod contact;
+pub mod event;
+pub mod pad;
+pub mod radiation;
+pub mod resonator;
+pub mod scene;
+
+mod error;
+mod rate;
+
+pub use contact::{Pulse, Striker};
+pub use error::{BankOwner, Error};
+pub use event::{Action, Event};
+pub use pad::{Object, Pad};
+pub use rate::SampleRate;
+pub use resonator::{Bank, Gain, Mode};
+pub use scene::{Direct, Scene, render};

@@ -93,6 +93,15 @@ pub struct BankWork {
     pub refused: u32,
 }
 
+impl core::ops::AddAssign for BankWork {
+    fn add_assign(&mut self, other: Self) {
+        self.driven_mode_frames += other.driven_mode_frames;
+        self.free_mode_frames += other.free_mode_frames;
+        self.extra_guards += other.extra_guards;
+        self.refused += other.refused;
+    }
+}
+
 /// A bank of modes in fixed point.
 ///
 /// Accuracy against the `f64` reference: 96 dB and better (`cargo bench -p host-tests --bench accuracy`).

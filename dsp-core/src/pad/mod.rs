@@ -1,0 +1,282 @@
+//! A pad: one struck object with its strikers (diffimpact eq. 1 without residual, background and room).
+//!
+//! ```text
+//! contacts of striker s --> F_s --+--> η · striker bank s --+
+//! direct force (counts as s = 0) -+                         |
+//!                                 +-- F = Σ F_s --> object bank --+--> level, pan --> stereo
+//!                                              \--> α · F --------+
+//! ```
+//!
+//! A second strike adds energy to the same ringing banks.
+
+use crate::SampleRate;
+use crate::contact::flight::Flight;
+use crate::contact::law::{Impact, StrikerLaw};
+use crate::fixed;
+use crate::output::Panner;
+use crate::radiation::Acceleration;
+use crate::resonator::{Bank, BankError, BankTable, BankWork, Memory, Retirement, TICK_FRAMES, Used};
+use crate::table::layout::STRIKERS_PER_PAD;
+use crate::table::{Kit, Object, Pad as PadTable, Striker};
+
+/// A pad's stages and their state.
+#[derive(Clone, Debug)]
+pub struct Pad {
+    object: Bank,
+    strikers: [Option<PadStriker>; STRIKERS_PER_PAD],
+    acceleration: Acceleration,
+    panner: Panner,
+    choked: bool,
+    struck: bool,
+}
+
+#[derive(Clone, Debug)]
+struct PadStriker {
+    law: StrikerLaw,
+    bank: Bank,
+}
+
+/// What a pad did over a run of frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PadWork {
+    /// The object's bank.
+    pub object: BankWork,
+    /// All strikers' banks.
+    pub strikers: BankWork,
+    /// Frames for which the acceleration sound was computed.
+    pub acceleration_frames: u32,
+    /// Frames for which a direct force was taken in.
+    pub direct_frames: u32,
+    /// Frames in which a force was made or taken in.
+    pub force_frames: u32,
+}
+
+/// A run of frames of at most a tick, as a pad renders it.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<'a> {
+    /// Number of frames.
+    pub frames: usize,
+    /// Whether the first frame's absolute number is odd.
+    pub odd_start: bool,
+    /// Whether what is not needed may be left out.
+    pub skip: bool,
+    /// Direct force for this pad, Q4.27.
+    pub direct: Option<&'a [i32]>,
+}
+
+impl Pad {
+    /// Derives a pad from its tables for a sample rate. `which` names, in case of an error, the bank: `None` the object's, or a striker's.
+    ///
+    /// # Errors
+    /// A [`BankError`] and the bank that it concerns.
+    pub fn load(
+        kit: &Kit<'_>,
+        pad: PadTable<'_>,
+        object: &Object<'_>,
+        rate: SampleRate,
+        memory: &mut Memory<'_>,
+        used: &mut Used,
+    ) -> Result<Self, (BankError, Option<usize>)> {
+        let reference_force = object.reference_force();
+        let mut laws = kit.strikers_of(pad).map(|striker| StrikerLaw::new(&striker, reference_force));
+        let typical_contact = laws.next().map_or((0.0, 0.0), |law| law.typical_contact());
+        let table = object_table(object, pad, typical_contact);
+        let mut strikers = [const { None }; STRIKERS_PER_PAD];
+        let object_bank = Bank::load(&table, rate, memory, used).map_err(|error| (error, None))?;
+        for (index, (slot, striker)) in strikers.iter_mut().zip(kit.strikers_of(pad)).enumerate() {
+            let law = StrikerLaw::new(&striker, reference_force);
+            let table = striker_table(&striker, pad, reference_force, law.typical_contact());
+            let bank = Bank::load(&table, rate, memory, used).map_err(|error| (error, Some(index)))?;
+            *slot = Some(PadStriker { law, bank });
+        }
+        Ok(Self {
+            object: object_bank,
+            strikers,
+            acceleration: Acceleration::new(object.acceleration(), reference_force),
+            panner: Panner::new(pad.level_db(), pad.pan()),
+            choked: false,
+            struck: false,
+        })
+    }
+
+    /// Number of strikers.
+    pub fn striker_count(&self) -> usize {
+        self.strikers.iter().flatten().count()
+    }
+
+    /// Modes of the object's bank and of all strikers' banks.
+    pub fn mode_count(&self) -> usize {
+        self.object.mode_count() + self.strikers.iter().flatten().map(|striker| striker.bank.mode_count()).sum::<usize>()
+    }
+
+    /// Whether the pad has been struck, or driven, since it was loaded.
+    pub fn was_struck(&self) -> bool {
+        self.struck
+    }
+
+    /// Whether any mode rings.
+    pub fn is_ringing(&self) -> bool {
+        self.object.is_ringing() || self.strikers.iter().flatten().any(|striker| striker.bank.is_ringing())
+    }
+
+    /// Bound of the amplitude that retirement leaves out at present, output units (1.0 = full scale).
+    pub fn retired_amplitude(&self) -> f32 {
+        let strikers = self.strikers.iter().flatten().map(|striker| striker.bank.retired_amplitude());
+        self.object.retired_amplitude() + strikers.sum::<f32>()
+    }
+
+    /// The impact of a strike, and the object moved to its position. `None` where the strike does nothing.
+    pub fn strike(
+        &mut self,
+        tables: &PadTables<'_>,
+        velocity: f32,
+        position: f32,
+        striker: u8,
+        rate: SampleRate,
+        memory: &mut Memory<'_>,
+    ) -> Option<Impact> {
+        let law = self.strikers.get(usize::from(striker))?.as_ref()?.law;
+        let impact = law.impact(velocity, rate)?;
+        self.struck = true;
+        self.object.set_position(position, &tables.object_table(), rate, memory);
+        Some(impact)
+    }
+
+    /// Lays a hand on, or lets go.
+    pub fn set_choked(&mut self, choked: bool, tables: &PadTables<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
+        if choked == self.choked {
+            return;
+        }
+        self.choked = choked;
+        self.object.set_choked(choked, &tables.object_table(), rate, memory);
+        for (index, striker) in self.strikers.iter_mut().flatten().enumerate() {
+            if let Some(table) = tables.striker_table(index) {
+                striker.bank.set_choked(choked, &table, rate, memory);
+            }
+        }
+    }
+
+    /// The bookkeeping of a tick; gives how many modes retired. `retired_elsewhere` is what other pads leave out, output units.
+    pub fn tick(&mut self, memory: &mut Memory<'_>, skip: bool, retired_elsewhere: f32) -> u32 {
+        let already = retired_elsewhere + self.retired_amplitude();
+        // 1.0 on the bus is full scale, so that a bus step is 2^-27 of it.
+        let mut retirement = Retirement::new(already, self.panner.loudest() / fixed::ONE_Q27 as f32);
+        self.object.tick(memory, skip.then_some(&mut retirement));
+        for striker in self.strikers.iter_mut().flatten() {
+            striker.bank.tick(memory, skip.then_some(&mut retirement));
+        }
+        retirement.retired_modes()
+    }
+
+    /// Renders a run and adds it to the stereo sum.
+    pub fn render<const CONTACTS: usize>(
+        &mut self,
+        number: u8,
+        run: Run<'_>,
+        flight: &mut Flight<CONTACTS>,
+        memory: &mut Memory<'_>,
+        out: &mut [[i32; 2]],
+    ) -> PadWork {
+        let mut work = PadWork::default();
+        let frames = run.frames.min(TICK_FRAMES);
+        let has_force = run.direct.is_some() || flight.count_on(number) > 0;
+        if run.skip && !has_force && !self.is_ringing() {
+            return work;
+        }
+        let mut sound = [0; TICK_FRAMES];
+        let mut forces = [[0; TICK_FRAMES]; STRIKERS_PER_PAD];
+        let Some(sound) = sound.get_mut(..frames) else { return work };
+        if has_force {
+            self.struck = true;
+            work.force_frames = frames as u32;
+            if let (Some(direct), [force, ..]) = (run.direct, &mut forces) {
+                work.direct_frames = frames as u32;
+                force.iter_mut().zip(direct).for_each(|(force, &x)| *force = x);
+            }
+            flight.add_force(number, &mut forces, frames);
+        }
+        let needs_force = has_force || !run.skip;
+        let mut total = [0; TICK_FRAMES];
+        for (striker, force) in self.strikers.iter_mut().zip(&forces) {
+            let (Some(striker), Some(force)) = (striker, force.get(..frames)) else { continue };
+            if has_force {
+                total.iter_mut().zip(force).for_each(|(total, &x)| *total = fixed::qadd(*total, x));
+            }
+            if striker.bank.mode_count() > 0 {
+                let force = needs_force.then_some(force);
+                work.strikers += striker.bank.render(memory, force, run.odd_start, run.skip, sound);
+            }
+        }
+        let force = total.get(..frames).filter(|_| needs_force);
+        work.object = self.object.render(memory, force, run.odd_start, run.skip, sound);
+        if let (Some(force), true) = (force, self.acceleration.is_built()) {
+            work.acceleration_frames = frames as u32;
+            self.acceleration.render(force, sound);
+        }
+        self.panner.render(sound, out);
+        work
+    }
+}
+
+/// The tables behind a pad, for what is derived anew while it plays.
+#[derive(Clone, Copy, Debug)]
+pub struct PadTables<'a> {
+    kit: Kit<'a>,
+    pad: PadTable<'a>,
+    object: Object<'a>,
+}
+
+impl<'a> PadTables<'a> {
+    /// The tables of a pad of a kit. `None` only for a pad of another kit.
+    pub fn new(kit: Kit<'a>, pad: PadTable<'a>) -> Option<Self> {
+        Some(Self { kit, pad, object: kit.object_of(pad)? })
+    }
+
+    /// The pad's object.
+    pub fn object(&self) -> Object<'a> {
+        self.object
+    }
+
+    /// The pad's record.
+    pub fn pad(&self) -> PadTable<'a> {
+        self.pad
+    }
+
+    fn object_table(&self) -> BankTable<'a> {
+        object_table(&self.object, self.pad, (0.0, 0.0))
+    }
+
+    fn striker_table(&self, index: usize) -> Option<BankTable<'a>> {
+        let striker = self.kit.strikers_of(self.pad).nth(index)?;
+        Some(striker_table(&striker, self.pad, self.object.reference_force(), (0.0, 0.0)))
+    }
+}
+
+fn object_table<'a>(object: &Object<'a>, pad: PadTable<'_>, typical_contact: (f32, f32)) -> BankTable<'a> {
+    BankTable {
+        modes: object.modes(),
+        gains: object.gains(),
+        positions: object.position_count(),
+        weight: f64::from(object.reference_force()),
+        choke_t60_s: f64::from(pad.choke_t60_s()),
+        typical_contact,
+    }
+}
+
+fn striker_table<'a>(
+    striker: &Striker<'a>,
+    pad: PadTable<'_>,
+    reference_force: f32,
+    typical_contact: (f32, f32),
+) -> BankTable<'a> {
+    // A pad with η = 0 has no use for its strikers' banks: nothing is built.
+    let used = pad.striker_weight() != 0.0;
+    BankTable {
+        modes: if used { striker.modes() } else { &[] },
+        gains: if used { striker.gains() } else { &[] },
+        positions: 1,
+        weight: f64::from(pad.striker_weight()) * f64::from(reference_force),
+        choke_t60_s: f64::from(pad.choke_t60_s()),
+        typical_contact,
+    }
+}

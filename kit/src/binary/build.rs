@@ -1,0 +1,241 @@
+//! From a kit to its bytes.
+
+use dsp_core::table::layout::{
+    FORMAT_VERSION, FileHeader, GainRecord, MAGIC, MIDI_NOTES_PER_PAD, MetaRecord, ModeRecord, NAME_BYTES, NO_NOTE,
+    NO_STRIKER, ObjectHeader, PadRecord, SECTION_VERSION, STRIKERS_PER_PAD, SectionEntry, StrikerHeader, tag,
+};
+use dsp_core::table::{Field, Kit as TableView, Place, TableError, checksum, range};
+use zerocopy::byteorder::little_endian::{F32, U16, U32};
+use zerocopy::{Immutable, IntoBytes};
+
+use crate::error::Fault;
+use crate::{Kit, KitError, Mode, Object, Pad, Pulse, Striker};
+
+/// Builds the binary form: sections `META`, `OBJT` an object, `STRK` a striker, `PADS`, in this order. The same kit gives the
+/// same bytes.
+///
+/// # Errors
+/// [`KitError::Item`] for what the form cannot hold (nothing is ever cut off) and for whatever [`dsp_core::table::Kit::parse`]
+/// refuses in the result.
+pub fn build(kit: &Kit) -> Result<Vec<u8>, KitError> {
+    let build = Build { kit };
+    let mut sections = vec![(tag::META, build.meta()?)];
+    for (index, object) in kit.objects.iter().enumerate() {
+        sections.push((tag::OBJECT, build.object(index, object)?));
+    }
+    for (index, striker) in kit.strikers.iter().enumerate() {
+        sections.push((tag::STRIKER, build.striker(index, striker)?));
+    }
+    let mut pads = Vec::new();
+    for (index, pad) in kit.pads.iter().enumerate() {
+        append(&mut pads, &build.pad(index, pad)?);
+    }
+    sections.push((tag::PADS, pads));
+    let bytes = build.frame(&sections)?;
+    TableView::parse(&bytes).map_err(|error| KitError::from_table(kit, error))?;
+    Ok(bytes)
+}
+
+struct Build<'a> {
+    kit: &'a Kit,
+}
+
+impl Build<'_> {
+    fn fault(&self, place: Place, fault: Fault) -> KitError {
+        KitError::item(self.kit, place, fault)
+    }
+
+    fn meta(&self) -> Result<Vec<u8>, KitError> {
+        let record = MetaRecord { name: self.name(Place::Kit, &self.kit.name)? };
+        Ok(record.as_bytes().to_vec())
+    }
+
+    fn object(&self, index: usize, object: &Object) -> Result<Vec<u8>, KitError> {
+        let place = Place::Object(index);
+        let positions = object.position_count();
+        let header = ObjectHeader {
+            name: self.name(place, &object.name)?,
+            reference_force: F32::new(object.reference_force),
+            acceleration: F32::new(object.acceleration),
+            mode_count: self.count(place, Field::Modes, object.modes.len(), 0, range::MODES_PER_BANK)?,
+            position_count: self.count(place, Field::Positions, positions, 1, range::POSITIONS)?,
+            source_bytes: self.text_bytes(place, "bytes of source", &object.source)?,
+            licence_bytes: self.text_bytes(place, "bytes of licence", &object.licence)?,
+        };
+        let mut section = header.as_bytes().to_vec();
+        let why = "as many as the object's first mode has";
+        self.modes(&mut section, &object.modes, (positions, why), |mode| Place::ObjectMode(index, mode))?;
+        append_texts(&mut section, &object.source, &object.licence);
+        Ok(section)
+    }
+
+    fn striker(&self, index: usize, striker: &Striker) -> Result<Vec<u8>, KitError> {
+        let place = Place::Striker(index);
+        let header = StrikerHeader {
+            name: self.name(place, &striker.name)?,
+            pulse: U32::new(match striker.pulse {
+                Pulse::Hertz => 0,
+                Pulse::Gaussian => 1,
+            }),
+            peak_force: F32::new(striker.peak_force),
+            peak_exponent: F32::new(striker.peak_exponent),
+            contact_time_s: F32::new(striker.contact_time_s),
+            contact_exponent: F32::new(striker.contact_exponent),
+            mode_count: self.count(place, Field::Modes, striker.modes.len(), 0, range::MODES_PER_BANK)?,
+            source_bytes: self.text_bytes(place, "bytes of source", &striker.source)?,
+            licence_bytes: self.text_bytes(place, "bytes of licence", &striker.licence)?,
+            reserved: U16::ZERO,
+        };
+        let mut section = header.as_bytes().to_vec();
+        let why = "since a striker has one position";
+        self.modes(&mut section, &striker.modes, (1, why), |mode| Place::StrikerMode(index, mode))?;
+        append_texts(&mut section, &striker.source, &striker.licence);
+        Ok(section)
+    }
+
+    fn modes(
+        &self,
+        section: &mut Vec<u8>,
+        modes: &[Mode],
+        (positions, why): (usize, &'static str),
+        place: impl Fn(usize) -> Place,
+    ) -> Result<(), KitError> {
+        for (index, mode) in modes.iter().enumerate() {
+            if mode.gains.len() != positions {
+                let fault = Fault::GainCount { found: mode.gains.len(), expected: positions, why };
+                return Err(self.fault(place(index), fault));
+            }
+            append(
+                section,
+                &ModeRecord { frequency_hz: F32::new(mode.frequency_hz), decay_per_s: F32::new(mode.decay_per_s) },
+            );
+        }
+        for gain in modes.iter().flat_map(|mode| &mode.gains) {
+            append(section, &GainRecord { sine: F32::new(gain.sine), cosine: F32::new(gain.cosine) });
+        }
+        Ok(())
+    }
+
+    fn pad(&self, index: usize, pad: &Pad) -> Result<PadRecord, KitError> {
+        let place = Place::Pad(index);
+        let mut strikers = [U16::new(NO_STRIKER); STRIKERS_PER_PAD];
+        self.count(place, Field::Strikers, pad.strikers.len(), 1, STRIKERS_PER_PAD)?;
+        for (slot, name) in strikers.iter_mut().zip(&pad.strikers) {
+            let names = self.kit.strikers.iter().map(|striker| striker.name.as_str());
+            *slot = self.reference(place, ("strikers", "striker"), name, names)?;
+        }
+        let mut midi_notes = [NO_NOTE; MIDI_NOTES_PER_PAD];
+        self.count(place, Field::MidiNotes, pad.midi_notes.len(), 0, MIDI_NOTES_PER_PAD)?;
+        for (slot, &note) in midi_notes.iter_mut().zip(&pad.midi_notes) {
+            // 255 would read as "no note"; the table reader cannot tell.
+            if note == NO_NOTE {
+                return Err(self.fault(place, Fault::MidiNote { note: i64::from(note) }));
+            }
+            *slot = note;
+        }
+        let names = self.kit.objects.iter().map(|object| object.name.as_str());
+        Ok(PadRecord {
+            name: self.name(place, &pad.name)?,
+            object: self.reference(place, ("object", "object"), &pad.object, names)?,
+            reserved: U16::ZERO,
+            strikers,
+            level_db: F32::new(pad.level_db),
+            pan: F32::new(pad.pan),
+            striker_weight: F32::new(pad.striker_weight),
+            choke_t60_s: F32::new(pad.choke_t60_s),
+            midi_notes,
+        })
+    }
+
+    /// Header and directory in front of the sections, each filled up to 4 bytes.
+    fn frame(&self, sections: &[([u8; 4], Vec<u8>)]) -> Result<Vec<u8>, KitError> {
+        let offset_and_length = |value: usize| {
+            u32::try_from(value).map(U32::new).map_err(|_| {
+                let fault = Fault::TooLarge { what: "bytes of the kit", found: value, max: u32::MAX as usize };
+                self.fault(Place::Kit, fault)
+            })
+        };
+        let mut offset = size_of::<FileHeader>() + 4 + size_of::<SectionEntry>() * sections.len();
+        let mut body = Vec::new();
+        append(&mut body, &offset_and_length(sections.len())?);
+        for (tag, section) in sections {
+            let length = section.len().next_multiple_of(4);
+            let entry = SectionEntry {
+                tag: *tag,
+                version: U32::new(SECTION_VERSION),
+                offset: offset_and_length(offset)?,
+                length: offset_and_length(length)?,
+            };
+            append(&mut body, &entry);
+            offset += length;
+        }
+        for (_, section) in sections {
+            body.extend_from_slice(section);
+            body.resize(body.len().next_multiple_of(4), 0);
+        }
+        let header = FileHeader {
+            magic: MAGIC,
+            version: U32::new(FORMAT_VERSION),
+            length: offset_and_length(offset)?,
+            crc: U32::new(checksum(&body)),
+        };
+        let mut bytes = header.as_bytes().to_vec();
+        bytes.append(&mut body);
+        Ok(bytes)
+    }
+
+    /// A name padded with zeros. One that does not fit, or would lose zeros at its end, is refused here; the rest the reader judges.
+    fn name(&self, place: Place, name: &str) -> Result<[u8; NAME_BYTES], KitError> {
+        let mut padded = [0; NAME_BYTES];
+        match padded.get_mut(..name.len()) {
+            Some(start) if !name.contains('\0') => start.copy_from_slice(name.as_bytes()),
+            _ => return Err(self.fault(place, Fault::Table(TableError::BadName { place }))),
+        }
+        Ok(padded)
+    }
+
+    fn count(&self, place: Place, field: Field, value: usize, min: usize, max: usize) -> Result<U16, KitError> {
+        match u16::try_from(value) {
+            Ok(count) if (min..=max).contains(&value) => Ok(U16::new(count)),
+            _ => Err(self.fault(place, Fault::Table(TableError::Count { place, field, value, min, max }))),
+        }
+    }
+
+    fn text_bytes(&self, place: Place, what: &'static str, text: &str) -> Result<U16, KitError> {
+        u16::try_from(text.len())
+            .map(U16::new)
+            .map_err(|_| self.fault(place, Fault::TooLarge { what, found: text.len(), max: usize::from(u16::MAX) }))
+    }
+
+    /// The index of the object or striker of a name.
+    fn reference<'n>(
+        &self,
+        place: Place,
+        (key, kind): (&'static str, &'static str),
+        name: &str,
+        names: impl Iterator<Item = &'n str> + Clone,
+    ) -> Result<U16, KitError> {
+        let Some(index) = names.clone().position(|known| known == name) else {
+            let known = names.map(str::to_owned).collect();
+            return Err(self.fault(place, Fault::Unknown { key, kind, name: name.to_owned(), known }));
+        };
+        // One less than 16 bits hold: the largest stands for "no striker".
+        let max = usize::from(NO_STRIKER) - 1;
+        match u16::try_from(index) {
+            Ok(number) if index <= max => Ok(U16::new(number)),
+            _ => {
+                Err(self
+                    .fault(place, Fault::TooLarge { what: "number of the item that a pad names", found: index, max }))
+            }
+        }
+    }
+}
+
+fn append(bytes: &mut Vec<u8>, record: &(impl IntoBytes + Immutable)) {
+    bytes.extend_from_slice(record.as_bytes());
+}
+
+fn append_texts(section: &mut Vec<u8>, source: &str, licence: &str) {
+    section.extend_from_slice(source.as_bytes());
+    section.extend_from_slice(licence.as_bytes());
+}

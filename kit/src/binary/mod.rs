@@ -1,0 +1,7 @@
+//! The binary form: what lies in a board's flash and what [`dsp_core::table`] reads in place.
+
+mod build;
+mod read;
+
+pub use build::build;
+pub use read::read;

@@ -1,0 +1,74 @@
+//! From a kit's bytes to the kit.
+
+use dsp_core::table::layout::{GainRecord, ModeRecord};
+use dsp_core::table::{Kit as TableView, Object as ObjectView, Pad as PadView, Striker as StrikerView};
+
+use crate::{Gain, Kit, KitError, Mode, Object, Pad, Pulse, Striker};
+
+/// Reads the binary form; erased flash (0xFF) may follow it. Sections that this version may skip are not in the result
+/// ([`crate::Loaded::skipped_sections`] lists them), nor is the number of positions of an object without modes.
+///
+/// # Errors
+/// [`KitError::Binary`] with what [`dsp_core::table::Kit::parse`] refuses.
+pub fn read(bytes: &[u8]) -> Result<Kit, KitError> {
+    let view = TableView::parse(bytes)?;
+    let objects: Vec<Object> = view.objects().map(object).collect();
+    let strikers: Vec<Striker> = view.strikers().map(striker).collect();
+    let pads = view.pads().map(|pad| read_pad(pad, &objects, &strikers)).collect();
+    Ok(Kit { name: view.name().to_owned(), objects, strikers, pads })
+}
+
+fn object(view: ObjectView<'_>) -> Object {
+    Object {
+        name: view.name().to_owned(),
+        source: view.source().to_owned(),
+        licence: view.licence().to_owned(),
+        reference_force: view.reference_force(),
+        acceleration: view.acceleration(),
+        modes: modes(view.modes(), view.gains(), view.position_count()),
+    }
+}
+
+fn striker(view: StrikerView<'_>) -> Striker {
+    Striker {
+        name: view.name().to_owned(),
+        source: view.source().to_owned(),
+        licence: view.licence().to_owned(),
+        pulse: if view.is_gaussian() { Pulse::Gaussian } else { Pulse::Hertz },
+        peak_force: view.peak_force(),
+        peak_exponent: view.peak_exponent(),
+        contact_time_s: view.contact_time_s(),
+        contact_exponent: view.contact_exponent(),
+        modes: modes(view.modes(), view.gains(), 1),
+    }
+}
+
+fn read_pad(view: PadView<'_>, objects: &[Object], strikers: &[Striker]) -> Pad {
+    // The indices were checked by the reader, so that neither default is ever used.
+    let object = objects.get(view.object_index()).map(|object| object.name.clone()).unwrap_or_default();
+    let strikers =
+        view.striker_indices().filter_map(|index| strikers.get(index)).map(|striker| striker.name.clone()).collect();
+    Pad {
+        name: view.name().to_owned(),
+        object,
+        strikers,
+        level_db: view.level_db(),
+        pan: view.pan(),
+        striker_weight: view.striker_weight(),
+        choke_t60_s: view.choke_t60_s(),
+        midi_notes: view.midi_notes().collect(),
+    }
+}
+
+fn modes(modes: &[ModeRecord], gains: &[GainRecord], positions: usize) -> Vec<Mode> {
+    let gain = |gain: &GainRecord| Gain { sine: gain.sine.get(), cosine: gain.cosine.get() };
+    modes
+        .iter()
+        .zip(gains.chunks_exact(positions.max(1)))
+        .map(|(mode, gains)| Mode {
+            frequency_hz: mode.frequency_hz.get(),
+            decay_per_s: mode.decay_per_s.get(),
+            gains: gains.iter().map(gain).collect(),
+        })
+        .collect()
+}

@@ -1,0 +1,125 @@
+//! What a kit holds, as plain owned values that mirror the keys of the text form.
+//!
+//! Nothing here is checked; [`crate::binary::build`] judges. Valid ranges are those of [`dsp_core::table::range`].
+
+/// A kit: objects and strikers, bound to pads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Kit {
+    /// The kit's name: 1 to 24 printable ASCII characters without comma and quote, no space at its ends. The same holds for
+    /// every other name, and no two items of one kind share theirs.
+    pub name: String,
+    /// What is struck.
+    pub objects: Vec<Object>,
+    /// What strikes.
+    pub strikers: Vec<Striker>,
+    /// What is played.
+    pub pads: Vec<Pad>,
+}
+
+/// A struck object: a modal bank (diffimpact eq. 1, `IR_object`) and its acceleration sound.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    /// Its name.
+    pub name: String,
+    /// Where the numbers come from; at most 65535 bytes of UTF-8.
+    pub source: String,
+    /// The licence of the numbers; at most 65535 bytes of UTF-8.
+    pub licence: String,
+    /// The force in newtons (1 where uncalibrated) that 1.0 on the force bus stands for.
+    pub reference_force: f32,
+    /// Acceleration sound α, output per newton (diffimpact eq. 1).
+    pub acceleration: f32,
+    /// Its modes, all with the same number of gains.
+    pub modes: Vec<Mode>,
+}
+
+/// A striker: its contact pulse and its own modal bank (diffimpact eq. 1, `IR_striker`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Striker {
+    /// Its name.
+    pub name: String,
+    /// Where the numbers come from; at most 65535 bytes of UTF-8.
+    pub source: String,
+    /// The licence of the numbers; at most 65535 bytes of UTF-8.
+    pub licence: String,
+    /// Shape of the contact pulse.
+    pub pulse: Pulse,
+    /// Peak force m1 at velocity 1, in newtons.
+    pub peak_force: f32,
+    /// Exponent a of the peak force, `m = m1 v^a`.
+    pub peak_exponent: f32,
+    /// Contact time τ1 at velocity 1, in seconds.
+    pub contact_time_s: f32,
+    /// Exponent b of the contact time, `τ = τ1 v^b`.
+    pub contact_exponent: f32,
+    /// The striker's own modes, each with exactly one gain.
+    pub modes: Vec<Mode>,
+}
+
+/// Shape of a contact pulse.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pulse {
+    /// Hertz half-sine; begins at its onset.
+    #[default]
+    Hertz,
+    /// Gaussian (diffimpact eq. 2); begins where it is 100 dB down.
+    Gaussian,
+}
+
+impl Pulse {
+    /// The word in the text form.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Hertz => "hertz",
+            Self::Gaussian => "gaussian",
+        }
+    }
+}
+
+/// One mode: `h(t) = e^{-d t} (sine · sin 2πft + cosine · cos 2πft)`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// Frequency f in Hz.
+    pub frequency_hz: f32,
+    /// Decay rate d in 1/s; T60 = ln(1000)/d.
+    pub decay_per_s: f32,
+    /// Gains, one at each position along the object.
+    pub gains: Vec<Gain>,
+}
+
+/// A mode's gain at one position, output per newton-second.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gain {
+    /// Gain gs of the sine phase.
+    pub sine: f32,
+    /// Gain gc of the cosine phase.
+    pub cosine: f32,
+}
+
+/// A pad: what it plays and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pad {
+    /// Its name.
+    pub name: String,
+    /// Name of the object that it plays.
+    pub object: String,
+    /// Names of 1 to 4 strikers, the default one first.
+    pub strikers: Vec<String>,
+    /// Level in dB.
+    pub level_db: f32,
+    /// Constant-power pan, -1 (left) to 1 (right).
+    pub pan: f32,
+    /// Weight η of the strikers' own banks.
+    pub striker_weight: f32,
+    /// T60 in seconds that a choke imposes; 0 for a pad that cannot be choked.
+    pub choke_t60_s: f32,
+    /// Up to 4 MIDI notes, 0 to 127, that play it; each belongs to one pad only.
+    pub midi_notes: Vec<u8>,
+}
+
+impl Object {
+    /// The number of positions at which gains are given: that of the first mode, 1 for an object without modes.
+    pub fn position_count(&self) -> usize {
+        self.modes.first().map_or(1, |mode| mode.gains.len())
+    }
+}

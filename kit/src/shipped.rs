@@ -1,0 +1,40 @@
+//! The kits that ship with Malleus, in the program itself.
+
+use std::io;
+
+use crate::file::FileError;
+use crate::text::SourceText;
+use crate::{KitError, Loaded};
+
+/// A shipped kit and its text.
+struct Shipped {
+    name: &'static str,
+    text: &'static str,
+}
+
+const KITS: &[Shipped] = &[Shipped { name: "demo", text: include_str!("../../tables/demo.toml") }];
+
+/// The tables that shipped kits include, by file name.
+const TABLES: &[(&str, &str)] = &[];
+
+/// The names of the shipped kits.
+pub fn shipped_names() -> impl Iterator<Item = &'static str> {
+    KITS.iter().map(|kit| kit.name)
+}
+
+/// The shipped kit of a name, or `None`.
+///
+/// # Errors
+/// Those of [`crate::text::parse`]; none for the kits as they ship.
+pub fn shipped(name: &str) -> Option<Result<Loaded, KitError>> {
+    let kit = KITS.iter().find(|kit| kit.name == name)?;
+    let main = SourceText { file: format!("tables/{name}.toml"), text: kit.text.to_owned() };
+    Some(Loaded::from_text(&main, |include| match TABLES.iter().find(|(file, _)| *file == include) {
+        Some((file, text)) => Ok(SourceText { file: format!("tables/{file}"), text: (*text).to_owned() }),
+        None => Err(KitError::File(FileError {
+            action: "read",
+            path: include.into(),
+            cause: io::ErrorKind::NotFound.into(),
+        })),
+    }))
+}

@@ -1,0 +1,74 @@
+//! What a kit amounts to: modes, ringing times, bytes.
+
+use dsp_core::table::layout::{GainRecord, ModeRecord};
+
+use crate::{Kit, Mode};
+
+/// What a kit amounts to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statistics {
+    /// Bytes of the binary form.
+    pub bytes: usize,
+    /// Those of them that modes and their gains take.
+    pub mode_bytes: usize,
+    /// One entry an object, in their order.
+    pub objects: Vec<BankStatistics>,
+    /// One entry a striker, in their order.
+    pub strikers: Vec<BankStatistics>,
+}
+
+/// What one object's or striker's modal bank amounts to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BankStatistics {
+    /// Name of the object or striker.
+    pub name: String,
+    /// Number of modes.
+    pub modes: usize,
+    /// Number of positions at which gains are given.
+    pub positions: usize,
+    /// Lowest and highest frequency in Hz; `None` without modes.
+    pub frequency_hz: Option<(f32, f32)>,
+    /// Shortest and longest T60 = ln(1000)/d in seconds; `None` without modes.
+    pub t60_s: Option<(f32, f32)>,
+    /// Bytes that the modes and their gains take in the binary form.
+    pub mode_bytes: usize,
+}
+
+impl Statistics {
+    /// Counts a kit whose binary form has `bytes` bytes.
+    pub(crate) fn of(kit: &Kit, bytes: usize) -> Self {
+        let objects: Vec<_> = kit
+            .objects
+            .iter()
+            .map(|object| BankStatistics::of(&object.name, &object.modes, object.position_count()))
+            .collect();
+        let strikers: Vec<_> =
+            kit.strikers.iter().map(|striker| BankStatistics::of(&striker.name, &striker.modes, 1)).collect();
+        let mode_bytes = objects.iter().chain(&strikers).map(|bank| bank.mode_bytes).sum();
+        Self { bytes, mode_bytes, objects, strikers }
+    }
+
+    /// The share of the binary form that modes and their gains take, 0 to 1.
+    pub fn mode_share(&self) -> f64 {
+        self.mode_bytes as f64 / self.bytes.max(1) as f64
+    }
+}
+
+impl BankStatistics {
+    fn of(name: &str, modes: &[Mode], positions: usize) -> Self {
+        let gains: usize = modes.iter().map(|mode| mode.gains.len()).sum();
+        Self {
+            name: name.to_owned(),
+            modes: modes.len(),
+            positions,
+            frequency_hz: extent(modes.iter().map(|mode| mode.frequency_hz)),
+            t60_s: extent(modes.iter().map(|mode| 1000f32.ln() / mode.decay_per_s)),
+            mode_bytes: modes.len() * size_of::<ModeRecord>() + gains * size_of::<GainRecord>(),
+        }
+    }
+}
+
+/// Smallest and largest of the values.
+fn extent(values: impl Iterator<Item = f32>) -> Option<(f32, f32)> {
+    values.map(|value| (value, value)).reduce(|(low, high), (value, _)| (low.min(value), high.max(value)))
+}

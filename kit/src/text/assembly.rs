@@ -1,0 +1,172 @@
+//! From the documents of a kit's files to one kit, remembering where everything stood.
+
+use dsp_core::table::Place;
+use toml::Spanned;
+
+use super::document::{Document, Gains, ModeTable, ObjectTable, PadTable, StrikerTable};
+use super::origin::{ItemOrigin, Origins};
+use super::{SourceText, UNTITLED};
+use crate::{Fault, Gain, Kit, KitError, Mode, Object, Pad, Striker};
+
+/// A kit as far as it has been put together.
+pub(super) struct Assembly {
+    kit: Kit,
+    origins: Origins,
+}
+
+impl Assembly {
+    pub(super) fn new(main: &SourceText, name: Option<&Spanned<String>>) -> Self {
+        Self {
+            kit: Kit {
+                name: name.map_or(UNTITLED, |name| name.get_ref()).to_owned(),
+                objects: Vec::new(),
+                strikers: Vec::new(),
+                pads: Vec::new(),
+            },
+            origins: Origins::new(main, name.map_or(0, |name| name.span().start)),
+        }
+    }
+
+    /// Adds what one file holds.
+    pub(super) fn add(&mut self, source: &SourceText, document: Document) -> Result<(), KitError> {
+        self.origins.begin_file(source);
+        for object in document.object {
+            let offset = object.span().start;
+            self.object(offset, object.into_inner())?;
+        }
+        for striker in document.striker {
+            let offset = striker.span().start;
+            self.striker(offset, striker.into_inner())?;
+        }
+        for pad in document.pad {
+            let offset = pad.span().start;
+            self.pad(offset, pad.into_inner())?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn finish(self) -> (Kit, Origins) {
+        (self.kit, self.origins)
+    }
+
+    fn object(&mut self, offset: usize, table: ObjectTable) -> Result<(), KitError> {
+        let index = self.kit.objects.len();
+        self.origins.objects.push(ItemOrigin::new(self.origins.current_file(), offset, &table.name, &table.modes));
+        self.kit.objects.push(Object {
+            name: table.name.into_inner(),
+            source: table.source,
+            licence: table.licence,
+            reference_force: table.reference_force,
+            acceleration: table.acceleration,
+            modes: Vec::new(),
+        });
+        self.refuse_duplicate(Place::Object(index))?;
+        let modes = self.modes(table.modes, |mode| Place::ObjectMode(index, mode))?;
+        if let Some(object) = self.kit.objects.last_mut() {
+            object.modes = modes;
+        }
+        Ok(())
+    }
+
+    fn striker(&mut self, offset: usize, table: StrikerTable) -> Result<(), KitError> {
+        let index = self.kit.strikers.len();
+        self.origins.strikers.push(ItemOrigin::new(self.origins.current_file(), offset, &table.name, &table.modes));
+        self.kit.strikers.push(Striker {
+            name: table.name.into_inner(),
+            source: table.source,
+            licence: table.licence,
+            pulse: table.pulse,
+            peak_force: table.peak_force,
+            peak_exponent: table.peak_exponent,
+            contact_time_s: table.contact_time_s,
+            contact_exponent: table.contact_exponent,
+            modes: Vec::new(),
+        });
+        self.refuse_duplicate(Place::Striker(index))?;
+        let modes = self.modes(table.modes, |mode| Place::StrikerMode(index, mode))?;
+        if let Some(striker) = self.kit.strikers.last_mut() {
+            striker.modes = modes;
+        }
+        Ok(())
+    }
+
+    fn pad(&mut self, offset: usize, table: PadTable) -> Result<(), KitError> {
+        let place = Place::Pad(self.kit.pads.len());
+        self.origins.pads.push(ItemOrigin::new(self.origins.current_file(), offset, &table.name, &[]));
+        self.kit.pads.push(Pad {
+            name: table.name.into_inner(),
+            object: table.object,
+            strikers: table.strikers,
+            level_db: table.level_db,
+            pan: table.pan,
+            striker_weight: table.striker_weight,
+            choke_t60_s: table.choke_t60_s,
+            midi_notes: Vec::new(),
+        });
+        self.refuse_duplicate(place)?;
+        let mut midi_notes = Vec::new();
+        for note in table.midi_notes {
+            midi_notes.push(u8::try_from(note).map_err(|_| self.refusal(place, Fault::MidiNote { note }))?);
+        }
+        if let Some(pad) = self.kit.pads.last_mut() {
+            pad.midi_notes = midi_notes;
+        }
+        Ok(())
+    }
+
+    /// Modes with their gains; where both gains are missing, they are 0 at as many positions as the others have.
+    fn modes(&self, tables: Vec<Spanned<ModeTable>>, place: impl Fn(usize) -> Place) -> Result<Vec<Mode>, KitError> {
+        let mut modes = Vec::with_capacity(tables.len());
+        let positions = tables
+            .iter()
+            .find_map(|mode| mode.get_ref().gain_sine.as_ref().or(mode.get_ref().gain_cosine.as_ref()))
+            .map_or(1, |gains| gains.0.len());
+        for (index, mode) in tables.into_iter().map(Spanned::into_inner).enumerate() {
+            let (sine, cosine) = match (mode.gain_sine, mode.gain_cosine) {
+                (Some(sine), Some(cosine)) => (sine.0, cosine.0),
+                (Some(Gains(sine)), None) => (sine.clone(), vec![0.0; sine.len()]),
+                (None, Some(Gains(cosine))) => (vec![0.0; cosine.len()], cosine),
+                (None, None) => (vec![0.0; positions], vec![0.0; positions]),
+            };
+            if sine.len() != cosine.len() {
+                let why = "as many gain_cosine as gain_sine";
+                let fault = Fault::GainCount { found: cosine.len(), expected: sine.len(), why };
+                return Err(self.refusal(place(index), fault));
+            }
+            modes.push(Mode {
+                frequency_hz: mode.frequency_hz,
+                decay_per_s: mode.decay_per_s,
+                gains: sine.into_iter().zip(cosine).map(|(sine, cosine)| Gain { sine, cosine }).collect(),
+            });
+        }
+        Ok(modes)
+    }
+
+    /// Refuses the item at `place`, the last of its kind, if an earlier one has its name. The table reader would too, but
+    /// could not say where the earlier one stands.
+    fn refuse_duplicate(&self, place: Place) -> Result<(), KitError> {
+        let (kind, names): (_, Vec<&str>) = match place {
+            Place::Object(_) => ("object", self.kit.objects.iter().map(|object| object.name.as_str()).collect()),
+            Place::Striker(_) => ("striker", self.kit.strikers.iter().map(|striker| striker.name.as_str()).collect()),
+            Place::Pad(_) => ("pad", self.kit.pads.iter().map(|pad| pad.name.as_str()).collect()),
+            Place::Kit | Place::ObjectMode(..) | Place::StrikerMode(..) => return Ok(()),
+        };
+        let Some((name, earlier)) = names.split_last() else { return Ok(()) };
+        let Some(first) = earlier.iter().position(|earlier| earlier == name) else { return Ok(()) };
+        let first = match place {
+            Place::Object(_) => Place::Object(first),
+            Place::Striker(_) => Place::Striker(first),
+            _ => Place::Pad(first),
+        };
+        Err(KitError::Duplicate {
+            at: self.origins.name_of(place),
+            kind,
+            name: (*name).to_owned(),
+            first: self.origins.name_of(first),
+        })
+    }
+
+    fn refusal(&self, place: Place, fault: Fault) -> KitError {
+        self.origins.locate(KitError::item(&self.kit, place, fault))
+    }
+}

@@ -1,0 +1,148 @@
+//! The shape of one text file: its keys, types and defaults.
+
+use std::fmt;
+
+use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
+use toml::Spanned;
+
+use crate::Pulse;
+
+/// A file, as it stands there.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Document {
+    /// Checked before the rest of the file is read.
+    #[serde(rename = "format")]
+    _format: i64,
+    pub(super) name: Option<Spanned<String>>,
+    #[serde(default)]
+    pub(super) include: Vec<Spanned<String>>,
+    #[serde(default)]
+    pub(super) object: Vec<Spanned<ObjectTable>>,
+    #[serde(default)]
+    pub(super) striker: Vec<Spanned<StrikerTable>>,
+    #[serde(default)]
+    pub(super) pad: Vec<Spanned<PadTable>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ObjectTable {
+    pub(super) name: Spanned<String>,
+    #[serde(default)]
+    pub(super) source: String,
+    #[serde(default)]
+    pub(super) licence: String,
+    #[serde(default = "one")]
+    pub(super) reference_force: f32,
+    #[serde(default)]
+    pub(super) acceleration: f32,
+    pub(super) modes: Vec<Spanned<ModeTable>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StrikerTable {
+    pub(super) name: Spanned<String>,
+    #[serde(default)]
+    pub(super) source: String,
+    #[serde(default)]
+    pub(super) licence: String,
+    #[serde(default, deserialize_with = "pulse")]
+    pub(super) pulse: Pulse,
+    pub(super) peak_force: f32,
+    #[serde(default = "usual_peak_exponent")]
+    pub(super) peak_exponent: f32,
+    pub(super) contact_time_s: f32,
+    #[serde(default = "usual_contact_exponent")]
+    pub(super) contact_exponent: f32,
+    #[serde(default)]
+    pub(super) modes: Vec<Spanned<ModeTable>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ModeTable {
+    pub(super) frequency_hz: f32,
+    pub(super) decay_per_s: f32,
+    pub(super) gain_sine: Option<Gains>,
+    pub(super) gain_cosine: Option<Gains>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PadTable {
+    pub(super) name: Spanned<String>,
+    pub(super) object: String,
+    pub(super) strikers: Vec<String>,
+    #[serde(default)]
+    pub(super) level_db: f32,
+    #[serde(default)]
+    pub(super) pan: f32,
+    #[serde(default = "one")]
+    pub(super) striker_weight: f32,
+    #[serde(default = "usual_choke_t60_s")]
+    pub(super) choke_t60_s: f32,
+    #[serde(default)]
+    pub(super) midi_notes: Vec<i64>,
+}
+
+/// Gains at one position (a number) or at several (an array).
+pub(super) struct Gains(pub(super) Vec<f32>);
+
+fn one() -> f32 {
+    1.0
+}
+
+/// Peak force grows as v^1.2.
+fn usual_peak_exponent() -> f32 {
+    1.2
+}
+
+/// Contact time shrinks as v^-0.2.
+fn usual_contact_exponent() -> f32 {
+    -0.2
+}
+
+fn usual_choke_t60_s() -> f32 {
+    0.1
+}
+
+fn pulse<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Pulse, D::Error> {
+    let word = String::deserialize(deserializer)?;
+    [Pulse::Hertz, Pulse::Gaussian].into_iter().find(|pulse| pulse.key() == word).ok_or_else(|| {
+        de::Error::custom(format!("pulse = {word:?}: must be {:?} or {:?}", Pulse::Hertz.key(), Pulse::Gaussian.key()))
+    })
+}
+
+impl<'de> Deserialize<'de> for Gains {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct NumberOrArray;
+
+        impl<'de> Visitor<'de> for NumberOrArray {
+            type Value = Gains;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "a number, or an array with a number for each position")
+            }
+
+            fn visit_f64<E: de::Error>(self, value: f64) -> Result<Gains, E> {
+                Ok(Gains(vec![value as f32]))
+            }
+
+            fn visit_i64<E: de::Error>(self, value: i64) -> Result<Gains, E> {
+                Ok(Gains(vec![value as f32]))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut positions: A) -> Result<Gains, A::Error> {
+                let mut gains = Vec::new();
+                while let Some(gain) = positions.next_element()? {
+                    gains.push(gain);
+                }
+                Ok(Gains(gains))
+            }
+        }
+
+        deserializer.deserialize_any(NumberOrArray)
+    }
+}

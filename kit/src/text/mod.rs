@@ -1,0 +1,108 @@
+//! The text form: TOML, for people and for comparing versions.
+//!
+//! `docs/kit-format.md` lists all keys. A kit's own file may include table files of the same format, which hold objects and
+//! strikers; numbers are read as f64 and rounded to f32.
+
+mod assembly;
+mod document;
+mod number;
+mod origin;
+mod write;
+
+pub use write::write;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::{Kit, KitError, Location, binary};
+use assembly::Assembly;
+use document::Document;
+
+/// The version of the text form that this crate reads and writes.
+pub const FORMAT: i64 = 1;
+
+/// The name of a text without pads that gives itself none.
+pub const UNTITLED: &str = "untitled";
+
+/// One file's text.
+#[derive(Clone, Debug)]
+pub struct SourceText {
+    /// What errors call the file.
+    pub file: String,
+    /// What it holds.
+    pub text: String,
+}
+
+/// Reads a kit from text and checks it, by building its binary form.
+///
+/// `include` fetches each file that the text includes, by the name that stands there. The objects and strikers of included
+/// files come first, in the order of the list, then those of the text itself.
+///
+/// # Errors
+/// A [`KitError`] with file, line and column for text that is not TOML, keys that are unknown, missing or of the wrong
+/// type, names that are not there or there twice, and all that [`binary::build`] refuses.
+pub fn parse(
+    main: &SourceText,
+    mut include: impl FnMut(&str) -> Result<SourceText, KitError>,
+) -> Result<Kit, KitError> {
+    let document = read_document(main)?;
+    let mut included = Vec::new();
+    for name in &document.include {
+        let source = include(name.get_ref()).map_err(|cause| KitError::Include {
+            at: Location::of(&main.file, &main.text, name.span().start),
+            cause: Box::new(cause),
+        })?;
+        let document = read_document(&source)?;
+        check_included(&source, &document, &main.file)?;
+        included.push((source, document));
+    }
+    if document.name.is_none() && !document.pad.is_empty() {
+        return Err(KitError::MissingName { file: main.file.clone() });
+    }
+    let mut assembly = Assembly::new(main, document.name.as_ref());
+    for (source, document) in included {
+        assembly.add(&source, document)?;
+    }
+    assembly.add(main, document)?;
+    let (kit, origins) = assembly.finish();
+    binary::build(&kit).map_err(|error| origins.locate(error))?;
+    Ok(kit)
+}
+
+/// The part of every version of the text form that says which version it is.
+#[derive(Deserialize)]
+struct Version {
+    format: Spanned<i64>,
+}
+
+fn read_document(source: &SourceText) -> Result<Document, KitError> {
+    let SourceText { file, text } = source;
+    let refusal = |error: toml::de::Error| KitError::Toml {
+        at: Location::of(file, text, error.span().map_or(0, |span| span.start)),
+        message: error.message().trim_end().replace('\n', ", "),
+    };
+    // The version first: a newer one may have keys that this crate would call unknown.
+    let version: Version = toml::from_str(text).map_err(refusal)?;
+    if *version.format.get_ref() != FORMAT {
+        return Err(KitError::FormatVersion {
+            at: Location::of(file, text, version.format.span().start),
+            found: version.format.into_inner(),
+        });
+    }
+    toml::from_str(text).map_err(refusal)
+}
+
+fn check_included(source: &SourceText, document: &Document, by: &str) -> Result<(), KitError> {
+    let at = |offset| Location::of(&source.file, &source.text, offset);
+    if let Some(name) = document.include.first() {
+        return Err(KitError::NestedInclude {
+            at: at(name.span().start),
+            named: name.get_ref().clone(),
+            by: by.to_owned(),
+        });
+    }
+    if let Some(pad) = document.pad.first() {
+        return Err(KitError::PadInInclude { at: at(pad.span().start), by: by.to_owned() });
+    }
+    Ok(())
+}

@@ -1,0 +1,102 @@
+//! Where in which file each item of a kit stood.
+
+use dsp_core::table::Place;
+use toml::Spanned;
+
+use super::SourceText;
+use super::document::ModeTable;
+use crate::{KitError, Location};
+
+/// The origins of a kit's items. Offsets are in bytes; lines are counted only when an error asks.
+pub(super) struct Origins {
+    files: Vec<SourceText>,
+    /// The kit's own file and the offset of its name.
+    kit: (usize, usize),
+    pub(super) objects: Vec<ItemOrigin>,
+    pub(super) strikers: Vec<ItemOrigin>,
+    pub(super) pads: Vec<ItemOrigin>,
+}
+
+/// The origin of an object, striker or pad.
+pub(super) struct ItemOrigin {
+    file: usize,
+    offset: usize,
+    name_offset: usize,
+    mode_offsets: Vec<usize>,
+}
+
+impl ItemOrigin {
+    pub(super) fn new(file: usize, offset: usize, name: &Spanned<String>, modes: &[Spanned<ModeTable>]) -> Self {
+        Self {
+            file,
+            offset,
+            name_offset: name.span().start,
+            mode_offsets: modes.iter().map(|mode| mode.span().start).collect(),
+        }
+    }
+}
+
+impl Origins {
+    pub(super) fn new(main: &SourceText, name_offset: usize) -> Self {
+        Self {
+            files: vec![main.clone()],
+            kit: (0, name_offset),
+            objects: Vec::new(),
+            strikers: Vec::new(),
+            pads: Vec::new(),
+        }
+    }
+
+    /// Says that what is added from now on stands in this file.
+    pub(super) fn begin_file(&mut self, source: &SourceText) {
+        self.files.push(source.clone());
+    }
+
+    /// The file of what is being added.
+    pub(super) fn current_file(&self) -> usize {
+        self.files.len() - 1
+    }
+
+    /// Fills in where the item of an error stands.
+    pub(super) fn locate(&self, error: KitError) -> KitError {
+        match error {
+            KitError::Item { at: None, item, place, fault } => {
+                KitError::Item { at: Some(self.location(place)), item, place, fault }
+            }
+            other => other,
+        }
+    }
+
+    /// Where the name of an object, striker or pad stands.
+    pub(super) fn name_of(&self, place: Place) -> Location {
+        match self.item(place) {
+            Some(item) => self.at(item.file, item.name_offset),
+            None => self.location(place),
+        }
+    }
+
+    fn location(&self, place: Place) -> Location {
+        let Some(item) = self.item(place) else {
+            return self.at(self.kit.0, self.kit.1);
+        };
+        let mode_offset = match place {
+            Place::ObjectMode(_, mode) | Place::StrikerMode(_, mode) => item.mode_offsets.get(mode).copied(),
+            Place::Kit | Place::Object(_) | Place::Striker(_) | Place::Pad(_) => None,
+        };
+        self.at(item.file, mode_offset.unwrap_or(item.offset))
+    }
+
+    fn item(&self, place: Place) -> Option<&ItemOrigin> {
+        match place {
+            Place::Kit => None,
+            Place::Object(index) | Place::ObjectMode(index, _) => self.objects.get(index),
+            Place::Striker(index) | Place::StrikerMode(index, _) => self.strikers.get(index),
+            Place::Pad(index) => self.pads.get(index),
+        }
+    }
+
+    fn at(&self, file: usize, offset: usize) -> Location {
+        let (file, text) = self.files.get(file).map_or(("", ""), |source| (&source.file, &source.text));
+        Location::of(file, text, offset)
+    }
+}

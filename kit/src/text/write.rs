@@ -1,0 +1,129 @@
+//! From a kit to its text.
+
+use std::fmt::{self, Display, Formatter};
+
+use super::FORMAT;
+use super::number::shortest_decimal;
+use crate::{Gain, Kit, Mode, Object, Pad, Striker};
+
+/// Writes a kit as text: all keys, includes resolved, one line a mode, each number as the shortest decimal that gives its
+/// f32 back. The same kit gives the same text.
+///
+/// Text of a kit that [`crate::binary::build`] accepts is read back by [`super::parse`] as the same kit, bit for bit.
+pub fn write(kit: &Kit) -> String {
+    format!("{}", Text(kit))
+}
+
+/// What is to be written as TOML.
+struct Text<T>(T);
+
+impl Display for Text<&Kit> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Kit { name, objects, strikers, pads } = self.0;
+        writeln!(f, "format = {FORMAT}\nname = {}", Text(name.as_str()))?;
+        objects.iter().try_for_each(|object| write!(f, "{}", Text(object)))?;
+        strikers.iter().try_for_each(|striker| write!(f, "{}", Text(striker)))?;
+        pads.iter().try_for_each(|pad| write!(f, "{}", Text(pad)))
+    }
+}
+
+impl Display for Text<&Object> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Object { name, source, licence, reference_force, acceleration, modes } = self.0;
+        writeln!(f, "\n[[object]]\nname = {}", Text(name.as_str()))?;
+        writeln!(f, "source = {}\nlicence = {}", Text(source.as_str()), Text(licence.as_str()))?;
+        writeln!(f, "reference_force = {}", Text(*reference_force))?;
+        writeln!(f, "acceleration = {}", Text(*acceleration))?;
+        write!(f, "{}", Text(modes.as_slice()))
+    }
+}
+
+impl Display for Text<&Striker> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Striker {
+            name,
+            source,
+            licence,
+            pulse,
+            peak_force,
+            peak_exponent,
+            contact_time_s,
+            contact_exponent,
+            modes,
+        } = self.0;
+        writeln!(f, "\n[[striker]]\nname = {}", Text(name.as_str()))?;
+        writeln!(f, "source = {}\nlicence = {}", Text(source.as_str()), Text(licence.as_str()))?;
+        writeln!(f, "pulse = {}", Text(pulse.key()))?;
+        writeln!(f, "peak_force = {}\npeak_exponent = {}", Text(*peak_force), Text(*peak_exponent))?;
+        writeln!(f, "contact_time_s = {}", Text(*contact_time_s))?;
+        writeln!(f, "contact_exponent = {}", Text(*contact_exponent))?;
+        write!(f, "{}", Text(modes.as_slice()))
+    }
+}
+
+impl Display for Text<&Pad> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Pad { name, object, strikers, level_db, pan, striker_weight, choke_t60_s, midi_notes } = self.0;
+        let strikers: Vec<String> = strikers.iter().map(|name| Text(name.as_str()).to_string()).collect();
+        let midi_notes: Vec<String> = midi_notes.iter().map(u8::to_string).collect();
+        writeln!(f, "\n[[pad]]\nname = {}", Text(name.as_str()))?;
+        writeln!(f, "object = {}\nstrikers = [{}]", Text(object.as_str()), strikers.join(", "))?;
+        writeln!(f, "level_db = {}\npan = {}", Text(*level_db), Text(*pan))?;
+        writeln!(f, "striker_weight = {}\nchoke_t60_s = {}", Text(*striker_weight), Text(*choke_t60_s))?;
+        writeln!(f, "midi_notes = [{}]", midi_notes.join(", "))
+    }
+}
+
+impl Display for Text<&[Mode]> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if self.0.is_empty() {
+            return writeln!(f, "modes = []");
+        }
+        writeln!(f, "modes = [")?;
+        for Mode { frequency_hz, decay_per_s, gains } in self.0 {
+            let sine = gain_text(gains, |gain| gain.sine);
+            let cosine = gain_text(gains, |gain| gain.cosine);
+            let (frequency_hz, decay_per_s) = (Text(*frequency_hz), Text(*decay_per_s));
+            writeln!(
+                f,
+                "    {{ frequency_hz = {frequency_hz}, decay_per_s = {decay_per_s}, gain_sine = {sine}, gain_cosine = {cosine} }},"
+            )?;
+        }
+        writeln!(f, "]")
+    }
+}
+
+/// A number for one position, an array for any other count.
+fn gain_text(gains: &[Gain], phase: impl Fn(&Gain) -> f32) -> String {
+    match gains {
+        [gain] => shortest_decimal(phase(gain)),
+        gains => {
+            let gains: Vec<String> = gains.iter().map(|gain| shortest_decimal(phase(gain))).collect();
+            format!("[{}]", gains.join(", "))
+        }
+    }
+}
+
+impl Display for Text<f32> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(&shortest_decimal(self.0))
+    }
+}
+
+impl Display for Text<&str> {
+    /// A TOML basic string on one line.
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "\"")?;
+        for character in self.0.chars() {
+            match character {
+                '"' => write!(f, "\\\"")?,
+                '\\' => write!(f, "\\\\")?,
+                '\n' => write!(f, "\\n")?,
+                '\t' => write!(f, "\\t")?,
+                control if control.is_control() => write!(f, "\\u{:04X}", u32::from(control))?,
+                other => write!(f, "{other}")?,
+            }
+        }
+        write!(f, "\"")
+    }
+}

@@ -1,0 +1,136 @@
+//! Every valid kit that the binary form can hold, at sizes that a test can afford.
+
+use dsp_core::table::range::{self, Range};
+use kit::{Gain, Kit, Mode, Object, Pad, Pulse, Striker};
+use proptest::prelude::*;
+use proptest::sample::subsequence;
+
+/// Any number of the range, all bit patterns equally likely: subnormals and -0.0 as well, and often the ends.
+fn number(range: Range) -> BoxedStrategy<f32> {
+    let ends = prop_oneof![Just(range.min), Just(range.max)];
+    let positive = |max: f32| (0..=max.to_bits()).prop_map(f32::from_bits);
+    if range.min > 0.0 {
+        let inside = (range.min.to_bits()..=range.max.to_bits()).prop_map(f32::from_bits);
+        prop_oneof![8 => inside, 1 => ends].boxed()
+    } else if range.min == 0.0 {
+        prop_oneof![8 => positive(range.max), 1 => ends, 1 => Just(-0.0)].boxed()
+    } else {
+        let negative = positive(-range.min).prop_map(|value| -value);
+        // The one number whose shortest decimal does not come back through f64.
+        let trap = Just(f32::from_bits(0x15AE_43FD)).prop_filter("in range", move |&value| range.holds(value));
+        prop_oneof![4 => positive(range.max), 4 => negative, 1 => ends, 1 => Just(-0.0), 1 => trap].boxed()
+    }
+}
+
+fn name() -> impl Strategy<Value = String> {
+    let edge = "[!#-+\\--~]";
+    let inside = "[ !#-+\\--~]";
+    proptest::string::string_regex(&format!("{edge}({inside}{{0,22}}{edge})?")).expect("a regular expression")
+}
+
+fn names(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<String>> {
+    prop::collection::hash_set(name(), count).prop_map(|names| names.into_iter().collect())
+}
+
+/// Any text, often with what TOML must escape.
+fn text() -> impl Strategy<Value = String> {
+    prop_oneof![Just(String::new()), any::<String>(), "[\"'\\\\\n\r\t\u{0}\u{7}\u{7f}\u{85}\u{2028}\u{feff}é𝄞 a]{0,40}"]
+}
+
+fn modes(positions: usize) -> impl Strategy<Value = Vec<Mode>> {
+    let gain = (number(range::GAIN), number(range::GAIN)).prop_map(|(sine, cosine)| Gain { sine, cosine });
+    let gains = prop::collection::vec(gain, positions);
+    let mode = (number(range::FREQUENCY_HZ), number(range::DECAY_PER_S), gains);
+    prop::collection::vec(
+        mode.prop_map(|(frequency_hz, decay_per_s, gains)| Mode { frequency_hz, decay_per_s, gains }),
+        0..5,
+    )
+}
+
+fn object(name: String) -> impl Strategy<Value = Object> {
+    let modes = (1..4usize).prop_flat_map(modes);
+    (text(), text(), number(range::REFERENCE_FORCE), number(range::ACCELERATION), modes).prop_map(
+        move |(source, licence, reference_force, acceleration, modes)| Object {
+            name: name.clone(),
+            source,
+            licence,
+            reference_force,
+            acceleration,
+            modes,
+        },
+    )
+}
+
+fn striker(name: String) -> impl Strategy<Value = Striker> {
+    let pulse = prop_oneof![Just(Pulse::Hertz), Just(Pulse::Gaussian)];
+    let peak = (number(range::PEAK_FORCE), number(range::PEAK_EXPONENT));
+    let contact = (number(range::CONTACT_TIME_S), number(range::CONTACT_EXPONENT));
+    (text(), text(), pulse, peak, contact, modes(1)).prop_map(
+        move |(source, licence, pulse, (peak_force, peak_exponent), (contact_time_s, contact_exponent), modes)| {
+            Striker {
+                name: name.clone(),
+                source,
+                licence,
+                pulse,
+                peak_force,
+                peak_exponent,
+                contact_time_s,
+                contact_exponent,
+                modes,
+            }
+        },
+    )
+}
+
+fn pad(
+    (name, midi_notes): (String, Vec<u8>),
+    objects: Vec<String>,
+    strikers: Vec<String>,
+) -> impl Strategy<Value = Pad> {
+    let most = strikers.len().min(4);
+    let strikers = subsequence(strikers, 1..=most).prop_shuffle();
+    let choke_t60_s = prop_oneof![4 => number(range::CHOKE_T60_S), 1 => Just(0.0), 1 => Just(-0.0)];
+    let numbers = (number(range::LEVEL_DB), number(range::PAN), number(range::STRIKER_WEIGHT), choke_t60_s);
+    (prop::sample::select(objects), strikers, numbers).prop_map(
+        move |(object, strikers, (level_db, pan, striker_weight, choke_t60_s))| Pad {
+            name: name.clone(),
+            object,
+            strikers,
+            level_db,
+            pan,
+            striker_weight,
+            choke_t60_s,
+            midi_notes: midi_notes.clone(),
+        },
+    )
+}
+
+/// Pads of the kit, without repeated MIDI notes.
+fn pads(objects: Vec<String>, strikers: Vec<String>) -> BoxedStrategy<Vec<Pad>> {
+    if objects.is_empty() || strikers.is_empty() {
+        return Just(Vec::new()).boxed();
+    }
+    let notes = subsequence((0..128u8).collect::<Vec<_>>(), 16).prop_shuffle();
+    (names(0..4), notes, prop::collection::vec(0..=4usize, 4))
+        .prop_flat_map(move |(names, notes, counts)| {
+            let notes = notes.chunks(4).zip(counts).map(|(notes, count)| notes.iter().copied().take(count).collect());
+            let heads: Vec<(String, Vec<u8>)> = names.into_iter().zip(notes).collect();
+            heads.into_iter().map(|head| pad(head, objects.clone(), strikers.clone())).collect::<Vec<_>>()
+        })
+        .boxed()
+}
+
+/// A valid kit.
+pub(crate) fn kit() -> impl Strategy<Value = Kit> {
+    (name(), names(0..4), names(0..6)).prop_flat_map(|(name, objects, strikers)| {
+        let pads = pads(objects.clone(), strikers.clone());
+        let objects: Vec<_> = objects.into_iter().map(object).collect();
+        let strikers: Vec<_> = strikers.into_iter().map(striker).collect();
+        (objects, strikers, pads).prop_map(move |(objects, strikers, pads)| Kit {
+            name: name.clone(),
+            objects,
+            strikers,
+            pads,
+        })
+    })
+}

@@ -1,0 +1,10 @@
+//! Kits as text and binary: what goes in comes out, and what is wrong is refused by name.
+
+mod arbitrary;
+mod binary_refusals;
+mod files;
+mod round_trip;
+mod sample;
+mod shipped;
+mod statistics;
+mod text_refusals;

@@ -1,0 +1,41 @@
+//! One contact at its place in time.
+
+use crate::contact::Pulse;
+use crate::rate::SampleRate;
+
+/// One term of eq. 3: the force `m_i C(t - t_i; τ_i)` of a single contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impact {
+    /// `t_i`: when the force starts, in samples with a fraction.
+    pub onset_samples: f64,
+    /// Shape of the force.
+    pub pulse: Pulse,
+    /// `m_i`: its peak in newtons.
+    pub peak_force: f64,
+    /// `τ_i`: its contact time in seconds, above 0.
+    pub contact_time_s: f64,
+}
+
+impl Impact {
+    /// The force in newtons at `sample`, that is at time `sample / fs`.
+    pub fn force(&self, sample: u64, rate: SampleRate) -> f64 {
+        self.peak_force * self.pulse.shape(self.since_onset_s(sample, rate), self.contact_time_s)
+    }
+
+    /// Adds the force in newtons to `force`, whose first element is at `first_sample`.
+    pub fn add_force(&self, first_sample: u64, rate: SampleRate, force: &mut [f64]) {
+        for (sample, sum) in (first_sample..).zip(force) {
+            *sum += self.force(sample, rate);
+        }
+    }
+
+    /// Whether the contact has ended before `sample`.
+    pub fn is_over(&self, sample: u64, rate: SampleRate) -> bool {
+        self.since_onset_s(sample, rate) > self.pulse.duration_s(self.contact_time_s)
+    }
+
+    fn since_onset_s(&self, sample: u64, rate: SampleRate) -> f64 {
+        // The difference is taken in samples, where it is exact, and only then scaled to seconds.
+        (sample as f64 - self.onset_samples) / rate.hz()
+    }
+}

@@ -1,0 +1,19 @@
+//! Contact: how a strike of some velocity becomes a force over time.
+//!
+//! A [`Striker`] turns the velocity into a peak force `m` and a contact time `τ`; a [`Pulse`] is
+//! the shape `C(t)` of the force between (eq. 2); an [`Impact`] is one such contact at its exact
+//! time. The force on an object is the sum over all contacts (eq. 3),
+//!
+//! ```text
+//! F(t) = Σ_i m_i C(t - t_i; τ_i)
+//! ```
+//!
+//! so a second strike while the first still pushes adds to it and cuts nothing off.
+
+mod impact;
+mod pulse;
+mod striker;
+
+pub use impact::Impact;
+pub use pulse::Pulse;
+pub use striker::Striker;

@@ -1,0 +1,47 @@
+//! What strikes, and the law from velocity to force.
+
+use crate::contact::{Impact, Pulse};
+use crate::resonator::Mode;
+
+/// A stick, mallet or finger: how it pushes, and how it rings itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Striker {
+    /// Shape of the contact force.
+    pub pulse: Pulse,
+    /// `m1`: peak force in newtons at velocity 1.
+    pub peak_force: f64,
+    /// `a` in `m = m1 v^a`; see [`Self::HERTZ_PEAK_EXPONENT`].
+    pub peak_exponent: f64,
+    /// `τ1`: contact time in seconds at velocity 1, above 0.
+    pub contact_time_s: f64,
+    /// `b` in `τ = τ1 v^b`; see [`Self::HERTZ_CONTACT_EXPONENT`].
+    pub contact_exponent: f64,
+    /// The striker's own modes (§4.3, the tool's impulse response), with gains at one position
+    /// (of more, the first is used); empty if it does not ring.
+    pub modes: Vec<Mode>,
+}
+
+impl Striker {
+    /// Hertz's law for colliding spheres: the peak force grows as velocity to the 6/5.
+    pub const HERTZ_PEAK_EXPONENT: f64 = 1.2;
+
+    /// Hertz's law for colliding spheres: the contact time falls as velocity to the -1/5, which is
+    /// why a harder strike is also a brighter one.
+    pub const HERTZ_CONTACT_EXPONENT: f64 = -0.2;
+
+    /// The contact that a strike at `velocity` (0 to 1) makes, starting at `onset_samples`:
+    ///
+    /// ```text
+    /// m = m1 v^a,   τ = τ1 v^b
+    /// ```
+    ///
+    /// `None` for a velocity of 0, which is no strike.
+    pub fn strike(&self, velocity: f64, onset_samples: f64) -> Option<Impact> {
+        (velocity > 0.0).then(|| Impact {
+            onset_samples,
+            pulse: self.pulse,
+            peak_force: self.peak_force * velocity.powf(self.peak_exponent),
+            contact_time_s: self.contact_time_s * velocity.powf(self.contact_exponent),
+        })
+    }
+}

@@ -1,0 +1,115 @@
+//! What can be wrong with the structure of a scene.
+//!
+//! Values (a negative frequency, a contact time of zero) are trusted: whoever reads tables checks
+//! them. Indices and lengths are checked here, because they would otherwise point at nothing.
+
+use std::fmt;
+
+use crate::resonator::GainsError;
+
+/// Which of a pad's modal banks is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BankOwner {
+    /// The struck object.
+    Object,
+    /// The striker with this index in the pad.
+    Striker(usize),
+}
+
+impl fmt::Display for BankOwner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Object => f.write_str("object"),
+            Self::Striker(index) => write!(f, "striker {index}"),
+        }
+    }
+}
+
+/// Why a scene cannot be rendered. Every index counts from 0.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Error {
+    /// An event names a pad that the scene does not have.
+    EventPad {
+        /// Index of the event in the list given.
+        event: usize,
+        /// The pad it names.
+        pad: usize,
+        /// How many pads there are.
+        pad_count: usize,
+    },
+    /// A strike names a striker that its pad does not have.
+    EventStriker {
+        /// Index of the event in the list given.
+        event: usize,
+        /// The pad it plays.
+        pad: usize,
+        /// The striker it names.
+        striker: usize,
+        /// How many strikers that pad has.
+        striker_count: usize,
+    },
+    /// An event is earlier than the one before it, or its time is not a number.
+    EventOrder {
+        /// Index of the event in the list given.
+        event: usize,
+        /// Its time in samples.
+        time_samples: f64,
+        /// The time in samples of the event before it.
+        previous_samples: f64,
+    },
+    /// The direct force, or the caller, asks for a pad that the scene does not have.
+    NoSuchPad {
+        /// The pad asked for.
+        pad: usize,
+        /// How many pads there are.
+        pad_count: usize,
+    },
+    /// A modal bank of a pad has gains at the wrong number of positions.
+    Bank {
+        /// Index of the pad.
+        pad: usize,
+        /// Which of its banks.
+        owner: BankOwner,
+        /// Which mode, and what was expected.
+        source: GainsError,
+    },
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::EventPad { event, pad, pad_count } => write!(
+                f,
+                "event {event} plays pad {pad}, but the scene has {pad_count} pads counted from 0: \
+                 correct the event or add the pad"
+            ),
+            Self::EventStriker { event, pad, striker, striker_count } => write!(
+                f,
+                "event {event} uses striker {striker} of pad {pad}, which has {striker_count} \
+                 counted from 0: correct the event or add the striker"
+            ),
+            Self::EventOrder { event, time_samples, previous_samples } => write!(
+                f,
+                "event {event} is at sample {time_samples}, after one at {previous_samples}: \
+                 sort the events by time"
+            ),
+            Self::NoSuchPad { pad, pad_count } => write!(
+                f,
+                "there is no pad {pad}: the scene has {pad_count} counted from 0; ask for one of \
+                 these"
+            ),
+            Self::Bank { pad, owner, .. } => {
+                write!(f, "the {owner} bank of pad {pad} has uneven gains")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Bank { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+}

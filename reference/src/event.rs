@@ -1,0 +1,66 @@
+//! What is played: strikes, chokes and releases, each at its time on its pad.
+
+use crate::error::Error;
+use crate::pad::Pad;
+
+/// What an [`Event`] does to its pad.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// A contact begins: its pulse starts at the event's exact time.
+    Strike,
+    /// A hand is laid on the pad: from the event's sample on every mode dies away at least as fast
+    /// as [`Pad::choke_t60_s`] says, new strikes included.
+    Choke,
+    /// The hand is lifted: from the event's sample on the modes have their own decay rates again.
+    Release,
+}
+
+/// One thing that happens to one pad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// When, in samples from the start of the scene, with a fraction; 0 or later.
+    pub time_samples: f64,
+    /// Index of the pad.
+    pub pad: usize,
+    /// Strike velocity, 0 to 1; a strike at 0 does nothing at all. Not read for a choke or release.
+    pub velocity: f64,
+    /// Where along the object the contact is, 0 to 1. Not read for a choke or release.
+    pub position: f64,
+    /// Index into the pad's strikers. Not read for a choke or release.
+    pub striker: usize,
+    /// What happens.
+    pub action: Action,
+}
+
+impl Event {
+    /// The first sample `n` with `n >= time_samples`: the first that can hear of this event.
+    pub fn first_sample(&self) -> u64 {
+        // The cast saturates: what happened before the start is known at sample 0.
+        self.time_samples.ceil() as u64
+    }
+}
+
+/// Checks that `events` come in order of time and name pads and strikers that exist.
+pub(crate) fn check(events: &[Event], pads: &[Pad]) -> Result<(), Error> {
+    let mut previous_samples = f64::NEG_INFINITY;
+    for (index, event) in events.iter().enumerate() {
+        let Some(pad) = pads.get(event.pad) else {
+            return Err(Error::EventPad { event: index, pad: event.pad, pad_count: pads.len() });
+        };
+        if event.action == Action::Strike && event.striker >= pad.strikers.len() {
+            return Err(Error::EventStriker {
+                event: index,
+                pad: event.pad,
+                striker: event.striker,
+                striker_count: pad.strikers.len(),
+            });
+        }
+        // The comparison is false for a time that is not a number, which has no place in an order.
+        let in_order = previous_samples <= event.time_samples;
+        if !in_order {
+            return Err(Error::EventOrder { event: index, time_samples: event.time_samples, previous_samples });
+        }
+        previous_samples = event.time_samples;
+    }
+    Ok(())
+}

@@ -1,0 +1,76 @@
+//! A pad's part in the scene: its voice, and the events that play it, each at its sample.
+
+use crate::error::Error;
+use crate::event::Event;
+use crate::pad::Pad;
+use crate::pad::voice::Voice;
+use crate::rate::SampleRate;
+use crate::scene::Direct;
+
+/// Forces are evaluated for at most so many samples at a time, so that memory stays small however
+/// long a block is asked for. It changes no bit of the result.
+const SPAN_SAMPLES: usize = 256;
+
+/// One pad playing its events.
+pub(crate) struct Part<'a> {
+    voice: Voice<'a>,
+    /// The events yet to come, latest first.
+    to_come: Vec<Event>,
+    /// Direct force in newtons from sample 0; none after its end.
+    direct_force: &'a [f64],
+    /// The sample to be computed next.
+    next_sample: u64,
+}
+
+impl<'a> Part<'a> {
+    /// The part of the pad with index `pad`, at sample 0. `events` have been checked.
+    pub(crate) fn new(
+        pads: &'a [Pad],
+        pad: usize,
+        events: &[Event],
+        direct: Option<Direct<'a>>,
+        rate: SampleRate,
+    ) -> Result<Self, Error> {
+        let played = pads.get(pad).ok_or(Error::NoSuchPad { pad, pad_count: pads.len() })?;
+        let voice = Voice::new(played, rate).map_err(|(owner, source)| Error::Bank { pad, owner, source })?;
+        let own_events = events.iter().filter(|event| event.pad == pad).copied();
+        let own_direct = direct.filter(|direct| direct.pad == pad);
+        Ok(Self {
+            voice,
+            to_come: own_events.rev().collect(),
+            direct_force: own_direct.map_or(&[], |direct| direct.force),
+            next_sample: 0,
+        })
+    }
+
+    /// Adds the next `sound.len()` samples to `sound`.
+    pub(crate) fn render(&mut self, mut sound: &mut [f64]) {
+        while !sound.is_empty() {
+            while let Some(event) = self.to_come.pop_if(|event| event.first_sample() <= self.next_sample) {
+                self.voice.play(&event);
+            }
+            let (span, rest) = sound.split_at_mut(self.span_samples().min(sound.len()));
+            let direct = self.direct(span.len());
+            self.voice.add_sound(self.next_sample, &direct, span);
+            self.next_sample += span.len() as u64;
+            sound = rest;
+        }
+    }
+
+    /// How far to go at once: not past the next event.
+    fn span_samples(&self) -> usize {
+        let until_event = self.to_come.last().map(|event| event.first_sample() - self.next_sample);
+        until_event
+            .and_then(|samples| usize::try_from(samples).ok())
+            .map_or(SPAN_SAMPLES, |samples| samples.min(SPAN_SAMPLES))
+    }
+
+    /// The direct force over the next `length` samples.
+    fn direct(&self, length: usize) -> Vec<f64> {
+        let from = usize::try_from(self.next_sample).unwrap_or(usize::MAX);
+        let ahead = self.direct_force.get(from..).unwrap_or(&[]);
+        let mut force = ahead[..length.min(ahead.len())].to_vec();
+        force.resize(length, 0.0);
+        force
+    }
+}

@@ -1,0 +1,20 @@
+//! The sample rate as the clock tree makes it: a ratio.
+
+/// A sample rate in hertz, `numerator / denominator`.
+///
+/// A ratio, because hardware divides clocks: 86 000 000 / 1792 Hz is 47 991.071..., and a rate
+/// rounded to whole hertz would detune every mode. Both parts must be above zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SampleRate {
+    /// Clock frequency in hertz.
+    pub numerator: u32,
+    /// What the clock is divided by.
+    pub denominator: u32,
+}
+
+impl SampleRate {
+    /// The rate `fs` in hertz.
+    pub fn hz(self) -> f64 {
+        f64::from(self.numerator) / f64::from(self.denominator)
+    }
+}

@@ -1,0 +1,131 @@
+//! A bank: all modes of one object, driven by one force.
+
+use std::fmt;
+
+use crate::rate::SampleRate;
+use crate::resonator::mode::Mode;
+use crate::resonator::one_pole::OnePole;
+
+/// The modes of an object or striker, vibrating at one sample rate.
+///
+/// Costs about 10 CPU cycles a mode and sample while ringing: 60 modes over 10 s at 48 kHz take
+/// about 0.1 s on a PC. Modes at rest cost next to nothing.
+#[derive(Clone, Debug)]
+pub struct Bank<'a> {
+    modes: &'a [Mode],
+    rate: SampleRate,
+    /// One for each mode; `None` for a mode at or above Nyquist, which is never rendered.
+    one_poles: Vec<Option<OnePole>>,
+}
+
+impl<'a> Bank<'a> {
+    /// A bank at rest, to be struck at position 0.
+    ///
+    /// # Errors
+    /// [`GainsError`] unless all `modes` have gains at the same number of positions, 1 or more.
+    pub fn new(modes: &'a [Mode], rate: SampleRate) -> Result<Self, GainsError> {
+        let expected = modes.first().map_or(1, |mode| mode.gains.len().max(1));
+        for (index, mode) in modes.iter().enumerate() {
+            let found = mode.gains.len();
+            if found != expected {
+                return Err(GainsError { mode: index, found, expected });
+            }
+        }
+        let one_poles = modes.iter().map(|mode| {
+            let below_nyquist = mode.frequency_hz < rate.hz() / 2.0;
+            below_nyquist.then(|| OnePole::new(mode.frequency_hz, mode.decay_per_s, rate))
+        });
+        let mut bank = Self { modes, rate, one_poles: one_poles.collect() };
+        bank.set_position(0.0);
+        Ok(bank)
+    }
+
+    /// Moves the contact to `position`, 0 to 1 along the object, for all force from now on
+    /// ([`Mode::gain_at`]). What already rings is not touched.
+    pub fn set_position(&mut self, position: f64) {
+        for (mode, one_pole) in self.modes.iter().zip(&mut self.one_poles) {
+            if let (Some(one_pole), Some(gain)) = (one_pole, mode.gain_at(position)) {
+                one_pole.set_gain(gain, self.rate);
+            }
+        }
+    }
+
+    /// From the next sample on, every mode's decay rate is at least that of a T60 of `t60_s`
+    /// seconds: `max(d, ln(1000)/T60)`.
+    ///
+    /// The state `z` is continuous and frequencies stay. The step that leads into the next sample
+    /// already has the new pole: `z[n] = p' z[n-1]`.
+    pub fn choke(&mut self, t60_s: f64) {
+        self.set_least_decay(1000_f64.ln() / t60_s);
+    }
+
+    /// From the next sample on, the modes have their own decay rates again.
+    pub fn release(&mut self) {
+        self.set_least_decay(0.0);
+    }
+
+    fn set_least_decay(&mut self, least_per_s: f64) {
+        for (mode, one_pole) in self.modes.iter().zip(&mut self.one_poles) {
+            if let Some(one_pole) = one_pole {
+                let decay_per_s = mode.decay_per_s.max(least_per_s);
+                one_pole.set_pole(mode.frequency_hz, decay_per_s, self.rate);
+            }
+        }
+    }
+
+    /// Adds the bank's sound (full scale) under `force` (newtons) to `sound`, sample by sample; the
+    /// shorter of the two slices says for how long.
+    ///
+    /// Calls follow one another without a seam: any division into blocks gives the same bits.
+    pub fn add_sound(&mut self, force: &[f64], sound: &mut [f64]) {
+        let length = force.len().min(sound.len());
+        let mut start = 0;
+        // Runs with and without force, because without it the input needs no work.
+        for run in force[..length].chunk_by(|a, b| (*a == 0.0) == (*b == 0.0)) {
+            let sound = &mut sound[start..start + run.len()];
+            for one_pole in self.one_poles.iter_mut().flatten() {
+                if run[0] == 0.0 {
+                    one_pole.ring(sound);
+                } else {
+                    one_pole.drive(run, sound);
+                }
+            }
+            start += run.len();
+        }
+    }
+
+    /// `|z|` of every mode, in the order given: the amplitude (full scale) with which it vibrates
+    /// after the last sample computed. 0 for a mode that is never rendered.
+    pub fn amplitudes(&self) -> impl Iterator<Item = f64> {
+        self.one_poles.iter().map(|one_pole| one_pole.as_ref().map_or(0.0, OnePole::amplitude))
+    }
+
+    /// Whether there is no mode at all.
+    pub fn is_empty(&self) -> bool {
+        self.modes.is_empty()
+    }
+}
+
+/// A mode has gains at another number of positions than its bank.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GainsError {
+    /// Index of the mode in the bank, from 0.
+    pub mode: usize,
+    /// At how many positions it has gains.
+    pub found: usize,
+    /// At how many the bank's first mode has them (1, if that one has none).
+    pub expected: usize,
+}
+
+impl fmt::Display for GainsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { mode, found, expected } = self;
+        write!(
+            f,
+            "mode {mode} has gains at {found} positions where {expected} are expected: give all \
+             modes of a bank the same number, 1 or more"
+        )
+    }
+}
+
+impl std::error::Error for GainsError {}

@@ -1,0 +1,94 @@
+//! Scene: several pads, played by one list of events, mixed to stereo.
+
+mod output;
+
+use crate::error::Error;
+use crate::event::{self, Event};
+use crate::pad::{Pad, Part};
+use crate::rate::SampleRate;
+
+pub use output::{level_gain, pan_gains, quantise_24};
+
+/// A force that drives a pad sample by sample, such as the signal of a piezo under it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Direct<'a> {
+    /// Index of the pad. For its strikers' sound, striker 0 makes this force.
+    pub pad: usize,
+    /// The force in newtons, one value a sample from sample 0; none after its end.
+    pub force: &'a [f64],
+}
+
+/// Pads being played.
+///
+/// A pad that no event and no direct force ever reaches costs nothing.
+pub struct Scene<'a> {
+    channels: Vec<Channel<'a>>,
+}
+
+/// A pad's part, and its gains to left and right.
+struct Channel<'a> {
+    part: Part<'a>,
+    gains: [f64; 2],
+}
+
+impl<'a> Scene<'a> {
+    /// The scene at sample 0. `events` are sorted by time.
+    ///
+    /// # Errors
+    /// [`Error`] if an index points at nothing, events are out of order, or the gains of a bank that
+    /// will sound are uneven.
+    pub fn new(pads: &'a [Pad], events: &[Event], direct: Option<Direct<'a>>, rate: SampleRate) -> Result<Self, Error> {
+        event::check(events, pads)?;
+        if let Some(Direct { pad, .. }) = direct
+            && pad >= pads.len()
+        {
+            return Err(Error::NoSuchPad { pad, pad_count: pads.len() });
+        }
+        let is_driven = |index: usize| {
+            direct.is_some_and(|direct| direct.pad == index) || events.iter().any(|event| event.pad == index)
+        };
+        let driven = (0..pads.len()).filter(|index| is_driven(*index));
+        let channels = driven.map(|index| {
+            let level = level_gain(pads[index].level_db);
+            Ok(Channel {
+                part: Part::new(pads, index, events, direct, rate)?,
+                gains: pan_gains(pads[index].pan).map(|gain| level * gain),
+            })
+        });
+        Ok(Self { channels: channels.collect::<Result<_, Error>>()? })
+    }
+
+    /// Computes the next `frames.len()` frames, `[left, right]`, 1.0 = 0 dBFS, not clipped.
+    ///
+    /// Blocks of any size, one after another, give the same bits as a single large one.
+    pub fn render(&mut self, frames: &mut [[f64; 2]]) {
+        frames.fill([0.0; 2]);
+        for Channel { part, gains } in &mut self.channels {
+            let mut sound = vec![0.0; frames.len()];
+            part.render(&mut sound);
+            for (frame, y) in frames.iter_mut().zip(sound) {
+                frame[0] += gains[0] * y;
+                frame[1] += gains[1] * y;
+            }
+        }
+    }
+}
+
+/// The first `frame_count` frames of a scene, `[left, right]`, 1.0 = 0 dBFS, not clipped.
+///
+/// `events` are sorted by time; `direct` is a force from outside for one pad. To see progress, use
+/// [`Scene`] block by block instead.
+///
+/// # Errors
+/// As [`Scene::new`].
+pub fn render(
+    pads: &[Pad],
+    events: &[Event],
+    direct: Option<Direct<'_>>,
+    rate: SampleRate,
+    frame_count: usize,
+) -> Result<Vec<[f64; 2]>, Error> {
+    let mut frames = vec![[0.0; 2]; frame_count];
+    Scene::new(pads, events, direct, rate)?.render(&mut frames);
+    Ok(frames)
+}
