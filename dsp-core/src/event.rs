@@ -142,7 +142,10 @@ impl fmt::Display for EventError {
             Self::Velocity { index, value } => write!(f, "event {index}: velocity = {value}: must be from 0 to 1"),
             Self::Position { index, value } => write!(f, "event {index}: position = {value}: must be from 0 to 1"),
             Self::Direct { pad, frames, block } => {
-                write!(f, "direct force for pad {pad}, {frames} frames: the block has {block} frames, and the pad must exist")
+                write!(
+                    f,
+                    "direct force for pad {pad}, {frames} frames: the block has {block} frames, and the pad must exist"
+                )
             }
         }
     }

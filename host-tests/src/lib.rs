@@ -1,1 +1,3 @@
-//! Under construction.
+//! What the tests and benches of this crate share: signals measured against the `f64` law.
+
+pub mod single_mode;

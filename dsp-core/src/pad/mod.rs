@@ -106,7 +106,8 @@ impl Pad {
 
     /// Modes of the object's bank and of all strikers' banks.
     pub fn mode_count(&self) -> usize {
-        self.object.mode_count() + self.strikers.iter().flatten().map(|striker| striker.bank.mode_count()).sum::<usize>()
+        self.object.mode_count()
+            + self.strikers.iter().flatten().map(|striker| striker.bank.mode_count()).sum::<usize>()
     }
 
     /// Whether the pad has been struck, or driven, since it was loaded.

@@ -21,6 +21,11 @@ pub struct Origin {
     index: u16,
 }
 
+impl Origin {
+    /// Fills memory before a kit is loaded.
+    pub const NONE: Self = Self { coefficients: Coefficients { delta: 0, epsilon: 0 }, index: 0 };
+}
+
 /// The modes of a table, as a bank is loaded from them.
 #[derive(Clone, Copy, Debug)]
 pub struct BankTable<'a> {

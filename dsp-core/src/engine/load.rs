@@ -1,0 +1,128 @@
+//! From a kit to a playing engine.
+
+use core::fmt;
+
+use super::{Engine, Skipping, TickReport, Voice};
+use crate::SampleRate;
+use crate::contact::Flight;
+use crate::pad::{Pad, PadTables};
+use crate::resonator::{BankError, Memory, Mode, Used, max_decay_per_s};
+use crate::table::Kit;
+
+/// Why a kit cannot be played by this engine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LoadError {
+    /// The kit has no pad.
+    NoPads,
+    /// The kit has more pads than the engine.
+    TooManyPads {
+        /// Pads of the kit.
+        pads: usize,
+        /// Pads of the engine.
+        capacity: usize,
+    },
+    /// Something of a pad does not fit.
+    Pad {
+        /// Which pad.
+        pad: usize,
+        /// Which of its strikers' banks, or `None` for its object's.
+        striker: Option<usize>,
+        /// What.
+        error: BankError,
+        /// Modes, groups and origins that the engine has.
+        capacity: (usize, usize, usize),
+        /// The rate at which it was loaded.
+        rate: SampleRate,
+    },
+}
+
+impl fmt::Display for LoadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NoPads => write!(f, "the kit has no pads: there is nothing to play"),
+            Self::TooManyPads { pads, capacity } => {
+                write!(f, "pads: {pads}, this engine has room for {capacity}")
+            }
+            Self::Pad { pad, striker, error, capacity: (modes, groups, origins), rate } => {
+                write!(f, "pad {pad}, ")?;
+                match striker {
+                    Some(striker) => write!(f, "striker {striker} of the pad: ")?,
+                    None => write!(f, "its object: ")?,
+                }
+                match error {
+                    BankError::TooManyModes => {
+                        write!(f, "modes: more than the {modes} that this engine has room for in all")
+                    }
+                    BankError::TooManyGroups => {
+                        write!(f, "modes: more than the {groups} register groups that this engine has room for in all")
+                    }
+                    BankError::TooManyOrigins => write!(
+                        f,
+                        "modes: more than {origins} modes in all of pads with choke_t60_s above 0 or several positions"
+                    ),
+                    BankError::DecayTooFast { mode, decay_per_s } => write!(
+                        f,
+                        "mode {mode}: decay_per_s = {decay_per_s}: must be at most {:.1} at {rate}",
+                        max_decay_per_s(rate)
+                    ),
+                    BankError::GainTooLarge => write!(
+                        f,
+                        "gain_sine or gain_cosine times reference_force (and striker_weight): must be below 2^21 times the rate"
+                    ),
+                }
+            }
+        }
+    }
+}
+
+impl core::error::Error for LoadError {}
+
+impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGINS: usize, const CONTACTS: usize>
+    Engine<'k, PADS, MODES, GROUPS, ORIGINS, CONTACTS>
+{
+    /// Derives all stages from a kit for a sample rate and sets time to 0. What rang before is gone.
+    ///
+    /// Coefficients are derived in software `f64`: some 20 000 cycles a mode on a Cortex-M4F.
+    ///
+    /// # Errors
+    /// A [`LoadError`]; the engine is then without a kit and silent.
+    pub fn load(&mut self, kit: &Kit<'k>, rate: SampleRate, skipping: Skipping) -> Result<(), LoadError> {
+        self.pads = [const { None }; PADS];
+        self.modes = [Mode::SILENT; MODES];
+        self.flight = Flight::EMPTY;
+        self.report = TickReport::EMPTY;
+        (self.rate, self.skipping, self.now) = (rate, skipping, 0);
+        let loaded = self.load_pads(kit);
+        if loaded.is_err() {
+            self.pads = [const { None }; PADS];
+        }
+        loaded
+    }
+
+    fn load_pads(&mut self, kit: &Kit<'k>) -> Result<(), LoadError> {
+        let pads = kit.pads().len();
+        // Events count pads in a byte.
+        let capacity = PADS.min(usize::from(u8::MAX));
+        match pads {
+            0 => return Err(LoadError::NoPads),
+            _ if pads > capacity => return Err(LoadError::TooManyPads { pads, capacity }),
+            _ => {}
+        }
+        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
+        let mut used = Used::default();
+        for (index, (slot, pad)) in self.pads.iter_mut().zip(kit.pads()).enumerate() {
+            let Some(tables) = PadTables::new(*kit, pad) else { continue };
+            let pad = Pad::load(kit, pad, &tables.object(), self.rate, &mut memory, &mut used).map_err(
+                |(error, striker)| LoadError::Pad {
+                    pad: index,
+                    striker,
+                    error,
+                    capacity: (MODES, GROUPS, ORIGINS),
+                    rate: self.rate,
+                },
+            )?;
+            *slot = Some(Voice { pad, tables });
+        }
+        Ok(())
+    }
+}

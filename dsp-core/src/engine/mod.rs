@@ -1,0 +1,295 @@
+//! The engine: pads, events and time.
+//!
+//! ```text
+//! caller's block: |----------- 33 frames ------------|
+//! ticks:          |     |     every 32 frames, counted from the engine's start
+//! events:         |        |  at their frame
+//! runs:           [----][--][------][----------------]   what the stages render at once
+//! ```
+//!
+//! A block is cut at ticks and at events; all bookkeeping happens on ticks, so that the block size cannot change a bit. What ran
+//! and what was skipped in each tick is told by a [`TickReport`].
+
+mod load;
+mod report;
+
+pub use load::LoadError;
+pub use report::{Cause, TickReport};
+
+use crate::SampleRate;
+use crate::contact::{Contact, Flight};
+use crate::event::{Action, Event, EventError};
+use crate::output;
+use crate::pad::{Pad, PadTables, Run};
+use crate::resonator::{Group, Memory, Mode, Origin, TICK_FRAMES};
+
+/// What an engine leaves out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Skipping {
+    /// Everything that cannot be heard: pads at rest, input work without force, modes that have decayed.
+    On,
+    /// Nothing that was built: every mode runs with its input in every frame. For measuring.
+    Off,
+}
+
+/// A force that excites a pad directly, sample by sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Direct<'a> {
+    /// Which pad.
+    pub pad: u8,
+    /// The force, as long as the block, Q4.27: 1.0 = the object's reference force.
+    pub force: &'a [i32],
+}
+
+/// Fixed memory for a whole instrument, sized at compile time.
+///
+/// | parameter | counts | bytes each |
+/// | --- | --- | --- |
+/// | `PADS` | pads of the kit | 480 |
+/// | `MODES` | modes below Nyquist of all pads, their strikers' included | 24 |
+/// | `GROUPS` | register groups: modes/6, and up to eight more a bank | 16 |
+/// | `ORIGINS` | modes of pads that can be choked or have several positions | 12 |
+/// | `CONTACTS` | contacts under way at once | 32 |
+#[derive(Debug)]
+pub struct Engine<
+    'k,
+    const PADS: usize,
+    const MODES: usize,
+    const GROUPS: usize,
+    const ORIGINS: usize,
+    const CONTACTS: usize,
+> {
+    pads: [Option<Voice<'k>>; PADS],
+    modes: [Mode; MODES],
+    groups: [Group; GROUPS],
+    origins: [Origin; ORIGINS],
+    flight: Flight<CONTACTS>,
+    rate: SampleRate,
+    skipping: Skipping,
+    now: u64,
+    report: TickReport,
+}
+
+/// A pad and the tables it was loaded from.
+#[derive(Debug)]
+struct Voice<'k> {
+    pad: Pad,
+    tables: PadTables<'k>,
+}
+
+impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGINS: usize, const CONTACTS: usize>
+    Default for Engine<'k, PADS, MODES, GROUPS, ORIGINS, CONTACTS>
+{
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGINS: usize, const CONTACTS: usize>
+    Engine<'k, PADS, MODES, GROUPS, ORIGINS, CONTACTS>
+{
+    /// An engine without a kit, silent. `const`, so that it can lie in a `static` and never on a stack.
+    pub const fn new() -> Self {
+        Self {
+            pads: [const { None }; PADS],
+            modes: [Mode::SILENT; MODES],
+            groups: [Group::EMPTY; GROUPS],
+            origins: [Origin::NONE; ORIGINS],
+            flight: Flight::EMPTY,
+            rate: SampleRate::HZ_48000,
+            skipping: Skipping::On,
+            now: 0,
+            report: TickReport::EMPTY,
+        }
+    }
+
+    /// The frame that the next block begins with, counted from the load.
+    pub fn now(&self) -> u64 {
+        self.now
+    }
+
+    /// The sample rate.
+    pub fn rate(&self) -> SampleRate {
+        self.rate
+    }
+
+    /// Number of pads loaded.
+    pub fn pad_count(&self) -> usize {
+        self.pads.iter().flatten().count()
+    }
+
+    /// Modes that a pad renders, its strikers' included; those at or above Nyquist are not among them.
+    pub fn mode_count(&self, pad: usize) -> usize {
+        self.pads.get(pad).and_then(Option::as_ref).map_or(0, |voice| voice.pad.mode_count())
+    }
+
+    /// Whether nothing rings and no contact is under way: until the next event or direct force, output is exact silence and a core may sleep.
+    pub fn is_silent(&self) -> bool {
+        self.flight.count() == 0 && !self.pads.iter().flatten().any(|voice| voice.pad.is_ringing())
+    }
+
+    /// Renders a block of 24-bit stereo samples. See [`render_observed`](Self::render_observed).
+    ///
+    /// # Errors
+    /// An [`EventError`] for the first event that cannot be; then nothing was rendered and time stands still.
+    pub fn render(
+        &mut self,
+        events: &[Event],
+        direct: Option<Direct<'_>>,
+        out: &mut [[i32; 2]],
+    ) -> Result<(), EventError> {
+        self.render_observed(events, direct, out, |_| {})
+    }
+
+    /// Renders a block of signed 24-bit stereo samples (full scale 2^23), of any length, and shows each tick's report as it ends.
+    ///
+    /// `events` are those that take effect within the block, in order of time. A `direct` force excites its pad for the whole block.
+    ///
+    /// # Errors
+    /// An [`EventError`] for the first event that cannot be; then nothing was rendered and time stands still.
+    pub fn render_observed(
+        &mut self,
+        events: &[Event],
+        direct: Option<Direct<'_>>,
+        out: &mut [[i32; 2]],
+        observe: impl FnMut(&TickReport),
+    ) -> Result<(), EventError> {
+        self.render_bus(events, direct, out, observe)?;
+        output::to_24_bit(out);
+        Ok(())
+    }
+
+    /// The same before the step to 24 bits: stereo bus samples, Q4.27. For measuring.
+    ///
+    /// # Errors
+    /// As [`render_observed`](Self::render_observed).
+    pub fn render_bus(
+        &mut self,
+        events: &[Event],
+        direct: Option<Direct<'_>>,
+        out: &mut [[i32; 2]],
+        mut observe: impl FnMut(&TickReport),
+    ) -> Result<(), EventError> {
+        let frames = out.len();
+        self.check(events, direct, frames)?;
+        out.fill([0, 0]);
+        let end = self.now.saturating_add(frames as u64);
+        let (mut events, mut out, mut direct) = (events, out, direct);
+        while !out.is_empty() {
+            if self.now.is_multiple_of(TICK_FRAMES as u64) {
+                self.begin_tick();
+            }
+            while let Some((event, later)) =
+                events.split_first().filter(|(event, _)| event.time.first_frame() <= self.now)
+            {
+                self.apply(event);
+                events = later;
+            }
+            let to_tick = TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64;
+            let to_event = events.first().map_or(u64::MAX, |event| event.time.first_frame() - self.now);
+            // At most a tick, hence it fits a usize.
+            let length = to_tick.min(to_event).min(end - self.now) as usize;
+            let Some((now, later)) = core::mem::take(&mut out).split_at_mut_checked(length) else { break };
+            let direct_now =
+                direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(..length)? }));
+            self.render_run(direct_now, now);
+            direct = direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(length..)? }));
+            out = later;
+            self.now += length as u64;
+            if self.now.is_multiple_of(TICK_FRAMES as u64) {
+                self.end_tick();
+                observe(&self.report);
+            }
+        }
+        Ok(())
+    }
+
+    fn check(&self, events: &[Event], direct: Option<Direct<'_>>, frames: usize) -> Result<(), EventError> {
+        let mut earliest = self.now;
+        let end = self.now.saturating_add(frames as u64);
+        let pads = self.pad_count();
+        for (index, event) in events.iter().enumerate() {
+            let frame = event.time.first_frame();
+            let pad = self.pads.get(usize::from(event.pad)).and_then(Option::as_ref);
+            let strikers = pad.map_or(0, |voice| voice.pad.striker_count());
+            if frame < earliest {
+                return Err(EventError::OutOfOrder { index, frame, earliest });
+            } else if frame >= end {
+                return Err(EventError::BehindBlock { index, frame, end });
+            } else if pad.is_none() {
+                return Err(EventError::UnknownPad { index, pad: event.pad, pads });
+            } else if usize::from(event.striker) >= strikers {
+                return Err(EventError::UnknownStriker { index, striker: event.striker, strikers });
+            } else if !(0.0..=1.0).contains(&event.velocity) {
+                return Err(EventError::Velocity { index, value: event.velocity });
+            } else if !(0.0..=1.0).contains(&event.position) {
+                return Err(EventError::Position { index, value: event.position });
+            }
+            earliest = frame;
+        }
+        match direct {
+            Some(Direct { pad, force }) if usize::from(pad) >= pads || force.len() != frames => {
+                Err(EventError::Direct { pad, frames: force.len(), block: frames })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn begin_tick(&mut self) {
+        self.report = TickReport { frame: self.now, ..TickReport::EMPTY };
+        let skip = self.skipping == Skipping::On;
+        let mut retired: f32 = self.pads.iter().flatten().map(|voice| voice.pad.retired_amplitude()).sum();
+        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
+        for voice in self.pads.iter_mut().flatten() {
+            let elsewhere = retired - voice.pad.retired_amplitude();
+            self.report.retired_modes += voice.pad.tick(&mut memory, skip, elsewhere.max(0.0));
+            retired = elsewhere + voice.pad.retired_amplitude();
+        }
+        self.report.retired_amplitude = retired;
+    }
+
+    fn apply(&mut self, event: &Event) {
+        let Some(voice) = self.pads.get_mut(usize::from(event.pad)).and_then(Option::as_mut) else { return };
+        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
+        match event.action {
+            Action::Strike => {
+                let struck = voice.pad.strike(
+                    &voice.tables,
+                    event.velocity,
+                    event.position,
+                    event.striker,
+                    self.rate,
+                    &mut memory,
+                );
+                if let Some(impact) = struck {
+                    let contact = Contact::new(event.pad, event.striker, impact, event.time.early_frames());
+                    self.report.strikes += 1;
+                    self.report.displaced_contacts += u32::from(self.flight.begin(contact));
+                }
+            }
+            Action::Choke => voice.pad.set_choked(true, &voice.tables, self.rate, &mut memory),
+            Action::Release => voice.pad.set_choked(false, &voice.tables, self.rate, &mut memory),
+        }
+    }
+
+    fn render_run(&mut self, direct: Option<Direct<'_>>, out: &mut [[i32; 2]]) {
+        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
+        self.report.contact_frames += (self.flight.count() * out.len()) as u32;
+        for (voice, number) in self.pads.iter_mut().flatten().zip(0u8..) {
+            let run = Run {
+                frames: out.len(),
+                odd_start: self.now % 2 == 1,
+                skip: self.skipping == Skipping::On,
+                direct: direct.filter(|direct| direct.pad == number).map(|direct| direct.force),
+            };
+            let work = voice.pad.render(number, run, &mut self.flight, &mut memory, out);
+            self.report.add(&voice.pad, &work, out.len());
+        }
+        self.flight.clear_finished();
+    }
+
+    fn end_tick(&mut self) {
+        self.report.contacts = self.flight.count() as u32;
+        self.report.ringing_pads = self.pads.iter().flatten().filter(|voice| voice.pad.is_ringing()).count() as u32;
+    }
+}

@@ -1,0 +1,110 @@
+//! What a tick did and what it left out.
+
+use crate::pad::{Pad, PadWork};
+
+/// Why modes that were built did not run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// Their pad has not been struck since the load.
+    Unstruck,
+    /// They, or all of their pad, have decayed, or their gain at the struck position is 0.
+    Decayed,
+}
+
+/// Everything that ran in one tick, and what was skipped; modes above Nyquist are not built and appear nowhere.
+///
+/// Work is counted in frames: a mode that rings through a whole tick makes 32 mode-frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TickReport {
+    /// The tick's first frame.
+    pub frame: u64,
+    /// Mode-frames with input.
+    pub driven_mode_frames: u32,
+    /// Mode-frames ringing freely.
+    pub free_mode_frames: u32,
+    /// Mode-frames skipped because their pad has not been struck ([`Cause::Unstruck`]).
+    pub unstruck_mode_frames: u32,
+    /// Mode-frames skipped because they have decayed ([`Cause::Decayed`]).
+    pub decayed_mode_frames: u32,
+    /// Mode-frames of strikers' banks among those that ran.
+    pub striker_mode_frames: u32,
+    /// Pad-frames in which a force was there.
+    pub force_frames: u32,
+    /// Frames times contacts under way.
+    pub contact_frames: u32,
+    /// Frames in which an acceleration sound was computed, all pads.
+    pub acceleration_frames: u32,
+    /// Frames in which a direct force was taken in.
+    pub direct_frames: u32,
+    /// Strikes that began.
+    pub strikes: u32,
+    /// Contacts that a new one displaced, because all places were taken.
+    pub displaced_contacts: u32,
+    /// Guards beyond the one a tick.
+    pub extra_guards: u32,
+    /// Runs of register groups whose input was refused for want of headroom.
+    pub refused_inputs: u32,
+    /// Modes that retired at this tick.
+    pub retired_modes: u32,
+    /// Bound of the amplitude that is missing by retirement, 1.0 = full scale; below 10^-5.
+    pub retired_amplitude: f32,
+    /// Pads that ring at the tick's end.
+    pub ringing_pads: u32,
+    /// Contacts under way at the tick's end.
+    pub contacts: u32,
+}
+
+impl TickReport {
+    pub(super) const EMPTY: Self = Self {
+        frame: 0,
+        driven_mode_frames: 0,
+        free_mode_frames: 0,
+        unstruck_mode_frames: 0,
+        decayed_mode_frames: 0,
+        striker_mode_frames: 0,
+        force_frames: 0,
+        contact_frames: 0,
+        acceleration_frames: 0,
+        direct_frames: 0,
+        strikes: 0,
+        displaced_contacts: 0,
+        extra_guards: 0,
+        refused_inputs: 0,
+        retired_modes: 0,
+        retired_amplitude: 0.0,
+        ringing_pads: 0,
+        contacts: 0,
+    };
+
+    /// Mode-frames that ran.
+    pub fn run_mode_frames(&self) -> u32 {
+        self.driven_mode_frames + self.free_mode_frames
+    }
+
+    /// Mode-frames that were built and skipped, for a cause.
+    pub fn skipped_mode_frames(&self, cause: Cause) -> u32 {
+        match cause {
+            Cause::Unstruck => self.unstruck_mode_frames,
+            Cause::Decayed => self.decayed_mode_frames,
+        }
+    }
+
+    pub(super) fn add(&mut self, pad: &Pad, work: &PadWork, frames: usize) {
+        let mut banks = work.object;
+        banks += work.strikers;
+        let run = banks.driven_mode_frames + banks.free_mode_frames;
+        let skipped = ((pad.mode_count() * frames) as u32).saturating_sub(run);
+        match pad.was_struck() {
+            true => self.decayed_mode_frames += skipped,
+            false => self.unstruck_mode_frames += skipped,
+        }
+        self.driven_mode_frames += banks.driven_mode_frames;
+        self.free_mode_frames += banks.free_mode_frames;
+        self.striker_mode_frames += work.strikers.driven_mode_frames + work.strikers.free_mode_frames;
+        self.extra_guards += banks.extra_guards;
+        self.refused_inputs += banks.refused;
+        self.force_frames += work.force_frames;
+        self.acceleration_frames += work.acceleration_frames;
+        self.direct_frames += work.direct_frames;
+    }
+}
