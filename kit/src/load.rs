@@ -78,7 +78,7 @@ pub fn open(name_or_path: &str) -> Result<Loaded, KitError> {
         return loaded;
     }
     let path = Path::new(name_or_path);
-    if !path.exists() {
+    if matches!(path.try_exists(), Ok(false)) {
         return Err(KitError::UnknownKit { name: name_or_path.to_owned(), shipped: shipped_names().collect() });
     }
     load(path)

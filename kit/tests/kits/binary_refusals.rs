@@ -32,7 +32,7 @@ fn with_section(section_tag: [u8; 4]) -> Vec<u8> {
         length: U32::new(4),
     };
     body.extend_from_slice(added.as_bytes());
-    body.extend_from_slice(&old[header + 4 + entry_bytes * entries.len()..]);
+    body.extend_from_slice(&old[header + 4 + size_of_val(entries)..]);
     body.extend_from_slice(&[1, 2, 3, 4]);
     signed(&body)
 }
@@ -235,7 +235,7 @@ fn a_pad_that_names_what_is_not_there_is_told_what_is() {
     let error = refusal(|kit| kit.pads[0].object = "strign".to_owned());
     assert_eq!(
         error.to_string(),
-        "pad 0 \"bar\": object names \"strign\": there is no such object; did you mean \"string\"?; objects: \"bar\", \"string\""
+        "pad 0 \"bar\": object names \"strign\": there is no such object (did you mean \"string\"?); objects: \"bar\", \"string\""
     );
     let KitError::Item { place: Place::Pad(0), fault, .. } = error else { panic!("{error}") };
     assert!(matches!(*fault, Fault::Unknown { kind: "object", .. }));

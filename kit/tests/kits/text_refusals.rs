@@ -117,7 +117,7 @@ fn a_name_that_is_not_there_is_refused_with_those_that_are() {
     let message = refusal("strikers = [\"yarn\"]", "strikers = [\"yarn\", \"yran\"]");
     assert_eq!(
         message,
-        "test.toml:16:1: pad 0 \"bar\": strikers names \"yran\": there is no such striker; did you mean \"yarn\"?; strikers: \"yarn\""
+        "test.toml:16:1: pad 0 \"bar\": strikers names \"yran\": there is no such striker (did you mean \"yarn\"?); strikers: \"yarn\""
     );
 }
 

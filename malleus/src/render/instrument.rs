@@ -1,0 +1,86 @@
+//! Rendering by dsp-core, exactly as a board does.
+
+use dsp_core::SampleRate;
+use dsp_core::engine::{Direct, Engine, LoadError, Skipping, TickReport};
+use dsp_core::event::{Event, EventError};
+use dsp_core::table::Kit;
+
+use super::Performance;
+
+/// The engine of the PC: room for large kits; as many contacts at once as a board has.
+pub type PcEngine<'k> = Engine<'k, 64, 8192, 4096, 8192, { dsp_core::engine::STANDARD_CONTACTS }>;
+
+/// Why a performance cannot be rendered.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The engine cannot hold the kit.
+    #[error("the kit does not fit the engine: {0}")]
+    Load(#[from] LoadError),
+    /// An event cannot be.
+    #[error("{0}")]
+    Event(#[from] EventError),
+}
+
+/// How to render.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Sample rate.
+    pub rate: SampleRate,
+    /// Frames a block; any number of 1 and more gives the same bits.
+    pub block: usize,
+    /// What is left out.
+    pub skipping: Skipping,
+}
+
+/// What comes out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// Signed 24-bit samples.
+    Samples24,
+    /// Bus samples, Q4.27.
+    Bus,
+}
+
+/// Renders a performance; `observe` sees each tick's report.
+///
+/// # Errors
+/// [`RenderError`].
+pub fn render(
+    kit: &Kit<'_>,
+    performance: &Performance,
+    settings: Settings,
+    output: Output,
+    mut observe: impl FnMut(&TickReport),
+) -> Result<Vec<[i32; 2]>, RenderError> {
+    let mut engine = Box::new(PcEngine::new());
+    engine.load(kit, settings.rate, settings.skipping)?;
+    let mut frames = vec![[0; 2]; performance.frames];
+    let mut events = performance.events.as_slice();
+    let mut silence = Vec::new();
+    for block in frames.chunks_mut(settings.block.max(1)) {
+        let start = engine.now();
+        let end = start + block.len() as u64;
+        let due = events.iter().take_while(|event: &&Event| event.time.first_frame() < end).count();
+        let (now, later) = events.split_at(due);
+        events = later;
+        let direct = performance.direct.as_ref().map(|(pad, force)| {
+            let from = (start as usize).min(force.len());
+            let rest = &force[from..];
+            let force = match rest.get(..block.len()) {
+                Some(force) => force,
+                None => {
+                    silence.clear();
+                    silence.extend_from_slice(rest);
+                    silence.resize(block.len(), 0);
+                    &silence
+                }
+            };
+            Direct { pad: *pad, force }
+        });
+        match output {
+            Output::Samples24 => engine.render_observed(now, direct, block, &mut observe)?,
+            Output::Bus => engine.render_bus(now, direct, block, &mut observe)?,
+        }
+    }
+    Ok(frames)
+}

@@ -1,0 +1,51 @@
+//! Rendering a performance: by the instrument, or by the law.
+
+pub mod instrument;
+pub mod law;
+
+use dsp_core::SampleRate;
+use dsp_core::event::{Action, Event};
+
+/// What is to be played.
+#[derive(Clone, Debug, Default)]
+pub struct Performance {
+    /// Events in order of time.
+    pub events: Vec<Event>,
+    /// A force for one pad from frame 0 on, Q4.27: (pad, samples).
+    pub direct: Option<(u8, Vec<i32>)>,
+    /// Length of the sound in frames.
+    pub frames: usize,
+}
+
+impl Performance {
+    /// A performance that ends when what it excites has rung down by about 96 dB, but at most 30 s after the last excitation; or `tail_s`
+    /// after it. The length depends on the tables alone, so that every way of rendering gives the same.
+    pub fn new(
+        events: Vec<Event>,
+        direct: Option<(u8, Vec<i32>)>,
+        kit: &kit::Kit,
+        rate: SampleRate,
+        tail_s: Option<f64>,
+    ) -> Self {
+        let direct_pads = direct.iter().map(|(pad, _)| *pad);
+        let struck = events.iter().filter(|event| event.action == Action::Strike && event.velocity > 0.0);
+        let ringing = struck.map(|event| event.pad).chain(direct_pads).map(|pad| ringing_time_s(kit, usize::from(pad)));
+        let tail_s = tail_s.unwrap_or_else(|| ringing.fold(0.0, f64::max).min(LONGEST_TAIL_S));
+        let last_event = events.last().map_or(0, |event| event.time.first_frame());
+        let last = (last_event as usize).max(direct.as_ref().map_or(0, |(_, force)| force.len()));
+        let frames = last.saturating_add((tail_s * rate.hz()).ceil() as usize).saturating_add(1);
+        Self { events, direct, frames }
+    }
+}
+
+const LONGEST_TAIL_S: f64 = 30.0;
+
+/// 1.6 times the longest T60 of a pad: 96 dB; and a contact.
+fn ringing_time_s(kit: &kit::Kit, pad: usize) -> f64 {
+    let Some(pad) = kit.pads.get(pad) else { return 0.0 };
+    let object = kit.objects.iter().filter(|object| object.name == pad.object).flat_map(|object| &object.modes);
+    let strikers = kit.strikers.iter().filter(|striker| pad.strikers.contains(&striker.name));
+    let modes = object.chain(strikers.flat_map(|striker| &striker.modes));
+    let slowest = modes.map(|mode| f64::from(mode.decay_per_s)).fold(f64::INFINITY, f64::min);
+    0.1 + 1.6 * 1000f64.ln() / slowest
+}
