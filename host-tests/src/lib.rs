@@ -1,3 +1,4 @@
 //! What the tests and benches of this crate share: signals measured against the `f64` law.
 
+pub mod performance;
 pub mod single_mode;

@@ -261,7 +261,8 @@ fn choice(name: &str, kind: &str, known: &[String]) -> String {
     if known.is_empty() {
         return format!("; the kit has no {kind}s");
     }
-    let nearest = nearest::nearest(name, known).map_or(String::new(), |nearest| format!(" (did you mean {nearest:?}?)"));
+    let nearest =
+        nearest::nearest(name, known).map_or(String::new(), |nearest| format!(" (did you mean {nearest:?}?)"));
     let known: Vec<String> = known.iter().map(|name| format!("{name:?}")).collect();
     format!("{nearest}; {kind}s: {}", known.join(", "))
 }

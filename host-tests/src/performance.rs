@@ -1,0 +1,38 @@
+//! A kit played by the instrument and by the law, and the difference.
+
+use dsp_core::SampleRate;
+use dsp_core::engine::{Skipping, TickReport};
+use dsp_core::fixed::ONE_Q27;
+use dsp_core::table::Kit;
+use malleus::render::instrument::{Output, Settings};
+use malleus::render::{Performance, instrument, law};
+
+/// The stereo bus of the instrument, 1.0 = full scale, and the reports of all ticks.
+pub fn instrument(
+    loaded: &kit::Loaded,
+    performance: &Performance,
+    rate: SampleRate,
+    skipping: Skipping,
+) -> (Vec<[f64; 2]>, Vec<TickReport>) {
+    let kit = Kit::parse(&loaded.binary).expect("a loaded kit is valid");
+    let mut reports = Vec::new();
+    let settings = Settings { rate, block: 128, skipping };
+    let bus = instrument::render(&kit, performance, settings, Output::Bus, |report| reports.push(*report))
+        .expect("the kit fits and the events are valid");
+    (bus.into_iter().map(|frame| frame.map(|x| f64::from(x) / f64::from(ONE_Q27))).collect(), reports)
+}
+
+/// The law's stereo sound, 1.0 = full scale.
+pub fn law(loaded: &kit::Loaded, performance: &Performance, rate: SampleRate) -> Vec<[f64; 2]> {
+    law::render(&loaded.kit, performance, rate, |_| {}).expect("the events are valid")
+}
+
+/// SNR in dB over both channels.
+pub fn snr_db(expected: &[[f64; 2]], got: &[[f64; 2]]) -> f64 {
+    crate::single_mode::snr_db(expected.iter().flatten().copied(), got.iter().flatten().copied())
+}
+
+/// Largest difference, 1.0 = full scale.
+pub fn largest_difference(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
+    a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
