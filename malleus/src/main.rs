@@ -1,2 +1,139 @@
-//! Under construction.
-fn main() {}
+//! The program: arguments in, exit code out. 0 done, 1 failed, 2 wrong usage.
+
+mod commands;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use dsp_core::SampleRate;
+
+/// Physically modelled percussion, rendered by exactly the code that a board runs.
+///
+/// Without a command, plays the demo.
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Play a short piece on the shipped kit: writes demo.wav and demo.png, prints a row a pad
+    Demo(DemoArguments),
+    /// Play a kit: events or a direct force in, a 24-bit stereo WAV file out
+    Play(PlayArguments),
+    /// Build, check and show kits
+    #[command(subcommand)]
+    Kit(KitCommand),
+}
+
+/// Arguments of `malleus demo`.
+#[derive(Debug, Args)]
+struct DemoArguments {
+    /// Folder for demo.wav and demo.png, made where it is missing
+    #[arg(long, value_name = "DIR", default_value = "malleus-demo")]
+    out: PathBuf,
+    /// Print a machine-readable report on stdout (docs/json.md)
+    #[arg(long)]
+    json: bool,
+}
+
+/// Arguments of `malleus play`.
+#[derive(Debug, Args)]
+#[group(id = "excitation", required = true, multiple = false, args = ["strikes", "direct"])]
+struct PlayArguments {
+    /// Kit: a .toml or .bin file, or the name of a shipped kit (demo)
+    #[arg(long)]
+    kit: String,
+    /// Events: CSV (sample|time_s,pad,velocity[,position,striker,action]) or a Standard MIDI File
+    #[arg(long, value_name = "FILE")]
+    strikes: Option<PathBuf>,
+    /// Force that drives a pad sample by sample: a WAV file, full scale = the object's reference force; channels count from 0
+    #[arg(long, value_name = "FILE[:CHANNEL]", requires = "pad")]
+    direct: Option<String>,
+    /// Pad that the direct force drives
+    #[arg(long, value_name = "NAME", requires = "direct")]
+    pad: Option<String>,
+    /// Where the sound goes
+    #[arg(short, long, value_name = "OUT.wav")]
+    output: PathBuf,
+    /// Sample rate in Hz, or as a ratio such as 86000000/1792 [default: 48000, with --direct the file's own]
+    #[arg(long, value_name = "HZ|N/D", value_parser = parse_rate)]
+    rate: Option<SampleRate>,
+    /// Frames a block; any block gives the same bits
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    block: u32,
+    /// Seconds that follow the last event or the force's end [default: until it has rung down by 96 dB, at most 30]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_tail)]
+    tail: Option<f64>,
+    /// Render by the f64 reference instead of the instrument
+    #[arg(long, conflicts_with = "no_skip")]
+    reference: bool,
+    /// Run every mode in every frame, skip nothing
+    #[arg(long)]
+    no_skip: bool,
+    /// Print a machine-readable report on stdout (docs/json.md)
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum KitCommand {
+    /// Build the binary form that a board reads
+    Build {
+        /// Kit as text
+        kit: String,
+        /// Where the binary goes
+        #[arg(short, long, value_name = "KIT.bin")]
+        output: PathBuf,
+    },
+    /// Check a kit, text or binary
+    Check {
+        /// Kit: a .toml or .bin file, or the name of a shipped kit
+        kit: String,
+        /// Print a machine-readable report on stdout (docs/json.md)
+        #[arg(long)]
+        json: bool,
+    },
+    /// Show a kit, text or binary, as text
+    Show {
+        /// Kit: a .toml or .bin file, or the name of a shipped kit
+        kit: String,
+        /// Draw its modes, too
+        #[arg(long, value_name = "FILE.png")]
+        plot: Option<PathBuf>,
+        /// Print a machine-readable report instead of the text (docs/json.md)
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let done = match arguments.command {
+        None => commands::demo::run(&DemoArguments { out: PathBuf::from("malleus-demo"), json: false }),
+        Some(Command::Demo(arguments)) => commands::demo::run(&arguments),
+        Some(Command::Play(arguments)) => commands::play::run(&arguments),
+        Some(Command::Kit(command)) => commands::kit::run(&command),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("malleus: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn parse_rate(text: &str) -> Result<SampleRate, String> {
+    let (numerator, denominator) = text.split_once('/').unwrap_or((text, "1"));
+    let parse = |part: &str| part.parse::<u32>().map_err(|_| "must be a whole number of Hz, or N/D".to_owned());
+    SampleRate::new(parse(numerator)?, parse(denominator)?).ok_or("must be from 8000 to 192000 Hz".to_owned())
+}
+
+fn parse_tail(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| (0.0..=3600.0).contains(seconds));
+    seconds.ok_or("must be from 0 to 3600 seconds".to_owned())
+}

@@ -169,3 +169,12 @@ fn a_kit_of_512_modes_fits_24_kilobytes() -> Result<(), KitError> {
     assert!(bytes.len() <= 24 * 1024, "{} bytes", bytes.len());
     Ok(())
 }
+
+#[test]
+fn the_kit_of_the_format_page_is_valid() -> Result<(), KitError> {
+    let page = include_str!("../../../docs/kit-format.md");
+    let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap_or("");
+    let kit = sample::parse(example)?;
+    assert_eq!((kit.objects.len(), kit.strikers.len(), kit.pads.len()), (1, 1, 1));
+    Ok(())
+}

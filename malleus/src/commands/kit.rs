@@ -1,0 +1,134 @@
+//! `malleus kit build`, `check` and `show`.
+
+use std::path::Path;
+
+use kit::{BankStatistics, Loaded};
+use malleus::plot::{self, KitPicture, ObjectPicture};
+use serde::Serialize;
+
+use super::{CommandError, print, print_json};
+use crate::KitCommand;
+
+pub(crate) fn run(command: &KitCommand) -> Result<(), CommandError> {
+    match command {
+        KitCommand::Build { kit, output } => build(kit, output),
+        KitCommand::Check { kit, json } => check(kit, *json),
+        KitCommand::Show { kit, plot, json } => show(kit, plot.as_deref(), *json),
+    }
+}
+
+fn build(name: &str, output: &Path) -> Result<(), CommandError> {
+    let loaded = open(name)?;
+    kit::file::write_whole(output, &loaded.binary)?;
+    let statistics = loaded.statistics();
+    print(&format!("{}: {} bytes, {}\n", output.display(), statistics.bytes, counts(&loaded)))
+}
+
+fn check(name: &str, json: bool) -> Result<(), CommandError> {
+    let loaded = open(name)?;
+    if json {
+        return print_json(&KitReport::of(name, &loaded));
+    }
+    print(&format!("{name}: good; {}, {} bytes in binary\n", counts(&loaded), loaded.binary.len()))
+}
+
+fn show(name: &str, picture: Option<&Path>, json: bool) -> Result<(), CommandError> {
+    let loaded = open(name)?;
+    if let Some(path) = picture {
+        plot::kit(path, &picture_of(&loaded))?;
+        eprintln!("malleus: {} drawn", path.display());
+    }
+    match json {
+        true => print_json(&KitReport::of(name, &loaded)),
+        false => print(&kit::text::write(&loaded.kit)),
+    }
+}
+
+fn open(name: &str) -> Result<Loaded, CommandError> {
+    let loaded = kit::open(name)?;
+    for tag in &loaded.skipped_sections {
+        eprintln!("malleus: {name}: section {tag} is unknown to this version and was left out");
+    }
+    Ok(loaded)
+}
+
+fn counts(loaded: &Loaded) -> String {
+    let statistics = loaded.statistics();
+    let modes: usize = statistics.objects.iter().chain(&statistics.strikers).map(|bank| bank.modes).sum();
+    let kit = &loaded.kit;
+    format!(
+        "{} pads, {} objects, {} strikers, {modes} modes",
+        kit.pads.len(),
+        kit.objects.len(),
+        kit.strikers.len()
+    )
+}
+
+fn picture_of(loaded: &Loaded) -> KitPicture {
+    let objects = loaded.kit.objects.iter().map(|object| ObjectPicture {
+        name: object.name.clone(),
+        modes: object
+            .modes
+            .iter()
+            .map(|mode| {
+                let loudest = mode.gains.iter().map(|gain| gain.sine.hypot(gain.cosine)).fold(0.0, f32::max);
+                let t60_s = 1000f64.ln() / f64::from(mode.decay_per_s);
+                (f64::from(mode.frequency_hz), t60_s, 20.0 * f64::from(loudest.max(1e-12)).log10())
+            })
+            .collect(),
+    });
+    KitPicture { title: loaded.kit.name.clone(), objects: objects.collect() }
+}
+
+#[derive(Debug, Serialize)]
+struct KitReport<'a> {
+    kit: &'a str,
+    name: &'a str,
+    binary_bytes: usize,
+    modes_bytes: usize,
+    pads: Vec<&'a str>,
+    objects: Vec<BankReport>,
+    strikers: Vec<BankReport>,
+    skipped_sections: &'a [String],
+}
+
+#[derive(Debug, Serialize)]
+struct BankReport {
+    name: String,
+    modes: usize,
+    positions: usize,
+    lowest_frequency_hz: Option<f32>,
+    highest_frequency_hz: Option<f32>,
+    shortest_t60_s: Option<f32>,
+    longest_t60_s: Option<f32>,
+}
+
+impl<'a> KitReport<'a> {
+    fn of(kit: &'a str, loaded: &'a Loaded) -> Self {
+        let statistics = loaded.statistics();
+        Self {
+            kit,
+            name: &loaded.kit.name,
+            binary_bytes: statistics.bytes,
+            modes_bytes: statistics.mode_bytes,
+            pads: loaded.kit.pads.iter().map(|pad| pad.name.as_str()).collect(),
+            objects: statistics.objects.iter().map(BankReport::of).collect(),
+            strikers: statistics.strikers.iter().map(BankReport::of).collect(),
+            skipped_sections: &loaded.skipped_sections,
+        }
+    }
+}
+
+impl BankReport {
+    fn of(bank: &BankStatistics) -> Self {
+        Self {
+            name: bank.name.clone(),
+            modes: bank.modes,
+            positions: bank.positions,
+            lowest_frequency_hz: bank.frequency_hz.map(|(lowest, _)| lowest),
+            highest_frequency_hz: bank.frequency_hz.map(|(_, highest)| highest),
+            shortest_t60_s: bank.t60_s.map(|(shortest, _)| shortest),
+            longest_t60_s: bank.t60_s.map(|(_, longest)| longest),
+        }
+    }
+}

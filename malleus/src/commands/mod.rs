@@ -1,0 +1,70 @@
+//! The commands: each reads its files, lets the library work, shows progress and writes.
+
+pub(crate) mod demo;
+pub(crate) mod kit;
+pub(crate) mod play;
+
+use std::io::Write;
+
+use dsp_core::fixed::FULL_SCALE_24_BIT;
+use indicatif::{ProgressBar, ProgressStyle};
+use malleus::plot::PlotError;
+use malleus::events::EventsError;
+use malleus::render::instrument::RenderError;
+use malleus::wave::WaveError;
+
+/// Why a command failed: what, where, and what to do.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum CommandError {
+    #[error(transparent)]
+    Kit(#[from] ::kit::KitError),
+    #[error("{kit}: {error}")]
+    Table { kit: String, error: dsp_core::table::TableError },
+    #[error(transparent)]
+    Events(#[from] EventsError),
+    #[error(transparent)]
+    Wave(#[from] WaveError),
+    #[error(transparent)]
+    File(#[from] ::kit::file::FileError),
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+    #[error("{kit}: {error}")]
+    Render { kit: String, error: RenderError },
+    #[error("{kit}: the reference refuses: {error}")]
+    Law { kit: String, error: reference::Error },
+    #[error("{kit}: unknown pad {name:?}; the kit has {pads}")]
+    UnknownPad { kit: String, name: String, pads: String },
+    #[error("{kit}: the kit has no pads: nothing can be played; bind its objects to pads (docs/kit-format.md)")]
+    NoPads { kit: String },
+    #[error("{file}: its rate is {file_rate}, --rate asks for {rate}; a force is not resampled: leave --rate out, or convert the file")]
+    RateMismatch { file: String, file_rate: dsp_core::SampleRate, rate: dsp_core::SampleRate },
+    #[error("the report cannot be printed: {0}")]
+    Print(#[from] std::io::Error),
+    #[error("the report cannot be written as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+/// A progress bar on stderr, shown where that is a terminal.
+fn progress(length: u64, what: &'static str) -> ProgressBar {
+    // A template that indicatif refuses would be a mistake in this line; its own default serves then.
+    let style = ProgressStyle::with_template("{msg:28} {wide_bar} {percent:>3} % {eta}");
+    ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())).with_message(what)
+}
+
+/// Prints to stdout; a reader that has gone away (`| head`) is no failure.
+fn print(text: &str) -> Result<(), CommandError> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        other => Ok(other?),
+    }
+}
+
+fn print_json(report: &impl serde::Serialize) -> Result<(), CommandError> {
+    print(&format!("{}\n", serde_json::to_string_pretty(report)?))
+}
+
+/// Peak of 24-bit frames in dBFS; `None` for silence.
+fn peak_dbfs(frames: &[[i32; 2]]) -> Option<f64> {
+    let peak = frames.iter().flatten().map(|sample| sample.unsigned_abs()).max().unwrap_or(0);
+    (peak > 0).then(|| 20.0 * (f64::from(peak) / f64::from(FULL_SCALE_24_BIT)).log10())
+}

@@ -1,0 +1,159 @@
+//! `malleus play`.
+
+use std::path::{Path, PathBuf};
+
+use dsp_core::SampleRate;
+use dsp_core::engine::{Skipping, TickReport};
+use dsp_core::table::Kit;
+use malleus::render::instrument::{Output, Settings};
+use malleus::render::{Performance, instrument, law};
+use malleus::{events, wave};
+use serde::Serialize;
+
+use super::{CommandError, peak_dbfs, print, print_json, progress};
+use crate::PlayArguments;
+
+pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
+    let loaded = kit::open(&arguments.kit)?;
+    let name = &arguments.kit;
+    let table = Kit::parse(&loaded.binary).map_err(|error| CommandError::Table { kit: name.clone(), error })?;
+    if loaded.kit.pads.is_empty() {
+        return Err(CommandError::NoPads { kit: name.clone() });
+    }
+    let (rate, performance) = read_performance(arguments, &loaded.kit, &table)?;
+    let mut work = Work::default();
+    let frames = if arguments.reference {
+        let bar = progress(performance.frames as u64, "reference");
+        let sound = law::render(&loaded.kit, &performance, rate, |done| bar.set_position(done as u64))
+            .map_err(|error| CommandError::Law { kit: name.clone(), error })?;
+        bar.finish_and_clear();
+        sound.into_iter().map(|frame| frame.map(reference::scene::quantise_24)).collect()
+    } else {
+        let skipping = if arguments.no_skip { Skipping::Off } else { Skipping::On };
+        let settings = Settings { rate, block: arguments.block as usize, skipping };
+        let bar = progress(performance.frames as u64, "playing");
+        let frames = instrument::render(&table, &performance, settings, Output::Samples24, |report| {
+            work.add(report);
+            bar.set_position(report.frame);
+        })
+        .map_err(|error| CommandError::Render { kit: name.clone(), error })?;
+        bar.finish_and_clear();
+        frames
+    };
+    wave::write_stereo(&arguments.output, rate, &frames)?;
+    report(arguments, rate, &frames, (!arguments.reference).then_some(work))
+}
+
+fn read_performance(
+    arguments: &PlayArguments,
+    kit: &kit::Kit,
+    table: &Kit<'_>,
+) -> Result<(SampleRate, Performance), CommandError> {
+    if let (Some(direct), Some(pad)) = (&arguments.direct, &arguments.pad) {
+        let (path, channel) = split_channel(direct);
+        let pad = (0u8..).zip(&kit.pads).find(|(_, candidate)| candidate.name == *pad).map(|(index, _)| index);
+        let pad = pad.ok_or_else(|| CommandError::UnknownPad {
+            kit: arguments.kit.clone(),
+            name: arguments.pad.clone().unwrap_or_default(),
+            pads: kit.pads.iter().map(|pad| pad.name.as_str()).collect::<Vec<_>>().join(", "),
+        })?;
+        let force = wave::read_force(&path, channel)?;
+        let rate = arguments.rate.unwrap_or(force.rate);
+        if rate.hz() != force.rate.hz() {
+            let file = path.display().to_string();
+            return Err(CommandError::RateMismatch { file, file_rate: force.rate, rate });
+        }
+        let performance = Performance::new(Vec::new(), Some((pad, force.samples)), kit, rate, arguments.tail);
+        return Ok((rate, performance));
+    }
+    let rate = arguments.rate.unwrap_or(SampleRate::HZ_48000);
+    let path = arguments.strikes.as_deref().unwrap_or(Path::new(""));
+    let list = events::read(path, table, rate)?;
+    for remark in &list.remarks {
+        eprintln!("malleus: {}: {remark}", path.display());
+    }
+    Ok((rate, Performance::new(list.events, None, kit, rate, arguments.tail)))
+}
+
+/// `FILE:2` is channel 2 of FILE; without a number behind the last colon it is channel 0.
+fn split_channel(argument: &str) -> (PathBuf, u16) {
+    if let Some((path, channel)) = argument.rsplit_once(':')
+        && let Ok(channel) = channel.parse()
+    {
+        return (PathBuf::from(path), channel);
+    }
+    (PathBuf::from(argument), 0)
+}
+
+/// Sums of all ticks' reports.
+#[derive(Debug, Default, Serialize)]
+struct Work {
+    driven_mode_frames: u64,
+    free_mode_frames: u64,
+    skipped_unstruck_mode_frames: u64,
+    skipped_decayed_mode_frames: u64,
+    striker_mode_frames: u64,
+    acceleration_frames: u64,
+    direct_frames: u64,
+    contact_frames: u64,
+    strikes: u64,
+    displaced_contacts: u64,
+    retired_modes: u64,
+    largest_retired_amplitude: f32,
+    refused_inputs: u64,
+}
+
+impl Work {
+    fn add(&mut self, report: &TickReport) {
+        self.driven_mode_frames += u64::from(report.driven_mode_frames);
+        self.free_mode_frames += u64::from(report.free_mode_frames);
+        self.skipped_unstruck_mode_frames += u64::from(report.unstruck_mode_frames);
+        self.skipped_decayed_mode_frames += u64::from(report.decayed_mode_frames);
+        self.striker_mode_frames += u64::from(report.striker_mode_frames);
+        self.acceleration_frames += u64::from(report.acceleration_frames);
+        self.direct_frames += u64::from(report.direct_frames);
+        self.contact_frames += u64::from(report.contact_frames);
+        self.strikes += u64::from(report.strikes);
+        self.displaced_contacts += u64::from(report.displaced_contacts);
+        self.retired_modes += u64::from(report.retired_modes);
+        self.largest_retired_amplitude = self.largest_retired_amplitude.max(report.retired_amplitude);
+        self.refused_inputs += u64::from(report.refused_inputs);
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct PlayReport<'a> {
+    output: &'a Path,
+    kit: &'a str,
+    renderer: &'static str,
+    rate_hz: f64,
+    rate_ratio: (u32, u32),
+    frames: usize,
+    duration_s: f64,
+    peak_dbfs: Option<f64>,
+    work: Option<Work>,
+}
+
+fn report(
+    arguments: &PlayArguments,
+    rate: SampleRate,
+    frames: &[[i32; 2]],
+    work: Option<Work>,
+) -> Result<(), CommandError> {
+    let report = PlayReport {
+        output: &arguments.output,
+        kit: &arguments.kit,
+        renderer: if arguments.reference { "reference" } else { "instrument" },
+        rate_hz: rate.hz(),
+        rate_ratio: rate.ratio(),
+        frames: frames.len(),
+        duration_s: frames.len() as f64 / rate.hz(),
+        peak_dbfs: peak_dbfs(frames),
+        work,
+    };
+    if arguments.json {
+        return print_json(&report);
+    }
+    let peak = report.peak_dbfs.map_or("silence".to_owned(), |peak| format!("peak {peak:.1} dBFS"));
+    print(&format!("{}: {:.2} s at {rate}, {peak}\n", arguments.output.display(), report.duration_s))
+}
