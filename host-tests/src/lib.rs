@@ -1,4 +1,5 @@
 //! What the tests and benches of this crate share: signals measured against the `f64` law.
 
+pub mod data;
 pub mod performance;
 pub mod single_mode;

@@ -109,6 +109,9 @@ fn writing_that_fails_says_where_and_leaves_nothing() -> Outcome {
     assert!(message.contains("nowhere/kit.bin: cannot be written: No such file"), "{message}");
     let message = write_whole(folder.path(), b"x").expect_err("a folder").to_string();
     assert!(message.contains("cannot be written"), "{message}");
+    // The name is refused only when the finished file is to get it.
+    let message = write_whole(&folder.path().join("x".repeat(300)), b"x").expect_err("a long name").to_string();
+    assert!(message.contains("xxx: cannot be written: "), "{message}");
     assert!(names_in(folder.path()).is_empty());
     Ok(())
 }
