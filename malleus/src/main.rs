@@ -42,13 +42,12 @@ struct DemoArguments {
 
 /// Arguments of `malleus play`.
 #[derive(Debug, Args)]
-#[group(id = "excitation", required = true, multiple = false, args = ["strikes", "direct"])]
 struct PlayArguments {
     /// Kit: a .toml or .bin file, or the name of a shipped kit (demo)
     #[arg(long)]
     kit: String,
     /// Events: CSV (sample|time_s,pad,velocity[,position,striker,action]) or a Standard MIDI File
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", required_unless_present = "direct", conflicts_with = "direct")]
     strikes: Option<PathBuf>,
     /// Force that drives a pad sample by sample: a WAV file, full scale = the object's reference force; channels count from 0
     #[arg(long, value_name = "FILE[:CHANNEL]", requires = "pad")]

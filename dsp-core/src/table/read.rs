@@ -364,10 +364,12 @@ impl<'a> Pad<'a> {
 /// Header, checksum and directory; gives the directory and the kit's own bytes.
 fn read_frame(bytes: &[u8]) -> Result<(&[SectionEntry], &[u8]), TableError> {
     let truncated = |needed| TableError::Truncated { needed, found: bytes.len() };
-    let (header, _) = FileHeader::ref_from_prefix(bytes).map_err(|_| truncated(size_of::<FileHeader>()))?;
-    if header.magic != MAGIC {
-        return Err(TableError::WrongMagic { found: header.magic });
+    // The magic first: of a short file of another kind it says more than its length.
+    let found = *bytes.first_chunk().ok_or(truncated(size_of::<FileHeader>()))?;
+    if found != MAGIC {
+        return Err(TableError::WrongMagic { found });
     }
+    let (header, _) = FileHeader::ref_from_prefix(bytes).map_err(|_| truncated(size_of::<FileHeader>()))?;
     if header.version.get() != FORMAT_VERSION {
         return Err(TableError::NewerVersion { found: header.version.get() });
     }

@@ -1,6 +1,7 @@
 //! Texts that are wrong are refused with file, line and what is allowed.
 
-use kit::KitError;
+use kit::{KitError, binary};
+use proptest::prelude::*;
 
 use crate::sample;
 
@@ -203,6 +204,20 @@ fn an_error_in_an_included_file_names_that_file() {
     );
     let message = sample::parse_with(main, &[("a.toml", table)]).expect_err("gone").to_string();
     assert!(message.starts_with("test.toml:2:22: include: gone.toml: cannot be read: "), "{message}");
+}
+
+proptest! {
+    /// Whatever still parses is a kit that can be built.
+    #[test]
+    fn damaged_text_never_panics(at in any::<prop::sample::Index>(), cut in 0..12usize, put in "[\\[\\]{}=\"',.#0-9a-z_é\n -]{0,6}") {
+        let start = at.index(TEXT.len());
+        let end = (start + cut).min(TEXT.len());
+        let damaged = format!("{}{put}{}", &TEXT[..start], &TEXT[end..]);
+        match sample::parse(&damaged) {
+            Ok(kit) => prop_assert!(binary::build(&kit).is_ok()),
+            Err(error) => prop_assert!(error.to_string().starts_with("test.toml:"), "{}", error),
+        }
+    }
 }
 
 #[test]
