@@ -15,7 +15,19 @@ struct Shipped {
 const KITS: &[Shipped] = &[Shipped { name: "demo", text: include_str!("../../tables/demo.toml") }];
 
 /// The tables that shipped kits include, by file name.
-const TABLES: &[(&str, &str)] = &[];
+const TABLES: &[(&str, &str)] = &[
+    ("marimba.toml", include_str!("../../tables/marimba.toml")),
+    ("glockenspiel.toml", include_str!("../../tables/glockenspiel.toml")),
+    ("bell.toml", include_str!("../../tables/bell.toml")),
+    ("woodblock.toml", include_str!("../../tables/woodblock.toml")),
+    ("claves.toml", include_str!("../../tables/claves.toml")),
+    ("drum.toml", include_str!("../../tables/drum.toml")),
+    ("mug.toml", include_str!("../../tables/mug.toml")),
+    ("bowl.toml", include_str!("../../tables/bowl.toml")),
+    ("glass.toml", include_str!("../../tables/glass.toml")),
+    ("plate.toml", include_str!("../../tables/plate.toml")),
+    ("strikers.toml", include_str!("../../tables/strikers.toml")),
+];
 
 /// The names of the shipped kits.
 pub fn shipped_names() -> impl Iterator<Item = &'static str> {

@@ -1,0 +1,82 @@
+//! Makes the shipped tables anew: `cargo run -p kit --example derive_tables -- --data ../shared/data --out tables`.
+//!
+//! Bars and membranes come from the classical equations and need no data; measured objects are made where their data are, and otherwise left
+//! as they are. The same input gives the same files.
+
+mod bar;
+mod classical;
+mod level;
+mod measured;
+mod membrane;
+mod mug;
+mod strikers;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use kit::{Kit, Object, Striker};
+
+fn main() -> ExitCode {
+    let (data, out) = match arguments() {
+        Some(paths) => paths,
+        None => {
+            eprintln!("usage: derive_tables --data DIR --out DIR");
+            return ExitCode::from(2);
+        }
+    };
+    match derive(&data, &out) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("derive_tables: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn arguments() -> Option<(PathBuf, PathBuf)> {
+    let (mut data, mut out) = (None, None);
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--data" => data = words.next().map(PathBuf::from),
+            "--out" => out = words.next().map(PathBuf::from),
+            _ => return None,
+        }
+    }
+    Some((data?, out?))
+}
+
+type Failure = Box<dyn std::error::Error>;
+
+fn derive(data: &Path, out: &Path) -> Result<(), Failure> {
+    write(out, "strikers", Vec::new(), strikers::all())?;
+    for object in classical::all() {
+        write_object(out, object)?;
+    }
+    match measured::read(&data.join("modes_tdw.csv"))? {
+        Some(modes) => {
+            for object in measured::all(&modes) {
+                write_object(out, object)?;
+            }
+        }
+        None => println!("{}: absent; woodblock, bowl and glass stay as they are", data.join("modes_tdw.csv").display()),
+    }
+    match mug::derive(&data.join("hammer"))? {
+        Some(object) => write_object(out, object)?,
+        None => println!("{}: absent; the mug stays as it is", data.join("hammer").display()),
+    }
+    Ok(())
+}
+
+fn write_object(out: &Path, object: Object) -> Result<(), Failure> {
+    write(out, &object.name.clone(), vec![object], Vec::new())
+}
+
+fn write(out: &Path, name: &str, objects: Vec<Object>, strikers: Vec<Striker>) -> Result<(), Failure> {
+    let table = Kit { name: name.to_owned(), objects, strikers, pads: Vec::new() };
+    let path = out.join(format!("{name}.toml"));
+    kit::binary::build(&table)?; // refuses what a board would refuse
+    kit::file::write_whole(&path, kit::text::write(&table).as_bytes())?;
+    println!("{}", path.display());
+    Ok(())
+}

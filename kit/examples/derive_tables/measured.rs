@@ -1,0 +1,79 @@
+//! Objects from measured modes: `modes_tdw.csv` (Traer et al. 2019 by way of the tdw package, BSD-2-Clause).
+
+use std::path::Path;
+
+use kit::Object;
+
+use crate::Failure;
+use crate::level::{Contact, mode};
+
+/// One measured mode.
+#[derive(Clone, Debug)]
+pub(crate) struct Measured {
+    material: String,
+    size: u32,
+    frequency_hz: f64,
+    onset_power_db: f64,
+    rt60_s: f64,
+}
+
+/// Reads the measured modes; `None` where the file is absent.
+pub(crate) fn read(path: &Path) -> Result<Option<Vec<Measured>>, Failure> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    let mut modes = Vec::new();
+    for row in csv::Reader::from_path(path)?.deserialize() {
+        let (material, size, frequency_hz, onset_power_db, rt60_s) = row?;
+        modes.push(Measured { material, size, frequency_hz, onset_power_db, rt60_s });
+    }
+    Ok(Some(modes))
+}
+
+/// The objects made of them.
+pub(crate) fn all(modes: &[Measured]) -> Vec<Object> {
+    vec![
+        object(modes, "woodblock", "wood_hard", 1, 10, 0.34, 0.0007),
+        object(modes, "bowl", "metal", 0, 48, 0.34, 0.0007),
+        object(modes, "glass", "glass", 1, 32, 0.34, 0.0002),
+        object(modes, "plate", "ceramic", 0, 40, 0.34, 0.0002),
+    ]
+}
+
+/// The `count` loudest modes of a material and size. Their onset levels set the balance; the sum of amplitudes sets the level.
+fn object(
+    all: &[Measured],
+    name: &str,
+    material: &str,
+    size: u32,
+    count: usize,
+    amplitude: f64,
+    contact_time_s: f64,
+) -> Object {
+    let own = all.iter().filter(|mode| mode.material == material && mode.size == size);
+    // RT60 above 20 s are outliers of the measurement.
+    let mut modes: Vec<_> = own.filter(|mode| mode.rt60_s <= 20.0 && (20.0..20_000.0).contains(&mode.frequency_hz)).collect();
+    modes.sort_by(|a, b| b.onset_power_db.total_cmp(&a.onset_power_db));
+    modes.truncate(count);
+    let amplitude_of = |mode: &Measured| 10f64.powf(mode.onset_power_db / 20.0);
+    // Phases are unknown and peaks do not meet: the root of the summed squares, times 2, is near the peak.
+    let sum = 2.0 * modes.iter().map(|mode| amplitude_of(mode).powi(2)).sum::<f64>().sqrt();
+    let contact = Contact { time_s: contact_time_s, peak: 1.0 };
+    modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    Object {
+        name: name.to_owned(),
+        source: format!(
+            "the {count} loudest of the measured modes of {material}, size {size}, RT60 up to 20 s (Traer et al. 2019, Python package tdw); onset levels as gains in sine phase, scaled in common"
+        ),
+        licence: "BSD-2-Clause".to_owned(),
+        reference_force: 1.0,
+        acceleration: 0.0,
+        modes: modes
+            .into_iter()
+            .map(|measured| {
+                let amplitude = amplitude * amplitude_of(measured) / sum;
+                mode(measured.frequency_hz, measured.rt60_s, amplitude, &[1.0], contact)
+            })
+            .collect(),
+    }
+}
