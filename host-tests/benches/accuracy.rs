@@ -3,7 +3,9 @@
 use host_tests::single_mode::{Case, float_forms::FloatForm, grid, q31, snr_db, worst_and_median};
 
 fn main() {
-    println!("One mode against f64: 20 Hz to 20 kHz (40) x T60 0.05 to 20 s (5) x 44.1 and 48 kHz, over min(T60, 2 s)\n");
+    println!(
+        "One mode against f64: 20 Hz to 20 kHz (40) x T60 0.05 to 20 s (5) x 44.1 and 48 kHz, over min(T60, 2 s)\n"
+    );
     println!("| form | full scale: worst | median dB | 40 dB below: worst | median dB |");
     println!("| --- | --- | --- | --- | --- |");
     row("Q31 (coupled and shifted)", q31::render);

@@ -2,7 +2,6 @@
 //!
 //! The sound itself comes from `dsp-core` (the instrument) or `reference` (the law); here are only the ways to and from it.
 
-
 pub mod events;
 
 pub mod render;

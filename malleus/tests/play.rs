@@ -47,11 +47,7 @@ impl Folder {
 
     /// Runs `malleus` here with words split at spaces.
     fn malleus(&self, words: &str) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_malleus"))
-            .args(words.split(' '))
-            .current_dir(self.0.path())
-            .output()
-            .unwrap()
+        Command::new(env!("CARGO_BIN_EXE_malleus")).args(words.split(' ')).current_dir(self.0.path()).output().unwrap()
     }
 
     /// Asserts that a run fails with code 1, names all of `expected` on stderr, and leaves no output behind.
@@ -105,7 +101,10 @@ fn strikes_become_a_24_bit_stereo_file() {
 #[test]
 fn the_instrument_is_within_rounding_of_the_reference() {
     let folder = Folder::new();
-    folder.write("s.csv", b"time_s,pad,velocity,position,striker,action\n0.01001,bar,0.9,,,\n0.1,bar,,,,choke\n0.15,bar,,,,release\n");
+    folder.write(
+        "s.csv",
+        b"time_s,pad,velocity,position,striker,action\n0.01001,bar,0.9,,,\n0.1,bar,,,,choke\n0.15,bar,,,,release\n",
+    );
     for (file, option) in [("a.wav", "--no-skip"), ("b.wav", "--reference")] {
         let output = folder.malleus(&format!("play --kit kit.toml --strikes s.csv -o {file} {option}"));
         assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
@@ -147,8 +146,12 @@ fn midi_notes_strike_the_pads_that_the_kit_maps() {
 #[test]
 fn a_direct_force_plays_at_its_own_rate() {
     let folder = Folder::new();
-    let spec =
-        hound::WavSpec { channels: 2, sample_rate: 44_100, bits_per_sample: 16, sample_format: hound::SampleFormat::Int };
+    let spec = hound::WavSpec {
+        channels: 2,
+        sample_rate: 44_100,
+        bits_per_sample: 16,
+        sample_format: hound::SampleFormat::Int,
+    };
     let mut writer = hound::WavWriter::create(folder.path("f.wav"), spec).unwrap();
     for frame in 0..1000 {
         writer.write_sample(0i16).unwrap();

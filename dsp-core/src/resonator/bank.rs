@@ -115,7 +115,6 @@ pub struct Bank {
     modes: Range<usize>,
     groups: Range<usize>,
     origins: Range<usize>,
-    has_mirrored: bool,
     /// The half of h[0] that does not belong to the integral: -Σ gc / (2 fs), times the force, is added to the sound.
     onset: Scale,
     choke_delta: i32,
@@ -125,6 +124,8 @@ pub struct Bank {
     allowance: u64,
     /// The |force| since the last tick.
     spent: u64,
+    /// Bits by which the force is shifted left before it drives the modes, so that a weak one keeps its precision.
+    force_shift: u32,
     mix_exponent: i32,
     ringing: bool,
     retired: Retired,
@@ -136,13 +137,13 @@ impl Bank {
         modes: 0..0,
         groups: 0..0,
         origins: 0..0,
-        has_mirrored: false,
         onset: Scale::ZERO,
         choke_delta: 0,
         choked: false,
         position: 0.0,
         allowance: 0,
         spent: 0,
+        force_shift: 0,
         mix_exponent: 0,
         ringing: false,
         retired: Retired::NOTHING,
@@ -187,7 +188,6 @@ impl Bank {
                 cosine_sum += f64::from(gain_at(table.gains, table.positions, *index, 0.0).1);
                 if slot == 0 {
                     *group_slot = Group::new(pole.form, pole.mirrored, count as u8);
-                    bank.has_mirrored |= pole.mirrored;
                 }
                 if keeps_origins {
                     let origin = bank.origins.start + start - modes.start + slot;
@@ -305,9 +305,11 @@ impl Bank {
         let mut sum = 0u64;
         let mut mix_exponent = 0;
         let mut ringing = false;
+        // No single force can exceed the allowance for their sum.
+        let force_shift = allowance.leading_zeros().saturating_sub(33);
         for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
             if group.ringing() || all {
-                refused += u32::from(group.guard(modes, allowance) == Guard::Refused);
+                refused += u32::from(group.guard(modes, allowance, force_shift) == Guard::Refused);
             }
             if group.ringing() {
                 ringing = true;
@@ -319,6 +321,7 @@ impl Bank {
         let bits = 64 - sum.leading_zeros() as i32;
         self.mix_exponent = mix_exponent.max(bits - 31).max(0);
         self.ringing = ringing;
+        self.force_shift = force_shift;
         self.allowance = allowance;
         refused
     }
@@ -378,17 +381,22 @@ impl Bank {
         work: &mut BankWork,
     ) {
         let frames = out.len().min(TICK_FRAMES);
-        let mut mix = [0; TICK_FRAMES];
-        let mut mirrored_mix = [0; TICK_FRAMES];
-        let mut mirrored_force = [0; TICK_FRAMES];
-        if let (Some(force), true) = (force, self.has_mirrored) {
-            for (frame, (mirrored, &x)) in mirrored_force.iter_mut().zip(force).enumerate() {
-                *mirrored = alternate(x, odd_start, frame);
+        let force_shift = self.force_shift;
+        let (mut mix, mut mirrored_mix) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
+        let (mut plain_force, mut mirrored_force) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
+        for (frame, &x) in force.unwrap_or(&[]).iter().take(frames).enumerate() {
+            // Within the allowance |x| << force_shift stays below 2^31.
+            let x = fixed::saturating_shift_left(x, force_shift);
+            if let (Some(plain), Some(mirrored)) = (plain_force.get_mut(frame), mirrored_force.get_mut(frame)) {
+                (*plain, *mirrored) = (x, alternate(x, odd_start, frame));
             }
         }
-        let (Some(mix), Some(mirrored_mix), Some(mirrored_force)) =
-            (mix.get_mut(..frames), mirrored_mix.get_mut(..frames), mirrored_force.get(..frames))
-        else {
+        let (Some(mix), Some(mirrored_mix), Some(plain_force), Some(mirrored_force)) = (
+            mix.get_mut(..frames),
+            mirrored_mix.get_mut(..frames),
+            plain_force.get(..frames),
+            mirrored_force.get(..frames),
+        ) else {
             return; // frames is at most a tick
         };
         let mix_exponent = self.mix_exponent;
@@ -396,11 +404,11 @@ impl Bank {
             if skip && !group.ringing() {
                 return;
             }
-            let (force, mix) = match group.mirrored() {
-                false => (force, &mut *mix),
-                true => (force.map(|_| mirrored_force), &mut *mirrored_mix),
+            let (own_force, mix) = match group.mirrored() {
+                false => (plain_force, &mut *mix),
+                true => (mirrored_force, &mut *mirrored_mix),
             };
-            group.render(modes, force, mix_exponent, mix);
+            group.render(modes, force.map(|_| (own_force, force_shift)), mix_exponent, mix);
             let mode_frames = (modes.len() * frames) as u32;
             if force.is_some() {
                 work.driven_mode_frames += mode_frames;

@@ -123,8 +123,9 @@ impl Group {
     }
 
     /// Shifts the states so that nothing can wrap while the sum of |force| stays within `allowance` (bus steps), and so that they
-    /// use all the room that leaves. See [`super::headroom`]. About 12 cycles a mode on a Cortex-M4.
-    pub(super) fn guard(&mut self, modes: &mut [Mode], allowance: u64) -> Guard {
+    /// use all the room that leaves. The force will come shifted left by `force_shift` bits. See [`super::headroom`]. About 12 cycles a
+    /// mode on a Cortex-M4.
+    pub(super) fn guard(&mut self, modes: &mut [Mode], allowance: u64, force_shift: u32) -> Guard {
         let size = modes.iter().fold(0, |size, mode| size_of(self.form, mode.state.u, mode.state.v).max(size));
         let input = self.input_size(allowance);
         if size == 0 && input == 0 {
@@ -135,12 +136,13 @@ impl Group {
         }
         if size == 0 {
             // Nothing rings: start from the finest exponent that the gains allow, so that small inputs keep all their bits.
-            self.exponent = self.largest_exponent(true) as i8;
+            self.exponent = self.largest_exponent(Some(force_shift)) as i8;
         }
-        let decided = self.normalise(modes, size, self.input_size(allowance), allowance > 0);
+        let force_shift = (allowance > 0).then_some(force_shift);
+        let decided = self.normalise(modes, size, self.input_size(allowance), force_shift);
         self.refusing = decided == Guard::Refused;
         if self.refusing {
-            self.normalise(modes, size, 0, false);
+            self.normalise(modes, size, 0, None);
         }
         self.ringing = true;
         if allowance == 0 && self.exponent() == MAX_EXPONENT && u64::from(self.bound) < SILENCE {
@@ -158,12 +160,12 @@ impl Group {
         self.bound = 0;
     }
 
-    fn normalise(&mut self, modes: &mut [Mode], size: u64, input: u64, driven: bool) -> Guard {
+    fn normalise(&mut self, modes: &mut [Mode], size: u64, input: u64, force_shift: Option<u32>) -> Guard {
         let total = size.saturating_add(input).saturating_add(ROUNDING);
         // total < 2^bits, and shifting to 29 bits puts it into [LIMIT/2, LIMIT).
         let bits = 64 - total.leading_zeros() as i32;
         let wanted = self.exponent() + 29 - bits;
-        let exponent = wanted.min(self.largest_exponent(driven)).max(MIN_EXPONENT);
+        let exponent = wanted.min(self.largest_exponent(force_shift)).max(MIN_EXPONENT);
         let shift = exponent - self.exponent();
         let bound = if shift >= 0 { total << shift.min(34) } else { (total >> (-shift).min(63)) + 1 };
         if bound > LIMIT && input > 0 {
@@ -178,9 +180,10 @@ impl Group {
         Guard::Ready
     }
 
-    /// Gains become multipliers of 2^(gain_exponent + 1 + exponent), which must not exceed 1.
-    fn largest_exponent(&self, driven: bool) -> i32 {
-        if driven { MAX_EXPONENT.min(-i32::from(self.gain_exponent) - 1) } else { MAX_EXPONENT }
+    /// Gains become multipliers of 2^(gain_exponent + 1 + exponent - force_shift), which must not exceed 1.
+    fn largest_exponent(&self, force_shift: Option<u32>) -> i32 {
+        let driven = |shift: u32| (shift as i32 - i32::from(self.gain_exponent) - 1).max(MIN_EXPONENT);
+        force_shift.map_or(MAX_EXPONENT, driven).min(MAX_EXPONENT)
     }
 
     /// Size of what an input with a sum of |force| of `allowance` can inject, in units of the present exponent, rounded up.
@@ -199,12 +202,12 @@ impl Group {
         }
     }
 
-    /// Runs the group's modes over `mix.len()` frames and adds their sound; `force` where there is input.
-    pub(super) fn render(&self, modes: &mut [Mode], force: Option<&[i32]>, mix_exponent: i32, mix: &mut [i32]) {
+    /// Runs the group's modes over `mix.len()` frames and adds their sound; `force` where there is input, with the shift it comes with.
+    pub(super) fn render(&self, modes: &mut [Mode], force: Option<(&[i32], u32)>, mix_exponent: i32, mix: &mut [i32]) {
         let mix_scale = mix_scale(self.exponent() + mix_exponent);
         match force {
-            Some(force) if self.gain_peak != 0 && !self.refusing => {
-                let gain_shift = -(i32::from(self.gain_exponent) + 1 + self.exponent());
+            Some((force, force_shift)) if self.gain_peak != 0 && !self.refusing => {
+                let gain_shift = force_shift as i32 - (i32::from(self.gain_exponent) + 1 + self.exponent());
                 kernel::driven(self.form, modes, gain_shift.max(0) as u32, force, mix_scale, mix);
             }
             _ => kernel::free(self.form, modes, mix_scale, mix),

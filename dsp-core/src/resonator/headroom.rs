@@ -19,6 +19,9 @@
 //! smallest exponent has no room, the input is refused for that run: an amplitude of +160 dBFS, where only a fault can
 //! arrive.
 //!
+//! **Weak forces.** A gain multiplier must stay below 1/2, which would keep the states of a weak force small and its rounding
+//! noise large. So the bank shifts the force left, by as much as its allowance leaves room for, and the gains right.
+//!
 //! **Mix.** The bank adds `v · 2^-(exponent + m)` of all modes with a plain add. Its mix exponent m is chosen at every guard such that
 //! the sum of the modes' bounds stays below 2^31, and is undone by one saturating shift a frame.
 

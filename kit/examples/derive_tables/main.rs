@@ -59,7 +59,9 @@ fn derive(data: &Path, out: &Path) -> Result<(), Failure> {
                 write_object(out, object)?;
             }
         }
-        None => println!("{}: absent; woodblock, bowl and glass stay as they are", data.join("modes_tdw.csv").display()),
+        None => {
+            println!("{}: absent; woodblock, bowl and glass stay as they are", data.join("modes_tdw.csv").display())
+        }
     }
     match mug::derive(&data.join("hammer"))? {
         Some(object) => write_object(out, object)?,

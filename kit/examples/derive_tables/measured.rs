@@ -52,7 +52,8 @@ fn object(
 ) -> Object {
     let own = all.iter().filter(|mode| mode.material == material && mode.size == size);
     // RT60 above 20 s are outliers of the measurement.
-    let mut modes: Vec<_> = own.filter(|mode| mode.rt60_s <= 20.0 && (20.0..20_000.0).contains(&mode.frequency_hz)).collect();
+    let mut modes: Vec<_> =
+        own.filter(|mode| mode.rt60_s <= 20.0 && (20.0..20_000.0).contains(&mode.frequency_hz)).collect();
     modes.sort_by(|a, b| b.onset_power_db.total_cmp(&a.onset_power_db));
     modes.truncate(count);
     let amplitude_of = |mode: &Measured| 10f64.powf(mode.onset_power_db / 20.0);

@@ -49,7 +49,8 @@ mod tests {
     fn the_ratios_of_the_zeros_are_the_published_ones() {
         let mut zeros: Vec<f64> = (0..6).flat_map(|m| (1..4).map(move |n| zero(m, n))).collect();
         zeros.sort_by(f64::total_cmp);
-        for (zero, published) in zeros.iter().zip([1.0, 1.5933, 2.1355, 2.2954, 2.6531, 2.9173, 3.1555, 3.5001, 3.5985, 3.6475])
+        for (zero, published) in
+            zeros.iter().zip([1.0, 1.5933, 2.1355, 2.2954, 2.6531, 2.9173, 3.1555, 3.5001, 3.5985, 3.6475])
         {
             assert!((zero / zeros[0] - published).abs() < 1e-4, "{zero}");
         }

@@ -23,11 +23,9 @@ const SETTINGS: Settings = Settings { rate: RATE, block: 128, skipping: Skipping
 
 pub(crate) fn run(arguments: &DemoArguments) -> Result<(), CommandError> {
     let loaded = kit::open(demo::KIT)?;
-    let table = Kit::parse(&loaded.binary)
-        .map_err(|error| CommandError::Table { kit: demo::KIT.to_owned(), error })?;
-    let performance = demo::piece(&table, &loaded.kit).map_err(|fault| {
-        CommandError::Events(EventsError { path: PathBuf::from("tables/demo-piece.csv"), fault })
-    })?;
+    let table = Kit::parse(&loaded.binary).map_err(|error| CommandError::Table { kit: demo::KIT.to_owned(), error })?;
+    let performance = demo::piece(&table, &loaded.kit)
+        .map_err(|fault| CommandError::Events(EventsError { path: PathBuf::from("tables/demo-piece.csv"), fault }))?;
     std::fs::create_dir_all(&arguments.out).map_err(|cause| {
         CommandError::File(kit::file::FileError { action: "made", path: arguments.out.clone(), cause })
     })?;
@@ -209,9 +207,8 @@ fn draw(
             velocity: event.velocity,
         })
         .collect();
-    let built = ticks.first().map_or(0, |tick| {
-        tick.run_mode_frames() + tick.decayed_mode_frames + tick.unstruck_mode_frames
-    });
+    let built =
+        ticks.first().map_or(0, |tick| tick.run_mode_frames() + tick.decayed_mode_frames + tick.unstruck_mode_frames);
     let rows: Vec<TickRow> = ticks.iter().map(tick_row).collect();
     plot::performance(
         path,

@@ -56,12 +56,7 @@ fn counts(loaded: &Loaded) -> String {
     let statistics = loaded.statistics();
     let modes: usize = statistics.objects.iter().chain(&statistics.strikers).map(|bank| bank.modes).sum();
     let kit = &loaded.kit;
-    format!(
-        "{} pads, {} objects, {} strikers, {modes} modes",
-        kit.pads.len(),
-        kit.objects.len(),
-        kit.strikers.len()
-    )
+    format!("{} pads, {} objects, {} strikers, {modes} modes", kit.pads.len(), kit.objects.len(), kit.strikers.len())
 }
 
 fn picture_of(loaded: &Loaded) -> KitPicture {

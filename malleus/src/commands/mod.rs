@@ -8,8 +8,8 @@ use std::io::Write;
 
 use dsp_core::fixed::FULL_SCALE_24_BIT;
 use indicatif::{ProgressBar, ProgressStyle};
-use malleus::plot::PlotError;
 use malleus::events::EventsError;
+use malleus::plot::PlotError;
 use malleus::render::instrument::RenderError;
 use malleus::wave::WaveError;
 
@@ -36,7 +36,9 @@ pub(crate) enum CommandError {
     UnknownPad { kit: String, name: String, pads: String },
     #[error("{kit}: the kit has no pads: nothing can be played; bind its objects to pads (docs/kit-format.md)")]
     NoPads { kit: String },
-    #[error("{file}: its rate is {file_rate}, --rate asks for {rate}; a force is not resampled: leave --rate out, or convert the file")]
+    #[error(
+        "{file}: its rate is {file_rate}, --rate asks for {rate}; a force is not resampled: leave --rate out, or convert the file"
+    )]
     RateMismatch { file: String, file_rate: dsp_core::SampleRate, rate: dsp_core::SampleRate },
     #[error("the report cannot be printed: {0}")]
     Print(#[from] std::io::Error),

@@ -28,8 +28,12 @@ pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList,
         for event in track {
             ticks += u64::from(event.delta.as_int());
             match event.kind {
-                TrackEventKind::Meta(MetaMessage::Tempo(tempo)) => messages.push((ticks, Message::Tempo(tempo.as_int()))),
-                TrackEventKind::Midi { channel, message } => messages.push((ticks, Message::Midi(channel.as_int(), message))),
+                TrackEventKind::Meta(MetaMessage::Tempo(tempo)) => {
+                    messages.push((ticks, Message::Tempo(tempo.as_int())))
+                }
+                TrackEventKind::Midi { channel, message } => {
+                    messages.push((ticks, Message::Midi(channel.as_int(), message)))
+                }
                 _ => {}
             }
         }

@@ -31,7 +31,9 @@ pub enum EventsFault {
     #[error("not CSV: {0}")]
     Csv(#[from] ::csv::Error),
     /// The header lacks a column or has an unknown one.
-    #[error("line 1: {0}; the header is `sample,pad,velocity` or `time_s,pad,velocity`, then any of `position`, `striker`, `action`")]
+    #[error(
+        "line 1: {0}; the header is `sample,pad,velocity` or `time_s,pad,velocity`, then any of `position`, `striker`, `action`"
+    )]
     Header(String),
     /// A field cannot be.
     #[error("line {line}: {column} = {value:?}: {allowed}")]

@@ -95,7 +95,8 @@ pub fn render(
         let newtons = reference_force(kit, usize::from(*pad)) / f64::from(ONE_Q27);
         force.iter().map(|&sample| f64::from(sample) * newtons).collect()
     });
-    let direct = performance.direct.as_ref().map(|(pad, _)| reference::Direct { pad: usize::from(*pad), force: &force });
+    let direct =
+        performance.direct.as_ref().map(|(pad, _)| reference::Direct { pad: usize::from(*pad), force: &force });
     let mut scene = reference::Scene::new(&pads, &events, direct, rate)?;
     let mut frames = vec![[0.0; 2]; performance.frames];
     let mut done = 0;

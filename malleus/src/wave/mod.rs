@@ -86,7 +86,8 @@ pub fn read_force(path: &Path, channel: u16) -> Result<Force, WaveError> {
         SampleFormat::Int => {
             let full_scale = 2f64.powi(i32::from(spec.bits_per_sample) - 1);
             let all = reader.samples::<i32>().skip(skip).step_by(step);
-            all.map(|sample| Ok(q27_from(f64::from(sample.map_err(kind)?) / full_scale))).collect::<Result<Vec<_>, WaveError>>()?
+            all.map(|sample| Ok(q27_from(f64::from(sample.map_err(kind)?) / full_scale)))
+                .collect::<Result<Vec<_>, WaveError>>()?
         }
         SampleFormat::Float => {
             let all = reader.samples::<f32>().skip(skip).step_by(step).enumerate();
