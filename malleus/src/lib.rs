@@ -2,7 +2,8 @@
 //!
 //! The sound itself comes from `dsp-core` (the instrument) or `reference` (the law); here are only the ways to and from it.
 
+pub mod demo;
 pub mod events;
-
+pub mod plot;
 pub mod render;
 pub mod wave;

@@ -71,7 +71,7 @@ pub enum Error {
         /// Which of its banks.
         owner: BankOwner,
         /// Which mode, and what was expected.
-        source: GainsError,
+        gains: GainsError,
     },
 }
 
@@ -98,18 +98,9 @@ impl fmt::Display for Error {
                 "there is no pad {pad}: the scene has {pad_count} counted from 0; ask for one of \
                  these"
             ),
-            Self::Bank { pad, owner, .. } => {
-                write!(f, "the {owner} bank of pad {pad} has uneven gains")
-            }
+            Self::Bank { pad, owner, gains } => write!(f, "the {owner} bank of pad {pad}: {gains}"),
         }
     }
 }
 
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Bank { source, .. } => Some(source),
-            _ => None,
-        }
-    }
-}
+impl std::error::Error for Error {}

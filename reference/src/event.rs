@@ -1,4 +1,4 @@
-//! What is played: strikes, chokes and releases, each at its time on its pad.
+//! What is played: strikes, chokes and releases, each at its time on its pad, and force from outside.
 
 use crate::error::Error;
 use crate::pad::Pad;
@@ -40,8 +40,23 @@ impl Event {
     }
 }
 
-/// Checks that `events` come in order of time and name pads and strikers that exist.
-pub(crate) fn check(events: &[Event], pads: &[Pad]) -> Result<(), Error> {
+/// A force that drives a pad sample by sample, such as the signal of a piezo under it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Direct<'a> {
+    /// Index of the pad. For its strikers' sound, striker 0 makes this force.
+    pub pad: usize,
+    /// The force in newtons, one value a sample from sample 0; none after its end.
+    pub force: &'a [f64],
+}
+
+/// Checks that `events` come in order of time, and that they and `direct` name pads and strikers
+/// that exist.
+pub(crate) fn check(events: &[Event], direct: Option<Direct<'_>>, pads: &[Pad]) -> Result<(), Error> {
+    if let Some(Direct { pad, .. }) = direct
+        && pad >= pads.len()
+    {
+        return Err(Error::NoSuchPad { pad, pad_count: pads.len() });
+    }
     let mut previous_samples = f64::NEG_INFINITY;
     for (index, event) in events.iter().enumerate() {
         let Some(pad) = pads.get(event.pad) else {

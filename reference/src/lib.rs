@@ -19,7 +19,7 @@
 //!
 //! | stage | what it computes | source |
 //! | --- | --- | --- |
-//! | [`event`] | who is struck when, how hard, where, with what; chokes and releases | this project |
+//! | [`event`] | who is struck when, how hard, where, with what; chokes, releases, direct force | this project |
 //! | [`contact`] | from velocity to a contact force over time; strikes sum | eq. 2, 3 |
 //! | [`resonator`] | the force drives a bank of decaying modes | §3.3 |
 //! | [`radiation`] | the click of the striker's deceleration, `α·F` | eq. 1, §3.2 |
@@ -91,8 +91,8 @@ mod rate;
 
 pub use contact::{Pulse, Striker};
 pub use error::{BankOwner, Error};
-pub use event::{Action, Event};
+pub use event::{Action, Direct, Event};
 pub use pad::{Object, Pad};
 pub use rate::SampleRate;
 pub use resonator::{Bank, Gain, Mode};
-pub use scene::{Direct, Scene, render};
+pub use scene::{Scene, render};

@@ -35,7 +35,7 @@ impl Impact {
     }
 
     fn since_onset_s(&self, sample: u64, rate: SampleRate) -> f64 {
-        // The difference is taken in samples, where it is exact, and only then scaled to seconds.
+        // Subtracted in samples, so that rounding in the division cannot move the onset.
         (sample as f64 - self.onset_samples) / rate.hz()
     }
 }

@@ -15,10 +15,9 @@ mod voice;
 
 use crate::contact::Striker;
 use crate::error::Error;
-use crate::event::{self, Event};
+use crate::event::{self, Direct, Event};
 use crate::rate::SampleRate;
 use crate::resonator::Mode;
-use crate::scene::Direct;
 
 pub(crate) use part::Part;
 
@@ -64,7 +63,7 @@ pub fn render_mono(
     rate: SampleRate,
     sample_count: usize,
 ) -> Result<Vec<f64>, Error> {
-    event::check(events, pads)?;
+    event::check(events, direct, pads)?;
     let mut sound = vec![0.0; sample_count];
     Part::new(pads, pad, events, direct, rate)?.render(&mut sound);
     Ok(sound)

@@ -1,11 +1,10 @@
 //! A pad's part in the scene: its voice, and the events that play it, each at its sample.
 
 use crate::error::Error;
-use crate::event::Event;
+use crate::event::{Direct, Event};
 use crate::pad::Pad;
 use crate::pad::voice::Voice;
 use crate::rate::SampleRate;
-use crate::scene::Direct;
 
 /// Forces are evaluated for at most so many samples at a time, so that memory stays small however
 /// long a block is asked for. It changes no bit of the result.
@@ -32,7 +31,7 @@ impl<'a> Part<'a> {
         rate: SampleRate,
     ) -> Result<Self, Error> {
         let played = pads.get(pad).ok_or(Error::NoSuchPad { pad, pad_count: pads.len() })?;
-        let voice = Voice::new(played, rate).map_err(|(owner, source)| Error::Bank { pad, owner, source })?;
+        let voice = Voice::new(played, rate).map_err(|(owner, gains)| Error::Bank { pad, owner, gains })?;
         let own_events = events.iter().filter(|event| event.pad == pad).copied();
         let own_direct = direct.filter(|direct| direct.pad == pad);
         Ok(Self {

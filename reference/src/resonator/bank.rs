@@ -8,8 +8,9 @@ use crate::resonator::one_pole::OnePole;
 
 /// The modes of an object or striker, vibrating at one sample rate.
 ///
-/// Costs about 10 CPU cycles a mode and sample while ringing: 60 modes over 10 s at 48 kHz take
-/// about 0.1 s on a PC. Modes at rest cost next to nothing.
+/// Costs 3.4 ns a mode and sample while ringing and 3.6 ns while driven: 60 modes over 10 s at
+/// 48 kHz took 0.10 s (one core of a server's Xeon, optimisation level 2). Modes at rest cost next
+/// to nothing.
 #[derive(Clone, Debug)]
 pub struct Bank<'a> {
     modes: &'a [Mode],

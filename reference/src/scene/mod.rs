@@ -3,20 +3,11 @@
 mod output;
 
 use crate::error::Error;
-use crate::event::{self, Event};
+use crate::event::{self, Direct, Event};
 use crate::pad::{Pad, Part};
 use crate::rate::SampleRate;
 
 pub use output::{level_gain, pan_gains, quantise_24};
-
-/// A force that drives a pad sample by sample, such as the signal of a piezo under it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Direct<'a> {
-    /// Index of the pad. For its strikers' sound, striker 0 makes this force.
-    pub pad: usize,
-    /// The force in newtons, one value a sample from sample 0; none after its end.
-    pub force: &'a [f64],
-}
 
 /// Pads being played.
 ///
@@ -38,12 +29,7 @@ impl<'a> Scene<'a> {
     /// [`Error`] if an index points at nothing, events are out of order, or the gains of a bank that
     /// will sound are uneven.
     pub fn new(pads: &'a [Pad], events: &[Event], direct: Option<Direct<'a>>, rate: SampleRate) -> Result<Self, Error> {
-        event::check(events, pads)?;
-        if let Some(Direct { pad, .. }) = direct
-            && pad >= pads.len()
-        {
-            return Err(Error::NoSuchPad { pad, pad_count: pads.len() });
-        }
+        event::check(events, direct, pads)?;
         let is_driven = |index: usize| {
             direct.is_some_and(|direct| direct.pad == index) || events.iter().any(|event| event.pad == index)
         };

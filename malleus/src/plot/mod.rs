@@ -1,0 +1,18 @@
+//! Pictures, as PNG: a performance over time, and a kit's modes. Needs nothing of the machine, the font comes along.
+//!
+//! [`performance()`] and [`kit()`] draw on a [`canvas`] by means of [`panel`]s with [`scale`]s; [`spectrogram`] is the one computation.
+
+mod canvas;
+mod colour;
+mod error;
+mod kit_picture;
+mod page;
+mod panel;
+mod performance;
+mod scale;
+mod spectrogram;
+mod text;
+
+pub use error::PlotError;
+pub use kit_picture::{KitPicture, ObjectPicture, kit};
+pub use performance::{Performance, StrikeMark, TickRow, performance};

@@ -1,0 +1,32 @@
+//! From a blank page to the PNG file, whole or not at all.
+
+use std::path::Path;
+
+use super::canvas::{Canvas, CanvasError};
+use super::error::PlotError;
+
+/// A blank page for the picture at `path`.
+pub(super) fn blank(path: &Path, width: u32, height: u32) -> Result<Canvas, PlotError> {
+    Canvas::new(width, height).map_err(|error| match error {
+        CanvasError::Font => PlotError::Font { path: path.to_owned() },
+        CanvasError::Surface => PlotError::Surface { path: path.to_owned(), width, height },
+    })
+}
+
+/// Writes the page as an 8-bit RGB PNG.
+pub(super) fn write(path: &Path, canvas: &Canvas) -> Result<(), PlotError> {
+    let bytes = encode(canvas).map_err(|cause| PlotError::Encoding { path: path.to_owned(), cause })?;
+    Ok(kit::file::write_whole(path, &bytes)?)
+}
+
+fn encode(canvas: &Canvas) -> Result<Vec<u8>, png::EncodingError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, canvas.width(), canvas.height());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&canvas.rgb())?;
+    writer.finish()?;
+    Ok(bytes)
+}

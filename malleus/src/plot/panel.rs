@@ -1,0 +1,180 @@
+//! One diagram of a picture: an area with a scale each way, its frame, grid, ticks and labels.
+
+use super::canvas::{Area, Canvas};
+use super::colour::{Colour, FRAME, GRID, INK, MUTED};
+use super::scale::{Scale, Tick};
+use super::text::{Anchor, CAPITAL_HEIGHT, TextStyle};
+
+/// Tick labels.
+pub(super) const TICK_TEXT: TextStyle = TextStyle::regular(12.5, MUTED);
+/// Names of axes, lanes and legend entries.
+pub(super) const LABEL_TEXT: TextStyle = TextStyle::regular(13.5, INK);
+/// Remarks beside a title.
+pub(super) const REMARK_TEXT: TextStyle = TextStyle::regular(13.5, MUTED);
+/// The title of a panel.
+pub(super) const HEADING_TEXT: TextStyle = TextStyle::bold(15.0, INK);
+/// The title of a picture.
+pub(super) const TITLE_TEXT: TextStyle = TextStyle::bold(24.0, INK);
+
+/// Room above a panel for its heading and legend, pixels.
+pub(super) const HEADING_PX: f32 = 26.0;
+/// Distance from a heading's baseline to its panel, pixels.
+const HEADING_RISE_PX: f32 = 8.0;
+const TICK_PX: f32 = 5.0;
+const MINOR_TICK_PX: f32 = 3.0;
+const TICK_LABEL_GAP_PX: f32 = 5.0;
+
+/// An area of the page with the scale of its width and of its height.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Panel {
+    /// Where the data is drawn.
+    pub(super) area: Area,
+    /// Scale from left to right.
+    pub(super) x: Scale,
+    /// Scale from bottom to top.
+    pub(super) y: Scale,
+}
+
+impl Panel {
+    /// Place of `value` across the page, pixels.
+    pub(super) fn x_px(&self, value: f64) -> f32 {
+        self.area.left + (self.x.share(value) * f64::from(self.area.width)) as f32
+    }
+
+    /// Place of `value` down the page, pixels.
+    pub(super) fn y_px(&self, value: f64) -> f32 {
+        self.area.bottom() - (self.y.share(value) * f64::from(self.area.height)) as f32
+    }
+
+    /// Faint vertical lines at the labelled ticks.
+    pub(super) fn vertical_grid(&self, canvas: &mut Canvas, ticks: &[Tick]) {
+        for tick in ticks.iter().filter(|tick| !tick.label.is_empty()) {
+            let x = self.x_px(tick.value).min(self.area.right() - 1.0);
+            canvas.vertical(x, self.area.top, self.area.bottom(), GRID);
+        }
+    }
+
+    /// Faint horizontal lines at the labelled ticks.
+    pub(super) fn horizontal_grid(&self, canvas: &mut Canvas, ticks: &[Tick]) {
+        for tick in ticks.iter().filter(|tick| !tick.label.is_empty()) {
+            let y = self.y_px(tick.value).min(self.area.bottom() - 1.0);
+            canvas.horizontal(self.area.left, self.area.right(), y, GRID);
+        }
+    }
+
+    /// Ticks and labels to the left of the area.
+    pub(super) fn ticks_left(&self, canvas: &mut Canvas, ticks: &[Tick]) {
+        for tick in ticks {
+            let y = self.y_px(tick.value).min(self.area.bottom() - 1.0);
+            let length = tick_length(tick);
+            canvas.horizontal(self.area.left - length, self.area.left, y, FRAME);
+            let baseline = y + TICK_TEXT.size_px * CAPITAL_HEIGHT / 2.0;
+            let x = self.area.left - TICK_PX - TICK_LABEL_GAP_PX;
+            canvas.text(&tick.label, (x, baseline), Anchor::End, TICK_TEXT);
+        }
+    }
+
+    /// Ticks and labels below the area.
+    pub(super) fn ticks_below(&self, canvas: &mut Canvas, ticks: &[Tick]) {
+        for tick in ticks {
+            let x = self.x_px(tick.value).min(self.area.right() - 1.0);
+            let bottom = self.area.bottom();
+            canvas.vertical(x, bottom, bottom + tick_length(tick), FRAME);
+            let baseline =
+                bottom + TICK_PX + TICK_LABEL_GAP_PX + TICK_TEXT.size_px * CAPITAL_HEIGHT;
+            canvas.text(&tick.label, (x, baseline), Anchor::Middle, TICK_TEXT);
+        }
+    }
+
+    /// What the height means, upwards, `distance_px` left of the area.
+    pub(super) fn label_left(&self, canvas: &mut Canvas, label: &str, distance_px: f32) {
+        let place = (
+            self.area.left - distance_px,
+            self.area.top + self.area.height / 2.0,
+        );
+        canvas.text_upwards(label, place, Anchor::Middle, LABEL_TEXT);
+    }
+
+    /// What the width means, under the tick labels.
+    pub(super) fn label_below(&self, canvas: &mut Canvas, label: &str) {
+        let place = (
+            self.area.left + self.area.width / 2.0,
+            self.area.bottom() + 40.0,
+        );
+        canvas.text(label, place, Anchor::Middle, LABEL_TEXT);
+    }
+
+    /// The outline of the area.
+    pub(super) fn frame(&self, canvas: &mut Canvas) {
+        outline(canvas, self.area, FRAME);
+    }
+}
+
+/// A one pixel outline just inside an area.
+pub(super) fn outline(canvas: &mut Canvas, area: Area, colour: Colour) {
+    canvas.horizontal(area.left, area.right(), area.top, colour);
+    canvas.horizontal(area.left, area.right(), area.bottom() - 1.0, colour);
+    canvas.vertical(area.left, area.top, area.bottom(), colour);
+    canvas.vertical(area.right() - 1.0, area.top, area.bottom(), colour);
+}
+
+/// A title above `area`, with a remark after it.
+pub(super) fn heading(canvas: &mut Canvas, area: Area, title: &str, remark: &str) {
+    let baseline = area.top - HEADING_RISE_PX;
+    canvas.text(
+        title,
+        (area.left, baseline),
+        Anchor::Start,
+        HEADING_TEXT,
+    );
+    let after = area.left + canvas.length_px(title, HEADING_TEXT) + 12.0;
+    canvas.text(remark, (after, baseline), Anchor::Start, REMARK_TEXT);
+}
+
+/// The sign of a legend entry.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Sign {
+    /// A filled area.
+    Fill(Colour),
+    /// A dashed line.
+    Dashed(Colour),
+}
+
+/// Entries above `area`, ending at its right edge.
+pub(super) fn legend(canvas: &mut Canvas, area: Area, entries: &[(Sign, &str)]) {
+    const SIGN_WIDTH_PX: f32 = 18.0;
+    const SIGN_HEIGHT_PX: f32 = 10.0;
+    let baseline = area.top - HEADING_RISE_PX;
+    let middle = baseline - LABEL_TEXT.size_px * CAPITAL_HEIGHT / 2.0;
+    let mut right = area.right();
+    for (sign, name) in entries.iter().rev() {
+        canvas.text(name, (right, baseline), Anchor::End, LABEL_TEXT);
+        let end = right - canvas.length_px(name, LABEL_TEXT) - 7.0;
+        let swatch = Area {
+            left: (end - SIGN_WIDTH_PX).round(),
+            top: (middle - SIGN_HEIGHT_PX / 2.0).round(),
+            width: SIGN_WIDTH_PX,
+            height: SIGN_HEIGHT_PX,
+        };
+        match *sign {
+            Sign::Fill(colour) => canvas.rectangle(swatch, colour),
+            Sign::Dashed(colour) => {
+                let y = swatch.top + SIGN_HEIGHT_PX / 2.0 + 0.5;
+                let ends = [(swatch.left, y), (swatch.right(), y)];
+                canvas.line(&ends, 1.5, Some(BUILT_DASH), colour);
+            }
+        }
+        right = swatch.left - 22.0;
+    }
+}
+
+/// Strokes and gaps of the one dashed line that the pictures use, pixels.
+pub(super) const BUILT_DASH: [f32; 2] = [5.0, 3.0];
+
+fn tick_length(tick: &Tick) -> f32 {
+    if tick.label.is_empty() {
+        MINOR_TICK_PX
+    } else {
+        TICK_PX
+    }
+}

@@ -1,0 +1,256 @@
+//! Axes: from a value to a place, and which values to label.
+
+/// How the values spread along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Spacing {
+    /// Equal steps, equal lengths.
+    Linear,
+    /// Equal ratios, equal lengths.
+    Logarithmic,
+}
+
+/// A value that an axis marks.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Tick {
+    /// Where.
+    pub(super) value: f64,
+    /// What stands there; nothing for a tick between labels.
+    pub(super) label: String,
+}
+
+/// The range of an axis. `low < high`; both positive where the spacing is logarithmic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Scale {
+    /// Value at the left or bottom.
+    pub(super) low: f64,
+    /// Value at the right or top.
+    pub(super) high: f64,
+    /// Spread in between.
+    pub(super) spacing: Spacing,
+}
+
+impl Scale {
+    /// A linear axis.
+    pub(super) const fn linear(low: f64, high: f64) -> Self {
+        Self {
+            low,
+            high,
+            spacing: Spacing::Linear,
+        }
+    }
+
+    /// A logarithmic axis.
+    pub(super) const fn logarithmic(low: f64, high: f64) -> Self {
+        Self {
+            low,
+            high,
+            spacing: Spacing::Logarithmic,
+        }
+    }
+
+    /// The logarithmic axis between steps 1, 2, 5 of a decade that holds `low` to `high` and at least a factor 4.
+    pub(super) fn logarithmic_round(low: f64, high: f64) -> Self {
+        let middle = (low * high).sqrt();
+        Self::logarithmic(
+            one_two_five_below(low.min(middle / 2.0)),
+            one_two_five_above(high.max(middle * 2.0)),
+        )
+    }
+
+    /// How far along the axis `value` lies: 0 at `low`, 1 at `high`, outside them beyond.
+    pub(super) fn share(&self, value: f64) -> f64 {
+        match self.spacing {
+            Spacing::Linear => (value - self.low) / (self.high - self.low),
+            Spacing::Logarithmic => (value / self.low).ln() / (self.high / self.low).ln(),
+        }
+    }
+
+    /// The value at `share` of the axis: the inverse of [`share`](Self::share).
+    pub(super) fn value(&self, share: f64) -> f64 {
+        match self.spacing {
+            Spacing::Linear => self.low + (self.high - self.low) * share,
+            Spacing::Logarithmic => self.low * (self.high / self.low).powf(share),
+        }
+    }
+
+    /// Ticks for an axis of `length_px` whose labels are at least `gap_px` apart: round steps on a linear axis; 1, 2, 5 of each decade
+    /// (or only the decades, where there is no room) on a logarithmic one, with bare ticks in between.
+    pub(super) fn ticks(&self, length_px: f32, gap_px: f32) -> Vec<Tick> {
+        match self.spacing {
+            Spacing::Linear => {
+                let most = (length_px / gap_px).max(1.0);
+                let step = one_two_five_above((self.high - self.low) / f64::from(most));
+                self.stepped(step, |value| decimal(value, step))
+            }
+            Spacing::Logarithmic => self.decade_ticks(length_px, gap_px),
+        }
+    }
+
+    /// Ticks for a time axis in seconds; from two minutes on, in minutes and seconds.
+    pub(super) fn time_ticks(&self, length_px: f32, gap_px: f32) -> Vec<Tick> {
+        if !in_minutes(self.high) {
+            return self.ticks(length_px, gap_px);
+        }
+        let least = (self.high - self.low) / f64::from((length_px / gap_px).max(1.0));
+        let step = [5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0]
+            .into_iter()
+            .find(|step| *step >= least)
+            .unwrap_or_else(|| 600.0 * one_two_five_above(least / 600.0));
+        self.stepped(step, minutes_and_seconds)
+    }
+
+    fn stepped(&self, step: f64, label: impl Fn(f64) -> String) -> Vec<Tick> {
+        let slack = 1e-9 * (self.high - self.low) / step;
+        let first = (self.low / step - slack).ceil() as i64;
+        let last = (self.high / step + slack).floor() as i64;
+        (first..=last)
+            .map(|index| {
+                let value = index as f64 * step;
+                Tick {
+                    value,
+                    label: label(value),
+                }
+            })
+            .collect()
+    }
+
+    fn decade_ticks(&self, length_px: f32, gap_px: f32) -> Vec<Tick> {
+        let decades = (self.high / self.low).log10();
+        let decade_px = f64::from(length_px) / decades;
+        let gap_px = f64::from(gap_px);
+        // The narrowest gap of 1, 2, 5, 10 is a factor 2; where even decades are crowded, every second, third ... one is labelled.
+        let with_two_and_five = decade_px * 2.0_f64.log10() >= gap_px;
+        let every = ((gap_px / decade_px).ceil() as i32).max(1);
+        let mut ticks = Vec::new();
+        for exponent in self.low.log10().floor() as i32..=self.high.log10().ceil() as i32 {
+            for digit in 1..10 {
+                let value = f64::from(digit) * 10.0_f64.powi(exponent);
+                if value < self.low * (1.0 - 1e-9) || value > self.high * (1.0 + 1e-9) {
+                    continue;
+                }
+                let labelled = match digit {
+                    1 => exponent.rem_euclid(every) == 0,
+                    2 | 5 => with_two_and_five,
+                    _ => false,
+                };
+                ticks.push(Tick {
+                    value,
+                    label: if labelled { short(value) } else { String::new() },
+                });
+            }
+        }
+        ticks
+    }
+}
+
+/// Whether a duration reads better in minutes and seconds.
+pub(super) fn in_minutes(duration_s: f64) -> bool {
+    duration_s >= 120.0
+}
+
+/// The largest of 1, 2, 5 times a power of ten that is not above `value` (positive).
+fn one_two_five_below(value: f64) -> f64 {
+    let decade = 10.0_f64.powf(value.log10().floor());
+    [10.0, 5.0, 2.0, 1.0]
+        .into_iter()
+        .map(|digit| digit * decade)
+        .find(|step| *step <= value * (1.0 + 1e-9))
+        .unwrap_or(decade)
+}
+
+/// The smallest of 1, 2, 5 times a power of ten that is not below `value` (positive).
+pub(super) fn one_two_five_above(value: f64) -> f64 {
+    let decade = 10.0_f64.powf(value.log10().floor());
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|digit| digit * decade)
+        .find(|step| *step >= value * (1.0 - 1e-9))
+        .unwrap_or(10.0 * decade)
+}
+
+/// `value` with as many decimals as `step` needs, and a true minus sign.
+fn decimal(value: f64, step: f64) -> String {
+    let decimals = (-(step * (1.0 + 1e-9)).log10().floor()).max(0.0) as usize;
+    let text = format!("{:.decimals$}", if value == 0.0 { 0.0 } else { value });
+    text.replace('-', "−")
+}
+
+/// A positive round value in few signs: 0.05, 2, 500, 10k.
+fn short(value: f64) -> String {
+    if value >= 999.5 {
+        format!("{}k", (value / 1000.0 * 1e6).round() / 1e6)
+    } else {
+        format!("{}", (value * 1e9).round() / 1e9)
+    }
+}
+
+fn minutes_and_seconds(time_s: f64) -> String {
+    let seconds = time_s.round() as i64;
+    format!("{}:{:02}", seconds / 60, seconds % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(ticks: &[Tick]) -> Vec<&str> {
+        ticks
+            .iter()
+            .map(|tick| tick.label.as_str())
+            .filter(|label| !label.is_empty())
+            .collect()
+    }
+
+    #[test]
+    fn a_linear_axis_is_labelled_in_round_steps_with_no_more_than_fit() {
+        let ticks = Scale::linear(0.0, 14.2).ticks(1400.0, 90.0);
+        assert_eq!(
+            labels(&ticks),
+            [
+                "0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14"
+            ]
+        );
+        let ticks = Scale::linear(-0.1, 0.1).ticks(100.0, 30.0);
+        assert_eq!(labels(&ticks), ["−0.1", "0.0", "0.1"]);
+    }
+
+    #[test]
+    fn a_frequency_axis_is_labelled_at_one_two_five() {
+        let ticks = Scale::logarithmic(50.0, 20_000.0).ticks(380.0, 20.0);
+        assert_eq!(
+            labels(&ticks),
+            ["50", "100", "200", "500", "1k", "2k", "5k", "10k", "20k"]
+        );
+    }
+
+    #[test]
+    fn a_short_logarithmic_axis_is_labelled_at_the_decades_only() {
+        let ticks = Scale::logarithmic(20.0, 20_000.0).ticks(150.0, 30.0);
+        assert_eq!(labels(&ticks), ["100", "1k", "10k"]);
+    }
+
+    #[test]
+    fn a_long_piece_is_labelled_in_minutes() {
+        let ticks = Scale::linear(0.0, 300.0).time_ticks(1400.0, 90.0);
+        assert_eq!(labels(&ticks)[..4], ["0:00", "0:30", "1:00", "1:30"]);
+    }
+
+    #[test]
+    fn a_round_logarithmic_axis_holds_its_values_and_two_labels() {
+        for (low, high) in [(0.3, 0.31), (0.02, 7.0), (1.0, 1.0), (0.99, 21.0)] {
+            let scale = Scale::logarithmic_round(low, high);
+            assert!(scale.low <= low && high <= scale.high && scale.high >= 3.9 * scale.low);
+            assert!(labels(&scale.ticks(300.0, 20.0)).len() >= 2);
+        }
+    }
+
+    #[test]
+    fn value_is_the_inverse_of_share() {
+        for scale in [Scale::linear(-3.0, 9.0), Scale::logarithmic(50.0, 20_000.0)] {
+            for step in 0..=10 {
+                let share = f64::from(step) / 10.0;
+                assert!((scale.share(scale.value(share)) - share).abs() < 1e-12);
+            }
+        }
+    }
+}
