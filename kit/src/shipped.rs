@@ -24,6 +24,7 @@ const TABLES: &[(&str, &str)] = &[
     ("drum.toml", include_str!("../../tables/drum.toml")),
     ("mug.toml", include_str!("../../tables/mug.toml")),
     ("bowl.toml", include_str!("../../tables/bowl.toml")),
+    ("pan.toml", include_str!("../../tables/pan.toml")),
     ("glass.toml", include_str!("../../tables/glass.toml")),
     ("plate.toml", include_str!("../../tables/plate.toml")),
     ("strikers.toml", include_str!("../../tables/strikers.toml")),

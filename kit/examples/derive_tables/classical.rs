@@ -7,7 +7,7 @@ use crate::{bar, membrane};
 
 /// All of them.
 pub(crate) fn all() -> Vec<Object> {
-    vec![marimba(), glockenspiel(), bell(), claves(), drum()]
+    vec![marimba(), glockenspiel(), bell(), bowl(), claves(), drum()]
 }
 
 fn object(name: &str, source: &str, modes: Vec<Mode>) -> Object {
@@ -80,6 +80,28 @@ fn bell() -> Object {
     object(
         "bell",
         "minor-third bell: hum 0.5, prime 1, tierce 1.2, quint 1.5, nominal 2 and higher partials of a 440 Hz strike note, each a beating pair; ratios as founders name them, T60 and splits chosen by ear",
+        modes.collect(),
+    )
+}
+
+/// A bronze singing bowl, its rim a thin ring: `f_n ~ n (n² - 1) / sqrt(n² + 1)` for n = 2, 3 ... waves round it (Hoppe, in Rayleigh's
+/// *Theory of Sound* § 233), each a beating pair.
+fn bowl() -> Object {
+    let contact = Contact { time_s: 0.0024, peak: 1.0 };
+    let ring = |n: f64| n * (n * n - 1.0) / (n * n + 1.0).sqrt();
+    let sounds = [(14.0, 0.20), (9.0, 0.14), (5.0, 0.08), (3.0, 0.05), (1.8, 0.03), (1.1, 0.02), (0.7, 0.012)];
+    let modes = (2..).zip(sounds).flat_map(|(n, (t60_s, amplitude))| {
+        let frequency_hz = 196.0 * ring(f64::from(n)) / ring(2.0);
+        let pair = [(-0.5, 0.6, 1.0), (0.5, 0.4, 0.95)];
+        // The halves of a pair lie 0.9 Hz apart at the lowest mode and further at the higher ones.
+        pair.map(|(side, share, shorter)| {
+            let beat_hz = 0.9 * f64::from(n).sqrt() / 2f64.sqrt();
+            mode(frequency_hz + side * beat_hz, t60_s * shorter, amplitude * share, &[1.0], contact)
+        })
+    });
+    object(
+        "bowl",
+        "inextensional modes of a thin ring (Hoppe), n = 2 to 8, 196 Hz, each a beating pair; T60 14 s falling with n, chosen by ear",
         modes.collect(),
     )
 }

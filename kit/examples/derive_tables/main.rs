@@ -60,7 +60,10 @@ fn derive(data: &Path, out: &Path) -> Result<(), Failure> {
             }
         }
         None => {
-            println!("{}: absent; woodblock, bowl and glass stay as they are", data.join("modes_tdw.csv").display())
+            println!(
+                "{}: absent; woodblock, pan, glass and plate stay as they are",
+                data.join("modes_tdw.csv").display()
+            )
         }
     }
     match mug::derive(&data.join("hammer"))? {

@@ -34,13 +34,14 @@ pub(crate) fn read(path: &Path) -> Result<Option<Vec<Measured>>, Failure> {
 pub(crate) fn all(modes: &[Measured]) -> Vec<Object> {
     vec![
         object(modes, "woodblock", "wood_hard", 1, 10, 0.34, 0.0007),
-        object(modes, "bowl", "metal", 0, 48, 0.34, 0.0007),
+        object(modes, "pan", "metal", 0, 24, 0.34, 0.0007),
         object(modes, "glass", "glass", 1, 32, 0.34, 0.0002),
-        object(modes, "plate", "ceramic", 0, 40, 0.34, 0.0002),
+        object(modes, "plate", "ceramic", 2, 10, 0.34, 0.0002),
     ]
 }
 
-/// The `count` loudest modes of a material and size. Their onset levels set the balance; the sum of amplitudes sets the level.
+/// The `count` modes of a material and size that radiate most energy. Their onset levels set the balance; the sum of amplitudes sets the
+/// level.
 fn object(
     all: &[Measured],
     name: &str,
@@ -54,7 +55,9 @@ fn object(
     // RT60 above 20 s are outliers of the measurement.
     let mut modes: Vec<_> =
         own.filter(|mode| mode.rt60_s <= 20.0 && (20.0..20_000.0).contains(&mode.frequency_hz)).collect();
-    modes.sort_by(|a, b| b.onset_power_db.total_cmp(&a.onset_power_db));
+    // The energy of a decaying sine is its onset power times its decay time.
+    let energy = |mode: &Measured| 10f64.powf(mode.onset_power_db / 10.0) * mode.rt60_s;
+    modes.sort_by(|a, b| energy(b).total_cmp(&energy(a)));
     modes.truncate(count);
     let amplitude_of = |mode: &Measured| 10f64.powf(mode.onset_power_db / 20.0);
     // Phases are unknown and peaks do not meet: the root of the summed squares, times 2, is near the peak.
@@ -64,7 +67,7 @@ fn object(
     Object {
         name: name.to_owned(),
         source: format!(
-            "the {count} loudest of the measured modes of {material}, size {size}, RT60 up to 20 s (Traer et al. 2019, Python package tdw); onset levels as gains in sine phase, scaled in common"
+            "the {count} most energetic of the measured modes of {material}, size {size}, RT60 up to 20 s (Traer et al. 2019, Python package tdw); onset levels as gains in sine phase, scaled in common"
         ),
         licence: "BSD-2-Clause".to_owned(),
         reference_force: 1.0,

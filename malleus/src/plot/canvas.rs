@@ -1,8 +1,8 @@
 //! The page that everything is drawn on: areas, lines, discs, text and single pixels, antialiased, opaque.
 
 use tiny_skia::{
-    FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, PremultipliedColorU8, Rect,
-    Stroke, StrokeDash, Transform,
+    FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke, StrokeDash,
+    Transform,
 };
 
 use super::colour::{Colour, PAGE};
@@ -35,11 +35,7 @@ impl Area {
     /// Lane `index` of `count` equal ones from the top down.
     pub(super) fn lane(&self, index: usize, count: usize) -> Self {
         let height = self.height / count as f32;
-        Self {
-            top: self.top + height * index as f32,
-            height,
-            ..*self
-        }
+        Self { top: self.top + height * index as f32, height, ..*self }
     }
 }
 
@@ -66,9 +62,7 @@ impl Canvas {
     pub(super) fn new(width: u32, height: u32) -> Result<Self, CanvasError> {
         let typeface = Typeface::built_in().ok_or(CanvasError::Font)?;
         let mut pixels = Pixmap::new(width, height).ok_or(CanvasError::Surface)?;
-        pixels.fill(tiny_skia::Color::from_rgba8(
-            PAGE.red, PAGE.green, PAGE.blue, 255,
-        ));
+        pixels.fill(tiny_skia::Color::from_rgba8(PAGE.red, PAGE.green, PAGE.blue, 255));
         Ok(Self { pixels, typeface })
     }
 
@@ -84,68 +78,28 @@ impl Canvas {
 
     /// The page as red, green, blue of each pixel, row by row.
     pub(super) fn rgb(&self) -> Vec<u8> {
-        self.pixels
-            .pixels()
-            .iter()
-            .flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()])
-            .collect()
+        self.pixels.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect()
     }
 
     /// Fills an area; its edges are blended where they fall between pixels.
     pub(super) fn rectangle(&mut self, area: Area, colour: Colour) {
         if let Some(rect) = Rect::from_xywh(area.left, area.top, area.width, area.height) {
-            self.pixels
-                .fill_rect(rect, &paint(colour), Transform::identity(), None);
+            self.pixels.fill_rect(rect, &paint(colour), Transform::identity(), None);
         }
     }
 
     /// A crisp horizontal line, one pixel thick, in the row of pixels that holds `y`.
     pub(super) fn horizontal(&mut self, left: f32, right: f32, y: f32, colour: Colour) {
-        self.rectangle(
-            Area {
-                left,
-                top: y.floor(),
-                width: right - left,
-                height: 1.0,
-            },
-            colour,
-        );
+        self.rectangle(Area { left, top: y.floor(), width: right - left, height: 1.0 }, colour);
     }
 
     /// A crisp vertical line, one pixel thick, in the column of pixels that holds `x`.
     pub(super) fn vertical(&mut self, x: f32, top: f32, bottom: f32, colour: Colour) {
-        self.rectangle(
-            Area {
-                left: x.floor(),
-                top,
-                width: 1.0,
-                height: bottom - top,
-            },
-            colour,
-        );
-    }
-
-    /// Fills the polygon through `points`.
-    pub(super) fn polygon(&mut self, points: &[(f32, f32)], colour: Colour) {
-        if let Some(path) = path(points, true) {
-            self.pixels.fill_path(
-                &path,
-                &paint(colour),
-                FillRule::Winding,
-                Transform::identity(),
-                None,
-            );
-        }
+        self.rectangle(Area { left: x.floor(), top, width: 1.0, height: bottom - top }, colour);
     }
 
     /// A line through `points`, `width` pixels thick; `dash` gives the lengths of the strokes and the gaps.
-    pub(super) fn line(
-        &mut self,
-        points: &[(f32, f32)],
-        width: f32,
-        dash: Option<[f32; 2]>,
-        colour: Colour,
-    ) {
+    pub(super) fn line(&mut self, points: &[(f32, f32)], width: f32, dash: Option<[f32; 2]>, colour: Colour) {
         let stroke = Stroke {
             width,
             line_cap: LineCap::Butt,
@@ -154,26 +108,14 @@ impl Canvas {
             ..Stroke::default()
         };
         if let Some(path) = path(points, false) {
-            self.pixels.stroke_path(
-                &path,
-                &paint(colour),
-                &stroke,
-                Transform::identity(),
-                None,
-            );
+            self.pixels.stroke_path(&path, &paint(colour), &stroke, Transform::identity(), None);
         }
     }
 
     /// A filled disc.
     pub(super) fn disc(&mut self, (x, y): (f32, f32), radius: f32, colour: Colour) {
         if let Some(path) = PathBuilder::from_circle(x, y, radius) {
-            self.pixels.fill_path(
-                &path,
-                &paint(colour),
-                FillRule::Winding,
-                Transform::identity(),
-                None,
-            );
+            self.pixels.fill_path(&path, &paint(colour), FillRule::Winding, Transform::identity(), None);
         }
     }
 
@@ -183,38 +125,24 @@ impl Canvas {
     }
 
     /// A text on a horizontal baseline.
-    pub(super) fn text(
-        &mut self,
-        text: &str,
-        (x, baseline): (f32, f32),
-        anchor: Anchor,
-        style: TextStyle,
-    ) {
+    pub(super) fn text(&mut self, text: &str, (x, baseline): (f32, f32), anchor: Anchor, style: TextStyle) {
         let start = x - self.before_anchor(text, anchor, style);
         let mut covered = Vec::new();
-        self.typeface
-            .cover(text, style, (start, baseline), |x, y, share| {
-                covered.push((x, y, share));
-            });
+        self.typeface.cover(text, style, (start, baseline), |x, y, share| {
+            covered.push((x, y, share));
+        });
         for (x, y, share) in covered {
             self.blend(i64::from(x), i64::from(y), style.colour, share);
         }
     }
 
     /// A text that runs upwards on a vertical baseline (the letters' feet point right).
-    pub(super) fn text_upwards(
-        &mut self,
-        text: &str,
-        (baseline, y): (f32, f32),
-        anchor: Anchor,
-        style: TextStyle,
-    ) {
+    pub(super) fn text_upwards(&mut self, text: &str, (baseline, y): (f32, f32), anchor: Anchor, style: TextStyle) {
         let start = -y - self.before_anchor(text, anchor, style);
         let mut covered = Vec::new();
-        self.typeface
-            .cover(text, style, (start, baseline), |along, across, share| {
-                covered.push((across, -1 - along, share));
-            });
+        self.typeface.cover(text, style, (start, baseline), |along, across, share| {
+            covered.push((across, -1 - along, share));
+        });
         for (x, y, share) in covered {
             self.blend(i64::from(x), i64::from(y), style.colour, share);
         }
@@ -245,9 +173,8 @@ impl Canvas {
             return;
         }
         let share = share.clamp(0.0, 1.0) * f32::from(colour.opacity) / 255.0;
-        let over = |below: u8, above: u8| {
-            (f32::from(below) + (f32::from(above) - f32::from(below)) * share).round() as u8
-        };
+        let over =
+            |below: u8, above: u8| (f32::from(below) + (f32::from(above) - f32::from(below)) * share).round() as u8;
         if let Some(pixel) = self.pixels.pixels_mut().get_mut((y * width + x) as usize) {
             let blended = PremultipliedColorU8::from_rgba(
                 over(pixel.red(), colour.red),
@@ -288,9 +215,7 @@ mod tests {
     fn darkness(canvas: &Canvas, columns: std::ops::Range<u32>, rows: std::ops::Range<u32>) -> u64 {
         let rgb = canvas.rgb();
         rows.flat_map(|row| columns.clone().map(move |column| (row, column)))
-            .map(|(row, column)| {
-                u64::from(255 - rgb[((row * canvas.width() + column) * 3) as usize])
-            })
+            .map(|(row, column)| u64::from(255 - rgb[((row * canvas.width() + column) * 3) as usize]))
             .sum()
     }
 
@@ -323,12 +248,7 @@ mod tests {
         let mut canvas = Canvas::new(20, 20).expect("page");
         canvas.pixel(20, 3, INK);
         canvas.disc((-50.0, 10.0), 5.0, INK);
-        canvas.text(
-            "far",
-            (500.0, 10.0),
-            Anchor::Start,
-            TextStyle::regular(12.0, INK),
-        );
+        canvas.text("far", (500.0, 10.0), Anchor::Start, TextStyle::regular(12.0, INK));
         assert_eq!(darkness(&canvas, 0..20, 0..20), 0);
     }
 }

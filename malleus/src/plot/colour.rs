@@ -17,20 +17,7 @@ impl Colour {
     /// An opaque colour from its sRGB hexadecimal value, `0xRRGGBB`.
     pub(super) const fn hex(rgb: u32) -> Self {
         let [_, red, green, blue] = rgb.to_be_bytes();
-        Self {
-            red,
-            green,
-            blue,
-            opacity: 255,
-        }
-    }
-
-    /// The same colour with `share` (0 to 1) of full opacity.
-    pub(super) fn with_opacity(self, share: f32) -> Self {
-        Self {
-            opacity: byte(share),
-            ..self
-        }
+        Self { red, green, blue, opacity: 255 }
     }
 }
 
@@ -96,20 +83,9 @@ impl ColourMap {
     /// The colour at `share` of the way from the low end (0) to the high end (1); beyond the ends, the end's colour.
     pub(super) fn colour(&self, share: f32) -> Colour {
         let share = share.clamp(0.0, 1.0);
-        let channel = |index: usize| {
-            byte(
-                self.coefficients
-                    .iter()
-                    .rev()
-                    .fold(0.0, |sum, term| sum * share + term[index]),
-            )
-        };
-        Colour {
-            red: channel(0),
-            green: channel(1),
-            blue: channel(2),
-            opacity: 255,
-        }
+        let channel =
+            |index: usize| byte(self.coefficients.iter().rev().fold(0.0, |sum, term| sum * share + term[index]));
+        Colour { red: channel(0), green: channel(1), blue: channel(2), opacity: 255 }
     }
 }
 
@@ -124,15 +100,8 @@ mod tests {
 
     fn assert_near(colour: Colour, published: u32) {
         let [_, red, green, blue] = published.to_be_bytes();
-        for (ours, theirs) in [
-            (colour.red, red),
-            (colour.green, green),
-            (colour.blue, blue),
-        ] {
-            assert!(
-                ours.abs_diff(theirs) <= 6,
-                "{colour:?} against {published:06x}"
-            );
+        for (ours, theirs) in [(colour.red, red), (colour.green, green), (colour.blue, blue)] {
+            assert!(ours.abs_diff(theirs) <= 6, "{colour:?} against {published:06x}");
         }
     }
 
@@ -154,9 +123,7 @@ mod tests {
     fn a_louder_level_is_never_darker() {
         let lightness = |share: f32| {
             let colour = MAGMA.colour(share);
-            0.2126 * f32::from(colour.red)
-                + 0.7152 * f32::from(colour.green)
-                + 0.0722 * f32::from(colour.blue)
+            0.2126 * f32::from(colour.red) + 0.7152 * f32::from(colour.green) + 0.0722 * f32::from(colour.blue)
         };
         for step in 1..=50 {
             let share = step as f32 / 50.0;

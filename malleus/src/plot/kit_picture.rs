@@ -52,7 +52,12 @@ pub fn kit(path: &Path, picture: &KitPicture) -> Result<(), PlotError> {
     let rows = picture.objects.len().div_ceil(COLUMNS);
     let mut canvas = page::blank(path, WIDTH, (TOP + rows as f32 * CELL.1 + 20.0) as u32)?;
     canvas.text(&picture.title, (LEFT, 46.0), Anchor::Start, TITLE_TEXT);
-    canvas.text("modes: gain relative to the loudest (dB) over frequency (Hz)", (LEFT, 72.0), Anchor::Start, REMARK_TEXT);
+    canvas.text(
+        "modes: gain relative to the loudest (dB) over frequency (Hz)",
+        (LEFT, 72.0),
+        Anchor::Start,
+        REMARK_TEXT,
+    );
     draw_colours(&mut canvas, t60);
     for (index, object) in picture.objects.iter().enumerate() {
         let area = Area {
@@ -68,7 +73,8 @@ pub fn kit(path: &Path, picture: &KitPicture) -> Result<(), PlotError> {
 
 fn draw_object(canvas: &mut Canvas, area: Area, object: &ObjectPicture, t60: Scale) {
     let panel = Panel { area, x: Scale::logarithmic(20.0, 20_000.0), y: Scale::linear(-RANGE_DB, 5.0) };
-    let range = object.modes.iter().fold((f64::INFINITY, 0.0f64), |(low, high), mode| (low.min(mode.1), high.max(mode.1)));
+    let range =
+        object.modes.iter().fold((f64::INFINITY, 0.0f64), |(low, high), mode| (low.min(mode.1), high.max(mode.1)));
     let remark = match object.modes.len() {
         0 => "no modes".to_owned(),
         count => format!("{count} modes, T60 {:.2} to {:.2} s", range.0, range.1),

@@ -16,8 +16,6 @@ pub(super) const HEADING_TEXT: TextStyle = TextStyle::bold(15.0, INK);
 /// The title of a picture.
 pub(super) const TITLE_TEXT: TextStyle = TextStyle::bold(24.0, INK);
 
-/// Room above a panel for its heading and legend, pixels.
-pub(super) const HEADING_PX: f32 = 26.0;
 /// Distance from a heading's baseline to its panel, pixels.
 const HEADING_RISE_PX: f32 = 8.0;
 const TICK_PX: f32 = 5.0;
@@ -80,27 +78,20 @@ impl Panel {
             let x = self.x_px(tick.value).min(self.area.right() - 1.0);
             let bottom = self.area.bottom();
             canvas.vertical(x, bottom, bottom + tick_length(tick), FRAME);
-            let baseline =
-                bottom + TICK_PX + TICK_LABEL_GAP_PX + TICK_TEXT.size_px * CAPITAL_HEIGHT;
+            let baseline = bottom + TICK_PX + TICK_LABEL_GAP_PX + TICK_TEXT.size_px * CAPITAL_HEIGHT;
             canvas.text(&tick.label, (x, baseline), Anchor::Middle, TICK_TEXT);
         }
     }
 
     /// What the height means, upwards, `distance_px` left of the area.
     pub(super) fn label_left(&self, canvas: &mut Canvas, label: &str, distance_px: f32) {
-        let place = (
-            self.area.left - distance_px,
-            self.area.top + self.area.height / 2.0,
-        );
+        let place = (self.area.left - distance_px, self.area.top + self.area.height / 2.0);
         canvas.text_upwards(label, place, Anchor::Middle, LABEL_TEXT);
     }
 
     /// What the width means, under the tick labels.
     pub(super) fn label_below(&self, canvas: &mut Canvas, label: &str) {
-        let place = (
-            self.area.left + self.area.width / 2.0,
-            self.area.bottom() + 40.0,
-        );
+        let place = (self.area.left + self.area.width / 2.0, self.area.bottom() + 40.0);
         canvas.text(label, place, Anchor::Middle, LABEL_TEXT);
     }
 
@@ -121,12 +112,7 @@ pub(super) fn outline(canvas: &mut Canvas, area: Area, colour: Colour) {
 /// A title above `area`, with a remark after it.
 pub(super) fn heading(canvas: &mut Canvas, area: Area, title: &str, remark: &str) {
     let baseline = area.top - HEADING_RISE_PX;
-    canvas.text(
-        title,
-        (area.left, baseline),
-        Anchor::Start,
-        HEADING_TEXT,
-    );
+    canvas.text(title, (area.left, baseline), Anchor::Start, HEADING_TEXT);
     let after = area.left + canvas.length_px(title, HEADING_TEXT) + 12.0;
     canvas.text(remark, (after, baseline), Anchor::Start, REMARK_TEXT);
 }
@@ -172,9 +158,5 @@ pub(super) fn legend(canvas: &mut Canvas, area: Area, entries: &[(Sign, &str)]) 
 pub(super) const BUILT_DASH: [f32; 2] = [5.0, 3.0];
 
 fn tick_length(tick: &Tick) -> f32 {
-    if tick.label.is_empty() {
-        MINOR_TICK_PX
-    } else {
-        TICK_PX
-    }
+    if tick.label.is_empty() { MINOR_TICK_PX } else { TICK_PX }
 }

@@ -3,14 +3,10 @@
 use std::path::Path;
 
 use super::canvas::{Area, Canvas};
-use super::colour::{
-    ACCELERATION, Colour, DIRECT, DRIVEN, FRAME, FREE, INK, LANE, MAGMA, STRIKER, WAVEFORM,
-};
+use super::colour::{ACCELERATION, Colour, DIRECT, DRIVEN, FRAME, FREE, INK, LANE, MAGMA, STRIKER, WAVEFORM};
 use super::error::PlotError;
 use super::page;
-use super::panel::{
-    BUILT_DASH, LABEL_TEXT, Panel, REMARK_TEXT, Sign, TICK_TEXT, TITLE_TEXT, heading, legend, outline,
-};
+use super::panel::{BUILT_DASH, LABEL_TEXT, Panel, REMARK_TEXT, Sign, TICK_TEXT, TITLE_TEXT, heading, legend, outline};
 use super::scale::{Scale, in_minutes};
 use super::spectrogram::{FLOOR_DB, HIGHEST_HZ, LOWEST_HZ, Spectrogram};
 use super::text::Anchor;
@@ -226,9 +222,8 @@ fn draw_modes(canvas: &mut Canvas, area: Area, time: Scale, performance: &Perfor
 
 fn column_ticks<'a>(performance: &Performance<'a>, area: Area, column: usize) -> &'a [TickRow] {
     let seconds = performance.left.len() as f64 / performance.rate_hz;
-    let tick_at = |column: usize| {
-        (column as f64 / f64::from(area.width) * seconds / performance.seconds_per_tick) as usize
-    };
+    let tick_at =
+        |column: usize| (column as f64 / f64::from(area.width) * seconds / performance.seconds_per_tick) as usize;
     let from = tick_at(column);
     performance.ticks.get(from..tick_at(column + 1).max(from + 1).min(performance.ticks.len())).unwrap_or(&[])
 }
@@ -249,7 +244,12 @@ fn draw_stages(canvas: &mut Canvas, area: Area, time: Scale, performance: &Perfo
         canvas.text(name, (area.left - 8.0, lane.bottom() - 4.0), Anchor::End, LABEL_TEXT);
         for column in 0..area.width as usize {
             if column_ticks(performance, area, column).iter().any(ran) {
-                let mark = Area { left: lane.left + column as f32, top: lane.top + 3.0, width: 1.0, height: lane.height - 6.0 };
+                let mark = Area {
+                    left: lane.left + column as f32,
+                    top: lane.top + 3.0,
+                    width: 1.0,
+                    height: lane.height - 6.0,
+                };
                 canvas.rectangle(mark, colour);
             }
         }

@@ -32,29 +32,18 @@ pub(super) struct Scale {
 impl Scale {
     /// A linear axis.
     pub(super) const fn linear(low: f64, high: f64) -> Self {
-        Self {
-            low,
-            high,
-            spacing: Spacing::Linear,
-        }
+        Self { low, high, spacing: Spacing::Linear }
     }
 
     /// A logarithmic axis.
     pub(super) const fn logarithmic(low: f64, high: f64) -> Self {
-        Self {
-            low,
-            high,
-            spacing: Spacing::Logarithmic,
-        }
+        Self { low, high, spacing: Spacing::Logarithmic }
     }
 
     /// The logarithmic axis between steps 1, 2, 5 of a decade that holds `low` to `high` and at least a factor 4.
     pub(super) fn logarithmic_round(low: f64, high: f64) -> Self {
         let middle = (low * high).sqrt();
-        Self::logarithmic(
-            one_two_five_below(low.min(middle / 2.0)),
-            one_two_five_above(high.max(middle * 2.0)),
-        )
+        Self::logarithmic(one_two_five_below(low.min(middle / 2.0)), one_two_five_above(high.max(middle * 2.0)))
     }
 
     /// How far along the axis `value` lies: 0 at `low`, 1 at `high`, outside them beyond.
@@ -62,14 +51,6 @@ impl Scale {
         match self.spacing {
             Spacing::Linear => (value - self.low) / (self.high - self.low),
             Spacing::Logarithmic => (value / self.low).ln() / (self.high / self.low).ln(),
-        }
-    }
-
-    /// The value at `share` of the axis: the inverse of [`share`](Self::share).
-    pub(super) fn value(&self, share: f64) -> f64 {
-        match self.spacing {
-            Spacing::Linear => self.low + (self.high - self.low) * share,
-            Spacing::Logarithmic => self.low * (self.high / self.low).powf(share),
         }
     }
 
@@ -106,10 +87,7 @@ impl Scale {
         (first..=last)
             .map(|index| {
                 let value = index as f64 * step;
-                Tick {
-                    value,
-                    label: label(value),
-                }
+                Tick { value, label: label(value) }
             })
             .collect()
     }
@@ -133,10 +111,7 @@ impl Scale {
                     2 | 5 => with_two_and_five,
                     _ => false,
                 };
-                ticks.push(Tick {
-                    value,
-                    label: if labelled { short(value) } else { String::new() },
-                });
+                ticks.push(Tick { value, label: if labelled { short(value) } else { String::new() } });
             }
         }
         ticks
@@ -194,22 +169,13 @@ mod tests {
     use super::*;
 
     fn labels(ticks: &[Tick]) -> Vec<&str> {
-        ticks
-            .iter()
-            .map(|tick| tick.label.as_str())
-            .filter(|label| !label.is_empty())
-            .collect()
+        ticks.iter().map(|tick| tick.label.as_str()).filter(|label| !label.is_empty()).collect()
     }
 
     #[test]
     fn a_linear_axis_is_labelled_in_round_steps_with_no_more_than_fit() {
         let ticks = Scale::linear(0.0, 14.2).ticks(1400.0, 90.0);
-        assert_eq!(
-            labels(&ticks),
-            [
-                "0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14"
-            ]
-        );
+        assert_eq!(labels(&ticks), ["0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14"]);
         let ticks = Scale::linear(-0.1, 0.1).ticks(100.0, 30.0);
         assert_eq!(labels(&ticks), ["−0.1", "0.0", "0.1"]);
     }
@@ -217,10 +183,7 @@ mod tests {
     #[test]
     fn a_frequency_axis_is_labelled_at_one_two_five() {
         let ticks = Scale::logarithmic(50.0, 20_000.0).ticks(380.0, 20.0);
-        assert_eq!(
-            labels(&ticks),
-            ["50", "100", "200", "500", "1k", "2k", "5k", "10k", "20k"]
-        );
+        assert_eq!(labels(&ticks), ["50", "100", "200", "500", "1k", "2k", "5k", "10k", "20k"]);
     }
 
     #[test]
@@ -241,16 +204,6 @@ mod tests {
             let scale = Scale::logarithmic_round(low, high);
             assert!(scale.low <= low && high <= scale.high && scale.high >= 3.9 * scale.low);
             assert!(labels(&scale.ticks(300.0, 20.0)).len() >= 2);
-        }
-    }
-
-    #[test]
-    fn value_is_the_inverse_of_share() {
-        for scale in [Scale::linear(-3.0, 9.0), Scale::logarithmic(50.0, 20_000.0)] {
-            for step in 0..=10 {
-                let share = f64::from(step) / 10.0;
-                assert!((scale.share(scale.value(share)) - share).abs() < 1e-12);
-            }
         }
     }
 }

@@ -38,9 +38,8 @@ impl Spectrogram {
     pub(super) fn of(channels: &[&[f32]], rate_hz: f64, columns: usize, rows: usize) -> Self {
         let mut level_db = vec![FLOOR_DB; columns * rows];
         let mut planner = RealFftPlanner::new();
-        let resolutions: Vec<Resolution> = (0..RESOLUTIONS.len())
-            .map(|index| Resolution::new(index, rate_hz, rows, &mut planner))
-            .collect();
+        let resolutions: Vec<Resolution> =
+            (0..RESOLUTIONS.len()).map(|index| Resolution::new(index, rate_hz, rows, &mut planner)).collect();
         let threads = std::thread::available_parallelism().map_or(1, |count| count.get().min(8));
         let share = columns.div_ceil(threads).max(1);
         std::thread::scope(|scope| {
@@ -50,23 +49,12 @@ impl Spectrogram {
                     let mut scratch = Scratch::default();
                     for (offset, levels) in part.chunks_mut(rows).enumerate() {
                         let column = index * share + offset;
-                        fill_column(
-                            channels,
-                            (column, columns),
-                            resolutions,
-                            &mut scratch,
-                            levels,
-                        );
+                        fill_column(channels, (column, columns), resolutions, &mut scratch, levels);
                     }
                 });
             }
         });
-        Self {
-            columns,
-            rows,
-            nyquist_hz: rate_hz / 2.0,
-            level_db,
-        }
+        Self { columns, rows, nyquist_hz: rate_hz / 2.0, level_db }
     }
 
     /// Columns of the grid.
@@ -83,11 +71,7 @@ impl Spectrogram {
     pub(super) fn level_db(&self, column: usize, row: usize) -> Option<f32> {
         let inside = column < self.columns && row < self.rows;
         let known = frequency_hz(row as f64 + 0.5, self.rows) < self.nyquist_hz;
-        if inside && known {
-            self.level_db.get(column * self.rows + row).copied()
-        } else {
-            None
-        }
+        if inside && known { self.level_db.get(column * self.rows + row).copied() } else { None }
     }
 }
 
@@ -120,9 +104,7 @@ impl Resolution {
         let (length_s, _) = RESOLUTIONS[index];
         let length = 1_usize << (length_s * rate_hz).log2().round().clamp(4.0, 20.0) as u32;
         let step = std::f64::consts::TAU / length as f64;
-        let window: Vec<f32> = (0..length)
-            .map(|n| (0.5 - 0.5 * (step * (n as f64 + 0.5)).cos()) as f32)
-            .collect();
+        let window: Vec<f32> = (0..length).map(|n| (0.5 - 0.5 * (step * (n as f64 + 0.5)).cos()) as f32).collect();
         let fft_length = length * PADDING;
         let bin_hz = rate_hz / fft_length as f64;
         let rows = (0..rows)
@@ -149,12 +131,8 @@ impl Resolution {
     /// Writes the louder channel's power re a full-scale sine, frame centred on `centre`, into `power`, keeping what was louder there.
     fn hold_power(&self, channels: &[&[f32]], centre: usize, scratch: &mut Scratch) {
         scratch.frame.resize(self.fft.len(), 0.0);
-        scratch
-            .spectrum
-            .resize(self.fft.len() / 2 + 1, Complex::default());
-        scratch
-            .workspace
-            .resize(self.fft.get_scratch_len(), Complex::default());
+        scratch.spectrum.resize(self.fft.len() / 2 + 1, Complex::default());
+        scratch.workspace.resize(self.fft.get_scratch_len(), Complex::default());
         let first = centre as i64 - (self.window.len() / 2) as i64;
         for channel in channels {
             scratch.frame.fill(0.0);
@@ -165,11 +143,7 @@ impl Resolution {
             for (slot, (sample, weight)) in scratch.frame.iter_mut().skip(ahead).zip(pairs) {
                 *slot = sample * weight;
             }
-            let done = self.fft.process_with_scratch(
-                &mut scratch.frame,
-                &mut scratch.spectrum,
-                &mut scratch.workspace,
-            );
+            let done = self.fft.process_with_scratch(&mut scratch.frame, &mut scratch.spectrum, &mut scratch.workspace);
             // Fails only for slices of other lengths than the plan's, which were made above.
             debug_assert!(done.is_ok());
             for (power, bin) in scratch.power.iter_mut().zip(&scratch.spectrum) {
@@ -183,17 +157,11 @@ impl Resolution {
 /// logarithm; below the first and above the last, those alone. The shares of all add up to 1.
 fn weight(index: usize, frequency_hz: f64) -> f64 {
     let own_hz = RESOLUTIONS[index].1;
-    let neighbour = if frequency_hz < own_hz {
-        index.checked_sub(1)
-    } else {
-        Some(index + 1)
-    };
-    neighbour
-        .and_then(|neighbour| RESOLUTIONS.get(neighbour))
-        .map_or(1.0, |(_, other_hz)| {
-            let away = (frequency_hz / own_hz).ln() / (other_hz / own_hz).ln();
-            (1.0 - away).max(0.0)
-        })
+    let neighbour = if frequency_hz < own_hz { index.checked_sub(1) } else { Some(index + 1) };
+    neighbour.and_then(|neighbour| RESOLUTIONS.get(neighbour)).map_or(1.0, |(_, other_hz)| {
+        let away = (frequency_hz / own_hz).ln() / (other_hz / own_hz).ln();
+        (1.0 - away).max(0.0)
+    })
 }
 
 /// Buffers of one thread.
@@ -258,9 +226,7 @@ mod tests {
 
     fn sine(frequency_hz: f64, amplitude: f64, seconds: f64) -> Vec<f32> {
         let step = std::f64::consts::TAU * frequency_hz / RATE_HZ;
-        (0..(seconds * RATE_HZ) as usize)
-            .map(|n| (amplitude * (step * n as f64).sin()) as f32)
-            .collect()
+        (0..(seconds * RATE_HZ) as usize).map(|n| (amplitude * (step * n as f64).sin()) as f32).collect()
     }
 
     fn loudest(spectrogram: &Spectrogram, column: usize) -> (usize, f32) {
@@ -276,17 +242,13 @@ mod tests {
             let sound = sine(frequency_hz_in, 1.0, 1.0);
             let spectrogram = Spectrogram::of(&[&sound], RATE_HZ, 10, ROWS);
             let (row, level_db) = loudest(&spectrogram, 5);
-            let expected =
-                (frequency_hz_in / LOWEST_HZ).ln() / (HIGHEST_HZ / LOWEST_HZ).ln() * ROWS as f64;
+            let expected = (frequency_hz_in / LOWEST_HZ).ln() / (HIGHEST_HZ / LOWEST_HZ).ln() * ROWS as f64;
             // A bin of the longest window is 6 rows wide at 60 Hz, so the peak may stand a few rows off.
             assert!(
                 (row as f64 + 0.5 - expected).abs() < 4.0,
                 "{frequency_hz_in} Hz in row {row}, expected {expected}"
             );
-            assert!(
-                level_db.abs() < 0.5,
-                "{frequency_hz_in} Hz reads {level_db} dB"
-            );
+            assert!(level_db.abs() < 0.5, "{frequency_hz_in} Hz reads {level_db} dB");
         }
     }
 
@@ -343,9 +305,7 @@ mod tests {
     fn the_shares_of_the_window_lengths_add_up_to_one() {
         for row in 0..=100 {
             let frequency = frequency_hz(f64::from(row), 100);
-            let sum: f64 = (0..RESOLUTIONS.len())
-                .map(|index| weight(index, frequency))
-                .sum();
+            let sum: f64 = (0..RESOLUTIONS.len()).map(|index| weight(index, frequency)).sum();
             assert!((sum - 1.0).abs() < 1e-12, "{frequency} Hz: {sum}");
         }
     }

@@ -41,20 +41,12 @@ pub(super) struct TextStyle {
 impl TextStyle {
     /// A text of regular weight.
     pub(super) const fn regular(size_px: f32, colour: Colour) -> Self {
-        Self {
-            size_px,
-            weight: Weight::Regular,
-            colour,
-        }
+        Self { size_px, weight: Weight::Regular, colour }
     }
 
     /// A text of bold weight.
     pub(super) const fn bold(size_px: f32, colour: Colour) -> Self {
-        Self {
-            size_px,
-            weight: Weight::Bold,
-            colour,
-        }
+        Self { size_px, weight: Weight::Bold, colour }
     }
 }
 
@@ -114,8 +106,7 @@ impl Typeface {
         let font = self.font(style.weight);
         let scale = line_scale(font, style.size_px);
         for (glyph, along) in places(font, text, style.size_px).0 {
-            let placed =
-                glyph.with_scale_and_position(scale, point(start_px + along, baseline_px));
+            let placed = glyph.with_scale_and_position(scale, point(start_px + along, baseline_px));
             if let Some(outline) = font.outline_glyph(placed) {
                 let corner = outline.px_bounds().min;
                 outline.draw(|x, y, share| {
@@ -162,11 +153,7 @@ mod tests {
         let typeface = Typeface::built_in().expect("font");
         for weight in [Weight::Regular, Weight::Bold] {
             for sign in "0123456789−.:%·…–×≤≥µ°²äöüéñ".chars() {
-                assert_ne!(
-                    typeface.font(weight).glyph_id(sign),
-                    GlyphId(0),
-                    "{sign} in {weight:?}"
-                );
+                assert_ne!(typeface.font(weight).glyph_id(sign), GlyphId(0), "{sign} in {weight:?}");
             }
         }
     }
@@ -189,8 +176,7 @@ mod tests {
     fn twice_the_size_is_twice_the_length() {
         let typeface = Typeface::built_in().expect("font");
         let large = TextStyle::regular(28.0, INK);
-        let ratio =
-            typeface.length_px("malleus", large) / typeface.length_px("malleus", STYLE);
+        let ratio = typeface.length_px("malleus", large) / typeface.length_px("malleus", STYLE);
         assert!((ratio - 2.0).abs() < 1e-3);
     }
 }
