@@ -17,14 +17,8 @@ fn main() {
 fn row(name: &str, render: impl Fn(&Case) -> Vec<f64>) {
     let [full, quiet] = [1.0, 0.01].map(|level| {
         worst_and_median(
-            grid(40, level).iter().map(exact).map(|case| snr_db(case.law(), render(&case))).collect(),
+            grid(40, level).iter().map(Case::exact).map(|case| snr_db(case.law(), render(&case))).collect(),
         )
     });
     println!("| {name} | {:.1} | {:.1} | {:.1} | {:.1} |", full.0, full.1, quiet.0, quiet.1);
-}
-
-/// The case with parameters that the table's f32 holds exactly, so that only the arithmetic is measured.
-fn exact(case: &Case) -> Case {
-    let decay = f64::from(case.decay_per_s() as f32);
-    Case { frequency_hz: f64::from(case.frequency_hz as f32), t60_s: 1000f64.ln() / decay, ..*case }
 }

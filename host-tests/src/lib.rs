@@ -2,4 +2,5 @@
 
 pub mod data;
 pub mod performance;
+pub mod scene;
 pub mod single_mode;

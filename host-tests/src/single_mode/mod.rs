@@ -24,6 +24,12 @@ impl Case {
         1000f64.ln() / self.t60_s
     }
 
+    /// The case with parameters that a table's `f32` holds exactly, so that only the arithmetic is measured.
+    pub fn exact(&self) -> Self {
+        let decay = f64::from(self.decay_per_s() as f32);
+        Self { frequency_hz: f64::from(self.frequency_hz as f32), t60_s: 1000f64.ln() / decay, ..*self }
+    }
+
     /// Frames over which the SNR is taken: min(T60, 2 s).
     pub fn frames(&self) -> usize {
         (self.t60_s.min(2.0) * self.rate.hz()) as usize

@@ -1,0 +1,80 @@
+//! One mode over its whole life: SNR, frequency, decay, and the end of the tail.
+
+use dsp_core::SampleRate;
+use dsp_core::resonator::TICK_FRAMES;
+use host_tests::single_mode::q31::{self, StruckMode};
+use host_tests::single_mode::{Case, grid, snr_db};
+
+#[test]
+fn every_mode_of_the_grid_keeps_96_db_to_the_law_at_full_scale_and_40_db_below() {
+    for level in [1.0, 0.01] {
+        for case in grid(40, level).iter().map(Case::exact) {
+            let snr = snr_db(case.law(), q31::render(&case));
+            assert!(snr >= 96.0, "{snr:.1} dB: {case:?}");
+        }
+    }
+}
+
+/// Phase (in turns) and logarithm of the amplitude of a decaying sine about a time, by least squares on the law's own two phases.
+fn analyse(case: &Case, sound: &[f64], from: usize, length: usize) -> (f64, f64) {
+    let (fs, d, f) = (case.rate.hz(), case.decay_per_s(), case.frequency_hz);
+    let (mut ss, mut cc, mut sc, mut sy, mut cy) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (n, &y) in sound.iter().enumerate().skip(from).take(length) {
+        let t = n as f64 / fs;
+        let (sin, cos) = (std::f64::consts::TAU * (f * t).fract()).sin_cos();
+        let y = y * (d * t).exp();
+        (ss, cc, sc, sy, cy) = (ss + sin * sin, cc + cos * cos, sc + sin * cos, sy + y * sin, cy + y * cos);
+    }
+    let determinant = ss * cc - sc * sc;
+    let (sine, cosine) = ((sy * cc - cy * sc) / determinant, (cy * ss - sy * sc) / determinant);
+    (cosine.atan2(sine) / std::f64::consts::TAU, sine.hypot(cosine).ln())
+}
+
+#[test]
+fn frequency_stays_within_a_hundredth_of_a_cent_and_t60_within_two_parts_in_ten_thousand() {
+    let (mut worst_cent, mut worst_t60) = (0.0f64, 0.0f64);
+    for case in grid(12, 1.0).iter().map(Case::exact) {
+        // Two windows of a fifth of the sound, three fifths apart.
+        let sound = q31::render(&case);
+        let (length, gap) = (sound.len() / 5, sound.len() * 3 / 5);
+        let (early, late) = (analyse(&case, &sound, 1, length), analyse(&case, &sound, 1 + gap, length));
+        let seconds = gap as f64 / case.rate.hz();
+        let turns = late.0 - early.0;
+        let cent = 1200.0 / std::f64::consts::LN_2 * (turns - turns.round()) / seconds / case.frequency_hz;
+        let t60 = (late.1 - early.1) / seconds / case.decay_per_s();
+        (worst_cent, worst_t60) = (worst_cent.max(cent.abs()), worst_t60.max(t60.abs()));
+        assert!(cent.abs() < 0.01, "{cent} cent: {case:?}");
+        assert!(t60.abs() < 2e-4, "{t60}: {case:?}");
+    }
+    println!("worst: {worst_cent:.5} cent, T60 {:.5} %", 100.0 * worst_t60);
+}
+
+#[test]
+fn tails_of_up_to_120_s_follow_the_law_for_90_db_and_end_in_exact_zero() {
+    let mut worst = 0.0f64;
+    for frequency_hz in [25.0, 440.0, 4_500.0, 7_000.0, 11_000.0, 13_000.0, 20_000.0, 23_000.0] {
+        for t60_s in [1.0, 20.0, 120.0] {
+            for level in [1.0, 0.01, 0.001] {
+                let case = Case { frequency_hz, t60_s, rate: SampleRate::HZ_48000, level }.exact();
+                let mut mode = StruckMode::new(&case);
+                let tick_s = TICK_FRAMES as f64 / case.rate.hz();
+                let mut frames = 0u64;
+                while !mode.is_zero() || frames == 0 {
+                    mode.tick();
+                    frames += TICK_FRAMES as u64;
+                    // The state is the mode at the last frame of the tick.
+                    let t = (frames - 1) as f64 / case.rate.hz();
+                    let down_db = 60.0 * t / case.t60_s;
+                    if down_db <= 90.0 {
+                        let law = level * (-case.decay_per_s() * t).exp();
+                        let error_db = 20.0 * (mode.amplitude() / law).log10();
+                        worst = worst.max(error_db.abs());
+                        assert!(error_db.abs() < 0.1, "{error_db} dB, {down_db:.1} dB down: {case:?}");
+                    }
+                    assert!(t < 5.0 * case.t60_s + tick_s, "never ends: {case:?}");
+                }
+            }
+        }
+    }
+    println!("worst: {worst:.4} dB");
+}
