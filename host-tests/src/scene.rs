@@ -94,9 +94,7 @@ pub fn play(
         let now: Option<Vec<i32>> =
             force.map(|force| force.iter().skip(start).copied().chain(std::iter::repeat(0)).take(length).collect());
         let direct = now.as_ref().map(|force| Direct { pad: 0, force });
-        engine
-            .render_bus(&events[..due], direct, block, |report| reports.push(*report))
-            .expect("the events are valid");
+        engine.render_bus(&events[..due], direct, block, |report| reports.push(*report)).expect("the events are valid");
         (rest, events) = (later, &events[due..]);
     }
     (out, reports)

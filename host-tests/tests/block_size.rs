@@ -28,7 +28,8 @@ fn busy_piece(kit: &kit::Kit) -> (Vec<Event>, Vec<i32>) {
         });
     }
     events.sort_by_key(|event| event.time);
-    let force = (0..frame).map(|n| if (n / 3_000) % 2 == 0 { (next(1 << 28) as i32) - (1 << 27) } else { 0 } >> (n / 1_000 % 16));
+    let force = (0..frame)
+        .map(|n| if (n / 3_000) % 2 == 0 { (next(1 << 28) as i32) - (1 << 27) } else { 0 } >> (n / 1_000 % 16));
     (events, force.collect())
 }
 

@@ -71,9 +71,8 @@ fn modes_at_or_above_nyquist_are_not_built_and_change_no_bit() {
     let audible = vec![mode(440.0, 0.5, 300.0, 20.0), mode(23_900.0, 0.2, 300.0, 0.0)];
     let mut all = audible.clone();
     all.extend([24_000.0, 24_001.0, 90_000.0].map(|frequency| mode(frequency, 0.5, 1e6, 0.0)));
-    let [audible, all] = [audible, all].map(|modes| {
-        play(&load(one_pad(modes)), RATE, Skipping::On, &[strike(5, 0.7)], None, (9_600, &[128]))
-    });
+    let [audible, all] = [audible, all]
+        .map(|modes| play(&load(one_pad(modes)), RATE, Skipping::On, &[strike(5, 0.7)], None, (9_600, &[128])));
     assert_eq!(audible.0, all.0);
     assert_eq!(audible.1, all.1);
 }

@@ -67,7 +67,7 @@ impl fmt::Display for LoadError {
                     ),
                     BankError::GainTooLarge => write!(
                         f,
-                        "gain_sine or gain_cosine times reference_force (and striker_weight): must be below 2^21 times the rate"
+                        "gain_sine or gain_cosine times reference_force (and striker_weight): must be below 2^14 times the rate"
                     ),
                 }
             }

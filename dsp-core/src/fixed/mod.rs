@@ -11,7 +11,7 @@ mod saturating;
 mod scale;
 
 pub use high_word::{rounding_shift_right, smmla, smmlar, smmls, smmlsr, smmul, smmulr};
-pub use saturating::{qadd, qsub, saturating_shift_left, to_24_bit};
+pub use saturating::{qadd, qsub, saturate, saturating_shift_left, to_24_bit};
 pub use scale::Scale;
 
 /// 1.0 on the bus: 0 dBFS, or one `reference_force`, in Q4.27.

@@ -14,11 +14,9 @@ pub const fn qsub(a: i32, b: i32) -> i32 {
     a.saturating_sub(b)
 }
 
-/// `value · 2^shift`, saturated to 32 bits. Shifts of 32 and more saturate any value but 0.
+/// A 64-bit sum, saturated to 32 bits.
 #[inline(always)]
-pub const fn saturating_shift_left(value: i32, shift: u32) -> i32 {
-    let shift = if shift > 32 { 32 } else { shift };
-    let wide = (value as i64) << shift;
+pub const fn saturate(wide: i64) -> i32 {
     if wide > i32::MAX as i64 {
         i32::MAX
     } else if wide < i32::MIN as i64 {
@@ -26,6 +24,13 @@ pub const fn saturating_shift_left(value: i32, shift: u32) -> i32 {
     } else {
         wide as i32
     }
+}
+
+/// `value · 2^shift`, saturated to 32 bits. Shifts of 32 and more saturate any value but 0.
+#[inline(always)]
+pub const fn saturating_shift_left(value: i32, shift: u32) -> i32 {
+    let shift = if shift > 32 { 32 } else { shift };
+    saturate((value as i64) << shift)
 }
 
 /// A bus sample (Q4.27) as a signed 24-bit sample: nearest, half up, clipped to ±full scale.

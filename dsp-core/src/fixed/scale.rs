@@ -1,6 +1,6 @@
 //! A real gain of any size as mantissa and exponent.
 
-use super::saturating_shift_left;
+use super::saturate;
 
 /// A gain `mantissa · 2^(exponent - 31)`: 31 bits of precision whatever its size, so that levels from -200 to +200 dB multiply equally well.
 ///
@@ -34,32 +34,33 @@ impl Scale {
     /// `gain · value`, nearest, saturated to 32 bits.
     #[inline]
     pub const fn apply(self, value: i32) -> i32 {
+        saturate(self.apply_wide(value))
+    }
+
+    /// `gain · value`, nearest, saturated to 62 bits: for sums that are saturated once, at their end.
+    #[inline]
+    pub const fn apply_wide(self, value: i32) -> i64 {
+        const LARGEST: i64 = 1 << 61;
         let product = (self.mantissa as i64) * (value as i64);
         let right = 31 - self.exponent;
-        if right >= 1 {
-            if right > 62 {
-                // |product| <= 2^62: the result is at most a half.
-                return 0;
-            }
+        match right {
+            // |product| <= 2^62: the result is at most a half.
+            63.. => 0,
             // Adding a half (at most 2^61) to |product| <= 2^62 cannot wrap.
-            let rounded = (product + (1i64 << (right - 1))) >> right;
-            if rounded > i32::MAX as i64 {
-                i32::MAX
-            } else if rounded < i32::MIN as i64 {
-                i32::MIN
-            } else {
-                rounded as i32
+            1..=62 => (product + (1i64 << (right - 1))) >> right,
+            // Gains of 2^31 and more.
+            _ => {
+                let left = if right < -61 { 61 } else { -right as u32 };
+                let limit = LARGEST >> left;
+                let clipped = if product > limit {
+                    limit
+                } else if product < -limit {
+                    -limit
+                } else {
+                    product
+                };
+                clipped << left
             }
-        } else {
-            // Gains of 2^31 and more: whatever is not 0 is far above the bus.
-            let clipped = if product > i32::MAX as i64 {
-                i32::MAX
-            } else if product < i32::MIN as i64 {
-                i32::MIN
-            } else {
-                product as i32
-            };
-            saturating_shift_left(clipped, (-right) as u32)
         }
     }
 }

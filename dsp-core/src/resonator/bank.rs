@@ -59,7 +59,7 @@ pub enum BankError {
         /// Its decay in 1/s.
         decay_per_s: f32,
     },
-    /// Gains times reference force times weight are beyond what the fixed-point form holds (2^21 times the rate).
+    /// Gains times reference force times weight are beyond what the fixed-point form holds (2^14 times the rate).
     GainTooLarge,
 }
 
@@ -126,6 +126,8 @@ pub struct Bank {
     spent: u64,
     /// Bits by which the force is shifted left before it drives the modes, so that a weak one keeps its precision.
     force_shift: u32,
+    /// Groups that refused the input they were last guarded for.
+    refusing: u32,
     mix_exponent: i32,
     ringing: bool,
     retired: Retired,
@@ -144,6 +146,7 @@ impl Bank {
         allowance: 0,
         spent: 0,
         force_shift: 0,
+        refusing: 0,
         mix_exponent: 0,
         ringing: false,
         retired: Retired::NOTHING,
@@ -299,8 +302,8 @@ impl Bank {
         self.guard(memory, expected, false);
     }
 
-    /// Guards all groups for an allowance of |force|; gives how many refuse it. `all` includes groups at rest.
-    fn guard(&mut self, memory: &mut Memory<'_>, allowance: u64, all: bool) -> u32 {
+    /// Guards all groups for an allowance of |force|. `all` includes groups at rest.
+    fn guard(&mut self, memory: &mut Memory<'_>, allowance: u64, all: bool) {
         let mut refused = 0;
         let mut sum = 0u64;
         let mut mix_exponent = 0;
@@ -323,7 +326,7 @@ impl Bank {
         self.ringing = ringing;
         self.force_shift = force_shift;
         self.allowance = allowance;
-        refused
+        self.refusing = refused;
     }
 
     /// Adds the bank's sound for a run of at most a tick's frames to `out`.
@@ -345,9 +348,6 @@ impl Bank {
             }
             return work;
         };
-        for (out, &x) in out.iter_mut().zip(force) {
-            *out = fixed::qadd(*out, self.onset.apply(x));
-        }
         let (mut force, mut out, mut odd) = (force, out, odd_start);
         while !force.is_empty() && !out.is_empty() {
             let (count, spent) = affordable(force, self.allowance);
@@ -355,7 +355,7 @@ impl Bank {
                 let next = force.first().map_or(0, |x| u64::from(x.unsigned_abs()));
                 // Room for a tick of twice this force, or four times what this tick has brought already, at most for what can come at all.
                 let wanted = (next * 2 * TICK_FRAMES as u64).max(self.spent.saturating_mul(4));
-                work.refused += self.guard(memory, wanted.min((TICK_FRAMES as u64) << 31), true);
+                self.guard(memory, wanted.min((TICK_FRAMES as u64) << 31), true);
                 work.extra_guards += 1;
                 continue;
             }
@@ -363,6 +363,7 @@ impl Bank {
             let (out_now, out_later) =
                 core::mem::take(&mut out).split_at_mut_checked(count).unwrap_or((&mut [], &mut []));
             self.run(memory, Some(now), odd, skip, out_now, &mut work);
+            work.refused += self.refusing;
             self.allowance -= spent;
             self.spent = self.spent.saturating_add(spent);
             (force, out, odd) = (later, out_later, odd ^ (count % 2 == 1));
@@ -416,10 +417,12 @@ impl Bank {
                 work.free_mode_frames += mode_frames;
             }
         });
+        let mut onsets = force.unwrap_or(&[]).iter().map(|&x| self.onset.apply_wide(x));
         for (frame, (out, (&plain, &mirrored))) in out.iter_mut().zip(mix.iter().zip(mirrored_mix.iter())).enumerate() {
-            // Each of the two sums stays below half of what the mix exponent allows for both together.
-            let sum = fixed::qadd(plain, alternate(mirrored, odd_start, frame));
-            *out = fixed::qadd(*out, fixed::saturating_shift_left(sum, mix_exponent as u32));
+            // Modes and onset cancel where the force rises, so that only their sum may saturate.
+            let sum = i64::from(plain) + i64::from(alternate(mirrored, odd_start, frame));
+            let sound = (sum << mix_exponent) + onsets.next().unwrap_or(0);
+            *out = fixed::qadd(*out, fixed::saturate(sound));
         }
     }
 }

@@ -110,12 +110,16 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// From the quantised coefficients. Relative error 1e-6 for decays up to a few times 2πf, growing beyond (overdamped).
+    /// From the quantised coefficients. Relative error 1e-6.
     pub fn new(form: Form, coefficients: Coefficients) -> Self {
         let (delta, e, e_squared) = steps(form, coefficients);
         // r² sin²θ = e² - ((δ + e²)/2)², factored so that low frequencies keep their precision.
         let half = (delta + e_squared) / 2.0;
-        let radius_sine = libm::sqrtf(((e - half) * (e + half)).max(f32::MIN_POSITIVE));
+        let difference = match form {
+            Form::Coupled => coupled_difference(coefficients),
+            _ => e - half,
+        };
+        let radius_sine = libm::sqrtf((difference * (e + half)).max(f32::MIN_POSITIVE));
         let unit = match form {
             Form::Coupled => 1.0 / (e * (1.0 - delta)),
             _ => 1.0 / ((1u32 << form.shift()) as f32 * (1.0 - delta)),
@@ -132,6 +136,14 @@ impl Orbit {
     pub fn phases(self, u: f32, v: f32) -> (f32, f32) {
         ((u - self.cosine_to_u * v) / self.sine_to_u, v)
     }
+}
+
+/// `e - (δ + e²)/2` of the coupled form, exact in Q64 before it is rounded: where a decay is much faster than the mode's own turn, almost
+/// nothing is left of the two.
+fn coupled_difference(coefficients: Coefficients) -> f32 {
+    let (delta, e) = (i64::from(coefficients.delta), i64::from(coefficients.epsilon));
+    // Both are below 2^31, so that neither term reaches 2^63.
+    ((e << 32) - ((delta << 31) + ((e * e) >> 1))) as f32 / (TWO_POW_32 * TWO_POW_32) as f32
 }
 
 impl Coefficients {

@@ -15,8 +15,8 @@ const MAX_EXPONENT: i32 = 31;
 const MIN_EXPONENT: i32 = -24;
 /// Below this size at the largest exponent a mode is less than 1/8 of a bus step, which the mix rounds to nothing.
 const SILENCE: u64 = 1 << 27;
-/// Largest exponent of a gain mantissa that the smallest block exponent can still hold.
-pub(super) const MAX_GAIN_EXPONENT: i32 = -MIN_EXPONENT - 1;
+/// Largest exponent of a gain mantissa: from rest, the smallest block exponent then holds a tick of the largest force (2^36 bus steps).
+pub(super) const MAX_GAIN_EXPONENT: i32 = 29 - MIN_EXPONENT - 36 - 1;
 
 /// What a group of modes shares: its form, its block exponent and the bounds that go with it.
 ///
