@@ -115,31 +115,50 @@ impl Group {
 
     /// Shifts the states down by two bits, for poles that are about to move. A guard must follow.
     pub(super) fn make_room(&mut self, modes: &mut [Mode]) {
-        for mode in modes {
-            mode.state.u = shifted(mode.state.u, -2);
-            mode.state.v = shifted(mode.state.v, -2);
+        if self.ringing {
+            self.lower(modes, 2);
         }
-        self.exponent -= 2;
+    }
+
+    fn lower(&mut self, modes: &mut [Mode], bits: i8) {
+        for mode in modes {
+            mode.state.u = shifted(mode.state.u, -i32::from(bits));
+            mode.state.v = shifted(mode.state.v, -i32::from(bits));
+        }
+        self.exponent -= bits;
+    }
+
+    /// The largest size of the modes' states.
+    fn size(&self, modes: &[Mode]) -> u64 {
+        modes.iter().fold(0, |size, mode| size_of(self.form, mode.state.u, mode.state.v).max(size))
     }
 
     /// Shifts the states so that nothing can wrap while the sum of |force| stays within `allowance` (bus steps), and so that they
     /// use all the room that leaves. The force will come shifted left by `force_shift` bits. See [`super::headroom`]. About 12 cycles a
     /// mode on a Cortex-M4.
     pub(super) fn guard(&mut self, modes: &mut [Mode], allowance: u64, force_shift: u32) -> Guard {
-        let size = modes.iter().fold(0, |size, mode| size_of(self.form, mode.state.u, mode.state.v).max(size));
-        let input = self.input_size(allowance);
-        if size == 0 && input == 0 {
-            self.ringing = false;
-            self.refusing = false;
-            self.bound = 0;
-            return Guard::Ready;
-        }
+        let mut size = self.size(modes);
         if size == 0 {
+            if allowance == 0 || self.gain_peak == 0 {
+                self.ringing = false;
+                self.refusing = false;
+                self.bound = 0;
+                return Guard::Ready;
+            }
             // Nothing rings: start from the finest exponent that the gains allow, so that small inputs keep all their bits.
             self.exponent = self.largest_exponent(Some(force_shift)) as i8;
         }
-        let force_shift = (allowance > 0).then_some(force_shift);
-        let decided = self.normalise(modes, size, self.input_size(allowance), force_shift);
+        let input = loop {
+            match self.input_size(allowance) {
+                Some(input) => break input,
+                // A faint tail meets a force that is not even countable in its units. Ends at the latest where exponents do.
+                None => {
+                    self.lower(modes, 16);
+                    size = self.size(modes);
+                }
+            }
+        };
+        let decided = self.normalise(modes, size, input, (allowance > 0).then_some(force_shift));
         self.refusing = decided == Guard::Refused;
         if self.refusing {
             self.normalise(modes, size, 0, None);
@@ -165,7 +184,9 @@ impl Group {
         // total < 2^bits, and shifting to 29 bits puts it into [LIMIT/2, LIMIT).
         let bits = 64 - total.leading_zeros() as i32;
         let wanted = self.exponent() + 29 - bits;
-        let exponent = wanted.min(self.largest_exponent(force_shift)).max(MIN_EXPONENT);
+        // Room that was made below the smallest exponent stays.
+        let smallest = MIN_EXPONENT.min(self.exponent());
+        let exponent = wanted.min(self.largest_exponent(force_shift)).max(smallest);
         let shift = exponent - self.exponent();
         let bound = if shift >= 0 { total << shift.min(34) } else { (total >> (-shift).min(63)) + 1 };
         if bound > LIMIT && input > 0 {
@@ -186,19 +207,19 @@ impl Group {
         force_shift.map_or(MAX_EXPONENT, driven).min(MAX_EXPONENT)
     }
 
-    /// Size of what an input with a sum of |force| of `allowance` can inject, in units of the present exponent, rounded up.
-    fn input_size(&self, allowance: u64) -> u64 {
+    /// Size of what an input with a sum of |force| of `allowance` can inject, in units of the present exponent, rounded up; `None`
+    /// where it exceeds 2^62.
+    fn input_size(&self, allowance: u64) -> Option<u64> {
         if allowance == 0 || self.gain_peak == 0 {
-            return 0;
+            return Some(0);
         }
-        // 32 frames of at most 2^31: the allowance has at most 36 bits, so that this product has at most 60.
-        let product = ((allowance >> 8) + 1).min(1 << 29) * u64::from(self.gain_peak);
+        // 32 frames of at most 2^31, expected twice: the allowance has at most 37 bits, so that this product has at most 61.
+        let product = ((allowance >> 8) + 1).min(1 << 30) * u64::from(self.gain_peak);
         let shift = i32::from(self.gain_exponent) + self.exponent() - 23;
         match shift {
-            ..=-64 => 1,
-            -63..0 => (product >> -shift) + 1,
-            _ if shift < 64 && product.leading_zeros() as i32 > shift => product << shift,
-            _ => u64::MAX / 4,
+            ..=-64 => Some(1),
+            -63..0 => Some((product >> -shift) + 1),
+            _ => (product.leading_zeros() as i32 > shift + 1).then(|| product << shift),
         }
     }
 
