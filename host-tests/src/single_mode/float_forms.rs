@@ -11,7 +11,7 @@ pub enum FloatForm {
     Direct,
     /// Rotation of a complex state: four multiplies, two additions.
     Rotation,
-    /// Modified coupled, three multiplies, two additions: the one in dsp-core.
+    /// Modified coupled, three multiplies, three additions: the one in dsp-core.
     Coupled,
 }
 
