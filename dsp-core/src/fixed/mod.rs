@@ -2,7 +2,7 @@
 //!
 //! Formats are named after their fraction: Q27 is an `i32` whose 1.0 is 2^27 (the bus between stages: Q4.27, 1.0 = 0 dBFS); a Q32
 //! coefficient is an `i32` whose 1.0 would be 2^32, so that it spans -0.5 to 0.5 and multiplies by taking the high word of a
-//! 64-bit product, which the Cortex-M4 does in one cycle ([`high_word`]).
+//! 64-bit product, which the Cortex-M4 does in one cycle (`smmulr` and its like).
 //!
 //! Everything here is `const`, has no branch that depends on the build, and gives the same bits on every machine.
 

@@ -1,4 +1,4 @@
-//! The modal bank: `y[n] = (1/fs) Σ F[m] h[n-m]`, `h[n] = r^n (gs sin nθ + gc cos nθ)`, h[0] at half weight.
+//! The modal bank: `y[n] = (1/fs) Σ F[m] h[n-m]`, `h[n] = r^n (gs sin nθ + gc cos nθ)`, the first sample of h at half weight.
 
 use core::ops::Range;
 

@@ -21,7 +21,7 @@ pub(super) const MAX_GAIN_EXPONENT: i32 = 29 - MIN_EXPONENT - 36 - 1;
 /// What a group of modes shares: its form, its block exponent and the bounds that go with it.
 ///
 /// A state of value x stands for `x · 2^-exponent` bus steps. The states are kept just below [`LIMIT`] by shifting them at
-/// [`guard`](Self::guard)s, so that the damping term `δu` never falls into its dead band, however far the sound has decayed.
+/// guards, so that the damping term `δu` never falls into its dead band, however far the sound has decayed.
 #[derive(Clone, Copy, Debug)]
 pub struct Group {
     form: Form,

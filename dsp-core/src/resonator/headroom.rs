@@ -14,7 +14,7 @@
 //! `G |x| 2^-32`, G the largest gain of the group. So over a run of frames in which the sum of |x| is at most an allowance X, every
 //! state stays below `GROWTH · (s + G X 2^-32 + rounding)`.
 //!
-//! **Guard.** At every tick, and whenever a force has used up its allowance, [`super::group::Group::guard`] shifts the group's states so that the
+//! **Guard.** At every tick, and whenever a force has used up its allowance, the guard of [`super::group::Group`] shifts the group's states so that the
 //! bracket is below [`LIMIT`]. `GROWTH · LIMIT = 2^31` exactly, hence nothing wraps before the next guard. Where even the
 //! smallest exponent has no room, the input is refused for that run: an amplitude of +160 dBFS, where only a fault can
 //! arrive.

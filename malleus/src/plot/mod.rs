@@ -1,6 +1,6 @@
 //! Pictures, as PNG: a performance over time, and a kit's modes. Needs nothing of the machine, the font comes along.
 //!
-//! [`performance()`] and [`kit()`] draw on a [`canvas`] by means of [`panel`]s with [`scale`]s; [`spectrogram`] is the one computation.
+//! [`performance()`] and [`kit()`] draw on a `canvas` by means of `panel`s with `scale`s; `spectrogram` is the one computation.
 
 mod canvas;
 mod colour;
