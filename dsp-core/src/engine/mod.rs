@@ -49,11 +49,11 @@ pub struct Direct<'a> {
 ///
 /// | parameter | counts | bytes each |
 /// | --- | --- | --- |
-/// | `PADS` | pads of the kit | 480 |
+/// | `PADS` | pads of the kit | at most 784 (on a PC) |
 /// | `MODES` | modes below Nyquist of all pads, their strikers' included | 24 |
 /// | `GROUPS` | register groups: modes/6, and up to eight more a bank | 16 |
 /// | `ORIGINS` | modes of pads that can be choked or have several positions | 12 |
-/// | `CONTACTS` | contacts under way at once | 32 |
+/// | `CONTACTS` | contacts under way at once | 24 |
 #[derive(Debug)]
 pub struct Engine<
     'k,
@@ -295,5 +295,28 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     fn end_tick(&mut self) {
         self.report.contacts = self.flight.count() as u32;
         self.report.ringing_pads = self.pads.iter().flatten().filter(|voice| voice.pad.is_ringing()).count() as u32;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_is_what_the_table_above_says() {
+        std::println!(
+            "pad {}, mode {}, group {}, origin {}, contact {}",
+            size_of::<Option<Voice<'_>>>(),
+            size_of::<Mode>(),
+            size_of::<Group>(),
+            size_of::<Origin>(),
+            size_of::<Contact>()
+        );
+        assert_eq!(
+            (size_of::<Mode>(), size_of::<Group>(), size_of::<Origin>(), size_of::<Contact>()),
+            (24, 16, 12, 24)
+        );
+        // Pointers are twice as wide on a PC as on the board.
+        assert!(size_of::<Option<Voice<'_>>>() <= 784);
     }
 }

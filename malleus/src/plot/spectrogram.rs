@@ -264,7 +264,7 @@ mod tests {
         let sound = sine(1000.0, 0.5, 1.0);
         let spectrogram = Spectrogram::of(&[&sound], RATE_HZ, 10, ROWS);
         for row in [0, ROWS - 1] {
-            assert_eq!(spectrogram.level_db(5, row), Some(FLOOR_DB));
+            assert!(spectrogram.level_db(5, row).is_some_and(|level| (level - FLOOR_DB).abs() < 1e-3));
         }
     }
 
@@ -283,7 +283,8 @@ mod tests {
         sound[at..at + 24].fill(1.0);
         let spectrogram = Spectrogram::of(&[&sound], RATE_HZ, 100, ROWS);
         assert!(loudest(&spectrogram, 66).1 > -45.0);
-        assert_eq!(loudest(&spectrogram, 30).1, FLOOR_DB);
+        // Blending two resolutions rounds even the floor.
+        assert!((loudest(&spectrogram, 30).1 - FLOOR_DB).abs() < 1e-3);
     }
 
     #[test]
