@@ -3,9 +3,11 @@
 use core::ops::Range;
 
 use super::TICK_FRAMES;
-use super::coefficient::{Coefficients, Orbit, Pole, delta_of_t60, max_decay_per_s};
-use super::group::{GROUP_MODES, Group, Guard, MAX_GAIN_EXPONENT};
+use super::coefficient::{Coefficients, delta_of_t60};
+use super::gain::{check_gains, gain_at, gain_law, move_pole, onset, orbit_gains};
+use super::group::{GROUP_MODES, Group, Guard};
 use super::mode::Mode;
+use super::order::{order_key, order_modes, pole_of};
 use super::retirement::{Retired, Retirement};
 use crate::SampleRate;
 use crate::fixed::{self, Scale};
@@ -461,123 +463,4 @@ fn for_each_group(
         visit(group, modes);
         rest = behind;
     }
-}
-
-fn pole_of(record: &ModeRecord, rate: SampleRate) -> Option<Pole> {
-    Pole::new(f64::from(record.frequency_hz.get()), f64::from(record.decay_per_s.get()), rate)
-}
-
-/// Fills modes behind `start` with the table's renderable modes in the order in which they are grouped. Until they are derived, a mode
-/// holds its table index in `state.u`, its lifetime in `state.v` and its form in `gain.u`.
-fn order_modes(
-    table: &BankTable<'_>,
-    rate: SampleRate,
-    modes: &mut [Mode],
-    start: usize,
-) -> Result<Range<usize>, BankError> {
-    let mut end = start;
-    for (index, record) in table.modes.iter().enumerate() {
-        let (frequency_hz, decay_per_s) = (record.frequency_hz.get(), record.decay_per_s.get());
-        if f64::from(frequency_hz) >= rate.hz() / 2.0 {
-            continue;
-        }
-        if f64::from(decay_per_s) > max_decay_per_s(rate) {
-            return Err(BankError::DecayTooFast { mode: index, decay_per_s });
-        }
-        let Some(pole) = pole_of(record, rate) else { continue };
-        let slot = modes.get_mut(end).ok_or(BankError::TooManyModes)?;
-        *slot = Mode::SILENT;
-        slot.state.u = index as i32;
-        slot.state.v = lifetime_ms(table, index, frequency_hz, decay_per_s);
-        slot.gain.u = (pole.form as i32) << 1 | i32::from(pole.mirrored);
-        end += 1;
-    }
-    if let Some(taken) = modes.get_mut(start..end) {
-        taken.sort_unstable_by_key(|mode| (order_key(mode), core::cmp::Reverse(mode.state.v), mode.state.u));
-    }
-    Ok(start..end)
-}
-
-fn order_key(mode: &Mode) -> i32 {
-    mode.gain.u
-}
-
-/// How long a typical strike keeps a mode above the retirement threshold: the order of groups, so that only its order of size matters.
-fn lifetime_ms(table: &BankTable<'_>, index: usize, frequency_hz: f32, decay_per_s: f32) -> i32 {
-    let (impulse, contact_time_s) = table.typical_contact;
-    let gains = table.gains.get(index * table.positions..).unwrap_or(&[]).iter().take(table.positions);
-    let gain = gains.fold(0.0f32, |gain, at| gain.max(at.sine.get().abs()).max(at.cosine.get().abs()));
-    // The spectrum of a half-sine pulse falls as 1/f² above 1/(2 τ).
-    let corner = 2.0 * frequency_hz * contact_time_s;
-    let level = gain * table.weight as f32 * impulse / (1.0 + corner * corner);
-    let periods = libm::logf((level / Retirement::THRESHOLD).max(1.0));
-    (1000.0 * periods / decay_per_s) as i32
-}
-
-/// Gains (sine, cosine) of a table's mode at a position, linear between the table's positions.
-fn gain_at(gains: &[GainRecord], positions: usize, index: usize, position: f32) -> (f32, f32) {
-    let place = position * (positions.saturating_sub(1)) as f32;
-    let below = (place as usize).min(positions.saturating_sub(1));
-    let fraction = place - below as f32;
-    let at = |position: usize| gains.get(index * positions + position.min(positions.saturating_sub(1)));
-    match (at(below), at(below + 1)) {
-        (Some(low), Some(high)) if fraction > 0.0 => {
-            let between = |low: f32, high: f32| low + (high - low) * fraction;
-            (between(low.sine.get(), high.sine.get()), between(low.cosine.get(), high.cosine.get()))
-        }
-        (Some(low), _) => (low.sine.get(), low.cosine.get()),
-        (None, _) => (0.0, 0.0),
-    }
-}
-
-/// Gains beyond this, in bus steps of state a bus step of force and sample, are refused. An [`Orbit`] makes at most four times as much
-/// of them, which the smallest block exponent still holds.
-const MAX_GAIN: f64 = (1u32 << (MAX_GAIN_EXPONENT - 2)) as f64;
-
-fn check_gains(table: &BankTable<'_>, rate: SampleRate) -> Result<(), BankError> {
-    let largest = table
-        .gains
-        .iter()
-        .fold(0.0f32, |largest, gain| largest.max(gain.sine.get().abs()).max(gain.cosine.get().abs()));
-    let gain = (f64::from(largest) * table.weight / rate.hz()).abs();
-    if gain < MAX_GAIN { Ok(()) } else { Err(BankError::GainTooLarge) }
-}
-
-/// The law that gives a table mode's gains as bus steps of state a bus step of force and sample.
-fn gain_law<'a>(
-    table: &'a BankTable<'_>,
-    rate: SampleRate,
-    position: f32,
-) -> impl Fn(Option<usize>) -> (f32, f32) + use<'a> {
-    let scale = (table.weight / rate.hz()) as f32;
-    let (gains, positions) = (table.gains, table.positions);
-    move |index| {
-        let (sine, cosine) = index.map_or((0.0, 0.0), |index| gain_at(gains, positions, index, position));
-        (sine * scale, cosine * scale)
-    }
-}
-
-/// Turns phase gains into injections of a group's form.
-fn orbit_gains<G: Fn(usize) -> (f32, f32)>(group: &Group, gain: G) -> impl Fn(usize, &Mode) -> (f32, f32) + use<G> {
-    let (form, mirrored) = (group.form(), group.mirrored());
-    move |slot, mode| {
-        let (sine, cosine) = gain(slot);
-        // sin n(π - θ') = -(-1)^n sin nθ'
-        let sine = if mirrored { -sine } else { sine };
-        Orbit::new(form, mode.coefficients).state(sine, cosine)
-    }
-}
-
-/// Keeps sine and cosine of a ringing mode while its pole moves.
-fn move_pole(group: &Group, mode: &mut Mode, target: Coefficients) {
-    let form = group.form();
-    let (u, v) = (mode.state.u as f32, mode.state.v as f32);
-    let (sine, cosine) = Orbit::new(form, mode.coefficients).phases(u, v);
-    mode.coefficients = target;
-    let (moved, _) = Orbit::new(form, target).state(sine, cosine);
-    mode.state.u = libm::rintf(moved) as i32;
-}
-
-fn onset(cosine_sum: f64, table: &BankTable<'_>, rate: SampleRate) -> Scale {
-    Scale::new(-cosine_sum * table.weight / (2.0 * rate.hz()))
 }

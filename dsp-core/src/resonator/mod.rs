@@ -23,10 +23,12 @@
 pub mod bank;
 pub mod coefficient;
 pub mod float;
+mod gain;
 pub mod group;
 pub mod headroom;
 pub mod kernel;
 pub mod mode;
+mod order;
 pub mod retirement;
 
 pub use bank::{Bank, BankError, BankTable, BankWork, Memory, Origin, Used};

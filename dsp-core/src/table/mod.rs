@@ -16,7 +16,9 @@
 //! A new stage is a new section. As in PNG, a section whose tag begins with a lower-case letter may be skipped by a reader that
 //! does not know it; any other unknown tag, or a newer version of a known one, is refused by name.
 
+mod check;
 mod error;
+mod frame;
 pub mod layout;
 pub mod range;
 mod read;

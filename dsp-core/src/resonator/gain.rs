@@ -1,0 +1,80 @@
+//! From a table's gains to what a force injects into the states.
+
+use super::bank::{BankError, BankTable};
+use super::coefficient::{Coefficients, Orbit};
+use super::group::{Group, MAX_GAIN_EXPONENT};
+use super::mode::Mode;
+use crate::SampleRate;
+use crate::fixed::Scale;
+use crate::table::layout::GainRecord;
+
+/// Gains (sine, cosine) of a table's mode at a position, linear between the table's positions.
+pub(super) fn gain_at(gains: &[GainRecord], positions: usize, index: usize, position: f32) -> (f32, f32) {
+    let place = position * (positions.saturating_sub(1)) as f32;
+    let below = (place as usize).min(positions.saturating_sub(1));
+    let fraction = place - below as f32;
+    let at = |position: usize| gains.get(index * positions + position.min(positions.saturating_sub(1)));
+    match (at(below), at(below + 1)) {
+        (Some(low), Some(high)) if fraction > 0.0 => {
+            let between = |low: f32, high: f32| low + (high - low) * fraction;
+            (between(low.sine.get(), high.sine.get()), between(low.cosine.get(), high.cosine.get()))
+        }
+        (Some(low), _) => (low.sine.get(), low.cosine.get()),
+        (None, _) => (0.0, 0.0),
+    }
+}
+
+/// Gains beyond this, in bus steps of state a bus step of force and sample, are refused. An [`Orbit`] makes at most four times as much
+/// of them, which the smallest block exponent still holds.
+pub(super) const MAX_GAIN: f64 = (1u32 << (MAX_GAIN_EXPONENT - 2)) as f64;
+
+pub(super) fn check_gains(table: &BankTable<'_>, rate: SampleRate) -> Result<(), BankError> {
+    let largest = table
+        .gains
+        .iter()
+        .fold(0.0f32, |largest, gain| largest.max(gain.sine.get().abs()).max(gain.cosine.get().abs()));
+    let gain = (f64::from(largest) * table.weight / rate.hz()).abs();
+    if gain < MAX_GAIN { Ok(()) } else { Err(BankError::GainTooLarge) }
+}
+
+/// The law that gives a table mode's gains as bus steps of state a bus step of force and sample.
+pub(super) fn gain_law<'a>(
+    table: &'a BankTable<'_>,
+    rate: SampleRate,
+    position: f32,
+) -> impl Fn(Option<usize>) -> (f32, f32) + use<'a> {
+    let scale = (table.weight / rate.hz()) as f32;
+    let (gains, positions) = (table.gains, table.positions);
+    move |index| {
+        let (sine, cosine) = index.map_or((0.0, 0.0), |index| gain_at(gains, positions, index, position));
+        (sine * scale, cosine * scale)
+    }
+}
+
+/// Turns phase gains into injections of a group's form.
+pub(super) fn orbit_gains<G: Fn(usize) -> (f32, f32)>(
+    group: &Group,
+    gain: G,
+) -> impl Fn(usize, &Mode) -> (f32, f32) + use<G> {
+    let (form, mirrored) = (group.form(), group.mirrored());
+    move |slot, mode| {
+        let (sine, cosine) = gain(slot);
+        // sin n(π - θ') = -(-1)^n sin nθ'
+        let sine = if mirrored { -sine } else { sine };
+        Orbit::new(form, mode.coefficients).state(sine, cosine)
+    }
+}
+
+/// Keeps sine and cosine of a ringing mode while its pole moves.
+pub(super) fn move_pole(group: &Group, mode: &mut Mode, target: Coefficients) {
+    let form = group.form();
+    let (u, v) = (mode.state.u as f32, mode.state.v as f32);
+    let (sine, cosine) = Orbit::new(form, mode.coefficients).phases(u, v);
+    mode.coefficients = target;
+    let (moved, _) = Orbit::new(form, target).state(sine, cosine);
+    mode.state.u = libm::rintf(moved) as i32;
+}
+
+pub(super) fn onset(cosine_sum: f64, table: &BankTable<'_>, rate: SampleRate) -> Scale {
+    Scale::new(-cosine_sum * table.weight / (2.0 * rate.hz()))
+}

@@ -1,0 +1,61 @@
+//! The order in which a bank's modes are grouped: by form, and within a form by how long a typical strike keeps them audible.
+
+use core::ops::Range;
+
+use super::bank::{BankError, BankTable};
+use super::coefficient::{Pole, max_decay_per_s};
+use super::mode::Mode;
+use super::retirement::Retirement;
+use crate::SampleRate;
+use crate::table::layout::ModeRecord;
+
+pub(super) fn pole_of(record: &ModeRecord, rate: SampleRate) -> Option<Pole> {
+    Pole::new(f64::from(record.frequency_hz.get()), f64::from(record.decay_per_s.get()), rate)
+}
+
+/// Fills modes behind `start` with the table's renderable modes in the order in which they are grouped. Until they are derived, a mode
+/// holds its table index in `state.u`, its lifetime in `state.v` and its form in `gain.u`.
+pub(super) fn order_modes(
+    table: &BankTable<'_>,
+    rate: SampleRate,
+    modes: &mut [Mode],
+    start: usize,
+) -> Result<Range<usize>, BankError> {
+    let mut end = start;
+    for (index, record) in table.modes.iter().enumerate() {
+        let (frequency_hz, decay_per_s) = (record.frequency_hz.get(), record.decay_per_s.get());
+        if f64::from(frequency_hz) >= rate.hz() / 2.0 {
+            continue;
+        }
+        if f64::from(decay_per_s) > max_decay_per_s(rate) {
+            return Err(BankError::DecayTooFast { mode: index, decay_per_s });
+        }
+        let Some(pole) = pole_of(record, rate) else { continue };
+        let slot = modes.get_mut(end).ok_or(BankError::TooManyModes)?;
+        *slot = Mode::SILENT;
+        slot.state.u = index as i32;
+        slot.state.v = lifetime_ms(table, index, frequency_hz, decay_per_s);
+        slot.gain.u = (pole.form as i32) << 1 | i32::from(pole.mirrored);
+        end += 1;
+    }
+    if let Some(taken) = modes.get_mut(start..end) {
+        taken.sort_unstable_by_key(|mode| (order_key(mode), core::cmp::Reverse(mode.state.v), mode.state.u));
+    }
+    Ok(start..end)
+}
+
+pub(super) fn order_key(mode: &Mode) -> i32 {
+    mode.gain.u
+}
+
+/// How long a typical strike keeps a mode above the retirement threshold: the order of groups, so that only its order of size matters.
+pub(super) fn lifetime_ms(table: &BankTable<'_>, index: usize, frequency_hz: f32, decay_per_s: f32) -> i32 {
+    let (impulse, contact_time_s) = table.typical_contact;
+    let gains = table.gains.get(index * table.positions..).unwrap_or(&[]).iter().take(table.positions);
+    let gain = gains.fold(0.0f32, |gain, at| gain.max(at.sine.get().abs()).max(at.cosine.get().abs()));
+    // The spectrum of a half-sine pulse falls as 1/f² above 1/(2 τ).
+    let corner = 2.0 * frequency_hz * contact_time_s;
+    let level = gain * table.weight as f32 * impulse / (1.0 + corner * corner);
+    let periods = libm::logf((level / Retirement::THRESHOLD).max(1.0));
+    (1000.0 * periods / decay_per_s) as i32
+}

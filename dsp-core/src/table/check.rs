@@ -1,0 +1,96 @@
+//! Checks of single fields and of a bank's records.
+
+use zerocopy::FromBytes;
+
+use super::error::{Field, Place, TableError};
+use super::layout::{GainRecord, ModeRecord};
+use super::range::{self, Range};
+
+pub(super) type BankView<'a> = (&'a [ModeRecord], &'a [GainRecord], &'a str, &'a str);
+
+/// Modes, gains and texts behind a section's head; the section must be exactly as long as its head says.
+pub(super) fn read_bank<'a>(
+    section_bytes: usize,
+    rest: &'a [u8],
+    modes: usize,
+    positions: usize,
+    (source_bytes, licence_bytes): (usize, usize),
+    place: Place,
+) -> Result<BankView<'a>, TableError> {
+    // Counts come from 16-bit fields and are bounded by `range`, so that none of this can overflow 32 bits.
+    let gains = modes * positions;
+    let announced = modes * size_of::<ModeRecord>() + gains * size_of::<GainRecord>() + source_bytes + licence_bytes;
+    let padded = announced.next_multiple_of(4);
+    let mismatch = TableError::LengthMismatch {
+        place,
+        expected: section_bytes.saturating_sub(rest.len()).saturating_add(padded),
+        found: section_bytes,
+    };
+    if rest.len() != padded {
+        return Err(mismatch);
+    }
+    let (modes, rest) = <[ModeRecord]>::ref_from_prefix_with_elems(rest, modes).map_err(|_| mismatch)?;
+    let (gains, rest) = <[GainRecord]>::ref_from_prefix_with_elems(rest, gains).map_err(|_| mismatch)?;
+    let (source, rest) = rest.split_at_checked(source_bytes).ok_or(mismatch)?;
+    let (licence, padding) = rest.split_at_checked(licence_bytes).ok_or(mismatch)?;
+    if padding.iter().any(|&byte| byte != 0) {
+        return Err(TableError::NotZero { place, field: Field::Padding });
+    }
+    let text = |bytes| core::str::from_utf8(bytes).map_err(|_| TableError::BadText { place });
+    Ok((modes, gains, text(source)?, text(licence)?))
+}
+
+pub(super) fn check_bank(
+    modes: &[ModeRecord],
+    gains: &[GainRecord],
+    positions: usize,
+    place: impl Fn(usize) -> Place,
+) -> Result<(), TableError> {
+    for (index, mode) in modes.iter().enumerate() {
+        check_range(place(index), Field::FrequencyHz, mode.frequency_hz.get(), range::FREQUENCY_HZ)?;
+        check_range(place(index), Field::DecayPerS, mode.decay_per_s.get(), range::DECAY_PER_S)?;
+    }
+    for (index, gains) in gains.chunks(positions.max(1)).enumerate() {
+        for gain in gains {
+            check_range(place(index), Field::GainSine, gain.sine.get(), range::GAIN)?;
+            check_range(place(index), Field::GainCosine, gain.cosine.get(), range::GAIN)?;
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn check_range(place: Place, field: Field, value: f32, allowed: Range) -> Result<(), TableError> {
+    if allowed.holds(value) { Ok(()) } else { Err(TableError::OutOfRange { place, field, value, allowed }) }
+}
+
+pub(super) fn check_count(place: Place, field: Field, value: usize, min: usize, max: usize) -> Result<(), TableError> {
+    if (min..=max).contains(&value) { Ok(()) } else { Err(TableError::Count { place, field, value, min, max }) }
+}
+
+/// The text of a zero-padded name; empty where it is not ASCII.
+pub(super) fn name_str(name: &[u8]) -> &str {
+    let end = name.iter().position(|&byte| byte == 0).unwrap_or(name.len());
+    name.get(..end).and_then(|name| core::str::from_utf8(name).ok()).unwrap_or("")
+}
+
+pub(super) fn check_name(name: &[u8], place: Place) -> Result<(), TableError> {
+    let text = name_str(name);
+    let padded_with_zeros = name.iter().skip(text.len()).all(|&byte| byte == 0);
+    let allowed = |c: char| (' '..='~').contains(&c) && c != ',' && c != '"';
+    if text.is_empty() || text.trim() != text || !text.chars().all(allowed) || !padded_with_zeros {
+        return Err(TableError::BadName { place });
+    }
+    Ok(())
+}
+
+pub(super) fn check_distinct<'a>(
+    names: impl Iterator<Item = &'a str> + Clone,
+    place: impl Fn(usize) -> Place,
+) -> Result<(), TableError> {
+    for (index, name) in names.clone().enumerate() {
+        if names.clone().take(index).any(|earlier| earlier == name) {
+            return Err(TableError::DuplicateName { place: place(index) });
+        }
+    }
+    Ok(())
+}
