@@ -47,7 +47,7 @@ fn glockenspiel() -> Object {
     });
     object(
         "glockenspiel",
-        "uniform free-free steel bar (Euler-Bernoulli: 1 : 2.757 : 5.404 ..., mode shapes at five positions from the middle to an end), 1046.5 Hz; T60 5 s falling as f^-0.8, chosen by ear",
+        "uniform free-free steel bar (Euler-Bernoulli: 1 : 2.757 : 5.404 ..., mode shapes at five positions from the middle to an end), 1046.5 Hz (a measured glockenspiel has 1 : 2.88 : 5.41); T60 5 s falling as f^-0.8, chosen by ear",
         modes.collect(),
     )
 }
@@ -115,7 +115,7 @@ fn claves() -> Object {
     });
     object(
         "claves",
-        "free-free wooden rod (Euler-Bernoulli), 2400 Hz; T60 0.14 s as measured claves have, falling with frequency",
+        "free-free wooden rod (Euler-Bernoulli), 2400 Hz; T60 0.14 s falling with frequency, chosen by ear",
         modes.collect(),
     )
 }
