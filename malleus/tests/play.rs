@@ -93,6 +93,8 @@ fn strikes_become_a_24_bit_stereo_file() {
     assert_eq!(report["work"]["strikes"], 2);
     let spec = hound::WavReader::open(folder.path("out.wav")).unwrap().spec();
     assert_eq!((spec.channels, spec.bits_per_sample, spec.sample_rate), (2, 24, 48_000));
+    // The plain header, which every reader knows: format 1 at byte 20.
+    assert_eq!(fs::read(folder.path("out.wav")).unwrap()[20..22], [1, 0]);
     let sound = samples(&folder.path("out.wav"));
     assert!(sound[..200].iter().all(|&sample| sample == 0));
     assert!(sound[200..].iter().any(|&sample| sample.abs() > 1 << 18));
@@ -184,6 +186,7 @@ fn bad_events_are_refused_by_line_field_value_and_what_is_allowed() {
     folder.refuses_strikes("sample,pad,speed\n0,bar,1\n", &["line 1", "speed"]);
     folder.refuses_strikes("pad,velocity\nbar,1\n", &["line 1", "time_s"]);
     folder.refuses_strikes("sample,pad,velocity\n0,bar\n", &["line"]);
+    folder.refuses_strikes("sample,pad,velocity\n9007199254740000,bar,1\n", &["strikes.csv", "at most 3600"]);
     folder.refuses("play --kit kit.toml --strikes none.csv -o out.wav", &["none.csv"]);
 }
 

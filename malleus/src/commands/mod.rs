@@ -40,6 +40,10 @@ pub(crate) enum CommandError {
         "{file}: its rate is {file_rate}, --rate asks for {rate}; a force is not resampled: leave --rate out, or convert the file"
     )]
     RateMismatch { file: String, file_rate: dsp_core::SampleRate, rate: dsp_core::SampleRate },
+    #[error(
+        "{file}: it would play for {seconds:.0} s, at most {longest:.0} are rendered at once; play a part of it, or a shorter --tail"
+    )]
+    TooLong { file: String, seconds: f64, longest: f64 },
     #[error("the report cannot be printed: {0}")]
     Print(#[from] std::io::Error),
     #[error("the report cannot be written as JSON: {0}")]

@@ -13,6 +13,9 @@ use serde::Serialize;
 use super::{CommandError, peak_dbfs, print, print_json, progress};
 use crate::PlayArguments;
 
+/// The longest sound that is rendered at once: an hour is 1.4 GB of frames.
+const LONGEST_S: f64 = 3_600.0;
+
 pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
     let loaded = kit::open(&arguments.kit)?;
     let name = &arguments.kit;
@@ -21,6 +24,12 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         return Err(CommandError::NoPads { kit: name.clone() });
     }
     let (rate, performance) = read_performance(arguments, &loaded.kit, &table)?;
+    let seconds = performance.frames as f64 / rate.hz();
+    if seconds > LONGEST_S {
+        let strikes = arguments.strikes.as_ref().map(|path| path.display().to_string());
+        let file = strikes.or_else(|| arguments.direct.clone()).unwrap_or_default();
+        return Err(CommandError::TooLong { file, seconds, longest: LONGEST_S });
+    }
     let mut work = Work::default();
     let frames = if arguments.reference {
         let bar = progress(performance.frames as u64, "reference");

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use dsp_core::SampleRate;
 use dsp_core::fixed::q27_from;
-use hound::{SampleFormat, WavReader, WavSpec, WavWriter};
+use hound::{SampleFormat, WavReader};
 use kit::file::FileError;
 
 /// A WAV file that cannot be read or written.
@@ -47,6 +47,14 @@ pub enum WaveError {
         index: usize,
         /// Its value.
         value: f32,
+    },
+    /// The sound does not fit a WAV file.
+    #[error("{}: {frames} frames do not fit a WAV file (4 GiB); play less at once", path.display())]
+    TooLong {
+        /// The file.
+        path: PathBuf,
+        /// How many there are.
+        frames: usize,
     },
     /// The file's rate is none that the engine plays.
     #[error("{}: sample rate {rate_hz} Hz: must be from 8000 to 192000", path.display())]
@@ -106,21 +114,37 @@ pub fn read_force(path: &Path, channel: u16) -> Result<Force, WaveError> {
 
 /// Writes 24-bit stereo samples as a WAV file, whole or not at all. The header's rate is a whole number of Hz, the nearest.
 ///
+/// The header is the plain one of 44 bytes (format 1, PCM): crates write 24 bits as "extensible", which simple readers refuse, Python's
+/// `wave` before 3.12 among them.
+///
 /// # Errors
 /// A [`WaveError`] that names the file.
 pub fn write_stereo(path: &Path, rate: SampleRate, frames: &[[i32; 2]]) -> Result<(), WaveError> {
-    let spec = WavSpec {
-        channels: 2,
-        sample_rate: rate.hz().round() as u32,
-        bits_per_sample: 24,
-        sample_format: SampleFormat::Int,
-    };
-    let kind = |cause| WaveError::Kind { path: path.to_owned(), cause };
-    let mut bytes = Cursor::new(Vec::with_capacity(frames.len() * 6 + 80));
-    let mut writer = WavWriter::new(&mut bytes, spec).map_err(kind)?;
-    for sample in frames.iter().flatten() {
-        writer.write_sample(*sample).map_err(kind)?;
+    const BYTES_PER_FRAME: u32 = 6;
+    let data_bytes = u32::try_from(frames.len())
+        .ok()
+        .and_then(|frames| frames.checked_mul(BYTES_PER_FRAME))
+        .filter(|bytes| *bytes < u32::MAX - 44)
+        .ok_or_else(|| WaveError::TooLong { path: path.to_owned(), frames: frames.len() })?;
+    let rate_hz = rate.hz().round() as u32;
+    let mut bytes = Vec::with_capacity(data_bytes as usize + 44);
+    bytes.extend_from_slice(b"RIFF");
+    bytes.extend_from_slice(&(data_bytes + 36).to_le_bytes());
+    bytes.extend_from_slice(b"WAVEfmt ");
+    bytes.extend_from_slice(&16u32.to_le_bytes());
+    for word in [1u16, 2] {
+        bytes.extend_from_slice(&word.to_le_bytes()); // PCM, two channels
     }
-    writer.finalize().map_err(kind)?;
-    Ok(kit::file::write_whole(path, bytes.get_ref())?)
+    for word in [rate_hz, rate_hz * BYTES_PER_FRAME] {
+        bytes.extend_from_slice(&word.to_le_bytes());
+    }
+    for word in [BYTES_PER_FRAME as u16, 24] {
+        bytes.extend_from_slice(&word.to_le_bytes()); // bytes a frame, bits a sample
+    }
+    bytes.extend_from_slice(b"data");
+    bytes.extend_from_slice(&data_bytes.to_le_bytes());
+    for sample in frames.iter().flatten() {
+        bytes.extend(sample.to_le_bytes().into_iter().take(3));
+    }
+    Ok(kit::file::write_whole(path, &bytes)?)
 }
