@@ -54,7 +54,7 @@ pub enum BankError {
     TooManyGroups,
     /// More modes with positions or choke than the engine has room for.
     TooManyOrigins,
-    /// A mode decays faster than [`max_decay_per_s`] at this rate.
+    /// A mode decays faster than [`super::max_decay_per_s`] at this rate.
     DecayTooFast {
         /// Which mode of the table.
         mode: usize,
