@@ -51,7 +51,7 @@ pub struct Direct<'a> {
 /// | --- | --- | --- |
 /// | `PADS` | pads of the kit | at most 784 (on a PC) |
 /// | `MODES` | modes below Nyquist of all pads, their strikers' included | 24 |
-/// | `GROUPS` | register groups: modes/6, and up to eight more a bank | 16 |
+/// | `GROUPS` | register groups: modes/6, and up to eight more a bank | 24 |
 /// | `ORIGINS` | modes of pads that can be choked or have several positions | 12 |
 /// | `CONTACTS` | contacts under way at once | 24 |
 #[derive(Debug)]
@@ -314,7 +314,7 @@ mod tests {
         );
         assert_eq!(
             (size_of::<Mode>(), size_of::<Group>(), size_of::<Origin>(), size_of::<Contact>()),
-            (24, 16, 12, 24)
+            (24, 24, 12, 24)
         );
         // Pointers are twice as wide on a PC as on the board.
         assert!(size_of::<Option<Voice<'_>>>() <= 784);

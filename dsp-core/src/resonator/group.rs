@@ -2,7 +2,7 @@
 
 use super::coefficient::{Form, Orbit};
 use super::headroom::{GROWTH_OF_V, LIMIT, ROUNDING};
-use super::kernel;
+use super::kernel::Plan;
 use super::mode::Mode;
 use crate::fixed;
 
@@ -13,6 +13,8 @@ pub const GROUP_MODES: usize = 6;
 const MAX_EXPONENT: i32 = 31;
 /// Smallest block exponent: a state of `LIMIT` then stands for 2^26 times full scale.
 const MIN_EXPONENT: i32 = -24;
+/// Largest interval between two guards of a group that rings freely: 10.7 ms at 48 kHz.
+const MAX_GUARD_TICKS: u32 = 16;
 /// Below this size at the largest exponent a mode is less than 1/8 of a bus step, which the mix rounds to nothing.
 const SILENCE: u64 = 1 << 27;
 /// Largest exponent of a gain mantissa: from rest, the smallest block exponent then holds a tick of the largest force (2^36 bus steps).
@@ -23,20 +25,25 @@ pub(super) const MAX_GAIN_EXPONENT: i32 = 29 - MIN_EXPONENT - 36 - 1;
 /// A state of value x stands for `x · 2^-exponent` bus steps. The states are kept just below [`LIMIT`] by shifting them at
 /// guards, so that the damping term `δu` never falls into its dead band, however far the sound has decayed.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct Group {
-    form: Form,
-    mirrored: bool,
-    count: u8,
-    ringing: bool,
-    /// Whether input must be kept out until the next guard.
-    refusing: bool,
-    exponent: i8,
-    /// A gain mantissa g stands for `g · 2^(gain_exponent - 31)` bus steps a bus step of force.
-    gain_exponent: i16,
+    /// What a kernel needs to know; kept up to date by [`Group::prepare`].
+    plan: Plan,
     /// Size of the largest injection: max(|gain.u| · 2^k, |gain.v|) over the modes.
     gain_peak: u32,
     /// What the state's size, input included, stays below until the next guard.
     bound: u32,
+    /// A gain mantissa g stands for `g · 2^(gain_exponent - 31)` bus steps a bus step of force.
+    gain_exponent: i16,
+    exponent: i8,
+    mirrored: bool,
+    ringing: bool,
+    /// Whether input must be kept out until the next guard.
+    refusing: bool,
+    /// Ticks between two guards while nothing drives the group: in that time its fastest mode decays by a quarter of a bit.
+    guard_ticks: u8,
+    /// Ticks until the next one.
+    due_ticks: u8,
 }
 
 /// What a guard decided for a group.
@@ -51,34 +58,44 @@ pub enum Guard {
 impl Group {
     /// A group of no modes, to fill memory before a kit is loaded.
     pub const EMPTY: Self = Self {
-        form: Form::Coupled,
-        mirrored: false,
-        count: 0,
-        ringing: false,
-        refusing: false,
-        exponent: 0,
-        gain_exponent: 0,
+        plan: Plan::EMPTY,
         gain_peak: 0,
         bound: 0,
+        gain_exponent: 0,
+        exponent: 0,
+        mirrored: false,
+        ringing: false,
+        refusing: false,
+        guard_ticks: 1,
+        due_ticks: 0,
     };
 
     pub(super) fn new(form: Form, mirrored: bool, count: u8) -> Self {
-        Self { form, mirrored, count, ..Self::EMPTY }
+        Self { plan: Plan::new(form, count), mirrored, ..Self::EMPTY }
     }
 
     /// Number of modes.
     pub fn count(&self) -> usize {
-        usize::from(self.count)
+        self.plan.count()
     }
 
     /// The arithmetic of its modes.
     pub fn form(&self) -> Form {
-        self.form
+        self.plan.form()
+    }
+
+    pub(super) fn plan(&self) -> &Plan {
+        &self.plan
     }
 
     /// Whether its modes run at fs/2 - f.
     pub fn mirrored(&self) -> bool {
         self.mirrored
+    }
+
+    /// Whether its input is kept out at present.
+    pub(super) fn refusing(&self) -> bool {
+        self.refusing
     }
 
     /// Whether any of its modes may have a state other than zero.
@@ -94,7 +111,7 @@ impl Group {
     /// Sets the input gains, in bus steps of state a bus step of force: `gains` gives (into u, into v) for each mode, below
     /// 2^[`MAX_GAIN_EXPONENT`].
     pub(super) fn set_gains(&mut self, modes: &mut [Mode], gains: impl Fn(usize, &Mode) -> (f32, f32)) {
-        let weight = (1u32 << self.form.shift()) as f32;
+        let weight = (1u32 << self.form().shift()) as f32;
         let peak = modes
             .iter()
             .enumerate()
@@ -103,13 +120,16 @@ impl Group {
         let (_, exponent) = libm::frexpf(peak);
         self.gain_exponent = exponent as i16;
         let mut gain_peak = 0;
+        let mut has_phase = false;
         for (index, mode) in modes.iter_mut().enumerate() {
             let (u, v) = gains(index, mode);
             let mantissa = |gain: f32| libm::rintf(libm::scalbnf(gain, 31 - exponent)) as i32;
             mode.gain.u = mantissa(u);
             mode.gain.v = mantissa(v);
-            gain_peak = size_of(self.form, mode.gain.u, mode.gain.v).max(gain_peak);
+            gain_peak = size_of(self.form(), mode.gain.u, mode.gain.v).max(gain_peak);
+            has_phase |= mode.gain.v != 0;
         }
+        self.plan.set_phase(has_phase);
         self.gain_peak = gain_peak.min(u64::from(u32::MAX)) as u32;
     }
 
@@ -130,13 +150,14 @@ impl Group {
 
     /// The largest size of the modes' states.
     fn size(&self, modes: &[Mode]) -> u64 {
-        modes.iter().fold(0, |size, mode| size_of(self.form, mode.state.u, mode.state.v).max(size))
+        modes.iter().fold(0, |size, mode| size_of(self.form(), mode.state.u, mode.state.v).max(size))
     }
 
     /// Shifts the states so that nothing can wrap while the sum of |force| stays within `allowance` (bus steps), and so that they
     /// use all the room that leaves. The force will come shifted left by `force_shift` bits. See [`super::headroom`]. About 12 cycles a
     /// mode on a Cortex-M4.
     pub(super) fn guard(&mut self, modes: &mut [Mode], allowance: u64, force_shift: u32) -> Guard {
+        self.due_ticks = self.guard_ticks;
         let mut size = self.size(modes);
         if size == 0 {
             if allowance == 0 || self.gain_peak == 0 {
@@ -223,23 +244,40 @@ impl Group {
         }
     }
 
-    /// Runs the group's modes over `mix.len()` frames and adds their sound; `force` where there is input, with the shift it comes with.
-    pub(super) fn render(&self, modes: &mut [Mode], force: Option<(&[i32], u32)>, mix_exponent: i32, mix: &mut [i32]) {
-        let mix_scale = mix_scale(self.exponent() + mix_exponent);
-        match force {
-            Some((force, force_shift)) if self.gain_peak != 0 && !self.refusing => {
-                let gain_shift = force_shift as i32 - (i32::from(self.gain_exponent) + 1 + self.exponent());
-                kernel::driven(self.form, modes, gain_shift.max(0) as u32, force, mix_scale, mix);
-            }
-            _ => kernel::free(self.form, modes, mix_scale, mix),
-        }
+    /// Brings the kernel's plan up to date, after the group's guard and once the bank's mix exponent is known.
+    pub(super) fn prepare(&mut self, mix_exponent: i32, force_shift: u32) {
+        let gain_shift = match self.refusing {
+            // Nothing is left of a gain: the input is kept out.
+            true => 31,
+            false => (force_shift as i32 - (i32::from(self.gain_exponent) + 1 + self.exponent())).clamp(0, 31),
+        };
+        self.plan.set(self.ringing, gain_shift as u32, mix_scale(self.exponent() + mix_exponent));
+    }
+
+    /// Derives from its poles how often it needs a guard while nothing drives it. After load, choke and release.
+    pub(super) fn schedule_guards(&mut self, modes: &[Mode]) {
+        // A quarter of a bit: 32 samples of -log2(1 - δ)/2 bits each, δ in Q32, to first order.
+        const QUARTER_BIT: u32 = 46_500_000;
+        let fastest = modes.iter().fold(0, |fastest, mode| mode.coefficients.delta.max(fastest));
+        self.guard_ticks = (QUARTER_BIT / fastest.unsigned_abs().max(1)).clamp(1, MAX_GUARD_TICKS) as u8;
+    }
+
+    /// Counts ticks without input; says whether a guard is due.
+    pub(super) fn is_due(&mut self, ticks: u8) -> bool {
+        self.due_ticks = self.due_ticks.saturating_sub(ticks);
+        self.due_ticks == 0
+    }
+
+    /// Ticks until the next guard without input.
+    pub(super) fn due_ticks(&self) -> u8 {
+        self.due_ticks
     }
 
     /// Bound of the sum of the group's modes in bus steps, rounded up, saturating.
     pub(super) fn mix_bound(&self) -> u64 {
-        let sum = u64::from(self.bound) * GROWTH_OF_V * u64::from(self.count);
+        let sum = u64::from(self.bound) * GROWTH_OF_V * self.count() as u64;
         match self.exponent() {
-            exponent @ 0.. => (sum >> exponent) + u64::from(self.count),
+            exponent @ 0.. => (sum >> exponent) + self.count() as u64,
             exponent => sum << -exponent, // at most 2^34 · 2^24
         }
     }
@@ -259,7 +297,7 @@ impl Group {
             if v.abs() > threshold {
                 return None;
             }
-            let (sine, cosine) = Orbit::new(self.form, mode.coefficients).phases(u, v);
+            let (sine, cosine) = Orbit::new(self.form(), mode.coefficients).phases(u, v);
             let amplitude = libm::sqrtf(sine * sine + cosine * cosine);
             if amplitude.is_nan() || amplitude > threshold {
                 return None;

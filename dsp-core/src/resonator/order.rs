@@ -1,4 +1,4 @@
-//! The order in which a bank's modes are grouped: by form, and within a form by how long a typical strike keeps them audible.
+//! The order in which a bank's modes are grouped: by side and form, and within a form by how long a typical strike keeps them audible.
 
 use core::ops::Range;
 
@@ -14,7 +14,7 @@ pub(super) fn pole_of(record: &ModeRecord, rate: SampleRate) -> Option<Pole> {
 }
 
 /// Fills modes behind `start` with the table's renderable modes in the order in which they are grouped. Until they are derived, a mode
-/// holds its table index in `state.u`, its lifetime in `state.v` and its form in `gain.u`.
+/// holds its table index in `state.u`, its lifetime in `state.v` and its side and form in `gain.u`.
 pub(super) fn order_modes(
     table: &BankTable<'_>,
     rate: SampleRate,
@@ -35,7 +35,7 @@ pub(super) fn order_modes(
         *slot = Mode::SILENT;
         slot.state.u = index as i32;
         slot.state.v = lifetime_ms(table, index, frequency_hz, decay_per_s);
-        slot.gain.u = (pole.form as i32) << 1 | i32::from(pole.mirrored);
+        slot.gain.u = i32::from(pole.mirrored) << 2 | pole.form as i32;
         end += 1;
     }
     if let Some(taken) = modes.get_mut(start..end) {

@@ -1,0 +1,105 @@
+//! The bookkeeping of a bank: guards, retirement, the mix exponent.
+//!
+//! | when | what |
+//! | --- | --- |
+//! | a tick after input | all ringing groups are guarded for twice that input |
+//! | the first tick without | all ringing groups are guarded for none |
+//! | later | each group when its fastest mode has decayed by a quarter of a bit, at the latest after 16 ticks |
+//!
+//! A free orbit never outgrows its guard ([`super::super::headroom`]), so that guards without input serve precision and retirement
+//! alone: an exponent that lags by a quarter of a bit costs nothing that can be measured.
+
+use super::super::group::{Group, Guard};
+use super::super::retirement::Retirement;
+use super::{Bank, Memory, for_each_group};
+
+impl Bank {
+    /// The bookkeeping of a tick: exponents follow the sound down, modes that have become inaudible retire.
+    ///
+    /// `retirement` is `None` where nothing may be skipped.
+    pub fn tick(&mut self, memory: &mut Memory<'_>, retirement: Option<&mut Retirement>) {
+        self.retired.decay();
+        // What comes is expected to be at most twice what came; if it is more, `render` guards again.
+        let expected = self.spent.saturating_mul(2);
+        self.spent = 0;
+        if self.ringing_modes == 0 {
+            self.allowance = 0;
+        } else if expected > 0 {
+            self.guard(memory, expected, false, None);
+        } else if self.allowance > 0 {
+            self.guard(memory, 0, false, retirement);
+        } else {
+            self.passed_ticks += 1;
+            if self.passed_ticks >= self.due_ticks {
+                self.guard_due(memory, retirement);
+            }
+        }
+    }
+
+    /// Whether the next tick guards any group, if no input comes before it.
+    pub fn is_guard_due(&self) -> bool {
+        self.ringing_modes > 0 && (self.spent > 0 || self.allowance > 0 || self.passed_ticks + 1 >= self.due_ticks)
+    }
+
+    /// Guards all groups for an allowance of |force|. `all` includes groups at rest.
+    pub(super) fn guard(
+        &mut self,
+        memory: &mut Memory<'_>,
+        allowance: u64,
+        all: bool,
+        mut retirement: Option<&mut Retirement>,
+    ) {
+        // No single force can exceed the allowance for their sum.
+        let force_shift = allowance.leading_zeros().saturating_sub(33);
+        let retired = &mut self.retired;
+        for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
+            if let Some(retirement) = &mut retirement {
+                retirement.consider(group, modes, retired);
+            }
+            if group.ringing() || all {
+                let _: Guard = group.guard(modes, allowance, force_shift);
+            }
+        });
+        self.force_shift = force_shift;
+        self.allowance = allowance;
+        self.prepare(memory);
+    }
+
+    /// Guards the groups whose time has come.
+    fn guard_due(&mut self, memory: &mut Memory<'_>, mut retirement: Option<&mut Retirement>) {
+        let passed = self.passed_ticks;
+        let retired = &mut self.retired;
+        for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
+            if !group.ringing() || !group.is_due(passed) {
+                return;
+            }
+            if let Some(retirement) = &mut retirement {
+                retirement.consider(group, modes, retired);
+            }
+            if group.ringing() {
+                group.guard(modes, 0, 0);
+            }
+        });
+        self.prepare(memory);
+    }
+
+    /// Finds the mix exponent for the groups' bounds and brings their plans up to date.
+    pub(super) fn prepare(&mut self, memory: &mut Memory<'_>) {
+        let groups = memory.groups.get_mut(self.groups.clone()).unwrap_or(&mut []);
+        let (mut sum, mut mix_exponent, mut ringing_modes, mut refusing, mut due_ticks) = (0u64, 0, 0, 0, u8::MAX);
+        for group in groups.iter().filter(|group| group.ringing()) {
+            sum = sum.saturating_add(group.mix_bound());
+            mix_exponent = mix_exponent.max(group.smallest_mix_exponent());
+            ringing_modes += group.count();
+            refusing += u32::from(group.refusing());
+            due_ticks = due_ticks.min(group.due_ticks());
+        }
+        // sum < 2^bits: shifted right by bits - 31 it stays below 2^31.
+        let bits = 64 - sum.leading_zeros() as i32;
+        self.mix_exponent = mix_exponent.max(bits - 31).max(0);
+        (self.ringing_modes, self.refusing) = (ringing_modes as u32, refusing);
+        (self.due_ticks, self.passed_ticks) = (due_ticks, 0);
+        let (mix_exponent, force_shift) = (self.mix_exponent, self.force_shift);
+        groups.iter_mut().for_each(|group: &mut Group| group.prepare(mix_exponent, force_shift));
+    }
+}

@@ -1,0 +1,83 @@
+//! What a kernel needs to know of a register group.
+
+use super::super::coefficient::Form;
+use super::super::group::GROUP_MODES;
+
+/// A group as a kernel meets it: which loop, how many modes, which shifts. Eight bytes, laid out as the assembly reads them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub struct Plan {
+    free_kind: u8,
+    driven_kind: u8,
+    gain_shift: u8,
+    count: u8,
+    mix_scale: i32,
+}
+
+/// Bits of a kind: 0 and 1 are the form.
+const FORM: u8 = 3;
+const PHASE: u8 = 1 << 2;
+const NOT_FULL: u8 = 1 << 6;
+const AT_REST: u8 = 1 << 7;
+
+impl Plan {
+    /// No modes.
+    pub const EMPTY: Self = Self { free_kind: AT_REST, driven_kind: AT_REST, gain_shift: 0, count: 0, mix_scale: 0 };
+
+    /// `count` modes of a form, at rest, gains without phase.
+    pub fn new(form: Form, count: u8) -> Self {
+        let full = if usize::from(count) == GROUP_MODES { 0 } else { NOT_FULL };
+        let kind = form as u8 | full | AT_REST;
+        Self { free_kind: kind, driven_kind: kind, count, ..Self::EMPTY }
+    }
+
+    /// Says whether any of the modes has a gain into v.
+    pub fn set_phase(&mut self, has_phase: bool) {
+        self.driven_kind = self.driven_kind & !PHASE | if has_phase { PHASE } else { 0 };
+    }
+
+    /// Sets what a guard decides: whether the group rings, by how many bits its gains are shifted right (0 to 31, rounding down), and the Q32
+    /// multiplier that brings its states to the mix (0 to 2^30).
+    pub fn set(&mut self, ringing: bool, gain_shift: u32, mix_scale: i32) {
+        let rest = if ringing { 0 } else { AT_REST };
+        self.free_kind = self.free_kind & !AT_REST | rest;
+        self.driven_kind = self.driven_kind & !AT_REST | rest;
+        self.gain_shift = gain_shift.min(31) as u8;
+        self.mix_scale = mix_scale;
+    }
+
+    /// Number of modes.
+    pub fn count(&self) -> usize {
+        usize::from(self.count)
+    }
+
+    /// The arithmetic of the modes.
+    pub fn form(&self) -> Form {
+        match self.free_kind & FORM {
+            0 => Form::Coupled,
+            1 => Form::Shifted0,
+            2 => Form::Shifted1,
+            _ => Form::Shifted2,
+        }
+    }
+
+    /// Whether any mode has a gain into v.
+    pub fn has_phase(&self) -> bool {
+        self.driven_kind & PHASE != 0
+    }
+
+    /// Whether nothing rings.
+    pub fn is_at_rest(&self) -> bool {
+        self.free_kind & AT_REST != 0
+    }
+
+    /// Bits by which gains are shifted right.
+    pub fn gain_shift(&self) -> u32 {
+        u32::from(self.gain_shift)
+    }
+
+    /// The Q32 multiplier of the mix.
+    pub fn mix_scale(&self) -> i32 {
+        self.mix_scale
+    }
+}
