@@ -52,7 +52,7 @@ impl Bank {
         // No single force can exceed the allowance for their sum.
         let force_shift = allowance.leading_zeros().saturating_sub(33);
         let retired = &mut self.retired;
-        for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
+        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
             if let Some(retirement) = &mut retirement {
                 retirement.consider(group, modes, retired);
             }
@@ -60,7 +60,7 @@ impl Bank {
                 let _: Guard = group.guard(modes, allowance, force_shift);
             }
         });
-        self.force_shift = force_shift;
+        self.force_shift = force_shift as u8; // at most 31
         self.allowance = allowance;
         self.prepare(memory);
     }
@@ -69,7 +69,7 @@ impl Bank {
     fn guard_due(&mut self, memory: &mut Memory<'_>, mut retirement: Option<&mut Retirement>) {
         let passed = self.passed_ticks;
         let retired = &mut self.retired;
-        for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
+        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
             if !group.ringing() || !group.is_due(passed) {
                 return;
             }
@@ -85,21 +85,22 @@ impl Bank {
 
     /// Finds the mix exponent for the groups' bounds and brings their plans up to date.
     pub(super) fn prepare(&mut self, memory: &mut Memory<'_>) {
-        let groups = memory.groups.get_mut(self.groups.clone()).unwrap_or(&mut []);
+        let groups = memory.groups.get_mut(self.groups.range()).unwrap_or(&mut []);
         let (mut sum, mut mix_exponent, mut ringing_modes, mut refusing, mut due_ticks) = (0u64, 0, 0, 0, u8::MAX);
         for group in groups.iter().filter(|group| group.ringing()) {
             sum = sum.saturating_add(group.mix_bound());
             mix_exponent = mix_exponent.max(group.smallest_mix_exponent());
             ringing_modes += group.count();
-            refusing += u32::from(group.refusing());
+            refusing += u16::from(group.refusing());
             due_ticks = due_ticks.min(group.due_ticks());
         }
         // sum < 2^bits: shifted right by bits - 31 it stays below 2^31.
         let bits = 64 - sum.leading_zeros() as i32;
-        self.mix_exponent = mix_exponent.max(bits - 31).max(0);
-        (self.ringing_modes, self.refusing) = (ringing_modes as u32, refusing);
+        let mix_exponent = mix_exponent.max(bits - 31).max(0);
+        self.mix_exponent = mix_exponent as u8; // at most 33
+        (self.ringing_modes, self.refusing) = (ringing_modes as u16, refusing);
         (self.due_ticks, self.passed_ticks) = (due_ticks, 0);
-        let (mix_exponent, force_shift) = (self.mix_exponent, self.force_shift);
+        let force_shift = u32::from(self.force_shift);
         groups.iter_mut().for_each(|group: &mut Group| group.prepare(mix_exponent, force_shift));
     }
 }

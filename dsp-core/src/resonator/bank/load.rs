@@ -5,7 +5,7 @@ use super::super::gain::{check_gains, gain_at, gain_law, onset, orbit_gains};
 use super::super::group::{GROUP_MODES, Group};
 use super::super::mode::Mode;
 use super::super::order::{order_key, order_modes, pole_of};
-use super::{Bank, BankError, BankTable, Memory, Origin, Used};
+use super::{Bank, BankError, BankTable, Memory, Origin, Span, Used};
 use crate::SampleRate;
 
 impl Bank {
@@ -29,7 +29,11 @@ impl Bank {
         if origins.end > memory.origins.len() {
             return Err(BankError::TooManyOrigins);
         }
-        let mut bank = Self { origins, mirrored: (modes.start, used.groups), ..Self::EMPTY };
+        let mut bank = Self {
+            modes: Span::new(modes.clone()).ok_or(BankError::TooManyModes)?,
+            origins: Span::new(origins.clone()).ok_or(BankError::TooManyOrigins)?,
+            ..Self::EMPTY
+        };
         let mut group_end = used.groups;
         let mut cosine_sum = 0.0;
         let mut start = modes.start;
@@ -49,11 +53,12 @@ impl Bank {
                 if slot == 0 {
                     *group_slot = Group::new(pole.form, pole.mirrored, count as u8);
                     if !pole.mirrored {
-                        bank.mirrored = (start + count, group_end + 1);
+                        bank.plain_modes += count as u16; // at most GROUP_MODES each
+                        bank.plain_groups += 1;
                     }
                 }
                 if keeps_origins {
-                    let origin = bank.origins.start + start - modes.start + slot;
+                    let origin = origins.start + start - modes.start + slot;
                     if let Some(origin) = memory.origins.get_mut(origin) {
                         *origin = Origin { coefficients: pole.coefficients, index: *index as u16 };
                     }
@@ -66,13 +71,12 @@ impl Bank {
             start += count;
             group_end += 1;
         }
-        bank.groups = used.groups..group_end;
-        bank.modes = modes;
+        bank.groups = Span::new(used.groups..group_end).ok_or(BankError::TooManyGroups)?;
         bank.onset = onset(cosine_sum, table, rate);
         if table.choke_t60_s > 0.0 {
             bank.choke_delta = delta_of_t60(table.choke_t60_s, rate);
         }
-        *used = Used { modes: bank.modes.end, groups: bank.groups.end, origins: bank.origins.end };
+        *used = Used { modes: modes.end, groups: group_end, origins: origins.end };
         Ok(bank)
     }
 }

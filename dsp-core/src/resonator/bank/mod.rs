@@ -67,6 +67,26 @@ pub enum BankError {
     GainTooLarge,
 }
 
+/// A part of a [`Memory`]'s slice.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    start: u16,
+    end: u16,
+}
+
+impl Span {
+    const EMPTY: Self = Self { start: 0, end: 0 };
+
+    /// `None` beyond what 16 bits count.
+    fn new(range: Range<usize>) -> Option<Self> {
+        Some(Self { start: u16::try_from(range.start).ok()?, end: u16::try_from(range.end).ok()? })
+    }
+
+    fn range(self) -> Range<usize> {
+        usize::from(self.start)..usize::from(self.end)
+    }
+}
+
 /// Memory in which banks live: each takes a contiguous part of each slice.
 #[derive(Debug)]
 pub struct Memory<'m> {
@@ -116,11 +136,12 @@ impl core::ops::AddAssign for BankWork {
 /// Accuracy against the `f64` reference: 96 dB and better (`cargo bench -p host-tests --bench accuracy`).
 #[derive(Clone, Debug)]
 pub struct Bank {
-    modes: Range<usize>,
-    groups: Range<usize>,
-    /// The first of its modes and of its groups that run mirrored; the others come before.
-    mirrored: (usize, usize),
-    origins: Range<usize>,
+    modes: Span,
+    groups: Span,
+    origins: Span,
+    /// How many of its modes and of its groups run plain; the others, mirrored, come behind.
+    plain_modes: u16,
+    plain_groups: u16,
     /// The half of h[0] that does not belong to the integral: -Σ gc / (2 fs), times the force, is added to the sound.
     onset: Scale,
     /// Q32 δ of the choke, 0 for a bank that cannot be choked.
@@ -132,11 +153,11 @@ pub struct Bank {
     /// The |force| since the last tick.
     spent: u64,
     /// Bits by which the force is shifted left before it drives the modes, so that a weak one keeps its precision.
-    force_shift: u32,
+    force_shift: u8,
+    mix_exponent: u8,
     /// Groups that refused the input they were last guarded for.
-    refusing: u32,
-    mix_exponent: i32,
-    ringing_modes: u32,
+    refusing: u16,
+    ringing_modes: u16,
     /// Ticks without input until some group's next guard, and how many of them have passed.
     due_ticks: u8,
     passed_ticks: u8,
@@ -146,10 +167,11 @@ pub struct Bank {
 impl Bank {
     /// A bank without modes.
     pub const EMPTY: Self = Self {
-        modes: 0..0,
-        groups: 0..0,
-        mirrored: (0, 0),
-        origins: 0..0,
+        modes: Span::EMPTY,
+        groups: Span::EMPTY,
+        origins: Span::EMPTY,
+        plain_modes: 0,
+        plain_groups: 0,
         onset: Scale::ZERO,
         choke_delta: 0,
         choked: false,
@@ -157,8 +179,8 @@ impl Bank {
         allowance: 0,
         spent: 0,
         force_shift: 0,
-        refusing: 0,
         mix_exponent: 0,
+        refusing: 0,
         ringing_modes: 0,
         due_ticks: 0,
         passed_ticks: 0,
@@ -167,7 +189,7 @@ impl Bank {
 
     /// Number of modes that it renders.
     pub fn mode_count(&self) -> usize {
-        self.modes.len()
+        self.modes.range().len()
     }
 
     /// Whether anything rings.
@@ -177,7 +199,7 @@ impl Bank {
 
     /// Modes that ring, those that share a group with one included.
     pub fn ringing_modes(&self) -> u32 {
-        self.ringing_modes
+        u32::from(self.ringing_modes)
     }
 
     /// Sum of the amplitudes that have been retired and may still be missing, in output units (1.0 = full scale).
@@ -202,9 +224,9 @@ impl Bank {
         }
         self.choked = choked;
         let choke_delta = self.choke_delta;
-        let origins = memory.origins.get(self.origins.clone()).unwrap_or(&[]);
+        let origins = memory.origins.get(self.origins.range()).unwrap_or(&[]);
         let mut origins = origins.iter();
-        for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
+        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
             // A moved pole may have a larger u for the same sound.
             group.make_room(modes);
             for (mode, origin) in modes.iter_mut().zip(origins.by_ref()) {
@@ -219,10 +241,10 @@ impl Bank {
     }
 
     fn derive_gains(&mut self, table: &BankTable<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
-        let origins = memory.origins.get(self.origins.clone()).unwrap_or(&[]);
+        let origins = memory.origins.get(self.origins.range()).unwrap_or(&[]);
         let gain = gain_law(table, rate, self.position);
         let mut first = 0;
-        for_each_group(&self.modes, &self.groups, memory.modes, memory.groups, |group, modes| {
+        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
             let index = |slot: usize| origins.get(first + slot).map(|origin| usize::from(origin.index));
             let gains = orbit_gains(group, |slot| gain(index(slot)));
             group.set_gains(modes, gains);
@@ -240,14 +262,14 @@ impl Bank {
 
 /// Calls `visit` with each group and its modes.
 fn for_each_group(
-    modes: &Range<usize>,
-    groups: &Range<usize>,
+    modes: Span,
+    groups: Span,
     all_modes: &mut [Mode],
     all_groups: &mut [Group],
     mut visit: impl FnMut(&mut Group, &mut [Mode]),
 ) {
-    let mut rest = all_modes.get_mut(modes.clone()).unwrap_or(&mut []);
-    for group in all_groups.get_mut(groups.clone()).unwrap_or(&mut []) {
+    let mut rest = all_modes.get_mut(modes.range()).unwrap_or(&mut []);
+    for group in all_groups.get_mut(groups.range()).unwrap_or(&mut []) {
         let Some((modes, behind)) = rest.split_at_mut_checked(group.count()) else { return };
         visit(group, modes);
         rest = behind;

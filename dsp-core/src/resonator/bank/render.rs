@@ -42,7 +42,7 @@ impl Bank {
             let (out_now, out_later) =
                 core::mem::take(&mut out).split_at_mut_checked(count).unwrap_or((&mut [], &mut []));
             self.run(memory, Some(now), odd, skip, out_now, &mut work);
-            work.refused += self.refusing;
+            work.refused += u32::from(self.refusing);
             self.allowance -= spent;
             self.spent = self.spent.saturating_add(spent);
             (force, out, odd) = (later, out_later, odd ^ (count % 2 == 1));
@@ -61,12 +61,12 @@ impl Bank {
         work: &mut BankWork,
     ) {
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip };
-        let modes = memory.modes.get_mut(self.modes.clone()).unwrap_or(&mut []);
-        let groups = memory.groups.get(self.groups.clone()).unwrap_or(&[]);
-        let (modes_before, groups_before) = (self.mirrored.0 - self.modes.start, self.mirrored.1 - self.groups.start);
-        let (Some((plain, mirrored)), Some((plain_groups, mirrored_groups))) =
-            (modes.split_at_mut_checked(modes_before), groups.split_at_checked(groups_before))
-        else {
+        let modes = memory.modes.get_mut(self.modes.range()).unwrap_or(&mut []);
+        let groups = memory.groups.get(self.groups.range()).unwrap_or(&[]);
+        let (Some((plain, mirrored)), Some((plain_groups, mirrored_groups))) = (
+            modes.split_at_mut_checked(usize::from(self.plain_modes)),
+            groups.split_at_checked(usize::from(self.plain_groups)),
+        ) else {
             return; // they were loaded within
         };
         let mut mix: Backward = [0; TICK_FRAMES];
@@ -80,7 +80,7 @@ impl Bank {
             }
         }
         self.add_to_bus(&mix, force, out);
-        let ran = if skip { self.ringing_modes } else { self.modes.len() as u32 } * run.frames as u32;
+        let ran = if skip { u32::from(self.ringing_modes) } else { self.modes.range().len() as u32 } * run.frames as u32;
         match force {
             Some(_) => work.driven_mode_frames += ran,
             None => work.free_mode_frames += ran,
@@ -101,7 +101,7 @@ impl Bank {
         let mut shifted: Backward = [0; TICK_FRAMES];
         for (frame, (shifted, &x)) in shifted.iter_mut().rev().zip(force).enumerate() {
             // Within the allowance |x| << force_shift stays below 2^31.
-            let x = x.wrapping_shl(self.force_shift);
+            let x = x.wrapping_shl(u32::from(self.force_shift));
             *shifted = if mirrored.is_some_and(|odd_start| odd_start != (frame % 2 == 1)) { x.saturating_neg() } else { x };
         }
         kernel::driven(groups, modes, run, &shifted, mix);
@@ -109,7 +109,7 @@ impl Bank {
 
     /// Brings the mix to the bus. Modes and onset cancel where the force rises, so that only their sum may saturate.
     fn add_to_bus(&self, mix: &Backward, force: Option<&[i32]>, out: &mut [i32]) {
-        let mix_exponent = self.mix_exponent;
+        let mix_exponent = u32::from(self.mix_exponent);
         let sums = mix.iter().rev();
         match force.filter(|_| !self.onset.is_zero()) {
             Some(force) => {
@@ -123,7 +123,7 @@ impl Bank {
             }
             None => {
                 for (out, &sum) in out.iter_mut().zip(sums) {
-                    *out = fixed::qadd(*out, fixed::saturating_shift_left(sum, mix_exponent as u32));
+                    *out = fixed::qadd(*out, fixed::saturating_shift_left(sum, mix_exponent));
                 }
             }
         }
