@@ -23,10 +23,11 @@ impl Time {
     }
 
     /// How much of a frame lies between this time and [`first_frame`](Self::first_frame), 0 to 1.
-    pub fn early_frames(self) -> f64 {
+    pub fn early_frames(self) -> f32 {
         match self.fraction {
             0 => 0.0,
-            fraction => 1.0 - f64::from(fraction) / 4_294_967_296.0,
+            // 2^32 - fraction, rounded once.
+            fraction => fraction.wrapping_neg() as f32 / 4_294_967_296.0,
         }
     }
 }

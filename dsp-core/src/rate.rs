@@ -1,6 +1,7 @@
 //! The sample rate, exactly.
 
 use core::fmt;
+use core::num::NonZeroU32;
 
 /// A sample rate in Hz as a ratio, because clocks divide: 86 000 000 / 1792 is not 47 991.
 ///
@@ -11,7 +12,7 @@ use core::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SampleRate {
     numerator: u32,
-    denominator: u32,
+    denominator: NonZeroU32,
 }
 
 impl SampleRate {
@@ -22,29 +23,29 @@ impl SampleRate {
 
     /// A rate of `numerator / denominator` Hz, or `None` where it is not between [`MIN_HZ`](Self::MIN_HZ) and [`MAX_HZ`](Self::MAX_HZ).
     pub fn new(numerator: u32, denominator: u32) -> Option<Self> {
-        let rate = Self { numerator, denominator };
-        (denominator != 0 && (Self::MIN_HZ..=Self::MAX_HZ).contains(&rate.hz())).then_some(rate)
+        let rate = Self { numerator, denominator: NonZeroU32::new(denominator)? };
+        (Self::MIN_HZ..=Self::MAX_HZ).contains(&rate.hz()).then_some(rate)
     }
 
     /// 48 kHz.
-    pub const HZ_48000: Self = Self { numerator: 48_000, denominator: 1 };
+    pub const HZ_48000: Self = Self { numerator: 48_000, denominator: NonZeroU32::MIN };
     /// 44.1 kHz.
-    pub const HZ_44100: Self = Self { numerator: 44_100, denominator: 1 };
+    pub const HZ_44100: Self = Self { numerator: 44_100, denominator: NonZeroU32::MIN };
 
     /// The rate in Hz.
     pub fn hz(self) -> f64 {
-        f64::from(self.numerator) / f64::from(self.denominator)
+        f64::from(self.numerator) / f64::from(self.denominator.get())
     }
 
     /// The rate as (numerator, denominator).
     pub const fn ratio(self) -> (u32, u32) {
-        (self.numerator, self.denominator)
+        (self.numerator, self.denominator.get())
     }
 }
 
 impl fmt::Display for SampleRate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.denominator {
+        match self.denominator.get() {
             1 => write!(f, "{} Hz", self.numerator),
             _ => write!(f, "{}/{} Hz", self.numerator, self.denominator),
         }

@@ -4,3 +4,5 @@ pub mod data;
 pub mod performance;
 pub mod scene;
 pub mod single_mode;
+pub mod on_chip;
+pub mod run_time;

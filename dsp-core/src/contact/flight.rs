@@ -22,11 +22,11 @@ pub struct Contact {
 }
 
 impl Contact {
-    const OVER: Self = Self { pad: 0, striker: 0, pulse: Pulse::HertzHalfSine, peak: 0, phase: WHOLE, step: 0 };
+    const OVER: Self = Self { pad: 0, striker: 0, pulse: Pulse::HertzHalfSine, peak: 0, phase: 0, step: 0 };
 
     /// A contact whose pulse began `early_samples` (0 to 1) before the next frame: onsets fall between samples.
-    pub fn new(pad: u8, striker: u8, impact: Impact, early_samples: f64) -> Self {
-        let per_sample = WHOLE as f64 / impact.length_samples;
+    pub fn new(pad: u8, striker: u8, impact: Impact, early_samples: f32) -> Self {
+        let per_sample = WHOLE as f32 / impact.length_samples;
         Self {
             pad,
             striker,
@@ -39,7 +39,7 @@ impl Contact {
     }
 
     fn is_over(&self) -> bool {
-        self.phase > WHOLE
+        self.phase > WHOLE || self.step == 0
     }
 
     /// Adds the pulse to a run of force and moves on.

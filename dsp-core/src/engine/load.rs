@@ -87,19 +87,17 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     /// # Errors
     /// A [`LoadError`]; the engine is then without a kit and silent.
     pub fn load(&mut self, kit: &Kit<'k>, rate: SampleRate, skipping: Skipping) -> Result<(), LoadError> {
-        self.pads = [const { None }; PADS];
+        self.pad_count = 0;
         self.modes = [Mode::SILENT; MODES];
         self.flight = Flight::EMPTY;
         self.report = TickReport::EMPTY;
-        (self.rate, self.skipping, self.now) = (rate, skipping, 0);
-        let loaded = self.load_pads(kit);
-        if loaded.is_err() {
-            self.pads = [const { None }; PADS];
-        }
-        loaded
+        (self.rate, self.skipping, self.now) = (Some(rate), skipping, 0);
+        self.load_pads(kit, rate)?;
+        self.pad_count = kit.pads().len();
+        Ok(())
     }
 
-    fn load_pads(&mut self, kit: &Kit<'k>) -> Result<(), LoadError> {
+    fn load_pads(&mut self, kit: &Kit<'k>, rate: SampleRate) -> Result<(), LoadError> {
         let pads = kit.pads().len();
         // Events count pads in a byte.
         let capacity = PADS.min(usize::from(u8::MAX));
@@ -112,16 +110,16 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let mut used = Used::default();
         for (index, (slot, pad)) in self.pads.iter_mut().zip(kit.pads()).enumerate() {
             let Some(tables) = PadTables::new(*kit, pad) else { continue };
-            let pad = Pad::load(kit, pad, &tables.object(), self.rate, &mut memory, &mut used).map_err(
+            let pad = Pad::load(kit, pad, &tables.object(), rate, &mut memory, &mut used).map_err(
                 |(error, striker)| LoadError::Pad {
                     pad: index,
                     striker,
                     error,
                     capacity: (MODES, GROUPS, ORIGINS),
-                    rate: self.rate,
+                    rate,
                 },
             )?;
-            *slot = Some(Voice { pad, tables });
+            *slot = Voice { pad, tables: Some(tables) };
         }
         Ok(())
     }

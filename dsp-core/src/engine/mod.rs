@@ -63,12 +63,15 @@ pub struct Engine<
     const ORIGINS: usize,
     const CONTACTS: usize,
 > {
-    pads: [Option<Voice<'k>>; PADS],
+    /// The first `pad_count` are the kit's.
+    pads: [Voice<'k>; PADS],
+    pad_count: usize,
     modes: [Mode; MODES],
     groups: [Group; GROUPS],
     origins: [Origin; ORIGINS],
     flight: Flight<CONTACTS>,
-    rate: SampleRate,
+    /// `None` before a load, so that an engine in a `static` is all zeros and costs no flash.
+    rate: Option<SampleRate>,
     skipping: Skipping,
     now: u64,
     report: TickReport,
@@ -78,7 +81,11 @@ pub struct Engine<
 #[derive(Debug)]
 struct Voice<'k> {
     pad: Pad,
-    tables: PadTables<'k>,
+    tables: Option<PadTables<'k>>,
+}
+
+impl Voice<'_> {
+    const EMPTY: Self = Self { pad: Pad::EMPTY, tables: None };
 }
 
 impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGINS: usize, const CONTACTS: usize>
@@ -95,12 +102,13 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     /// An engine without a kit, silent. `const`, so that it can lie in a `static` and never on a stack.
     pub const fn new() -> Self {
         Self {
-            pads: [const { None }; PADS],
+            pads: [const { Voice::EMPTY }; PADS],
+            pad_count: 0,
             modes: [Mode::SILENT; MODES],
             groups: [Group::EMPTY; GROUPS],
             origins: [Origin::NONE; ORIGINS],
             flight: Flight::EMPTY,
-            rate: SampleRate::HZ_48000,
+            rate: None,
             skipping: Skipping::On,
             now: 0,
             report: TickReport::EMPTY,
@@ -112,24 +120,28 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         self.now
     }
 
-    /// The sample rate.
+    /// The sample rate; 48 kHz before a load.
     pub fn rate(&self) -> SampleRate {
-        self.rate
+        self.rate.unwrap_or(SampleRate::HZ_48000)
     }
 
     /// Number of pads loaded.
     pub fn pad_count(&self) -> usize {
-        self.pads.iter().flatten().count()
+        self.pad_count
+    }
+
+    fn voices(&self) -> &[Voice<'k>] {
+        self.pads.get(..self.pad_count).unwrap_or(&[])
     }
 
     /// Modes that a pad renders, its strikers' included; those at or above Nyquist are not among them.
     pub fn mode_count(&self, pad: usize) -> usize {
-        self.pads.get(pad).and_then(Option::as_ref).map_or(0, |voice| voice.pad.mode_count())
+        self.voices().get(pad).map_or(0, |voice| voice.pad.mode_count())
     }
 
     /// Whether nothing rings and no contact is under way: until the next event or direct force, output is exact silence and a core may sleep.
     pub fn is_silent(&self) -> bool {
-        self.flight.count() == 0 && !self.pads.iter().flatten().any(|voice| voice.pad.is_ringing())
+        self.flight.count() == 0 && !self.voices().iter().any(|voice| voice.pad.is_ringing())
     }
 
     /// Renders a block of 24-bit stereo samples. See [`render_observed`](Self::render_observed).
@@ -214,7 +226,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let pads = self.pad_count();
         for (index, event) in events.iter().enumerate() {
             let frame = event.time.first_frame();
-            let pad = self.pads.get(usize::from(event.pad)).and_then(Option::as_ref);
+            let pad = self.voices().get(usize::from(event.pad));
             let strikers = pad.map_or(0, |voice| voice.pad.striker_count());
             if frame < earliest {
                 return Err(EventError::OutOfOrder { index, frame, earliest });
@@ -242,9 +254,9 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     fn begin_tick(&mut self) {
         self.report = TickReport { frame: self.now, ..TickReport::EMPTY };
         let skip = self.skipping == Skipping::On;
-        let mut retired: f32 = self.pads.iter().flatten().map(|voice| voice.pad.retired_amplitude()).sum();
+        let mut retired: f32 = self.voices().iter().map(|voice| voice.pad.retired_amplitude()).sum();
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
-        for voice in self.pads.iter_mut().flatten() {
+        for voice in self.pads.iter_mut().take(self.pad_count) {
             let elsewhere = retired - voice.pad.retired_amplitude();
             self.report.retired_modes += voice.pad.tick(&mut memory, skip, elsewhere.max(0.0));
             retired = elsewhere + voice.pad.retired_amplitude();
@@ -253,16 +265,18 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     }
 
     fn apply(&mut self, event: &Event) {
-        let Some(voice) = self.pads.get_mut(usize::from(event.pad)).and_then(Option::as_mut) else { return };
+        let rate = self.rate();
+        let Some(voice) = self.pads.get_mut(usize::from(event.pad)) else { return };
+        let Some(tables) = &voice.tables else { return };
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         match event.action {
             Action::Strike => {
                 let struck = voice.pad.strike(
-                    &voice.tables,
+                    tables,
                     event.velocity,
                     event.position,
                     event.striker,
-                    self.rate,
+                    rate,
                     &mut memory,
                 );
                 if let Some(impact) = struck {
@@ -271,15 +285,15 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
                     self.report.displaced_contacts += u32::from(self.flight.begin(contact));
                 }
             }
-            Action::Choke => voice.pad.set_choked(true, &voice.tables, self.rate, &mut memory),
-            Action::Release => voice.pad.set_choked(false, &voice.tables, self.rate, &mut memory),
+            Action::Choke => voice.pad.set_choked(true, tables, rate, &mut memory),
+            Action::Release => voice.pad.set_choked(false, tables, rate, &mut memory),
         }
     }
 
     fn render_run(&mut self, direct: Option<Direct<'_>>, out: &mut [[i32; 2]]) {
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         self.report.contact_frames += (self.flight.count() * out.len()) as u32;
-        for (voice, number) in self.pads.iter_mut().flatten().zip(0u8..) {
+        for (voice, number) in self.pads.iter_mut().take(self.pad_count).zip(0u8..) {
             let skip = self.skipping == Skipping::On;
             // A force of exact zeros is no force: a quiet sensor costs nothing.
             let direct = direct
@@ -294,7 +308,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
 
     fn end_tick(&mut self) {
         self.report.contacts = self.flight.count() as u32;
-        self.report.ringing_pads = self.pads.iter().flatten().filter(|voice| voice.pad.is_ringing()).count() as u32;
+        self.report.ringing_pads = self.voices().iter().filter(|voice| voice.pad.is_ringing()).count() as u32;
     }
 }
 
@@ -306,7 +320,7 @@ mod tests {
     fn memory_is_what_the_table_above_says() {
         std::println!(
             "pad {}, mode {}, group {}, origin {}, contact {}",
-            size_of::<Option<Voice<'_>>>(),
+            size_of::<Voice<'_>>(),
             size_of::<Mode>(),
             size_of::<Group>(),
             size_of::<Origin>(),
@@ -317,6 +331,6 @@ mod tests {
             (24, 24, 12, 24)
         );
         // Pointers are twice as wide on a PC as on the board.
-        assert!(size_of::<Option<Voice<'_>>>() <= 784);
+        assert!(size_of::<Voice<'_>>() <= 784);
     }
 }

@@ -13,6 +13,9 @@ pub struct Panner {
 }
 
 impl Panner {
+    /// Lets nothing through.
+    pub const SILENT: Self = Self { left: Scale::ZERO, right: Scale::ZERO, loudest: 0.0 };
+
     /// `level_db` in dB, `pan` from -1 (left) to 1 (right).
     pub fn new(level_db: f32, pan: f32) -> Self {
         let level = libm::pow(10.0, f64::from(level_db) / 20.0);

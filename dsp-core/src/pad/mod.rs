@@ -11,7 +11,7 @@
 
 use crate::SampleRate;
 use crate::contact::flight::Flight;
-use crate::contact::law::{Impact, StrikerLaw};
+use crate::contact::law::{Impact, StrikerLaw, typical_contact};
 use crate::fixed;
 use crate::output::Panner;
 use crate::radiation::Acceleration;
@@ -23,7 +23,9 @@ use crate::table::{Kit, Object, Pad as PadTable, Striker};
 #[derive(Clone, Debug)]
 pub struct Pad {
     object: Bank,
-    strikers: [Option<PadStriker>; STRIKERS_PER_PAD],
+    /// The first `striker_count` are the pad's.
+    strikers: [PadStriker; STRIKERS_PER_PAD],
+    striker_count: u8,
     acceleration: Acceleration,
     panner: Panner,
     choked: bool,
@@ -34,6 +36,10 @@ pub struct Pad {
 struct PadStriker {
     law: StrikerLaw,
     bank: Bank,
+}
+
+impl PadStriker {
+    const NONE: Self = Self { law: StrikerLaw::NONE, bank: Bank::EMPTY };
 }
 
 /// What a pad did over a run of frames.
@@ -65,6 +71,17 @@ pub struct Run<'a> {
 }
 
 impl Pad {
+    /// A pad without object or strikers.
+    pub const EMPTY: Self = Self {
+        object: Bank::EMPTY,
+        strikers: [PadStriker::NONE; STRIKERS_PER_PAD],
+        striker_count: 0,
+        acceleration: Acceleration::NONE,
+        panner: Panner::SILENT,
+        choked: false,
+        struck: false,
+    };
+
     /// Derives a pad from its tables for a sample rate. `which` names, in case of an error, the bank: `None` the object's, or a striker's.
     ///
     /// # Errors
@@ -78,20 +95,23 @@ impl Pad {
         used: &mut Used,
     ) -> Result<Self, (BankError, Option<usize>)> {
         let reference_force = object.reference_force();
-        let mut laws = kit.strikers_of(pad).map(|striker| StrikerLaw::new(&striker, reference_force));
-        let typical_contact = laws.next().map_or((0.0, 0.0), |law| law.typical_contact());
-        let table = object_table(object, pad, typical_contact);
-        let mut strikers = [const { None }; STRIKERS_PER_PAD];
+        let first = kit.strikers_of(pad).next();
+        let contact = first.map_or((0.0, 0.0), |striker| typical_contact(&striker, reference_force));
+        let table = object_table(object, pad, contact);
+        let mut strikers = [PadStriker::NONE; STRIKERS_PER_PAD];
+        let mut striker_count = 0;
         let object_bank = Bank::load(&table, rate, memory, used).map_err(|error| (error, None))?;
         for (index, (slot, striker)) in strikers.iter_mut().zip(kit.strikers_of(pad)).enumerate() {
-            let law = StrikerLaw::new(&striker, reference_force);
-            let table = striker_table(&striker, pad, reference_force, law.typical_contact());
+            let law = StrikerLaw::new(&striker, reference_force, rate);
+            let table = striker_table(&striker, pad, reference_force, typical_contact(&striker, reference_force));
             let bank = Bank::load(&table, rate, memory, used).map_err(|error| (error, Some(index)))?;
-            *slot = Some(PadStriker { law, bank });
+            *slot = PadStriker { law, bank };
+            striker_count += 1;
         }
         Ok(Self {
             object: object_bank,
             strikers,
+            striker_count,
             acceleration: Acceleration::new(object.acceleration(), reference_force),
             panner: Panner::new(pad.level_db(), pad.pan()),
             choked: false,
@@ -101,13 +121,21 @@ impl Pad {
 
     /// Number of strikers.
     pub fn striker_count(&self) -> usize {
-        self.strikers.iter().flatten().count()
+        usize::from(self.striker_count)
+    }
+
+    fn strikers(&self) -> &[PadStriker] {
+        self.strikers.get(..self.striker_count()).unwrap_or(&[])
+    }
+
+    fn strikers_mut(&mut self) -> &mut [PadStriker] {
+        self.strikers.get_mut(..usize::from(self.striker_count)).unwrap_or(&mut [])
     }
 
     /// Modes of the object's bank and of all strikers' banks.
     pub fn mode_count(&self) -> usize {
         self.object.mode_count()
-            + self.strikers.iter().flatten().map(|striker| striker.bank.mode_count()).sum::<usize>()
+            + self.strikers().iter().map(|striker| striker.bank.mode_count()).sum::<usize>()
     }
 
     /// Whether the pad has been struck, or driven, since it was loaded.
@@ -117,12 +145,12 @@ impl Pad {
 
     /// Whether any mode rings.
     pub fn is_ringing(&self) -> bool {
-        self.object.is_ringing() || self.strikers.iter().flatten().any(|striker| striker.bank.is_ringing())
+        self.object.is_ringing() || self.strikers().iter().any(|striker| striker.bank.is_ringing())
     }
 
     /// Bound of the amplitude that retirement leaves out at present, output units (1.0 = full scale).
     pub fn retired_amplitude(&self) -> f32 {
-        let strikers = self.strikers.iter().flatten().map(|striker| striker.bank.retired_amplitude());
+        let strikers = self.strikers().iter().map(|striker| striker.bank.retired_amplitude());
         self.object.retired_amplitude() + strikers.sum::<f32>()
     }
 
@@ -136,8 +164,7 @@ impl Pad {
         rate: SampleRate,
         memory: &mut Memory<'_>,
     ) -> Option<Impact> {
-        let law = self.strikers.get(usize::from(striker))?.as_ref()?.law;
-        let impact = law.impact(velocity, rate)?;
+        let impact = self.strikers().get(usize::from(striker))?.law.impact(velocity)?;
         self.struck = true;
         self.object.set_position(position, &tables.object_table(), rate, memory);
         Some(impact)
@@ -150,7 +177,7 @@ impl Pad {
         }
         self.choked = choked;
         self.object.set_choked(choked, &tables.object_table(), rate, memory);
-        for (index, striker) in self.strikers.iter_mut().flatten().enumerate() {
+        for (index, striker) in self.strikers_mut().iter_mut().enumerate() {
             if let Some(table) = tables.striker_table(index) {
                 striker.bank.set_choked(choked, &table, rate, memory);
             }
@@ -163,7 +190,7 @@ impl Pad {
         // 1.0 on the bus is full scale, so that a bus step is 2^-27 of it.
         let mut retirement = Retirement::new(already, self.panner.loudest() / fixed::ONE_Q27 as f32);
         self.object.tick(memory, skip.then_some(&mut retirement));
-        for striker in self.strikers.iter_mut().flatten() {
+        for striker in self.strikers_mut().iter_mut() {
             striker.bank.tick(memory, skip.then_some(&mut retirement));
         }
         retirement.retired_modes()
@@ -198,8 +225,8 @@ impl Pad {
         }
         let needs_force = has_force || !run.skip;
         let mut total = [0; TICK_FRAMES];
-        for (striker, force) in self.strikers.iter_mut().zip(&forces) {
-            let (Some(striker), Some(force)) = (striker, force.get(..frames)) else { continue };
+        for (striker, force) in self.strikers_mut().iter_mut().zip(&forces) {
+            let Some(force) = force.get(..frames) else { continue };
             if has_force {
                 total.iter_mut().zip(force).for_each(|(total, &x)| *total = fixed::qadd(*total, x));
             }

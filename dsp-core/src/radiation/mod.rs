@@ -13,6 +13,9 @@ pub struct Acceleration {
 }
 
 impl Acceleration {
+    /// No such stage.
+    pub const NONE: Self = Self { gain: Scale::ZERO };
+
     /// `alpha` is output (1.0 = full scale) per newton, `reference_force` the newtons of 1.0 on the force bus.
     pub fn new(alpha: f32, reference_force: f32) -> Self {
         Self { gain: Scale::new(f64::from(alpha) * f64::from(reference_force)) }

@@ -10,13 +10,15 @@ pub struct FloatMode {
     pub u: f32,
     /// The component that sounds.
     pub v: f32,
+    /// What one unit of force adds to u.
+    pub gain: f32,
     delta: f32,
     epsilon: f32,
 }
 
 impl FloatMode {
-    /// A mode of a frequency in Hz and a decay in 1/s at a sample rate in Hz; its coefficients are derived in `f64` and rounded once.
-    /// Frequencies from 0 to below fs/2.
+    /// A mode of a frequency in Hz and a decay in 1/s at a sample rate in Hz, at rest and with gain 0; its coefficients are derived in
+    /// `f64` and rounded once. Frequencies from 0 to below fs/2.
     pub fn new(frequency_hz: f64, decay_per_s: f64, rate_hz: f64) -> Self {
         let radius = libm::exp(-decay_per_s / rate_hz);
         let sine = libm::sin(core::f64::consts::PI * frequency_hz / rate_hz);
@@ -36,4 +38,63 @@ impl FloatMode {
         self.v += self.epsilon * self.u;
         self.v
     }
+
+    /// Advances one sample under a force, and gives v: the force is heard a sample later.
+    #[inline]
+    pub fn step_driven(&mut self, force: f32) -> f32 {
+        let v = self.step();
+        self.u += self.gain * force;
+        v
+    }
+}
+
+/// Modes held in registers at once.
+const LANES: usize = 4;
+
+/// Adds the sound of modes that ring freely to `out`.
+pub fn free(modes: &mut [FloatMode], out: &mut [f32]) {
+    let (fours, rest) = modes.as_chunks_mut::<LANES>();
+    for four in fours {
+        free_together(four, out);
+    }
+    for one in rest.as_chunks_mut::<1>().0 {
+        free_together(one, out);
+    }
+}
+
+/// Adds the sound of modes under a force to `out`; frames beyond the shorter of the two are left alone.
+pub fn driven(modes: &mut [FloatMode], force: &[f32], out: &mut [f32]) {
+    let (fours, rest) = modes.as_chunks_mut::<LANES>();
+    for four in fours {
+        driven_together(four, force, out);
+    }
+    for one in rest.as_chunks_mut::<1>().0 {
+        driven_together(one, force, out);
+    }
+}
+
+#[inline(always)]
+fn free_together<const N: usize>(modes: &mut [FloatMode; N], out: &mut [f32]) {
+    let mut now = *modes;
+    for sum in out {
+        let mut total = *sum;
+        for mode in &mut now {
+            total += mode.step();
+        }
+        *sum = total;
+    }
+    *modes = now;
+}
+
+#[inline(always)]
+fn driven_together<const N: usize>(modes: &mut [FloatMode; N], force: &[f32], out: &mut [f32]) {
+    let mut now = *modes;
+    for (sum, &force) in out.iter_mut().zip(force) {
+        let mut total = *sum;
+        for mode in &mut now {
+            total += mode.step_driven(force);
+        }
+        *sum = total;
+    }
+    *modes = now;
 }

@@ -66,7 +66,7 @@ impl Group {
         mirrored: false,
         ringing: false,
         refusing: false,
-        guard_ticks: 1,
+        guard_ticks: 0,
         due_ticks: 0,
     };
 

@@ -7,7 +7,7 @@
 @   call    modes 0, groups 4, groups_end 8, mix 12, force 16, frames 20, skip 24
 @   mode    u 0, v 4, delta 8, epsilon 12, gain_u 16, gain_v 20; 24 bytes
 @   group   free kind 0, driven kind 1, gain shift 2, count 3, mix scale 4; 24 bytes, of which eight are read
-@   kind    bits 0-1 form, bit 2 gain and phase, bit 6 not full, bit 7 at rest
+@   kind    bits 0-1 form, bit 2 gain and phase, bit 6 not full, bit 7 ringing
 @
 @ Where things are while a kernel runs:
 @   sp      the mix of 32 frames at 0..127, the force at 128..255, both backward in time: frame i at 124 - 4i
@@ -118,7 +118,7 @@ free_three_\form:                       @ r0 modes, lr scale, s3 limit, carry cl
     beq     finish
     ldrb    r3, [r1]
     ldr     lr, [r1, #4]
-    cmp     r3, #\form
+    cmp     r3, #\form + 128
     bne     next_free
     add     r2, r0, #73
     vmov    s3, r2
@@ -345,7 +345,7 @@ driven_\name\()_\form:                  @ r0 modes, lr scale, s3 limit, s4 scale
     ldrb    r3, [r1, #1]
     ldr     lr, [r1, #4]
     ldrb    r4, [r1, #2]
-    cmp     r3, #\kind
+    cmp     r3, #\kind + 128
     bne     next_driven
     vmov    s4, lr
     vmov    s5, r4
@@ -463,8 +463,8 @@ next_\name:
     vmov    s4, lr
     vmov    s5, r4
     add     r4, r3, r3, lsl #1          @ three times the count
-    lsls    r5, r2, #25                 @ carry: at rest
-    bcc     1f
+    lsls    r5, r2, #25                 @ carry: it rings
+    bcs     1f
     ldr     r5, [sp, #SKIP]
     cbz     r5, 1f
     add     r0, r0, r4, lsl #3
@@ -474,7 +474,7 @@ next_\name:
     movs    r5, #0                      @ sets of three, and leftover modes
     subs    r3, #3
     blo     2f
-    movs    r5, #1
+    mov     r5, #1                      @ keeps flags
     beq     5f                          @ exactly one set
     subs    r3, #3
     blo     2f
@@ -550,10 +550,6 @@ after_leftover_\name:
     .endm
 
 @ ---------------------------------------------------------------------------------------------------------------------------------
-    .irp    form, 0, 1, 2, 3
-    free_three \form
-    .endr
-
     .p2align 2
     .global malleus_kernel_free
     .type   malleus_kernel_free, %function
@@ -576,7 +572,8 @@ leftover_short_free:
     vmov    s9, r3
     by_kind short_free_one_0, short_free_one_1, short_free_one_2, short_free_one_3
 
-    .irp    form, 0, 1, 2, 3
+    .irp    form, 0, 1, 2, 3            @ behind the tables of their distances, which count forward
+    free_three \form
     free_two \form
     free_one \form
     short_free \form

@@ -18,16 +18,16 @@ pub struct Plan {
 const FORM: u8 = 3;
 const PHASE: u8 = 1 << 2;
 const NOT_FULL: u8 = 1 << 6;
-const AT_REST: u8 = 1 << 7;
+const RINGING: u8 = 1 << 7;
 
 impl Plan {
     /// No modes.
-    pub const EMPTY: Self = Self { free_kind: AT_REST, driven_kind: AT_REST, gain_shift: 0, count: 0, mix_scale: 0 };
+    pub const EMPTY: Self = Self { free_kind: 0, driven_kind: 0, gain_shift: 0, count: 0, mix_scale: 0 };
 
     /// `count` modes of a form, at rest, gains without phase.
     pub fn new(form: Form, count: u8) -> Self {
         let full = if usize::from(count) == GROUP_MODES { 0 } else { NOT_FULL };
-        let kind = form as u8 | full | AT_REST;
+        let kind = form as u8 | full;
         Self { free_kind: kind, driven_kind: kind, count, ..Self::EMPTY }
     }
 
@@ -39,9 +39,9 @@ impl Plan {
     /// Sets what a guard decides: whether the group rings, by how many bits its gains are shifted right (0 to 31, rounding down), and the Q32
     /// multiplier that brings its states to the mix (0 to 2^30).
     pub fn set(&mut self, ringing: bool, gain_shift: u32, mix_scale: i32) {
-        let rest = if ringing { 0 } else { AT_REST };
-        self.free_kind = self.free_kind & !AT_REST | rest;
-        self.driven_kind = self.driven_kind & !AT_REST | rest;
+        let ringing = if ringing { RINGING } else { 0 };
+        self.free_kind = self.free_kind & !RINGING | ringing;
+        self.driven_kind = self.driven_kind & !RINGING | ringing;
         self.gain_shift = gain_shift.min(31) as u8;
         self.mix_scale = mix_scale;
     }
@@ -68,7 +68,7 @@ impl Plan {
 
     /// Whether nothing rings.
     pub fn is_at_rest(&self) -> bool {
-        self.free_kind & AT_REST != 0
+        self.free_kind & RINGING == 0
     }
 
     /// Bits by which gains are shifted right.

@@ -1,0 +1,86 @@
+//! The whole engine: load a kit, render blocks.
+
+use core::cell::UnsafeCell;
+
+use dsp_core::SampleRate;
+use dsp_core::engine::{Direct, Engine, STANDARD_CONTACTS, Skipping};
+use dsp_core::event::Event;
+use dsp_core::table::Kit;
+
+use crate::wire::{WireEvent, slice, slice_mut};
+
+/// Room for the storm's kit: sixteen pads, 1024 modes.
+type Instrument = Engine<'static, 16, 1024, 256, 1024, STANDARD_CONTACTS>;
+
+/// What a board for 512 modes needs: eight pads that cannot be choked.
+type Instrument512 = Engine<'static, 8, 512, 104, 0, 16>;
+
+struct Global(UnsafeCell<Instrument>);
+
+// SAFETY: the virtual core has one thread and calls one function at a time.
+unsafe impl Sync for Global {}
+
+static ENGINE: Global = Global(UnsafeCell::new(Instrument::new()));
+
+/// Most events of one block.
+const EVENTS: usize = 64;
+
+fn engine() -> &'static mut Instrument {
+    // SAFETY: as for `Sync`: the one reference of the call that runs.
+    unsafe { &mut *ENGINE.0.get() }
+}
+
+/// Reads the kit at an address and derives it for a rate (a ratio). -1: not a kit, -2: does not fit, -3: not a rate.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub unsafe extern "C" fn engine_load(kit: *const u8, bytes: usize, numerator: u32, denominator: u32) -> i32 {
+    // SAFETY: the host's word.
+    let bytes = unsafe { slice(kit, bytes) };
+    let Some(rate) = SampleRate::new(numerator, denominator) else { return -3 };
+    let Ok(kit) = Kit::parse(bytes) else { return -1 };
+    match engine().load(&kit, rate, Skipping::On) {
+        Ok(()) => 0,
+        Err(_) => -2,
+    }
+}
+
+/// What a block is made of.
+#[repr(C)]
+pub struct Block {
+    events: *const WireEvent,
+    event_count: usize,
+    /// Null where there is no direct force.
+    direct: *const i32,
+    direct_pad: u32,
+    out: *mut [i32; 2],
+    frames: usize,
+}
+
+/// Renders a block of 24-bit stereo samples. -1: an event cannot be, -2: too many events.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub unsafe extern "C" fn engine_render(block: *const Block) -> i32 {
+    // SAFETY: the host's word, for the block and all that it points to.
+    let (block, events, out) = unsafe {
+        let block = &*block;
+        (block, slice(block.events, block.event_count), slice_mut(block.out, block.frames))
+    };
+    let mut played = [Event::default(); EVENTS];
+    let Some(played) = played.get_mut(..events.len()) else { return -2 };
+    played.iter_mut().zip(events).for_each(|(played, wire)| *played = wire.event());
+    let direct = (!block.direct.is_null()).then(|| {
+        // SAFETY: the host's word.
+        Direct { pad: block.direct_pad as u8, force: unsafe { slice(block.direct, block.frames) } }
+    });
+    match engine().render(played, direct, out) {
+        Ok(()) => 0,
+        Err(_) => -1,
+    }
+}
+
+/// Bytes of an engine with 512 modes on eight pads.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub extern "C" fn engine_512_bytes() -> u32 {
+    size_of::<Instrument512>() as u32
+}

@@ -1,0 +1,57 @@
+//! Other crates' resonators and a plain loop, one pair of functions each: `load_...` makes resonators of words, `render_...` adds a block.
+
+pub mod forms;
+
+use forms::Resonator;
+
+use crate::wire::slice;
+
+macro_rules! rival {
+    ($form:ident, $load:ident, $render:ident) => {
+        /// Makes `count` resonators from five words each. Gives the bytes of one.
+        #[unsafe(no_mangle)]
+        #[unsafe(link_section = ".text.exported")]
+        pub unsafe extern "C" fn $load(resonators: *mut forms::$form, words: *const [u32; 5], count: usize) -> usize {
+            // SAFETY: the host's word.
+            let words = unsafe { slice(words, count) };
+            for (index, &words) in words.iter().enumerate() {
+                // SAFETY: the host leaves room for `count` of them.
+                unsafe { resonators.add(index).write(forms::$form::new(words)) }
+            }
+            size_of::<forms::$form>()
+        }
+
+        /// Adds a block to `out`. `force` may be null.
+        #[unsafe(no_mangle)]
+        #[unsafe(link_section = ".text.exported")]
+        pub unsafe extern "C" fn $render(
+            resonators: *mut forms::$form,
+            count: usize,
+            force: *const <forms::$form as Resonator>::Sample,
+            out: *mut <forms::$form as Resonator>::Sample,
+            frames: usize,
+        ) {
+            // SAFETY: the host's word; the three do not overlap.
+            let (resonators, force, out) = unsafe {
+                (
+                    core::slice::from_raw_parts_mut(resonators, count),
+                    (!force.is_null()).then(|| slice(force, frames)),
+                    core::slice::from_raw_parts_mut(out, frames),
+                )
+            };
+            forms::render(resonators, force, out);
+        }
+    };
+}
+
+rival!(PlainDirect, load_plain_direct, render_plain_direct);
+rival!(BiquadDirect1, load_biquad_direct_1, render_biquad_direct_1);
+rival!(BiquadDirect2, load_biquad_direct_2, render_biquad_direct_2);
+rival!(IdspFloatDirect1, load_idsp_float_direct_1, render_idsp_float_direct_1);
+rival!(IdspFloatDirect2, load_idsp_float_direct_2, render_idsp_float_direct_2);
+rival!(IdspFloatNormal, load_idsp_float_normal, render_idsp_float_normal);
+rival!(IdspVariable, load_idsp_variable, render_idsp_variable);
+rival!(IdspFixedDirect1, load_idsp_fixed_direct_1, render_idsp_fixed_direct_1);
+rival!(IdspFixedDither, load_idsp_fixed_dither, render_idsp_fixed_dither);
+rival!(IdspFixedWide, load_idsp_fixed_wide, render_idsp_fixed_wide);
+rival!(IdspFixedNormal, load_idsp_fixed_normal, render_idsp_fixed_normal);

@@ -1,0 +1,81 @@
+//! The bank alone.
+
+use dsp_core::resonator::TICK_FRAMES;
+use dsp_core::table::layout::{GainRecord, ModeRecord};
+use virtual_core::{Cost, Image, Machine};
+use zerocopy::IntoBytes;
+
+use super::{HOST_MEMORY, OnChipError, accept, bytes_of, manifest, words_of};
+
+const MODES: u32 = HOST_MEMORY;
+const GAINS: u32 = HOST_MEMORY + 0x4000;
+const FORCE: u32 = HOST_MEMORY + 0x8000;
+const OUT: u32 = HOST_MEMORY + 0x8100;
+
+/// A bank on the virtual core (`host-tests/images/kernels`): at most 1024 modes.
+#[derive(Debug)]
+pub struct BankOnChip {
+    machine: Machine,
+    image: Image,
+}
+
+impl BankOnChip {
+    /// Builds the image (once a process) and starts a machine with it.
+    ///
+    /// # Errors
+    /// [`OnChipError`].
+    pub fn new() -> Result<Self, OnChipError> {
+        let image = Image::from_elf(&virtual_core::build(&manifest("kernels"))?)?;
+        Ok(Self { machine: Machine::new(&image)?, image })
+    }
+
+    /// Derives the bank from a table of one position at a rate in whole Hz.
+    ///
+    /// # Errors
+    /// [`OnChipError::Refused`] where it does not fit.
+    pub fn load(&mut self, modes: &[ModeRecord], gains: &[GainRecord], rate_hz: u32) -> Result<(), OnChipError> {
+        self.machine.write(MODES, modes.as_bytes())?;
+        self.machine.write(GAINS, gains.as_bytes())?;
+        let call = self.machine.call("bank_load", &[MODES, GAINS, modes.len() as u32, rate_hz])?;
+        accept("bank_load", call.value)
+    }
+
+    /// The bookkeeping of a tick: modes that still ring, and what it cost.
+    ///
+    /// # Errors
+    /// [`OnChipError::Run`].
+    pub fn tick(&mut self, retire: bool) -> Result<(u32, Cost), OnChipError> {
+        let call = self.machine.call("bank_tick", &[u32::from(retire)])?;
+        Ok((call.value, call.cost))
+    }
+
+    /// A run of at most a tick's frames from a bus of zeros: its sound, and what it cost. `force` as long as the run.
+    ///
+    /// # Errors
+    /// [`OnChipError::Run`].
+    pub fn render(&mut self, force: Option<&[i32]>, frames: usize) -> Result<(Vec<i32>, Cost), OnChipError> {
+        self.machine.write(OUT, &[0; TICK_FRAMES * 4])?;
+        let force = match force {
+            Some(force) => {
+                self.machine.write(FORCE, &bytes_of(force))?;
+                FORCE
+            }
+            None => 0,
+        };
+        let call = self.machine.call("bank_render", &[force, OUT, frames as u32])?;
+        accept("bank_render", call.value)?;
+        let mut out = vec![0; frames * 4];
+        self.machine.read(OUT, &mut out)?;
+        Ok((words_of(&out), call.cost))
+    }
+
+    /// The machine, for its profile and its loops, and for the other functions of the image.
+    pub fn machine(&mut self) -> &mut Machine {
+        &mut self.machine
+    }
+
+    /// The image.
+    pub fn image(&self) -> &Image {
+        &self.image
+    }
+}

@@ -1,0 +1,120 @@
+//! The whole engine.
+
+use dsp_core::SampleRate;
+use dsp_core::engine::Direct;
+use dsp_core::event::{Action, Event};
+use virtual_core::{Call, Image, Machine};
+
+use super::{HOST_MEMORY, KIT_FLASH, OnChipError, accept, bytes_of, manifest, words_of};
+
+const BLOCK: u32 = HOST_MEMORY;
+const EVENTS: u32 = HOST_MEMORY + 0x40;
+const FORCE: u32 = HOST_MEMORY + 0x1000;
+const OUT: u32 = HOST_MEMORY + 0x3000;
+
+/// Most frames of one block.
+pub const BLOCK_FRAMES: usize = 1024;
+
+/// What the engine takes on a chip, bytes.
+#[derive(Clone, Copy, Debug)]
+pub struct Footprint {
+    /// Code and constants, without a kit.
+    pub flash: u32,
+    /// Static RAM of the image's engine (16 pads, 1024 modes).
+    pub static_ram: u32,
+    /// Static RAM of an engine for 512 modes on eight pads.
+    pub ram_of_512_modes: u32,
+}
+
+/// An engine on the virtual core (`host-tests/images/engine`): 16 pads, 1024 modes.
+#[derive(Debug)]
+pub struct EngineOnChip {
+    machine: Machine,
+    image: Image,
+}
+
+impl EngineOnChip {
+    /// Builds the image (once a process) and starts a machine with it.
+    ///
+    /// # Errors
+    /// [`OnChipError`].
+    pub fn new() -> Result<Self, OnChipError> {
+        let image = Image::from_elf(&virtual_core::build(&manifest("engine"))?)?;
+        Ok(Self { machine: Machine::new(&image)?, image })
+    }
+
+    /// Loads a kit in its binary form.
+    ///
+    /// # Errors
+    /// [`OnChipError::Refused`] where it is none, or does not fit.
+    pub fn load(&mut self, kit: &[u8], rate: SampleRate) -> Result<Call, OnChipError> {
+        self.machine.write(KIT_FLASH, kit)?;
+        let (numerator, denominator) = rate.ratio();
+        let call = self.machine.call("engine_load", &[KIT_FLASH, kit.len() as u32, numerator, denominator])?;
+        accept("engine_load", call.value)?;
+        Ok(call)
+    }
+
+    /// Renders a block of at most [`BLOCK_FRAMES`]: its samples, and the call with its cost and peak stack.
+    ///
+    /// # Errors
+    /// [`OnChipError::Refused`] for events that cannot be.
+    pub fn render(
+        &mut self,
+        events: &[Event],
+        direct: Option<Direct<'_>>,
+        frames: usize,
+    ) -> Result<(Vec<[i32; 2]>, Call), OnChipError> {
+        let wire: Vec<u8> = events.iter().flat_map(wire).collect();
+        self.machine.write(EVENTS, &wire)?;
+        let (force, pad) = match direct {
+            Some(direct) => {
+                self.machine.write(FORCE, &bytes_of(direct.force))?;
+                (FORCE, u32::from(direct.pad))
+            }
+            None => (0, 0),
+        };
+        let block = [EVENTS, events.len() as u32, force, pad, OUT, frames as u32];
+        self.machine.write(BLOCK, &bytes_of(&block.map(|word| word as i32)))?;
+        let call = self.machine.call("engine_render", &[BLOCK])?;
+        accept("engine_render", call.value)?;
+        let mut out = vec![0; frames * 8];
+        self.machine.read(OUT, &mut out)?;
+        let samples = words_of(&out).as_chunks().0.to_vec();
+        Ok((samples, call))
+    }
+
+    /// What it takes on a chip.
+    ///
+    /// # Errors
+    /// [`OnChipError::Run`].
+    pub fn footprint(&mut self) -> Result<Footprint, OnChipError> {
+        Ok(Footprint {
+            flash: self.image.flash_bytes(),
+            static_ram: self.image.static_ram_bytes(),
+            ram_of_512_modes: self.machine.call("engine_512_bytes", &[])?.value,
+        })
+    }
+
+    /// The machine, for its profile.
+    pub fn machine(&mut self) -> &mut Machine {
+        &mut self.machine
+    }
+}
+
+/// `WireEvent` of the image: 32 bytes.
+fn wire(event: &Event) -> [u8; 32] {
+    let mut bytes = [0; 32];
+    bytes[..8].copy_from_slice(&event.time.frame.to_le_bytes());
+    bytes[8..12].copy_from_slice(&event.time.fraction.to_le_bytes());
+    bytes[12] = event.pad;
+    bytes[13] = event.striker;
+    bytes[14] = match event.action {
+        Action::Strike => 0,
+        Action::Choke => 1,
+        Action::Release => 2,
+    };
+    bytes[16..20].copy_from_slice(&event.velocity.to_le_bytes());
+    bytes[20..24].copy_from_slice(&event.position.to_le_bytes());
+    bytes
+}

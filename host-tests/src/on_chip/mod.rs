@@ -1,0 +1,58 @@
+//! The same code on the virtual Cortex-M4F: the bank alone and the whole engine, called from here.
+
+mod bank;
+mod engine;
+
+pub use bank::BankOnChip;
+pub use engine::{BLOCK_FRAMES, EngineOnChip, Footprint};
+
+use std::path::{Path, PathBuf};
+
+use virtual_core::{BuildError, ImageError, RunError};
+
+/// The first byte of the core-coupled memory, which the images leave to the host for what it hands over.
+const HOST_MEMORY: u32 = 0x1000_0000;
+
+/// The kit's place in flash: behind every image.
+const KIT_FLASH: u32 = 0x080e_0000;
+
+/// Why something could not run on the virtual core.
+#[derive(Debug, thiserror::Error)]
+pub enum OnChipError {
+    /// The image could not be built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The image is no image.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// The program stopped.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// A function of the image said no.
+    #[error("{function} returned {code}: see its documentation in host-tests/images")]
+    Refused {
+        /// The function.
+        function: &'static str,
+        /// What it returned.
+        code: i32,
+    },
+}
+
+fn manifest(image: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("images").join(image).join("Cargo.toml")
+}
+
+fn accept(function: &'static str, code: u32) -> Result<(), OnChipError> {
+    match code as i32 {
+        0 => Ok(()),
+        code => Err(OnChipError::Refused { function, code }),
+    }
+}
+
+fn bytes_of(words: &[i32]) -> Vec<u8> {
+    words.iter().flat_map(|word| word.to_le_bytes()).collect()
+}
+
+fn words_of(bytes: &[u8]) -> Vec<i32> {
+    bytes.as_chunks().0.iter().map(|&word| i32::from_le_bytes(word)).collect()
+}

@@ -1,0 +1,191 @@
+//! Kernels on the virtual core: what they cost, and what they give.
+
+use dsp_core::resonator::TICK_FRAMES;
+use dsp_core::table::layout::{GainRecord, ModeRecord};
+use virtual_core::{CCM_ADDRESS, Cost, Machine};
+
+use super::rows::Driven;
+use crate::on_chip::{BankOnChip, OnChipError};
+use crate::single_mode::Case;
+
+/// Ticks that are measured, after [`WARM_TICKS`].
+const TICKS: usize = 64;
+/// Ticks in which the caches fill and the guards settle.
+const WARM_TICKS: usize = 8;
+
+/// What a kernel cost.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured {
+    /// Over all modes and samples.
+    pub cost: Cost,
+    /// Modes times samples.
+    pub mode_samples: f64,
+    /// Length of the hottest loop, bytes; 0 where none ran.
+    pub loop_bytes: u32,
+}
+
+/// Modes that ring together in a bank on the virtual core.
+#[derive(Clone, Debug)]
+pub struct BankUse<'a> {
+    /// The modes; all at one rate in whole Hz.
+    pub cases: &'a [Case],
+    /// The input.
+    pub driven: Driven,
+    /// Frames a call, 32 or a divisor of it.
+    pub block: usize,
+}
+
+/// Cost of a bank's sound: calls of `bank_render`, without the bookkeeping between them.
+///
+/// # Errors
+/// [`OnChipError`].
+pub fn measure_bank(chip: &mut BankOnChip, used: &BankUse<'_>) -> Result<Measured, OnChipError> {
+    run_bank(chip, used, |_, render| render)
+}
+
+/// Cost of a bank's bookkeeping: calls of `bank_tick`, with retirement.
+///
+/// # Errors
+/// [`OnChipError`].
+pub fn measure_bookkeeping(chip: &mut BankOnChip, used: &BankUse<'_>) -> Result<Measured, OnChipError> {
+    run_bank(chip, used, |tick, _| tick)
+}
+
+fn run_bank(
+    chip: &mut BankOnChip,
+    used: &BankUse<'_>,
+    pick: impl Fn(Cost, Cost) -> Cost,
+) -> Result<Measured, OnChipError> {
+    let (modes, gains) = table(used.cases, used.driven == Driven::GainAndPhase);
+    chip.load(&modes, &gains, used.cases.first().map_or(48_000, |case| case.rate.hz() as u32))?;
+    let mut noise = Noise(1);
+    let mut cost = Cost::default();
+    for tick in 0..WARM_TICKS + TICKS {
+        if tick == WARM_TICKS {
+            chip.machine().clear_counts();
+        }
+        let mut now = pick(chip.tick(true)?.1, Cost::default());
+        for _ in 0..TICK_FRAMES / used.block {
+            let force: Option<Vec<i32>> = (tick == 0 || used.driven != Driven::Free)
+                .then(|| noise.by_ref().take(used.block).map(|x| (x * f64::from(1 << 20)) as i32).collect());
+            now += pick(Cost::default(), chip.render(force.as_deref(), used.block)?.1);
+        }
+        if tick >= WARM_TICKS {
+            cost += now;
+        }
+    }
+    let mode_samples = (used.cases.len() * TICKS * TICK_FRAMES) as f64;
+    Ok(Measured { cost, mode_samples, loop_bytes: hottest_loop_bytes(chip.machine()) })
+}
+
+/// The records of modes that an impulse of 1.0 makes ring at their cases' level, with a cosine part or without.
+pub fn table(cases: &[Case], phase: bool) -> (Vec<ModeRecord>, Vec<GainRecord>) {
+    let mode = |case: &Case| ModeRecord {
+        frequency_hz: (case.frequency_hz as f32).into(),
+        decay_per_s: (case.decay_per_s() as f32).into(),
+    };
+    let gain = |case: &Case| {
+        let gain = case.level * case.rate.hz();
+        let (sine, cosine) = if phase { (0.8 * gain, 0.6 * gain) } else { (gain, 0.0) };
+        GainRecord { sine: (sine as f32).into(), cosine: (cosine as f32).into() }
+    };
+    (cases.iter().map(mode).collect(), cases.iter().map(gain).collect())
+}
+
+/// Resonators of the image that are loaded from words and rendered in blocks: f32 modes and rivals.
+#[derive(Clone, Debug)]
+pub struct Resonators<'a> {
+    /// Their functions are `load_` and `render_` with this name.
+    pub function: &'a str,
+    /// What each is made of.
+    pub words: Vec<Vec<u32>>,
+    /// A force as the image takes it.
+    pub force_word: fn(f64) -> u32,
+}
+
+const RESONATORS: u32 = CCM_ADDRESS;
+const WORDS: u32 = CCM_ADDRESS + 0x8000;
+const FORCE: u32 = CCM_ADDRESS + 0xa000;
+const OUT: u32 = CCM_ADDRESS + 0xa100;
+
+impl Resonators<'_> {
+    /// Makes them, at rest.
+    ///
+    /// # Errors
+    /// [`OnChipError`].
+    pub fn load(&self, machine: &mut Machine) -> Result<(), OnChipError> {
+        machine.write(WORDS, &bytes_of(self.words.iter().flatten()))?;
+        let load = format!("load_{}", self.function);
+        machine.call(&load, &[RESONATORS, WORDS, self.words.len() as u32])?;
+        Ok(())
+    }
+
+    /// A block of at most a tick: the sound from silence, as words, and what it cost. `force` as long as the block.
+    ///
+    /// # Errors
+    /// [`OnChipError`].
+    pub fn render(
+        &self,
+        machine: &mut Machine,
+        force: Option<&[u32]>,
+        frames: usize,
+    ) -> Result<(Vec<u32>, Cost), OnChipError> {
+        machine.write(OUT, &[0; TICK_FRAMES * 4])?;
+        if let Some(force) = force {
+            machine.write(FORCE, &bytes_of(force))?;
+        }
+        let force = if force.is_some() { FORCE } else { 0 };
+        let render = format!("render_{}", self.function);
+        let call = machine.call(&render, &[RESONATORS, self.words.len() as u32, force, OUT, frames as u32])?;
+        let mut out = vec![0; frames * 4];
+        machine.read(OUT, &mut out)?;
+        Ok((out.as_chunks().0.iter().map(|&word| u32::from_le_bytes(word)).collect(), call.cost))
+    }
+
+    /// Cost of blocks of `block` frames.
+    ///
+    /// # Errors
+    /// [`OnChipError`].
+    pub fn measure(&self, machine: &mut Machine, driven: Driven, block: usize) -> Result<Measured, OnChipError> {
+        self.load(machine)?;
+        let mut noise = Noise(1);
+        let mut cost = Cost::default();
+        let blocks_of = |ticks: usize| ticks * TICK_FRAMES / block;
+        for count in 0..blocks_of(WARM_TICKS + TICKS) {
+            if count == blocks_of(WARM_TICKS) {
+                machine.clear_counts();
+            }
+            let force: Option<Vec<u32>> = (count == 0 || driven != Driven::Free)
+                .then(|| noise.by_ref().take(block).map(|x| (self.force_word)(x / 1024.0)).collect());
+            let spent = self.render(machine, force.as_deref(), block)?.1;
+            if count >= blocks_of(WARM_TICKS) {
+                cost += spent;
+            }
+        }
+        let mode_samples = (self.words.len() * TICKS * TICK_FRAMES) as f64;
+        Ok(Measured { cost, mode_samples, loop_bytes: hottest_loop_bytes(machine) })
+    }
+}
+
+fn bytes_of<'a>(words: impl IntoIterator<Item = &'a u32>) -> Vec<u8> {
+    words.into_iter().flat_map(|word| word.to_le_bytes()).collect()
+}
+
+/// The innermost loop that runs most: the shortest of those in which at least half as many instructions ran as in the one with most.
+fn hottest_loop_bytes(machine: &Machine) -> u32 {
+    let loops = machine.loops();
+    let most = loops.first().map_or(0, |most| most.instructions);
+    loops.iter().filter(|one| 2 * one.instructions >= most).map(|one| one.bytes).min().unwrap_or(0)
+}
+
+/// White noise from -1 to 1, always the same (a linear congruential generator; Numerical Recipes, `ranqd1`).
+struct Noise(u32);
+
+impl Iterator for Noise {
+    type Item = f64;
+
+    fn next(&mut self) -> Option<f64> {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        Some(f64::from(self.0.cast_signed()) / 2_147_483_648.0)
+    }
+}

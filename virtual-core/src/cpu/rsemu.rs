@@ -1,0 +1,167 @@
+//! The crate `rsemu` as our core. One known difference from silicon: the sign and payload of the NaNs that VSUB makes.
+
+use std::sync::Arc;
+
+use rsemu::core::space::AddressSpace;
+use rsemu::cpu::arm::v7m::sys::fsr;
+use rsemu::cpu::arm::v7m::{ArmV7m, Config, Regs, xpsr};
+
+use super::{Core, CpuFault, Stepped};
+
+/// Entering or leaving an exception costs rsemu at least so many of its own cycles, and so marks itself. A long LDM or VLDM does as
+/// well, and is told apart by the exception number.
+const EXCEPTION_CYCLES: u64 = 7;
+
+/// Full access to coprocessors 10 and 11: the FPU.
+const CPACR_FPU: u32 = 0xf << 20;
+
+/// The enable bit of SysTick's control register.
+const SYST_CSR_ENABLE: u32 = 1;
+
+/// [`ArmV7m`] behind [`Core`].
+#[derive(Debug)]
+pub struct Rsemu {
+    core: ArmV7m,
+    /// The number of the exception being handled, 0 for none.
+    exception: u16,
+    /// How many are active, the preempted ones included.
+    active: u32,
+}
+
+impl Rsemu {
+    /// A Cortex-M4F on that address space, which boots from the vector table at `vectors`; it has not executed anything yet.
+    pub fn new(space: Arc<AddressSpace>, vectors: u32) -> Rsemu {
+        let core = ArmV7m::new(Config::CORTEX_M4F.with_reset_vtor(vectors).with_priority_bits(4));
+        core.attach_space(space);
+        // The first step is the reset sequence.
+        core.step();
+        Rsemu { core, exception: 0, active: 0 }
+    }
+
+    /// Whether the step that was just made entered or left an exception.
+    fn exception_changed(&mut self) -> Stepped {
+        let exception = (self.core.xpsr() & xpsr::EXCEPTION) as u16;
+        if exception == self.exception {
+            return Stepped::Instruction;
+        }
+        let active = self.core.with_sys(|sys| sys.active_count());
+        let entered = active > self.active;
+        self.exception = exception;
+        self.active = active;
+        if entered { Stepped::Exception(exception) } else { Stepped::Return }
+    }
+}
+
+impl Core for Rsemu {
+    #[inline]
+    fn step(&mut self) -> Stepped {
+        if self.core.step() < EXCEPTION_CYCLES { Stepped::Instruction } else { self.exception_changed() }
+    }
+
+    #[inline]
+    fn pc(&self) -> u32 {
+        self.core.pc()
+    }
+
+    fn set_pc(&mut self, address: u32) {
+        self.core.set_pc(address);
+    }
+
+    #[inline]
+    fn register(&self, index: u8) -> u32 {
+        self.core.reg(index)
+    }
+
+    fn set_register(&mut self, index: u8, value: u32) {
+        self.core.set_reg(index, value);
+    }
+
+    fn float_register(&self, index: u8) -> u32 {
+        self.core.s(index)
+    }
+
+    fn set_float_register(&mut self, index: u8, bits: u32) {
+        self.core.set_s(index, bits);
+    }
+
+    #[inline]
+    fn status(&self) -> u32 {
+        self.core.xpsr()
+    }
+
+    fn is_asleep(&self) -> bool {
+        self.core.is_asleep()
+    }
+
+    fn is_timer_running(&self) -> bool {
+        self.core.with_sys(|sys| sys.syst_csr & SYST_CSR_ENABLE != 0)
+    }
+
+    fn is_locked_up(&self) -> bool {
+        self.core.is_locked_up()
+    }
+
+    fn fault(&self) -> CpuFault {
+        let (status, hard, address) = self.core.with_sys(|sys| (sys.cfsr, sys.hfsr, sys.bfar));
+        let named = [
+            (fsr::UF_INVSTATE, "a jump to an address without the Thumb bit (INVSTATE)"),
+            (fsr::UF_INVPC, "an invalid exception return (INVPC)"),
+            (fsr::UF_NOCP, "a coprocessor instruction without that coprocessor (NOCP)"),
+            (fsr::UF_UNALIGNED, "an unaligned access (UNALIGNED)"),
+            (fsr::UF_DIVBYZERO, "a division by zero (DIVBYZERO)"),
+            (fsr::MM_IACCVIOL | fsr::MM_DACCVIOL, "an access that the memory protection unit refuses"),
+            (fsr::BF_STKERR | fsr::BF_UNSTKERR, "an exception frame outside memory (STKERR)"),
+        ];
+        if status & fsr::BF_PRECISERR != 0 {
+            return CpuFault::Bus { address, fetch: false };
+        }
+        if status & fsr::BF_IBUSERR != 0 {
+            return CpuFault::Bus { address: self.core.bus_faults().1, fetch: true };
+        }
+        if status & fsr::UF_UNDEFINSTR != 0 {
+            return CpuFault::Undefined;
+        }
+        let other = named.iter().find(|(bits, _)| status & bits != 0);
+        CpuFault::Other(
+            other.map_or(if hard & fsr::HF_VECTTBL != 0 { "a vector outside memory" } else { "a hard fault" }, |f| f.1),
+        )
+    }
+
+    fn prepare_call(&mut self) {
+        // The reset sequence is the only way out of sleep and lock-up.
+        self.core.request_reset();
+        self.core.step();
+        self.exception = 0;
+        self.active = 0;
+        self.core.with_sys(|sys| {
+            sys.active.fill(0);
+            sys.pending.fill(0);
+            sys.cfsr = 0;
+            sys.hfsr = 0;
+            sys.cpacr |= CPACR_FPU;
+        });
+        let Regs { msp, psp, .. } = self.core.regs();
+        self.core.set_regs(Regs {
+            r: [0; 16],
+            msp,
+            psp,
+            xpsr: xpsr::T,
+            primask: false,
+            faultmask: false,
+            basepri: 0,
+            control: 0,
+        });
+        self.core.set_fpscr(0);
+    }
+
+    fn reset(&mut self) {
+        self.prepare_call();
+        self.core.with_sys(|sys| sys.cpacr &= !CPACR_FPU);
+        self.core.request_reset();
+        self.core.step();
+    }
+
+    fn set_interrupt(&mut self, line: u16, asserted: bool) {
+        self.core.set_irq(line, asserted);
+    }
+}

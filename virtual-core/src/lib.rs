@@ -1,0 +1,40 @@
+//! A Cortex-M4F on the PC: runs code built for thumbv7em-none-eabihf, counts its instructions exactly and charges cycles by a
+//! published model ([`cycle`]), so that what a firmware costs can be measured, and tested, without a board.
+//!
+//! ```text
+//! Cargo.toml of a no_std crate --build--> ELF --Image--> Machine --call / run_image--> value, Cost
+//!                                                          |  cpu: executes (rsemu behind a trait)
+//!                                                          |  decode: kind, registers, target of each instruction
+//!                                                          '  cycle: cost alone + hazards + flash waits
+//! ```
+//!
+//! An instruction or address that the machine does not know ends the run with an error that names it.
+//!
+//! ```no_run
+//! use virtual_core::{Image, Machine};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let elf = virtual_core::build("tests/kernels/Cargo.toml".as_ref())?;
+//! let mut machine = Machine::new(&Image::from_elf(&elf)?)?;
+//! let call = machine.call("sum", &[0x2000_4000, 48])?;
+//! println!("{} in {} cycles (best {}, worst {})", call.value, call.cost.nominal, call.cost.best, call.cost.worst);
+//! # Ok(())
+//! # }
+//! ```
+
+pub mod cpu;
+pub mod cycle;
+pub mod decode;
+mod error;
+mod image;
+mod machine;
+mod memory;
+mod program;
+
+pub use cpu::Core;
+pub use cycle::Cost;
+pub use error::{Access, BuildError, ImageError, RunError};
+pub use image::{Image, Symbol};
+pub use machine::{Call, FunctionCost, Loop, Machine, Run, Stop};
+pub use memory::{CCM_ADDRESS, CCM_BYTES, FLASH_ADDRESS, FLASH_BYTES, Peripheral, RAM_ADDRESS, RAM_BYTES};
+pub use program::build;

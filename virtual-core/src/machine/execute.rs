@@ -1,0 +1,181 @@
+//! The loop that executes instructions and charges them.
+
+use std::ops::RangeInclusive;
+
+use rsemu::cpu::arm::v7m::isa::Cond;
+
+use super::Machine;
+use super::code;
+use crate::cpu::{Core, CpuFault, Stepped};
+use crate::cycle::hazard::Previous;
+use crate::cycle::rules;
+use crate::decode::{Flow, Kind};
+use crate::error::{Access, RunError};
+
+/// The exceptions that are faults: hard fault, memory management, bus and usage fault.
+const FAULTS: RangeInclusive<u16> = 3..=6;
+
+/// Why [`Machine::execute`] ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ended {
+    /// The program counter is the address that was to be reached.
+    Arrived,
+    /// At that breakpoint, which is not executed.
+    Breakpoint(u8),
+    /// After WFI or WFE, asleep.
+    Asleep,
+    /// The limit of instructions is reached.
+    Limit,
+}
+
+impl Machine {
+    /// Executes from the core's program counter until `arrival` or at most `limit` instructions.
+    pub(super) fn execute(&mut self, arrival: u32, limit: u64) -> Result<Ended, RunError> {
+        let mut pc = self.core.pc();
+        let mut from = pc;
+        let mut remaining = limit;
+        let mut asleep = self.core.is_asleep();
+        loop {
+            if pc == arrival {
+                return Ok(Ended::Arrived);
+            }
+            if remaining == 0 {
+                return self.at_limit(pc);
+            }
+            remaining -= 1;
+            let Some((slot, count)) = self.code.at(pc, &self.memory, &self.functions) else {
+                return Err(self.address_error(Access::Fetch, pc, from));
+            };
+            let instruction = slot.instruction;
+            let function = slot.function;
+            if code::stops(instruction.kind) {
+                return self.at_stop(instruction.kind, instruction.comment, pc);
+            }
+            let alone = match instruction.kind {
+                Kind::Divide { signed } => {
+                    let [dividend, divisor] = instruction.operands.map(|register| self.core.register(register));
+                    rules::division(signed, dividend, divisor)
+                }
+                _ => slot.alone,
+            };
+            let passed = !self.in_block || in_block_passes(&self.core, &mut self.in_block);
+
+            let stepped = self.core.step();
+            if asleep {
+                asleep = self.core.is_asleep();
+                if asleep {
+                    return Ok(Ended::Asleep);
+                }
+            }
+            if !self.functions.is_current(function) {
+                self.functions.enter(function, self.total);
+            }
+            let next = pc.wrapping_add(u32::from(instruction.bytes));
+            if let Stepped::Exception(number) = stepped {
+                if FAULTS.contains(&number) {
+                    return Err(self.fault_error(instruction.kind, pc));
+                }
+                // Entered before the instruction, unless the instruction is what called for it.
+                if instruction.kind == Kind::SupervisorCall {
+                    count.executed += 1;
+                    self.total.charge(alone, self.accelerator.fetch(pc, instruction.bytes));
+                }
+                self.total.wait(rules::EXCEPTION_ENTRY, 0);
+                self.previous = Previous::NOTHING;
+                self.in_block = false;
+                self.lowest_stack = self.lowest_stack.min(self.core.register(13));
+                from = pc;
+                pc = self.core.pc();
+                continue;
+            }
+
+            count.executed += 1;
+            let mut refills = self.accelerator.fetch(pc, instruction.bytes);
+            let mut band = self.previous.cost(&instruction, alone);
+            if passed {
+                self.previous = Previous::of(&instruction);
+            } else {
+                band = rules::SKIPPED;
+                self.previous = Previous::NOTHING;
+            }
+            from = pc;
+            pc = match instruction.flow {
+                Flow::Next => next,
+                _ if !passed => next,
+                Flow::Always => instruction.target,
+                Flow::Conditional | Flow::Computed => self.core.pc(),
+            };
+            if pc != next {
+                band = band + rules::REFILL;
+                self.previous = Previous::NOTHING;
+                if stepped == Stepped::Return {
+                    band = band + rules::EXCEPTION_RETURN;
+                    // What was interrupted may have been inside an IT block.
+                    self.in_block = true;
+                } else if pc <= from && instruction.jumps() && self.functions.index_at(pc) == function {
+                    count.jumped_back += 1;
+                }
+            } else if instruction.kind == Kind::IfThen {
+                self.in_block = true;
+            } else if instruction.kind == Kind::Wait && self.core.is_asleep() {
+                self.total.charge(band, refills);
+                return Ok(Ended::Asleep);
+            }
+            if instruction.is_literal_load() && passed {
+                refills += self.accelerator.load(instruction.target);
+            }
+            self.total.charge(band, refills);
+            if instruction.moves_stack() {
+                self.lowest_stack = self.lowest_stack.min(self.core.register(13));
+            }
+        }
+    }
+
+    #[cold]
+    fn at_limit(&self, pc: u32) -> Result<Ended, RunError> {
+        if self.core.is_locked_up() {
+            let function = self.functions.name_at(pc);
+            return Err(RunError::Fault { fault: "a fault inside a fault (lock-up)", pc, function });
+        }
+        Ok(Ended::Limit)
+    }
+
+    #[cold]
+    fn at_stop(&self, kind: Kind, comment: u8, pc: u32) -> Result<Ended, RunError> {
+        if kind == Kind::Breakpoint {
+            return Ok(Ended::Breakpoint(comment));
+        }
+        let opcode = code::opcode(pc, &self.memory)?;
+        Err(RunError::Undefined { pc, opcode, function: self.functions.name_at(pc) })
+    }
+
+    fn address_error(&self, access: Access, address: u32, pc: u32) -> RunError {
+        RunError::Address { access, address, pc, function: self.functions.name_at(pc) }
+    }
+
+    #[cold]
+    fn fault_error(&self, kind: Kind, pc: u32) -> RunError {
+        match self.core.fault() {
+            CpuFault::Bus { address, fetch: true } => self.address_error(Access::Fetch, address, pc),
+            CpuFault::Bus { address, fetch: false } => {
+                self.address_error(if kind.is_store() { Access::Write } else { Access::Read }, address, pc)
+            }
+            CpuFault::Undefined => {
+                let opcode = code::opcode(pc, &self.memory).unwrap_or(0);
+                RunError::Undefined { pc, opcode, function: self.functions.name_at(pc) }
+            }
+            CpuFault::Other(fault) => RunError::Fault { fault, pc, function: self.functions.name_at(pc) },
+        }
+    }
+}
+
+/// Whether the IT block that the core is in, if any, lets the next instruction execute. Ends `in_block` when there is none.
+fn in_block_passes(core: &impl Core, in_block: &mut bool) -> bool {
+    let status = core.status();
+    let state = (status >> 8 & 0xfc) | (status >> 25 & 3);
+    if state == 0 {
+        *in_block = false;
+        return true;
+    }
+    Cond((state >> 4) as u8).passes(status)
+}

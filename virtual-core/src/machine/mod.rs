@@ -1,0 +1,167 @@
+//! The machine: a core, its memory, the decoded program, and the account of what it has cost.
+
+mod call;
+mod code;
+mod execute;
+mod loops;
+mod profile;
+mod run;
+
+use std::sync::Arc;
+
+use rsemu::core::space::AddressSpace;
+
+use crate::cpu::{Core, Rsemu};
+use crate::cycle::Cost;
+use crate::cycle::flash::Accelerator;
+use crate::cycle::hazard::Previous;
+use crate::error::RunError;
+use crate::image::{Image, Symbol};
+use crate::memory::{self, FLASH_ADDRESS, FLASH_BYTES, Memory, Peripheral, RAM_ADDRESS, RAM_BYTES};
+
+pub use call::Call;
+pub use loops::Loop;
+pub use profile::FunctionCost;
+pub use run::{Run, Stop};
+
+use code::Code;
+use profile::Functions;
+
+/// Instructions after which [`Machine::call`] takes a call for an endless loop, unless told otherwise.
+const DEFAULT_LIMIT_INSTRUCTIONS: u64 = 2_000_000_000;
+
+/// An emulated Cortex-M4F with a program in its memory: flash at 0x0800_0000, RAM at 0x2000_0000, CCM at 0x1000_0000.
+///
+/// Memory keeps what calls write to it. Costs accumulate over calls ([`Machine::cost`], [`Machine::profile`], [`Machine::loops`]) until
+/// [`Machine::clear_counts`].
+#[derive(Debug)]
+pub struct Machine {
+    core: Rsemu,
+    memory: Memory,
+    space: Arc<AddressSpace>,
+    image: Image,
+    code: Code,
+    functions: Functions,
+    total: Cost,
+    previous: Previous,
+    accelerator: Accelerator,
+    limit_instructions: u64,
+    lowest_stack: u32,
+    /// Whether instructions may be those of an IT block.
+    in_block: bool,
+}
+
+impl Machine {
+    /// A machine with that program loaded: its flash, and its initialised data already in RAM too, so that functions can be
+    /// called without the start-up code. The rest of RAM is zero, the rest of flash erased (0xff).
+    ///
+    /// # Errors
+    /// [`RunError::NoMemory`] if the image lies outside the board's memory.
+    pub fn new(image: &Image) -> Result<Machine, RunError> {
+        let (memory, space) = Memory::new()?;
+        for segment in &image.segments {
+            memory.write(segment.load_address, &segment.bytes)?;
+            memory.write(segment.run_address, &segment.bytes)?;
+        }
+        let space = Arc::new(space);
+        Ok(Machine {
+            core: Rsemu::new(Arc::clone(&space), FLASH_ADDRESS),
+            memory,
+            space,
+            code: Code::new(flash_end(image)),
+            functions: Functions::of(image),
+            image: image.clone(),
+            total: Cost::default(),
+            previous: Previous::NOTHING,
+            accelerator: Accelerator::new(),
+            limit_instructions: DEFAULT_LIMIT_INSTRUCTIONS,
+            lowest_stack: u32::MAX,
+            in_block: false,
+        })
+    }
+
+    /// Changes after how many instructions [`Machine::call`] gives up (2 000 000 000 at first).
+    pub fn limit_calls(&mut self, instructions: u64) {
+        self.limit_instructions = instructions;
+    }
+
+    /// Reads memory of the program (flash, RAM, CCM).
+    ///
+    /// # Errors
+    /// [`RunError::NoMemory`] outside it.
+    pub fn read(&self, address: u32, destination: &mut [u8]) -> Result<(), RunError> {
+        self.memory.read(address, destination)
+    }
+
+    /// Writes memory of the program; flash too, as a programmer would. Instructions are found only where the image has bytes.
+    ///
+    /// # Errors
+    /// [`RunError::NoMemory`] outside it.
+    pub fn write(&mut self, address: u32, source: &[u8]) -> Result<(), RunError> {
+        self.memory.write(address, source)?;
+        if address.wrapping_sub(FLASH_ADDRESS) < FLASH_BYTES {
+            self.code.flash_changed();
+        }
+        Ok(())
+    }
+
+    /// The symbol of that demangled or linker name.
+    pub fn symbol(&self, name: &str) -> Option<Symbol> {
+        self.image.symbol(name).cloned()
+    }
+
+    /// Adds a device to the bus. Accesses of the program to those addresses call it; it may share state with the caller.
+    ///
+    /// # Errors
+    /// [`RunError::Mapping`] if the address space refuses it.
+    pub fn map(&mut self, address: u32, bytes: u32, device: Arc<dyn Peripheral>) -> Result<(), RunError> {
+        memory::map(&self.space, address, bytes, device)
+    }
+
+    /// Drives an external interrupt line; level-sensitive, 0 is the first after the system exceptions.
+    pub fn set_interrupt(&mut self, line: u16, asserted: bool) {
+        self.core.set_interrupt(line, asserted);
+    }
+
+    /// The core, for its registers.
+    pub fn core(&mut self) -> &mut impl Core {
+        &mut self.core
+    }
+
+    /// Everything that has run so far.
+    pub fn cost(&self) -> Cost {
+        self.total
+    }
+
+    /// Everything that has run since [`Machine::clear_counts`], by function, the dearest first. A function's cost is without that of the
+    /// functions it called.
+    pub fn profile(&self) -> Vec<FunctionCost> {
+        self.functions.profile(self.total)
+    }
+
+    /// The loops that ran since [`Machine::clear_counts`], the one with most instructions first.
+    pub fn loops(&self) -> Vec<Loop> {
+        loops::found(&self.code)
+    }
+
+    /// Starts [`Machine::profile`] and [`Machine::loops`] anew.
+    pub fn clear_counts(&mut self) {
+        self.functions.clear(self.total);
+        self.code.clear_counts();
+    }
+
+    /// Empties the flash accelerator's caches, as after another program has run.
+    pub fn clear_flash_cache(&mut self) {
+        self.accelerator = Accelerator::new();
+    }
+}
+
+/// Where the bytes of the image in flash end.
+fn flash_end(image: &Image) -> u32 {
+    let in_flash = |address: &u32| address.wrapping_sub(FLASH_ADDRESS) <= FLASH_BYTES;
+    let ends = image.segments.iter().map(|segment| segment.load_address.saturating_add(segment.bytes.len() as u32));
+    ends.filter(in_flash).max().unwrap_or(FLASH_ADDRESS)
+}
+
+/// The end of RAM, where a stack starts unless the image says otherwise.
+const RAM_END: u32 = RAM_ADDRESS + RAM_BYTES;

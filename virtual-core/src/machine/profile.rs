@@ -1,0 +1,98 @@
+//! Cycles by function.
+
+use crate::cycle::Cost;
+use crate::image::{Image, Symbol};
+
+/// What a function cost by itself, without the functions that it called.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FunctionCost {
+    /// Its demangled name; `(no symbol)` gathers all code without one.
+    pub name: String,
+    /// Its first address; 0 for `(no symbol)`.
+    pub address: u32,
+    /// Its share of the cost.
+    pub cost: Cost,
+}
+
+/// A function's place; where two symbols share an address, the first of them.
+#[derive(Debug)]
+struct Function {
+    name: String,
+    start: u32,
+    end: u32,
+}
+
+/// The functions of an image by address, and what each has cost so far.
+#[derive(Debug)]
+pub(super) struct Functions {
+    sorted: Vec<Function>,
+    /// One entry more than there are functions: 0 is code without a symbol, `n + 1` is `sorted[n]`.
+    costs: Vec<Cost>,
+    current: u16,
+    /// The machine's total when `current` was entered.
+    since: Cost,
+}
+
+impl Functions {
+    pub(super) fn of(image: &Image) -> Functions {
+        let mut sorted: Vec<Function> = Vec::new();
+        for symbol in image.symbols().iter().filter(|symbol| symbol.is_function) {
+            let Symbol { name, address: start, bytes, .. } = symbol.clone();
+            if sorted.last().is_none_or(|last| last.start != start) && sorted.len() < usize::from(u16::MAX) - 1 {
+                sorted.push(Function { name, start, end: start.saturating_add(bytes) });
+            }
+        }
+        let costs = vec![Cost::default(); sorted.len() + 1];
+        Functions { sorted, costs, current: 0, since: Cost::default() }
+    }
+
+    /// The index of the function that `address` is in; 0 if none.
+    pub(super) fn index_at(&self, address: u32) -> u16 {
+        let next = self.sorted.partition_point(|function| function.start <= address);
+        let inside = next.checked_sub(1).is_some_and(|index| address < self.sorted[index].end);
+        if inside { next as u16 } else { 0 }
+    }
+
+    /// The name of the function that `address` is in.
+    pub(super) fn name_at(&self, address: u32) -> String {
+        self.name(usize::from(self.index_at(address)))
+    }
+
+    fn name(&self, index: usize) -> String {
+        let function = index.checked_sub(1).and_then(|index| self.sorted.get(index));
+        function.map_or_else(|| "(no symbol)".to_owned(), |function| function.name.clone())
+    }
+
+    /// Whether `function` is the one being charged.
+    #[inline]
+    pub(super) fn is_current(&self, function: u16) -> bool {
+        self.current == function
+    }
+
+    /// From here on, with `total` spent so far, charges that function.
+    pub(super) fn enter(&mut self, function: u16, total: Cost) {
+        self.costs[usize::from(self.current)] += total - self.since;
+        self.current = function;
+        self.since = total;
+    }
+
+    /// What every function that ran has cost, the dearest (nominal cycles) first.
+    pub(super) fn profile(&self, total: Cost) -> Vec<FunctionCost> {
+        let mut profile: Vec<FunctionCost> = (0..self.costs.len())
+            .map(|index| {
+                let running = if index == usize::from(self.current) { total - self.since } else { Cost::default() };
+                let address = index.checked_sub(1).map_or(0, |index| self.sorted[index].start);
+                FunctionCost { name: self.name(index), address, cost: self.costs[index] + running }
+            })
+            .filter(|function| function.cost.instructions != 0)
+            .collect();
+        profile.sort_by(|a, b| (b.cost.nominal, a.address).cmp(&(a.cost.nominal, b.address)));
+        profile
+    }
+
+    /// Forgets all costs.
+    pub(super) fn clear(&mut self, total: Cost) {
+        self.costs.fill(Cost::default());
+        self.since = total;
+    }
+}

@@ -1,0 +1,104 @@
+//! Builds thumb programs from inside a test: one cargo call with a target folder of its own.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use crate::error::BuildError;
+
+const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// Builds a `no_std` binary crate, optimised, for thumbv7em-none-eabihf and gives the bytes of its ELF file.
+///
+/// The crate is a workspace of its own (an empty `[workspace]` table, its own `Cargo.lock`), and brings its link script by a build
+/// script (`cargo:rustc-link-arg=-T...`), so that no flag has to come from outside. The objects go to
+/// `thumb/<package>` in the target folder of the caller (`CARGO_TARGET_DIR`, or else the `target` folder that the running
+/// program is in). Cargo's own lock serves when many test binaries ask at once; in one process each manifest is built once.
+///
+/// # Errors
+/// [`BuildError`], with what cargo printed.
+pub fn build(manifest: &Path) -> Result<Vec<u8>, BuildError> {
+    static BUILT: OnceLock<Mutex<HashMap<PathBuf, Vec<u8>>>> = OnceLock::new();
+    let mut built = BUILT.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(elf) = built.get(manifest) {
+        return Ok(elf.clone());
+    }
+    let elf = run_cargo(manifest)?;
+    built.insert(manifest.to_owned(), elf.clone());
+    Ok(elf)
+}
+
+fn run_cargo(manifest: &Path) -> Result<Vec<u8>, BuildError> {
+    let text = std::fs::read_to_string(manifest)
+        .map_err(|error| BuildError::Manifest { manifest: manifest.to_owned(), reason: error.to_string() })?;
+    let name = package_name(&text).ok_or_else(|| BuildError::Manifest {
+        manifest: manifest.to_owned(),
+        reason: "no name in a [package] table".to_owned(),
+    })?;
+    let folder = target_folder(manifest).join("thumb").join(name);
+
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.args(["build", "--release", "--locked", "--target", TARGET, "--manifest-path"]).arg(manifest);
+    cargo.arg("--target-dir").arg(&folder);
+    // The flags, wrappers and profile of the outer cargo call are for the PC.
+    for (variable, _) in std::env::vars_os() {
+        let variable = variable.to_string_lossy();
+        let for_the_pc = ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "RUSTC_WORKSPACE_WRAPPER", "CARGO_BUILD_TARGET"];
+        let of_outer_package = ["CARGO_PKG_", "CARGO_MANIFEST_", "CARGO_PROFILE_", "CARGO_TARGET_", "CARGO_BUILD_"];
+        if for_the_pc.contains(&&*variable) || of_outer_package.iter().any(|prefix| variable.starts_with(prefix)) {
+            cargo.env_remove(&*variable);
+        }
+    }
+    let output = cargo.output().map_err(|source| BuildError::Cargo { manifest: manifest.to_owned(), source })?;
+    if !output.status.success() {
+        let output = String::from_utf8_lossy(&output.stderr).into_owned();
+        return Err(BuildError::Failed { manifest: manifest.to_owned(), output });
+    }
+    let path = folder.join(TARGET).join("release").join(name);
+    std::fs::read(&path).map_err(|source| BuildError::Program { path, source })
+}
+
+/// The `name` of the `[package]` table, which is also the name of its only binary.
+fn package_name(manifest: &str) -> Option<&str> {
+    let package = manifest.split("[package]").nth(1)?;
+    let line = package
+        .lines()
+        .take_while(|line| !line.starts_with('['))
+        .find(|line| line.split('=').next().is_some_and(|key| key.trim() == "name"))?;
+    line.split('"').nth(1)
+}
+
+/// The target folder of the outer build: test binaries stand in `<target>/<profile>/deps`.
+fn target_folder(manifest: &Path) -> PathBuf {
+    if let Some(folder) = std::env::var_os("CARGO_TARGET_DIR") {
+        let folder = PathBuf::from(folder);
+        // Cargo reads a relative folder from where it was called; a test runs elsewhere and cannot know that place.
+        if folder.is_absolute() {
+            return folder;
+        }
+    }
+    let program = std::env::current_exe().unwrap_or_default();
+    let tagged = program.ancestors().find(|folder| folder.join("CACHEDIR.TAG").is_file());
+    let beside_manifest = || manifest.parent().unwrap_or(Path::new(".")).join("target");
+    tagged.map_or_else(beside_manifest, Path::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_package_name_is_read_from_its_table() {
+        let manifest =
+            "[workspace]\n\n[package]\nedition = \"2024\"\nname = \"kernels\"\n\n[[bin]]\nname = \"other\"\n";
+        assert_eq!(package_name(manifest), Some("kernels"));
+        assert_eq!(package_name("[dependencies]\nname = \"x\"\n"), None);
+    }
+
+    #[test]
+    fn a_missing_manifest_is_named() {
+        let error = build(Path::new("no/such/Cargo.toml")).unwrap_err();
+        assert!(error.to_string().contains("no/such/Cargo.toml"), "{error}");
+    }
+}

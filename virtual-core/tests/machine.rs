@@ -1,0 +1,246 @@
+//! Calls, whole images, interrupts, devices, and what is counted on the way.
+
+mod common;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use virtual_core::{Core, Image, Peripheral, RunError, Stop};
+
+const SCRATCH: u32 = 0x2000_2000;
+
+fn write_words(machine: &mut virtual_core::Machine, address: u32, words: &[u32]) {
+    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+    machine.write(address, &bytes).unwrap();
+}
+
+#[test]
+fn arguments_beyond_four_come_on_the_stack() {
+    let value = common::machine().call("six", &[1, 2, 3, 4, 5, 6]).unwrap().value;
+    let expected = (1..7_u32).zip(0..).fold(0, |all, (argument, turn)| all ^ argument.rotate_left(turn));
+    assert_eq!(value, expected);
+}
+
+#[test]
+fn a_function_reads_and_writes_memory_and_returns_64_bits() {
+    let mut machine = common::machine();
+    let (a, b): (Vec<i32>, Vec<i32>) =
+        (0..50).map(|k: i32| (k * 37_777_777 - 12_345, 7_000_000 * k - 100_000_000)).unzip();
+    let bits = |values: &[i32]| values.iter().map(|value| value.cast_unsigned()).collect::<Vec<_>>();
+    write_words(&mut machine, SCRATCH, &bits(&a));
+    write_words(&mut machine, SCRATCH + 400, &bits(&b));
+    let call = machine.call("dot", &[SCRATCH, SCRATCH + 400, 50]).unwrap();
+    let expected: i64 = a.iter().zip(&b).map(|(&a, &b)| i64::from(a) * i64::from(b)).sum();
+    assert_eq!(u64::from(call.high) << 32 | u64::from(call.value), expected.cast_unsigned());
+}
+
+#[test]
+fn compiled_code_gives_what_it_gives_on_the_pc() {
+    let mut machine = common::machine();
+    let mut values: Vec<u32> = (0..301_u32).map(|k| k.wrapping_mul(2_654_435_761)).collect();
+    write_words(&mut machine, SCRATCH, &values);
+    let median = machine.call("median", &[SCRATCH, 301]).unwrap().value;
+    values.sort_unstable();
+    assert_eq!(median, values[150]);
+
+    for number in [1.5e-3_f32, -7.25e20, 0.1, f32::MAX, f32::MIN_POSITIVE / 8.0] {
+        let length = machine.call("format", &[number.to_bits(), SCRATCH, 64]).unwrap().value;
+        let mut text = vec![0; length as usize];
+        machine.read(SCRATCH, &mut text).unwrap();
+        assert_eq!(String::from_utf8(text).unwrap(), format!("{number:e}"));
+    }
+
+    let expected = |which, a: u32, b: u32| match which {
+        0 => a.wrapping_add(b),
+        1 => a.wrapping_sub(b),
+        2 => a.wrapping_mul(b),
+        3 => a.checked_div(b).unwrap_or(0),
+        4 => a & b,
+        5 => a | b,
+        6 => a.count_ones(),
+        _ => a ^ b,
+    };
+    for which in 0..9 {
+        let value = machine.call("choose", &[which, 0xfedc_ba98, 0x7654]).unwrap().value;
+        assert_eq!(value, expected(which, 0xfedc_ba98, 0x7654), "{which}");
+    }
+}
+
+#[test]
+fn floats_are_passed_and_returned_in_the_fpu() {
+    let mut machine = common::machine();
+    machine.core().set_float_register(0, 0.75_f32.to_bits());
+    machine.core().set_float_register(1, 2.5_f32.to_bits());
+    let float = f32::from_bits(machine.call("polynomial", &[]).unwrap().float);
+    let expected = (1..8).fold(1.0_f32, |sum, k| sum * 0.75 + 2.5 / k as f32);
+    assert_eq!(float, expected);
+}
+
+#[test]
+fn the_stack_that_a_recursion_needs_is_measured() {
+    let mut machine = common::machine();
+    let shallow = machine.call("ackermann", &[1, 1]).unwrap();
+    let deep = machine.call("ackermann", &[2, 20]).unwrap();
+    assert_eq!(deep.value, 43);
+    assert!(deep.stack_bytes >= 20 * 8 && deep.stack_bytes > shallow.stack_bytes, "{}", deep.stack_bytes);
+    assert_eq!(machine.call("nothing", &[]).unwrap().stack_bytes, 0);
+}
+
+#[test]
+fn code_in_ram_runs_and_may_change() {
+    let mut machine = common::machine();
+    assert_eq!(machine.call("in_ram", &[]).unwrap().value, 0x1234_5678);
+    let code = 0x2000_4000;
+    for (immediate, expected) in [(7_u8, 7), (9, 9)] {
+        machine.write(code, &[immediate, 0x20, 0x70, 0x47]).unwrap(); // movs r0, #n; bx lr
+        assert_eq!(machine.call_at(code, &[]).unwrap().value, expected);
+    }
+}
+
+#[test]
+fn flash_that_is_written_anew_is_decoded_anew() {
+    let mut machine = common::machine();
+    let code = machine.symbol("breakpoint").unwrap().address;
+    machine.call("breakpoint", &[]).unwrap_err();
+    machine.write(code, &[5, 0x20, 0x70, 0x47]).unwrap(); // movs r0, #5; bx lr
+    assert_eq!(machine.call("breakpoint", &[]).unwrap().value, 5);
+}
+
+#[test]
+fn a_whole_image_copies_its_data_and_ends_at_a_breakpoint() {
+    let run = common::machine().run_image(10_000).unwrap();
+    assert_eq!((run.breakpoint, run.value), (0, 42));
+    assert!(run.cost.instructions > 10 && run.cost.best < run.cost.worst);
+}
+
+#[test]
+fn a_run_pauses_after_as_many_instructions_as_allowed() {
+    let mut machine = common::machine();
+    machine.reset().unwrap();
+    let mut pauses: u64 = 0;
+    while machine.resume(3).unwrap() == Stop::Limit {
+        pauses += 1;
+    }
+    let in_pieces = machine.cost();
+    assert_eq!(pauses, in_pieces.instructions / 3);
+    assert_eq!(common::machine().run_image(10_000).unwrap().cost, in_pieces);
+    assert!(matches!(common::machine().run_image(5), Err(RunError::Limit { limit: 5, .. })));
+}
+
+#[test]
+fn timer_interrupts_wake_a_sleeping_core() {
+    let mut machine = common::machine();
+    assert_eq!(machine.call("sleep_for_ticks", &[1000, 5]).unwrap().value, 5);
+}
+
+#[test]
+fn a_supervisor_call_returns_behind_itself() {
+    let mut machine = common::machine();
+    let call = machine.call("op_supervisor", &[40]).unwrap();
+    assert_eq!(call.value, 42);
+    assert_eq!(call.cost.instructions, 5);
+    // Entry 12, return 10 more than the branch itself.
+    assert_eq!(call.cost.nominal, 1 + 1 + 12 + 3 + 10 + 1 + 3);
+    assert_eq!(call.stack_bytes, 32);
+}
+
+#[test]
+fn an_interrupt_line_enters_its_handler_between_instructions() {
+    let mut machine = common::machine();
+    let quiet = machine.call("mac_loop", &[100, 3]).unwrap();
+    let enable_interrupt_0 = machine.call("store", &[0xe000_e100, 1]).unwrap();
+    assert_eq!(enable_interrupt_0.cost.instructions, 2);
+    machine.set_interrupt(0, true);
+    machine.limit_calls(1000);
+    // Level-sensitive and never cleared: the handler runs again and again.
+    assert!(matches!(machine.call("mac_loop", &[100, 3]), Err(RunError::Limit { .. })));
+    machine.set_interrupt(0, false);
+    assert_eq!(machine.call("mac_loop", &[100, 3]).unwrap().value, quiet.value);
+    assert!(machine.profile().iter().any(|function| function.name == "first_interrupt"));
+}
+
+/// Counts what is written to it; reads as that count.
+#[derive(Debug, Default)]
+struct Counter(AtomicU32);
+
+impl Peripheral for Counter {
+    fn read(&self, offset: u32, bytes: u32) -> Option<u32> {
+        (offset == 4 && bytes == 4).then(|| self.0.load(Ordering::Relaxed))
+    }
+
+    fn write(&self, offset: u32, bytes: u32, value: u32) -> Option<()> {
+        (offset == 0 && bytes == 4).then(|| {
+            self.0.fetch_add(value, Ordering::Relaxed);
+        })
+    }
+}
+
+#[test]
+fn a_device_answers_at_its_addresses_and_refuses_the_others() {
+    let mut machine = common::machine();
+    let counter = Arc::new(Counter::default());
+    machine.map(0x4000_0000, 0x400, Arc::<Counter>::clone(&counter)).unwrap();
+    for value in [5, 6] {
+        machine.call("store", &[0x4000_0000, value]).unwrap();
+    }
+    assert_eq!(counter.0.load(Ordering::Relaxed), 11);
+    assert_eq!(machine.call("load", &[0x4000_0004]).unwrap().value, 11);
+    let error = machine.call("load", &[0x4000_0008]).unwrap_err();
+    assert!(matches!(error, RunError::Address { address: 0x4000_0008, .. }), "{error:?}");
+}
+
+#[test]
+fn the_profile_adds_up_to_the_whole() {
+    let mut machine = common::machine();
+    machine.call("format", &[0.1_f32.to_bits(), SCRATCH, 64]).unwrap();
+    machine.call("ackermann", &[2, 3]).unwrap();
+    let profile = machine.profile();
+    let sum = profile.iter().fold(virtual_core::Cost::default(), |sum, function| sum + function.cost);
+    assert_eq!(sum, machine.cost());
+    assert!(profile.is_sorted_by(|a, b| a.cost.nominal >= b.cost.nominal));
+    assert!(profile.iter().any(|function| function.name.starts_with("core::num::flt2dec")), "names are demangled");
+
+    machine.clear_counts();
+    assert!(machine.profile().is_empty() && machine.loops().is_empty());
+    let cost = machine.call("mac_loop", &[10, 3]).unwrap().cost;
+    let profile = machine.profile();
+    assert_eq!((profile.len(), profile[0].name.as_str(), profile[0].cost), (1, "mac_loop", cost));
+}
+
+#[test]
+fn a_recursion_is_no_loop() {
+    let mut machine = common::machine();
+    machine.call("ackermann", &[2, 3]).unwrap();
+    let calls = machine.symbol("ackermann").unwrap().address;
+    assert!(machine.loops().iter().all(|found| found.start != calls), "{:?}", machine.loops());
+}
+
+#[test]
+fn a_machine_can_move_to_another_thread() {
+    let mut machine = common::machine();
+    let thread = std::thread::spawn(move || machine.call("nothing", &[7]).unwrap().value);
+    assert_eq!(thread.join().unwrap(), 7);
+}
+
+#[test]
+fn loops_are_found_with_their_length_and_passes() {
+    let mut machine = common::machine();
+    machine.call("mac_loop", &[500, 3]).unwrap();
+    machine.call("mac_loop", &[500, 3]).unwrap();
+    let loops = machine.loops();
+    assert_eq!(loops.len(), 1, "{loops:?}");
+    // smlal, smmla, mla, add.w: 4 bytes each; subs, bne: 2.
+    assert_eq!(loops[0].start, machine.symbol("mac_loop").unwrap().address + 8);
+    assert_eq!((loops[0].bytes, loops[0].iterations, loops[0].instructions), (20, 2 * 499, 2 * 500 * 6));
+}
+
+#[test]
+fn an_image_knows_its_sizes_and_symbols() {
+    let image = Image::from_elf(&common::elf()).unwrap();
+    // The initialised word, a function in RAM with its literal, and the counter of ticks.
+    assert_eq!(image.static_ram_bytes(), 4 + 8 + 4);
+    assert!(image.flash_bytes() > 10_000, "{}", image.flash_bytes());
+    let symbol = image.symbol("mac_loop").unwrap();
+    assert!(symbol.is_function && symbol.bytes == 32 && symbol.address & 1 == 0, "{symbol:?}");
+    assert_eq!(image.entry(), image.symbol("reset").unwrap().address);
+}
