@@ -144,8 +144,16 @@ fn every_single_instruction_of_the_program_is_compared() {
             || reference::FLOATS.iter().any(|(known, _)| *known == name)
     };
     // These are compared one by one, below and in machine.rs.
-    let elsewhere =
-        ["op_memory", "op_exclusive", "op_choose", "op_max_clamped", "op_table", "op_supervisor", "op_vmov_imm"];
+    let elsewhere = [
+        "op_memory",
+        "op_exclusive",
+        "op_choose",
+        "op_max_clamped",
+        "op_branch_in_block",
+        "op_table",
+        "op_supervisor",
+        "op_vmov_imm",
+    ];
     for symbol in image.symbols().iter().filter(|symbol| symbol.name.starts_with("op_")) {
         let name = symbol.name.as_str();
         assert!(compared(name) || elsewhere.contains(&name), "{name} has no counterpart on the PC");
@@ -177,6 +185,8 @@ fn conditional_instructions_follow_the_flags() {
         let chosen = if a > b { c } else { d }.wrapping_add(u32::from(a == b));
         assert_eq!(machine.call("op_choose", &[a, b, c, d]).unwrap().value, chosen, "{a:#x} {b:#x}");
         let less = a.cast_signed() < b.cast_signed();
+        let branched = if less { d } else { c };
+        assert_eq!(machine.call("op_branch_in_block", &[a, b, c, d]).unwrap().value, branched, "{a:#x} {b:#x}");
         let clamped = if less { b.wrapping_add(5) } else { a }.wrapping_add(if c == 0 { 0 } else { 2 });
         assert_eq!(machine.call("op_max_clamped", &[a, b, c]).unwrap().value, clamped, "{a:#x} {b:#x}");
     }

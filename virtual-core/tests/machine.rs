@@ -244,3 +244,39 @@ fn an_image_knows_its_sizes_and_symbols() {
     assert!(symbol.is_function && symbol.bytes == 32 && symbol.address & 1 == 0, "{symbol:?}");
     assert_eq!(image.entry(), image.symbol("reset").unwrap().address);
 }
+
+/// The machine follows the program counter by itself between computed jumps; stopping after every instruction makes it read the
+/// core's, so that a difference would show.
+#[test]
+fn instruction_by_instruction_costs_the_same_as_in_one_go() {
+    let cases: [(&str, [u32; 4]); 6] = [
+        ("format", [0.1_f32.to_bits(), SCRATCH, 64, 0]),
+        ("median", [SCRATCH, 90, 0, 0]),
+        ("ackermann", [2, 4, 0, 0]),
+        ("choose", [4, 99, 7, 0]),
+        ("op_choose", [1, 1, 2, 3]),
+        ("op_max_clamped", [1, 5, 0, 0]),
+    ];
+    for (function, arguments) in cases {
+        let mut whole = common::machine();
+        let words: Vec<u32> = (0..90_u32).map(|k| k.wrapping_mul(2_654_435_761)).collect();
+        write_words(&mut whole, SCRATCH, &words);
+        let expected = whole.call(function, &arguments).unwrap();
+
+        let mut stepped = common::machine();
+        write_words(&mut stepped, SCRATCH, &words);
+        // Leaves the stack and the FPU as a call finds them.
+        let before = stepped.call("nothing", &[]).unwrap().cost;
+        stepped.clear_flash_cache();
+        let [start, end] = [function, "breakpoint"].map(|name| stepped.symbol(name).unwrap().address);
+        let core = stepped.core();
+        for (register, argument) in (0..).zip(arguments) {
+            core.set_register(register, argument);
+        }
+        core.set_register(14, end | 1);
+        core.set_pc(start);
+        while stepped.resume(1).unwrap() == Stop::Limit {}
+        assert_eq!(stepped.core().register(0), expected.value, "{function}");
+        assert_eq!(stepped.cost() - before, expected.cost, "{function}");
+    }
+}

@@ -96,3 +96,12 @@ fn a_loop_in_the_flash_cache_waits_only_for_its_first_pass() {
     // And a third call finds everything there.
     assert_eq!(waits(machine.call("mac_loop", &[10, 3]).unwrap().cost), (0, 0));
 }
+
+#[test]
+fn a_branch_of_an_it_block_refills_only_when_its_condition_holds() {
+    let mut machine = common::machine();
+    let mut nominal = |a, b| machine.call("op_branch_in_block", &[a, b, 0, 0]).unwrap().cost.nominal;
+    // cmp, it, b, mov, bx
+    assert_eq!(nominal(1, 2), 1 + 1 + 3 + 1 + 3);
+    assert_eq!(nominal(2, 1), 1 + 1 + 1 + 1 + 3);
+}

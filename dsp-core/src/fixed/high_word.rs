@@ -65,7 +65,8 @@ pub const fn smmlsr(acc: i32, a: i32, b: i32) -> i32 {
 pub const fn rounding_shift_right(value: i32, shift: u32) -> i32 {
     match shift {
         0 => value,
-        1..=31 => (((value as i64) + (1i64 << (shift - 1))) >> shift) as i32,
+        // Floor plus the bit below it: never more than 2^30, so that nothing wraps.
+        1..=31 => (value >> shift) + ((value >> (shift - 1)) & 1),
         _ => 0,
     }
 }

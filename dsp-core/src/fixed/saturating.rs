@@ -29,8 +29,10 @@ pub const fn saturate(wide: i64) -> i32 {
 /// `value · 2^shift`, saturated to 32 bits. Shifts of 32 and more saturate any value but 0.
 #[inline(always)]
 pub const fn saturating_shift_left(value: i32, shift: u32) -> i32 {
-    let shift = if shift > 32 { 32 } else { shift };
-    saturate((value as i64) << shift)
+    let shift = if shift > 31 { 31 } else { shift };
+    let shifted = value << shift;
+    // What does not come back was too large; 0 and -1 << 31 do, all others saturate by then.
+    if shifted >> shift == value { shifted } else { (value >> 31) ^ i32::MAX }
 }
 
 /// A bus sample (Q4.27) as a signed 24-bit sample: nearest, half up, clipped to ±full scale.

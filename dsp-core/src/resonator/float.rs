@@ -75,26 +75,72 @@ pub fn driven(modes: &mut [FloatMode], force: &[f32], out: &mut [f32]) {
 
 #[inline(always)]
 fn free_together<const N: usize>(modes: &mut [FloatMode; N], out: &mut [f32]) {
-    let mut now = *modes;
+    let mut u = modes.map(|mode| mode.u);
+    let mut v = modes.map(|mode| mode.v);
+    let delta = modes.map(|mode| mode.delta);
+    let epsilon = modes.map(|mode| mode.epsilon);
+    let mut damped: [f32; N] = core::array::from_fn(|m| delta[m] * u[m]);
+    let mut turned: [f32; N] = core::array::from_fn(|m| epsilon[m] * v[m]);
     for sum in out {
+        for m in 0..N {
+            u[m] -= damped[m];
+        }
+        for m in 0..N {
+            u[m] -= turned[m];
+        }
+        for m in 0..N {
+            v[m] += epsilon[m] * u[m];
+        }
         let mut total = *sum;
-        for mode in &mut now {
-            total += mode.step();
+        for m in 0..N {
+            damped[m] = delta[m] * u[m];
+            total += v[m];
+        }
+        for m in 0..N {
+            turned[m] = epsilon[m] * v[m];
         }
         *sum = total;
+        core::hint::black_box(());
     }
-    *modes = now;
+    for (m, mode) in modes.iter_mut().enumerate() {
+        (mode.u, mode.v) = (u[m], v[m]);
+    }
 }
 
 #[inline(always)]
 fn driven_together<const N: usize>(modes: &mut [FloatMode; N], force: &[f32], out: &mut [f32]) {
-    let mut now = *modes;
+    let mut u = modes.map(|mode| mode.u);
+    let mut v = modes.map(|mode| mode.v);
+    let delta = modes.map(|mode| mode.delta);
+    let epsilon = modes.map(|mode| mode.epsilon);
+    let gain = modes.map(|mode| mode.gain);
+    let mut damped: [f32; N] = core::array::from_fn(|m| delta[m] * u[m]);
+    let mut turned: [f32; N] = core::array::from_fn(|m| epsilon[m] * v[m]);
     for (sum, &force) in out.iter_mut().zip(force) {
+        for m in 0..N {
+            u[m] -= damped[m];
+        }
+        for m in 0..N {
+            u[m] -= turned[m];
+        }
+        for m in 0..N {
+            v[m] += epsilon[m] * u[m];
+        }
         let mut total = *sum;
-        for mode in &mut now {
-            total += mode.step_driven(force);
+        for m in 0..N {
+            u[m] += gain[m] * force;
+            total += v[m];
+        }
+        for m in 0..N {
+            damped[m] = delta[m] * u[m];
+        }
+        for m in 0..N {
+            turned[m] = epsilon[m] * v[m];
         }
         *sum = total;
+        core::hint::black_box(());
     }
-    *modes = now;
+    for (m, mode) in modes.iter_mut().enumerate() {
+        (mode.u, mode.v) = (u[m], v[m]);
+    }
 }

@@ -140,17 +140,24 @@ impl Group {
         }
     }
 
+    #[cold]
+    fn lowered(&mut self, modes: &mut [Mode]) -> u32 {
+        self.lower(modes, 16);
+        self.size(modes)
+    }
+
     fn lower(&mut self, modes: &mut [Mode], bits: i8) {
-        for mode in modes {
-            mode.state.u = shifted(mode.state.u, -i32::from(bits));
-            mode.state.v = shifted(mode.state.v, -i32::from(bits));
-        }
+        each_state(modes, |x| fixed::rounding_shift_right(x, bits.unsigned_abs().into()));
         self.exponent -= bits;
     }
 
-    /// The largest size of the modes' states.
-    fn size(&self, modes: &[Mode]) -> u64 {
-        modes.iter().fold(0, |size, mode| size_of(self.form(), mode.state.u, mode.state.v).max(size))
+    /// The largest size of the modes' states; at most 2^31, as [`super::headroom`] proves.
+    fn size(&self, modes: &[Mode]) -> u32 {
+        let shift = self.form().shift();
+        modes.iter().fold(0, |size, mode| {
+            debug_assert!(u64::from(mode.state.u.unsigned_abs()) << shift <= 1 << 31, "headroom: u << {shift}");
+            size.max(mode.state.u.unsigned_abs() << shift).max(mode.state.v.unsigned_abs())
+        })
     }
 
     /// Shifts the states so that nothing can wrap while the sum of |force| stays within `allowance` (bus steps), and so that they
@@ -173,12 +180,10 @@ impl Group {
             match self.input_size(allowance) {
                 Some(input) => break input,
                 // A faint tail meets a force that is not even countable in its units. Ends at the latest where exponents do.
-                None => {
-                    self.lower(modes, 16);
-                    size = self.size(modes);
-                }
+                None => size = self.lowered(modes),
             }
         };
+        let size = u64::from(size);
         let decided = self.normalise(modes, size, input, (allowance > 0).then_some(force_shift));
         self.refusing = decided == Guard::Refused;
         if self.refusing {
@@ -213,9 +218,10 @@ impl Group {
         if bound > LIMIT && input > 0 {
             return Guard::Refused;
         }
-        for mode in modes {
-            mode.state.u = shifted(mode.state.u, shift);
-            mode.state.v = shifted(mode.state.v, shift);
+        match shift {
+            0 => {}
+            1.. => each_state(modes, |x| x.wrapping_shl(shift as u32)), // the bound says that this loses nothing
+            _ => each_state(modes, |x| fixed::rounding_shift_right(x, -shift as u32)),
         }
         self.exponent = exponent as i8;
         self.bound = bound.min(u64::from(u32::MAX)) as u32;
@@ -235,7 +241,8 @@ impl Group {
             return Some(0);
         }
         // 32 frames of at most 2^31, expected twice: the allowance has at most 37 bits, so that this product has at most 61.
-        let product = ((allowance >> 8) + 1).min(1 << 30) * u64::from(self.gain_peak);
+        let allowance = ((allowance >> 8) + 1).min(1 << 30) as u32;
+        let product = u64::from(allowance) * u64::from(self.gain_peak);
         let shift = i32::from(self.gain_exponent) + self.exponent() - 23;
         match shift {
             ..=-64 => Some(1),
@@ -287,10 +294,15 @@ impl Group {
         2 - self.exponent()
     }
 
+    /// Bus steps that a state of 1 stands for, 2^-exponent; exponents are small enough to be a float's.
+    fn unit(&self) -> f32 {
+        f32::from_bits(((127 - self.exponent()) as u32) << 23)
+    }
+
     /// The largest and the summed amplitude of the group's modes in bus steps, exact to 1e-5; `None` while some state alone shows that one
     /// is louder than `threshold`, which is the usual case and quick to see.
     pub(super) fn amplitudes_below(&self, modes: &[Mode], threshold: f32) -> Option<f32> {
-        let unit = libm::scalbnf(1.0, -self.exponent());
+        let unit = self.unit();
         let mut sum = 0.0;
         for mode in modes {
             let (u, v) = (mode.state.u as f32 * unit, mode.state.v as f32 * unit);
@@ -313,12 +325,10 @@ fn size_of(form: Form, u: i32, v: i32) -> u64 {
     (u64::from(u.unsigned_abs()) << form.shift()).max(u64::from(v.unsigned_abs()))
 }
 
-fn shifted(value: i32, shift: i32) -> i32 {
-    // A guard shifts left only as far as its bound allows, so that the left shift loses nothing.
-    if shift >= 0 {
-        fixed::saturating_shift_left(value, shift as u32)
-    } else {
-        fixed::rounding_shift_right(value, -shift as u32)
+fn each_state(modes: &mut [Mode], shifted: impl Fn(i32) -> i32) {
+    for mode in modes {
+        mode.state.u = shifted(mode.state.u);
+        mode.state.v = shifted(mode.state.v);
     }
 }
 

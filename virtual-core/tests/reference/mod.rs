@@ -1,5 +1,5 @@
-//! What the instructions of `tests/program/src/instructions.rs` compute, written on the PC from their definitions in the architecture manual
-//! (Arm DDI 0403, A7.7), independently of the emulator.
+//! What the instructions of `tests/program/src/instructions.rs` compute, written on the PC from their definitions in the
+//! architecture manual (Arm DDI 0403, A7.7), independently of the emulator.
 
 mod lanes;
 
@@ -44,7 +44,7 @@ fn signed(a: u32, b: u32) -> u64 {
 
 /// Bits 47 to 16 of the product of a word and a half.
 fn wide(a: u32, half: i32) -> u32 {
-    (i64::from(a.cast_signed()) * i64::from(half) >> 16) as u32
+    ((i64::from(a.cast_signed()) * i64::from(half)) >> 16) as u32
 }
 
 fn sat_add(a: u32, b: u32) -> u32 {

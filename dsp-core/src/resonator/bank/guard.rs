@@ -2,8 +2,8 @@
 //!
 //! | when | what |
 //! | --- | --- |
-//! | a tick after input | all ringing groups are guarded for twice that input |
-//! | the first tick without | all ringing groups are guarded for none |
+//! | a tick after input, if what is left of the allowance is less than twice that input, or 64 times more | all ringing groups are guarded for eight times that input |
+//! | the first tick after a tick without | all ringing groups are guarded for none |
 //! | later | each group when its fastest mode has decayed by a quarter of a bit, at the latest after 16 ticks |
 //!
 //! A free orbit never outgrows its guard ([`super::super::headroom`]), so that guards without input serve precision and retirement
@@ -12,6 +12,9 @@
 use super::super::group::{Group, Guard};
 use super::super::retirement::Retirement;
 use super::{Bank, Memory, for_each_group};
+
+/// The most that can come in a tick: 32 frames of 2^31.
+pub(super) const MAX_ALLOWANCE: u64 = 32 << 31;
 
 impl Bank {
     /// The bookkeeping of a tick: exponents follow the sound down, modes that have become inaudible retire.
@@ -25,7 +28,9 @@ impl Bank {
         if self.ringing_modes == 0 {
             self.allowance = 0;
         } else if expected > 0 {
-            self.guard(memory, expected, false, None);
+            if !self.allows(expected) {
+                self.guard(memory, (4 * expected).min(MAX_ALLOWANCE), false, None);
+            }
         } else if self.allowance > 0 {
             self.guard(memory, 0, false, retirement);
         } else {
@@ -36,9 +41,19 @@ impl Bank {
         }
     }
 
-    /// Whether the next tick guards any group, if no input comes before it.
+    /// Whether the allowance left is enough for an input, and not so much that precision would be wasted.
+    fn allows(&self, expected: u64) -> bool {
+        (expected..=64 * expected).contains(&self.allowance)
+    }
+
+    /// Whether the next tick guards any group, if no more input comes before it.
     pub fn is_guard_due(&self) -> bool {
-        self.ringing_modes > 0 && (self.spent > 0 || self.allowance > 0 || self.passed_ticks + 1 >= self.due_ticks)
+        self.ringing_modes > 0
+            && match (self.spent, self.allowance) {
+                (0, 0) => self.passed_ticks + 1 >= self.due_ticks,
+                (0, _) => true,
+                (spent, _) => !self.allows(spent.saturating_mul(2)),
+            }
     }
 
     /// Guards all groups for an allowance of |force|. `all` includes groups at rest.

@@ -4,6 +4,7 @@ use super::super::TICK_FRAMES;
 use super::super::group::Group;
 use super::super::kernel::{self, Backward};
 use super::super::mode::Mode;
+use super::guard::MAX_ALLOWANCE;
 use super::{Bank, BankWork, Memory};
 use crate::fixed;
 
@@ -21,7 +22,8 @@ impl Bank {
         out: &mut [i32],
     ) -> BankWork {
         let mut work = BankWork::default();
-        let Some(force) = force.filter(|force| !skip || force.iter().any(|&x| x != 0)) else {
+        let mut sum = force.map_or(0, sum_of_magnitudes);
+        let Some(force) = force.filter(|_| !skip || sum > 0) else {
             if self.is_ringing() || !skip {
                 self.run(memory, None, odd_start, skip, out, &mut work);
             }
@@ -29,12 +31,12 @@ impl Bank {
         };
         let (mut force, mut out, mut odd) = (force, out, odd_start);
         while !force.is_empty() && !out.is_empty() {
-            let (count, spent) = affordable(force, self.allowance);
+            let (count, spent) = affordable(force, sum, self.allowance);
             if count == 0 {
                 let next = force.first().map_or(0, |x| u64::from(x.unsigned_abs()));
                 // Room for a tick of twice this force, or four times what this tick has brought already, at most for what can come at all.
                 let wanted = (next * 2 * TICK_FRAMES as u64).max(self.spent.saturating_mul(4));
-                self.guard(memory, wanted.min((TICK_FRAMES as u64) << 31), true, None);
+                self.guard(memory, wanted.min(MAX_ALLOWANCE), true, None);
                 work.extra_guards += 1;
                 continue;
             }
@@ -44,6 +46,7 @@ impl Bank {
             self.run(memory, Some(now), odd, skip, out_now, &mut work);
             work.refused += u32::from(self.refusing);
             self.allowance -= spent;
+            sum -= spent;
             self.spent = self.spent.saturating_add(spent);
             (force, out, odd) = (later, out_later, odd ^ (count % 2 == 1));
         }
@@ -99,10 +102,13 @@ impl Bank {
     ) {
         let Some(force) = force else { return kernel::free(groups, modes, run, mix) };
         let mut shifted: Backward = [0; TICK_FRAMES];
-        for (frame, (shifted, &x)) in shifted.iter_mut().rev().zip(force).enumerate() {
-            // Within the allowance |x| << force_shift stays below 2^31.
-            let x = x.wrapping_shl(u32::from(self.force_shift));
-            *shifted = if mirrored.is_some_and(|odd_start| odd_start != (frame % 2 == 1)) { x.saturating_neg() } else { x };
+        let force_shift = u32::from(self.force_shift);
+        // Within the allowance |x| << force_shift stays below 2^31.
+        for (shifted, &x) in shifted.iter_mut().rev().zip(force) {
+            *shifted = x.wrapping_shl(force_shift);
+        }
+        if let Some(odd_start) = mirrored {
+            shifted.iter_mut().rev().skip(usize::from(!odd_start)).step_by(2).for_each(|x| *x = x.saturating_neg());
         }
         kernel::driven(groups, modes, run, &shifted, mix);
     }
@@ -130,8 +136,15 @@ impl Bank {
     }
 }
 
-/// The longest beginning of a force whose sum of magnitudes is within the allowance, and that sum.
-fn affordable(force: &[i32], allowance: u64) -> (usize, u64) {
+fn sum_of_magnitudes(force: &[i32]) -> u64 {
+    force.iter().fold(0, |sum, x| sum + u64::from(x.unsigned_abs()))
+}
+
+/// The longest beginning of a force whose sum of magnitudes is within the allowance, and that sum; `at_most` is a bound of the whole sum.
+fn affordable(force: &[i32], at_most: u64, allowance: u64) -> (usize, u64) {
+    if at_most <= allowance {
+        return (force.len(), at_most);
+    }
     let mut spent = 0;
     let mut count = 0;
     for x in force {

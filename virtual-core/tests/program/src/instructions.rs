@@ -1,4 +1,5 @@
-//! One instruction a function, for the comparison with the PC: operands in r0 to r3 (floats as bits), the result in r0, its high half in r1.
+//! One instruction a function, for the comparison with the PC: operands in r0 to r3 (floats as bits), the result in r0,
+//! its high half in r1.
 
 use core::arch::global_asm;
 
@@ -172,6 +173,7 @@ operations! { ".operations":
     op_exclusive: "push {r0, r1}", "mov r2, sp", "0: ldrex r0, [r2]", "adds r0, r0, r1", "strex r3, r0, [r2]", "cmp r3, #0", "bne 0b", "ldr r0, [sp]", "add sp, #8", "bx lr";
     op_choose: "cmp r0, r1", "ite hi", "movhi r0, r2", "movls r0, r3", "it eq", "addeq r0, #1", "bx lr";
     op_max_clamped: "cmp r0, r1", "itt lt", "movlt r0, r1", "addlt r0, #5", "cbz r2, 0f", "adds r0, #2", "0: bx lr";
+    op_branch_in_block: "cmp r0, r1", "it lt", "blt 0f", "mov r0, r2", "bx lr", "0: mov r0, r3", "bx lr";
     op_table: "and r0, #3", "tbb [pc, r0]", "1: .byte (2f-1b)/2, (3f-1b)/2, (4f-1b)/2, (5f-1b)/2", "2: movs r0, #10", "bx lr", "3: movs r0, #20", "bx lr", "4: movs r0, #30", "bx lr", "5: movs r0, #40", "bx lr";
     op_supervisor: "adds r0, #1", "svc #9", "adds r0, #1", "bx lr";
 }
