@@ -14,6 +14,7 @@ pub mod radiation;
 pub mod resonator;
 pub mod table;
 
+mod quarter_turn;
 mod rate;
 
 pub use rate::SampleRate;

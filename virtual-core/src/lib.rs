@@ -8,7 +8,7 @@
 //!                                                          '  cycle: cost alone + hazards + flash waits
 //! ```
 //!
-//! It runs 8.4 million instructions a second with cycles charged (a loop of multiply-accumulates, optimised build;
+//! It runs 9.0 million instructions a second with cycles charged (a loop of multiply-accumulates, optimised build;
 //! `cargo bench -p virtual-core --bench speed`), nearly all of it inside the emulator.
 //!
 //! An instruction or address that the machine does not know ends the run with an error that names it.

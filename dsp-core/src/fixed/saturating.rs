@@ -47,13 +47,9 @@ pub const fn saturating_shift_left(value: i32, shift: u32) -> i32 {
 #[inline(always)]
 pub const fn to_24_bit(bus: i32) -> i32 {
     let rounded = rounding_shift_right(bus, 4);
-    if rounded > FULL_SCALE_24_BIT - 1 {
-        FULL_SCALE_24_BIT - 1
-    } else if rounded < -FULL_SCALE_24_BIT {
-        -FULL_SCALE_24_BIT
-    } else {
-        rounded
-    }
+    // Written so that it becomes one SSAT.
+    let clipped = if rounded < -FULL_SCALE_24_BIT { -FULL_SCALE_24_BIT } else { rounded };
+    if clipped > FULL_SCALE_24_BIT - 1 { FULL_SCALE_24_BIT - 1 } else { clipped }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! From a mode's frequency and decay to the coefficients of a form.
 
 use crate::SampleRate;
+use crate::quarter_turn;
 
 /// The arithmetic of one mode; which one is chosen by the mode's step `e` (see [`Pole::new`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -76,7 +77,7 @@ impl Pole {
         let folded_hz = if mirrored { fs / 2.0 - frequency_hz } else { frequency_hz };
         let radius = libm::exp(-decay_per_s / fs);
         let gap = -libm::expm1(-decay_per_s / fs); // 1 - r, exact for slow decays
-        let sine = libm::sin(core::f64::consts::PI * folded_hz / fs);
+        let sine = quarter_turn::sin(core::f64::consts::PI * folded_hz / fs);
         let step_squared = gap * gap + 4.0 * radius * sine * sine;
         let (form, epsilon) = match step_squared {
             e2 if e2 < 0.25 => (Form::Coupled, libm::sqrt(e2)),

@@ -2,6 +2,7 @@
 
 mod bank;
 mod engine;
+pub mod scenes;
 
 pub use bank::BankOnChip;
 pub use engine::{BLOCK_FRAMES, EngineOnChip, Footprint};

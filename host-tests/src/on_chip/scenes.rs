@@ -1,0 +1,172 @@
+//! Scenes of the whole engine and of the bank alone, and what they cost on the chip.
+
+use dsp_core::SampleRate;
+use dsp_core::engine::Direct;
+use dsp_core::event::{Event, Time};
+use dsp_core::resonator::TICK_FRAMES;
+use dsp_core::table::layout::{GainRecord, ModeRecord};
+use kit::{Kit, Loaded, Object, Pad};
+use virtual_core::Cost;
+
+use super::{BankOnChip, EngineOnChip, OnChipError};
+use crate::run_time::rows::SceneRow;
+use crate::scene::{load, mode, one_pad};
+
+/// Modes of a pad of [`pads`].
+pub const MODES_PER_PAD: usize = 64;
+
+/// A kit of equal pads with 64 modes each: three quarters from 80 Hz to 3.8 kHz, a quarter from 3.8 to 16 kHz, T60 3 s falling to 0.6 s,
+/// sine gains.
+pub fn pads(count: usize) -> Loaded {
+    let Kit { objects, strikers, pads, .. } = one_pad(Vec::new());
+    let (objects, pads) = (0..count)
+        .map(|index| {
+            let name = format!("object {index}");
+            let detune = 1.0 + 0.001 * index as f64;
+            let modes = frequencies().map(|hz| mode(hz * detune, 3.0 / (1.0 + hz / 4000.0), 120.0, 0.0)).collect();
+            let pan = index as f32 / count as f32 * 2.0 - 1.0;
+            (
+                Object { name: name.clone(), modes, ..objects[0].clone() },
+                Pad { name: format!("pad {index}"), object: name, pan, level_db: -12.0, ..pads[0].clone() },
+            )
+        })
+        .unzip();
+    load(Kit { name: format!("{count} pads"), objects, strikers, pads })
+}
+
+fn frequencies() -> impl Iterator<Item = f64> {
+    let low = (0..48).map(|n| 80.0 * (3800.0f64 / 80.0).powf(f64::from(n) / 48.0));
+    low.chain((0..16).map(|n| 3850.0 * (16_000.0f64 / 3850.0).powf(f64::from(n) / 15.0)))
+}
+
+/// A strike on every pad of a kit at a frame.
+pub fn strikes(pads: usize, frame: u64, velocity: f32) -> Vec<Event> {
+    let event = Event { time: Time::at_frame(frame), velocity, ..Event::default() };
+    (0..pads).map(|pad| Event { pad: pad as u8, ..event }).collect()
+}
+
+/// What a scene cost: the whole of its measured ticks, and the dearest of them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SceneCost {
+    /// Measured ticks.
+    pub ticks: usize,
+    /// All of them.
+    pub total: Cost,
+    /// The one with most nominal cycles.
+    pub dearest_tick: Cost,
+    /// Peak stack of a render call, bytes.
+    pub stack_bytes: u32,
+}
+
+impl SceneCost {
+    fn add(&mut self, cost: Cost) {
+        self.ticks += 1;
+        self.total += cost;
+        if cost.nominal > self.dearest_tick.nominal {
+            self.dearest_tick = cost;
+        }
+    }
+
+    fn row(&self, scene: &str, modes: usize) -> SceneRow {
+        let frames = (self.ticks * TICK_FRAMES) as f64;
+        let per_frame = self.total.nominal as f64 / frames;
+        let share = |clock_hz: f64| per_frame * 48_000.0 / clock_hz;
+        SceneRow {
+            scene: scene.into(),
+            modes: modes as u32,
+            cycles_per_frame_nominal: per_frame,
+            cycles_per_frame_with_flash: self.total.flash_168 as f64 / frames,
+            share_of_168_mhz: share(168e6),
+            share_of_96_mhz: share(96e6),
+        }
+    }
+}
+
+/// Plays events on the chip, a tick a call, and counts the ticks from `from` to `to`; `direct` is a force for pad 0.
+///
+/// # Errors
+/// [`OnChipError`].
+pub fn measure(
+    chip: &mut EngineOnChip,
+    kit: &[u8],
+    events: &[Event],
+    direct: Option<&[i32]>,
+    (from, to): (usize, usize),
+) -> Result<SceneCost, OnChipError> {
+    chip.load(kit, SampleRate::HZ_48000)?;
+    let mut cost = SceneCost::default();
+    for tick in 0..to {
+        let frames = (tick * TICK_FRAMES) as u64..((tick + 1) * TICK_FRAMES) as u64;
+        let now: Vec<Event> = events.iter().filter(|e| frames.contains(&e.time.first_frame())).copied().collect();
+        let force: Option<Vec<i32>> =
+            direct.map(|force| force.iter().cycle().skip(tick * TICK_FRAMES).take(TICK_FRAMES).copied().collect());
+        let direct = force.as_ref().map(|force| Direct { pad: 0, force });
+        let (_, call) = chip.render(&now, direct, TICK_FRAMES)?;
+        cost.stack_bytes = cost.stack_bytes.max(call.stack_bytes);
+        if tick >= from {
+            cost.add(call.cost);
+        }
+    }
+    Ok(cost)
+}
+
+/// The bank alone, ringing freely, with guards and retirement.
+///
+/// # Errors
+/// [`OnChipError`].
+pub fn bank_alone(chip: &mut BankOnChip, modes: usize) -> Result<SceneRow, OnChipError> {
+    let (records, gains): (Vec<_>, Vec<_>) = (0..modes)
+        .map(|n| {
+            let (hz, turn) = (frequencies().nth(n % MODES_PER_PAD).unwrap_or(80.0), n / MODES_PER_PAD);
+            let (hz, decay) = (hz * (1.0 + 0.001 * turn as f64), 2.3 * (1.0 + hz / 4000.0));
+            (
+                ModeRecord { frequency_hz: (hz as f32).into(), decay_per_s: (decay as f32).into() },
+                GainRecord { sine: 3000.0.into(), cosine: 0.0.into() },
+            )
+        })
+        .unzip();
+    chip.load(&records, &gains, 48_000)?;
+    chip.render(Some(&[1 << 20; TICK_FRAMES]), TICK_FRAMES)?;
+    let mut cost = SceneCost::default();
+    for tick in 0..48 {
+        let (_, guard) = chip.tick(true)?;
+        let (_, render) = chip.render(None, TICK_FRAMES)?;
+        if tick >= 16 {
+            cost.add(guard + render);
+        }
+    }
+    Ok(cost.row(&format!("bank alone, {modes} modes"), modes))
+}
+
+/// All scenes of the table.
+///
+/// # Errors
+/// [`OnChipError`].
+pub fn measure_all() -> Result<Vec<SceneRow>, OnChipError> {
+    let mut bank = BankOnChip::new()?;
+    let mut rows = Vec::new();
+    for modes in [16, 64, 256, 512, 640] {
+        rows.push(bank_alone(&mut bank, modes)?);
+    }
+    let mut chip = EngineOnChip::new()?;
+    let demo = kit::open("demo").expect("the demo kit ships with the project");
+    let demo_modes = |pads: &[Pad]| {
+        let object = |pad: &Pad| demo.kit.objects.iter().find(|object| object.name == pad.object);
+        pads.iter().filter_map(object).map(|object| object.modes.len()).sum::<usize>()
+    };
+    let (first, all) = (demo_modes(&demo.kit.pads[..1]), demo_modes(&demo.kit.pads));
+    let once = |chip: &mut EngineOnChip, events: &[Event]| measure(chip, &demo.binary, events, None, (0, 150));
+    rows.push(once(&mut chip, &[])?.row("silence", 0));
+    rows.push(once(&mut chip, &strikes(1, 5, 0.8))?.row("one strike of the demo kit, 100 ms", first));
+    let pad_count = demo.kit.pads.len();
+    rows.push(once(&mut chip, &strikes(pad_count, 5, 0.8))?.row("every pad of the demo kit struck, 100 ms", all));
+    let force: Vec<i32> = (0..480).map(|n| ((f64::from(n) * 0.37).sin() * 2e6) as i32).collect();
+    let direct = measure(&mut chip, &demo.binary, &[], Some(&force), (8, 150))?;
+    rows.push(direct.row("direct drive of the demo kit's first pad", first));
+    for count in [4, 8] {
+        let kit = pads(count);
+        let free = measure(&mut chip, &kit.binary, &strikes(count, 5, 0.8), None, (64, 192))?;
+        rows.push(free.row(&format!("{count} pads of 64 modes ringing"), count * MODES_PER_PAD));
+    }
+    Ok(rows)
+}

@@ -1,0 +1,59 @@
+//! Error: each form over the grid of one mode, on the PC.
+
+use super::fixed_forms::FixedForm;
+use super::rivals::{self, Rival};
+use crate::single_mode::{Case, float_forms::FloatForm, q31, snr_db, worst_and_median};
+
+/// What is measured.
+#[derive(Clone, Copy, Debug)]
+pub enum Subject {
+    /// The bank, over the cases that it plays in a form, or all.
+    Fixed(Option<FixedForm>),
+    /// The single-precision modes.
+    Float,
+    /// Somebody else's.
+    Rival(Rival),
+}
+
+/// The signal-to-noise ratios of a subject over a grid, dB.
+#[derive(Clone, Debug)]
+pub struct Accuracy {
+    /// Whose.
+    pub subject: Subject,
+    /// A figure for each case that it plays.
+    pub snr_db: Vec<f64>,
+}
+
+impl Accuracy {
+    /// Worst and median, dB.
+    pub fn worst_and_median(&self) -> (f64, f64) {
+        worst_and_median(self.snr_db.clone())
+    }
+}
+
+/// Measures all subjects over a grid; `advance` is called after each case.
+pub fn measure(grid: &[Case], mut advance: impl FnMut()) -> Vec<Accuracy> {
+    let mut fixed: Vec<(Option<FixedForm>, f64)> = Vec::new();
+    let mut others: Vec<Accuracy> = std::iter::once(Subject::Float)
+        .chain(rivals::all().map(Subject::Rival))
+        .map(|subject| Accuracy { subject, snr_db: Vec::new() })
+        .collect();
+    for case in grid.iter().map(Case::exact) {
+        let law: Vec<f64> = case.law().take(case.frames()).collect();
+        let snr = |sound: Vec<f64>| snr_db(law.iter().copied(), sound);
+        fixed.push((FixedForm::of(&case), snr(q31::render(&case))));
+        for other in &mut others {
+            let sound = match &other.subject {
+                Subject::Rival(rival) => rival.render(&case),
+                _ => FloatForm::Coupled.render(&case),
+            };
+            other.snr_db.push(snr(sound));
+        }
+        advance();
+    }
+    let of_form = |form: Option<FixedForm>| Accuracy {
+        subject: Subject::Fixed(form),
+        snr_db: fixed.iter().filter(|(of, _)| form.is_none() || *of == form).map(|(_, snr)| *snr).collect(),
+    };
+    std::iter::once(None).chain(FixedForm::ALL.map(Some)).map(of_form).chain(others).collect()
+}

@@ -1,0 +1,91 @@
+//! The same kernels on the PC.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use dsp_core::fixed::ONE_Q27;
+use dsp_core::resonator::float::{self, FloatMode};
+use dsp_core::resonator::{Bank, BankTable, Group, Memory, Mode, Origin, TICK_FRAMES, Used};
+
+use super::chip::table;
+use super::rows::Driven;
+use crate::single_mode::Case;
+
+/// A fixed-point bank with memory of its own.
+#[derive(Debug)]
+pub struct BankOnPc {
+    bank: Bank,
+    modes: Vec<Mode>,
+    groups: Vec<Group>,
+}
+
+impl BankOnPc {
+    /// A bank of cases at one rate, with sine gains or sine and cosine gains, at rest. `None` where a case cannot be played.
+    pub fn new(cases: &[Case], phase: bool) -> Option<Self> {
+        let (modes, gains) = table(cases, phase);
+        let table = BankTable {
+            modes: &modes,
+            gains: &gains,
+            positions: 1,
+            weight: 1.0,
+            choke_t60_s: 0.0,
+            typical_contact: (1e-3, 1e-3),
+        };
+        let mut modes = vec![Mode::SILENT; cases.len()];
+        let mut groups = vec![Group::EMPTY; cases.len()];
+        let mut memory = Memory { modes: &mut modes, groups: &mut groups, origins: &mut [] };
+        let bank = Bank::load(&table, cases.first()?.rate, &mut memory, &mut Used::default()).ok()?;
+        Some(Self { bank, modes, groups })
+    }
+
+    /// A tick: its bookkeeping, without retirement, and its sound.
+    pub fn tick(&mut self, force: Option<&[i32]>) -> [i32; TICK_FRAMES] {
+        let mut origins: [Origin; 0] = [];
+        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut origins };
+        self.bank.tick(&mut memory, None);
+        let mut out = [0; TICK_FRAMES];
+        self.bank.render(&mut memory, force, false, true, &mut out);
+        out
+    }
+}
+
+/// Time of a bank's ticks, bookkeeping included, ns a mode and sample.
+pub fn bank_ns(cases: &[Case], driven: Driven, ticks: usize) -> Option<f64> {
+    let mut bank = BankOnPc::new(cases, driven == Driven::GainAndPhase)?;
+    let force = [ONE_Q27 / 8; TICK_FRAMES];
+    bank.tick(Some(&force));
+    let force = (driven != Driven::Free).then_some(&force[..]);
+    Some(quickest_ns(cases.len(), ticks, || {
+        black_box(bank.tick(black_box(force)));
+    }))
+}
+
+/// Time of the single-precision modes, ns a mode and sample.
+pub fn float_ns(cases: &[Case], driven: Driven, ticks: usize) -> f64 {
+    let mut modes: Vec<FloatMode> = cases
+        .iter()
+        .map(|case| FloatMode { gain: 0.01, ..FloatMode::new(case.frequency_hz, case.decay_per_s(), case.rate.hz()) })
+        .collect();
+    let force = [0.125; TICK_FRAMES];
+    let mut out = [0.0; TICK_FRAMES];
+    float::driven(&mut modes, &force, &mut out);
+    quickest_ns(cases.len(), ticks, || {
+        out.fill(0.0);
+        if driven == Driven::Free {
+            float::free(&mut modes, &mut out);
+        } else {
+            float::driven(&mut modes, black_box(&force), &mut out);
+        }
+        black_box(&mut out);
+    })
+}
+
+/// The quickest of five runs of `ticks` ticks, ns a mode and sample: other programs only ever make it slower.
+pub fn quickest_ns(modes: usize, ticks: usize, mut tick: impl FnMut()) -> f64 {
+    let mut run = || {
+        let begin = Instant::now();
+        (0..ticks).for_each(|_| tick());
+        begin.elapsed().as_secs_f64() * 1e9 / (modes * ticks * TICK_FRAMES) as f64
+    };
+    (0..5).map(|_| run()).fold(f64::INFINITY, f64::min)
+}
