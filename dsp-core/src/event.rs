@@ -61,6 +61,18 @@ pub struct Event {
     pub action: Action,
 }
 
+impl Event {
+    /// A strike of velocity 0 on pad 0 at the start: nothing.
+    pub const NOTHING: Self = Self {
+        time: Time { frame: 0, fraction: 0 },
+        pad: 0,
+        velocity: 0.0,
+        position: 0.0,
+        striker: 0,
+        action: Action::Strike,
+    };
+}
+
 /// Why an engine refuses the events of a block. Nothing of the block has been rendered then.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EventError {

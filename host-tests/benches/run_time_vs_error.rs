@@ -1,27 +1,60 @@
-//! scratch
+//! Prints run time against error of all kernels and rivals, and writes the page, the picture and the JSON: see
+//! [`host_tests::run_time`].
 
-use host_tests::on_chip::BankOnChip;
-use host_tests::run_time::{chip::*, rivals, rows::Driven};
-use host_tests::single_mode::*;
-use dsp_core::SampleRate;
-fn main() {
-    let mut chip = BankOnChip::new().unwrap();
-    let cases: Vec<Case> = (0..240).map(|i| Case { frequency_hz: 100.0 + 14.0 * f64::from(i), t60_s: 5.0, rate: SampleRate::HZ_48000, level: 0.001 }.exact()).collect();
-    let show = |n: &str, m: Measured| { let k = m.mode_samples; println!("{n:45} best {:.2} nom {:.2} worst {:.2} flash {:.2} instr {:.2} loop {}", m.cost.best as f64/k, m.cost.nominal as f64/k, m.cost.worst as f64/k, m.cost.flash_168 as f64/k, m.cost.instructions as f64/k, m.loop_bytes) };
-    for driven in [Driven::Free, Driven::Gain, Driven::GainAndPhase] {
-        for block in [32, 16, 8] {
-        let m = measure_bank(&mut chip, &BankUse { cases: &cases, driven, block }).unwrap();
-        show(&format!("bank {driven:?} {block}"), m);
-        }
-        let m = measure_bookkeeping(&mut chip, &BankUse { cases: &cases, driven, block: 32 }).unwrap();
-        show("tick", m);
+use std::error::Error;
+use std::path::Path;
+
+use host_tests::on_chip::{BankOnChip, scenes};
+use host_tests::run_time::report::Report;
+use host_tests::run_time::{accuracy, measure, rivals};
+use host_tests::single_mode::{Case, grid};
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Frequencies of the grid.
+const FREQUENCIES: u32 = 40;
+/// Every so many cases of the grid are compared bit for bit: 20 of them, of all decays and both rates.
+const SAMPLED: usize = 21;
+/// Ticks that are compared.
+const COMPARED_TICKS: usize = 200;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let cases = grid(FREQUENCIES, 1.0);
+    let progress = progress(cases.len() as u64, "error over the grid, on the PC")?;
+    let accuracies = accuracy::measure(&cases, || progress.inc(1));
+    progress.finish_and_clear();
+
+    let mut chip = BankOnChip::new()?;
+    let progress = self::progress(accuracies.len() as u64, "run time on the virtual core")?;
+    let kernels = measure::kernel_rows(&mut chip, &accuracies, || progress.inc(1))?;
+    progress.finish_and_clear();
+
+    let progress = self::progress(2, "bits, and whole scenes")?;
+    let sample: Vec<Case> = cases.iter().step_by(SAMPLED).copied().collect();
+    let (bank_bits, rival_bits) = measure::compare_bits(&mut chip, &sample, &rivals::all(), COMPARED_TICKS)?;
+    progress.inc(1);
+    let scenes = scenes::measure_all()?;
+    progress.finish_and_clear();
+
+    let report = Report { kernels, scenes, bank_bits, rival_bits };
+    print!("{}", report.markdown());
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent().ok_or("this crate lies in a workspace")?;
+    for path in report.write(workspace)? {
+        eprintln!("wrote {}", path.display());
     }
-    for driven in [Driven::Free, Driven::Gain] {
-    let r = Resonators { function: "float", words: cases[..64].iter().map(|c| vec![(c.frequency_hz as f32).to_bits(), (c.decay_per_s() as f32).to_bits(), 0.001f32.to_bits()]).collect(), force_word: |x| (x as f32).to_bits() };
-    show(&format!("float {driven:?}"), r.measure(chip.machine(), driven, 32).unwrap());
-    for rival in rivals::all() {
-        let r = Resonators { function: rival.function, words: cases[..64].iter().map(|c| rival.words.of(c).to_vec()).collect(), force_word: rival.force_word };
-        show(&format!("{} {driven:?}", rival.form), r.measure(chip.machine(), driven, 32).unwrap());
+    let different = bank_bits.different + rival_bits.different;
+    if different > 0 {
+        return Err(format!("{different} samples of the virtual core differ from the PC's").into());
     }
+    Ok(())
+}
+
+/// A bar on stderr, shown where that is a terminal; a line where it is not.
+fn progress(length: u64, what: &'static str) -> Result<ProgressBar, Box<dyn Error>> {
+    let bar = ProgressBar::new(length)
+        .with_style(ProgressStyle::with_template("{msg:32} {wide_bar} {percent:>3} % {eta}")?)
+        .with_message(what);
+    if bar.is_hidden() {
+        eprintln!("{what} ...");
     }
+    Ok(bar)
 }

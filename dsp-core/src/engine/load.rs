@@ -87,13 +87,14 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     /// # Errors
     /// A [`LoadError`]; the engine is then without a kit and silent.
     pub fn load(&mut self, kit: &Kit<'k>, rate: SampleRate, skipping: Skipping) -> Result<(), LoadError> {
-        self.pad_count = 0;
+        (self.pad_count, self.idle) = (0, false);
         self.modes = [Mode::SILENT; MODES];
         self.flight = Flight::EMPTY;
         self.report = TickReport::EMPTY;
         (self.rate, self.skipping, self.now) = (Some(rate), skipping, 0);
         self.load_pads(kit, rate)?;
         self.pad_count = kit.pads().len();
+        self.modes_built = self.voices().iter().map(|voice| voice.pad.mode_count() as u32).sum();
         Ok(())
     }
 

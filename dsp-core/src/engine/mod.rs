@@ -75,6 +75,12 @@ pub struct Engine<
     skipping: Skipping,
     now: u64,
     report: TickReport,
+    /// Whether nothing rings, no contact is under way and nothing retired may still be missing: until an event or a direct force, a tick
+    /// has nothing to do.
+    idle: bool,
+    modes_built: u32,
+    /// Modes of pads that have not been struck since the load; kept for idle ticks.
+    unstruck_modes: u32,
 }
 
 /// A pad and the tables it was loaded from.
@@ -112,6 +118,9 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             skipping: Skipping::On,
             now: 0,
             report: TickReport::EMPTY,
+            idle: false,
+            modes_built: 0,
+            unstruck_modes: 0,
         }
     }
 
@@ -170,9 +179,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         out: &mut [[i32; 2]],
         observe: impl FnMut(&TickReport),
     ) -> Result<(), EventError> {
-        self.render_bus(events, direct, out, observe)?;
-        output::to_24_bit(out);
-        Ok(())
+        self.render_blocks(events, direct, out, observe, output::to_24_bit)
     }
 
     /// The same before the step to 24 bits: stereo bus samples, Q4.27. For measuring.
@@ -184,7 +191,19 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         events: &[Event],
         direct: Option<Direct<'_>>,
         out: &mut [[i32; 2]],
+        observe: impl FnMut(&TickReport),
+    ) -> Result<(), EventError> {
+        self.render_blocks(events, direct, out, observe, |_| {})
+    }
+
+    /// `finish` takes each run of the bus that is not exact silence.
+    fn render_blocks(
+        &mut self,
+        events: &[Event],
+        direct: Option<Direct<'_>>,
+        out: &mut [[i32; 2]],
         mut observe: impl FnMut(&TickReport),
+        finish: impl Fn(&mut [[i32; 2]]),
     ) -> Result<(), EventError> {
         let frames = out.len();
         self.check(events, direct, frames)?;
@@ -208,7 +227,12 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             let Some((now, later)) = core::mem::take(&mut out).split_at_mut_checked(length) else { break };
             let direct_now =
                 direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(..length)? }));
-            self.render_run(direct_now, now);
+            if self.idle && direct_now.is_none() {
+                self.report.pass_idle(self.unstruck_modes, self.modes_built, length);
+            } else {
+                self.render_run(direct_now, now);
+                finish(now);
+            }
             direct = direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(length..)? }));
             out = later;
             self.now += length as u64;
@@ -253,12 +277,15 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
 
     fn begin_tick(&mut self) {
         self.report = TickReport { frame: self.now, ..TickReport::EMPTY };
+        if self.idle {
+            return;
+        }
         let skip = self.skipping == Skipping::On;
         let mut retired: f32 = self.voices().iter().map(|voice| voice.pad.retired_amplitude()).sum();
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         for voice in self.pads.iter_mut().take(self.pad_count) {
             let elsewhere = retired - voice.pad.retired_amplitude();
-            self.report.retired_modes += voice.pad.tick(&mut memory, skip, elsewhere.max(0.0));
+            self.report.retired_modes += voice.pad.tick(&mut memory, skip, if elsewhere > 0.0 { elsewhere } else { 0.0 });
             retired = elsewhere + voice.pad.retired_amplitude();
         }
         self.report.retired_amplitude = retired;
@@ -268,6 +295,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let rate = self.rate();
         let Some(voice) = self.pads.get_mut(usize::from(event.pad)) else { return };
         let Some(tables) = &voice.tables else { return };
+        self.idle = false;
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         match event.action {
             Action::Strike => {
@@ -292,6 +320,8 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
 
     fn render_run(&mut self, direct: Option<Direct<'_>>, out: &mut [[i32; 2]]) {
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
+        self.idle = false;
+        let mut scratch = [0; TICK_FRAMES];
         self.report.contact_frames += (self.flight.count() * out.len()) as u32;
         for (voice, number) in self.pads.iter_mut().take(self.pad_count).zip(0u8..) {
             let skip = self.skipping == Skipping::On;
@@ -300,15 +330,26 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
                 .filter(|direct| direct.pad == number && !(skip && direct.force.iter().all(|&x| x == 0)))
                 .map(|direct| direct.force);
             let run = Run { frames: out.len(), odd_start: self.now % 2 == 1, skip, direct };
-            let work = voice.pad.render(number, run, &mut self.flight, &mut memory, out);
+            let work = voice.pad.render(number, run, &mut self.flight, &mut memory, &mut scratch, out);
             self.report.add(&voice.pad, &work, out.len());
         }
         self.flight.clear_finished();
     }
 
     fn end_tick(&mut self) {
+        if self.idle {
+            return;
+        }
         self.report.contacts = self.flight.count() as u32;
         self.report.ringing_pads = self.voices().iter().filter(|voice| voice.pad.is_ringing()).count() as u32;
+        self.idle = self.skipping == Skipping::On
+            && self.report.contacts == 0
+            && self.report.ringing_pads == 0
+            && self.voices().iter().all(|voice| voice.pad.retired_amplitude() == 0.0);
+        if self.idle {
+            let unstruck = self.voices().iter().filter(|voice| !voice.pad.was_struck());
+            self.unstruck_modes = unstruck.map(|voice| voice.pad.mode_count() as u32).sum();
+        }
     }
 }
 

@@ -89,6 +89,12 @@ impl TickReport {
         }
     }
 
+    /// Frames in which nothing ran.
+    pub(super) fn pass_idle(&mut self, unstruck_modes: u32, modes: u32, frames: usize) {
+        self.unstruck_mode_frames += unstruck_modes * frames as u32;
+        self.decayed_mode_frames += (modes - unstruck_modes) * frames as u32;
+    }
+
     pub(super) fn add(&mut self, pad: &Pad, work: &PadWork, frames: usize) {
         let mut banks = work.object;
         banks += work.strikers;

@@ -15,6 +15,7 @@ use crate::contact::law::{Impact, StrikerLaw, typical_contact};
 use crate::fixed;
 use crate::output::Panner;
 use crate::radiation::Acceleration;
+use crate::resonator::kernel::{self, Backward};
 use crate::resonator::{Bank, BankError, BankTable, BankWork, Memory, Retirement, TICK_FRAMES, Used};
 use crate::table::layout::STRIKERS_PER_PAD;
 use crate::table::{Kit, Object, Pad as PadTable, Striker};
@@ -26,6 +27,7 @@ pub struct Pad {
     /// The first `striker_count` are the pad's.
     strikers: [PadStriker; STRIKERS_PER_PAD],
     striker_count: u8,
+    mode_count: u16,
     acceleration: Acceleration,
     panner: Panner,
     choked: bool,
@@ -76,6 +78,7 @@ impl Pad {
         object: Bank::EMPTY,
         strikers: [PadStriker::NONE; STRIKERS_PER_PAD],
         striker_count: 0,
+        mode_count: 0,
         acceleration: Acceleration::NONE,
         panner: Panner::SILENT,
         choked: false,
@@ -100,16 +103,20 @@ impl Pad {
         let table = object_table(object, pad, contact);
         let mut strikers = [PadStriker::NONE; STRIKERS_PER_PAD];
         let mut striker_count = 0;
+        let mut mode_count = 0;
         let object_bank = Bank::load(&table, rate, memory, used).map_err(|error| (error, None))?;
         for (index, (slot, striker)) in strikers.iter_mut().zip(kit.strikers_of(pad)).enumerate() {
             let law = StrikerLaw::new(&striker, reference_force, rate);
             let table = striker_table(&striker, pad, reference_force, typical_contact(&striker, reference_force));
             let bank = Bank::load(&table, rate, memory, used).map_err(|error| (error, Some(index)))?;
+            mode_count += bank.mode_count();
             *slot = PadStriker { law, bank };
             striker_count += 1;
         }
+        mode_count += object_bank.mode_count();
         Ok(Self {
             object: object_bank,
+            mode_count: mode_count as u16, // all banks count in 16 bits
             strikers,
             striker_count,
             acceleration: Acceleration::new(object.acceleration(), reference_force),
@@ -134,8 +141,7 @@ impl Pad {
 
     /// Modes of the object's bank and of all strikers' banks.
     pub fn mode_count(&self) -> usize {
-        self.object.mode_count()
-            + self.strikers().iter().map(|striker| striker.bank.mode_count()).sum::<usize>()
+        usize::from(self.mode_count)
     }
 
     /// Whether the pad has been struck, or driven, since it was loaded.
@@ -184,8 +190,18 @@ impl Pad {
         }
     }
 
+    /// Whether the next tick guards any group, if no more force comes before it.
+    pub fn is_guard_due(&self) -> bool {
+        self.object.is_guard_due() || self.strikers().iter().any(|striker| striker.bank.is_guard_due())
+    }
+
     /// The bookkeeping of a tick; gives how many modes retired. `retired_elsewhere` is what other pads leave out, output units.
     pub fn tick(&mut self, memory: &mut Memory<'_>, skip: bool, retired_elsewhere: f32) -> u32 {
+        if skip && !self.is_guard_due() {
+            self.object.tick(memory, None);
+            self.strikers_mut().iter_mut().for_each(|striker| striker.bank.tick(memory, None));
+            return 0;
+        }
         let already = retired_elsewhere + self.retired_amplitude();
         // 1.0 on the bus is full scale, so that a bus step is 2^-27 of it.
         let mut retirement = Retirement::new(already, self.panner.loudest() / fixed::ONE_Q27 as f32);
@@ -196,21 +212,61 @@ impl Pad {
         retirement.retired_modes()
     }
 
-    /// Renders a run and adds it to the stereo sum.
+    /// Renders a run and adds it to the stereo sum. `scratch` holds nothing before and after.
     pub fn render<const CONTACTS: usize>(
         &mut self,
         number: u8,
         run: Run<'_>,
         flight: &mut Flight<CONTACTS>,
         memory: &mut Memory<'_>,
+        scratch: &mut Backward,
+        out: &mut [[i32; 2]],
+    ) -> PadWork {
+        let has_force = run.direct.is_some() || flight.count_on(number) > 0;
+        match (has_force, run.skip) {
+            (false, true) if !self.is_ringing() => PadWork::default(),
+            (false, true) => self.ring(run, memory, scratch, out),
+            _ => self.drive(number, run, has_force, flight, memory, out),
+        }
+    }
+
+    /// A run without force. A striker's bank that rings sounds on the same bus as the object's.
+    #[inline(never)]
+    fn ring(&mut self, run: Run<'_>, memory: &mut Memory<'_>, scratch: &mut Backward, out: &mut [[i32; 2]]) -> PadWork {
+        let mut work = PadWork::default();
+        let frames = run.frames.min(TICK_FRAMES);
+        work.object.free_mode_frames = self.object.running_modes(true) * frames as u32;
+        let alone = !self.strikers().iter().any(|striker| striker.bank.is_ringing());
+        let bank_run = kernel::Run { frames, skip: true, add: false };
+        match self.panner.half_gains().filter(|_| alone && !self.object.mix_shift().saturates) {
+            // The usual case, in one pass: the same bits.
+            Some(gains) => self.object.ring_stereo(memory, bank_run, run.odd_start, scratch, gains, out),
+            None => {
+                let mut sound = [0; TICK_FRAMES];
+                let Some(sound) = sound.get_mut(..frames) else { return work };
+                for striker in self.strikers_mut() {
+                    work.strikers += striker.bank.render(memory, None, run.odd_start, true, sound);
+                }
+                self.object.render(memory, None, run.odd_start, true, sound);
+                self.panner.render(sound, out);
+            }
+        }
+        work
+    }
+
+    /// A run with force, or one that leaves nothing out.
+    #[inline(never)] // its buffers must not weigh on runs without force
+    fn drive<const CONTACTS: usize>(
+        &mut self,
+        number: u8,
+        run: Run<'_>,
+        has_force: bool,
+        flight: &mut Flight<CONTACTS>,
+        memory: &mut Memory<'_>,
         out: &mut [[i32; 2]],
     ) -> PadWork {
         let mut work = PadWork::default();
         let frames = run.frames.min(TICK_FRAMES);
-        let has_force = run.direct.is_some() || flight.count_on(number) > 0;
-        if run.skip && !has_force && !self.is_ringing() {
-            return work;
-        }
         let mut sound = [0; TICK_FRAMES];
         let mut forces = [[0; TICK_FRAMES]; STRIKERS_PER_PAD];
         let Some(sound) = sound.get_mut(..frames) else { return work };
@@ -223,7 +279,6 @@ impl Pad {
             }
             flight.add_force(number, &mut forces, frames);
         }
-        let needs_force = has_force || !run.skip;
         let mut total = [0; TICK_FRAMES];
         for (striker, force) in self.strikers_mut().iter_mut().zip(&forces) {
             let Some(force) = force.get(..frames) else { continue };
@@ -231,13 +286,12 @@ impl Pad {
                 total.iter_mut().zip(force).for_each(|(total, &x)| *total = fixed::qadd(*total, x));
             }
             if striker.bank.mode_count() > 0 {
-                let force = needs_force.then_some(force);
-                work.strikers += striker.bank.render(memory, force, run.odd_start, run.skip, sound);
+                work.strikers += striker.bank.render(memory, Some(force), run.odd_start, run.skip, sound);
             }
         }
-        let force = total.get(..frames).filter(|_| needs_force);
-        work.object = self.object.render(memory, force, run.odd_start, run.skip, sound);
-        if let (Some(force), true) = (force, self.acceleration.is_built()) {
+        let Some(force) = total.get(..frames) else { return work };
+        work.object = self.object.render(memory, Some(force), run.odd_start, run.skip, sound);
+        if self.acceleration.is_built() {
             work.acceleration_frames = frames as u32;
             self.acceleration.render(force, sound);
         }

@@ -10,7 +10,7 @@
 //! | --- | --- | --- |
 //! | four modes in registers, the plain loop: LLVM unrolls four frames and fuses each product with its sum (VMLA, 3 cycles) | 12.6 | 15.9 |
 //! | two of the three products taken in the pass before: unrolled, they are fused all the same | 12.1 | - |
-//! | the same, with something opaque in each pass that keeps LLVM from unrolling: two products are VMUL and VSUB, 2 cycles | **10.7** | **14.5** |
+//! | the same, with something opaque in each pass that keeps LLVM from unrolling: two products are VMUL and VSUB, 2 cycles | **10.6** | **14.4** |
 //! | three modes, more loop for each | 11.6 | 15.7 |
 //! | five modes, four temporaries short of registers | 10.9 | - |
 //!
@@ -66,7 +66,7 @@ const TOGETHER: usize = 4;
 
 /// Adds the sound of modes that ring freely to `out`: the bits of [`FloatMode::step`], modes summed in their order.
 ///
-/// 10.7 cycles a mode and sample on a Cortex-M4F.
+/// 10.6 cycles a mode and sample on a Cortex-M4F.
 pub fn free(modes: &mut [FloatMode], out: &mut [f32]) {
     let (fours, rest) = modes.as_chunks_mut::<TOGETHER>();
     fours.iter_mut().for_each(|four| free_together(four, out));
@@ -76,7 +76,7 @@ pub fn free(modes: &mut [FloatMode], out: &mut [f32]) {
 /// Adds the sound of modes under a force to `out`: the bits of [`FloatMode::step_driven`], modes summed in their order. Frames beyond the
 /// shorter of `force` and `out` are left alone.
 ///
-/// 14.5 cycles a mode and sample on a Cortex-M4F.
+/// 14.4 cycles a mode and sample on a Cortex-M4F.
 pub fn driven(modes: &mut [FloatMode], force: &[f32], out: &mut [f32]) {
     let (fours, rest) = modes.as_chunks_mut::<TOGETHER>();
     fours.iter_mut().for_each(|four| driven_together(four, force, out));

@@ -69,6 +69,9 @@ impl Retired {
     }
 
     pub(super) fn decay(&mut self) {
+        if self.amplitude == 0.0 {
+            return;
+        }
         self.amplitude *= self.decay_per_tick;
         if self.amplitude < Self::NEGLIGIBLE {
             *self = Self::NOTHING;

@@ -15,7 +15,7 @@ use crate::scene::{load, mode, one_pad};
 /// Modes of a pad of [`pads`].
 pub const MODES_PER_PAD: usize = 64;
 
-/// A kit of equal pads with 64 modes each: three quarters from 80 Hz to 3.8 kHz, a quarter from 3.8 to 16 kHz, T60 3 s falling to 0.6 s,
+/// A kit of equal pads with 64 modes each: three quarters from 80 Hz to 3.8 kHz, a quarter from 3.9 to 11.5 kHz, T60 3 s falling to 0.6 s,
 /// sine gains.
 pub fn pads(count: usize) -> Loaded {
     let Kit { objects, strikers, pads, .. } = one_pad(Vec::new());
@@ -36,7 +36,7 @@ pub fn pads(count: usize) -> Loaded {
 
 fn frequencies() -> impl Iterator<Item = f64> {
     let low = (0..48).map(|n| 80.0 * (3800.0f64 / 80.0).powf(f64::from(n) / 48.0));
-    low.chain((0..16).map(|n| 3850.0 * (16_000.0f64 / 3850.0).powf(f64::from(n) / 15.0)))
+    low.chain((0..16).map(|n| 3900.0 * (11_500.0f64 / 3900.0).powf(f64::from(n) / 15.0)))
 }
 
 /// A strike on every pad of a kit at a frame.

@@ -63,8 +63,11 @@ pub fn compare_rival(
 ) -> Result<Compared, OnChipError> {
     let mut compared = Compared::default();
     for case in cases {
-        let resonators =
-            Resonators { function: rival.function, words: vec![rival.words.of(case).to_vec()], force_word: rival.force_word };
+        let resonators = Resonators {
+            function: rival.function,
+            words: vec![rival.words.of(case).to_vec()],
+            force_word: rival.force_word,
+        };
         resonators.load(chip.machine())?;
         let mut impulse = [(rival.force_word)(0.0); TICK_FRAMES];
         impulse[rival.delay] = (rival.force_word)(1.0);

@@ -57,12 +57,7 @@ impl FixedForm {
             Self::Mirrored => (12_100.0, 20_000.0),
         };
         let frequency_hz = |index: u32| low + (high - low) * f64::from(index) / f64::from(count.max(2) - 1);
-        let case = |index| Case {
-            frequency_hz: frequency_hz(index),
-            t60_s,
-            rate: SampleRate::HZ_48000,
-            level: 0.01,
-        };
+        let case = |index| Case { frequency_hz: frequency_hz(index), t60_s, rate: SampleRate::HZ_48000, level: 0.01 };
         (0..count).map(|index| case(index).exact()).collect()
     }
 }

@@ -17,4 +17,5 @@ pub mod on_pc;
 pub mod report;
 pub mod rivals;
 pub mod rows;
+pub mod verdict;
 pub mod words;

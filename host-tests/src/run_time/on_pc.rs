@@ -62,10 +62,9 @@ pub fn bank_ns(cases: &[Case], driven: Driven, ticks: usize) -> Option<f64> {
 
 /// Time of the single-precision modes, ns a mode and sample.
 pub fn float_ns(cases: &[Case], driven: Driven, ticks: usize) -> f64 {
-    let mut modes: Vec<FloatMode> = cases
-        .iter()
-        .map(|case| FloatMode { gain: 0.01, ..FloatMode::new(case.frequency_hz, case.decay_per_s(), case.rate.hz()) })
-        .collect();
+    let mut modes: Vec<FloatMode> =
+        cases.iter().map(|case| FloatMode::new(case.frequency_hz, case.decay_per_s(), case.rate.hz())).collect();
+    modes.iter_mut().for_each(|mode| mode.gain = 0.01);
     let force = [0.125; TICK_FRAMES];
     let mut out = [0.0; TICK_FRAMES];
     float::driven(&mut modes, &force, &mut out);

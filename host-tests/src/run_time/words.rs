@@ -2,7 +2,7 @@
 
 use crate::single_mode::Case;
 
-/// Peak of a fixed-point rival's mode at full scale: two bits of headroom, one more than this project's bank leaves at its loudest.
+/// Peak of a fixed-point rival's mode at full scale: two bits of headroom, as a state of this project's bank has at its largest.
 pub const FIXED_PEAK: f64 = (1u32 << 29) as f64;
 
 /// Which coefficients, in which format.

@@ -1,4 +1,4 @@
-//! Pictures, as PNG: a performance over time, and a kit's modes. Needs nothing of the machine, the font comes along.
+//! Pictures, as PNG: a performance over time, a kit's modes, and run time against error. Needs nothing of the machine, the font comes along.
 //!
 //! [`performance()`] and [`kit()`] draw on a `canvas` by means of `panel`s with `scale`s; `spectrogram` is the one computation.
 
@@ -9,6 +9,7 @@ mod kit_picture;
 mod page;
 mod panel;
 mod performance;
+mod run_time;
 mod scale;
 mod spectrogram;
 mod text;
@@ -16,3 +17,4 @@ mod text;
 pub use error::PlotError;
 pub use kit_picture::{KitPicture, ObjectPicture, kit};
 pub use performance::{Performance, StrikeMark, TickRow, performance};
+pub use run_time::{KernelMark, RunTimePicture, run_time};

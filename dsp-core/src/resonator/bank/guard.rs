@@ -2,7 +2,7 @@
 //!
 //! | when | what |
 //! | --- | --- |
-//! | a tick after input, if what is left of the allowance is less than twice that input, or 64 times more | all ringing groups are guarded for eight times that input |
+//! | a tick after input, if what is left of the allowance is less than twice that input, or 32 times more | all ringing groups are guarded for four times that input |
 //! | the first tick after a tick without | all ringing groups are guarded for none |
 //! | later | each group when its fastest mode has decayed by a quarter of a bit, at the latest after 16 ticks |
 //!
@@ -11,7 +11,7 @@
 
 use super::super::group::{Group, Guard};
 use super::super::retirement::Retirement;
-use super::{Bank, Memory, for_each_group};
+use super::{Bank, Memory, MixShift, for_each_group};
 
 /// The most that can come in a tick: 32 frames of 2^31.
 pub(super) const MAX_ALLOWANCE: u64 = 32 << 31;
@@ -29,7 +29,7 @@ impl Bank {
             self.allowance = 0;
         } else if expected > 0 {
             if !self.allows(expected) {
-                self.guard(memory, (4 * expected).min(MAX_ALLOWANCE), false, None);
+                self.guard(memory, (2 * expected).min(MAX_ALLOWANCE), false, None);
             }
         } else if self.allowance > 0 {
             self.guard(memory, 0, false, retirement);
@@ -43,7 +43,7 @@ impl Bank {
 
     /// Whether the allowance left is enough for an input, and not so much that precision would be wasted.
     fn allows(&self, expected: u64) -> bool {
-        (expected..=64 * expected).contains(&self.allowance)
+        (expected..=32 * expected).contains(&self.allowance)
     }
 
     /// Whether the next tick guards any group, if no more input comes before it.
@@ -112,7 +112,7 @@ impl Bank {
         // sum < 2^bits: shifted right by bits - 31 it stays below 2^31.
         let bits = 64 - sum.leading_zeros() as i32;
         let mix_exponent = mix_exponent.max(bits - 31).max(0);
-        self.mix_exponent = mix_exponent as u8; // at most 33
+        self.mix_shift = MixShift { bits: mix_exponent as u8, saturates: bits > 31 }; // at most 33 bits
         (self.ringing_modes, self.refusing) = (ringing_modes as u16, refusing);
         (self.due_ticks, self.passed_ticks) = (due_ticks, 0);
         let force_shift = u32::from(self.force_shift);

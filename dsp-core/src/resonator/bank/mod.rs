@@ -6,6 +6,8 @@ mod guard;
 mod load;
 mod render;
 
+pub use render::MixShift;
+
 use super::coefficient::Coefficients;
 use super::gain::{gain_at, gain_law, move_pole, onset, orbit_gains};
 use super::group::Group;
@@ -154,7 +156,7 @@ pub struct Bank {
     spent: u64,
     /// Bits by which the force is shifted left before it drives the modes, so that a weak one keeps its precision.
     force_shift: u8,
-    mix_exponent: u8,
+    mix_shift: MixShift,
     /// Groups that refused the input they were last guarded for.
     refusing: u16,
     ringing_modes: u16,
@@ -179,7 +181,7 @@ impl Bank {
         allowance: 0,
         spent: 0,
         force_shift: 0,
-        mix_exponent: 0,
+        mix_shift: MixShift { bits: 0, saturates: false },
         refusing: 0,
         ringing_modes: 0,
         due_ticks: 0,

@@ -6,7 +6,7 @@ use core::mem::offset_of;
 use super::super::TICK_FRAMES;
 use super::super::group::Group;
 use super::super::mode::Mode;
-use super::{Backward, Plan, Run};
+use super::{Backward, Plan, Run, Stereo};
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 
@@ -20,13 +20,18 @@ struct Call {
     force: *const Backward,
     frames: u32,
     skip: u32,
+    add: u32,
+    stereo: *mut [i32; 2],
+    left: i32,
+    right: i32,
+    shift: u32,
 }
 
 // The offsets that cortex_m4.s uses.
 const _: () = {
     assert!(size_of::<Mode>() == 24 && size_of::<Group>() == 24 && size_of::<Plan>() == 8);
     assert!(offset_of!(Mode, state) == 0 && offset_of!(Mode, coefficients) == 8 && offset_of!(Mode, gain) == 16);
-    assert!(offset_of!(Call, groups_end) == 8 && offset_of!(Call, force) == 16 && offset_of!(Call, skip) == 24);
+    assert!(offset_of!(Call, groups_end) == 8 && offset_of!(Call, force) == 16 && offset_of!(Call, skip) == 24 && offset_of!(Call, add) == 28 && offset_of!(Call, shift) == 44);
     assert!(TICK_FRAMES == 32);
 };
 
@@ -37,43 +42,56 @@ unsafe extern "C" {
 
 /// As [`super::portable::free`]. 5.45 cycles a mode and sample (nominal, `cargo bench -p host-tests --bench run_time_vs_error`).
 pub fn free(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward) {
-    let Some(call) = Call::new(groups, modes, run, core::ptr::null(), mix) else { return };
-    // SAFETY: by `Call::new` the groups' modes lie within `modes`, borrowed mutably for the call as is `mix`; frames are 1 to 32, so
-    // that the assembly stays within its buffers; it keeps the procedure call standard and uses 300 bytes of stack.
-    unsafe { malleus_kernel_free(&call) }
+    render(groups, modes, run, core::ptr::null(), mix, None, malleus_kernel_free);
 }
 
-/// As [`super::portable::driven`]. 7.7 cycles a mode and sample with one gain, 9.1 with gain and phase (nominal, as above).
+/// As [`super::portable::free_stereo`].
+pub fn free_stereo(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward, stereo: Stereo<'_>) {
+    render(groups, modes, run, core::ptr::null(), mix, Some(stereo), malleus_kernel_free);
+}
+
+/// As [`super::portable::driven`]. 7.7 cycles a mode and sample with one gain, 9.2 with gain and phase (nominal, as above).
 pub fn driven(groups: &[Group], modes: &mut [Mode], run: Run, force: &Backward, mix: &mut Backward) {
-    let Some(call) = Call::new(groups, modes, run, force, mix) else { return };
-    // SAFETY: as in `free`; `force` is borrowed for the call.
-    unsafe { malleus_kernel_driven(&call) }
+    render(groups, modes, run, force, mix, None, malleus_kernel_driven);
 }
 
-impl Call {
-    /// `None` where there is nothing to run, or the groups claim more modes than there are.
-    fn new(
-        groups: &[Group],
-        modes: &mut [Mode],
-        run: Run,
-        force: *const Backward,
-        mix: &mut Backward,
-    ) -> Option<Self> {
-        if run.frames == 0 || run.frames > TICK_FRAMES || !modes_suffice(groups, modes) {
-            mix.fill(0);
-            return None;
-        }
-        let groups = groups.as_ptr_range();
-        Some(Self {
-            modes: modes.as_mut_ptr(),
-            groups: groups.start,
-            groups_end: groups.end,
-            mix,
-            force,
-            frames: run.frames as u32,
-            skip: u32::from(run.skip),
-        })
+fn render(
+    groups: &[Group],
+    modes: &mut [Mode],
+    run: Run,
+    force: *const Backward,
+    mix: &mut Backward,
+    stereo: Option<Stereo<'_>>,
+    kernel: unsafe extern "C" fn(*const Call),
+) {
+    let stereo_fits = stereo.as_ref().is_none_or(|stereo| stereo.out.len() >= run.frames);
+    if run.frames == 0 || run.frames > TICK_FRAMES || !modes_suffice(groups, modes) || !stereo_fits {
+        return;
     }
+    let (out, left, right, shift) = match stereo {
+        Some(stereo) => (stereo.out.as_mut_ptr(), stereo.left, stereo.right, stereo.shift.min(31)),
+        None => (core::ptr::null_mut(), 0, 0, 0),
+    };
+    let groups = groups.as_ptr_range();
+    let call = Call {
+        modes: modes.as_mut_ptr(),
+        groups: groups.start,
+        groups_end: groups.end,
+        mix,
+        force,
+        frames: run.frames as u32,
+        skip: u32::from(run.skip),
+        add: u32::from(run.add),
+        stereo: out,
+        left,
+        right,
+        shift,
+    };
+    // SAFETY: the groups' modes lie within `modes`, borrowed mutably for the call as are `mix` and the stereo
+    // frames, which are at least as many as the run's; `force` is null for the free kernel, which
+    // does not read it, and borrowed for the call for the driven one; frames are 1 to 32, so that the assembly stays within its
+    // buffers; it keeps the procedure call standard and uses 300 bytes of stack.
+    unsafe { kernel(&call) }
 }
 
 /// The banks of this crate see to it; here it is what makes the call sound, at four cycles a group.

@@ -4,7 +4,8 @@
 @ malleus_kernel_driven(call)   modes under a force: step, inject, mix
 @
 @ The bits are those of portable.rs. Layouts (checked at compile time in cortex_m4.rs):
-@   call    modes 0, groups 4, groups_end 8, mix 12, force 16, frames 20, skip 24
+@   call    modes 0, groups 4, groups_end 8, mix 12, force 16, frames 20, skip 24, add 28, stereo 32 (null: the mix is
+@           written to `mix`), left 36, right 40, shift 44
 @   mode    u 0, v 4, delta 8, epsilon 12, gain_u 16, gain_v 20; 24 bytes
 @   group   free kind 0, driven kind 1, gain shift 2, count 3, mix scale 4; 24 bytes, of which eight are read
 @   kind    bits 0-1 form, bit 2 gain and phase, bit 6 not full, bit 7 ringing
@@ -30,7 +31,9 @@
     .equ DRIVEN, 1
     .equ OUT, 256
     .equ SKIP, 260
-    .equ LOCALS, 264
+    .equ FRAMES, 264
+    .equ CALL, 268
+    .equ LOCALS, 272
     .equ GROUP, 24
 
 @ u -= delta u; u -= epsilon v; v += epsilon u (form 0), v += u << k (form k + 1)
@@ -521,11 +524,14 @@ after_leftover_\name:
     .endr
     .endm
 
-@ Saves the call's fields, makes room for the buffers and clears the mix.
+@ Saves the call's fields, makes room for the buffers, and clears the mix or takes over what the caller's holds.
     .macro enter
     push    {r4-r11, lr}
-    ldm     r0, {r0-r6}
+    mov     r8, r0
+    ldm     r0, {r0-r7}
     sub     sp, #LOCALS
+    str     r8, [sp, #CALL]
+    str     r5, [sp, #FRAMES]
     vmov    s0, r0
     vmov    s1, r1
     vmov    s2, r2
@@ -533,20 +539,31 @@ after_leftover_\name:
     str     r6, [sp, #SKIP]
     mov     r12, sp
     vmov    s6, r12
-    sub     r7, r12, r5, lsl #2
-    vmov    s7, r7
-    movs    r1, #0
-    mov     r2, r1
-    mov     r3, r1
-    mov     r6, r1
-    mov     r7, r1
-    mov     r8, r1
-    mov     r9, r1
-    mov     r10, r1
-    stm     r12!, {r1-r3, r6-r10}
-    stm     r12!, {r1-r3, r6-r10}
-    stm     r12!, {r1-r3, r6-r10}
-    stm     r12!, {r1-r3, r6-r10}
+    sub     r11, r12, r5, lsl #2
+    vmov    s7, r11
+    cbnz    r7, 1f
+    mov     r1, #0
+    mov     r2, #0
+    mov     r6, #0
+    mov     r7, #0
+    mov     r8, #0
+    mov     r9, #0
+    mov     r10, #0
+    mov     r11, #0
+    stm     r12!, {r1, r2, r6-r11}
+    stm     r12!, {r1, r2, r6-r11}
+    stm     r12!, {r1, r2, r6-r11}
+    stm     r12!, {r1, r2, r6-r11}
+    b       2f
+1:  ldm     r3!, {r1, r2, r6-r11}
+    stm     r12!, {r1, r2, r6-r11}
+    ldm     r3!, {r1, r2, r6-r11}
+    stm     r12!, {r1, r2, r6-r11}
+    ldm     r3!, {r1, r2, r6-r11}
+    stm     r12!, {r1, r2, r6-r11}
+    ldm     r3!, {r1, r2, r6-r11}
+    stm     r12!, {r1, r2, r6-r11}
+2:
     .endm
 
 @ ---------------------------------------------------------------------------------------------------------------------------------
@@ -579,9 +596,31 @@ leftover_short_free:
     short_free \form
     .endr
 
+@ Two frames of the mix to stereo: r7 stereo, r8 and r9 mantissas, r10 shift, lr behind the first frame's slot.
+    .macro pan_two
+    ldm     r7, {r0-r3}
+    ldr     r5, [lr, #-4]
+    ldr     r4, [lr, #-8]!
+    lsl     r5, r5, r10
+    lsl     r4, r4, r10
+    smmulr  r6, r5, r8
+    smmulr  r5, r5, r9
+    smmulr  r11, r4, r8
+    smmulr  r4, r4, r9
+    qdadd   r0, r0, r6
+    qdadd   r1, r1, r5
+    qdadd   r2, r2, r11
+    qdadd   r3, r3, r4
+    stm     r7!, {r0-r3}
+    .endm
+
     .p2align 2
     .type   finish, %function
 finish:
+    ldr     r7, [sp, #CALL]
+    add     r7, #32
+    ldm     r7, {r7-r10}                @ stereo, left, right, shift
+    cbnz    r7, 1f
     ldr     r12, [sp, #OUT]
     mov     r0, sp
     ldm     r0!, {r1-r8}
@@ -593,6 +632,28 @@ finish:
     ldm     r0!, {r1-r8}
     stm     r12!, {r1-r8}
     add     sp, #LOCALS
+    pop     {r4-r11, pc}
+1:  ldr     r12, [sp, #FRAMES]          @ left += 2 left mantissa (mix << shift), right alike: 11.5 cycles a frame
+    add     lr, sp, #128
+    subs    r12, #4
+    blo     3f
+2:  pan_two
+    pan_two
+    subs    r12, #4
+    bhs     2b
+3:  adds    r12, #4
+    beq     5f
+4:  ldr     r5, [lr, #-4]!
+    ldm     r7, {r0, r1}
+    lsl     r5, r5, r10
+    smmulr  r6, r5, r8
+    smmulr  r5, r5, r9
+    qdadd   r0, r0, r6
+    qdadd   r1, r1, r5
+    stm     r7!, {r0, r1}
+    subs    r12, #1
+    bne     4b
+5:  add     sp, #LOCALS
     pop     {r4-r11, pc}
     .size   finish, . - finish
 

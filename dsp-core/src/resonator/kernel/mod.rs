@@ -20,9 +20,9 @@ mod cortex_m4;
 pub use plan::Plan;
 
 #[cfg(cortex_m4f)]
-pub use cortex_m4::{driven, free};
+pub use cortex_m4::{driven, free, free_stereo};
 #[cfg(not(cortex_m4f))]
-pub use portable::{driven, free};
+pub use portable::{driven, free, free_stereo};
 
 use super::TICK_FRAMES;
 
@@ -41,4 +41,19 @@ pub struct Run {
     pub frames: usize,
     /// Whether groups at rest are left out.
     pub skip: bool,
+    /// Whether the sound is added to what the mix holds, or replaces it.
+    pub add: bool,
+}
+
+/// Where and how loud a bank's mix goes to the stereo bus: `side += 2 · mantissa · (mix << shift)`, saturating.
+#[derive(Debug)]
+pub struct Stereo<'a> {
+    /// At least as many frames as the run's.
+    pub out: &'a mut [[i32; 2]],
+    /// Q32 mantissa of the left side, half its gain.
+    pub left: i32,
+    /// The same of the right side.
+    pub right: i32,
+    /// By how many bits the mix is shifted left; nothing is lost by it.
+    pub shift: u32,
 }

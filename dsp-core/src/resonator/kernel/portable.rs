@@ -6,10 +6,11 @@
 use super::super::coefficient::Form;
 use super::super::group::Group;
 use super::super::mode::Mode;
-use super::{Backward, Plan, Run, slot};
+use super::{Backward, Plan, Run, Stereo, slot};
 use crate::fixed;
 
-/// Modes that ring on without input, `step; mix`: replaces `mix` by the sum of their sound, 0 beyond the run's frames.
+/// Modes that ring on without input, `step; mix`: writes, or adds, the sum of their sound; a mix that is written is 0
+/// beyond the run's frames.
 ///
 /// `modes` are those of all `groups`, one group behind the other.
 pub fn free(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward) {
@@ -19,6 +20,17 @@ pub fn free(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward) 
         Form::Shifted1 => ring(mode, step_shifted::<1>, plan, mix),
         Form::Shifted2 => ring(mode, step_shifted::<2>, plan, mix),
     });
+}
+
+/// As [`free`], but the whole mix, with what it held where the run adds to it, goes to the stereo bus; `mix` is left unspecified.
+pub fn free_stereo(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward, stereo: Stereo<'_>) {
+    free(groups, modes, run, mix);
+    for ([left, right], &sum) in stereo.out.iter_mut().zip(mix.iter().rev().take(run.frames)) {
+        let sample = sum.wrapping_shl(stereo.shift);
+        // QDADD on the chip; a product is below 2^30.
+        *left = fixed::qadd(*left, fixed::smmulr(sample, stereo.left) << 1);
+        *right = fixed::qadd(*right, fixed::smmulr(sample, stereo.right) << 1);
+    }
 }
 
 /// Modes under a force, `step; inject; mix`: as [`free`]. The force is shifted as the groups' gains expect it.
@@ -39,14 +51,16 @@ fn each(
     mix: &mut Backward,
     mut kernel: impl FnMut(&Plan, &mut Mode, &mut [i32]),
 ) {
-    mix.fill(0);
-    let Some(mix) = run.frames.checked_sub(1).and_then(|last| mix.get_mut(slot(last)..)) else { return };
+    if !run.add {
+        mix.fill(0);
+    }
+    let Some(frames) = run.frames.checked_sub(1).and_then(|last| mix.get_mut(slot(last)..)) else { return };
     let mut modes = modes.iter_mut();
     for group in groups {
         let plan = group.plan();
         for mode in modes.by_ref().take(plan.count()) {
             if !(run.skip && plan.is_at_rest()) {
-                kernel(plan, mode, mix);
+                kernel(plan, mode, frames);
             }
         }
     }

@@ -22,8 +22,14 @@ unsafe impl Sync for Global {}
 
 static ENGINE: Global = Global(UnsafeCell::new(Instrument::new()));
 
-/// Most events of one block.
+/// Most events of one block. They lie beside the engine: a board's queue is no part of the audio path's stack.
 const EVENTS: usize = 64;
+static PLAYED: Played = Played(UnsafeCell::new([Event::NOTHING; EVENTS]));
+
+struct Played(UnsafeCell<[Event; EVENTS]>);
+
+// SAFETY: the virtual core has one thread and calls one function at a time.
+unsafe impl Sync for Played {}
 
 fn engine() -> &'static mut Instrument {
     // SAFETY: as for `Sync`: the one reference of the call that runs.
@@ -65,7 +71,8 @@ pub unsafe extern "C" fn engine_render(block: *const Block) -> i32 {
         let block = &*block;
         (block, slice(block.events, block.event_count), slice_mut(block.out, block.frames))
     };
-    let mut played = [Event::default(); EVENTS];
+    // SAFETY: as for `Sync`: the one reference of the call that runs.
+    let played = unsafe { &mut *PLAYED.0.get() };
     let Some(played) = played.get_mut(..events.len()) else { return -2 };
     played.iter_mut().zip(events).for_each(|(played, wire)| *played = wire.event());
     let direct = (!block.direct.is_null()).then(|| {

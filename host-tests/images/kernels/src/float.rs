@@ -30,9 +30,8 @@ pub unsafe extern "C" fn render_float(
     frames: usize,
 ) {
     // SAFETY: the host's word; the three do not overlap.
-    let (modes, out) = unsafe {
-        (core::slice::from_raw_parts_mut(modes, count), core::slice::from_raw_parts_mut(out, frames))
-    };
+    let (modes, out) =
+        unsafe { (core::slice::from_raw_parts_mut(modes, count), core::slice::from_raw_parts_mut(out, frames)) };
     if force.is_null() {
         float::free(modes, out);
     } else {

@@ -15,8 +15,6 @@ pub trait Resonator: Clone {
     type Sample: Copy;
     /// No input.
     const SILENCE: Self::Sample;
-    /// Frames by which an impulse has to come late for the output to be `r^n sin nθ` from frame 0: 1 where an input is heard at once.
-    const DELAY: usize = 0;
     /// From the words that the kind takes: five coefficients, as bits of `f32` or as integers.
     fn new(words: [u32; 5]) -> Self;
     /// The next sample.
@@ -81,7 +79,7 @@ fn float_words(words: [u32; 5]) -> [f32; 5] {
     words.map(f32::from_bits)
 }
 
-/// `y = b x + a1 y1 + a2 y2` in single precision.
+/// `y = b x + a1 y1 + a2 y2` in single precision: unlike the others' inputs, which come in through b1, its is heard at once.
 #[derive(Clone)]
 pub struct PlainDirect {
     b: f32,
@@ -93,7 +91,6 @@ pub struct PlainDirect {
 
 impl Resonator for PlainDirect {
     float_mix!();
-    const DELAY: usize = 1;
     fn new(words: [u32; 5]) -> Self {
         let [_, b, _, a1, a2] = float_words(words);
         Self { b, a1, a2, y1: 0.0, y2: 0.0 }

@@ -1,0 +1,250 @@
+//! The table, the JSON and the picture.
+
+use std::path::{Path, PathBuf};
+
+use kit::file::{FileError, write_whole};
+use malleus::plot::{self, KernelMark, PlotError, RunTimePicture};
+use serde::Serialize;
+
+use super::bits::Compared;
+use super::measure::ALL_FORMS;
+use super::rows::{Driven, KernelRow, OURS_FIXED, SceneRow};
+use super::verdict::Verdict;
+
+/// The command that makes all of it.
+pub const COMMAND: &str = "cargo bench -p host-tests --bench run_time_vs_error";
+
+/// Why a report cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The picture.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+    /// The JSON.
+    #[error("the rows cannot be written as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+/// All that was measured.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Kernels alone.
+    pub kernels: Vec<KernelRow>,
+    /// Whole scenes.
+    pub scenes: Vec<SceneRow>,
+    /// The bank on the virtual core against the bank on the PC.
+    #[serde(skip)]
+    pub bank_bits: Compared,
+    /// The same for the rivals.
+    #[serde(skip)]
+    pub rival_bits: Compared,
+}
+
+impl Report {
+    /// The page: verdict, table, scenes.
+    pub fn markdown(&self) -> String {
+        let mut page = format!(
+            "# Run time against error\n\nMade by `{COMMAND}`.\n\n![Signal-to-noise ratio over cycles](images/run_time_vs_error.png)\n\n"
+        );
+        if let Some(verdict) = Verdict::of(&self.kernels) {
+            page += &format!("{verdict}\n");
+        }
+        page += &self.bits_sentence();
+        page += NOTES;
+        page += "## Kernels\n\n";
+        page += "| kernel | form | input | block | cycles: nominal | best to worst | with flash | instructions | loop, bytes | SNR: worst, dB | median, dB | PC, ns |\n";
+        page += "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+        self.kernels.iter().for_each(|row| page += &kernel_line(row));
+        if !self.scenes.is_empty() {
+            page += "\n## Scenes\n\n";
+            page += "| scene | modes | cycles a frame | with flash | share of 168 MHz | share of 96 MHz |\n";
+            page += "| --- | --- | --- | --- | --- | --- |\n";
+            self.scenes.iter().for_each(|row| page += &scene_line(row));
+        }
+        page
+    }
+
+    fn bits_sentence(&self) -> String {
+        let sentence = |what: &str, Compared { samples, different }: Compared| match different {
+            0 => format!("{what}: all {samples} samples compared have the same bits"),
+            _ => format!("{what}: {different} of {samples} samples compared DIFFER"),
+        };
+        let bank = sentence("Virtual core against PC, bank", self.bank_bits);
+        let rivals = sentence("rivals", self.rival_bits);
+        format!("{bank}; {rivals}.\n\n")
+    }
+
+    /// Rows for programs.
+    ///
+    /// # Errors
+    /// [`ReportError::Json`].
+    pub fn json(&self) -> Result<String, ReportError> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    /// Writes `docs/run_time_vs_error.md`, `docs/images/run_time_vs_error.png` and `target/run_time_vs_error.json` of a workspace; gives their
+    /// paths.
+    ///
+    /// # Errors
+    /// [`ReportError`].
+    pub fn write(&self, workspace: &Path) -> Result<[PathBuf; 3], ReportError> {
+        let page = workspace.join("docs/run_time_vs_error.md");
+        let picture = workspace.join("docs/images/run_time_vs_error.png");
+        let json = workspace.join("target/run_time_vs_error.json");
+        for path in [&page, &picture, &json] {
+            create_folder_of(path)?;
+        }
+        write_whole(&page, self.markdown().as_bytes())?;
+        write_whole(&json, self.json()?.as_bytes())?;
+        plot::run_time(&picture, &self.picture())?;
+        Ok([page, picture, json])
+    }
+
+    fn picture(&self) -> RunTimePicture {
+        RunTimePicture {
+            title: "Run time against error".to_owned(),
+            remark: "one mode against the f64 law, 20 Hz to 20 kHz, T60 0.05 to 20 s; blocks of 32 frames".to_owned(),
+            kernels: self.kernels.iter().filter_map(|row| self.mark(row)).collect(),
+        }
+    }
+
+    /// The mark of a kernel, made from its row without input and the one with.
+    fn mark(&self, row: &KernelRow) -> Option<KernelMark> {
+        let part_of_bank = row.kernel == OURS_FIXED && row.form != ALL_FORMS;
+        if part_of_bank || row.driven != Driven::Free || row.block != 32 {
+            return None;
+        }
+        let same =
+            |other: &&KernelRow| (&other.kernel, &other.form, other.block) == (&row.kernel, &row.form, row.block);
+        let driven = self.kernels.iter().filter(same).find(|other| other.driven == Driven::Gain)?;
+        let label = if row.form == ALL_FORMS { row.kernel.clone() } else { format!("{}: {}", row.kernel, row.form) };
+        Some(KernelMark {
+            label,
+            ours: row.is_ours(),
+            cycles: (row.cycles_nominal, driven.cycles_nominal),
+            snr_db: (row.snr_worst_db?, row.snr_median_db?),
+        })
+    }
+}
+
+const NOTES: &str = "\
+Cycles, instructions and nanoseconds are for a mode and sample. Cycles are those of a published model of the Cortex-M4F (crate
+`virtual-core`), memory without wait states; *with flash* adds the waits of an STM32F407's flash at 168 MHz behind its accelerator. They have
+not been compared with silicon. The SNR is taken on the PC over the grid of one mode (20 Hz to 20 kHz in 40 steps, T60 0.05, 0.2, 1, 5
+and 20 s, 44.1 and 48 kHz, over min(T60, 2 s), struck by an impulse at full scale, sine gain); a form of the
+bank has that of the cases that it plays.
+Nanoseconds are from the PC that ran this, which does other things too: only their ratios mean anything; the bank's contain its
+bookkeeping and are those of its portable kernel.
+
+Input: *free* is none (a constant 0 for the crates, so that the compiler drops what it multiplies); *gain* is a force in a buffer, with one
+gain a mode; *gain and phase* two. The crates are used as their documentation shows, `run(x)` or `process(state, x)` in a loop over the
+block, with their memory in registers and their output added to the mix in the same loop. Fixed-point rivals peak at 2^29, with two bits of
+headroom. `biquad` brings no fixed-point type.
+
+";
+
+fn kernel_line(row: &KernelRow) -> String {
+    let decimal = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.1}"));
+    let loop_bytes = if row.loop_bytes == 0 { "-".to_owned() } else { row.loop_bytes.to_string() };
+    format!(
+        "| {} | {} | {} | {} | {:.2} | {:.2} to {:.2} | {:.2} | {:.2} | {loop_bytes} | {} | {} | {} |\n",
+        row.kernel,
+        typed(&row.form),
+        row.driven.name(),
+        row.block,
+        row.cycles_nominal,
+        row.cycles_best,
+        row.cycles_worst,
+        row.cycles_with_flash,
+        row.instructions,
+        decimal(row.snr_worst_db),
+        decimal(row.snr_median_db),
+        decimal(row.pc_ns),
+    )
+}
+
+/// A form for Markdown, which takes `<` for HTML.
+pub(super) fn typed(form: &str) -> String {
+    if form.contains('<') { format!("`{form}`") } else { form.to_owned() }
+}
+
+fn scene_line(row: &SceneRow) -> String {
+    format!(
+        "| {} | {} | {:.0} | {:.0} | {:.1} % | {:.1} % |\n",
+        row.scene,
+        row.modes,
+        row.cycles_per_frame_nominal,
+        row.cycles_per_frame_with_flash,
+        100.0 * row.share_of_168_mhz,
+        100.0 * row.share_of_96_mhz,
+    )
+}
+
+fn create_folder_of(path: &Path) -> Result<(), ReportError> {
+    let Some(folder) = path.parent() else { return Ok(()) };
+    std::fs::create_dir_all(folder)
+        .map_err(|cause| FileError { action: "written", path: path.to_owned(), cause }.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(kernel: &str, form: &str, driven: Driven, cycles: f64, snr_db: Option<f64>) -> KernelRow {
+        KernelRow {
+            kernel: kernel.to_owned(),
+            form: form.to_owned(),
+            driven,
+            block: 32,
+            cycles_best: cycles,
+            cycles_nominal: cycles,
+            cycles_worst: cycles,
+            cycles_with_flash: cycles,
+            instructions: cycles,
+            loop_bytes: 100,
+            snr_worst_db: snr_db,
+            snr_median_db: snr_db,
+            pc_ns: None,
+        }
+    }
+
+    fn report() -> Report {
+        let kernels = vec![
+            row(OURS_FIXED, ALL_FORMS, Driven::Free, 5.0, Some(100.0)),
+            row(OURS_FIXED, ALL_FORMS, Driven::Gain, 8.0, Some(100.0)),
+            row("idsp", "Biquad<f32>", Driven::Free, 15.0, Some(20.0)),
+            row("idsp", "Biquad<f32>", Driven::Gain, 20.0, Some(20.0)),
+            row("idsp", "Normal<f32>", Driven::Free, 25.0, Some(60.0)),
+            row("plain loop", "direct form", Driven::Free, 9.0, Some(10.0)),
+        ];
+        Report { kernels, scenes: Vec::new(), bank_bits: Compared::default(), rival_bits: Compared::default() }
+    }
+
+    #[test]
+    fn the_verdict_names_the_quickest_and_the_most_accurate_crate() {
+        let verdict = Verdict::of(&report().kernels).expect("bank and crates are there");
+        assert_eq!(verdict.quickest_filter.cycle_ratio, 4.0);
+        assert_eq!((verdict.quickest_without_input.cycle_ratio, verdict.quickest_without_input.gap_db), (3.0, 80.0));
+        assert_eq!((verdict.most_accurate.cycle_ratio, verdict.most_accurate.gap_db), (5.0, 40.0));
+        assert_eq!(Verdict::of(&report().kernels[..2]), None);
+    }
+
+    #[test]
+    fn bookkeeping_has_no_snr_in_json_and_table() {
+        let bookkeeping = row(OURS_FIXED, "guard", Driven::GainAndPhase, 0.5, None);
+        let report = Report { kernels: vec![bookkeeping], ..report() };
+        let json: serde_json::Value = serde_json::from_str(&report.json().expect("JSON")).expect("JSON");
+        assert_eq!(json["kernels"][0]["driven"], "gain and phase");
+        assert!(json["kernels"][0]["snr_worst_db"].is_null() && json["scenes"].is_array());
+        assert!(report.markdown().contains("| - | - | - |\n"));
+    }
+
+    #[test]
+    fn a_kernel_without_a_driven_row_is_not_in_the_picture() {
+        let labels: Vec<String> = report().picture().kernels.into_iter().map(|kernel| kernel.label).collect();
+        assert_eq!(labels, [OURS_FIXED, "idsp: Biquad<f32>"]);
+    }
+}
