@@ -322,18 +322,29 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         self.idle = false;
         let mut scratch = [0; TICK_FRAMES];
+        let (skip, odd_start) = (self.skipping == Skipping::On, self.now % 2 == 1);
+        let contacts = self.flight.count() > 0;
         self.report.contact_frames += (self.flight.count() * out.len()) as u32;
         for (voice, number) in self.pads.iter_mut().take(self.pad_count).zip(0u8..) {
-            let skip = self.skipping == Skipping::On;
             // A force of exact zeros is no force: a quiet sensor costs nothing.
             let direct = direct
                 .filter(|direct| direct.pad == number && !(skip && direct.force.iter().all(|&x| x == 0)))
                 .map(|direct| direct.force);
-            let run = Run { frames: out.len(), odd_start: self.now % 2 == 1, skip, direct };
-            let work = voice.pad.render(number, run, &mut self.flight, &mut memory, &mut scratch, out);
-            self.report.add(&voice.pad, &work, out.len());
+            let has_force = direct.is_some() || (contacts && self.flight.count_on(number) > 0);
+            if has_force || !skip {
+                let run = Run { frames: out.len(), odd_start, skip, direct };
+                let work = voice.pad.drive(number, run, &mut self.flight, &mut memory, out);
+                self.report.add(&voice.pad, &work, out.len());
+            } else {
+                let ringing = voice.pad.is_ringing();
+                let ran =
+                    if ringing { voice.pad.ring(out.len(), odd_start, &mut memory, &mut scratch, out) } else { (0, 0) };
+                self.report.add_ringing(&voice.pad, ran, out.len());
+            }
         }
-        self.flight.clear_finished();
+        if contacts {
+            self.flight.clear_finished();
+        }
     }
 
     fn end_tick(&mut self) {

@@ -95,6 +95,17 @@ impl TickReport {
         self.decayed_mode_frames += (modes - unstruck_modes) * frames as u32;
     }
 
+    /// A pad without force, that ran so many mode-frames (object, strikers).
+    pub(super) fn add_ringing(&mut self, pad: &Pad, (object, strikers): (u32, u32), frames: usize) {
+        let skipped = (pad.mode_count() * frames) as u32 - (object + strikers);
+        match pad.was_struck() {
+            true => self.decayed_mode_frames += skipped,
+            false => self.unstruck_mode_frames += skipped,
+        }
+        self.free_mode_frames += object + strikers;
+        self.striker_mode_frames += strikers;
+    }
+
     pub(super) fn add(&mut self, pad: &Pad, work: &PadWork, frames: usize) {
         let mut banks = work.object;
         banks += work.strikers;

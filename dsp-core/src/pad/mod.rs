@@ -212,61 +212,54 @@ impl Pad {
         retirement.retired_modes()
     }
 
-    /// Renders a run and adds it to the stereo sum. `scratch` holds nothing before and after.
-    pub fn render<const CONTACTS: usize>(
+    /// Renders a run without force and adds it to the stereo sum; gives the mode-frames of the object's bank and of the strikers' banks. A
+    /// striker's bank that rings sounds on the same bus as the object's. `scratch` holds nothing before and after.
+    #[inline(never)]
+    pub fn ring(
         &mut self,
-        number: u8,
-        run: Run<'_>,
-        flight: &mut Flight<CONTACTS>,
+        frames: usize,
+        odd_start: bool,
         memory: &mut Memory<'_>,
         scratch: &mut Backward,
         out: &mut [[i32; 2]],
-    ) -> PadWork {
-        let has_force = run.direct.is_some() || flight.count_on(number) > 0;
-        match (has_force, run.skip) {
-            (false, true) if !self.is_ringing() => PadWork::default(),
-            (false, true) => self.ring(run, memory, scratch, out),
-            _ => self.drive(number, run, has_force, flight, memory, out),
-        }
-    }
-
-    /// A run without force. A striker's bank that rings sounds on the same bus as the object's.
-    #[inline(never)]
-    fn ring(&mut self, run: Run<'_>, memory: &mut Memory<'_>, scratch: &mut Backward, out: &mut [[i32; 2]]) -> PadWork {
-        let mut work = PadWork::default();
-        let frames = run.frames.min(TICK_FRAMES);
-        work.object.free_mode_frames = self.object.running_modes(true) * frames as u32;
-        let alone = !self.strikers().iter().any(|striker| striker.bank.is_ringing());
-        let bank_run = kernel::Run { frames, skip: true, add: false };
-        match self.panner.half_gains().filter(|_| alone && !self.object.mix_shift().saturates) {
+    ) -> (u32, u32) {
+        let object = self.object.running_modes(true) * frames as u32;
+        let strikers = self.strikers().iter().map(|striker| striker.bank.running_modes(true)).sum::<u32>();
+        match self.panner.half_gains().filter(|_| strikers == 0 && !self.object.mix_shift().saturates) {
             // The usual case, in one pass: the same bits.
-            Some(gains) => self.object.ring_stereo(memory, bank_run, run.odd_start, scratch, gains, out),
-            None => {
-                let mut sound = [0; TICK_FRAMES];
-                let Some(sound) = sound.get_mut(..frames) else { return work };
-                for striker in self.strikers_mut() {
-                    work.strikers += striker.bank.render(memory, None, run.odd_start, true, sound);
-                }
-                self.object.render(memory, None, run.odd_start, true, sound);
-                self.panner.render(sound, out);
+            Some(gains) => {
+                let run = kernel::Run { frames, skip: true, add: false };
+                self.object.ring_stereo(memory, run, odd_start, scratch, gains, out);
             }
+            None => self.ring_on_bus(frames, odd_start, memory, out),
         }
-        work
+        (object, strikers * frames as u32)
     }
 
-    /// A run with force, or one that leaves nothing out.
+    #[inline(never)]
+    fn ring_on_bus(&mut self, frames: usize, odd_start: bool, memory: &mut Memory<'_>, out: &mut [[i32; 2]]) {
+        let mut sound = [0; TICK_FRAMES];
+        let Some(sound) = sound.get_mut(..frames) else { return };
+        for striker in self.strikers_mut() {
+            striker.bank.render(memory, None, odd_start, true, sound);
+        }
+        self.object.render(memory, None, odd_start, true, sound);
+        self.panner.render(sound, out);
+    }
+
+    /// Renders a run with force, or one that leaves nothing out, and adds it to the stereo sum.
     #[inline(never)] // its buffers must not weigh on runs without force
-    fn drive<const CONTACTS: usize>(
+    pub fn drive<const CONTACTS: usize>(
         &mut self,
         number: u8,
         run: Run<'_>,
-        has_force: bool,
         flight: &mut Flight<CONTACTS>,
         memory: &mut Memory<'_>,
         out: &mut [[i32; 2]],
     ) -> PadWork {
         let mut work = PadWork::default();
         let frames = run.frames.min(TICK_FRAMES);
+        let has_force = run.direct.is_some() || flight.count_on(number) > 0;
         let mut sound = [0; TICK_FRAMES];
         let mut forces = [[0; TICK_FRAMES]; STRIKERS_PER_PAD];
         let Some(sound) = sound.get_mut(..frames) else { return work };

@@ -13,8 +13,8 @@ pub const GROUP_MODES: usize = 6;
 const MAX_EXPONENT: i32 = 31;
 /// Smallest block exponent: a state of `LIMIT` then stands for 2^26 times full scale.
 const MIN_EXPONENT: i32 = -24;
-/// Largest interval between two guards of a group that rings freely: 10.7 ms at 48 kHz.
-const MAX_GUARD_TICKS: u32 = 16;
+/// Largest interval between two guards of a group that rings freely: 21 ms at 48 kHz.
+const MAX_GUARD_TICKS: u32 = 32;
 /// Below this size at the largest exponent a mode is less than 1/8 of a bus step, which the mix rounds to nothing.
 const SILENCE: u64 = 1 << 27;
 /// Largest exponent of a gain mantissa: from rest, the smallest block exponent then holds a tick of the largest force (2^36 bus steps).
@@ -196,6 +196,32 @@ impl Group {
         decided
     }
 
+    /// Shifts the states up as far as they have decayed: what a guard without input is, at a third of its cost. Gives the largest |v|, in
+    /// states of the exponent before.
+    pub(super) fn follow(&mut self, modes: &mut [Mode]) -> u32 {
+        self.due_ticks = self.guard_ticks;
+        let shift = self.form().shift();
+        let (mut size, mut largest_v) = (0, 0);
+        for mode in modes.iter() {
+            size = mode.state.u.unsigned_abs().wrapping_shl(shift).max(size);
+            largest_v = mode.state.v.unsigned_abs().max(largest_v);
+        }
+        // At most 2^31 each, as `size` says. A total below 2^29 is what a guard aims at.
+        let total = size.max(largest_v).saturating_add(ROUNDING as u32);
+        let up = total.leading_zeros() as i32 - 3;
+        if up < 0 || self.exponent() + up >= MAX_EXPONENT || total == ROUNDING as u32 {
+            self.guard(modes, 0, 0);
+            return largest_v;
+        }
+        if up > 0 {
+            each_state(modes, |x| x.wrapping_shl(up as u32));
+            self.exponent += up as i8;
+        }
+        self.bound = total << up;
+        self.refusing = false;
+        largest_v
+    }
+
     /// Ends the group's sound at once.
     pub(super) fn silence(&mut self, modes: &mut [Mode]) {
         for mode in modes {
@@ -269,10 +295,10 @@ impl Group {
         self.guard_ticks = (QUARTER_BIT / fastest.unsigned_abs().max(1)).clamp(1, MAX_GUARD_TICKS) as u8;
     }
 
-    /// Counts ticks without input; says whether a guard is due.
+    /// Counts ticks without input; says whether a guard is due, or nearly: groups that are guarded together cost less.
     pub(super) fn is_due(&mut self, ticks: u8) -> bool {
         self.due_ticks = self.due_ticks.saturating_sub(ticks);
-        self.due_ticks == 0
+        self.due_ticks <= self.guard_ticks / 4
     }
 
     /// Ticks until the next guard without input.
@@ -282,10 +308,12 @@ impl Group {
 
     /// Bound of the sum of the group's modes in bus steps, rounded up, saturating.
     pub(super) fn mix_bound(&self) -> u64 {
-        let sum = u64::from(self.bound) * GROWTH_OF_V * self.count() as u64;
-        match self.exponent() {
-            exponent @ 0.. => (sum >> exponent) + self.count() as u64,
-            exponent => sum << -exponent, // at most 2^34 · 2^24
+        // In eighths, so that it fits 32 bits: 2^29 states of growth 4 times six modes, bound by an exponent that leaves room.
+        let eighths = u64::from(self.bound / 8 + 1) * GROWTH_OF_V * self.count() as u64;
+        match self.exponent() - 3 {
+            shift @ 0..=31 => u64::from((eighths.min(u64::from(u32::MAX)) as u32) >> shift) + 1,
+            shift @ 32.. => (eighths >> shift) + 1,
+            shift => eighths << -shift, // at most 2^34 · 2^27
         }
     }
 
@@ -295,7 +323,7 @@ impl Group {
     }
 
     /// Bus steps that a state of 1 stands for, 2^-exponent; exponents are small enough to be a float's.
-    fn unit(&self) -> f32 {
+    pub(super) fn unit(&self) -> f32 {
         f32::from_bits(((127 - self.exponent()) as u32) << 23)
     }
 

@@ -31,6 +31,11 @@ impl Retirement {
         self.retired_modes
     }
 
+    /// Whether an amplitude in bus steps is below the threshold.
+    pub(super) fn is_below(&self, amplitude: f32) -> bool {
+        amplitude * self.unit <= Self::THRESHOLD
+    }
+
     /// Retires a group if the rule allows.
     pub(super) fn consider(&mut self, group: &mut Group, modes: &mut [Mode], retired: &mut Retired) {
         if !group.ringing() || self.room <= 0.0 {

@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | a tick after input, if what is left of the allowance is less than twice that input, or 32 times more | all ringing groups are guarded for four times that input |
 //! | the first tick after a tick without | all ringing groups are guarded for none |
-//! | later | each group when its fastest mode has decayed by a quarter of a bit, at the latest after 16 ticks |
+//! | later | each group when its fastest mode has decayed by a quarter of a bit, at the latest after 32 ticks |
 //!
 //! A free orbit never outgrows its guard ([`super::super::headroom`]), so that guards without input serve precision and retirement
 //! alone: an exponent that lags by a quarter of a bit costs nothing that can be measured.
@@ -88,11 +88,10 @@ impl Bank {
             if !group.ringing() || !group.is_due(passed) {
                 return;
             }
-            if let Some(retirement) = &mut retirement {
+            let unit = group.unit();
+            let largest_v = group.follow(modes) as f32 * unit;
+            if let Some(retirement) = retirement.as_mut().filter(|retirement| retirement.is_below(largest_v)) {
                 retirement.consider(group, modes, retired);
-            }
-            if group.ringing() {
-                group.guard(modes, 0, 0);
             }
         });
         self.prepare(memory);
