@@ -22,13 +22,9 @@ impl Time {
         if self.fraction == 0 { self.frame } else { self.frame.saturating_add(1) }
     }
 
-    /// How much of a frame lies between this time and [`first_frame`](Self::first_frame), 0 to 1.
-    pub fn early_frames(self) -> f32 {
-        match self.fraction {
-            0 => 0.0,
-            // 2^32 - fraction, rounded once.
-            fraction => fraction.wrapping_neg() as f32 / 4_294_967_296.0,
-        }
+    /// How much of a frame lies between this time and [`first_frame`](Self::first_frame), 1.0 = 2^32.
+    pub fn early(self) -> u32 {
+        self.fraction.wrapping_neg()
     }
 }
 

@@ -1,11 +1,8 @@
 //! The contacts that are under way.
 
-use super::law::Impact;
+use super::law::{Impact, WHOLE};
 use super::pulse::{Pulse, SHAPE_BITS};
 use crate::fixed;
-
-/// 1.0 of a contact's phase.
-const WHOLE: u64 = 1 << 63;
 
 /// One contact under way.
 #[derive(Clone, Copy, Debug)]
@@ -24,18 +21,12 @@ pub struct Contact {
 impl Contact {
     const OVER: Self = Self { pad: 0, striker: 0, pulse: Pulse::HertzHalfSine, peak: 0, phase: 0, step: 0 };
 
-    /// A contact whose pulse began `early_samples` (0 to 1) before the next frame: onsets fall between samples.
-    pub fn new(pad: u8, striker: u8, impact: Impact, early_samples: f32) -> Self {
-        let per_sample = WHOLE as f32 / impact.length_samples;
-        Self {
-            pad,
-            striker,
-            pulse: impact.pulse,
-            peak: impact.peak,
-            // `as` saturates: a pulse shorter than a sample is over at once.
-            phase: (early_samples * per_sample) as u64,
-            step: (per_sample as u64).max(1),
-        }
+    /// A contact whose pulse began `early` (a fraction of a sample, 1.0 = 2^32) before the next frame: onsets fall between samples.
+    pub fn new(pad: u8, striker: u8, impact: Impact, early: u32) -> Self {
+        // The step in halves, so that nothing overflows.
+        let (upper, lower) = (impact.step >> 32, impact.step & 0xffff_ffff);
+        let phase = upper * u64::from(early) + ((lower * u64::from(early)) >> 32);
+        Self { pad, striker, pulse: impact.pulse, peak: impact.peak, phase, step: impact.step.max(1) }
     }
 
     fn is_over(&self) -> bool {

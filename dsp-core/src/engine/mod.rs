@@ -308,7 +308,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
                     &mut memory,
                 );
                 if let Some(impact) = struck {
-                    let contact = Contact::new(event.pad, event.striker, impact, event.time.early_frames());
+                    let contact = Contact::new(event.pad, event.striker, impact, event.time.early());
                     self.report.strikes += 1;
                     self.report.displaced_contacts += u32::from(self.flight.begin(contact));
                 }

@@ -7,10 +7,12 @@
 //! Everything here is `const`, has no branch that depends on the build, and gives the same bits on every machine.
 
 mod high_word;
+mod power;
 mod saturating;
 mod scale;
 
 pub use high_word::{rounding_shift_right, smmla, smmlar, smmls, smmlsr, smmul, smmulr};
+pub use power::{Log2, Power};
 pub use saturating::{qadd, qsub, saturate, saturating_shift_left, to_24_bit};
 pub use scale::Scale;
 
