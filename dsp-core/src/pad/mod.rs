@@ -225,7 +225,7 @@ impl Pad {
     ) -> (u32, u32) {
         let object = self.object.running_modes(true) * frames as u32;
         let strikers = self.strikers().iter().map(|striker| striker.bank.running_modes(true)).sum::<u32>();
-        match self.panner.half_gains().filter(|_| strikers == 0 && !self.object.mix_shift().saturates) {
+        match self.panner.half_gains().filter(|_| strikers == 0 && !self.object.mix_shift().is_loud) {
             // The usual case, in one pass: the same bits.
             Some(gains) => {
                 let run = kernel::Run { frames, skip: true, add: false };

@@ -111,7 +111,7 @@ impl Bank {
         // sum < 2^bits: shifted right by bits - 31 it stays below 2^31.
         let bits = 64 - sum.leading_zeros() as i32;
         let mix_exponent = mix_exponent.max(bits - 31).max(0);
-        self.mix_shift = MixShift { bits: mix_exponent as u8, saturates: bits > 31 }; // at most 33 bits
+        self.mix_shift = MixShift { bits: mix_exponent as u8, is_loud: bits > 30 }; // at most 33 bits
         (self.ringing_modes, self.refusing) = (ringing_modes as u16, refusing);
         (self.due_ticks, self.passed_ticks) = (due_ticks, 0);
         let force_shift = u32::from(self.force_shift);

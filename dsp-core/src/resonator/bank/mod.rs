@@ -181,7 +181,7 @@ impl Bank {
         allowance: 0,
         spent: 0,
         force_shift: 0,
-        mix_shift: MixShift { bits: 0, saturates: false },
+        mix_shift: MixShift { bits: 0, is_loud: false },
         refusing: 0,
         ringing_modes: 0,
         due_ticks: 0,

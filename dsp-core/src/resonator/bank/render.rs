@@ -24,8 +24,8 @@ impl Bank {
         self.mix_shift
     }
 
-    /// The same straight to the stereo bus, by the panner's mantissas (twice which is the gain); `mix` is scratch. Only while
-    /// [`MixShift::saturates`] of [`Bank::mix_shift`] is false.
+    /// The same straight to the stereo bus, by half the gains of both sides as Q32; `mix` is scratch. Only while [`MixShift::is_loud`] of
+    /// [`Bank::mix_shift`] is false.
     pub fn ring_stereo(
         &mut self,
         memory: &mut Memory<'_>,
@@ -35,7 +35,8 @@ impl Bank {
         (left, right): (i32, i32),
         out: &mut [[i32; 2]],
     ) {
-        let shift = u32::from(self.mix_shift.bits);
+        // One more for the halves.
+        let shift = u32::from(self.mix_shift.bits) + 1;
         let Some([plain, mirrored]) = self.sides(memory) else { return };
         if !mirrored.0.is_empty() {
             kernel::free(mirrored.0, mirrored.1, kernel::Run { add: false, ..run }, mix);
@@ -154,15 +155,15 @@ impl Bank {
 pub struct MixShift {
     /// By how many bits.
     pub bits: u8,
-    /// Whether the sum of the modes' bounds exceeds the bus, so that a sample may have to be clipped.
-    pub saturates: bool,
+    /// Whether the sum of the modes' bounds exceeds half the bus (+18 dBFS), so that a sample, or its double, may have to be clipped.
+    pub is_loud: bool,
 }
 
 impl MixShift {
     /// A sample of the mix on the bus.
     #[inline(always)]
     pub fn to_bus(self, sample: i32) -> i32 {
-        match self.saturates {
+        match self.is_loud {
             true => fixed::saturating_shift_left(sample, u32::from(self.bits)),
             false => sample.wrapping_shl(u32::from(self.bits)),
         }

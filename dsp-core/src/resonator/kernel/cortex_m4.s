@@ -607,10 +607,10 @@ leftover_short_free:
     smmulr  r5, r5, r9
     smmulr  r11, r4, r8
     smmulr  r4, r4, r9
-    qdadd   r0, r0, r6
-    qdadd   r1, r1, r5
-    qdadd   r2, r2, r11
-    qdadd   r3, r3, r4
+    qadd    r0, r0, r6
+    qadd    r1, r1, r5
+    qadd    r2, r2, r11
+    qadd    r3, r3, r4
     stm     r7!, {r0-r3}
     .endm
 
@@ -648,8 +648,8 @@ finish:
     lsl     r5, r5, r10
     smmulr  r6, r5, r8
     smmulr  r5, r5, r9
-    qdadd   r0, r0, r6
-    qdadd   r1, r1, r5
+    qadd    r0, r0, r6
+    qadd    r1, r1, r5
     stm     r7!, {r0, r1}
     subs    r12, #1
     bne     4b

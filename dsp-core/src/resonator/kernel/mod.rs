@@ -45,15 +45,15 @@ pub struct Run {
     pub add: bool,
 }
 
-/// Where and how loud a bank's mix goes to the stereo bus: `side += 2 · mantissa · (mix << shift)`, saturating.
+/// Where and how loud a bank's mix goes to the stereo bus: `side += mantissa · (mix << shift)`, saturating.
 #[derive(Debug)]
 pub struct Stereo<'a> {
     /// At least as many frames as the run's.
     pub out: &'a mut [[i32; 2]],
-    /// Q32 mantissa of the left side, half its gain.
+    /// Q32 gain of the left side.
     pub left: i32,
     /// The same of the right side.
     pub right: i32,
-    /// By how many bits the mix is shifted left; nothing is lost by it.
+    /// By how many bits the mix is shifted left before; nothing is lost by it.
     pub shift: u32,
 }

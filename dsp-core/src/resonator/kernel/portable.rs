@@ -27,9 +27,8 @@ pub fn free_stereo(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Bac
     free(groups, modes, run, mix);
     for ([left, right], &sum) in stereo.out.iter_mut().zip(mix.iter().rev().take(run.frames)) {
         let sample = sum.wrapping_shl(stereo.shift);
-        // QDADD on the chip; a product is below 2^30.
-        *left = fixed::qadd(*left, fixed::smmulr(sample, stereo.left) << 1);
-        *right = fixed::qadd(*right, fixed::smmulr(sample, stereo.right) << 1);
+        *left = fixed::qadd(*left, fixed::smmulr(sample, stereo.left));
+        *right = fixed::qadd(*right, fixed::smmulr(sample, stereo.right));
     }
 }
 
