@@ -38,6 +38,9 @@ pub enum Action {
     Choke,
     /// The hand lets go: decays are the object's own again.
     Release,
+    /// Time is short: the so many quietest register groups of all pads are left out, until their pad is struck again. An engine with a
+    /// budget decides this itself and tells it; played back, the same decision gives the same bits. The event's pad does not matter.
+    Shed(u16),
 }
 
 /// One event on one pad.

@@ -16,7 +16,7 @@ pub fn instrument(
 ) -> (Vec<[f64; 2]>, Vec<TickReport>) {
     let kit = Kit::parse(&loaded.binary).expect("a loaded kit is valid");
     let mut reports = Vec::new();
-    let settings = Settings { rate, block: 128, skipping };
+    let settings = Settings { rate, block: 128, skipping, budget_cycles: None };
     let bus = instrument::render(&kit, performance, settings, Output::Bus, |report| reports.push(*report))
         .expect("the kit fits and the events are valid");
     (bus.into_iter().map(|frame| frame.map(|x| f64::from(x) / f64::from(ONE_Q27))).collect(), reports)

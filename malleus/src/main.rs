@@ -73,6 +73,12 @@ struct PlayArguments {
     /// Run every mode in every frame, skip nothing
     #[arg(long)]
     no_skip: bool,
+    /// Cycles a second of a Cortex-M4 that may be spent, in MHz; what does not fit is left out, the quietest first [default: no limit]
+    #[arg(long, value_name = "MHZ", value_parser = parse_budget, conflicts_with_all = ["reference", "no_skip"])]
+    budget_mhz: Option<f64>,
+    /// Write all events that were played, what was left out for want of time among them, as CSV: played back it gives the same bits
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["reference", "direct"])]
+    log: Option<PathBuf>,
     /// Print a machine-readable report on stdout (docs/json.md)
     #[arg(long)]
     json: bool,
@@ -130,6 +136,13 @@ fn parse_rate(text: &str) -> Result<SampleRate, String> {
     let (numerator, denominator) = text.split_once('/').unwrap_or((text, "1"));
     let parse = |part: &str| part.parse::<u32>().map_err(|_| "must be a whole number of Hz, or N/D".to_owned());
     SampleRate::new(parse(numerator)?, parse(denominator)?).ok_or("must be from 8000 to 192000 Hz".to_owned())
+}
+
+fn parse_budget(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|mhz: &f64| (1.0..=10_000.0).contains(mhz))
+        .ok_or_else(|| "must be a number of MHz from 1 to 10000, such as 134.4 for 80 % of 168 MHz".to_owned())
 }
 
 fn parse_tail(text: &str) -> Result<f64, String> {

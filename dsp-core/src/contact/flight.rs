@@ -71,6 +71,16 @@ impl<const CAPACITY: usize> Flight<CAPACITY> {
         self.under_way().iter().filter(|contact| contact.pad == pad).count()
     }
 
+    /// What the contacts on a pad may still bring: a bound of the sum of their force, bus steps, and the length in samples of the longest.
+    pub fn ahead(&self, pad: u8) -> (f32, f32) {
+        let contacts = self.under_way().iter().filter(|contact| contact.pad == pad);
+        contacts.fold((0.0, 0.0), |(input, longest), contact| {
+            let step = contact.step as f32;
+            let left = (WHOLE.saturating_sub(contact.phase) as f32 / step).max(0.0) + 1.0;
+            (input + contact.peak as f32 * left, (WHOLE as f32 / step).max(longest))
+        })
+    }
+
     /// Adds a contact. When all places are taken it takes the place of the one nearest to its end, and says so.
     pub fn begin(&mut self, contact: Contact) -> bool {
         if let Some(place) = self.contacts.get_mut(self.count) {

@@ -10,6 +10,7 @@
 //! A block is cut at ticks and at events; all bookkeeping happens on ticks, so that the block size cannot change a bit. What ran
 //! and what was skipped in each tick is told by a [`TickReport`].
 
+mod budget;
 mod load;
 mod report;
 
@@ -74,6 +75,8 @@ pub struct Engine<
     rate: Option<SampleRate>,
     skipping: Skipping,
     now: u64,
+    /// Cycles that a tick may take.
+    budget: Option<u32>,
     report: TickReport,
     /// Whether nothing rings, no contact is under way and nothing retired may still be missing: until an event or a direct force, a tick
     /// has nothing to do.
@@ -117,6 +120,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             rate: None,
             skipping: Skipping::On,
             now: 0,
+            budget: None,
             report: TickReport::EMPTY,
             idle: false,
             modes_built: 0,
@@ -179,7 +183,23 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         out: &mut [[i32; 2]],
         observe: impl FnMut(&TickReport),
     ) -> Result<(), EventError> {
-        self.render_blocks(events, direct, out, observe, output::to_24_bit)
+        self.render_blocks(events, direct, out, observe, |_| {}, output::to_24_bit)
+    }
+
+    /// The same, and tells each decision to leave something out ([`Action::Shed`]) at the place in the list of events where it belongs: behind
+    /// the events of its frame.
+    ///
+    /// # Errors
+    /// As [`render_observed`](Self::render_observed).
+    pub fn render_logged(
+        &mut self,
+        events: &[Event],
+        direct: Option<Direct<'_>>,
+        out: &mut [[i32; 2]],
+        observe: impl FnMut(&TickReport),
+        log: impl FnMut(&Event),
+    ) -> Result<(), EventError> {
+        self.render_blocks(events, direct, out, observe, log, output::to_24_bit)
     }
 
     /// The same before the step to 24 bits: stereo bus samples, Q4.27. For measuring.
@@ -193,7 +213,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         out: &mut [[i32; 2]],
         observe: impl FnMut(&TickReport),
     ) -> Result<(), EventError> {
-        self.render_blocks(events, direct, out, observe, |_| {})
+        self.render_blocks(events, direct, out, observe, |_| {}, |_| {})
     }
 
     /// `finish` takes each run of the bus that is not exact silence.
@@ -203,6 +223,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         direct: Option<Direct<'_>>,
         out: &mut [[i32; 2]],
         mut observe: impl FnMut(&TickReport),
+        mut log: impl FnMut(&Event),
         finish: impl Fn(&mut [[i32; 2]]),
     ) -> Result<(), EventError> {
         let frames = out.len();
@@ -211,14 +232,19 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let end = self.now.saturating_add(frames as u64);
         let (mut events, mut out, mut direct) = (events, out, direct);
         while !out.is_empty() {
-            if self.now.is_multiple_of(TICK_FRAMES as u64) {
-                self.begin_tick();
+            let mut news = self.now.is_multiple_of(TICK_FRAMES as u64);
+            if news {
+                self.begin_tick(direct);
             }
             while let Some((event, later)) =
                 events.split_first().filter(|(event, _)| event.time.first_frame() <= self.now)
             {
-                self.apply(event);
+                self.apply(event, direct);
                 events = later;
+                news = true;
+            }
+            if news && !self.idle {
+                self.keep_budget(events, direct, &mut log);
             }
             let to_tick = TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64;
             let to_event = events.first().map_or(u64::MAX, |event| event.time.first_frame() - self.now);
@@ -227,6 +253,9 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             let Some((now, later)) = core::mem::take(&mut out).split_at_mut_checked(length) else { break };
             let direct_now =
                 direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(..length)? }));
+            if self.budget.is_some() {
+                self.report.predicted_cycles += self.run_cycles(length as u32, direct_now, &[false; PADS]);
+            }
             if self.idle && direct_now.is_none() {
                 self.report.pass_idle(self.unstruck_modes, self.modes_built, length);
             } else {
@@ -275,10 +304,18 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         }
     }
 
-    fn begin_tick(&mut self) {
+    fn begin_tick(&mut self, direct: Option<Direct<'_>>) {
         self.report = TickReport { frame: self.now, ..TickReport::EMPTY };
+        if self.budget.is_some() {
+            self.report.predicted_cycles = self.beginning();
+        }
         if self.idle {
             return;
+        }
+        // A direct force has no strike that would be a new chance: each tick is.
+        if let Some(voice) = direct.and_then(|direct| self.pads.get_mut(usize::from(direct.pad))) {
+            let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
+            voice.pad.banks_mut().for_each(|bank| bank.admit(&mut memory));
         }
         let skip = self.skipping == Skipping::On;
         let mut retired: f32 = self.voices().iter().map(|voice| voice.pad.retired_amplitude()).sum();
@@ -291,7 +328,13 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         self.report.retired_amplitude = retired;
     }
 
-    fn apply(&mut self, event: &Event) {
+    fn apply(&mut self, event: &Event, direct: Option<Direct<'_>>) {
+        if self.budget.is_some() {
+            self.report.predicted_cycles += self.event_cycles(event);
+        }
+        if let Action::Shed(count) = event.action {
+            return self.shed_quietest(count, direct);
+        }
         let rate = self.rate();
         let Some(voice) = self.pads.get_mut(usize::from(event.pad)) else { return };
         let Some(tables) = &voice.tables else { return };
@@ -299,6 +342,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         match event.action {
             Action::Strike => {
+                voice.pad.banks_mut().for_each(|bank| bank.admit(&mut memory));
                 let struck = voice.pad.strike(
                     tables,
                     event.velocity,
@@ -315,6 +359,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             }
             Action::Choke => voice.pad.set_choked(true, tables, rate, &mut memory),
             Action::Release => voice.pad.set_choked(false, tables, rate, &mut memory),
+            Action::Shed(_) => {}
         }
     }
 

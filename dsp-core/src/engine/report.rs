@@ -1,6 +1,7 @@
 //! What a tick did and what it left out.
 
 use crate::pad::{Pad, PadWork};
+use crate::resonator::Shed;
 
 /// Why modes that were built did not run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +49,10 @@ pub struct TickReport {
     pub retired_modes: u32,
     /// Bound of the amplitude that is missing by retirement, 1.0 = full scale; below 10^-5.
     pub retired_amplitude: f32,
+    /// What was left out for want of time in this tick.
+    pub shed: Shed,
+    /// Cycles that the tick was expected to take; 0 without a budget.
+    pub predicted_cycles: u32,
     /// Pads that ring at the tick's end.
     pub ringing_pads: u32,
     /// Contacts under way at the tick's end.
@@ -72,6 +77,8 @@ impl TickReport {
         refused_inputs: 0,
         retired_modes: 0,
         retired_amplitude: 0.0,
+        shed: Shed { groups: 0, modes: 0, amplitude: 0.0 },
+        predicted_cycles: 0,
         ringing_pads: 0,
         contacts: 0,
     };

@@ -139,6 +139,27 @@ impl Pad {
         self.strikers.get_mut(..usize::from(self.striker_count)).unwrap_or(&mut [])
     }
 
+    /// The object's bank and the strikers' banks.
+    pub fn banks(&self) -> impl Iterator<Item = &Bank> {
+        core::iter::once(&self.object).chain(self.strikers().iter().map(|striker| &striker.bank))
+    }
+
+    /// The same to be changed.
+    pub fn banks_mut(&mut self) -> impl Iterator<Item = &mut Bank> {
+        let strikers = self.strikers.iter_mut().take(usize::from(self.striker_count));
+        core::iter::once(&mut self.object).chain(strikers.map(|striker| &mut striker.bank))
+    }
+
+    /// Register groups of all banks.
+    pub fn group_count(&self) -> u32 {
+        self.banks().map(Bank::group_count).sum()
+    }
+
+    /// Output (1.0 = full scale) that a bus step of a bank makes on the louder side.
+    pub fn unit(&self) -> f32 {
+        self.panner.loudest() / fixed::ONE_Q27 as f32
+    }
+
     /// Modes of the object's bank and of all strikers' banks.
     pub fn mode_count(&self) -> usize {
         usize::from(self.mode_count)

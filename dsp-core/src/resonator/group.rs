@@ -93,6 +93,32 @@ impl Group {
         self.mirrored
     }
 
+    /// Leaves the group out: its sound ends, and no input reaches it until [`Group::admit`].
+    pub(super) fn shed(&mut self, modes: &mut [Mode]) {
+        self.silence(modes);
+        self.plan.set_shed(true);
+    }
+
+    /// Lets input reach it again.
+    pub(super) fn admit(&mut self) {
+        self.plan.set_shed(false);
+    }
+
+    /// Whether it is left out for want of time.
+    pub(super) fn is_shed(&self) -> bool {
+        self.plan.is_shed()
+    }
+
+    /// Bound of a mode's amplitude until the next guard, bus steps: what rings and what the guard has allowed for.
+    pub(super) fn amplitude_bound(&self) -> f32 {
+        if self.ringing { self.bound as f32 * self.unit() } else { 0.0 }
+    }
+
+    /// Bus steps of state that a bus step of force makes at most.
+    pub(super) fn largest_gain(&self) -> f32 {
+        libm::scalbnf(self.gain_peak as f32, i32::from(self.gain_exponent) - 31)
+    }
+
     /// Whether its input is kept out at present.
     pub(super) fn refusing(&self) -> bool {
         self.refusing

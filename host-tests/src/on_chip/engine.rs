@@ -2,7 +2,7 @@
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Direct;
-use dsp_core::event::{Action, Event};
+use dsp_core::event::{Action, Event, Time};
 use virtual_core::{Call, Image, Machine};
 
 use super::{HOST_MEMORY, KIT_FLASH, OnChipError, accept, bytes_of, manifest, words_of};
@@ -24,6 +24,21 @@ pub struct Footprint {
     pub static_ram: u32,
     /// Static RAM of an engine for 512 modes on eight pads.
     pub ram_of_512_modes: u32,
+}
+
+/// What the engine told of its last block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Told {
+    /// Cycles that the block's last tick was expected to take.
+    pub predicted_cycles: u32,
+    /// Register groups that it left out.
+    pub shed_groups: u32,
+    /// Their modes.
+    pub shed_modes: u32,
+    /// Bound of the amplitude that is missing by it.
+    pub shed_amplitude: f32,
+    /// All decisions of the block, as events.
+    pub decisions: Vec<Event>,
 }
 
 /// An engine on the virtual core (`host-tests/images/engine`): 16 pads, 1024 modes.
@@ -84,6 +99,41 @@ impl EngineOnChip {
         Ok((samples, call))
     }
 
+    /// Sets the budget, cycles a tick.
+    ///
+    /// # Errors
+    /// [`OnChipError::Run`].
+    pub fn set_budget(&mut self, cycles_per_tick: u32) -> Result<(), OnChipError> {
+        self.machine.call("engine_budget", &[cycles_per_tick])?;
+        Ok(())
+    }
+
+    /// What the last block's last tick was expected to cost and left out, and all decisions of the block.
+    ///
+    /// # Errors
+    /// [`OnChipError::Run`].
+    pub fn told(&mut self) -> Result<Told, OnChipError> {
+        let address = self.machine.call("engine_told", &[])?.value;
+        let mut head = [0; 20];
+        self.machine.read(address, &mut head)?;
+        let words: Vec<u32> = words_of(&head).iter().map(|&word| word as u32).collect();
+        let mut decisions = Vec::new();
+        for index in 0..words[4] {
+            let mut event = [0; 32];
+            self.machine.read(address + 24 + 32 * index, &mut event)?;
+            let frame = u64::from_le_bytes(*event.first_chunk().unwrap_or(&[0; 8]));
+            let groups = u16::from_le_bytes([event[24], event[25]]);
+            decisions.push(Event { time: Time::at_frame(frame), action: Action::Shed(groups), ..Event::NOTHING });
+        }
+        Ok(Told {
+            predicted_cycles: words[0],
+            shed_groups: words[1],
+            shed_modes: words[2],
+            shed_amplitude: f32::from_bits(words[3]),
+            decisions,
+        })
+    }
+
     /// What it takes on a chip.
     ///
     /// # Errors
@@ -113,6 +163,10 @@ fn wire(event: &Event) -> [u8; 32] {
         Action::Strike => 0,
         Action::Choke => 1,
         Action::Release => 2,
+        Action::Shed(groups) => {
+            bytes[24..26].copy_from_slice(&groups.to_le_bytes());
+            3
+        }
     };
     bytes[16..20].copy_from_slice(&event.velocity.to_le_bytes());
     bytes[20..24].copy_from_slice(&event.position.to_le_bytes());

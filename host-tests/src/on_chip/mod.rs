@@ -5,7 +5,7 @@ mod engine;
 pub mod scenes;
 
 pub use bank::BankOnChip;
-pub use engine::{BLOCK_FRAMES, EngineOnChip, Footprint};
+pub use engine::{BLOCK_FRAMES, EngineOnChip, Footprint, Told};
 
 use std::path::{Path, PathBuf};
 

@@ -19,7 +19,7 @@ use serde::Serialize;
 use super::{CommandError, peak_dbfs, print, print_json, progress};
 use crate::DemoArguments;
 
-const SETTINGS: Settings = Settings { rate: RATE, block: 128, skipping: Skipping::On };
+const SETTINGS: Settings = Settings { rate: RATE, block: 128, skipping: Skipping::On, budget_cycles: None };
 
 pub(crate) fn run(arguments: &DemoArguments) -> Result<(), CommandError> {
     let loaded = kit::open(demo::KIT)?;

@@ -44,6 +44,8 @@ pub(crate) enum CommandError {
         "{file}: it would play for {seconds:.0} s, at most {longest:.0} are rendered at once; play a part of it, or a shorter --tail"
     )]
     TooLong { file: String, seconds: f64, longest: f64 },
+    #[error("the log cannot be written: {error}")]
+    Log { error: ::kit::file::FileError },
     #[error("the report cannot be printed: {0}")]
     Print(#[from] std::io::Error),
     #[error("the report cannot be written as JSON: {0}")]

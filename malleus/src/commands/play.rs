@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Skipping, TickReport};
+use dsp_core::event::Event;
+use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
 use malleus::render::instrument::{Output, Settings};
 use malleus::render::{Performance, instrument, law};
@@ -39,14 +41,25 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         sound.into_iter().map(|frame| frame.map(reference::scene::quantise_24)).collect()
     } else {
         let skipping = if arguments.no_skip { Skipping::Off } else { Skipping::On };
-        let settings = Settings { rate, block: arguments.block as usize, skipping };
+        let budget_cycles = arguments.budget_mhz.map(|mhz| (mhz * 1e6 * TICK_FRAMES as f64 / rate.hz()) as u32);
+        // With a budget, blocks of whole ticks: decisions look ahead as far as the block.
+        let block = arguments.block as usize;
+        let block = if budget_cycles.is_some() { block.next_multiple_of(TICK_FRAMES) } else { block };
+        let settings = Settings { rate, block, skipping, budget_cycles };
         let bar = progress(performance.frames as u64, "playing");
-        let frames = instrument::render(&table, &performance, settings, Output::Samples24, |report| {
+        let mut played = Vec::new();
+        let observe = |report: &TickReport| {
             work.add(report);
             bar.set_position(report.frame);
-        })
-        .map_err(|error| CommandError::Render { kit: name.clone(), error })?;
+        };
+        let log = |event: &Event| played.push(*event);
+        let frames = instrument::render_logged(&table, &performance, settings, Output::Samples24, observe, log)
+            .map_err(|error| CommandError::Render { kit: name.clone(), error })?;
         bar.finish_and_clear();
+        if let Some(path) = &arguments.log {
+            kit::file::write_whole(path, events::csv::write(&played, &table, rate).as_bytes())
+                .map_err(|error| CommandError::Log { error })?;
+        }
         frames
     };
     wave::write_stereo(&arguments.output, rate, &frames)?;
@@ -110,6 +123,10 @@ struct Work {
     retired_modes: u64,
     largest_retired_amplitude: f32,
     refused_inputs: u64,
+    shed_groups: u64,
+    shed_modes: u64,
+    largest_shed_amplitude: f32,
+    largest_predicted_cycles: u32,
 }
 
 impl Work {
@@ -127,6 +144,10 @@ impl Work {
         self.retired_modes += u64::from(report.retired_modes);
         self.largest_retired_amplitude = self.largest_retired_amplitude.max(report.retired_amplitude);
         self.refused_inputs += u64::from(report.refused_inputs);
+        self.shed_groups += u64::from(report.shed.groups);
+        self.shed_modes += u64::from(report.shed.modes);
+        self.largest_shed_amplitude = self.largest_shed_amplitude.max(report.shed.amplitude);
+        self.largest_predicted_cycles = self.largest_predicted_cycles.max(report.predicted_cycles);
     }
 }
 

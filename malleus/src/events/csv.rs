@@ -29,6 +29,41 @@ pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList,
     Ok(list)
 }
 
+/// Writes events for a kit at a rate such that [`parse`] gives the same events, bit for bit: by samples where all fall on samples, else by
+/// seconds.
+pub fn write(events: &[Event], kit: &Kit<'_>, rate: SampleRate) -> String {
+    let whole = events.iter().all(|event| event.time.fraction == 0);
+    let mut text = String::from(if whole { "sample" } else { "time_s" });
+    text.push_str(",pad,velocity,position,striker,action\n");
+    for event in events {
+        let time = if whole { event.time.frame.to_string() } else { seconds(event.time, rate).to_string() };
+        let line = match event.action {
+            Action::Shed(groups) => format!("{time},,,,,shed {groups}\n"),
+            action => {
+                let pad = kit.pads().nth(usize::from(event.pad));
+                let striker = pad.and_then(|pad| kit.strikers_of(pad).nth(usize::from(event.striker)));
+                let striker = striker.as_ref().map_or("", |striker| striker.name());
+                let action = match action {
+                    Action::Choke => "choke",
+                    Action::Release => "release",
+                    _ => "strike",
+                };
+                let name = pad.as_ref().map_or("", |pad| pad.name());
+                format!("{time},{name},{},{},{striker},{action}\n", event.velocity, event.position)
+            }
+        };
+        text.push_str(&line);
+    }
+    text
+}
+
+/// A time in seconds that reads back as the same time: the nearest one, or a neighbour of it, because the product with the rate is rounded.
+fn seconds(time: Time, rate: SampleRate) -> f64 {
+    let nearest = (time.frame as f64 + f64::from(time.fraction) / 4_294_967_296.0) / rate.hz();
+    let neighbours = (0..16u64).flat_map(|step| [nearest.to_bits() + step, nearest.to_bits().saturating_sub(step)]);
+    neighbours.map(f64::from_bits).find(|&seconds| time_from_seconds(seconds, rate) == Some(time)).unwrap_or(nearest)
+}
+
 /// Where each column stands.
 struct Columns([Option<usize>; COLUMNS.len()]);
 
@@ -64,13 +99,20 @@ struct Row<'a> {
 impl Row<'_> {
     fn event(&self, kit: &Kit<'_>, rate: SampleRate) -> Result<Event, EventsFault> {
         let time = self.time(rate)?;
-        let (index, pad) = self.pad(kit)?;
         let action = match self.field("action") {
             "" | "strike" => Action::Strike,
             "choke" => Action::Choke,
             "release" => Action::Release,
-            _ => return Err(self.fault("action", "must be strike, choke or release".to_owned())),
+            action => action
+                .strip_prefix("shed ")
+                .and_then(|groups| groups.parse().ok())
+                .map(Action::Shed)
+                .ok_or_else(|| self.fault("action", "must be strike, choke, release or shed N".to_owned()))?,
         };
+        if let Action::Shed(_) = action {
+            return Ok(Event { time, action, ..Event::NOTHING });
+        }
+        let (index, pad) = self.pad(kit)?;
         let velocity = match self.field("velocity") {
             "" if action != Action::Strike => 0.0,
             _ => self.unit("velocity")?,

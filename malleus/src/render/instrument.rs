@@ -30,6 +30,8 @@ pub struct Settings {
     pub block: usize,
     /// What is left out.
     pub skipping: Skipping,
+    /// Cycles of a Cortex-M4 that a tick may take; what does not fit is left out.
+    pub budget_cycles: Option<u32>,
 }
 
 /// What comes out.
@@ -50,10 +52,27 @@ pub fn render(
     performance: &Performance,
     settings: Settings,
     output: Output,
+    observe: impl FnMut(&TickReport),
+) -> Result<Vec<[i32; 2]>, RenderError> {
+    render_logged(kit, performance, settings, output, observe, |_| {})
+}
+
+/// The same; `log` sees every event as it is played, the engine's own decisions to leave something out among them, in the order in which
+/// they play to the same bits.
+///
+/// # Errors
+/// [`RenderError`].
+pub fn render_logged(
+    kit: &Kit<'_>,
+    performance: &Performance,
+    settings: Settings,
+    output: Output,
     mut observe: impl FnMut(&TickReport),
+    mut log: impl FnMut(&Event),
 ) -> Result<Vec<[i32; 2]>, RenderError> {
     let mut engine = Box::new(PcEngine::new());
     engine.load(kit, settings.rate, settings.skipping)?;
+    engine.set_budget(settings.budget_cycles);
     let mut frames = vec![[0; 2]; performance.frames];
     let mut events = performance.events.as_slice();
     let mut silence = Vec::new();
@@ -77,10 +96,22 @@ pub fn render(
             };
             Direct { pad: *pad, force }
         });
+        let mut decisions = Vec::new();
         match output {
-            Output::Samples24 => engine.render_observed(now, direct, block, &mut observe)?,
+            Output::Samples24 => {
+                engine.render_logged(now, direct, block, &mut observe, |decision| decisions.push(*decision))?;
+            }
             Output::Bus => engine.render_bus(now, direct, block, &mut observe)?,
         }
+        // A decision stands behind the events of its frame.
+        let mut now = now.iter().peekable();
+        for decision in &decisions {
+            while let Some(event) = now.next_if(|event| event.time.first_frame() <= decision.time.frame) {
+                log(event);
+            }
+            log(decision);
+        }
+        now.for_each(&mut log);
     }
     Ok(frames)
 }

@@ -78,17 +78,23 @@ pub fn render(
         .events
         .iter()
         .filter(|event| event.action == Action::Strike || chokable(event.pad))
-        .map(|event| reference::Event {
+        .filter_map(|event| {
+            let action = match event.action {
+                Action::Strike => reference::Action::Strike,
+                Action::Choke => reference::Action::Choke,
+                Action::Release => reference::Action::Release,
+                // The law has all the time it needs.
+                Action::Shed(_) => return None,
+            };
+            Some((event, action))
+        })
+        .map(|(event, action)| reference::Event {
             time_samples: event.time.frame as f64 + f64::from(event.time.fraction) / 4_294_967_296.0,
             pad: usize::from(event.pad),
             velocity: f64::from(event.velocity),
             position: f64::from(event.position),
             striker: usize::from(event.striker),
-            action: match event.action {
-                Action::Strike => reference::Action::Strike,
-                Action::Choke => reference::Action::Choke,
-                Action::Release => reference::Action::Release,
-            },
+            action,
         })
         .collect();
     let force: Vec<f64> = performance.direct.as_ref().map_or(Vec::new(), |(pad, force)| {

@@ -31,7 +31,8 @@ impl Performance {
         let struck = events.iter().filter(|event| event.action == Action::Strike && event.velocity > 0.0);
         let ringing = struck.map(|event| event.pad).chain(direct_pads).map(|pad| ringing_time_s(kit, usize::from(pad)));
         let tail_s = tail_s.unwrap_or_else(|| ringing.fold(0.0, f64::max).min(LONGEST_TAIL_S));
-        let last_event = events.last().map_or(0, |event| event.time.first_frame());
+        let asked = |event: &&Event| !matches!(event.action, Action::Shed(_));
+        let last_event = events.iter().rfind(asked).map_or(0, |event| event.time.first_frame());
         let last = (last_event as usize).max(direct.as_ref().map_or(0, |(_, force)| force.len()));
         let frames = last.saturating_add((tail_s * rate.hz()).ceil() as usize).saturating_add(1);
         Self { events, direct, frames }

@@ -71,7 +71,7 @@ impl Bank {
             if let Some(retirement) = &mut retirement {
                 retirement.consider(group, modes, retired);
             }
-            if group.ringing() || all {
+            if group.ringing() || all && !group.is_shed() {
                 let _: Guard = group.guard(modes, allowance, force_shift);
             }
         });

@@ -5,8 +5,10 @@ use core::ops::Range;
 mod guard;
 mod load;
 mod render;
+mod shed;
 
 pub use render::MixShift;
+pub use shed::{Audience, GroupLoad, LEVELS, Shed, Use};
 
 use super::coefficient::Coefficients;
 use super::gain::{gain_at, gain_law, move_pole, onset, orbit_gains};

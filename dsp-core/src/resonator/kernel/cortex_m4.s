@@ -8,7 +8,7 @@
 @           written to `mix`), left 36, right 40, shift 44
 @   mode    u 0, v 4, delta 8, epsilon 12, gain_u 16, gain_v 20; 24 bytes
 @   group   free kind 0, driven kind 1, gain shift 2, count 3, mix scale 4; 24 bytes, of which eight are read
-@   kind    bits 0-1 form, bit 2 gain and phase, bit 6 not full, bit 7 ringing
+@   kind    bits 0-1 form, bit 2 gain and phase, bit 5 shed, bit 6 not full, bit 7 ringing
 @
 @ Where things are while a kernel runs:
 @   sp      the mix of 32 frames at 0..127, the force at 128..255, both backward in time: frame i at 124 - 4i

@@ -17,6 +17,8 @@ pub struct Plan {
 /// Bits of a kind: 0 and 1 are the form.
 const FORM: u8 = 3;
 const PHASE: u8 = 1 << 2;
+/// In the free kind only, where a group at rest is not looked at further.
+const SHED: u8 = 1 << 5;
 const NOT_FULL: u8 = 1 << 6;
 const RINGING: u8 = 1 << 7;
 
@@ -44,6 +46,16 @@ impl Plan {
         self.driven_kind = self.driven_kind & !RINGING | ringing;
         self.gain_shift = gain_shift.min(31) as u8;
         self.mix_scale = mix_scale;
+    }
+
+    /// Says whether the group is left out for want of time; it must be at rest then.
+    pub fn set_shed(&mut self, shed: bool) {
+        self.free_kind = self.free_kind & !SHED | if shed { SHED } else { 0 };
+    }
+
+    /// Whether the group is left out for want of time.
+    pub fn is_shed(&self) -> bool {
+        self.free_kind & SHED != 0
     }
 
     /// Number of modes.

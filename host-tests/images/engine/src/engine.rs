@@ -3,7 +3,7 @@
 use core::cell::UnsafeCell;
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Direct, Engine, STANDARD_CONTACTS, Skipping};
+use dsp_core::engine::{Direct, Engine, STANDARD_CONTACTS, Skipping, TickReport};
 use dsp_core::event::Event;
 use dsp_core::table::Kit;
 
@@ -79,10 +79,54 @@ pub unsafe extern "C" fn engine_render(block: *const Block) -> i32 {
         // SAFETY: the host's word.
         Direct { pad: block.direct_pad as u8, force: unsafe { slice(block.direct, block.frames) } }
     });
-    match engine().render(played, direct, out) {
+    // SAFETY: as for `Sync`: the one reference of the call that runs.
+    let told = unsafe { &mut *TOLD.0.get() };
+    told.decision_count = 0;
+    let Told { report, decision_count, decisions } = told;
+    let keep = |tick: &TickReport| {
+        *report = [tick.predicted_cycles, tick.shed.groups, tick.shed.modes, tick.shed.amplitude.to_bits()];
+    };
+    let log = |event: &Event| {
+        if let Some(place) = decisions.get_mut(*decision_count) {
+            *place = WireEvent::shedding(event);
+            *decision_count += 1;
+        }
+    };
+    match engine().render_logged(played, direct, out, keep, log) {
         Ok(()) => 0,
         Err(_) => -1,
     }
+}
+
+/// What the last call told: the last tick's predicted cycles, groups and modes that were shed and the bits of the amplitude that is missing by
+/// it; and all decisions.
+#[repr(C)]
+struct Told {
+    report: [u32; 4],
+    decision_count: usize,
+    decisions: [WireEvent; EVENTS],
+}
+
+struct GlobalTold(UnsafeCell<Told>);
+
+// SAFETY: the virtual core has one thread and calls one function at a time.
+unsafe impl Sync for GlobalTold {}
+
+static TOLD: GlobalTold =
+    GlobalTold(UnsafeCell::new(Told { report: [0; 4], decision_count: 0, decisions: [WireEvent::NOTHING; EVENTS] }));
+
+/// Where the last call's report lies: four words, then the number of decisions, then (8-byte aligned) the decisions.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub extern "C" fn engine_told() -> u32 {
+    TOLD.0.get() as u32
+}
+
+/// Cycles a tick may take; 0: any.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub extern "C" fn engine_budget(cycles_per_tick: u32) {
+    engine().set_budget((cycles_per_tick > 0).then_some(cycles_per_tick));
 }
 
 /// Bytes of an engine with 512 modes on eight pads.

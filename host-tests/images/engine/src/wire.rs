@@ -14,7 +14,9 @@ pub struct WireEvent {
     reserved: u8,
     velocity: f32,
     position: f32,
-    reserved_end: u64,
+    /// Of a shedding: how many register groups.
+    groups: u32,
+    reserved_end: u32,
 }
 
 impl WireEvent {
@@ -28,10 +30,31 @@ impl WireEvent {
             action: match self.action {
                 0 => Action::Strike,
                 1 => Action::Choke,
-                _ => Action::Release,
+                2 => Action::Release,
+                _ => Action::Shed(self.groups as u16),
             },
         }
     }
+
+    /// A decision of the engine: always a shedding.
+    pub fn shedding(event: &Event) -> Self {
+        let groups = if let Action::Shed(groups) = event.action { u32::from(groups) } else { 0 };
+        Self { frame: event.time.frame, action: 3, groups, ..Self::NOTHING }
+    }
+
+    /// No event.
+    pub const NOTHING: Self = Self {
+        frame: 0,
+        fraction: 0,
+        pad: 0,
+        striker: 0,
+        action: 0,
+        reserved: 0,
+        velocity: 0.0,
+        position: 0.0,
+        groups: 0,
+        reserved_end: 0,
+    };
 }
 
 /// A slice that the host has laid at an address.

@@ -1,0 +1,220 @@
+//! The budget: what a tick will cost is known before it is computed, and what does not fit is left out, the quietest first.
+//!
+//! Before each run of a tick that brings something new (the tick itself, an event) the engine adds up what the rest of the tick will cost,
+//! from counts and from constants that were measured on the virtual core. Where that exceeds the budget it leaves out register
+//! groups until the rest fits, and says so as an event [`Action::Shed`], so that a recording of all events plays to the same bits without
+//! any budget.
+//!
+//! Events are looked at as far as the block holds them: with blocks of whole ticks nothing comes as a surprise within a tick.
+
+use super::{Direct, Engine};
+use crate::event::{Action, Event, Time};
+use crate::pad::Pad;
+use crate::resonator::{Audience, LEVELS, Memory, Shed, TICK_FRAMES, Use};
+
+/// Cycles of the parts of a tick, nominal, without flash waits: fitted to the virtual core over the bench's scenes, held to 3 % by
+/// `cargo test --release -p host-tests --test virtual_budget`.
+mod cycles {
+    pub(super) const TICK: u32 = 500;
+    pub(super) const TICK_PAD: u32 = 60;
+    pub(super) const RUN: u32 = 250;
+    pub(super) const RUN_FRAME: u32 = 22;
+    pub(super) const QUIET_PAD: u32 = 60;
+    pub(super) const RINGING_PAD: u32 = 560;
+    pub(super) const RINGING_FRAME: u32 = 12;
+    pub(super) const DRIVEN_PAD: u32 = 2600;
+    pub(super) const DRIVEN_FRAME: u32 = 110;
+    pub(super) const CONTACT_FRAME: u32 = 75;
+    pub(super) const GUARD_GROUP: u32 = 400;
+    pub(super) const DUE_GROUP: u32 = 220;
+    pub(super) const STRIKE: u32 = 900;
+    pub(super) const SHED: u32 = 3000;
+    pub(super) const SHED_GROUP: u32 = 90;
+}
+
+impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGINS: usize, const CONTACTS: usize>
+    Engine<'k, PADS, MODES, GROUPS, ORIGINS, CONTACTS>
+{
+    /// Sets how many cycles a tick of 32 frames may take, or takes the limit away. For 80 % of 168 MHz at 48 kHz: 89 600.
+    ///
+    /// Nothing is left out while [`Skipping`](super::Skipping) is off. Costs some 15 cycles a register group and run.
+    pub fn set_budget(&mut self, cycles_per_tick: Option<u32>) {
+        self.budget = cycles_per_tick;
+    }
+
+    /// Leaves out what does not fit. `upcoming` are the events behind those that have been applied.
+    pub(super) fn keep_budget(
+        &mut self,
+        upcoming: &[Event],
+        direct: Option<Direct<'_>>,
+        log: &mut impl FnMut(&Event),
+    ) {
+        let Some(budget) = self.budget.filter(|_| self.skipping == super::Skipping::On) else { return };
+        let predicted = self.report.predicted_cycles + self.rest_of_tick(upcoming, direct);
+        if predicted <= budget {
+            return;
+        }
+        let groups: u32 = self.voices().iter().flat_map(|voice| voice.pad.banks()).map(|bank| bank.group_count()).sum();
+        let shedding = cycles::SHED + cycles::SHED_GROUP * groups;
+        self.report.predicted_cycles += shedding;
+        let excess = predicted + shedding - budget;
+        // What each step of loudness would free, and of how many groups.
+        let (mut freed, mut counts) = ([0u32; LEVELS], [0u16; LEVELS]);
+        let frames = self.frames_to_tick();
+        self.for_each_load(direct, frames, |load| {
+            let level = usize::from(load.level);
+            if let (Some(freed), Some(count)) = (freed.get_mut(level), counts.get_mut(level)) {
+                *freed += load.cycles;
+                *count += 1;
+            }
+        });
+        let (mut total, mut chosen) = (0, 0);
+        for (freed, count) in freed.into_iter().zip(counts) {
+            if total + freed < excess {
+                (total, chosen) = (total + freed, chosen + count);
+                continue;
+            }
+            // Of the step in which the excess ends, as many as are needed if all cost alike; one more, because they do not.
+            let share = (u64::from(excess - total) * u64::from(count)).div_ceil(u64::from(freed.max(1))) as u16;
+            chosen += (share + 1).min(count);
+            break;
+        }
+        // Costs within a step differ: look again.
+        self.shed_quietest(chosen, direct);
+        while self.report.predicted_cycles + self.rest_of_tick(upcoming, direct) > budget {
+            let before = self.report.shed.groups;
+            self.shed_quietest(4, direct);
+            chosen += (self.report.shed.groups - before) as u16;
+            if self.report.shed.groups == before {
+                break;
+            }
+        }
+        log(&Event { time: Time::at_frame(self.now), action: Action::Shed(chosen), ..Event::NOTHING });
+    }
+
+    /// Leaves out the `count` quietest register groups of those that would run.
+    pub(super) fn shed_quietest(&mut self, count: u16, direct: Option<Direct<'_>>) {
+        let mut counts = [0u16; LEVELS];
+        self.for_each_load(direct, TICK_FRAMES as u32, |load| {
+            if let Some(count) = counts.get_mut(usize::from(load.level)) {
+                *count += 1;
+            }
+        });
+        let (mut left, mut threshold) = (count, LEVELS);
+        for (level, here) in counts.into_iter().enumerate() {
+            if here > left {
+                threshold = level;
+                break;
+            }
+            left -= here;
+        }
+        let mut at_threshold = u32::from(left);
+        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
+        let mut shed = Shed::default();
+        for (voice, number) in self.pads.iter_mut().take(self.pad_count).zip(0u8..) {
+            let (input, contact_samples) = self.flight.ahead(number);
+            let input = input + direct_input(direct, number);
+            let used = if input > 0.0 { Use::Driven } else { Use::Free };
+            let audience = Audience { unit: voice.pad.unit(), input, contact_samples };
+            for bank in voice.pad.banks_mut() {
+                shed += bank.shed(&mut memory, audience, used, threshold as u8, &mut at_threshold);
+            }
+        }
+        self.report.shed += shed;
+    }
+
+    /// Shows every group that would run.
+    fn for_each_load(
+        &self,
+        direct: Option<Direct<'_>>,
+        frames: u32,
+        mut visit: impl FnMut(crate::resonator::GroupLoad),
+    ) {
+        for (voice, number) in self.voices().iter().zip(0u8..) {
+            let (input, contact_samples) = self.flight.ahead(number);
+            let input = input + direct_input(direct, number);
+            let used = if input > 0.0 { Use::Driven } else { Use::Free };
+            let audience = Audience { unit: voice.pad.unit(), input, contact_samples };
+            for bank in voice.pad.banks() {
+                bank.for_each_load(&self.groups, &self.modes, audience, (used, frames), &mut visit);
+            }
+        }
+    }
+
+    /// Cycles of what a tick's beginning does.
+    pub(super) fn beginning(&self) -> u32 {
+        let due = |pad: &Pad| if pad.is_guard_due() { pad.group_count() * cycles::DUE_GROUP } else { 0 };
+        cycles::TICK + self.voices().iter().map(|voice| cycles::TICK_PAD + due(&voice.pad)).sum::<u32>()
+    }
+
+    /// Cycles of an event.
+    pub(super) fn event_cycles(&self, event: &Event) -> u32 {
+        match event.action {
+            Action::Strike => cycles::STRIKE,
+            Action::Choke | Action::Release => {
+                let modes = self.voices().get(usize::from(event.pad)).map_or(0, |voice| voice.pad.mode_count());
+                cycles::STRIKE + 600 * modes as u32
+            }
+            Action::Shed(_) => {
+                let banks = self.voices().iter().flat_map(|voice| voice.pad.banks());
+                cycles::SHED + cycles::SHED_GROUP * banks.map(|bank| bank.group_count()).sum::<u32>()
+            }
+        }
+    }
+
+    fn frames_to_tick(&self) -> u32 {
+        (TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64) as u32
+    }
+
+    /// Cycles from now to the end of the tick, with the events that are known.
+    fn rest_of_tick(&self, upcoming: &[Event], direct: Option<Direct<'_>>) -> u32 {
+        let end = self.now + u64::from(self.frames_to_tick());
+        let (mut now, mut total) = (self.now, 0);
+        let mut struck = [false; PADS];
+        let mut events = upcoming.iter().take_while(|event| event.time.first_frame() < end).peekable();
+        while now < end {
+            let next = events.peek().map_or(end, |event| event.time.first_frame());
+            total += self.run_cycles((next - now) as u32, direct, &struck);
+            while let Some(event) = events.next_if(|event| event.time.first_frame() == next) {
+                total += self.event_cycles(event);
+                if let (Action::Strike, Some(struck)) = (event.action, struck.get_mut(usize::from(event.pad))) {
+                    *struck = true;
+                }
+            }
+            now = next;
+        }
+        total
+    }
+
+    /// Cycles of a run of frames. `struck` are pads that a known event will have struck by then.
+    pub(super) fn run_cycles(&self, frames: u32, direct: Option<Direct<'_>>, struck: &[bool; PADS]) -> u32 {
+        if frames == 0 {
+            return 0;
+        }
+        let mut total = cycles::RUN + cycles::RUN_FRAME * frames;
+        for ((voice, number), &struck) in self.voices().iter().zip(0u8..).zip(struck) {
+            let contacts = self.flight.count_on(number) as u32 + u32::from(struck);
+            let pad = &voice.pad;
+            total += if contacts > 0 || direct_input(direct, number) > 0.0 {
+                let guards = if pad.banks().any(|bank| bank.is_unguarded()) { cycles::GUARD_GROUP } else { 0 };
+                let banks: u32 = pad.banks().map(|bank| bank.cycles(&self.groups, Use::Driven, frames)).sum();
+                cycles::DRIVEN_PAD
+                    + (cycles::DRIVEN_FRAME + contacts * cycles::CONTACT_FRAME) * frames
+                    + guards * pad.group_count()
+                    + banks
+            } else if pad.is_ringing() {
+                let banks: u32 = pad.banks().map(|bank| bank.cycles(&self.groups, Use::Free, frames)).sum();
+                cycles::RINGING_PAD + cycles::RINGING_FRAME * frames + banks
+            } else {
+                cycles::QUIET_PAD
+            };
+        }
+        total
+    }
+}
+
+/// Bound of what a direct force brings in the rest of the block, bus steps.
+fn direct_input(direct: Option<Direct<'_>>, pad: u8) -> f32 {
+    let force = direct.filter(|direct| direct.pad == pad).map_or(&[][..], |direct| direct.force);
+    force.iter().take(TICK_FRAMES).map(|x| x.unsigned_abs() as f32).sum()
+}

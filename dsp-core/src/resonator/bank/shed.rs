@@ -1,0 +1,210 @@
+//! Overload: what each group will cost, how loud it is, and leaving out the quietest.
+//!
+//! Groups are compared by a bound of their loudest mode's amplitude at the output, in steps of 3 dB: what rings, and what the contacts under
+//! way may still bring. Among groups of one step the order is that of the bank. The choice depends on the state alone, so that "leave out the
+//! n quietest" means the same groups wherever the same events are played.
+
+use super::super::coefficient::Form;
+use super::super::group::Group;
+use super::super::headroom::GROWTH_OF_V;
+use super::super::kernel::Plan;
+use super::super::mode::Mode;
+use super::{Bank, Memory, for_each_group};
+
+/// Steps of loudness that are told apart: 3 dB each, from -180 dBFS.
+pub const LEVELS: usize = 64;
+
+/// How a bank will run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// Ringing on.
+    Free,
+    /// Under a force.
+    Driven,
+}
+
+/// Who listens, and what is still to come.
+#[derive(Clone, Copy, Debug)]
+pub struct Audience {
+    /// Output (1.0 = full scale) that a bus step of the bank makes.
+    pub unit: f32,
+    /// Bound of the sum of |force| still to come, bus steps.
+    pub input: f32,
+    /// Length of the longest contact under way, samples; modes far above its corner frequency get less of it. 0: count them in full.
+    pub contact_samples: f32,
+}
+
+/// What a group means for a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct GroupLoad {
+    /// How loud it is, 0 to [`LEVELS`] - 1.
+    pub level: u8,
+    /// What it will cost, cycles.
+    pub cycles: u32,
+}
+
+/// What was left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shed {
+    /// Register groups.
+    pub groups: u32,
+    /// Modes.
+    pub modes: u32,
+    /// Bound of the amplitude that is missing by it, 1.0 = full scale, summed over the modes.
+    pub amplitude: f32,
+}
+
+impl core::ops::AddAssign for Shed {
+    fn add_assign(&mut self, other: Self) {
+        self.groups += other.groups;
+        self.modes += other.modes;
+        self.amplitude += other.amplitude;
+    }
+}
+
+impl Bank {
+    /// Shows each group that would run: those that ring, and under a force all that are not left out already.
+    pub fn for_each_load(
+        &self,
+        groups: &[Group],
+        modes: &[Mode],
+        audience: Audience,
+        (used, frames): (Use, u32),
+        mut visit: impl FnMut(GroupLoad),
+    ) {
+        let mut modes = modes.get(self.modes.range()).unwrap_or(&[]);
+        for group in groups.get(self.groups.range()).unwrap_or(&[]) {
+            let Some((own, behind)) = modes.split_at_checked(group.count()) else { return };
+            modes = behind;
+            if runs(group, used) {
+                visit(GroupLoad { level: level(group, own, audience), cycles: cycles(group.plan(), used, frames) });
+            }
+        }
+    }
+
+    /// What the bank will cost over a run of frames, without what comes once a call.
+    pub fn cycles(&self, groups: &[Group], used: Use, frames: u32) -> u32 {
+        let groups = groups.get(self.groups.range()).unwrap_or(&[]).iter();
+        groups.filter(|group| runs(group, used)).map(|group| cycles(group.plan(), used, frames)).sum()
+    }
+
+    /// Groups of the bank, at rest or not.
+    pub fn group_count(&self) -> u32 {
+        self.groups.range().len() as u32
+    }
+
+    /// Whether a force now would find the groups unguarded, so that all of them must be guarded at once.
+    pub fn is_unguarded(&self) -> bool {
+        self.allowance == 0
+    }
+
+    /// Leaves out the groups that are quieter than `threshold`, and the first `at_threshold` of those that are just as loud.
+    pub fn shed(
+        &mut self,
+        memory: &mut Memory<'_>,
+        audience: Audience,
+        used: Use,
+        threshold: u8,
+        at_threshold: &mut u32,
+    ) -> Shed {
+        let mut shed = Shed::default();
+        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
+            if !runs(group, used) {
+                return;
+            }
+            let level = level(group, modes, audience);
+            let chosen = level < threshold || level == threshold && *at_threshold > 0;
+            if !chosen {
+                return;
+            }
+            if level == threshold {
+                *at_threshold -= 1;
+            }
+            let count = group.count() as u32;
+            let lost = group.amplitude_bound() + group.largest_gain() * audience.input;
+            shed += Shed {
+                groups: 1,
+                modes: count,
+                amplitude: lost * audience.unit * (GROWTH_OF_V as u32 * count) as f32,
+            };
+            group.shed(modes);
+        });
+        if shed.groups > 0 {
+            self.prepare(memory);
+        }
+        shed
+    }
+
+    /// Lets input reach all groups again: a new strike is a new chance.
+    pub fn admit(&mut self, memory: &mut Memory<'_>) {
+        let groups = memory.groups.get_mut(self.groups.range()).unwrap_or(&mut []);
+        let mut admitted = false;
+        for group in groups.iter_mut().filter(|group| group.is_shed()) {
+            group.admit();
+            admitted = true;
+        }
+        if admitted {
+            // They are not guarded for the input that the others are.
+            self.allowance = 0;
+        }
+    }
+}
+
+fn runs(group: &Group, used: Use) -> bool {
+    group.ringing() || used == Use::Driven && !group.is_shed()
+}
+
+/// Loudness in steps of 3 dB.
+fn level(group: &Group, modes: &[Mode], audience: Audience) -> u8 {
+    let mut amplitude = group.amplitude_bound();
+    if audience.input > 0.0 {
+        amplitude += group.largest_gain() * audience.input * spectrum(group, modes, audience.contact_samples);
+    }
+    // A float's exponent and the first bit of its fraction count half octaves.
+    let half_octaves = ((amplitude * audience.unit).to_bits() >> 22) as i32 - ((127 - 30) << 1);
+    half_octaves.clamp(0, LEVELS as i32 - 1) as u8
+}
+
+/// How much of a contact's impulse reaches the group's first mode: the spectrum of a pulse of N samples falls as 1/(1 + (2 f N/fs)²).
+fn spectrum(group: &Group, modes: &[Mode], contact_samples: f32) -> f32 {
+    const Q32: f32 = 1.0 / 4_294_967_296.0;
+    let epsilon = modes.first().map_or(0.0, |mode| mode.coefficients.epsilon as f32 * Q32);
+    let folded = match group.form() {
+        Form::Coupled => epsilon * epsilon,
+        form => epsilon * (1u32 << form.shift()) as f32,
+    };
+    // e² = 4 sin²(θ/2); θ ≈ e.
+    let step_squared = if group.mirrored() { 4.0 - folded } else { folded };
+    let corner = contact_samples * contact_samples * step_squared * (core::f32::consts::FRAC_1_PI * core::f32::consts::FRAC_1_PI);
+    1.0 / (1.0 + corner)
+}
+
+/// Cycles of a group over a run, from what the assembly does with its modes (nominal model; `cargo test -p host-tests --test virtual_budget`
+/// holds the sums to 3 %).
+fn cycles(plan: &Plan, used: Use, frames: u32) -> u32 {
+    let count = plan.count() as u32;
+    let whole = frames == super::super::TICK_FRAMES as u32;
+    match (used, whole) {
+        (Use::Free, true) => {
+            let (sets, left) = (count / 3, count % 3);
+            let leftover = [0, FREE_ONE, FREE_TWO].get(left as usize).copied().unwrap_or(0);
+            sets * FREE_THREE + leftover + if count == 6 { FULL_GROUP } else { OTHER_GROUP }
+        }
+        (Use::Free, false) => OTHER_GROUP + count / 3 * (65 + 21 * frames) + count % 3 * (35 + 12 * frames),
+        (Use::Driven, true) => {
+            let pair = if plan.has_phase() { PHASE_TWO } else { GAIN_TWO };
+            count / 2 * pair + count % 2 * DRIVEN_ONE + if count == 6 { FULL_GROUP } else { OTHER_GROUP }
+        }
+        (Use::Driven, false) => OTHER_GROUP + count / 2 * (60 + 23 * frames) + count % 2 * (40 + 16 * frames),
+    }
+}
+
+const FREE_THREE: u32 = 514;
+const FREE_TWO: u32 = 372;
+const FREE_ONE: u32 = 230;
+const GAIN_TWO: u32 = 483;
+const PHASE_TWO: u32 = 581;
+const DRIVEN_ONE: u32 = 340;
+/// The walk to a full group of the form before, and to any other.
+const FULL_GROUP: u32 = 14;
+const OTHER_GROUP: u32 = 50;
