@@ -75,10 +75,19 @@ impl<const CAPACITY: usize> Flight<CAPACITY> {
     pub fn ahead(&self, pad: u8) -> (f32, f32) {
         let contacts = self.under_way().iter().filter(|contact| contact.pad == pad);
         contacts.fold((0.0, 0.0), |(input, longest), contact| {
-            let step = contact.step as f32;
-            let left = (WHOLE.saturating_sub(contact.phase) as f32 / step).max(0.0) + 1.0;
-            (input + contact.peak as f32 * left, (WHOLE as f32 / step).max(longest))
+            // The upper words are as precise as the floats.
+            let step = ((contact.step >> 32) as u32).max(1) as f32;
+            let left = ((WHOLE.saturating_sub(contact.phase)) >> 32) as u32 as f32 / step + 1.0;
+            let length = (WHOLE >> 32) as u32 as f32 / step;
+            (input + contact.peak as f32 * left, if length > longest { length } else { longest })
         })
+    }
+
+    /// Moves a pad's contacts on without anybody hearing them.
+    pub fn pass(&mut self, pad: u8, frames: usize) {
+        for contact in self.contacts.iter_mut().take(self.count).filter(|contact| contact.pad == pad) {
+            contact.phase = contact.phase.saturating_add(contact.step.saturating_mul(frames as u64));
+        }
     }
 
     /// Adds a contact. When all places are taken it takes the place of the one nearest to its end, and says so.

@@ -30,6 +30,16 @@ pub struct Impact {
     pub step: u64,
 }
 
+impl Impact {
+    /// Bound of the sum of its force over the first 64 samples, bus steps.
+    pub fn expected(&self) -> u64 {
+        const SAMPLES: u64 = 64;
+        // Its length in samples, rounded up, without a division where it is longer.
+        let samples = if self.step < WHOLE / SAMPLES { SAMPLES } else { WHOLE / self.step + 2 };
+        self.peak.unsigned_abs() as u64 * samples
+    }
+}
+
 /// 1.0 of a pulse's fraction.
 pub const WHOLE: u64 = 1 << 63;
 

@@ -10,7 +10,7 @@
 use super::{Direct, Engine};
 use crate::event::{Action, Event, Time};
 use crate::pad::Pad;
-use crate::resonator::{Audience, LEVELS, Memory, Shed, TICK_FRAMES, Use};
+use crate::resonator::{Audience, Bank, LEVELS, Memory, Shed, TICK_FRAMES, Use};
 
 /// Cycles of the parts of a tick, nominal, without flash waits: fitted to the virtual core over the bench's scenes, held to 3 % by
 /// `cargo test --release -p host-tests --test virtual_budget`.
@@ -25,6 +25,9 @@ mod cycles {
     pub(super) const DRIVEN_PAD: u32 = 2600;
     pub(super) const DRIVEN_FRAME: u32 = 110;
     pub(super) const CONTACT_FRAME: u32 = 75;
+    pub(super) const UNHEARD_PAD: u32 = 300;
+    pub(super) const PREDICTED_GROUP: u32 = 40;
+    pub(super) const GUARD: u32 = 500;
     pub(super) const GUARD_GROUP: u32 = 400;
     pub(super) const DUE_GROUP: u32 = 220;
     pub(super) const STRIKE: u32 = 900;
@@ -42,26 +45,46 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         self.budget = cycles_per_tick;
     }
 
-    /// Leaves out what does not fit. `upcoming` are the events behind those that have been applied.
+    /// Leaves out what does not fit. `upcoming` are the events behind those that have been applied. Gives the cycles of the rest of the tick
+    /// if no event is known to come in it.
     pub(super) fn keep_budget(
         &mut self,
         upcoming: &[Event],
         direct: Option<Direct<'_>>,
         log: &mut impl FnMut(&Event),
-    ) {
-        let Some(budget) = self.budget.filter(|_| self.skipping == super::Skipping::On) else { return };
-        let predicted = self.report.predicted_cycles + self.rest_of_tick(upcoming, direct);
-        if predicted <= budget {
-            return;
+    ) -> Option<u32> {
+        let budget = self.budget.filter(|_| self.skipping == super::Skipping::On)?;
+        let mut rest = self.rest_of_tick(upcoming, direct);
+        if self.report.predicted_cycles + rest > budget {
+            self.report.predicted_cycles += cycles::SHED + 2 * cycles::SHED_GROUP * self.group_count();
+            let chosen = self.quietest_that_free(self.report.predicted_cycles + rest - budget, direct);
+            self.shed_quietest(chosen, direct);
+            rest = self.rest_of_tick(upcoming, direct);
+            let mut all = chosen;
+            if self.report.predicted_cycles + rest > budget {
+                // Groups cost more or less than was taken from the others of their step: once more, with room.
+                self.report.predicted_cycles += cycles::SHED + 2 * cycles::SHED_GROUP * self.group_count();
+                let excess = self.report.predicted_cycles + rest - budget;
+                let more = self.quietest_that_free(excess + excess / 4 + cycles::SHED, direct);
+                self.shed_quietest(more, direct);
+                rest = self.rest_of_tick(upcoming, direct);
+                all += more;
+            }
+            log(&Event { time: Time::at_frame(self.now), action: Action::Shed(all), ..Event::NOTHING });
         }
-        let groups: u32 = self.voices().iter().flat_map(|voice| voice.pad.banks()).map(|bank| bank.group_count()).sum();
-        let shedding = cycles::SHED + cycles::SHED_GROUP * groups;
-        self.report.predicted_cycles += shedding;
-        let excess = predicted + shedding - budget;
-        // What each step of loudness would free, and of how many groups.
+        let end = self.now + u64::from(self.frames_to_tick());
+        let surprised = upcoming.first().is_some_and(|event| event.time.first_frame() < end);
+        (!surprised).then_some(rest)
+    }
+
+    fn group_count(&self) -> u32 {
+        self.voices().iter().map(|voice| voice.pad.group_count()).sum()
+    }
+
+    /// How many of the quietest register groups have to go to free so many cycles.
+    fn quietest_that_free(&self, excess: u32, direct: Option<Direct<'_>>) -> u16 {
         let (mut freed, mut counts) = ([0u32; LEVELS], [0u16; LEVELS]);
-        let frames = self.frames_to_tick();
-        self.for_each_load(direct, frames, |load| {
+        self.for_each_load(direct, self.frames_to_tick(), |load| {
             let level = usize::from(load.level);
             if let (Some(freed), Some(count)) = (freed.get_mut(level), counts.get_mut(level)) {
                 *freed += load.cycles;
@@ -70,26 +93,14 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         });
         let (mut total, mut chosen) = (0, 0);
         for (freed, count) in freed.into_iter().zip(counts) {
-            if total + freed < excess {
-                (total, chosen) = (total + freed, chosen + count);
-                continue;
+            if total + freed >= excess {
+                // Of the step in which the excess ends, as many as are needed if all cost alike; one more, because they do not.
+                let share = (u64::from(excess - total) * u64::from(count)).div_ceil(u64::from(freed.max(1))) as u16;
+                return chosen + (share + 1).min(count);
             }
-            // Of the step in which the excess ends, as many as are needed if all cost alike; one more, because they do not.
-            let share = (u64::from(excess - total) * u64::from(count)).div_ceil(u64::from(freed.max(1))) as u16;
-            chosen += (share + 1).min(count);
-            break;
+            (total, chosen) = (total + freed, chosen + count);
         }
-        // Costs within a step differ: look again.
-        self.shed_quietest(chosen, direct);
-        while self.report.predicted_cycles + self.rest_of_tick(upcoming, direct) > budget {
-            let before = self.report.shed.groups;
-            self.shed_quietest(4, direct);
-            chosen += (self.report.shed.groups - before) as u16;
-            if self.report.shed.groups == before {
-                break;
-            }
-        }
-        log(&Event { time: Time::at_frame(self.now), action: Action::Shed(chosen), ..Event::NOTHING });
+        chosen
     }
 
     /// Leaves out the `count` quietest register groups of those that would run.
@@ -156,8 +167,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
                 cycles::STRIKE + 600 * modes as u32
             }
             Action::Shed(_) => {
-                let banks = self.voices().iter().flat_map(|voice| voice.pad.banks());
-                cycles::SHED + cycles::SHED_GROUP * banks.map(|bank| bank.group_count()).sum::<u32>()
+                cycles::SHED + cycles::SHED_GROUP * self.group_count()
             }
         }
     }
@@ -195,18 +205,25 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         for ((voice, number), &struck) in self.voices().iter().zip(0u8..).zip(struck) {
             let contacts = self.flight.count_on(number) as u32 + u32::from(struck);
             let pad = &voice.pad;
-            total += if contacts > 0 || direct_input(direct, number) > 0.0 {
-                let guards = if pad.banks().any(|bank| bank.is_unguarded()) { cycles::GUARD_GROUP } else { 0 };
-                let banks: u32 = pad.banks().map(|bank| bank.cycles(&self.groups, Use::Driven, frames)).sum();
-                cycles::DRIVEN_PAD
-                    + (cycles::DRIVEN_FRAME + contacts * cycles::CONTACT_FRAME) * frames
-                    + guards * pad.group_count()
-                    + banks
-            } else if pad.is_ringing() {
-                let banks: u32 = pad.banks().map(|bank| bank.cycles(&self.groups, Use::Free, frames)).sum();
-                cycles::RINGING_PAD + cycles::RINGING_FRAME * frames + banks
-            } else {
-                cycles::QUIET_PAD
+            let is_direct = direct_input(direct, number) > 0.0;
+            let used = if contacts > 0 || is_direct { Use::Driven } else { Use::Free };
+            if used == Use::Free && !pad.is_ringing() {
+                total += cycles::QUIET_PAD;
+                continue;
+            }
+            let (banks, groups) = pad.banks().fold((0, 0), |(total, count), bank| {
+                let (cycles, groups) = bank.cycles(&self.groups, used, frames);
+                (total + cycles, count + groups)
+            });
+            total += banks + cycles::PREDICTED_GROUP * pad.group_count();
+            total += match used {
+                Use::Driven if groups == 0 => cycles::UNHEARD_PAD,
+                Use::Driven => {
+                    let is_unguarded = pad.expects() || struck || pad.banks().any(Bank::is_unguarded);
+                    let guards = if is_unguarded { cycles::GUARD + cycles::GUARD_GROUP * groups } else { 0 };
+                    cycles::DRIVEN_PAD + (cycles::DRIVEN_FRAME + contacts * cycles::CONTACT_FRAME) * frames + guards
+                }
+                Use::Free => cycles::RINGING_PAD + cycles::RINGING_FRAME * frames,
             };
         }
         total

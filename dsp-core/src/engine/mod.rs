@@ -243,8 +243,10 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
                 events = later;
                 news = true;
             }
+            let mut planned = None;
             if news && !self.idle {
-                self.keep_budget(events, direct, &mut log);
+                planned = self.keep_budget(events, direct, &mut log);
+                self.meet_expected();
             }
             let to_tick = TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64;
             let to_event = events.first().map_or(u64::MAX, |event| event.time.first_frame() - self.now);
@@ -254,7 +256,9 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             let direct_now =
                 direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(..length)? }));
             if self.budget.is_some() {
-                self.report.predicted_cycles += self.run_cycles(length as u32, direct_now, &[false; PADS]);
+                let run = || self.run_cycles(length as u32, direct_now, &[false; PADS]);
+                let cycles = planned.filter(|_| length as u64 == to_tick).unwrap_or_else(run);
+                self.report.predicted_cycles += cycles;
             }
             if self.idle && direct_now.is_none() {
                 self.report.pass_idle(self.unstruck_modes, self.modes_built, length);
@@ -363,6 +367,13 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         }
     }
 
+    fn meet_expected(&mut self) {
+        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
+        for voice in self.pads.iter_mut().take(self.pad_count) {
+            voice.pad.meet_expected(&mut memory);
+        }
+    }
+
     fn render_run(&mut self, direct: Option<Direct<'_>>, out: &mut [[i32; 2]]) {
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         self.idle = false;
@@ -376,6 +387,12 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
                 .filter(|direct| direct.pad == number && !(skip && direct.force.iter().all(|&x| x == 0)))
                 .map(|direct| direct.force);
             let has_force = direct.is_some() || (contacts && self.flight.count_on(number) > 0);
+            if has_force && skip && !voice.pad.responds(memory.groups) {
+                // Nobody would hear the force.
+                self.flight.pass(number, out.len());
+                self.report.add_ringing(&voice.pad, (0, 0), out.len());
+                continue;
+            }
             if has_force || !skip {
                 let run = Run { frames: out.len(), odd_start, skip, direct };
                 let work = voice.pad.drive(number, run, &mut self.flight, &mut memory, out);

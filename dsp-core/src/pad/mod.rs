@@ -16,7 +16,7 @@ use crate::fixed;
 use crate::output::Panner;
 use crate::radiation::Acceleration;
 use crate::resonator::kernel::{self, Backward};
-use crate::resonator::{Bank, BankError, BankTable, BankWork, Memory, Retirement, TICK_FRAMES, Used};
+use crate::resonator::{Bank, BankError, Group, BankTable, BankWork, Memory, Retirement, TICK_FRAMES, Used};
 use crate::table::layout::STRIKERS_PER_PAD;
 use crate::table::{Kit, Object, Pad as PadTable, Striker};
 
@@ -30,6 +30,8 @@ pub struct Pad {
     mode_count: u16,
     acceleration: Acceleration,
     panner: Panner,
+    /// |force| that contacts which have just begun will bring in the next two ticks, until it is met.
+    expected: u64,
     choked: bool,
     struck: bool,
 }
@@ -81,6 +83,7 @@ impl Pad {
         mode_count: 0,
         acceleration: Acceleration::NONE,
         panner: Panner::SILENT,
+        expected: 0,
         choked: false,
         struck: false,
     };
@@ -121,6 +124,7 @@ impl Pad {
             striker_count,
             acceleration: Acceleration::new(object.acceleration(), reference_force),
             panner: Panner::new(pad.level_db(), pad.pan()),
+            expected: 0,
             choked: false,
             struck: false,
         })
@@ -192,6 +196,7 @@ impl Pad {
         memory: &mut Memory<'_>,
     ) -> Option<Impact> {
         let impact = self.strikers().get(usize::from(striker))?.law.impact(velocity)?;
+        self.expected += impact.expected();
         self.struck = true;
         self.object.set_position(position, &tables.object_table(), rate, memory);
         Some(impact)
@@ -208,6 +213,24 @@ impl Pad {
             if let Some(table) = tables.striker_table(index) {
                 striker.bank.set_choked(choked, &table, rate, memory);
             }
+        }
+    }
+
+    /// Whether a contact has begun that the banks are not guarded for yet.
+    pub fn expects(&self) -> bool {
+        self.expected > 0
+    }
+
+    /// Whether a force would be heard: some group is not left out, or there is an acceleration sound.
+    pub fn responds(&self, groups: &[Group]) -> bool {
+        self.acceleration.is_built() || self.banks().any(|bank| bank.has_admitted(groups))
+    }
+
+    /// Guards the banks for the contacts that have just begun. Before the run in which they do.
+    pub fn meet_expected(&mut self, memory: &mut Memory<'_>) {
+        let expected = core::mem::take(&mut self.expected);
+        if expected > 0 {
+            self.banks_mut().for_each(|bank| bank.expect(memory, expected));
         }
     }
 

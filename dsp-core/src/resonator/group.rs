@@ -116,7 +116,9 @@ impl Group {
 
     /// Bus steps of state that a bus step of force makes at most.
     pub(super) fn largest_gain(&self) -> f32 {
-        libm::scalbnf(self.gain_peak as f32, i32::from(self.gain_exponent) - 31)
+        // Exponents are -148 to 16: as a float's, or as good as 0.
+        let exponent = (127 + i32::from(self.gain_exponent) - 31).max(0) as u32;
+        self.gain_peak as f32 * f32::from_bits(exponent << 23)
     }
 
     /// Whether its input is kept out at present.

@@ -28,9 +28,13 @@ impl Bank {
         if self.ringing_modes == 0 {
             self.allowance = 0;
         } else if expected > 0 {
+            self.is_expecting = false;
             if !self.allows(expected) {
                 self.guard(memory, (2 * expected).min(MAX_ALLOWANCE), false, None);
             }
+        } else if self.is_expecting {
+            // It may begin with zeros.
+            self.is_expecting = false;
         } else if self.allowance > 0 {
             self.guard(memory, 0, false, retirement);
         } else {
@@ -39,6 +43,13 @@ impl Bank {
                 self.guard_due(memory, retirement);
             }
         }
+    }
+
+    /// Guards all groups for the contact that begins: a sum of |force| of `input` in the ticks to come. So its force, however it rises, is
+    /// not cut into runs.
+    pub fn expect(&mut self, memory: &mut Memory<'_>, input: u64) {
+        self.guard(memory, (self.allowance + input).min(MAX_ALLOWANCE), true, None);
+        self.is_expecting = true;
     }
 
     /// Whether the allowance left is enough for an input, and not so much that precision would be wasted.

@@ -151,6 +151,8 @@ pub struct Bank {
     /// Q32 δ of the choke, 0 for a bank that cannot be choked.
     choke_delta: i32,
     choked: bool,
+    /// Whether a contact has been announced since the last tick.
+    is_expecting: bool,
     position: f32,
     /// |force| that the groups are still guarded for.
     allowance: u64,
@@ -179,6 +181,7 @@ impl Bank {
         onset: Scale::ZERO,
         choke_delta: 0,
         choked: false,
+        is_expecting: false,
         position: 0.0,
         allowance: 0,
         spent: 0,

@@ -82,15 +82,22 @@ impl Bank {
         }
     }
 
-    /// What the bank will cost over a run of frames, without what comes once a call.
-    pub fn cycles(&self, groups: &[Group], used: Use, frames: u32) -> u32 {
+    /// What the bank will cost over a run of frames, without what comes once a call; and how many groups will run.
+    pub fn cycles(&self, groups: &[Group], used: Use, frames: u32) -> (u32, u32) {
         let groups = groups.get(self.groups.range()).unwrap_or(&[]).iter();
-        groups.filter(|group| runs(group, used)).map(|group| cycles(group.plan(), used, frames)).sum()
+        groups
+            .filter(|group| runs(group, used))
+            .fold((0, 0), |(total, count), group| (total + cycles(group.plan(), used, frames), count + 1))
     }
 
     /// Groups of the bank, at rest or not.
     pub fn group_count(&self) -> u32 {
         self.groups.range().len() as u32
+    }
+
+    /// Whether any group would run under a force.
+    pub fn has_admitted(&self, groups: &[Group]) -> bool {
+        groups.get(self.groups.range()).unwrap_or(&[]).iter().any(|group| !group.is_shed())
     }
 
     /// Whether a force now would find the groups unguarded, so that all of them must be guarded at once.
@@ -154,11 +161,12 @@ fn runs(group: &Group, used: Use) -> bool {
     group.ringing() || used == Use::Driven && !group.is_shed()
 }
 
-/// Loudness in steps of 3 dB.
+/// Loudness in steps of 3 dB: the louder of what rings and what may come.
 fn level(group: &Group, modes: &[Mode], audience: Audience) -> u8 {
     let mut amplitude = group.amplitude_bound();
     if audience.input > 0.0 {
-        amplitude += group.largest_gain() * audience.input * spectrum(group, modes, audience.contact_samples);
+        let coming = group.largest_gain() * audience.input * spectrum(group, modes, audience.contact_samples);
+        amplitude = if coming > amplitude { coming } else { amplitude };
     }
     // A float's exponent and the first bit of its fraction count half octaves.
     let half_octaves = ((amplitude * audience.unit).to_bits() >> 22) as i32 - ((127 - 30) << 1);
