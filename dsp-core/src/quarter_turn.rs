@@ -39,7 +39,11 @@ mod tests {
     fn a_quarter_turn_is_exact_to_the_last_bits() {
         let worst = (0..=100_000u32)
             .map(|n| f64::from(n) / 100_000.0 * core::f64::consts::FRAC_PI_2)
-            .map(|x| ((super::sin(x) - libm::sin(x)) / libm::sin(x).max(1e-300)).abs().max((super::cos(x) - libm::cos(x)).abs()))
+            .map(|x| {
+                ((super::sin(x) - libm::sin(x)) / libm::sin(x).max(1e-300))
+                    .abs()
+                    .max((super::cos(x) - libm::cos(x)).abs())
+            })
             .fold(0.0, f64::max);
         assert!(worst < 4e-16, "{worst:e}");
     }

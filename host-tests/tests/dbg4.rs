@@ -4,7 +4,7 @@ use dsp_core::SampleRate;
 #[test]
 fn dbg() {
     let mut chip = EngineOnChip::new().unwrap();
-    for (budget, pads) in [(0u32,8usize),(u32::MAX,8), (89600,16)] {
+    for (budget, pads) in [(0u32,8usize),(u32::MAX,8), (89600,16), (89600, 8)] {
         let kit = scenes::pads(pads);
         chip.load(&kit.binary, SampleRate::HZ_48000).unwrap();
         chip.set_budget(budget).unwrap();

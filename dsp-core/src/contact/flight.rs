@@ -104,18 +104,10 @@ impl<const CAPACITY: usize> Flight<CAPACITY> {
         true
     }
 
-    /// Adds the force of a pad's contacts to a run of force buffers, one of each striker, and moves these contacts on.
-    pub fn add_force<const STRIKERS: usize, const FRAMES: usize>(
-        &mut self,
-        pad: u8,
-        force: &mut [[i32; FRAMES]; STRIKERS],
-        frames: usize,
-    ) {
-        for contact in self.contacts.iter_mut().take(self.count).filter(|contact| contact.pad == pad) {
-            if let Some(force) = force.get_mut(usize::from(contact.striker)).and_then(|force| force.get_mut(..frames)) {
-                contact.add_to(force);
-            }
-        }
+    /// Adds the force of the contacts of one of a pad's strikers to a run, and moves these contacts on.
+    pub fn add_force(&mut self, pad: u8, striker: u8, force: &mut [i32]) {
+        let own = |contact: &&mut Contact| contact.pad == pad && contact.striker == striker;
+        self.contacts.iter_mut().take(self.count).filter(own).for_each(|contact| contact.add_to(force));
     }
 
     /// Forgets contacts that are over; the others keep their order.

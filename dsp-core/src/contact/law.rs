@@ -63,8 +63,7 @@ impl StrikerLaw {
     pub fn new(striker: &table::Striker<'_>, reference_force: f32, rate: SampleRate) -> Self {
         let pulse = if striker.is_gaussian() { Pulse::Gaussian } else { Pulse::HertzHalfSine };
         // `as` saturates: a pulse shorter than a sample is over at once.
-        let step =
-            |contact_time_s: f64| (WHOLE as f64 / (contact_time_s * pulse.length() * rate.hz())).max(1.0) as u64;
+        let step = |contact_time_s: f64| (WHOLE as f64 / (contact_time_s * pulse.length() * rate.hz())).max(1.0) as u64;
         let q27 = |exponent: f32| libm::rint(f64::from(exponent) * f64::from(fixed::ONE_Q27)) as i32;
         let peak = f64::from(striker.peak_force()) / f64::from(reference_force);
         Self {

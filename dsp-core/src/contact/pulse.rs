@@ -1,7 +1,9 @@
 //! The shapes of a contact: force over time, as a fraction of the peak.
 
-/// Bits of a pulse's fraction: 1.0 = 2^30.
-pub const SHAPE_BITS: u32 = 30;
+use crate::fixed;
+
+/// Bits of a pulse's fraction: 1.0 = 2^29.
+pub const SHAPE_BITS: u32 = 29;
 
 /// How the contact force rises and falls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,7 +33,7 @@ impl Pulse {
         }
     }
 
-    /// The pulse in Q1.30 at a fraction of its length (2^32 = 1). Error at most 7e-9 of the peak; about 25 cycles on a Cortex-M4.
+    /// The pulse in Q2.29 at a fraction of its length (2^32 = 1). Error at most 7e-9 of the peak; about 25 cycles on a Cortex-M4.
     pub fn shape(self, fraction: u32) -> i32 {
         // Distance from the middle, -1 to 1 as Q31; both shapes are functions of its square.
         let from_middle = (fraction ^ 0x8000_0000) as i32;
@@ -43,29 +45,38 @@ impl Pulse {
     }
 }
 
-/// Horner's scheme in Q30 on a Q31 argument in 0 to 1.
-fn polynomial<const N: usize>(z: i32, coefficients: [i32; N]) -> i32 {
-    let mut sum = 0i32;
-    for coefficient in coefficients {
-        // The partial sums of both series below stay within ±2 (Q30: ±2^31), since their terms alternate and fall.
-        sum = coefficient.wrapping_add(((i64::from(sum) * i64::from(z) + (1 << 30)) >> 31) as i32);
+/// Horner's scheme in Q29 on a Q31 argument z in 0 to 1, one SMMLAR a term: as a high word z counts half, for which the coefficients make up
+/// ([`terms`]).
+fn polynomial<const N: usize>(z: i32, terms: &[i32; N]) -> i32 {
+    // The partial sums of both series below stay within ±4 (Q29: ±2^31), since their terms alternate and fall.
+    terms.iter().fold(0, |sum, &term| fixed::smmlar(term, sum, z))
+}
+
+/// Coefficients of z^k, highest first, as Q29 of `c 2^k`.
+const fn terms<const N: usize>(coefficients: [f64; N]) -> [i32; N] {
+    let mut terms = [0; N];
+    let mut index = 0;
+    while index < N {
+        let scaled = coefficients[index] * (1u64 << (SHAPE_BITS as usize + N - 1 - index)) as f64;
+        terms[index] = (if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 }) as i32;
+        index += 1;
     }
-    sum
+    terms
 }
 
 /// `cos(π/2 · sqrt(z))`, z in 0 to 1 as Q31: the Taylor series of the cosine, seven terms of (π/2)^2k / (2k)!.
 fn cos_half_pi_sqrt(z: i32) -> i32 {
-    const TERMS: [i32; 8] = [
-        q30(-6.386_603_083_791_84e-9),
-        q30(4.710_874_778_818_17e-7),
-        q30(-2.520_204_237_306_06e-5),
-        q30(9.192_602_748_394_26e-4),
-        q30(-2.086_348_076_335_30e-2),
-        q30(2.536_695_079_010_48e-1),
-        q30(-1.233_700_550_136_17),
-        1 << SHAPE_BITS,
-    ];
-    polynomial(z, TERMS).max(0)
+    const TERMS: [i32; 8] = terms([
+        -6.386_603_083_791_84e-9,
+        4.710_874_778_818_17e-7,
+        -2.520_204_237_306_06e-5,
+        9.192_602_748_394_26e-4,
+        -2.086_348_076_335_30e-2,
+        2.536_695_079_010_48e-1,
+        -1.233_700_550_136_17,
+        1.0,
+    ]);
+    polynomial(z, &TERMS).max(0)
 }
 
 /// `10^(-5 z)`, z in 0 to 1 as Q31, as a power of two: integer part by shift, fraction by the Taylor series of `2^-f`.
@@ -76,25 +87,20 @@ fn gaussian_100_db(z: i32) -> i32 {
     let whole = (exponent >> 58) as u32;
     let fraction = ((exponent >> 27) & 0x7FFF_FFFF) as i32; // Q31
     // (-ln 2)^k / k!, k from 10 to 0.
-    const TERMS: [i32; 11] = [
-        q30(7.054_911_620_801_12e-9),
-        q30(-1.017_808_600_923_97e-7),
-        q30(1.321_548_679_014_43e-6),
-        q30(-1.525_273_380_405_98e-5),
-        q30(1.540_353_039_338_16e-4),
-        q30(-1.333_355_814_642_84e-3),
-        q30(9.618_129_107_628_48e-3),
-        q30(-5.550_410_866_482_16e-2),
-        q30(2.402_265_069_591_01e-1),
-        q30(-core::f64::consts::LN_2),
-        1 << SHAPE_BITS,
-    ];
-    crate::fixed::rounding_shift_right(polynomial(fraction, TERMS), whole)
-}
-
-const fn q30(value: f64) -> i32 {
-    let scaled = value * (1u32 << SHAPE_BITS) as f64;
-    (if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 }) as i32
+    const TERMS: [i32; 11] = terms([
+        7.054_911_620_801_12e-9,
+        -1.017_808_600_923_97e-7,
+        1.321_548_679_014_43e-6,
+        -1.525_273_380_405_98e-5,
+        1.540_353_039_338_16e-4,
+        -1.333_355_814_642_84e-3,
+        9.618_129_107_628_48e-3,
+        -5.550_410_866_482_16e-2,
+        2.402_265_069_591_01e-1,
+        -core::f64::consts::LN_2,
+        1.0,
+    ]);
+    fixed::rounding_shift_right(polynomial(fraction, &TERMS), whole)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@
 use super::{Direct, Engine};
 use crate::event::{Action, Event, Time};
 use crate::pad::Pad;
-use crate::resonator::{Audience, Bank, LEVELS, Memory, Shed, TICK_FRAMES, Use};
+use crate::resonator::{Audience, Bank, LEVELS, Memory, SILENT, Shed, TICK_FRAMES, Use};
 
 /// Cycles of the parts of a tick, nominal, without flash waits: fitted to the virtual core over the bench's scenes, held to 3 % by
 /// `cargo test --release -p host-tests --test virtual_budget`.
@@ -56,21 +56,12 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let budget = self.budget.filter(|_| self.skipping == super::Skipping::On)?;
         let mut rest = self.rest_of_tick(upcoming, direct);
         if self.report.predicted_cycles + rest > budget {
-            self.report.predicted_cycles += cycles::SHED + 2 * cycles::SHED_GROUP * self.group_count();
-            let chosen = self.quietest_that_free(self.report.predicted_cycles + rest - budget, direct);
-            self.shed_quietest(chosen, direct);
+            self.report.predicted_cycles += cycles::SHED + cycles::SHED_GROUP * self.group_count();
+            let levels = self.levels(direct);
+            let chosen = self.quietest_that_free(self.report.predicted_cycles + rest - budget, &levels, direct);
+            self.shed_by_level(chosen, &levels, direct);
             rest = self.rest_of_tick(upcoming, direct);
-            let mut all = chosen;
-            if self.report.predicted_cycles + rest > budget {
-                // Groups cost more or less than was taken from the others of their step: once more, with room.
-                self.report.predicted_cycles += cycles::SHED + 2 * cycles::SHED_GROUP * self.group_count();
-                let excess = self.report.predicted_cycles + rest - budget;
-                let more = self.quietest_that_free(excess + excess / 4 + cycles::SHED, direct);
-                self.shed_quietest(more, direct);
-                rest = self.rest_of_tick(upcoming, direct);
-                all += more;
-            }
-            log(&Event { time: Time::at_frame(self.now), action: Action::Shed(all), ..Event::NOTHING });
+            log(&Event { time: Time::at_frame(self.now), action: Action::Shed(chosen), ..Event::NOTHING });
         }
         let end = self.now + u64::from(self.frames_to_tick());
         let surprised = upcoming.first().is_some_and(|event| event.time.first_frame() < end);
@@ -82,21 +73,28 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     }
 
     /// How many of the quietest register groups have to go to free so many cycles.
-    fn quietest_that_free(&self, excess: u32, direct: Option<Direct<'_>>) -> u16 {
+    fn quietest_that_free(&self, excess: u32, levels: &[u8; GROUPS], direct: Option<Direct<'_>>) -> u16 {
         let (mut freed, mut counts) = ([0u32; LEVELS], [0u16; LEVELS]);
-        self.for_each_load(direct, self.frames_to_tick(), |load| {
-            let level = usize::from(load.level);
-            if let (Some(freed), Some(count)) = (freed.get_mut(level), counts.get_mut(level)) {
-                *freed += load.cycles;
-                *count += 1;
+        for (voice, number) in self.voices().iter().zip(0u8..) {
+            let run = (self.used(number, direct), self.frames_to_tick());
+            for bank in voice.pad.banks() {
+                bank.for_each_load(&self.groups, levels, run, |level, cycles| {
+                    if let (Some(freed), Some(count)) =
+                        (freed.get_mut(usize::from(level)), counts.get_mut(usize::from(level)))
+                    {
+                        *freed += cycles;
+                        *count += 1;
+                    }
+                });
             }
-        });
+        }
         let (mut total, mut chosen) = (0, 0);
         for (freed, count) in freed.into_iter().zip(counts) {
             if total + freed >= excess {
-                // Of the step in which the excess ends, as many as are needed if all cost alike; one more, because they do not.
+                // Of the step in which the excess ends, as many as are needed if the cheapest go first: a single mode costs a third of a
+                // full group's share.
                 let share = (u64::from(excess - total) * u64::from(count)).div_ceil(u64::from(freed.max(1))) as u16;
-                return chosen + (share + 1).min(count);
+                return chosen + (share + share / 2 + 1).min(count);
             }
             (total, chosen) = (total + freed, chosen + count);
         }
@@ -105,12 +103,17 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
 
     /// Leaves out the `count` quietest register groups of those that would run.
     pub(super) fn shed_quietest(&mut self, count: u16, direct: Option<Direct<'_>>) {
+        let levels = self.levels(direct);
+        self.shed_by_level(count, &levels, direct);
+    }
+
+    fn shed_by_level(&mut self, count: u16, levels: &[u8; GROUPS], direct: Option<Direct<'_>>) {
         let mut counts = [0u16; LEVELS];
-        self.for_each_load(direct, TICK_FRAMES as u32, |load| {
-            if let Some(count) = counts.get_mut(usize::from(load.level)) {
+        for &level in levels {
+            if let Some(count) = counts.get_mut(usize::from(level)) {
                 *count += 1;
             }
-        });
+        }
         let (mut left, mut threshold) = (count, LEVELS);
         for (level, here) in counts.into_iter().enumerate() {
             if here > left {
@@ -120,36 +123,38 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             left -= here;
         }
         let mut at_threshold = u32::from(left);
-        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         let mut shed = Shed::default();
-        for (voice, number) in self.pads.iter_mut().take(self.pad_count).zip(0u8..) {
-            let (input, contact_samples) = self.flight.ahead(number);
-            let input = input + direct_input(direct, number);
-            let used = if input > 0.0 { Use::Driven } else { Use::Free };
-            let audience = Audience { unit: voice.pad.unit(), input, contact_samples };
+        for number in 0..self.pad_count as u8 {
+            let audience = self.audience(number, direct);
+            let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
+            let Some(voice) = self.pads.get_mut(usize::from(number)) else { break };
             for bank in voice.pad.banks_mut() {
-                shed += bank.shed(&mut memory, audience, used, threshold as u8, &mut at_threshold);
+                shed += bank.shed(&mut memory, audience, levels, threshold as u8, &mut at_threshold);
             }
         }
         self.report.shed += shed;
     }
 
-    /// Shows every group that would run.
-    fn for_each_load(
-        &self,
-        direct: Option<Direct<'_>>,
-        frames: u32,
-        mut visit: impl FnMut(crate::resonator::GroupLoad),
-    ) {
+    /// The loudness of every group.
+    fn levels(&self, direct: Option<Direct<'_>>) -> [u8; GROUPS] {
+        let mut levels = [SILENT; GROUPS];
         for (voice, number) in self.voices().iter().zip(0u8..) {
-            let (input, contact_samples) = self.flight.ahead(number);
-            let input = input + direct_input(direct, number);
-            let used = if input > 0.0 { Use::Driven } else { Use::Free };
-            let audience = Audience { unit: voice.pad.unit(), input, contact_samples };
+            let (audience, used) = (self.audience(number, direct), self.used(number, direct));
             for bank in voice.pad.banks() {
-                bank.for_each_load(&self.groups, &self.modes, audience, (used, frames), &mut visit);
+                bank.levels(&self.groups, &self.modes, audience, used, &mut levels);
             }
         }
+        levels
+    }
+
+    fn audience(&self, pad: u8, direct: Option<Direct<'_>>) -> Audience {
+        let (input, contact_samples) = self.flight.ahead(pad);
+        let unit = self.voices().get(usize::from(pad)).map_or(0.0, |voice| voice.pad.unit());
+        Audience { unit, input: input + direct_input(direct, pad), contact_samples }
+    }
+
+    fn used(&self, pad: u8, direct: Option<Direct<'_>>) -> Use {
+        if self.flight.count_on(pad) > 0 || direct_input(direct, pad) > 0.0 { Use::Driven } else { Use::Free }
     }
 
     /// Cycles of what a tick's beginning does.
@@ -166,9 +171,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
                 let modes = self.voices().get(usize::from(event.pad)).map_or(0, |voice| voice.pad.mode_count());
                 cycles::STRIKE + 600 * modes as u32
             }
-            Action::Shed(_) => {
-                cycles::SHED + cycles::SHED_GROUP * self.group_count()
-            }
+            Action::Shed(_) => cycles::SHED + cycles::SHED_GROUP * self.group_count(),
         }
     }
 

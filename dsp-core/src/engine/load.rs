@@ -111,15 +111,10 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let mut used = Used::default();
         for (index, (slot, pad)) in self.pads.iter_mut().zip(kit.pads()).enumerate() {
             let Some(tables) = PadTables::new(*kit, pad) else { continue };
-            let pad = Pad::load(kit, pad, &tables.object(), rate, &mut memory, &mut used).map_err(
-                |(error, striker)| LoadError::Pad {
-                    pad: index,
-                    striker,
-                    error,
-                    capacity: (MODES, GROUPS, ORIGINS),
-                    rate,
-                },
-            )?;
+            let pad =
+                Pad::load(kit, pad, &tables.object(), rate, &mut memory, &mut used).map_err(|(error, striker)| {
+                    LoadError::Pad { pad: index, striker, error, capacity: (MODES, GROUPS, ORIGINS), rate }
+                })?;
             *slot = Voice { pad, tables: Some(tables) };
         }
         Ok(())

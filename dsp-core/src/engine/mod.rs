@@ -326,7 +326,8 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         for voice in self.pads.iter_mut().take(self.pad_count) {
             let elsewhere = retired - voice.pad.retired_amplitude();
-            self.report.retired_modes += voice.pad.tick(&mut memory, skip, if elsewhere > 0.0 { elsewhere } else { 0.0 });
+            self.report.retired_modes +=
+                voice.pad.tick(&mut memory, skip, if elsewhere > 0.0 { elsewhere } else { 0.0 });
             retired = elsewhere + voice.pad.retired_amplitude();
         }
         self.report.retired_amplitude = retired;
@@ -347,14 +348,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         match event.action {
             Action::Strike => {
                 voice.pad.banks_mut().for_each(|bank| bank.admit(&mut memory));
-                let struck = voice.pad.strike(
-                    tables,
-                    event.velocity,
-                    event.position,
-                    event.striker,
-                    rate,
-                    &mut memory,
-                );
+                let struck = voice.pad.strike(tables, event.velocity, event.position, event.striker, rate, &mut memory);
                 if let Some(impact) = struck {
                     let contact = Contact::new(event.pad, event.striker, impact, event.time.early());
                     self.report.strikes += 1;

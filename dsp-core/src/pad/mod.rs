@@ -16,7 +16,7 @@ use crate::fixed;
 use crate::output::Panner;
 use crate::radiation::Acceleration;
 use crate::resonator::kernel::{self, Backward};
-use crate::resonator::{Bank, BankError, Group, BankTable, BankWork, Memory, Retirement, TICK_FRAMES, Used};
+use crate::resonator::{Bank, BankError, BankTable, BankWork, Group, Memory, Retirement, TICK_FRAMES, Used};
 use crate::table::layout::STRIKERS_PER_PAD;
 use crate::table::{Kit, Object, Pad as PadTable, Striker};
 
@@ -303,30 +303,24 @@ impl Pad {
     ) -> PadWork {
         let mut work = PadWork::default();
         let frames = run.frames.min(TICK_FRAMES);
-        let has_force = run.direct.is_some() || flight.count_on(number) > 0;
-        let mut sound = [0; TICK_FRAMES];
-        let mut forces = [[0; TICK_FRAMES]; STRIKERS_PER_PAD];
-        let Some(sound) = sound.get_mut(..frames) else { return work };
-        if has_force {
+        let (mut sound, mut total) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
+        let (Some(sound), Some(total)) = (sound.get_mut(..frames), total.get_mut(..frames)) else { return work };
+        let mut direct = run.direct;
+        if direct.is_some() || flight.count_on(number) > 0 {
             self.struck = true;
             work.force_frames = frames as u32;
-            if let (Some(direct), [force, ..]) = (run.direct, &mut forces) {
-                work.direct_frames = frames as u32;
-                force.iter_mut().zip(direct).for_each(|(force, &x)| *force = x);
-            }
-            flight.add_force(number, &mut forces, frames);
+            work.direct_frames = if direct.is_some() { frames as u32 } else { 0 };
         }
-        let mut total = [0; TICK_FRAMES];
-        for (striker, force) in self.strikers_mut().iter_mut().zip(&forces) {
-            let Some(force) = force.get(..frames) else { continue };
-            if has_force {
-                total.iter_mut().zip(force).for_each(|(total, &x)| *total = fixed::qadd(*total, x));
-            }
-            if striker.bank.mode_count() > 0 {
-                work.strikers += striker.bank.render(memory, Some(force), run.odd_start, run.skip, sound);
+        for (striker, index) in self.strikers_mut().iter_mut().zip(0u8..) {
+            let direct = direct.take();
+            if striker.bank.mode_count() == 0 {
+                direct.into_iter().for_each(|direct| add(total, direct));
+                flight.add_force(number, index, total);
+            } else {
+                work.strikers += drive_striker(striker, (number, index), run, direct, flight, memory, total, sound);
             }
         }
-        let Some(force) = total.get(..frames) else { return work };
+        let force = &*total;
         work.object = self.object.render(memory, Some(force), run.odd_start, run.skip, sound);
         if self.acceleration.is_built() {
             work.acceleration_frames = frames as u32;
@@ -335,6 +329,31 @@ impl Pad {
         self.panner.render(sound, out);
         work
     }
+}
+
+/// Runs the bank of a striker, and adds its force to the object's.
+#[inline(never)] // most strikers have no modes, and its buffer would weigh on them
+#[allow(clippy::too_many_arguments)] // one call, taken apart for the stack's sake
+fn drive_striker<const CONTACTS: usize>(
+    striker: &mut PadStriker,
+    (pad, index): (u8, u8),
+    run: Run<'_>,
+    direct: Option<&[i32]>,
+    flight: &mut Flight<CONTACTS>,
+    memory: &mut Memory<'_>,
+    total: &mut [i32],
+    sound: &mut [i32],
+) -> BankWork {
+    let mut force = [0; TICK_FRAMES];
+    let Some(force) = force.get_mut(..total.len()) else { return BankWork::default() };
+    direct.into_iter().for_each(|direct| add(force, direct));
+    flight.add_force(pad, index, force);
+    add(total, force);
+    striker.bank.render(memory, Some(force), run.odd_start, run.skip, sound)
+}
+
+fn add(sum: &mut [i32], more: &[i32]) {
+    sum.iter_mut().zip(more).for_each(|(sum, &x)| *sum = fixed::qadd(*sum, x));
 }
 
 /// The tables behind a pad, for what is derived anew while it plays.

@@ -8,7 +8,7 @@ mod render;
 mod shed;
 
 pub use render::MixShift;
-pub use shed::{Audience, GroupLoad, LEVELS, Shed, Use};
+pub use shed::{Audience, LEVELS, SILENT, Shed, Use};
 
 use super::coefficient::Coefficients;
 use super::gain::{gain_at, gain_law, move_pole, onset, orbit_gains};
@@ -264,7 +264,6 @@ impl Bank {
         // New gains need new guards.
         self.allowance = 0;
     }
-
 }
 
 /// Calls `visit` with each group and its modes.

@@ -34,14 +34,8 @@ pub struct Audience {
     pub contact_samples: f32,
 }
 
-/// What a group means for a tick.
-#[derive(Clone, Copy, Debug)]
-pub struct GroupLoad {
-    /// How loud it is, 0 to [`LEVELS`] - 1.
-    pub level: u8,
-    /// What it will cost, cycles.
-    pub cycles: u32,
-}
+/// The level of a group that would not run.
+pub const SILENT: u8 = u8::MAX;
 
 /// What was left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,21 +57,30 @@ impl core::ops::AddAssign for Shed {
 }
 
 impl Bank {
-    /// Shows each group that would run: those that ring, and under a force all that are not left out already.
+    /// Puts the loudness of each of its groups at the group's place in `levels`, [`SILENT`] for those that would not run. Under a force all
+    /// would that are not left out already, else those that ring.
+    pub fn levels(&self, groups: &[Group], modes: &[Mode], audience: Audience, used: Use, levels: &mut [u8]) {
+        let mut modes = modes.get(self.modes.range()).unwrap_or(&[]);
+        let groups = groups.get(self.groups.range()).unwrap_or(&[]);
+        for (group, place) in groups.iter().zip(levels.get_mut(self.groups.range()).unwrap_or(&mut [])) {
+            let Some((own, behind)) = modes.split_at_checked(group.count()) else { return };
+            modes = behind;
+            *place = if runs(group, used) { level(group, own, audience) } else { SILENT };
+        }
+    }
+
+    /// Cycles of each group with a level, beside that level.
     pub fn for_each_load(
         &self,
         groups: &[Group],
-        modes: &[Mode],
-        audience: Audience,
+        levels: &[u8],
         (used, frames): (Use, u32),
-        mut visit: impl FnMut(GroupLoad),
+        mut visit: impl FnMut(u8, u32),
     ) {
-        let mut modes = modes.get(self.modes.range()).unwrap_or(&[]);
-        for group in groups.get(self.groups.range()).unwrap_or(&[]) {
-            let Some((own, behind)) = modes.split_at_checked(group.count()) else { return };
-            modes = behind;
-            if runs(group, used) {
-                visit(GroupLoad { level: level(group, own, audience), cycles: cycles(group.plan(), used, frames) });
+        let groups = groups.get(self.groups.range()).unwrap_or(&[]);
+        for (group, &level) in groups.iter().zip(levels.get(self.groups.range()).unwrap_or(&[])) {
+            if level != SILENT {
+                visit(level, cycles(group.plan(), used, frames));
             }
         }
     }
@@ -105,23 +108,20 @@ impl Bank {
         self.allowance == 0
     }
 
-    /// Leaves out the groups that are quieter than `threshold`, and the first `at_threshold` of those that are just as loud.
+    /// Leaves out the groups whose level is below `threshold`, and the first `at_threshold` of those at it.
     pub fn shed(
         &mut self,
         memory: &mut Memory<'_>,
         audience: Audience,
-        used: Use,
+        levels: &[u8],
         threshold: u8,
         at_threshold: &mut u32,
     ) -> Shed {
         let mut shed = Shed::default();
+        let mut levels = levels.get(self.groups.range()).unwrap_or(&[]).iter();
         for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
-            if !runs(group, used) {
-                return;
-            }
-            let level = level(group, modes, audience);
-            let chosen = level < threshold || level == threshold && *at_threshold > 0;
-            if !chosen {
+            let level = levels.next().copied().unwrap_or(SILENT);
+            if level > threshold || level == SILENT || level == threshold && *at_threshold == 0 {
                 return;
             }
             if level == threshold {
@@ -129,11 +129,8 @@ impl Bank {
             }
             let count = group.count() as u32;
             let lost = group.amplitude_bound() + group.largest_gain() * audience.input;
-            shed += Shed {
-                groups: 1,
-                modes: count,
-                amplitude: lost * audience.unit * (GROWTH_OF_V as u32 * count) as f32,
-            };
+            shed +=
+                Shed { groups: 1, modes: count, amplitude: lost * audience.unit * (GROWTH_OF_V as u32 * count) as f32 };
             group.shed(modes);
         });
         if shed.groups > 0 {
@@ -183,7 +180,10 @@ fn spectrum(group: &Group, modes: &[Mode], contact_samples: f32) -> f32 {
     };
     // e² = 4 sin²(θ/2); θ ≈ e.
     let step_squared = if group.mirrored() { 4.0 - folded } else { folded };
-    let corner = contact_samples * contact_samples * step_squared * (core::f32::consts::FRAC_1_PI * core::f32::consts::FRAC_1_PI);
+    let corner = contact_samples
+        * contact_samples
+        * step_squared
+        * (core::f32::consts::FRAC_1_PI * core::f32::consts::FRAC_1_PI);
     1.0 / (1.0 + corner)
 }
 

@@ -31,7 +31,13 @@ struct Call {
 const _: () = {
     assert!(size_of::<Mode>() == 24 && size_of::<Group>() == 24 && size_of::<Plan>() == 8);
     assert!(offset_of!(Mode, state) == 0 && offset_of!(Mode, coefficients) == 8 && offset_of!(Mode, gain) == 16);
-    assert!(offset_of!(Call, groups_end) == 8 && offset_of!(Call, force) == 16 && offset_of!(Call, skip) == 24 && offset_of!(Call, add) == 28 && offset_of!(Call, shift) == 44);
+    assert!(
+        offset_of!(Call, groups_end) == 8
+            && offset_of!(Call, force) == 16
+            && offset_of!(Call, skip) == 24
+            && offset_of!(Call, add) == 28
+            && offset_of!(Call, shift) == 44
+    );
     assert!(TICK_FRAMES == 32);
 };
 
