@@ -6,7 +6,7 @@ use dsp_core::event::{Action, Event};
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
 use host_tests::on_chip::EngineOnChip;
-use host_tests::on_chip::scenes::{pads, strikes};
+use host_tests::on_chip::scenes::{pads, pads_of, strikes};
 use host_tests::scene::TestEngine;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
@@ -65,8 +65,8 @@ const BUDGET: u32 = 89_600;
 
 #[test]
 fn a_storm_never_exceeds_its_budget_and_replays_to_the_same_bits() {
-    let kit = pads(16);
-    let events = storm(16, 12);
+    let kit = pads_of(8, 2);
+    let events = storm(8, 12);
     let mut chip = EngineOnChip::new().unwrap();
     chip.load(&kit.binary, RATE).unwrap();
     chip.set_budget(BUDGET).unwrap();

@@ -83,6 +83,13 @@ impl<const CAPACITY: usize> Flight<CAPACITY> {
         })
     }
 
+    /// Frames times contacts of a pad within a run.
+    pub fn frames_ahead(&self, pad: u8, frames: u32) -> u32 {
+        let contacts = self.under_way().iter().filter(|contact| contact.pad == pad);
+        let left = |contact: &Contact| (WHOLE.saturating_sub(contact.phase) >> 32) as u32 / ((contact.step >> 32) as u32).max(1);
+        contacts.map(|contact| (left(contact) + 1).min(frames)).sum()
+    }
+
     /// Moves a pad's contacts on without anybody hearing them.
     pub fn pass(&mut self, pad: u8, frames: usize) {
         for contact in self.contacts.iter_mut().take(self.count).filter(|contact| contact.pad == pad) {

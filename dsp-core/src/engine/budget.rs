@@ -22,9 +22,9 @@ mod cycles {
     pub(super) const QUIET_PAD: u32 = 60;
     pub(super) const RINGING_PAD: u32 = 560;
     pub(super) const RINGING_FRAME: u32 = 12;
-    pub(super) const DRIVEN_PAD: u32 = 2600;
-    pub(super) const DRIVEN_FRAME: u32 = 110;
-    pub(super) const CONTACT_FRAME: u32 = 75;
+    pub(super) const DRIVEN_PAD: u32 = 1000;
+    pub(super) const DRIVEN_FRAME: u32 = 100;
+    pub(super) const CONTACT_FRAME: u32 = 106;
     pub(super) const UNHEARD_PAD: u32 = 300;
     pub(super) const PREDICTED_GROUP: u32 = 40;
     pub(super) const GUARD: u32 = 500;
@@ -77,12 +77,13 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let (mut freed, mut counts) = ([0u32; LEVELS], [0u16; LEVELS]);
         for (voice, number) in self.voices().iter().zip(0u8..) {
             let run = (self.used(number, direct), self.frames_to_tick());
+            let guard = if voice.pad.expects() { cycles::GUARD_GROUP } else { 0 };
             for bank in voice.pad.banks() {
                 bank.for_each_load(&self.groups, levels, run, |level, cycles| {
                     if let (Some(freed), Some(count)) =
                         (freed.get_mut(usize::from(level)), counts.get_mut(usize::from(level)))
                     {
-                        *freed += cycles;
+                        *freed += cycles + guard;
                         *count += 1;
                     }
                 });
@@ -150,7 +151,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     fn audience(&self, pad: u8, direct: Option<Direct<'_>>) -> Audience {
         let (input, contact_samples) = self.flight.ahead(pad);
         let unit = self.voices().get(usize::from(pad)).map_or(0.0, |voice| voice.pad.unit());
-        Audience { unit, input: input + direct_input(direct, pad), contact_samples }
+        Audience::new(unit, input + direct_input(direct, pad), contact_samples)
     }
 
     fn used(&self, pad: u8, direct: Option<Direct<'_>>) -> Use {
@@ -206,10 +207,10 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         }
         let mut total = cycles::RUN + cycles::RUN_FRAME * frames;
         for ((voice, number), &struck) in self.voices().iter().zip(0u8..).zip(struck) {
-            let contacts = self.flight.count_on(number) as u32 + u32::from(struck);
+            let contact_frames = self.flight.frames_ahead(number, frames) + if struck { frames } else { 0 };
             let pad = &voice.pad;
             let is_direct = direct_input(direct, number) > 0.0;
-            let used = if contacts > 0 || is_direct { Use::Driven } else { Use::Free };
+            let used = if contact_frames > 0 || is_direct { Use::Driven } else { Use::Free };
             if used == Use::Free && !pad.is_ringing() {
                 total += cycles::QUIET_PAD;
                 continue;
@@ -224,7 +225,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
                 Use::Driven => {
                     let is_unguarded = pad.expects() || struck || pad.banks().any(Bank::is_unguarded);
                     let guards = if is_unguarded { cycles::GUARD + cycles::GUARD_GROUP * groups } else { 0 };
-                    cycles::DRIVEN_PAD + (cycles::DRIVEN_FRAME + contacts * cycles::CONTACT_FRAME) * frames + guards
+                    cycles::DRIVEN_PAD + cycles::DRIVEN_FRAME * frames + cycles::CONTACT_FRAME * contact_frames + guards
                 }
                 Use::Free => cycles::RINGING_PAD + cycles::RINGING_FRAME * frames,
             };
@@ -235,6 +236,6 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
 
 /// Bound of what a direct force brings in the rest of the block, bus steps.
 fn direct_input(direct: Option<Direct<'_>>, pad: u8) -> f32 {
-    let force = direct.filter(|direct| direct.pad == pad).map_or(&[][..], |direct| direct.force);
+    let Some(Direct { force, .. }) = direct.filter(|direct| direct.pad == pad) else { return 0.0 };
     force.iter().take(TICK_FRAMES).map(|x| x.unsigned_abs() as f32).sum()
 }

@@ -1,5 +1,6 @@
 //! A register group: modes of one form that share a block exponent.
 
+use super::bank::half_octaves;
 use super::coefficient::{Form, Orbit};
 use super::headroom::{GROWTH_OF_V, LIMIT, ROUNDING};
 use super::kernel::Plan;
@@ -95,7 +96,9 @@ impl Group {
 
     /// Leaves the group out: its sound ends, and no input reaches it until [`Group::admit`].
     pub(super) fn shed(&mut self, modes: &mut [Mode]) {
-        self.silence(modes);
+        if self.ringing {
+            self.silence(modes);
+        }
         self.plan.set_shed(true);
     }
 
@@ -112,6 +115,16 @@ impl Group {
     /// Bound of a mode's amplitude until the next guard, bus steps: what rings and what the guard has allowed for.
     pub(super) fn amplitude_bound(&self) -> f32 {
         if self.ringing { self.bound as f32 * self.unit() } else { 0.0 }
+    }
+
+    /// `2 log2` of [`Group::amplitude_bound`], `None` at rest.
+    pub(super) fn ringing_half_octaves(&self) -> Option<i32> {
+        self.ringing.then(|| half_octaves(self.bound) - 2 * self.exponent())
+    }
+
+    /// `2 log2` of [`Group::largest_gain`].
+    pub(super) fn gain_half_octaves(&self) -> i32 {
+        half_octaves(self.gain_peak) + 2 * (i32::from(self.gain_exponent) - 31)
     }
 
     /// Bus steps of state that a bus step of force makes at most.

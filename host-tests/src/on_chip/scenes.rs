@@ -18,12 +18,18 @@ pub const MODES_PER_PAD: usize = 64;
 /// A kit of equal pads with 64 modes each: three quarters from 80 Hz to 3.8 kHz, a quarter from 3.9 to 11.5 kHz, T60 3 s falling to 0.6 s,
 /// sine gains.
 pub fn pads(count: usize) -> Loaded {
+    pads_of(count, 1)
+}
+
+/// The same with `turns` times 64 modes a pad, each turn a little higher.
+pub fn pads_of(count: usize, turns: usize) -> Loaded {
     let Kit { objects, strikers, pads, .. } = one_pad(Vec::new());
     let (objects, pads) = (0..count)
         .map(|index| {
             let name = format!("object {index}");
             let detune = 1.0 + 0.001 * index as f64;
-            let modes = frequencies().map(|hz| mode(hz * detune, 3.0 / (1.0 + hz / 4000.0), 120.0, 0.0)).collect();
+            let hz = (0..turns).flat_map(|turn| frequencies().map(move |hz| hz * (1.0 + 0.013 * turn as f64)));
+            let modes = hz.map(|hz| mode(hz * detune, 3.0 / (1.0 + hz / 4000.0), 120.0, 0.0)).collect();
             let pan = index as f32 / count as f32 * 2.0 - 1.0;
             (
                 Object { name: name.clone(), modes, ..objects[0].clone() },

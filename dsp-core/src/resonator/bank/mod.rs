@@ -8,6 +8,7 @@ mod render;
 mod shed;
 
 pub use render::MixShift;
+pub(super) use shed::half_octaves;
 pub use shed::{Audience, LEVELS, SILENT, Shed, Use};
 
 use super::coefficient::Coefficients;

@@ -5,7 +5,7 @@
 //! n quietest" means the same groups wherever the same events are played.
 
 use super::super::coefficient::Form;
-use super::super::group::Group;
+use super::super::group::{GROUP_MODES, Group};
 use super::super::headroom::GROWTH_OF_V;
 use super::super::kernel::Plan;
 use super::super::mode::Mode;
@@ -27,11 +27,29 @@ pub enum Use {
 #[derive(Clone, Copy, Debug)]
 pub struct Audience {
     /// Output (1.0 = full scale) that a bus step of the bank makes.
-    pub unit: f32,
+    unit: f32,
     /// Bound of the sum of |force| still to come, bus steps.
-    pub input: f32,
-    /// Length of the longest contact under way, samples; modes far above its corner frequency get less of it. 0: count them in full.
-    pub contact_samples: f32,
+    input: f32,
+    unit_half_octaves: i32,
+    input_half_octaves: Option<i32>,
+    contact_half_octaves: i32,
+}
+
+impl Audience {
+    /// `unit` is the output (1.0 = full scale) that a bus step makes; `input` bounds the sum of |force| still to come, bus steps;
+    /// `contact_samples` is the length of the longest contact under way: modes far above its corner frequency get less of it (0: count them in
+    /// full).
+    pub fn new(unit: f32, input: f32, contact_samples: f32) -> Self {
+        // A float's exponent and the first bit of its fraction count half octaves.
+        let half_octaves = |x: f32| (x.to_bits() >> 22) as i32 - (127 << 1);
+        Self {
+            unit,
+            input,
+            unit_half_octaves: half_octaves(unit),
+            input_half_octaves: (input > 0.0).then(|| half_octaves(input)),
+            contact_half_octaves: half_octaves(contact_samples).max(0),
+        }
+    }
 }
 
 /// The level of a group that would not run.
@@ -117,7 +135,7 @@ impl Bank {
         threshold: u8,
         at_threshold: &mut u32,
     ) -> Shed {
-        let mut shed = Shed::default();
+        let (mut shed, mut rang) = (Shed::default(), false);
         let mut levels = levels.get(self.groups.range()).unwrap_or(&[]).iter();
         for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
             let level = levels.next().copied().unwrap_or(SILENT);
@@ -131,9 +149,11 @@ impl Bank {
             let lost = group.amplitude_bound() + group.largest_gain() * audience.input;
             shed +=
                 Shed { groups: 1, modes: count, amplitude: lost * audience.unit * (GROWTH_OF_V as u32 * count) as f32 };
+            rang |= group.ringing();
             group.shed(modes);
         });
-        if shed.groups > 0 {
+        // Groups at rest are no part of the plan.
+        if rang {
             self.prepare(memory);
         }
         shed
@@ -160,51 +180,72 @@ fn runs(group: &Group, used: Use) -> bool {
 
 /// Loudness in steps of 3 dB: the louder of what rings and what may come.
 fn level(group: &Group, modes: &[Mode], audience: Audience) -> u8 {
-    let mut amplitude = group.amplitude_bound();
-    if audience.input > 0.0 {
-        let coming = group.largest_gain() * audience.input * spectrum(group, modes, audience.contact_samples);
-        amplitude = if coming > amplitude { coming } else { amplitude };
-    }
-    // A float's exponent and the first bit of its fraction count half octaves.
-    let half_octaves = ((amplitude * audience.unit).to_bits() >> 22) as i32 - ((127 - 30) << 1);
-    half_octaves.clamp(0, LEVELS as i32 - 1) as u8
+    let ringing = group.ringing_half_octaves().unwrap_or(i32::MIN / 2);
+    let coming = match audience.input_half_octaves {
+        Some(input) => {
+            group.gain_half_octaves() + input - lost_to_the_contact(group, modes, audience.contact_half_octaves)
+        }
+        None => i32::MIN / 2,
+    };
+    (ringing.max(coming) + audience.unit_half_octaves + 60).clamp(0, LEVELS as i32 - 1) as u8
 }
 
-/// How much of a contact's impulse reaches the group's first mode: the spectrum of a pulse of N samples falls as 1/(1 + (2 f N/fs)²).
-fn spectrum(group: &Group, modes: &[Mode], contact_samples: f32) -> f32 {
-    const Q32: f32 = 1.0 / 4_294_967_296.0;
-    let epsilon = modes.first().map_or(0.0, |mode| mode.coefficients.epsilon as f32 * Q32);
-    let folded = match group.form() {
-        Form::Coupled => epsilon * epsilon,
-        form => epsilon * (1u32 << form.shift()) as f32,
+/// How much of a contact's impulse does not reach the group's first mode, in half octaves: the spectrum of a pulse of N samples falls as
+/// 1/(1 + (2 f N/fs)²).
+fn lost_to_the_contact(group: &Group, modes: &[Mode], contact_half_octaves: i32) -> i32 {
+    let epsilon = modes.first().map_or(1, |mode| mode.coefficients.epsilon.unsigned_abs());
+    // e² = 4 sin²(θ/2), θ ≈ e; ε is Q32.
+    let step_squared = match group.form() {
+        _ if group.mirrored() => 3,
+        Form::Coupled => 2 * (half_octaves(epsilon) - 64),
+        form => half_octaves(epsilon) - 64 + 2 * form.shift() as i32,
     };
-    // e² = 4 sin²(θ/2); θ ≈ e.
-    let step_squared = if group.mirrored() { 4.0 - folded } else { folded };
-    let corner = contact_samples
-        * contact_samples
-        * step_squared
-        * (core::f32::consts::FRAC_1_PI * core::f32::consts::FRAC_1_PI);
-    1.0 / (1.0 + corner)
+    // (2 f N/fs)² = e² N²/π².
+    (step_squared + 2 * contact_half_octaves - 7).max(0)
+}
+
+/// `2 log2(x)`, rounded down; 0 for 0.
+pub(in super::super) fn half_octaves(x: u32) -> i32 {
+    let zeros = x.leading_zeros().min(31);
+    let normal = x << zeros;
+    2 * (31 - zeros as i32) + (normal >> 30 & 1) as i32
 }
 
 /// Cycles of a group over a run, from what the assembly does with its modes (nominal model; `cargo test -p host-tests --test virtual_budget`
 /// holds the sums to 3 %).
 fn cycles(plan: &Plan, used: Use, frames: u32) -> u32 {
-    let count = plan.count() as u32;
+    let count = plan.count().min(GROUP_MODES);
     let whole = frames == super::super::TICK_FRAMES as u32;
-    match (used, whole) {
-        (Use::Free, true) => {
-            let (sets, left) = (count / 3, count % 3);
-            let leftover = [0, FREE_ONE, FREE_TWO].get(left as usize).copied().unwrap_or(0);
-            sets * FREE_THREE + leftover + if count == 6 { FULL_GROUP } else { OTHER_GROUP }
+    let table = match (used, whole, plan.has_phase()) {
+        (Use::Free, true, _) => &WHOLE_FREE,
+        (Use::Driven, true, false) => &WHOLE_GAIN,
+        (Use::Driven, true, true) => &WHOLE_PHASE,
+        (Use::Free, false, _) => {
+            let count = count as u32;
+            return OTHER_GROUP + count / 3 * (65 + 21 * frames) + count % 3 * (35 + 12 * frames);
         }
-        (Use::Free, false) => OTHER_GROUP + count / 3 * (65 + 21 * frames) + count % 3 * (35 + 12 * frames),
-        (Use::Driven, true) => {
-            let pair = if plan.has_phase() { PHASE_TWO } else { GAIN_TWO };
-            count / 2 * pair + count % 2 * DRIVEN_ONE + if count == 6 { FULL_GROUP } else { OTHER_GROUP }
+        (Use::Driven, false, _) => {
+            let count = count as u32;
+            return OTHER_GROUP + count / 2 * (60 + 23 * frames) + count % 2 * (40 + 16 * frames);
         }
-        (Use::Driven, false) => OTHER_GROUP + count / 2 * (60 + 23 * frames) + count % 2 * (40 + 16 * frames),
+    };
+    table.get(count).copied().unwrap_or(0)
+}
+
+/// Cycles of a group over a whole tick, by its number of modes.
+const WHOLE_FREE: [u32; GROUP_MODES + 1] = by_count(3, FREE_THREE, [0, FREE_ONE, FREE_TWO]);
+const WHOLE_GAIN: [u32; GROUP_MODES + 1] = by_count(2, GAIN_TWO, [0, DRIVEN_ONE, 0]);
+const WHOLE_PHASE: [u32; GROUP_MODES + 1] = by_count(2, PHASE_TWO, [0, DRIVEN_ONE, 0]);
+
+const fn by_count(set: usize, of_set: u32, leftover: [u32; 3]) -> [u32; GROUP_MODES + 1] {
+    let mut table = [0; GROUP_MODES + 1];
+    let mut count = 1;
+    while count <= GROUP_MODES {
+        let walk = if count == GROUP_MODES { FULL_GROUP } else { OTHER_GROUP };
+        table[count] = (count / set) as u32 * of_set + leftover[count % set] + walk;
+        count += 1;
     }
+    table
 }
 
 const FREE_THREE: u32 = 514;
