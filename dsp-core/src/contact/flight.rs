@@ -1,7 +1,7 @@
 //! The contacts that are under way.
 
 use super::law::{Impact, WHOLE};
-use super::pulse::{Pulse, SHAPE_BITS};
+use super::pulse::{self, Pulse, SHAPE_BITS};
 use crate::fixed;
 
 /// One contact under way.
@@ -26,27 +26,35 @@ impl Contact {
         // The step in halves, so that nothing overflows.
         let (upper, lower) = (impact.step >> 32, impact.step & 0xffff_ffff);
         let phase = upper * u64::from(early) + ((lower * u64::from(early)) >> 32);
-        Self { pad, striker, pulse: impact.pulse, peak: impact.peak, phase, step: impact.step.max(1) }
+        Self { pad, striker, pulse: impact.pulse, peak: impact.peak, phase, step: impact.step.clamp(1, WHOLE) }
     }
 
     fn is_over(&self) -> bool {
-        self.phase > WHOLE || self.step == 0
+        self.phase >= WHOLE || self.step == 0
     }
 
     /// Adds the pulse to a run of force and moves on.
     fn add_to(&mut self, force: &mut [i32]) {
-        for force in force {
-            if self.is_over() {
-                return;
-            }
-            // At exactly 1.0 both shapes are at their end; the fraction must not wrap to 0.
-            let fraction = ((self.phase << 1) >> 32) as u32;
-            let fraction = if self.phase == WHOLE { u32::MAX } else { fraction };
-            let value =
-                (i64::from(self.pulse.shape(fraction)) * i64::from(self.peak) + (1 << (SHAPE_BITS - 1))) >> SHAPE_BITS;
-            *force = fixed::qadd(*force, value as i32);
-            self.phase = self.phase.saturating_add(self.step);
+        match self.pulse {
+            Pulse::HertzHalfSine => self.add_shape(force, pulse::half_sine),
+            Pulse::Gaussian => self.add_shape(force, pulse::gaussian),
         }
+    }
+
+    #[inline(always)]
+    fn add_shape(&mut self, force: &mut [i32], shape: impl Fn(u32) -> i32) {
+        let (mut phase, step, peak) = (self.phase, self.step, i64::from(self.peak));
+        for force in force {
+            if phase >= WHOLE {
+                break;
+            }
+            // Below 1.0 = 2^63: the upper 32 bits of the fraction.
+            let value = (i64::from(shape((phase >> 31) as u32)) * peak) >> SHAPE_BITS;
+            *force = fixed::qadd(*force, value as i32);
+            // Steps are at most 1.0, so that this cannot wrap.
+            phase += step;
+        }
+        self.phase = phase;
     }
 }
 
@@ -86,7 +94,9 @@ impl<const CAPACITY: usize> Flight<CAPACITY> {
     /// Frames times contacts of a pad within a run.
     pub fn frames_ahead(&self, pad: u8, frames: u32) -> u32 {
         let contacts = self.under_way().iter().filter(|contact| contact.pad == pad);
-        let left = |contact: &Contact| (WHOLE.saturating_sub(contact.phase) >> 32) as u32 / ((contact.step >> 32) as u32).max(1);
+        let left = |contact: &Contact| {
+            (WHOLE.saturating_sub(contact.phase) >> 32) as u32 / ((contact.step >> 32) as u32).max(1)
+        };
         contacts.map(|contact| (left(contact) + 1).min(frames)).sum()
     }
 
