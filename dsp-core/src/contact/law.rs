@@ -31,12 +31,11 @@ pub struct Impact {
 }
 
 impl Impact {
-    /// Bound of the sum of its force over the first 64 samples, bus steps.
-    pub fn expected(&self) -> u64 {
-        const SAMPLES: u64 = 64;
-        // Its length in samples, rounded up, without a division where it is longer.
-        let samples = if self.step < WHOLE / SAMPLES { SAMPLES } else { WHOLE / self.step + 2 };
-        self.peak.unsigned_abs() as u64 * samples
+    /// Bound of the sum of its force, bus steps.
+    pub fn sum(&self) -> u64 {
+        // Half a sample more than its length on either side; the upper words are as good as all 64 bits.
+        let samples = (WHOLE >> 32) as u32 / ((self.step >> 32) as u32).max(1);
+        u64::from(self.peak.unsigned_abs()) * (u64::from(samples) + 2)
     }
 }
 

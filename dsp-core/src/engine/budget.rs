@@ -22,17 +22,17 @@ mod cycles {
     pub(super) const QUIET_PAD: u32 = 60;
     pub(super) const RINGING_PAD: u32 = 560;
     pub(super) const RINGING_FRAME: u32 = 12;
-    pub(super) const DRIVEN_PAD: u32 = 1000;
-    pub(super) const DRIVEN_FRAME: u32 = 100;
-    pub(super) const CONTACT_FRAME: u32 = 106;
+    pub(super) const DRIVEN_PAD: u32 = 1200;
+    pub(super) const DRIVEN_FRAME: u32 = 85;
+    pub(super) const CONTACT_FRAME: u32 = 58;
     pub(super) const UNHEARD_PAD: u32 = 300;
     pub(super) const PREDICTED_GROUP: u32 = 40;
     pub(super) const GUARD: u32 = 500;
-    pub(super) const GUARD_GROUP: u32 = 400;
-    pub(super) const DUE_GROUP: u32 = 220;
+    pub(super) const GUARD_GROUP: u32 = 440;
+    pub(super) const DUE_GROUP: u32 = 430;
     pub(super) const STRIKE: u32 = 900;
-    pub(super) const SHED: u32 = 3000;
-    pub(super) const SHED_GROUP: u32 = 90;
+    pub(super) const SHED: u32 = 4000;
+    pub(super) const SHED_GROUP: u32 = 400;
 }
 
 impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGINS: usize, const CONTACTS: usize>

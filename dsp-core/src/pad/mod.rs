@@ -30,7 +30,7 @@ pub struct Pad {
     mode_count: u16,
     acceleration: Acceleration,
     panner: Panner,
-    /// |force| that contacts which have just begun will bring in the next two ticks, until it is met.
+    /// |force| that contacts which have just begun will bring, until the banks are guarded for it.
     expected: u64,
     choked: bool,
     struck: bool,
@@ -196,7 +196,7 @@ impl Pad {
         memory: &mut Memory<'_>,
     ) -> Option<Impact> {
         let impact = self.strikers().get(usize::from(striker))?.law.impact(velocity)?;
-        self.expected += impact.expected();
+        self.expected += impact.sum();
         self.struck = true;
         self.object.set_position(position, &tables.object_table(), rate, memory);
         Some(impact)

@@ -206,6 +206,8 @@ impl Group {
     /// mode on a Cortex-M4.
     pub(super) fn guard(&mut self, modes: &mut [Mode], allowance: u64, force_shift: u32) -> Guard {
         self.due_ticks = self.guard_ticks;
+        // At rest there is nothing to look at, and nothing to shift.
+        let modes = if self.ringing { modes } else { &mut [] };
         let mut size = self.size(modes);
         if size == 0 {
             if allowance == 0 || self.gain_peak == 0 {

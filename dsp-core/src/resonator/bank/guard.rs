@@ -2,8 +2,9 @@
 //!
 //! | when | what |
 //! | --- | --- |
-//! | a tick after input, if what is left of the allowance is less than twice that input, or 32 times more | all ringing groups are guarded for four times that input |
-//! | the first tick after a tick without | all ringing groups are guarded for none |
+//! | a contact begins | all groups are guarded for the whole of it |
+//! | a tick after other input, if what is left of the allowance is less than twice that input, or 32 times more | all ringing groups are guarded for four times that input |
+//! | the first tick after a tick without, or the second after a contact | all ringing groups are guarded for none |
 //! | later | each group when its fastest mode has decayed by a quarter of a bit, at the latest after 32 ticks |
 //!
 //! A free orbit never outgrows its guard ([`super::super::headroom`]), so that guards without input serve precision and retirement
@@ -28,28 +29,30 @@ impl Bank {
         if self.ringing_modes == 0 {
             self.allowance = 0;
         } else if expected > 0 {
-            self.is_expecting = false;
-            if !self.allows(expected) {
-                self.guard(memory, (2 * expected).min(MAX_ALLOWANCE), false, None);
+            if !self.is_covered && !self.allows(expected) {
+                self.guard(memory, (2 * expected).min(MAX_ALLOWANCE), false);
             }
-        } else if self.is_expecting {
-            // It may begin with zeros.
-            self.is_expecting = false;
+        } else if self.is_covered {
+            // A contact may begin with zeros: one tick without force is not its end.
+            self.is_covered = false;
         } else if self.allowance > 0 {
-            self.guard(memory, 0, false, retirement);
+            // The force is over.
+            (self.allowance, self.force_shift) = (0, 0);
+            self.guard_due(memory, retirement, true);
         } else {
             self.passed_ticks += 1;
             if self.passed_ticks >= self.due_ticks {
-                self.guard_due(memory, retirement);
+                self.guard_due(memory, retirement, false);
             }
         }
     }
 
-    /// Guards all groups for the contact that begins: a sum of |force| of `input` in the ticks to come. So its force, however it rises, is
-    /// not cut into runs.
+    /// Guards all groups for the whole contact that begins, which brings a sum of |force| of `input`. So its force, however it rises, is not
+    /// cut into runs, and the ticks in between have nothing to do.
     pub fn expect(&mut self, memory: &mut Memory<'_>, input: u64) {
-        self.guard(memory, (self.allowance + input).min(MAX_ALLOWANCE), true, None);
-        self.is_expecting = true;
+        let wanted = self.allowance.saturating_add(input);
+        self.guard(memory, wanted.min(MAX_ALLOWANCE), true);
+        self.is_covered = wanted <= MAX_ALLOWANCE;
     }
 
     /// Whether the allowance left is enough for an input, and not so much that precision would be wasted.
@@ -62,26 +65,16 @@ impl Bank {
         self.ringing_modes > 0
             && match (self.spent, self.allowance) {
                 (0, 0) => self.passed_ticks + 1 >= self.due_ticks,
-                (0, _) => true,
-                (spent, _) => !self.allows(spent.saturating_mul(2)),
+                (0, _) => !self.is_covered,
+                (spent, _) => !self.is_covered && !self.allows(spent.saturating_mul(2)),
             }
     }
 
     /// Guards all groups for an allowance of |force|. `all` includes groups at rest.
-    pub(super) fn guard(
-        &mut self,
-        memory: &mut Memory<'_>,
-        allowance: u64,
-        all: bool,
-        mut retirement: Option<&mut Retirement>,
-    ) {
+    pub(super) fn guard(&mut self, memory: &mut Memory<'_>, allowance: u64, all: bool) {
         // No single force can exceed the allowance for their sum.
         let force_shift = allowance.leading_zeros().saturating_sub(33);
-        let retired = &mut self.retired;
         for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
-            if let Some(retirement) = &mut retirement {
-                retirement.consider(group, modes, retired);
-            }
             if group.ringing() || all && !group.is_shed() {
                 let _: Guard = group.guard(modes, allowance, force_shift);
             }
@@ -91,12 +84,12 @@ impl Bank {
         self.prepare(memory);
     }
 
-    /// Guards the groups whose time has come.
-    fn guard_due(&mut self, memory: &mut Memory<'_>, mut retirement: Option<&mut Retirement>) {
+    /// Guards the groups whose time has come, or all that ring, for no input.
+    fn guard_due(&mut self, memory: &mut Memory<'_>, mut retirement: Option<&mut Retirement>, all: bool) {
         let passed = self.passed_ticks;
         let retired = &mut self.retired;
         for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
-            if !group.ringing() || !group.is_due(passed) {
+            if !group.ringing() || !(group.is_due(passed) || all) {
                 return;
             }
             let unit = group.unit();

@@ -152,8 +152,8 @@ pub struct Bank {
     /// Q32 δ of the choke, 0 for a bank that cannot be choked.
     choke_delta: i32,
     choked: bool,
-    /// Whether a contact has been announced since the last tick.
-    is_expecting: bool,
+    /// Whether the allowance is enough for all contacts under way.
+    is_covered: bool,
     position: f32,
     /// |force| that the groups are still guarded for.
     allowance: u64,
@@ -182,7 +182,7 @@ impl Bank {
         onset: Scale::ZERO,
         choke_delta: 0,
         choked: false,
-        is_expecting: false,
+        is_covered: false,
         position: 0.0,
         allowance: 0,
         spent: 0,
@@ -245,7 +245,7 @@ impl Bank {
             group.schedule_guards(modes);
         });
         self.derive_gains(table, rate, memory);
-        self.guard(memory, 0, false, None);
+        self.guard(memory, 0, false);
     }
 
     fn derive_gains(&mut self, table: &BankTable<'_>, rate: SampleRate, memory: &mut Memory<'_>) {

@@ -82,7 +82,8 @@ impl Bank {
                 let next = force.first().map_or(0, |x| u64::from(x.unsigned_abs()));
                 // Room for a tick of twice this force, or four times what this tick has brought already, at most for what can come at all.
                 let wanted = (next * 2 * TICK_FRAMES as u64).max(self.spent.saturating_mul(4));
-                self.guard(memory, wanted.min(MAX_ALLOWANCE), true, None);
+                self.guard(memory, wanted.min(MAX_ALLOWANCE), true);
+                self.is_covered = false;
                 work.extra_guards += 1;
                 continue;
             }
