@@ -10,7 +10,7 @@
 use super::{Direct, Engine};
 use crate::event::{Action, Event, Time};
 use crate::pad::Pad;
-use crate::resonator::{Audience, Bank, LEVELS, Memory, SILENT, Shed, TICK_FRAMES, Use};
+use crate::resonator::{Audience, Bank, LEVELS, Memory, SILENT, Shed, Step, Survey, TICK_FRAMES, Use};
 
 /// Cycles of the parts of a tick, nominal, without flash waits: fitted to the virtual core over the bench's scenes, held to 3 % by
 /// `cargo test --release -p host-tests --test virtual_budget`.
@@ -57,9 +57,10 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let mut rest = self.rest_of_tick(upcoming, direct);
         if self.report.predicted_cycles + rest > budget {
             self.report.predicted_cycles += cycles::SHED + cycles::SHED_GROUP * self.group_count();
-            let levels = self.levels(direct);
-            let chosen = self.quietest_that_free(self.report.predicted_cycles + rest - budget, &levels, direct);
-            self.shed_by_level(chosen, &levels, direct);
+            let mut levels = [SILENT; GROUPS];
+            let steps = self.survey(direct, &mut levels);
+            let chosen = quietest_that_free(self.report.predicted_cycles + rest - budget, &steps);
+            self.shed_by_level(chosen, &levels, &steps, direct);
             rest = self.rest_of_tick(upcoming, direct);
             log(&Event { time: Time::at_frame(self.now), action: Action::Shed(chosen), ..Event::NOTHING });
         }
@@ -72,80 +73,50 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         self.voices().iter().map(|voice| voice.pad.group_count()).sum()
     }
 
-    /// How many of the quietest register groups have to go to free so many cycles.
-    fn quietest_that_free(&self, excess: u32, levels: &[u8; GROUPS], direct: Option<Direct<'_>>) -> u16 {
-        let (mut freed, mut counts) = ([0u32; LEVELS], [0u16; LEVELS]);
-        for (voice, number) in self.voices().iter().zip(0u8..) {
-            let run = (self.used(number, direct), self.frames_to_tick());
-            let guard = if voice.pad.expects() { cycles::GUARD_GROUP } else { 0 };
-            for bank in voice.pad.banks() {
-                bank.for_each_load(&self.groups, levels, run, |level, cycles| {
-                    if let (Some(freed), Some(count)) =
-                        (freed.get_mut(usize::from(level)), counts.get_mut(usize::from(level)))
-                    {
-                        *freed += cycles + guard;
-                        *count += 1;
-                    }
-                });
-            }
-        }
-        let (mut total, mut chosen) = (0, 0);
-        for (freed, count) in freed.into_iter().zip(counts) {
-            if total + freed >= excess {
-                // Of the step in which the excess ends, as many as are needed if the cheapest go first: a single mode costs a third of a
-                // full group's share.
-                let share = (u64::from(excess - total) * u64::from(count)).div_ceil(u64::from(freed.max(1))) as u16;
-                return chosen + (share + share / 2 + 1).min(count);
-            }
-            (total, chosen) = (total + freed, chosen + count);
-        }
-        chosen
-    }
-
     /// Leaves out the `count` quietest register groups of those that would run.
     pub(super) fn shed_quietest(&mut self, count: u16, direct: Option<Direct<'_>>) {
-        let levels = self.levels(direct);
-        self.shed_by_level(count, &levels, direct);
+        let mut levels = [SILENT; GROUPS];
+        let steps = self.survey(direct, &mut levels);
+        self.shed_by_level(count, &levels, &steps, direct);
     }
 
-    fn shed_by_level(&mut self, count: u16, levels: &[u8; GROUPS], direct: Option<Direct<'_>>) {
-        let mut counts = [0u16; LEVELS];
-        for &level in levels {
-            if let Some(count) = counts.get_mut(usize::from(level)) {
-                *count += 1;
-            }
-        }
-        let (mut left, mut threshold) = (count, LEVELS);
-        for (level, here) in counts.into_iter().enumerate() {
-            if here > left {
+    fn shed_by_level(&mut self, count: u16, levels: &[u8; GROUPS], steps: &[Step; LEVELS], direct: Option<Direct<'_>>) {
+        let (mut left, mut threshold) = (u32::from(count), LEVELS);
+        for (level, step) in steps.iter().enumerate() {
+            if step.groups > left {
                 threshold = level;
                 break;
             }
-            left -= here;
+            left -= step.groups;
         }
-        let mut at_threshold = u32::from(left);
         let mut shed = Shed::default();
         for number in 0..self.pad_count as u8 {
             let audience = self.audience(number, direct);
             let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
             let Some(voice) = self.pads.get_mut(usize::from(number)) else { break };
             for bank in voice.pad.banks_mut() {
-                shed += bank.shed(&mut memory, audience, levels, threshold as u8, &mut at_threshold);
+                shed += bank.shed(&mut memory, audience, levels, threshold as u8, &mut left);
             }
         }
         self.report.shed += shed;
     }
 
-    /// The loudness of every group.
-    fn levels(&self, direct: Option<Direct<'_>>) -> [u8; GROUPS] {
-        let mut levels = [SILENT; GROUPS];
+    /// The loudness of every group, and what each level has and costs.
+    fn survey(&self, direct: Option<Direct<'_>>, levels: &mut [u8; GROUPS]) -> [Step; LEVELS] {
+        let mut survey = Survey { levels, steps: [Step::default(); LEVELS] };
         for (voice, number) in self.voices().iter().zip(0u8..) {
-            let (audience, used) = (self.audience(number, direct), self.used(number, direct));
+            let used = self.used(number, direct);
+            if used == Use::Free && !voice.pad.is_ringing() {
+                continue;
+            }
+            let guard = if voice.pad.expects() { cycles::GUARD_GROUP } else { 0 };
+            let run = (used, self.frames_to_tick(), guard);
+            let audience = self.audience(number, direct);
             for bank in voice.pad.banks() {
-                bank.levels(&self.groups, &self.modes, audience, used, &mut levels);
+                bank.survey(&self.groups, &self.modes, audience, run, &mut survey);
             }
         }
-        levels
+        survey.steps
     }
 
     fn audience(&self, pad: u8, direct: Option<Direct<'_>>) -> Audience {
@@ -232,6 +203,21 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         }
         total
     }
+}
+
+/// How many of the quietest register groups have to go to free so many cycles.
+fn quietest_that_free(excess: u32, steps: &[Step; LEVELS]) -> u16 {
+    let (mut total, mut chosen) = (0, 0);
+    for step in steps {
+        if total + step.cycles >= excess {
+            // Of the step in which the excess ends, as many as are needed if the cheapest go first: a single mode costs a third of a full
+            // group's share.
+            let share = (u64::from(excess - total) * u64::from(step.groups)).div_ceil(u64::from(step.cycles.max(1))) as u32;
+            return (chosen + (share + share / 2 + 1).min(step.groups)) as u16;
+        }
+        (total, chosen) = (total + step.cycles, chosen + step.groups);
+    }
+    chosen as u16
 }
 
 /// Bound of what a direct force brings in the rest of the block, bus steps.

@@ -52,6 +52,24 @@ impl Audience {
     }
 }
 
+/// All groups of an engine by loudness.
+#[derive(Debug)]
+pub struct Survey<'a> {
+    /// The level of each group, or [`SILENT`].
+    pub levels: &'a mut [u8],
+    /// What each level has and costs.
+    pub steps: [Step; LEVELS],
+}
+
+/// What a level has and costs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Step {
+    /// Groups.
+    pub groups: u32,
+    /// What they will cost.
+    pub cycles: u32,
+}
+
 /// The level of a group that would not run.
 pub const SILENT: u8 = u8::MAX;
 
@@ -75,30 +93,31 @@ impl core::ops::AddAssign for Shed {
 }
 
 impl Bank {
-    /// Puts the loudness of each of its groups at the group's place in `levels`, [`SILENT`] for those that would not run. Under a force all
-    /// would that are not left out already, else those that ring.
-    pub fn levels(&self, groups: &[Group], modes: &[Mode], audience: Audience, used: Use, levels: &mut [u8]) {
-        let mut modes = modes.get(self.modes.range()).unwrap_or(&[]);
-        let groups = groups.get(self.groups.range()).unwrap_or(&[]);
-        for (group, place) in groups.iter().zip(levels.get_mut(self.groups.range()).unwrap_or(&mut [])) {
-            let Some((own, behind)) = modes.split_at_checked(group.count()) else { return };
-            modes = behind;
-            *place = if runs(group, used) { level(group, own, audience) } else { SILENT };
-        }
-    }
-
-    /// Cycles of each group with a level, beside that level.
-    pub fn for_each_load(
+    /// Puts the loudness of each of its groups at the group's place in the survey, [`SILENT`] for those that would not run, and adds up
+    /// what each step of loudness costs. Under a force all would run that are not left out already, else those that ring. `guard` are the
+    /// cycles that a group's guard will take on top.
+    #[inline(never)]
+    pub fn survey(
         &self,
         groups: &[Group],
-        levels: &[u8],
-        (used, frames): (Use, u32),
-        mut visit: impl FnMut(u8, u32),
+        modes: &[Mode],
+        audience: Audience,
+        (used, frames, guard): (Use, u32, u32),
+        survey: &mut Survey<'_>,
     ) {
+        let mut modes = modes.get(self.modes.range()).unwrap_or(&[]);
         let groups = groups.get(self.groups.range()).unwrap_or(&[]);
-        for (group, &level) in groups.iter().zip(levels.get(self.groups.range()).unwrap_or(&[])) {
-            if level != SILENT {
-                visit(level, cycles(group.plan(), used, frames));
+        for (group, place) in groups.iter().zip(survey.levels.get_mut(self.groups.range()).unwrap_or(&mut [])) {
+            let Some((own, behind)) = modes.split_at_checked(group.count()) else { return };
+            modes = behind;
+            *place = SILENT;
+            if runs(group, used) {
+                let level = level(group, own, audience);
+                *place = level;
+                if let Some(step) = survey.steps.get_mut(usize::from(level)) {
+                    step.groups += 1;
+                    step.cycles += cycles(group.plan(), used, frames) + guard;
+                }
             }
         }
     }
