@@ -7,33 +7,10 @@
 //!
 //! Events are looked at as far as the block holds them: with blocks of whole ticks nothing comes as a surprise within a tick.
 
+use super::cost::{CYCLES, Counts, Part};
 use super::{Direct, Engine};
 use crate::event::{Action, Event, Time};
-use crate::pad::Pad;
-use crate::resonator::{Audience, Bank, LEVELS, Memory, SILENT, Shed, Step, Survey, TICK_FRAMES, Use};
-
-/// Cycles of the parts of a tick, nominal, without flash waits: fitted to the virtual core over the bench's scenes, held to 3 % by
-/// `cargo test --release -p host-tests --test virtual_budget`.
-mod cycles {
-    pub(super) const TICK: u32 = 500;
-    pub(super) const TICK_PAD: u32 = 60;
-    pub(super) const RUN: u32 = 250;
-    pub(super) const RUN_FRAME: u32 = 22;
-    pub(super) const QUIET_PAD: u32 = 60;
-    pub(super) const RINGING_PAD: u32 = 560;
-    pub(super) const RINGING_FRAME: u32 = 12;
-    pub(super) const DRIVEN_PAD: u32 = 1200;
-    pub(super) const DRIVEN_FRAME: u32 = 85;
-    pub(super) const CONTACT_FRAME: u32 = 58;
-    pub(super) const UNHEARD_PAD: u32 = 300;
-    pub(super) const PREDICTED_GROUP: u32 = 40;
-    pub(super) const GUARD: u32 = 500;
-    pub(super) const GUARD_GROUP: u32 = 440;
-    pub(super) const DUE_GROUP: u32 = 430;
-    pub(super) const STRIKE: u32 = 900;
-    pub(super) const SHED: u32 = 4000;
-    pub(super) const SHED_GROUP: u32 = 400;
-}
+use crate::resonator::{Audience, LEVELS, Memory, SILENT, Shed, Step, Survey, TICK_FRAMES, Use};
 
 impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGINS: usize, const CONTACTS: usize>
     Engine<'k, PADS, MODES, GROUPS, ORIGINS, CONTACTS>
@@ -52,14 +29,16 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         upcoming: &[Event],
         direct: Option<Direct<'_>>,
         log: &mut impl FnMut(&Event),
-    ) -> Option<u32> {
+    ) -> Option<Counts> {
         let budget = self.budget.filter(|_| self.skipping == super::Skipping::On)?;
         let mut rest = self.rest_of_tick(upcoming, direct);
-        if self.report.predicted_cycles + rest > budget {
-            self.report.predicted_cycles += cycles::SHED + cycles::SHED_GROUP * self.group_count();
+        let predicted = self.report.predicted_cycles() + rest.cycles();
+        if predicted > budget {
+            let survey = self.survey_counts();
+            self.report.counts += survey;
             let mut levels = [SILENT; GROUPS];
             let steps = self.survey(direct, &mut levels);
-            let chosen = quietest_that_free(self.report.predicted_cycles + rest - budget, &steps);
+            let chosen = quietest_that_free(predicted + survey.cycles() - budget, &steps);
             self.shed_by_level(chosen, &levels, &steps, direct);
             rest = self.rest_of_tick(upcoming, direct);
             log(&Event { time: Time::at_frame(self.now), action: Action::Shed(chosen), ..Event::NOTHING });
@@ -109,7 +88,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             if used == Use::Free && !voice.pad.is_ringing() {
                 continue;
             }
-            let guard = if voice.pad.expects() { cycles::GUARD_GROUP } else { 0 };
+            let guard = if voice.pad.expects() { cycles_of(Part::GuardedGroup) } else { 0 };
             let run = (used, self.frames_to_tick(), guard);
             let audience = self.audience(number, direct);
             for bank in voice.pad.banks() {
@@ -129,39 +108,57 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         if self.flight.count_on(pad) > 0 || direct_input(direct, pad) > 0.0 { Use::Driven } else { Use::Free }
     }
 
-    /// Cycles of what a tick's beginning does.
-    pub(super) fn beginning(&self) -> u32 {
-        let due = |pad: &Pad| if pad.is_guard_due() { pad.group_count() * cycles::DUE_GROUP } else { 0 };
-        cycles::TICK + self.voices().iter().map(|voice| cycles::TICK_PAD + due(&voice.pad)).sum::<u32>()
+    /// What a tick's beginning does.
+    pub(super) fn beginning(&self) -> Counts {
+        let mut counts = Counts::NONE;
+        counts.add(Part::Tick, 1);
+        if self.idle {
+            return counts;
+        }
+        counts.add(Part::Pad, self.pad_count as u32);
+        for voice in self.voices().iter().filter(|voice| voice.pad.is_guard_due()) {
+            counts.add(Part::DueGroup, voice.pad.group_count());
+        }
+        counts
     }
 
-    /// Cycles of an event.
-    pub(super) fn event_cycles(&self, event: &Event) -> u32 {
+    /// What an event does.
+    pub(super) fn event_counts(&self, event: &Event) -> Counts {
+        let mut counts = Counts::NONE;
         match event.action {
-            Action::Strike => cycles::STRIKE,
+            Action::Strike => counts.add(Part::Strike, 1),
             Action::Choke | Action::Release => {
                 let modes = self.voices().get(usize::from(event.pad)).map_or(0, |voice| voice.pad.mode_count());
-                cycles::STRIKE + 600 * modes as u32
+                counts.add(Part::Strike, 1);
+                counts.add(Part::ChokedMode, modes as u32);
             }
-            Action::Shed(_) => cycles::SHED + cycles::SHED_GROUP * self.group_count(),
+            Action::Shed(_) => counts = self.survey_counts(),
         }
+        counts
+    }
+
+    fn survey_counts(&self) -> Counts {
+        let mut counts = Counts::NONE;
+        counts.add(Part::Survey, 1);
+        counts.add(Part::SurveyedGroup, self.group_count());
+        counts
     }
 
     fn frames_to_tick(&self) -> u32 {
         (TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64) as u32
     }
 
-    /// Cycles from now to the end of the tick, with the events that are known.
-    fn rest_of_tick(&self, upcoming: &[Event], direct: Option<Direct<'_>>) -> u32 {
+    /// From now to the end of the tick, with the events that are known.
+    fn rest_of_tick(&self, upcoming: &[Event], direct: Option<Direct<'_>>) -> Counts {
         let end = self.now + u64::from(self.frames_to_tick());
-        let (mut now, mut total) = (self.now, 0);
+        let (mut now, mut total) = (self.now, Counts::NONE);
         let mut struck = [false; PADS];
         let mut events = upcoming.iter().take_while(|event| event.time.first_frame() < end).peekable();
         while now < end {
             let next = events.peek().map_or(end, |event| event.time.first_frame());
-            total += self.run_cycles((next - now) as u32, direct, &struck);
+            total += self.run_counts((next - now) as u32, direct, &struck);
             while let Some(event) = events.next_if(|event| event.time.first_frame() == next) {
-                total += self.event_cycles(event);
+                total += self.event_counts(event);
                 if let (Action::Strike, Some(struck)) = (event.action, struck.get_mut(usize::from(event.pad))) {
                     *struck = true;
                 }
@@ -171,38 +168,54 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         total
     }
 
-    /// Cycles of a run of frames. `struck` are pads that a known event will have struck by then.
-    pub(super) fn run_cycles(&self, frames: u32, direct: Option<Direct<'_>>, struck: &[bool; PADS]) -> u32 {
-        if frames == 0 {
-            return 0;
+    /// A run of frames. `struck` are pads that a known event will have struck by then.
+    pub(super) fn run_counts(&self, frames: u32, direct: Option<Direct<'_>>, struck: &[bool; PADS]) -> Counts {
+        let mut counts = Counts::NONE;
+        if frames == 0 || self.idle && direct.is_none() && !struck.contains(&true) {
+            return counts;
         }
-        let mut total = cycles::RUN + cycles::RUN_FRAME * frames;
+        counts.add(Part::Run, 1);
+        counts.add(Part::Frame, frames);
         for ((voice, number), &struck) in self.voices().iter().zip(0u8..).zip(struck) {
             let contact_frames = self.flight.frames_ahead(number, frames) + if struck { frames } else { 0 };
             let pad = &voice.pad;
-            let is_direct = direct_input(direct, number) > 0.0;
-            let used = if contact_frames > 0 || is_direct { Use::Driven } else { Use::Free };
-            if used == Use::Free && !pad.is_ringing() {
-                total += cycles::QUIET_PAD;
+            let is_driven = contact_frames > 0 || direct_input(direct, number) > 0.0;
+            let used = if is_driven { Use::Driven } else { Use::Free };
+            if !is_driven && !pad.is_ringing() {
                 continue;
             }
-            let (banks, groups) = pad.banks().fold((0, 0), |(total, count), bank| {
-                let (cycles, groups) = bank.cycles(&self.groups, used, frames);
-                (total + cycles, count + groups)
-            });
-            total += banks + cycles::PREDICTED_GROUP * pad.group_count();
-            total += match used {
-                Use::Driven if groups == 0 => cycles::UNHEARD_PAD,
-                Use::Driven => {
-                    let is_unguarded = pad.expects() || struck || pad.banks().any(Bank::is_unguarded);
-                    let guards = if is_unguarded { cycles::GUARD + cycles::GUARD_GROUP * groups } else { 0 };
-                    cycles::DRIVEN_PAD + cycles::DRIVEN_FRAME * frames + cycles::CONTACT_FRAME * contact_frames + guards
+            let (mut groups, mut banks) = (0, 0);
+            for bank in pad.banks().filter(|bank| bank.mode_count() > 0) {
+                let (cycles, running) = bank.cycles(&self.groups, used, frames);
+                counts.add(Part::KernelCycle, cycles);
+                counts.add(Part::PredictedGroup, bank.group_count());
+                groups += running;
+                banks += u32::from(running > 0);
+                if is_driven && (pad.expects() || struck || bank.is_unguarded()) {
+                    let part = if bank.is_ringing() { Part::GuardedRingingGroup } else { Part::GuardedGroup };
+                    counts.add(part, running);
                 }
-                Use::Free => cycles::RINGING_PAD + cycles::RINGING_FRAME * frames,
-            };
+            }
+            counts.add(Part::StrikerBank, banks.max(1) - 1);
+            if is_driven && groups == 0 {
+                counts.add(Part::UnheardPad, 1);
+            } else if is_driven {
+                counts.add(Part::DrivenPad, 1);
+                counts.add(Part::DrivenFrame, frames);
+                counts.add(Part::ContactFrame, contact_frames);
+            } else if pad.rings_quickly() {
+                counts.add(Part::RingingPad, 1);
+            } else {
+                counts.add(Part::BusPad, 1);
+                counts.add(Part::BusFrame, frames);
+            }
         }
-        total
+        counts
     }
+}
+
+fn cycles_of(part: Part) -> u32 {
+    CYCLES.get(part as usize).copied().unwrap_or(0)
 }
 
 /// How many of the quietest register groups have to go to free so many cycles.

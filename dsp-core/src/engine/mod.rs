@@ -11,9 +11,11 @@
 //! and what was skipped in each tick is told by a [`TickReport`].
 
 mod budget;
+mod cost;
 mod load;
 mod report;
 
+pub use cost::{CYCLES, Counts, PARTS, Part};
 pub use load::LoadError;
 pub use report::{Cause, TickReport};
 
@@ -256,9 +258,9 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             let direct_now =
                 direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(..length)? }));
             if self.budget.is_some() {
-                let run = || self.run_cycles(length as u32, direct_now, &[false; PADS]);
-                let cycles = planned.filter(|_| length as u64 == to_tick).unwrap_or_else(run);
-                self.report.predicted_cycles += cycles;
+                let run = || self.run_counts(length as u32, direct_now, &[false; PADS]);
+                let counts = planned.filter(|_| length as u64 == to_tick).unwrap_or_else(run);
+                self.report.counts += counts;
             }
             if self.idle && direct_now.is_none() {
                 self.report.pass_idle(self.unstruck_modes, self.modes_built, length);
@@ -311,7 +313,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     fn begin_tick(&mut self, direct: Option<Direct<'_>>) {
         self.report = TickReport { frame: self.now, ..TickReport::EMPTY };
         if self.budget.is_some() {
-            self.report.predicted_cycles = self.beginning();
+            self.report.counts = self.beginning();
         }
         if self.idle {
             return;
@@ -335,7 +337,8 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
 
     fn apply(&mut self, event: &Event, direct: Option<Direct<'_>>) {
         if self.budget.is_some() {
-            self.report.predicted_cycles += self.event_cycles(event);
+            let counts = self.event_counts(event);
+            self.report.counts += counts;
         }
         if let Action::Shed(count) = event.action {
             return self.shed_quietest(count, direct);

@@ -1,5 +1,6 @@
 //! What a tick did and what it left out.
 
+use super::cost::Counts;
 use crate::pad::{Pad, PadWork};
 use crate::resonator::Shed;
 
@@ -51,8 +52,8 @@ pub struct TickReport {
     pub retired_amplitude: f32,
     /// What was left out for want of time in this tick.
     pub shed: Shed,
-    /// Cycles that the tick was expected to take; 0 without a budget.
-    pub predicted_cycles: u32,
+    /// What the tick was made of, as far as it costs time; nothing without a budget.
+    pub counts: Counts,
     /// Pads that ring at the tick's end.
     pub ringing_pads: u32,
     /// Contacts under way at the tick's end.
@@ -78,10 +79,15 @@ impl TickReport {
         retired_modes: 0,
         retired_amplitude: 0.0,
         shed: Shed { groups: 0, modes: 0, amplitude: 0.0 },
-        predicted_cycles: 0,
+        counts: Counts::NONE,
         ringing_pads: 0,
         contacts: 0,
     };
+
+    /// Cycles that the tick was expected to take; 0 without a budget.
+    pub fn predicted_cycles(&self) -> u32 {
+        self.counts.cycles()
+    }
 
     /// Mode-frames that ran.
     pub fn run_mode_frames(&self) -> u32 {

@@ -27,6 +27,8 @@ pub struct Pad {
     /// The first `striker_count` are the pad's.
     strikers: [PadStriker; STRIKERS_PER_PAD],
     striker_count: u8,
+    /// Those of the strikers that come up to the last one with modes.
+    sounding_strikers: u8,
     mode_count: u16,
     acceleration: Acceleration,
     panner: Panner,
@@ -80,6 +82,7 @@ impl Pad {
         object: Bank::EMPTY,
         strikers: [PadStriker::NONE; STRIKERS_PER_PAD],
         striker_count: 0,
+        sounding_strikers: 0,
         mode_count: 0,
         acceleration: Acceleration::NONE,
         panner: Panner::SILENT,
@@ -105,7 +108,7 @@ impl Pad {
         let contact = first.map_or((0.0, 0.0), |striker| typical_contact(&striker, reference_force));
         let table = object_table(object, pad, contact);
         let mut strikers = [PadStriker::NONE; STRIKERS_PER_PAD];
-        let mut striker_count = 0;
+        let (mut striker_count, mut sounding_strikers) = (0, 0);
         let mut mode_count = 0;
         let object_bank = Bank::load(&table, rate, memory, used).map_err(|error| (error, None))?;
         for (index, (slot, striker)) in strikers.iter_mut().zip(kit.strikers_of(pad)).enumerate() {
@@ -115,6 +118,9 @@ impl Pad {
             mode_count += bank.mode_count();
             *slot = PadStriker { law, bank };
             striker_count += 1;
+            if slot.bank.mode_count() > 0 {
+                sounding_strikers = striker_count;
+            }
         }
         mode_count += object_bank.mode_count();
         Ok(Self {
@@ -122,6 +128,7 @@ impl Pad {
             mode_count: mode_count as u16, // all banks count in 16 bits
             strikers,
             striker_count,
+            sounding_strikers,
             acceleration: Acceleration::new(object.acceleration(), reference_force),
             panner: Panner::new(pad.level_db(), pad.pan()),
             expected: 0,
@@ -135,22 +142,25 @@ impl Pad {
         usize::from(self.striker_count)
     }
 
-    fn strikers(&self) -> &[PadStriker] {
-        self.strikers.get(..self.striker_count()).unwrap_or(&[])
+    /// All strikers that make a sound, and possibly others.
+    #[inline(always)]
+    fn sounding(&self) -> &[PadStriker] {
+        self.strikers.get(..usize::from(self.sounding_strikers)).unwrap_or(&[])
     }
 
-    fn strikers_mut(&mut self) -> &mut [PadStriker] {
-        self.strikers.get_mut(..usize::from(self.striker_count)).unwrap_or(&mut [])
+    #[inline(always)]
+    fn sounding_mut(&mut self) -> &mut [PadStriker] {
+        self.strikers.get_mut(..usize::from(self.sounding_strikers)).unwrap_or(&mut [])
     }
 
     /// The object's bank and the strikers' banks.
     pub fn banks(&self) -> impl Iterator<Item = &Bank> {
-        core::iter::once(&self.object).chain(self.strikers().iter().map(|striker| &striker.bank))
+        core::iter::once(&self.object).chain(self.sounding().iter().map(|striker| &striker.bank))
     }
 
     /// The same to be changed.
     pub fn banks_mut(&mut self) -> impl Iterator<Item = &mut Bank> {
-        let strikers = self.strikers.iter_mut().take(usize::from(self.striker_count));
+        let strikers = self.strikers.iter_mut().take(usize::from(self.sounding_strikers));
         core::iter::once(&mut self.object).chain(strikers.map(|striker| &mut striker.bank))
     }
 
@@ -176,12 +186,12 @@ impl Pad {
 
     /// Whether any mode rings.
     pub fn is_ringing(&self) -> bool {
-        self.object.is_ringing() || self.strikers().iter().any(|striker| striker.bank.is_ringing())
+        self.object.is_ringing() || self.sounding().iter().any(|striker| striker.bank.is_ringing())
     }
 
     /// Bound of the amplitude that retirement leaves out at present, output units (1.0 = full scale).
     pub fn retired_amplitude(&self) -> f32 {
-        let strikers = self.strikers().iter().map(|striker| striker.bank.retired_amplitude());
+        let strikers = self.sounding().iter().map(|striker| striker.bank.retired_amplitude());
         self.object.retired_amplitude() + strikers.sum::<f32>()
     }
 
@@ -195,7 +205,7 @@ impl Pad {
         rate: SampleRate,
         memory: &mut Memory<'_>,
     ) -> Option<Impact> {
-        let impact = self.strikers().get(usize::from(striker))?.law.impact(velocity)?;
+        let impact = self.strikers.get(usize::from(striker))?.law.impact(velocity)?;
         self.expected += impact.sum();
         self.struck = true;
         self.object.set_position(position, &tables.object_table(), rate, memory);
@@ -209,11 +219,18 @@ impl Pad {
         }
         self.choked = choked;
         self.object.set_choked(choked, &tables.object_table(), rate, memory);
-        for (index, striker) in self.strikers_mut().iter_mut().enumerate() {
+        for (index, striker) in self.sounding_mut().iter_mut().enumerate() {
             if let Some(table) = tables.striker_table(index) {
                 striker.bank.set_choked(choked, &table, rate, memory);
             }
         }
+    }
+
+    /// Whether [`Pad::ring`] goes straight to the stereo bus.
+    pub fn rings_quickly(&self) -> bool {
+        self.panner.half_gains().is_some()
+            && !self.object.mix_shift().is_loud
+            && !self.banks().skip(1).any(Bank::is_ringing)
     }
 
     /// Whether a contact has begun that the banks are not guarded for yet.
@@ -236,21 +253,26 @@ impl Pad {
 
     /// Whether the next tick guards any group, if no more force comes before it.
     pub fn is_guard_due(&self) -> bool {
-        self.object.is_guard_due() || self.strikers().iter().any(|striker| striker.bank.is_guard_due())
+        self.object.is_guard_due() || self.sounding().iter().any(|striker| striker.bank.is_guard_due())
     }
 
     /// The bookkeeping of a tick; gives how many modes retired. `retired_elsewhere` is what other pads leave out, output units.
     pub fn tick(&mut self, memory: &mut Memory<'_>, skip: bool, retired_elsewhere: f32) -> u32 {
         if skip && !self.is_guard_due() {
             self.object.tick(memory, None);
-            self.strikers_mut().iter_mut().for_each(|striker| striker.bank.tick(memory, None));
+            self.sounding_mut().iter_mut().for_each(|striker| striker.bank.tick(memory, None));
             return 0;
         }
+        self.tick_with_guards(memory, skip, retired_elsewhere)
+    }
+
+    #[inline(never)]
+    fn tick_with_guards(&mut self, memory: &mut Memory<'_>, skip: bool, retired_elsewhere: f32) -> u32 {
         let already = retired_elsewhere + self.retired_amplitude();
         // 1.0 on the bus is full scale, so that a bus step is 2^-27 of it.
         let mut retirement = Retirement::new(already, self.panner.loudest() / fixed::ONE_Q27 as f32);
         self.object.tick(memory, skip.then_some(&mut retirement));
-        for striker in self.strikers_mut().iter_mut() {
+        for striker in self.sounding_mut().iter_mut() {
             striker.bank.tick(memory, skip.then_some(&mut retirement));
         }
         retirement.retired_modes()
@@ -268,7 +290,7 @@ impl Pad {
         out: &mut [[i32; 2]],
     ) -> (u32, u32) {
         let object = self.object.running_modes(true) * frames as u32;
-        let strikers = self.strikers().iter().map(|striker| striker.bank.running_modes(true)).sum::<u32>();
+        let strikers = self.sounding().iter().map(|striker| striker.bank.running_modes(true)).sum::<u32>();
         match self.panner.half_gains().filter(|_| strikers == 0 && !self.object.mix_shift().is_loud) {
             // The usual case, in one pass: the same bits.
             Some(gains) => {
@@ -284,7 +306,7 @@ impl Pad {
     fn ring_on_bus(&mut self, frames: usize, odd_start: bool, memory: &mut Memory<'_>, out: &mut [[i32; 2]]) {
         let mut sound = [0; TICK_FRAMES];
         let Some(sound) = sound.get_mut(..frames) else { return };
-        for striker in self.strikers_mut() {
+        for striker in self.sounding_mut() {
             striker.bank.render(memory, None, odd_start, true, sound);
         }
         self.object.render(memory, None, odd_start, true, sound);
@@ -311,7 +333,7 @@ impl Pad {
             work.force_frames = frames as u32;
             work.direct_frames = if direct.is_some() { frames as u32 } else { 0 };
         }
-        for (striker, index) in self.strikers_mut().iter_mut().zip(0u8..) {
+        for (striker, index) in self.strikers.iter_mut().take(usize::from(self.striker_count)).zip(0u8..) {
             let direct = direct.take();
             if striker.bank.mode_count() == 0 {
                 direct.into_iter().for_each(|direct| add(total, direct));

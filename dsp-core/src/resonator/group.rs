@@ -4,7 +4,7 @@ use super::bank::half_octaves;
 use super::coefficient::{Form, Orbit};
 use super::headroom::{GROWTH_OF_V, LIMIT, ROUNDING};
 use super::kernel::Plan;
-use super::mode::Mode;
+use super::mode::{Mode, State};
 use crate::fixed;
 
 /// Modes in a full group: two register sets of three (free) or three of two (driven).
@@ -16,6 +16,8 @@ const MAX_EXPONENT: i32 = 31;
 const MIN_EXPONENT: i32 = -24;
 /// Largest interval between two guards of a group that rings freely: 21 ms at 48 kHz.
 const MAX_GUARD_TICKS: u32 = 32;
+/// What is added to a size that was found: what rounding may add to it, and the 4 that [`Group::size`] may lack.
+const MARGIN: u32 = ROUNDING as u32 + 4;
 /// Below this size at the largest exponent a mode is less than 1/8 of a bus step, which the mix rounds to nothing.
 const SILENCE: u64 = 1 << 27;
 /// Largest exponent of a gain mantissa: from rest, the smallest block exponent then holds a tick of the largest force (2^36 bus steps).
@@ -41,19 +43,10 @@ pub struct Group {
     ringing: bool,
     /// Whether input must be kept out until the next guard.
     refusing: bool,
-    /// Ticks between two guards while nothing drives the group: in that time its fastest mode decays by a quarter of a bit.
+    /// Ticks between two guards while nothing drives the group: in that time its fastest mode decays by half a bit.
     guard_ticks: u8,
-    /// Ticks until the next one.
-    due_ticks: u8,
-}
-
-/// What a guard decided for a group.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Guard {
-    /// The states hold the announced input.
-    Ready,
-    /// No exponent holds the announced input: it must be kept out.
-    Refused,
+    /// The bank's clock (ticks without input, modulo 256) at the next one.
+    due_at: u8,
 }
 
 impl Group {
@@ -68,7 +61,7 @@ impl Group {
         ringing: false,
         refusing: false,
         guard_ticks: 0,
-        due_ticks: 0,
+        due_at: 0,
     };
 
     pub(super) fn new(form: Form, mirrored: bool, count: u8) -> Self {
@@ -192,29 +185,29 @@ impl Group {
         self.exponent -= bits;
     }
 
-    /// The largest size of the modes' states; at most 2^31, as [`super::headroom`] proves.
+    /// The largest size of the modes' states, less at most 4; at most 2^31, as [`super::headroom`] proves.
+    #[inline(always)]
     fn size(&self, modes: &[Mode]) -> u32 {
         let shift = self.form().shift();
-        modes.iter().fold(0, |size, mode| {
-            debug_assert!(u64::from(mode.state.u.unsigned_abs()) << shift <= 1 << 31, "headroom: u << {shift}");
-            size.max(mode.state.u.unsigned_abs() << shift).max(mode.state.v.unsigned_abs())
-        })
+        let (largest_u, largest_v) = largest(modes);
+        debug_assert!(u64::from(largest_u) << shift <= 1 << 31, "headroom: u << {shift}");
+        largest_u.wrapping_shl(shift).max(largest_v)
     }
 
     /// Shifts the states so that nothing can wrap while the sum of |force| stays within `allowance` (bus steps), and so that they
-    /// use all the room that leaves. The force will come shifted left by `force_shift` bits. See [`super::headroom`]. About 12 cycles a
-    /// mode on a Cortex-M4.
-    pub(super) fn guard(&mut self, modes: &mut [Mode], allowance: u64, force_shift: u32) -> Guard {
-        self.due_ticks = self.guard_ticks;
+    /// use all the room that leaves; where no exponent holds the input, it is refused. The force will come shifted left by `force_shift` bits.
+    /// See [`super::headroom`].
+    #[inline(never)]
+    pub(super) fn guard(&mut self, modes: &mut [Mode], allowance: u64, force_shift: u32) {
+        self.refusing = false;
         // At rest there is nothing to look at, and nothing to shift.
         let modes = if self.ringing { modes } else { &mut [] };
         let mut size = self.size(modes);
-        if size == 0 {
+        if size == 0 && modes.iter().all(|mode| mode.state == State::default()) {
             if allowance == 0 || self.gain_peak == 0 {
                 self.ringing = false;
-                self.refusing = false;
                 self.bound = 0;
-                return Guard::Ready;
+                return;
             }
             // Nothing rings: start from the finest exponent that the gains allow, so that small inputs keep all their bits.
             self.exponent = self.largest_exponent(Some(force_shift)) as i8;
@@ -226,33 +219,25 @@ impl Group {
                 None => size = self.lowered(modes),
             }
         };
-        let size = u64::from(size);
-        let decided = self.normalise(modes, size, input, (allowance > 0).then_some(force_shift));
-        self.refusing = decided == Guard::Refused;
-        if self.refusing {
+        if !self.normalise(modes, size, input, (allowance > 0).then_some(force_shift)) {
+            self.refusing = true;
             self.normalise(modes, size, 0, None);
         }
         self.ringing = true;
         if allowance == 0 && self.exponent() == MAX_EXPONENT && u64::from(self.bound) < SILENCE {
             self.silence(modes);
         }
-        decided
     }
 
     /// Shifts the states up as far as they have decayed: what a guard without input is, at a third of its cost. Gives the largest |v|, in
-    /// states of the exponent before.
+    /// states of the exponent before, less at most 1.
+    #[inline(always)]
     pub(super) fn follow(&mut self, modes: &mut [Mode]) -> u32 {
-        self.due_ticks = self.guard_ticks;
-        let shift = self.form().shift();
-        let (mut size, mut largest_v) = (0, 0);
-        for mode in modes.iter() {
-            size = mode.state.u.unsigned_abs().wrapping_shl(shift).max(size);
-            largest_v = mode.state.v.unsigned_abs().max(largest_v);
-        }
+        let (largest_u, largest_v) = largest(modes);
         // At most 2^31 each, as `size` says. A total below 2^29 is what a guard aims at.
-        let total = size.max(largest_v).saturating_add(ROUNDING as u32);
+        let total = largest_u.wrapping_shl(self.form().shift()).max(largest_v).saturating_add(MARGIN);
         let up = total.leading_zeros() as i32 - 3;
-        if up < 0 || self.exponent() + up >= MAX_EXPONENT || total == ROUNDING as u32 {
+        if up < 0 || self.exponent() + up >= MAX_EXPONENT || total == MARGIN {
             self.guard(modes, 0, 0);
             return largest_v;
         }
@@ -274,27 +259,41 @@ impl Group {
         self.bound = 0;
     }
 
-    fn normalise(&mut self, modes: &mut [Mode], size: u64, input: u64, force_shift: Option<u32>) -> Guard {
-        let total = size.saturating_add(input).saturating_add(ROUNDING);
+    /// Whether there is an exponent that holds states of this size and input; then the states have it.
+    #[inline(always)]
+    fn normalise(&mut self, modes: &mut [Mode], size: u32, input: u64, force_shift: Option<u32>) -> bool {
+        let total = u64::from(size).saturating_add(input).saturating_add(u64::from(MARGIN));
         // total < 2^bits, and shifting to 29 bits puts it into [LIMIT/2, LIMIT).
-        let bits = 64 - total.leading_zeros() as i32;
+        let bits = match u32::try_from(total) {
+            Ok(total) => 32 - total.leading_zeros() as i32,
+            Err(_) => 64 - total.leading_zeros() as i32,
+        };
         let wanted = self.exponent() + 29 - bits;
         // Room that was made below the smallest exponent stays.
         let smallest = MIN_EXPONENT.min(self.exponent());
         let exponent = wanted.min(self.largest_exponent(force_shift)).max(smallest);
         let shift = exponent - self.exponent();
-        let bound = if shift >= 0 { total << shift.min(34) } else { (total >> (-shift).min(63)) + 1 };
-        if bound > LIMIT && input > 0 {
-            return Guard::Refused;
+        let bound = match u32::try_from(total) {
+            // Shifted up it stays below LIMIT.
+            Ok(total) if shift >= 0 && bits + shift <= 32 => total << shift,
+            Ok(total) if shift < 0 => (total >> (-shift).min(31)) + 1,
+            _ => wide_bound(total, shift),
+        };
+        if u64::from(bound) > LIMIT && input > 0 {
+            return false;
         }
         match shift {
             0 => {}
             1.. => each_state(modes, |x| x.wrapping_shl(shift as u32)), // the bound says that this loses nothing
-            _ => each_state(modes, |x| fixed::rounding_shift_right(x, -shift as u32)),
+            -31..0 => {
+                let (shift, half) = (-shift as u32, -shift as u32 - 1);
+                each_state(modes, |x| x.wrapping_shr(shift) + (x.wrapping_shr(half) & 1));
+            }
+            _ => each_state(modes, |_| 0),
         }
         self.exponent = exponent as i8;
-        self.bound = bound.min(u64::from(u32::MAX)) as u32;
-        Guard::Ready
+        self.bound = bound;
+        true
     }
 
     /// Gains become multipliers of 2^(gain_exponent + 1 + exponent - force_shift), which must not exceed 1.
@@ -315,7 +314,9 @@ impl Group {
         let shift = i32::from(self.gain_exponent) + self.exponent() - 23;
         match shift {
             ..=-64 => Some(1),
-            -63..0 => Some((product >> -shift) + 1),
+            // The same of the high word, at a third of the cost.
+            -63..=-32 => Some(u64::from(((product >> 32) as u32 >> (-shift - 32)) + 1)),
+            -31..0 => Some((product >> -shift) + 1),
             _ => (product.leading_zeros() as i32 > shift + 1).then(|| product << shift),
         }
     }
@@ -332,21 +333,30 @@ impl Group {
 
     /// Derives from its poles how often it needs a guard while nothing drives it. After load, choke and release.
     pub(super) fn schedule_guards(&mut self, modes: &[Mode]) {
-        // A quarter of a bit: 32 samples of -log2(1 - δ)/2 bits each, δ in Q32, to first order.
-        const QUARTER_BIT: u32 = 46_500_000;
+        // Half a bit: 32 samples of -log2(1 - δ)/2 bits each, δ in Q32, to first order.
+        const HALF_BIT: u32 = 93_000_000;
         let fastest = modes.iter().fold(0, |fastest, mode| mode.coefficients.delta.max(fastest));
-        self.guard_ticks = (QUARTER_BIT / fastest.unsigned_abs().max(1)).clamp(1, MAX_GUARD_TICKS) as u8;
+        self.guard_ticks = (HALF_BIT / fastest.unsigned_abs().max(1)).clamp(1, MAX_GUARD_TICKS) as u8;
     }
 
-    /// Counts ticks without input; says whether a guard is due, or nearly: groups that are guarded together cost less.
-    pub(super) fn is_due(&mut self, ticks: u8) -> bool {
-        self.due_ticks = self.due_ticks.saturating_sub(ticks);
-        self.due_ticks <= self.guard_ticks / 4
+    /// Guards that it needs in 32 ticks without input, rounded up.
+    pub(super) fn guards_in_32_ticks(&self) -> u32 {
+        MAX_GUARD_TICKS.div_ceil(u32::from(self.guard_ticks.max(1)))
     }
 
-    /// Ticks until the next guard without input.
-    pub(super) fn due_ticks(&self) -> u8 {
-        self.due_ticks
+    /// Sets the multiplier that brings its states to a mix of this exponent, after the group's guard.
+    pub(super) fn scale_mix(&mut self, mix_exponent: i32) {
+        self.plan.set_mix_scale(mix_scale(self.exponent() + mix_exponent));
+    }
+
+    /// Sets the time of its next guard after one for no input, or, where that may still come, at once when it ends.
+    pub(super) fn schedule(&mut self, clock: u8, has_input: bool) {
+        self.due_at = clock.wrapping_add(if has_input { 0 } else { self.guard_ticks });
+    }
+
+    /// Ticks until the next guard without input; below 0 where it is late.
+    pub(super) fn due_ticks(&self, clock: u8) -> i8 {
+        self.due_at.wrapping_sub(clock) as i8
     }
 
     /// Bound of the sum of the group's modes in bus steps, rounded up, saturating.
@@ -391,11 +401,28 @@ impl Group {
     }
 }
 
+/// A bound beyond 32 bits, or at the end of the exponents.
+#[cold]
+fn wide_bound(total: u64, shift: i32) -> u32 {
+    let bound = if shift >= 0 { total << shift.min(34) } else { (total >> (-shift).min(63)) + 1 };
+    u32::try_from(bound).unwrap_or(u32::MAX)
+}
+
 /// `max(|u| · 2^k, |v|)`: the size of a state or an injection.
 fn size_of(form: Form, u: i32, v: i32) -> u64 {
     (u64::from(u.unsigned_abs()) << form.shift()).max(u64::from(v.unsigned_abs()))
 }
 
+/// The largest |u| and the largest |v|, where negative ones count one less: an operation less each.
+#[inline(always)]
+fn largest(modes: &[Mode]) -> (u32, u32) {
+    modes.iter().fold((0, 0), |(u, v), mode| {
+        let magnitude = |x: i32| (x ^ (x >> 31)) as u32;
+        (magnitude(mode.state.u).max(u), magnitude(mode.state.v).max(v))
+    })
+}
+
+#[inline(always)]
 fn each_state(modes: &mut [Mode], shifted: impl Fn(i32) -> i32) {
     for mode in modes {
         mode.state.u = shifted(mode.state.u);

@@ -37,6 +37,8 @@ impl Retirement {
     }
 
     /// Retires a group if the rule allows.
+    #[cold]
+    #[inline(never)]
     pub(super) fn consider(&mut self, group: &mut Group, modes: &mut [Mode], retired: &mut Retired) {
         if !group.ringing() || self.room <= 0.0 {
             return;

@@ -2,6 +2,7 @@
 
 mod bank;
 mod engine;
+pub mod budget_scenes;
 pub mod scenes;
 
 pub use bank::BankOnChip;

@@ -147,7 +147,7 @@ impl Work {
         self.shed_groups += u64::from(report.shed.groups);
         self.shed_modes += u64::from(report.shed.modes);
         self.largest_shed_amplitude = self.largest_shed_amplitude.max(report.shed.amplitude);
-        self.largest_predicted_cycles = self.largest_predicted_cycles.max(report.predicted_cycles);
+        self.largest_predicted_cycles = self.largest_predicted_cycles.max(report.predicted_cycles());
     }
 }
 

@@ -3,14 +3,15 @@
 //! | when | what |
 //! | --- | --- |
 //! | a contact begins | all groups are guarded for the whole of it |
-//! | a tick after other input, if what is left of the allowance is less than twice that input, or 32 times more | all ringing groups are guarded for four times that input |
-//! | the first tick after a tick without, or the second after a contact | all ringing groups are guarded for none |
-//! | later | each group when its fastest mode has decayed by a quarter of a bit, at the latest after 32 ticks |
+//! | a tick after other input, if what is left of the allowance is less than twice that input, or 32 times more | all ringing groups are guarded for eight times that input |
+//! | the first tick after a tick without, or the second after a contact | all ringing groups fall due |
+//! | then | each group when its fastest mode has decayed by half a bit, at the latest after 32 ticks |
 //!
 //! A free orbit never outgrows its guard ([`super::super::headroom`]), so that guards without input serve precision and retirement
-//! alone: an exponent that lags by a quarter of a bit costs nothing that can be measured.
+//! alone: an exponent that lags by half a bit costs nothing that can be measured. So they are spread over ticks: no tick guards
+//! more groups than [`Bank::guards_per_tick`], about two more than fall due in it on average.
 
-use super::super::group::{Group, Guard};
+use super::super::group::Group;
 use super::super::retirement::Retirement;
 use super::{Bank, Memory, MixShift, for_each_group};
 
@@ -24,26 +25,28 @@ impl Bank {
     pub fn tick(&mut self, memory: &mut Memory<'_>, retirement: Option<&mut Retirement>) {
         self.retired.decay();
         // What comes is expected to be at most twice what came; if it is more, `render` guards again.
-        let expected = self.spent.saturating_mul(2);
-        self.spent = 0;
+        let expected = core::mem::take(&mut self.spent).saturating_mul(2);
         if self.ringing_modes == 0 {
             self.allowance = 0;
-        } else if expected > 0 {
+            return;
+        }
+        if expected > 0 {
             if !self.is_covered && !self.allows(expected) {
-                self.guard(memory, (2 * expected).min(MAX_ALLOWANCE), false);
+                self.guard(memory, (4 * expected).min(MAX_ALLOWANCE), false);
             }
-        } else if self.is_covered {
+            return;
+        }
+        if self.is_covered {
             // A contact may begin with zeros: one tick without force is not its end.
             self.is_covered = false;
-        } else if self.allowance > 0 {
-            // The force is over.
-            (self.allowance, self.force_shift) = (0, 0);
-            self.guard_due(memory, retirement, true);
-        } else {
-            self.passed_ticks += 1;
-            if self.passed_ticks >= self.due_ticks {
-                self.guard_due(memory, retirement, false);
-            }
+            return;
+        }
+        // Room that was kept for a loud input costs the mix its last bits: it is given back at once.
+        let all = core::mem::take(&mut self.allowance) > 0 && self.mix_shift.bits > 0;
+        self.clock = self.clock.wrapping_add(1);
+        self.due_ticks = self.due_ticks.saturating_sub(1);
+        if self.due_ticks == 0 {
+            self.guard_due(memory, retirement, if all { u8::MAX } else { self.guards_per_tick });
         }
     }
 
@@ -64,19 +67,22 @@ impl Bank {
     pub fn is_guard_due(&self) -> bool {
         self.ringing_modes > 0
             && match (self.spent, self.allowance) {
-                (0, 0) => self.passed_ticks + 1 >= self.due_ticks,
+                (0, 0) => self.due_ticks <= 1,
                 (0, _) => !self.is_covered,
                 (spent, _) => !self.is_covered && !self.allows(spent.saturating_mul(2)),
             }
     }
 
     /// Guards all groups for an allowance of |force|. `all` includes groups at rest.
+    #[inline(never)]
     pub(super) fn guard(&mut self, memory: &mut Memory<'_>, allowance: u64, all: bool) {
         // No single force can exceed the allowance for their sum.
         let force_shift = allowance.leading_zeros().saturating_sub(33);
+        let clock = self.clock;
         for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
             if group.ringing() || all && !group.is_shed() {
-                let _: Guard = group.guard(modes, allowance, force_shift);
+                group.guard(modes, allowance, force_shift);
+                group.schedule(clock, allowance > 0);
             }
         });
         self.force_shift = force_shift as u8; // at most 31
@@ -84,40 +90,64 @@ impl Bank {
         self.prepare(memory);
     }
 
-    /// Guards the groups whose time has come, or all that ring, for no input.
-    fn guard_due(&mut self, memory: &mut Memory<'_>, mut retirement: Option<&mut Retirement>, all: bool) {
-        let passed = self.passed_ticks;
+    /// Guards groups whose time has come, at most so many.
+    #[inline(never)]
+    fn guard_due(&mut self, memory: &mut Memory<'_>, mut retirement: Option<&mut Retirement>, at_most: u8) {
+        let (clock, mix) = (self.clock, self.mix_shift);
+        let (mut left, mut due_ticks) = (at_most, i8::MAX);
+        // While the sum of the groups' bounds leaves room, what one of them decides does not concern the others.
+        let mut is_settled = mix.bits == 0 && !mix.is_loud;
         let retired = &mut self.retired;
         for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
-            if !group.ringing() || !(group.is_due(passed) || all) {
+            if !group.ringing() {
                 return;
             }
-            let unit = group.unit();
-            let largest_v = group.follow(modes) as f32 * unit;
-            if let Some(retirement) = retirement.as_mut().filter(|retirement| retirement.is_below(largest_v)) {
-                retirement.consider(group, modes, retired);
+            if group.due_ticks(clock) <= 0 && left > 0 {
+                left -= 1;
+                let (exponent, unit) = (group.exponent(), group.unit());
+                let largest_v = group.follow(modes) as f32 * unit;
+                if let Some(retirement) = retirement.as_mut().filter(|retirement| retirement.is_below(largest_v)) {
+                    retirement.consider(group, modes, retired);
+                }
+                // A bound of a free orbit holds for ever: only one that was found anew, or none, changes the sum.
+                is_settled &= group.ringing() && group.exponent() >= exponent;
+                group.scale_mix(0);
+                group.schedule(clock, false);
             }
+            due_ticks = due_ticks.min(group.due_ticks(clock));
         });
-        self.prepare(memory);
+        self.due_ticks = due_ticks.max(0) as u8;
+        if !is_settled {
+            self.prepare(memory);
+        }
+    }
+
+    /// Derives how many groups a tick may guard, from how often each needs it. After load, choke and release.
+    pub(super) fn count_guards(&mut self, memory: &Memory<'_>) {
+        let groups = memory.groups.get(self.groups.range()).unwrap_or(&[]);
+        let rate: u32 = groups.iter().map(Group::guards_in_32_ticks).sum();
+        // What falls due on average, one sixteenth of all, so that none is late by more than 16 ticks, and one.
+        self.guards_per_tick = ((rate + 2 * groups.len() as u32) / 32 + 1).min(u32::from(u8::MAX)) as u8;
     }
 
     /// Finds the mix exponent for the groups' bounds and brings their plans up to date.
+    #[inline(never)]
     pub(super) fn prepare(&mut self, memory: &mut Memory<'_>) {
         let groups = memory.groups.get_mut(self.groups.range()).unwrap_or(&mut []);
-        let (mut sum, mut mix_exponent, mut ringing_modes, mut refusing, mut due_ticks) = (0u64, 0, 0, 0, u8::MAX);
+        let (mut sum, mut mix_exponent, mut ringing_modes, mut refusing, mut due_ticks) = (0u64, 0, 0, 0, i8::MAX);
         for group in groups.iter().filter(|group| group.ringing()) {
             sum = sum.saturating_add(group.mix_bound());
             mix_exponent = mix_exponent.max(group.smallest_mix_exponent());
             ringing_modes += group.count();
             refusing += u16::from(group.refusing());
-            due_ticks = due_ticks.min(group.due_ticks());
+            due_ticks = due_ticks.min(group.due_ticks(self.clock));
         }
         // sum < 2^bits: shifted right by bits - 31 it stays below 2^31.
         let bits = 64 - sum.leading_zeros() as i32;
         let mix_exponent = mix_exponent.max(bits - 31).max(0);
         self.mix_shift = MixShift { bits: mix_exponent as u8, is_loud: bits > 30 }; // at most 33 bits
         (self.ringing_modes, self.refusing) = (ringing_modes as u16, refusing);
-        (self.due_ticks, self.passed_ticks) = (due_ticks, 0);
+        self.due_ticks = due_ticks.max(0) as u8;
         let force_shift = u32::from(self.force_shift);
         groups.iter_mut().for_each(|group: &mut Group| group.prepare(mix_exponent, force_shift));
     }

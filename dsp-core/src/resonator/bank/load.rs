@@ -72,6 +72,7 @@ impl Bank {
             group_end += 1;
         }
         bank.groups = Span::new(used.groups..group_end).ok_or(BankError::TooManyGroups)?;
+        bank.count_guards(memory);
         bank.onset = onset(cosine_sum, table, rate);
         if table.choke_t60_s > 0.0 {
             bank.choke_delta = delta_of_t60(table.choke_t60_s, rate);

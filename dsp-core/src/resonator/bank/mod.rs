@@ -165,9 +165,12 @@ pub struct Bank {
     /// Groups that refused the input they were last guarded for.
     refusing: u16,
     ringing_modes: u16,
-    /// Ticks without input until some group's next guard, and how many of them have passed.
+    /// Ticks without input, modulo 256: what groups are due by.
+    clock: u8,
+    /// Such ticks until some group's next guard.
     due_ticks: u8,
-    passed_ticks: u8,
+    /// Most groups that a tick without input guards.
+    guards_per_tick: u8,
     retired: Retired,
 }
 
@@ -190,8 +193,9 @@ impl Bank {
         mix_shift: MixShift { bits: 0, is_loud: false },
         refusing: 0,
         ringing_modes: 0,
+        clock: 0,
         due_ticks: 0,
-        passed_ticks: 0,
+        guards_per_tick: 0,
         retired: Retired::NOTHING,
     };
 
@@ -244,6 +248,7 @@ impl Bank {
             }
             group.schedule_guards(modes);
         });
+        self.count_guards(memory);
         self.derive_gains(table, rate, memory);
         self.guard(memory, 0, false);
     }

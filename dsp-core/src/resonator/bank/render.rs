@@ -15,12 +15,10 @@ impl Bank {
     /// Costs 5.4 cycles a ringing mode and sample on a Cortex-M4F, and 250 a call, twice if it has modes above fs/4
     /// (nominal, `cargo bench -p host-tests --bench run_time_vs_error`).
     pub fn ring(&mut self, memory: &mut Memory<'_>, run: kernel::Run, odd_start: bool, mix: &mut Backward) -> MixShift {
-        let Some([plain, mirrored]) = self.sides(memory) else { return MixShift::default() };
-        if !mirrored.0.is_empty() {
-            kernel::free(mirrored.0, mirrored.1, kernel::Run { add: false, ..run }, mix);
-            alternate(mix, odd_start);
+        let add = self.has_mirrored() && self.ring_mirrored(memory, run, odd_start, mix);
+        if let Some((groups, modes)) = self.plain(memory) {
+            kernel::free(groups, modes, kernel::Run { add, ..run }, mix);
         }
-        kernel::free(plain.0, plain.1, kernel::Run { add: !mirrored.0.is_empty(), ..run }, mix);
         self.mix_shift
     }
 
@@ -37,13 +35,31 @@ impl Bank {
     ) {
         // One more for the halves.
         let shift = u32::from(self.mix_shift.bits) + 1;
-        let Some([plain, mirrored]) = self.sides(memory) else { return };
-        if !mirrored.0.is_empty() {
-            kernel::free(mirrored.0, mirrored.1, kernel::Run { add: false, ..run }, mix);
-            alternate(mix, odd_start);
+        let add = self.has_mirrored() && self.ring_mirrored(memory, run, odd_start, mix);
+        if let Some((groups, modes)) = self.plain(memory) {
+            kernel::free_stereo(groups, modes, kernel::Run { add, ..run }, mix, Stereo { out, left, right, shift });
         }
-        let run = kernel::Run { add: !mirrored.0.is_empty(), ..run };
-        kernel::free_stereo(plain.0, plain.1, run, mix, Stereo { out, left, right, shift });
+    }
+
+    /// Whether any groups are mirrored.
+    #[inline(always)]
+    fn has_mirrored(&self) -> bool {
+        self.groups.start + self.plain_groups < self.groups.end
+    }
+
+    /// The sound of the mirrored modes; whether there are any.
+    #[inline(never)]
+    fn ring_mirrored(
+        &mut self,
+        memory: &mut Memory<'_>,
+        run: kernel::Run,
+        odd_start: bool,
+        mix: &mut Backward,
+    ) -> bool {
+        let Some((groups, modes)) = self.mirrored(memory) else { return false };
+        kernel::free(groups, modes, kernel::Run { add: false, ..run }, mix);
+        alternate(mix, odd_start);
+        true
     }
 
     /// How the bank's mix becomes bus samples until the next guard.
@@ -110,29 +126,37 @@ impl Bank {
     fn drive(&mut self, memory: &mut Memory<'_>, force: &[i32], odd_start: bool, skip: bool, out: &mut [i32]) {
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
         let (force_shift, shift) = (u32::from(self.force_shift), self.mix_shift);
-        let Some([plain, mirrored]) = self.sides(memory) else { return };
         let (mut mix, mut shifted): (Backward, Backward) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
         // Within the allowance |x| << force_shift stays below 2^31.
         for (shifted, &x) in shifted.iter_mut().rev().zip(force) {
             *shifted = x.wrapping_shl(force_shift);
         }
-        if !mirrored.0.is_empty() {
+        let mut add = false;
+        if let Some((groups, modes)) = self.mirrored(memory) {
             alternate(&mut shifted, odd_start);
-            kernel::driven(mirrored.0, mirrored.1, run, &shifted, &mut mix);
+            kernel::driven(groups, modes, run, &shifted, &mut mix);
             alternate(&mut shifted, odd_start);
             alternate(&mut mix, odd_start);
+            add = true;
         }
-        kernel::driven(plain.0, plain.1, kernel::Run { add: !mirrored.0.is_empty(), ..run }, &shifted, &mut mix);
+        if let Some((groups, modes)) = self.plain(memory) {
+            kernel::driven(groups, modes, kernel::Run { add, ..run }, &shifted, &mut mix);
+        }
         self.add_to_bus(&mix, shift, Some(force), out);
     }
 
-    /// Groups and modes of the plain and of the mirrored side.
-    fn sides<'m>(&self, memory: &'m mut Memory<'_>) -> Option<[(&'m [Group], &'m mut [Mode]); 2]> {
-        let modes = memory.modes.get_mut(self.modes.range())?;
-        let groups = memory.groups.get(self.groups.range())?;
-        let (plain, mirrored) = modes.split_at_mut_checked(usize::from(self.plain_modes))?;
-        let (plain_groups, mirrored_groups) = groups.split_at_checked(usize::from(self.plain_groups))?;
-        Some([(plain_groups, plain), (mirrored_groups, mirrored)])
+    /// Groups of the plain side, and all modes from theirs on.
+    fn plain<'m>(&self, memory: &'m mut Memory<'_>) -> Option<(&'m [Group], &'m mut [Mode])> {
+        let modes = memory.modes.get_mut(usize::from(self.modes.start)..)?;
+        let start = usize::from(self.groups.start);
+        Some((memory.groups.get(start..start + usize::from(self.plain_groups))?, modes))
+    }
+
+    /// Groups of the mirrored side, and all modes from theirs on; `None` where there are none.
+    fn mirrored<'m>(&self, memory: &'m mut Memory<'_>) -> Option<(&'m [Group], &'m mut [Mode])> {
+        let start = usize::from(self.groups.start + self.plain_groups);
+        let groups = memory.groups.get(start..usize::from(self.groups.end)).filter(|groups| !groups.is_empty())?;
+        Some((groups, memory.modes.get_mut(usize::from(self.modes.start + self.plain_modes)..)?))
     }
 
     /// Brings the mix to the bus. Modes and onset cancel where the force rises, so that only their sum may saturate.

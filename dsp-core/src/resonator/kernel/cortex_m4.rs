@@ -4,7 +4,7 @@
 use core::mem::offset_of;
 
 use super::super::TICK_FRAMES;
-use super::super::group::Group;
+use super::super::group::{GROUP_MODES, Group};
 use super::super::mode::Mode;
 use super::{Backward, Plan, Run, Stereo};
 
@@ -100,7 +100,13 @@ fn render(
     unsafe { kernel(&call) }
 }
 
-/// The banks of this crate see to it; here it is what makes the call sound, at four cycles a group.
+/// The banks of this crate see to it; here it is what makes the call sound. Where many modes lie behind the groups' own there is nothing to add up.
 fn modes_suffice(groups: &[Group], modes: &[Mode]) -> bool {
-    groups.iter().map(Group::count).sum::<usize>() <= modes.len()
+    groups.len() * GROUP_MODES <= modes.len() || counted_modes(groups) <= modes.len()
+}
+
+#[cold]
+#[inline(never)]
+fn counted_modes(groups: &[Group]) -> usize {
+    groups.iter().map(Group::count).sum()
 }

@@ -26,8 +26,9 @@ impl Plan {
     /// No modes.
     pub const EMPTY: Self = Self { free_kind: 0, driven_kind: 0, gain_shift: 0, count: 0, mix_scale: 0 };
 
-    /// `count` modes of a form, at rest, gains without phase.
+    /// `count` modes of a form, at most [`GROUP_MODES`], at rest, gains without phase.
     pub fn new(form: Form, count: u8) -> Self {
+        let count = count.min(GROUP_MODES as u8);
         let full = if usize::from(count) == GROUP_MODES { 0 } else { NOT_FULL };
         let kind = form as u8 | full;
         Self { free_kind: kind, driven_kind: kind, count, ..Self::EMPTY }
@@ -45,6 +46,11 @@ impl Plan {
         self.free_kind = self.free_kind & !RINGING | ringing;
         self.driven_kind = self.driven_kind & !RINGING | ringing;
         self.gain_shift = gain_shift.min(31) as u8;
+        self.mix_scale = mix_scale;
+    }
+
+    /// Sets the Q32 multiplier that brings the group's states to the mix, 0 to 2^30.
+    pub fn set_mix_scale(&mut self, mix_scale: i32) {
         self.mix_scale = mix_scale;
     }
 

@@ -12,7 +12,7 @@ use crate::fixed;
 /// Modes that ring on without input, `step; mix`: writes, or adds, the sum of their sound; a mix that is written is 0
 /// beyond the run's frames.
 ///
-/// `modes` are those of all `groups`, one group behind the other.
+/// `modes` begins with those of all `groups`, one group behind the other.
 pub fn free(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward) {
     each(groups, modes, run, mix, |plan, mode, mix| match plan.form() {
         Form::Coupled => ring(mode, step_coupled, plan, mix),

@@ -84,7 +84,7 @@ pub unsafe extern "C" fn engine_render(block: *const Block) -> i32 {
     told.decision_count = 0;
     let Told { report, decision_count, decisions } = told;
     let keep = |tick: &TickReport| {
-        *report = [tick.predicted_cycles, tick.shed.groups, tick.shed.modes, tick.shed.amplitude.to_bits()];
+        *report = [tick.predicted_cycles(), tick.shed.groups, tick.shed.modes, tick.shed.amplitude.to_bits()];
     };
     let log = |event: &Event| {
         if let Some(place) = decisions.get_mut(*decision_count) {

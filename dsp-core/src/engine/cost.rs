@@ -1,0 +1,93 @@
+//! What the parts of a tick cost.
+
+/// What a tick is made of, as far as it costs time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(usize)]
+pub enum Part {
+    /// A tick.
+    Tick,
+    /// A pad, sounding or not, at a tick's beginning.
+    Pad,
+    /// A register group whose bank is guarded at a tick's beginning.
+    DueGroup,
+    /// A run of frames between ticks and events.
+    Run,
+    /// A frame of such a run.
+    Frame,
+    /// A pad that rings freely, in a run: straight to the stereo bus.
+    RingingPad,
+    /// The same, over the bus: loud, or with a striker's bank that rings.
+    BusPad,
+    /// A frame of it.
+    BusFrame,
+    /// A bank, beside the object's, that rings or is driven.
+    StrikerBank,
+    /// A pad under a force, in a run.
+    DrivenPad,
+    /// A frame of it.
+    DrivenFrame,
+    /// A frame of a contact.
+    ContactFrame,
+    /// A pad under a force that nobody hears.
+    UnheardPad,
+    /// A register group at rest that is guarded for a contact.
+    GuardedGroup,
+    /// The same of a group that rings.
+    GuardedRingingGroup,
+    /// A strike.
+    Strike,
+    /// A mode that is choked or released.
+    ChokedMode,
+    /// A survey of all groups, to leave some out.
+    Survey,
+    /// A group of it.
+    SurveyedGroup,
+    /// A group whose cost is looked up.
+    PredictedGroup,
+    /// A cycle of the kernels.
+    KernelCycle,
+}
+
+/// Number of [`Part`]s.
+pub const PARTS: usize = Part::KernelCycle as usize + 1;
+
+/// Cycles of each [`Part`], nominal, without flash waits. Fitted to the virtual core by `cargo bench -p host-tests --bench budget_costs`, which
+/// prints this table.
+pub const CYCLES: [u32; PARTS] = [500, 160, 430, 250, 22, 600, 1200, 30, 800, 1200, 85, 58, 300, 450, 600, 900, 600, 2500, 270, 40, 1];
+
+/// How much of each part a tick has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counts([u32; PARTS]);
+
+impl Counts {
+    /// Nothing.
+    pub const NONE: Self = Self([0; PARTS]);
+
+    /// Adds parts.
+    pub(super) fn add(&mut self, part: Part, count: u32) {
+        if let Some(counted) = self.0.get_mut(part as usize) {
+            *counted += count;
+        }
+    }
+
+    /// How many of a part.
+    pub fn of(&self, part: Part) -> u32 {
+        self.0.get(part as usize).copied().unwrap_or(0)
+    }
+
+    /// All counts, in the order of [`Part`].
+    pub fn all(&self) -> &[u32; PARTS] {
+        &self.0
+    }
+
+    /// What they cost together.
+    pub fn cycles(&self) -> u32 {
+        self.0.iter().zip(CYCLES).map(|(&count, cycles)| count * cycles).sum()
+    }
+}
+
+impl core::ops::AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        self.0.iter_mut().zip(other.0).for_each(|(sum, more)| *sum += more);
+    }
+}

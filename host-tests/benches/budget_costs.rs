@@ -1,0 +1,77 @@
+//! Fits the budget's constants: plays scenes on the virtual core and, for the counts, on the PC, and prints the cycles of each part that fit
+//! the modelled cost best (non-negative least squares, each tick weighed by its own cost).
+
+use std::error::Error;
+
+use dsp_core::SampleRate;
+use dsp_core::engine::{CYCLES, Counts, Direct, PARTS, Part, Skipping};
+use dsp_core::event::Event;
+use dsp_core::resonator::TICK_FRAMES;
+use dsp_core::table::Kit;
+use host_tests::on_chip::EngineOnChip;
+use host_tests::on_chip::budget_scenes::{BudgetScene, all};
+use host_tests::scene::TestEngine;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut rows = Vec::new();
+    for scene in all() {
+        rows.extend(play(&scene)?);
+        eprintln!("{}: {} ticks in all", scene.name, rows.len());
+    }
+    let fitted = fit(&rows);
+    let cycles: Vec<String> = fitted.iter().map(|cycles| format!("{cycles:.0}")).collect();
+    println!("[{}]", cycles.join(", "));
+    for (index, (old, new)) in CYCLES.iter().zip(&fitted).enumerate() {
+        let counted: u64 = rows.iter().map(|(counts, _)| u64::from(counts.all()[index])).sum();
+        println!("{index}: {old} -> {new:.1} ({counted} counted)");
+    }
+    Ok(())
+}
+
+/// Counts and modelled cycles of each tick.
+fn play(scene: &BudgetScene) -> Result<Vec<(Counts, f64)>, Box<dyn Error>> {
+    let mut chip = EngineOnChip::new()?;
+    chip.load(&scene.kit, SampleRate::HZ_48000)?;
+    chip.set_budget(scene.budget)?;
+    let kit = Kit::parse(&scene.kit).map_err(|error| error.to_string())?;
+    let mut pc = Box::new(TestEngine::new());
+    pc.load(&kit, SampleRate::HZ_48000, Skipping::On)?;
+    pc.set_budget(Some(scene.budget));
+    let mut rows = Vec::new();
+    for tick in 0..scene.ticks {
+        let (events, force) = scene.tick(tick);
+        let direct = force.map(|force| Direct { pad: 0, force });
+        let (_, call) = chip.render(&events, direct, TICK_FRAMES)?;
+        let mut counts = Counts::NONE;
+        let mut out = [[0; 2]; TICK_FRAMES];
+        let events: &[Event] = &events;
+        pc.render_observed(events, direct, &mut out, |report| counts = report.counts)?;
+        rows.push((counts, call.cost.nominal as f64));
+    }
+    Ok(rows)
+}
+
+fn fit(rows: &[(Counts, f64)]) -> [f64; PARTS] {
+    let mut cycles = CYCLES.map(f64::from);
+    for _ in 0..4000 {
+        for part in 0..PARTS {
+            if part == Part::KernelCycle as usize {
+                continue; // a cycle is a cycle
+            }
+            let (mut numerator, mut denominator) = (0.0, 0.0);
+            for (counts, modelled) in rows {
+                let count = f64::from(counts.all()[part]);
+                if count > 0.0 {
+                    let predicted: f64 = counts.all().iter().zip(cycles).map(|(&n, c)| f64::from(n) * c).sum();
+                    let weight = 1.0 / modelled;
+                    numerator += weight * count * (modelled - predicted + count * cycles[part]);
+                    denominator += weight * count * count;
+                }
+            }
+            if denominator > 0.0 {
+                cycles[part] = f64::max(numerator / denominator, 0.0);
+            }
+        }
+    }
+    cycles
+}
