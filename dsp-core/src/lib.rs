@@ -14,6 +14,7 @@ pub mod radiation;
 pub mod resonator;
 pub mod table;
 
+mod exponential;
 mod quarter_turn;
 mod rate;
 

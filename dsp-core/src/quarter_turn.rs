@@ -25,9 +25,10 @@ fn cos_series(x: f64) -> f64 {
 /// `first (1 - x²/((n+1)(n+2)) + ...)`, n the power that `first` is of x, by Horner's rule: relative precision where x is small.
 fn series(x: f64, first: f64, power: f64) -> f64 {
     let square = x * x;
-    let mut sum = 1.0;
-    for term in (0u8..9).rev() {
-        let n = power + 2.0 * f64::from(term);
+    let (mut sum, mut n) = (1.0, power + 18.0);
+    // A loop whose end depends on data is not unrolled: that would be 1 KB.
+    while n > power {
+        n -= 2.0;
         sum = 1.0 - square / ((n + 1.0) * (n + 2.0)) * sum;
     }
     first * sum

@@ -2,7 +2,7 @@
 
 use super::Pulse;
 use crate::fixed::{self, Log2};
-use crate::{SampleRate, table};
+use crate::{SampleRate, exponential, table};
 
 /// Peak force `m = m1 v^a` and contact time `τ = τ1 v^b` of a striker (diffimpact §3.2; Hertz's law has a = 6/5, b = -1/5).
 #[derive(Clone, Copy, Debug)]
@@ -90,10 +90,14 @@ impl StrikerLaw {
     }
 }
 
+fn half_to_the(exponent: f32) -> f32 {
+    exponential::power_of_two(f64::from(-exponent)) as f32
+}
+
 /// Impulse in force units times seconds, and contact time in seconds, of a middling strike (velocity 0.5).
 pub fn typical_contact(striker: &table::Striker<'_>, reference_force: f32) -> (f32, f32) {
     let pulse = if striker.is_gaussian() { Pulse::Gaussian } else { Pulse::HertzHalfSine };
-    let contact_time_s = striker.contact_time_s() * libm::powf(0.5, striker.contact_exponent());
-    let peak = striker.peak_force() / reference_force * libm::powf(0.5, striker.peak_exponent());
+    let contact_time_s = striker.contact_time_s() * half_to_the(striker.contact_exponent());
+    let peak = striker.peak_force() / reference_force * half_to_the(striker.peak_exponent());
     (peak * contact_time_s * pulse.area() as f32, contact_time_s)
 }

@@ -22,15 +22,18 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         self.budget = cycles_per_tick;
     }
 
-    /// Leaves out what does not fit. `upcoming` are the events behind those that have been applied. Gives the cycles of the rest of the tick
-    /// if no event is known to come in it.
+    /// Leaves out what does not fit. `upcoming` are the events behind those that have been applied. Says whether it has counted the rest of
+    /// the tick, because no event is known to come in it.
+    #[inline(never)] // its tables must not weigh on ticks without a budget
     pub(super) fn keep_budget(
         &mut self,
         upcoming: &[Event],
         direct: Option<Direct<'_>>,
         log: &mut impl FnMut(&Event),
-    ) -> Option<Counts> {
-        let budget = self.budget.filter(|_| self.skipping == super::Skipping::On)?;
+    ) -> bool {
+        let Some(budget) = self.budget.filter(|_| self.skipping == super::Skipping::On) else { return false };
+        // What a single tick may cost more than predicted.
+        let budget = budget - budget / MARGIN;
         let mut rest = self.rest_of_tick(upcoming, direct);
         let predicted = self.report.predicted_cycles() + rest.cycles();
         if predicted > budget {
@@ -45,7 +48,17 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         }
         let end = self.now + u64::from(self.frames_to_tick());
         let surprised = upcoming.first().is_some_and(|event| event.time.first_frame() < end);
-        (!surprised).then_some(rest)
+        if !surprised {
+            self.report.counts += rest;
+        }
+        !surprised
+    }
+
+    /// Counts a run that [`keep_budget`](Self::keep_budget) has not.
+    #[inline(never)]
+    pub(super) fn count_run(&mut self, frames: u32, direct: Option<Direct<'_>>) {
+        let counts = self.run_counts(frames, direct, &[false; PADS]);
+        self.report.counts += counts;
     }
 
     fn group_count(&self) -> u32 {
@@ -53,12 +66,14 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     }
 
     /// Leaves out the `count` quietest register groups of those that would run.
+    #[inline(never)]
     pub(super) fn shed_quietest(&mut self, count: u16, direct: Option<Direct<'_>>) {
         let mut levels = [SILENT; GROUPS];
         let steps = self.survey(direct, &mut levels);
         self.shed_by_level(count, &levels, &steps, direct);
     }
 
+    #[inline(never)]
     fn shed_by_level(&mut self, count: u16, levels: &[u8; GROUPS], steps: &[Step; LEVELS], direct: Option<Direct<'_>>) {
         let (mut left, mut threshold) = (u32::from(count), LEVELS);
         for (level, step) in steps.iter().enumerate() {
@@ -81,6 +96,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     }
 
     /// The loudness of every group, and what each level has and costs.
+    #[inline(never)]
     fn survey(&self, direct: Option<Direct<'_>>, levels: &mut [u8; GROUPS]) -> [Step; LEVELS] {
         let mut survey = Survey { levels, steps: [Step::default(); LEVELS] };
         for (voice, number) in self.voices().iter().zip(0u8..) {
@@ -109,6 +125,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     }
 
     /// What a tick's beginning does.
+    #[inline(never)]
     pub(super) fn beginning(&self) -> Counts {
         let mut counts = Counts::NONE;
         counts.add(Part::Tick, 1);
@@ -123,6 +140,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     }
 
     /// What an event does.
+    #[inline(never)]
     pub(super) fn event_counts(&self, event: &Event) -> Counts {
         let mut counts = Counts::NONE;
         match event.action {
@@ -149,6 +167,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     }
 
     /// From now to the end of the tick, with the events that are known.
+    #[inline(never)]
     fn rest_of_tick(&self, upcoming: &[Event], direct: Option<Direct<'_>>) -> Counts {
         let end = self.now + u64::from(self.frames_to_tick());
         let (mut now, mut total) = (self.now, Counts::NONE);
@@ -213,6 +232,9 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         counts
     }
 }
+
+/// A 32nd of the budget is kept free.
+const MARGIN: u32 = 32;
 
 fn cycles_of(part: Part) -> u32 {
     CYCLES.get(part as usize).copied().unwrap_or(0)

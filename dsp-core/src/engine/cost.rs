@@ -53,7 +53,8 @@ pub const PARTS: usize = Part::KernelCycle as usize + 1;
 
 /// Cycles of each [`Part`], nominal, without flash waits. Fitted to the virtual core by `cargo bench -p host-tests --bench budget_costs`, which
 /// prints this table.
-pub const CYCLES: [u32; PARTS] = [500, 160, 430, 250, 22, 600, 1200, 30, 800, 1200, 85, 58, 300, 450, 600, 900, 600, 2500, 270, 40, 1];
+pub const CYCLES: [u32; PARTS] =
+    [1702, 547, 138, 2172, 0, 964, 1709, 30, 971, 4571, 15, 59, 774, 275, 292, 4027, 3125, 15359, 270, 17, 1];
 
 /// How much of each part a tick has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

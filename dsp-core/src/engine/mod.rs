@@ -83,6 +83,8 @@ pub struct Engine<
     /// Whether nothing rings, no contact is under way and nothing retired may still be missing: until an event or a direct force, a tick
     /// has nothing to do.
     idle: bool,
+    /// Whether the last tick was idle too, so that the report has nothing to forget.
+    was_idle: bool,
     modes_built: u32,
     /// Modes of pads that have not been struck since the load; kept for idle ticks.
     unstruck_modes: u32,
@@ -125,6 +127,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             budget: None,
             report: TickReport::EMPTY,
             idle: false,
+            was_idle: false,
             modes_built: 0,
             unstruck_modes: 0,
         }
@@ -245,9 +248,9 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
                 events = later;
                 news = true;
             }
-            let mut planned = None;
+            let mut counted = false;
             if news && !self.idle {
-                planned = self.keep_budget(events, direct, &mut log);
+                counted = self.budget.is_some() && self.keep_budget(events, direct, &mut log);
                 self.meet_expected();
             }
             let to_tick = TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64;
@@ -257,10 +260,8 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             let Some((now, later)) = core::mem::take(&mut out).split_at_mut_checked(length) else { break };
             let direct_now =
                 direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(..length)? }));
-            if self.budget.is_some() {
-                let run = || self.run_counts(length as u32, direct_now, &[false; PADS]);
-                let counts = planned.filter(|_| length as u64 == to_tick).unwrap_or_else(run);
-                self.report.counts += counts;
+            if self.budget.is_some() && !(counted && length as u64 == to_tick) {
+                self.count_run(length as u32, direct_now);
             }
             if self.idle && direct_now.is_none() {
                 self.report.pass_idle(self.unstruck_modes, self.modes_built, length);
@@ -311,7 +312,12 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     }
 
     fn begin_tick(&mut self, direct: Option<Direct<'_>>) {
-        self.report = TickReport { frame: self.now, ..TickReport::EMPTY };
+        if self.idle && self.was_idle {
+            self.report.begin_idle(self.now);
+        } else {
+            self.report = TickReport { frame: self.now, ..TickReport::EMPTY };
+        }
+        self.was_idle = self.idle;
         if self.budget.is_some() {
             self.report.counts = self.beginning();
         }
@@ -346,7 +352,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let rate = self.rate();
         let Some(voice) = self.pads.get_mut(usize::from(event.pad)) else { return };
         let Some(tables) = &voice.tables else { return };
-        self.idle = false;
+        (self.idle, self.was_idle) = (false, false);
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         match event.action {
             Action::Strike => {
@@ -373,7 +379,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
 
     fn render_run(&mut self, direct: Option<Direct<'_>>, out: &mut [[i32; 2]]) {
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
-        self.idle = false;
+        (self.idle, self.was_idle) = (false, false);
         let mut scratch = [0; TICK_FRAMES];
         let (skip, odd_start) = (self.skipping == Skipping::On, self.now % 2 == 1);
         let contacts = self.flight.count() > 0;

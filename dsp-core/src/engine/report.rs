@@ -102,6 +102,12 @@ impl TickReport {
         }
     }
 
+    /// The next tick in which nothing runs.
+    pub(super) fn begin_idle(&mut self, frame: u64) {
+        (self.frame, self.unstruck_mode_frames, self.decayed_mode_frames) = (frame, 0, 0);
+        self.counts = Counts::NONE;
+    }
+
     /// Frames in which nothing ran.
     pub(super) fn pass_idle(&mut self, unstruck_modes: u32, modes: u32, frames: usize) {
         self.unstruck_mode_frames += unstruck_modes * frames as u32;

@@ -33,7 +33,7 @@ impl Log2 {
         let z = ((u64::from(mantissa) * u64::from(reciprocal)) >> 31) as i64 - (1 << 32);
         let (z2, z3) = (high(z, z), high(high(z, z), z));
         let (z4, z5, z6) = (high(z2, z2), high(z2, z3), high(z3, z3));
-        let natural = z - z2 / 2 + z3 / 3 - z4 / 4 + z5 / 5 - z6 / 6;
+        let natural = z - (z2 >> 1) + high(z3, part(3)) - (z4 >> 2) + high(z5, part(5)) - high(z6, part(6));
         let fraction = i64::from(LOGARITHMS_Q32.get(index).copied().unwrap_or(0)) + ((natural * LOG2_E_Q31) >> 31);
         Self(((i64::from(exponent) << 26) + ((fraction + 32) >> 6)).min(0) as i32)
     }
@@ -48,7 +48,7 @@ impl Log2 {
         let index = (fraction >> 28) as usize;
         let y = high(i64::from(fraction & 0x0fff_ffff), LN_2_Q32);
         let (y2, y3) = (high(y, y), high(high(y, y), y));
-        let grown = y + y2 / 2 + y3 / 6 + high(y2, y2) / 24 + high(y2, y3) / 120;
+        let grown = y + (y2 >> 1) + high(y3, part(6)) + high(high(y2, y2), part(24)) + high(high(y2, y3), part(120));
         let start = i64::from(POWERS_Q31.get(index).copied().unwrap_or(1 << 31));
         let mantissa = (start + high(start, grown)).min(i64::from(u32::MAX));
         Power { mantissa: mantissa as u32, exponent: (q32 >> 32) as i32 }
@@ -71,6 +71,11 @@ impl Power {
 /// The high word of a product of Q32 numbers below 2 in size.
 fn high(a: i64, b: i64) -> i64 {
     (a * b) >> 32
+}
+
+/// `1/n` as Q32: a division of 64 bits would cost as much as all the rest.
+const fn part(n: i64) -> i64 {
+    ((1 << 32) + n / 2) / n
 }
 
 const LN_2_Q32: i64 = 0xb172_17f8;

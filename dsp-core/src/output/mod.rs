@@ -1,7 +1,7 @@
 //! Output: level and pan of a pad, the stereo sum, and the one step to 24 bits.
 
 use crate::fixed;
-use crate::quarter_turn;
+use crate::{exponential, quarter_turn};
 
 /// Level and constant-power pan of a pad: left `g cos((p+1) π/4)`, right `g sin((p+1) π/4)`, g = 10^(dB/20).
 ///
@@ -22,7 +22,7 @@ impl Panner {
 
     /// `level_db` in dB, `pan` from -1 (left) to 1 (right).
     pub fn new(level_db: f32, pan: f32) -> Self {
-        let level = libm::exp(core::f64::consts::LN_10 * f64::from(level_db) / 20.0);
+        let level = exponential::power_of_two(f64::from(level_db) * (core::f64::consts::LOG2_10 / 20.0));
         let angle = (f64::from(pan) + 1.0) * core::f64::consts::FRAC_PI_4;
         let (left, right) = (level * quarter_turn::cos(angle), level * quarter_turn::sin(angle));
         let loudest = left.max(right);

@@ -1,7 +1,7 @@
 //! From a mode's frequency and decay to the coefficients of a form.
 
 use crate::SampleRate;
-use crate::quarter_turn;
+use crate::{exponential, quarter_turn};
 
 /// The arithmetic of one mode; which one is chosen by the mode's step `e` (see [`Pole::new`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -67,7 +67,7 @@ impl Pole {
     /// `None` for a mode at or above Nyquist, which is never rendered, and for a decay above [`max_decay_per_s`].
     ///
     /// Accuracy over 1 Hz to 0.499 fs and T60 1 ms to 120 s: frequency within 0.004 cent, decay within 0.01 %
-    /// (`cargo test -p dsp-core quantised_poles`). Cost: one `exp`, one `sin`, two `expm1` in software `f64`: on load only.
+    /// (`cargo test -p dsp-core quantised_poles`). Cost: two series in software `f64`: on load only.
     pub fn new(frequency_hz: f64, decay_per_s: f64, rate: SampleRate) -> Option<Self> {
         let fs = rate.hz();
         if frequency_hz >= fs / 2.0 || decay_per_s > max_decay_per_s(rate) {
@@ -75,8 +75,8 @@ impl Pole {
         }
         let mirrored = frequency_hz > fs / 4.0;
         let folded_hz = if mirrored { fs / 2.0 - frequency_hz } else { frequency_hz };
-        let radius = libm::exp(-decay_per_s / fs);
-        let gap = -libm::expm1(-decay_per_s / fs); // 1 - r, exact for slow decays
+        let gap = exponential::loss(decay_per_s / fs); // 1 - r, exact for slow decays
+        let radius = 1.0 - gap;
         let sine = quarter_turn::sin(core::f64::consts::PI * folded_hz / fs);
         let step_squared = gap * gap + 4.0 * radius * sine * sine;
         let (form, epsilon) = match step_squared {
@@ -85,7 +85,7 @@ impl Pole {
             e2 if e2 < 1.0 => (Form::Shifted1, e2 / 2.0),
             e2 => (Form::Shifted2, e2 / 4.0),
         };
-        let delta = -libm::expm1(-2.0 * decay_per_s / fs);
+        let delta = gap * (1.0 + radius);
         Some(Self { form, mirrored, coefficients: Coefficients { delta: q32_from(delta), epsilon: q32_from(epsilon) } })
     }
 }
@@ -173,7 +173,7 @@ impl Coefficients {
 /// The Q32 δ of a T60, for chokes.
 pub fn delta_of_t60(t60_s: f64, rate: SampleRate) -> i32 {
     let decay_per_s = (core::f64::consts::LN_10 * 3.0 / t60_s).min(max_decay_per_s(rate));
-    q32_from(-libm::expm1(-2.0 * decay_per_s / rate.hz()))
+    q32_from(exponential::loss(2.0 * decay_per_s / rate.hz()))
 }
 
 /// δ, e and e² as they are after quantisation.

@@ -39,9 +39,26 @@ pub(super) fn order_modes(
         end += 1;
     }
     if let Some(taken) = modes.get_mut(start..end) {
-        taken.sort_unstable_by_key(|mode| (order_key(mode), core::cmp::Reverse(mode.state.v), mode.state.u));
+        sort(taken);
     }
     Ok(start..end)
+}
+
+/// By side and form, lifetime (longest first), index. Insertion: the library's sort would be 4 KB of flash, and this is less than a tenth of
+/// what deriving the coefficients costs.
+fn sort(modes: &mut [Mode]) {
+    let is_before = |a: &Mode, b: &Mode| {
+        let key = |mode: &Mode| (order_key(mode), core::cmp::Reverse(mode.state.v), mode.state.u);
+        key(a) < key(b)
+    };
+    for end in 1..=modes.len() {
+        for at in (1..end).rev() {
+            match modes.get_mut(at - 1..=at) {
+                Some([before, mode]) if is_before(mode, before) => core::mem::swap(before, mode),
+                _ => break,
+            }
+        }
+    }
 }
 
 pub(super) fn order_key(mode: &Mode) -> i32 {
@@ -56,6 +73,12 @@ pub(super) fn lifetime_ms(table: &BankTable<'_>, index: usize, frequency_hz: f32
     // The spectrum of a half-sine pulse falls as 1/f² above 1/(2 τ).
     let corner = 2.0 * frequency_hz * contact_time_s;
     let level = gain * table.weight as f32 * impulse / (1.0 + corner * corner);
-    let periods = libm::logf((level / Retirement::THRESHOLD).max(1.0));
+    let periods = logarithm((level / Retirement::THRESHOLD).max(1.0));
     (1000.0 * periods / decay_per_s) as i32
+}
+
+/// The natural logarithm to 6 %: a float's bits are its exponent and, behind the point, nearly its fraction's logarithm.
+fn logarithm(number: f32) -> f32 {
+    const LN_2_OF_BITS: f32 = core::f32::consts::LN_2 / 8_388_608.0;
+    (number.to_bits() as i32 - (127 << 23)) as f32 * LN_2_OF_BITS
 }

@@ -1,0 +1,34 @@
+//! The exponential in `f64`: all that the engine needs, a fifth of the code of a general `exp` and `expm1`.
+//!
+//! Taylor series, the same bits on every machine.
+
+/// `1 - e^-x` for x in -0.35 to 0.7, relative error below 4e-16: what a decay of x nepers leaves out.
+pub(crate) fn loss(x: f64) -> f64 {
+    // x - x²/2! + x³/3! - ..., by Horner's rule.
+    let mut sum = 1.0;
+    for n in (2u8..18).rev() {
+        sum = 1.0 - x / f64::from(n) * sum;
+    }
+    x * sum
+}
+
+/// `2^x` for x in -1000 to 1000. Relative error below 1e-15.
+pub(crate) fn power_of_two(x: f64) -> f64 {
+    let whole = libm::rint(x.clamp(-1000.0, 1000.0));
+    let power = f64::from_bits(((whole as i64 + 1023) as u64) << 52);
+    power * (1.0 - loss((whole - x) * core::f64::consts::LN_2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn losses_and_powers_are_exact_to_the_last_bits() {
+        let steps = |from: f64, to: f64| (0..=100_000u32).map(move |n| from + (to - from) * f64::from(n) / 100_000.0);
+        let loss = steps(-0.35, 0.7).filter(|&x| x != 0.0).map(|x| (super::loss(x) / -libm::expm1(-x) - 1.0).abs());
+        let power = steps(-300.0, 300.0).map(|x| (power_of_two(x) / libm::exp2(x) - 1.0).abs());
+        let (loss, power) = (loss.fold(0.0, f64::max), power.fold(0.0, f64::max));
+        assert!(loss < 5e-16 && power < 1e-15, "{loss:e} {power:e}");
+    }
+}
