@@ -37,13 +37,27 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let mut rest = self.rest_of_tick(upcoming, direct);
         let predicted = self.report.predicted_cycles() + rest.cycles();
         if predicted > budget {
+            let before = self.report.shed;
             let survey = self.survey_counts();
-            self.report.counts += survey;
-            let mut levels = [SILENT; GROUPS];
-            let steps = self.survey(direct, &mut levels);
-            let chosen = quietest_that_free(predicted + survey.cycles() - budget, &steps);
-            self.shed_by_level(chosen, &levels, &steps, direct);
-            rest = self.rest_of_tick(upcoming, direct);
+            let sheddable = rest.of(Part::KernelCycle) + rest.of(Part::GuardedGroup) * cycles_of(Part::GuardedGroup);
+            let chosen = if predicted + survey.cycles() - sheddable.min(predicted) > budget {
+                // Where nothing can be kept there is nothing to choose.
+                self.report.counts.add(Part::SurveyedGroup, self.group_count() / 3);
+                let mut steps = [Step::default(); LEVELS];
+                steps.iter_mut().take(1).for_each(|step| step.groups = u32::from(u16::MAX));
+                self.shed_by_level(u16::MAX, &[0; GROUPS], &steps, direct);
+                u16::MAX
+            } else {
+                self.report.counts += survey;
+                let mut levels = [SILENT; GROUPS];
+                let steps = self.survey(direct, &mut levels);
+                let chosen = quietest_that_free(predicted + survey.cycles() - budget, &steps);
+                self.shed_by_level(chosen, &levels, &steps, direct);
+                chosen
+            };
+            // Pads of which nothing is left cost less still; the kernels' share is what was freed for certain.
+            rest.remove(Part::KernelCycle, self.report.shed.cycles - before.cycles);
+            rest.remove(Part::GuardedGroup, self.report.shed.groups - before.groups);
             log(&Event { time: Time::at_frame(self.now), action: Action::Shed(chosen), ..Event::NOTHING });
         }
         let end = self.now + u64::from(self.frames_to_tick());
@@ -85,11 +99,12 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         }
         let mut shed = Shed::default();
         for number in 0..self.pad_count as u8 {
-            let audience = self.audience(number, direct);
+            let (audience, used) = (self.audience(number, direct), self.used(number, direct));
+            let run = (used, self.frames_to_tick());
             let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
             let Some(voice) = self.pads.get_mut(usize::from(number)) else { break };
             for bank in voice.pad.banks_mut() {
-                shed += bank.shed(&mut memory, audience, levels, threshold as u8, &mut left);
+                shed += bank.shed(&mut memory, audience, run, levels, (threshold as u8, &mut left));
             }
         }
         self.report.shed += shed;

@@ -54,7 +54,7 @@ pub const PARTS: usize = Part::KernelCycle as usize + 1;
 /// Cycles of each [`Part`], nominal, without flash waits. Fitted to the virtual core by `cargo bench -p host-tests --bench budget_costs`, which
 /// prints this table.
 pub const CYCLES: [u32; PARTS] =
-    [1702, 547, 138, 2172, 0, 964, 1709, 30, 971, 4571, 15, 59, 774, 275, 292, 4027, 3125, 15359, 270, 17, 1];
+    [2148, 539, 142, 3571, 0, 1117, 2193, 30, 5625, 4229, 32, 10, 771, 1024, 968, 0, 4443, 3441, 270, 17, 1];
 
 /// How much of each part a tick has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +68,13 @@ impl Counts {
     pub(super) fn add(&mut self, part: Part, count: u32) {
         if let Some(counted) = self.0.get_mut(part as usize) {
             *counted += count;
+        }
+    }
+
+    /// Takes parts away, at most all.
+    pub(super) fn remove(&mut self, part: Part, count: u32) {
+        if let Some(counted) = self.0.get_mut(part as usize) {
+            *counted = counted.saturating_sub(count);
         }
     }
 

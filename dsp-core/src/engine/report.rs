@@ -78,7 +78,7 @@ impl TickReport {
         refused_inputs: 0,
         retired_modes: 0,
         retired_amplitude: 0.0,
-        shed: Shed { groups: 0, modes: 0, amplitude: 0.0 },
+        shed: Shed { groups: 0, modes: 0, amplitude: 0.0, cycles: 0 },
         counts: Counts::NONE,
         ringing_pads: 0,
         contacts: 0,

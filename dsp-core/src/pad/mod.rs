@@ -175,24 +175,31 @@ impl Pad {
     }
 
     /// Modes of the object's bank and of all strikers' banks.
+    #[inline(always)]
     pub fn mode_count(&self) -> usize {
         usize::from(self.mode_count)
     }
 
     /// Whether the pad has been struck, or driven, since it was loaded.
+    #[inline(always)]
     pub fn was_struck(&self) -> bool {
         self.struck
     }
 
     /// Whether any mode rings.
+    #[inline(always)]
     pub fn is_ringing(&self) -> bool {
         self.object.is_ringing() || self.sounding().iter().any(|striker| striker.bank.is_ringing())
     }
 
     /// Bound of the amplitude that retirement leaves out at present, output units (1.0 = full scale).
+    #[inline(always)]
     pub fn retired_amplitude(&self) -> f32 {
-        let strikers = self.sounding().iter().map(|striker| striker.bank.retired_amplitude());
-        self.object.retired_amplitude() + strikers.sum::<f32>()
+        let mut sum = self.object.retired_amplitude();
+        for striker in self.sounding() {
+            sum += striker.bank.retired_amplitude();
+        }
+        sum
     }
 
     /// The impact of a strike, and the object moved to its position. `None` where the strike does nothing.
@@ -247,7 +254,12 @@ impl Pad {
     pub fn meet_expected(&mut self, memory: &mut Memory<'_>) {
         let expected = core::mem::take(&mut self.expected);
         if expected > 0 {
-            self.banks_mut().for_each(|bank| bank.expect(memory, expected));
+            // What is left out altogether needs no guard.
+            for bank in self.banks_mut() {
+                if bank.has_admitted(memory.groups) {
+                    bank.expect(memory, expected);
+                }
+            }
         }
     }
 

@@ -260,7 +260,7 @@ impl Group {
     }
 
     /// Whether there is an exponent that holds states of this size and input; then the states have it.
-    #[inline(always)]
+    #[inline(never)]
     fn normalise(&mut self, modes: &mut [Mode], size: u32, input: u64, force_shift: Option<u32>) -> bool {
         let total = u64::from(size).saturating_add(input).saturating_add(u64::from(MARGIN));
         // total < 2^bits, and shifting to 29 bits puts it into [LIMIT/2, LIMIT).

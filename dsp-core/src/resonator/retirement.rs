@@ -66,6 +66,7 @@ impl Retired {
     /// -200 dBFS, below which the bound is dropped.
     const NEGLIGIBLE: f32 = 1e-10;
 
+    #[inline(always)]
     pub(super) fn amplitude(&self) -> f32 {
         self.amplitude
     }
@@ -75,6 +76,7 @@ impl Retired {
         self.decay_per_tick = self.decay_per_tick.max(decay_per_tick);
     }
 
+    #[inline(always)]
     pub(super) fn decay(&mut self) {
         if self.amplitude == 0.0 {
             return;

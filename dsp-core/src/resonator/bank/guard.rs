@@ -3,7 +3,7 @@
 //! | when | what |
 //! | --- | --- |
 //! | a contact begins | all groups are guarded for the whole of it |
-//! | a tick after other input, if what is left of the allowance is less than twice that input, or 32 times more | all ringing groups are guarded for eight times that input |
+//! | a tick after other input, if what is left of the allowance is less than twice that input, or 32 times more | all ringing groups are guarded for sixteen times that input |
 //! | the first tick after a tick without, or the second after a contact | all ringing groups fall due |
 //! | then | each group when its fastest mode has decayed by half a bit, at the latest after 32 ticks |
 //!
@@ -32,7 +32,7 @@ impl Bank {
         }
         if expected > 0 {
             if !self.is_covered && !self.allows(expected) {
-                self.guard(memory, (4 * expected).min(MAX_ALLOWANCE), false);
+                self.guard(memory, (8 * expected).min(MAX_ALLOWANCE), false);
             }
             return;
         }
@@ -59,6 +59,7 @@ impl Bank {
     }
 
     /// Whether the allowance left is enough for an input, and not so much that precision would be wasted.
+    #[inline(always)]
     fn allows(&self, expected: u64) -> bool {
         (expected..=32 * expected).contains(&self.allowance)
     }

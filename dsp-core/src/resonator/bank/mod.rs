@@ -205,6 +205,7 @@ impl Bank {
     }
 
     /// Whether anything rings.
+    #[inline(always)]
     pub fn is_ringing(&self) -> bool {
         self.ringing_modes > 0
     }
@@ -215,6 +216,7 @@ impl Bank {
     }
 
     /// Sum of the amplitudes that have been retired and may still be missing, in output units (1.0 = full scale).
+    #[inline(always)]
     pub fn retired_amplitude(&self) -> f32 {
         self.retired.amplitude()
     }

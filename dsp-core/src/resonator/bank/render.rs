@@ -24,6 +24,7 @@ impl Bank {
 
     /// The same straight to the stereo bus, by half the gains of both sides as Q32; `mix` is scratch. Only while [`MixShift::is_loud`] of
     /// [`Bank::mix_shift`] is false.
+    #[inline(always)]
     pub fn ring_stereo(
         &mut self,
         memory: &mut Memory<'_>,
@@ -63,6 +64,7 @@ impl Bank {
     }
 
     /// How the bank's mix becomes bus samples until the next guard.
+    #[inline(always)]
     pub fn mix_shift(&self) -> MixShift {
         self.mix_shift
     }
@@ -118,6 +120,7 @@ impl Bank {
     }
 
     /// Modes that a run takes: those that ring, or all.
+    #[inline(always)]
     pub fn running_modes(&self, skip: bool) -> u32 {
         if skip { u32::from(self.ringing_modes) } else { self.modes.range().len() as u32 }
     }
@@ -146,6 +149,7 @@ impl Bank {
     }
 
     /// Groups of the plain side, and all modes from theirs on.
+    #[inline(always)]
     fn plain<'m>(&self, memory: &'m mut Memory<'_>) -> Option<(&'m [Group], &'m mut [Mode])> {
         let modes = memory.modes.get_mut(usize::from(self.modes.start)..)?;
         let start = usize::from(self.groups.start);

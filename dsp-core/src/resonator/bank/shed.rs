@@ -82,6 +82,8 @@ pub struct Shed {
     pub modes: u32,
     /// Bound of the amplitude that is missing by it, 1.0 = full scale, summed over the modes.
     pub amplitude: f32,
+    /// Cycles that it saves in the kernels until the tick's end.
+    pub cycles: u32,
 }
 
 impl core::ops::AddAssign for Shed {
@@ -89,6 +91,7 @@ impl core::ops::AddAssign for Shed {
         self.groups += other.groups;
         self.modes += other.modes;
         self.amplitude += other.amplitude;
+        self.cycles += other.cycles;
     }
 }
 
@@ -150,15 +153,15 @@ impl Bank {
         &mut self,
         memory: &mut Memory<'_>,
         audience: Audience,
+        (used, frames): (Use, u32),
         levels: &[u8],
-        threshold: u8,
-        at_threshold: &mut u32,
+        (threshold, at_threshold): (u8, &mut u32),
     ) -> Shed {
         let (mut shed, mut rang) = (Shed::default(), false);
         let mut levels = levels.get(self.groups.range()).unwrap_or(&[]).iter();
         for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
             let level = levels.next().copied().unwrap_or(SILENT);
-            if level > threshold || level == SILENT || level == threshold && *at_threshold == 0 {
+            if level > threshold || level == SILENT || level == threshold && *at_threshold == 0 || !runs(group, used) {
                 return;
             }
             if level == threshold {
@@ -166,8 +169,8 @@ impl Bank {
             }
             let count = group.count() as u32;
             let lost = group.amplitude_bound() + group.largest_gain() * audience.input;
-            shed +=
-                Shed { groups: 1, modes: count, amplitude: lost * audience.unit * (GROWTH_OF_V as u32 * count) as f32 };
+            let amplitude = lost * audience.unit * (GROWTH_OF_V as u32 * count) as f32;
+            shed += Shed { groups: 1, modes: count, amplitude, cycles: cycles(group.plan(), used, frames) };
             rang |= group.ringing();
             group.shed(modes);
         });

@@ -61,6 +61,7 @@ pub fn driven(groups: &[Group], modes: &mut [Mode], run: Run, force: &Backward, 
     render(groups, modes, run, force, mix, None, malleus_kernel_driven);
 }
 
+#[inline(always)]
 fn render(
     groups: &[Group],
     modes: &mut [Mode],
@@ -101,6 +102,7 @@ fn render(
 }
 
 /// The banks of this crate see to it; here it is what makes the call sound. Where many modes lie behind the groups' own there is nothing to add up.
+#[inline(always)]
 fn modes_suffice(groups: &[Group], modes: &[Mode]) -> bool {
     groups.len() * GROUP_MODES <= modes.len() || counted_modes(groups) <= modes.len()
 }
