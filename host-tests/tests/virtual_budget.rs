@@ -7,6 +7,7 @@ use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
 use host_tests::on_chip::EngineOnChip;
 use host_tests::on_chip::budget_scenes::{BudgetScene, STORM_BUDGET, storm_scene, unlimited};
+use host_tests::on_chip::scenes::{pads, strikes};
 use host_tests::scene::TestEngine;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
@@ -99,4 +100,33 @@ fn a_storm_never_exceeds_its_budget_and_replays_to_the_same_bits() {
             }
         }
     }
+}
+
+#[test]
+fn what_is_quietest_goes_first() {
+    // A loud pad and one 46 dB below it, on the PC: the engine decides alike everywhere.
+    let kit = pads(2).binary;
+    let view = Kit::parse(&kit).unwrap();
+    let mut events = strikes(2, 0, 1.0);
+    events[1].velocity = 0.012;
+    let play = |budget: Option<u32>| {
+        let mut engine = Box::new(TestEngine::new());
+        engine.load(&view, RATE, Skipping::On).unwrap();
+        let mut out = vec![[0; 2]; 300 * TICK_FRAMES];
+        let (contact, ringing) = out.split_at_mut(8 * TICK_FRAMES);
+        engine.render(&events, None, contact).unwrap();
+        engine.set_budget(budget);
+        let mut shed_modes = 0;
+        engine.render_observed(&[], None, ringing, |report| shed_modes += report.shed.modes).unwrap();
+        (out, shed_modes)
+    };
+    let (whole, none) = play(None);
+    // Both pads cost some 36 000 cycles a tick; the choice itself takes 9000 of the one in which it is made.
+    let (got, shed_modes) = play(Some(33_000));
+    assert!(none == 0 && (30..128).contains(&shed_modes), "{shed_modes} of 128 modes");
+    let peak = |frames: &[[i32; 2]]| frames.iter().flatten().map(|x| x.abs()).max().unwrap_or(0);
+    let missing: Vec<[i32; 2]> =
+        whole.iter().zip(&got).map(|(whole, got)| [whole[0] - got[0], whole[1] - got[1]]).collect();
+    println!("{shed_modes} modes left out, peak {} of {} missing", peak(&missing), peak(&whole));
+    assert!(peak(&missing) > 0 && peak(&missing) < peak(&whole) / 50, "{} of {}", peak(&missing), peak(&whole));
 }

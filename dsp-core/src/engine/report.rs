@@ -1,6 +1,6 @@
 //! What a tick did and what it left out.
 
-use super::cost::Counts;
+use super::cost::{Counts, Part};
 use crate::pad::{Pad, PadWork};
 use crate::resonator::Shed;
 
@@ -105,7 +105,9 @@ impl TickReport {
     /// The next tick in which nothing runs.
     pub(super) fn begin_idle(&mut self, frame: u64) {
         (self.frame, self.unstruck_mode_frames, self.decayed_mode_frames) = (frame, 0, 0);
-        self.counts = Counts::NONE;
+        if self.counts.of(Part::Tick) > 0 {
+            self.counts = Counts::NONE;
+        }
     }
 
     /// Frames in which nothing ran.
