@@ -85,11 +85,8 @@ impl Bank {
         let mut sum = force.map_or(0, sum_of_magnitudes);
         let Some(force) = force.filter(|_| !skip || sum > 0) else {
             if self.is_ringing() || !skip {
-                let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
-                let mut mix = [0; TICK_FRAMES];
-                let shift = self.ring(memory, run, odd_start, &mut mix);
-                self.add_to_bus(&mix, shift, None, out);
-                work.free_mode_frames += self.running_modes(skip) * run.frames as u32;
+                self.ring_on_bus(memory, odd_start, skip, out);
+                work.free_mode_frames += self.running_modes(skip) * out.len().min(TICK_FRAMES) as u32;
             }
             return work;
         };
@@ -117,6 +114,15 @@ impl Bank {
             (force, out, odd) = (later, out_later, odd ^ (count % 2 == 1));
         }
         work
+    }
+
+    /// A run without force.
+    #[inline(never)] // its buffer must not weigh on runs with force
+    fn ring_on_bus(&mut self, memory: &mut Memory<'_>, odd_start: bool, skip: bool, out: &mut [i32]) {
+        let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
+        let mut mix = [0; TICK_FRAMES];
+        let shift = self.ring(memory, run, odd_start, &mut mix);
+        self.add_to_bus(&mix, shift, None, out);
     }
 
     /// Modes that a run takes: those that ring, or all.
@@ -201,9 +207,13 @@ impl MixShift {
 
 /// Changes the sign of every other frame, so that the absolute number of the others is odd where the first's is `odd_start`; what is
 /// beyond a run is 0 or unused.
+#[inline(never)] // a call's registers weigh less on the stack than the loop's
 fn alternate(samples: &mut Backward, odd_start: bool) {
-    let even = samples.iter_mut().rev().skip(usize::from(!odd_start)).step_by(2);
-    even.for_each(|x| *x = x.saturating_neg());
+    for [odd, even] in samples.as_chunks_mut::<2>().0 {
+        // Backward: the first frame lies last.
+        let x = if odd_start { even } else { odd };
+        *x = x.saturating_neg();
+    }
 }
 
 fn sum_of_magnitudes(force: &[i32]) -> u64 {
