@@ -1,8 +1,8 @@
 //! What the tests and benches of this crate share: signals measured against the `f64` law.
 
 pub mod data;
+pub mod on_chip;
 pub mod performance;
+pub mod run_time;
 pub mod scene;
 pub mod single_mode;
-pub mod on_chip;
-pub mod run_time;

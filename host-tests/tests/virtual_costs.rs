@@ -90,7 +90,10 @@ fn a_silent_engine_and_its_memory_stay_small() {
     let ringing = measure(&mut chip, &pads(8).binary, &strikes(8, 5, 0.8), None, (0, 40)).unwrap();
     let footprint = chip.footprint().unwrap();
     let kit = kit::open("demo").unwrap().binary.len();
-    println!("silent: {per_frame:.1} cycles a frame; stack {} bytes; {footprint:?}, kit {kit} bytes", ringing.stack_bytes);
+    println!(
+        "silent: {per_frame:.1} cycles a frame; stack {} bytes; {footprint:?}, kit {kit} bytes",
+        ringing.stack_bytes
+    );
     assert!(per_frame <= 35.0, "1 % of 168 MHz at 48 kHz are 35 cycles a frame: {per_frame}");
     assert!(ringing.stack_bytes <= 2048, "{} bytes of stack", ringing.stack_bytes);
 }

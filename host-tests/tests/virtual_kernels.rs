@@ -18,8 +18,7 @@ impl OnPc {
             BankTable { modes, gains, positions: 1, weight: 1.0, choke_t60_s: 0.0, typical_contact: (1e-3, 1e-3) };
         let (mut modes, mut groups) = (vec![Mode::SILENT; 1024], vec![Group::EMPTY; 256]);
         let mut memory = Memory { modes: &mut modes, groups: &mut groups, origins: &mut [] };
-        let bank =
-            Bank::load(&table, SampleRate::HZ_48000, &mut memory, &mut Used::default()).expect("the modes fit");
+        let bank = Bank::load(&table, SampleRate::HZ_48000, &mut memory, &mut Used::default()).expect("the modes fit");
         Self { bank, modes, groups }
     }
 
@@ -94,7 +93,7 @@ fn the_chip_gives_the_bits_of_the_pc_for_every_form_and_group_size() {
         for count in 1..=13 {
             for cosine in [false, true] {
                 let (modes, gains) = table((0..count).map(|n| hz + f64::from(n) * 7.3), 0.4, cosine);
-                let cuts: &[usize] = if (form + count as usize) % 2 == 0 { &[] } else { &[1, 13, 2] };
+                let cuts: &[usize] = if (form + count as usize).is_multiple_of(2) { &[] } else { &[1, 13, 2] };
                 play_on_both(&mut chip, &modes, &gains, cuts);
             }
         }

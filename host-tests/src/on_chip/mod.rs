@@ -1,8 +1,8 @@
 //! The same code on the virtual Cortex-M4F: the bank alone and the whole engine, called from here.
 
 mod bank;
-mod engine;
 pub mod budget_scenes;
+mod engine;
 pub mod scenes;
 
 pub use bank::BankOnChip;
