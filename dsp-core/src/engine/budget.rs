@@ -262,8 +262,7 @@ fn quietest_that_free(excess: u32, steps: &[Step; LEVELS]) -> u16 {
         if total + step.cycles >= excess {
             // Of the step in which the excess ends, as many as are needed if the cheapest go first: a single mode costs a third of a full
             // group's share.
-            let share =
-                (u64::from(excess - total) * u64::from(step.groups)).div_ceil(u64::from(step.cycles.max(1))) as u32;
+            let share = (excess - total).div_ceil((step.cycles / step.groups.max(1)).max(1));
             return (chosen + (share + share / 2 + 1).min(step.groups)) as u16;
         }
         (total, chosen) = (total + step.cycles, chosen + step.groups);
