@@ -40,21 +40,20 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             let before = self.report.shed;
             let survey = self.survey_counts();
             let sheddable = rest.of(Part::KernelCycle) + rest.of(Part::GuardedGroup) * cycles_of(Part::GuardedGroup);
-            let chosen = if predicted + survey.cycles() - sheddable.min(predicted) > budget {
+            if predicted + survey.cycles() - sheddable.min(predicted) > budget {
                 // Where nothing can be kept there is nothing to choose.
                 self.report.counts.add(Part::SurveyedGroup, self.group_count() / 3);
                 let mut steps = [Step::default(); LEVELS];
                 steps.iter_mut().take(1).for_each(|step| step.groups = u32::from(u16::MAX));
                 self.shed_by_level(u16::MAX, &[0; GROUPS], &steps, direct);
-                u16::MAX
             } else {
                 self.report.counts += survey;
                 let mut levels = [SILENT; GROUPS];
                 let steps = self.survey(direct, &mut levels);
                 let chosen = quietest_that_free(predicted + survey.cycles() - budget, &steps);
                 self.shed_by_level(chosen, &levels, &steps, direct);
-                chosen
-            };
+            }
+            let chosen = (self.report.shed.groups - before.groups) as u16;
             // Pads of which nothing is left cost less still; the kernels' share is what was freed for certain.
             rest.remove(Part::KernelCycle, self.report.shed.cycles - before.cycles);
             rest.remove(Part::GuardedGroup, self.report.shed.groups - before.groups);

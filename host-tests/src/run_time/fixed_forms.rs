@@ -69,7 +69,7 @@ mod tests {
     #[test]
     fn a_bank_of_one_form_has_no_mode_of_another() {
         for form in FixedForm::ALL {
-            assert!(form.modes(240, 5.0).iter().all(|case| FixedForm::of(case) == Some(form)), "{form:?}");
+            assert!(form.modes(480, 5.0).iter().all(|case| FixedForm::of(case) == Some(form)), "{form:?}");
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::on_chip::{BankOnChip, OnChipError};
 use crate::single_mode::Case;
 
 /// Modes of a bank whose cycles are counted.
-const BANK_MODES: u32 = 240;
+const BANK_MODES: u32 = 480;
 /// Modes of a set of rivals whose cycles are counted.
 const RIVAL_MODES: u32 = 64;
 /// T60 of modes that are to ring on, seconds.

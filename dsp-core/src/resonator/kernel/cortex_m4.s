@@ -52,13 +52,12 @@
 @ ---------------------------------------------------------------------------------------------------------------------------------
 @ Free, three modes in registers. Per frame 9 step + 3 mix + 2 load + 1 store = 15 cycles, 5.0 a mode.
 @
-@ Optimisation log (nominal cycles a mode and sample, a bank of 240 modes; cargo bench -p host-tests --bench run_time_vs_error):
+@ Optimisation log (nominal cycles a mode and sample of a bank of 240 modes, this file alone: cargo test -p host-tests --test virtual_costs
+@ -- --nocapture; whole blocks: cargo bench -p host-tests --bench run_time_vs_error):
 @   18.6   plain Rust with i64: LLVM spills the rounded 64-bit sums
-@    5.7   three modes in registers, one call a group of six, mix through a pointer kept in s-registers
-@    5.45  all groups of a bank in one call; the next group is looked up here, and only a change of form leaves the loop
+@    5.45  three modes in registers, all groups of a bank in one call; the next group is looked up here, and only a change of form leaves the loop
 @    Tried: sums in s-registers (14 cycles a frame instead of 15), but the registers are named in the code, so that the loop must hold 32
 @    frames (1.8 KB, beyond the flash cache) or halve its runs, which costs more in loads than it saves.
-@    Tried: 32 frames unrolled: 5.3, 1.7 KB.
 @ Registers: r0 sum, r1-r4, r5-r8, r9-r12 three modes (u, v, delta, epsilon), lr mix scale.
     .macro load_three
     vmov    s0, r0
@@ -258,8 +257,8 @@ short_free_one_\form:
 @ Driven with one gain, two modes in registers. Per frame 6 step + 2 inject + 2 mix + 3 for two loads + 1 store = 14 cycles, 7.0 a mode.
 @
 @ Optimisation log (nominal cycles a mode and sample, a bank of 240 modes):
-@    9.5   the same loop with gain and phase, phase 0
-@    7.7   the gain into v left out: the register that it frees holds the sum, whose load then pairs with the force's
+@    9.2   the same loop with gain and phase, phase 0
+@    7.65  the gain into v left out: the register that it frees holds the sum, whose load then pairs with the force's
 @ Registers: r0 force, r6 sum, r1-r5, r7-r11 two modes (u, v, delta, epsilon, gain), r12 gain shift, lr mix scale.
     .macro driven_gain_frame form at
     step    \form, r1, r2, r3, r4
@@ -285,7 +284,7 @@ short_free_one_\form:
 @ Driven with gain and phase, two modes in registers. Per frame 6 step + 4 inject + 2 mix + 4 for two loads + 1 store = 17 cycles, 8.5 a mode.
 @
 @ Optimisation log (nominal cycles a mode and sample, a bank of 240 modes):
-@    9.1   twelve registers of modes; force and sum share r0, one after the other
+@    9.2   twelve registers of modes; force and sum share r0, one after the other
 @    Tried: force and sum apart, the mix scale from an s-register in each frame: the same 17 cycles. Every word that does not stay
 @    in a core register costs one cycle a frame, wherever it is.
 @    Tried: force and sums in s-registers: 15 cycles a frame, but 960 bytes for 16 frames.
