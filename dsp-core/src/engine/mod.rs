@@ -11,6 +11,7 @@
 //! and what was skipped in each tick is told by a [`TickReport`].
 
 mod budget;
+mod check;
 mod cost;
 mod load;
 mod report;
@@ -278,37 +279,6 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             }
         }
         Ok(())
-    }
-
-    fn check(&self, events: &[Event], direct: Option<Direct<'_>>, frames: usize) -> Result<(), EventError> {
-        let mut earliest = self.now;
-        let end = self.now.saturating_add(frames as u64);
-        let pads = self.pad_count();
-        for (index, event) in events.iter().enumerate() {
-            let frame = event.time.first_frame();
-            let pad = self.voices().get(usize::from(event.pad));
-            let strikers = pad.map_or(0, |voice| voice.pad.striker_count());
-            if frame < earliest {
-                return Err(EventError::OutOfOrder { index, frame, earliest });
-            } else if frame >= end {
-                return Err(EventError::BehindBlock { index, frame, end });
-            } else if pad.is_none() {
-                return Err(EventError::UnknownPad { index, pad: event.pad, pads });
-            } else if usize::from(event.striker) >= strikers {
-                return Err(EventError::UnknownStriker { index, striker: event.striker, strikers });
-            } else if !(0.0..=1.0).contains(&event.velocity) {
-                return Err(EventError::Velocity { index, value: event.velocity });
-            } else if !(0.0..=1.0).contains(&event.position) {
-                return Err(EventError::Position { index, value: event.position });
-            }
-            earliest = frame;
-        }
-        match direct {
-            Some(Direct { pad, force }) if usize::from(pad) >= pads || force.len() != frames => {
-                Err(EventError::Direct { pad, frames: force.len(), block: frames })
-            }
-            _ => Ok(()),
-        }
     }
 
     fn begin_tick(&mut self, direct: Option<Direct<'_>>) {
