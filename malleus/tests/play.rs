@@ -252,3 +252,21 @@ fn wrong_usage_exits_with_2() {
         assert_eq!(folder.malleus(words).status.code(), Some(2), "{words}");
     }
 }
+
+#[test]
+fn what_a_budget_left_out_plays_to_the_same_bits_from_the_log() {
+    let folder = Folder::new();
+    // Times between samples, so that the log must keep them exactly.
+    folder.write("strikes.csv", b"time_s,pad,velocity\n0.00101,bar,0.9\n0.0507,bar,0.5\n0.11,bar,1\n");
+    let played = |words: &str, file: &str| {
+        let output = folder.malleus(words);
+        assert!(output.status.success(), "{words}: {}", String::from_utf8_lossy(&output.stderr));
+        fs::read(folder.path(file)).unwrap()
+    };
+    let whole = played("play --kit kit.toml --strikes strikes.csv -o whole.wav", "whole.wav");
+    let busy = "play --kit kit.toml --strikes strikes.csv --budget-mhz 20 --log log.csv -o busy.wav";
+    let busy = played(busy, "busy.wav");
+    let log = fs::read_to_string(folder.path("log.csv")).unwrap();
+    assert!(busy != whole && log.contains(",shed "), "{log}");
+    assert!(played("play --kit kit.toml --strikes log.csv -o again.wav", "again.wav") == busy, "{log}");
+}
