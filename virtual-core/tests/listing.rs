@@ -2,10 +2,9 @@
 //! instructions alike, read as text and compared field by field.
 
 mod assembly;
-mod common;
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use virtual_core::decode::{Kind, decode};
@@ -28,7 +27,8 @@ fn objdump() -> PathBuf {
 
 fn listing() -> String {
     let file = tempfile::NamedTempFile::new().unwrap();
-    std::fs::write(file.path(), common::elf()).unwrap();
+    let program = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/program/Cargo.toml");
+    std::fs::write(file.path(), virtual_core::build(Path::new(program)).unwrap()).unwrap();
     let output = Command::new(objdump()).arg("-d").arg(file.path()).output();
     let output = output.expect("llvm-objdump runs (rustup component add llvm-tools)");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

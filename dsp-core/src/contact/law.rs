@@ -77,7 +77,7 @@ impl StrikerLaw {
 
     /// The impact of a velocity in 0 to 1. `None` where it is too weak to move the force bus, velocity 0 among them.
     ///
-    /// In integers, within 2e-8 of the law ([`Log2`]): some 300 cycles on a Cortex-M4, once a strike.
+    /// In integers, within 2e-8 of the law ([`Log2`]), once a strike.
     pub fn impact(&self, velocity: f32) -> Option<Impact> {
         if velocity.is_nan() || velocity <= 0.0 {
             return None;

@@ -17,7 +17,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
 {
     /// Sets how many cycles a tick of 32 frames may take, or takes the limit away. For 80 % of 168 MHz at 48 kHz: 89 600.
     ///
-    /// Nothing is left out while [`Skipping`](super::Skipping) is off. Costs some 15 cycles a register group and run.
+    /// Nothing is left out while [`Skipping`](super::Skipping) is off. What the look-up itself costs is among [`CYCLES`], [`Part::PredictedGroup`].
     pub fn set_budget(&mut self, cycles_per_tick: Option<u32>) {
         self.budget = cycles_per_tick;
     }

@@ -82,7 +82,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
 {
     /// Derives all stages from a kit for a sample rate and sets time to 0. What rang before is gone.
     ///
-    /// Coefficients are derived in software `f64`: some 20 000 cycles a mode on a Cortex-M4F.
+    /// Coefficients are derived in software `f64` on a Cortex-M4F: thousands of cycles a mode, not for the audio path.
     ///
     /// # Errors
     /// A [`LoadError`]; the engine is then without a kit and silent.

@@ -6,8 +6,7 @@ use crate::{exponential, quarter_turn};
 /// Level and constant-power pan of a pad: left `g cos((p+1) π/4)`, right `g sin((p+1) π/4)`, g = 10^(dB/20).
 ///
 /// A side is `x 2^k M / 2^32`, one rounded multiply by a Q32 mantissa M, k >= 1 smallest for which the louder side's mantissa fits. Exact to half a bus
-/// step up to +18 dBFS. About 16 cycles a frame on a Cortex-M4
-/// (`cargo bench -p host-tests --bench run_time_vs_error`, eight ringing pads).
+/// step up to +18 dBFS.
 #[derive(Clone, Copy, Debug)]
 pub struct Panner {
     left: i32,

@@ -6,7 +6,7 @@ use crate::fixed::{self, Scale};
 
 /// Acceleration sound: `y += α F`.
 ///
-/// Exact to half a bus step; about 10 cycles a frame on a Cortex-M4 while there is a force, none without α or without force.
+/// Exact to half a bus step; costs nothing without α or without force.
 #[derive(Clone, Copy, Debug)]
 pub struct Acceleration {
     gain: Scale,

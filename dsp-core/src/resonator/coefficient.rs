@@ -151,7 +151,7 @@ impl Coefficients {
     /// The same frequency with a faster decay: δ is raised to `choke_delta` (Q32) and the step follows,
     /// `e'² = (1-r')² + (r'/r) (e² - (1-r)²)`. Unchanged where the mode already decays faster.
     ///
-    /// In single precision: frequency within 0.001 cent. Costs about 100 cycles on a Cortex-M4F.
+    /// In single precision: frequency within 0.001 cent. A choke costs [`crate::engine::Part::ChokedMode`] a mode in all.
     pub fn choked(self, form: Form, choke_delta: i32) -> Self {
         if choke_delta <= self.delta {
             return self;

@@ -80,6 +80,9 @@ impl EngineOnChip {
         direct: Option<Direct<'_>>,
         frames: usize,
     ) -> Result<(Vec<[i32; 2]>, Call), OnChipError> {
+        if frames > BLOCK_FRAMES {
+            return Err(OnChipError::Refused { function: "engine_render", code: -3 });
+        }
         let wire: Vec<u8> = events.iter().flat_map(wire).collect();
         self.machine.write(EVENTS, &wire)?;
         let (force, pad) = match direct {

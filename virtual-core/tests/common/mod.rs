@@ -11,7 +11,6 @@ pub(crate) fn elf() -> Vec<u8> {
 }
 
 /// A fresh machine with the program loaded.
-#[allow(dead_code, reason = "not every test file runs it")]
 pub(crate) fn machine() -> Machine {
     Machine::new(&Image::from_elf(&elf()).unwrap()).unwrap()
 }

@@ -223,7 +223,7 @@ impl Bank {
 
     /// Moves the striking point for the contacts that follow: gains are interpolated between the table's positions.
     ///
-    /// About 300 cycles a mode on a Cortex-M4F where the table has several positions; nothing otherwise.
+    /// Derives every gain anew where the table has several positions; costs nothing otherwise.
     pub fn set_position(&mut self, position: f32, table: &BankTable<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
         if table.positions > 1 && position != self.position {
             self.position = position;

@@ -62,7 +62,7 @@ pub struct Block {
     frames: usize,
 }
 
-/// Renders a block of 24-bit stereo samples. -1: an event cannot be, -2: too many events.
+/// Renders a block of 24-bit stereo samples. -1: an event cannot be, -2: too many events; the host says -3 for too many frames.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn engine_render(block: *const Block) -> i32 {
