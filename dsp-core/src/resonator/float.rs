@@ -1,6 +1,6 @@
 //! The modified coupled form in single precision: what the field ships, for comparison with the fixed-point forms.
 //!
-//! Not used by the engine: worst SNR against `f64` 39 dB (near Nyquist), median 103 dB, where the fixed-point forms keep 101 dB and 122 dB
+//! Not used by the engine: worst SNR against `f64` 39 dB (near Nyquist), median 103 dB, where the fixed-point forms keep 101 dB and 120 dB
 //! (`cargo bench -p host-tests --bench accuracy`), at three multiplies and three additions a sample.
 //!
 //! Optimisation log (nominal cycles a mode and sample on a Cortex-M4F, free / driven by one gain, blocks of 32 frames mixed to memory;
