@@ -76,6 +76,8 @@ const TURN: Complex<f64> = Complex::new(0.0, 1.0);
 /// One group's normal equations at some poles.
 struct Solved {
     bases: Vec<Vec<Basis>>,
+    /// `Σ x v` of each stretch and pole.
+    ramps: Vec<Vec<Complex<f64>>>,
     gains: Gains,
     factor: Cholesky<f64, Dyn>,
     residual_energy: f64,
@@ -89,10 +91,13 @@ fn solve(group: &Group<'_>, poles: &[Pole]) -> Option<Solved> {
     let size = 2 * poles.len() + with_force;
     let (mut normal, mut right) = (DMatrix::<f64>::zeros(size, size), DVector::<f64>::zeros(size));
     let mut energy: f64 = 0.0;
+    let mut ramps = Vec::with_capacity(bases.len());
     for (stretch, bases) in group.stretches.iter().zip(&bases) {
         energy += stretch.energy();
+        let mut ramps_here = Vec::with_capacity(bases.len());
         for (k, a) in bases.iter().enumerate() {
-            let [along, _] = a.project(stretch.samples);
+            let [along, ramp] = a.project(stretch.samples);
+            ramps_here.push(ramp);
             right[2 * k] += along.re;
             right[2 * k + 1] -= along.im;
             for (l, b) in bases.iter().enumerate().take(k + 1) {
@@ -113,6 +118,7 @@ fn solve(group: &Group<'_>, poles: &[Pole]) -> Option<Solved> {
             right[size - 1] += force.iter().zip(stretch.samples).map(|(f, x)| f * x).sum::<f64>();
             normal[(size - 1, size - 1)] += force.iter().map(|f| f * f).sum::<f64>();
         }
+        ramps.push(ramps_here);
     }
     for row in 0..size {
         for column in row + 1..size {
@@ -126,7 +132,7 @@ fn solve(group: &Group<'_>, poles: &[Pole]) -> Option<Solved> {
     let residual_energy = (energy - solution.dot(&right)).max(energy * 1e-15);
     let modes = (0..poles.len()).map(|k| Complex::new(solution[2 * k], solution[2 * k + 1])).collect();
     let force = if with_force == 1 { solution[size - 1] } else { 0.0 };
-    Some(Solved { bases, gains: Gains { modes, force }, factor, residual_energy })
+    Some(Solved { bases, ramps, gains: Gains { modes, force }, factor, residual_energy })
 }
 
 /// Adds a group's share to the normal equations in the poles: `d` and `ω` of each, gains projected out.
@@ -137,9 +143,8 @@ fn add_pole_equations(group: &Group<'_>, solved: &Solved, normal: &mut DMatrix<f
     let slopes: Vec<[Complex<f64>; 2]> = solved.gains.modes.iter().map(|&c| [-c, TURN * c]).collect();
     let mut cross = DMatrix::zeros(size, 2 * count);
     let mut along = DVector::zeros(2 * count);
-    for (stretch, bases) in group.stretches.iter().zip(&solved.bases) {
-        for (k, a) in bases.iter().enumerate() {
-            let [_, ramp] = a.project(stretch.samples);
+    for ((stretch, bases), ramps) in group.stretches.iter().zip(&solved.bases).zip(&solved.ramps) {
+        for (k, (a, ramp)) in bases.iter().zip(ramps).enumerate() {
             for (i, alpha) in slopes[k].into_iter().enumerate() {
                 along[2 * k + i] += (alpha * ramp).re;
             }

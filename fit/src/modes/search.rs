@@ -39,12 +39,15 @@ pub(crate) fn search(
 ) -> Vec<Candidate> {
     let mut found: Vec<Candidate> = Vec::new();
     let mut decay = range.slowest;
+    let mut planner = RealFftPlanner::<f64>::new();
     while decay < range.fastest * GRID {
-        scan(residual, noise, range, decay, threshold, &mut found);
+        scan(residual, noise, range, decay, threshold, &mut planner, &mut found);
         decay *= GRID;
     }
     found.sort_by(|a, b| b.significance.total_cmp(&a.significance));
     let mut chosen: Vec<Candidate> = Vec::new();
+    let threshold = found.first().map_or(threshold, |best| threshold.max(best.significance / IN_ONE_PASS));
+    found.retain(|candidate| candidate.significance >= threshold);
     for candidate in found {
         if chosen.len() >= most {
             break;
@@ -61,6 +64,9 @@ const GRID: f64 = 2.0;
 /// By how much a candidate has to exceed the skirt of a stronger one.
 const OVER_SKIRT: f64 = 8.0;
 
+/// What is weaker than the strongest by more than this (20 dB) may be no more than what the strongest have left: it waits.
+const IN_ONE_PASS: f64 = 100.0;
+
 fn stands_out(candidate: &Candidate, stronger: &Candidate, length: usize) -> bool {
     let distance = candidate.pole.angular - stronger.pole.angular;
     let width = (stronger.pole.decay + candidate.pole.decay).max(PI / length as f64);
@@ -68,17 +74,18 @@ fn stands_out(candidate: &Candidate, stronger: &Candidate, length: usize) -> boo
     candidate.significance > OVER_SKIRT * skirt
 }
 
+#[allow(clippy::too_many_arguments)]
 fn scan(
     residual: &[f64],
     noise: &NoiseFloor,
     range: Range,
     decay: f64,
     threshold: f64,
+    planner: &mut RealFftPlanner<f64>,
     found: &mut Vec<Candidate>,
 ) {
     let length = residual.len().min((6.0 / decay).ceil() as usize + 2);
     let size = (2 * length).next_power_of_two().max(64);
-    let mut planner = RealFftPlanner::<f64>::new();
     let transform = planner.plan_fft_forward(size);
     let mut input = transform.make_input_vec();
     let mut output = transform.make_output_vec();
