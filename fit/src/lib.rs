@@ -1,5 +1,13 @@
 //! From recordings to tables: what a board plays, out of what a microphone heard.
 
+pub mod audio;
+pub mod contact;
+pub mod distance;
 pub mod modes;
 pub mod score;
+pub mod segment;
 pub mod synthetic;
+
+mod error;
+
+pub use error::FitError;
