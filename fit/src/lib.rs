@@ -6,6 +6,7 @@ pub mod distance;
 pub mod modes;
 pub mod score;
 pub mod segment;
+pub mod strike;
 pub mod synthetic;
 
 mod error;

@@ -12,6 +12,7 @@
 
 mod basis;
 mod noise;
+mod polish;
 mod pole;
 mod power_sums;
 mod refine;
@@ -19,8 +20,10 @@ mod search;
 
 use nalgebra::Complex;
 use noise::NoiseFloor;
-use pole::Pole;
-use refine::{Ending, Group, Model, refine};
+pub(crate) use basis::Stretch;
+pub(crate) use pole::Pole;
+pub(crate) use polish::polish;
+pub(crate) use refine::{Ending, Group, Model, refine};
 use search::{Range, search};
 
 /// A damped sine: `amplitude e^{-d t} cos(2πft + phase)`, t from the first sample of the recording.
@@ -94,6 +97,11 @@ pub fn estimate(samples: &[f64], rate_hz: f64, settings: Settings) -> Vec<Damped
         .collect();
     modes.sort_by(|a, b| b.0.total_cmp(&a.0));
     modes.into_iter().map(|(_, sine)| sine).collect()
+}
+
+/// The poles alone of [`estimate`].
+pub(crate) fn estimate_poles(samples: &[f64], rate_hz: f64, settings: Settings) -> Vec<Pole> {
+    model(samples, rate_hz, settings).map_or(Vec::new(), |model| model.poles)
 }
 
 /// Passes of search and refinement at most.

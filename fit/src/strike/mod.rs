@@ -1,0 +1,69 @@
+//! One object struck: from the strikes of a recording to modes, gains, contact times.
+
+mod sound;
+
+pub use sound::fit_sound;
+
+use crate::modes::Settings as ModeSettings;
+use crate::segment::Hit;
+
+/// How to fit.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// The modal estimator's settings.
+    pub modes: ModeSettings,
+    /// Whether a descent on the log-spectral distance follows the maximum-likelihood estimate.
+    pub polish: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { modes: ModeSettings::default(), polish: true }
+    }
+}
+
+/// A mode of an object and how each strike excites it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// Frequency in Hz.
+    pub frequency_hz: f64,
+    /// Decay rate in 1/s.
+    pub decay_per_s: f64,
+    /// `[sine, cosine]` gains in output per newton-second, one pair a strike, as tables define them.
+    pub gains: Vec<[f64; 2]>,
+}
+
+impl Mode {
+    /// T60 in seconds.
+    pub fn t60_s(&self) -> f64 {
+        1000f64.ln() / self.decay_per_s
+    }
+}
+
+/// One strike as it was understood.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strike {
+    /// Where in the recording.
+    pub hit: Hit,
+    /// Contact time of the half-sine force in seconds.
+    pub contact_time_s: f64,
+    /// Acceleration sound, output per newton, as tables define it.
+    pub acceleration: f64,
+    /// Log-spectral distance in dB between recording and model over 0.25 s from 20 samples before the peak.
+    pub lsd_db: f64,
+    /// Energy that the model leaves of the strike, dB.
+    pub residual_db: f64,
+}
+
+/// A fitted object. Forces have a peak of 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// Sample rate of the recording in Hz.
+    pub rate_hz: f64,
+    /// Modes in order of frequency.
+    pub modes: Vec<Mode>,
+    /// The strikes, in order of time.
+    pub strikes: Vec<Strike>,
+    /// Index of the loudest strike, whose gains a table takes.
+    pub loudest: usize,
+}
