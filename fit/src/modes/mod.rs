@@ -133,10 +133,15 @@ fn model(samples: &[f64], rate_hz: f64, settings: Settings) -> Option<Model> {
         if candidates.is_empty() {
             break;
         }
-        let before = model.poles.clone();
-        let mut poles = before.clone();
+        let mut poles = model.poles.clone();
         poles.extend(candidates.iter().map(|candidate| candidate.pole));
-        model = prune(&groups, refine(&groups, &poles, Ending::COARSE)?, &noise, threshold, Ending::COARSE)?;
+        let Some(more) = refine(&groups, &poles, Ending::COARSE)
+            .and_then(|more| within(&groups, more, range))
+            .and_then(|more| prune(&groups, more, &noise, threshold, Ending::COARSE))
+        else {
+            break;
+        };
+        model = more;
         residual = model.residual(0, &groups[0].stretches[0]);
         noise = NoiseFloor::of_residual(&residual);
         if model.poles.len() >= settings.most_modes {
@@ -144,7 +149,15 @@ fn model(samples: &[f64], rate_hz: f64, settings: Settings) -> Option<Model> {
         }
     }
     let model = refine(&groups, &model.poles, Ending::FINE)?;
-    prune(&groups, model, &noise, threshold, Ending::FINE)
+    prune(&groups, within(&groups, model, range)?, &noise, threshold, Ending::FINE)
+}
+
+/// Takes out what has left the range that is searched: drifts and clicks, no modes.
+fn within(groups: &[Group<'_>], model: Model, range: Range) -> Option<Model> {
+    let (lowest, highest) = range.angular;
+    let strayed = |pole: &Pole| pole.angular < 0.9 * lowest || pole.angular > highest || pole.decay > 1.5 * range.fastest;
+    let outside: Vec<usize> = (0..model.poles.len()).filter(|&k| strayed(&model.poles[k])).collect();
+    if outside.is_empty() { Some(model) } else { refine(groups, &model.without(&outside), Ending::COARSE) }
 }
 
 /// Takes out modes that do not earn their cost, the least worthy first, and refines what stays.

@@ -4,8 +4,6 @@
 //! not. With fewer modes than the sound has, the two ask for different ones in the gaps. The descent (Adam) moves gains freely
 //! and poles within a fraction of their bandwidth, so that a mode stays the mode that was measured.
 
-use std::ops::Range;
-
 use nalgebra::Complex;
 
 use super::basis::{Basis, Stretch};
@@ -19,21 +17,19 @@ const FIRST_STEP: [f64; 4] = [0.05, 0.05, 0.03, 0.03];
 /// How far a frequency may move, as a share of the decay, and the logarithm of a decay.
 const REACH: [f64; 2] = [0.5, 0.5];
 
-/// Moves poles and gains of one strike; `window` is the part of the stretch that is compared, `before` the samples of silence
-/// that stand before the stretch in it. Returns the best that was met, which may be what was given.
+/// Moves poles and gains of one strike to come nearer to `wanted`, the beginning of the stretch. Returns the best that was met, which
+/// may be what was given.
 pub(crate) fn polish(
     stretch: &Stretch<'_>,
-    window: Range<usize>,
     wanted: &[f64],
     poles: &[Pole],
     gains: &Gains,
-) -> (Vec<Pole>, Gains, f64) {
+) -> (Vec<Pole>, Gains) {
     let target = Target::new(wanted);
-    let before = wanted.len() - window.len();
-    let silence = vec![0.0; window.end];
-    let frame = Stretch { samples: &silence, force: stretch.force.map(|force| &force[..force.len().min(window.end)]) };
+    let length = wanted.len();
+    let frame = Stretch { samples: wanted, force: stretch.force.map(|force| &force[..force.len().min(length)]) };
     let render = |poles: &[Pole], gains: &Gains| {
-        let mut sound = vec![0.0; window.end];
+        let mut sound = vec![0.0; length];
         let bases: Vec<Basis> = poles.iter().map(|&pole| Basis::new(pole, &frame)).collect();
         for (basis, gain) in bases.iter().zip(&gains.modes) {
             basis.add(*gain, &mut sound);
@@ -41,9 +37,7 @@ pub(crate) fn polish(
         for (sound, force) in sound.iter_mut().zip(frame.force.unwrap_or(&[])) {
             *sound += gains.force * force;
         }
-        let mut compared = vec![0.0; before];
-        compared.extend_from_slice(&sound[window.clone()]);
-        (bases, compared)
+        (bases, sound)
     };
     let (mut now, mut now_gains) = (poles.to_vec(), gains.clone());
     let (_, sound) = render(&now, &now_gains);
@@ -57,11 +51,9 @@ pub(crate) fn polish(
             best = (now.clone(), now_gains.clone(), distance);
         }
         let (_, slope) = target.distance_and_slope(&sound);
-        let mut padded = vec![0.0; window.start];
-        padded.extend_from_slice(&slope[before..]);
         let ease = 0.5 + 0.5 * (std::f64::consts::PI * step as f64 / STEPS as f64).cos();
         for (k, basis) in bases.iter().enumerate() {
-            let [plain, ramp] = basis.project(&padded);
+            let [plain, ramp] = basis.project(&slope);
             let gain = now_gains.modes[k];
             let size = gain.norm().max(floor);
             let decay = now[k].decay;
@@ -93,5 +85,12 @@ pub(crate) fn polish(
             };
         }
     }
-    best
+    let (poles, mut gains, _) = best;
+    // The distance knows no level: the recording's is put back.
+    let energy = |sound: &[f64]| sound.iter().map(|x| x * x).sum::<f64>();
+    let (_, sound) = render(&poles, &gains);
+    let level = (energy(wanted) / energy(&sound).max(f64::MIN_POSITIVE)).sqrt();
+    gains.modes.iter_mut().for_each(|gain| *gain *= level);
+    gains.force *= level;
+    (poles, gains)
 }

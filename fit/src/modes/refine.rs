@@ -124,10 +124,13 @@ fn solve(group: &Group<'_>, poles: &[Pole]) -> Option<Solved> {
         for column in row + 1..size {
             normal[(row, column)] = normal[(column, row)];
         }
-        // A hair more than nothing, so that two poles in one place are a waste and not a fault.
-        normal[(row, row)] *= 1.0 + 1e-12;
     }
-    let factor = Cholesky::new(normal)?;
+    // Two poles in one place are a waste and not a fault: then a hair is added to the diagonal.
+    let factor = [1e-13, 1e-10, 1e-7, 1e-4].into_iter().find_map(|hair| {
+        let mut normal = normal.clone();
+        (0..size).for_each(|row| normal[(row, row)] = normal[(row, row)] * (1.0 + hair) + f64::MIN_POSITIVE);
+        Cholesky::new(normal)
+    })?;
     let solution = factor.solve(&right);
     let residual_energy = (energy - solution.dot(&right)).max(energy * 1e-15);
     let modes = (0..poles.len()).map(|k| Complex::new(solution[2 * k], solution[2 * k + 1])).collect();

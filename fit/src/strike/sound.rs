@@ -60,9 +60,9 @@ fn heard<'a>(samples: &'a [f64], hit: &Hit, rate_hz: f64) -> &'a [f64] {
 /// Polishes the loudest strike; the gains of the others are then solved for anew.
 fn polished(model: &mut Model, groups: &[Group<'_>], loudest: usize, rate_hz: f64) {
     let stretch = groups[loudest].stretches[0];
-    let window = lsd_window(stretch.samples, rate_hz);
-    let wanted = &stretch.samples[window.clone()];
-    let (poles, gains, _) = polish(&stretch, window, wanted, &model.poles, &model.gains[loudest]);
+    // From the onset on, not only from the peak: else fast modes would go astray before it.
+    let wanted = &stretch.samples[..lsd_window(stretch.samples, rate_hz).end];
+    let (poles, gains) = polish(&stretch, wanted, &model.poles, &model.gains[loudest]);
     if let Some(solved) = refine(groups, &poles, Ending { steps: 0, ..Ending::COARSE }) {
         *model = solved;
         model.gains[loudest] = gains;
