@@ -4,10 +4,13 @@ pub mod audio;
 pub mod contact;
 pub mod distance;
 pub mod modes;
+pub mod recording;
+pub mod render;
 pub mod score;
 pub mod segment;
 pub mod strike;
 pub mod synthetic;
+pub mod table;
 
 mod error;
 

@@ -1,0 +1,134 @@
+//! The whole way: a file in, a table and what is known of it out.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::audio::{self, Recording};
+use crate::distance::{log_spectral_distance_db, lsd_window};
+use crate::strike::{self, Fit, fit_sound};
+use crate::table::{self, Provenance};
+use crate::{FitError, render, segment};
+
+/// What to do with a recording.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// How to fit.
+    pub strike: strike::Settings,
+    /// Channel of the measured force, from 0.
+    pub force_channel: Option<usize>,
+    /// Hits to use, counted from 1; all if empty.
+    pub hits: Vec<usize>,
+    /// Licence of the recording, for the table.
+    pub licence: String,
+}
+
+/// A fitted recording.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// What was heard.
+    pub recording: Recording,
+    /// The fit.
+    pub fit: Fit,
+    /// The table.
+    pub table: kit::Kit,
+    /// dsp-core's rendering of the loudest strike, from its onset.
+    pub rendering: Vec<f64>,
+    /// Figures.
+    pub report: Report,
+}
+
+/// The figures of a fit, as `--json` prints them.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// The file.
+    pub input: PathBuf,
+    /// Rate at which it was fitted.
+    pub rate_hz: f64,
+    /// What was decided without asking.
+    pub notes: Vec<String>,
+    /// The strikes.
+    pub strikes: Vec<StrikeReport>,
+    /// Number of modes in the table.
+    pub modes: usize,
+    /// Lowest and highest frequency in Hz.
+    pub frequency_hz: [f64; 2],
+    /// Shortest and longest T60 in seconds.
+    pub t60_s: [f64; 2],
+    /// Log-spectral distance of dsp-core's rendering to the loudest strike, dB.
+    pub lsd_db: f64,
+    /// The same of the `f64` reference's rendering.
+    pub lsd_reference_db: f64,
+    /// Seconds that the fit took.
+    pub seconds: f64,
+}
+
+/// One strike.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct StrikeReport {
+    /// When, in seconds of the recording.
+    pub at_s: f64,
+    /// Contact time of the half-sine force in seconds.
+    pub contact_time_s: f64,
+    /// Log-spectral distance of the model in dB.
+    pub lsd_db: f64,
+    /// Energy that the model leaves, dB.
+    pub residual_db: f64,
+}
+
+/// Fits a file.
+///
+/// # Errors
+/// [`FitError`].
+pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
+    let start = std::time::Instant::now();
+    let mut recording = audio::read(path, options.force_channel)?;
+    let (found, mut notes) = segment::hits(&recording)?;
+    recording.notes.append(&mut notes);
+    let hits = segment::select(&found, &options.hits, recording.rate_hz)?;
+    let fit = fit_sound(&recording.samples, recording.rate_hz, &hits, options.strike)?;
+    let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    let stem = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    let strike = &fit.strikes[fit.loudest];
+    let provenance = Provenance {
+        name: stem,
+        source: format!(
+            "{file}, strike at {:.3} s: modal fit from sound alone (malleus fit), {} modes, contact time estimated",
+            strike.hit.onset as f64 / recording.rate_hz,
+            fit.modes.len()
+        ),
+        licence: options.licence.clone(),
+    };
+    let table = table::of_fit(&fit, &provenance);
+    let heard = &recording.samples[strike.hit.onset..strike.hit.end];
+    let rendering = render::by_instrument(&table, recording.rate_hz, heard.len())?;
+    let window = lsd_window(heard, recording.rate_hz);
+    let by_reference = render::by_reference(&table, recording.rate_hz, window.end)?;
+    let distance = |sound: &[f64]| log_spectral_distance_db(&heard[window.clone()], &sound[window.clone()]);
+    let range = |of: fn(&strike::Mode) -> f64| {
+        let values = fit.modes.iter().map(of);
+        [values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max)]
+    };
+    let report = Report {
+        input: path.to_owned(),
+        rate_hz: recording.rate_hz,
+        notes: recording.notes.iter().map(ToString::to_string).collect(),
+        strikes: fit
+            .strikes
+            .iter()
+            .map(|strike| StrikeReport {
+                at_s: strike.hit.onset as f64 / recording.rate_hz,
+                contact_time_s: strike.contact_time_s,
+                lsd_db: strike.lsd_db,
+                residual_db: strike.residual_db,
+            })
+            .collect(),
+        modes: fit.modes.len(),
+        frequency_hz: range(|mode| mode.frequency_hz),
+        t60_s: range(strike::Mode::t60_s),
+        lsd_db: distance(&rendering),
+        lsd_reference_db: distance(&by_reference),
+        seconds: start.elapsed().as_secs_f64(),
+    };
+    Ok(Fitted { recording, fit, table, rendering, report })
+}
