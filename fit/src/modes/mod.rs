@@ -23,7 +23,8 @@ use noise::NoiseFloor;
 pub(crate) use basis::Stretch;
 pub(crate) use pole::Pole;
 pub(crate) use polish::polish;
-pub(crate) use refine::{Ending, Group, Model, refine};
+pub(crate) use basis::Basis;
+pub(crate) use refine::{Ending, Gains, Group, Model, refine};
 use search::{Range, search};
 
 /// A damped sine: `amplitude e^{-d t} cos(2πft + phase)`, t from the first sample of the recording.
@@ -170,9 +171,20 @@ fn prune(groups: &[Group<'_>], model: Model, noise: &NoiseFloor, threshold: f64,
         if unworthy.is_empty() {
             return Some(model);
         }
-        // Two that stand in each other's place are both worth nothing: only the least of all goes at a time.
-        let least = unworthy.into_iter().min_by(|&a, &b| model.worth[a].total_cmp(&model.worth[b]))?;
-        model = refine(groups, &model.without(&[least]), ending)?;
+        // Two that stand in each other's place are both worth nothing: of neighbours only the least goes at a time.
+        let apart = |a: usize, b: usize| {
+            let (a, b) = (model.poles[a], model.poles[b]);
+            (a.angular - b.angular).abs() > 10.0 * (a.decay + b.decay)
+        };
+        let mut dropped: Vec<usize> = Vec::new();
+        let mut in_order = unworthy;
+        in_order.sort_by(|&a, &b| model.worth[a].total_cmp(&model.worth[b]));
+        for candidate in in_order {
+            if dropped.iter().all(|&other| apart(candidate, other)) {
+                dropped.push(candidate);
+            }
+        }
+        model = refine(groups, &model.without(&dropped), ending)?;
     }
 }
 

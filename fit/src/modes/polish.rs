@@ -8,7 +8,7 @@ use nalgebra::Complex;
 
 use super::basis::{Basis, Stretch};
 use super::pole::Pole;
-use super::refine::Gains;
+use super::refine::{Gains, MOST_DECAY};
 use crate::distance::{Target, log_spectral_distance_db};
 
 const STEPS: usize = 160;
@@ -81,7 +81,7 @@ pub(crate) fn polish(
                 angular: (now[k].angular + moves[2] * decay)
                     .clamp(from.angular - reach, from.angular + reach)
                     .clamp(1e-4, std::f64::consts::PI * 0.999),
-                decay: (decay * moves[3].exp()).clamp(from.decay * (-REACH[1]).exp(), from.decay * REACH[1].exp()),
+                decay: (decay * moves[3].exp()).clamp(from.decay * (-REACH[1]).exp(), from.decay * REACH[1].exp()).min(MOST_DECAY),
             };
         }
     }

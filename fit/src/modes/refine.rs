@@ -275,7 +275,7 @@ fn moved(poles: &[Pole], step: &DVector<f64>) -> Vec<Pole> {
     let moved = poles.iter().enumerate().map(|(k, pole)| {
         let reach = 3.0 * pole.decay + 1e-4;
         Pole {
-            decay: (pole.decay + step[2 * k]).clamp(pole.decay / 4.0, pole.decay * 4.0).max(LEAST_DECAY),
+            decay: (pole.decay + step[2 * k]).clamp(pole.decay / 4.0, pole.decay * 4.0).clamp(LEAST_DECAY, MOST_DECAY),
             angular: (pole.angular + step[2 * k + 1].clamp(-reach, reach)).clamp(1e-4, std::f64::consts::PI - 1e-4),
         }
     });
@@ -284,6 +284,8 @@ fn moved(poles: &[Pole], step: &DVector<f64>) -> Vec<Pole> {
 
 /// T60 of about 30 minutes at 48 kHz: slower than anything that a recording can show.
 const LEAST_DECAY: f64 = 1e-7;
+/// Just under the fastest decay that the instrument plays, 0.34 a sample.
+pub(crate) const MOST_DECAY: f64 = 0.3;
 
 /// Cramer-Rao bounds: standard deviations of `[decay, angular, ln amplitude]` of each mode, per sample, in white noise of variance
 /// `noise_variance`, all gains and poles unknown together; `None` where the modes cannot be told apart.

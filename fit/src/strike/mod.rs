@@ -1,7 +1,11 @@
 //! One object struck: from the strikes of a recording to modes, gains, contact times.
 
+mod force;
+mod high_pass;
 mod sound;
 
+pub use force::{MeasuredHit, Place, Shared, measured_hits, share_poles};
+pub use high_pass::high_pass;
 pub use sound::fit_sound;
 
 use crate::modes::Settings as ModeSettings;
