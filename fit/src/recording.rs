@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::audio::{self, Recording};
 use crate::distance::{log_spectral_distance_db, lsd_window};
-use crate::strike::{self, Fit, fit_sound};
+use crate::strike::{self, Fit, fit_force, fit_sound};
 use crate::table::{self, Provenance};
 use crate::{FitError, render, segment};
 
@@ -86,24 +86,30 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let (found, mut notes) = segment::hits(&recording)?;
     recording.notes.append(&mut notes);
     let hits = segment::select(&found, &options.hits, recording.rate_hz)?;
-    let fit = fit_sound(&recording.samples, recording.rate_hz, &hits, options.strike)?;
+    let fit = match recording.force.as_ref().zip(options.force_channel) {
+        Some((force, channel)) => {
+            fit_force(&recording.samples, force, channel, recording.rate_hz, &hits, options.strike)?
+        }
+        None => fit_sound(&recording.samples, recording.rate_hz, &hits, options.strike)?,
+    };
     let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     let stem = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     let strike = &fit.strikes[fit.loudest];
     let provenance = Provenance {
         name: stem,
         source: format!(
-            "{file}, strike at {:.3} s: modal fit from sound alone (malleus fit), {} modes, contact time estimated",
+            "{file}, strike at {:.3} s: modal fit {} (malleus fit), {} modes",
             strike.hit.onset as f64 / recording.rate_hz,
+            if recording.force.is_some() { "with the measured force divided out" } else { "from sound alone" },
             fit.modes.len()
         ),
         licence: options.licence.clone(),
     };
     let table = table::of_fit(&fit, &provenance);
     let heard = &recording.samples[strike.hit.onset..strike.hit.end];
-    let rendering = render::by_instrument(&table, recording.rate_hz, heard.len())?;
+    let rendering = render::by_instrument(&table, strike.position, recording.rate_hz, heard.len())?;
     let window = lsd_window(heard, recording.rate_hz);
-    let by_reference = render::by_reference(&table, recording.rate_hz, window.end)?;
+    let by_reference = render::by_reference(&table, strike.position, recording.rate_hz, window.end)?;
     let distance = |sound: &[f64]| log_spectral_distance_db(&heard[window.clone()], &sound[window.clone()]);
     let range = |of: fn(&strike::Mode) -> f64| {
         let values = fit.modes.iter().map(of);

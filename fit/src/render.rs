@@ -37,11 +37,11 @@ fn rate_of(rate_hz: f64) -> Result<SampleRate, FitError> {
         .ok_or_else(|| FitError::Render(format!("{rate_hz} Hz is no rate that the instrument plays (8000 to 192000)")))
 }
 
-/// One strike at velocity 1 from frame 0 on, by dsp-core, full scale 1, not clipped.
+/// One strike at velocity 1, at a position from 0 to 1, from frame 0 on, by dsp-core, full scale 1, not clipped.
 ///
 /// # Errors
 /// [`FitError::Table`] and [`FitError::Render`] for what a board would refuse.
-pub fn by_instrument(table: &Kit, rate_hz: f64, frames: usize) -> Result<Vec<f64>, FitError> {
+pub fn by_instrument(table: &Kit, position: f64, rate_hz: f64, frames: usize) -> Result<Vec<f64>, FitError> {
     let binary = kit::binary::build(&playable(table))?;
     let view = dsp_core::table::Kit::parse(&binary).map_err(|error| FitError::Render(error.to_string()))?;
     let mut engine = Box::new(OnePad::new());
@@ -50,7 +50,7 @@ pub fn by_instrument(table: &Kit, rate_hz: f64, frames: usize) -> Result<Vec<f64
         time: Time::at_frame(0),
         pad: 0,
         velocity: 1.0,
-        position: 0.0,
+        position: position as f32,
         striker: 0,
         action: Action::Strike,
     };
@@ -63,7 +63,7 @@ pub fn by_instrument(table: &Kit, rate_hz: f64, frames: usize) -> Result<Vec<f64
 ///
 /// # Errors
 /// As [`by_instrument`].
-pub fn by_reference(table: &Kit, rate_hz: f64, frames: usize) -> Result<Vec<f64>, FitError> {
+pub fn by_reference(table: &Kit, position: f64, rate_hz: f64, frames: usize) -> Result<Vec<f64>, FitError> {
     let (Some(object), Some(striker)) = (table.objects.first(), table.strikers.first()) else {
         return Err(FitError::Render("the table lacks an object or a striker".to_owned()));
     };
@@ -98,7 +98,7 @@ pub fn by_reference(table: &Kit, rate_hz: f64, frames: usize) -> Result<Vec<f64>
         time_samples: 0.0,
         pad: 0,
         velocity: 1.0,
-        position: 0.0,
+        position: f64::from(position as f32),
         striker: 0,
         action: reference::Action::Strike,
     };

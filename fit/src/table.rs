@@ -23,7 +23,8 @@ pub struct Provenance {
     pub licence: String,
 }
 
-/// The object and its striker as a kit without pads. Gains are those of the loudest strike, whose force has a peak of 1 at velocity 1.
+/// The object and its striker as a kit without pads. From sound alone the gains are those of the loudest strike, whose force has a peak of 1 at
+/// velocity 1; with a measured force they stand at all positions, and velocity 1 is the loudest strike.
 pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
     let name = item_name(&provenance.name, "");
     let strike = fit.strikes.get(fit.loudest);
@@ -33,9 +34,11 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
         decay_per_s: (mode.decay_per_s as f32).clamp(LEAST_DECAY_PER_S, MOST_DECAY_PER_S),
         gains: mode
             .gains
-            .get(fit.loudest)
-            .map(|[sine, cosine]| vec![Gain { sine: *sine as f32, cosine: *cosine as f32 }])
-            .unwrap_or_default(),
+            .iter()
+            .skip(if fit.measured { 0 } else { fit.loudest })
+            .take(if fit.measured { MOST_POSITIONS } else { 1 })
+            .map(|[sine, cosine]| Gain { sine: *sine as f32, cosine: *cosine as f32 })
+            .collect(),
     });
     Kit {
         name: name.clone(),
@@ -52,7 +55,7 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
             source,
             licence,
             pulse: Pulse::Hertz,
-            peak_force: 1.0,
+            peak_force: strike.map_or(1.0, |strike| strike.peak_force as f32),
             peak_exponent: 1.2,
             contact_time_s: strike.map_or(5e-4, |strike| strike.contact_time_s as f32),
             contact_exponent: -0.2,
@@ -66,6 +69,8 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
 const LEAST_DECAY_PER_S: f32 = 0.01;
 const MOST_DECAY_PER_S: f32 = 20_000.0;
 
+/// Positions that the format holds at most.
+const MOST_POSITIONS: usize = 64;
 /// Longest name of an item.
 const NAME_LENGTH: usize = 24;
 

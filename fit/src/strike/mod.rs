@@ -4,11 +4,13 @@ mod force;
 mod high_pass;
 mod sound;
 
-pub use force::{MeasuredHit, Place, Shared, measured_hits, share_poles};
+pub use force::{MeasuredHit, Place, Shared, fit_force, force_width_s, measured_hits, share_poles};
 pub use high_pass::high_pass;
 pub use sound::fit_sound;
 
-use crate::modes::Settings as ModeSettings;
+use nalgebra::Complex;
+
+use crate::modes::{Gains, Settings as ModeSettings};
 use crate::segment::Hit;
 
 /// How to fit.
@@ -33,7 +35,8 @@ pub struct Mode {
     pub frequency_hz: f64,
     /// Decay rate in 1/s.
     pub decay_per_s: f64,
-    /// `[sine, cosine]` gains in output per newton-second, one pair a strike, as tables define them.
+    /// `[sine, cosine]` gains in output per newton-second, as tables define them: from sound alone one pair a strike, with a measured force one
+    /// pair a position.
     pub gains: Vec<[f64; 2]>,
 }
 
@@ -51,6 +54,10 @@ pub struct Strike {
     pub hit: Hit,
     /// Contact time of the half-sine force in seconds.
     pub contact_time_s: f64,
+    /// Peak of the force: 1 from sound alone, else as measured (full scale = 1).
+    pub peak_force: f64,
+    /// Where it strikes, from 0 to 1 along the positions at which there are gains; 0 from sound alone.
+    pub position: f64,
     /// Acceleration sound, output per newton, as tables define it.
     pub acceleration: f64,
     /// Log-spectral distance in dB between recording and model over 0.25 s from 20 samples before the peak.
@@ -59,7 +66,7 @@ pub struct Strike {
     pub residual_db: f64,
 }
 
-/// A fitted object. Forces have a peak of 1.
+/// A fitted object. From sound alone, forces have a peak of 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// Sample rate of the recording in Hz.
@@ -68,6 +75,18 @@ pub struct Fit {
     pub modes: Vec<Mode>,
     /// The strikes, in order of time.
     pub strikes: Vec<Strike>,
-    /// Index of the loudest strike, whose gains a table takes.
+    /// Whether the force was measured: then gains are those at positions, else those of strikes.
+    pub measured: bool,
+    /// Index of the loudest strike, whose gains a table takes where the force was not measured.
     pub loudest: usize,
+}
+
+/// `Σ F[m] Re(g z^(n-m))` as sine and cosine gains of a table, whose response is the sum over samples divided by the rate.
+fn table_gain(gain: Complex<f64>, rate_hz: f64) -> [f64; 2] {
+    [-gain.im * rate_hz, gain.re * rate_hz]
+}
+
+/// The force's own gain as a table has it: there the response's first sample counts half, here it counts whole.
+fn table_acceleration(gains: &Gains) -> f64 {
+    gains.force + 0.5 * gains.modes.iter().map(|gain| gain.re).sum::<f64>()
 }

@@ -1,8 +1,6 @@
 //! Strikes without a measured force.
 
-use nalgebra::Complex;
-
-use super::{Fit, Mode, Settings, Strike};
+use super::{Fit, Mode, Settings, Strike, table_acceleration, table_gain};
 use crate::FitError;
 use crate::contact::{contact_time_s, half_sine};
 use crate::distance::{log_spectral_distance_db, lsd_window};
@@ -86,8 +84,9 @@ fn described(
         Strike {
             hit: *hit,
             contact_time_s,
-            acceleration: model.gains[index].force
-                + 0.5 * model.gains[index].modes.iter().map(|gain| gain.re).sum::<f64>(),
+            peak_force: 1.0,
+            position: 0.0,
+            acceleration: table_acceleration(&model.gains[index]),
             lsd_db: log_spectral_distance_db(&stretch.samples[window.clone()], &rendering[window]),
             residual_db: 10.0 * (energy_left / stretch.energy()).log10(),
         }
@@ -103,10 +102,5 @@ fn described(
         })
         .collect();
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-    Fit { rate_hz, modes, strikes: strikes.collect(), loudest }
-}
-
-/// `Re(g zⁿ)` summed over force samples, as sine and cosine gains of a table, whose response is the sum over samples divided by the rate.
-fn table_gain(gain: Complex<f64>, rate_hz: f64) -> [f64; 2] {
-    [-gain.im * rate_hz, gain.re * rate_hz]
+    Fit { rate_hz, modes, strikes: strikes.collect(), measured: false, loudest }
 }
