@@ -61,8 +61,12 @@ impl Tally {
 }
 
 fn main() {
-    println!("{SEEDS} sounds of 20 modes; errors are medians, the Cramer-Rao bounds (standard deviations) in brackets\n");
-    println!("  dBFS | found   | cents             | T60, %                              | amplitude, dB   | modes reported | seconds");
+    println!(
+        "{SEEDS} sounds of 20 modes; errors are medians, the Cramer-Rao bounds (standard deviations) in brackets\n"
+    );
+    println!(
+        "  dBFS | found   | cents             | T60, %                              | amplitude, dB   | modes reported | seconds"
+    );
     for noise_dbfs in [-80.0, -50.0] {
         let mut tally = Tally::default();
         for seed in 1..=SEEDS {

@@ -63,10 +63,14 @@ pub enum FitError {
     #[error("silence: no sample exceeds -120 dBFS")]
     Silence,
     /// Nothing rises and decays.
-    #[error("no strike: nothing rises by 12 dB above what was before it and dies away; give a recording with a strike and its decay")]
+    #[error(
+        "no strike: nothing rises by 12 dB above what was before it and dies away; give a recording with a strike and its decay"
+    )]
     NoOnset,
     /// The strike is cut off at full scale.
-    #[error("clipped: {percent:.0} % of the samples of the strike at {at_s:.3} s stand at its largest value; record it at a lower level")]
+    #[error(
+        "clipped: {percent:.0} % of the samples of the strike at {at_s:.3} s stand at its largest value; record it at a lower level"
+    )]
     Clipped {
         /// Time of the strike in seconds.
         at_s: f64,
@@ -82,7 +86,9 @@ pub enum FitError {
         found: usize,
     },
     /// What is left of a strike is too short.
-    #[error("the strike at {at_s:.3} s is over after {length_ms:.1} ms (end of the file or the next strike): at least 15 ms are needed")]
+    #[error(
+        "the strike at {at_s:.3} s is over after {length_ms:.1} ms (end of the file or the next strike): at least 15 ms are needed"
+    )]
     TooShort {
         /// Time of the strike in seconds.
         at_s: f64,

@@ -53,7 +53,11 @@ pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
     for (index, &now) in power.iter().enumerate() {
         let before = power[index.saturating_sub(BEFORE)..index].iter().copied().fold(0.0, f64::max);
         let at_start = index == 0;
-        let rises = if at_start { now > loudest * 0.01 } else { now > RISE * before && now > ABOVE_NOISE * floor.min(loudest * 1e-4) };
+        let rises = if at_start {
+            now > loudest * 0.01
+        } else {
+            now > RISE * before && now > ABOVE_NOISE * floor.min(loudest * 1e-4)
+        };
         if !rises || now < loudest * BELOW_LOUDEST {
             continue;
         }
@@ -105,7 +109,10 @@ pub fn select(hits: &[Hit], wanted: &[usize], rate_hz: f64) -> Result<Vec<Hit>, 
         hits.to_vec()
     } else {
         let pick = |&hit: &usize| {
-            hit.checked_sub(1).and_then(|index| hits.get(index)).copied().ok_or(FitError::NoSuchHit { hit, found: hits.len() })
+            hit.checked_sub(1)
+                .and_then(|index| hits.get(index))
+                .copied()
+                .ok_or(FitError::NoSuchHit { hit, found: hits.len() })
         };
         wanted.iter().map(pick).collect::<Result<Vec<_>, _>>()?
     };

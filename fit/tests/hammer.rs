@@ -61,7 +61,11 @@ fn contact_times_from_sound_are_within_20_percent_of_the_measured_width() {
             let heard = contact_time_s(&recording.samples[hit.onset..hit.end], recording.rate_hz)
                 .expect("the hit is long enough");
             let ratio = heard * HALF_SINE_FWHM / width_s;
-            println!("{name} {:.3} s: {:.3} ms measured, {ratio:.2} of it heard", hit.onset as f64 / 44_100.0, width_s * 1e3);
+            println!(
+                "{name} {:.3} s: {:.3} ms measured, {ratio:.2} of it heard",
+                hit.onset as f64 / 44_100.0,
+                width_s * 1e3
+            );
             near += usize::from((ratio - 1.0).abs() <= 0.2);
             all += 1;
         }

@@ -73,7 +73,8 @@ fn pairs_a_third_of_a_percent_apart_are_two_modes() {
         let seed = index as u64;
         let t60_s = 3.0 * (frequency_hz / 200.0f64).powf(-0.6);
         for noise_dbfs in [-80.0, -60.0] {
-            let pair = vec![sine(frequency_hz, t60_s, 0.0, 0.4 + seed as f64), sine(frequency_hz * 1.003, t60_s, -6.0, 2.0)];
+            let pair =
+                vec![sine(frequency_hz, t60_s, 0.0, 0.4 + seed as f64), sine(frequency_hz * 1.003, t60_s, -6.0, 2.0)];
             for found in exactly_found(&of_these(pair, 88_200, seed, noise_dbfs)) {
                 assert!(found.cents() < 0.5, "{frequency_hz} Hz, {noise_dbfs} dBFS: {} cents", found.cents());
             }

@@ -26,7 +26,11 @@ pub(super) fn decimate(samples: &[f32], factor: usize) -> Vec<f64> {
             let first = (index * factor) as i64 - half;
             let skip = (-first).max(0) as usize;
             let from = first.max(0) as usize;
-            taps[skip.min(taps.len())..].iter().zip(&samples[from.min(samples.len())..]).map(|(h, x)| h * f64::from(*x)).sum()
+            taps[skip.min(taps.len())..]
+                .iter()
+                .zip(&samples[from.min(samples.len())..])
+                .map(|(h, x)| h * f64::from(*x))
+                .sum()
         })
         .collect()
 }

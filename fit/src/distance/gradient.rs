@@ -64,7 +64,8 @@ impl Scale {
             let difference = |given: &Complex<f64>, wanted: &f64| {
                 10.0 * ((given.norm_sqr() + self.floor) / (wanted + self.floor)).log10()
             };
-            let squares: f64 = spectrum.iter().zip(wanted).map(|(given, wanted)| difference(given, wanted).powi(2)).sum();
+            let squares: f64 =
+                spectrum.iter().zip(wanted).map(|(given, wanted)| difference(given, wanted).powi(2)).sum();
             let rms = (squares / bins as f64).sqrt();
             distance += rms * share;
             let factor = share / (rms.max(1e-6) * bins as f64) * 20.0 / 10f64.ln();
@@ -91,7 +92,8 @@ mod tests {
 
     #[test]
     fn the_slope_is_that_of_the_distance() {
-        let tone = |f: f64, d: f64| (0..4000).map(|n| (-d * n as f64).exp() * (f * n as f64).sin()).collect::<Vec<f64>>();
+        let tone =
+            |f: f64, d: f64| (0..4000).map(|n| (-d * n as f64).exp() * (f * n as f64).sin()).collect::<Vec<f64>>();
         let (wanted, given) = (tone(0.3, 1e-3), tone(0.31, 2e-3));
         let target = Target::new(&wanted);
         let (distance, slope) = target.distance_and_slope(&given);

@@ -31,9 +31,10 @@ pub fn log_spectral_distance_db(recording: &[f64], rendering: &[f64]) -> f64 {
         let floor = wanted.iter().copied().fold(f64::MIN_POSITIVE, f64::max) * FLOOR;
         let bins = spectrogram.bin_count();
         let frames = wanted.chunks_exact(bins).zip(given.chunks_exact(bins)).map(|(wanted, given)| {
-            let squares = wanted.iter().zip(given).map(|(wanted, given)| {
-                (10.0 * (wanted.max(floor) / given.max(floor)).log10()).powi(2)
-            });
+            let squares = wanted
+                .iter()
+                .zip(given)
+                .map(|(wanted, given)| (10.0 * (wanted.max(floor) / given.max(floor)).log10()).powi(2));
             (squares.sum::<f64>() / bins as f64).sqrt()
         });
         frames.sum::<f64>() / (wanted.len() / bins).max(1) as f64

@@ -12,18 +12,18 @@
 
 mod basis;
 mod noise;
-mod polish;
 mod pole;
+mod polish;
 mod power_sums;
 mod refine;
 mod search;
 
+pub(crate) use basis::Basis;
+pub(crate) use basis::Stretch;
 use nalgebra::Complex;
 use noise::NoiseFloor;
-pub(crate) use basis::Stretch;
 pub(crate) use pole::Pole;
 pub(crate) use polish::polish;
-pub(crate) use basis::Basis;
 pub(crate) use refine::{Ending, Gains, Group, Model, refine};
 use search::{Range, search};
 
@@ -121,16 +121,17 @@ fn model(samples: &[f64], rate_hz: f64, settings: Settings) -> Option<Model> {
     };
     // Four numbers a mode, each of which has to explain ln N times the noise.
     let threshold = 4.0 * (length as f64).ln();
-    let mut model = Model {
-        poles: Vec::new(),
-        gains: Vec::new(),
-        residual_energy: 0.0,
-        worth: Vec::new(),
-    };
+    let mut model = Model { poles: Vec::new(), gains: Vec::new(), residual_energy: 0.0, worth: Vec::new() };
     let mut residual = samples.to_vec();
     let mut noise = NoiseFloor::of_residual(&residual);
     for _ in 0..PASSES {
-        let candidates = search(&residual, &noise, range, threshold, settings.most_modes - model.poles.len().min(settings.most_modes));
+        let candidates = search(
+            &residual,
+            &noise,
+            range,
+            threshold,
+            settings.most_modes - model.poles.len().min(settings.most_modes),
+        );
         if candidates.is_empty() {
             break;
         }
@@ -156,7 +157,8 @@ fn model(samples: &[f64], rate_hz: f64, settings: Settings) -> Option<Model> {
 /// Takes out what has left the range that is searched: drifts and clicks, no modes.
 fn within(groups: &[Group<'_>], model: Model, range: Range) -> Option<Model> {
     let (lowest, highest) = range.angular;
-    let strayed = |pole: &Pole| pole.angular < 0.9 * lowest || pole.angular > highest || pole.decay > 1.5 * range.fastest;
+    let strayed =
+        |pole: &Pole| pole.angular < 0.9 * lowest || pole.angular > highest || pole.decay > 1.5 * range.fastest;
     let outside: Vec<usize> = (0..model.poles.len()).filter(|&k| strayed(&model.poles[k])).collect();
     if outside.is_empty() { Some(model) } else { refine(groups, &model.without(&outside), Ending::COARSE) }
 }

@@ -19,12 +19,7 @@ const REACH: [f64; 2] = [0.5, 0.5];
 
 /// Moves poles and gains of one strike to come nearer to `wanted`, the beginning of the stretch. Returns the best that was met, which
 /// may be what was given.
-pub(crate) fn polish(
-    stretch: &Stretch<'_>,
-    wanted: &[f64],
-    poles: &[Pole],
-    gains: &Gains,
-) -> (Vec<Pole>, Gains) {
+pub(crate) fn polish(stretch: &Stretch<'_>, wanted: &[f64], poles: &[Pole], gains: &Gains) -> (Vec<Pole>, Gains) {
     let target = Target::new(wanted);
     let length = wanted.len();
     let frame = Stretch { samples: wanted, force: stretch.force.map(|force| &force[..force.len().min(length)]) };
@@ -81,7 +76,9 @@ pub(crate) fn polish(
                 angular: (now[k].angular + moves[2] * decay)
                     .clamp(from.angular - reach, from.angular + reach)
                     .clamp(1e-4, std::f64::consts::PI * 0.999),
-                decay: (decay * moves[3].exp()).clamp(from.decay * (-REACH[1]).exp(), from.decay * REACH[1].exp()).min(MOST_DECAY),
+                decay: (decay * moves[3].exp())
+                    .clamp(from.decay * (-REACH[1]).exp(), from.decay * REACH[1].exp())
+                    .min(MOST_DECAY),
             };
         }
     }

@@ -314,14 +314,10 @@ impl Shared {
         let first = hits.first().and_then(|&hit| self.places.get(hit)).map_or(1.0, norm);
         let unit = |place: &Place| {
             let size = norm(place).max(f64::MIN_POSITIVE) / first;
-            Place(Gains {
-                modes: place.0.modes.iter().map(|gain| gain / size).collect(),
-                force: place.0.force / size,
-            })
+            Place(Gains { modes: place.0.modes.iter().map(|gain| gain / size).collect(), force: place.0.force / size })
         };
-        let distance = |a: &Place, b: &Place| {
-            a.0.modes.iter().zip(&b.0.modes).map(|(a, b)| (a - b).norm_sqr()).sum::<f64>()
-        };
+        let distance =
+            |a: &Place, b: &Place| a.0.modes.iter().zip(&b.0.modes).map(|(a, b)| (a - b).norm_sqr()).sum::<f64>();
         let mut left: Vec<Place> = hits.iter().filter_map(|&hit| self.places.get(hit)).map(unit).collect();
         if left.is_empty() {
             return left;
@@ -329,7 +325,10 @@ impl Shared {
         let mut row = vec![left.remove(0)];
         while !left.is_empty() {
             let nearest = |end: &Place| {
-                (0..left.len()).map(|at| (distance(end, &left[at]), at)).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0))
+                (0..left.len())
+                    .map(|at| (distance(end, &left[at]), at))
+                    .min_by(|a, b| a.0.total_cmp(&b.0))
+                    .unwrap_or((0.0, 0))
             };
             let (front, back) = (nearest(&row[0]), nearest(&row[row.len() - 1]));
             if front.0 < back.0 { row.insert(0, left.remove(front.1)) } else { row.push(left.remove(back.1)) }

@@ -75,22 +75,23 @@ fn described(
     loudest: usize,
     rate_hz: f64,
 ) -> Fit {
-    let strikes = groups.iter().zip(hits).zip(contacts_s).enumerate().map(|(index, ((group, hit), &contact_time_s))| {
-        let stretch = group.stretches[0];
-        let left = model.residual(index, &stretch);
-        let rendering: Vec<f64> = stretch.samples.iter().zip(&left).map(|(x, left)| x - left).collect();
-        let window = lsd_window(stretch.samples, rate_hz);
-        let energy_left: f64 = left.iter().map(|x| x * x).sum();
-        Strike {
-            hit: *hit,
-            contact_time_s,
-            peak_force: 1.0,
-            position: 0.0,
-            acceleration: table_acceleration(&model.gains[index]),
-            lsd_db: log_spectral_distance_db(&stretch.samples[window.clone()], &rendering[window]),
-            residual_db: 10.0 * (energy_left / stretch.energy()).log10(),
-        }
-    });
+    let strikes =
+        groups.iter().zip(hits).zip(contacts_s).enumerate().map(|(index, ((group, hit), &contact_time_s))| {
+            let stretch = group.stretches[0];
+            let left = model.residual(index, &stretch);
+            let rendering: Vec<f64> = stretch.samples.iter().zip(&left).map(|(x, left)| x - left).collect();
+            let window = lsd_window(stretch.samples, rate_hz);
+            let energy_left: f64 = left.iter().map(|x| x * x).sum();
+            Strike {
+                hit: *hit,
+                contact_time_s,
+                peak_force: 1.0,
+                position: 0.0,
+                acceleration: table_acceleration(&model.gains[index]),
+                lsd_db: log_spectral_distance_db(&stretch.samples[window.clone()], &rendering[window]),
+                residual_db: 10.0 * (energy_left / stretch.energy()).log10(),
+            }
+        });
     let mut modes: Vec<Mode> = model
         .poles
         .iter()

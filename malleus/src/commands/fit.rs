@@ -98,8 +98,13 @@ fn fit_one(arguments: &FitArguments, input: &Path, table: &Path) -> Outcome {
 fn fit_and_write(arguments: &FitArguments, input: &Path, table: &Path) -> Result<Report, String> {
     let in_file = |error: FitError| match error {
         // These name the file themselves.
-        FitError::Read { .. } | FitError::NotAudio { .. } | FitError::Empty { .. } | FitError::Channel { .. }
-        | FitError::NoMicrophone { .. } | FitError::Rate { .. } | FitError::NotFinite { .. } => error.to_string(),
+        FitError::Read { .. }
+        | FitError::NotAudio { .. }
+        | FitError::Empty { .. }
+        | FitError::Channel { .. }
+        | FitError::NoMicrophone { .. }
+        | FitError::Rate { .. }
+        | FitError::NotFinite { .. } => error.to_string(),
         other => format!("{}: {other}", input.display()),
     };
     let fitted = fit_file(input, &options(arguments)).map_err(in_file)?;
