@@ -6,6 +6,7 @@ pub mod distance;
 pub mod modes;
 pub mod recording;
 pub mod render;
+pub mod residual;
 pub mod score;
 pub mod segment;
 pub mod strike;

@@ -8,7 +8,10 @@ use crate::audio::{self, Recording};
 use crate::distance::{log_spectral_distance_db, lsd_window};
 use crate::strike::{self, Fit, fit_force, fit_sound};
 use crate::table::{self, Provenance};
-use crate::{FitError, render, segment};
+use crate::{FitError, render, residual, segment};
+
+/// The residual's noise is the same in every run.
+const RESIDUAL_SEED: u64 = 1;
 
 /// What to do with a recording.
 #[derive(Clone, Debug, Default)]
@@ -59,6 +62,10 @@ pub struct Report {
     pub lsd_db: f64,
     /// The same of the `f64` reference's rendering.
     pub lsd_reference_db: f64,
+    /// The same of dsp-core's rendering and the residual bands together (`f64` noise: a table has no residual yet), dB.
+    pub lsd_with_residual_db: f64,
+    /// The residual bands: what the modes leave of the loudest strike.
+    pub residual_bands: Vec<residual::Band>,
     /// Seconds that the fit took.
     pub seconds: f64,
 }
@@ -111,6 +118,9 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let window = lsd_window(heard, recording.rate_hz);
     let by_reference = render::by_reference(&table, strike.position, recording.rate_hz, window.end)?;
     let distance = |sound: &[f64]| log_spectral_distance_db(&heard[window.clone()], &sound[window.clone()]);
+    let residual_bands = residual::fit_bands(heard, &rendering, recording.rate_hz, residual::BANDS);
+    let noise = residual::render(&residual_bands, window.end, recording.rate_hz, RESIDUAL_SEED);
+    let with_residual: Vec<f64> = rendering.iter().zip(&noise).map(|(modes, noise)| modes + noise).collect();
     let range = |of: fn(&strike::Mode) -> f64| {
         let values = fit.modes.iter().map(of);
         [values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max)]
@@ -134,6 +144,8 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         t60_s: range(strike::Mode::t60_s),
         lsd_db: distance(&rendering),
         lsd_reference_db: distance(&by_reference),
+        lsd_with_residual_db: distance(&with_residual),
+        residual_bands,
         seconds: start.elapsed().as_secs_f64(),
     };
     Ok(Fitted { recording, fit, table, rendering, report })

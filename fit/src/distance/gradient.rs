@@ -93,7 +93,7 @@ mod tests {
     #[test]
     fn the_slope_is_that_of_the_distance() {
         let tone =
-            |f: f64, d: f64| (0..4000).map(|n| (-d * n as f64).exp() * (f * n as f64).sin()).collect::<Vec<f64>>();
+            |f: f64, d: f64| (0..4000u32).map(f64::from).map(|n| (-d * n).exp() * (f * n).sin()).collect::<Vec<f64>>();
         let (wanted, given) = (tone(0.3, 1e-3), tone(0.31, 2e-3));
         let target = Target::new(&wanted);
         let (distance, slope) = target.distance_and_slope(&given);

@@ -121,7 +121,7 @@ fn model(samples: &[f64], rate_hz: f64, settings: Settings) -> Option<Model> {
     };
     // Four numbers a mode, each of which has to explain ln N times the noise.
     let threshold = 4.0 * (length as f64).ln();
-    let mut model = Model { poles: Vec::new(), gains: Vec::new(), residual_energy: 0.0, worth: Vec::new() };
+    let mut model = Model { poles: Vec::new(), gains: Vec::new(), worth: Vec::new() };
     let mut residual = samples.to_vec();
     let mut noise = NoiseFloor::of_residual(&residual);
     for _ in 0..PASSES {

@@ -43,9 +43,7 @@ pub(crate) struct Gains {
 pub(crate) struct Model {
     pub(crate) poles: Vec<Pole>,
     pub(crate) gains: Vec<Gains>,
-    /// Sum of squares of what the model leaves.
-    pub(crate) residual_energy: f64,
-    /// For each pole, by how much `residual_energy` would grow without it, the gains of the others refitted.
+    /// For each pole, by how much the energy that is left would grow without it, the gains of the others refitted.
     pub(crate) worth: Vec<f64>,
 }
 
@@ -267,7 +265,7 @@ pub(crate) fn refine(groups: &[Group<'_>], poles: &[Pole], ending: Ending) -> Op
         }
     }
     let gains = solved.into_iter().map(|solved| solved.gains).collect();
-    Some(Model { poles, gains, residual_energy: energy, worth })
+    Some(Model { poles, gains, worth })
 }
 
 /// The poles after a step, kept inside the unit circle and between 0 and Nyquist; no decay changes more than fourfold at once.

@@ -41,7 +41,12 @@ pub(crate) fn search(
     let mut decay = range.slowest;
     let mut planner = RealFftPlanner::<f64>::new();
     while decay < range.fastest * GRID {
-        scan(residual, noise, range, decay, threshold, &mut planner, &mut found);
+        for (angular, energy) in peaks(residual, decay, &mut planner) {
+            let significance = energy / noise.variance(angular);
+            if significance > threshold && (range.angular.0..=range.angular.1).contains(&angular) {
+                found.push(Candidate { pole: Pole { decay, angular }, significance });
+            }
+        }
         decay *= GRID;
     }
     found.sort_by(|a, b| b.significance.total_cmp(&a.significance));
@@ -74,16 +79,8 @@ fn stands_out(candidate: &Candidate, stronger: &Candidate, length: usize) -> boo
     candidate.significance > OVER_SKIRT * skirt
 }
 
-#[allow(clippy::too_many_arguments)]
-fn scan(
-    residual: &[f64],
-    noise: &NoiseFloor,
-    range: Range,
-    decay: f64,
-    threshold: f64,
-    planner: &mut RealFftPlanner<f64>,
-    found: &mut Vec<Candidate>,
-) {
+/// Frequencies (rad/sample) at which one more sine of a decay takes most energy away, and how much.
+fn peaks(residual: &[f64], decay: f64, planner: &mut RealFftPlanner<f64>) -> Vec<(f64, f64)> {
     let length = residual.len().min((6.0 / decay).ceil() as usize + 2);
     let size = (2 * length).next_power_of_two().max(64);
     let transform = planner.plan_fft_forward(size);
@@ -96,8 +93,9 @@ fn scan(
         weight *= ratio;
     }
     if transform.process(&mut input, &mut output).is_err() {
-        return;
+        return Vec::new();
     }
+    let mut peaks = Vec::new();
     let power: Vec<f64> = output.iter().map(|bin| 2.0 * bin.norm_sqr() / energy).collect();
     for (before, three) in power.windows(3).enumerate() {
         let [left, power, right] = [three[0], three[1], three[2]];
@@ -107,12 +105,7 @@ fn scan(
         let bend = left - 2.0 * power + right;
         let offset = if bend < 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
         let angular = PI * (before as f64 + 1.0 + offset) / (size / 2) as f64;
-        if !(range.angular.0..=range.angular.1).contains(&angular) {
-            continue;
-        }
-        let significance = power / noise.variance(angular);
-        if significance > threshold {
-            found.push(Candidate { pole: Pole { decay, angular }, significance });
-        }
+        peaks.push((angular, power));
     }
+    peaks
 }
