@@ -3,6 +3,7 @@
 pub mod audio;
 pub mod contact;
 pub mod distance;
+pub mod material;
 pub mod modes;
 pub mod recording;
 pub mod render;

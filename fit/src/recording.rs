@@ -8,7 +8,7 @@ use crate::audio::{self, Recording};
 use crate::distance::{log_spectral_distance_db, lsd_window};
 use crate::strike::{self, Fit, fit_force, fit_sound};
 use crate::table::{self, Provenance};
-use crate::{FitError, render, residual, segment};
+use crate::{FitError, material, render, residual, segment};
 
 /// The residual's noise is the same in every run.
 const RESIDUAL_SEED: u64 = 1;
@@ -58,6 +58,8 @@ pub struct Report {
     pub frequency_hz: [f64; 2],
     /// Shortest and longest T60 in seconds.
     pub t60_s: [f64; 2],
+    /// What the object may be made of.
+    pub material: Option<material::Guess>,
     /// Log-spectral distance of dsp-core's rendering to the loudest strike, dB.
     pub lsd_db: f64,
     /// The same of the `f64` reference's rendering.
@@ -142,6 +144,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         modes: fit.modes.len(),
         frequency_hz: range(|mode| mode.frequency_hz),
         t60_s: range(strike::Mode::t60_s),
+        material: material::guess(&fit),
         lsd_db: distance(&rendering),
         lsd_reference_db: distance(&by_reference),
         lsd_with_residual_db: distance(&with_residual),

@@ -123,6 +123,18 @@ struct FitArguments {
 
 #[derive(Debug, Subcommand)]
 enum KitCommand {
+    /// Bind tables, such as `malleus fit` writes, to the pads of a new kit
+    New {
+        /// The new kit, text
+        #[arg(value_name = "KIT.toml")]
+        output: PathBuf,
+        /// Tables: .toml files with objects and strikers; each object becomes a pad
+        #[arg(required = true, value_name = "TABLE")]
+        tables: Vec<PathBuf>,
+        /// MIDI note of the first pad; the others follow
+        #[arg(long, value_name = "NOTE", default_value_t = 36, value_parser = clap::value_parser!(u8).range(0..=127))]
+        first_note: u8,
+    },
     /// Build the binary form that a board reads
     Build {
         /// Kit as text
