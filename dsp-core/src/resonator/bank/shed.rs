@@ -146,7 +146,7 @@ impl core::ops::AddAssign for Shed {
 }
 
 impl Bank {
-    /// Puts the loudness of each of its groups at the group's place in the survey, [`SILENT`] for those that would not run, and adds up
+    /// Puts the loudness of each of its groups at the group's place in the survey, `SILENT` for those that would not run, and adds up
     /// what each step of loudness costs. Under a force all would run that are not left out already, else those that ring.
     #[inline(never)]
     pub fn survey<const GROUPS: usize>(
