@@ -62,7 +62,7 @@ impl Settings {
             threshold: 0.006,
             scan_time_s: 0.001_5,
             mask_time_s: 0.008,
-            mask_decay_per_s: 80.0,
+            mask_decay_per_s: 60.0,
             full_scale: 1.0,
             velocity_exponent: 1.0,
             crosstalk_db: -16.0,
