@@ -90,7 +90,8 @@ impl Settings {
         }
     }
 
-    fn of_table(trigger: &table::Trigger<'_>) -> Self {
+    /// The settings that a kit gives a pad.
+    pub fn of_table(trigger: &table::Trigger<'_>) -> Self {
         Self {
             mode: match (trigger.is_direct(), trigger.is_off()) {
                 (true, _) => Mode::Direct,

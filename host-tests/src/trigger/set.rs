@@ -23,7 +23,9 @@ pub const KINDS: [&str; 9] = [
 
 /// `scenes` scenes of each kind.
 pub fn scenes(seed: u64, scenes: usize) -> Vec<Scene<CHANNELS>> {
-    (0..scenes * KINDS.len()).map(|index| scene(index % KINDS.len(), seed.wrapping_mul(1_000_003) + index as u64)).collect()
+    (0..scenes * KINDS.len())
+        .map(|index| scene(index % KINDS.len(), seed.wrapping_mul(1_000_003) + index as u64))
+        .collect()
 }
 
 fn ring(random: &mut Random, longest_s: f64) -> (Ring, f64) {
@@ -90,7 +92,8 @@ fn rolls(random: &mut Random) -> Vec<Strike> {
     let mut strikes = Vec::new();
     let mut time_s = START_S;
     for _ in 0..3 {
-        let (pad, velocity, rate_hz) = (random.choice(CHANNELS), random.between_log(0.015, 0.7), random.between(12.0, 25.0));
+        let (pad, velocity, rate_hz) =
+            (random.choice(CHANNELS), random.between_log(0.015, 0.7), random.between(12.0, 25.0));
         for _ in 0..10 {
             let loudness = random.between_log(0.71, 1.41);
             strikes.push(Strike { time_s, pad, velocity: velocity * loudness });
