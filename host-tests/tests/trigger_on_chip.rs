@@ -48,7 +48,6 @@ fn a_silent_channel_costs_at_most_30_cycles_a_sample_and_a_struck_one_60() {
             sum += per;
             blocks += 1.0;
         }
-        for f in chip.machine().profile().iter().take(8) {
             println!("   {} {:?}", f.name, f.cost);
         }
         println!("{what}: {:.1} cycles a channel and sample, worst block {worst:.1}", sum / blocks);
