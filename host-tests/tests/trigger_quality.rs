@@ -5,8 +5,8 @@ use host_tests::trigger::listen::{on_pc, reference};
 use host_tests::trigger::set::{KINDS, scenes};
 use host_tests::trigger::{Score, score};
 
-/// Scenes of each kind: 1920 strikes.
-const SCENES: usize = 8;
+/// Scenes of each kind: 1200 strikes.
+const SCENES: usize = 5;
 
 fn print_row(name: &str, score: &Score) {
     let (least, most) = score.latency_ms();
