@@ -49,6 +49,8 @@ pub(super) struct Channel {
     onset_level: i32,
     foot_level: i32,
     foot_frame: u32,
+    /// The largest magnitude since: some strikes are loudest in their first sample, before they are noticed.
+    rise_peak: i32,
     /// The largest envelope of the tick so far, while something rings.
     tick_envelope: i32,
     /// Sum of the tick's samples so far, in counts.
@@ -74,6 +76,7 @@ impl Channel {
         onset_level: DEAF,
         foot_level: 0,
         foot_frame: 0,
+        rise_peak: 0,
         tick_envelope: 0,
         sum: 0,
         scan: Scan::NONE,
@@ -96,6 +99,7 @@ impl Channel {
         let mut at = 0;
         if !self.is_scanning && !self.mask.is_loud() && self.envelope <= self.foot_level {
             at = self.stay_below_foot(frames, index);
+            self.rise_peak = 0;
             self.foot_frame = now.wrapping_add(at as u32).wrapping_sub(1);
         }
         if at < frames.len() {
@@ -118,9 +122,13 @@ impl Channel {
                 self.scan.push(raw, x, envelope);
             } else if envelope <= self.foot_level {
                 self.foot_frame = now.wrapping_add(at).wrapping_sub(1);
-            } else if envelope > self.onset_level {
-                self.begin_scan(now.wrapping_add(at), config);
-                self.scan.push(raw, x, envelope);
+                self.rise_peak = 0;
+            } else {
+                if envelope > self.onset_level {
+                    self.begin_scan(now.wrapping_add(at), config);
+                    self.scan.push(raw, x, envelope);
+                }
+                self.rise_peak = self.rise_peak.max(x.wrapping_abs());
             }
         }
     }
@@ -161,7 +169,7 @@ impl Channel {
         // A decision falls behind the tick in which it was announced.
         let nearest = now.wrapping_add(TICK_FRAMES as u32);
         let decide_at = if decide_at.wrapping_sub(nearest) < config.scan_frames { decide_at } else { nearest };
-        self.scan = Scan::begin(decide_at, self.mask.crest());
+        self.scan = Scan::begin(decide_at, self.rise_peak);
         self.is_scanning = true;
         self.noise.struck();
     }
@@ -199,6 +207,9 @@ impl Channel {
         self.mask.tick(envelope, quiet, config.mask_decay);
         let mask = self.mask.level();
         let deaf = self.masked_ticks > 0 || self.warm_up_ticks > 0 || self.fault.is_some();
+        if deaf {
+            self.rise_peak = 0;
+        }
         self.onset_level = if deaf { DEAF } else { quiet.max(scale_q8(mask, OVER_Q8)) };
         self.foot_level =
             (scale_q8(self.noise.mean(), NOISE_FOOT_Q8) + COUNT / 2).max(scale_q8(self.mask.crest(), MASK_FOOT_Q8));
