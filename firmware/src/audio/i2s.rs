@@ -95,7 +95,7 @@ impl I2s {
         // A transfer of two bytes ends within a few cycles.
         while registers.cr().read().en() {}
         self.clear_flags();
-        self.silence();
+        silence_now();
         registers.par().write_value(spi.dr().as_ptr() as u32);
         registers.m0ar().write_value(BUFFER.0.get() as u32);
         registers.ndtr().write(|w| w.set_ndt(HALF_WORDS as u16));
@@ -162,35 +162,36 @@ impl I2s {
         (HALF_WORDS - left.clamp(1, HALF_WORDS)) / HALF_WORDS_PER_FRAME
     }
 
-    /// Fills half 0 or 1 with samples of 24 bits.
-    pub fn fill(&mut self, half: usize, frames: &[[i32; 2]; HALF_FRAMES]) {
-        self.store(half % 2 * HALF_FRAMES, frames.iter().map(slots));
+    /// Frames that the DMA has read since it finished a half.
+    pub fn frames_since(&self, half: usize) -> usize {
+        (self.position() + FRAMES - (half + 1) * HALF_FRAMES % FRAMES) % FRAMES
     }
 
-    /// Both halves to zeros.
-    pub fn silence(&mut self) {
-        self.store(0, core::iter::repeat_n([0; 2], FRAMES));
-    }
-
-    fn store(&mut self, first: usize, frames: impl Iterator<Item = [u32; 2]>) {
-        for (frame, slots) in (first..FRAMES).zip(frames) {
-            // SAFETY: `frame` is below FRAMES; nobody else writes, and the DMA reads whole half-words.
-            unsafe { BUFFER.0.get().cast::<[u32; 2]>().add(frame).write_volatile(slots) };
+    /// Fills the 32 frames of the buffer that begin at `first`, round its end, with samples of 24 bits.
+    pub fn fill(&mut self, first: usize, frames: &[[i32; 2]; HALF_FRAMES]) {
+        for (frame, slots) in (first..).zip(frames.iter().map(slots)) {
+            store(frame % FRAMES, slots);
         }
         compiler_fence(Ordering::SeqCst);
+    }
+}
+
+/// Zeros to both halves from anywhere: at a start, and for a program that is about to end.
+pub fn silence_now() {
+    for frame in 0..FRAMES {
+        store(frame, [0; 2]);
+    }
+    compiler_fence(Ordering::SeqCst);
+}
+
+fn store(frame: usize, slots: [u32; 2]) {
+    if frame < FRAMES {
+        // SAFETY: inside the buffer; whole words, of which the DMA reads halves.
+        unsafe { BUFFER.0.get().cast::<[u32; 2]>().add(frame).write_volatile(slots) };
     }
 }
 
 /// 24 bits to the top of a slot of 32, halves swapped.
 fn slots(frame: &[i32; 2]) -> [u32; 2] {
     frame.map(|sample| ((sample << 8) as u32).rotate_left(16))
-}
-
-/// Zeros to both halves from anywhere, for a program that is about to end.
-pub fn silence_now() {
-    for frame in 0..FRAMES {
-        // SAFETY: as `I2s::store`; who was writing will not go on.
-        unsafe { BUFFER.0.get().cast::<[u32; 2]>().add(frame).write_volatile([0; 2]) };
-    }
-    compiler_fence(Ordering::SeqCst);
 }
