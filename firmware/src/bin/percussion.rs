@@ -10,6 +10,7 @@ use firmware::audio::instrument::Instrument;
 use firmware::faults::{self, Fault};
 use firmware::input::piezo::Piezos;
 use firmware::input::{self, Inputs};
+use firmware::refusal::Refusal;
 use firmware::restart::Cause;
 use firmware::{audio, board, cycles, kits, tasks, watchdog};
 
@@ -52,24 +53,23 @@ fn spawn<T>(spawner: &Spawner, task: Result<SpawnToken<T>, SpawnError>) {
 
 /// The kit in the flash sector where it is good, else the built-in one.
 fn choose_kit(instrument: &mut Instrument) -> Option<(Kit<'static>, input::Settings)> {
-    match kits::in_sector() {
+    match kit_in_sector(instrument) {
+        Ok(Some(chosen)) => return Some(chosen),
         Ok(None) => defmt::info!("kit sector: empty, the built-in kit plays"),
-        Err(error) => refuse(&error),
-        Ok(Some(kit)) => match (instrument.load(&kit, audio::BUDGET_CYCLES), input::Settings::of(&kit)) {
-            (Ok(()), Ok(settings)) => {
-                defmt::info!("kit sector: {=str} plays", kit.name());
-                return Some((kit, settings));
-            }
-            (Err(error), _) => refuse(&error),
-            (_, Err(error)) => refuse(&error),
-        },
+        Err(refusal) => {
+            faults::set(Fault::Kit, true);
+            defmt::error!("kit sector: {}; the built-in kit plays", refusal);
+        }
     }
     let kit = Kit::parse(kits::BUILT_IN).ok()?;
     instrument.load(&kit, audio::BUDGET_CYCLES).ok()?;
     Some((kit, input::Settings::of(&kit).ok()?))
 }
 
-fn refuse(error: &dyn core::fmt::Display) {
-    faults::set(Fault::Kit, true);
-    defmt::error!("kit sector: {}; the built-in kit plays", defmt::Display2Format(error));
+fn kit_in_sector(instrument: &mut Instrument) -> Result<Option<(Kit<'static>, input::Settings)>, Refusal> {
+    let Some(kit) = kits::in_sector()? else { return Ok(None) };
+    let settings = input::Settings::of(&kit)?;
+    instrument.load(&kit, audio::BUDGET_CYCLES)?;
+    defmt::info!("kit sector: {=str} plays", kit.name());
+    Ok(Some((kit, settings)))
 }
