@@ -11,6 +11,7 @@ pub mod faults;
 pub mod input;
 pub mod kits;
 mod owned;
+mod queue;
 pub mod refusal;
 pub mod restart;
 pub mod tasks;

@@ -64,13 +64,22 @@ impl defmt::Format for At {
 fn table(f: Formatter<'_>, error: TableError) {
     match error {
         TableError::Truncated { needed, found } => {
-            defmt::write!(f, "truncated: {=usize} bytes are needed, {=usize} are there; write the whole file", needed, found)
+            defmt::write!(
+                f,
+                "truncated: {=usize} bytes are needed, {=usize} are there; write the whole file",
+                needed,
+                found
+            )
         }
         TableError::WrongMagic { found } => {
             defmt::write!(f, "wrong magic: a kit begins with MALL, this with the bytes {=[u8; 4]:02x}", found)
         }
         TableError::NewerVersion { found } => {
-            defmt::write!(f, "format version {=u32} is newer than this image: flash a newer one, or build the kit again", found)
+            defmt::write!(
+                f,
+                "format version {=u32} is newer than this image: flash a newer one, or build the kit again",
+                found
+            )
         }
         TableError::WrongCrc { stored, computed } => defmt::write!(
             f,
@@ -94,10 +103,19 @@ fn table(f: Formatter<'_>, error: TableError) {
             kit_length
         ),
         TableError::UnknownSection { tag } => {
-            defmt::write!(f, "unknown section {=[u8; 4]:a}: this image does not know that stage; flash a newer one", tag)
+            defmt::write!(
+                f,
+                "unknown section {=[u8; 4]:a}: this image does not know that stage; flash a newer one",
+                tag
+            )
         }
         TableError::NewerSection { tag, found } => {
-            defmt::write!(f, "section {=[u8; 4]:a} of version {=u32} is newer than this image: flash a newer one", tag, found)
+            defmt::write!(
+                f,
+                "section {=[u8; 4]:a} of version {=u32} is newer than this image: flash a newer one",
+                tag,
+                found
+            )
         }
         TableError::SectionCount { tag, found } => {
             defmt::write!(f, "{=usize} sections {=[u8; 4]:a}: there must be exactly one", found, tag)
@@ -180,7 +198,9 @@ impl defmt::Format for Bank {
     fn format(&self, f: Formatter<'_>) {
         let (modes, groups, origins) = self.capacity;
         match self.error {
-            BankError::TooManyModes => defmt::write!(f, "more modes than the {=usize} that this board has room for", modes),
+            BankError::TooManyModes => {
+                defmt::write!(f, "more modes than the {=usize} that this board has room for", modes)
+            }
             BankError::TooManyGroups => {
                 defmt::write!(f, "more modes than the {=usize} register groups that this board has room for", groups)
             }

@@ -4,9 +4,8 @@ use dsp_core::event::{Action, Event};
 use dsp_core::table::Kit;
 use embassy_stm32::gpio::Output;
 use embassy_time::{Instant, Timer};
-use heapless::spsc::Consumer;
 
-use crate::audio::{CYCLES_PER_HALF, Line};
+use crate::audio::{CYCLES_PER_HALF, Line, Log};
 use crate::board::LEDS;
 use crate::faults::{self, Fault};
 use crate::{counters, watchdog};
@@ -23,10 +22,10 @@ const SHOW_S: u64 = 5;
 /// Tells what the audio interrupt has to tell. A played event has the form of an events file: behind `event` stand sample, pad, velocity, position,
 /// striker and action.
 #[embassy_executor::task]
-pub async fn log(mut lines: Consumer<'static, Line>, kit: Kit<'static>) {
+pub async fn log(mut lines: Log, kit: Kit<'static>) {
     let (mut sound_until, mut adc_until) = (Instant::MIN, Instant::MIN);
     loop {
-        while let Some(line) = lines.dequeue() {
+        while let Some(line) = lines.take() {
             let shown_until = Instant::now() + embassy_time::Duration::from_secs(SHOW_S);
             match line {
                 Line::Event(event) => tell(&event, &kit),

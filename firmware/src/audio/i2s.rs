@@ -18,7 +18,7 @@ use embassy_stm32::pac::dma::vals::{Dir, Pl, Size};
 use embassy_stm32::pac::spi::vals::{Chlen, Ckpol, Datlen, I2scfg, I2sstd, Odd};
 use embassy_stm32::pac::{dma::Dma, spi::Spi};
 
-use crate::clock::AudioClock;
+use crate::board::{CLOCKS, I2S};
 
 /// Frames of a half: one tick of the engine.
 pub const HALF_FRAMES: usize = 32;
@@ -61,20 +61,19 @@ pub enum Told {
     Nothing,
 }
 
-/// The I2S output. There is one, and it owns the buffer.
-pub struct I2s {
-    wiring: Wiring,
-}
+/// The I2S output. There is one: it owns the buffer, and what [`I2S`] names.
+pub struct I2s(());
 
 impl I2s {
-    /// Sets up the peripheral, still silent and without a clock. `wiring.spi` must have been reset and its bus clock be on.
-    pub fn new(wiring: Wiring, clock: AudioClock) -> Self {
-        wiring.spi.i2spr().write(|w| {
+    /// Sets up the peripheral, still silent. It must have been reset, and its bus clock be on.
+    pub fn set_up() -> Self {
+        let clock = CLOCKS.audio;
+        I2S.spi.i2spr().write(|w| {
             w.set_i2sdiv((clock.prescaler / 2) as u8);
             w.set_odd(if clock.prescaler % 2 == 1 { Odd::ODD } else { Odd::EVEN });
             w.set_mckoe(clock.master_clock);
         });
-        wiring.spi.i2scfgr().write(|w| {
+        I2S.spi.i2scfgr().write(|w| {
             w.set_i2smod(true);
             w.set_i2scfg(I2scfg::MASTER_TX);
             w.set_i2sstd(I2sstd::PHILIPS);
@@ -82,12 +81,12 @@ impl I2s {
             w.set_datlen(Datlen::BITS24);
             w.set_chlen(Chlen::BITS32);
         });
-        Self { wiring }
+        Self(())
     }
 
     /// Starts with two silent halves, or starts anew after an error: from the first half-word of the left slot of frame 0.
     pub fn start(&mut self) {
-        let Wiring { spi, dma, stream, channel, .. } = self.wiring;
+        let Wiring { spi, dma, stream, channel, .. } = I2S;
         spi.i2scfgr().modify(|w| w.set_i2se(false));
         spi.cr2().modify(|w| w.set_txdmaen(false));
         let registers = dma.st(stream);
@@ -123,15 +122,15 @@ impl I2s {
     /// # Safety
     /// Whatever its handler uses must be ready, and belong to it from now on.
     pub unsafe fn enable_interrupt(&self, priority: Priority) {
-        self.wiring.interrupt.set_priority(priority);
-        self.wiring.interrupt.unpend();
+        I2S.interrupt.set_priority(priority);
+        I2S.interrupt.unpend();
         // SAFETY: the caller's word.
-        unsafe { self.wiring.interrupt.enable() };
+        unsafe { I2S.interrupt.enable() };
     }
 
     /// Takes what the stream has to tell; an error comes first.
     pub fn take(&mut self) -> Told {
-        let Wiring { dma, stream, .. } = self.wiring;
+        let Wiring { dma, stream, .. } = I2S;
         let flags = dma.isr(stream / 4).read();
         self.clear_flags();
         let place = stream % 4;
@@ -145,7 +144,7 @@ impl I2s {
     }
 
     fn clear_flags(&mut self) {
-        let Wiring { dma, stream, .. } = self.wiring;
+        let Wiring { dma, stream, .. } = I2S;
         let place = stream % 4;
         dma.ifcr(stream / 4).write(|w| {
             w.set_feif(place, true);
@@ -158,7 +157,7 @@ impl I2s {
 
     /// The frame of the buffer that the DMA reads next, 0 to 63.
     pub fn position(&self) -> usize {
-        let left = usize::from(self.wiring.dma.st(self.wiring.stream).ndtr().read().ndt());
+        let left = usize::from(I2S.dma.st(I2S.stream).ndtr().read().ndt());
         (HALF_WORDS - left.clamp(1, HALF_WORDS)) / HALF_WORDS_PER_FRAME
     }
 

@@ -12,6 +12,7 @@
 
 pub mod i2s;
 pub mod instrument;
+mod waiting;
 
 use core::sync::atomic::{Ordering, compiler_fence};
 
@@ -19,13 +20,13 @@ use dsp_core::event::Event;
 use dsp_core::trigger;
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::Priority;
-use heapless::spsc::{Consumer, Producer, Queue};
 
 use self::i2s::{HALF_FRAMES, I2s, Told};
 use self::instrument::Instrument;
 use crate::board::CLOCKS;
 use crate::input::{self, Inputs};
 use crate::owned::Owned;
+use crate::queue::Queue;
 use crate::{counters, cycles};
 
 /// Above everything that can wait: a half is due after 667 us.
@@ -83,38 +84,49 @@ struct Audio {
     played: usize,
 }
 
-/// The log's end in the interrupt.
-struct Lines(Producer<'static, Line>);
+static LOG: Queue<Line, LINES> = Queue::new();
+
+/// The log's end in the interrupt; there is one.
+struct Lines(());
 
 impl Lines {
     /// What finds no room is counted.
     fn push(&mut self, line: Line) {
-        if self.0.enqueue(line).is_err() {
+        // SAFETY: the one end.
+        if !unsafe { LOG.push(line) } {
             counters::UNLOGGED_LINES.add(1);
         }
     }
 }
 
+/// The other end: what the interrupt has to tell, in order.
+pub struct Log(());
+
+impl Log {
+    /// The next line, where there is one.
+    pub fn take(&mut self) -> Option<Line> {
+        // SAFETY: the one end.
+        unsafe { LOG.take() }
+    }
+}
+
 #[unsafe(link_section = ".hot")]
 static AUDIO: Owned<Audio> = Owned::empty();
-static LOG: Owned<Queue<Line, LINES>> = Owned::empty();
 
-/// Starts the stream: from now on an instrument that has a kit is heard. Gives the end of the log where lines come out, in order.
+/// Starts the stream: from now on an instrument that has a kit is heard.
 ///
 /// # Safety
 /// Called once.
-pub unsafe fn start(mut i2s: I2s, inputs: Inputs, instrument: &'static mut Instrument) -> Consumer<'static, Line> {
-    // SAFETY: the caller's word: this is the one place that fills it.
-    let (lines, log) = unsafe { LOG.fill(Queue::new()) }.split();
+pub unsafe fn start(mut i2s: I2s, inputs: Inputs, instrument: &'static mut Instrument) -> Log {
     i2s.start();
-    let audio = Audio { i2s, inputs, instrument, lines: Lines(lines), last: cycles::now(), played: 1 };
-    // SAFETY: as above; the interrupt comes after this.
+    let audio = Audio { i2s, inputs, instrument, lines: Lines(()), last: cycles::now(), played: 1 };
+    // SAFETY: the caller's word; the interrupt comes after this.
     unsafe {
         let audio = AUDIO.fill(audio);
         compiler_fence(Ordering::SeqCst);
         audio.i2s.enable_interrupt(PRIORITY);
     }
-    log
+    Log(())
 }
 
 #[cfg(feature = "blackpill-f411")]

@@ -54,8 +54,11 @@ pub fn init(p: Peripherals) -> Board {
     // XSMT: the PCM5102A is mute while it is low. It has no bus, so there is nothing that could fail to answer.
     core::mem::forget(Output::new(p.PB14, Level::High, Speed::Low));
     Board {
-        i2s: I2s::new(I2S, CLOCKS.audio),
-        button: Button { pin: ExtiInput::new_blocking(p.PA0, p.EXTI0, Pull::Up, TriggerEdge::Falling), pressed_is_high: false },
+        i2s: I2s::set_up(),
+        button: Button {
+            pin: ExtiInput::new_blocking(p.PA0, p.EXTI0, Pull::Up, TriggerEdge::Falling),
+            pressed_is_high: false,
+        },
         leds: [Output::new(p.PC13, Level::High, Speed::Low)],
         leds_light_high: false,
         codec: Ok(()),

@@ -54,7 +54,7 @@ pub fn init(p: Peripherals) -> Board {
     }
     core::mem::forget(pins);
     embassy_stm32::rcc::enable_and_reset::<peripherals::SPI3>();
-    let i2s = I2s::new(I2S, CLOCKS.audio);
+    let i2s = I2s::set_up();
 
     let mut config = i2c::Config::default();
     config.frequency = Hertz(100_000);
@@ -63,7 +63,10 @@ pub fn init(p: Peripherals) -> Board {
     let reset = Output::new(p.PD4, Level::Low, Speed::Low);
     Board {
         i2s,
-        button: Button { pin: ExtiInput::new_blocking(p.PA0, p.EXTI0, Pull::Down, TriggerEdge::Rising), pressed_is_high: true },
+        button: Button {
+            pin: ExtiInput::new_blocking(p.PA0, p.EXTI0, Pull::Down, TriggerEdge::Rising),
+            pressed_is_high: true,
+        },
         // Green, orange, red, blue.
         leds: [
             Output::new(p.PD12, Level::Low, Speed::Low),
