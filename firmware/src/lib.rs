@@ -10,7 +10,7 @@ pub mod cycles;
 pub mod faults;
 pub mod input;
 pub mod kits;
-mod owned;
+pub mod owned;
 mod queue;
 pub mod refusal;
 pub mod restart;

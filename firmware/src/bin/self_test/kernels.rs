@@ -1,8 +1,9 @@
 //! DWT cycles of every kernel of the bank, beside the cycle model's.
 
-use dsp_core::resonator::{Bank, BankTable, Group, Memory, Mode, Origin, TICK_FRAMES, Used};
+use dsp_core::resonator::{Bank, BankTable, Group, Memory, Mode, TICK_FRAMES, Used};
 use dsp_core::table::{Kit, Object};
 use firmware::board::CLOCKS;
+use firmware::owned::Owned;
 use firmware::{cycles, watchdog};
 
 use crate::Failures;
@@ -24,8 +25,13 @@ const MODEL_FREE: u32 = 5_520;
 const MODEL_GAIN: u32 = 7_780;
 const MODEL_GAIN_AND_PHASE: u32 = 9_490;
 
-static mut MEMORY: ([Mode; MODES], [Group; MODES / 4], [Origin; 0]) =
-    ([Mode::SILENT; MODES], [Group::EMPTY; MODES / 4], []);
+/// Room for one form's bank.
+struct Room {
+    modes: [Mode; MODES],
+    groups: [Group; MODES / 4],
+}
+
+static ROOM: Owned<Room> = Owned::empty();
 
 /// Each form ringing, and under a force with one gain and with two.
 pub(crate) fn check(failures: &mut Failures) {
@@ -61,9 +67,9 @@ fn tell(object: &Object<'_>, input: &str, measured: u32, model: u32, failures: &
 
 /// Thousandths of a cycle a mode and sample: ringing, and under a force.
 fn time(object: &Object<'_>) -> (u32, u32) {
-    // SAFETY: main calls this, one object after the other; no interrupt does.
-    let (modes, groups, origins) = unsafe { &mut *(&raw mut MEMORY) };
-    let mut memory = Memory { modes, groups, origins };
+    // SAFETY: main calls this, for one object after the other; no interrupt does.
+    let room = unsafe { ROOM.fill(Room { modes: [Mode::SILENT; MODES], groups: [Group::EMPTY; MODES / 4] }) };
+    let mut memory = Memory { modes: &mut room.modes, groups: &mut room.groups, origins: &mut [] };
     let table = BankTable {
         modes: object.modes(),
         gains: object.gains(),
