@@ -4,7 +4,7 @@
 //! ADC frame n ──► trigger: decided at n ──► anchor + floor((n - anchor) Q/P) + DELAY_FRAMES ──► event at that frame
 //! ```
 //!
-//! Both clocks come from one crystal, so their ratio Q/P is exact; an [`Anchor`] says which frames belong together. It is set whenever the ADC is
+//! Both clocks come from one crystal, so their ratio Q/P is exact; an anchor says which frames belong together. It is set whenever the ADC is
 //! started, and moved when the output has fallen behind.
 
 mod button;
