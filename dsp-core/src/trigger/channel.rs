@@ -167,7 +167,8 @@ impl Channel {
         let mask = self.mask.level();
         let deaf = self.masked_ticks > 0 || self.warm_up_ticks > 0 || self.fault.is_some();
         self.onset_level = if deaf { DEAF } else { quiet.max(scale_q8(mask, OVER_Q8)) };
-        self.foot_level = (scale_q8(self.noise.mean(), NOISE_FOOT_Q8) + COUNT / 2).max(scale_q8(mask, MASK_FOOT_Q8));
+        self.foot_level =
+            (scale_q8(self.noise.mean(), NOISE_FOOT_Q8) + COUNT / 2).max(scale_q8(self.mask.crest(), MASK_FOOT_Q8));
         changed
     }
 

@@ -53,7 +53,7 @@ impl Mask {
 
     /// What the envelope is measured against.
     pub(super) fn level(&self) -> i32 {
-        self.decaying.max(self.crest)
+        self.decaying
     }
 
     /// What rang 1.3 to 4.3 ms ago.
@@ -71,6 +71,9 @@ impl Mask {
             *slot = envelope;
         }
         self.loud_ticks = if envelope > quiet { PAST_TICKS as u16 } else { self.loud_ticks.saturating_sub(1) };
+        // A strike must not mask its own rise: the follower takes the envelope late.
+        let late = self.past.get(self.newest.wrapping_sub(CREST_TICKS.start) % PAST_TICKS).copied().unwrap_or(0);
+        self.decaying = self.decaying.max(late);
         self.crest = 0;
         if self.loud_ticks > 0 {
             for back in CREST_TICKS {

@@ -62,7 +62,7 @@ impl Settings {
             threshold: 0.006,
             scan_time_s: 0.001_5,
             mask_time_s: 0.008,
-            mask_decay_per_s: 80.0,
+            mask_decay_per_s: 60.0,
             full_scale: 1.0,
             velocity_exponent: 1.0,
             crosstalk_db: -16.0,
@@ -90,7 +90,8 @@ impl Settings {
         }
     }
 
-    fn of_table(trigger: &table::Trigger<'_>) -> Self {
+    /// The settings that a kit gives a pad.
+    pub fn of_table(trigger: &table::Trigger<'_>) -> Self {
         Self {
             mode: match (trigger.is_direct(), trigger.is_off()) {
                 (true, _) => Mode::Direct,
