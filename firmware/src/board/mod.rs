@@ -1,0 +1,81 @@
+//! The boards: clocks, pins, codec. One is chosen by a feature; the rest of the firmware knows only what stands in this module.
+
+use embassy_stm32::exti::ExtiInput;
+use embassy_stm32::gpio::{Flex, Output};
+use embassy_stm32::mode::Async;
+use embassy_stm32::{Config, pac};
+
+use crate::audio::i2s::I2s;
+use crate::codec;
+
+#[cfg(feature = "blackpill-f411")]
+mod blackpill_f411;
+#[cfg(feature = "blackpill-f411")]
+pub use blackpill_f411::*;
+
+#[cfg(not(feature = "blackpill-f411"))]
+mod stm32f407g_disc1;
+#[cfg(not(feature = "blackpill-f411"))]
+pub use stm32f407g_disc1::*;
+
+/// What the application is given of the board.
+pub struct Board {
+    /// Not started yet.
+    pub i2s: I2s,
+    /// The board's button.
+    pub button: Button,
+    /// The meter, from soft to loud.
+    pub leds: [Output<'static>; LEDS],
+    /// Whether a high level lights a LED.
+    pub leds_light_high: bool,
+    /// Whether the codec answers; `Ok` where it has no bus.
+    pub codec: Result<(), codec::Error>,
+    /// The piezos' pins, analog: held so that nobody else takes them.
+    pub piezos: [Flex<'static>; PIEZO_CHANNELS.len()],
+}
+
+/// A button on an EXTI line.
+pub struct Button {
+    /// Its pin.
+    pub pin: ExtiInput<'static, Async>,
+    /// Whether the pin is high while the button is pressed.
+    pub pressed_is_high: bool,
+}
+
+impl Button {
+    /// Whether it is pressed now; contacts may bounce.
+    pub fn is_pressed(&self) -> bool {
+        self.pin.is_high() == self.pressed_is_high
+    }
+}
+
+/// Clocks, flash accelerator, pins and codec.
+pub fn start() -> Board {
+    let mut config = Config::default();
+    config.rcc = CLOCKS.rcc();
+    let peripherals = embassy_stm32::init(config);
+    switch_flash_accelerator_on();
+    init(peripherals)
+}
+
+/// The hardware library sets the wait states and leaves prefetch and caches off: without them every jump waits for the flash. Caches may be reset
+/// only while they are off.
+fn switch_flash_accelerator_on() {
+    pac::FLASH.acr().modify(|w| {
+        w.set_icen(false);
+        w.set_dcen(false);
+    });
+    pac::FLASH.acr().modify(|w| {
+        w.set_icrst(true);
+        w.set_dcrst(true);
+    });
+    pac::FLASH.acr().modify(|w| {
+        w.set_icrst(false);
+        w.set_dcrst(false);
+    });
+    pac::FLASH.acr().modify(|w| {
+        w.set_prften(true);
+        w.set_icen(true);
+        w.set_dcen(true);
+    });
+}
