@@ -71,11 +71,6 @@ impl Codec {
         self.out_of_reset = high;
     }
 
-    /// Lets it answer on the bus, or not.
-    pub(crate) fn set_answering(&mut self, answering: bool) {
-        self.answering = answering;
-    }
-
     /// A start condition with its address was seen; whether it acknowledges.
     pub(crate) fn addressed(&mut self, reading: bool) -> bool {
         if !reading {

@@ -77,6 +77,11 @@ pub(crate) struct Adc {
 }
 
 impl Adc {
+    /// After a reset: the registers anew; what was counted stays.
+    pub(crate) fn reset(&mut self) {
+        *self = Adc { lost_triggers: self.lost_triggers, sequences: self.sequences, ..Adc::default() };
+    }
+
     pub(crate) fn read(&mut self, offset: u32) -> Access<u32> {
         Ok(match offset {
             0x00 => self.status,

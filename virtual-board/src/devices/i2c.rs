@@ -50,6 +50,8 @@ pub(crate) struct I2c {
     received: u8,
     phase: Phase,
     due: u64,
+    /// STOP was asked for while a byte comes in; it follows the byte.
+    stopping: bool,
     /// SR1 was read while ADDR was set: reading SR2 clears it.
     address_seen: bool,
 }
@@ -68,6 +70,7 @@ impl Default for I2c {
             received: 0,
             phase: Phase::Idle,
             due: u64::MAX,
+            stopping: false,
             address_seen: false,
         }
     }
@@ -144,7 +147,9 @@ impl I2c {
             return Ok(());
         }
         self.control[0] = value & !(START | STOP);
-        if value & STOP != 0 {
+        if value & STOP != 0 && self.phase == Phase::Receiving && self.due != u64::MAX {
+            self.stopping = true;
+        } else if value & STOP != 0 {
             self.phase = Phase::Idle;
             self.due = u64::MAX;
             self.status &= !(BTF | TXE);
@@ -237,7 +242,9 @@ impl I2c {
             Phase::Receiving => {
                 self.received = codec.map_or(0xff, Codec::read);
                 self.status |= RXNE;
-                if self.control[0] & ACK == 0 {
+                if std::mem::take(&mut self.stopping) {
+                    self.phase = Phase::Idle;
+                } else if self.control[0] & ACK == 0 {
                     self.phase = Phase::Waiting;
                 }
             }

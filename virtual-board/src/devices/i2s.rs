@@ -202,6 +202,11 @@ impl I2s {
         self.running.is_some()
     }
 
+    /// Whether it is switched on (I2SE), data or not.
+    pub(crate) fn is_on(&self) -> bool {
+        self.configuration & I2SE != 0
+    }
+
     /// Whether the interrupt for an empty data register is asserted.
     pub(crate) fn is_asserted(&self) -> bool {
         self.control[1] & 1 << 7 != 0 && self.configuration & I2SE != 0 && self.data.is_none()

@@ -40,7 +40,7 @@ pub(crate) struct ClockTree {
 
 /// Why the board was reset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum ResetCause {
+pub(crate) enum ResetCause {
     /// Power was switched on.
     Power,
     /// The program asked for it (AIRCR.SYSRESETREQ).

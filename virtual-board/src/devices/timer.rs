@@ -63,6 +63,10 @@ impl Timer {
         }
     }
 
+    pub(crate) fn is_wide(&self) -> bool {
+        self.wide
+    }
+
     fn mask(&self) -> u32 {
         if self.wide { u32::MAX } else { 0xffff }
     }
@@ -100,7 +104,7 @@ impl Timer {
         self.pace = self.runs().then(|| self.pace_at(context));
     }
 
-    /// The clock of the bus has changed.
+    /// The clock of the bus has changed; what was counted at the old one stays.
     pub(crate) fn clock_changed(&mut self, context: &Context<'_>) {
         let counter = self.count(context.now);
         self.anchor(counter, context);
