@@ -99,6 +99,8 @@ impl ClockPlan {
     pub fn rcc(&self) -> rcc::Config {
         let mut config = rcc::Config::new();
         config.hsi = false;
+        // Neither the low-speed crystal nor the real-time clock is used.
+        config.ls = rcc::LsConfig::off();
         config.hse = Some(rcc::Hse { freq: Hertz(self.crystal_hz), mode: rcc::HseMode::Oscillator });
         config.pll_src = rcc::PllSource::HSE;
         config.pll = Some(rcc::Pll {
