@@ -42,8 +42,8 @@ counters! {
     MISSED_HALVES,
     /// Restarts of the I2S stream after a DMA error.
     STREAM_ERRORS,
-    /// Times that the ADC stopped, by an overrun or a DMA error, and was started again.
-    ADC_OVERRUNS,
+    /// Times that the ADC had stopped, by an overrun or a DMA error, and was started again.
+    ADC_RESTARTS,
     /// Frames of the ADC that were overwritten before they were read.
     LOST_ADC_FRAMES,
     /// Strikes that were played.
@@ -54,12 +54,12 @@ counters! {
     LATE_EVENTS,
     /// Events that could not be: no such pad, too many at once.
     REFUSED_EVENTS,
-    /// Events that are missing from the log, because it was full.
-    UNLOGGED_EVENTS,
+    /// Lines that are missing from the log, because it was full.
+    UNLOGGED_LINES,
     /// Cycles of the audio interrupt since the last report.
     AUDIO_CYCLES,
     /// The dearest half since the last report, cycles.
     WORST_HALF_CYCLES,
-    /// Loudest sample since it was last shown, 24 bits.
+    /// The bits of the samples since it was last shown: its highest is that of the loudest, of 23.
     PEAK,
 }

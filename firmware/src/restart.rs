@@ -1,6 +1,7 @@
 //! The end: silence, a word about why, and a fresh start.
 
 use core::panic::PanicInfo;
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
@@ -38,33 +39,31 @@ impl Cause {
     }
 }
 
-fn mute_and_restart() -> ! {
+static ENDING: AtomicBool = AtomicBool::new(false);
+
+/// Silence first, then a word, then a fresh start. What goes wrong on the way does not come back here.
+fn end(tell: impl FnOnce()) -> ! {
+    cortex_m::interrupt::disable();
     board::mute();
     audio::i2s::silence_now();
+    if !ENDING.swap(true, Ordering::Relaxed) {
+        tell();
+    }
     SCB::sys_reset()
 }
 
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
-    cortex_m::interrupt::disable();
-    board::mute();
-    audio::i2s::silence_now();
-    defmt::error!("panic: {}; muted, starting again", defmt::Display2Format(info));
-    mute_and_restart()
+    end(|| defmt::error!("panic: {}; muted, starting again", defmt::Display2Format(info)))
 }
 
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    board::mute();
-    audio::i2s::silence_now();
-    defmt::error!("hard fault at {=u32:#010x}, called from {=u32:#010x}; muted, starting again", frame.pc(), frame.lr());
-    mute_and_restart()
+    let (at, from) = (frame.pc(), frame.lr());
+    end(|| defmt::error!("hard fault at {=u32:#010x}, called from {=u32:#010x}; muted, starting again", at, from))
 }
 
 #[exception]
 unsafe fn DefaultHandler(interrupt: i16) {
-    board::mute();
-    audio::i2s::silence_now();
-    defmt::error!("interrupt {=i16} came and nobody serves it; muted, starting again", interrupt);
-    mute_and_restart()
+    end(|| defmt::error!("interrupt {=i16} came and nobody serves it; muted, starting again", interrupt))
 }

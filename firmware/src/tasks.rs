@@ -1,62 +1,60 @@
-//! What can wait: the log, the report, the LEDs, the button, the watchdog's food.
+//! What can wait: the log, the report, the LEDs, the watchdog's food.
 
 use dsp_core::event::{Action, Event};
 use dsp_core::table::Kit;
 use embassy_stm32::gpio::Output;
-use embassy_time::{Duration, Timer};
-use heapless::spsc::{Consumer, Producer};
+use embassy_time::{Instant, Timer};
 
-use crate::audio::{CYCLES_PER_HALF, Press};
-use crate::board::{Button, LEDS};
+use crate::audio::{CYCLES_PER_HALF, Line, Log};
+use crate::board::LEDS;
+use crate::faults::{self, Fault};
 use crate::{counters, watchdog};
 
-/// Contacts of a button may bounce for so long.
-const BOUNCE: Duration = Duration::from_millis(10);
-/// Held for so long, a button chokes its pad.
-const HOLD: Duration = Duration::from_millis(300);
-/// Velocity of a strike by button.
-const BUTTON_VELOCITY: f32 = 0.7;
+/// How often the log looks for lines, ms.
+const LOG_EVERY_MS: u64 = 2;
+/// How often the watchdog may be fed, ms.
+const FEED_EVERY_MS: u64 = 20;
+/// How often the meter is set, ms.
+const METER_EVERY_MS: u64 = 20;
+/// How long a passing fault is shown, s.
+const SHOW_S: u64 = 5;
 
-/// Presses strike the first pad, holding chokes it.
+/// Tells what the audio interrupt has to tell. A played event has the form of an events file: behind `event` stand sample, pad, velocity, position,
+/// striker and action.
 #[embassy_executor::task]
-pub async fn button(mut button: Button, mut presses: Producer<'static, Press>) {
+pub async fn log(mut lines: Log, kit: Kit<'static>) {
+    let (mut sound_until, mut adc_until) = (Instant::MIN, Instant::MIN);
     loop {
-        match button.pressed_is_high {
-            true => button.pin.wait_for_high().await,
-            false => button.pin.wait_for_low().await,
-        }
-        let mut press = |action| {
-            if presses.enqueue(Press { pad: 0, action, velocity: BUTTON_VELOCITY }).is_err() {
-                counters::REFUSED_EVENTS.add(1);
+        while let Some(line) = lines.take() {
+            let shown_until = Instant::now() + embassy_time::Duration::from_secs(SHOW_S);
+            match line {
+                Line::Event(event) => tell(&event, &kit),
+                Line::PiezoFault { channel, fault } => {
+                    faults::set(Fault::Piezo, true);
+                    defmt::error!("piezo {=u8}: {}", channel, defmt::Display2Format(&fault));
+                }
+                Line::PiezoRecovered { channel } => {
+                    faults::set(Fault::Piezo, false);
+                    defmt::info!("piezo {=u8}: well again", channel);
+                }
+                Line::Missed { halves } => {
+                    sound_until = shown_until;
+                    defmt::warn!("audio: {=u32} halves missed", halves);
+                }
+                Line::StreamRestarted => {
+                    sound_until = shown_until;
+                    defmt::error!("I2S: DMA transfer error, stream started anew");
+                }
+                Line::AdcRestarted => {
+                    adc_until = shown_until;
+                    defmt::error!("ADC: overrun or DMA error, sampling started anew");
+                }
             }
-        };
-        press(Action::Strike);
-        Timer::after(BOUNCE).await;
-        let mut held = BOUNCE;
-        let mut choked = false;
-        while button.is_pressed() {
-            Timer::after(BOUNCE).await;
-            held += BOUNCE;
-            if held >= HOLD && !choked {
-                choked = true;
-                press(Action::Choke);
-            }
         }
-        if choked {
-            press(Action::Release);
-        }
-        Timer::after(BOUNCE).await;
-    }
-}
-
-/// Tells every event in the form of an events file: behind `event` stand sample, pad, velocity, position, striker and action.
-#[embassy_executor::task]
-pub async fn log(mut events: Consumer<'static, Event>, kit: Kit<'static>) {
-    loop {
-        while let Some(event) = events.dequeue() {
-            tell(&event, &kit);
-        }
-        Timer::after_millis(2).await;
+        let now = Instant::now();
+        faults::set(Fault::Sound, now < sound_until);
+        faults::set(Fault::Adc, now < adc_until);
+        Timer::after_millis(LOG_EVERY_MS).await;
     }
 }
 
@@ -94,7 +92,7 @@ pub async fn report() {
         let time = u64::from(CYCLES_PER_HALF) * u64::from(halves.wrapping_sub(halves_before)).max(1);
         halves_before = halves;
         defmt::info!(
-            "second: halves {=u32}, missed {=u32}, worst {=u32} of {=u32} cycles, load {=u32}/1000, strikes {=u32}, sheds {=u32}, stream errors {=u32}, ADC overruns {=u32}, lost ADC frames {=u32}, late events {=u32}, refused {=u32}, unlogged {=u32}",
+            "second: halves {=u32}, missed {=u32}, worst {=u32} of {=u32} cycles, load {=u32}/1000, strikes {=u32}, sheds {=u32}",
             halves,
             counters::MISSED_HALVES.get(),
             counters::WORST_HALF_CYCLES.take(),
@@ -102,22 +100,25 @@ pub async fn report() {
             (busy / time) as u32,
             counters::STRIKES.get(),
             counters::SHEDS.get(),
+        );
+        defmt::info!(
+            "faults: stream restarts {=u32}, ADC restarts {=u32}, lost ADC frames {=u32}, late events {=u32}, refused events {=u32}, unlogged lines {=u32}",
             counters::STREAM_ERRORS.get(),
-            counters::ADC_OVERRUNS.get(),
+            counters::ADC_RESTARTS.get(),
             counters::LOST_ADC_FRAMES.get(),
             counters::LATE_EVENTS.get(),
             counters::REFUSED_EVENTS.get(),
-            counters::UNLOGGED_EVENTS.get(),
+            counters::UNLOGGED_LINES.get(),
         );
     }
 }
 
-/// Feeds the watchdog while halves are filled and none has been missed since it was last fed.
+/// Feeds the watchdog while halves are filled and none has been missed since it was last looked.
 #[embassy_executor::task]
 pub async fn feed() {
     let (mut halves_before, mut missed_before) = (counters::HALVES.get(), counters::MISSED_HALVES.get());
     loop {
-        Timer::after_millis(20).await;
+        Timer::after_millis(FEED_EVERY_MS).await;
         let (halves, missed) = (counters::HALVES.get(), counters::MISSED_HALVES.get());
         if halves != halves_before && missed == missed_before {
             watchdog::feed();
@@ -126,17 +127,27 @@ pub async fn feed() {
     }
 }
 
-/// Shows the level: each LED stands for 12 dB below full scale.
+/// Shows the level, each LED 12 dB; where there is a fault the last LED flashes its number instead.
 #[embassy_executor::task]
 pub async fn meter(mut leds: [Output<'static>; LEDS], light_high: bool) {
+    let mut step = 0;
     loop {
-        let peak = counters::PEAK.take();
-        // 2^23 is full scale; 12 dB are two bits.
-        let bits = 32 - peak.leading_zeros();
-        for (index, led) in (0u32..).zip(leds.iter_mut()) {
-            let lit = bits + 2 * (LEDS as u32 - index) > 23;
-            led.set_level((lit == light_high).into());
+        // 2^23 is full scale, and 12 dB are two bits.
+        let bits = u32::BITS - counters::PEAK.take().leading_zeros();
+        let flashes = faults::flashes();
+        step = if flashes == 0 { 0 } else { (step + 1) % ((flashes + PAUSE_FLASHES) * FLASH_STEPS) };
+        for (index, led) in (1u32..).zip(leds.iter_mut()) {
+            let is_lit = match flashes > 0 && index == LEDS as u32 {
+                true => step / FLASH_STEPS < flashes && step % FLASH_STEPS < FLASH_STEPS / 2,
+                false => bits + 2 * (LEDS as u32 - index) >= 22,
+            };
+            led.set_level((is_lit == light_high).into());
         }
-        Timer::after_millis(20).await;
+        Timer::after_millis(METER_EVERY_MS).await;
     }
 }
+
+/// Steps of the meter from one flash to the next: 400 ms.
+const FLASH_STEPS: u32 = 20;
+/// Between two numbers, in flashes.
+const PAUSE_FLASHES: u32 = 3;

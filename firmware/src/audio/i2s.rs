@@ -18,7 +18,7 @@ use embassy_stm32::pac::dma::vals::{Dir, Pl, Size};
 use embassy_stm32::pac::spi::vals::{Chlen, Ckpol, Datlen, I2scfg, I2sstd, Odd};
 use embassy_stm32::pac::{dma::Dma, spi::Spi};
 
-use crate::clock::AudioClock;
+use crate::board::{CLOCKS, I2S};
 
 /// Frames of a half: one tick of the engine.
 pub const HALF_FRAMES: usize = 32;
@@ -61,20 +61,19 @@ pub enum Told {
     Nothing,
 }
 
-/// The I2S output. There is one, and it owns the buffer.
-pub struct I2s {
-    wiring: Wiring,
-}
+/// The I2S output. There is one: it owns the buffer, and what [`I2S`] names.
+pub struct I2s(());
 
 impl I2s {
-    /// Sets up the peripheral, still silent and without a clock. `wiring.spi` must have been reset and its bus clock be on.
-    pub fn new(wiring: Wiring, clock: AudioClock) -> Self {
-        wiring.spi.i2spr().write(|w| {
+    /// Sets up the peripheral, still silent. It must have been reset, and its bus clock be on.
+    pub fn set_up() -> Self {
+        let clock = CLOCKS.audio;
+        I2S.spi.i2spr().write(|w| {
             w.set_i2sdiv((clock.prescaler / 2) as u8);
             w.set_odd(if clock.prescaler % 2 == 1 { Odd::ODD } else { Odd::EVEN });
             w.set_mckoe(clock.master_clock);
         });
-        wiring.spi.i2scfgr().write(|w| {
+        I2S.spi.i2scfgr().write(|w| {
             w.set_i2smod(true);
             w.set_i2scfg(I2scfg::MASTER_TX);
             w.set_i2sstd(I2sstd::PHILIPS);
@@ -82,12 +81,12 @@ impl I2s {
             w.set_datlen(Datlen::BITS24);
             w.set_chlen(Chlen::BITS32);
         });
-        Self { wiring }
+        Self(())
     }
 
     /// Starts with two silent halves, or starts anew after an error: from the first half-word of the left slot of frame 0.
     pub fn start(&mut self) {
-        let Wiring { spi, dma, stream, channel, .. } = self.wiring;
+        let Wiring { spi, dma, stream, channel, .. } = I2S;
         spi.i2scfgr().modify(|w| w.set_i2se(false));
         spi.cr2().modify(|w| w.set_txdmaen(false));
         let registers = dma.st(stream);
@@ -95,7 +94,7 @@ impl I2s {
         // A transfer of two bytes ends within a few cycles.
         while registers.cr().read().en() {}
         self.clear_flags();
-        self.silence();
+        silence_now();
         registers.par().write_value(spi.dr().as_ptr() as u32);
         registers.m0ar().write_value(BUFFER.0.get() as u32);
         registers.ndtr().write(|w| w.set_ndt(HALF_WORDS as u16));
@@ -123,15 +122,15 @@ impl I2s {
     /// # Safety
     /// Whatever its handler uses must be ready, and belong to it from now on.
     pub unsafe fn enable_interrupt(&self, priority: Priority) {
-        self.wiring.interrupt.set_priority(priority);
-        self.wiring.interrupt.unpend();
+        I2S.interrupt.set_priority(priority);
+        I2S.interrupt.unpend();
         // SAFETY: the caller's word.
-        unsafe { self.wiring.interrupt.enable() };
+        unsafe { I2S.interrupt.enable() };
     }
 
     /// Takes what the stream has to tell; an error comes first.
     pub fn take(&mut self) -> Told {
-        let Wiring { dma, stream, .. } = self.wiring;
+        let Wiring { dma, stream, .. } = I2S;
         let flags = dma.isr(stream / 4).read();
         self.clear_flags();
         let place = stream % 4;
@@ -145,7 +144,7 @@ impl I2s {
     }
 
     fn clear_flags(&mut self) {
-        let Wiring { dma, stream, .. } = self.wiring;
+        let Wiring { dma, stream, .. } = I2S;
         let place = stream % 4;
         dma.ifcr(stream / 4).write(|w| {
             w.set_feif(place, true);
@@ -158,39 +157,40 @@ impl I2s {
 
     /// The frame of the buffer that the DMA reads next, 0 to 63.
     pub fn position(&self) -> usize {
-        let left = usize::from(self.wiring.dma.st(self.wiring.stream).ndtr().read().ndt());
+        let left = usize::from(I2S.dma.st(I2S.stream).ndtr().read().ndt());
         (HALF_WORDS - left.clamp(1, HALF_WORDS)) / HALF_WORDS_PER_FRAME
     }
 
-    /// Fills half 0 or 1 with samples of 24 bits.
-    pub fn fill(&mut self, half: usize, frames: &[[i32; 2]; HALF_FRAMES]) {
-        self.store(half % 2 * HALF_FRAMES, frames.iter().map(slots));
+    /// Frames that the DMA has read since it finished a half.
+    pub fn frames_since(&self, half: usize) -> usize {
+        (self.position() + FRAMES - (half + 1) * HALF_FRAMES % FRAMES) % FRAMES
     }
 
-    /// Both halves to zeros.
-    pub fn silence(&mut self) {
-        self.store(0, core::iter::repeat_n([0; 2], FRAMES));
-    }
-
-    fn store(&mut self, first: usize, frames: impl Iterator<Item = [u32; 2]>) {
-        for (frame, slots) in (first..FRAMES).zip(frames) {
-            // SAFETY: `frame` is below FRAMES; nobody else writes, and the DMA reads whole half-words.
-            unsafe { BUFFER.0.get().cast::<[u32; 2]>().add(frame).write_volatile(slots) };
+    /// Fills the 32 frames of the buffer that begin at `first`, round its end, with samples of 24 bits.
+    pub fn fill(&mut self, first: usize, frames: &[[i32; 2]; HALF_FRAMES]) {
+        for (frame, slots) in (first..).zip(frames.iter().map(slots)) {
+            store(frame % FRAMES, slots);
         }
         compiler_fence(Ordering::SeqCst);
+    }
+}
+
+/// Zeros to both halves from anywhere: at a start, and for a program that is about to end.
+pub fn silence_now() {
+    for frame in 0..FRAMES {
+        store(frame, [0; 2]);
+    }
+    compiler_fence(Ordering::SeqCst);
+}
+
+fn store(frame: usize, slots: [u32; 2]) {
+    if frame < FRAMES {
+        // SAFETY: inside the buffer; whole words, of which the DMA reads halves.
+        unsafe { BUFFER.0.get().cast::<[u32; 2]>().add(frame).write_volatile(slots) };
     }
 }
 
 /// 24 bits to the top of a slot of 32, halves swapped.
 fn slots(frame: &[i32; 2]) -> [u32; 2] {
     frame.map(|sample| ((sample << 8) as u32).rotate_left(16))
-}
-
-/// Zeros to both halves from anywhere, for a program that is about to end.
-pub fn silence_now() {
-    for frame in 0..FRAMES {
-        // SAFETY: as `I2s::store`; who was writing will not go on.
-        unsafe { BUFFER.0.get().cast::<[u32; 2]>().add(frame).write_volatile([0; 2]) };
-    }
-    compiler_fence(Ordering::SeqCst);
 }

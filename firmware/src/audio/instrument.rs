@@ -1,11 +1,11 @@
 //! The engine with its kit and the events that wait for their frame.
 
-use dsp_core::engine::{Engine, LoadError, STANDARD_CONTACTS, Skipping};
+use dsp_core::engine::{Direct, Engine, LoadError, STANDARD_CONTACTS, Skipping};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::table::Kit;
-use heapless::Vec;
 
 use super::i2s::HALF_FRAMES;
+use super::waiting::Waiting;
 use crate::board::CLOCKS;
 use crate::counters;
 use crate::owned::Owned;
@@ -21,14 +21,12 @@ const ORIGINS: usize = 640;
 
 type BoardEngine = Engine<'static, PADS, MODES, GROUPS, ORIGINS, STANDARD_CONTACTS>;
 
-/// Events that may wait for the next half at once.
-const WAITING: usize = 32;
-
 /// What turns events into sound.
 pub struct Instrument {
     engine: BoardEngine,
-    kit: Option<Kit<'static>>,
-    waiting: Vec<Event, WAITING>,
+    /// How many strikers each pad has.
+    strikers: [u8; PADS],
+    waiting: Waiting,
     block: [[i32; 2]; HALF_FRAMES],
 }
 
@@ -41,7 +39,12 @@ impl Instrument {
     /// # Safety
     /// Called once.
     pub unsafe fn place() -> &'static mut Self {
-        let empty = Self { engine: BoardEngine::new(), kit: None, waiting: Vec::new(), block: [[0; 2]; HALF_FRAMES] };
+        let empty = Self {
+            engine: BoardEngine::new(),
+            strikers: [0; PADS],
+            waiting: Waiting::NONE,
+            block: [[0; 2]; HALF_FRAMES],
+        };
         // SAFETY: the caller's word.
         unsafe { INSTRUMENT.fill(empty) }
     }
@@ -50,11 +53,14 @@ impl Instrument {
     ///
     /// # Errors
     /// [`LoadError`]; the instrument is then silent.
-    pub fn load(&mut self, kit: Kit<'static>, budget_cycles_per_tick: u32) -> Result<(), LoadError> {
-        self.waiting.clear();
-        self.engine.load(&kit, CLOCKS.sample_rate(), Skipping::On)?;
+    pub fn load(&mut self, kit: &Kit<'static>, budget_cycles_per_tick: u32) -> Result<(), LoadError> {
+        self.waiting = Waiting::NONE;
+        self.engine.load(kit, CLOCKS.sample_rate(), Skipping::On)?;
         self.engine.set_budget(Some(budget_cycles_per_tick));
-        self.kit = Some(kit);
+        self.strikers = [0; PADS];
+        for (count, pad) in self.strikers.iter_mut().zip(kit.pads()) {
+            *count = pad.striker_indices().count() as u8;
+        }
         Ok(())
     }
 
@@ -70,24 +76,24 @@ impl Instrument {
         if frame < self.now() {
             counters::LATE_EVENTS.add(1);
         }
-        if usize::from(event.pad) >= self.engine.pad_count() {
+        // A pad that is not there has no strikers.
+        if event.striker >= self.strikers.get(usize::from(event.pad)).copied().unwrap_or(0) {
             return counters::REFUSED_EVENTS.add(1);
         }
-        let place = self.waiting.iter().position(|waiting| waiting.time > event.time).unwrap_or(self.waiting.len());
-        if self.waiting.insert(place, event).is_err() {
+        if !self.waiting.insert(event) {
             counters::REFUSED_EVENTS.add(1);
         }
     }
 
     /// Renders the next half. `log` is told every event that happened, decisions to leave something out among them, in order.
-    pub fn render(&mut self, mut log: impl FnMut(&Event)) -> &[[i32; 2]; HALF_FRAMES] {
+    /// `direct` drives its pad for the whole half.
+    pub fn render(&mut self, direct: Option<Direct<'_>>, mut log: impl FnMut(&Event)) -> &[[i32; 2]; HALF_FRAMES] {
         let end = self.engine.now() + HALF_FRAMES as u64;
-        let due = self.waiting.iter().take_while(|event| event.time.first_frame() < end).count();
-        let mut told = 0;
-        let events = self.waiting.get(..due).unwrap_or(&[]);
+        let events = self.waiting.before(end);
+        let (due, mut told) = (events.len(), 0);
         let rendered = self.engine.render_logged(
             events,
-            None,
+            direct,
             &mut self.block,
             |_| {},
             |decision| {
@@ -112,7 +118,7 @@ impl Instrument {
         }
         let strikes = events.iter().filter(|event| event.action == Action::Strike).count();
         counters::STRIKES.add(strikes as u32);
-        self.waiting.drain(..due.min(self.waiting.len()));
+        self.waiting.pass(due);
         &self.block
     }
 }

@@ -1,82 +1,132 @@
 //! Sound: in the DMA's interrupt, while one half of the buffer plays, the other is rendered.
+//!
+//! ```text
+//! DMA reads    |------- half 0 -------|------- half 1 -------|
+//! interrupt                           ^ inputs up to now are taken, a tick is rendered ...
+//! tick         |--- ... ---|---- rendered before ----|---- ... to be heard from here
+//!                                     |LEAD_FRAMES-->|
+//! ```
+//!
+//! A tick of the engine lies across the halves: it is heard [`LEAD_FRAMES`] after the interrupt that renders it, which is the deadline. A
+//! lead of less than a half shortens the way from a strike to its sound; the engine's budget leaves the rest of the time to others anyway.
 
 pub mod i2s;
 pub mod instrument;
+mod waiting;
 
 use core::sync::atomic::{Ordering, compiler_fence};
 
-use dsp_core::event::{Action, Event, Time};
+use dsp_core::event::Event;
+use dsp_core::trigger;
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::Priority;
-use heapless::spsc::{Consumer, Producer, Queue};
 
 use self::i2s::{HALF_FRAMES, I2s, Told};
 use self::instrument::Instrument;
 use crate::board::CLOCKS;
+use crate::input::{self, Inputs};
 use crate::owned::Owned;
+use crate::queue::Queue;
 use crate::{counters, cycles};
 
 /// Above everything that can wait: a half is due after 667 us.
 const PRIORITY: Priority = Priority::P2;
+/// From the interrupt to the first frame of the tick that it renders.
+pub const LEAD_FRAMES: usize = 26;
+/// Of the time to the deadline, what the engine's prediction may fill, in percent. The rest is for inputs, and for what the prediction does not
+/// know: it is nominal and without waits for the flash.
+const BUDGET_PERCENT: u32 = 70;
+/// What a tick may cost, as the engine predicts it.
+pub const BUDGET_CYCLES: u32 = CLOCKS.cycles_per_frames(LEAD_FRAMES as u32) / 100 * BUDGET_PERCENT;
 /// Cycles in which a half plays.
 pub const CYCLES_PER_HALF: u32 = CLOCKS.cycles_per_frames(HALF_FRAMES as u32);
 
-/// Events on their way to the log.
-const LOGGED: usize = 64;
-/// Presses on their way to the instrument.
-const PRESSES: usize = 8;
+/// Lines on their way to the log.
+const LINES: usize = 64;
 
-/// An action of a button: on which pad.
+/// What the log is told.
 #[derive(Clone, Copy, Debug)]
-pub struct Press {
-    /// Which pad.
-    pub pad: u8,
-    /// Strike, choke or release.
-    pub action: Action,
-    /// Velocity of a strike.
-    pub velocity: f32,
+pub enum Line {
+    /// What was played, and what was left out.
+    Event(Event),
+    /// A piezo's channel fails.
+    PiezoFault {
+        /// Which channel, counted from 0.
+        channel: u8,
+        /// What is wrong.
+        fault: trigger::Fault,
+    },
+    /// It is well again.
+    PiezoRecovered {
+        /// Which channel, counted from 0.
+        channel: u8,
+    },
+    /// Halves were not filled in time.
+    Missed {
+        /// How many.
+        halves: u32,
+    },
+    /// The I2S stream was started anew after a DMA error.
+    StreamRestarted,
+    /// The ADC was started anew after an overrun or a DMA error.
+    AdcRestarted,
 }
 
 /// Everything that belongs to the audio interrupt.
 struct Audio {
     i2s: I2s,
+    inputs: Inputs,
     instrument: &'static mut Instrument,
-    log: Producer<'static, Event>,
-    presses: Consumer<'static, Press>,
-    /// When the last half was found free, cycles.
+    lines: Lines,
+    /// When the last half was found played, cycles.
     last: u32,
-    /// The half that was filled last.
-    filled: usize,
+    /// Which half that was.
+    played: usize,
 }
 
+static LOG: Queue<Line, LINES> = Queue::new();
+
+/// The log's end in the interrupt; there is one.
+struct Lines(());
+
+impl Lines {
+    /// What finds no room is counted.
+    fn push(&mut self, line: Line) {
+        // SAFETY: the one end.
+        if !unsafe { LOG.push(line) } {
+            counters::UNLOGGED_LINES.add(1);
+        }
+    }
+}
+
+/// The other end: what the interrupt has to tell, in order.
+pub struct Log(());
+
+impl Log {
+    /// The next line, where there is one.
+    pub fn take(&mut self) -> Option<Line> {
+        // SAFETY: the one end.
+        unsafe { LOG.take() }
+    }
+}
+
+#[unsafe(link_section = ".hot")]
 static AUDIO: Owned<Audio> = Owned::empty();
-static LOG: Owned<Queue<Event, LOGGED>> = Owned::empty();
-static PRESSED: Owned<Queue<Press, PRESSES>> = Owned::empty();
-
-/// The ends of the audio interrupt's queues that belong to the tasks.
-pub struct Ends {
-    /// Every event that has been played, in order.
-    pub log: Consumer<'static, Event>,
-    /// What buttons want.
-    pub presses: Producer<'static, Press>,
-}
 
 /// Starts the stream: from now on an instrument that has a kit is heard.
 ///
 /// # Safety
 /// Called once.
-pub unsafe fn start(mut i2s: I2s, instrument: &'static mut Instrument) -> Ends {
-    // SAFETY: the caller's word: this is the one place that fills them.
-    let (log, presses) = unsafe { (LOG.fill(Queue::new()).split(), PRESSED.fill(Queue::new()).split()) };
+pub unsafe fn start(mut i2s: I2s, inputs: Inputs, instrument: &'static mut Instrument) -> Log {
     i2s.start();
-    let audio = Audio { i2s, instrument, log: log.0, presses: presses.1, last: cycles::now(), filled: 1 };
-    // SAFETY: as above; the interrupt comes after this.
+    let audio = Audio { i2s, inputs, instrument, lines: Lines(()), last: cycles::now(), played: 1 };
+    // SAFETY: the caller's word; the interrupt comes after this.
     unsafe {
         let audio = AUDIO.fill(audio);
         compiler_fence(Ordering::SeqCst);
         audio.i2s.enable_interrupt(PRIORITY);
     }
-    Ends { log: log.1, presses: presses.0 }
+    Log(())
 }
 
 #[cfg(feature = "blackpill-f411")]
@@ -107,53 +157,60 @@ impl Audio {
             Told::Nothing => return,
             Told::TransferError => {
                 counters::STREAM_ERRORS.add(1);
+                self.lines.push(Line::StreamRestarted);
                 self.i2s.start();
-                (self.last, self.filled) = (now, 1);
+                self.inputs.forget_anchor();
+                (self.last, self.played) = (now, 1);
                 return;
             }
             Told::HalfPlayed => {}
         }
-        let free = 1 - self.i2s.position() / HALF_FRAMES;
-        let elapsed = self.halves_since_last(now, free);
-        if elapsed == 0 {
-            return;
-        }
-        counters::MISSED_HALVES.add(elapsed - 1);
-        (self.last, self.filled) = (now, free);
+        let played = 1 - self.i2s.position() / HALF_FRAMES;
+        let Some(missed) = self.halves_since_last(now, played).checked_sub(1) else { return };
+        (self.last, self.played) = (now, played);
+        self.miss(missed);
+        self.take_inputs(missed);
 
-        while let Some(press) = self.presses.dequeue() {
-            let event = Event {
-                time: Time::at_frame(self.instrument.now()),
-                pad: press.pad,
-                velocity: press.velocity,
-                action: press.action,
-                ..Event::NOTHING
-            };
-            self.instrument.expect(event);
-        }
-        let log = &mut self.log;
-        let block = self.instrument.render(|event| {
-            if log.enqueue(*event).is_err() {
-                counters::UNLOGGED_EVENTS.add(1);
-            }
-        });
-        self.i2s.fill(free, block);
+        let (inputs, lines) = (&mut self.inputs, &mut self.lines);
+        let block = self.instrument.render(inputs.direct(), |event| lines.push(Line::Event(*event)));
+        // The half that begins LEAD_FRAMES after the one that has just been played.
+        let first = played * HALF_FRAMES + HALF_FRAMES + LEAD_FRAMES;
+        self.i2s.fill(first, block);
         counters::HALVES.add(1);
-        if self.i2s.position() / HALF_FRAMES == free {
-            // The DMA came here before all was written: part of the half before was heard again.
-            counters::MISSED_HALVES.add(1);
+        counters::PEAK.keep_larger(block.iter().flatten().fold(0, |peak, sample| peak | sample.unsigned_abs()));
+        if self.i2s.frames_since(played) >= LEAD_FRAMES {
+            // The DMA came here before all was written: part of what was there before has been heard again.
+            self.miss(1);
         }
-        let peak = block.iter().flatten().map(|sample| sample.unsigned_abs()).max().unwrap_or(0);
-        counters::PEAK.keep_larger(peak);
     }
 
-    /// Halves that have been played since the last interrupt that filled one: the time says about how many, the half that is free says whether
-    /// the number is odd.
-    fn halves_since_last(&self, now: u32, free: usize) -> u32 {
+    fn take_inputs(&mut self, missed: u32) {
+        let (instrument, lines) = (&mut self.instrument, &mut self.lines);
+        let restarts = counters::ADC_RESTARTS.get();
+        self.inputs.take(instrument.now(), missed, |told| match told {
+            input::Told::Event(event) => instrument.expect(event),
+            input::Told::Fault { channel, fault } => lines.push(Line::PiezoFault { channel, fault }),
+            input::Told::Recovered { channel } => lines.push(Line::PiezoRecovered { channel }),
+        });
+        if counters::ADC_RESTARTS.get() != restarts {
+            lines.push(Line::AdcRestarted);
+        }
+    }
+
+    fn miss(&mut self, halves: u32) {
+        if halves > 0 {
+            counters::MISSED_HALVES.add(halves);
+            self.lines.push(Line::Missed { halves });
+        }
+    }
+
+    /// Halves that have been played since the last interrupt that rendered one: the time says about how many, the half that has just been played
+    /// whether the number is odd.
+    fn halves_since_last(&self, now: u32, played: usize) -> u32 {
         let time = now.wrapping_sub(self.last);
-        let odd = u32::from(free != self.filled);
+        let odd = u32::from(played != self.played);
         // The nearest number of that parity.
-        let pairs = (time + CYCLES_PER_HALF).saturating_sub(odd * CYCLES_PER_HALF) / (2 * CYCLES_PER_HALF);
+        let pairs = time.saturating_add((1 - odd) * CYCLES_PER_HALF) / (2 * CYCLES_PER_HALF);
         2 * pairs + odd
     }
 }

@@ -7,11 +7,12 @@ use defmt_rtt as _;
 use dsp_core::table::Kit;
 use embassy_executor::{SpawnError, SpawnToken, Spawner};
 use firmware::audio::instrument::Instrument;
+use firmware::faults::{self, Fault};
+use firmware::input::piezo::Piezos;
+use firmware::input::{self, Inputs};
+use firmware::refusal::Refusal;
 use firmware::restart::Cause;
 use firmware::{audio, board, cycles, kits, tasks, watchdog};
-
-/// Of a half, what the engine may use; the rest is for what surrounds it.
-const ENGINE_SHARE_PERCENT: u32 = 75;
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
@@ -22,22 +23,22 @@ async fn main(spawner: Spawner) {
     }
     defmt::info!("malleus on {=str}, started by {}", board::NAME, Cause::take());
     if let Err(error) = board.codec {
+        faults::set(Fault::Codec, true);
         defmt::error!("codec: {}", error);
     }
     watchdog::feed();
     // SAFETY: main runs once.
     let instrument = unsafe { Instrument::place() };
-    let budget = audio::CYCLES_PER_HALF / 100 * ENGINE_SHARE_PERCENT;
-    let Some(kit) = choose_kit(instrument, budget) else {
-        defmt::error!("no kit plays");
-        return;
+    let Some((kit, settings)) = choose_kit(instrument) else {
+        // Nobody feeds the watchdog: the board starts anew.
+        return defmt::error!("the built-in kit does not play: flash this image again");
     };
     watchdog::feed();
+    let inputs = Inputs::new(Piezos::new(board.piezos), board.button, settings);
     // SAFETY: main runs once.
-    let ends = unsafe { audio::start(board.i2s, instrument) };
+    let log = unsafe { audio::start(board.i2s, inputs, instrument) };
     spawn(&spawner, tasks::feed());
-    spawn(&spawner, tasks::button(board.button, ends.presses));
-    spawn(&spawner, tasks::log(ends.log, kit));
+    spawn(&spawner, tasks::log(log, kit));
     spawn(&spawner, tasks::report());
     spawn(&spawner, tasks::meter(board.leds, board.leds_light_high));
 }
@@ -50,19 +51,25 @@ fn spawn<T>(spawner: &Spawner, task: Result<SpawnToken<T>, SpawnError>) {
     }
 }
 
-fn choose_kit(instrument: &mut Instrument, budget: u32) -> Option<Kit<'static>> {
-    match kits::in_sector() {
-        Ok(None) => defmt::info!("kit sector is empty: the built-in kit plays"),
-        Err(error) => defmt::error!("kit in flash: {}; the built-in kit plays", defmt::Display2Format(&error)),
-        Ok(Some(kit)) => match instrument.load(kit, budget) {
-            Ok(()) => {
-                defmt::info!("kit in flash plays: {=str}", kit.name());
-                return Some(kit);
-            }
-            Err(error) => defmt::error!("kit in flash: {}; the built-in kit plays", defmt::Display2Format(&error)),
-        },
+/// The kit in the flash sector where it is good, else the built-in one.
+fn choose_kit(instrument: &mut Instrument) -> Option<(Kit<'static>, input::Settings)> {
+    match kit_in_sector(instrument) {
+        Ok(Some(chosen)) => return Some(chosen),
+        Ok(None) => defmt::info!("kit sector: empty, the built-in kit plays"),
+        Err(refusal) => {
+            faults::set(Fault::Kit, true);
+            defmt::error!("kit sector: {}; the built-in kit plays", refusal);
+        }
     }
     let kit = Kit::parse(kits::BUILT_IN).ok()?;
-    instrument.load(kit, budget).ok()?;
-    Some(kit)
+    instrument.load(&kit, audio::BUDGET_CYCLES).ok()?;
+    Some((kit, input::Settings::of(&kit).ok()?))
+}
+
+fn kit_in_sector(instrument: &mut Instrument) -> Result<Option<(Kit<'static>, input::Settings)>, Refusal> {
+    let Some(kit) = kits::in_sector()? else { return Ok(None) };
+    let settings = input::Settings::of(&kit)?;
+    instrument.load(&kit, audio::BUDGET_CYCLES)?;
+    defmt::info!("kit sector: {=str} plays", kit.name());
+    Ok(Some((kit, settings)))
 }

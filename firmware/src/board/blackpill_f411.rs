@@ -1,13 +1,14 @@
 //! WeAct BlackPill STM32F411CE with a PCM5102A: 96 MHz, I2S2 without a master clock, one LED, a button.
 
-use embassy_stm32::exti::{self, ExtiInput};
+use embassy_stm32::exti::{ExtiInput, TriggerEdge};
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::rcc::{APBPrescaler, PllPDiv};
-use embassy_stm32::{Peripherals, bind_interrupts, interrupt, pac, peripherals};
+use embassy_stm32::{Peripherals, interrupt, pac, peripherals};
 
-use super::{Board, Button};
+use super::Board;
 use crate::audio::i2s::{I2s, Wiring};
 use crate::clock::{AudioClock, ClockPlan};
+use crate::input::Button;
 
 /// As the project calls it.
 pub const NAME: &str = "blackpill-f411";
@@ -34,9 +35,8 @@ pub const LEDS: usize = 1;
 /// ADC1's inputs in the order of the piezos: PA1, PA2, PA3, PB1.
 pub const PIEZO_CHANNELS: [u8; 4] = [1, 2, 3, 9];
 
-bind_interrupts!(struct Interrupts {
-    EXTI0 => exti::InterruptHandler<interrupt::typelevel::EXTI0>;
-});
+/// The settings that ADCs share.
+pub const ADC_COMMON: pac::adccommon::AdcCommon = pac::ADC1_COMMON;
 
 /// Sets up the pins.
 pub fn init(p: Peripherals) -> Board {
@@ -54,8 +54,11 @@ pub fn init(p: Peripherals) -> Board {
     // XSMT: the PCM5102A is mute while it is low. It has no bus, so there is nothing that could fail to answer.
     core::mem::forget(Output::new(p.PB14, Level::High, Speed::Low));
     Board {
-        i2s: I2s::new(I2S, CLOCKS.audio),
-        button: Button { pin: ExtiInput::new(p.PA0, p.EXTI0, Pull::Up, Interrupts), pressed_is_high: false },
+        i2s: I2s::set_up(),
+        button: Button {
+            pin: ExtiInput::new_blocking(p.PA0, p.EXTI0, Pull::Up, TriggerEdge::Falling),
+            pressed_is_high: false,
+        },
         leds: [Output::new(p.PC13, Level::High, Speed::Low)],
         leds_light_high: false,
         codec: Ok(()),

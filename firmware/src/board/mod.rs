@@ -1,12 +1,11 @@
 //! The boards: clocks, pins, codec. One is chosen by a feature; the rest of the firmware knows only what stands in this module.
 
-use embassy_stm32::exti::ExtiInput;
 use embassy_stm32::gpio::{Flex, Output};
-use embassy_stm32::mode::Async;
 use embassy_stm32::{Config, pac};
 
 use crate::audio::i2s::I2s;
 use crate::codec;
+use crate::input::Button;
 
 #[cfg(feature = "blackpill-f411")]
 mod blackpill_f411;
@@ -32,21 +31,6 @@ pub struct Board {
     pub codec: Result<(), codec::Error>,
     /// The piezos' pins, analog: held so that nobody else takes them.
     pub piezos: [Flex<'static>; PIEZO_CHANNELS.len()],
-}
-
-/// A button on an EXTI line.
-pub struct Button {
-    /// Its pin.
-    pub pin: ExtiInput<'static, Async>,
-    /// Whether the pin is high while the button is pressed.
-    pub pressed_is_high: bool,
-}
-
-impl Button {
-    /// Whether it is pressed now; contacts may bounce.
-    pub fn is_pressed(&self) -> bool {
-        self.pin.is_high() == self.pressed_is_high
-    }
 }
 
 /// Clocks, flash accelerator, pins and codec.

@@ -1,17 +1,18 @@
 //! STM32F407G-DISC1: 168 MHz, CS43L22 codec on I2S3 and I2C1, four LEDs, a button.
 
-use embassy_stm32::exti::{self, ExtiInput};
+use embassy_stm32::exti::{ExtiInput, TriggerEdge};
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::i2c::{self, I2c};
 use embassy_stm32::rcc::{APBPrescaler, PllPDiv};
 use embassy_stm32::time::Hertz;
-use embassy_stm32::{Peripherals, bind_interrupts, interrupt, pac, peripherals};
+use embassy_stm32::{Peripherals, interrupt, pac, peripherals};
 use embassy_time::Duration;
 
-use super::{Board, Button};
+use super::Board;
 use crate::audio::i2s::{I2s, Wiring};
 use crate::clock::{AudioClock, ClockPlan};
 use crate::codec;
+use crate::input::Button;
 
 /// As the project calls it.
 pub const NAME: &str = "stm32f407g-disc1";
@@ -38,9 +39,8 @@ pub const LEDS: usize = 4;
 /// ADC1's inputs in the order of the piezos: PA1, PA2, PA3, PB1.
 pub const PIEZO_CHANNELS: [u8; 4] = [1, 2, 3, 9];
 
-bind_interrupts!(struct Interrupts {
-    EXTI0 => exti::InterruptHandler<interrupt::typelevel::EXTI0>;
-});
+/// Shared by all ADCs of the chip.
+pub const ADC_COMMON: pac::adccommon::AdcCommon = pac::ADC123_COMMON;
 
 /// Sets up the pins and starts the codec.
 pub fn init(p: Peripherals) -> Board {
@@ -54,7 +54,7 @@ pub fn init(p: Peripherals) -> Board {
     }
     core::mem::forget(pins);
     embassy_stm32::rcc::enable_and_reset::<peripherals::SPI3>();
-    let i2s = I2s::new(I2S, CLOCKS.audio);
+    let i2s = I2s::set_up();
 
     let mut config = i2c::Config::default();
     config.frequency = Hertz(100_000);
@@ -63,7 +63,10 @@ pub fn init(p: Peripherals) -> Board {
     let reset = Output::new(p.PD4, Level::Low, Speed::Low);
     Board {
         i2s,
-        button: Button { pin: ExtiInput::new(p.PA0, p.EXTI0, Pull::Down, Interrupts), pressed_is_high: true },
+        button: Button {
+            pin: ExtiInput::new_blocking(p.PA0, p.EXTI0, Pull::Down, TriggerEdge::Rising),
+            pressed_is_high: true,
+        },
         // Green, orange, red, blue.
         leds: [
             Output::new(p.PD12, Level::Low, Speed::Low),

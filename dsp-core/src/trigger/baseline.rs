@@ -1,0 +1,117 @@
+//! What a piezo's channel holds besides strikes: the bias' offset, its drift, and mains hum.
+//!
+//! An observer: a model of the disturbance (a constant and one oscillator for each mains frequency) that runs freely and is pulled
+//! towards the mean of every 16 frames,
+//!
+//! ```text
+//! e = clip(mean - o - h50 - h60)    o += e/64    h += e/32, then h turns by 2πf·T
+//! ```
+//!
+//! Seen from the input that is a notch at 0, 50 and 60 Hz, 7 Hz wide. Two things make it fit for percussion, where a plain high-pass
+//! is not: `e` is clipped, so that a loud ring hardly moves it, and during a scan it is not pulled at all but runs on, so that a
+//! strike's peak is measured from where the disturbance would have been. Working on means makes it cheap.
+
+use super::{COUNT, LAST_COUNT, TICK_FRAMES};
+use crate::SampleRate;
+use crate::fixed::{smmla, smmls};
+
+/// The mains frequencies of the world, in Hz. Both are always listened for: settings that one could get wrong are saved.
+const MAINS_HZ: [f64; 2] = [50.0, 60.0];
+/// The observer's states have 8 more bits than a signal, so that small errors still move them.
+const FINE: u32 = 8;
+/// The largest error that pulls the observer, in signal units. Quiet hum and drift stay below it; rings do not.
+const CLIP: i32 = 16 * COUNT;
+const OFFSET_SHIFT: u32 = 6;
+const HUM_SHIFT: u32 = 5;
+
+/// How far the mains' oscillators turn in a tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MainsTurn {
+    /// `2 sin(πf·T)` of each in Q32, T a tick; below 0.5 for all rates that a trigger takes.
+    coefficient: [i32; MAINS_HZ.len()],
+}
+
+impl MainsTurn {
+    pub(super) fn new(rate: SampleRate) -> Self {
+        let tick_s = TICK_FRAMES as f64 / rate.hz();
+        let coefficient =
+            MAINS_HZ.map(|hz| (2.0 * libm::sin(core::f64::consts::PI * hz * tick_s) * 4_294_967_296.0) as i32);
+        Self { coefficient }
+    }
+}
+
+/// Coupled form: `v` is the hum at a tick's middle, `u` its quadrature half a tick later. Q16 counts.
+#[derive(Clone, Copy, Debug)]
+struct Oscillator {
+    u: i32,
+    v: i32,
+}
+
+impl Oscillator {
+    fn turned(self, coefficient: i32) -> Self {
+        let u = smmls(self.u, coefficient, self.v);
+        Self { u, v: smmla(self.v, coefficient, u) }
+    }
+}
+
+/// The observer's state of one channel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Baseline {
+    offset: i32,
+    hum: [Oscillator; MAINS_HZ.len()],
+    /// The baseline at the next frame in Q12 counts, and its slope a frame.
+    pub(super) level_q12: i32,
+    pub(super) slope_q12: i32,
+    started: bool,
+}
+
+/// Q12 counts to signal units.
+pub(super) const LEVEL_SHIFT: u32 = 4;
+
+impl Baseline {
+    pub(super) const UNSET: Self = Self {
+        offset: 0,
+        hum: [Oscillator { u: 0, v: 0 }; MAINS_HZ.len()],
+        level_q12: 0,
+        slope_q12: 0,
+        started: false,
+    };
+
+    /// Starts where the first sample lies.
+    pub(super) fn start(&mut self, raw: u16) {
+        if !self.started {
+            self.started = true;
+            let counts = i32::from(raw.min(LAST_COUNT));
+            self.offset = counts << (8 + FINE);
+            self.level_q12 = counts << 12;
+        }
+    }
+
+    /// The end of a tick whose 16 samples sum up to `sum` counts; `listening` is false while a strike is scanned.
+    pub(super) fn tick(&mut self, sum: i32, listening: bool, turn: &MainsTurn) {
+        if listening {
+            // 16 samples, so that the sum is a mean in Q4 counts.
+            let mean = sum << 4;
+            let expected = self.hum.iter().fold(self.offset, |sum, hum| sum.wrapping_add(hum.v)) >> FINE;
+            let error = mean.wrapping_sub(expected).clamp(-CLIP, CLIP) << FINE;
+            // Bounded by the input: the offset follows the mean, an oscillator takes at most CLIP/32 a tick and leaks through the error.
+            self.offset = self.offset.wrapping_add(error >> OFFSET_SHIFT).clamp(0, i32::from(LAST_COUNT) << (8 + FINE));
+            for hum in &mut self.hum {
+                hum.v = hum.v.wrapping_add(error >> HUM_SHIFT).clamp(-HUM_LIMIT, HUM_LIMIT);
+            }
+        }
+        let mut end_twice = self.offset.wrapping_mul(2);
+        for (hum, &coefficient) in self.hum.iter_mut().zip(&turn.coefficient) {
+            *hum = hum.turned(coefficient);
+            let next = hum.turned(coefficient);
+            // The middle between two ticks' middles is the end of the one.
+            end_twice = end_twice.wrapping_add(hum.v).wrapping_add(next.v);
+        }
+        // From 2·Q16 to Q12; a ramp over the next tick to where the observer expects to be at its end.
+        let target = end_twice >> (FINE + 1 - LEVEL_SHIFT);
+        self.slope_q12 = target.wrapping_sub(self.level_q12) >> 4;
+    }
+}
+
+/// More hum than this is a fault of the wiring and no hum: 256 counts.
+const HUM_LIMIT: i32 = 256 << (8 + FINE);

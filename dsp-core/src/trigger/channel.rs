@@ -1,0 +1,263 @@
+//! One piezo: conditioning, envelope, onset, and the scan of a strike.
+//!
+//! ```text
+//!  ADC ──(-)──► |x| ──► envelope ──► > level? ──► scan: peak of |x| ──► decision
+//!         ▲              1/8 a frame    ▲
+//!      baseline                         └── threshold, noise floor, mask
+//! ```
+
+use super::baseline::{Baseline, LEVEL_SHIFT, MainsTurn};
+use super::config::ChannelConfig;
+use super::mask::{Mask, OVER_Q8};
+use super::noise::NoiseFloor;
+use super::report::Fault;
+use super::scan::Scan;
+use super::{COUNT, TICK_FRAMES};
+
+/// The envelope moves by 1/8 of its error a frame: 0.17 ms at 48 kHz, one half period of 3 kHz.
+const ENVELOPE_SHIFT: u32 = 3;
+/// A level that no envelope reaches.
+const DEAF: i32 = i32::MAX;
+/// An onset is looked for at most so many frames before the envelope crosses its level.
+const LONGEST_LAG: u32 = 24;
+/// Ticks after a start in which offset, hum and noise are learnt: 31 ms at 48 kHz.
+const WARM_UP_TICKS: u16 = 94;
+/// Ticks at a rail until a channel counts as stuck, and away from it until it counts as well: 20 and 100 ms at 48 kHz.
+const STUCK_TICKS: u16 = 60;
+const WELL_TICKS: u16 = 300;
+/// Sums of a tick's samples beyond which all of it was at a rail.
+const LOW_RAIL: i32 = 16 * 15;
+const HIGH_RAIL: i32 = 16 * 4080;
+/// Noise stays below so many times its mean, in 1/256 (2.4: 6 standard deviations of the envelope of white noise), and an onset is
+/// where the envelope leaves 1.5 times the mean.
+const NOISE_LEVEL_Q8: i32 = 614;
+const NOISE_FOOT_Q8: i32 = 384;
+/// By how much an onset must leave the mask's level, in 1/256.
+const MASK_FOOT_Q8: i32 = 272;
+/// What peaks are remembered for crosstalk: decays by 1/64 a tick, 21 ms.
+const HOLD_SHIFT: u32 = 6;
+
+/// The state of one channel. Signals are in 1/256 of an ADC count.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Channel {
+    baseline: Baseline,
+    noise: NoiseFloor,
+    mask: Mask,
+    /// Smoothed magnitude.
+    pub(super) envelope: i32,
+    /// The envelope above which a strike begins, and at which its onset is put.
+    onset_level: i32,
+    foot_level: i32,
+    foot_frame: u32,
+    /// Sum of the tick's samples so far, in counts.
+    sum: i32,
+    /// The strike that is being scanned.
+    pub(super) scan: Scan,
+    pub(super) is_scanning: bool,
+    masked_ticks: u16,
+    warm_up_ticks: u16,
+    rail_ticks: u16,
+    /// What is wrong with the channel.
+    pub(super) fault: Option<Fault>,
+    /// Decaying memory of the last peak.
+    hold: i32,
+}
+
+impl Channel {
+    pub(super) const UNSET: Self = Self {
+        baseline: Baseline::UNSET,
+        noise: NoiseFloor::UNSET,
+        mask: Mask::UNSET,
+        envelope: 0,
+        onset_level: DEAF,
+        foot_level: 0,
+        foot_frame: 0,
+        sum: 0,
+        scan: Scan::NONE,
+        is_scanning: false,
+        masked_ticks: 0,
+        warm_up_ticks: WARM_UP_TICKS,
+        rail_ticks: 0,
+        fault: None,
+        hold: 0,
+    };
+
+    /// Takes the samples of up to one tick, the first of which is frame `now`.
+    pub(super) fn run(&mut self, mut samples: impl Iterator<Item = u16>, now: u32, config: &ChannelConfig) {
+        let mut now = now;
+        if !self.is_scanning {
+            now = self.listen(&mut samples, now, config);
+        }
+        if self.is_scanning {
+            self.search(samples, now);
+        }
+    }
+
+    /// Until the end or the first onset. The hot loop: all that a silent channel costs.
+    fn listen(&mut self, samples: &mut impl Iterator<Item = u16>, mut now: u32, config: &ChannelConfig) -> u32 {
+        let Self { mut envelope, onset_level, foot_level, mut foot_frame, mut sum, .. } = *self;
+        let Baseline { mut level_q12, slope_q12, .. } = self.baseline;
+        for raw in samples {
+            let x = condition(raw, &mut level_q12, slope_q12, &mut sum);
+            envelope = follow(envelope, x);
+            if envelope <= foot_level {
+                foot_frame = now;
+            }
+            now = now.wrapping_add(1);
+            if envelope > onset_level {
+                let lag = now.wrapping_sub(foot_frame).min(LONGEST_LAG);
+                let onset = now.wrapping_sub(lag);
+                // A decision falls behind the tick in which it was announced.
+                let frames = config.scan_frames.saturating_sub(lag).max(TICK_FRAMES as u32);
+                let decide_at = if frames == TICK_FRAMES as u32 {
+                    now.wrapping_add(frames)
+                } else {
+                    onset.wrapping_add(config.scan_frames)
+                };
+                self.scan = Scan::begin(decide_at, self.mask.crest());
+                self.scan.push(raw, x, envelope);
+                self.is_scanning = true;
+                self.noise.struck();
+                break;
+            }
+        }
+        self.baseline.level_q12 = level_q12;
+        (self.envelope, self.foot_frame, self.sum) = (envelope, foot_frame, sum);
+        now
+    }
+
+    /// Peak search; the caller ends it at the decision.
+    fn search(&mut self, samples: impl Iterator<Item = u16>, _now: u32) {
+        for raw in samples {
+            let slope_q12 = self.baseline.slope_q12;
+            let x = condition(raw, &mut self.baseline.level_q12, slope_q12, &mut self.sum);
+            self.envelope = follow(self.envelope, x);
+            self.scan.push(raw, x, self.envelope);
+        }
+    }
+
+    /// Conditions the samples of up to one tick into `output`, for direct drive.
+    pub(super) fn condition(&mut self, samples: impl Iterator<Item = u16>, mut output: impl FnMut(i32, i32)) {
+        for raw in samples {
+            let slope_q12 = self.baseline.slope_q12;
+            let x = condition(raw, &mut self.baseline.level_q12, slope_q12, &mut self.sum);
+            self.envelope = follow(self.envelope, x);
+            output(x, self.envelope);
+        }
+    }
+
+    /// Where the baseline starts, before the very first frame.
+    pub(super) fn start(&mut self, raw: u16) {
+        self.baseline.start(raw);
+    }
+
+    /// The end of an absolute tick. `Some` where a fault was found (inner `Some`) or is over.
+    pub(super) fn tick(&mut self, config: &ChannelConfig, turn: &MainsTurn) -> Option<Option<Fault>> {
+        let sum = core::mem::take(&mut self.sum);
+        let changed = self.watch_rails(sum);
+        self.baseline.tick(sum, !self.is_scanning && self.fault.is_none(), turn);
+        self.warm_up_ticks = self.warm_up_ticks.saturating_sub(1);
+        self.masked_ticks = self.masked_ticks.saturating_sub(1);
+        self.hold = self.hold.wrapping_sub(self.hold >> HOLD_SHIFT);
+        if !self.is_scanning {
+            self.noise.tick(self.envelope, self.warm_up_ticks > 0);
+        }
+        let quiet = config.threshold_envelope.max(scale_q8(self.noise.mean(), NOISE_LEVEL_Q8));
+        self.mask.tick(self.envelope, quiet, config.mask_decay);
+        let mask = self.mask.level();
+        let deaf = self.masked_ticks > 0 || self.warm_up_ticks > 0 || self.fault.is_some();
+        self.onset_level = if deaf { DEAF } else { quiet.max(scale_q8(mask, OVER_Q8)) };
+        self.foot_level =
+            (scale_q8(self.noise.mean(), NOISE_FOOT_Q8) + COUNT / 2).max(scale_q8(self.mask.crest(), MASK_FOOT_Q8));
+        changed
+    }
+
+    fn watch_rails(&mut self, sum: i32) -> Option<Option<Fault>> {
+        let rail = match sum {
+            ..=LOW_RAIL => Some(Fault::StuckLow),
+            HIGH_RAIL.. => Some(Fault::StuckHigh),
+            _ => None,
+        };
+        // Counts ticks that speak against the present state.
+        self.rail_ticks = if rail.is_some() == self.fault.is_some() { 0 } else { self.rail_ticks.saturating_add(1) };
+        match (self.fault, rail) {
+            (None, Some(_)) if self.rail_ticks >= STUCK_TICKS => {
+                self.rail_ticks = 0;
+                self.fault = rail;
+                Some(rail)
+            }
+            (Some(_), None) if self.rail_ticks >= WELL_TICKS => {
+                *self = Self::UNSET;
+                self.start(u16::try_from(sum >> 4).unwrap_or(0));
+                Some(None)
+            }
+            _ => None,
+        }
+    }
+
+    /// The peak of the strike that is being scanned less what noise adds to a maximum, in signal units.
+    pub(super) fn scanned_peak(&self) -> i32 {
+        let noise = self.noise.mean();
+        self.scan.peak.wrapping_sub(noise + (noise >> 1)).max(0)
+    }
+
+    /// The largest magnitude of late, for the judgement of crosstalk.
+    pub(super) fn recent_peak(&self) -> i32 {
+        let scanned = match (self.is_scanning, self.scan.saturated) {
+            (false, _) => 0,
+            (true, false) => self.scan.peak,
+            // How far above the rail it was, nobody knows.
+            (true, true) => self.scan.peak.saturating_mul(2),
+        };
+        self.hold.max(scanned)
+    }
+
+    /// Remembers a direct pad's loudness for the judgement of crosstalk.
+    pub(super) fn hold_envelope(&mut self) {
+        self.hold = self.hold.max(self.envelope);
+    }
+
+    /// Ends the scan, whatever was decided, and masks the channel.
+    pub(super) fn end_scan(&mut self, config: &ChannelConfig) {
+        self.hold = self.recent_peak();
+        let envelope = if self.is_scanning { self.scan.envelope } else { self.envelope };
+        self.mask.struck(envelope);
+        self.is_scanning = false;
+        self.masked_ticks = config.masked_ticks;
+        self.onset_level = DEAF;
+    }
+
+    /// The envelope above which a direct pad's gate opens: threshold or noise.
+    pub(super) fn gate_level(&self, config: &ChannelConfig) -> i32 {
+        if self.warm_up_ticks > 0 || self.fault.is_some() {
+            DEAF
+        } else {
+            config.threshold_envelope.max(scale_q8(self.noise.mean(), NOISE_LEVEL_Q8))
+        }
+    }
+
+    /// A direct pad's gate is open: what it lets through is no noise.
+    pub(super) fn ring(&mut self) {
+        self.noise.struck();
+    }
+}
+
+/// The next sample without its baseline.
+#[inline(always)]
+fn condition(raw: u16, level_q12: &mut i32, slope_q12: i32, sum: &mut i32) -> i32 {
+    let raw = i32::from(raw);
+    *sum = sum.wrapping_add(raw);
+    let x = (raw << 8).wrapping_sub(*level_q12 >> LEVEL_SHIFT);
+    *level_q12 = level_q12.wrapping_add(slope_q12);
+    x
+}
+
+#[inline(always)]
+fn follow(envelope: i32, x: i32) -> i32 {
+    envelope.wrapping_add(x.wrapping_abs().wrapping_sub(envelope) >> ENVELOPE_SHIFT)
+}
+
+/// `value · factor / 256`: levels have 24 bits at most, so the product is taken in 64.
+fn scale_q8(value: i32, factor_q8: i32) -> i32 {
+    ((i64::from(value) * i64::from(factor_q8)) >> 8) as i32
+}
