@@ -134,7 +134,7 @@ impl Rcc {
                 Ok(())
             }
             DCKCFGR if value != 0 => Err(Unmodelled::new("a dedicated clock (RCC_DCKCFGR)").into()),
-            BDCR if value & !(0b11 << 8 | 1 << 16) != 0 => Err(Unmodelled::new("LSE or RTC (RCC_BDCR)").into()),
+            BDCR if value & 1 != 0 => Err(Unmodelled::new("the 32 kHz crystal (RCC_BDCR.LSEON)").into()),
             _ => Ok(()),
         }
     }
@@ -142,8 +142,7 @@ impl Rcc {
     fn index(&self, offset: u32) -> Access<usize> {
         let known = matches!(offset,
             0x00..=0x10 | 0x14 | 0x18 | 0x20 | 0x24 | 0x30 | 0x34 | 0x38 | 0x40 | 0x44 | 0x50 | 0x54 | 0x58 | 0x60 | 0x64
-            | 0x70 | 0x74 | 0x80 | 0x84)
-            || (self.chip == Chip::Stm32F411 && offset == 0x8c);
+            | 0x70 | 0x74 | 0x80 | 0x84 | 0x8c);
         if known { Ok((offset / 4) as usize) } else { Err(Problem::register()) }
     }
 

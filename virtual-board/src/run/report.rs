@@ -235,8 +235,10 @@ impl VirtualBoard {
     }
 
     fn stack_bytes(&self) -> Option<u32> {
-        let top = self.image.symbol("_stack_start")?.address;
-        top.checked_sub(self.lowest_stack.min(self.machine.lowest_stack()))
+        // The first word of the vector table is where the stack starts.
+        let mut top = [0; 4];
+        self.machine.read(virtual_core::FLASH_ADDRESS, &mut top).ok()?;
+        u32::from_le_bytes(top).checked_sub(self.lowest_stack.min(self.machine.lowest_stack()))
     }
 
     fn interrupts(&self) -> Vec<InterruptReport> {
