@@ -1,10 +1,10 @@
 //! What a piezo's channel holds besides strikes: the bias' offset, its drift, and mains hum.
 //!
 //! An observer: a model of the disturbance (a constant and one oscillator for each mains frequency) that runs freely and is pulled
-//! towards the mean of every 16 frames,
+//! towards the mean of every 32 frames,
 //!
 //! ```text
-//! e = clip(mean - o - h50 - h60)    o += e/64    h += e/32, then h turns by 2πf·T
+//! e = clip(mean - o - h50 - h60)    o += e/32    h += e/16, then h turns by 2πf·T
 //! ```
 //!
 //! Seen from the input that is a notch at 0, 50 and 60 Hz, 7 Hz wide. Two things make it fit for percussion, where a plain high-pass
@@ -21,8 +21,8 @@ const MAINS_HZ: [f64; 2] = [50.0, 60.0];
 const FINE: u32 = 8;
 /// The largest error that pulls the observer, in signal units. Quiet hum and drift stay below it; rings do not.
 const CLIP: i32 = 16 * COUNT;
-const OFFSET_SHIFT: u32 = 6;
-const HUM_SHIFT: u32 = 5;
+const OFFSET_SHIFT: u32 = 5;
+const HUM_SHIFT: u32 = 4;
 
 /// How far the mains' oscillators turn in a tick.
 #[derive(Clone, Copy, Debug)]
@@ -59,23 +59,15 @@ impl Oscillator {
 pub(super) struct Baseline {
     offset: i32,
     hum: [Oscillator; MAINS_HZ.len()],
-    /// The baseline at the next frame in Q12 counts, and its slope a frame.
-    pub(super) level_q12: i32,
-    pub(super) slope_q12: i32,
+    /// The baseline at the next frame in signal units, and its slope a frame.
+    pub(super) level: i32,
+    pub(super) slope: i32,
     started: bool,
 }
 
-/// Q12 counts to signal units.
-pub(super) const LEVEL_SHIFT: u32 = 4;
-
 impl Baseline {
-    pub(super) const UNSET: Self = Self {
-        offset: 0,
-        hum: [Oscillator { u: 0, v: 0 }; MAINS_HZ.len()],
-        level_q12: 0,
-        slope_q12: 0,
-        started: false,
-    };
+    pub(super) const UNSET: Self =
+        Self { offset: 0, hum: [Oscillator { u: 0, v: 0 }; MAINS_HZ.len()], level: 0, slope: 0, started: false };
 
     /// Starts where the first sample lies.
     pub(super) fn start(&mut self, raw: u16) {
@@ -83,18 +75,18 @@ impl Baseline {
             self.started = true;
             let counts = i32::from(raw.min(LAST_COUNT));
             self.offset = counts << (8 + FINE);
-            self.level_q12 = counts << 12;
+            self.level = counts << 8;
         }
     }
 
-    /// The end of a tick whose 16 samples sum up to `sum` counts; `listening` is false while a strike is scanned.
+    /// The end of a tick whose 32 samples sum up to `sum` counts; `listening` is false while a strike is scanned.
     pub(super) fn tick(&mut self, sum: i32, listening: bool, turn: &MainsTurn) {
         if listening {
-            // 16 samples, so that the sum is a mean in Q4 counts.
-            let mean = sum << 4;
+            // 32 samples, so that the sum is a mean in Q5 counts.
+            let mean = sum << 3;
             let expected = self.hum.iter().fold(self.offset, |sum, hum| sum.wrapping_add(hum.v)) >> FINE;
             let error = mean.wrapping_sub(expected).clamp(-CLIP, CLIP) << FINE;
-            // Bounded by the input: the offset follows the mean, an oscillator takes at most CLIP/32 a tick and leaks through the error.
+            // Bounded by the input: the offset follows the mean, an oscillator takes at most CLIP/16 a tick and leaks through the error.
             self.offset = self.offset.wrapping_add(error >> OFFSET_SHIFT).clamp(0, i32::from(LAST_COUNT) << (8 + FINE));
             for hum in &mut self.hum {
                 hum.v = hum.v.wrapping_add(error >> HUM_SHIFT).clamp(-HUM_LIMIT, HUM_LIMIT);
@@ -107,9 +99,9 @@ impl Baseline {
             // The middle between two ticks' middles is the end of the one.
             end_twice = end_twice.wrapping_add(hum.v).wrapping_add(next.v);
         }
-        // From 2·Q16 to Q12; a ramp over the next tick to where the observer expects to be at its end.
-        let target = end_twice >> (FINE + 1 - LEVEL_SHIFT);
-        self.slope_q12 = target.wrapping_sub(self.level_q12) >> 4;
+        // A ramp over the next tick to where the observer expects to be at its end; what the shift cuts off, the next ramp makes up for.
+        let target = end_twice >> (FINE + 1);
+        self.slope = target.wrapping_sub(self.level) >> 5;
     }
 }
 

@@ -6,7 +6,7 @@
 //!      baseline                         └── threshold, noise floor, mask
 //! ```
 
-use super::baseline::{Baseline, LEVEL_SHIFT, MainsTurn};
+use super::baseline::{Baseline, MainsTurn};
 use super::config::ChannelConfig;
 use super::mask::{Mask, OVER_Q8};
 use super::noise::NoiseFloor;
@@ -21,21 +21,21 @@ const DEAF: i32 = i32::MAX;
 /// An onset is looked for at most so many frames before the envelope crosses its level.
 const LONGEST_LAG: u32 = 24;
 /// Ticks after a start in which offset, hum and noise are learnt: 31 ms at 48 kHz.
-const WARM_UP_TICKS: u16 = 94;
+const WARM_UP_TICKS: u16 = 47;
 /// Ticks at a rail until a channel counts as stuck, and away from it until it counts as well: 20 and 100 ms at 48 kHz.
-const STUCK_TICKS: u16 = 60;
-const WELL_TICKS: u16 = 300;
+const STUCK_TICKS: u16 = 30;
+const WELL_TICKS: u16 = 150;
 /// Sums of a tick's samples beyond which all of it was at a rail.
-const LOW_RAIL: i32 = 16 * 15;
-const HIGH_RAIL: i32 = 16 * 4080;
+const LOW_RAIL: i32 = 32 * 15;
+const HIGH_RAIL: i32 = 32 * 4080;
 /// Noise stays below so many times its mean, in 1/256 (2.4: 6 standard deviations of the envelope of white noise), and an onset is
 /// where the envelope leaves 1.5 times the mean.
 const NOISE_LEVEL_Q8: i32 = 614;
 const NOISE_FOOT_Q8: i32 = 384;
 /// By how much an onset must leave the mask's level, in 1/256.
 const MASK_FOOT_Q8: i32 = 272;
-/// What peaks are remembered for crosstalk: decays by 1/64 a tick, 21 ms.
-const HOLD_SHIFT: u32 = 6;
+/// What peaks are remembered for crosstalk: decays by 1/32 a tick, 21 ms.
+const HOLD_SHIFT: u32 = 5;
 
 /// The state of one channel. Signals are in 1/256 of an ADC count.
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +49,8 @@ pub(super) struct Channel {
     onset_level: i32,
     foot_level: i32,
     foot_frame: u32,
+    /// The largest envelope of the tick so far, while something rings.
+    tick_envelope: i32,
     /// Sum of the tick's samples so far, in counts.
     sum: i32,
     /// The strike that is being scanned.
@@ -72,6 +74,7 @@ impl Channel {
         onset_level: DEAF,
         foot_level: 0,
         foot_frame: 0,
+        tick_envelope: 0,
         sum: 0,
         scan: Scan::NONE,
         is_scanning: false,
@@ -82,68 +85,94 @@ impl Channel {
         hold: 0,
     };
 
-    /// Takes the samples of up to one tick, the first of which is frame `now`.
-    pub(super) fn run(&mut self, mut samples: impl Iterator<Item = u16>, now: u32, config: &ChannelConfig) {
-        let mut now = now;
-        if !self.is_scanning {
-            now = self.listen(&mut samples, now, config);
+    /// Takes samples `index` of up to one tick of frames, the first of which is number `now`.
+    pub(super) fn run<const CHANNELS: usize>(
+        &mut self,
+        frames: &[[u16; CHANNELS]],
+        index: usize,
+        now: u32,
+        config: &ChannelConfig,
+    ) {
+        let mut at = 0;
+        if !self.is_scanning && !self.mask.is_loud() && self.envelope <= self.foot_level {
+            at = self.stay_below_foot(frames, index);
+            self.foot_frame = now.wrapping_add(at as u32).wrapping_sub(1);
         }
-        if self.is_scanning {
-            self.search(samples, now);
+        if at < frames.len() {
+            self.run_above_foot(frames.get(at..).unwrap_or(&[]), index, now.wrapping_add(at as u32), config);
         }
     }
 
-    /// Until the end or the first onset. The hot loop: all that a silent channel costs.
-    fn listen(&mut self, samples: &mut impl Iterator<Item = u16>, mut now: u32, config: &ChannelConfig) -> u32 {
-        let Self { mut envelope, onset_level, foot_level, mut foot_frame, mut sum, .. } = *self;
-        let Baseline { mut level_q12, slope_q12, .. } = self.baseline;
-        for raw in samples {
-            let x = condition(raw, &mut level_q12, slope_q12, &mut sum);
-            envelope = follow(envelope, x);
-            if envelope <= foot_level {
-                foot_frame = now;
-            }
-            now = now.wrapping_add(1);
-            if envelope > onset_level {
-                let lag = now.wrapping_sub(foot_frame).min(LONGEST_LAG);
-                let onset = now.wrapping_sub(lag);
-                // A decision falls behind the tick in which it was announced.
-                let frames = config.scan_frames.saturating_sub(lag).max(TICK_FRAMES as u32);
-                let decide_at = if frames == TICK_FRAMES as u32 {
-                    now.wrapping_add(frames)
-                } else {
-                    onset.wrapping_add(config.scan_frames)
-                };
-                self.scan = Scan::begin(decide_at, self.mask.crest());
+    /// The rest of a tick in which something happens or rings.
+    #[inline(never)]
+    fn run_above_foot<const CHANNELS: usize>(
+        &mut self,
+        frames: &[[u16; CHANNELS]],
+        index: usize,
+        now: u32,
+        config: &ChannelConfig,
+    ) {
+        for (at, raw) in (1..).zip(samples(frames, index)) {
+            let (x, envelope) = self.take(raw);
+            if self.is_scanning {
                 self.scan.push(raw, x, envelope);
-                self.is_scanning = true;
-                self.noise.struck();
-                break;
+            } else if envelope <= self.foot_level {
+                self.foot_frame = now.wrapping_add(at).wrapping_sub(1);
+            } else if envelope > self.onset_level {
+                self.begin_scan(now.wrapping_add(at), config);
+                self.scan.push(raw, x, envelope);
             }
         }
-        self.baseline.level_q12 = level_q12;
-        (self.envelope, self.foot_frame, self.sum) = (envelope, foot_frame, sum);
-        now
     }
 
-    /// Peak search; the caller ends it at the decision.
-    fn search(&mut self, samples: impl Iterator<Item = u16>, _now: u32) {
-        for raw in samples {
-            let slope_q12 = self.baseline.slope_q12;
-            let x = condition(raw, &mut self.baseline.level_q12, slope_q12, &mut self.sum);
-            self.envelope = follow(self.envelope, x);
-            self.scan.push(raw, x, self.envelope);
+    /// Takes frames while the envelope stays at or below the foot, and gives their number; the first that leaves it is not taken.
+    ///
+    /// The hot loop, all that a silent channel costs: not inlined, so that it has all registers to itself (24 cycles a sample otherwise).
+    #[inline(never)]
+    fn stay_below_foot<const CHANNELS: usize>(&mut self, frames: &[[u16; CHANNELS]], index: usize) -> usize {
+        let Self { mut envelope, foot_level, mut sum, .. } = *self;
+        let Baseline { mut level, slope, .. } = self.baseline;
+        let mut taken = frames.len();
+        // Known here, the compiler need not ask at every sample.
+        if index < CHANNELS {
+            for (at, frame) in frames.iter().enumerate() {
+                let raw = frame.get(index).copied().unwrap_or(0);
+                let next = follow(envelope, condition(raw, level));
+                if next > foot_level {
+                    taken = at;
+                    break;
+                }
+                envelope = next;
+                level = level.wrapping_add(slope);
+                sum = sum.wrapping_add(i32::from(raw));
+            }
         }
+        self.baseline.level = level;
+        (self.envelope, self.sum) = (envelope, sum);
+        taken
     }
 
-    /// Conditions the samples of up to one tick into `output`, for direct drive.
-    pub(super) fn condition(&mut self, samples: impl Iterator<Item = u16>, mut output: impl FnMut(i32, i32)) {
-        for raw in samples {
-            let slope_q12 = self.baseline.slope_q12;
-            let x = condition(raw, &mut self.baseline.level_q12, slope_q12, &mut self.sum);
-            self.envelope = follow(self.envelope, x);
-            output(x, self.envelope);
-        }
+    /// A strike was noticed in the frame before `now`.
+    fn begin_scan(&mut self, now: u32, config: &ChannelConfig) {
+        let onset = now.wrapping_sub(now.wrapping_sub(self.foot_frame).min(LONGEST_LAG));
+        let decide_at = onset.wrapping_add(config.scan_frames);
+        // A decision falls behind the tick in which it was announced.
+        let nearest = now.wrapping_add(TICK_FRAMES as u32);
+        let decide_at = if decide_at.wrapping_sub(nearest) < config.scan_frames { decide_at } else { nearest };
+        self.scan = Scan::begin(decide_at, self.mask.crest());
+        self.is_scanning = true;
+        self.noise.struck();
+    }
+
+    /// The next sample without its baseline, and the envelope behind it.
+    #[inline(always)]
+    pub(super) fn take(&mut self, raw: u16) -> (i32, i32) {
+        let x = condition(raw, self.baseline.level);
+        self.baseline.level = self.baseline.level.wrapping_add(self.baseline.slope);
+        self.sum = self.sum.wrapping_add(i32::from(raw));
+        self.envelope = follow(self.envelope, x);
+        self.tick_envelope = self.tick_envelope.max(self.envelope);
+        (x, self.envelope)
     }
 
     /// Where the baseline starts, before the very first frame.
@@ -152,6 +181,7 @@ impl Channel {
     }
 
     /// The end of an absolute tick. `Some` where a fault was found (inner `Some`) or is over.
+    #[inline(never)]
     pub(super) fn tick(&mut self, config: &ChannelConfig, turn: &MainsTurn) -> Option<Option<Fault>> {
         let sum = core::mem::take(&mut self.sum);
         let changed = self.watch_rails(sum);
@@ -163,7 +193,8 @@ impl Channel {
             self.noise.tick(self.envelope, self.warm_up_ticks > 0);
         }
         let quiet = config.threshold_envelope.max(scale_q8(self.noise.mean(), NOISE_LEVEL_Q8));
-        self.mask.tick(self.envelope, quiet, config.mask_decay);
+        let envelope = core::mem::replace(&mut self.tick_envelope, self.envelope).max(self.envelope);
+        self.mask.tick(envelope, quiet, config.mask_decay);
         let mask = self.mask.level();
         let deaf = self.masked_ticks > 0 || self.warm_up_ticks > 0 || self.fault.is_some();
         self.onset_level = if deaf { DEAF } else { quiet.max(scale_q8(mask, OVER_Q8)) };
@@ -188,7 +219,7 @@ impl Channel {
             }
             (Some(_), None) if self.rail_ticks >= WELL_TICKS => {
                 *self = Self::UNSET;
-                self.start(u16::try_from(sum >> 4).unwrap_or(0));
+                self.start(u16::try_from(sum >> 5).unwrap_or(0));
                 Some(None)
             }
             _ => None,
@@ -209,7 +240,8 @@ impl Channel {
             // How far above the rail it was, nobody knows.
             (true, true) => self.scan.peak.saturating_mul(2),
         };
-        self.hold.max(scanned)
+        // A strike that hid in its own pad's ringing shakes the others all the same.
+        self.hold.max(scanned).max(self.envelope.saturating_add(self.envelope >> 1))
     }
 
     /// Remembers a direct pad's loudness for the judgement of crosstalk.
@@ -242,14 +274,16 @@ impl Channel {
     }
 }
 
+/// One channel of frames.
+#[inline(always)]
+pub(super) fn samples<const CHANNELS: usize>(frames: &[[u16; CHANNELS]], index: usize) -> impl Iterator<Item = u16> {
+    frames.iter().map(move |frame| frame.get(index).copied().unwrap_or(0))
+}
+
 /// The next sample without its baseline.
 #[inline(always)]
-fn condition(raw: u16, level_q12: &mut i32, slope_q12: i32, sum: &mut i32) -> i32 {
-    let raw = i32::from(raw);
-    *sum = sum.wrapping_add(raw);
-    let x = (raw << 8).wrapping_sub(*level_q12 >> LEVEL_SHIFT);
-    *level_q12 = level_q12.wrapping_add(slope_q12);
-    x
+fn condition(raw: u16, level: i32) -> i32 {
+    (i32::from(raw) << 8).wrapping_sub(level)
 }
 
 #[inline(always)]

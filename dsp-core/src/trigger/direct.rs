@@ -35,8 +35,8 @@ impl Gate {
     ) -> usize {
         let level = channel.gate_level(config);
         let mut written = 0;
-        let mut slots = force.iter_mut();
-        channel.condition(samples, |x, envelope| {
+        for (raw, slot) in samples.zip(force) {
+            let (x, envelope) = channel.take(raw);
             let holds = self.frames_left > 0 && envelope > level >> 1;
             if envelope > level || holds {
                 self.frames_left = OPEN_FRAMES;
@@ -46,13 +46,11 @@ impl Gate {
             } else if self.weight > 0 {
                 self.weight -= 1;
             }
-            if let Some(slot) = slots.next() {
-                let product = (i64::from(x) * i64::from(gain_q16)) >> 16;
-                let limited = product.clamp(-i64::from(LIMIT), i64::from(LIMIT)) as i32;
-                *slot = (limited >> FADE_SHIFT) * self.weight;
-                written += 1;
-            }
-        });
+            let product = (i64::from(x) * i64::from(gain_q16)) >> 16;
+            let limited = product.clamp(-i64::from(LIMIT), i64::from(LIMIT)) as i32;
+            *slot = (limited >> FADE_SHIFT) * self.weight;
+            written += 1;
+        }
         if self.frames_left > 0 {
             channel.ring();
         }

@@ -14,9 +14,9 @@ use crate::SampleRate;
 /// How far the envelope must exceed the mask, in 1/256: 1.4, or 3 dB.
 pub(super) const OVER_Q8: i32 = 358;
 
-const PAST_TICKS: usize = 16;
+const PAST_TICKS: usize = 8;
 /// The crest looks this many ticks back, and no nearer than the second.
-const CREST_TICKS: core::ops::Range<usize> = 4..13;
+const CREST_TICKS: core::ops::Range<usize> = 2..7;
 
 /// How fast masks decay, by tick.
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +49,7 @@ impl Mask {
     /// A strike whose envelope reached `envelope` was decided.
     pub(super) fn struck(&mut self, envelope: i32) {
         self.decaying = self.decaying.max(envelope);
+        self.loud_ticks = PAST_TICKS as u16;
     }
 
     /// What the envelope is measured against.
@@ -61,7 +62,12 @@ impl Mask {
         self.crest
     }
 
-    /// The end of a tick with its envelope; below `quiet` the past is not worth looking at.
+    /// Whether the past is loud enough to matter.
+    pub(super) fn is_loud(&self) -> bool {
+        self.loud_ticks > 0
+    }
+
+    /// The end of a tick with its largest envelope; below half of `quiet` the past is not worth looking at.
     pub(super) fn tick(&mut self, envelope: i32, quiet: i32, decay: MaskDecay) {
         // Envelopes have 24 bits at most and losses 16: the product is taken in 64.
         let loss = (i64::from(self.decaying) * i64::from(decay.loss_q16)) >> 16;
@@ -70,7 +76,7 @@ impl Mask {
         if let Some(slot) = self.past.get_mut(self.newest) {
             *slot = envelope;
         }
-        self.loud_ticks = if envelope > quiet { PAST_TICKS as u16 } else { self.loud_ticks.saturating_sub(1) };
+        self.loud_ticks = if envelope > quiet >> 1 { PAST_TICKS as u16 } else { self.loud_ticks.saturating_sub(1) };
         // A strike must not mask its own rise: the follower takes the envelope late.
         let late = self.past.get(self.newest.wrapping_sub(CREST_TICKS.start) % PAST_TICKS).copied().unwrap_or(0);
         self.decaying = self.decaying.max(late);

@@ -100,7 +100,7 @@ pub const MAX_RATE_HZ: f64 = 64_000.0;
 pub const STUCK_S: f64 = 0.02;
 
 /// Slow bookkeeping falls on absolute ticks of so many ADC frames.
-const TICK_FRAMES: usize = 16;
+const TICK_FRAMES: usize = 32;
 /// One ADC count in signal units.
 const COUNT: i32 = 256;
 /// Half the ADC's range, in counts and in signal units.
@@ -198,7 +198,8 @@ impl<const CHANNELS: usize> Trigger<CHANNELS> {
             let now = self.now as u32;
             let tick_left = TICK_FRAMES - (self.now % TICK_FRAMES as u64) as usize;
             let decisions = self.lanes.iter().flatten().filter_map(|lane| decide::frames_left(lane, now));
-            let length = decisions.fold(tick_left, |length, left| length.min(left as usize)).clamp(1, TICK_FRAMES);
+            let soonest = decisions.min().map(|frames| frames as usize);
+            let length = soonest.map_or(tick_left, |frames| frames.clamp(1, tick_left));
             let (segment, behind) = rest.split_at_checked(length).unwrap_or((rest, &[]));
             for (index, lane) in self.lanes.iter_mut().enumerate() {
                 if let Some(lane) = lane {
@@ -210,7 +211,9 @@ impl<const CHANNELS: usize> Trigger<CHANNELS> {
             if self.now.is_multiple_of(TICK_FRAMES as u64) {
                 self.tick(&mut report);
             }
-            self.decide(&mut report);
+            if soonest == Some(segment.len()) {
+                self.decide(&mut report);
+            }
         }
     }
 
@@ -248,11 +251,11 @@ impl Lane {
         now: u32,
         report: &mut impl FnMut(Report<'_>),
     ) {
-        let samples = segment.iter().filter_map(|frame| frame.get(index).copied());
         match self.config.direct_gain_q16 {
-            None => self.channel.run(samples, now, &self.config),
+            None => self.channel.run(segment, index, now, &self.config),
             Some(gain_q16) => {
                 let mut force = [0; TICK_FRAMES];
+                let samples = channel::samples(segment, index);
                 let written = self.gate.run(&mut self.channel, samples, &self.config, gain_q16, &mut force);
                 if let Some(samples) = force.get(..written) {
                     report(Report::Force { pad: self.config.pad, samples });

@@ -9,11 +9,11 @@ pub(super) struct NoiseFloor {
 }
 
 /// Ticks without an onset before the floor may rise: about 0.15 s.
-const QUIET_TICKS: u16 = 450;
-/// Time constant, 2^7 ticks or 43 ms.
-const SHIFT: u32 = 7;
+const QUIET_TICKS: u16 = 225;
+/// Time constant, 2^6 ticks or 43 ms.
+const SHIFT: u32 = 6;
 /// The same while a channel warms up.
-const FAST_SHIFT: u32 = 4;
+const FAST_SHIFT: u32 = 3;
 
 impl NoiseFloor {
     pub(super) const UNSET: Self = Self { mean_q12: 0, quiet_ticks: QUIET_TICKS };

@@ -62,7 +62,7 @@ pub enum Report<'a> {
     Force {
         /// Which pad, counted from 0.
         pad: u8,
-        /// Up to 16 samples.
+        /// Up to 32 samples.
         samples: &'a [i32],
     },
     /// A channel fails; it is not listened to until it recovers. Said once.

@@ -3,6 +3,8 @@
 //! [`set`] lists scenes (singles over 40 dB, rolls, flams, ringing and noisy piezos, crosstalk, hum), [`piezo`] turns each into ADC
 //! counts, [`score`] compares what a trigger reports with what was played. Everything comes from a seed.
 
+pub mod listen;
+pub mod on_chip;
 pub mod piezo;
 pub mod random;
 pub mod score;
