@@ -161,6 +161,11 @@ impl I2s {
         (HALF_WORDS - left.clamp(1, HALF_WORDS)) / HALF_WORDS_PER_FRAME
     }
 
+    /// The half that the DMA has read last.
+    pub fn half_played(&self) -> usize {
+        1 - self.position() / HALF_FRAMES
+    }
+
     /// Frames that the DMA has read since it finished a half.
     pub fn frames_since(&self, half: usize) -> usize {
         (self.position() + FRAMES - (half + 1) * HALF_FRAMES % FRAMES) % FRAMES

@@ -53,6 +53,7 @@ impl Instrument {
     ///
     /// # Errors
     /// [`LoadError`]; the instrument is then silent.
+    #[inline(never)] // only at the start: its stack is not the program's
     pub fn load(&mut self, kit: &Kit<'static>, budget_cycles_per_tick: u32) -> Result<(), LoadError> {
         self.waiting = Waiting::NONE;
         self.engine.load(kit, CLOCKS.sample_rate(), Skipping::On)?;
@@ -87,6 +88,7 @@ impl Instrument {
 
     /// Renders the next half. `log` is told every event that happened, decisions to leave something out among them, in order.
     /// `direct` drives its pad for the whole half.
+    #[inline(never)] // as the inputs
     pub fn render(&mut self, direct: Option<Direct<'_>>, mut log: impl FnMut(&Event)) -> &[[i32; 2]; HALF_FRAMES] {
         let end = self.engine.now() + HALF_FRAMES as u64;
         let events = self.waiting.before(end);

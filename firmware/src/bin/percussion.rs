@@ -34,9 +34,11 @@ async fn main(spawner: Spawner) {
         return defmt::error!("the built-in kit does not play: flash this image again");
     };
     watchdog::feed();
-    let inputs = Inputs::new(Piezos::new(board.piezos), board.button, settings);
     // SAFETY: main runs once.
-    let log = unsafe { audio::start(board.i2s, inputs, instrument) };
+    let log = unsafe {
+        let inputs = Inputs::place(Piezos::new(board.piezos), board.button, settings);
+        audio::start(board.i2s, inputs, instrument)
+    };
     spawn(&spawner, tasks::feed());
     spawn(&spawner, tasks::log(log, kit));
     spawn(&spawner, tasks::report());

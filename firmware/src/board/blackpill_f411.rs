@@ -53,8 +53,10 @@ pub fn init(p: Peripherals) -> Board {
 
     // XSMT: the PCM5102A is mute while it is low. It has no bus, so there is nothing that could fail to answer.
     core::mem::forget(Output::new(p.PB14, Level::High, Speed::Low));
+    let mut i2s = I2s::set_up();
+    i2s.start();
     Board {
-        i2s: I2s::set_up(),
+        i2s,
         button: Button {
             pin: ExtiInput::new_blocking(p.PA0, p.EXTI0, Pull::Up, TriggerEdge::Falling),
             pressed_is_high: false,

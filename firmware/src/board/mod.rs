@@ -19,7 +19,7 @@ pub use stm32f407g_disc1::*;
 
 /// What the application is given of the board.
 pub struct Board {
-    /// Not started yet.
+    /// Running, silent.
     pub i2s: I2s,
     /// The board's button.
     pub button: Button,

@@ -54,7 +54,9 @@ pub fn init(p: Peripherals) -> Board {
     }
     core::mem::forget(pins);
     embassy_stm32::rcc::enable_and_reset::<peripherals::SPI3>();
-    let i2s = I2s::set_up();
+    // The codec wants its master clock before it is started.
+    let mut i2s = I2s::set_up();
+    i2s.start();
 
     let mut config = i2c::Config::default();
     config.frequency = Hertz(100_000);

@@ -14,13 +14,14 @@ use dsp_core::SampleRate;
 use dsp_core::engine::Direct;
 use dsp_core::event::Event;
 use dsp_core::table::Kit;
-use dsp_core::trigger::{Buttons, Fault, FrameMap, Report, Resampler, Trigger, TriggerError};
+use dsp_core::trigger::{self, Buttons, Fault, FrameMap, Mode, Report, Resampler, Trigger, TriggerError};
 
 pub use self::button::Button;
 use self::piezo::{CHANNELS, Frame, Piezos, RING_FRAMES};
 use crate::audio::i2s::HALF_FRAMES;
 use crate::board::CLOCKS;
 use crate::clock::ADC_RATE_HZ;
+use crate::owned::Owned;
 use crate::{counters, cycles};
 
 /// From the anchor to the frame where a strike sounds. A strike is seen at the latest a half after it was decided (32 frames), the conversion
@@ -59,8 +60,17 @@ pub enum Told {
 /// A pad that its piezo drives directly.
 struct DirectPad {
     pad: u8,
-    resampler: Resampler,
+    /// `None` until the clocks' frames are paired.
+    resampler: Option<Resampler>,
     force: [i32; HALF_FRAMES],
+}
+
+impl DirectPad {
+    /// From now on the resampler's first sample in belongs to its first sample out.
+    #[inline(never)] // a kilobyte that must not weigh on the stack of every half
+    fn start(&mut self) {
+        self.resampler = Resampler::new(adc_rate(), CLOCKS.sample_rate(), DIRECT_DELAY_FRAMES).ok();
+    }
 }
 
 /// All inputs. There is one.
@@ -75,11 +85,16 @@ pub struct Inputs {
     direct: Option<DirectPad>,
 }
 
+#[unsafe(link_section = ".hot")]
+static INPUTS: Owned<Inputs> = Owned::empty();
+
 /// What a kit says about the inputs.
 pub struct Settings {
     trigger: Trigger<CHANNELS>,
     buttons: Buttons<1>,
     map: FrameMap,
+    /// The first pad in direct mode: the engine takes one force.
+    direct_pad: Option<u8>,
 }
 
 impl Settings {
@@ -87,9 +102,12 @@ impl Settings {
     ///
     /// # Errors
     /// [`TriggerError`].
+    #[inline(never)] // as `Inputs::place`
     pub fn of(kit: &Kit<'_>) -> Result<Self, TriggerError> {
         let rate = adc_rate();
+        let is_direct = |settings: trigger::Settings| settings.mode == Mode::Direct;
         Ok(Self {
+            direct_pad: (0..=u8::MAX).zip(trigger::Settings::of_kit(kit)).find(|&(_, pad)| is_direct(pad)).map(|(pad, _)| pad),
             trigger: Trigger::from_kit(kit, rate)?,
             buttons: Buttons::from_kit(kit, rate)?,
             map: FrameMap::new(rate, CLOCKS.sample_rate())?,
@@ -102,11 +120,18 @@ fn adc_rate() -> SampleRate {
 }
 
 impl Inputs {
-    /// Inputs that are not started yet.
-    pub fn new(piezos: Piezos, button: Button, settings: Settings) -> Self {
-        let Settings { trigger, buttons, map } = settings;
+    /// The one set of inputs, not started yet.
+    ///
+    /// # Safety
+    /// Called once.
+    #[inline(never)] // what is built here and moved to its place must not weigh on the stack of the whole program
+    pub unsafe fn place(piezos: Piezos, button: Button, settings: Settings) -> &'static mut Self {
+        let Settings { trigger, buttons, map, direct_pad } = settings;
         button.listen();
-        Self { piezos, button, trigger, buttons, map, anchor: None, frames: [[0; CHANNELS]; RING_FRAMES], direct: None }
+        let direct = direct_pad.map(|pad| DirectPad { pad, resampler: None, force: [0; HALF_FRAMES] });
+        let frames = [[0; CHANNELS]; RING_FRAMES];
+        // SAFETY: the caller's word.
+        unsafe { INPUTS.fill(Self { piezos, button, trigger, buttons, map, anchor: None, frames, direct }) }
     }
 
     /// Takes what has come since the last half. `now` is the output's frame that is rendered next; `missed` halves of the output have
@@ -133,18 +158,12 @@ impl Inputs {
         let (map, direct) = (self.map, &mut self.direct);
         self.trigger.process(frames, |report| match report {
             Report::Strike(found) => tell(Told::Event(found.event(anchor.output_frame(map, found.frame)))),
-            Report::Force { pad, samples } => match direct {
-                Some(direct) if direct.pad == pad => direct.resampler.push(samples),
-                Some(_) => {}
-                None => {
-                    *direct = Resampler::new(adc_rate(), CLOCKS.sample_rate(), DIRECT_DELAY_FRAMES).ok().map(
-                        |mut resampler| {
-                            resampler.push(samples);
-                            DirectPad { pad, resampler, force: [0; HALF_FRAMES] }
-                        },
-                    );
+            Report::Force { pad, samples } => {
+                let direct = direct.as_mut().filter(|direct| direct.pad == pad);
+                if let Some(resampler) = direct.and_then(|direct| direct.resampler.as_mut()) {
+                    resampler.push(samples);
                 }
-            },
+            }
             Report::Fault { channel, fault, .. } => tell(Told::Fault { channel, fault }),
             Report::Recovered { channel, .. } => tell(Told::Recovered { channel }),
         });
@@ -169,13 +188,15 @@ impl Inputs {
     /// The force of a pad that its piezo drives directly, for the half that is rendered next.
     pub fn direct(&mut self) -> Option<Direct<'_>> {
         let DirectPad { pad, resampler, force } = self.direct.as_mut()?;
-        resampler.pull(force);
+        resampler.as_mut()?.pull(force);
         Some(Direct { pad: *pad, force })
     }
 
     fn start(&mut self, now: u64) {
         self.piezos.start();
-        self.direct = None;
+        if let Some(direct) = &mut self.direct {
+            direct.start();
+        }
         self.anchor = Some(Anchor { adc: self.trigger.now(), output: now });
     }
 
