@@ -20,6 +20,11 @@ impl Counter {
         self.0.fetch_max(value, Ordering::Relaxed);
     }
 
+    /// Adds the bits that a value has.
+    pub fn keep_bits(&self, value: u32) {
+        self.0.fetch_or(value, Ordering::Relaxed);
+    }
+
     /// The value.
     pub fn get(&self) -> u32 {
         self.0.load(Ordering::Relaxed)

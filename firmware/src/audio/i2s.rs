@@ -67,6 +67,8 @@ pub struct I2s(());
 impl I2s {
     /// Sets up the peripheral, still silent. It must have been reset, and its bus clock be on.
     pub fn set_up() -> Self {
+        // The hardware library lets all DMA interrupts come; this one has to wait for its handler's data.
+        I2S.interrupt.disable();
         let clock = CLOCKS.audio;
         I2S.spi.i2spr().write(|w| {
             w.set_i2sdiv((clock.prescaler / 2) as u8);

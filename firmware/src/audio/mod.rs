@@ -82,6 +82,8 @@ struct Audio {
     last: u32,
     /// Which half that was.
     played: usize,
+    /// Halves of zeros up to now.
+    silent_halves: u8,
 }
 
 static LOG: Queue<Line, LINES> = Queue::new();
@@ -118,7 +120,7 @@ static AUDIO: Owned<Audio> = Owned::empty();
 /// Called once.
 pub unsafe fn start(i2s: I2s, inputs: &'static mut Inputs, instrument: &'static mut Instrument) -> Log {
     let played = i2s.half_played();
-    let audio = Audio { i2s, inputs, instrument, lines: Lines(()), last: cycles::now(), played };
+    let audio = Audio { i2s, inputs, instrument, lines: Lines(()), last: cycles::now(), played, silent_halves: 0 };
     // SAFETY: the caller's word; the interrupt comes after this.
     unsafe {
         let audio = AUDIO.fill(audio);
@@ -159,7 +161,7 @@ impl Audio {
                 self.lines.push(Line::StreamRestarted);
                 self.i2s.start();
                 self.inputs.forget_anchor();
-                (self.last, self.played) = (now, 1);
+                (self.last, self.played, self.silent_halves) = (now, 1, 0);
                 return;
             }
             Told::HalfPlayed => {}
@@ -172,11 +174,15 @@ impl Audio {
 
         let (inputs, lines) = (&mut self.inputs, &mut self.lines);
         let block = self.instrument.render(inputs.direct(), |event| lines.push(Line::Event(*event)));
-        // The half that begins LEAD_FRAMES after the one that has just been played.
-        let first = played * HALF_FRAMES + HALF_FRAMES + LEAD_FRAMES;
-        self.i2s.fill(first, block);
+        let peak = block.iter().fold(0, |peak, [left, right]| peak | left.unsigned_abs() | right.unsigned_abs());
+        self.silent_halves = if peak == 0 { self.silent_halves.saturating_add(1) } else { 0 };
+        // Where both halves hold zeros already there is nothing to write.
+        if self.silent_halves <= 2 {
+            // The half that begins LEAD_FRAMES after the one that has just been played.
+            self.i2s.fill(played * HALF_FRAMES + HALF_FRAMES + LEAD_FRAMES, block);
+        }
         counters::HALVES.add(1);
-        counters::PEAK.keep_larger(block.iter().flatten().fold(0, |peak, sample| peak | sample.unsigned_abs()));
+        counters::PEAK.keep_bits(peak);
         if self.i2s.frames_since(played) >= LEAD_FRAMES {
             // The DMA came here before all was written: part of what was there before has been heard again.
             self.miss(1);

@@ -17,7 +17,7 @@ use dsp_core::table::Kit;
 use dsp_core::trigger::{self, Buttons, Fault, FrameMap, Mode, Report, Resampler, Trigger, TriggerError};
 
 pub use self::button::Button;
-use self::piezo::{CHANNELS, Frame, Piezos, RING_FRAMES};
+use self::piezo::{CHANNELS, Piezos, RING_FRAMES};
 use crate::audio::i2s::HALF_FRAMES;
 use crate::board::CLOCKS;
 use crate::clock::ADC_RATE_HZ;
@@ -81,7 +81,6 @@ pub struct Inputs {
     buttons: Buttons<1>,
     map: FrameMap,
     anchor: Option<Anchor>,
-    frames: [Frame; RING_FRAMES],
     direct: Option<DirectPad>,
 }
 
@@ -129,9 +128,8 @@ impl Inputs {
         let Settings { trigger, buttons, map, direct_pad } = settings;
         button.listen();
         let direct = direct_pad.map(|pad| DirectPad { pad, resampler: None, force: [0; HALF_FRAMES] });
-        let frames = [[0; CHANNELS]; RING_FRAMES];
         // SAFETY: the caller's word.
-        unsafe { INPUTS.fill(Self { piezos, button, trigger, buttons, map, anchor: None, frames, direct }) }
+        unsafe { INPUTS.fill(Self { piezos, button, trigger, buttons, map, anchor: None, direct }) }
     }
 
     /// Takes what has come since the last half. `now` is the output's frame that is rendered next; `missed` halves of the output have
@@ -145,18 +143,13 @@ impl Inputs {
             counters::LOST_ADC_FRAMES.add((missed + 1) * HALF_FRAMES as u32);
             return self.start(now);
         }
-        let Ok(count) = self.piezos.take(&mut self.frames) else {
+        // A half without a frame: whatever the reason, the sampler stands.
+        let Some(parts) = self.piezos.take().ok().filter(|[first, _]| !first.is_empty()) else {
             counters::ADC_RESTARTS.add(1);
             return self.start(now);
         };
-        if count == 0 {
-            // A half without a frame: whatever the reason, the sampler stands.
-            counters::ADC_RESTARTS.add(1);
-            return self.start(now);
-        }
-        let frames = self.frames.get(..count).unwrap_or(&[]);
         let (map, direct) = (self.map, &mut self.direct);
-        self.trigger.process(frames, |report| match report {
+        let mut hear = |report: Report<'_>| match report {
             Report::Strike(found) => tell(Told::Event(found.event(anchor.output_frame(map, found.frame)))),
             Report::Force { pad, samples } => {
                 let direct = direct.as_mut().filter(|direct| direct.pad == pad);
@@ -166,7 +159,10 @@ impl Inputs {
             }
             Report::Fault { channel, fault, .. } => tell(Told::Fault { channel, fault }),
             Report::Recovered { channel, .. } => tell(Told::Recovered { channel }),
-        });
+        };
+        for part in parts {
+            self.trigger.process(part, &mut hear);
+        }
         self.take_button(anchor, tell);
     }
 

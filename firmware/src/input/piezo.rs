@@ -31,7 +31,7 @@ const TRIGGER: u8 = 8;
 
 struct Ring(UnsafeCell<[Frame; RING_FRAMES]>);
 
-// SAFETY: written by the DMA; read by volatile loads, by the one `Piezos`.
+// SAFETY: written by the DMA; read by the one `Piezos`, where the DMA is not.
 unsafe impl Sync for Ring {}
 
 static RING: Ring = Ring(UnsafeCell::new([[0; CHANNELS]; RING_FRAMES]));
@@ -113,11 +113,12 @@ impl Piezos {
         TIM3.egr().write(|w| w.set_ug(true));
     }
 
-    /// Copies the frames that have come since the last call to `frames`, in order, and says how many.
+    /// The frames that have come since the last call, in order: those up to the ring's end, and those from its beginning. They stay as they are
+    /// until the DMA comes round again, three halves later.
     ///
     /// # Errors
     /// [`Stopped`] where the ADC has been overrun or its DMA has failed: it must be started anew.
-    pub fn take(&mut self, frames: &mut [Frame; RING_FRAMES]) -> Result<usize, Stopped> {
+    pub fn take(&mut self) -> Result<[&[Frame]; 2], Stopped> {
         let registers = DMA2.st(STREAM);
         let overrun = ADC1.sr().read().ovr();
         let left = usize::from(registers.ndtr().read().ndt());
@@ -126,16 +127,15 @@ impl Piezos {
         }
         compiler_fence(Ordering::SeqCst);
         let end = (COUNTS - left.clamp(1, COUNTS)) / CHANNELS;
-        let mut count = 0;
-        for frame in frames {
-            if self.next == end {
-                break;
-            }
-            // SAFETY: `next` is below RING_FRAMES; the DMA is a frame further at least, and writes whole counts.
-            *frame = unsafe { RING.0.get().cast::<Frame>().add(self.next).read_volatile() };
-            self.next = (self.next + 1) % RING_FRAMES;
-            count += 1;
-        }
-        Ok(count)
+        let begin = core::mem::replace(&mut self.next, end);
+        let first = RING.0.get().cast::<Frame>();
+        // SAFETY: both parts lie inside the ring, and the DMA writes elsewhere: from `end` on, less than a round further.
+        let part = |begin: usize, end: usize| unsafe {
+            core::slice::from_raw_parts(first.add(begin.min(end)), end.saturating_sub(begin))
+        };
+        Ok(match begin <= end {
+            true => [part(begin, end), &[]],
+            false => [part(begin, RING_FRAMES), part(0, end)],
+        })
     }
 }

@@ -2,7 +2,7 @@
 
 use firmware::board::CLOCKS;
 use firmware::clock::ADC_RATE_HZ;
-use firmware::input::piezo::{CHANNELS, Piezos, RING_FRAMES};
+use firmware::input::piezo::{CHANNELS, Piezos};
 use firmware::{cycles, watchdog};
 
 use crate::Failures;
@@ -26,18 +26,17 @@ struct Channel {
 
 /// With piezos at rest, or none: bias resistors must be there.
 pub(crate) fn check(piezos: &mut Piezos, failures: &mut Failures) {
-    let mut frames = [[0; CHANNELS]; RING_FRAMES];
     let mut channels = [Channel::default(); CHANNELS];
     piezos.start();
     let begun = cycles::now();
     let mut counted = 0;
     while counted < FRAMES {
-        let Ok(count) = piezos.take(&mut frames) else {
+        let Ok(parts) = piezos.take() else {
             defmt::error!("ADC: stopped after {=u32} frames: {=str}", counted, failures.check(false));
             return;
         };
-        counted += count as u32;
-        for frame in frames.iter().take(count) {
+        for frame in parts.into_iter().flatten() {
+            counted += 1;
             for (channel, &sample) in channels.iter_mut().zip(frame) {
                 channel.sum += u64::from(sample);
                 channel.squares += u64::from(sample) * u64::from(sample);
