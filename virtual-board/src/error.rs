@@ -67,7 +67,9 @@ pub enum BoardError {
     #[error(transparent)]
     Run(#[from] RunError),
     /// An access to a peripheral was wrong.
-    #[error("{access} {register} ({address:#010x}) at {pc:#010x} in {function}, {time_s:.6} s after power-on: {problem}")]
+    #[error(
+        "{access} {register} ({address:#010x}) at {pc:#010x} in {function}, {time_s:.6} s after power-on: {problem}"
+    )]
     Register {
         /// "read from" or "write of 0x... to".
         access: String,

@@ -31,7 +31,11 @@ impl PiezoSignal {
             hound::SampleFormat::Float => reader.samples::<f32>().step_by(channels).collect(),
             hound::SampleFormat::Int => {
                 let scale = 1.0 / (1_u64 << (spec.bits_per_sample - 1)) as f32;
-                reader.samples::<i32>().step_by(channels).map(|sample| sample.map(|sample| sample as f32 * scale)).collect()
+                reader
+                    .samples::<i32>()
+                    .step_by(channels)
+                    .map(|sample| sample.map(|sample| sample as f32 * scale))
+                    .collect()
             }
         };
         let samples = samples.map_err(|error| wrong(error.to_string()))?;
@@ -164,7 +168,9 @@ mod tests {
     #[test]
     fn a_signal_is_a_line_between_samples_and_nothing_outside() {
         let signal = PiezoSignal { piezo: 0, start_s: 0.5, rate_hz: 1000.0, samples: vec![1.0, 0.0, -0.5] };
-        for (time, expected) in [(0.4999, 0.0), (0.5, 1.0), (0.50025, 0.75), (0.5015, -0.25), (0.5025, -0.25), (0.6, 0.0)] {
+        for (time, expected) in
+            [(0.4999, 0.0), (0.5, 1.0), (0.50025, 0.75), (0.5015, -0.25), (0.5025, -0.25), (0.6, 0.0)]
+        {
             assert!((signal.at(time) - expected).abs() < 1e-4, "{time}: {}", signal.at(time));
         }
     }

@@ -31,8 +31,8 @@ pub use error::{BoardError, Problem};
 pub use frequency::Frequency;
 pub use input::{Fault, PiezoSignal, Press};
 pub use run::{
-    AdcReport, AudioReport, FunctionReport, InterruptReport, LedReport, LogLine, MuteReport, Report, ResetReport, Setup,
-    StreamReport, VirtualBoard,
+    AdcReport, AudioReport, FunctionReport, InterruptReport, LedReport, LogLine, MuteReport, Report, ResetReport,
+    Setup, StreamReport, VirtualBoard,
 };
 pub use virtual_core::CycleCase;
 pub use wiring::{Board, Led, Wiring};

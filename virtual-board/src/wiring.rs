@@ -59,7 +59,8 @@ pub struct Wiring {
     pub(crate) mute: Option<Pin>,
 }
 
-const PIEZOS: [(u8, Pin); 4] = [(1, Pin::new('A', 1)), (2, Pin::new('A', 2)), (3, Pin::new('A', 3)), (9, Pin::new('B', 1))];
+const PIEZOS: [(u8, Pin); 4] =
+    [(1, Pin::new('A', 1)), (2, Pin::new('A', 2)), (3, Pin::new('A', 3)), (9, Pin::new('B', 1))];
 
 const DISC1: Wiring = Wiring {
     chip: Chip::Stm32F407,

@@ -40,4 +40,4 @@ pub use error::{Access, BuildError, ImageError, RunError};
 pub use image::{Image, Symbol};
 pub use machine::{Call, Clock, CycleCase, ExceptionChange, FunctionCost, Loop, Machine, Pace, Run, Stop};
 pub use memory::{CCM_ADDRESS, CCM_BYTES, FLASH_ADDRESS, FLASH_BYTES, Peripheral, RAM_ADDRESS, RAM_BYTES};
-pub use program::build;
+pub use program::{build, build_binary};

@@ -139,7 +139,8 @@ fn text(report: &Report) -> String {
         let _ = writeln!(text, "{:10.4} s  {:5} {}", line.at_s, line.level, line.message);
     }
     let waits = if report.flash_waits { " with the waits of flash" } else { "" };
-    let _ = writeln!(text, "{}: {:.3} s at {mhz} MHz, {} cycles{waits}", report.board, report.seconds, report.cycle_case);
+    let _ =
+        writeln!(text, "{}: {:.3} s at {mhz} MHz, {} cycles{waits}", report.board, report.seconds, report.cycle_case);
     let stack = report.stack_bytes.map_or("unknown".to_owned(), |bytes| format!("{bytes} bytes"));
     let _ = writeln!(
         text,
@@ -163,9 +164,9 @@ fn text(report: &Report) -> String {
     );
     let _ = writeln!(text, "ADC: {} sequences, {} triggers lost", report.adc.sequences, report.adc.lost_triggers);
     for interrupt in &report.interrupts {
-        let latency = interrupt.worst_latency_cycles.map_or(String::new(), |cycles| {
-            format!(", latency at most {:.2} us", microseconds(cycles as f64))
-        });
+        let latency = interrupt
+            .worst_latency_cycles
+            .map_or(String::new(), |cycles| format!(", latency at most {:.2} us", microseconds(cycles as f64)));
         let _ = writeln!(
             text,
             "{:14} {:8} times, {:5.1} % of the time, at most {:.1} us{latency}",
@@ -227,9 +228,11 @@ fn parse_fault(text: &str) -> Result<Fault, String> {
         },
         ("jump", 2) => Fault::Jump { at_s: at(0)?, function: parts[1].to_owned(), arguments: [0; 4] },
         _ => {
-            return Err("must be adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT, codec-silent, core-stalled@AT,FOR, \
+            return Err(
+                "must be adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT, codec-silent, core-stalled@AT,FOR, \
                         audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO or jump@AT,FUNCTION"
-                .to_owned());
+                    .to_owned(),
+            );
         }
     })
 }

@@ -134,7 +134,9 @@ impl Stream {
             self.control &= !ENABLE;
         }
         if self.flags & ALL != 0 {
-            return problem("a stream is enabled while flags of its last transfer are set; clear them first (LIFCR, HIFCR)");
+            return problem(
+                "a stream is enabled while flags of its last transfer are set; clear them first (LIFCR, HIFCR)",
+            );
         }
         self.reload = self.count;
         self.position = 0;
@@ -160,7 +162,9 @@ impl Stream {
         // With double buffers the memory address that is not in use may be written while the stream runs.
         let unused = self.control & DOUBLE != 0 && offset == if self.control & TARGET != 0 { 0x0c } else { 0x10 };
         if self.is_enabled() && !unused && self.read(offset) != value {
-            return Err(Problem::Misuse { reason: "a register of a stream is written while the stream runs".to_owned() });
+            return Err(Problem::Misuse {
+                reason: "a register of a stream is written while the stream runs".to_owned(),
+            });
         }
         match offset {
             0x04 => self.count = value & 0xffff,

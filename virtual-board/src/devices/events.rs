@@ -88,7 +88,9 @@ impl Devices {
                 let connected = wired && self.audio_is_connected();
                 self.i2s[index].fire(|| connected);
                 if !connected {
-                    self.recording.warn("the I2S runs, its pins do not have its alternate function or are not those of the board");
+                    self.recording.warn(
+                        "the I2S runs, its pins do not have its alternate function or are not those of the board",
+                    );
                 }
             }
         }
@@ -116,13 +118,15 @@ impl Devices {
         let (_, pin) = self.wiring.piezos[piezo];
         let mode = self.ports[usize::from(pin.port)].mode(pin.number);
         if mode != Mode::Analog {
-            *warning = Some(format!("ADC1 converts {pin}, a piezo's pin, while it is {mode} and not analog; it reads 0"));
+            *warning =
+                Some(format!("ADC1 converts {pin}, a piezo's pin, while it is {mode} and not analog; it reads 0"));
             return 0;
         }
         if self.armed.piezos_at_rail & 1 << piezo != 0 {
             return 0xfff;
         }
-        let level: f32 = self.piezos.iter().filter(|signal| signal.piezo == piezo).map(|signal| signal.at(seconds)).sum();
+        let level: f32 =
+            self.piezos.iter().filter(|signal| signal.piezo == piezo).map(|signal| signal.at(seconds)).sum();
         (MIDDLE + level * SCALE).round().clamp(0.0, 4095.0) as u16
     }
 
@@ -158,7 +162,14 @@ impl Devices {
         Ok(())
     }
 
-    fn transfer(&mut self, request: Request, controller: usize, stream: usize, now: u64, machine: &mut Machine) -> Result<(), Problem> {
+    fn transfer(
+        &mut self,
+        request: Request,
+        controller: usize,
+        stream: usize,
+        now: u64,
+        machine: &mut Machine,
+    ) -> Result<(), Problem> {
         let is_audio = request == Request::I2s(self.wiring.i2s - 2);
         if request == Request::Adc && std::mem::take(&mut self.armed.adc_overrun) {
             self.adc.overrun();

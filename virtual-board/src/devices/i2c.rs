@@ -28,9 +28,14 @@ enum Phase {
     /// SB is set; the address is to be written.
     Started,
     /// The address is on the bus.
-    Addressing { reading: bool, address: u8 },
+    Addressing {
+        reading: bool,
+        address: u8,
+    },
     /// Bytes go out; one is in the shift register while `shifting`.
-    Sending { shifting: Option<u8> },
+    Sending {
+        shifting: Option<u8>,
+    },
     /// Bytes come in.
     Receiving,
     /// A byte was not acknowledged, or all is sent: waits for STOP or START.

@@ -111,7 +111,8 @@ const BLOCKS: [Block; 54] = [
 ];
 
 /// Ports F, G and I of the F407, which its 100-pin package does not bring out.
-const MORE_PORTS: [(u32, &str, u8); 3] = [(0x4002_1400, "GPIOF", 5), (0x4002_1800, "GPIOG", 6), (0x4002_2000, "GPIOI", 8)];
+const MORE_PORTS: [(u32, &str, u8); 3] =
+    [(0x4002_1400, "GPIOF", 5), (0x4002_1800, "GPIOG", 6), (0x4002_2000, "GPIOI", 8)];
 
 /// Stretches of the bus that peripherals may lie in: first address and length.
 pub(crate) const REGIONS: [(u32, u32); 4] =
@@ -208,7 +209,9 @@ mod tests {
 
     #[test]
     fn streams_have_the_lines_of_the_vector_table() {
-        for (controller, stream, name) in [(0, 4, "DMA1_STREAM4"), (0, 7, "DMA1_STREAM7"), (1, 0, "DMA2_STREAM0"), (1, 5, "DMA2_STREAM5")] {
+        for (controller, stream, name) in
+            [(0, 4, "DMA1_STREAM4"), (0, 7, "DMA1_STREAM7"), (1, 0, "DMA2_STREAM0"), (1, 5, "DMA2_STREAM5")]
+        {
             assert_eq!(interrupt_name(dma_line(controller, stream)), Some(name));
         }
     }

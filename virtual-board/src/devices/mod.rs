@@ -203,7 +203,7 @@ impl Devices {
 
     /// The first cycle at or after that time, at the present clock.
     pub(crate) fn cycle_at(&self, seconds: f64) -> u64 {
-        self.epoch.1 + ((seconds - self.epoch.0).max(0.0) * self.clocks.core.as_f64()).ceil() as u64
+        self.epoch.1.saturating_add(((seconds - self.epoch.0).max(0.0) * self.clocks.core.as_f64()).ceil() as u64)
     }
 
     /// Wait states of flash, and whether its instruction and data caches are on.

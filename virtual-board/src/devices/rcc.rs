@@ -140,9 +140,29 @@ impl Rcc {
     }
 
     fn index(&self, offset: u32) -> Access<usize> {
-        let known = matches!(offset,
-            0x00..=0x10 | 0x14 | 0x18 | 0x20 | 0x24 | 0x30 | 0x34 | 0x38 | 0x40 | 0x44 | 0x50 | 0x54 | 0x58 | 0x60 | 0x64
-            | 0x70 | 0x74 | 0x80 | 0x84 | 0x8c);
+        let known = matches!(
+            offset,
+            0x00..=0x10
+                | 0x14
+                | 0x18
+                | 0x20
+                | 0x24
+                | 0x30
+                | 0x34
+                | 0x38
+                | 0x40
+                | 0x44
+                | 0x50
+                | 0x54
+                | 0x58
+                | 0x60
+                | 0x64
+                | 0x70
+                | 0x74
+                | 0x80
+                | 0x84
+                | 0x8c
+        );
         if known { Ok((offset / 4) as usize) } else { Err(Problem::register()) }
     }
 
@@ -188,9 +208,11 @@ impl Rcc {
 
     fn oscillator(input: Frequency, multiplier: u32) -> Access<Frequency> {
         let output = input.scaled(u64::from(multiplier), 1);
-        if !(50..=432).contains(&multiplier) || !(Frequency::hz(100_000_000)..=Frequency::hz(432_000_000)).contains(&output)
+        if !(50..=432).contains(&multiplier)
+            || !(Frequency::hz(100_000_000)..=Frequency::hz(432_000_000)).contains(&output)
         {
-            let reason = format!("a PLL's oscillator makes {output} ({input} x {multiplier}); it must be 100 to 432 MHz");
+            let reason =
+                format!("a PLL's oscillator makes {output} ({input} x {multiplier}); it must be 100 to 432 MHz");
             return Err(Problem::ClockTree { reason });
         }
         Ok(output)
@@ -248,7 +270,8 @@ impl Rcc {
         let oscillator = Rcc::oscillator(self.pll_input(divider)?, plli2s >> 6 & 0x1ff)?;
         let output = plli2s >> 28 & 7;
         if output < 2 || oscillator.scaled(1, u64::from(output)) > Frequency::hz(192_000_000) {
-            let reason = format!("PLLI2S divides {oscillator} by {output}; R must be at least 2, its output at most 192 MHz");
+            let reason =
+                format!("PLLI2S divides {oscillator} by {output}; R must be at least 2, its output at most 192 MHz");
             return Err(Problem::ClockTree { reason });
         }
         Ok(Some(oscillator.scaled(1, u64::from(output))))

@@ -56,7 +56,8 @@ impl Log {
         if write == self.seen {
             return;
         }
-        let (buffer, size, read) = (word(machine, control + BUFFER), word(machine, control + SIZE), word(machine, control + READ));
+        let (buffer, size, read) =
+            (word(machine, control + BUFFER), word(machine, control + SIZE), word(machine, control + READ));
         if size == 0 || write >= size || read >= size {
             return;
         }
@@ -99,7 +100,9 @@ impl Log {
                         (level, frame.display_message().to_string())
                     }
                     Err(DecodeError::UnexpectedEof) => break,
-                    Err(DecodeError::Malformed) => (String::new(), "(a frame that cannot be decoded: log lines were lost)".to_owned()),
+                    Err(DecodeError::Malformed) => {
+                        (String::new(), "(a frame that cannot be decoded: log lines were lost)".to_owned())
+                    }
                 };
                 lines.push(LogLine { at_s: *at_s, boot: *boot, level, message });
             }

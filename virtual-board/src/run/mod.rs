@@ -11,10 +11,10 @@ use std::sync::Arc;
 use virtual_core::{Clock, Core, CycleCase, Image, Machine, Pace, RunError, Stop};
 
 use crate::codec::Codec;
+use crate::devices::Devices;
 use crate::devices::i2s::Stream;
 use crate::devices::map::{REGIONS, dma_line};
 use crate::devices::rcc::ResetCause;
-use crate::devices::Devices;
 use crate::error::BoardError;
 use crate::input::{Fault, PiezoSignal, Press};
 use crate::wiring::{Board, Wiring};
@@ -24,7 +24,9 @@ use log::Log;
 use schedule::{Action, Schedule};
 
 pub use log::LogLine;
-pub use report::{AdcReport, AudioReport, FunctionReport, InterruptReport, LedReport, MuteReport, Report, ResetReport, StreamReport};
+pub use report::{
+    AdcReport, AudioReport, FunctionReport, InterruptReport, LedReport, MuteReport, Report, ResetReport, StreamReport,
+};
 
 /// How often the board looks whether the program has asked for a reset, at the longest, in cycles.
 const LONGEST_RUN_CYCLES: u64 = 100_000;
@@ -189,7 +191,9 @@ impl VirtualBoard {
         if !self.asleep {
             self.log.fetch(devices.seconds(now), self.boots, &mut self.machine);
         }
-        if !self.asleep && let Some((address, arguments)) = self.jump.take() {
+        if !self.asleep
+            && let Some((address, arguments)) = self.jump.take()
+        {
             let core = self.machine.core();
             for (register, word) in (0..).zip(arguments) {
                 core.set_register(register, word);

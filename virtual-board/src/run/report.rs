@@ -284,7 +284,8 @@ impl VirtualBoard {
         let streams = self.streams();
         let Some(first) = streams.first() else { return Err(wrong("no sound left the I2S".to_owned())) };
         let sample_rate = first.rate.as_f64().round() as u32;
-        let spec = hound::WavSpec { channels: 2, sample_rate, bits_per_sample: 24, sample_format: hound::SampleFormat::Int };
+        let spec =
+            hound::WavSpec { channels: 2, sample_rate, bits_per_sample: 24, sample_format: hound::SampleFormat::Int };
         let mut writer = hound::WavWriter::create(path, spec).map_err(|error| wrong(error.to_string()))?;
         let mut written = 0_usize;
         for stream in &streams {
