@@ -19,6 +19,8 @@ pub(crate) mod map;
 pub(crate) mod power;
 pub(crate) mod rcc;
 mod recording;
+#[cfg(test)]
+mod tests;
 pub(crate) mod timer;
 pub(crate) mod watchdog;
 
