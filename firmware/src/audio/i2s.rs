@@ -20,6 +20,8 @@ use embassy_stm32::pac::{dma::Dma, spi::Spi};
 
 use crate::board::{CLOCKS, I2S};
 
+/// Above everything that can wait: a half is due after 667 us.
+const PRIORITY: Priority = Priority::P2;
 /// Frames of a half: one tick of the engine.
 pub const HALF_FRAMES: usize = 32;
 const FRAMES: usize = 2 * HALF_FRAMES;
@@ -67,8 +69,8 @@ pub struct I2s(());
 impl I2s {
     /// Sets up the peripheral, still silent. It must have been reset, and its bus clock be on.
     pub fn set_up() -> Self {
-        // The hardware library lets all DMA interrupts come; this one has to wait for its handler's data.
-        I2S.interrupt.disable();
+        // The hardware library lets all DMA interrupts come; until there is something to play they are only acknowledged.
+        I2S.interrupt.set_priority(PRIORITY);
         let clock = CLOCKS.audio;
         I2S.spi.i2spr().write(|w| {
             w.set_i2sdiv((clock.prescaler / 2) as u8);
@@ -95,7 +97,7 @@ impl I2s {
         registers.cr().modify(|w| w.set_en(false));
         // A transfer of two bytes ends within a few cycles.
         while registers.cr().read().en() {}
-        self.clear_flags();
+        acknowledge();
         silence_now();
         registers.par().write_value(spi.dr().as_ptr() as u32);
         registers.m0ar().write_value(BUFFER.0.get() as u32);
@@ -119,22 +121,11 @@ impl I2s {
         spi.i2scfgr().modify(|w| w.set_i2se(true));
     }
 
-    /// Lets the stream's interrupt come.
-    ///
-    /// # Safety
-    /// Whatever its handler uses must be ready, and belong to it from now on.
-    pub unsafe fn enable_interrupt(&self, priority: Priority) {
-        I2S.interrupt.set_priority(priority);
-        I2S.interrupt.unpend();
-        // SAFETY: the caller's word.
-        unsafe { I2S.interrupt.enable() };
-    }
-
     /// Takes what the stream has to tell; an error comes first.
     pub fn take(&mut self) -> Told {
         let Wiring { dma, stream, .. } = I2S;
         let flags = dma.isr(stream / 4).read();
-        self.clear_flags();
+        acknowledge();
         let place = stream % 4;
         if flags.teif(place) || flags.dmeif(place) || !dma.st(stream).cr().read().en() {
             Told::TransferError
@@ -143,18 +134,6 @@ impl I2s {
         } else {
             Told::Nothing
         }
-    }
-
-    fn clear_flags(&mut self) {
-        let Wiring { dma, stream, .. } = I2S;
-        let place = stream % 4;
-        dma.ifcr(stream / 4).write(|w| {
-            w.set_feif(place, true);
-            w.set_dmeif(place, true);
-            w.set_teif(place, true);
-            w.set_htif(place, true);
-            w.set_tcif(place, true);
-        });
     }
 
     /// The frame of the buffer that the DMA reads next, 0 to 63.
@@ -180,6 +159,18 @@ impl I2s {
         }
         compiler_fence(Ordering::SeqCst);
     }
+}
+
+/// Clears the flags that brought an interrupt.
+pub fn acknowledge() {
+    let place = I2S.stream % 4;
+    I2S.dma.ifcr(I2S.stream / 4).write(|w| {
+        w.set_feif(place, true);
+        w.set_dmeif(place, true);
+        w.set_teif(place, true);
+        w.set_htif(place, true);
+        w.set_tcif(place, true);
+    });
 }
 
 /// Zeros to both halves from anywhere: at a start, and for a program that is about to end.

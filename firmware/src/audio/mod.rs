@@ -14,12 +14,11 @@ pub mod i2s;
 pub mod instrument;
 mod waiting;
 
-use core::sync::atomic::{Ordering, compiler_fence};
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use dsp_core::event::Event;
 use dsp_core::trigger;
 use embassy_stm32::interrupt;
-use embassy_stm32::interrupt::Priority;
 
 use self::i2s::{HALF_FRAMES, I2s, Told};
 use self::instrument::Instrument;
@@ -29,8 +28,6 @@ use crate::owned::Owned;
 use crate::queue::Queue;
 use crate::{counters, cycles};
 
-/// Above everything that can wait: a half is due after 667 us.
-const PRIORITY: Priority = Priority::P2;
 /// From the interrupt to the first frame of the tick that it renders.
 pub const LEAD_FRAMES: usize = 26;
 /// Of the time to the deadline, what the engine's prediction may fill, in percent. The rest is for inputs, and for what the prediction does not
@@ -113,6 +110,8 @@ impl Log {
 }
 
 static AUDIO: Owned<Audio> = Owned::empty();
+/// Whether `AUDIO` has been filled.
+static READY: AtomicBool = AtomicBool::new(false);
 
 /// From now on the stream, which runs already and is silent, plays the instrument. Gives the end of the log where lines come out.
 ///
@@ -121,12 +120,9 @@ static AUDIO: Owned<Audio> = Owned::empty();
 pub unsafe fn start(i2s: I2s, inputs: &'static mut Inputs, instrument: &'static mut Instrument) -> Log {
     let played = i2s.half_played();
     let audio = Audio { i2s, inputs, instrument, lines: Lines(()), last: cycles::now(), played, silent_halves: 0 };
-    // SAFETY: the caller's word; the interrupt comes after this.
-    unsafe {
-        let audio = AUDIO.fill(audio);
-        compiler_fence(Ordering::SeqCst);
-        audio.i2s.enable_interrupt(PRIORITY);
-    }
+    // SAFETY: the caller's word; the interrupt does not look before it is told.
+    unsafe { AUDIO.fill(audio) };
+    READY.store(true, Ordering::Release);
     Log(())
 }
 
@@ -144,7 +140,10 @@ fn DMA1_STREAM5() {
 
 fn on_half() {
     let begun = cycles::now();
-    // SAFETY: `start` filled it before it let this interrupt come, and an interrupt does not interrupt itself.
+    if !READY.load(Ordering::Acquire) {
+        return i2s::acknowledge();
+    }
+    // SAFETY: `start` has filled it, and an interrupt does not interrupt itself.
     let audio = unsafe { AUDIO.get() };
     audio.on_interrupt(begun);
     let spent = cycles::now().wrapping_sub(begun);
