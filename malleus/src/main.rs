@@ -27,6 +27,9 @@ enum Command {
     /// Build, check and show kits
     #[command(subcommand)]
     Kit(KitCommand),
+    /// Run firmware on a virtual board
+    #[command(subcommand)]
+    Board(commands::board::BoardCommand),
 }
 
 /// Arguments of `malleus demo`.
@@ -122,6 +125,7 @@ fn main() -> ExitCode {
         Some(Command::Demo(arguments)) => commands::demo::run(&arguments),
         Some(Command::Play(arguments)) => commands::play::run(&arguments),
         Some(Command::Kit(command)) => commands::kit::run(&command),
+        Some(Command::Board(command)) => commands::board::run(&command),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
