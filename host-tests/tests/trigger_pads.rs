@@ -116,6 +116,19 @@ fn two_pads_struck_at_once_both_play_and_one_that_is_only_shaken_does_not() {
 }
 
 #[test]
+fn a_pad_that_was_shaken_is_heard_when_it_is_struck_itself_3_ms_later() {
+    let pads = [Settings::of_unset_pad(0), Settings::of_unset_pad(1)];
+    let counts: Vec<[u16; 2]> = (0..24_000)
+        .map(|n| {
+            let (first, second) = (ring(n, 12_000, 1000.0), ring(n, 12_144, 900.0));
+            [count(first + 0.1 * second), count(second + 0.1 * first)]
+        })
+        .collect();
+    let mut trigger = Trigger::<2>::new(pads, RATE).expect("valid");
+    assert_eq!(reports(&mut trigger, &counts), ["strike 0 0", "strike 1 0"]);
+}
+
+#[test]
 fn pads_that_are_off_or_whose_channel_is_not_there_are_not_heard() {
     let off = Settings { mode: Mode::Off, channel: 0, ..Settings::of_unset_pad(0) };
     let far = Settings { channel: 7, ..Settings::of_unset_pad(1) };

@@ -265,13 +265,15 @@ impl Channel {
         self.hold = self.hold.max(self.envelope);
     }
 
-    /// Ends the scan, whatever was decided, and masks the channel.
-    pub(super) fn end_scan(&mut self, config: &ChannelConfig) {
+    /// Ends the scan and masks the channel: after a strike for the mask time, after anything else (crosstalk above all) only as far as its
+    /// level goes, since the pad's own strike may be close behind.
+    pub(super) fn end_scan(&mut self, was_strike: bool, config: &ChannelConfig) {
         self.hold = self.recent_peak();
         let envelope = if self.is_scanning { self.scan.envelope } else { self.envelope };
         self.mask.struck(envelope);
         self.is_scanning = false;
-        self.masked_ticks = config.masked_ticks;
+        self.masked_ticks = if was_strike { config.masked_ticks } else { 0 };
+        self.rise_peak = 0;
         self.onset_level = DEAF;
     }
 

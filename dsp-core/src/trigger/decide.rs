@@ -31,7 +31,7 @@ pub(super) fn decide(lanes: &mut [Option<Lane>], index: usize) -> Option<Verdict
     let verdict = Verdict { pad: config.pad, striker: config.striker, velocity };
     for sensor in [Some(index), partner].into_iter().flatten() {
         if let Some(Some(lane)) = lanes.get_mut(sensor) {
-            lane.channel.end_scan(&lane.config);
+            lane.channel.end_scan(is_strike, &lane.config);
         }
     }
     (is_strike && velocity > 0.0).then_some(verdict)

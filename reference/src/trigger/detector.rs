@@ -83,7 +83,7 @@ fn decide(lanes: &mut [Option<Lane>], channel: usize, pads: &[PiezoSettings], no
     let strike = Strike { frame: now, pad: winner.pad, striker: winner.striker, velocity };
     for sensor in [Some(channel), partner].into_iter().flatten() {
         if let Some(lane) = &mut lanes[sensor] {
-            lane.piezo.end_scan();
+            lane.piezo.end_scan(is_strike);
         }
     }
     is_strike.then_some(strike)

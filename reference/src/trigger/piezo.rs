@@ -155,13 +155,15 @@ impl Piezo {
         self.hold.max(scanned).max(1.5 * self.envelope)
     }
 
-    /// Ends the scan and masks the channel.
-    pub(super) fn end_scan(&mut self) {
+    /// Ends the scan and masks the channel: after a strike for the mask time, after anything else only as far as its level goes.
+    pub(super) fn end_scan(&mut self, was_strike: bool) {
         self.hold = self.recent_peak();
         let envelope = self.scan.take().map_or(self.envelope, |scan| scan.envelope);
         self.mask.struck(envelope);
         let mask_frames = (self.settings.mask_time_s * self.rate_hz + 0.5) as usize;
-        self.masked_ticks = mask_frames.saturating_sub(self.scan_frames()) / TICK_FRAMES + 1;
+        let masked_ticks = mask_frames.saturating_sub(self.scan_frames()) / TICK_FRAMES + 1;
+        self.masked_ticks = if was_strike { masked_ticks } else { 0 };
+        self.rise_peak = 0.0;
         self.onset_level = f64::INFINITY;
     }
 }
