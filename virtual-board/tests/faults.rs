@@ -1,8 +1,10 @@
 //! What goes wrong is told by name, mutes or heals, and never makes a full-scale noise.
 
 mod common;
+#[path = "common/hits.rs"]
+mod hits;
 
-use common::playing::signal;
+use hits::signal;
 use virtual_board::{Board, Fault, Press, Report, Setup, VirtualBoard};
 
 fn run(faults: &[Fault], seconds: f64) -> (VirtualBoard, Report) {

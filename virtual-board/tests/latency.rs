@@ -3,8 +3,10 @@
 //! The kit's one object has no modes, and an acceleration sound: what leaves the I2S is the contact force itself.
 
 mod common;
+#[path = "common/hits.rs"]
+mod hits;
 
-use common::playing::{SIGNAL_HZ, rate, signal};
+use hits::{SIGNAL_HZ, signal};
 use virtual_board::{Board, PiezoSignal, Setup, VirtualBoard};
 
 /// A pad whose sound is the force of a contact of 1 ms, and a pad that its piezo drives directly.
@@ -59,10 +61,11 @@ fn latencies(running: &VirtualBoard, onsets: &[f64]) -> Vec<f64> {
 }
 
 /// Hits that begin within a sample, at places that walk through a block in 1/50 of a sample: 20 a second.
-fn hits(piezo: usize, count: usize, peak: f32) -> (PiezoSignal, Vec<f64>) {
+fn fine_hits(piezo: usize, count: usize, peak: f32) -> (PiezoSignal, Vec<f64>) {
     // Finer than the ADC, so that an onset may lie between its samples.
     const FINE: f64 = 50.0;
-    let onsets: Vec<f64> = (0..count).map(|n| 0.3 + 0.05 * n as f64 + 32.0 * n as f64 / count as f64 / SIGNAL_HZ).collect();
+    let onsets: Vec<f64> =
+        (0..count).map(|n| 0.3 + 0.05 * n as f64 + 32.0 * n as f64 / count as f64 / SIGNAL_HZ).collect();
     let rate_hz = SIGNAL_HZ * FINE;
     let mut samples = vec![0.0f32; ((onsets.last().unwrap() + 0.05) * rate_hz) as usize];
     for onset in &onsets {
@@ -77,7 +80,7 @@ fn hits(piezo: usize, count: usize, peak: f32) -> (PiezoSignal, Vec<f64>) {
 }
 
 fn measure(board: Board, piezo: usize, count: usize, peak: f32) -> (f64, f64) {
-    let (signal, onsets) = hits(piezo, count, peak);
+    let (signal, onsets) = fine_hits(piezo, count, peak);
     let setup = Setup { piezos: vec![signal], kit: kit(), ..Setup::default() };
     let running = common::run(board, &setup, onsets.last().unwrap() + 0.03);
     let latencies = latencies(&running, &onsets);
@@ -119,6 +122,6 @@ fn the_sound_of_a_strike_is_the_contact_of_the_kit() {
     let running = common::run(Board::BlackpillF411, &setup, 0.4);
     let streams = running.streams();
     let sounding = streams[0].frames.iter().filter(|frame| frame[0] != 0).count() as f64;
-    let expected = 0.001 * rate(Board::BlackpillF411).hz();
+    let expected = 0.001 * streams[0].rate.as_f64();
     assert!((sounding - expected).abs() <= 2.0, "{sounding} frames");
 }

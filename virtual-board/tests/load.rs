@@ -1,11 +1,13 @@
 //! Deadlines at the dearest, resources, and the way without panics.
 
 mod common;
+#[path = "common/hits.rs"]
+mod hits;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
-use common::playing::signal;
+use hits::signal;
 use virtual_board::{Board, CycleCase, Setup};
 
 #[test]
@@ -15,11 +17,14 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
             let strokes = (0..20).map(|n| (0.3 + 0.035 * f64::from(n) + 0.003 * piezo as f64, 0.9));
             signal(piezo, 1.1, &strokes.collect::<Vec<_>>())
         });
-        let setup =
-            Setup { cycles: CycleCase::Worst, flash_waits: true, piezos: piezos.collect(), ..Setup::default() };
+        let setup = Setup { cycles: CycleCase::Worst, flash_waits: true, piezos: piezos.collect(), ..Setup::default() };
         let report = common::run(board, &setup, 1.2).report().unwrap();
         println!("{}: worst load {:?}, idle {:.1} %", board.name(), report.audio.worst_load, 100.0 * report.idle_share);
-        assert!(!report.log.iter().any(|line| line.message.contains("missed") && line.level == "warn"), "{:#?}", report.log);
+        assert!(
+            !report.log.iter().any(|line| line.message.contains("missed") && line.level == "warn"),
+            "{:#?}",
+            report.log
+        );
         assert_eq!(report.audio.late_halves, 0, "{}", board.name());
     }
 }
@@ -54,7 +59,9 @@ fn nothing_in_the_audio_and_trigger_paths_can_panic() {
 }
 
 fn panics(function: &str) -> bool {
-    ["panicking::", "unwrap_failed", "expect_failed", "_defmt_panic", "slice_index_fail"].iter().any(|word| function.contains(word))
+    ["panicking::", "unwrap_failed", "expect_failed", "_defmt_panic", "slice_index_fail"]
+        .iter()
+        .any(|word| function.contains(word))
 }
 
 /// Which function calls which, by the toolchain's disassembler.
@@ -65,7 +72,8 @@ fn calls(elf: &[u8]) -> BTreeMap<String, BTreeSet<String>> {
     let sysroot = String::from_utf8(sysroot).unwrap();
     let tools = std::path::Path::new(sysroot.trim()).join("lib/rustlib");
     let host = std::fs::read_dir(tools).unwrap().map(|entry| entry.unwrap().path().join("bin/llvm-objdump"));
-    let objdump = host.into_iter().find(|path| path.exists()).expect("llvm-tools is a component of rust-toolchain.toml");
+    let objdump =
+        host.into_iter().find(|path| path.exists()).expect("llvm-tools is a component of rust-toolchain.toml");
     let listing = Command::new(objdump).args(["-d", "-C", "--no-show-raw-insn"]).arg(&path).output().unwrap().stdout;
     std::fs::remove_file(&path).unwrap();
     let listing = String::from_utf8(listing).unwrap();

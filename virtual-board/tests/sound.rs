@@ -1,10 +1,15 @@
 //! The sound that leaves the I2S is the sound that `malleus play` makes of the board's own log, bit for bit.
 
 mod common;
+#[path = "common/hits.rs"]
+mod hits;
+#[path = "common/replay.rs"]
+mod replay;
 
-use common::playing::{assert_same_bits, events, rate, signal, strikes};
 use dsp_core::event::Action;
 use dsp_core::table::Kit;
+use hits::signal;
+use replay::{assert_same_bits, events, rate, strikes};
 use virtual_board::{Board, Press, Setup};
 
 /// Ten seconds of typical playing: four piezos, 20 dB of velocity, rolls, flams, and the button.

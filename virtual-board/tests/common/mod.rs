@@ -1,7 +1,5 @@
 //! The firmware's images, built once for each test binary.
 
-pub(crate) mod playing;
-
 use std::path::Path;
 
 use virtual_board::{Board, Setup, VirtualBoard};
