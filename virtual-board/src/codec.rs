@@ -90,15 +90,15 @@ impl Codec {
         };
         self.pointer = if register & 0x80 != 0 { Some(0x80 | (register + 1) & 0x7f) } else { Some(register) };
         let register = register & 0x7f;
-        let Some(place) = self.registers.get_mut(usize::from(register)) else {
-            self.complaints.push(format!("the codec has no register {register:#04x}"));
-            return true;
-        };
-        if register == ID {
-            self.complaints.push("the codec's identity register is written".to_owned());
+        if usize::from(register) >= REGISTERS {
+            self.complain(format!("the codec has no register {register:#04x}"));
             return true;
         }
-        *place = byte;
+        if register == ID {
+            self.complain("the codec's identity register is written".to_owned());
+            return true;
+        }
+        self.registers[usize::from(register)] = byte;
         if let Some(&(expected, mask, value)) = INITIALISATION.get(self.initialised)
             && (expected, value) == (register, byte & mask)
         {
@@ -120,23 +120,29 @@ impl Codec {
         value
     }
 
+    fn complain(&mut self, complaint: String) {
+        if !self.complaints.contains(&complaint) {
+            self.complaints.push(complaint);
+        }
+    }
+
     fn check_power_up(&mut self, master_clock_runs: bool) {
         if self.initialised < INITIALISATION.len() {
             let (register, _, value) = INITIALISATION[self.initialised];
-            self.complaints.push(format!(
+            self.complain(format!(
                 "the codec is powered up before its initialisation is complete: next is {value:#04x} to register {register:#04x} \
                  (CS43L22 data sheet 4.11)"
             ));
         }
         if !master_clock_runs {
-            self.complaints.push("the codec is powered up without MCLK (CS43L22 data sheet 4.9)".to_owned());
+            self.complain("the codec is powered up without MCLK (CS43L22 data sheet 4.9)".to_owned());
         }
         let interface = self.registers[usize::from(INTERFACE)];
         if interface & 0x80 != 0 {
-            self.complaints.push("the codec is told to be the master of the I2S, which the chip already is".to_owned());
+            self.complain("the codec is told to be the master of the I2S, which the chip already is".to_owned());
         }
         if interface & 0x0c != 0x04 {
-            self.complaints.push(format!(
+            self.complain(format!(
                 "the codec's interface register {interface:#04x} does not select I2S (bits 3:2 must be 01)"
             ));
         }
@@ -146,5 +152,60 @@ impl Codec {
     pub(crate) fn sounds(&self) -> bool {
         let headphone_or_speaker_on = self.registers[usize::from(POWER_2)] != 0xff;
         self.out_of_reset && self.registers[usize::from(POWER_1)] == POWERED_UP && headphone_or_speaker_on
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn send(codec: &mut Codec, register: u8, byte: u8, master_clock_runs: bool) {
+        assert!(codec.addressed(false));
+        assert!(codec.write(register, master_clock_runs) && codec.write(byte, master_clock_runs));
+    }
+
+    fn started(skip: Option<usize>, master_clock_runs: bool) -> Codec {
+        let mut codec = Codec::new(true);
+        codec.set_reset_pin(true);
+        let sequence = [(0x00, 0x99), (0x47, 0x80), (0x32, 0xbb), (0x32, 0x3b), (0x00, 0x00), (0x06, 0x04)];
+        for (index, (register, byte)) in sequence.into_iter().enumerate() {
+            if Some(index) != skip {
+                send(&mut codec, register, byte, master_clock_runs);
+            }
+        }
+        send(&mut codec, POWER_1, POWERED_UP, master_clock_runs);
+        codec
+    }
+
+    #[test]
+    fn the_start_up_sequence_of_the_data_sheet_is_accepted() {
+        let codec = started(None, true);
+        assert!(codec.complaints.is_empty() && codec.sounds(), "{:?}", codec.complaints);
+    }
+
+    #[test]
+    fn each_step_that_is_left_out_is_named() {
+        for skip in 0..6 {
+            let codec = started(Some(skip), true);
+            assert_eq!(codec.complaints.len(), 1, "step {skip}: {:?}", codec.complaints);
+        }
+        assert!(started(None, false).complaints[0].contains("without MCLK"));
+    }
+
+    #[test]
+    fn a_reset_mutes_it_and_it_does_not_answer_while_it_lasts() {
+        let mut codec = started(None, true);
+        codec.set_reset_pin(false);
+        assert!(!codec.sounds() && !codec.addressed(false) && !codec.write(2, true));
+        codec.set_reset_pin(true);
+        assert!(codec.addressed(true) && !codec.sounds());
+    }
+
+    #[test]
+    fn its_identity_can_be_read_in_a_row_of_registers() {
+        let mut codec = Codec::new(true);
+        codec.set_reset_pin(true);
+        assert!(codec.addressed(false) && codec.write(0x80 | ID, true) && codec.addressed(true));
+        assert_eq!([codec.read(), codec.read()], [0xe3, 0x01]);
     }
 }

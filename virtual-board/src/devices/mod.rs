@@ -19,6 +19,9 @@ pub(crate) mod map;
 pub(crate) mod power;
 pub(crate) mod rcc;
 mod recording;
+mod resets;
+#[cfg(test)]
+mod tests;
 pub(crate) mod timer;
 pub(crate) mod watchdog;
 
@@ -173,29 +176,6 @@ impl Devices {
         devices
     }
 
-    /// The chip's reset: all registers anew; what is wired to it, and what was recorded, stays.
-    pub(crate) fn reset(&mut self, cause: ResetCause, now: u64) {
-        let seconds = self.seconds(now);
-        self.epoch = (seconds, now);
-        self.clocks = RESET_CLOCKS;
-        self.rcc = Rcc::new(self.wiring.chip, self.wiring.crystal, cause);
-        self.flash = Flash::default();
-        self.power = Power::new(self.wiring.chip);
-        for (index, port) in self.ports.iter_mut().enumerate() {
-            port.reset(index as u8);
-        }
-        self.exti = Exti::default();
-        self.syscfg = Syscfg::default();
-        self.timers = timers();
-        self.adc.reset();
-        self.dma = Default::default();
-        self.i2s.iter_mut().for_each(I2s::reset);
-        self.i2c = I2c::default();
-        self.watchdog = Watchdog::default();
-        self.recording.reset(seconds, cause);
-        self.pins_changed(now);
-    }
-
     /// Seconds from power-on at that cycle.
     pub(crate) fn seconds(&self, cycle: u64) -> f64 {
         self.epoch.0 + cycle.saturating_sub(self.epoch.1) as f64 / self.clocks.core.as_f64()
@@ -329,51 +309,6 @@ impl Devices {
             }
         }
         Ok((device, offset))
-    }
-
-    /// Puts the devices whose reset bit is set back to their reset values.
-    fn reset_held(&mut self) {
-        let held = |address| {
-            let enable = map::find(address, self.wiring.chip).and_then(|(block, _)| block.enable);
-            enable.is_some_and(|(register, bit)| self.rcc.is_held_in_reset(register, bit))
-        };
-        let timers = [0x4000_0000, 0x4000_0400, 0x4000_0800, 0x4000_0c00].map(held);
-        let [spi2, spi3] = [0x4000_3800, 0x4000_3c00].map(held);
-        let [i2c, adc, syscfg, power] = [0x4000_5400, 0x4001_2000, 0x4001_3800, 0x4000_7000].map(held);
-        let dma = [0x4002_6000, 0x4002_6400].map(held);
-        let ports: [bool; 9] = std::array::from_fn(|port| held(0x4002_0000 + 0x400 * port as u32));
-        for (timer, reset) in self.timers.iter_mut().zip(timers) {
-            if reset {
-                *timer = Timer::new(timer.is_wide());
-            }
-        }
-        for (i2s, reset) in self.i2s.iter_mut().zip([spi2, spi3]) {
-            if reset {
-                i2s.reset();
-            }
-        }
-        for (dma, reset) in self.dma.iter_mut().zip(dma) {
-            if reset {
-                *dma = Dma::default();
-            }
-        }
-        for (index, reset) in ports.into_iter().enumerate() {
-            if reset {
-                self.ports[index].reset(index as u8);
-            }
-        }
-        if i2c {
-            self.i2c = I2c::default();
-        }
-        if adc {
-            self.adc.reset();
-        }
-        if syscfg {
-            self.syscfg = Syscfg::default();
-        }
-        if power {
-            self.power = Power::new(self.wiring.chip);
-        }
     }
 
     fn clocks_changed(&mut self, now: u64) -> Access<()> {

@@ -59,9 +59,10 @@ pub(crate) struct Rcc {
     plli2s_ready: u64,
 }
 
-const CR: usize = 0x00 / 4;
-const PLLCFGR: usize = 0x04 / 4;
-const CFGR: usize = 0x08 / 4;
+/// Indices of registers: their offsets by 4.
+const CR: usize = 0;
+const PLLCFGR: usize = 1;
+const CFGR: usize = 2;
 const BDCR: usize = 0x70 / 4;
 const CSR: usize = 0x74 / 4;
 const PLLI2SCFGR: usize = 0x84 / 4;
