@@ -138,14 +138,15 @@ pub enum Fault {
         /// From when, in seconds from power-on.
         at_s: f64,
     },
-    /// The core goes on at that function instead, as if it had been called with those words in r0 to r3: a panic, for instance.
-    Jump {
+    /// The program panics: the core goes on at `core::panicking::panic` with the message "injected" at `virtual-board.rs:1:1`.
+    Panic {
         /// When, in seconds from power-on.
         at_s: f64,
-        /// A function of the image, by its demangled or linker name.
-        function: String,
-        /// r0 to r3.
-        arguments: [u32; 4],
+    },
+    /// The core goes on at an undefined instruction, which makes a hard fault.
+    HardFault {
+        /// When, in seconds from power-on.
+        at_s: f64,
     },
 }
 

@@ -33,7 +33,7 @@ pub(crate) struct RunArguments {
     #[arg(long, value_name = "AT[,FOR[,BOUNCE]]", value_parser = parse_press)]
     button: Vec<Press>,
     /// Something that goes wrong: adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT, codec-silent, core-stalled@AT,FOR,
-    /// audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, jump@AT,FUNCTION
+    /// audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, panic@AT, hard-fault@AT
     #[arg(long, value_name = "FAULT[@AT,...]", value_parser = parse_fault)]
     fault: Vec<Fault>,
     /// A binary kit in the board's kit sector (malleus kit build makes one) [default: erased flash]
@@ -226,11 +226,12 @@ fn parse_fault(text: &str) -> Result<Fault, String> {
             at_s: at(0)?,
             piezo: parts[1].parse().map_err(|_| "the piezo must be a number from 0 on".to_owned())?,
         },
-        ("jump", 2) => Fault::Jump { at_s: at(0)?, function: parts[1].to_owned(), arguments: [0; 4] },
+        ("panic", 1) => Fault::Panic { at_s: at(0)? },
+        ("hard-fault", 1) => Fault::HardFault { at_s: at(0)? },
         _ => {
             return Err(
                 "must be adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT, codec-silent, core-stalled@AT,FOR, \
-                        audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO or jump@AT,FUNCTION"
+                        audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, panic@AT or hard-fault@AT"
                     .to_owned(),
             );
         }

@@ -47,6 +47,7 @@ pub(super) struct Account {
 /// The name of an exception number, as reports show it.
 pub(super) fn exception_name(number: u16) -> String {
     match number {
+        3 => "HardFault".to_owned(),
         11 => "SVCall".to_owned(),
         14 => "PendSV".to_owned(),
         15 => "SysTick".to_owned(),

@@ -2,6 +2,7 @@
 
 mod account;
 mod bus;
+mod ending;
 mod log;
 mod report;
 mod schedule;
@@ -259,10 +260,10 @@ impl VirtualBoard {
             Action::AudioInterrupt { lost } => devices.armed.audio_interrupt_lost = lost,
             Action::PiezoAtRail(piezo) => devices.armed.piezos_at_rail |= 1 << piezo,
             Action::Stall { .. } => {}
-            Action::Jump { function, arguments } => {
-                let symbol = self.machine.symbol(&function).filter(|symbol| symbol.is_function);
-                let symbol = symbol.ok_or(RunError::NoFunction { name: function })?;
-                self.jump = Some((symbol.address, arguments));
+            Action::Panic => self.jump = Some(ending::panic(&mut self.machine, devices.wiring.chip)?),
+            Action::HardFault => {
+                self.jump = Some(ending::hard_fault(&self.machine, &self.image)?);
+                self.machine.expect_fault();
             }
         }
         Ok(())

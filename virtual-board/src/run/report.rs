@@ -32,7 +32,11 @@ pub struct Report {
     pub core_hz: f64,
     /// Instructions executed.
     pub instructions: u64,
-    /// Share of the cycles in which the core slept.
+    /// Cycles since power-on.
+    pub cycles: u64,
+    /// Those of them in which the core slept: between two reports, the difference tells the load of that time.
+    pub idle_cycles: u64,
+    /// The one by the other.
     pub idle_share: f64,
     /// Cycles in thread mode, awake.
     pub thread_cycles: u64,
@@ -197,6 +201,8 @@ impl VirtualBoard {
             seconds: devices.seconds(now),
             core_hz: devices.clocks.core.as_f64(),
             instructions: self.machine.cost().instructions,
+            cycles: now,
+            idle_cycles: self.account.idle_cycles,
             idle_share: self.account.idle_cycles as f64 / now.max(1) as f64,
             thread_cycles: self.account.thread_cycles,
             interrupts: self.interrupts(),

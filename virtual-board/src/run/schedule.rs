@@ -12,7 +12,8 @@ pub(super) enum Action {
     AudioInterrupt { lost: bool },
     PiezoAtRail(usize),
     Stall { for_s: f64 },
-    Jump { function: String, arguments: [u32; 4] },
+    Panic,
+    HardFault,
 }
 
 /// Actions by time, the next one last.
@@ -37,9 +38,8 @@ impl Schedule {
                     actions.push((at_s + for_s, Action::AudioInterrupt { lost: false }));
                 }
                 Fault::PiezoAtRail { piezo, at_s } => actions.push((*at_s, Action::PiezoAtRail(*piezo))),
-                Fault::Jump { at_s, function, arguments } => {
-                    actions.push((*at_s, Action::Jump { function: function.clone(), arguments: *arguments }));
-                }
+                Fault::Panic { at_s } => actions.push((*at_s, Action::Panic)),
+                Fault::HardFault { at_s } => actions.push((*at_s, Action::HardFault)),
             }
         }
         actions.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -56,7 +56,7 @@ impl Machine {
             };
             let instruction = slot.instruction;
             let function = slot.function;
-            if code::stops(instruction.kind) {
+            if code::stops(instruction.kind) && !(self.fault_expected && instruction.kind == Kind::Undefined) {
                 return self.at_stop(instruction.kind, instruction.comment, pc);
             }
             let alone = match instruction.kind {
@@ -87,7 +87,7 @@ impl Machine {
                 self.cycle_counter_origin = now.wrapping_sub(u64::from(cycles));
             }
             if let Stepped::Exception(number) = stepped {
-                if FAULTS.contains(&number) {
+                if FAULTS.contains(&number) && !std::mem::take(&mut self.fault_expected) {
                     return Err(self.fault_error(instruction.kind, pc));
                 }
                 // Entered before the instruction, unless the instruction is what called for it.

@@ -57,6 +57,8 @@ pub struct Machine {
     cycles_beyond_cost: i64,
     /// The clock when DWT's counter was 0.
     cycle_counter_origin: u64,
+    /// The next fault is the program's own to handle.
+    fault_expected: bool,
     /// Since it was last taken, if anyone takes it.
     exception_changes: Option<Vec<ExceptionChange>>,
 }
@@ -91,6 +93,7 @@ impl Machine {
             pace: Pace::default(),
             cycles_beyond_cost: 0,
             cycle_counter_origin: 0,
+            fault_expected: false,
             exception_changes: None,
         })
     }
@@ -176,6 +179,11 @@ impl Machine {
     /// The exceptions that were entered and left since this was last called; the first call starts the record.
     pub fn take_exception_changes(&mut self) -> Vec<ExceptionChange> {
         self.exception_changes.replace(Vec::new()).unwrap_or_default()
+    }
+
+    /// Lets the program handle its next fault, an undefined instruction included, instead of ending the run: for tests of fault handlers.
+    pub fn expect_fault(&mut self) {
+        self.fault_expected = true;
     }
 
     /// The flash accelerator, for its switches.
