@@ -13,6 +13,7 @@ pub mod pad;
 pub mod radiation;
 pub mod resonator;
 pub mod table;
+pub mod trigger;
 
 mod exponential;
 mod quarter_turn;

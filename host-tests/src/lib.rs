@@ -6,3 +6,4 @@ pub mod performance;
 pub mod run_time;
 pub mod scene;
 pub mod single_mode;
+pub mod trigger;

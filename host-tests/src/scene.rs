@@ -51,6 +51,7 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
             striker_weight: 1.0,
             choke_t60_s: 0.0,
             midi_notes: Vec::new(),
+            trigger: None,
         }],
     }
 }

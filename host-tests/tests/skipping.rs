@@ -95,12 +95,12 @@ fn modes_that_the_position_does_not_reach_are_not_run() {
 #[test]
 fn the_loudest_pad_level_decides_when_a_mode_retires() {
     let lifetime = |level_db| {
-        let mut kit = one_pad(vec![mode(440.0, 0.5, 300.0, 0.0)]);
+        let mut kit = one_pad(vec![mode(440.0, 0.1, 300.0, 0.0)]);
         kit.pads[0].level_db = level_db;
         let (_, reports) = play(&load(kit), RATE, Skipping::On, &[strike(0, 1.0)], None, (96_000, &[128]));
         reports.iter().filter(|report| report.run_mode_frames() > 0).count()
     };
-    // 20 dB are a third of a T60 of 0.5 s: 250 ticks. A group is looked at when it has decayed by a quarter of a bit, here every 6 ticks.
+    // 20 dB are a third of a T60 of 0.1 s: 50 ticks. A group is looked at when it has decayed by half a bit, here every 7 ticks.
     let ticks = lifetime(20.0) - lifetime(0.0);
-    assert!((244..=256).contains(&ticks), "{ticks}");
+    assert!((43..=57).contains(&ticks), "{ticks}");
 }

@@ -2,6 +2,8 @@
 //!
 //! Nothing here is checked; [`crate::binary::build`] judges. Valid ranges are those of [`dsp_core::table::range`].
 
+use dsp_core::trigger::Settings;
+
 /// A kit: objects and strikers, bound to pads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kit {
@@ -115,6 +117,9 @@ pub struct Pad {
     pub choke_t60_s: f32,
     /// Up to 4 MIDI notes, 0 to 127, that play it; each belongs to one pad only.
     pub midi_notes: Vec<u8>,
+    /// How it is triggered. In a kit in which no pad says so, each has its defaults ([`Settings::of_unset_pad`]); in one in which
+    /// some do, the others have neither piezo nor button.
+    pub trigger: Option<Settings>,
 }
 
 impl Object {

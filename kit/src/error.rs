@@ -236,6 +236,7 @@ fn place_of(error: &TableError) -> Option<Place> {
         | TableError::BadName { place }
         | TableError::DuplicateName { place }
         | TableError::BadNote { place, .. }
+        | TableError::SharedInput { place, .. }
         | TableError::BadText { place }
         | TableError::NotZero { place, .. } => Some(place),
         TableError::Truncated { .. }

@@ -29,6 +29,9 @@ enum Command {
     /// Build, check and show kits
     #[command(subcommand)]
     Kit(KitCommand),
+    /// Run firmware on a virtual board
+    #[command(subcommand)]
+    Board(commands::board::BoardCommand),
 }
 
 /// Arguments of `malleus demo`.
@@ -172,6 +175,7 @@ fn main() -> ExitCode {
         Some(Command::Play(arguments)) => commands::play::run(&arguments),
         Some(Command::Fit(arguments)) => commands::fit::run(&arguments),
         Some(Command::Kit(command)) => commands::kit::run(&command),
+        Some(Command::Board(command)) => commands::board::run(&command),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

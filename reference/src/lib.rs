@@ -19,6 +19,7 @@
 //!
 //! | stage | what it computes | source |
 //! | --- | --- | --- |
+//! | [`trigger`] | piezos to strikes | this project |
 //! | [`event`] | who is struck when, how hard, where, with what; chokes, releases, direct force | this project |
 //! | [`contact`] | from velocity to a contact force over time; strikes sum | eq. 2, 3 |
 //! | [`resonator`] | the force drives a bank of decaying modes | §3.3 |
@@ -85,6 +86,7 @@ pub mod pad;
 pub mod radiation;
 pub mod resonator;
 pub mod scene;
+pub mod trigger;
 
 mod error;
 mod rate;

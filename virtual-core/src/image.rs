@@ -98,6 +98,14 @@ impl Image {
         self.entry
     }
 
+    /// The stretches of memory that it uses, address and length: where its bytes are stored, and where they are when it runs.
+    pub fn ranges(&self) -> impl Iterator<Item = (u32, u32)> {
+        let segments = self.segments.iter();
+        segments.flat_map(|segment| {
+            [(segment.load_address, segment.bytes.len() as u32), (segment.run_address, segment.memory_bytes)]
+        })
+    }
+
     /// Bytes that are written to flash: vector table, code, constants and the initial values of `.data`.
     pub fn flash_bytes(&self) -> u32 {
         self.segments.iter().map(|segment| segment.bytes.len() as u32).sum()

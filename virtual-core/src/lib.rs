@@ -38,6 +38,6 @@ pub use cpu::Core;
 pub use cycle::Cost;
 pub use error::{Access, BuildError, ImageError, RunError};
 pub use image::{Image, Symbol};
-pub use machine::{Call, FunctionCost, Loop, Machine, Run, Stop};
+pub use machine::{Call, Clock, CycleCase, ExceptionChange, FunctionCost, Loop, Machine, Pace, Run, Stop};
 pub use memory::{CCM_ADDRESS, CCM_BYTES, FLASH_ADDRESS, FLASH_BYTES, Peripheral, RAM_ADDRESS, RAM_BYTES};
-pub use program::build;
+pub use program::{build, build_binary};

@@ -19,28 +19,40 @@ const TARGET: &str = "thumbv7em-none-eabihf";
 /// # Errors
 /// [`BuildError`], with what cargo printed.
 pub fn build(manifest: &Path) -> Result<Vec<u8>, BuildError> {
-    static BUILT: OnceLock<Mutex<HashMap<PathBuf, Vec<u8>>>> = OnceLock::new();
+    let name = package_name(manifest)?;
+    build_binary(manifest, &name, &[])
+}
+
+/// As [`build`], for one of the binaries of a crate, and with further arguments for cargo (`--features` and the like).
+///
+/// Programs of one crate share a target folder; a lock on a file in it keeps test binaries apart that build it with other arguments.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_binary(manifest: &Path, binary: &str, arguments: &[&str]) -> Result<Vec<u8>, BuildError> {
+    type Key = (PathBuf, String, Vec<String>);
+    static BUILT: OnceLock<Mutex<HashMap<Key, Vec<u8>>>> = OnceLock::new();
     let mut built = BUILT.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(elf) = built.get(manifest) {
+    let words = arguments.iter().map(|&word| word.to_owned()).collect();
+    let key = (manifest.to_owned(), binary.to_owned(), words);
+    if let Some(elf) = built.get(&key) {
         return Ok(elf.clone());
     }
-    let elf = run_cargo(manifest)?;
-    built.insert(manifest.to_owned(), elf.clone());
+    let elf = run_cargo(manifest, binary, arguments)?;
+    built.insert(key, elf.clone());
     Ok(elf)
 }
 
-fn run_cargo(manifest: &Path) -> Result<Vec<u8>, BuildError> {
-    let text = std::fs::read_to_string(manifest)
-        .map_err(|error| BuildError::Manifest { manifest: manifest.to_owned(), reason: error.to_string() })?;
-    let name = package_name(&text).ok_or_else(|| BuildError::Manifest {
-        manifest: manifest.to_owned(),
-        reason: "no name in a [package] table".to_owned(),
-    })?;
-    let folder = target_folder(manifest).join("thumb").join(name);
+fn run_cargo(manifest: &Path, binary: &str, arguments: &[&str]) -> Result<Vec<u8>, BuildError> {
+    let folder = target_folder(manifest).join("thumb").join(package_name(manifest)?);
+    let unlockable = |source| BuildError::Program { path: folder.clone(), source };
+    std::fs::create_dir_all(&folder).map_err(unlockable)?;
+    let lock = std::fs::File::create(folder.join("build.lock")).map_err(unlockable)?;
+    lock.lock().map_err(unlockable)?;
 
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.args(["build", "--release", "--locked", "--target", TARGET, "--manifest-path"]).arg(manifest);
-    cargo.arg("--target-dir").arg(&folder);
+    cargo.arg("--target-dir").arg(&folder).args(["--bin", binary]).args(arguments);
     // The flags, wrappers and profile of the outer cargo call are for the PC.
     for (variable, _) in std::env::vars_os() {
         let variable = variable.to_string_lossy();
@@ -55,12 +67,20 @@ fn run_cargo(manifest: &Path) -> Result<Vec<u8>, BuildError> {
         let output = String::from_utf8_lossy(&output.stderr).into_owned();
         return Err(BuildError::Failed { manifest: manifest.to_owned(), output });
     }
-    let path = folder.join(TARGET).join("release").join(name);
+    let path = folder.join(TARGET).join("release").join(binary);
     std::fs::read(&path).map_err(|source| BuildError::Program { path, source })
 }
 
-/// The `name` of the `[package]` table, which is also the name of its only binary.
-fn package_name(manifest: &str) -> Option<&str> {
+/// The name of the package, which is also that of its only binary unless it says otherwise.
+fn package_name(manifest: &Path) -> Result<String, BuildError> {
+    let wrong = |reason: String| BuildError::Manifest { manifest: manifest.to_owned(), reason };
+    let text = std::fs::read_to_string(manifest).map_err(|error| wrong(error.to_string()))?;
+    let name = name_in(&text).ok_or_else(|| wrong("no name in a [package] table".to_owned()))?;
+    Ok(name.to_owned())
+}
+
+/// The `name` of the `[package]` table.
+fn name_in(manifest: &str) -> Option<&str> {
     let package = manifest.split("[package]").nth(1)?;
     let line = package
         .lines()
@@ -92,8 +112,8 @@ mod tests {
     fn the_package_name_is_read_from_its_table() {
         let manifest =
             "[workspace]\n\n[package]\nedition = \"2024\"\nname = \"kernels\"\n\n[[bin]]\nname = \"other\"\n";
-        assert_eq!(package_name(manifest), Some("kernels"));
-        assert_eq!(package_name("[dependencies]\nname = \"x\"\n"), None);
+        assert_eq!(name_in(manifest), Some("kernels"));
+        assert_eq!(name_in("[dependencies]\nname = \"x\"\n"), None);
     }
 
     #[test]

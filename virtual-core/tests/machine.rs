@@ -159,6 +159,60 @@ fn an_interrupt_line_enters_its_handler_between_instructions() {
     assert!(machine.profile().iter().any(|function| function.name == "first_interrupt"));
 }
 
+#[test]
+fn time_is_a_column_of_the_cost_and_sleep_and_pauses_when_due() {
+    use virtual_core::{CycleCase, Pace};
+    let mut machine = common::machine();
+    machine.call("mac_loop", &[100, 3]).unwrap();
+    let cost = machine.cost();
+    assert_eq!(machine.now(), cost.nominal);
+    machine.set_pace(Pace { case: CycleCase::Worst, refill_cycles: 6 });
+    assert_eq!(machine.now(), cost.nominal, "a new pace changes nothing that has passed");
+    machine.sleep_until(1_000_000);
+    machine.sleep_until(10);
+    machine.call("mac_loop", &[100, 3]).unwrap();
+    let more = machine.cost() - cost;
+    assert_eq!(machine.now(), 1_000_000 + more.worst + 6 * more.refills);
+
+    let clock = machine.clock();
+    let start = machine.symbol("mac_loop").unwrap().address;
+    machine.core().set_register(0, 1_000_000);
+    machine.core().set_pc(start);
+    let due = machine.now() + 5000;
+    clock.set_due(due);
+    assert_eq!(machine.resume_until_due().unwrap(), Stop::Due);
+    assert!((due..due + 100).contains(&machine.now()), "{} {due}", machine.now());
+}
+
+#[test]
+fn the_trace_unit_counts_the_cycles_of_the_model() {
+    let mut machine = common::machine();
+    // DEMCR.TRCENA, DWT_CTRL.CYCCNTENA.
+    machine.call("store", &[0xe000_edfc, 1 << 24]).unwrap();
+    machine.call("store", &[0xe000_1000, 1]).unwrap();
+    let first = machine.call("load", &[0xe000_1004]).unwrap().value;
+    let before = machine.now();
+    machine.call("mac_loop", &[1000, 3]).unwrap();
+    machine.sleep_until(machine.now() + 777);
+    let passed = machine.now() - before;
+    let second = machine.call("load", &[0xe000_1004]).unwrap().value;
+    let overhead = 10;
+    let counted = u64::from(second.wrapping_sub(first));
+    assert!((passed..passed + overhead).contains(&counted), "{counted} {passed}");
+}
+
+#[test]
+fn exceptions_are_recorded_when_they_are_asked_for() {
+    let mut machine = common::machine();
+    machine.call("op_supervisor", &[40]).unwrap();
+    assert!(machine.take_exception_changes().is_empty(), "the first call starts the record");
+    machine.call("op_supervisor", &[40]).unwrap();
+    let changes = machine.take_exception_changes();
+    let numbers: Vec<(u16, u32)> = changes.iter().map(|change| (change.running, change.depth)).collect();
+    assert_eq!(numbers, [(11, 1), (0, 0)]);
+    assert!(changes[0].cycle < changes[1].cycle);
+}
+
 /// Counts what is written to it; reads as that count.
 #[derive(Debug, Default)]
 struct Counter(AtomicU32);

@@ -85,7 +85,8 @@ impl StrikerLaw {
         let logarithm = Log2::new(velocity);
         let peak = logarithm.power(self.peak_exponent_q27).of(self.peak).min(i32::MAX as u64) as i32;
         let (slowest, fastest) = self.step_range;
-        let step = logarithm.power(self.step_exponent_q27).of(self.step).clamp(slowest, fastest);
+        // Not `clamp`, which panics on a range the wrong way round: nothing here can.
+        let step = logarithm.power(self.step_exponent_q27).of(self.step).max(slowest).min(fastest);
         (peak > 0).then_some(Impact { pulse: self.pulse, peak, step })
     }
 }

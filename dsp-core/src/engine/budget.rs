@@ -10,7 +10,21 @@
 use super::cost::{CYCLES, Counts, Part};
 use super::{Direct, Engine};
 use crate::event::{Action, Event, Time};
-use crate::resonator::{Audience, LEVELS, Memory, SILENT, Shed, Step, Survey, TICK_FRAMES, Use};
+use crate::resonator::{Audience, Memory, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
+
+/// How a pad is heard and how it will run; `None` for one that will not.
+type Listening = Option<(Audience, UpcomingRun)>;
+
+/// How much to leave out.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum LeaveOut {
+    /// Everything.
+    All,
+    /// So many register groups, the quietest.
+    Groups(u16),
+    /// As many as free so many cycles.
+    Cycles(u32),
+}
 
 impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGINS: usize, const CONTACTS: usize>
     Engine<'k, PADS, MODES, GROUPS, ORIGINS, CONTACTS>
@@ -35,32 +49,39 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         // What a single tick may cost more than predicted.
         let budget = budget - budget / MARGIN;
         let mut rest = self.rest_of_tick(upcoming, direct);
-        let predicted = self.report.predicted_cycles() + rest.cycles();
-        if predicted > budget {
-            let before = self.report.shed;
-            let survey = self.survey_counts();
-            let sheddable = rest.of(Part::KernelCycle) + rest.of(Part::GuardedGroup) * cycles_of(Part::GuardedGroup);
-            if predicted + survey.cycles() - sheddable.min(predicted) > budget {
-                // Where nothing can be kept there is nothing to choose.
-                self.report.counts.add(Part::SurveyedGroup, self.group_count() / 3);
-                let mut steps = [Step::default(); LEVELS];
-                steps.iter_mut().take(1).for_each(|step| step.groups = u32::from(u16::MAX));
-                self.shed_by_level(u16::MAX, &[0; GROUPS], &steps, direct);
-            } else {
-                self.report.counts += survey;
-                let mut levels = [SILENT; GROUPS];
-                let steps = self.survey(direct, &mut levels);
-                let chosen = quietest_that_free(predicted + survey.cycles() - budget, &steps);
-                self.shed_by_level(chosen, &levels, &steps, direct);
-            }
-            let chosen = (self.report.shed.groups - before.groups) as u16;
-            // Pads of which nothing is left cost less still; the kernels' share is what was freed for certain.
-            rest.remove(Part::KernelCycle, self.report.shed.cycles - before.cycles);
-            rest.remove(Part::GuardedGroup, self.report.shed.groups - before.groups);
-            log(&Event { time: Time::at_frame(self.now), action: Action::Shed(chosen), ..Event::NOTHING });
-        }
         let end = self.now + u64::from(self.frames_to_tick());
         let surprised = upcoming.first().is_some_and(|event| event.time.first_frame() < end);
+        if surprised {
+            // The event will call for another look.
+            self.report.counts.add(Part::PredictedGroup, rest.of(Part::PredictedGroup));
+        }
+        let predicted = self.report.predicted_cycles() + rest.cycles();
+        if predicted > budget {
+            let survey = self.survey_counts();
+            let mut survey_cycles = Counts::NONE;
+            survey_cycles.add_all(survey);
+            let survey_cycles = survey_cycles.cycles();
+            let guards = rest.of(Part::GuardedGroup) * cycles_of(Part::GuardedGroup);
+            let sheddable = rest.of(Part::KernelCycle) + guards;
+            let leave_out = if predicted + survey_cycles - sheddable.min(predicted) > budget {
+                // Where nothing can be kept there is nothing to choose.
+                self.report.counts.add(Part::SurveyedGroup, self.group_count() / 3);
+                LeaveOut::All
+            } else {
+                self.report.counts.add_all(survey);
+                LeaveOut::Cycles(predicted + survey_cycles - budget)
+            };
+            let shed = self.leave_out(leave_out, direct);
+            // Pads of which nothing is left cost less still; the groups' own share is what was freed for certain.
+            let kernels = match leave_out {
+                LeaveOut::All => u32::MAX,
+                _ => shed.cycles.saturating_sub(shed.unguarded_groups * cycles_of(Part::GuardedGroup)),
+            };
+            rest.remove(Part::KernelCycle, kernels);
+            rest.remove(Part::GuardedGroup, shed.unguarded_groups);
+            let chosen = shed.groups as u16;
+            log(&Event { time: Time::at_frame(self.now), action: Action::Shed(chosen), ..Event::NOTHING });
+        }
         if !surprised {
             self.report.counts += rest;
         }
@@ -70,7 +91,8 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     /// Counts a run that [`keep_budget`](Self::keep_budget) has not.
     #[inline(never)]
     pub(super) fn count_run(&mut self, frames: u32, direct: Option<Direct<'_>>) {
-        let counts = self.run_counts(frames, direct, &[false; PADS]);
+        let mut counts = Counts::NONE;
+        self.add_run(frames, direct, &[false; PADS], &mut counts);
         self.report.counts += counts;
     }
 
@@ -78,102 +100,93 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         self.voices().iter().map(|voice| voice.pad.group_count()).sum()
     }
 
-    /// Leaves out the `count` quietest register groups of those that would run.
-    #[inline(never)]
-    pub(super) fn shed_quietest(&mut self, count: u16, direct: Option<Direct<'_>>) {
-        let mut levels = [SILENT; GROUPS];
-        let steps = self.survey(direct, &mut levels);
-        self.shed_by_level(count, &levels, &steps, direct);
-    }
-
-    #[inline(never)]
-    fn shed_by_level(&mut self, count: u16, levels: &[u8; GROUPS], steps: &[Step; LEVELS], direct: Option<Direct<'_>>) {
-        let (mut left, mut threshold) = (u32::from(count), LEVELS);
-        for (level, step) in steps.iter().enumerate() {
-            if step.groups > left {
-                threshold = level;
-                break;
+    /// Leaves out the quietest register groups of those that would run.
+    #[inline(never)] // its tables must not lie on the stack beside what looks ahead
+    pub(super) fn leave_out(&mut self, what: LeaveOut, direct: Option<Direct<'_>>) -> Shed {
+        let mut listening = [None; PADS];
+        let mut survey = Survey::<GROUPS>::NOBODY;
+        let count = match what {
+            LeaveOut::All => {
+                self.listen(direct, &mut listening);
+                survey = Survey::ALIKE;
+                u16::MAX
             }
-            left -= step.groups;
-        }
+            LeaveOut::Groups(count) => {
+                self.survey(direct, &mut listening, &mut survey);
+                count
+            }
+            LeaveOut::Cycles(excess) => {
+                self.survey(direct, &mut listening, &mut survey);
+                survey.quietest_that_free(excess)
+            }
+        };
+        let (threshold, mut at_threshold) = survey.threshold(count);
         let mut shed = Shed::default();
-        for number in 0..self.pad_count as u8 {
-            let (audience, used) = (self.audience(number, direct), self.used(number, direct));
-            let run = (used, self.frames_to_tick());
-            let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
-            let Some(voice) = self.pads.get_mut(usize::from(number)) else { break };
+        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
+        for (voice, listening) in self.pads.iter_mut().zip(&listening) {
+            let Some((audience, run)) = listening else { continue };
             for bank in voice.pad.banks_mut() {
-                shed += bank.shed(&mut memory, audience, run, levels, (threshold as u8, &mut left));
+                shed += bank.shed(&mut memory, audience, *run, &survey, (threshold, &mut at_threshold));
             }
         }
+        shed.cycles += survey.cycles_below(threshold);
         self.report.shed += shed;
+        shed
     }
 
     /// The loudness of every group, and what each level has and costs.
     #[inline(never)]
-    fn survey(&self, direct: Option<Direct<'_>>, levels: &mut [u8; GROUPS]) -> [Step; LEVELS] {
-        let mut survey = Survey { levels, steps: [Step::default(); LEVELS] };
-        for (voice, number) in self.voices().iter().zip(0u8..) {
-            let used = self.used(number, direct);
-            if used == Use::Free && !voice.pad.is_ringing() {
-                continue;
-            }
-            let guard = if voice.pad.expects() { cycles_of(Part::GuardedGroup) } else { 0 };
-            let run = (used, self.frames_to_tick(), guard);
-            let audience = self.audience(number, direct);
+    fn survey(&self, direct: Option<Direct<'_>>, listening: &mut [Listening; PADS], survey: &mut Survey<GROUPS>) {
+        self.listen(direct, listening);
+        for (voice, listening) in self.voices().iter().zip(listening) {
+            let Some((audience, run)) = listening else { continue };
             for bank in voice.pad.banks() {
-                bank.survey(&self.groups, &self.modes, audience, run, &mut survey);
+                bank.survey(&self.groups, audience, *run, survey);
             }
         }
-        survey.steps
     }
 
-    fn audience(&self, pad: u8, direct: Option<Direct<'_>>) -> Audience {
-        let (input, contact_samples) = self.flight.ahead(pad);
-        let unit = self.voices().get(usize::from(pad)).map_or(0.0, |voice| voice.pad.unit());
-        Audience::new(unit, input + direct_input(direct, pad), contact_samples)
-    }
-
-    fn used(&self, pad: u8, direct: Option<Direct<'_>>) -> Use {
-        if self.flight.count_on(pad) > 0 || direct_input(direct, pad) > 0.0 { Use::Driven } else { Use::Free }
+    /// How each pad that sounds is heard, and how it will run.
+    #[inline(never)]
+    fn listen(&self, direct: Option<Direct<'_>>, listening: &mut [Listening; PADS]) {
+        for ((voice, listening), number) in self.voices().iter().zip(listening).zip(0u8..) {
+            let (input, contact_samples) = self.flight.ahead(number);
+            let input = input + direct_input(direct, number);
+            let used = if input > 0.0 { Use::Driven } else { Use::Free };
+            if used == Use::Driven || voice.pad.is_ringing() {
+                let guard = if voice.pad.expects() { cycles_of(Part::GuardedGroup) as u16 } else { 0 };
+                let audience = Audience::new(voice.pad.unit(), input, contact_samples);
+                *listening = Some((audience, UpcomingRun { used, frames: self.frames_to_tick() as u8, guard }));
+            }
+        }
     }
 
     /// What a tick's beginning does.
     #[inline(never)]
-    pub(super) fn beginning(&self) -> Counts {
-        let mut counts = Counts::NONE;
-        counts.add(Part::Tick, 1);
+    pub(super) fn beginning(&self) -> [(Part, u32); 3] {
         if self.idle {
-            return counts;
+            return [(Part::Tick, 1), (Part::WakingPad, 0), (Part::DueGroup, 0)];
         }
-        counts.add(Part::Pad, self.pad_count as u32);
-        for voice in self.voices().iter().filter(|voice| voice.pad.is_guard_due()) {
-            counts.add(Part::DueGroup, voice.pad.group_count());
-        }
-        counts
+        let due = self.voices().iter().filter(|voice| voice.pad.is_guard_due());
+        let groups = due.map(|voice| voice.pad.group_count()).sum();
+        let pads = self.voices().iter().filter(|voice| !voice.pad.rests()).count();
+        [(Part::Tick, 1), (Part::WakingPad, pads as u32), (Part::DueGroup, groups)]
     }
 
     /// What an event does.
-    #[inline(never)]
-    pub(super) fn event_counts(&self, event: &Event) -> Counts {
-        let mut counts = Counts::NONE;
+    pub(super) fn event_counts(&self, event: &Event) -> [(Part, u32); 2] {
         match event.action {
-            Action::Strike => counts.add(Part::Strike, 1),
+            Action::Strike => [(Part::Strike, 1), (Part::ChokedMode, 0)],
             Action::Choke | Action::Release => {
                 let modes = self.voices().get(usize::from(event.pad)).map_or(0, |voice| voice.pad.mode_count());
-                counts.add(Part::Strike, 1);
-                counts.add(Part::ChokedMode, modes as u32);
+                [(Part::Strike, 1), (Part::ChokedMode, modes as u32)]
             }
-            Action::Shed(_) => counts = self.survey_counts(),
+            Action::Shed(_) => self.survey_counts(),
         }
-        counts
     }
 
-    fn survey_counts(&self) -> Counts {
-        let mut counts = Counts::NONE;
-        counts.add(Part::Survey, 1);
-        counts.add(Part::SurveyedGroup, self.group_count());
-        counts
+    fn survey_counts(&self) -> [(Part, u32); 2] {
+        [(Part::Survey, 1), (Part::SurveyedGroup, self.group_count())]
     }
 
     fn frames_to_tick(&self) -> u32 {
@@ -189,9 +202,9 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let mut events = upcoming.iter().take_while(|event| event.time.first_frame() < end).peekable();
         while now < end {
             let next = events.peek().map_or(end, |event| event.time.first_frame());
-            total += self.run_counts((next - now) as u32, direct, &struck);
+            self.add_run((next - now) as u32, direct, &struck, &mut total);
             while let Some(event) = events.next_if(|event| event.time.first_frame() == next) {
-                total += self.event_counts(event);
+                total.add_all(self.event_counts(event));
                 if let (Action::Strike, Some(struck)) = (event.action, struck.get_mut(usize::from(event.pad))) {
                     *struck = true;
                 }
@@ -201,18 +214,19 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         total
     }
 
-    /// A run of frames. `struck` are pads that a known event will have struck by then.
-    pub(super) fn run_counts(&self, frames: u32, direct: Option<Direct<'_>>, struck: &[bool; PADS]) -> Counts {
-        let mut counts = Counts::NONE;
+    /// Adds what a run of frames does. `struck` are pads that a known event will have struck by then.
+    fn add_run(&self, frames: u32, direct: Option<Direct<'_>>, struck: &[bool; PADS], counts: &mut Counts) {
         if frames == 0 || self.idle && direct.is_none() && !struck.contains(&true) {
-            return counts;
+            return;
         }
         counts.add(Part::Run, 1);
+        counts.add(Part::Pad, self.pad_count as u32);
         counts.add(Part::Frame, frames);
         for ((voice, number), &struck) in self.voices().iter().zip(0u8..).zip(struck) {
             let contact_frames = self.flight.frames_ahead(number, frames) + if struck { frames } else { 0 };
             let pad = &voice.pad;
-            let is_driven = contact_frames > 0 || direct_input(direct, number) > 0.0;
+            let is_direct = direct_input(direct, number) > 0.0;
+            let is_driven = contact_frames > 0 || is_direct;
             let used = if is_driven { Use::Driven } else { Use::Free };
             if !is_driven && !pad.is_ringing() {
                 continue;
@@ -221,7 +235,8 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             for bank in pad.banks().filter(|bank| bank.mode_count() > 0) {
                 let (cycles, running) = bank.cycles(&self.groups, used, frames);
                 counts.add(Part::KernelCycle, cycles);
-                counts.add(Part::PredictedGroup, bank.group_count());
+                // Of a driven bank all are looked at closely.
+                counts.add(Part::PredictedGroup, bank.group_count() * (1 + u32::from(is_driven)));
                 groups += running;
                 banks += u32::from(running > 0);
                 if is_driven && (pad.expects() || struck || bank.is_unguarded()) {
@@ -233,9 +248,10 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             if is_driven && groups == 0 {
                 counts.add(Part::UnheardPad, 1);
             } else if is_driven {
-                counts.add(Part::DrivenPad, 1);
+                counts.add(if pad.drives_quickly() { Part::DrivenPad } else { Part::BusDrivenPad }, 1);
                 counts.add(Part::DrivenFrame, frames);
                 counts.add(Part::ContactFrame, contact_frames);
+                counts.add(Part::DirectFrame, if is_direct { frames } else { 0 });
             } else if pad.rings_quickly() {
                 counts.add(Part::RingingPad, 1);
             } else {
@@ -243,7 +259,6 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
                 counts.add(Part::BusFrame, frames);
             }
         }
-        counts
     }
 }
 
@@ -252,21 +267,6 @@ const MARGIN: u32 = 32;
 
 fn cycles_of(part: Part) -> u32 {
     CYCLES.get(part as usize).copied().unwrap_or(0)
-}
-
-/// How many of the quietest register groups have to go to free so many cycles.
-fn quietest_that_free(excess: u32, steps: &[Step; LEVELS]) -> u16 {
-    let (mut total, mut chosen) = (0, 0);
-    for step in steps {
-        if total + step.cycles >= excess {
-            // Of the step in which the excess ends, as many as are needed if the cheapest go first: a single mode costs a third of a full
-            // group's share.
-            let share = (excess - total).div_ceil((step.cycles / step.groups.max(1)).max(1));
-            return (chosen + (share + share / 2 + 1).min(step.groups)) as u16;
-        }
-        (total, chosen) = (total + step.cycles, chosen + step.groups);
-    }
-    chosen as u16
 }
 
 /// Bound of what a direct force brings in the rest of the block, bus steps.

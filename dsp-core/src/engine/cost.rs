@@ -6,8 +6,10 @@
 pub enum Part {
     /// A tick.
     Tick,
-    /// A pad, sounding or not, at a tick's beginning.
+    /// A pad, sounding or not, in a run.
     Pad,
+    /// A pad with bookkeeping at a tick's beginning.
+    WakingPad,
     /// A register group whose bank is guarded at a tick's beginning.
     DueGroup,
     /// A run of frames between ticks and events.
@@ -22,12 +24,16 @@ pub enum Part {
     BusFrame,
     /// A bank, beside the object's, that rings or is driven.
     StrikerBank,
-    /// A pad under a force, in a run.
+    /// A pad under a force, in a run: straight to the stereo bus.
     DrivenPad,
-    /// A frame of it.
+    /// The same, over the bus: with an onset, an acceleration sound or a striker's bank, or too loud.
+    BusDrivenPad,
+    /// A frame of a pad under a force, either way.
     DrivenFrame,
     /// A frame of a contact.
     ContactFrame,
+    /// A frame of a direct force.
+    DirectFrame,
     /// A pad under a force that nobody hears.
     UnheardPad,
     /// A register group at rest that is guarded for a contact.
@@ -52,9 +58,10 @@ pub enum Part {
 pub const PARTS: usize = Part::KernelCycle as usize + 1;
 
 /// Cycles of each [`Part`], nominal, without flash waits. Fitted to the virtual core by `cargo bench -p host-tests --bench budget_costs`, which
-/// prints this table; the two of a survey cannot be told apart by its scenes and are split by profile.
-pub const CYCLES: [u32; PARTS] =
-    [2160, 535, 139, 3673, 0, 1091, 2103, 30, 3589, 5352, 0, 63, 790, 738, 732, 1190, 4185, 2600, 250, 16, 1];
+/// prints this table.
+pub const CYCLES: [u32; PARTS] = [
+    2229, 319, 428, 134, 0, 27, 1079, 2054, 30, 3589, 1192, 3859, 20, 55, 63, 0, 438, 435, 1250, 4326, 2600, 113, 25, 1,
+];
 
 /// How much of each part a tick has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,6 +76,11 @@ impl Counts {
         if let Some(counted) = self.0.get_mut(part as usize) {
             *counted += count;
         }
+    }
+
+    /// Adds several parts.
+    pub(super) fn add_all<const N: usize>(&mut self, parts: [(Part, u32); N]) {
+        parts.into_iter().for_each(|(part, count)| self.add(part, count));
     }
 
     /// Takes parts away, at most all.

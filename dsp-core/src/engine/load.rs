@@ -87,7 +87,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     /// # Errors
     /// A [`LoadError`]; the engine is then without a kit and silent.
     pub fn load(&mut self, kit: &Kit<'k>, rate: SampleRate, skipping: Skipping) -> Result<(), LoadError> {
-        (self.pad_count, self.idle) = (0, false);
+        (self.pad_count, self.idle, self.expects, self.retired_amplitude) = (0, false, false, 0.0);
         self.modes = [Mode::SILENT; MODES];
         self.flight = Flight::EMPTY;
         self.report = TickReport::EMPTY;

@@ -16,6 +16,7 @@ mod cost;
 mod load;
 mod report;
 
+use budget::LeaveOut;
 pub use cost::{CYCLES, Counts, PARTS, Part};
 pub use load::LoadError;
 pub use report::{Cause, TickReport};
@@ -87,8 +88,12 @@ pub struct Engine<
     /// Whether the last tick was idle too, so that the report has nothing to forget.
     was_idle: bool,
     modes_built: u32,
+    /// Whether a contact has begun that some pad is not guarded for yet.
+    expects: bool,
     /// Modes of pads that have not been struck since the load; kept for idle ticks.
     unstruck_modes: u32,
+    /// Sum of the pads' retired amplitudes.
+    retired_amplitude: f32,
 }
 
 /// A pad and the tables it was loaded from.
@@ -130,7 +135,9 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             idle: false,
             was_idle: false,
             modes_built: 0,
+            expects: false,
             unstruck_modes: 0,
+            retired_amplitude: 0.0,
         }
     }
 
@@ -252,7 +259,9 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             let mut counted = false;
             if news && !self.idle {
                 counted = self.budget.is_some() && self.keep_budget(events, direct, &mut log);
-                self.meet_expected();
+                if core::mem::take(&mut self.expects) {
+                    self.meet_expected();
+                }
             }
             let to_tick = TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64;
             let to_event = events.first().map_or(u64::MAX, |event| event.time.first_frame() - self.now);
@@ -285,11 +294,12 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         if self.idle && self.was_idle {
             self.report.begin_idle(self.now);
         } else {
-            self.report = TickReport { frame: self.now, ..TickReport::EMPTY };
+            self.report.begin(self.now);
         }
         self.was_idle = self.idle;
         if self.budget.is_some() {
-            self.report.counts = self.beginning();
+            let counts = self.beginning();
+            self.report.counts.add_all(counts);
         }
         if self.idle {
             return;
@@ -300,24 +310,32 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             voice.pad.banks_mut().for_each(|bank| bank.admit(&mut memory));
         }
         let skip = self.skipping == Skipping::On;
-        let mut retired: f32 = self.voices().iter().map(|voice| voice.pad.retired_amplitude()).sum();
-        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
-        for voice in self.pads.iter_mut().take(self.pad_count) {
-            let elsewhere = retired - voice.pad.retired_amplitude();
-            self.report.retired_modes +=
-                voice.pad.tick(&mut memory, skip, if elsewhere > 0.0 { elsewhere } else { 0.0 });
-            retired = elsewhere + voice.pad.retired_amplitude();
+        let mut retired = None;
+        for index in 0..self.pad_count {
+            if self.pads.get_mut(index).is_none_or(|voice| voice.pad.pass_tick()) {
+                continue;
+            }
+            let all = retired
+                .unwrap_or_else(|| self.voices().iter().fold(0.0, |sum, voice| sum + voice.pad.retired_amplitude()));
+            let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
+            let Some(Voice { pad, .. }) = self.pads.get_mut(index) else { break };
+            let elsewhere = all - pad.retired_amplitude();
+            let elsewhere = if elsewhere > 0.0 { elsewhere } else { 0.0 };
+            self.report.retired_modes += pad.tick(&mut memory, skip, elsewhere);
+            retired = Some(elsewhere + pad.retired_amplitude());
         }
-        self.report.retired_amplitude = retired;
+        self.retired_amplitude = retired.unwrap_or(self.retired_amplitude);
+        self.report.retired_amplitude = self.retired_amplitude;
     }
 
     fn apply(&mut self, event: &Event, direct: Option<Direct<'_>>) {
         if self.budget.is_some() {
             let counts = self.event_counts(event);
-            self.report.counts += counts;
+            self.report.counts.add_all(counts);
         }
         if let Action::Shed(count) = event.action {
-            return self.shed_quietest(count, direct);
+            self.leave_out(LeaveOut::Groups(count), direct);
+            return;
         }
         let rate = self.rate();
         let Some(voice) = self.pads.get_mut(usize::from(event.pad)) else { return };
@@ -329,6 +347,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
                 voice.pad.banks_mut().for_each(|bank| bank.admit(&mut memory));
                 let struck = voice.pad.strike(tables, event.velocity, event.position, event.striker, rate, &mut memory);
                 if let Some(impact) = struck {
+                    self.expects = true;
                     let contact = Contact::new(event.pad, event.striker, impact, event.time.early());
                     self.report.strikes += 1;
                     self.report.displaced_contacts += u32::from(self.flight.begin(contact));
@@ -350,7 +369,6 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     fn render_run(&mut self, direct: Option<Direct<'_>>, out: &mut [[i32; 2]]) {
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         (self.idle, self.was_idle) = (false, false);
-        let mut scratch = [0; TICK_FRAMES];
         let (skip, odd_start) = (self.skipping == Skipping::On, self.now % 2 == 1);
         let contacts = self.flight.count() > 0;
         self.report.contact_frames += (self.flight.count() * out.len()) as u32;
@@ -372,8 +390,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
                 self.report.add(&voice.pad, &work, out.len());
             } else {
                 let ringing = voice.pad.is_ringing();
-                let ran =
-                    if ringing { voice.pad.ring(out.len(), odd_start, &mut memory, &mut scratch, out) } else { (0, 0) };
+                let ran = if ringing { voice.pad.ring(out.len(), odd_start, &mut memory, out) } else { (0, 0) };
                 self.report.add_ringing(&voice.pad, ran, out.len());
             }
         }

@@ -78,7 +78,7 @@ impl TickReport {
         refused_inputs: 0,
         retired_modes: 0,
         retired_amplitude: 0.0,
-        shed: Shed { groups: 0, modes: 0, amplitude: 0.0, cycles: 0 },
+        shed: Shed::NOTHING,
         counts: Counts::NONE,
         ringing_pads: 0,
         contacts: 0,
@@ -102,12 +102,23 @@ impl TickReport {
         }
     }
 
-    /// The next tick in which nothing runs.
-    pub(super) fn begin_idle(&mut self, frame: u64) {
-        (self.frame, self.unstruck_mode_frames, self.decayed_mode_frames) = (frame, 0, 0);
+    /// The next tick.
+    pub(super) fn begin(&mut self, frame: u64) {
+        // Counts are long, and there are none without a budget.
+        self.forget_counts();
+        *self = Self { frame, counts: self.counts, ..Self::EMPTY };
+    }
+
+    fn forget_counts(&mut self) {
         if self.counts.of(Part::Tick) > 0 {
             self.counts = Counts::NONE;
         }
+    }
+
+    /// The next tick in which nothing runs.
+    pub(super) fn begin_idle(&mut self, frame: u64) {
+        (self.frame, self.unstruck_mode_frames, self.decayed_mode_frames) = (frame, 0, 0);
+        self.forget_counts();
     }
 
     /// Frames in which nothing ran.

@@ -5,14 +5,25 @@ use crate::{exponential, quarter_turn};
 
 /// Level and constant-power pan of a pad: left `g cos((p+1) π/4)`, right `g sin((p+1) π/4)`, g = 10^(dB/20).
 ///
-/// A side is `x 2^k M / 2^32`, one rounded multiply by a Q32 mantissa M, k >= 1 smallest for which the louder side's mantissa fits. Exact to half a bus
-/// step up to +18 dBFS.
+/// A side is `x 2^k M / 2^32`, one rounded multiply by a Q32 mantissa M, k smallest for which the louder side's mantissa fits: 0 below -6 dB. Exact to
+/// half a bus step, with k above 0 up to +18 dBFS.
 #[derive(Clone, Copy, Debug)]
 pub struct Panner {
     left: i32,
     right: i32,
     shift: u32,
     loudest: f32,
+}
+
+/// Both sides' gains as Q32 mantissas of a sample times 2^shift.
+#[derive(Clone, Copy, Debug)]
+pub struct Gains {
+    /// Left.
+    pub left: i32,
+    /// Right.
+    pub right: i32,
+    /// 0 or 1.
+    pub shift: u32,
 }
 
 impl Panner {
@@ -26,14 +37,16 @@ impl Panner {
         let (left, right) = (level * quarter_turn::cos(angle), level * quarter_turn::sin(angle));
         let loudest = left.max(right);
         // Mantissas below 1/2; just 1/2 is 2^-32 less, which `as` sees to.
-        let shift = (1..30).find(|&shift| loudest <= f64::from(1u32 << shift) / 2.0).unwrap_or(30);
+        let shift = (0..30).find(|&shift| loudest <= f64::from(1u32 << shift) / 2.0).unwrap_or(30);
         let mantissa = |gain: f64| libm::rint(gain * TWO_POW_32 / f64::from(1u32 << shift)) as i32;
         Self { left: mantissa(left), right: mantissa(right), shift, loudest: loudest as f32 }
     }
 
-    /// The mantissas of both sides, half their gains, where k is 1: the quick path of [`crate::resonator::Bank::ring_stereo`].
-    pub fn half_gains(&self) -> Option<(i32, i32)> {
-        (self.shift == 1).then_some((self.left, self.right))
+    /// The mantissas of both sides and k, where a bus of that loudness needs no clipping after the multiply.
+    #[inline(always)]
+    pub fn gains(&self, is_loud: bool) -> Option<Gains> {
+        let Self { left, right, shift, .. } = *self;
+        (shift <= u32::from(!is_loud)).then_some(Gains { left, right, shift })
     }
 
     /// The gain of the louder side.
@@ -60,7 +73,13 @@ const TWO_POW_32: f64 = 4294967296.0;
 
 /// Turns the stereo bus (Q4.27) into signed 24-bit samples, in place.
 pub fn to_24_bit(out: &mut [[i32; 2]]) {
-    for sample in out.iter_mut().flatten() {
+    // Two frames at a time take two thirds of the cycles.
+    let (pairs, last) = out.as_chunks_mut::<2>();
+    for [[a, b], [c, d]] in pairs {
+        (*a, *b) = (fixed::to_24_bit(*a), fixed::to_24_bit(*b));
+        (*c, *d) = (fixed::to_24_bit(*c), fixed::to_24_bit(*d));
+    }
+    for sample in last.iter_mut().flatten() {
         *sample = fixed::to_24_bit(*sample);
     }
 }

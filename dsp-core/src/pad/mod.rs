@@ -9,18 +9,17 @@
 //!
 //! A second strike adds energy to the same ringing banks.
 
+mod render;
 mod tables;
 
 pub use tables::PadTables;
 
 use crate::SampleRate;
-use crate::contact::flight::Flight;
 use crate::contact::law::{Impact, StrikerLaw, typical_contact};
 use crate::fixed;
 use crate::output::Panner;
 use crate::radiation::Acceleration;
-use crate::resonator::kernel::{self, Backward};
-use crate::resonator::{Bank, BankError, BankWork, Group, Memory, Retirement, TICK_FRAMES, Used};
+use crate::resonator::{Bank, BankError, BankWork, Group, Memory, Retirement, Used};
 use crate::table::layout::STRIKERS_PER_PAD;
 use crate::table::{Kit, Object, Pad as PadTable};
 use tables::{object_table, striker_table};
@@ -41,6 +40,11 @@ pub struct Pad {
     expected: u64,
     choked: bool,
     struck: bool,
+    /// Coming ticks in which no bank has anything to do, and those of them that have passed without the banks' knowing.
+    rest_ticks: u8,
+    passed_ticks: u8,
+    /// Sum of the banks' retired amplitudes at the last tick that had something to do.
+    retired_amplitude: f32,
 }
 
 #[derive(Clone, Debug)]
@@ -94,6 +98,9 @@ impl Pad {
         expected: 0,
         choked: false,
         struck: false,
+        rest_ticks: 0,
+        passed_ticks: 0,
+        retired_amplitude: 0.0,
     };
 
     /// Derives a pad from its tables for a sample rate. `which` names, in case of an error, the bank: `None` the object's, or a striker's.
@@ -136,9 +143,7 @@ impl Pad {
             sounding_strikers,
             acceleration: Acceleration::new(object.acceleration(), reference_force),
             panner: Panner::new(pad.level_db(), pad.pan()),
-            expected: 0,
-            choked: false,
-            struck: false,
+            ..Self::EMPTY
         })
     }
 
@@ -165,6 +170,7 @@ impl Pad {
 
     /// The same to be changed.
     pub fn banks_mut(&mut self) -> impl Iterator<Item = &mut Bank> {
+        self.wake();
         let strikers = self.strikers.iter_mut().take(usize::from(self.sounding_strikers));
         core::iter::once(&mut self.object).chain(strikers.map(|striker| &mut striker.bank))
     }
@@ -197,14 +203,10 @@ impl Pad {
         self.object.is_ringing() || self.sounding().iter().any(|striker| striker.bank.is_ringing())
     }
 
-    /// Bound of the amplitude that retirement leaves out at present, output units (1.0 = full scale).
+    /// Bound of the amplitude that retirement leaves out, output units (1.0 = full scale).
     #[inline(always)]
     pub fn retired_amplitude(&self) -> f32 {
-        let mut sum = self.object.retired_amplitude();
-        for striker in self.sounding() {
-            sum += striker.bank.retired_amplitude();
-        }
-        sum
+        self.retired_amplitude
     }
 
     /// The impact of a strike, and the object moved to its position. `None` where the strike does nothing.
@@ -220,6 +222,7 @@ impl Pad {
         let impact = self.strikers.get(usize::from(striker))?.law.impact(velocity)?;
         self.expected += impact.sum();
         self.struck = true;
+        self.wake();
         self.object.set_position(position, &tables.object_table(), rate, memory);
         Some(impact)
     }
@@ -230,6 +233,7 @@ impl Pad {
             return;
         }
         self.choked = choked;
+        self.wake();
         self.object.set_choked(choked, &tables.object_table(), rate, memory);
         for (index, striker) in self.sounding_mut().iter_mut().enumerate() {
             if let Some(table) = tables.striker_table(index) {
@@ -240,9 +244,14 @@ impl Pad {
 
     /// Whether [`Pad::ring`] goes straight to the stereo bus.
     pub fn rings_quickly(&self) -> bool {
-        self.panner.half_gains().is_some()
-            && !self.object.mix_shift().is_loud
-            && !self.banks().skip(1).any(Bank::is_ringing)
+        self.panner.gains(self.object.mix_shift().is_loud).is_some() && !self.banks().skip(1).any(Bank::is_ringing)
+    }
+
+    /// Whether a run under a force, which may be loud, goes straight to the stereo bus.
+    pub fn drives_quickly(&self) -> bool {
+        let is_loud = self.object.mix_shift().is_loud || self.expects();
+        let is_simple = self.sounding_strikers == 0 && !self.acceleration.is_built() && !self.object.has_onset();
+        is_simple && self.panner.gains(is_loud).is_some()
     }
 
     /// Whether a contact has begun that the banks are not guarded for yet.
@@ -270,127 +279,56 @@ impl Pad {
 
     /// Whether the next tick guards any group, if no more force comes before it.
     pub fn is_guard_due(&self) -> bool {
-        self.object.is_guard_due() || self.sounding().iter().any(|striker| striker.bank.is_guard_due())
+        self.rest_ticks == 0 && self.banks().any(|bank| bank.is_guard_due(self.passed_ticks))
+    }
+
+    /// Whether no bank has anything to do at the coming tick.
+    pub fn rests(&self) -> bool {
+        self.rest_ticks > 0
+    }
+
+    /// Lets a tick pass in which no bank has anything to do; false, and nothing happens, where one has: then [`Pad::tick`] must follow.
+    #[inline(always)]
+    pub fn pass_tick(&mut self) -> bool {
+        let rests = self.rest_ticks > 0;
+        if rests {
+            self.rest_ticks -= 1;
+            self.passed_ticks += 1;
+        }
+        rests
+    }
+
+    /// Tells the banks of the ticks that have passed, before anything happens to them.
+    #[inline(always)]
+    fn wake(&mut self) {
+        self.rest_ticks = 0;
+        if self.passed_ticks > 0 {
+            self.catch_up();
+        }
+    }
+
+    #[inline(never)]
+    fn catch_up(&mut self) {
+        let passed = core::mem::take(&mut self.passed_ticks);
+        self.object.pass(passed);
+        self.sounding_mut().iter_mut().for_each(|striker| striker.bank.pass(passed));
     }
 
     /// The bookkeeping of a tick; gives how many modes retired. `retired_elsewhere` is what other pads leave out, output units.
-    pub fn tick(&mut self, memory: &mut Memory<'_>, skip: bool, retired_elsewhere: f32) -> u32 {
-        if skip && !self.is_guard_due() {
-            self.object.tick(memory, None);
-            self.sounding_mut().iter_mut().for_each(|striker| striker.bank.tick(memory, None));
-            return 0;
-        }
-        self.tick_with_guards(memory, skip, retired_elsewhere)
-    }
-
     #[inline(never)]
-    fn tick_with_guards(&mut self, memory: &mut Memory<'_>, skip: bool, retired_elsewhere: f32) -> u32 {
-        let already = retired_elsewhere + self.retired_amplitude();
+    pub fn tick(&mut self, memory: &mut Memory<'_>, skip: bool, retired_elsewhere: f32) -> u32 {
+        self.wake();
+        let mut already = retired_elsewhere;
+        self.banks().for_each(|bank| already += bank.retired_amplitude());
         // 1.0 on the bus is full scale, so that a bus step is 2^-27 of it.
         let mut retirement = Retirement::new(already, self.panner.loudest() / fixed::ONE_Q27 as f32);
-        self.object.tick(memory, skip.then_some(&mut retirement));
-        for striker in self.sounding_mut().iter_mut() {
-            striker.bank.tick(memory, skip.then_some(&mut retirement));
+        let (mut rest_ticks, mut retired_amplitude) = (if skip { u8::MAX } else { 0 }, 0.0);
+        for bank in self.banks_mut() {
+            bank.tick(memory, skip.then_some(&mut retirement));
+            rest_ticks = rest_ticks.min(bank.rest_ticks());
+            retired_amplitude += bank.retired_amplitude();
         }
+        (self.rest_ticks, self.retired_amplitude) = (rest_ticks, retired_amplitude);
         retirement.retired_modes()
     }
-
-    /// Renders a run without force and adds it to the stereo sum; gives the mode-frames of the object's bank and of the strikers' banks. A
-    /// striker's bank that rings sounds on the same bus as the object's. `scratch` holds nothing before and after.
-    #[inline(never)]
-    pub fn ring(
-        &mut self,
-        frames: usize,
-        odd_start: bool,
-        memory: &mut Memory<'_>,
-        scratch: &mut Backward,
-        out: &mut [[i32; 2]],
-    ) -> (u32, u32) {
-        let object = self.object.running_modes(true) * frames as u32;
-        let strikers = self.sounding().iter().map(|striker| striker.bank.running_modes(true)).sum::<u32>();
-        match self.panner.half_gains().filter(|_| strikers == 0 && !self.object.mix_shift().is_loud) {
-            // The usual case, in one pass: the same bits.
-            Some(gains) => {
-                let run = kernel::Run { frames, skip: true, add: false };
-                self.object.ring_stereo(memory, run, odd_start, scratch, gains, out);
-            }
-            None => self.ring_on_bus(frames, odd_start, memory, out),
-        }
-        (object, strikers * frames as u32)
-    }
-
-    #[inline(never)]
-    fn ring_on_bus(&mut self, frames: usize, odd_start: bool, memory: &mut Memory<'_>, out: &mut [[i32; 2]]) {
-        let mut sound = [0; TICK_FRAMES];
-        let Some(sound) = sound.get_mut(..frames) else { return };
-        for striker in self.sounding_mut() {
-            striker.bank.render(memory, None, odd_start, true, sound);
-        }
-        self.object.render(memory, None, odd_start, true, sound);
-        self.panner.render(sound, out);
-    }
-
-    /// Renders a run with force, or one that leaves nothing out, and adds it to the stereo sum.
-    #[inline(never)] // its buffers must not weigh on runs without force
-    pub fn drive<const CONTACTS: usize>(
-        &mut self,
-        number: u8,
-        run: Run<'_>,
-        flight: &mut Flight<CONTACTS>,
-        memory: &mut Memory<'_>,
-        out: &mut [[i32; 2]],
-    ) -> PadWork {
-        let mut work = PadWork::default();
-        let frames = run.frames.min(TICK_FRAMES);
-        let (mut sound, mut total) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
-        let (Some(sound), Some(total)) = (sound.get_mut(..frames), total.get_mut(..frames)) else { return work };
-        let mut direct = run.direct;
-        if direct.is_some() || flight.count_on(number) > 0 {
-            self.struck = true;
-            work.force_frames = frames as u32;
-            work.direct_frames = if direct.is_some() { frames as u32 } else { 0 };
-        }
-        for (striker, index) in self.strikers.iter_mut().take(usize::from(self.striker_count)).zip(0u8..) {
-            let direct = direct.take();
-            if striker.bank.mode_count() == 0 {
-                direct.into_iter().for_each(|direct| add(total, direct));
-                flight.add_force(number, index, total);
-            } else {
-                work.strikers += drive_striker(striker, (number, index), run, direct, flight, memory, total, sound);
-            }
-        }
-        let force = &*total;
-        work.object = self.object.render(memory, Some(force), run.odd_start, run.skip, sound);
-        if self.acceleration.is_built() {
-            work.acceleration_frames = frames as u32;
-            self.acceleration.render(force, sound);
-        }
-        self.panner.render(sound, out);
-        work
-    }
-}
-
-/// Runs the bank of a striker, and adds its force to the object's.
-#[inline(never)] // most strikers have no modes, and its buffer would weigh on them
-#[allow(clippy::too_many_arguments)] // one call, taken apart for the stack's sake
-fn drive_striker<const CONTACTS: usize>(
-    striker: &mut PadStriker,
-    (pad, index): (u8, u8),
-    run: Run<'_>,
-    direct: Option<&[i32]>,
-    flight: &mut Flight<CONTACTS>,
-    memory: &mut Memory<'_>,
-    total: &mut [i32],
-    sound: &mut [i32],
-) -> BankWork {
-    let mut force = [0; TICK_FRAMES];
-    let Some(force) = force.get_mut(..total.len()) else { return BankWork::default() };
-    direct.into_iter().for_each(|direct| add(force, direct));
-    flight.add_force(pad, index, force);
-    add(total, force);
-    striker.bank.render(memory, Some(force), run.odd_start, run.skip, sound)
-}
-
-fn add(sum: &mut [i32], more: &[i32]) {
-    sum.iter_mut().zip(more).for_each(|(sum, &x)| *sum = fixed::qadd(*sum, x));
 }

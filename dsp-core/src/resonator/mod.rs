@@ -31,9 +31,7 @@ pub mod mode;
 mod order;
 pub mod retirement;
 
-pub use bank::{
-    Audience, Bank, BankError, BankTable, BankWork, LEVELS, Memory, Origin, SILENT, Shed, Step, Survey, Use, Used,
-};
+pub use bank::{Audience, Bank, BankError, BankTable, BankWork, Memory, Origin, Shed, Survey, UpcomingRun, Use, Used};
 pub use coefficient::max_decay_per_s;
 pub use group::Group;
 pub use mode::Mode;

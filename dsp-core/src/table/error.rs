@@ -132,6 +132,15 @@ pub enum TableError {
         /// The note.
         note: u8,
     },
+    /// An input that two pads, or two sensors of one, claim.
+    SharedInput {
+        /// The second pad.
+        place: Place,
+        /// Which field.
+        field: Field,
+        /// The channel or the button.
+        input: u8,
+    },
     /// A text that is not UTF-8.
     BadText {
         /// Whose text.
@@ -168,17 +177,28 @@ pub enum Place {
 #[expect(missing_docs, reason = "each variant is the key of the same name in the text form")]
 pub enum Field {
     Acceleration,
+    Button,
+    ButtonVelocity,
+    Channel,
+    ChokeButton,
     ChokeT60S,
     ContactExponent,
     ContactTimeS,
+    CrosstalkDb,
     DecayPerS,
+    DirectGain,
     FrequencyHz,
+    FullScale,
     GainCosine,
     GainSine,
     LevelDb,
+    MaskDecayPerS,
+    MaskTimeS,
     MidiNotes,
+    Mode,
     Modes,
     Object,
+    TriggerPad,
     Padding,
     Pan,
     PeakExponent,
@@ -186,8 +206,14 @@ pub enum Field {
     Positions,
     Pulse,
     ReferenceForce,
-    Strikers,
+    RimChannel,
+    RimDb,
+    RimStriker,
+    ScanTimeS,
     StrikerWeight,
+    Strikers,
+    Threshold,
+    VelocityExponent,
 }
 
 impl Field {
@@ -195,17 +221,28 @@ impl Field {
     pub const fn key(self) -> &'static str {
         match self {
             Self::Acceleration => "acceleration",
+            Self::Button => "button",
+            Self::ButtonVelocity => "button_velocity",
+            Self::Channel => "channel",
+            Self::ChokeButton => "choke_button",
             Self::ChokeT60S => "choke_t60_s",
             Self::ContactExponent => "contact_exponent",
             Self::ContactTimeS => "contact_time_s",
+            Self::CrosstalkDb => "crosstalk_db",
             Self::DecayPerS => "decay_per_s",
+            Self::DirectGain => "direct_gain",
             Self::FrequencyHz => "frequency_hz",
+            Self::FullScale => "full_scale",
             Self::GainCosine => "gain_cosine",
             Self::GainSine => "gain_sine",
             Self::LevelDb => "level_db",
+            Self::MaskDecayPerS => "mask_decay_per_s",
+            Self::MaskTimeS => "mask_time_s",
             Self::MidiNotes => "midi_notes",
+            Self::Mode => "mode",
             Self::Modes => "modes",
             Self::Object => "object",
+            Self::TriggerPad => "pad",
             Self::Padding => "padding",
             Self::Pan => "pan",
             Self::PeakExponent => "peak_exponent",
@@ -213,8 +250,14 @@ impl Field {
             Self::Positions => "positions",
             Self::Pulse => "pulse",
             Self::ReferenceForce => "reference_force",
-            Self::Strikers => "strikers",
+            Self::RimChannel => "rim_channel",
+            Self::RimDb => "rim_db",
+            Self::RimStriker => "rim_striker",
+            Self::ScanTimeS => "scan_time_s",
             Self::StrikerWeight => "striker_weight",
+            Self::Strikers => "strikers",
+            Self::Threshold => "threshold",
+            Self::VelocityExponent => "velocity_exponent",
         }
     }
 }
@@ -300,6 +343,11 @@ impl fmt::Display for TableError {
             Self::BadNote { place, note } => {
                 write!(f, "{place}: midi_notes has {note}: notes are 0 to 127, each for one pad only")
             }
+            Self::SharedInput { place, field, input } => write!(
+                f,
+                "{place}: {} = {input}: another sensor or pad has that input already; give each its own",
+                field.key()
+            ),
             Self::BadText { place } => write!(f, "{place}: source or licence is not UTF-8"),
             Self::NotZero { place, field } => write!(f, "{place}: {} must be zero", field.key()),
         }

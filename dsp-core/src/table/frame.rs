@@ -45,7 +45,7 @@ pub(super) fn read_frame(bytes: &[u8]) -> Result<(&[SectionEntry], &[u8]), Table
 }
 
 pub(super) fn is_known(tag: [u8; 4]) -> bool {
-    [tag::META, tag::OBJECT, tag::STRIKER, tag::PADS].contains(&tag)
+    [tag::META, tag::OBJECT, tag::STRIKER, tag::PADS, tag::TRIGGER].contains(&tag)
 }
 
 /// Sections tile the kit from the directory's end to the kit's, and are of known kinds and versions.
@@ -101,6 +101,19 @@ pub(super) fn only_section<'a>(
     match (found.next(), found.count()) {
         (Some(body), 0) => Ok(body),
         (first, more) => Err(TableError::SectionCount { tag, found: usize::from(first.is_some()) + more }),
+    }
+}
+
+/// A section that may be missing, but not be there twice.
+pub(super) fn optional_section<'a>(
+    directory: &'a [SectionEntry],
+    kit: &'a [u8],
+    tag: [u8; 4],
+) -> Result<Option<&'a [u8]>, TableError> {
+    let mut found = sections(directory, kit, tag);
+    match (found.next(), found.count()) {
+        (body, 0) => Ok(body),
+        (_, more) => Err(TableError::SectionCount { tag, found: 1 + more }),
     }
 }
 

@@ -21,6 +21,8 @@ pub const MIDI_NOTES_PER_PAD: usize = 4;
 pub const NO_STRIKER: u16 = 0xFFFF;
 /// Fills an unused place in a pad's list of MIDI notes.
 pub const NO_NOTE: u8 = 0xFF;
+/// Stands for a channel or a button that is not there.
+pub const NO_INPUT: u8 = 0xFF;
 
 /// The registry of section tags.
 pub mod tag {
@@ -32,6 +34,8 @@ pub mod tag {
     pub const STRIKER: [u8; 4] = *b"STRK";
     /// [`PadRecord`](super::PadRecord)s, all in one section.
     pub const PADS: [u8; 4] = *b"PADS";
+    /// [`TriggerRecord`](super::TriggerRecord)s, all in one section; a kit may do without, and a reader may skip it.
+    pub const TRIGGER: [u8; 4] = *b"trig";
 }
 
 /// The head of a kit.
@@ -159,4 +163,44 @@ pub struct PadRecord {
     pub choke_t60_s: F32,
     /// MIDI notes that play the pad, [`NO_NOTE`] fills up.
     pub midi_notes: [u8; MIDI_NOTES_PER_PAD],
+}
+
+/// How one pad is triggered.
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct TriggerRecord {
+    /// Which pad, counted from 0.
+    pub pad: U16,
+    /// 0 velocity, 1 direct, 2 off.
+    pub mode: u8,
+    /// ADC channel of the piezo.
+    pub channel: u8,
+    /// ADC channel of the second sensor, or [`NO_INPUT`].
+    pub rim_channel: u8,
+    /// Which of the pad's strikers the second sensor plays.
+    pub rim_striker: u8,
+    /// Button that strikes the pad, or [`NO_INPUT`].
+    pub button: u8,
+    /// Button that chokes the pad, or [`NO_INPUT`].
+    pub choke_button: u8,
+    /// Softest peak that is a strike, of half the ADC's range.
+    pub threshold: F32,
+    /// Scan time in seconds.
+    pub scan_time_s: F32,
+    /// Mask time in seconds.
+    pub mask_time_s: F32,
+    /// Decay of the mask in 1/s.
+    pub mask_decay_per_s: F32,
+    /// Peak of velocity 1, of half the ADC's range.
+    pub full_scale: F32,
+    /// Exponent of the velocity curve.
+    pub velocity_exponent: F32,
+    /// What is taken for crosstalk, in dB.
+    pub crosstalk_db: F32,
+    /// Gain of the second sensor in dB.
+    pub rim_db: F32,
+    /// Force of a full-scale signal in direct mode.
+    pub direct_gain: F32,
+    /// Velocity of the button's strikes.
+    pub button_velocity: F32,
 }

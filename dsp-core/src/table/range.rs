@@ -53,3 +53,27 @@ pub const CHOKE_T60_S: Range = Range::new(0.001, 100.0);
 pub const MODES_PER_BANK: usize = 4096;
 /// Positions along an object.
 pub const POSITIONS: usize = 64;
+/// Softest peak that is a strike, of half the ADC's range.
+pub const THRESHOLD: Range = Range::new(0.001, 0.5);
+/// Scan time in seconds.
+pub const SCAN_TIME_S: Range = Range::new(0.001, 0.01);
+/// Mask time in seconds.
+pub const MASK_TIME_S: Range = Range::new(0.001, 0.5);
+/// Decay of the mask in 1/s.
+pub const MASK_DECAY_PER_S: Range = Range::new(1.0, 1000.0);
+/// Peak of velocity 1, of half the ADC's range.
+pub const FULL_SCALE: Range = Range::new(0.01, 1.0);
+/// Exponent of the velocity curve.
+pub const VELOCITY_EXPONENT: Range = Range::new(0.1, 8.0);
+/// Crosstalk between pads in dB.
+pub const CROSSTALK_DB: Range = Range::new(-60.0, 0.0);
+/// Gain of the second sensor in dB.
+pub const RIM_DB: Range = Range::new(-40.0, 40.0);
+/// Force of a full-scale signal in direct mode.
+pub const DIRECT_GAIN: Range = Range::new(0.001, 8.0);
+/// Velocity of a button's strikes.
+pub const BUTTON_VELOCITY: Range = Range::new(0.0, 1.0);
+/// Largest number of an ADC channel that a kit may name.
+pub const LAST_CHANNEL: usize = 15;
+/// Largest number of a button that a kit may name.
+pub const LAST_BUTTON: usize = 15;

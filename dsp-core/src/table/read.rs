@@ -4,11 +4,13 @@ use zerocopy::FromBytes;
 
 use super::check::{check_bank, check_count, check_distinct, check_name, check_range, name_str, read_bank};
 use super::error::{Field, Place, TableError};
-use super::frame::{check_sections, head, is_known, only_section, read_frame, sections, whole};
+use super::frame::{check_sections, head, is_known, only_section, optional_section, read_frame, sections, whole};
 use super::layout::{
-    GainRecord, MetaRecord, ModeRecord, NO_NOTE, NO_STRIKER, ObjectHeader, PadRecord, SectionEntry, StrikerHeader, tag,
+    GainRecord, MetaRecord, ModeRecord, NO_NOTE, NO_STRIKER, ObjectHeader, PadRecord, SectionEntry, StrikerHeader,
+    TriggerRecord, tag,
 };
 use super::range;
+use super::trigger::Trigger;
 
 /// A checked kit: views into the caller's bytes, nothing is copied.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +19,7 @@ pub struct Kit<'a> {
     directory: &'a [SectionEntry],
     meta: &'a MetaRecord,
     pads: &'a [PadRecord],
+    triggers: &'a [TriggerRecord],
 }
 
 /// A struck object of a [`Kit`].
@@ -67,6 +70,7 @@ impl<'a> Kit<'a> {
                     found: body.len(),
                 })
             })?,
+            triggers: super::trigger::read(optional_section(directory, kit_bytes, tag::TRIGGER)?)?,
         };
         kit.check()?;
         Ok(kit)
@@ -95,6 +99,11 @@ impl<'a> Kit<'a> {
     /// The pads.
     pub fn pads(&self) -> impl ExactSizeIterator<Item = Pad<'a>> + Clone + use<'a> {
         self.pads.iter().map(|record| Pad { record })
+    }
+
+    /// How pads are triggered, for the pads that say so, in the order of the pads. See [`crate::trigger::Settings::of_pad`].
+    pub fn triggers(&self) -> impl ExactSizeIterator<Item = Trigger<'a>> + Clone + use<'a> {
+        self.triggers.iter().map(Trigger::new)
     }
 
     /// The object that a pad plays. `None` only for a pad of another kit.
@@ -131,7 +140,8 @@ impl<'a> Kit<'a> {
         check_distinct(self.objects().map(|object| object.name()), Place::Object)?;
         check_distinct(self.strikers().map(|striker| striker.name()), Place::Striker)?;
         check_distinct(self.pads().map(|pad| pad.name()), Place::Pad)?;
-        self.check_notes()
+        self.check_notes()?;
+        super::trigger::check(self.triggers, self.pads)
     }
 
     fn check_notes(&self) -> Result<(), TableError> {

@@ -1,18 +1,20 @@
 //! From a kit to its bytes.
 
 use dsp_core::table::layout::{
-    FORMAT_VERSION, FileHeader, GainRecord, MAGIC, MIDI_NOTES_PER_PAD, MetaRecord, ModeRecord, NAME_BYTES, NO_NOTE,
-    NO_STRIKER, ObjectHeader, PadRecord, SECTION_VERSION, STRIKERS_PER_PAD, SectionEntry, StrikerHeader, tag,
+    FORMAT_VERSION, FileHeader, GainRecord, MAGIC, MIDI_NOTES_PER_PAD, MetaRecord, ModeRecord, NAME_BYTES, NO_INPUT,
+    NO_NOTE, NO_STRIKER, ObjectHeader, PadRecord, SECTION_VERSION, STRIKERS_PER_PAD, SectionEntry, StrikerHeader,
+    TriggerRecord, tag,
 };
 use dsp_core::table::{Field, Kit as TableView, Place, TableError, checksum, range};
+use dsp_core::trigger::{Mode as TriggerMode, Settings};
 use zerocopy::byteorder::little_endian::{F32, U16, U32};
 use zerocopy::{Immutable, IntoBytes};
 
 use crate::error::Fault;
 use crate::{Kit, KitError, Mode, Object, Pad, Pulse, Striker};
 
-/// Builds the binary form: sections `META`, `OBJT` an object, `STRK` a striker, `PADS`, in this order. The same kit gives the
-/// same bytes.
+/// Builds the binary form: sections `META`, `OBJT` an object, `STRK` a striker, `PADS`, and `trig` where
+/// a pad says how it is triggered, in this order. The same kit gives the same bytes.
 ///
 /// # Errors
 /// [`KitError::Item`] for what the form cannot hold (nothing is ever cut off) and for whatever [`dsp_core::table::Kit::parse`]
@@ -31,6 +33,15 @@ pub fn build(kit: &Kit) -> Result<Vec<u8>, KitError> {
         append(&mut pads, &build.pad(index, pad)?);
     }
     sections.push((tag::PADS, pads));
+    let mut triggers = Vec::new();
+    for (index, pad) in kit.pads.iter().enumerate() {
+        if let Some(settings) = &pad.trigger {
+            append(&mut triggers, &build.trigger(index, settings)?);
+        }
+    }
+    if !triggers.is_empty() {
+        sections.push((tag::TRIGGER, triggers));
+    }
     let bytes = build.frame(&sections)?;
     TableView::parse(&bytes).map_err(|error| KitError::from_table(kit, error))?;
     Ok(bytes)
@@ -144,6 +155,38 @@ impl Build<'_> {
             striker_weight: F32::new(pad.striker_weight),
             choke_t60_s: F32::new(pad.choke_t60_s),
             midi_notes,
+        })
+    }
+
+    fn trigger(&self, pad: usize, settings: &Settings) -> Result<TriggerRecord, KitError> {
+        let place = Place::Pad(pad);
+        // 255 would read as "none"; the table reader cannot tell.
+        let input = |field, input: Option<u8>, last| match input {
+            Some(input) => self.count(place, field, input.into(), 0, last).map(|_| input),
+            None => Ok(NO_INPUT),
+        };
+        Ok(TriggerRecord {
+            pad: self.count(place, Field::TriggerPad, pad, 0, usize::from(u8::MAX))?,
+            mode: match settings.mode {
+                TriggerMode::Velocity => 0,
+                TriggerMode::Direct => 1,
+                TriggerMode::Off => 2,
+            },
+            channel: input(Field::Channel, Some(settings.channel), range::LAST_CHANNEL)?,
+            rim_channel: input(Field::RimChannel, settings.rim_channel, range::LAST_CHANNEL)?,
+            rim_striker: settings.rim_striker,
+            button: input(Field::Button, settings.button, range::LAST_BUTTON)?,
+            choke_button: input(Field::ChokeButton, settings.choke_button, range::LAST_BUTTON)?,
+            threshold: F32::new(settings.threshold),
+            scan_time_s: F32::new(settings.scan_time_s),
+            mask_time_s: F32::new(settings.mask_time_s),
+            mask_decay_per_s: F32::new(settings.mask_decay_per_s),
+            full_scale: F32::new(settings.full_scale),
+            velocity_exponent: F32::new(settings.velocity_exponent),
+            crosstalk_db: F32::new(settings.crosstalk_db),
+            rim_db: F32::new(settings.rim_db),
+            direct_gain: F32::new(settings.direct_gain),
+            button_velocity: F32::new(settings.button_velocity),
         })
     }
 

@@ -2,6 +2,7 @@
 
 use dsp_core::table::layout::{GainRecord, ModeRecord};
 use dsp_core::table::{Kit as TableView, Object as ObjectView, Pad as PadView, Striker as StrikerView};
+use dsp_core::trigger::Settings;
 
 use crate::{Gain, Kit, KitError, Mode, Object, Pad, Pulse, Striker};
 
@@ -14,7 +15,12 @@ pub fn read(bytes: &[u8]) -> Result<Kit, KitError> {
     let view = TableView::parse(bytes)?;
     let objects: Vec<Object> = view.objects().map(object).collect();
     let strikers: Vec<Striker> = view.strikers().map(striker).collect();
-    let pads = view.pads().map(|pad| read_pad(pad, &objects, &strikers)).collect();
+    let mut pads: Vec<Pad> = view.pads().map(|pad| read_pad(pad, &objects, &strikers)).collect();
+    for trigger in view.triggers() {
+        if let Some(pad) = pads.get_mut(trigger.pad_index()) {
+            pad.trigger = Some(Settings::of_table(&trigger));
+        }
+    }
     Ok(Kit { name: view.name().to_owned(), objects, strikers, pads })
 }
 
@@ -57,6 +63,7 @@ fn read_pad(view: PadView<'_>, objects: &[Object], strikers: &[Striker]) -> Pad 
         striker_weight: view.striker_weight(),
         choke_t60_s: view.choke_t60_s(),
         midi_notes: view.midi_notes().collect(),
+        trigger: None,
     }
 }
 

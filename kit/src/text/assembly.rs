@@ -102,6 +102,7 @@ impl Assembly {
             striker_weight: table.striker_weight,
             choke_t60_s: table.choke_t60_s,
             midi_notes: Vec::new(),
+            trigger: table.trigger.map(|trigger| trigger.settings(self.kit.pads.len())),
         });
         self.refuse_duplicate(place)?;
         let mut midi_notes = Vec::new();

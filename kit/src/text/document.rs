@@ -5,6 +5,7 @@ use std::fmt;
 use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 use toml::Spanned;
 
+use super::trigger::TriggerTable;
 use crate::Pulse;
 
 /// A file, as it stands there.
@@ -85,6 +86,7 @@ pub(super) struct PadTable {
     pub(super) choke_t60_s: f32,
     #[serde(default)]
     pub(super) midi_notes: Vec<i64>,
+    pub(super) trigger: Option<TriggerTable>,
 }
 
 /// Gains at one position (a number) or at several (an array).

@@ -7,6 +7,7 @@ mod assembly;
 mod document;
 mod number;
 mod origin;
+mod trigger;
 mod write;
 
 pub use write::write;

@@ -63,14 +63,15 @@ impl Display for Text<&Striker> {
 
 impl Display for Text<&Pad> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Pad { name, object, strikers, level_db, pan, striker_weight, choke_t60_s, midi_notes } = self.0;
+        let Pad { name, object, strikers, level_db, pan, striker_weight, choke_t60_s, midi_notes, trigger } = self.0;
         let strikers: Vec<String> = strikers.iter().map(|name| Text(name.as_str()).to_string()).collect();
         let midi_notes: Vec<String> = midi_notes.iter().map(u8::to_string).collect();
         writeln!(f, "\n[[pad]]\nname = {}", Text(name.as_str()))?;
         writeln!(f, "object = {}\nstrikers = [{}]", Text(object.as_str()), strikers.join(", "))?;
         writeln!(f, "level_db = {}\npan = {}", Text(*level_db), Text(*pan))?;
         writeln!(f, "striker_weight = {}\nchoke_t60_s = {}", Text(*striker_weight), Text(*choke_t60_s))?;
-        writeln!(f, "midi_notes = [{}]", midi_notes.join(", "))
+        writeln!(f, "midi_notes = [{}]", midi_notes.join(", "))?;
+        trigger.iter().try_for_each(|trigger| write!(f, "{}", super::trigger::Text(trigger)))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Every valid kit that the binary form can hold, at sizes that a test can afford.
 
 use dsp_core::table::range::{self, Range};
+use dsp_core::trigger::{Mode as TriggerMode, Settings};
 use kit::{Gain, Kit, Mode, Object, Pad, Pulse, Striker};
 use proptest::prelude::*;
 use proptest::sample::subsequence;
@@ -14,6 +15,8 @@ fn number(range: Range) -> BoxedStrategy<f32> {
         prop_oneof![8 => inside, 1 => ends].boxed()
     } else if range.min == 0.0 {
         prop_oneof![8 => positive(range.max), 1 => ends, 1 => Just(-0.0)].boxed()
+    } else if range.max == 0.0 {
+        prop_oneof![8 => positive(-range.min).prop_map(|value| -value), 1 => ends, 1 => Just(-0.0)].boxed()
     } else {
         let negative = positive(-range.min).prop_map(|value| -value);
         // The one number whose shortest decimal does not come back through f64.
@@ -101,6 +104,7 @@ fn pad(
             striker_weight,
             choke_t60_s,
             midi_notes: midi_notes.clone(),
+            trigger: None,
         },
     )
 }
@@ -115,9 +119,54 @@ fn pads(objects: Vec<String>, strikers: Vec<String>) -> BoxedStrategy<Vec<Pad>> 
         .prop_flat_map(move |(names, notes, counts)| {
             let notes = notes.chunks(4).zip(counts).map(|(notes, count)| notes.iter().copied().take(count).collect());
             let heads: Vec<(String, Vec<u8>)> = names.into_iter().zip(notes).collect();
-            heads.into_iter().map(|head| pad(head, objects.clone(), strikers.clone())).collect::<Vec<_>>()
+            let pads: Vec<_> = heads.into_iter().map(|head| pad(head, objects.clone(), strikers.clone())).collect();
+            let triggers: Vec<_> = (0..pads.len()).map(|index| prop::option::of(trigger(index as u8))).collect();
+            (pads, triggers)
+        })
+        .prop_map(|(pads, triggers)| {
+            let with = |(pad, trigger): (Pad, Option<Settings>)| Pad {
+                trigger: trigger
+                    .map(|trigger| Settings { rim_striker: trigger.rim_striker % pad.strikers.len() as u8, ..trigger }),
+                ..pad
+            };
+            pads.into_iter().zip(triggers).map(with).collect()
         })
         .boxed()
+}
+
+/// Trigger settings of one of four pads, whose inputs no other has.
+fn trigger(pad: u8) -> impl Strategy<Value = Settings> {
+    let mode = prop::sample::select(vec![TriggerMode::Velocity, TriggerMode::Direct, TriggerMode::Off]);
+    let input = |input| prop::sample::select(vec![None, Some(input)]);
+    let inputs = (input(15 - pad), 0..4u8, input(pad), prop::option::of(0..16u8));
+    let times = (number(range::SCAN_TIME_S), number(range::MASK_TIME_S), number(range::MASK_DECAY_PER_S));
+    let levels =
+        (number(range::THRESHOLD), number(range::FULL_SCALE), number(range::CROSSTALK_DB), number(range::RIM_DB));
+    let laws = (number(range::VELOCITY_EXPONENT), number(range::DIRECT_GAIN), number(range::BUTTON_VELOCITY));
+    (mode, inputs, times, levels, laws).prop_map(move |(mode, inputs, times, levels, laws)| {
+        let (rim_channel, rim_striker, button, choke_button) = inputs;
+        let (scan_time_s, mask_time_s, mask_decay_per_s) = times;
+        let (threshold, full_scale, crosstalk_db, rim_db) = levels;
+        let (velocity_exponent, direct_gain, button_velocity) = laws;
+        Settings {
+            mode,
+            channel: pad,
+            rim_channel,
+            rim_striker,
+            threshold,
+            scan_time_s,
+            mask_time_s,
+            mask_decay_per_s,
+            full_scale,
+            velocity_exponent,
+            crosstalk_db,
+            rim_db,
+            direct_gain,
+            button,
+            button_velocity,
+            choke_button,
+        }
+    })
 }
 
 /// A valid kit.

@@ -8,3 +8,4 @@ mod sample;
 mod shipped;
 mod statistics;
 mod text_refusals;
+mod trigger;

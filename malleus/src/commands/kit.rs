@@ -36,6 +36,7 @@ fn new(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<(), CommandE
                 striker_weight: 1.0,
                 choke_t60_s: 0.1,
                 midi_notes: notes.next().unwrap_or_default(),
+                trigger: None,
             });
         }
         kit.objects.extend(loaded.kit.objects);

@@ -1,5 +1,6 @@
 //! The commands: each reads its files, lets the library work, shows progress and writes.
 
+pub(crate) mod board;
 pub(crate) mod demo;
 pub(crate) mod fit;
 pub(crate) mod kit;
@@ -45,6 +46,10 @@ pub(crate) enum CommandError {
         "{file}: it would play for {seconds:.0} s, at most {longest:.0} are rendered at once; play a part of it, or a shorter --tail"
     )]
     TooLong { file: String, seconds: f64, longest: f64 },
+    #[error(transparent)]
+    Board(#[from] virtual_board::BoardError),
+    #[error("{file} cannot be read: {error}")]
+    Unreadable { file: String, error: std::io::Error },
     #[error("the log cannot be written: {error}")]
     Log { error: ::kit::file::FileError },
     #[error("{}: one table cannot hold {inputs} recordings: give a folder", output.display())]

@@ -55,13 +55,23 @@ pub trait Core {
     fn is_asleep(&self) -> bool;
     /// Whether SysTick counts, the only device that can wake a core by itself.
     fn is_timer_running(&self) -> bool;
+    /// Whether one of those core registers (a bit mask) points to the block of DWT's registers.
+    fn is_in_trace_block(&self, registers: u16) -> bool;
+    /// DWT's cycle counter, if the program has switched it on.
+    fn cycle_counter(&self) -> Option<u32>;
+    /// Sets DWT's cycle counter.
+    fn set_cycle_counter(&mut self, cycles: u32);
+    /// The number of the exception being handled, 0 for none, and how many are active.
+    fn exceptions(&self) -> (u16, u32);
+    /// Whether the program has asked for a system reset (AIRCR.SYSRESETREQ).
+    fn is_reset_requested(&self) -> bool;
     /// Whether the core is locked up by a fault inside a fault.
     fn is_locked_up(&self) -> bool;
     /// What the fault status registers say about the last fault.
     fn fault(&self) -> CpuFault;
     /// Puts the core into privileged thread mode with the FPU on, flags and floating-point status cleared, nothing pending.
     fn prepare_call(&mut self);
-    /// Restarts from the vector table.
+    /// Restarts from the vector table; all system registers as after power-on.
     fn reset(&mut self);
     /// Drives an external interrupt line (0 is the first after the system exceptions); level-sensitive.
     fn set_interrupt(&mut self, line: u16, asserted: bool);

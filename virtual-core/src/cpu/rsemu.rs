@@ -15,6 +15,9 @@ const EXCEPTION_CYCLES: u64 = 7;
 /// Full access to coprocessors 10 and 11: the FPU.
 const CPACR_FPU: u32 = 0xf << 20;
 
+/// The block of DWT's registers.
+const DWT_ADDRESS: u32 = 0xe000_1000;
+
 /// The enable bit of SysTick's control register.
 const SYST_CSR_ENABLE: u32 = 1;
 
@@ -95,6 +98,36 @@ impl Core for Rsemu {
 
     fn is_timer_running(&self) -> bool {
         self.core.with_sys(|sys| sys.syst_csr & SYST_CSR_ENABLE != 0)
+    }
+
+    #[inline]
+    fn is_in_trace_block(&self, registers: u16) -> bool {
+        let mut left = registers;
+        while left != 0 {
+            let register = left.trailing_zeros() as u8;
+            if self.core.reg(register) & !0xfff == DWT_ADDRESS {
+                return true;
+            }
+            left &= left - 1;
+        }
+        false
+    }
+
+    fn cycle_counter(&self) -> Option<u32> {
+        self.core.with_sys(|sys| sys.cyccnt_enabled().then_some(sys.dwt_cyccnt))
+    }
+
+    fn set_cycle_counter(&mut self, cycles: u32) {
+        self.core.with_sys(|sys| sys.dwt_cyccnt = cycles);
+    }
+
+    #[inline]
+    fn exceptions(&self) -> (u16, u32) {
+        (self.exception, self.active)
+    }
+
+    fn is_reset_requested(&self) -> bool {
+        self.core.reset_requested()
     }
 
     fn is_locked_up(&self) -> bool {

@@ -88,6 +88,8 @@ pub struct Accelerator {
     instructions: Cache,
     data: Cache,
     current: u32,
+    instructions_on: bool,
+    data_on: bool,
 }
 
 impl Default for Accelerator {
@@ -99,7 +101,20 @@ impl Default for Accelerator {
 impl Accelerator {
     /// With empty caches.
     pub fn new() -> Accelerator {
-        Accelerator { instructions: Cache::new(INSTRUCTION_LINES), data: Cache::new(DATA_LINES), current: u32::MAX }
+        Accelerator {
+            instructions: Cache::new(INSTRUCTION_LINES),
+            data: Cache::new(DATA_LINES),
+            current: u32::MAX,
+            instructions_on: true,
+            data_on: true,
+        }
+    }
+
+    /// Switches the instruction and the data cache. Without them every line that is not the one being executed waits, and every
+    /// literal. A cache keeps its lines while it is off.
+    pub fn switch(&mut self, instructions: bool, data: bool) {
+        self.instructions_on = instructions;
+        self.data_on = data;
     }
 
     /// Refills before the instruction of that length at `address` can run; none outside flash.
@@ -115,14 +130,18 @@ impl Accelerator {
     }
 
     fn fetch_lines(&mut self, first: u32, last: u32) -> u64 {
-        self.current = last;
-        (first..=last).filter(|&line| line < FLASH_BYTES / LINE_BYTES && self.instructions.touch(line)).count() as u64
+        let current = std::mem::replace(&mut self.current, last);
+        let lines = (first..=last).filter(|&line| line < FLASH_BYTES / LINE_BYTES);
+        if !self.instructions_on {
+            return lines.filter(|&line| line != current).count() as u64;
+        }
+        lines.filter(|&line| self.instructions.touch(line)).count() as u64
     }
 
     /// Refills before a literal at `address` is there; none outside flash.
     pub fn load(&mut self, address: u32) -> u64 {
         let line = address.wrapping_sub(FLASH_ADDRESS) / LINE_BYTES;
-        u64::from(line < FLASH_BYTES / LINE_BYTES && self.data.touch(line))
+        u64::from(line < FLASH_BYTES / LINE_BYTES && (!self.data_on || self.data.touch(line)))
     }
 }
 
@@ -171,6 +190,19 @@ mod tests {
         let mut accelerator = Accelerator::new();
         assert_eq!(accelerator.fetch(FLASH_ADDRESS + 14, 4), 2);
         assert_eq!(accelerator.fetch(FLASH_ADDRESS + 12, 2), 0);
+    }
+
+    #[test]
+    fn without_its_caches_every_line_and_literal_waits() {
+        let mut accelerator = Accelerator::new();
+        accelerator.switch(false, false);
+        for _ in 0..2 {
+            assert_eq!(run(&mut accelerator, 4 * LINE_BYTES), 4);
+            assert_eq!(accelerator.load(FLASH_ADDRESS), 1);
+        }
+        accelerator.switch(true, true);
+        assert_eq!(run(&mut accelerator, 4 * LINE_BYTES), 4);
+        assert_eq!(run(&mut accelerator, 4 * LINE_BYTES), 0);
     }
 
     #[test]

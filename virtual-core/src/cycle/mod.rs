@@ -58,6 +58,8 @@ pub struct Cost {
     pub nominal: u64,
     /// Cycles at worst, memory without wait states.
     pub worst: u64,
+    /// Refills of the flash accelerator; each waits as long as the flash's wait states say ([`flash`]).
+    pub refills: u64,
     /// Nominal cycles and the waits of flash at 168 MHz.
     pub flash_168: u64,
     /// Nominal cycles and the waits of flash at 96 MHz.
@@ -78,6 +80,7 @@ impl Cost {
         self.best += u64::from(band.best);
         self.nominal += u64::from(band.nominal);
         self.worst += u64::from(band.worst);
+        self.refills += refills;
         self.flash_168 += u64::from(band.nominal) + refills * REFILL_CYCLES_168_MHZ;
         self.flash_96 += u64::from(band.nominal) + refills * REFILL_CYCLES_96_MHZ;
     }
@@ -92,6 +95,7 @@ impl Add for Cost {
             best: self.best + other.best,
             nominal: self.nominal + other.nominal,
             worst: self.worst + other.worst,
+            refills: self.refills + other.refills,
             flash_168: self.flash_168 + other.flash_168,
             flash_96: self.flash_96 + other.flash_96,
         }
@@ -114,6 +118,7 @@ impl Sub for Cost {
             best: self.best.saturating_sub(other.best),
             nominal: self.nominal.saturating_sub(other.nominal),
             worst: self.worst.saturating_sub(other.worst),
+            refills: self.refills.saturating_sub(other.refills),
             flash_168: self.flash_168.saturating_sub(other.flash_168),
             flash_96: self.flash_96.saturating_sub(other.flash_96),
         }

@@ -83,7 +83,7 @@ impl Machine {
             }),
             Ended::Breakpoint(number) => Err(RunError::Breakpoint { number, pc, function }),
             Ended::Asleep => Err(RunError::Asleep { pc, function }),
-            Ended::Limit => Err(RunError::Limit { limit, pc, function }),
+            Ended::Limit | Ended::Due => Err(RunError::Limit { limit, pc, function }),
         }
     }
 

@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use rsemu::cpu::arm::v7m::isa::Cond;
 
 use super::Machine;
+use super::clock::ExceptionChange;
 use super::code;
 use crate::cpu::{Core, CpuFault, Stepped};
 use crate::cycle::hazard::Previous;
@@ -26,6 +27,8 @@ pub(super) enum Ended {
     Asleep,
     /// The limit of instructions is reached.
     Limit,
+    /// The time that the clock names is reached.
+    Due,
 }
 
 impl Machine {
@@ -42,13 +45,18 @@ impl Machine {
             if remaining == 0 {
                 return self.at_limit(pc);
             }
+            let now = self.now();
+            if now >= self.clock.due() {
+                return Ok(Ended::Due);
+            }
+            self.clock.set_now(now);
             remaining -= 1;
             let Some((slot, count)) = self.code.at(pc, &self.memory, &self.functions) else {
                 return Err(self.address_error(Access::Fetch, pc, from));
             };
             let instruction = slot.instruction;
             let function = slot.function;
-            if code::stops(instruction.kind) {
+            if code::stops(instruction.kind) && !(self.fault_expected && instruction.kind == Kind::Undefined) {
                 return self.at_stop(instruction.kind, instruction.comment, pc);
             }
             let alone = match instruction.kind {
@@ -58,6 +66,10 @@ impl Machine {
                 }
                 _ => slot.alone,
             };
+            let trace_block = slot.instruction.address != 0 && self.core.is_in_trace_block(instruction.address);
+            if trace_block && self.core.cycle_counter().is_some() {
+                self.core.set_cycle_counter(now.wrapping_sub(self.cycle_counter_origin) as u32);
+            }
             let passed = !self.in_block || in_block_passes(&self.core, &mut self.in_block);
 
             let stepped = self.core.step();
@@ -71,8 +83,11 @@ impl Machine {
                 self.functions.enter(function, self.total);
             }
             let next = pc.wrapping_add(u32::from(instruction.bytes));
+            if trace_block && let Some(cycles) = self.core.cycle_counter() {
+                self.cycle_counter_origin = now.wrapping_sub(u64::from(cycles));
+            }
             if let Stepped::Exception(number) = stepped {
-                if FAULTS.contains(&number) {
+                if FAULTS.contains(&number) && !std::mem::take(&mut self.fault_expected) {
                     return Err(self.fault_error(instruction.kind, pc));
                 }
                 // Entered before the instruction, unless the instruction is what called for it.
@@ -80,6 +95,7 @@ impl Machine {
                     count.executed += 1;
                     self.total.charge(alone, self.accelerator.fetch(pc, instruction.bytes));
                 }
+                self.record_exceptions();
                 self.total.wait(rules::EXCEPTION_ENTRY, 0);
                 self.previous = Previous::NOTHING;
                 self.in_block = false;
@@ -109,6 +125,7 @@ impl Machine {
                 band = band + rules::REFILL;
                 self.previous = Previous::NOTHING;
                 if stepped == Stepped::Return {
+                    self.record_exceptions();
                     band = band + rules::EXCEPTION_RETURN;
                     // What was interrupted may have been inside an IT block.
                     self.in_block = true;
@@ -128,6 +145,14 @@ impl Machine {
             if instruction.moves_stack() {
                 self.lowest_stack = self.lowest_stack.min(self.core.register(13));
             }
+        }
+    }
+
+    fn record_exceptions(&mut self) {
+        let (running, depth) = self.core.exceptions();
+        let (cycle, instructions) = (self.now(), self.total.instructions);
+        if let Some(changes) = &mut self.exception_changes {
+            changes.push(ExceptionChange { cycle, instructions, running, depth });
         }
     }
 

@@ -1,6 +1,7 @@
 //! The machine: a core, its memory, the decoded program, and the account of what it has cost.
 
 mod call;
+mod clock;
 mod code;
 mod execute;
 mod loops;
@@ -20,6 +21,7 @@ use crate::image::{Image, Symbol};
 use crate::memory::{self, FLASH_ADDRESS, FLASH_BYTES, Memory, Peripheral, RAM_ADDRESS, RAM_BYTES};
 
 pub use call::Call;
+pub use clock::{Clock, CycleCase, ExceptionChange, Pace};
 pub use loops::Loop;
 pub use profile::FunctionCost;
 pub use run::{Run, Stop};
@@ -49,6 +51,16 @@ pub struct Machine {
     lowest_stack: u32,
     /// Whether instructions may be those of an IT block.
     in_block: bool,
+    clock: Arc<Clock>,
+    pace: Pace,
+    /// What the clock shows beyond the cost at that pace: sleep, and what was spent at other paces.
+    cycles_beyond_cost: i64,
+    /// The clock when DWT's counter was 0.
+    cycle_counter_origin: u64,
+    /// The next fault is the program's own to handle.
+    fault_expected: bool,
+    /// Since it was last taken, if anyone takes it.
+    exception_changes: Option<Vec<ExceptionChange>>,
 }
 
 impl Machine {
@@ -77,6 +89,12 @@ impl Machine {
             limit_instructions: DEFAULT_LIMIT_INSTRUCTIONS,
             lowest_stack: u32::MAX,
             in_block: false,
+            clock: Arc::default(),
+            pace: Pace::default(),
+            cycles_beyond_cost: 0,
+            cycle_counter_origin: 0,
+            fault_expected: false,
+            exception_changes: None,
         })
     }
 
@@ -126,6 +144,51 @@ impl Machine {
     /// The core, for its registers.
     pub fn core(&mut self) -> &mut impl Core {
         &mut self.core
+    }
+
+    /// The machine's time, shared with its devices.
+    pub fn clock(&self) -> Arc<Clock> {
+        Arc::clone(&self.clock)
+    }
+
+    /// Cycles since the machine was made, at its pace, sleep included.
+    #[inline]
+    pub fn now(&self) -> u64 {
+        self.pace.cycles(&self.total).wrapping_add_signed(self.cycles_beyond_cost)
+    }
+
+    /// Changes from here on which column of the cost is the machine's time (nominal cycles without waits of flash at first).
+    pub fn set_pace(&mut self, pace: Pace) {
+        let now = self.now();
+        self.pace = pace;
+        self.move_to(now);
+    }
+
+    /// Lets time pass in which the core executes nothing, up to that time. A time in the past changes nothing.
+    pub fn sleep_until(&mut self, cycle: u64) {
+        if cycle > self.now() {
+            self.move_to(cycle);
+        }
+    }
+
+    fn move_to(&mut self, cycle: u64) {
+        self.cycles_beyond_cost = cycle.wrapping_sub(self.pace.cycles(&self.total)).cast_signed();
+        self.clock.set_now(cycle);
+    }
+
+    /// The exceptions that were entered and left since this was last called; the first call starts the record.
+    pub fn take_exception_changes(&mut self) -> Vec<ExceptionChange> {
+        self.exception_changes.replace(Vec::new()).unwrap_or_default()
+    }
+
+    /// Lets the program handle its next fault, an undefined instruction included, instead of ending the run: for tests of fault handlers.
+    pub fn expect_fault(&mut self) {
+        self.fault_expected = true;
+    }
+
+    /// The flash accelerator, for its switches.
+    pub fn accelerator(&mut self) -> &mut Accelerator {
+        &mut self.accelerator
     }
 
     /// Everything that has run so far.

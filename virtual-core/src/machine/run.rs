@@ -1,8 +1,10 @@
 //! Running a whole image from its vector table.
 
+use std::sync::Arc;
+
 use super::Machine;
 use super::execute::Ended;
-use crate::cpu::Core;
+use crate::cpu::{Core, Rsemu};
 use crate::cycle::Cost;
 use crate::cycle::hazard::Previous;
 use crate::error::RunError;
@@ -23,6 +25,8 @@ pub enum Stop {
     Asleep,
     /// After as many instructions as were allowed.
     Limit,
+    /// At the time that the clock names.
+    Due,
 }
 
 /// A whole run.
@@ -51,6 +55,8 @@ impl Machine {
         {
             return Err(RunError::NoVectorTable { address: FLASH_ADDRESS, stack, reset });
         }
+        // A core of its own, because a reset leaves nothing of the NVIC's and the system control block's registers.
+        self.core = Rsemu::new(Arc::clone(&self.space), FLASH_ADDRESS);
         self.core.reset();
         self.previous = Previous::NOTHING;
         self.in_block = false;
@@ -69,7 +75,16 @@ impl Machine {
             Ended::Breakpoint(number) => Stop::Breakpoint(number),
             Ended::Asleep => Stop::Asleep,
             Ended::Limit | Ended::Arrived => Stop::Limit,
+            Ended::Due => Stop::Due,
         })
+    }
+
+    /// As [`Machine::resume`], with no limit but the time that the machine's [`Clock`](super::Clock) names.
+    ///
+    /// # Errors
+    /// As [`Machine::resume`].
+    pub fn resume_until_due(&mut self) -> Result<Stop, RunError> {
+        self.resume(u64::MAX)
     }
 
     /// Runs the whole image from its vector table until it meets a breakpoint.
@@ -87,7 +102,7 @@ impl Machine {
                 Ok(Run { breakpoint, value: self.core.register(0), cost: self.total - before })
             }
             Ended::Asleep => Err(RunError::Asleep { pc, function: self.functions.name_at(pc) }),
-            Ended::Limit | Ended::Arrived => {
+            Ended::Limit | Ended::Arrived | Ended::Due => {
                 Err(RunError::Limit { limit: limit_instructions, pc, function: self.functions.name_at(pc) })
             }
         }

@@ -5,13 +5,13 @@
 //! | a contact begins | all groups are guarded for the whole of it |
 //! | a tick after other input, if what is left of the allowance is less than twice that input, or 32 times more | all ringing groups are guarded for sixteen times that input |
 //! | the first tick after a tick without, or the second after a contact | all ringing groups fall due |
-//! | then | each group when its fastest mode has decayed by half a bit, at the latest after 32 ticks |
+//! | then | each group when its fastest mode has decayed by half a bit, at the latest after 64 ticks |
 //!
 //! A free orbit never outgrows its guard ([`super::super::headroom`]), so that guards without input serve precision and retirement
 //! alone: an exponent that lags by half a bit costs nothing that can be measured. So they are spread over ticks: no tick guards
-//! more groups than [`Bank::guards_per_tick`], about two more than fall due in it on average.
+//! more groups than [`Bank::guards_per_tick`], about three more than fall due in it on average.
 
-use super::super::group::Group;
+use super::super::group::{Group, MAX_GUARD_TICKS};
 use super::super::retirement::Retirement;
 use super::{Bank, Memory, MixShift, for_each_group};
 
@@ -64,11 +64,33 @@ impl Bank {
         (expected..=32 * expected).contains(&self.allowance)
     }
 
-    /// Whether the next tick guards any group, if no more input comes before it.
-    pub fn is_guard_due(&self) -> bool {
+    /// How many of the coming ticks have nothing to do for the bank, if nothing but time passes: they can be told to it later, by [`Bank::pass`].
+    pub fn rest_ticks(&self) -> u8 {
+        if self.spent > 0 || self.allowance > 0 || self.is_covered {
+            return 0;
+        }
+        match self.ringing_modes {
+            0 if self.retired.amplitude() == 0.0 => u8::MAX,
+            // What may be missing decays, which whoever waits for silence wants to know.
+            0 => MAX_GUARD_TICKS as u8,
+            _ => self.due_ticks.saturating_sub(1),
+        }
+    }
+
+    /// So many ticks, at most [`Bank::rest_ticks`], have passed.
+    pub fn pass(&mut self, ticks: u8) {
+        (0..ticks).for_each(|_| self.retired.decay());
+        if self.ringing_modes > 0 {
+            self.clock = self.clock.wrapping_add(ticks);
+            self.due_ticks = self.due_ticks.saturating_sub(ticks);
+        }
+    }
+
+    /// Whether the next tick guards any group, if no more input comes before it. `passed` are ticks that the bank has not been told of.
+    pub fn is_guard_due(&self, passed: u8) -> bool {
         self.ringing_modes > 0
             && match (self.spent, self.allowance) {
-                (0, 0) => self.due_ticks <= 1,
+                (0, 0) => self.due_ticks <= 1 + passed,
                 (0, _) => !self.is_covered,
                 (spent, _) => !self.is_covered && !self.allows(spent.saturating_mul(2)),
             }
@@ -126,9 +148,10 @@ impl Bank {
     /// Derives how many groups a tick may guard, from how often each needs it. After load, choke and release.
     pub(super) fn count_guards(&mut self, memory: &Memory<'_>) {
         let groups = memory.groups.get(self.groups.range()).unwrap_or(&[]);
-        let rate: u32 = groups.iter().map(Group::guards_in_32_ticks).sum();
-        // What falls due on average, one sixteenth of all, so that none is late by more than 16 ticks, and one.
-        self.guards_per_tick = ((rate + 2 * groups.len() as u32) / 32 + 1).min(u32::from(u8::MAX)) as u8;
+        let due: u32 = groups.iter().map(Group::guards_in_longest_interval).sum();
+        // What falls due on average, one sixteenth of all, so that none is late by more than 16 ticks, and two: each call looks at all.
+        let guards = (due + groups.len() as u32 * MAX_GUARD_TICKS / 16) / MAX_GUARD_TICKS + 2;
+        self.guards_per_tick = guards.min(u32::from(u8::MAX)) as u8;
     }
 
     /// Finds the mix exponent for the groups' bounds and brings their plans up to date.

@@ -7,6 +7,7 @@ use super::super::mode::Mode;
 use super::guard::MAX_ALLOWANCE;
 use super::{Bank, BankWork, Memory};
 use crate::fixed;
+use crate::output::Gains;
 
 impl Bank {
     /// The bank's sound for a run without force, of at most a tick's frames: replaces `mix`. Gives by how many bits it must be shifted left
@@ -22,23 +23,30 @@ impl Bank {
         self.mix_shift
     }
 
-    /// The same straight to the stereo bus, by half the gains of both sides as Q32; `mix` is scratch. Only while [`MixShift::is_loud`] of
-    /// [`Bank::mix_shift`] is false.
+    /// The same straight to the stereo bus, by gains for the loudness of [`Bank::mix_shift`].
     #[inline(always)]
     pub fn ring_stereo(
         &mut self,
         memory: &mut Memory<'_>,
         run: kernel::Run,
         odd_start: bool,
-        mix: &mut Backward,
-        (left, right): (i32, i32),
+        gains: Gains,
         out: &mut [[i32; 2]],
     ) {
-        // One more for the halves.
-        let shift = u32::from(self.mix_shift.bits) + 1;
-        let add = self.has_mirrored() && self.ring_mirrored(memory, run, odd_start, mix);
+        let stereo = self.stereo(gains, out);
+        if self.has_mirrored() {
+            self.ring_stereo_mirrored(memory, run, odd_start, stereo);
+        } else if let Some((groups, modes)) = self.plain(memory) {
+            kernel::free_stereo(groups, modes, run, None, stereo);
+        }
+    }
+
+    #[inline(never)] // its buffer must not weigh on banks without mirrored modes
+    fn ring_stereo_mirrored(&mut self, memory: &mut Memory<'_>, run: kernel::Run, odd_start: bool, stereo: Stereo<'_>) {
+        let mut mix = [0; TICK_FRAMES];
+        self.ring_mirrored(memory, run, odd_start, &mut mix);
         if let Some((groups, modes)) = self.plain(memory) {
-            kernel::free_stereo(groups, modes, kernel::Run { add, ..run }, mix, Stereo { out, left, right, shift });
+            kernel::free_stereo(groups, modes, run, Some(&mix), stereo);
         }
     }
 
@@ -61,6 +69,11 @@ impl Bank {
         kernel::free(groups, modes, kernel::Run { add: false, ..run }, mix);
         alternate(mix, odd_start);
         true
+    }
+
+    /// Whether a part of the force itself is added to the sound: gains into v have a half of `h[0]` that does not belong to the integral.
+    pub fn has_onset(&self) -> bool {
+        !self.onset.is_zero()
     }
 
     /// How the bank's mix becomes bus samples until the next guard.
@@ -131,27 +144,100 @@ impl Bank {
         if skip { u32::from(self.ringing_modes) } else { self.modes.range().len() as u32 }
     }
 
-    /// A run with a force for which the groups are guarded.
-    fn drive(&mut self, memory: &mut Memory<'_>, force: &[i32], odd_start: bool, skip: bool, out: &mut [i32]) {
-        let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
-        let (force_shift, shift) = (u32::from(self.force_shift), self.mix_shift);
-        let (mut mix, mut shifted): (Backward, Backward) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
+    /// Where the mix goes, and how.
+    #[inline(always)]
+    fn stereo<'o>(&self, gains: Gains, out: &'o mut [[i32; 2]]) -> Stereo<'o> {
+        let Gains { left, right, shift } = gains;
+        let bits = u32::from(self.mix_shift.bits);
+        match self.mix_shift.is_loud {
+            true => Stereo { out, left, right, doublings: bits, shift },
+            false => Stereo { out, left, right, doublings: 0, shift: bits + shift },
+        }
+    }
+
+    /// Adds the bank's sound for a run under a force straight to the stereo bus, by gains for the loudness of [`Bank::mix_shift`]. `None`, and
+    /// nothing happens, where that is not possible: the bank has an onset of its own, or is not guarded for so much force.
+    pub fn render_stereo(
+        &mut self,
+        memory: &mut Memory<'_>,
+        force: &[i32],
+        odd_start: bool,
+        gains: Gains,
+        out: &mut [[i32; 2]],
+    ) -> Option<BankWork> {
+        if self.has_onset() {
+            return None;
+        }
+        let sum = sum_of_magnitudes(force);
+        self.allowance = self.allowance.checked_sub(sum).filter(|_| sum > 0)?;
+        self.spent = self.spent.saturating_add(sum);
+        let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip: true, add: false };
+        let stereo = self.stereo(gains, out);
+        let mut shifted = self.shifted(force);
+        if self.has_mirrored() {
+            self.drive_stereo_mirrored(memory, run, &mut shifted, odd_start, stereo);
+        } else if let Some((groups, modes)) = self.plain(memory) {
+            kernel::driven_stereo(groups, modes, run, &shifted, None, stereo);
+        }
+        let driven_mode_frames = self.running_modes(true) * run.frames as u32;
+        Some(BankWork { driven_mode_frames, refused: u32::from(self.refusing), ..BankWork::default() })
+    }
+
+    #[inline(never)] // its buffer must not weigh on banks without mirrored modes
+    fn drive_stereo_mirrored(
+        &mut self,
+        memory: &mut Memory<'_>,
+        run: kernel::Run,
+        shifted: &mut Backward,
+        odd_start: bool,
+        stereo: Stereo<'_>,
+    ) {
+        let mut mix = [0; TICK_FRAMES];
+        self.drive_mirrored(memory, run, shifted, odd_start, &mut mix);
+        if let Some((groups, modes)) = self.plain(memory) {
+            kernel::driven_stereo(groups, modes, run, shifted, Some(&mix), stereo);
+        }
+    }
+
+    /// A force as the gains expect it.
+    #[inline(always)]
+    fn shifted(&self, force: &[i32]) -> Backward {
+        let force_shift = u32::from(self.force_shift);
+        let mut shifted = [0; TICK_FRAMES];
         // Within the allowance |x| << force_shift stays below 2^31.
         for (shifted, &x) in shifted.iter_mut().rev().zip(force) {
             *shifted = x.wrapping_shl(force_shift);
         }
-        let mut add = false;
-        if let Some((groups, modes)) = self.mirrored(memory) {
-            alternate(&mut shifted, odd_start);
-            kernel::driven(groups, modes, run, &shifted, &mut mix);
-            alternate(&mut shifted, odd_start);
-            alternate(&mut mix, odd_start);
-            add = true;
-        }
+        shifted
+    }
+
+    /// The sound of the mirrored modes under a force; whether there are any.
+    #[inline(never)]
+    fn drive_mirrored(
+        &mut self,
+        memory: &mut Memory<'_>,
+        run: kernel::Run,
+        shifted: &mut Backward,
+        odd_start: bool,
+        mix: &mut Backward,
+    ) -> bool {
+        let Some((groups, modes)) = self.mirrored(memory) else { return false };
+        alternate(shifted, odd_start);
+        kernel::driven(groups, modes, run, shifted, mix);
+        alternate(shifted, odd_start);
+        alternate(mix, odd_start);
+        true
+    }
+
+    /// A run with a force for which the groups are guarded.
+    fn drive(&mut self, memory: &mut Memory<'_>, force: &[i32], odd_start: bool, skip: bool, out: &mut [i32]) {
+        let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
+        let (mut mix, mut shifted) = ([0; TICK_FRAMES], self.shifted(force));
+        let add = self.has_mirrored() && self.drive_mirrored(memory, run, &mut shifted, odd_start, &mut mix);
         if let Some((groups, modes)) = self.plain(memory) {
             kernel::driven(groups, modes, kernel::Run { add, ..run }, &shifted, &mut mix);
         }
-        self.add_to_bus(&mix, shift, Some(force), out);
+        self.add_to_bus(&mix, self.mix_shift, Some(force), out);
     }
 
     /// Groups of the plain side, and all modes from theirs on.

@@ -4,15 +4,16 @@
 //! way may still bring. Among groups of one step the order is that of the bank. The choice depends on the state alone, so that "leave out the
 //! n quietest" means the same groups wherever the same events are played.
 
-use super::super::coefficient::Form;
 use super::super::group::{GROUP_MODES, Group};
 use super::super::headroom::GROWTH_OF_V;
 use super::super::kernel::Plan;
-use super::super::mode::Mode;
-use super::{Bank, Memory, for_each_group};
+use super::{Bank, Memory};
+
+/// Half octaves that stand for nothing.
+const NOTHING_TO_COME: i16 = -4000;
 
 /// Steps of loudness that are told apart: 3 dB each, from -180 dBFS.
-pub const LEVELS: usize = 64;
+const LEVELS: usize = 64;
 
 /// How a bank will run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,11 +29,10 @@ pub enum Use {
 pub struct Audience {
     /// Output (1.0 = full scale) that a bus step of the bank makes.
     unit: f32,
-    /// Bound of the sum of |force| still to come, bus steps.
-    input: f32,
-    unit_half_octaves: i32,
-    input_half_octaves: Option<i32>,
-    contact_half_octaves: i32,
+    unit_half_octaves: i16,
+    /// Far below all where nothing is to come.
+    input_half_octaves: i16,
+    contact_half_octaves: i16,
 }
 
 impl Audience {
@@ -41,12 +41,11 @@ impl Audience {
     /// full).
     pub fn new(unit: f32, input: f32, contact_samples: f32) -> Self {
         // A float's exponent and the first bit of its fraction count half octaves.
-        let half_octaves = |x: f32| (x.to_bits() >> 22) as i32 - (127 << 1);
+        let half_octaves = |x: f32| (x.to_bits() >> 22) as i16 - (127 << 1);
         Self {
             unit,
-            input,
             unit_half_octaves: half_octaves(unit),
-            input_half_octaves: (input > 0.0).then(|| half_octaves(input)),
+            input_half_octaves: if input > 0.0 { half_octaves(input) } else { NOTHING_TO_COME },
             contact_half_octaves: half_octaves(contact_samples).max(0),
         }
     }
@@ -54,24 +53,67 @@ impl Audience {
 
 /// All groups of an engine by loudness.
 #[derive(Debug)]
-pub struct Survey<'a> {
+pub struct Survey<const GROUPS: usize> {
     /// The level of each group, or [`SILENT`].
-    pub levels: &'a mut [u8],
-    /// What each level has and costs.
-    pub steps: [Step; LEVELS],
+    levels: [u8; GROUPS],
+    /// What each level has and costs: groups, cycles.
+    groups: [u16; LEVELS],
+    cycles: [u32; LEVELS],
 }
 
-/// What a level has and costs.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Step {
-    /// Groups.
-    pub groups: u32,
-    /// What they will cost.
-    pub cycles: u32,
+impl<const GROUPS: usize> Survey<GROUPS> {
+    /// Nobody would run.
+    pub const NOBODY: Self = Self { levels: [SILENT; GROUPS], groups: [0; LEVELS], cycles: [0; LEVELS] };
+
+    /// Nobody is looked at: all groups pass for equally quiet.
+    pub const ALIKE: Self = Self { levels: [0; GROUPS], groups: [0; LEVELS], cycles: [0; LEVELS] };
+
+    /// How many of the quietest groups have to go to free so many cycles.
+    pub fn quietest_that_free(&self, excess: u32) -> u16 {
+        let (mut total, mut chosen) = (0, 0u16);
+        for (&cycles, &groups) in self.cycles.iter().zip(&self.groups) {
+            if total + cycles >= excess {
+                // Of the level in which the excess ends, as many as are needed if the cheapest go first: a single mode costs a third of a
+                // full group's share.
+                let share = (excess - total).div_ceil((cycles / u32::from(groups.max(1))).max(1));
+                return chosen + (share + share / 2 + 1).min(u32::from(groups)) as u16;
+            }
+            (total, chosen) = (total + cycles, chosen + groups);
+        }
+        chosen
+    }
+
+    /// What the groups below a level cost.
+    pub fn cycles_below(&self, level: u8) -> u32 {
+        self.cycles.iter().take(level.into()).sum()
+    }
+
+    /// The level below which all of the `count` quietest groups lie, and how many of those at it belong to them.
+    pub fn threshold(&self, count: u16) -> (u8, u32) {
+        let mut left = count;
+        for (&groups, level) in self.groups.iter().zip(0u8..) {
+            if groups > left {
+                return (level, u32::from(left));
+            }
+            left -= groups;
+        }
+        (LEVELS as u8, 0)
+    }
 }
 
 /// The level of a group that would not run.
-pub const SILENT: u8 = u8::MAX;
+const SILENT: u8 = u8::MAX;
+
+/// How a bank will run until the tick's end.
+#[derive(Clone, Copy, Debug)]
+pub struct UpcomingRun {
+    /// Under a force or not.
+    pub used: Use,
+    /// Frames, at most a tick.
+    pub frames: u8,
+    /// Cycles that a group's guard will take on top, 0 where none is due.
+    pub guard: u16,
+}
 
 /// What was left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -82,8 +124,15 @@ pub struct Shed {
     pub modes: u32,
     /// Bound of the amplitude that is missing by it, 1.0 = full scale, summed over the modes.
     pub amplitude: f32,
-    /// Cycles that it saves in the kernels until the tick's end.
+    /// Cycles that it saves until the tick's end, guards included, where there was a choice.
     pub cycles: u32,
+    /// Groups among them that needed a guard in this tick.
+    pub unguarded_groups: u32,
+}
+
+impl Shed {
+    /// Nothing.
+    pub const NOTHING: Self = Self { groups: 0, modes: 0, amplitude: 0.0, cycles: 0, unguarded_groups: 0 };
 }
 
 impl core::ops::AddAssign for Shed {
@@ -92,34 +141,31 @@ impl core::ops::AddAssign for Shed {
         self.modes += other.modes;
         self.amplitude += other.amplitude;
         self.cycles += other.cycles;
+        self.unguarded_groups += other.unguarded_groups;
     }
 }
 
 impl Bank {
-    /// Puts the loudness of each of its groups at the group's place in the survey, [`SILENT`] for those that would not run, and adds up
-    /// what each step of loudness costs. Under a force all would run that are not left out already, else those that ring. `guard` are the
-    /// cycles that a group's guard will take on top.
+    /// Puts the loudness of each of its groups at the group's place in the survey, `SILENT` for those that would not run, and adds up
+    /// what each step of loudness costs. Under a force all would run that are not left out already, else those that ring.
     #[inline(never)]
-    pub fn survey(
+    pub fn survey<const GROUPS: usize>(
         &self,
         groups: &[Group],
-        modes: &[Mode],
-        audience: Audience,
-        (used, frames, guard): (Use, u32, u32),
-        survey: &mut Survey<'_>,
+        audience: &Audience,
+        UpcomingRun { used, frames, guard }: UpcomingRun,
+        survey: &mut Survey<GROUPS>,
     ) {
-        let mut modes = modes.get(self.modes.range()).unwrap_or(&[]);
         let groups = groups.get(self.groups.range()).unwrap_or(&[]);
+        let costs = Costs::new(used, frames.into());
         for (group, place) in groups.iter().zip(survey.levels.get_mut(self.groups.range()).unwrap_or(&mut [])) {
-            let Some((own, behind)) = modes.split_at_checked(group.count()) else { return };
-            modes = behind;
-            *place = SILENT;
             if runs(group, used) {
-                let level = level(group, own, audience);
+                let level = level(group, audience);
                 *place = level;
-                if let Some(step) = survey.steps.get_mut(usize::from(level)) {
-                    step.groups += 1;
-                    step.cycles += cycles(group.plan(), used, frames) + guard;
+                let at = usize::from(level);
+                if let (Some(groups), Some(total)) = (survey.groups.get_mut(at), survey.cycles.get_mut(at)) {
+                    *groups += 1;
+                    *total += costs.of(group.plan()) + u32::from(guard);
                 }
             }
         }
@@ -127,10 +173,11 @@ impl Bank {
 
     /// What the bank will cost over a run of frames, without what comes once a call; and how many groups will run.
     pub fn cycles(&self, groups: &[Group], used: Use, frames: u32) -> (u32, u32) {
+        let costs = Costs::new(used, frames);
         let groups = groups.get(self.groups.range()).unwrap_or(&[]).iter();
         groups
             .filter(|group| runs(group, used))
-            .fold((0, 0), |(total, count), group| (total + cycles(group.plan(), used, frames), count + 1))
+            .fold((0, 0), |(total, count), group| (total + costs.of(group.plan()), count + 1))
     }
 
     /// Groups of the bank, at rest or not.
@@ -148,37 +195,51 @@ impl Bank {
         self.allowance == 0
     }
 
-    /// Leaves out the groups whose level is below `threshold`, and the first `at_threshold` of those at it.
-    pub fn shed(
+    /// Leaves out the groups whose level is below `threshold`, and the first `at_threshold` of those at it. The cycles in what it gives are those
+    /// of the latter: of the others the survey knows ([`Survey::cycles_below`]).
+    pub fn shed<const GROUPS: usize>(
         &mut self,
         memory: &mut Memory<'_>,
-        audience: Audience,
-        (used, frames): (Use, u32),
-        levels: &[u8],
+        audience: &Audience,
+        UpcomingRun { used, frames, guard }: UpcomingRun,
+        survey: &Survey<GROUPS>,
         (threshold, at_threshold): (u8, &mut u32),
     ) -> Shed {
-        let (mut shed, mut rang) = (Shed::default(), false);
-        let mut levels = levels.get(self.groups.range()).unwrap_or(&[]).iter();
-        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
-            let level = levels.next().copied().unwrap_or(SILENT);
-            if level > threshold || level == SILENT || level == threshold && *at_threshold == 0 || !runs(group, used) {
-                return;
+        let costs = Costs::new(used, frames.into());
+        let (mut count, mut modes, mut lost, mut saved, mut rang) = (0, 0, 0.0, 0, false);
+        let mut start = self.modes.range().start;
+        let levels = survey.levels.get(self.groups.range()).unwrap_or(&[]);
+        let groups = memory.groups.get_mut(self.groups.range()).unwrap_or(&mut []);
+        for (group, &level) in groups.iter_mut().zip(levels) {
+            let first = start;
+            start += group.count();
+            if level > threshold || !runs(group, used) {
+                continue;
             }
             if level == threshold {
+                if *at_threshold == 0 {
+                    continue;
+                }
                 *at_threshold -= 1;
+                saved += costs.of(group.plan()) + u32::from(guard);
             }
-            let count = group.count() as u32;
-            let lost = group.amplitude_bound() + group.largest_gain() * audience.input;
-            let amplitude = lost * audience.unit * (GROWTH_OF_V as u32 * count) as f32;
-            shed += Shed { groups: 1, modes: count, amplitude, cycles: cycles(group.plan(), used, frames) };
+            count += 1;
+            modes += (start - first) as u32;
+            lost += bound(group, audience) * (start - first) as f32;
             rang |= group.ringing();
-            group.shed(modes);
-        });
+            group.shed(memory.modes.get_mut(first..start).unwrap_or(&mut []));
+        }
         // Groups at rest are no part of the plan.
         if rang {
             self.prepare(memory);
         }
-        shed
+        Shed {
+            groups: count,
+            modes,
+            amplitude: lost * (2 * GROWTH_OF_V) as f32 * audience.unit,
+            cycles: saved,
+            unguarded_groups: if guard > 0 { count } else { 0 },
+        }
     }
 
     /// Lets input reach all groups again: a new strike is a new chance.
@@ -200,30 +261,30 @@ fn runs(group: &Group, used: Use) -> bool {
     group.ringing() || used == Use::Driven && !group.is_shed()
 }
 
+/// Half a bound of what a mode of the group rings with and of what may still come, bus steps.
+#[inline(always)]
+fn bound(group: &Group, audience: &Audience) -> f32 {
+    // Powers of two within a factor of two of the truth, which `shed` makes up for.
+    let of_half_octaves = |half_octaves: i32| f32::from_bits((((half_octaves >> 1) + 127).max(0) as u32) << 23);
+    // One more for what both factors lose when they are rounded down.
+    let coming = of_half_octaves(group.gain_half_octaves() + i32::from(audience.input_half_octaves) + 2);
+    if group.ringing() { coming + of_half_octaves(group.ringing_half_octaves()) } else { coming }
+}
+
 /// Loudness in steps of 3 dB: the louder of what rings and what may come.
-fn level(group: &Group, modes: &[Mode], audience: Audience) -> u8 {
-    let ringing = group.ringing_half_octaves().unwrap_or(i32::MIN / 2);
-    let coming = match audience.input_half_octaves {
-        Some(input) => {
-            group.gain_half_octaves() + input - lost_to_the_contact(group, modes, audience.contact_half_octaves)
-        }
-        None => i32::MIN / 2,
-    };
-    (ringing.max(coming) + audience.unit_half_octaves + 60).clamp(0, LEVELS as i32 - 1) as u8
+#[inline(always)]
+fn level(group: &Group, audience: &Audience) -> u8 {
+    let lost = lost_to_the_contact(group, audience.contact_half_octaves.into());
+    let coming = group.gain_half_octaves() + i32::from(audience.input_half_octaves) - lost;
+    let loudest = if group.ringing() { coming.max(group.ringing_half_octaves()) } else { coming };
+    (loudest + i32::from(audience.unit_half_octaves) + 60).clamp(0, LEVELS as i32 - 1) as u8
 }
 
 /// How much of a contact's impulse does not reach the group's first mode, in half octaves: the spectrum of a pulse of N samples falls as
-/// 1/(1 + (2 f N/fs)²).
-fn lost_to_the_contact(group: &Group, modes: &[Mode], contact_half_octaves: i32) -> i32 {
-    let epsilon = modes.first().map_or(1, |mode| mode.coefficients.epsilon.unsigned_abs());
-    // e² = 4 sin²(θ/2), θ ≈ e; ε is Q32.
-    let step_squared = match group.form() {
-        _ if group.mirrored() => 3,
-        Form::Coupled => 2 * (half_octaves(epsilon) - 64),
-        form => half_octaves(epsilon) - 64 + 2 * form.shift() as i32,
-    };
-    // (2 f N/fs)² = e² N²/π².
-    (step_squared + 2 * contact_half_octaves - 7).max(0)
+/// 1/(1 + (2 f N/fs)²), and (2 f N/fs)² = θ² N²/π².
+#[inline(always)]
+fn lost_to_the_contact(group: &Group, contact_half_octaves: i32) -> i32 {
+    (group.angle_quarter_octaves() + 2 * contact_half_octaves - 7).max(0)
 }
 
 /// `2 log2(x)`, rounded down; 0 for 0.
@@ -233,25 +294,44 @@ pub(in super::super) fn half_octaves(x: u32) -> i32 {
     2 * (31 - zeros as i32) + (normal >> 30 & 1) as i32
 }
 
-/// Cycles of a group over a run, from what the assembly does with its modes (nominal model; `cargo test -p host-tests --test virtual_budget`
+/// Cycles of groups over a run, from what the assembly does with their modes (nominal model; `cargo test -p host-tests --test virtual_budget`
 /// holds the sums to 3 %).
-fn cycles(plan: &Plan, used: Use, frames: u32) -> u32 {
-    let count = plan.count().min(GROUP_MODES);
-    let whole = frames == super::super::TICK_FRAMES as u32;
-    let table = match (used, whole, plan.has_phase()) {
-        (Use::Free, true, _) => &WHOLE_FREE,
-        (Use::Driven, true, false) => &WHOLE_GAIN,
-        (Use::Driven, true, true) => &WHOLE_PHASE,
-        (Use::Free, false, _) => {
-            let count = count as u32;
-            return OTHER_GROUP + count / 3 * (65 + 21 * frames) + count % 3 * (35 + 12 * frames);
+struct Costs {
+    used: Use,
+    frames: u32,
+    /// Of a whole tick: groups with one gain, and with gain and phase.
+    plain: &'static [u32; GROUP_MODES + 1],
+    phase: &'static [u32; GROUP_MODES + 1],
+}
+
+impl Costs {
+    fn new(used: Use, frames: u32) -> Self {
+        let (plain, phase) = match used {
+            Use::Free => (&WHOLE_FREE, &WHOLE_FREE),
+            Use::Driven => (&WHOLE_GAIN, &WHOLE_PHASE),
+        };
+        Self { used, frames, plain, phase }
+    }
+
+    #[inline(always)]
+    fn of(&self, plan: &Plan) -> u32 {
+        if self.frames != super::super::TICK_FRAMES as u32 {
+            return self.of_cut_tick(plan);
         }
-        (Use::Driven, false, _) => {
-            let count = count as u32;
-            return OTHER_GROUP + count / 2 * (60 + 23 * frames) + count % 2 * (40 + 16 * frames);
-        }
-    };
-    table.get(count).copied().unwrap_or(0)
+        let table = if plan.has_phase() { self.phase } else { self.plain };
+        table.get(plan.count()).copied().unwrap_or(0)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn of_cut_tick(&self, plan: &Plan) -> u32 {
+        let (count, frames) = (plan.count() as u32, self.frames);
+        OTHER_GROUP
+            + match self.used {
+                Use::Free => count / 3 * (65 + 21 * frames) + count % 3 * (35 + 12 * frames),
+                Use::Driven => count / 2 * (60 + 23 * frames) + count % 2 * (40 + 16 * frames),
+            }
+    }
 }
 
 /// Cycles of a group over a whole tick, by its number of modes.

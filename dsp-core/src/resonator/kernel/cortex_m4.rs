@@ -25,6 +25,7 @@ struct Call {
     left: i32,
     right: i32,
     shift: u32,
+    doublings: u32,
 }
 
 // The offsets that cortex_m4.s uses.
@@ -37,6 +38,7 @@ const _: () = {
             && offset_of!(Call, skip) == 24
             && offset_of!(Call, add) == 28
             && offset_of!(Call, shift) == 44
+            && offset_of!(Call, doublings) == 48
     );
     assert!(TICK_FRAMES == 32);
 };
@@ -48,56 +50,92 @@ unsafe extern "C" {
 
 /// As [`super::portable::free`]. 5.45 cycles a mode and sample (nominal, 240 modes: `cargo test -p host-tests --test virtual_costs -- --nocapture`).
 pub fn free(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward) {
-    render(groups, modes, run, core::ptr::null(), mix, None, malleus_kernel_free);
+    render(groups, modes, run, Sound { mix, ..Sound::NOWHERE }, malleus_kernel_free);
 }
 
 /// As [`super::portable::free_stereo`].
-pub fn free_stereo(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward, stereo: Stereo<'_>) {
-    render(groups, modes, run, core::ptr::null(), mix, Some(stereo), malleus_kernel_free);
+#[inline(always)]
+pub fn free_stereo(groups: &[Group], modes: &mut [Mode], run: Run, more: Option<&Backward>, stereo: Stereo<'_>) {
+    let Some(sound) = Sound::stereo(run, more, stereo) else { return };
+    render(groups, modes, Run { add: more.is_some(), ..run }, sound, malleus_kernel_free);
 }
 
 /// As [`super::portable::driven`]. 7.65 cycles a mode and sample with one gain, 9.21 with gain and phase (nominal, as above).
 pub fn driven(groups: &[Group], modes: &mut [Mode], run: Run, force: &Backward, mix: &mut Backward) {
-    render(groups, modes, run, force, mix, None, malleus_kernel_driven);
+    render(groups, modes, run, Sound { mix, force, ..Sound::NOWHERE }, malleus_kernel_driven);
 }
 
-#[inline(always)]
-fn render(
+/// As [`super::portable::driven_stereo`].
+pub fn driven_stereo(
     groups: &[Group],
     modes: &mut [Mode],
     run: Run,
-    force: *const Backward,
-    mix: &mut Backward,
-    stereo: Option<Stereo<'_>>,
-    kernel: unsafe extern "C" fn(*const Call),
+    force: &Backward,
+    more: Option<&Backward>,
+    stereo: Stereo<'_>,
 ) {
-    let stereo_fits = stereo.as_ref().is_none_or(|stereo| stereo.out.len() >= run.frames);
-    if run.frames == 0 || run.frames > TICK_FRAMES || !modes_suffice(groups, modes) || !stereo_fits {
+    let Some(sound) = Sound::stereo(run, more, stereo) else { return };
+    render(groups, modes, Run { add: more.is_some(), ..run }, Sound { force, ..sound }, malleus_kernel_driven);
+}
+
+/// Where the force is and where the sound goes; the assembly reads `mix` where the run adds to it, and writes it where `stereo` is null.
+struct Sound {
+    mix: *mut Backward,
+    force: *const Backward,
+    stereo: *mut [i32; 2],
+    left: i32,
+    right: i32,
+    shift: u32,
+    doublings: u32,
+}
+
+impl Sound {
+    const NOWHERE: Self = Self {
+        mix: core::ptr::null_mut(),
+        force: core::ptr::null(),
+        stereo: core::ptr::null_mut(),
+        left: 0,
+        right: 0,
+        shift: 0,
+        doublings: 0,
+    };
+
+    /// `None` where the run does not fit.
+    #[inline(always)]
+    fn stereo(run: Run, more: Option<&Backward>, stereo: Stereo<'_>) -> Option<Self> {
+        let fits = stereo.out.len() >= run.frames;
+        let mix = more.map_or(core::ptr::null_mut(), |more| core::ptr::from_ref(more).cast_mut());
+        let Stereo { out, left, right, shift, doublings } = stereo;
+        let (shift, doublings) = (shift.min(31), doublings.min(31));
+        fits.then_some(Self { mix, stereo: out.as_mut_ptr(), left, right, shift, doublings, ..Self::NOWHERE })
+    }
+}
+
+#[inline(always)]
+fn render(groups: &[Group], modes: &mut [Mode], run: Run, sound: Sound, kernel: unsafe extern "C" fn(*const Call)) {
+    if run.frames == 0 || run.frames > TICK_FRAMES || !modes_suffice(groups, modes) {
         return;
     }
-    let (out, left, right, shift) = match stereo {
-        Some(stereo) => (stereo.out.as_mut_ptr(), stereo.left, stereo.right, stereo.shift.min(31)),
-        None => (core::ptr::null_mut(), 0, 0, 0),
-    };
     let groups = groups.as_ptr_range();
     let call = Call {
         modes: modes.as_mut_ptr(),
         groups: groups.start,
         groups_end: groups.end,
-        mix,
-        force,
+        mix: sound.mix,
+        force: sound.force,
         frames: run.frames as u32,
         skip: u32::from(run.skip),
         add: u32::from(run.add),
-        stereo: out,
-        left,
-        right,
-        shift,
+        stereo: sound.stereo,
+        left: sound.left,
+        right: sound.right,
+        shift: sound.shift,
+        doublings: sound.doublings,
     };
-    // SAFETY: the groups' modes lie within `modes`, borrowed mutably for the call as are `mix` and the stereo
-    // frames, which are at least as many as the run's; `force` is null for the free kernel, which
-    // does not read it, and borrowed for the call for the driven one; frames are 1 to 32, so that the assembly stays within its
-    // buffers; it keeps the procedure call standard and uses 300 bytes of stack.
+    // SAFETY: the groups' modes lie within `modes`, borrowed mutably for the call. Without stereo, `mix` is borrowed mutably for the
+    // call; with it, the stereo frames are, which are at least as many as the run's, and `mix` is only read, where the run adds to it, and then
+    // borrowed. `force` is null for the free kernel, which does not read it, and borrowed for the driven one. Frames are 1 to 32, so that
+    // the assembly stays within its buffers; it keeps the procedure call standard and uses 320 bytes of stack.
     unsafe { kernel(&call) }
 }
 

@@ -5,7 +5,7 @@
 @
 @ The bits are those of portable.rs. Layouts (checked at compile time in cortex_m4.rs):
 @   call    modes 0, groups 4, groups_end 8, mix 12, force 16, frames 20, skip 24, add 28, stereo 32 (null: the mix is
-@           written to `mix`), left 36, right 40, shift 44
+@           written to `mix`), left 36, right 40, shift 44, doublings 48
 @   mode    u 0, v 4, delta 8, epsilon 12, gain_u 16, gain_v 20; 24 bytes
 @   group   free kind 0, driven kind 1, gain shift 2, count 3, mix scale 4; 24 bytes, of which eight are read
 @   kind    bits 0-1 form, bit 2 gain and phase, bit 5 shed, bit 6 not full, bit 7 ringing
@@ -596,12 +596,14 @@ leftover_short_free:
     .endr
 
 @ Two frames of the mix to stereo: r7 stereo, r8 and r9 mantissas, r10 shift, lr behind the first frame's slot.
-    .macro pan_two
+    .macro pan_two is_shifted
     ldm     r7, {r0-r3}
     ldr     r5, [lr, #-4]
     ldr     r4, [lr, #-8]!
+    .if \is_shifted
     lsl     r5, r5, r10
     lsl     r4, r4, r10
+    .endif
     smmulr  r6, r5, r8
     smmulr  r5, r5, r9
     smmulr  r11, r4, r8
@@ -618,7 +620,7 @@ leftover_short_free:
 finish:
     ldr     r7, [sp, #CALL]
     add     r7, #32
-    ldm     r7, {r7-r10}                @ stereo, left, right, shift
+    ldm     r7, {r7-r11}                @ stereo, left, right, shift, doublings
     cbnz    r7, 1f
     ldr     r12, [sp, #OUT]
     mov     r0, sp
@@ -632,12 +634,28 @@ finish:
     stm     r12!, {r1-r8}
     add     sp, #LOCALS
     pop     {r4-r11, pc}
-1:  ldr     r12, [sp, #FRAMES]          @ left += 2 left mantissa (mix << shift), right alike: 11.5 cycles a frame
+1:  subs    r11, #1
+    bpl     8f
+9:  ldr     r12, [sp, #FRAMES]          @ left += mantissa (mix << shift), right alike: 12.5 cycles a frame
     add     lr, sp, #128
+    orr     r0, r8, r9
+    clz     r0, r0
+    cmp     r0, r10
+    bls     6f
+    lsl     r8, r8, r10                 @ the usual case: mantissas that leave room take the shift, 11.5 cycles a frame
+    lsl     r9, r9, r10
+    mov     r10, #0
     subs    r12, #4
     blo     3f
-2:  pan_two
-    pan_two
+7:  pan_two 0
+    pan_two 0
+    subs    r12, #4
+    bhs     7b
+    b       3f
+6:  subs    r12, #4
+    blo     3f
+2:  pan_two 1
+    pan_two 1
     subs    r12, #4
     bhs     2b
 3:  adds    r12, #4
@@ -654,6 +672,17 @@ finish:
     bne     4b
 5:  add     sp, #LOCALS
     pop     {r4-r11, pc}
+8:  mov     r12, sp                     @ a mix that may be too loud is doubled with saturation: 3.2 cycles a frame
+    movs    r6, #8
+2:  ldm     r12, {r0-r3}
+    qadd    r0, r0, r0
+    qadd    r1, r1, r1
+    qadd    r2, r2, r2
+    qadd    r3, r3, r3
+    stm     r12!, {r0-r3}
+    subs    r6, #1
+    bne     2b
+    b       1b
     .size   finish, . - finish
 
     .p2align 2

@@ -20,9 +20,9 @@ mod cortex_m4;
 pub use plan::Plan;
 
 #[cfg(cortex_m4f)]
-pub use cortex_m4::{driven, free, free_stereo};
+pub use cortex_m4::{driven, driven_stereo, free, free_stereo};
 #[cfg(not(cortex_m4f))]
-pub use portable::{driven, free, free_stereo};
+pub use portable::{driven, driven_stereo, free, free_stereo};
 
 use super::TICK_FRAMES;
 
@@ -45,7 +45,7 @@ pub struct Run {
     pub add: bool,
 }
 
-/// Where and how loud a bank's mix goes to the stereo bus: `side += mantissa · (mix << shift)`, saturating.
+/// Where and how loud a bank's mix goes to the stereo bus: `side += mantissa · (mix · 2^doublings << shift)`, saturating.
 #[derive(Debug)]
 pub struct Stereo<'a> {
     /// At least as many frames as the run's.
@@ -54,6 +54,8 @@ pub struct Stereo<'a> {
     pub left: i32,
     /// The same of the right side.
     pub right: i32,
-    /// By how many bits the mix is shifted left before; nothing is lost by it.
+    /// How many times the mix is doubled before, saturating.
+    pub doublings: u32,
+    /// By how many bits it is shifted left then; nothing is lost by it.
     pub shift: u32,
 }

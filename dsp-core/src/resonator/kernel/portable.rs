@@ -6,7 +6,7 @@
 use super::super::coefficient::Form;
 use super::super::group::Group;
 use super::super::mode::Mode;
-use super::{Backward, Plan, Run, Stereo, slot};
+use super::{Backward, Plan, Run, Stereo, TICK_FRAMES, slot};
 use crate::fixed;
 
 /// Modes that ring on without input, `step; mix`: writes, or adds, the sum of their sound; a mix that is written is 0
@@ -22,11 +22,30 @@ pub fn free(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward) 
     });
 }
 
-/// As [`free`], but the whole mix, with what it held where the run adds to it, goes to the stereo bus; `mix` is left unspecified.
-pub fn free_stereo(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward, stereo: Stereo<'_>) {
-    free(groups, modes, run, mix);
-    for ([left, right], &sum) in stereo.out.iter_mut().zip(mix.iter().rev().take(run.frames)) {
-        let sample = sum.wrapping_shl(stereo.shift);
+/// As [`free`], but the mix, with `more` added, goes to the stereo bus.
+pub fn free_stereo(groups: &[Group], modes: &mut [Mode], run: Run, more: Option<&Backward>, stereo: Stereo<'_>) {
+    let mut mix = more.map_or([0; TICK_FRAMES], |more| *more);
+    free(groups, modes, Run { add: true, ..run }, &mut mix);
+    pan(&mix, run.frames, stereo);
+}
+
+/// As [`driven`], but the mix, with `more` added, goes to the stereo bus.
+pub fn driven_stereo(
+    groups: &[Group],
+    modes: &mut [Mode],
+    run: Run,
+    force: &Backward,
+    more: Option<&Backward>,
+    stereo: Stereo<'_>,
+) {
+    let mut mix = more.map_or([0; TICK_FRAMES], |more| *more);
+    driven(groups, modes, Run { add: true, ..run }, force, &mut mix);
+    pan(&mix, run.frames, stereo);
+}
+
+fn pan(mix: &Backward, frames: usize, stereo: Stereo<'_>) {
+    for ([left, right], &sum) in stereo.out.iter_mut().zip(mix.iter().rev().take(frames)) {
+        let sample = fixed::saturating_shift_left(sum, stereo.doublings).wrapping_shl(stereo.shift);
         *left = fixed::qadd(*left, fixed::smmulr(sample, stereo.left));
         *right = fixed::qadd(*right, fixed::smmulr(sample, stereo.right));
     }

@@ -1,0 +1,150 @@
+//! A pad's sound over a run of frames.
+
+use super::{Pad, PadStriker, PadWork, Run};
+use crate::contact::flight::Flight;
+use crate::fixed;
+use crate::resonator::kernel;
+use crate::resonator::{BankWork, Memory, TICK_FRAMES};
+
+impl Pad {
+    /// Renders a run without force and adds it to the stereo sum; gives the mode-frames of the object's bank and of the strikers' banks. A
+    /// striker's bank that rings sounds on the same bus as the object's.
+    #[inline(never)]
+    pub fn ring(
+        &mut self,
+        frames: usize,
+        odd_start: bool,
+        memory: &mut Memory<'_>,
+        out: &mut [[i32; 2]],
+    ) -> (u32, u32) {
+        let object = self.object.running_modes(true) * frames as u32;
+        let strikers = self.sounding().iter().map(|striker| striker.bank.running_modes(true)).sum::<u32>();
+        match self.panner.gains(self.object.mix_shift().is_loud).filter(|_| strikers == 0) {
+            // The usual case, in one pass: the same bits.
+            Some(gains) => {
+                let run = kernel::Run { frames, skip: true, add: false };
+                self.object.ring_stereo(memory, run, odd_start, gains, out);
+            }
+            None => self.ring_on_bus(frames, odd_start, memory, out),
+        }
+        (object, strikers * frames as u32)
+    }
+
+    #[inline(never)]
+    fn ring_on_bus(&mut self, frames: usize, odd_start: bool, memory: &mut Memory<'_>, out: &mut [[i32; 2]]) {
+        let mut sound = [0; TICK_FRAMES];
+        let Some(sound) = sound.get_mut(..frames) else { return };
+        for striker in self.sounding_mut() {
+            striker.bank.render(memory, None, odd_start, true, sound);
+        }
+        self.object.render(memory, None, odd_start, true, sound);
+        self.panner.render(sound, out);
+    }
+
+    /// Renders a run with force, or one that leaves nothing out, and adds it to the stereo sum.
+    #[inline(never)] // its buffers must not weigh on runs without force
+    pub fn drive<const CONTACTS: usize>(
+        &mut self,
+        number: u8,
+        run: Run<'_>,
+        flight: &mut Flight<CONTACTS>,
+        memory: &mut Memory<'_>,
+        out: &mut [[i32; 2]],
+    ) -> PadWork {
+        self.wake();
+        let mut work = PadWork::default();
+        let frames = run.frames.min(TICK_FRAMES);
+        let mut force = [0; TICK_FRAMES];
+        let Some(force) = force.get_mut(..frames) else { return work };
+        if run.direct.is_some() || flight.count_on(number) > 0 {
+            self.struck = true;
+            work.force_frames = frames as u32;
+            work.direct_frames = if run.direct.is_some() { frames as u32 } else { 0 };
+        }
+        if self.sounding_strikers == 0 {
+            self.take_force(number, run.direct, flight, force);
+            // The usual case, in one pass: the same bits.
+            let gains = self.panner.gains(self.object.mix_shift().is_loud);
+            if let Some(gains) = gains.filter(|_| run.skip && !self.acceleration.is_built())
+                && let Some(object) = self.object.render_stereo(memory, force, run.odd_start, gains, out)
+            {
+                work.object = object;
+                return work;
+            }
+        }
+        self.drive_on_bus(number, run, flight, memory, force, out, &mut work);
+        work
+    }
+
+    /// Adds the force of all contacts, and a direct one, where no striker has a bank.
+    fn take_force<const CONTACTS: usize>(
+        &self,
+        number: u8,
+        direct: Option<&[i32]>,
+        flight: &mut Flight<CONTACTS>,
+        force: &mut [i32],
+    ) {
+        direct.into_iter().for_each(|direct| add(force, direct));
+        (0..self.striker_count).for_each(|index| flight.add_force(number, index, force));
+    }
+
+    /// The same with all that a pad can have; `force` holds the force already where no striker has a bank.
+    #[inline(never)] // its buffer must not weigh on pads that do without
+    #[allow(clippy::too_many_arguments)] // one call, taken apart for the stack's sake
+    fn drive_on_bus<const CONTACTS: usize>(
+        &mut self,
+        number: u8,
+        run: Run<'_>,
+        flight: &mut Flight<CONTACTS>,
+        memory: &mut Memory<'_>,
+        force: &mut [i32],
+        out: &mut [[i32; 2]],
+        work: &mut PadWork,
+    ) {
+        let mut sound = [0; TICK_FRAMES];
+        let Some(sound) = sound.get_mut(..force.len()) else { return };
+        if self.sounding_strikers > 0 {
+            let mut direct = run.direct;
+            for (striker, index) in self.strikers.iter_mut().take(usize::from(self.striker_count)).zip(0u8..) {
+                let direct = direct.take();
+                if striker.bank.mode_count() == 0 {
+                    direct.into_iter().for_each(|direct| add(force, direct));
+                    flight.add_force(number, index, force);
+                } else {
+                    work.strikers += drive_striker(striker, (number, index), run, direct, flight, memory, force, sound);
+                }
+            }
+        }
+        work.object = self.object.render(memory, Some(force), run.odd_start, run.skip, sound);
+        if self.acceleration.is_built() {
+            work.acceleration_frames = force.len() as u32;
+            self.acceleration.render(force, sound);
+        }
+        self.panner.render(sound, out);
+    }
+}
+
+/// Runs the bank of a striker, and adds its force to the object's.
+#[inline(never)] // most strikers have no modes, and its buffer would weigh on them
+#[allow(clippy::too_many_arguments)] // one call, taken apart for the stack's sake
+fn drive_striker<const CONTACTS: usize>(
+    striker: &mut PadStriker,
+    (pad, index): (u8, u8),
+    run: Run<'_>,
+    direct: Option<&[i32]>,
+    flight: &mut Flight<CONTACTS>,
+    memory: &mut Memory<'_>,
+    total: &mut [i32],
+    sound: &mut [i32],
+) -> BankWork {
+    let mut force = [0; TICK_FRAMES];
+    let Some(force) = force.get_mut(..total.len()) else { return BankWork::default() };
+    direct.into_iter().for_each(|direct| add(force, direct));
+    flight.add_force(pad, index, force);
+    add(total, force);
+    striker.bank.render(memory, Some(force), run.odd_start, run.skip, sound)
+}
+
+fn add(sum: &mut [i32], more: &[i32]) {
+    sum.iter_mut().zip(more).for_each(|(sum, &x)| *sum = fixed::qadd(*sum, x));
+}

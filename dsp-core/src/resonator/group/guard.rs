@@ -1,0 +1,234 @@
+//! The guard: exponents follow the sound, so that nothing wraps and nothing falls into a dead band.
+
+use super::super::headroom::{LIMIT, ROUNDING};
+use super::super::mode::{Mode, State};
+use super::{Group, MIN_EXPONENT, REFUSING, RINGING};
+use crate::fixed;
+
+/// Largest block exponent: a state of `LIMIT` then stands for 2^-2 of a bus step.
+const MAX_EXPONENT: i32 = 31;
+/// What is added to a size that was found: what rounding may add to it, and the 4 that [`Group::size`] may lack.
+const MARGIN: u32 = ROUNDING as u32 + 4;
+/// Below this size at the largest exponent a mode is less than 1/8 of a bus step, which the mix rounds to nothing.
+const SILENCE: u64 = 1 << 27;
+
+impl Group {
+    /// Shifts the states down by two bits, for poles that are about to move. A guard must follow.
+    pub(in crate::resonator) fn make_room(&mut self, modes: &mut [Mode]) {
+        if self.ringing() {
+            self.lower(modes, 2);
+        }
+    }
+
+    /// A guard of a group at rest, at a third of the cost of one that looks at states. False, and nothing is decided, where the input is beyond
+    /// the usual.
+    #[inline(always)]
+    fn prepare_rest(&mut self, allowance: u64, force_shift: u32) -> bool {
+        if allowance == 0 || self.gain_peak == 0 {
+            self.bound = 0;
+            return true;
+        }
+        // The finest exponent that the gains allow, so that small inputs keep all their bits, or what holds the input.
+        let finest = self.largest_exponent(Some(force_shift));
+        // As in `input_size`: its product has at most 62 bits.
+        let allowance = ((allowance >> 8) + 1).min(1 << 30) as u32;
+        let product = u64::from(allowance) * u64::from(self.gain_peak);
+        let (high, low) = ((product >> 32) as u32, product as u32);
+        let bits = if high > 0 { 64 - high.leading_zeros() as i32 } else { 32 - low.leading_zeros() as i32 };
+        let scale = i32::from(self.gain_exponent) - 23;
+        // What makes the input end below 2^29.
+        let exponent = finest.min(29 - bits - scale);
+        let shift = scale + exponent;
+        if exponent < MIN_EXPONENT || shift <= -64 {
+            return false;
+        }
+        // bits + shift <= 29.
+        let input = match shift {
+            0.. => low << shift,
+            -32..0 => (product >> -shift) as u32,
+            _ => high >> (-shift - 32),
+        };
+        let bound = input + 1 + MARGIN;
+        if u64::from(bound) > LIMIT {
+            return false;
+        }
+        self.bound = bound;
+        self.exponent = exponent as i8;
+        self.status |= RINGING;
+        true
+    }
+
+    #[cold]
+    fn lowered(&mut self, modes: &mut [Mode]) -> u32 {
+        self.lower(modes, 16);
+        self.size(modes)
+    }
+
+    fn lower(&mut self, modes: &mut [Mode], bits: i8) {
+        each_state(modes, |x| fixed::rounding_shift_right(x, bits.unsigned_abs().into()));
+        self.exponent -= bits;
+    }
+
+    /// The largest size of the modes' states, less at most 4; at most 2^31, as [`super::headroom`] proves.
+    #[inline(always)]
+    fn size(&self, modes: &[Mode]) -> u32 {
+        let shift = self.form().shift();
+        let (largest_u, largest_v) = largest(modes);
+        debug_assert!(u64::from(largest_u) << shift <= 1 << 31, "headroom: u << {shift}");
+        largest_u.wrapping_shl(shift).max(largest_v)
+    }
+
+    /// Shifts the states so that nothing can wrap while the sum of |force| stays within `allowance` (bus steps), and so that they
+    /// use all the room that leaves; where no exponent holds the input, it is refused. The force will come shifted left by `force_shift` bits.
+    /// See [`super::headroom`].
+    #[inline(never)]
+    pub(in crate::resonator) fn guard(&mut self, modes: &mut [Mode], allowance: u64, force_shift: u32) {
+        self.status &= !REFUSING;
+        if !self.ringing() && self.prepare_rest(allowance, force_shift) {
+            return;
+        }
+        // At rest there is nothing to look at, and nothing to shift.
+        let modes = if self.ringing() { modes } else { &mut [] };
+        let mut size = self.size(modes);
+        if size == 0 && modes.iter().all(|mode| mode.state == State::default()) {
+            if allowance == 0 || self.gain_peak == 0 {
+                self.status &= !RINGING;
+                self.bound = 0;
+                return;
+            }
+            // Nothing rings: start from the finest exponent that the gains allow, so that small inputs keep all their bits.
+            self.exponent = self.largest_exponent(Some(force_shift)) as i8;
+        }
+        let input = loop {
+            match self.input_size(allowance) {
+                Some(input) => break input,
+                // A faint tail meets a force that is not even countable in its units. Ends at the latest where exponents do.
+                None => size = self.lowered(modes),
+            }
+        };
+        if !self.normalise(modes, size, input, (allowance > 0).then_some(force_shift)) {
+            self.status |= REFUSING;
+            self.normalise(modes, size, 0, None);
+        }
+        self.status |= RINGING;
+        if allowance == 0 && self.exponent() == MAX_EXPONENT && u64::from(self.bound) < SILENCE {
+            self.silence(modes);
+        }
+    }
+
+    /// Shifts the states up as far as they have decayed: what a guard without input is, at a third of its cost. Gives the largest |v|, in
+    /// states of the exponent before, less at most 1.
+    #[inline(always)]
+    pub(in crate::resonator) fn follow(&mut self, modes: &mut [Mode]) -> u32 {
+        let (largest_u, largest_v) = largest(modes);
+        // At most 2^31 each, as `size` says. A total below 2^29 is what a guard aims at.
+        let total = largest_u.wrapping_shl(self.form().shift()).max(largest_v).saturating_add(MARGIN);
+        let up = total.leading_zeros() as i32 - 3;
+        if up < 0 || self.exponent() + up >= MAX_EXPONENT || total == MARGIN {
+            self.guard(modes, 0, 0);
+            return largest_v;
+        }
+        if up > 0 {
+            each_state(modes, |x| x.wrapping_shl(up as u32));
+            self.exponent += up as i8;
+        }
+        self.bound = total << up;
+        self.status &= !REFUSING;
+        largest_v
+    }
+
+    /// Ends the group's sound at once.
+    pub(in crate::resonator) fn silence(&mut self, modes: &mut [Mode]) {
+        for mode in modes {
+            mode.state = Default::default();
+        }
+        self.status &= !RINGING;
+        self.bound = 0;
+    }
+
+    /// Whether there is an exponent that holds states of this size and input; then the states have it.
+    #[inline(never)]
+    fn normalise(&mut self, modes: &mut [Mode], size: u32, input: u64, force_shift: Option<u32>) -> bool {
+        let total = u64::from(size).saturating_add(input).saturating_add(u64::from(MARGIN));
+        // total < 2^bits, and shifting to 29 bits puts it into [LIMIT/2, LIMIT).
+        let bits = match u32::try_from(total) {
+            Ok(total) => 32 - total.leading_zeros() as i32,
+            Err(_) => 64 - total.leading_zeros() as i32,
+        };
+        let wanted = self.exponent() + 29 - bits;
+        // Room that was made below the smallest exponent stays.
+        let smallest = MIN_EXPONENT.min(self.exponent());
+        let exponent = wanted.min(self.largest_exponent(force_shift)).max(smallest);
+        let shift = exponent - self.exponent();
+        let bound = match u32::try_from(total) {
+            // Shifted up it stays below LIMIT.
+            Ok(total) if shift >= 0 && bits + shift <= 32 => total << shift,
+            Ok(total) if shift < 0 => (total >> (-shift).min(31)) + 1,
+            _ => wide_bound(total, shift),
+        };
+        if u64::from(bound) > LIMIT && input > 0 {
+            return false;
+        }
+        match shift {
+            0 => {}
+            1.. => each_state(modes, |x| x.wrapping_shl(shift as u32)), // the bound says that this loses nothing
+            -31..0 => {
+                let (shift, half) = (-shift as u32, -shift as u32 - 1);
+                each_state(modes, |x| x.wrapping_shr(shift) + (x.wrapping_shr(half) & 1));
+            }
+            _ => each_state(modes, |_| 0),
+        }
+        self.exponent = exponent as i8;
+        self.bound = bound;
+        true
+    }
+
+    /// Gains become multipliers of 2^(gain_exponent + 1 + exponent - force_shift), which must not exceed 1.
+    fn largest_exponent(&self, force_shift: Option<u32>) -> i32 {
+        let driven = |shift: u32| (shift as i32 - i32::from(self.gain_exponent) - 1).max(MIN_EXPONENT);
+        force_shift.map_or(MAX_EXPONENT, driven).min(MAX_EXPONENT)
+    }
+
+    /// Size of what an input with a sum of |force| of `allowance` can inject, in units of the present exponent, rounded up; `None`
+    /// where it exceeds 2^62.
+    fn input_size(&self, allowance: u64) -> Option<u64> {
+        if allowance == 0 || self.gain_peak == 0 {
+            return Some(0);
+        }
+        // 32 frames of at most 2^31, expected twice: the allowance has at most 37 bits, so that this product has at most 61.
+        let allowance = ((allowance >> 8) + 1).min(1 << 30) as u32;
+        let product = u64::from(allowance) * u64::from(self.gain_peak);
+        let shift = i32::from(self.gain_exponent) + self.exponent() - 23;
+        match shift {
+            ..=-64 => Some(1),
+            // The same of the high word, at a third of the cost.
+            -63..=-32 => Some(u64::from(((product >> 32) as u32 >> (-shift - 32)) + 1)),
+            -31..0 => Some((product >> -shift) + 1),
+            _ => (product.leading_zeros() as i32 > shift + 1).then(|| product << shift),
+        }
+    }
+}
+
+/// A bound beyond 32 bits, or at the end of the exponents.
+#[cold]
+fn wide_bound(total: u64, shift: i32) -> u32 {
+    let bound = if shift >= 0 { total << shift.min(34) } else { (total >> (-shift).min(63)) + 1 };
+    u32::try_from(bound).unwrap_or(u32::MAX)
+}
+
+/// The largest |u| and the largest |v|, where negative ones count one less: an operation less each.
+#[inline(always)]
+fn largest(modes: &[Mode]) -> (u32, u32) {
+    modes.iter().fold((0, 0), |(u, v), mode| {
+        let magnitude = |x: i32| (x ^ (x >> 31)) as u32;
+        (magnitude(mode.state.u).max(u), magnitude(mode.state.v).max(v))
+    })
+}
+
+#[inline(always)]
+fn each_state(modes: &mut [Mode], shifted: impl Fn(i32) -> i32) {
+    for mode in modes {
+        mode.state.u = shifted(mode.state.u);
+        mode.state.v = shifted(mode.state.v);
+    }
+}

@@ -1,0 +1,162 @@
+//! What a piezo's channel holds besides strikes: the bias' offset, its drift, and mains hum.
+//!
+//! An observer: a model of the disturbance (a constant and one oscillator for each mains frequency) that runs freely and is pulled
+//! towards the mean of every 32 frames,
+//!
+//! ```text
+//! e = clip(mean - o - h50 - h60)    o += e/32    h += e/16, then h turns by 2πf·T
+//! ```
+//!
+//! Seen from the input that is a notch at 0, 50 and 60 Hz; hum of 10 counts, 0.1 Hz off its nominal frequency, is down to 0.6 counts
+//! after 0.3 s (the tests below). Two things make it fit for percussion, where a plain high-pass
+//! is not: `e` is clipped, so that a loud ring hardly moves it, and during a scan it is not pulled at all but runs on, so that a
+//! strike's peak is measured from where the disturbance would have been. Working on means makes it cheap.
+
+use super::{COUNT, LAST_COUNT, TICK_FRAMES};
+use crate::SampleRate;
+use crate::fixed::{smmla, smmls};
+
+/// The mains frequencies of the world, in Hz. Both are always listened for: settings that one could get wrong are saved.
+const MAINS_HZ: [f64; 2] = [50.0, 60.0];
+/// The observer's states have 8 more bits than a signal, so that small errors still move them.
+const FINE: u32 = 8;
+/// The largest error that pulls the observer, in signal units. Quiet hum and drift stay below it; rings do not.
+const CLIP: i32 = 16 * COUNT;
+const OFFSET_SHIFT: u32 = 5;
+const HUM_SHIFT: u32 = 4;
+
+/// How far the mains' oscillators turn in a tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MainsTurn {
+    /// `2 sin(πf·T)` of each in Q32, T a tick; below 0.5 for all rates that a trigger takes.
+    coefficient: [i32; MAINS_HZ.len()],
+}
+
+impl MainsTurn {
+    pub(super) fn new(rate: SampleRate) -> Self {
+        let tick_s = TICK_FRAMES as f64 / rate.hz();
+        let coefficient =
+            MAINS_HZ.map(|hz| (2.0 * libm::sin(core::f64::consts::PI * hz * tick_s) * 4_294_967_296.0) as i32);
+        Self { coefficient }
+    }
+}
+
+/// Coupled form: `v` is the hum at a tick's middle, `u` its quadrature half a tick later. Q16 counts.
+#[derive(Clone, Copy, Debug)]
+struct Oscillator {
+    u: i32,
+    v: i32,
+}
+
+impl Oscillator {
+    fn turned(self, coefficient: i32) -> Self {
+        let u = smmls(self.u, coefficient, self.v);
+        Self { u, v: smmla(self.v, coefficient, u) }
+    }
+}
+
+/// The observer's state of one channel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Baseline {
+    offset: i32,
+    hum: [Oscillator; MAINS_HZ.len()],
+    /// The baseline at the next frame in signal units, and its slope a frame.
+    pub(super) level: i32,
+    pub(super) slope: i32,
+    started: bool,
+}
+
+impl Baseline {
+    pub(super) const UNSET: Self =
+        Self { offset: 0, hum: [Oscillator { u: 0, v: 0 }; MAINS_HZ.len()], level: 0, slope: 0, started: false };
+
+    /// Starts where the first sample lies.
+    pub(super) fn start(&mut self, raw: u16) {
+        if !self.started {
+            self.started = true;
+            let counts = i32::from(raw.min(LAST_COUNT));
+            self.offset = counts << (8 + FINE);
+            self.level = counts << 8;
+        }
+    }
+
+    /// The end of a tick whose 32 samples sum up to `sum` counts; `listening` is false while a strike is scanned.
+    pub(super) fn tick(&mut self, sum: i32, listening: bool, turn: &MainsTurn) {
+        if listening {
+            // 32 samples, so that the sum is a mean in Q5 counts.
+            let mean = sum << 3;
+            let expected = self.hum.iter().fold(self.offset, |sum, hum| sum.wrapping_add(hum.v)) >> FINE;
+            let error = mean.wrapping_sub(expected).clamp(-CLIP, CLIP) << FINE;
+            // Bounded by the input: the offset follows the mean, an oscillator takes at most CLIP/16 a tick and leaks through the error.
+            self.offset = self.offset.wrapping_add(error >> OFFSET_SHIFT).clamp(0, i32::from(LAST_COUNT) << (8 + FINE));
+            for hum in &mut self.hum {
+                hum.v = hum.v.wrapping_add(error >> HUM_SHIFT).clamp(-HUM_LIMIT, HUM_LIMIT);
+            }
+        }
+        let mut end_twice = self.offset.wrapping_mul(2);
+        for (hum, &coefficient) in self.hum.iter_mut().zip(&turn.coefficient) {
+            *hum = hum.turned(coefficient);
+            let next = hum.turned(coefficient);
+            // The middle between two ticks' middles is the end of the one.
+            end_twice = end_twice.wrapping_add(hum.v).wrapping_add(next.v);
+        }
+        // A ramp over the next tick to where the observer expects to be at its end; what the shift cuts off, the next ramp makes up for.
+        let target = end_twice >> (FINE + 1);
+        self.slope = target.wrapping_sub(self.level) >> 5;
+    }
+}
+
+/// More hum than this is a fault of the wiring and no hum: 256 counts.
+const HUM_LIMIT: i32 = 256 << (8 + FINE);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The largest residue in counts after 0.3 s of a disturbance in counts, which the ADC rounds, over a second; with a pause in
+    /// listening from 0.6 s on, as long as that of a scan or longer.
+    fn residue(disturbance: impl Fn(f64) -> f64, deaf_ticks: usize) -> f64 {
+        let turn = MainsTurn::new(SampleRate::HZ_48000);
+        let mut baseline = Baseline::UNSET;
+        let mut worst = 0.0f64;
+        for tick in 0..1500usize {
+            let mut sum = 0;
+            for n in 0..TICK_FRAMES {
+                let t = (tick * TICK_FRAMES + n) as f64 / 48_000.0;
+                let exact = 2048.0 + disturbance(t);
+                let raw = libm::round(exact) as u16;
+                baseline.start(raw);
+                if t > 0.3 {
+                    worst = worst.max((exact - f64::from(baseline.level) / f64::from(COUNT)).abs());
+                }
+                baseline.level += baseline.slope;
+                sum += i32::from(raw);
+            }
+            baseline.tick(sum, !(900..900 + deaf_ticks).contains(&tick), &turn);
+        }
+        worst
+    }
+
+    fn hum(hz: f64) -> impl Fn(f64) -> f64 {
+        move |t| 10.0 * libm::sin(core::f64::consts::TAU * hz * t)
+    }
+
+    #[test]
+    fn mains_hum_of_10_counts_is_down_to_three_fifths_of_one_in_either_half_of_the_world() {
+        for hz in [49.9, 50.0, 50.1, 59.9, 60.0, 60.1] {
+            assert!(residue(hum(hz), 0) < 0.6, "{hz} Hz: {}", residue(hum(hz), 0));
+        }
+    }
+
+    #[test]
+    fn hum_is_expected_while_nobody_listens() {
+        // 20 ms, a whole period.
+        assert!(residue(hum(50.05), 30) < 1.0, "{}", residue(hum(50.05), 30));
+    }
+
+    #[test]
+    fn a_steady_offset_is_found_to_an_eighth_of_a_count_and_drift_of_20_counts_a_second_followed_to_one() {
+        assert!(residue(|_| -123.0, 0) < 0.125);
+        assert!(residue(|t| 20.0 * libm::sin(t), 0) < 1.0);
+    }
+}

@@ -1,0 +1,77 @@
+//! The application: pads.
+
+#![no_std]
+#![no_main]
+
+use defmt_rtt as _;
+use dsp_core::table::Kit;
+use embassy_executor::{SpawnError, SpawnToken, Spawner};
+use firmware::audio::instrument::Instrument;
+use firmware::faults::{self, Fault};
+use firmware::input::piezo::Piezos;
+use firmware::input::{self, Inputs};
+use firmware::refusal::Refusal;
+use firmware::restart::Cause;
+use firmware::{audio, board, cycles, kits, tasks, watchdog};
+
+#[embassy_executor::main]
+async fn main(spawner: Spawner) {
+    watchdog::start();
+    let board = board::start();
+    if let Some(mut core) = cortex_m::Peripherals::take() {
+        cycles::start(&mut core);
+    }
+    defmt::info!("malleus on {=str}, started by {}", board::NAME, Cause::take());
+    if let Err(error) = board.codec {
+        faults::set(Fault::Codec, true);
+        defmt::error!("codec: {}", error);
+    }
+    watchdog::feed();
+    // SAFETY: main runs once.
+    let instrument = unsafe { Instrument::place() };
+    let Some((kit, settings)) = choose_kit(instrument) else {
+        // Nobody feeds the watchdog: the board starts anew.
+        return defmt::error!("the built-in kit does not play: flash this image again");
+    };
+    watchdog::feed();
+    // SAFETY: main runs once.
+    let log = unsafe {
+        let inputs = Inputs::place(Piezos::new(board.piezos), board.button, settings);
+        audio::start(board.i2s, inputs, instrument)
+    };
+    spawn(&spawner, tasks::feed());
+    spawn(&spawner, tasks::log(log, kit));
+    spawn(&spawner, tasks::report());
+    spawn(&spawner, tasks::meter(board.leds, board.leds_light_high));
+}
+
+/// A task of which there is one cannot be refused; should it be, the watchdog notices that nobody feeds it.
+fn spawn<T>(spawner: &Spawner, task: Result<SpawnToken<T>, SpawnError>) {
+    match task {
+        Ok(task) => spawner.spawn(task),
+        Err(_) => defmt::error!("a task could not start"),
+    }
+}
+
+/// The kit in the flash sector where it is good, else the built-in one.
+fn choose_kit(instrument: &mut Instrument) -> Option<(Kit<'static>, input::Settings)> {
+    match kit_in_sector(instrument) {
+        Ok(Some(chosen)) => return Some(chosen),
+        Ok(None) => defmt::info!("kit sector: empty, the built-in kit plays"),
+        Err(refusal) => {
+            faults::set(Fault::Kit, true);
+            defmt::error!("kit sector: {}; the built-in kit plays", refusal);
+        }
+    }
+    let kit = Kit::parse(kits::BUILT_IN).ok()?;
+    instrument.load(&kit, audio::BUDGET_CYCLES).ok()?;
+    Some((kit, input::Settings::of(&kit).ok()?))
+}
+
+fn kit_in_sector(instrument: &mut Instrument) -> Result<Option<(Kit<'static>, input::Settings)>, Refusal> {
+    let Some(kit) = kits::in_sector()? else { return Ok(None) };
+    let settings = input::Settings::of(&kit)?;
+    instrument.load(&kit, audio::BUDGET_CYCLES)?;
+    defmt::info!("kit sector: {=str} plays", kit.name());
+    Ok(Some((kit, settings)))
+}

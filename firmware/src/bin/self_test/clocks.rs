@@ -1,0 +1,38 @@
+//! The clocks against each other: all come from one crystal, so what is found is what the dividers make of it.
+
+use firmware::audio::i2s::I2s;
+use firmware::board::CLOCKS;
+use firmware::{cycles, watchdog};
+
+use crate::Failures;
+
+/// Frames that are counted: a quarter of a second.
+const FRAMES: u32 = 12_000;
+/// The count may be off by a frame at either end.
+const TOLERANCE_PPM: i64 = 200;
+
+/// The rate at which frames leave, against the core's clock.
+pub(crate) fn check(i2s: &mut I2s, failures: &mut Failures) {
+    i2s.start();
+    let mut position = i2s.position();
+    // From one frame's beginning to another's.
+    while i2s.position() == position {}
+    position = i2s.position();
+    let begun = cycles::now();
+    let mut counted = 0;
+    while counted < FRAMES {
+        let next = i2s.position();
+        counted += ((next + 64 - position) % 64) as u32;
+        position = next;
+        if counted % 512 == 0 {
+            watchdog::feed();
+        }
+    }
+    let spent = cycles::now().wrapping_sub(begun);
+    let milli_hz = u64::from(counted) * u64::from(CLOCKS.core_hz()) * 1000 / u64::from(spent.max(1));
+    let (numerator, denominator) = CLOCKS.sample_rate_ratio();
+    let expected = u64::from(numerator) * 1000 / u64::from(denominator);
+    let off_ppm = (milli_hz as i64 - expected as i64) * 1_000_000 / expected as i64;
+    let verdict = failures.check(off_ppm.abs() <= TOLERANCE_PPM);
+    defmt::info!("I2S rate: {=u64} mHz, by its dividers {=u64} mHz: {=str}", milli_hz, expected, verdict);
+}

@@ -1,0 +1,92 @@
+//! For the day a board is at hand: what can be checked without ears, as one table over defmt.
+//!
+//! ```text
+//! cargo run --release --bin self-test
+//! ```
+//!
+//! The last line says `self-test: passed`, or how many checks failed; above it, each check's line says what was found and what is right.
+
+#![no_std]
+#![no_main]
+
+mod clocks;
+mod kernels;
+mod memory;
+mod piezos;
+
+use defmt_rtt as _;
+use dsp_core::table::Kit;
+use embassy_executor::Spawner;
+use embassy_time::Timer;
+use firmware::audio::BUDGET_CYCLES;
+use firmware::audio::instrument::Instrument;
+use firmware::input::Settings;
+use firmware::input::piezo::Piezos;
+use firmware::refusal::Refusal;
+use firmware::restart::Cause;
+use firmware::{board, cycles, kits, watchdog};
+
+/// Checks that failed.
+#[derive(Default)]
+struct Failures(u32);
+
+impl Failures {
+    /// Counts a check, and gives the word for its line.
+    fn check(&mut self, is_good: bool) -> &'static str {
+        self.0 += u32::from(!is_good);
+        if is_good { "good" } else { "WRONG" }
+    }
+}
+
+#[embassy_executor::main]
+async fn main(_spawner: Spawner) {
+    watchdog::start();
+    let mut board = board::start();
+    if let Some(mut core) = cortex_m::Peripherals::take() {
+        cycles::start(&mut core);
+    }
+    let mut failures = Failures::default();
+    defmt::info!("self-test on {=str}, started by {}", board::NAME, Cause::take());
+    match board.codec {
+        Ok(()) => defmt::info!("codec: {=str}", failures.check(true)),
+        Err(error) => defmt::error!("codec: {}: {=str}", error, failures.check(false)),
+    }
+    // First, because it writes where later checks keep things.
+    memory::check(&mut failures);
+    check_kits(&mut failures);
+    kernels::check(&mut failures);
+    clocks::check(&mut board.i2s, &mut failures);
+    piezos::check(&mut Piezos::new(board.piezos), &mut failures);
+    match failures.0 {
+        0 => defmt::info!("self-test: passed"),
+        count => defmt::error!("self-test: {=u32} checks failed", count),
+    }
+    loop {
+        watchdog::feed();
+        Timer::after_millis(50).await;
+    }
+}
+
+fn check_kits(failures: &mut Failures) {
+    // SAFETY: main runs once.
+    let instrument = unsafe { Instrument::place() };
+    let mut load = |kit: &Kit<'static>| -> Result<(), Refusal> {
+        Settings::of(kit)?;
+        instrument.load(kit, BUDGET_CYCLES)?;
+        Ok(())
+    };
+    match Kit::parse(kits::BUILT_IN).map_err(Refusal::from).and_then(|kit| load(&kit)) {
+        Ok(()) => defmt::info!("built-in kit, {=usize} bytes: {=str}", kits::BUILT_IN.len(), failures.check(true)),
+        Err(refusal) => defmt::error!("built-in kit: {}: {=str}", refusal, failures.check(false)),
+    }
+    watchdog::feed();
+    match kits::in_sector() {
+        Ok(None) => defmt::info!("kit sector: empty"),
+        Ok(Some(kit)) => match load(&kit) {
+            Ok(()) => defmt::info!("kit sector: {=str}: {=str}", kit.name(), failures.check(true)),
+            Err(refusal) => defmt::error!("kit sector: {}: {=str}", refusal, failures.check(false)),
+        },
+        Err(error) => defmt::error!("kit sector: {}: {=str}", Refusal::from(error), failures.check(false)),
+    }
+    watchdog::feed();
+}

@@ -1,0 +1,71 @@
+//! The ADC: rate, bias and noise of each piezo's channel.
+
+use firmware::board::CLOCKS;
+use firmware::clock::ADC_RATE_HZ;
+use firmware::input::piezo::{CHANNELS, Piezos};
+use firmware::{cycles, watchdog};
+
+use crate::Failures;
+
+/// Frames of the measurement: a tenth of a second.
+const FRAMES: u32 = 4800;
+/// The bias is half the supply, counts.
+const BIAS: core::ops::RangeInclusive<u32> = 1800..=2300;
+/// Most noise of a channel at rest that leaves the softest strikes alone, rms, in hundredths of a count.
+const NOISE: u32 = 400;
+const TOLERANCE_PPM: i64 = 2000;
+
+/// One channel's sums.
+#[derive(Clone, Copy, Default)]
+struct Channel {
+    sum: u64,
+    squares: u64,
+    smallest: Option<u16>,
+    largest: u16,
+}
+
+/// With piezos at rest, or none: bias resistors must be there.
+pub(crate) fn check(piezos: &mut Piezos, failures: &mut Failures) {
+    let mut channels = [Channel::default(); CHANNELS];
+    piezos.start();
+    let begun = cycles::now();
+    let mut counted = 0;
+    while counted < FRAMES {
+        let Ok(parts) = piezos.take() else {
+            defmt::error!("ADC: stopped after {=u32} frames: {=str}", counted, failures.check(false));
+            return;
+        };
+        for frame in parts.into_iter().flatten() {
+            counted += 1;
+            for (channel, &sample) in channels.iter_mut().zip(frame) {
+                channel.sum += u64::from(sample);
+                channel.squares += u64::from(sample) * u64::from(sample);
+                channel.smallest = Some(channel.smallest.unwrap_or(sample).min(sample));
+                channel.largest = channel.largest.max(sample);
+            }
+        }
+        watchdog::feed();
+    }
+    let spent = cycles::now().wrapping_sub(begun);
+    let rate_hz = i64::from(counted) * i64::from(CLOCKS.core_hz()) / i64::from(spent.max(1));
+    let off_ppm = (rate_hz - i64::from(ADC_RATE_HZ)) * 1_000_000 / i64::from(ADC_RATE_HZ);
+    let verdict = failures.check(off_ppm.abs() <= TOLERANCE_PPM);
+    defmt::info!("ADC rate: {=i64} Hz, by its timer {=u32} Hz: {=str}", rate_hz, ADC_RATE_HZ, verdict);
+    for (number, channel) in channels.iter().enumerate() {
+        let frames = u64::from(counted);
+        let mean = (channel.sum / frames) as u32;
+        // Variance times 10^4, so that its root is in hundredths of a count.
+        let variance = channel.squares * 10_000 / frames - (channel.sum * 100 / frames).pow(2);
+        let noise = variance.isqrt() as u32;
+        let verdict = failures.check(BIAS.contains(&mean) && noise <= NOISE);
+        defmt::info!(
+            "piezo {=usize}: bias {=u32} counts, noise {=u32}/100 counts rms, {=u16} to {=u16}: {=str}",
+            number,
+            mean,
+            noise,
+            channel.smallest.unwrap_or(0),
+            channel.largest,
+            verdict
+        );
+    }
+}

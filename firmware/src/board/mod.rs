@@ -1,0 +1,65 @@
+//! The boards: clocks, pins, codec. One is chosen by a feature; the rest of the firmware knows only what stands in this module.
+
+use embassy_stm32::gpio::{Flex, Output};
+use embassy_stm32::{Config, pac};
+
+use crate::audio::i2s::I2s;
+use crate::codec;
+use crate::input::Button;
+
+#[cfg(feature = "blackpill-f411")]
+mod blackpill_f411;
+#[cfg(feature = "blackpill-f411")]
+pub use blackpill_f411::*;
+
+#[cfg(not(feature = "blackpill-f411"))]
+mod stm32f407g_disc1;
+#[cfg(not(feature = "blackpill-f411"))]
+pub use stm32f407g_disc1::*;
+
+/// What the application is given of the board.
+pub struct Board {
+    /// Running, silent.
+    pub i2s: I2s,
+    /// The board's button.
+    pub button: Button,
+    /// The meter, from soft to loud.
+    pub leds: [Output<'static>; LEDS],
+    /// Whether a high level lights a LED.
+    pub leds_light_high: bool,
+    /// Whether the codec answers; `Ok` where it has no bus.
+    pub codec: Result<(), codec::Error>,
+    /// The piezos' pins, analog: held so that nobody else takes them.
+    pub piezos: [Flex<'static>; PIEZO_CHANNELS.len()],
+}
+
+/// Clocks, flash accelerator, pins and codec.
+pub fn start() -> Board {
+    let mut config = Config::default();
+    config.rcc = CLOCKS.rcc();
+    let peripherals = embassy_stm32::init(config);
+    switch_flash_accelerator_on();
+    init(peripherals)
+}
+
+/// The hardware library sets the wait states and leaves prefetch and caches off: without them every jump waits for the flash. Caches may be reset
+/// only while they are off.
+fn switch_flash_accelerator_on() {
+    pac::FLASH.acr().modify(|w| {
+        w.set_icen(false);
+        w.set_dcen(false);
+    });
+    pac::FLASH.acr().modify(|w| {
+        w.set_icrst(true);
+        w.set_dcrst(true);
+    });
+    pac::FLASH.acr().modify(|w| {
+        w.set_icrst(false);
+        w.set_dcrst(false);
+    });
+    pac::FLASH.acr().modify(|w| {
+        w.set_prften(true);
+        w.set_icen(true);
+        w.set_dcen(true);
+    });
+}

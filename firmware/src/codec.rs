@@ -1,0 +1,77 @@
+//! The CS43L22 headphone codec over I2C (datasheet DS792, sections 4.9 to 4.11 and 7).
+
+use embassy_stm32::gpio::Output;
+use embassy_stm32::i2c::{self, I2c, Master};
+use embassy_stm32::mode::Blocking;
+use embassy_time::{Duration, block_for};
+
+const ADDRESS: u8 = 0x4A;
+
+/// Register 0x01: chip id in bits 7 to 3.
+const ID: u8 = 0x01;
+const CHIP_ID: u8 = 0b11100 << 3;
+
+/// What is written before power-up, in order: datasheet section 4.11 (required initialisation settings), then headphones on by their pin
+/// speakers off, clock found by the codec, I2S of up to 24 bits, and the headphones' volume 12 dB down.
+const BEFORE_POWER_UP: [(u8, u8); 11] = [
+    (0x02, 0x01),
+    (0x00, 0x99),
+    (0x47, 0x80),
+    (0x32, 0x80),
+    (0x32, 0x00),
+    (0x00, 0x00),
+    (0x04, 0xAF),
+    (0x05, 0x81),
+    (0x06, 0x04),
+    (0x22, 0xE8),
+    (0x23, 0xE8),
+];
+const POWER_UP: (u8, u8) = (0x02, 0x9E);
+
+/// Why the codec does not play.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
+pub enum Error {
+    /// It did not acknowledge register `register`: is it powered and wired?
+    NotAnswering {
+        /// The register that was asked for.
+        register: u8,
+        /// What the bus says.
+        bus: i2c::Error,
+    },
+    /// Another chip answers at its address.
+    WrongChip {
+        /// What register 0x01 holds.
+        id: u8,
+    },
+}
+
+/// Starts the codec: release the reset, write the settings, power up.
+///
+/// # Errors
+/// [`Error`]; the codec is then held in reset, silent.
+pub fn start(mut bus: I2c<'static, Blocking, Master>, mut reset: Output<'static>) -> Result<(), Error> {
+    reset.set_low();
+    block_for(Duration::from_millis(1));
+    reset.set_high();
+    block_for(Duration::from_millis(1));
+    let started = write_settings(&mut bus);
+    if started.is_err() {
+        reset.set_low();
+    }
+    // The pin stays driven: released it would float.
+    core::mem::forget(reset);
+    started
+}
+
+fn write_settings(bus: &mut I2c<'static, Blocking, Master>) -> Result<(), Error> {
+    let mut id = [0];
+    bus.blocking_write_read(ADDRESS, &[ID], &mut id).map_err(|bus| Error::NotAnswering { register: ID, bus })?;
+    let [id] = id;
+    if id & 0xF8 != CHIP_ID {
+        return Err(Error::WrongChip { id });
+    }
+    for (register, value) in BEFORE_POWER_UP.into_iter().chain([POWER_UP]) {
+        bus.blocking_write(ADDRESS, &[register, value]).map_err(|bus| Error::NotAnswering { register, bus })?;
+    }
+    Ok(())
+}

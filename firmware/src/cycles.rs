@@ -1,0 +1,15 @@
+//! The core's cycle counter (DWT CYCCNT): wraps every 25 s at 168 MHz.
+
+use cortex_m::Peripherals;
+use cortex_m::peripheral::DWT;
+
+/// Starts the counter.
+pub fn start(core: &mut Peripherals) {
+    core.DCB.enable_trace();
+    core.DWT.enable_cycle_counter();
+}
+
+/// Core cycles, modulo 2^32.
+pub fn now() -> u32 {
+    DWT::cycle_count()
+}

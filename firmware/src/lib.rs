@@ -1,0 +1,21 @@
+#![no_std]
+#![doc = "Malleus on a board: piezos and buttons in, I2S out."]
+
+pub mod audio;
+pub mod board;
+pub mod clock;
+pub mod codec;
+pub mod counters;
+pub mod cycles;
+pub mod faults;
+pub mod input;
+pub mod kits;
+pub mod owned;
+mod queue;
+pub mod refusal;
+pub mod restart;
+pub mod tasks;
+pub mod watchdog;
+
+#[cfg(all(feature = "stm32f407g-disc1", feature = "blackpill-f411"))]
+compile_error!("choose one board: --no-default-features --features blackpill-f411, or the default");

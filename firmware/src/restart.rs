@@ -1,0 +1,69 @@
+//! The end: silence, a word about why, and a fresh start.
+
+use core::panic::PanicInfo;
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use cortex_m::peripheral::SCB;
+use cortex_m_rt::{ExceptionFrame, exception};
+use embassy_stm32::pac::RCC;
+
+use crate::{audio, board};
+
+/// Why the chip started.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
+pub enum Cause {
+    /// Power came.
+    PowerOn,
+    /// The reset pin, or a programmer.
+    Pin,
+    /// The watchdog: sound had stopped.
+    Watchdog,
+    /// The program itself, after a panic or a fault.
+    Program,
+}
+
+impl Cause {
+    /// Reads and clears the chip's reset flags.
+    pub fn take() -> Self {
+        let flags = RCC.csr().read();
+        RCC.csr().modify(|w| w.set_rmvf(true));
+        if flags.wdgrstf() || flags.wwdgrstf() {
+            Self::Watchdog
+        } else if flags.sftrstf() {
+            Self::Program
+        } else if flags.porrstf() || flags.borrstf() {
+            Self::PowerOn
+        } else {
+            Self::Pin
+        }
+    }
+}
+
+static ENDING: AtomicBool = AtomicBool::new(false);
+
+/// Silence first, then a word, then a fresh start. What goes wrong on the way does not come back here.
+fn end(tell: impl FnOnce()) -> ! {
+    cortex_m::interrupt::disable();
+    board::mute();
+    audio::i2s::silence_now();
+    if !ENDING.swap(true, Ordering::Relaxed) {
+        tell();
+    }
+    SCB::sys_reset()
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    end(|| defmt::error!("panic: {}; muted, starting again", defmt::Display2Format(info)))
+}
+
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    let (at, from) = (frame.pc(), frame.lr());
+    end(|| defmt::error!("hard fault at {=u32:#010x}, called from {=u32:#010x}; muted, starting again", at, from))
+}
+
+#[exception]
+unsafe fn DefaultHandler(interrupt: i16) {
+    end(|| defmt::error!("interrupt {=i16} came and nobody serves it; muted, starting again", interrupt))
+}

@@ -1,0 +1,153 @@
+//! What can wait: the log, the report, the LEDs, the watchdog's food.
+
+use dsp_core::event::{Action, Event};
+use dsp_core::table::Kit;
+use embassy_stm32::gpio::Output;
+use embassy_time::{Instant, Timer};
+
+use crate::audio::{CYCLES_PER_HALF, Line, Log};
+use crate::board::LEDS;
+use crate::faults::{self, Fault};
+use crate::{counters, watchdog};
+
+/// How often the log looks for lines, ms.
+const LOG_EVERY_MS: u64 = 2;
+/// How often the watchdog may be fed, ms.
+const FEED_EVERY_MS: u64 = 20;
+/// How often the meter is set, ms.
+const METER_EVERY_MS: u64 = 20;
+/// How long a passing fault is shown, s.
+const SHOW_S: u64 = 5;
+
+/// Tells what the audio interrupt has to tell. A played event has the form of an events file: behind `event` stand sample, pad, velocity, position,
+/// striker and action.
+#[embassy_executor::task]
+pub async fn log(mut lines: Log, kit: Kit<'static>) {
+    let (mut sound_until, mut adc_until) = (Instant::MIN, Instant::MIN);
+    loop {
+        while let Some(line) = lines.take() {
+            let shown_until = Instant::now() + embassy_time::Duration::from_secs(SHOW_S);
+            match line {
+                Line::Event(event) => tell(&event, &kit),
+                Line::PiezoFault { channel, fault } => {
+                    faults::set(Fault::Piezo, true);
+                    defmt::error!("piezo {=u8}: {}", channel, defmt::Display2Format(&fault));
+                }
+                Line::PiezoRecovered { channel } => {
+                    faults::set(Fault::Piezo, false);
+                    defmt::info!("piezo {=u8}: well again", channel);
+                }
+                Line::Missed { halves } => {
+                    sound_until = shown_until;
+                    defmt::warn!("audio: {=u32} halves missed", halves);
+                }
+                Line::StreamRestarted => {
+                    sound_until = shown_until;
+                    defmt::error!("I2S: DMA transfer error, stream started anew");
+                }
+                Line::AdcRestarted => {
+                    adc_until = shown_until;
+                    defmt::error!("ADC: overrun or DMA error, sampling started anew");
+                }
+            }
+        }
+        let now = Instant::now();
+        faults::set(Fault::Sound, now < sound_until);
+        faults::set(Fault::Adc, now < adc_until);
+        Timer::after_millis(LOG_EVERY_MS).await;
+    }
+}
+
+fn tell(event: &Event, kit: &Kit<'static>) {
+    let sample = event.time.first_frame();
+    let pad = kit.pads().nth(usize::from(event.pad));
+    let name = pad.map_or("", |pad| pad.name());
+    match event.action {
+        Action::Strike => {
+            let striker = pad.and_then(|pad| kit.strikers_of(pad).nth(usize::from(event.striker)));
+            let striker = striker.map_or("", |striker| striker.name());
+            defmt::info!(
+                "event {=u64},{=str},{=f32},{=f32},{=str},strike",
+                sample,
+                name,
+                event.velocity,
+                event.position,
+                striker
+            );
+        }
+        Action::Choke => defmt::info!("event {=u64},{=str},,,,choke", sample, name),
+        Action::Release => defmt::info!("event {=u64},{=str},,,,release", sample, name),
+        Action::Shed(groups) => defmt::info!("event {=u64},,,,,shed {=u16}", sample, groups),
+    }
+}
+
+/// Once a second: how the sound fares.
+#[embassy_executor::task]
+pub async fn report() {
+    let mut halves_before = 0;
+    loop {
+        Timer::after_secs(1).await;
+        let halves = counters::HALVES.get();
+        let busy = u64::from(counters::AUDIO_CYCLES.take()) * 1000;
+        let time = u64::from(CYCLES_PER_HALF) * u64::from(halves.wrapping_sub(halves_before)).max(1);
+        halves_before = halves;
+        defmt::info!(
+            "second: halves {=u32}, missed {=u32}, worst {=u32} of {=u32} cycles, load {=u32}/1000, strikes {=u32}, sheds {=u32}",
+            halves,
+            counters::MISSED_HALVES.get(),
+            counters::WORST_HALF_CYCLES.take(),
+            CYCLES_PER_HALF,
+            (busy / time) as u32,
+            counters::STRIKES.get(),
+            counters::SHEDS.get(),
+        );
+        defmt::info!(
+            "faults: stream restarts {=u32}, ADC restarts {=u32}, lost ADC frames {=u32}, late events {=u32}, refused events {=u32}, unlogged lines {=u32}",
+            counters::STREAM_ERRORS.get(),
+            counters::ADC_RESTARTS.get(),
+            counters::LOST_ADC_FRAMES.get(),
+            counters::LATE_EVENTS.get(),
+            counters::REFUSED_EVENTS.get(),
+            counters::UNLOGGED_LINES.get(),
+        );
+    }
+}
+
+/// Feeds the watchdog while halves are filled and none has been missed since it was last looked.
+#[embassy_executor::task]
+pub async fn feed() {
+    let (mut halves_before, mut missed_before) = (counters::HALVES.get(), counters::MISSED_HALVES.get());
+    loop {
+        Timer::after_millis(FEED_EVERY_MS).await;
+        let (halves, missed) = (counters::HALVES.get(), counters::MISSED_HALVES.get());
+        if halves != halves_before && missed == missed_before {
+            watchdog::feed();
+        }
+        (halves_before, missed_before) = (halves, missed);
+    }
+}
+
+/// Shows the level, each LED 12 dB; where there is a fault the last LED flashes its number instead.
+#[embassy_executor::task]
+pub async fn meter(mut leds: [Output<'static>; LEDS], light_high: bool) {
+    let mut step = 0;
+    loop {
+        // 2^23 is full scale, and 12 dB are two bits.
+        let bits = u32::BITS - counters::PEAK.take().leading_zeros();
+        let flashes = faults::flashes();
+        step = if flashes == 0 { 0 } else { (step + 1) % ((flashes + PAUSE_FLASHES) * FLASH_STEPS) };
+        for (index, led) in (1u32..).zip(leds.iter_mut()) {
+            let is_lit = match flashes > 0 && index == LEDS as u32 {
+                true => step / FLASH_STEPS < flashes && step % FLASH_STEPS < FLASH_STEPS / 2,
+                false => bits + 2 * (LEDS as u32 - index) >= 22,
+            };
+            led.set_level((is_lit == light_high).into());
+        }
+        Timer::after_millis(METER_EVERY_MS).await;
+    }
+}
+
+/// Steps of the meter from one flash to the next: 400 ms.
+const FLASH_STEPS: u32 = 20;
+/// Between two numbers, in flashes.
+const PAUSE_FLASHES: u32 = 3;

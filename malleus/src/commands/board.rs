@@ -1,0 +1,239 @@
+//! `malleus board run`: an unmodified firmware image on the virtual board.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand, ValueEnum};
+use virtual_board::{Board, BoardError, CycleCase, Fault, PiezoSignal, Press, Report, Setup, VirtualBoard};
+
+use super::{CommandError, print, print_json, progress};
+
+/// What `malleus board` can do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum BoardCommand {
+    /// Run a firmware image on a virtual board: its sound as a WAV file, its log, and where its cycles went
+    Run(RunArguments),
+}
+
+/// Arguments of `malleus board run`.
+#[derive(Debug, Args)]
+pub(crate) struct RunArguments {
+    /// The ELF file that cargo built in firmware/
+    image: PathBuf,
+    /// The board: stm32f407g-disc1 or blackpill-f411
+    #[arg(long, value_parser = parse_board, default_value = "stm32f407g-disc1")]
+    board: Board,
+    /// A signal at a piezo's pin (-1 to 1 is 0 V to the supply): a WAV file; piezos count from 0, the first one unless said
+    #[arg(long, value_name = "[PIEZO=]HIT.wav")]
+    piezo: Vec<String>,
+    /// When these signals begin, in seconds after power-on: the firmware needs some time to start
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.5, value_parser = parse_seconds)]
+    piezo_start: f64,
+    /// Press the button: when, for how long (0.1 s unless said), and for how long its contacts bounce, in seconds
+    #[arg(long, value_name = "AT[,FOR[,BOUNCE]]", value_parser = parse_press)]
+    button: Vec<Press>,
+    /// Something that goes wrong: adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT, codec-silent, core-stalled@AT,FOR,
+    /// audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, panic@AT, hard-fault@AT
+    #[arg(long, value_name = "FAULT[@AT,...]", value_parser = parse_fault)]
+    fault: Vec<Fault>,
+    /// A binary kit in the board's kit sector (malleus kit build makes one) [default: erased flash]
+    #[arg(long, value_name = "KIT.bin")]
+    kit: Option<PathBuf>,
+    /// Seconds to run, from power-on [default: until the signals and presses are over, and 2 s]
+    #[arg(long, value_parser = parse_seconds)]
+    seconds: Option<f64>,
+    /// The column of the cycle model that is the board's time
+    #[arg(long, value_enum, default_value = "nominal")]
+    cycles: Cycles,
+    /// Add the waits of flash behind its accelerator
+    #[arg(long)]
+    flash_waits: bool,
+    /// Where the sound that left the I2S goes, from its first frame on
+    #[arg(short, long, value_name = "OUT.wav")]
+    output: Option<PathBuf>,
+    /// What is printed: text for people, json for programs (docs/json.md)
+    #[arg(long, value_enum, default_value = "text")]
+    report: Form,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Cycles {
+    Best,
+    Nominal,
+    Worst,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
+enum Form {
+    Text,
+    Json,
+}
+
+/// Seconds after the last signal or press.
+const TAIL_S: f64 = 2.0;
+/// The longest run: an hour.
+const LONGEST_S: f64 = 3600.0;
+
+pub(crate) fn run(command: &BoardCommand) -> Result<(), CommandError> {
+    let BoardCommand::Run(arguments) = command;
+    let elf = read(&arguments.image)?;
+    let kit = arguments.kit.as_deref().map(read).transpose()?.unwrap_or_default();
+    let piezos = arguments.piezo.iter().map(|piezo| signal(piezo, arguments.piezo_start));
+    let setup = Setup {
+        cycles: match arguments.cycles {
+            Cycles::Best => CycleCase::Best,
+            Cycles::Nominal => CycleCase::Nominal,
+            Cycles::Worst => CycleCase::Worst,
+        },
+        flash_waits: arguments.flash_waits,
+        piezos: piezos.collect::<Result<Vec<_>, BoardError>>()?,
+        presses: arguments.button.clone(),
+        faults: arguments.fault.clone(),
+        kit,
+    };
+    let seconds = arguments.seconds.unwrap_or_else(|| length_s(&setup)).min(LONGEST_S);
+    let mut board = VirtualBoard::new(arguments.board, &elf, &setup)?;
+    let bar = progress((seconds * 1000.0) as u64, "running");
+    let mut reached = 0.0;
+    let mut ended = Ok(());
+    while reached < seconds && ended.is_ok() {
+        reached = (reached + 0.05_f64).min(seconds);
+        ended = board.run_until(reached);
+        bar.set_position((reached * 1000.0) as u64);
+    }
+    bar.finish_and_clear();
+    if let Some(output) = &arguments.output
+        && (ended.is_ok() || !board.streams().is_empty())
+    {
+        board.write_wav(output)?;
+    }
+    let report = board.report()?;
+    match arguments.report {
+        Form::Json => print_json(&report)?,
+        Form::Text => print(&text(&report))?,
+    }
+    Ok(ended?)
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, CommandError> {
+    std::fs::read(path).map_err(|error| CommandError::Unreadable { file: path.display().to_string(), error })
+}
+
+fn signal(argument: &str, start_s: f64) -> Result<PiezoSignal, BoardError> {
+    let numbered = argument.split_once('=').and_then(|(piezo, path)| Some((piezo.parse().ok()?, path)));
+    let (piezo, path) = numbered.unwrap_or((0, argument));
+    PiezoSignal::from_wav(piezo, start_s, Path::new(path))
+}
+
+fn length_s(setup: &Setup) -> f64 {
+    let signals = setup.piezos.iter().map(|signal| signal.start_s + signal.samples.len() as f64 / signal.rate_hz);
+    let presses = setup.presses.iter().map(|press| press.at_s + press.for_s + press.bounce_s);
+    signals.chain(presses).fold(0.0, f64::max) + TAIL_S
+}
+
+fn text(report: &Report) -> String {
+    let mut text = String::new();
+    let mhz = report.core_hz / 1e6;
+    let microseconds = |cycles: f64| cycles / mhz;
+    for line in &report.log {
+        let _ = writeln!(text, "{:10.4} s  {:5} {}", line.at_s, line.level, line.message);
+    }
+    let waits = if report.flash_waits { " with the waits of flash" } else { "" };
+    let _ =
+        writeln!(text, "{}: {:.3} s at {mhz} MHz, {} cycles{waits}", report.board, report.seconds, report.cycle_case);
+    let stack = report.stack_bytes.map_or("unknown".to_owned(), |bytes| format!("{bytes} bytes"));
+    let _ = writeln!(
+        text,
+        "flash {} bytes, static RAM {} bytes, stack {stack}; {} instructions, idle {:.1} %",
+        report.flash_bytes,
+        report.static_ram_bytes,
+        report.instructions,
+        100.0 * report.idle_share
+    );
+    let audio = &report.audio;
+    let frames: usize = audio.streams.iter().map(|stream| stream.frames).sum();
+    let underruns: u64 = audio.streams.iter().map(|stream| stream.underruns).sum();
+    let rate = audio.rate.as_deref().unwrap_or("no rate");
+    let _ = writeln!(
+        text,
+        "I2S: {rate} Hz, {frames} frames in {} streams, {underruns} underruns; {} halves, {} late, worst load {:.1} %",
+        audio.streams.len(),
+        audio.halves,
+        audio.late_halves,
+        100.0 * audio.worst_load.unwrap_or(0.0)
+    );
+    let _ = writeln!(text, "ADC: {} sequences, {} triggers lost", report.adc.sequences, report.adc.lost_triggers);
+    for interrupt in &report.interrupts {
+        let latency = interrupt
+            .worst_latency_cycles
+            .map_or(String::new(), |cycles| format!(", latency at most {:.2} us", microseconds(cycles as f64)));
+        let _ = writeln!(
+            text,
+            "{:14} {:8} times, {:5.1} % of the time, at most {:.1} us{latency}",
+            interrupt.name,
+            interrupt.count,
+            100.0 * interrupt.cycles as f64 / (report.seconds * report.core_hz),
+            microseconds(interrupt.worst_span_cycles as f64)
+        );
+    }
+    for reset in &report.resets {
+        let _ = writeln!(text, "{:10.4} s  reset: {}", reset.at_s, reset.cause);
+    }
+    for mute in &report.mutes {
+        let _ = writeln!(text, "{:10.4} s  converter {}", mute.at_s, if mute.mute { "mute" } else { "audible" });
+    }
+    let _ = writeln!(text, "LEDs: {} changes", report.leds.len());
+    for warning in report.codec_complaints.iter().chain(&report.warnings) {
+        let _ = writeln!(text, "warning: {warning}");
+    }
+    text
+}
+
+fn parse_board(name: &str) -> Result<Board, String> {
+    name.parse().map_err(|error: BoardError| error.to_string())
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| (0.0..=LONGEST_S).contains(seconds));
+    seconds.ok_or_else(|| format!("must be from 0 to {LONGEST_S} seconds"))
+}
+
+fn parse_press(text: &str) -> Result<Press, String> {
+    let times = text.split(',').map(parse_seconds).collect::<Result<Vec<f64>, String>>()?;
+    match times[..] {
+        [at_s] => Ok(Press { at_s, for_s: 0.1, bounce_s: 0.0 }),
+        [at_s, for_s] => Ok(Press { at_s, for_s, bounce_s: 0.0 }),
+        [at_s, for_s, bounce_s] => Ok(Press { at_s, for_s, bounce_s }),
+        _ => Err("give when, for how long and how long it bounces, such as 1.5,0.2,0.005".to_owned()),
+    }
+}
+
+fn parse_fault(text: &str) -> Result<Fault, String> {
+    let (name, rest) = text.split_once('@').unwrap_or((text, ""));
+    let parts: Vec<&str> = rest.split(',').filter(|part| !part.is_empty()).collect();
+    let at = |index: usize| {
+        let part = parts.get(index).ok_or_else(|| format!("{name} needs more times, such as {name}@1.5,0.1"))?;
+        parse_seconds(part)
+    };
+    Ok(match (name, parts.len()) {
+        ("codec-silent", 0) => Fault::CodecSilent,
+        ("adc-overrun", 1) => Fault::AdcOverrun { at_s: at(0)? },
+        ("audio-dma-error", 1) => Fault::AudioDmaError { at_s: at(0)? },
+        ("adc-dma-error", 1) => Fault::AdcDmaError { at_s: at(0)? },
+        ("core-stalled", 2) => Fault::CoreStalled { at_s: at(0)?, for_s: at(1)? },
+        ("audio-interrupt-lost", 2) => Fault::AudioInterruptLost { at_s: at(0)?, for_s: at(1)? },
+        ("piezo-at-rail", 2) => Fault::PiezoAtRail {
+            at_s: at(0)?,
+            piezo: parts[1].parse().map_err(|_| "the piezo must be a number from 0 on".to_owned())?,
+        },
+        ("panic", 1) => Fault::Panic { at_s: at(0)? },
+        ("hard-fault", 1) => Fault::HardFault { at_s: at(0)? },
+        _ => {
+            return Err(
+                "must be adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT, codec-silent, core-stalled@AT,FOR, \
+                        audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, panic@AT or hard-fault@AT"
+                    .to_owned(),
+            );
+        }
+    })
+}

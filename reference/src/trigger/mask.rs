@@ -1,0 +1,45 @@
+//! What a strike's own ringing may do without being a strike.
+
+use super::TICK_FRAMES;
+
+/// Ticks that the follower lags, so that a rise does not mask itself; and how far back the crest looks.
+const LATE_TICKS: usize = 2;
+const PAST_TICKS: usize = 7;
+/// Ticks for which a loud envelope is remembered.
+const LOUD_TICKS: usize = 8;
+
+pub(super) struct Mask {
+    /// Peaks of the envelope, decaying.
+    pub(super) level: f64,
+    /// The largest envelope of 2 to 6 ticks ago.
+    pub(super) crest: f64,
+    past: Vec<f64>,
+    loud_ticks: usize,
+}
+
+impl Mask {
+    pub(super) fn new() -> Self {
+        Self { level: 0.0, crest: 0.0, past: vec![0.0; PAST_TICKS], loud_ticks: 0 }
+    }
+
+    pub(super) fn struck(&mut self, envelope: f64) {
+        self.level = self.level.max(envelope);
+        self.loud_ticks = LOUD_TICKS;
+    }
+
+    pub(super) fn is_loud(&self) -> bool {
+        self.loud_ticks > 0
+    }
+
+    pub(super) fn tick(&mut self, envelope: f64, quiet: f64, decay_per_s: f64, rate_hz: f64) {
+        self.level *= (-decay_per_s * TICK_FRAMES as f64 / rate_hz).exp();
+        self.past.insert(0, envelope);
+        self.past.truncate(PAST_TICKS);
+        self.loud_ticks = if envelope > quiet / 2.0 { LOUD_TICKS } else { self.loud_ticks.saturating_sub(1) };
+        self.crest = 0.0;
+        if self.is_loud() {
+            self.level = self.level.max(self.past[LATE_TICKS]);
+            self.crest = self.past[LATE_TICKS..].iter().copied().fold(0.0, f64::max);
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! One channel: conditioning, envelope, onset, scan.
+
+use super::baseline::Baseline;
+use super::mask::Mask;
+use super::settings::PiezoSettings;
+use super::{HALF_RANGE_COUNTS, LAST_COUNT, TICK_FRAMES};
+
+/// By how much the envelope must exceed the mask, the noise and their feet.
+const OVER_MASK: f64 = 1.4;
+const OVER_MASK_FOOT: f64 = 1.0625;
+const OVER_NOISE: f64 = 2.4;
+const OVER_NOISE_FOOT: f64 = 1.5;
+const FOOT_COUNTS: f64 = 0.5;
+/// An onset is at most so many frames before it is noticed.
+const LONGEST_LAG: usize = 24;
+const WARM_UP_TICKS: usize = 47;
+/// Ticks after an onset before the noise may rise.
+const QUIET_TICKS: usize = 225;
+/// What noise adds to a maximum, in mean envelopes.
+const NOISE_IN_PEAK: f64 = 1.5;
+
+/// A strike that is being scanned.
+pub(super) struct Scan {
+    pub(super) decide_at: usize,
+    pub(super) peak: f64,
+    pub(super) envelope: f64,
+    pub(super) saturated: bool,
+    before: Option<f64>,
+    previous: Option<f64>,
+}
+
+pub(super) struct Piezo {
+    settings: PiezoSettings,
+    rate_hz: f64,
+    baseline: Baseline,
+    mask: Mask,
+    pub(super) scan: Option<Scan>,
+    envelope: f64,
+    tick_envelope: f64,
+    noise: f64,
+    quiet_ticks: usize,
+    onset_level: f64,
+    foot_level: f64,
+    foot_frame: usize,
+    /// The largest magnitude since.
+    rise_peak: f64,
+    masked_ticks: usize,
+    warm_up_ticks: usize,
+    sum: f64,
+    hold: f64,
+}
+
+impl Piezo {
+    pub(super) fn new(settings: PiezoSettings, first_count: u16, rate_hz: f64) -> Self {
+        Self {
+            settings,
+            rate_hz,
+            baseline: Baseline::new(first_count.into(), rate_hz),
+            mask: Mask::new(),
+            scan: None,
+            envelope: 0.0,
+            tick_envelope: 0.0,
+            noise: 0.0,
+            quiet_ticks: QUIET_TICKS,
+            onset_level: f64::INFINITY,
+            foot_level: 0.0,
+            foot_frame: 0,
+            rise_peak: 0.0,
+            masked_ticks: 0,
+            warm_up_ticks: WARM_UP_TICKS,
+            sum: 0.0,
+            hold: 0.0,
+        }
+    }
+
+    fn scan_frames(&self) -> usize {
+        (self.settings.scan_time_s * self.rate_hz + 0.5) as usize
+    }
+
+    /// Takes one frame.
+    pub(super) fn push(&mut self, count: u16, frame: usize) {
+        let x = f64::from(count) - self.baseline.level;
+        self.baseline.step();
+        self.sum += f64::from(count);
+        self.envelope += (x.abs() - self.envelope) / 8.0;
+        if self.scan.is_some() || self.mask.is_loud() || self.envelope > self.foot_level {
+            self.tick_envelope = self.tick_envelope.max(self.envelope);
+        }
+        if self.scan.is_none() {
+            if self.envelope <= self.foot_level {
+                self.foot_frame = frame;
+                self.rise_peak = 0.0;
+            } else if self.envelope > self.onset_level {
+                let noticed = frame + 1;
+                let onset = self.foot_frame.max(noticed.saturating_sub(LONGEST_LAG));
+                self.scan = Some(Scan {
+                    decide_at: (onset + self.scan_frames()).max(noticed + TICK_FRAMES),
+                    peak: self.rise_peak,
+                    envelope: 0.0,
+                    saturated: false,
+                    before: None,
+                    previous: None,
+                });
+                self.quiet_ticks = 0;
+            }
+        }
+        if self.envelope > self.foot_level {
+            self.rise_peak = self.rise_peak.max(x.abs());
+        }
+        if let Some(scan) = &mut self.scan {
+            scan.saturated |= count == 0 || count >= LAST_COUNT;
+            scan.envelope = scan.envelope.max(self.envelope);
+            scan.peak = scan.peak.max(x.abs());
+            if let (Some(before), Some(middle)) = (scan.before, scan.previous) {
+                scan.peak = scan.peak.max(vertex(before, middle, x));
+            }
+            (scan.before, scan.previous) = (scan.previous, Some(x));
+        }
+    }
+
+    /// The end of a tick.
+    pub(super) fn tick(&mut self) {
+        let mean = std::mem::take(&mut self.sum) / TICK_FRAMES as f64;
+        self.baseline.tick(mean, self.scan.is_none());
+        self.warm_up_ticks = self.warm_up_ticks.saturating_sub(1);
+        self.masked_ticks = self.masked_ticks.saturating_sub(1);
+        self.hold -= self.hold / 32.0;
+        if self.scan.is_none() {
+            self.quiet_ticks += 1;
+            let error = self.envelope - self.noise;
+            if error < 0.0 || self.quiet_ticks > QUIET_TICKS {
+                self.noise += error / if self.warm_up_ticks > 0 { 8.0 } else { 64.0 };
+            }
+        }
+        let quiet = (self.settings.threshold * HALF_RANGE_COUNTS / 2.0).max(OVER_NOISE * self.noise);
+        let envelope = std::mem::replace(&mut self.tick_envelope, self.envelope).max(self.envelope);
+        self.mask.tick(envelope, quiet, self.settings.mask_decay_per_s, self.rate_hz);
+        let is_deaf = self.masked_ticks > 0 || self.warm_up_ticks > 0;
+        if is_deaf {
+            self.rise_peak = 0.0;
+        }
+        self.onset_level = if is_deaf { f64::INFINITY } else { quiet.max(OVER_MASK * self.mask.level) };
+        let foot = (OVER_NOISE_FOOT * self.noise + FOOT_COUNTS).max(OVER_MASK_FOOT * self.mask.crest);
+        self.foot_level = foot.min(self.onset_level);
+    }
+
+    /// The peak of the scan in counts, less what noise adds to it.
+    pub(super) fn scanned_peak(&self) -> f64 {
+        self.scan.as_ref().map_or(0.0, |scan| (scan.peak - NOISE_IN_PEAK * self.noise).max(0.0))
+    }
+
+    /// What the other pads may have got of this one's loudness.
+    pub(super) fn recent_peak(&self) -> f64 {
+        let scanned = self.scan.as_ref().map_or(0.0, |scan| scan.peak * if scan.saturated { 2.0 } else { 1.0 });
+        self.hold.max(scanned).max(1.5 * self.envelope)
+    }
+
+    /// Ends the scan and masks the channel: after a strike for the mask time, after anything else only as far as its level goes.
+    pub(super) fn end_scan(&mut self, was_strike: bool) {
+        self.hold = self.recent_peak();
+        let envelope = self.scan.take().map_or(self.envelope, |scan| scan.envelope);
+        self.mask.struck(envelope);
+        let mask_frames = (self.settings.mask_time_s * self.rate_hz + 0.5) as usize;
+        let masked_ticks = mask_frames.saturating_sub(self.scan_frames()) / TICK_FRAMES + 1;
+        self.masked_ticks = if was_strike { masked_ticks } else { 0 };
+        self.rise_peak = 0.0;
+        self.onset_level = f64::INFINITY;
+    }
+}
+
+/// Magnitude of the extremum of the parabola through three samples, if the middle one is the largest.
+fn vertex(before: f64, middle: f64, after: f64) -> f64 {
+    let sign = middle.signum();
+    let (before, middle, after) = (before * sign, middle * sign, after * sign);
+    let curvature = 2.0 * middle - before - after;
+    if middle < before || middle < after || curvature <= 0.0 {
+        return 0.0;
+    }
+    middle + (after - before).powi(2) / (8.0 * curvature)
+}

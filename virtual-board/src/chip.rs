@@ -1,0 +1,96 @@
+//! What the two microcontrollers differ in.
+
+use crate::frequency::Frequency;
+
+/// A microcontroller of the STM32F4 family.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Chip {
+    /// STM32F407VG (reference manual RM0090).
+    Stm32F407,
+    /// STM32F411CE (reference manual RM0383).
+    Stm32F411,
+}
+
+/// The highest frequencies of the buses, core first.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    pub(crate) hclk: Frequency,
+    pub(crate) pclk1: Frequency,
+    pub(crate) pclk2: Frequency,
+}
+
+impl Chip {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Chip::Stm32F407 => "STM32F407VG",
+            Chip::Stm32F411 => "STM32F411CE",
+        }
+    }
+
+    /// The flash sector that is kept for a kit: its first address and its length (128 KB).
+    pub fn kit_sector(self) -> (u32, u32) {
+        match self {
+            Chip::Stm32F407 => (0x080e_0000, 128 << 10),
+            Chip::Stm32F411 => (0x0806_0000, 128 << 10),
+        }
+    }
+
+    /// Bytes of flash.
+    pub fn flash_bytes(self) -> u32 {
+        match self {
+            Chip::Stm32F407 => 1 << 20,
+            Chip::Stm32F411 => 512 << 10,
+        }
+    }
+
+    /// Bytes of RAM that DMA reaches.
+    pub fn ram_bytes(self) -> u32 {
+        128 << 10
+    }
+
+    /// Bytes of core-coupled memory.
+    pub fn ccm_bytes(self) -> u32 {
+        match self {
+            Chip::Stm32F407 => 64 << 10,
+            Chip::Stm32F411 => 0,
+        }
+    }
+
+    /// DBGMCU_IDCODE.
+    pub(crate) fn identity(self) -> u32 {
+        match self {
+            Chip::Stm32F407 => 0x1007_6413,
+            Chip::Stm32F411 => 0x1000_6431,
+        }
+    }
+
+    pub(crate) fn limits(self) -> Limits {
+        let mhz = |mhz: u64| Frequency::hz(mhz * 1_000_000);
+        match self {
+            Chip::Stm32F407 => Limits { hclk: mhz(168), pclk1: mhz(42), pclk2: mhz(84) },
+            Chip::Stm32F411 => Limits { hclk: mhz(100), pclk1: mhz(50), pclk2: mhz(100) },
+        }
+    }
+
+    /// The wait states that flash needs at that core clock, supply 2.7 to 3.6 V (RM0090 table 10, RM0383 table 5).
+    pub(crate) fn wait_states(self, hclk: Frequency) -> u32 {
+        let above = match self {
+            Chip::Stm32F407 => &[30, 60, 90, 120, 150][..],
+            Chip::Stm32F411 => &[30, 64, 90][..],
+        };
+        above.iter().filter(|&&mhz| hclk > Frequency::hz(mhz * 1_000_000)).count() as u32
+    }
+
+    /// The highest core clock that the regulator's scale (PWR_CR.VOS) supports.
+    pub(crate) fn hclk_at_scale(self, vos: u32) -> Frequency {
+        let mhz = match (self, vos) {
+            (Chip::Stm32F407, 0) => 144,
+            (Chip::Stm32F407, _) => 168,
+            (Chip::Stm32F411, 3) => 100,
+            (Chip::Stm32F411, 2) => 84,
+            (Chip::Stm32F411, _) => 64,
+        };
+        Frequency::hz(mhz * 1_000_000)
+    }
+}

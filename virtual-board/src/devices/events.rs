@@ -1,0 +1,248 @@
+//! What happens when time passes: the devices' events in the order of their times, and the DMA transfers that they ask for.
+
+use virtual_core::{CCM_ADDRESS, CCM_BYTES, Machine};
+
+use super::dma::{COMPLETE, HALF, Item};
+use super::gpio::Mode;
+use super::recording::AudioHalf;
+use super::{Context, Devices, Problem};
+
+/// Codes of the 12-bit ADC: the middle, and from there to full scale.
+const MIDDLE: f32 = 2048.0;
+const SCALE: f32 = 2047.0;
+
+/// A source of DMA requests and what serves it: controller, stream, channel (RM0090 tables 42 and 43).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Request {
+    Adc,
+    /// SPI2 or SPI3, 0 or 1.
+    I2s(u8),
+}
+
+impl Request {
+    fn streams(self) -> &'static [(u8, u8, u32)] {
+        match self {
+            Request::Adc => &[(1, 0, 0), (1, 4, 0)],
+            Request::I2s(0) => &[(0, 4, 0)],
+            Request::I2s(_) => &[(0, 5, 0), (0, 7, 0)],
+        }
+    }
+}
+
+impl Devices {
+    /// The cycle of the next event of any device.
+    pub(crate) fn next_event(&self) -> u64 {
+        let context = self.context(0);
+        let timers = self.timers.iter().map(|timer| timer.next_event());
+        let i2s = self.i2s.iter().map(|i2s| i2s.next_event());
+        let others = [self.adc.next_event(&context), self.i2c.next_event()];
+        timers.chain(i2s).chain(others).min().unwrap_or(u64::MAX)
+    }
+
+    /// The cycle at which the watchdog resets the chip.
+    pub(crate) fn watchdog_due(&self) -> u64 {
+        self.watchdog.next_event()
+    }
+
+    fn context(&self, now: u64) -> Context<'_> {
+        Context { now, seconds: self.seconds(now), clocks: &self.clocks }
+    }
+
+    /// Takes all events up to `now` and serves the DMA.
+    pub(crate) fn advance(&mut self, now: u64, machine: &mut Machine) -> Result<(), (&'static str, Problem)> {
+        self.serve_dma(now, machine)?;
+        loop {
+            let due = self.next_event();
+            if due > now {
+                return Ok(());
+            }
+            self.fire(due)?;
+            self.serve_dma(due, machine)?;
+        }
+    }
+
+    fn fire(&mut self, due: u64) -> Result<(), (&'static str, Problem)> {
+        let clocks = self.clocks;
+        let context = Context { now: due, seconds: self.seconds(due), clocks: &clocks };
+        for index in 0..self.timers.len() {
+            if self.timers[index].next_event() <= due {
+                let mut outputs = Vec::new();
+                self.timers[index].fire(&context, |output| outputs.push(output));
+                for output in outputs {
+                    self.adc.triggered(index as u8 + 2, output, &context).map_err(|problem| ("ADC1", problem))?;
+                }
+            }
+        }
+        if self.adc.next_event(&context) <= due {
+            let mut adc = std::mem::take(&mut self.adc);
+            let mut warning = None;
+            adc.fire(|channel| self.code(channel, context.seconds, &mut warning));
+            self.adc = adc;
+            if let Some(warning) = warning {
+                self.recording.warn(&warning);
+            }
+        }
+        for index in 0..self.i2s.len() {
+            if self.i2s[index].next_event() <= due {
+                let wired = index + 2 == usize::from(self.wiring.i2s);
+                let connected = wired && self.audio_is_connected();
+                self.i2s[index].fire(|| connected);
+                if !connected {
+                    self.recording.warn(
+                        "the I2S runs, its pins do not have its alternate function or are not those of the board",
+                    );
+                }
+            }
+        }
+        if self.i2c.next_event() <= due {
+            self.fire_i2c(&context);
+        }
+        Ok(())
+    }
+
+    fn fire_i2c(&mut self, context: &Context<'_>) {
+        let pins = self.wiring.codec;
+        let connected = pins.is_some_and(|pins| self.is_alternate(pins.clock, 4) && self.is_alternate(pins.data, 4));
+        let master_clock_runs = self.master_clock_runs();
+        let codec = self.codec.as_mut().filter(|_| connected);
+        self.i2c.fire(codec, master_clock_runs, context);
+        self.mute_changed(context.now);
+    }
+
+    /// The 12-bit code of a channel of the ADC; 0 where no piezo is wired or its pin is not analog.
+    fn code(&self, channel: u8, seconds: f64, warning: &mut Option<String>) -> u16 {
+        let Some(piezo) = self.wiring.piezos.iter().position(|piezo| piezo.0 == channel) else {
+            *warning = Some(format!("ADC1 converts channel {channel}, to which nothing is wired"));
+            return 0;
+        };
+        let (_, pin) = self.wiring.piezos[piezo];
+        let mode = self.ports[usize::from(pin.port)].mode(pin.number);
+        if mode != Mode::Analog {
+            *warning =
+                Some(format!("ADC1 converts {pin}, a piezo's pin, while it is {mode} and not analog; it reads 0"));
+            return 0;
+        }
+        if self.armed.piezos_at_rail & 1 << piezo != 0 {
+            return 0xfff;
+        }
+        let level: f32 =
+            self.piezos.iter().filter(|signal| signal.piezo == piezo).map(|signal| signal.at(seconds)).sum();
+        (MIDDLE + level * SCALE).round().clamp(0.0, 4095.0) as u16
+    }
+
+    /// The stream that serves the board's I2S, if one is enabled.
+    pub(crate) fn audio_stream(&self) -> Option<(u8, u8)> {
+        self.stream(Request::I2s(self.wiring.i2s - 2))
+    }
+
+    fn stream(&self, request: Request) -> Option<(u8, u8)> {
+        let to_peripheral = request != Request::Adc;
+        let serving = request.streams().iter().find(|&&(controller, stream, channel)| {
+            let stream = &self.dma[usize::from(controller)].streams[usize::from(stream)];
+            stream.is_enabled() && stream.channel() == channel && stream.is_to_peripheral() == to_peripheral
+        });
+        serving.map(|&(controller, stream, _)| (controller, stream))
+    }
+
+    fn serve_dma(&mut self, now: u64, machine: &mut Machine) -> Result<(), (&'static str, Problem)> {
+        for request in [Request::Adc, Request::I2s(0), Request::I2s(1)] {
+            loop {
+                let asks = match request {
+                    Request::Adc => self.adc.requests_dma(),
+                    Request::I2s(index) => self.i2s[usize::from(index)].requests_dma(),
+                };
+                if !asks {
+                    break;
+                }
+                let Some((controller, stream)) = self.stream(request) else { break };
+                self.transfer(request, usize::from(controller), usize::from(stream), now, machine)
+                    .map_err(|problem| (if controller == 0 { "DMA1" } else { "DMA2" }, problem))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn transfer(
+        &mut self,
+        request: Request,
+        controller: usize,
+        stream: usize,
+        now: u64,
+        machine: &mut Machine,
+    ) -> Result<(), Problem> {
+        let is_audio = request == Request::I2s(self.wiring.i2s - 2);
+        if request == Request::Adc && std::mem::take(&mut self.armed.adc_overrun) {
+            self.adc.overrun();
+            return Ok(());
+        }
+        let fails = match request {
+            Request::Adc => std::mem::take(&mut self.armed.adc_dma_error),
+            _ => is_audio && std::mem::take(&mut self.armed.audio_dma_error),
+        };
+        let item = self.dma[controller].streams[stream].item();
+        // No DMA reaches the core-coupled memory.
+        let unreachable = item.memory.wrapping_sub(CCM_ADDRESS) < CCM_BYTES;
+        if unreachable {
+            self.recording.warn(&format!("a DMA stream reaches for {:#010x}, in the core-coupled memory", item.memory));
+        }
+        if fails || unreachable || !self.move_item(item, machine)? {
+            self.dma[controller].streams[stream].fail();
+            return Ok(());
+        }
+        let pending = self.dma[controller].streams[stream].flags & (HALF | COMPLETE) != 0;
+        let raised = self.dma[controller].streams[stream].moved();
+        if is_audio && raised != 0 {
+            self.recording.audio_halves.push(AudioHalf { cycle: now, late: pending });
+        }
+        if request == Request::Adc && raised & COMPLETE != 0 {
+            self.adc.dma_complete();
+        }
+        Ok(())
+    }
+
+    /// Whether the item could be moved: memory answered.
+    fn move_item(&mut self, item: Item, machine: &mut Machine) -> Result<bool, Problem> {
+        let mut bytes = [0; 4];
+        let width = item.bytes as usize;
+        if item.to_peripheral {
+            if machine.read(item.memory, &mut bytes[..width]).is_err() {
+                return Ok(false);
+            }
+            self.write(item.peripheral, u32::from_le_bytes(bytes))?;
+            return Ok(true);
+        }
+        let value = self.read(item.peripheral)?;
+        bytes.copy_from_slice(&value.to_le_bytes());
+        Ok(machine.write(item.memory, &bytes[..width]).is_ok())
+    }
+
+    /// Looks at what the pins do outside: EXTI, LEDs, the codec's reset and the mute pin.
+    pub(crate) fn pins_changed(&mut self, now: u64) {
+        let at_s = self.seconds(now);
+        let levels = self.exti_levels();
+        self.exti.edges(self.watched_levels, levels);
+        self.watched_levels = levels;
+        let lit = self.wiring.leds.iter().map(|led| {
+            let port = &self.ports[usize::from(led.pin.port)];
+            port.mode(led.pin.number) == Mode::Output && port.is_driven_high(led.pin.number) == led.lit_by_high
+        });
+        self.recording.leds_changed(at_s, lit);
+        if let (Some(pins), Some(codec)) = (self.wiring.codec, &mut self.codec) {
+            codec.set_reset_pin(self.ports[usize::from(pins.reset.port)].is_driven_high(pins.reset.number));
+        }
+        self.mute_changed(now);
+    }
+
+    /// The levels of the pins that EXTI's lines watch.
+    pub(super) fn exti_levels(&self) -> u32 {
+        let level = |line: u8| self.ports[usize::from(self.syscfg.port(line)).min(8)].levels() & 1 << line;
+        (0..16).map(level).sum()
+    }
+
+    fn mute_changed(&mut self, now: u64) {
+        let pin_is_low = |pin: super::Pin| !self.ports[usize::from(pin.port)].is_driven_high(pin.number);
+        let mute = self.codec.as_ref().is_some_and(|codec| !codec.sounds()) || self.wiring.mute.is_some_and(pin_is_low);
+        let at_s = self.seconds(now);
+        self.recording.mute_changed(at_s, mute);
+    }
+}

@@ -1,0 +1,214 @@
+//! SPI2 and SPI3 as I2S master transmitters (RM0090 section 28, RM0383 section 20). SPI proper is not modelled.
+//!
+//! Half-words leave a shift register that is refilled from the data register at each boundary; a stream begins with the first
+//! half-word after I2SE. If the data register is empty at a boundary, the last half-word is sent again and the slot goes on: the manuals name no
+//! flag for a master's underrun, and this is the reading that punishes a driver most (a late half-word arrives in the wrong slot).
+
+use super::{Access, Context, Problem, Unmodelled};
+use crate::frequency::{Frequency, Pace};
+
+const I2SE: u32 = 1 << 10;
+const I2SMOD: u32 = 1 << 11;
+const TXE: u32 = 1 << 1;
+const CHSIDE: u32 = 1 << 2;
+const BUSY: u32 = 1 << 7;
+const TXDMAEN: u32 = 1 << 1;
+
+/// One uninterrupted stretch of the I2S's output, as it stood on the data pin.
+#[derive(Debug, Clone)]
+pub struct Stream {
+    /// The core cycle at which the first bit of its first frame stood on the pin, counted since power-on.
+    pub start_cycle: u64,
+    /// The same in seconds.
+    pub start_s: f64,
+    /// Frames a second, exactly.
+    pub rate: Frequency,
+    /// Left and right, 32 bits left-justified whatever the width of the data.
+    pub frames: Vec<[i32; 2]>,
+    /// Half-words that were sent twice because none had come.
+    pub underruns: u64,
+    /// Frames that no pin carried, because its alternate function was another (they are recorded as zeros).
+    pub unconnected_frames: u64,
+}
+
+#[derive(Debug)]
+struct Running {
+    pace: Pace,
+    since: u64,
+    /// Half-words that have begun to leave.
+    boundaries: u64,
+    shift: u16,
+    frame: u64,
+}
+
+#[derive(Debug, Default)]
+pub(crate) struct I2s {
+    control: [u32; 2],
+    configuration: u32,
+    prescaler: u32,
+    data: Option<u16>,
+    running: Option<Running>,
+    /// All that has left the pins so far.
+    pub(crate) streams: Vec<Stream>,
+}
+
+impl I2s {
+    /// After a reset: the registers anew; what was sent stays recorded.
+    pub(crate) fn reset(&mut self) {
+        *self = I2s { streams: std::mem::take(&mut self.streams), ..I2s::default() };
+    }
+
+    pub(crate) fn read(&mut self, offset: u32) -> Access<u32> {
+        Ok(match offset {
+            0x00 | 0x04 => self.control[(offset / 4) as usize],
+            0x08 => {
+                let busy = if self.running.is_some() { BUSY } else { 0 };
+                let right = self.running.as_ref().is_some_and(|running| running.boundaries % 4 / 2 == 1);
+                busy | if self.data.is_none() { TXE } else { 0 } | if right { CHSIDE } else { 0 }
+            }
+            0x0c => 0,
+            0x10 => 7,
+            0x14 | 0x18 => 0,
+            0x1c => self.configuration,
+            0x20 => self.prescaler,
+            _ => return Err(Problem::register()),
+        })
+    }
+
+    pub(crate) fn write(&mut self, offset: u32, value: u32, context: &Context<'_>) -> Access<()> {
+        match offset {
+            0x00 if value & 1 << 6 != 0 => return Err(Unmodelled::new("SPI mode (SPI_CR1.SPE)").into()),
+            0x00 => self.control[0] = value,
+            0x04 => self.control[1] = value,
+            0x08 | 0x10 => {}
+            0x0c => {
+                self.data = Some(value as u16);
+                self.begin(context)?;
+            }
+            0x1c => self.configure(value, context)?,
+            0x20 if self.configuration & I2SE != 0 => {
+                let reason = "SPI_I2SPR is written while the I2S is on (I2SE)".to_owned();
+                return Err(Problem::Misuse { reason });
+            }
+            0x20 => self.prescaler = value & 0x3ff,
+            _ => return Err(Problem::register()),
+        }
+        Ok(())
+    }
+
+    fn configure(&mut self, value: u32, context: &Context<'_>) -> Access<()> {
+        let was_on = self.configuration & I2SE != 0;
+        if was_on && (self.configuration ^ value) & !I2SE != 0 {
+            let reason = "SPI_I2SCFGR is changed while the I2S is on (I2SE)".to_owned();
+            return Err(Problem::Misuse { reason });
+        }
+        self.configuration = value;
+        if value & I2SE == 0 {
+            self.running = None;
+            self.data = None;
+            return Ok(());
+        }
+        if value & I2SMOD == 0 || value >> 8 & 3 != 2 || value >> 4 & 3 != 0 {
+            return Err(Unmodelled::new("I2S other than master transmit in Philips format").into());
+        }
+        if value & 1 == 0 && value >> 1 & 3 != 0 {
+            return Err(Problem::Misuse { reason: "SPI_I2SCFGR: 24 or 32 bits do not fit 16-bit channels".to_owned() });
+        }
+        if self.prescaler & 0xff < 2 {
+            return Err(Problem::Misuse { reason: "SPI_I2SPR: I2SDIV must be at least 2".to_owned() });
+        }
+        self.begin(context)
+    }
+
+    /// Half-words a frame that the program writes.
+    fn half_words(&self) -> u64 {
+        if self.configuration >> 1 & 3 == 0 { 2 } else { 4 }
+    }
+
+    /// Frames a second.
+    pub(crate) fn rate(&self, clock: Frequency) -> Frequency {
+        let divider = u64::from(2 * (self.prescaler & 0xff) + (self.prescaler >> 8 & 1));
+        let bits = if self.configuration & 1 == 0 { 32 } else { 64 };
+        let slowdown = if !self.makes_master_clock() {
+            1
+        } else if bits == 32 {
+            8
+        } else {
+            4
+        };
+        clock.scaled(1, bits * divider * slowdown)
+    }
+
+    /// Whether MCLK is made (SPI_I2SPR.MCKOE).
+    pub(crate) fn makes_master_clock(&self) -> bool {
+        self.prescaler & 1 << 9 != 0
+    }
+
+    fn begin(&mut self, context: &Context<'_>) -> Access<()> {
+        if self.running.is_some() || self.configuration & I2SE == 0 || self.data.is_none() {
+            return Ok(());
+        }
+        let Some(clock) = context.clocks.i2s else {
+            let reason = "the I2S is on, PLLI2S is not (RCC_CR.PLLI2SON)".to_owned();
+            return Err(Problem::ClockTree { reason });
+        };
+        let rate = self.rate(clock);
+        let pace = rate.scaled(self.half_words(), 1).for_each(context.clocks.core);
+        self.running = Some(Running { pace, since: context.now, boundaries: 0, shift: 0, frame: 0 });
+        self.streams.push(Stream {
+            start_cycle: context.now,
+            start_s: context.seconds,
+            rate,
+            frames: Vec::new(),
+            underruns: 0,
+            unconnected_frames: 0,
+        });
+        Ok(())
+    }
+
+    /// When the next half-word begins to leave.
+    pub(crate) fn next_event(&self) -> u64 {
+        self.running.as_ref().map_or(u64::MAX, |running| running.since + running.pace.cycle_of(running.boundaries))
+    }
+
+    /// Takes that event. `connected` says whether the pins carry the signal.
+    pub(crate) fn fire(&mut self, connected: impl FnOnce() -> bool) {
+        let half_words = self.half_words();
+        let (Some(running), Some(stream)) = (&mut self.running, self.streams.last_mut()) else { return };
+        match self.data.take() {
+            Some(half_word) => running.shift = half_word,
+            None => stream.underruns += 1,
+        }
+        running.frame = running.frame << 16 | u64::from(running.shift);
+        running.boundaries += 1;
+        if running.boundaries % half_words != 0 {
+            return;
+        }
+        let frame = match half_words {
+            2 => [(running.frame & 0xffff_0000) as u32, (running.frame as u32) << 16],
+            _ => [(running.frame >> 32) as u32, running.frame as u32],
+        };
+        let connected = connected();
+        stream.unconnected_frames += u64::from(!connected);
+        stream.frames.push(if connected { frame.map(u32::cast_signed) } else { [0; 2] });
+    }
+
+    /// Whether DMA is asked for.
+    pub(crate) fn requests_dma(&self) -> bool {
+        self.control[1] & TXDMAEN != 0 && self.configuration & I2SE != 0 && self.data.is_none()
+    }
+
+    pub(crate) fn is_running(&self) -> bool {
+        self.running.is_some()
+    }
+
+    /// Whether it is switched on (I2SE), data or not.
+    pub(crate) fn is_on(&self) -> bool {
+        self.configuration & I2SE != 0
+    }
+
+    /// Whether the interrupt for an empty data register is asserted.
+    pub(crate) fn is_asserted(&self) -> bool {
+        self.control[1] & 1 << 7 != 0 && self.configuration & I2SE != 0 && self.data.is_none()
+    }
+}

@@ -1,0 +1,71 @@
+//! PWR: the regulator's scale (RM0090 section 5, RM0383 section 5), and DBGMCU's registers.
+
+use super::{Access, Problem};
+use crate::chip::Chip;
+
+#[derive(Debug)]
+pub(crate) struct Power {
+    chip: Chip,
+    control: u32,
+}
+
+impl Power {
+    pub(crate) fn new(chip: Chip) -> Power {
+        Power { chip, control: if chip == Chip::Stm32F407 { 0x4000 } else { 0x8000 } }
+    }
+
+    pub(crate) fn read(&self, offset: u32) -> Access<u32> {
+        match offset {
+            0x00 => Ok(self.control),
+            // VOSRDY.
+            0x04 => Ok(1 << 14),
+            _ => Err(Problem::register()),
+        }
+    }
+
+    pub(crate) fn write(&mut self, offset: u32, value: u32) -> Access<()> {
+        match offset {
+            0x00 => self.control = value,
+            0x04 => {}
+            _ => return Err(Problem::register()),
+        }
+        Ok(())
+    }
+
+    /// VOS: one bit on the F407, two on the F411.
+    pub(crate) fn scale(&self) -> u32 {
+        let mask = if self.chip == Chip::Stm32F407 { 1 } else { 3 };
+        self.control >> 14 & mask
+    }
+}
+
+/// DBGMCU: identity, and what keeps running when a debugger halts the core, which nobody here does.
+#[derive(Debug)]
+pub(crate) struct Debug {
+    chip: Chip,
+    registers: [u32; 3],
+}
+
+impl Debug {
+    pub(crate) fn new(chip: Chip) -> Debug {
+        Debug { chip, registers: [0; 3] }
+    }
+
+    pub(crate) fn read(&self, offset: u32) -> Access<u32> {
+        match offset {
+            0x00 => Ok(self.chip.identity()),
+            0x04 | 0x08 | 0x0c => Ok(self.registers[(offset / 4 - 1) as usize]),
+            _ => Err(Problem::register()),
+        }
+    }
+
+    pub(crate) fn write(&mut self, offset: u32, value: u32) -> Access<()> {
+        match offset {
+            0x04 | 0x08 | 0x0c => {
+                self.registers[(offset / 4 - 1) as usize] = value;
+                Ok(())
+            }
+            _ => Err(Problem::register()),
+        }
+    }
+}

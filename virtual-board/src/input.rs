@@ -1,0 +1,178 @@
+//! What happens to the board from outside: signals at the piezos' pins, presses of the button, and faults on request.
+
+use std::path::Path;
+
+use crate::error::BoardError;
+
+/// A signal at a piezo's pin, behind its clamp and bias: -1 to 1 is 0 V to the supply, 0 the middle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PiezoSignal {
+    /// The piezo it is at, counted from 0 in the order of [`crate::Wiring::piezos`].
+    pub piezo: usize,
+    /// When its first sample stands at the pin, in seconds from power-on.
+    pub start_s: f64,
+    /// Its sample rate in Hz.
+    pub rate_hz: f64,
+    /// Its samples; beyond -1 to 1 the clamp holds them.
+    pub samples: Vec<f32>,
+}
+
+impl PiezoSignal {
+    /// Reads a WAV file, of which the first channel counts.
+    ///
+    /// # Errors
+    /// [`BoardError::Wave`] if it cannot be read.
+    pub fn from_wav(piezo: usize, start_s: f64, path: &Path) -> Result<PiezoSignal, BoardError> {
+        let wrong = |reason: String| BoardError::Wave { path: path.to_owned(), reason };
+        let mut reader = hound::WavReader::open(path).map_err(|error| wrong(error.to_string()))?;
+        let spec = reader.spec();
+        let channels = usize::from(spec.channels);
+        let samples: Result<Vec<f32>, hound::Error> = match spec.sample_format {
+            hound::SampleFormat::Float => reader.samples::<f32>().step_by(channels).collect(),
+            hound::SampleFormat::Int => {
+                let scale = 1.0 / (1_u64 << (spec.bits_per_sample - 1)) as f32;
+                reader
+                    .samples::<i32>()
+                    .step_by(channels)
+                    .map(|sample| sample.map(|sample| sample as f32 * scale))
+                    .collect()
+            }
+        };
+        let samples = samples.map_err(|error| wrong(error.to_string()))?;
+        if samples.iter().any(|sample| !sample.is_finite()) {
+            return Err(wrong("a sample is not a finite number".to_owned()));
+        }
+        Ok(PiezoSignal { piezo, start_s, rate_hz: f64::from(spec.sample_rate), samples })
+    }
+
+    /// The signal at that time: between two samples a straight line, before and after them 0.
+    pub(crate) fn at(&self, seconds: f64) -> f32 {
+        let position = (seconds - self.start_s) * self.rate_hz;
+        if position < 0.0 {
+            return 0.0;
+        }
+        let index = position as usize;
+        let Some(&sample) = self.samples.get(index) else { return 0.0 };
+        let next = self.samples.get(index + 1).copied().unwrap_or(0.0);
+        sample + (next - sample) * (position - index as f64) as f32
+    }
+}
+
+/// A press of the board's button.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Press {
+    /// When it is pressed, in seconds from power-on.
+    pub at_s: f64,
+    /// How long it is held.
+    pub for_s: f64,
+    /// For how long its contacts bounce, after pressing and after releasing.
+    pub bounce_s: f64,
+}
+
+impl Press {
+    /// The level changes that it makes: time and whether the contact is closed. Bouncing contacts open and close at irregular times
+    /// between 0.05 and 0.6 ms, the same in every run.
+    pub(crate) fn changes(&self) -> Vec<(f64, bool)> {
+        let mut changes = Vec::new();
+        for (start, closed) in [(self.at_s, true), (self.at_s + self.for_s, false)] {
+            changes.push((start, closed));
+            let mut random = 0x2545_f491_u32;
+            let mut time = start;
+            loop {
+                let mut interval = || {
+                    random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    50e-6 + f64::from(random >> 16) / 65_536.0 * 550e-6
+                };
+                let open = time + interval();
+                let close = open + interval();
+                if close >= start + self.bounce_s {
+                    break;
+                }
+                changes.push((open, !closed));
+                changes.push((close, closed));
+                time = close;
+            }
+        }
+        changes
+    }
+}
+
+/// Something that goes wrong on request.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Fault {
+    /// The DMA does not fetch one conversion of the ADC in time, which then overruns.
+    AdcOverrun {
+        /// When, in seconds from power-on.
+        at_s: f64,
+    },
+    /// The DMA stream of the I2S ends with a transfer error at its next item.
+    AudioDmaError {
+        /// When, in seconds from power-on.
+        at_s: f64,
+    },
+    /// The DMA stream of the ADC ends with a transfer error at its next item.
+    AdcDmaError {
+        /// When, in seconds from power-on.
+        at_s: f64,
+    },
+    /// The codec does not acknowledge anything.
+    CodecSilent,
+    /// The core executes nothing for a while, as when flash is erased; the peripherals go on.
+    CoreStalled {
+        /// From when, in seconds from power-on.
+        at_s: f64,
+        /// For how long.
+        for_s: f64,
+    },
+    /// The interrupt of the audio DMA stream does not reach the core.
+    AudioInterruptLost {
+        /// From when, in seconds from power-on.
+        at_s: f64,
+        /// For how long.
+        for_s: f64,
+    },
+    /// The piezo's pin is at the supply.
+    PiezoAtRail {
+        /// The piezo, counted from 0.
+        piezo: usize,
+        /// From when, in seconds from power-on.
+        at_s: f64,
+    },
+    /// The program panics: the core goes on at `core::panicking::panic` with the message "injected" at `virtual-board.rs:1:1`.
+    Panic {
+        /// When, in seconds from power-on.
+        at_s: f64,
+    },
+    /// The core goes on at an undefined instruction, which makes a hard fault.
+    HardFault {
+        /// When, in seconds from power-on.
+        at_s: f64,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_press_bounces_as_long_as_told_and_ends_released() {
+        let press = Press { at_s: 1.0, for_s: 0.1, bounce_s: 5e-3 };
+        let changes = press.changes();
+        assert!(changes.len() > 10, "{changes:?}");
+        assert!(changes.is_sorted_by(|a, b| a.0 <= b.0));
+        assert!(changes.iter().all(|(time, _)| (1.0..1.0051).contains(time) || (1.1..1.1051).contains(time)));
+        assert_eq!(changes.iter().rfind(|(time, _)| *time < 1.05).map(|change| change.1), Some(true));
+        assert_eq!(changes.last().map(|change| change.1), Some(false));
+        assert_eq!(Press { bounce_s: 0.0, ..press }.changes(), [(1.0, true), (1.1, false)]);
+    }
+
+    #[test]
+    fn a_signal_is_a_line_between_samples_and_nothing_outside() {
+        let signal = PiezoSignal { piezo: 0, start_s: 0.5, rate_hz: 1000.0, samples: vec![1.0, 0.0, -0.5] };
+        for (time, expected) in
+            [(0.4999, 0.0), (0.5, 1.0), (0.50025, 0.75), (0.5015, -0.25), (0.5025, -0.25), (0.6, 0.0)]
+        {
+            assert!((signal.at(time) - expected).abs() < 1e-4, "{time}: {}", signal.at(time));
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! The devices on the core's bus.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use virtual_core::Peripheral;
+
+use crate::devices::{Devices, Refused, map};
+use crate::error::Problem;
+
+/// The devices, shared by the core, which accesses registers, and the board, which lets time pass.
+#[derive(Debug)]
+pub(super) struct Shared(Mutex<Devices>);
+
+impl Shared {
+    pub(super) fn new(devices: Devices) -> Shared {
+        Shared(Mutex::new(devices))
+    }
+
+    pub(super) fn lock(&self) -> MutexGuard<'_, Devices> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// One stretch of the bus.
+#[derive(Debug)]
+pub(super) struct Window {
+    pub(super) base: u32,
+    pub(super) devices: std::sync::Arc<Shared>,
+}
+
+impl Window {
+    fn refuse(devices: &mut Devices, access: String, address: u32, problem: Problem) {
+        let register = match map::find(address, devices.wiring.chip) {
+            Some((block, offset)) => format!("{}+{offset:#04x}", block.name),
+            None => "no peripheral".to_owned(),
+        };
+        devices.refused = Some(Refused { access, register, address, problem });
+    }
+}
+
+impl Peripheral for Window {
+    fn read(&self, offset: u32, bytes: u32) -> Option<u32> {
+        let address = self.base + offset;
+        let mut devices = self.devices.lock();
+        match devices.read(address & !3) {
+            Ok(value) => {
+                let shifted = value >> (8 * (address & 3));
+                Some(if bytes == 4 { shifted } else { shifted & ((1 << (8 * bytes)) - 1) })
+            }
+            Err(problem) => {
+                Window::refuse(&mut devices, "read from".to_owned(), address, problem);
+                None
+            }
+        }
+    }
+
+    fn write(&self, offset: u32, bytes: u32, value: u32) -> Option<()> {
+        let address = self.base + offset;
+        let mut devices = self.devices.lock();
+        let written = if bytes == 4 || address & 3 == 0 {
+            devices.write(address, value)
+        } else {
+            Err(Problem::Unmodelled { what: "writes of the upper part of a register".to_owned() })
+        };
+        match written {
+            Ok(()) => Some(()),
+            Err(problem) => {
+                Window::refuse(&mut devices, format!("write of {value:#x} to"), address, problem);
+                None
+            }
+        }
+    }
+}

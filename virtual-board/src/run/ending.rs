@@ -1,0 +1,36 @@
+//! Where a core is sent that is to panic or to fault.
+
+use virtual_core::{FLASH_ADDRESS, Image, Machine, RunError};
+
+use crate::chip::Chip;
+
+/// A function and its words in r0 to r3.
+pub(super) type Jump = (u32, [u32; 4]);
+
+const PANIC: &str = "core::panicking::panic";
+const MESSAGE: &[u8; 8] = b"injected";
+const FILE: &[u8; 16] = b"virtual-board.rs";
+
+/// The start of a panic, with its message and place in the flash just below the kit's sector, where no program has bytes.
+pub(super) fn panic(machine: &mut Machine, chip: Chip) -> Result<Jump, RunError> {
+    let symbol = machine.symbol(PANIC).filter(|symbol| symbol.is_function);
+    let function = symbol.ok_or_else(|| RunError::NoFunction { name: PANIC.to_owned() })?.address;
+    let message = chip.kit_sector().0 - 64;
+    let file = message + MESSAGE.len() as u32;
+    let location = file + FILE.len() as u32;
+    machine.write(message, MESSAGE)?;
+    machine.write(file, FILE)?;
+    let words = [file, FILE.len() as u32, 1, 1];
+    machine.write(location, &words.map(u32::to_le_bytes).concat())?;
+    Ok((function, [message, MESSAGE.len() as u32, location, 0]))
+}
+
+/// An undefined instruction of the image: compilers put `udf` behind calls that never return.
+pub(super) fn hard_fault(machine: &Machine, image: &Image) -> Result<Jump, RunError> {
+    let mut bytes = vec![0; image.flash_bytes() as usize];
+    machine.read(FLASH_ADDRESS, &mut bytes)?;
+    let undefined = bytes.chunks_exact(2).position(|pair| pair[1] == 0xde && pair[0] == 0xfe);
+    let undefined = undefined.or_else(|| bytes.chunks_exact(2).position(|pair| pair[1] == 0xde));
+    let index = undefined.ok_or_else(|| RunError::NoFunction { name: "with a udf".to_owned() })?;
+    Ok((FLASH_ADDRESS + 2 * index as u32, [0; 4]))
+}

@@ -1,0 +1,348 @@
+//! A board that runs: the core until something is due, then the devices, then the interrupt lines, and on.
+
+mod account;
+mod bus;
+mod ending;
+mod log;
+mod report;
+mod schedule;
+
+use std::sync::Arc;
+
+use virtual_core::{Clock, Core, CycleCase, Image, Machine, Pace, RunError, Stop};
+
+use crate::codec::Codec;
+use crate::devices::Devices;
+use crate::devices::i2s::Stream;
+use crate::devices::map::{REGIONS, dma_line};
+use crate::devices::rcc::ResetCause;
+use crate::error::BoardError;
+use crate::input::{Fault, PiezoSignal, Press};
+use crate::wiring::{Board, Wiring};
+use account::Account;
+use bus::{Shared, Window};
+use log::Log;
+use schedule::{Action, Schedule};
+
+pub use log::LogLine;
+pub use report::{
+    AdcReport, AudioReport, FunctionReport, InterruptReport, LedReport, MuteReport, Report, ResetReport, StreamReport,
+};
+
+/// How often the board looks whether the program has asked for a reset, at the longest, in cycles.
+const LONGEST_RUN_CYCLES: u64 = 100_000;
+
+/// What a board is given besides its image.
+#[derive(Debug, Clone, Default)]
+pub struct Setup {
+    /// The column of the cycle model that is the board's time.
+    pub cycles: CycleCase,
+    /// Whether the waits of flash behind its accelerator are added.
+    pub flash_waits: bool,
+    /// Signals at the piezos.
+    pub piezos: Vec<PiezoSignal>,
+    /// Presses of the button.
+    pub presses: Vec<Press>,
+    /// What goes wrong.
+    pub faults: Vec<Fault>,
+    /// What stands in the kit's flash sector; erased where empty.
+    pub kit: Vec<u8>,
+}
+
+/// A board with an image in its flash, from power-on.
+///
+/// ```no_run
+/// use virtual_board::{Board, Setup, VirtualBoard};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let elf = std::fs::read("percussion.elf")?;
+/// let mut board = VirtualBoard::new(Board::Stm32f407gDisc1, &elf, &Setup::default())?;
+/// board.run_until(2.0)?;
+/// for line in board.report()?.log {
+///     println!("{:.3} s  {}", line.at_s, line.message);
+/// }
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct VirtualBoard {
+    board: Board,
+    image: Image,
+    machine: Machine,
+    devices: Arc<Shared>,
+    clock: Arc<Clock>,
+    schedule: Schedule,
+    log: Log,
+    account: Account,
+    case: CycleCase,
+    flash_waits: bool,
+    flash: (u32, bool, bool),
+    lines: u128,
+    boots: usize,
+    asleep: bool,
+    /// A function that the core is to go on at as soon as it is awake.
+    jump: Option<(u32, [u32; 4])>,
+    lowest_stack: u32,
+}
+
+impl VirtualBoard {
+    /// The board at power-on.
+    ///
+    /// # Errors
+    /// [`BoardError`]: no image, or one for another chip; a piezo that the board does not have; a kit longer than its sector.
+    pub fn new(board: Board, elf: &[u8], setup: &Setup) -> Result<VirtualBoard, BoardError> {
+        let wiring = board.wiring();
+        let image = Image::from_elf(elf)?;
+        check_memory(&image, wiring)?;
+        let mut machine = Machine::new(&image)?;
+        let (sector, room) = wiring.chip.kit_sector();
+        if setup.kit.len() > room as usize {
+            return Err(BoardError::KitTooLong { bytes: setup.kit.len(), room });
+        }
+        machine.write(sector, &setup.kit)?;
+
+        let last = wiring.piezos.len() - 1;
+        let at_rail = setup.faults.iter().filter_map(|fault| match fault {
+            Fault::PiezoAtRail { piezo, .. } => Some(*piezo),
+            _ => None,
+        });
+        if let Some(piezo) = setup.piezos.iter().map(|signal| signal.piezo).chain(at_rail).find(|&piezo| piezo > last) {
+            return Err(BoardError::NoSuchPiezo { piezo, last });
+        }
+
+        let clock = machine.clock();
+        let mut devices = Devices::new(wiring, Arc::clone(&clock));
+        devices.piezos.clone_from(&setup.piezos);
+        if setup.faults.contains(&Fault::CodecSilent) {
+            devices.codec = devices.codec.map(|_| Codec::new(false));
+        }
+        let devices = Arc::new(Shared::new(devices));
+        for (base, bytes) in REGIONS {
+            machine.map(base, bytes, Arc::new(Window { base, devices: Arc::clone(&devices) }))?;
+        }
+        machine.reset()?;
+        machine.take_exception_changes();
+        Ok(VirtualBoard {
+            board,
+            log: Log::new(elf, &machine),
+            image,
+            machine,
+            devices,
+            clock,
+            schedule: Schedule::new(&setup.presses, &setup.faults),
+            account: Account::default(),
+            case: setup.cycles,
+            flash_waits: setup.flash_waits,
+            flash: (0, true, true),
+            lines: 0,
+            boots: 0,
+            asleep: false,
+            jump: None,
+            lowest_stack: u32::MAX,
+        })
+    }
+
+    /// Goes on until so many seconds after power-on.
+    ///
+    /// # Errors
+    /// [`BoardError`]: the program did what the chip or its manual does not allow, or what the virtual board does not model.
+    pub fn run_until(&mut self, seconds: f64) -> Result<(), BoardError> {
+        loop {
+            let (due, lines_changed) = self.look_after_devices(seconds)?;
+            let Some(due) = due else {
+                self.account.settle(self.machine.now());
+                return Ok(());
+            };
+            if self.asleep && !lines_changed {
+                self.sleep_until(due);
+                continue;
+            }
+            self.clock.set_due(due);
+            match self.machine.resume_until_due() {
+                Ok(Stop::Due | Stop::Limit) => self.asleep = false,
+                Ok(Stop::Asleep) => {
+                    self.asleep = true;
+                    self.note_exceptions();
+                    self.sleep_until(due);
+                }
+                Ok(Stop::Breakpoint(number)) => return Err(BoardError::Breakpoint { number, time_s: self.now_s() }),
+                Err(error) => return Err(self.explain(error)),
+            }
+            self.note_exceptions();
+        }
+    }
+
+    /// Lets everything happen that is due. Returns when the next thing is, `None` at the end; and whether an interrupt line changed.
+    fn look_after_devices(&mut self, end_s: f64) -> Result<(Option<u64>, bool), BoardError> {
+        let shared = Arc::clone(&self.devices);
+        let mut devices = shared.lock();
+        let now = self.machine.now();
+        if let Err((device, problem)) = devices.advance(now, &mut self.machine) {
+            return Err(BoardError::Device { device, problem, time_s: devices.seconds(now) });
+        }
+        let mut stalled = None;
+        while devices.cycle_at(self.schedule.next_s()) <= now {
+            let Some(action) = self.schedule.take() else { break };
+            if let Action::Stall { for_s } = action {
+                stalled = Some(devices.cycle_at(devices.seconds(now) + for_s));
+            } else {
+                self.act(action, &mut devices, now)?;
+            }
+        }
+        if !self.asleep {
+            self.log.fetch(devices.seconds(now), self.boots, &mut self.machine);
+        }
+        if !self.asleep
+            && let Some((address, arguments)) = self.jump.take()
+        {
+            let core = self.machine.core();
+            for (register, word) in (0..).zip(arguments) {
+                core.set_register(register, word);
+            }
+            core.set_register(14, core.pc() | 1);
+            core.set_pc(address);
+        }
+        let watchdog = devices.watchdog_due() <= now;
+        if watchdog || self.machine.core().is_reset_requested() {
+            self.reset(if watchdog { ResetCause::Watchdog } else { ResetCause::Software }, &mut devices)?;
+        }
+        let flash = devices.flash();
+        if flash != self.flash {
+            self.flash = flash;
+            let refill_cycles = if self.flash_waits && flash.0 > 0 { u64::from(flash.0) + 1 } else { 0 };
+            self.machine.set_pace(Pace { case: self.case, refill_cycles });
+            self.machine.accelerator().switch(flash.1, flash.2);
+        }
+        if self.account.audio_number.is_none() {
+            let stream = devices.audio_stream();
+            self.account.audio_number = stream.map(|(controller, stream)| dma_line(controller, stream) + 16);
+        }
+        let lines_changed = self.drive_lines(devices.lines(), now);
+        if let Some(until) = stalled {
+            // The core stands still; the devices go on by themselves when they are looked after next.
+            self.machine.sleep_until(until);
+            return Ok((Some(until), true));
+        }
+        let end = devices.cycle_at(end_s);
+        if now >= end {
+            return Ok((None, lines_changed));
+        }
+        let next = [devices.next_event(), devices.watchdog_due(), devices.cycle_at(self.schedule.next_s())];
+        let due = next.into_iter().fold(end.min(now + LONGEST_RUN_CYCLES), u64::min);
+        Ok((Some(due.max(now + 1)), lines_changed))
+    }
+
+    fn drive_lines(&mut self, lines: u128, now: u64) -> bool {
+        let mut changed = lines ^ self.lines;
+        let any = changed != 0;
+        self.lines = lines;
+        while changed != 0 {
+            let line = changed.trailing_zeros() as u16;
+            changed &= changed - 1;
+            let asserted = lines >> line & 1 != 0;
+            self.machine.set_interrupt(line, asserted);
+            if asserted {
+                self.account.asserted(line, now);
+            }
+        }
+        any
+    }
+
+    fn act(&mut self, action: Action, devices: &mut Devices, now: u64) -> Result<(), BoardError> {
+        match action {
+            Action::Button(pressed) => {
+                devices.set_button(pressed);
+                devices.pins_changed(now);
+            }
+            Action::AdcOverrun => devices.armed.adc_overrun = true,
+            Action::AudioDmaError => devices.armed.audio_dma_error = true,
+            Action::AdcDmaError => devices.armed.adc_dma_error = true,
+            Action::AudioInterrupt { lost } => devices.armed.audio_interrupt_lost = lost,
+            Action::PiezoAtRail(piezo) => devices.armed.piezos_at_rail |= 1 << piezo,
+            Action::Stall { .. } => {}
+            Action::Panic => self.jump = Some(ending::panic(&mut self.machine, devices.wiring.chip)?),
+            Action::HardFault => {
+                self.jump = Some(ending::hard_fault(&self.machine, &self.image)?);
+                self.machine.expect_fault();
+            }
+        }
+        Ok(())
+    }
+
+    fn reset(&mut self, cause: ResetCause, devices: &mut Devices) -> Result<(), BoardError> {
+        let now = self.machine.now();
+        self.account.reset(now);
+        self.lowest_stack = self.lowest_stack.min(self.machine.lowest_stack());
+        devices.reset(cause, now);
+        self.machine.reset()?;
+        self.log.restart();
+        self.lines = 0;
+        self.boots += 1;
+        self.asleep = false;
+        Ok(())
+    }
+
+    fn sleep_until(&mut self, due: u64) {
+        let now = self.machine.now();
+        self.machine.sleep_until(due);
+        self.account.slept(now, due.max(now));
+    }
+
+    fn note_exceptions(&mut self) {
+        for change in self.machine.take_exception_changes() {
+            self.account.changed(change);
+        }
+    }
+
+    fn explain(&self, error: RunError) -> BoardError {
+        let mut devices = self.devices.lock();
+        let time_s = devices.seconds(self.machine.now());
+        match (error, devices.refused.take()) {
+            (RunError::Address { pc, function, .. }, Some(refused)) => BoardError::Register {
+                access: refused.access,
+                register: refused.register,
+                address: refused.address,
+                problem: refused.problem,
+                pc,
+                function,
+                time_s,
+            },
+            (error, _) => BoardError::Run(error),
+        }
+    }
+
+    /// Seconds since power-on.
+    pub fn now_s(&self) -> f64 {
+        self.devices.lock().seconds(self.machine.now())
+    }
+
+    /// The board's own core and memory, for a look inside.
+    pub fn machine(&self) -> &Machine {
+        &self.machine
+    }
+
+    /// All that has left the I2S's data pin, one entry for each stretch without interruption.
+    pub fn streams(&self) -> Vec<Stream> {
+        self.devices.lock().audio().streams.clone()
+    }
+}
+
+/// Whether the image lies in the memory that the board's chip has.
+fn check_memory(image: &Image, wiring: &Wiring) -> Result<(), BoardError> {
+    let chip = wiring.chip;
+    let memories = [
+        (virtual_core::FLASH_ADDRESS, chip.flash_bytes()),
+        (virtual_core::RAM_ADDRESS, chip.ram_bytes()),
+        (virtual_core::CCM_ADDRESS, chip.ccm_bytes()),
+    ];
+    let fits = |address: u32, bytes: u32| {
+        memories.iter().any(|&(start, length)| {
+            let offset = address.wrapping_sub(start);
+            offset < length && bytes <= length - offset
+        })
+    };
+    match image.ranges().find(|&(address, bytes)| bytes != 0 && !fits(address, bytes)) {
+        Some((address, _)) => Err(BoardError::WrongChip { address, chip: chip.name() }),
+        None => Ok(()),
+    }
+}

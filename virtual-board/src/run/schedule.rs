@@ -1,0 +1,57 @@
+//! What is to happen to the board from outside, in the order of time.
+
+use crate::input::{Fault, Press};
+
+/// One thing that happens.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Action {
+    Button(bool),
+    AdcOverrun,
+    AudioDmaError,
+    AdcDmaError,
+    AudioInterrupt { lost: bool },
+    PiezoAtRail(usize),
+    Stall { for_s: f64 },
+    Panic,
+    HardFault,
+}
+
+/// Actions by time, the next one last.
+#[derive(Debug, Default)]
+pub(super) struct Schedule(Vec<(f64, Action)>);
+
+impl Schedule {
+    pub(super) fn new(presses: &[Press], faults: &[Fault]) -> Schedule {
+        let mut actions: Vec<(f64, Action)> = Vec::new();
+        for press in presses {
+            actions.extend(press.changes().into_iter().map(|(time, closed)| (time, Action::Button(closed))));
+        }
+        for fault in faults {
+            match fault {
+                Fault::CodecSilent => {}
+                Fault::AdcOverrun { at_s } => actions.push((*at_s, Action::AdcOverrun)),
+                Fault::AudioDmaError { at_s } => actions.push((*at_s, Action::AudioDmaError)),
+                Fault::AdcDmaError { at_s } => actions.push((*at_s, Action::AdcDmaError)),
+                Fault::CoreStalled { at_s, for_s } => actions.push((*at_s, Action::Stall { for_s: *for_s })),
+                Fault::AudioInterruptLost { at_s, for_s } => {
+                    actions.push((*at_s, Action::AudioInterrupt { lost: true }));
+                    actions.push((at_s + for_s, Action::AudioInterrupt { lost: false }));
+                }
+                Fault::PiezoAtRail { piezo, at_s } => actions.push((*at_s, Action::PiezoAtRail(*piezo))),
+                Fault::Panic { at_s } => actions.push((*at_s, Action::Panic)),
+                Fault::HardFault { at_s } => actions.push((*at_s, Action::HardFault)),
+            }
+        }
+        actions.sort_by(|a, b| b.0.total_cmp(&a.0));
+        Schedule(actions)
+    }
+
+    /// When the next action is due.
+    pub(super) fn next_s(&self) -> f64 {
+        self.0.last().map_or(f64::INFINITY, |action| action.0)
+    }
+
+    pub(super) fn take(&mut self) -> Option<Action> {
+        self.0.pop().map(|action| action.1)
+    }
+}

@@ -1,0 +1,150 @@
+//! What goes wrong is told by name, mutes or heals, and never makes a full-scale noise.
+
+mod common;
+#[path = "common/hits.rs"]
+mod hits;
+
+use hits::signal;
+use virtual_board::{Board, Fault, Press, Report, Setup, VirtualBoard};
+
+fn run(faults: &[Fault], seconds: f64) -> (VirtualBoard, Report) {
+    // A strike before, and one after whatever happens at 0.4 s.
+    let piezos = vec![signal(0, seconds, &[(0.3, 0.3), (0.6, 0.3)])];
+    let setup = Setup { piezos, faults: faults.to_vec(), ..Setup::default() };
+    let running = common::run(Board::Stm32f407gDisc1, &setup, seconds);
+    let report = running.report().unwrap();
+    (running, report)
+}
+
+fn says(report: &Report, words: &str) -> bool {
+    report.log.iter().any(|line| line.message.contains(words))
+}
+
+fn strikes(report: &Report) -> usize {
+    report.log.iter().filter(|line| line.message.starts_with("event ") && line.message.ends_with("strike")).count()
+}
+
+/// The loudest sample that left, 1.0 = full scale; slots must hold 24 bits, as they do while the stream keeps its place.
+fn peak(running: &VirtualBoard) -> f64 {
+    let streams = running.streams();
+    let slots = streams.iter().flat_map(|stream| &stream.frames).flatten();
+    slots.map(|slot| f64::from(slot.unsigned_abs()) / f64::from(1u32 << 31)).fold(0.0, f64::max)
+}
+
+#[test]
+fn an_adc_overrun_is_told_and_sampling_goes_on() {
+    let (running, report) = run(&[Fault::AdcOverrun { at_s: 0.45 }], 0.75);
+    assert!(says(&report, "ADC: overrun or DMA error, sampling started anew"), "{:#?}", report.log);
+    assert_eq!(strikes(&report), 2, "{:#?}", report.log);
+    assert!(report.resets.is_empty() && peak(&running) < 0.7);
+}
+
+#[test]
+fn an_adc_dma_error_is_told_and_sampling_goes_on() {
+    let (_, report) = run(&[Fault::AdcDmaError { at_s: 0.45 }], 0.75);
+    assert!(says(&report, "ADC: overrun or DMA error, sampling started anew"), "{:#?}", report.log);
+    assert_eq!(strikes(&report), 2, "{:#?}", report.log);
+}
+
+#[test]
+fn an_audio_dma_error_is_told_and_sound_is_back_within_two_blocks() {
+    let (running, report) = run(&[Fault::AudioDmaError { at_s: 0.35 }], 0.75);
+    assert!(says(&report, "I2S: DMA transfer error, stream started anew"), "{:#?}", report.log);
+    assert_eq!(strikes(&report), 2);
+    assert!(peak(&running) < 0.7);
+    let streams = running.streams();
+    let [before, after] = streams.as_slice() else { panic!("{} streams", streams.len()) };
+    let ended = before.start_s + before.frames.len() as f64 / before.rate.as_f64();
+    let back = after.frames.iter().position(|frame| *frame != [0; 2]).unwrap();
+    let gap_s = after.start_s - ended + back as f64 / after.rate.as_f64();
+    println!("{gap_s} s");
+    assert!(gap_s < 2.0 * 64.0 / 48_000.0, "{gap_s} s");
+}
+
+#[test]
+fn a_codec_that_does_not_answer_is_told_and_all_else_runs() {
+    let (_, report) = run(&[Fault::CodecSilent], 0.75);
+    assert!(says(&report, "codec: NotAnswering"), "{:#?}", report.log);
+    assert_eq!(strikes(&report), 2);
+    assert!(report.leds.iter().any(|led| led.led == "blue" && led.lit), "no blink code");
+}
+
+#[test]
+fn starved_audio_keeps_its_place_is_counted_and_comes_back_within_two_blocks() {
+    let lost = Fault::AudioInterruptLost { at_s: 0.4, for_s: 0.02 };
+    let (running, report) = run(&[lost], 0.75);
+    assert!(says(&report, "halves missed"), "{:#?}", report.log);
+    assert_eq!(strikes(&report), 2);
+    assert!(report.resets.is_empty() && peak(&running) < 0.7);
+    assert_eq!(running.streams().len(), 1);
+}
+
+#[test]
+fn a_stalled_core_is_restarted_by_the_watchdog_and_plays_again() {
+    let lost = Fault::AudioInterruptLost { at_s: 0.35, for_s: 10.0 };
+    let (running, report) = run(&[lost], 0.9);
+    assert!(report.resets.iter().any(|reset| reset.cause == "watchdog"), "{:#?}", report.resets);
+    assert!(says(&report, "started by Watchdog"), "{:#?}", report.log);
+    assert!(peak(&running) < 0.7);
+}
+
+#[test]
+fn a_panic_mutes_and_restarts() {
+    let fault =
+        Fault::Jump { at_s: 0.4, function: "core::option::unwrap_failed".into(), arguments: [0x0800_0000, 0, 0, 0] };
+    let (running, report) = run(&[fault], 0.8);
+    assert!(says(&report, "muted, starting again"), "{:#?}", report.log);
+    assert!(says(&report, "started by Program"), "{:#?}", report.log);
+    assert!(report.resets.iter().any(|reset| reset.cause == "software"));
+    assert!(report.mutes.iter().any(|mute| mute.mute && mute.at_s >= 0.4));
+    assert!(peak(&running) < 0.7);
+    assert_eq!(strikes(&report), 2);
+}
+
+#[test]
+fn a_piezo_at_the_rail_is_told_and_neither_hangs_nor_plays() {
+    let (_, report) = run(&[Fault::PiezoAtRail { piezo: 2, at_s: 0.4 }], 0.75);
+    assert!(says(&report, "piezo 2: stuck at the upper rail"), "{:#?}", report.log);
+    // At most the step onto the rail is taken for a strike.
+    assert!((2..=3).contains(&strikes(&report)), "{:#?}", report.log);
+}
+
+#[test]
+fn a_button_that_bounces_five_milliseconds_strikes_once() {
+    let presses = vec![Press { at_s: 0.3, for_s: 0.1, bounce_s: 5e-3 }];
+    let running = common::run(Board::BlackpillF411, &Setup { presses, ..Setup::default() }, 0.6);
+    assert_eq!(strikes(&running.report().unwrap()), 1);
+}
+
+#[test]
+fn a_bad_kit_is_refused_by_name_and_the_built_in_one_plays() {
+    let good = kit::open("demo").unwrap().binary;
+    let mut corrupt = good.clone();
+    corrupt[200] ^= 0x10;
+    let mut half_written = good.clone();
+    half_written[4000..].fill(0xFF);
+    let mut too_new = good.clone();
+    too_new[4] = 9;
+    for (kit, words) in [
+        (corrupt, "CRC mismatch"),
+        (half_written, "CRC mismatch"),
+        (too_new, "format version 9 is newer"),
+        (vec![0; 64], "wrong magic"),
+        (Vec::new(), "kit sector: empty"),
+    ] {
+        let presses = vec![Press { at_s: 0.3, for_s: 0.05, bounce_s: 0.0 }];
+        let is_refused = !kit.is_empty();
+        let running = common::run(Board::Stm32f407gDisc1, &Setup { kit, presses, ..Setup::default() }, 0.35);
+        let report = running.report().unwrap();
+        assert!(says(&report, words) && says(&report, "built-in kit plays"), "{:#?}", report.log);
+        assert_eq!(strikes(&report), 1, "{words}");
+        assert_eq!(report.leds.iter().any(|led| led.led == "blue" && led.at_s < 0.3 && led.lit), is_refused, "{words}");
+    }
+}
+
+#[test]
+fn a_good_kit_in_the_sector_plays() {
+    let kit = kit::open("demo").unwrap().binary;
+    let running = common::run(Board::BlackpillF411, &Setup { kit, ..Setup::default() }, 0.3);
+    assert!(says(&running.report().unwrap(), "kit sector: demo plays"));
+}

@@ -1,0 +1,110 @@
+//! Deadlines at the dearest, resources, and the way without panics.
+
+mod common;
+#[path = "common/hits.rs"]
+mod hits;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::Command;
+
+use hits::signal;
+use virtual_board::{Board, CycleCase, Setup};
+
+#[test]
+fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
+    for board in Board::ALL {
+        let piezos = (0..4).map(|piezo| {
+            let strokes = (0..20).map(|n| (0.3 + 0.035 * f64::from(n) + 0.003 * piezo as f64, 0.9));
+            signal(piezo, 1.1, &strokes.collect::<Vec<_>>())
+        });
+        let setup = Setup { cycles: CycleCase::Worst, flash_waits: true, piezos: piezos.collect(), ..Setup::default() };
+        let report = common::run(board, &setup, 1.2).report().unwrap();
+        println!("{}: worst load {:?}, idle {:.1} %", board.name(), report.audio.worst_load, 100.0 * report.idle_share);
+        assert!(
+            !report.log.iter().any(|line| line.message.contains("missed") && line.level == "warn"),
+            "{:#?}",
+            report.log
+        );
+        assert_eq!(report.audio.late_halves, 0, "{}", board.name());
+    }
+}
+
+#[test]
+fn images_fit_and_leave_room() {
+    for board in Board::ALL {
+        let report = common::run(board, &Setup::default(), 0.2).report().unwrap();
+        let ram = report.static_ram_bytes + report.stack_bytes.unwrap();
+        println!("{}: {} bytes of flash, {ram} of RAM with the stack", board.name(), report.flash_bytes);
+        assert!(report.flash_bytes <= 128 * 1024 && ram <= 64 * 1024, "{}", board.name());
+    }
+}
+
+/// Follows every call from the interrupts of sound and button: what they reach must not panic. Calls through pointers would hide: there are none but
+/// those that formatting makes, which is not reached.
+#[test]
+fn nothing_in_the_audio_and_trigger_paths_can_panic() {
+    for (board, interrupt) in [(Board::Stm32f407gDisc1, "DMA1_STREAM5"), (Board::BlackpillF411, "DMA1_STREAM4")] {
+        let calls = calls(&common::application(board));
+        let from_main = reached(&calls, "main");
+        assert!(from_main.iter().any(|function| panics(function)), "the list of panics is out of date");
+        for root in [interrupt, "EXTI0"] {
+            let reached = reached(&calls, root);
+            let panicking: Vec<_> = reached.iter().filter(|function| panics(function)).collect();
+            println!("{}: {root} reaches {} functions", board.name(), reached.len());
+            assert!(panicking.is_empty(), "{}: {root}: {panicking:?}", board.name());
+            assert!(!reached.contains("(pointer)"), "{}: {root} calls through a pointer", board.name());
+        }
+        assert!(reached(&calls, interrupt).len() > 50, "the disassembly is read wrongly");
+    }
+}
+
+fn panics(function: &str) -> bool {
+    ["panicking::", "unwrap_failed", "expect_failed", "_defmt_panic", "slice_index_fail"]
+        .iter()
+        .any(|word| function.contains(word))
+}
+
+/// Which function calls which, by the toolchain's disassembler.
+fn calls(elf: &[u8]) -> BTreeMap<String, BTreeSet<String>> {
+    let path = std::env::temp_dir().join(format!("malleus-calls-{}-{}.elf", std::process::id(), elf.len()));
+    std::fs::write(&path, elf).unwrap();
+    let sysroot = Command::new("rustc").args(["--print", "sysroot"]).output().unwrap().stdout;
+    let sysroot = String::from_utf8(sysroot).unwrap();
+    let tools = std::path::Path::new(sysroot.trim()).join("lib/rustlib");
+    let host = std::fs::read_dir(tools).unwrap().map(|entry| entry.unwrap().path().join("bin/llvm-objdump"));
+    let objdump =
+        host.into_iter().find(|path| path.exists()).expect("llvm-tools is a component of rust-toolchain.toml");
+    let listing = Command::new(objdump).args(["-d", "-C", "--no-show-raw-insn"]).arg(&path).output().unwrap().stdout;
+    std::fs::remove_file(&path).unwrap();
+    let listing = String::from_utf8(listing).unwrap();
+    let mut calls: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    let mut function = String::new();
+    for line in listing.lines() {
+        if let Some(name) = line.strip_suffix(">:").and_then(|line| line.split_once(" <")) {
+            function = name.1.to_owned();
+            continue;
+        }
+        let mut parts = line.split('\t').skip(1);
+        let (Some(mnemonic), Some(operands)) = (parts.next(), parts.next()) else { continue };
+        let is_branch = mnemonic.starts_with('b') && !mnemonic.starts_with("bi") && !mnemonic.starts_with("bf");
+        if mnemonic == "blx" && operands.starts_with('r') {
+            calls.entry(function.clone()).or_default().insert("(pointer)".to_owned());
+        } else if let (true, Some((_, target))) = (is_branch || mnemonic.starts_with("cb"), operands.split_once('<')) {
+            let target = target.rsplit_once('>').map_or(target, |(target, _)| target);
+            let name = target.rsplit_once("+0x").map_or(target, |(name, _)| name);
+            calls.entry(function.clone()).or_default().insert(name.to_owned());
+        }
+    }
+    calls
+}
+
+fn reached(calls: &BTreeMap<String, BTreeSet<String>>, root: &str) -> BTreeSet<String> {
+    let mut reached = BTreeSet::new();
+    let mut open = vec![root.to_owned()];
+    while let Some(function) = open.pop() {
+        if reached.insert(function.clone()) {
+            open.extend(calls.get(&function).into_iter().flatten().cloned());
+        }
+    }
+    reached
+}

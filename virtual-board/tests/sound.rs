@@ -1,0 +1,78 @@
+//! The sound that leaves the I2S is the sound that `malleus play` makes of the board's own log, bit for bit.
+
+mod common;
+#[path = "common/hits.rs"]
+mod hits;
+#[path = "common/replay.rs"]
+mod replay;
+
+use dsp_core::event::Action;
+use dsp_core::table::Kit;
+use hits::signal;
+use replay::{assert_same_bits, events, rate, strikes};
+use virtual_board::{Board, Press, Setup};
+
+/// Ten seconds of typical playing: four piezos, 20 dB of velocity, rolls, flams, and the button.
+fn typical() -> Setup {
+    let seconds = 10.5;
+    let mut hits = [const { Vec::new() }; 4];
+    for beat in 0..40 {
+        let (at_s, piezo) = (0.3 + 0.25 * f64::from(beat), (beat * 7 % 4) as usize);
+        hits[piezo].push((at_s, 0.1 + 0.02 * beat as f32));
+        if beat % 8 == 3 {
+            // A flam.
+            hits[(piezo + 1) % 4].push((at_s + 0.02, 0.4));
+        }
+        if beat % 10 == 9 {
+            // A roll.
+            hits[piezo].extend((1..5).map(|stroke| (at_s + 0.04 * f64::from(stroke), 0.3)));
+        }
+    }
+    let piezos = (0..).zip(&mut hits).map(|(piezo, hits)| {
+        hits.sort_by(|a, b| a.0.total_cmp(&b.0));
+        signal(piezo, seconds, hits)
+    });
+    Setup {
+        piezos: piezos.collect(),
+        presses: vec![Press { at_s: 4.1, for_s: 0.1, bounce_s: 2e-3 }],
+        ..Setup::default()
+    }
+}
+
+fn play_ten_seconds(board: Board) {
+    let running = common::run(board, &typical(), 10.4);
+    let kit = kit::open("demo").unwrap().binary;
+    let same = assert_same_bits(&running, board, &kit);
+    let played = events(&running, &Kit::parse(&kit).unwrap(), rate(board));
+    println!("{}: {} strikes, {same} frames with the same bits", board.name(), strikes(&played));
+    assert!(strikes(&played) >= 50, "{} strikes", strikes(&played));
+    assert!(same as f64 >= 10.0 * rate(board).hz());
+}
+
+#[test]
+fn ten_seconds_of_playing_on_the_disc1_replay_to_the_same_bits() {
+    play_ten_seconds(Board::Stm32f407gDisc1);
+}
+
+#[test]
+fn ten_seconds_of_playing_on_the_blackpill_replay_to_the_same_bits() {
+    play_ten_seconds(Board::BlackpillF411);
+}
+
+#[test]
+fn a_second_as_dense_as_the_budget_allows_replays_to_the_same_bits() {
+    for board in Board::ALL {
+        let piezos = (0..4).map(|piezo| {
+            let strokes = (0..30).map(|n| (0.3 + 0.035 * f64::from(n) + 0.003 * piezo as f64, 0.5));
+            signal(piezo, 1.5, &strokes.collect::<Vec<_>>())
+        });
+        let setup = Setup { piezos: piezos.collect(), ..Setup::default() };
+        let running = common::run(board, &setup, 1.35);
+        let kit = kit::open("demo").unwrap().binary;
+        let same = assert_same_bits(&running, board, &kit);
+        let played = events(&running, &Kit::parse(&kit).unwrap(), rate(board));
+        let sheds = played.iter().filter(|event| matches!(event.action, Action::Shed(_))).count();
+        println!("{}: {} strikes, {sheds} sheds, {same} frames", board.name(), strikes(&played));
+        assert!(strikes(&played) >= 100, "{}", strikes(&played));
+    }
+}
