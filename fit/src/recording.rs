@@ -12,6 +12,8 @@ use crate::{FitError, material, render, residual, segment};
 
 /// The residual's noise is the same in every run.
 const RESIDUAL_SEED: u64 = 1;
+/// Levels at which the residual is tried.
+const RESIDUAL_LEVELS: [f64; 6] = [0.0, 0.1, 0.2, 0.4, 0.7, 1.0];
 
 /// What to do with a recording.
 #[derive(Clone, Debug, Default)]
@@ -122,7 +124,19 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let distance = |sound: &[f64]| log_spectral_distance_db(&heard[window.clone()], &sound[window.clone()]);
     let residual_bands = residual::fit_bands(heard, &rendering, recording.rate_hz, residual::BANDS);
     let noise = residual::render(&residual_bands, window.end, recording.rate_hz, RESIDUAL_SEED);
-    let with_residual: Vec<f64> = rendering.iter().zip(&noise).map(|(modes, noise)| modes + noise).collect();
+    let with_residual_db = |level: f64| {
+        let sound: Vec<f64> = rendering.iter().zip(&noise).map(|(modes, noise)| modes + level * noise).collect();
+        distance(&sound)
+    };
+    // Noise that does not bring the sound nearer stays out: a few strong modes leave what is no noise.
+    let levels = RESIDUAL_LEVELS.map(|level| (with_residual_db(level), level));
+    let (lsd_with_residual_db, level) =
+        levels.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((distance(&rendering), 0.0));
+    let residual_bands: Vec<residual::Band> = residual_bands
+        .into_iter()
+        .map(|band| residual::Band { weight: band.weight * level, ..band })
+        .filter(|band| band.weight > 0.0)
+        .collect();
     let range = |of: fn(&strike::Mode) -> f64| {
         let values = fit.modes.iter().map(of);
         [values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max)]
@@ -147,7 +161,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         material: material::guess(&fit),
         lsd_db: distance(&rendering),
         lsd_reference_db: distance(&by_reference),
-        lsd_with_residual_db: distance(&with_residual),
+        lsd_with_residual_db,
         residual_bands,
         seconds: start.elapsed().as_secs_f64(),
     };
