@@ -15,7 +15,8 @@ const FORCE_BEFORE_S: f64 = 0.0015;
 const FORCE_LENGTH_S: f64 = 0.0045;
 /// Sound of a hit that is fitted at most, in seconds.
 const LONGEST_S: f64 = 0.3;
-/// A hit's weight is its energy to minus this: 0 leaves hits as recorded, 0.5 makes them alike.
+/// Sound and force of a hit are multiplied by its energy to minus this: 0 leaves hits as recorded, 0.5 makes them alike. Chosen by how the first four hits
+/// of the two hammer recordings predict the rest: docs/fit.md says how far that is evidence.
 const SOFTNESS: f64 = 0.125;
 /// Samples by which a prediction may be early or late.
 const DELAYS: i64 = 4;
