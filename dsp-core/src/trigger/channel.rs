@@ -49,6 +49,8 @@ pub(super) struct Channel {
     onset_level: i32,
     foot_level: i32,
     foot_frame: u32,
+    /// The largest magnitude since: some strikes are loudest in their first sample, before they are noticed.
+    rise_peak: i32,
     /// The largest envelope of the tick so far, while something rings.
     tick_envelope: i32,
     /// Sum of the tick's samples so far, in counts.
@@ -74,6 +76,7 @@ impl Channel {
         onset_level: DEAF,
         foot_level: 0,
         foot_frame: 0,
+        rise_peak: 0,
         tick_envelope: 0,
         sum: 0,
         scan: Scan::NONE,
@@ -96,6 +99,7 @@ impl Channel {
         let mut at = 0;
         if !self.is_scanning && !self.mask.is_loud() && self.envelope <= self.foot_level {
             at = self.stay_below_foot(frames, index);
+            self.rise_peak = 0;
             self.foot_frame = now.wrapping_add(at as u32).wrapping_sub(1);
         }
         if at < frames.len() {
@@ -118,36 +122,42 @@ impl Channel {
                 self.scan.push(raw, x, envelope);
             } else if envelope <= self.foot_level {
                 self.foot_frame = now.wrapping_add(at).wrapping_sub(1);
-            } else if envelope > self.onset_level {
-                self.begin_scan(now.wrapping_add(at), config);
-                self.scan.push(raw, x, envelope);
+                self.rise_peak = 0;
+            } else {
+                if envelope > self.onset_level {
+                    self.begin_scan(now.wrapping_add(at), config);
+                    self.scan.push(raw, x, envelope);
+                }
+                self.rise_peak = self.rise_peak.max(x.wrapping_abs());
             }
         }
     }
 
     /// Takes frames while the envelope stays at or below the foot, and gives their number; the first that leaves it is not taken.
     ///
-    /// The hot loop, all that a silent channel costs: not inlined, so that it has all registers to itself (24 cycles a sample otherwise).
+    /// The hot loop, all that a silent channel costs: not inlined, so that it has all registers to itself.
     #[inline(never)]
     fn stay_below_foot<const CHANNELS: usize>(&mut self, frames: &[[u16; CHANNELS]], index: usize) -> usize {
         let Self { mut envelope, foot_level, mut sum, .. } = *self;
-        let Baseline { mut level, slope, .. } = self.baseline;
+        let Baseline { level, slope, .. } = self.baseline;
+        // Negative, so that shift and subtraction are one instruction.
+        let mut bias = level.wrapping_neg();
         let mut taken = frames.len();
         // Known here, the compiler need not ask at every sample.
         if index < CHANNELS {
             for (at, frame) in frames.iter().enumerate() {
                 let raw = frame.get(index).copied().unwrap_or(0);
-                let next = follow(envelope, condition(raw, level));
+                let next = follow(envelope, (i32::from(raw) << 8).wrapping_add(bias));
                 if next > foot_level {
                     taken = at;
                     break;
                 }
                 envelope = next;
-                level = level.wrapping_add(slope);
+                bias = bias.wrapping_sub(slope);
                 sum = sum.wrapping_add(i32::from(raw));
             }
         }
-        self.baseline.level = level;
+        self.baseline.level = bias.wrapping_neg();
         (self.envelope, self.sum) = (envelope, sum);
         taken
     }
@@ -159,7 +169,7 @@ impl Channel {
         // A decision falls behind the tick in which it was announced.
         let nearest = now.wrapping_add(TICK_FRAMES as u32);
         let decide_at = if decide_at.wrapping_sub(nearest) < config.scan_frames { decide_at } else { nearest };
-        self.scan = Scan::begin(decide_at, self.mask.crest());
+        self.scan = Scan::begin(decide_at, self.rise_peak);
         self.is_scanning = true;
         self.noise.struck();
     }
@@ -197,6 +207,9 @@ impl Channel {
         self.mask.tick(envelope, quiet, config.mask_decay);
         let mask = self.mask.level();
         let deaf = self.masked_ticks > 0 || self.warm_up_ticks > 0 || self.fault.is_some();
+        if deaf {
+            self.rise_peak = 0;
+        }
         self.onset_level = if deaf { DEAF } else { quiet.max(scale_q8(mask, OVER_Q8)) };
         self.foot_level =
             (scale_q8(self.noise.mean(), NOISE_FOOT_Q8) + COUNT / 2).max(scale_q8(self.mask.crest(), MASK_FOOT_Q8));
@@ -234,6 +247,9 @@ impl Channel {
 
     /// The largest magnitude of late, for the judgement of crosstalk.
     pub(super) fn recent_peak(&self) -> i32 {
+        if self.fault.is_some() {
+            return 0;
+        }
         let scanned = match (self.is_scanning, self.scan.saturated) {
             (false, _) => 0,
             (true, false) => self.scan.peak,
@@ -249,13 +265,15 @@ impl Channel {
         self.hold = self.hold.max(self.envelope);
     }
 
-    /// Ends the scan, whatever was decided, and masks the channel.
-    pub(super) fn end_scan(&mut self, config: &ChannelConfig) {
+    /// Ends the scan and masks the channel: after a strike for the mask time, after anything else (crosstalk above all) only as far as its
+    /// level goes, since the pad's own strike may be close behind.
+    pub(super) fn end_scan(&mut self, was_strike: bool, config: &ChannelConfig) {
         self.hold = self.recent_peak();
         let envelope = if self.is_scanning { self.scan.envelope } else { self.envelope };
         self.mask.struck(envelope);
         self.is_scanning = false;
-        self.masked_ticks = config.masked_ticks;
+        self.masked_ticks = if was_strike { config.masked_ticks } else { 0 };
+        self.rise_peak = 0;
         self.onset_level = DEAF;
     }
 

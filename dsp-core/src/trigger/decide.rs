@@ -27,11 +27,11 @@ pub(super) fn decide(lanes: &mut [Option<Lane>], index: usize) -> Option<Verdict
     let others = lanes.iter().enumerate().filter(|&(other, _)| other != index && Some(other) != partner);
     let elsewhere = others.filter_map(|(_, lane)| lane.as_ref()).map(|lane| lane.channel.recent_peak());
     let is_strike = peak >= config.threshold_peak && !crosstalk::explains(peak, elsewhere, config.crosstalk);
-    let velocity = config.curve.velocity(own_peak_counts(channel, peak), channel.scan.saturated);
+    let velocity = config.curve.velocity(peak as f32 / COUNT as f32, channel.scan.saturated);
     let verdict = Verdict { pad: config.pad, striker: config.striker, velocity };
     for sensor in [Some(index), partner].into_iter().flatten() {
         if let Some(Some(lane)) = lanes.get_mut(sensor) {
-            lane.channel.end_scan(&lane.config);
+            lane.channel.end_scan(is_strike, &lane.config);
         }
     }
     (is_strike && velocity > 0.0).then_some(verdict)
@@ -39,14 +39,6 @@ pub(super) fn decide(lanes: &mut [Option<Lane>], index: usize) -> Option<Verdict
 
 fn loudness(lane: &Lane) -> f32 {
     lane.channel.scanned_peak() as f32 * lane.config.rivalry
-}
-
-/// The strike's own peak in counts. What rang before adds to it or takes from it as the phases fall; on average their powers add.
-fn own_peak_counts(channel: &Channel, peak: i32) -> f32 {
-    let counts = peak as f32 / COUNT as f32;
-    let (rang, rings) = (channel.scan.ringing as f32, channel.scan.envelope.max(1) as f32);
-    let share = (rang / rings).min(1.0);
-    counts * libm::sqrtf(1.0 - share * share)
 }
 
 /// Frames until the channel's scan is decided, if one is on.

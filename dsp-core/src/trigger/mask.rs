@@ -69,6 +69,9 @@ impl Mask {
 
     /// The end of a tick with its largest envelope; below half of `quiet` the past is not worth looking at.
     pub(super) fn tick(&mut self, envelope: i32, quiet: i32, decay: MaskDecay) {
+        if self.loud_ticks == 0 && self.decaying == 0 && envelope <= quiet >> 1 {
+            return;
+        }
         // Envelopes have 24 bits at most and losses 16: the product is taken in 64.
         let loss = (i64::from(self.decaying) * i64::from(decay.loss_q16)) >> 16;
         self.decaying = self.decaying.wrapping_sub(loss as i32).wrapping_sub(1).max(0);
@@ -79,7 +82,9 @@ impl Mask {
         self.loud_ticks = if envelope > quiet >> 1 { PAST_TICKS as u16 } else { self.loud_ticks.saturating_sub(1) };
         // A strike must not mask its own rise: the follower takes the envelope late.
         let late = self.past.get(self.newest.wrapping_sub(CREST_TICKS.start) % PAST_TICKS).copied().unwrap_or(0);
-        self.decaying = self.decaying.max(late);
+        if self.loud_ticks > 0 {
+            self.decaying = self.decaying.max(late);
+        }
         self.crest = 0;
         if self.loud_ticks > 0 {
             for back in CREST_TICKS {

@@ -11,8 +11,6 @@ pub(super) struct Scan {
     pub(super) peak: i32,
     /// The largest envelope so far.
     pub(super) envelope: i32,
-    /// What rang when the strike began, as an envelope.
-    pub(super) ringing: i32,
     /// Whether the ADC was at a rail.
     pub(super) saturated: bool,
     previous: i32,
@@ -23,10 +21,11 @@ pub(super) struct Scan {
 
 impl Scan {
     pub(super) const NONE: Self =
-        Self { decide_at: 0, peak: 0, envelope: 0, ringing: 0, saturated: false, previous: 0, before: 0, known: 0 };
+        Self { decide_at: 0, peak: 0, envelope: 0, saturated: false, previous: 0, before: 0, known: 0 };
 
-    pub(super) fn begin(decide_at: u32, ringing: i32) -> Self {
-        Self { decide_at, ringing, ..Self::NONE }
+    /// A search in which `peak` was seen before it began.
+    pub(super) fn begin(decide_at: u32, peak: i32) -> Self {
+        Self { decide_at, peak, ..Self::NONE }
     }
 
     /// Takes the next sample: as it came, conditioned, and the envelope after it.

@@ -13,11 +13,11 @@ use crate::owned::Owned;
 /// Pads of an engine of the boards.
 pub const PADS: usize = 16;
 /// Modes, all pads together.
-const MODES: usize = 768;
+const MODES: usize = 640;
 /// Register groups: a sixth of the modes, and up to eight more a bank.
-const GROUPS: usize = 256;
+const GROUPS: usize = 224;
 /// Modes that can be choked or have several positions.
-const ORIGINS: usize = 640;
+const ORIGINS: usize = 512;
 
 type BoardEngine = Engine<'static, PADS, MODES, GROUPS, ORIGINS, STANDARD_CONTACTS>;
 

@@ -106,7 +106,10 @@ impl Settings {
         let rate = adc_rate();
         let is_direct = |settings: trigger::Settings| settings.mode == Mode::Direct;
         Ok(Self {
-            direct_pad: (0..=u8::MAX).zip(trigger::Settings::of_kit(kit)).find(|&(_, pad)| is_direct(pad)).map(|(pad, _)| pad),
+            direct_pad: (0..=u8::MAX)
+                .zip(trigger::Settings::of_kit(kit))
+                .find(|&(_, pad)| is_direct(pad))
+                .map(|(pad, _)| pad),
             trigger: Trigger::from_kit(kit, rate)?,
             buttons: Buttons::from_kit(kit, rate)?,
             map: FrameMap::new(rate, CLOCKS.sample_rate())?,

@@ -75,9 +75,7 @@ fn decide(lanes: &mut [Option<Lane>], channel: usize, pads: &[PiezoSettings], no
     let others = (0..lanes.len()).filter(|&other| other != channel && Some(other) != partner);
     let elsewhere: f64 = others.filter_map(|other| lanes[other].as_ref()).map(|lane| lane.piezo.recent_peak()).sum();
     let scan = winner.piezo.scan.as_ref()?;
-    // What rang before adds to a peak or takes from it as the phases fall; on average powers add.
-    let own_peak = peak * (1.0 - (scan.ringing / scan.envelope).min(1.0).powi(2)).sqrt();
-    let linear = (own_peak / (settings.full_scale * HALF_RANGE_COUNTS)).clamp(0.0, 1.0);
+    let linear = (peak / (settings.full_scale * HALF_RANGE_COUNTS)).clamp(0.0, 1.0);
     let velocity = if scan.saturated { 1.0 } else { linear.powf(settings.velocity_exponent) };
     let is_strike = peak >= settings.threshold * HALF_RANGE_COUNTS
         && peak >= elsewhere * 10f64.powf(settings.crosstalk_db / 20.0)
@@ -85,7 +83,7 @@ fn decide(lanes: &mut [Option<Lane>], channel: usize, pads: &[PiezoSettings], no
     let strike = Strike { frame: now, pad: winner.pad, striker: winner.striker, velocity };
     for sensor in [Some(channel), partner].into_iter().flatten() {
         if let Some(lane) = &mut lanes[sensor] {
-            lane.piezo.end_scan();
+            lane.piezo.end_scan(is_strike);
         }
     }
     is_strike.then_some(strike)

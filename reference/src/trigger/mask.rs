@@ -36,8 +36,10 @@ impl Mask {
         self.past.insert(0, envelope);
         self.past.truncate(PAST_TICKS);
         self.loud_ticks = if envelope > quiet / 2.0 { LOUD_TICKS } else { self.loud_ticks.saturating_sub(1) };
-        self.level = self.level.max(self.past[LATE_TICKS]);
-        let remembered = if self.is_loud() { &self.past[LATE_TICKS..] } else { &[] };
-        self.crest = remembered.iter().copied().fold(0.0, f64::max);
+        self.crest = 0.0;
+        if self.is_loud() {
+            self.level = self.level.max(self.past[LATE_TICKS]);
+            self.crest = self.past[LATE_TICKS..].iter().copied().fold(0.0, f64::max);
+        }
     }
 }

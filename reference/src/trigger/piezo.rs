@@ -24,7 +24,6 @@ pub(super) struct Scan {
     pub(super) decide_at: usize,
     pub(super) peak: f64,
     pub(super) envelope: f64,
-    pub(super) ringing: f64,
     pub(super) saturated: bool,
     before: Option<f64>,
     previous: Option<f64>,
@@ -43,6 +42,8 @@ pub(super) struct Piezo {
     onset_level: f64,
     foot_level: f64,
     foot_frame: usize,
+    /// The largest magnitude since.
+    rise_peak: f64,
     masked_ticks: usize,
     warm_up_ticks: usize,
     sum: f64,
@@ -64,6 +65,7 @@ impl Piezo {
             onset_level: f64::INFINITY,
             foot_level: 0.0,
             foot_frame: 0,
+            rise_peak: 0.0,
             masked_ticks: 0,
             warm_up_ticks: WARM_UP_TICKS,
             sum: 0.0,
@@ -87,20 +89,23 @@ impl Piezo {
         if self.scan.is_none() {
             if self.envelope <= self.foot_level {
                 self.foot_frame = frame;
+                self.rise_peak = 0.0;
             } else if self.envelope > self.onset_level {
                 let noticed = frame + 1;
                 let onset = self.foot_frame.max(noticed.saturating_sub(LONGEST_LAG));
                 self.scan = Some(Scan {
                     decide_at: (onset + self.scan_frames()).max(noticed + TICK_FRAMES),
-                    peak: 0.0,
+                    peak: self.rise_peak,
                     envelope: 0.0,
-                    ringing: self.mask.crest,
                     saturated: false,
                     before: None,
                     previous: None,
                 });
                 self.quiet_ticks = 0;
             }
+        }
+        if self.envelope > self.foot_level {
+            self.rise_peak = self.rise_peak.max(x.abs());
         }
         if let Some(scan) = &mut self.scan {
             scan.saturated |= count == 0 || count >= LAST_COUNT;
@@ -131,6 +136,9 @@ impl Piezo {
         let envelope = std::mem::replace(&mut self.tick_envelope, self.envelope).max(self.envelope);
         self.mask.tick(envelope, quiet, self.settings.mask_decay_per_s, self.rate_hz);
         let is_deaf = self.masked_ticks > 0 || self.warm_up_ticks > 0;
+        if is_deaf {
+            self.rise_peak = 0.0;
+        }
         self.onset_level = if is_deaf { f64::INFINITY } else { quiet.max(OVER_MASK * self.mask.level) };
         let foot = (OVER_NOISE_FOOT * self.noise + FOOT_COUNTS).max(OVER_MASK_FOOT * self.mask.crest);
         self.foot_level = foot.min(self.onset_level);
@@ -147,13 +155,15 @@ impl Piezo {
         self.hold.max(scanned).max(1.5 * self.envelope)
     }
 
-    /// Ends the scan and masks the channel.
-    pub(super) fn end_scan(&mut self) {
+    /// Ends the scan and masks the channel: after a strike for the mask time, after anything else only as far as its level goes.
+    pub(super) fn end_scan(&mut self, was_strike: bool) {
         self.hold = self.recent_peak();
         let envelope = self.scan.take().map_or(self.envelope, |scan| scan.envelope);
         self.mask.struck(envelope);
         let mask_frames = (self.settings.mask_time_s * self.rate_hz + 0.5) as usize;
-        self.masked_ticks = mask_frames.saturating_sub(self.scan_frames()) / TICK_FRAMES + 1;
+        let masked_ticks = mask_frames.saturating_sub(self.scan_frames()) / TICK_FRAMES + 1;
+        self.masked_ticks = if was_strike { masked_ticks } else { 0 };
+        self.rise_peak = 0.0;
         self.onset_level = f64::INFINITY;
     }
 }
