@@ -42,18 +42,21 @@ struct Played {
     /// Reported as missing, by tick.
     lost: Vec<f64>,
     dearest_tick: u64,
+    stack_bytes: u32,
 }
 
 fn play(scene: &BudgetScene) -> Played {
     let mut chip = EngineOnChip::new().unwrap();
     chip.load(&scene.kit, RATE).unwrap();
     chip.set_budget(scene.budget).unwrap();
-    let mut played = Played { sound: Vec::new(), events: Vec::new(), lost: Vec::new(), dearest_tick: 0 };
+    let mut played =
+        Played { sound: Vec::new(), events: Vec::new(), lost: Vec::new(), dearest_tick: 0, stack_bytes: 0 };
     for tick in 0..scene.ticks {
         let (now, _) = scene.tick(tick);
         let (block, call) = chip.render(&now, None, TICK_FRAMES).unwrap();
         let told = chip.told().unwrap();
         played.dearest_tick = played.dearest_tick.max(call.cost.nominal);
+        played.stack_bytes = played.stack_bytes.max(call.stack_bytes);
         played.sound.extend(block);
         played.events.extend(now);
         played.events.extend(told.decisions);
@@ -81,9 +84,12 @@ fn a_storm_never_exceeds_its_budget_and_replays_to_the_same_bits() {
         let scene = storm_scene(pads);
         let played = play(&scene);
         let decisions = played.events.iter().filter(|event| matches!(event.action, Action::Shed(_))).count();
-        println!("{pads} pads: dearest tick {} of {STORM_BUDGET} cycles, {decisions} decisions", played.dearest_tick);
+        println!(
+            "{pads} pads: dearest tick {} of {STORM_BUDGET} cycles, {decisions} decisions, {} bytes of stack",
+            played.dearest_tick, played.stack_bytes
+        );
         assert!(played.dearest_tick <= u64::from(STORM_BUDGET), "dearest tick: {}", played.dearest_tick);
-        assert!(decisions > 0);
+        assert!(decisions > 0 && played.stack_bytes <= 2048, "{} bytes of stack", played.stack_bytes);
 
         // The same bits on the PC, without a budget, in one block.
         assert!(replay(&scene.kit, &played.events, played.sound.len()) == played.sound, "the replay differs");
