@@ -84,6 +84,7 @@ fn measure(board: Board, piezo: usize, count: usize, peak: f32) -> (f64, f64) {
     let setup = Setup { piezos: vec![signal], kit: kit(), ..Setup::default() };
     let running = common::run(board, &setup, onsets.last().unwrap() + 0.03);
     let latencies = latencies(&running, &onsets);
+    println!("{:?}", latencies.iter().map(|latency| (1e6 * latency).round()).collect::<Vec<_>>());
     let largest = latencies.iter().copied().fold(0.0, f64::max);
     let smallest = latencies.iter().copied().fold(f64::INFINITY, f64::min);
     println!(
