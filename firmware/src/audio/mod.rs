@@ -7,7 +7,7 @@
 //!                                     |LEAD_FRAMES-->|
 //! ```
 //!
-//! A tick of the engine lies across the halves: it is heard [`LEAD_FRAMES`] after the interrupt that renders it, which is the deadline. A
+//! A tick of the engine lies across the halves: it is heard [`LEAD_FRAMES`](board::LEAD_FRAMES) after the interrupt that renders it, which is the deadline. A
 //! lead of less than a half shortens the way from a strike to its sound; the engine's budget leaves the rest of the time to others anyway.
 
 pub mod i2s;
@@ -22,14 +22,12 @@ use embassy_stm32::interrupt;
 
 use self::i2s::{HALF_FRAMES, I2s, Told};
 use self::instrument::Instrument;
-use crate::board::CLOCKS;
+use crate::board::{self, CLOCKS, LEAD_FRAMES};
 use crate::input::{self, Inputs};
 use crate::owned::Owned;
 use crate::queue::Queue;
 use crate::{counters, cycles};
 
-/// From the interrupt to the first frame of the tick that it renders.
-pub const LEAD_FRAMES: usize = 26;
 /// Cycles to the deadline of a tick.
 const LEAD_CYCLES: u32 = CLOCKS.cycles_per_frames(LEAD_FRAMES as u32);
 /// What the inputs take of them at the dearest: four piezos that ring.
