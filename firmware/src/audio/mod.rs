@@ -7,7 +7,7 @@
 //!                                     |LEAD_FRAMES-->|
 //! ```
 //!
-//! A tick of the engine lies across the halves: it is heard [`LEAD_FRAMES`](board::LEAD_FRAMES) after the interrupt that renders it, which is the deadline. A
+//! A tick of the engine lies across the halves: it is heard [`LEAD_FRAMES`] after the interrupt that renders it, which is the deadline. A
 //! lead of less than a half shortens the way from a strike to its sound; the engine's budget leaves the rest of the time to others anyway.
 
 pub mod i2s;
@@ -22,7 +22,7 @@ use embassy_stm32::interrupt;
 
 use self::i2s::{HALF_FRAMES, I2s, Told};
 use self::instrument::Instrument;
-use crate::board::{self, CLOCKS, LEAD_FRAMES};
+use crate::board::{CLOCKS, LEAD_FRAMES};
 use crate::input::{self, Inputs};
 use crate::owned::Owned;
 use crate::queue::Queue;
