@@ -6,7 +6,7 @@ use dsp_core::event::{Action, Event};
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
 use host_tests::on_chip::EngineOnChip;
-use host_tests::on_chip::budget_scenes::{BudgetScene, STORM_BUDGET, storm_scene, unlimited};
+use host_tests::on_chip::budget_scenes::{BudgetScene, STORM_BUDGET, playing_scene, storm_scene, unlimited};
 use host_tests::on_chip::scenes::{pads, strikes};
 use host_tests::scene::TestEngine;
 
@@ -135,4 +135,39 @@ fn what_is_quietest_goes_first() {
         whole.iter().zip(&got).map(|(whole, got)| [whole[0] - got[0], whole[1] - got[1]]).collect();
     println!("{shed_modes} modes left out, peak {} of {} missing", peak(&missing), peak(&whole));
     assert!(peak(&missing) > 0 && peak(&missing) < peak(&whole) / 50, "{} of {}", peak(&missing), peak(&whole));
+}
+
+#[test]
+fn strikes_anywhere_in_a_tick_replay_to_the_same_bits_under_any_budget() {
+    // On the PC: the engine decides alike everywhere.
+    for budget in (20_000..80_000).step_by(5_000) {
+        let scene = playing_scene(budget);
+        let kit = Kit::parse(&scene.kit).unwrap();
+        let mut engine = Box::new(TestEngine::new());
+        engine.load(&kit, RATE, Skipping::On).unwrap();
+        engine.set_budget(Some(budget));
+        let (mut sound, mut played) = (Vec::new(), Vec::new());
+        for tick in 0..scene.ticks {
+            let (now, _) = scene.tick(tick);
+            let mut block = [[0; 2]; TICK_FRAMES];
+            let mut decisions = Vec::new();
+            engine.render_logged(&now, None, &mut block, |_| {}, |event| decisions.push(*event)).unwrap();
+            sound.extend(block);
+            played.extend(now);
+            played.extend(decisions);
+        }
+        played.sort_by_key(|event| (event.time.first_frame(), matches!(event.action, Action::Shed(_))));
+        let again = replay(&scene.kit, &played, sound.len());
+        let differs = again.iter().zip(&sound).position(|(again, sound)| again != sound);
+        assert!(differs.is_none(), "budget {budget}: frame {differs:?} differs");
+    }
+}
+
+#[test]
+fn strikes_anywhere_in_a_tick_sound_alike_on_the_chip_and_the_pc() {
+    let scene = playing_scene(50_000);
+    let played = play(&scene);
+    let again = replay(&scene.kit, &played.events, played.sound.len());
+    let differs = again.iter().zip(&played.sound).position(|(again, sound)| again != sound);
+    assert!(differs.is_none(), "frame {differs:?} differs");
 }
