@@ -24,6 +24,8 @@ enum Command {
     Demo(DemoArguments),
     /// Play a kit: events or a direct force in, a 24-bit stereo WAV file out
     Play(PlayArguments),
+    /// Fit recordings of something being struck: a table each
+    Fit(FitArguments),
     /// Build, check and show kits
     #[command(subcommand)]
     Kit(KitCommand),
@@ -87,8 +89,55 @@ struct PlayArguments {
     json: bool,
 }
 
+/// Arguments of `malleus fit`.
+#[derive(Debug, Args)]
+struct FitArguments {
+    /// Recordings: WAV, FLAC, AIFF, Ogg Vorbis, MP3, AAC, ALAC, CAF
+    #[arg(required = true)]
+    input: Vec<PathBuf>,
+    /// Where the table goes: a .toml file, or a folder for one table a recording
+    #[arg(short, long, value_name = "TABLE.toml|DIR")]
+    output: PathBuf,
+    /// Modes at most
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = parse_modes)]
+    modes: usize,
+    /// Channel of the measured force, counted from 0
+    #[arg(long, value_name = "C")]
+    force_channel: Option<usize>,
+    /// Strikes to use, counted from 1 [default: all]
+    #[arg(long, value_name = "N,N", value_delimiter = ',')]
+    hits: Vec<usize>,
+    /// Cortex-M4 cycles a sample that the table may take while it is struck: keeps the modes that matter most
+    #[arg(long, value_name = "CYCLES", value_parser = parse_cycles)]
+    budget: Option<f64>,
+    /// Write the instrument's rendering of the loudest strike, aligned to the recording
+    #[arg(long, value_name = "OUT.wav")]
+    render: Option<PathBuf>,
+    /// Licence of the recordings, kept in the tables
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    licence: String,
+    /// Fit again what is done already
+    #[arg(long)]
+    redo: bool,
+    /// Print a machine-readable report on stdout (docs/json.md)
+    #[arg(long)]
+    json: bool,
+}
+
 #[derive(Debug, Subcommand)]
 enum KitCommand {
+    /// Bind tables, such as `malleus fit` writes, to the pads of a new kit
+    New {
+        /// The new kit, text
+        #[arg(value_name = "KIT.toml")]
+        output: PathBuf,
+        /// Tables: .toml files with objects and strikers; each object becomes a pad
+        #[arg(required = true, value_name = "TABLE")]
+        tables: Vec<PathBuf>,
+        /// MIDI note of the first pad; the others follow
+        #[arg(long, value_name = "NOTE", default_value_t = 36, value_parser = clap::value_parser!(u8).range(0..=127))]
+        first_note: u8,
+    },
     /// Build the binary form that a board reads
     Build {
         /// Kit as text
@@ -124,6 +173,7 @@ fn main() -> ExitCode {
         None => commands::demo::run(&DemoArguments { out: PathBuf::from("malleus-demo"), json: false }),
         Some(Command::Demo(arguments)) => commands::demo::run(&arguments),
         Some(Command::Play(arguments)) => commands::play::run(&arguments),
+        Some(Command::Fit(arguments)) => commands::fit::run(&arguments),
         Some(Command::Kit(command)) => commands::kit::run(&command),
         Some(Command::Board(command)) => commands::board::run(&command),
     };
@@ -147,6 +197,16 @@ fn parse_budget(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|mhz: &f64| (1.0..=10_000.0).contains(mhz))
         .ok_or_else(|| "must be a number of MHz from 1 to 10000, such as 134.4 for 80 % of 168 MHz".to_owned())
+}
+
+fn parse_modes(text: &str) -> Result<usize, String> {
+    let modes = text.parse().ok().filter(|modes| (1..=1024).contains(modes));
+    modes.ok_or("must be from 1 to 1024 modes".to_owned())
+}
+
+fn parse_cycles(text: &str) -> Result<f64, String> {
+    let cycles = text.parse().ok().filter(|cycles| (10.0..=1e6).contains(cycles));
+    cycles.ok_or("must be from 10 to 1000000 cycles a sample".to_owned())
 }
 
 fn parse_tail(text: &str) -> Result<f64, String> {

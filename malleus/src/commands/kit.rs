@@ -1,6 +1,6 @@
-//! `malleus kit build`, `check` and `show`.
+//! `malleus kit new`, `build`, `check` and `show`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use kit::{BankStatistics, Loaded};
 use malleus::plot::{self, KitPicture, ObjectPicture};
@@ -11,10 +11,41 @@ use crate::KitCommand;
 
 pub(crate) fn run(command: &KitCommand) -> Result<(), CommandError> {
     match command {
+        KitCommand::New { output, tables, first_note } => new(output, tables, *first_note),
         KitCommand::Build { kit, output } => build(kit, output),
         KitCommand::Check { kit, json } => check(kit, *json),
         KitCommand::Show { kit, plot, json } => show(kit, plot.as_deref(), *json),
     }
+}
+
+/// One pad for each object of the tables, struck by the strikers of its own table.
+fn new(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<(), CommandError> {
+    let name = output.file_stem().unwrap_or_default().to_string_lossy();
+    let mut kit = kit::Kit { name: name.into_owned(), objects: vec![], strikers: vec![], pads: vec![] };
+    let mut notes = (first_note..=127).map(|note| vec![note]);
+    for table in tables {
+        let loaded = open(&table.display().to_string())?;
+        let strikers: Vec<String> = loaded.kit.strikers.iter().take(4).map(|striker| striker.name.clone()).collect();
+        for object in &loaded.kit.objects {
+            kit.pads.push(kit::Pad {
+                name: object.name.clone(),
+                object: object.name.clone(),
+                strikers: strikers.clone(),
+                level_db: 0.0,
+                pan: 0.0,
+                striker_weight: 1.0,
+                choke_t60_s: 0.1,
+                midi_notes: notes.next().unwrap_or_default(),
+                trigger: None,
+            });
+        }
+        kit.objects.extend(loaded.kit.objects);
+        kit.strikers.extend(loaded.kit.strikers);
+    }
+    // Judged as a board would, before anything is written.
+    let bytes = kit::binary::build(&kit)?.len();
+    kit::file::write_whole(output, kit::text::write(&kit).as_bytes())?;
+    print(&format!("{}: {} pads, {bytes} bytes in binary\n", output.display(), kit.pads.len()))
 }
 
 fn build(name: &str, output: &Path) -> Result<(), CommandError> {

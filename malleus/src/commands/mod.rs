@@ -2,6 +2,7 @@
 
 pub(crate) mod board;
 pub(crate) mod demo;
+pub(crate) mod fit;
 pub(crate) mod kit;
 pub(crate) mod play;
 
@@ -51,6 +52,12 @@ pub(crate) enum CommandError {
     Unreadable { file: String, error: std::io::Error },
     #[error("the log cannot be written: {error}")]
     Log { error: ::kit::file::FileError },
+    #[error("{}: one table cannot hold {inputs} recordings: give a folder", output.display())]
+    OneTable { output: std::path::PathBuf, inputs: usize },
+    #[error("--render takes one recording at a time, not {inputs}")]
+    OneRendering { inputs: usize },
+    #[error("{failed} of {of} recordings could not be fitted; the others are written")]
+    FitsFailed { failed: usize, of: usize },
     #[error("the report cannot be printed: {0}")]
     Print(#[from] std::io::Error),
     #[error("the report cannot be written as JSON: {0}")]

@@ -148,3 +148,24 @@ pub fn write_stereo(path: &Path, rate: SampleRate, frames: &[[i32; 2]]) -> Resul
     }
     Ok(kit::file::write_whole(path, &bytes)?)
 }
+
+/// Writes a mono sound as 32-bit float, full scale 1, whole or not at all.
+///
+/// # Errors
+/// A [`WaveError`] that names the file.
+pub fn write_mono(path: &Path, rate_hz: f64, samples: &[f64]) -> Result<(), WaveError> {
+    let kind = |cause| WaveError::Kind { path: path.to_owned(), cause };
+    let spec = hound::WavSpec {
+        channels: 1,
+        sample_rate: rate_hz.round() as u32,
+        bits_per_sample: 32,
+        sample_format: SampleFormat::Float,
+    };
+    let mut bytes = Cursor::new(Vec::new());
+    let mut writer = hound::WavWriter::new(&mut bytes, spec).map_err(kind)?;
+    for &sample in samples {
+        writer.write_sample(sample as f32).map_err(kind)?;
+    }
+    writer.finalize().map_err(kind)?;
+    Ok(kit::file::write_whole(path, bytes.get_ref())?)
+}

@@ -1,0 +1,107 @@
+//! The log-spectral distance and its derivative by every sample of the rendering.
+
+use std::sync::Arc;
+
+use realfft::num_complex::Complex;
+use realfft::{ComplexToReal, RealFftPlanner};
+
+use super::Spectrogram;
+use super::lsd::{FLOOR, SIZES, of_unit_rms};
+
+/// A recording that renderings are compared with, its spectra kept.
+pub(crate) struct Target {
+    scales: Vec<Scale>,
+}
+
+struct Scale {
+    spectrogram: Spectrogram,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+    wanted: Vec<f64>,
+    floor: f64,
+}
+
+impl Target {
+    pub(crate) fn new(recording: &[f64]) -> Self {
+        let recording = of_unit_rms(recording);
+        let mut planner = RealFftPlanner::new();
+        let scales = SIZES.map(|size| {
+            let spectrogram = Spectrogram::new(size);
+            let wanted = spectrogram.power(&recording);
+            let floor = wanted.iter().copied().fold(f64::MIN_POSITIVE, f64::max) * FLOOR;
+            Scale { spectrogram, inverse: planner.plan_fft_inverse(size), wanted, floor }
+        });
+        Self { scales: scales.into() }
+    }
+
+    /// The distance in dB with a soft floor (`P + floor` in place of `max(P, floor)`), and its derivative by each sample.
+    pub(crate) fn distance_and_slope(&self, rendering: &[f64]) -> (f64, Vec<f64>) {
+        let length = rendering.len();
+        let rms = (rendering.iter().map(|x| x * x).sum::<f64>() / length.max(1) as f64).sqrt().max(1e-12);
+        let scaled: Vec<f64> = rendering.iter().map(|x| x / rms).collect();
+        let (mut distance, mut slope) = (0.0, vec![0.0; length]);
+        for scale in &self.scales {
+            distance += scale.add(&scaled, self.scales.len() as f64, &mut slope);
+        }
+        // Through the division by the rms: what only changes the level changes nothing.
+        let along = slope.iter().zip(&scaled).map(|(slope, x)| slope * x).sum::<f64>() / length.max(1) as f64;
+        for (slope, x) in slope.iter_mut().zip(&scaled) {
+            *slope = (*slope - along * x) / rms;
+        }
+        (distance, slope)
+    }
+}
+
+impl Scale {
+    /// Adds this scale's share of the slope, and returns its share of the distance.
+    fn add(&self, rendering: &[f64], scales: f64, slope: &mut [f64]) -> f64 {
+        let bins = self.spectrogram.bin_count();
+        let spectra = self.spectrogram.complex(rendering);
+        let share = 1.0 / (scales * (spectra.len() / bins).max(1) as f64);
+        let mut distance = 0.0;
+        let mut adjoint = self.inverse.make_input_vec();
+        let mut wave = self.inverse.make_output_vec();
+        for (frame, (spectrum, wanted)) in spectra.chunks_exact(bins).zip(self.wanted.chunks_exact(bins)).enumerate() {
+            let difference = |given: &Complex<f64>, wanted: &f64| {
+                10.0 * ((given.norm_sqr() + self.floor) / (wanted + self.floor)).log10()
+            };
+            let squares: f64 =
+                spectrum.iter().zip(wanted).map(|(given, wanted)| difference(given, wanted).powi(2)).sum();
+            let rms = (squares / bins as f64).sqrt();
+            distance += rms * share;
+            let factor = share / (rms.max(1e-6) * bins as f64) * 20.0 / 10f64.ln();
+            for (bin, ((adjoint, given), wanted)) in adjoint.iter_mut().zip(spectrum).zip(wanted).enumerate() {
+                *adjoint = given * (factor * difference(given, wanted) / (given.norm_sqr() + self.floor));
+                // The inverse transform takes the other half of the spectrum to be there too.
+                if bin == 0 || bin + 1 == bins { adjoint.im = 0.0 } else { *adjoint *= 0.5 }
+            }
+            if self.inverse.process(&mut adjoint, &mut wave).is_err() {
+                continue;
+            }
+            let from = frame * self.spectrogram.hop();
+            for ((slope, wave), window) in slope.iter_mut().skip(from).zip(&wave).zip(self.spectrogram.window()) {
+                *slope += wave * window;
+            }
+        }
+        distance
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_slope_is_that_of_the_distance() {
+        let tone =
+            |f: f64, d: f64| (0..4000u32).map(f64::from).map(|n| (-d * n).exp() * (f * n).sin()).collect::<Vec<f64>>();
+        let (wanted, given) = (tone(0.3, 1e-3), tone(0.31, 2e-3));
+        let target = Target::new(&wanted);
+        let (distance, slope) = target.distance_and_slope(&given);
+        for at in [10, 700, 2500] {
+            let mut moved = given.clone();
+            moved[at] += 1e-6;
+            let numeric = (target.distance_and_slope(&moved).0 - distance) / 1e-6;
+            assert!((numeric - slope[at]).abs() < 1e-3 * numeric.abs() + 1e-5, "{at}: {numeric} {}", slope[at]);
+        }
+    }
+}

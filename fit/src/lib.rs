@@ -1,0 +1,19 @@
+//! From recordings to tables: what a board plays, out of what a microphone heard.
+
+pub mod audio;
+pub mod contact;
+pub mod distance;
+pub mod material;
+pub mod modes;
+pub mod recording;
+pub mod render;
+pub mod residual;
+pub mod score;
+pub mod segment;
+pub mod strike;
+pub mod synthetic;
+pub mod table;
+
+mod error;
+
+pub use error::FitError;

@@ -1,0 +1,77 @@
+//! The noise floor under a recording, as a function of frequency.
+
+use realfft::RealFftPlanner;
+use std::f64::consts::{LN_2, TAU};
+
+/// Noise power in bands: the variance that white noise of the same density would have.
+#[derive(Clone, Debug)]
+pub(crate) struct NoiseFloor {
+    /// Upper edge of each band, rad/sample, and its variance.
+    bands: Vec<(f64, f64)>,
+}
+
+/// Bins a band at least: their median then is within 15 %.
+const LEAST_BINS: usize = 64;
+/// Frames shorter than this are not made.
+const LEAST_FRAME: usize = 4096;
+
+impl NoiseFloor {
+    /// Estimates the floor of what a model leaves of a recording.
+    ///
+    /// Per band the median over bins, which a few modes that are still in there do not move; of up to four frames one after the other the quietest, since
+    /// a recording ends in its noise.
+    pub(crate) fn of_residual(residual: &[f64]) -> Self {
+        let frames = (residual.len() / LEAST_FRAME).clamp(1, 4);
+        let length = residual.len() / frames;
+        let mut planner = RealFftPlanner::<f64>::new();
+        let transform = planner.plan_fft_forward(length);
+        let mut output = transform.make_output_vec();
+        let mut quietest: Vec<(f64, f64)> = Vec::new();
+        for frame in residual.chunks_exact(length.max(1)).take(frames) {
+            let mut windowed: Vec<f64> = frame
+                .iter()
+                .enumerate()
+                .map(|(n, x)| x * (1.0 - (TAU * (n as f64 + 0.5) / length as f64).cos()))
+                .collect();
+            if transform.process(&mut windowed, &mut output).is_err() {
+                break;
+            }
+            // The window's mean square is 3/2.
+            let power: Vec<f64> = output.iter().map(|bin| bin.norm_sqr() / (1.5 * length as f64)).collect();
+            let bands = bands(&power);
+            if quietest.is_empty() {
+                quietest = bands;
+            } else {
+                for (least, new) in quietest.iter_mut().zip(bands) {
+                    least.1 = least.1.min(new.1);
+                }
+            }
+        }
+        Self { bands: quietest }
+    }
+
+    /// Noise variance at a frequency, rad/sample.
+    pub(crate) fn variance(&self, angular: f64) -> f64 {
+        let at = self.bands.partition_point(|(edge, _)| *edge < angular).min(self.bands.len().saturating_sub(1));
+        self.bands.get(at).map_or(f64::MIN_POSITIVE, |band| band.1.max(f64::MIN_POSITIVE))
+    }
+}
+
+/// Bands of a fifth of their frequency, at least 64 bins: edge and median-based variance.
+fn bands(power: &[f64]) -> Vec<(f64, f64)> {
+    let mut bands = Vec::new();
+    let mut start = 1;
+    while start < power.len() {
+        let width = LEAST_BINS.max(start / 5);
+        let mut end = start + width;
+        if end + width > power.len() {
+            end = power.len();
+        }
+        let mut bins = power[start..end].to_vec();
+        let middle = bins.len() / 2;
+        let (_, median, _) = bins.select_nth_unstable_by(middle, f64::total_cmp);
+        bands.push((std::f64::consts::PI * end as f64 / (power.len() - 1) as f64, *median / LN_2));
+        start = end;
+    }
+    bands
+}

@@ -1,0 +1,102 @@
+//! A mode's pole, in the estimators' unit of time: the sample.
+
+use nalgebra::Complex;
+
+/// `z = e^{-decay + j angular}`, both per sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pole {
+    /// Decay, 1/sample, above 0.
+    pub(crate) decay: f64,
+    /// Angular frequency, rad/sample, 0 to π.
+    pub(crate) angular: f64,
+}
+
+impl Pole {
+    pub(crate) fn new(frequency_hz: f64, decay_per_s: f64, rate_hz: f64) -> Self {
+        Self { decay: decay_per_s / rate_hz, angular: std::f64::consts::TAU * frequency_hz / rate_hz }
+    }
+
+    pub(crate) fn frequency_hz(self, rate_hz: f64) -> f64 {
+        self.angular * rate_hz / std::f64::consts::TAU
+    }
+
+    pub(crate) fn decay_per_s(self, rate_hz: f64) -> f64 {
+        self.decay * rate_hz
+    }
+
+    /// `zⁿ`.
+    pub(crate) fn power(self, n: f64) -> Complex<f64> {
+        Complex::from_polar((-self.decay * n).exp(), self.angular * n)
+    }
+
+    /// How many of `length` samples it takes until what is left changes no digit (150 dB down).
+    pub(crate) fn lasting(self, length: usize) -> usize {
+        length.min((17.3 / self.decay).ceil() as usize + 1)
+    }
+}
+
+/// Whole blocks of powers are made by one product each, as `z^(start + i) = z^start z^i`.
+pub(crate) const BLOCK: usize = 64;
+
+/// `z^0 .. z^63`, real and imaginary parts apart.
+pub(crate) struct PowerBlock {
+    re: [f64; BLOCK],
+    im: [f64; BLOCK],
+}
+
+impl PowerBlock {
+    pub(crate) fn new(pole: Pole) -> Self {
+        let mut block = Self { re: [0.0; BLOCK], im: [0.0; BLOCK] };
+        for (n, (re, im)) in block.re.iter_mut().zip(&mut block.im).enumerate() {
+            Complex { re: *re, im: *im } = pole.power(n as f64);
+        }
+        block
+    }
+
+    /// `[Σ x zⁱ, Σ i x zⁱ]` over at most 64 samples.
+    fn weigh(&self, samples: &[f64]) -> [Complex<f64>; 2] {
+        let (mut re, mut im, mut re_n, mut im_n) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
+        let mut index = [0.0, 1.0, 2.0, 3.0];
+        for ((x, z_re), z_im) in samples.chunks(4).zip(self.re.chunks(4)).zip(self.im.chunks(4)) {
+            for lane in 0..x.len().min(4) {
+                let (a, b) = (x[lane] * z_re[lane], x[lane] * z_im[lane]);
+                re[lane] += a;
+                im[lane] += b;
+                re_n[lane] += a * index[lane];
+                im_n[lane] += b * index[lane];
+                index[lane] += 4.0;
+            }
+        }
+        let sum = |lanes: [f64; 4]| (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
+        [Complex::new(sum(re), sum(im)), Complex::new(sum(re_n), sum(im_n))]
+    }
+
+    fn add(&self, factor: Complex<f64>, samples: &mut [f64]) {
+        for ((x, re), im) in samples.iter_mut().zip(&self.re).zip(&self.im) {
+            *x += factor.re * re - factor.im * im;
+        }
+    }
+}
+
+/// `[Σ x[n] zⁿ, Σ n x[n] zⁿ]`.
+pub(crate) fn project(pole: Pole, samples: &[f64]) -> [Complex<f64>; 2] {
+    let block = PowerBlock::new(pole);
+    let mut sums = [Complex::new(0.0, 0.0); 2];
+    for (index, samples) in samples[..pole.lasting(samples.len())].chunks(BLOCK).enumerate() {
+        let start = (index * BLOCK) as f64;
+        let power = pole.power(start);
+        let [plain, ramp] = block.weigh(samples);
+        sums[0] += power * plain;
+        sums[1] += power * (ramp + plain * start);
+    }
+    sums
+}
+
+/// Adds `Re(gain zⁿ)` to the samples.
+pub(crate) fn add_ringing(pole: Pole, gain: Complex<f64>, samples: &mut [f64]) {
+    let block = PowerBlock::new(pole);
+    let lasting = pole.lasting(samples.len());
+    for (index, samples) in samples[..lasting].chunks_mut(BLOCK).enumerate() {
+        block.add(gain * pole.power((index * BLOCK) as f64), samples);
+    }
+}

@@ -1,0 +1,328 @@
+//! Joint refinement of all modes by variable projection: the maximum-likelihood estimate under white noise.
+//!
+//! Gains enter linearly: for given poles they are solved for exactly. What remains is a least-squares problem in the poles alone, solved by
+//! Gauss-Newton steps (Kaufman's form) with Levenberg's damping. Poles are shared by all groups; each group has its own
+//! gains, which hold for all stretches of the group.
+
+use nalgebra::{Cholesky, Complex, DMatrix, DVector, Dyn};
+
+use super::basis::{Basis, Stretch};
+use super::pole::Pole;
+
+/// Stretches of sound with the same gains.
+#[derive(Clone, Debug)]
+pub(crate) struct Group<'a> {
+    pub(crate) stretches: Vec<Stretch<'a>>,
+}
+
+impl<'a> Group<'a> {
+    pub(crate) fn ringing(samples: &'a [f64]) -> Self {
+        Self { stretches: vec![Stretch::ringing(samples)] }
+    }
+
+    pub(crate) fn sample_count(&self) -> usize {
+        self.stretches.iter().map(|stretch| stretch.samples.len()).sum()
+    }
+
+    fn driven(&self) -> bool {
+        self.stretches.iter().any(|stretch| stretch.force.is_some())
+    }
+}
+
+/// Gains of one group.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Gains {
+    /// One a pole: the sound is `Σ Re(gain u)`.
+    pub(crate) modes: Vec<Complex<f64>>,
+    /// Gain of the force itself (acceleration sound); 0 where modes ring freely.
+    pub(crate) force: f64,
+}
+
+/// Poles and gains.
+#[derive(Clone, Debug)]
+pub(crate) struct Model {
+    pub(crate) poles: Vec<Pole>,
+    pub(crate) gains: Vec<Gains>,
+    /// For each pole, by how much the energy that is left would grow without it, the gains of the others refitted.
+    pub(crate) worth: Vec<f64>,
+}
+
+impl Model {
+    /// What the model leaves of one stretch.
+    pub(crate) fn residual(&self, group: usize, stretch: &Stretch<'_>) -> Vec<f64> {
+        let mut left = stretch.samples.to_vec();
+        let gains = &self.gains[group];
+        for (&pole, gain) in self.poles.iter().zip(&gains.modes) {
+            Basis::new(pole, stretch).add(-gain, &mut left);
+        }
+        for (left, force) in left.iter_mut().zip(stretch.force.unwrap_or(&[])) {
+            *left -= gains.force * force;
+        }
+        left
+    }
+
+    /// Takes the poles out whose index is listed; gains and worth have to be found anew.
+    pub(crate) fn without(&self, dropped: &[usize]) -> Vec<Pole> {
+        let kept = self.poles.iter().enumerate().filter(|(index, _)| !dropped.contains(index));
+        kept.map(|(_, pole)| *pole).collect()
+    }
+}
+
+const ONE: Complex<f64> = Complex::new(1.0, 0.0);
+const TURN: Complex<f64> = Complex::new(0.0, 1.0);
+
+/// One group's normal equations at some poles.
+struct Solved {
+    bases: Vec<Vec<Basis>>,
+    /// `Σ x v` of each stretch and pole.
+    ramps: Vec<Vec<Complex<f64>>>,
+    gains: Gains,
+    factor: Cholesky<f64, Dyn>,
+    residual_energy: f64,
+}
+
+/// Solves for the gains of a group: modes as pairs of columns `Re u`, `-Im u`, then the force.
+fn solve(group: &Group<'_>, poles: &[Pole]) -> Option<Solved> {
+    let bases: Vec<Vec<Basis>> =
+        group.stretches.iter().map(|stretch| poles.iter().map(|&pole| Basis::new(pole, stretch)).collect()).collect();
+    let with_force = usize::from(group.driven());
+    let size = 2 * poles.len() + with_force;
+    let (mut normal, mut right) = (DMatrix::<f64>::zeros(size, size), DVector::<f64>::zeros(size));
+    let mut energy: f64 = 0.0;
+    let mut ramps = Vec::with_capacity(bases.len());
+    for (stretch, bases) in group.stretches.iter().zip(&bases) {
+        energy += stretch.energy();
+        let mut ramps_here = Vec::with_capacity(bases.len());
+        for (k, a) in bases.iter().enumerate() {
+            let [along, ramp] = a.project(stretch.samples);
+            ramps_here.push(ramp);
+            right[2 * k] += along.re;
+            right[2 * k + 1] -= along.im;
+            for (l, b) in bases.iter().enumerate().take(k + 1) {
+                let uu = a.products(b).uu;
+                for (i, alpha) in [ONE, TURN].into_iter().enumerate() {
+                    for (j, beta) in [ONE, TURN].into_iter().enumerate() {
+                        normal[(2 * k + i, 2 * l + j)] += uu.real(alpha, beta);
+                    }
+                }
+            }
+            if let Some(force) = stretch.force {
+                let [along, _] = a.along_force(force);
+                normal[(size - 1, 2 * k)] += along.re;
+                normal[(size - 1, 2 * k + 1)] -= along.im;
+            }
+        }
+        if let Some(force) = stretch.force {
+            right[size - 1] += force.iter().zip(stretch.samples).map(|(f, x)| f * x).sum::<f64>();
+            normal[(size - 1, size - 1)] += force.iter().map(|f| f * f).sum::<f64>();
+        }
+        ramps.push(ramps_here);
+    }
+    for row in 0..size {
+        for column in row + 1..size {
+            normal[(row, column)] = normal[(column, row)];
+        }
+    }
+    // Two poles in one place are a waste and not a fault: then a hair is added to the diagonal.
+    let factor = [1e-13, 1e-10, 1e-7, 1e-4].into_iter().find_map(|hair| {
+        let mut normal = normal.clone();
+        (0..size).for_each(|row| normal[(row, row)] = normal[(row, row)] * (1.0 + hair) + f64::MIN_POSITIVE);
+        Cholesky::new(normal)
+    })?;
+    let solution = factor.solve(&right);
+    let residual_energy = (energy - solution.dot(&right)).max(energy * 1e-15);
+    let modes = (0..poles.len()).map(|k| Complex::new(solution[2 * k], solution[2 * k + 1])).collect();
+    let force = if with_force == 1 { solution[size - 1] } else { 0.0 };
+    Some(Solved { bases, ramps, gains: Gains { modes, force }, factor, residual_energy })
+}
+
+/// Adds a group's share to the normal equations in the poles: `d` and `ω` of each, gains projected out.
+fn add_pole_equations(group: &Group<'_>, solved: &Solved, normal: &mut DMatrix<f64>, right: &mut DVector<f64>) {
+    let count = solved.gains.modes.len();
+    let size = solved.factor.l_dirty().nrows();
+    // ∂x/∂d = Re(-c v), ∂x/∂ω = Re(j c v).
+    let slopes: Vec<[Complex<f64>; 2]> = solved.gains.modes.iter().map(|&c| [-c, TURN * c]).collect();
+    let mut cross = DMatrix::zeros(size, 2 * count);
+    let mut along = DVector::zeros(2 * count);
+    for ((stretch, bases), ramps) in group.stretches.iter().zip(&solved.bases).zip(&solved.ramps) {
+        for (k, (a, ramp)) in bases.iter().zip(ramps).enumerate() {
+            for (i, alpha) in slopes[k].into_iter().enumerate() {
+                along[2 * k + i] += (alpha * ramp).re;
+            }
+            if let Some(force) = stretch.force {
+                let [_, ramp] = a.along_force(force);
+                for (i, alpha) in slopes[k].into_iter().enumerate() {
+                    cross[(size - 1, 2 * k + i)] += (alpha * ramp).re;
+                }
+            }
+            for (l, b) in bases.iter().enumerate().take(k + 1) {
+                let products = a.products(b);
+                for (i, alpha) in slopes[k].into_iter().enumerate() {
+                    for (j, beta) in slopes[l].into_iter().enumerate() {
+                        let value = products.vv.real(alpha, beta);
+                        normal[(2 * k + i, 2 * l + j)] += value;
+                        if k != l {
+                            normal[(2 * l + j, 2 * k + i)] += value;
+                        }
+                    }
+                }
+                for (i, unit) in [ONE, TURN].into_iter().enumerate() {
+                    for (j, slope) in slopes[l].into_iter().enumerate() {
+                        cross[(2 * k + i, 2 * l + j)] += products.uv.real(unit, slope);
+                    }
+                    if k != l {
+                        for (j, slope) in slopes[k].into_iter().enumerate() {
+                            cross[(2 * l + i, 2 * k + j)] += products.vu.real(slope, unit);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    let mut gains = DVector::zeros(size);
+    for (k, gain) in solved.gains.modes.iter().enumerate() {
+        (gains[2 * k], gains[2 * k + 1]) = (gain.re, gain.im);
+    }
+    if group.driven() {
+        gains[size - 1] = solved.gains.force;
+    }
+    *right += along - cross.tr_mul(&gains);
+    let lower = solved.factor.l_dirty();
+    if lower.solve_lower_triangular_mut(&mut cross) {
+        normal.gemm_tr(-1.0, &cross, &cross, 1.0);
+    }
+}
+
+/// When a refinement ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ending {
+    /// Steps tried at most.
+    pub(crate) steps: usize,
+    /// It is over when a step promises less than this share of one sample's noise power.
+    pub(crate) gain: f64,
+}
+
+impl Ending {
+    /// To the last digit that matters: a thousandth of the statistical error.
+    pub(crate) const FINE: Self = Self { steps: 60, gain: 1e-6 };
+    /// Good enough to look for more modes in what is left.
+    pub(crate) const COARSE: Self = Self { steps: 12, gain: 1e-2 };
+}
+
+/// Refines poles, and finds the gains of every group. `None` if not even the given poles can be solved for.
+pub(crate) fn refine(groups: &[Group<'_>], poles: &[Pole], ending: Ending) -> Option<Model> {
+    let sample_count: usize = groups.iter().map(Group::sample_count).sum();
+    let solve_all = |poles: &[Pole]| groups.iter().map(|group| solve(group, poles)).collect::<Option<Vec<_>>>();
+    let energy_of = |solved: &[Solved]| solved.iter().map(|solved| solved.residual_energy).sum::<f64>();
+    let mut poles = poles.to_vec();
+    let mut solved = solve_all(&poles)?;
+    let mut energy = energy_of(&solved);
+    let (mut damping, mut tried) = (1e-3, 0);
+    while tried < ending.steps && !poles.is_empty() {
+        let (mut normal, mut right) =
+            (DMatrix::zeros(2 * poles.len(), 2 * poles.len()), DVector::zeros(2 * poles.len()));
+        for (group, solved) in groups.iter().zip(&solved) {
+            add_pole_equations(group, solved, &mut normal, &mut right);
+        }
+        let mut accepted = false;
+        while tried < ending.steps && !accepted {
+            tried += 1;
+            let mut damped = normal.clone();
+            for index in 0..damped.nrows() {
+                damped[(index, index)] *= 1.0 + damping;
+                damped[(index, index)] += f64::MIN_POSITIVE;
+            }
+            let Some(factor) = Cholesky::new(damped) else {
+                damping = (damping * 10.0).max(1e-6);
+                continue;
+            };
+            let step = factor.solve(&right);
+            if step.dot(&right) < ending.gain * energy / sample_count as f64 {
+                break;
+            }
+            let moved = moved(&poles, &step);
+            match solve_all(&moved) {
+                Some(next) if energy_of(&next) < energy => {
+                    energy = energy_of(&next);
+                    (poles, solved) = (moved, next);
+                    damping *= 0.1;
+                    accepted = true;
+                }
+                _ => damping = (damping * 10.0).max(1e-6),
+            }
+        }
+        if !accepted {
+            break;
+        }
+    }
+    let mut worth = vec![0.0; poles.len()];
+    for solved in &solved {
+        let inverse = solved.factor.inverse();
+        for (k, (worth, gain)) in worth.iter_mut().zip(&solved.gains.modes).enumerate() {
+            let block = inverse.fixed_view::<2, 2>(2 * k, 2 * k).into_owned();
+            let gain = nalgebra::Vector2::new(gain.re, gain.im);
+            *worth += block.try_inverse().map_or(0.0, |block| gain.dot(&(block * gain)));
+        }
+    }
+    let gains = solved.into_iter().map(|solved| solved.gains).collect();
+    Some(Model { poles, gains, worth })
+}
+
+/// The poles after a step, kept inside the unit circle and between 0 and Nyquist; no decay changes more than fourfold at once.
+fn moved(poles: &[Pole], step: &DVector<f64>) -> Vec<Pole> {
+    let moved = poles.iter().enumerate().map(|(k, pole)| {
+        let reach = 3.0 * pole.decay + 1e-4;
+        Pole {
+            decay: (pole.decay + step[2 * k]).clamp(pole.decay / 4.0, pole.decay * 4.0).clamp(LEAST_DECAY, MOST_DECAY),
+            angular: (pole.angular + step[2 * k + 1].clamp(-reach, reach)).clamp(1e-4, std::f64::consts::PI - 1e-4),
+        }
+    });
+    moved.collect()
+}
+
+/// T60 of 48 s at 48 kHz: slower than a recording of some seconds can tell from none.
+const LEAST_DECAY: f64 = 3e-6;
+/// Just under the fastest decay that the instrument plays, 0.34 a sample.
+pub(crate) const MOST_DECAY: f64 = 0.3;
+
+/// Cramer-Rao bounds: standard deviations of `[decay, angular, ln amplitude]` of each mode, per sample, in white noise of variance
+/// `noise_variance`, all gains and poles unknown together; `None` where the modes cannot be told apart.
+pub(crate) fn standard_deviations(
+    length: usize,
+    modes: &[(Pole, Complex<f64>)],
+    noise_variance: f64,
+) -> Option<Vec<[f64; 3]>> {
+    let silence = vec![0.0; length];
+    let stretch = Stretch::ringing(&silence);
+    let bases: Vec<Basis> = modes.iter().map(|(pole, _)| Basis::new(*pole, &stretch)).collect();
+    let size = 4 * modes.len();
+    let mut information = DMatrix::zeros(size, size);
+    // Columns of each mode: decay, angular, ln amplitude, phase.
+    let columns = |c: Complex<f64>| [(true, -c), (true, TURN * c), (false, c), (false, TURN * c)];
+    for (k, (a, (_, gain_a))) in bases.iter().zip(modes).enumerate() {
+        for (l, (b, (_, gain_b))) in bases.iter().zip(modes).enumerate() {
+            let products = a.products(b);
+            for (i, (ramp_a, alpha)) in columns(*gain_a).into_iter().enumerate() {
+                for (j, (ramp_b, beta)) in columns(*gain_b).into_iter().enumerate() {
+                    let pair = match (ramp_a, ramp_b) {
+                        (false, false) => products.uu,
+                        (false, true) => products.uv,
+                        (true, false) => products.vu,
+                        (true, true) => products.vv,
+                    };
+                    information[(4 * k + i, 4 * l + j)] = pair.real(alpha, beta);
+                }
+            }
+        }
+    }
+    // Unit diagonal, so that the inverse is exact whatever the units.
+    let scale: Vec<f64> = (0..size).map(|index| information[(index, index)].sqrt()).collect();
+    for row in 0..size {
+        for column in 0..size {
+            information[(row, column)] /= scale[row] * scale[column];
+        }
+    }
+    let inverse = Cholesky::new(information)?.inverse();
+    let deviation = |index: usize| (noise_variance * inverse[(index, index)]).sqrt() / scale[index];
+    Some((0..modes.len()).map(|k| [4 * k, 4 * k + 1, 4 * k + 2].map(deviation)).collect())
+}

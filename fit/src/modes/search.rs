@@ -1,0 +1,111 @@
+//! Search for modes that a model does not have yet: the likelihood ratio of one more damped sine, over all frequencies and a grid of decays.
+//!
+//! For a pole z the energy that the best such sine takes out of the residual r is `2 |Σ r z*ⁿ|² / Σ |z|²ⁿ`. For one decay, the sums at
+//! all frequencies are one Fourier transform of `r e^{-dn}`.
+
+use std::f64::consts::PI;
+
+use realfft::RealFftPlanner;
+
+use super::noise::NoiseFloor;
+use super::pole::Pole;
+
+/// A possible mode.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Candidate {
+    pub(crate) pole: Pole,
+    /// Energy that it takes away, in units of the noise variance at its frequency.
+    pub(crate) significance: f64,
+}
+
+/// What is searched.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Range {
+    /// Slowest decay, 1/sample.
+    pub(crate) slowest: f64,
+    /// Fastest decay, 1/sample.
+    pub(crate) fastest: f64,
+    /// Lowest and highest frequency, rad/sample.
+    pub(crate) angular: (f64, f64),
+}
+
+/// Finds the modes that stand out most, those in the skirt of a stronger one left for the next pass.
+pub(crate) fn search(
+    residual: &[f64],
+    noise: &NoiseFloor,
+    range: Range,
+    threshold: f64,
+    most: usize,
+) -> Vec<Candidate> {
+    let mut found: Vec<Candidate> = Vec::new();
+    let mut decay = range.slowest;
+    let mut planner = RealFftPlanner::<f64>::new();
+    while decay < range.fastest * GRID {
+        for (angular, energy) in peaks(residual, decay, &mut planner) {
+            let significance = energy / noise.variance(angular);
+            if significance > threshold && (range.angular.0..=range.angular.1).contains(&angular) {
+                found.push(Candidate { pole: Pole { decay, angular }, significance });
+            }
+        }
+        decay *= GRID;
+    }
+    found.sort_by(|a, b| b.significance.total_cmp(&a.significance));
+    let mut chosen: Vec<Candidate> = Vec::new();
+    let threshold = found.first().map_or(threshold, |best| threshold.max(best.significance / IN_ONE_PASS));
+    found.retain(|candidate| candidate.significance >= threshold);
+    for candidate in found {
+        if chosen.len() >= most {
+            break;
+        }
+        if chosen.iter().all(|stronger| stands_out(&candidate, stronger, residual.len())) {
+            chosen.push(candidate);
+        }
+    }
+    chosen
+}
+
+/// Factor between two decays of the grid; a mode half way between loses 3 % of its energy.
+const GRID: f64 = 2.0;
+/// By how much a candidate has to exceed the skirt of a stronger one.
+const OVER_SKIRT: f64 = 8.0;
+
+/// What is weaker than the strongest by more than this (20 dB) may be no more than what the strongest have left: it waits.
+const IN_ONE_PASS: f64 = 100.0;
+
+fn stands_out(candidate: &Candidate, stronger: &Candidate, length: usize) -> bool {
+    let distance = candidate.pole.angular - stronger.pole.angular;
+    let width = (stronger.pole.decay + candidate.pole.decay).max(PI / length as f64);
+    let skirt = stronger.significance * width * width / (width * width + distance * distance);
+    candidate.significance > OVER_SKIRT * skirt
+}
+
+/// Frequencies (rad/sample) at which one more sine of a decay takes most energy away, and how much.
+fn peaks(residual: &[f64], decay: f64, planner: &mut RealFftPlanner<f64>) -> Vec<(f64, f64)> {
+    let length = residual.len().min((6.0 / decay).ceil() as usize + 2);
+    let size = (2 * length).next_power_of_two().max(64);
+    let transform = planner.plan_fft_forward(size);
+    let mut input = transform.make_input_vec();
+    let mut output = transform.make_output_vec();
+    let (mut weight, ratio, mut energy) = (1.0, (-decay).exp(), 0.0);
+    for (slot, x) in input.iter_mut().zip(&residual[..length]) {
+        *slot = x * weight;
+        energy += weight * weight;
+        weight *= ratio;
+    }
+    if transform.process(&mut input, &mut output).is_err() {
+        return Vec::new();
+    }
+    let mut peaks = Vec::new();
+    let power: Vec<f64> = output.iter().map(|bin| 2.0 * bin.norm_sqr() / energy).collect();
+    for (before, three) in power.windows(3).enumerate() {
+        let [left, power, right] = [three[0], three[1], three[2]];
+        if power < left || power <= right {
+            continue;
+        }
+        let bend = left - 2.0 * power + right;
+        let offset = if bend < 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
+        let angular = PI * (before as f64 + 1.0 + offset) / (size / 2) as f64;
+        peaks.push((angular, power));
+    }
+    peaks
+}

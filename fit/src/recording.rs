@@ -1,0 +1,169 @@
+//! The whole way: a file in, a table and what is known of it out.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::audio::{self, Recording};
+use crate::distance::{log_spectral_distance_db, lsd_window};
+use crate::strike::{self, Fit, fit_force, fit_sound};
+use crate::table::{self, Provenance};
+use crate::{FitError, material, render, residual, segment};
+
+/// The residual's noise is the same in every run.
+const RESIDUAL_SEED: u64 = 1;
+/// Levels at which the residual is tried.
+const RESIDUAL_LEVELS: [f64; 6] = [0.0, 0.1, 0.2, 0.4, 0.7, 1.0];
+
+/// What to do with a recording.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// How to fit.
+    pub strike: strike::Settings,
+    /// Channel of the measured force, from 0.
+    pub force_channel: Option<usize>,
+    /// Hits to use, counted from 1; all if empty.
+    pub hits: Vec<usize>,
+    /// Licence of the recording, for the table.
+    pub licence: String,
+}
+
+/// A fitted recording.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// What was heard.
+    pub recording: Recording,
+    /// The fit.
+    pub fit: Fit,
+    /// The table.
+    pub table: kit::Kit,
+    /// dsp-core's rendering of the loudest strike, from its onset.
+    pub rendering: Vec<f64>,
+    /// Figures.
+    pub report: Report,
+}
+
+/// The figures of a fit, as `--json` prints them.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// The file.
+    pub input: PathBuf,
+    /// Rate at which it was fitted.
+    pub rate_hz: f64,
+    /// What was decided without asking.
+    pub notes: Vec<String>,
+    /// The strikes.
+    pub strikes: Vec<StrikeReport>,
+    /// Number of modes in the table.
+    pub modes: usize,
+    /// Lowest and highest frequency in Hz.
+    pub frequency_hz: [f64; 2],
+    /// Shortest and longest T60 in seconds.
+    pub t60_s: [f64; 2],
+    /// What the object may be made of.
+    pub material: Option<material::Guess>,
+    /// Log-spectral distance of dsp-core's rendering to the loudest strike, dB.
+    pub lsd_db: f64,
+    /// The same of the `f64` reference's rendering.
+    pub lsd_reference_db: f64,
+    /// The same of dsp-core's rendering and the residual bands together (`f64` noise: a table has no residual yet), dB.
+    pub lsd_with_residual_db: f64,
+    /// The residual bands: what the modes leave of the loudest strike.
+    pub residual_bands: Vec<residual::Band>,
+    /// Seconds that the fit took.
+    pub seconds: f64,
+}
+
+/// One strike.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct StrikeReport {
+    /// When, in seconds of the recording.
+    pub at_s: f64,
+    /// Contact time of the half-sine force in seconds.
+    pub contact_time_s: f64,
+    /// Log-spectral distance of the model in dB.
+    pub lsd_db: f64,
+    /// Energy that the model leaves, dB.
+    pub residual_db: f64,
+}
+
+/// Fits a file.
+///
+/// # Errors
+/// [`FitError`].
+pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
+    let start = std::time::Instant::now();
+    let mut recording = audio::read(path, options.force_channel)?;
+    let (found, mut notes) = segment::hits(&recording)?;
+    recording.notes.append(&mut notes);
+    let hits = segment::select(&found, &options.hits, recording.rate_hz)?;
+    let fit = match recording.force.as_ref().zip(options.force_channel) {
+        Some((force, channel)) => {
+            fit_force(&recording.samples, force, channel, recording.rate_hz, &hits, options.strike)?
+        }
+        None => fit_sound(&recording.samples, recording.rate_hz, &hits, options.strike)?,
+    };
+    let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    let stem = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    let strike = &fit.strikes[fit.loudest];
+    let provenance = Provenance {
+        name: stem,
+        source: format!(
+            "{file}, strike at {:.3} s: modal fit {} (malleus fit), {} modes",
+            strike.hit.onset as f64 / recording.rate_hz,
+            if recording.force.is_some() { "with the measured force divided out" } else { "from sound alone" },
+            fit.modes.len()
+        ),
+        licence: options.licence.clone(),
+    };
+    let table = table::of_fit(&fit, &provenance);
+    let heard = &recording.samples[strike.hit.onset..strike.hit.end];
+    let rendering = render::by_instrument(&table, strike.position, recording.rate_hz, heard.len())?;
+    let window = lsd_window(heard, recording.rate_hz);
+    let by_reference = render::by_reference(&table, strike.position, recording.rate_hz, window.end)?;
+    let distance = |sound: &[f64]| log_spectral_distance_db(&heard[window.clone()], &sound[window.clone()]);
+    let residual_bands = residual::fit_bands(heard, &rendering, recording.rate_hz, residual::BANDS);
+    let noise = residual::render(&residual_bands, window.end, recording.rate_hz, RESIDUAL_SEED);
+    let with_residual_db = |level: f64| {
+        let sound: Vec<f64> = rendering.iter().zip(&noise).map(|(modes, noise)| modes + level * noise).collect();
+        distance(&sound)
+    };
+    // Noise that does not bring the sound nearer stays out: a few strong modes leave what is no noise.
+    let levels = RESIDUAL_LEVELS.map(|level| (with_residual_db(level), level));
+    let (lsd_with_residual_db, level) =
+        levels.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((distance(&rendering), 0.0));
+    let residual_bands: Vec<residual::Band> = residual_bands
+        .into_iter()
+        .map(|band| residual::Band { weight: band.weight * level, ..band })
+        .filter(|band| band.weight > 0.0)
+        .collect();
+    let range = |of: fn(&strike::Mode) -> f64| {
+        let values = fit.modes.iter().map(of);
+        [values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max)]
+    };
+    let report = Report {
+        input: path.to_owned(),
+        rate_hz: recording.rate_hz,
+        notes: recording.notes.iter().map(ToString::to_string).collect(),
+        strikes: fit
+            .strikes
+            .iter()
+            .map(|strike| StrikeReport {
+                at_s: strike.hit.onset as f64 / recording.rate_hz,
+                contact_time_s: strike.contact_time_s,
+                lsd_db: strike.lsd_db,
+                residual_db: strike.residual_db,
+            })
+            .collect(),
+        modes: fit.modes.len(),
+        frequency_hz: range(|mode| mode.frequency_hz),
+        t60_s: range(strike::Mode::t60_s),
+        material: material::guess(&fit),
+        lsd_db: distance(&rendering),
+        lsd_reference_db: distance(&by_reference),
+        lsd_with_residual_db,
+        residual_bands,
+        seconds: start.elapsed().as_secs_f64(),
+    };
+    Ok(Fitted { recording, fit, table, rendering, report })
+}

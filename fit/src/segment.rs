@@ -1,0 +1,155 @@
+//! Where strikes begin and how far each can be heard alone.
+
+use crate::FitError;
+use crate::audio::{Note, Recording};
+
+/// One strike in a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hit {
+    /// The sample at which it begins to be heard.
+    pub onset: usize,
+    /// The sample before which it is heard alone.
+    pub end: usize,
+}
+
+/// Frame of the level, in seconds.
+const FRAME_S: f64 = 0.002;
+/// By how much a strike rises above the loudest of what was just before it, as a power ratio: 12 dB.
+const RISE: f64 = 16.0;
+/// What was just before: so many frames.
+const BEFORE: usize = 10;
+/// A strike at least so far above the quietest tenth of the recording, as a power ratio: 20 dB ...
+const ABOVE_NOISE: f64 = 100.0;
+/// ... and at most so far below the loudest, as a power ratio: 30 dB.
+const BELOW_LOUDEST: f64 = 1e-3;
+/// Closer than this, a strike is a bounce of the one before, in seconds.
+const BOUNCE_S: f64 = 0.06;
+/// What has to be left of a strike, in seconds.
+const SHORTEST_S: f64 = 0.015;
+
+/// Finds the strikes of a recording.
+///
+/// A strike is a rise by 12 dB over the 20 ms before it; rises within 60 ms of a strike are its bounces, noted as such.
+/// A recording that begins at its loudest, and dies away, begins with a strike.
+///
+/// # Errors
+/// [`FitError::Silence`], [`FitError::NoOnset`], [`FitError::Clipped`] (where a tenth of the samples of the loudest 20 ms stands at one value).
+pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
+    let samples = &recording.samples;
+    let peak = samples.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+    if peak < 1e-6 {
+        return Err(FitError::Silence);
+    }
+    let size = ((FRAME_S * recording.rate_hz) as usize).max(8);
+    let power: Vec<f64> =
+        samples.chunks(size).map(|frame| frame.iter().map(|x| x * x).sum::<f64>() / frame.len() as f64).collect();
+    let mut sorted: Vec<f64> = power.iter().copied().filter(|power| *power > 0.0).collect();
+    sorted.sort_by(f64::total_cmp);
+    let floor = sorted.get(sorted.len() / 10).copied().unwrap_or(0.0);
+    let loudest = sorted.last().copied().unwrap_or(0.0);
+    let mut onsets: Vec<usize> = Vec::new();
+    let mut bounces = Vec::new();
+    let mut notes = Vec::new();
+    for (index, &now) in power.iter().enumerate() {
+        let before = power[index.saturating_sub(BEFORE)..index].iter().copied().fold(0.0, f64::max);
+        let at_start = index == 0;
+        let rises = if at_start {
+            now > loudest * 0.01
+        } else {
+            now > RISE * before && now > ABOVE_NOISE * floor.min(loudest * 1e-4)
+        };
+        if !rises || now < loudest * BELOW_LOUDEST {
+            continue;
+        }
+        let onset = onset_sample(samples, index * size, size);
+        match onsets.last() {
+            Some(last) if ((onset - last) as f64) < BOUNCE_S * recording.rate_hz => {
+                // The frame after a rise often rises further; only a second rise after a fall is a bounce.
+                if power[last / size..index].iter().any(|power| *power > now) || onset - last > 6 * size {
+                    bounces.push(onset as f64 / recording.rate_hz);
+                }
+            }
+            _ => onsets.push(onset),
+        }
+    }
+    let fades = |from: usize, to: usize| {
+        let level = |range: std::ops::Range<usize>| {
+            let slice = &samples[range.start.min(samples.len())..range.end.min(samples.len())];
+            slice.iter().map(|x| x * x).sum::<f64>() / slice.len().max(1) as f64
+        };
+        let part = ((to - from) / 8).max(1);
+        let first = level(from..from + part).max(level(from + part..from + 2 * part));
+        level(to.saturating_sub(part)..to) < first / 4.0
+    };
+    let mut hits: Vec<Hit> = Vec::new();
+    for (index, &onset) in onsets.iter().enumerate() {
+        let end = onsets.get(index + 1).map_or(samples.len(), |next| next.saturating_sub(size));
+        // Noise that goes on as it began is no strike.
+        if end > onset && fades(onset, end) {
+            hits.push(Hit { onset, end });
+        }
+    }
+    let Some(first) = hits.first() else { return Err(FitError::NoOnset) };
+    if first.onset < size {
+        notes.push(Note::StartsRinging);
+    }
+    if !bounces.is_empty() {
+        notes.push(Note::Bounces { at_s: bounces });
+    }
+    check_clipping(recording, &hits)?;
+    Ok((hits, notes))
+}
+
+/// Picks hits, counted from 1; all if none is named.
+///
+/// # Errors
+/// [`FitError::NoSuchHit`], and [`FitError::TooShort`] for one of which less than 15 ms are left.
+pub fn select(hits: &[Hit], wanted: &[usize], rate_hz: f64) -> Result<Vec<Hit>, FitError> {
+    let chosen = if wanted.is_empty() {
+        hits.to_vec()
+    } else {
+        let pick = |&hit: &usize| {
+            hit.checked_sub(1)
+                .and_then(|index| hits.get(index))
+                .copied()
+                .ok_or(FitError::NoSuchHit { hit, found: hits.len() })
+        };
+        wanted.iter().map(pick).collect::<Result<Vec<_>, _>>()?
+    };
+    let is_short = |hit: &&Hit| ((hit.end - hit.onset) as f64) < SHORTEST_S * rate_hz;
+    match chosen.iter().find(is_short) {
+        Some(hit) if !wanted.is_empty() || chosen.iter().all(|hit| is_short(&hit)) => Err(FitError::TooShort {
+            at_s: hit.onset as f64 / rate_hz,
+            length_ms: (hit.end - hit.onset) as f64 / rate_hz * 1e3,
+        }),
+        _ => Ok(chosen.into_iter().filter(|hit| !is_short(&hit)).collect()),
+    }
+}
+
+/// The first sample in or just before a frame that leaves what was before it, by a tenth of the peak that follows.
+fn onset_sample(samples: &[f64], frame: usize, size: usize) -> usize {
+    let ahead = &samples[frame..samples.len().min(frame + 3 * size)];
+    let peak = ahead.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+    let start = frame.saturating_sub(size);
+    let quiet = &samples[start.saturating_sub(4 * size)..start];
+    let noise = quiet.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+    let threshold = (0.08 * peak).max(1.5 * noise).min(0.5 * peak);
+    let first = samples[start..].iter().position(|x| x.abs() > threshold).unwrap_or(0);
+    // Back to where the rise began.
+    (start + first).saturating_sub(2)
+}
+
+fn check_clipping(recording: &Recording, hits: &[Hit]) -> Result<(), FitError> {
+    for hit in hits {
+        let length = ((0.02 * recording.rate_hz) as usize).min(hit.end - hit.onset);
+        let attack = &recording.samples[hit.onset..hit.onset + length];
+        let peak = attack.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+        let stands = |pair: &[f64]| pair[0].abs() >= 0.9999 * peak && pair[0] == pair[1];
+        let clipped = attack.windows(2).filter(|pair| stands(pair)).count();
+        if clipped * 10 > attack.len() {
+            let percent = 100.0 * clipped as f64 / attack.len() as f64;
+            return Err(FitError::Clipped { at_s: hit.onset as f64 / recording.rate_hz, percent });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,107 @@
+//! Strikes without a measured force.
+
+use super::{Fit, Mode, Settings, Strike, table_acceleration, table_gain};
+use crate::FitError;
+use crate::contact::{contact_time_s, half_sine};
+use crate::distance::{log_spectral_distance_db, lsd_window};
+use crate::modes::{Ending, Group, Model, Stretch, estimate_poles, polish, refine};
+use crate::segment::Hit;
+
+/// What counts as the contact where the sound does not tell: half a millisecond.
+const USUAL_CONTACT_S: f64 = 5e-4;
+/// Seconds of a strike that are fitted at most.
+const LONGEST_S: f64 = 12.0;
+
+/// Fits the strikes of a recording from sound alone.
+///
+/// The modes come from the loudest strike's free ringing, behind its contact; their poles are then refined over all strikes together, each
+/// driven by a half-sine force of peak 1 and the contact time that its sound shows, with gains of its own. So gains contain the
+/// force's size (diffimpact eq. 9 normalises likewise).
+///
+/// # Errors
+/// [`FitError::NoModes`].
+pub fn fit_sound(samples: &[f64], rate_hz: f64, hits: &[Hit], settings: Settings) -> Result<Fit, FitError> {
+    let heard: Vec<&[f64]> = hits.iter().map(|hit| heard(samples, hit, rate_hz)).collect();
+    let peak = |sound: &[f64]| sound.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+    let loudest = (0..hits.len()).max_by(|&a, &b| peak(heard[a]).total_cmp(&peak(heard[b]))).unwrap_or(0);
+    let at_s = hits.get(loudest).map_or(0.0, |hit| hit.onset as f64 / rate_hz);
+    let contacts_s: Vec<f64> =
+        heard.iter().map(|sound| contact_time_s(sound, rate_hz).unwrap_or(USUAL_CONTACT_S)).collect();
+    let forces: Vec<Vec<f64>> = contacts_s.iter().map(|&time_s| half_sine(time_s, rate_hz)).collect();
+    let behind = forces.get(loudest).map_or(0, Vec::len);
+    let ringing = heard.get(loudest).and_then(|sound| sound.get(behind..)).unwrap_or(&[]);
+    let poles = estimate_poles(ringing, rate_hz, settings.modes);
+    if poles.is_empty() {
+        return Err(FitError::NoModes { at_s });
+    }
+    let groups: Vec<Group<'_>> = heard
+        .iter()
+        .zip(&forces)
+        .map(|(samples, force)| {
+            let force = Some(&force[..force.len().min(samples.len())]);
+            Group { stretches: vec![Stretch { samples, force }] }
+        })
+        .collect();
+    let ending = if groups.len() > 1 { Ending::COARSE } else { Ending { steps: 0, ..Ending::COARSE } };
+    let mut model = refine(&groups, &poles, ending).ok_or(FitError::NoModes { at_s })?;
+    if settings.polish {
+        polished(&mut model, &groups, loudest, rate_hz);
+    }
+    Ok(described(&model, &groups, hits, &contacts_s, loudest, rate_hz))
+}
+
+fn heard<'a>(samples: &'a [f64], hit: &Hit, rate_hz: f64) -> &'a [f64] {
+    let end = hit.end.min(hit.onset + (LONGEST_S * rate_hz) as usize).min(samples.len());
+    samples.get(hit.onset..end).unwrap_or(&[])
+}
+
+/// Polishes the loudest strike; the gains of the others are then solved for anew.
+fn polished(model: &mut Model, groups: &[Group<'_>], loudest: usize, rate_hz: f64) {
+    let stretch = groups[loudest].stretches[0];
+    // From the onset on, not only from the peak: else fast modes would go astray before it.
+    let wanted = &stretch.samples[..lsd_window(stretch.samples, rate_hz).end];
+    let (poles, gains) = polish(&stretch, wanted, &model.poles, &model.gains[loudest]);
+    if let Some(solved) = refine(groups, &poles, Ending { steps: 0, ..Ending::COARSE }) {
+        *model = solved;
+        model.gains[loudest] = gains;
+    }
+}
+
+fn described(
+    model: &Model,
+    groups: &[Group<'_>],
+    hits: &[Hit],
+    contacts_s: &[f64],
+    loudest: usize,
+    rate_hz: f64,
+) -> Fit {
+    let strikes =
+        groups.iter().zip(hits).zip(contacts_s).enumerate().map(|(index, ((group, hit), &contact_time_s))| {
+            let stretch = group.stretches[0];
+            let left = model.residual(index, &stretch);
+            let rendering: Vec<f64> = stretch.samples.iter().zip(&left).map(|(x, left)| x - left).collect();
+            let window = lsd_window(stretch.samples, rate_hz);
+            let energy_left: f64 = left.iter().map(|x| x * x).sum();
+            Strike {
+                hit: *hit,
+                contact_time_s,
+                peak_force: 1.0,
+                position: 0.0,
+                acceleration: table_acceleration(&model.gains[index]),
+                lsd_db: log_spectral_distance_db(&stretch.samples[window.clone()], &rendering[window]),
+                residual_db: 10.0 * (energy_left / stretch.energy()).log10(),
+            }
+        });
+    let mut modes: Vec<Mode> = model
+        .poles
+        .iter()
+        .enumerate()
+        .map(|(k, pole)| Mode {
+            frequency_hz: pole.frequency_hz(rate_hz),
+            decay_per_s: pole.decay_per_s(rate_hz),
+            gains: model.gains.iter().map(|gains| table_gain(gains.modes[k], rate_hz)).collect(),
+        })
+        .collect();
+    modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    Fit { rate_hz, modes, strikes: strikes.collect(), measured: false, loudest }
+}

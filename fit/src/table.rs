@@ -1,0 +1,83 @@
+//! A fit as a table: the text that people keep and boards play.
+
+use kit::{Gain, Kit, Mode, Object, Pulse, Striker};
+
+use crate::strike::Fit;
+
+/// Cortex-M4 cycles a mode and sample while a contact drives it with gain and phase (README, "How fast"): what a budget is divided by.
+pub const CYCLES_A_MODE: f64 = 9.42;
+
+/// Most modes that a budget of cycles a sample allows.
+pub fn modes_within(cycles_a_sample: f64) -> usize {
+    (cycles_a_sample / CYCLES_A_MODE).floor().max(1.0) as usize
+}
+
+/// What a table says of itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Provenance {
+    /// Name of the object: made printable and cut to 24 characters.
+    pub name: String,
+    /// Where the numbers come from.
+    pub source: String,
+    /// Their licence.
+    pub licence: String,
+}
+
+/// The object and its striker as a kit without pads. From sound alone the gains are those of the loudest strike, whose force has a peak of 1 at
+/// velocity 1; with a measured force they stand at all positions, and velocity 1 is the loudest strike.
+pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
+    let name = item_name(&provenance.name, "");
+    let strike = fit.strikes.get(fit.loudest);
+    let (source, licence) = (provenance.source.clone(), provenance.licence.clone());
+    let modes = fit.modes.iter().map(|mode| Mode {
+        frequency_hz: mode.frequency_hz as f32,
+        decay_per_s: (mode.decay_per_s as f32).clamp(LEAST_DECAY_PER_S, MOST_DECAY_PER_S),
+        gains: mode
+            .gains
+            .iter()
+            .skip(if fit.measured { 0 } else { fit.loudest })
+            .take(if fit.measured { MOST_POSITIONS } else { 1 })
+            .map(|[sine, cosine]| Gain { sine: *sine as f32, cosine: *cosine as f32 })
+            .collect(),
+    });
+    Kit {
+        name: name.clone(),
+        objects: vec![Object {
+            name,
+            source: source.clone(),
+            licence: licence.clone(),
+            reference_force: 1.0,
+            acceleration: strike.map_or(0.0, |strike| strike.acceleration as f32),
+            modes: modes.collect(),
+        }],
+        strikers: vec![Striker {
+            name: item_name(&provenance.name, " strike"),
+            source,
+            licence,
+            pulse: Pulse::Hertz,
+            peak_force: strike.map_or(1.0, |strike| strike.peak_force as f32),
+            peak_exponent: 1.2,
+            contact_time_s: strike.map_or(5e-4, |strike| strike.contact_time_s as f32),
+            contact_exponent: -0.2,
+            modes: Vec::new(),
+        }],
+        pads: Vec::new(),
+    }
+}
+
+/// Slowest and fastest decay that the format knows, 1/s.
+const LEAST_DECAY_PER_S: f32 = 0.01;
+const MOST_DECAY_PER_S: f32 = 20_000.0;
+
+/// Positions that the format holds at most.
+const MOST_POSITIONS: usize = 64;
+/// Longest name of an item.
+const NAME_LENGTH: usize = 24;
+
+/// A name that the format accepts: printable ASCII without comma and quote, at most 24 characters, `ending` included.
+pub fn item_name(wanted: &str, ending: &str) -> String {
+    let plain = |c: char| if (' '..='~').contains(&c) && c != ',' && c != '"' { c } else { '-' };
+    let name: String = wanted.trim().chars().map(plain).take(NAME_LENGTH - ending.len()).collect();
+    let name = name.trim();
+    format!("{}{ending}", if name.is_empty() { "object" } else { name })
+}

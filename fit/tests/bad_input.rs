@@ -1,0 +1,162 @@
+//! What is no good recording of a strike: a named error or a stated fallback.
+
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::PathBuf;
+
+use fit::FitError;
+use fit::recording::{Fitted, Options, fit_file};
+use fit::synthetic::of_these;
+use hound::{SampleFormat, WavSpec, WavWriter};
+use tempfile::TempDir;
+
+/// Writes channels as a 16-bit WAV file.
+fn wave(folder: &TempDir, name: &str, rate_hz: u32, channels: &[Vec<f64>]) -> PathBuf {
+    let path = folder.path().join(name);
+    let spec = WavSpec {
+        channels: channels.len() as u16,
+        sample_rate: rate_hz,
+        bits_per_sample: 16,
+        sample_format: SampleFormat::Int,
+    };
+    let mut writer = WavWriter::create(&path, spec).expect("the folder is writable");
+    for n in 0..channels.first().map_or(0, Vec::len) {
+        for channel in channels {
+            writer.write_sample((channel[n].clamp(-1.0, 1.0) * 32_767.0) as i16).expect("written");
+        }
+    }
+    writer.finalize().expect("written");
+    path
+}
+
+/// Three modes struck after `before_s` of silence.
+fn strike(rate_hz: f64, before_s: f64, length_s: f64) -> Vec<f64> {
+    let start = (before_s * rate_hz) as usize;
+    (0..(length_s * rate_hz) as usize)
+        .map(|n| {
+            let t = n.saturating_sub(start) as f64 / rate_hz;
+            let mode = |f: f64, d: f64| (-d * t).exp() * (TAU * f * t).sin();
+            if n < start { 0.0 } else { 0.25 * (mode(440.0, 12.0) + mode(1230.0, 20.0) + mode(2750.0, 30.0)) }
+        })
+        .collect()
+}
+
+fn noise(length: usize, level_dbfs: f64) -> Vec<f64> {
+    of_these(Vec::new(), length, 7, level_dbfs).samples
+}
+
+fn fit(path: &std::path::Path) -> Result<Fitted, FitError> {
+    let path = path.to_owned();
+    // The engine that renders the table is large: `malleus fit` gives its workers such a stack, too.
+    let worker = std::thread::Builder::new().stack_size(64 << 20);
+    let work = worker.spawn(move || fit_file(&path, &Options::default())).expect("a thread can be started");
+    work.join().expect("it does not panic")
+}
+
+fn has_three_modes(fitted: &Fitted) {
+    for frequency_hz in [440.0, 1230.0, 2750.0] {
+        let near = fitted.fit.modes.iter().any(|mode| (mode.frequency_hz / frequency_hz - 1.0).abs() < 2e-3);
+        assert!(near, "{frequency_hz} Hz is missing: {:?}", fitted.fit.modes);
+    }
+}
+
+#[test]
+fn what_is_no_audio_is_named() {
+    let folder = TempDir::new().expect("a folder");
+    let text = folder.path().join("text.wav");
+    fs::write(&text, "this is no sound, however one listens to it, and goes on for a while").expect("written");
+    assert!(matches!(fit(&text), Err(FitError::NotAudio { .. })));
+    let empty = folder.path().join("empty.wav");
+    fs::write(&empty, "").expect("written");
+    assert!(matches!(fit(&empty), Err(FitError::Empty { .. })));
+    assert!(matches!(fit(&folder.path().join("none.wav")), Err(FitError::Read { .. })));
+    let header_only = wave(&folder, "header.wav", 44_100, &[Vec::new()]);
+    let refusal = fit(&header_only).expect_err("no samples");
+    assert!(matches!(refusal, FitError::Empty { .. }), "{refusal}");
+}
+
+#[test]
+fn silence_noise_and_steady_tones_are_no_strikes() {
+    let folder = TempDir::new().expect("a folder");
+    let silence = wave(&folder, "silence.wav", 44_100, &[vec![0.0; 44_100]]);
+    assert!(matches!(fit(&silence), Err(FitError::Silence)));
+    let hiss = wave(&folder, "noise.wav", 44_100, &[noise(88_200, -20.0)]);
+    assert!(matches!(fit(&hiss), Err(FitError::NoOnset)));
+    let tone = (0..88_200).map(|n| 0.5 * (0.06 * f64::from(n)).sin()).collect();
+    assert!(matches!(fit(&wave(&folder, "tone.wav", 44_100, &[tone])), Err(FitError::NoOnset)));
+}
+
+#[test]
+fn a_strike_cut_off_at_full_scale_is_refused() {
+    let folder = TempDir::new().expect("a folder");
+    let clipped = strike(44_100.0, 0.1, 1.0).iter().map(|x| (x * 40.0).clamp(-1.0, 1.0)).collect();
+    assert!(matches!(fit(&wave(&folder, "clipped.wav", 44_100, &[clipped])), Err(FitError::Clipped { .. })));
+}
+
+#[test]
+fn every_rate_from_8_to_192_khz_gives_the_same_modes() {
+    let folder = TempDir::new().expect("a folder");
+    for rate_hz in [8_000, 22_050, 44_100, 48_000, 96_000, 192_000] {
+        let path = wave(&folder, &format!("{rate_hz}.wav"), rate_hz, &[strike(f64::from(rate_hz), 0.1, 0.8)]);
+        let fitted = fit(&path).expect("a strike");
+        has_three_modes(&fitted);
+        assert!(fitted.recording.rate_hz <= 48_000.0);
+        assert_eq!(rate_hz > 48_000, fitted.report.notes.iter().any(|note| note.contains("decimated")));
+    }
+}
+
+#[test]
+fn of_eight_channels_the_loudest_is_taken_and_said() {
+    let folder = TempDir::new().expect("a folder");
+    let mut channels = vec![noise(44_100, -70.0); 8];
+    channels[5] = strike(44_100.0, 0.1, 1.0);
+    let fitted = fit(&wave(&folder, "eight.wav", 44_100, &channels)).expect("a strike");
+    has_three_modes(&fitted);
+    assert!(fitted.report.notes.iter().any(|note| note.contains("channel 5 of 8")), "{:?}", fitted.report.notes);
+}
+
+#[test]
+fn of_a_cut_file_what_is_there_is_used() {
+    let folder = TempDir::new().expect("a folder");
+    let path = wave(&folder, "cut.wav", 44_100, &[strike(44_100.0, 0.1, 2.0)]);
+    let bytes = fs::read(&path).expect("it was written");
+    fs::write(&path, &bytes[..bytes.len() / 2 + 1]).expect("written");
+    has_three_modes(&fit(&path).expect("half of it is enough"));
+}
+
+#[test]
+fn of_half_an_hour_two_minutes_are_read() {
+    let folder = TempDir::new().expect("a folder");
+    let mut sound = strike(8_000.0, 0.1, 2.0);
+    sound.resize(8_000 * 60 * 30, 0.0);
+    let fitted = fit(&wave(&folder, "long.wav", 8_000, &[sound])).expect("a strike");
+    has_three_modes(&fitted);
+    assert!(fitted.recording.samples.len() <= 8_000 * 120);
+    assert!(fitted.report.notes.iter().any(|note| note.contains("first 120 s")), "{:?}", fitted.report.notes);
+}
+
+#[test]
+fn strikes_that_are_too_close_are_bounces_and_said_to_be() {
+    let folder = TempDir::new().expect("a folder");
+    let once = strike(44_100.0, 0.1, 1.0);
+    let mut twice = once.clone();
+    for (n, x) in once.iter().enumerate().take(once.len() - 1_500) {
+        twice[n + 1_500] = 0.3 * twice[n + 1_500] + if n > 4_400 { 1.5 * x } else { 0.0 };
+    }
+    match fit(&wave(&folder, "close.wav", 44_100, &[twice])) {
+        Ok(fitted) => assert_eq!(fitted.report.strikes.len(), 1, "{:?}", fitted.report),
+        Err(error) => assert!(matches!(error, FitError::TooShort { .. }), "{error}"),
+    }
+}
+
+#[test]
+fn hits_and_channels_that_are_not_there_are_named() {
+    let folder = TempDir::new().expect("a folder");
+    let path = wave(&folder, "one.wav", 44_100, &[strike(44_100.0, 0.1, 1.0)]);
+    let hit = Options { hits: vec![2], ..Options::default() };
+    assert!(matches!(fit_file(&path, &hit), Err(FitError::NoSuchHit { hit: 2, found: 1 })));
+    let force = Options { force_channel: Some(3), ..Options::default() };
+    assert!(matches!(fit_file(&path, &force), Err(FitError::Channel { channel: 3, channels: 1, .. })));
+    let only_force = Options { force_channel: Some(0), ..Options::default() };
+    assert!(matches!(fit_file(&path, &only_force), Err(FitError::NoMicrophone { .. })));
+}
