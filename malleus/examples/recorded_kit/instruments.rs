@@ -11,7 +11,7 @@ pub(crate) struct Instrument {
     pub(crate) modes: usize,
     /// Pan of the pad, -1 to 1.
     pub(crate) pan: f32,
-    /// Level of the pad in dB: what rings long is as loud as the rest at a lower peak.
+    /// Level of the pad in dB: what rings long is as loud at a lower peak, what is short at a higher one.
     pub(crate) level_db: f32,
     /// T60 of the pad while it is choked, in seconds; 0 = cannot be choked.
     pub(crate) choke_t60_s: f32,
@@ -36,13 +36,13 @@ pub(crate) const INSTRUMENTS: [Instrument; 14] = [
     instrument("bongo", "membrane_bongo_1.wav", 24, (0.3, 0.0, 0.08), &[60, 61, 62, 63]),
     instrument("tabla", "membrane_tabla_1.wav", 24, (-0.4, 0.0, 0.08), &[48, 50, 64, 66]),
     instrument("marimba-low", "wood_marimba_1.wav", 24, (-0.3, 0.0, 0.12), &[71]),
-    instrument("marimba", "wood_marimba_2.wav", 24, (-0.15, 0.0, 0.12), &[72]),
+    instrument("marimba", "wood_marimba_2.wav", 24, (-0.15, -1.0, 0.12), &[72]),
     instrument("xylophone", "wood_xylophone_1.wav", 32, (0.2, 0.0, 0.1), &[74]),
     instrument("glockenspiel", "metal_glockenspiel_1.wav", 64, (0.4, -3.0, 0.1), &[80, 81]),
     instrument("handbell", "metal_handbell_1.wav", 24, (0.15, -2.0, 0.2), &[51, 53, 59]),
     instrument("meditation-bell", "metal_meditationbell_1.wav", 32, (-0.1, -3.0, 0.25), &[49, 52, 55, 57]),
     instrument("wood-block", "wood_block_1.wav", 16, (0.6, 0.0, 0.0), &[76, 77]),
-    instrument("utensil-holder", "wood_holder_1.wav", 24, (-0.6, 0.0, 0.0), &[37, 75]),
+    instrument("utensil-holder", "wood_holder_1.wav", 24, (-0.6, 1.0, 0.0), &[37, 75]),
     instrument("ceramic-mug", "ceramic_mug_1.wav", 32, (0.5, 0.0, 0.0), &[46, 56]),
-    instrument("plastic-cup", "plastic_cup_1.wav", 32, (-0.5, 0.0, 0.0), &[39, 42, 44, 54]),
+    instrument("plastic-cup", "plastic_cup_1.wav", 32, (-0.5, 2.0, 0.0), &[39, 42, 44, 54]),
 ];
