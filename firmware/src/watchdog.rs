@@ -17,7 +17,7 @@ pub fn start() {
     feed();
 }
 
-/// Another [`TIMEOUT_S`].
+/// Another quarter of a second.
 pub fn feed() {
     IWDG.kr().write(|w| w.set_key(Key::RESET));
 }

@@ -52,8 +52,15 @@ fn play(scene: &BudgetScene) -> Result<Vec<(Counts, f64)>, Box<dyn Error>> {
 }
 
 /// Parts that come with others in all scenes, so that no fit can tell them apart: their cycles are those of the profile. And a cycle is a cycle.
-const HELD: [Part; 6] =
-    [Part::Strike, Part::DrivenFrame, Part::ContactFrame, Part::Survey, Part::PredictedGroup, Part::KernelCycle];
+const HELD: [Part; 8] = [
+    Part::Strike,
+    Part::DrivenFrame,
+    Part::ContactFrame,
+    Part::Survey,
+    Part::Look,
+    Part::PredictedGroup,
+    Part::KernelCycle,
+];
 
 fn fit(rows: &[(Counts, f64)]) -> [f64; PARTS] {
     let mut cycles = CYCLES.map(f64::from);

@@ -6,7 +6,7 @@ use dsp_core::event::{Action, Event};
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
 use host_tests::on_chip::EngineOnChip;
-use host_tests::on_chip::budget_scenes::{BudgetScene, STORM_BUDGET, storm_scene, unlimited};
+use host_tests::on_chip::budget_scenes::{BudgetScene, STORM_BUDGET, playing_scene, storm_scene, unlimited};
 use host_tests::on_chip::scenes::{pads, strikes};
 use host_tests::scene::TestEngine;
 
@@ -42,18 +42,21 @@ struct Played {
     /// Reported as missing, by tick.
     lost: Vec<f64>,
     dearest_tick: u64,
+    stack_bytes: u32,
 }
 
 fn play(scene: &BudgetScene) -> Played {
     let mut chip = EngineOnChip::new().unwrap();
     chip.load(&scene.kit, RATE).unwrap();
     chip.set_budget(scene.budget).unwrap();
-    let mut played = Played { sound: Vec::new(), events: Vec::new(), lost: Vec::new(), dearest_tick: 0 };
+    let mut played =
+        Played { sound: Vec::new(), events: Vec::new(), lost: Vec::new(), dearest_tick: 0, stack_bytes: 0 };
     for tick in 0..scene.ticks {
         let (now, _) = scene.tick(tick);
         let (block, call) = chip.render(&now, None, TICK_FRAMES).unwrap();
         let told = chip.told().unwrap();
         played.dearest_tick = played.dearest_tick.max(call.cost.nominal);
+        played.stack_bytes = played.stack_bytes.max(call.stack_bytes);
         played.sound.extend(block);
         played.events.extend(now);
         played.events.extend(told.decisions);
@@ -81,9 +84,12 @@ fn a_storm_never_exceeds_its_budget_and_replays_to_the_same_bits() {
         let scene = storm_scene(pads);
         let played = play(&scene);
         let decisions = played.events.iter().filter(|event| matches!(event.action, Action::Shed(_))).count();
-        println!("{pads} pads: dearest tick {} of {STORM_BUDGET} cycles, {decisions} decisions", played.dearest_tick);
+        println!(
+            "{pads} pads: dearest tick {} of {STORM_BUDGET} cycles, {decisions} decisions, {} bytes of stack",
+            played.dearest_tick, played.stack_bytes
+        );
         assert!(played.dearest_tick <= u64::from(STORM_BUDGET), "dearest tick: {}", played.dearest_tick);
-        assert!(decisions > 0);
+        assert!(decisions > 0 && played.stack_bytes <= 2048, "{} bytes of stack", played.stack_bytes);
 
         // The same bits on the PC, without a budget, in one block.
         assert!(replay(&scene.kit, &played.events, played.sound.len()) == played.sound, "the replay differs");
@@ -122,11 +128,46 @@ fn what_is_quietest_goes_first() {
     };
     let (whole, none) = play(None);
     // Both pads cost some 27 000 cycles a tick; the choice itself takes 5000 of the one in which it is made.
-    let (got, shed_modes) = play(Some(25_000));
+    let (got, shed_modes) = play(Some(28_400));
     assert!(none == 0 && (30..128).contains(&shed_modes), "{shed_modes} of 128 modes");
     let peak = |frames: &[[i32; 2]]| frames.iter().flatten().map(|x| x.abs()).max().unwrap_or(0);
     let missing: Vec<[i32; 2]> =
         whole.iter().zip(&got).map(|(whole, got)| [whole[0] - got[0], whole[1] - got[1]]).collect();
     println!("{shed_modes} modes left out, peak {} of {} missing", peak(&missing), peak(&whole));
     assert!(peak(&missing) > 0 && peak(&missing) < peak(&whole) / 50, "{} of {}", peak(&missing), peak(&whole));
+}
+
+#[test]
+fn strikes_anywhere_in_a_tick_replay_to_the_same_bits_under_any_budget() {
+    // On the PC: the engine decides alike everywhere.
+    for budget in (20_000..80_000).step_by(5_000) {
+        let scene = playing_scene(budget);
+        let kit = Kit::parse(&scene.kit).unwrap();
+        let mut engine = Box::new(TestEngine::new());
+        engine.load(&kit, RATE, Skipping::On).unwrap();
+        engine.set_budget(Some(budget));
+        let (mut sound, mut played) = (Vec::new(), Vec::new());
+        for tick in 0..scene.ticks {
+            let (now, _) = scene.tick(tick);
+            let mut block = [[0; 2]; TICK_FRAMES];
+            let mut decisions = Vec::new();
+            engine.render_logged(&now, None, &mut block, |_| {}, |event| decisions.push(*event)).unwrap();
+            sound.extend(block);
+            played.extend(now);
+            played.extend(decisions);
+        }
+        played.sort_by_key(|event| (event.time.first_frame(), matches!(event.action, Action::Shed(_))));
+        let again = replay(&scene.kit, &played, sound.len());
+        let differs = again.iter().zip(&sound).position(|(again, sound)| again != sound);
+        assert!(differs.is_none(), "budget {budget}: frame {differs:?} differs");
+    }
+}
+
+#[test]
+fn strikes_anywhere_in_a_tick_sound_alike_on_the_chip_and_the_pc() {
+    let scene = playing_scene(50_000);
+    let played = play(&scene);
+    let again = replay(&scene.kit, &played.events, played.sound.len());
+    let differs = again.iter().zip(&played.sound).position(|(again, sound)| again != sound);
+    assert!(differs.is_none(), "frame {differs:?} differs");
 }

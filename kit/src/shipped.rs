@@ -12,9 +12,12 @@ struct Shipped {
     text: &'static str,
 }
 
-const KITS: &[Shipped] = &[Shipped { name: "demo", text: include_str!("../../tables/demo.toml") }];
+const KITS: &[Shipped] = &[
+    Shipped { name: "demo", text: include_str!("../../tables/demo.toml") },
+    Shipped { name: "recorded", text: include_str!("../../tables/recorded.toml") },
+];
 
-/// The tables that shipped kits include, by file name.
+/// The tables that shipped kits include, by file.
 const TABLES: &[(&str, &str)] = &[
     ("marimba.toml", include_str!("../../tables/marimba.toml")),
     ("glockenspiel.toml", include_str!("../../tables/glockenspiel.toml")),
@@ -28,6 +31,20 @@ const TABLES: &[(&str, &str)] = &[
     ("glass.toml", include_str!("../../tables/glass.toml")),
     ("plate.toml", include_str!("../../tables/plate.toml")),
     ("strikers.toml", include_str!("../../tables/strikers.toml")),
+    ("recorded/bass-drum.toml", include_str!("../../tables/recorded/bass-drum.toml")),
+    ("recorded/treble-drum.toml", include_str!("../../tables/recorded/treble-drum.toml")),
+    ("recorded/bongo.toml", include_str!("../../tables/recorded/bongo.toml")),
+    ("recorded/tabla.toml", include_str!("../../tables/recorded/tabla.toml")),
+    ("recorded/marimba-low.toml", include_str!("../../tables/recorded/marimba-low.toml")),
+    ("recorded/marimba.toml", include_str!("../../tables/recorded/marimba.toml")),
+    ("recorded/xylophone.toml", include_str!("../../tables/recorded/xylophone.toml")),
+    ("recorded/glockenspiel.toml", include_str!("../../tables/recorded/glockenspiel.toml")),
+    ("recorded/handbell.toml", include_str!("../../tables/recorded/handbell.toml")),
+    ("recorded/meditation-bell.toml", include_str!("../../tables/recorded/meditation-bell.toml")),
+    ("recorded/wood-block.toml", include_str!("../../tables/recorded/wood-block.toml")),
+    ("recorded/utensil-holder.toml", include_str!("../../tables/recorded/utensil-holder.toml")),
+    ("recorded/ceramic-mug.toml", include_str!("../../tables/recorded/ceramic-mug.toml")),
+    ("recorded/plastic-cup.toml", include_str!("../../tables/recorded/plastic-cup.toml")),
 ];
 
 /// The names of the shipped kits.

@@ -48,7 +48,7 @@ struct DemoArguments {
 /// Arguments of `malleus play`.
 #[derive(Debug, Args)]
 struct PlayArguments {
-    /// Kit: a .toml or .bin file, or the name of a shipped kit (demo)
+    /// Kit: a .toml or .bin file, or the name of a shipped kit (demo, recorded)
     #[arg(long)]
     kit: String,
     /// Events: CSV (sample|time_s,pad,velocity[,position,striker,action]) or a Standard MIDI File

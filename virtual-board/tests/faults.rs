@@ -89,16 +89,17 @@ fn a_stalled_core_is_restarted_by_the_watchdog_and_plays_again() {
 }
 
 #[test]
-fn a_panic_mutes_and_restarts() {
-    let fault =
-        Fault::Jump { at_s: 0.4, function: "core::option::unwrap_failed".into(), arguments: [0x0800_0000, 0, 0, 0] };
-    let (running, report) = run(&[fault], 0.8);
-    assert!(says(&report, "muted, starting again"), "{:#?}", report.log);
-    assert!(says(&report, "started by Program"), "{:#?}", report.log);
-    assert!(report.resets.iter().any(|reset| reset.cause == "software"));
-    assert!(report.mutes.iter().any(|mute| mute.mute && mute.at_s >= 0.4));
-    assert!(peak(&running) < 0.7);
-    assert_eq!(strikes(&report), 2);
+fn a_panic_and_a_hard_fault_mute_and_restart() {
+    for (fault, name) in [(Fault::Panic { at_s: 0.4 }, "panic: "), (Fault::HardFault { at_s: 0.4 }, "hard fault at ")] {
+        let (running, report) = run(&[fault], 0.8);
+        let told = report.log.iter().find(|line| line.message.starts_with(name));
+        assert!(told.is_some_and(|line| line.message.ends_with("muted, starting again")), "{:#?}", report.log);
+        assert!(says(&report, "started by Program"), "{:#?}", report.log);
+        assert!(report.resets.iter().any(|reset| reset.cause == "software"));
+        assert!(report.mutes.iter().any(|mute| mute.mute && mute.at_s >= 0.4));
+        assert!(peak(&running) < 0.7);
+        assert_eq!(strikes(&report), 2);
+    }
 }
 
 #[test]

@@ -53,19 +53,19 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let surprised = upcoming.first().is_some_and(|event| event.time.first_frame() < end);
         if surprised {
             // The event will call for another look.
-            self.report.counts.add(Part::PredictedGroup, rest.of(Part::PredictedGroup));
+            for part in [Part::Look, Part::PredictedGroup] {
+                self.report.counts.add(part, rest.of(part));
+            }
         }
         let predicted = self.report.predicted_cycles() + rest.cycles();
         if predicted > budget {
             let survey = self.survey_counts();
-            let mut survey_cycles = Counts::NONE;
-            survey_cycles.add_all(survey);
-            let survey_cycles = survey_cycles.cycles();
+            let survey_cycles: u32 = survey.iter().map(|&(part, count)| cycles_of(part) * count).sum();
             let guards = rest.of(Part::GuardedGroup) * cycles_of(Part::GuardedGroup);
             let sheddable = rest.of(Part::KernelCycle) + guards;
             let leave_out = if predicted + survey_cycles - sheddable.min(predicted) > budget {
                 // Where nothing can be kept there is nothing to choose.
-                self.report.counts.add(Part::SurveyedGroup, self.group_count() / 3);
+                self.report.counts.add_all([(Part::Survey, 1), (Part::SurveyedGroup, self.group_count() / 3)]);
                 LeaveOut::All
             } else {
                 self.report.counts.add_all(survey);
@@ -220,6 +220,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             return;
         }
         counts.add(Part::Run, 1);
+        counts.add(Part::Look, 1);
         counts.add(Part::Pad, self.pad_count as u32);
         counts.add(Part::Frame, frames);
         for ((voice, number), &struck) in self.voices().iter().zip(0u8..).zip(struck) {

@@ -48,7 +48,9 @@ pub enum Part {
     Survey,
     /// A group of it.
     SurveyedGroup,
-    /// A group whose cost is looked up.
+    /// A look ahead.
+    Look,
+    /// A group whose cost is looked up in it.
     PredictedGroup,
     /// A cycle of the kernels.
     KernelCycle,
@@ -60,7 +62,8 @@ pub const PARTS: usize = Part::KernelCycle as usize + 1;
 /// Cycles of each [`Part`], nominal, without flash waits. Fitted to the virtual core by `cargo bench -p host-tests --bench budget_costs`, which
 /// prints this table.
 pub const CYCLES: [u32; PARTS] = [
-    2229, 319, 428, 134, 0, 27, 1079, 2054, 30, 3589, 1192, 3859, 20, 55, 63, 0, 438, 435, 1250, 4326, 2600, 113, 25, 1,
+    2299, 335, 472, 133, 0, 0, 1114, 1640, 36, 3554, 1575, 3159, 20, 55, 48, 0, 433, 435, 1250, 4012, 5500, 125, 800,
+    30, 1,
 ];
 
 /// How much of each part a tick has.

@@ -20,8 +20,8 @@ use embassy_stm32::pac::{dma::Dma, spi::Spi};
 
 use crate::board::{CLOCKS, I2S};
 
-/// Above everything that can wait: a half is due after 667 us.
-const PRIORITY: Priority = Priority::P2;
+/// Above everything: a half is due after 667 us, and what would come between it and its deadline can wait for it.
+const PRIORITY: Priority = Priority::P0;
 /// Frames of a half: one tick of the engine.
 pub const HALF_FRAMES: usize = 32;
 const FRAMES: usize = 2 * HALF_FRAMES;

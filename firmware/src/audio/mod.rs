@@ -22,14 +22,12 @@ use embassy_stm32::interrupt;
 
 use self::i2s::{HALF_FRAMES, I2s, Told};
 use self::instrument::Instrument;
-use crate::board::CLOCKS;
+use crate::board::{CLOCKS, LEAD_FRAMES};
 use crate::input::{self, Inputs};
 use crate::owned::Owned;
 use crate::queue::Queue;
 use crate::{counters, cycles};
 
-/// From the interrupt to the first frame of the tick that it renders.
-pub const LEAD_FRAMES: usize = 26;
 /// Cycles to the deadline of a tick.
 const LEAD_CYCLES: u32 = CLOCKS.cycles_per_frames(LEAD_FRAMES as u32);
 /// What the inputs take of them at the dearest: four piezos that ring.

@@ -82,9 +82,31 @@ pub fn storm_scene(pads: usize) -> BudgetScene {
     }
 }
 
+/// Four pads of the demo kit, struck 28 times a second each wherever in a tick it falls, at so many cycles a tick.
+///
+/// # Panics
+/// Where the demo kit that ships with the project is broken.
+pub fn playing_scene(budget: u32) -> BudgetScene {
+    let demo = kit::open("demo").expect("the demo kit ships with the project");
+    let strike = |n: u64, pad: u64| Event {
+        time: Time::at_frame(320 + n * 1680 + pad * 144 + (n * 7 + pad * 11) % 32),
+        velocity: 0.9,
+        pad: pad as u8,
+        ..Event::default()
+    };
+    BudgetScene {
+        name: "four pads played",
+        kit: demo.binary,
+        events: (0..5).flat_map(|n| (0..4).map(move |pad| strike(n, pad))).collect(),
+        direct: None,
+        ticks: 280,
+        budget,
+    }
+}
+
 /// All of them.
 pub fn all() -> Vec<BudgetScene> {
     let mut scenes = unlimited();
-    scenes.extend([storm_scene(8), storm_scene(4)]);
+    scenes.extend([storm_scene(8), storm_scene(4), playing_scene(33_000), playing_scene(50_000)]);
     scenes
 }

@@ -79,7 +79,9 @@ impl Bank {
 
     /// So many ticks, at most [`Bank::rest_ticks`], have passed.
     pub fn pass(&mut self, ticks: u8) {
-        (0..ticks).for_each(|_| self.retired.decay());
+        if self.retired.amplitude() > 0.0 {
+            (0..ticks).for_each(|_| self.retired.decay());
+        }
         if self.ringing_modes > 0 {
             self.clock = self.clock.wrapping_add(ticks);
             self.due_ticks = self.due_ticks.saturating_sub(ticks);

@@ -1,0 +1,48 @@
+//! What the kit `recorded` is made of: which recording, how many modes, which pad.
+
+/// An instrument of the kit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Instrument {
+    /// Name of table, object and pad.
+    pub(crate) name: &'static str,
+    /// The recording's file.
+    pub(crate) recording: &'static str,
+    /// Modes at most: where more no longer bring the sound much nearer.
+    pub(crate) modes: usize,
+    /// Pan of the pad, -1 to 1.
+    pub(crate) pan: f32,
+    /// Level of the pad in dB: what rings long is as loud at a lower peak, what is short at a higher one.
+    pub(crate) level_db: f32,
+    /// T60 of the pad while it is choked, in seconds; 0 = cannot be choked.
+    pub(crate) choke_t60_s: f32,
+    /// MIDI notes, General MIDI percussion where it knows the instrument or one like it.
+    pub(crate) midi_notes: &'static [u8],
+}
+
+const fn instrument(
+    name: &'static str,
+    recording: &'static str,
+    modes: usize,
+    (pan, level_db, choke_t60_s): (f32, f32, f32),
+    midi_notes: &'static [u8],
+) -> Instrument {
+    Instrument { name, recording, modes, pan, level_db, choke_t60_s, midi_notes }
+}
+
+/// The kit, in the order of its pads.
+pub(crate) const INSTRUMENTS: [Instrument; 14] = [
+    instrument("bass-drum", "membrane_bobobobass_1.wav", 24, (0.0, 0.0, 0.08), &[35, 36, 41, 43]),
+    instrument("treble-drum", "membrane_bobobotreble_1.wav", 24, (-0.2, 0.0, 0.08), &[38, 40, 45, 47]),
+    instrument("bongo", "membrane_bongo_1.wav", 24, (0.3, 0.0, 0.08), &[60, 61, 62, 63]),
+    instrument("tabla", "membrane_tabla_1.wav", 24, (-0.4, 0.0, 0.08), &[48, 50, 64, 66]),
+    instrument("marimba-low", "wood_marimba_1.wav", 24, (-0.3, 0.0, 0.12), &[71]),
+    instrument("marimba", "wood_marimba_2.wav", 24, (-0.15, -1.0, 0.12), &[72]),
+    instrument("xylophone", "wood_xylophone_1.wav", 32, (0.2, 0.0, 0.1), &[74]),
+    instrument("glockenspiel", "metal_glockenspiel_1.wav", 64, (0.4, -3.0, 0.1), &[80, 81]),
+    instrument("handbell", "metal_handbell_1.wav", 24, (0.15, -2.0, 0.2), &[51, 53, 59]),
+    instrument("meditation-bell", "metal_meditationbell_1.wav", 32, (-0.1, -3.0, 0.25), &[49, 52, 55, 57]),
+    instrument("wood-block", "wood_block_1.wav", 16, (0.6, 0.0, 0.0), &[76, 77]),
+    instrument("utensil-holder", "wood_holder_1.wav", 24, (-0.6, 1.0, 0.0), &[37, 75]),
+    instrument("ceramic-mug", "ceramic_mug_1.wav", 32, (0.5, 0.0, 0.0), &[46, 56]),
+    instrument("plastic-cup", "plastic_cup_1.wav", 32, (-0.5, 2.0, 0.0), &[39, 42, 44, 54]),
+];

@@ -1,0 +1,73 @@
+//! `malleus board run`, as a user calls it.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn malleus(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_malleus")).args(["board", "run"]).args(arguments).output().unwrap()
+}
+
+fn complaint(arguments: &[&str]) -> String {
+    let output = malleus(arguments);
+    assert!(!output.status.success());
+    String::from_utf8(output.stderr).unwrap()
+}
+
+#[test]
+fn an_image_that_cannot_be_run_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = complaint(&["no/such/image.elf"]);
+    assert!(missing.contains("no/such/image.elf"), "{missing}");
+    let text = folder.path().join("text.elf");
+    std::fs::write(&text, "not an ELF file").unwrap();
+    let refused = complaint(&[text.to_str().unwrap()]);
+    assert!(refused.contains("cannot be read as ELF"), "{refused}");
+}
+
+#[test]
+fn wrong_arguments_are_refused_with_what_would_be_right() {
+    for (arguments, expected) in [
+        (["--board", "arduino"], "stm32f407g-disc1"),
+        (["--fault", "adc-overrun"], "adc-overrun@AT"),
+        (["--fault", "core-stalled@1"], "core-stalled@AT,FOR"),
+        (["--button", "1,2,3,4"], "when, for how long"),
+        (["--seconds", "5000"], "3600"),
+    ] {
+        let refused = complaint(&["image.elf", arguments[0], arguments[1]]);
+        assert!(refused.contains(expected), "{arguments:?}: {refused}");
+    }
+}
+
+#[test]
+fn the_firmware_plays_a_button_and_reports_it() {
+    let firmware = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware/Cargo.toml"));
+    let features = ["--no-default-features", "--features", "stm32f407g-disc1"];
+    let elf = virtual_core::build_binary(firmware, "percussion", &features).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (image, sound) = (path("percussion.elf"), path("sound.wav"));
+    std::fs::write(&image, elf).unwrap();
+    let output = malleus(&[&image, "--button", "0.12,0.05", "--seconds", "0.2", "-o", &sound, "--report", "json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["board"], "stm32f407g-disc1");
+    assert_eq!(report["audio"]["rate"], "671875/14");
+    let lines = report["log"].as_array().unwrap();
+    assert!(lines.iter().any(|line| line["message"].as_str().unwrap().contains("strike")), "{lines:#?}");
+
+    let mut wave = hound::WavReader::open(&sound).unwrap();
+    assert_eq!((wave.spec().sample_rate, wave.spec().bits_per_sample, wave.spec().channels), (47_991, 24, 2));
+    let peak = wave.samples::<i32>().map(|sample| sample.unwrap().unsigned_abs()).max().unwrap();
+    assert!(peak > 1 << 16, "{peak}");
+}
+
+#[test]
+fn a_program_that_does_what_the_chip_forbids_ends_with_the_place() {
+    // A program for the bare core: it meets a breakpoint, which without a debugger is a fault.
+    let program = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../virtual-core/tests/program/Cargo.toml"));
+    let folder = tempfile::tempdir().unwrap();
+    let image = folder.path().join("program.elf");
+    std::fs::write(&image, virtual_core::build(program).unwrap()).unwrap();
+    let refused = complaint(&[image.to_str().unwrap(), "--seconds", "0.1"]);
+    assert!(refused.contains("breakpoint #0"), "{refused}");
+}
