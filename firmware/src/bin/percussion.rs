@@ -17,22 +17,25 @@ use firmware::{audio, board, cycles, kits, tasks, watchdog};
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     watchdog::start();
-    let board = board::start();
+    let peripherals = board::start_clocks();
     if let Some(mut core) = cortex_m::Peripherals::take() {
         cycles::start(&mut core);
     }
     defmt::info!("malleus on {=str}, started by {}", board::NAME, Cause::take());
-    if let Err(error) = board.codec {
-        faults::set(Fault::Codec, true);
-        defmt::error!("codec: {}", error);
-    }
     watchdog::feed();
+    // Before the stream: nothing then interrupts what derives the kit.
     // SAFETY: main runs once.
     let instrument = unsafe { Instrument::place() };
     let Some((kit, settings)) = choose_kit(instrument) else {
         // Nobody feeds the watchdog: the board starts anew.
         return defmt::error!("the built-in kit does not play: flash this image again");
     };
+    watchdog::feed();
+    let board = board::init(peripherals);
+    if let Err(error) = board.codec {
+        faults::set(Fault::Codec, true);
+        defmt::error!("codec: {}", error);
+    }
     watchdog::feed();
     // SAFETY: main runs once.
     let log = unsafe {
@@ -64,15 +67,14 @@ fn choose_kit(instrument: &mut Instrument) -> Option<(Kit<'static>, input::Setti
         }
     }
     let kit = Kit::parse(kits::BUILT_IN).ok()?;
-    // Nothing comes between: on the virtual board an interrupt within the derivation's soft floating point has changed a gain.
-    cortex_m::interrupt::free(|_| instrument.load(&kit, audio::BUDGET_CYCLES)).ok()?;
+    instrument.load(&kit, audio::BUDGET_CYCLES).ok()?;
     Some((kit, input::Settings::of(&kit).ok()?))
 }
 
 fn kit_in_sector(instrument: &mut Instrument) -> Result<Option<(Kit<'static>, input::Settings)>, Refusal> {
     let Some(kit) = kits::in_sector()? else { return Ok(None) };
     let settings = input::Settings::of(&kit)?;
-    cortex_m::interrupt::free(|_| instrument.load(&kit, audio::BUDGET_CYCLES))?;
+    instrument.load(&kit, audio::BUDGET_CYCLES)?;
     defmt::info!("kit sector: {=str} plays", kit.name());
     Ok(Some((kit, settings)))
 }

@@ -1,7 +1,7 @@
 //! The boards: clocks, pins, codec. One is chosen by a feature; the rest of the firmware knows only what stands in this module.
 
 use embassy_stm32::gpio::{Flex, Output};
-use embassy_stm32::{Config, pac};
+use embassy_stm32::{Config, Peripherals, pac};
 
 use crate::audio::i2s::I2s;
 use crate::codec;
@@ -33,13 +33,13 @@ pub struct Board {
     pub piezos: [Flex<'static>; PIEZO_CHANNELS.len()],
 }
 
-/// Clocks, flash accelerator, pins and codec.
-pub fn start() -> Board {
+/// Clocks and flash accelerator: from here on the core runs at its full speed. [`init`] must follow: pins, stream and codec.
+pub fn start_clocks() -> Peripherals {
     let mut config = Config::default();
     config.rcc = CLOCKS.rcc();
     let peripherals = embassy_stm32::init(config);
     switch_flash_accelerator_on();
-    init(peripherals)
+    peripherals
 }
 
 /// The hardware library sets the wait states and leaves prefetch and caches off: without them every jump waits for the flash. Caches may be reset

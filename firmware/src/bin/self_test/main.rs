@@ -41,7 +41,7 @@ impl Failures {
 #[embassy_executor::main]
 async fn main(_spawner: Spawner) {
     watchdog::start();
-    let mut board = board::start();
+    let mut board = board::init(board::start_clocks());
     if let Some(mut core) = cortex_m::Peripherals::take() {
         cycles::start(&mut core);
     }
