@@ -57,6 +57,7 @@ const HELD: [Part; 8] = [
     Part::DrivenFrame,
     Part::ContactFrame,
     Part::Survey,
+    Part::SurveyedGroup,
     Part::Look,
     Part::PredictedGroup,
     Part::KernelCycle,
