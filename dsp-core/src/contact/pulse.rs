@@ -95,7 +95,7 @@ fn cos_half_pi_sqrt(minus_z: i32) -> i32 {
         -1.233_700_550_136_17,
         1.0,
     ]);
-    // Written out: built for size, a loop takes five times the cycles.
+    // Written out: built for size, a loop would load its terms and count them.
     let next = |sum: i32, term: i32| fixed::smmlsr(term, sum, minus_z);
     let [t7, t6, t5, t4, t3, t2, t1, t0] = TERMS;
     next(next(next(next(next(next(next(t7, t6), t5), t4), t3), t2), t1), t0).max(0)

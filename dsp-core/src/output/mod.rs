@@ -73,7 +73,7 @@ const TWO_POW_32: f64 = 4294967296.0;
 
 /// Turns the stereo bus (Q4.27) into signed 24-bit samples, in place.
 pub fn to_24_bit(out: &mut [[i32; 2]]) {
-    // Two frames at a time take two thirds of the cycles.
+    // Two frames at a time: built for size, the loop around each sample costs as much as the sample.
     let (pairs, last) = out.as_chunks_mut::<2>();
     for [[a, b], [c, d]] in pairs {
         (*a, *b) = (fixed::to_24_bit(*a), fixed::to_24_bit(*b));

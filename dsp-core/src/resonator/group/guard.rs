@@ -20,7 +20,7 @@ impl Group {
         }
     }
 
-    /// A guard of a group at rest, at a third of the cost of one that looks at states. False, and nothing is decided, where the input is beyond
+    /// A guard of a group at rest, which need not look at states. False, and nothing is decided, where the input is beyond
     /// the usual.
     #[inline(always)]
     fn prepare_rest(&mut self, allowance: u64, force_shift: u32) -> bool {
