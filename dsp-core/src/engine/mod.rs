@@ -58,7 +58,7 @@ pub struct Direct<'a> {
 /// | `PADS` | pads of the kit | 60 |
 /// | `BANKS` | a pad's object, and its strikers up to the last one with modes, of all pads | 64 |
 /// | `MODES` | modes below Nyquist of all pads, their strikers' included | 24 |
-/// | `GROUPS` | register groups: modes/6, and up to eight more a bank | 24 |
+/// | `GROUPS` | register groups: modes/6, and up to six more a bank | 24 |
 /// | `ORIGINS` | modes of pads that can be choked or have several positions | 12 |
 /// | `CONTACTS` | contacts under way at once | 24 |
 #[derive(Debug)]
@@ -346,34 +346,38 @@ impl<
             self.leave_out(LeaveOut::Groups(count), direct);
             return;
         }
-        let rate = self.rate();
         (self.idle, self.was_idle) = (false, false);
-        if event.action == Action::Strike {
-            self.admit(event.pad);
+        if event.action != Action::Strike {
+            return self.change(event);
         }
+        self.admit(event.pad);
+        let rate = self.rate();
+        let Some(pad) = self.pads.get_mut(usize::from(event.pad)) else { return };
+        let banks = pad.own_mut(&mut self.banks);
+        let Some(impact) = pad.strike(event.velocity, event.striker, rate, banks) else { return };
+        let moves = Pad::moves_to(event.position, banks);
+        self.expects = true;
+        let contact = Contact::new(event.pad, event.striker, impact, event.time.early());
+        self.report.strikes += 1;
+        self.report.displaced_contacts += u32::from(self.flight.begin(contact));
+        if moves {
+            self.change(event);
+        }
+    }
+
+    /// What needs the pad's tables: a hand that comes or goes, a strike at another position.
+    #[inline(never)] // to look them up takes longer than a strike, and room on the stack
+    fn change(&mut self, event: &Event) {
+        let rate = self.rate();
+        let Some(kit) = self.kit else { return };
+        let Some(tables) = PadTables::new(kit, usize::from(event.pad)) else { return };
         let Some(pad) = self.pads.get_mut(usize::from(event.pad)) else { return };
         let banks = pad.own_mut(&mut self.banks);
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
-        let tables = || PadTables::new(self.kit?, usize::from(event.pad));
         match event.action {
-            Action::Strike => {
-                if let Some(impact) = pad.strike(event.velocity, event.striker, rate, banks) {
-                    // To look up the tables takes longer than most strikes.
-                    let moved = Pad::moves_to(event.position, banks).then(tables).flatten();
-                    if let Some(tables) = moved {
-                        Pad::set_position(event.position, &tables, rate, &mut memory, banks);
-                    }
-                    self.expects = true;
-                    let contact = Contact::new(event.pad, event.striker, impact, event.time.early());
-                    self.report.strikes += 1;
-                    self.report.displaced_contacts += u32::from(self.flight.begin(contact));
-                }
-            }
-            Action::Choke | Action::Release => {
-                if let Some(tables) = tables() {
-                    pad.set_choked(event.action == Action::Choke, &tables, rate, &mut memory, banks);
-                }
-            }
+            Action::Strike => Pad::set_position(event.position, &tables, rate, &mut memory, banks),
+            Action::Choke => pad.set_choked(true, &tables, rate, &mut memory, banks),
+            Action::Release => pad.set_choked(false, &tables, rate, &mut memory, banks),
             Action::Shed(_) => {}
         }
     }

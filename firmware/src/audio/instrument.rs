@@ -16,7 +16,7 @@ pub const PADS: usize = 16;
 const BANKS: usize = 32;
 /// Modes, all pads together.
 const MODES: usize = 640;
-/// Register groups: a sixth of the modes, and up to eight more a bank.
+/// Register groups: a sixth of the modes, and up to six more a bank.
 const GROUPS: usize = 224;
 /// Modes that can be choked or have several positions.
 const ORIGINS: usize = 512;
