@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
 use hits::signal;
-use virtual_board::{Board, CycleCase, Setup};
+use virtual_board::{Board, CycleCase, Report, Setup};
 
 #[test]
 fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
@@ -19,13 +19,53 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
         });
         let setup = Setup { cycles: CycleCase::Worst, flash_waits: true, piezos: piezos.collect(), ..Setup::default() };
         let report = common::run(board, &setup, 1.2).report().unwrap();
-        println!("{}: worst load {:?}, idle {:.1} %", board.name(), report.audio.worst_load, 100.0 * report.idle_share);
+        let load = report.audio.worst_load.unwrap() / deadline(board);
+        println!(
+            "{}: the dearest half took {:.1} % of the time to its deadline, idle {:.1} %",
+            board.name(),
+            100.0 * load,
+            100.0 * report.idle_share
+        );
+        assert!(load <= 0.95, "{}: {load:.3} of the time to the deadline", board.name());
         assert!(
             !report.log.iter().any(|line| line.message.contains("missed") && line.level == "warn"),
             "{:#?}",
             report.log
         );
         assert_eq!(report.audio.late_halves, 0, "{}", board.name());
+    }
+}
+
+/// The time from an interrupt to the first frame that it renders, of a half (`LEAD_FRAMES` of the firmware's boards).
+fn deadline(board: Board) -> f64 {
+    let lead_frames = match board {
+        Board::Stm32f407gDisc1 => 26.0,
+        Board::BlackpillF411 => 30.0,
+    };
+    lead_frames / 32.0
+}
+
+#[test]
+fn a_silent_board_with_armed_triggers_is_busy_for_at_most_a_twentieth_of_its_time() {
+    for board in Board::ALL {
+        let mut running = common::run(board, &Setup::default(), 0.5);
+        let before = running.report().unwrap();
+        running.run_until(1.0).unwrap();
+        let after = running.report().unwrap();
+        let cycles = (after.cycles - before.cycles) as f64;
+        let busy = 1.0 - (after.idle_cycles - before.idle_cycles) as f64 / cycles;
+        println!("{}: busy for {:.2} % of half a second of silence", board.name(), 100.0 * busy);
+        let spent = |report: &Report, name: &str| {
+            report.functions.iter().find(|function| function.name == name).map_or(0, |function| function.nominal_cycles)
+        };
+        let mut functions: Vec<(&str, u64)> = (after.functions.iter())
+            .map(|function| (function.name.as_str(), function.nominal_cycles - spent(&before, &function.name)))
+            .collect();
+        functions.sort_by_key(|&(_, cycles)| std::cmp::Reverse(cycles));
+        for (name, spent) in functions.iter().take(16) {
+            println!("  {:6.3} % {name}", 100.0 * *spent as f64 / cycles);
+        }
+        assert!(busy <= 0.05, "{}: {busy}", board.name());
     }
 }
 
