@@ -15,6 +15,7 @@
 //! | --- | --- | --- |
 //! | conditioning | takes away offset, drift and mains hum | `baseline` |
 //! | onset | full-wave envelope above threshold, noise floor and mask; dated back to where it left the floor | `channel`, `noise` |
+//! | rest | what stays in the noise's band moves nothing, and costs next to nothing | `rest` |
 //! | retrigger cancellation | a mask that decays from the strike's peak and follows a long ring | `mask` |
 //! | scan | interpolated peak over the scan time | `scan` |
 //! | decision | second sensor, crosstalk, velocity curve | `decide`, `crosstalk`, `curve` |
@@ -87,6 +88,7 @@ mod mask;
 mod noise;
 mod report;
 mod resampler;
+mod rest;
 mod scan;
 mod settings;
 
@@ -215,9 +217,13 @@ impl<const CHANNELS: usize> Trigger<CHANNELS> {
             let soonest = decisions.min().map(|frames| frames as usize);
             let length = soonest.map_or(tick_left, |frames| frames.clamp(1, tick_left));
             let (segment, behind) = rest.split_at_checked(length).unwrap_or((rest, &[]));
-            for (index, lane) in self.lanes.iter_mut().enumerate() {
-                if let Some(lane) = lane {
-                    lane.run(segment, index, now, &mut report);
+            for (pair, lanes) in self.lanes.chunks_mut(2).enumerate() {
+                let rested = rest::pass(lanes, segment, pair, now);
+                for ((index, lane), rested) in (2 * pair..).zip(lanes).zip(rested) {
+                    let active = segment.get(rested..).unwrap_or(&[]);
+                    if let (Some(lane), false) = (lane, active.is_empty()) {
+                        lane.run(active, index, now.wrapping_add(rested as u32), &mut report);
+                    }
                 }
             }
             self.now = self.now.wrapping_add(segment.len() as u64);
