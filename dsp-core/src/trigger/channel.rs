@@ -11,7 +11,7 @@ use super::config::ChannelConfig;
 use super::mask::{Mask, OVER_Q8};
 use super::noise::NoiseFloor;
 use super::report::Fault;
-use super::rest::{Band, STEP_FRAMES};
+use super::rest::{Band, TAP_FRAMES};
 use super::scan::Scan;
 use super::{COUNT, TICK_FRAMES};
 
@@ -35,6 +35,8 @@ const NOISE_LEVEL_Q8: i32 = 614;
 const NOISE_FOOT_Q8: i32 = 384;
 /// A resting channel's samples are no farther from the baseline than so many times the noise's mean, in 1/256 (4.5), and half a count.
 const REST_NOISE_Q8: i32 = 1152;
+/// Samples of a resting tick that are measured.
+const TAPS: i32 = TICK_FRAMES as i32 / TAP_FRAMES as i32;
 /// By how much an onset must leave the mask's level, in 1/256.
 const MASK_FOOT_Q8: i32 = 272;
 /// What peaks are remembered for crosstalk: decays by 1/32 a tick, 21 ms.
@@ -56,10 +58,10 @@ pub(super) struct Channel {
     rise_peak: i32,
     /// The largest envelope of the tick so far.
     tick_envelope: i32,
-    /// Whether samples within `rest_counts` of the baseline move nothing.
+    /// Whether samples within the band move nothing.
     pub(super) is_resting: bool,
-    rest_counts: i32,
-    /// Sum of the magnitudes of a resting tick's last samples of each step.
+    pub(super) band: Band,
+    /// Sum of the magnitudes of a resting tick's samples that are measured.
     rest_magnitude: i32,
     /// Sum of the tick's samples so far, in counts.
     sum: i32,
@@ -87,7 +89,7 @@ impl Channel {
         rise_peak: 0,
         tick_envelope: 0,
         is_resting: false,
-        rest_counts: 0,
+        band: Band::NONE,
         rest_magnitude: 0,
         sum: 0,
         scan: Scan::NONE,
@@ -115,41 +117,40 @@ impl Channel {
 
     /// Takes frames while they lie in the band, and gives their number; the first that leaves it is not taken.
     ///
-    /// One sample after the other: [`rest::pass`](super::rest::pass) does the same for whole steps.
+    /// One sample after the other: [`rest::pass`](super::rest::pass) does the same for all at once.
     #[inline(never)]
     fn rest<const CHANNELS: usize>(&mut self, frames: &[[u16; CHANNELS]], index: usize, now: u32) -> usize {
-        for (at, raw) in samples(frames, index).enumerate() {
-            let frame = now.wrapping_add(at as u32);
-            if !self.band(frame).holds(raw) {
-                self.is_resting = false;
-                self.foot_frame = frame.wrapping_sub(1);
-                self.rise_peak = 0;
-                return at;
-            }
-            self.rest_through(1, raw.into(), raw.into(), frame.wrapping_add(1));
+        let band = self.band;
+        let inside = samples(frames, index).take_while(|&raw| band.holds(raw));
+        let (count, sum) = inside.fold((0, 0), |(count, sum): (usize, i32), raw| (count + 1, sum + i32::from(raw)));
+        self.rest_through(frames.get(..count).unwrap_or(&[]), index, sum, now);
+        if count < frames.len() {
+            self.is_resting = false;
+            self.foot_frame = now.wrapping_add(count as u32).wrapping_sub(1);
+            self.rise_peak = 0;
         }
-        frames.len()
+        count
     }
 
-    /// Takes so many frames of one step, all in the band, with their sum and the last of them; `next` is the number of the frame behind them. The last
-    /// of each step says how large the noise is.
+    /// Takes frames that are all in the band, with their sum; the first is number `now`.
     #[inline(always)]
-    pub(super) fn rest_through(&mut self, frames: usize, sum: u32, last: u32, next: u32) {
+    pub(super) fn rest_through<const CHANNELS: usize>(
+        &mut self,
+        frames: &[[u16; CHANNELS]],
+        index: usize,
+        sum: i32,
+        now: u32,
+    ) {
         let Baseline { level, slope, .. } = self.baseline;
-        self.sum = self.sum.wrapping_add(sum as i32);
-        self.baseline.level = level.wrapping_add(slope.wrapping_mul(frames as i32));
-        if next.is_multiple_of(STEP_FRAMES) {
-            let x = ((last as i32) << 8).wrapping_sub(self.baseline.level.wrapping_sub(slope));
+        let mut tap = (TAP_FRAMES - 1 - now % TAP_FRAMES) as usize;
+        while let Some(frame) = frames.get(tap) {
+            let raw = frame.get(index).copied().unwrap_or(0);
+            let x = condition(raw, level.wrapping_add(slope.wrapping_mul(tap as i32)));
             self.rest_magnitude = self.rest_magnitude.wrapping_add(x.wrapping_abs());
+            tap += TAP_FRAMES as usize;
         }
-    }
-
-    /// Where the samples of the step that frame `now` belongs to must lie.
-    #[inline(always)]
-    pub(super) fn band(&self, now: u32) -> Band {
-        let Baseline { level, slope, .. } = self.baseline;
-        let begin = level.wrapping_sub(slope.wrapping_mul((now % STEP_FRAMES) as i32));
-        Band::round(begin.wrapping_add(COUNT / 2) >> 8, self.rest_counts)
+        self.sum = self.sum.wrapping_add(sum);
+        self.baseline.level = level.wrapping_add(slope.wrapping_mul(frames.len() as i32));
     }
 
     /// Takes frames of a tick in which something happens or rings.
@@ -209,13 +210,44 @@ impl Channel {
     /// The end of an absolute tick. `Some` where a fault was found (inner `Some`) or is over.
     #[inline(never)]
     pub(super) fn tick(&mut self, config: &ChannelConfig, turn: &MainsTurn) -> Option<Option<Fault>> {
+        if self.is_resting
+            && self.mask.is_gone()
+            && self.masked_ticks == 0
+            && (LOW_RAIL + 1..HIGH_RAIL).contains(&self.sum)
+        {
+            self.rest_on(config, turn);
+            None
+        } else {
+            self.tick_at_large(config, turn)
+        }
+    }
+
+    /// What [`tick_at_large`](Self::tick_at_large) does for a channel that has rested for the whole tick, is far from a rail, and has no mask left.
+    #[inline(always)]
+    fn rest_on(&mut self, config: &ChannelConfig, turn: &MainsTurn) {
+        self.rail_ticks = 0;
+        self.baseline.tick(core::mem::take(&mut self.sum), true, turn);
+        self.hold = self.hold.wrapping_sub(self.hold >> HOLD_SHIFT);
+        let noise = self.noise.mean();
+        self.noise.rest(core::mem::take(&mut self.rest_magnitude) / TAPS);
+        if self.noise.mean() != noise {
+            let noise = self.noise.mean();
+            self.onset_level = config.threshold_envelope.max(scale_q8(noise, NOISE_LEVEL_Q8));
+            self.foot_level = scale_q8(noise, NOISE_FOOT_Q8) + COUNT / 2;
+            (self.envelope, self.tick_envelope) = (noise, noise);
+        }
+        self.set_band(config);
+    }
+
+    #[inline(never)]
+    fn tick_at_large(&mut self, config: &ChannelConfig, turn: &MainsTurn) -> Option<Option<Fault>> {
         let sum = core::mem::take(&mut self.sum);
         let changed = self.watch_rails(sum);
         self.baseline.tick(sum, !self.is_scanning && self.fault.is_none(), turn);
         self.warm_up_ticks = self.warm_up_ticks.saturating_sub(1);
         self.masked_ticks = self.masked_ticks.saturating_sub(1);
         self.hold = self.hold.wrapping_sub(self.hold >> HOLD_SHIFT);
-        let magnitude = core::mem::take(&mut self.rest_magnitude) / (TICK_FRAMES as u32 / STEP_FRAMES) as i32;
+        let magnitude = core::mem::take(&mut self.rest_magnitude) / TAPS;
         if self.is_resting {
             self.noise.rest(magnitude);
         } else if !self.is_scanning {
@@ -237,11 +269,17 @@ impl Channel {
         self.is_resting = is_calm && may_rest;
         if self.is_resting {
             (self.envelope, self.tick_envelope) = (noise, noise);
-            // Rounded up to whole counts, and one at least.
-            let counts = (scale_q8(noise, REST_NOISE_Q8) + COUNT / 2 + COUNT - 1) >> 8;
-            self.rest_counts = counts.min(config.threshold_peak >> 9).max(1);
+            self.set_band(config);
         }
         changed
+    }
+
+    /// The band of the tick that begins.
+    #[inline(always)]
+    fn set_band(&mut self, config: &ChannelConfig) {
+        let Baseline { level, slope, .. } = self.baseline;
+        let noise = scale_q8(self.noise.mean(), REST_NOISE_Q8) + COUNT / 2;
+        self.band = Band::of_tick(level, slope, noise, config.threshold_peak >> 9);
     }
 
     fn watch_rails(&mut self, sum: i32) -> Option<Option<Fault>> {

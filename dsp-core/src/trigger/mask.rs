@@ -62,6 +62,11 @@ impl Mask {
         self.crest
     }
 
+    /// Whether neither the past nor a strike masks anything.
+    pub(super) fn is_gone(&self) -> bool {
+        self.loud_ticks == 0 && self.decaying == 0
+    }
+
     /// Whether the past is loud enough to matter.
     pub(super) fn is_loud(&self) -> bool {
         self.loud_ticks > 0
@@ -69,7 +74,7 @@ impl Mask {
 
     /// The end of a tick with its largest envelope; as long as that is above the noise's foot, the past says what still rings.
     pub(super) fn tick(&mut self, envelope: i32, noise_foot: i32, decay: MaskDecay) {
-        if self.loud_ticks == 0 && self.decaying == 0 && envelope <= noise_foot {
+        if self.is_gone() && envelope <= noise_foot {
             return;
         }
         // Envelopes have 24 bits at most and losses 16: the product is taken in 64.

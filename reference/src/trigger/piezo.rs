@@ -11,10 +11,10 @@ const OVER_MASK_FOOT: f64 = 1.0625;
 const OVER_NOISE: f64 = 2.4;
 const OVER_NOISE_FOOT: f64 = 1.5;
 const FOOT_COUNTS: f64 = 0.5;
-/// While nothing happens, samples that stay this close to the baseline move nothing: so many mean magnitudes of the noise and half a count, in whole
-/// counts, but at most half the softest peak. The baseline stands still for so many frames.
+/// While nothing happens, samples that stay this close to the baseline's middle of the tick move nothing: so many mean magnitudes of the noise and half a
+/// count, and what the baseline moves by in half a tick, in whole counts, but at most half the softest peak. Each so many frames' last is measured.
 const REST_NOISE: f64 = 4.5;
-const REST_STEP_FRAMES: usize = 8;
+const REST_TAP_FRAMES: usize = 16;
 /// An onset is at most so many frames before it is noticed.
 const LONGEST_LAG: usize = 24;
 const WARM_UP_TICKS: usize = 47;
@@ -41,11 +41,9 @@ pub(super) struct Piezo {
     pub(super) scan: Option<Scan>,
     envelope: f64,
     tick_envelope: f64,
-    /// The half width of the band in which the channel rests, in counts; `None` while something happens.
-    rest_counts: Option<f64>,
-    /// The baseline at the beginning of the step.
-    step_level: f64,
-    /// Magnitudes of the last samples of the tick's steps.
+    /// Middle and half width of the band in which the channel rests, in counts; `None` while something happens.
+    rest: Option<(f64, f64)>,
+    /// Magnitudes of the tick's samples that are measured.
     rest_magnitudes: Vec<f64>,
     noise: f64,
     quiet_ticks: usize,
@@ -70,8 +68,7 @@ impl Piezo {
             scan: None,
             envelope: 0.0,
             tick_envelope: 0.0,
-            rest_counts: None,
-            step_level: first_count.into(),
+            rest: None,
             rest_magnitudes: Vec::new(),
             noise: 0.0,
             quiet_ticks: QUIET_TICKS,
@@ -93,19 +90,16 @@ impl Piezo {
     /// Takes one frame.
     pub(super) fn push(&mut self, count: u16, frame: usize) {
         let x = f64::from(count) - self.baseline.level;
-        if frame.is_multiple_of(REST_STEP_FRAMES) {
-            self.step_level = self.baseline.level;
-        }
         self.baseline.step();
         self.sum += f64::from(count);
-        if let Some(width) = self.rest_counts {
-            if (f64::from(count) - self.step_level.round()).abs() <= width {
-                if (frame + 1).is_multiple_of(REST_STEP_FRAMES) {
+        if let Some((middle, half)) = self.rest {
+            if (f64::from(count) - middle).abs() <= half {
+                if (frame + 1).is_multiple_of(REST_TAP_FRAMES) {
                     self.rest_magnitudes.push(x.abs());
                 }
                 return;
             }
-            self.rest_counts = None;
+            self.rest = None;
             self.foot_frame = frame.saturating_sub(1);
             self.rise_peak = 0.0;
         }
@@ -151,7 +145,7 @@ impl Piezo {
         self.masked_ticks = self.masked_ticks.saturating_sub(1);
         self.hold -= self.hold / 32.0;
         let magnitudes = std::mem::take(&mut self.rest_magnitudes);
-        if self.rest_counts.is_some() {
+        if self.rest.is_some() {
             self.quiet_ticks += 1;
             let mean = magnitudes.iter().sum::<f64>() / magnitudes.len() as f64;
             self.noise += (mean - self.noise) / 64.0;
@@ -173,11 +167,13 @@ impl Piezo {
         self.onset_level = if is_deaf { f64::INFINITY } else { quiet.max(OVER_MASK * self.mask.level) };
         self.foot_level = noise_foot.max(OVER_MASK_FOOT * self.mask.crest);
         let is_calm = self.scan.is_none() && !self.mask.is_loud() && self.envelope <= self.foot_level;
-        self.rest_counts = (is_calm && self.warm_up_ticks == 0).then(|| {
+        self.rest = (is_calm && self.warm_up_ticks == 0).then(|| {
             let softest = self.settings.threshold * HALF_RANGE_COUNTS;
-            (REST_NOISE * self.noise + FOOT_COUNTS).ceil().min((softest / 2.0).floor()).max(1.0)
+            let ramp = self.baseline.half_tick_ramp();
+            let half = (REST_NOISE * self.noise + FOOT_COUNTS + ramp.abs()).ceil();
+            ((self.baseline.level + ramp).round(), half.min((softest / 2.0).floor()).max(1.0))
         });
-        if self.rest_counts.is_some() {
+        if self.rest.is_some() {
             (self.envelope, self.tick_envelope) = (self.noise, self.noise);
         }
     }
@@ -202,7 +198,7 @@ impl Piezo {
         let masked_ticks = mask_frames.saturating_sub(self.scan_frames()) / TICK_FRAMES + 1;
         self.masked_ticks = if was_strike { masked_ticks } else { 0 };
         self.rise_peak = 0.0;
-        self.rest_counts = None;
+        self.rest = None;
         self.onset_level = f64::INFINITY;
     }
 }
