@@ -6,15 +6,10 @@ use virtual_board::{Board, Setup, VirtualBoard};
 
 const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware/Cargo.toml");
 
-/// The ELF file of one of the firmware's programs for that board.
-pub(crate) fn program(board: Board, name: &str) -> Vec<u8> {
-    let arguments = ["--no-default-features", "--features", board.name()];
-    virtual_core::build_binary(Path::new(FIRMWARE), name, &arguments).unwrap()
-}
-
-/// That of the application.
+/// The ELF file of the application for that board.
 pub(crate) fn application(board: Board) -> Vec<u8> {
-    program(board, "percussion")
+    let arguments = ["--no-default-features", "--features", board.name()];
+    virtual_core::build_binary(Path::new(FIRMWARE), "percussion", &arguments).unwrap()
 }
 
 /// That board with the application in its flash, after so many seconds.
