@@ -162,21 +162,60 @@ impl Channel {
         now: u32,
         config: &ChannelConfig,
     ) {
-        for (at, raw) in (1..).zip(samples(frames, index)) {
+        let heard = if self.is_scanning { 0 } else { self.listen(frames, index, now, config) };
+        for raw in samples(frames.get(heard..).unwrap_or(&[]), index) {
             let (x, envelope) = self.take(raw);
-            if self.is_scanning {
-                self.scan.push(raw, x, envelope);
-            } else if envelope <= self.foot_level {
-                self.foot_frame = now.wrapping_add(at).wrapping_sub(1);
-                self.rise_peak = 0;
-            } else {
-                if envelope > self.onset_level {
-                    self.begin_scan(now.wrapping_add(at), config);
-                    self.scan.push(raw, x, envelope);
+            self.scan.push(raw, x, envelope);
+        }
+    }
+
+    /// Takes frames up to the one in which a strike is noticed, and begins its scan; gives their number.
+    ///
+    /// The hot loop of a channel that rings: its state is held in registers.
+    #[inline(never)]
+    fn listen<const CHANNELS: usize>(
+        &mut self,
+        frames: &[[u16; CHANNELS]],
+        index: usize,
+        now: u32,
+        config: &ChannelConfig,
+    ) -> usize {
+        let Self { mut envelope, mut tick_envelope, mut sum, mut rise_peak, foot_level, onset_level, .. } = *self;
+        let Baseline { mut level, slope, .. } = self.baseline;
+        // Frames taken up to the last that was not above the foot.
+        let mut to_foot = 0;
+        let mut onset = None;
+        let mut taken = frames.len();
+        // Known here, the compiler need not ask at every sample.
+        if index < CHANNELS {
+            for (at, frame) in (1..).zip(frames) {
+                let raw = frame.get(index).copied().unwrap_or(0);
+                let x = condition(raw, level);
+                level = level.wrapping_add(slope);
+                sum = sum.wrapping_add(i32::from(raw));
+                envelope = follow(envelope, x);
+                tick_envelope = tick_envelope.max(envelope);
+                if envelope <= foot_level {
+                    (to_foot, rise_peak) = (at, 0);
+                } else if envelope > onset_level {
+                    (onset, taken) = (Some((raw, x)), at);
+                    break;
+                } else {
+                    rise_peak = rise_peak.max(x.wrapping_abs());
                 }
-                self.rise_peak = self.rise_peak.max(x.wrapping_abs());
             }
         }
+        self.baseline.level = level;
+        (self.envelope, self.tick_envelope, self.sum, self.rise_peak) = (envelope, tick_envelope, sum, rise_peak);
+        if to_foot > 0 {
+            self.foot_frame = now.wrapping_add(to_foot as u32).wrapping_sub(1);
+        }
+        if let Some((raw, x)) = onset {
+            self.begin_scan(now.wrapping_add(taken as u32), config);
+            self.scan.push(raw, x, envelope);
+            self.rise_peak = self.rise_peak.max(x.wrapping_abs());
+        }
+        taken
     }
 
     /// A strike was noticed in the frame before `now`.

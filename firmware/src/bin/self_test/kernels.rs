@@ -49,7 +49,6 @@ pub(crate) fn check(failures: &mut Failures) {
             tell(&object, "ringing", free, MODEL_FREE, failures);
         }
         tell(&object, "driven", driven, model, failures);
-        watchdog::feed();
     }
 }
 
@@ -78,6 +77,7 @@ fn time(object: &Object<'_>) -> (u32, u32) {
         choke_t60_s: 0.0,
         typical_contact: (1e-3, 1e-3),
     };
+    watchdog::feed();
     let Ok(mut bank) = Bank::load(&table, CLOCKS.sample_rate(), &mut memory, &mut Used::default()) else {
         return (u32::MAX, u32::MAX);
     };
@@ -90,6 +90,7 @@ fn time(object: &Object<'_>) -> (u32, u32) {
 fn ticks(bank: &mut Bank, memory: &mut Memory<'_>, force: Option<&[i32]>) -> u32 {
     let mut spent = 0;
     for tick in 0..2 * TICKS {
+        watchdog::feed();
         bank.tick(memory, None);
         let mut out = [0; TICK_FRAMES];
         let begun = cycles::now();
