@@ -1,0 +1,105 @@
+//! A frame as it sounds: a wave under a window that fades in and out by quarter sines, times a common exponential decay.
+
+use super::fourier::{Complex, SLOPE, SLOPE_STEPS, place};
+
+/// Where a wave stands in a stage's memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Wave {
+    /// Which region.
+    pub(super) region: usize,
+    /// First complex number in it.
+    pub(super) first: usize,
+    /// log2 of its complex numbers.
+    pub(super) points_log2: u32,
+}
+
+impl Wave {
+    /// Complex numbers.
+    pub(super) const fn points(self) -> usize {
+        1 << self.points_log2
+    }
+
+    pub(super) fn of(self, memory: &[Complex]) -> &[Complex] {
+        memory.get(self.first..self.first + self.points()).unwrap_or(&[])
+    }
+
+    pub(super) fn of_mut(self, memory: &mut [Complex]) -> &mut [Complex] {
+        memory.get_mut(self.first..self.first + self.points()).unwrap_or(&mut [])
+    }
+}
+
+/// A wave under way. Beyond its length it repeats, which only a fade's end ever reaches.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stream {
+    pub(super) wave: Wave,
+    /// Frames since its beginning.
+    pub(super) position: u32,
+    /// Frames of the fade in; 0: at once there.
+    pub(super) fade_in: u32,
+    /// Where the fade out begins.
+    pub(super) fade_out_at: u32,
+    /// Its frames.
+    pub(super) fade_out: u32,
+    /// Amplitude now.
+    pub(super) gain: f32,
+    /// What is left of it after a frame.
+    pub(super) per_frame: f32,
+}
+
+impl Stream {
+    pub(super) fn is_over(&self) -> bool {
+        self.position >= self.fade_out_at + self.fade_out
+    }
+
+    /// Adds so many frames and moves on; `choke` is what a hand leaves after a frame.
+    pub(super) fn add_to(&mut self, memory: &[Complex], choke: f32, mut out: &mut [f32]) {
+        let per_frame = self.per_frame * choke;
+        while !out.is_empty() {
+            // To the end of the window's part.
+            let (length, slope) = self.part();
+            let length = (length as usize).min(out.len());
+            let (now, later) = core::mem::take(&mut out).split_at_mut(length);
+            let (mut position, mut gain) = (self.position, self.gain);
+            let sample = |position: u32| {
+                let (index, part) = place(position, self.wave.points_log2);
+                let point = memory.get(index).copied().unwrap_or([0.0; 2]);
+                if part == 0 { point[0] } else { point[1] }
+            };
+            match slope {
+                Some((mut index, step)) => {
+                    for out in now {
+                        let window = SLOPE.get(index as usize).copied().unwrap_or(0.0);
+                        *out += sample(position) * (gain * window);
+                        (position, index, gain) = (position + 1, index.wrapping_add(step), gain * per_frame);
+                    }
+                }
+                None if length > 0 && self.position >= self.fade_out_at => position += length as u32,
+                None => {
+                    for out in now {
+                        *out += sample(position) * gain;
+                        (position, gain) = (position + 1, gain * per_frame);
+                    }
+                }
+            }
+            (self.position, self.gain) = (position, gain);
+            out = later;
+        }
+    }
+
+    /// Frames left of the window's part, and where its slope stands in [`SLOPE`], with its step.
+    fn part(&self) -> (u32, Option<(u32, u32)>) {
+        let (steps, position) = (SLOPE_STEPS as u32, self.position);
+        let end = self.fade_out_at + self.fade_out;
+        if position < self.fade_in {
+            let step = steps / self.fade_in;
+            (self.fade_in - position, Some((position * step, step)))
+        } else if position < self.fade_out_at {
+            (self.fade_out_at - position, None)
+        } else if position < end {
+            let step = steps / self.fade_out.max(1);
+            (end - position, Some(((end - position) * step, step.wrapping_neg())))
+        } else {
+            (u32::MAX, None)
+        }
+    }
+}
