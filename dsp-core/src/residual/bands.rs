@@ -44,11 +44,11 @@ impl Band {
 /// What a frame's window does to energy that decays meanwhile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
-    /// At once there, constant for four ticks, out over two.
+    /// At once there, constant for five ticks, out over two.
     Onset,
-    /// In over a quarter of the wave, constant for half of it, out over another half.
+    /// In over a quarter of the wave, constant for three, out over two: the next wave is twice as long.
     Growing,
-    /// In over half of the wave and out over the other.
+    /// In over a quarter of the wave, constant for two, out over one.
     Steady,
 }
 
@@ -57,9 +57,9 @@ impl Shape {
     #[inline(always)]
     fn energy(self, q: f32) -> f32 {
         match self {
-            Self::Onset => 0.5 + q * (1.0 + q * (1.0 + q * (1.0 + q * (1.0 + q * 0.5)))),
-            Self::Growing => q * (1.0 + q * (1.0 + q * (1.0 + q * 0.5))),
-            Self::Steady => q * (0.5 + q * (1.0 + q * 0.5)),
+            Self::Onset => 0.5 + q * (1.0 + q * (1.0 + q * (1.0 + q * (1.0 + q * (1.0 + q * 0.5))))),
+            Self::Growing => q * (1.0 + q * (1.0 + q * (1.0 + q * (1.0 + q * 0.5)))),
+            Self::Steady => q * (1.0 + q * (1.0 + q)),
         }
     }
 }
@@ -86,7 +86,7 @@ pub(super) struct Common {
 }
 
 /// Distances in ticks at which energy of strikes may wait for the next frame.
-pub(super) const WAITING: usize = 6;
+pub(super) const WAITING: usize = 7;
 
 /// All bands of a stage.
 #[derive(Clone, Debug)]
@@ -155,41 +155,40 @@ impl Bands {
     /// readies the frame of a number and shape. `kept` is the share of the old energy that chokes have left.
     #[inline(never)]
     pub(super) fn ready(&mut self, when: When, frame: (usize, Shape), waiting: &[f32; WAITING], kept: f32) -> Common {
-        let is_waiting = waiting.iter().any(|&energy| energy > 0.0);
-        let (mut power, mut left, mut total) = (0.0, 0.0, 0.0);
-        for band in self.bands.iter_mut().take(self.count) {
-            let tick = band.per_tick;
-            let mut density = band.density;
-            let squares = squares(tick);
-            if let When::AfterStrike(ticks) = when {
-                density *= kept * power_of(tick, ticks);
-            }
-            if is_waiting {
-                // Not a fold: the coefficients stay in registers.
-                let [e0, e1, e2, e3, e4, e5] = *waiting;
-                let polynomial = e0 + tick * (e1 + tick * (e2 + tick * (e3 + tick * (e4 + tick * e5))));
-                density += band.strike * polynomial;
-            }
-            let mut ahead = 1.0;
-            if let When::After { since, frame } = when {
-                if let Some(since) = since {
-                    density *= duration(&squares, since);
+        match when {
+            When::AfterStrike(ticks) => {
+                for band in self.iter_mut().filter(|band| band.density > 0.0) {
+                    band.density *= kept * power_of(band.per_tick, ticks);
                 }
-                ahead = duration(&squares, frame);
             }
-            // Far below what can be heard, and before denormals.
-            band.density = if density > 1e-24 { density.min(1e24) } else { 0.0 };
-            let begins = band.density * ahead;
+            When::After { since: Some(since), .. } => {
+                self.iter_mut().for_each(|band| band.density *= duration(band.per_tick, since));
+            }
+            When::After { since: None, .. } => {}
+        }
+        if waiting.iter().any(|&energy| energy > 0.0) {
+            let [e0, e1, e2, e3, e4, e5, e6] = *waiting;
+            for band in self.iter_mut() {
+                let tick = band.per_tick;
+                let polynomial = e0 + tick * (e1 + tick * (e2 + tick * (e3 + tick * (e4 + tick * (e5 + tick * e6)))));
+                band.density += band.strike * polynomial;
+            }
+        }
+        let ahead = if let When::After { frame, .. } = when { Some(frame) } else { None };
+        let (mut power, mut left) = (0.0, 0.0);
+        for band in self.bands.iter_mut().take(self.count) {
+            // Far below what can be heard, and before denormals; no number for the square root to break on.
+            if !(1e-24..1e24).contains(&band.density) {
+                band.density = if band.density > 1.0 { 1e24 } else { 0.0 };
+            }
+            let begins = band.density * ahead.map_or(1.0, |frame| duration(band.per_tick, frame));
+            let quarter = quarter(band.per_tick, frame.0);
             let energy = begins * band.width;
             power += energy;
-            let quarter = squares.get(frame.0).copied().unwrap_or(1.0);
-            let shaped = frame.1.energy(quarter);
             left += energy * quarter;
-            total += energy;
-            band.frame = begins * shaped;
+            band.frame = begins * frame.1.energy(quarter);
         }
-        let mean = if total > 0.0 { (left / total).clamp(1e-9, 1.0) } else { 1.0 };
-        let common = Common::of(power, mean, frame.1, frame.0);
+        let common = Common::of(power, mean(left, power), frame.1, frame.0);
         let scale = common.gain * common.gain;
         self.iter_mut().for_each(|band| band.frame *= scale);
         common
@@ -202,32 +201,53 @@ impl Bands {
             power += energy;
             left += energy * band.per_tick;
         }
-        let mean = if power > 0.0 { (left / power).clamp(1e-9, 1.0) } else { 1.0 };
-        Common::of(power, mean, shape, number)
+        Common::of(power, mean(left, power), shape, number)
     }
 
-    /// The amplitude of every line of a spectrum of so many lines (of a wave twice as long), in the real parts: the band's powers, shared among
-    /// the lines by how much of a line's width is in the band. Lines `from` to `to`.
+    /// The amplitudes of the lines `from` to `to` of a spectrum of so many lines (of a wave twice as long), in the real parts: the bands' powers,
+    /// shared among the lines by how much of a line's width is in the band.
+    #[inline(never)]
     pub(super) fn fill_amplitudes(&self, spectrum: &mut [Complex], from: usize, to: usize, cursor: &mut Cursor) {
-        let line = 0.5 / spectrum.len().max(1) as f32;
-        let mut bands = self.bands.iter().take(self.count).skip(cursor.band);
-        let mut band = bands.next();
-        for (index, amplitude) in spectrum.iter_mut().enumerate().take(to).skip(from) {
+        let lines_per_cycle = 2.0 * spectrum.len() as f32;
+        let line = 1.0 / lines_per_cycle;
+        let Some(lines) = spectrum.get_mut(from..to) else { return };
+        let mut lines = lines.iter_mut();
+        let mut bands = self.bands.get(cursor.band..self.count).unwrap_or(&[]).iter();
+        let (mut index, mut band, mut place) = (from, bands.next(), cursor.place);
+        while let Some(at_edge) = lines.next() {
             let end = (index as f32 + 0.5) * line;
             let mut power = 0.0;
             while let Some(inside) = band.filter(|band| band.upper <= end) {
-                power += inside.frame * positive(inside.upper - cursor.place);
-                cursor.place = if inside.upper > cursor.place { inside.upper } else { cursor.place };
+                power += inside.frame * positive(inside.upper - place);
+                place = if inside.upper > place { inside.upper } else { place };
                 cursor.band += 1;
                 band = bands.next();
             }
-            if let Some(inside) = band.filter(|_| end > cursor.place) {
-                power += inside.frame * (end - cursor.place);
-                cursor.place = end;
+            index += 1;
+            let Some(inside) = band else {
+                at_edge[0] = amplitude(power);
+                lines.by_ref().for_each(|line| line[0] = 0.0);
+                break;
+            };
+            at_edge[0] = amplitude(power + inside.frame * positive(end - place));
+            if place > end {
+                continue;
             }
-            // Half the root: a line beside its mirror image has 4 times the power of each of its two parts.
-            amplitude[0] = square_root(power) * LINE_SCALE;
+            place = end;
+            // Lines that the band fills are all alike.
+            let alike = ((inside.upper * lines_per_cycle + 0.5) as usize).saturating_sub(index);
+            if alike > 0 {
+                let amplitude = amplitude(inside.frame * line);
+                lines.by_ref().take(alike).for_each(|line| line[0] = amplitude);
+                index += alike;
+                place = (index as f32 - 0.5) * line;
+            }
         }
+        if index > to {
+            // The last band goes on.
+            place = (to as f32 - 0.5) * line;
+        }
+        cursor.place = place;
     }
 
     /// Where [`fill_amplitudes`](Self::fill_amplitudes) begins.
@@ -236,7 +256,13 @@ impl Bands {
     }
 }
 
-const LINE_SCALE: f32 = (0.5 / PAIR_DEVIATION) as f32;
+/// Of a line's power its amplitude in units of the noise; half the root, because a line beside its mirror image has 4 times the power of
+/// each of its two parts.
+#[inline(always)]
+fn amplitude(power: f32) -> f32 {
+    const SCALE: f32 = (0.5 / PAIR_DEVIATION) as f32;
+    square_root(power) * SCALE
+}
 
 /// How far the lines have come through the bands.
 #[derive(Clone, Copy, Debug)]
@@ -262,22 +288,32 @@ fn positive(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }
 
-/// What is left after a quarter of each wave: 1, 2, 4 and 8 ticks.
+/// What is left after a quarter of a wave of a number: 1, 2, 4 or 8 ticks.
 #[inline(always)]
-fn squares(tick: f32) -> [f32; 4] {
+fn quarter(tick: f32, number: usize) -> f32 {
     let (two, four) = (tick * tick, (tick * tick) * (tick * tick));
-    [tick, two, four, four * four]
+    match number {
+        0 => tick,
+        1 => two,
+        2 => four,
+        _ => four * four,
+    }
 }
 
-/// What is left after the time from a frame's beginning to the next one's.
+/// What is left after the time from a frame's beginning to the next one's: three or four quarters.
 #[inline(always)]
-fn duration(squares: &[f32; 4], (number, shape): (usize, Shape)) -> f32 {
-    let quarter = squares.get(number).copied().unwrap_or(1.0);
+fn duration(tick: f32, (number, shape): (usize, Shape)) -> f32 {
+    let quarter = quarter(tick, number);
     match shape {
-        Shape::Onset => (quarter * quarter) * (quarter * quarter),
-        Shape::Growing => quarter * quarter * quarter,
-        Shape::Steady => quarter * quarter,
+        Shape::Onset | Shape::Growing => (quarter * quarter) * (quarter * quarter),
+        Shape::Steady => quarter * quarter * quarter,
     }
+}
+
+/// A share of energy on average over so much of it; never 0.
+fn mean(left: f32, of: f32) -> f32 {
+    let mean = if of > 0.0 { left / of } else { 1.0 };
+    if mean > 1e-9 { mean } else { 1e-9 }
 }
 
 /// `base^exponent` by squaring.

@@ -11,19 +11,50 @@ pub(super) type Complex = [f32; 2];
 
 /// The largest M.
 pub(super) const MAX_POINTS: usize = 512;
-/// The twiddle factors' angles are multiples of a turn divided by this.
+/// Angles in the tables are multiples of a turn divided by this.
 const TURN: usize = 2 * MAX_POINTS;
 
-/// `e^{2πi k/1024}`: a radix-4 butterfly needs three quarters of a turn.
-static TWIDDLES: [Complex; 3 * TURN / 4] = {
-    let mut table = [[0.0; 2]; 3 * TURN / 4];
+/// `e^{2πi k/1024}` for half a turn.
+static TWIDDLES: [Complex; TURN / 2] = {
+    let mut table = [[0.0; 2]; TURN / 2];
     let mut index = 0;
     while index < table.len() {
-        table[index] = [cosine(index) as f32, cosine(index + 3 * TURN / 4) as f32];
+        table[index] = twiddle(index);
         index += 1;
     }
     table
 };
+
+/// The three factors of each radix-4 butterfly of a block, w, w² and w³, in the order in which they are used.
+type Factors = [Complex; 3];
+static FACTORS_256: [Factors; 64] = factors();
+static FACTORS_64: [Factors; 16] = factors();
+static FACTORS_16: [Factors; 4] = factors();
+/// The factors of radix-2 blocks of 128 points; those of 512 points are every second one of [`TWIDDLES`].
+static FACTORS_128: [Complex; 64] = {
+    let mut table = [[0.0; 2]; 64];
+    let mut index = 0;
+    while index < table.len() {
+        table[index] = twiddle(index * (TURN / 128));
+        index += 1;
+    }
+    table
+};
+
+const fn factors<const QUARTER: usize>() -> [Factors; QUARTER] {
+    let mut table = [[[0.0; 2]; 3]; QUARTER];
+    let mut index = 0;
+    while index < QUARTER {
+        let angle = index * (TURN / (4 * QUARTER));
+        table[index] = [twiddle(angle), twiddle(2 * angle), twiddle(3 * angle)];
+        index += 1;
+    }
+    table
+}
+
+const fn twiddle(index: usize) -> Complex {
+    [cosine(index) as f32, cosine(index + 3 * TURN / 4) as f32]
+}
 
 /// Steps of [`SLOPE`] in a slope of the largest wave.
 pub(super) const SLOPE_STEPS: usize = MAX_POINTS;
@@ -128,11 +159,15 @@ impl Progress {
         let is_square = self.block.trailing_zeros().is_multiple_of(2);
         let (radix, cost) = if is_square { (4, RADIX_4_CYCLES) } else { (2, RADIX_2_CYCLES) };
         let (quarter, all) = (self.block / radix, data.len() / radix);
-        let count = (all - self.done).min((cycles / cost) as usize + 1);
-        if is_square && quarter == 1 {
-            last_pass(data, self.done..self.done + count);
-        } else {
-            self.rows(data, (quarter, is_square), count);
+        let mut count = (all - self.done).min((cycles / cost) as usize + 1);
+        match self.block {
+            4 => last_pass(data, self.done..self.done + count),
+            16 => {
+                // Whole blocks.
+                count = (count + 3) / 4 * 4;
+                pass_of_16(data, self.done / 4..(self.done + count) / 4);
+            }
+            _ => self.rows(data, quarter, count),
         }
         self.done += count;
         if self.done == all {
@@ -141,16 +176,17 @@ impl Progress {
         count as u32 * cost
     }
 
-    fn rows(&self, data: &mut [Complex], (row, is_square): (usize, bool), count: usize) {
+    fn rows(&self, data: &mut [Complex], row: usize, count: usize) {
         let (mut done, end) = (self.done, self.done + count);
         while done < end {
             let (block, first) = (done / row, done % row);
             let length = (row - first).min(end - done);
             let Some(points) = data.get_mut(block * self.block..(block + 1) * self.block) else { return };
-            if is_square {
-                row_of_4(points, first, length);
-            } else {
-                row_of_2(points, first, length);
+            match self.block {
+                512 => row_of_2(points, first, length, TWIDDLES.iter().step_by(2).skip(first)),
+                128 => row_of_2(points, first, length, FACTORS_128.iter().skip(first)),
+                256 => row_of_4(points, first, length, &FACTORS_256),
+                _ => row_of_4(points, first, length, &FACTORS_64),
             }
             done += length;
         }
@@ -168,36 +204,61 @@ pub(super) const fn cycles(points: usize) -> u32 {
     of_2 + (passes / 2) * (points as u32 / 4) * RADIX_4_CYCLES
 }
 
-fn row_of_2(points: &mut [Complex], first: usize, length: usize) {
-    let step = TURN / points.len().max(1);
+fn row_of_2<'a>(points: &mut [Complex], first: usize, length: usize, factors: impl Iterator<Item = &'a Complex>) {
     let Some((low, high)) = points.split_at_mut_checked(points.len() / 2) else { return };
-    let twiddles = TWIDDLES.iter().skip(first * step).step_by(step.max(1));
-    for ((a, b), w) in low.iter_mut().zip(high).skip(first).take(length).zip(twiddles) {
+    for ((a, b), w) in low.iter_mut().zip(high).skip(first).take(length).zip(factors) {
         let difference = [a[0] - b[0], a[1] - b[1]];
         *a = [a[0] + b[0], a[1] + b[1]];
         *b = times(difference, *w);
     }
 }
 
-fn row_of_4(points: &mut [Complex], first: usize, length: usize) {
+#[inline(never)] // one copy for all sizes
+fn row_of_4(points: &mut [Complex], first: usize, length: usize, factors: &[Factors]) {
     let quarter = points.len() / 4;
-    let step = (TURN / points.len().max(1)).max(1);
     let Some((low, high)) = points.split_at_mut_checked(2 * quarter) else { return };
     let (Some((a, b)), Some((c, d))) = (low.split_at_mut_checked(quarter), high.split_at_mut_checked(quarter)) else {
         return;
     };
-    let every = |times: usize| TWIDDLES.iter().skip(first * step * times).step_by(step * times);
-    let twiddles = every(1).zip(every(2)).zip(every(3));
-    let points = a.iter_mut().zip(b).zip(c).zip(d).skip(first).take(length);
-    for ((((a, b), c), d), ((w1, w2), w3)) in points.zip(twiddles) {
-        let [y0, y1, y2, y3] = butterfly([*a, *b, *c, *d]);
-        (*a, *b, *c, *d) = (y0, times(y2, *w2), times(y1, *w1), times(y3, *w3));
+    let range = first..first + length;
+    let (Some(a), Some(b), Some(c), Some(d), Some(factors)) = (
+        a.get_mut(range.clone()),
+        b.get_mut(range.clone()),
+        c.get_mut(range.clone()),
+        d.get_mut(range.clone()),
+        factors.get(range),
+    ) else {
+        return;
+    };
+    for ((((a, b), c), d), factors) in a.iter_mut().zip(b).zip(c).zip(d).zip(factors) {
+        (*a, *b, *c, *d) = turned_butterfly([*a, *b, *c, *d], factors);
     }
 }
 
+#[inline(always)]
+fn turned_butterfly(points: [Complex; 4], [w1, w2, w3]: &Factors) -> (Complex, Complex, Complex, Complex) {
+    let [y0, y1, y2, y3] = butterfly(points);
+    (y0, times(y2, *w2), times(y1, *w1), times(y3, *w3))
+}
+
+#[inline(never)]
+fn pass_of_16(data: &mut [Complex], blocks: core::ops::Range<usize>) {
+    let (data, _) = data.as_chunks_mut::<16>();
+    let Some(blocks) = data.get_mut(blocks) else { return };
+    for block in blocks {
+        let (low, high) = block.split_at_mut(8);
+        let ((a, b), (c, d)) = (low.split_at_mut(4), high.split_at_mut(4));
+        for ((((a, b), c), d), factors) in a.iter_mut().zip(b).zip(c).zip(d).zip(&FACTORS_16) {
+            (*a, *b, *c, *d) = turned_butterfly([*a, *b, *c, *d], factors);
+        }
+    }
+}
+
+#[inline(never)]
 fn last_pass(data: &mut [Complex], blocks: core::ops::Range<usize>) {
     let (data, _) = data.as_chunks_mut::<4>();
-    for points in data.iter_mut().skip(blocks.start).take(blocks.len()) {
+    let Some(blocks) = data.get_mut(blocks) else { return };
+    for points in blocks {
         let [y0, y1, y2, y3] = butterfly(*points);
         *points = [y0, y2, y1, y3];
     }
@@ -221,12 +282,11 @@ fn times(x: Complex, w: Complex) -> Complex {
     [x[0] * w[0] - x[1] * w[1], x[0] * w[1] + x[1] * w[0]]
 }
 
-/// Where sample `n` (modulo the wave's length) stands: the place of its complex number, and whether it is the imaginary part.
+/// Where the samples `n` and `n + 1`, n even (modulo the wave's length), stand.
 #[inline(always)]
-pub(super) fn place(n: u32, points_log2: u32) -> (usize, usize) {
-    // With the odd bits on top the reversal drops what is beyond the wave's length.
-    let index = (n >> 1).reverse_bits() >> (32 - points_log2);
-    (index as usize, (n & 1) as usize)
+pub(super) fn place(n: u32, points_log2: u32) -> usize {
+    // Reversed, what is beyond the wave's length comes out at the bottom and drops.
+    ((n >> 1).reverse_bits() >> (32 - points_log2)) as usize
 }
 
 #[cfg(test)]
@@ -252,10 +312,8 @@ mod tests {
         while !progress.is_over() {
             progress.advance(&mut spectrum, piece);
         }
-        let wave = (0..2 * points as u32).map(|n| {
-            let (index, part) = place(n, points.trailing_zeros());
-            f64::from(spectrum[index][part])
-        });
+        let wave =
+            (0..2 * points as u32).map(|n| f64::from(spectrum[place(n, points.trailing_zeros())][n as usize % 2]));
         let mut lines = drawn.iter();
         let mut next = |k: usize| lines.next().unwrap().map(|x| f64::from(x) * amplitudes[k]);
         let mut exact = std::vec![[0.0; 2]; points];

@@ -110,16 +110,17 @@ impl Job {
     pub(super) fn stream(&self, kept: f32) -> Stream {
         let (number, shape) = self.frame;
         let unit = (ONSET_POINTS as u32) << number;
-        let (fade_in, fade_out_at) = match shape {
-            Shape::Steady => (unit, unit),
-            Shape::Growing | Shape::Onset => (unit / 2, unit / 2 * 3),
+        // A quarter of the wave; see `Shape`.
+        let (quarter, quarters, fade_out) = match shape {
+            Shape::Steady => (unit / 2, 3, unit / 2),
+            Shape::Growing | Shape::Onset => (unit / 2, 4, unit),
         };
         Stream {
             wave: self.wave,
             position: 0,
-            fade_in,
-            fade_out_at,
-            fade_out: unit,
+            fade_in: quarter,
+            fade_out_at: quarter * quarters,
+            fade_out,
             gain: kept * super::square_root(self.growth),
             per_frame: self.common.per_frame,
         }

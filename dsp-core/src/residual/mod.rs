@@ -17,9 +17,9 @@
 //! sample, and of each band the energy that its own decay leaves under the window.
 //!
 //! Resolution: a frame of N samples blurs a band's edges by about 1.5 fs/N (70 Hz for the longest at 48 kHz); with decays
-//! steeper than the mean of all bands a band's level falls in steps as long as half a frame, right in energy and slope.
+//! steeper than the mean of all bands a band's level falls in steps as long as three quarters of a frame, right in energy and slope.
 //!
-//! Strikes within four ticks of another one raise its first two frames as a whole: their energy is right, their spectra are the first one's.
+//! Strikes within five ticks of another one raise its first two frames as a whole: their energy is right, their spectra are the first one's.
 //!
 //! Amplitude is proportional to a strike's peak force, as that of the modes is.
 
@@ -43,7 +43,7 @@ use crate::noise::Sfc32;
 use crate::resonator::TICK_FRAMES;
 
 /// Ticks from the one with a strike to the frame that carries all energy; that tick counts.
-const ONSET_TICKS: u32 = 4;
+const ONSET_TICKS: u32 = 5;
 /// Fade from a strike's own frame, and from all that rang before, to the frame that carries both.
 const ONSET_FADE: usize = 64;
 /// Points of a strike's own frame.
@@ -195,7 +195,8 @@ impl Shaper {
         if self.is_built() {
             (self.active, self.in_onset, self.just_struck) = (true, true, true);
             self.ticks_to_next = ONSET_TICKS;
-            self.waiting = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+            (self.waiting, self.ticks_since) = ([0.0; WAITING], 0);
+            self.waiting[0] = 1.0;
             self.plan_second();
         }
     }

@@ -59,31 +59,66 @@ impl Stream {
             let (length, slope) = self.part();
             let length = (length as usize).min(out.len());
             let (now, later) = core::mem::take(&mut out).split_at_mut(length);
-            let (mut position, mut gain) = (self.position, self.gain);
-            let sample = |position: u32| {
-                let (index, part) = place(position, self.wave.points_log2);
-                let point = memory.get(index).copied().unwrap_or([0.0; 2]);
-                if part == 0 { point[0] } else { point[1] }
-            };
             match slope {
-                Some((mut index, step)) => {
-                    for out in now {
-                        let window = SLOPE.get(index as usize).copied().unwrap_or(0.0);
-                        *out += sample(position) * (gain * window);
-                        (position, index, gain) = (position + 1, index.wrapping_add(step), gain * per_frame);
-                    }
-                }
-                None if length > 0 && self.position >= self.fade_out_at => position += length as u32,
-                None => {
-                    for out in now {
-                        *out += sample(position) * gain;
-                        (position, gain) = (position + 1, gain * per_frame);
-                    }
-                }
+                Some((index, step)) => self.add_slope(memory, per_frame, (index, step), now),
+                None if self.position >= self.fade_out_at => {}
+                None => self.add_flat(memory, per_frame, now),
             }
-            (self.position, self.gain) = (position, gain);
+            self.position = self.position.saturating_add(length as u32);
             out = later;
         }
+    }
+
+    #[inline(never)]
+    fn add_flat(&mut self, memory: &[Complex], per_frame: f32, mut out: &mut [f32]) {
+        let (mut position, mut gain) = (self.position, self.gain);
+        let at = |position: u32| memory.get(place(position, self.wave.points_log2)).copied().unwrap_or([0.0; 2]);
+        if position % 2 == 1
+            && let Some(first) = out.split_off_first_mut()
+        {
+            *first += at(position)[1] * gain;
+            (position, gain) = (position + 1, gain * per_frame);
+        }
+        let squared = per_frame * per_frame;
+        let (pairs, last) = out.as_chunks_mut::<2>();
+        for [even, odd] in pairs {
+            let [x, y] = at(position);
+            *even += x * gain;
+            *odd += y * (gain * per_frame);
+            (position, gain) = (position.wrapping_add(2), gain * squared);
+        }
+        if let Some(last) = last.first_mut() {
+            *last += at(position)[0] * gain;
+            gain *= per_frame;
+        }
+        self.gain = gain;
+    }
+
+    #[inline(never)]
+    fn add_slope(&mut self, memory: &[Complex], per_frame: f32, (mut index, step): (u32, u32), mut out: &mut [f32]) {
+        let (mut position, mut gain) = (self.position, self.gain);
+        let at = |position: u32| memory.get(place(position, self.wave.points_log2)).copied().unwrap_or([0.0; 2]);
+        let window = |index: u32| SLOPE.get(index as usize).copied().unwrap_or(0.0);
+        if position % 2 == 1
+            && let Some(first) = out.split_off_first_mut()
+        {
+            *first += at(position)[1] * (gain * window(index));
+            (position, index, gain) = (position + 1, index.wrapping_add(step), gain * per_frame);
+        }
+        let squared = per_frame * per_frame;
+        let (pairs, last) = out.as_chunks_mut::<2>();
+        for [even, odd] in pairs {
+            let [x, y] = at(position);
+            *even += x * (gain * window(index));
+            *odd += y * (gain * per_frame * window(index.wrapping_add(step)));
+            (position, index) = (position.wrapping_add(2), index.wrapping_add(step.wrapping_mul(2)));
+            gain *= squared;
+        }
+        if let Some(last) = last.first_mut() {
+            *last += at(position)[0] * (gain * window(index));
+            gain *= per_frame;
+        }
+        self.gain = gain;
     }
 
     /// Frames left of the window's part, and where its slope stands in [`SLOPE`], with its step.
