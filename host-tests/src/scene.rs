@@ -7,7 +7,7 @@ use dsp_core::table::Kit as KitView;
 use kit::{Gain, Kit, Loaded, Mode, Object, Pad, Pulse, Striker};
 
 /// The engine of these tests.
-pub type TestEngine<'k> = Engine<'k, 16, 2048, 1024, 2048, STANDARD_CONTACTS>;
+pub type TestEngine<'k> = Engine<'k, 16, 80, 2048, 1024, 2048, STANDARD_CONTACTS>;
 
 /// A mode with one position.
 pub fn mode(frequency_hz: f64, t60_s: f64, sine: f64, cosine: f64) -> Mode {

@@ -128,7 +128,7 @@ impl TickReport {
     }
 
     /// A pad without force, that ran so many mode-frames (object, strikers).
-    pub(super) fn add_ringing(&mut self, pad: &Pad, (object, strikers): (u32, u32), frames: usize) {
+    pub(super) fn add_ringing(&mut self, pad: &Pad<'_>, (object, strikers): (u32, u32), frames: usize) {
         let skipped = (pad.mode_count() * frames) as u32 - (object + strikers);
         match pad.was_struck() {
             true => self.decayed_mode_frames += skipped,
@@ -138,7 +138,7 @@ impl TickReport {
         self.striker_mode_frames += strikers;
     }
 
-    pub(super) fn add(&mut self, pad: &Pad, work: &PadWork, frames: usize) {
+    pub(super) fn add(&mut self, pad: &Pad<'_>, work: &PadWork, frames: usize) {
         let mut banks = work.object;
         banks += work.strikers;
         let run = banks.driven_mode_frames + banks.free_mode_frames;

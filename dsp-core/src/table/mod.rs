@@ -25,14 +25,20 @@ mod read;
 mod trigger;
 
 pub use error::{Field, Place, TableError};
-pub use read::{Kit, Object, Pad, Striker};
+pub use read::{ContactTable, Kit, Object, Pad, Striker};
 pub use trigger::Trigger;
 
-use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use crc::{CRC_32_ISO_HDLC, Crc};
+
+/// A board checks a kit once, at its start, and has no kilobyte to spare for that; a PC checks many.
+#[cfg(target_os = "none")]
+type Lookup = crc::NoTable;
+#[cfg(not(target_os = "none"))]
+type Lookup = crc::Table<16>;
 
 /// CRC-32/ISO-HDLC (the one of zip and Ethernet) over a kit's bytes after its header.
 pub fn checksum(bytes: &[u8]) -> u32 {
-    const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
+    const CRC: Crc<u32, Lookup> = Crc::<u32, Lookup>::new(&CRC_32_ISO_HDLC);
     CRC.checksum(bytes)
 }
 

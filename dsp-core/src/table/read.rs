@@ -42,6 +42,12 @@ pub struct Striker<'a> {
     licence: &'a str,
 }
 
+/// What contact a [`Striker`] makes: `m = m1 v^a`, `τ = τ1 v^b`. A pointer into the kit, so that a pad can keep one for each of its strikers.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactTable<'a> {
+    header: &'a StrikerHeader,
+}
+
 /// A pad of a [`Kit`].
 #[derive(Clone, Copy, Debug)]
 pub struct Pad<'a> {
@@ -237,10 +243,11 @@ impl<'a> Striker<'a> {
         let place = Place::Striker(index);
         check_name(&self.header.name, place)?;
         check_count(place, Field::Pulse, self.header.pulse.get() as usize, 0, 1)?;
-        check_range(place, Field::PeakForce, self.peak_force(), range::PEAK_FORCE)?;
-        check_range(place, Field::PeakExponent, self.peak_exponent(), range::PEAK_EXPONENT)?;
-        check_range(place, Field::ContactTimeS, self.contact_time_s(), range::CONTACT_TIME_S)?;
-        check_range(place, Field::ContactExponent, self.contact_exponent(), range::CONTACT_EXPONENT)?;
+        let contact = self.contact();
+        check_range(place, Field::PeakForce, contact.peak_force(), range::PEAK_FORCE)?;
+        check_range(place, Field::PeakExponent, contact.peak_exponent(), range::PEAK_EXPONENT)?;
+        check_range(place, Field::ContactTimeS, contact.contact_time_s(), range::CONTACT_TIME_S)?;
+        check_range(place, Field::ContactExponent, contact.contact_exponent(), range::CONTACT_EXPONENT)?;
         if self.header.reserved.get() != 0 {
             return Err(TableError::NotZero { place, field: Field::Padding });
         }
@@ -252,6 +259,33 @@ impl<'a> Striker<'a> {
         name_str(&self.header.name)
     }
 
+    /// The contact that it makes.
+    pub fn contact(&self) -> ContactTable<'a> {
+        ContactTable { header: self.header }
+    }
+
+    /// The poles of the striker's own modes.
+    pub fn modes(&self) -> &'a [ModeRecord] {
+        self.modes
+    }
+
+    /// The gains of the striker's own modes.
+    pub fn gains(&self) -> &'a [GainRecord] {
+        self.gains
+    }
+
+    /// Where the numbers come from.
+    pub fn source(&self) -> &'a str {
+        self.source
+    }
+
+    /// The licence of the numbers.
+    pub fn licence(&self) -> &'a str {
+        self.licence
+    }
+}
+
+impl ContactTable<'_> {
     /// Whether the contact pulse is Gaussian; otherwise it is a Hertz half-sine.
     pub fn is_gaussian(&self) -> bool {
         self.header.pulse.get() == 1
@@ -275,26 +309,6 @@ impl<'a> Striker<'a> {
     /// Exponent b of the contact time.
     pub fn contact_exponent(&self) -> f32 {
         self.header.contact_exponent.get()
-    }
-
-    /// The poles of the striker's own modes.
-    pub fn modes(&self) -> &'a [ModeRecord] {
-        self.modes
-    }
-
-    /// The gains of the striker's own modes.
-    pub fn gains(&self) -> &'a [GainRecord] {
-        self.gains
-    }
-
-    /// Where the numbers come from.
-    pub fn source(&self) -> &'a str {
-        self.source
-    }
-
-    /// The licence of the numbers.
-    pub fn licence(&self) -> &'a str {
-        self.licence
     }
 }
 

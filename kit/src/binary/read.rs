@@ -40,11 +40,11 @@ fn striker(view: StrikerView<'_>) -> Striker {
         name: view.name().to_owned(),
         source: view.source().to_owned(),
         licence: view.licence().to_owned(),
-        pulse: if view.is_gaussian() { Pulse::Gaussian } else { Pulse::Hertz },
-        peak_force: view.peak_force(),
-        peak_exponent: view.peak_exponent(),
-        contact_time_s: view.contact_time_s(),
-        contact_exponent: view.contact_exponent(),
+        pulse: if view.contact().is_gaussian() { Pulse::Gaussian } else { Pulse::Hertz },
+        peak_force: view.contact().peak_force(),
+        peak_exponent: view.contact().peak_exponent(),
+        contact_time_s: view.contact().contact_time_s(),
+        contact_exponent: view.contact().contact_exponent(),
         modes: modes(view.modes(), view.gains(), 1),
     }
 }

@@ -8,7 +8,7 @@ use dsp_core::table::Kit;
 use super::Performance;
 
 /// The engine of the PC: room for large kits; as many contacts at once as a board has.
-pub type PcEngine<'k> = Engine<'k, 64, 8192, 4096, 8192, { dsp_core::engine::STANDARD_CONTACTS }>;
+pub type PcEngine<'k> = Engine<'k, 64, 320, 8192, 4096, 8192, { dsp_core::engine::STANDARD_CONTACTS }>;
 
 /// Why a performance cannot be rendered.
 #[derive(Debug, thiserror::Error)]
