@@ -4,7 +4,7 @@ use super::fourier::Complex;
 use super::square_root::square_root;
 use crate::SampleRate;
 use crate::exponential;
-use crate::noise::PAIR_DEVIATION;
+use crate::noise::DEVIATION;
 use crate::resonator::TICK_FRAMES;
 
 /// Bands that one stage may have.
@@ -31,20 +31,24 @@ struct Band {
     strike: f32,
     /// Share of the energy that is left after a tick.
     per_tick: f32,
-    /// Density now.
+    /// Density at the time for which the energies stand.
     density: f32,
+    /// Density at the beginning of the last frame that was readied, and what is left after a quarter of that frame.
+    next: f32,
+    quarter: f32,
     /// Density in the frame that is being computed.
     frame: f32,
 }
 
 impl Band {
-    const NONE: Self = Self { upper: 0.0, width: 0.0, strike: 0.0, per_tick: 0.0, density: 0.0, frame: 0.0 };
+    const NONE: Self =
+        Self { upper: 0.0, width: 0.0, strike: 0.0, per_tick: 0.0, density: 0.0, next: 0.0, quarter: 1.0, frame: 0.0 };
 }
 
 /// What a frame's window does to energy that decays meanwhile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
-    /// At once there, constant for five ticks, out over two.
+    /// At once there, constant for eight ticks, out over two.
     Onset,
     /// In over a quarter of the wave, constant for three, out over two: the next wave is twice as long.
     Growing,
@@ -57,7 +61,7 @@ impl Shape {
     #[inline(always)]
     fn energy(self, q: f32) -> f32 {
         match self {
-            Self::Onset => 0.5 + q * (1.0 + q * (1.0 + q * (1.0 + q * (1.0 + q * (1.0 + q * 0.5))))),
+            Self::Onset => (0..8).fold(1.0 + 0.5 * q, |sum, _| 1.0 + q * sum) - 0.5,
             Self::Growing => q * (1.0 + q * (1.0 + q * (1.0 + q * (1.0 + q * 0.5)))),
             Self::Steady => q * (1.0 + q * (1.0 + q)),
         }
@@ -69,9 +73,8 @@ impl Shape {
 pub(super) enum When {
     /// The first one that carries all after a strike: so many ticks after that time; from then on they stand for its beginning.
     AfterStrike(u32),
-    /// After a frame of that number (0: 64 points, 3: 512) and shape, which began `since` ticks after the time; from then on they stand for its
-    /// beginning.
-    After { since: Option<(usize, Shape)>, frame: (usize, Shape) },
+    /// After the one readied last, of that shape; from then on they stand for that one's beginning.
+    After(Shape),
 }
 
 /// A frame's common part: energy and decay that all bands share as far as one number can say.
@@ -86,7 +89,7 @@ pub(super) struct Common {
 }
 
 /// Distances in ticks at which energy of strikes may wait for the next frame.
-pub(super) const WAITING: usize = 7;
+pub(super) const WAITING: usize = 9;
 
 /// All bands of a stage.
 #[derive(Clone, Debug)]
@@ -140,7 +143,7 @@ impl Bands {
 
     /// Forgets all energy.
     pub(super) fn clear(&mut self) {
-        self.iter_mut().for_each(|band| band.density = 0.0);
+        self.iter_mut().for_each(|band| (band.density, band.next) = (0.0, 0.0));
     }
 
     /// Readies a strike's own frame: the spectrum of a strike at the reference force.
@@ -151,47 +154,64 @@ impl Bands {
         common
     }
 
-    /// Brings all energies up to date, adds that of `waiting` strikes (by their distance in ticks before the time for which energies then stand), and
-    /// readies the frame of a number and shape. `kept` is the share of the old energy that chokes have left.
+    /// Brings the energies of some bands up to date for the frame after a strike: `ticks` after the time for which they stand, of which `kept` is the
+    /// share that chokes have left. With [`add_waiting`](Self::add_waiting) they then stand for that frame's beginning. Gives how many still had energy.
     #[inline(never)]
-    pub(super) fn ready(&mut self, when: When, frame: (usize, Shape), waiting: &[f32; WAITING], kept: f32) -> Common {
-        match when {
-            When::AfterStrike(ticks) => {
-                for band in self.iter_mut().filter(|band| band.density > 0.0) {
-                    band.density *= kept * power_of(band.per_tick, ticks);
-                }
-            }
-            When::After { since: Some(since), .. } => {
-                self.iter_mut().for_each(|band| band.density *= duration(band.per_tick, since));
-            }
-            When::After { since: None, .. } => {}
-        }
-        if waiting.iter().any(|&energy| energy > 0.0) {
-            let [e0, e1, e2, e3, e4, e5, e6] = *waiting;
-            for band in self.iter_mut() {
-                let tick = band.per_tick;
-                let polynomial = e0 + tick * (e1 + tick * (e2 + tick * (e3 + tick * (e4 + tick * (e5 + tick * e6)))));
-                band.density += band.strike * polynomial;
+    pub(super) fn update(&mut self, bands: core::ops::Range<usize>, ticks: u32, kept: f32) -> usize {
+        let mut sounding = 0;
+        for band in self.bands.get_mut(bands).unwrap_or(&mut []) {
+            (band.next, band.quarter) = (0.0, band.per_tick * band.per_tick);
+            if band.density > 0.0 {
+                band.next = band.density * kept * power_of(band.per_tick, ticks);
+                sounding += 1;
             }
         }
-        let ahead = if let When::After { frame, .. } = when { Some(frame) } else { None };
-        let (mut power, mut left) = (0.0, 0.0);
-        for band in self.bands.iter_mut().take(self.count) {
-            // Far below what can be heard, and before denormals; no number for the square root to break on.
-            if !(1e-24..1e24).contains(&band.density) {
-                band.density = if band.density > 1.0 { 1e24 } else { 0.0 };
-            }
-            let begins = band.density * ahead.map_or(1.0, |frame| duration(band.per_tick, frame));
-            let quarter = quarter(band.per_tick, frame.0);
-            let energy = begins * band.width;
-            power += energy;
-            left += energy * quarter;
-            band.frame = begins * frame.1.energy(quarter);
+        sounding
+    }
+
+    /// Adds the energy of strikes, by their distance in ticks before the time for which the energies will stand next.
+    #[inline(never)]
+    pub(super) fn add_waiting(&mut self, waiting: &[f32; WAITING]) {
+        let [e0, e1, e2, e3, e4, e5, e6, e7, e8] = *waiting;
+        for band in self.iter_mut() {
+            let tick = band.per_tick;
+            let late = e4 + tick * (e5 + tick * (e6 + tick * (e7 + tick * e8)));
+            let polynomial = e0 + tick * (e1 + tick * (e2 + tick * (e3 + tick * late)));
+            band.next += band.strike * polynomial;
         }
-        let common = Common::of(power, mean(left, power), frame.1, frame.0);
+    }
+
+    /// Readies the frame of a number and shape. `after` is the shape of the frame readied last, whose beginning is then the time for which the energies
+    /// stand; `None` for the first frame after a strike.
+    #[inline(never)]
+    pub(super) fn ready(&mut self, after: Option<Shape>, (number, shape): (usize, Shape)) -> Common {
+        let (power, left) = match (after, shape) {
+            (None, _) => self.ready_frame(|band| (band.density, band.quarter), Shape::Growing),
+            (_, Shape::Growing | Shape::Onset) => self.ready_frame(grow, Shape::Growing),
+            (Some(Shape::Steady), Shape::Steady) => self.ready_frame(stay, Shape::Steady),
+            (_, Shape::Steady) => self.ready_frame(settle, Shape::Steady),
+        };
+        let common = Common::of(power, mean(left, power), shape, number);
         let scale = common.gain * common.gain;
         self.iter_mut().for_each(|band| band.frame *= scale);
         common
+    }
+
+    /// Readies every band for a frame, at the beginning of which `step` gives its density and what is left after a quarter of the frame; gives the power
+    /// and what is left of it after a quarter.
+    #[inline(always)]
+    fn ready_frame(&mut self, step: impl Fn(&Band) -> (f32, f32), shape: Shape) -> (f32, f32) {
+        let (mut power, mut left) = (0.0, 0.0);
+        for band in self.bands.iter_mut().take(self.count) {
+            band.density = if band.next > LEAST { band.next } else { 0.0 };
+            let (next, quarter) = step(band);
+            (band.next, band.quarter) = (next, quarter);
+            let energy = next * band.width;
+            power += energy;
+            left += energy * quarter;
+            band.frame = next * shape.energy(quarter);
+        }
+        (power, left)
     }
 
     fn common(&self, density: impl Fn(&Band) -> f32, shape: Shape, number: usize) -> Common {
@@ -260,7 +280,7 @@ impl Bands {
 /// each of its two parts.
 #[inline(always)]
 fn amplitude(power: f32) -> f32 {
-    const SCALE: f32 = (0.5 / PAIR_DEVIATION) as f32;
+    const SCALE: f32 = (0.5 / DEVIATION) as f32;
     square_root(power) * SCALE
 }
 
@@ -283,31 +303,39 @@ impl Common {
     }
 }
 
+impl Cursor {
+    /// Bands that are behind.
+    pub(super) fn band(&self) -> usize {
+        self.band
+    }
+}
+
 #[inline(always)]
 fn positive(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }
 
-/// What is left after a quarter of a wave of a number: 1, 2, 4 or 8 ticks.
+/// Density that is no sound, long before denormals.
+const LEAST: f32 = 1e-24;
+
+/// Past a growing frame, to one twice as long.
 #[inline(always)]
-fn quarter(tick: f32, number: usize) -> f32 {
-    let (two, four) = (tick * tick, (tick * tick) * (tick * tick));
-    match number {
-        0 => tick,
-        1 => two,
-        2 => four,
-        _ => four * four,
-    }
+fn grow(band: &Band) -> (f32, f32) {
+    let square = band.quarter * band.quarter;
+    (band.density * (square * square), square)
 }
 
-/// What is left after the time from a frame's beginning to the next one's: three or four quarters.
+/// Past a growing frame, to one as long.
 #[inline(always)]
-fn duration(tick: f32, (number, shape): (usize, Shape)) -> f32 {
-    let quarter = quarter(tick, number);
-    match shape {
-        Shape::Onset | Shape::Growing => (quarter * quarter) * (quarter * quarter),
-        Shape::Steady => quarter * quarter * quarter,
-    }
+fn settle(band: &Band) -> (f32, f32) {
+    let square = band.quarter * band.quarter;
+    (band.density * (square * square), band.quarter)
+}
+
+/// Past a steady frame.
+#[inline(always)]
+fn stay(band: &Band) -> (f32, f32) {
+    (band.density * (band.quarter * band.quarter * band.quarter), band.quarter)
 }
 
 /// A share of energy on average over so much of it; never 0.

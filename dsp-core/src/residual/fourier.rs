@@ -30,16 +30,19 @@ type Factors = [Complex; 3];
 static FACTORS_256: [Factors; 64] = factors();
 static FACTORS_64: [Factors; 16] = factors();
 static FACTORS_16: [Factors; 4] = factors();
-/// The factors of radix-2 blocks of 128 points; those of 512 points are every second one of [`TWIDDLES`].
-static FACTORS_128: [Complex; 64] = {
-    let mut table = [[0.0; 2]; 64];
+/// The factors of radix-2 blocks.
+static FACTORS_512: [Complex; 256] = single_factors();
+static FACTORS_128: [Complex; 64] = single_factors();
+
+const fn single_factors<const HALF: usize>() -> [Complex; HALF] {
+    let mut table = [[0.0; 2]; HALF];
     let mut index = 0;
-    while index < table.len() {
-        table[index] = twiddle(index * (TURN / 128));
+    while index < HALF {
+        table[index] = twiddle(index * (TURN / (2 * HALF)));
         index += 1;
     }
     table
-};
+}
 
 const fn factors<const QUARTER: usize>() -> [Factors; QUARTER] {
     let mut table = [[[0.0; 2]; 3]; QUARTER];
@@ -105,32 +108,35 @@ fn fold(low: Complex, high: Complex, [cos, sin]: Complex) -> (Complex, Complex) 
 }
 
 /// Puts random lines into a spectrum whose amplitudes stand in the real parts: of `pairs`, the pairs of lines k and M - k in 1 to M/2 - 1, those of a
-/// range. `draw` gives the real and imaginary part of a line.
+/// range. `draw` gives the real and imaginary parts of two lines.
 #[inline(always)]
-pub(super) fn fill_pairs(spectrum: &mut [Complex], pairs: core::ops::Range<usize>, mut draw: impl FnMut() -> Complex) {
+pub(super) fn fill_pairs(spectrum: &mut [Complex], pairs: core::ops::Range<usize>, mut draw: impl FnMut() -> [f32; 4]) {
     let points = spectrum.len().max(1);
-    let step = MAX_POINTS / points;
-    let Some((low, high)) = spectrum.split_at_mut_checked(points / 2) else { return };
-    let twiddles = TWIDDLES.iter().skip(pairs.start * step).step_by(step.max(1));
-    let lines = low.iter_mut().skip(pairs.start).zip(high.iter_mut().rev().skip(pairs.start - 1));
-    for ((low, high), twiddle) in lines.zip(twiddles).take(pairs.len()) {
+    let (step, half) = (MAX_POINTS / points, points / 2);
+    let Some((low, high)) = spectrum.split_at_mut_checked(half) else { return };
+    let mirrored = (half + 1).saturating_sub(pairs.end)..(half + 1).saturating_sub(pairs.start);
+    let mut angle = pairs.start * step;
+    let (Some(low), Some(high)) = (low.get_mut(pairs), high.get_mut(mirrored)) else { return };
+    for (low, high) in low.iter_mut().zip(high.iter_mut().rev()) {
         let scaled = |line: Complex, amplitude: f32| [line[0] * amplitude, line[1] * amplitude];
-        let (at_low, at_high) = (scaled(draw(), low[0]), scaled(draw(), high[0]));
-        (*low, *high) = fold(at_low, at_high, *twiddle);
+        let [a, b, c, d] = draw();
+        let (at_low, at_high) = (scaled([a, b], low[0]), scaled([c, d], high[0]));
+        let twiddle = TWIDDLES.get(angle).copied().unwrap_or([1.0, 0.0]);
+        (*low, *high) = fold(at_low, at_high, twiddle);
+        angle += step;
     }
 }
 
 /// The lines that are not in a pair: 0, which is real (there is none at Nyquist), and M/2.
-pub(super) fn fill_middle(spectrum: &mut [Complex], mut draw: impl FnMut() -> Complex) {
+pub(super) fn fill_middle(spectrum: &mut [Complex], draw: [f32; 4]) {
     let middle = spectrum.len() / 2;
     if let Some(line) = spectrum.first_mut() {
         // A line beside its mirror image has twice the power of one alone.
-        let real = 2.0 * line[0] * draw()[0];
+        let real = 2.0 * line[0] * draw[0];
         *line = [real, real];
     }
     if let Some(line) = spectrum.get_mut(middle) {
-        let [real, imaginary] = draw();
-        *line = [2.0 * line[0] * real, -2.0 * line[0] * imaginary];
+        *line = [2.0 * line[0] * draw[2], -2.0 * line[0] * draw[3]];
     }
 }
 
@@ -183,8 +189,8 @@ impl Progress {
             let length = (row - first).min(end - done);
             let Some(points) = data.get_mut(block * self.block..(block + 1) * self.block) else { return };
             match self.block {
-                512 => row_of_2(points, first, length, TWIDDLES.iter().step_by(2).skip(first)),
-                128 => row_of_2(points, first, length, FACTORS_128.iter().skip(first)),
+                512 => row_of_2(points, first, length, &FACTORS_512),
+                128 => row_of_2(points, first, length, &FACTORS_128),
                 256 => row_of_4(points, first, length, &FACTORS_256),
                 _ => row_of_4(points, first, length, &FACTORS_64),
             }
@@ -194,8 +200,8 @@ impl Progress {
 }
 
 /// Cycles of a butterfly, for sharing the work among ticks; measured on the virtual core.
-const RADIX_4_CYCLES: u32 = 75;
-const RADIX_2_CYCLES: u32 = 32;
+const RADIX_4_CYCLES: u32 = 65;
+const RADIX_2_CYCLES: u32 = 35;
 
 /// Cycles of a transform by the same measure.
 pub(super) const fn cycles(points: usize) -> u32 {
@@ -204,9 +210,16 @@ pub(super) const fn cycles(points: usize) -> u32 {
     of_2 + (passes / 2) * (points as u32 / 4) * RADIX_4_CYCLES
 }
 
-fn row_of_2<'a>(points: &mut [Complex], first: usize, length: usize, factors: impl Iterator<Item = &'a Complex>) {
+#[inline(never)]
+fn row_of_2(points: &mut [Complex], first: usize, length: usize, factors: &[Complex]) {
     let Some((low, high)) = points.split_at_mut_checked(points.len() / 2) else { return };
-    for ((a, b), w) in low.iter_mut().zip(high).skip(first).take(length).zip(factors) {
+    let range = first..first + length;
+    let (Some(low), Some(high), Some(factors)) =
+        (low.get_mut(range.clone()), high.get_mut(range.clone()), factors.get(range))
+    else {
+        return;
+    };
+    for ((a, b), w) in low.iter_mut().zip(high).zip(factors) {
         let difference = [a[0] - b[0], a[1] - b[1]];
         *a = [a[0] + b[0], a[1] + b[1]];
         *b = times(difference, *w);
@@ -302,10 +315,11 @@ mod tests {
         let mut spectrum: Vec<Complex> = (0..points).map(|k| [1.0 / (1.0 + (k % 37) as f32), 0.0]).collect();
         let amplitudes: Vec<f64> = spectrum.iter().map(|line| f64::from(line[0])).collect();
         let mut draw = || {
-            drawn.push(noise.pair().map(|x| x as f32 / 128.0));
-            *drawn.last().unwrap()
+            let four = noise.four().map(|x| x as f32 / 128.0);
+            drawn.extend([[four[0], four[1]], [four[2], four[3]]]);
+            four
         };
-        fill_middle(&mut spectrum, &mut draw);
+        fill_middle(&mut spectrum, draw());
         fill_pairs(&mut spectrum, 1..5, &mut draw);
         fill_pairs(&mut spectrum, 5..points / 2, &mut draw);
         let mut progress = Progress::start(points);

@@ -1,15 +1,17 @@
 //! A frame in the making: its work is shared among the ticks before it sounds.
 
-use super::bands::{Bands, Common, Cursor, Shape, When};
+use super::bands::{Bands, Common, Cursor, Shape, WAITING, When};
 use super::fourier::{self, Complex, Progress};
 use super::stream::{Stream, Wave};
-use super::{ONSET_POINTS, line};
+use super::{ONSET_POINTS, fill_pairs, lines};
 use crate::noise::Sfc32;
 
 /// What comes next in the making of a frame.
 #[derive(Clone, Copy, Debug)]
 enum Step {
     Bands(When),
+    Update { ticks: u32, kept: f32, from: usize },
+    Frame,
     Amplitudes(usize, Cursor),
     Lines(usize),
     Transform(Progress),
@@ -28,29 +30,42 @@ pub(super) struct Job {
     common: Common,
     /// Cycles that the bands have already cost in this tick.
     owed: u32,
-    /// By how much strikes that came too late for it raise its energy.
-    growth: f32,
+    /// Energy of strikes that came too late for it.
+    late: f32,
 }
 
-/// Cycles of a band, of a line's amplitude and of a pair of lines, for sharing the work; measured on the virtual core.
-const BAND_CYCLES: u32 = 80;
-const AMPLITUDE_CYCLES: u32 = 45;
-const PAIR_CYCLES: u32 = 75;
+/// Cycles of a band that is brought up to date after a strike (more where it still sounds), that is given the strike's energy and that is made ready, of a line's amplitude, of a band's edge among
+/// the lines, and of a pair of lines, for sharing the work; measured on the virtual core.
+const UPDATE_CYCLES: u32 = 15;
+const POWER_CYCLES: u32 = 60;
+const WAITING_CYCLES: u32 = 35;
+const BAND_CYCLES: u32 = 60;
+const AMPLITUDE_CYCLES: u32 = 25;
+const EDGE_CYCLES: u32 = 75;
+const PAIR_CYCLES: u32 = 92;
 
 impl Job {
     pub(super) fn new(wave: Wave, frame: (usize, Shape), when: When, bands: usize) -> Self {
         let points = wave.points() as u32;
-        let left = bands as u32 * BAND_CYCLES
+        let of_band = BAND_CYCLES
+            + EDGE_CYCLES
+            + if let When::AfterStrike(_) = when { UPDATE_CYCLES + WAITING_CYCLES } else { 0 };
+        let left = bands as u32 * of_band
             + points * AMPLITUDE_CYCLES
             + points / 2 * PAIR_CYCLES
             + fourier::cycles(wave.points());
         let common = Common { power: 0.0, gain: 1.0, per_frame: 1.0 };
-        Self { wave, frame, step: Step::Bands(when), left, common, owed: 0, growth: 1.0 }
+        Self { wave, frame, step: Step::Bands(when), left, common, owed: 0, late: 0.0 }
     }
 
-    /// When the frame begins, where the bands are yet to be made ready for it.
+    /// When the frame begins, where the bands are yet to be brought up to date for it.
     pub(super) fn when(&self) -> Option<When> {
         if let Step::Bands(when) = self.step { Some(when) } else { None }
+    }
+
+    /// Begins to bring the bands up to date after a strike: chokes have left `kept` of their energy.
+    pub(super) fn begin_update(&mut self, ticks: u32, kept: f32) {
+        self.step = Step::Update { ticks, kept, from: 0 };
     }
 
     /// The bands are ready, and said so much of the frame.
@@ -60,34 +75,58 @@ impl Job {
         self.step = Step::Amplitudes(0, bands.lowest());
     }
 
-    /// Energy of a strike that the bands did not know of when they were made ready.
-    pub(super) fn grow(&mut self, energy: f32) {
-        if !matches!(self.step, Step::Bands(_)) && self.common.power > 0.0 {
-            self.growth += energy / self.common.power;
+    /// Energy of a strike that the bands did not know of when they were brought up to date.
+    pub(super) fn add_late(&mut self, energy: f32) {
+        if !matches!(self.step, Step::Bands(_) | Step::Update { .. }) {
+            self.late += energy;
         }
     }
 
-    /// Does the share of this tick, one of `slices` that are left.
-    pub(super) fn advance(&mut self, bands: &Bands, spectrum: &mut [Complex], noise: &mut Sfc32, slices: u32) {
+    /// Does the share of this tick, one of `slices` that are left; `waiting` is the energy of strikes that no band has yet.
+    pub(super) fn advance(
+        &mut self,
+        bands: &mut Bands,
+        waiting: &mut [f32; WAITING],
+        spectrum: &mut [Complex],
+        noise: &mut Sfc32,
+        slices: u32,
+    ) {
         let points = spectrum.len();
         let share = if slices > 1 { self.left / slices } else { u32::MAX };
         let mut spent = core::mem::take(&mut self.owed);
         while spent < share {
             let room = share - spent;
             match &mut self.step {
+                Step::Update { ticks, kept, from } => {
+                    let to = bands.count().min(*from + 8);
+                    let sounding = bands.update(*from..to, *ticks, *kept);
+                    spent += (to - *from) as u32 * UPDATE_CYCLES + sounding as u32 * POWER_CYCLES;
+                    *from = to;
+                    if to == bands.count() {
+                        bands.add_waiting(&core::mem::replace(waiting, [0.0; WAITING]));
+                        spent += to as u32 * WAITING_CYCLES;
+                        self.step = Step::Frame;
+                    }
+                }
+                Step::Frame => {
+                    let common = bands.ready(None, self.frame);
+                    self.set_common(bands, common);
+                    spent += core::mem::take(&mut self.owed);
+                }
                 Step::Amplitudes(from, cursor) => {
-                    let to = points.min(*from + (room / AMPLITUDE_CYCLES) as usize + 1);
+                    // Few at a time: how many bands they cross is seen afterwards.
+                    let (to, before) = (points.min(*from + 4), cursor.band());
                     bands.fill_amplitudes(spectrum, *from, to, cursor);
-                    spent += (to - *from) as u32 * AMPLITUDE_CYCLES;
+                    spent += (to - *from) as u32 * AMPLITUDE_CYCLES + (cursor.band() - before) as u32 * EDGE_CYCLES;
                     *from = to;
                     if to == points {
-                        fourier::fill_middle(spectrum, || line(noise));
+                        fourier::fill_middle(spectrum, lines(noise));
                         self.step = Step::Lines(1);
                     }
                 }
                 Step::Lines(from) => {
                     let to = (points / 2).min(*from + (room / PAIR_CYCLES) as usize + 1);
-                    fourier::fill_pairs(spectrum, *from..to, || line(noise));
+                    fill_pairs(spectrum, *from..to, noise);
                     spent += (to - *from) as u32 * PAIR_CYCLES;
                     *from = to;
                     if to == points / 2 {
@@ -106,6 +145,17 @@ impl Job {
         self.left = self.left.saturating_sub(spent);
     }
 
+    /// By how much late strikes raise the whole frame's amplitude.
+    fn growth(&self) -> f32 {
+        let has_late = self.late > 0.0 && self.common.power > 0.0;
+        if has_late { super::square_root(1.0 + self.late / self.common.power) } else { 1.0 }
+    }
+
+    /// Cycles that the next tick's share will take, about, where so many ticks are left.
+    pub(super) fn share(&self, slices: u32) -> u32 {
+        self.left / slices.max(1)
+    }
+
     /// The frame as it sounds. `kept` is what chokes have left of its amplitude.
     pub(super) fn stream(&self, kept: f32) -> Stream {
         let (number, shape) = self.frame;
@@ -121,7 +171,7 @@ impl Job {
             fade_in: quarter,
             fade_out_at: quarter * quarters,
             fade_out,
-            gain: kept * super::square_root(self.growth),
+            gain: kept * self.growth(),
             per_frame: self.common.per_frame,
         }
     }

@@ -19,7 +19,7 @@
 //! Resolution: a frame of N samples blurs a band's edges by about 1.5 fs/N (70 Hz for the longest at 48 kHz); with decays
 //! steeper than the mean of all bands a band's level falls in steps as long as three quarters of a frame, right in energy and slope.
 //!
-//! Strikes within five ticks of another one raise its first two frames as a whole: their energy is right, their spectra are the first one's.
+//! Strikes within eight ticks of another one raise its first two frames as a whole: their energy is right, their spectra are the first one's.
 //!
 //! Amplitude is proportional to a strike's peak force, as that of the modes is.
 
@@ -43,7 +43,7 @@ use crate::noise::Sfc32;
 use crate::resonator::TICK_FRAMES;
 
 /// Ticks from the one with a strike to the frame that carries all energy; that tick counts.
-const ONSET_TICKS: u32 = 5;
+const ONSET_TICKS: u32 = 8;
 /// Fade from a strike's own frame, and from all that rang before, to the frame that carries both.
 const ONSET_FADE: usize = 64;
 /// Points of a strike's own frame.
@@ -81,9 +81,6 @@ pub struct Shaper {
     just_struck: bool,
     /// Ticks since the time for which the bands' energies stand.
     ticks_since: u32,
-    /// The frame that sounds, and the one before, where the energies stand for the beginning of that one.
-    current: (usize, Shape),
-    previous: Option<(usize, Shape)>,
     /// Energy of strikes that no band has yet.
     waiting: [f32; WAITING],
     active: bool,
@@ -111,8 +108,6 @@ impl Shaper {
         in_onset: false,
         just_struck: false,
         ticks_since: 0,
-        current: (0, Shape::Onset),
-        previous: None,
         waiting: [0.0; WAITING],
         active: false,
         choke_per_frame: 1.0,
@@ -147,7 +142,7 @@ impl Shaper {
     fn stop(&mut self) {
         (self.streams, self.job, self.tail_at) = ([None; 3], None, ONSET_FADE);
         (self.ticks_to_next, self.in_onset, self.just_struck, self.active) = (0, false, false, false);
-        (self.waiting, self.previous, self.ticks_since) = ([0.0; WAITING], None, 0);
+        (self.waiting, self.ticks_since) = ([0.0; WAITING], 0);
     }
 
     /// Whether the table has this stage at all.
@@ -207,7 +202,7 @@ impl Shaper {
             own.gain = square_root(own.gain * own.gain + energy);
         }
         if let Some(job) = self.job.as_mut() {
-            job.grow(energy * self.bands.strike_power());
+            job.add_late(energy * self.bands.strike_power());
         }
     }
 
@@ -313,27 +308,40 @@ impl Shaper {
         }
     }
 
+    /// Cycles that this tick's work will take, about; without what strikes bring.
+    pub fn cycles_ahead(&self) -> u32 {
+        self.job.filter(|_| self.ticks_to_next > 0).map_or(0, |job| job.share(self.ticks_to_next))
+    }
+
     /// This tick's share of the next frame.
     fn work(&mut self) {
         let Some(mut job) = self.job else { return };
-        let Some(memory) = self.waves.get_mut(job.wave.region) else { return };
-        if let Some(when) = job.when() {
-            let common = self.bands.ready(when, job.frame, &self.waiting, self.kept * self.kept);
-            self.waiting = [0.0; WAITING];
-            job.set_common(&self.bands, common);
-            if let When::After { .. } = when {
+        match job.when() {
+            Some(When::AfterStrike(ticks)) => {
+                job.begin_update(ticks, self.kept * self.kept);
+                self.kept = 1.0;
+            }
+            Some(When::After(shape)) => {
+                if self.waiting.iter().any(|&energy| energy > 0.0) {
+                    self.bands.add_waiting(&self.waiting);
+                    self.waiting = [0.0; WAITING];
+                }
+                let common = self.bands.ready(Some(shape), job.frame);
                 // They stand for the beginning of the frame that began with this tick.
                 self.ticks_since = 1;
                 if common.power < self.silence {
                     self.job = None;
                     return;
                 }
-            } else {
-                self.kept = 1.0;
+                job.set_common(&self.bands, common);
             }
+            None => {}
         }
-        let slices = self.ticks_to_next + 1;
-        job.advance(&self.bands, job.wave.of_mut(memory), &mut self.noise, slices);
+        // The tick before a strike's second frame has everything else to fade out.
+        let slices = if self.in_onset { self.ticks_to_next } else { self.ticks_to_next + 1 };
+        let Some(memory) = self.waves.get_mut(job.wave.region) else { return };
+        let spectrum = job.wave.of_mut(memory);
+        job.advance(&mut self.bands, &mut self.waiting, spectrum, &mut self.noise, slices);
         self.job = Some(job);
     }
 
@@ -352,13 +360,10 @@ impl Shaper {
         if let Some(free) = self.streams.iter_mut().find(|stream| stream.is_none()) {
             *free = Some(stream);
         }
-        let since = if number > 1 || shape == Shape::Steady { Some(self.current) } else { None };
-        (self.previous, self.current) = (since, job.frame);
         self.ticks_to_next = stream.fade_out_at / TICK_FRAMES as u32;
         let next = (LARGEST.min(number + 1), if number == LARGEST { Shape::Steady } else { Shape::Growing });
         let wave = Wave { region: self.free_region(), first: 0, points_log2: ONSET_POINTS_LOG2 + next.0 as u32 };
-        let when = When::After { since: self.previous, frame: self.current };
-        self.job = Some(Job::new(wave, next, when, self.bands.count()));
+        self.job = Some(Job::new(wave, next, When::After(shape), self.bands.count()));
     }
 
     /// What sounds fades out under a slope of its own: computed ahead, so that its memory is free.
@@ -377,11 +382,19 @@ impl Shaper {
 /// Random lines in a whole spectrum.
 fn fill(spectrum: &mut [Complex], noise: &mut Sfc32) {
     let pairs = 1..spectrum.len() / 2;
-    fourier::fill_middle(spectrum, || line(noise));
-    fourier::fill_pairs(spectrum, pairs, || line(noise));
+    fourier::fill_middle(spectrum, lines(noise));
+    fill_pairs(spectrum, pairs, noise);
 }
 
+fn fill_pairs(spectrum: &mut [Complex], pairs: core::ops::Range<usize>, noise: &mut Sfc32) {
+    // A copy, which stays in registers.
+    let mut local = *noise;
+    fourier::fill_pairs(spectrum, pairs, || lines(&mut local));
+    *noise = local;
+}
+
+/// Two lines' random parts.
 #[inline(always)]
-fn line(noise: &mut Sfc32) -> Complex {
-    noise.pair().map(|part| part as f32)
+fn lines(noise: &mut Sfc32) -> [f32; 4] {
+    noise.four().map(|part| part as f32)
 }

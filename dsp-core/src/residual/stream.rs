@@ -28,7 +28,8 @@ impl Wave {
     }
 }
 
-/// A wave under way. Beyond its length it repeats, which only a fade's end ever reaches.
+/// A wave under way. Beyond its end it is read backwards, then forwards again: noise turned round is noise of the same spectrum, and a
+/// wave that repeats would be a tone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stream {
     pub(super) wave: Wave,
@@ -57,7 +58,9 @@ impl Stream {
         while !out.is_empty() {
             // To the end of the window's part.
             let (length, slope) = self.part();
-            let length = (length as usize).min(out.len());
+            let wave = 2 * self.wave.points() as u32;
+            let length = length.min(wave - self.position % wave) as usize;
+            let length = length.min(out.len());
             let (now, later) = core::mem::take(&mut out).split_at_mut(length);
             match slope {
                 Some((index, step)) => self.add_slope(memory, per_frame, (index, step), now),
@@ -72,7 +75,8 @@ impl Stream {
     #[inline(never)]
     fn add_flat(&mut self, memory: &[Complex], per_frame: f32, mut out: &mut [f32]) {
         let (mut position, mut gain) = (self.position, self.gain);
-        let at = |position: u32| memory.get(place(position, self.wave.points_log2)).copied().unwrap_or([0.0; 2]);
+        let (turn, points_log2) = (self.turn(), self.wave.points_log2);
+        let at = |position: u32| sample_pair(memory, position, turn, points_log2);
         if position % 2 == 1
             && let Some(first) = out.split_off_first_mut()
         {
@@ -97,7 +101,8 @@ impl Stream {
     #[inline(never)]
     fn add_slope(&mut self, memory: &[Complex], per_frame: f32, (mut index, step): (u32, u32), mut out: &mut [f32]) {
         let (mut position, mut gain) = (self.position, self.gain);
-        let at = |position: u32| memory.get(place(position, self.wave.points_log2)).copied().unwrap_or([0.0; 2]);
+        let (turn, points_log2) = (self.turn(), self.wave.points_log2);
+        let at = |position: u32| sample_pair(memory, position, turn, points_log2);
         let window = |index: u32| SLOPE.get(index as usize).copied().unwrap_or(0.0);
         if position % 2 == 1
             && let Some(first) = out.split_off_first_mut()
@@ -121,6 +126,13 @@ impl Stream {
         self.gain = gain;
     }
 
+    /// All ones where the wave is read backwards.
+    #[inline(always)]
+    fn turn(&self) -> u32 {
+        let is_backwards = (self.position >> (self.wave.points_log2 + 1)) & 1;
+        is_backwards.wrapping_neg()
+    }
+
     /// Frames left of the window's part, and where its slope stands in [`SLOPE`], with its step.
     fn part(&self) -> (u32, Option<(u32, u32)>) {
         let (steps, position) = (SLOPE_STEPS as u32, self.position);
@@ -137,4 +149,11 @@ impl Stream {
             (u32::MAX, None)
         }
     }
+}
+
+/// The samples at an even position and the next one, or those of the pair that an odd position is in; `turn` as of [`Stream::turn`].
+#[inline(always)]
+fn sample_pair(memory: &[Complex], position: u32, turn: u32, points_log2: u32) -> [f32; 2] {
+    let [even, odd] = memory.get(place(position ^ turn, points_log2)).copied().unwrap_or([0.0; 2]);
+    if turn == 0 { [even, odd] } else { [odd, even] }
 }
