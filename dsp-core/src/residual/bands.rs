@@ -224,55 +224,60 @@ impl Bands {
         Common::of(power, mean(left, power), shape, number)
     }
 
-    /// The amplitudes of the lines `from` to `to` of a spectrum of so many lines (of a wave twice as long), in the real parts: the bands' powers,
-    /// shared among the lines by how much of a line's width is in the band.
+    /// The amplitudes of a spectrum's lines (of a wave twice as long), in the real parts, from where `cursor` stands until they have cost about so many
+    /// cycles: the bands' powers, shared among the lines by how much of a line's width is in the band. Gives the cycles.
     #[inline(never)]
-    pub(super) fn fill_amplitudes(&self, spectrum: &mut [Complex], from: usize, to: usize, cursor: &mut Cursor) {
+    pub(super) fn fill_amplitudes(&self, spectrum: &mut [Complex], cursor: &mut Cursor, cycles: u32) -> u32 {
         let lines_per_cycle = 2.0 * spectrum.len() as f32;
         let line = 1.0 / lines_per_cycle;
-        let Some(lines) = spectrum.get_mut(from..to) else { return };
+        let Cursor { mut line_index, band: mut band_index, mut place } = *cursor;
+        let Some(lines) = spectrum.get_mut(line_index..) else { return 0 };
         let mut lines = lines.iter_mut();
-        let mut bands = self.bands.get(cursor.band..self.count).unwrap_or(&[]).iter();
-        let (mut index, mut band, mut place) = (from, bands.next(), cursor.place);
-        while let Some(at_edge) = lines.next() {
-            let end = (index as f32 + 0.5) * line;
+        let mut bands = self.bands.get(band_index..self.count).unwrap_or(&[]).iter();
+        let (mut band, mut spent) = (bands.next(), 0);
+        while spent < cycles
+            && let Some(at_edge) = lines.next()
+        {
+            spent += LINE_CYCLES;
+            let end = (line_index as f32 + 0.5) * line;
+            line_index += 1;
             let mut power = 0.0;
             while let Some(inside) = band.filter(|band| band.upper <= end) {
                 power += inside.frame * positive(inside.upper - place);
                 place = if inside.upper > place { inside.upper } else { place };
-                cursor.band += 1;
+                band_index += 1;
                 band = bands.next();
+                spent += EDGE_CYCLES;
             }
-            index += 1;
-            let Some(inside) = band else {
-                at_edge[0] = amplitude(power);
-                lines.by_ref().for_each(|line| line[0] = 0.0);
-                break;
-            };
-            at_edge[0] = amplitude(power + inside.frame * positive(end - place));
+            if let Some(inside) = band {
+                power += inside.frame * positive(end - place);
+            }
+            at_edge[0] = amplitude(power);
             if place > end {
                 continue;
             }
             place = end;
-            // Lines that the band fills are all alike.
-            let alike = ((inside.upper * lines_per_cycle + 0.5) as usize).saturating_sub(index);
+            // Lines that a band, or nothing, fills are all alike.
+            let (alike, inside) = match band {
+                Some(band) => ((band.upper * lines_per_cycle + 0.5) as usize, band.frame),
+                None => (usize::MAX, 0.0),
+            };
+            let alike = alike.saturating_sub(line_index).min(lines.len());
             if alike > 0 {
-                let amplitude = amplitude(inside.frame * line);
+                let amplitude = amplitude(inside * line);
                 lines.by_ref().take(alike).for_each(|line| line[0] = amplitude);
-                index += alike;
-                place = (index as f32 - 0.5) * line;
+                line_index += alike;
+                place = (line_index as f32 - 0.5) * line;
+                spent += alike as u32 * ALIKE_CYCLES;
             }
         }
-        if index > to {
-            // The last band goes on.
-            place = (to as f32 - 0.5) * line;
-        }
-        cursor.place = place;
+        *cursor = Cursor { line_index, band: band_index, place };
+        spent
     }
 
     /// Where [`fill_amplitudes`](Self::fill_amplitudes) begins.
     pub(super) fn lowest(&self) -> Cursor {
-        Cursor { band: 0, place: self.lower }
+        Cursor { line_index: 0, band: 0, place: self.lower }
     }
 }
 
@@ -287,6 +292,7 @@ fn amplitude(power: f32) -> f32 {
 /// How far the lines have come through the bands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cursor {
+    line_index: usize,
     band: usize,
     /// Cycles/sample.
     place: f32,
@@ -304,10 +310,21 @@ impl Common {
 }
 
 impl Cursor {
-    /// Bands that are behind.
-    pub(super) fn band(&self) -> usize {
-        self.band
+    /// Lines that are behind.
+    pub(super) fn lines(&self) -> usize {
+        self.line_index
     }
+}
+
+/// Cycles of a line with an edge, of the edge, and of a line inside a band; measured on the virtual core.
+const LINE_CYCLES: u32 = 75;
+const EDGE_CYCLES: u32 = 60;
+const ALIKE_CYCLES: u32 = 7;
+
+/// Cycles of all lines of a spectrum of so many, with so many bands.
+pub(super) fn amplitude_cycles(lines: usize, bands: usize) -> u32 {
+    let edges = bands.min(lines) as u32;
+    bands as u32 * EDGE_CYCLES + edges * LINE_CYCLES + (lines as u32 - edges) * ALIKE_CYCLES
 }
 
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! A frame in the making: its work is shared among the ticks before it sounds.
 
-use super::bands::{Bands, Common, Cursor, Shape, WAITING, When};
+use super::bands::{Bands, Common, Cursor, Shape, WAITING, When, amplitude_cycles};
 use super::fourier::{self, Complex, Progress};
 use super::stream::{Stream, Wave};
 use super::{ONSET_POINTS, fill_pairs, lines};
@@ -11,8 +11,9 @@ use crate::noise::Sfc32;
 enum Step {
     Bands(When),
     Update { ticks: u32, kept: f32, from: usize },
+    Waiting,
     Frame,
-    Amplitudes(usize, Cursor),
+    Amplitudes(Cursor),
     Lines(usize),
     Transform(Progress),
     Done,
@@ -34,24 +35,19 @@ pub(super) struct Job {
     late: f32,
 }
 
-/// Cycles of a band that is brought up to date after a strike (more where it still sounds), that is given the strike's energy and that is made ready, of a line's amplitude, of a band's edge among
-/// the lines, and of a pair of lines, for sharing the work; measured on the virtual core.
-const UPDATE_CYCLES: u32 = 15;
+/// Cycles of a band that is brought up to date after a strike (more where it still sounds), that is given the strike's energy and that is made ready, and of a pair of lines, for sharing the work; measured on the virtual core.
+const UPDATE_CYCLES: u32 = 20;
 const POWER_CYCLES: u32 = 60;
-const WAITING_CYCLES: u32 = 35;
+const WAITING_CYCLES: u32 = 50;
 const BAND_CYCLES: u32 = 60;
-const AMPLITUDE_CYCLES: u32 = 25;
-const EDGE_CYCLES: u32 = 75;
 const PAIR_CYCLES: u32 = 92;
 
 impl Job {
     pub(super) fn new(wave: Wave, frame: (usize, Shape), when: When, bands: usize) -> Self {
         let points = wave.points() as u32;
-        let of_band = BAND_CYCLES
-            + EDGE_CYCLES
-            + if let When::AfterStrike(_) = when { UPDATE_CYCLES + WAITING_CYCLES } else { 0 };
+        let of_band = BAND_CYCLES + if let When::AfterStrike(_) = when { UPDATE_CYCLES + WAITING_CYCLES } else { 0 };
         let left = bands as u32 * of_band
-            + points * AMPLITUDE_CYCLES
+            + amplitude_cycles(wave.points(), bands)
             + points / 2 * PAIR_CYCLES
             + fourier::cycles(wave.points());
         let common = Common { power: 0.0, gain: 1.0, per_frame: 1.0 };
@@ -72,12 +68,12 @@ impl Job {
     pub(super) fn set_common(&mut self, bands: &Bands, common: Common) {
         self.common = common;
         self.owed = bands.count() as u32 * BAND_CYCLES;
-        self.step = Step::Amplitudes(0, bands.lowest());
+        self.step = Step::Amplitudes(bands.lowest());
     }
 
     /// Energy of a strike that the bands did not know of when they were brought up to date.
     pub(super) fn add_late(&mut self, energy: f32) {
-        if !matches!(self.step, Step::Bands(_) | Step::Update { .. }) {
+        if !matches!(self.step, Step::Bands(_) | Step::Update { .. } | Step::Waiting) {
             self.late += energy;
         }
     }
@@ -94,6 +90,8 @@ impl Job {
         let points = spectrum.len();
         let share = if slices > 1 { self.left / slices } else { u32::MAX };
         let mut spent = core::mem::take(&mut self.owed);
+        // What cannot be cut is left to the next tick where it does not fit.
+        let fits = |spent: u32, cycles: u32| spent == 0 || spent.saturating_add(cycles) <= share;
         while spent < share {
             let room = share - spent;
             match &mut self.step {
@@ -103,23 +101,29 @@ impl Job {
                     spent += (to - *from) as u32 * UPDATE_CYCLES + sounding as u32 * POWER_CYCLES;
                     *from = to;
                     if to == bands.count() {
-                        bands.add_waiting(&core::mem::replace(waiting, [0.0; WAITING]));
-                        spent += to as u32 * WAITING_CYCLES;
-                        self.step = Step::Frame;
+                        self.step = Step::Waiting;
                     }
                 }
+                Step::Waiting => {
+                    let cycles = bands.count() as u32 * WAITING_CYCLES;
+                    if !fits(spent, cycles) {
+                        break;
+                    }
+                    bands.add_waiting(&core::mem::replace(waiting, [0.0; WAITING]));
+                    spent += cycles;
+                    self.step = Step::Frame;
+                }
                 Step::Frame => {
+                    if !fits(spent, bands.count() as u32 * BAND_CYCLES) {
+                        break;
+                    }
                     let common = bands.ready(None, self.frame);
                     self.set_common(bands, common);
                     spent += core::mem::take(&mut self.owed);
                 }
-                Step::Amplitudes(from, cursor) => {
-                    // Few at a time: how many bands they cross is seen afterwards.
-                    let (to, before) = (points.min(*from + 4), cursor.band());
-                    bands.fill_amplitudes(spectrum, *from, to, cursor);
-                    spent += (to - *from) as u32 * AMPLITUDE_CYCLES + (cursor.band() - before) as u32 * EDGE_CYCLES;
-                    *from = to;
-                    if to == points {
+                Step::Amplitudes(cursor) => {
+                    spent += bands.fill_amplitudes(spectrum, cursor, room);
+                    if cursor.lines() == points {
                         fourier::fill_middle(spectrum, lines(noise));
                         self.step = Step::Lines(1);
                     }

@@ -125,7 +125,7 @@ impl Shaper {
         let common = self.bands.ready_onset();
         self.onset_per_frame = common.per_frame;
         let mut spectrum = [[0.0; 2]; ONSET_POINTS];
-        self.bands.fill_amplitudes(&mut spectrum, 0, ONSET_POINTS, &mut self.bands.lowest());
+        self.bands.fill_amplitudes(&mut spectrum, &mut self.bands.lowest(), u32::MAX);
         for (amplitude, line) in self.onset.iter_mut().zip(spectrum) {
             *amplitude = line[0];
         }
