@@ -8,6 +8,9 @@ use dsp_core::noise::Sfc32;
 use dsp_core::residual::{BandLaw, Shaper};
 use dsp_core::resonator::TICK_FRAMES;
 
+/// Rms below which noise ends: -110 dBFS.
+pub const SILENCE: f32 = 3.162_277_7e-6;
+
 /// How the edges of bands are spaced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spacing {
@@ -42,7 +45,7 @@ pub fn reference_bands(bands: &[BandLaw]) -> Vec<reference::residual::Band> {
 /// A stage with its bands, at 48 kHz.
 pub fn shaper(bands: &[BandLaw], seed: u32) -> Box<Shaper> {
     let mut shaper = Box::new(Shaper::NONE);
-    shaper.load(bands.iter().copied(), SampleRate::HZ_48000, Sfc32::new(seed, 0), 10f32.powf(-110.0 / 20.0));
+    shaper.load(bands.iter().copied(), SampleRate::HZ_48000, Sfc32::new(seed, 0), SILENCE);
     shaper
 }
 
