@@ -1,7 +1,7 @@
 //! The bands: how much energy each has, how it decays, and what spectrum a frame needs for it.
 
 use super::fourier::Complex;
-use super::square_root::square_root;
+use super::square_root::{exact_root, square_root};
 use crate::SampleRate;
 use crate::exponential;
 use crate::noise::DEVIATION;
@@ -301,9 +301,9 @@ pub(super) struct Cursor {
 impl Common {
     fn of(power: f32, quarter: f32, shape: Shape, number: usize) -> Self {
         // A quarter of the wave of that number has 32 · 2^number samples; the amplitude is the root of the energy.
-        let mut per_frame = square_root(quarter);
+        let mut per_frame = exact_root(quarter);
         for _ in 0..5 + number {
-            per_frame = square_root(per_frame);
+            per_frame = exact_root(per_frame);
         }
         Self { power, gain: 1.0 / square_root(shape.energy(quarter)), per_frame: per_frame.min(1.0) }
     }
