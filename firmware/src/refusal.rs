@@ -210,7 +210,11 @@ impl defmt::Format for Bank {
                 origins
             ),
             BankError::TooManyBanks => {
-                defmt::write!(f, "more than the {=usize} banks (objects, and strikers with modes) that this board has room for", banks)
+                defmt::write!(
+                    f,
+                    "more than the {=usize} banks (objects, and strikers with modes) that this board has room for",
+                    banks
+                )
             }
             BankError::DecayTooFast { mode, decay_per_s } => defmt::write!(
                 f,

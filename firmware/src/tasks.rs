@@ -11,7 +11,7 @@ use crate::faults::{self, Fault};
 use crate::{counters, watchdog};
 
 /// How often the log looks for lines, ms.
-const LOG_EVERY_MS: u64 = 2;
+const LOG_EVERY_MS: u64 = 8;
 /// How often the watchdog may be fed, ms.
 const FEED_EVERY_MS: u64 = 20;
 /// How often the meter is set, ms.

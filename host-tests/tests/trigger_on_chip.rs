@@ -30,15 +30,18 @@ fn the_chip_finds_the_same_strikes_as_the_pc_bit_for_bit() {
 }
 
 #[test]
-fn a_silent_channel_costs_at_most_36_cycles_a_sample_and_the_worst_struck_block_180() {
+fn a_silent_channel_costs_at_most_20_cycles_a_sample_and_the_worst_struck_block_180() {
     let mut chip = TriggerOnChip::new(false).unwrap();
     println!("state of {CHANNELS} channels: {} bytes", chip.state_bytes().unwrap());
     let block = 32;
+    // Offset, hum and noise are learnt first.
+    let silence = vec![[2048u16, 2047, 2049, 2050]; 4800];
+    chip.process(&silence[..768]).unwrap();
+    chip.process(&silence[..768]).unwrap();
     // Half a second of the crosstalk scene, loud and quiet.
     let scene = scenes(3, 1).into_iter().find(|scene| scene.name == "crosstalk at -20 dB").expect("a scene");
     let counts = scene.counts();
-    let silence = vec![[2048u16, 2047, 2049, 2050]; 4800];
-    for (what, counts, limit) in [("silent", &silence[..], 36.0), ("struck", &counts[9600..33_600], 180.0)] {
+    for (what, counts, limit) in [("silent", &silence[..], 20.0), ("struck", &counts[9600..33_600], 180.0)] {
         let mut worst = 0.0f64;
         let (mut sum, mut blocks) = (0.0, 0.0);
         for frames in counts.chunks_exact(block) {

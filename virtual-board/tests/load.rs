@@ -7,8 +7,8 @@ mod hits;
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
-use hits::signal;
-use virtual_board::{Board, CycleCase, Setup};
+use hits::{SIGNAL_HZ, signal};
+use virtual_board::{Board, CycleCase, PiezoSignal, Report, Setup};
 
 #[test]
 fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
@@ -19,13 +19,78 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
         });
         let setup = Setup { cycles: CycleCase::Worst, flash_waits: true, piezos: piezos.collect(), ..Setup::default() };
         let report = common::run(board, &setup, 1.2).report().unwrap();
-        println!("{}: worst load {:?}, idle {:.1} %", board.name(), report.audio.worst_load, 100.0 * report.idle_share);
+        let load = report.audio.worst_load.unwrap() / deadline(board);
+        println!(
+            "{}: the dearest half took {:.1} % of the time to its deadline, idle {:.1} %",
+            board.name(),
+            100.0 * load,
+            100.0 * report.idle_share
+        );
+        assert!(load <= 0.95, "{}: {load:.3} of the time to the deadline", board.name());
         assert!(
             !report.log.iter().any(|line| line.message.contains("missed") && line.level == "warn"),
             "{:#?}",
             report.log
         );
         assert_eq!(report.audio.late_halves, 0, "{}", board.name());
+    }
+}
+
+/// The time from an interrupt to the first frame that it renders, of a half (`LEAD_FRAMES` of the firmware's boards).
+fn deadline(board: Board) -> f64 {
+    let lead_frames = match board {
+        Board::Stm32f407gDisc1 => 26.0,
+        Board::BlackpillF411 => 30.0,
+    };
+    lead_frames / 32.0
+}
+
+/// The share of the time in which the core is awake, 0.5 to 1 s after the start.
+fn busy(board: Board, setup: &Setup) -> f64 {
+    let mut running = common::run(board, setup, 0.5);
+    let before = running.report().unwrap();
+    running.run_until(1.0).unwrap();
+    let after = running.report().unwrap();
+    assert!(after.log.iter().all(|line| !line.message.starts_with("event ")), "{:#?}", after.log);
+    let spent = |report: &Report, name: &str| {
+        report.functions.iter().find(|function| function.name == name).map_or(0, |function| function.nominal_cycles)
+    };
+    let cycles = (after.cycles - before.cycles) as f64;
+    let mut functions: Vec<(&str, u64)> = (after.functions.iter())
+        .map(|function| (function.name.as_str(), function.nominal_cycles - spent(&before, &function.name)))
+        .collect();
+    functions.sort_by_key(|&(_, cycles)| std::cmp::Reverse(cycles));
+    for (name, spent) in functions.iter().take(6) {
+        println!("  {:6.3} % {name}", 100.0 * *spent as f64 / cycles);
+    }
+    1.0 - (after.idle_cycles - before.idle_cycles) as f64 / cycles
+}
+
+#[test]
+fn a_silent_board_with_armed_triggers_is_busy_for_at_most_a_twentieth_of_its_time() {
+    // Half a count rms of noise, twelve uniform numbers each, and 2 counts of hum.
+    let mut random = 1u32;
+    let mut noise = || {
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(random >> 8) / f64::from(1 << 24) - 0.5
+    };
+    let mut at_rest = |piezo| {
+        let counts = (0..48_000).map(|n| {
+            let hum = 2.0 * (std::f64::consts::TAU * 50.0 * f64::from(n) / SIGNAL_HZ).sin();
+            ((hum + 0.5 * (0..12).map(|_| noise()).sum::<f64>()) / 2048.0) as f32
+        });
+        PiezoSignal { piezo, start_s: 0.0, rate_hz: SIGNAL_HZ, samples: counts.collect() }
+    };
+    let quiet = Setup { piezos: (0..4).map(&mut at_rest).collect(), ..Setup::default() };
+    for board in Board::ALL {
+        let (silent, quiet) = (busy(board, &Setup::default()), busy(board, &quiet));
+        println!(
+            "{}: busy for {:.2} % of its time in silence, {:.2} % with noise of 0.5 counts rms and hum of 2 counts",
+            board.name(),
+            100.0 * silent,
+            100.0 * quiet
+        );
+        assert!(silent <= 0.05 && quiet <= 0.05, "{}: {silent}, {quiet}", board.name());
     }
 }
 

@@ -3,13 +3,16 @@
 mod common;
 #[path = "common/hits.rs"]
 mod hits;
+#[path = "common/played.rs"]
+mod played;
 #[path = "common/replay.rs"]
 mod replay;
 
 use dsp_core::event::Action;
 use dsp_core::table::Kit;
 use hits::signal;
-use replay::{assert_same_bits, events, rate, strikes};
+use played::{events, rate};
+use replay::{assert_same_bits, strikes};
 use virtual_board::{Board, Press, Setup};
 
 /// Ten seconds of typical playing: four piezos, 20 dB of velocity, rolls, flams, and the button.

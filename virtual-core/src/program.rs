@@ -53,6 +53,7 @@ fn run_cargo(manifest: &Path, binary: &str, arguments: &[&str]) -> Result<Vec<u8
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.args(["build", "--release", "--locked", "--target", TARGET, "--manifest-path"]).arg(manifest);
     cargo.arg("--target-dir").arg(&folder).args(["--bin", binary]).args(arguments);
+    cargo.args(["--config", &remapping(manifest)]);
     // The flags, wrappers and profile of the outer cargo call are for the PC.
     for (variable, _) in std::env::vars_os() {
         let variable = variable.to_string_lossy();
@@ -69,6 +70,21 @@ fn run_cargo(manifest: &Path, binary: &str, arguments: &[&str]) -> Result<Vec<u8
     }
     let path = folder.join(TARGET).join("release").join(binary);
     std::fs::read(&path).map_err(|source| BuildError::Program { path, source })
+}
+
+/// A cargo setting that keeps the place of the sources out of the program: messages that name a file would otherwise be longer or shorter, and
+/// all that lies behind them in flash would move.
+fn remapping(manifest: &Path) -> String {
+    let crates = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    let crates = crates.or_else(|| Some(std::env::home_dir()?.join(".cargo")));
+    let package = manifest.parent().and_then(|folder| folder.canonicalize().ok());
+    let project = package.as_deref().and_then(Path::parent).map(Path::to_owned);
+    let folders = [(crates, "cargo"), (project, "project")];
+    let flags = folders.iter().filter_map(|(folder, name)| {
+        let folder = folder.as_ref()?.to_str()?;
+        Some(format!("'--remap-path-prefix={folder}={name}'"))
+    });
+    format!("target.{TARGET}.rustflags=[{}]", flags.collect::<Vec<_>>().join(","))
 }
 
 /// The name of the package, which is also that of its only binary unless it says otherwise.

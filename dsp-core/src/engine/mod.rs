@@ -188,6 +188,16 @@ impl<
         self.flight.count() == 0 && !is_ringing(&self.banks) && self.noises() == 0
     }
 
+    /// Lets a tick of silence pass without a block to write to: what rendering it without events and direct force would do, but for the report.
+    /// `false`, and nothing done, where something sounds or a tick is under way.
+    pub fn pass_silent_tick(&mut self) -> bool {
+        let passes = self.idle && self.now.is_multiple_of(TICK_FRAMES as u64);
+        if passes {
+            self.now += TICK_FRAMES as u64;
+        }
+        passes
+    }
+
     /// Renders a block of 24-bit stereo samples. See [`render_observed`](Self::render_observed).
     ///
     /// # Errors
@@ -288,10 +298,11 @@ impl<
             let Some((now, later)) = core::mem::take(&mut out).split_at_mut_checked(length) else { break };
             let direct_now =
                 direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(..length)? }));
-            if self.budget.is_some() && !(counted && length as u64 == to_tick) {
+            let passes_idle = self.idle && direct_now.is_none();
+            if self.budget.is_some() && !passes_idle && !(counted && length as u64 == to_tick) {
                 self.count_run(length as u32, direct_now);
             }
-            if self.idle && direct_now.is_none() {
+            if passes_idle {
                 self.report.pass_idle(self.unstruck_modes, self.modes_built, length);
             } else {
                 self.render_run(direct_now, now);

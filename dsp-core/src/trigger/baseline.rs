@@ -85,21 +85,22 @@ impl Baseline {
         if listening {
             // 32 samples, so that the sum is a mean in Q5 counts.
             let mean = sum << 3;
-            let expected = self.hum.iter().fold(self.offset, |sum, hum| sum.wrapping_add(hum.v)) >> FINE;
+            let [first, second] = &mut self.hum;
+            let expected = self.offset.wrapping_add(first.v).wrapping_add(second.v) >> FINE;
             let error = mean.wrapping_sub(expected).clamp(-CLIP, CLIP) << FINE;
             // Bounded by the input: the offset follows the mean, an oscillator takes at most CLIP/16 a tick and leaks through the error.
             self.offset = self.offset.wrapping_add(error >> OFFSET_SHIFT).clamp(0, i32::from(LAST_COUNT) << (8 + FINE));
-            for hum in &mut self.hum {
-                hum.v = hum.v.wrapping_add(error >> HUM_SHIFT).clamp(-HUM_LIMIT, HUM_LIMIT);
-            }
+            let pulled = |v: i32| v.wrapping_add(error >> HUM_SHIFT).clamp(-HUM_LIMIT, HUM_LIMIT);
+            (first.v, second.v) = (pulled(first.v), pulled(second.v));
         }
-        let mut end_twice = self.offset.wrapping_mul(2);
-        for (hum, &coefficient) in self.hum.iter_mut().zip(&turn.coefficient) {
+        // The middle between two ticks' middles is the end of the one.
+        let turned_twice = |hum: &mut Oscillator, coefficient: i32| {
             *hum = hum.turned(coefficient);
-            let next = hum.turned(coefficient);
-            // The middle between two ticks' middles is the end of the one.
-            end_twice = end_twice.wrapping_add(hum.v).wrapping_add(next.v);
-        }
+            hum.v.wrapping_add(hum.turned(coefficient).v)
+        };
+        let ([first, second], [of_first, of_second]) = (&mut self.hum, turn.coefficient);
+        let hum_twice = turned_twice(first, of_first).wrapping_add(turned_twice(second, of_second));
+        let end_twice = self.offset.wrapping_mul(2).wrapping_add(hum_twice);
         // A ramp over the next tick to where the observer expects to be at its end; what the shift cuts off, the next ramp makes up for.
         let target = end_twice >> (FINE + 1);
         self.slope = target.wrapping_sub(self.level) >> 5;

@@ -11,6 +11,7 @@ use super::config::ChannelConfig;
 use super::mask::{Mask, OVER_Q8};
 use super::noise::NoiseFloor;
 use super::report::Fault;
+use super::rest::{Band, TAP_FRAMES};
 use super::scan::Scan;
 use super::{COUNT, TICK_FRAMES};
 
@@ -32,6 +33,10 @@ const HIGH_RAIL: i32 = 32 * 4080;
 /// where the envelope leaves 1.5 times the mean.
 const NOISE_LEVEL_Q8: i32 = 614;
 const NOISE_FOOT_Q8: i32 = 384;
+/// A resting channel's samples are no farther from the baseline than so many times the noise's mean, in 1/256 (4.5), and half a count.
+const REST_NOISE_Q8: i32 = 1152;
+/// Samples of a resting tick that are measured.
+const TAPS: i32 = TICK_FRAMES as i32 / TAP_FRAMES as i32;
 /// By how much an onset must leave the mask's level, in 1/256.
 const MASK_FOOT_Q8: i32 = 272;
 /// What peaks are remembered for crosstalk: decays by 1/32 a tick, 21 ms.
@@ -51,8 +56,13 @@ pub(super) struct Channel {
     foot_frame: u32,
     /// The largest magnitude since: some strikes are loudest in their first sample, before they are noticed.
     rise_peak: i32,
-    /// The largest envelope of the tick so far, while something rings.
+    /// The largest envelope of the tick so far.
     tick_envelope: i32,
+    /// Whether samples within the band move nothing.
+    pub(super) is_resting: bool,
+    pub(super) band: Band,
+    /// Sum of the magnitudes of a resting tick's samples that are measured.
+    rest_magnitude: i32,
     /// Sum of the tick's samples so far, in counts.
     sum: i32,
     /// The strike that is being scanned.
@@ -78,6 +88,9 @@ impl Channel {
         foot_frame: 0,
         rise_peak: 0,
         tick_envelope: 0,
+        is_resting: false,
+        band: Band::NONE,
+        rest_magnitude: 0,
         sum: 0,
         scan: Scan::NONE,
         is_scanning: false,
@@ -96,20 +109,53 @@ impl Channel {
         now: u32,
         config: &ChannelConfig,
     ) {
-        let mut at = 0;
-        if !self.is_scanning && !self.mask.is_loud() && self.envelope <= self.foot_level {
-            at = self.stay_below_foot(frames, index);
-            self.rise_peak = 0;
-            self.foot_frame = now.wrapping_add(at as u32).wrapping_sub(1);
-        }
+        let at = if self.is_resting { self.rest(frames, index, now) } else { 0 };
         if at < frames.len() {
-            self.run_above_foot(frames.get(at..).unwrap_or(&[]), index, now.wrapping_add(at as u32), config);
+            self.follow(frames.get(at..).unwrap_or(&[]), index, now.wrapping_add(at as u32), config);
         }
     }
 
-    /// The rest of a tick in which something happens or rings.
+    /// Takes frames while they lie in the band, and gives their number; the first that leaves it is not taken.
+    ///
+    /// One sample after the other: [`rest::pass`](super::rest::pass) does the same for all at once.
     #[inline(never)]
-    fn run_above_foot<const CHANNELS: usize>(
+    fn rest<const CHANNELS: usize>(&mut self, frames: &[[u16; CHANNELS]], index: usize, now: u32) -> usize {
+        let band = self.band;
+        let inside = samples(frames, index).take_while(|&raw| band.holds(raw));
+        let (count, sum) = inside.fold((0, 0), |(count, sum): (usize, i32), raw| (count + 1, sum + i32::from(raw)));
+        self.rest_through(frames.get(..count).unwrap_or(&[]), index, sum, now);
+        if count < frames.len() {
+            self.is_resting = false;
+            self.foot_frame = now.wrapping_add(count as u32).wrapping_sub(1);
+            self.rise_peak = 0;
+        }
+        count
+    }
+
+    /// Takes frames that are all in the band, with their sum; the first is number `now`.
+    #[inline(always)]
+    pub(super) fn rest_through<const CHANNELS: usize>(
+        &mut self,
+        frames: &[[u16; CHANNELS]],
+        index: usize,
+        sum: i32,
+        now: u32,
+    ) {
+        let Baseline { level, slope, .. } = self.baseline;
+        let mut tap = (TAP_FRAMES - 1 - now % TAP_FRAMES) as usize;
+        while let Some(frame) = frames.get(tap) {
+            let raw = frame.get(index).copied().unwrap_or(0);
+            let x = condition(raw, level.wrapping_add(slope.wrapping_mul(tap as i32)));
+            self.rest_magnitude = self.rest_magnitude.wrapping_add(x.wrapping_abs());
+            tap += TAP_FRAMES as usize;
+        }
+        self.sum = self.sum.wrapping_add(sum);
+        self.baseline.level = level.wrapping_add(slope.wrapping_mul(frames.len() as i32));
+    }
+
+    /// Takes frames of a tick in which something happens or rings.
+    #[inline(never)]
+    fn follow<const CHANNELS: usize>(
         &mut self,
         frames: &[[u16; CHANNELS]],
         index: usize,
@@ -131,35 +177,6 @@ impl Channel {
                 self.rise_peak = self.rise_peak.max(x.wrapping_abs());
             }
         }
-    }
-
-    /// Takes frames while the envelope stays at or below the foot, and gives their number; the first that leaves it is not taken.
-    ///
-    /// The hot loop, all that a silent channel costs: not inlined, so that it has all registers to itself.
-    #[inline(never)]
-    fn stay_below_foot<const CHANNELS: usize>(&mut self, frames: &[[u16; CHANNELS]], index: usize) -> usize {
-        let Self { mut envelope, foot_level, mut sum, .. } = *self;
-        let Baseline { level, slope, .. } = self.baseline;
-        // Negative, so that shift and subtraction are one instruction.
-        let mut bias = level.wrapping_neg();
-        let mut taken = frames.len();
-        // Known here, the compiler need not ask at every sample.
-        if index < CHANNELS {
-            for (at, frame) in frames.iter().enumerate() {
-                let raw = frame.get(index).copied().unwrap_or(0);
-                let next = follow(envelope, (i32::from(raw) << 8).wrapping_add(bias));
-                if next > foot_level {
-                    taken = at;
-                    break;
-                }
-                envelope = next;
-                bias = bias.wrapping_sub(slope);
-                sum = sum.wrapping_add(i32::from(raw));
-            }
-        }
-        self.baseline.level = bias.wrapping_neg();
-        (self.envelope, self.sum) = (envelope, sum);
-        taken
     }
 
     /// A strike was noticed in the frame before `now`.
@@ -193,27 +210,76 @@ impl Channel {
     /// The end of an absolute tick. `Some` where a fault was found (inner `Some`) or is over.
     #[inline(never)]
     pub(super) fn tick(&mut self, config: &ChannelConfig, turn: &MainsTurn) -> Option<Option<Fault>> {
+        if self.is_resting
+            && self.mask.is_gone()
+            && self.masked_ticks == 0
+            && (LOW_RAIL + 1..HIGH_RAIL).contains(&self.sum)
+        {
+            self.rest_on(config, turn);
+            None
+        } else {
+            self.tick_at_large(config, turn)
+        }
+    }
+
+    /// What [`tick_at_large`](Self::tick_at_large) does for a channel that has rested for the whole tick, is far from a rail, and has no mask left.
+    #[inline(always)]
+    fn rest_on(&mut self, config: &ChannelConfig, turn: &MainsTurn) {
+        self.rail_ticks = 0;
+        self.baseline.tick(core::mem::take(&mut self.sum), true, turn);
+        self.hold = self.hold.wrapping_sub(self.hold >> HOLD_SHIFT);
+        let noise = self.noise.mean();
+        self.noise.rest(core::mem::take(&mut self.rest_magnitude) / TAPS);
+        if self.noise.mean() != noise {
+            let noise = self.noise.mean();
+            self.onset_level = config.threshold_envelope.max(scale_q8(noise, NOISE_LEVEL_Q8));
+            self.foot_level = scale_q8(noise, NOISE_FOOT_Q8) + COUNT / 2;
+            (self.envelope, self.tick_envelope) = (noise, noise);
+        }
+        self.set_band(config);
+    }
+
+    #[inline(never)]
+    fn tick_at_large(&mut self, config: &ChannelConfig, turn: &MainsTurn) -> Option<Option<Fault>> {
         let sum = core::mem::take(&mut self.sum);
         let changed = self.watch_rails(sum);
         self.baseline.tick(sum, !self.is_scanning && self.fault.is_none(), turn);
         self.warm_up_ticks = self.warm_up_ticks.saturating_sub(1);
         self.masked_ticks = self.masked_ticks.saturating_sub(1);
         self.hold = self.hold.wrapping_sub(self.hold >> HOLD_SHIFT);
-        if !self.is_scanning {
+        let magnitude = core::mem::take(&mut self.rest_magnitude) / TAPS;
+        if self.is_resting {
+            self.noise.rest(magnitude);
+        } else if !self.is_scanning {
             self.noise.tick(self.envelope, self.warm_up_ticks > 0);
         }
-        let quiet = config.threshold_envelope.max(scale_q8(self.noise.mean(), NOISE_LEVEL_Q8));
+        let noise = self.noise.mean();
+        let quiet = config.threshold_envelope.max(scale_q8(noise, NOISE_LEVEL_Q8));
+        let noise_foot = scale_q8(noise, NOISE_FOOT_Q8) + COUNT / 2;
         let envelope = core::mem::replace(&mut self.tick_envelope, self.envelope).max(self.envelope);
-        self.mask.tick(envelope, quiet, config.mask_decay);
-        let mask = self.mask.level();
+        self.mask.tick(envelope, noise_foot, config.mask_decay);
         let deaf = self.masked_ticks > 0 || self.warm_up_ticks > 0 || self.fault.is_some();
         if deaf {
             self.rise_peak = 0;
         }
-        self.onset_level = if deaf { DEAF } else { quiet.max(scale_q8(mask, OVER_Q8)) };
-        self.foot_level =
-            (scale_q8(self.noise.mean(), NOISE_FOOT_Q8) + COUNT / 2).max(scale_q8(self.mask.crest(), MASK_FOOT_Q8));
+        self.onset_level = if deaf { DEAF } else { quiet.max(scale_q8(self.mask.level(), OVER_Q8)) };
+        self.foot_level = noise_foot.max(scale_q8(self.mask.crest(), MASK_FOOT_Q8));
+        let is_calm = !self.is_scanning && !self.mask.is_loud() && self.envelope <= self.foot_level;
+        let may_rest = self.warm_up_ticks == 0 && self.fault.is_none() && config.direct_gain_q16.is_none();
+        self.is_resting = is_calm && may_rest;
+        if self.is_resting {
+            (self.envelope, self.tick_envelope) = (noise, noise);
+            self.set_band(config);
+        }
         changed
+    }
+
+    /// The band of the tick that begins.
+    #[inline(always)]
+    fn set_band(&mut self, config: &ChannelConfig) {
+        let Baseline { level, slope, .. } = self.baseline;
+        let noise = scale_q8(self.noise.mean(), REST_NOISE_Q8) + COUNT / 2;
+        self.band = Band::of_tick(level, slope, noise, config.threshold_peak >> 9);
     }
 
     fn watch_rails(&mut self, sum: i32) -> Option<Option<Fault>> {
@@ -271,7 +337,7 @@ impl Channel {
         self.hold = self.recent_peak();
         let envelope = if self.is_scanning { self.scan.envelope } else { self.envelope };
         self.mask.struck(envelope);
-        self.is_scanning = false;
+        (self.is_scanning, self.is_resting) = (false, false);
         self.masked_ticks = if was_strike { config.masked_ticks } else { 0 };
         self.rise_peak = 0;
         self.onset_level = DEAF;

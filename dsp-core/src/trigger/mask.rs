@@ -62,14 +62,19 @@ impl Mask {
         self.crest
     }
 
+    /// Whether neither the past nor a strike masks anything.
+    pub(super) fn is_gone(&self) -> bool {
+        self.loud_ticks == 0 && self.decaying == 0
+    }
+
     /// Whether the past is loud enough to matter.
     pub(super) fn is_loud(&self) -> bool {
         self.loud_ticks > 0
     }
 
-    /// The end of a tick with its largest envelope; below half of `quiet` the past is not worth looking at.
-    pub(super) fn tick(&mut self, envelope: i32, quiet: i32, decay: MaskDecay) {
-        if self.loud_ticks == 0 && self.decaying == 0 && envelope <= quiet >> 1 {
+    /// The end of a tick with its largest envelope; as long as that is above the noise's foot, the past says what still rings.
+    pub(super) fn tick(&mut self, envelope: i32, noise_foot: i32, decay: MaskDecay) {
+        if self.is_gone() && envelope <= noise_foot {
             return;
         }
         // Envelopes have 24 bits at most and losses 16: the product is taken in 64.
@@ -79,7 +84,7 @@ impl Mask {
         if let Some(slot) = self.past.get_mut(self.newest) {
             *slot = envelope;
         }
-        self.loud_ticks = if envelope > quiet >> 1 { PAST_TICKS as u16 } else { self.loud_ticks.saturating_sub(1) };
+        self.loud_ticks = if envelope > noise_foot { PAST_TICKS as u16 } else { self.loud_ticks.saturating_sub(1) };
         // A strike must not mask its own rise: the follower takes the envelope late.
         let late = self.past.get(self.newest.wrapping_sub(CREST_TICKS.start) % PAST_TICKS).copied().unwrap_or(0);
         if self.loud_ticks > 0 {

@@ -15,6 +15,7 @@
 //! | --- | --- | --- |
 //! | conditioning | takes away offset, drift and mains hum | `baseline` |
 //! | onset | full-wave envelope above threshold, noise floor and mask; dated back to where it left the floor | `channel`, `noise` |
+//! | rest | what stays in the noise's band moves nothing, and costs next to nothing | `rest` |
 //! | retrigger cancellation | a mask that decays from the strike's peak and follows a long ring | `mask` |
 //! | scan | interpolated peak over the scan time | `scan` |
 //! | decision | second sensor, crosstalk, velocity curve | `decide`, `crosstalk`, `curve` |
@@ -27,13 +28,13 @@
 //! On the generated set of `host-tests` (`cargo test -p host-tests --test trigger_quality -- --nocapture`; noise to 3 counts rms, hum to 10
 //! counts, rings of 200 Hz to 8 kHz that fall to 1/e in 5 to 60 ms): of 1200 strikes 99.7 % found, none false or double, velocity within
 //! 1 dB for 97.4 %. What is lost are second strokes of flams into a long ring of the same pad, whose phases may cancel: there 1 in 100 is missed
-//! and 1 in 16 is over 1 dB off. The twin in `reference` finds the same strikes, velocities within 0.11 dB.
+//! and 1 in 16 is over 1 dB off. The twin in `reference` finds the same strikes, velocities within 0.10 dB.
 //!
 //! Decided 1.48 to 1.52 ms after the onset over 40 dB of one wave, jitter 0.02 to 0.03 ms over 1000 offsets; a tenth of a direct force's peak is
 //! there after 0.10 ms (`--test trigger_timing`).
 //!
-//! Cycles of a Cortex-M4 (nominal) a channel and sample, blocks of 32 frames, four channels: silent 33, in a scene of strikes on all pads 54 on
-//! average and 157 in the worst block; the resampler 86 a sample; 848 bytes of state (`--test trigger_on_chip`). Blocks that are
+//! Cycles of a Cortex-M4 (nominal) a channel and sample, blocks of 32 frames, four channels: silent 17, in a scene of strikes on all pads 50 on
+//! average and 171 in the worst block; the resampler 86 a sample; 920 bytes of state (`--test trigger_on_chip`). Blocks that are
 //! multiples of 32 frames cost least.
 //!
 //! # Use
@@ -87,6 +88,7 @@ mod mask;
 mod noise;
 mod report;
 mod resampler;
+mod rest;
 mod scan;
 mod settings;
 
@@ -137,6 +139,10 @@ pub struct Trigger<const CHANNELS: usize> {
     lanes: [Option<Lane>; CHANNELS],
     turn: MainsTurn,
     now: u64,
+    /// A bit for each lane that is there.
+    heard: u32,
+    /// Whether all of those rested at the last tick or decision, and have since.
+    all_rest: bool,
 }
 
 impl<const CHANNELS: usize> Trigger<CHANNELS> {
@@ -149,7 +155,8 @@ impl<const CHANNELS: usize> Trigger<CHANNELS> {
         if !(MIN_RATE_HZ..=MAX_RATE_HZ).contains(&rate.hz()) {
             return Err(TriggerError::Rate { rate });
         }
-        let mut trigger = Self { lanes: [None; CHANNELS], turn: MainsTurn::new(rate), now: 0 };
+        let mut trigger =
+            Self { lanes: [None; CHANNELS], turn: MainsTurn::new(rate), now: 0, heard: 0, all_rest: false };
         for (pad, settings) in (0..=u8::MAX).zip(pads) {
             let (head, rim) = config::derive(pad, &settings, rate)?;
             if settings.mode != Mode::Off {
@@ -175,6 +182,7 @@ impl<const CHANNELS: usize> Trigger<CHANNELS> {
             Some(Some(_)) => Err(TriggerError::SharedChannel { pad: config.pad, channel }),
             Some(lane) => {
                 *lane = Some(Lane::new(config));
+                self.heard |= 1 << channel;
                 Ok(())
             }
             None => Ok(()),
@@ -211,14 +219,12 @@ impl<const CHANNELS: usize> Trigger<CHANNELS> {
             // Up to the next tick or decision: between them channels know nothing of each other.
             let now = self.now as u32;
             let tick_left = TICK_FRAMES - (self.now % TICK_FRAMES as u64) as usize;
-            let decisions = self.lanes.iter().flatten().filter_map(|lane| decide::frames_left(lane, now));
-            let soonest = decisions.min().map(|frames| frames as usize);
+            let soonest = if self.all_rest { None } else { self.frames_to_decision(now) };
             let length = soonest.map_or(tick_left, |frames| frames.clamp(1, tick_left));
             let (segment, behind) = rest.split_at_checked(length).unwrap_or((rest, &[]));
-            for (index, lane) in self.lanes.iter_mut().enumerate() {
-                if let Some(lane) = lane {
-                    lane.run(segment, index, now, &mut report);
-                }
+            let rested = rest::pass(&mut self.lanes, segment, now);
+            if rested != self.heard {
+                self.run(segment, now, rested, &mut report);
             }
             self.now = self.now.wrapping_add(segment.len() as u64);
             rest = behind;
@@ -231,7 +237,25 @@ impl<const CHANNELS: usize> Trigger<CHANNELS> {
         }
     }
 
+    /// The soonest decision of a scan that is on.
+    fn frames_to_decision(&self, now: u32) -> Option<usize> {
+        let decisions = self.lanes.iter().flatten().filter_map(|lane| decide::frames_left(lane, now));
+        decisions.min().map(|frames| frames as usize)
+    }
+
+    /// Takes a segment in all channels but those whose bit is set in `rested`.
+    #[inline(never)] // its tables must not weigh on silence
+    fn run(&mut self, segment: &[[u16; CHANNELS]], now: u32, rested: u32, report: &mut impl FnMut(Report<'_>)) {
+        self.all_rest = false;
+        for (index, lane) in self.lanes.iter_mut().enumerate() {
+            if let (Some(lane), 0) = (lane, rested >> index & 1) {
+                lane.run(segment, index, now, report);
+            }
+        }
+    }
+
     fn tick(&mut self, report: &mut impl FnMut(Report<'_>)) {
+        self.all_rest = true;
         let frame = self.now;
         for (channel, lane) in (0..=u8::MAX).zip(&mut self.lanes) {
             let Some(lane) = lane else { continue };
@@ -240,9 +264,11 @@ impl<const CHANNELS: usize> Trigger<CHANNELS> {
                 Some(None) => report(Report::Recovered { frame, channel }),
                 None => {}
             }
+            self.all_rest &= lane.channel.is_resting;
         }
     }
 
+    #[inline(never)] // once a strike
     fn decide(&mut self, report: &mut impl FnMut(Report<'_>)) {
         let now = self.now as u32;
         for index in 0..CHANNELS {

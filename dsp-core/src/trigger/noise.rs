@@ -28,6 +28,12 @@ impl NoiseFloor {
         self.quiet_ticks = 0;
     }
 
+    /// The end of a tick at rest with its samples' mean magnitude. Nothing rings: the floor goes where the noise goes.
+    pub(super) fn rest(&mut self, magnitude: i32) {
+        self.quiet_ticks = self.quiet_ticks.saturating_add(1);
+        self.mean_q12 = self.mean_q12.wrapping_add((magnitude << 4).wrapping_sub(self.mean_q12) >> SHIFT);
+    }
+
     /// The end of a tick with its envelope in signal units.
     pub(super) fn tick(&mut self, envelope: i32, warming_up: bool) {
         self.quiet_ticks = self.quiet_ticks.saturating_add(1);

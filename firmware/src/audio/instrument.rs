@@ -32,6 +32,14 @@ pub struct Instrument {
     block: [[i32; 2]; HALF_FRAMES],
 }
 
+/// A half as it will be heard.
+pub struct Half<'a> {
+    /// Samples of 24 bits, left and right.
+    pub frames: &'a [[i32; 2]; HALF_FRAMES],
+    /// The bits that any of their magnitudes has.
+    pub peak_bits: u32,
+}
+
 #[unsafe(link_section = ".hot")]
 static INSTRUMENT: Owned<Instrument> = Owned::empty();
 
@@ -89,11 +97,14 @@ impl Instrument {
     }
 
     /// Renders the next half. `log` is told every event that happened, decisions to leave something out among them, in order.
-    /// `direct` drives its pad for the whole half.
+    /// `direct` drives its pad for the whole half. `None` is silence: nothing sounds and nothing happens.
     #[inline(never)] // as the inputs
-    pub fn render(&mut self, direct: Option<Direct<'_>>, mut log: impl FnMut(&Event)) -> &[[i32; 2]; HALF_FRAMES] {
+    pub fn render(&mut self, direct: Option<Direct<'_>>, mut log: impl FnMut(&Event)) -> Option<Half<'_>> {
         let end = self.engine.now() + HALF_FRAMES as u64;
         let events = self.waiting.before(end);
+        if events.is_empty() && direct.is_none() && self.engine.pass_silent_tick() {
+            return None;
+        }
         let (due, mut told) = (events.len(), 0);
         let rendered = self.engine.render_logged(
             events,
@@ -120,9 +131,13 @@ impl Instrument {
                 }
             }
         }
-        let strikes = events.iter().filter(|event| event.action == Action::Strike).count();
-        counters::STRIKES.add(strikes as u32);
-        self.waiting.pass(due);
-        &self.block
+        if due > 0 {
+            let strikes = events.iter().filter(|event| event.action == Action::Strike).count();
+            counters::STRIKES.add(strikes as u32);
+            self.waiting.pass(due);
+        }
+        let bits = |[left, right]: &[i32; 2]| left.unsigned_abs() | right.unsigned_abs();
+        let peak_bits = self.block.iter().map(bits).fold(0, |all, bits| all | bits);
+        Some(Half { frames: &self.block, peak_bits })
     }
 }

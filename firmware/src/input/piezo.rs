@@ -23,6 +23,8 @@ pub type Frame = [u16; CHANNELS];
 /// Frames of the ring: four halves of the audio buffer.
 pub const RING_FRAMES: usize = 128;
 const COUNTS: usize = RING_FRAMES * CHANNELS;
+/// What the ADC needs from being switched on to its first conversion, us.
+const ADC_WAKES_US: u32 = 4;
 /// DMA2's stream 0, channel 0 serves ADC1.
 const STREAM: usize = 0;
 const DMA_CHANNEL: u8 = 0;
@@ -60,8 +62,8 @@ impl Piezos {
             ADC1.sqr3().modify(|w| w.set_sq(place, channel));
             ADC1.smpr2().modify(|w| w.set_smp(usize::from(channel), SampleTime::CYCLES28));
         }
-        // Switched on long before the first frame: it needs 3 us.
         ADC1.cr2().modify(|w| w.set_adon(true));
+        cortex_m::asm::delay(CLOCKS.core_hz() / 1_000_000 * ADC_WAKES_US);
         TIM3.arr().write(|w| w.set_arr(CLOCKS.adc_period() as u16 - 1));
         TIM3.cr2().modify(|w| w.set_mms(Mms::UPDATE));
         Self { next: 0, _pins: pins }

@@ -36,6 +36,11 @@ impl Baseline {
         self.level += self.slope;
     }
 
+    /// By how much it moves from the beginning of a tick to its middle.
+    pub(super) fn half_tick_ramp(&self) -> f64 {
+        self.slope * TICK_FRAMES as f64 / 2.0
+    }
+
     pub(super) fn tick(&mut self, mean: f64, listening: bool) {
         if listening {
             let expected = self.offset + self.hum.iter().map(|hum| hum.0).sum::<f64>();

@@ -31,11 +31,11 @@ impl Mask {
         self.loud_ticks > 0
     }
 
-    pub(super) fn tick(&mut self, envelope: f64, quiet: f64, decay_per_s: f64, rate_hz: f64) {
+    pub(super) fn tick(&mut self, envelope: f64, noise_foot: f64, decay_per_s: f64, rate_hz: f64) {
         self.level *= (-decay_per_s * TICK_FRAMES as f64 / rate_hz).exp();
         self.past.insert(0, envelope);
         self.past.truncate(PAST_TICKS);
-        self.loud_ticks = if envelope > quiet / 2.0 { LOUD_TICKS } else { self.loud_ticks.saturating_sub(1) };
+        self.loud_ticks = if envelope > noise_foot { LOUD_TICKS } else { self.loud_ticks.saturating_sub(1) };
         self.crest = 0.0;
         if self.is_loud() {
             self.level = self.level.max(self.past[LATE_TICKS]);

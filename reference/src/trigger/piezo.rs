@@ -11,6 +11,10 @@ const OVER_MASK_FOOT: f64 = 1.0625;
 const OVER_NOISE: f64 = 2.4;
 const OVER_NOISE_FOOT: f64 = 1.5;
 const FOOT_COUNTS: f64 = 0.5;
+/// While nothing happens, samples that stay this close to the baseline's middle of the tick move nothing: so many mean magnitudes of the noise and half a
+/// count, and what the baseline moves by in half a tick, in whole counts, but at most half the softest peak. Each so many frames' last is measured.
+const REST_NOISE: f64 = 4.5;
+const REST_TAP_FRAMES: usize = 16;
 /// An onset is at most so many frames before it is noticed.
 const LONGEST_LAG: usize = 24;
 const WARM_UP_TICKS: usize = 47;
@@ -37,6 +41,10 @@ pub(super) struct Piezo {
     pub(super) scan: Option<Scan>,
     envelope: f64,
     tick_envelope: f64,
+    /// Middle and half width of the band in which the channel rests, in counts; `None` while something happens.
+    rest: Option<(f64, f64)>,
+    /// Magnitudes of the tick's samples that are measured.
+    rest_magnitudes: Vec<f64>,
     noise: f64,
     quiet_ticks: usize,
     onset_level: f64,
@@ -60,6 +68,8 @@ impl Piezo {
             scan: None,
             envelope: 0.0,
             tick_envelope: 0.0,
+            rest: None,
+            rest_magnitudes: Vec::new(),
             noise: 0.0,
             quiet_ticks: QUIET_TICKS,
             onset_level: f64::INFINITY,
@@ -82,10 +92,19 @@ impl Piezo {
         let x = f64::from(count) - self.baseline.level;
         self.baseline.step();
         self.sum += f64::from(count);
-        self.envelope += (x.abs() - self.envelope) / 8.0;
-        if self.scan.is_some() || self.mask.is_loud() || self.envelope > self.foot_level {
-            self.tick_envelope = self.tick_envelope.max(self.envelope);
+        if let Some((middle, half)) = self.rest {
+            if (f64::from(count) - middle).abs() <= half {
+                if (frame + 1).is_multiple_of(REST_TAP_FRAMES) {
+                    self.rest_magnitudes.push(x.abs());
+                }
+                return;
+            }
+            self.rest = None;
+            self.foot_frame = frame.saturating_sub(1);
+            self.rise_peak = 0.0;
         }
+        self.envelope += (x.abs() - self.envelope) / 8.0;
+        self.tick_envelope = self.tick_envelope.max(self.envelope);
         if self.scan.is_none() {
             if self.envelope <= self.foot_level {
                 self.foot_frame = frame;
@@ -125,7 +144,12 @@ impl Piezo {
         self.warm_up_ticks = self.warm_up_ticks.saturating_sub(1);
         self.masked_ticks = self.masked_ticks.saturating_sub(1);
         self.hold -= self.hold / 32.0;
-        if self.scan.is_none() {
+        let magnitudes = std::mem::take(&mut self.rest_magnitudes);
+        if self.rest.is_some() {
+            self.quiet_ticks += 1;
+            let mean = magnitudes.iter().sum::<f64>() / magnitudes.len() as f64;
+            self.noise += (mean - self.noise) / 64.0;
+        } else if self.scan.is_none() {
             self.quiet_ticks += 1;
             let error = self.envelope - self.noise;
             if error < 0.0 || self.quiet_ticks > QUIET_TICKS {
@@ -134,14 +158,24 @@ impl Piezo {
         }
         let quiet = (self.settings.threshold * HALF_RANGE_COUNTS / 2.0).max(OVER_NOISE * self.noise);
         let envelope = std::mem::replace(&mut self.tick_envelope, self.envelope).max(self.envelope);
-        self.mask.tick(envelope, quiet, self.settings.mask_decay_per_s, self.rate_hz);
+        let noise_foot = OVER_NOISE_FOOT * self.noise + FOOT_COUNTS;
+        self.mask.tick(envelope, noise_foot, self.settings.mask_decay_per_s, self.rate_hz);
         let is_deaf = self.masked_ticks > 0 || self.warm_up_ticks > 0;
         if is_deaf {
             self.rise_peak = 0.0;
         }
         self.onset_level = if is_deaf { f64::INFINITY } else { quiet.max(OVER_MASK * self.mask.level) };
-        let foot = (OVER_NOISE_FOOT * self.noise + FOOT_COUNTS).max(OVER_MASK_FOOT * self.mask.crest);
-        self.foot_level = foot.min(self.onset_level);
+        self.foot_level = noise_foot.max(OVER_MASK_FOOT * self.mask.crest);
+        let is_calm = self.scan.is_none() && !self.mask.is_loud() && self.envelope <= self.foot_level;
+        self.rest = (is_calm && self.warm_up_ticks == 0).then(|| {
+            let softest = self.settings.threshold * HALF_RANGE_COUNTS;
+            let ramp = self.baseline.half_tick_ramp();
+            let half = (REST_NOISE * self.noise + FOOT_COUNTS + ramp.abs()).ceil();
+            ((self.baseline.level + ramp).round(), half.min((softest / 2.0).floor()).max(1.0))
+        });
+        if self.rest.is_some() {
+            (self.envelope, self.tick_envelope) = (self.noise, self.noise);
+        }
     }
 
     /// The peak of the scan in counts, less what noise adds to it.
@@ -164,6 +198,7 @@ impl Piezo {
         let masked_ticks = mask_frames.saturating_sub(self.scan_frames()) / TICK_FRAMES + 1;
         self.masked_ticks = if was_strike { masked_ticks } else { 0 };
         self.rise_peak = 0.0;
+        self.rest = None;
         self.onset_level = f64::INFINITY;
     }
 }

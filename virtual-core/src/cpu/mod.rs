@@ -35,8 +35,8 @@ pub enum Stepped {
 
 /// A Cortex-M4F that executes one instruction at a time.
 pub trait Core {
-    /// Executes the instruction at the program counter, or enters a pending exception.
-    fn step(&mut self) -> Stepped;
+    /// Executes the instruction at the program counter, or enters a pending exception. `in_block` says whether the instruction may be inside an IT block.
+    fn step(&mut self, in_block: bool) -> Stepped;
     /// The program counter: the next instruction's address.
     fn pc(&self) -> u32;
     /// Sets the program counter, without the Thumb bit.

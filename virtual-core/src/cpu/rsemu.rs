@@ -1,4 +1,6 @@
-//! The crate `rsemu` as our core. One known difference from silicon: the sign and payload of the NaNs that VSUB makes.
+//! The crate `rsemu` as our core. One known difference from silicon: the sign and payload of the NaNs that VSUB makes. Two more are made up for
+//! here (tests/interrupts.rs): its exception frames do not hold the IT state, so that the rest of an interrupted IT block would execute unconditionally;
+//! and it overwrites FPSCR before a lazy frame has kept it, so that a comparison's flags were lost. IT states are kept here, and frames are never lazy.
 
 use std::sync::Arc;
 
@@ -15,6 +17,9 @@ const EXCEPTION_CYCLES: u64 = 7;
 /// Full access to coprocessors 10 and 11: the FPU.
 const CPACR_FPU: u32 = 0xf << 20;
 
+/// FPCCR's bit that lets the FPU's half of an exception frame be written when it is needed: what takes time on silicon takes none here.
+const FPCCR_LSPEN: u32 = 1 << 30;
+
 /// The block of DWT's registers.
 const DWT_ADDRESS: u32 = 0xe000_1000;
 
@@ -29,7 +34,12 @@ pub struct Rsemu {
     exception: u16,
     /// How many are active, the preempted ones included.
     active: u32,
+    /// For each of them the IT state of what it interrupted, as the bits of the status word.
+    interrupted_blocks: Vec<u32>,
 }
+
+/// The number of the exception that SVC calls for.
+const SUPERVISOR_CALL: u16 = 11;
 
 impl Rsemu {
     /// A Cortex-M4F on that address space, which boots from the vector table at `vectors`; it has not executed anything yet.
@@ -38,27 +48,47 @@ impl Rsemu {
         core.attach_space(space);
         // The first step is the reset sequence.
         core.step();
-        Rsemu { core, exception: 0, active: 0 }
+        core.with_sys(|sys| sys.fpccr &= !FPCCR_LSPEN);
+        Rsemu { core, exception: 0, active: 0, interrupted_blocks: Vec::new() }
     }
 
-    /// Whether the step that was just made entered or left an exception.
-    fn exception_changed(&mut self) -> Stepped {
+    /// Whether the step that was just made entered or left an exception; `block` is the IT state before it.
+    fn exception_changed(&mut self, block: u32) -> Stepped {
         let exception = (self.core.xpsr() & xpsr::EXCEPTION) as u16;
         if exception == self.exception {
             return Stepped::Instruction;
         }
         let active = self.core.with_sys(|sys| sys.active_count());
         let entered = active > self.active;
+        if entered {
+            // Returning, SVC is over: the state is that of the instruction behind it.
+            let block = if exception == SUPERVISOR_CALL { advanced(block) } else { block };
+            self.interrupted_blocks.push(block);
+        } else if active < self.active {
+            self.interrupted_blocks.truncate(active as usize + 1);
+            let block = self.interrupted_blocks.pop().unwrap_or(0);
+            if block != 0 {
+                self.core.set_xpsr(self.core.xpsr() & !xpsr::IT_MASK | block);
+            }
+        }
         self.exception = exception;
         self.active = active;
         if entered { Stepped::Exception(exception) } else { Stepped::Return }
     }
 }
 
+/// The IT state of the next instruction (ITAdvance, DDI 0403 A7.3.2), as the bits of the status word.
+fn advanced(block: u32) -> u32 {
+    let state = block >> 8 & 0xfc | block >> 25 & 3;
+    let next = if state & 7 == 0 { 0 } else { state & 0xe0 | state << 1 & 0x1f };
+    (next & 0xfc) << 8 | (next & 3) << 25
+}
+
 impl Core for Rsemu {
     #[inline]
-    fn step(&mut self) -> Stepped {
-        if self.core.step() < EXCEPTION_CYCLES { Stepped::Instruction } else { self.exception_changed() }
+    fn step(&mut self, in_block: bool) -> Stepped {
+        let block = if in_block { self.core.xpsr() & xpsr::IT_MASK } else { 0 };
+        if self.core.step() < EXCEPTION_CYCLES { Stepped::Instruction } else { self.exception_changed(block) }
     }
 
     #[inline]
@@ -166,12 +196,14 @@ impl Core for Rsemu {
         self.core.step();
         self.exception = 0;
         self.active = 0;
+        self.interrupted_blocks.clear();
         self.core.with_sys(|sys| {
             sys.active.fill(0);
             sys.pending.fill(0);
             sys.cfsr = 0;
             sys.hfsr = 0;
             sys.cpacr |= CPACR_FPU;
+            sys.fpccr &= !FPCCR_LSPEN;
         });
         let Regs { msp, psp, .. } = self.core.regs();
         self.core.set_regs(Regs {
@@ -192,6 +224,7 @@ impl Core for Rsemu {
         self.core.with_sys(|sys| sys.cpacr &= !CPACR_FPU);
         self.core.request_reset();
         self.core.step();
+        self.core.with_sys(|sys| sys.fpccr &= !FPCCR_LSPEN);
     }
 
     fn set_interrupt(&mut self, line: u16, asserted: bool) {

@@ -72,7 +72,7 @@ impl Machine {
             }
             let passed = !self.in_block || in_block_passes(&self.core, &mut self.in_block);
 
-            let stepped = self.core.step();
+            let stepped = self.core.step(self.in_block);
             if asleep {
                 asleep = self.core.is_asleep();
                 if asleep {

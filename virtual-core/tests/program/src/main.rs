@@ -6,6 +6,7 @@
 mod compiled;
 mod encodings;
 mod instructions;
+mod interrupted;
 mod operations;
 mod rules;
 mod startup;

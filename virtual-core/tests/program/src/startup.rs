@@ -10,7 +10,7 @@ global_asm!(
     ".syntax unified",
     ".section .vectors, \"a\", %progbits",
     ".word _stack_start, reset, fault, fault, fault, fault, fault, 0, 0, 0, 0, supervisor_call, 0, 0, 0, tick",
-    ".word first_interrupt",
+    ".word first_interrupt, second_interrupt, third_interrupt",
     ".section .operations, \"ax\", %progbits",
     ".global reset",
     ".type reset, %function",

@@ -1,0 +1,48 @@
+//! What a board's log says was played, and what `malleus play` makes of it.
+
+use dsp_core::SampleRate;
+use dsp_core::engine::Skipping;
+use dsp_core::event::Event;
+use dsp_core::table::Kit;
+use malleus::events::csv;
+use malleus::render::Performance;
+use malleus::render::instrument::{Output, Settings, render};
+use virtual_board::{Board, VirtualBoard};
+
+/// A board's true rate.
+pub(crate) fn rate(board: Board) -> SampleRate {
+    match board {
+        Board::Stm32f407gDisc1 => SampleRate::new(86_000_000, 1792).unwrap(),
+        Board::BlackpillF411 => SampleRate::HZ_48000,
+    }
+}
+
+/// The events that the log tells, as an events file's.
+pub(crate) fn events(running: &VirtualBoard, kit: &Kit<'_>, rate: SampleRate) -> Vec<Event> {
+    let mut file = String::from("sample,pad,velocity,position,striker,action\n");
+    for line in running.report().unwrap().log {
+        if let Some(event) = line.message.strip_prefix("event ") {
+            file += event;
+            file.push('\n');
+        }
+    }
+    csv::parse(file.as_bytes(), kit, rate).unwrap().events
+}
+
+/// What left the I2S in its only stream, and what `malleus play` renders for the log's events: both of 24 bits, and laid over each other at their first
+/// sound, since the stream begins before the engine does.
+pub(crate) fn heard_and_rendered(running: &VirtualBoard, board: Board, kit: &[u8]) -> [Vec<[i32; 2]>; 2] {
+    let (kit, rate) = (Kit::parse(kit).unwrap(), rate(board));
+    let streams = running.streams();
+    let [stream] = streams.as_slice() else { panic!("{} streams", streams.len()) };
+    assert_eq!((stream.underruns, stream.unconnected_frames), (0, 0));
+    assert!(stream.frames.iter().flatten().all(|slot| slot & 0xFF == 0), "24 bits at the top of 32");
+    let heard: Vec<[i32; 2]> = stream.frames.iter().map(|frame| frame.map(|slot| slot >> 8)).collect();
+    let performance = Performance { events: events(running, &kit, rate), direct: None, frames: heard.len() };
+    let settings = Settings { rate, block: 32, skipping: Skipping::On, budget_cycles: None };
+    let rendered = render(&kit, &performance, settings, Output::Samples24, |_| {}).unwrap();
+    [heard, rendered].map(|frames| {
+        let first = frames.iter().position(|frame| *frame != [0; 2]).expect("no sound");
+        frames[first..].to_vec()
+    })
+}

@@ -1,0 +1,104 @@
+//! From a piezo's onset at the ADC's pin to 10 % of the contact force on the I2S pin.
+//!
+//! The kit's one object has no modes, and an acceleration sound: what leaves the I2S is the contact force itself.
+
+use virtual_board::{Board, PiezoSignal, Setup, VirtualBoard};
+
+use crate::common;
+
+/// The rate of the signals, Hz.
+const SIGNAL_HZ: f64 = 48_000.0;
+
+/// A pad whose sound is the force of a contact of so many seconds, and a pad that its piezo drives directly.
+pub(crate) fn kit(contact_time_s: f64) -> Vec<u8> {
+    let text = format!(
+        r#"
+format = 1
+name = "force"
+[[object]]
+name = "force"
+acceleration = 1.0
+modes = []
+[[striker]]
+name = "stick"
+peak_force = 1.0
+contact_time_s = {contact_time_s}
+contact_exponent = 0.0
+[[pad]]
+name = "struck"
+object = "force"
+strikers = ["stick"]
+trigger = {{ channel = 0 }}
+[[pad]]
+name = "driven"
+object = "force"
+strikers = ["stick"]
+trigger = {{ channel = 1, mode = "direct" }}
+"#
+    );
+    let folder =
+        std::env::temp_dir().join(format!("malleus-latency-{}-{:?}", std::process::id(), std::thread::current().id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("force.toml");
+    std::fs::write(&path, text).unwrap();
+    let kit = kit::open(path.to_str().unwrap()).unwrap().binary;
+    std::fs::remove_dir_all(&folder).unwrap();
+    kit
+}
+
+/// Seconds from each onset until the sound has 10 % of the peak that follows it.
+fn latencies(running: &VirtualBoard, onsets: &[f64]) -> Vec<f64> {
+    let streams = running.streams();
+    let stream = &streams[0];
+    let rate_hz = stream.rate.as_f64();
+    let level = |frame: usize| stream.frames.get(frame).map_or(0, |frame| (frame[0] >> 8).abs());
+    let latency = |onset_s: &f64| {
+        let from = ((onset_s - stream.start_s) * rate_hz).ceil() as usize;
+        let window = from..from + (0.012 * rate_hz) as usize;
+        let peak = window.clone().map(level).max().unwrap();
+        assert!(peak > 1000, "no sound after {onset_s} s");
+        let reached = window.clone().find(|&frame| level(frame) * 10 >= peak).unwrap();
+        stream.start_s + reached as f64 / rate_hz - onset_s
+    };
+    onsets.iter().map(latency).collect()
+}
+
+/// Seconds between two hits.
+const SPACING_S: f64 = 0.05;
+/// The ring of a hit falls to 1/e in this time, s: the next one falls into what is left of it, 2 counts of a hit of 0.5.
+const RING_S: f64 = 0.008;
+
+/// Hits of one waveform that begin anywhere in a block, and within a sample, no place twice.
+fn hits(piezo: usize, count: usize, peak: f32) -> (Vec<PiezoSignal>, Vec<f64>) {
+    // Between samples of the signal lies a straight line.
+    let rate_hz = 10.0 * SIGNAL_HZ;
+    let wave = |n: usize| {
+        let t = n as f64 / rate_hz;
+        peak * ((-t / RING_S).exp() * (std::f64::consts::TAU * 1100.0 * t).sin()) as f32
+    };
+    let samples: Vec<f32> = (0..(2.0 * SPACING_S * rate_hz) as usize).map(wave).collect();
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let place = |n: usize| 32.0 * (n as f64 * golden).fract() / SIGNAL_HZ;
+    let onsets: Vec<f64> = (0..count).map(|n| 0.3 + SPACING_S * n as f64 + place(n)).collect();
+    let signal = |&start_s: &f64| PiezoSignal { piezo, start_s, rate_hz, samples: samples.clone() };
+    (onsets.iter().map(signal).collect(), onsets)
+}
+
+/// The smallest and the largest latency, s.
+pub(crate) fn measure(board: Board, piezo: usize, count: usize, peak: f32, contact_time_s: f64) -> (f64, f64) {
+    let (piezos, onsets) = hits(piezo, count, peak);
+    let setup = Setup { piezos, kit: kit(contact_time_s), ..Setup::default() };
+    let running = common::run(board, &setup, onsets.last().unwrap() + 0.03);
+    let strikes = running.report().unwrap().log.iter().filter(|line| line.message.ends_with("strike")).count();
+    assert!(piezo != 0 || strikes == count, "{strikes} strikes of {count}");
+    let latencies = latencies(&running, &onsets);
+    let largest = latencies.iter().copied().fold(0.0, f64::max);
+    let smallest = latencies.iter().copied().fold(f64::INFINITY, f64::min);
+    println!(
+        "{}: piezo {piezo}, peak {peak}, contact {contact_time_s} s: {:.3} to {:.3} ms over {count} places in a block",
+        board.name(),
+        1e3 * smallest,
+        1e3 * largest
+    );
+    (smallest, largest)
+}
