@@ -57,6 +57,16 @@ impl defmt::Format for At {
             Place::Striker(striker) => defmt::write!(f, "striker {=usize}", striker),
             Place::StrikerMode(striker, mode) => defmt::write!(f, "striker {=usize}, mode {=usize}", striker, mode),
             Place::Pad(pad) => defmt::write!(f, "pad {=usize}", pad),
+            Place::ObjectResidual(object) => defmt::write!(f, "object {=usize}, residual", object),
+            Place::ObjectEdge(object, edge) => {
+                defmt::write!(f, "object {=usize}, residual, edge {=usize}", object, edge)
+            }
+            Place::ObjectBand(object, band) => {
+                defmt::write!(f, "object {=usize}, residual, band {=usize}", object, band)
+            }
+            Place::Background => defmt::write!(f, "background"),
+            Place::BackgroundEdge(edge) => defmt::write!(f, "background, edge {=usize}", edge),
+            Place::BackgroundBand(band) => defmt::write!(f, "background, band {=usize}", band),
         }
     }
 }
@@ -161,6 +171,13 @@ fn table(f: Formatter<'_>, error: TableError) {
         TableError::SharedInput { place, field, input } => {
             defmt::write!(f, "{}: {=str}: {=u8} is in use already", At(place), field.key(), input)
         }
+        TableError::EdgeOrder { place, below, above } => defmt::write!(
+            f,
+            "{}: edges_hz: {=f32}: must be at least 1 Hz above the edge before it, {=f32}",
+            At(place),
+            above,
+            below
+        ),
         TableError::BadText { place } => defmt::write!(f, "{}: a text that is not UTF-8", At(place)),
         TableError::NotZero { place, field } => defmt::write!(f, "{}: {=str}: must be zero", At(place), field.key()),
     }
@@ -171,6 +188,20 @@ fn load(f: Formatter<'_>, error: LoadError) {
         LoadError::NoPads => defmt::write!(f, "the kit has no pads"),
         LoadError::TooManyPads { pads, capacity } => {
             defmt::write!(f, "{=usize} pads: this board has room for {=usize}", pads, capacity)
+        }
+        LoadError::TooManyResiduals { capacity } => {
+            defmt::write!(f, "more than {=usize} residuals, the background counting as one", capacity)
+        }
+        LoadError::BeyondNyquist { pad: Some(pad), edge_hz, .. } => {
+            defmt::write!(
+                f,
+                "pad {=u8}, residual: edges_hz: {=f32}: beyond half this board's sample rate",
+                pad,
+                edge_hz
+            )
+        }
+        LoadError::BeyondNyquist { pad: None, edge_hz, .. } => {
+            defmt::write!(f, "background: edges_hz: {=f32}: beyond half this board's sample rate", edge_hz)
         }
         LoadError::Pad { pad, striker: Some(striker), error, capacity, rate } => defmt::write!(
             f,

@@ -30,6 +30,7 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
             reference_force: 1.0,
             acceleration: 0.0,
             modes,
+            residual: None,
         }],
         strikers: vec![Striker {
             name: "striker".into(),
@@ -53,6 +54,7 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
             midi_notes: Vec::new(),
             trigger: None,
         }],
+        background: None,
     }
 }
 

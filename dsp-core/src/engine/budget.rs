@@ -8,7 +8,7 @@
 //! Events are looked at as far as the block holds them: with blocks of whole ticks nothing comes as a surprise within a tick.
 
 use super::cost::{CYCLES, Counts, Part};
-use super::{Direct, Engine};
+use super::{Direct, Engine, ResidualRoom};
 use crate::event::{Action, Event, Time};
 use crate::pad::{Pad, group_count, is_ringing};
 use crate::resonator::{Audience, Memory, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
@@ -35,7 +35,8 @@ impl<
     const GROUPS: usize,
     const ORIGINS: usize,
     const CONTACTS: usize,
-> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS>
+    R: ResidualRoom,
+> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
 {
     /// Sets how many cycles a tick of 32 frames may take, or takes the limit away. For 80 % of 168 MHz at 48 kHz: 89 600.
     ///
@@ -173,20 +174,21 @@ impl<
 
     /// What a tick's beginning does.
     #[inline(never)]
-    pub(super) fn beginning(&self) -> [(Part, u32); 3] {
+    pub(super) fn beginning(&self) -> [(Part, u32); 4] {
         if self.idle {
-            return [(Part::Tick, 1), (Part::WakingPad, 0), (Part::DueGroup, 0)];
+            return [(Part::Tick, 1), (Part::WakingPad, 0), (Part::DueGroup, 0), (Part::ResidualCycle, 0)];
         }
         let due = self.pads().iter().filter(|pad| pad.is_guard_due(pad.own(&self.banks)));
         let groups = due.map(|pad| group_count(pad.own(&self.banks))).sum();
         let pads = self.pads().iter().filter(|pad| !pad.rests()).count();
-        [(Part::Tick, 1), (Part::WakingPad, pads as u32), (Part::DueGroup, groups)]
+        let noise = (Part::ResidualCycle, self.noise_cycles());
+        [(Part::Tick, 1), (Part::WakingPad, pads as u32), (Part::DueGroup, groups), noise]
     }
 
     /// What an event does.
     pub(super) fn event_counts(&self, event: &Event) -> [(Part, u32); 2] {
         match event.action {
-            Action::Strike => [(Part::Strike, 1), (Part::ChokedMode, 0)],
+            Action::Strike => [(Part::Strike, 1), (Part::ResidualStrike, u32::from(self.has_noise(event.pad)))],
             Action::Choke | Action::Release => {
                 let modes = self.pads().get(usize::from(event.pad)).map_or(0, Pad::mode_count);
                 [(Part::Strike, 1), (Part::ChokedMode, modes as u32)]
@@ -233,6 +235,10 @@ impl<
         counts.add(Part::Look, 1);
         counts.add(Part::Pad, self.pad_count as u32);
         counts.add(Part::Frame, frames);
+        let noises = self.noises() as u32
+            + struck.iter().zip(0u8..).filter(|(is, pad)| **is && self.has_noise(*pad)).count() as u32;
+        counts.add(Part::ResidualRun, noises);
+        counts.add(Part::ResidualFrame, noises * frames);
         for ((pad, number), &struck) in self.pads().iter().zip(0u8..).zip(struck) {
             let pad_banks = pad.own(&self.banks);
             let contact_frames = self.flight.frames_ahead(number, frames) + if struck { frames } else { 0 };

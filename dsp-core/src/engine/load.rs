@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{Engine, Skipping, TickReport};
+use super::{Engine, ResidualRoom, Skipping, TickReport};
 use crate::SampleRate;
 use crate::contact::Flight;
 use crate::pad::{Pad, PadTables};
@@ -34,6 +34,20 @@ pub enum LoadError {
         /// Pads of the engine.
         capacity: usize,
     },
+    /// More pads with a residual, the background counting as one, than the engine has room for.
+    TooManyResiduals {
+        /// Room of the engine.
+        capacity: usize,
+    },
+    /// A band of noise reaches beyond half the sample rate.
+    BeyondNyquist {
+        /// Which pad's residual, or `None` for the background.
+        pad: Option<u8>,
+        /// The highest edge, in Hz.
+        edge_hz: f32,
+        /// The rate at which it was loaded.
+        rate: SampleRate,
+    },
     /// Something of a pad does not fit.
     Pad {
         /// Which pad.
@@ -55,6 +69,20 @@ impl fmt::Display for LoadError {
             Self::NoPads => write!(f, "the kit has no pads: there is nothing to play"),
             Self::TooManyPads { pads, capacity } => {
                 write!(f, "pads: {pads}, this engine has room for {capacity}")
+            }
+            Self::TooManyResiduals { capacity } => {
+                write!(f, "residuals: more than {capacity}, the background counting as one: take some out of the kit")
+            }
+            Self::BeyondNyquist { pad, edge_hz, rate } => {
+                match pad {
+                    Some(pad) => write!(f, "pad {pad}, residual of its object: ")?,
+                    None => write!(f, "background: ")?,
+                }
+                write!(
+                    f,
+                    "edges_hz = {edge_hz}: must be at most {} Hz at {rate}; leave out the bands above",
+                    rate.hz() / 2.0
+                )
             }
             Self::Pad { pad, striker, error, capacity: Capacity { banks, modes, groups, origins }, rate } => {
                 write!(f, "pad {pad}, ")?;
@@ -102,7 +130,8 @@ impl<
     const GROUPS: usize,
     const ORIGINS: usize,
     const CONTACTS: usize,
-> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS>
+    R: ResidualRoom,
+> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
 {
     /// Derives all stages from a kit for a sample rate and sets time to 0. What rang before is gone.
     ///
@@ -118,6 +147,7 @@ impl<
         self.report = TickReport::EMPTY;
         (self.rate, self.skipping, self.now) = (Some(rate), skipping, 0);
         self.load_pads(kit, rate)?;
+        self.load_noise(kit, rate)?;
         (self.pad_count, self.kit) = (kit.pads().len(), Some(*kit));
         self.modes_built = self.pads().iter().map(|pad| pad.mode_count() as u32).sum();
         Ok(())

@@ -14,11 +14,13 @@ mod budget;
 mod check;
 mod cost;
 mod load;
+mod noise;
 mod report;
 
 use budget::LeaveOut;
 pub use cost::{CYCLES, Counts, PARTS, Part};
 pub use load::{Capacity, LoadError};
+pub use noise::{NoResiduals, ResidualRoom, Residuals};
 pub use report::{Cause, TickReport};
 
 use crate::SampleRate;
@@ -61,6 +63,7 @@ pub struct Direct<'a> {
 /// | `GROUPS` | register groups: modes/6, and up to six more a bank | 24 |
 /// | `ORIGINS` | modes of pads that can be choked or have several positions | 12 |
 /// | `CONTACTS` | contacts under way at once | 24 |
+/// | `R` | [`Residuals`]: pads with a residual, the background counting as one; [`NoResiduals`] unless said otherwise | 15 KB |
 #[derive(Debug)]
 pub struct Engine<
     'k,
@@ -70,6 +73,7 @@ pub struct Engine<
     const GROUPS: usize,
     const ORIGINS: usize,
     const CONTACTS: usize,
+    R: ResidualRoom = NoResiduals,
 > {
     /// The first `pad_count` are the kit's.
     pads: [Pad<'k>; PADS],
@@ -80,6 +84,7 @@ pub struct Engine<
     groups: [Group; GROUPS],
     origins: [Origin; ORIGINS],
     flight: Flight<CONTACTS>,
+    residuals: R,
     /// `None` before a load, so that an engine in a `static` is all zeros and costs no flash.
     rate: Option<SampleRate>,
     skipping: Skipping,
@@ -109,7 +114,8 @@ impl<
     const GROUPS: usize,
     const ORIGINS: usize,
     const CONTACTS: usize,
-> Default for Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS>
+    R: ResidualRoom,
+> Default for Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
 {
     fn default() -> Self {
         Self::new()
@@ -124,7 +130,8 @@ impl<
     const GROUPS: usize,
     const ORIGINS: usize,
     const CONTACTS: usize,
-> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS>
+    R: ResidualRoom,
+> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
 {
     /// An engine without a kit, silent. `const`, so that it can lie in a `static` and never on a stack.
     pub const fn new() -> Self {
@@ -137,6 +144,7 @@ impl<
             groups: [Group::EMPTY; GROUPS],
             origins: [Origin::NONE; ORIGINS],
             flight: Flight::EMPTY,
+            residuals: R::EMPTY,
             rate: None,
             skipping: Skipping::On,
             now: 0,
@@ -177,7 +185,7 @@ impl<
 
     /// Whether nothing rings and no contact is under way: until the next event or direct force, output is exact silence and a core may sleep.
     pub fn is_silent(&self) -> bool {
-        self.flight.count() == 0 && !is_ringing(&self.banks)
+        self.flight.count() == 0 && !is_ringing(&self.banks) && self.noises() == 0
     }
 
     /// Lets a tick of silence pass without a block to write to: what rendering it without events and direct force would do, but for the report.
@@ -367,6 +375,7 @@ impl<
         let banks = pad.own_mut(&mut self.banks);
         let Some(impact) = pad.strike(event.velocity, event.striker, rate, banks) else { return };
         let moves = Pad::moves_to(event.position, banks);
+        self.strike_noise(event.pad, impact.peak);
         self.expects = true;
         let contact = Contact::new(event.pad, event.striker, impact, event.time.early());
         self.report.strikes += 1;
@@ -390,6 +399,9 @@ impl<
             Action::Choke => pad.set_choked(true, &tables, rate, &mut memory, banks),
             Action::Release => pad.set_choked(false, &tables, rate, &mut memory, banks),
             Action::Shed(_) => {}
+        }
+        if event.action != Action::Strike {
+            self.choke_noise(event.pad, event.action, tables.pad().choke_t60_s());
         }
     }
 
@@ -441,17 +453,20 @@ impl<
         if contacts {
             self.flight.clear_finished();
         }
+        self.render_noise(out);
     }
 
     fn end_tick(&mut self) {
         if self.idle {
             return;
         }
+        self.end_noise_tick();
         self.report.contacts = self.flight.count() as u32;
         self.report.ringing_pads = self.pads().iter().filter(|pad| is_ringing(pad.own(&self.banks))).count() as u32;
         self.idle = self.skipping == Skipping::On
             && self.report.contacts == 0
             && self.report.ringing_pads == 0
+            && self.report.residuals == 0
             && self.pads().iter().all(|pad| pad.retired_amplitude() == 0.0);
         if self.idle {
             let unstruck = self.pads().iter().filter(|pad| !pad.was_struck());

@@ -58,6 +58,12 @@ pub struct TickReport {
     pub ringing_pads: u32,
     /// Contacts under way at the tick's end.
     pub contacts: u32,
+    /// Frames of residuals that were rendered, all pads.
+    pub residual_frames: u32,
+    /// Frames of background that were rendered.
+    pub background_frames: u32,
+    /// Residuals that sound at the tick's end, the background among them.
+    pub residuals: u32,
 }
 
 impl TickReport {
@@ -78,6 +84,9 @@ impl TickReport {
         refused_inputs: 0,
         retired_modes: 0,
         retired_amplitude: 0.0,
+        residual_frames: 0,
+        background_frames: 0,
+        residuals: 0,
         shed: Shed::NOTHING,
         counts: Counts::NONE,
         ringing_pads: 0,

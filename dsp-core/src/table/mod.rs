@@ -5,7 +5,8 @@
 //! ```text
 //! header    magic "MALL", format version, length, CRC-32 of all that follows
 //! directory section count, then an entry a section: tag, version, offset, length
-//! sections  META one · OBJT one an object · STRK one a striker · PADS one · trig none or one
+//! sections  META one · OBJT one an object · STRK one a striker · PADS one · trig none or one ·
+//!           resi none or one an object · bgnd none or one
 //! ```
 //!
 //! All numbers are little-endian, floats are IEEE single precision, sections are 4-byte aligned and tile the file without
@@ -22,10 +23,12 @@ mod frame;
 pub mod layout;
 pub mod range;
 mod read;
+mod residual;
 mod trigger;
 
 pub use error::{Field, Place, TableError};
 pub use read::{ContactTable, Kit, Object, Pad, Striker};
+pub use residual::{Background, Residual};
 pub use trigger::Trigger;
 
 use crc::{CRC_32_ISO_HDLC, Crc};

@@ -10,6 +10,7 @@ use super::layout::{
     TriggerRecord, tag,
 };
 use super::range;
+use super::residual::{Background, Residual};
 use super::trigger::Trigger;
 
 /// A checked kit: views into the caller's bytes, nothing is copied.
@@ -128,6 +129,34 @@ impl<'a> Kit<'a> {
         self.directory.iter().map(|entry| entry.tag).filter(|&tag| !is_known(tag))
     }
 
+    /// What the object of an index sounds beside its modes.
+    pub fn residual_of(&self, object: usize) -> Option<Residual<'a>> {
+        self.residuals().find(|residual| residual.object_index() == object)
+    }
+
+    /// All residuals, in the order of their objects.
+    pub fn residuals(&self) -> impl Iterator<Item = Residual<'a>> + Clone + use<'a> {
+        sections(self.directory, self.bytes, tag::RESIDUAL).filter_map(|body| Residual::read(body).ok())
+    }
+
+    /// The background, where the kit has one.
+    pub fn background(&self) -> Option<Background<'a>> {
+        sections(self.directory, self.bytes, tag::BACKGROUND).next().and_then(|body| Background::read(body).ok())
+    }
+
+    fn check_noise(&self, objects: usize) -> Result<(), TableError> {
+        let mut next_object = 0;
+        for body in sections(self.directory, self.bytes, tag::RESIDUAL) {
+            let residual = Residual::read(body)?;
+            residual.check(objects, next_object)?;
+            next_object = residual.object_index() + 1;
+        }
+        match optional_section(self.directory, self.bytes, tag::BACKGROUND)? {
+            Some(body) => Background::read(body)?.check(),
+            None => Ok(()),
+        }
+    }
+
     fn check(&self) -> Result<(), TableError> {
         check_name(&self.meta.name, Place::Kit)?;
         let mut objects = 0;
@@ -147,6 +176,7 @@ impl<'a> Kit<'a> {
         check_distinct(self.strikers().map(|striker| striker.name()), Place::Striker)?;
         check_distinct(self.pads().map(|pad| pad.name()), Place::Pad)?;
         self.check_notes()?;
+        self.check_noise(objects)?;
         super::trigger::check(self.triggers, self.pads)
     }
 
