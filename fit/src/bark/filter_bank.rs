@@ -115,7 +115,7 @@ mod tests {
         let rate_hz = 44_100.0;
         for rate in [2.0, 9.0, 17.0, 22.0] {
             let centre_hz = frequency_hz(rate);
-            let sound: Vec<f64> = (0..44_100).map(|n| 0.3 * (TAU * centre_hz * n as f64 / rate_hz).sin()).collect();
+            let sound: Vec<f64> = (0..44_100).map(|n| 0.3 * (TAU * centre_hz * f64::from(n) / rate_hz).sin()).collect();
             let band = Spectrum::of(&sound, rate_hz)
                 .and_then(|spectrum| spectrum.bark_band(rate, centre_hz))
                 .expect("there is sound");

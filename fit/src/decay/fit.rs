@@ -20,7 +20,7 @@ const NOTHING: f64 = 1e-14;
 /// Decay rates of the power that can be told, 1/s: T60 from 138 s to 1.4 ms.
 const RATES_PER_S: (f64, f64) = (0.1, 1e4);
 /// Rates at which the search starts.
-const STARTS: usize = 9;
+const STARTS: usize = 6;
 /// Steps at most.
 const STEPS: usize = 60;
 
