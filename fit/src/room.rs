@@ -2,8 +2,8 @@
 //!
 //! The room's response is `δ + IR_e`, IR_e noise that dies away in each band at a rate d_e (diffimpact eq. 1, §3.4). To a sound whose power in a band
 //! falls as `A e^{-2dt}` the room adds a tail that falls as `e^{-2 d_e t}`: two slopes. So do two modes of one thing; but a room's tail has many
-//! components where a thing has a few modes, and falls alike in neighbouring bands. A thing that rings longer than its room hides it, and one whose
-//! modes are as dense as a room's (a cymbal) can be taken for one.
+//! components where a thing has a few modes, and falls alike in neighbouring bands. A thing that rings longer than its room hides it; so does a hall that is
+//! louder than the direct sound from the start, for then there is but one slope; and a thing whose modes are as dense as a room's can be taken for one.
 
 use serde::Serialize;
 
@@ -55,16 +55,6 @@ const ALIKE: f64 = 1.8;
 /// Neighbouring bands that a room has at least.
 const BANDS: usize = 3;
 
-/// All bands together, in which a short direct sound is told from its tail even where it is too short for a band: middle in Hz and standard
-/// deviation in octaves of the response.
-const WIDE: (f64, f64) = (2000.0, 1.0);
-/// The direct sound's power falls so many times faster than the tail's there, and explains the sound better by so much.
-const MUCH_FASTER: f64 = 8.0;
-const WIDE_EVIDENCE: f64 = 40.0;
-/// Where only the whole sound shows two slopes, a tail has at least so many components, and more bands have to agree.
-const MANY_COMPONENTS: f64 = 60.0;
-const MANY_BANDS: usize = 4;
-
 /// The room of a strike heard alone: `strike` at full scale 1 from its onset on, `rate_hz` its rate. `None` for a dry recording, or where the thing
 /// rings longer than the room.
 ///
@@ -72,112 +62,34 @@ const MANY_BANDS: usize = 4;
 pub fn estimate(strike: &[f64], rate_hz: f64) -> Option<Room> {
     let spectrum = Spectrum::of(strike, rate_hz)?;
     let length_s = strike.len() as f64 / rate_hz;
-    let two_slopes = octaves(&spectrum, rate_hz, |centre_hz, band| tail(strike, rate_hz, centre_hz, band, length_s));
-    if let Some(bands) = neighbours(&two_slopes, BANDS) {
-        return Some(room(bands));
-    }
-    let start_s = direct_s(&spectrum, length_s)?;
-    let direct = Spectrum::of(strike.get(..(start_s * rate_hz) as usize)?, rate_hz)?;
-    let after = |centre_hz, band: &Subband| tail_after(strike, rate_hz, centre_hz, band, start_s, &direct);
-    neighbours(&octaves(&spectrum, rate_hz, after), MANY_BANDS).map(room)
-}
-
-/// What is found in each octave below half the rate: gain in dB and T60 in seconds.
-fn octaves(
-    spectrum: &Spectrum,
-    rate_hz: f64,
-    find: impl Fn(f64, &Subband) -> Option<(f64, f64)>,
-) -> [Option<RoomBand>; OCTAVES_HZ.len()] {
-    OCTAVES_HZ.map(|centre_hz| {
+    let bands = OCTAVES_HZ.map(|centre_hz| {
         let root_of_two = std::f64::consts::SQRT_2;
-        if centre_hz * root_of_two >= 0.5 * rate_hz {
-            return None;
-        }
-        let band = spectrum
-            .band(|f| gaussian((f / centre_hz).log2(), 0.0, SPREAD_OCTAVES), smear_s(centre_hz, SPREAD_OCTAVES))?;
-        let (gain_db, t60_s) = find(centre_hz, &band)?;
-        Some(RoomBand { edges_hz: [centre_hz / root_of_two, centre_hz * root_of_two], gain_db, t60_s })
-    })
-}
-
-/// Standard deviation in time of a Gaussian response of so many octaves.
-fn smear_s(centre_hz: f64, spread_octaves: f64) -> f64 {
-    (std::f64::consts::TAU * spread_octaves * std::f64::consts::LN_2 * centre_hz).recip()
-}
-
-/// The longest run of neighbours that die away alike, if it has `least` bands.
-fn neighbours(bands: &[Option<RoomBand>], least: usize) -> Option<Vec<RoomBand>> {
-    let alike = |last: &RoomBand, band: &RoomBand| (last.t60_s / band.t60_s).ln().abs() < ALIKE.ln();
+        let smear_s = (std::f64::consts::TAU * SPREAD_OCTAVES * std::f64::consts::LN_2 * centre_hz).recip();
+        (centre_hz * root_of_two < 0.5 * rate_hz)
+            .then(|| spectrum.band(|f| gaussian((f / centre_hz).log2(), 0.0, SPREAD_OCTAVES), smear_s))
+            .flatten()
+            .and_then(|band| tail(strike, rate_hz, centre_hz, &band, length_s))
+            .map(|(gain_db, t60_s)| RoomBand {
+                edges_hz: [centre_hz / root_of_two, centre_hz * root_of_two],
+                gain_db,
+                t60_s,
+            })
+    });
+    // The longest run of neighbours that die away alike.
     let mut runs: Vec<Vec<RoomBand>> = vec![Vec::new()];
-    for &band in bands {
+    for band in bands {
+        let alike = |last: &RoomBand, band: &RoomBand| (last.t60_s / band.t60_s).ln().abs() < ALIKE.ln();
         match (band, runs.last_mut()) {
             (Some(band), Some(run)) if run.last().is_none_or(|last| alike(last, &band)) => run.push(band),
             (Some(band), _) => runs.push(vec![band]),
             (None, _) => runs.push(Vec::new()),
         }
     }
-    runs.into_iter().max_by_key(Vec::len).filter(|run| run.len() >= least)
-}
-
-fn room(bands: Vec<RoomBand>) -> Room {
+    let bands = runs.into_iter().max_by_key(Vec::len).filter(|run| run.len() >= BANDS)?;
     let count = bands.len() as f64;
     let energy = bands.iter().map(|band| 10f64.powf(band.gain_db / 10.0)).sum::<f64>() / count;
     let t60_s = (bands.iter().map(|band| band.t60_s.ln()).sum::<f64>() / count).exp();
-    Room { gain_db: 10.0 * energy.log10(), t60_s, bands }
-}
-
-/// When a direct sound that is too short for a band has given way to the tail, in seconds, if the whole sound shows the two.
-fn direct_s(spectrum: &Spectrum, length_s: f64) -> Option<f64> {
-    let (centre_hz, spread) = WIDE;
-    let band = spectrum.band(|f| gaussian((f / centre_hz).log2(), 0.0, spread), smear_s(centre_hz, spread))?;
-    let from_s = SETTLED * band.smear_s;
-    let blocks = decay::blocks(&band.power, band.rate_hz, from_s, length_s - from_s);
-    let (one, two) = (decay::fit(&blocks, 1)?, decay::fit(&blocks, 2)?);
-    let heard_s: f64 = blocks.iter().map(|block| block.length_s).sum();
-    let evidence = (one.misfit - two.misfit) * heard_s * band.independent_per_s();
-    let much_faster = two.parts.first()?.1 > MUCH_FASTER * two.parts.get(1)?.1;
-    (evidence > WIDE_EVIDENCE && much_faster).then(|| alone_s(&two, from_s, length_s - from_s).start)
-}
-
-/// Gain and T60 of what is left of a band behind the direct sound, where that is noise.
-fn tail_after(
-    strike: &[f64],
-    rate_hz: f64,
-    centre_hz: f64,
-    band: &Subband,
-    start_s: f64,
-    direct: &Spectrum,
-) -> Option<(f64, f64)> {
-    let length_s = strike.len() as f64 / rate_hz;
-    let from_s = start_s + SETTLED * band.smear_s;
-    let blocks = decay::blocks(&band.power, band.rate_hz, from_s, length_s - SETTLED * band.smear_s);
-    let one = decay::fit(&blocks, 1)?;
-    let &(late, slow) = one.parts.first()?;
-    let t60_s = 6.0 * 10f64.ln() / slow;
-    let end_s = (late / (ALONE * one.floor.max(late * 1e-12))).ln() / slow;
-    let end_s = end_s.min(length_s);
-    if !(T60_S.0..=T60_S.1).contains(&t60_s) || end_s - from_s < HEARD_T60 * t60_s {
-        return None;
-    }
-    let samples = strike.get((from_s * rate_hz) as usize..(end_s * rate_hz) as usize)?;
-    if components(samples, rate_hz, centre_hz, 0.5 * slow) < MANY_COMPONENTS {
-        return None;
-    }
-    // The direct sound's energy in the band is what was heard before, less the tail's share of it. The energy of a sine of amplitude A is that of
-    // A²/2, once for each side of the spectrum.
-    let heard: f64 = direct
-        .power()
-        .enumerate()
-        .map(|(bin, power)| {
-            power * gaussian((bin as f64 * direct.bin_hz() / centre_hz).log2(), 0.0, SPREAD_OCTAVES).powi(2)
-        })
-        .sum::<f64>()
-        * 4.0
-        * direct.bin_hz()
-        / (rate_hz * rate_hz);
-    let of_tail = late / slow * -(-slow * start_s).exp_m1();
-    let energy = (heard - of_tail).max(0.05 * heard);
-    Some((10.0 * (late / (slow * energy)).log10(), t60_s))
+    Some(Room { gain_db: 10.0 * energy.log10(), t60_s, bands })
 }
 
 /// Gain in dB and T60 in seconds of the room's tail in a band, if there is one.

@@ -16,7 +16,7 @@ fn thing(seed: u64, count: u64, t60_s: f64) -> Vec<f64> {
             frequency_hz: 110.0 * (10_000f64 / 110.0).powf((k as f64 + 0.8 * share(k, 1)) / count as f64),
             decay_per_s: 1000f64.ln() / (t60_s * 4f64.powf(share(k, 2) - 0.5)),
             amplitude: 0.3 + share(k, 3),
-            phase: 6.28 * share(k, 4),
+            phase: std::f64::consts::TAU * share(k, 4),
         })
         .collect();
     of_these(modes, 66_150, seed, -180.0).samples
@@ -100,34 +100,6 @@ fn the_t60_and_the_gain_of_a_room_s_bands_are_recovered() {
     );
     assert!(mean(&t60_errors) < 0.10 && most(&t60_errors) < 0.25);
     assert!(mean(&gain_errors) < 3.0 && most(&gain_errors) < 6.0);
-}
-
-#[test]
-fn a_click_in_a_hall_is_heard_though_nothing_rings_but_the_hall() {
-    let (mut t60_errors, mut gain_errors) = (Vec::new(), Vec::new());
-    for (seed, longest_s) in [(11, 2.2), (12, 1.4)] {
-        let (response, gains) = response(seed, longest_s, 2e-4);
-        // A thud of 5 ms: noise that dies away at once.
-        let thud: Vec<f64> = of_these(Vec::new(), 2205, seed, -12.0).samples;
-        let thud: Vec<f64> = thud.iter().enumerate().map(|(n, x)| x * (-1200.0 * n as f64 / RATE_HZ).exp()).collect();
-        let room = estimate(&in_room(&thud, &response, -90.0), RATE_HZ).expect("a hall is heard");
-        for band in &room.bands {
-            let centre_hz = (band.edges_hz[0] * band.edges_hz[1]).sqrt();
-            let octave = OCTAVES_HZ.iter().position(|f| (f / centre_hz - 1.0).abs() < 0.01).expect("an octave");
-            let error = band.t60_s / t60_s(octave, longest_s) - 1.0;
-            println!(
-                "  {centre_hz:.0} Hz: T60 {:.2} s ({:+.0} %), gain {:.1} dB ({:+.1})",
-                band.t60_s,
-                100.0 * error,
-                band.gain_db,
-                band.gain_db - gains[octave]
-            );
-            t60_errors.push(error.abs());
-            gain_errors.push((band.gain_db - gains[octave]).abs());
-        }
-    }
-    assert!(t60_errors.iter().all(|error| *error < 0.2), "{t60_errors:.2?}");
-    assert!(gain_errors.iter().all(|error| *error < 6.0), "{gain_errors:.1?}");
 }
 
 #[test]
