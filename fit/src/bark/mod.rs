@@ -26,8 +26,8 @@ use crate::decay;
 const RELEVANT: f64 = 1e-4;
 /// A band counts if at its loudest it stands so far over its own floor, as a power ratio: 10 dB ...
 const OVER_FLOOR: f64 = 10.0;
-/// ... and is at most so far below the loudest band, as a power ratio: 60 dB.
-const BELOW_LOUDEST: f64 = 1e-6;
+/// ... and is at most so far below the loudest band, as a power ratio: 50 dB.
+const BELOW_LOUDEST: f64 = 1e-5;
 /// A band's filter smears the strike's beginning: what comes so many of its standard deviations later is the band's own.
 const SETTLED: f64 = 3.0;
 /// Ratio of the amplitude's decay to the filter's own beyond which a band tells its filter's.
@@ -104,12 +104,14 @@ pub fn damping_law(strike: &[f64], rate_hz: f64) -> Option<DampingLaw> {
     let spectrum = Spectrum::of(strike, rate_hz)?;
     let centroids = centroids::centroids(&spectrum)?;
     let length_s = strike.len() as f64 / rate_hz;
+    let mut loudest_band: f64 = 0.0;
     let bands: Vec<DampingBand> = (1..=HIGHEST_BARK as u32)
         .map(f64::from)
         .map(|rate| (rate, frequency_hz(rate)))
         .take_while(|(_, centre_hz)| *centre_hz < 0.49 * rate_hz)
         .filter_map(|(rate, centre_hz)| {
             let band = spectrum.bark_band(rate, centre_hz)?;
+            loudest_band = band.power.iter().copied().fold(loudest_band, f64::max);
             let from_s = SETTLED * band.smear_s;
             let blocks = decay::blocks(&band.power, band.rate_hz, from_s, length_s - from_s);
             let loudest = blocks.iter().map(|block| block.power).fold(0.0, f64::max);
@@ -130,7 +132,7 @@ pub fn damping_law(strike: &[f64], rate_hz: f64) -> Option<DampingLaw> {
             tells.then_some(DampingBand { bark: rate, centre_hz, gain, decay_per_s })
         })
         .collect();
-    let loudest = bands.iter().map(|band| band.gain).fold(0.0, f64::max);
-    let bands: Vec<DampingBand> = bands.into_iter().filter(|band| band.gain > loudest * BELOW_LOUDEST.sqrt()).collect();
+    let least = (loudest_band * BELOW_LOUDEST).sqrt();
+    let bands: Vec<DampingBand> = bands.into_iter().filter(|band| band.gain > least).collect();
     (!bands.is_empty()).then_some(DampingLaw { bands, centroids })
 }

@@ -87,12 +87,13 @@ pub(super) struct Chart {
     title: &'static str,
     body: String,
     legend: String,
+    uprights: u32,
 }
 
 impl Chart {
     /// An empty chart.
     pub(super) fn new(title: &'static str, x: Axis, y: Axis) -> Self {
-        Self { x, y, title, body: String::new(), legend: String::new() }
+        Self { x, y, title, body: String::new(), legend: String::new(), uprights: 0 }
     }
 
     fn place(&self, x: f64, y: f64) -> (f64, f64) {
@@ -147,11 +148,14 @@ impl Chart {
         self.line(class, [(from, y), (to, y)]);
     }
 
-    /// An upright line with a word at its top.
+    /// An upright line with a word at its top; the words of several stand below one another.
     pub(super) fn upright(&mut self, class: &str, x: f64, word: &str) {
         let (x, _) = self.place(x, self.y.low);
         let word = escaped(word);
-        self.draw(format_args!("<path class=\"upright {class}\" d=\"M{x:.1} {TOP}V{BOTTOM}\"/><text class=\"word\" x=\"{:.1}\" y=\"{:.1}\">{word}</text>", x + 3.0, TOP + 11.0));
+        let (anchor, beside) = if x > 0.5 * (LEFT + RIGHT) { ("end", x - 3.0) } else { ("start", x + 3.0) };
+        let y = TOP + 12.0 + 13.0 * f64::from(self.uprights);
+        self.uprights += 1;
+        self.draw(format_args!("<path class=\"upright {class}\" d=\"M{x:.1} {TOP}V{BOTTOM}\"/><text class=\"word\" text-anchor=\"{anchor}\" x=\"{beside:.1}\" y=\"{y:.1}\">{word}</text>"));
     }
 
     /// A picture that fills the chart.

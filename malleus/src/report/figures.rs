@@ -16,7 +16,7 @@ const ROWS: u32 = 300;
 const POINTS: usize = 420;
 /// Range of levels shown, dB.
 const RANGE_DB: f64 = 90.0;
-const FREQUENCY: &str = "level, dB";
+const LEVEL: &str = "level, dB";
 const T60: &str = "T60, s";
 
 /// Spectrograms of the recording and of the fit, side by side.
@@ -41,7 +41,7 @@ pub(super) fn modes_over_spectrum(view: &View<'_>) -> String {
     let range_hz = (SPECTROGRAM_HZ.0, SPECTROGRAM_HZ.1.min(0.5 * view.rate_hz));
     let heard = view.spectrum(view.heard);
     let loudest = heard.0.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let axis = Axis::linear(-RANGE_DB, 5.0, FREQUENCY);
+    let axis = Axis::linear(-RANGE_DB, 5.0, LEVEL);
     let mut chart = Chart::new("Modes over the spectrum", Axis::frequency(range_hz.0, range_hz.1), axis);
     chart.explain("recording", "recording");
     chart.explain("fit", "modes");
@@ -97,11 +97,8 @@ pub(super) fn bark_gain(view: &View<'_>) -> Option<String> {
     let law = view.fitted.report.damping_law.as_ref()?;
     let loudest = law.bands.iter().map(|band| band.gain).fold(f64::MIN_POSITIVE, f64::max);
     let range_hz = (SPECTROGRAM_HZ.0, SPECTROGRAM_HZ.1.min(0.5 * view.rate_hz));
-    let mut chart = Chart::new(
-        "Gain on the Bark scale",
-        Axis::frequency(range_hz.0, range_hz.1),
-        Axis::linear(-70.0, 5.0, FREQUENCY),
-    );
+    let mut chart =
+        Chart::new("Gain on the Bark scale", Axis::frequency(range_hz.0, range_hz.1), Axis::linear(-70.0, 5.0, LEVEL));
     chart.explain("law", "gain Λ");
     chart.explain("mark", "spectral centroids");
     let points: Vec<(f64, f64)> =
@@ -152,6 +149,7 @@ pub(super) fn error_over_time(view: &View<'_>) -> String {
     let modes = view.distance_over_time(view.modes);
     let with_residual = view.distance_over_time(view.with_residual);
     let most = modes.iter().chain(&with_residual).map(|point| point.1).fold(5.0, f64::max);
+    let few = modes.len() < FEW_FRAMES;
     let time = Axis::linear(0.0, view.shown_s(), "time from the strike, s");
     let mut chart = Chart::new("Error over time", time, Axis::linear(0.0, most, "log-spectral distance, dB"));
     chart.explain("fit", "modes alone");
@@ -159,8 +157,18 @@ pub(super) fn error_over_time(view: &View<'_>) -> String {
     chart.upright("mark", end_s, "end of the LSD's stretch");
     if view.has_residual() {
         chart.explain("noise", "with residual");
-        chart.line("noise", with_residual);
+        draw_frames(&mut chart, "noise", with_residual, few);
     }
-    chart.line("fit", modes);
+    draw_frames(&mut chart, "fit", modes, few);
     chart.figure()
+}
+
+/// Fewer frames than these are shown as dots, too: a line through one is none.
+const FEW_FRAMES: usize = 4;
+
+fn draw_frames(chart: &mut Chart, class: &str, frames: Vec<(f64, f64)>, dots: bool) {
+    for &(time_s, db) in frames.iter().filter(|_| dots) {
+        chart.dot(class, time_s, db, 3.0);
+    }
+    chart.line(class, frames);
 }
