@@ -37,6 +37,11 @@ impl SampleRate {
         f64::from(self.numerator) / f64::from(self.denominator.get())
     }
 
+    /// The rate in Hz, within 2^-22 of it: for what is derived while sound plays, where `f64` is software.
+    pub(crate) fn hz_f32(self) -> f32 {
+        self.numerator as f32 / self.denominator.get() as f32
+    }
+
     /// The rate as (numerator, denominator).
     pub const fn ratio(self) -> (u32, u32) {
         (self.numerator, self.denominator.get())

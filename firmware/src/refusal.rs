@@ -2,7 +2,7 @@
 //! words here would take 10 KB of flash, most of it for decimals.)
 
 use defmt::Formatter;
-use dsp_core::engine::LoadError;
+use dsp_core::engine::{Capacity, LoadError};
 use dsp_core::resonator::{BankError, max_decay_per_s};
 use dsp_core::table::{Place, TableError};
 use dsp_core::trigger::TriggerError;
@@ -190,13 +190,13 @@ fn load(f: Formatter<'_>, error: LoadError) {
 
 struct Bank {
     error: BankError,
-    capacity: (usize, usize, usize),
+    capacity: Capacity,
     max_decay_per_s: f64,
 }
 
 impl defmt::Format for Bank {
     fn format(&self, f: Formatter<'_>) {
-        let (modes, groups, origins) = self.capacity;
+        let Capacity { banks, modes, groups, origins } = self.capacity;
         match self.error {
             BankError::TooManyModes => {
                 defmt::write!(f, "more modes than the {=usize} that this board has room for", modes)
@@ -209,6 +209,9 @@ impl defmt::Format for Bank {
                 "more than {=usize} modes in all of pads that can be choked or have several positions",
                 origins
             ),
+            BankError::TooManyBanks => {
+                defmt::write!(f, "more than the {=usize} banks (objects, and strikers with modes) that this board has room for", banks)
+            }
             BankError::DecayTooFast { mode, decay_per_s } => defmt::write!(
                 f,
                 "mode {=usize}: decay_per_s = {=f32}: must be at most {=f64} at this board's sample rate",

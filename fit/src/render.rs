@@ -9,7 +9,7 @@ use kit::{Kit, Pad};
 use crate::FitError;
 
 /// Room for one table of the largest kind.
-type OnePad<'k> = Engine<'k, 1, 8192, 2048, 8192, 4>;
+type OnePad<'k> = Engine<'k, 1, 5, 8192, 2048, 8192, 4>;
 
 /// The table bound to one pad, in the middle, at a level of 0 dB for each channel.
 pub fn playable(table: &Kit) -> Kit {

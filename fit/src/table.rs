@@ -49,6 +49,7 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
             reference_force: 1.0,
             acceleration: strike.map_or(0.0, |strike| strike.acceleration as f32),
             modes: modes.collect(),
+            residual: None,
         }],
         strikers: vec![Striker {
             name: item_name(&provenance.name, " strike"),
@@ -62,6 +63,7 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
             modes: Vec::new(),
         }],
         pads: Vec::new(),
+        background: None,
     }
 }
 

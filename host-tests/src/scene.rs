@@ -7,7 +7,7 @@ use dsp_core::table::Kit as KitView;
 use kit::{Gain, Kit, Loaded, Mode, Object, Pad, Pulse, Striker};
 
 /// The engine of these tests.
-pub type TestEngine<'k> = Engine<'k, 16, 2048, 1024, 2048, STANDARD_CONTACTS>;
+pub type TestEngine<'k> = Engine<'k, 16, 80, 2048, 1024, 2048, STANDARD_CONTACTS>;
 
 /// A mode with one position.
 pub fn mode(frequency_hz: f64, t60_s: f64, sine: f64, cosine: f64) -> Mode {
@@ -30,6 +30,7 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
             reference_force: 1.0,
             acceleration: 0.0,
             modes,
+            residual: None,
         }],
         strikers: vec![Striker {
             name: "striker".into(),
@@ -53,6 +54,7 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
             midi_notes: Vec::new(),
             trigger: None,
         }],
+        background: None,
     }
 }
 

@@ -38,7 +38,7 @@ prop_compose! {
     ) -> Object {
         Object {
             name: format!("object {index}"), source: String::new(), licence: String::new(),
-            reference_force: reference_force.exp2(), acceleration, modes,
+            reference_force: reference_force.exp2(), acceleration, modes, residual: None,
         }
     }
 }
@@ -74,6 +74,7 @@ prop_compose! {
                 midi_notes: Vec::new(),
                 trigger: None,
             }).collect(),
+            background: None,
         }
     }
 }

@@ -16,6 +16,32 @@ pub struct Kit {
     pub strikers: Vec<Striker>,
     /// What is played.
     pub pads: Vec<Pad>,
+    /// Stationary noise behind all pads (diffimpact §3.4), if any.
+    pub background: Option<Background>,
+}
+
+/// What an object sounds beside its modes: bands of decaying noise (physics-diffusion eq. 5, 6), started by each strike.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Residual {
+    /// Seed of the noise; two objects with the same one differ all the same.
+    pub seed: u32,
+    /// Edges of the bands in Hz, rising: one more than bands, at most 101.
+    pub edges_hz: Vec<f32>,
+    /// Rms w of each band at t = 0 (1.0 = full scale) of a strike whose peak force is the reference force.
+    pub weight: Vec<f32>,
+    /// Decay γ of each band in dB/s.
+    pub decay_db_per_s: Vec<f32>,
+}
+
+/// Stationary noise with per-band gains.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Background {
+    /// Seed of the noise.
+    pub seed: u32,
+    /// Edges of the bands in Hz, rising: one more than bands, at most 101.
+    pub edges_hz: Vec<f32>,
+    /// Rms of each band (1.0 = full scale).
+    pub weight: Vec<f32>,
 }
 
 /// A struck object: a modal bank (diffimpact eq. 1, `IR_object`) and its acceleration sound.
@@ -33,6 +59,8 @@ pub struct Object {
     pub acceleration: f32,
     /// Its modes, all with the same number of gains.
     pub modes: Vec<Mode>,
+    /// What it sounds beside them, if anything.
+    pub residual: Option<Residual>,
 }
 
 /// A striker: its contact pulse and its own modal bank (diffimpact eq. 1, `IR_striker`).

@@ -84,6 +84,14 @@ pub enum KitError {
         /// The file that includes this one.
         by: String,
     },
+    /// An included file has pads.
+    #[error("{at}: pad: this file is included by {by}, and only a kit's own file may have pads; move the pad there")]
+    BackgroundInInclude {
+        /// Where.
+        at: Location,
+        /// The file that includes this one.
+        by: String,
+    },
     /// Two items of one kind with the same name.
     #[error("{at}: {kind} {name:?}: there is one of that name at {first}; give each its own")]
     Duplicate {
@@ -139,6 +147,18 @@ pub enum Fault {
     /// A mode's gains do not fit those of the other modes, or each other.
     #[error("{found} gains: must be {expected}, {why}")]
     GainCount {
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        expected: usize,
+        /// What asks for that many.
+        why: &'static str,
+    },
+    /// An array with more or fewer numbers than the others ask for.
+    #[error("{key} has {found} numbers: must have {expected}, {why}")]
+    NumberCount {
+        /// The key of the array.
+        key: &'static str,
         /// How many there are.
         found: usize,
         /// How many there must be.
@@ -224,6 +244,12 @@ fn item_name(kit: &Kit, place: Place) -> String {
         Place::Striker(index) => format!("striker {index} {:?}", striker(index)),
         Place::StrikerMode(index, mode) => format!("striker {index} {:?}, mode {mode}", striker(index)),
         Place::Pad(index) => format!("pad {index} {:?}", kit.pads.get(index).map_or("", |pad| &pad.name)),
+        Place::ObjectResidual(index) => format!("object {index} {:?}, residual", object(index)),
+        Place::ObjectEdge(index, edge) => format!("object {index} {:?}, residual, edge {edge}", object(index)),
+        Place::ObjectBand(index, band) => format!("object {index} {:?}, residual, band {band}", object(index)),
+        Place::Background => "background".to_owned(),
+        Place::BackgroundEdge(edge) => format!("background, edge {edge}"),
+        Place::BackgroundBand(band) => format!("background, band {band}"),
     }
 }
 
@@ -238,6 +264,7 @@ fn place_of(error: &TableError) -> Option<Place> {
         | TableError::BadNote { place, .. }
         | TableError::SharedInput { place, .. }
         | TableError::BadText { place }
+        | TableError::EdgeOrder { place, .. }
         | TableError::NotZero { place, .. } => Some(place),
         TableError::Truncated { .. }
         | TableError::WrongMagic { .. }

@@ -24,6 +24,7 @@
 //! | [`contact`] | from velocity to a contact force over time; strikes sum | eq. 2, 3 |
 //! | [`resonator`] | the force drives a bank of decaying modes | §3.3 |
 //! | [`radiation`] | the click of the striker's deceleration, `α·F` | eq. 1, §3.2 |
+//! | [`residual`] | noise in decaying bands beside the modes | physics-diffusion eq. 5, 6 |
 //! | [`pad`] | one object, its strikers, and the sum of all they radiate | eq. 1 |
 //! | [`scene`] | several pads: level, pan, stereo, and 24-bit quantisation | this project |
 //!
@@ -84,6 +85,7 @@ pub mod contact;
 pub mod event;
 pub mod pad;
 pub mod radiation;
+pub mod residual;
 pub mod resonator;
 pub mod scene;
 pub mod trigger;

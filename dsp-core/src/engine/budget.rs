@@ -8,8 +8,9 @@
 //! Events are looked at as far as the block holds them: with blocks of whole ticks nothing comes as a surprise within a tick.
 
 use super::cost::{CYCLES, Counts, Part};
-use super::{Direct, Engine};
+use super::{Direct, Engine, ResidualRoom};
 use crate::event::{Action, Event, Time};
+use crate::pad::{Pad, group_count, is_ringing};
 use crate::resonator::{Audience, Memory, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
 
 /// How a pad is heard and how it will run; `None` for one that will not.
@@ -26,8 +27,16 @@ pub(super) enum LeaveOut {
     Cycles(u32),
 }
 
-impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGINS: usize, const CONTACTS: usize>
-    Engine<'k, PADS, MODES, GROUPS, ORIGINS, CONTACTS>
+impl<
+    'k,
+    const PADS: usize,
+    const BANKS: usize,
+    const MODES: usize,
+    const GROUPS: usize,
+    const ORIGINS: usize,
+    const CONTACTS: usize,
+    R: ResidualRoom,
+> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
 {
     /// Sets how many cycles a tick of 32 frames may take, or takes the limit away. For 80 % of 168 MHz at 48 kHz: 89 600.
     ///
@@ -97,7 +106,7 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     }
 
     fn group_count(&self) -> u32 {
-        self.voices().iter().map(|voice| voice.pad.group_count()).sum()
+        self.pads().iter().map(|pad| group_count(pad.own(&self.banks))).sum()
     }
 
     /// Leaves out the quietest register groups of those that would run.
@@ -123,9 +132,11 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let (threshold, mut at_threshold) = survey.threshold(count);
         let mut shed = Shed::default();
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
-        for (voice, listening) in self.pads.iter_mut().zip(&listening) {
+        for (pad, listening) in self.pads.iter_mut().zip(&listening) {
             let Some((audience, run)) = listening else { continue };
-            for bank in voice.pad.banks_mut() {
+            let banks = pad.own_mut(&mut self.banks);
+            pad.wake(banks);
+            for bank in banks {
                 shed += bank.shed(&mut memory, audience, *run, &survey, (threshold, &mut at_threshold));
             }
         }
@@ -138,9 +149,9 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     #[inline(never)]
     fn survey(&self, direct: Option<Direct<'_>>, listening: &mut [Listening; PADS], survey: &mut Survey<GROUPS>) {
         self.listen(direct, listening);
-        for (voice, listening) in self.voices().iter().zip(listening) {
+        for (pad, listening) in self.pads().iter().zip(listening) {
             let Some((audience, run)) = listening else { continue };
-            for bank in voice.pad.banks() {
+            for bank in pad.own(&self.banks) {
                 bank.survey(&self.groups, audience, *run, survey);
             }
         }
@@ -149,13 +160,13 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     /// How each pad that sounds is heard, and how it will run.
     #[inline(never)]
     fn listen(&self, direct: Option<Direct<'_>>, listening: &mut [Listening; PADS]) {
-        for ((voice, listening), number) in self.voices().iter().zip(listening).zip(0u8..) {
+        for ((pad, listening), number) in self.pads().iter().zip(listening).zip(0u8..) {
             let (input, contact_samples) = self.flight.ahead(number);
             let input = input + direct_input(direct, number);
             let used = if input > 0.0 { Use::Driven } else { Use::Free };
-            if used == Use::Driven || voice.pad.is_ringing() {
-                let guard = if voice.pad.expects() { cycles_of(Part::GuardedGroup) as u16 } else { 0 };
-                let audience = Audience::new(voice.pad.unit(), input, contact_samples);
+            if used == Use::Driven || is_ringing(pad.own(&self.banks)) {
+                let guard = if pad.expects() { cycles_of(Part::GuardedGroup) as u16 } else { 0 };
+                let audience = Audience::new(pad.unit(), input, contact_samples);
                 *listening = Some((audience, UpcomingRun { used, frames: self.frames_to_tick() as u8, guard }));
             }
         }
@@ -163,22 +174,23 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
 
     /// What a tick's beginning does.
     #[inline(never)]
-    pub(super) fn beginning(&self) -> [(Part, u32); 3] {
+    pub(super) fn beginning(&self) -> [(Part, u32); 4] {
         if self.idle {
-            return [(Part::Tick, 1), (Part::WakingPad, 0), (Part::DueGroup, 0)];
+            return [(Part::Tick, 1), (Part::WakingPad, 0), (Part::DueGroup, 0), (Part::ResidualCycle, 0)];
         }
-        let due = self.voices().iter().filter(|voice| voice.pad.is_guard_due());
-        let groups = due.map(|voice| voice.pad.group_count()).sum();
-        let pads = self.voices().iter().filter(|voice| !voice.pad.rests()).count();
-        [(Part::Tick, 1), (Part::WakingPad, pads as u32), (Part::DueGroup, groups)]
+        let due = self.pads().iter().filter(|pad| pad.is_guard_due(pad.own(&self.banks)));
+        let groups = due.map(|pad| group_count(pad.own(&self.banks))).sum();
+        let pads = self.pads().iter().filter(|pad| !pad.rests()).count();
+        let noise = (Part::ResidualCycle, self.noise_cycles());
+        [(Part::Tick, 1), (Part::WakingPad, pads as u32), (Part::DueGroup, groups), noise]
     }
 
     /// What an event does.
     pub(super) fn event_counts(&self, event: &Event) -> [(Part, u32); 2] {
         match event.action {
-            Action::Strike => [(Part::Strike, 1), (Part::ChokedMode, 0)],
+            Action::Strike => [(Part::Strike, 1), (Part::ResidualStrike, u32::from(self.has_noise(event.pad)))],
             Action::Choke | Action::Release => {
-                let modes = self.voices().get(usize::from(event.pad)).map_or(0, |voice| voice.pad.mode_count());
+                let modes = self.pads().get(usize::from(event.pad)).map_or(0, Pad::mode_count);
                 [(Part::Strike, 1), (Part::ChokedMode, modes as u32)]
             }
             Action::Shed(_) => self.survey_counts(),
@@ -223,17 +235,21 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         counts.add(Part::Look, 1);
         counts.add(Part::Pad, self.pad_count as u32);
         counts.add(Part::Frame, frames);
-        for ((voice, number), &struck) in self.voices().iter().zip(0u8..).zip(struck) {
+        let noises = self.noises() as u32
+            + struck.iter().zip(0u8..).filter(|(is, pad)| **is && self.has_noise(*pad)).count() as u32;
+        counts.add(Part::ResidualRun, noises);
+        counts.add(Part::ResidualFrame, noises * frames);
+        for ((pad, number), &struck) in self.pads().iter().zip(0u8..).zip(struck) {
+            let pad_banks = pad.own(&self.banks);
             let contact_frames = self.flight.frames_ahead(number, frames) + if struck { frames } else { 0 };
-            let pad = &voice.pad;
             let is_direct = direct_input(direct, number) > 0.0;
             let is_driven = contact_frames > 0 || is_direct;
             let used = if is_driven { Use::Driven } else { Use::Free };
-            if !is_driven && !pad.is_ringing() {
+            if !is_driven && !is_ringing(pad_banks) {
                 continue;
             }
             let (mut groups, mut banks) = (0, 0);
-            for bank in pad.banks().filter(|bank| bank.mode_count() > 0) {
+            for bank in pad_banks.iter().filter(|bank| bank.mode_count() > 0) {
                 let (cycles, running) = bank.cycles(&self.groups, used, frames);
                 counts.add(Part::KernelCycle, cycles);
                 // Of a driven bank all are looked at closely.
@@ -249,11 +265,11 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             if is_driven && groups == 0 {
                 counts.add(Part::UnheardPad, 1);
             } else if is_driven {
-                counts.add(if pad.drives_quickly() { Part::DrivenPad } else { Part::BusDrivenPad }, 1);
+                counts.add(if pad.drives_quickly(pad_banks) { Part::DrivenPad } else { Part::BusDrivenPad }, 1);
                 counts.add(Part::DrivenFrame, frames);
                 counts.add(Part::ContactFrame, contact_frames);
                 counts.add(Part::DirectFrame, if is_direct { frames } else { 0 });
-            } else if pad.rings_quickly() {
+            } else if pad.rings_quickly(pad_banks) {
                 counts.add(Part::RingingPad, 1);
             } else {
                 counts.add(Part::BusPad, 1);

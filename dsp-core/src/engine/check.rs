@@ -1,10 +1,19 @@
 //! What a caller may ask of a block.
 
-use super::{Direct, Engine};
+use super::{Direct, Engine, ResidualRoom};
 use crate::event::{Event, EventError};
+use crate::pad::Pad;
 
-impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGINS: usize, const CONTACTS: usize>
-    Engine<'k, PADS, MODES, GROUPS, ORIGINS, CONTACTS>
+impl<
+    'k,
+    const PADS: usize,
+    const BANKS: usize,
+    const MODES: usize,
+    const GROUPS: usize,
+    const ORIGINS: usize,
+    const CONTACTS: usize,
+    R: ResidualRoom,
+> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
 {
     /// Refuses the first event, or the direct force, that cannot be.
     pub(super) fn check(&self, events: &[Event], direct: Option<Direct<'_>>, frames: usize) -> Result<(), EventError> {
@@ -13,8 +22,8 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let pads = self.pad_count();
         for (index, event) in events.iter().enumerate() {
             let frame = event.time.first_frame();
-            let pad = self.voices().get(usize::from(event.pad));
-            let strikers = pad.map_or(0, |voice| voice.pad.striker_count());
+            let pad = self.pads().get(usize::from(event.pad));
+            let strikers = pad.map_or(0, Pad::striker_count);
             if frame < earliest {
                 return Err(EventError::OutOfOrder { index, frame, earliest });
             } else if frame >= end {

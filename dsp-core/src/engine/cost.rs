@@ -54,16 +54,24 @@ pub enum Part {
     PredictedGroup,
     /// A cycle of the kernels.
     KernelCycle,
+    /// A strike that begins a residual.
+    ResidualStrike,
+    /// A residual or the background, in a run.
+    ResidualRun,
+    /// A frame of it.
+    ResidualFrame,
+    /// A cycle of the work on noise to come.
+    ResidualCycle,
 }
 
 /// Number of [`Part`]s.
-pub const PARTS: usize = Part::KernelCycle as usize + 1;
+pub const PARTS: usize = Part::ResidualCycle as usize + 1;
 
 /// Cycles of each [`Part`], nominal, without flash waits. Fitted to the virtual core by `cargo bench -p host-tests --bench budget_costs`, which
 /// prints this table.
 pub const CYCLES: [u32; PARTS] = [
-    2299, 335, 472, 133, 0, 0, 1114, 1640, 36, 3554, 1575, 3159, 20, 55, 48, 0, 433, 435, 1250, 4012, 5500, 125, 800,
-    30, 1,
+    2329, 368, 462, 118, 0, 0, 1089, 1305, 49, 2394, 1223, 3698, 20, 55, 59, 0, 430, 435, 1800, 5062, 5500, 125, 800,
+    30, 1, 6800, 500, 40, 1,
 ];
 
 /// How much of each part a tick has.

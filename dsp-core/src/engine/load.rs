@@ -2,12 +2,25 @@
 
 use core::fmt;
 
-use super::{Engine, Skipping, TickReport, Voice};
+use super::{Engine, ResidualRoom, Skipping, TickReport};
 use crate::SampleRate;
 use crate::contact::Flight;
 use crate::pad::{Pad, PadTables};
-use crate::resonator::{BankError, Memory, Mode, Used, max_decay_per_s};
+use crate::resonator::{Bank, BankError, Memory, Mode, Used, max_decay_per_s};
 use crate::table::Kit;
+
+/// What an engine has room for, all pads together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Capacity {
+    /// Banks: a pad's object, and its strikers up to the last one with modes.
+    pub banks: usize,
+    /// Modes.
+    pub modes: usize,
+    /// Register groups.
+    pub groups: usize,
+    /// Modes of pads that can be choked or have several positions.
+    pub origins: usize,
+}
 
 /// Why a kit cannot be played by this engine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +34,20 @@ pub enum LoadError {
         /// Pads of the engine.
         capacity: usize,
     },
+    /// More pads with a residual, the background counting as one, than the engine has room for.
+    TooManyResiduals {
+        /// Room of the engine.
+        capacity: usize,
+    },
+    /// A band of noise reaches beyond half the sample rate.
+    BeyondNyquist {
+        /// Which pad's residual, or `None` for the background.
+        pad: Option<u8>,
+        /// The highest edge, in Hz.
+        edge_hz: f32,
+        /// The rate at which it was loaded.
+        rate: SampleRate,
+    },
     /// Something of a pad does not fit.
     Pad {
         /// Which pad.
@@ -29,8 +56,8 @@ pub enum LoadError {
         striker: Option<usize>,
         /// What.
         error: BankError,
-        /// Modes, groups and origins that the engine has.
-        capacity: (usize, usize, usize),
+        /// What the engine has room for.
+        capacity: Capacity,
         /// The rate at which it was loaded.
         rate: SampleRate,
     },
@@ -43,7 +70,21 @@ impl fmt::Display for LoadError {
             Self::TooManyPads { pads, capacity } => {
                 write!(f, "pads: {pads}, this engine has room for {capacity}")
             }
-            Self::Pad { pad, striker, error, capacity: (modes, groups, origins), rate } => {
+            Self::TooManyResiduals { capacity } => {
+                write!(f, "residuals: more than {capacity}, the background counting as one: take some out of the kit")
+            }
+            Self::BeyondNyquist { pad, edge_hz, rate } => {
+                match pad {
+                    Some(pad) => write!(f, "pad {pad}, residual of its object: ")?,
+                    None => write!(f, "background: ")?,
+                }
+                write!(
+                    f,
+                    "edges_hz = {edge_hz}: must be at most {} Hz at {rate}; leave out the bands above",
+                    rate.hz() / 2.0
+                )
+            }
+            Self::Pad { pad, striker, error, capacity: Capacity { banks, modes, groups, origins }, rate } => {
                 write!(f, "pad {pad}, ")?;
                 match striker {
                     Some(striker) => write!(f, "striker {striker} of the pad: ")?,
@@ -59,6 +100,10 @@ impl fmt::Display for LoadError {
                     BankError::TooManyOrigins => write!(
                         f,
                         "modes: more than {origins} modes in all of pads with choke_t60_s above 0 or several positions"
+                    ),
+                    BankError::TooManyBanks => write!(
+                        f,
+                        "banks: more than {banks} in all: a pad has one for its object, and one for each striker up to the last one with modes"
                     ),
                     BankError::DecayTooFast { mode, decay_per_s } => write!(
                         f,
@@ -77,8 +122,16 @@ impl fmt::Display for LoadError {
 
 impl core::error::Error for LoadError {}
 
-impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGINS: usize, const CONTACTS: usize>
-    Engine<'k, PADS, MODES, GROUPS, ORIGINS, CONTACTS>
+impl<
+    'k,
+    const PADS: usize,
+    const BANKS: usize,
+    const MODES: usize,
+    const GROUPS: usize,
+    const ORIGINS: usize,
+    const CONTACTS: usize,
+    R: ResidualRoom,
+> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
 {
     /// Derives all stages from a kit for a sample rate and sets time to 0. What rang before is gone.
     ///
@@ -87,14 +140,16 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
     /// # Errors
     /// A [`LoadError`]; the engine is then without a kit and silent.
     pub fn load(&mut self, kit: &Kit<'k>, rate: SampleRate, skipping: Skipping) -> Result<(), LoadError> {
+        self.banks = [const { Bank::EMPTY }; BANKS];
         (self.pad_count, self.idle, self.expects, self.retired_amplitude) = (0, false, false, 0.0);
         self.modes = [Mode::SILENT; MODES];
         self.flight = Flight::EMPTY;
         self.report = TickReport::EMPTY;
         (self.rate, self.skipping, self.now) = (Some(rate), skipping, 0);
         self.load_pads(kit, rate)?;
-        self.pad_count = kit.pads().len();
-        self.modes_built = self.voices().iter().map(|voice| voice.pad.mode_count() as u32).sum();
+        self.load_noise(kit, rate)?;
+        (self.pad_count, self.kit) = (kit.pads().len(), Some(*kit));
+        self.modes_built = self.pads().iter().map(|pad| pad.mode_count() as u32).sum();
         Ok(())
     }
 
@@ -109,13 +164,16 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         }
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         let mut used = Used::default();
-        for (index, (slot, pad)) in self.pads.iter_mut().zip(kit.pads()).enumerate() {
-            let Some(tables) = PadTables::new(*kit, pad) else { continue };
-            let pad =
-                Pad::load(kit, pad, &tables.object(), rate, &mut memory, &mut used).map_err(|(error, striker)| {
-                    LoadError::Pad { pad: index, striker, error, capacity: (MODES, GROUPS, ORIGINS), rate }
-                })?;
-            *slot = Voice { pad, tables: Some(tables) };
+        for (index, slot) in self.pads.iter_mut().take(pads).enumerate() {
+            let Some(tables) = PadTables::new(*kit, index) else { continue };
+            let loaded = Pad::load(&tables, rate, &mut memory, &mut used, &mut self.banks);
+            *slot = loaded.map_err(|(error, striker)| LoadError::Pad {
+                pad: index,
+                striker,
+                error,
+                capacity: Capacity { banks: BANKS, modes: MODES, groups: GROUPS, origins: ORIGINS },
+                rate,
+            })?;
         }
         Ok(())
     }

@@ -14,19 +14,22 @@ mod budget;
 mod check;
 mod cost;
 mod load;
+mod noise;
 mod report;
 
 use budget::LeaveOut;
 pub use cost::{CYCLES, Counts, PARTS, Part};
-pub use load::LoadError;
+pub use load::{Capacity, LoadError};
+pub use noise::{NoResiduals, ResidualRoom, Residuals};
 pub use report::{Cause, TickReport};
 
 use crate::SampleRate;
 use crate::contact::{Contact, Flight};
 use crate::event::{Action, Event, EventError};
 use crate::output;
-use crate::pad::{Pad, PadTables, Run};
-use crate::resonator::{Group, Memory, Mode, Origin, TICK_FRAMES};
+use crate::pad::{Pad, PadTables, Run, is_ringing};
+use crate::resonator::{Bank, Group, Memory, Mode, Origin, TICK_FRAMES};
+use crate::table::Kit;
 
 /// Contacts under way at once in every engine that is meant to give the same bits as the others: one more displaces the one nearest to
 /// its end. 64 are 1000 strikes a second on each of eight pads with contacts of 8 ms.
@@ -54,27 +57,34 @@ pub struct Direct<'a> {
 ///
 /// | parameter | counts | bytes each |
 /// | --- | --- | --- |
-/// | `PADS` | pads of the kit | at most 784 (on a PC) |
+/// | `PADS` | pads of the kit | 60 |
+/// | `BANKS` | a pad's object, and its strikers up to the last one with modes, of all pads | 64 |
 /// | `MODES` | modes below Nyquist of all pads, their strikers' included | 24 |
-/// | `GROUPS` | register groups: modes/6, and up to eight more a bank | 24 |
+/// | `GROUPS` | register groups: modes/6, and up to six more a bank | 24 |
 /// | `ORIGINS` | modes of pads that can be choked or have several positions | 12 |
 /// | `CONTACTS` | contacts under way at once | 24 |
+/// | `R` | [`Residuals`]: pads with a residual, the background counting as one; [`NoResiduals`] unless said otherwise | 15 KB |
 #[derive(Debug)]
 pub struct Engine<
     'k,
     const PADS: usize,
+    const BANKS: usize,
     const MODES: usize,
     const GROUPS: usize,
     const ORIGINS: usize,
     const CONTACTS: usize,
+    R: ResidualRoom = NoResiduals,
 > {
     /// The first `pad_count` are the kit's.
-    pads: [Voice<'k>; PADS],
+    pads: [Pad<'k>; PADS],
     pad_count: usize,
+    kit: Option<Kit<'k>>,
+    banks: [Bank; BANKS],
     modes: [Mode; MODES],
     groups: [Group; GROUPS],
     origins: [Origin; ORIGINS],
     flight: Flight<CONTACTS>,
+    residuals: R,
     /// `None` before a load, so that an engine in a `static` is all zeros and costs no flash.
     rate: Option<SampleRate>,
     skipping: Skipping,
@@ -96,37 +106,45 @@ pub struct Engine<
     retired_amplitude: f32,
 }
 
-/// A pad and the tables it was loaded from.
-#[derive(Debug)]
-struct Voice<'k> {
-    pad: Pad,
-    tables: Option<PadTables<'k>>,
-}
-
-impl Voice<'_> {
-    const EMPTY: Self = Self { pad: Pad::EMPTY, tables: None };
-}
-
-impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGINS: usize, const CONTACTS: usize>
-    Default for Engine<'k, PADS, MODES, GROUPS, ORIGINS, CONTACTS>
+impl<
+    'k,
+    const PADS: usize,
+    const BANKS: usize,
+    const MODES: usize,
+    const GROUPS: usize,
+    const ORIGINS: usize,
+    const CONTACTS: usize,
+    R: ResidualRoom,
+> Default for Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
 {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGINS: usize, const CONTACTS: usize>
-    Engine<'k, PADS, MODES, GROUPS, ORIGINS, CONTACTS>
+impl<
+    'k,
+    const PADS: usize,
+    const BANKS: usize,
+    const MODES: usize,
+    const GROUPS: usize,
+    const ORIGINS: usize,
+    const CONTACTS: usize,
+    R: ResidualRoom,
+> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
 {
     /// An engine without a kit, silent. `const`, so that it can lie in a `static` and never on a stack.
     pub const fn new() -> Self {
         Self {
-            pads: [const { Voice::EMPTY }; PADS],
+            pads: [const { Pad::EMPTY }; PADS],
             pad_count: 0,
+            kit: None,
+            banks: [const { Bank::EMPTY }; BANKS],
             modes: [Mode::SILENT; MODES],
             groups: [Group::EMPTY; GROUPS],
             origins: [Origin::NONE; ORIGINS],
             flight: Flight::EMPTY,
+            residuals: R::EMPTY,
             rate: None,
             skipping: Skipping::On,
             now: 0,
@@ -156,18 +174,18 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         self.pad_count
     }
 
-    fn voices(&self) -> &[Voice<'k>] {
+    fn pads(&self) -> &[Pad<'k>] {
         self.pads.get(..self.pad_count).unwrap_or(&[])
     }
 
     /// Modes that a pad renders, its strikers' included; those at or above Nyquist are not among them.
     pub fn mode_count(&self, pad: usize) -> usize {
-        self.voices().get(pad).map_or(0, |voice| voice.pad.mode_count())
+        self.pads().get(pad).map_or(0, Pad::mode_count)
     }
 
     /// Whether nothing rings and no contact is under way: until the next event or direct force, output is exact silence and a core may sleep.
     pub fn is_silent(&self) -> bool {
-        self.flight.count() == 0 && !self.voices().iter().any(|voice| voice.pad.is_ringing())
+        self.flight.count() == 0 && !is_ringing(&self.banks) && self.noises() == 0
     }
 
     /// Renders a block of 24-bit stereo samples. See [`render_observed`](Self::render_observed).
@@ -305,23 +323,22 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             return;
         }
         // A direct force has no strike that would be a new chance: each tick is.
-        if let Some(voice) = direct.and_then(|direct| self.pads.get_mut(usize::from(direct.pad))) {
-            let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
-            voice.pad.banks_mut().for_each(|bank| bank.admit(&mut memory));
+        if let Some(direct) = direct {
+            self.admit(direct.pad);
         }
         let skip = self.skipping == Skipping::On;
         let mut retired = None;
         for index in 0..self.pad_count {
-            if self.pads.get_mut(index).is_none_or(|voice| voice.pad.pass_tick()) {
+            if self.pads.get_mut(index).is_none_or(Pad::pass_tick) {
                 continue;
             }
-            let all = retired
-                .unwrap_or_else(|| self.voices().iter().fold(0.0, |sum, voice| sum + voice.pad.retired_amplitude()));
+            let all = retired.unwrap_or_else(|| self.pads().iter().fold(0.0, |sum, pad| sum + pad.retired_amplitude()));
             let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
-            let Some(Voice { pad, .. }) = self.pads.get_mut(index) else { break };
+            let Some(pad) = self.pads.get_mut(index) else { break };
+            let banks = pad.own_mut(&mut self.banks);
             let elsewhere = all - pad.retired_amplitude();
             let elsewhere = if elsewhere > 0.0 { elsewhere } else { 0.0 };
-            self.report.retired_modes += pad.tick(&mut memory, skip, elsewhere);
+            self.report.retired_modes += pad.tick(&mut memory, banks, skip, elsewhere);
             retired = Some(elsewhere + pad.retired_amplitude());
         }
         self.retired_amplitude = retired.unwrap_or(self.retired_amplitude);
@@ -337,32 +354,59 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
             self.leave_out(LeaveOut::Groups(count), direct);
             return;
         }
-        let rate = self.rate();
-        let Some(voice) = self.pads.get_mut(usize::from(event.pad)) else { return };
-        let Some(tables) = &voice.tables else { return };
         (self.idle, self.was_idle) = (false, false);
+        if event.action != Action::Strike {
+            return self.change(event);
+        }
+        self.admit(event.pad);
+        let rate = self.rate();
+        let Some(pad) = self.pads.get_mut(usize::from(event.pad)) else { return };
+        let banks = pad.own_mut(&mut self.banks);
+        let Some(impact) = pad.strike(event.velocity, event.striker, rate, banks) else { return };
+        let moves = Pad::moves_to(event.position, banks);
+        self.strike_noise(event.pad, impact.peak);
+        self.expects = true;
+        let contact = Contact::new(event.pad, event.striker, impact, event.time.early());
+        self.report.strikes += 1;
+        self.report.displaced_contacts += u32::from(self.flight.begin(contact));
+        if moves {
+            self.change(event);
+        }
+    }
+
+    /// What needs the pad's tables: a hand that comes or goes, a strike at another position.
+    #[inline(never)] // to look them up takes longer than a strike, and room on the stack
+    fn change(&mut self, event: &Event) {
+        let rate = self.rate();
+        let Some(kit) = self.kit else { return };
+        let Some(tables) = PadTables::new(kit, usize::from(event.pad)) else { return };
+        let Some(pad) = self.pads.get_mut(usize::from(event.pad)) else { return };
+        let banks = pad.own_mut(&mut self.banks);
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         match event.action {
-            Action::Strike => {
-                voice.pad.banks_mut().for_each(|bank| bank.admit(&mut memory));
-                let struck = voice.pad.strike(tables, event.velocity, event.position, event.striker, rate, &mut memory);
-                if let Some(impact) = struck {
-                    self.expects = true;
-                    let contact = Contact::new(event.pad, event.striker, impact, event.time.early());
-                    self.report.strikes += 1;
-                    self.report.displaced_contacts += u32::from(self.flight.begin(contact));
-                }
-            }
-            Action::Choke => voice.pad.set_choked(true, tables, rate, &mut memory),
-            Action::Release => voice.pad.set_choked(false, tables, rate, &mut memory),
+            Action::Strike => Pad::set_position(event.position, &tables, rate, &mut memory, banks),
+            Action::Choke => pad.set_choked(true, &tables, rate, &mut memory, banks),
+            Action::Release => pad.set_choked(false, &tables, rate, &mut memory, banks),
             Action::Shed(_) => {}
         }
+        if event.action != Action::Strike {
+            self.choke_noise(event.pad, event.action, tables.pad().choke_t60_s());
+        }
+    }
+
+    /// Lets input reach again what was left out of a pad.
+    fn admit(&mut self, pad: u8) {
+        let Some(pad) = self.pads.get_mut(usize::from(pad)) else { return };
+        let banks = pad.own_mut(&mut self.banks);
+        pad.wake(banks);
+        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
+        banks.iter_mut().for_each(|bank| bank.admit(&mut memory));
     }
 
     fn meet_expected(&mut self) {
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
-        for voice in self.pads.iter_mut().take(self.pad_count) {
-            voice.pad.meet_expected(&mut memory);
+        for pad in self.pads.iter_mut().take(self.pad_count) {
+            pad.meet_expected(&mut memory, pad.own_mut(&mut self.banks));
         }
     }
 
@@ -372,46 +416,50 @@ impl<'k, const PADS: usize, const MODES: usize, const GROUPS: usize, const ORIGI
         let (skip, odd_start) = (self.skipping == Skipping::On, self.now % 2 == 1);
         let contacts = self.flight.count() > 0;
         self.report.contact_frames += (self.flight.count() * out.len()) as u32;
-        for (voice, number) in self.pads.iter_mut().take(self.pad_count).zip(0u8..) {
+        for (pad, number) in self.pads.iter_mut().take(self.pad_count).zip(0u8..) {
+            let banks = pad.own_mut(&mut self.banks);
             // A force of exact zeros is no force: a quiet sensor costs nothing.
             let direct = direct
                 .filter(|direct| direct.pad == number && !(skip && direct.force.iter().all(|&x| x == 0)))
                 .map(|direct| direct.force);
             let has_force = direct.is_some() || (contacts && self.flight.count_on(number) > 0);
-            if has_force && skip && !voice.pad.responds(memory.groups) {
+            if has_force && skip && !pad.responds(banks, memory.groups) {
                 // Nobody would hear the force.
                 self.flight.pass(number, out.len());
-                self.report.add_ringing(&voice.pad, (0, 0), out.len());
+                self.report.add_ringing(pad, (0, 0), out.len());
                 continue;
             }
             if has_force || !skip {
                 let run = Run { frames: out.len(), odd_start, skip, direct };
-                let work = voice.pad.drive(number, run, &mut self.flight, &mut memory, out);
-                self.report.add(&voice.pad, &work, out.len());
+                let work = pad.drive(number, run, &mut self.flight, &mut memory, banks, out);
+                self.report.add(pad, &work, out.len());
             } else {
-                let ringing = voice.pad.is_ringing();
-                let ran = if ringing { voice.pad.ring(out.len(), odd_start, &mut memory, out) } else { (0, 0) };
-                self.report.add_ringing(&voice.pad, ran, out.len());
+                let ringing = is_ringing(banks);
+                let ran = if ringing { pad.ring(out.len(), odd_start, &mut memory, banks, out) } else { (0, 0) };
+                self.report.add_ringing(pad, ran, out.len());
             }
         }
         if contacts {
             self.flight.clear_finished();
         }
+        self.render_noise(out);
     }
 
     fn end_tick(&mut self) {
         if self.idle {
             return;
         }
+        self.end_noise_tick();
         self.report.contacts = self.flight.count() as u32;
-        self.report.ringing_pads = self.voices().iter().filter(|voice| voice.pad.is_ringing()).count() as u32;
+        self.report.ringing_pads = self.pads().iter().filter(|pad| is_ringing(pad.own(&self.banks))).count() as u32;
         self.idle = self.skipping == Skipping::On
             && self.report.contacts == 0
             && self.report.ringing_pads == 0
-            && self.voices().iter().all(|voice| voice.pad.retired_amplitude() == 0.0);
+            && self.report.residuals == 0
+            && self.pads().iter().all(|pad| pad.retired_amplitude() == 0.0);
         if self.idle {
-            let unstruck = self.voices().iter().filter(|voice| !voice.pad.was_struck());
-            self.unstruck_modes = unstruck.map(|voice| voice.pad.mode_count() as u32).sum();
+            let unstruck = self.pads().iter().filter(|pad| !pad.was_struck());
+            self.unstruck_modes = unstruck.map(|pad| pad.mode_count() as u32).sum();
         }
     }
 }
@@ -423,8 +471,9 @@ mod tests {
     #[test]
     fn memory_is_what_the_table_above_says() {
         std::println!(
-            "pad {}, mode {}, group {}, origin {}, contact {}",
-            size_of::<Voice<'_>>(),
+            "pad {}, bank {}, mode {}, group {}, origin {}, contact {}",
+            size_of::<Pad<'_>>(),
+            size_of::<Bank>(),
             size_of::<Mode>(),
             size_of::<Group>(),
             size_of::<Origin>(),
@@ -434,7 +483,9 @@ mod tests {
             (size_of::<Mode>(), size_of::<Group>(), size_of::<Origin>(), size_of::<Contact>()),
             (24, 24, 12, 24)
         );
-        // Pointers are twice as wide on a PC as on the board.
-        assert!(size_of::<Voice<'_>>() <= 784);
+        assert_eq!(size_of::<Bank>(), 64);
+        // Four pointers, which are twice as wide on a PC as on the board.
+        let pointers = 4 * (size_of::<usize>() - 4);
+        assert_eq!(size_of::<Pad<'_>>(), (60 + pointers).next_multiple_of(size_of::<usize>()));
     }
 }

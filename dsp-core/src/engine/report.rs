@@ -58,6 +58,12 @@ pub struct TickReport {
     pub ringing_pads: u32,
     /// Contacts under way at the tick's end.
     pub contacts: u32,
+    /// Frames of residuals that were rendered, all pads.
+    pub residual_frames: u32,
+    /// Frames of background that were rendered.
+    pub background_frames: u32,
+    /// Residuals that sound at the tick's end, the background among them.
+    pub residuals: u32,
 }
 
 impl TickReport {
@@ -78,6 +84,9 @@ impl TickReport {
         refused_inputs: 0,
         retired_modes: 0,
         retired_amplitude: 0.0,
+        residual_frames: 0,
+        background_frames: 0,
+        residuals: 0,
         shed: Shed::NOTHING,
         counts: Counts::NONE,
         ringing_pads: 0,
@@ -128,7 +137,7 @@ impl TickReport {
     }
 
     /// A pad without force, that ran so many mode-frames (object, strikers).
-    pub(super) fn add_ringing(&mut self, pad: &Pad, (object, strikers): (u32, u32), frames: usize) {
+    pub(super) fn add_ringing(&mut self, pad: &Pad<'_>, (object, strikers): (u32, u32), frames: usize) {
         let skipped = (pad.mode_count() * frames) as u32 - (object + strikers);
         match pad.was_struck() {
             true => self.decayed_mode_frames += skipped,
@@ -138,7 +147,7 @@ impl TickReport {
         self.striker_mode_frames += strikers;
     }
 
-    pub(super) fn add(&mut self, pad: &Pad, work: &PadWork, frames: usize) {
+    pub(super) fn add(&mut self, pad: &Pad<'_>, work: &PadWork, frames: usize) {
         let mut banks = work.object;
         banks += work.strikers;
         let run = banks.driven_mode_frames + banks.free_mode_frames;

@@ -12,7 +12,6 @@ pub struct Panner {
     left: i32,
     right: i32,
     shift: u32,
-    loudest: f32,
 }
 
 /// Both sides' gains as Q32 mantissas of a sample times 2^shift.
@@ -28,7 +27,7 @@ pub struct Gains {
 
 impl Panner {
     /// Lets nothing through.
-    pub const SILENT: Self = Self { left: 0, right: 0, shift: 0, loudest: 0.0 };
+    pub const SILENT: Self = Self { left: 0, right: 0, shift: 0 };
 
     /// `level_db` in dB, `pan` from -1 (left) to 1 (right).
     pub fn new(level_db: f32, pan: f32) -> Self {
@@ -39,7 +38,7 @@ impl Panner {
         // Mantissas below 1/2; just 1/2 is 2^-32 less, which `as` sees to.
         let shift = (0..30).find(|&shift| loudest <= f64::from(1u32 << shift) / 2.0).unwrap_or(30);
         let mantissa = |gain: f64| libm::rint(gain * TWO_POW_32 / f64::from(1u32 << shift)) as i32;
-        Self { left: mantissa(left), right: mantissa(right), shift, loudest: loudest as f32 }
+        Self { left: mantissa(left), right: mantissa(right), shift }
     }
 
     /// The mantissas of both sides and k, where a bus of that loudness needs no clipping after the multiply.
@@ -51,7 +50,8 @@ impl Panner {
 
     /// The gain of the louder side.
     pub fn loudest(&self) -> f32 {
-        self.loudest
+        let mantissa = self.left.max(self.right) as f32;
+        mantissa * ((1u32 << self.shift) as f32 / TWO_POW_32 as f32)
     }
 
     /// Adds a pad's run to the stereo sum, saturating.

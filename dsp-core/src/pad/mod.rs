@@ -19,25 +19,27 @@ use crate::contact::law::{Impact, StrikerLaw, typical_contact};
 use crate::fixed;
 use crate::output::Panner;
 use crate::radiation::Acceleration;
-use crate::resonator::{Bank, BankError, BankWork, Group, Memory, Retirement, Used};
+use crate::resonator::{Bank, BankError, BankTable, BankWork, Group, Memory, Retirement, Used};
+use crate::table::ContactTable;
 use crate::table::layout::STRIKERS_PER_PAD;
-use crate::table::{Kit, Object, Pad as PadTable};
-use tables::{object_table, striker_table};
+use tables::NO_CONTACT;
 
-/// A pad's stages and their state.
+/// A pad's stages and their state, but for its banks: those of all pads lie together in the engine, so that a pad has room for the strikers
+/// that sound and no others. What concerns them takes the pad's own part of them, [`Pad::own`].
 #[derive(Clone, Debug)]
-pub struct Pad {
-    object: Bank,
-    /// The first `striker_count` are the pad's.
-    strikers: [PadStriker; STRIKERS_PER_PAD],
+pub struct Pad<'k> {
+    /// The contacts of its strikers, in place.
+    contacts: [Option<ContactTable<'k>>; STRIKERS_PER_PAD],
+    reference_force: f32,
+    /// The object's bank, and behind it those of the strikers up to the last one with modes.
+    first_bank: u16,
+    bank_count: u8,
     striker_count: u8,
-    /// Those of the strikers that come up to the last one with modes.
-    sounding_strikers: u8,
     mode_count: u16,
     acceleration: Acceleration,
     panner: Panner,
-    /// |force| that contacts which have just begun will bring, until the banks are guarded for it.
-    expected: u64,
+    /// |force| that contacts which have just begun will bring, until the banks are guarded for it: in steps of [`EXPECTED_STEP`], rounded up.
+    expected: u32,
     choked: bool,
     struck: bool,
     /// Coming ticks in which no bank has anything to do, and those of them that have passed without the banks' knowing.
@@ -47,15 +49,8 @@ pub struct Pad {
     retired_amplitude: f32,
 }
 
-#[derive(Clone, Debug)]
-struct PadStriker {
-    law: StrikerLaw,
-    bank: Bank,
-}
-
-impl PadStriker {
-    const NONE: Self = Self { law: StrikerLaw::NONE, bank: Bank::EMPTY };
-}
+/// Bus steps.
+const EXPECTED_STEP: u64 = 256;
 
 /// What a pad did over a run of frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -85,13 +80,14 @@ pub struct Run<'a> {
     pub direct: Option<&'a [i32]>,
 }
 
-impl Pad {
+impl<'k> Pad<'k> {
     /// A pad without object or strikers.
     pub const EMPTY: Self = Self {
-        object: Bank::EMPTY,
-        strikers: [PadStriker::NONE; STRIKERS_PER_PAD],
+        contacts: [None; STRIKERS_PER_PAD],
+        reference_force: 0.0,
+        first_bank: 0,
+        bank_count: 0,
         striker_count: 0,
-        sounding_strikers: 0,
         mode_count: 0,
         acceleration: Acceleration::NONE,
         panner: Panner::SILENT,
@@ -103,48 +99,50 @@ impl Pad {
         retired_amplitude: 0.0,
     };
 
-    /// Derives a pad from its tables for a sample rate. `which` names, in case of an error, the bank: `None` the object's, or a striker's.
+    /// Derives a pad from its tables for a sample rate; its banks go to the beginning of `banks`, the first of which has the number `first_bank`.
+    /// `which` names, in case of an error, the bank: `None` the object's, or a striker's.
     ///
     /// # Errors
     /// A [`BankError`] and the bank that it concerns.
     pub fn load(
-        kit: &Kit<'_>,
-        pad: PadTable<'_>,
-        object: &Object<'_>,
+        tables: &PadTables<'k>,
         rate: SampleRate,
         memory: &mut Memory<'_>,
         used: &mut Used,
+        banks: &mut [Bank],
     ) -> Result<Self, (BankError, Option<usize>)> {
-        let reference_force = object.reference_force();
-        let first = kit.strikers_of(pad).next();
-        let contact = first.map_or((0.0, 0.0), |striker| typical_contact(&striker, reference_force));
-        let table = object_table(object, pad, contact);
-        let mut strikers = [PadStriker::NONE; STRIKERS_PER_PAD];
-        let (mut striker_count, mut sounding_strikers) = (0, 0);
-        let mut mode_count = 0;
-        let object_bank = Bank::load(&table, rate, memory, used).map_err(|error| (error, None))?;
-        for (index, (slot, striker)) in strikers.iter_mut().zip(kit.strikers_of(pad)).enumerate() {
-            let law = StrikerLaw::new(&striker, reference_force, rate);
-            let table = striker_table(&striker, pad, reference_force, typical_contact(&striker, reference_force));
-            let bank = Bank::load(&table, rate, memory, used).map_err(|error| (error, Some(index)))?;
-            mode_count += bank.mode_count();
-            *slot = PadStriker { law, bank };
-            striker_count += 1;
-            if slot.bank.mode_count() > 0 {
-                sounding_strikers = striker_count;
-            }
-        }
-        mode_count += object_bank.mode_count();
-        Ok(Self {
-            object: object_bank,
-            mode_count: mode_count as u16, // all banks count in 16 bits
-            strikers,
-            striker_count,
-            sounding_strikers,
-            acceleration: Acceleration::new(object.acceleration(), reference_force),
+        let (pad, object) = (tables.pad(), tables.object());
+        let mut loaded = Self {
+            reference_force: object.reference_force(),
+            first_bank: used.banks as u16, // pads are at most 255, with five banks each
+            acceleration: Acceleration::new(object.acceleration(), object.reference_force()),
             panner: Panner::new(pad.level_db(), pad.pan()),
             ..Self::EMPTY
-        })
+        };
+        let mut sounding = 0;
+        for (index, (slot, striker)) in loaded.contacts.iter_mut().zip(tables.strikers()).enumerate() {
+            *slot = Some(striker.contact());
+            loaded.striker_count += 1;
+            sounding = if striker.modes().is_empty() || pad.striker_weight() == 0.0 { sounding } else { index + 1 };
+        }
+        let first = loaded.contacts.first().copied().flatten();
+        let typical = first.map_or((0.0, 0.0), |contact| typical_contact(&contact, loaded.reference_force));
+        let mut load = |table: &BankTable<'_>, which| {
+            let slot = banks.get_mut(used.banks).ok_or((BankError::TooManyBanks, which))?;
+            *slot = Bank::load(table, rate, memory, used).map_err(|error| (error, which))?;
+            used.banks += 1;
+            loaded.bank_count += 1;
+            loaded.mode_count += slot.mode_count() as u16; // all banks count in 16 bits
+            Ok(())
+        };
+        load(&tables.object_table(typical), None)?;
+        for (index, contact) in loaded.contacts.iter().flatten().take(sounding).enumerate() {
+            let typical = typical_contact(contact, loaded.reference_force);
+            if let Some(table) = tables.striker_table(index, typical) {
+                load(&table, Some(index))?;
+            }
+        }
+        Ok(loaded)
     }
 
     /// Number of strikers.
@@ -152,32 +150,22 @@ impl Pad {
         usize::from(self.striker_count)
     }
 
-    /// All strikers that make a sound, and possibly others.
+    /// The pad's own of all banks: the object's and, behind it, those of the strikers up to the last one that sounds.
     #[inline(always)]
-    fn sounding(&self) -> &[PadStriker] {
-        self.strikers.get(..usize::from(self.sounding_strikers)).unwrap_or(&[])
-    }
-
-    #[inline(always)]
-    fn sounding_mut(&mut self) -> &mut [PadStriker] {
-        self.strikers.get_mut(..usize::from(self.sounding_strikers)).unwrap_or(&mut [])
-    }
-
-    /// The object's bank and the strikers' banks.
-    pub fn banks(&self) -> impl Iterator<Item = &Bank> {
-        core::iter::once(&self.object).chain(self.sounding().iter().map(|striker| &striker.bank))
+    pub fn own<'b>(&self, banks: &'b [Bank]) -> &'b [Bank] {
+        banks.get(self.range()).unwrap_or(&[])
     }
 
     /// The same to be changed.
-    pub fn banks_mut(&mut self) -> impl Iterator<Item = &mut Bank> {
-        self.wake();
-        let strikers = self.strikers.iter_mut().take(usize::from(self.sounding_strikers));
-        core::iter::once(&mut self.object).chain(strikers.map(|striker| &mut striker.bank))
+    #[inline(always)]
+    pub fn own_mut<'b>(&self, banks: &'b mut [Bank]) -> &'b mut [Bank] {
+        banks.get_mut(self.range()).unwrap_or(&mut [])
     }
 
-    /// Register groups of all banks.
-    pub fn group_count(&self) -> u32 {
-        self.banks().map(Bank::group_count).sum()
+    #[inline(always)]
+    fn range(&self) -> core::ops::Range<usize> {
+        let first = usize::from(self.first_bank);
+        first..first + usize::from(self.bank_count)
     }
 
     /// Output (1.0 = full scale) that a bus step of a bank makes on the louder side.
@@ -197,61 +185,75 @@ impl Pad {
         self.struck
     }
 
-    /// Whether any mode rings.
-    #[inline(always)]
-    pub fn is_ringing(&self) -> bool {
-        self.object.is_ringing() || self.sounding().iter().any(|striker| striker.bank.is_ringing())
-    }
-
     /// Bound of the amplitude that retirement leaves out, output units (1.0 = full scale).
     #[inline(always)]
     pub fn retired_amplitude(&self) -> f32 {
         self.retired_amplitude
     }
 
-    /// The impact of a strike, and the object moved to its position. `None` where the strike does nothing.
-    pub fn strike(
-        &mut self,
-        tables: &PadTables<'_>,
-        velocity: f32,
-        position: f32,
-        striker: u8,
-        rate: SampleRate,
-        memory: &mut Memory<'_>,
-    ) -> Option<Impact> {
-        let impact = self.strikers.get(usize::from(striker))?.law.impact(velocity)?;
-        self.expected += impact.sum();
+    /// The impact of a strike. `None` where the strike does nothing.
+    pub fn strike(&mut self, velocity: f32, striker: u8, rate: SampleRate, banks: &mut [Bank]) -> Option<Impact> {
+        let contact = self.contacts.get(usize::from(striker))?.as_ref()?;
+        let impact = StrikerLaw::new(contact, self.reference_force, rate).impact(velocity)?;
+        let steps = u32::try_from(impact.sum().div_ceil(EXPECTED_STEP)).unwrap_or(u32::MAX);
+        self.expected = self.expected.saturating_add(steps);
         self.struck = true;
-        self.wake();
-        self.object.set_position(position, &tables.object_table(), rate, memory);
+        self.wake(banks);
         Some(impact)
     }
 
     /// Lays a hand on, or lets go.
-    pub fn set_choked(&mut self, choked: bool, tables: &PadTables<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
+    pub fn set_choked(
+        &mut self,
+        choked: bool,
+        tables: &PadTables<'_>,
+        rate: SampleRate,
+        memory: &mut Memory<'_>,
+        banks: &mut [Bank],
+    ) {
         if choked == self.choked {
             return;
         }
         self.choked = choked;
-        self.wake();
-        self.object.set_choked(choked, &tables.object_table(), rate, memory);
-        for (index, striker) in self.sounding_mut().iter_mut().enumerate() {
-            if let Some(table) = tables.striker_table(index) {
-                striker.bank.set_choked(choked, &table, rate, memory);
+        self.wake(banks);
+        let Some((object, strikers)) = banks.split_first_mut() else { return };
+        object.set_choked(choked, &tables.object_table(NO_CONTACT), rate, memory);
+        for (index, bank) in strikers.iter_mut().enumerate() {
+            if let Some(table) = tables.striker_table(index, NO_CONTACT) {
+                bank.set_choked(choked, &table, rate, memory);
             }
         }
     }
 
+    /// Whether a strike at a position needs other gains than the last one.
+    pub fn moves_to(position: f32, banks: &[Bank]) -> bool {
+        banks.first().is_some_and(|object| object.moves_to(position))
+    }
+
+    /// Moves the object to the position of a strike.
+    pub fn set_position(
+        position: f32,
+        tables: &PadTables<'_>,
+        rate: SampleRate,
+        memory: &mut Memory<'_>,
+        banks: &mut [Bank],
+    ) {
+        if let Some(object) = banks.first_mut() {
+            object.set_position(position, &tables.object_table(NO_CONTACT), rate, memory);
+        }
+    }
+
     /// Whether [`Pad::ring`] goes straight to the stereo bus.
-    pub fn rings_quickly(&self) -> bool {
-        self.panner.gains(self.object.mix_shift().is_loud).is_some() && !self.banks().skip(1).any(Bank::is_ringing)
+    pub fn rings_quickly(&self, banks: &[Bank]) -> bool {
+        let Some((object, strikers)) = banks.split_first() else { return true };
+        self.panner.gains(object.mix_shift().is_loud).is_some() && !is_ringing(strikers)
     }
 
     /// Whether a run under a force, which may be loud, goes straight to the stereo bus.
-    pub fn drives_quickly(&self) -> bool {
-        let is_loud = self.object.mix_shift().is_loud || self.expects();
-        let is_simple = self.sounding_strikers == 0 && !self.acceleration.is_built() && !self.object.has_onset();
-        is_simple && self.panner.gains(is_loud).is_some()
+    pub fn drives_quickly(&self, banks: &[Bank]) -> bool {
+        let [object] = banks else { return false };
+        let is_loud = object.mix_shift().is_loud || self.expects();
+        !self.acceleration.is_built() && !object.has_onset() && self.panner.gains(is_loud).is_some()
     }
 
     /// Whether a contact has begun that the banks are not guarded for yet.
@@ -260,16 +262,17 @@ impl Pad {
     }
 
     /// Whether a force would be heard: some group is not left out, or there is an acceleration sound.
-    pub fn responds(&self, groups: &[Group]) -> bool {
-        self.acceleration.is_built() || self.banks().any(|bank| bank.has_admitted(groups))
+    pub fn responds(&self, banks: &[Bank], groups: &[Group]) -> bool {
+        self.acceleration.is_built() || banks.iter().any(|bank| bank.has_admitted(groups))
     }
 
     /// Guards the banks for the contacts that have just begun. Before the run in which they do.
-    pub fn meet_expected(&mut self, memory: &mut Memory<'_>) {
-        let expected = core::mem::take(&mut self.expected);
+    pub fn meet_expected(&mut self, memory: &mut Memory<'_>, banks: &mut [Bank]) {
+        let expected = u64::from(core::mem::take(&mut self.expected)) * EXPECTED_STEP;
         if expected > 0 {
+            self.wake(banks);
             // What is left out altogether needs no guard.
-            for bank in self.banks_mut() {
+            for bank in banks {
                 if bank.has_admitted(memory.groups) {
                     bank.expect(memory, expected);
                 }
@@ -278,8 +281,8 @@ impl Pad {
     }
 
     /// Whether the next tick guards any group, if no more force comes before it.
-    pub fn is_guard_due(&self) -> bool {
-        self.rest_ticks == 0 && self.banks().any(|bank| bank.is_guard_due(self.passed_ticks))
+    pub fn is_guard_due(&self, banks: &[Bank]) -> bool {
+        self.rest_ticks == 0 && banks.iter().any(|bank| bank.is_guard_due(self.passed_ticks))
     }
 
     /// Whether no bank has anything to do at the coming tick.
@@ -300,30 +303,29 @@ impl Pad {
 
     /// Tells the banks of the ticks that have passed, before anything happens to them.
     #[inline(always)]
-    fn wake(&mut self) {
+    pub fn wake(&mut self, banks: &mut [Bank]) {
         self.rest_ticks = 0;
         if self.passed_ticks > 0 {
-            self.catch_up();
+            self.catch_up(banks);
         }
     }
 
     #[inline(never)]
-    fn catch_up(&mut self) {
+    fn catch_up(&mut self, banks: &mut [Bank]) {
         let passed = core::mem::take(&mut self.passed_ticks);
-        self.object.pass(passed);
-        self.sounding_mut().iter_mut().for_each(|striker| striker.bank.pass(passed));
+        banks.iter_mut().for_each(|bank| bank.pass(passed));
     }
 
     /// The bookkeeping of a tick; gives how many modes retired. `retired_elsewhere` is what other pads leave out, output units.
     #[inline(never)]
-    pub fn tick(&mut self, memory: &mut Memory<'_>, skip: bool, retired_elsewhere: f32) -> u32 {
-        self.wake();
+    pub fn tick(&mut self, memory: &mut Memory<'_>, banks: &mut [Bank], skip: bool, retired_elsewhere: f32) -> u32 {
+        self.wake(banks);
         let mut already = retired_elsewhere;
-        self.banks().for_each(|bank| already += bank.retired_amplitude());
+        banks.iter().for_each(|bank| already += bank.retired_amplitude());
         // 1.0 on the bus is full scale, so that a bus step is 2^-27 of it.
-        let mut retirement = Retirement::new(already, self.panner.loudest() / fixed::ONE_Q27 as f32);
+        let mut retirement = Retirement::new(already, self.unit());
         let (mut rest_ticks, mut retired_amplitude) = (if skip { u8::MAX } else { 0 }, 0.0);
-        for bank in self.banks_mut() {
+        for bank in banks {
             bank.tick(memory, skip.then_some(&mut retirement));
             rest_ticks = rest_ticks.min(bank.rest_ticks());
             retired_amplitude += bank.retired_amplitude();
@@ -331,4 +333,15 @@ impl Pad {
         (self.rest_ticks, self.retired_amplitude) = (rest_ticks, retired_amplitude);
         retirement.retired_modes()
     }
+}
+
+/// Whether any mode of a pad's own banks rings.
+#[inline(always)]
+pub fn is_ringing(banks: &[Bank]) -> bool {
+    banks.iter().any(Bank::is_ringing)
+}
+
+/// Register groups of banks.
+pub fn group_count(banks: &[Bank]) -> u32 {
+    banks.iter().map(Bank::group_count).sum()
 }

@@ -1,12 +1,12 @@
 //! A pad's sound over a run of frames.
 
-use super::{Pad, PadStriker, PadWork, Run};
+use super::{Pad, PadWork, Run};
 use crate::contact::flight::Flight;
 use crate::fixed;
 use crate::resonator::kernel;
-use crate::resonator::{BankWork, Memory, TICK_FRAMES};
+use crate::resonator::{Bank, BankWork, Memory, TICK_FRAMES};
 
-impl Pad {
+impl Pad<'_> {
     /// Renders a run without force and adds it to the stereo sum; gives the mode-frames of the object's bank and of the strikers' banks. A
     /// striker's bank that rings sounds on the same bus as the object's.
     #[inline(never)]
@@ -15,43 +15,55 @@ impl Pad {
         frames: usize,
         odd_start: bool,
         memory: &mut Memory<'_>,
+        banks: &mut [Bank],
         out: &mut [[i32; 2]],
     ) -> (u32, u32) {
-        let object = self.object.running_modes(true) * frames as u32;
-        let strikers = self.sounding().iter().map(|striker| striker.bank.running_modes(true)).sum::<u32>();
-        match self.panner.gains(self.object.mix_shift().is_loud).filter(|_| strikers == 0) {
+        let Some((object, strikers)) = banks.split_first_mut() else { return (0, 0) };
+        let object_modes = object.running_modes(true);
+        let striker_modes = strikers.iter().map(|bank| bank.running_modes(true)).sum::<u32>();
+        match self.panner.gains(object.mix_shift().is_loud).filter(|_| striker_modes == 0) {
             // The usual case, in one pass: the same bits.
             Some(gains) => {
                 let run = kernel::Run { frames, skip: true, add: false };
-                self.object.ring_stereo(memory, run, odd_start, gains, out);
+                object.ring_stereo(memory, run, odd_start, gains, out);
             }
-            None => self.ring_on_bus(frames, odd_start, memory, out),
+            None => self.ring_on_bus(frames, odd_start, memory, banks, out),
         }
-        (object, strikers * frames as u32)
+        (object_modes * frames as u32, striker_modes * frames as u32)
     }
 
     #[inline(never)]
-    fn ring_on_bus(&mut self, frames: usize, odd_start: bool, memory: &mut Memory<'_>, out: &mut [[i32; 2]]) {
+    fn ring_on_bus(
+        &mut self,
+        frames: usize,
+        odd_start: bool,
+        memory: &mut Memory<'_>,
+        banks: &mut [Bank],
+        out: &mut [[i32; 2]],
+    ) {
         let mut sound = [0; TICK_FRAMES];
         let Some(sound) = sound.get_mut(..frames) else { return };
-        for striker in self.sounding_mut() {
-            striker.bank.render(memory, None, odd_start, true, sound);
-        }
-        self.object.render(memory, None, odd_start, true, sound);
+        // The object's last, as under a force: a sum that is clipped depends on the order.
+        let Some((object, strikers)) = banks.split_first_mut() else { return };
+        strikers.iter_mut().chain([object]).for_each(|bank| {
+            bank.render(memory, None, odd_start, true, sound);
+        });
         self.panner.render(sound, out);
     }
 
     /// Renders a run with force, or one that leaves nothing out, and adds it to the stereo sum.
     #[inline(never)] // its buffers must not weigh on runs without force
+    #[allow(clippy::too_many_arguments)] // what a run has, and where the pad's state lies
     pub fn drive<const CONTACTS: usize>(
         &mut self,
         number: u8,
         run: Run<'_>,
         flight: &mut Flight<CONTACTS>,
         memory: &mut Memory<'_>,
+        banks: &mut [Bank],
         out: &mut [[i32; 2]],
     ) -> PadWork {
-        self.wake();
+        self.wake(banks);
         let mut work = PadWork::default();
         let frames = run.frames.min(TICK_FRAMES);
         let mut force = [0; TICK_FRAMES];
@@ -61,18 +73,18 @@ impl Pad {
             work.force_frames = frames as u32;
             work.direct_frames = if run.direct.is_some() { frames as u32 } else { 0 };
         }
-        if self.sounding_strikers == 0 {
+        if let [object] = &mut *banks {
             self.take_force(number, run.direct, flight, force);
             // The usual case, in one pass: the same bits.
-            let gains = self.panner.gains(self.object.mix_shift().is_loud);
+            let gains = self.panner.gains(object.mix_shift().is_loud);
             if let Some(gains) = gains.filter(|_| run.skip && !self.acceleration.is_built())
-                && let Some(object) = self.object.render_stereo(memory, force, run.odd_start, gains, out)
+                && let Some(object) = object.render_stereo(memory, force, run.odd_start, gains, out)
             {
                 work.object = object;
                 return work;
             }
         }
-        self.drive_on_bus(number, run, flight, memory, force, out, &mut work);
+        self.drive_on_bus(number, run, flight, memory, banks, force, out, &mut work);
         work
     }
 
@@ -97,25 +109,31 @@ impl Pad {
         run: Run<'_>,
         flight: &mut Flight<CONTACTS>,
         memory: &mut Memory<'_>,
+        banks: &mut [Bank],
         force: &mut [i32],
         out: &mut [[i32; 2]],
         work: &mut PadWork,
     ) {
         let mut sound = [0; TICK_FRAMES];
         let Some(sound) = sound.get_mut(..force.len()) else { return };
-        if self.sounding_strikers > 0 {
-            let mut direct = run.direct;
-            for (striker, index) in self.strikers.iter_mut().take(usize::from(self.striker_count)).zip(0u8..) {
+        let Some((object, strikers)) = banks.split_first_mut() else { return };
+        if !strikers.is_empty() {
+            let (mut direct, mut strikers) = (run.direct, strikers.iter_mut());
+            for index in 0..self.striker_count {
                 let direct = direct.take();
-                if striker.bank.mode_count() == 0 {
-                    direct.into_iter().for_each(|direct| add(force, direct));
-                    flight.add_force(number, index, force);
-                } else {
-                    work.strikers += drive_striker(striker, (number, index), run, direct, flight, memory, force, sound);
+                match strikers.next().filter(|bank| bank.mode_count() > 0) {
+                    Some(bank) => {
+                        let striker = (number, index);
+                        work.strikers += drive_striker(bank, striker, run, direct, flight, memory, force, sound);
+                    }
+                    None => {
+                        direct.into_iter().for_each(|direct| add(force, direct));
+                        flight.add_force(number, index, force);
+                    }
                 }
             }
         }
-        work.object = self.object.render(memory, Some(force), run.odd_start, run.skip, sound);
+        work.object = object.render(memory, Some(force), run.odd_start, run.skip, sound);
         if self.acceleration.is_built() {
             work.acceleration_frames = force.len() as u32;
             self.acceleration.render(force, sound);
@@ -128,7 +146,7 @@ impl Pad {
 #[inline(never)] // most strikers have no modes, and its buffer would weigh on them
 #[allow(clippy::too_many_arguments)] // one call, taken apart for the stack's sake
 fn drive_striker<const CONTACTS: usize>(
-    striker: &mut PadStriker,
+    bank: &mut Bank,
     (pad, index): (u8, u8),
     run: Run<'_>,
     direct: Option<&[i32]>,
@@ -142,7 +160,7 @@ fn drive_striker<const CONTACTS: usize>(
     direct.into_iter().for_each(|direct| add(force, direct));
     flight.add_force(pad, index, force);
     add(total, force);
-    striker.bank.render(memory, Some(force), run.odd_start, run.skip, sound)
+    bank.render(memory, Some(force), run.odd_start, run.skip, sound)
 }
 
 fn add(sum: &mut [i32], more: &[i32]) {

@@ -3,7 +3,7 @@
 use crate::resonator::BankTable;
 use crate::table::{Kit, Object, Pad as PadTable, Striker};
 
-/// The tables behind a pad, for what is derived anew while it plays.
+/// The tables behind a pad: for the load, and for what is derived anew while it plays.
 #[derive(Clone, Copy, Debug)]
 pub struct PadTables<'a> {
     kit: Kit<'a>,
@@ -11,9 +11,13 @@ pub struct PadTables<'a> {
     object: Object<'a>,
 }
 
+/// Where a bank's order, which a typical contact decides, is settled already.
+pub(super) const NO_CONTACT: (f32, f32) = (0.0, 0.0);
+
 impl<'a> PadTables<'a> {
-    /// The tables of a pad of a kit. `None` only for a pad of another kit.
-    pub fn new(kit: Kit<'a>, pad: PadTable<'a>) -> Option<Self> {
+    /// The tables of a kit's pad, counted from 0. `None` where the kit has no such pad.
+    pub fn new(kit: Kit<'a>, pad: usize) -> Option<Self> {
+        let pad = kit.pads().nth(pad)?;
         Some(Self { kit, pad, object: kit.object_of(pad)? })
     }
 
@@ -27,41 +31,30 @@ impl<'a> PadTables<'a> {
         self.pad
     }
 
-    pub(super) fn object_table(&self) -> BankTable<'a> {
-        object_table(&self.object, self.pad, (0.0, 0.0))
+    pub(super) fn strikers(&self) -> impl Iterator<Item = Striker<'a>> {
+        self.kit.strikers_of(self.pad)
     }
 
-    pub(super) fn striker_table(&self, index: usize) -> Option<BankTable<'a>> {
-        let striker = self.kit.strikers_of(self.pad).nth(index)?;
-        Some(striker_table(&striker, self.pad, self.object.reference_force(), (0.0, 0.0)))
+    pub(super) fn object_table(&self, typical_contact: (f32, f32)) -> BankTable<'a> {
+        BankTable {
+            modes: self.object.modes(),
+            gains: self.object.gains(),
+            positions: self.object.position_count(),
+            weight: f64::from(self.object.reference_force()),
+            choke_t60_s: f64::from(self.pad.choke_t60_s()),
+            typical_contact,
+        }
     }
-}
 
-pub(super) fn object_table<'a>(object: &Object<'a>, pad: PadTable<'_>, typical_contact: (f32, f32)) -> BankTable<'a> {
-    BankTable {
-        modes: object.modes(),
-        gains: object.gains(),
-        positions: object.position_count(),
-        weight: f64::from(object.reference_force()),
-        choke_t60_s: f64::from(pad.choke_t60_s()),
-        typical_contact,
-    }
-}
-
-pub(super) fn striker_table<'a>(
-    striker: &Striker<'a>,
-    pad: PadTable<'_>,
-    reference_force: f32,
-    typical_contact: (f32, f32),
-) -> BankTable<'a> {
-    // A pad with η = 0 has no use for its strikers' banks: nothing is built.
-    let used = pad.striker_weight() != 0.0;
-    BankTable {
-        modes: if used { striker.modes() } else { &[] },
-        gains: if used { striker.gains() } else { &[] },
-        positions: 1,
-        weight: f64::from(pad.striker_weight()) * f64::from(reference_force),
-        choke_t60_s: f64::from(pad.choke_t60_s()),
-        typical_contact,
+    pub(super) fn striker_table(&self, index: usize, typical_contact: (f32, f32)) -> Option<BankTable<'a>> {
+        let striker = self.strikers().nth(index)?;
+        Some(BankTable {
+            modes: striker.modes(),
+            gains: striker.gains(),
+            positions: 1,
+            weight: f64::from(self.pad.striker_weight()) * f64::from(self.object.reference_force()),
+            choke_t60_s: f64::from(self.pad.choke_t60_s()),
+            typical_contact,
+        })
     }
 }

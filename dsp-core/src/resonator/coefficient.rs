@@ -9,22 +9,16 @@ use crate::{exponential, quarter_turn};
 pub enum Form {
     /// Modified coupled form, e < 1/2: `u -= δu; u -= e v; v += e u`.
     Coupled = 0,
-    /// Shifted form, e² < 1/2: `u -= δu; u -= e² v; v += u`.
-    Shifted0 = 1,
     /// Shifted form, e² < 1: `u -= δu; u -= (e²/2) v; v += 2u`.
-    Shifted1 = 2,
+    Shifted1 = 1,
     /// Shifted form, e² < 2: `u -= δu; u -= (e²/4) v; v += 4u`.
-    Shifted2 = 3,
+    Shifted2 = 2,
 }
 
 impl Form {
     /// The shift k of the shifted forms; 0 for the coupled one.
     pub const fn shift(self) -> u32 {
-        match self {
-            Self::Coupled | Self::Shifted0 => 0,
-            Self::Shifted1 => 1,
-            Self::Shifted2 => 2,
-        }
+        self as u32
     }
 }
 
@@ -61,10 +55,13 @@ impl Pole {
     /// | | f (for r near 1) | form |
     /// | --- | --- | --- |
     /// | e < 1/2 | below fs/12.4 | coupled |
-    /// | otherwise | up to fs/4 | shifted by the smallest k with e²/2^k < 1/2 |
+    /// | otherwise | up to fs/4 | shifted by k = 1 or 2, the smaller with e²/2^k < 1/2 |
     /// | above fs/4 | | mirrored: the mode fs/2 - f, by the same rule |
     ///
     /// `None` for a mode at or above Nyquist, which is never rendered, and for a decay above [`max_decay_per_s`].
+    ///
+    /// A third shifted form, k = 0 for e² < 1/2, would have its modes' median SNR 0.6 dB better and no worst one, for 4 KB of kernels; k = 2 for all
+    /// would cost 8 dB of the worst.
     ///
     /// Accuracy over 1 Hz to 0.499 fs and T60 1 ms to 120 s: frequency within 0.004 cent, decay within 0.01 %
     /// (`cargo test -p dsp-core quantised_poles`). Cost: two series in software `f64`: on load only.
@@ -81,7 +78,6 @@ impl Pole {
         let step_squared = gap * gap + 4.0 * radius * sine * sine;
         let (form, epsilon) = match step_squared {
             e2 if e2 < 0.25 => (Form::Coupled, libm::sqrt(e2)),
-            e2 if e2 < 0.5 => (Form::Shifted0, e2),
             e2 if e2 < 1.0 => (Form::Shifted1, e2 / 2.0),
             e2 => (Form::Shifted2, e2 / 4.0),
         };

@@ -76,8 +76,10 @@ pub(super) fn name_str(name: &[u8]) -> &str {
 pub(super) fn check_name(name: &[u8], place: Place) -> Result<(), TableError> {
     let text = name_str(name);
     let padded_with_zeros = name.iter().skip(text.len()).all(|&byte| byte == 0);
-    let allowed = |c: char| (' '..='~').contains(&c) && c != ',' && c != '"';
-    if text.is_empty() || text.trim() != text || !text.chars().all(allowed) || !padded_with_zeros {
+    let allowed = |c: &u8| (b' '..=b'~').contains(c) && *c != b',' && *c != b'"';
+    let text = text.as_bytes();
+    let is_trimmed = text.first() != Some(&b' ') && text.last() != Some(&b' ');
+    if text.is_empty() || !is_trimmed || !text.iter().all(allowed) || !padded_with_zeros {
         return Err(TableError::BadName { place });
     }
     Ok(())

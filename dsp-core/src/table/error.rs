@@ -141,6 +141,15 @@ pub enum TableError {
         /// The channel or the button.
         input: u8,
     },
+    /// An edge of a noise band that is not above the one before it.
+    EdgeOrder {
+        /// Which edge.
+        place: Place,
+        /// The one before, in Hz.
+        below: f32,
+        /// The edge, in Hz.
+        above: f32,
+    },
     /// A text that is not UTF-8.
     BadText {
         /// Whose text.
@@ -170,6 +179,18 @@ pub enum Place {
     StrikerMode(usize, usize),
     /// The pad of this index.
     Pad(usize),
+    /// The residual of the object of this index.
+    ObjectResidual(usize),
+    /// An edge of the bands of an object's residual: (object, edge).
+    ObjectEdge(usize, usize),
+    /// A band of an object's residual: (object, band).
+    ObjectBand(usize, usize),
+    /// The background.
+    Background,
+    /// An edge of its bands.
+    BackgroundEdge(usize),
+    /// A band of it.
+    BackgroundBand(usize),
 }
 
 /// A field of a kit, by its key in the text form.
@@ -185,8 +206,10 @@ pub enum Field {
     ContactExponent,
     ContactTimeS,
     CrosstalkDb,
+    DecayDbPerS,
     DecayPerS,
     DirectGain,
+    EdgesHz,
     FrequencyHz,
     FullScale,
     GainCosine,
@@ -214,6 +237,7 @@ pub enum Field {
     Strikers,
     Threshold,
     VelocityExponent,
+    Weight,
 }
 
 impl Field {
@@ -229,8 +253,10 @@ impl Field {
             Self::ContactExponent => "contact_exponent",
             Self::ContactTimeS => "contact_time_s",
             Self::CrosstalkDb => "crosstalk_db",
+            Self::DecayDbPerS => "decay_db_per_s",
             Self::DecayPerS => "decay_per_s",
             Self::DirectGain => "direct_gain",
+            Self::EdgesHz => "edges_hz",
             Self::FrequencyHz => "frequency_hz",
             Self::FullScale => "full_scale",
             Self::GainCosine => "gain_cosine",
@@ -258,6 +284,7 @@ impl Field {
             Self::Strikers => "strikers",
             Self::Threshold => "threshold",
             Self::VelocityExponent => "velocity_exponent",
+            Self::Weight => "weight",
         }
     }
 }
@@ -271,6 +298,12 @@ impl fmt::Display for Place {
             Self::Striker(striker) => write!(f, "striker {striker}"),
             Self::StrikerMode(striker, mode) => write!(f, "striker {striker}, mode {mode}"),
             Self::Pad(pad) => write!(f, "pad {pad}"),
+            Self::ObjectResidual(object) => write!(f, "object {object}, residual"),
+            Self::ObjectEdge(object, edge) => write!(f, "object {object}, residual, edge {edge}"),
+            Self::ObjectBand(object, band) => write!(f, "object {object}, residual, band {band}"),
+            Self::Background => write!(f, "background"),
+            Self::BackgroundEdge(edge) => write!(f, "background, edge {edge}"),
+            Self::BackgroundBand(band) => write!(f, "background, band {band}"),
         }
     }
 }
@@ -347,6 +380,11 @@ impl fmt::Display for TableError {
                 f,
                 "{place}: {} = {input}: another sensor or pad has that input already; give each its own",
                 field.key()
+            ),
+            Self::EdgeOrder { place, below, above } => write!(
+                f,
+                "{place}: edges_hz = {above}: must be at least {} Hz above the edge before it, {below}",
+                super::range::BAND_WIDTH_HZ
             ),
             Self::BadText { place } => write!(f, "{place}: source or licence is not UTF-8"),
             Self::NotZero { place, field } => write!(f, "{place}: {} must be zero", field.key()),

@@ -36,6 +36,11 @@ pub mod tag {
     pub const PADS: [u8; 4] = *b"PADS";
     /// [`TriggerRecord`](super::TriggerRecord)s, all in one section; a kit may do without, and a reader may skip it.
     pub const TRIGGER: [u8; 4] = *b"trig";
+    /// The residual of an object: [`ResidualHeader`](super::ResidualHeader), edges, [`ResidualBandRecord`](super::ResidualBandRecord)s. One section
+    /// an object that has one, in their order; a reader may skip it.
+    pub const RESIDUAL: [u8; 4] = *b"resi";
+    /// The background: [`BackgroundHeader`](super::BackgroundHeader), edges, weights. At most one; a reader may skip it.
+    pub const BACKGROUND: [u8; 4] = *b"bgnd";
 }
 
 /// The head of a kit.
@@ -203,4 +208,38 @@ pub struct TriggerRecord {
     pub direct_gain: F32,
     /// Velocity of the button's strikes.
     pub button_velocity: F32,
+}
+
+/// The head of a `resi` section; behind it `band_count + 1` edges in Hz as [`F32`], then `band_count` [`ResidualBandRecord`]s.
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct ResidualHeader {
+    /// Which object, counted from 0 in the order of the `OBJT` sections.
+    pub object: U16,
+    /// Number of bands.
+    pub band_count: U16,
+    /// Seed of the noise.
+    pub seed: U32,
+}
+
+/// One band of a residual.
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct ResidualBandRecord {
+    /// Rms w at t = 0 (1.0 = full scale) of a strike whose peak force is the object's reference force.
+    pub weight: F32,
+    /// Decay γ in dB/s.
+    pub decay_db_per_s: F32,
+}
+
+/// The head of a `bgnd` section; behind it `band_count + 1` edges in Hz as [`F32`], then `band_count` weights (rms, 1.0 = full scale).
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct BackgroundHeader {
+    /// Number of bands.
+    pub band_count: U16,
+    /// 0.
+    pub reserved: U16,
+    /// Seed of the noise.
+    pub seed: U32,
 }

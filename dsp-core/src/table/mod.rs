@@ -5,7 +5,8 @@
 //! ```text
 //! header    magic "MALL", format version, length, CRC-32 of all that follows
 //! directory section count, then an entry a section: tag, version, offset, length
-//! sections  META one · OBJT one an object · STRK one a striker · PADS one · trig none or one
+//! sections  META one · OBJT one an object · STRK one a striker · PADS one · trig none or one ·
+//!           resi none or one an object · bgnd none or one
 //! ```
 //!
 //! All numbers are little-endian, floats are IEEE single precision, sections are 4-byte aligned and tile the file without
@@ -22,17 +23,25 @@ mod frame;
 pub mod layout;
 pub mod range;
 mod read;
+mod residual;
 mod trigger;
 
 pub use error::{Field, Place, TableError};
-pub use read::{Kit, Object, Pad, Striker};
+pub use read::{ContactTable, Kit, Object, Pad, Striker};
+pub use residual::{Background, Residual};
 pub use trigger::Trigger;
 
-use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use crc::{CRC_32_ISO_HDLC, Crc};
+
+/// A board checks a kit once, at its start, and has no kilobyte to spare for that; a PC checks many.
+#[cfg(target_os = "none")]
+type Lookup = crc::NoTable;
+#[cfg(not(target_os = "none"))]
+type Lookup = crc::Table<16>;
 
 /// CRC-32/ISO-HDLC (the one of zip and Ethernet) over a kit's bytes after its header.
 pub fn checksum(bytes: &[u8]) -> u32 {
-    const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
+    const CRC: Crc<u32, Lookup> = Crc::<u32, Lookup>::new(&CRC_32_ISO_HDLC);
     CRC.checksum(bytes)
 }
 

@@ -73,6 +73,14 @@ pub const RIM_DB: Range = Range::new(-40.0, 40.0);
 pub const DIRECT_GAIN: Range = Range::new(0.001, 8.0);
 /// Velocity of a button's strikes.
 pub const BUTTON_VELOCITY: Range = Range::new(0.0, 1.0);
+/// Edge of a noise band in Hz; on load it must also be below half the sample rate.
+pub const EDGE_HZ: Range = Range::new(1.0, 96_000.0);
+/// Least width of a noise band in Hz.
+pub const BAND_WIDTH_HZ: f32 = 1.0;
+/// Rms of a noise band at t = 0, 1.0 = full scale.
+pub const WEIGHT: Range = Range::new(0.0, 16.0);
+/// Decay of a noise band in dB/s: T60 from 3 ms to 60 s.
+pub const DECAY_DB_PER_S: Range = Range::new(1.0, 20_000.0);
 /// Largest number of an ADC channel that a kit may name.
 pub const LAST_CHANNEL: usize = 15;
 /// Largest number of a button that a kit may name.

@@ -10,6 +10,7 @@ use super::layout::{
     TriggerRecord, tag,
 };
 use super::range;
+use super::residual::{Background, Residual};
 use super::trigger::Trigger;
 
 /// A checked kit: views into the caller's bytes, nothing is copied.
@@ -40,6 +41,12 @@ pub struct Striker<'a> {
     gains: &'a [GainRecord],
     source: &'a str,
     licence: &'a str,
+}
+
+/// What contact a [`Striker`] makes: `m = m1 v^a`, `τ = τ1 v^b`. A pointer into the kit, so that a pad can keep one for each of its strikers.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactTable<'a> {
+    header: &'a StrikerHeader,
 }
 
 /// A pad of a [`Kit`].
@@ -122,6 +129,34 @@ impl<'a> Kit<'a> {
         self.directory.iter().map(|entry| entry.tag).filter(|&tag| !is_known(tag))
     }
 
+    /// What the object of an index sounds beside its modes.
+    pub fn residual_of(&self, object: usize) -> Option<Residual<'a>> {
+        self.residuals().find(|residual| residual.object_index() == object)
+    }
+
+    /// All residuals, in the order of their objects.
+    pub fn residuals(&self) -> impl Iterator<Item = Residual<'a>> + Clone + use<'a> {
+        sections(self.directory, self.bytes, tag::RESIDUAL).filter_map(|body| Residual::read(body).ok())
+    }
+
+    /// The background, where the kit has one.
+    pub fn background(&self) -> Option<Background<'a>> {
+        sections(self.directory, self.bytes, tag::BACKGROUND).next().and_then(|body| Background::read(body).ok())
+    }
+
+    fn check_noise(&self, objects: usize) -> Result<(), TableError> {
+        let mut next_object = 0;
+        for body in sections(self.directory, self.bytes, tag::RESIDUAL) {
+            let residual = Residual::read(body)?;
+            residual.check(objects, next_object)?;
+            next_object = residual.object_index() + 1;
+        }
+        match optional_section(self.directory, self.bytes, tag::BACKGROUND)? {
+            Some(body) => Background::read(body)?.check(),
+            None => Ok(()),
+        }
+    }
+
     fn check(&self) -> Result<(), TableError> {
         check_name(&self.meta.name, Place::Kit)?;
         let mut objects = 0;
@@ -141,6 +176,7 @@ impl<'a> Kit<'a> {
         check_distinct(self.strikers().map(|striker| striker.name()), Place::Striker)?;
         check_distinct(self.pads().map(|pad| pad.name()), Place::Pad)?;
         self.check_notes()?;
+        self.check_noise(objects)?;
         super::trigger::check(self.triggers, self.pads)
     }
 
@@ -237,10 +273,11 @@ impl<'a> Striker<'a> {
         let place = Place::Striker(index);
         check_name(&self.header.name, place)?;
         check_count(place, Field::Pulse, self.header.pulse.get() as usize, 0, 1)?;
-        check_range(place, Field::PeakForce, self.peak_force(), range::PEAK_FORCE)?;
-        check_range(place, Field::PeakExponent, self.peak_exponent(), range::PEAK_EXPONENT)?;
-        check_range(place, Field::ContactTimeS, self.contact_time_s(), range::CONTACT_TIME_S)?;
-        check_range(place, Field::ContactExponent, self.contact_exponent(), range::CONTACT_EXPONENT)?;
+        let contact = self.contact();
+        check_range(place, Field::PeakForce, contact.peak_force(), range::PEAK_FORCE)?;
+        check_range(place, Field::PeakExponent, contact.peak_exponent(), range::PEAK_EXPONENT)?;
+        check_range(place, Field::ContactTimeS, contact.contact_time_s(), range::CONTACT_TIME_S)?;
+        check_range(place, Field::ContactExponent, contact.contact_exponent(), range::CONTACT_EXPONENT)?;
         if self.header.reserved.get() != 0 {
             return Err(TableError::NotZero { place, field: Field::Padding });
         }
@@ -252,6 +289,33 @@ impl<'a> Striker<'a> {
         name_str(&self.header.name)
     }
 
+    /// The contact that it makes.
+    pub fn contact(&self) -> ContactTable<'a> {
+        ContactTable { header: self.header }
+    }
+
+    /// The poles of the striker's own modes.
+    pub fn modes(&self) -> &'a [ModeRecord] {
+        self.modes
+    }
+
+    /// The gains of the striker's own modes.
+    pub fn gains(&self) -> &'a [GainRecord] {
+        self.gains
+    }
+
+    /// Where the numbers come from.
+    pub fn source(&self) -> &'a str {
+        self.source
+    }
+
+    /// The licence of the numbers.
+    pub fn licence(&self) -> &'a str {
+        self.licence
+    }
+}
+
+impl ContactTable<'_> {
     /// Whether the contact pulse is Gaussian; otherwise it is a Hertz half-sine.
     pub fn is_gaussian(&self) -> bool {
         self.header.pulse.get() == 1
@@ -275,26 +339,6 @@ impl<'a> Striker<'a> {
     /// Exponent b of the contact time.
     pub fn contact_exponent(&self) -> f32 {
         self.header.contact_exponent.get()
-    }
-
-    /// The poles of the striker's own modes.
-    pub fn modes(&self) -> &'a [ModeRecord] {
-        self.modes
-    }
-
-    /// The gains of the striker's own modes.
-    pub fn gains(&self) -> &'a [GainRecord] {
-        self.gains
-    }
-
-    /// Where the numbers come from.
-    pub fn source(&self) -> &'a str {
-        self.source
-    }
-
-    /// The licence of the numbers.
-    pub fn licence(&self) -> &'a str {
-        self.licence
     }
 }
 

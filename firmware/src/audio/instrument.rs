@@ -12,14 +12,16 @@ use crate::owned::Owned;
 
 /// Pads of an engine of the boards.
 pub const PADS: usize = 16;
+/// Banks: a pad's object, and its strikers up to the last one with modes.
+const BANKS: usize = 32;
 /// Modes, all pads together.
 const MODES: usize = 640;
-/// Register groups: a sixth of the modes, and up to eight more a bank.
+/// Register groups: a sixth of the modes, and up to six more a bank.
 const GROUPS: usize = 224;
 /// Modes that can be choked or have several positions.
 const ORIGINS: usize = 512;
 
-type BoardEngine = Engine<'static, PADS, MODES, GROUPS, ORIGINS, STANDARD_CONTACTS>;
+type BoardEngine = Engine<'static, PADS, BANKS, MODES, GROUPS, ORIGINS, STANDARD_CONTACTS>;
 
 /// What turns events into sound.
 pub struct Instrument {

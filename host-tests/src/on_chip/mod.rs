@@ -3,10 +3,12 @@
 mod bank;
 pub mod budget_scenes;
 mod engine;
+mod residual;
 pub mod scenes;
 
 pub use bank::BankOnChip;
 pub use engine::{BLOCK_FRAMES, EngineOnChip, Footprint, Told};
+pub use residual::ResidualOnChip;
 
 use std::path::{Path, PathBuf};
 

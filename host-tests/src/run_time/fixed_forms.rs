@@ -10,8 +10,6 @@ use crate::single_mode::Case;
 pub enum FixedForm {
     /// Modified coupled, up to fs/12.4.
     Coupled,
-    /// Shifted by 0 bits, up to about fs/9.
-    Shifted0,
     /// Shifted by 1 bit, up to about fs/6.
     Shifted1,
     /// Shifted by 2 bits, up to fs/4.
@@ -22,13 +20,12 @@ pub enum FixedForm {
 
 impl FixedForm {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Coupled, Self::Shifted0, Self::Shifted1, Self::Shifted2, Self::Mirrored];
+    pub const ALL: [Self; 4] = [Self::Coupled, Self::Shifted1, Self::Shifted2, Self::Mirrored];
 
     /// Its name in tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Coupled => "coupled",
-            Self::Shifted0 => "shifted, k = 0",
             Self::Shifted1 => "shifted, k = 1",
             Self::Shifted2 => "shifted, k = 2",
             Self::Mirrored => "mirrored",
@@ -41,7 +38,6 @@ impl FixedForm {
         Some(match (pole.mirrored, pole.form) {
             (true, _) => Self::Mirrored,
             (false, Form::Coupled) => Self::Coupled,
-            (false, Form::Shifted0) => Self::Shifted0,
             (false, Form::Shifted1) => Self::Shifted1,
             (false, Form::Shifted2) => Self::Shifted2,
         })
@@ -51,8 +47,7 @@ impl FixedForm {
     pub fn modes(self, count: u32, t60_s: f64) -> Vec<Case> {
         let (low, high) = match self {
             Self::Coupled => (60.0, 3_700.0),
-            Self::Shifted0 => (3_900.0, 5_400.0),
-            Self::Shifted1 => (5_600.0, 7_900.0),
+            Self::Shifted1 => (3_900.0, 7_900.0),
             Self::Shifted2 => (8_200.0, 11_900.0),
             Self::Mirrored => (12_100.0, 20_000.0),
         };

@@ -18,6 +18,7 @@ fn object(name: &str, source: &str, modes: Vec<Mode>) -> Object {
         reference_force: 1.0,
         acceleration: 0.0,
         modes,
+        residual: None,
     }
 }
 

@@ -88,6 +88,7 @@ fn object(
                 mode(measured.frequency_hz, measured.rt60_s, amplitude, &[1.0], contact)
             })
             .collect(),
+        residual: None,
     }
 }
 

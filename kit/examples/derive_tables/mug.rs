@@ -57,6 +57,7 @@ pub(crate) fn derive(folder: &Path) -> Result<Option<Object>, Failure> {
                 gains: vec![Gain { sine: rounded(gain[0]), cosine: rounded(gain[1]) }],
             })
             .collect(),
+        residual: None,
     }))
 }
 

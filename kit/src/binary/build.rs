@@ -1,9 +1,10 @@
 //! From a kit to its bytes.
 
+use dsp_core::residual::MAX_BANDS;
 use dsp_core::table::layout::{
-    FORMAT_VERSION, FileHeader, GainRecord, MAGIC, MIDI_NOTES_PER_PAD, MetaRecord, ModeRecord, NAME_BYTES, NO_INPUT,
-    NO_NOTE, NO_STRIKER, ObjectHeader, PadRecord, SECTION_VERSION, STRIKERS_PER_PAD, SectionEntry, StrikerHeader,
-    TriggerRecord, tag,
+    BackgroundHeader, FORMAT_VERSION, FileHeader, GainRecord, MAGIC, MIDI_NOTES_PER_PAD, MetaRecord, ModeRecord,
+    NAME_BYTES, NO_INPUT, NO_NOTE, NO_STRIKER, ObjectHeader, PadRecord, ResidualBandRecord, ResidualHeader,
+    SECTION_VERSION, STRIKERS_PER_PAD, SectionEntry, StrikerHeader, TriggerRecord, tag,
 };
 use dsp_core::table::{Field, Kit as TableView, Place, TableError, checksum, range};
 use dsp_core::trigger::{Mode as TriggerMode, Settings};
@@ -11,10 +12,10 @@ use zerocopy::byteorder::little_endian::{F32, U16, U32};
 use zerocopy::{Immutable, IntoBytes};
 
 use crate::error::Fault;
-use crate::{Kit, KitError, Mode, Object, Pad, Pulse, Striker};
+use crate::{Background, Kit, KitError, Mode, Object, Pad, Pulse, Residual, Striker};
 
-/// Builds the binary form: sections `META`, `OBJT` an object, `STRK` a striker, `PADS`, and `trig` where
-/// a pad says how it is triggered, in this order. The same kit gives the same bytes.
+/// Builds the binary form: sections `META`, `OBJT` an object, `STRK` a striker, `PADS`, `trig` where
+/// a pad says how it is triggered, `resi` an object with a residual, `bgnd` where there is a background, in this order. The same kit gives the same bytes.
 ///
 /// # Errors
 /// [`KitError::Item`] for what the form cannot hold (nothing is ever cut off) and for whatever [`dsp_core::table::Kit::parse`]
@@ -41,6 +42,14 @@ pub fn build(kit: &Kit) -> Result<Vec<u8>, KitError> {
     }
     if !triggers.is_empty() {
         sections.push((tag::TRIGGER, triggers));
+    }
+    for (index, object) in kit.objects.iter().enumerate() {
+        if let Some(residual) = &object.residual {
+            sections.push((tag::RESIDUAL, build.residual(index, residual)?));
+        }
+    }
+    if let Some(background) = &kit.background {
+        sections.push((tag::BACKGROUND, build.background(background)?));
     }
     let bytes = build.frame(&sections)?;
     TableView::parse(&bytes).map_err(|error| KitError::from_table(kit, error))?;
@@ -188,6 +197,53 @@ impl Build<'_> {
             direct_gain: F32::new(settings.direct_gain),
             button_velocity: F32::new(settings.button_velocity),
         })
+    }
+
+    fn residual(&self, object: usize, residual: &Residual) -> Result<Vec<u8>, KitError> {
+        let place = Place::ObjectResidual(object);
+        let Residual { seed, edges_hz, weight, decay_db_per_s } = residual;
+        let bands = weight.len();
+        let header = ResidualHeader {
+            // One less than 16 bits hold; the reader says what it allows.
+            object: self.count(place, Field::Object, object, 0, usize::from(u16::MAX))?,
+            band_count: self.count(place, Field::Weight, bands, 1, MAX_BANDS)?,
+            seed: U32::new(*seed),
+        };
+        self.same_count(place, ("edges_hz", edges_hz.len()), (bands + 1, "one more than weight has"))?;
+        self.same_count(place, ("decay_db_per_s", decay_db_per_s.len()), (bands, "as many as weight has"))?;
+        let mut section = header.as_bytes().to_vec();
+        edges_hz.iter().for_each(|&edge| append(&mut section, &F32::new(edge)));
+        for (&weight, &decay) in weight.iter().zip(decay_db_per_s) {
+            append(&mut section, &ResidualBandRecord { weight: F32::new(weight), decay_db_per_s: F32::new(decay) });
+        }
+        Ok(section)
+    }
+
+    fn background(&self, background: &Background) -> Result<Vec<u8>, KitError> {
+        let place = Place::Background;
+        let Background { seed, edges_hz, weight } = background;
+        let bands = weight.len();
+        let header = BackgroundHeader {
+            band_count: self.count(place, Field::Weight, bands, 1, MAX_BANDS)?,
+            reserved: U16::ZERO,
+            seed: U32::new(*seed),
+        };
+        self.same_count(place, ("edges_hz", edges_hz.len()), (bands + 1, "one more than weight has"))?;
+        let mut section = header.as_bytes().to_vec();
+        edges_hz.iter().chain(weight).for_each(|&number| append(&mut section, &F32::new(number)));
+        Ok(section)
+    }
+
+    fn same_count(
+        &self,
+        place: Place,
+        (key, found): (&'static str, usize),
+        (expected, why): (usize, &'static str),
+    ) -> Result<(), KitError> {
+        if found == expected {
+            return Ok(());
+        }
+        Err(self.fault(place, Fault::NumberCount { key, found, expected, why }))
     }
 
     /// Header and directory in front of the sections, each filled up to 4 bytes.

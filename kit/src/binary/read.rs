@@ -1,10 +1,14 @@
 //! From a kit's bytes to the kit.
 
+use dsp_core::residual::BandLaw;
 use dsp_core::table::layout::{GainRecord, ModeRecord};
-use dsp_core::table::{Kit as TableView, Object as ObjectView, Pad as PadView, Striker as StrikerView};
+use dsp_core::table::{
+    Background as BackgroundView, Kit as TableView, Object as ObjectView, Pad as PadView, Residual as ResidualView,
+    Striker as StrikerView,
+};
 use dsp_core::trigger::Settings;
 
-use crate::{Gain, Kit, KitError, Mode, Object, Pad, Pulse, Striker};
+use crate::{Background, Gain, Kit, KitError, Mode, Object, Pad, Pulse, Residual, Striker};
 
 /// Reads the binary form; erased flash (0xFF) may follow it. Sections that this version may skip are not in the result
 /// ([`crate::Loaded::skipped_sections`] lists them), nor is the number of positions of an object without modes.
@@ -13,7 +17,7 @@ use crate::{Gain, Kit, KitError, Mode, Object, Pad, Pulse, Striker};
 /// [`KitError::Binary`] with what [`dsp_core::table::Kit::parse`] refuses.
 pub fn read(bytes: &[u8]) -> Result<Kit, KitError> {
     let view = TableView::parse(bytes)?;
-    let objects: Vec<Object> = view.objects().map(object).collect();
+    let mut objects: Vec<Object> = view.objects().map(object).collect();
     let strikers: Vec<Striker> = view.strikers().map(striker).collect();
     let mut pads: Vec<Pad> = view.pads().map(|pad| read_pad(pad, &objects, &strikers)).collect();
     for trigger in view.triggers() {
@@ -21,7 +25,13 @@ pub fn read(bytes: &[u8]) -> Result<Kit, KitError> {
             pad.trigger = Some(Settings::of_table(&trigger));
         }
     }
-    Ok(Kit { name: view.name().to_owned(), objects, strikers, pads })
+    for residual in view.residuals() {
+        if let Some(object) = objects.get_mut(residual.object_index()) {
+            object.residual = Some(read_residual(residual));
+        }
+    }
+    let background = view.background().map(read_background);
+    Ok(Kit { name: view.name().to_owned(), objects, strikers, pads, background })
 }
 
 fn object(view: ObjectView<'_>) -> Object {
@@ -32,7 +42,30 @@ fn object(view: ObjectView<'_>) -> Object {
         reference_force: view.reference_force(),
         acceleration: view.acceleration(),
         modes: modes(view.modes(), view.gains(), view.position_count()),
+        residual: None,
     }
+}
+
+fn read_residual(view: ResidualView<'_>) -> Residual {
+    Residual {
+        seed: view.seed(),
+        edges_hz: edges_hz(view.bands()),
+        weight: view.bands().map(|band| band.weight).collect(),
+        decay_db_per_s: view.bands().map(|band| band.decay_db_per_s).collect(),
+    }
+}
+
+fn read_background(view: BackgroundView<'_>) -> Background {
+    Background {
+        seed: view.seed(),
+        edges_hz: edges_hz(view.bands()),
+        weight: view.bands().map(|band| band.weight).collect(),
+    }
+}
+
+fn edges_hz(mut bands: impl Iterator<Item = BandLaw> + Clone) -> Vec<f32> {
+    let uppers = bands.clone().map(|band| band.edges_hz[1]);
+    bands.next().map(|band| band.edges_hz[0]).into_iter().chain(uppers).collect()
 }
 
 fn striker(view: StrikerView<'_>) -> Striker {
@@ -40,11 +73,11 @@ fn striker(view: StrikerView<'_>) -> Striker {
         name: view.name().to_owned(),
         source: view.source().to_owned(),
         licence: view.licence().to_owned(),
-        pulse: if view.is_gaussian() { Pulse::Gaussian } else { Pulse::Hertz },
-        peak_force: view.peak_force(),
-        peak_exponent: view.peak_exponent(),
-        contact_time_s: view.contact_time_s(),
-        contact_exponent: view.contact_exponent(),
+        pulse: if view.contact().is_gaussian() { Pulse::Gaussian } else { Pulse::Hertz },
+        peak_force: view.contact().peak_force(),
+        peak_exponent: view.contact().peak_exponent(),
+        contact_time_s: view.contact().contact_time_s(),
+        contact_exponent: view.contact().contact_exponent(),
         modes: modes(view.modes(), view.gains(), 1),
     }
 }

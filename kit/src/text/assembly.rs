@@ -5,6 +5,7 @@ use toml::Spanned;
 
 use super::document::{Document, Gains, ModeTable, ObjectTable, PadTable, StrikerTable};
 use super::origin::{ItemOrigin, Origins};
+use super::residual::{BackgroundTable, ResidualTable};
 use super::{SourceText, UNTITLED};
 use crate::{Fault, Gain, Kit, KitError, Mode, Object, Pad, Striker};
 
@@ -22,6 +23,7 @@ impl Assembly {
                 objects: Vec::new(),
                 strikers: Vec::new(),
                 pads: Vec::new(),
+                background: None,
             },
             origins: Origins::new(main, name.map_or(0, |name| name.span().start)),
         }
@@ -33,6 +35,11 @@ impl Assembly {
         for object in document.object {
             let offset = object.span().start;
             self.object(offset, object.into_inner())?;
+        }
+        if let Some(background) = document.background {
+            let (background, origin) = BackgroundTable::read(background);
+            self.kit.background = Some(background);
+            self.origins.set_background(origin);
         }
         for striker in document.striker {
             let offset = striker.span().start;
@@ -59,11 +66,17 @@ impl Assembly {
             reference_force: table.reference_force,
             acceleration: table.acceleration,
             modes: Vec::new(),
+            residual: None,
         });
         self.refuse_duplicate(Place::Object(index))?;
         let modes = self.modes(table.modes, |mode| Place::ObjectMode(index, mode))?;
+        let residual = table.residual.map(ResidualTable::read);
         if let Some(object) = self.kit.objects.last_mut() {
             object.modes = modes;
+            if let Some((residual, origin)) = residual {
+                object.residual = Some(residual);
+                self.origins.set_residual(index, origin);
+            }
         }
         Ok(())
     }
@@ -150,7 +163,7 @@ impl Assembly {
             Place::Object(_) => ("object", self.kit.objects.iter().map(|object| object.name.as_str()).collect()),
             Place::Striker(_) => ("striker", self.kit.strikers.iter().map(|striker| striker.name.as_str()).collect()),
             Place::Pad(_) => ("pad", self.kit.pads.iter().map(|pad| pad.name.as_str()).collect()),
-            Place::Kit | Place::ObjectMode(..) | Place::StrikerMode(..) => return Ok(()),
+            _ => return Ok(()),
         };
         let Some((name, earlier)) = names.split_last() else { return Ok(()) };
         let Some(first) = earlier.iter().position(|earlier| earlier == name) else { return Ok(()) };

@@ -5,6 +5,7 @@ use std::fmt;
 use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 use toml::Spanned;
 
+use super::residual::{BackgroundTable, ResidualTable};
 use super::trigger::TriggerTable;
 use crate::Pulse;
 
@@ -18,6 +19,7 @@ pub(super) struct Document {
     pub(super) name: Option<Spanned<String>>,
     #[serde(default)]
     pub(super) include: Vec<Spanned<String>>,
+    pub(super) background: Option<Spanned<BackgroundTable>>,
     #[serde(default)]
     pub(super) object: Vec<Spanned<ObjectTable>>,
     #[serde(default)]
@@ -39,6 +41,7 @@ pub(super) struct ObjectTable {
     #[serde(default)]
     pub(super) acceleration: f32,
     pub(super) modes: Vec<Spanned<ModeTable>>,
+    pub(super) residual: Option<Spanned<ResidualTable>>,
 }
 
 #[derive(serde::Deserialize)]

@@ -7,6 +7,7 @@ mod assembly;
 mod document;
 mod number;
 mod origin;
+mod residual;
 mod trigger;
 mod write;
 
@@ -101,6 +102,9 @@ fn check_included(source: &SourceText, document: &Document, by: &str) -> Result<
             named: name.get_ref().clone(),
             by: by.to_owned(),
         });
+    }
+    if let Some(background) = &document.background {
+        return Err(KitError::BackgroundInInclude { at: at(background.span().start), by: by.to_owned() });
     }
     if let Some(pad) = document.pad.first() {
         return Err(KitError::PadInInclude { at: at(pad.span().start), by: by.to_owned() });

@@ -5,6 +5,7 @@ use toml::Spanned;
 
 use super::SourceText;
 use super::document::ModeTable;
+use super::residual::NoiseOrigin;
 use crate::{KitError, Location};
 
 /// The origins of a kit's items. Offsets are in bytes; lines are counted only when an error asks.
@@ -15,6 +16,8 @@ pub(super) struct Origins {
     pub(super) objects: Vec<ItemOrigin>,
     pub(super) strikers: Vec<ItemOrigin>,
     pub(super) pads: Vec<ItemOrigin>,
+    /// The file of the background, and where in it.
+    background: Option<(usize, NoiseOrigin)>,
 }
 
 /// The origin of an object, striker or pad.
@@ -23,6 +26,7 @@ pub(super) struct ItemOrigin {
     offset: usize,
     name_offset: usize,
     mode_offsets: Vec<usize>,
+    residual: NoiseOrigin,
 }
 
 impl ItemOrigin {
@@ -32,6 +36,7 @@ impl ItemOrigin {
             offset,
             name_offset: name.span().start,
             mode_offsets: modes.iter().map(|mode| mode.span().start).collect(),
+            residual: NoiseOrigin::default(),
         }
     }
 }
@@ -44,6 +49,7 @@ impl Origins {
             objects: Vec::new(),
             strikers: Vec::new(),
             pads: Vec::new(),
+            background: None,
         }
     }
 
@@ -55,6 +61,18 @@ impl Origins {
     /// The file of what is being added.
     pub(super) fn current_file(&self) -> usize {
         self.files.len() - 1
+    }
+
+    /// Where the residual of an object stands.
+    pub(super) fn set_residual(&mut self, object: usize, origin: NoiseOrigin) {
+        if let Some(item) = self.objects.get_mut(object) {
+            item.residual = origin;
+        }
+    }
+
+    /// Where, in the current file, the background stands.
+    pub(super) fn set_background(&mut self, origin: NoiseOrigin) {
+        self.background = Some((self.current_file(), origin));
     }
 
     /// Fills in where the item of an error stands.
@@ -76,20 +94,41 @@ impl Origins {
     }
 
     fn location(&self, place: Place) -> Location {
+        if let Some((file, background)) = &self.background {
+            let at = |offsets: &[usize], index: usize| {
+                Some(self.at(*file, offsets.get(index).copied().unwrap_or(background.offset)))
+            };
+            let found = match place {
+                Place::Background => Some(self.at(*file, background.offset)),
+                Place::BackgroundEdge(edge) => at(&background.edges, edge),
+                Place::BackgroundBand(band) => at(&background.bands, band),
+                _ => None,
+            };
+            if let Some(found) = found {
+                return found;
+            }
+        }
         let Some(item) = self.item(place) else {
             return self.at(self.kit.0, self.kit.1);
         };
-        let mode_offset = match place {
+        let part_offset = match place {
             Place::ObjectMode(_, mode) | Place::StrikerMode(_, mode) => item.mode_offsets.get(mode).copied(),
-            Place::Kit | Place::Object(_) | Place::Striker(_) | Place::Pad(_) => None,
+            Place::ObjectResidual(_) => Some(item.residual.offset),
+            Place::ObjectEdge(_, edge) => Some(item.residual.edges.get(edge).copied().unwrap_or(item.residual.offset)),
+            Place::ObjectBand(_, band) => Some(item.residual.bands.get(band).copied().unwrap_or(item.residual.offset)),
+            _ => None,
         };
-        self.at(item.file, mode_offset.unwrap_or(item.offset))
+        self.at(item.file, part_offset.unwrap_or(item.offset))
     }
 
     fn item(&self, place: Place) -> Option<&ItemOrigin> {
         match place {
-            Place::Kit => None,
-            Place::Object(index) | Place::ObjectMode(index, _) => self.objects.get(index),
+            Place::Kit | Place::Background | Place::BackgroundEdge(_) | Place::BackgroundBand(_) => None,
+            Place::Object(index)
+            | Place::ObjectMode(index, _)
+            | Place::ObjectResidual(index)
+            | Place::ObjectEdge(index, _)
+            | Place::ObjectBand(index, _) => self.objects.get(index),
             Place::Striker(index) | Place::StrikerMode(index, _) => self.strikers.get(index),
             Place::Pad(index) => self.pads.get(index),
         }

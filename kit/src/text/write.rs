@@ -19,8 +19,9 @@ struct Text<T>(T);
 
 impl Display for Text<&Kit> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Kit { name, objects, strikers, pads } = self.0;
+        let Kit { name, objects, strikers, pads, background } = self.0;
         writeln!(f, "format = {FORMAT}\nname = {}", Text(name.as_str()))?;
+        background.iter().try_for_each(|background| write!(f, "{}", super::residual::Text(background)))?;
         objects.iter().try_for_each(|object| write!(f, "{}", Text(object)))?;
         strikers.iter().try_for_each(|striker| write!(f, "{}", Text(striker)))?;
         pads.iter().try_for_each(|pad| write!(f, "{}", Text(pad)))
@@ -29,12 +30,13 @@ impl Display for Text<&Kit> {
 
 impl Display for Text<&Object> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Object { name, source, licence, reference_force, acceleration, modes } = self.0;
+        let Object { name, source, licence, reference_force, acceleration, modes, residual } = self.0;
         writeln!(f, "\n[[object]]\nname = {}", Text(name.as_str()))?;
         writeln!(f, "source = {}\nlicence = {}", Text(source.as_str()), Text(licence.as_str()))?;
         writeln!(f, "reference_force = {}", Text(*reference_force))?;
         writeln!(f, "acceleration = {}", Text(*acceleration))?;
-        write!(f, "{}", Text(modes.as_slice()))
+        write!(f, "{}", Text(modes.as_slice()))?;
+        residual.iter().try_for_each(|residual| write!(f, "{}", super::residual::Text(residual)))
     }
 }
 

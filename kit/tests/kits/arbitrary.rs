@@ -2,7 +2,7 @@
 
 use dsp_core::table::range::{self, Range};
 use dsp_core::trigger::{Mode as TriggerMode, Settings};
-use kit::{Gain, Kit, Mode, Object, Pad, Pulse, Striker};
+use kit::{Background, Gain, Kit, Mode, Object, Pad, Pulse, Residual, Striker};
 use proptest::prelude::*;
 use proptest::sample::subsequence;
 
@@ -52,16 +52,52 @@ fn modes(positions: usize) -> impl Strategy<Value = Vec<Mode>> {
 
 fn object(name: String) -> impl Strategy<Value = Object> {
     let modes = (1..4usize).prop_flat_map(modes);
-    (text(), text(), number(range::REFERENCE_FORCE), number(range::ACCELERATION), modes).prop_map(
-        move |(source, licence, reference_force, acceleration, modes)| Object {
+    let sound = (modes, prop::option::of(residual()));
+    (text(), text(), number(range::REFERENCE_FORCE), number(range::ACCELERATION), sound).prop_map(
+        move |(source, licence, reference_force, acceleration, (modes, residual))| Object {
             name: name.clone(),
             source,
             licence,
             reference_force,
             acceleration,
             modes,
+            residual,
         },
     )
+}
+
+/// Rising edges of one more than so many bands.
+fn edges_hz(bands: usize) -> impl Strategy<Value = Vec<f32>> {
+    prop::collection::vec(1.0f32..900.0, bands + 1).prop_map(|widths| {
+        let mut edge = 0.0;
+        widths
+            .into_iter()
+            .map(|width| {
+                edge += width + 0.5;
+                edge
+            })
+            .collect()
+    })
+}
+
+fn residual() -> impl Strategy<Value = Residual> {
+    (1..=100usize, any::<u32>()).prop_flat_map(|(bands, seed)| {
+        let weight = prop::collection::vec(number(range::WEIGHT), bands);
+        let decay = prop::collection::vec(number(range::DECAY_DB_PER_S), bands);
+        (edges_hz(bands), weight, decay).prop_map(move |(edges_hz, weight, decay_db_per_s)| Residual {
+            seed,
+            edges_hz,
+            weight,
+            decay_db_per_s,
+        })
+    })
+}
+
+fn background() -> impl Strategy<Value = Background> {
+    (1..=100usize, any::<u32>()).prop_flat_map(|(bands, seed)| {
+        let weight = prop::collection::vec(number(range::WEIGHT), bands);
+        (edges_hz(bands), weight).prop_map(move |(edges_hz, weight)| Background { seed, edges_hz, weight })
+    })
 }
 
 fn striker(name: String) -> impl Strategy<Value = Striker> {
@@ -175,11 +211,13 @@ pub(crate) fn kit() -> impl Strategy<Value = Kit> {
         let pads = pads(objects.clone(), strikers.clone());
         let objects: Vec<_> = objects.into_iter().map(object).collect();
         let strikers: Vec<_> = strikers.into_iter().map(striker).collect();
-        (objects, strikers, pads).prop_map(move |(objects, strikers, pads)| Kit {
+        let noise = prop::option::of(background());
+        (objects, strikers, pads, noise).prop_map(move |(objects, strikers, pads, background)| Kit {
             name: name.clone(),
             objects,
             strikers,
             pads,
+            background,
         })
     })
 }

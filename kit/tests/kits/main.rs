@@ -3,6 +3,7 @@
 mod arbitrary;
 mod binary_refusals;
 mod files;
+mod residual;
 mod round_trip;
 mod sample;
 mod shipped;

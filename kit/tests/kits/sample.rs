@@ -25,6 +25,7 @@ pub(crate) fn object(name: &str, modes: Vec<Mode>) -> Object {
         reference_force: 1.0,
         acceleration: 0.0,
         modes,
+        residual: None,
     }
 }
 
@@ -62,6 +63,7 @@ pub(crate) fn kit() -> Kit {
         objects: vec![object("bar", bank(4, 1)), object("string", bank(3, 2))],
         strikers: vec![striker("yarn"), striker("wood")],
         pads: vec![pad("bar", "bar", "yarn"), Pad { midi_notes: vec![61], ..pad("string", "string", "wood") }],
+        background: None,
     }
 }
 

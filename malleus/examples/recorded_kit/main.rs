@@ -161,7 +161,13 @@ fn kit_text() -> String {
         midi_notes: instrument.midi_notes.to_vec(),
         trigger: None,
     });
-    let kit = Kit { name: "recorded".to_owned(), objects: Vec::new(), strikers: Vec::new(), pads: pads.collect() };
+    let kit = Kit {
+        name: "recorded".to_owned(),
+        objects: Vec::new(),
+        strikers: Vec::new(),
+        pads: pads.collect(),
+        background: None,
+    };
     let text = kit::text::write(&kit);
     let included: String =
         INSTRUMENTS.iter().map(|instrument| format!("  \"recorded/{}.toml\",\n", instrument.name)).collect();

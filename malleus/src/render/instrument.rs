@@ -1,14 +1,14 @@
 //! Rendering by dsp-core, exactly as a board does.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Direct, Engine, LoadError, Skipping, TickReport};
+use dsp_core::engine::{Direct, Engine, LoadError, Residuals, Skipping, TickReport};
 use dsp_core::event::{Event, EventError};
 use dsp_core::table::Kit;
 
 use super::Performance;
 
 /// The engine of the PC: room for large kits; as many contacts at once as a board has.
-pub type PcEngine<'k> = Engine<'k, 64, 8192, 4096, 8192, { dsp_core::engine::STANDARD_CONTACTS }>;
+pub type PcEngine<'k> = Engine<'k, 64, 320, 8192, 4096, 8192, { dsp_core::engine::STANDARD_CONTACTS }, Residuals<32>>;
 
 /// Why a performance cannot be rendered.
 #[derive(Debug, thiserror::Error)]

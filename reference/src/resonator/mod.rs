@@ -27,5 +27,7 @@ mod complex;
 mod mode;
 mod one_pole;
 
+pub(crate) use complex::Complex;
+
 pub use bank::{Bank, GainsError};
 pub use mode::{Gain, Mode};

@@ -1,6 +1,5 @@
 //! From a table to a bank.
 
-use super::super::coefficient::delta_of_t60;
 use super::super::gain::{check_gains, gain_at, gain_law, onset, orbit_gains};
 use super::super::group::{GROUP_MODES, Group};
 use super::super::mode::Mode;
@@ -74,10 +73,7 @@ impl Bank {
         bank.groups = Span::new(used.groups..group_end).ok_or(BankError::TooManyGroups)?;
         bank.count_guards(memory);
         bank.onset = onset(cosine_sum, table, rate);
-        if table.choke_t60_s > 0.0 {
-            bank.choke_delta = delta_of_t60(table.choke_t60_s, rate);
-        }
-        *used = Used { modes: modes.end, groups: group_end, origins: origins.end };
+        *used = Used { modes: modes.end, groups: group_end, origins: origins.end, ..*used };
         Ok(bank)
     }
 }

@@ -11,7 +11,7 @@ pub use render::MixShift;
 pub(super) use shed::half_octaves;
 pub use shed::{Audience, Shed, Survey, UpcomingRun, Use};
 
-use super::coefficient::Coefficients;
+use super::coefficient::{Coefficients, delta_of_t60};
 use super::gain::{gain_at, gain_law, move_pole, onset, orbit_gains};
 use super::group::Group;
 use super::mode::Mode;
@@ -61,6 +61,8 @@ pub enum BankError {
     TooManyGroups,
     /// More modes with positions or choke than the engine has room for.
     TooManyOrigins,
+    /// More banks than the engine has room for: a pad has one for its object, and one for each striker up to the last one with modes.
+    TooManyBanks,
     /// A mode decays faster than [`super::max_decay_per_s`] at this rate.
     DecayTooFast {
         /// Which mode of the table.
@@ -112,6 +114,8 @@ pub struct Used {
     pub groups: usize,
     /// Origins.
     pub origins: usize,
+    /// Banks.
+    pub banks: usize,
 }
 
 /// What a bank did over a run of frames, in modes (times the frames of the run for the work).
@@ -149,8 +153,6 @@ pub struct Bank {
     plain_groups: u16,
     /// The half of h[0] that does not belong to the integral: -Σ gc / (2 fs), times the force, is added to the sound.
     onset: Scale,
-    /// Q32 δ of the choke, 0 for a bank that cannot be choked.
-    choke_delta: i32,
     choked: bool,
     /// Whether the allowance is enough for all contacts under way.
     is_covered: bool,
@@ -183,7 +185,6 @@ impl Bank {
         plain_modes: 0,
         plain_groups: 0,
         onset: Scale::ZERO,
-        choke_delta: 0,
         choked: false,
         is_covered: false,
         position: 0.0,
@@ -221,6 +222,11 @@ impl Bank {
         self.retired.amplitude()
     }
 
+    /// Whether [`Bank::set_position`] may have anything to do.
+    pub fn moves_to(&self, position: f32) -> bool {
+        !self.origins.range().is_empty() && position != self.position
+    }
+
     /// Moves the striking point for the contacts that follow: gains are interpolated between the table's positions.
     ///
     /// Derives every gain anew where the table has several positions; costs nothing otherwise.
@@ -233,11 +239,11 @@ impl Bank {
 
     /// Raises the decay of every mode to the choke's, or lets go again. The sound goes on without a step.
     pub fn set_choked(&mut self, choked: bool, table: &BankTable<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
-        if self.choke_delta == 0 || choked == self.choked {
+        if table.choke_t60_s <= 0.0 || choked == self.choked {
             return;
         }
         self.choked = choked;
-        let choke_delta = self.choke_delta;
+        let choke_delta = delta_of_t60(table.choke_t60_s, rate);
         let origins = memory.origins.get(self.origins.range()).unwrap_or(&[]);
         let mut origins = origins.iter();
         for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {

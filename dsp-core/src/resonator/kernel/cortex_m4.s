@@ -36,16 +36,14 @@
     .equ LOCALS, 272
     .equ GROUP, 24
 
-@ u -= delta u; u -= epsilon v; v += epsilon u (form 0), v += u << k (form k + 1)
+@ u -= delta u; u -= epsilon v; v += epsilon u (form 0), v += u << form (forms 1 and 2)
     .macro step form u v delta epsilon
     smmlsr  \u, \delta, \u, \u
     smmlsr  \u, \epsilon, \v, \u
     .if \form == 0
     smmlar  \v, \epsilon, \u, \v
-    .elseif \form == 1
-    add     \v, \v, \u
     .else
-    add     \v, \v, \u, lsl #(\form - 1)
+    add     \v, \v, \u, lsl #\form
     .endif
     .endm
 
@@ -575,20 +573,20 @@ malleus_kernel_free:
     cmp     r5, #32
     bne     next_short_free
     next_group free, FREE, 3, leftover_free
-    by_kind free_three_0, free_three_1, free_three_2, free_three_3
+    by_kind free_three_0, free_three_1, free_three_2
 leftover_free:
     cmp     r3, #1
     beq     1f
-    by_kind free_two_0, free_two_1, free_two_2, free_two_3
-1:  by_kind free_one_0, free_one_1, free_one_2, free_one_3
+    by_kind free_two_0, free_two_1, free_two_2
+1:  by_kind free_one_0, free_one_1, free_one_2
 
     next_group short_free, FREE, 3, leftover_short_free
-    by_kind short_free_three_0, short_free_three_1, short_free_three_2, short_free_three_3
+    by_kind short_free_three_0, short_free_three_1, short_free_three_2
 leftover_short_free:
     vmov    s9, r3
-    by_kind short_free_one_0, short_free_one_1, short_free_one_2, short_free_one_3
+    by_kind short_free_one_0, short_free_one_1, short_free_one_2
 
-    .irp    form, 0, 1, 2, 3            @ behind the tables of their distances, which count forward
+    .irp    form, 0, 1, 2               @ behind the tables of their distances, which count forward
     free_three \form
     free_two \form
     free_one \form
@@ -702,19 +700,19 @@ malleus_kernel_driven:
     cmp     r5, #32
     bne     next_short_driven
     next_group driven, DRIVEN, 2, leftover_driven
-    by_kind driven_gain_0, driven_gain_1, driven_gain_2, driven_gain_3, driven_phase_0, driven_phase_1, driven_phase_2, driven_phase_3
+    by_kind driven_gain_0, driven_gain_1, driven_gain_2, driven_gain_2, driven_phase_0, driven_phase_1, driven_phase_2 @ no form is 3
 leftover_driven:
     and     r2, r2, #3
-    by_kind driven_one_0, driven_one_1, driven_one_2, driven_one_3
+    by_kind driven_one_0, driven_one_1, driven_one_2
 
     next_group short_driven, DRIVEN, 2, leftover_short_driven
     and     r2, r2, #3
-    by_kind short_driven_two_0, short_driven_two_1, short_driven_two_2, short_driven_two_3
+    by_kind short_driven_two_0, short_driven_two_1, short_driven_two_2
 leftover_short_driven:
     and     r2, r2, #3
-    by_kind short_driven_one_0, short_driven_one_1, short_driven_one_2, short_driven_one_3
+    by_kind short_driven_one_0, short_driven_one_1, short_driven_one_2
 
-    .irp    form, 0, 1, 2, 3
+    .irp    form, 0, 1, 2
     driven_two gain, \form, \form
     driven_two phase, \form, \form + 4
     driven_one \form

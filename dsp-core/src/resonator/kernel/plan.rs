@@ -73,8 +73,7 @@ impl Plan {
     pub fn form(&self) -> Form {
         match self.free_kind & FORM {
             0 => Form::Coupled,
-            1 => Form::Shifted0,
-            2 => Form::Shifted1,
+            1 => Form::Shifted1,
             _ => Form::Shifted2,
         }
     }

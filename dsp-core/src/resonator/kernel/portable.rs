@@ -16,7 +16,6 @@ use crate::fixed;
 pub fn free(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward) {
     each(groups, modes, run, mix, |plan, mode, mix| match plan.form() {
         Form::Coupled => ring(mode, step_coupled, plan, mix),
-        Form::Shifted0 => ring(mode, step_shifted::<0>, plan, mix),
         Form::Shifted1 => ring(mode, step_shifted::<1>, plan, mix),
         Form::Shifted2 => ring(mode, step_shifted::<2>, plan, mix),
     });
@@ -56,7 +55,6 @@ pub fn driven(groups: &[Group], modes: &mut [Mode], run: Run, force: &Backward, 
     let force = force.get(slot(run.frames.saturating_sub(1))..).unwrap_or(&[]);
     each(groups, modes, run, mix, |plan, mode, mix| match plan.form() {
         Form::Coupled => drive(mode, step_coupled, plan, force, mix),
-        Form::Shifted0 => drive(mode, step_shifted::<0>, plan, force, mix),
         Form::Shifted1 => drive(mode, step_shifted::<1>, plan, force, mix),
         Form::Shifted2 => drive(mode, step_shifted::<2>, plan, force, mix),
     });

@@ -10,10 +10,10 @@ use dsp_core::table::Kit;
 use crate::wire::{WireEvent, slice, slice_mut};
 
 /// Room for the storm's kit: sixteen pads, 1024 modes.
-type Instrument = Engine<'static, 16, 1024, 256, 1024, STANDARD_CONTACTS>;
+type Instrument = Engine<'static, 16, 32, 1024, 256, 1024, STANDARD_CONTACTS>;
 
 /// What a board for 512 modes needs: eight pads that cannot be choked.
-type Instrument512 = Engine<'static, 8, 512, 104, 0, 16>;
+type Instrument512 = Engine<'static, 8, 8, 512, 96, 0, 16>;
 
 struct Global(UnsafeCell<Instrument>);
 

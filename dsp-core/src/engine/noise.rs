@@ -1,0 +1,189 @@
+//! Residuals and background: the noise beside the modes, where an engine has room for it.
+
+use super::{Engine, LoadError};
+use crate::SampleRate;
+use crate::event::Action;
+use crate::noise::Sfc32;
+use crate::output::Panner;
+use crate::residual::Shaper;
+use crate::resonator::TICK_FRAMES;
+use crate::table::Kit;
+
+/// An engine's room for noise: [`NoResiduals`], or [`Residuals`] of some number.
+pub trait ResidualRoom {
+    /// All silent.
+    const EMPTY: Self;
+
+    /// The places.
+    fn places(&self) -> &[Place];
+
+    /// The places to be changed.
+    fn places_mut(&mut self) -> &mut [Place];
+}
+
+/// No room: no memory and no code. A kit's residuals and background are then not heard.
+#[derive(Clone, Copy, Debug)]
+pub struct NoResiduals;
+
+/// Room for so many pads with a residual, the background counting as one; 15 KB each.
+#[derive(Clone, Debug)]
+pub struct Residuals<const COUNT: usize> {
+    places: [Place; COUNT],
+}
+
+impl ResidualRoom for NoResiduals {
+    const EMPTY: Self = Self;
+
+    #[inline(always)]
+    fn places(&self) -> &[Place] {
+        &[]
+    }
+
+    #[inline(always)]
+    fn places_mut(&mut self) -> &mut [Place] {
+        &mut []
+    }
+}
+
+impl<const COUNT: usize> ResidualRoom for Residuals<COUNT> {
+    const EMPTY: Self = Self { places: [const { Place::FREE }; COUNT] };
+
+    fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    fn places_mut(&mut self) -> &mut [Place] {
+        &mut self.places
+    }
+}
+
+/// What sounds at a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Owner {
+    Nobody,
+    Pad(u8),
+    Background,
+}
+
+/// Room for one residual or the background.
+#[derive(Clone, Debug)]
+pub struct Place {
+    owner: Owner,
+    shaper: Shaper,
+    panner: Panner,
+}
+
+impl Place {
+    const FREE: Self = Self { owner: Owner::Nobody, shaper: Shaper::NONE, panner: Panner::SILENT };
+}
+
+/// Output below which noise ends, rms: -110 dBFS.
+const SILENCE: f32 = 3.162_277_7e-6;
+
+impl<
+    'k,
+    const PADS: usize,
+    const BANKS: usize,
+    const MODES: usize,
+    const GROUPS: usize,
+    const ORIGINS: usize,
+    const CONTACTS: usize,
+    R: ResidualRoom,
+> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
+{
+    /// Derives the residuals of all pads whose object has one, and the background, and begins it.
+    pub(super) fn load_noise(&mut self, kit: &Kit<'_>, rate: SampleRate) -> Result<(), LoadError> {
+        let places = self.residuals.places_mut();
+        for place in places.iter_mut() {
+            place.owner = Owner::Nobody;
+            place.shaper.reset();
+        }
+        if places.is_empty() {
+            return Ok(());
+        }
+        let (mut free, capacity) = (places.iter_mut(), R::EMPTY.places().len());
+        for (pad, number) in kit.pads().zip(0u8..) {
+            let Some(residual) = kit.residual_of(pad.object_index()) else { continue };
+            let highest_hz = residual.bands().last().map_or(0.0, |band| band.edges_hz[1]);
+            if f64::from(highest_hz) > rate.hz() / 2.0 {
+                return Err(LoadError::BeyondNyquist { pad: Some(number), edge_hz: highest_hz, rate });
+            }
+            let Some(place) = free.next() else { return Err(LoadError::TooManyResiduals { capacity }) };
+            (place.owner, place.panner) = (Owner::Pad(number), Panner::new(pad.level_db(), pad.pan()));
+            let noise = Sfc32::new(residual.seed(), u32::from(number));
+            place.shaper.load(residual.bands(), rate, noise, SILENCE / place.panner.loudest());
+        }
+        if let Some(background) = kit.background() {
+            let highest_hz = background.bands().last().map_or(0.0, |band| band.edges_hz[1]);
+            if f64::from(highest_hz) > rate.hz() / 2.0 {
+                return Err(LoadError::BeyondNyquist { pad: None, edge_hz: highest_hz, rate });
+            }
+            let Some(place) = free.next() else { return Err(LoadError::TooManyResiduals { capacity }) };
+            (place.owner, place.panner) = (Owner::Background, Panner::new(0.0, 0.0));
+            let noise = Sfc32::new(background.seed(), u32::MAX);
+            place.shaper.load(background.bands(), rate, noise, 0.0);
+            place.shaper.begin();
+        }
+        Ok(())
+    }
+
+    /// A strike of a pad, its peak force in bus steps.
+    pub(super) fn strike_noise(&mut self, pad: u8, peak: i32) {
+        let offset = (self.now % TICK_FRAMES as u64) as usize;
+        for place in self.residuals.places_mut().iter_mut().filter(|place| place.owner == Owner::Pad(pad)) {
+            place.shaper.strike(peak as f32 / crate::fixed::ONE_Q27 as f32, offset);
+        }
+    }
+
+    /// A hand that comes to a pad or goes; `t60_s` is what it imposes, 0 where it imposes nothing.
+    pub(super) fn choke_noise(&mut self, pad: u8, action: Action, t60_s: f32) {
+        let rate_hz = self.rate().hz();
+        for place in self.residuals.places_mut().iter_mut().filter(|place| place.owner == Owner::Pad(pad)) {
+            let per_frame = libm::exp(-core::f64::consts::LN_10 * 3.0 / (f64::from(t60_s) * rate_hz)) as f32;
+            let is_choked = action == Action::Choke && t60_s > 0.0;
+            place.shaper.set_choked(is_choked.then_some(per_frame));
+        }
+    }
+
+    /// Adds all noise to a run of the stereo bus.
+    #[inline(always)]
+    pub(super) fn render_noise(&mut self, out: &mut [[i32; 2]]) {
+        for place in self.residuals.places_mut().iter_mut().filter(|place| place.shaper.is_active()) {
+            let mut sound = [0; TICK_FRAMES];
+            let Some(sound) = sound.get_mut(..out.len()) else { continue };
+            place.shaper.render(sound);
+            place.panner.render(sound, out);
+            match place.owner {
+                Owner::Background => self.report.background_frames += out.len() as u32,
+                _ => self.report.residual_frames += out.len() as u32,
+            }
+        }
+    }
+
+    /// What noise to come needs in this tick.
+    #[inline(always)]
+    pub(super) fn end_noise_tick(&mut self) {
+        for place in self.residuals.places_mut().iter_mut().filter(|place| place.shaper.is_active()) {
+            place.shaper.end_tick();
+        }
+        self.report.residuals = self.noises() as u32;
+    }
+
+    /// Residuals that sound, and the background.
+    #[inline(always)]
+    pub(super) fn noises(&self) -> usize {
+        self.residuals.places().iter().filter(|place| place.shaper.is_active()).count()
+    }
+
+    /// Cycles that the work on noise to come takes in this tick.
+    #[inline(always)]
+    pub(super) fn noise_cycles(&self) -> u32 {
+        self.residuals.places().iter().map(|place| place.shaper.cycles_ahead()).sum()
+    }
+
+    /// Whether a strike of a pad begins noise.
+    #[inline(always)]
+    pub(super) fn has_noise(&self, pad: u8) -> bool {
+        self.residuals.places().iter().any(|place| place.owner == Owner::Pad(pad))
+    }
+}

@@ -1,0 +1,76 @@
+//! The residual stage alone on a bare Cortex-M4F, without a board.
+//!
+//! Nothing starts by itself: the virtual core writes bands into memory and calls the exported functions. The host's side of it is
+//! `host-tests/src/on_chip/residual.rs`.
+#![no_std]
+#![no_main]
+
+use core::cell::UnsafeCell;
+use core::panic::PanicInfo;
+
+use dsp_core::SampleRate;
+use dsp_core::noise::Sfc32;
+use dsp_core::residual::{BandLaw, MAX_BANDS, Shaper};
+use dsp_core::resonator::TICK_FRAMES;
+
+struct Global(UnsafeCell<Shaper>);
+
+// SAFETY: the virtual core has one thread and calls one function at a time.
+unsafe impl Sync for Global {}
+
+static SHAPER: Global = Global(UnsafeCell::new(Shaper::NONE));
+
+fn shaper() -> &'static mut Shaper {
+    // SAFETY: as for `Sync`: the one reference of the call that runs.
+    unsafe { &mut *SHAPER.0.get() }
+}
+
+/// Derives the stage at 48 kHz from bands as lower edge, upper edge, weight, decay. -1: too many.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub unsafe extern "C" fn residual_load(bands: *const [f32; 4], count: usize, seed: u32, silence: u32) -> i32 {
+    if count > MAX_BANDS {
+        return -1;
+    }
+    // SAFETY: the host's word: so many lie there, and nothing else uses them during the call.
+    let bands = unsafe { core::slice::from_raw_parts(bands, count) };
+    let laws = bands.iter().map(|&[low, high, weight, decay_db_per_s]| BandLaw {
+        edges_hz: [low, high],
+        weight,
+        decay_db_per_s,
+    });
+    shaper().load(laws, SampleRate::HZ_48000, Sfc32::new(seed, 0), f32::from_bits(silence));
+    0
+}
+
+/// Adds a tick to `out`; where `strength` (the bits of an f32) is above 0 with a strike at frame `offset`.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub unsafe extern "C" fn residual_tick(strength: u32, offset: usize, out: *mut [i32; TICK_FRAMES]) -> i32 {
+    // SAFETY: the host's word.
+    let out = unsafe { &mut *out };
+    let strength = f32::from_bits(strength);
+    let Some((before, after)) = out.split_at_mut_checked(offset) else { return -1 };
+    if !before.is_empty() {
+        shaper().render(before);
+    }
+    if strength > 0.0 {
+        shaper().strike(strength, offset);
+    }
+    shaper().render(after);
+    shaper().end_tick();
+    0
+}
+
+/// The virtual core never starts here; a linker needs an entry.
+#[unsafe(no_mangle)]
+pub extern "C" fn _start() -> ! {
+    loop {}
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    // An undefined instruction: the virtual core stops and names the function.
+    // SAFETY: never returns.
+    unsafe { core::arch::asm!("udf #0", options(noreturn)) }
+}

@@ -1,0 +1,75 @@
+//! The residual on the virtual core: the same bits as on the PC, and its cycles.
+
+use dsp_core::residual::BandLaw;
+use dsp_core::resonator::TICK_FRAMES;
+use host_tests::on_chip::ResidualOnChip;
+use host_tests::residual::{SILENCE, Spacing, edges_hz, play, shaper};
+
+const TICKS: usize = 220;
+
+fn bands(spacing: Spacing) -> Vec<BandLaw> {
+    let edges = edges_hz(spacing, 100, [50.0, 23_500.0]);
+    let band = |(index, edges): (usize, &[f64])| BandLaw {
+        edges_hz: [edges[0] as f32, edges[1] as f32],
+        weight: 0.003,
+        decay_db_per_s: 100.0 + 3.0 * index as f32,
+    };
+    edges.windows(2).enumerate().map(band).collect()
+}
+
+/// Cycles of each tick; the sound must be the PC's.
+fn run(bands: &[BandLaw], strikes: &[(usize, f32)]) -> Vec<u64> {
+    let mut chip = ResidualOnChip::new().expect("the image builds");
+    chip.load(bands, 1, SILENCE).expect("the bands fit");
+    let pc = play(&mut shaper(bands, 1), strikes, TICKS * TICK_FRAMES);
+    (0..TICKS)
+        .map(|tick| {
+            let strike = strikes.iter().find(|strike| strike.0 / TICK_FRAMES == tick);
+            let (out, cost) =
+                chip.tick(strike.map(|&(frame, strength)| (frame % TICK_FRAMES, strength))).expect("it runs");
+            assert_eq!(out, pc[tick * TICK_FRAMES..(tick + 1) * TICK_FRAMES], "tick {tick}");
+            cost.nominal
+        })
+        .collect()
+}
+
+#[test]
+fn a_hundred_bands_cost_less_than_250_cycles_a_frame_and_give_the_same_bits() {
+    for spacing in [Spacing::Erb, Spacing::Linear] {
+        let cycles = run(&bands(spacing), &[(0, 1.0)]);
+        let a_frame = |cycles: u64| cycles as f64 / TICK_FRAMES as f64;
+        let steady = &cycles[124..196];
+        let mean = a_frame(cycles.iter().sum::<u64>()) / cycles.len() as f64;
+        let steady_mean = a_frame(steady.iter().sum::<u64>()) / steady.len() as f64;
+        let (steady_worst, worst) =
+            (steady.iter().max().copied().unwrap_or(0), cycles.iter().max().copied().unwrap_or(0));
+        println!(
+            "{spacing:?}: {mean:.0} cycles a frame from a strike on; steady {steady_mean:.0}, worst tick {:.0}; worst tick after a strike {:.0}",
+            a_frame(steady_worst),
+            a_frame(worst)
+        );
+        assert!(mean < 250.0 && a_frame(steady_worst) < 250.0, "{spacing:?}: {mean}");
+        assert!(a_frame(worst) < WORST_AFTER_A_STRIKE, "{spacing:?}: {cycles:?}");
+    }
+}
+
+/// Cycles a frame of the dearest tick within 30 ms of a strike.
+const WORST_AFTER_A_STRIKE: f64 = 400.0;
+
+#[test]
+fn strikes_on_strikes_give_the_same_bits() {
+    let bands = bands(Spacing::Erb);
+    let strikes = [(0, 1.0), (40, 0.2), (100, 3.0), (800, 0.5), (811, 0.0), (1_500, 0.9), (2_999, 0.4), (4_000, 1e-4)];
+    let cycles = run(&bands, &strikes);
+    println!(
+        "strikes on strikes: worst tick {:.0} cycles a frame",
+        cycles.iter().max().copied().unwrap_or(0) as f64 / 32.0
+    );
+}
+
+#[test]
+fn silence_costs_next_to_nothing() {
+    let cycles = run(&bands(Spacing::Erb), &[]);
+    println!("a silent tick: {} cycles, calls included", cycles[0]);
+    assert!(cycles.iter().all(|&cycles| cycles < 100), "{cycles:?}");
+}

@@ -1,0 +1,103 @@
+//! The tables `[object.residual]` and `[background]`.
+
+use std::fmt::{self, Display, Formatter};
+
+use toml::Spanned;
+
+use super::number::shortest_decimal;
+use crate::{Background, Residual};
+
+/// Numbers, each with its place in the file.
+pub(super) type Numbers = Vec<Spanned<f32>>;
+
+/// The table `[object.residual]` as it stands in a file.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ResidualTable {
+    #[serde(default)]
+    seed: u32,
+    edges_hz: Numbers,
+    weight: Numbers,
+    decay_db_per_s: Numbers,
+}
+
+/// The table `[background]` as it stands in a file.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct BackgroundTable {
+    #[serde(default)]
+    seed: u32,
+    edges_hz: Numbers,
+    weight: Numbers,
+}
+
+/// Where the edges and the bands of such a table stand: a band where its weight does.
+#[derive(Default)]
+pub(super) struct NoiseOrigin {
+    pub(super) offset: usize,
+    pub(super) edges: Vec<usize>,
+    pub(super) bands: Vec<usize>,
+}
+
+impl NoiseOrigin {
+    fn new(offset: usize, edges: &Numbers, bands: &Numbers) -> Self {
+        let offsets = |numbers: &Numbers| numbers.iter().map(|number| number.span().start).collect();
+        Self { offset, edges: offsets(edges), bands: offsets(bands) }
+    }
+}
+
+impl ResidualTable {
+    pub(super) fn read(table: Spanned<Self>) -> (Residual, NoiseOrigin) {
+        let offset = table.span().start;
+        let Self { seed, edges_hz, weight, decay_db_per_s } = table.into_inner();
+        let origin = NoiseOrigin::new(offset, &edges_hz, &weight);
+        let residual =
+            Residual { seed, edges_hz: plain(edges_hz), weight: plain(weight), decay_db_per_s: plain(decay_db_per_s) };
+        (residual, origin)
+    }
+}
+
+impl BackgroundTable {
+    pub(super) fn read(table: Spanned<Self>) -> (Background, NoiseOrigin) {
+        let offset = table.span().start;
+        let Self { seed, edges_hz, weight } = table.into_inner();
+        let origin = NoiseOrigin::new(offset, &edges_hz, &weight);
+        (Background { seed, edges_hz: plain(edges_hz), weight: plain(weight) }, origin)
+    }
+}
+
+fn plain(numbers: Numbers) -> Vec<f32> {
+    numbers.into_iter().map(Spanned::into_inner).collect()
+}
+
+/// A table that is to be written as TOML.
+pub(super) struct Text<T>(pub(super) T);
+
+impl Display for Text<&Residual> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Residual { seed, edges_hz, weight, decay_db_per_s } = self.0;
+        writeln!(f, "\n[object.residual]\nseed = {seed}")?;
+        numbers(f, "edges_hz", edges_hz)?;
+        numbers(f, "weight", weight)?;
+        numbers(f, "decay_db_per_s", decay_db_per_s)
+    }
+}
+
+impl Display for Text<&Background> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Background { seed, edges_hz, weight } = self.0;
+        writeln!(f, "\n[background]\nseed = {seed}")?;
+        numbers(f, "edges_hz", edges_hz)?;
+        numbers(f, "weight", weight)
+    }
+}
+
+/// An array, ten numbers a line.
+fn numbers(f: &mut Formatter<'_>, key: &str, numbers: &[f32]) -> fmt::Result {
+    writeln!(f, "{key} = [")?;
+    for line in numbers.chunks(10) {
+        let line: Vec<String> = line.iter().map(|&number| shortest_decimal(number)).collect();
+        writeln!(f, "    {},", line.join(", "))?;
+    }
+    writeln!(f, "]")
+}

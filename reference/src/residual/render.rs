@@ -1,0 +1,49 @@
+//! The law carried out: white noise, cut into bands, each under its own envelope.
+
+use super::Band;
+use super::fourier::transform;
+use crate::rate::SampleRate;
+use crate::resonator::Complex;
+
+/// The sound of one strike at the reference force, from the strike on, `length` samples; another seed, another noise.
+///
+/// The bands are cut from one Gaussian noise in its spectrum, so that their edges are sharp; a band's rms is right on average over noises.
+pub fn render(bands: &[Band], length: usize, rate: SampleRate, seed: u64) -> Vec<f64> {
+    let size = length.next_power_of_two().max(2);
+    let mut random = Random(seed);
+    let noise: Vec<Complex> = (0..size).map(|_| Complex { re: random.normal(), im: 0.0 }).collect();
+    let spectrum = transform(&noise, -1.0);
+    let mut sound = vec![0.0; length];
+    for band in bands.iter().filter(|band| band.weight != 0.0) {
+        let [low, high] = band.edges_hz;
+        let hertz = |bin: usize| bin.min(size - bin) as f64 * rate.hz() / size as f64;
+        let inside = |bin: usize| hertz(bin) >= low && hertz(bin) < high;
+        let cut = spectrum.iter().enumerate().map(|(bin, x)| if inside(bin) { *x } else { Complex::ZERO });
+        let wave = transform(&cut.collect::<Vec<_>>(), 1.0);
+        // White noise of variance 1 has the power 2 (f2 - f1)/fs in a band; the transform there and back multiplies by its size.
+        let gain = band.weight / (2.0 * (high - low) / rate.hz()).sqrt() / size as f64;
+        for (n, (sound, wave)) in sound.iter_mut().zip(&wave).enumerate() {
+            *sound += gain * wave.re * (-band.decay_per_s() * n as f64 / rate.hz()).exp();
+        }
+    }
+    sound
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014), and normal numbers by Box and Muller's way.
+struct Random(u64);
+
+impl Random {
+    /// Evenly spread in 0 to 1.
+    fn even(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.even()).ln()).sqrt();
+        radius * (2.0 * std::f64::consts::PI * self.even()).cos()
+    }
+}
