@@ -39,9 +39,9 @@ pub struct Fitted {
     pub fit: Fit,
     /// The table.
     pub table: kit::Kit,
-    /// dsp-core's rendering of the loudest strike, from its onset.
+    /// dsp-core's rendering of the modes in the loudest strike, from its onset.
     pub rendering: Vec<f64>,
-    /// The same and the residual bands' noise.
+    /// dsp-core's rendering of the whole table, the residual included.
     pub with_residual: Vec<f64>,
     /// The table's modes as they sound in the loudest strike, amplitudes and phases reckoned back to its onset; in the table's order.
     pub sounding: Vec<DampedSine>,
@@ -72,9 +72,9 @@ pub struct Report {
     pub lsd_db: f64,
     /// The same of the `f64` reference's rendering.
     pub lsd_reference_db: f64,
-    /// The same of dsp-core's rendering and the residual bands together (`f64` noise: a table has no residual yet), dB.
+    /// The same of dsp-core's rendering of modes and residual together, dB; `lsd_db` where a residual brings it no nearer.
     pub lsd_with_residual_db: f64,
-    /// The residual bands: what the modes leave of the loudest strike.
+    /// The residual bands of the table: what the modes leave of the loudest strike, in so far as it brings the sound nearer.
     pub residual_bands: Vec<residual::Band>,
     /// The estimator of the modes.
     pub estimator: strike::Estimator,
@@ -150,14 +150,20 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         |level: f64| -> Vec<f64> { rendering.iter().zip(&noise).map(|(modes, noise)| modes + level * noise).collect() };
     // Noise that does not bring the sound nearer stays out: a few strong modes leave what is no noise.
     let levels = RESIDUAL_LEVELS.map(|level| (distance(&with_noise(level)), level));
-    let (lsd_with_residual_db, level) =
-        levels.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((distance(&rendering), 0.0));
-    let with_residual = with_noise(level);
-    let residual_bands: Vec<residual::Band> = residual_bands
-        .into_iter()
-        .map(|band| residual::Band { weight: band.weight * level, ..band })
-        .filter(|band| band.weight > 0.0)
-        .collect();
+    let level = levels.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, level)| level);
+    let levelled = |band: &residual::Band| residual::Band { weight: band.weight * level, ..*band };
+    let mut residual_bands: Vec<residual::Band> = residual_bands.iter().map(levelled).collect();
+    let modes_alone = distance(&rendering);
+    let noisy = table::with_residual(table.clone(), &residual_bands, RESIDUAL_SEED as u32);
+    let with_residual = render::by_instrument(&noisy, strike.position, recording.rate_hz, heard.len())?;
+    let mut lsd_with_residual_db = distance(&with_residual);
+    let better = lsd_with_residual_db < modes_alone;
+    let (table, with_residual) = if better { (noisy, with_residual) } else { (table, rendering.clone()) };
+    if !better {
+        residual_bands.clear();
+        lsd_with_residual_db = modes_alone;
+    }
+    residual_bands.retain(|band| band.weight > 0.0);
     let range = |of: fn(&strike::Mode) -> f64| {
         let values = fit.modes.iter().map(of);
         [values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max)]
@@ -181,7 +187,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         frequency_hz: range(|mode| mode.frequency_hz),
         t60_s: range(strike::Mode::t60_s),
         material: material::guess(&fit),
-        lsd_db: distance(&rendering),
+        lsd_db: modes_alone,
         lsd_reference_db: distance(&by_reference),
         lsd_with_residual_db,
         residual_bands,

@@ -191,7 +191,7 @@ fn players(path: &Path, view: &View<'_>, sounds: &[Vec<f32>; 3]) -> Result<Strin
         );
     }
     Ok(format!(
-        "<h2>Listen</h2>\n<div class=\"listen\">\n{players}</div>\n<p class=\"muted\">From the strike's onset, all at the level that puts the recording's peak at 0.9. The modes are rendered by the code that a board runs, bit for bit.</p>\n"
+        "<h2>Listen</h2>\n<div class=\"listen\">\n{players}</div>\n<p class=\"muted\">From the strike's onset, all at the level that puts the recording's peak at 0.9. The fit is rendered by the code that a board runs, bit for bit.</p>\n"
     ))
 }
 
