@@ -114,3 +114,40 @@ pub fn item_name(wanted: &str, ending: &str) -> String {
     let name = name.trim();
     format!("{}{ending}", if name.is_empty() { "object" } else { name })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(peak_force: f32) -> Kit {
+        let fit = Fit { rate_hz: 44_100.0, modes: vec![], strikes: vec![], measured: false, loudest: 0 };
+        let provenance = Provenance { name: "mug".to_owned(), source: String::new(), licence: String::new() };
+        let mut table = of_fit(&fit, &provenance);
+        table.strikers[0].peak_force = peak_force;
+        table
+    }
+
+    #[test]
+    fn a_residual_keeps_silent_bands_between_others_and_none_beyond_them() {
+        let edges = [50.0, 100.0, 200.0, 400.0, 800.0, 19_000.0, 21_000.0];
+        let weights = [0.0, 0.02, 0.0, 0.01, 0.0, 0.3];
+        let bands: Vec<Band> = edges
+            .windows(2)
+            .zip(weights)
+            .map(|(edge, weight)| Band { edges_hz: [edge[0], edge[1]], weight, decay_db_per_s: 0.0 })
+            .collect();
+        let table = with_residual(table(0.5), &bands, 7);
+        let residual = table.objects[0].residual.as_ref().expect("some bands sound");
+        assert_eq!(residual.edges_hz, [100.0, 200.0, 400.0, 800.0]);
+        // Half the reference force: a strike of it sounds half as loud as the table says.
+        assert_eq!(residual.weight, [0.04, 0.0, 0.02]);
+        assert_eq!(residual.decay_db_per_s, [1.0; 3]);
+    }
+
+    #[test]
+    fn silent_bands_are_no_residual() {
+        let band = Band { edges_hz: [100.0, 200.0], weight: 0.0, decay_db_per_s: 10.0 };
+        assert!(with_residual(table(1.0), &[band], 7).objects[0].residual.is_none());
+        assert!(with_residual(table(1.0), &[], 7).objects[0].residual.is_none());
+    }
+}
