@@ -1,7 +1,9 @@
-//! `cargo bench -p fit --bench synthetic`: the modal estimator on sounds of known modes, beside the Cramer-Rao bounds.
+//! `cargo bench -p fit --bench synthetic`: the estimators on sounds of known modes, beside the Cramer-Rao bounds.
 
 use std::time::Instant;
 
+use fit::bins;
+use fit::distance::{log_spectral_distance_db, lsd_window};
 use fit::modes::{DampedSine, Settings, cramer_rao_bounds, estimate};
 use fit::score::{matches, quantile};
 use fit::synthetic::{Synthetic, struck};
@@ -19,6 +21,7 @@ struct Tally {
     true_modes: usize,
     reported: Vec<f64>,
     seconds: Vec<f64>,
+    lsd_db: Vec<f64>,
 }
 
 impl Tally {
@@ -37,12 +40,16 @@ impl Tally {
         self.true_modes += sound.modes.len();
         self.reported.push(estimates.len() as f64);
         self.seconds.push(seconds);
+        let mut rendering = vec![0.0; sound.samples.len()];
+        estimates.iter().for_each(|sine| sine.add_to(&mut rendering, sound.rate_hz));
+        let window = lsd_window(&sound.samples, sound.rate_hz);
+        self.lsd_db.push(log_spectral_distance_db(&sound.samples[window.clone()], &rendering[window]));
     }
 
-    fn print(&self, noise_dbfs: f64) {
+    fn print(&self, name: &str, noise_dbfs: f64) {
         let most = |values: &[f64]| quantile(values, 1.0);
         println!(
-            "{noise_dbfs:>6} | {:>5.1} % | {:.5} ({:.5}) | {:.4} ({:.4}), p90 {:.3} ({:.3}) | {:.4} ({:.4}) | {:.1}, at most {} | {:.2}, at most {:.2}",
+            "{name:5} {noise_dbfs:>6} | {:>5.1} % | {:.5} ({:.5}) | {:.4} ({:.4}), p90 {:.3} ({:.3}) | {:.4} ({:.4}) | {:.1}, at most {} | {:.2}, at most {:.2} | {:.2}",
             100.0 * self.cents.len() as f64 / self.true_modes as f64,
             quantile(&self.cents, 0.5),
             quantile(&self.bound_cents, 0.5),
@@ -56,6 +63,7 @@ impl Tally {
             most(&self.reported),
             self.seconds.iter().sum::<f64>() / self.seconds.len() as f64,
             most(&self.seconds),
+            self.lsd_db.iter().sum::<f64>() / self.lsd_db.len() as f64,
         );
     }
 }
@@ -65,16 +73,21 @@ fn main() {
         "{SEEDS} sounds of 20 modes; errors are medians, the Cramer-Rao bounds (standard deviations) in brackets\n"
     );
     println!(
-        "  dBFS | found   | cents             | T60, %                              | amplitude, dB   | modes reported | seconds"
+        "        dBFS | found   | cents             | T60, %                              | amplitude, dB   | modes reported | seconds | LSD, dB"
     );
-    for noise_dbfs in [-80.0, -50.0] {
-        let mut tally = Tally::default();
-        for seed in 1..=SEEDS {
-            let sound = struck(seed, noise_dbfs);
-            let start = Instant::now();
-            let estimates = estimate(&sound.samples, sound.rate_hz, Settings::default());
-            tally.add(&sound, &estimates, start.elapsed().as_secs_f64());
+    type Estimator = fn(&Synthetic) -> Vec<DampedSine>;
+    let modal: Estimator = |sound| estimate(&sound.samples, sound.rate_hz, Settings::default());
+    let by_bins: Estimator = |sound| bins::estimate(&sound.samples, sound.rate_hz);
+    for (name, estimator) in [("modal", modal), ("bins", by_bins)] {
+        for noise_dbfs in [-80.0, -50.0] {
+            let mut tally = Tally::default();
+            for seed in 1..=SEEDS {
+                let sound = struck(seed, noise_dbfs);
+                let start = Instant::now();
+                let estimates = estimator(&sound);
+                tally.add(&sound, &estimates, start.elapsed().as_secs_f64());
+            }
+            tally.print(name, noise_dbfs);
         }
-        tally.print(noise_dbfs);
     }
 }

@@ -107,6 +107,11 @@ pub enum FitError {
         /// The channel.
         channel: usize,
     },
+    /// The bins estimator knows no force.
+    #[error(
+        "the bins estimator reads modes off the sound alone: leave the force channel out, or use the modal estimator"
+    )]
+    BinsWithForce,
     /// The table that was fitted is none that a board plays.
     #[error("the fitted table is refused: {0}")]
     Table(#[from] kit::KitError),

@@ -1,6 +1,8 @@
 //! From recordings to tables: what a board plays, out of what a microphone heard.
 
 pub mod audio;
+pub mod bark;
+pub mod bins;
 pub mod contact;
 pub mod distance;
 pub mod material;
@@ -8,12 +10,14 @@ pub mod modes;
 pub mod recording;
 pub mod render;
 pub mod residual;
+pub mod room;
 pub mod score;
 pub mod segment;
 pub mod strike;
 pub mod synthetic;
 pub mod table;
 
+mod decay;
 mod error;
 
 pub use error::FitError;

@@ -5,10 +5,12 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::audio::{self, Recording};
+use crate::contact::half_sine;
 use crate::distance::{log_spectral_distance_db, lsd_window};
+use crate::modes::DampedSine;
 use crate::strike::{self, Fit, fit_force, fit_sound};
 use crate::table::{self, Provenance};
-use crate::{FitError, material, render, residual, segment};
+use crate::{FitError, bark, material, render, residual, room, segment};
 
 /// The residual's noise is the same in every run.
 const RESIDUAL_SEED: u64 = 1;
@@ -37,8 +39,12 @@ pub struct Fitted {
     pub fit: Fit,
     /// The table.
     pub table: kit::Kit,
-    /// dsp-core's rendering of the loudest strike, from its onset.
+    /// dsp-core's rendering of the modes in the loudest strike, from its onset.
     pub rendering: Vec<f64>,
+    /// dsp-core's rendering of the whole table, the residual included.
+    pub with_residual: Vec<f64>,
+    /// The table's modes as they sound in the loudest strike, amplitudes and phases reckoned back to its onset; in the table's order.
+    pub sounding: Vec<DampedSine>,
     /// Figures.
     pub report: Report,
 }
@@ -66,10 +72,19 @@ pub struct Report {
     pub lsd_db: f64,
     /// The same of the `f64` reference's rendering.
     pub lsd_reference_db: f64,
-    /// The same of dsp-core's rendering and the residual bands together (`f64` noise: a table has no residual yet), dB.
+    /// The same of dsp-core's rendering of modes and residual together, dB; `lsd_db` where a residual brings it no nearer.
     pub lsd_with_residual_db: f64,
-    /// The residual bands: what the modes leave of the loudest strike.
+    /// The residual bands of the table: what the modes leave of the loudest strike, in so far as it brings the sound nearer.
     pub residual_bands: Vec<residual::Band>,
+    /// The estimator of the modes.
+    pub estimator: strike::Estimator,
+    /// Damping law and spectral centroids of the loudest strike on the Bark scale; `None` where no band decays.
+    pub damping_law: Option<bark::DampingLaw>,
+    /// By how much each mode of the table, in order of frequency, stands out of the smooth part of the spectrum, dB; `null` in JSON for one without
+    /// amplitude.
+    pub emergence_db: Vec<f64>,
+    /// The room, where its tail is heard.
+    pub room: Option<room::Room>,
     /// Seconds that the fit took.
     pub seconds: f64,
 }
@@ -97,6 +112,9 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let (found, mut notes) = segment::hits(&recording)?;
     recording.notes.append(&mut notes);
     let hits = segment::select(&found, &options.hits, recording.rate_hz)?;
+    if recording.force.is_some() && options.strike.estimator == strike::Estimator::Bins {
+        return Err(FitError::BinsWithForce);
+    }
     let fit = match recording.force.as_ref().zip(options.force_channel) {
         Some((force, channel)) => {
             fit_force(&recording.samples, force, channel, recording.rate_hz, &hits, options.strike)?
@@ -109,8 +127,12 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let provenance = Provenance {
         name: stem,
         source: format!(
-            "{file}, strike at {:.3} s: modal fit {} (malleus fit), {} modes",
+            "{file}, strike at {:.3} s: {} fit {} (malleus fit), {} modes",
             strike.hit.onset as f64 / recording.rate_hz,
+            match options.strike.estimator {
+                strike::Estimator::Modal => "modal",
+                strike::Estimator::Bins => "bins",
+            },
             if recording.force.is_some() { "with the measured force divided out" } else { "from sound alone" },
             fit.modes.len()
         ),
@@ -123,24 +145,30 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let by_reference = render::by_reference(&table, strike.position, recording.rate_hz, window.end)?;
     let distance = |sound: &[f64]| log_spectral_distance_db(&heard[window.clone()], &sound[window.clone()]);
     let residual_bands = residual::fit_bands(heard, &rendering, recording.rate_hz, residual::BANDS);
-    let noise = residual::render(&residual_bands, window.end, recording.rate_hz, RESIDUAL_SEED);
-    let with_residual_db = |level: f64| {
-        let sound: Vec<f64> = rendering.iter().zip(&noise).map(|(modes, noise)| modes + level * noise).collect();
-        distance(&sound)
-    };
+    let noise = residual::render(&residual_bands, heard.len(), recording.rate_hz, RESIDUAL_SEED);
+    let with_noise =
+        |level: f64| -> Vec<f64> { rendering.iter().zip(&noise).map(|(modes, noise)| modes + level * noise).collect() };
     // Noise that does not bring the sound nearer stays out: a few strong modes leave what is no noise.
-    let levels = RESIDUAL_LEVELS.map(|level| (with_residual_db(level), level));
-    let (lsd_with_residual_db, level) =
-        levels.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((distance(&rendering), 0.0));
-    let residual_bands: Vec<residual::Band> = residual_bands
-        .into_iter()
-        .map(|band| residual::Band { weight: band.weight * level, ..band })
-        .filter(|band| band.weight > 0.0)
-        .collect();
+    let levels = RESIDUAL_LEVELS.map(|level| (distance(&with_noise(level)), level));
+    let level = levels.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, level)| level);
+    let levelled = |band: &residual::Band| residual::Band { weight: band.weight * level, ..*band };
+    let mut residual_bands: Vec<residual::Band> = residual_bands.iter().map(levelled).collect();
+    let modes_alone = distance(&rendering);
+    let noisy = table::with_residual(table.clone(), &residual_bands, RESIDUAL_SEED as u32);
+    let with_residual = render::by_instrument(&noisy, strike.position, recording.rate_hz, heard.len())?;
+    let mut lsd_with_residual_db = distance(&with_residual);
+    let better = lsd_with_residual_db < modes_alone;
+    let (table, with_residual) = if better { (noisy, with_residual) } else { (table, rendering.clone()) };
+    if !better {
+        residual_bands.clear();
+        lsd_with_residual_db = modes_alone;
+    }
+    residual_bands.retain(|band| band.weight > 0.0);
     let range = |of: fn(&strike::Mode) -> f64| {
         let values = fit.modes.iter().map(of);
         [values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max)]
     };
+    let sounding = sounding(&fit);
     let report = Report {
         input: path.to_owned(),
         rate_hz: recording.rate_hz,
@@ -159,11 +187,45 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         frequency_hz: range(|mode| mode.frequency_hz),
         t60_s: range(strike::Mode::t60_s),
         material: material::guess(&fit),
-        lsd_db: distance(&rendering),
+        lsd_db: modes_alone,
         lsd_reference_db: distance(&by_reference),
         lsd_with_residual_db,
         residual_bands,
+        estimator: options.strike.estimator,
+        damping_law: bark::damping_law(heard, recording.rate_hz),
+        emergence_db: bark::emergence_db(&sounding, heard, recording.rate_hz),
+        room: room::estimate(heard, recording.rate_hz),
         seconds: start.elapsed().as_secs_f64(),
     };
-    Ok(Fitted { recording, fit, table, rendering, report })
+    Ok(Fitted { recording, fit, table, rendering, with_residual, sounding, report })
+}
+
+/// The loudest strike's modes as they sound behind its contact, reckoned back to its onset.
+fn sounding(fit: &Fit) -> Vec<DampedSine> {
+    let strike = fit.strikes.get(fit.loudest);
+    let force = strike.map_or(Vec::new(), |strike| {
+        half_sine(strike.contact_time_s, fit.rate_hz).iter().map(|x| x * strike.peak_force / fit.rate_hz).collect()
+    });
+    let position = strike.map_or(0.0, |strike| strike.position)
+        * fit.modes.first().map_or(0, |mode| mode.gains.len().saturating_sub(1)) as f64;
+    let place = if fit.measured { position.round() as usize } else { fit.loudest };
+    let modes = fit.modes.iter().map(|mode| {
+        let [sine, cosine] = mode.gains.get(place).copied().unwrap_or([0.0; 2]);
+        // Σ F[m] e^{(d - jω) t_m}: what the contact does to the mode.
+        let (mut re, mut im) = (0.0, 0.0);
+        for (m, force) in force.iter().enumerate() {
+            let time_s = m as f64 / fit.rate_hz;
+            let (turn_sine, turn_cosine) = (std::f64::consts::TAU * mode.frequency_hz * time_s).sin_cos();
+            let grown = force * (mode.decay_per_s * time_s).exp();
+            re += grown * turn_cosine;
+            im -= grown * turn_sine;
+        }
+        DampedSine {
+            frequency_hz: mode.frequency_hz,
+            decay_per_s: mode.decay_per_s,
+            amplitude: sine.hypot(cosine) * re.hypot(im),
+            phase: (-sine).atan2(cosine) + im.atan2(re),
+        }
+    });
+    modes.collect()
 }

@@ -1,7 +1,7 @@
 //! A table as it sounds: by the instrument that a board runs, and by the reference.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Engine, Skipping};
+use dsp_core::engine::{Engine, Residuals, Skipping};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::fixed::ONE_Q27;
 use kit::{Kit, Pad};
@@ -9,7 +9,7 @@ use kit::{Kit, Pad};
 use crate::FitError;
 
 /// Room for one table of the largest kind.
-type OnePad<'k> = Engine<'k, 1, 5, 8192, 2048, 8192, 4>;
+type OnePad<'k> = Engine<'k, 1, 5, 8192, 2048, 8192, 4, Residuals<1>>;
 
 /// The table bound to one pad, in the middle, at a level of 0 dB for each channel.
 pub fn playable(table: &Kit) -> Kit {

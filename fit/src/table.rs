@@ -1,7 +1,8 @@
 //! A fit as a table: the text that people keep and boards play.
 
-use kit::{Gain, Kit, Mode, Object, Pulse, Striker};
+use kit::{Gain, Kit, Mode, Object, Pulse, Residual, Striker};
 
+use crate::residual::Band;
 use crate::strike::Fit;
 
 /// Cortex-M4 cycles a mode and sample while a contact drives it with gain and phase (README, "How fast"): what a budget is divided by.
@@ -67,6 +68,36 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
     }
 }
 
+/// The table with a residual: bands as [`crate::residual::fit_bands`] gives them for a strike of the table's peak force, neighbours without gaps. Bands
+/// that end above 20 kHz, and those without weight at either end, are left out; without any weight the table stays as it is.
+pub fn with_residual(mut table: Kit, bands: &[Band], seed: u32) -> Kit {
+    let audible: Vec<&Band> = bands.iter().filter(|band| band.edges_hz[1] <= HIGHEST_EDGE_HZ).collect();
+    let sounds = |band: &&&Band| band.weight > 0.0;
+    let first = audible.iter().position(|band| sounds(&band)).unwrap_or(audible.len());
+    let last = audible.iter().rposition(|band| sounds(&band)).map_or(first, |last| last + 1);
+    let kept = audible.get(first..last).unwrap_or(&[]);
+    let peak_force = table.strikers.first().map_or(1.0, |striker| f64::from(striker.peak_force));
+    if let (Some(lowest), Some(object)) = (kept.first(), table.objects.first_mut()) {
+        let edges = std::iter::once(lowest.edges_hz[0]).chain(kept.iter().map(|band| band.edges_hz[1]));
+        // Bands are heard at the reference force, which is 1, and the strike is as strong as its peak.
+        let weight = |band: &&Band| ((band.weight / peak_force) as f32).min(MOST_WEIGHT);
+        let decay = |band: &&Band| (band.decay_db_per_s as f32).clamp(LEAST_DECAY_DB_PER_S, MOST_DECAY_DB_PER_S);
+        object.residual = Some(Residual {
+            seed,
+            edges_hz: edges.map(|edge| edge as f32).collect(),
+            weight: kept.iter().map(weight).collect(),
+            decay_db_per_s: kept.iter().map(decay).collect(),
+        });
+    }
+    table
+}
+
+/// Highest edge of a residual band in a table: any rate of 44.1 kHz and more plays it.
+const HIGHEST_EDGE_HZ: f64 = 20_000.0;
+/// Strongest band, slowest and fastest decay of one that the format knows.
+const MOST_WEIGHT: f32 = 16.0;
+const LEAST_DECAY_DB_PER_S: f32 = 1.0;
+const MOST_DECAY_DB_PER_S: f32 = 20_000.0;
 /// Slowest and fastest decay that the format knows, 1/s.
 const LEAST_DECAY_PER_S: f32 = 0.01;
 const MOST_DECAY_PER_S: f32 = 20_000.0;
@@ -82,4 +113,41 @@ pub fn item_name(wanted: &str, ending: &str) -> String {
     let name: String = wanted.trim().chars().map(plain).take(NAME_LENGTH - ending.len()).collect();
     let name = name.trim();
     format!("{}{ending}", if name.is_empty() { "object" } else { name })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(peak_force: f32) -> Kit {
+        let fit = Fit { rate_hz: 44_100.0, modes: vec![], strikes: vec![], measured: false, loudest: 0 };
+        let provenance = Provenance { name: "mug".to_owned(), source: String::new(), licence: String::new() };
+        let mut table = of_fit(&fit, &provenance);
+        table.strikers[0].peak_force = peak_force;
+        table
+    }
+
+    #[test]
+    fn a_residual_keeps_silent_bands_between_others_and_none_beyond_them() {
+        let edges = [50.0, 100.0, 200.0, 400.0, 800.0, 19_000.0, 21_000.0];
+        let weights = [0.0, 0.02, 0.0, 0.01, 0.0, 0.3];
+        let bands: Vec<Band> = edges
+            .windows(2)
+            .zip(weights)
+            .map(|(edge, weight)| Band { edges_hz: [edge[0], edge[1]], weight, decay_db_per_s: 0.0 })
+            .collect();
+        let table = with_residual(table(0.5), &bands, 7);
+        let residual = table.objects[0].residual.as_ref().expect("some bands sound");
+        assert_eq!(residual.edges_hz, [100.0, 200.0, 400.0, 800.0]);
+        // Half the reference force: a strike of it sounds half as loud as the table says.
+        assert_eq!(residual.weight, [0.04, 0.0, 0.02]);
+        assert_eq!(residual.decay_db_per_s, [1.0; 3]);
+    }
+
+    #[test]
+    fn silent_bands_are_no_residual() {
+        let band = Band { edges_hz: [100.0, 200.0], weight: 0.0, decay_db_per_s: 10.0 };
+        assert!(with_residual(table(1.0), &[band], 7).objects[0].residual.is_none());
+        assert!(with_residual(table(1.0), &[], 7).objects[0].residual.is_none());
+    }
 }

@@ -6,4 +6,5 @@ pub mod demo;
 pub mod events;
 pub mod plot;
 pub mod render;
+pub mod report;
 pub mod wave;

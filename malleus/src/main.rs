@@ -101,6 +101,9 @@ struct FitArguments {
     /// Modes at most
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = parse_modes)]
     modes: usize,
+    /// How modes are found: `modal` all together by maximum likelihood; `bins` one a bin of a spectrogram, for comparison
+    #[arg(long, value_enum, value_name = "NAME", default_value_t = EstimatorName::Modal)]
+    estimator: EstimatorName,
     /// Channel of the measured force, counted from 0
     #[arg(long, value_name = "C")]
     force_channel: Option<usize>,
@@ -113,6 +116,9 @@ struct FitArguments {
     /// Write the instrument's rendering of the loudest strike, aligned to the recording
     #[arg(long, value_name = "OUT.wav")]
     render: Option<PathBuf>,
+    /// Write a self-contained page of sound, pictures and figures for each recording into this folder, and an index of all pages in it
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
     /// Licence of the recordings, kept in the tables
     #[arg(long, value_name = "TEXT", default_value = "")]
     licence: String,
@@ -122,6 +128,13 @@ struct FitArguments {
     /// Print a machine-readable report on stdout (docs/json.md)
     #[arg(long)]
     json: bool,
+}
+
+/// Names of the estimators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum EstimatorName {
+    Modal,
+    Bins,
 }
 
 #[derive(Debug, Subcommand)]

@@ -26,20 +26,27 @@ pub fn lsd_window(recording: &[f64], rate_hz: f64) -> std::ops::Range<usize> {
 pub fn log_spectral_distance_db(recording: &[f64], rendering: &[f64]) -> f64 {
     let (recording, rendering) = (of_unit_rms(recording), of_unit_rms(rendering));
     let distances = SIZES.map(|size| {
-        let spectrogram = Spectrogram::new(size);
-        let (wanted, given) = (spectrogram.power(&recording), spectrogram.power(&rendering));
-        let floor = wanted.iter().copied().fold(f64::MIN_POSITIVE, f64::max) * FLOOR;
-        let bins = spectrogram.bin_count();
-        let frames = wanted.chunks_exact(bins).zip(given.chunks_exact(bins)).map(|(wanted, given)| {
-            let squares = wanted
-                .iter()
-                .zip(given)
-                .map(|(wanted, given)| (10.0 * (wanted.max(floor) / given.max(floor)).log10()).powi(2));
-            (squares.sum::<f64>() / bins as f64).sqrt()
-        });
-        frames.sum::<f64>() / (wanted.len() / bins).max(1) as f64
+        let frames = frame_distances_db(&recording, &rendering, size);
+        frames.iter().sum::<f64>() / frames.len().max(1) as f64
     });
     distances.iter().sum::<f64>() / distances.len() as f64
+}
+
+/// The frames of the distance: rms over bins of the difference of two dB spectra, both floored 60 dB below the recording's maximum, for each Hann
+/// window of `size` samples, hop a quarter. Levels are compared as they are.
+pub fn frame_distances_db(recording: &[f64], rendering: &[f64], size: usize) -> Vec<f64> {
+    let spectrogram = Spectrogram::new(size);
+    let (wanted, given) = (spectrogram.power(recording), spectrogram.power(rendering));
+    let floor = wanted.iter().copied().fold(f64::MIN_POSITIVE, f64::max) * FLOOR;
+    let bins = spectrogram.bin_count();
+    let frames = wanted.chunks_exact(bins).zip(given.chunks_exact(bins)).map(|(wanted, given)| {
+        let squares = wanted
+            .iter()
+            .zip(given)
+            .map(|(wanted, given)| (10.0 * (wanted.max(floor) / given.max(floor)).log10()).powi(2));
+        (squares.sum::<f64>() / bins as f64).sqrt()
+    });
+    frames.collect()
 }
 
 /// The sound at unit rms; silence stays.

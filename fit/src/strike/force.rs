@@ -18,6 +18,8 @@ const LONGEST_S: f64 = 0.3;
 /// Sound and force of a hit are multiplied by its energy to minus this: 0 leaves hits as recorded, 0.5 makes them alike. Chosen by how the first four hits
 /// of the two hammer recordings predict the rest: docs/fit.md says how far that is evidence.
 const SOFTNESS: f64 = 0.125;
+/// A mode refined to a decay so many times the fastest that is searched for is none any more.
+const STRAYED: f64 = 4.0;
 /// Samples by which a prediction may be early or late.
 const DELAYS: i64 = 4;
 /// Largest delay between force and microphone, in seconds (1 m).
@@ -188,6 +190,17 @@ pub fn share_poles(hits: &[MeasuredHit], rate_hz: f64, settings: Settings) -> Re
     let groups: Vec<Group<'_>> = scaled.iter().map(|hit| Group { stretches: vec![hit.stretch()] }).collect();
     let ending = Ending { steps: 20, ..Ending::COARSE };
     let model = refine(&groups, &poles, ending).ok_or_else(none)?;
+    // What has strayed below the high-pass, or decays faster than a mode does, explains the pass's skirt and sounds like a thud.
+    let is_mode = |pole: &Pole| {
+        pole.frequency_hz(rate_hz) > 0.5 * HIGH_PASS_HZ
+            && pole.decay_per_s(rate_hz) < STRAYED * settings.modes.fastest_decay_per_s
+    };
+    let modes: Vec<Pole> = model.poles.iter().copied().filter(is_mode).collect();
+    let model = if modes.len() < model.poles.len() && !modes.is_empty() {
+        refine(&groups, &modes, Ending { steps: 0, ..Ending::COARSE }).ok_or_else(none)?
+    } else {
+        model
+    };
     let residual_db = groups.iter().enumerate().map(|(index, group)| {
         let left: f64 = model.residual(index, &group.stretches[0]).iter().map(|x| x * x).sum();
         10.0 * left.log10()

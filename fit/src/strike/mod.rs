@@ -9,13 +9,27 @@ pub use high_pass::high_pass;
 pub use sound::fit_sound;
 
 use nalgebra::Complex;
+use serde::Serialize;
 
 use crate::modes::{Gains, Settings as ModeSettings};
 use crate::segment::Hit;
 
+/// Which estimator finds the modes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Estimator {
+    /// Maximum likelihood over all damped sines together ([`crate::modes`]).
+    #[default]
+    Modal,
+    /// One mode a bin of a spectrogram (physics-diffusion §3.1, [`crate::bins`]), of the loudest strike alone.
+    Bins,
+}
+
 /// How to fit.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
+    /// The estimator.
+    pub estimator: Estimator,
     /// The modal estimator's settings.
     pub modes: ModeSettings,
     /// Whether a descent on the log-spectral distance follows the maximum-likelihood estimate.
@@ -24,7 +38,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { modes: ModeSettings::default(), polish: true }
+        Self { estimator: Estimator::Modal, modes: ModeSettings::default(), polish: true }
     }
 }
 

@@ -1,10 +1,13 @@
 //! Strikes without a measured force.
 
-use super::{Fit, Mode, Settings, Strike, table_acceleration, table_gain};
+use nalgebra::Complex;
+
+use super::{Estimator, Fit, Mode, Settings, Strike, table_acceleration, table_gain};
 use crate::FitError;
+use crate::bins;
 use crate::contact::{contact_time_s, half_sine};
 use crate::distance::{log_spectral_distance_db, lsd_window};
-use crate::modes::{Ending, Group, Model, Stretch, estimate_poles, polish, refine};
+use crate::modes::{Ending, Gains, Group, Model, Pole, Stretch, estimate_poles, polish, refine};
 use crate::segment::Hit;
 
 /// What counts as the contact where the sound does not tell: half a millisecond.
@@ -28,6 +31,14 @@ pub fn fit_sound(samples: &[f64], rate_hz: f64, hits: &[Hit], settings: Settings
     let contacts_s: Vec<f64> =
         heard.iter().map(|sound| contact_time_s(sound, rate_hz).unwrap_or(USUAL_CONTACT_S)).collect();
     let forces: Vec<Vec<f64>> = contacts_s.iter().map(|&time_s| half_sine(time_s, rate_hz)).collect();
+    if settings.estimator == Estimator::Bins {
+        let (Some(hit), Some(sound), Some(contact_s)) =
+            (hits.get(loudest), heard.get(loudest), contacts_s.get(loudest))
+        else {
+            return Err(FitError::NoModes { at_s });
+        };
+        return of_bins(sound, rate_hz, hit, *contact_s, settings).ok_or(FitError::NoModes { at_s });
+    }
     let behind = forces.get(loudest).map_or(0, Vec::len);
     let ringing = heard.get(loudest).and_then(|sound| sound.get(behind..)).unwrap_or(&[]);
     let poles = estimate_poles(ringing, rate_hz, settings.modes);
@@ -53,6 +64,33 @@ pub fn fit_sound(samples: &[f64], rate_hz: f64, hits: &[Hit], settings: Settings
 fn heard<'a>(samples: &'a [f64], hit: &Hit, rate_hz: f64) -> &'a [f64] {
     let end = hit.end.min(hit.onset + (LONGEST_S * rate_hz) as usize).min(samples.len());
     samples.get(hit.onset..end).unwrap_or(&[])
+}
+
+/// A bin's mode rings as it was heard when its gain is divided by what the contact's spectrum does to it; a half-sine has zeros, so no gain grows by
+/// more than this (30 dB).
+const LEAST_CONTACT: f64 = 0.0316;
+
+/// The strongest of one mode a bin, as the response to a half-sine of the contact time.
+fn of_bins(sound: &[f64], rate_hz: f64, hit: &Hit, contact_time_s: f64, settings: Settings) -> Option<Fit> {
+    let sines = bins::strongest(bins::estimate(sound, rate_hz), settings.modes.most_modes);
+    if sines.is_empty() {
+        return None;
+    }
+    let force = half_sine(contact_time_s, rate_hz);
+    let force = &force[..force.len().min(sound.len())];
+    let whole: f64 = force.iter().sum();
+    let poles: Vec<Pole> = sines.iter().map(|sine| Pole::new(sine.frequency_hz, sine.decay_per_s, rate_hz)).collect();
+    let gains = sines.iter().zip(&poles).map(|(sine, pole)| {
+        let contact: Complex<f64> = force.iter().enumerate().map(|(m, x)| pole.power(-(m as f64)) * *x).sum();
+        let least = LEAST_CONTACT * whole;
+        let contact = if contact.norm() < least { Complex::from_polar(least, contact.arg()) } else { contact };
+        Complex::from_polar(sine.amplitude, sine.phase) / contact
+    });
+    let gains = Gains { modes: gains.collect(), force: 0.0 };
+    let worth = vec![0.0; poles.len()];
+    let model = Model { poles, gains: vec![gains], worth };
+    let groups = [Group { stretches: vec![Stretch { samples: sound, force: Some(force) }] }];
+    Some(described(&model, &groups, &[*hit], &[contact_time_s], 0, rate_hz))
 }
 
 /// Polishes the loudest strike; the gains of the others are then solved for anew.

@@ -6,18 +6,23 @@ use std::sync::Mutex;
 
 use ::fit::FitError;
 use ::fit::recording::{Fitted, Options, Report, fit_file};
+use ::fit::strike::Estimator;
+use malleus::report;
 use malleus::wave::write_mono;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::fit_names as names;
 use super::{CommandError, print, print_json, progress};
-use crate::FitArguments;
+use crate::{EstimatorName, FitArguments};
 
 /// What became of one input.
 #[derive(Debug, Serialize)]
 struct Row {
     input: PathBuf,
     table: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    page: Option<PathBuf>,
     #[serde(flatten)]
     outcome: Outcome,
 }
@@ -44,12 +49,16 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
     if !one_file {
         fs::create_dir_all(&arguments.output)?;
     }
-    let jobs: Vec<(PathBuf, PathBuf)> = arguments
-        .input
-        .iter()
-        .map(|input| {
-            let file = format!("{}.toml", input.file_stem().unwrap_or_default().to_string_lossy());
-            (input.clone(), if one_file { arguments.output.clone() } else { arguments.output.join(file) })
+    if let Some(folder) = &arguments.report {
+        fs::create_dir_all(folder)?;
+    }
+    let jobs: Vec<Job> = names::of_inputs(&arguments.input)
+        .into_iter()
+        .map(|(input, name)| Job {
+            table: if one_file { arguments.output.clone() } else { arguments.output.join(format!("{name}.toml")) },
+            page: arguments.report.as_ref().map(|folder| folder.join(format!("{name}.html"))),
+            input,
+            name,
         })
         .collect();
     let bar = progress(jobs.len() as u64, "fitting");
@@ -60,18 +69,21 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
     let said = Mutex::new(());
     let rows: Vec<Row> = workers.install(|| {
         jobs.par_iter()
-            .map(|(input, table)| {
-                let outcome = fit_one(arguments, input, table);
+            .map(|job| {
+                let outcome = fit_one(arguments, job);
                 bar.inc(1);
                 if let Outcome::Failed { error } = &outcome {
                     let _one_at_a_time = said.lock();
                     bar.suspend(|| eprintln!("malleus: {error}"));
                 }
-                Row { input: input.clone(), table: table.clone(), outcome }
+                Row { input: job.input.clone(), table: job.table.clone(), page: job.page.clone(), outcome }
             })
             .collect()
     });
     bar.finish_and_clear();
+    if let Some(folder) = &arguments.report {
+        report::write_index(folder, &failures(&rows))?;
+    }
     if arguments.json {
         print_json(&rows)?;
     } else {
@@ -84,18 +96,27 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
     Ok(())
 }
 
-fn fit_one(arguments: &FitArguments, input: &Path, table: &Path) -> Outcome {
-    let wanted = [Some(table), arguments.render.as_deref()];
-    if !arguments.redo && wanted.iter().flatten().all(|path| is_newer(path, input)) {
+/// One recording and where its results go.
+struct Job {
+    input: PathBuf,
+    name: String,
+    table: PathBuf,
+    page: Option<PathBuf>,
+}
+
+fn fit_one(arguments: &FitArguments, job: &Job) -> Outcome {
+    let wanted = [Some(job.table.as_path()), arguments.render.as_deref(), job.page.as_deref()];
+    if !arguments.redo && wanted.iter().flatten().all(|path| is_newer(path, &job.input)) {
         return Outcome::Skipped;
     }
-    match fit_and_write(arguments, input, table) {
+    match fit_and_write(arguments, job) {
         Ok(report) => Outcome::Fitted { report: Box::new(report) },
         Err(error) => Outcome::Failed { error },
     }
 }
 
-fn fit_and_write(arguments: &FitArguments, input: &Path, table: &Path) -> Result<Report, String> {
+fn fit_and_write(arguments: &FitArguments, job: &Job) -> Result<Report, String> {
+    let Job { input, name, table, page } = job;
     let in_file = |error: FitError| match error {
         // These name the file themselves.
         FitError::Read { .. }
@@ -113,7 +134,21 @@ fn fit_and_write(arguments: &FitArguments, input: &Path, table: &Path) -> Result
     if let Some(path) = &arguments.render {
         write_mono(path, fitted.report.rate_hz, &aligned(&fitted)).map_err(|error| error.to_string())?;
     }
+    if let Some(path) = page {
+        report::write_page(path, name, table, &fitted).map_err(|error| error.to_string())?;
+    }
     Ok(fitted.report)
+}
+
+/// What could not be fitted, and why.
+fn failures(rows: &[Row]) -> Vec<(String, String)> {
+    let failure = |row: &Row| match &row.outcome {
+        Outcome::Failed { error } => {
+            Some((row.input.file_name().unwrap_or_default().to_string_lossy().into_owned(), error.clone()))
+        }
+        Outcome::Fitted { .. } | Outcome::Skipped => None,
+    };
+    rows.iter().filter_map(failure).collect()
 }
 
 fn options(arguments: &FitArguments) -> Options {
@@ -124,6 +159,10 @@ fn options(arguments: &FitArguments) -> Options {
         ..Options::default()
     };
     let within = arguments.budget.map_or(usize::MAX, ::fit::table::modes_within);
+    options.strike.estimator = match arguments.estimator {
+        EstimatorName::Modal => Estimator::Modal,
+        EstimatorName::Bins => Estimator::Bins,
+    };
     options.strike.modes.most_modes = arguments.modes.min(within);
     options
 }
@@ -132,7 +171,7 @@ fn options(arguments: &FitArguments) -> Options {
 fn aligned(fitted: &Fitted) -> Vec<f64> {
     let onset = fitted.fit.strikes.get(fitted.fit.loudest).map_or(0, |strike| strike.hit.onset);
     let mut sound = vec![0.0; onset];
-    sound.extend_from_slice(&fitted.rendering);
+    sound.extend_from_slice(&fitted.with_residual);
     sound
 }
 

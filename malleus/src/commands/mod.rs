@@ -3,6 +3,7 @@
 pub(crate) mod board;
 pub(crate) mod demo;
 pub(crate) mod fit;
+mod fit_names;
 pub(crate) mod kit;
 pub(crate) mod play;
 
@@ -30,6 +31,8 @@ pub(crate) enum CommandError {
     File(#[from] ::kit::file::FileError),
     #[error(transparent)]
     Plot(#[from] PlotError),
+    #[error(transparent)]
+    Report(#[from] malleus::report::ReportError),
     #[error("{kit}: {error}")]
     Render { kit: String, error: RenderError },
     #[error("{kit}: the reference refuses: {error}")]

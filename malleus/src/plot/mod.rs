@@ -12,9 +12,11 @@ mod performance;
 mod run_time;
 mod scale;
 mod spectrogram;
+mod spectrogram_image;
 mod text;
 
 pub use error::PlotError;
 pub use kit_picture::{KitPicture, ObjectPicture, kit};
 pub use performance::{Performance, StrikeMark, TickRow, performance};
 pub use run_time::{KernelMark, RunTimePicture, run_time};
+pub use spectrogram_image::{SPECTROGRAM_HZ, SPECTROGRAM_RANGE_DB, spectrogram_pngs};

@@ -1,0 +1,134 @@
+//! Bands of a sound as analytic signals, cut out of its spectrum.
+
+use std::f64::consts::TAU;
+
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex;
+
+use super::scale::{bark, width_hz};
+
+/// Standard deviation of a Gaussian response in Bark: neighbours cross at -4.3 dB, and all responses together are constant within 1.5 %.
+pub(crate) const SPREAD_BARK: f64 = 0.5;
+/// So many standard deviations from its middle a response has ended (-87 dB).
+const REACH: f64 = 4.5;
+
+/// Response of a band of the bank at a frequency, in an arbitrary scale of frequency: `exp(-(x - middle)²/2 spread²)`.
+pub(crate) fn gaussian(x: f64, middle: f64, spread: f64) -> f64 {
+    (-0.5 * ((x - middle) / spread).powi(2)).exp()
+}
+
+/// A Gaussian band of a sound: its analytic signal's power over time.
+#[derive(Clone, Debug)]
+pub(crate) struct Subband {
+    /// Squared envelope, from the sound's first sample on: A² for a sine of amplitude A in the middle of the band.
+    pub(crate) power: Vec<f64>,
+    /// Rate of `power` in Hz.
+    pub(crate) rate_hz: f64,
+    /// Standard deviation of the band's response in time, seconds: what is nearer to an end of the sound is smeared.
+    pub(crate) smear_s: f64,
+}
+
+impl Subband {
+    /// How many independent values a second of noise has in the band: `√(2π)` standard deviations of its response in Hz.
+    pub(crate) fn independent_per_s(&self) -> f64 {
+        TAU.sqrt() / (TAU * self.smear_s)
+    }
+}
+
+/// A sound's spectrum, from which bands are cut.
+pub(crate) struct Spectrum {
+    bins: Vec<Complex<f64>>,
+    bin_hz: f64,
+    size: usize,
+    length_s: f64,
+}
+
+impl Spectrum {
+    /// Of a sound with at least 50 ms of silence behind it, so that its end does not run into its beginning. `None` without samples.
+    pub(crate) fn of(samples: &[f64], rate_hz: f64) -> Option<Self> {
+        if samples.is_empty() {
+            return None;
+        }
+        let size = (samples.len() + (0.05 * rate_hz) as usize).next_power_of_two().max(1024);
+        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(size);
+        let mut input = transform.make_input_vec();
+        for (slot, x) in input.iter_mut().zip(samples) {
+            *slot = *x;
+        }
+        let mut bins = transform.make_output_vec();
+        transform.process(&mut input, &mut bins).ok()?;
+        Some(Self { bins, bin_hz: rate_hz / size as f64, size, length_s: samples.len() as f64 / rate_hz })
+    }
+
+    /// `|X|²` of each bin, in units of the sum over samples.
+    pub(crate) fn power(&self) -> impl Iterator<Item = f64> + '_ {
+        self.bins.iter().map(Complex::norm_sqr)
+    }
+
+    /// Distance of bins in Hz.
+    pub(crate) fn bin_hz(&self) -> f64 {
+        self.bin_hz
+    }
+
+    /// The band round a whole number of Bark.
+    pub(crate) fn bark_band(&self, rate: f64, centre_hz: f64) -> Option<Subband> {
+        let smear_s = (TAU * SPREAD_BARK * width_hz(centre_hz)).recip();
+        self.band(|f| gaussian(bark(f), rate, SPREAD_BARK), smear_s)
+    }
+
+    /// The band of a response that is one hump: its analytic signal at no higher a rate than its width asks for.
+    pub(crate) fn band(&self, response: impl Fn(f64) -> f64, smear_s: f64) -> Option<Subband> {
+        let least = gaussian(REACH, 0.0, 1.0);
+        let weights: Vec<f64> = (0..self.bins.len()).map(|bin| response(bin as f64 * self.bin_hz)).collect();
+        let first = weights.iter().position(|weight| *weight > least)?;
+        let last = weights.iter().rposition(|weight| *weight > least)?;
+        // A real transform of twice the band's width gives the analytic signal's real part, shifted down in frequency; turned by a quarter, its
+        // imaginary part. The first bin has to be real, so the band begins at the second.
+        let size = (2 * (last - first + 3)).next_power_of_two().max(64);
+        let transform = RealFftPlanner::<f64>::new().plan_fft_inverse(size);
+        let part = |turn: Complex<f64>| {
+            let mut input = transform.make_input_vec();
+            let cut = self.bins.get(first..=last).unwrap_or(&[]);
+            for ((slot, bin), weight) in input.iter_mut().skip(1).zip(cut).zip(weights.iter().skip(first)) {
+                *slot = bin * turn * *weight;
+            }
+            let mut output = transform.make_output_vec();
+            transform.process(&mut input, &mut output).ok().map(|()| output)
+        };
+        let (real, imaginary) = (part(Complex::new(1.0, 0.0))?, part(Complex::new(0.0, -1.0))?);
+        // A real sine has half its amplitude on each side of the spectrum; the inverse of a real transform takes both sides.
+        let scale = (self.size as f64).recip().powi(2);
+        let rate_hz = self.bin_hz * size as f64;
+        let heard = (self.length_s * rate_hz) as usize;
+        let power = real.iter().zip(&imaginary).take(heard).map(|(re, im)| (re * re + im * im) * scale);
+        Some(Subband { power: power.collect(), rate_hz, smear_s })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::scale::frequency_hz;
+    use super::*;
+
+    #[test]
+    fn a_sine_in_the_middle_of_a_band_has_its_amplitude_as_envelope() {
+        let rate_hz = 44_100.0;
+        for rate in [2.0, 9.0, 17.0, 22.0] {
+            let centre_hz = frequency_hz(rate);
+            let sound: Vec<f64> = (0..44_100).map(|n| 0.3 * (TAU * centre_hz * f64::from(n) / rate_hz).sin()).collect();
+            let band = Spectrum::of(&sound, rate_hz)
+                .and_then(|spectrum| spectrum.bark_band(rate, centre_hz))
+                .expect("there is sound");
+            let middle = band.power[band.power.len() / 2].sqrt();
+            assert!((middle / 0.3 - 1.0).abs() < 1e-3, "{rate} Bark: {middle}");
+        }
+    }
+
+    #[test]
+    fn all_responses_together_are_constant_within_1_5_percent() {
+        let sum = |f: f64| -> f64 { (-3..30).map(|rate| gaussian(bark(f), f64::from(rate), SPREAD_BARK)).sum() };
+        let sums: Vec<f64> = (1..2000).map(|step| sum(f64::from(step) * 10.0)).collect();
+        let (least, most) = sums.iter().fold((f64::MAX, 0.0_f64), |(least, most), x| (least.min(*x), most.max(*x)));
+        assert!(most / least < 1.03, "{least} to {most}");
+    }
+}

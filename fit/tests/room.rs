@@ -1,0 +1,128 @@
+//! Rooms whose bands are known, and recordings without any.
+
+use fit::modes::DampedSine;
+use fit::residual::{Band, render};
+use fit::room::estimate;
+use fit::synthetic::of_these;
+
+const RATE_HZ: f64 = 44_100.0;
+const OCTAVES_HZ: [f64; 7] = [125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0];
+
+/// A thing of `count` modes between 110 Hz and 10 kHz with T60s of about `t60_s`, without noise.
+fn thing(seed: u64, count: u64, t60_s: f64) -> Vec<f64> {
+    let share = |k: u64, salt: u64| ((seed * 7919 + k * 104_729 + salt * 15_485_863) % 1009) as f64 / 1009.0;
+    let modes: Vec<DampedSine> = (0..count)
+        .map(|k| DampedSine {
+            frequency_hz: 110.0 * (10_000f64 / 110.0).powf((k as f64 + 0.8 * share(k, 1)) / count as f64),
+            decay_per_s: 1000f64.ln() / (t60_s * 4f64.powf(share(k, 2) - 0.5)),
+            amplitude: 0.3 + share(k, 3),
+            phase: std::f64::consts::TAU * share(k, 4),
+        })
+        .collect();
+    of_these(modes, 66_150, seed, -180.0).samples
+}
+
+/// T60 of the room in an octave, by its index.
+fn t60_s(octave: usize, longest_s: f64) -> f64 {
+    longest_s * 0.9f64.powi(octave as i32)
+}
+
+/// The room's response, noise that dies away octave by octave, and its gain in each: energy over that of the direct sound, dB.
+fn response(seed: u64, longest_s: f64, rms: f64) -> (Vec<f64>, Vec<f64>) {
+    let bands: Vec<Band> = OCTAVES_HZ
+        .iter()
+        .enumerate()
+        .map(|(octave, centre_hz)| {
+            let edges_hz = [centre_hz / 2f64.sqrt(), (centre_hz * 2f64.sqrt()).min(0.499 * RATE_HZ)];
+            Band {
+                edges_hz,
+                weight: rms * (edges_hz[1] - edges_hz[0]).sqrt(),
+                decay_db_per_s: 60.0 / t60_s(octave, longest_s),
+            }
+        })
+        .collect();
+    let gains = bands.iter().map(|band| {
+        let energy = band.weight.powi(2) * RATE_HZ * 10.0 / (10f64.ln() * 2.0 * band.decay_db_per_s / 2.0);
+        let direct = (band.edges_hz[1] - band.edges_hz[0]) / (0.5 * RATE_HZ);
+        10.0 * (energy / direct).log10()
+    });
+    let gains = gains.collect();
+    (render(&bands, (longest_s * RATE_HZ) as usize, RATE_HZ, seed), gains)
+}
+
+/// `dry + dry ⊗ response + noise`.
+fn in_room(dry: &[f64], response: &[f64], noise_dbfs: f64) -> Vec<f64> {
+    let mut sound = of_these(Vec::new(), dry.len() + response.len(), 77, noise_dbfs).samples;
+    for (n, x) in dry.iter().enumerate() {
+        sound[n] += x;
+        // What is 100 dB down adds nothing.
+        if x.abs() > 1e-5 {
+            for (slot, h) in sound[n..].iter_mut().zip(response) {
+                *slot += x * h;
+            }
+        }
+    }
+    sound
+}
+
+#[test]
+fn the_t60_and_the_gain_of_a_room_s_bands_are_recovered() {
+    let (mut t60_errors, mut gain_errors) = (Vec::new(), Vec::new());
+    for (seed, longest_s, rms) in [(1, 1.6, 2e-5), (2, 0.9, 3e-5), (3, 1.2, 5e-5), (4, 2.0, 4e-5)] {
+        let (response, gains) = response(seed, longest_s, rms);
+        let sound = in_room(&thing(seed, 40, 0.08), &response, -75.0);
+        let room = estimate(&sound, RATE_HZ).expect("a room is heard");
+        println!("room of {longest_s} s: {} bands, {:.2} s, {:.1} dB", room.bands.len(), room.t60_s, room.gain_db);
+        assert!(room.bands.len() >= 5, "{room:?}");
+        for band in &room.bands {
+            let centre_hz = (band.edges_hz[0] * band.edges_hz[1]).sqrt();
+            let octave = OCTAVES_HZ.iter().position(|f| (f / centre_hz - 1.0).abs() < 0.01).expect("an octave");
+            let error = band.t60_s / t60_s(octave, longest_s) - 1.0;
+            let gain = band.gain_db - gains[octave];
+            println!(
+                "  {centre_hz:.0} Hz: T60 {:.2} s ({:+.0} %), gain {:.1} dB ({gain:+.1})",
+                band.t60_s,
+                100.0 * error,
+                band.gain_db
+            );
+            t60_errors.push(error.abs());
+            gain_errors.push(gain.abs());
+        }
+    }
+    let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
+    let most = |errors: &[f64]| errors.iter().copied().fold(0.0, f64::max);
+    println!(
+        "T60: mean error {:.1} %, worst {:.1} %; gain: mean {:.1} dB, worst {:.1} dB",
+        100.0 * mean(&t60_errors),
+        100.0 * most(&t60_errors),
+        mean(&gain_errors),
+        most(&gain_errors)
+    );
+    assert!(mean(&t60_errors) < 0.10 && most(&t60_errors) < 0.25);
+    assert!(mean(&gain_errors) < 3.0 && most(&gain_errors) < 6.0);
+}
+
+#[test]
+fn a_dry_recording_has_no_room() {
+    for seed in 1..=4 {
+        for (count, t60_s) in [(12, 0.1), (25, 0.3), (40, 0.8)] {
+            let dry = in_room(&thing(seed, count, t60_s), &[0.0], -75.0);
+            let room = estimate(&dry, RATE_HZ);
+            assert!(room.is_none(), "seed {seed}, {count} modes of {t60_s} s: {room:?}");
+        }
+    }
+}
+
+#[test]
+fn a_thing_that_rings_longer_than_its_room_hides_it() {
+    let (response, _) = response(5, 0.3, 3e-5);
+    let sound = in_room(&thing(5, 25, 2.0), &response, -75.0);
+    assert!(estimate(&sound, RATE_HZ).is_none());
+}
+
+#[test]
+fn silence_and_short_sounds_have_no_room() {
+    assert!(estimate(&[], RATE_HZ).is_none());
+    assert!(estimate(&[0.0; 3000], RATE_HZ).is_none());
+    assert!(estimate(&thing(1, 5, 0.05)[..700], RATE_HZ).is_none());
+}

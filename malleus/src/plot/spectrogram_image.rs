@@ -1,0 +1,85 @@
+//! Spectrograms as bare pictures, for pages that draw their own axes.
+
+use std::path::Path;
+
+use super::colour::{LANE, MAGMA};
+use super::error::PlotError;
+use super::spectrogram::{FLOOR_DB, HIGHEST_HZ, LOWEST_HZ, Spectrogram};
+
+/// Lowest and highest frequency of a bare spectrogram in Hz, at its lower and upper edge, in between in equal ratios.
+pub const SPECTROGRAM_HZ: (f64, f64) = (LOWEST_HZ, HIGHEST_HZ);
+/// Levels that a bare spectrogram shows, from its loudest place down, dB.
+pub const SPECTROGRAM_RANGE_DB: f32 = 80.0;
+
+/// Spectrograms of sounds as PNG, `columns` by `rows` pixels: time to the right, the whole sound; frequency upwards, [`SPECTROGRAM_HZ`]. One scale of
+/// levels for all: the loudest place of the first sound is the brightest, [`SPECTROGRAM_RANGE_DB`] below it is black.
+///
+/// # Errors
+/// [`PlotError`], naming `path`, the page that they are for; for a picture of no pixels.
+pub fn spectrogram_pngs(
+    path: &Path,
+    sounds: &[&[f32]],
+    rate_hz: f64,
+    columns: u32,
+    rows: u32,
+) -> Result<Vec<Vec<u8>>, PlotError> {
+    let (width, height) = (columns as usize, rows as usize);
+    let pictures: Vec<Spectrogram> =
+        sounds.iter().map(|sound| Spectrogram::of(&[sound], rate_hz, width, height)).collect();
+    let places = || (0..width).flat_map(|column| (0..height).map(move |row| (column, row)));
+    let loudest_db = pictures
+        .first()
+        .map_or(0.0, |first| places().filter_map(|(column, row)| first.level_db(column, row)).fold(FLOOR_DB, f32::max));
+    let encoded = pictures.iter().map(|picture| {
+        let mut rgb = Vec::with_capacity(width * height * 3);
+        for row in (0..height).rev() {
+            for column in 0..width {
+                let colour = picture
+                    .level_db(column, row)
+                    .map_or(LANE, |level| MAGMA.colour(1.0 - (loudest_db - level) / SPECTROGRAM_RANGE_DB));
+                rgb.extend([colour.red, colour.green, colour.blue]);
+            }
+        }
+        encode(&rgb, columns, rows).map_err(|cause| PlotError::Encoding { path: path.to_owned(), cause })
+    });
+    encoded.collect()
+}
+
+fn encode(rgb: &[u8], columns: u32, rows: u32) -> Result<Vec<u8>, png::EncodingError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, columns, rows);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(rgb)?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sine_is_a_bright_line_at_its_frequency_and_a_quieter_sound_is_darker() {
+        let sine = |amplitude: f64| -> Vec<f32> {
+            (0..24_000)
+                .map(|n| (amplitude * (std::f64::consts::TAU * 1000.0 * f64::from(n) / 48_000.0).sin()) as f32)
+                .collect()
+        };
+        let (loud, quiet) = (sine(0.5), sine(0.005));
+        let pngs = spectrogram_pngs(Path::new("page.html"), &[&loud, &quiet], 48_000.0, 40, 100).expect("encoded");
+        let brightest = |png: &[u8]| {
+            let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().expect("a PNG");
+            let mut rgb = vec![0; 40 * 100 * 3];
+            reader.next_frame(&mut rgb).expect("pixels");
+            let light = |row: usize| rgb[(row * 40 + 20) * 3..][..3].iter().map(|x| u32::from(*x)).sum::<u32>();
+            (0..100).map(|row| (light(row), row)).max().expect("rows")
+        };
+        let ((loud, row), (quiet, _)) = (brightest(&pngs[0]), brightest(&pngs[1]));
+        let expected = 100.0 * (1.0 - (1000.0 / LOWEST_HZ).ln() / (HIGHEST_HZ / LOWEST_HZ).ln());
+        assert!((row as f64 - expected).abs() < 4.0, "row {row}, expected {expected}");
+        assert!(loud > quiet + 150, "{loud} {quiet}");
+    }
+}

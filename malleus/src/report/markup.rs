@@ -1,0 +1,49 @@
+//! Text, sounds and pictures as parts of a page.
+
+use std::io::Cursor;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+/// Text in which nothing is taken for markup.
+pub(super) fn escaped(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\'' => safe.push_str("&#39;"),
+            other => safe.push(other),
+        }
+    }
+    safe
+}
+
+/// Bytes as an address that holds them.
+pub(super) fn data_uri(kind: &str, bytes: &[u8]) -> String {
+    format!("data:{kind};base64,{}", STANDARD.encode(bytes))
+}
+
+/// A mono sound, full scale 1, as a 16-bit WAV file in an address; what exceeds full scale is clipped.
+pub(super) fn sound_uri(samples: &[f32], rate_hz: f64) -> Result<String, hound::Error> {
+    let spec = hound::WavSpec {
+        channels: 1,
+        sample_rate: rate_hz.round() as u32,
+        bits_per_sample: 16,
+        sample_format: hound::SampleFormat::Int,
+    };
+    let mut bytes = Cursor::new(Vec::new());
+    let mut writer = hound::WavWriter::new(&mut bytes, spec)?;
+    for sample in samples {
+        writer.write_sample((sample.clamp(-1.0, 1.0) * 32_767.0).round() as i16)?;
+    }
+    writer.finalize()?;
+    Ok(data_uri("audio/wav", bytes.get_ref()))
+}
+
+/// JSON inside a script element: `<` cannot end it.
+pub(super) fn json_in_script(json: &str) -> String {
+    json.replace('<', "\\u003c")
+}

@@ -1,0 +1,121 @@
+//! What of a fit a page shows: the strike's stretch, sounds at one level, spectra.
+
+use fit::distance::{frame_distances_db, lsd_window};
+use fit::recording::Fitted;
+use realfft::RealFftPlanner;
+
+/// Longest sound in a page, seconds.
+const LONGEST_S: f64 = 20.0;
+/// Pictures end when the recording has died away by this for good, as a power ratio: 60 dB.
+const DIED_AWAY: f64 = 1e-6;
+/// Shortest picture, seconds.
+const SHORTEST_S: f64 = 0.3;
+/// Peak of the recording in a page.
+const PEAK: f64 = 0.9;
+/// Window of the error over time, samples.
+const WINDOW: usize = 2048;
+
+/// The loudest strike, heard and rendered, from its onset.
+pub(super) struct View<'a> {
+    pub(super) fitted: &'a Fitted,
+    pub(super) rate_hz: f64,
+    /// The recording.
+    pub(super) heard: &'a [f64],
+    /// The instrument's rendering, as long.
+    pub(super) modes: &'a [f64],
+    /// The same with the residual's noise.
+    pub(super) with_residual: &'a [f64],
+    /// Samples that the pictures show.
+    pub(super) shown: usize,
+}
+
+impl<'a> View<'a> {
+    pub(super) fn of(fitted: &'a Fitted) -> Self {
+        let rate_hz = fitted.report.rate_hz;
+        let hit = fitted.fit.strikes.get(fitted.fit.loudest).map_or(0..0, |strike| strike.hit.onset..strike.hit.end);
+        let heard = fitted.recording.samples.get(hit).unwrap_or(&[]);
+        let length =
+            heard.len().min(fitted.rendering.len()).min(fitted.with_residual.len()).min((LONGEST_S * rate_hz) as usize);
+        let heard = &heard[..length];
+        let frame = ((0.02 * rate_hz) as usize).max(1);
+        let power: Vec<f64> = heard.chunks(frame).map(|frame| frame.iter().map(|x| x * x).sum()).collect();
+        let loudest = power.iter().copied().fold(0.0, f64::max);
+        let last = power.iter().rposition(|power| *power > loudest * DIED_AWAY).map_or(0, |last| (last + 1) * frame);
+        let shown = (last + last / 20).max((SHORTEST_S * rate_hz) as usize).min(length);
+        Self {
+            fitted,
+            rate_hz,
+            heard,
+            modes: &fitted.rendering[..length],
+            with_residual: &fitted.with_residual[..length],
+            shown,
+        }
+    }
+
+    /// The three sounds at the level that puts the recording's peak at 0.9: recording, modes, modes and residual.
+    pub(super) fn sounds(&self) -> [Vec<f32>; 3] {
+        let peak = self.heard.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+        let scale = if peak > 0.0 { PEAK / peak } else { 1.0 };
+        [self.heard, self.modes, self.with_residual].map(|sound| sound.iter().map(|x| (x * scale) as f32).collect())
+    }
+
+    /// Length of the pictures in seconds.
+    pub(super) fn shown_s(&self) -> f64 {
+        self.shown as f64 / self.rate_hz
+    }
+
+    /// Whether the fit has any residual bands.
+    pub(super) fn has_residual(&self) -> bool {
+        !self.fitted.report.residual_bands.is_empty()
+    }
+
+    /// The log-spectral distance of a rendering over time: `(seconds, dB)`, a value a frame of 2048 samples, hop a quarter.
+    pub(super) fn distance_over_time(&self, rendering: &[f64]) -> Vec<(f64, f64)> {
+        let (heard, given) = (&self.heard[..self.shown], &rendering[..self.shown]);
+        let middle = |frame: usize| (frame * WINDOW / 4 + WINDOW / 2) as f64 / self.rate_hz;
+        frame_distances_db(heard, given, WINDOW)
+            .into_iter()
+            .enumerate()
+            .map(|(frame, db)| (middle(frame), db))
+            .collect()
+    }
+
+    /// The stretch over which the figure LSD is taken, seconds from the onset.
+    pub(super) fn lsd_stretch_s(&self) -> (f64, f64) {
+        let window = lsd_window(self.heard, self.rate_hz);
+        (window.start as f64 / self.rate_hz, window.end as f64 / self.rate_hz)
+    }
+
+    /// Magnitudes of the spectrum of what is shown of a sound, with the distance of the bins in Hz.
+    pub(super) fn spectrum(&self, sound: &[f64]) -> (Vec<f64>, f64) {
+        let size = self.shown.next_power_of_two().max(4096) * 2;
+        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(size);
+        let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
+        for (slot, x) in input.iter_mut().zip(&sound[..self.shown]) {
+            *slot = *x;
+        }
+        let magnitudes = match transform.process(&mut input, &mut output) {
+            Ok(()) => output.iter().map(|bin| bin.norm()).collect(),
+            Err(_) => Vec::new(),
+        };
+        (magnitudes, self.rate_hz / size as f64)
+    }
+}
+
+/// The loudest bin in each of `count` equal ratios of frequency, dB over `reference`, at the ratio's middle.
+pub(super) fn envelope_db(
+    (magnitudes, bin_hz): &(Vec<f64>, f64),
+    range_hz: (f64, f64),
+    count: usize,
+    reference: f64,
+) -> Vec<(f64, f64)> {
+    let edge = |index: f64| range_hz.0 * (range_hz.1 / range_hz.0).powf(index / count as f64);
+    (0..count)
+        .filter_map(|index| {
+            let first = (edge(index as f64) / bin_hz).round() as usize;
+            let last = ((edge(index as f64 + 1.0) / bin_hz).round() as usize).max(first + 1);
+            let loudest = magnitudes.get(first..last)?.iter().copied().fold(0.0, f64::max);
+            Some((edge(index as f64 + 0.5), 20.0 * (loudest / reference).max(1e-15).log10()))
+        })
+        .collect()
+}

@@ -1,0 +1,255 @@
+//! `malleus fit --report`: pages that show, play, and need nothing from outside. Where Chromium is installed it opens them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use tempfile::TempDir;
+
+/// Names under which a Chromium may be installed.
+const BROWSERS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+
+/// Writes a strike of three modes, 0.7 s at 44.1 kHz, as 16-bit WAV.
+fn strike(path: &Path, frequencies_hz: [f64; 3]) {
+    fs::create_dir_all(path.parent().expect("a folder")).expect("can be made");
+    let spec = hound::WavSpec {
+        channels: 1,
+        sample_rate: 44_100,
+        bits_per_sample: 16,
+        sample_format: hound::SampleFormat::Int,
+    };
+    let mut writer = hound::WavWriter::create(path, spec).expect("can be written");
+    let mut dither = 1_u32;
+    for n in 0..30_870 {
+        let t = (f64::from(n) - 2205.0) / 44_100.0;
+        let ring = |f: f64, d: f64| (-d * t).exp() * (std::f64::consts::TAU * f * t).sin();
+        let sound = if t < 0.0 {
+            0.0
+        } else {
+            0.25 * (ring(frequencies_hz[0], 9.0) + ring(frequencies_hz[1], 18.0) + ring(frequencies_hz[2], 30.0))
+        };
+        dither = dither.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let noise = f64::from(dither >> 16) / 65_536.0 - 0.5;
+        writer.write_sample((sound * 32_000.0 + 4.0 * noise) as i16).expect("written");
+    }
+    writer.finalize().expect("written");
+}
+
+fn malleus(arguments: &[&Path], flags: &[&str]) -> std::process::Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_malleus"));
+    command.arg("fit").args(arguments).args(flags).output().expect("the program runs")
+}
+
+/// A folder with two recordings of the same stem, one of another, and one that is no audio; fitted with a report.
+struct Fitted {
+    folder: TempDir,
+    output: std::process::Output,
+}
+
+impl Fitted {
+    fn new() -> Self {
+        let folder = TempDir::new().expect("a folder");
+        strike(&folder.path().join("one/hit.wav"), [440.0, 1230.0, 2750.0]);
+        strike(&folder.path().join("two/hit.wav"), [500.0, 1530.0, 3150.0]);
+        strike(&folder.path().join("<b>&bell.wav"), [700.0, 1900.0, 5200.0]);
+        fs::write(folder.path().join("text.wav"), "no audio at all").expect("written");
+        let mut fitted = Self { folder, output: malleus(&[], &["--help"]) };
+        fitted.output = fitted.run();
+        fitted
+    }
+
+    fn path(&self, below: &str) -> PathBuf {
+        self.folder.path().join(below)
+    }
+
+    fn run(&self) -> std::process::Output {
+        let inputs = ["one/hit.wav", "two/hit.wav", "<b>&bell.wav", "text.wav"].map(|name| self.path(name));
+        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        let (tables, pages) = (self.path("tables"), self.path("pages"));
+        let (tables, pages) = (tables.to_string_lossy().into_owned(), pages.to_string_lossy().into_owned());
+        malleus(&inputs, &["--modes", "8", "-o", &tables, "--report", &pages, "--json"])
+    }
+}
+
+/// One tag of a page.
+struct Tag {
+    name: String,
+    closes: bool,
+    attributes: Vec<(String, String)>,
+}
+
+/// All tags of a page, in order; what stands inside scripts and styles is skipped.
+fn tags(html: &str) -> Vec<Tag> {
+    let mut tags = Vec::new();
+    let mut rest = html;
+    while let Some((_, after)) = rest.split_once('<') {
+        let (inside, following) = after.split_once('>').expect("each tag ends");
+        rest = following;
+        let closes = inside.starts_with('/');
+        let inside = inside.trim_start_matches('/').trim_end_matches('/');
+        let (name, mut fields) = inside.split_once(' ').unwrap_or((inside, ""));
+        let mut attributes = Vec::new();
+        while let Some((key, after)) = fields.split_once("=\"") {
+            let (value, following) = after.split_once('"').expect("each value ends");
+            attributes.push((key.trim().to_owned(), value.to_owned()));
+            fields = following;
+        }
+        if ["script", "style"].contains(&name) && !closes {
+            rest = rest.split_once(&format!("</{name}>")).expect("it ends").1;
+            continue;
+        }
+        tags.push(Tag { name: name.to_owned(), closes, attributes });
+    }
+    tags
+}
+
+/// Elements that have no end.
+const VOID: [&str; 6] = ["!DOCTYPE", "meta", "link", "path", "image", "circle"];
+
+fn assert_well_formed_and_self_contained(html: &str) {
+    let mut open: Vec<String> = Vec::new();
+    for tag in tags(html) {
+        for (key, value) in &tag.attributes {
+            if ["src", "href", "action", "poster", "srcset", "data"].contains(&key.as_str()) {
+                assert!(value.starts_with("data:") || value.starts_with("./"), "{} {key}={value:.60}", tag.name);
+            }
+        }
+        if tag.closes {
+            assert_eq!(open.pop(), Some(tag.name));
+        } else if !VOID.contains(&tag.name.as_str()) && tag.name != "rect" {
+            open.push(tag.name);
+        }
+    }
+    assert!(open.is_empty(), "{open:?} are not closed");
+    for address in ["http://", "https://", "@import", "url("] {
+        assert!(!html.contains(address), "{address}");
+    }
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+#[test]
+fn each_recording_has_a_page_that_is_whole_and_asks_nothing_of_the_outside() {
+    let fitted = Fitted::new();
+    assert_eq!(fitted.output.status.code(), Some(1), "the file that is no audio fails");
+    for name in ["one-hit", "two-hit", "<b>&bell"] {
+        assert!(fitted.path(&format!("tables/{name}.toml")).is_file(), "{name}");
+        let html = read(&fitted.path(&format!("pages/{name}.html")));
+        assert_well_formed_and_self_contained(&html);
+        assert!(tags(&html).iter().filter(|tag| tag.name == "audio" && !tag.closes).count() >= 2);
+        assert!(tags(&html).iter().filter(|tag| tag.name == "svg" && !tag.closes).count() >= 6);
+        assert!(!html.contains("<b>"), "names are text, not markup");
+    }
+    let index = read(&fitted.path("pages/index.html"));
+    assert_well_formed_and_self_contained(&index);
+    for found in ["./one-hit.html", "./two-hit.html", "./%3Cb%3E%26bell.html", "text.wav", "not audio"] {
+        assert!(index.contains(found), "{found} is missing");
+    }
+
+    // The figures are those of --json, and the two recordings of one stem are different ones.
+    let rows: serde_json::Value = serde_json::from_slice(&fitted.output.stdout).expect("JSON");
+    let rows = rows.as_array().expect("rows");
+    assert_eq!(rows.len(), 4);
+    assert_ne!(rows[0]["report"]["frequency_hz"], rows[1]["report"]["frequency_hz"]);
+    assert!(rows[0]["report"]["damping_law"]["bands"].as_array().is_some_and(|bands| !bands.is_empty()));
+    assert!(rows[0]["report"]["room"].is_null(), "a dry strike has no room");
+
+    // A rerun leaves what is done, makes the page that is missing, and its index still has every page.
+    let untouched = fitted.path("pages/two-hit.html");
+    let before = fs::metadata(&untouched).and_then(|metadata| metadata.modified()).expect("is there");
+    fs::remove_file(fitted.path("pages/one-hit.html")).expect("was there");
+    fs::remove_file(fitted.path("pages/index.html")).expect("was there");
+    let again: serde_json::Value = serde_json::from_slice(&fitted.run().stdout).expect("JSON");
+    let outcomes: Vec<&str> =
+        again.as_array().expect("rows").iter().filter_map(|row| row["outcome"].as_str()).collect();
+    assert_eq!(outcomes, ["fitted", "skipped", "skipped", "failed"]);
+    assert!(fitted.path("pages/one-hit.html").is_file());
+    assert_eq!(fs::metadata(&untouched).and_then(|metadata| metadata.modified()).expect("is there"), before);
+    let index = read(&fitted.path("pages/index.html"));
+    assert!(index.contains("./one-hit.html") && index.contains("./two-hit.html") && index.contains("bell.html"));
+}
+
+/// What a script in the page finds.
+const FINDS: &str = r#"<script>
+const blocked = [];
+document.addEventListener("securitypolicyviolation", event => blocked.push(event.blockedURI));
+(async () => {
+  const sounds = [];
+  for (const sound of document.querySelectorAll("audio")) {
+    let played = "yes";
+    try { await sound.play(); } catch (error) { played = String(error); }
+    sounds.push({ played, duration: sound.duration, error: sound.error && sound.error.message });
+    sound.pause();
+  }
+  const pictures = [];
+  for (const picture of document.querySelectorAll("svg image")) {
+    const image = new Image();
+    image.src = picture.getAttribute("href");
+    await image.decode();
+    pictures.push(image.naturalWidth);
+  }
+  const charts = [...document.querySelectorAll("svg")].map(chart => chart.getBoundingClientRect().height);
+  const outside = performance.getEntriesByType("resource").map(entry => entry.name).filter(name => !name.startsWith("data:"));
+  const found = { sounds, pictures, charts, outside, blocked, wide: document.documentElement.scrollWidth - innerWidth };
+  const note = document.createElement("pre");
+  note.id = "found";
+  note.textContent = JSON.stringify(found);
+  document.body.append(note);
+})();
+</script>
+</body>"#;
+
+#[test]
+fn in_a_browser_the_page_shows_its_sounds_play_and_nothing_is_fetched() {
+    let Some(browser) = BROWSERS.iter().find(|name| Command::new(name).arg("--version").output().is_ok()) else {
+        eprintln!("no Chromium is installed ({BROWSERS:?}): the page is checked by parsing alone, in the other test");
+        return;
+    };
+    let folder = TempDir::new().expect("a folder");
+    let input = folder.path().join("mug.wav");
+    strike(&input, [440.0, 1230.0, 2750.0]);
+    let (table, pages) = (folder.path().join("mug.toml"), folder.path().join("pages"));
+    let done =
+        malleus(&[&input], &["--modes", "8", "-o", &table.to_string_lossy(), "--report", &pages.to_string_lossy()]);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let html = read(&pages.join("mug.html"));
+    let probe = folder.path().join("probe.html");
+    fs::write(&probe, html.replace("</body>", FINDS)).expect("written");
+    // Wide and as narrow as a phone.
+    for window in ["--window-size=1200,900", "--window-size=500,900"] {
+        let profile = TempDir::new().expect("a folder");
+        let shown = Command::new(browser)
+            .args(["--headless", "--no-sandbox", "--disable-gpu", "--mute-audio", "--no-first-run"])
+            .args(["--autoplay-policy=no-user-gesture-required", "--virtual-time-budget=20000", "--dump-dom", window])
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .arg(format!("file://{}", probe.display()))
+            .output()
+            .expect("the browser runs");
+        let dom = String::from_utf8_lossy(&shown.stdout);
+        let (_, found) = dom
+            .split_once("<pre id=\"found\">")
+            .unwrap_or_else(|| panic!("the page's script did not end: {}", String::from_utf8_lossy(&shown.stderr)));
+        let (found, _) = found.split_once("</pre>").expect("it ends");
+        let found: serde_json::Value =
+            serde_json::from_str(&found.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")).expect("JSON");
+        let list = |name: &str| found[name].as_array().expect("a list").clone();
+        assert!(list("sounds").len() >= 2, "{found}");
+        for sound in list("sounds") {
+            assert_eq!(sound["played"], "yes", "{found}");
+            assert!(sound["duration"].as_f64().is_some_and(|seconds| (0.6..0.7).contains(&seconds)), "{found}");
+            assert!(sound["error"].is_null(), "{found}");
+        }
+        assert!(
+            list("pictures").len() >= 2 && list("pictures").iter().all(|width| width.as_u64() == Some(640)),
+            "{found}"
+        );
+        assert!(
+            list("charts").len() >= 6 && list("charts").iter().all(|height| height.as_f64() > Some(150.0)),
+            "{found}"
+        );
+        assert!(list("outside").is_empty() && list("blocked").is_empty(), "{found}");
+        assert!(found["wide"].as_f64() <= Some(0.0), "the page is wider than its window: {found}");
+    }
+}
