@@ -35,7 +35,7 @@ impl Band {
         let middle = level.wrapping_add(ramp).wrapping_add(COUNT / 2) >> 8;
         // Rounded up to whole counts, and one at least.
         let half = noise.wrapping_add(ramp.wrapping_abs()).wrapping_add(COUNT - 1) >> 8;
-        let half = half.min(widest).min(WIDEST / 2).max(1);
+        let half = half.min(widest).clamp(1, WIDEST / 2);
         let bound = |count: i32| count.clamp(0, LAST_COUNT.into());
         let low = bound(middle.wrapping_sub(half));
         Self { low, width: bound(middle.wrapping_add(half)) - low }
