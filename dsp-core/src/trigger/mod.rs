@@ -33,8 +33,8 @@
 //! Decided 1.48 to 1.52 ms after the onset over 40 dB of one wave, jitter 0.02 to 0.03 ms over 1000 offsets; a tenth of a direct force's peak is
 //! there after 0.10 ms (`--test trigger_timing`).
 //!
-//! Cycles of a Cortex-M4 (nominal) a channel and sample, blocks of 32 frames, four channels: silent 17, in a scene of strikes on all pads 50 on
-//! average and 171 in the worst block; the resampler 86 a sample; 920 bytes of state (`--test trigger_on_chip`). Blocks that are
+//! Cycles of a Cortex-M4 (nominal) a channel and sample, blocks of 32 frames, four channels: silent 17, in a scene of strikes on all pads 41 on
+//! average and 163 in the worst block; the resampler 86 a sample; 920 bytes of state (`--test trigger_on_chip`). Blocks that are
 //! multiples of 32 frames cost least.
 //!
 //! # Use
