@@ -54,7 +54,7 @@ fn a_hundred_bands_cost_less_than_250_cycles_a_frame_and_give_the_same_bits() {
 }
 
 /// Cycles a frame of the dearest tick within 30 ms of a strike.
-const WORST_AFTER_A_STRIKE: f64 = 400.0;
+const WORST_AFTER_A_STRIKE: f64 = 380.0;
 
 #[test]
 fn strikes_on_strikes_give_the_same_bits() {
@@ -71,5 +71,5 @@ fn strikes_on_strikes_give_the_same_bits() {
 fn silence_costs_next_to_nothing() {
     let cycles = run(&bands(Spacing::Erb), &[]);
     println!("a silent tick: {} cycles, calls included", cycles[0]);
-    assert!(cycles.iter().all(|&cycles| cycles < 100), "{cycles:?}");
+    assert!(cycles.iter().all(|&cycles| cycles < 160), "{cycles:?}");
 }
