@@ -12,6 +12,7 @@ pub mod output;
 pub mod pad;
 pub mod radiation;
 pub mod resonator;
+pub mod room;
 pub mod table;
 pub mod trigger;
 

@@ -3,6 +3,7 @@
 pub mod data;
 pub mod on_chip;
 pub mod performance;
+pub mod room;
 pub mod run_time;
 pub mod scene;
 pub mod single_mode;

@@ -1,0 +1,86 @@
+//! The angle that turns the networks' mixes: the same for all bands, moved on by every tick.
+
+use crate::SampleRate;
+use crate::fixed;
+use crate::resonator::TICK_FRAMES;
+
+/// Mean speed of the turning, in Hz.
+const TURNS_HZ: f64 = 3.0;
+/// The speed swings by a second angle, this many radians ...
+const SWING: f64 = 4.0;
+/// ... this many times a second.
+const SWINGS_HZ: f64 = 0.37;
+
+/// Angles and speeds as parts of a turn, 2^32 = one turn; sine and cosine as Q31, at the beginning of a tick and at its end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turn {
+    angle: u32,
+    speed: u32,
+    swing: u32,
+    swing_speed: u32,
+    pub sine: i32,
+    pub cosine: i32,
+    next: [i32; 2],
+}
+
+impl Turn {
+    pub(super) const NONE: Self =
+        Self { angle: 0, speed: 0, swing: 0, swing_speed: 0, sine: 0, cosine: 0, next: [0; 2] };
+
+    pub(super) fn new(rate: SampleRate) -> Self {
+        let part_of_turn = |hz: f64| libm::rint(hz * TICK_FRAMES as f64 / rate.hz() * 4_294_967_296.0) as u32;
+        let mut turn = Self { speed: part_of_turn(TURNS_HZ), swing_speed: part_of_turn(SWINGS_HZ), ..Self::NONE };
+        turn.advance();
+        turn
+    }
+
+    /// A tick later.
+    pub(super) fn advance(&mut self) {
+        [self.sine, self.cosine] = self.next;
+        self.angle = self.angle.wrapping_add(self.speed);
+        self.swing = self.swing.wrapping_add(self.swing_speed);
+        // Q31 of a swing of ±1 times radians over a turn, to parts of a turn.
+        let swung = (i64::from(sine(self.swing)) * SWING_PER_TURN_Q16) >> 15;
+        let angle = self.angle.wrapping_add(swung as u32);
+        self.next = [sine(angle), sine(angle.wrapping_add(1 << 30))];
+    }
+
+    /// What sine and cosine grow by in each of a tick's samples, where a tick has `block` (a power of two).
+    pub(super) fn steps(&self, block: u8) -> (i32, i32) {
+        let [sine, cosine] = self.next;
+        let shift = block.trailing_zeros();
+        // A tick turns by less than a radian, but let it be: the difference of two Q31 fits when halved.
+        let step = |from: i32, to: i32| (((to >> 1) - (from >> 1)) >> shift) << 1;
+        (step(self.sine, sine), step(self.cosine, cosine))
+    }
+}
+
+/// `SWING / 2π` as Q16.
+const SWING_PER_TURN_Q16: i64 = (SWING / (2.0 * core::f64::consts::PI) * 65_536.0) as i64;
+
+/// Sine of a part of a turn, Q31, 2^-20 below 1 in size at most, so that a rotation by it never adds energy. Within 2e-6.
+fn sine(angle: u32) -> i32 {
+    // Quarters 1 and 2 mirrored: an angle from -1/4 to 1/4 turn, as Q31 of a quarter.
+    let folded = if (angle.wrapping_add(1 << 30) as i32) < 0 { (1u32 << 31).wrapping_sub(angle) } else { angle } as i32;
+    // 2^30 is a quarter turn, z = 1 in Q30.
+    let z = i64::from(folded);
+    let z2 = (z * z) >> 30;
+    // x (π/2 - (π/2)³ x²/3! + ...), to the ninth power, Q30, times 1 - 2^-19.
+    let mut sum = COEFFICIENTS_Q30[4];
+    for &coefficient in COEFFICIENTS_Q30.iter().rev().skip(1) {
+        sum = coefficient + ((sum * z2) >> 30);
+    }
+    fixed::saturate((sum * z) >> 29)
+}
+
+const fn q30(value: f64) -> i64 {
+    (value * 1_073_741_824.0 * (1.0 - 1.0 / 524_288.0)) as i64
+}
+
+const COEFFICIENTS_Q30: [i64; 5] = [
+    q30(core::f64::consts::FRAC_PI_2),
+    q30(-0.645_964_097_506_246_3),
+    q30(0.079_692_626_246_167_05),
+    q30(-0.004_681_754_135_318_688),
+    q30(0.000_160_441_184_787_359_8),
+];
