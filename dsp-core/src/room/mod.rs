@@ -113,7 +113,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
     /// # Errors
     /// A [`RoomError`]; there is then no room.
     pub fn load(&mut self, bands: &[RoomBandRecord], rate: SampleRate) -> Result<(), RoomError> {
-        self.count = 0;
+        (self.count, self.passed) = (0, 0);
         self.clear();
         let plans = plan::plan(bands, rate, SAMPLES)?;
         for (band, plan) in self.bands.iter_mut().zip(&plans) {

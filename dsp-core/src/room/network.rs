@@ -151,6 +151,7 @@ impl NetworkConfig {
         state.history.get(place).copied().unwrap_or(0)
     }
 
+    #[inline(never)]
     fn look_back(&self, state: &NetworkState) -> Loudest {
         let mut loudest = Loudest { bits: 0, exponent: 0 };
         for &delay in &self.delays {
@@ -168,6 +169,7 @@ impl NetworkConfig {
     }
 
     /// Reads a block of every line, times its gain, as working values.
+    #[inline(never)]
     fn take_all<T: Sample>(&self, state: &NetworkState, memory: &[T], exponent: i32, work: &mut Work) {
         let block = usize::from(self.block);
         let mut memory = memory;
@@ -188,6 +190,7 @@ impl NetworkConfig {
         }
     }
 
+    #[inline(never)]
     fn mix<T: Sample>(
         &self,
         turn: &Turn,
@@ -231,6 +234,7 @@ impl NetworkConfig {
     }
 
     /// Writes a block of every line where it was read; gives the bits of the largest size. Clips where the sizes may need it.
+    #[inline(never)]
     fn put_all<T: Sample>(&self, state: &mut NetworkState, memory: &mut [T], work: &Work, clipped: Option<i32>) -> u32 {
         let mut memory = memory;
         let mut sizes = 0;
@@ -252,6 +256,7 @@ impl NetworkConfig {
         32 - sizes.leading_zeros()
     }
 
+    #[inline(never)]
     fn remember(&self, state: &mut NetworkState, exponent: i32, size: u32) {
         let now = usize::from(state.now);
         // 32-bit samples have no exponent: what their sizes exceed 15 bits by stands in its place.

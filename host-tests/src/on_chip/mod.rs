@@ -3,9 +3,11 @@
 mod bank;
 pub mod budget_scenes;
 mod engine;
+mod room;
 pub mod scenes;
 
 pub use bank::BankOnChip;
+pub use room::RoomOnChip;
 pub use engine::{BLOCK_FRAMES, EngineOnChip, Footprint, Told};
 
 use std::path::{Path, PathBuf};
