@@ -23,6 +23,7 @@
 
 mod crossover;
 mod error;
+mod kernel;
 mod network;
 mod plan;
 mod storage;
@@ -37,7 +38,7 @@ use crate::SampleRate;
 use crate::resonator::TICK_FRAMES;
 use crate::table::layout::RoomBandRecord;
 use crossover::{Split, SplitState, clip};
-use network::{LINES, NetworkConfig, NetworkState, Work};
+use network::{NetworkConfig, NetworkState};
 use turn::Turn;
 use upsample::{Upsampler, UpsamplerState};
 
@@ -60,7 +61,16 @@ pub struct Room<T, const SAMPLES: usize> {
     passed: usize,
     /// Whether nothing sounds and nothing has come in during this tick.
     silent: bool,
+    scratch: Scratch,
     memory: [T; SAMPLES],
+}
+
+/// What a tick needs for itself; here, so that it is neither on the stack nor cleared each time.
+#[derive(Clone, Copy, Debug)]
+struct Scratch {
+    low: [i32; TICK_FRAMES],
+    high: [i32; TICK_FRAMES],
+    network: network::Scratch,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -104,6 +114,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             wet: [[0; 2]; TICK_FRAMES],
             passed: 0,
             silent: true,
+            scratch: Scratch { low: [0; TICK_FRAMES], high: [0; TICK_FRAMES], network: network::Scratch::EMPTY },
             memory: [T::ZERO; SAMPLES],
         }
     }
@@ -202,18 +213,17 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
 
     /// Splits the tick's input and lets the bands answer; whether all are silent.
     fn render_bands(&mut self, rates: &mut [[i32; 2]; 2 * TICK_FRAMES]) -> bool {
-        let mut low = self.input;
+        let Scratch { low, high, network: scratch } = &mut self.scratch;
+        low.copy_from_slice(&self.input);
         let (mut division, mut asleep) = (1, true);
-        let mut work: Work = [[0; TICK_FRAMES]; LINES];
         let mut memory = self.memory.as_mut_slice();
         for (index, band) in self.bands.iter_mut().enumerate().take(self.count).rev() {
             let own = usize::from(band.division);
             if own > division {
-                thin(&mut low, own / division);
+                thin(low, own / division);
                 division = own;
             }
             let block = TICK_FRAMES / own;
-            let mut high = low;
             let (Some(low), Some(high)) = (low.get_mut(..block), high.get_mut(..block)) else { return asleep };
             let input = match index {
                 0 => &*low,
@@ -231,7 +241,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
                 continue;
             }
             let Some(out) = rates.get_mut(block..2 * block) else { return asleep };
-            band.config.render(&mut band.state, lines, input, &self.turn, &mut work, out);
+            band.config.render(&mut band.state, lines, input, &self.turn, scratch, out);
             asleep = false;
         }
         asleep
@@ -250,8 +260,10 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
 
 /// Keeps every `step`th sample.
 fn thin(block: &mut [i32; TICK_FRAMES], step: usize) {
-    let kept = *block;
-    for (sample, &kept) in block.iter_mut().zip(kept.iter().step_by(step)) {
-        *sample = kept;
+    for index in 1..TICK_FRAMES / step.max(1) {
+        let kept = block.get(index * step).copied();
+        if let (Some(sample), Some(kept)) = (block.get_mut(index), kept) {
+            *sample = kept;
+        }
     }
 }

@@ -27,6 +27,8 @@ pub(super) const LINES: usize = 8;
 /// What of the input each line takes: 2^-4.
 pub(super) const INPUT_GAIN: f64 = 1.0 / 16.0;
 const INPUT_SHIFT: i32 = 4;
+/// Samples that are mixed by the same angle.
+const TURN_SAMPLES: usize = 8;
 /// Ticks whose exponents are remembered.
 const HISTORY: usize = MAX_TICKS + 2;
 /// 1/√8, for lines whose butterfly is not a rotation.
@@ -34,6 +36,18 @@ const PLAIN: f64 = 0.353_553_390_593_273_8;
 
 /// The working values of a tick, line by line.
 pub(super) type Work = [[i32; TICK_FRAMES]; LINES];
+
+/// What a tick of a network needs for itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scratch {
+    work: Work,
+    /// Input, and then both outputs.
+    sound: [[i32; 2]; TICK_FRAMES],
+}
+
+impl Scratch {
+    pub(super) const EMPTY: Self = Self { work: [[0; TICK_FRAMES]; LINES], sound: [[0; 2]; TICK_FRAMES] };
+}
 
 /// A network's fixed numbers.
 #[derive(Clone, Copy, Debug)]
@@ -116,7 +130,7 @@ impl NetworkConfig {
         memory: &mut [T],
         input: &[i32],
         turn: &Turn,
-        work: &mut Work,
+        Scratch { work, sound }: &mut Scratch,
         out: &mut [[i32; 2]],
     ) {
         let loudest = self.look_back(state);
@@ -124,10 +138,20 @@ impl NetworkConfig {
         let exponent = T::exponent(bits, loudest.exponent);
         self.take_all(state, memory, exponent, work);
         let shift = T::FRACTION - exponent;
-        self.mix::<T>(turn, input, shift - INPUT_SHIFT, work, out, self.output_shift - shift);
+        let Some(sound) = sound.get_mut(..usize::from(self.block)) else { return };
+        let shifts = Shifts { input: shift - INPUT_SHIFT, output: self.output_shift - shift };
+        self.mix::<T>(turn, input, work, sound, shifts);
+        self.radiate(sound, out, shifts.output);
         let size = self.put_all(state, memory, work, (bits > CLIP_BITS).then_some(exponent));
         self.remember(state, exponent, size);
     }
+}
+
+/// From the bus to working values and back, to the left.
+#[derive(Clone, Copy)]
+struct Shifts {
+    input: i32,
+    output: i32,
 }
 
 /// Of all that a tick reads.
@@ -180,80 +204,75 @@ impl NetworkConfig {
             memory = later;
             let (Some(work), (seam, ticks)) = (work.get_mut(..block), seam(line.len(), block)) else { return };
             let gain_of = |past: u8| match past >> 4 {
-                0 => None,
-                _ => Some(T::raise(gain, i32::from(past & 15) - exponent)),
+                0 => 0,
+                _ => T::raise(gain, i32::from(past & 15) - exponent),
             };
-            let (before, after) = work.split_at_mut(seam.min(block));
             let position = usize::from(position);
-            take(line, position, gain_of(Self::past(state, ticks)), before);
-            take(line, position + seam, gain_of(Self::past(state, ticks - 1)), after);
+            let earlier = gain_of(Self::past(state, ticks));
+            let later = if seam < block { gain_of(Self::past(state, ticks - 1)) } else { earlier };
+            if earlier == later {
+                take(line, position, earlier, work);
+                continue;
+            }
+            let (before, after) = work.split_at_mut(seam.min(block));
+            take(line, position, earlier, before);
+            take(line, position + seam, later, after);
+        }
+    }
+
+    /// Mixes a tick, a few samples at a time by the same angle; leaves both outputs in `sound`.
+    fn mix<T: Sample>(&self, turn: &Turn, input: &[i32], work: &mut Work, sound: &mut [[i32; 2]], shifts: Shifts) {
+        let (left, right) = (shifts.input.max(0).unsigned_abs(), shifts.input.min(0).unsigned_abs());
+        let (left, right) = (left.min(31), right.min(31));
+        for (sound, &x) in sound.iter_mut().zip(input) {
+            sound[0] = (x << left) >> right;
+        }
+        let parts = sound.len().div_ceil(TURN_SAMPLES);
+        for (part, sound) in sound.chunks_mut(TURN_SAMPLES).enumerate() {
+            T::mix(work, part * TURN_SAMPLES, sound, turn.at(part, parts));
+        }
+    }
+
+    /// Adds both outputs, times the output gain.
+    fn radiate(&self, sound: &[[i32; 2]], out: &mut [[i32; 2]], shift: i32) {
+        if shift > 0 {
+            let left = shift.unsigned_abs();
+            let side = |y: i32| fixed::saturating_shift_left(fixed::smmulr(y, self.output), left);
+            for (out, sound) in out.iter_mut().zip(sound) {
+                *out = [out[0].saturating_add(side(sound[0])), out[1].saturating_add(side(sound[1]))];
+            }
+        } else {
+            let right = shift.unsigned_abs().min(31);
+            let side = |y: i32| fixed::smmulr(y, self.output) >> right;
+            for (out, sound) in out.iter_mut().zip(sound) {
+                *out = [out[0].saturating_add(side(sound[0])), out[1].saturating_add(side(sound[1]))];
+            }
         }
     }
 
     #[inline(never)]
-    fn mix<T: Sample>(
-        &self,
-        turn: &Turn,
-        input: &[i32],
-        input_shift: i32,
-        work: &mut Work,
-        out: &mut [[i32; 2]],
-        output_shift: i32,
-    ) {
-        let (left_shift, right_shift) = (input_shift.max(0) as u32 & 31, (-input_shift).max(0) as u32 & 31);
-        let (mut sine, mut cosine) = (turn.sine, turn.cosine);
-        let (sine_step, cosine_step) = turn.steps(self.block);
-        let [w0, w1, w2, w3, w4, w5, w6, w7] = work;
-        let lines =
-            w0.iter_mut().zip(w1).zip(w2.iter_mut().zip(w3)).zip(w4.iter_mut().zip(w5).zip(w6.iter_mut().zip(w7)));
-        for (((((l0, l1), (l2, l3)), ((l4, l5), (l6, l7))), &x), out) in lines.zip(input).zip(out) {
-            (sine, cosine) = (sine.wrapping_add(sine_step), cosine.wrapping_add(cosine_step));
-            let x = (x << left_shift) >> right_shift;
-            // First stage: two rotations, two butterflies. What storing cuts off is added here and so reaches every line.
-            let a0 = fixed::smmla(fixed::smmul(sine, *l1), cosine, *l0) + T::HALF_STEP;
-            let a1 = fixed::smmls(fixed::smmul(cosine, *l1), sine, *l0) + T::HALF_STEP;
-            let a2 = fixed::smmla(fixed::smmul(sine, *l3), cosine, *l2);
-            let a3 = fixed::smmls(fixed::smmul(cosine, *l3), sine, *l2);
-            let (a4, a5, a6, a7) = (*l4 + *l5, *l4 - *l5, *l6 + *l7, *l6 - *l7);
-            let (b0, b2, b1, b3) = (a0 + a2, a0 - a2, a1 + a3, a1 - a3);
-            let (b4, b6, b5, b7) = (a4 + a6, a4 - a6, a5 + a7, a5 - a7);
-            let (c0, c4, c1, c5) = (b0 + b4, b0 - b4, b1 + b5, b1 - b5);
-            let (c2, c6, c3, c7) = (b2 + b6, b2 - b6, b3 + b7, b3 - b7);
-            // Outputs go round by three lines: a symmetric mix would come back to itself in step.
-            (*l3, *l4, *l5, *l6) = (c0 + x, c1 - x, c2 + x, c3 + x);
-            (*l7, *l0, *l1, *l2) = (c4 - x, c5 + x, c6 - x, c7 + x);
-            let side = |y: i32| {
-                let scaled = fixed::smmulr(y, self.output);
-                match output_shift {
-                    left @ 0.. => fixed::saturating_shift_left(scaled, left.unsigned_abs()),
-                    right => scaled >> right.unsigned_abs().min(31),
-                }
-            };
-            *out = [out[0].saturating_add(side(c0 - T::HALF_STEP)), out[1].saturating_add(side(c3 - T::HALF_STEP))];
-        }
-    }
-
     /// Writes a block of every line where it was read; gives the bits of the largest size. Clips where the sizes may need it.
-    #[inline(never)]
     fn put_all<T: Sample>(&self, state: &mut NetworkState, memory: &mut [T], work: &Work, clipped: Option<i32>) -> u32 {
         let mut memory = memory;
-        let mut sizes = 0;
+        let mut size = 0;
         for ((&delay, position), work) in self.delays.iter().zip(&mut state.positions).zip(work) {
             let Some((line, later)) = memory.split_at_mut_checked(usize::from(delay)) else { break };
             memory = later;
             let Some(work) = work.get(..usize::from(self.block)) else { break };
             let (to_end, from_start) = work.split_at((line.len() - usize::from(*position)).min(work.len()));
             for (start, work) in [(usize::from(*position), to_end), (0, from_start)] {
-                let Some(line) = line.get_mut(start..start + work.len()) else { continue };
-                sizes |= match clipped {
-                    None => put(line, work, |value| T::put(value)),
-                    Some(exponent) => put(line, work, |value| T::put_clipped(value, exponent)),
+                let Some(line) = line.get_mut(start..start + work.len()).filter(|line| !line.is_empty()) else {
+                    continue;
                 };
+                size = size.max(match clipped {
+                    None => T::put(work, line),
+                    Some(exponent) => T::put_clipped(work, line, exponent),
+                });
             }
             let next = usize::from(*position) + work.len();
             *position = if next >= line.len() { next - line.len() } else { next } as u16;
         }
-        32 - sizes.leading_zeros()
+        size
     }
 
     #[inline(never)]
@@ -275,29 +294,20 @@ impl NetworkConfig {
     }
 }
 
-fn take<T: Sample>(line: &[T], position: usize, gain: Option<i32>, work: &mut [i32]) {
-    let Some(gain) = gain else {
+fn take<T: Sample>(line: &[T], position: usize, gain: i32, work: &mut [i32]) {
+    if gain == 0 {
         work.fill(0);
         return;
-    };
+    }
     let position = if position >= line.len() { position - line.len() } else { position };
-    let (to_end, from_start) = work.split_at_mut((line.len() - position).min(work.len()));
-    for (start, work) in [(position, to_end), (0, from_start)] {
-        for (value, sample) in work.iter_mut().zip(line.get(start..).unwrap_or(&[])) {
-            *value = sample.take(gain);
-        }
+    let (before, after) = line.split_at_checked(position).unwrap_or((line, &[]));
+    if after.len() >= work.len() {
+        T::take(after, gain, work);
+        return;
     }
-}
-
-#[inline(always)]
-fn put<T: Sample>(line: &mut [T], work: &[i32], convert: impl Fn(i32) -> T) -> u32 {
-    let mut sizes = 0;
-    for (sample, &value) in line.iter_mut().zip(work) {
-        let stored = convert(value);
-        *sample = stored;
-        sizes |= stored.size();
-    }
-    sizes
+    let (to_end, from_start) = work.split_at_mut(after.len());
+    T::take(after, gain, to_end);
+    T::take(before, gain, from_start);
 }
 
 /// Bits of the largest size in a block.

@@ -1,5 +1,7 @@
 //! What the delay lines are kept in: 16 bits with a shared exponent a tick, or 32 bits.
 
+use super::kernel;
+use super::network::Work;
 use crate::fixed;
 
 /// A stored sample of a delay line.
@@ -22,17 +24,17 @@ pub trait Sample: Copy + sealed::Sealed {
     /// Adapts a gain to samples whose exponent is higher than the tick's by `rise` (at most 2).
     fn raise(gain: i32, rise: i32) -> i32;
 
-    /// A stored sample times a gain, as a working value.
-    fn take(self, gain: i32) -> i32;
+    /// Reads a block times a gain, as working values.
+    fn take(line: &[Self], gain: i32, work: &mut [i32]);
 
-    /// A working value as a stored sample, rounded down: whoever mixes adds [`HALF_STEP`](Self::HALF_STEP). The value must be known to fit.
-    fn put(working: i32) -> Self;
+    /// Mixes, see [`portable::mix`](super::kernel::portable::mix).
+    fn mix(work: &mut Work, start: usize, sound: &mut [[i32; 2]], turn: [i32; 2]);
 
-    /// The same, clipped to ±2 of the bus, whatever the value.
-    fn put_clipped(working: i32, exponent: i32) -> Self;
+    /// Stores working values that are known to fit; gives the bits of the largest size.
+    fn put(work: &[i32], line: &mut [Self]) -> u32;
 
-    /// The bits that a sample's size needs, as a number below twice of it.
-    fn size(self) -> u32;
+    /// The same, clipped to ±2 of the bus, whatever the values.
+    fn put_clipped(work: &[i32], line: &mut [Self], exponent: i32) -> u32;
 }
 
 /// Largest size in a line, ±2.0 in Q4.27: what is louder is clipped there.
@@ -70,25 +72,26 @@ impl Sample for i16 {
         }
     }
 
-    #[inline(always)]
-    fn take(self, gain: i32) -> i32 {
-        // SMULWB: Q28 by an integer, 12 bits of fraction kept.
-        ((i64::from(gain) * i64::from(self)) >> 16) as i32
+    fn take(line: &[Self], gain: i32, work: &mut [i32]) {
+        kernel::take(line, gain, work);
     }
 
-    #[inline(always)]
-    fn put(working: i32) -> Self {
-        (working >> 12) as i16
+    fn mix(work: &mut Work, start: usize, sound: &mut [[i32; 2]], turn: [i32; 2]) {
+        kernel::mix(work, start, sound, turn);
     }
 
-    fn put_clipped(working: i32, exponent: i32) -> Self {
+    fn put(work: &[i32], line: &mut [Self]) -> u32 {
+        kernel::put(work, line)
+    }
+
+    fn put_clipped(work: &[i32], line: &mut [Self], exponent: i32) -> u32 {
         let most = (CLIP >> exponent.clamp(0, CLIP_BITS)).min(i32::from(i16::MAX));
-        (working >> 12).clamp(-most, most) as i16
-    }
-
-    #[inline(always)]
-    fn size(self) -> u32 {
-        (self ^ (self >> 15)) as u32
+        let mut sizes = 0;
+        for (sample, &value) in line.iter_mut().zip(work) {
+            *sample = (value >> 12).clamp(-most, most) as i16;
+            sizes |= (*sample ^ (*sample >> 15)) as u32;
+        }
+        32 - sizes.leading_zeros()
     }
 }
 
@@ -111,23 +114,32 @@ impl Sample for i32 {
         gain
     }
 
-    #[inline(always)]
-    fn take(self, gain: i32) -> i32 {
-        // At most ±2^28 by less than 1.
-        fixed::smmulr(self << 1, gain)
+    fn take(line: &[Self], gain: i32, work: &mut [i32]) {
+        for (value, &sample) in work.iter_mut().zip(line) {
+            // At most ±2^28 by less than 1.
+            *value = fixed::smmulr(sample << 1, gain);
+        }
     }
 
-    #[inline(always)]
-    fn put(working: i32) -> Self {
-        working
+    fn mix(work: &mut Work, start: usize, sound: &mut [[i32; 2]], turn: [i32; 2]) {
+        kernel::portable::mix(work, start, sound, turn, Self::HALF_STEP);
     }
 
-    fn put_clipped(working: i32, _: i32) -> Self {
-        working.clamp(-CLIP, CLIP)
+    fn put(work: &[i32], line: &mut [Self]) -> u32 {
+        let mut sizes = 0;
+        for (sample, &value) in line.iter_mut().zip(work) {
+            *sample = value;
+            sizes |= (value ^ (value >> 31)) as u32;
+        }
+        32 - sizes.leading_zeros()
     }
 
-    #[inline(always)]
-    fn size(self) -> u32 {
-        (self ^ (self >> 31)) as u32
+    fn put_clipped(work: &[i32], line: &mut [Self], _: i32) -> u32 {
+        let mut sizes = 0;
+        for (sample, &value) in line.iter_mut().zip(work) {
+            *sample = value.clamp(-CLIP, CLIP);
+            sizes |= (*sample ^ (*sample >> 31)) as u32;
+        }
+        32 - sizes.leading_zeros()
     }
 }

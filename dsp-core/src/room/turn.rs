@@ -18,8 +18,8 @@ pub(super) struct Turn {
     speed: u32,
     swing: u32,
     swing_speed: u32,
-    pub sine: i32,
-    pub cosine: i32,
+    sine: i32,
+    cosine: i32,
     next: [i32; 2],
 }
 
@@ -45,13 +45,13 @@ impl Turn {
         self.next = [sine(angle), sine(angle.wrapping_add(1 << 30))];
     }
 
-    /// What sine and cosine grow by in each of a tick's samples, where a tick has `block` (a power of two).
-    pub(super) fn steps(&self, block: u8) -> (i32, i32) {
+    /// Sine and cosine at the beginning of one of a tick's equal parts (a power of two of them), on the straight line between those at its ends.
+    pub(super) fn at(&self, part: usize, parts: usize) -> [i32; 2] {
+        let shift = parts.trailing_zeros();
+        // A tick turns by much less than a radian, but let it be: the difference of two Q31 fits when halved.
         let [sine, cosine] = self.next;
-        let shift = block.trailing_zeros();
-        // A tick turns by less than a radian, but let it be: the difference of two Q31 fits when halved.
-        let step = |from: i32, to: i32| (((to >> 1) - (from >> 1)) >> shift) << 1;
-        (step(self.sine, sine), step(self.cosine, cosine))
+        let step = |from: i32, to: i32| from + (((((to >> 1) - (from >> 1)) >> shift) * part as i32) << 1);
+        [step(self.sine, sine), step(self.cosine, cosine)]
     }
 }
 

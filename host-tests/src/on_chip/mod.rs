@@ -7,8 +7,8 @@ mod room;
 pub mod scenes;
 
 pub use bank::BankOnChip;
-pub use room::RoomOnChip;
 pub use engine::{BLOCK_FRAMES, EngineOnChip, Footprint, Told};
+pub use room::RoomOnChip;
 
 use std::path::{Path, PathBuf};
 
