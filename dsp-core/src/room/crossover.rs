@@ -116,7 +116,7 @@ pub(super) fn clip(value: i32) -> i32 {
 fn section(&[c1, c2]: &[i32; 2], state: &mut [i32; 4], block: &mut [i32]) {
     let [mut x1, mut x2, mut y1, mut y2] = *state;
     let mut step = |x: &mut i32| {
-        let sum = fixed::smmlar(fixed::smmul(*x - y2, c2), x1 - y1, c1);
+        let sum = fixed::smmlar(fixed::smmulr(*x - y2, c2), x1 - y1, c1);
         let y = x2.wrapping_add(sum << 2);
         (x2, x1, y2, y1) = (x1, *x, y1, y);
         *x = y;

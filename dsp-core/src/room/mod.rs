@@ -169,6 +169,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         }
     }
 
+    #[inline(never)]
     fn pass(&mut self, out: &mut [[i32; 2]]) {
         let frames = self.passed..self.passed + out.len();
         self.passed = frames.end;
@@ -184,6 +185,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         self.silent &= heard == 0;
     }
 
+    #[inline(never)]
     fn tick(&mut self) {
         if self.silent {
             return;
@@ -237,7 +239,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
                 return asleep;
             };
             memory = later;
-            if band.config.sleeps(&band.state, input) {
+            if band.config.sleeps::<T>(&band.state, input) {
                 continue;
             }
             let Some(out) = rates.get_mut(block..2 * block) else { return asleep };

@@ -14,7 +14,8 @@
 //! (rotations) or `2·X/√8 < 0.71 X` (the others, whose gains hold the factor 1/√8). Each later stage adds two: at most 1.42 X, then 2.84 X. With an input of at most
 //! the same power of two that bounds X, what is stored is below 3.84 times that power, that is below `2^(bits + 2)`: the size for which the tick's
 //! exponent is chosen. Stored sizes are clipped to ±2.0 where that bound is above it, so that X <= 2^28 and no sum reaches 2^31. The network being orthogonal
-//! and its gains below 1, its energy never exceeds what came in: an impulse of full scale puts 8/256 into it, and can neither wrap nor clip.
+//! and its gains below 1, its energy never exceeds what came in: an impulse of full scale puts at most 8/4 into it, half a unit into each line, and can neither
+//! wrap nor clip at 2.0.
 
 use super::plan::{BandPlan, MAX_TICKS};
 use super::storage::{CLIP_BITS, Sample};
@@ -24,13 +25,13 @@ use crate::resonator::TICK_FRAMES;
 
 /// Lines of a network.
 pub(super) const LINES: usize = 8;
-/// What of the input each line takes: 2^-4.
-pub(super) const INPUT_GAIN: f64 = 1.0 / 16.0;
-const INPUT_SHIFT: i32 = 4;
+/// What of the input each line takes, where a plan's output gain is meant.
+pub(super) const INPUT_GAIN: f64 = 1.0;
 /// Samples that are mixed by the same angle.
 const TURN_SAMPLES: usize = 8;
-/// Ticks whose exponents are remembered.
-const HISTORY: usize = MAX_TICKS + 2;
+/// Ticks whose exponents are remembered: more than the longest line has, and what a byte counts round.
+const HISTORY: usize = 256;
+const _: () = assert!(MAX_TICKS + 2 < HISTORY);
 /// 1/√8, for lines whose butterfly is not a rotation.
 const PLAIN: f64 = 0.353_553_390_593_273_8;
 
@@ -52,9 +53,7 @@ impl Scratch {
 /// A network's fixed numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NetworkConfig {
-    delays: [u16; LINES],
-    /// [`Sample::gain`]s.
-    gains: [i32; LINES],
+    lines: [Line; LINES],
     block: u8,
     /// Output gain as a Q32 mantissa times 2^shift.
     output: i32,
@@ -63,6 +62,30 @@ pub(super) struct NetworkConfig {
     inaudible_bits: i32,
     /// Ticks after which nothing is left of a sample but what was mixed again.
     longest_ticks: u8,
+}
+
+/// A delay line's fixed numbers.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    /// Where it begins in the network's memory, and how long it is.
+    start: u16,
+    delay: u16,
+    /// A [`Sample::gain`].
+    gain: i32,
+    /// Ticks since the first sample that a tick reads was stored.
+    ticks: u8,
+    /// Samples that the tick reads before it comes to those that were stored a tick later; a whole block where it does not.
+    seam: u8,
+}
+
+impl Line {
+    const NONE: Self = Self { start: 0, delay: 0, gain: 0, ticks: 0, seam: 0 };
+
+    fn new(start: usize, delay: usize, gain: i32, block: usize) -> Self {
+        let ticks = delay.div_ceil(block);
+        let seam = block - (ticks * block - delay);
+        Self { start: start as u16, delay: delay as u16, gain, ticks: ticks as u8, seam: seam as u8 }
+    }
 }
 
 /// What a network remembers besides its lines.
@@ -86,41 +109,36 @@ impl NetworkState {
 }
 
 impl NetworkConfig {
-    pub(super) const NONE: Self = Self {
-        delays: [0; LINES],
-        gains: [0; LINES],
-        block: 1,
-        output: 0,
-        output_shift: 0,
-        inaudible_bits: 0,
-        longest_ticks: 0,
-    };
+    pub(super) const NONE: Self =
+        Self { lines: [Line::NONE; LINES], block: 1, output: 0, output_shift: 0, inaudible_bits: 0, longest_ticks: 0 };
 
     pub(super) fn new<T: Sample>(plan: &BandPlan) -> Self {
-        let mut gains = [0; LINES];
-        for (index, (word, &gain)) in gains.iter_mut().zip(&plan.gains).enumerate() {
-            *word = T::gain(if index < LINES / 2 { gain } else { gain * PLAIN });
+        let (mut lines, mut start) = ([Line::NONE; LINES], 0);
+        for (index, (line, (&delay, &gain))) in lines.iter_mut().zip(plan.delays.iter().zip(&plan.gains)).enumerate() {
+            let gain = T::gain(if index < LINES / 2 { gain } else { gain * PLAIN });
+            *line = Line::new(start, delay, gain, plan.block());
+            start += delay;
         }
-        let (fraction, exponent) = libm::frexp(plan.output);
+        let output = libm::scalbn(plan.output, T::INPUT_SHIFT);
+        let (fraction, exponent) = libm::frexp(output);
         // Mantissas below 1/2.
-        let output = libm::rint(fraction * 2_147_483_647.0) as i32;
+        let mantissa = libm::rint(fraction * 2_147_483_647.0) as i32;
         // A size of 2^b sounds at most 2.84 · 2^b · output; that shall stay below -110 dBFS, 2^8.72 of the bus.
-        let inaudible_bits = libm::floor(8.72 - libm::log2(2.84 * plan.output.max(1e-30))) as i32;
+        let inaudible_bits = libm::floor(8.72 - libm::log2(2.84 * output.max(1e-30))) as i32;
         let longest = plan.delays.iter().fold(0, |longest, &delay| longest.max(delay));
         Self {
-            delays: plan.delays.map(|delay| delay as u16),
-            gains,
+            lines,
             block: plan.block() as u8,
-            output,
+            output: mantissa,
             output_shift: exponent + 1,
             inaudible_bits: inaudible_bits.clamp(0, 20),
-            longest_ticks: (longest.div_ceil(plan.block()) + 1).min(HISTORY) as u8,
+            longest_ticks: (longest.div_ceil(plan.block()) + 1).min(HISTORY - 1) as u8,
         }
     }
 
     /// Whether a tick can be left out: all is zero, and so is what can be heard of the input.
-    pub(super) fn sleeps(&self, state: &NetworkState, input: &[i32]) -> bool {
-        state.silent && bits(input) - INPUT_SHIFT <= self.inaudible_bits
+    pub(super) fn sleeps<T: Sample>(&self, state: &NetworkState, input: &[i32]) -> bool {
+        state.silent && bits(input) - T::INPUT_SHIFT <= self.inaudible_bits
     }
 
     /// A tick: `input` in Q4.27, its block long; the output is added to `out`.
@@ -133,13 +151,13 @@ impl NetworkConfig {
         Scratch { work, sound }: &mut Scratch,
         out: &mut [[i32; 2]],
     ) {
-        let loudest = self.look_back(state);
-        let bits = loudest.bits.max(bits(input) - INPUT_SHIFT).max(0) + 2;
+        let (pasts, loudest) = self.look_back(state);
+        let bits = loudest.bits.max(bits(input) - T::INPUT_SHIFT).max(0) + 2;
         let exponent = T::exponent(bits, loudest.exponent);
-        self.take_all(state, memory, exponent, work);
+        self.take_all(state, memory, &pasts, exponent, work);
         let shift = T::FRACTION - exponent;
         let Some(sound) = sound.get_mut(..usize::from(self.block)) else { return };
-        let shifts = Shifts { input: shift - INPUT_SHIFT, output: self.output_shift - shift };
+        let shifts = Shifts { input: shift - T::INPUT_SHIFT, output: self.output_shift - shift };
         self.mix::<T>(turn, input, work, sound, shifts);
         self.radiate(sound, out, shifts.output);
         let size = self.put_all(state, memory, work, (bits > CLIP_BITS).then_some(exponent));
@@ -162,61 +180,57 @@ struct Loudest {
     exponent: i32,
 }
 
-/// Where a line's block begins to read the later of two ticks' samples, and how many ticks ago the earlier was.
-fn seam(delay: usize, block: usize) -> (usize, usize) {
-    let ticks = delay.div_ceil(block.max(1));
-    (block - (ticks * block - delay).min(block), ticks)
+impl NetworkState {
+    fn past(&self, ticks: u8) -> u8 {
+        self.history.get(usize::from(self.now.wrapping_sub(ticks))).copied().unwrap_or(0)
+    }
 }
 
 impl NetworkConfig {
-    fn past(state: &NetworkState, ticks: usize) -> u8 {
-        let now = usize::from(state.now);
-        let place = if now >= ticks { now - ticks } else { now + HISTORY - ticks.min(HISTORY) };
-        state.history.get(place).copied().unwrap_or(0)
-    }
-
-    #[inline(never)]
-    fn look_back(&self, state: &NetworkState) -> Loudest {
+    /// What each line reads first and last, and the loudest of all.
+    fn look_back(&self, state: &NetworkState) -> ([[u8; 2]; LINES], Loudest) {
+        let mut pasts = [[0; 2]; LINES];
         let mut loudest = Loudest { bits: 0, exponent: 0 };
-        for &delay in &self.delays {
-            let (seam, ticks) = seam(usize::from(delay), usize::from(self.block));
-            let later = if seam < usize::from(self.block) { Self::past(state, ticks - 1) } else { 0 };
-            for past in [Self::past(state, ticks), later] {
+        for (pasts, line) in pasts.iter_mut().zip(&self.lines) {
+            let earlier = state.past(line.ticks);
+            let later = if line.seam < self.block { state.past(line.ticks.wrapping_sub(1)) } else { earlier };
+            *pasts = [earlier, later];
+            for past in [earlier, later] {
                 let (exponent, bits) = (i32::from(past & 15), i32::from(past >> 4));
-                if bits > 0 {
-                    loudest.bits = loudest.bits.max(bits + exponent);
-                    loudest.exponent = loudest.exponent.max(exponent);
-                }
+                // Nothing but zeros has no exponent.
+                let exponent = if bits > 0 { exponent } else { 0 };
+                loudest = Loudest { bits: loudest.bits.max(bits + exponent), exponent: loudest.exponent.max(exponent) };
             }
         }
-        loudest
+        (pasts, loudest)
     }
 
     /// Reads a block of every line, times its gain, as working values.
     #[inline(never)]
-    fn take_all<T: Sample>(&self, state: &NetworkState, memory: &[T], exponent: i32, work: &mut Work) {
-        let block = usize::from(self.block);
-        let mut memory = memory;
-        for (((&delay, &gain), &position), work) in
-            self.delays.iter().zip(&self.gains).zip(&state.positions).zip(work.iter_mut())
-        {
-            let Some((line, later)) = memory.split_at_checked(usize::from(delay)) else { return };
-            memory = later;
-            let (Some(work), (seam, ticks)) = (work.get_mut(..block), seam(line.len(), block)) else { return };
+    fn take_all<T: Sample>(
+        &self,
+        state: &NetworkState,
+        memory: &[T],
+        pasts: &[[u8; 2]; LINES],
+        exponent: i32,
+        work: &mut Work,
+    ) {
+        for (((line, pasts), &position), work) in self.lines.iter().zip(pasts).zip(&state.positions).zip(work) {
+            let (start, delay, position) = (usize::from(line.start), usize::from(line.delay), usize::from(position));
+            let Some(work) = work.get_mut(..usize::from(self.block)) else { return };
+            let Some(memory) = memory.get(start..start + delay) else { return };
             let gain_of = |past: u8| match past >> 4 {
                 0 => 0,
-                _ => T::raise(gain, i32::from(past & 15) - exponent),
+                _ => T::raise(line.gain, i32::from(past & 15) - exponent),
             };
-            let position = usize::from(position);
-            let earlier = gain_of(Self::past(state, ticks));
-            let later = if seam < block { gain_of(Self::past(state, ticks - 1)) } else { earlier };
+            let &[earlier, later] = pasts;
             if earlier == later {
-                take(line, position, earlier, work);
+                take(memory, position, gain_of(earlier), work);
                 continue;
             }
-            let (before, after) = work.split_at_mut(seam.min(block));
-            take(line, position, earlier, before);
-            take(line, position + seam, later, after);
+            let (before, after) = work.split_at_mut(usize::from(line.seam).min(work.len()));
+            take(memory, position, gain_of(earlier), before);
+            take(memory, position + usize::from(line.seam), gain_of(later), after);
         }
     }
 
@@ -235,62 +249,59 @@ impl NetworkConfig {
 
     /// Adds both outputs, times the output gain.
     fn radiate(&self, sound: &[[i32; 2]], out: &mut [[i32; 2]], shift: i32) {
-        if shift > 0 {
-            let left = shift.unsigned_abs();
-            let side = |y: i32| fixed::saturating_shift_left(fixed::smmulr(y, self.output), left);
-            for (out, sound) in out.iter_mut().zip(sound) {
-                *out = [out[0].saturating_add(side(sound[0])), out[1].saturating_add(side(sound[1]))];
-            }
-        } else {
+        if shift <= 0 {
             let right = shift.unsigned_abs().min(31);
-            let side = |y: i32| fixed::smmulr(y, self.output) >> right;
-            for (out, sound) in out.iter_mut().zip(sound) {
-                *out = [out[0].saturating_add(side(sound[0])), out[1].saturating_add(side(sound[1]))];
+            for ([left_out, right_out], &[left, other]) in out.iter_mut().zip(sound) {
+                *left_out = left_out.saturating_add(fixed::smmulr(left, self.output) >> right);
+                *right_out = right_out.saturating_add(fixed::smmulr(other, self.output) >> right);
             }
+            return;
+        }
+        let left = shift.unsigned_abs().min(31);
+        let most = i32::MAX >> left;
+        for (out, &y) in out.as_flattened_mut().iter_mut().zip(sound.as_flattened()) {
+            *out = out.saturating_add(fixed::smmulr(y, self.output).clamp(-most, most) << left);
         }
     }
 
-    #[inline(never)]
     /// Writes a block of every line where it was read; gives the bits of the largest size. Clips where the sizes may need it.
     fn put_all<T: Sample>(&self, state: &mut NetworkState, memory: &mut [T], work: &Work, clipped: Option<i32>) -> u32 {
-        let mut memory = memory;
         let mut size = 0;
-        for ((&delay, position), work) in self.delays.iter().zip(&mut state.positions).zip(work) {
-            let Some((line, later)) = memory.split_at_mut_checked(usize::from(delay)) else { break };
-            memory = later;
-            let Some(work) = work.get(..usize::from(self.block)) else { break };
-            let (to_end, from_start) = work.split_at((line.len() - usize::from(*position)).min(work.len()));
-            for (start, work) in [(usize::from(*position), to_end), (0, from_start)] {
-                let Some(line) = line.get_mut(start..start + work.len()).filter(|line| !line.is_empty()) else {
-                    continue;
-                };
-                size = size.max(match clipped {
-                    None => T::put(work, line),
-                    Some(exponent) => T::put_clipped(work, line, exponent),
-                });
+        for ((line, position), work) in self.lines.iter().zip(&mut state.positions).zip(work) {
+            let (start, delay) = (usize::from(line.start), usize::from(line.delay));
+            let Some(line) = memory.get_mut(start..start + delay) else { return size };
+            let Some(work) = work.get(..usize::from(self.block)) else { return size };
+            let Some((before, after)) = line.split_at_mut_checked(usize::from(*position)) else { return size };
+            let (to_end, from_start) = work.split_at(after.len().min(work.len()));
+            let put = |work: &[i32], line: &mut [T]| match clipped {
+                None => T::put(work, line),
+                Some(exponent) => T::put_clipped(work, line, exponent),
+            };
+            size = size.max(put(to_end, after));
+            if !from_start.is_empty() {
+                size = size.max(put(from_start, before));
             }
             let next = usize::from(*position) + work.len();
-            *position = if next >= line.len() { next - line.len() } else { next } as u16;
+            *position = if next >= delay { next - delay } else { next } as u16;
         }
         size
     }
 
-    #[inline(never)]
     fn remember(&self, state: &mut NetworkState, exponent: i32, size: u32) {
-        let now = usize::from(state.now);
         // 32-bit samples have no exponent: what their sizes exceed 15 bits by stands in its place.
         let (exponent, size) = if size > 15 { (size as i32 - 15, 15) } else { (exponent, size as i32) };
-        if let Some(entry) = state.history.get_mut(now) {
+        if let Some(entry) = state.history.get_mut(usize::from(state.now)) {
             *entry = (exponent | size << 4) as u8;
         }
-        state.now = if now + 1 >= HISTORY { 0 } else { now + 1 } as u8;
+        state.now = state.now.wrapping_add(1);
         let audible = size > 0 && size + exponent > self.inaudible_bits;
         state.quiet_ticks = if audible { 0 } else { state.quiet_ticks.saturating_add(1) };
-        state.silent = state.quiet_ticks > self.longest_ticks;
-        if state.silent {
+        let silent = state.quiet_ticks > self.longest_ticks;
+        if silent && !state.silent {
             // A history of zeros stands for lines of zeros.
             state.history = [0; HISTORY];
         }
+        state.silent = silent;
     }
 }
 

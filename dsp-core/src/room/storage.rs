@@ -12,6 +12,8 @@ pub trait Sample: Copy + sealed::Sealed {
     const ZERO: Self;
     /// Bits of a working value behind the stored sample's last one.
     const FRACTION: i32;
+    /// Each line takes the input times 2^-this: as quiet as leaves room for long loud sounds.
+    const INPUT_SHIFT: i32;
     /// Half a stored step as a working value, where storing cuts bits off.
     const HALF_STEP: i32;
 
@@ -52,6 +54,7 @@ mod sealed {
 impl Sample for i16 {
     const ZERO: Self = 0;
     const FRACTION: i32 = 12;
+    const INPUT_SHIFT: i32 = 4;
     const HALF_STEP: i32 = 1 << 11;
 
     fn exponent(bits: i32, read: i32) -> i32 {
@@ -99,6 +102,8 @@ impl Sample for i16 {
 impl Sample for i32 {
     const ZERO: Self = 0;
     const FRACTION: i32 = 0;
+    /// There is no exponent that would keep the last bits of the input.
+    const INPUT_SHIFT: i32 = 1;
     const HALF_STEP: i32 = 0;
 
     fn exponent(_: i32, _: i32) -> i32 {

@@ -83,10 +83,10 @@ malleus_room_put:
 @ malleus_room_mix(work, sound, count, sine, cosine): one sample of all eight lines at a time.
 @ Registers: r0 work (a line is 128 bytes), r1 sound, r3 sine, lr cosine, all others the lines and one or two free ones.
     .macro rotate a b
-    smmul   r2, r3, \b
-    smmul   \b, lr, \b
-    smmls   \b, r3, \a, \b
-    smmla   \a, lr, \a, r2
+    smmulr  r2, r3, \b
+    smmulr  \b, lr, \b
+    smmlsr  \b, r3, \a, \b
+    smmlar  \a, lr, \a, r2
     .endm
 
 @ sum goes to a free register, the difference stays in a

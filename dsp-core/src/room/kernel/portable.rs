@@ -35,10 +35,10 @@ pub(in crate::room) fn mix(
     for ((((l0, l1), (l2, l3)), ((l4, l5), (l6, l7))), sound) in low.zip(high).skip(start).zip(sound) {
         let x = sound[0];
         // First stage: two rotations, two butterflies. What storing cuts off is added here and so reaches every line.
-        let a0 = fixed::smmla(fixed::smmul(sine, *l1), cosine, *l0) + half_step;
-        let a1 = fixed::smmls(fixed::smmul(cosine, *l1), sine, *l0) + half_step;
-        let a2 = fixed::smmla(fixed::smmul(sine, *l3), cosine, *l2);
-        let a3 = fixed::smmls(fixed::smmul(cosine, *l3), sine, *l2);
+        let a0 = fixed::smmlar(fixed::smmulr(sine, *l1), cosine, *l0) + half_step;
+        let a1 = fixed::smmlsr(fixed::smmulr(cosine, *l1), sine, *l0) + half_step;
+        let a2 = fixed::smmlar(fixed::smmulr(sine, *l3), cosine, *l2);
+        let a3 = fixed::smmlsr(fixed::smmulr(cosine, *l3), sine, *l2);
         let (a4, a5, a6, a7) = (*l4 + *l5, *l4 - *l5, *l6 + *l7, *l6 - *l7);
         let (b0, b2, b1, b3) = (a0 + a2, a0 - a2, a1 + a3, a1 - a3);
         let (b4, b6, b5, b7) = (a4 + a6, a4 - a6, a5 + a7, a5 - a7);
