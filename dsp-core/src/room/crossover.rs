@@ -10,8 +10,6 @@
 //! the edge. The half-band prototype (three coefficients a) is designed by the nome series of Valenzuela and Constantinides (1983) and moved to the
 //! edge by `z^-1 -> (z^-1 - α)/(1 - α z^-1)`.
 
-use crate::fixed;
-
 /// Second-order sections of a split, one of them behind the first-order one.
 const SECTIONS: usize = 3;
 /// Width of the half-band prototype's transition, of half the sample rate.
@@ -55,15 +53,15 @@ pub(super) struct Split {
     second: [[i32; 2]; SECTIONS],
 }
 
-/// What a split remembers: inputs and outputs of its sections.
+/// What a split remembers: inputs, outputs and cut-off bits of its sections.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SplitState {
-    first: [i32; 2],
-    second: [[i32; 4]; SECTIONS],
+    first: [i32; 3],
+    second: [[i32; 5]; SECTIONS],
 }
 
 impl SplitState {
-    pub(super) const SILENT: Self = Self { first: [0; 2], second: [[0; 4]; SECTIONS] };
+    pub(super) const SILENT: Self = Self { first: [0; 3], second: [[0; 5]; SECTIONS] };
 }
 
 impl Split {
@@ -112,12 +110,18 @@ pub(super) fn clip(value: i32) -> i32 {
     if value > CLIP - 1 { CLIP - 1 } else { value }
 }
 
-/// `y = x2 + c2 (x - y2) + c1 (x1 - y1)`.
-fn section(&[c1, c2]: &[i32; 2], state: &mut [i32; 4], block: &mut [i32]) {
-    let [mut x1, mut x2, mut y1, mut y2] = *state;
+/// Bits of fraction of a coefficient.
+const FRACTION: u32 = 30;
+
+/// `y = x2 + c2 (x - y2) + c1 (x1 - y1)`. What rounding cuts off is added to the next sum: a pole pair near 0 Hz would raise plain rounding noise by the square of what it
+/// raises this.
+fn section(&[c1, c2]: &[i32; 2], state: &mut [i32; 5], block: &mut [i32]) {
+    let [mut x1, mut x2, mut y1, mut y2, mut rest] = *state;
     let mut step = |x: &mut i32| {
-        let sum = fixed::smmlar(fixed::smmulr(*x - y2, c2), x1 - y1, c1);
-        let y = x2.wrapping_add(sum << 2);
+        // Two products of at most 2^30.5 by 2^30 and by 2^31: below 2^62.1.
+        let sum = i64::from(*x - y2) * i64::from(c2) + i64::from(x1 - y1) * i64::from(c1) + i64::from(rest);
+        rest = (sum & ((1 << FRACTION) - 1)) as i32;
+        let y = x2 + (sum >> FRACTION) as i32;
         (x2, x1, y2, y1) = (x1, *x, y1, y);
         *x = y;
     };
@@ -128,16 +132,18 @@ fn section(&[c1, c2]: &[i32; 2], state: &mut [i32; 4], block: &mut [i32]) {
         step(b);
     }
     last.iter_mut().for_each(step);
-    *state = [x1, x2, y1, y2];
+    *state = [x1, x2, y1, y2, rest];
 }
 
-/// `y = x1 - α (x - y1)`.
-fn first_order(alpha: i32, state: &mut [i32; 2], block: &mut [i32]) {
-    let [mut x1, mut y1] = *state;
+/// `y = x1 - α (x - y1)`, with its rounding carried on in the same way.
+fn first_order(alpha: i32, state: &mut [i32; 3], block: &mut [i32]) {
+    let [mut x1, mut y1, mut rest] = *state;
     for x in block {
-        let y = x1.wrapping_sub(fixed::smmulr(*x - y1, alpha) << 2);
+        let sum = i64::from(*x - y1) * i64::from(alpha) + i64::from(rest);
+        rest = (sum & ((1 << FRACTION) - 1)) as i32;
+        let y = x1 - (sum >> FRACTION) as i32;
         (x1, y1) = (*x, y);
         *x = y;
     }
-    *state = [x1, y1];
+    *state = [x1, y1, rest];
 }

@@ -131,7 +131,8 @@ impl NetworkConfig {
             block: plan.block() as u8,
             output: mantissa,
             output_shift: exponent + 1,
-            inaudible_bits: inaudible_bits.clamp(0, 20),
+            // Rounding keeps four bits alive in a long tail.
+            inaudible_bits: inaudible_bits.clamp(4, 20),
             longest_ticks: (longest.div_ceil(plan.block()) + 1).min(HISTORY - 1) as u8,
         }
     }

@@ -54,7 +54,7 @@ mod sealed {
 impl Sample for i16 {
     const ZERO: Self = 0;
     const FRACTION: i32 = 12;
-    const INPUT_SHIFT: i32 = 4;
+    const INPUT_SHIFT: i32 = 2;
     const HALF_STEP: i32 = 1 << 11;
 
     fn exponent(bits: i32, read: i32) -> i32 {

@@ -5,11 +5,11 @@ use crate::fixed;
 use crate::resonator::TICK_FRAMES;
 
 /// Mean speed of the turning, in Hz.
-const TURNS_HZ: f64 = 3.0;
+const TURNS_HZ: f64 = 0.0;
 /// The speed swings by a second angle, this many radians ...
-const SWING: f64 = 4.0;
+const SWING: f64 = 6.0;
 /// ... this many times a second.
-const SWINGS_HZ: f64 = 0.37;
+const SWINGS_HZ: f64 = 1.1;
 
 /// Angles and speeds as parts of a turn, 2^32 = one turn; sine and cosine as Q31, at the beginning of a tick and at its end.
 #[derive(Clone, Copy, Debug)]
