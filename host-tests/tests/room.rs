@@ -1,7 +1,6 @@
 //! The room against its law and its twin in f64, and under stress.
 
 use dsp_core::SampleRate;
-use dsp_core::fixed::ONE_Q27;
 use dsp_core::room::{Room, RoomError};
 use host_tests::room::{
     Band, LARGE, SMALL, Table, answer, band_of, crest_db, echo_density_per_s, energy, impulse_response, octave_tables,
@@ -96,14 +95,14 @@ fn echoes_are_dense_within_100_ms_and_late_spectra_near_noise() {
                 .sum();
             sum / 4.0
         };
-        // Noise of this length has 10.4 dB.
+        // Noise of this length has 10.4 dB: 3 dB more with 48 KB, 6 dB more with 16 KB.
         println!(
             "{} bands: {density:.0} echoes a second; crest {:.1} and {:.1} dB",
             table.bands.len(),
             crest(&large),
             crest(&small)
         );
-        assert!(density >= 1000.0 && crest(&large) <= 14.4 && crest(&small) <= 16.4);
+        assert!(density >= 1000.0 && crest(&large) <= 13.4 && crest(&small) <= 16.4);
     }
 }
 
@@ -220,5 +219,4 @@ fn an_impulse_of_full_scale_does_not_clip() {
         println!("{} bands: {db:.1} dB", table.bands.len());
         assert!(db >= 70.0, "{db}");
     }
-    assert_eq!(ONE_Q27, 1 << 27);
 }

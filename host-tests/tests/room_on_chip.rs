@@ -33,10 +33,10 @@ fn cycles(chip: &mut RoomOnChip, table: &Table) -> (f64, f64) {
 }
 
 #[test]
-fn four_bands_take_250_cycles_a_frame_and_eight_take_700() {
+fn a_full_room_costs_no_more_than_its_documentation_says() {
     let mut chip = RoomOnChip::new().unwrap();
     let [four, eight] = octave_tables(3.0);
-    for (table, most) in [(four, 250.0), (eight, 700.0)] {
+    for (table, most) in [(four, 1.0), (eight, 1.0)] {
         chip.machine().clear_counts();
         let (mean, worst) = cycles(&mut chip, &table);
         println!("{} bands: {mean:.1} nominal cycles a frame, worst tick {worst:.1}", table.bands.len());

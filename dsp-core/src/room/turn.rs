@@ -1,47 +1,39 @@
-//! The angle that turns the networks' mixes: the same for all bands, moved on by every tick.
+//! The angle that turns the networks' mixes: the same for all bands, moved on by every tick that sounds.
 
 use crate::SampleRate;
 use crate::fixed;
 use crate::resonator::TICK_FRAMES;
 
-/// Mean speed of the turning, in Hz.
-const TURNS_HZ: f64 = 0.0;
-/// The speed swings by a second angle, this many radians ...
+/// The angle swings by this many radians to either side ...
 const SWING: f64 = 6.0;
-/// ... this many times a second.
-const SWINGS_HZ: f64 = 1.1;
+/// ... this many times a second: that moves the resonances by up to 11 Hz, and spreads a steady tone by as much.
+const SWINGS_HZ: f64 = 1.9;
 
-/// Angles and speeds as parts of a turn, 2^32 = one turn; sine and cosine as Q31, at the beginning of a tick and at its end.
+/// The phase of the swing as a part of a turn, 2^32 = one turn; sine and cosine of the angle as Q31, at the beginning of a tick and at its end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
-    angle: u32,
+    phase: u32,
     speed: u32,
-    swing: u32,
-    swing_speed: u32,
-    sine: i32,
-    cosine: i32,
+    now: [i32; 2],
     next: [i32; 2],
 }
 
 impl Turn {
-    pub(super) const NONE: Self =
-        Self { angle: 0, speed: 0, swing: 0, swing_speed: 0, sine: 0, cosine: 0, next: [0; 2] };
+    pub(super) const NONE: Self = Self { phase: 0, speed: 0, now: [0; 2], next: [0; 2] };
 
     pub(super) fn new(rate: SampleRate) -> Self {
-        let part_of_turn = |hz: f64| libm::rint(hz * TICK_FRAMES as f64 / rate.hz() * 4_294_967_296.0) as u32;
-        let mut turn = Self { speed: part_of_turn(TURNS_HZ), swing_speed: part_of_turn(SWINGS_HZ), ..Self::NONE };
+        let speed = libm::rint(SWINGS_HZ * TICK_FRAMES as f64 / rate.hz() * 4_294_967_296.0) as u32;
+        let mut turn = Self { speed, ..Self::NONE };
         turn.advance();
         turn
     }
 
     /// A tick later.
     pub(super) fn advance(&mut self) {
-        [self.sine, self.cosine] = self.next;
-        self.angle = self.angle.wrapping_add(self.speed);
-        self.swing = self.swing.wrapping_add(self.swing_speed);
-        // Q31 of a swing of ±1 times radians over a turn, to parts of a turn.
-        let swung = (i64::from(sine(self.swing)) * SWING_PER_TURN_Q30) >> 29;
-        let angle = self.angle.wrapping_add(swung as u32);
+        self.now = self.next;
+        self.phase = self.phase.wrapping_add(self.speed);
+        // Q31 times radians over a turn, to parts of a turn.
+        let angle = ((i64::from(sine(self.phase)) * SWING_PER_TURN_Q30) >> 29) as u32;
         self.next = [sine(angle), sine(angle.wrapping_add(1 << 30))];
     }
 
@@ -49,9 +41,9 @@ impl Turn {
     pub(super) fn at(&self, part: usize, parts: usize) -> [i32; 2] {
         let shift = parts.trailing_zeros();
         // A tick turns by much less than a radian, but let it be: the difference of two Q31 fits when halved.
-        let [sine, cosine] = self.next;
         let step = |from: i32, to: i32| from + (((((to >> 1) - (from >> 1)) >> shift) * part as i32) << 1);
-        [step(self.sine, sine), step(self.cosine, cosine)]
+        let ([sine, cosine], [next_sine, next_cosine]) = (self.now, self.next);
+        [step(sine, next_sine), step(cosine, next_cosine)]
     }
 }
 

@@ -36,12 +36,12 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
     out
 }
 
-/// Sine and cosine of the mix's angle in a tick counted from 0: three turns a second with a swing of ±4 radians 0.37 times a second, on a straight line
-/// between ticks, held for eight samples.
+/// Sine and cosine of the mix's angle in a tick counted from 0: a swing of ±6 radians 1.9 times a second, on a straight line between
+/// ticks, held for eight samples.
 fn turn(tick: usize, sample: usize, block: usize, hz: f64) -> [f64; 2] {
     let at = |tick: usize| {
         let t = tick as f64 * TICK_FRAMES as f64 / hz;
-        (TAU * 3.0 * t + 4.0 * (TAU * 0.37 * t).sin()).sin_cos()
+        (6.0 * (TAU * 1.9 * t).sin()).sin_cos()
     };
     let part = (sample / 8 * 8) as f64 / block as f64;
     // The first tick's angle is that of one tick after the start.
