@@ -29,7 +29,8 @@ pub trait Sample: Copy + sealed::Sealed {
     /// Reads a block times a gain, as working values.
     fn take(line: &[Self], gain: i32, work: &mut [i32]);
 
-    /// Mixes, see [`portable::mix`](super::kernel::portable::mix).
+    /// Mixes the samples of all lines from `start` on, as many as `sound` has, by an angle given as sine and cosine (Q31). `sound` holds each frame's input in its
+    /// first element, and afterwards both outputs.
     fn mix(work: &mut Work, start: usize, sound: &mut [[i32; 2]], turn: [i32; 2]);
 
     /// Stores working values that are known to fit; gives the bits of the largest size.
