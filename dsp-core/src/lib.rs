@@ -14,6 +14,7 @@ pub mod pad;
 pub mod radiation;
 pub mod residual;
 pub mod resonator;
+pub mod room;
 pub mod table;
 pub mod trigger;
 

@@ -28,8 +28,8 @@
 //! | [`pad`] | one object, its strikers, and the sum of all they radiate | eq. 1 |
 //! | [`scene`] | several pads: level, pan, stereo, and 24-bit quantisation | this project |
 //!
-//! Of eq. 1, the background noise `N` and the room `IR_e` are not part of this model. Added to it
-//! are the striker's own bank with weight η (as §4.3 does for tools), a cosine gain for every mode,
+//! Of eq. 1, the background noise `N` is not part of this model; the room `IR_e` is in [`mod@room`], by itself. Added
+//! to it are the striker's own bank with weight η (as §4.3 does for tools), a cosine gain for every mode,
 //! gains that depend on the position of the contact, and the choke.
 //!
 //! # Conventions
@@ -87,6 +87,7 @@ pub mod pad;
 pub mod radiation;
 pub mod residual;
 pub mod resonator;
+pub mod room;
 pub mod scene;
 pub mod trigger;
 
@@ -99,4 +100,5 @@ pub use event::{Action, Direct, Event};
 pub use pad::{Object, Pad};
 pub use rate::SampleRate;
 pub use resonator::{Bank, Gain, Mode};
+pub use room::{RoomBand, room};
 pub use scene::{Scene, render};

@@ -243,3 +243,15 @@ pub struct BackgroundHeader {
     /// Seed of the noise.
     pub seed: U32,
 }
+
+/// One band of the room; bands stand from the lowest up.
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct RoomBandRecord {
+    /// Where the band begins, in Hz; 0 for the first. It ends where the next one begins, the last one at Nyquist.
+    pub from_hz: F32,
+    /// Initial gain g, 1/√s.
+    pub gain: F32,
+    /// Decay rate d in 1/s; T60 = ln(1000)/d.
+    pub decay_per_s: F32,
+}

@@ -85,3 +85,7 @@ pub const DECAY_DB_PER_S: Range = Range::new(1.0, 20_000.0);
 pub const LAST_CHANNEL: usize = 15;
 /// Largest number of a button that a kit may name.
 pub const LAST_BUTTON: usize = 15;
+/// Initial gain of a room's band, 1/√s: the answer's energy is gain²/(2 decay).
+pub const ROOM_GAIN: Range = Range::new(0.0, 100.0);
+/// Decay of a room's band in 1/s: T60 from 46 ms to 23 s.
+pub const ROOM_DECAY_PER_S: Range = Range::new(0.3, 150.0);

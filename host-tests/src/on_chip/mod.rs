@@ -4,11 +4,13 @@ mod bank;
 pub mod budget_scenes;
 mod engine;
 mod residual;
+mod room;
 pub mod scenes;
 
 pub use bank::BankOnChip;
 pub use engine::{BLOCK_FRAMES, EngineOnChip, Footprint, Told};
 pub use residual::ResidualOnChip;
+pub use room::RoomOnChip;
 
 use std::path::{Path, PathBuf};
 

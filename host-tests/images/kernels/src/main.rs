@@ -8,6 +8,7 @@
 mod bank;
 mod float;
 mod rivals;
+mod room;
 mod wire;
 
 use core::panic::PanicInfo;

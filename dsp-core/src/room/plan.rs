@@ -1,0 +1,176 @@
+//! From a table of bands to rates, delays and gains.
+
+use super::RoomError;
+use super::network::{INPUT_GAIN, LINES};
+use crate::SampleRate;
+use crate::resonator::TICK_FRAMES;
+use crate::table::layout::RoomBandRecord;
+
+/// Bands that a room may have.
+pub const MAX_BANDS: usize = 8;
+/// Highest edge of a band that may run at a rate, of that rate: its split is 40 dB down where the spectrum folds.
+const EDGE: f64 = 0.4;
+/// A network's delays add up to this part of its T60 ...
+const DELAY_OF_T60: f64 = 0.15;
+/// ... or to what makes this many resonances in its band, so that a narrow one does not beat, whichever is longer.
+const RESONANCES: f64 = 100.0;
+/// Ratio of neighbouring delays.
+const RATIO: f64 = 1.25;
+/// Longest delay of a line, in ticks.
+pub(super) const MAX_TICKS: usize = 190;
+
+/// One band's network.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BandPlan {
+    /// It runs at the rate divided by this: 1, 2, 4 ... 32.
+    pub division: usize,
+    /// Its lower edge, of its own rate; 0 for the lowest band.
+    pub edge: f64,
+    /// Delays in samples at its own rate, distinct primes, rising.
+    pub delays: [usize; LINES],
+    /// Gain of a pass through each line, `10^(-3 delay/(rate T60))`.
+    pub gains: [f64; LINES],
+    /// Gain of the output.
+    pub output: f64,
+}
+
+impl BandPlan {
+    pub(super) const NONE: Self = Self { division: 1, edge: 0.0, delays: [0; LINES], gains: [0.0; LINES], output: 0.0 };
+
+    /// Samples of a tick.
+    pub(super) fn block(&self) -> usize {
+        TICK_FRAMES / self.division
+    }
+}
+
+/// Plans all bands for `words` samples of delay.
+pub(super) fn plan(
+    bands: &[RoomBandRecord],
+    rate: SampleRate,
+    words: usize,
+) -> Result<[BandPlan; MAX_BANDS], RoomError> {
+    if bands.len() > MAX_BANDS {
+        return Err(RoomError::TooManyBands { bands: bands.len(), capacity: MAX_BANDS });
+    }
+    let hz = rate.hz();
+    let mut lowest = 0.0;
+    for (band, record) in bands.iter().enumerate() {
+        let from_hz = f64::from(record.from_hz.get());
+        let ordered = if band == 0 { from_hz == 0.0 } else { from_hz > lowest };
+        if !ordered {
+            return Err(RoomError::EdgesOutOfOrder { band, from_hz: record.from_hz.get() });
+        }
+        if from_hz >= MAX_EDGE * hz {
+            return Err(RoomError::EdgeAboveNyquist { band, from_hz: record.from_hz.get(), rate });
+        }
+        let decay_per_s = record.decay_per_s.get();
+        if !crate::table::range::ROOM_DECAY_PER_S.holds(decay_per_s) {
+            return Err(RoomError::Decay { band, decay_per_s });
+        }
+        if !crate::table::range::ROOM_GAIN.holds(record.gain.get()) {
+            return Err(RoomError::Gain { band, gain: record.gain.get() });
+        }
+        lowest = from_hz;
+    }
+    let mut plans = [BandPlan::NONE; MAX_BANDS];
+    let mut delays_s = [0.0; MAX_BANDS];
+    for (band, plan) in plans.iter_mut().enumerate().take(bands.len()) {
+        let (from_hz, to_hz) = edges_hz(bands, band, hz);
+        while plan.division < TICK_FRAMES && to_hz * (2 * plan.division) as f64 <= EDGE * hz {
+            plan.division *= 2;
+        }
+        plan.edge = from_hz * plan.division as f64 / hz;
+        if let (Some(record), Some(delay_s)) = (bands.get(band), delays_s.get_mut(band)) {
+            let t60_s = T60_PER_TIME_CONSTANT / f64::from(record.decay_per_s.get());
+            *delay_s = (DELAY_OF_T60 * t60_s).max(RESONANCES / (to_hz - from_hz));
+        }
+    }
+    share(&mut delays_s, &plans, hz, words);
+    for ((plan, record), &delay_s) in plans.iter_mut().zip(bands).zip(&delays_s) {
+        let own_rate = hz / plan.division as f64;
+        let decay_per_s = f64::from(record.decay_per_s.get());
+        plan.delays = delays(delay_s * own_rate, plan.block());
+        for (gain, &delay) in plan.gains.iter_mut().zip(&plan.delays) {
+            *gain = libm::exp(-decay_per_s * delay as f64 / own_rate);
+        }
+        plan.output = f64::from(record.gain.get()) * output_gain(&plan.gains, decay_per_s);
+    }
+    let needed = plans.iter().flat_map(|plan| plan.delays).sum();
+    if needed > words {
+        return Err(RoomError::TooFewSamples { needed, capacity: words });
+    }
+    Ok(plans)
+}
+
+/// `ln 1000`.
+const T60_PER_TIME_CONSTANT: f64 = 6.907_755_278_982_137;
+/// Highest lower edge of a band, of the rate.
+const MAX_EDGE: f64 = 0.49;
+
+fn edges_hz(bands: &[RoomBandRecord], band: usize, hz: f64) -> (f64, f64) {
+    let edge = |band: usize| bands.get(band).map_or(hz / 2.0, |record| f64::from(record.from_hz.get()));
+    (edge(band), edge(band + 1))
+}
+
+/// Cuts the wishes (seconds of delay, all lines of a band together) to what the memory holds: the same limit for all.
+fn share(delays_s: &mut [f64; MAX_BANDS], plans: &[BandPlan; MAX_BANDS], hz: f64, words: usize) {
+    let needed = |limit: f64| {
+        let each = delays_s.iter().zip(plans).map(|(delay_s, plan)| delay_s.min(limit) * hz / plan.division as f64);
+        each.sum::<f64>()
+    };
+    // The longest line must not outlast the history of exponents.
+    let weights = weights();
+    let longest_part = weights.iter().fold(0.0, |longest: f64, &weight| longest.max(weight));
+    let (mut low, mut high) = (0.0, (MAX_TICKS * TICK_FRAMES) as f64 / hz / longest_part);
+    if needed(high) > words as f64 {
+        for _ in 0..30 {
+            let middle = 0.5 * (low + high);
+            match needed(middle) <= words as f64 {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        high = low;
+    }
+    for delay_s in delays_s {
+        *delay_s = delay_s.min(high);
+    }
+}
+
+/// Parts of all delays that each line has.
+fn weights() -> [f64; LINES] {
+    let (mut weight, mut sum) = (1.0, 0.0);
+    let weights = [(); LINES].map(|()| {
+        let this = weight;
+        sum += this;
+        weight *= RATIO;
+        this
+    });
+    weights.map(|weight| weight / sum)
+}
+
+/// Distinct primes near the parts of `total`, not above them unless a block asks for it.
+fn delays(total: f64, block: usize) -> [usize; LINES] {
+    let mut last = 1;
+    weights().map(|weight| {
+        let wanted = ((weight * total) as usize).max(block).max(last + 1);
+        let below = (block.max(last + 1)..=wanted).rev().find(|&n| is_prime(n));
+        last = below.unwrap_or_else(|| (wanted..).find(|&n| is_prime(n)).unwrap_or(wanted));
+        last
+    })
+}
+
+fn is_prime(n: usize) -> bool {
+    n > 1 && (2..).take_while(|d| d * d <= n).all(|d| !n.is_multiple_of(d))
+}
+
+/// What makes the impulse response's energy the law's, `g²/(2 d)` for g = 1.
+///
+/// Energy flows as through a network of pipes: each line's output is spread evenly over all lines. With an input that puts `INPUT²` into each
+/// line, the lines put out `S = Σ G_j INPUT² / (1 - Σ G_j / L)` in all (G the squared gains), and each output takes 1/L of that.
+fn output_gain(gains: &[f64; LINES], decay_per_s: f64) -> f64 {
+    let passed = gains.iter().fold(0.0, |sum, gain| sum + gain * gain);
+    let lines = LINES as f64;
+    let energy = passed * INPUT_GAIN * INPUT_GAIN / (1.0 - passed / lines) / lines;
+    libm::sqrt(1.0 / (2.0 * decay_per_s * energy))
+}

@@ -1,0 +1,79 @@
+//! The angle that turns the networks' mixes: the same for all bands, moved on by every tick that sounds.
+
+use crate::SampleRate;
+use crate::fixed;
+use crate::resonator::TICK_FRAMES;
+
+/// The angle swings by this many radians to either side ...
+const SWING: f64 = 6.0;
+/// ... this many times a second: that moves the resonances by up to 11 Hz, and spreads a steady tone by as much.
+const SWINGS_HZ: f64 = 1.9;
+
+/// The phase of the swing as a part of a turn, 2^32 = one turn; sine and cosine of the angle as Q31, at the beginning of a tick and at its end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turn {
+    phase: u32,
+    speed: u32,
+    now: [i32; 2],
+    next: [i32; 2],
+}
+
+impl Turn {
+    pub(super) const NONE: Self = Self { phase: 0, speed: 0, now: [0; 2], next: [0; 2] };
+
+    pub(super) fn new(rate: SampleRate) -> Self {
+        let speed = libm::rint(SWINGS_HZ * TICK_FRAMES as f64 / rate.hz() * 4_294_967_296.0) as u32;
+        let mut turn = Self { speed, ..Self::NONE };
+        turn.advance();
+        turn
+    }
+
+    /// A tick later.
+    pub(super) fn advance(&mut self) {
+        self.now = self.next;
+        self.phase = self.phase.wrapping_add(self.speed);
+        // Q31 times radians over a turn, to parts of a turn.
+        let angle = ((i64::from(sine(self.phase)) * SWING_PER_TURN_Q30) >> 29) as u32;
+        self.next = [sine(angle), sine(angle.wrapping_add(1 << 30))];
+    }
+
+    /// Sine and cosine at the beginning of one of a tick's equal parts (a power of two of them), on the straight line between those at its ends.
+    pub(super) fn at(&self, part: usize, parts: usize) -> [i32; 2] {
+        let shift = parts.trailing_zeros();
+        // A tick turns by much less than a radian, but let it be: the difference of two Q31 fits when halved.
+        let step = |from: i32, to: i32| from + (((((to >> 1) - (from >> 1)) >> shift) * part as i32) << 1);
+        let ([sine, cosine], [next_sine, next_cosine]) = (self.now, self.next);
+        [step(sine, next_sine), step(cosine, next_cosine)]
+    }
+}
+
+/// `SWING / 2π` as Q30.
+const SWING_PER_TURN_Q30: i64 = (SWING / (2.0 * core::f64::consts::PI) * 1_073_741_824.0) as i64;
+
+/// Sine of a part of a turn, Q31, a little (2^-22) below what it is, so that a rotation by it never adds energy. Within 4e-7.
+fn sine(angle: u32) -> i32 {
+    // Quarters 1 and 2 mirrored: an angle from -1/4 to 1/4 turn, as Q31 of a quarter.
+    let folded = if (angle.wrapping_add(1 << 30) as i32) < 0 { (1u32 << 31).wrapping_sub(angle) } else { angle } as i32;
+    // 2^30 is a quarter turn, z = 1 in Q30.
+    let z = i64::from(folded);
+    let z2 = (z * z) >> 30;
+    // x (π/2 - (π/2)³ x²/3! + ...), to the eleventh power, Q30, times 1 - 2^-22.
+    let mut sum = COEFFICIENTS_Q30[5];
+    for &coefficient in COEFFICIENTS_Q30.iter().rev().skip(1) {
+        sum = coefficient + ((sum * z2) >> 30);
+    }
+    fixed::saturate((sum * z) >> 29)
+}
+
+const fn q30(value: f64) -> i64 {
+    (value * 1_073_741_824.0 * (1.0 - 1.0 / 4_194_304.0)) as i64
+}
+
+const COEFFICIENTS_Q30: [i64; 6] = [
+    q30(core::f64::consts::FRAC_PI_2),
+    q30(-0.645_964_097_506_246_3),
+    q30(0.079_692_626_246_167_05),
+    q30(-0.004_681_754_135_318_688),
+    q30(0.000_160_441_184_787_359_8),
+    q30(-0.000_003_598_843_235_212_085),
+];

@@ -1,0 +1,91 @@
+//! What an impulse response is made of, in f64.
+
+use realfft::RealFftPlanner;
+
+/// A band to look at, in Hz.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Band {
+    /// Lower edge.
+    pub from_hz: f64,
+    /// Upper edge.
+    pub to_hz: f64,
+}
+
+impl Band {
+    /// The band without a sixth of an octave at each of its edges (but for the ends of the spectrum), where neighbours' slopes reach.
+    pub fn inside(self, rate_hz: f64) -> Self {
+        let from_hz = if self.from_hz > 0.0 { self.from_hz * 2f64.powf(1.0 / 6.0) } else { 0.0 };
+        let to_hz = if self.to_hz < rate_hz / 2.0 { self.to_hz / 2f64.powf(1.0 / 6.0) } else { self.to_hz };
+        Self { from_hz, to_hz }
+    }
+}
+
+/// The part of a response in a band: everything else of its spectrum set to 0, after as many zeros behind it.
+pub fn band_of(response: &[f64], band: Band, rate_hz: f64) -> Vec<f64> {
+    let length = (2 * response.len()).next_power_of_two();
+    let mut planner = RealFftPlanner::<f64>::new();
+    let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
+    let mut signal = response.to_vec();
+    signal.resize(length, 0.0);
+    let mut spectrum = forward.make_output_vec();
+    forward.process(&mut signal, &mut spectrum).expect("lengths are the plan's");
+    for (bin, value) in spectrum.iter_mut().enumerate() {
+        let hz = bin as f64 * rate_hz / length as f64;
+        *value *= if (band.from_hz..=band.to_hz).contains(&hz) { 1.0 / length as f64 } else { 0.0 };
+    }
+    // The ends of a real signal's spectrum are real.
+    spectrum[0].im = 0.0;
+    spectrum[length / 2].im = 0.0;
+    inverse.process(&mut spectrum, &mut signal).expect("lengths are the plan's");
+    signal.truncate(response.len());
+    signal
+}
+
+/// Energy of a response.
+pub fn energy(response: &[f64]) -> f64 {
+    response.iter().map(|x| x * x).sum()
+}
+
+/// T60 from Schroeder's backward integral, by the line that fits it best between two levels (dB below the beginning).
+pub fn t60_s(response: &[f64], from_db: f64, to_db: f64, rate_hz: f64) -> f64 {
+    let mut left = energy(response);
+    let all = left;
+    let (mut n, mut sum_x, mut sum_y, mut sum_xx, mut sum_xy) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (frame, x) in response.iter().enumerate() {
+        let db = 10.0 * (left / all).max(1e-30).log10();
+        if db < -to_db {
+            break;
+        }
+        if db < -from_db {
+            let t = frame as f64 / rate_hz;
+            (n, sum_x, sum_y, sum_xx, sum_xy) = (n + 1.0, sum_x + t, sum_y + db, sum_xx + t * t, sum_xy + t * db);
+        }
+        left -= x * x;
+    }
+    -60.0 * (n * sum_xx - sum_x * sum_x) / (n * sum_xy - sum_x * sum_y)
+}
+
+/// Largest power of a spectrum above its mean, in dB: of a Hann window over the whole of `window`, from `from_hz` to `to_hz`.
+pub fn crest_db(window: &[f64], from_hz: f64, to_hz: f64, rate_hz: f64) -> f64 {
+    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(window.len());
+    let turn = std::f64::consts::TAU / window.len() as f64;
+    let mut signal: Vec<f64> =
+        window.iter().enumerate().map(|(n, x)| x * (0.5 - 0.5 * (turn * n as f64).cos())).collect();
+    let mut spectrum = forward.make_output_vec();
+    forward.process(&mut signal, &mut spectrum).expect("lengths are the plan's");
+    let hz = rate_hz / window.len() as f64;
+    let bins = (from_hz / hz) as usize..(to_hz / hz) as usize;
+    let power: Vec<f64> = spectrum[bins].iter().map(|value| value.norm_sqr()).collect();
+    let mean = power.iter().sum::<f64>() / power.len() as f64;
+    10.0 * (power.iter().fold(0.0, |most: f64, &x| most.max(x)) / mean).log10()
+}
+
+/// Echoes a second in a stretch of a response: local maxima of its size that stand within 20 dB of the stretch's rms or above it.
+pub fn echo_density_per_s(stretch: &[f64], rate_hz: f64) -> f64 {
+    let floor = (energy(stretch) / stretch.len() as f64).sqrt() * 0.1;
+    let peaks = stretch.windows(3).filter(|at| {
+        let [before, here, after] = [at[0].abs(), at[1].abs(), at[2].abs()];
+        here > floor && here > before && here >= after
+    });
+    peaks.count() as f64 * rate_hz / stretch.len() as f64
+}

@@ -1,0 +1,50 @@
+//! The room measured: impulse responses, and what their decay, energy, density and spectrum are.
+
+mod analysis;
+mod tables;
+
+pub use analysis::{Band, band_of, crest_db, echo_density_per_s, energy, t60_s};
+pub use tables::{Table, TableBand, octave_tables, random_tables};
+
+use dsp_core::SampleRate;
+use dsp_core::fixed::ONE_Q27;
+use dsp_core::room::{Room, RoomError, Sample};
+
+/// Samples of delay in 48 KB of 16-bit samples.
+pub const LARGE: usize = 24_576;
+/// Samples of delay in 16 KB of 16-bit samples.
+pub const SMALL: usize = 8_192;
+
+/// A room's answer to a unit impulse on both sides, without the impulse: each side, 1.0 = full scale.
+///
+/// # Errors
+/// A [`RoomError`] for a table that cannot be played.
+pub fn impulse_response<T: Sample, const SAMPLES: usize>(
+    table: &Table,
+    rate: SampleRate,
+    frames: usize,
+) -> Result<[Vec<f64>; 2], RoomError> {
+    let mut dry = vec![0.0; frames];
+    dry[0] = 1.0;
+    answer::<T, SAMPLES>(table, rate, &dry)
+}
+
+/// A room's answer to a sound on both sides, without the sound itself.
+///
+/// # Errors
+/// A [`RoomError`] for a table that cannot be played.
+pub fn answer<T: Sample, const SAMPLES: usize>(
+    table: &Table,
+    rate: SampleRate,
+    dry: &[f64],
+) -> Result<[Vec<f64>; 2], RoomError> {
+    let mut room = Box::new(Room::<T, SAMPLES>::new());
+    room.load(&table.records(), rate)?;
+    let dry: Vec<i32> = dry.iter().map(|&x| dsp_core::fixed::q27_from(x)).collect();
+    let mut out: Vec<[i32; 2]> = dry.iter().map(|&x| [x; 2]).collect();
+    room.render(&mut out);
+    Ok([0, 1].map(|side| {
+        let wet = out.iter().zip(&dry).map(|(out, &dry)| i64::from(out[side]) - i64::from(dry));
+        wet.map(|wet| wet as f64 / f64::from(ONE_Q27)).collect()
+    }))
+}

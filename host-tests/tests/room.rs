@@ -1,0 +1,222 @@
+//! The room against its law and its twin in f64, and under stress.
+
+use dsp_core::SampleRate;
+use dsp_core::room::{Room, RoomError};
+use host_tests::room::{
+    Band, LARGE, SMALL, Table, answer, band_of, crest_db, echo_density_per_s, energy, impulse_response, octave_tables,
+    random_tables, t60_s,
+};
+
+use proptest::prelude::*;
+use reference::RoomBand;
+
+const RATE: SampleRate = SampleRate::HZ_48000;
+
+/// Signal to noise of a room against the f64 twin, both sides together, for an impulse and for a burst of noise.
+fn snr_db(table: &Table, answers: [Vec<f64>; 2], dry: &[f64], samples: usize) -> f64 {
+    let bands: Vec<RoomBand> = table
+        .records()
+        .iter()
+        .map(|band| RoomBand {
+            from_hz: f64::from(band.from_hz.get()),
+            gain: f64::from(band.gain.get()),
+            decay_per_s: f64::from(band.decay_per_s.get()),
+        })
+        .collect();
+    let rate = reference::SampleRate { numerator: 48_000, denominator: 1 };
+    let law = reference::room(&bands, dry, rate, samples);
+    let (mut signal, mut noise) = (0.0, 0.0);
+    for (law, answer) in law.iter().zip(&answers) {
+        signal += energy(law);
+        noise += law.iter().zip(answer).map(|(law, answer)| (law - answer).powi(2)).sum::<f64>();
+    }
+    10.0 * (signal / noise).log10()
+}
+
+#[test]
+fn the_32_bit_room_follows_its_twin_to_90_db_and_the_16_bit_one_to_what_its_storage_allows() {
+    let mut dry = vec![0.0; 48_000];
+    dry[0] = 0.9;
+    let [four, eight] = octave_tables(6.0);
+    let tables = [four, eight, Table::even(&[], 20.0, 1.0), Table::even(&[1000.0], 0.2, 3.0)];
+    let mut worst = [f64::MAX; 2];
+    for table in &tables {
+        let wide = snr_db(table, answer::<i32, LARGE>(table, RATE, &dry).unwrap(), &dry, LARGE);
+        let narrow = snr_db(table, answer::<i16, LARGE>(table, RATE, &dry).unwrap(), &dry, LARGE);
+        println!(
+            "{} bands, T60 {} s: 32 bits {wide:.1} dB, 16 bits {narrow:.1} dB",
+            table.bands.len(),
+            table.bands[0].t60_s
+        );
+        worst = [worst[0].min(wide), worst[1].min(narrow)];
+    }
+    assert!(worst[0] >= 90.0 && worst[1] >= 50.0, "{worst:?}");
+}
+
+#[test]
+fn decays_and_energies_follow_the_table() {
+    // Bands of many resonances; what is narrow and short scatters as noise itself does.
+    let hz = RATE.hz();
+    let (mut within, mut all, mut worst_db) = (0, 0, 0.0f64);
+    for table in random_tables(4, 6, 2.0, 0.0, 1) {
+        let longest = table.bands.iter().fold(0.0, |longest: f64, band| longest.max(band.t60_s));
+        let sides = impulse_response::<i16, LARGE>(&table, RATE, ((0.7 * longest + 0.3) * hz) as usize).unwrap();
+        for (index, band) in table.bands.iter().enumerate() {
+            let inside = Band { from_hz: band.from_hz.max(20.0), to_hz: table.to_hz(index, hz) }.inside(hz);
+            if (inside.to_hz - inside.from_hz) * band.t60_s < 300.0 {
+                continue;
+            }
+            let parts = sides.each_ref().map(|side| band_of(side, inside, hz));
+            let t60 = parts.each_ref().map(|part| t60_s(part, 5.0, 25.0, hz)).iter().sum::<f64>() / 2.0;
+            let law =
+                band.gain * band.gain * band.t60_s / (2.0 * 1000f64.ln()) * (inside.to_hz - inside.from_hz) * 2.0 / hz;
+            let db = 10.0 * (parts.iter().map(|part| energy(part)).sum::<f64>() / 2.0 / law).log10();
+            all += 1;
+            within += usize::from((t60 / band.t60_s - 1.0).abs() <= 0.05);
+            worst_db = worst_db.max(db.abs());
+        }
+    }
+    println!("T60 within 5 %: {within} of {all}; energy within {worst_db:.2} dB");
+    assert!(within * 10 >= all * 8 && worst_db <= 1.0, "{within} of {all}, {worst_db} dB");
+}
+
+#[test]
+fn echoes_are_dense_within_100_ms_and_late_spectra_near_noise() {
+    let hz = RATE.hz();
+    for table in octave_tables(6.0) {
+        let large = impulse_response::<i16, LARGE>(&table, RATE, 120_000).unwrap();
+        let small = impulse_response::<i16, SMALL>(&table, RATE, 120_000).unwrap();
+        let density = echo_density_per_s(&large[0][3840..4800], hz);
+        let crest = |sides: &[Vec<f64>; 2]| {
+            let sum: f64 = sides
+                .iter()
+                .flat_map(|side| [48_000, 72_000].map(|start| &side[start..start + 48_000]))
+                .map(|window| crest_db(window, 100.0, 20_000.0, hz))
+                .sum();
+            sum / 4.0
+        };
+        // Noise of this length has 10.4 dB: 3 dB more with 48 KB, 6 dB more with 16 KB.
+        println!(
+            "{} bands: {density:.0} echoes a second; crest {:.1} and {:.1} dB",
+            table.bands.len(),
+            crest(&large),
+            crest(&small)
+        );
+        assert!(density >= 1000.0 && crest(&large) <= 13.4 && crest(&small) <= 16.4);
+    }
+}
+
+#[test]
+fn bad_tables_are_refused_by_name() {
+    let mut room = Box::new(Room::<i16, SMALL>::new());
+    let mut refusal = |bands: &[(f64, f64, f64)]| {
+        let bands = bands.iter().map(|&(from_hz, t60_s, gain)| host_tests::room::TableBand { from_hz, t60_s, gain });
+        room.load(&Table { bands: bands.collect() }.records(), RATE).unwrap_err()
+    };
+    let fine = (0.0, 1.0, 1.0);
+    assert!(matches!(refusal(&[(100.0, 1.0, 1.0)]), RoomError::EdgesOutOfOrder { band: 0, .. }));
+    assert!(matches!(
+        refusal(&[fine, (900.0, 1.0, 1.0), (800.0, 1.0, 1.0)]),
+        RoomError::EdgesOutOfOrder { band: 2, .. }
+    ));
+    assert!(matches!(refusal(&[fine, (f64::NAN, 1.0, 1.0)]), RoomError::EdgesOutOfOrder { band: 1, .. }));
+    assert!(matches!(refusal(&[fine, (24_000.0, 1.0, 1.0)]), RoomError::EdgeAboveNyquist { band: 1, .. }));
+    assert!(matches!(refusal(&[(0.0, -1.0, 1.0)]), RoomError::Decay { band: 0, .. }));
+    assert!(matches!(refusal(&[(0.0, 0.0, 1.0)]), RoomError::Decay { .. }));
+    assert!(matches!(refusal(&[(0.0, 1.0, f64::NAN)]), RoomError::Gain { .. }));
+    let many: Vec<_> = (0..9).map(|band| (f64::from(band) * 100.0, 1.0, 1.0)).collect();
+    assert!(matches!(refusal(&many), RoomError::TooManyBands { bands: 9, capacity: 8 }));
+    let mut tiny = Room::<i16, 100>::new();
+    assert!(matches!(
+        tiny.load(&octave_tables(1.0)[0].records(), RATE),
+        Err(RoomError::TooFewSamples { capacity: 100, .. })
+    ));
+}
+
+/// Any table that a kit may hold, at the edges of its ranges too.
+fn any_table() -> impl Strategy<Value = Table> {
+    let value = |low: f64, high: f64| prop_oneof![2 => (0.0..1.0f64).prop_map(move |part| low * (high / low).powf(part)), 1 => Just(low), 1 => Just(high)];
+    let band = (1.02..6.0f64, value(0.0461, 22.9), value(1e-3, 99.0));
+    (20.0..4000.0f64, prop::collection::vec(band, 1..=8)).prop_map(|(lowest_hz, bands)| {
+        let mut from_hz = 0.0;
+        let mut next = |ratio: f64| {
+            let now = from_hz;
+            from_hz = if now == 0.0 { lowest_hz } else { now * ratio };
+            now
+        };
+        let bands = bands.into_iter().map(|(ratio, t60_s, gain)| host_tests::room::TableBand {
+            from_hz: next(ratio),
+            t60_s,
+            gain,
+        });
+        Table { bands: bands.take_while(|band| band.from_hz < 23_000.0).collect() }
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    #[test]
+    fn any_table_under_any_noise_stays_bounded_and_gives_the_same_bits_for_any_block(
+        table in any_table(), level in 0u32..=31, block in 1usize..200, seed: u32,
+    ) {
+        let mut state = seed | 1;
+        // Up to the whole range of the bus: debug builds check every addition.
+        let dry: Vec<[i32; 2]> = (0..6000).map(|frame| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let x = (state as i32) >> (31 - level);
+            if frame % 1500 < 700 { [x, if seed % 2 == 0 { x } else { -(x / 2) }] } else { [0; 2] }
+        }).collect();
+        let play = |block: usize| {
+            let mut room = Box::new(Room::<i16, SMALL>::new());
+            room.load(&table.records(), RATE).map(|()| {
+                let mut out = dry.clone();
+                out.chunks_mut(block).for_each(|block| room.render(block));
+                out
+            })
+        };
+        match (play(usize::MAX), play(block)) {
+            (Ok(whole), Ok(cut)) => prop_assert_eq!(whole, cut),
+            (whole, cut) => prop_assert_eq!(whole.is_err(), cut.is_err()),
+        }
+    }
+}
+
+#[test]
+fn loud_and_long_input_is_bounded_and_its_tail_ends_in_exact_silence() {
+    for t60_s in [0.05, 2.0] {
+        let table = Table::even(&[200.0, 3000.0], t60_s, 1.0);
+        let mut wide = Box::new(Room::<i32, SMALL>::new());
+        let mut room = Box::new(Room::<i16, SMALL>::new());
+        room.load(&table.records(), RATE).unwrap();
+        wide.load(&table.records(), RATE).unwrap();
+        for frame in 0..48_000 {
+            // A square wave at the very edge of the bus.
+            let x = if frame / 100 % 2 == 0 { i32::MAX } else { i32::MIN };
+            room.render(&mut [[x; 2]]);
+            wide.render(&mut [[x; 2]]);
+        }
+        let mut out = vec![[0; 2]; (48_000.0 * (t60_s * 3.0 + 1.0)) as usize];
+        room.render(&mut out);
+        assert!(room.is_silent() && out.ends_with(&[[0; 2]; 4000]), "T60 {t60_s}: {:?}", out.last());
+        out.fill([0; 2]);
+        wide.render(&mut out);
+        assert!(wide.is_silent(), "32 bits, T60 {t60_s}");
+    }
+}
+
+#[test]
+fn an_impulse_of_full_scale_does_not_clip() {
+    // Twice the impulse, twice the answer: what clips would not.
+    for table in octave_tables(6.0) {
+        let mut dry = vec![0.0; 24_000];
+        dry[0] = 0.5;
+        let half = answer::<i32, LARGE>(&table, RATE, &dry).unwrap();
+        dry[0] = 1.0;
+        let whole = answer::<i32, LARGE>(&table, RATE, &dry).unwrap();
+        let difference = whole[0].iter().zip(&half[0]).map(|(whole, half)| (whole - 2.0 * half).powi(2)).sum::<f64>();
+        let db = 10.0 * (energy(&whole[0]) / difference).log10();
+        println!("{} bands: {db:.1} dB", table.bands.len());
+        assert!(db >= 70.0, "{db}");
+    }
+}

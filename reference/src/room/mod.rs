@@ -1,0 +1,133 @@
+//! The room, `y + y ⊗ IR_e` (§3.4): the law, and a network that follows it.
+//!
+//! Each band answers an impulse with noise whose power decays as `g² e^{-2 d t}` from the impulse on: an energy of `g²/(2 d)` of what the band was given. The network
+//! is one feedback delay network a band behind steep splits, each at the rate divided by a power of two; see `dsp-core`'s room, of which this is the twin in double
+//! precision, with no bound on levels and no rounding.
+
+mod network;
+mod split;
+
+use crate::SampleRate;
+
+/// Frames of a tick: the wet sound begins one tick after the dry one.
+const TICK_FRAMES: usize = 32;
+const LINES: usize = 8;
+
+/// One band of a room; bands stand from the lowest up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoomBand {
+    /// Where the band begins, in Hz; 0 for the first. It ends where the next begins, the last at Nyquist.
+    pub from_hz: f64,
+    /// Initial gain g, 1/√s.
+    pub gain: f64,
+    /// Decay rate d in 1/s; T60 = ln(1000)/d.
+    pub decay_per_s: f64,
+}
+
+/// One band's network.
+pub(crate) struct Plan {
+    division: usize,
+    edge: f64,
+    delays: Vec<usize>,
+    gains: Vec<f64>,
+    output: f64,
+}
+
+/// The room's answer to a sound that is the same on both sides, without that sound: left and right. Delays take at most `samples` in all.
+///
+/// Bands are trusted: rising from 0, below 0.49 of the rate.
+pub fn room(bands: &[RoomBand], dry: &[f64], rate: SampleRate, samples: usize) -> [Vec<f64>; 2] {
+    let hz = rate.hz();
+    let plans = plans(bands, hz, samples);
+    let ticks = dry.len().div_ceil(TICK_FRAMES);
+    let mut low = dry.to_vec();
+    low.resize(ticks * TICK_FRAMES, 0.0);
+    let (mut division, mut answers) = (1, Vec::new());
+    for (index, plan) in plans.iter().enumerate().rev() {
+        low = low.into_iter().step_by(plan.division / division).collect();
+        division = plan.division;
+        let high = match index {
+            0 => std::mem::take(&mut low),
+            _ => {
+                let (below, above) = split::split(&low, plan.edge);
+                low = below;
+                above
+            }
+        };
+        answers.push((division, network::render(plan, &high, hz)));
+    }
+    let mut sum = [Vec::new(), Vec::new()];
+    for (own, answer) in answers.into_iter().rev() {
+        for (sum, answer) in sum.iter_mut().zip(answer) {
+            let mut slower = division;
+            while slower > own {
+                *sum = split::double(sum);
+                slower /= 2;
+            }
+            sum.resize(answer.len(), 0.0);
+            sum.iter_mut().zip(answer).for_each(|(sum, answer)| *sum += answer);
+        }
+        division = own;
+    }
+    while division > 1 {
+        sum = sum.map(|side| split::double(&side));
+        division /= 2;
+    }
+    sum.map(|side| std::iter::repeat_n(0.0, TICK_FRAMES).chain(side).take(dry.len()).collect())
+}
+
+fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
+    let to_hz = |band: usize| bands.get(band + 1).map_or(hz / 2.0, |next| next.from_hz);
+    let divisions: Vec<usize> = (0..bands.len())
+        .map(|band| {
+            let fits = |division: usize| to_hz(band) * division as f64 <= 0.4 * hz;
+            [32, 16, 8, 4, 2].into_iter().find(|&division| fits(division)).unwrap_or(1)
+        })
+        .collect();
+    // Seconds of delay: 0.15 of T60 or a hundred resonances in the band, within the memory and 190 ticks for the longest line.
+    let wishes: Vec<f64> = bands
+        .iter()
+        .enumerate()
+        .map(|(band, law)| (0.15 * 1000f64.ln() / law.decay_per_s).max(100.0 / (to_hz(band) - law.from_hz)))
+        .collect();
+    let parts: Vec<f64> = {
+        let sum: f64 = (0..LINES as i32).map(|line| 1.25f64.powi(line)).sum();
+        (0..LINES as i32).map(|line| 1.25f64.powi(line) / sum).collect()
+    };
+    let needed = |limit: f64| -> f64 {
+        wishes.iter().zip(&divisions).map(|(wish, &division)| wish.min(limit) * hz / division as f64).sum()
+    };
+    let (mut limit, mut high) = (0.0, 190.0 * TICK_FRAMES as f64 / hz / parts[LINES - 1]);
+    if needed(high) <= samples as f64 {
+        limit = high;
+    }
+    for _ in 0..30 {
+        let middle = 0.5 * (limit + high);
+        if needed(middle) <= samples as f64 { limit = middle } else { high = middle }
+    }
+    let band = |band: usize| {
+        let own_hz = hz / divisions[band] as f64;
+        let delays = delays(wishes[band].min(limit) * own_hz, TICK_FRAMES / divisions[band], &parts);
+        let law = bands[band];
+        let gains: Vec<f64> = delays.iter().map(|&delay| (-law.decay_per_s * delay as f64 / own_hz).exp()).collect();
+        // Energy as in a network of pipes: each line's output is spread evenly over all.
+        let passed: f64 = gains.iter().map(|gain| gain * gain).sum();
+        let energy = passed / 256.0 / (1.0 - passed / LINES as f64) / LINES as f64;
+        let output = law.gain * (1.0 / (2.0 * law.decay_per_s * energy)).sqrt();
+        Plan { division: divisions[band], edge: law.from_hz / own_hz, delays, gains, output }
+    };
+    (0..bands.len()).map(band).collect()
+}
+
+/// Distinct primes, each at most its part of `total` unless the block is longer.
+fn delays(total: f64, block: usize, parts: &[f64]) -> Vec<usize> {
+    let is_prime = |n: usize| n > 1 && (2..).take_while(|d| d * d <= n).all(|d| !n.is_multiple_of(d));
+    let mut delays = Vec::new();
+    for part in parts {
+        let least = block.max(delays.last().map_or(2, |last| last + 1));
+        let wanted = ((part * total) as usize).max(least);
+        let below = (least..=wanted).rev().find(|&n| is_prime(n));
+        delays.push(below.unwrap_or_else(|| (wanted..).find(|&n| is_prime(n)).unwrap_or(wanted)));
+    }
+    delays
+}
