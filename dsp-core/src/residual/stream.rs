@@ -83,13 +83,14 @@ impl Stream {
             *first += at(position)[1] * gain;
             (position, gain) = (position + 1, gain * per_frame);
         }
-        let squared = per_frame * per_frame;
         let (pairs, last) = out.as_chunks_mut::<2>();
         for [even, odd] in pairs {
             let [x, y] = at(position);
+            // One factor at a time, so that where a run is cut cannot change a bit.
+            let next = gain * per_frame;
             *even += x * gain;
-            *odd += y * (gain * per_frame);
-            (position, gain) = (position.wrapping_add(2), gain * squared);
+            *odd += y * next;
+            (position, gain) = (position.wrapping_add(2), next * per_frame);
         }
         if let Some(last) = last.first_mut() {
             *last += at(position)[0] * gain;
@@ -110,14 +111,14 @@ impl Stream {
             *first += at(position)[1] * (gain * window(index));
             (position, index, gain) = (position + 1, index.wrapping_add(step), gain * per_frame);
         }
-        let squared = per_frame * per_frame;
         let (pairs, last) = out.as_chunks_mut::<2>();
         for [even, odd] in pairs {
             let [x, y] = at(position);
+            let next = gain * per_frame;
             *even += x * (gain * window(index));
-            *odd += y * (gain * per_frame * window(index.wrapping_add(step)));
+            *odd += y * (next * window(index.wrapping_add(step)));
             (position, index) = (position.wrapping_add(2), index.wrapping_add(step.wrapping_mul(2)));
-            gain *= squared;
+            gain = next * per_frame;
         }
         if let Some(last) = last.first_mut() {
             *last += at(position)[0] * (gain * window(index));
