@@ -123,7 +123,7 @@ fn strikes_add_in_energy() {
     let bands = bands(Spacing::Linear, 4, [1_000.0, 9_000.0], |_| 100.0);
     let energy = |strikes: &[(usize, f32)]| {
         let of = |seed| play(&mut shaper(&bands, seed), strikes, 48_000);
-        (0..SEEDS).flat_map(|seed| of(seed)).map(|x| f64::from(x).powi(2)).sum::<f64>()
+        (0..SEEDS).flat_map(of).map(|x| f64::from(x).powi(2)).sum::<f64>()
     };
     let single = energy(&[(0, 1.0)]);
     for gap in [3, 20, 100, 500, 3_000] {
