@@ -170,7 +170,7 @@ impl Progress {
             4 => last_pass(data, self.done..self.done + count),
             16 => {
                 // Whole blocks.
-                count = (count + 3) / 4 * 4;
+                count = count.next_multiple_of(4);
                 pass_of_16(data, self.done / 4..(self.done + count) / 4);
             }
             _ => self.rows(data, quarter, count),
