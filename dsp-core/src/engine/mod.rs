@@ -63,7 +63,7 @@ pub struct Direct<'a> {
 /// | `GROUPS` | register groups: modes/6, and up to six more a bank | 24 |
 /// | `ORIGINS` | modes of pads that can be choked or have several positions | 12 |
 /// | `CONTACTS` | contacts under way at once | 24 |
-/// | `R` | [`Residuals`]: pads with a residual, the background counting as one; [`NoResiduals`] unless said otherwise | 15 KB |
+/// | `R` | [`Residuals`]: pads with a residual, the background counting as one; [`NoResiduals`] unless said otherwise | 16 KB |
 #[derive(Debug)]
 pub struct Engine<
     'k,

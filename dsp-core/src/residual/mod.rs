@@ -56,7 +56,7 @@ const SECOND_FIRST: usize = 128;
 
 /// Noise in bands that decay, each at its own rate, after every strike.
 ///
-/// 15 KB. Accuracy against the law and cycles: `docs/residual.md`.
+/// 16 KB. Accuracy against the law and cycles: `docs/residual.md`.
 #[derive(Clone, Debug)]
 pub struct Shaper {
     bands: Bands,
