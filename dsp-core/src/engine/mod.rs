@@ -227,7 +227,7 @@ impl<
         self.render_blocks(events, direct, out, observe, |_| {}, output::to_24_bit)
     }
 
-    /// The same, and tells each decision to leave something out ([`Action::Shed`]) at the place in the list of events where it belongs: behind
+    /// The same, and tells each decision to leave something out ([`Action::Shed`](crate::event::Action::Shed)) at the place in the list of events where it belongs: behind
     /// the events of its frame.
     ///
     /// # Errors

@@ -4,6 +4,7 @@ use super::super::network::Work;
 use crate::fixed;
 
 /// `work = gain · line / 2^16`, rounded down (SMULWB).
+#[cfg(not(cortex_m4f))]
 pub(in crate::room) fn take(line: &[i16], gain: i32, work: &mut [i32]) {
     for (value, &sample) in work.iter_mut().zip(line) {
         *value = ((i64::from(gain) * i64::from(sample)) >> 16) as i32;
@@ -11,6 +12,7 @@ pub(in crate::room) fn take(line: &[i16], gain: i32, work: &mut [i32]) {
 }
 
 /// `line = work / 2^12`, rounded down, which the caller knows to fit; gives the bits of the largest size.
+#[cfg(not(cortex_m4f))]
 pub(in crate::room) fn put(work: &[i32], line: &mut [i16]) -> u32 {
     let mut sizes = 0;
     for (sample, &value) in line.iter_mut().zip(work) {
