@@ -51,8 +51,9 @@ fn play(scene: &BudgetScene) -> Result<Vec<(Counts, f64)>, Box<dyn Error>> {
     Ok(rows)
 }
 
-/// Parts that come with others in all scenes, so that no fit can tell them apart: their cycles are those of the profile. And a cycle is a cycle.
-const HELD: [Part; 8] = [
+/// Parts that come with others in all scenes, so that no fit can tell them apart, or too seldom: their cycles are those of the profile. And a cycle is a cycle.
+const HELD: [Part; 9] = [
+    Part::GuardedRingingGroup,
     Part::Strike,
     Part::DrivenFrame,
     Part::ContactFrame,

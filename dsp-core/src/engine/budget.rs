@@ -176,7 +176,7 @@ impl<
     #[inline(never)]
     pub(super) fn beginning(&self) -> [(Part, u32); 4] {
         if self.idle {
-            return [(Part::Tick, 1), (Part::WakingPad, 0), (Part::DueGroup, 0), (Part::ResidualCycle, 0)];
+            return [(Part::IdleTick, 1), (Part::WakingPad, 0), (Part::DueGroup, 0), (Part::ResidualCycle, 0)];
         }
         let due = self.pads().iter().filter(|pad| pad.is_guard_due(pad.own(&self.banks)));
         let groups = due.map(|pad| group_count(pad.own(&self.banks))).sum();
@@ -231,10 +231,8 @@ impl<
         if frames == 0 || self.idle && direct.is_none() && !struck.contains(&true) {
             return;
         }
-        counts.add(Part::Run, 1);
         counts.add(Part::Look, 1);
         counts.add(Part::Pad, self.pad_count as u32);
-        counts.add(Part::Frame, frames);
         let noises = self.noises() as u32
             + struck.iter().zip(0u8..).filter(|(is, pad)| **is && self.has_noise(*pad)).count() as u32;
         counts.add(Part::ResidualRun, noises);
@@ -263,8 +261,10 @@ impl<
             }
             counts.add(Part::StrikerBank, banks.max(1) - 1);
             if is_driven && groups == 0 {
-                counts.add(Part::UnheardPad, 1);
-            } else if is_driven {
+                // Nobody hears the force, and nothing is done.
+                continue;
+            }
+            if is_driven {
                 counts.add(if pad.drives_quickly(pad_banks) { Part::DrivenPad } else { Part::BusDrivenPad }, 1);
                 counts.add(Part::DrivenFrame, frames);
                 counts.add(Part::ContactFrame, contact_frames);

@@ -119,7 +119,7 @@ impl TickReport {
     }
 
     fn forget_counts(&mut self) {
-        if self.counts.of(Part::Tick) > 0 {
+        if self.counts.is_any() {
             self.counts = Counts::NONE;
         }
     }

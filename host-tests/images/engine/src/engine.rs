@@ -3,7 +3,7 @@
 use core::cell::UnsafeCell;
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Direct, Engine, Part, STANDARD_CONTACTS, Skipping, TickReport};
+use dsp_core::engine::{Direct, Engine, STANDARD_CONTACTS, Skipping, TickReport};
 use dsp_core::event::Event;
 use dsp_core::table::Kit;
 
@@ -85,7 +85,7 @@ pub unsafe extern "C" fn engine_render(block: *const Block) -> i32 {
     let Told { report, decision_count, decisions } = told;
     let keep = |tick: &TickReport| {
         // Without a budget nothing is counted, and nobody asks.
-        let predicted = if tick.counts.of(Part::Tick) > 0 { tick.predicted_cycles() } else { 0 };
+        let predicted = if tick.counts.is_any() { tick.predicted_cycles() } else { 0 };
         *report = [predicted, tick.shed.groups, tick.shed.modes, tick.shed.amplitude.to_bits()];
     };
     let log = |event: &Event| {
