@@ -1,6 +1,6 @@
 //! What a tick did and what it left out.
 
-use super::cost::{Counts, Part};
+use super::cost::Counts;
 use crate::pad::{Pad, PadWork};
 use crate::resonator::Shed;
 
