@@ -5,8 +5,6 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use realfft::RealFftPlanner;
-
 use crate::modes::DampedSine;
 
 /// Window and hop of the spectrogram in samples (§4.1 of the paper).
@@ -81,7 +79,7 @@ fn levels(strike: &[f64]) -> Vec<Vec<f64>> {
 
 /// Magnitudes of the spectrum of the first `size` samples.
 fn magnitudes(samples: &[f64], size: usize, window: impl Fn(usize) -> f64) -> Vec<f64> {
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(size);
+    let transform = fourier::forward(size);
     let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
     for (n, (slot, x)) in input.iter_mut().zip(samples).enumerate() {
         *slot = x * window(n);

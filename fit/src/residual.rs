@@ -3,8 +3,7 @@
 //! `R(t) = Σ_m w_m 10^{-γ_m t/20} B_m(t)`, with B_m Gaussian noise of unit rms in band m. In place of the paper's trained encoder the weights
 //! and decays are fitted, band by band, to the power that the recording has beyond the model's.
 
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
+use fourier::Complex;
 use serde::Serialize;
 
 use crate::distance::Spectrogram;
@@ -134,8 +133,7 @@ fn decay_of(whole: &[f64], modelled: &[f64], floor: f64, frame_s: f64) -> (f64, 
 pub fn render(bands: &[Band], length: usize, rate_hz: f64, seed: u64) -> Vec<f64> {
     let size = (length + 1).next_power_of_two().max(64);
     let mut random = SplitMix64(seed);
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (planner.plan_fft_forward(size), planner.plan_fft_inverse(size));
+    let (forward, inverse) = (fourier::forward(size), fourier::inverse(size));
     let mut noise: Vec<f64> = (0..size).map(|_| random.normal()).collect();
     let mut spectrum = forward.make_output_vec();
     let mut sound = vec![0.0; length];

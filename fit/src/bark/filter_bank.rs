@@ -2,8 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
+use fourier::Complex;
 
 use super::scale::{bark, width_hz};
 
@@ -50,7 +49,7 @@ impl Spectrum {
             return None;
         }
         let size = (samples.len() + (0.05 * rate_hz) as usize).next_power_of_two().max(1024);
-        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(size);
+        let transform = fourier::forward(size);
         let mut input = transform.make_input_vec();
         for (slot, x) in input.iter_mut().zip(samples) {
             *slot = *x;
@@ -85,7 +84,7 @@ impl Spectrum {
         // A real transform of twice the band's width gives the analytic signal's real part, shifted down in frequency; turned by a quarter, its
         // imaginary part. The first bin has to be real, so the band begins at the second.
         let size = (2 * (last - first + 3)).next_power_of_two().max(64);
-        let transform = RealFftPlanner::<f64>::new().plan_fft_inverse(size);
+        let transform = fourier::inverse(size);
         let part = |turn: Complex<f64>| {
             let mut input = transform.make_input_vec();
             let cut = self.bins.get(first..=last).unwrap_or(&[]);

@@ -5,8 +5,6 @@
 //! bins of a third octave follows that line within some 8 dB from 0.5 to 12 kHz). A half-sine falls by 12 dB an octave above
 //! its corner. So the contact time is that whose third-octave levels, tilted by 3 dB an octave, fit best.
 
-use realfft::RealFftPlanner;
-
 use super::half_sine_power;
 
 /// Contact times that are tried, in seconds, and how many of them.
@@ -35,7 +33,7 @@ pub fn contact_time_s(strike: &[f64], rate_hz: f64) -> Option<f64> {
     }
     let size = (2.0 * LENGTH_S * rate_hz) as usize;
     let size = size.next_power_of_two();
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(size);
+    let transform = fourier::forward(size);
     let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
     for (n, (slot, x)) in input.iter_mut().zip(&strike[..length]).enumerate() {
         *slot = x * (0.5 + 0.5 * (std::f64::consts::PI * n as f64 / length as f64).cos());

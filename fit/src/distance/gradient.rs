@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use realfft::num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner};
+use fourier::{Complex, ComplexToReal};
 
 use super::Spectrogram;
 use super::lsd::{FLOOR, SIZES, of_unit_rms};
@@ -23,12 +22,11 @@ struct Scale {
 impl Target {
     pub(crate) fn new(recording: &[f64]) -> Self {
         let recording = of_unit_rms(recording);
-        let mut planner = RealFftPlanner::new();
         let scales = SIZES.map(|size| {
             let spectrogram = Spectrogram::new(size);
             let wanted = spectrogram.power(&recording);
             let floor = wanted.iter().copied().fold(f64::MIN_POSITIVE, f64::max) * FLOOR;
-            Scale { spectrogram, inverse: planner.plan_fft_inverse(size), wanted, floor }
+            Scale { spectrogram, inverse: fourier::inverse(size), wanted, floor }
         });
         Self { scales: scales.into() }
     }

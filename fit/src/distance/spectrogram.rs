@@ -3,8 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
+use fourier::{Complex, RealToComplex};
 
 /// Makes short-time spectra with a Hann window (periodic) of `size` samples, hop a quarter, frames that lie wholly in the sound; a
 /// sound shorter than one window is padded with zeros to one frame.
@@ -19,7 +18,7 @@ impl Spectrogram {
     pub fn new(size: usize) -> Self {
         let size = size.max(4);
         let window = (0..size).map(|n| 0.5 - 0.5 * (TAU * n as f64 / size as f64).cos()).collect();
-        Self { window, transform: RealFftPlanner::new().plan_fft_forward(size) }
+        Self { window, transform: fourier::forward(size) }
     }
 
     /// Samples between two frames.

@@ -1,6 +1,5 @@
 //! The noise floor under a recording, as a function of frequency.
 
-use realfft::RealFftPlanner;
 use std::f64::consts::{LN_2, TAU};
 
 /// Noise power in bands: the variance that white noise of the same density would have.
@@ -23,8 +22,7 @@ impl NoiseFloor {
     pub(crate) fn of_residual(residual: &[f64]) -> Self {
         let frames = (residual.len() / LEAST_FRAME).clamp(1, 4);
         let length = residual.len() / frames;
-        let mut planner = RealFftPlanner::<f64>::new();
-        let transform = planner.plan_fft_forward(length);
+        let transform = fourier::forward(length);
         let mut output = transform.make_output_vec();
         let mut quietest: Vec<(f64, f64)> = Vec::new();
         for frame in residual.chunks_exact(length.max(1)).take(frames) {

@@ -5,8 +5,6 @@
 
 use std::f64::consts::PI;
 
-use realfft::RealFftPlanner;
-
 use super::noise::NoiseFloor;
 use super::pole::Pole;
 
@@ -39,9 +37,8 @@ pub(crate) fn search(
 ) -> Vec<Candidate> {
     let mut found: Vec<Candidate> = Vec::new();
     let mut decay = range.slowest;
-    let mut planner = RealFftPlanner::<f64>::new();
     while decay < range.fastest * GRID {
-        for (angular, energy) in peaks(residual, decay, &mut planner) {
+        for (angular, energy) in peaks(residual, decay) {
             let significance = energy / noise.variance(angular);
             if significance > threshold && (range.angular.0..=range.angular.1).contains(&angular) {
                 found.push(Candidate { pole: Pole { decay, angular }, significance });
@@ -80,10 +77,10 @@ fn stands_out(candidate: &Candidate, stronger: &Candidate, length: usize) -> boo
 }
 
 /// Frequencies (rad/sample) at which one more sine of a decay takes most energy away, and how much.
-fn peaks(residual: &[f64], decay: f64, planner: &mut RealFftPlanner<f64>) -> Vec<(f64, f64)> {
+fn peaks(residual: &[f64], decay: f64) -> Vec<(f64, f64)> {
     let length = residual.len().min((6.0 / decay).ceil() as usize + 2);
     let size = (2 * length).next_power_of_two().max(64);
-    let transform = planner.plan_fft_forward(size);
+    let transform = fourier::forward(size);
     let mut input = transform.make_input_vec();
     let mut output = transform.make_output_vec();
     let (mut weight, ratio, mut energy) = (1.0, (-decay).exp(), 0.0);

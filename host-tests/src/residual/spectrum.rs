@@ -1,7 +1,6 @@
 //! Energies and powers of bands, by Fourier transforms of whole sounds.
 
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
+use fourier::Complex;
 
 /// Rate of these sounds.
 pub const RATE_HZ: f64 = 48_000.0;
@@ -32,7 +31,7 @@ pub fn cut(sound: &[f64], [low_hz, high_hz]: [f64; 2]) -> Vec<f64> {
             *x = Complex::new(0.0, 0.0);
         }
     }
-    let inverse = RealFftPlanner::new().plan_fft_inverse(sound.len());
+    let inverse = fourier::inverse(sound.len());
     let mut out = inverse.make_output_vec();
     inverse.process(&mut spectrum, &mut out).expect("the lengths fit, and the ends are real");
     out.iter_mut().for_each(|x| *x /= sound.len() as f64);
@@ -40,7 +39,7 @@ pub fn cut(sound: &[f64], [low_hz, high_hz]: [f64; 2]) -> Vec<f64> {
 }
 
 fn transform(sound: &[f64]) -> Vec<Complex<f64>> {
-    let forward = RealFftPlanner::new().plan_fft_forward(sound.len());
+    let forward = fourier::forward(sound.len());
     let mut spectrum = forward.make_output_vec();
     forward.process(&mut sound.to_vec(), &mut spectrum).expect("the lengths fit");
     spectrum

@@ -1,7 +1,5 @@
 //! What an impulse response is made of, in f64.
 
-use realfft::RealFftPlanner;
-
 /// A band to look at, in Hz.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
@@ -23,8 +21,7 @@ impl Band {
 /// The part of a response in a band: everything else of its spectrum set to 0, after as many zeros behind it.
 pub fn band_of(response: &[f64], band: Band, rate_hz: f64) -> Vec<f64> {
     let length = (2 * response.len()).next_power_of_two();
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
+    let (forward, inverse) = (fourier::forward(length), fourier::inverse(length));
     let mut signal = response.to_vec();
     signal.resize(length, 0.0);
     let mut spectrum = forward.make_output_vec();
@@ -67,7 +64,7 @@ pub fn t60_s(response: &[f64], from_db: f64, to_db: f64, rate_hz: f64) -> f64 {
 
 /// Largest power of a spectrum above its mean, in dB: of a Hann window over the whole of `window`, from `from_hz` to `to_hz`.
 pub fn crest_db(window: &[f64], from_hz: f64, to_hz: f64, rate_hz: f64) -> f64 {
-    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(window.len());
+    let forward = fourier::forward(window.len());
     let turn = std::f64::consts::TAU / window.len() as f64;
     let mut signal: Vec<f64> =
         window.iter().enumerate().map(|(n, x)| x * (0.5 - 0.5 * (turn * n as f64).cos())).collect();

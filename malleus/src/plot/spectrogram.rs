@@ -5,8 +5,7 @@
 
 use std::sync::Arc;
 
-use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
+use fourier::{Complex, RealToComplex};
 
 /// Lowest frequency shown, Hz.
 pub(super) const LOWEST_HZ: f64 = 50.0;
@@ -37,9 +36,8 @@ impl Spectrogram {
     /// Memory: the grid and a few frames, whatever the length of the piece. Time: proportional to the length beyond one frame a column.
     pub(super) fn of(channels: &[&[f32]], rate_hz: f64, columns: usize, rows: usize) -> Self {
         let mut level_db = vec![FLOOR_DB; columns * rows];
-        let mut planner = RealFftPlanner::new();
         let resolutions: Vec<Resolution> =
-            (0..RESOLUTIONS.len()).map(|index| Resolution::new(index, rate_hz, rows, &mut planner)).collect();
+            (0..RESOLUTIONS.len()).map(|index| Resolution::new(index, rate_hz, rows)).collect();
         let threads = std::thread::available_parallelism().map_or(1, |count| count.get().min(8));
         let share = columns.div_ceil(threads).max(1);
         std::thread::scope(|scope| {
@@ -82,8 +80,8 @@ fn frequency_hz(row: f64, rows: usize) -> f64 {
 
 /// One window length and what the rows read of its bins.
 struct Resolution {
-    window: Vec<f32>,
-    fft: Arc<dyn RealToComplex<f32>>,
+    window: Vec<f64>,
+    fft: Arc<dyn RealToComplex<f64>>,
     /// Power of a bin times this is the power re a full-scale sine.
     power_scale: f32,
     rows: Vec<RowSource>,
@@ -100,11 +98,11 @@ struct RowSource {
 }
 
 impl Resolution {
-    fn new(index: usize, rate_hz: f64, rows: usize, planner: &mut RealFftPlanner<f32>) -> Self {
+    fn new(index: usize, rate_hz: f64, rows: usize) -> Self {
         let (length_s, _) = RESOLUTIONS[index];
         let length = 1_usize << (length_s * rate_hz).log2().round().clamp(4.0, 20.0) as u32;
         let step = std::f64::consts::TAU / length as f64;
-        let window: Vec<f32> = (0..length).map(|n| (0.5 - 0.5 * (step * (n as f64 + 0.5)).cos()) as f32).collect();
+        let window: Vec<f64> = (0..length).map(|n| 0.5 - 0.5 * (step * (n as f64 + 0.5)).cos()).collect();
         let fft_length = length * PADDING;
         let bin_hz = rate_hz / fft_length as f64;
         let rows = (0..rows)
@@ -123,7 +121,7 @@ impl Resolution {
             // A Hann window of N passes N/2 of a constant; the amplitude of a sine is split between its two lines.
             power_scale: (4.0 / length as f32).powi(2),
             window,
-            fft: planner.plan_fft_forward(fft_length),
+            fft: fourier::forward(fft_length),
             rows,
         }
     }
@@ -141,13 +139,13 @@ impl Resolution {
             let present = channel.get(from..).unwrap_or_default();
             let pairs = present.iter().zip(self.window.iter().skip(ahead));
             for (slot, (sample, weight)) in scratch.frame.iter_mut().skip(ahead).zip(pairs) {
-                *slot = sample * weight;
+                *slot = f64::from(*sample) * weight;
             }
             let done = self.fft.process_with_scratch(&mut scratch.frame, &mut scratch.spectrum, &mut scratch.workspace);
             // Fails only for slices of other lengths than the plan's, which were made above.
             debug_assert!(done.is_ok());
             for (power, bin) in scratch.power.iter_mut().zip(&scratch.spectrum) {
-                *power = power.max(bin.norm_sqr() * self.power_scale);
+                *power = power.max(bin.norm_sqr() as f32 * self.power_scale);
             }
         }
     }
@@ -167,9 +165,9 @@ fn weight(index: usize, frequency_hz: f64) -> f64 {
 /// Buffers of one thread.
 #[derive(Default)]
 struct Scratch {
-    frame: Vec<f32>,
-    spectrum: Vec<Complex<f32>>,
-    workspace: Vec<Complex<f32>>,
+    frame: Vec<f64>,
+    spectrum: Vec<Complex<f64>>,
+    workspace: Vec<Complex<f64>>,
     power: Vec<f32>,
 }
 

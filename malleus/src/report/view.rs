@@ -2,7 +2,6 @@
 
 use fit::distance::{frame_distances_db, lsd_window};
 use fit::recording::Fitted;
-use realfft::RealFftPlanner;
 
 /// Longest sound in a page, seconds.
 const LONGEST_S: f64 = 20.0;
@@ -89,7 +88,7 @@ impl<'a> View<'a> {
     /// Magnitudes of the spectrum of what is shown of a sound, with the distance of the bins in Hz.
     pub(super) fn spectrum(&self, sound: &[f64]) -> (Vec<f64>, f64) {
         let size = self.shown.next_power_of_two().max(4096) * 2;
-        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(size);
+        let transform = fourier::forward(size);
         let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
         for (slot, x) in input.iter_mut().zip(&sound[..self.shown]) {
             *slot = *x;
