@@ -1,8 +1,8 @@
 //! Latency at a thousand places of one waveform in a block, on both boards: `cargo bench -p virtual-board --bench jitter` (minutes).
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/boards/common.rs"]
 mod common;
-#[path = "../tests/common/timing.rs"]
+#[path = "../tests/boards/timing.rs"]
 mod timing;
 
 use virtual_board::Board;

@@ -11,7 +11,7 @@ use super::cost::{CYCLES, Counts, Part};
 use super::{Direct, Engine, ResidualRoom};
 use crate::event::{Action, Event, Time};
 use crate::pad::{Pad, group_count, is_ringing};
-use crate::resonator::{Audience, Memory, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
+use crate::resonator::{Audience, Memory, Selection, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
 
 /// How a pad is heard and how it will run; `None` for one that will not.
 type Listening = Option<(Audience, UpcomingRun)>;
@@ -74,7 +74,7 @@ impl<
             let sheddable = rest.of(Part::KernelCycle) + guards;
             let leave_out = if predicted + survey_cycles - sheddable.min(predicted) > budget {
                 // Where nothing can be kept there is nothing to choose.
-                self.report.counts.add_all([(Part::Survey, 1), (Part::SurveyedGroup, self.group_count() / 3)]);
+                self.report.counts.add_all([(Part::Survey, 1), (Part::SurveyedGroup, self.groups_built / 3)]);
                 LeaveOut::All
             } else {
                 self.report.counts.add_all(survey);
@@ -105,56 +105,53 @@ impl<
         self.report.counts += counts;
     }
 
-    fn group_count(&self) -> u32 {
-        self.pads().iter().map(|pad| group_count(pad.own(&self.banks))).sum()
-    }
-
     /// Leaves out the quietest register groups of those that would run.
     #[inline(never)] // its tables must not lie on the stack beside what looks ahead
     pub(super) fn leave_out(&mut self, what: LeaveOut, direct: Option<Direct<'_>>) -> Shed {
         let mut listening = [None; PADS];
-        let mut survey = Survey::<GROUPS>::NOBODY;
-        let count = match what {
-            LeaveOut::All => {
-                self.listen(direct, &mut listening);
-                survey = Survey::ALIKE;
-                u16::MAX
-            }
-            LeaveOut::Groups(count) => {
-                self.survey(direct, &mut listening, &mut survey);
-                count
-            }
-            LeaveOut::Cycles(excess) => {
-                self.survey(direct, &mut listening, &mut survey);
-                survey.quietest_that_free(excess)
-            }
+        self.listen(direct, &mut listening);
+        let shed = match what {
+            LeaveOut::All => self.shed(&listening, Selection::ALL),
+            _ => self.leave_out_quietest(&listening, what),
         };
-        let (threshold, mut at_threshold) = survey.threshold(count);
-        let mut shed = Shed::default();
-        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
-        for (pad, listening) in self.pads.iter_mut().zip(&listening) {
-            let Some((audience, run)) = listening else { continue };
-            let banks = pad.own_mut(&mut self.banks);
-            pad.wake(banks);
-            for bank in banks {
-                shed += bank.shed(&mut memory, audience, *run, &survey, (threshold, &mut at_threshold));
-            }
-        }
-        shed.cycles += survey.cycles_below(threshold);
         self.report.shed += shed;
         shed
     }
 
-    /// The loudness of every group, and what each level has and costs.
+    /// Surveys all groups first, which everything does without.
     #[inline(never)]
-    fn survey(&self, direct: Option<Direct<'_>>, listening: &mut [Listening; PADS], survey: &mut Survey<GROUPS>) {
-        self.listen(direct, listening);
+    fn leave_out_quietest(&mut self, listening: &[Listening; PADS], what: LeaveOut) -> Shed {
+        let mut survey = Survey::<GROUPS>::NOBODY;
         for (pad, listening) in self.pads().iter().zip(listening) {
             let Some((audience, run)) = listening else { continue };
             for bank in pad.own(&self.banks) {
-                bank.survey(&self.groups, audience, *run, survey);
+                bank.survey(&self.groups, audience, *run, &mut survey);
             }
         }
+        let count = match what {
+            LeaveOut::All => u16::MAX,
+            LeaveOut::Groups(count) => count,
+            LeaveOut::Cycles(excess) => survey.quietest_that_free(excess),
+        };
+        let (selection, cycles_below) = survey.quietest(count);
+        let mut shed = self.shed(listening, selection);
+        shed.cycles += cycles_below;
+        shed
+    }
+
+    #[inline(never)] // one for both
+    fn shed(&mut self, listening: &[Listening; PADS], mut selection: Selection<'_>) -> Shed {
+        let mut shed = Shed::default();
+        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
+        for (pad, listening) in self.pads.iter_mut().zip(listening) {
+            let Some((audience, run)) = listening else { continue };
+            let banks = pad.own_mut(&mut self.banks);
+            pad.wake(banks);
+            for bank in banks {
+                shed += bank.shed(&mut memory, audience, *run, &mut selection);
+            }
+        }
+        shed
     }
 
     /// How each pad that sounds is heard, and how it will run.
@@ -198,7 +195,7 @@ impl<
     }
 
     fn survey_counts(&self) -> [(Part, u32); 2] {
-        [(Part::Survey, 1), (Part::SurveyedGroup, self.group_count())]
+        [(Part::Survey, 1), (Part::SurveyedGroup, self.groups_built)]
     }
 
     fn frames_to_tick(&self) -> u32 {

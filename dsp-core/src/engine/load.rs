@@ -5,7 +5,7 @@ use core::fmt;
 use super::{Engine, ResidualRoom, Skipping, TickReport};
 use crate::SampleRate;
 use crate::contact::Flight;
-use crate::pad::{Pad, PadTables};
+use crate::pad::{Pad, PadTables, group_count};
 use crate::resonator::{Bank, BankError, Memory, Mode, Used, max_decay_per_s};
 use crate::table::Kit;
 
@@ -150,6 +150,7 @@ impl<
         self.load_noise(kit, rate)?;
         (self.pad_count, self.kit) = (kit.pads().len(), Some(*kit));
         self.modes_built = self.pads().iter().map(|pad| pad.mode_count() as u32).sum();
+        self.groups_built = self.pads().iter().map(|pad| group_count(pad.own(&self.banks))).sum();
         Ok(())
     }
 

@@ -98,6 +98,7 @@ pub struct Engine<
     /// Whether the last tick was idle too, so that the report has nothing to forget.
     was_idle: bool,
     modes_built: u32,
+    groups_built: u32,
     /// Whether a contact has begun that some pad is not guarded for yet.
     expects: bool,
     /// Modes of pads that have not been struck since the load; kept for idle ticks.
@@ -153,6 +154,7 @@ impl<
             idle: false,
             was_idle: false,
             modes_built: 0,
+            groups_built: 0,
             expects: false,
             unstruck_modes: 0,
             retired_amplitude: 0.0,

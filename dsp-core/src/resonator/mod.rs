@@ -31,7 +31,9 @@ pub mod mode;
 mod order;
 pub mod retirement;
 
-pub use bank::{Audience, Bank, BankError, BankTable, BankWork, Memory, Origin, Shed, Survey, UpcomingRun, Use, Used};
+pub use bank::{
+    Audience, Bank, BankError, BankTable, BankWork, Memory, Origin, Selection, Shed, Survey, UpcomingRun, Use, Used,
+};
 pub use coefficient::max_decay_per_s;
 pub use group::Group;
 pub use mode::Mode;

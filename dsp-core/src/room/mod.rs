@@ -22,7 +22,7 @@
 //! caller's blocks changes nothing.
 
 //!
-//! **Measured** at 48 kHz (`cargo test -p host-tests --test room -- --nocapture`, `... --test room_on_chip ...`):
+//! **Measured** at 48 kHz (`cargo test -p host-tests --test room -- --nocapture`, `... --test on_chip room ...`):
 //!
 //! | what | figure |
 //! | --- | --- |

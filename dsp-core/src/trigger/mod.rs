@@ -34,7 +34,7 @@
 //! there after 0.10 ms (`--test trigger_timing`).
 //!
 //! Cycles of a Cortex-M4 (nominal) a channel and sample, blocks of 32 frames, four channels: silent 17, in a scene of strikes on all pads 41 on
-//! average and 163 in the worst block; the resampler 86 a sample; 920 bytes of state (`--test trigger_on_chip`). Blocks that are
+//! average and 163 in the worst block; the resampler 86 a sample; 920 bytes of state (`--test on_chip trigger`). Blocks that are
 //! multiples of 32 frames cost least.
 //!
 //! # Use

@@ -33,7 +33,7 @@ const LEAD_CYCLES: u32 = CLOCKS.cycles_per_frames(LEAD_FRAMES as u32);
 /// What the inputs take of them at the dearest: four piezos that ring.
 const INPUT_CYCLES: u32 = 9_000;
 /// What a tick may cost with the cycle model's worst case and the waits of flash, in percent of what the engine predicts, which is nominal and
-/// without waits; with room for what a change elsewhere moves in flash (virtual-board/tests/load.rs).
+/// without waits; with room for what a change elsewhere moves in flash (virtual-board/tests/boards/load.rs).
 const WORST_PERCENT: u32 = 180;
 /// What a tick may cost, as the engine predicts it.
 pub const BUDGET_CYCLES: u32 = (LEAD_CYCLES - INPUT_CYCLES) / WORST_PERCENT * 100;

@@ -9,7 +9,7 @@ mod shed;
 
 pub use render::MixShift;
 pub(super) use shed::half_octaves;
-pub use shed::{Audience, Shed, Survey, UpcomingRun, Use};
+pub use shed::{Audience, Selection, Shed, Survey, UpcomingRun, Use};
 
 use super::coefficient::{Coefficients, delta_of_t60};
 use super::gain::{gain_at, gain_law, move_pole, onset, orbit_gains};

@@ -65,9 +65,6 @@ impl<const GROUPS: usize> Survey<GROUPS> {
     /// Nobody would run.
     pub const NOBODY: Self = Self { levels: [SILENT; GROUPS], groups: [0; LEVELS], cycles: [0; LEVELS] };
 
-    /// Nobody is looked at: all groups pass for equally quiet.
-    pub const ALIKE: Self = Self { levels: [0; GROUPS], groups: [0; LEVELS], cycles: [0; LEVELS] };
-
     /// How many of the quietest groups have to go to free so many cycles.
     pub fn quietest_that_free(&self, excess: u32) -> u16 {
         let (mut total, mut chosen) = (0, 0u16);
@@ -83,22 +80,34 @@ impl<const GROUPS: usize> Survey<GROUPS> {
         chosen
     }
 
-    /// What the groups below a level cost.
-    pub fn cycles_below(&self, level: u8) -> u32 {
-        self.cycles.iter().take(level.into()).sum()
-    }
-
-    /// The level below which all of the `count` quietest groups lie, and how many of those at it belong to them.
-    pub fn threshold(&self, count: u16) -> (u8, u32) {
-        let mut left = count;
-        for (&groups, level) in self.groups.iter().zip(0u8..) {
+    /// The `count` quietest groups, and what those of them cost that lie below the level of the last.
+    pub fn quietest(&self, count: u16) -> (Selection<'_>, u32) {
+        let (mut left, mut cycles_below) = (count, 0);
+        for ((&groups, &cycles), threshold) in self.groups.iter().zip(&self.cycles).zip(0u8..) {
             if groups > left {
-                return (level, u32::from(left));
+                let at_threshold = u32::from(left);
+                return (Selection { levels: Some(&self.levels), threshold, at_threshold }, cycles_below);
             }
-            left -= groups;
+            (left, cycles_below) = (left - groups, cycles_below + cycles);
         }
-        (LEVELS as u8, 0)
+        (Selection { levels: Some(&self.levels), threshold: LEVELS as u8, at_threshold: 0 }, cycles_below)
     }
+}
+
+/// Which groups are left out.
+#[derive(Debug)]
+pub struct Selection<'a> {
+    /// The level of each group of the engine; `None`: all are equally quiet.
+    levels: Option<&'a [u8]>,
+    /// What is below this level goes.
+    threshold: u8,
+    /// Of those at it so many more go, in the order of the banks.
+    at_threshold: u32,
+}
+
+impl Selection<'static> {
+    /// Everything.
+    pub const ALL: Self = Self { levels: None, threshold: LEVELS as u8, at_threshold: 0 };
 }
 
 /// The level of a group that would not run.
@@ -195,32 +204,32 @@ impl Bank {
         self.allowance == 0
     }
 
-    /// Leaves out the groups whose level is below `threshold`, and the first `at_threshold` of those at it. The cycles in what it gives are those
-    /// of the latter: of the others the survey knows ([`Survey::cycles_below`]).
-    pub fn shed<const GROUPS: usize>(
+    /// Leaves out those of the selected groups that would run. The cycles in what it gives are those of the selection's last level: of the
+    /// others the survey knows ([`Survey::quietest`]).
+    pub fn shed(
         &mut self,
         memory: &mut Memory<'_>,
         audience: &Audience,
         UpcomingRun { used, frames, guard }: UpcomingRun,
-        survey: &Survey<GROUPS>,
-        (threshold, at_threshold): (u8, &mut u32),
+        selection: &mut Selection<'_>,
     ) -> Shed {
         let costs = Costs::new(used, frames.into());
         let (mut count, mut modes, mut lost, mut saved, mut rang) = (0, 0, 0.0, 0, false);
         let mut start = self.modes.range().start;
-        let levels = survey.levels.get(self.groups.range()).unwrap_or(&[]);
+        let levels = selection.levels.and_then(|levels| levels.get(self.groups.range()));
         let groups = memory.groups.get_mut(self.groups.range()).unwrap_or(&mut []);
-        for (group, &level) in groups.iter_mut().zip(levels) {
+        for (index, group) in groups.iter_mut().enumerate() {
+            let level = levels.and_then(|levels| levels.get(index)).copied().unwrap_or(0);
             let first = start;
             start += group.count();
-            if level > threshold || !runs(group, used) {
+            if level > selection.threshold || !runs(group, used) {
                 continue;
             }
-            if level == threshold {
-                if *at_threshold == 0 {
+            if level == selection.threshold {
+                if selection.at_threshold == 0 {
                     continue;
                 }
-                *at_threshold -= 1;
+                selection.at_threshold -= 1;
                 saved += costs.of(group.plan()) + u32::from(guard);
             }
             count += 1;
@@ -294,7 +303,7 @@ pub(in super::super) fn half_octaves(x: u32) -> i32 {
     2 * (31 - zeros as i32) + (normal >> 30 & 1) as i32
 }
 
-/// Cycles of groups over a run, from what the assembly does with their modes (nominal model; `cargo test -p host-tests --test virtual_budget`
+/// Cycles of groups over a run, from what the assembly does with their modes (nominal model; `cargo test -p host-tests --test on_chip budget`
 /// holds the sums to 3 %).
 struct Costs {
     used: Use,

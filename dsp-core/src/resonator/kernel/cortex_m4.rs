@@ -48,7 +48,7 @@ unsafe extern "C" {
     fn malleus_kernel_driven(call: *const Call);
 }
 
-/// As [`super::portable::free`]. 5.45 cycles a mode and sample (nominal, 240 modes: `cargo test -p host-tests --test virtual_costs -- --nocapture`).
+/// As [`super::portable::free`]. 5.45 cycles a mode and sample (nominal, 240 modes: `cargo test -p host-tests --test on_chip costs -- --nocapture`).
 pub fn free(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward) {
     render(groups, modes, run, Sound { mix, ..Sound::NOWHERE }, malleus_kernel_free);
 }

@@ -3,7 +3,7 @@
 //! Each sample of each mode is: step, inject, mix. A kernel takes groups in their order with their modes behind one another, runs those that
 //! ring, and writes the sum of their sound. [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by
 //! assembly (`cortex_m4.s`), chosen at compile time, which tests compare bit for bit on the virtual core
-//! (`cargo test -p host-tests --test virtual_kernels`).
+//! (`cargo test -p host-tests --test on_chip kernels`).
 //!
 //! **Buffers run backward in time**: frame i of a run lies at index 31 - i of mix and force. On the chip a moving stack pointer
 //! addresses them, which may only move down.

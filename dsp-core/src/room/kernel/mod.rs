@@ -1,5 +1,5 @@
 //! The network's hot loops on 16-bit lines: read, mix, write. [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly
-//! (`cortex_m4.s`), which tests compare bit for bit on the virtual core (`cargo test -p host-tests --test room_on_chip`).
+//! (`cortex_m4.s`), which tests compare bit for bit on the virtual core (`cargo test -p host-tests --test on_chip room`).
 
 pub(super) mod portable;
 

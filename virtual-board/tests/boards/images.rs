@@ -1,7 +1,6 @@
 //! Both images build, start, and keep the board's resources within their limits.
 
-mod common;
-
+use crate::common;
 use virtual_board::{Board, BoardError, Setup, VirtualBoard};
 
 /// The button is pressed after the start; the strike's sound must leave the I2S, and the LED or the log must tell.

@@ -1,14 +1,9 @@
 //! How long a strike takes from the piezo to its sound, and how much that varies. `cargo bench -p virtual-board --bench jitter` does the same at a thousand
 //! places.
 
-mod common;
-#[path = "common/hits.rs"]
-mod hits;
-#[path = "common/timing.rs"]
-mod timing;
-
-use hits::signal;
-use timing::{kit, measure};
+use crate::common;
+use crate::hits::signal;
+use crate::timing::{kit, measure};
 use virtual_board::{Board, Setup};
 
 /// The contact time of most of these, s.

@@ -1,13 +1,10 @@
 //! Deadlines at the dearest, resources, and the way without panics.
 
-mod common;
-#[path = "common/hits.rs"]
-mod hits;
-
+use crate::common;
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
-use hits::{SIGNAL_HZ, signal};
+use crate::hits::{SIGNAL_HZ, signal};
 use virtual_board::{Board, CycleCase, PiezoSignal, Report, Setup};
 
 #[test]
@@ -26,8 +23,8 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
             100.0 * load,
             100.0 * report.idle_share
         );
-        // Said before a half is missed: the measured worst is 97.2 %, on the BlackPill.
-        assert!(load <= 0.98, "{}: {load:.3} of the time to the deadline", board.name());
+        // Said before a half is missed.
+        assert!(load <= 0.92, "{}: {load:.3} of the time to the deadline", board.name());
         assert!(
             !report.log.iter().any(|line| line.message.contains("missed") && line.level == "warn"),
             "{:#?}",

@@ -1,18 +1,11 @@
 //! The sound that leaves the I2S is the sound that `malleus play` makes of the board's own log, bit for bit.
 
-mod common;
-#[path = "common/hits.rs"]
-mod hits;
-#[path = "common/played.rs"]
-mod played;
-#[path = "common/replay.rs"]
-mod replay;
-
+use crate::common;
+use crate::hits::signal;
+use crate::played::{events, rate};
+use crate::replay::{assert_same_bits, strikes};
 use dsp_core::event::Action;
 use dsp_core::table::Kit;
-use hits::signal;
-use played::{events, rate};
-use replay::{assert_same_bits, strikes};
 use virtual_board::{Board, Press, Setup};
 
 /// Ten seconds of typical playing: four piezos, 20 dB of velocity, rolls, flams, and the button.

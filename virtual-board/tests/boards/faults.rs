@@ -1,15 +1,10 @@
 //! What goes wrong is told by name, mutes or heals, and never makes a full-scale noise.
 
-mod common;
-#[path = "common/hits.rs"]
-mod hits;
-#[path = "common/played.rs"]
-mod played;
-
+use crate::common;
+use crate::hits::signal;
+use crate::played::{events, heard_and_rendered, rate};
 use dsp_core::event::Action;
 use dsp_core::table::Kit;
-use hits::signal;
-use played::{events, heard_and_rendered, rate};
 use virtual_board::{Board, Fault, Press, Report, Setup, VirtualBoard};
 
 fn run(faults: &[Fault], seconds: f64) -> (VirtualBoard, Report) {

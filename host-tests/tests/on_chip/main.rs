@@ -1,0 +1,9 @@
+//! dsp-core on the virtual Cortex-M4F: bits, cycles, budget. One program, so that its long tests run side by side;
+//! `cargo test -p host-tests --test on_chip costs` runs one part.
+
+mod budget;
+mod costs;
+mod kernels;
+mod residual;
+mod room;
+mod trigger;
