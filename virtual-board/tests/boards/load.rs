@@ -24,7 +24,7 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
             100.0 * report.idle_share
         );
         // Said before a half is missed.
-        assert!(load <= 0.92, "{}: {load:.3} of the time to the deadline", board.name());
+        assert!(load <= 0.95, "{}: {load:.3} of the time to the deadline", board.name());
         assert!(
             !report.log.iter().any(|line| line.message.contains("missed") && line.level == "warn"),
             "{:#?}",
@@ -38,7 +38,7 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
 fn deadline(board: Board) -> f64 {
     let lead_frames = match board {
         Board::Stm32f407gDisc1 => 26.0,
-        Board::BlackpillF411 => 30.0,
+        Board::BlackpillF411 => 27.0,
     };
     lead_frames / 32.0
 }
