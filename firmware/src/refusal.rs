@@ -67,6 +67,8 @@ impl defmt::Format for At {
             Place::Background => defmt::write!(f, "background"),
             Place::BackgroundEdge(edge) => defmt::write!(f, "background, edge {=usize}", edge),
             Place::BackgroundBand(band) => defmt::write!(f, "background, band {=usize}", band),
+            Place::Room => defmt::write!(f, "room"),
+            Place::RoomBand(band) => defmt::write!(f, "room, band {=usize}", band),
         }
     }
 }
@@ -171,10 +173,11 @@ fn table(f: Formatter<'_>, error: TableError) {
         TableError::SharedInput { place, field, input } => {
             defmt::write!(f, "{}: {=str}: {=u8} is in use already", At(place), field.key(), input)
         }
-        TableError::EdgeOrder { place, below, above } => defmt::write!(
+        TableError::EdgeOrder { place, field, below, above } => defmt::write!(
             f,
-            "{}: edges_hz: {=f32}: must be at least 1 Hz above the edge before it, {=f32}",
+            "{}: {=str}: {=f32}: must be at least 1 Hz above the edge before it, {=f32}",
             At(place),
+            field.key(),
             above,
             below
         ),
@@ -203,6 +206,8 @@ fn load(f: Formatter<'_>, error: LoadError) {
         LoadError::BeyondNyquist { pad: None, edge_hz, .. } => {
             defmt::write!(f, "background: edges_hz: {=f32}: beyond half this board's sample rate", edge_hz)
         }
+        // Not met while the board's engine has no memory for a room.
+        LoadError::Room(_) => defmt::write!(f, "the room cannot be built"),
         LoadError::Pad { pad, striker: Some(striker), error, capacity, rate } => defmt::write!(
             f,
             "pad {=usize}, striker {=usize}: {}",

@@ -65,6 +65,7 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
         }],
         pads: Vec::new(),
         background: None,
+        room: vec![],
     }
 }
 

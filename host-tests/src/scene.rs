@@ -55,6 +55,7 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
             trigger: None,
         }],
         background: None,
+        room: vec![],
     }
 }
 

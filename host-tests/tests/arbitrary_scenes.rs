@@ -75,6 +75,7 @@ prop_compose! {
                 trigger: None,
             }).collect(),
             background: None,
+            room: vec![],
         }
     }
 }

@@ -18,6 +18,38 @@ pub struct Kit {
     pub pads: Vec<Pad>,
     /// Stationary noise behind all pads (diffimpact §3.4), if any.
     pub background: Option<Background>,
+    /// The room round all pads (diffimpact §3.4), band by band from the lowest up; without bands there is none.
+    pub room: Vec<RoomBand>,
+}
+
+/// A band of the room's answer to an impulse: noise with the power `gain² e^(−2 decay_per_s t)`, of the energy `gain²/(2 decay_per_s)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoomBand {
+    /// Where it begins, in Hz; 0 for the first. It ends where the next one begins, the last one at Nyquist.
+    pub from_hz: f32,
+    /// Initial gain g, 1/√s.
+    pub gain: f32,
+    /// Decay rate d in 1/s; T60 = ln(1000)/d.
+    pub decay_per_s: f32,
+}
+
+impl RoomBand {
+    /// The band of a T60 in seconds and an energy in dB over that of the direct sound in the band.
+    pub fn new(from_hz: f64, t60_s: f64, energy_db: f64) -> Self {
+        let decay_per_s = 1000f64.ln() / t60_s;
+        let gain = (2.0 * decay_per_s * 10f64.powf(energy_db / 10.0)).sqrt();
+        Self { from_hz: from_hz as f32, gain: gain as f32, decay_per_s: decay_per_s as f32 }
+    }
+
+    /// T60 in seconds.
+    pub fn t60_s(&self) -> f64 {
+        1000f64.ln() / f64::from(self.decay_per_s)
+    }
+
+    /// Energy in dB over that of the direct sound in the band.
+    pub fn energy_db(&self) -> f64 {
+        10.0 * (f64::from(self.gain).powi(2) / (2.0 * f64::from(self.decay_per_s))).log10()
+    }
 }
 
 /// What an object sounds beside its modes: bands of decaying noise (physics-diffusion eq. 5, 6), started by each strike.

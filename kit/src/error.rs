@@ -84,11 +84,13 @@ pub enum KitError {
         /// The file that includes this one.
         by: String,
     },
-    /// An included file has pads.
-    #[error("{at}: pad: this file is included by {by}, and only a kit's own file may have pads; move the pad there")]
-    BackgroundInInclude {
+    /// An included file has a background or a room.
+    #[error("{at}: {key}: this file is included by {by}, and only a kit's own file may have a {key}; move it there")]
+    SurroundingsInInclude {
         /// Where.
         at: Location,
+        /// Which of them.
+        key: &'static str,
         /// The file that includes this one.
         by: String,
     },
@@ -250,6 +252,8 @@ fn item_name(kit: &Kit, place: Place) -> String {
         Place::Background => "background".to_owned(),
         Place::BackgroundEdge(edge) => format!("background, edge {edge}"),
         Place::BackgroundBand(band) => format!("background, band {band}"),
+        Place::Room => "room".to_owned(),
+        Place::RoomBand(band) => format!("room, band {band}"),
     }
 }
 

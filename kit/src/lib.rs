@@ -31,7 +31,7 @@ mod nearest;
 mod shipped;
 mod statistics;
 
-pub use content::{Background, Gain, Kit, Mode, Object, Pad, Pulse, Residual, Striker};
+pub use content::{Background, Gain, Kit, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
 pub use error::{Fault, KitError, Location};
 pub use load::{Loaded, load, open};
 pub use shipped::{shipped, shipped_names};

@@ -8,7 +8,7 @@
 //! Events are looked at as far as the block holds them: with blocks of whole ticks nothing comes as a surprise within a tick.
 
 use super::cost::{CYCLES, Counts, Part};
-use super::{Direct, Engine, ResidualRoom};
+use super::{Direct, Engine, Surroundings};
 use crate::event::{Action, Event, Time};
 use crate::pad::{Pad, group_count, is_ringing};
 use crate::resonator::{Audience, Memory, Selection, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
@@ -35,8 +35,8 @@ impl<
     const GROUPS: usize,
     const ORIGINS: usize,
     const CONTACTS: usize,
-    R: ResidualRoom,
-> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
+    S: Surroundings,
+> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
 {
     /// Sets how many cycles a tick of 32 frames may take, or takes the limit away. For 80 % of 168 MHz at 48 kHz: 89 600.
     ///
@@ -178,7 +178,7 @@ impl<
         let due = self.pads().iter().filter(|pad| pad.is_guard_due(pad.own(&self.banks)));
         let groups = due.map(|pad| group_count(pad.own(&self.banks))).sum();
         let pads = self.pads().iter().filter(|pad| !pad.rests()).count();
-        let noise = (Part::ResidualCycle, self.noise_cycles());
+        let noise = (Part::ResidualCycle, self.noise_cycles() + self.room_cycles());
         [(Part::Tick, 1), (Part::WakingPad, pads as u32), (Part::DueGroup, groups), noise]
     }
 

@@ -1,6 +1,6 @@
 //! What a caller may ask of a block.
 
-use super::{Direct, Engine, ResidualRoom};
+use super::{Direct, Engine, Surroundings};
 use crate::event::{Event, EventError};
 use crate::pad::Pad;
 
@@ -12,8 +12,8 @@ impl<
     const GROUPS: usize,
     const ORIGINS: usize,
     const CONTACTS: usize,
-    R: ResidualRoom,
-> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
+    S: Surroundings,
+> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
 {
     /// Refuses the first event, or the direct force, that cannot be.
     pub(super) fn check(&self, events: &[Event], direct: Option<Direct<'_>>, frames: usize) -> Result<(), EventError> {

@@ -2,11 +2,12 @@
 
 use core::fmt;
 
-use super::{Engine, ResidualRoom, Skipping, TickReport};
+use super::{Engine, Skipping, Surroundings, TickReport};
 use crate::SampleRate;
 use crate::contact::Flight;
 use crate::pad::{Pad, PadTables, group_count};
 use crate::resonator::{Bank, BankError, Memory, Mode, Used, max_decay_per_s};
+use crate::room::RoomError;
 use crate::table::Kit;
 
 /// What an engine has room for, all pads together.
@@ -48,6 +49,8 @@ pub enum LoadError {
         /// The rate at which it was loaded.
         rate: SampleRate,
     },
+    /// The kit's room cannot be built.
+    Room(RoomError),
     /// Something of a pad does not fit.
     Pad {
         /// Which pad.
@@ -84,6 +87,7 @@ impl fmt::Display for LoadError {
                     rate.hz() / 2.0
                 )
             }
+            Self::Room(error) => error.fmt(f),
             Self::Pad { pad, striker, error, capacity: Capacity { banks, modes, groups, origins }, rate } => {
                 write!(f, "pad {pad}, ")?;
                 match striker {
@@ -130,8 +134,8 @@ impl<
     const GROUPS: usize,
     const ORIGINS: usize,
     const CONTACTS: usize,
-    R: ResidualRoom,
-> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
+    S: Surroundings,
+> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
 {
     /// Derives all stages from a kit for a sample rate and sets time to 0. What rang before is gone.
     ///
@@ -148,6 +152,7 @@ impl<
         (self.rate, self.skipping, self.now) = (Some(rate), skipping, 0);
         self.load_pads(kit, rate)?;
         self.load_noise(kit, rate)?;
+        self.load_room(kit, rate)?;
         (self.pad_count, self.kit) = (kit.pads().len(), Some(*kit));
         self.modes_built = self.pads().iter().map(|pad| pad.mode_count() as u32).sum();
         self.groups_built = self.pads().iter().map(|pad| group_count(pad.own(&self.banks))).sum();

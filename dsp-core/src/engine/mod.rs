@@ -16,12 +16,14 @@ mod cost;
 mod load;
 mod noise;
 mod report;
+mod surroundings;
 mod tick;
 
 pub use cost::{CYCLES, Counts, PARTS, Part};
 pub use load::{Capacity, LoadError};
 pub use noise::{NoResiduals, ResidualRoom, Residuals};
 pub use report::{Cause, TickReport};
+pub use surroundings::{NoRoom, RoomStage, Surroundings};
 
 use crate::SampleRate;
 use crate::contact::Flight;
@@ -63,7 +65,7 @@ pub struct Direct<'a> {
 /// | `GROUPS` | register groups: modes/6, and up to six more a bank | 24 |
 /// | `ORIGINS` | modes of pads that can be choked or have several positions | 12 |
 /// | `CONTACTS` | contacts under way at once | 24 |
-/// | `R` | [`Residuals`]: pads with a residual, the background counting as one; [`NoResiduals`] unless said otherwise | 16 KB |
+/// | `S` | [`Surroundings`]: [`Residuals`] for so many pads with a residual, the background counting as one, and a [`Room`](crate::room::Room); neither unless said otherwise | 16 KB a residual; a room as long as its lines |
 #[derive(Debug)]
 pub struct Engine<
     'k,
@@ -73,7 +75,7 @@ pub struct Engine<
     const GROUPS: usize,
     const ORIGINS: usize,
     const CONTACTS: usize,
-    R: ResidualRoom = NoResiduals,
+    S: Surroundings = NoResiduals,
 > {
     /// The first `pad_count` are the kit's.
     pads: [Pad<'k>; PADS],
@@ -84,7 +86,8 @@ pub struct Engine<
     groups: [Group; GROUPS],
     origins: [Origin; ORIGINS],
     flight: Flight<CONTACTS>,
-    residuals: R,
+    residuals: S::Residuals,
+    room: S::Room,
     /// `None` before a load, so that an engine in a `static` is all zeros and costs no flash.
     rate: Option<SampleRate>,
     skipping: Skipping,
@@ -115,8 +118,8 @@ impl<
     const GROUPS: usize,
     const ORIGINS: usize,
     const CONTACTS: usize,
-    R: ResidualRoom,
-> Default for Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
+    S: Surroundings,
+> Default for Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
 {
     fn default() -> Self {
         Self::new()
@@ -131,8 +134,8 @@ impl<
     const GROUPS: usize,
     const ORIGINS: usize,
     const CONTACTS: usize,
-    R: ResidualRoom,
-> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
+    S: Surroundings,
+> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
 {
     /// An engine without a kit, silent. `const`, so that it can lie in a `static` and never on a stack.
     pub const fn new() -> Self {
@@ -145,7 +148,8 @@ impl<
             groups: [Group::EMPTY; GROUPS],
             origins: [Origin::NONE; ORIGINS],
             flight: Flight::EMPTY,
-            residuals: R::EMPTY,
+            residuals: S::Residuals::EMPTY,
+            room: S::Room::EMPTY,
             rate: None,
             skipping: Skipping::On,
             now: 0,
@@ -187,7 +191,7 @@ impl<
 
     /// Whether nothing rings and no contact is under way: until the next event or direct force, output is exact silence and a core may sleep.
     pub fn is_silent(&self) -> bool {
-        self.flight.count() == 0 && !is_ringing(&self.banks) && self.noises() == 0
+        self.flight.count() == 0 && !is_ringing(&self.banks) && self.noises() == 0 && self.room.is_silent()
     }
 
     /// Lets a tick of silence pass without a block to write to: what rendering it without events and direct force would do, but for the report.
@@ -306,6 +310,7 @@ impl<
             }
             if passes_idle {
                 self.report.pass_idle(self.unstruck_modes, self.modes_built, length);
+                self.room.pass_silence(length);
             } else {
                 self.render_run(direct_now, now);
                 finish(now);

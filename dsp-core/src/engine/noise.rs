@@ -1,6 +1,6 @@
 //! Residuals and background: the noise beside the modes, where an engine has room for it.
 
-use super::{Engine, LoadError};
+use super::{Engine, LoadError, Surroundings};
 use crate::SampleRate;
 use crate::event::Action;
 use crate::noise::Sfc32;
@@ -88,8 +88,8 @@ impl<
     const GROUPS: usize,
     const ORIGINS: usize,
     const CONTACTS: usize,
-    R: ResidualRoom,
-> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
+    S: Surroundings,
+> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
 {
     /// Derives the residuals of all pads whose object has one, and the background, and begins it.
     pub(super) fn load_noise(&mut self, kit: &Kit<'_>, rate: SampleRate) -> Result<(), LoadError> {
@@ -101,7 +101,7 @@ impl<
         if places.is_empty() {
             return Ok(());
         }
-        let (mut free, capacity) = (places.iter_mut(), R::EMPTY.places().len());
+        let (mut free, capacity) = (places.iter_mut(), S::Residuals::EMPTY.places().len());
         for (pad, number) in kit.pads().zip(0u8..) {
             let Some(residual) = kit.residual_of(pad.object_index()) else { continue };
             let highest_hz = residual.bands().last().map_or(0.0, |band| band.edges_hz[1]);

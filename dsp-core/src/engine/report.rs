@@ -62,6 +62,8 @@ pub struct TickReport {
     pub residual_frames: u32,
     /// Frames of background that were rendered.
     pub background_frames: u32,
+    /// Frames in which the room answered.
+    pub room_frames: u32,
     /// Residuals that sound at the tick's end, the background among them.
     pub residuals: u32,
 }
@@ -86,6 +88,7 @@ impl TickReport {
         retired_amplitude: 0.0,
         residual_frames: 0,
         background_frames: 0,
+        room_frames: 0,
         residuals: 0,
         shed: Shed::NOTHING,
         counts: Counts::NONE,

@@ -1,7 +1,7 @@
 //! What happens within a tick: its beginning, events, runs of frames, its end.
 
 use super::budget::LeaveOut;
-use super::{Direct, Engine, ResidualRoom, Skipping};
+use super::{Direct, Engine, RoomStage, Skipping, Surroundings};
 use crate::contact::Contact;
 use crate::event::{Action, Event};
 use crate::pad::{Pad, PadTables, Run, is_ringing};
@@ -15,8 +15,8 @@ impl<
     const GROUPS: usize,
     const ORIGINS: usize,
     const CONTACTS: usize,
-    R: ResidualRoom,
-> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, R>
+    S: Surroundings,
+> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
 {
     pub(super) fn begin_tick(&mut self, direct: Option<Direct<'_>>) {
         if self.idle && self.was_idle {
@@ -153,6 +153,7 @@ impl<
             self.flight.clear_finished();
         }
         self.render_noise(out);
+        self.render_room(out);
     }
 
     pub(super) fn end_tick(&mut self) {
@@ -166,6 +167,7 @@ impl<
             && self.report.contacts == 0
             && self.report.ringing_pads == 0
             && self.report.residuals == 0
+            && self.room.is_silent()
             && self.pads().iter().all(|pad| pad.retired_amplitude() == 0.0);
         if self.idle {
             let unstruck = self.pads().iter().filter(|pad| !pad.was_struck());

@@ -184,6 +184,12 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         }
     }
 
+    /// Lets frames of silence pass while the room [is silent](Self::is_silent): what rendering them would do.
+    pub fn pass_silence(&mut self, frames: usize) {
+        // While the room is silent its input is zeros throughout.
+        self.passed = (self.passed + frames) % TICK_FRAMES;
+    }
+
     #[inline(never)]
     fn pass(&mut self, out: &mut [[i32; 2]]) {
         let frames = self.passed..self.passed + out.len();
@@ -270,7 +276,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             (band.state, band.split_state) = (NetworkState::SILENT, SplitState::SILENT);
         }
         self.upsamplers = [UpsamplerState::SILENT; RATES];
-        self.wet = [[0; 2]; TICK_FRAMES];
+        (self.input, self.wet) = ([0; TICK_FRAMES], [[0; 2]; TICK_FRAMES]);
         self.silent = true;
     }
 }

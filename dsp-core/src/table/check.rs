@@ -63,6 +63,12 @@ pub(super) fn check_range(place: Place, field: Field, value: f32, allowed: Range
     if allowed.holds(value) { Ok(()) } else { Err(TableError::OutOfRange { place, field, value, allowed }) }
 }
 
+/// Checks the numbers of a place in the order of `fields`.
+#[inline(never)] // a list costs less flash than a call for each
+pub(super) fn check_ranges(place: Place, fields: &'static [(Field, Range)], values: &[f32]) -> Result<(), TableError> {
+    fields.iter().zip(values).try_for_each(|(&(field, allowed), &value)| check_range(place, field, value, allowed))
+}
+
 pub(super) fn check_count(place: Place, field: Field, value: usize, min: usize, max: usize) -> Result<(), TableError> {
     if (min..=max).contains(&value) { Ok(()) } else { Err(TableError::Count { place, field, value, min, max }) }
 }

@@ -145,6 +145,8 @@ pub enum TableError {
     EdgeOrder {
         /// Which edge.
         place: Place,
+        /// Its key.
+        field: Field,
         /// The one before, in Hz.
         below: f32,
         /// The edge, in Hz.
@@ -191,6 +193,10 @@ pub enum Place {
     BackgroundEdge(usize),
     /// A band of it.
     BackgroundBand(usize),
+    /// The room.
+    Room,
+    /// A band of it.
+    RoomBand(usize),
 }
 
 /// A field of a kit, by its key in the text form.
@@ -211,7 +217,9 @@ pub enum Field {
     DirectGain,
     EdgesHz,
     FrequencyHz,
+    FromHz,
     FullScale,
+    Gain,
     GainCosine,
     GainSine,
     LevelDb,
@@ -258,7 +266,9 @@ impl Field {
             Self::DirectGain => "direct_gain",
             Self::EdgesHz => "edges_hz",
             Self::FrequencyHz => "frequency_hz",
+            Self::FromHz => "from_hz",
             Self::FullScale => "full_scale",
+            Self::Gain => "gain",
             Self::GainCosine => "gain_cosine",
             Self::GainSine => "gain_sine",
             Self::LevelDb => "level_db",
@@ -304,6 +314,8 @@ impl fmt::Display for Place {
             Self::Background => write!(f, "background"),
             Self::BackgroundEdge(edge) => write!(f, "background, edge {edge}"),
             Self::BackgroundBand(band) => write!(f, "background, band {band}"),
+            Self::Room => write!(f, "room"),
+            Self::RoomBand(band) => write!(f, "room, band {band}"),
         }
     }
 }
@@ -381,9 +393,10 @@ impl fmt::Display for TableError {
                 "{place}: {} = {input}: another sensor or pad has that input already; give each its own",
                 field.key()
             ),
-            Self::EdgeOrder { place, below, above } => write!(
+            Self::EdgeOrder { place, field, below, above } => write!(
                 f,
-                "{place}: edges_hz = {above}: must be at least {} Hz above the edge before it, {below}",
+                "{place}: {} = {above}: must be at least {} Hz above the edge before it, {below}",
+                field.key(),
                 super::range::BAND_WIDTH_HZ
             ),
             Self::BadText { place } => write!(f, "{place}: source or licence is not UTF-8"),

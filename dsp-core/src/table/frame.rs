@@ -45,7 +45,8 @@ pub(super) fn read_frame(bytes: &[u8]) -> Result<(&[SectionEntry], &[u8]), Table
 }
 
 pub(super) fn is_known(tag: [u8; 4]) -> bool {
-    [tag::META, tag::OBJECT, tag::STRIKER, tag::PADS, tag::TRIGGER, tag::RESIDUAL, tag::BACKGROUND].contains(&tag)
+    [tag::META, tag::OBJECT, tag::STRIKER, tag::PADS, tag::TRIGGER, tag::RESIDUAL, tag::BACKGROUND, tag::ROOM]
+        .contains(&tag)
 }
 
 /// Sections tile the kit from the directory's end to the kit's, and are of known kinds and versions.

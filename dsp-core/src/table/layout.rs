@@ -41,6 +41,8 @@ pub mod tag {
     pub const RESIDUAL: [u8; 4] = *b"resi";
     /// The background: [`BackgroundHeader`](super::BackgroundHeader), edges, weights. At most one; a reader may skip it.
     pub const BACKGROUND: [u8; 4] = *b"bgnd";
+    /// The room: [`RoomBandRecord`](super::RoomBandRecord)s, from the lowest up. At most one; a reader may skip it.
+    pub const ROOM: [u8; 4] = *b"room";
 }
 
 /// The head of a kit.

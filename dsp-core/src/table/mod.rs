@@ -6,7 +6,7 @@
 //! header    magic "MALL", format version, length, CRC-32 of all that follows
 //! directory section count, then an entry a section: tag, version, offset, length
 //! sections  META one · OBJT one an object · STRK one a striker · PADS one · trig none or one ·
-//!           resi none or one an object · bgnd none or one
+//!           resi none or one an object · bgnd none or one · room none or one
 //! ```
 //!
 //! All numbers are little-endian, floats are IEEE single precision, sections are 4-byte aligned and tile the file without
@@ -24,6 +24,7 @@ pub mod layout;
 pub mod range;
 mod read;
 mod residual;
+mod room;
 mod trigger;
 
 pub use error::{Field, Place, TableError};

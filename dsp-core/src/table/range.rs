@@ -13,7 +13,7 @@ pub struct Range {
 }
 
 impl Range {
-    const fn new(min: f32, max: f32) -> Self {
+    pub(super) const fn new(min: f32, max: f32) -> Self {
         Self { min, max }
     }
 

@@ -2,15 +2,18 @@
 
 use zerocopy::FromBytes;
 
-use super::check::{check_bank, check_count, check_distinct, check_name, check_range, name_str, read_bank};
+use super::check::{
+    check_bank, check_count, check_distinct, check_name, check_range, check_ranges, name_str, read_bank,
+};
 use super::error::{Field, Place, TableError};
 use super::frame::{check_sections, head, is_known, only_section, optional_section, read_frame, sections, whole};
 use super::layout::{
-    GainRecord, MetaRecord, ModeRecord, NO_NOTE, NO_STRIKER, ObjectHeader, PadRecord, SectionEntry, StrikerHeader,
-    TriggerRecord, tag,
+    GainRecord, MetaRecord, ModeRecord, NO_NOTE, NO_STRIKER, ObjectHeader, PadRecord, RoomBandRecord, SectionEntry,
+    StrikerHeader, TriggerRecord, tag,
 };
 use super::range;
 use super::residual::{Background, Residual};
+use super::room;
 use super::trigger::Trigger;
 
 /// A checked kit: views into the caller's bytes, nothing is copied.
@@ -144,17 +147,22 @@ impl<'a> Kit<'a> {
         sections(self.directory, self.bytes, tag::BACKGROUND).next().and_then(|body| Background::read(body).ok())
     }
 
-    fn check_noise(&self, objects: usize) -> Result<(), TableError> {
+    /// The bands of the room, from the lowest up; none where the kit has no room.
+    pub fn room(&self) -> &'a [RoomBandRecord] {
+        sections(self.directory, self.bytes, tag::ROOM).next().and_then(|body| room::read(body).ok()).unwrap_or(&[])
+    }
+
+    fn check_surroundings(&self, objects: usize) -> Result<(), TableError> {
         let mut next_object = 0;
         for body in sections(self.directory, self.bytes, tag::RESIDUAL) {
             let residual = Residual::read(body)?;
             residual.check(objects, next_object)?;
             next_object = residual.object_index() + 1;
         }
-        match optional_section(self.directory, self.bytes, tag::BACKGROUND)? {
-            Some(body) => Background::read(body)?.check(),
-            None => Ok(()),
+        if let Some(body) = optional_section(self.directory, self.bytes, tag::BACKGROUND)? {
+            Background::read(body)?.check()?;
         }
+        optional_section(self.directory, self.bytes, tag::ROOM)?.map_or(Ok(()), |body| room::read(body).map(|_| ()))
     }
 
     fn check(&self) -> Result<(), TableError> {
@@ -176,7 +184,7 @@ impl<'a> Kit<'a> {
         check_distinct(self.strikers().map(|striker| striker.name()), Place::Striker)?;
         check_distinct(self.pads().map(|pad| pad.name()), Place::Pad)?;
         self.check_notes()?;
-        self.check_noise(objects)?;
+        self.check_surroundings(objects)?;
         super::trigger::check(self.triggers, self.pads)
     }
 
@@ -274,10 +282,17 @@ impl<'a> Striker<'a> {
         check_name(&self.header.name, place)?;
         check_count(place, Field::Pulse, self.header.pulse.get() as usize, 0, 1)?;
         let contact = self.contact();
-        check_range(place, Field::PeakForce, contact.peak_force(), range::PEAK_FORCE)?;
-        check_range(place, Field::PeakExponent, contact.peak_exponent(), range::PEAK_EXPONENT)?;
-        check_range(place, Field::ContactTimeS, contact.contact_time_s(), range::CONTACT_TIME_S)?;
-        check_range(place, Field::ContactExponent, contact.contact_exponent(), range::CONTACT_EXPONENT)?;
+        let ranges = const {
+            &[
+                (Field::PeakForce, range::PEAK_FORCE),
+                (Field::PeakExponent, range::PEAK_EXPONENT),
+                (Field::ContactTimeS, range::CONTACT_TIME_S),
+                (Field::ContactExponent, range::CONTACT_EXPONENT),
+            ]
+        };
+        let values =
+            [contact.peak_force(), contact.peak_exponent(), contact.contact_time_s(), contact.contact_exponent()];
+        check_ranges(place, ranges, &values)?;
         if self.header.reserved.get() != 0 {
             return Err(TableError::NotZero { place, field: Field::Padding });
         }
@@ -364,9 +379,14 @@ impl<'a> Pad<'a> {
         if !ordered || !notes_ordered || self.record.reserved.get() != 0 {
             return Err(TableError::NotZero { place, field: Field::Padding });
         }
-        check_range(place, Field::LevelDb, self.level_db(), range::LEVEL_DB)?;
-        check_range(place, Field::Pan, self.pan(), range::PAN)?;
-        check_range(place, Field::StrikerWeight, self.striker_weight(), range::STRIKER_WEIGHT)?;
+        let ranges = const {
+            &[
+                (Field::LevelDb, range::LEVEL_DB),
+                (Field::Pan, range::PAN),
+                (Field::StrikerWeight, range::STRIKER_WEIGHT),
+            ]
+        };
+        check_ranges(place, ranges, &[self.level_db(), self.pan(), self.striker_weight()])?;
         if self.choke_t60_s() != 0.0 {
             check_range(place, Field::ChokeT60S, self.choke_t60_s(), range::CHOKE_T60_S)?;
         }

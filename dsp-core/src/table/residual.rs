@@ -134,7 +134,7 @@ fn check_edges(edges: &[F32], place: impl Fn(usize) -> Place) -> Result<(), Tabl
     for (index, pair) in edges.windows(2).enumerate() {
         let (below, above) = (edge(pair, 0), edge(pair, 1));
         if above - below < range::BAND_WIDTH_HZ {
-            return Err(TableError::EdgeOrder { place: place(index + 1), below, above });
+            return Err(TableError::EdgeOrder { place: place(index + 1), field: Field::EdgesHz, below, above });
         }
     }
     Ok(())

@@ -2,10 +2,10 @@
 
 use zerocopy::FromBytes;
 
-use super::check::{check_count, check_range};
+use super::check::{check_count, check_ranges};
 use super::error::{Field, Place, TableError};
 use super::layout::{NO_INPUT, NO_STRIKER, PadRecord, TriggerRecord};
-use super::range;
+use super::range::{self, Range};
 
 /// How one pad of a [`Kit`](super::Kit) is triggered.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +61,19 @@ fn present(input: u8) -> Option<u8> {
     (input != NO_INPUT).then_some(input)
 }
 
+const RANGES: [(Field, Range); 10] = [
+    (Field::Threshold, range::THRESHOLD),
+    (Field::ScanTimeS, range::SCAN_TIME_S),
+    (Field::MaskTimeS, range::MASK_TIME_S),
+    (Field::MaskDecayPerS, range::MASK_DECAY_PER_S),
+    (Field::FullScale, range::FULL_SCALE),
+    (Field::VelocityExponent, range::VELOCITY_EXPONENT),
+    (Field::CrosstalkDb, range::CROSSTALK_DB),
+    (Field::RimDb, range::RIM_DB),
+    (Field::DirectGain, range::DIRECT_GAIN),
+    (Field::ButtonVelocity, range::BUTTON_VELOCITY),
+];
+
 impl<'a> Trigger<'a> {
     pub(super) fn new(record: &'a TriggerRecord) -> Self {
         Self { record }
@@ -80,16 +93,19 @@ impl<'a> Trigger<'a> {
         if self.rim_channel().is_some() {
             check_count(place, Field::RimStriker, usize::from(self.rim_striker()), 0, strikers.saturating_sub(1))?;
         }
-        check_range(place, Field::Threshold, self.threshold(), range::THRESHOLD)?;
-        check_range(place, Field::ScanTimeS, self.scan_time_s(), range::SCAN_TIME_S)?;
-        check_range(place, Field::MaskTimeS, self.mask_time_s(), range::MASK_TIME_S)?;
-        check_range(place, Field::MaskDecayPerS, self.mask_decay_per_s(), range::MASK_DECAY_PER_S)?;
-        check_range(place, Field::FullScale, self.full_scale(), range::FULL_SCALE)?;
-        check_range(place, Field::VelocityExponent, self.velocity_exponent(), range::VELOCITY_EXPONENT)?;
-        check_range(place, Field::CrosstalkDb, self.crosstalk_db(), range::CROSSTALK_DB)?;
-        check_range(place, Field::RimDb, self.rim_db(), range::RIM_DB)?;
-        check_range(place, Field::DirectGain, self.direct_gain(), range::DIRECT_GAIN)?;
-        check_range(place, Field::ButtonVelocity, self.button_velocity(), range::BUTTON_VELOCITY)
+        let values = [
+            self.threshold(),
+            self.scan_time_s(),
+            self.mask_time_s(),
+            self.mask_decay_per_s(),
+            self.full_scale(),
+            self.velocity_exponent(),
+            self.crosstalk_db(),
+            self.rim_db(),
+            self.direct_gain(),
+            self.button_velocity(),
+        ];
+        check_ranges(place, &RANGES, &values)
     }
 
     /// Which pad, counted from 0.

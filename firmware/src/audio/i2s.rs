@@ -154,9 +154,10 @@ impl I2s {
 
     /// Fills the 32 frames of the buffer that begin at `first`, round its end, with samples of 24 bits.
     pub fn fill(&mut self, first: usize, frames: &[[i32; 2]; HALF_FRAMES]) {
-        for (frame, slots) in (first..).zip(frames.iter().map(slots)) {
-            store(frame % FRAMES, slots);
-        }
+        let first = first % FRAMES;
+        let (to_end, from_start) = frames.split_at((FRAMES - first).min(HALF_FRAMES));
+        store(first, to_end);
+        store(0, from_start);
         compiler_fence(Ordering::SeqCst);
     }
 }
@@ -175,20 +176,20 @@ pub fn acknowledge() {
 
 /// Zeros to both halves from anywhere: at a start, and for a program that is about to end.
 pub fn silence_now() {
-    for frame in 0..FRAMES {
-        store(frame, [0; 2]);
-    }
+    store(0, &[[0; 2]; FRAMES]);
     compiler_fence(Ordering::SeqCst);
 }
 
-fn store(frame: usize, slots: [u32; 2]) {
-    if frame < FRAMES {
+/// Frames in a row, as far as the buffer goes.
+#[inline(never)]
+fn store(first: usize, frames: &[[i32; 2]]) {
+    for (frame, &[left, right]) in (first..FRAMES).zip(frames) {
         // SAFETY: inside the buffer; whole words, of which the DMA reads halves.
-        unsafe { BUFFER.0.get().cast::<[u32; 2]>().add(frame).write_volatile(slots) };
+        unsafe { BUFFER.0.get().cast::<[u32; 2]>().add(frame).write_volatile([slot(left), slot(right)]) };
     }
 }
 
 /// 24 bits to the top of a slot of 32, halves swapped.
-fn slots(frame: &[i32; 2]) -> [u32; 2] {
-    frame.map(|sample| ((sample << 8) as u32).rotate_left(16))
+fn slot(sample: i32) -> u32 {
+    ((sample << 8) as u32).rotate_left(16)
 }

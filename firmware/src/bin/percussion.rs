@@ -76,5 +76,8 @@ fn kit_in_sector(instrument: &mut Instrument) -> Result<Option<(Kit<'static>, in
     let settings = input::Settings::of(&kit)?;
     instrument.load(&kit, audio::BUDGET_CYCLES)?;
     defmt::info!("kit sector: {=str} plays", kit.name());
+    if kit.residuals().next().is_some() || kit.background().is_some() || !kit.room().is_empty() {
+        defmt::warn!("kit sector: its residuals, background and room are left out: boards play contacts and modes");
+    }
     Ok(Some((kit, settings)))
 }

@@ -37,7 +37,7 @@ pub fn pads_of(count: usize, turns: usize) -> Loaded {
             )
         })
         .unzip();
-    load(Kit { name: format!("{count} pads"), objects, strikers, pads, background: None })
+    load(Kit { name: format!("{count} pads"), objects, strikers, pads, background: None, room: vec![] })
 }
 
 fn frequencies() -> impl Iterator<Item = f64> {

@@ -4,7 +4,7 @@ use dsp_core::residual::MAX_BANDS;
 use dsp_core::table::layout::{
     BackgroundHeader, FORMAT_VERSION, FileHeader, GainRecord, MAGIC, MIDI_NOTES_PER_PAD, MetaRecord, ModeRecord,
     NAME_BYTES, NO_INPUT, NO_NOTE, NO_STRIKER, ObjectHeader, PadRecord, ResidualBandRecord, ResidualHeader,
-    SECTION_VERSION, STRIKERS_PER_PAD, SectionEntry, StrikerHeader, TriggerRecord, tag,
+    RoomBandRecord, SECTION_VERSION, STRIKERS_PER_PAD, SectionEntry, StrikerHeader, TriggerRecord, tag,
 };
 use dsp_core::table::{Field, Kit as TableView, Place, TableError, checksum, range};
 use dsp_core::trigger::{Mode as TriggerMode, Settings};
@@ -12,10 +12,10 @@ use zerocopy::byteorder::little_endian::{F32, U16, U32};
 use zerocopy::{Immutable, IntoBytes};
 
 use crate::error::Fault;
-use crate::{Background, Kit, KitError, Mode, Object, Pad, Pulse, Residual, Striker};
+use crate::{Background, Kit, KitError, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
 
 /// Builds the binary form: sections `META`, `OBJT` an object, `STRK` a striker, `PADS`, `trig` where
-/// a pad says how it is triggered, `resi` an object with a residual, `bgnd` where there is a background, in this order. The same kit gives the same bytes.
+/// a pad says how it is triggered, `resi` an object with a residual, `bgnd` and `room` where there is a background or a room, in this order. The same kit gives the same bytes.
 ///
 /// # Errors
 /// [`KitError::Item`] for what the form cannot hold (nothing is ever cut off) and for whatever [`dsp_core::table::Kit::parse`]
@@ -51,9 +51,25 @@ pub fn build(kit: &Kit) -> Result<Vec<u8>, KitError> {
     if let Some(background) = &kit.background {
         sections.push((tag::BACKGROUND, build.background(background)?));
     }
+    if !kit.room.is_empty() {
+        sections.push((tag::ROOM, room(&kit.room)));
+    }
     let bytes = build.frame(&sections)?;
     TableView::parse(&bytes).map_err(|error| KitError::from_table(kit, error))?;
     Ok(bytes)
+}
+
+fn room(bands: &[RoomBand]) -> Vec<u8> {
+    let mut section = Vec::new();
+    for band in bands {
+        let record = RoomBandRecord {
+            from_hz: F32::new(band.from_hz),
+            gain: F32::new(band.gain),
+            decay_per_s: F32::new(band.decay_per_s),
+        };
+        append(&mut section, &record);
+    }
+    section
 }
 
 struct Build<'a> {

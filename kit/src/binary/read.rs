@@ -8,7 +8,7 @@ use dsp_core::table::{
 };
 use dsp_core::trigger::Settings;
 
-use crate::{Background, Gain, Kit, KitError, Mode, Object, Pad, Pulse, Residual, Striker};
+use crate::{Background, Gain, Kit, KitError, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
 
 /// Reads the binary form; erased flash (0xFF) may follow it. Sections that this version may skip are not in the result
 /// ([`crate::Loaded::skipped_sections`] lists them), nor is the number of positions of an object without modes.
@@ -31,7 +31,12 @@ pub fn read(bytes: &[u8]) -> Result<Kit, KitError> {
         }
     }
     let background = view.background().map(read_background);
-    Ok(Kit { name: view.name().to_owned(), objects, strikers, pads, background })
+    let room = view.room().iter().map(|band| RoomBand {
+        from_hz: band.from_hz.get(),
+        gain: band.gain.get(),
+        decay_per_s: band.decay_per_s.get(),
+    });
+    Ok(Kit { name: view.name().to_owned(), objects, strikers, pads, background, room: room.collect() })
 }
 
 fn object(view: ObjectView<'_>) -> Object {

@@ -3,11 +3,11 @@
 use dsp_core::table::Place;
 use toml::Spanned;
 
-use super::document::{Document, Gains, ModeTable, ObjectTable, PadTable, StrikerTable};
+use super::document::{Document, Gains, ModeTable, ObjectTable, PadTable, RoomBandTable, StrikerTable};
 use super::origin::{ItemOrigin, Origins};
 use super::residual::{BackgroundTable, ResidualTable};
 use super::{SourceText, UNTITLED};
-use crate::{Fault, Gain, Kit, KitError, Mode, Object, Pad, Striker};
+use crate::{Fault, Gain, Kit, KitError, Mode, Object, Pad, RoomBand, Striker};
 
 /// A kit as far as it has been put together.
 pub(super) struct Assembly {
@@ -24,6 +24,7 @@ impl Assembly {
                 strikers: Vec::new(),
                 pads: Vec::new(),
                 background: None,
+                room: Vec::new(),
             },
             origins: Origins::new(main, name.map_or(0, |name| name.span().start)),
         }
@@ -40,6 +41,11 @@ impl Assembly {
             let (background, origin) = BackgroundTable::read(background);
             self.kit.background = Some(background);
             self.origins.set_background(origin);
+        }
+        for band in document.room {
+            self.origins.add_room_band(band.span().start);
+            let RoomBandTable { from_hz, gain, decay_per_s } = band.into_inner();
+            self.kit.room.push(RoomBand { from_hz, gain, decay_per_s });
         }
         for striker in document.striker {
             let offset = striker.span().start;

@@ -21,11 +21,21 @@ pub(super) struct Document {
     pub(super) include: Vec<Spanned<String>>,
     pub(super) background: Option<Spanned<BackgroundTable>>,
     #[serde(default)]
+    pub(super) room: Vec<Spanned<RoomBandTable>>,
+    #[serde(default)]
     pub(super) object: Vec<Spanned<ObjectTable>>,
     #[serde(default)]
     pub(super) striker: Vec<Spanned<StrikerTable>>,
     #[serde(default)]
     pub(super) pad: Vec<Spanned<PadTable>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RoomBandTable {
+    pub(super) from_hz: f32,
+    pub(super) gain: f32,
+    pub(super) decay_per_s: f32,
 }
 
 #[derive(serde::Deserialize)]

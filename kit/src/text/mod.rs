@@ -104,7 +104,11 @@ fn check_included(source: &SourceText, document: &Document, by: &str) -> Result<
         });
     }
     if let Some(background) = &document.background {
-        return Err(KitError::BackgroundInInclude { at: at(background.span().start), by: by.to_owned() });
+        let at = at(background.span().start);
+        return Err(KitError::SurroundingsInInclude { at, key: "background", by: by.to_owned() });
+    }
+    if let Some(band) = document.room.first() {
+        return Err(KitError::SurroundingsInInclude { at: at(band.span().start), key: "room", by: by.to_owned() });
     }
     if let Some(pad) = document.pad.first() {
         return Err(KitError::PadInInclude { at: at(pad.span().start), by: by.to_owned() });

@@ -18,6 +18,8 @@ pub(super) struct Origins {
     pub(super) pads: Vec<ItemOrigin>,
     /// The file of the background, and where in it.
     background: Option<(usize, NoiseOrigin)>,
+    /// The file of each of the room's bands, and where in it.
+    room: Vec<(usize, usize)>,
 }
 
 /// The origin of an object, striker or pad.
@@ -50,6 +52,7 @@ impl Origins {
             strikers: Vec::new(),
             pads: Vec::new(),
             background: None,
+            room: Vec::new(),
         }
     }
 
@@ -73,6 +76,11 @@ impl Origins {
     /// Where, in the current file, the background stands.
     pub(super) fn set_background(&mut self, origin: NoiseOrigin) {
         self.background = Some((self.current_file(), origin));
+    }
+
+    /// Where, in the current file, the next band of the room stands.
+    pub(super) fn add_room_band(&mut self, offset: usize) {
+        self.room.push((self.current_file(), offset));
     }
 
     /// Fills in where the item of an error stands.
@@ -108,6 +116,14 @@ impl Origins {
                 return found;
             }
         }
+        let band = match place {
+            Place::Room => self.room.first(),
+            Place::RoomBand(band) => self.room.get(band),
+            _ => None,
+        };
+        if let Some(&(file, offset)) = band {
+            return self.at(file, offset);
+        }
         let Some(item) = self.item(place) else {
             return self.at(self.kit.0, self.kit.1);
         };
@@ -123,7 +139,12 @@ impl Origins {
 
     fn item(&self, place: Place) -> Option<&ItemOrigin> {
         match place {
-            Place::Kit | Place::Background | Place::BackgroundEdge(_) | Place::BackgroundBand(_) => None,
+            Place::Kit
+            | Place::Background
+            | Place::BackgroundEdge(_)
+            | Place::BackgroundBand(_)
+            | Place::Room
+            | Place::RoomBand(_) => None,
             Place::Object(index)
             | Place::ObjectMode(index, _)
             | Place::ObjectResidual(index)

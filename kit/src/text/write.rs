@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 
 use super::FORMAT;
 use super::number::shortest_decimal;
-use crate::{Gain, Kit, Mode, Object, Pad, Striker};
+use crate::{Gain, Kit, Mode, Object, Pad, RoomBand, Striker};
 
 /// Writes a kit as text: all keys, includes resolved, one line a mode, each number as the shortest decimal that gives its
 /// f32 back. The same kit gives the same text.
@@ -19,12 +19,21 @@ struct Text<T>(T);
 
 impl Display for Text<&Kit> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Kit { name, objects, strikers, pads, background } = self.0;
+        let Kit { name, objects, strikers, pads, background, room } = self.0;
         writeln!(f, "format = {FORMAT}\nname = {}", Text(name.as_str()))?;
         background.iter().try_for_each(|background| write!(f, "{}", super::residual::Text(background)))?;
+        room.iter().try_for_each(|band| write!(f, "{}", Text(band)))?;
         objects.iter().try_for_each(|object| write!(f, "{}", Text(object)))?;
         strikers.iter().try_for_each(|striker| write!(f, "{}", Text(striker)))?;
         pads.iter().try_for_each(|pad| write!(f, "{}", Text(pad)))
+    }
+}
+
+impl Display for Text<&RoomBand> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let RoomBand { from_hz, gain, decay_per_s } = self.0;
+        writeln!(f, "\n[[room]]\nfrom_hz = {}\ngain = {}", Text(*from_hz), Text(*gain))?;
+        writeln!(f, "decay_per_s = {}", Text(*decay_per_s))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use dsp_core::table::range::{self, Range};
 use dsp_core::trigger::{Mode as TriggerMode, Settings};
-use kit::{Background, Gain, Kit, Mode, Object, Pad, Pulse, Residual, Striker};
+use kit::{Background, Gain, Kit, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
 use proptest::prelude::*;
 use proptest::sample::subsequence;
 
@@ -97,6 +97,18 @@ fn background() -> impl Strategy<Value = Background> {
     (1..=100usize, any::<u32>()).prop_flat_map(|(bands, seed)| {
         let weight = prop::collection::vec(number(range::WEIGHT), bands);
         (edges_hz(bands), weight).prop_map(move |(edges_hz, weight)| Background { seed, edges_hz, weight })
+    })
+}
+
+fn room() -> impl Strategy<Value = Vec<RoomBand>> {
+    (0..=8usize).prop_flat_map(|bands| {
+        let gain = prop::collection::vec(number(range::ROOM_GAIN), bands);
+        let decay = prop::collection::vec(number(range::ROOM_DECAY_PER_S), bands);
+        (edges_hz(bands), gain, decay).prop_map(|(edges_hz, gain, decay)| {
+            let from_hz = std::iter::once(0.0).chain(edges_hz);
+            let bands = from_hz.zip(gain.into_iter().zip(decay));
+            bands.map(|(from_hz, (gain, decay_per_s))| RoomBand { from_hz, gain, decay_per_s }).collect()
+        })
     })
 }
 
@@ -212,12 +224,13 @@ pub(crate) fn kit() -> impl Strategy<Value = Kit> {
         let objects: Vec<_> = objects.into_iter().map(object).collect();
         let strikers: Vec<_> = strikers.into_iter().map(striker).collect();
         let noise = prop::option::of(background());
-        (objects, strikers, pads, noise).prop_map(move |(objects, strikers, pads, background)| Kit {
+        (objects, strikers, pads, noise, room()).prop_map(move |(objects, strikers, pads, background, room)| Kit {
             name: name.clone(),
             objects,
             strikers,
             pads,
             background,
+            room,
         })
     })
 }

@@ -4,6 +4,7 @@ mod arbitrary;
 mod binary_refusals;
 mod files;
 mod residual;
+mod room;
 mod round_trip;
 mod sample;
 mod shipped;

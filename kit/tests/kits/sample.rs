@@ -64,6 +64,7 @@ pub(crate) fn kit() -> Kit {
         strikers: vec![striker("yarn"), striker("wood")],
         pads: vec![pad("bar", "bar", "yarn"), Pad { midi_notes: vec![61], ..pad("string", "string", "wood") }],
         background: None,
+        room: vec![],
     }
 }
 

@@ -167,6 +167,7 @@ fn kit_text() -> String {
         strikers: Vec::new(),
         pads: pads.collect(),
         background: None,
+        room: Vec::new(),
     };
     let text = kit::text::write(&kit);
     let included: String =

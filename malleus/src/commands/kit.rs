@@ -21,8 +21,14 @@ pub(crate) fn run(command: &KitCommand) -> Result<(), CommandError> {
 /// One pad for each object of the tables, struck by the strikers of its own table.
 fn new(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<(), CommandError> {
     let name = output.file_stem().unwrap_or_default().to_string_lossy();
-    let mut kit =
-        kit::Kit { name: name.into_owned(), objects: vec![], strikers: vec![], pads: vec![], background: None };
+    let mut kit = kit::Kit {
+        name: name.into_owned(),
+        objects: vec![],
+        strikers: vec![],
+        pads: vec![],
+        background: None,
+        room: vec![],
+    };
     let mut notes = (first_note..=127).map(|note| vec![note]);
     for table in tables {
         let loaded = open(&table.display().to_string())?;

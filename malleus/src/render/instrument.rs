@@ -1,14 +1,18 @@
 //! Rendering by dsp-core, exactly as a board does.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Direct, Engine, LoadError, Residuals, Skipping, TickReport};
+use dsp_core::engine::{Direct, Engine, LoadError, Residuals, STANDARD_CONTACTS, Skipping, TickReport};
 use dsp_core::event::{Event, EventError};
+use dsp_core::room::Room;
 use dsp_core::table::Kit;
 
 use super::Performance;
 
+/// Noise of 32 pads, and a second of delay for the room: a longer T60 than that keeps its decay, with fewer resonances.
+type PcSurroundings = (Residuals<32>, Room<i32, 49_152>);
+
 /// The engine of the PC: room for large kits; as many contacts at once as a board has.
-pub type PcEngine<'k> = Engine<'k, 64, 320, 8192, 4096, 8192, { dsp_core::engine::STANDARD_CONTACTS }, Residuals<32>>;
+pub type PcEngine<'k> = Engine<'k, 64, 320, 8192, 4096, 8192, STANDARD_CONTACTS, PcSurroundings>;
 
 /// Why a performance cannot be rendered.
 #[derive(Debug, thiserror::Error)]

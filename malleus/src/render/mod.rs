@@ -18,7 +18,7 @@ pub struct Performance {
 }
 
 impl Performance {
-    /// A performance that ends when what it excites has rung down by about 96 dB, but at most 30 s after the last excitation; or `tail_s`
+    /// A performance that ends when what it excites has rung down by about 96 dB, and the room after it, but at most 30 s after the last excitation; or `tail_s`
     /// after it. The length depends on the tables alone, so that every way of rendering gives the same.
     pub fn new(
         events: Vec<Event>,
@@ -30,7 +30,8 @@ impl Performance {
         let direct_pads = direct.iter().map(|(pad, _)| *pad);
         let struck = events.iter().filter(|event| event.action == Action::Strike && event.velocity > 0.0);
         let ringing = struck.map(|event| event.pad).chain(direct_pads).map(|pad| ringing_time_s(kit, usize::from(pad)));
-        let tail_s = tail_s.unwrap_or_else(|| ringing.fold(0.0, f64::max).min(LONGEST_TAIL_S));
+        let room_s = kit.room.iter().map(|band| 1.6 * band.t60_s()).fold(0.0, f64::max);
+        let tail_s = tail_s.unwrap_or_else(|| (ringing.fold(0.0, f64::max) + room_s).min(LONGEST_TAIL_S));
         let asked = |event: &&Event| !matches!(event.action, Action::Shed(_));
         let last_event = events.iter().rfind(asked).map_or(0, |event| event.time.first_frame());
         let last = (last_event as usize).max(direct.as_ref().map_or(0, |(_, force)| force.len()));

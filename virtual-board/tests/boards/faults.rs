@@ -171,3 +171,13 @@ fn a_good_kit_in_the_sector_plays() {
     let running = common::run(Board::BlackpillF411, &Setup { kit, ..Setup::default() }, 0.3);
     assert!(says(&running.report().unwrap(), "kit sector: demo plays"));
 }
+
+#[test]
+fn what_a_board_leaves_out_of_a_kit_is_told() {
+    let mut demo = kit::open("demo").unwrap().kit;
+    demo.room = vec![kit::RoomBand::new(0.0, 0.6, -12.0)];
+    let kit = kit::binary::build(&demo).unwrap();
+    let running = common::run(Board::BlackpillF411, &Setup { kit, ..Setup::default() }, 0.3);
+    let report = running.report().unwrap();
+    assert!(says(&report, "kit sector: demo plays") && says(&report, "room are left out"), "{:#?}", report.log);
+}
