@@ -3,6 +3,7 @@
 use kit::{Gain, Kit, Mode, Object, Pulse, Residual, Striker};
 
 use crate::residual::Band;
+use crate::room::Room;
 use crate::strike::Fit;
 
 /// Cortex-M4 cycles a mode and sample while a contact drives it with gain and phase (README, "How fast"): what a budget is divided by.
@@ -93,6 +94,19 @@ pub fn with_residual(mut table: Kit, bands: &[Band], seed: u32) -> Kit {
     table
 }
 
+/// The table with the room of its recording, by so many dB weaker than it was heard: an octave a band, the outermost to either end.
+pub fn with_room(mut table: Kit, room: &Room, level_db: f64) -> Kit {
+    let bands = room.bands.iter().enumerate();
+    let from_hz = |band: usize, edge_hz: f64| if band == 0 { 0.0 } else { edge_hz };
+    let bands = bands.map(|(index, band)| {
+        kit::RoomBand::new(from_hz(index, band.edges_hz[0]), band.t60_s, (band.gain_db + level_db).min(MOST_ROOM_DB))
+    });
+    table.room = bands.collect();
+    table
+}
+
+/// Strongest band of a room; at the shortest T60 its gain is far from what the format ends at.
+const MOST_ROOM_DB: f64 = 12.0;
 /// Highest edge of a residual band in a table: any rate of 44.1 kHz and more plays it.
 const HIGHEST_EDGE_HZ: f64 = 20_000.0;
 /// Strongest band, slowest and fastest decay of one that the format knows.
@@ -150,5 +164,20 @@ mod tests {
         let band = Band { edges_hz: [100.0, 200.0], weight: 0.0, decay_db_per_s: 10.0 };
         assert!(with_residual(table(1.0), &[band], 7).objects[0].residual.is_none());
         assert!(with_residual(table(1.0), &[], 7).objects[0].residual.is_none());
+    }
+
+    #[test]
+    fn a_room_reaches_from_0_hz_and_keeps_t60_and_energy() {
+        let band =
+            |low_hz: f64, t60_s: f64| crate::room::RoomBand { edges_hz: [low_hz, 2.0 * low_hz], gain_db: -11.0, t60_s };
+        let room =
+            Room { bands: vec![band(350.0, 0.9), band(700.0, 0.8), band(1_400.0, 0.6)], gain_db: -11.0, t60_s: 0.76 };
+        let table = with_room(table(1.0), &room, -3.0);
+        let from_hz: Vec<f32> = table.room.iter().map(|band| band.from_hz).collect();
+        assert_eq!(from_hz, [0.0, 700.0, 1_400.0]);
+        for (band, t60_s) in table.room.iter().zip([0.9, 0.8, 0.6]) {
+            assert!((band.t60_s() - t60_s).abs() < 1e-6 && (band.energy_db() + 14.0).abs() < 1e-5, "{band:?}");
+        }
+        assert!(kit::binary::build(&crate::render::playable(&table)).is_ok());
     }
 }

@@ -126,3 +126,35 @@ fn silence_and_short_sounds_have_no_room() {
     assert!(estimate(&[0.0; 3000], RATE_HZ).is_none());
     assert!(estimate(&thing(1, 5, 0.05)[..700], RATE_HZ).is_none());
 }
+
+#[test]
+fn a_room_that_modes_and_residual_do_not_hold_stands_in_the_table() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("block.wav");
+    let (response, _) = response(3, 1.2, 1.2e-4);
+    let sound = in_room(&thing(3, 12, 0.06), &response, -75.0);
+    let format = hound::WavSpec {
+        channels: 1,
+        sample_rate: 44_100,
+        bits_per_sample: 32,
+        sample_format: hound::SampleFormat::Float,
+    };
+    let mut writer = hound::WavWriter::create(&path, format).expect("a file");
+    let peak = sound.iter().fold(0.0f64, |peak, x| peak.max(x.abs()));
+    // A strike needs a moment of silence before it.
+    let silence = std::iter::repeat_n(0.0, 4_410);
+    silence.chain(sound.iter().map(|x| 0.9 * x / peak)).for_each(|x| writer.write_sample(x as f32).expect("written"));
+    writer.finalize().expect("written");
+    let fitted = fit::recording::fit_file(&path, &fit::recording::Options::default()).expect("it fits");
+    let report = &fitted.report;
+    let with_room_db = report.lsd_with_room_db.expect("a room is heard");
+    println!(
+        "modes {:.2} dB, with residual {:.2}, in the room, {:?} dB, {with_room_db:.2}",
+        report.lsd_db, report.lsd_with_residual_db, report.room_level_db
+    );
+    assert!(with_room_db < report.lsd_with_residual_db && report.lsd_with_residual_db < report.lsd_db);
+    // The octave round 1 kHz.
+    let band = fitted.table.room.iter().rfind(|band| band.from_hz < 1_000.0).expect("the room stands in the table");
+    let expected_s = t60_s(3, 1.2);
+    assert!((band.t60_s() / expected_s - 1.0).abs() < 0.25, "{} s of {expected_s}", band.t60_s());
+}

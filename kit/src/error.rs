@@ -84,13 +84,13 @@ pub enum KitError {
         /// The file that includes this one.
         by: String,
     },
-    /// An included file has a background or a room.
-    #[error("{at}: {key}: this file is included by {by}, and only a kit's own file may have a {key}; move it there")]
-    SurroundingsInInclude {
+    /// An included file has a background.
+    #[error(
+        "{at}: background: this file is included by {by}, and only a kit's own file may have a background; move it there"
+    )]
+    BackgroundInInclude {
         /// Where.
         at: Location,
-        /// Which of them.
-        key: &'static str,
         /// The file that includes this one.
         by: String,
     },

@@ -62,7 +62,9 @@ pub fn parse(
         return Err(KitError::MissingName { file: main.file.clone() });
     }
     let mut assembly = Assembly::new(main, document.name.as_ref());
-    for (source, document) in included {
+    for (source, mut document) in included {
+        // Of its own recording: a table may be played in any room.
+        document.room.clear();
         assembly.add(&source, document)?;
     }
     assembly.add(main, document)?;
@@ -105,10 +107,7 @@ fn check_included(source: &SourceText, document: &Document, by: &str) -> Result<
     }
     if let Some(background) = &document.background {
         let at = at(background.span().start);
-        return Err(KitError::SurroundingsInInclude { at, key: "background", by: by.to_owned() });
-    }
-    if let Some(band) = document.room.first() {
-        return Err(KitError::SurroundingsInInclude { at: at(band.span().start), key: "room", by: by.to_owned() });
+        return Err(KitError::BackgroundInInclude { at, by: by.to_owned() });
     }
     if let Some(pad) = document.pad.first() {
         return Err(KitError::PadInInclude { at: at(pad.span().start), by: by.to_owned() });

@@ -70,3 +70,12 @@ fn more_bands_than_a_room_has_are_refused() {
     let message = refusal("[[object]]", &format!("{bands}[[object]]"));
     assert_eq!(message, "test.toml:4:1: room: from_hz = 11: must be from 1 to 8");
 }
+
+#[test]
+fn the_room_of_an_included_file_is_left_aside() {
+    let main = "format = 1\ninclude = [\"bar.toml\"]\n";
+    assert!(sample::parse_with(main, &[("bar.toml", TEXT)]).expect("right texts").room.is_empty());
+    let own = "format = 1\ninclude = [\"bar.toml\"]\n\n[[room]]\nfrom_hz = 0\ngain = 0.25\ndecay_per_s = 3.0\n";
+    let room = sample::parse_with(own, &[("bar.toml", TEXT)]).expect("right texts").room;
+    assert_eq!(room, [kit::RoomBand { from_hz: 0.0, gain: 0.25, decay_per_s: 3.0 }]);
+}

@@ -171,7 +171,7 @@ fn options(arguments: &FitArguments) -> Options {
 fn aligned(fitted: &Fitted) -> Vec<f64> {
     let onset = fitted.fit.strikes.get(fitted.fit.loudest).map_or(0, |strike| strike.hit.onset);
     let mut sound = vec![0.0; onset];
-    sound.extend_from_slice(&fitted.with_residual);
+    sound.extend_from_slice(&fitted.whole);
     sound
 }
 

@@ -46,6 +46,12 @@ fn new(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<(), CommandE
                 trigger: None,
             });
         }
+        // A table's room is that of its recording; a kit has one.
+        match tables.len() {
+            1 => kit.room = loaded.kit.room,
+            _ if loaded.kit.room.is_empty() => {}
+            _ => eprintln!("malleus: {}: the room of its recording is left out", table.display()),
+        }
         kit.objects.extend(loaded.kit.objects);
         kit.strikers.extend(loaded.kit.strikers);
     }

@@ -34,7 +34,7 @@ impl<'a> View<'a> {
         let hit = fitted.fit.strikes.get(fitted.fit.loudest).map_or(0..0, |strike| strike.hit.onset..strike.hit.end);
         let heard = fitted.recording.samples.get(hit).unwrap_or(&[]);
         let length =
-            heard.len().min(fitted.rendering.len()).min(fitted.with_residual.len()).min((LONGEST_S * rate_hz) as usize);
+            heard.len().min(fitted.rendering.len()).min(fitted.whole.len()).min((LONGEST_S * rate_hz) as usize);
         let heard = &heard[..length];
         let frame = ((0.02 * rate_hz) as usize).max(1);
         let power: Vec<f64> = heard.chunks(frame).map(|frame| frame.iter().map(|x| x * x).sum()).collect();
@@ -46,7 +46,7 @@ impl<'a> View<'a> {
             rate_hz,
             heard,
             modes: &fitted.rendering[..length],
-            with_residual: &fitted.with_residual[..length],
+            with_residual: &fitted.whole[..length],
             shown,
         }
     }
