@@ -106,8 +106,7 @@ fn check_included(source: &SourceText, document: &Document, by: &str) -> Result<
         });
     }
     if let Some(background) = &document.background {
-        let at = at(background.span().start);
-        return Err(KitError::BackgroundInInclude { at, by: by.to_owned() });
+        return Err(KitError::BackgroundInInclude { at: at(background.span().start), by: by.to_owned() });
     }
     if let Some(pad) = document.pad.first() {
         return Err(KitError::PadInInclude { at: at(pad.span().start), by: by.to_owned() });
