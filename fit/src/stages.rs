@@ -172,11 +172,11 @@ pub fn is_worth(more: &Sounding, less: &Sounding, most_lsd_db: f64) -> bool {
     !worse && nearer < 1.0 - LEAST_GAIN && more.lsd_db <= most_lsd_db
 }
 
-/// Whether a room brings a sound nearer: by the mean of its three distances, relative to the dry one's. What is nearer in its spectrum may be a little further in its
-/// levels.
+/// Whether a room brings a sound nearer: by the mean of its log-spectral and its ERB distance, relative to the dry ones. What is nearer in its spectrum may
+/// be a little further in its levels.
 pub fn is_worth_its_room(wet: &Sounding, dry: &Sounding, most_lsd_db: f64) -> bool {
     let (wet, dry) = (wet.distances, dry.distances);
-    let pairs = [(wet.lsd_db, dry.lsd_db), (wet.erb_db, dry.erb_db), (wet.early_erb_db, dry.early_erb_db)];
-    let mean = pairs.iter().map(|(wet, dry)| wet / dry.max(1e-9)).sum::<f64>() / pairs.len() as f64;
+    let ratio = |wet: f64, dry: f64| wet / dry.max(1e-9);
+    let mean = 0.5 * (ratio(wet.lsd_db, dry.lsd_db) + ratio(wet.erb_db, dry.erb_db));
     mean < 1.0 - LEAST_GAIN && wet.lsd_db <= most_lsd_db
 }
