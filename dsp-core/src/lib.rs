@@ -4,6 +4,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod biquad;
 pub mod contact;
 pub mod engine;
 pub mod event;

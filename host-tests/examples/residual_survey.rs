@@ -1,6 +1,6 @@
 // scratch
-use dsp_core::residual::BandLaw;
 use crate::host_tests::residual::{Spacing, edges_hz, law};
+use dsp_core::residual::BandLaw;
 fn main() {
     let arg: Vec<f64> = std::env::args().skip(1).map(|x| x.parse().unwrap()).collect();
     let (n, lo, hi, spread, dlo, dhi, seeds) = (arg[0] as usize, arg[1], arg[2], arg[3], arg[4], arg[5], arg[6] as u32);

@@ -7,4 +7,5 @@ pub mod residual;
 pub mod run_time;
 pub mod scene;
 pub mod single_mode;
+pub mod snr;
 pub mod trigger;

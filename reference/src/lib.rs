@@ -81,6 +81,7 @@
 //! # Ok::<(), reference::Error>(())
 //! ```
 
+pub mod biquad;
 pub mod contact;
 pub mod event;
 pub mod pad;

@@ -237,7 +237,7 @@ mod tests {
     fn forms_change_where_their_coefficients_would_leave_q32() {
         let form = |hz| Pole::new(hz, 1.0, SampleRate::HZ_48000).unwrap();
         assert_eq!(form(3_800.0).form, Form::Coupled);
-        assert_eq!(form(3_900.0).form, Form::Shifted0);
+        assert_eq!(form(3_900.0).form, Form::Shifted1);
         assert_eq!(form(6_000.0).form, Form::Shifted1);
         assert_eq!((form(11_999.0).form, form(11_999.0).mirrored), (Form::Shifted2, false));
         assert_eq!((form(12_000.0).form, form(12_000.0).mirrored), (Form::Shifted2, false));

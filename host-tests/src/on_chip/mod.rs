@@ -7,8 +7,8 @@ mod residual;
 pub mod scenes;
 
 pub use bank::BankOnChip;
-pub use residual::ResidualOnChip;
 pub use engine::{BLOCK_FRAMES, EngineOnChip, Footprint, Told};
+pub use residual::ResidualOnChip;
 
 use std::path::{Path, PathBuf};
 
