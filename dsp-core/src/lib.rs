@@ -6,6 +6,7 @@ extern crate std;
 
 pub mod biquad;
 pub mod contact;
+pub mod dynamic_filter;
 pub mod engine;
 pub mod event;
 pub mod fixed;

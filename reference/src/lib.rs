@@ -83,6 +83,7 @@
 
 pub mod biquad;
 pub mod contact;
+pub mod dynamic_filter;
 pub mod event;
 pub mod pad;
 pub mod radiation;

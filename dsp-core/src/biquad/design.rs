@@ -75,7 +75,9 @@ pub enum BiquadError {
 impl fmt::Display for BiquadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::NotFinite { biquad } => write!(f, "biquad {biquad}: a pole, zero or gain is not finite: give numbers"),
+            Self::NotFinite { biquad } => {
+                write!(f, "biquad {biquad}: a pole, zero or gain is not finite: give numbers")
+            }
             Self::UnstablePole { biquad, radius } => write!(
                 f,
                 "biquad {biquad}: a pole of radius {radius} does not decay: give one below {}",

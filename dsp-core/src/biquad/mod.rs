@@ -33,6 +33,7 @@
 //! Worst SNR against `f64`, and cycles: see [`Bank`].
 
 pub mod bank;
+pub mod butterworth;
 pub mod design;
 pub mod kernel;
 pub mod section;

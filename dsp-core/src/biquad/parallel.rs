@@ -38,7 +38,8 @@ pub(super) fn parts(chain: &[Biquad]) -> Option<(f64, [Option<Biquad>; 4])> {
         // On the circle at the pole's own angle.
         let there = Root { real: pole.real / radius, imaginary: -pole.imaginary / radius };
         let response = |section: &Biquad| divide(at(section.numerator, there), at(denominator(section), there));
-        let whole = chain.iter().fold(Root { real: 1.0, imaginary: 0.0 }, |product, section| times(product, response(section)));
+        let whole =
+            chain.iter().fold(Root { real: 1.0, imaginary: 0.0 }, |product, section| times(product, response(section)));
         largest_part = largest_part.max(response(&part).square());
         largest = largest.max(whole.square());
         *slot = Some(part);

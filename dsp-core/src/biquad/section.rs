@@ -20,6 +20,7 @@ use crate::resonator::TICK_FRAMES;
 
 /// What bounds a signal: `|word| < 2^bits`, and the word stands for `value · 2^exponent`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
 pub struct Level {
     /// Power of two by which the words are larger than the values (values in steps of the bus, 2^-27).
     pub exponent: i32,
@@ -41,6 +42,7 @@ const INPUT_BITS: i32 = 28;
 
 /// A gain as `mantissa · 2^(exponent - 31)`, mantissa normalised.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
 struct Gain {
     mantissa: i32,
     exponent: i32,
@@ -49,7 +51,10 @@ struct Gain {
 impl Gain {
     fn new(value: f64) -> Self {
         let (fraction, exponent) = libm::frexp(value);
-        Self { mantissa: libm::rint(fraction * 2147483648.0) as i32, exponent: if value == 0.0 { -1000 } else { exponent } }
+        Self {
+            mantissa: libm::rint(fraction * 2147483648.0) as i32,
+            exponent: if value == 0.0 { -1000 } else { exponent },
+        }
     }
 
     /// The multiplier `gain · 2^shift` as Q32; the caller sees to it that it is below 1/2.
@@ -255,7 +260,11 @@ impl Section {
         };
         let bits = if at_rest { -1000 } else { 32 - self.size().leading_zeros() as i32 };
         let high = (bits + 1).max(of_input + 1).clamp(1, STATE_BITS - growth);
-        self.low = if !at_rest && for_input > exponent + 2 && exponent < MAX_EXPONENT && high > 4 { 1 << (high - 4) } else { 0 };
+        self.low = if !at_rest && for_input > exponent + 2 && exponent < MAX_EXPONENT && high > 4 {
+            1 << (high - 4)
+        } else {
+            0
+        };
         self.span = (1u32 << high) - self.low;
         if of_input <= -1000 {
             (self.gain_u, self.gain_v, self.direct) = (0, 0, 0);

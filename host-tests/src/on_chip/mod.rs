@@ -3,11 +3,13 @@
 mod bank;
 pub mod budget_scenes;
 mod engine;
+mod filters;
 mod residual;
 pub mod scenes;
 
 pub use bank::BankOnChip;
 pub use engine::{BLOCK_FRAMES, EngineOnChip, Footprint, Told};
+pub use filters::FiltersOnChip;
 pub use residual::ResidualOnChip;
 
 use std::path::{Path, PathBuf};
