@@ -18,6 +18,7 @@ pub mod residual;
 pub mod resonator;
 pub mod table;
 pub mod trigger;
+pub mod waveguide;
 
 mod exponential;
 mod quarter_turn;

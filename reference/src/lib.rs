@@ -91,6 +91,7 @@ pub mod residual;
 pub mod resonator;
 pub mod scene;
 pub mod trigger;
+pub mod waveguide;
 
 mod error;
 mod rate;

@@ -130,6 +130,12 @@ impl<const SECTIONS: usize> Bank<SECTIONS> {
         (self.count, self.depth)
     }
 
+    /// Clears what rings.
+    pub fn rest(&mut self) {
+        self.sections.iter_mut().take(self.count).for_each(Section::rest);
+        (self.ringing, self.input_bits, self.peak) = (false, -1000, 0);
+    }
+
     /// Whether anything sounds or may: false means that a block without input costs nothing.
     pub fn is_ringing(&self) -> bool {
         self.ringing

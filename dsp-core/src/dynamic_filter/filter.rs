@@ -1,7 +1,7 @@
 //! The filter's state, and its blocks.
 
 use super::path::Path;
-use crate::fixed::{qadd, saturate};
+use crate::fixed::{qadd, saturate, smmulr};
 use crate::noise::Sfc32;
 use crate::resonator::TICK_FRAMES;
 
@@ -26,8 +26,9 @@ pub struct DynamicFilter<const N: usize> {
     /// Frames since the strike, and the tick's frame.
     time: u32,
     frame: usize,
-    /// Strike's gain, Q31.
+    /// Strike's gain of b0 and b1, and of the noise, Q31.
     gain: i32,
+    noise_level: i32,
     /// b0, b1 with 32 bits more than the filter takes, and their step.
     b: [i64; 2],
     b_step: [i64; 2],
@@ -50,6 +51,7 @@ impl<const N: usize> DynamicFilter<N> {
             time: 0,
             frame: 0,
             gain: 0,
+            noise_level: 0,
             b: [0; 2],
             b_step: [0; 2],
             damp: 0,
@@ -61,10 +63,28 @@ impl<const N: usize> DynamicFilter<N> {
 
     /// Starts the path anew; what rings rings on. `gain` from 0 to 1 multiplies b0 and b1.
     pub fn strike(&mut self, gain: f32) {
-        self.gain = (f64::from(gain.clamp(0.0, 1.0)) * f64::from(i32::MAX)) as i32;
-        self.time = 0;
+        self.start(q31(gain), i32::MAX);
+    }
+
+    /// Starts the path anew with noise of a level from 0 to 1, the filter being as the table says: inside a loop, whose gain no strike may change.
+    pub fn strike_with_noise(&mut self, level: f32) {
+        self.start(i32::MAX, q31(level));
+    }
+
+    fn start(&mut self, gain: i32, noise_level: i32) {
+        (self.gain, self.noise_level, self.time) = (gain, noise_level, 0);
         (self.sounding, self.ringing) = (true, true);
         self.anchor();
+    }
+
+    /// Whether the path has not come to its end.
+    pub fn is_sounding(&self) -> bool {
+        self.sounding
+    }
+
+    /// Clears what rings; the noise stays where it is.
+    pub fn rest(&mut self) {
+        (self.state, self.last_input, self.sounding, self.ringing) = (0, 0, false, false);
     }
 
     /// Whether anything sounds or may: false means that a block costs nothing and leaves the noise where it is.
@@ -114,6 +134,11 @@ impl<const N: usize> DynamicFilter<N> {
         if self.sounding {
             for word in input.iter_mut() {
                 *word = self.draw();
+            }
+            if self.noise_level < i32::MAX {
+                for word in input.iter_mut() {
+                    *word = smmulr(*word << 1, self.noise_level);
+                }
             }
         }
         for (word, &mode) in input.iter_mut().zip(modes) {
@@ -200,4 +225,8 @@ impl<const N: usize> DynamicFilter<N> {
         self.damp = now(damp, damp_slope);
         self.damp_step = damp_slope;
     }
+}
+
+fn q31(gain: f32) -> i32 {
+    (f64::from(gain.clamp(0.0, 1.0)) * f64::from(i32::MAX)) as i32
 }
