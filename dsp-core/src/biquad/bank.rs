@@ -175,7 +175,8 @@ impl<const SECTIONS: usize> Bank<SECTIONS> {
         }
         if bits < 0 && self.ringing {
             let sections = self.sections.get_mut(..self.count).unwrap_or(&mut []);
-            self.ringing = units(sections).fold(false, |ringing, chain| rings_on(chain) || ringing);
+            // All are asked: those that are done are cleared.
+            self.ringing = units(sections).map(rings_on).filter(|&rings| rings).count() > 0;
         }
         if (falls || self.asks) && self.ringing {
             self.settle();

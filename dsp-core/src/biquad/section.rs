@@ -180,7 +180,7 @@ impl Section {
         let extent = extent(form, turn, kept, gains);
         let size = (gains[0] * f64::from(1u32 << form.shift())).abs().max(gains[1].abs());
         let reach = gains[2].abs() + extent.growth * size / (1.0 - radius);
-        if !(reach <= Biquad::MAX_GAIN) {
+        if !(0.0..=Biquad::MAX_GAIN).contains(&reach) {
             return Err(BiquadError::UnboundedGain { biquad: index, gain: reach });
         }
         let section = Self {

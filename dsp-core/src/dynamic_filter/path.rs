@@ -119,11 +119,11 @@ impl<const N: usize> Path<N> {
             if !(time_s > before && time_s <= 86_400.0 && starts) {
                 return Err(PathError::Order { breakpoint, time_s });
             }
-            if !(a1.abs() <= Self::MAX_A1) {
+            if !(0.0..=Self::MAX_A1).contains(&a1.abs()) {
                 return Err(PathError::Unstable { breakpoint, a1 });
             }
             let gain = (b0.abs() + b1.abs()) / (1.0 - a1.abs());
-            if !(gain <= Self::MAX_GAIN) {
+            if !(0.0..=Self::MAX_GAIN).contains(&gain) {
                 return Err(PathError::Gain { breakpoint, gain });
             }
             (before, largest) = (time_s, largest.max(gain));

@@ -9,9 +9,9 @@
 @ Registers in a loop: r0 input, r1 mix, r2 u, r3 v, r4 turn, r5 damp, r6 gain u, r7 gain v, r8 passes, r9 scale; r10, r11 inputs, r12, lr sums.
 @ s0 section, s1 end, s2 frames, s3 whether one asks.
 @
-@ Optimisation log (nominal cycles a section and sample, 32 sections, bank with all that Rust adds: cargo test -p host-tests --test
-@ virtual_biquads -- --nocapture):
-@   a frame at a time would be 11 + 3 for the branch; eight frames a pass, loads in fours: 9.5 + 0.6.
+@ Optimisation log (nominal cycles a section and sample, 64 sections: cargo test -p host-tests --test virtual_biquads -- --nocapture):
+@   11.7   sixteen frames a pass, loads in fours: 9.5 a frame, and 70 cycles a section and tick to enter and leave the loops. With what Rust
+@          adds, 14.4.
     .syntax unified
     .thumb
     .fpu fpv4-sp-d16
