@@ -26,7 +26,7 @@
 //!
 //! # Scaling
 //!
-//! Every section has a power of two of its own, `state = value · 2^E`, kept between ticks by [`section::Section::settle`]: from its state and the
+//! Every section has a power of two of its own, `state = value · 2^E`, kept between ticks by `section::Section::settle`: from its state and the
 //! level of its input the largest E is chosen for which nothing can wrap. So a resonance that takes 50 dB off a noise input still has all its bits.
 //! The proof stands there.
 //!

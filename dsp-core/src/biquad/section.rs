@@ -2,7 +2,7 @@
 //!
 //! # Why nothing can wrap
 //!
-//! The size of a state is `s = max(|u| 2^k, |v|)`. Between two calls of [`Section::settle`] (a tick at most) everything is linear, so that
+//! The size of a state is `s = max(|u| 2^k, |v|)`. Between two calls of `Section::settle` (a tick at most) everything is linear, so that
 //! each intermediate result is at most
 //!
 //! ```text
@@ -11,7 +11,7 @@
 //!                   N: the sum over a tick's frames of the sizes that an input of 1 leaves;  X: the bound of the input
 //! ```
 //!
-//! both found on load by stepping the very section in `f64` ([`extent`]). With whole powers of two above each, settle chooses E such that
+//! both found on load by stepping the very section in `f64` (`extent`). With whole powers of two above each, settle chooses E such that
 //! `G s < 2^30` and `max(N, |d|) X < 2^28`: states stay below `2^30 + 2^28`, outputs below `2^30 + 2^29`, and rounding (at most four halves of a
 //! step a frame, each growing by G) adds less than 2^9.
 

@@ -132,9 +132,14 @@ impl<const N: usize> DynamicFilter<N> {
     /// Noise and modes.
     fn fill(&mut self, input: &mut [i32], modes: &[i32]) {
         if self.sounding {
-            for word in input.iter_mut() {
-                *word = self.draw();
+            let (first, rest) = input.split_at_mut(usize::from(self.spare.is_some()).min(input.len()));
+            first.iter_mut().for_each(|word| *word = self.draw());
+            let (pairs, odd) = rest.as_chunks_mut::<2>();
+            for pair in pairs {
+                let word = self.noise.draw() as i32;
+                *pair = [(word >> 16) << 12, (word << 16) >> 4];
             }
+            odd.iter_mut().for_each(|word| *word = self.draw());
             if self.noise_level < i32::MAX {
                 for word in input.iter_mut() {
                     *word = smmulr(*word << 1, self.noise_level);
@@ -189,9 +194,10 @@ impl<const N: usize> DynamicFilter<N> {
             }
             if EQUAL {
                 // |e| < 2^28; b0 and b1 have a bit less than the state.
-                state += (b0 >> 32) * i64::from((e + last) << 1);
+                state += i64::from((b0 >> 32) as i32) * i64::from((e + last) << 1);
             } else {
-                state += (b0 >> 32) * i64::from(e << 1) + (b1 >> 32) * i64::from(last << 1);
+                state += i64::from((b0 >> 32) as i32) * i64::from(e << 1);
+                state += i64::from((b1 >> 32) as i32) * i64::from(last << 1);
                 b1 = b1.wrapping_add(b1_step);
             }
             last = e;
