@@ -8,4 +8,5 @@ pub mod room;
 pub mod run_time;
 pub mod scene;
 pub mod single_mode;
+pub mod snr;
 pub mod trigger;

@@ -81,7 +81,9 @@
 //! # Ok::<(), reference::Error>(())
 //! ```
 
+pub mod biquad;
 pub mod contact;
+pub mod dynamic_filter;
 pub mod event;
 pub mod pad;
 pub mod radiation;
@@ -90,6 +92,7 @@ pub mod resonator;
 pub mod room;
 pub mod scene;
 pub mod trigger;
+pub mod waveguide;
 
 mod error;
 mod rate;

@@ -3,12 +3,14 @@
 mod bank;
 pub mod budget_scenes;
 mod engine;
+mod filters;
 mod residual;
 mod room;
 pub mod scenes;
 
 pub use bank::BankOnChip;
 pub use engine::{BLOCK_FRAMES, EngineOnChip, Footprint, Told};
+pub use filters::FiltersOnChip;
 pub use residual::ResidualOnChip;
 pub use room::RoomOnChip;
 

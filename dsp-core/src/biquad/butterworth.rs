@@ -1,0 +1,88 @@
+//! The exciter's band-pass: a fourth-order Butterworth whose band follows the strike's strength (dynamic-filter §III-C, D).
+
+use core::fmt;
+
+use super::design::{Biquad, Root};
+use crate::SampleRate;
+
+/// A band whose edges move geometrically from the softest strike to the hardest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exciter {
+    /// Lower edge (-3 dB) in Hz at strength 0 and 1.
+    pub low_hz: [f64; 2],
+    /// Upper edge (-3 dB) in Hz at strength 0 and 1.
+    pub high_hz: [f64; 2],
+}
+
+/// Band edges that are none: `0 < low < high < fs/2` does not hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BandError {
+    /// Lower edge in Hz.
+    pub low_hz: f64,
+    /// Upper edge in Hz.
+    pub high_hz: f64,
+    /// Half the sample rate in Hz.
+    pub nyquist_hz: f64,
+}
+
+impl fmt::Display for BandError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { low_hz, high_hz, nyquist_hz } = self;
+        write!(f, "a band from {low_hz} Hz to {high_hz} Hz: give 0 < low < high < {nyquist_hz} Hz")
+    }
+}
+
+impl core::error::Error for BandError {}
+
+impl Exciter {
+    /// The two sections of a strike of a strength from 0 to 1, for a [`super::Bank`] of one chain.
+    ///
+    /// # Errors
+    /// [`BandError`].
+    pub fn sections(&self, strength: f64, rate: SampleRate) -> Result<[Biquad; 2], BandError> {
+        let edge = |[soft, hard]: [f64; 2]| soft * libm::pow(hard / soft, strength.clamp(0.0, 1.0));
+        band_pass(edge(self.low_hz), edge(self.high_hz), rate)
+    }
+}
+
+/// A fourth-order Butterworth band-pass, 0 dB at the geometric middle of its warped edges, -3.01 dB at the edges (bilinear transform).
+///
+/// # Errors
+/// [`BandError`].
+pub fn band_pass(low_hz: f64, high_hz: f64, rate: SampleRate) -> Result<[Biquad; 2], BandError> {
+    let nyquist_hz = rate.hz() / 2.0;
+    if !(0.0 < low_hz && low_hz < high_hz && high_hz < nyquist_hz) {
+        return Err(BandError { low_hz, high_hz, nyquist_hz });
+    }
+    let warp = |hz: f64| libm::tan(core::f64::consts::PI * hz / rate.hz());
+    let (low, high) = (warp(low_hz), warp(high_hz));
+    let (width, middle_squared) = (high - low, low * high);
+    // The prototype's pole (-1 + i)/√2, low-pass to band-pass: s² - p B s + ω0² = 0.
+    let half = width / 2.0 * core::f64::consts::FRAC_1_SQRT_2;
+    let p = Root { real: -half, imaginary: half };
+    // (pB/2)² - ω0², with (pB/2)² = -2i half².
+    let root = square_root(Root { real: -middle_squared, imaginary: -2.0 * half * half });
+    let middle = libm::sqrt(middle_squared);
+    // z⁻¹ on the circle at the middle, where tan(θ/2) = ω0.
+    let (cosine, sine) = ((1.0 - middle_squared) / (1.0 + middle_squared), 2.0 * middle / (1.0 + middle_squared));
+    Ok([1.0, -1.0].map(|sign| {
+        let s = Root { real: p.real + sign * root.real, imaginary: p.imaginary + sign * root.imaginary };
+        // z = (1 + s) / (1 - s).
+        let below = (1.0 - s.real) * (1.0 - s.real) + s.imaginary * s.imaginary;
+        let pole = Root { real: (1.0 - s.square()) / below, imaginary: 2.0 * s.imaginary / below };
+        // |1 - z⁻²| / |1 - 2 Re p z⁻¹ + |p|² z⁻²| at the middle.
+        let (double_cosine, double_sine) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);
+        let above = libm::hypot(1.0 - double_cosine, double_sine);
+        let real = 1.0 - 2.0 * pole.real * cosine + pole.square() * double_cosine;
+        let imaginary = 2.0 * pole.real * sine - pole.square() * double_sine;
+        let gain = libm::hypot(real, imaginary) / above;
+        Biquad { pole, numerator: [gain, 0.0, -gain] }
+    }))
+}
+
+fn square_root(z: Root) -> Root {
+    let size = libm::sqrt(z.square());
+    let real = libm::sqrt(((size + z.real) / 2.0).max(0.0));
+    let imaginary = libm::sqrt(((size - z.real) / 2.0).max(0.0));
+    Root { real, imaginary: if z.imaginary < 0.0 { -imaginary } else { imaginary } }
+}
