@@ -5,13 +5,15 @@ use core::fmt;
 use super::design::{Biquad, Root};
 use crate::SampleRate;
 
-/// A band whose edges move geometrically from the softest strike to the hardest.
+/// A band whose edges follow the strike's level (peak force over reference force): both are multiplied by `level^exponent`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exciter {
-    /// Lower edge (-3 dB) in Hz at strength 0 and 1.
-    pub low_hz: [f64; 2],
-    /// Upper edge (-3 dB) in Hz at strength 0 and 1.
-    pub high_hz: [f64; 2],
+    /// Lower edge (-3 dB) in Hz at level 1.
+    pub low_hz: f64,
+    /// Upper edge (-3 dB) in Hz at level 1.
+    pub high_hz: f64,
+    /// Exponent of the level, 0 for a band that stays.
+    pub exponent: f64,
 }
 
 /// Band edges that are none: `0 < low < high < fs/2` does not hold.
@@ -35,13 +37,13 @@ impl fmt::Display for BandError {
 impl core::error::Error for BandError {}
 
 impl Exciter {
-    /// The two sections of a strike of a strength from 0 to 1, for a [`super::Bank`] of one chain.
+    /// The two sections for a strike of a level.
     ///
     /// # Errors
     /// [`BandError`].
-    pub fn sections(&self, strength: f64, rate: SampleRate) -> Result<[Biquad; 2], BandError> {
-        let edge = |[soft, hard]: [f64; 2]| soft * libm::pow(hard / soft, strength.clamp(0.0, 1.0));
-        band_pass(edge(self.low_hz), edge(self.high_hz), rate)
+    pub fn sections(&self, level: f64, rate: SampleRate) -> Result<[Biquad; 2], BandError> {
+        let factor = libm::pow(level, self.exponent);
+        band_pass(self.low_hz * factor, self.high_hz * factor, rate)
     }
 }
 

@@ -16,8 +16,11 @@
 //! state's scale 2^h is chosen on load such that `X R 2^h < 2^28`, X being 2.0, to which the input is clipped. The bound holds for any jump from one point of the path to
 //! another, so for any strikes.
 
-pub mod filter;
+pub mod first_order;
+pub mod object;
 pub mod path;
 
-pub use filter::DynamicFilter;
+pub use crate::biquad::butterworth::Exciter;
+pub use first_order::Filter;
+pub use object::{DynamicFilter, DynamicFilterError, Settings};
 pub use path::{Breakpoint, Path, PathError};

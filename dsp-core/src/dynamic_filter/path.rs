@@ -9,12 +9,16 @@ use crate::SampleRate;
 pub struct Breakpoint {
     /// Seconds after the strike; the first one's is 0.
     pub time_s: f64,
+    /// Coefficient of -s(n-1).
+    pub a1: f64,
+    /// Coefficient of -s(n-2): second order only.
+    pub a2: f64,
     /// Coefficient of e(n).
     pub b0: f64,
     /// Coefficient of e(n-1); eq. 17 has b1 = b0.
     pub b1: f64,
-    /// Coefficient of -s(n-1), |a1| <= [`Path::MAX_A1`].
-    pub a1: f64,
+    /// Coefficient of e(n-2): second order only.
+    pub b2: f64,
 }
 
 /// Why breakpoints are refused.
@@ -108,13 +112,13 @@ impl<const N: usize> Path<N> {
     ///
     /// # Errors
     /// [`PathError`].
-    pub fn new(breakpoints: &[Breakpoint], rate: SampleRate) -> Result<Self, PathError> {
-        let given = breakpoints.len();
+    pub fn new(breakpoints: impl Iterator<Item = Breakpoint> + Clone, rate: SampleRate) -> Result<Self, PathError> {
+        let given = breakpoints.clone().count();
         if given == 0 || given > N {
             return Err(PathError::Count { given, room: N });
         }
         let (mut before, mut largest) = (-1.0, 0.0f64);
-        for (breakpoint, &Breakpoint { time_s, b0, b1, a1 }) in breakpoints.iter().enumerate() {
+        for (breakpoint, Breakpoint { time_s, b0, b1, a1, .. }) in breakpoints.clone().enumerate() {
             let starts = breakpoint > 0 || time_s == 0.0;
             if !(time_s > before && time_s <= 86_400.0 && starts) {
                 return Err(PathError::Order { breakpoint, time_s });
@@ -132,8 +136,9 @@ impl<const N: usize> Path<N> {
         let scale = (-libm::frexp(largest * 1.0001).1).clamp(-24, 16);
         let units = [libm::scalbn(1.0, 31 + scale), libm::scalbn(1.0, 31 + scale), libm::scalbn(1.0, 30)];
         let mut path = Self { scale, count: given, ..Self::EMPTY };
-        for (index, (piece, here)) in path.pieces.iter_mut().zip(breakpoints).enumerate() {
-            let next = breakpoints.get(index + 1).unwrap_or(here);
+        let mut following = breakpoints.clone().skip(1);
+        for (piece, here) in path.pieces.iter_mut().zip(breakpoints) {
+            let next = following.next().unwrap_or(here);
             let frame = here.time_s * rate.hz();
             let start = libm::ceil(frame);
             let frames = next.time_s * rate.hz() - frame;

@@ -10,13 +10,15 @@ use crate::resonator::TICK_FRAMES;
 
 /// A loop: one resonance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Band {
+pub struct Loop {
     /// f_c in Hz.
     pub frequency_hz: f64,
     /// Δf at -3 dB in Hz, 1 to 5 in the paper.
     pub bandwidth_hz: f64,
     /// γ_s, the band-pass' gain at f_c: `γ |F(f_c)|` just below 1 rings long.
     pub gain: f64,
+    /// d_s in seconds, at least a frame; from 32 frames on a loop costs least.
+    pub delay_s: f64,
 }
 
 /// Why loops are refused.
@@ -64,17 +66,19 @@ impl fmt::Display for LoopError {
 
 impl core::error::Error for LoopError {}
 
-impl Band {
-    /// The delay in whole frames (at least a tick) and the band-pass with the rest of the delay, for the filter that the loop is tuned to ("average
-    /// filter"): `d = (Φ_F(ω) + 2πp) / ω` (eq. 22), poles as in eq. 9 to 11 with `τ = sin ω / 2Q`, `Q = f_c / Δf` (the paper prints the
+impl Loop {
+    /// The delay in whole frames (at least a tick) and the band-pass with the rest of the delay: poles as in eq. 9 to 11 with `τ = sin ω / 2Q`, `Q = f_c / Δf` (the paper prints the
     /// inverse), and a numerator `(1 - z⁻¹)(A + C z⁻¹)` that makes the gain at f_c `γ e^{-iωφ}`, φ the fraction of d.
     ///
     /// # Errors
     /// [`LoopError::Band`].
-    pub fn derive(&self, index: usize, average: &Breakpoint, rate: SampleRate) -> Result<(usize, Biquad), LoopError> {
-        let Self { frequency_hz, bandwidth_hz, gain } = *self;
-        let good =
-            0.0 < bandwidth_hz && bandwidth_hz < frequency_hz && frequency_hz < rate.hz() / 2.0 && gain.is_finite();
+    pub fn derive(&self, index: usize, rate: SampleRate) -> Result<(usize, Biquad), LoopError> {
+        let Self { frequency_hz, bandwidth_hz, gain, delay_s } = *self;
+        let good = 0.0 < bandwidth_hz
+            && bandwidth_hz < frequency_hz
+            && frequency_hz < rate.hz() / 2.0
+            && gain.is_finite()
+            && (TICK_FRAMES as f64..=1e6).contains(&(delay_s * rate.hz()));
         if !good {
             return Err(LoopError::Band { index });
         }
@@ -83,9 +87,7 @@ impl Band {
         let real = libm::cos(omega) / (1.0 + tau);
         let square = (1.0 - tau) / (1.0 + tau);
         let pole = Root { real, imaginary: libm::sqrt((square - real * real).max(0.0)) };
-        let (_, phase) = response(average, omega);
-        let turns = libm::ceil((TICK_FRAMES as f64 * omega - phase) / TAU);
-        let delay = (phase + TAU * turns) / omega;
+        let delay = delay_s * rate.hz();
         let whole = libm::floor(delay);
         let fraction = delay - whole;
         // A + C w = γ e^{-iωφ} D(w) / (1 - w), w = e^{-iω}.
@@ -110,18 +112,22 @@ fn divide(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     times(a, (b.0 / square, -b.1 / square))
 }
 
-/// `|F|` and its phase at an angle: `(b0 + b1 w) / (1 + a1 w)`.
-fn response(point: &Breakpoint, omega: f64) -> (f64, f64) {
+/// `|F|` at an angle: `(b0 + b1 w) / (1 + a1 w)`.
+fn response(point: &Breakpoint, omega: f64) -> f64 {
     let (cosine, sine) = (libm::cos(omega), -libm::sin(omega));
     let ratio = divide((point.b0 + point.b1 * cosine, point.b1 * sine), (1.0 + point.a1 * cosine, point.a1 * sine));
-    (libm::hypot(ratio.0, ratio.1), libm::atan2(ratio.1, ratio.0))
+    libm::hypot(ratio.0, ratio.1)
 }
 
 /// The stability condition of the module's head.
 ///
 /// # Errors
 /// [`LoopError::Unstable`].
-pub(super) fn check(biquads: &[Biquad], path: &[Breakpoint], rate: SampleRate) -> Result<(), LoopError> {
+pub(super) fn check(
+    biquads: &[Biquad],
+    path: impl Iterator<Item = Breakpoint> + Clone,
+    rate: SampleRate,
+) -> Result<(), LoopError> {
     let magnitude = |biquad: &Biquad, omega: f64| {
         let (w, w2) = ((libm::cos(omega), -libm::sin(omega)), (libm::cos(2.0 * omega), -libm::sin(2.0 * omega)));
         let [b0, b1, b2] = biquad.numerator;
@@ -131,17 +137,13 @@ pub(super) fn check(biquads: &[Biquad], path: &[Breakpoint], rate: SampleRate) -
     let holds = |omega: f64| {
         let loops: f64 = biquads.iter().map(|biquad| magnitude(biquad, omega)).sum();
         let mut largest = 0.0f64;
-        for (index, here) in path.iter().enumerate() {
-            let next = path.get(index + 1).unwrap_or(here);
+        for (index, here) in path.clone().enumerate() {
+            let next = path.clone().nth(index + 1).unwrap_or(here);
             for part in 0..4 {
                 let at = |from: f64, to: f64| from + (to - from) * f64::from(part) / 4.0;
-                let point = Breakpoint {
-                    time_s: 0.0,
-                    b0: at(here.b0, next.b0),
-                    b1: at(here.b1, next.b1),
-                    a1: at(here.a1, next.a1),
-                };
-                largest = largest.max(response(&point, omega).0);
+                let point =
+                    Breakpoint { b0: at(here.b0, next.b0), b1: at(here.b1, next.b1), a1: at(here.a1, next.a1), ..here };
+                largest = largest.max(response(&point, omega));
             }
         }
         let gain = largest * loops;

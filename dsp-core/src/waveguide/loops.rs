@@ -1,10 +1,10 @@
 //! The loops at work.
 
 use super::SILENCE;
-use super::band::{Band, LoopError, check};
+use super::band::{Loop, LoopError, check};
 use crate::SampleRate;
 use crate::biquad::{Bank, Biquad, Root};
-use crate::dynamic_filter::{Breakpoint, DynamicFilter};
+use crate::dynamic_filter::{Breakpoint, Filter};
 use crate::fixed::qadd;
 use crate::resonator::TICK_FRAMES;
 
@@ -13,7 +13,7 @@ use crate::resonator::TICK_FRAMES;
 /// Worst SNR against `f64` at a T60 of 20 s: `cargo test -p host-tests --test waveguides -- --nocapture`.
 #[derive(Clone, Debug)]
 pub struct Waveguides<const N: usize, const LOOPS: usize, const FRAMES: usize> {
-    filter: DynamicFilter<N>,
+    filter: Filter<N>,
     bands: [Bank<1>; LOOPS],
     delays: [usize; LOOPS],
     count: usize,
@@ -27,29 +27,29 @@ pub struct Waveguides<const N: usize, const LOOPS: usize, const FRAMES: usize> {
 }
 
 impl<const N: usize, const LOOPS: usize, const FRAMES: usize> Waveguides<N, LOOPS, FRAMES> {
-    /// Loops at rest round a filter at rest. `path` is what the filter was made of; `average` the filter that the loops are tuned to.
+    /// Loops at rest round a filter at rest. `path` is what the filter was made of.
     ///
     /// # Errors
     /// [`LoopError`].
     pub fn new(
-        filter: DynamicFilter<N>,
-        path: &[Breakpoint],
-        average: &Breakpoint,
-        bands: &[Band],
+        filter: Filter<N>,
+        path: impl Iterator<Item = Breakpoint> + Clone,
+        loops: impl Iterator<Item = Loop> + Clone,
         rate: SampleRate,
     ) -> Result<Self, LoopError> {
-        if bands.len() > LOOPS {
-            return Err(LoopError::Room { needed: bands.len(), room: LOOPS });
+        let count = loops.clone().count();
+        if count > LOOPS {
+            return Err(LoopError::Room { needed: count, room: LOOPS });
         }
         let mut biquads = [Biquad { pole: Root { real: 0.0, imaginary: 0.0 }, numerator: [0.0; 3] }; LOOPS];
         let mut delays = [0; LOOPS];
-        for (index, ((band, delay), biquad)) in bands.iter().zip(&mut delays).zip(&mut biquads).enumerate() {
-            (*delay, *biquad) = band.derive(index, average, rate)?;
+        for (index, ((one, delay), biquad)) in loops.zip(&mut delays).zip(&mut biquads).enumerate() {
+            (*delay, *biquad) = one.derive(index, rate)?;
             if *delay > FRAMES {
                 return Err(LoopError::Room { needed: *delay, room: FRAMES });
             }
         }
-        let used = biquads.get(..bands.len()).unwrap_or(&[]);
+        let used = biquads.get(..count).unwrap_or(&[]);
         check(used, path, rate)?;
         let mut banks = [const { Bank::EMPTY }; LOOPS];
         for (index, (bank, biquad)) in banks.iter_mut().zip(used).enumerate() {
@@ -59,7 +59,7 @@ impl<const N: usize, const LOOPS: usize, const FRAMES: usize> Waveguides<N, LOOP
             filter,
             bands: banks,
             delays,
-            count: bands.len(),
+            count,
             line: [0; FRAMES],
             place: 0,
             frame: 0,
@@ -80,17 +80,33 @@ impl<const N: usize, const LOOPS: usize, const FRAMES: usize> Waveguides<N, LOOP
         self.ringing
     }
 
+    /// How many loops.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Clears what rings.
+    pub fn rest(&mut self) {
+        self.filter.rest();
+        self.bands.iter_mut().for_each(Bank::rest);
+        self.line.fill(0);
+        self.ringing = false;
+    }
+
     /// Adds s to `out`.
-    pub fn render(&mut self, out: &mut [i32]) {
-        let mut out = out;
+    pub fn render(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
+        let (mut modes, mut out) = (modes.unwrap_or(&[]), out);
         while !out.is_empty() {
             if self.frame == 0 {
                 self.tick();
             }
             let frames = out.len().min(TICK_FRAMES - self.frame);
             let (now, later) = out.split_at_mut(frames);
-            if self.ringing {
-                self.run(now);
+            let (given, more) = modes.split_at(frames.min(modes.len()));
+            modes = more;
+            if self.ringing || given.iter().any(|&mode| mode != 0) {
+                self.ringing = true;
+                self.run(given, now);
             } else {
                 let mut nothing = [0; TICK_FRAMES];
                 self.filter.render(None, nothing.get_mut(..frames).unwrap_or(&mut []));
@@ -105,14 +121,11 @@ impl<const N: usize, const LOOPS: usize, const FRAMES: usize> Waveguides<N, LOOP
         self.quiet_frames = if self.peak < SILENCE { self.quiet_frames + TICK_FRAMES } else { 0 };
         self.peak = 0;
         if self.ringing && !self.filter.is_sounding() && self.quiet_frames > FRAMES {
-            self.filter.rest();
-            self.bands.iter_mut().for_each(Bank::rest);
-            self.line.fill(0);
-            self.ringing = false;
+            self.rest();
         }
     }
 
-    fn run(&mut self, out: &mut [i32]) {
+    fn run(&mut self, modes: &[i32], out: &mut [i32]) {
         let frames = out.len();
         let (mut feedback, mut sound) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
         let (Some(feedback), Some(sound)) = (feedback.get_mut(..frames), sound.get_mut(..frames)) else { return };
@@ -123,6 +136,7 @@ impl<const N: usize, const LOOPS: usize, const FRAMES: usize> Waveguides<N, LOOP
             delayed.iter_mut().zip(ring).take(frames).for_each(|(word, &s)| *word = s);
             band.render(delayed.get(..frames), feedback);
         }
+        feedback.iter_mut().zip(modes).for_each(|(word, &mode)| *word = qadd(*word, mode));
         self.filter.render(Some(feedback), sound);
         for (out, &s) in out.iter_mut().zip(sound.iter()) {
             *out = qadd(*out, s);

@@ -6,7 +6,7 @@
 //!             └─ Σ B_s ◄── z^-D_s ◄──┘
 //! ```
 //!
-//! Delays are at least a tick long ([`band::Band::derive`] takes p in eq. 22 large enough), so that all works in blocks. The fraction of a delay is in
+//! Delays are at least a tick long ([`band::Loop::derive`] takes p in eq. 22 large enough), so that all works in blocks. The fraction of a delay is in
 //! the numerator of its band-pass, which turns the phase at the band's frequency by it: over a band of a few hertz that is the delay.
 //!
 //! **Stability.** On load `|F(ω)| Σ |B_s(ω)| < 1` is required of every point of the path, on a grid that is dense about each band: frozen
@@ -18,7 +18,7 @@
 pub mod band;
 pub mod loops;
 
-pub use band::{Band, LoopError};
+pub use band::{Loop, LoopError};
 pub use loops::Waveguides;
 
 /// Samples below this, -96 dBFS, are cleared when a whole delay line of them is.

@@ -10,8 +10,8 @@ use core::panic::PanicInfo;
 
 use dsp_core::SampleRate;
 use dsp_core::biquad::{Bank, Biquad, Root};
-use dsp_core::dynamic_filter::{Breakpoint, DynamicFilter, Path};
-use dsp_core::waveguide::{Band, Waveguides};
+use dsp_core::dynamic_filter::{Breakpoint, DynamicFilter, Exciter, Settings};
+use dsp_core::waveguide::Loop;
 
 struct Global<T>(UnsafeCell<T>);
 
@@ -51,68 +51,63 @@ pub unsafe extern "C" fn biquads_render(input: *const i32, out: *mut i32, frames
     unsafe { &mut *BIQUADS.0.get() }.render(input, out);
 }
 
-static FILTER: Global<Option<DynamicFilter<16>>> = Global(UnsafeCell::new(None));
-static GUIDES: Global<Option<Waveguides<16, 10, 2048>>> = Global(UnsafeCell::new(None));
+static FILTER: Global<DynamicFilter<16, 10, 2048>> = Global(UnsafeCell::new(DynamicFilter::EMPTY));
 
-/// Makes a filter of breakpoints of four words (time, b0, b1, a1) at 48 kHz, and, of loops of three (frequency, bandwidth, gain), waveguides round
-/// another of them. -1: refused.
+/// Loads a dynamic filter at 48 kHz: breakpoints of six words (time, a1, a2, b0, b1, b2), loops of four (frequency, bandwidth, gain,
+/// delay), order, and 1 where modes go through; seed and stream 9. -1: refused.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn filter_load(
-    points: *const [f64; 4],
+    points: *const [f64; 6],
     count: usize,
-    loops: *const [f64; 3],
+    loops: *const [f64; 4],
     bands: usize,
+    order: u8,
+    exciter: *const [f64; 3],
 ) -> i32 {
     // SAFETY: the host's word.
-    let (points, loops) =
-        unsafe { (core::slice::from_raw_parts(points, count), core::slice::from_raw_parts(loops, bands)) };
-    let mut path = [Breakpoint { time_s: 0.0, b0: 0.0, b1: 0.0, a1: 0.0 }; 16];
-    for (point, &[time_s, b0, b1, a1]) in path.iter_mut().zip(points) {
-        *point = Breakpoint { time_s, b0, b1, a1 };
-    }
-    let mut all = [Band { frequency_hz: 0.0, bandwidth_hz: 0.0, gain: 0.0 }; 10];
-    for (band, &[frequency_hz, bandwidth_hz, gain]) in all.iter_mut().zip(loops) {
-        *band = Band { frequency_hz, bandwidth_hz, gain };
-    }
-    let rate = SampleRate::HZ_48000;
-    let (Some(path), Some(all)) = (path.get(..count), all.get(..bands)) else { return -1 };
-    let (Ok(of_path), Some(last)) = (Path::new(path, rate), path.last()) else { return -1 };
-    let Ok(guides) = Waveguides::new(DynamicFilter::new(of_path, 9, 9), path, last, all, rate) else { return -1 };
+    let (points, loops, exciter) = unsafe {
+        let exciter = (!exciter.is_null()).then(|| *exciter);
+        (core::slice::from_raw_parts(points, count), core::slice::from_raw_parts(loops, bands), exciter)
+    };
+    let point = |&[time_s, a1, a2, b0, b1, b2]: &[f64; 6]| Breakpoint { time_s, a1, a2, b0, b1, b2 };
+    let one =
+        |&[frequency_hz, bandwidth_hz, gain, delay_s]: &[f64; 4]| Loop { frequency_hz, bandwidth_hz, gain, delay_s };
+    let settings = Settings {
+        seed: 9,
+        rate_hz: 48_000.0,
+        order,
+        modes_through: false,
+        exciter: exciter.map(|[low_hz, high_hz, exponent]| Exciter { low_hz, high_hz, exponent }),
+        path: points.iter().map(point),
+        loops: loops.iter().map(one),
+    };
     // SAFETY: as for `Sync`.
-    unsafe {
-        *FILTER.0.get() = Some(DynamicFilter::new(of_path, 9, 9));
-        *GUIDES.0.get() = Some(guides);
-    }
-    0
-}
-
-/// Strikes the filter (0) or the waveguides (1) at full strength.
-#[unsafe(no_mangle)]
-#[unsafe(link_section = ".text.exported")]
-pub extern "C" fn filter_strike(which: u32) {
-    // SAFETY: as for `Sync`.
-    let (filter, guides) = unsafe { (&mut *FILTER.0.get(), &mut *GUIDES.0.get()) };
-    match (which, filter, guides) {
-        (0, Some(filter), _) => filter.strike(1.0),
-        (1, _, Some(guides)) => guides.strike(1.0),
-        _ => (),
+    match unsafe { &mut *FILTER.0.get() }.load(settings, SampleRate::HZ_48000, 9) {
+        Ok(()) => 0,
+        Err(_) => -1,
     }
 }
 
-/// Adds a block of the filter (0) or the waveguides (1) to `out`.
+/// Strikes the filter at a level, given as the bits of an f32.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
-pub unsafe extern "C" fn filter_render(which: u32, out: *mut i32, frames: usize) {
+pub extern "C" fn filter_strike(level_bits: u32) {
+    // SAFETY: as for `Sync`.
+    unsafe { &mut *FILTER.0.get() }.strike(f32::from_bits(level_bits));
+}
+
+/// Adds a block to `out`. `modes` may be null.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub unsafe extern "C" fn filter_render(modes: *const i32, out: *mut i32, frames: usize) {
     // SAFETY: the host's word.
-    let out = unsafe { core::slice::from_raw_parts_mut(out, frames) };
+    let (modes, out) = unsafe {
+        let modes = (!modes.is_null()).then(|| core::slice::from_raw_parts(modes, frames));
+        (modes, core::slice::from_raw_parts_mut(out, frames))
+    };
     // SAFETY: as for `Sync`.
-    let (filter, guides) = unsafe { (&mut *FILTER.0.get(), &mut *GUIDES.0.get()) };
-    match (which, filter, guides) {
-        (0, Some(filter), _) => filter.render(None, out),
-        (1, _, Some(guides)) => guides.render(out),
-        _ => (),
-    }
+    unsafe { &mut *FILTER.0.get() }.render(modes, out);
 }
 
 /// The virtual core never starts here; a linker needs an entry.

@@ -15,7 +15,7 @@ const NO_POLE: i64 = 1 << 62;
 ///
 /// Worst SNR against `f64` fed the same noise: `cargo test -p host-tests --test dynamic_filter -- --nocapture`.
 #[derive(Clone, Debug)]
-pub struct DynamicFilter<const N: usize> {
+pub struct Filter<const N: usize> {
     path: Path<N>,
     noise: Sfc32,
     /// The half of a draw that is yet to be used.
@@ -39,7 +39,7 @@ pub struct DynamicFilter<const N: usize> {
     ringing: bool,
 }
 
-impl<const N: usize> DynamicFilter<N> {
+impl<const N: usize> Filter<N> {
     /// At rest, with noise of its own.
     pub fn new(path: Path<N>, seed: u32, stream: u32) -> Self {
         Self {
