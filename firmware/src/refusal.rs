@@ -67,7 +67,7 @@ impl defmt::Format for At {
             Place::ObjectFilter(object) | Place::ObjectBreakpoint(object, _) | Place::ObjectLoop(object, _) => {
                 defmt::write!(f, "object {=usize}, dynamic filter", object)
             }
-            Place::ObjectBiquads(object) | Place::ObjectChain(object, _) | Place::ObjectBiquad(object, ..) => {
+            Place::ObjectBiquads(object) | Place::ObjectChain(object, _) | Place::ObjectBiquad(object, _) => {
                 defmt::write!(f, "object {=usize}, biquads", object)
             }
             Place::Background => defmt::write!(f, "background"),

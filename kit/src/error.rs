@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use dsp_core::table::range::CHAIN_DEPTH;
 use dsp_core::table::{Place, TableError};
 
 use crate::file::FileError;
@@ -269,7 +270,8 @@ fn item_name(kit: &Kit, place: Place) -> String {
         }
         Place::ObjectBiquads(index) => format!("object {index} {:?}, biquads", object(index)),
         Place::ObjectChain(index, chain) => format!("object {index} {:?}, biquads, chain {chain}", object(index)),
-        Place::ObjectBiquad(index, chain, biquad) => {
+        Place::ObjectBiquad(index, number) => {
+            let (chain, biquad) = (number / CHAIN_DEPTH, number % CHAIN_DEPTH);
             format!("object {index} {:?}, biquads, chain {chain}, biquad {biquad}", object(index))
         }
         Place::Background => "background".to_owned(),

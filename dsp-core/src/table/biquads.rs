@@ -72,8 +72,7 @@ impl<'a> Biquads<'a> {
         }
         for (chain, biquads) in self.chains().enumerate() {
             for (biquad, record) in biquads.iter().enumerate() {
-                // At most 64 chains of 4.
-                check_biquad(Place::ObjectBiquad(object, chain as u16, biquad as u16), record)?;
+                check_biquad(Place::ObjectBiquad(object, chain * range::CHAIN_DEPTH + biquad), record)?;
             }
         }
         Ok(())

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use super::range::CHAIN_DEPTH;
+
 /// Where in a kit a field stands; indices count from 0 in the order of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
@@ -33,8 +35,8 @@ pub enum Place {
     ObjectBiquads(usize),
     /// A chain of it: (object, chain).
     ObjectChain(usize, usize),
-    /// A biquad of it: (object, chain, biquad in the chain).
-    ObjectBiquad(usize, u16, u16),
+    /// A biquad of it: (object, [`CHAIN_DEPTH`] times the chain plus the biquad in it).
+    ObjectBiquad(usize, usize),
     /// The background.
     Background,
     /// An edge of its bands.
@@ -206,7 +208,8 @@ impl fmt::Display for Place {
             Self::ObjectLoop(object, index) => write!(f, "object {object}, dynamic filter, loop {index}"),
             Self::ObjectBiquads(object) => write!(f, "object {object}, biquads"),
             Self::ObjectChain(object, chain) => write!(f, "object {object}, biquads, chain {chain}"),
-            Self::ObjectBiquad(object, chain, biquad) => {
+            Self::ObjectBiquad(object, number) => {
+                let (chain, biquad) = (number / CHAIN_DEPTH, number % CHAIN_DEPTH);
                 write!(f, "object {object}, biquads, chain {chain}, biquad {biquad}")
             }
             Self::Background => write!(f, "background"),

@@ -1,6 +1,7 @@
 //! Where in which file each item of a kit stood.
 
 use dsp_core::table::Place;
+use dsp_core::table::range::CHAIN_DEPTH;
 use toml::Spanned;
 
 use super::SourceText;
@@ -158,9 +159,9 @@ impl Origins {
             Place::ObjectLoop(_, index) => Some(filter.loops.get(index).copied().unwrap_or(filter.offset)),
             Place::ObjectBiquads(_) => Some(biquads.offset),
             Place::ObjectChain(_, index) => Some(chain(index).map_or(biquads.offset, |(offset, _)| *offset)),
-            Place::ObjectBiquad(_, index, biquad) => {
-                let biquad = |(_, own): &(usize, Vec<usize>)| own.get(usize::from(biquad)).copied();
-                Some(chain(index.into()).and_then(biquad).unwrap_or(biquads.offset))
+            Place::ObjectBiquad(_, number) => {
+                let biquad = |(_, own): &(usize, Vec<usize>)| own.get(number % CHAIN_DEPTH).copied();
+                Some(chain(number / CHAIN_DEPTH).and_then(biquad).unwrap_or(biquads.offset))
             }
             _ => None,
         };
@@ -185,7 +186,7 @@ impl Origins {
             | Place::ObjectLoop(index, _)
             | Place::ObjectBiquads(index)
             | Place::ObjectChain(index, _)
-            | Place::ObjectBiquad(index, ..) => self.objects.get(index),
+            | Place::ObjectBiquad(index, _) => self.objects.get(index),
             Place::Striker(index) | Place::StrikerMode(index, _) => self.strikers.get(index),
             Place::Pad(index) => self.pads.get(index),
         }
