@@ -2,8 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use dsp_core::SampleRate;
+use dsp_core::engine::LoadError;
+use dsp_core::table::Kit;
 use kit::{BankStatistics, Loaded};
 use malleus::plot::{self, KitPicture, ObjectPicture};
+use malleus::render::instrument;
 use serde::Serialize;
 
 use super::{CommandError, print, print_json};
@@ -13,7 +17,7 @@ pub(crate) fn run(command: &KitCommand) -> Result<(), CommandError> {
     match command {
         KitCommand::New { output, tables, first_note } => new(output, tables, *first_note),
         KitCommand::Build { kit, output } => build(kit, output),
-        KitCommand::Check { kit, json } => check(kit, *json),
+        KitCommand::Check { kit, rate, json } => check(kit, *rate, *json),
         KitCommand::Show { kit, plot, json } => show(kit, plot.as_deref(), *json),
     }
 }
@@ -68,12 +72,68 @@ fn build(name: &str, output: &Path) -> Result<(), CommandError> {
     print(&format!("{}: {} bytes, {}\n", output.display(), statistics.bytes, counts(&loaded)))
 }
 
-fn check(name: &str, json: bool) -> Result<(), CommandError> {
+fn check(name: &str, rate: SampleRate, json: bool) -> Result<(), CommandError> {
     let loaded = open(name)?;
+    check_filters(name, &loaded, rate)?;
     if json {
         return print_json(&KitReport::of(name, &loaded));
     }
     print(&format!("{name}: good; {}, {} bytes in binary\n", counts(&loaded), loaded.binary.len()))
+}
+
+/// What only a rate can tell: whether every object's filters are stable, and whether the instrument plays the kit.
+fn check_filters(name: &str, loaded: &Loaded, rate: SampleRate) -> Result<(), CommandError> {
+    let filtered = |object: &&kit::Object| object.dynamic_filter.is_some() || object.biquads.is_some();
+    for object in loaded.kit.objects.iter().filter(filtered) {
+        // Alone, so that tables without pads are judged, too.
+        let alone = one_object(object);
+        let bytes = kit::binary::build(&alone)?;
+        let table = Kit::parse(&bytes).map_err(|error| CommandError::Table { kit: name.to_owned(), error })?;
+        let what = match instrument::check(&table, rate) {
+            Ok(()) => continue,
+            Err(LoadError::DynamicFilter { error, .. }) => format!("dynamic filter: {error}"),
+            Err(LoadError::Biquads { error, .. }) => format!("biquads: {error}"),
+            Err(other) => other.to_string(),
+        };
+        return Err(CommandError::Filters { kit: name.to_owned(), object: object.name.clone(), rate, what });
+    }
+    if loaded.kit.pads.is_empty() {
+        return Ok(());
+    }
+    let table = Kit::parse(&loaded.binary).map_err(|error| CommandError::Table { kit: name.to_owned(), error })?;
+    if let Err(error) = instrument::check(&table, rate) {
+        eprintln!("malleus: {name}: at {rate} it does not play: {error}");
+    }
+    Ok(())
+}
+
+/// The filters of an object, on a pad.
+fn one_object(object: &kit::Object) -> kit::Kit {
+    let (name, nothing) = ("filters".to_owned(), String::new);
+    let striker = kit::Striker {
+        name: name.clone(),
+        source: nothing(),
+        licence: nothing(),
+        pulse: kit::Pulse::Hertz,
+        peak_force: object.reference_force,
+        peak_exponent: 1.0,
+        contact_time_s: 0.001,
+        contact_exponent: 0.0,
+        modes: vec![],
+    };
+    let pad = kit::Pad {
+        name: name.clone(),
+        object: object.name.clone(),
+        strikers: vec![name.clone()],
+        level_db: 0.0,
+        pan: 0.0,
+        striker_weight: 1.0,
+        choke_t60_s: 0.0,
+        midi_notes: vec![],
+        trigger: None,
+    };
+    let object = kit::Object { modes: vec![], residual: None, ..object.clone() };
+    kit::Kit { name, objects: vec![object], strikers: vec![striker], pads: vec![pad], background: None, room: vec![] }
 }
 
 fn show(name: &str, picture: Option<&Path>, json: bool) -> Result<(), CommandError> {

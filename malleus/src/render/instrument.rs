@@ -1,15 +1,19 @@
 //! Rendering by dsp-core, exactly as a board does.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Direct, Engine, LoadError, Residuals, STANDARD_CONTACTS, Skipping, TickReport};
+use dsp_core::engine::{Direct, Engine, Filters, LoadError, Residuals, STANDARD_CONTACTS, Skipping, TickReport};
 use dsp_core::event::{Event, EventError};
 use dsp_core::room::Room;
 use dsp_core::table::Kit;
+use dsp_core::table::range::{BREAKPOINTS, CHAIN_DEPTH, CHAINS, LOOPS};
 
 use super::Performance;
 
-/// Noise of 32 pads, and a second of delay for the room: a longer T60 than that keeps its decay, with fewer resonances.
-type PcSurroundings = (Residuals<32>, Room<i32, 49_152>);
+/// Noise of 32 pads; a second of delay for the room: a longer T60 than that keeps its decay, with fewer resonances; filters of 32 pads with all that a
+/// table may hold, but for loops' delays: 8192 frames.
+type PcSurroundings = (Residuals<32>, Room<i32, 49_152>, Filters<32, BREAKPOINTS, LOOPS, 8192, BIQUADS>);
+
+const BIQUADS: usize = CHAINS * CHAIN_DEPTH;
 
 /// The engine of the PC: room for large kits; as many contacts at once as a board has.
 pub type PcEngine<'k> = Engine<'k, 64, 320, 8192, 4096, 8192, STANDARD_CONTACTS, PcSurroundings>;
@@ -45,6 +49,15 @@ pub enum Output {
     Samples24,
     /// Bus samples, Q4.27.
     Bus,
+}
+
+/// Whether the instrument can hold a kit at a rate.
+///
+/// # Errors
+/// [`LoadError`].
+pub fn check(kit: &Kit<'_>, rate: SampleRate) -> Result<(), LoadError> {
+    let mut engine = Box::new(PcEngine::new());
+    engine.load(kit, rate, Skipping::On)
 }
 
 /// Renders a performance; `observe` sees each tick's report.
