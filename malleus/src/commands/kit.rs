@@ -160,7 +160,19 @@ fn counts(loaded: &Loaded) -> String {
     let statistics = loaded.statistics();
     let modes: usize = statistics.objects.iter().chain(&statistics.strikers).map(|bank| bank.modes).sum();
     let kit = &loaded.kit;
-    format!("{} pads, {} objects, {} strikers, {modes} modes", kit.pads.len(), kit.objects.len(), kit.strikers.len())
+    let (pads, objects, strikers) = (kit.pads.len(), kit.objects.len(), kit.strikers.len());
+    let mut counts = format!("{pads} pads, {objects} objects, {strikers} strikers, {modes} modes");
+    let all = |count: fn(&BankStatistics) -> usize| statistics.objects.iter().map(count).sum::<usize>();
+    for (count, what) in [
+        (all(|object| usize::from(object.breakpoints > 0)), "dynamic filters"),
+        (all(|object| object.loops), "loops"),
+        (all(|object| object.biquads), "biquads"),
+    ] {
+        if count > 0 {
+            counts += &format!(", {count} {what}");
+        }
+    }
+    counts
 }
 
 fn picture_of(loaded: &Loaded) -> KitPicture {
@@ -175,8 +187,28 @@ fn picture_of(loaded: &Loaded) -> KitPicture {
                 (f64::from(mode.frequency_hz), t60_s, 20.0 * f64::from(loudest.max(1e-12)).log10())
             })
             .collect(),
+        filter: object.dynamic_filter.as_ref().map_or(vec![], filter_curves),
+        loops_hz: object
+            .dynamic_filter
+            .iter()
+            .flat_map(|filter| &filter.loops)
+            .map(|own| own.frequency_hz.into())
+            .collect(),
+        biquads: object.biquads.as_ref().map_or(vec![], |bank| curve(f64::from(bank.rate_hz), |hz| bank.magnitude(hz))),
     });
     KitPicture { title: loaded.kit.name.clone(), objects: objects.collect() }
+}
+
+/// |F| at each breakpoint.
+fn filter_curves(filter: &kit::DynamicFilter) -> Vec<Vec<(f64, f64)>> {
+    let rate_hz = f64::from(filter.rate_hz);
+    filter.path.iter().map(|point| curve(rate_hz, |hz| point.magnitude(hz, rate_hz))).collect()
+}
+
+/// A magnitude in dB at 24 frequencies an octave from 20 Hz up to half the rate.
+fn curve(rate_hz: f64, magnitude: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+    let frequencies = (0..).map(|step| 20.0 * 2f64.powf(f64::from(step) / 24.0)).take_while(|&hz| hz < rate_hz / 2.0);
+    frequencies.map(|hz| (hz, 20.0 * magnitude(hz).max(1e-12).log10())).collect()
 }
 
 #[derive(Debug, Serialize)]
@@ -200,6 +232,9 @@ struct BankReport {
     highest_frequency_hz: Option<f32>,
     shortest_t60_s: Option<f32>,
     longest_t60_s: Option<f32>,
+    breakpoints: usize,
+    loops: usize,
+    biquads: usize,
 }
 
 impl<'a> KitReport<'a> {
@@ -228,6 +263,9 @@ impl BankReport {
             highest_frequency_hz: bank.frequency_hz.map(|(_, highest)| highest),
             shortest_t60_s: bank.t60_s.map(|(shortest, _)| shortest),
             longest_t60_s: bank.t60_s.map(|(_, longest)| longest),
+            breakpoints: bank.breakpoints,
+            loops: bank.loops,
+            biquads: bank.biquads,
         }
     }
 }
