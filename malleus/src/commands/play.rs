@@ -34,6 +34,10 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
     }
     let mut work = Work::default();
     let frames = if arguments.reference {
+        let left_out = law::leaves_out(&loaded.kit);
+        if !left_out.is_empty() {
+            eprintln!("malleus: {name}: the reference leaves out {}", left_out.join(", "));
+        }
         let bar = progress(performance.frames as u64, "reference");
         let sound = law::render(&loaded.kit, &performance, rate, |done| bar.set_position(done as u64))
             .map_err(|error| CommandError::Law { kit: name.clone(), error })?;
