@@ -1,0 +1,197 @@
+//! A chain of sections as sections side by side: the partial fractions of eq. 3's product.
+//!
+//! Bounds of states multiply along a chain, and each costs bits; side by side each section has its own. Where poles (nearly) coincide, parts of
+//! opposite sign would cancel: those stay behind one another, as a *cluster*, in Newton's form instead of Lagrange's,
+//!
+//! ```text
+//! H = b0 + Σ_clusters  A_1 / (D_1 D_2 ... D_n) + A_2 / (D_2 ... D_n) + ... + A_n / D_n        A_k linear in z
+//! ```
+//!
+//! which is a chain whose every section has the input with two gains of its own, and of which the last sounds. Nothing in it grows when D_1 = D_2.
+//!
+//! # Arithmetic
+//!
+//! Polynomials are in `ζ = z - 1` (`-z - 1` for mirrored sections), in which a slow pole pair is `ζ² + (δ + e²) ζ + e²`: no digit is lost however near it is
+//! to 1. What is known of the numerator is its residue modulo D_1 ... D_n in Newton's coordinates, `A_1 + D_1 A_2 + D_1 D_2 A_3 + ...`; multiplying that by a
+//! section's numerator, and dividing it by the denominator of a section outside the cluster, needs no difference of near poles as a divisor.
+
+use super::design::{Biquad, Root};
+use super::pole::Pole;
+
+/// One section of a chain's partial fractions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    /// Its poles.
+    pub(super) pole: Pole,
+    /// What of the input goes into u and into v.
+    pub(super) gains: [f64; 2],
+    /// Q32 of the v of the part before into this one's u; 0 where a cluster begins.
+    pub(super) couple: i32,
+}
+
+impl Part {
+    /// Silence.
+    pub(super) const EMPTY: Self = Self { pole: Pole::EMPTY, gains: [0.0; 2], couple: 0 };
+}
+
+/// `a0 + a1 ζ`.
+type Line = [f64; 2];
+
+/// The parts of a chain of at most four sections, cluster by cluster; as many as it has sections are in use.
+pub(super) fn parts(chain: &[Biquad]) -> [Part; 4] {
+    let clusters = clusters(chain);
+    let mut parts = [Part::EMPTY; 4];
+    let mut slots = parts.iter_mut();
+    for label in 0..4u8 {
+        let is_member = |index: usize| clusters.get(index) == Some(&label);
+        let (members, others) = (|| (0..chain.len()).filter(|&i| is_member(i)), || {
+            (0..chain.len()).filter(|&i| !is_member(i))
+        });
+        // All of a cluster run alike: mirrored or not, in a form that serves all.
+        let side: f64 = members().filter_map(|i| chain.get(i)).map(|biquad| biquad.pole.real).sum();
+        let mirrored = side < 0.0;
+        let forms = members().filter_map(|i| chain.get(i)).map(|biquad| Pole::form_of(biquad.pole, mirrored));
+        let Some(form) = forms.max() else { continue };
+        let mut poles = [None; 4];
+        for (slot, index) in poles.iter_mut().zip(members()) {
+            *slot = chain.get(index).map(|biquad| (Pole::new(biquad.pole, mirrored, form), biquad.pole));
+        }
+        let mut newton = Newton::one(poles.map(|pole| pole.map(|(pole, _)| monic(pole, mirrored))));
+        chain.iter().for_each(|biquad| newton.multiply(numerator(biquad, mirrored)));
+        for other in others().filter_map(|i| chain.get(i)) {
+            // As that one is realised, wherever it stands.
+            newton.divide(monic(realised(chain, &clusters, other), mirrored));
+        }
+        // From the last to the first: what a part's sound is multiplied by on its way out.
+        let mut way = 1.0;
+        let mut cluster = [None; 4];
+        let lines = newton.lines;
+        for ((slot, pole), [a0, a1]) in cluster.iter_mut().zip(poles).zip(lines).rev() {
+            let Some((pole, root)) = pole else { continue };
+            let gain_v = a1 / way;
+            let gains = [(a0 / way - pole.delta() * gain_v) / pole.entry(), gain_v];
+            let couple = coupling(pole, root);
+            way *= pole.entry() * f64::from(couple) / 4_294_967_296.0;
+            *slot = Some(Part { pole, gains, couple });
+        }
+        for (index, part) in cluster.into_iter().flatten().enumerate() {
+            if let Some(slot) = slots.next() {
+                *slot = Part { couple: if index == 0 { 0 } else { part.couple }, ..part };
+            }
+        }
+    }
+    parts
+}
+
+/// Which sections stay behind one another: a label each, that of the first of them.
+fn clusters(chain: &[Biquad]) -> [u8; 4] {
+    let mut labels = [0, 1, 2, 3];
+    for (i, one) in chain.iter().enumerate() {
+        for (j, other) in chain.iter().enumerate().take(i) {
+            if are_near(one.pole, other.pole, chain.len())
+                && let (Some(&mine), Some(&its)) = (labels.get(i), labels.get(j))
+            {
+                labels.iter_mut().filter(|label| **label == mine).for_each(|label| *label = its.min(mine));
+                labels.iter_mut().filter(|label| **label == its.max(mine)).for_each(|label| *label = its.min(mine));
+            }
+        }
+    }
+    labels
+}
+
+/// Whether two of a chain's poles are so near that their parts would be larger than their sum by more than their own bits allow.
+///
+/// Parts are `width / distance` times too large for each near neighbour. A state's rounding, 0.65 of a step a frame, rings on as
+/// `1/sqrt(2 width)`; for 100 dB below 2^27 the whole loss must stay below `2000 sqrt(2 width)`.
+fn are_near(one: Root, other: Root, depth: usize) -> bool {
+    let width = |pole: Root| 1.0 - libm::sqrt(pole.square());
+    let distance = libm::hypot(one.real - other.real, one.imaginary.abs() - other.imaginary.abs());
+    let (broad, narrow) = (width(one).max(width(other)), width(one).min(width(other)));
+    let loss = (2000.0 * libm::sqrt(2.0 * narrow)).min(3.0);
+    let each = match depth {
+        ..=2 => loss,
+        3 => libm::sqrt(loss),
+        _ => libm::cbrt(loss),
+    };
+    broad > distance * each.max(1.5)
+}
+
+/// A section's pole as its own cluster realises it.
+fn realised(chain: &[Biquad], clusters: &[u8; 4], biquad: &Biquad) -> Pole {
+    let label = chain.iter().zip(clusters).find(|(one, _)| core::ptr::eq(*one, biquad)).map(|(_, label)| *label);
+    let members = || chain.iter().zip(clusters).filter(|(_, its)| Some(**its) == label).map(|(one, _)| one);
+    let mirrored = members().map(|one| one.pole.real).sum::<f64>() < 0.0;
+    let form = members().map(|one| Pole::form_of(one.pole, mirrored)).max();
+    Pole::new(biquad.pole, mirrored, form.unwrap_or(Pole::form_of(biquad.pole, mirrored)))
+}
+
+/// The multiplier between two parts of a cluster, Q32: one with which both sound about equally loud at the resonance.
+fn coupling(pole: Pole, root: Root) -> i32 {
+    let width = 1.0 - libm::sqrt(root.square());
+    let gain = pole.delta() * root.imaginary.abs().max(width) / pole.entry();
+    libm::rint(gain.min(0.45) * 4_294_967_296.0).max(1.0) as i32
+}
+
+/// c0 and c1 of `z² - 2 Re p z + |p|² = ζ² + c1 ζ + c0`, where ζ is mirrored or not.
+fn monic(pole: Pole, mirrored: bool) -> Line {
+    let (delta, step) = (pole.delta(), pole.step_squared());
+    if pole.mirrored == mirrored { [step, delta + step] } else { [4.0 - 2.0 * delta - step, 4.0 - delta - step] }
+}
+
+/// `b0 z² + b1 z + b2` in powers of ζ.
+fn numerator(biquad: &Biquad, mirrored: bool) -> [f64; 3] {
+    let [b0, b1, b2] = biquad.numerator;
+    let b1 = if mirrored { -b1 } else { b1 };
+    [b0 + b1 + b2, 2.0 * b0 + b1, b0]
+}
+
+/// A polynomial modulo D_1 ... D_n as `lines[0] + D_1 lines[1] + D_1 D_2 lines[2] + ...`.
+struct Newton {
+    denominators: [Option<Line>; 4],
+    lines: [Line; 4],
+}
+
+impl Newton {
+    fn one(denominators: [Option<Line>; 4]) -> Self {
+        Self { denominators, lines: [[1.0, 0.0], [0.0; 2], [0.0; 2], [0.0; 2]] }
+    }
+
+    /// By `n0 + n1 ζ + n2 ζ²`, which is `n2 D_k` and a line, for each k.
+    fn multiply(&mut self, [n0, n1, n2]: [f64; 3]) {
+        let (mut before, mut carry) = ([0.0; 2], 0.0);
+        for (line, denominator) in self.lines.iter_mut().zip(self.denominators) {
+            let Some(d @ [c0, c1]) = denominator else { break };
+            let (product, above) = times([n0 - n2 * c0, n1 - n2 * c1], *line, d);
+            let [b0, b1] = before;
+            before = *line;
+            *line = [product[0] + n2 * b0 + carry, product[1] + n2 * b1];
+            carry = above;
+        }
+    }
+
+    /// By `ζ² + c1 ζ + c0`, which has no root in common with any D_k: what [`multiply`](Self::multiply) does, undone.
+    fn divide(&mut self, [n0, n1]: Line) {
+        let (mut before, mut carry) = ([0.0; 2], 0.0);
+        for (line, denominator) in self.lines.iter_mut().zip(self.denominators) {
+            let Some(d @ [c0, c1]) = denominator else { break };
+            let rest = [n0 - c0, n1 - c1];
+            let wanted = [line[0] - before[0] - carry, line[1] - before[1]];
+            let (quotient, _) = times(inverse(rest, d), wanted, d);
+            carry = rest[1] * quotient[1];
+            before = quotient;
+            *line = quotient;
+        }
+    }
+}
+
+/// A product modulo `ζ² + c1 ζ + c0`, and how many times that it has beside.
+fn times([a0, a1]: Line, [b0, b1]: Line, [c0, c1]: Line) -> (Line, f64) {
+    let square = a1 * b1;
+    ([a0 * b0 - square * c0, a0 * b1 + a1 * b0 - square * c1], square)
+}
+
+/// One over a line modulo `ζ² + c1 ζ + c0`: its conjugate over its norm.
+fn inverse([a0, a1]: Line, [c0, c1]: Line) -> Line {
+    let norm = a0 * a0 - a0 * a1 * c1 + a1 * a1 * c0;
+    [(a0 - a1 * c1) / norm, -a1 / norm]
+}
