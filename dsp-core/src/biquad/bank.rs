@@ -190,12 +190,17 @@ impl<const PAIRS: usize> Bank<PAIRS> {
 
     /// Adds the bank's sound to `out`, saturating. Without an input, or behind its end, it rings on.
     pub fn render(&mut self, input: Option<&[i32]>, out: &mut [i32]) {
-        let mut input = input.unwrap_or(&[]);
+        let input = input.unwrap_or(&[]);
         if self.count == 0 || !self.ringing && input.iter().all(|&word| word == 0) {
             self.frame = (self.frame + out.len()) % TICK_FRAMES;
-            return;
+        } else {
+            self.sound(input, out);
         }
-        let mut out = out;
+    }
+
+    #[inline(never)]
+    fn sound(&mut self, input: &[i32], out: &mut [i32]) {
+        let (mut input, mut out) = (input, out);
         while !out.is_empty() {
             if self.frame == 0 {
                 self.tick();
