@@ -51,38 +51,72 @@ fn accuracy(biquads: &[Biquad], chains: &[Vec<reference::biquad::Biquad>], depth
     snr_db(&exact, &out)
 }
 
-#[test]
-fn chains_of_every_depth_keep_ninety_db_over_all_poles_and_zeros() {
-    let mut random = Random::new(1);
-    let mut worst = [f64::INFINITY; 4];
-    for case in 0..200 {
-        let depth = case % 4 + 1;
-        let sections = depth * (1 + case % 3);
-        let mut roots = |largest: f64| -> Vec<(f64, f64)> {
-            let mut root = || {
-                let radius = 1.0 - 10f64.powf(-random.between(0.0, largest));
-                let hz = 20.0 * 1150f64.powf(random.between(0.0, 1.0));
-                (radius, hz * std::f64::consts::TAU / 48_000.0)
-            };
-            (0..sections).map(|_| root()).collect()
-        };
-        let (poles, zeros) = (roots(5.0), roots(2.0));
+/// Worst SNR under noise of 50 banks of a depth, whose poles and zeros `place` chooses.
+fn worst_of_depth(depth: usize, seed: u64, place: impl Fn(&mut Random, usize) -> (Pairs, Pairs)) -> f64 {
+    let mut random = Random::new(seed);
+    let mut worst = f64::INFINITY;
+    for case in 0..50 {
+        let (poles, zeros) = place(&mut random, depth * (1 + case % 3));
         let (mut ours, mut theirs) = chains(&poles, &zeros, depth);
         let noise: Vec<i32> = (0..48_000).map(|_| (random.between(-0.9, 0.9) * FULL_SCALE) as i32).collect();
         make_loud(&mut ours, &mut theirs, &noise);
         let snr = accuracy(&ours, &theirs, depth, &noise);
-        worst[depth - 1] = worst[depth - 1].min(snr);
+        worst = worst.min(snr);
     }
-    println!("worst SNR under noise, chains of 1 to 4 sections: {worst:.1?} dB");
-    assert!(worst[..3].iter().all(|&snr| snr >= 90.0), "{worst:?}");
-    // Two of fifty banks are below 90 dB: three poles of a chain within a few of their own widths of each other, whose parts cancel.
-    assert!(worst[3] >= 80.0, "{worst:?}");
+    worst
+}
+
+/// Radius and angle, one for each section.
+type Pairs = Vec<(f64, f64)>;
+
+/// A radius from 0 to `1 - 10^-largest`, evenly in the logarithm of its distance from 1, and an angle of 20 Hz to 23 kHz.
+fn root(random: &mut Random, largest: f64) -> (f64, f64) {
+    let radius = 1.0 - 10f64.powf(-random.between(0.0, largest));
+    let hz = 20.0 * 1150f64.powf(random.between(0.0, 1.0));
+    (radius, hz * std::f64::consts::TAU / 48_000.0)
+}
+
+#[test]
+fn chains_of_every_depth_keep_ninety_db_over_all_poles_and_zeros() {
+    for depth in 1..=4 {
+        let worst = worst_of_depth(depth, depth as u64, |random, count| {
+            let mut all = |largest| (0..count).map(|_| root(random, largest)).collect();
+            (all(5.0), all(2.0))
+        });
+        println!("worst SNR under noise, chains of {depth}: {worst:.1} dB");
+        assert!(worst >= 90.0, "{worst}");
+    }
+}
+
+#[test]
+fn chains_whose_poles_nearly_coincide_keep_ninety_db_too() {
+    for depth in 2..=4 {
+        for nearness in [0.0, 1e-6, 1e-3, 0.1, 1.0, 4.0] {
+            let worst = worst_of_depth(depth, 77 + depth as u64, |random, count| {
+                let mut poles = Vec::new();
+                for _ in 0..count / depth {
+                    let (radius, angle) = root(random, 5.0);
+                    let width = 1.0 - radius;
+                    let mut near = |_| {
+                        let radius = (radius + width * nearness * random.between(-0.2, 0.2)).clamp(0.0, 0.999_99);
+                        (radius, (angle + width * nearness * random.between(-1.0, 1.0)).clamp(0.0, 3.14))
+                    };
+                    poles.extend((0..depth).map(&mut near));
+                }
+                (poles, (0..count).map(|_| root(random, 2.0)).collect())
+            });
+            println!("worst SNR, chains of {depth} within {nearness} widths: {worst:.1} dB");
+            // Three or four narrow poles a few of their widths apart: each part is ten times larger than their sum.
+            let floor = if nearness > 1.0 && depth > 2 { 85.0 } else { 90.0 };
+            assert!(worst >= floor, "{worst}");
+        }
+    }
 }
 
 #[test]
 fn poles_on_or_outside_the_circle_and_other_bad_tables_are_refused_by_name() {
     let biquad = |radius| Biquad::from_roots(Root::polar(radius, 0.3), Root::default(), 1.0);
-    let load = |biquads: &[Biquad], depth| Bank::<4>::new(biquads, depth).map(|_| ());
+    let load = |biquads: &[Biquad], depth| Bank::<2>::new(biquads, depth).map(|_| ());
     for radius in [1.0, 1.5, 0.999_999_999_9] {
         let error = load(&[biquad(0.5), biquad(radius)], 1).unwrap_err();
         assert!(matches!(error, BiquadError::UnstablePole { biquad: 1, .. }), "{error:?}");
@@ -94,7 +128,7 @@ fn poles_on_or_outside_the_circle_and_other_bad_tables_are_refused_by_name() {
     assert!(matches!(load(&[loud], 1), Err(BiquadError::UnboundedGain { biquad: 0, .. })));
     assert_eq!(load(&[biquad(0.5); 3], 2), Err(BiquadError::Depth { depth: 2, sections: 3 }));
     assert_eq!(load(&[biquad(0.5); 5], 5), Err(BiquadError::Depth { depth: 5, sections: 5 }));
-    assert_eq!(load(&[biquad(0.5); 5], 1), Err(BiquadError::Full { sections: 5, room: 4 }));
+    assert_eq!(load(&[biquad(0.5); 5], 1), Err(BiquadError::Full { sections: 5, room: 2 }));
 }
 
 #[test]

@@ -167,28 +167,3 @@ impl Biquad {
         (b1 + 2.0 * b0 * self.pole.real, b2 - b0 * self.pole.square())
     }
 }
-
-/// How a section steps. k is the shift of u.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Form {
-    /// `u -= e v; v += e u; u -= δ u`: e < 1/2, δ < 1/2.
-    Coupled = 0,
-    /// `u -= (e²/2) v; v += 2 u; u -= δ u`: e² < 1, δ < 1/2.
-    Shifted1 = 1,
-    /// `u -= (e²/4) v; v += 4 u; u -= δ u`: e² < 2, δ < 1/2.
-    Shifted2 = 2,
-    /// `u -= (e²/4) v; v += 4 u; u = (1 - δ) u`: e² < 2, any δ.
-    Damped = 3,
-}
-
-impl Form {
-    /// By how many bits u is smaller than v.
-    pub const fn shift(self) -> u32 {
-        match self {
-            Self::Coupled => 0,
-            Self::Shifted1 => 1,
-            Self::Shifted2 | Self::Damped => 2,
-        }
-    }
-}
