@@ -183,6 +183,14 @@ impl<const PAIRS: usize> Bank<PAIRS> {
         (self.ringing, self.input_bits, self.used, self.asks) = (false, None, 0, false);
     }
 
+    /// Leaves so much of what rings, as Q31.
+    pub fn attenuate(&mut self, left: i32) {
+        let of = |x: i32| ((i64::from(x) * i64::from(left)) >> 31) as i32;
+        for cell in self.pairs.iter_mut().take(self.count).flat_map(|pair| &mut pair.cells) {
+            (cell.u, cell.v) = (of(cell.u), of(cell.v));
+        }
+    }
+
     /// Whether anything sounds or may: false means that a block without input costs nothing.
     pub fn is_ringing(&self) -> bool {
         self.ringing

@@ -44,9 +44,8 @@ pub(super) fn parts(chain: &[Biquad]) -> [Part; 4] {
     let mut slots = parts.iter_mut();
     for label in 0..4u8 {
         let is_member = |index: usize| clusters.get(index) == Some(&label);
-        let (members, others) = (|| (0..chain.len()).filter(|&i| is_member(i)), || {
-            (0..chain.len()).filter(|&i| !is_member(i))
-        });
+        let (members, others) =
+            (|| (0..chain.len()).filter(|&i| is_member(i)), || (0..chain.len()).filter(|&i| !is_member(i)));
         // All of a cluster run alike: mirrored or not, in a form that serves all.
         let side: f64 = members().filter_map(|i| chain.get(i)).map(|biquad| biquad.pole.real).sum();
         let mirrored = side < 0.0;

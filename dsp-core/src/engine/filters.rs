@@ -108,34 +108,29 @@ impl FilterRoom for NoFilters {
     }
 }
 
-/// Room for the filters of so many pads: dynamic filters of at most `POINTS` breakpoints with at most `LOOPS` loops whose delays fit `FRAMES` frames, and at most
-/// `BIQUADS` biquads each.
+/// Room for the filters of so many pads: dynamic filters of at most `POINTS` breakpoints with at most `LOOPS` loops whose delays fit `FRAMES` frames, and biquads
+/// in at most `PAIRS` pairs each (a pair for each biquad suffices).
 #[derive(Clone, Debug)]
-pub struct Filters<
-    const COUNT: usize,
-    const POINTS: usize,
-    const LOOPS: usize,
-    const FRAMES: usize,
-    const BIQUADS: usize,
-> {
-    places: [Place<POINTS, LOOPS, FRAMES, BIQUADS>; COUNT],
+pub struct Filters<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize>
+{
+    places: [Place<POINTS, LOOPS, FRAMES, PAIRS>; COUNT],
 }
 
 /// The filters of one pad.
 #[derive(Clone, Debug)]
-struct Place<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const BIQUADS: usize> {
+struct Place<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize> {
     pad: Option<u8>,
-    filters: PadFilters<POINTS, LOOPS, FRAMES, BIQUADS>,
+    filters: PadFilters<POINTS, LOOPS, FRAMES, PAIRS>,
 }
 
-impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const BIQUADS: usize>
-    Filters<COUNT, POINTS, LOOPS, FRAMES, BIQUADS>
+impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize>
+    Filters<COUNT, POINTS, LOOPS, FRAMES, PAIRS>
 {
-    fn of(&self, pad: u8) -> Option<&PadFilters<POINTS, LOOPS, FRAMES, BIQUADS>> {
+    fn of(&self, pad: u8) -> Option<&PadFilters<POINTS, LOOPS, FRAMES, PAIRS>> {
         self.places.iter().find(|place| place.pad == Some(pad)).map(|place| &place.filters)
     }
 
-    fn of_mut(&mut self, pad: u8) -> Option<&mut PadFilters<POINTS, LOOPS, FRAMES, BIQUADS>> {
+    fn of_mut(&mut self, pad: u8) -> Option<&mut PadFilters<POINTS, LOOPS, FRAMES, PAIRS>> {
         self.places.iter_mut().find(|place| place.pad == Some(pad)).map(|place| &mut place.filters)
     }
 
@@ -172,8 +167,8 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
     }
 }
 
-impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const BIQUADS: usize> FilterRoom
-    for Filters<COUNT, POINTS, LOOPS, FRAMES, BIQUADS>
+impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize> FilterRoom
+    for Filters<COUNT, POINTS, LOOPS, FRAMES, PAIRS>
 {
     const EMPTY: Self = Self { places: [const { Place { pad: None, filters: PadFilters::EMPTY } }; COUNT] };
 

@@ -17,15 +17,14 @@ use crate::fixed;
 use crate::resonator::TICK_FRAMES;
 use crate::table;
 use crate::table::layout::{BiquadRecord, BreakpointRecord, LoopRecord};
-use crate::table::range;
 use crate::waveguide::Loop;
 
-/// The filters of one pad: a dynamic filter of at most `POINTS` breakpoints with at most `LOOPS` loops whose delays fit `FRAMES` frames, and at most
-/// `BIQUADS` biquads.
+/// The filters of one pad: a dynamic filter of at most `POINTS` breakpoints with at most `LOOPS` loops whose delays fit `FRAMES` frames, and biquads
+/// in at most `PAIRS` pairs (a pair for each suffices).
 #[derive(Clone, Debug)]
-pub struct PadFilters<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const BIQUADS: usize> {
+pub struct PadFilters<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize> {
     dynamic: DynamicFilter<POINTS, LOOPS, FRAMES>,
-    biquads: biquad::Bank<BIQUADS>,
+    biquads: biquad::Bank<PAIRS>,
     has_dynamic: bool,
     loop_count: u32,
     /// The filter runs louder by so many bits, its noise, modes and loops softer: [`louder_bits`].
@@ -46,8 +45,8 @@ pub struct FilterWork {
     pub biquad_frames: u32,
 }
 
-impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const BIQUADS: usize>
-    PadFilters<POINTS, LOOPS, FRAMES, BIQUADS>
+impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize>
+    PadFilters<POINTS, LOOPS, FRAMES, PAIRS>
 {
     /// None of both: silent, at no cost.
     pub const EMPTY: Self = Self {
@@ -112,16 +111,14 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const BIQUADS
         rate: SampleRate,
         reference_force: f32,
     ) -> Result<(), BiquadError> {
-        const MOST: usize = range::CHAINS * range::CHAIN_DEPTH;
-        let mut biquads = [Biquad { pole: Root { real: 0.0, imaginary: 0.0 }, numerator: [0.0; 3] }; MOST];
         let depth = bank.depth().max(1);
-        for (index, (biquad, record)) in biquads.iter_mut().zip(bank.records()).enumerate() {
+        let power = f64::from(bank.rate_hz()) / rate.hz();
+        let biquads = bank.records().iter().enumerate().map(|(index, record)| {
             // The force in newtons goes into the first of each chain.
             let newtons = if index.is_multiple_of(depth) { f64::from(reference_force) } else { 1.0 };
-            *biquad = section(record, newtons, f64::from(bank.rate_hz()) / rate.hz());
-        }
-        let biquads = biquads.get(..bank.records().len()).unwrap_or(&[]);
-        self.biquads.load(biquads, depth)
+            Ok::<_, BiquadError>(section(record, newtons, power))
+        });
+        self.biquads.load_each(biquads, depth)
     }
 
     /// Whether there is anything.
@@ -170,9 +167,9 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const BIQUADS
 
     /// What rings is what the hand has left of it, and the hand begins anew.
     fn lift(&mut self) {
-        if self.hand.lift().is_some() {
+        if let Some(left) = self.hand.lift() {
             self.dynamic.rest();
-            self.biquads.rest();
+            self.biquads.attenuate(left);
         }
     }
 
