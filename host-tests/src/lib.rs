@@ -1,6 +1,7 @@
 //! What the tests and benches of this crate share: signals measured against the `f64` law.
 
 pub mod data;
+pub mod dynamic_filter;
 pub mod on_chip;
 pub mod performance;
 pub mod residual;

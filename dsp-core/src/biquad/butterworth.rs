@@ -16,7 +16,7 @@ pub struct Exciter {
     pub exponent: f64,
 }
 
-/// Band edges that are none: `0 < low < high < fs/2` does not hold.
+/// Band edges that are none: `0 < low`, `1.05 low < high` and `high < fs/2` do not all hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandError {
     /// Lower edge in Hz.
@@ -30,20 +30,55 @@ pub struct BandError {
 impl fmt::Display for BandError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { low_hz, high_hz, nyquist_hz } = self;
-        write!(f, "a band from {low_hz} Hz to {high_hz} Hz: give 0 < low < high < {nyquist_hz} Hz")
+        write!(
+            f,
+            "a band from {low_hz} Hz to {high_hz} Hz: give {} Hz or more, then at least {} times that, below {nyquist_hz} Hz",
+            2.0 * nyquist_hz * Exciter::LEAST_EDGE,
+            Exciter::LEAST_RATIO
+        )
     }
 }
 
 impl core::error::Error for BandError {}
 
 impl Exciter {
+    /// The lowest edge, over fs.
+    pub const LEAST_EDGE: f64 = 1e-4;
+    /// The highest edge that a strike moves the band to, over fs.
+    pub const LARGEST_EDGE: f64 = 0.49;
+    /// The least ratio of both edges.
+    pub const LEAST_RATIO: f64 = 1.05;
+    /// The largest size of the exponent.
+    pub const LARGEST_EXPONENT: f64 = 4.0;
+
+    /// Whether its edges are in order at a rate.
+    ///
+    /// # Errors
+    /// [`BandError`].
+    pub fn check(&self, rate: SampleRate) -> Result<(), BandError> {
+        let Self { low_hz, high_hz, .. } = *self;
+        let nyquist_hz = rate.hz() / 2.0;
+        let good =
+            low_hz >= Self::LEAST_EDGE * rate.hz() && high_hz >= Self::LEAST_RATIO * low_hz && high_hz < nyquist_hz;
+        if good { Ok(()) } else { Err(BandError { low_hz, high_hz, nyquist_hz }) }
+    }
+
+    /// The edges in Hz for a strike of a level (0 to 1): moved together, at most to 0.49 fs.
+    pub fn edges_hz(&self, level: f64, rate: SampleRate) -> [f64; 2] {
+        let factor = libm::pow(level.clamp(libm::exp2(-31.0), 1.0), self.exponent) / rate.hz();
+        let high = (self.high_hz * factor).clamp(2.0 * Self::LEAST_EDGE, Self::LARGEST_EDGE);
+        let low = (self.low_hz * factor).clamp(Self::LEAST_EDGE, high / Self::LEAST_RATIO);
+        [low, high].map(|edge| edge * rate.hz())
+    }
+
     /// The two sections for a strike of a level.
     ///
     /// # Errors
     /// [`BandError`].
     pub fn sections(&self, level: f64, rate: SampleRate) -> Result<[Biquad; 2], BandError> {
-        let factor = libm::pow(level, self.exponent);
-        band_pass(self.low_hz * factor, self.high_hz * factor, rate)
+        self.check(rate)?;
+        let [low, high] = self.edges_hz(level, rate);
+        band_pass(low, high, rate)
     }
 }
 

@@ -1,150 +1,151 @@
-//! The loops at work.
+//! The delay line and the loops that read it.
 
 use super::SILENCE;
-use super::band::{Loop, LoopError, check};
+use super::error::LoopError;
+use super::kernel;
+use super::resonance::Resonance;
+use super::tuning::{Loop, Tuned};
 use crate::SampleRate;
-use crate::biquad::{Bank, Biquad, Root};
-use crate::dynamic_filter::{Breakpoint, Filter};
-use crate::fixed::qadd;
 use crate::resonator::TICK_FRAMES;
 
-/// At most `LOOPS` loops with at most `FRAMES` frames of delay round a dynamic filter of at most `N` breakpoints.
-///
-/// Worst SNR against `f64` at a T60 of 20 s: `cargo test -p host-tests --test waveguides -- --nocapture`.
+/// At most `LOOPS` loops on one line of `FRAMES` frames of s.
 #[derive(Clone, Debug)]
-pub struct Waveguides<const N: usize, const LOOPS: usize, const FRAMES: usize> {
-    filter: Filter<N>,
-    bands: [Bank<1>; LOOPS],
-    delays: [usize; LOOPS],
+pub(crate) struct Loops<const LOOPS: usize, const FRAMES: usize> {
+    bands: [Resonance; LOOPS],
     count: usize,
-    /// s, a ring.
+    /// The shortest delay, at most a tick.
+    shortest: usize,
+    /// The line, a ring, larger than the bus by 2^line_scale; where s is written next.
     line: [i32; FRAMES],
     place: usize,
-    frame: usize,
-    peak: u32,
+    line_scale: i32,
+    mix_scale: i32,
+    /// Sizes written in this tick, or'ed; frames for which all were silent.
+    sizes: u32,
     quiet_frames: usize,
-    ringing: bool,
 }
 
-impl<const N: usize, const LOOPS: usize, const FRAMES: usize> Waveguides<N, LOOPS, FRAMES> {
-    /// Loops at rest round a filter at rest. `path` is what the filter was made of.
-    ///
-    /// # Errors
-    /// [`LoopError`].
-    pub fn new(
-        filter: Filter<N>,
-        path: impl Iterator<Item = Breakpoint> + Clone,
+impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
+    /// None.
+    pub(crate) const EMPTY: Self = Self {
+        bands: [Resonance::EMPTY; LOOPS],
+        count: 0,
+        shortest: TICK_FRAMES,
+        line: [0; FRAMES],
+        place: 0,
+        line_scale: 0,
+        mix_scale: 0,
+        sizes: 0,
+        quiet_frames: 0,
+    };
+
+    /// Derives loops at rest for a line of s larger than the bus by 2^`line_scale`; `stable` checks the sum of the loops.
+    pub(crate) fn load(
+        &mut self,
         loops: impl Iterator<Item = Loop> + Clone,
+        line_scale: i32,
         rate: SampleRate,
-    ) -> Result<Self, LoopError> {
-        let count = loops.clone().count();
-        if count > LOOPS {
-            return Err(LoopError::Room { needed: count, room: LOOPS });
+        stable: impl FnOnce(&[Tuned]) -> Result<(), LoopError>,
+    ) -> Result<(), LoopError> {
+        self.unload();
+        let given = loops.clone().count();
+        if given > LOOPS {
+            return Err(LoopError::Count { given, room: LOOPS });
         }
-        let mut biquads = [Biquad { pole: Root { real: 0.0, imaginary: 0.0 }, numerator: [0.0; 3] }; LOOPS];
-        let mut delays = [0; LOOPS];
-        for (index, ((one, delay), biquad)) in loops.zip(&mut delays).zip(&mut biquads).enumerate() {
-            (*delay, *biquad) = one.derive(index, rate)?;
-            if *delay > FRAMES {
-                return Err(LoopError::Room { needed: *delay, room: FRAMES });
-            }
+        let mut all = [Tuned::default(); LOOPS];
+        for (index, (tuned, one)) in all.iter_mut().zip(loops).enumerate() {
+            *tuned = Tuned::new(&one, index, FRAMES, rate)?;
         }
-        let used = biquads.get(..count).unwrap_or(&[]);
-        check(used, path, rate)?;
-        let mut banks = [const { Bank::EMPTY }; LOOPS];
-        for (index, (bank, biquad)) in banks.iter_mut().zip(used).enumerate() {
-            bank.load(&[*biquad], 1).map_err(|_| LoopError::Band { index })?;
+        let all = all.get(..given).unwrap_or(&[]);
+        stable(all)?;
+        // 2^mix_scale < 2 / |y|, so that a state that holds y is larger than its mix.
+        let largest = all.iter().map(|tuned| Resonance::largest(tuned, line_scale)).fold(0.0, f64::max);
+        self.mix_scale = (1 - libm::frexp(largest).1).clamp(-20, 0);
+        self.line_scale = line_scale;
+        for (band, tuned) in self.bands.iter_mut().zip(all) {
+            *band = Resonance::new(tuned, line_scale, self.mix_scale);
+            self.shortest = self.shortest.min(tuned.delay);
         }
-        Ok(Self {
-            filter,
-            bands: banks,
-            delays,
-            count,
-            line: [0; FRAMES],
-            place: 0,
-            frame: 0,
-            peak: 0,
-            quiet_frames: 0,
-            ringing: false,
-        })
+        self.count = given;
+        Ok(())
     }
 
-    /// A strike: noise of a level from 0 to 1, the path from its start.
-    pub fn strike(&mut self, level: f32) {
-        self.filter.strike_with_noise(level);
-        (self.ringing, self.quiet_frames) = (true, 0);
+    /// Makes them none.
+    pub(crate) fn unload(&mut self) {
+        self.rest();
+        (self.count, self.shortest) = (0, TICK_FRAMES);
     }
 
-    /// Whether anything sounds; false means that a block costs nothing.
-    pub fn is_ringing(&self) -> bool {
-        self.ringing
+    /// How many there are, and how many of them have a delay below a tick.
+    pub(crate) fn count(&self) -> (usize, usize) {
+        let short = |band: &&Resonance| band.delay < TICK_FRAMES;
+        (self.count, self.used().iter().filter(short).count())
     }
 
-    /// How many loops.
-    pub fn count(&self) -> usize {
-        self.count
+    fn used(&self) -> &[Resonance] {
+        self.bands.get(..self.count).unwrap_or(&[])
+    }
+
+    /// E of the mix.
+    pub(crate) fn mix_scale(&self) -> i32 {
+        self.mix_scale
     }
 
     /// Clears what rings.
-    pub fn rest(&mut self) {
-        self.filter.rest();
-        self.bands.iter_mut().for_each(Bank::rest);
+    pub(crate) fn rest(&mut self) {
+        self.bands.iter_mut().take(self.count).for_each(Resonance::rest);
         self.line.fill(0);
-        self.ringing = false;
+        (self.sizes, self.quiet_frames) = (0, 0);
     }
 
-    /// Adds s to `out`.
-    pub fn render(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
-        let (mut modes, mut out) = (modes.unwrap_or(&[]), out);
-        while !out.is_empty() {
-            if self.frame == 0 {
-                self.tick();
-            }
-            let frames = out.len().min(TICK_FRAMES - self.frame);
-            let (now, later) = out.split_at_mut(frames);
-            let (given, more) = modes.split_at(frames.min(modes.len()));
-            modes = more;
-            if self.ringing || given.iter().any(|&mode| mode != 0) {
-                self.ringing = true;
-                self.run(given, now);
-            } else {
-                let mut nothing = [0; TICK_FRAMES];
-                self.filter.render(None, nothing.get_mut(..frames).unwrap_or(&mut []));
-                self.bands.iter_mut().for_each(|band| band.render(None, nothing.get_mut(..frames).unwrap_or(&mut [])));
-            }
-            self.frame = (self.frame + frames) % TICK_FRAMES;
-            out = later;
-        }
+    /// How many of so many frames can be run at once: as long as no loop reads what is not written, and the ring does not turn.
+    pub(crate) fn run_length(&self, frames: usize) -> usize {
+        frames.min(self.shortest).min(FRAMES - self.place)
     }
 
-    fn tick(&mut self) {
-        self.quiet_frames = if self.peak < SILENCE { self.quiet_frames + TICK_FRAMES } else { 0 };
-        self.peak = 0;
-        if self.ringing && !self.filter.is_sounding() && self.quiet_frames > FRAMES {
-            self.rest();
+    /// The loops' sum over so many frames, added to `mix`.
+    pub(crate) fn read(&mut self, mix: &mut [i32]) {
+        let frames = mix.len();
+        for band in self.bands.iter_mut().take(self.count) {
+            let start = match self.place.checked_sub(band.delay) {
+                Some(start) => start,
+                None => self.place + FRAMES - band.delay,
+            };
+            let first = frames.min(FRAMES.saturating_sub(start));
+            let (now, later) = mix.split_at_mut(first);
+            kernel::run(band, self.line.get(start..start + first).unwrap_or(&[]), now);
+            if !later.is_empty() {
+                kernel::run(band, self.line.get(..later.len()).unwrap_or(&[]), later);
+            }
         }
     }
 
-    fn run(&mut self, modes: &[i32], out: &mut [i32]) {
-        let frames = out.len();
-        let (mut feedback, mut sound) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
-        let (Some(feedback), Some(sound)) = (feedback.get_mut(..frames), sound.get_mut(..frames)) else { return };
-        for (band, &delay) in self.bands.iter_mut().zip(&self.delays).take(self.count) {
-            let mut delayed = [0; TICK_FRAMES];
-            let start = (self.place + FRAMES - delay) % FRAMES;
-            let ring = self.line.iter().skip(start).chain(self.line.iter());
-            delayed.iter_mut().zip(ring).take(frames).for_each(|(word, &s)| *word = s);
-            band.render(delayed.get(..frames), feedback);
+    /// Where the next frames of s are to be written: the input goes in there, and the filter leaves s.
+    pub(crate) fn slot(&mut self, frames: usize) -> &mut [i32] {
+        self.line.get_mut(self.place..self.place + frames).unwrap_or(&mut [])
+    }
+
+    /// Moves on behind a slot that was written.
+    pub(crate) fn advance(&mut self, frames: usize) {
+        let written = self.line.get(self.place..self.place + frames).unwrap_or(&[]);
+        self.sizes |= written.iter().fold(0, |sizes, &s| sizes | (s ^ (s >> 31)) as u32);
+        self.place += frames;
+        if self.place >= FRAMES {
+            self.place = 0;
         }
-        feedback.iter_mut().zip(modes).for_each(|(word, &mode)| *word = qadd(*word, mode));
-        self.filter.render(Some(feedback), sound);
-        for (out, &s) in out.iter_mut().zip(sound.iter()) {
-            *out = qadd(*out, s);
-            self.peak = self.peak.max(s.unsigned_abs());
-            if let Some(word) = self.line.get_mut(self.place) {
-                *word = s;
-            }
-            self.place = (self.place + 1) % FRAMES;
-        }
+    }
+
+    /// On a tick: scales states anew; gives whether the line has been silent for all its length, so that it may be cleared.
+    pub(crate) fn settle(&mut self) -> bool {
+        self.bands.iter_mut().take(self.count).for_each(Resonance::settle);
+        let silence = 1u32.checked_shl((SILENCE + self.line_scale).clamp(0, 31) as u32).unwrap_or(0);
+        self.quiet_frames = if self.sizes < silence { self.quiet_frames + TICK_FRAMES } else { 0 };
+        self.sizes = 0;
+        self.quiet_frames > FRAMES
+    }
+
+    /// Whether nothing is left.
+    pub(crate) fn is_at_rest(&self) -> bool {
+        self.used().iter().all(Resonance::is_at_rest)
     }
 }
