@@ -4,6 +4,7 @@ use super::design::{Biquad, BiquadError};
 use super::fractions::parts;
 use super::kernel::{self, ALLOWANCE, Run};
 use super::pair::{self, Gain, Level, Pair, X_BITS};
+use super::pole::Pole;
 use crate::resonator::TICK_FRAMES;
 
 /// L parallel chains of M biquads, in at most `PAIRS` pairs of sections.
@@ -136,8 +137,8 @@ impl<const PAIRS: usize> Bank<PAIRS> {
                 biquad.check(start + index)?;
             }
             direct += chain.iter().map(|biquad| biquad.numerator[0]).product::<f64>();
-            let all = parts(chain);
-            for cluster in all.get(..depth).unwrap_or(&[]).chunk_by(|_, next| next.couple != 0) {
+            let all = parts::<Pole>(chain);
+            for cluster in all.get(..depth).unwrap_or(&[]).chunk_by(|_, next| next.handed != 0.0) {
                 let (head, tail) = Pair::of(cluster, start)?;
                 let full = BiquadError::Full { sections, room: PAIRS };
                 self.place(head, tail, &mut plain, &mut mirrored).ok_or(full)?;

@@ -1,7 +1,7 @@
 //! How large the states of coupled parts can become within a tick.
 
-use super::fractions::Part;
-use super::pole::Form;
+use super::fractions::{Part, Realised};
+use super::pole::{Form, Pole};
 use crate::resonator::TICK_FRAMES;
 
 /// Bounds of `max(|u| 2^k, |v|)` over a tick, intermediate results included, of all of a unit's parts.
@@ -16,7 +16,7 @@ pub(super) struct Extent {
 
 impl Extent {
     /// By stepping the parts, one behind the other, in `f64`.
-    pub(super) fn of(parts: &[Part]) -> Self {
+    pub(super) fn of(parts: &[Part<Pole>]) -> Self {
         // All starts lie between the corners of a cube; what grows from its edges, added up, bounds them all.
         let mut growths = [0.0; 4];
         for start in 0..parts.len() {
@@ -43,7 +43,7 @@ impl Extent {
 }
 
 /// The largest size of each part over a tick that begins with these states.
-fn walk(parts: &[Part], mut states: [[f64; 2]; 4]) -> [f64; 4] {
+fn walk(parts: &[Part<Pole>], mut states: [[f64; 2]; 4]) -> [f64; 4] {
     let mut sizes = [0.0f64; 4];
     for frame in 0..=TICK_FRAMES {
         let mut from_before = 0.0;
@@ -67,10 +67,10 @@ fn walk(parts: &[Part], mut states: [[f64; 2]; 4]) -> [f64; 4] {
     sizes
 }
 
-fn unit(part: &Part) -> f64 {
+fn unit(part: &Part<Pole>) -> f64 {
     f64::from(1u32 << part.pole.form.shift())
 }
 
-fn couple(part: &Part) -> f64 {
-    f64::from(part.couple) / 4_294_967_296.0
+fn couple(part: &Part<Pole>) -> f64 {
+    part.handed / part.pole.entry()
 }

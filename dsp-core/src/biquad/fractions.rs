@@ -16,29 +16,52 @@
 //! section's numerator, and dividing it by the denominator of a section outside the cluster, needs no difference of near poles as a divisor.
 
 use super::design::{Biquad, Root};
-use super::pole::Pole;
+
+/// A pole as some arithmetic realises it: `D = z² - (2 - δ - e²) z + 1 - δ`, and what goes into u reaches v times `entry`.
+pub(super) trait Realised: Copy {
+    /// What a cluster's sections must have in common.
+    type Form: Ord;
+
+    /// A section that does nothing.
+    const EMPTY: Self;
+
+    /// The first form in which a pole is exact.
+    fn form_of(root: Root, mirrored: bool) -> Self::Form;
+    /// The nearest that a form has.
+    fn new(root: Root, mirrored: bool, form: &Self::Form) -> Self;
+    /// Whether it stands for -p.
+    fn is_mirrored(self) -> bool;
+    /// δ, after rounding.
+    fn delta(self) -> f64;
+    /// e², after rounding.
+    fn step_squared(self) -> f64;
+    /// What of u goes into v.
+    fn entry(self) -> f64;
+    /// The possible multiplier from another section's v into this one's, by way of u, that is nearest to a wanted one; not 0.
+    fn handed(self, wanted: f64) -> f64;
+}
 
 /// One section of a chain's partial fractions.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
+pub(super) struct Part<P> {
     /// Its poles.
-    pub(super) pole: Pole,
+    pub(super) pole: P,
     /// What of the input goes into u and into v.
     pub(super) gains: [f64; 2],
-    /// Q32 of the v of the part before into this one's u; 0 where a cluster begins.
-    pub(super) couple: i32,
+    /// What of the v of the part before goes into this one's, by way of u; 0 where a cluster begins.
+    pub(super) handed: f64,
 }
 
-impl Part {
+impl<P: Realised> Part<P> {
     /// Silence.
-    pub(super) const EMPTY: Self = Self { pole: Pole::EMPTY, gains: [0.0; 2], couple: 0 };
+    pub(super) const EMPTY: Self = Self { pole: P::EMPTY, gains: [0.0; 2], handed: 0.0 };
 }
 
 /// `a0 + a1 ζ`.
 type Line = [f64; 2];
 
 /// The parts of a chain of at most four sections, cluster by cluster; as many as it has sections are in use.
-pub(super) fn parts(chain: &[Biquad]) -> [Part; 4] {
+pub(super) fn parts<P: Realised>(chain: &[Biquad]) -> [Part<P>; 4] {
     let clusters = clusters(chain);
     let mut parts = [Part::EMPTY; 4];
     let mut slots = parts.iter_mut();
@@ -47,19 +70,19 @@ pub(super) fn parts(chain: &[Biquad]) -> [Part; 4] {
         let (members, others) =
             (|| (0..chain.len()).filter(|&i| is_member(i)), || (0..chain.len()).filter(|&i| !is_member(i)));
         // All of a cluster run alike: mirrored or not, in a form that serves all.
-        let side: f64 = members().filter_map(|i| chain.get(i)).map(|biquad| biquad.pole.real).sum();
-        let mirrored = side < 0.0;
-        let forms = members().filter_map(|i| chain.get(i)).map(|biquad| Pole::form_of(biquad.pole, mirrored));
-        let Some(form) = forms.max() else { continue };
+        let Some((mirrored, form)) = in_common::<P>(chain, &clusters, label) else { continue };
         let mut poles = [None; 4];
         for (slot, index) in poles.iter_mut().zip(members()) {
-            *slot = chain.get(index).map(|biquad| (Pole::new(biquad.pole, mirrored, form), biquad.pole));
+            *slot = chain.get(index).map(|biquad| (P::new(biquad.pole, mirrored, &form), biquad.pole));
         }
         let mut newton = Newton::one(poles.map(|pole| pole.map(|(pole, _)| monic(pole, mirrored))));
         chain.iter().for_each(|biquad| newton.multiply(numerator(biquad, mirrored)));
-        for other in others().filter_map(|i| chain.get(i)) {
-            // As that one is realised, wherever it stands.
-            newton.divide(monic(realised(chain, &clusters, other), mirrored));
+        for other in others() {
+            if let (Some(biquad), Some(&label)) = (chain.get(other), clusters.get(other))
+                && let Some((its_side, form)) = in_common::<P>(chain, &clusters, label)
+            {
+                newton.divide(monic(P::new(biquad.pole, its_side, &form), mirrored));
+            }
         }
         // From the last to the first: what a part's sound is multiplied by on its way out.
         let mut way = 1.0;
@@ -69,13 +92,13 @@ pub(super) fn parts(chain: &[Biquad]) -> [Part; 4] {
             let Some((pole, root)) = pole else { continue };
             let gain_v = a1 / way;
             let gains = [(a0 / way - pole.delta() * gain_v) / pole.entry(), gain_v];
-            let couple = coupling(pole, root);
-            way *= pole.entry() * f64::from(couple) / 4_294_967_296.0;
-            *slot = Some(Part { pole, gains, couple });
+            let handed = coupling(pole, root);
+            way *= handed;
+            *slot = Some(Part { pole, gains, handed });
         }
         for (index, part) in cluster.into_iter().flatten().enumerate() {
             if let Some(slot) = slots.next() {
-                *slot = Part { couple: if index == 0 { 0 } else { part.couple }, ..part };
+                *slot = Part { handed: if index == 0 { 0.0 } else { part.handed }, ..part };
             }
         }
     }
@@ -106,30 +129,27 @@ fn are_near(one: Root, other: Root) -> bool {
     width(one).min(width(other)) > 0.75 * distance
 }
 
-/// A section's pole as its own cluster realises it.
-fn realised(chain: &[Biquad], clusters: &[u8; 4], biquad: &Biquad) -> Pole {
-    let label = chain.iter().zip(clusters).find(|(one, _)| core::ptr::eq(*one, biquad)).map(|(_, label)| *label);
-    let members = || chain.iter().zip(clusters).filter(|(_, its)| Some(**its) == label).map(|(one, _)| one);
-    let mirrored = members().map(|one| one.pole.real).sum::<f64>() < 0.0;
-    let form = members().map(|one| Pole::form_of(one.pole, mirrored)).max();
-    Pole::new(biquad.pole, mirrored, form.unwrap_or(Pole::form_of(biquad.pole, mirrored)))
+/// Whether a cluster runs mirrored, and in which form: one that serves all its sections. `None` where there is no such cluster.
+fn in_common<P: Realised>(chain: &[Biquad], clusters: &[u8; 4], label: u8) -> Option<(bool, P::Form)> {
+    let members = || chain.iter().zip(clusters).filter(|(_, its)| **its == label).map(|(biquad, _)| biquad.pole);
+    let mirrored = members().map(|pole| pole.real).sum::<f64>() < 0.0;
+    members().map(|pole| P::form_of(pole, mirrored)).max().map(|form| (mirrored, form))
 }
 
-/// The multiplier between two parts of a cluster, Q32: one with which the second sounds as loud as the first where it is loudest, at its
+/// The multiplier between two parts of a cluster: one with which the second sounds as loud as the first where it is loudest, at its
 /// angle or at 0; four times louder where they are so narrow that strikes are over long before a chain has built up its level.
-fn coupling(pole: Pole, root: Root) -> i32 {
+fn coupling<P: Realised>(pole: P, root: Root) -> f64 {
     let radius = libm::sqrt(root.square());
     let width = 1.0 - radius;
     let there = width * libm::hypot(width, 2.0 * root.imaginary.abs());
     let louder = if width < 0.01 { 4.0 } else { 1.0 };
-    let gain = louder * there.min(pole.step_squared()) / pole.entry();
-    libm::rint(gain.min(0.45) * 4_294_967_296.0).max(1.0) as i32
+    pole.handed(louder * there.min(pole.step_squared()))
 }
 
 /// c0 and c1 of `z² - 2 Re p z + |p|² = ζ² + c1 ζ + c0`, where ζ is mirrored or not.
-fn monic(pole: Pole, mirrored: bool) -> Line {
+fn monic<P: Realised>(pole: P, mirrored: bool) -> Line {
     let (delta, step) = (pole.delta(), pole.step_squared());
-    if pole.mirrored == mirrored { [step, delta + step] } else { [4.0 - 2.0 * delta - step, 4.0 - delta - step] }
+    if pole.is_mirrored() == mirrored { [step, delta + step] } else { [4.0 - 2.0 * delta - step, 4.0 - delta - step] }
 }
 
 /// `b0 z² + b1 z + b2` in powers of ζ.
@@ -192,6 +212,7 @@ fn inverse([a0, a1]: Line, [c0, c1]: Line) -> Line {
 
 #[cfg(test)]
 mod tests {
+    use super::super::pole::Pole;
     use super::*;
 
     type Complex = [f64; 2];
@@ -216,18 +237,18 @@ mod tests {
 
     /// What the parts of a chain sound like at an angle, and the product that they stand for, with the poles as they are realised.
     fn both(chain: &[Biquad], angle: f64) -> (Complex, Complex) {
-        let parts = parts(chain);
+        let parts = parts::<Pole>(chain);
         let parts = &parts[..chain.len()];
         let mut sum = [chain.iter().map(|biquad| biquad.numerator[0]).product(), 0.0];
         let mut whole = [1.0, 0.0];
-        for cluster in parts.chunk_by(|_, next| next.couple != 0) {
+        for cluster in parts.chunk_by(|_, next| next.handed != 0.0) {
             let mut sound = [0.0; 2];
             for part in cluster {
                 let pole = part.pole;
                 let angle = if pole.mirrored { core::f64::consts::PI - angle } else { angle };
                 let [gain_u, gain_v] = part.gains;
                 let own = at([pole.delta() * gain_v + pole.entry() * gain_u, gain_v, 0.0], angle);
-                let couple = pole.entry() * f64::from(part.couple) / 4_294_967_296.0;
+                let couple = part.handed;
                 let [c0, c1] = monic(pole, pole.mirrored);
                 let below = at([c0, c1, 1.0], angle);
                 sound = quotient([own[0] + couple * sound[0], own[1] + couple * sound[1]], below);

@@ -171,7 +171,7 @@ impl Pair {
     ///
     /// # Errors
     /// [`BiquadError::UnboundedGain`].
-    pub(super) fn of(parts: &[Part], index: usize) -> Result<(Self, Option<Self>), BiquadError> {
+    pub(super) fn of(parts: &[Part<Pole>], index: usize) -> Result<(Self, Option<Self>), BiquadError> {
         let extent = Extent::of(parts);
         if !(0.0..=Biquad::MAX_GAIN).contains(&extent.reach) {
             return Err(BiquadError::UnboundedGain { biquad: index, gain: extent.reach });
@@ -186,8 +186,8 @@ impl Pair {
                 *cell = Cell::new(part.pole);
                 *gains = part.gains.map(Gain::new);
             }
-            pair.couple = second.map_or(0, |part| part.couple);
-            pair.chain = first.map_or(0, |part| part.couple);
+            let couple = |part: Option<&Part<Pole>>| part.map_or(0, |part| part.pole.couple(part.handed));
+            (pair.chain, pair.couple) = (couple(first), couple(second));
             if let Some(Part { pole, .. }) = first {
                 pair.shift = pole.form.shift() as u8;
                 pair.kind = pole.form as u8 | if pole.mirrored { MIRRORED | SKIPPED } else { SKIPPED };

@@ -1,6 +1,7 @@
 //! A pole as the arithmetic of a section realises it.
 
 use super::design::Root;
+use super::fractions::Realised;
 
 /// How a section steps. k is the shift of u.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -44,11 +45,24 @@ pub struct Pole {
 }
 
 impl Pole {
-    /// At 1, without decay: nothing moves.
-    pub(super) const EMPTY: Self = Self { form: Form::Coupled, mirrored: false, turn: 0, damp: 0 };
+    /// e or e²/2^k as it is after rounding.
+    pub fn turn(self) -> f64 {
+        f64::from(self.turn) / TWO_POW_32
+    }
 
-    /// The first form in which a pole is exact; one of a later form is possible for any pole not much below its neighbours.
-    pub fn form_of(root: Root, mirrored: bool) -> Form {
+    /// Q32 of another section's v into u, for what [`Realised::handed`] says.
+    pub(super) fn couple(self, handed: f64) -> i32 {
+        libm::rint(handed / self.entry() * TWO_POW_32) as i32
+    }
+}
+
+impl Realised for Pole {
+    type Form = Form;
+
+    /// At 1, without decay: nothing moves.
+    const EMPTY: Self = Self { form: Form::Coupled, mirrored: false, turn: 0, damp: 0 };
+
+    fn form_of(root: Root, mirrored: bool) -> Form {
         let (delta, step_squared) = steps(root, mirrored);
         match step_squared {
             _ if delta >= 0.49 => Form::Damped,
@@ -58,8 +72,8 @@ impl Pole {
         }
     }
 
-    /// The nearest that a form has. Mirrored for a real part below 0, so that e² <= 2.
-    pub fn new(root: Root, mirrored: bool, form: Form) -> Self {
+    /// Mirrored for a real part below 0, so that e² <= 2.
+    fn new(root: Root, mirrored: bool, &form: &Form) -> Self {
         let (delta, step_squared) = steps(root, mirrored);
         let turn = match form {
             Form::Coupled => libm::sqrt(step_squared),
@@ -72,40 +86,41 @@ impl Pole {
         Self { form, mirrored, turn: q32(turn), damp }
     }
 
-    /// δ as it is after rounding.
-    pub fn delta(self) -> f64 {
+    fn is_mirrored(self) -> bool {
+        self.mirrored
+    }
+
+    fn delta(self) -> f64 {
         match self.form {
             Form::Damped => 1.0 - f64::from(self.damp) / 2_147_483_648.0,
             _ => f64::from(self.damp) / TWO_POW_32,
         }
     }
 
-    /// e or e²/2^k as it is after rounding.
-    pub fn turn(self) -> f64 {
-        f64::from(self.turn) / TWO_POW_32
-    }
-
-    /// e² as it is after rounding.
-    pub fn step_squared(self) -> f64 {
+    fn step_squared(self) -> f64 {
         match self.form {
             Form::Coupled => self.turn() * self.turn(),
             _ => self.turn() * self.entry(),
         }
     }
 
-    /// What of u goes into v: e or 2^k.
-    pub fn entry(self) -> f64 {
+    fn entry(self) -> f64 {
         match self.form {
             Form::Coupled => self.turn(),
             form => f64::from(1u32 << form.shift()),
         }
+    }
+
+    fn handed(self, wanted: f64) -> f64 {
+        let couple = libm::rint((wanted / self.entry()).min(0.45) * TWO_POW_32).max(1.0);
+        self.entry() * couple / TWO_POW_32
     }
 }
 
 const TWO_POW_32: f64 = 4_294_967_296.0;
 
 /// δ and e² of a pole; `|1 - p|²` without cancellation, `1 - |p|²` from the radius, exact where it is near 1.
-fn steps(root: Root, mirrored: bool) -> (f64, f64) {
+pub(super) fn steps(root: Root, mirrored: bool) -> (f64, f64) {
     let real = if mirrored { -root.real } else { root.real };
     let radius = libm::sqrt(root.square());
     ((1.0 - radius) * (1.0 + radius), (1.0 - real) * (1.0 - real) + root.imaginary * root.imaginary)
