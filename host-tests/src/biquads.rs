@@ -33,7 +33,25 @@ pub fn noise(random: &mut Random, frames: usize) -> Vec<i32> {
     (0..frames).map(|_| (random.between(-0.9, 0.9) * FULL_SCALE) as i32).collect()
 }
 
+fn section(pole: Root, zero: Root, gain: f64) -> reference::biquad::Biquad {
+    reference::biquad::Biquad::from_roots((pole.real, pole.imaginary), (zero.real, zero.imaginary), gain)
+}
+
 impl Chains {
+    /// From poles and zeros, each section's gain 1 at its pole's angle, 0 or half the rate, where it is largest.
+    pub fn bounded(poles: &[(f64, f64)], zeros: &[(f64, f64)], depth: usize) -> Self {
+        let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+        for (&(radius, angle), &(zero_radius, zero_angle)) in poles.iter().zip(zeros) {
+            let (pole, zero) = (Root::polar(radius, angle), Root::polar(zero_radius, zero_angle));
+            let plain = section(pole, zero, 1.0);
+            let largest = [angle, 0.0, std::f64::consts::PI].map(|angle| plain.magnitude(angle));
+            let gain = 1.0 / largest.into_iter().fold(0.0, f64::max);
+            theirs.push(section(pole, zero, gain));
+            ours.push(Biquad::from_roots(pole, zero, gain));
+        }
+        Self { ours, theirs: theirs.chunks(depth).map(<[_]>::to_vec).collect(), depth }
+    }
+
     /// From poles and zeros, with gains such that what each section hands on is at -20 dBFS rms for `input`: far poles and zeros in a chain leave
     /// next to nothing otherwise.
     pub fn loud(poles: &[(f64, f64)], zeros: &[(f64, f64)], depth: usize, input: &[i32]) -> Self {
@@ -43,15 +61,11 @@ impl Chains {
             let (mut signal, mut chain) = (input.clone(), Vec::new());
             for (&(radius, angle), &(zero_radius, zero_angle)) in poles.iter().zip(zeros) {
                 let (pole, zero) = (Root::polar(radius, angle), Root::polar(zero_radius, zero_angle));
-                let with = |k| {
-                    let (pole, zero) = ((pole.real, pole.imaginary), (zero.real, zero.imaginary));
-                    reference::biquad::Biquad::from_roots(pole, zero, k)
-                };
-                let plain = with(1.0).filter(&signal);
+                let plain = section(pole, zero, 1.0).filter(&signal);
                 let rms = (plain.iter().map(|y| y * y).sum::<f64>() / plain.len() as f64).sqrt();
                 let gain = 0.1 * FULL_SCALE / rms;
                 signal = plain.iter().map(|y| y * gain).collect();
-                chain.push(with(gain));
+                chain.push(section(pole, zero, gain));
                 ours.push(Biquad::from_roots(pole, zero, gain));
             }
             theirs.push(chain);

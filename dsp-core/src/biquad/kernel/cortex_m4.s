@@ -276,7 +276,7 @@ bq_any_\form:
     orr     r8, r8, r1
     \shift  \x, \x, \by
     eor     r1, \x, \x, asr #31
-    add     r2, r2, r1
+    qadd    r2, r2, r1
     .endr
     stmdb   r12!, {r4-r7}
     .irp    x, r4, r5, r6, r7
@@ -328,7 +328,7 @@ malleus_biquads:
     lsl     r7, r7, r9
     asr     r7, r7, r10
     eor     r1, r7, r7, asr #31
-    add     r2, r2, r1
+    qadd    r2, r2, r1
     str     r7, [r12, #-4]!
     smmulr  r7, r7, r0
     str     r7, [lr, #-4]!

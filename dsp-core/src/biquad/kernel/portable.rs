@@ -15,8 +15,8 @@ pub fn run(pairs: &mut [Pair], run: Run, input: Option<&[i32]>, out: &mut [i32])
     for ((x, mix), &word) in x.iter_mut().zip(&mut mix).zip(given) {
         peak |= folded(word);
         *x = (word << run.left) >> run.right;
-        // Wraps only where a peak refuses the run.
-        used = used.wrapping_add(folded(*x));
+        // Far above any allowance.
+        used = used.saturating_add(folded(*x)).min(i32::MAX as u32);
         *mix = smmulr(*x, run.direct);
     }
     if peak >> run.bits != 0 || used > run.allowance {
