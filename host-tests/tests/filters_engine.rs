@@ -348,11 +348,8 @@ fn what_an_engine_cannot_play_is_refused_by_name_and_one_without_room_plays_with
     assert!(matches!(error, LoadError::DynamicFilter { pad: 0, .. }), "{error}");
 
     let biquad = Biquad { pole: [0.5, 0.5], zero: [0.0, 0.0], gain: 1.0 };
-    let error = refusal(filtered(None, Some(Biquads { rate_hz: 48_000.0, chains: vec![vec![biquad; 1]; 17] })));
-    assert!(
-        matches!(error, LoadError::Biquads { pad: 0, error: BiquadError::Full { sections: 17, room: 16 } }),
-        "{error}"
-    );
+    let error = refusal(filtered(None, Some(Biquads { rate_hz: 48_000.0, chains: vec![vec![biquad; 1]; 64] })));
+    assert!(matches!(error, LoadError::Biquads { pad: 0, error: BiquadError::Full { room: 16, .. } }), "{error}");
 
     let mut kit = all();
     let pad = kit.pads[0].clone();
@@ -370,7 +367,7 @@ fn an_engine_without_filters_is_no_larger_for_them() {
 }
 
 fn any_path() -> impl Strategy<Value = Vec<Breakpoint>> {
-    let a1 = prop_oneof![-0.9999f32..0.9999, Just(-0.99999), Just(0.99999), Just(0.0)];
+    let a1 = prop_oneof![-0.999f32..0.98, Just(-0.9999), Just(0.9899), Just(0.0)];
     let b = prop_oneof![-1.0f32..1.0, -1e3f32..1e3, Just(0.0), Just(1e-30)];
     let step = prop_oneof![1e-6f32..1e-4, 1e-4f32..0.05];
     prop::collection::vec((step, a1, b.clone(), b), 1..8).prop_map(|points| {
@@ -378,7 +375,7 @@ fn any_path() -> impl Strategy<Value = Vec<Breakpoint>> {
         let mut path = Vec::new();
         for (step, a1, b0, b1) in points {
             // So near the pole only as loud as the arithmetic allows.
-            let limit = 8e6 * (1.0 - a1.abs());
+            let limit = 4_000.0 * (1.0 - a1.abs());
             let [b0, b1] = [b0, b1].map(|b: f32| b.clamp(-limit / 2.0, limit / 2.0));
             path.push(Breakpoint { time_s, a1, a2: 0.0, b0, b1, b2: 0.0 });
             time_s += step;
@@ -412,8 +409,8 @@ proptest! {
             })
             .collect();
         events.sort_by_key(|event| event.time.first_frame());
-        // The slowest pole, a1 of 0.99999, falls 120 dB in 29 s; here most fall sooner, and the loop's 5 Hz within 2 s.
-        let frames = 48_000 * 40;
+        // The slowest pole, of radius 0.9999, falls 120 dB in 3 s.
+        let frames = 48_000 * 12;
         let (sound, reports) = play(&loaded, &events, frames, 4_800);
         prop_assert!(sound[frames - 320..].iter().all(|frame| *frame == [0, 0]));
         prop_assert!(reports.last().is_some_and(is_idle));

@@ -5,6 +5,7 @@ use super::fractions::parts;
 use super::kernel::{self, ALLOWANCE, Run};
 use super::pair::{self, Gain, Level, Pair, X_BITS};
 use super::pole::Pole;
+use crate::fixed::times_q31;
 use crate::resonator::TICK_FRAMES;
 
 /// L parallel chains of M biquads, in at most `PAIRS` pairs of sections.
@@ -186,9 +187,8 @@ impl<const PAIRS: usize> Bank<PAIRS> {
 
     /// Leaves so much of what rings, as Q31.
     pub fn attenuate(&mut self, left: i32) {
-        let of = |x: i32| ((i64::from(x) * i64::from(left)) >> 31) as i32;
         for cell in self.pairs.iter_mut().take(self.count).flat_map(|pair| &mut pair.cells) {
-            (cell.u, cell.v) = (of(cell.u), of(cell.v));
+            (cell.u, cell.v) = (times_q31(cell.u, left), times_q31(cell.v, left));
         }
     }
 
@@ -278,7 +278,10 @@ impl<const PAIRS: usize> Bank<PAIRS> {
             }
         }
         // As far as the level holds; the frame at which it does not is where all is scaled anew, whatever the blocks are.
-        let Some(x) = x else { return };
+        let Some(x) = x else {
+            self.frame = (self.frame + out.len()) % TICK_FRAMES;
+            return;
+        };
         let mut left = run.allowance;
         let holds = |word: &&i32| {
             let size = folded((**word << run.left) >> run.right);

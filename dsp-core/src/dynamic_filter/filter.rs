@@ -6,7 +6,7 @@ use super::noise::White;
 use super::path::{Form, PARAMETERS, Path};
 use super::second_order::TwoPoles;
 use super::walk::Walk;
-use crate::fixed::{qadd, saturating_shift_left};
+use crate::fixed::{qadd, saturating_shift_left, times_q31};
 
 /// Noise and filter of one object; its input is Q(27 - q).
 #[derive(Clone, Debug)]
@@ -66,6 +66,15 @@ impl<const N: usize> Filter<N> {
         (self.one_pole.state, self.one_pole.last) = (OnePole::REST.state, 0);
         self.two_poles = TwoPoles::REST;
         self.walk.end(&self.path);
+    }
+
+    /// Leaves so much (Q31) of what rings and of the noise to come.
+    pub(super) fn attenuate(&mut self, left: i32) {
+        let one_pole = &mut self.one_pole;
+        // Beside the half step that it holds; 32 bits of it are enough.
+        one_pole.state = ((one_pole.state - OnePole::REST.state) >> 31) * i64::from(left) + OnePole::REST.state;
+        (one_pole.last, one_pole.level) = (times_q31(one_pole.last, left), times_q31(one_pole.level, left));
+        self.two_poles.attenuate(left);
     }
 
     /// Noise through the filter, added to `out`; `false` where only [`run`](Self::run) can.

@@ -5,6 +5,7 @@
 
 use super::path::{Form, PARAMETERS, Path};
 use super::walk::Line;
+use crate::fixed::times_q31;
 use crate::resonator::TICK_FRAMES;
 
 /// The filter's states.
@@ -30,6 +31,12 @@ impl TwoPoles {
             self.z[0] -= self.z[0].clamp(-LED, LED);
         }
         self.z == [0; 2]
+    }
+
+    /// Leaves so much (Q31) of what rings.
+    pub(super) fn attenuate(&mut self, left: i32) {
+        let [one, other] = self.z;
+        *self = Self { z: [times_q31(one, left), times_q31(other, left)], last: times_q31(self.last, left) };
     }
 
     /// What lies in `buffer` through the filter; s is left there, larger than the bus by 2^h.

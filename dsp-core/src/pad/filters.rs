@@ -112,11 +112,11 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         reference_force: f32,
     ) -> Result<(), BiquadError> {
         let depth = bank.depth().max(1);
-        let power = f64::from(bank.rate_hz()) / rate.hz();
+        let rate_hz = f64::from(bank.rate_hz());
         let biquads = bank.records().iter().enumerate().map(|(index, record)| {
             // The force in newtons goes into the first of each chain.
             let newtons = if index.is_multiple_of(depth) { f64::from(reference_force) } else { 1.0 };
-            Ok::<_, BiquadError>(section(record, newtons, power))
+            section(record, newtons).carried(index, rate_hz, rate)
         });
         self.biquads.load_each(biquads, depth)
     }
@@ -142,10 +142,10 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         self.has_dynamic && self.dynamic.takes_modes()
     }
 
-    /// Whether anything sounds: otherwise it need not be rendered without force and modes.
+    /// Whether anything sounds, or a hand is about to end it: otherwise it need not be rendered without force and modes.
     #[inline(always)]
     pub fn is_ringing(&self) -> bool {
-        self.dynamic.is_ringing() || self.biquads.is_ringing()
+        self.dynamic.is_ringing() || self.biquads.is_ringing() || self.hand.is_fading()
     }
 
     /// Begins a strike at a frame of the tick; `level` is its peak force over the reference force.
@@ -168,7 +168,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
     /// What rings is what the hand has left of it, and the hand begins anew.
     fn lift(&mut self) {
         if let Some(left) = self.hand.lift() {
-            self.dynamic.rest();
+            self.dynamic.attenuate(left);
             self.biquads.attenuate(left);
         }
     }
@@ -191,6 +191,9 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         let Some(sound) = sound.get_mut(..out.len()) else { return FilterWork::default() };
         let work = self.add(force, modes, sound);
         self.hand.fade(sound);
+        if self.frame == 0 {
+            self.hand.settle();
+        }
         if self.hand.is_mute() {
             self.dynamic.rest();
             self.biquads.rest();
@@ -269,32 +272,10 @@ fn band(record: &LoopRecord, louder: f64) -> Loop {
 /// Nominal cycles of a biquad and tick.
 const BIQUAD_TICK: u32 = 15 * TICK_FRAMES as u32;
 
-/// A record's biquad with poles and zeros raised to a power, `rate_hz` of the table over the rate at hand: the same frequencies and decays. k is such that the
-/// gain at the pole's frequency stays.
-fn section(record: &BiquadRecord, gain: f64, power: f64) -> Biquad {
+/// A record's biquad, its gain times another one.
+fn section(record: &BiquadRecord, gain: f64) -> Biquad {
     let root = |real: f32, imaginary: f32| Root { real: f64::from(real), imaginary: f64::from(imaginary) };
     let pole = root(record.pole_re.get(), record.pole_im.get());
     let zero = root(record.zero_re.get(), record.zero_im.get());
-    let given = Biquad::from_roots(pole, zero, f64::from(record.gain.get()) * gain);
-    if power == 1.0 {
-        return given;
-    }
-    let angle = libm::atan2(libm::fabs(pole.imaginary), pole.real);
-    let carried = Biquad::from_roots(raised(pole, power), raised(zero, power), f64::from(record.gain.get()) * gain);
-    let (was, is) = (magnitude(&given, angle), magnitude(&carried, (angle * power).min(core::f64::consts::PI)));
-    let same = if is > 0.0 { was / is } else { 1.0 };
-    Biquad { numerator: carried.numerator.map(|coefficient| coefficient * same), ..carried }
-}
-
-fn raised(root: Root, power: f64) -> Root {
-    let (radius, angle) = (libm::hypot(root.real, root.imaginary), libm::atan2(root.imaginary, root.real));
-    if radius > 0.0 { Root::polar(libm::pow(radius, power), angle * power) } else { root }
-}
-
-fn magnitude(biquad: &Biquad, angle: f64) -> f64 {
-    let at = |c: [f64; 3]| {
-        let (one, two) = (angle, 2.0 * angle);
-        libm::hypot(c[0] + c[1] * libm::cos(one) + c[2] * libm::cos(two), c[1] * libm::sin(one) + c[2] * libm::sin(two))
-    };
-    at(biquad.numerator) / at([1.0, -2.0 * biquad.pole.real, biquad.pole.square()])
+    Biquad::from_roots(pole, zero, f64::from(record.gain.get()) * gain)
 }

@@ -1,6 +1,6 @@
 //! A hand on a pad's filters: a gain that falls.
 
-use crate::fixed::smmulr;
+use crate::fixed::times_q31;
 
 /// The gain of a hand: it falls by the T60 that the hand imposes while it lies there, and is 1 without one.
 #[derive(Clone, Copy, Debug)]
@@ -9,6 +9,8 @@ pub struct Hand {
     gain: u64,
     /// What a frame takes of it, 1.0 = 2^31; 0 without a hand.
     drop: u32,
+    /// Whether the last tick left nothing.
+    mute: bool,
 }
 
 const ONE: u64 = 1 << 62;
@@ -18,7 +20,7 @@ const MUTE: u64 = ONE >> 20;
 
 impl Hand {
     /// No hand.
-    pub const AWAY: Self = Self { gain: ONE, drop: 0 };
+    pub const AWAY: Self = Self { gain: ONE, drop: 0, mute: false };
 
     /// Whether it changes nothing.
     #[inline(always)]
@@ -26,10 +28,21 @@ impl Hand {
         self.drop == 0 && self.gain == ONE
     }
 
-    /// Whether it lets nothing through.
+    /// Whether it lets nothing through, as [`settle`](Self::settle) found.
     #[inline(always)]
     pub fn is_mute(&self) -> bool {
-        self.gain < MUTE
+        self.mute
+    }
+
+    /// Whether it is still taking away: it goes on in silence, too, so that what is not computed cannot change when it is over.
+    #[inline(always)]
+    pub fn is_fading(&self) -> bool {
+        self.drop > 0 && !self.mute
+    }
+
+    /// At a tick's end: whether there is anything left. Not before, so that no caller's block can change when.
+    pub fn settle(&mut self) {
+        self.mute = self.gain < MUTE;
     }
 
     /// Comes, leaving so much of the amplitude after a frame (from above 0 to below 1), or goes. What it has left so far stays until [`lift`](Self::lift).
@@ -40,9 +53,9 @@ impl Hand {
 
     /// The gain begins anew at 1; gives what it was as Q31, where it was not 1.
     pub fn lift(&mut self) -> Option<i32> {
-        let left = (self.gain >> 31) as i32;
+        let left = (self.gain >> 31).min(i32::MAX as u64) as i32;
         let was_one = self.gain == ONE;
-        self.gain = ONE;
+        (self.gain, self.mute) = (ONE, false);
         (!was_one).then_some(left)
     }
 
@@ -50,7 +63,7 @@ impl Hand {
     pub fn fade(&mut self, sound: &mut [i32]) {
         for sample in sound {
             let left = self.gain >> 31;
-            *sample = smmulr(*sample, left as i32).saturating_mul(2);
+            *sample = times_q31(*sample, left.min(i32::MAX as u64) as i32);
             // left is below 2^31 and drop at most 2^31.
             self.gain -= left * u64::from(self.drop);
         }
@@ -78,10 +91,12 @@ mod tests {
             let db = 20.0 * (f64::from(last) / f64::from(ONE_Q27)).log10();
             let step = 60.0 / frames as f64;
             assert!((db + 60.0 - step).abs() < 0.01, "{t60_s} s: {db} dB");
+            hand.settle();
             assert!(!hand.is_mute());
             for _ in 0..frames + 2 {
                 hand.fade(&mut [0]);
             }
+            hand.settle();
             assert!(hand.is_mute(), "{t60_s} s at {rate_hz} Hz");
         }
     }

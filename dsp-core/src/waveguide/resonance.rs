@@ -15,7 +15,7 @@
 //! `N X < 2^28`. Because a narrow band's N is small, that leaves the state all its bits; and E rises while it decays, so that it keeps them.
 
 use super::tuning::Tuned;
-use crate::fixed::rounding_shift_right;
+use crate::fixed::{rounding_shift_right, times_q31};
 use crate::resonator::TICK_FRAMES;
 
 /// Bits of a line's words: `|x| < 2^30`.
@@ -161,6 +161,11 @@ impl Resonance {
     pub(super) fn rest(&mut self) {
         (self.u, self.v) = (0, 0);
         self.set(self.largest_exponent);
+    }
+
+    /// Leaves so much (Q31) of it.
+    pub(super) fn attenuate(&mut self, left: i32) {
+        (self.u, self.v) = (times_q31(self.u, left), times_q31(self.v, left));
     }
 
     /// Whether nothing is left.
