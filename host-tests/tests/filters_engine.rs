@@ -366,6 +366,9 @@ fn an_engine_without_filters_is_no_larger_for_them() {
     assert!(one < 8_192, "{one}");
 }
 
+/// The gain, summed over the impulse response, up to which a filter has loops round it here.
+const LOUDEST_LOOPED: f32 = 64.0;
+
 fn any_path() -> impl Strategy<Value = Vec<Breakpoint>> {
     let a1 = prop_oneof![-0.999f32..0.98, Just(-0.9999), Just(0.9899), Just(0.0)];
     let b = prop_oneof![-1.0f32..1.0, -1e3f32..1e3, Just(0.0), Just(1e-30)];
@@ -396,7 +399,7 @@ proptest! {
         let modes = if through { ModesGo::Through } else { ModesGo::Beside };
         // A loop that is stable round the loudest point of the path.
         let loudest = path.iter().map(|p| (p.b0.abs() + p.b1.abs()) / (1.0 - p.a1.abs())).fold(1e-6, f32::max);
-        let loops = vec![round(0.5 * gain / loudest)];
+        let loops = if loudest <= LOUDEST_LOOPED { vec![round(0.5 * gain / loudest)] } else { vec![] };
         let mut kit = filtered(Some(DynamicFilter { path, loops, ..filter(modes) }), Some(biquads()));
         (kit.pads[0].level_db, kit.pads[0].choke_t60_s) = (level_db, 0.02);
         let loaded = load(kit);
