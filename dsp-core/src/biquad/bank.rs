@@ -100,6 +100,11 @@ impl<const PAIRS: usize> Bank<PAIRS> {
         result
     }
 
+    /// Makes it a bank of no chains, in place.
+    pub fn unload(&mut self) {
+        self.clear();
+    }
+
     /// Field by field: a bank is too large for a small stack.
     fn clear(&mut self) {
         self.pairs.fill(Pair::EMPTY);

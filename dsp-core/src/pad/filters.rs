@@ -62,9 +62,8 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
     /// Makes it none of both.
     pub fn unload(&mut self) {
         self.dynamic.unload();
-        self.biquads.rest();
+        self.biquads.unload();
         (self.has_dynamic, self.loop_count, self.louder, self.hand, self.frame) = (false, 0, 0, Hand::AWAY, 0);
-        self.biquads = biquad::Bank::EMPTY;
     }
 
     /// Derives the dynamic filter for a rate. `stream` tells noises of one seed apart, `peak` is the pad's hardest strike: peak force over the

@@ -51,13 +51,28 @@ pub enum Output {
     Bus,
 }
 
+/// An engine without a kit, on the heap.
+///
+/// It is made on a stack of its own: it is larger than that of a usual thread.
+pub fn engine<'k>() -> Box<PcEngine<'k>> {
+    let made = std::thread::scope(|scope| {
+        let large = std::thread::Builder::new().stack_size(4 * size_of::<PcEngine<'_>>() + (1 << 20));
+        large.spawn_scoped(scope, make).ok()?.join().ok()
+    });
+    made.unwrap_or_else(make)
+}
+
+#[inline(never)] // its stack must not be its caller's
+fn make<'k>() -> Box<PcEngine<'k>> {
+    Box::new(PcEngine::new())
+}
+
 /// Whether the instrument can hold a kit at a rate.
 ///
 /// # Errors
 /// [`LoadError`].
 pub fn check(kit: &Kit<'_>, rate: SampleRate) -> Result<(), LoadError> {
-    let mut engine = Box::new(PcEngine::new());
-    engine.load(kit, rate, Skipping::On)
+    engine().load(kit, rate, Skipping::On)
 }
 
 /// Renders a performance; `observe` sees each tick's report.
@@ -87,7 +102,7 @@ pub fn render_logged(
     mut observe: impl FnMut(&TickReport),
     mut log: impl FnMut(&Event),
 ) -> Result<Vec<[i32; 2]>, RenderError> {
-    let mut engine = Box::new(PcEngine::new());
+    let mut engine = engine();
     engine.load(kit, settings.rate, settings.skipping)?;
     engine.set_budget(settings.budget_cycles);
     let mut frames = vec![[0; 2]; performance.frames];
