@@ -112,7 +112,12 @@ impl Resonance {
             e2 => (3, e2 / 8.0),
         };
         let unit = f64::from(1u32 << shift);
+        let q32 = |value: f64| libm::rint(value * 4294967296.0) as i32;
+        let (damp_q32, turn_q32) = (q32(delta), q32(turn));
+        // From here on with the pole as it was rounded.
+        let (delta, turn) = (f64::from(damp_q32) / 4294967296.0, f64::from(turn_q32) / 4294967296.0);
         let step = if shift == 0 { turn } else { unit };
+        let tuned = tuned.with_pole(1.0 - (delta + turn * step) / 2.0, 1.0 - delta);
         let gains = [(tuned.c / (1.0 - delta) + tuned.a) / step, tuned.a];
         // The largest size of an orbit over a tick, and the sum over its frames.
         let walk = |mut u: f64, mut v: f64| {
@@ -129,12 +134,11 @@ impl Resonance {
         };
         let growth = walk(1.0 / unit, 1.0).0.max(walk(1.0 / unit, -1.0).0);
         let of_input = walk(gains[0], gains[1]).1;
-        let q32 = |value: f64| libm::rint(value * 4294967296.0) as i32;
         let bits_above = |value: f64| libm::frexp(value * (1.0 + 1e-6)).1.clamp(-100, 100);
         let for_input = line_scale + INPUT_BITS - LINE_BITS - bits_above(of_input);
         let mut resonance = Self {
-            turn: q32(turn),
-            damp: q32(delta),
+            turn: turn_q32,
+            damp: damp_q32,
             shift,
             largest_exponent: for_input.min(mix_scale + LARGEST_ABOVE_MIX),
             line_scale,
