@@ -14,11 +14,11 @@ fn random_path(random: &mut Random, count: usize, shortest: f64, longest: f64) -
     (0..count)
         .map(|index| {
             let pole = if random.between(0.0, 1.0) < 0.2 {
-                10f64.powf(-random.between(0.0, 3.0)) - 1.0
+                10f64.powf(-random.between(0.0, 1.0)) - 1.0
             } else {
                 1.0 - 10f64.powf(-random.between(0.0, 4.0))
             };
-            let pole = pole.clamp(-0.99, 0.9999);
+            let pole = pole.clamp(-0.9, 0.9999);
             let b0 = 10f64.powf(-random.between(0.0, 0.5) * index as f64) * (1.0 - pole.abs()).sqrt();
             let b1 = if equal { b0 } else { b0 * random.between(-1.0, 1.0) };
             let point = Breakpoint { time_s, a1: -pole, b0, b1, ..Breakpoint::default() };
@@ -84,10 +84,10 @@ fn fast_and_slow_paths_keep_ninety_db_in_both_orders() {
 fn edges_of_the_range_keep_ninety_db() {
     for (what, order, a1, a2) in [
         ("slowest pole", 1, -0.9999, 0.0),
-        ("fastest alternation", 1, 0.99, 0.0),
+        ("fastest alternation", 1, 0.9, 0.0),
         ("no pole", 1, 0.0, 0.0),
         ("slowest conjugate poles", 2, -1.9997, 0.9998),
-        ("slowest real poles", 2, -1.9998, 0.9998_0001),
+        ("slowest real poles", 2, -1.9997, 0.999_700_02),
     ] {
         for b1 in [1.0, -0.5] {
             let b0 = if order == 1 { 0.2 * (1.0 - f64::abs(a1)).sqrt() } else { 1e-6 };
@@ -183,7 +183,7 @@ fn bad_tables_are_refused_by_name() {
     assert_eq!(of(&[point(0.1, 1.0, 0.0)]), PathError::Order { breakpoint: 0, time_s: 0.1 });
     let backward = [point(0.0, 1.0, 0.0), point(0.2, 1.0, 0.0), point(0.2, 1.0, 0.0)];
     assert_eq!(of(&backward), PathError::Order { breakpoint: 2, time_s: 0.2 });
-    for a1 in [1.0, 0.995, -1.0, -0.99995, -1.5, f64::NAN] {
+    for a1 in [1.0, 0.95, -1.0, -0.99995, -1.5, f64::NAN] {
         let path = [point(0.0, 1.0, 0.0), point(0.1, 0.0, a1)];
         assert!(matches!(of(&path), PathError::Unstable { breakpoint: 1, .. }), "{a1}");
     }
@@ -220,7 +220,7 @@ proptest! {
     #[test]
     fn blocks_change_no_bit_and_all_falls_silent(
         order in 1u8..=2,
-        raw in prop::collection::vec((1e-6f64..0.02, -30.0f64..8.0, -1.0f64..1.0, -0.99f64..0.9999, 0.001f64..3.14), 1..12),
+        raw in prop::collection::vec((1e-6f64..0.02, -30.0f64..8.0, -1.0f64..1.0, -0.9f64..0.9999, 0.001f64..3.14), 1..12),
         conjugate in any::<bool>(),
         strikes in prop::collection::vec((1usize..400, 0.0f32..2.5), 1..12),
         blocks in prop::collection::vec(1usize..90, 1..20),

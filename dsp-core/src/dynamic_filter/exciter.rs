@@ -178,8 +178,9 @@ fn times(x: i32, gain: i32) -> i32 {
     ((i64::from(x) * i64::from(gain) + (1 << 29)) >> 30) as i32
 }
 
-fn fixed(value: f32, bits: i32) -> i32 {
-    libm::rint(f64::from(value) * libm::scalbn(1.0, bits)) as i32
+/// `value · 2^bits`, rounded to zero, saturating: 24 bits of it are the value's own.
+fn fixed(value: f32, bits: u32) -> i32 {
+    (value * (1u32 << bits) as f32) as i32
 }
 
 /// `tan π x` for x in 0 to 0.49.

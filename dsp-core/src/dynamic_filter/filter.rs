@@ -7,6 +7,7 @@ use super::path::{Form, PARAMETERS, Path};
 use super::second_order::TwoPoles;
 use super::walk::Walk;
 use crate::fixed::{qadd, saturating_shift_left, times_q31};
+use crate::resonator::TICK_FRAMES;
 
 /// Noise and filter of one object; its input is Q(27 - q).
 #[derive(Clone, Debug)]
@@ -52,9 +53,10 @@ impl<const N: usize> Filter<N> {
             return self.two_poles.settle(self.path.form);
         }
         // Damping takes the high word, rounded: a positive pole ends within a step of 0, a negative one, where twice the rounding's half step alternates,
-        // within 1/(1 + MIN_POLE).
+        // within 1/(1 - |p|).
         let OnePole { state, last, lines: [damp, ..], .. } = &mut self.one_pole;
-        let rest = if damp.value < -(1 << 30) { 128 } else { 2 };
+        let distance = i64::from(damp.value) + (1 << 31);
+        let rest = if distance < 1 << 30 { (1 << 30) / distance.max(1) + 2 } else { 2 };
         if *last == 0 && (-rest..=rest).contains(&(*state >> 32)) {
             *state = OnePole::REST.state;
         }
@@ -75,6 +77,23 @@ impl<const N: usize> Filter<N> {
         one_pole.state = ((one_pole.state - OnePole::REST.state) >> 31) * i64::from(left) + OnePole::REST.state;
         (one_pole.last, one_pole.level) = (times_q31(one_pole.last, left), times_q31(one_pole.level, left));
         self.two_poles.attenuate(left);
+    }
+
+    /// A whole tick of noise through the filter, added to `out`: as [`segment`](Self::segment) and [`run_noise`](Self::run_noise), for less. `false` where it is
+    /// to be done by them.
+    #[inline(always)]
+    pub(super) fn run_tick(&mut self, out: &mut [i32; TICK_FRAMES]) -> bool {
+        match self.path.form {
+            Form::EqualZeros if self.walk.tick(&mut self.one_pole.lines, 2) => {
+                kernel::from_noise::<true>(&mut self.one_pole, out);
+                true
+            }
+            Form::OnePole if self.walk.tick(&mut self.one_pole.lines, 3) => {
+                kernel::from_noise::<false>(&mut self.one_pole, out);
+                true
+            }
+            _ => false,
+        }
     }
 
     /// Noise through the filter, added to `out`; `false` where only [`run`](Self::run) can.
@@ -121,8 +140,19 @@ impl<const N: usize> Filter<N> {
     pub(super) fn add(&self, signal: &[i32], up: i32, input: &mut [i32]) {
         let shift = up + self.path.input_shift;
         let largest = self.largest_input();
-        for (word, &sample) in input.iter_mut().zip(signal) {
-            *word = qadd(*word, shifted(sample, shift)).clamp(-largest, largest);
+        // Twice the loop, so that what is shifted how is asked once.
+        if shift >= 0 {
+            let shift = shift.min(31);
+            for (word, &sample) in input.iter_mut().zip(signal) {
+                *word = qadd(*word, sample >> shift).clamp(-largest, largest);
+            }
+        } else {
+            // What would be lost at the top is beyond the clip.
+            let shift = shift.unsigned_abs().min(31);
+            let most = i32::MAX >> shift;
+            for (word, &sample) in input.iter_mut().zip(signal) {
+                *word = qadd(*word, sample.clamp(-most, most) << shift).clamp(-largest, largest);
+            }
         }
     }
 

@@ -114,8 +114,8 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
             return Err(DynamicFilterError::Rate { rate_hz });
         }
         let ratio = rate.hz() / rate_hz;
+        self.filter.path.load(order, path.clone(), rate, ratio)?;
         let path = path.map(move |point| point.carried(order, ratio));
-        self.filter.path.load(order, path.clone(), rate)?;
         self.filter.start(White::new(seed, stream));
         self.loops.load(loops, self.filter.line_scale(), rate, |all| stability::check(order, path, all, rate))?;
         if let Some(exciter) = exciter {
@@ -169,7 +169,19 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
 
     /// Adds a block of any length to `out`: Q4.27, saturating. `modes` (as many frames, where the table says that they go through the
     /// filter) are added to its input.
+    #[inline]
     pub fn render(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
+        // What a tick mostly is.
+        if let (true, 0, 0, Some(tick)) = (self.plain && self.ringing, self.frame, self.left, out.as_mut_array()) {
+            if self.filter.run_tick(tick) {
+                return;
+            }
+        }
+        self.render_any(modes, out);
+    }
+
+    #[inline(never)]
+    fn render_any(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
         let (mut modes, mut out) = (modes.unwrap_or(&[]), out);
         while !out.is_empty() {
             if self.ringing && self.left == 0 {

@@ -15,12 +15,23 @@ use crate::SampleRate;
 
 /// The largest real pole, and the largest magnitude of a conjugate one.
 pub const MAX_POLE: f64 = 0.9999;
-/// The smallest real pole (first order: the largest a1 is 0.99): what rounding leaves grows with 1/(1 - |p|), and faster at this end.
-pub const MIN_POLE: f64 = -0.99;
+/// The smallest real pole (first order: the largest a1 is 0.9, eq. 17's low-pass at 0.48 fs): what rounding leaves grows with 1/(1 - |p|), and
+/// faster at this end.
+pub const MIN_POLE: f64 = -0.9;
 /// The largest gain, summed over the impulse response: `(|b0| + |b1|) / (1 - |a1|)` in the first order.
 pub const MAX_GAIN: f64 = 4096.0;
 /// The longest path.
 pub const MAX_TIME_S: f64 = 3600.0;
+
+/// What a table says at its own rate, and what may become of it at another.
+#[derive(Clone, Copy)]
+struct Limits {
+    poles: [f64; 2],
+    gain: f64,
+}
+
+const OF_TABLE: Limits = Limits { poles: [MIN_POLE, MAX_POLE], gain: MAX_GAIN };
+const CARRIED: Limits = Limits { poles: [-0.9999, 0.999_999], gain: 2.0 * MAX_GAIN };
 
 /// |e| is clipped to this: 2.0.
 pub(super) const MAX_INPUT_BITS: i32 = 28;
@@ -127,7 +138,7 @@ impl<const N: usize> Path<N> {
         gain: 0.0,
     };
 
-    /// Derives the path of a filter of order 1 or 2 for a rate, in place. Breakpoints keep their time to a fraction of a frame. After an error it is
+    /// Derives the path of a filter of order 1 or 2 for a rate, which is `ratio` times the one that the coefficients are for, in place. Breakpoints keep their time to a fraction of a frame. After an error it is
     /// empty.
     ///
     /// # Errors
@@ -137,6 +148,7 @@ impl<const N: usize> Path<N> {
         order: u8,
         breakpoints: impl Iterator<Item = Breakpoint> + Clone,
         rate: SampleRate,
+        ratio: f64,
     ) -> Result<(), PathError> {
         *self = Self::EMPTY;
         let given = breakpoints.clone().count();
@@ -145,17 +157,18 @@ impl<const N: usize> Path<N> {
         }
         let form = self.check(order, breakpoints.clone())?;
         self.form = form;
+        let breakpoints = breakpoints.map(|point| point.carried(order, ratio));
         let nothing = Derived { form, parameters: [0.0; PARAMETERS], direct: 0.0, ring: 0.0, inner: 1.0 };
         let mut most = nothing;
         for (breakpoint, point) in breakpoints.clone().enumerate() {
-            most = most.or(derive(order, &point, breakpoint)?);
-            if most.gain() > MAX_GAIN {
+            most = most.or(derive(order, &point, breakpoint, CARRIED)?);
+            if most.gain() > CARRIED.gain {
                 return Err(PathError::Gain { breakpoint, gain: most.gain() });
             }
         }
         let units = self.choose_scales(&most);
         self.gain = most.gain();
-        let parameters = |point: &Breakpoint| derive(order, point, 0).unwrap_or(nothing).parameters;
+        let parameters = |point: &Breakpoint| derive(order, point, 0, CARRIED).unwrap_or(nothing).parameters;
         let mut following = breakpoints.clone().skip(1);
         for here in breakpoints {
             let next = following.next();
@@ -193,7 +206,7 @@ impl<const N: usize> Path<N> {
                 return Err(PathError::Order { breakpoint, time_s });
             }
             before = time_s;
-            let here = derive(order, &point, breakpoint)?.form;
+            let here = derive(order, &point, breakpoint, OF_TABLE)?.form;
             if form.is_some_and(|form| form != here) && order == 2 {
                 return Err(PathError::PolesMeet { breakpoint });
             }
@@ -212,7 +225,7 @@ impl<const N: usize> Path<N> {
         let power = |bits: i32| libm::scalbn(1.0, bits);
         // gain · 2^(MAX_INPUT_BITS + h) <= 2^state_bits.
         let room = self.form.state_bits() - MAX_INPUT_BITS;
-        self.scale = (room - exponent(most.gain())).clamp(-13, 12);
+        self.scale = (room - exponent(most.gain())).clamp(-14, 12);
         let of_input = match self.form {
             Form::EqualZeros | Form::OnePole => largest[1].max(largest[2]),
             Form::Conjugate => largest[2].max(largest[3]).max(largest[4]),
@@ -247,14 +260,15 @@ impl<const N: usize> Path<N> {
 }
 
 /// Parameters of a breakpoint.
-fn derive(order: u8, point: &Breakpoint, breakpoint: usize) -> Result<Derived, PathError> {
+fn derive(order: u8, point: &Breakpoint, breakpoint: usize, limits: Limits) -> Result<Derived, PathError> {
     let Breakpoint { a1, a2, b0, b1, b2, .. } = *point;
+    let [min_pole, max_pole] = limits.poles;
     let stable = |pole: f64, least: f64| {
-        if (least..=MAX_POLE).contains(&pole) { Ok(()) } else { Err(PathError::Unstable { breakpoint, pole }) }
+        if (least..=max_pole).contains(&pole) { Ok(()) } else { Err(PathError::Unstable { breakpoint, pole }) }
     };
     let derived = match order {
         1 => {
-            stable(-a1, MIN_POLE)?;
+            stable(-a1, min_pole)?;
             let form = if b0 == b1 { Form::EqualZeros } else { Form::OnePole };
             let ring = (b0.abs() + b1.abs()) / (1.0 - a1.abs());
             Derived { form, parameters: [-(1.0 + a1), b0, b1, 0.0, 0.0], direct: 0.0, ring, inner: 1.0 }
@@ -275,8 +289,8 @@ fn derive(order: u8, point: &Breakpoint, breakpoint: usize) -> Result<Derived, P
             } else {
                 let root = libm::sqrt(rest);
                 let (p1, p2) = (middle + root, middle - root);
-                stable(p1, MIN_POLE)?;
-                stable(p2, MIN_POLE)?;
+                stable(p1, min_pole)?;
+                stable(p2, min_pole)?;
                 let (alpha, beta) = (n1, n2 + n1 * p2);
                 let ring = alpha.abs() + beta.abs() / (1.0 - p2.abs());
                 let parameters = [p1, p2, alpha, beta, b0];
@@ -286,14 +300,16 @@ fn derive(order: u8, point: &Breakpoint, breakpoint: usize) -> Result<Derived, P
         _ => return Err(PathError::FilterOrder { order }),
     };
     match derived.gain() {
-        gain if (0.0..=MAX_GAIN).contains(&gain) => Ok(derived),
+        gain if (0.0..=limits.gain).contains(&gain) => Ok(derived),
         gain => Err(PathError::Gain { breakpoint, gain }),
     }
 }
 
 /// `|F|` at `w = cos - i sin`, a part of the way from one breakpoint to the next, parameters being interpolated.
 pub(super) fn magnitude(order: u8, here: &Breakpoint, next: &Breakpoint, part: f64, (cosine, sine): (f64, f64)) -> f64 {
-    let (Ok(from), Ok(to)) = (derive(order, here, 0), derive(order, next, 0)) else { return f64::INFINITY };
+    let (Ok(from), Ok(to)) = (derive(order, here, 0, CARRIED), derive(order, next, 0, CARRIED)) else {
+        return f64::INFINITY;
+    };
     let mut at = from.parameters;
     at.iter_mut().zip(to.parameters).for_each(|(value, to)| *value += part * (to - *value));
     let w = (cosine, -sine);

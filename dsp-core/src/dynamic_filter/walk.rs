@@ -29,13 +29,27 @@ pub(super) struct Walk {
     /// The piece, and where the next one begins.
     piece: usize,
     next: u32,
-    /// The parameters at the next segment's start, with 32 bits more.
-    wide: [i64; PARAMETERS],
+    ramps: [Ramp; PARAMETERS],
+}
+
+/// A parameter on the way through a piece.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ramp {
+    /// At the next segment's start, with 32 bits more.
+    wide: i64,
+    /// Its change in a tick, and what makes the middle of a tick right ([`Walk::segment`]).
+    of_tick: i64,
+    middle_of_tick: i64,
 }
 
 impl Walk {
     /// On an empty path.
-    pub(super) const NOWHERE: Self = Self { time: 0, piece: 0, next: u32::MAX, wide: [0; PARAMETERS] };
+    pub(super) const NOWHERE: Self = Self {
+        time: 0,
+        piece: 0,
+        next: u32::MAX,
+        ramps: [Ramp { wide: 0, of_tick: 0, middle_of_tick: 0 }; PARAMETERS],
+    };
 
     /// To the path's start.
     pub(super) fn start<const N: usize>(&mut self, path: &Path<N>) {
@@ -52,8 +66,13 @@ impl Walk {
     fn enter<const N: usize>(&mut self, path: &Path<N>, piece: usize) {
         self.piece = piece;
         self.next = path.pieces().get(piece + 1).map_or(u32::MAX, |next| next.start);
-        if let Some(piece) = path.pieces().get(piece) {
-            self.wide = piece.value.map(|value| i64::from(value) << 32);
+        let Some(piece) = path.pieces().get(piece) else { return };
+        for ((ramp, &value), &slope) in self.ramps.iter_mut().zip(&piece.value).zip(&piece.slope) {
+            *ramp = Ramp {
+                wide: i64::from(value) << 32,
+                of_tick: slope.wrapping_mul(TICK_FRAMES as i64),
+                middle_of_tick: middle(slope, TICK_FRAMES as u32),
+            };
         }
     }
 
@@ -78,19 +97,40 @@ impl Walk {
         }
         let Some(piece) = path.pieces().get(self.piece) else { return most };
         let frames = most.min(TICK_FRAMES).min((self.next - self.time) as usize);
-        let all = self.wide.iter_mut().zip(&piece.slope).zip(lines);
-        for ((wide, &slope), line) in all.take(path.form.parameters()) {
-            let step = (slope.wrapping_add(1 << 31) >> 32) as i32;
-            // What the step leaves out, within half a step; half the segment's frames of it are added.
-            let rest = slope as i32;
-            let middle = i64::from(rest) * i64::from(frames as u32 >> 1);
-            let value = (wide.wrapping_add(middle).wrapping_add(1 << 31) >> 32) as i32;
-            *line = Line { value, step };
-            *wide = wide.wrapping_add(slope.wrapping_mul(i64::from(frames as u32)));
+        let all = self.ramps.iter_mut().zip(&piece.slope).zip(lines);
+        for ((ramp, &slope), line) in all.take(path.form.parameters()) {
+            let value = (ramp.wide.wrapping_add(middle(slope, frames as u32)) >> 32) as i32;
+            *line = Line { value, step: step(slope) };
+            ramp.wide = ramp.wide.wrapping_add(slope.wrapping_mul(i64::from(frames as u32)));
         }
         if self.is_under_way() {
             self.time += frames as u32;
         }
         frames
     }
+
+    /// As [`segment`](Self::segment) for a whole tick with noise within a piece whose steps are in the lines already; `false` where it is none.
+    #[inline(always)]
+    pub(super) fn tick(&mut self, lines: &mut [Line; PARAMETERS], parameters: usize) -> bool {
+        let time = self.time + TICK_FRAMES as u32;
+        if !self.is_under_way() || time > self.next || self.time == 0 {
+            return false;
+        }
+        self.time = time;
+        for (ramp, line) in self.ramps.iter_mut().zip(lines).take(parameters) {
+            line.value = (ramp.wide.wrapping_add(ramp.middle_of_tick) >> 32) as i32;
+            ramp.wide = ramp.wide.wrapping_add(ramp.of_tick);
+        }
+        true
+    }
+}
+
+/// A slope's step of 32 bits, nearest.
+fn step(slope: i64) -> i32 {
+    (slope.wrapping_add(1 << 31) >> 32) as i32
+}
+
+/// Half a segment's frames of what the step leaves out, which is within half a step, and half a step for rounding.
+fn middle(slope: i64, frames: u32) -> i64 {
+    i64::from(slope as i32) * i64::from(frames >> 1) + (1 << 31)
 }

@@ -3,7 +3,7 @@
 use super::SILENCE;
 use super::error::LoopError;
 use super::kernel;
-use super::resonance::Resonance;
+use super::resonance::{LINE_BITS, Resonance};
 use super::tuning::{Loop, Tuned};
 use crate::SampleRate;
 use crate::fixed::times_q31;
@@ -21,8 +21,12 @@ pub(crate) struct Loops<const LOOPS: usize, const FRAMES: usize> {
     place: usize,
     line_scale: i32,
     mix_scale: i32,
-    /// Sizes written in this tick, or'ed; frames for which all were silent.
+    /// Sizes written in this tick, or'ed, in the time that the longest delay takes, so far, and in that before; frames of the one and the other.
     sizes: u32,
+    sizes_of: [u32; 2],
+    frames_of_first: usize,
+    longest: usize,
+    /// Frames for which all were silent.
     quiet_frames: usize,
 }
 
@@ -37,6 +41,9 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         line_scale: 0,
         mix_scale: 0,
         sizes: 0,
+        sizes_of: [0; 2],
+        frames_of_first: 0,
+        longest: 0,
         quiet_frames: 0,
     };
 
@@ -66,6 +73,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         for (band, tuned) in self.bands.iter_mut().zip(all) {
             *band = Resonance::new(tuned, line_scale, self.mix_scale);
             self.shortest = self.shortest.min(tuned.delay);
+            self.longest = self.longest.max(tuned.delay);
         }
         self.count = given;
         Ok(())
@@ -74,7 +82,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
     /// Makes them none.
     pub(crate) fn unload(&mut self) {
         self.rest();
-        (self.count, self.shortest) = (0, TICK_FRAMES);
+        (self.count, self.shortest, self.longest) = (0, TICK_FRAMES, 0);
     }
 
     /// How many there are, and how many of them have a delay below a tick.
@@ -96,7 +104,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
     pub(crate) fn rest(&mut self) {
         self.bands.iter_mut().take(self.count).for_each(Resonance::rest);
         self.line.fill(0);
-        (self.sizes, self.quiet_frames) = (0, 0);
+        (self.sizes, self.sizes_of, self.frames_of_first, self.quiet_frames) = (0, [0; 2], 0, 0);
     }
 
     /// Leaves so much (Q31) of what rings.
@@ -147,7 +155,16 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
 
     /// On a tick: scales states anew; gives whether the line has been silent for all its length, so that it may be cleared.
     pub(crate) fn settle(&mut self) -> bool {
-        self.bands.iter_mut().take(self.count).for_each(Resonance::settle);
+        self.sizes_of[0] |= self.sizes;
+        let all = self.sizes_of[0] | self.sizes_of[1];
+        self.frames_of_first += TICK_FRAMES;
+        if self.frames_of_first > self.longest {
+            (self.sizes_of, self.frames_of_first) = ([0, self.sizes_of[0]], 0);
+        }
+        let line_bits = 32 - all.leading_zeros() as i32;
+        for band in self.bands.iter_mut().take(self.count) {
+            band.settle(if band.delay < TICK_FRAMES { LINE_BITS } else { line_bits });
+        }
         let silence = 1u32.checked_shl((SILENCE + self.line_scale).clamp(0, 31) as u32).unwrap_or(0);
         self.quiet_frames = if self.sizes < silence { self.quiet_frames + TICK_FRAMES } else { 0 };
         self.sizes = 0;

@@ -10,16 +10,17 @@
 //! # Why nothing can wrap
 //!
 //! `v = y 2^(27 + E)`. The size of a state is `s = max(|u| 2^k, |v|)`. Within a tick everything is linear, so that each intermediate result is at most
-//! `G s + N X`: G the largest growth of a state of size 1, N the sum over the frames of the sizes that an input of 1 leaves, X < 2^30 the line's
-//! words; both found on load by stepping the very section in `f64`. [`Resonance::settle`] keeps E, on ticks, such that `G s < 2^30` and
-//! `N X < 2^28`. Because a narrow band's N is small, that leaves the state all its bits; and E rises while it decays, so that it keeps them.
+//! `G s + N X`: G the largest growth of a state of size 1, N the sum over the frames of the sizes that an input of 1 leaves, both found on load by stepping the very
+//! section in `f64`; X the line's words, which a tick before they are read are known where the delay is a tick or more, and below 2^30 always.
+//! [`Resonance::settle`] keeps E, on ticks, such that `G s < 2^30` and `N X < 2^28`: because a narrow band's N is small, that leaves the state
+//! nearly all its bits, and E rises while line and state decay.
 
 use super::tuning::Tuned;
 use crate::fixed::{rounding_shift_right, times_q31};
 use crate::resonator::TICK_FRAMES;
 
 /// Bits of a line's words: `|x| < 2^30`.
-const LINE_BITS: i32 = 30;
+pub(super) const LINE_BITS: i32 = 30;
 /// Bits of growth of states.
 const STATE_BITS: i32 = 30;
 /// Bits of what an input adds.
@@ -70,7 +71,9 @@ pub struct Resonance {
     pub(super) shift: u32,
     /// E.
     exponent: i32,
+    /// The largest E for the mix and the multipliers of the input, and with words of the line below 1.
     largest_exponent: i32,
+    for_input: i32,
     /// E of the line's and of the mix' words.
     line_scale: i32,
     mix_scale: i32,
@@ -93,6 +96,7 @@ impl Resonance {
         shift: 0,
         exponent: 0,
         largest_exponent: 0,
+        for_input: 0,
         line_scale: 0,
         mix_scale: 0,
         growth_bits: 0,
@@ -112,7 +116,12 @@ impl Resonance {
             e2 => (3, e2 / 8.0),
         };
         let unit = f64::from(1u32 << shift);
+        let q32 = |value: f64| libm::rint(value * 4294967296.0) as i32;
+        let (damp_q32, turn_q32) = (q32(delta), q32(turn));
+        // From here on with the pole as it was rounded.
+        let (delta, turn) = (f64::from(damp_q32) / 4294967296.0, f64::from(turn_q32) / 4294967296.0);
         let step = if shift == 0 { turn } else { unit };
+        let tuned = tuned.with_pole(1.0 - (delta + turn * step) / 2.0, 1.0 - delta);
         let gains = [(tuned.c / (1.0 - delta) + tuned.a) / step, tuned.a];
         // The largest size of an orbit over a tick, and the sum over its frames.
         let walk = |mut u: f64, mut v: f64| {
@@ -129,14 +138,15 @@ impl Resonance {
         };
         let growth = walk(1.0 / unit, 1.0).0.max(walk(1.0 / unit, -1.0).0);
         let of_input = walk(gains[0], gains[1]).1;
-        let q32 = |value: f64| libm::rint(value * 4294967296.0) as i32;
         let bits_above = |value: f64| libm::frexp(value * (1.0 + 1e-6)).1.clamp(-100, 100);
-        let for_input = line_scale + INPUT_BITS - LINE_BITS - bits_above(of_input);
+        // Multipliers of the input stay below 1/2.
+        let for_gains = line_scale - 1 - bits_above(gains[0].abs().max(gains[1].abs()));
         let mut resonance = Self {
-            turn: q32(turn),
-            damp: q32(delta),
+            turn: turn_q32,
+            damp: damp_q32,
             shift,
-            largest_exponent: for_input.min(mix_scale + LARGEST_ABOVE_MIX),
+            largest_exponent: for_gains.min(mix_scale + LARGEST_ABOVE_MIX),
+            for_input: line_scale + INPUT_BITS - bits_above(of_input),
             line_scale,
             mix_scale,
             growth_bits: bits_above(growth),
@@ -160,7 +170,11 @@ impl Resonance {
     /// Clears it.
     pub(super) fn rest(&mut self) {
         (self.u, self.v) = (0, 0);
-        self.set(self.largest_exponent);
+        self.set(self.limit(LINE_BITS));
+    }
+
+    fn limit(&self, line_bits: i32) -> i32 {
+        self.largest_exponent.min(self.for_input - line_bits)
     }
 
     /// Leaves so much (Q31) of it.
@@ -173,21 +187,21 @@ impl Resonance {
         (self.u, self.v) == (0, 0)
     }
 
-    /// On a tick: scales the state anew where it has left its bounds.
+    /// On a tick: scales the state anew where it has left its bounds. What it reads until the next one is below 2^`line_bits`.
     #[inline(always)]
-    pub(super) fn settle(&mut self) {
+    pub(super) fn settle(&mut self, line_bits: i32) {
         let size = (self.v ^ (self.v >> 31)) | ((self.u ^ (self.u >> 31)) << self.shift);
         let bits = 32 - (size as u32).leading_zeros() as i32;
         let free = STATE_BITS - self.growth_bits - bits;
+        let limit = self.limit(line_bits);
         // A bit is left for it to grow before it is looked at again, and it is moved up by three at least.
-        if free < 0 || free > 4 && self.exponent < self.largest_exponent {
-            self.rescale(free - 1);
+        if free < 0 || self.exponent > limit || free > 4 && self.exponent + 2 < limit {
+            self.rescale((self.exponent + free - 1).min(limit));
         }
     }
 
     #[inline(never)]
-    fn rescale(&mut self, up: i32) {
-        let exponent = (self.exponent + up).min(self.largest_exponent);
+    fn rescale(&mut self, exponent: i32) {
         let moved = |word: i32| match exponent - self.exponent {
             left @ 0.. => word.wrapping_shl(left.min(31) as u32),
             right => rounding_shift_right(word, right.unsigned_abs()),

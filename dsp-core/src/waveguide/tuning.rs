@@ -27,6 +27,9 @@ pub(crate) struct Tuned {
     pub(super) square: f64,
     pub(super) a: f64,
     pub(super) c: f64,
+    /// ω of f_c, and the gain there, `γ e^{-iωφ}`.
+    omega: f64,
+    gain: (f64, f64),
 }
 
 impl Tuned {
@@ -53,14 +56,23 @@ impl Tuned {
             return Err(LoopError::Band { index });
         }
         let whole = libm::floor(delay);
-        // a + c w = γ e^{-iωφ} D(w), w = e^{-iω}.
+        let angle = omega * (delay - whole);
+        let gain = (gain * libm::cos(angle), -gain * libm::sin(angle));
+        let (delay, nothing) = (whole as usize, Self::default());
+        Ok(Self { delay, omega, gain, ..nothing }.with_pole(real, square))
+    }
+
+    /// The same gain at f_c with another pole: `a + c w = γ e^{-iωφ} D(w)`, w = e^{-iω}.
+    ///
+    /// A loop of gain G close to 1 rings at f_c less (1 - G) times what its pole is off: so a pole that was rounded hardly matters.
+    pub(super) fn with_pole(self, real: f64, square: f64) -> Self {
+        let (cosine, sine) = (libm::cos(self.omega), libm::sin(self.omega));
         let (double_cosine, double_sine) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);
         let below = (1.0 - 2.0 * real * cosine + square * double_cosine, 2.0 * real * sine - square * double_sine);
-        let angle = omega * (delay - whole);
-        let turned = (gain * libm::cos(angle), -gain * libm::sin(angle));
-        let wanted = (turned.0 * below.0 - turned.1 * below.1, turned.0 * below.1 + turned.1 * below.0);
+        let (re, im) = self.gain;
+        let wanted = (re * below.0 - im * below.1, re * below.1 + im * below.0);
         let c = -wanted.1 / sine;
-        Ok(Self { delay: whole as usize, real, square, a: wanted.0 - c * cosine, c })
+        Self { real, square, a: wanted.0 - c * cosine, c, ..self }
     }
 
     /// `|B|` at `w = cos - i sin`.
