@@ -240,28 +240,26 @@ bq_any_\form:
     .endm
 
 @ ---------------------------------------------------------------------------------------------------------------------------------
-@ Changes the sign of every other word of a tick from \base on. Registers: r3-r8.
+@ Changes the sign of every other word of a tick from \base on. Registers: r3-r7.
     .macro bq_flip base
     add     r3, sp, #\base
     ldr     r4, [sp, #BQ_CALL]
     ldr     r4, [r4, #40]
     add     r3, r3, r4, lsl #2          @ frame 1 is at 120, frame 31 at 0
-    movs    r8, #4
-1:  ldr     r4, [r3]
-    ldr     r5, [r3, #8]
-    ldr     r6, [r3, #16]
-    ldr     r7, [r3, #24]
+    .irp    at, 0, 32, 64, 96
+    ldr     r4, [r3, #\at]
+    ldr     r5, [r3, #\at + 8]
+    ldr     r6, [r3, #\at + 16]
+    ldr     r7, [r3, #\at + 24]
     rsbs    r4, r4, #0
     rsbs    r5, r5, #0
     rsbs    r6, r6, #0
     rsbs    r7, r7, #0
-    str     r4, [r3]
-    str     r5, [r3, #8]
-    str     r6, [r3, #16]
-    str     r7, [r3, #24]
-    adds    r3, #32
-    subs    r8, #1
-    bne     1b
+    str     r4, [r3, #\at]
+    str     r5, [r3, #\at + 8]
+    str     r6, [r3, #\at + 16]
+    str     r7, [r3, #\at + 24]
+    .endr
     .endm
 
 @ The input, four frames a pass: r4-r7 from the last to the first; r8 what they have or'ed, r2 their words' sizes, r0 what goes straight through.
