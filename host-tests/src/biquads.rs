@@ -42,7 +42,8 @@ impl Chains {
     pub fn bounded(poles: &[(f64, f64)], zeros: &[(f64, f64)], depth: usize) -> Self {
         let (mut ours, mut theirs) = (Vec::new(), Vec::new());
         for (poles, zeros) in poles.chunks(depth).zip(zeros.chunks(depth)) {
-            let roots = poles.iter().zip(zeros).map(|(&(r, angle), &(q, zero))| (Root::polar(r, angle), Root::polar(q, zero)));
+            let roots =
+                poles.iter().zip(zeros).map(|(&(r, angle), &(q, zero))| (Root::polar(r, angle), Root::polar(q, zero)));
             let plain: Vec<_> = roots.clone().map(|(pole, zero)| section(pole, zero, 1.0)).collect();
             let gain_at = |angle: f64| plain.iter().map(|section| section.magnitude(angle)).product::<f64>();
             let angles = poles.iter().map(|&(_, angle)| angle).chain([0.0, std::f64::consts::PI]);

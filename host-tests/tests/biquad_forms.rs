@@ -64,7 +64,8 @@ fn a_chain_is_the_sum_of_its_modes_and_what_goes_straight_through() {
         for _ in 0..20 {
             let chain: Vec<Biquad> = (0..depth)
                 .map(|index| {
-                    let pole = Root::polar(random.between(0.9, 0.999), 0.1 + 0.7 * (index as f64 + random.between(0.0, 0.8)));
+                    let pole =
+                        Root::polar(random.between(0.9, 0.999), 0.1 + 0.7 * (index as f64 + random.between(0.0, 0.8)));
                     Biquad::from_roots(pole, Root::polar(random.between(0.0, 1.0), random.between(0.0, 3.1)), 0.5)
                 })
                 .collect();
@@ -112,7 +113,10 @@ fn at_another_rate_frequency_decay_and_level_of_a_resonance_stay() {
         let rate = SampleRate::new(hz, 1).unwrap();
         let carried = mode.to_biquad(SampleRate::HZ_48000).carried(0, 48_000.0, rate).unwrap();
         let got = ModalForm::of(&[carried], rate).unwrap().modes[0];
-        assert!((got.frequency_hz / 3000.0 - 1.0).abs() < 1e-9 && (got.decay_per_s / 12.0 - 1.0).abs() < 1e-9, "{got:?}");
+        assert!(
+            (got.frequency_hz / 3000.0 - 1.0).abs() < 1e-9 && (got.decay_per_s / 12.0 - 1.0).abs() < 1e-9,
+            "{got:?}"
+        );
         let level = |mode: &Partial| 20.0 * mode.sine.hypot(mode.cosine).log10();
         assert!((level(&got) - level(&mode)).abs() < 0.1, "{got:?}");
     }

@@ -44,6 +44,8 @@ pub struct Bank<const PAIRS: usize> {
 /// Inputs that are too large for their level are expected to add up to this many bits more: a contact force sets in over 17 bits, and each
 /// rise costs as much as a tick's loops.
 const RISE_BITS: u32 = 5;
+/// The same for the first after silence.
+const ONSET_BITS: u32 = 7;
 /// Ticks after which a level that was never reached is lowered.
 const PATIENCE_TICKS: u8 = 16;
 /// Ticks without input after which it is asked what still rings.
@@ -292,8 +294,9 @@ impl<const PAIRS: usize> Bank<PAIRS> {
             self.frame = (self.frame + good) % TICK_FRAMES;
         }
         if let Some(&loud) = more.first() {
-            // From 5 to 36, for 32 frames of the largest; a level that held so far has been used up.
-            let level = (bits_of(folded(loud)) + RISE_BITS).max(self.input_bits.map_or(0, |level| level + 1));
+            // At most 36, for 32 frames of the largest; a level that held so far has been used up.
+            let rise = if self.input_bits.is_some() { RISE_BITS } else { ONSET_BITS };
+            let level = (bits_of(folded(loud)) + rise).max(self.input_bits.map_or(0, |level| level + 1));
             self.input_bits = Some(level.min(37));
             (self.used, self.recent, self.recent_ticks) = (0, 0, 0);
             self.ringing = true;

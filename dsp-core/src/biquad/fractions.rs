@@ -70,9 +70,8 @@ pub(super) fn parts<P: Realised>(chain: &[Biquad]) -> [Part<P>; 4] {
     let mut slots = parts.iter_mut();
     for label in 0..4u8 {
         let is_member = |index: usize| clusters.get(index) == Some(&label);
-        let (members, others) = (|| (0..chain.len()).filter(|&i| is_member(i)), || {
-            (0..chain.len()).filter(|&i| !is_member(i))
-        });
+        let (members, others) =
+            (|| (0..chain.len()).filter(|&i| is_member(i)), || (0..chain.len()).filter(|&i| !is_member(i)));
         // All of a cluster run alike: mirrored or not, in a form that serves all.
         let Some((mirrored, form)) = in_common::<P>(chain, &clusters, label) else { continue };
         let mut poles = [None; 4];

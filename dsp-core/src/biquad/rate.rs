@@ -76,9 +76,6 @@ fn magnitude(pole: Root, [b0, b1, b2]: [f64; 3]) -> f64 {
     };
     // The denominator from its factors: near the circle the sum of its terms has lost their digits.
     let radius = libm::sqrt(pole.square());
-    let other = libm::hypot(
-        libm::cos(theta) - radius * libm::cos(theta),
-        libm::sin(theta) + radius * libm::sin(theta),
-    );
+    let other = libm::hypot(libm::cos(theta) - radius * libm::cos(theta), libm::sin(theta) + radius * libm::sin(theta));
     at([b0, b1, b2]) / ((1.0 - radius) * other)
 }
