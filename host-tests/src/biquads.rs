@@ -38,21 +38,23 @@ fn section(pole: Root, zero: Root, gain: f64) -> reference::biquad::Biquad {
 }
 
 impl Chains {
-    /// From poles and zeros, each section's gain 1 at its pole's angle, 0 or half the rate, where it is largest.
+    /// From poles and zeros, each chain's gain 1 at the pole, 0 or half the rate where it is largest.
     pub fn bounded(poles: &[(f64, f64)], zeros: &[(f64, f64)], depth: usize) -> Self {
         let (mut ours, mut theirs) = (Vec::new(), Vec::new());
-        for (&(radius, angle), &(zero_radius, zero_angle)) in poles.iter().zip(zeros) {
-            let (pole, zero) = (Root::polar(radius, angle), Root::polar(zero_radius, zero_angle));
-            let plain = section(pole, zero, 1.0);
-            let largest = [angle, 0.0, std::f64::consts::PI].map(|angle| plain.magnitude(angle));
-            let gain = 1.0 / largest.into_iter().fold(0.0, f64::max);
-            theirs.push(section(pole, zero, gain));
-            ours.push(Biquad::from_roots(pole, zero, gain));
+        for (poles, zeros) in poles.chunks(depth).zip(zeros.chunks(depth)) {
+            let roots =
+                poles.iter().zip(zeros).map(|(&(r, angle), &(q, zero))| (Root::polar(r, angle), Root::polar(q, zero)));
+            let plain: Vec<_> = roots.clone().map(|(pole, zero)| section(pole, zero, 1.0)).collect();
+            let gain_at = |angle: f64| plain.iter().map(|section| section.magnitude(angle)).product::<f64>();
+            let angles = poles.iter().map(|&(_, angle)| angle).chain([0.0, std::f64::consts::PI]);
+            let gain = angles.map(gain_at).fold(0.0, f64::max).powf(-1.0 / depth as f64);
+            theirs.push(roots.clone().map(|(pole, zero)| section(pole, zero, gain)).collect());
+            ours.extend(roots.map(|(pole, zero)| Biquad::from_roots(pole, zero, gain)));
         }
-        Self { ours, theirs: theirs.chunks(depth).map(<[_]>::to_vec).collect(), depth }
+        Self { ours, theirs, depth }
     }
 
-    /// From poles and zeros, with gains such that what each section hands on is at -20 dBFS rms for `input`: far poles and zeros in a chain leave
+    /// From poles and zeros, with gains such that what each section hands on has its peaks at -8 dBFS for `input`: far poles and zeros in a chain leave
     /// next to nothing otherwise.
     pub fn loud(poles: &[(f64, f64)], zeros: &[(f64, f64)], depth: usize, input: &[i32]) -> Self {
         let input: Vec<f64> = input.iter().map(|&x| f64::from(x)).collect();
@@ -62,8 +64,8 @@ impl Chains {
             for (&(radius, angle), &(zero_radius, zero_angle)) in poles.iter().zip(zeros) {
                 let (pole, zero) = (Root::polar(radius, angle), Root::polar(zero_radius, zero_angle));
                 let plain = section(pole, zero, 1.0).filter(&signal);
-                let rms = (plain.iter().map(|y| y * y).sum::<f64>() / plain.len() as f64).sqrt();
-                let gain = 0.1 * FULL_SCALE / rms;
+                let peak = plain.iter().fold(0.0f64, |peak, y| peak.max(y.abs()));
+                let gain = 0.4 * FULL_SCALE / peak;
                 signal = plain.iter().map(|y| y * gain).collect();
                 chain.push(section(pole, zero, gain));
                 ours.push(Biquad::from_roots(pole, zero, gain));

@@ -26,6 +26,8 @@ pub struct Bank<const PAIRS: usize> {
     /// Of all chains, what goes straight through.
     direct: Gain,
     direct_size: f32,
+    /// The same as a multiplier of the shifted input into the mix.
+    direct_q32: i32,
     /// Frame within the tick; ticks begin on even frames.
     frame: usize,
     /// The sizes of this tick's inputs add up to less than 2^bits; `None`: there are none.
@@ -43,8 +45,12 @@ pub struct Bank<const PAIRS: usize> {
 /// Inputs that are too large for their level are expected to add up to this many bits more: a contact force sets in over 17 bits, and each
 /// rise costs as much as a tick's loops.
 const RISE_BITS: u32 = 5;
+/// The same for the first after silence.
+const ONSET_BITS: u32 = 7;
 /// Ticks after which a level that was never reached is lowered.
 const PATIENCE_TICKS: u8 = 16;
+/// Ticks without input after which it is asked what still rings.
+const REST_TICKS: u8 = 8;
 
 impl<const PAIRS: usize> Bank<PAIRS> {
     /// A bank of no chains.
@@ -55,6 +61,7 @@ impl<const PAIRS: usize> Bank<PAIRS> {
         depth: 1,
         direct: Gain::ZERO,
         direct_size: 0.0,
+        direct_q32: 0,
         frame: 0,
         input_bits: None,
         used: 0,
@@ -250,14 +257,14 @@ impl<const PAIRS: usize> Bank<PAIRS> {
         if self.recent_ticks >= PATIENCE_TICKS || before != self.input_bits {
             (self.recent, self.recent_ticks) = (0, 0);
         }
-        if self.input_bits.is_none() {
+        if self.input_bits.is_none() && (before.is_some() || self.recent_ticks % REST_TICKS == 0) {
             // All are asked: those that are done are cleared.
             self.ringing = units(self.pairs.get_mut(..self.count)).map(rings_on).filter(|&rings| rings).count() > 0;
         }
         if before != self.input_bits {
-            self.settle(|_| true);
+            self.settle(true);
         } else if self.asks {
-            self.settle(|unit| unit.iter().any(|pair| pair.asks != 0));
+            self.settle(false);
         }
     }
 
@@ -269,7 +276,7 @@ impl<const PAIRS: usize> Bank<PAIRS> {
             allowance: ALLOWANCE - self.used,
             left: exponent.max(0) as u32,
             right: (-exponent).max(0) as u32,
-            direct: if x.is_some() { self.direct.q32(-self.room - exponent) } else { 0 },
+            direct: self.direct_q32,
             room: self.room as u32,
             odd: self.frame % 2 == 1,
         };
@@ -303,12 +310,13 @@ impl<const PAIRS: usize> Bank<PAIRS> {
             self.frame = (self.frame + good) % TICK_FRAMES;
         }
         if let Some(&loud) = more.first() {
-            // From 5 to 36, for 32 frames of the largest; a level that held so far has been used up.
-            let level = (bits_of(folded(loud)) + RISE_BITS).max(self.input_bits.map_or(0, |level| level + 1));
+            // At most 36, for 32 frames of the largest; a level that held so far has been used up.
+            let rise = if self.input_bits.is_some() { RISE_BITS } else { ONSET_BITS };
+            let level = (bits_of(folded(loud)) + rise).max(self.input_bits.map_or(0, |level| level + 1));
             self.input_bits = Some(level.min(37));
             (self.used, self.recent, self.recent_ticks) = (0, 0, 0);
             self.ringing = true;
-            self.settle(|_| true);
+            self.settle(true);
             self.run(Some(more), later);
         }
     }
@@ -318,41 +326,40 @@ impl<const PAIRS: usize> Bank<PAIRS> {
         self.input_bits.map_or(0, |bits| X_BITS - bits as i32)
     }
 
-    /// Scales units for the level of their input, and the mix for all.
-    fn settle(&mut self, which: impl Fn(&[Pair]) -> bool) {
+    /// Scales units for the level of their input, all or those that ask, and the mix for all.
+    fn settle(&mut self, all: bool) {
         self.asks = false;
         let exponent = self.input_exponent();
-        let input = Level { exponent: self.input_bits.map(|_| exponent) };
+        let has_input = self.input_bits.is_some();
+        let input = Level { exponent: has_input.then_some(exponent) };
         // No input is larger than all of them together.
         let direct = self.direct_size * pair::power_of_two(self.input_bits.map_or(-126, |bits| bits.min(31) as i32));
         let (mut loudness, mut lowest) = (direct, 1000);
         for unit in units(self.pairs.get_mut(..self.count)) {
-            if self.input_bits.is_some() {
+            if all && has_input {
                 unit.iter_mut().for_each(Pair::wake);
             }
-            let is_skipped = unit.iter().all(Pair::is_skipped);
-            if which(unit) && !is_skipped {
-                pair::settle(unit, input);
+            if unit.iter().all(Pair::is_skipped) {
+                continue;
             }
-            if let (Some(last), false) = (unit.last(), is_skipped) {
+            if all || unit.iter().any(|pair| pair.asks != 0) {
+                unit.iter_mut().for_each(|pair| pair.asks = 0);
+                pair::settle(unit, input);
+                pair::set_mix(unit, self.room);
+            }
+            if let Some(last) = unit.last() {
                 loudness += last.loudness();
                 lowest = lowest.min(last.exponent());
             }
         }
         // The sum of all has 30 bits, and the scale of each, and of what goes straight through, is below 1/2.
-        let direct = match self.input_bits {
-            Some(_) => self.direct.exponent() + 1 - exponent,
-            None => 0,
-        };
+        let direct = if has_input { self.direct.exponent() + 1 - exponent } else { 0 };
         let room = (pair::bits_above(loudness) - 30).max(2 - lowest).max(direct).clamp(0, 31);
-        let all = room != self.room;
-        self.room = room;
-        for unit in units(self.pairs.get_mut(..self.count)) {
-            if all || which(unit) || unit.iter().any(|pair| pair.asks != 0) {
-                pair::set_mix(unit, room);
-                unit.iter_mut().for_each(|pair| pair.asks = 0);
-            }
+        if room != self.room {
+            self.room = room;
+            units(self.pairs.get_mut(..self.count)).for_each(|unit| pair::set_mix(unit, room));
         }
+        self.direct_q32 = if has_input { self.direct.q32(-room - exponent) } else { 0 };
     }
 }
 

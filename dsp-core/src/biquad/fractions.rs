@@ -25,6 +25,9 @@ pub(super) trait Realised: Copy {
     /// A section that does nothing.
     const EMPTY: Self;
 
+    /// The mean real part of a cluster's poles below which they run mirrored.
+    const MIRROR_BELOW: f64;
+
     /// The first form in which a pole is exact.
     fn form_of(root: Root, mirrored: bool) -> Self::Form;
     /// The nearest that a form has.
@@ -132,7 +135,7 @@ fn are_near(one: Root, other: Root) -> bool {
 /// Whether a cluster runs mirrored, and in which form: one that serves all its sections. `None` where there is no such cluster.
 fn in_common<P: Realised>(chain: &[Biquad], clusters: &[u8; 4], label: u8) -> Option<(bool, P::Form)> {
     let members = || chain.iter().zip(clusters).filter(|(_, its)| **its == label).map(|(biquad, _)| biquad.pole);
-    let mirrored = members().map(|pole| pole.real).sum::<f64>() < 0.0;
+    let mirrored = members().map(|pole| pole.real - P::MIRROR_BELOW).sum::<f64>() < 0.0;
     members().map(|pole| P::form_of(pole, mirrored)).max().map(|form| (mirrored, form))
 }
 

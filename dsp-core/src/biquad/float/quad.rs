@@ -17,6 +17,9 @@ impl Realised for FloatPole {
 
     const EMPTY: Self = Self { mirrored: false, kept: 0.0, step_squared: 1.0 };
 
+    /// Beyond 18.5 kHz at 48 kHz: up to there the form's ellipse is at most three times as long as wide, and fours are full more often.
+    const MIRROR_BELOW: f64 = -0.75;
+
     fn form_of(_: Root, _: bool) {}
 
     fn new(root: Root, mirrored: bool, (): &()) -> Self {
@@ -160,15 +163,15 @@ impl Quad {
     /// Whether it will still be heard without input. States that are no numbers are not.
     pub(super) fn is_heard(&self) -> bool {
         let silence = if self.is_linked { SILENCE / 1000.0 } else { SILENCE };
-        let states = self.u.iter().zip(&self.v).zip(&self.worth).take(self.count);
-        states.fold(0.0f32, |size, ((u, v), worth)| size.max((u * worth).abs()).max(v.abs())) > silence
+        let mut states = self.u.iter().zip(&self.v).zip(&self.worth).take(self.count);
+        states.any(|((u, v), worth)| (u * worth).abs() > silence || v.abs() > silence)
     }
 }
 
 /// a and b with `a b` nearest to e², for b within a few of its own roundings.
 fn factors(step_squared: f64, entry: f64) -> (f32, f32) {
     let middle = entry as f32;
-    let around = (-16i32..=16).map(|steps| f32::from_bits(middle.to_bits().wrapping_add_signed(steps)));
+    let around = (-64i32..=64).map(|steps| f32::from_bits(middle.to_bits().wrapping_add_signed(steps)));
     let pairs = around.map(|entry| ((step_squared / f64::from(entry)) as f32, entry));
     let off = |&(turn, entry): &(f32, f32)| (f64::from(turn) * f64::from(entry) / step_squared - 1.0).abs();
     pairs.min_by(|one, other| off(one).total_cmp(&off(other))).unwrap_or((0.0, middle))

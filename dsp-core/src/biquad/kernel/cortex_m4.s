@@ -18,7 +18,9 @@
 @
 @ Optimisation log (nominal cycles a section and frame, 64 and 16 sections, all included: cargo test -p host-tests --test on_chip biquads --
 @ --nocapture):
-@   14.4            a section at a time; input, level and mix in Rust
+@   14.4   26       a section at a time; input, level and mix in Rust
+@   10.7   13.0     two sections at a time, as the modal bank does; a pair shares its exponent, so that one scale stays in a register
+@   10.4   12.6     signs changed in place, unrolled; what goes straight through begins the mix
     .syntax unified
     .thumb
     .fpu fpv4-sp-d16
@@ -208,8 +210,25 @@ bq_free_single_\form:
     .endm
 
 @ ---------------------------------------------------------------------------------------------------------------------------------
-@ Any wiring, any number of frames, driven or not (the input is 0 then): 33 cycles a frame. For runs that an event or a block's end cuts short,
-@ and for three or four sections behind one another.
+@ Runs that an event, a block's end or a rise of the input cuts short of a tick: two side by side or one alone, driven or not (the input is 0
+@ then), a frame at a time: 23 cycles a frame.
+    .macro bq_short form
+    .p2align 2
+bq_short_\form:
+    ldm     r0, {r1-r12}
+    vmov    lr, s5
+1:  bq_driven_parallel_frame \form, 124
+    vmov    r0, s8
+    sub     sp, #4
+    cmp     sp, r0
+    bne     1b
+    vmov    r0, s9
+    mov     sp, r0
+    b       bq_after
+    .endm
+
+@ ---------------------------------------------------------------------------------------------------------------------------------
+@ Any wiring, any number of frames, driven or not: 33 cycles a frame. For three or four sections behind one another, and for short runs of two.
     .macro bq_any form
     .p2align 2
 bq_any_\form:
@@ -240,28 +259,26 @@ bq_any_\form:
     .endm
 
 @ ---------------------------------------------------------------------------------------------------------------------------------
-@ Changes the sign of every other word of a tick from \base on. Registers: r3-r8.
+@ Changes the sign of every other word of a tick from \base on. Registers: r3-r7.
     .macro bq_flip base
     add     r3, sp, #\base
     ldr     r4, [sp, #BQ_CALL]
     ldr     r4, [r4, #40]
     add     r3, r3, r4, lsl #2          @ frame 1 is at 120, frame 31 at 0
-    movs    r8, #4
-1:  ldr     r4, [r3]
-    ldr     r5, [r3, #8]
-    ldr     r6, [r3, #16]
-    ldr     r7, [r3, #24]
+    .irp    at, 0, 32, 64, 96
+    ldr     r4, [r3, #\at]
+    ldr     r5, [r3, #\at + 8]
+    ldr     r6, [r3, #\at + 16]
+    ldr     r7, [r3, #\at + 24]
     rsbs    r4, r4, #0
     rsbs    r5, r5, #0
     rsbs    r6, r6, #0
     rsbs    r7, r7, #0
-    str     r4, [r3]
-    str     r5, [r3, #8]
-    str     r6, [r3, #16]
-    str     r7, [r3, #24]
-    adds    r3, #32
-    subs    r8, #1
-    bne     1b
+    str     r4, [r3, #\at]
+    str     r5, [r3, #\at + 8]
+    str     r6, [r3, #\at + 16]
+    str     r7, [r3, #\at + 24]
+    .endr
     .endm
 
 @ The input, four frames a pass: r4-r7 from the last to the first; r8 what they have or'ed, r2 their words' sizes, r0 what goes straight through.
@@ -387,7 +404,7 @@ bq_dispatch:
     and     r2, r2, #15
     add     r2, r2, r4
     tbh     [pc, r2, lsl #1]
-9:  .irp    loop, bq_driven_single, bq_driven_parallel, bq_driven_coupled, bq_any, bq_free_single, bq_free_parallel, bq_free_coupled, bq_any, bq_any, bq_any, bq_any, bq_any
+9:  .irp    loop, bq_driven_single, bq_driven_parallel, bq_driven_coupled, bq_any, bq_free_single, bq_free_parallel, bq_free_coupled, bq_any, bq_short, bq_short, bq_any, bq_any
     .irp    form, 0, 1, 2, 3
     .2byte  (\loop\()_\form - 9b) / 2
     .endr
@@ -522,6 +539,7 @@ bq_unflip:
     bq_free_two parallel, \form
     bq_free_two coupled, \form
     bq_free_single \form
+    bq_short \form
     bq_any \form
     .endr
     .size   malleus_biquads, . - malleus_biquads

@@ -6,7 +6,7 @@
 @   call    quads 0, end 4, frames 8 (1 or more), input 12 (null: none), out 16, direct 20
 @   quad    u 0, v 16, kept 32, turn 48, entry 64, gain 80 (four of each), awake 96; BF_QUAD bytes
 @
-@ Registers: s0-s3 u, s4-s7 v, s8-s11 kept, s12-s15 turn, s16-s19 entry, s20-s23 gain; s24 input, s25 sum, s26-s31 products.
+@ Registers: s0-s3 u, s4-s7 v, s8-s11 kept, s12-s15 turn, s16-s19 entry, s20-s23 gain; s24, s30 inputs, s25, s31 sums, s26-s29 products.
 @ r0 input, r1 quad, r2 end, r3 frames, r4 input, r5 out, r6 where what goes straight through is (once), r7 out, r8 frames.
 @
 @ A result that the next instruction takes costs a cycle more, so that four sections go side by side. VMLA would be one instruction for two, and
@@ -16,56 +16,72 @@
     .fpu fpv4-sp-d16
     .section .text.malleus_float_biquads,"ax",%progbits
 
-@ 36 operations, 2 loads in a row (3), 1 store: 40 cycles, 10 a section; 3 more with what goes straight through.
+@ 36 operations: 9 a section.
+    .macro bf_driven_step x sum direct
+    .if \direct
+    vldr    s26, [r6]
+    vmul.f32 s27, s13, s5
+    vmul.f32 s26, s26, \x
+    vmul.f32 s28, s14, s6
+    vadd.f32 \sum, \sum, s26
+    vmul.f32 s26, s12, s4
+    .else
+    vmul.f32 s26, s12, s4
+    vmul.f32 s27, s13, s5
+    vmul.f32 s28, s14, s6
+    .endif
+    vmul.f32 s29, s15, s7
+    vsub.f32 s0, s0, s26
+    vadd.f32 \sum, \sum, s4
+    vsub.f32 s1, s1, s27
+    vmul.f32 s26, s16, s0
+    vadd.f32 \sum, \sum, s5
+    vsub.f32 s2, s2, s28
+    vmul.f32 s27, s17, s1
+    vadd.f32 \sum, \sum, s6
+    vsub.f32 s3, s3, s29
+    vmul.f32 s28, s18, s2
+    vadd.f32 \sum, \sum, s7
+    vmul.f32 s29, s19, s3
+    vmul.f32 s0, s8, s0
+    vadd.f32 s4, s4, s26
+    vmul.f32 s1, s9, s1
+    vadd.f32 s5, s5, s27
+    vmul.f32 s2, s10, s2
+    vadd.f32 s6, s6, s28
+    vmul.f32 s3, s11, s3
+    vadd.f32 s7, s7, s29
+    vmul.f32 s26, s20, \x
+    vmul.f32 s27, s21, \x
+    vmul.f32 s28, s22, \x
+    vmul.f32 s29, s23, \x
+    vadd.f32 s4, s4, s26
+    vadd.f32 s5, s5, s27
+    vadd.f32 s6, s6, s28
+    vadd.f32 s7, s7, s29
+    vadd.f32 s0, s0, \x
+    vadd.f32 s1, s1, \x
+    vadd.f32 s2, s2, \x
+    vadd.f32 s3, s3, \x
+    .endm
+
     .macro bf_driven_frame at direct
     vldr    s24, [r0, #\at]
     vldr    s25, [r7, #\at]
-    .if \direct
-    vldr    s30, [r6]
-    .endif
-    vmul.f32 s26, s12, s4
-    vmul.f32 s27, s13, s5
-    .if \direct
-    vmul.f32 s30, s30, s24
-    .endif
-    vmul.f32 s28, s14, s6
-    vmul.f32 s29, s15, s7
-    .if \direct
-    vadd.f32 s25, s25, s30
-    .endif
-    vsub.f32 s0, s0, s26
-    vadd.f32 s25, s25, s4
-    vsub.f32 s1, s1, s27
-    vmul.f32 s26, s16, s0
-    vadd.f32 s25, s25, s5
-    vsub.f32 s2, s2, s28
-    vmul.f32 s27, s17, s1
-    vadd.f32 s25, s25, s6
-    vsub.f32 s3, s3, s29
-    vmul.f32 s28, s18, s2
-    vadd.f32 s25, s25, s7
-    vmul.f32 s29, s19, s3
-    vmul.f32 s30, s20, s24
-    vmul.f32 s31, s21, s24
-    vadd.f32 s4, s4, s26
-    vadd.f32 s5, s5, s27
-    vmul.f32 s26, s22, s24
-    vmul.f32 s27, s23, s24
-    vadd.f32 s6, s6, s28
-    vadd.f32 s7, s7, s29
-    vmul.f32 s0, s8, s0
-    vmul.f32 s1, s9, s1
-    vmul.f32 s2, s10, s2
-    vmul.f32 s3, s11, s3
-    vadd.f32 s4, s4, s30
-    vadd.f32 s5, s5, s31
-    vadd.f32 s6, s6, s26
-    vadd.f32 s7, s7, s27
-    vadd.f32 s0, s0, s24
-    vadd.f32 s1, s1, s24
-    vadd.f32 s2, s2, s24
-    vadd.f32 s3, s3, s24
+    bf_driven_step s24, s25, \direct
     vstr    s25, [r7, #\at]
+    .endm
+
+@ Two frames, their four loads in a row (5) and two stores: 39.5 cycles a frame, 9.9 a section.
+    .macro bf_driven_frames at direct
+    vldr    s24, [r0, #\at]
+    vldr    s30, [r0, #\at + 4]
+    vldr    s25, [r7, #\at]
+    vldr    s31, [r7, #\at + 4]
+    bf_driven_step s24, s25, \direct
+    bf_driven_step s30, s31, \direct
+    vstr    s25, [r7, #\at]
+    vstr    s31, [r7, #\at + 4]
     .endm
 
 @ 24 operations, a load and a store: 27 cycles, 6.75 a section.
@@ -98,14 +114,18 @@
     vstr    s25, [r7, #\at]
     .endm
 
+    .macro bf_free_frames at direct
+    bf_free_frame \at, \direct
+    bf_free_frame \at + 4, \direct
+    .endm
+
     .macro bf_loop name direct
     .p2align 2
 bf_\name\()_\direct:
     subs    r8, #4
     blo     2f
-1:  .irp    at, 0, 4, 8, 12
-    bf_\name\()_frame \at, \direct
-    .endr
+1:  bf_\name\()_frames 0, \direct
+    bf_\name\()_frames 8, \direct
     adds    r0, #16
     adds    r7, #16
     subs    r8, #4
