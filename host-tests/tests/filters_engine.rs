@@ -2,6 +2,7 @@
 
 use dsp_core::SampleRate;
 use dsp_core::biquad::BiquadError;
+use dsp_core::dynamic_filter::path::{MAX_GAIN, MAX_POLE, MIN_POLE};
 use dsp_core::engine::{
     Direct, Engine, Filters, LoadError, NoResiduals, NoRoom, STANDARD_CONTACTS, Skipping, TickReport,
 };
@@ -370,7 +371,9 @@ fn an_engine_without_filters_is_no_larger_for_them() {
 const LOUDEST_LOOPED: f32 = 64.0;
 
 fn any_path() -> impl Strategy<Value = Vec<Breakpoint>> {
-    let a1 = prop_oneof![-0.999f32..0.98, Just(-0.9999), Just(0.9899), Just(0.0)];
+    // a1 = -p, within what the filter takes.
+    let (lowest, highest) = (-0.9999 * MAX_POLE as f32, -0.9999 * MIN_POLE as f32);
+    let a1 = prop_oneof![lowest..highest, Just(lowest), Just(highest), Just(0.0)];
     let b = prop_oneof![-1.0f32..1.0, -1e3f32..1e3, Just(0.0), Just(1e-30)];
     let step = prop_oneof![1e-6f32..1e-4, 1e-4f32..0.05];
     prop::collection::vec((step, a1, b.clone(), b), 1..8).prop_map(|points| {
@@ -378,7 +381,7 @@ fn any_path() -> impl Strategy<Value = Vec<Breakpoint>> {
         let mut path = Vec::new();
         for (step, a1, b0, b1) in points {
             // So near the pole only as loud as the arithmetic allows.
-            let limit = 4_000.0 * (1.0 - a1.abs());
+            let limit = 0.97 * MAX_GAIN as f32 * (1.0 - a1.abs());
             let [b0, b1] = [b0, b1].map(|b: f32| b.clamp(-limit / 2.0, limit / 2.0));
             path.push(Breakpoint { time_s, a1, a2: 0.0, b0, b1, b2: 0.0 });
             time_s += step;
