@@ -5,6 +5,7 @@ pub mod data;
 pub mod on_chip;
 pub mod performance;
 pub mod residual;
+pub mod rolls;
 pub mod room;
 pub mod run_time;
 pub mod scene;
