@@ -111,7 +111,7 @@ pub fn near(random: &mut Random, count: usize, depth: usize, nearness: f64) -> (
         let width = (1.0 - radius) * nearness;
         for _ in 0..depth {
             let radius = (radius + width * random.between(-0.2, 0.2)).clamp(0.0, 0.999_99);
-            poles.push((radius, (angle + width * random.between(-1.0, 1.0)).clamp(0.0, 3.14)));
+            poles.push((radius, (angle + width * random.between(-1.0, 1.0)).clamp(0.0, std::f64::consts::PI)));
         }
     }
     (poles, (0..count).map(|_| root(random, 2.0)).collect())

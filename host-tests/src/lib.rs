@@ -6,6 +6,7 @@ pub mod dynamic_filter;
 pub mod on_chip;
 pub mod performance;
 pub mod residual;
+pub mod rolls;
 pub mod room;
 pub mod run_time;
 pub mod scene;

@@ -3,7 +3,7 @@
 use super::design::{Biquad, BiquadError};
 use super::fractions::parts;
 use super::kernel::{self, ALLOWANCE, Run};
-use super::pair::{self, Gain, Level, Pair, X_BITS};
+use super::pair::{self, Gain, Level, Pair, Wiring, X_BITS};
 use super::pole::Pole;
 use crate::fixed::times_q31;
 use crate::resonator::TICK_FRAMES;
@@ -15,8 +15,7 @@ use crate::resonator::TICK_FRAMES;
 ///
 /// A pair for every section suffices, half of that and four usually (`Bank::size`): sections of alike arithmetic go in twos.
 ///
-/// Worst SNR against `f64`: `cargo test -p host-tests --test biquads -- --nocapture`; cycles: `cargo test -p host-tests --test on_chip biquads --
-/// --nocapture`.
+/// Worst SNR against `f64`, and cycles: `docs/biquads.md`.
 #[derive(Clone, Debug)]
 pub struct Bank<const PAIRS: usize> {
     pairs: [Pair; PAIRS],
@@ -40,6 +39,17 @@ pub struct Bank<const PAIRS: usize> {
     room: i32,
     asks: bool,
     ringing: bool,
+}
+
+/// What happens to a bank in a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TickKind {
+    /// A force sets in: all sections are scaled anew, up to three times.
+    Struck,
+    /// There is input, about as loud as before.
+    Driven,
+    /// It rings, or is at rest.
+    Free,
 }
 
 /// Inputs that are too large for their level are expected to add up to this many bits more: a contact force sets in over 17 bits, and each
@@ -209,6 +219,19 @@ impl<const PAIRS: usize> Bank<PAIRS> {
         self.ringing
     }
 
+    /// Nominal cycles of a whole tick on a Cortex-M4F, rounded up by at most a half: what a budget reckons with before the tick is rendered.
+    pub fn cycles(&self, tick: TickKind) -> u32 {
+        let each = |pair: &Pair| match (tick, pair.wiring()) {
+            (TickKind::Struck, Wiring::Chain) => 3000,
+            (TickKind::Struck, _) => 2400,
+            (_, Wiring::Chain) => 1200,
+            (TickKind::Driven, _) => 640,
+            (TickKind::Free, _) => 500,
+        };
+        let pairs = self.pairs.iter().take(self.count).map(each).sum::<u32>();
+        if self.count == 0 || tick == TickKind::Free && !self.ringing { 0 } else { pairs + 1500 }
+    }
+
     /// Adds the bank's sound to `out`, saturating. Without an input, or behind its end, it rings on.
     pub fn render(&mut self, input: Option<&[i32]>, out: &mut [i32]) {
         let input = input.unwrap_or(&[]);
@@ -257,7 +280,7 @@ impl<const PAIRS: usize> Bank<PAIRS> {
         if self.recent_ticks >= PATIENCE_TICKS || before != self.input_bits {
             (self.recent, self.recent_ticks) = (0, 0);
         }
-        if self.input_bits.is_none() && (before.is_some() || self.recent_ticks % REST_TICKS == 0) {
+        if self.input_bits.is_none() && (before.is_some() || self.recent_ticks.is_multiple_of(REST_TICKS)) {
             // All are asked: those that are done are cleared.
             self.ringing = units(self.pairs.get_mut(..self.count)).map(rings_on).filter(|&rings| rings).count() > 0;
         }

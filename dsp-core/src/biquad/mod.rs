@@ -49,6 +49,6 @@ pub mod rate;
 mod extent;
 mod fractions;
 
-pub use bank::Bank;
+pub use bank::{Bank, TickKind};
 pub use design::{Biquad, BiquadError, Root};
 pub use modes::{ModalForm, Partial};

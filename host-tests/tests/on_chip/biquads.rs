@@ -1,7 +1,7 @@
 //! Biquads on the virtual core: the bits of the PC, and their cycles.
 
 use dsp_core::biquad::float::FloatBank;
-use dsp_core::biquad::{Bank, Biquad, Root};
+use dsp_core::biquad::{Bank, Biquad, Root, TickKind};
 use host_tests::on_chip::BiquadsOnChip;
 use host_tests::snr::Random;
 
@@ -107,7 +107,8 @@ fn a_biquad_keeps_its_cycles_and_one_at_rest_costs_nothing() {
     let mut random = Random::new(7);
     let noise: Vec<i32> = (0..4096).map(|_| (random.between(-0.5, 0.5) * f64::exp2(27.0)) as i32).collect();
     // Half a sine of 2 ms, as a contact has it.
-    let pulse: Vec<i32> = (0..96).map(|n| ((f64::from(n) / 96.0 * 3.1416).sin() * f64::exp2(27.0)) as i32).collect();
+    let pulse: Vec<i32> =
+        (0..96).map(|n| ((f64::from(n) / 96.0 * std::f64::consts::PI).sin() * f64::exp2(27.0)) as i32).collect();
     for (count, depth) in [(64, 1), (64, 2), (64, 4), (32, 2), (16, 1), (16, 2), (16, 4)] {
         let all = modes(count, &mut random);
         let loading = chip.load(&all, depth).unwrap();
@@ -130,6 +131,14 @@ fn a_biquad_keeps_its_cycles_and_one_at_rest_costs_nothing() {
             at_rest.nominal,
             loading.nominal
         );
+        let mut bank = Bank::<64>::new(&all, depth).unwrap();
+        assert_eq!(bank.cycles(TickKind::Free), 0, "at rest");
+        bank.render(Some(&pulse), &mut [0; 96]);
+        for (kind, cycles) in
+            [(TickKind::Struck, dearest), (TickKind::Driven, driven.nominal / 128), (TickKind::Free, free.nominal / 32)]
+        {
+            assert!(cycles <= u64::from(bank.cycles(kind)), "{kind:?}: {cycles}, reckoned {}", bank.cycles(kind));
+        }
         assert!(at_rest.nominal <= 80, "{}", at_rest.nominal);
         assert!(per(driven.nominal, 4096) <= if count >= 32 { 11.0 } else { 13.0 }, "{}", per(driven.nominal, 4096));
     }
