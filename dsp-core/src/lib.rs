@@ -4,7 +4,9 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod biquad;
 pub mod contact;
+pub mod dynamic_filter;
 pub mod engine;
 pub mod event;
 pub mod fixed;
@@ -17,6 +19,7 @@ pub mod resonator;
 pub mod room;
 pub mod table;
 pub mod trigger;
+pub mod waveguide;
 
 mod exponential;
 mod quarter_turn;

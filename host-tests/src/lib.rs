@@ -1,6 +1,8 @@
 //! What the tests and benches of this crate share: signals measured against the `f64` law.
 
+pub mod biquads;
 pub mod data;
+pub mod dynamic_filter;
 pub mod on_chip;
 pub mod performance;
 pub mod residual;
@@ -9,4 +11,5 @@ pub mod room;
 pub mod run_time;
 pub mod scene;
 pub mod single_mode;
+pub mod snr;
 pub mod trigger;

@@ -52,6 +52,7 @@
 //!             gains: vec![Gain { sine: 2.0, cosine: 0.0 }],
 //!         }],
 //!         acceleration: 0.001,
+//!         biquads: vec![],
 //!     },
 //!     strikers: vec![Striker {
 //!         pulse: Pulse::HertzHalfSine,
@@ -81,7 +82,9 @@
 //! # Ok::<(), reference::Error>(())
 //! ```
 
+pub mod biquad;
 pub mod contact;
+pub mod dynamic_filter;
 pub mod event;
 pub mod pad;
 pub mod radiation;
@@ -90,6 +93,7 @@ pub mod resonator;
 pub mod room;
 pub mod scene;
 pub mod trigger;
+pub mod waveguide;
 
 mod error;
 mod rate;

@@ -47,6 +47,11 @@ impl Sfc32 {
         (next, out)
     }
 
+    /// The bits that the next [`draw`](Self::draw) gives.
+    pub const fn first(self) -> u32 {
+        self.step().1
+    }
+
     /// The next 32 random bits.
     #[inline(always)]
     pub fn draw(&mut self) -> u32 {

@@ -1,14 +1,18 @@
 //! The same code on the virtual Cortex-M4F: the bank alone and the whole engine, called from here.
 
 mod bank;
+mod biquads;
 pub mod budget_scenes;
 mod engine;
+mod filters;
 mod residual;
 mod room;
 pub mod scenes;
 
 pub use bank::BankOnChip;
+pub use biquads::BiquadsOnChip;
 pub use engine::{BLOCK_FRAMES, EngineOnChip, Footprint, Told};
+pub use filters::FiltersOnChip;
 pub use residual::ResidualOnChip;
 pub use room::RoomOnChip;
 

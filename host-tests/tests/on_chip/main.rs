@@ -1,8 +1,10 @@
 //! dsp-core on the virtual Cortex-M4F: bits, cycles, budget. One program, so that its long tests run side by side;
 //! `cargo test -p host-tests --test on_chip costs` runs one part.
 
+mod biquads;
 mod budget;
 mod costs;
+mod filters;
 mod kernels;
 mod residual;
 mod room;

@@ -1,0 +1,189 @@
+//! The filter along its path, of either order.
+
+use super::exciter::BandPass;
+use super::kernel::{self, OnePole};
+use super::noise::White;
+use super::path::{Form, PARAMETERS, Path};
+use super::second_order::TwoPoles;
+use super::walk::Walk;
+use crate::fixed::{qadd, saturating_shift_left, times_q31};
+use crate::resonator::TICK_FRAMES;
+
+/// Noise and filter of one object; its input is Q(27 - q).
+#[derive(Clone, Debug)]
+pub(super) struct Filter<const N: usize> {
+    pub(super) path: Path<N>,
+    walk: Walk,
+    one_pole: OnePole,
+    two_poles: TwoPoles,
+}
+
+impl<const N: usize> Filter<N> {
+    pub(super) const EMPTY: Self =
+        Self { path: Path::EMPTY, walk: Walk::NOWHERE, one_pole: OnePole::REST, two_poles: TwoPoles::REST };
+
+    /// At rest behind the end of the loaded path.
+    pub(super) fn start(&mut self, noise: White) {
+        self.one_pole = OnePole { noise, shift: self.path.scale, growth: self.path.growth, ..OnePole::REST };
+        self.two_poles = TwoPoles::REST;
+        self.walk.end(&self.path);
+    }
+
+    /// To the path's start, with noise of a level of which 2^28 is 1.0.
+    pub(super) fn strike(&mut self, level: i32) {
+        let level = shifted(level, self.path.input_shift);
+        self.one_pole.level = level;
+        self.walk.start(&self.path);
+    }
+
+    /// Begins a segment of at most so many frames: gives its frames, and whether there is noise in it.
+    pub(super) fn segment(&mut self, most: usize) -> (usize, bool) {
+        let frames = self.walk.segment(&self.path, most, &mut self.one_pole.lines);
+        (frames, self.walk.is_under_way())
+    }
+
+    /// Whether noise is still to come.
+    pub(super) fn is_under_way(&self) -> bool {
+        self.walk.is_under_way()
+    }
+
+    /// At a tick into which nothing came: clears what is below a step; gives whether all is.
+    pub(super) fn settle(&mut self) -> bool {
+        if self.path.form.parameters() == PARAMETERS {
+            return self.two_poles.settle(self.path.form);
+        }
+        // Damping takes the high word, rounded: a positive pole ends within a step of 0, a negative one, where twice the rounding's half step alternates,
+        // within 1/(1 - |p|).
+        let OnePole { state, last, lines: [damp, ..], .. } = &mut self.one_pole;
+        let distance = i64::from(damp.value) + (1 << 31);
+        let rest = if distance < 1 << 30 { (1 << 30) / distance.max(1) + 2 } else { 2 };
+        if *last == 0 && (-rest..=rest).contains(&(*state >> 32)) {
+            *state = OnePole::REST.state;
+        }
+        *last == 0 && *state == OnePole::REST.state
+    }
+
+    /// Clears what rings, and ends the path.
+    pub(super) fn rest(&mut self) {
+        (self.one_pole.state, self.one_pole.last) = (OnePole::REST.state, 0);
+        self.two_poles = TwoPoles::REST;
+        self.walk.end(&self.path);
+    }
+
+    /// Leaves so much (Q31) of what rings and of the noise to come.
+    pub(super) fn attenuate(&mut self, left: i32) {
+        let one_pole = &mut self.one_pole;
+        // Beside the half step that it holds; 32 bits of it are enough.
+        one_pole.state = ((one_pole.state - OnePole::REST.state) >> 31) * i64::from(left) + OnePole::REST.state;
+        (one_pole.last, one_pole.level) = (times_q31(one_pole.last, left), times_q31(one_pole.level, left));
+        self.two_poles.attenuate(left);
+    }
+
+    /// A whole tick of noise through the filter, added to `out`: as [`segment`](Self::segment) and [`run_noise`](Self::run_noise), for less. `false` where it is
+    /// to be done by them.
+    #[inline(always)]
+    pub(super) fn run_tick(&mut self, out: &mut [i32; TICK_FRAMES]) -> bool {
+        match self.path.form {
+            Form::EqualZeros if self.walk.tick(&mut self.one_pole.lines, 2) => {
+                kernel::from_noise::<true>(&mut self.one_pole, out);
+                true
+            }
+            Form::OnePole if self.walk.tick(&mut self.one_pole.lines, 3) => {
+                kernel::from_noise::<false>(&mut self.one_pole, out);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Noise through the filter, added to `out`; `false` where only [`run`](Self::run) can.
+    #[inline(always)]
+    pub(super) fn run_noise(&mut self, out: &mut [i32]) -> bool {
+        match self.path.form {
+            Form::EqualZeros => kernel::from_noise::<true>(&mut self.one_pole, out),
+            Form::OnePole => kernel::from_noise::<false>(&mut self.one_pole, out),
+            Form::Conjugate | Form::Real => return false,
+        }
+        true
+    }
+
+    /// The next frames of noise, Q(27 - q).
+    pub(super) fn noise(&mut self, input: &mut [i32]) {
+        let OnePole { noise, level, .. } = &mut self.one_pole;
+        input.iter_mut().for_each(|word| *word = noise.draw(*level));
+    }
+
+    /// The next frames of noise through the exciter's band, which works on words below 2^27; or what it gives without noise.
+    pub(super) fn excite(&mut self, band: &mut BandPass, noisy: bool, input: &mut [i32]) {
+        let down = (1 - self.path.input_shift).max(0) as u32;
+        let level = if noisy { self.one_pole.level >> down } else { 0 };
+        input.fill(0);
+        if noisy {
+            input.iter_mut().for_each(|word| *word = self.one_pole.noise.draw(level));
+        }
+        band.run(input);
+        let largest = self.largest_input();
+        input.iter_mut().for_each(|word| *word = saturating_shift_left(*word, down).clamp(-largest, largest));
+    }
+
+    /// Nominal cycles of a tick, at most; `plain` says whether noise is all that comes in.
+    pub(super) fn cycles_a_tick(&self, plain: bool) -> u32 {
+        32 * match (self.path.form, plain) {
+            (Form::EqualZeros, true) => 20,
+            (Form::OnePole, true) => 24,
+            (Form::EqualZeros | Form::OnePole, false) => 36,
+            (Form::Conjugate | Form::Real, _) => 100,
+        }
+    }
+
+    /// Adds a signal of the bus to an input, larger than it by 2^`up`, and clips it to 2.0.
+    pub(super) fn add(&self, signal: &[i32], up: i32, input: &mut [i32]) {
+        let shift = up + self.path.input_shift;
+        let largest = self.largest_input();
+        // Twice the loop, so that what is shifted how is asked once.
+        if shift >= 0 {
+            let shift = shift.min(31);
+            for (word, &sample) in input.iter_mut().zip(signal) {
+                *word = qadd(*word, sample >> shift).clamp(-largest, largest);
+            }
+        } else {
+            // What would be lost at the top is beyond the clip.
+            let shift = shift.unsigned_abs().min(31);
+            let most = i32::MAX >> shift;
+            for (word, &sample) in input.iter_mut().zip(signal) {
+                *word = qadd(*word, sample.clamp(-most, most) << shift).clamp(-largest, largest);
+            }
+        }
+    }
+
+    /// 2.0, less a step.
+    pub(super) fn largest_input(&self) -> i32 {
+        ((1i64 << (28 - self.path.input_shift)) - 1) as i32
+    }
+
+    /// An input through the filter, added to `out`. In the buffer s is left, larger than the bus by 2^[`line_scale`](Self::line_scale).
+    pub(super) fn run(&mut self, buffer: &mut [i32], out: &mut [i32]) {
+        match self.path.form {
+            Form::EqualZeros => kernel::from_buffer::<true>(&mut self.one_pole, buffer, out),
+            Form::OnePole => kernel::from_buffer::<false>(&mut self.one_pole, buffer, out),
+            Form::Conjugate | Form::Real => {
+                self.two_poles.run(&self.path, &mut self.one_pole.lines, buffer);
+                let scale = self.path.scale;
+                out.iter_mut()
+                    .zip(buffer)
+                    .for_each(|(out, &mut s)| *out = qadd(*out, kernel::portable::scaled(s, scale)));
+            }
+        }
+    }
+
+    /// See [`run`](Self::run).
+    pub(super) fn line_scale(&self) -> i32 {
+        self.path.scale + if self.path.form.parameters() < PARAMETERS { 2 } else { 0 }
+    }
+}
+
+/// By so many bits to the right, rounding down, or to the left, saturating.
+#[inline(always)]
+fn shifted(word: i32, right: i32) -> i32 {
+    if right >= 0 { word >> right.min(31) } else { saturating_shift_left(word, right.unsigned_abs()) }
+}

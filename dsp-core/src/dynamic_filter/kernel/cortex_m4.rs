@@ -1,0 +1,70 @@
+//! The kernels for a Cortex-M4F: `cortex_m4.s`, bit for bit what [`super::portable`] does.
+#![allow(unsafe_code)] // assembly
+
+use core::mem::offset_of;
+
+use super::super::noise::MULTIPLIER;
+use super::{OnePole, portable};
+
+core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
+
+// What cortex_m4.s counts on.
+const _: () = {
+    assert!(offset_of!(OnePole, state) == 0 && offset_of!(OnePole, last) == 8 && offset_of!(OnePole, noise) == 12);
+    assert!(offset_of!(OnePole, level) == 16 && offset_of!(OnePole, shift) == 20 && offset_of!(OnePole, lines) == 24);
+    assert!(MULTIPLIER == 0x93d7_65dd);
+};
+
+unsafe extern "C" {
+    fn malleus_from_noise_equal_asr(filter: *mut OnePole, out: *mut i32, frames: usize);
+    fn malleus_from_noise_equal_lsl(filter: *mut OnePole, out: *mut i32, frames: usize);
+    fn malleus_from_noise_two_asr(filter: *mut OnePole, out: *mut i32, frames: usize);
+    fn malleus_from_noise_two_lsl(filter: *mut OnePole, out: *mut i32, frames: usize);
+    fn malleus_from_buffer_equal_asr(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
+    fn malleus_from_buffer_equal_lsl(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
+    fn malleus_from_buffer_two_asr(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
+    fn malleus_from_buffer_two_lsl(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
+}
+
+/// As [`portable::from_noise`].
+#[inline(always)]
+pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
+    if out.is_empty() || !fits(filter, out.len()) {
+        return portable::from_noise::<EQUAL>(filter, out);
+    }
+    let kernel = match (EQUAL, filter.shift >= 0) {
+        (true, true) => malleus_from_noise_equal_asr,
+        (true, false) => malleus_from_noise_equal_lsl,
+        (false, true) => malleus_from_noise_two_asr,
+        (false, false) => malleus_from_noise_two_lsl,
+    };
+    // SAFETY: `out` is borrowed mutably and holds as many words as are given; the assembly keeps the procedure call standard.
+    unsafe { kernel(filter, out.as_mut_ptr(), out.len()) }
+}
+
+/// As [`portable::from_buffer`].
+pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], out: &mut [i32]) {
+    let frames = buffer.len().min(out.len());
+    if frames == 0 || !fits(filter, frames) {
+        return portable::from_buffer::<EQUAL>(filter, buffer, out);
+    }
+    let kernel = match (EQUAL, filter.shift >= 0) {
+        (true, true) => malleus_from_buffer_equal_asr,
+        (true, false) => malleus_from_buffer_equal_lsl,
+        (false, true) => malleus_from_buffer_two_asr,
+        (false, false) => malleus_from_buffer_two_lsl,
+    };
+    // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps the procedure call standard.
+    unsafe { kernel(filter, buffer.as_mut_ptr(), out.as_mut_ptr(), frames) }
+}
+
+/// Whether shifting to the bus cannot lose a bit at the top, so that it need not saturate: the high word is below 2^29 always, and within these
+/// frames it changes by no more than `growth` each.
+#[inline(always)]
+fn fits(filter: &OnePole, frames: usize) -> bool {
+    filter.shift >= -2 || {
+        let high = ((filter.state >> 32) as i32).unsigned_abs();
+        let most = u64::from(high) + frames as u64 * u64::from(filter.growth);
+        most >> (31 + filter.shift.max(-31)) == 0
+    }
+}

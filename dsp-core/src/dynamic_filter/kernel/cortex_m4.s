@@ -1,0 +1,217 @@
+@ The first order's hot loops for a Cortex-M4F. The bits are those of portable.rs.
+@
+@ malleus_from_noise_{equal,two}_{asr,lsl}(filter, out, frames)           noise and filter, added to out
+@ malleus_from_buffer_{equal,two}_{asr,lsl}(filter, buffer, out, frames)  buffer through the filter, added to out; the state stays in the buffer
+@
+@ `equal`: b1 = b0, one product for both. `asr`, `lsl`: where the state's high word is larger or smaller than the bus.
+@ filter (checked at compile time in cortex_m4.rs): state 0, last 8, noise 12, level 16, shift 20, then value and step of damping 24, b0 32, b1 40.
+@
+@ Optimisation log (nominal cycles a frame, this file alone):
+@   104    plain Rust, noise from SFC32, state in 64 bits
+@    18.1  noise as packed halves of SFC32 in a buffer of its own (4.1), filter (14): too many loads and stores
+@    17.1  both in one loop, SFC32: three registers too many, steps fetched from s-registers
+@    13.6  a multiplicative generator needs one register and a cycle
+
+    .syntax unified
+    .thumb
+    .fpu fpv4-sp-d16
+    .section .text.malleus_dynamic_filter,"ax",%progbits
+
+@ r0 multiplier, r1 out, r2:r3 state, r5 noise, r6 level, r7 shift, r8 damping, r9 its step, r10 b0, r11 its step; r4 and r12 take turns as e and the e
+@ before, which becomes their sum, then the sound.
+    .macro noise_equal direction before now
+    mul     r5, r5, r0
+    lsl     lr, r3, #2
+    smlal   r2, r3, r8, lr
+    smmul   \now, r5, r6
+    add     \before, \before, \now
+    smlal   r2, r3, r10, \before
+    ldr     lr, [r1]
+    add     r8, r8, r9
+    \direction \before, r3, r7
+    add     r10, r10, r11
+    qadd    lr, lr, \before
+    str     lr, [r1], #4
+    .endm
+
+@ r0 b1, r6 its step, s2 level, s3 multiplier; the others as above.
+    .macro noise_two direction before now
+    vmov    lr, s3
+    mul     r5, r5, lr
+    lsl     lr, r3, #2
+    smlal   r2, r3, r8, lr
+    vmov    lr, s2
+    smmul   \now, r5, lr
+    smlal   r2, r3, r10, \now
+    smlal   r2, r3, r0, \before
+    ldr     lr, [r1]
+    add     r8, r8, r9
+    \direction \before, r3, r7
+    add     r10, r10, r11
+    qadd    lr, lr, \before
+    add     r0, r0, r6
+    str     lr, [r1], #4
+    .endm
+
+    .macro from_noise kind direction
+    .p2align 2
+    .global malleus_from_noise_\kind\()_\direction
+    .type   malleus_from_noise_\kind\()_\direction, %function
+    .thumb_func
+malleus_from_noise_\kind\()_\direction:
+    push    {r0, r4-r11, lr}
+    add     r12, r1, r2, lsl #2
+    vmov    s0, r12
+    sub     r12, r12, #32
+    vmov    s1, r12
+    .ifc \kind, two
+    ldr     r12, [r0, #40]
+    ldr     lr, [r0, #44]
+    .endif
+    ldm     r0, {r2-r11}
+    movw    r0, #0x65dd
+    movt    r0, #0x93d7
+    .ifc \kind, two
+    vmov    s2, r6
+    vmov    s3, r0
+    mov     r0, r12
+    mov     r6, lr
+    .endif
+    .ifc \direction, lsl
+    rsb     r7, r7, #0
+    .endif
+    vmov    lr, s1
+    cmp     r1, lr
+    bhi     2f
+1:  .rept   4
+    noise_\kind \direction, r4, r12
+    noise_\kind \direction, r12, r4
+    .endr
+    vmov    lr, s1
+    cmp     r1, lr
+    bls     1b
+2:  vmov    lr, s0
+    cmp     r1, lr
+    bhs     4f
+3:  noise_\kind \direction, r4, r12
+    mov     r4, r12
+    vmov    lr, s0
+    cmp     r1, lr
+    blo     3b
+4:  .ifc \kind, two
+    mov     r12, r0
+    .endif
+    pop     {r0}
+    stm     r0, {r2-r5}
+    str     r8, [r0, #24]
+    str     r10, [r0, #32]
+    .ifc \kind, two
+    str     r12, [r0, #40]
+    .endif
+    pop     {r4-r11, pc}
+    .size   malleus_from_noise_\kind\()_\direction, . - malleus_from_noise_\kind\()_\direction
+    .endm
+
+    from_noise equal, asr
+    from_noise equal, lsl
+    from_noise two, asr
+    from_noise two, lsl
+
+@ r0 buffer, r1 out, r2:r3 state, r5 what damping takes of it, r7 shift, r8-r11 damping and b0 with their steps; r4 and r12 take turns.
+    .macro buffer_equal direction before now
+    ldr     \now, [r0]
+    ldr     r6, [r1]
+    smlal   r2, r3, r8, r5
+    add     \before, \before, \now
+    smlal   r2, r3, r10, \before
+    add     r8, r8, r9
+    lsl     r5, r3, #2
+    \direction \before, r3, r7
+    qadd    r6, r6, \before
+    add     r10, r10, r11
+    str     r5, [r0], #4
+    str     r6, [r1], #4
+    .endm
+
+@ r12 b1, lr its step; r4 and r6 take turns.
+    .macro buffer_two direction before now
+    ldr     \now, [r0]
+    lsl     r5, r3, #2
+    smlal   r2, r3, r8, r5
+    smlal   r2, r3, r10, \now
+    smlal   r2, r3, r12, \before
+    add     r8, r8, r9
+    lsl     r5, r3, #2
+    \direction \before, r3, r7
+    str     r5, [r0], #4
+    ldr     r5, [r1]
+    add     r10, r10, r11
+    add     r12, r12, lr
+    qadd    r5, r5, \before
+    str     r5, [r1], #4
+    .endm
+
+    .macro from_buffer kind direction
+    .p2align 2
+    .global malleus_from_buffer_\kind\()_\direction
+    .type   malleus_from_buffer_\kind\()_\direction, %function
+    .thumb_func
+malleus_from_buffer_\kind\()_\direction:
+    push    {r0, r4-r11, lr}
+    add     r12, r2, r3, lsl #2
+    vmov    s0, r12
+    sub     r12, r12, #16
+    vmov    s1, r12
+    mov     r4, r2
+    vmov    s2, r1
+    vmov    s3, r4
+    ldm     r0, {r2-r12, lr}
+    vmov    r0, s2
+    vmov    r1, s3
+    lsl     r5, r3, #2
+    .ifc \direction, lsl
+    rsb     r7, r7, #0
+    .endif
+    vmov    r6, s1
+    cmp     r1, r6
+    bhi     2f
+1:  .rept   2
+    .ifc \kind, equal
+    buffer_equal \direction, r4, r12
+    buffer_equal \direction, r12, r4
+    .else
+    buffer_two \direction, r4, r6
+    buffer_two \direction, r6, r4
+    .endif
+    .endr
+    vmov    r6, s1
+    cmp     r1, r6
+    bls     1b
+2:  vmov    r6, s0
+    cmp     r1, r6
+    bhs     4f
+3:  .ifc \kind, equal
+    buffer_equal \direction, r4, r12
+    mov     r4, r12
+    .else
+    buffer_two \direction, r4, r6
+    mov     r4, r6
+    .endif
+    vmov    r6, s0
+    cmp     r1, r6
+    blo     3b
+4:  pop     {r0}
+    stm     r0, {r2-r4}
+    str     r8, [r0, #24]
+    str     r10, [r0, #32]
+    .ifc \kind, two
+    str     r12, [r0, #40]
+    .endif
+    pop     {r4-r11, pc}
+    .size   malleus_from_buffer_\kind\()_\direction, . - malleus_from_buffer_\kind\()_\direction
+    .endm
+
+    from_buffer equal, asr
+    from_buffer equal, lsl
+    from_buffer two, asr
+    from_buffer two, lsl

@@ -1,0 +1,52 @@
+//! The hot loops of the first order: noise and filter at once, or a filter of what lies in a buffer.
+//!
+//! [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly (`cortex_m4.s`), compared bit for bit on the
+//! virtual core (`cargo test -p host-tests --test on_chip filters`).
+
+pub mod portable;
+
+#[cfg(cortex_m4f)]
+mod cortex_m4;
+
+#[cfg(cortex_m4f)]
+pub use cortex_m4::{from_buffer, from_noise};
+#[cfg(not(cortex_m4f))]
+pub use portable::{from_buffer, from_noise};
+
+use super::noise::White;
+use super::path::PARAMETERS;
+use super::walk::Line;
+
+/// A first-order filter at work: what changes with each frame. The assembly reads it in this order.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct OnePole {
+    /// S, 2^(59 + h) times s, and half a step of its high word ([`REST`](Self::REST)), so that taking that word rounds to nearest: it is
+    /// larger than the bus by 2^h.
+    pub state: i64,
+    /// e of the frame before, Q(27 - q).
+    pub last: i32,
+    /// Where noise comes from.
+    pub noise: White,
+    /// Its level: e is Q(27 - q), and 2^(28 - q) is 1.0.
+    pub level: i32,
+    /// h.
+    pub shift: i32,
+    /// -(1 + a1) as Q30, b0 and b1 as Q(32 + h + q); the others serve the second order.
+    pub lines: [Line; PARAMETERS],
+    /// The most by which an input changes the state's high word in a frame.
+    pub growth: u32,
+}
+
+impl OnePole {
+    /// At rest.
+    pub const REST: Self = Self {
+        state: 1 << 31,
+        last: 0,
+        noise: White::new(0, 0),
+        level: 0,
+        shift: 0,
+        lines: [Line { value: 0, step: 0 }; PARAMETERS],
+        growth: 0,
+    };
+}

@@ -1,0 +1,58 @@
+//! The loops in plain Rust: the definition of the bits.
+
+use super::OnePole;
+use crate::fixed::{qadd, saturating_shift_left};
+
+/// Noise through the filter, added to `out`.
+pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
+    for out in out {
+        let e = filter.noise.draw(filter.level);
+        filter.step::<EQUAL>(e);
+        *out = qadd(*out, filter.sound());
+    }
+}
+
+/// What lies in `buffer` through the filter, added to `out`, as many frames as both have; in the buffer the state is left, 4 times the high word.
+pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], out: &mut [i32]) {
+    for (word, out) in buffer.iter_mut().zip(out) {
+        filter.step::<EQUAL>(*word);
+        *word = filter.truncated();
+        *out = qadd(*out, filter.sound());
+    }
+}
+
+impl OnePole {
+    /// The state as a word for the next frame's damping: its high word is below 2^29.
+    #[inline(always)]
+    fn truncated(&self) -> i32 {
+        ((self.state >> 32) as i32) << 2
+    }
+
+    #[inline(always)]
+    fn step<const EQUAL: bool>(&mut self, e: i32) {
+        let [damp, b0, b1, ..] = &mut self.lines;
+        self.state += i64::from(damp.value) * i64::from(((self.state >> 32) as i32) << 2);
+        if EQUAL {
+            self.state += i64::from(b0.value) * i64::from(e + self.last);
+        } else {
+            self.state += i64::from(b0.value) * i64::from(e);
+            self.state += i64::from(b1.value) * i64::from(self.last);
+            b1.advance();
+        }
+        self.last = e;
+        damp.advance();
+        b0.advance();
+    }
+
+    /// The state on the bus.
+    #[inline(always)]
+    fn sound(&self) -> i32 {
+        scaled((self.state >> 32) as i32, self.shift)
+    }
+}
+
+/// A state's word on the bus: shifted right, rounding down, or left, saturating.
+#[inline(always)]
+pub fn scaled(word: i32, shift: i32) -> i32 {
+    if shift >= 0 { word >> shift.min(31) } else { saturating_shift_left(word, shift.unsigned_abs()) }
+}

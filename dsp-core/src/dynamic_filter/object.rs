@@ -1,0 +1,307 @@
+//! All of an object's dynamic filter: noise, exciter, filter, and the loops round it.
+
+use super::error::DynamicFilterError;
+use super::exciter::BandPass;
+use super::filter::Filter;
+use super::noise::White;
+use super::settings::{Breakpoint, Exciter, Loop, Settings};
+use super::stability;
+use crate::SampleRate;
+use crate::resonator::TICK_FRAMES;
+use crate::waveguide::Loops;
+
+/// The dynamic filter of one object: at most `POINTS` breakpoints, `LOOPS` loops, and `FRAMES` frames of delay round the filter.
+///
+/// Blocks of Q4.27 in and out. Ticks of 32 frames are counted from the first frame: a caller's blocks change no bit.
+///
+/// Worst SNR against `f64` fed the same noise: `cargo test -p host-tests --test dynamic_filter --test waveguides -- --nocapture`; cycles: `cargo test -p
+/// host-tests --test on_chip filters -- --nocapture`.
+///
+/// ```
+/// use dsp_core::SampleRate;
+/// use dsp_core::dynamic_filter::{Breakpoint, DynamicFilter, Settings};
+/// let point = |time_s, b0, a1| Breakpoint { time_s, a1, b0, b1: b0, ..Breakpoint::default() };
+/// let path = [point(0.0, 0.2, -0.3), point(0.25, 0.0, -0.98)];
+/// let mut filter: DynamicFilter<8, 0, 0> = DynamicFilter::EMPTY;
+/// let settings = Settings {
+///     seed: 1,
+///     rate_hz: 48_000.0,
+///     order: 1,
+///     modes_through: false,
+///     exciter: None,
+///     path: path.iter().copied(),
+///     loops: [].iter().copied(),
+/// };
+/// filter.load(settings, SampleRate::HZ_48000, 0).unwrap();
+/// filter.strike(1.0);
+/// let mut out = [0; 100];
+/// filter.render(None, &mut out);
+/// assert!(out.iter().any(|&sample| sample != 0));
+/// ```
+#[derive(Clone, Debug)]
+pub struct DynamicFilter<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> {
+    filter: Filter<POINTS>,
+    loops: Loops<LOOPS, FRAMES>,
+    exciter: BandPass,
+    modes_through: bool,
+    loaded: bool,
+    /// Whether noise goes straight into the filter, and nothing else does.
+    plain: bool,
+    /// 1.0 of the noise's level, 2^28 and more at a higher rate than the table's.
+    level_unit: f32,
+    /// Frame within the tick, and frames that are left of the segment.
+    frame: usize,
+    left: usize,
+    /// Whether the segment has noise.
+    noisy: bool,
+    ringing: bool,
+}
+
+impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter<POINTS, LOOPS, FRAMES> {
+    /// None: gives nothing, costs nothing.
+    pub const EMPTY: Self = Self {
+        filter: Filter::EMPTY,
+        loops: Loops::EMPTY,
+        exciter: BandPass::NONE,
+        modes_through: false,
+        loaded: false,
+        plain: false,
+        level_unit: 0.0,
+        frame: 0,
+        left: 0,
+        noisy: false,
+        ringing: false,
+    };
+
+    /// The largest level of a strike; what is louder counts as this.
+    pub const MAX_LEVEL: f32 = 1.99;
+
+    /// Derives all for a rate, at rest and in place. `stream` is the number of the noise's stream, such as the pad's. After an error it is
+    /// none.
+    ///
+    /// # Errors
+    /// [`DynamicFilterError`].
+    pub fn load<P, L>(
+        &mut self,
+        settings: Settings<P, L>,
+        rate: SampleRate,
+        stream: u32,
+    ) -> Result<(), DynamicFilterError>
+    where
+        P: Iterator<Item = Breakpoint> + Clone,
+        L: Iterator<Item = Loop> + Clone,
+    {
+        self.unload();
+        let result = self.derive(settings, rate, stream);
+        if result.is_err() {
+            self.unload();
+        }
+        result
+    }
+
+    fn derive<P, L>(
+        &mut self,
+        settings: Settings<P, L>,
+        rate: SampleRate,
+        stream: u32,
+    ) -> Result<(), DynamicFilterError>
+    where
+        P: Iterator<Item = Breakpoint> + Clone,
+        L: Iterator<Item = Loop> + Clone,
+    {
+        let Settings { seed, rate_hz, order, modes_through, exciter, path, loops } = settings;
+        if !(SampleRate::MIN_HZ..=SampleRate::MAX_HZ).contains(&rate_hz) {
+            return Err(DynamicFilterError::Rate { rate_hz });
+        }
+        let ratio = rate.hz() / rate_hz;
+        self.filter.path.load(order, path.clone(), rate, ratio)?;
+        let path = path.map(move |point| point.carried(order, ratio));
+        self.filter.start(White::new(seed, stream));
+        self.loops.load(loops, self.filter.line_scale(), rate, |all| stability::check(order, path, all, rate))?;
+        if let Some(exciter) = exciter {
+            if !(exciter.exponent.abs() <= Exciter::LARGEST_EXPONENT) {
+                return Err(DynamicFilterError::Exponent { exponent: exciter.exponent });
+            }
+            self.exciter.load(&exciter, rate)?;
+        }
+        self.level_unit = (268_435_456.0 * libm::sqrt(ratio)) as f32;
+        (self.modes_through, self.loaded) = (modes_through, true);
+        self.plain = self.loops.count().0 == 0 && !self.exciter.is_loaded() && !modes_through;
+        Ok(())
+    }
+
+    /// Makes it none.
+    pub fn unload(&mut self) {
+        self.loops.unload();
+        (self.filter, self.exciter) = (Filter::EMPTY, BandPass::NONE);
+        (self.modes_through, self.loaded, self.plain) = (false, false, false);
+        (self.left, self.noisy, self.ringing) = (0, false, false);
+    }
+
+    /// Whether the object's modes are to be given to [`render`](Self::render), rather than added to the output beside it.
+    pub fn takes_modes(&self) -> bool {
+        self.modes_through
+    }
+
+    /// q of the noise's format, Q(27 - q), chosen on load: what a test must know to draw the same noise.
+    pub fn input_shift(&self) -> i32 {
+        self.filter.path.input_shift
+    }
+
+    /// Starts the path anew with noise of a level (peak force over reference force) from 0 to [`MAX_LEVEL`](Self::MAX_LEVEL); what rings rings on. It holds from the
+    /// next frame that is rendered. The filter itself is as the table says at any level, so that loops stay stable.
+    pub fn strike(&mut self, level: f32) {
+        if !self.loaded {
+            return;
+        }
+        let level = level.clamp(0.0, Self::MAX_LEVEL);
+        // 1.99 of 2^28 is the most that the input's format holds.
+        let words = (level * self.level_unit).min(Self::MAX_LEVEL * 268_435_456.0);
+        self.filter.strike(words as i32);
+        self.exciter.strike(level);
+        (self.left, self.ringing) = (0, true);
+    }
+
+    /// Whether anything sounds or may: false means that [`pass`](Self::pass) does for a block into which no modes come.
+    pub fn is_ringing(&self) -> bool {
+        self.ringing
+    }
+
+    /// Adds a block of any length to `out`: Q4.27, saturating. `modes` (as many frames, where the table says that they go through the
+    /// filter) are added to its input.
+    #[inline]
+    pub fn render(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
+        // What a tick mostly is.
+        if let (true, 0, 0, Some(tick)) = (self.plain && self.ringing, self.frame, self.left, out.as_mut_array()) {
+            if self.filter.run_tick(tick) {
+                return;
+            }
+        }
+        self.render_any(modes, out);
+    }
+
+    #[inline(never)]
+    fn render_any(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
+        let (mut modes, mut out) = (modes.unwrap_or(&[]), out);
+        while !out.is_empty() {
+            if self.ringing && self.left == 0 {
+                self.begin();
+            }
+            if !self.ringing {
+                // Nothing happens before the first mode that sounds; without one, nothing at all.
+                let given = if self.modes_through { modes } else { &[] };
+                let waits = given.iter().position(|&mode| mode != 0).unwrap_or(out.len()).min(out.len());
+                self.pass(waits);
+                out = out.split_at_mut(waits).1;
+                modes = modes.split_at(waits.min(modes.len())).1;
+                if !out.is_empty() {
+                    self.ringing = true;
+                    self.segment();
+                }
+                continue;
+            }
+            let mut frames = out.len().min(self.left);
+            if !self.plain {
+                frames = self.loops.run_length(frames);
+            }
+            let (now, later) = out.split_at_mut(frames);
+            let (given, more) = modes.split_at(frames.min(modes.len()));
+            if !(self.plain && self.noisy && self.filter.run_noise(now)) {
+                self.run(given, now);
+            }
+            (out, modes) = (later, more);
+            self.left -= frames;
+            self.frame = (self.frame + frames) % TICK_FRAMES;
+        }
+    }
+
+    /// A tick, a strike or a breakpoint.
+    fn begin(&mut self) {
+        if self.frame == 0 {
+            let silent = if self.loops.count().0 > 0 { self.loops.settle() } else { true };
+            if !self.filter.is_under_way() {
+                self.settle(silent);
+            }
+        }
+        self.segment();
+    }
+
+    fn segment(&mut self) {
+        (self.left, self.noisy) = self.filter.segment(TICK_FRAMES - self.frame);
+    }
+
+    /// Whether it is at rest, on a tick after the path's end; `silent` says whether the loops may be cleared.
+    #[inline(never)]
+    fn settle(&mut self, silent: bool) {
+        let excited = !self.exciter.settle();
+        if silent && !excited && !self.loops.is_at_rest() {
+            self.loops.rest();
+            self.filter.rest();
+        }
+        self.ringing = !self.filter.settle() || excited || !self.loops.is_at_rest();
+    }
+
+    /// Frames within a segment, by way of a buffer: the loops' line, or one of its own.
+    #[inline(never)]
+    fn run(&mut self, modes: &[i32], out: &mut [i32]) {
+        let mut own = [0; TICK_FRAMES];
+        let (mut mix, frames) = ([0; TICK_FRAMES], out.len());
+        let looped = self.loops.count().0 > 0;
+        let (Some(own), Some(mix)) = (own.get_mut(..frames), mix.get_mut(..frames)) else { return };
+        if looped {
+            self.loops.read(mix);
+        }
+        let mix_scale = self.loops.mix_scale();
+        let input = if looped { self.loops.slot(frames) } else { own };
+        if self.exciter.is_loaded() {
+            self.filter.excite(&mut self.exciter, self.noisy, input);
+        } else if self.noisy {
+            self.filter.noise(input);
+        } else {
+            input.fill(0);
+        }
+        if looped {
+            self.filter.add(mix, mix_scale, input);
+        }
+        if self.modes_through {
+            self.filter.add(modes, 0, input);
+        }
+        self.filter.run(input, out);
+        if looped {
+            self.loops.advance(frames);
+        }
+    }
+
+    /// Lets frames pass where nothing rings and no modes come: as a block, for nothing.
+    pub fn pass(&mut self, frames: usize) {
+        self.frame = (self.frame + frames) % TICK_FRAMES;
+    }
+
+    /// Clears what rings and ends the path; the noise stays where it is.
+    pub fn rest(&mut self) {
+        self.filter.rest();
+        self.loops.rest();
+        self.exciter.rest();
+        (self.left, self.noisy, self.ringing) = (0, false, false);
+    }
+
+    /// Leaves so much (Q31) of what rings and of the noise to come, until a strike brings noise of its own.
+    pub fn attenuate(&mut self, left: i32) {
+        self.filter.attenuate(left);
+        self.loops.attenuate(left);
+        self.exciter.attenuate(left);
+    }
+
+    /// Nominal cycles of a tick while it sounds, at most, for the engine's budget; 0 where none is loaded.
+    pub fn cycles_a_tick(&self) -> u32 {
+        if !self.loaded {
+            return 0;
+        }
+        let (loops, short) = self.loops.count();
+        let mut cycles = self.filter.cycles_a_tick(self.plain);
+        cycles += if self.exciter.is_loaded() { 80 * 32 } else { 0 };
+        cycles += if self.modes_through { 12 * 32 } else { 0 };
+        cycles += 16 * 32 * loops as u32 + if loops > 0 { 12 * 32 } else { 0 };
+        cycles + 80 * 32 * short as u32
+    }
+}

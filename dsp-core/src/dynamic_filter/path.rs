@@ -1,0 +1,350 @@
+//! The coefficients over time: pieces between breakpoints, what is refused, and which arithmetic serves.
+//!
+//! | order, poles | arithmetic | parameters, interpolated linearly |
+//! | --- | --- | --- |
+//! | 1 | `S -= (1 + a1) S; S += b0 e + b1 e'` in 64 bits | `-(1 + a1)`, b0, b1 |
+//! | 2, conjugate | `z = p z + g e'` (complex), `s = Re z + d e` | Re p, Im p, Re g, Im g, d |
+//! | 2, real | `z1 = p1 z1 + e'; z2 = p2 z2 + β z1'; s = d e + α z1 + z2` | p1, p2, α, β, d |
+//!
+//! (`'`: of the frame before.) All three contract, whatever the parameters do, as long as each pole is inside the unit circle; a straight
+//! line between two points inside it is inside it.
+
+use super::error::PathError;
+use super::settings::Breakpoint;
+use crate::SampleRate;
+
+/// The largest real pole, and the largest magnitude of a conjugate one.
+pub const MAX_POLE: f64 = 0.9999;
+/// The smallest real pole (first order: the largest a1 is 0.9, eq. 17's low-pass at 0.48 fs): what rounding leaves grows with 1/(1 - |p|), and
+/// faster at this end.
+pub const MIN_POLE: f64 = -0.9;
+/// The largest gain, summed over the impulse response: `(|b0| + |b1|) / (1 - |a1|)` in the first order.
+pub const MAX_GAIN: f64 = 4096.0;
+/// The longest path.
+pub const MAX_TIME_S: f64 = 3600.0;
+
+/// What a table says at its own rate, and what may become of it at another.
+#[derive(Clone, Copy)]
+struct Limits {
+    poles: [f64; 2],
+    gain: f64,
+}
+
+const OF_TABLE: Limits = Limits { poles: [MIN_POLE, MAX_POLE], gain: MAX_GAIN };
+const CARRIED: Limits = Limits { poles: [-0.9999, 0.999_999], gain: 2.0 * MAX_GAIN };
+
+/// |e| is clipped to this: 2.0.
+pub(super) const MAX_INPUT_BITS: i32 = 28;
+
+/// Parameters of the largest form.
+pub const PARAMETERS: usize = 5;
+
+/// The arithmetic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    /// First order with b1 = b0 (eq. 17): two parameters.
+    EqualZeros,
+    /// First order: three parameters.
+    OnePole,
+    /// Second order, conjugate poles.
+    Conjugate,
+    /// Second order, real poles.
+    Real,
+}
+
+impl Form {
+    pub(super) const fn parameters(self) -> usize {
+        match self {
+            Self::EqualZeros => 2,
+            Self::OnePole => 3,
+            Self::Conjugate | Self::Real => PARAMETERS,
+        }
+    }
+
+    /// Bits of the state's word that is handed on: `|s| 2^(27 + h) < 2^bits`.
+    const fn state_bits(self) -> i32 {
+        match self {
+            Self::EqualZeros | Self::OnePole | Self::Real => 29,
+            Self::Conjugate => 30,
+        }
+    }
+}
+
+/// A piece of the path: parameters at its first frame and their change a frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Piece {
+    /// First frame after the strike.
+    pub(super) start: u32,
+    /// As the form takes them.
+    pub(super) value: [i32; PARAMETERS],
+    /// With 32 bits more.
+    pub(super) slope: [i64; PARAMETERS],
+}
+
+/// Coefficients over time for a sample rate: at most `N` breakpoints.
+#[derive(Clone, Copy, Debug)]
+pub struct Path<const N: usize> {
+    pieces: [Piece; N],
+    count: usize,
+    pub(super) form: Form,
+    /// h: the state's word is larger than the bus by 2^h.
+    pub(super) scale: i32,
+    /// q: the input's words are Q(27 - q).
+    pub(super) input_shift: i32,
+    /// For real poles, h of z1.
+    pub(super) inner_scale: i32,
+    /// The most by which an input changes a first-order state's word in a frame.
+    pub(super) growth: u32,
+    /// The largest gain, summed over the impulse response.
+    pub(super) gain: f64,
+}
+
+/// Parameters of a form, and what bounds its states: past the filter, round it for an input of 1, and z1 of real poles (1 for all others), by which
+/// that round it is to be multiplied.
+#[derive(Clone, Copy)]
+struct Derived {
+    form: Form,
+    parameters: [f64; PARAMETERS],
+    direct: f64,
+    ring: f64,
+    inner: f64,
+}
+
+impl Derived {
+    fn gain(&self) -> f64 {
+        self.direct + self.inner * self.ring
+    }
+
+    /// What bounds both, and any path that jumps between them.
+    fn or(self, other: Self) -> Self {
+        let mut both = self;
+        both.parameters.iter_mut().zip(other.parameters).for_each(|(most, value)| *most = most.abs().max(value.abs()));
+        (both.direct, both.ring) = (both.direct.max(other.direct), both.ring.max(other.ring));
+        both.inner = both.inner.max(other.inner);
+        both
+    }
+}
+
+impl<const N: usize> Path<N> {
+    /// A path that gives nothing.
+    pub const EMPTY: Self = Self {
+        pieces: [Piece { start: 0, value: [0; PARAMETERS], slope: [0; PARAMETERS] }; N],
+        count: 0,
+        form: Form::EqualZeros,
+        scale: 0,
+        input_shift: 0,
+        inner_scale: 0,
+        growth: 0,
+        gain: 0.0,
+    };
+
+    /// Derives the path of a filter of order 1 or 2 for a rate, which is `ratio` times the one that the coefficients are for, in place. Breakpoints keep their time to a fraction of a frame. After an error it is
+    /// empty.
+    ///
+    /// # Errors
+    /// [`PathError`].
+    pub fn load(
+        &mut self,
+        order: u8,
+        breakpoints: impl Iterator<Item = Breakpoint> + Clone,
+        rate: SampleRate,
+        ratio: f64,
+    ) -> Result<(), PathError> {
+        *self = Self::EMPTY;
+        let given = breakpoints.clone().count();
+        if given == 0 || given > N {
+            return Err(PathError::Count { given, room: N });
+        }
+        let form = self.check(order, breakpoints.clone())?;
+        self.form = form;
+        let breakpoints = breakpoints.map(|point| point.carried(order, ratio));
+        let nothing = Derived { form, parameters: [0.0; PARAMETERS], direct: 0.0, ring: 0.0, inner: 1.0 };
+        let mut most = nothing;
+        for (breakpoint, point) in breakpoints.clone().enumerate() {
+            most = most.or(derive(order, &point, breakpoint, CARRIED)?);
+            if most.gain() > CARRIED.gain {
+                return Err(PathError::Gain { breakpoint, gain: most.gain() });
+            }
+        }
+        let units = self.choose_scales(&most);
+        self.gain = most.gain();
+        let parameters = |point: &Breakpoint| derive(order, point, 0, CARRIED).unwrap_or(nothing).parameters;
+        let mut following = breakpoints.clone().skip(1);
+        for here in breakpoints {
+            let next = following.next();
+            let frame = here.time_s * rate.hz();
+            let start = libm::ceil(frame);
+            let end = next.map_or(f64::INFINITY, |next| next.time_s * rate.hz());
+            // No frame lies within: it would never be heard.
+            if libm::ceil(end) <= start {
+                continue;
+            }
+            let Some(piece) = self.pieces.get_mut(self.count) else { break };
+            self.count += 1;
+            piece.start = start as u32;
+            let (from, to) = (parameters(&here), parameters(&next.unwrap_or(here)));
+            for ((((value, slope), from), to), unit) in
+                piece.value.iter_mut().zip(&mut piece.slope).zip(from).zip(to).zip(units)
+            {
+                let change = (to - from) / (end - frame);
+                *value = libm::rint((from + change * (start - frame)) * unit) as i32;
+                // Of a single frame the change is never used; any other is at most the whole range.
+                *slope = if end - start > 1.0 { libm::rint(change * unit * 4294967296.0) as i64 } else { 0 };
+            }
+        }
+        Ok(())
+    }
+
+    /// What can be said before anything is derived; gives the form.
+    fn check(&self, order: u8, breakpoints: impl Iterator<Item = Breakpoint> + Clone) -> Result<Form, PathError> {
+        let mut before = -1.0;
+        let mut form = None;
+        for (breakpoint, point) in breakpoints.clone().enumerate() {
+            let time_s = point.time_s;
+            let starts = breakpoint > 0 || time_s == 0.0;
+            if !(time_s > before && time_s <= MAX_TIME_S && starts) {
+                return Err(PathError::Order { breakpoint, time_s });
+            }
+            before = time_s;
+            let here = derive(order, &point, breakpoint, OF_TABLE)?.form;
+            if form.is_some_and(|form| form != here) && order == 2 {
+                return Err(PathError::PolesMeet { breakpoint });
+            }
+            // Eq. 17 is one only where all breakpoints are.
+            if form != Some(Form::OnePole) {
+                form = Some(here);
+            }
+        }
+        form.ok_or(PathError::Count { given: 0, room: N })
+    }
+
+    /// h and q; gives what 1 is in each parameter's format.
+    fn choose_scales(&mut self, most: &Derived) -> [f64; PARAMETERS] {
+        let largest = most.parameters;
+        let exponent = |value: f64| libm::frexp(value * 1.001).1;
+        let power = |bits: i32| libm::scalbn(1.0, bits);
+        // gain · 2^(MAX_INPUT_BITS + h) <= 2^state_bits.
+        let room = self.form.state_bits() - MAX_INPUT_BITS;
+        self.scale = (room - exponent(most.gain())).clamp(-14, 12);
+        let of_input = match self.form {
+            Form::EqualZeros | Form::OnePole => largest[1].max(largest[2]),
+            Form::Conjugate => largest[2].max(largest[3]).max(largest[4]),
+            Form::Real => largest[4],
+        };
+        // b · 2^(bits + q) < 2^31, bits being 32 + h in the first order and 31 + h in the second.
+        let bits = if self.form.parameters() < PARAMETERS { 32 } else { 31 } + self.scale;
+        self.input_shift = (31 - bits - exponent(of_input)).clamp(-2, 4);
+        self.inner_scale = room - exponent(most.inner);
+        let input = power(bits + self.input_shift);
+        let inner = power(30 + self.scale - self.inner_scale);
+        let pole = power(31);
+        match self.form {
+            Form::EqualZeros | Form::OnePole => {
+                let all = (largest[1] + largest[2]) * power(MAX_INPUT_BITS + self.scale);
+                self.growth = libm::ceil(all * 1.001) as u32;
+                [power(30), input, input, 0.0, 0.0]
+            }
+            Form::Conjugate => [pole, pole, input, input, input],
+            Form::Real => [pole, pole, inner, inner, input],
+        }
+    }
+
+    /// The frame at which the last breakpoint is reached: noise ends there.
+    pub fn last_frame(&self) -> u32 {
+        self.pieces().last().map_or(0, |piece| piece.start)
+    }
+
+    pub(super) fn pieces(&self) -> &[Piece] {
+        self.pieces.get(..self.count).unwrap_or(&[])
+    }
+}
+
+/// Parameters of a breakpoint.
+fn derive(order: u8, point: &Breakpoint, breakpoint: usize, limits: Limits) -> Result<Derived, PathError> {
+    let Breakpoint { a1, a2, b0, b1, b2, .. } = *point;
+    let [min_pole, max_pole] = limits.poles;
+    let stable = |pole: f64, least: f64| {
+        if (least..=max_pole).contains(&pole) { Ok(()) } else { Err(PathError::Unstable { breakpoint, pole }) }
+    };
+    let derived = match order {
+        1 => {
+            stable(-a1, min_pole)?;
+            let form = if b0 == b1 { Form::EqualZeros } else { Form::OnePole };
+            let ring = (b0.abs() + b1.abs()) / (1.0 - a1.abs());
+            Derived { form, parameters: [-(1.0 + a1), b0, b1, 0.0, 0.0], direct: 0.0, ring, inner: 1.0 }
+        }
+        2 => {
+            // H = b0 + (n1 w + n2 w²) / (1 + a1 w + a2 w²).
+            let (n1, n2) = (b1 - a1 * b0, b2 - a2 * b0);
+            let (middle, rest) = (-a1 / 2.0, a1 * a1 / 4.0 - a2);
+            if rest < 0.0 {
+                let size = libm::sqrt(a2);
+                stable(size, 0.0)?;
+                let imaginary = libm::sqrt(-rest);
+                // n1 = 2 Re r, n2 = -2 Re r p*; g = 2 r.
+                let g = [n1, -(n2 + n1 * middle) / imaginary];
+                let ring = libm::hypot(g[0], g[1]) / (1.0 - size);
+                let parameters = [middle, imaginary, g[0], g[1], b0];
+                Derived { form: Form::Conjugate, parameters, direct: b0.abs(), ring, inner: 1.0 }
+            } else {
+                let root = libm::sqrt(rest);
+                let (p1, p2) = (middle + root, middle - root);
+                stable(p1, min_pole)?;
+                stable(p2, min_pole)?;
+                let (alpha, beta) = (n1, n2 + n1 * p2);
+                let ring = alpha.abs() + beta.abs() / (1.0 - p2.abs());
+                let parameters = [p1, p2, alpha, beta, b0];
+                Derived { form: Form::Real, parameters, direct: b0.abs(), ring, inner: 1.0 / (1.0 - p1.abs()) }
+            }
+        }
+        _ => return Err(PathError::FilterOrder { order }),
+    };
+    match derived.gain() {
+        gain if (0.0..=limits.gain).contains(&gain) => Ok(derived),
+        gain => Err(PathError::Gain { breakpoint, gain }),
+    }
+}
+
+/// `|F|` at `w = cos - i sin`, a part of the way from one breakpoint to the next, parameters being interpolated.
+pub(super) fn magnitude(order: u8, here: &Breakpoint, next: &Breakpoint, part: f64, (cosine, sine): (f64, f64)) -> f64 {
+    let (Ok(from), Ok(to)) = (derive(order, here, 0, CARRIED), derive(order, next, 0, CARRIED)) else {
+        return f64::INFINITY;
+    };
+    let mut at = from.parameters;
+    at.iter_mut().zip(to.parameters).for_each(|(value, to)| *value += part * (to - *value));
+    let w = (cosine, -sine);
+    let one_less = |p: (f64, f64)| {
+        let turned = times(p, w);
+        (1.0 - turned.0, -turned.1)
+    };
+    let sum = |a: (f64, f64), b: (f64, f64)| (a.0 + b.0, a.1 + b.1);
+    let [p0, p1, p2, p3, p4] = at;
+    let response = match from.form {
+        Form::EqualZeros | Form::OnePole => {
+            // The other breakpoint may be of the other kind: both have b1 as third parameter.
+            over(sum((p1, 0.0), times((p2, 0.0), w)), one_less((1.0 + p0, 0.0)))
+        }
+        Form::Conjugate => {
+            let half = |im: f64| {
+                let ring = over(times((p2 / 2.0, im * p3 / 2.0), w), one_less((p0, im * p1)));
+                sum(ring, (p4 / 2.0, 0.0))
+            };
+            sum(half(1.0), half(-1.0))
+        }
+        Form::Real => {
+            let second = over(times((p3, 0.0), w), one_less((p1, 0.0)));
+            let ring = times(over(w, one_less((p0, 0.0))), sum((p2, 0.0), second));
+            sum(ring, (p4, 0.0))
+        }
+    };
+    libm::hypot(response.0, response.1)
+}
+
+fn times(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
+}
+
+fn over(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    let square = b.0 * b.0 + b.1 * b.1;
+    times(a, (b.0 / square, -b.1 / square))
+}

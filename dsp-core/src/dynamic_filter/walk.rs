@@ -1,0 +1,136 @@
+//! Where a strike's path is: the parameters of each frame.
+
+use super::path::{PARAMETERS, Path};
+use crate::resonator::TICK_FRAMES;
+
+/// A parameter over a run of frames: `value + n step`.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+pub struct Line {
+    /// At the next frame.
+    pub value: i32,
+    /// Change a frame.
+    pub step: i32,
+}
+
+impl Line {
+    /// A frame on. After a segment's last frame the value is used no more, so that it may wrap.
+    #[inline(always)]
+    pub fn advance(&mut self) {
+        self.value = self.value.wrapping_add(self.step);
+    }
+}
+
+/// The place on the path.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Walk {
+    /// Frames since the strike, up to the path's last.
+    time: u32,
+    /// The piece, and where the next one begins.
+    piece: usize,
+    next: u32,
+    ramps: [Ramp; PARAMETERS],
+}
+
+/// A parameter on the way through a piece.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ramp {
+    /// At the next segment's start, with 32 bits more.
+    wide: i64,
+    /// Its change in a tick, and what makes the middle of a tick right ([`Walk::segment`]).
+    of_tick: i64,
+    middle_of_tick: i64,
+}
+
+impl Walk {
+    /// On an empty path.
+    pub(super) const NOWHERE: Self = Self {
+        time: 0,
+        piece: 0,
+        next: u32::MAX,
+        ramps: [Ramp { wide: 0, of_tick: 0, middle_of_tick: 0 }; PARAMETERS],
+    };
+
+    /// To the path's start.
+    pub(super) fn start<const N: usize>(&mut self, path: &Path<N>) {
+        self.time = 0;
+        self.enter(path, 0);
+    }
+
+    /// To the path's last piece, where parameters stay.
+    pub(super) fn end<const N: usize>(&mut self, path: &Path<N>) {
+        self.time = path.last_frame();
+        self.enter(path, path.pieces().len().saturating_sub(1));
+    }
+
+    fn enter<const N: usize>(&mut self, path: &Path<N>, piece: usize) {
+        self.piece = piece;
+        self.next = path.pieces().get(piece + 1).map_or(u32::MAX, |next| next.start);
+        let Some(piece) = path.pieces().get(piece) else { return };
+        for ((ramp, &value), &slope) in self.ramps.iter_mut().zip(&piece.value).zip(&piece.slope) {
+            *ramp = Ramp {
+                wide: i64::from(value) << 32,
+                of_tick: slope.wrapping_mul(TICK_FRAMES as i64),
+                middle_of_tick: middle(slope, TICK_FRAMES as u32),
+            };
+        }
+    }
+
+    /// Whether the path's last breakpoint is still to come.
+    pub(super) fn is_under_way(&self) -> bool {
+        self.next != u32::MAX
+    }
+
+    /// Begins a segment, which lasts to the next breakpoint or to `most` frames: gives its frames, and sets the lines. Segments begin and end at ticks,
+    /// strikes and breakpoints only, so that a caller's blocks change nothing.
+    ///
+    /// A step has 32 bits only. So that what it leaves out cannot add up, a line is right in the middle of its segment, and each segment begins anew from
+    /// the 64-bit parameters.
+    pub(super) fn segment<const N: usize>(
+        &mut self,
+        path: &Path<N>,
+        most: usize,
+        lines: &mut [Line; PARAMETERS],
+    ) -> usize {
+        if self.time >= self.next {
+            self.enter(path, self.piece + 1);
+        }
+        let Some(piece) = path.pieces().get(self.piece) else { return most };
+        let frames = most.min(TICK_FRAMES).min((self.next - self.time) as usize);
+        let all = self.ramps.iter_mut().zip(&piece.slope).zip(lines);
+        for ((ramp, &slope), line) in all.take(path.form.parameters()) {
+            let value = (ramp.wide.wrapping_add(middle(slope, frames as u32)) >> 32) as i32;
+            *line = Line { value, step: step(slope) };
+            ramp.wide = ramp.wide.wrapping_add(slope.wrapping_mul(i64::from(frames as u32)));
+        }
+        if self.is_under_way() {
+            self.time += frames as u32;
+        }
+        frames
+    }
+
+    /// As [`segment`](Self::segment) for a whole tick with noise within a piece whose steps are in the lines already; `false` where it is none.
+    #[inline(always)]
+    pub(super) fn tick(&mut self, lines: &mut [Line; PARAMETERS], parameters: usize) -> bool {
+        let time = self.time + TICK_FRAMES as u32;
+        if !self.is_under_way() || time > self.next || self.time == 0 {
+            return false;
+        }
+        self.time = time;
+        for (ramp, line) in self.ramps.iter_mut().zip(lines).take(parameters) {
+            line.value = (ramp.wide.wrapping_add(ramp.middle_of_tick) >> 32) as i32;
+            ramp.wide = ramp.wide.wrapping_add(ramp.of_tick);
+        }
+        true
+    }
+}
+
+/// A slope's step of 32 bits, nearest.
+fn step(slope: i64) -> i32 {
+    (slope.wrapping_add(1 << 31) >> 32) as i32
+}
+
+/// Half a segment's frames of what the step leaves out, which is within half a step, and half a step for rounding.
+fn middle(slope: i64, frames: u32) -> i64 {
+    i64::from(slope as i32) * i64::from(frames >> 1) + (1 << 31)
+}

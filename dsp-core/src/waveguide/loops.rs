@@ -1,0 +1,178 @@
+//! The delay line and the loops that read it.
+
+use super::SILENCE;
+use super::error::LoopError;
+use super::kernel;
+use super::resonance::{LINE_BITS, Resonance};
+use super::tuning::{Loop, Tuned};
+use crate::SampleRate;
+use crate::fixed::times_q31;
+use crate::resonator::TICK_FRAMES;
+
+/// At most `LOOPS` loops on one line of `FRAMES` frames of s.
+#[derive(Clone, Debug)]
+pub(crate) struct Loops<const LOOPS: usize, const FRAMES: usize> {
+    bands: [Resonance; LOOPS],
+    count: usize,
+    /// The shortest delay, at most a tick.
+    shortest: usize,
+    /// The line, a ring, larger than the bus by 2^line_scale; where s is written next.
+    line: [i32; FRAMES],
+    place: usize,
+    line_scale: i32,
+    mix_scale: i32,
+    /// Sizes written in this tick, or'ed, in the time that the longest delay takes, so far, and in that before; frames of the one and the other.
+    sizes: u32,
+    sizes_of: [u32; 2],
+    frames_of_first: usize,
+    longest: usize,
+    /// Frames for which all were silent.
+    quiet_frames: usize,
+}
+
+impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
+    /// None.
+    pub(crate) const EMPTY: Self = Self {
+        bands: [Resonance::EMPTY; LOOPS],
+        count: 0,
+        shortest: TICK_FRAMES,
+        line: [0; FRAMES],
+        place: 0,
+        line_scale: 0,
+        mix_scale: 0,
+        sizes: 0,
+        sizes_of: [0; 2],
+        frames_of_first: 0,
+        longest: 0,
+        quiet_frames: 0,
+    };
+
+    /// Derives loops at rest for a line of s larger than the bus by 2^`line_scale`; `stable` checks the sum of the loops.
+    pub(crate) fn load(
+        &mut self,
+        loops: impl Iterator<Item = Loop> + Clone,
+        line_scale: i32,
+        rate: SampleRate,
+        stable: impl FnOnce(&[Tuned]) -> Result<(), LoopError>,
+    ) -> Result<(), LoopError> {
+        self.unload();
+        let given = loops.clone().count();
+        if given > LOOPS {
+            return Err(LoopError::Count { given, room: LOOPS });
+        }
+        let mut all = [Tuned::default(); LOOPS];
+        for (index, (tuned, one)) in all.iter_mut().zip(loops).enumerate() {
+            *tuned = Tuned::new(&one, index, FRAMES, rate)?;
+        }
+        let all = all.get(..given).unwrap_or(&[]);
+        stable(all)?;
+        // 2^mix_scale < 2 / |y|, so that a state that holds y is larger than its mix.
+        let largest = all.iter().map(|tuned| Resonance::largest(tuned, line_scale)).fold(0.0, f64::max);
+        self.mix_scale = (1 - libm::frexp(largest).1).clamp(-20, 0);
+        self.line_scale = line_scale;
+        for (band, tuned) in self.bands.iter_mut().zip(all) {
+            *band = Resonance::new(tuned, line_scale, self.mix_scale);
+            self.shortest = self.shortest.min(tuned.delay);
+            self.longest = self.longest.max(tuned.delay);
+        }
+        self.count = given;
+        Ok(())
+    }
+
+    /// Makes them none.
+    pub(crate) fn unload(&mut self) {
+        self.rest();
+        (self.count, self.shortest, self.longest) = (0, TICK_FRAMES, 0);
+    }
+
+    /// How many there are, and how many of them have a delay below a tick.
+    pub(crate) fn count(&self) -> (usize, usize) {
+        let short = |band: &&Resonance| band.delay < TICK_FRAMES;
+        (self.count, self.used().iter().filter(short).count())
+    }
+
+    fn used(&self) -> &[Resonance] {
+        self.bands.get(..self.count).unwrap_or(&[])
+    }
+
+    /// E of the mix.
+    pub(crate) fn mix_scale(&self) -> i32 {
+        self.mix_scale
+    }
+
+    /// Clears what rings.
+    pub(crate) fn rest(&mut self) {
+        self.bands.iter_mut().take(self.count).for_each(Resonance::rest);
+        self.line.fill(0);
+        (self.sizes, self.sizes_of, self.frames_of_first, self.quiet_frames) = (0, [0; 2], 0, 0);
+    }
+
+    /// Leaves so much (Q31) of what rings.
+    pub(crate) fn attenuate(&mut self, left: i32) {
+        for band in self.bands.iter_mut().take(self.count) {
+            band.attenuate(left);
+        }
+        let used = if self.count > 0 { FRAMES } else { 0 };
+        self.line.iter_mut().take(used).for_each(|s| *s = times_q31(*s, left));
+    }
+
+    /// How many of so many frames can be run at once: as long as no loop reads what is not written, and the ring does not turn.
+    pub(crate) fn run_length(&self, frames: usize) -> usize {
+        frames.min(self.shortest).min(FRAMES - self.place)
+    }
+
+    /// The loops' sum over so many frames, added to `mix`.
+    pub(crate) fn read(&mut self, mix: &mut [i32]) {
+        let frames = mix.len();
+        for band in self.bands.iter_mut().take(self.count) {
+            let start = match self.place.checked_sub(band.delay) {
+                Some(start) => start,
+                None => self.place + FRAMES - band.delay,
+            };
+            let first = frames.min(FRAMES.saturating_sub(start));
+            let (now, later) = mix.split_at_mut(first);
+            kernel::run(band, self.line.get(start..start + first).unwrap_or(&[]), now);
+            if !later.is_empty() {
+                kernel::run(band, self.line.get(..later.len()).unwrap_or(&[]), later);
+            }
+        }
+    }
+
+    /// Where the next frames of s are to be written: the input goes in there, and the filter leaves s.
+    pub(crate) fn slot(&mut self, frames: usize) -> &mut [i32] {
+        self.line.get_mut(self.place..self.place + frames).unwrap_or(&mut [])
+    }
+
+    /// Moves on behind a slot that was written.
+    pub(crate) fn advance(&mut self, frames: usize) {
+        let written = self.line.get(self.place..self.place + frames).unwrap_or(&[]);
+        self.sizes |= written.iter().fold(0, |sizes, &s| sizes | (s ^ (s >> 31)) as u32);
+        self.place += frames;
+        if self.place >= FRAMES {
+            self.place = 0;
+        }
+    }
+
+    /// On a tick: scales states anew; gives whether the line has been silent for all its length, so that it may be cleared.
+    pub(crate) fn settle(&mut self) -> bool {
+        self.sizes_of[0] |= self.sizes;
+        let all = self.sizes_of[0] | self.sizes_of[1];
+        self.frames_of_first += TICK_FRAMES;
+        if self.frames_of_first > self.longest {
+            (self.sizes_of, self.frames_of_first) = ([0, self.sizes_of[0]], 0);
+        }
+        let line_bits = 32 - all.leading_zeros() as i32;
+        for band in self.bands.iter_mut().take(self.count) {
+            band.settle(if band.delay < TICK_FRAMES { LINE_BITS } else { line_bits });
+        }
+        let silence = 1u32.checked_shl((SILENCE + self.line_scale).clamp(0, 31) as u32).unwrap_or(0);
+        self.quiet_frames = if self.sizes < silence { self.quiet_frames + TICK_FRAMES } else { 0 };
+        self.sizes = 0;
+        self.quiet_frames > FRAMES
+    }
+
+    /// Whether nothing is left.
+    pub(crate) fn is_at_rest(&self) -> bool {
+        self.used().iter().all(Resonance::is_at_rest)
+    }
+}

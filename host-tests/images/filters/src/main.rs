@@ -1,0 +1,124 @@
+//! Biquads, the dynamic filter and waveguides on a bare Cortex-M4F, without a board.
+//!
+//! Nothing starts by itself: the virtual core writes numbers into memory and calls the exported functions, which return 0 or a
+//! negative number that says why not. The host's side of it is `host-tests/src/on_chip/filters.rs`.
+#![no_std]
+#![no_main]
+
+use core::cell::UnsafeCell;
+use core::panic::PanicInfo;
+
+use dsp_core::SampleRate;
+use dsp_core::biquad::{Bank, Biquad, Root};
+use dsp_core::dynamic_filter::{Breakpoint, DynamicFilter, Exciter, Settings};
+use dsp_core::waveguide::Loop;
+
+struct Global<T>(UnsafeCell<T>);
+
+// SAFETY: the virtual core has one thread and calls one function at a time.
+unsafe impl<T> Sync for Global<T> {}
+
+static BIQUADS: Global<Bank<64>> = Global(UnsafeCell::new(Bank::EMPTY));
+
+/// Loads `count` biquads of five words (pole, numerator) in chains of `depth`. -1: refused.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub unsafe extern "C" fn biquads_load(numbers: *const [f64; 5], count: usize, depth: usize) -> i32 {
+    // SAFETY: the host's word.
+    let numbers = unsafe { core::slice::from_raw_parts(numbers, count) };
+    let mut biquads = [Biquad { pole: Root::polar(0.0, 0.0), numerator: [0.0; 3] }; 64];
+    for (biquad, &[real, imaginary, b0, b1, b2]) in biquads.iter_mut().zip(numbers) {
+        *biquad = Biquad { pole: Root { real, imaginary }, numerator: [b0, b1, b2] };
+    }
+    // SAFETY: as for `Sync`.
+    let bank = unsafe { &mut *BIQUADS.0.get() };
+    match biquads.get(..count).map(|biquads| bank.load(biquads, depth)) {
+        Some(Ok(())) => 0,
+        _ => -1,
+    }
+}
+
+/// Adds a block to `out`. `input` may be null.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub unsafe extern "C" fn biquads_render(input: *const i32, out: *mut i32, frames: usize) {
+    // SAFETY: the host's word.
+    let (input, out) = unsafe {
+        let input = (!input.is_null()).then(|| core::slice::from_raw_parts(input, frames));
+        (input, core::slice::from_raw_parts_mut(out, frames))
+    };
+    // SAFETY: as for `Sync`.
+    unsafe { &mut *BIQUADS.0.get() }.render(input, out);
+}
+
+static FILTER: Global<DynamicFilter<16, 10, 2048>> = Global(UnsafeCell::new(DynamicFilter::EMPTY));
+
+/// Loads a dynamic filter at 48 kHz: breakpoints of six words (time, a1, a2, b0, b1, b2), loops of four (frequency, bandwidth, gain,
+/// delay), order, and 1 where modes go through; seed and stream 9. -1: refused.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub unsafe extern "C" fn filter_load(
+    points: *const [f64; 6],
+    count: usize,
+    loops: *const [f64; 4],
+    bands: usize,
+    order: u8,
+    exciter: *const [f64; 3],
+) -> i32 {
+    // SAFETY: the host's word.
+    let (points, loops, exciter) = unsafe {
+        let exciter = (!exciter.is_null()).then(|| *exciter);
+        (core::slice::from_raw_parts(points, count), core::slice::from_raw_parts(loops, bands), exciter)
+    };
+    let point = |&[time_s, a1, a2, b0, b1, b2]: &[f64; 6]| Breakpoint { time_s, a1, a2, b0, b1, b2 };
+    let one =
+        |&[frequency_hz, bandwidth_hz, gain, delay_s]: &[f64; 4]| Loop { frequency_hz, bandwidth_hz, gain, delay_s };
+    let settings = Settings {
+        seed: 9,
+        rate_hz: 48_000.0,
+        order,
+        modes_through: false,
+        exciter: exciter.map(|[low_hz, high_hz, exponent]| Exciter { low_hz, high_hz, exponent }),
+        path: points.iter().map(point),
+        loops: loops.iter().map(one),
+    };
+    // SAFETY: as for `Sync`.
+    match unsafe { &mut *FILTER.0.get() }.load(settings, SampleRate::HZ_48000, 9) {
+        Ok(()) => 0,
+        Err(_) => -1,
+    }
+}
+
+/// Strikes the filter at a level, given as the bits of an f32.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub extern "C" fn filter_strike(level_bits: u32) {
+    // SAFETY: as for `Sync`.
+    unsafe { &mut *FILTER.0.get() }.strike(f32::from_bits(level_bits));
+}
+
+/// Adds a block to `out`. `modes` may be null.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub unsafe extern "C" fn filter_render(modes: *const i32, out: *mut i32, frames: usize) {
+    // SAFETY: the host's word.
+    let (modes, out) = unsafe {
+        let modes = (!modes.is_null()).then(|| core::slice::from_raw_parts(modes, frames));
+        (modes, core::slice::from_raw_parts_mut(out, frames))
+    };
+    // SAFETY: as for `Sync`.
+    unsafe { &mut *FILTER.0.get() }.render(modes, out);
+}
+
+/// The virtual core never starts here; a linker needs an entry.
+#[unsafe(no_mangle)]
+pub extern "C" fn _start() -> ! {
+    loop {}
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    // An undefined instruction: the virtual core stops and names the function.
+    // SAFETY: never returns.
+    unsafe { core::arch::asm!("udf #0", options(noreturn)) }
+}

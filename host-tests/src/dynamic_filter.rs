@@ -1,0 +1,107 @@
+//! Dynamic filters by both crates: the same table, the same noise.
+
+use dsp_core::SampleRate;
+use dsp_core::dynamic_filter::noise::White;
+use dsp_core::dynamic_filter::{Breakpoint, DynamicFilter, DynamicFilterError, Exciter, Settings};
+use dsp_core::waveguide::Loop;
+
+/// Room for any table: 32 breakpoints, 16 loops, 4096 frames of delay.
+pub type Ours = DynamicFilter<32, 16, 4096>;
+
+/// Seed and stream of the noise.
+pub const SEED: (u32, u32) = (9, 4);
+
+/// A table.
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// 1 or 2.
+    pub order: u8,
+    /// Breakpoints.
+    pub path: Vec<Breakpoint>,
+    /// Loops.
+    pub loops: Vec<Loop>,
+    /// The noise's band.
+    pub exciter: Option<Exciter>,
+    /// Whether modes go through.
+    pub modes_through: bool,
+    /// The rate of the coefficients.
+    pub rate_hz: f64,
+}
+
+impl Table {
+    /// Of order 1, at 48 kHz, with nothing but a path.
+    pub fn of_path(path: Vec<Breakpoint>) -> Self {
+        Self { order: 1, path, loops: Vec::new(), exciter: None, modes_through: false, rate_hz: 48_000.0 }
+    }
+
+    /// dsp-core's.
+    ///
+    /// # Errors
+    /// [`DynamicFilterError`].
+    pub fn ours(&self, rate: SampleRate) -> Result<Box<Ours>, DynamicFilterError> {
+        let mut filter = Box::new(Ours::EMPTY);
+        let settings = Settings {
+            seed: SEED.0,
+            rate_hz: self.rate_hz,
+            order: self.order,
+            modes_through: self.modes_through,
+            exciter: self.exciter,
+            path: self.path.iter().copied(),
+            loops: self.loops.iter().copied(),
+        };
+        filter.load(settings, rate, SEED.1).map(|()| filter)
+    }
+
+    /// The reference's sound for strikes (sample, level) in order, in steps of the bus; `input_shift` is that of [`Ours`].
+    pub fn exact(&self, strikes: &[(usize, f32)], input_shift: i32, frames: usize, rate: SampleRate) -> Vec<f64> {
+        let theirs = reference::SampleRate { numerator: (rate.hz() * 64.0) as u32, denominator: 64 };
+        let ratio = rate.hz() / self.rate_hz;
+        let point = |p: &Breakpoint| {
+            let Breakpoint { time_s, a1, a2, b0, b1, b2 } = *p;
+            reference::dynamic_filter::Breakpoint { time_s, a1, a2, b0, b1, b2 }.at_ratio(ratio)
+        };
+        let path: Vec<_> = self.path.iter().map(point).collect();
+        let last = (path.last().map_or(0.0, |point| point.time_s) * rate.hz()).ceil() as usize;
+        let mut generator = White::new(SEED.0, SEED.1);
+        let unit = 268_435_456.0 * ratio.sqrt();
+        let mut noise = |n: usize| {
+            let Some(&(start, level)) = strikes.iter().rev().find(|(start, _)| *start <= n) else { return 0.0 };
+            if n - start >= last {
+                return 0.0;
+            }
+            let words = (f64::from(level) * unit).min(1.99 * 268_435_456.0) as i32;
+            let words = if input_shift >= 0 { words >> input_shift } else { words << -input_shift };
+            f64::from(generator.draw(words)) * f64::exp2(f64::from(input_shift))
+        };
+        let mut input: Vec<f64> = (0..frames).map(&mut noise).collect();
+        if let Some(Exciter { low_hz, high_hz, exponent }) = self.exciter {
+            let level = strikes.first().map_or(1.0, |&(_, level)| f64::from(level));
+            input = reference::dynamic_filter::Exciter { low_hz, high_hz, exponent }.filter(level, &input, theirs);
+        }
+        let mut filter = reference::dynamic_filter::Filter::new(self.order, &path, theirs);
+        let starts: Vec<usize> = strikes.iter().map(|&(start, _)| start).collect();
+        let one = |&Loop { frequency_hz, bandwidth_hz, gain, delay_s }: &Loop| reference::waveguide::Loop {
+            frequency_hz,
+            bandwidth_hz,
+            gain,
+            delay_s,
+        };
+        let loops: Vec<_> = self.loops.iter().map(one).collect();
+        reference::waveguide::filter(&mut filter, &loops, &starts, &input, theirs)
+    }
+}
+
+/// Our sound for strikes (sample, level) in order.
+pub fn play(filter: &mut Ours, strikes: &[(usize, f32)], frames: usize) -> Vec<i32> {
+    let mut out = vec![0; frames];
+    let mut at = 0;
+    for (index, &(start, level)) in strikes.iter().enumerate() {
+        filter.render(None, &mut out[at..start]);
+        filter.strike(level);
+        at = start;
+        if index + 1 == strikes.len() {
+            filter.render(None, &mut out[at..]);
+        }
+    }
+    out
+}

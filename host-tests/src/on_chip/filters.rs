@@ -1,0 +1,114 @@
+//! Biquads, the dynamic filter and waveguides on the virtual core.
+
+use dsp_core::biquad::Biquad;
+use dsp_core::dynamic_filter::{Breakpoint, Exciter};
+use dsp_core::waveguide::Loop;
+use virtual_core::{Cost, Image, Machine};
+
+use super::{HOST_MEMORY, OnChipError, accept, bytes_of, manifest, words_of};
+
+const INPUT: u32 = HOST_MEMORY;
+const OUT: u32 = HOST_MEMORY + 0x4000;
+const BAND: u32 = HOST_MEMORY + 0x8000;
+
+/// `host-tests/images/filters`: a bank of at most 64 biquads, a dynamic filter of 16 breakpoints and 10 loops of up to 2048 frames.
+#[derive(Debug)]
+pub struct FiltersOnChip {
+    machine: Machine,
+}
+
+impl FiltersOnChip {
+    /// Builds the image (once a process) and starts a machine with it.
+    ///
+    /// # Errors
+    /// [`OnChipError`].
+    pub fn new() -> Result<Self, OnChipError> {
+        let image = Image::from_elf(&virtual_core::build(&manifest("filters"))?)?;
+        Ok(Self { machine: Machine::new(&image)? })
+    }
+
+    /// Loads a bank of biquads.
+    ///
+    /// # Errors
+    /// [`OnChipError::Refused`] where it is no bank.
+    pub fn load_biquads(&mut self, biquads: &[Biquad], depth: usize) -> Result<(), OnChipError> {
+        let numbers = |biquad: &Biquad| {
+            let [b0, b1, b2] = biquad.numerator;
+            [biquad.pole.real, biquad.pole.imaginary, b0, b1, b2]
+        };
+        let bytes: Vec<u8> = biquads.iter().flat_map(numbers).flat_map(f64::to_le_bytes).collect();
+        self.machine.write(INPUT, &bytes)?;
+        let call = self.machine.call("biquads_load", &[INPUT, biquads.len() as u32, depth as u32])?;
+        accept("biquads_load", call.value)
+    }
+
+    /// A block of at most 4096 frames from a bus of zeros: its sound, and what it cost.
+    ///
+    /// # Errors
+    /// [`OnChipError::Run`].
+    pub fn render_biquads(&mut self, input: Option<&[i32]>, frames: usize) -> Result<(Vec<i32>, Cost), OnChipError> {
+        self.machine.write(OUT, &vec![0; frames * 4])?;
+        if let Some(input) = input {
+            self.machine.write(INPUT, &bytes_of(input))?;
+        }
+        let address = if input.is_some() { INPUT } else { 0 };
+        let call = self.machine.call("biquads_render", &[address, OUT, frames as u32])?;
+        let mut out = vec![0; frames * 4];
+        self.machine.read(OUT, &mut out)?;
+        Ok((words_of(&out), call.cost))
+    }
+
+    /// Loads a dynamic filter at 48 kHz, seed and stream 9.
+    ///
+    /// # Errors
+    /// [`OnChipError::Refused`] where it is none.
+    pub fn load_filter(
+        &mut self,
+        order: u8,
+        points: &[Breakpoint],
+        loops: &[Loop],
+        exciter: Option<Exciter>,
+    ) -> Result<(), OnChipError> {
+        let point = |p: &Breakpoint| [p.time_s, p.a1, p.a2, p.b0, p.b1, p.b2];
+        let one = |l: &Loop| [l.frequency_hz, l.bandwidth_hz, l.gain, l.delay_s];
+        let bytes: Vec<u8> = points.iter().flat_map(point).flat_map(f64::to_le_bytes).collect();
+        self.machine.write(INPUT, &bytes)?;
+        let bytes: Vec<u8> = loops.iter().flat_map(one).flat_map(f64::to_le_bytes).collect();
+        self.machine.write(OUT, &bytes)?;
+        let band = exciter.map(|e| [e.low_hz, e.high_hz, e.exponent].map(f64::to_le_bytes));
+        self.machine.write(BAND, band.unwrap_or_default().as_flattened())?;
+        let band = if band.is_some() { BAND } else { 0 };
+        let arguments = [INPUT, points.len() as u32, OUT, loops.len() as u32, u32::from(order), band];
+        let call = self.machine.call("filter_load", &arguments)?;
+        accept("filter_load", call.value)
+    }
+
+    /// Strikes the filter.
+    ///
+    /// # Errors
+    /// [`OnChipError::Run`].
+    pub fn strike(&mut self, level: f32) -> Result<Cost, OnChipError> {
+        Ok(self.machine.call("filter_strike", &[level.to_bits()])?.cost)
+    }
+
+    /// A block of at most 4096 frames of the filter from a bus of zeros, and what it cost.
+    ///
+    /// # Errors
+    /// [`OnChipError::Run`].
+    pub fn render(&mut self, modes: Option<&[i32]>, frames: usize) -> Result<(Vec<i32>, Cost), OnChipError> {
+        self.machine.write(OUT, &vec![0; frames * 4])?;
+        if let Some(modes) = modes {
+            self.machine.write(INPUT, &bytes_of(modes))?;
+        }
+        let address = if modes.is_some() { INPUT } else { 0 };
+        let call = self.machine.call("filter_render", &[address, OUT, frames as u32])?;
+        let mut out = vec![0; frames * 4];
+        self.machine.read(OUT, &mut out)?;
+        Ok((words_of(&out), call.cost))
+    }
+
+    /// The machine, for its profile and its loops.
+    pub fn machine(&mut self) -> &mut Machine {
+        &mut self.machine
+    }
+}

@@ -1,0 +1,128 @@
+//! The dynamic filter and its loops on the virtual core: the bits of the PC, and their cycles.
+
+use dsp_core::SampleRate;
+use dsp_core::dynamic_filter::{Breakpoint, DynamicFilter, Exciter, Settings};
+use dsp_core::waveguide::Loop;
+use host_tests::on_chip::FiltersOnChip;
+use host_tests::snr::Random;
+
+fn path(b1: f64) -> [Breakpoint; 3] {
+    let point = |time_s, b0: f64, a1| Breakpoint { time_s, a1, a2: 0.0, b0, b1: b1 * b0, b2: 0.0 };
+    [point(0.0, 0.25, -0.3), point(0.11, 0.1, -0.7), point(0.53, 0.02, -0.9)]
+}
+
+fn loops(count: usize) -> Vec<Loop> {
+    let one = |n| Loop {
+        frequency_hz: 150.0 + 700.0 * f64::from(n),
+        bandwidth_hz: 4.0,
+        gain: 0.3,
+        delay_s: (34.3 + f64::from(n)) / 48_000.0,
+    };
+    (0..count as u32).map(one).collect()
+}
+
+#[test]
+fn the_chip_has_the_bits_of_the_pc() {
+    let mut chip = FiltersOnChip::new().unwrap();
+    let (mut random, mut played) = (Random::new(5), 0);
+    let band = Some(Exciter { low_hz: 80.0, high_hz: 5000.0, exponent: 0.3 });
+    // Loud, quiet and steep paths take all loops of the assembly.
+    let cases = [
+        (1, 1.0, 1.0, 0, None),
+        (1, 0.4, 1.0, 0, None),
+        (1, 1.0, 30.0, 0, None),
+        (1, 0.4, 30.0, 0, None),
+        (1, 1.0, 1000.0, 0, None),
+        (1, 1.0, 1e-3, 0, band),
+        (1, -1.0, 1.0, 7, None),
+        (1, 1.0, 1.0, 3, band),
+        (2, 1.0, 1.0, 2, None),
+    ];
+    for (order, b1, gain, count, exciter) in cases {
+        let mut path = path(b1);
+        path.iter_mut().for_each(|point| (point.b0, point.b1) = (point.b0 * gain, point.b1 * gain));
+        if order == 2 {
+            path.iter_mut().for_each(|point| point.a2 = 0.9 * point.a1 * point.a1);
+        }
+        // High ones too: every shift; short ones too.
+        let mut loops = loops(count);
+        loops.iter_mut().zip([400.0, 5000.0, 9000.0, 15_000.0]).for_each(|(one, hz)| one.frequency_hz = hz);
+        loops.iter_mut().for_each(|one| one.gain /= 2.0 * count as f64);
+        if count == 7 {
+            loops[2].delay_s = 11.5 / 48_000.0;
+        }
+        // Both begin on a tick.
+        chip.render(None, 32 - played % 32).unwrap();
+        played = 0;
+        chip.load_filter(order, &path, &loops, exciter).unwrap();
+        let mut filter = Box::new(DynamicFilter::<16, 10, 2048>::EMPTY);
+        let settings = Settings {
+            seed: 9,
+            rate_hz: 48_000.0,
+            order,
+            modes_through: false,
+            exciter,
+            path: path.iter().copied(),
+            loops: loops.iter().copied(),
+        };
+        filter.load(settings, SampleRate::HZ_48000, 9).unwrap();
+        for strike in 0..4u32 {
+            let level = [1.0, 0.3, 1.99, 0.01][strike as usize];
+            filter.strike(level);
+            chip.strike(level).unwrap();
+            for _ in 0..12 {
+                let frames = random.between(1.0, 90.0) as usize;
+                played += frames;
+                let mut expected = vec![0; frames];
+                filter.render(None, &mut expected);
+                assert_eq!(chip.render(None, frames).unwrap().0, expected, "{order} {b1} {gain} {count}");
+            }
+            played += 2000;
+            let mut expected = vec![0; 2000];
+            filter.render(None, &mut expected);
+            assert_eq!(chip.render(None, 2000).unwrap().0, expected, "{order} {b1} {gain} {count}");
+            assert!(expected.iter().any(|&sample| sample != 0));
+        }
+    }
+}
+
+#[test]
+fn filter_and_loops_keep_their_cycles_and_cost_nothing_at_rest() {
+    let mut chip = FiltersOnChip::new().unwrap();
+    let mut cost = |order: u8, b1: f64, gain: f64, loops: &[Loop], exciter: Option<Exciter>| {
+        let mut path = path(b1);
+        path.iter_mut().for_each(|point| (point.b0, point.b1) = (point.b0 * gain, point.b1 * gain));
+        if order == 2 {
+            path.iter_mut().for_each(|point| point.a2 = 0.9 * point.a1 * point.a1);
+        }
+        chip.load_filter(order, &path, loops, exciter).unwrap();
+        let at_rest = chip.render(None, 512).unwrap().1.nominal as f64 / 512.0;
+        assert!(at_rest <= 0.3, "{at_rest}");
+        let strike = chip.strike(1.0).unwrap().nominal;
+        // Tick by tick, as the engine does.
+        let ticks = 64;
+        let all: u64 = (0..ticks).map(|_| chip.render(None, 32).unwrap().1.nominal).sum();
+        (all as f64 / f64::from(ticks) / 32.0, strike)
+    };
+    let (plain, strike) = cost(1, 1.0, 1.0, &[], None);
+    println!("eq. 17 with noise: {plain:.1} cycles a frame, a strike {strike}");
+    let (loud, _) = cost(1, 1.0, 10.0, &[], None);
+    println!("eq. 17 with noise, louder than the bus: {loud:.1}");
+    let (two, _) = cost(1, 0.4, 1.0, &[], None);
+    println!("with b1 of its own: {two:.1}");
+    let (second, _) = cost(2, 0.4, 1.0, &[], None);
+    println!("second order: {second:.1}");
+    let (excited, strike) = cost(1, 1.0, 1.0, &[], Some(Exciter { low_hz: 80.0, high_hz: 5000.0, exponent: 0.3 }));
+    println!("with an exciter: {excited:.1}, a strike {strike}");
+    let (one, _) = cost(1, 1.0, 1.0, &loops(1), None);
+    let (ten, _) = cost(1, 1.0, 1.0, &loops(10), None);
+    println!("1 loop: {one:.1}, 10 loops: {ten:.1}, a loop: {:.1}", (ten - one) / 9.0);
+    for frames in [16.0, 8.0] {
+        let mut short = loops(10);
+        short.iter_mut().for_each(|one| one.delay_s = (frames + 0.3) / 48_000.0);
+        let (ten, _) = cost(1, 1.0, 1.0, &short, None);
+        println!("10 loops of {frames} frames: {ten:.1}, a loop beyond the filter: {:.1}", (ten - plain) / 10.0);
+    }
+    assert!(plain <= 20.0 && loud <= 20.0, "{plain} {loud}");
+    assert!((ten - one) / 9.0 <= 16.0);
+}

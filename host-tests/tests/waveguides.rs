@@ -1,0 +1,192 @@
+//! Banded waveguides against `f64`: long loops, stability, blocks of any size, silence.
+
+use dsp_core::SampleRate;
+use dsp_core::dynamic_filter::{Breakpoint, DynamicFilterError};
+use dsp_core::waveguide::{Loop, LoopError};
+use host_tests::dynamic_filter::{Table, play};
+use host_tests::snr::snr_db;
+use proptest::prelude::*;
+
+const RATE: SampleRate = SampleRate::HZ_48000;
+
+/// `|F|` and its phase, first order.
+fn response(point: &Breakpoint, hz: f64) -> (f64, f64) {
+    let omega = std::f64::consts::TAU * hz / 48_000.0;
+    let of = |c0: f64, c1: f64| {
+        let (re, im) = (c0 + c1 * omega.cos(), -c1 * omega.sin());
+        (re.hypot(im), im.atan2(re))
+    };
+    let (above, below) = (of(point.b0, point.b1), of(1.0, point.a1));
+    (above.0 / below.0, above.1 - below.1)
+}
+
+/// Eq. 22 with the smallest p for a delay of so many frames at least.
+fn delay_s(point: &Breakpoint, hz: f64, frames: f64) -> f64 {
+    let omega = std::f64::consts::TAU * hz / 48_000.0;
+    let phase = response(point, hz).1;
+    let turns = ((frames * omega - phase) / std::f64::consts::TAU).ceil();
+    (phase + std::f64::consts::TAU * turns) / omega / 48_000.0
+}
+
+/// A short burst of noise, then a filter that stays.
+fn path() -> Vec<Breakpoint> {
+    let point = |time_s, b0: f64, a1| Breakpoint { time_s, b0, b1: b0, a1, ..Breakpoint::default() };
+    vec![point(0.0, 0.25, -0.5), point(0.02, 0.25, -0.5)]
+}
+
+/// Loops at frequencies in Hz that ring with a T60: per pass of d seconds, `γ |F| = 10^(-3 d / T60)`, the band's own delay counted.
+fn loops(hz: &[f64], t60_s: f64, frames: f64) -> Vec<Loop> {
+    let last = path()[1];
+    hz.iter()
+        .map(|&frequency_hz| {
+            let bandwidth_hz = 4.0;
+            let delay_s = delay_s(&last, frequency_hz, frames);
+            // A band-pass of Δf delays by 1/(π Δf) at its middle.
+            let pass_s = delay_s + 1.0 / (std::f64::consts::PI * bandwidth_hz);
+            let gain = 10f64.powf(-3.0 * pass_s / t60_s) / response(&last, frequency_hz).0;
+            Loop { frequency_hz, bandwidth_hz, gain, delay_s }
+        })
+        .collect()
+}
+
+fn table(loops: Vec<Loop>) -> Table {
+    Table { loops, ..Table::of_path(path()) }
+}
+
+#[test]
+fn loops_that_ring_for_twenty_seconds_keep_ninety_db() {
+    for (what, hz, frames) in [
+        ("blocks of a tick", vec![110.0, 700.0, 1234.5, 3000.0, 7777.0], 32.0),
+        ("high ones", vec![5000.0, 9000.0, 13_000.0, 20_000.0], 32.0),
+        ("short delays", vec![700.0, 3000.0, 7777.0], 2.0),
+        ("low ones", vec![80.0, 400.0], 32.0),
+    ] {
+        let table = table(loops(&hz, 20.0, frames));
+        let mut ours = table.ours(RATE).unwrap();
+        let out = play(&mut ours, &[(0, 1.0)], 48_000 * 5);
+        let exact = table.exact(&[(0, 1.0)], ours.input_shift(), out.len(), RATE);
+        // From the end of the burst on, the loops are alone.
+        let (whole, ringing) = (snr_db(&exact, &out), snr_db(&exact[4800..], &out[4800..]));
+        let level = |s: &[f64]| 20.0 * (s.iter().fold(0.0f64, |peak, x| peak.max(x.abs())) / 134_217_728.0).log10();
+        println!(
+            "{what}: whole {whole:.1} dB, ringing alone {ringing:.1} dB; {:.1} dBFS at 0.5 s, {:.1} dBFS at 4.5 s",
+            level(&exact[24_000..36_000]),
+            level(&exact[216_000..])
+        );
+        assert!(whole >= 90.0, "{what}: {whole}");
+        // They do ring: 60 dB in some 20 s.
+        assert!(level(&exact[216_000..]) > level(&exact[24_000..36_000]) - 20.0, "{what}");
+    }
+}
+
+#[test]
+fn a_moving_filter_in_loops_keeps_ninety_db() {
+    let point = |time_s, b0: f64, a1| Breakpoint { time_s, b0, b1: 0.6 * b0, a1, ..Breakpoint::default() };
+    let path = vec![point(0.0, 0.3, -0.2), point(0.05, 0.1, -0.8), point(0.2, 0.02, -0.95)];
+    let loops = loops(&[300.0, 1000.0, 4000.0], 5.0, 32.0).into_iter().map(|one| Loop { gain: 0.4, ..one }).collect();
+    for (order, a2) in [(1, 0.0), (2, 0.5)] {
+        let path = path.iter().map(|p| Breakpoint { a2: a2 * p.a1 * p.a1, ..*p }).collect();
+        let table = Table { order, path, loops: Vec::clone(&loops), ..Table::of_path(Vec::new()) };
+        let mut ours = table.ours(RATE).unwrap();
+        let strikes = [(0, 1.0), (3000, 0.4)];
+        let out = play(&mut ours, &strikes, 24_000);
+        let snr = snr_db(&table.exact(&strikes, ours.input_shift(), out.len(), RATE), &out);
+        println!("order {order}: {snr:.1} dB");
+        assert!(snr >= 90.0, "{snr}");
+    }
+}
+
+#[test]
+fn unstable_and_impossible_loops_are_refused_by_name() {
+    let refused = |loops: &[Loop]| match table(loops.to_vec()).ours(RATE).map(|_| ()) {
+        Err(DynamicFilterError::Loop(error)) => error,
+        other => panic!("{other:?}"),
+    };
+    let delay_s = delay_s(&path()[1], 1000.0, 32.0);
+    let one = |frequency_hz, gain| Loop { frequency_hz, bandwidth_hz: 3.0, gain, delay_s };
+    let limit = 1.0 / response(&path()[1], 1000.0).0;
+    assert!(table(vec![one(1000.0, limit * 0.999)]).ours(RATE).is_ok());
+    for gain in [limit * 1.001, -limit * 1.001, 50.0] {
+        assert!(matches!(refused(&[one(1000.0, gain)]), LoopError::Unstable { .. }), "{gain}");
+    }
+    assert_eq!(refused(&[one(500.0, 0.1), one(24_000.0, 0.1)]), LoopError::Band { index: 1 });
+    let good = one(500.0, 0.1);
+    for bad in [
+        one(f64::NAN, 0.1),
+        one(500.0, f64::NAN),
+        one(-5.0, 0.1),
+        Loop { bandwidth_hz: 0.0, ..good },
+        Loop { bandwidth_hz: 600.0, ..good },
+        Loop { delay_s: 1e-6, ..good },
+        Loop { delay_s: f64::NAN, ..good },
+    ] {
+        assert_eq!(refused(&[good, bad]), LoopError::Band { index: 1 }, "{bad:?}");
+    }
+    assert!(matches!(refused(&[Loop { delay_s: 0.2, ..good }]), LoopError::Delay { index: 0, room: 4096, .. }));
+    assert_eq!(refused(&[good; 17]), LoopError::Count { given: 17, room: 16 });
+}
+
+#[test]
+fn all_falls_silent_and_stays_so() {
+    let mut ours = table(loops(&[220.0, 900.0, 5000.0], 2.0, 32.0)).ours(RATE).unwrap();
+    ours.strike(1.0);
+    ours.render(None, &mut vec![0; 48_000 * 8]);
+    assert!(!ours.is_ringing());
+    let mut tail = vec![0; 48_000];
+    ours.render(None, &mut tail);
+    assert!(tail.iter().all(|&word| word == 0));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 30, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Any stable loops round any path, jumps included, modes of any size: bounded (debug assertions are on) and the same bits in any blocks.
+    #[test]
+    fn blocks_change_no_bit(
+        raw in prop::collection::vec((1e-6f64..0.02, 0.01f64..1.0, -1.0f64..1.0, -0.9f64..0.9999), 1..8),
+        bands in prop::collection::vec((5.0f64..23_900.0, 0.01f64..0.9, -1.0f64..1.0, 1.0f64..3000.0), 1..8),
+        strikes in prop::collection::vec((1usize..700, 0.0f32..2.0), 1..8),
+        blocks in prop::collection::vec(1usize..90, 1..20),
+        loud in any::<bool>(),
+    ) {
+        let mut time_s = 0.0;
+        let path: Vec<Breakpoint> = raw
+            .iter()
+            .map(|&(step, gain, ratio, pole)| {
+                let b0 = gain * (1.0 - pole.abs());
+                let point = Breakpoint { time_s, a1: -pole, b0, b1: b0 * ratio, ..Breakpoint::default() };
+                time_s += step;
+                point
+            })
+            .collect();
+        let count = bands.len() as f64;
+        let loops = bands
+            .iter()
+            .map(|&(frequency_hz, part, gain, frames)| Loop {
+                frequency_hz,
+                bandwidth_hz: part * frequency_hz.min(4000.0),
+                gain: gain / count / 4.0,
+                delay_s: frames / 48_000.0,
+            })
+            .collect();
+        let table = Table { loops, modes_through: true, ..Table::of_path(path) };
+        let ours = table.ours(RATE);
+        prop_assume!(ours.is_ok());
+        let mut whole = ours.unwrap();
+        let mut cut = whole.clone();
+        for (frames, level) in strikes {
+            whole.strike(level);
+            cut.strike(level);
+            let modes: Vec<i32> = (0..frames).map(|n| if loud { (n as i32 % 7 - 3) * 600_000_000 } else { 0 }).collect();
+            let (mut expected, mut got) = (vec![0; frames], vec![0; frames]);
+            whole.render(Some(&modes), &mut expected);
+            let (mut at, mut block) = (0, blocks.iter().cycle());
+            while at < frames {
+                let end = (at + block.next().unwrap()).min(frames);
+                cut.render(Some(&modes[at..end]), &mut got[at..end]);
+                at = end;
+            }
+            prop_assert_eq!(got, expected);
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Parallel chains of biquads in `f64` (*Differentiable Modal Synthesis for Physical Modeling of Planar Objects*, "diffmodal", eq. 2 and 3).
+
+/// A section `(b0 + b1 z⁻¹ + b2 z⁻²) / (1 + a1 z⁻¹ + a2 z⁻²)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Biquad {
+    /// b0, b1, b2.
+    pub numerator: [f64; 3],
+    /// a1, a2: `-2 Re p` and `|p|²` of the conjugate poles.
+    pub denominator: [f64; 2],
+}
+
+impl Biquad {
+    /// Eq. 2: poles `p = (re, im)` and zeros `q`, each with its conjugate, and a gain k.
+    pub fn from_roots(pole: (f64, f64), zero: (f64, f64), gain: f64) -> Self {
+        let square = |(re, im): (f64, f64)| re * re + im * im;
+        Self {
+            numerator: [gain, -2.0 * gain * zero.0, gain * square(zero)],
+            denominator: [-2.0 * pole.0, square(pole)],
+        }
+    }
+
+    /// The response to `input`, from rest, by the difference equation.
+    pub fn filter(&self, input: &[f64]) -> Vec<f64> {
+        let ([b0, b1, b2], [a1, a2]) = (self.numerator, self.denominator);
+        let (mut x1, mut x2, mut y1, mut y2) = (0.0, 0.0, 0.0, 0.0);
+        let step = |&x: &f64| {
+            let y = b0 * x + b1 * x1 + b2 * x2 - a1 * y1 - a2 * y2;
+            (x2, x1, y2, y1) = (x1, x, y1, y);
+            y
+        };
+        input.iter().map(step).collect()
+    }
+
+    /// `|H|` at an angle in radians a sample.
+    pub fn magnitude(&self, angle: f64) -> f64 {
+        let at = |[c0, c1, c2]: [f64; 3]| {
+            let re = c0 + c1 * angle.cos() + c2 * (2.0 * angle).cos();
+            let im = c1 * angle.sin() + c2 * (2.0 * angle).sin();
+            re.hypot(im)
+        };
+        let [a1, a2] = self.denominator;
+        at(self.numerator) / at([1.0, a1, a2])
+    }
+}
+
+/// Eq. 3: the sum of chains of sections, from rest.
+pub fn filter(chains: &[Vec<Biquad>], input: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; input.len()];
+    for chain in chains {
+        let out = chain.iter().fold(input.to_vec(), |signal, biquad| biquad.filter(&signal));
+        sum.iter_mut().zip(out).for_each(|(sum, y)| *sum += y);
+    }
+    sum
+}

@@ -1,0 +1,49 @@
+//! The exciter's band-pass: a fourth-order Butterworth whose edges follow the strike's level (§III-C, D).
+
+use crate::SampleRate;
+
+/// A band of noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exciter {
+    /// Lower edge (-3 dB) in Hz at level 1.
+    pub low_hz: f64,
+    /// Upper edge (-3 dB) in Hz at level 1.
+    pub high_hz: f64,
+    /// Both edges are multiplied by `level^exponent`.
+    pub exponent: f64,
+}
+
+impl Exciter {
+    /// The edges in Hz for a level from 0 to 1: 0.0001 fs to 0.49 fs, their ratio 1.05 at least.
+    pub fn edges_hz(&self, level: f64, rate: SampleRate) -> [f64; 2] {
+        let fs = rate.hz();
+        let factor = level.clamp(2f64.powi(-31), 1.0).powf(self.exponent);
+        let high = (self.high_hz * factor).clamp(2e-4 * fs, 0.49 * fs);
+        [(self.low_hz * factor).clamp(1e-4 * fs, high / 1.05), high]
+    }
+
+    /// An input through the band, from rest: the prototype's two poles, low-pass to band-pass, each a biquad by the bilinear transformation.
+    pub fn filter(&self, level: f64, input: &[f64], rate: SampleRate) -> Vec<f64> {
+        let [low, high] = self.edges_hz(level, rate).map(|hz| (std::f64::consts::PI * hz / rate.hz()).tan());
+        let (width, middle_squared) = (high - low, low * high);
+        // s² - p B s + ω0² = 0 for p = (-1 + i)/√2: s = h ± √(h² - ω0²), h = p B / 2.
+        let half = width / 8f64.sqrt();
+        let (re, im) = (-middle_squared, -2.0 * half * half);
+        let size = re.hypot(im);
+        let root = (((size + re) / 2.0).max(0.0).sqrt(), -((size - re) / 2.0).sqrt());
+        [1.0, -1.0].into_iter().fold(input.to_vec(), |signal, sign| {
+            let (re, im) = (-half + sign * root.0, half + sign * root.1);
+            // B s / (s² + c s + ω²), s = (1 - z⁻¹) / (1 + z⁻¹).
+            let (c, square) = (-2.0 * re, re * re + im * im);
+            let a0 = 1.0 + c + square;
+            let (b0, a1, a2) = (width / a0, 2.0 * (square - 1.0) / a0, (1.0 - c + square) / a0);
+            let (mut x, mut y) = ([0.0; 2], [0.0; 2]);
+            let step = |now: f64| {
+                let out = b0 * (now - x[1]) - a1 * y[0] - a2 * y[1];
+                (x, y) = ([now, x[0]], [out, y[0]]);
+                out
+            };
+            signal.into_iter().map(step).collect()
+        })
+    }
+}

@@ -1,0 +1,71 @@
+//! The dynamic filter in `f64` (*Analysis-Synthesis of Impact Sounds by Real-Time Dynamic Filtering*, eq. 5, 6 and 17), and its exciter.
+
+mod carry;
+mod exciter;
+mod form;
+
+pub use exciter::Exciter;
+pub use form::Form;
+
+use crate::SampleRate;
+
+/// The coefficients at a time after the strike: `s(n) = b0 e(n) + b1 e(n-1) + b2 e(n-2) - a1 s(n-1) - a2 s(n-2)`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Breakpoint {
+    /// Seconds after the strike.
+    pub time_s: f64,
+    /// a1.
+    pub a1: f64,
+    /// a2, of the second order only.
+    pub a2: f64,
+    /// b0.
+    pub b0: f64,
+    /// b1; eq. 17 has b1 = b0.
+    pub b1: f64,
+    /// b2, of the second order only.
+    pub b2: f64,
+}
+
+/// A filter along its path, from rest.
+#[derive(Clone, Debug)]
+pub struct Filter<'a> {
+    path: &'a [Breakpoint],
+    order: u8,
+    rate: SampleRate,
+    state: [f64; 2],
+    last: f64,
+}
+
+impl<'a> Filter<'a> {
+    /// Of order 1 or 2.
+    pub fn new(order: u8, path: &'a [Breakpoint], rate: SampleRate) -> Self {
+        Self { path, order, rate, state: [0.0; 2], last: 0.0 }
+    }
+
+    /// The form's parameters so many samples after the strike: linear between breakpoints, the last one's afterwards.
+    pub fn form(&self, samples: usize) -> Form {
+        let time_s = samples as f64 / self.rate.hz();
+        for pair in self.path.windows(2) {
+            if (pair[0].time_s..pair[1].time_s).contains(&time_s) {
+                let part = (time_s - pair[0].time_s) / (pair[1].time_s - pair[0].time_s);
+                return Form::of(self.order, &pair[0]).toward(&Form::of(self.order, &pair[1]), part);
+            }
+        }
+        Form::of(self.order, &self.path.last().copied().unwrap_or_default())
+    }
+
+    /// s(n) for e(n), so many samples after the last strike.
+    pub fn step(&mut self, samples: usize, e: f64) -> f64 {
+        let form = self.form(samples);
+        form.step(&mut self.state, std::mem::replace(&mut self.last, e), e)
+    }
+
+    /// All of an input; `strikes` are samples, in order; before the first there is silence.
+    pub fn run(&mut self, strikes: &[usize], input: &[f64]) -> Vec<f64> {
+        let step = |(n, &e): (usize, &f64)| match strikes.iter().rev().find(|start| **start <= n) {
+            Some(start) => self.step(n - start, e),
+            None => 0.0,
+        };
+        input.iter().enumerate().map(step).collect()
+    }
+}

@@ -1,0 +1,69 @@
+//! Banded waveguides in `f64` (*Analysis-Synthesis of Impact Sounds by Real-Time Dynamic Filtering*, eq. 8 to 13).
+
+use std::f64::consts::TAU;
+
+use crate::SampleRate;
+use crate::dynamic_filter::Filter;
+
+/// A feedback loop round a dynamic filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Loop {
+    /// f_c in Hz.
+    pub frequency_hz: f64,
+    /// Δf in Hz.
+    pub bandwidth_hz: f64,
+    /// γ: the gain at f_c.
+    pub gain: f64,
+    /// d in seconds, a sample at least.
+    pub delay_s: f64,
+}
+
+/// A loop at a rate: `y(n) = c0 s(n-d) + c1 s(n-d-1) - c3 y(n-1) - c4 y(n-2)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tuned {
+    /// Whole samples of delay.
+    pub delay: usize,
+    /// c0, c1.
+    pub numerator: [f64; 2],
+    /// c3, c4.
+    pub denominator: [f64; 2],
+}
+
+impl Loop {
+    /// Eq. 10's denominator with `τ = sin(2πf_c) Δf / (2 f_c)`, and the numerator whose gain at f_c is γ, delayed by what the whole samples of the
+    /// delay leave.
+    pub fn tuned(&self, rate: SampleRate) -> Tuned {
+        let omega = TAU * self.frequency_hz / rate.hz();
+        let tau = omega.sin() * self.bandwidth_hz / (2.0 * self.frequency_hz);
+        let [c3, c4] = [-2.0 * omega.cos() / (1.0 + tau), (1.0 - tau) / (1.0 + tau)];
+        let samples = self.delay_s * rate.hz();
+        let phase = -omega * samples.fract();
+        // c0 + c1 e^{-iω} = γ e^{i phase} (1 + c3 e^{-iω} + c4 e^{-2iω}).
+        let re = 1.0 + c3 * omega.cos() + c4 * (2.0 * omega).cos();
+        let im = -c3 * omega.sin() - c4 * (2.0 * omega).sin();
+        let wanted_re = self.gain * (phase.cos() * re - phase.sin() * im);
+        let wanted_im = self.gain * (phase.cos() * im + phase.sin() * re);
+        let c1 = -wanted_im / omega.sin();
+        Tuned { delay: samples as usize, numerator: [wanted_re - c1 * omega.cos(), c1], denominator: [c3, c4] }
+    }
+}
+
+/// Eq. 12 and 13 from rest: s for an excitation `input` e; `strikes` are samples, in order.
+pub fn filter(filter: &mut Filter<'_>, loops: &[Loop], strikes: &[usize], input: &[f64], rate: SampleRate) -> Vec<f64> {
+    let loops: Vec<Tuned> = loops.iter().map(|one| one.tuned(rate)).collect();
+    let mut s: Vec<f64> = Vec::with_capacity(input.len());
+    // y_s(n-1), y_s(n-2) of each loop.
+    let mut before = vec![[0.0; 2]; loops.len()];
+    for (n, &e) in input.iter().enumerate() {
+        let mut sum = e;
+        for (Tuned { delay, numerator: [c0, c1], denominator: [c3, c4] }, y) in loops.iter().zip(&mut before) {
+            let delayed = |more: usize| n.checked_sub(delay + more).map_or(0.0, |at| s[at]);
+            let now = c0 * delayed(0) + c1 * delayed(1) - c3 * y[0] - c4 * y[1];
+            *y = [now, y[0]];
+            sum += now;
+        }
+        let start = strikes.iter().rev().find(|start| **start <= n);
+        s.push(start.map_or(0.0, |start| filter.step(n - start, sum)));
+    }
+    s
+}
