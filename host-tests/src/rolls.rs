@@ -1,7 +1,7 @@
 //! Rolls without an end: every stage of the engine under strikes that overlap for as long as one likes.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Engine, Residuals, STANDARD_CONTACTS, Skipping};
+use dsp_core::engine::{Engine, Filters, Residuals, STANDARD_CONTACTS, Skipping};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::noise::Sfc32;
@@ -14,7 +14,8 @@ use crate::scene::load;
 /// A kit of four pads that has every stage.
 const KIT: &str = include_str!("rolls.toml");
 
-type RollEngine<'k> = Engine<'k, 4, 16, 128, 64, 128, STANDARD_CONTACTS, (Residuals<5>, Room<i16, 8_192>)>;
+type Stages = (Residuals<5>, Room<i16, 8_192>, Filters<4, 32, 16, 2_048, 16>);
+type RollEngine<'k> = Engine<'k, 4, 16, 128, 64, 128, STANDARD_CONTACTS, Stages>;
 
 /// What a roll came to.
 #[derive(Clone, Debug, PartialEq)]
