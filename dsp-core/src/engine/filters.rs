@@ -50,8 +50,8 @@ pub trait FilterRoom {
     /// Pads whose filters sound.
     fn ringing(&self) -> u32;
 
-    /// Nominal cycles that the filters of a pad take in a tick in which they sound, and whether they sound.
-    fn cycles(&self, pad: u8) -> (u32, bool);
+    /// Nominal cycles that the filters of a pad take in this tick if they sound on; with `struck`, those that a strike adds to them.
+    fn cycles(&self, pad: u8, struck: bool) -> u32;
 }
 
 /// No room: no memory and no code. A kit's dynamic filters and biquads are then not heard.
@@ -103,8 +103,8 @@ impl FilterRoom for NoFilters {
     }
 
     #[inline(always)]
-    fn cycles(&self, _: u8) -> (u32, bool) {
-        (0, false)
+    fn cycles(&self, _: u8, _: bool) -> u32 {
+        0
     }
 }
 
@@ -228,8 +228,10 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
         self.places.iter().filter(|place| place.pad.is_some() && place.filters.is_ringing()).count() as u32
     }
 
-    fn cycles(&self, pad: u8) -> (u32, bool) {
-        self.of(pad).map_or((0, false), |filters| (filters.cycles_a_tick(), filters.is_ringing()))
+    fn cycles(&self, pad: u8, struck: bool) -> u32 {
+        let Some(filters) = self.of(pad) else { return 0 };
+        let ringing = if filters.is_ringing() { filters.cycles_a_tick(false) } else { 0 };
+        if struck { filters.cycles_a_tick(true).saturating_sub(ringing) } else { ringing }
     }
 }
 
@@ -317,15 +319,12 @@ impl<
     #[inline(always)]
     pub(super) fn filter_cycles(&self) -> u32 {
         let pads = 0..self.pad_count as u8; // events count pads in a byte
-        pads.map(|pad| self.filters.cycles(pad)).filter(|(_, sounds)| *sounds).map(|(cycles, _)| cycles).sum()
+        pads.map(|pad| self.filters.cycles(pad, false)).sum()
     }
 
     /// Cycles of the filters that a strike begins, in its tick.
     #[inline(always)]
     pub(super) fn filter_strike_cycles(&self, event: &Event) -> u32 {
-        match self.filters.cycles(event.pad) {
-            (cycles, false) if event.action == Action::Strike => cycles,
-            _ => 0,
-        }
+        if event.action == Action::Strike { self.filters.cycles(event.pad, true) } else { 0 }
     }
 }

@@ -11,7 +11,7 @@
 
 use super::hand::Hand;
 use crate::SampleRate;
-use crate::biquad::{self, Biquad, BiquadError, Root};
+use crate::biquad::{self, Biquad, BiquadError, Root, TickKind};
 use crate::dynamic_filter::{Breakpoint, DynamicFilter, DynamicFilterError, Exciter, Settings};
 use crate::fixed;
 use crate::resonator::TICK_FRAMES;
@@ -234,9 +234,10 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         self.frame = frame;
     }
 
-    /// Nominal cycles of a tick in which it sounds.
-    pub fn cycles_a_tick(&self) -> u32 {
-        self.dynamic.cycles_a_tick() + BIQUAD_TICK * self.biquads.size().0 as u32
+    /// Nominal cycles of a tick in which it sounds, or of one in which it is struck.
+    pub fn cycles_a_tick(&self, struck: bool) -> u32 {
+        let kind = if struck { TickKind::Struck } else { TickKind::Driven };
+        self.dynamic.cycles_a_tick() + self.biquads.cycles(kind)
     }
 }
 
@@ -267,9 +268,6 @@ fn band(record: &LoopRecord, louder: f64) -> Loop {
         delay_s: f64::from(record.delay_s.get()),
     }
 }
-
-/// Nominal cycles of a biquad and tick.
-const BIQUAD_TICK: u32 = 15 * TICK_FRAMES as u32;
 
 /// A record's biquad, its gain times another one.
 fn section(record: &BiquadRecord, gain: f64) -> Biquad {
