@@ -34,7 +34,7 @@ fn chains_of_every_depth_keep_fifty_db_over_all_poles_and_zeros() {
 #[test]
 fn chains_whose_poles_nearly_coincide_keep_fifty_db_too() {
     for depth in 2..=4 {
-        for nearness in [0.0, 1e-3, 0.1, 1.0, 4.0] {
+        for nearness in [0.0, 1e-3, 1.0] {
             let seed = 77 + depth as u64;
             let worst = worst_of_depth(depth, seed, |random, count| near(random, count, depth, nearness), accuracy);
             println!("worst SNR of f32, chains of {depth} within {nearness} widths: {worst:.1} dB");

@@ -1,6 +1,6 @@
 //! Modes as biquads and chains of biquads as modes.
 //!
-//! A mode at a rate is one biquad: impulse invariance gives `h[n] = r^n (gs sin nθ + gc cos nθ) / fs` with half of h[0], so that (eq. 2)
+//! A mode at a rate is one biquad: impulse invariance gives `h[n] = r^n (gs sin nθ + gc cos nθ) / fs` with half of `h[0]`, so that (eq. 2)
 //!
 //! ```text
 //! b0 = gc / 2 fs,   b1 = gs r sin θ / fs,   b2 = -gc r² / 2 fs
@@ -31,7 +31,7 @@ pub struct ModalForm {
     pub modes: [Partial; 4],
     /// How many that are.
     pub count: usize,
-    /// What of an input goes straight through, beside the halves of h[0] that the modes have.
+    /// What of an input goes straight through, beside the halves of `h[0]` that the modes have.
     pub direct: f64,
 }
 

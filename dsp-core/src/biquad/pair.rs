@@ -2,7 +2,7 @@
 //!
 //! # Why nothing can wrap
 //!
-//! The size of a state is `s = max(|u| 2^k, |v|)`. Between two calls of [`settle`] (a tick at most) everything is linear, so that each intermediate
+//! The size of a state is `s = max(|u| 2^k, |v|)`. Between two calls of `settle` (a tick at most) everything is linear, so that each intermediate
 //! result is at most
 //!
 //! ```text
@@ -288,7 +288,7 @@ impl Pair {
         ((folded(a.v) | folded(b.v)) | ((folded(a.u) | folded(b.u)) << self.shift)) as u32
     }
 
-    /// Whether its states have left the bounds that [`settle`] chose.
+    /// Whether its states have left the bounds that `settle` chose.
     pub(super) fn has_left_bounds(&self) -> bool {
         self.size().wrapping_sub(self.low) >= self.span
     }

@@ -18,12 +18,12 @@ fn biquads(count: usize, random: &mut Random) -> Vec<Biquad> {
 fn the_chip_has_the_bits_of_the_pc_in_blocks_of_any_size() {
     let mut chip = BiquadsOnChip::new().unwrap();
     let mut random = Random::new(5);
-    for (depth, coincident) in [(1, false), (2, false), (3, false), (4, false), (2, true)] {
+    for (depth, coincident) in [(1, false), (2, false), (3, false), (4, false), (2, true), (3, true), (4, true)] {
         let mut all = biquads(12, &mut random);
         if coincident {
             // Chains that cannot be parted.
-            for at in (0..12).step_by(2) {
-                all[at + 1].pole = all[at].pole;
+            for at in 0..12 {
+                all[at].pole = all[at / depth * depth].pole;
             }
         }
         chip.load(&all, depth).unwrap();
