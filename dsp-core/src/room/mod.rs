@@ -39,6 +39,7 @@
 mod crossover;
 mod error;
 mod kernel;
+mod level;
 mod network;
 mod plan;
 mod storage;
@@ -53,7 +54,7 @@ use crate::SampleRate;
 use crate::resonator::TICK_FRAMES;
 use crate::table::layout::RoomBandRecord;
 use crossover::{Split, SplitState, clip};
-use network::{NetworkConfig, NetworkState};
+use network::{NetworkConfig, NetworkState, Sound, Turns};
 use turn::Turn;
 use upsample::{Upsampler, UpsamplerState};
 
@@ -76,17 +77,22 @@ pub struct Room<T, const SAMPLES: usize> {
     passed: usize,
     /// Whether nothing sounds and nothing has come in during this tick.
     silent: bool,
-    scratch: Scratch,
-    memory: [T; SAMPLES],
+    scratch: Scratch<T>,
+    memory: Memory<T, SAMPLES>,
 }
 
 /// What a tick needs for itself; here, so that it is neither on the stack nor cleared each time.
 #[derive(Clone, Copy, Debug)]
-struct Scratch {
+struct Scratch<T> {
     low: [i32; TICK_FRAMES],
     high: [i32; TICK_FRAMES],
-    network: network::Scratch,
+    sound: Sound<T>,
 }
+
+/// All delay lines; pairs of 16 bits are words.
+#[derive(Debug)]
+#[repr(C, align(4))]
+struct Memory<T, const SAMPLES: usize>([T; SAMPLES]);
 
 #[derive(Clone, Copy, Debug)]
 struct Band {
@@ -95,8 +101,8 @@ struct Band {
     split: Split,
     split_state: SplitState,
     division: u8,
-    /// Samples of delay, all lines together.
-    samples: u16,
+    /// Pairs of delay, all lines together.
+    pairs: u16,
 }
 
 impl Band {
@@ -106,7 +112,7 @@ impl Band {
         split: Split::NONE,
         split_state: SplitState::SILENT,
         division: 1,
-        samples: 0,
+        pairs: 0,
     };
 }
 
@@ -129,8 +135,12 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             wet: [[0; 2]; TICK_FRAMES],
             passed: 0,
             silent: true,
-            scratch: Scratch { low: [0; TICK_FRAMES], high: [0; TICK_FRAMES], network: network::Scratch::EMPTY },
-            memory: [T::ZERO; SAMPLES],
+            scratch: Scratch {
+                low: [0; TICK_FRAMES],
+                high: [0; TICK_FRAMES],
+                sound: Sound { input: [[T::ZERO; 2]; TICK_FRAMES], output: [[T::ZERO; 2]; TICK_FRAMES] },
+            },
+            memory: Memory([T::ZERO; SAMPLES]),
         }
     }
 
@@ -144,10 +154,10 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         let plans = plan::plan(bands, rate, SAMPLES)?;
         for (band, plan) in self.bands.iter_mut().zip(&plans) {
             *band = Band {
-                config: NetworkConfig::new::<T>(plan),
+                config: NetworkConfig::new(plan),
                 split: if plan.edge > 0.0 { Split::new(plan.edge) } else { Split::NONE },
                 division: plan.division as u8,
-                samples: plan.delays.iter().sum::<usize>() as u16,
+                pairs: plan.delays.iter().sum::<usize>() as u16,
                 ..Band::NONE
             };
         }
@@ -236,15 +246,17 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
 
     /// Splits the tick's input and lets the bands answer; whether all are silent.
     fn render_bands(&mut self, rates: &mut [[i32; 2]; 2 * TICK_FRAMES]) -> bool {
-        let Scratch { low, high, network: scratch } = &mut self.scratch;
+        let Scratch { low, high, sound } = &mut self.scratch;
         low.copy_from_slice(&self.input);
         let (mut division, mut asleep) = (1, true);
-        let mut memory = self.memory.as_mut_slice();
+        let (mut memory, _) = self.memory.0.as_chunks_mut::<2>();
+        let mut turns = Turns::<T>::new(&self.turn, TICK_FRAMES);
         for (index, band) in self.bands.iter_mut().enumerate().take(self.count).rev() {
             let own = usize::from(band.division);
             if own > division {
                 thin(low, own / division);
                 division = own;
+                turns = Turns::new(&self.turn, TICK_FRAMES / own);
             }
             let block = TICK_FRAMES / own;
             let (Some(low), Some(high)) = (low.get_mut(..block), high.get_mut(..block)) else { return asleep };
@@ -255,16 +267,17 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
                     &*high
                 }
             };
-            let Some((lines, later)) = core::mem::take(&mut memory).split_at_mut_checked(usize::from(band.samples))
+            let Some((lines, later)) = core::mem::take(&mut memory).split_at_mut_checked(usize::from(band.pairs))
             else {
                 return asleep;
             };
             memory = later;
-            if band.config.sleeps::<T>(&band.state, input) {
+            let input_bits = network::bits(input);
+            if band.config.sleeps(&band.state, input_bits) {
                 continue;
             }
             let Some(out) = rates.get_mut(block..2 * block) else { return asleep };
-            band.config.render(&mut band.state, lines, input, &self.turn, scratch, out);
+            band.config.render(&mut band.state, lines, (input, input_bits), &turns, sound, out);
             asleep = false;
         }
         asleep

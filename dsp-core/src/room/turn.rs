@@ -4,6 +4,8 @@ use crate::SampleRate;
 use crate::fixed;
 use crate::resonator::TICK_FRAMES;
 
+/// Samples that are mixed by the same angle.
+pub(super) const TURN_SAMPLES: usize = 8;
 /// The angle swings by this many radians to either side ...
 const SWING: f64 = 6.0;
 /// ... this many times a second: that moves the resonances by up to 11 Hz, and spreads a steady tone by as much.
@@ -37,13 +39,17 @@ impl Turn {
         self.next = [sine(angle), sine(angle.wrapping_add(1 << 30))];
     }
 
-    /// Sine and cosine at the beginning of one of a tick's equal parts (a power of two of them), on the straight line between those at its ends.
-    pub(super) fn at(&self, part: usize, parts: usize) -> [i32; 2] {
-        let shift = parts.trailing_zeros();
+    /// Sines and cosines of each eighth frame of a tick of so many frames (32, 16, or one angle for all), on the straight line between those at its ends.
+    pub(super) fn steps(&self, block: usize) -> [[i32; 2]; TICK_FRAMES / TURN_SAMPLES] {
         // A tick turns by much less than a radian, but let it be: the difference of two Q31 fits when halved.
-        let step = |from: i32, to: i32| from + (((((to >> 1) - (from >> 1)) >> shift) * part as i32) << 1);
+        let shift = (block / TURN_SAMPLES).max(1).trailing_zeros();
+        let at = |from: i32, to: i32, part: i32| from + (((((to >> 1) - (from >> 1)) >> shift) * part) << 1);
         let ([sine, cosine], [next_sine, next_cosine]) = (self.now, self.next);
-        [step(sine, next_sine), step(cosine, next_cosine)]
+        let last = (1 << shift) - 1;
+        [0, 1, 2, 3].map(|part: i32| {
+            let part = part.min(last);
+            [at(sine, next_sine, part), at(cosine, next_cosine, part)]
+        })
     }
 }
 

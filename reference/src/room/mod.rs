@@ -11,7 +11,8 @@ use crate::SampleRate;
 
 /// Frames of a tick: the wet sound begins one tick after the dry one.
 const TICK_FRAMES: usize = 32;
-const LINES: usize = 8;
+/// Lines of a network; each holds pairs.
+const LINES: usize = 4;
 
 /// One band of a room; bands stand from the lowest up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +29,7 @@ pub struct RoomBand {
 pub(crate) struct Plan {
     division: usize,
     edge: f64,
+    /// Of pairs.
     delays: Vec<usize>,
     gains: Vec<f64>,
     output: f64,
@@ -80,7 +82,7 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
     let to_hz = |band: usize| bands.get(band + 1).map_or(hz / 2.0, |next| next.from_hz);
     let divisions: Vec<usize> = (0..bands.len())
         .map(|band| {
-            let fits = |division: usize| to_hz(band) * division as f64 <= 0.4 * hz;
+            let fits = |division: usize| to_hz(band) * division as f64 <= 0.42 * hz;
             [32, 16, 8, 4, 2].into_iter().find(|&division| fits(division)).unwrap_or(1)
         })
         .collect();
@@ -88,16 +90,20 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
     let wishes: Vec<f64> = bands
         .iter()
         .enumerate()
-        .map(|(band, law)| (0.15 * 1000f64.ln() / law.decay_per_s).max(100.0 / (to_hz(band) - law.from_hz)))
+        .map(|(band, law)| {
+            let wish = (0.15 * 1000f64.ln() / law.decay_per_s).max(100.0 / (to_hz(band) - law.from_hz));
+            // Dense enough in the highest band.
+            if band + 1 == bands.len() { wish.min(0.16) } else { wish }
+        })
         .collect();
     let parts: Vec<f64> = {
-        let sum: f64 = (0..LINES as i32).map(|line| 1.25f64.powi(line)).sum();
-        (0..LINES as i32).map(|line| 1.25f64.powi(line) / sum).collect()
+        let sum: f64 = (0..LINES as i32).map(|line| 1.4f64.powi(line)).sum();
+        (0..LINES as i32).map(|line| 1.4f64.powi(line) / sum).collect()
     };
     let needed = |limit: f64| -> f64 {
         wishes.iter().zip(&divisions).map(|(wish, &division)| wish.min(limit) * hz / division as f64).sum()
     };
-    let (mut limit, mut high) = (0.0, 190.0 * TICK_FRAMES as f64 / hz / parts[LINES - 1]);
+    let (mut limit, mut high) = (0.0, 2.0 * 190.0 * TICK_FRAMES as f64 / hz / parts[LINES - 1]);
     if needed(high) <= samples as f64 {
         limit = high;
     }
@@ -107,13 +113,13 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
     }
     let band = |band: usize| {
         let own_hz = hz / divisions[band] as f64;
-        let delays = delays(wishes[band].min(limit) * own_hz, TICK_FRAMES / divisions[band], &parts);
+        let delays = delays(0.5 * wishes[band].min(limit) * own_hz, TICK_FRAMES / divisions[band], &parts);
         let law = bands[band];
         let gains: Vec<f64> = delays.iter().map(|&delay| (-law.decay_per_s * delay as f64 / own_hz).exp()).collect();
-        // Energy as in a network of pipes: each line's output is spread evenly over all.
-        let passed: f64 = gains.iter().map(|gain| gain * gain).sum();
-        let energy = passed / 256.0 / (1.0 - passed / LINES as f64) / LINES as f64;
-        let output = law.gain * (1.0 / (2.0 * law.decay_per_s * energy)).sqrt();
+        // Energy as in a network of pipes: each value's output is spread evenly over all. Outputs are differences of lines 2 and 3.
+        let passed: Vec<f64> = gains.iter().map(|gain| gain * gain).collect();
+        let given = 0.25 / (1.0 - passed.iter().sum::<f64>() / LINES as f64);
+        let output = law.gain * (1.0 / (2.0 * law.decay_per_s * given * (passed[2] + passed[3]))).sqrt();
         Plan { division: divisions[band], edge: law.from_hz / own_hz, delays, gains, output }
     };
     (0..bands.len()).map(band).collect()

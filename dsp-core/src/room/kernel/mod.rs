@@ -1,4 +1,4 @@
-//! The network's hot loops on 16-bit lines: read, mix, write. [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly
+//! The network's hot loops: input, lines of 16 bits, output. [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly
 //! (`cortex_m4.s`), which tests compare bit for bit on the virtual core (`cargo test -p host-tests --test on_chip room`).
 
 pub(super) mod portable;
@@ -7,12 +7,18 @@ pub(super) mod portable;
 mod cortex_m4;
 
 #[cfg(cortex_m4f)]
-pub(super) use cortex_m4::{mix, put, take};
+pub(super) use cortex_m4::{pass, pass_between, prepare, radiate};
 #[cfg(not(cortex_m4f))]
-pub(super) use portable::{put, take};
+pub(super) use portable::{pass, pass_between, prepare, radiate};
 
-/// [`portable::mix`] on 16-bit lines.
-#[cfg(not(cortex_m4f))]
-pub(super) fn mix(work: &mut super::network::Work, start: usize, sound: &mut [[i32; 2]], turn: [i32; 2]) {
-    portable::mix(work, start, sound, turn, <i16 as super::Sample>::HALF_STEP);
+use super::network::LINES;
+use super::storage::Sample;
+
+/// Each line's angle (of [moving, fixed]) so lowered that its samples come out raised by so many bits: where that is 1 for any, all are to be doubled.
+#[inline(always)]
+pub(super) fn lowered<T: Sample>([moving, fixed]: [T::Turn; 2], rises: [i32; LINES]) -> (bool, [T::Turn; LINES]) {
+    let double = rises.contains(&1);
+    let lower = |turn: &T::Turn, rise: i32| T::lower(turn, (i32::from(double) - rise).max(0).unsigned_abs());
+    let [rise0, rise1, rise2, rise3] = rises;
+    (double, [lower(&moving, rise0), lower(&fixed, rise1), lower(&moving, rise2), lower(&fixed, rise3)])
 }

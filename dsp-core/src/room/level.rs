@@ -1,0 +1,216 @@
+//! A network's level: what one step of its lines stands for, falling as the band decays.
+//!
+//! `scale = mantissa · 2^(exponent - 32)` bus steps (Q4.27) a step of a 16-bit pair, mantissa from 2^31 to 2^32. It falls by `e^{-d t}`, sample by sample. Input too loud
+//! for it raises it by powers of two, and so do outputs of half their range and more; where all that was stored has been below a quarter of the range for as long as the
+//! longest line, it is lowered by one. What was stored before such a step is read times that power of two.
+//!
+//! **Bounds.** A raised level leaves `|x · 2^shift| < 2^31`; with the inverse below 2^30 times a tick's growth (below 2), the input of a line is below 2^14 steps times that
+//! growth. Input is at most ±2.0 = 2^28, so that the exponent is at most 14.
+
+use super::plan::BandPlan;
+use super::storage::Sample;
+use crate::fixed;
+use crate::resonator::TICK_FRAMES;
+
+/// Ticks whose levels are remembered: what a byte counts round.
+const HISTORY: usize = 256;
+const _: () = assert!(super::plan::MAX_TICKS + 2 < HISTORY);
+/// Bits of a halved output, sign included, beyond which the level is raised; and bits of what is stored up to which it is lowered.
+pub(super) const LOUD_BITS: u32 = 15;
+pub(super) const QUIET_BITS: u32 = 14;
+/// What is left out: outputs below 2^7 steps of the bus, -120 dBFS.
+const INAUDIBLE_BITS: i32 = 7;
+/// The exponent that leaves an input of so many bits 31.
+const fn least_exponent(input_bits: i32) -> i32 {
+    input_bits - 14
+}
+/// That of the loudest input, ±2.0.
+const MOST_EXPONENT: i32 = least_exponent(28);
+
+/// A level's fixed numbers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Level {
+    /// `e^{-d}` and `e^d - 1` over a tick, Q32.
+    decay: u32,
+    growth: u32,
+    /// The same over a sample: `1 - e^{-d}`, `e^d - 1`, Q32 and below 1/2.
+    sample_loss: i32,
+    sample_growth: i32,
+    /// The output's gain: mantissa below 2^31, times 2^(exponent - 31).
+    output: u32,
+    output_exponent: i32,
+    /// Ticks of the longest line.
+    longest: u8,
+}
+
+/// What it remembers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LevelState {
+    mantissa: u32,
+    /// `2^63 / mantissa`.
+    inverse: u32,
+    exponent: i32,
+    /// Steps up less steps down, counted round; of the last ticks, and now.
+    history: [u8; HISTORY],
+    steps: u8,
+    now: u8,
+    /// Ticks since it woke, and since the last step; at most 255.
+    age: u8,
+    steady: u8,
+    /// Ticks until it may be lowered, and whether something since the last such look was beyond [`QUIET_BITS`].
+    watch: u8,
+    busy: bool,
+    /// Whether an output of the last tick was beyond [`LOUD_BITS`].
+    loud: bool,
+    awake: bool,
+}
+
+impl LevelState {
+    pub(super) const SILENT: Self = Self {
+        mantissa: u32::MAX,
+        inverse: 1 << 31,
+        exponent: 0,
+        history: [0; HISTORY],
+        steps: 0,
+        now: 0,
+        age: 0,
+        steady: 0,
+        watch: 0,
+        busy: false,
+        loud: false,
+        awake: false,
+    };
+
+    /// By how many bits what was stored so many ticks ago must be raised: at most 1. [`EMPTY`] where nothing had been stored.
+    pub(super) fn rise(&self, ticks: u8) -> i32 {
+        if ticks > self.age {
+            return EMPTY;
+        }
+        let then = self.history.get(usize::from(self.now.wrapping_sub(ticks))).copied().unwrap_or(0);
+        i32::from(then.wrapping_sub(self.steps) as i8)
+    }
+
+    fn step(&mut self, by: i32) {
+        self.exponent += by;
+        self.steps = self.steps.wrapping_add(by as u8);
+        self.steady = 0;
+    }
+}
+
+/// The rise of what is to be read as zero.
+pub(super) const EMPTY: i32 = -128;
+
+impl Level {
+    pub(super) const NONE: Self =
+        Self { decay: 0, growth: 0, sample_loss: 0, sample_growth: 0, output: 0, output_exponent: 0, longest: 0 };
+
+    pub(super) fn new(plan: &BandPlan, longest: u8) -> Self {
+        let q32 = |value: f64| libm::rint(value * 4_294_967_296.0);
+        let nepers = plan.decay_per_sample;
+        let tick = nepers * plan.block() as f64;
+        let (fraction, exponent) = libm::frexp(plan.output);
+        Self {
+            decay: q32(libm::exp(-tick)) as u32,
+            growth: q32(libm::expm1(tick)) as u32,
+            sample_loss: q32(-libm::expm1(-nepers)) as i32,
+            sample_growth: q32(libm::expm1(nepers)) as i32,
+            output: libm::rint(fraction * 2_147_483_647.0) as u32,
+            // Outputs are halved.
+            output_exponent: exponent + 1,
+            longest,
+        }
+    }
+
+    pub(super) fn sleeps(&self, state: &LevelState, input_bits: i32) -> bool {
+        // An answer is at most half an input times the gain.
+        !state.awake && (input_bits == 0 || input_bits + self.output_exponent - 1 <= INAUDIBLE_BITS)
+    }
+
+    /// Whether all that a tick reads was stored at today's level.
+    pub(super) fn is_steady(&self, state: &LevelState) -> bool {
+        state.steady > self.longest
+    }
+
+    /// Makes the level fit a tick's input and what the outputs were.
+    pub(super) fn begin<T: Sample>(&self, state: &mut LevelState, input_bits: i32) {
+        // The smallest exponent whose shift leaves the input its bits.
+        let least = if input_bits > 0 { least_exponent(input_bits) } else { i32::MIN };
+        if !state.awake {
+            *state = LevelState {
+                mantissa: (1 << 31) + 1,
+                inverse: u32::MAX,
+                exponent: least,
+                watch: self.longest,
+                awake: true,
+                ..LevelState::SILENT
+            };
+        }
+        if state.exponent < least {
+            state.step(least - state.exponent);
+        }
+        if state.loud && state.exponent < MOST_EXPONENT {
+            state.step(1);
+        } else if state.watch == 0 {
+            if T::LOWERED && !state.busy && self.is_steady(state) && state.exponent > least {
+                state.step(-1);
+            }
+            (state.busy, state.watch) = (false, self.longest);
+        } else {
+            state.watch -= 1;
+        }
+        if let Some(entry) = state.history.get_mut(usize::from(state.now)) {
+            *entry = state.steps;
+        }
+    }
+
+    /// Input in the network's units, for both values of a pair.
+    pub(super) fn prepare<T: Sample>(&self, state: &LevelState, input: &[i32], prepared: &mut [[T; 2]; TICK_FRAMES]) {
+        let shift = (17 - state.exponent).clamp(0, 31).unsigned_abs();
+        T::prepare(input, prepared, shift, [(state.inverse >> 2) as i32, self.sample_growth]);
+    }
+
+    /// Adds the outputs times the level to `out`; whether one was loud.
+    pub(super) fn radiate<T: Sample>(&self, state: &LevelState, output: &[[T; 2]], out: &mut [[i32; 2]]) -> bool {
+        let product = ((u64::from(state.mantissa) * u64::from(self.output)) >> 32) as i32;
+        let shift = state.exponent + self.output_exponent - 15;
+        let gain = if shift >= 0 { product } else { product >> shift.unsigned_abs().min(31) };
+        if shift > 0 {
+            return radiate_loud(output, [gain, self.sample_loss], shift.unsigned_abs(), out);
+        }
+        T::radiate(output, [gain, self.sample_loss], out)
+    }
+
+    /// A tick later.
+    pub(super) fn end(&self, state: &mut LevelState, busy: bool, loud: bool) {
+        state.busy |= busy;
+        state.loud = loud;
+        state.now = state.now.wrapping_add(1);
+        (state.age, state.steady) = (state.age.saturating_add(1), state.steady.saturating_add(1));
+        let mantissa = (u64::from(state.mantissa) * u64::from(self.decay) + (1 << 31)) >> 32;
+        let inverse = u64::from(state.inverse) + ((u64::from(state.inverse) * u64::from(self.growth)) >> 32);
+        // The mantissa goes back above 2^31, the inverse with it below 2^32: a tick's decay is less than a half.
+        let low = mantissa < 1 << 31;
+        state.mantissa = (mantissa << u32::from(low)) as u32;
+        state.exponent -= i32::from(low);
+        let inverse = (inverse >> u32::from(low)).min(u64::from(u32::MAX));
+        // One step of Newton's method keeps the inverse from drifting.
+        let error = (1i64 << 63).wrapping_sub((u64::from(state.mantissa) * inverse) as i64) >> 31;
+        let inverse = inverse as i64 + ((error * inverse as i64) >> 32);
+        state.inverse = inverse.clamp(1 << 31, i64::from(u32::MAX)) as u32;
+        // What is left is at most 2^14 steps.
+        state.awake = state.exponent + self.output_exponent + 14 > INAUDIBLE_BITS;
+    }
+}
+
+/// As [`Sample::radiate`] for gains above what its format holds.
+fn radiate_loud<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], shift: u32, out: &mut [[i32; 2]]) -> bool {
+    let (mut gain, mut loud) = (gain, false);
+    for (out, pair) in out.iter_mut().zip(output) {
+        for (out, &y) in out.iter_mut().zip(pair) {
+            *out = out.saturating_add(fixed::saturating_shift_left(y.times(gain), shift));
+            loud |= y.exceeds(LOUD_BITS);
+        }
+        gain -= fixed::smmulr(gain, loss);
+    }
+    loud
+}
