@@ -170,14 +170,23 @@ impl Level {
     }
 
     /// Adds the outputs times the level to `out`; whether one was loud.
-    pub(super) fn radiate<T: Sample>(&self, state: &LevelState, output: &[[T; 2]], out: &mut [[i32; 2]]) -> bool {
+    pub(super) fn radiate<T: Sample>(
+        &self,
+        state: &LevelState,
+        output: &[[T; 2]],
+        out: &mut [[i32; 2]],
+        add: bool,
+    ) -> bool {
         let product = ((u64::from(state.mantissa) * u64::from(self.output)) >> 32) as i32;
         let shift = state.exponent + self.output_exponent - 15;
         let gain = if shift >= 0 { product } else { product >> shift.unsigned_abs().min(31) };
         if shift > 0 {
+            if !add {
+                out.fill([0; 2]);
+            }
             return radiate_loud(output, [gain, self.sample_loss], shift.unsigned_abs(), out);
         }
-        T::radiate(output, [gain, self.sample_loss], out)
+        T::radiate(output, [gain, self.sample_loss], out, add)
     }
 
     /// A tick later.

@@ -53,7 +53,7 @@ pub use storage::Sample;
 use crate::SampleRate;
 use crate::resonator::TICK_FRAMES;
 use crate::table::layout::RoomBandRecord;
-use crossover::{Split, SplitState, clip};
+use crossover::{Split, SplitState};
 use network::{NetworkConfig, NetworkState, Sound, Turns};
 use turn::Turn;
 use upsample::{Upsampler, UpsamplerState};
@@ -69,10 +69,15 @@ pub struct Room<T, const SAMPLES: usize> {
     count: usize,
     upsampler: Upsampler,
     upsamplers: [UpsamplerState; RATES],
+    /// Doublings from the lowest band's rate.
+    levels: usize,
     turn: Turn,
-    /// What came in during this tick, and what goes out.
+    /// Half of what came in during this tick.
     input: [i32; TICK_FRAMES],
-    wet: [[i32; 2]; TICK_FRAMES],
+    /// Outputs of each rate: the upper half what goes out in this tick, below it half the rate, and so on; at 1/32 the second element.
+    rates: [[i32; 2]; 2 * TICK_FRAMES],
+    /// Or of this tick's input.
+    heard: u32,
     /// Frames of this tick that have passed.
     passed: usize,
     /// Whether nothing sounds and nothing has come in during this tick.
@@ -84,7 +89,6 @@ pub struct Room<T, const SAMPLES: usize> {
 /// What a tick needs for itself; here, so that it is neither on the stack nor cleared each time.
 #[derive(Clone, Copy, Debug)]
 struct Scratch<T> {
-    low: [i32; TICK_FRAMES],
     high: [i32; TICK_FRAMES],
     sound: Sound<T>,
 }
@@ -130,13 +134,14 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             count: 0,
             upsampler: Upsampler::NONE,
             upsamplers: [UpsamplerState::SILENT; RATES],
+            levels: 0,
             turn: Turn::NONE,
             input: [0; TICK_FRAMES],
-            wet: [[0; 2]; TICK_FRAMES],
+            rates: [[0; 2]; 2 * TICK_FRAMES],
+            heard: 0,
             passed: 0,
             silent: true,
             scratch: Scratch {
-                low: [0; TICK_FRAMES],
                 high: [0; TICK_FRAMES],
                 sound: Sound { input: [[T::ZERO; 2]; TICK_FRAMES], output: [[T::ZERO; 2]; TICK_FRAMES] },
             },
@@ -163,6 +168,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         }
         self.upsampler = Upsampler::new();
         self.turn = Turn::new(rate);
+        self.levels = self.bands.first().map_or(0, |band| band.division.trailing_zeros() as usize);
         self.count = bands.len();
         Ok(())
     }
@@ -204,16 +210,10 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
     fn pass(&mut self, out: &mut [[i32; 2]]) {
         let frames = self.passed..self.passed + out.len();
         self.passed = frames.end;
-        let (Some(input), Some(wet)) = (self.input.get_mut(frames.clone()), self.wet.get(frames)) else { return };
-        let mut heard = 0;
-        for (([left, right], input), wet) in out.iter_mut().zip(input).zip(wet) {
-            let middle = clip((*left >> 1) + (*right >> 1));
-            *input = middle;
-            heard |= middle;
-            *left = left.saturating_add(wet[0]);
-            *right = right.saturating_add(wet[1]);
-        }
-        self.silent &= heard == 0;
+        let (_, wet) = self.rates.split_at(TICK_FRAMES);
+        let (Some(input), Some(wet)) = (self.input.get_mut(frames.clone()), wet.get(frames)) else { return };
+        self.heard |= kernel::exchange(out, wet, input);
+        self.silent &= self.heard == 0;
     }
 
     #[inline(never)]
@@ -222,33 +222,34 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             return;
         }
         self.turn.advance();
-        // Outputs of each rate, the lower half of the array at half the rate, and so on: at 1/32, the second element.
-        let mut rates = [[0; 2]; 2 * TICK_FRAMES];
-        let asleep = self.render_bands(&mut rates);
-        let lowest = self.bands.first().map_or(1, |band| usize::from(band.division));
-        for (state, level) in self.upsamplers.iter_mut().zip(0..RATES as u32 - 1).rev() {
+        let mut written = self.render_bands();
+        let asleep = written == [false; RATES];
+        for (level, state) in self.upsamplers.iter_mut().enumerate().take(self.levels).rev() {
             let block = TICK_FRAMES >> level;
-            if lowest <= 1 << level {
-                continue;
+            let (slow, fast) = self.rates.split_at_mut(block);
+            let (Some(slow), Some(fast)) = (slow.get_mut(block / 2..), fast.get_mut(..block)) else { return };
+            let [.., fast_written, slow_written] = written.get_mut(..level + 2).unwrap_or_default() else { return };
+            if !*slow_written {
+                slow.fill([0; 2]);
             }
-            let (slow, fast) = rates.split_at_mut(block);
-            let (Some(slow), Some(fast)) = (slow.get(block / 2..), fast.get_mut(..block)) else { return };
-            self.upsampler.render(state, slow, fast);
+            self.upsampler.render(state, slow, fast, *fast_written);
+            *fast_written = true;
         }
-        let (_, full_rate) = rates.split_at(TICK_FRAMES);
-        for (wet, full_rate) in self.wet.iter_mut().zip(full_rate) {
-            *wet = *full_rate;
+        let [at_full_rate, ..] = written;
+        if !at_full_rate {
+            let (_, wet) = self.rates.split_at_mut(TICK_FRAMES);
+            wet.fill([0; 2]);
         }
-        if asleep && self.input.iter().all(|&x| x == 0) {
+        if asleep && self.heard == 0 {
             self.clear();
         }
+        self.heard = 0;
     }
 
-    /// Splits the tick's input and lets the bands answer; whether all are silent.
-    fn render_bands(&mut self, rates: &mut [[i32; 2]; 2 * TICK_FRAMES]) -> bool {
-        let Scratch { low, high, sound } = &mut self.scratch;
-        low.copy_from_slice(&self.input);
-        let (mut division, mut asleep) = (1, true);
+    /// Splits the tick's input and lets the bands answer; at which rates there is an answer.
+    fn render_bands(&mut self) -> [bool; RATES] {
+        let Scratch { high, sound } = &mut self.scratch;
+        let (low, mut division, mut written) = (&mut self.input, 1, [false; RATES]);
         let (mut memory, _) = self.memory.0.as_chunks_mut::<2>();
         let mut turns = Turns::<T>::new(&self.turn, TICK_FRAMES);
         for (index, band) in self.bands.iter_mut().enumerate().take(self.count).rev() {
@@ -259,37 +260,46 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
                 turns = Turns::new(&self.turn, TICK_FRAMES / own);
             }
             let block = TICK_FRAMES / own;
-            let (Some(low), Some(high)) = (low.get_mut(..block), high.get_mut(..block)) else { return asleep };
-            let input = match index {
-                0 => &*low,
+            let (Some(low), Some(high)) = (low.get_mut(..block), high.get_mut(..block)) else { return written };
+            let (input, input_bits) = match index {
+                0 => {
+                    low.iter_mut().for_each(|x| *x <<= 1);
+                    let bits = network::bits(low);
+                    (&*low, bits)
+                }
                 _ => {
-                    band.split.render(&mut band.split_state, low, high);
-                    &*high
+                    let bits = band.split.render(&mut band.split_state, low, high);
+                    low.iter_mut().for_each(|x| *x >>= 1);
+                    (&*high, bits)
                 }
             };
             let Some((lines, later)) = core::mem::take(&mut memory).split_at_mut_checked(usize::from(band.pairs))
             else {
-                return asleep;
+                return written;
             };
             memory = later;
-            let input_bits = network::bits(input);
             if band.config.sleeps(&band.state, input_bits) {
                 continue;
             }
-            let Some(out) = rates.get_mut(block..2 * block) else { return asleep };
-            band.config.render(&mut band.state, lines, (input, input_bits), &turns, sound, out);
-            asleep = false;
+            let (Some(out), Some(written)) =
+                (self.rates.get_mut(block..2 * block), written.get_mut(own.trailing_zeros() as usize))
+            else {
+                continue;
+            };
+            band.config.render(&mut band.state, lines, (input, input_bits), &turns, sound, out, *written);
+            *written = true;
         }
-        asleep
+        written
     }
 
-    /// Back to silence; memory need not be cleared, since a history of zeros stands for zeros.
+    /// Back to silence; memory need not be cleared, since what was stored before a network woke is read as zeros.
     fn clear(&mut self) {
         for band in &mut self.bands {
             (band.state, band.split_state) = (NetworkState::SILENT, SplitState::SILENT);
         }
         self.upsamplers = [UpsamplerState::SILENT; RATES];
-        (self.input, self.wet) = ([0; TICK_FRAMES], [[0; 2]; TICK_FRAMES]);
+        (self.input, self.rates) = ([0; TICK_FRAMES], [[0; 2]; 2 * TICK_FRAMES]);
+        self.heard = 0;
         self.silent = true;
     }
 }

@@ -99,7 +99,7 @@ impl NetworkConfig {
         self.level.sleeps(&state.level, input_bits)
     }
 
-    /// A tick: `input` in Q4.27, at most ±2.0, its block long and of `input_bits`; the output is added to `out`.
+    /// A tick: `input` in Q4.27, at most ±2.0, its block long and of `input_bits`; the output is added to `out`, or put there.
     pub(super) fn render<T: Sample>(
         &self,
         state: &mut NetworkState,
@@ -108,12 +108,13 @@ impl NetworkConfig {
         turns: &Turns<T>,
         sound: &mut Sound<T>,
         out: &mut [[i32; 2]],
+        add: bool,
     ) {
         self.level.begin::<T>(&mut state.level, input_bits);
         self.level.prepare::<T>(&state.level, input, &mut sound.input);
         let busy = self.pass(state, memory, turns, sound);
         let Some(output) = sound.output.get(..usize::from(self.block)) else { return };
-        let loud = self.level.radiate(&state.level, output, out);
+        let loud = self.level.radiate(&state.level, output, out, add);
         self.level.end(&mut state.level, busy, loud);
     }
 

@@ -54,7 +54,7 @@ pub trait Sample: Copy + sealed::Sealed {
     ) -> bool;
 
     /// Adds outputs times a gain, that loses a part of itself (Q32) a frame, to `out`; whether one is beyond the bits that raise the level.
-    fn radiate(output: &[[Self; 2]], gain: [i32; 2], out: &mut [[i32; 2]]) -> bool;
+    fn radiate(output: &[[Self; 2]], gain: [i32; 2], out: &mut [[i32; 2]], add: bool) -> bool;
 }
 
 mod sealed {
@@ -131,8 +131,8 @@ impl Sample for i16 {
         kernel::pass_between(lines, sound, &turns, from, double)
     }
 
-    fn radiate(output: &[[i16; 2]], gain: [i32; 2], out: &mut [[i32; 2]]) -> bool {
-        kernel::radiate(output, gain, out)
+    fn radiate(output: &[[i16; 2]], gain: [i32; 2], out: &mut [[i32; 2]], add: bool) -> bool {
+        kernel::radiate(output, gain, out, add)
     }
 }
 
@@ -196,7 +196,7 @@ impl Sample for i32 {
         kernel::portable::pass_between(lines, sound, &turns, from, double)
     }
 
-    fn radiate(output: &[[i32; 2]], gain: [i32; 2], out: &mut [[i32; 2]]) -> bool {
-        kernel::portable::radiate(output, gain, out)
+    fn radiate(output: &[[i32; 2]], gain: [i32; 2], out: &mut [[i32; 2]], add: bool) -> bool {
+        kernel::portable::radiate(output, gain, out, add)
     }
 }

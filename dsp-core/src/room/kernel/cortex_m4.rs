@@ -3,6 +3,7 @@
 
 use core::mem::offset_of;
 
+use super::super::crossover::{Split, SplitState};
 use super::super::network::{LINES, Lines, Sound, Turns};
 use super::super::turn::TURN_SAMPLES;
 use crate::resonator::TICK_FRAMES;
@@ -24,6 +25,7 @@ struct Call {
 // What cortex_m4.s counts on.
 const _: () = assert!(TICK_FRAMES == 32 && TURN_SAMPLES == 8 && LINES == 4 && offset_of!(Sound<i16>, output) == 128);
 const _: () = assert!(offset_of!(Call, sound) == 16 && offset_of!(Call, fixed) == 28);
+const _: () = assert!(size_of::<Split>() == 20 && size_of::<SplitState>() == 52);
 
 unsafe extern "C" {
     fn malleus_room_prepare(
@@ -36,7 +38,24 @@ unsafe extern "C" {
     );
     fn malleus_room_pass(call: &Call, first: usize) -> u32;
     fn malleus_room_pass_between(call: &Call, double: bool) -> u32;
-    fn malleus_room_radiate(output: *const [i16; 2], out: *mut [i32; 2], count: usize, gain: i32, loss: i32) -> u32;
+    fn malleus_room_radiate(
+        output: *const [i16; 2],
+        out: *mut [i32; 2],
+        count: usize,
+        gain: i32,
+        loss: i32,
+        add: bool,
+    ) -> u32;
+    fn malleus_room_split(split: &Split, state: &mut SplitState, low: *mut i32, high: *mut i32, count: usize) -> u32;
+    fn malleus_room_double(
+        a: &[i32; 2],
+        state: &mut [i32; 3],
+        slow: *const i32,
+        fast: *mut i32,
+        count: usize,
+        add: bool,
+    );
+    fn malleus_room_exchange(out: *mut [i32; 2], wet: *const [i32; 2], input: *mut i32, count: usize) -> u32;
 }
 
 /// As [`super::portable::prepare`].
@@ -49,13 +68,45 @@ pub(in crate::room) fn prepare(input: &[i32], prepared: &mut [[i16; 2]], shift: 
 }
 
 /// As [`super::portable::radiate`].
-pub(in crate::room) fn radiate(output: &[[i16; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]]) -> bool {
+pub(in crate::room) fn radiate(output: &[[i16; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], add: bool) -> bool {
     let count = output.len().min(out.len());
     if count == 0 {
         return false;
     }
     // SAFETY: both slices hold `count` elements.
-    unsafe { malleus_room_radiate(output.as_ptr(), out.as_mut_ptr(), count, gain, loss) != 0 }
+    unsafe { malleus_room_radiate(output.as_ptr(), out.as_mut_ptr(), count, gain, loss, add) != 0 }
+}
+
+/// As [`super::portable::split`].
+pub(in crate::room) fn split(split: &Split, state: &mut SplitState, low: &mut [i32], high: &mut [i32]) -> u32 {
+    let count = low.len().min(high.len());
+    // SAFETY: both slices hold `count` elements.
+    unsafe { malleus_room_split(split, state, low.as_mut_ptr(), high.as_mut_ptr(), count) }
+}
+
+/// As [`super::portable::double`].
+pub(in crate::room) fn double(
+    a: &[i32; 2],
+    sides: &mut [[i32; 3]; 2],
+    slow: &[[i32; 2]],
+    fast: &mut [[i32; 2]],
+    add: bool,
+) {
+    let count = slow.len().min(fast.len() / 2);
+    let (slow, fast) = (slow.as_ptr().cast::<i32>(), fast.as_mut_ptr().cast::<i32>());
+    for (side, state) in sides.iter_mut().enumerate() {
+        if count > 0 {
+            // SAFETY: there are `count` pairs of `slow` and twice as many of `fast`; a side is the words of each pair at 0, or at 1.
+            unsafe { malleus_room_double(a, state, slow.add(side), fast.add(side), count, add) }
+        }
+    }
+}
+
+/// As [`super::portable::exchange`].
+pub(in crate::room) fn exchange(out: &mut [[i32; 2]], wet: &[[i32; 2]], input: &mut [i32]) -> u32 {
+    let count = out.len().min(wet.len()).min(input.len());
+    // SAFETY: all slices hold `count` elements.
+    unsafe { malleus_room_exchange(out.as_mut_ptr(), wet.as_ptr(), input.as_mut_ptr(), count) }
 }
 
 /// As [`super::portable::pass`].

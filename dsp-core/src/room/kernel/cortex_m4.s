@@ -49,21 +49,44 @@ malleus_room_prepare:
     bne     3b
 4:  pop     {r4-r10, pc}
 
-@ malleus_room_radiate(output, out, count, gain, loss) -> whether an output has 15 bits and a sign
+@ malleus_room_radiate(output, out, count, gain, loss, add) -> whether an output has 15 bits and a sign
 @ r0 output, r1 out, r2 count, r3 gain, r4 loss, r12 sizes
-    .macro radiated at
+    .macro radiated add at
     ldr     r5, [r0], #4
+    .if \add
     ldr     r6, [r1, #\at]
     ldr     r7, [r1, #\at + 4]
+    .endif
     smulwb  r8, r3, r5
     smulwt  r9, r3, r5
     smmlsr  r3, r3, r4, r3
     eor     r5, r5, r5, lsl #1
-    qadd    r6, r6, r8
-    qadd    r7, r7, r9
+    .if \add
+    qadd    r8, r6, r8
+    qadd    r9, r7, r9
+    .endif
     orr     r12, r12, r5
-    str     r6, [r1, #\at]
-    str     r7, [r1, #\at + 4]
+    str     r8, [r1, #\at]
+    str     r9, [r1, #\at + 4]
+    .endm
+
+    .macro radiating add
+    subs    r2, #4
+    blt     2f
+1:  radiated \add, 0
+    radiated \add, 8
+    radiated \add, 16
+    radiated \add, 24
+    adds    r1, #32
+    subs    r2, #4
+    bge     1b
+2:  adds    r2, #4
+    beq     4f
+3:  radiated \add, 0
+    adds    r1, #8
+    subs    r2, #1
+    bne     3b
+4:
     .endm
 
     .global malleus_room_radiate
@@ -72,23 +95,14 @@ malleus_room_prepare:
 malleus_room_radiate:
     push    {r4-r9}
     ldr     r4, [sp, #24]
+    ldr     r5, [sp, #28]
     mov     r12, #0
-    subs    r2, #4
-    blt     2f
-1:  radiated 0
-    radiated 8
-    radiated 16
-    radiated 24
-    adds    r1, #32
-    subs    r2, #4
-    bge     1b
-2:  adds    r2, #4
-    beq     4f
-3:  radiated 0
-    adds    r1, #8
-    subs    r2, #1
-    bne     3b
-4:  and     r0, r12, #0x80008000
+    cmp     r5, #0
+    beq     5f
+    radiating 1
+    b       6f
+5:  radiating 0
+6:  and     r0, r12, #0x80008000
     pop     {r4-r9}
     bx      lr
 
@@ -231,3 +245,239 @@ malleus_room_pass_between:
 3:  mrs     r0, APSR
     and     r0, r0, #0x08000000
     pop     {r4-r11, pc}
+
+@ malleus_room_split(split, state, low, high, count) -> or of the sizes in high: portable.rs, split.
+@ Layouts: split is α, then c1/2 and c2/2 of two sections; state is x1, y1, rest, then x1, x2, y1, y2, rest of two sections.
+@ sp: split, state, low, high; count above what is pushed.
+
+@ One sample of a second-order section: r7, r8 new inputs, r9 rest, r10, r11 free, r12 c1/2, lr c2/2. y takes the place of y2.
+    .macro second_order x x1 x2 y1 y2 at
+    sub     r11, \x, \y2
+    mov     r10, #0
+    smlal   r9, r10, r11, lr
+    sub     r11, \x1, \y1
+    smlal   r9, r10, r11, r12
+    add     \y2, \x2, r10, lsl #2
+    str     \y2, [r0, #\at]
+    .endm
+
+@ A section over a block: where its pointer is on the stack, where its coefficients and its state are.
+    .macro section block coefficients state
+    ldr     r11, [sp]
+    ldr     r12, [r11, #\coefficients]
+    ldr     lr, [r11, #\coefficients + 4]
+    ldr     r11, [sp, #4]
+    add     r11, #\state
+    ldm     r11, {r3-r6, r9}
+    ldr     r0, [sp, #\block]
+    ldr     r1, [sp, #52]
+    subs    r1, #4
+    blt     2f
+1:  ldr     r7, [r0]
+    ldr     r8, [r0, #4]
+    second_order r7, r3, r4, r5, r6, 0
+    second_order r8, r7, r3, r6, r5, 4
+    ldr     r4, [r0, #8]
+    ldr     r3, [r0, #12]
+    second_order r4, r8, r7, r5, r6, 8
+    second_order r3, r4, r8, r6, r5, 12
+    adds    r0, #16
+    subs    r1, #4
+    bge     1b
+2:  adds    r1, #4
+    beq     4f
+3:  ldr     r7, [r0]
+    second_order r7, r3, r4, r5, r6, 0
+    adds    r0, #4
+    mov     r4, r3
+    mov     r3, r7
+    mov     r7, r5
+    mov     r5, r6
+    mov     r6, r7
+    subs    r1, #1
+    bne     3b
+4:  ldr     r11, [sp, #4]
+    add     r11, #\state
+    stm     r11, {r3-r6, r9}
+    .endm
+
+    .macro first_order x x1
+    sub     r8, \x, r5
+    mov     r7, #0
+    smlal   r6, r7, r8, r3
+    sub     r5, \x1, r7, lsl #1
+    str     r5, [r1], #4
+    .endm
+
+    .macro parted low high at
+    add     r8, \low, \high
+    sub     \low, \low, \high
+    ssat    r8, #29, r8
+    eor     r9, \low, \low, asr #31
+    str     r8, [r0, #\at]
+    orr     r3, r3, r9
+    str     \low, [r1, #\at]
+    .endm
+
+    .global malleus_room_split
+    .type malleus_room_split, %function
+    .thumb_func
+malleus_room_split:
+    push    {r0-r11, lr}
+    mov     r12, r1
+    ldr     r3, [r0]
+    ldm     r12, {r4-r6}
+    ldr     r0, [sp, #8]
+    ldr     r1, [sp, #12]
+    ldr     r2, [sp, #52]
+    subs    r2, #2
+    blt     2f
+1:  ldr     r9, [r0]
+    ldr     r10, [r0, #4]
+    adds    r0, #8
+    first_order r9, r4
+    first_order r10, r9
+    mov     r4, r10
+    subs    r2, #2
+    bge     1b
+2:  adds    r2, #2
+    beq     4f
+    ldr     r9, [r0]
+    first_order r9, r4
+    mov     r4, r9
+4:  stm     r12, {r4-r6}
+    section 12, 12, 32
+    section 8, 4, 12
+    ldr     r0, [sp, #8]
+    ldr     r1, [sp, #12]
+    ldr     r2, [sp, #52]
+    movs    r3, #0
+    subs    r2, #2
+    blt     2f
+1:  ldr     r4, [r0]
+    ldr     r5, [r0, #4]
+    ldr     r6, [r1]
+    ldr     r7, [r1, #4]
+    parted  r4, r6, 0
+    parted  r5, r7, 4
+    adds    r0, #8
+    adds    r1, #8
+    subs    r2, #2
+    bge     1b
+2:  adds    r2, #2
+    beq     4f
+    ldr     r4, [r0]
+    ldr     r6, [r1]
+    parted  r4, r6, 0
+4:  mov     r0, r3
+    add     sp, #16
+    pop     {r4-r11, pc}
+
+@ malleus_room_double(a, state, slow, fast, count, add): one side (every second word) at twice its rate; state is x, even, odd.
+@ r0 slow, r1 fast, r2 count, r3 a0, r4 a1, r5 last x, r6 even, r7 odd, r8 x, r9 free, r10, r11 sums
+    .macro doubled x x1 add at
+    ssat    \x, #30, \x
+    sub     r9, \x, r6
+    smmulr  r9, r9, r3
+    .if \add
+    ldr     r10, [r1, #\at]
+    ldr     r11, [r1, #\at + 8]
+    .endif
+    add     r6, \x1, r9, lsl #1
+    sub     r9, \x, r7
+    smmulr  r9, r9, r4
+    add     r7, \x1, r9, lsl #1
+    .if \add
+    qadd    r10, r10, r6
+    qadd    r11, r11, r7
+    str     r10, [r1, #\at]
+    str     r11, [r1, #\at + 8]
+    .else
+    str     r6, [r1, #\at]
+    str     r7, [r1, #\at + 8]
+    .endif
+    .endm
+
+    .macro doubling add
+    subs    r2, #2
+    blt     2f
+1:  ldr     r8, [r0]
+    ldr     lr, [r0, #8]
+    adds    r0, #16
+    doubled r8, r5, \add, 0
+    doubled lr, r8, \add, 16
+    mov     r5, lr
+    adds    r1, #32
+    subs    r2, #2
+    bge     1b
+2:  adds    r2, #2
+    beq     3f
+    ldr     r8, [r0]
+    doubled r8, r5, \add, 0
+    mov     r5, r8
+3:
+    .endm
+
+    .global malleus_room_double
+    .type malleus_room_double, %function
+    .thumb_func
+malleus_room_double:
+    push    {r1, r4-r11, lr}
+    ldm     r1, {r5-r7}
+    mov     r1, r3
+    ldm     r0, {r3-r4}
+    mov     r0, r2
+    ldr     r2, [sp, #40]
+    ldr     r8, [sp, #44]
+    cmp     r8, #0
+    beq     5f
+    doubling 1
+    b       6f
+5:  doubling 0
+6:  pop     {r1}
+    stm     r1, {r5-r7}
+    pop     {r4-r11, pc}
+
+@ malleus_room_exchange(out, wet, input, count) -> or of the input: half the middle of `out` goes to `input`, `wet` is added to `out`.
+    .macro exchanged at
+    ldr     r5, [r0, #\at]
+    ldr     r6, [r0, #\at + 4]
+    ldr     r7, [r1, #\at]
+    ldr     r8, [r1, #\at + 4]
+    asr     r9, r5, #1
+    add     r9, r9, r6, asr #1
+    ssat    r9, #28, r9, asr #1
+    qadd    r5, r5, r7
+    qadd    r6, r6, r8
+    orr     r4, r4, r9
+    str     r9, [r2], #4
+    str     r5, [r0, #\at]
+    str     r6, [r0, #\at + 4]
+    .endm
+
+    .global malleus_room_exchange
+    .type malleus_room_exchange, %function
+    .thumb_func
+malleus_room_exchange:
+    push    {r4-r9}
+    movs    r4, #0
+    subs    r3, #4
+    blt     2f
+1:  exchanged 0
+    exchanged 8
+    exchanged 16
+    exchanged 24
+    adds    r0, #32
+    adds    r1, #32
+    subs    r3, #4
+    bge     1b
+2:  adds    r3, #4
+    beq     4f
+3:  exchanged 0
+    adds    r0, #8
+    adds    r1, #8
+    subs    r3, #1
+    bne     3b
+4:  mov     r0, r4
+    pop     {r4-r9}
+    bx      lr

@@ -1,4 +1,4 @@
-//! The network's hot loops: input, lines of 16 bits, output. [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly
+//! The room's hot loops: splits, networks of 16-bit lines, doubled rates. [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly
 //! (`cortex_m4.s`), which tests compare bit for bit on the virtual core (`cargo test -p host-tests --test on_chip room`).
 
 pub(super) mod portable;
@@ -7,9 +7,9 @@ pub(super) mod portable;
 mod cortex_m4;
 
 #[cfg(cortex_m4f)]
-pub(super) use cortex_m4::{pass, pass_between, prepare, radiate};
+pub(super) use cortex_m4::{double, exchange, pass, pass_between, prepare, radiate, split};
 #[cfg(not(cortex_m4f))]
-pub(super) use portable::{pass, pass_between, prepare, radiate};
+pub(super) use portable::{double, exchange, pass, pass_between, prepare, radiate, split};
 
 use super::network::LINES;
 use super::storage::Sample;
