@@ -84,13 +84,13 @@ impl Split {
         Self { first: q31(alpha), second }
     }
 
-    /// Splits `low`, which holds half the signal (at most ±1.0 in Q4.27), in place into the whole low part, at most ±2.0; `high` is as long. Gives the
-    /// bits of the largest size in `high`.
+    /// Splits `low`, which holds half the signal (at most ±1.0 in Q4.27), in place into half the low part, at most ±1.0, of which every second sample is kept
+    /// where it is to be `thin`; `high` is as long, and whole. Gives the bits of the largest size in `high`.
     ///
     /// Nothing wraps: no branch's impulse response sums up to more than 5.65 (measured over all edges from 0.001 to 0.49 of the rate, see this file's
     /// tests): every value stays below 2^29.5, every difference of two below 2^30.5.
-    pub(super) fn render(&self, state: &mut SplitState, low: &mut [i32], high: &mut [i32]) -> i32 {
-        32 - kernel::split(self, state, low, high).leading_zeros() as i32
+    pub(super) fn render(&self, state: &mut SplitState, low: &mut [i32], high: &mut [i32], thin: bool) -> i32 {
+        32 - kernel::split(self, state, low, high, thin).leading_zeros() as i32
     }
 }
 

@@ -90,6 +90,11 @@ impl LevelState {
         i32::from(then.wrapping_sub(self.steps) as i8)
     }
 
+    /// Whether the level cannot be lowered at the end of this watch.
+    pub(super) fn is_busy(&self) -> bool {
+        self.busy
+    }
+
     fn step(&mut self, by: i32) {
         self.exponent += by;
         self.steps = self.steps.wrapping_add(by as u8);
@@ -170,13 +175,7 @@ impl Level {
     }
 
     /// Adds the outputs times the level to `out`; whether one was loud.
-    pub(super) fn radiate<T: Sample>(
-        &self,
-        state: &LevelState,
-        output: &[[T; 2]],
-        out: &mut [[i32; 2]],
-        add: bool,
-    ) -> bool {
+    pub(super) fn radiate<T: Sample>(&self, state: &LevelState, output: &[[T; 2]], out: &mut [[i32; 2]], add: bool) {
         let product = ((u64::from(state.mantissa) * u64::from(self.output)) >> 32) as i32;
         let shift = state.exponent + self.output_exponent - 15;
         let gain = if shift >= 0 { product } else { product >> shift.unsigned_abs().min(31) };
@@ -184,42 +183,45 @@ impl Level {
             if !add {
                 out.fill([0; 2]);
             }
-            return radiate_loud(output, [gain, self.sample_loss], shift.unsigned_abs(), out);
+            radiate_loud(output, [gain, self.sample_loss], shift.unsigned_abs(), out);
+            return;
         }
-        T::radiate(output, [gain, self.sample_loss], out, add)
+        T::radiate(output, [gain, self.sample_loss], out, add);
     }
 
     /// A tick later.
-    pub(super) fn end(&self, state: &mut LevelState, busy: bool, loud: bool) {
-        state.busy |= busy;
-        state.loud = loud;
+    pub(super) fn end(&self, state: &mut LevelState, exceeded: bool) {
+        state.loud = state.busy && exceeded;
+        state.busy |= exceeded;
         state.now = state.now.wrapping_add(1);
         (state.age, state.steady) = (state.age.saturating_add(1), state.steady.saturating_add(1));
-        let mantissa = (u64::from(state.mantissa) * u64::from(self.decay) + (1 << 31)) >> 32;
-        let inverse = u64::from(state.inverse) + ((u64::from(state.inverse) * u64::from(self.growth)) >> 32);
         // The mantissa goes back above 2^31, the inverse with it below 2^32: a tick's decay is less than a half.
-        let low = mantissa < 1 << 31;
-        state.mantissa = (mantissa << u32::from(low)) as u32;
-        state.exponent -= i32::from(low);
-        let inverse = (inverse >> u32::from(low)).min(u64::from(u32::MAX));
-        // One step of Newton's method keeps the inverse from drifting.
-        let error = (1i64 << 63).wrapping_sub((u64::from(state.mantissa) * inverse) as i64) >> 31;
-        let inverse = inverse as i64 + ((error * inverse as i64) >> 32);
-        state.inverse = inverse.clamp(1 << 31, i64::from(u32::MAX)) as u32;
+        let mantissa = high_word(state.mantissa, self.decay);
+        let low = mantissa.leading_zeros();
+        state.mantissa = mantissa << low;
+        state.exponent -= low as i32;
+        let inverse = state.inverse >> low;
+        let inverse = inverse.saturating_add(high_word(inverse, self.growth)).max(1 << 31);
+        // One step of Newton's method keeps the inverse from drifting: 2^63 - mantissa · inverse is small.
+        let error = ((1u64 << 63).wrapping_sub(u64::from(state.mantissa) * u64::from(inverse)) >> 31) as i32;
+        let correction = fixed::smmul(error << 8, (inverse >> 8) as i32);
+        state.inverse = inverse.saturating_add_signed(correction).max(1 << 31);
         // What is left is at most 2^14 steps.
         state.awake = state.exponent + self.output_exponent + 14 > INAUDIBLE_BITS;
     }
 }
 
 /// As [`Sample::radiate`] for gains above what its format holds.
-fn radiate_loud<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], shift: u32, out: &mut [[i32; 2]]) -> bool {
-    let (mut gain, mut loud) = (gain, false);
+fn radiate_loud<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], shift: u32, out: &mut [[i32; 2]]) {
+    let mut gain = gain;
     for (out, pair) in out.iter_mut().zip(output) {
         for (out, &y) in out.iter_mut().zip(pair) {
             *out = out.saturating_add(fixed::saturating_shift_left(y.times(gain), shift));
-            loud |= y.exceeds(LOUD_BITS);
         }
         gain -= fixed::smmulr(gain, loss);
     }
-    loud
+}
+
+fn high_word(a: u32, b: u32) -> u32 {
+    ((u64::from(a) * u64::from(b)) >> 32) as u32
 }

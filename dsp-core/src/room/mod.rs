@@ -105,6 +105,8 @@ struct Band {
     split: Split,
     split_state: SplitState,
     division: u8,
+    /// Whether the next lower band runs at a lower rate.
+    thins: bool,
     /// Pairs of delay, all lines together.
     pairs: u16,
 }
@@ -116,6 +118,7 @@ impl Band {
         split: Split::NONE,
         split_state: SplitState::SILENT,
         division: 1,
+        thins: false,
         pairs: 0,
     };
 }
@@ -157,14 +160,17 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         (self.count, self.passed) = (0, 0);
         self.clear();
         let plans = plan::plan(bands, rate, SAMPLES)?;
+        let mut below = 1;
         for (band, plan) in self.bands.iter_mut().zip(&plans) {
             *band = Band {
                 config: NetworkConfig::new(plan),
                 split: if plan.edge > 0.0 { Split::new(plan.edge) } else { Split::NONE },
                 division: plan.division as u8,
+                thins: below > plan.division,
                 pairs: plan.delays.iter().sum::<usize>() as u16,
                 ..Band::NONE
             };
+            below = plan.division;
         }
         self.upsampler = Upsampler::new();
         self.turn = Turn::new(rate);
@@ -249,29 +255,28 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
     /// Splits the tick's input and lets the bands answer; at which rates there is an answer.
     fn render_bands(&mut self) -> [bool; RATES] {
         let Scratch { high, sound } = &mut self.scratch;
-        let (low, mut division, mut written) = (&mut self.input, 1, [false; RATES]);
+        let (low, mut written) = (self.input.as_mut_slice(), [false; RATES]);
         let (mut memory, _) = self.memory.0.as_chunks_mut::<2>();
-        let mut turns = Turns::<T>::new(&self.turn, TICK_FRAMES);
+        let turns = Turns::<T>::new(&self.turn);
+        // What `low` has been thinned to.
+        let mut division = 1;
         for (index, band) in self.bands.iter_mut().enumerate().take(self.count).rev() {
             let own = usize::from(band.division);
-            if own > division {
-                thin(low, own / division);
-                division = own;
-                turns = Turns::new(&self.turn, TICK_FRAMES / own);
-            }
             let block = TICK_FRAMES / own;
+            if let Some(low) = low.get_mut(..TICK_FRAMES / division) {
+                thin(low, own / division);
+            }
             let (Some(low), Some(high)) = (low.get_mut(..block), high.get_mut(..block)) else { return written };
-            let (input, input_bits) = match index {
-                0 => {
-                    low.iter_mut().for_each(|x| *x <<= 1);
-                    let bits = network::bits(low);
-                    (&*low, bits)
+            division = own;
+            let (input, input_bits) = if index == 0 {
+                for (high, low) in high.iter_mut().zip(low) {
+                    *high = *low << 1;
                 }
-                _ => {
-                    let bits = band.split.render(&mut band.split_state, low, high);
-                    low.iter_mut().for_each(|x| *x >>= 1);
-                    (&*high, bits)
-                }
+                (&*high, network::bits(high))
+            } else {
+                let bits = band.split.render(&mut band.split_state, low, high, band.thins);
+                division = if band.thins { 2 * own } else { own };
+                (&*high, bits)
             };
             let Some((lines, later)) = core::mem::take(&mut memory).split_at_mut_checked(usize::from(band.pairs))
             else {
@@ -281,12 +286,11 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             if band.config.sleeps(&band.state, input_bits) {
                 continue;
             }
-            let (Some(out), Some(written)) =
-                (self.rates.get_mut(block..2 * block), written.get_mut(own.trailing_zeros() as usize))
-            else {
+            let level = own.trailing_zeros() as usize;
+            let (Some(out), Some(written)) = (self.rates.get_mut(block..2 * block), written.get_mut(level)) else {
                 continue;
             };
-            band.config.render(&mut band.state, lines, (input, input_bits), &turns, sound, out, *written);
+            band.config.render(&mut band.state, lines, (input, input_bits), &turns, sound, (out, *written));
             *written = true;
         }
         written
@@ -305,8 +309,8 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
 }
 
 /// Keeps every `step`th sample.
-fn thin(block: &mut [i32; TICK_FRAMES], step: usize) {
-    for index in 1..TICK_FRAMES / step.max(1) {
+fn thin(block: &mut [i32], step: usize) {
+    for index in 1..block.len() / step.max(1) {
         let kept = block.get(index * step).copied();
         if let (Some(sample), Some(kept)) = (block.get_mut(index), kept) {
             *sample = kept;

@@ -51,9 +51,10 @@ pub(super) struct NetworkConfig {
 
 /// A delay line's fixed numbers.
 #[derive(Clone, Copy, Debug)]
-struct Line {
+#[repr(C)]
+pub struct Line {
     /// Pairs.
-    delay: u16,
+    pub(super) delay: u16,
     /// Ticks since the first pair that a tick reads was stored.
     ticks: u8,
     /// Pairs that the tick reads before it comes to those that were stored a tick later; a whole block where it does not.
@@ -82,9 +83,6 @@ impl NetworkState {
     pub(super) const SILENT: Self = Self { positions: [0; LINES], level: LevelState::SILENT };
 }
 
-/// The four lines from where they are read and written.
-pub(super) type Lines<'a, T> = [&'a mut [[T; 2]]; LINES];
-
 impl NetworkConfig {
     pub(super) const NONE: Self = Self { lines: [Line::NONE; LINES], level: Level::NONE, block: 1 };
 
@@ -107,100 +105,73 @@ impl NetworkConfig {
         (input, input_bits): (&[i32], i32),
         turns: &Turns<T>,
         sound: &mut Sound<T>,
-        out: &mut [[i32; 2]],
-        add: bool,
+        (out, add): (&mut [[i32; 2]], bool),
     ) {
+        let block = usize::from(self.block);
         self.level.begin::<T>(&mut state.level, input_bits);
         self.level.prepare::<T>(&state.level, input, &mut sound.input);
-        let busy = self.pass(state, memory, turns, sound);
-        let Some(output) = sound.output.get(..usize::from(self.block)) else { return };
-        let loud = self.level.radiate(&state.level, output, out, add);
-        self.level.end(&mut state.level, busy, loud);
-    }
-
-    /// Lets a tick pass through the lines, cut where a line ends or where what it holds was stored at another level. Whether something that is
-    /// stored keeps the level from being lowered.
-    fn pass<T: Sample>(
-        &self,
-        state: &mut NetworkState,
-        memory: &mut [[T; 2]],
-        turns: &Turns<T>,
-        sound: &mut Sound<T>,
-    ) -> bool {
-        let block = usize::from(self.block);
-        let steady = self.level.is_steady(&state.level);
-        let (mut from, mut busy) = (0, false);
-        while from < block {
-            let mut to = block;
-            for (line, &position) in self.lines.iter().zip(&state.positions) {
-                to = to.min(from + usize::from(line.delay - position));
-            }
-            let cut = if steady { None } else { Some(self.rises(&state.level, from, &mut to)) };
-            let Some(lines) = lines_from(memory, &self.lines, &state.positions, to - from) else { return busy };
-            busy |= match cut {
-                None => T::pass(lines, sound, turns, from),
-                Some(rises) => T::pass_between(lines, sound, turns, from, rises),
-            };
-            for (line, position) in self.lines.iter().zip(&mut state.positions) {
-                let next = *position + (to - from) as u16;
-                *position = if next >= line.delay { 0 } else { next };
-            }
-            from = to;
+        if !self.level.is_steady(&state.level) {
+            self.settle(state, memory);
         }
-        busy
+        let busy = state.level.is_busy();
+        let exceeded = T::pass(memory, &self.lines, &mut state.positions, sound, turns.of(block), block, busy);
+        let Some(output) = sound.output.get(..block) else { return };
+        self.level.radiate(&state.level, output, out, add);
+        self.level.end(&mut state.level, exceeded);
     }
 
-    /// By how many bits each line's pairs from a frame on must be raised to today's level, and how far that holds (and the angle).
-    fn rises(&self, state: &LevelState, from: usize, to: &mut usize) -> [i32; LINES] {
-        *to = (*to).min((from / TURN_SAMPLES + 1) * TURN_SAMPLES);
-        self.lines.map(|line| {
-            let seam = usize::from(line.seam);
-            if from >= seam {
-                return state.rise(line.ticks.wrapping_sub(1));
-            }
-            let (earlier, later) = (state.rise(line.ticks), state.rise(line.ticks.wrapping_sub(1)));
-            if earlier != later {
-                *to = (*to).min(seam);
-            }
-            earlier
-        })
+    /// Brings what this tick will read to today's level, where it was stored at another.
+    fn settle<T: Sample>(&self, state: &NetworkState, memory: &mut [[T; 2]]) {
+        let (block, mut rest) = (usize::from(self.block), memory);
+        for (line, &position) in self.lines.iter().zip(&state.positions) {
+            let Some((words, later)) = rest.split_at_mut_checked(usize::from(line.delay)) else { return };
+            rest = later;
+            let (position, seam) = (usize::from(position), usize::from(line.seam));
+            let (earlier, later) = (state.level.rise(line.ticks), state.level.rise(line.ticks.wrapping_sub(1)));
+            settle(words, position, seam, earlier);
+            settle(words, position + seam, block - seam, later);
+        }
     }
 }
 
-/// Each line's next `frames` pairs.
-#[inline(always)]
-fn lines_from<'a, T>(
-    memory: &'a mut [[T; 2]],
-    [a, b, c, d]: &[Line; LINES],
-    &[at_a, at_b, at_c, at_d]: &[u16; LINES],
-    frames: usize,
-) -> Option<Lines<'a, T>> {
-    let line = |line: &Line, rest: &'a mut [[T; 2]]| rest.split_at_mut_checked(usize::from(line.delay));
-    let part = |line: &'a mut [[T; 2]], at: u16| line.get_mut(usize::from(at)..usize::from(at) + frames);
-    let (a, rest) = line(a, memory)?;
-    let (b, rest) = line(b, rest)?;
-    let (c, rest) = line(c, rest)?;
-    let (d, _) = line(d, rest)?;
-    Some([part(a, at_a)?, part(b, at_b)?, part(c, at_c)?, part(d, at_d)?])
+/// Raises a run of a line that may pass its end.
+fn settle<T: Sample>(line: &mut [[T; 2]], position: usize, count: usize, rise: i32) {
+    if rise == 0 || count == 0 {
+        return;
+    }
+    let position = if position >= line.len() { position - line.len() } else { position };
+    let (before, after) = line.split_at_mut(position.min(line.len()));
+    let to_end = count.min(after.len());
+    for words in [after.get_mut(..to_end), before.get_mut(..count - to_end)].into_iter().flatten() {
+        // Below -16 bits, nothing is left of 16; of 32, nothing that is heard.
+        match rise {
+            ..-16 => words.fill([T::ZERO; 2]),
+            _ => T::scale(words, rise),
+        }
+    }
 }
 
 /// A tick's angles as the lines' samples are multiplied by them.
 #[derive(Clone, Copy, Debug)]
-pub struct Turns<T: Sample> {
-    /// Of each eighth frame; bands at lower rates take every second or the first.
-    pub(super) moving: [T::Turn; TICK_FRAMES / TURN_SAMPLES],
-    pub(super) fixed: T::Turn,
+pub(super) struct Turns<T: Sample> {
+    /// Of each eighth frame.
+    moving: [T::Turn; TICK_FRAMES / TURN_SAMPLES],
+    /// Of each eighth frame of a band at half the rate; the first is that of all the slower ones.
+    slow: [T::Turn; 2],
+    fixed: T::Turn,
 }
 
 impl<T: Sample> Turns<T> {
-    /// Those of a tick for bands of so many frames.
-    pub(super) fn new(turn: &Turn, block: usize) -> Self {
-        Self { moving: turn.steps(block).map(T::turn), fixed: T::turn(ANGLE.map(|value| value << 16)) }
+    /// Those of a tick.
+    pub(super) fn new(turn: &Turn) -> Self {
+        let moving = turn.steps().map(T::turn);
+        let [first, _, third, _] = moving;
+        Self { moving, slow: [first, third], fixed: T::turn(ANGLE.map(|value| value << 16)) }
     }
 
-    /// Those of a frame: moving, fixed.
-    pub(super) fn at(&self, frame: usize) -> [T::Turn; 2] {
-        [self.moving.get(frame / TURN_SAMPLES).copied().unwrap_or(self.fixed), self.fixed]
+    /// Those of a band of so many frames: moving, fixed.
+    fn of(&self, block: usize) -> (&[T::Turn], T::Turn) {
+        (if block == TICK_FRAMES { &self.moving } else { &self.slow }, self.fixed)
     }
 }
 

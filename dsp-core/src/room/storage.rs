@@ -1,7 +1,7 @@
 //! What the delay lines are kept in: 16 bits, or 32 bits. Both stand for the same: 32 bits are 16 with 16 more behind them.
 
 use super::kernel;
-use super::network::{LINES, Lines, Sound, Turns};
+use super::network::{LINES, Line, Sound};
 use crate::fixed;
 
 /// A stored sample of a delay line: a step of a 16-bit sample is what the network's level says, a 32-bit one is 2^16 times finer.
@@ -22,8 +22,8 @@ pub trait Sample: Copy + sealed::Sealed {
     /// `(c a + s b, s a - c b) / 2` of a pair (a, b).
     fn rotate(pair: [Self; 2], turn: &Self::Turn) -> [Self; 2];
 
-    /// An angle's sine and cosine times `2^-bits`.
-    fn lower(turn: &Self::Turn, bits: u32) -> Self::Turn;
+    /// Half of it, rounded half up.
+    fn halve(self) -> Self;
 
     /// `a + b`, saturated.
     fn add(a: Self, b: Self) -> Self;
@@ -40,21 +40,23 @@ pub trait Sample: Copy + sealed::Sealed {
     /// Gives both values of pairs input times `2^shift · gain / 2^32`, in 2^-15 steps; the gain grows by a part of itself (Q32) a sample.
     fn prepare(input: &[i32], prepared: &mut [[Self; 2]], shift: u32, gain: [i32; 2]);
 
-    /// Lets the frames of a tick from `from` on, as many as the lines have here, pass through the lines: all was stored at one level. Whether something that they store is beyond the bits up
-    /// to which the level may be lowered.
-    fn pass(lines: Lines<'_, Self>, sound: &mut Sound<Self>, turns: &Turns<Self>, from: usize) -> bool;
-
-    /// The same, as far as all is turned by the first frame's angle, where lines must be raised by so many bits: at most 1, and far below 0 for zeros.
-    fn pass_between(
-        lines: Lines<'_, Self>,
+    /// Lets a tick pass through the lines, with the angles of each eighth frame and the fixed one. Whether, where it is `busy`, an output is beyond the bits that
+    /// raise the level; otherwise whether something that is stored is beyond those up to which it may be lowered.
+    fn pass(
+        memory: &mut [[Self; 2]],
+        lines: &[Line; LINES],
+        positions: &mut [u16; LINES],
         sound: &mut Sound<Self>,
-        turns: &Turns<Self>,
-        from: usize,
-        rises: [i32; LINES],
+        turns: (&[Self::Turn], Self::Turn),
+        frames: usize,
+        busy: bool,
     ) -> bool;
 
+    /// Doubles all, saturated, or halves all as often as `rise` is below 0.
+    fn scale(words: &mut [[Self; 2]], rise: i32);
+
     /// Adds outputs times a gain, that loses a part of itself (Q32) a frame, to `out`; whether one is beyond the bits that raise the level.
-    fn radiate(output: &[[Self; 2]], gain: [i32; 2], out: &mut [[i32; 2]], add: bool) -> bool;
+    fn radiate(output: &[[Self; 2]], gain: [i32; 2], out: &mut [[i32; 2]], add: bool);
 }
 
 mod sealed {
@@ -87,8 +89,9 @@ impl Sample for i16 {
         [((cosine * a + sine * b + HALF_STEP) >> 16) as i16, ((sine * a - cosine * b + HALF_STEP) >> 16) as i16]
     }
 
-    fn lower(turn: &[i16; 2], bits: u32) -> [i16; 2] {
-        turn.map(|value| if bits > 15 { 0 } else { value >> bits })
+    fn halve(self) -> i16 {
+        // SHADD16 with ones.
+        ((i32::from(self) + 1) >> 1) as i16
     }
 
     #[inline(always)]
@@ -116,23 +119,24 @@ impl Sample for i16 {
         kernel::prepare(input, prepared, shift, gain);
     }
 
-    fn pass(lines: Lines<'_, i16>, sound: &mut Sound<i16>, turns: &Turns<i16>, from: usize) -> bool {
-        kernel::pass(lines, sound, turns, from)
-    }
-
-    fn pass_between(
-        lines: Lines<'_, i16>,
+    fn pass(
+        memory: &mut [[i16; 2]],
+        lines: &[Line; LINES],
+        positions: &mut [u16; LINES],
         sound: &mut Sound<i16>,
-        turns: &Turns<i16>,
-        from: usize,
-        rises: [i32; LINES],
+        turns: (&[[i16; 2]], [i16; 2]),
+        frames: usize,
+        busy: bool,
     ) -> bool {
-        let (double, turns) = kernel::lowered::<i16>(turns.at(from), rises);
-        kernel::pass_between(lines, sound, &turns, from, double)
+        kernel::pass(memory, lines, positions, sound, turns, frames, busy)
     }
 
-    fn radiate(output: &[[i16; 2]], gain: [i32; 2], out: &mut [[i32; 2]], add: bool) -> bool {
-        kernel::radiate(output, gain, out, add)
+    fn scale(words: &mut [[i16; 2]], rise: i32) {
+        kernel::scale(words, rise);
+    }
+
+    fn radiate(output: &[[i16; 2]], gain: [i32; 2], out: &mut [[i32; 2]], add: bool) {
+        kernel::radiate(output, gain, out, add);
     }
 }
 
@@ -157,8 +161,8 @@ impl Sample for i32 {
         [half(cosine * a + sine * b), half(sine * a - cosine * b)]
     }
 
-    fn lower(turn: &[i32; 2], bits: u32) -> [i32; 2] {
-        turn.map(|value| if bits > 31 { 0 } else { value >> bits })
+    fn halve(self) -> i32 {
+        (self >> 1) + (self & 1)
     }
 
     fn add(a: i32, b: i32) -> i32 {
@@ -181,22 +185,23 @@ impl Sample for i32 {
         kernel::portable::prepare(input, prepared, shift, gain);
     }
 
-    fn pass(lines: Lines<'_, i32>, sound: &mut Sound<i32>, turns: &Turns<i32>, from: usize) -> bool {
-        kernel::portable::pass(lines, sound, turns, from)
-    }
-
-    fn pass_between(
-        lines: Lines<'_, i32>,
+    fn pass(
+        memory: &mut [[i32; 2]],
+        lines: &[Line; LINES],
+        positions: &mut [u16; LINES],
         sound: &mut Sound<i32>,
-        turns: &Turns<i32>,
-        from: usize,
-        rises: [i32; LINES],
+        turns: (&[[i32; 2]], [i32; 2]),
+        frames: usize,
+        busy: bool,
     ) -> bool {
-        let (double, turns) = kernel::lowered::<i32>(turns.at(from), rises);
-        kernel::portable::pass_between(lines, sound, &turns, from, double)
+        kernel::portable::pass(memory, lines, positions, sound, turns, frames, busy)
     }
 
-    fn radiate(output: &[[i32; 2]], gain: [i32; 2], out: &mut [[i32; 2]], add: bool) -> bool {
-        kernel::portable::radiate(output, gain, out, add)
+    fn scale(words: &mut [[i32; 2]], rise: i32) {
+        kernel::portable::scale(words, rise);
+    }
+
+    fn radiate(output: &[[i32; 2]], gain: [i32; 2], out: &mut [[i32; 2]], add: bool) {
+        kernel::portable::radiate(output, gain, out, add);
     }
 }

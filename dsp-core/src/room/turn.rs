@@ -39,17 +39,12 @@ impl Turn {
         self.next = [sine(angle), sine(angle.wrapping_add(1 << 30))];
     }
 
-    /// Sines and cosines of each eighth frame of a tick of so many frames (32, 16, or one angle for all), on the straight line between those at its ends.
-    pub(super) fn steps(&self, block: usize) -> [[i32; 2]; TICK_FRAMES / TURN_SAMPLES] {
-        // A tick turns by much less than a radian, but let it be: the difference of two Q31 fits when halved.
-        let shift = (block / TURN_SAMPLES).max(1).trailing_zeros();
-        let at = |from: i32, to: i32, part: i32| from + (((((to >> 1) - (from >> 1)) >> shift) * part) << 1);
+    /// Sines and cosines of each eighth frame of a tick, on the straight line between those at its ends.
+    pub(super) fn steps(&self) -> [[i32; 2]; TICK_FRAMES / TURN_SAMPLES] {
+        // A tick turns by much less than a radian, but let it be: the difference of two Q31 fits when quartered.
         let ([sine, cosine], [next_sine, next_cosine]) = (self.now, self.next);
-        let last = (1 << shift) - 1;
-        [0, 1, 2, 3].map(|part: i32| {
-            let part = part.min(last);
-            [at(sine, next_sine, part), at(cosine, next_cosine, part)]
-        })
+        let (sine_step, cosine_step) = ((next_sine >> 2) - (sine >> 2), (next_cosine >> 2) - (cosine >> 2));
+        [0, 1, 2, 3].map(|step: i32| [sine + step * sine_step, cosine + step * cosine_step])
     }
 }
 

@@ -4,7 +4,7 @@
 use core::mem::offset_of;
 
 use super::super::crossover::{Split, SplitState};
-use super::super::network::{LINES, Lines, Sound, Turns};
+use super::super::network::{LINES, Line, Sound};
 use super::super::turn::TURN_SAMPLES;
 use crate::resonator::TICK_FRAMES;
 
@@ -12,19 +12,21 @@ core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 
 /// What a pass is told.
 #[repr(C)]
-struct Call {
-    lines: [*mut [i16; 2]; LINES],
-    /// The first frame's input; its output lies 128 bytes behind.
-    sound: *mut [i16; 2],
+struct Call<'a> {
+    memory: *mut [i16; 2],
+    lines: &'a [Line; LINES],
+    positions: &'a mut [u16; LINES],
+    /// Input; output lies 128 bytes behind.
+    sound: *mut Sound<i16>,
     frames: usize,
-    /// Angles: the moving ones from the first frame's on, or one a line.
+    /// Of each eighth frame.
     turns: *const [i16; 2],
     fixed: [i16; 2],
 }
 
 // What cortex_m4.s counts on.
 const _: () = assert!(TICK_FRAMES == 32 && TURN_SAMPLES == 8 && LINES == 4 && offset_of!(Sound<i16>, output) == 128);
-const _: () = assert!(offset_of!(Call, sound) == 16 && offset_of!(Call, fixed) == 28);
+const _: () = assert!(size_of::<Line>() == 4 && offset_of!(Line, delay) == 0 && size_of::<Call<'_>>() == 28);
 const _: () = assert!(size_of::<Split>() == 20 && size_of::<SplitState>() == 52);
 
 unsafe extern "C" {
@@ -36,20 +38,20 @@ unsafe extern "C" {
         gain: i32,
         growth: i32,
     );
-    fn malleus_room_pass(call: &Call, first: usize) -> u32;
-    fn malleus_room_pass_between(call: &Call, double: bool) -> u32;
-    fn malleus_room_radiate(
-        output: *const [i16; 2],
-        out: *mut [i32; 2],
+    fn malleus_room_pass(call: &mut Call<'_>, busy: bool) -> u32;
+    fn malleus_room_scale(words: *mut [i16; 2], count: usize, rise: i32);
+    fn malleus_room_radiate(output: *const [i16; 2], out: *mut [i32; 2], count: usize, gain: i32, loss: i32, add: bool);
+    fn malleus_room_split(
+        split: &Split,
+        state: &mut SplitState,
+        low: *mut i32,
+        high: *mut i32,
         count: usize,
-        gain: i32,
-        loss: i32,
-        add: bool,
+        thin: bool,
     ) -> u32;
-    fn malleus_room_split(split: &Split, state: &mut SplitState, low: *mut i32, high: *mut i32, count: usize) -> u32;
     fn malleus_room_double(
         a: &[i32; 2],
-        state: &mut [i32; 3],
+        sides: *mut [i32; 3],
         slow: *const i32,
         fast: *mut i32,
         count: usize,
@@ -68,20 +70,25 @@ pub(in crate::room) fn prepare(input: &[i32], prepared: &mut [[i16; 2]], shift: 
 }
 
 /// As [`super::portable::radiate`].
-pub(in crate::room) fn radiate(output: &[[i16; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], add: bool) -> bool {
+pub(in crate::room) fn radiate(output: &[[i16; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], add: bool) {
     let count = output.len().min(out.len());
-    if count == 0 {
-        return false;
+    if count > 0 {
+        // SAFETY: both slices hold `count` elements.
+        unsafe { malleus_room_radiate(output.as_ptr(), out.as_mut_ptr(), count, gain, loss, add) }
     }
-    // SAFETY: both slices hold `count` elements.
-    unsafe { malleus_room_radiate(output.as_ptr(), out.as_mut_ptr(), count, gain, loss, add) != 0 }
 }
 
 /// As [`super::portable::split`].
-pub(in crate::room) fn split(split: &Split, state: &mut SplitState, low: &mut [i32], high: &mut [i32]) -> u32 {
+pub(in crate::room) fn split(
+    split: &Split,
+    state: &mut SplitState,
+    low: &mut [i32],
+    high: &mut [i32],
+    thin: bool,
+) -> u32 {
     let count = low.len().min(high.len());
     // SAFETY: both slices hold `count` elements.
-    unsafe { malleus_room_split(split, state, low.as_mut_ptr(), high.as_mut_ptr(), count) }
+    unsafe { malleus_room_split(split, state, low.as_mut_ptr(), high.as_mut_ptr(), count, thin) }
 }
 
 /// As [`super::portable::double`].
@@ -93,11 +100,10 @@ pub(in crate::room) fn double(
     add: bool,
 ) {
     let count = slow.len().min(fast.len() / 2);
-    let (slow, fast) = (slow.as_ptr().cast::<i32>(), fast.as_mut_ptr().cast::<i32>());
-    for (side, state) in sides.iter_mut().enumerate() {
-        if count > 0 {
-            // SAFETY: there are `count` pairs of `slow` and twice as many of `fast`; a side is the words of each pair at 0, or at 1.
-            unsafe { malleus_room_double(a, state, slow.add(side), fast.add(side), count, add) }
+    if count > 0 {
+        // SAFETY: there are `count` pairs of `slow` and twice as many of `fast`; sides lie behind one another.
+        unsafe {
+            malleus_room_double(a, sides.as_mut_ptr(), slow.as_ptr().cast(), fast.as_mut_ptr().cast(), count, add);
         }
     }
 }
@@ -110,39 +116,30 @@ pub(in crate::room) fn exchange(out: &mut [[i32; 2]], wet: &[[i32; 2]], input: &
 }
 
 /// As [`super::portable::pass`].
-pub(in crate::room) fn pass(lines: Lines<'_, i16>, sound: &mut Sound<i16>, turns: &Turns<i16>, from: usize) -> bool {
-    let Some(moving) = turns.moving.get(from / TURN_SAMPLES..) else { return false };
-    let Some(call) = call(lines, sound, from, moving.as_ptr(), turns.fixed) else { return false };
-    // SAFETY: as `call` says; frames up to 32 take no more angles than there are from the first one's on.
-    unsafe { malleus_room_pass(&call, TURN_SAMPLES - from % TURN_SAMPLES) != 0 }
-}
-
-/// As [`super::portable::pass_between`].
-pub(in crate::room) fn pass_between(
-    lines: Lines<'_, i16>,
+pub(in crate::room) fn pass(
+    memory: &mut [[i16; 2]],
+    lines: &[Line; LINES],
+    positions: &mut [u16; LINES],
     sound: &mut Sound<i16>,
-    turns: &[[i16; 2]; LINES],
-    from: usize,
-    double: bool,
+    (turns, fixed): (&[[i16; 2]], [i16; 2]),
+    frames: usize,
+    busy: bool,
 ) -> bool {
-    let Some(call) = call(lines, sound, from, turns.as_ptr(), [0; 2]) else { return false };
-    // SAFETY: as `call` says; there is an angle a line.
-    unsafe { malleus_room_pass_between(&call, double) != 0 }
+    let pairs = lines.iter().fold(0, |pairs, line| pairs + usize::from(line.delay));
+    if frames == 0 || frames > TICK_FRAMES || pairs > memory.len() || turns.len() * TURN_SAMPLES < frames {
+        return false;
+    }
+    let (memory, turns) = (memory.as_mut_ptr(), turns.as_ptr());
+    let mut call = Call { memory, lines, positions, sound, frames, turns, fixed };
+    // SAFETY: the lines lie within the memory, positions within the lines (they begin at 0 and only this moves them, back to 0 at a line's end; a line is
+    // at least a tick long); there are an input and an output a frame and an angle for each eight.
+    unsafe { malleus_room_pass(&mut call, busy) != 0 }
 }
 
-/// Lines and sound hold as many frames as it says; none where there are no frames.
-fn call(
-    lines: Lines<'_, i16>,
-    sound: &mut Sound<i16>,
-    from: usize,
-    turns: *const [i16; 2],
-    fixed: [i16; 2],
-) -> Option<Call> {
-    let frames = lines.iter().fold(TICK_FRAMES.saturating_sub(from), |frames, line| frames.min(line.len()));
-    if frames == 0 {
-        return None;
+/// As [`super::portable::scale`].
+pub(in crate::room) fn scale(words: &mut [[i16; 2]], rise: i32) {
+    if !words.is_empty() {
+        // SAFETY: there are as many words as it says.
+        unsafe { malleus_room_scale(words.as_mut_ptr(), words.len(), rise) }
     }
-    let sound = (&raw mut *sound).cast::<[i16; 2]>();
-    // SAFETY: `from` is below the frames of the input.
-    Some(Call { lines: lines.map(|line| line.as_mut_ptr()), sound: unsafe { sound.add(from) }, frames, turns, fixed })
 }

@@ -49,8 +49,8 @@ malleus_room_prepare:
     bne     3b
 4:  pop     {r4-r10, pc}
 
-@ malleus_room_radiate(output, out, count, gain, loss, add) -> whether an output has 15 bits and a sign
-@ r0 output, r1 out, r2 count, r3 gain, r4 loss, r12 sizes
+@ malleus_room_radiate(output, out, count, gain, loss, add)
+@ r0 output, r1 out, r2 count, r3 gain, r4 loss
     .macro radiated add at
     ldr     r5, [r0], #4
     .if \add
@@ -60,12 +60,10 @@ malleus_room_prepare:
     smulwb  r8, r3, r5
     smulwt  r9, r3, r5
     smmlsr  r3, r3, r4, r3
-    eor     r5, r5, r5, lsl #1
     .if \add
     qadd    r8, r6, r8
     qadd    r9, r7, r9
     .endif
-    orr     r12, r12, r5
     str     r8, [r1, #\at]
     str     r9, [r1, #\at + 4]
     .endm
@@ -96,18 +94,16 @@ malleus_room_radiate:
     push    {r4-r9}
     ldr     r4, [sp, #24]
     ldr     r5, [sp, #28]
-    mov     r12, #0
     cmp     r5, #0
     beq     5f
     radiating 1
     b       6f
 5:  radiating 0
-6:  and     r0, r12, #0x80008000
-    pop     {r4-r9}
+6:  pop     {r4-r9}
     bx      lr
 
 @ One frame of all lines. r0-r3 lines, r4 sound (outputs lie 128 bytes behind), r5 turning sine and cosine, r6 fixed ones, r7-r10 the lines' words, r11, r12 free,
-@ lr count. The sticky flag Q tells of stored values of 14 bits and a sign: nothing else here sets it.
+@ lr count. The sticky flag Q tells of stored values of 14 bits and a sign, or of outputs of 15: nothing else here sets it.
     .macro turned word angle
     smladx  r12, \word, \angle, r11
     smlsd   \word, \word, \angle, r11
@@ -120,14 +116,16 @@ malleus_room_radiate:
     pkhtb   \word, \word, r12, asr #16
     .endm
 
-    .macro words
+    .macro frame busy
     ldr     r7, [r0]
     ldr     r8, [r1]
     ldr     r9, [r2]
     ldr     r10, [r3]
-    .endm
-
-    .macro mixed
+    movw    r11, #0x8000
+    turned  r7, r5
+    turned_and_swapped r8, r6
+    turned  r9, r5
+    turned_and_swapped r10, r6
     ldr     r11, [r4], #4
     qadd16  r7, r7, r11
     qadd16  r12, r7, r8
@@ -135,120 +133,156 @@ malleus_room_radiate:
     qadd16  r8, r9, r10
     qsub16  r9, r9, r10
     str     r9, [r4, #124]
+    .if \busy
+    ssat16  r11, #15, r9
+    .endif
     qadd16  r10, r12, r8
     qsub16  r12, r12, r8
     qadd16  r8, r7, r9
     qsub16  r7, r7, r9
+    .if \busy == 0
     ssat16  r11, #14, r10
     ssat16  r11, #14, r12
     ssat16  r11, #14, r8
     ssat16  r11, #14, r7
+    .endif
     str     r10, [r1], #4
     str     r8, [r2], #4
     str     r12, [r3], #4
     str     r7, [r0], #4
     .endm
 
-    .macro frame
-    words
-    movw    r11, #0x8000
-    turned  r7, r5
-    turned_and_swapped r8, r6
-    turned  r9, r5
-    turned_and_swapped r10, r6
-    mixed
+@ lr frames, at least one
+    .macro frames busy
+    subs    lr, #4
+    blt     2f
+1:  frame   \busy
+    frame   \busy
+    frame   \busy
+    frame   \busy
+    subs    lr, #4
+    bge     1b
+2:  adds    lr, #4
+    beq     4f
+3:  frame   \busy
+    subs    lr, #1
+    bne     3b
+4:
     .endm
 
-@ malleus_room_pass(call, first): angles change after the `first` frames, and each eight from then on.
-@ sp: frames left, next angle
+@ malleus_room_pass(call, busy): a tick, cut where a line ends and where the angle changes, each eight frames.
+@ Layouts: call is memory 0, lines 4, positions 8, sound 12, frames 16, angles 20, fixed angle 24; a line is a halfword of pairs and two bytes; a position is a
+@ halfword. sp: memory, lines, positions, sound, frames left, angles, fixed angle; busy 28, this cut's frames left 32, frames to the next angle 36.
+    .macro begun line
+    ldrh    r10, [r7, #4 * \line]
+    ldrh    r11, [r8, #2 * \line]
+    add     r\line, r6, r11, lsl #2
+    add     r6, r6, r10, lsl #2
+    subs    r10, r10, r11
+    cmp     r10, r9
+    it      lo
+    movlo   r9, r10
+    .endm
+
+    .macro moved line
+    ldrh    r10, [r7, #4 * \line]
+    ldrh    r11, [r8, #2 * \line]
+    add     r11, r11, r9
+    cmp     r11, r10
+    it      hs
+    movhs   r11, #0
+    strh    r11, [r8, #2 * \line]
+    .endm
+
     .global malleus_room_pass
     .type malleus_room_pass, %function
     .thumb_func
 malleus_room_pass:
     push    {r4-r11, lr}
-    sub     sp, #8
-    mov     r12, #0
-    msr     APSR_nzcvq, r12
-    ldr     r11, [r0, #20]
-    ldr     r12, [r0, #24]
-    ldr     r6, [r0, #28]
-    ldr     r4, [r0, #16]
-    mov     lr, r1
-    ldm     r0, {r0-r3}
-1:  cmp     lr, r11
+    sub     sp, #44
+    str     r1, [sp, #28]
+    ldm     r0, {r6-r12}
+    stm     sp, {r6-r12}
+    mov     r4, #8
+    str     r4, [sp, #36]
+    movs    r4, #0
+    msr     APSR_nzcvq, r4
+5:  ldm     sp, {r6-r9}
+    mov     r4, r9
+    ldr     r9, [sp, #16]
+    ldr     r12, [sp, #16]
+    begun   0
+    begun   1
+    begun   2
+    begun   3
+    moved   0
+    moved   1
+    moved   2
+    moved   3
+    sub     r12, r12, r9
+    str     r12, [sp, #16]
+6:  ldr     lr, [sp, #36]
+    ldr     r12, [sp, #20]
+    cmp     lr, r9
     it      hi
-    movhi   lr, r11
-    sub     r11, r11, lr
-    ldr     r5, [r12], #4
-    strd    r11, r12, [sp]
-    subs    lr, #4
-    blt     3f
-2:  frame
-    frame
-    frame
-    frame
-    subs    lr, #4
-    bge     2b
-3:  adds    lr, #4
-    beq     5f
-4:  frame
-    subs    lr, #1
-    bne     4b
-5:  ldrd    r11, r12, [sp]
-    mov     lr, #8
-    cmp     r11, #0
-    bne     1b
+    movhi   lr, r9
+    ldr     r5, [r12]
+    ldr     r6, [sp, #24]
+    sub     r9, r9, lr
+    str     r9, [sp, #32]
+    ldr     r10, [sp, #36]
+    subs    r10, r10, lr
+    itt     eq
+    moveq   r10, #8
+    addeq   r12, #4
+    str     r10, [sp, #36]
+    str     r12, [sp, #20]
+    ldr     r10, [sp, #28]
+    cmp     r10, #0
+    bne     7f
+    frames  0
+    b       8f
+7:  frames  1
+8:  ldr     r9, [sp, #32]
+    cmp     r9, #0
+    bne     6b
+    str     r4, [sp, #12]
+    ldr     r12, [sp, #16]
+    cmp     r12, #0
+    bne     5b
     mrs     r0, APSR
     and     r0, r0, #0x08000000
-    add     sp, #8
+    add     sp, #44
     pop     {r4-r11, pc}
 
-@ malleus_room_pass_between(call, double): each line has its angle; all words are doubled where it says so. r5 angles.
-    .macro frame_between
-    movw    r11, #0x8000
-    ldr     r6, [r5]
-    turned  r7, r6
-    ldr     r6, [r5, #4]
-    turned_and_swapped r8, r6
-    ldr     r6, [r5, #8]
-    turned  r9, r6
-    ldr     r6, [r5, #12]
-    turned_and_swapped r10, r6
-    mixed
-    subs    lr, #1
-    .endm
-
-    .global malleus_room_pass_between
-    .type malleus_room_pass_between, %function
+@ malleus_room_scale(words, count, rise): both halves of so many words doubled, saturated, or halved as often as it says, each time rounded half up.
+    .global malleus_room_scale
+    .type malleus_room_scale, %function
     .thumb_func
-malleus_room_pass_between:
-    push    {r4-r11, lr}
-    mov     r12, #0
-    msr     APSR_nzcvq, r12
-    ldr     r5, [r0, #24]
-    ldr     r4, [r0, #16]
-    ldr     lr, [r0, #20]
-    cmp     r1, #0
-    ldm     r0, {r0-r3}
-    bne     2f
-1:  words
-    frame_between
+malleus_room_scale:
+    mov     r12, #0x00010001
+    cmp     r2, #0
+    blt     2f
+1:  ldr     r3, [r0]
+    qadd16  r3, r3, r3
+    subs    r1, #1
+    str     r3, [r0], #4
     bne     1b
-    b       3f
-2:  words
-    qadd16  r7, r7, r7
-    qadd16  r8, r8, r8
-    qadd16  r9, r9, r9
-    qadd16  r10, r10, r10
-    frame_between
-    bne     2b
-3:  mrs     r0, APSR
-    and     r0, r0, #0x08000000
-    pop     {r4-r11, pc}
+    bx      lr
+2:  push    {r4, lr}
+3:  ldr     r3, [r0]
+    mov     r4, r2
+4:  shadd16 r3, r3, r12
+    adds    r4, #1
+    bne     4b
+    subs    r1, #1
+    str     r3, [r0], #4
+    bne     3b
+    pop     {r4, pc}
 
-@ malleus_room_split(split, state, low, high, count) -> or of the sizes in high: portable.rs, split.
+@ malleus_room_split(split, state, low, high, count, thin) -> or of the sizes in high: portable.rs, split.
 @ Layouts: split is α, then c1/2 and c2/2 of two sections; state is x1, y1, rest, then x1, x2, y1, y2, rest of two sections.
-@ sp: split, state, low, high; count above what is pushed.
+@ sp: split, state, low, high; count and thin above what is pushed.
 
 @ One sample of a second-order section: r7, r8 new inputs, r9 rest, r10, r11 free, r12 c1/2, lr c2/2. y takes the place of y2.
     .macro second_order x x1 x2 y1 y2 at
@@ -309,14 +343,42 @@ malleus_room_pass_between:
     str     r5, [r1], #4
     .endm
 
-    .macro parted low high at
+    .macro parted low high at whole
+    .if \whole
     add     r8, \low, \high
+    .endif
     sub     \low, \low, \high
-    ssat    r8, #29, r8
+    .if \whole
+    ssat    r8, #28, r8, asr #1
+    .endif
     eor     r9, \low, \low, asr #31
-    str     r8, [r0, #\at]
+    .if \whole
+    str     r8, [r0], #4
+    .endif
     orr     r3, r3, r9
     str     \low, [r1, #\at]
+    .endm
+
+@ r0 what is kept of low, r1 high, r2 count, r12 low
+    .macro parting thin
+    subs    r2, #2
+    blt     2f
+1:  ldr     r4, [r12]
+    ldr     r5, [r12, #4]
+    ldr     r6, [r1]
+    ldr     r7, [r1, #4]
+    parted  r4, r6, 0, 1
+    parted  r5, r7, 4, 1 - \thin
+    add     r12, #8
+    adds    r1, #8
+    subs    r2, #2
+    bge     1b
+2:  adds    r2, #2
+    beq     4f
+    ldr     r4, [r12]
+    ldr     r6, [r1]
+    parted  r4, r6, 0, 1
+4:
     .endm
 
     .global malleus_room_split
@@ -349,31 +411,21 @@ malleus_room_split:
     section 12, 12, 32
     section 8, 4, 12
     ldr     r0, [sp, #8]
+    mov     r12, r0
     ldr     r1, [sp, #12]
     ldr     r2, [sp, #52]
     movs    r3, #0
-    subs    r2, #2
-    blt     2f
-1:  ldr     r4, [r0]
-    ldr     r5, [r0, #4]
-    ldr     r6, [r1]
-    ldr     r7, [r1, #4]
-    parted  r4, r6, 0
-    parted  r5, r7, 4
-    adds    r0, #8
-    adds    r1, #8
-    subs    r2, #2
-    bge     1b
-2:  adds    r2, #2
-    beq     4f
-    ldr     r4, [r0]
-    ldr     r6, [r1]
-    parted  r4, r6, 0
-4:  mov     r0, r3
+    ldr     r4, [sp, #56]
+    cmp     r4, #0
+    beq     5f
+    parting 1
+    b       6f
+5:  parting 0
+6:  mov     r0, r3
     add     sp, #16
     pop     {r4-r11, pc}
 
-@ malleus_room_double(a, state, slow, fast, count, add): one side (every second word) at twice its rate; state is x, even, odd.
+@ malleus_room_double(a, state, slow, fast, count, add): both sides (every second word) at twice their rate; a side's state is x, even, odd.
 @ r0 slow, r1 fast, r2 count, r3 a0, r4 a1, r5 last x, r6 even, r7 odd, r8 x, r9 free, r10, r11 sums
     .macro doubled x x1 add at
     ssat    \x, #30, \x
@@ -399,43 +451,65 @@ malleus_room_split:
     .endm
 
     .macro doubling add
-    subs    r2, #2
+    subs    r2, #4
     blt     2f
 1:  ldr     r8, [r0]
     ldr     lr, [r0, #8]
-    adds    r0, #16
     doubled r8, r5, \add, 0
     doubled lr, r8, \add, 16
-    mov     r5, lr
-    adds    r1, #32
-    subs    r2, #2
+    ldr     r8, [r0, #16]
+    ldr     r5, [r0, #24]
+    doubled r8, lr, \add, 32
+    doubled r5, r8, \add, 48
+    adds    r0, #32
+    adds    r1, #64
+    subs    r2, #4
     bge     1b
-2:  adds    r2, #2
-    beq     3f
-    ldr     r8, [r0]
+2:  adds    r2, #4
+    beq     4f
+3:  ldr     r8, [r0], #8
     doubled r8, r5, \add, 0
     mov     r5, r8
-3:
+    adds    r1, #32 / 2
+    subs    r2, #1
+    bne     3b
+4:
     .endm
 
+@ sp: state of the side, slow, fast, sides left; count and add above what is pushed.
     .global malleus_room_double
     .type malleus_room_double, %function
     .thumb_func
 malleus_room_double:
-    push    {r1, r4-r11, lr}
-    ldm     r1, {r5-r7}
-    mov     r1, r3
+    push    {r4-r11, lr}
+    mov     r4, #2
+    push    {r1-r4}
     ldm     r0, {r3-r4}
-    mov     r0, r2
-    ldr     r2, [sp, #40]
-    ldr     r8, [sp, #44]
+7:  ldr     r5, [sp]
+    ldr     r0, [sp, #4]
+    ldr     r1, [sp, #8]
+    ldr     r2, [sp, #52]
+    ldr     r8, [sp, #56]
+    ldm     r5, {r5-r7}
     cmp     r8, #0
     beq     5f
     doubling 1
     b       6f
 5:  doubling 0
-6:  pop     {r1}
-    stm     r1, {r5-r7}
+6:  ldr     r8, [sp]
+    stm     r8!, {r5-r7}
+    ldr     r0, [sp, #4]
+    ldr     r1, [sp, #8]
+    adds    r0, #4
+    adds    r1, #4
+    ldr     r2, [sp, #12]
+    str     r8, [sp]
+    str     r0, [sp, #4]
+    str     r1, [sp, #8]
+    subs    r2, #1
+    str     r2, [sp, #12]
+    bne     7b
+    add     sp, #16
     pop     {r4-r11, pc}
 
 @ malleus_room_exchange(out, wet, input, count) -> or of the input: half the middle of `out` goes to `input`, `wet` is added to `out`.

@@ -3,8 +3,9 @@
 #[cfg(not(cortex_m4f))]
 use super::super::crossover::{Split, SplitState};
 use super::super::level::{LOUD_BITS, QUIET_BITS};
-use super::super::network::{LINES, Lines, Sound, Turns};
+use super::super::network::{LINES, Line, Sound};
 use super::super::storage::Sample;
+use super::super::turn::TURN_SAMPLES;
 use crate::fixed;
 
 /// As [`Sample::prepare`].
@@ -22,85 +23,85 @@ pub(in crate::room) fn prepare<T: Sample>(
 }
 
 /// As [`Sample::radiate`].
-pub(in crate::room) fn radiate<T: Sample>(
-    output: &[[T; 2]],
-    [gain, loss]: [i32; 2],
-    out: &mut [[i32; 2]],
-    add: bool,
-) -> bool {
-    let (mut gain, mut loud) = (gain, false);
+pub(in crate::room) fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], add: bool) {
+    let mut gain = gain;
     for ([left, right], &[y_left, y_right]) in out.iter_mut().zip(output) {
         let [before_left, before_right] = if add { [*left, *right] } else { [0; 2] };
         *left = before_left.saturating_add(y_left.times(gain));
         *right = before_right.saturating_add(y_right.times(gain));
-        loud |= y_left.exceeds(LOUD_BITS) || y_right.exceeds(LOUD_BITS);
         gain = fixed::smmlsr(gain, gain, loss);
     }
-    loud
 }
 
 /// As [`Sample::pass`].
 pub(in crate::room) fn pass<T: Sample>(
-    lines: Lines<'_, T>,
-    sound: &mut Sound<T>,
-    turns: &Turns<T>,
-    from: usize,
+    memory: &mut [[T; 2]],
+    lines: &[Line; LINES],
+    positions: &mut [u16; LINES],
+    Sound { input, output }: &mut Sound<T>,
+    (turns, fixed): (&[T::Turn], T::Turn),
+    frames: usize,
+    busy: bool,
 ) -> bool {
-    let mut busy = false;
-    for (words, (&x, out), frame) in frames(lines, sound, from) {
-        let [moving, fixed] = turns.at(frame);
-        *out = mix(words, x, [&moving, &fixed, &moving, &fixed], &mut busy);
-    }
-    busy
-}
-
-/// As [`Sample::pass_between`], with what [`lowered`](super::lowered) gives.
-pub(in crate::room) fn pass_between<T: Sample>(
-    lines: Lines<'_, T>,
-    sound: &mut Sound<T>,
-    turns: &[T::Turn; LINES],
-    from: usize,
-    double: bool,
-) -> bool {
-    let mut busy = false;
-    for (words, (&x, out), _) in frames(lines, sound, from) {
-        let words = words.map(|word| {
-            if double {
-                *word = word.map(|value| T::add(value, value));
-            }
-            word
+    let mut exceeded = false;
+    let sound = input.iter().zip(output).take(frames);
+    let turns = turns.iter().flat_map(|turn| core::iter::repeat_n(turn, TURN_SAMPLES));
+    for ((&x, out), moving) in sound.zip(turns) {
+        let mut start = 0;
+        let at = lines.each_ref().map(|line| {
+            let at = start;
+            start += usize::from(line.delay);
+            at
         });
-        *out = mix(words, x, turns.each_ref(), &mut busy);
+        let [p0, p1, p2, p3] = *positions;
+        let [a0, a1, a2, a3] = at;
+        let at = [a0 + usize::from(p0), a1 + usize::from(p1), a2 + usize::from(p2), a3 + usize::from(p3)];
+        let Some(words) = at_each(memory, at) else { return exceeded };
+        let (written, y) = mix(words, x, [moving, &fixed]);
+        let exceeds = |word: &[T; 2], bits: u32| word.iter().any(|value| value.exceeds(bits));
+        exceeded |= if busy { exceeds(&y, LOUD_BITS) } else { written.iter().any(|word| exceeds(word, QUIET_BITS)) };
+        *out = y;
+        for (word, at) in written.into_iter().zip(at) {
+            if let Some(place) = memory.get_mut(at) {
+                *place = word;
+            }
+        }
+        for (position, line) in positions.iter_mut().zip(lines) {
+            *position = if *position + 1 >= line.delay { 0 } else { *position + 1 };
+        }
     }
-    busy
+    exceeded
 }
 
-type Frame<'a, T> = ([&'a mut [T; 2]; LINES], (&'a [T; 2], &'a mut [T; 2]), usize);
-
-fn frames<'a, T: Sample>(
-    [l0, l1, l2, l3]: Lines<'a, T>,
-    Sound { input, output }: &'a mut Sound<T>,
-    from: usize,
-) -> impl Iterator<Item = Frame<'a, T>> {
-    let sound = input.iter().zip(output).zip(0..).skip(from);
-    let pairs = l0.iter_mut().zip(l1).zip(l2.iter_mut().zip(l3));
-    pairs.zip(sound).map(|(((w0, w1), (w2, w3)), (sound, frame))| ([w0, w1, w2, w3], sound, frame))
+fn at_each<T: Copy>(memory: &[[T; 2]], [a, b, c, d]: [usize; LINES]) -> Option<[[T; 2]; LINES]> {
+    let at = |at: usize| memory.get(at).copied();
+    Some([at(a)?, at(b)?, at(c)?, at(d)?])
 }
 
-/// One frame: lines are read, turned, mixed and written; gives half the outputs.
+/// As [`Sample::scale`].
+pub(in crate::room) fn scale<T: Sample>(words: &mut [[T; 2]], rise: i32) {
+    for value in words.as_flattened_mut() {
+        *value = match rise {
+            0.. => T::add(*value, *value),
+            _ => (rise..0).fold(*value, |value, _| T::halve(value)),
+        };
+    }
+}
+
+/// One frame: what the lines gave is turned and mixed; what they are to hold, and half the outputs.
 #[inline(always)]
-fn mix<T: Sample>(words: [&mut [T; 2]; LINES], x: [T; 2], turns: [&T::Turn; LINES], busy: &mut bool) -> [T; 2] {
-    let [w0, w1, w2, w3] = words;
-    let [turn0, turn1, turn2, turn3] = turns;
+fn mix<T: Sample>(
+    [w0, w1, w2, w3]: [[T; 2]; LINES],
+    x: [T; 2],
+    [moving, fixed]: [&T::Turn; 2],
+) -> ([[T; 2]; LINES], [T; 2]) {
     let swapped = |[a, b]: [T; 2]| [b, a];
-    let r0 = sum(T::rotate(*w0, turn0), x);
-    let r1 = swapped(T::rotate(*w1, turn1));
-    let r2 = T::rotate(*w2, turn2);
-    let r3 = swapped(T::rotate(*w3, turn3));
+    let r0 = sum(T::rotate(w0, moving), x);
+    let r1 = swapped(T::rotate(w1, fixed));
+    let r2 = T::rotate(w2, moving);
+    let r3 = swapped(T::rotate(w3, fixed));
     let (s0, s1, s2, s3) = (sum(r0, r1), difference(r0, r1), sum(r2, r3), difference(r2, r3));
-    (*w1, *w2, *w3, *w0) = (sum(s0, s2), sum(s1, s3), difference(s0, s2), difference(s1, s3));
-    *busy |= [w0, w1, w2, w3].iter().any(|word| word.iter().any(|value| value.exceeds(QUIET_BITS)));
-    s3
+    ([difference(s1, s3), sum(s0, s2), sum(s1, s3), difference(s0, s2)], s3)
 }
 
 #[inline(always)]
@@ -115,7 +116,13 @@ fn difference<T: Sample>([a, b]: [T; 2], [c, d]: [T; 2]) -> [T; 2] {
 
 /// As [`Split::render`], but gives the or of the sizes.
 #[cfg(not(cortex_m4f))]
-pub(in crate::room) fn split(split: &Split, state: &mut SplitState, low: &mut [i32], high: &mut [i32]) -> u32 {
+pub(in crate::room) fn split(
+    split: &Split,
+    state: &mut SplitState,
+    low: &mut [i32],
+    high: &mut [i32],
+    thin: bool,
+) -> u32 {
     let ([c0, c1], [s0, s1]) = (&split.second, &mut state.second);
     high.copy_from_slice(low);
     first_order(split.first, &mut state.first, high);
@@ -124,8 +131,16 @@ pub(in crate::room) fn split(split: &Split, state: &mut SplitState, low: &mut [i
     let mut sizes = 0;
     for (low, high) in low.iter_mut().zip(high.iter_mut()) {
         let (a, b) = (*low, *high);
-        (*low, *high) = (clip(a + b), a - b);
+        (*low, *high) = (clip(a + b) >> 1, a - b);
         sizes |= (*high ^ (*high >> 31)) as u32;
+    }
+    if thin {
+        for index in 1..low.len().div_ceil(2) {
+            let kept = low.get(2 * index).copied();
+            if let (Some(low), Some(kept)) = (low.get_mut(index), kept) {
+                *low = kept;
+            }
+        }
     }
     sizes
 }
