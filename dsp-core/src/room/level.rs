@@ -10,7 +10,6 @@
 use super::plan::BandPlan;
 use super::storage::Sample;
 use crate::fixed;
-use crate::resonator::TICK_FRAMES;
 
 /// Ticks whose levels are remembered: what a byte counts round.
 const HISTORY: usize = 256;
@@ -54,15 +53,15 @@ pub(super) struct LevelState {
     history: [u8; HISTORY],
     steps: u8,
     now: u8,
-    /// Ticks since it woke, and since the last step; at most 255.
-    age: u8,
+    /// Ticks since the last step, at most 255.
     steady: u8,
+    /// Ticks for which nothing has been audible; [`ASLEEP`] when the lines hold zeros.
+    quiet: u8,
     /// Ticks until it may be lowered, and whether something since the last such look was beyond [`QUIET_BITS`].
     watch: u8,
     busy: bool,
     /// Whether an output of the last tick was beyond [`LOUD_BITS`].
     loud: bool,
-    awake: bool,
 }
 
 impl LevelState {
@@ -73,21 +72,27 @@ impl LevelState {
         history: [0; HISTORY],
         steps: 0,
         now: 0,
-        age: 0,
         steady: 0,
+        quiet: ASLEEP,
         watch: 0,
         busy: false,
         loud: false,
-        awake: false,
     };
 
-    /// By how many bits what was stored so many ticks ago must be raised: at most 1. [`EMPTY`] where nothing had been stored.
+    /// By how many bits what was stored so many ticks ago must be raised: at most 1.
     pub(super) fn rise(&self, ticks: u8) -> i32 {
-        if ticks > self.age {
-            return EMPTY;
-        }
         let then = self.history.get(usize::from(self.now.wrapping_sub(ticks))).copied().unwrap_or(0);
         i32::from(then.wrapping_sub(self.steps) as i8)
+    }
+
+    /// Whether the lines hold zeros.
+    pub(super) fn is_asleep(&self) -> bool {
+        self.quiet == ASLEEP
+    }
+
+    /// Whether what the lines hold is not heard any more.
+    pub(super) fn is_inaudible(&self) -> bool {
+        self.quiet > 0
     }
 
     /// Whether the level cannot be lowered at the end of this watch.
@@ -102,8 +107,8 @@ impl LevelState {
     }
 }
 
-/// The rise of what is to be read as zero.
-pub(super) const EMPTY: i32 = -128;
+/// All that was stored has been cleared.
+const ASLEEP: u8 = u8::MAX;
 
 impl Level {
     pub(super) const NONE: Self =
@@ -126,9 +131,9 @@ impl Level {
         }
     }
 
-    pub(super) fn sleeps(&self, state: &LevelState, input_bits: i32) -> bool {
-        // An answer is at most half an input times the gain.
-        !state.awake && (input_bits == 0 || input_bits + self.output_exponent - 1 <= INAUDIBLE_BITS)
+    /// Whether an input of so many bits would be heard: an answer is at most half an input times the gain.
+    pub(super) fn is_audible(&self, input_bits: i32) -> bool {
+        input_bits > 0 && input_bits + self.output_exponent - 1 > INAUDIBLE_BITS
     }
 
     /// Whether all that a tick reads was stored at today's level.
@@ -140,13 +145,15 @@ impl Level {
     pub(super) fn begin<T: Sample>(&self, state: &mut LevelState, input_bits: i32) {
         // The smallest exponent whose shift leaves the input its bits.
         let least = if input_bits > 0 { least_exponent(input_bits) } else { i32::MIN };
-        if !state.awake {
+        if state.is_asleep() {
             *state = LevelState {
                 mantissa: (1 << 31) + 1,
                 inverse: u32::MAX,
                 exponent: least,
                 watch: self.longest,
-                awake: true,
+                // Zeros are zeros at any level.
+                steady: u8::MAX,
+                quiet: 0,
                 ..LevelState::SILENT
             };
         }
@@ -168,33 +175,40 @@ impl Level {
         }
     }
 
-    /// Input in the network's units, for both values of a pair.
-    pub(super) fn prepare<T: Sample>(&self, state: &LevelState, input: &[i32], prepared: &mut [[T; 2]; TICK_FRAMES]) {
-        let shift = (17 - state.exponent).clamp(0, 31).unsigned_abs();
-        T::prepare(input, prepared, shift, [(state.inverse >> 2) as i32, self.sample_growth]);
+    /// The shift and gain of the input, and the gain's growth.
+    pub(super) fn input(&self, state: &LevelState) -> (u32, [i32; 2]) {
+        ((17 - state.exponent).clamp(0, 31).unsigned_abs(), [(state.inverse >> 2) as i32, self.sample_growth])
     }
 
-    /// Adds the outputs times the level to `out`; whether one was loud.
-    pub(super) fn radiate<T: Sample>(&self, state: &LevelState, output: &[[T; 2]], out: &mut [[i32; 2]], add: bool) {
-        let product = ((u64::from(state.mantissa) * u64::from(self.output)) >> 32) as i32;
+    /// The gain of the outputs and its loss; and, where that is too loud for its format, by how many bits.
+    pub(super) fn output(&self, state: &LevelState) -> ([i32; 2], u32) {
+        let product = high_word(state.mantissa, self.output) as i32;
         let shift = state.exponent + self.output_exponent - 15;
         let gain = if shift >= 0 { product } else { product >> shift.unsigned_abs().min(31) };
-        if shift > 0 {
-            if !add {
-                out.fill([0; 2]);
-            }
-            radiate_loud(output, [gain, self.sample_loss], shift.unsigned_abs(), out);
-            return;
-        }
-        T::radiate(output, [gain, self.sample_loss], out, add);
+        ([gain, self.sample_loss], shift.max(0).unsigned_abs())
     }
 
     /// A tick later.
     pub(super) fn end(&self, state: &mut LevelState, exceeded: bool) {
         state.loud = state.busy && exceeded;
         state.busy |= exceeded;
+        self.decay(state);
+        // What is left is at most 2^14 steps.
+        state.quiet = u8::from(state.exponent + self.output_exponent + 14 <= INAUDIBLE_BITS);
+    }
+
+    /// A tick later, of which nothing was heard and which cleared what it read.
+    pub(super) fn drain(&self, state: &mut LevelState) {
+        if let Some(entry) = state.history.get_mut(usize::from(state.now)) {
+            *entry = state.steps;
+        }
+        self.decay(state);
+        state.quiet = if state.quiet > self.longest { ASLEEP } else { state.quiet + 1 };
+    }
+
+    fn decay(&self, state: &mut LevelState) {
         state.now = state.now.wrapping_add(1);
-        (state.age, state.steady) = (state.age.saturating_add(1), state.steady.saturating_add(1));
+        state.steady = state.steady.saturating_add(1);
         // The mantissa goes back above 2^31, the inverse with it below 2^32: a tick's decay is less than a half.
         let mantissa = high_word(state.mantissa, self.decay);
         let low = mantissa.leading_zeros();
@@ -206,19 +220,6 @@ impl Level {
         let error = ((1u64 << 63).wrapping_sub(u64::from(state.mantissa) * u64::from(inverse)) >> 31) as i32;
         let correction = fixed::smmul(error << 8, (inverse >> 8) as i32);
         state.inverse = inverse.saturating_add_signed(correction).max(1 << 31);
-        // What is left is at most 2^14 steps.
-        state.awake = state.exponent + self.output_exponent + 14 > INAUDIBLE_BITS;
-    }
-}
-
-/// As [`Sample::radiate`] for gains above what its format holds.
-fn radiate_loud<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], shift: u32, out: &mut [[i32; 2]]) {
-    let mut gain = gain;
-    for (out, pair) in out.iter_mut().zip(output) {
-        for (out, &y) in out.iter_mut().zip(pair) {
-            *out = out.saturating_add(fixed::saturating_shift_left(y.times(gain), shift));
-        }
-        gain -= fixed::smmulr(gain, loss);
     }
 }
 

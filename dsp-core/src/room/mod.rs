@@ -50,6 +50,8 @@ pub use error::RoomError;
 pub use plan::MAX_BANDS;
 pub use storage::Sample;
 
+use core::cell::Cell;
+
 use crate::SampleRate;
 use crate::resonator::TICK_FRAMES;
 use crate::table::layout::RoomBandRecord;
@@ -159,6 +161,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
     pub fn load(&mut self, bands: &[RoomBandRecord], rate: SampleRate) -> Result<(), RoomError> {
         (self.count, self.passed) = (0, 0);
         self.clear();
+        self.memory.0.fill(T::ZERO);
         let plans = plan::plan(bands, rate, SAMPLES)?;
         let mut below = 1;
         for (band, plan) in self.bands.iter_mut().zip(&plans) {
@@ -228,8 +231,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             return;
         }
         self.turn.advance();
-        let mut written = self.render_bands();
-        let asleep = written == [false; RATES];
+        let (mut written, asleep) = self.render_bands();
         for (level, state) in self.upsamplers.iter_mut().enumerate().take(self.levels).rev() {
             let block = TICK_FRAMES >> level;
             let (slow, fast) = self.rates.split_at_mut(block);
@@ -252,10 +254,10 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         self.heard = 0;
     }
 
-    /// Splits the tick's input and lets the bands answer; at which rates there is an answer.
-    fn render_bands(&mut self) -> [bool; RATES] {
+    /// Splits the tick's input and lets the bands answer; at which rates there is an answer, and whether all are asleep.
+    fn render_bands(&mut self) -> ([bool; RATES], bool) {
         let Scratch { high, sound } = &mut self.scratch;
-        let (low, mut written) = (self.input.as_mut_slice(), [false; RATES]);
+        let (low, mut written, mut asleep) = (self.input.as_mut_slice(), [false; RATES], true);
         let (mut memory, _) = self.memory.0.as_chunks_mut::<2>();
         let turns = Turns::<T>::new(&self.turn);
         // What `low` has been thinned to.
@@ -266,7 +268,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             if let Some(low) = low.get_mut(..TICK_FRAMES / division) {
                 thin(low, own / division);
             }
-            let (Some(low), Some(high)) = (low.get_mut(..block), high.get_mut(..block)) else { return written };
+            let (Some(low), Some(high)) = (low.get_mut(..block), high.get_mut(..block)) else { break };
             division = own;
             let (input, input_bits) = if index == 0 {
                 for (high, low) in high.iter_mut().zip(low) {
@@ -280,7 +282,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             };
             let Some((lines, later)) = core::mem::take(&mut memory).split_at_mut_checked(usize::from(band.pairs))
             else {
-                return written;
+                break;
             };
             memory = later;
             if band.config.sleeps(&band.state, input_bits) {
@@ -290,13 +292,13 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             let (Some(out), Some(written)) = (self.rates.get_mut(block..2 * block), written.get_mut(level)) else {
                 continue;
             };
-            band.config.render(&mut band.state, lines, (input, input_bits), &turns, sound, (out, *written));
-            *written = true;
+            asleep = false;
+            *written |= band.config.render(&mut band.state, lines, (input, input_bits), &turns, sound, (out, *written));
         }
-        written
+        (written, asleep)
     }
 
-    /// Back to silence; memory need not be cleared, since what was stored before a network woke is read as zeros.
+    /// Back to silence, where a network that sleeps has cleared its lines.
     fn clear(&mut self) {
         for band in &mut self.bands {
             (band.state, band.split_state) = (NetworkState::SILENT, SplitState::SILENT);
@@ -308,12 +310,13 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
     }
 }
 
-/// Keeps every `step`th sample.
+/// Keeps every `step`th sample, a power of two.
 fn thin(block: &mut [i32], step: usize) {
-    for index in 1..block.len() / step.max(1) {
-        let kept = block.get(index * step).copied();
-        if let (Some(sample), Some(kept)) = (block.get_mut(index), kept) {
-            *sample = kept;
+    let mut block = Cell::from_mut(block).as_slice_of_cells();
+    for _ in 0..step.trailing_zeros() {
+        for (to, [from, _]) in block.iter().zip(block.as_chunks::<2>().0) {
+            to.set(from.get());
         }
+        block = block.get(..block.len() / 2).unwrap_or_default();
     }
 }

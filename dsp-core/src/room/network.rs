@@ -22,6 +22,7 @@ use super::level::{Level, LevelState};
 use super::plan::BandPlan;
 use super::storage::Sample;
 use super::turn::{TURN_SAMPLES, Turn};
+use crate::fixed;
 use crate::resonator::TICK_FRAMES;
 
 /// Lines of a network; each holds pairs.
@@ -34,11 +35,42 @@ const ANGLE: [i32; 2] = [14_111, 29_574];
 /// Input and output of a network's tick.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(4))]
-pub struct Sound<T> {
+pub(super) struct Sound<T> {
     /// In the network's units, the same for both values of a pair.
     pub(super) input: [[T; 2]; TICK_FRAMES],
     /// Half the outputs, in the network's units.
     pub(super) output: [[T; 2]; TICK_FRAMES],
+}
+
+/// All that a tick of a network reads and writes.
+#[derive(Debug)]
+pub struct NetworkTick<'a, T: Sample> {
+    /// The lines, one behind another.
+    pub(super) memory: &'a mut [[T; 2]],
+    pub(super) lines: &'a [Line; LINES],
+    pub(super) positions: &'a mut [u16; LINES],
+    pub(super) sound: &'a mut Sound<T>,
+    /// The angles of each eighth frame, and the fixed one.
+    pub(super) turns: (&'a [T::Turn], T::Turn),
+    /// Whether outputs are watched, or what is stored.
+    pub(super) busy: bool,
+    pub(super) input: &'a [i32],
+    /// Input is taken times `2^shift · gain / 2^32`, in 2^-15 steps; the gain grows by a part of itself (Q32) a sample.
+    pub(super) input_shift: u32,
+    pub(super) input_gain: [i32; 2],
+    pub(super) out: &'a mut [[i32; 2]],
+    /// The gain of the outputs, as [`Sample::times`] has it, which loses a part of itself (Q32) a sample.
+    pub(super) output_gain: [i32; 2],
+    pub(super) radiation: Radiation,
+}
+
+/// What becomes of the outputs.
+#[derive(Clone, Copy, Debug)]
+#[repr(u32)]
+pub(super) enum Radiation {
+    Put = 0,
+    Add = 1,
+    Nothing = 2,
 }
 
 /// A network's fixed numbers.
@@ -52,7 +84,7 @@ pub(super) struct NetworkConfig {
 /// A delay line's fixed numbers.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct Line {
+pub(super) struct Line {
     /// Pairs.
     pub(super) delay: u16,
     /// Ticks since the first pair that a tick reads was stored.
@@ -93,11 +125,12 @@ impl NetworkConfig {
     }
 
     /// Whether a tick can be left out: all is silent, and so is what would be heard of the input.
+    #[inline(always)]
     pub(super) fn sleeps(&self, state: &NetworkState, input_bits: i32) -> bool {
-        self.level.sleeps(&state.level, input_bits)
+        state.level.is_asleep() && !self.level.is_audible(input_bits)
     }
 
-    /// A tick: `input` in Q4.27, at most ±2.0, its block long and of `input_bits`; the output is added to `out`, or put there.
+    /// A tick: `input` in Q4.27, at most ±2.0, its block long and of `input_bits`; the output is added to `out`, or put there. Whether there was one.
     pub(super) fn render<T: Sample>(
         &self,
         state: &mut NetworkState,
@@ -106,21 +139,59 @@ impl NetworkConfig {
         turns: &Turns<T>,
         sound: &mut Sound<T>,
         (out, add): (&mut [[i32; 2]], bool),
-    ) {
-        let block = usize::from(self.block);
+    ) -> bool {
+        if state.level.is_inaudible() && !self.level.is_audible(input_bits) {
+            self.drain(state, memory);
+            return false;
+        }
         self.level.begin::<T>(&mut state.level, input_bits);
-        self.level.prepare::<T>(&state.level, input, &mut sound.input);
         if !self.level.is_steady(&state.level) {
             self.settle(state, memory);
         }
-        let busy = state.level.is_busy();
-        let exceeded = T::pass(memory, &self.lines, &mut state.positions, sound, turns.of(block), block, busy);
-        let Some(output) = sound.output.get(..block) else { return };
-        self.level.radiate(&state.level, output, out, add);
+        let (input_shift, input_gain) = self.level.input(&state.level);
+        let (output_gain, output_shift) = self.level.output(&state.level);
+        let radiation = match add {
+            _ if output_shift > 0 => Radiation::Nothing,
+            true => Radiation::Add,
+            false => Radiation::Put,
+        };
+        let exceeded = T::network(NetworkTick {
+            memory,
+            lines: &self.lines,
+            positions: &mut state.positions,
+            sound,
+            turns: turns.of(input.len()),
+            busy: state.level.is_busy(),
+            input,
+            input_shift,
+            input_gain,
+            out,
+            output_gain,
+            radiation,
+        });
+        if output_shift > 0 {
+            radiate_loud(&sound.output, output_gain, output_shift, out, add);
+        }
         self.level.end(&mut state.level, exceeded);
+        true
+    }
+
+    /// A tick that nothing is heard of: what it would read is cleared.
+    #[cold]
+    fn drain<T: Sample>(&self, state: &mut NetworkState, memory: &mut [[T; 2]]) {
+        let (block, mut rest) = (usize::from(self.block), memory);
+        for (line, position) in self.lines.iter().zip(&mut state.positions) {
+            let Some((words, later)) = rest.split_at_mut_checked(usize::from(line.delay)) else { return };
+            rest = later;
+            let next = usize::from(*position) + block;
+            settle(words, usize::from(*position), block, i32::MIN);
+            *position = if next >= words.len() { next - words.len() } else { next } as u16;
+        }
+        self.level.drain(&mut state.level);
     }
 
     /// Brings what this tick will read to today's level, where it was stored at another.
+    #[inline(never)]
     fn settle<T: Sample>(&self, state: &NetworkState, memory: &mut [[T; 2]]) {
         let (block, mut rest) = (usize::from(self.block), memory);
         for (line, &position) in self.lines.iter().zip(&state.positions) {
@@ -172,6 +243,19 @@ impl<T: Sample> Turns<T> {
     /// Those of a band of so many frames: moving, fixed.
     fn of(&self, block: usize) -> (&[T::Turn], T::Turn) {
         (if block == TICK_FRAMES { &self.moving } else { &self.slow }, self.fixed)
+    }
+}
+
+/// Adds outputs times a gain above what [`Sample::times`] holds, by so many bits, or puts them there.
+#[cold]
+fn radiate_loud<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], shift: u32, out: &mut [[i32; 2]], add: bool) {
+    let mut gain = gain;
+    for (out, pair) in out.iter_mut().zip(output) {
+        for (out, &y) in out.iter_mut().zip(pair) {
+            let before = if add { *out } else { 0 };
+            *out = before.saturating_add(fixed::saturating_shift_left(y.times(gain), shift));
+        }
+        gain = fixed::smmlsr(gain, gain, loss);
     }
 }
 

@@ -10,6 +10,9 @@ use crate::table::layout::RoomBandRecord;
 pub const MAX_BANDS: usize = 8;
 /// Highest edge of a band that may run at a rate, of that rate: its split is 40 dB down where the spectrum folds.
 const EDGE: f64 = 0.42;
+/// Of so few bands none is slower than this: doublings cost more than it saves.
+const FEW_BANDS: usize = 4;
+const FEW_BANDS_DIVISION: usize = 8;
 /// A network's delays add up to this part of its T60 ...
 const DELAY_OF_T60: f64 = 0.15;
 /// ... or to what makes this many resonances in its band, so that a narrow one does not beat, whichever is longer.
@@ -77,9 +80,10 @@ pub(super) fn plan(
     }
     let mut plans = [BandPlan::NONE; MAX_BANDS];
     let mut delays_s = [0.0; MAX_BANDS];
+    let slowest = if bands.len() <= FEW_BANDS { FEW_BANDS_DIVISION } else { TICK_FRAMES };
     for (band, plan) in plans.iter_mut().enumerate().take(bands.len()) {
         let (from_hz, to_hz) = edges_hz(bands, band, hz);
-        while plan.division < TICK_FRAMES && to_hz * (2 * plan.division) as f64 <= EDGE * hz {
+        while plan.division < slowest && to_hz * (2 * plan.division) as f64 <= EDGE * hz {
             plan.division *= 2;
         }
         plan.edge = from_hz * plan.division as f64 / hz;

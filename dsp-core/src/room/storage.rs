@@ -1,7 +1,7 @@
 //! What the delay lines are kept in: 16 bits, or 32 bits. Both stand for the same: 32 bits are 16 with 16 more behind them.
 
 use super::kernel;
-use super::network::{LINES, Line, Sound};
+use super::network::NetworkTick;
 use crate::fixed;
 
 /// A stored sample of a delay line: a step of a 16-bit sample is what the network's level says, a 32-bit one is 2^16 times finer.
@@ -37,26 +37,12 @@ pub trait Sample: Copy + sealed::Sealed {
     /// Whether it is beyond so many bits (sign included, of 16).
     fn exceeds(self, bits: u32) -> bool;
 
-    /// Gives both values of pairs input times `2^shift · gain / 2^32`, in 2^-15 steps; the gain grows by a part of itself (Q32) a sample.
-    fn prepare(input: &[i32], prepared: &mut [[Self; 2]], shift: u32, gain: [i32; 2]);
-
-    /// Lets a tick pass through the lines, with the angles of each eighth frame and the fixed one. Whether, where it is `busy`, an output is beyond the bits that
-    /// raise the level; otherwise whether something that is stored is beyond those up to which it may be lowered.
-    fn pass(
-        memory: &mut [[Self; 2]],
-        lines: &[Line; LINES],
-        positions: &mut [u16; LINES],
-        sound: &mut Sound<Self>,
-        turns: (&[Self::Turn], Self::Turn),
-        frames: usize,
-        busy: bool,
-    ) -> bool;
+    /// Lets a tick pass through a network. Whether, where it is `busy`, an output is beyond the bits that raise the level; otherwise whether something
+    /// that is stored is beyond those up to which it may be lowered.
+    fn network(tick: NetworkTick<'_, Self>) -> bool;
 
     /// Doubles all, saturated, or halves all as often as `rise` is below 0.
     fn scale(words: &mut [[Self; 2]], rise: i32);
-
-    /// Adds outputs times a gain, that loses a part of itself (Q32) a frame, to `out`; whether one is beyond the bits that raise the level.
-    fn radiate(output: &[[Self; 2]], gain: [i32; 2], out: &mut [[i32; 2]], add: bool);
 }
 
 mod sealed {
@@ -115,28 +101,12 @@ impl Sample for i16 {
         (self ^ (self >> 15)) >> (bits - 1) != 0
     }
 
-    fn prepare(input: &[i32], prepared: &mut [[i16; 2]], shift: u32, gain: [i32; 2]) {
-        kernel::prepare(input, prepared, shift, gain);
-    }
-
-    fn pass(
-        memory: &mut [[i16; 2]],
-        lines: &[Line; LINES],
-        positions: &mut [u16; LINES],
-        sound: &mut Sound<i16>,
-        turns: (&[[i16; 2]], [i16; 2]),
-        frames: usize,
-        busy: bool,
-    ) -> bool {
-        kernel::pass(memory, lines, positions, sound, turns, frames, busy)
+    fn network(tick: NetworkTick<'_, i16>) -> bool {
+        kernel::network(tick)
     }
 
     fn scale(words: &mut [[i16; 2]], rise: i32) {
         kernel::scale(words, rise);
-    }
-
-    fn radiate(output: &[[i16; 2]], gain: [i32; 2], out: &mut [[i32; 2]], add: bool) {
-        kernel::radiate(output, gain, out, add);
     }
 }
 
@@ -181,27 +151,11 @@ impl Sample for i32 {
         (self ^ (self >> 31)) >> (bits + 15) != 0
     }
 
-    fn prepare(input: &[i32], prepared: &mut [[i32; 2]], shift: u32, gain: [i32; 2]) {
-        kernel::portable::prepare(input, prepared, shift, gain);
-    }
-
-    fn pass(
-        memory: &mut [[i32; 2]],
-        lines: &[Line; LINES],
-        positions: &mut [u16; LINES],
-        sound: &mut Sound<i32>,
-        turns: (&[[i32; 2]], [i32; 2]),
-        frames: usize,
-        busy: bool,
-    ) -> bool {
-        kernel::portable::pass(memory, lines, positions, sound, turns, frames, busy)
+    fn network(tick: NetworkTick<'_, i32>) -> bool {
+        kernel::portable::network(tick)
     }
 
     fn scale(words: &mut [[i32; 2]], rise: i32) {
         kernel::portable::scale(words, rise);
-    }
-
-    fn radiate(output: &[[i32; 2]], gain: [i32; 2], out: &mut [[i32; 2]], add: bool) {
-        kernel::portable::radiate(output, gain, out, add);
     }
 }

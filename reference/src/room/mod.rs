@@ -80,10 +80,11 @@ pub fn room(bands: &[RoomBand], dry: &[f64], rate: SampleRate, samples: usize) -
 
 fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
     let to_hz = |band: usize| bands.get(band + 1).map_or(hz / 2.0, |next| next.from_hz);
+    let slowest = if bands.len() <= 4 { 8 } else { 32 };
     let divisions: Vec<usize> = (0..bands.len())
         .map(|band| {
             let fits = |division: usize| to_hz(band) * division as f64 <= 0.42 * hz;
-            [32, 16, 8, 4, 2].into_iter().find(|&division| fits(division)).unwrap_or(1)
+            [32, 16, 8, 4, 2].into_iter().find(|&division| division <= slowest && fits(division)).unwrap_or(1)
         })
         .collect();
     // Seconds of delay: 0.15 of T60 or a hundred resonances in the band, within the memory and 190 ticks for the longest line.

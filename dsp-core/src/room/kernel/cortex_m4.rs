@@ -4,13 +4,13 @@
 use core::mem::offset_of;
 
 use super::super::crossover::{Split, SplitState};
-use super::super::network::{LINES, Line, Sound};
+use super::super::network::{LINES, Line, NetworkTick, Sound};
 use super::super::turn::TURN_SAMPLES;
 use crate::resonator::TICK_FRAMES;
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 
-/// What a pass is told.
+/// What a network's tick is told.
 #[repr(C)]
 struct Call<'a> {
     memory: *mut [i16; 2],
@@ -22,25 +22,24 @@ struct Call<'a> {
     /// Of each eighth frame.
     turns: *const [i16; 2],
     fixed: [i16; 2],
+    busy: u32,
+    input: *const i32,
+    input_shift: u32,
+    input_gain: [i32; 2],
+    out: *mut [i32; 2],
+    output_gain: [i32; 2],
+    /// A [`Radiation`].
+    radiation: u32,
 }
 
 // What cortex_m4.s counts on.
 const _: () = assert!(TICK_FRAMES == 32 && TURN_SAMPLES == 8 && LINES == 4 && offset_of!(Sound<i16>, output) == 128);
-const _: () = assert!(size_of::<Line>() == 4 && offset_of!(Line, delay) == 0 && size_of::<Call<'_>>() == 28);
+const _: () = assert!(size_of::<Line>() == 4 && offset_of!(Line, delay) == 0 && size_of::<Call<'_>>() == 64);
 const _: () = assert!(size_of::<Split>() == 20 && size_of::<SplitState>() == 52);
 
 unsafe extern "C" {
-    fn malleus_room_prepare(
-        input: *const i32,
-        prepared: *mut [i16; 2],
-        count: usize,
-        shift: u32,
-        gain: i32,
-        growth: i32,
-    );
-    fn malleus_room_pass(call: &mut Call<'_>, busy: bool) -> u32;
+    fn malleus_room_network(call: &mut Call<'_>) -> u32;
     fn malleus_room_scale(words: *mut [i16; 2], count: usize, rise: i32);
-    fn malleus_room_radiate(output: *const [i16; 2], out: *mut [i32; 2], count: usize, gain: i32, loss: i32, add: bool);
     fn malleus_room_split(
         split: &Split,
         state: &mut SplitState,
@@ -58,24 +57,6 @@ unsafe extern "C" {
         add: bool,
     );
     fn malleus_room_exchange(out: *mut [i32; 2], wet: *const [i32; 2], input: *mut i32, count: usize) -> u32;
-}
-
-/// As [`super::portable::prepare`].
-pub(in crate::room) fn prepare(input: &[i32], prepared: &mut [[i16; 2]], shift: u32, [gain, growth]: [i32; 2]) {
-    let count = input.len().min(prepared.len());
-    if count > 0 {
-        // SAFETY: both slices hold `count` elements.
-        unsafe { malleus_room_prepare(input.as_ptr(), prepared.as_mut_ptr(), count, shift, gain, growth) }
-    }
-}
-
-/// As [`super::portable::radiate`].
-pub(in crate::room) fn radiate(output: &[[i16; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], add: bool) {
-    let count = output.len().min(out.len());
-    if count > 0 {
-        // SAFETY: both slices hold `count` elements.
-        unsafe { malleus_room_radiate(output.as_ptr(), out.as_mut_ptr(), count, gain, loss, add) }
-    }
 }
 
 /// As [`super::portable::split`].
@@ -115,25 +96,34 @@ pub(in crate::room) fn exchange(out: &mut [[i32; 2]], wet: &[[i32; 2]], input: &
     unsafe { malleus_room_exchange(out.as_mut_ptr(), wet.as_ptr(), input.as_mut_ptr(), count) }
 }
 
-/// As [`super::portable::pass`].
-pub(in crate::room) fn pass(
-    memory: &mut [[i16; 2]],
-    lines: &[Line; LINES],
-    positions: &mut [u16; LINES],
-    sound: &mut Sound<i16>,
-    (turns, fixed): (&[[i16; 2]], [i16; 2]),
-    frames: usize,
-    busy: bool,
-) -> bool {
+/// As [`super::portable::network`].
+#[inline(always)]
+pub(in crate::room) fn network(tick: NetworkTick<'_, i16>) -> bool {
+    let NetworkTick { memory, lines, positions, sound, turns: (turns, fixed), .. } = tick;
+    let frames = tick.input.len();
     let pairs = lines.iter().fold(0, |pairs, line| pairs + usize::from(line.delay));
-    if frames == 0 || frames > TICK_FRAMES || pairs > memory.len() || turns.len() * TURN_SAMPLES < frames {
+    if frames == 0 || frames > tick.out.len().min(TICK_FRAMES) || pairs > memory.len() || turns.len() * 8 < frames {
         return false;
     }
-    let (memory, turns) = (memory.as_mut_ptr(), turns.as_ptr());
-    let mut call = Call { memory, lines, positions, sound, frames, turns, fixed };
-    // SAFETY: the lines lie within the memory, positions within the lines (they begin at 0 and only this moves them, back to 0 at a line's end; a line is
-    // at least a tick long); there are an input and an output a frame and an angle for each eight.
-    unsafe { malleus_room_pass(&mut call, busy) != 0 }
+    let mut call = Call {
+        memory: memory.as_mut_ptr(),
+        lines,
+        positions,
+        sound,
+        frames,
+        turns: turns.as_ptr(),
+        fixed,
+        busy: u32::from(tick.busy),
+        input: tick.input.as_ptr(),
+        input_shift: tick.input_shift,
+        input_gain: tick.input_gain,
+        out: tick.out.as_mut_ptr(),
+        output_gain: tick.output_gain,
+        radiation: tick.radiation as u32,
+    };
+    // SAFETY: the lines lie within the memory, positions within the lines (they begin at 0 and only a tick moves them, back to 0 at a line's end; a line is
+    // at least a tick long); there are an input, an output and a frame of `out` a frame, and an angle for each eight.
+    unsafe { malleus_room_network(&mut call) != 0 }
 }
 
 /// As [`super::portable::scale`].

@@ -4,8 +4,9 @@
     .thumb
     .section .text.malleus_room,"ax",%progbits
 
-@ malleus_room_prepare(input, prepared, count, shift, gain, growth)
-@ r0 input, r1 prepared, r2 count, r3 shift, r4 gain, r5 growth, r6 half a step
+@ A network's tick, malleus_room_network(call), is three loops: prepare, pass, radiate.
+
+@ Prepare: r0 input, r1 prepared, r2 count, r3 shift, r4 gain, r5 growth, r6 half a step
     .macro prepared x
     lsl     \x, \x, r3
     smmlar  \x, \x, r4, r6
@@ -14,13 +15,7 @@
     pkhbt   \x, \x, \x, lsl #16
     .endm
 
-    .global malleus_room_prepare
-    .type malleus_room_prepare, %function
-    .thumb_func
-malleus_room_prepare:
-    push    {r4-r10, lr}
-    ldr     r4, [sp, #32]
-    ldr     r5, [sp, #36]
+    .macro preparing
     mov     r6, #0x4000
     subs    r2, #4
     blt     2f
@@ -47,10 +42,10 @@ malleus_room_prepare:
     str     r7, [r1], #4
     subs    r2, #1
     bne     3b
-4:  pop     {r4-r10, pc}
+4:
+    .endm
 
-@ malleus_room_radiate(output, out, count, gain, loss, add)
-@ r0 output, r1 out, r2 count, r3 gain, r4 loss
+@ Radiate: r0 output, r1 out, r2 count, r3 gain, r4 loss
     .macro radiated add at
     ldr     r5, [r0], #4
     .if \add
@@ -86,21 +81,6 @@ malleus_room_prepare:
     bne     3b
 4:
     .endm
-
-    .global malleus_room_radiate
-    .type malleus_room_radiate, %function
-    .thumb_func
-malleus_room_radiate:
-    push    {r4-r9}
-    ldr     r4, [sp, #24]
-    ldr     r5, [sp, #28]
-    cmp     r5, #0
-    beq     5f
-    radiating 1
-    b       6f
-5:  radiating 0
-6:  pop     {r4-r9}
-    bx      lr
 
 @ One frame of all lines. r0-r3 lines, r4 sound (outputs lie 128 bytes behind), r5 turning sine and cosine, r6 fixed ones, r7-r10 the lines' words, r11, r12 free,
 @ lr count. The sticky flag Q tells of stored values of 14 bits and a sign, or of outputs of 15: nothing else here sets it.
@@ -170,9 +150,10 @@ malleus_room_radiate:
 4:
     .endm
 
-@ malleus_room_pass(call, busy): a tick, cut where a line ends and where the angle changes, each eight frames.
-@ Layouts: call is memory 0, lines 4, positions 8, sound 12, frames 16, angles 20, fixed angle 24; a line is a halfword of pairs and two bytes; a position is a
-@ halfword. sp: memory, lines, positions, sound, frames left, angles, fixed angle; busy 28, this cut's frames left 32, frames to the next angle 36.
+@ Pass: a tick, cut where a line ends and where the angle changes, each eight frames.
+@ Layouts: call is memory 0, lines 4, positions 8, sound 12, frames 16, angles 20, fixed angle 24, busy 28, input 32, shift 36, gain 40, growth 44, out 48,
+@ gain 52, loss 56, what to do with `out` 60 (0 put, 1 add, 2 nothing); a line is a halfword of pairs and two bytes; a position is a halfword.
+@ sp: memory, lines, positions, sound, frames left, angles, fixed angle, busy; this cut's frames left 32, frames to the next angle 36, call 40.
     .macro begun line
     ldrh    r10, [r7, #4 * \line]
     ldrh    r11, [r8, #2 * \line]
@@ -194,15 +175,20 @@ malleus_room_radiate:
     strh    r11, [r8, #2 * \line]
     .endm
 
-    .global malleus_room_pass
-    .type malleus_room_pass, %function
+    .global malleus_room_network
+    .type malleus_room_network, %function
     .thumb_func
-malleus_room_pass:
+malleus_room_network:
     push    {r4-r11, lr}
     sub     sp, #44
-    str     r1, [sp, #28]
-    ldm     r0, {r6-r12}
-    stm     sp, {r6-r12}
+    ldm     r0, {r4-r11}
+    stm     sp, {r4-r11}
+    str     r0, [sp, #40]
+    mov     r1, r7
+    mov     r2, r8
+    add     r0, #32
+    ldm     r0, {r0, r3-r5}
+    preparing
     mov     r4, #8
     str     r4, [sp, #36]
     movs    r4, #0
@@ -250,8 +236,20 @@ malleus_room_pass:
     ldr     r12, [sp, #16]
     cmp     r12, #0
     bne     5b
-    mrs     r0, APSR
-    and     r0, r0, #0x08000000
+    mrs     lr, APSR
+    ldr     r10, [sp, #40]
+    ldr     r0, [r10, #12]
+    add     r0, #128
+    ldr     r2, [r10, #16]
+    add     r10, #48
+    ldm     r10, {r1, r3-r5}
+    cmp     r5, #1
+    bhi     6f
+    blt     5f
+    radiating 1
+    b       6f
+5:  radiating 0
+6:  and     r0, lr, #0x08000000
     add     sp, #44
     pop     {r4-r11, pc}
 

@@ -7,6 +7,6 @@ pub(super) mod portable;
 mod cortex_m4;
 
 #[cfg(cortex_m4f)]
-pub(super) use cortex_m4::{double, exchange, pass, prepare, radiate, scale, split};
+pub(super) use cortex_m4::{double, exchange, network, scale, split};
 #[cfg(not(cortex_m4f))]
-pub(super) use portable::{double, exchange, pass, prepare, radiate, scale, split};
+pub(super) use portable::{double, exchange, network, scale, split};

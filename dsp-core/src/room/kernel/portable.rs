@@ -3,18 +3,26 @@
 #[cfg(not(cortex_m4f))]
 use super::super::crossover::{Split, SplitState};
 use super::super::level::{LOUD_BITS, QUIET_BITS};
-use super::super::network::{LINES, Line, Sound};
+use super::super::network::{LINES, Line, NetworkTick, Radiation, Sound};
 use super::super::storage::Sample;
 use super::super::turn::TURN_SAMPLES;
 use crate::fixed;
 
-/// As [`Sample::prepare`].
-pub(in crate::room) fn prepare<T: Sample>(
-    input: &[i32],
-    prepared: &mut [[T; 2]],
-    shift: u32,
-    [gain, growth]: [i32; 2],
-) {
+/// As [`Sample::network`].
+pub(in crate::room) fn network<T: Sample>(tick: NetworkTick<'_, T>) -> bool {
+    let NetworkTick { memory, lines, positions, sound, turns, busy, input, out, .. } = tick;
+    prepare(input, &mut sound.input, tick.input_shift, tick.input_gain);
+    let exceeded = pass(memory, lines, positions, sound, turns, input.len(), busy);
+    match tick.radiation {
+        Radiation::Put => radiate(&sound.output, tick.output_gain, out, false),
+        Radiation::Add => radiate(&sound.output, tick.output_gain, out, true),
+        Radiation::Nothing => {}
+    }
+    exceeded
+}
+
+/// Gives both values of pairs input times `2^shift · gain / 2^32`, in 2^-15 steps; the gain grows by a part of itself (Q32) a sample.
+fn prepare<T: Sample>(input: &[i32], prepared: &mut [[T; 2]], shift: u32, [gain, growth]: [i32; 2]) {
     let mut gain = gain;
     for (prepared, &x) in prepared.iter_mut().zip(input) {
         *prepared = [T::input(fixed::smmulr(x << shift, gain)); 2];
@@ -22,8 +30,8 @@ pub(in crate::room) fn prepare<T: Sample>(
     }
 }
 
-/// As [`Sample::radiate`].
-pub(in crate::room) fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], add: bool) {
+/// Adds outputs times a gain, that loses a part of itself (Q32) a frame, to `out`, or puts them there.
+fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], add: bool) {
     let mut gain = gain;
     for ([left, right], &[y_left, y_right]) in out.iter_mut().zip(output) {
         let [before_left, before_right] = if add { [*left, *right] } else { [0; 2] };
@@ -33,8 +41,9 @@ pub(in crate::room) fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32;
     }
 }
 
-/// As [`Sample::pass`].
-pub(in crate::room) fn pass<T: Sample>(
+/// Lets a tick pass through the lines. Whether, where it is `busy`, an output is beyond the bits that raise the level; otherwise whether something
+/// that is stored is beyond those up to which it may be lowered.
+fn pass<T: Sample>(
     memory: &mut [[T; 2]],
     lines: &[Line; LINES],
     positions: &mut [u16; LINES],
