@@ -4,16 +4,16 @@
 //! for it raises it by powers of two, and so do outputs of half their range and more; where all that was stored has been below a quarter of the range for as long as the
 //! longest line, it is lowered by one. What was stored before such a step is read times that power of two.
 //!
-//! **Bounds.** A raised level leaves `|x · 2^shift| < 2^31`; with the inverse below 2^30 times a tick's growth (below 2), the input of a line is below 2^14 steps times that
+//! **Bounds.** A raised level leaves `|x · 2^shift| < 2^31`; with the inverse below 2^30 times a block's growth (below 4), the input of a line is below 2^14 steps times that
 //! growth. Input is at most ±2.0 = 2^28, so that the exponent is at most 14.
 
 use super::plan::BandPlan;
 use super::storage::Sample;
 use crate::fixed;
 
-/// Ticks whose levels are remembered: what a byte counts round.
-const HISTORY: usize = 256;
-const _: () = assert!(super::plan::MAX_TICKS + 2 < HISTORY);
+/// Blocks whose levels are remembered, a power of two.
+const HISTORY: usize = 128;
+const _: () = assert!(super::plan::MAX_BLOCKS + 2 < HISTORY && HISTORY.is_power_of_two());
 /// Bits of a halved output, sign included, beyond which the level is raised; and bits of what is stored up to which it is lowered.
 pub(super) const LOUD_BITS: u32 = 15;
 pub(super) const QUIET_BITS: u32 = 14;
@@ -29,7 +29,7 @@ const MOST_EXPONENT: i32 = least_exponent(28);
 /// A level's fixed numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Level {
-    /// `e^{-d}` and `e^d - 1` over a tick, Q32.
+    /// `e^{-d}` (Q32) and `e^d - 1` (Q30) over a block.
     decay: u32,
     growth: u32,
     /// The same over a sample: `1 - e^{-d}`, `e^d - 1`, Q32 and below 1/2.
@@ -38,7 +38,7 @@ pub(super) struct Level {
     /// The output's gain: mantissa below 2^31, times 2^(exponent - 31).
     output: u32,
     output_exponent: i32,
-    /// Ticks of the longest line.
+    /// Blocks of the longest line.
     longest: u8,
 }
 
@@ -49,18 +49,20 @@ pub(super) struct LevelState {
     /// `2^63 / mantissa`.
     inverse: u32,
     exponent: i32,
-    /// Steps up less steps down, counted round; of the last ticks, and now.
+    /// Steps up less steps down, counted round; of the last blocks, and now.
     history: [u8; HISTORY],
     steps: u8,
     now: u8,
-    /// Ticks since the last step, at most 255.
+    /// Blocks since the last step, at most 255.
     steady: u8,
-    /// Ticks for which nothing has been audible; [`ASLEEP`] when the lines hold zeros.
+    /// Blocks since it woke, at most 255: what had been stored before is zeros.
+    age: u8,
+    /// Blocks for which nothing has been audible; [`ASLEEP`] when the lines hold zeros.
     quiet: u8,
-    /// Ticks until it may be lowered, and whether something since the last such look was beyond [`QUIET_BITS`].
+    /// Blocks until it may be lowered, and whether something since the last such look was beyond [`QUIET_BITS`].
     watch: u8,
     busy: bool,
-    /// Whether an output of the last tick was beyond [`LOUD_BITS`].
+    /// Whether an output of the last block was beyond [`LOUD_BITS`].
     loud: bool,
 }
 
@@ -73,15 +75,19 @@ impl LevelState {
         steps: 0,
         now: 0,
         steady: 0,
+        age: 0,
         quiet: ASLEEP,
         watch: 0,
         busy: false,
         loud: false,
     };
 
-    /// By how many bits what was stored so many ticks ago must be raised: at most 1.
+    /// By how many bits what was stored so many blocks ago must be raised: at most 1.
     pub(super) fn rise(&self, ticks: u8) -> i32 {
-        let then = self.history.get(usize::from(self.now.wrapping_sub(ticks))).copied().unwrap_or(0);
+        if ticks > self.age {
+            return 0;
+        }
+        let then = self.history.get(usize::from(self.now.wrapping_sub(ticks)) % HISTORY).copied().unwrap_or(0);
         i32::from(then.wrapping_sub(self.steps) as i8)
     }
 
@@ -121,7 +127,7 @@ impl Level {
         let (fraction, exponent) = libm::frexp(plan.output);
         Self {
             decay: q32(libm::exp(-tick)) as u32,
-            growth: q32(libm::expm1(tick)) as u32,
+            growth: libm::rint(libm::expm1(tick) * 1_073_741_824.0) as u32,
             sample_loss: q32(-libm::expm1(-nepers)) as i32,
             sample_growth: q32(libm::expm1(nepers)) as i32,
             output: libm::rint(fraction * 2_147_483_647.0) as u32,
@@ -136,12 +142,12 @@ impl Level {
         input_bits > 0 && input_bits + self.output_exponent - 1 > INAUDIBLE_BITS
     }
 
-    /// Whether all that a tick reads was stored at today's level.
+    /// Whether all that a block reads was stored at today's level.
     pub(super) fn is_steady(&self, state: &LevelState) -> bool {
         state.steady > self.longest
     }
 
-    /// Makes the level fit a tick's input and what the outputs were.
+    /// Makes the level fit a block's input and what the outputs were.
     pub(super) fn begin<T: Sample>(&self, state: &mut LevelState, input_bits: i32) {
         // The smallest exponent whose shift leaves the input its bits.
         let least = if input_bits > 0 { least_exponent(input_bits) } else { i32::MIN };
@@ -170,7 +176,7 @@ impl Level {
         } else {
             state.watch -= 1;
         }
-        if let Some(entry) = state.history.get_mut(usize::from(state.now)) {
+        if let Some(entry) = state.history.get_mut(usize::from(state.now) % HISTORY) {
             *entry = state.steps;
         }
     }
@@ -188,7 +194,7 @@ impl Level {
         ([gain, self.sample_loss], shift.max(0).unsigned_abs())
     }
 
-    /// A tick later.
+    /// A block later.
     pub(super) fn end(&self, state: &mut LevelState, exceeded: bool) {
         state.loud = state.busy && exceeded;
         state.busy |= exceeded;
@@ -197,9 +203,9 @@ impl Level {
         state.quiet = u8::from(state.exponent + self.output_exponent + 14 <= INAUDIBLE_BITS);
     }
 
-    /// A tick later, of which nothing was heard and which cleared what it read.
+    /// A block later, of which nothing was heard and which cleared what it read.
     pub(super) fn drain(&self, state: &mut LevelState) {
-        if let Some(entry) = state.history.get_mut(usize::from(state.now)) {
+        if let Some(entry) = state.history.get_mut(usize::from(state.now) % HISTORY) {
             *entry = state.steps;
         }
         self.decay(state);
@@ -208,14 +214,15 @@ impl Level {
 
     fn decay(&self, state: &mut LevelState) {
         state.now = state.now.wrapping_add(1);
-        state.steady = state.steady.saturating_add(1);
-        // The mantissa goes back above 2^31, the inverse with it below 2^32: a tick's decay is less than a half.
+        (state.steady, state.age) = (state.steady.saturating_add(1), state.age.saturating_add(1));
+        // The mantissa goes back above 2^31, the inverse with it below 2^32. A block's growth is below 4 (150/s, 64 frames at 8 kHz).
         let mantissa = high_word(state.mantissa, self.decay);
         let low = mantissa.leading_zeros();
         state.mantissa = mantissa << low;
         state.exponent -= low as i32;
         let inverse = state.inverse >> low;
-        let inverse = inverse.saturating_add(high_word(inverse, self.growth)).max(1 << 31);
+        let growth = (u64::from(inverse) * u64::from(self.growth)) >> 30;
+        let inverse = inverse.saturating_add(growth as u32).max(1 << 31);
         // One step of Newton's method keeps the inverse from drifting: 2^63 - mantissa · inverse is small.
         let error = ((1u64 << 63).wrapping_sub(u64::from(state.mantissa) * u64::from(inverse)) >> 31) as i32;
         let correction = fixed::smmul(error << 8, (inverse >> 8) as i32);

@@ -60,8 +60,10 @@ use network::{NetworkConfig, NetworkState, Sound, Turns};
 use turn::Turn;
 use upsample::{Upsampler, UpsamplerState};
 
+/// Frames that are worked on together, two ticks: half as many beginnings and ends.
+const BLOCK_FRAMES: usize = 2 * TICK_FRAMES;
 /// Rates: 1, 1/2 ... 1/32.
-const RATES: usize = TICK_FRAMES.ilog2() as usize + 1;
+const RATES: usize = plan::SLOWEST.ilog2() as usize + 1;
 
 /// A room with `SAMPLES` samples of delay, of type `i16` (what a board has room for) or `i32`.
 #[derive(Debug)]
@@ -74,15 +76,23 @@ pub struct Room<T, const SAMPLES: usize> {
     /// Doublings from the lowest band's rate.
     levels: usize,
     turn: Turn,
-    /// Half of what came in during this tick.
-    input: [i32; TICK_FRAMES],
-    /// Outputs of each rate: the upper half what goes out in this tick, below it half the rate, and so on; at 1/32 the second element.
-    rates: [[i32; 2]; 2 * TICK_FRAMES],
-    /// Or of this tick's input.
+    /// Half of what comes in during this block, and of what is worked on: by turns.
+    inputs: [[i32; BLOCK_FRAMES]; 2],
+    /// What goes out in this block, and what is worked on: by turns.
+    outputs: [[[i32; 2]; BLOCK_FRAMES]; 2],
+    /// Which of both comes in and goes out.
+    side: bool,
+    /// Outputs of the lower rates: the upper half at half the rate, below it a quarter, and so on; at 1/32 the third and fourth element.
+    rates: [[i32; 2]; BLOCK_FRAMES],
+    /// Or of this block's input, and of that which is worked on.
     heard: u32,
-    /// Frames of this tick that have passed.
+    worked: u32,
+    /// How far the work is, and the bands of its second half.
+    work: Work,
+    second_half: usize,
+    /// Frames of this block that have passed.
     passed: usize,
-    /// Whether nothing sounds and nothing has come in during this tick.
+    /// Whether nothing sounds and nothing has come in since.
     silent: bool,
     scratch: Scratch<T>,
     memory: Memory<T, SAMPLES>,
@@ -91,7 +101,7 @@ pub struct Room<T, const SAMPLES: usize> {
 /// What a tick needs for itself; here, so that it is neither on the stack nor cleared each time.
 #[derive(Clone, Copy, Debug)]
 struct Scratch<T> {
-    high: [i32; TICK_FRAMES],
+    high: [i32; BLOCK_FRAMES],
     sound: Sound<T>,
 }
 
@@ -109,8 +119,27 @@ struct Band {
     division: u8,
     /// Whether the next lower band runs at a lower rate.
     thins: bool,
-    /// Pairs of delay, all lines together.
+    /// Pairs of delay, all lines together, and where they begin.
     pairs: u16,
+    start: u16,
+}
+
+/// How far the work on a block is.
+#[derive(Clone, Copy, Debug)]
+struct Work {
+    /// Bands that are still to come, counted from the lowest.
+    next: usize,
+    /// What the input has been thinned to.
+    division: usize,
+    /// The rates at which there is an answer.
+    written: [bool; RATES],
+    /// Whether all bands were asleep.
+    asleep: bool,
+    begun: bool,
+}
+
+impl Work {
+    const NONE: Self = Self { next: 0, division: 1, written: [false; RATES], asleep: true, begun: false };
 }
 
 impl Band {
@@ -122,6 +151,7 @@ impl Band {
         division: 1,
         thins: false,
         pairs: 0,
+        start: 0,
     };
 }
 
@@ -141,14 +171,19 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             upsamplers: [UpsamplerState::SILENT; RATES],
             levels: 0,
             turn: Turn::NONE,
-            input: [0; TICK_FRAMES],
-            rates: [[0; 2]; 2 * TICK_FRAMES],
+            inputs: [[0; BLOCK_FRAMES]; 2],
+            outputs: [[[0; 2]; BLOCK_FRAMES]; 2],
+            side: false,
+            rates: [[0; 2]; BLOCK_FRAMES],
             heard: 0,
+            worked: 0,
+            work: Work::NONE,
+            second_half: 0,
             passed: 0,
             silent: true,
             scratch: Scratch {
-                high: [0; TICK_FRAMES],
-                sound: Sound { input: [[T::ZERO; 2]; TICK_FRAMES], output: [[T::ZERO; 2]; TICK_FRAMES] },
+                high: [0; BLOCK_FRAMES],
+                sound: Sound { input: [[T::ZERO; 2]; BLOCK_FRAMES], output: [[T::ZERO; 2]; BLOCK_FRAMES] },
             },
             memory: Memory([T::ZERO; SAMPLES]),
         }
@@ -163,7 +198,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         self.clear();
         self.memory.0.fill(T::ZERO);
         let plans = plan::plan(bands, rate, SAMPLES)?;
-        let mut below = 1;
+        let (mut below, mut start) = (1, 0);
         for (band, plan) in self.bands.iter_mut().zip(&plans) {
             *band = Band {
                 config: NetworkConfig::new(plan),
@@ -171,13 +206,16 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
                 division: plan.division as u8,
                 thins: below > plan.division,
                 pairs: plan.delays.iter().sum::<usize>() as u16,
+                start,
                 ..Band::NONE
             };
             below = plan.division;
+            start += band.pairs;
         }
         self.upsampler = Upsampler::new();
         self.turn = Turn::new(rate);
         self.levels = self.bands.first().map_or(0, |band| band.division.trailing_zeros() as usize);
+        self.second_half = plan::second_half(&plans, bands.len());
         self.count = bands.len();
         Ok(())
     }
@@ -199,12 +237,14 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         }
         let mut out = out;
         while !out.is_empty() {
-            let (now, later) = out.split_at_mut((TICK_FRAMES - self.passed).min(out.len()));
+            let left = TICK_FRAMES - self.passed % TICK_FRAMES;
+            let (now, later) = out.split_at_mut(left.min(out.len()));
             self.pass(now);
             out = later;
-            if self.passed == TICK_FRAMES {
-                self.passed = 0;
-                self.tick();
+            match self.passed {
+                TICK_FRAMES => self.finish(),
+                BLOCK_FRAMES => self.begin(),
+                _ => {}
             }
         }
     }
@@ -212,90 +252,113 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
     /// Lets frames of silence pass while the room [is silent](Self::is_silent): what rendering them would do.
     pub fn pass_silence(&mut self, frames: usize) {
         // While the room is silent its input is zeros throughout.
-        self.passed = (self.passed + frames) % TICK_FRAMES;
+        self.passed = (self.passed + frames) % BLOCK_FRAMES;
     }
 
     #[inline(never)]
     fn pass(&mut self, out: &mut [[i32; 2]]) {
         let frames = self.passed..self.passed + out.len();
         self.passed = frames.end;
-        let (_, wet) = self.rates.split_at(TICK_FRAMES);
-        let (Some(input), Some(wet)) = (self.input.get_mut(frames.clone()), wet.get(frames)) else { return };
+        let ([input, _], [wet, _]) = (turned(&mut self.inputs, self.side), turned(&mut self.outputs, self.side));
+        let (Some(input), Some(wet)) = (input.get_mut(frames.clone()), wet.get(frames)) else { return };
         self.heard |= kernel::exchange(out, wet, input);
         self.silent &= self.heard == 0;
     }
 
+    /// At a block's end: what came in is worked on, what was worked on goes out; the first half of the work.
     #[inline(never)]
-    fn tick(&mut self) {
+    fn begin(&mut self) {
+        self.passed = 0;
         if self.silent {
             return;
         }
+        self.side = !self.side;
+        (self.worked, self.heard) = (self.heard, 0);
         self.turn.advance();
-        let (mut written, asleep) = self.render_bands();
-        for (level, state) in self.upsamplers.iter_mut().enumerate().take(self.levels).rev() {
-            let block = TICK_FRAMES >> level;
+        self.work = Work { next: self.count, begun: true, ..Work::NONE };
+        self.render_bands(self.second_half);
+    }
+
+    /// Amid a block: the other half of the work.
+    #[inline(never)]
+    fn finish(&mut self) {
+        if !self.work.begun {
+            return;
+        }
+        self.render_bands(0);
+        self.double();
+        if self.work.asleep && self.worked == 0 && self.heard == 0 {
+            self.clear();
+        }
+        self.work.begun = false;
+    }
+
+    /// Brings what sounds at lower rates to the full one.
+    fn double(&mut self) {
+        let [_, full_rate] = turned(&mut self.outputs, self.side);
+        let [at_full_rate, written @ ..] = &mut self.work.written;
+        let [state, states @ ..] = &mut self.upsamplers;
+        for (level, state) in (1..self.levels).zip(states).rev() {
+            let block = BLOCK_FRAMES >> level;
             let (slow, fast) = self.rates.split_at_mut(block);
             let (Some(slow), Some(fast)) = (slow.get_mut(block / 2..), fast.get_mut(..block)) else { return };
-            let [.., fast_written, slow_written] = written.get_mut(..level + 2).unwrap_or_default() else { return };
+            let Some([fast_written, slow_written]) = written.get_mut(level - 1..=level) else { return };
             if !*slow_written {
                 slow.fill([0; 2]);
             }
             self.upsampler.render(state, slow, fast, *fast_written);
             *fast_written = true;
         }
-        let [at_full_rate, ..] = written;
-        if !at_full_rate {
-            let (_, wet) = self.rates.split_at_mut(TICK_FRAMES);
-            wet.fill([0; 2]);
+        if self.levels > 0 {
+            let (_, slow) = self.rates.split_at_mut(BLOCK_FRAMES / 2);
+            if !written.first().copied().unwrap_or_default() {
+                slow.fill([0; 2]);
+            }
+            self.upsampler.render(state, slow, full_rate, *at_full_rate);
+        } else if !*at_full_rate {
+            full_rate.fill([0; 2]);
         }
-        if asleep && self.heard == 0 {
-            self.clear();
-        }
-        self.heard = 0;
     }
 
-    /// Splits the tick's input and lets the bands answer; at which rates there is an answer, and whether all are asleep.
-    fn render_bands(&mut self) -> ([bool; RATES], bool) {
+    /// Splits what came in and lets the bands answer, from the next one to be worked on down to one.
+    fn render_bands(&mut self, last: usize) {
         let Scratch { high, sound } = &mut self.scratch;
-        let (low, mut written, mut asleep) = (self.input.as_mut_slice(), [false; RATES], true);
-        let (mut memory, _) = self.memory.0.as_chunks_mut::<2>();
+        let Work { next, division, written, asleep, .. } = &mut self.work;
+        let ([_, low], [_, full_rate]) = (turned(&mut self.inputs, self.side), turned(&mut self.outputs, self.side));
+        let (memory, _) = self.memory.0.as_chunks_mut::<2>();
         let turns = Turns::<T>::new(&self.turn);
-        // What `low` has been thinned to.
-        let mut division = 1;
-        for (index, band) in self.bands.iter_mut().enumerate().take(self.count).rev() {
+        for (index, band) in self.bands.iter_mut().enumerate().take(*next).skip(last).rev() {
             let own = usize::from(band.division);
-            let block = TICK_FRAMES / own;
-            if let Some(low) = low.get_mut(..TICK_FRAMES / division) {
-                thin(low, own / division);
+            let block = BLOCK_FRAMES / own;
+            if own > *division
+                && let Some(low) = low.get_mut(..BLOCK_FRAMES / *division)
+            {
+                thin(low, own / *division);
             }
-            let (Some(low), Some(high)) = (low.get_mut(..block), high.get_mut(..block)) else { break };
-            division = own;
-            let (input, input_bits) = if index == 0 {
+            let (Some(low), Some(high)) = (low.get_mut(..block), high.get_mut(..block)) else { return };
+            *division = own;
+            let input_bits = if index == 0 {
                 for (high, low) in high.iter_mut().zip(low) {
                     *high = *low << 1;
                 }
-                (&*high, network::bits(high))
+                network::bits(high)
             } else {
-                let bits = band.split.render(&mut band.split_state, low, high, band.thins);
-                division = if band.thins { 2 * own } else { own };
-                (&*high, bits)
+                *division = if band.thins { 2 * own } else { own };
+                band.split.render(&mut band.split_state, low, high, band.thins)
             };
-            let Some((lines, later)) = core::mem::take(&mut memory).split_at_mut_checked(usize::from(band.pairs))
-            else {
-                break;
-            };
-            memory = later;
             if band.config.sleeps(&band.state, input_bits) {
                 continue;
             }
-            let level = own.trailing_zeros() as usize;
-            let (Some(out), Some(written)) = (self.rates.get_mut(block..2 * block), written.get_mut(level)) else {
-                continue;
+            let out = if own == 1 { full_rate.get_mut(..) } else { self.rates.get_mut(block..2 * block) };
+            let lines = memory.get_mut(usize::from(band.start)..usize::from(band.start) + usize::from(band.pairs));
+            let (Some(lines), Some(out), Some(written)) = (lines, out, written.get_mut(own.trailing_zeros() as usize))
+            else {
+                return;
             };
-            asleep = false;
-            *written |= band.config.render(&mut band.state, lines, (input, input_bits), &turns, sound, (out, *written));
+            *asleep = false;
+            *written |= band.config.render(&mut band.state, lines, (high, input_bits), &turns, sound, (out, *written));
         }
-        (written, asleep)
+        *next = last;
     }
 
     /// Back to silence, where a network that sleeps has cleared its lines.
@@ -304,10 +367,16 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             (band.state, band.split_state) = (NetworkState::SILENT, SplitState::SILENT);
         }
         self.upsamplers = [UpsamplerState::SILENT; RATES];
-        (self.input, self.rates) = ([0; TICK_FRAMES], [[0; 2]; 2 * TICK_FRAMES]);
-        self.heard = 0;
+        (self.inputs, self.outputs) = ([[0; BLOCK_FRAMES]; 2], [[[0; 2]; BLOCK_FRAMES]; 2]);
+        (self.heard, self.worked) = (0, 0);
+        self.work = Work::NONE;
         self.silent = true;
     }
+}
+
+/// What comes in or goes out, and what is worked on.
+fn turned<B>([a, b]: &mut [B; 2], side: bool) -> [&mut B; 2] {
+    if side { [b, a] } else { [a, b] }
 }
 
 /// Keeps every `step`th sample, a power of two.

@@ -18,12 +18,12 @@
 //! **Nothing wraps.** A rotation's sum is at most `√2 · 2^15 · 2^15 < 2^30.5`; all other sums saturate. A full-scale impulse puts at most `2^14.2` into each value
 //! and cannot saturate any: each mix spreads what there is.
 
+use super::BLOCK_FRAMES;
 use super::level::{Level, LevelState};
 use super::plan::BandPlan;
 use super::storage::Sample;
 use super::turn::{TURN_SAMPLES, Turn};
 use crate::fixed;
-use crate::resonator::TICK_FRAMES;
 
 /// Lines of a network; each holds pairs.
 pub(super) const LINES: usize = 4;
@@ -32,17 +32,17 @@ pub(super) const INPUT_GAIN: f64 = 0.5;
 /// Sine and cosine of the angle of lines 1 and 3: of all pairs near it the one whose squares sum up to 1 within 3e-8, in 15 bits.
 const ANGLE: [i32; 2] = [14_111, 29_574];
 
-/// Input and output of a network's tick.
+/// Input and output of a network's block.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(4))]
 pub(super) struct Sound<T> {
     /// In the network's units, the same for both values of a pair.
-    pub(super) input: [[T; 2]; TICK_FRAMES],
+    pub(super) input: [[T; 2]; BLOCK_FRAMES],
     /// Half the outputs, in the network's units.
-    pub(super) output: [[T; 2]; TICK_FRAMES],
+    pub(super) output: [[T; 2]; BLOCK_FRAMES],
 }
 
-/// All that a tick of a network reads and writes.
+/// All that a block of a network reads and writes.
 #[derive(Debug)]
 pub struct NetworkTick<'a, T: Sample> {
     /// The lines, one behind another.
@@ -87,19 +87,19 @@ pub(super) struct NetworkConfig {
 pub(super) struct Line {
     /// Pairs.
     pub(super) delay: u16,
-    /// Ticks since the first pair that a tick reads was stored.
-    ticks: u8,
-    /// Pairs that the tick reads before it comes to those that were stored a tick later; a whole block where it does not.
+    /// Blocks since the first pair that a block reads was stored.
+    blocks: u8,
+    /// Pairs that the block reads before it comes to those that were stored a block later; a whole block where it does not.
     seam: u8,
 }
 
 impl Line {
-    const NONE: Self = Self { delay: 0, ticks: 0, seam: 0 };
+    const NONE: Self = Self { delay: 0, blocks: 0, seam: 0 };
 
     fn new(delay: usize, block: usize) -> Self {
-        let ticks = delay.div_ceil(block);
-        let seam = block - (ticks * block - delay);
-        Self { delay: delay as u16, ticks: ticks as u8, seam: seam as u8 }
+        let blocks = delay.div_ceil(block);
+        let seam = block - (blocks * block - delay);
+        Self { delay: delay as u16, blocks: blocks as u8, seam: seam as u8 }
     }
 }
 
@@ -120,17 +120,17 @@ impl NetworkConfig {
 
     pub(super) fn new(plan: &BandPlan) -> Self {
         let lines = plan.delays.map(|delay| Line::new(delay, plan.block()));
-        let longest = lines.iter().fold(0, |longest: u8, line| longest.max(line.ticks));
+        let longest = lines.iter().fold(0, |longest: u8, line| longest.max(line.blocks));
         Self { lines, level: Level::new(plan, longest), block: plan.block() as u8 }
     }
 
-    /// Whether a tick can be left out: all is silent, and so is what would be heard of the input.
+    /// Whether a block can be left out: all is silent, and so is what would be heard of the input.
     #[inline(always)]
     pub(super) fn sleeps(&self, state: &NetworkState, input_bits: i32) -> bool {
         state.level.is_asleep() && !self.level.is_audible(input_bits)
     }
 
-    /// A tick: `input` in Q4.27, at most ±2.0, its block long and of `input_bits`; the output is added to `out`, or put there. Whether there was one.
+    /// A block: `input` in Q4.27, at most ±2.0, its block long and of `input_bits`; the output is added to `out`, or put there. Whether there was one.
     pub(super) fn render<T: Sample>(
         &self,
         state: &mut NetworkState,
@@ -176,7 +176,7 @@ impl NetworkConfig {
         true
     }
 
-    /// A tick that nothing is heard of: what it would read is cleared.
+    /// A block that nothing is heard of: what it would read is cleared.
     #[cold]
     fn drain<T: Sample>(&self, state: &mut NetworkState, memory: &mut [[T; 2]]) {
         let (block, mut rest) = (usize::from(self.block), memory);
@@ -190,7 +190,7 @@ impl NetworkConfig {
         self.level.drain(&mut state.level);
     }
 
-    /// Brings what this tick will read to today's level, where it was stored at another.
+    /// Brings what this block will read to today's level, where it was stored at another.
     #[inline(never)]
     fn settle<T: Sample>(&self, state: &NetworkState, memory: &mut [[T; 2]]) {
         let (block, mut rest) = (usize::from(self.block), memory);
@@ -198,7 +198,7 @@ impl NetworkConfig {
             let Some((words, later)) = rest.split_at_mut_checked(usize::from(line.delay)) else { return };
             rest = later;
             let (position, seam) = (usize::from(position), usize::from(line.seam));
-            let (earlier, later) = (state.level.rise(line.ticks), state.level.rise(line.ticks.wrapping_sub(1)));
+            let (earlier, later) = (state.level.rise(line.blocks), state.level.rise(line.blocks.wrapping_sub(1)));
             settle(words, position, seam, earlier);
             settle(words, position + seam, block - seam, later);
         }
@@ -222,27 +222,33 @@ fn settle<T: Sample>(line: &mut [[T; 2]], position: usize, count: usize, rise: i
     }
 }
 
-/// A tick's angles as the lines' samples are multiplied by them.
+/// A block's angles as the lines' samples are multiplied by them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turns<T: Sample> {
     /// Of each eighth frame.
-    moving: [T::Turn; TICK_FRAMES / TURN_SAMPLES],
-    /// Of each eighth frame of a band at half the rate; the first is that of all the slower ones.
-    slow: [T::Turn; 2],
+    moving: [T::Turn; BLOCK_FRAMES / TURN_SAMPLES],
+    /// Of each eighth frame of a band at half the rate, and at a quarter of it: there the first is that of all the slower ones.
+    half: [T::Turn; 4],
+    quarter: [T::Turn; 2],
     fixed: T::Turn,
 }
 
 impl<T: Sample> Turns<T> {
-    /// Those of a tick.
+    /// Those of a block.
     pub(super) fn new(turn: &Turn) -> Self {
         let moving = turn.steps().map(T::turn);
-        let [first, _, third, _] = moving;
-        Self { moving, slow: [first, third], fixed: T::turn(ANGLE.map(|value| value << 16)) }
+        let [a, _, b, _, c, _, d, _] = moving;
+        Self { moving, half: [a, b, c, d], quarter: [a, c], fixed: T::turn(ANGLE.map(|value| value << 16)) }
     }
 
     /// Those of a band of so many frames: moving, fixed.
     fn of(&self, block: usize) -> (&[T::Turn], T::Turn) {
-        (if block == TICK_FRAMES { &self.moving } else { &self.slow }, self.fixed)
+        let moving: &[T::Turn] = match BLOCK_FRAMES / block.max(1) {
+            1 => &self.moving,
+            2 => &self.half,
+            _ => &self.quarter,
+        };
+        (moving, self.fixed)
     }
 }
 

@@ -1,9 +1,9 @@
 //! From a table of bands to rates, delays and gains.
 
+use super::BLOCK_FRAMES;
 use super::RoomError;
 use super::network::{INPUT_GAIN, LINES};
 use crate::SampleRate;
-use crate::resonator::TICK_FRAMES;
 use crate::table::layout::RoomBandRecord;
 
 /// Bands that a room may have.
@@ -13,6 +13,8 @@ const EDGE: f64 = 0.42;
 /// Of so few bands none is slower than this: doublings cost more than it saves.
 const FEW_BANDS: usize = 4;
 const FEW_BANDS_DIVISION: usize = 8;
+/// Of more bands none is slower than this.
+pub(super) const SLOWEST: usize = 32;
 /// A network's delays add up to this part of its T60 ...
 const DELAY_OF_T60: f64 = 0.15;
 /// ... or to what makes this many resonances in its band, so that a narrow one does not beat, whichever is longer.
@@ -21,8 +23,8 @@ const RESONANCES: f64 = 100.0;
 const DENSE_S: f64 = 0.16;
 /// Ratio of neighbouring delays.
 const RATIO: f64 = 1.4;
-/// Longest delay of a line, in ticks.
-pub(super) const MAX_TICKS: usize = 190;
+/// Longest delay of a line, in blocks.
+pub(super) const MAX_BLOCKS: usize = 95;
 
 /// One band's network.
 #[derive(Clone, Copy, Debug)]
@@ -43,9 +45,9 @@ impl BandPlan {
     pub(super) const NONE: Self =
         Self { division: 1, edge: 0.0, delays: [0; LINES], decay_per_sample: 0.0, output: 0.0 };
 
-    /// Samples of a tick.
+    /// Samples of a block.
     pub(super) fn block(&self) -> usize {
-        TICK_FRAMES / self.division
+        BLOCK_FRAMES / self.division
     }
 }
 
@@ -80,7 +82,7 @@ pub(super) fn plan(
     }
     let mut plans = [BandPlan::NONE; MAX_BANDS];
     let mut delays_s = [0.0; MAX_BANDS];
-    let slowest = if bands.len() <= FEW_BANDS { FEW_BANDS_DIVISION } else { TICK_FRAMES };
+    let slowest = if bands.len() <= FEW_BANDS { FEW_BANDS_DIVISION } else { SLOWEST };
     for (band, plan) in plans.iter_mut().enumerate().take(bands.len()) {
         let (from_hz, to_hz) = edges_hz(bands, band, hz);
         while plan.division < slowest && to_hz * (2 * plan.division) as f64 <= EDGE * hz {
@@ -129,7 +131,7 @@ fn share(delays_s: &mut [f64; MAX_BANDS], plans: &[BandPlan; MAX_BANDS], hz: f64
     // The longest line must not outlast the history of exponents.
     let weights = weights();
     let longest_part = weights.iter().fold(0.0, |longest: f64, &weight| longest.max(weight));
-    let (mut low, mut high) = (0.0, 2.0 * (MAX_TICKS * TICK_FRAMES) as f64 / hz / longest_part);
+    let (mut low, mut high) = (0.0, 2.0 * (MAX_BLOCKS * BLOCK_FRAMES) as f64 / hz / longest_part);
     if needed(high) > words as f64 {
         for _ in 0..30 {
             let middle = 0.5 * (low + high);
@@ -181,4 +183,22 @@ fn output_gain(plan: &BandPlan, decay_per_s: f64) -> f64 {
     let [a, b, c, d] = plan.delays.map(|delay| libm::exp(-2.0 * plan.decay_per_sample * delay as f64));
     let given = INPUT_GAIN * INPUT_GAIN / (1.0 - (a + b + c + d) / LINES as f64);
     libm::sqrt(1.0 / (2.0 * decay_per_s * (c + d) * given))
+}
+
+/// Cycles of a band's block: a sample of its own rate, and beginnings and ends.
+const SAMPLE_CYCLES: usize = 85;
+const BAND_CYCLES: usize = 800;
+/// Cycles of the doublings: a frame of the full rate.
+const DOUBLING_CYCLES: usize = 38;
+
+/// How many of the lowest bands are best left for the second half of the work on a block, which doubles the rates too.
+pub(super) fn second_half(plans: &[BandPlan; MAX_BANDS], count: usize) -> usize {
+    let cycles =
+        |bands: &[BandPlan]| bands.iter().map(|plan| plan.block() * SAMPLE_CYCLES + BAND_CYCLES).sum::<usize>();
+    let (plans, _) = plans.split_at(count.min(MAX_BANDS));
+    let worst = |&half: &usize| {
+        let (low, high) = plans.split_at(half);
+        (cycles(low) + BLOCK_FRAMES * DOUBLING_CYCLES).max(cycles(high))
+    };
+    (0..=plans.len()).min_by_key(worst).unwrap_or_default()
 }

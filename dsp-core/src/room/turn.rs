@@ -1,8 +1,8 @@
-//! The angle that turns the networks' mixes: the same for all bands, moved on by every tick that sounds.
+//! The angle that turns the networks' mixes: the same for all bands, moved on by every block that sounds.
 
+use super::BLOCK_FRAMES;
 use crate::SampleRate;
 use crate::fixed;
-use crate::resonator::TICK_FRAMES;
 
 /// Samples that are mixed by the same angle.
 pub(super) const TURN_SAMPLES: usize = 8;
@@ -11,7 +11,7 @@ const SWING: f64 = 6.0;
 /// ... this many times a second: that moves the resonances by up to 11 Hz, and spreads a steady tone by as much.
 const SWINGS_HZ: f64 = 1.9;
 
-/// The phase of the swing as a part of a turn, 2^32 = one turn; sine and cosine of the angle as Q31, at the beginning of a tick and at its end.
+/// The phase of the swing as a part of a turn, 2^32 = one turn; sine and cosine of the angle as Q31, at the beginning of a block and at its end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
     phase: u32,
@@ -24,13 +24,13 @@ impl Turn {
     pub(super) const NONE: Self = Self { phase: 0, speed: 0, now: [0; 2], next: [0; 2] };
 
     pub(super) fn new(rate: SampleRate) -> Self {
-        let speed = libm::rint(SWINGS_HZ * TICK_FRAMES as f64 / rate.hz() * 4_294_967_296.0) as u32;
+        let speed = libm::rint(SWINGS_HZ * BLOCK_FRAMES as f64 / rate.hz() * 4_294_967_296.0) as u32;
         let mut turn = Self { speed, ..Self::NONE };
         turn.advance();
         turn
     }
 
-    /// A tick later.
+    /// A block later.
     pub(super) fn advance(&mut self) {
         self.now = self.next;
         self.phase = self.phase.wrapping_add(self.speed);
@@ -39,12 +39,12 @@ impl Turn {
         self.next = [sine(angle), sine(angle.wrapping_add(1 << 30))];
     }
 
-    /// Sines and cosines of each eighth frame of a tick, on the straight line between those at its ends.
-    pub(super) fn steps(&self) -> [[i32; 2]; TICK_FRAMES / TURN_SAMPLES] {
-        // A tick turns by much less than a radian, but let it be: the difference of two Q31 fits when quartered.
+    /// Sines and cosines of each eighth frame of a block, on the straight line between those at its ends.
+    pub(super) fn steps(&self) -> [[i32; 2]; BLOCK_FRAMES / TURN_SAMPLES] {
+        // The difference of two Q31 fits when both are an eighth.
         let ([sine, cosine], [next_sine, next_cosine]) = (self.now, self.next);
-        let (sine_step, cosine_step) = ((next_sine >> 2) - (sine >> 2), (next_cosine >> 2) - (cosine >> 2));
-        [0, 1, 2, 3].map(|step: i32| [sine + step * sine_step, cosine + step * cosine_step])
+        let (sine_step, cosine_step) = ((next_sine >> 3) - (sine >> 3), (next_cosine >> 3) - (cosine >> 3));
+        [0, 1, 2, 3, 4, 5, 6, 7].map(|step: i32| [sine + step * sine_step, cosine + step * cosine_step])
     }
 }
 

@@ -9,8 +9,8 @@ mod split;
 
 use crate::SampleRate;
 
-/// Frames of a tick: the wet sound begins one tick after the dry one.
-const TICK_FRAMES: usize = 32;
+/// Frames of a block: the wet sound begins two blocks after the dry one.
+const BLOCK_FRAMES: usize = 64;
 /// Lines of a network; each holds pairs.
 const LINES: usize = 4;
 
@@ -41,9 +41,9 @@ pub(crate) struct Plan {
 pub fn room(bands: &[RoomBand], dry: &[f64], rate: SampleRate, samples: usize) -> [Vec<f64>; 2] {
     let hz = rate.hz();
     let plans = plans(bands, hz, samples);
-    let ticks = dry.len().div_ceil(TICK_FRAMES);
+    let blocks = dry.len().div_ceil(BLOCK_FRAMES);
     let mut low = dry.to_vec();
-    low.resize(ticks * TICK_FRAMES, 0.0);
+    low.resize(blocks * BLOCK_FRAMES, 0.0);
     let (mut division, mut answers) = (1, Vec::new());
     for (index, plan) in plans.iter().enumerate().rev() {
         low = low.into_iter().step_by(plan.division / division).collect();
@@ -75,7 +75,7 @@ pub fn room(bands: &[RoomBand], dry: &[f64], rate: SampleRate, samples: usize) -
         sum = sum.map(|side| split::double(&side));
         division /= 2;
     }
-    sum.map(|side| std::iter::repeat_n(0.0, TICK_FRAMES).chain(side).take(dry.len()).collect())
+    sum.map(|side| std::iter::repeat_n(0.0, 2 * BLOCK_FRAMES).chain(side).take(dry.len()).collect())
 }
 
 fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
@@ -87,7 +87,7 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
             [32, 16, 8, 4, 2].into_iter().find(|&division| division <= slowest && fits(division)).unwrap_or(1)
         })
         .collect();
-    // Seconds of delay: 0.15 of T60 or a hundred resonances in the band, within the memory and 190 ticks for the longest line.
+    // Seconds of delay: 0.15 of T60 or a hundred resonances in the band, within the memory and 95 blocks for the longest line.
     let wishes: Vec<f64> = bands
         .iter()
         .enumerate()
@@ -104,7 +104,7 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
     let needed = |limit: f64| -> f64 {
         wishes.iter().zip(&divisions).map(|(wish, &division)| wish.min(limit) * hz / division as f64).sum()
     };
-    let (mut limit, mut high) = (0.0, 2.0 * 190.0 * TICK_FRAMES as f64 / hz / parts[LINES - 1]);
+    let (mut limit, mut high) = (0.0, 2.0 * 95.0 * BLOCK_FRAMES as f64 / hz / parts[LINES - 1]);
     if needed(high) <= samples as f64 {
         limit = high;
     }
@@ -114,7 +114,7 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
     }
     let band = |band: usize| {
         let own_hz = hz / divisions[band] as f64;
-        let delays = delays(0.5 * wishes[band].min(limit) * own_hz, TICK_FRAMES / divisions[band], &parts);
+        let delays = delays(0.5 * wishes[band].min(limit) * own_hz, BLOCK_FRAMES / divisions[band], &parts);
         let law = bands[band];
         let gains: Vec<f64> = delays.iter().map(|&delay| (-law.decay_per_s * delay as f64 / own_hz).exp()).collect();
         // Energy as in a network of pipes: each value's output is spread evenly over all. Outputs are differences of lines 2 and 3.

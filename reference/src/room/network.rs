@@ -2,14 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use super::{LINES, Plan, TICK_FRAMES};
+use super::{BLOCK_FRAMES, LINES, Plan};
 
 /// Both outputs of a network for an input at its own rate. `hz` is the full rate.
 ///
 /// Four lines of pairs. What each gives is turned, lines 0 and 2 by an angle that moves, 1 and 3 by one that does not and with its halves changed; then mixed by
 /// four, and written a line further on.
 pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
-    let block = TICK_FRAMES / plan.division;
+    let block = BLOCK_FRAMES / plan.division;
     let mut lines: Vec<Vec<[f64; 2]>> = plan.delays.iter().map(|&delay| vec![[0.0; 2]; delay]).collect();
     let mut out = [Vec::with_capacity(input.len()), Vec::with_capacity(input.len())];
     let fixed = (14_111f64 / 32_768.0).atan2(29_574.0 / 32_768.0).sin_cos();
@@ -34,15 +34,15 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
     out
 }
 
-/// Sine and cosine of the mix's angle in a tick counted from 0: a swing of ±6 radians 1.9 times a second, on a straight line between
-/// ticks, held for eight samples.
-fn turn(tick: usize, sample: usize, block: usize, hz: f64) -> (f64, f64) {
-    let at = |tick: usize| {
-        let t = tick as f64 * TICK_FRAMES as f64 / hz;
+/// Sine and cosine of the mix's angle in a block counted from 0: a swing of ±6 radians 1.9 times a second, on a straight line between
+/// blocks, held for eight samples.
+fn turn(index: usize, sample: usize, block: usize, hz: f64) -> (f64, f64) {
+    let at = |index: usize| {
+        let t = index as f64 * BLOCK_FRAMES as f64 / hz;
         (6.0 * (TAU * 1.9 * t).sin()).sin_cos()
     };
     let part = (sample / 8 * 8) as f64 / block as f64;
-    // The first tick's angle is that of one tick after the start.
-    let (from, to) = (at(tick + 1), at(tick + 2));
+    // The first block's angle is that of one block after the start.
+    let (from, to) = (at(index + 1), at(index + 2));
     (from.0 + part * (to.0 - from.0), from.1 + part * (to.1 - from.1))
 }

@@ -3,10 +3,10 @@
 
 use core::mem::offset_of;
 
+use super::super::BLOCK_FRAMES;
 use super::super::crossover::{Split, SplitState};
 use super::super::network::{LINES, Line, NetworkTick, Sound};
 use super::super::turn::TURN_SAMPLES;
-use crate::resonator::TICK_FRAMES;
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 
@@ -16,7 +16,7 @@ struct Call<'a> {
     memory: *mut [i16; 2],
     lines: &'a [Line; LINES],
     positions: &'a mut [u16; LINES],
-    /// Input; output lies 128 bytes behind.
+    /// Input; output lies 256 bytes behind.
     sound: *mut Sound<i16>,
     frames: usize,
     /// Of each eighth frame.
@@ -33,7 +33,7 @@ struct Call<'a> {
 }
 
 // What cortex_m4.s counts on.
-const _: () = assert!(TICK_FRAMES == 32 && TURN_SAMPLES == 8 && LINES == 4 && offset_of!(Sound<i16>, output) == 128);
+const _: () = assert!(BLOCK_FRAMES == 64 && TURN_SAMPLES == 8 && LINES == 4 && offset_of!(Sound<i16>, output) == 256);
 const _: () = assert!(size_of::<Line>() == 4 && offset_of!(Line, delay) == 0 && size_of::<Call<'_>>() == 64);
 const _: () = assert!(size_of::<Split>() == 20 && size_of::<SplitState>() == 52);
 
@@ -102,7 +102,7 @@ pub(in crate::room) fn network(tick: NetworkTick<'_, i16>) -> bool {
     let NetworkTick { memory, lines, positions, sound, turns: (turns, fixed), .. } = tick;
     let frames = tick.input.len();
     let pairs = lines.iter().fold(0, |pairs, line| pairs + usize::from(line.delay));
-    if frames == 0 || frames > tick.out.len().min(TICK_FRAMES) || pairs > memory.len() || turns.len() * 8 < frames {
+    if frames == 0 || frames > tick.out.len().min(BLOCK_FRAMES) || pairs > memory.len() || turns.len() * 8 < frames {
         return false;
     }
     let mut call = Call {
