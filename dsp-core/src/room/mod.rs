@@ -201,6 +201,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         let (mut below, mut start) = (1, 0);
         for (band, plan) in self.bands.iter_mut().zip(&plans) {
             *band = Band {
+                state: NetworkConfig::new(plan).silent(),
                 config: NetworkConfig::new(plan),
                 split: if plan.edge > 0.0 { Split::new(plan.edge) } else { Split::NONE },
                 division: plan.division as u8,
@@ -364,7 +365,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
     /// Back to silence, where a network that sleeps has cleared its lines.
     fn clear(&mut self) {
         for band in &mut self.bands {
-            (band.state, band.split_state) = (NetworkState::SILENT, SplitState::SILENT);
+            (band.state, band.split_state) = (band.config.silent(), SplitState::SILENT);
         }
         self.upsamplers = [UpsamplerState::SILENT; RATES];
         (self.inputs, self.outputs) = ([[0; BLOCK_FRAMES]; 2], [[[0; 2]; BLOCK_FRAMES]; 2]);

@@ -47,8 +47,8 @@ pub(super) struct Sound<T> {
 pub struct NetworkTick<'a, T: Sample> {
     /// The lines, one behind another.
     pub(super) memory: &'a mut [[T; 2]],
-    pub(super) lines: &'a [Line; LINES],
-    pub(super) positions: &'a mut [u16; LINES],
+    pub(super) lines: &'a [Place; LINES],
+    pub(super) places: &'a mut [Place; LINES],
     pub(super) sound: &'a mut Sound<T>,
     /// The angles of each eighth frame, and the fixed one.
     pub(super) turns: (&'a [T::Turn], T::Turn),
@@ -76,30 +76,35 @@ pub(super) enum Radiation {
 /// A network's fixed numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NetworkConfig {
-    lines: [Line; LINES],
+    /// The lines' beginnings and lengths.
+    lines: [Place; LINES],
+    ages: [Age; LINES],
     level: Level,
     block: u8,
 }
 
-/// A delay line's fixed numbers.
+/// Where in the network's memory a line begins, or is read and written next, and how many pairs are left to its end.
 #[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub(super) struct Line {
-    /// Pairs.
-    pub(super) delay: u16,
+#[repr(C, align(4))]
+pub(super) struct Place {
+    pub(super) at: u16,
+    pub(super) left: u16,
+}
+
+/// When what a block reads was stored.
+#[derive(Clone, Copy, Debug)]
+struct Age {
     /// Blocks since the first pair that a block reads was stored.
     blocks: u8,
     /// Pairs that the block reads before it comes to those that were stored a block later; a whole block where it does not.
     seam: u8,
 }
 
-impl Line {
-    const NONE: Self = Self { delay: 0, blocks: 0, seam: 0 };
-
+impl Age {
     fn new(delay: usize, block: usize) -> Self {
         let blocks = delay.div_ceil(block);
         let seam = block - (blocks * block - delay);
-        Self { delay: delay as u16, blocks: blocks as u8, seam: seam as u8 }
+        Self { blocks: blocks as u8, seam: seam as u8 }
     }
 }
 
@@ -107,21 +112,37 @@ impl Line {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NetworkState {
     /// Where each line is read and written next.
-    positions: [u16; LINES],
+    places: [Place; LINES],
     level: LevelState,
 }
 
 impl NetworkState {
-    pub(super) const SILENT: Self = Self { positions: [0; LINES], level: LevelState::SILENT };
+    pub(super) const SILENT: Self = Self { places: [Place { at: 0, left: 0 }; LINES], level: LevelState::SILENT };
 }
 
 impl NetworkConfig {
-    pub(super) const NONE: Self = Self { lines: [Line::NONE; LINES], level: Level::NONE, block: 1 };
+    pub(super) const NONE: Self = Self {
+        lines: [Place { at: 0, left: 0 }; LINES],
+        ages: [Age { blocks: 0, seam: 0 }; LINES],
+        level: Level::NONE,
+        block: 1,
+    };
 
     pub(super) fn new(plan: &BandPlan) -> Self {
-        let lines = plan.delays.map(|delay| Line::new(delay, plan.block()));
-        let longest = lines.iter().fold(0, |longest: u8, line| longest.max(line.blocks));
-        Self { lines, level: Level::new(plan, longest), block: plan.block() as u8 }
+        let mut at = 0;
+        let lines = plan.delays.map(|delay| {
+            let line = Place { at: at as u16, left: delay as u16 };
+            at += delay;
+            line
+        });
+        let ages = plan.delays.map(|delay| Age::new(delay, plan.block()));
+        let longest = ages.iter().fold(0, |longest: u8, age| longest.max(age.blocks));
+        Self { lines, ages, level: Level::new(plan, longest), block: plan.block() as u8 }
+    }
+
+    /// All lines at their beginnings, and silent.
+    pub(super) fn silent(&self) -> NetworkState {
+        NetworkState { places: self.lines, ..NetworkState::SILENT }
     }
 
     /// Whether a block can be left out: all is silent, and so is what would be heard of the input.
@@ -158,7 +179,7 @@ impl NetworkConfig {
         let exceeded = T::network(NetworkTick {
             memory,
             lines: &self.lines,
-            positions: &mut state.positions,
+            places: &mut state.places,
             sound,
             turns: turns.of(input.len()),
             busy: state.level.is_busy(),
@@ -179,13 +200,10 @@ impl NetworkConfig {
     /// A block that nothing is heard of: what it would read is cleared.
     #[cold]
     fn drain<T: Sample>(&self, state: &mut NetworkState, memory: &mut [[T; 2]]) {
-        let (block, mut rest) = (usize::from(self.block), memory);
-        for (line, position) in self.lines.iter().zip(&mut state.positions) {
-            let Some((words, later)) = rest.split_at_mut_checked(usize::from(line.delay)) else { return };
-            rest = later;
-            let next = usize::from(*position) + block;
-            settle(words, usize::from(*position), block, i32::MIN);
-            *position = if next >= words.len() { next - words.len() } else { next } as u16;
+        let block = u16::from(self.block);
+        for (line, place) in self.lines.iter().zip(&mut state.places) {
+            settle(memory, line, *place, block, i32::MIN);
+            *place = place.after(block, line);
         }
         self.level.drain(&mut state.level);
     }
@@ -193,27 +211,34 @@ impl NetworkConfig {
     /// Brings what this block will read to today's level, where it was stored at another.
     #[inline(never)]
     fn settle<T: Sample>(&self, state: &NetworkState, memory: &mut [[T; 2]]) {
-        let (block, mut rest) = (usize::from(self.block), memory);
-        for (line, &position) in self.lines.iter().zip(&state.positions) {
-            let Some((words, later)) = rest.split_at_mut_checked(usize::from(line.delay)) else { return };
-            rest = later;
-            let (position, seam) = (usize::from(position), usize::from(line.seam));
-            let (earlier, later) = (state.level.rise(line.blocks), state.level.rise(line.blocks.wrapping_sub(1)));
-            settle(words, position, seam, earlier);
-            settle(words, position + seam, block - seam, later);
+        let block = u16::from(self.block);
+        for ((line, age), place) in self.lines.iter().zip(&self.ages).zip(&state.places) {
+            let (earlier, later) = (state.level.rise(age.blocks), state.level.rise(age.blocks.wrapping_sub(1)));
+            let seam = u16::from(age.seam);
+            settle(memory, line, *place, seam, earlier);
+            settle(memory, line, place.after(seam, line), block - seam, later);
+        }
+    }
+}
+
+impl Place {
+    /// So many pairs (at most a line's length) further, from the line's end back to its beginning.
+    fn after(self, pairs: u16, line: &Place) -> Self {
+        match self.left.checked_sub(pairs) {
+            Some(left @ 1..) => Self { at: self.at + pairs, left },
+            _ => Self { at: line.at + (pairs - self.left), left: line.left - (pairs - self.left) },
         }
     }
 }
 
 /// Raises a run of a line that may pass its end.
-fn settle<T: Sample>(line: &mut [[T; 2]], position: usize, count: usize, rise: i32) {
+fn settle<T: Sample>(memory: &mut [[T; 2]], line: &Place, place: Place, count: u16, rise: i32) {
     if rise == 0 || count == 0 {
         return;
     }
-    let position = if position >= line.len() { position - line.len() } else { position };
-    let (before, after) = line.split_at_mut(position.min(line.len()));
-    let to_end = count.min(after.len());
-    for words in [after.get_mut(..to_end), before.get_mut(..count - to_end)].into_iter().flatten() {
+    let to_end = count.min(place.left);
+    for (at, count) in [(place.at, to_end), (line.at, count - to_end)] {
+        let Some(words) = memory.get_mut(usize::from(at)..usize::from(at) + usize::from(count)) else { return };
         // Below -16 bits, nothing is left of 16; of 32, nothing that is heard.
         match rise {
             ..-16 => words.fill([T::ZERO; 2]),

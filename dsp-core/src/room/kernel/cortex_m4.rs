@@ -5,7 +5,7 @@ use core::mem::offset_of;
 
 use super::super::BLOCK_FRAMES;
 use super::super::crossover::{Split, SplitState};
-use super::super::network::{LINES, Line, NetworkTick, Sound};
+use super::super::network::{LINES, NetworkTick, Place, Sound};
 use super::super::turn::TURN_SAMPLES;
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
@@ -14,8 +14,8 @@ core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 #[repr(C)]
 struct Call<'a> {
     memory: *mut [i16; 2],
-    lines: &'a [Line; LINES],
-    positions: &'a mut [u16; LINES],
+    lines: &'a [Place; LINES],
+    places: &'a mut [Place; LINES],
     /// Input; output lies 256 bytes behind.
     sound: *mut Sound<i16>,
     frames: usize,
@@ -34,7 +34,7 @@ struct Call<'a> {
 
 // What cortex_m4.s counts on.
 const _: () = assert!(BLOCK_FRAMES == 64 && TURN_SAMPLES == 8 && LINES == 4 && offset_of!(Sound<i16>, output) == 256);
-const _: () = assert!(size_of::<Line>() == 4 && offset_of!(Line, delay) == 0 && size_of::<Call<'_>>() == 64);
+const _: () = assert!(size_of::<Place>() == 4 && offset_of!(Place, left) == 2 && size_of::<Call<'_>>() == 64);
 const _: () = assert!(size_of::<Split>() == 20 && size_of::<SplitState>() == 52);
 
 unsafe extern "C" {
@@ -99,16 +99,17 @@ pub(in crate::room) fn exchange(out: &mut [[i32; 2]], wet: &[[i32; 2]], input: &
 /// As [`super::portable::network`].
 #[inline(always)]
 pub(in crate::room) fn network(tick: NetworkTick<'_, i16>) -> bool {
-    let NetworkTick { memory, lines, positions, sound, turns: (turns, fixed), .. } = tick;
+    let NetworkTick { memory, lines, places, sound, turns: (turns, fixed), .. } = tick;
     let frames = tick.input.len();
-    let pairs = lines.iter().fold(0, |pairs, line| pairs + usize::from(line.delay));
+    let [.., Place { at, left }] = *lines;
+    let pairs = usize::from(at) + usize::from(left);
     if frames == 0 || frames > tick.out.len().min(BLOCK_FRAMES) || pairs > memory.len() || turns.len() * 8 < frames {
         return false;
     }
     let mut call = Call {
         memory: memory.as_mut_ptr(),
         lines,
-        positions,
+        places,
         sound,
         frames,
         turns: turns.as_ptr(),
@@ -121,8 +122,8 @@ pub(in crate::room) fn network(tick: NetworkTick<'_, i16>) -> bool {
         output_gain: tick.output_gain,
         radiation: tick.radiation as u32,
     };
-    // SAFETY: the lines lie within the memory, positions within the lines (they begin at 0 and only a tick moves them, back to 0 at a line's end; a line is
-    // at least a tick long); there are an input, an output and a frame of `out` a frame, and an angle for each eight.
+    // SAFETY: the lines lie within the memory, places within the lines (they begin there and only a block moves them, back to there at a line's end; a line is
+    // at least a block long); there are an input, an output and a frame of `out` a frame, and an angle for each eight.
     unsafe { malleus_room_network(&mut call) != 0 }
 }
 

@@ -152,27 +152,23 @@
 
 @ Pass: a tick, cut where a line ends and where the angle changes, each eight frames.
 @ Layouts: call is memory 0, lines 4, positions 8, sound 12, frames 16, angles 20, fixed angle 24, busy 28, input 32, shift 36, gain 40, growth 44, out 48,
-@ gain 52, loss 56, what to do with `out` 60 (0 put, 1 add, 2 nothing); a line is a halfword of pairs and two bytes; a position is a halfword.
+@ gain 52, loss 56, what to do with `out` 60 (0 put, 1 add, 2 nothing); a line is where it begins and its length, halfwords in pairs; a position is
+@ where it is and what is left to the line's end, alike.
 @ sp: memory, lines, positions, sound, frames left, angles, fixed angle, busy; this cut's frames left 32, frames to the next angle 36, call 40.
-    .macro begun line
-    ldrh    r10, [r7, #4 * \line]
-    ldrh    r11, [r8, #2 * \line]
-    add     r\line, r6, r11, lsl #2
-    add     r6, r6, r10, lsl #2
-    subs    r10, r10, r11
-    cmp     r10, r9
-    it      lo
-    movlo   r9, r10
+    .macro begun line word
+    uxth    r\line, \word
+    add     r\line, r6, r\line, lsl #2
+    cmp     r9, \word, lsr #16
+    it      hi
+    lsrhi   r9, \word, #16
     .endm
 
-    .macro moved line
-    ldrh    r10, [r7, #4 * \line]
-    ldrh    r11, [r8, #2 * \line]
-    add     r11, r11, r9
-    cmp     r11, r10
-    it      hs
-    movhs   r11, #0
-    strh    r11, [r8, #2 * \line]
+@ r5: one further, one less left
+    .macro moved line word
+    mla     \word, r9, r5, \word
+    lsrs    r10, \word, #16
+    it      eq
+    ldreq   \word, [r7, #4 * \line]
     .endm
 
     .global malleus_room_network
@@ -196,15 +192,23 @@ malleus_room_network:
 5:  ldm     sp, {r6-r9}
     mov     r4, r9
     ldr     r9, [sp, #16]
+    movw    r5, #1
+    movt    r5, #0xffff
+    ldm     r8, {r10-r12, lr}
+    begun   0, r10
+    begun   1, r11
+    begun   2, r12
+    begun   3, lr
+    mov     r6, r10
+    moved   0, r6
+    moved   1, r11
+    moved   2, r12
+    moved   3, lr
+    str     r6, [r8]
+    str     r11, [r8, #4]
+    str     r12, [r8, #8]
+    str     lr, [r8, #12]
     ldr     r12, [sp, #16]
-    begun   0
-    begun   1
-    begun   2
-    begun   3
-    moved   0
-    moved   1
-    moved   2
-    moved   3
     sub     r12, r12, r9
     str     r12, [sp, #16]
 6:  ldr     lr, [sp, #36]
@@ -258,25 +262,43 @@ malleus_room_network:
     .type malleus_room_scale, %function
     .thumb_func
 malleus_room_scale:
+    push    {r4-r7, lr}
     mov     r12, #0x00010001
-    cmp     r2, #0
+    subs    r1, #4
+    blt     3f
+1:  ldm     r0, {r4-r7}
+    mov     r3, r2
+    cmp     r3, #0
     blt     2f
-1:  ldr     r3, [r0]
-    qadd16  r3, r3, r3
+    qadd16  r4, r4, r4
+    qadd16  r5, r5, r5
+    qadd16  r6, r6, r6
+    qadd16  r7, r7, r7
+    b       4f
+2:  shadd16 r4, r4, r12
+    shadd16 r5, r5, r12
+    shadd16 r6, r6, r12
+    shadd16 r7, r7, r12
+    adds    r3, #1
+    bne     2b
+4:  subs    r1, #4
+    stm     r0!, {r4-r7}
+    bge     1b
+3:  adds    r1, #4
+    beq     8f
+5:  ldr     r4, [r0]
+    mov     r3, r2
+    cmp     r3, #0
+    blt     6f
+    qadd16  r4, r4, r4
+    b       7f
+6:  shadd16 r4, r4, r12
+    adds    r3, #1
+    bne     6b
+7:  str     r4, [r0], #4
     subs    r1, #1
-    str     r3, [r0], #4
-    bne     1b
-    bx      lr
-2:  push    {r4, lr}
-3:  ldr     r3, [r0]
-    mov     r4, r2
-4:  shadd16 r3, r3, r12
-    adds    r4, #1
-    bne     4b
-    subs    r1, #1
-    str     r3, [r0], #4
-    bne     3b
-    pop     {r4, pc}
+    bne     5b
+8:  pop     {r4-r7, pc}
 
 @ malleus_room_split(split, state, low, high, count, thin) -> or of the sizes in high: portable.rs, split.
 @ Layouts: split is α, then c1/2 and c2/2 of two sections; state is x1, y1, rest, then x1, x2, y1, y2, rest of two sections.

@@ -3,16 +3,16 @@
 #[cfg(not(cortex_m4f))]
 use super::super::crossover::{Split, SplitState};
 use super::super::level::{LOUD_BITS, QUIET_BITS};
-use super::super::network::{LINES, Line, NetworkTick, Radiation, Sound};
+use super::super::network::{LINES, NetworkTick, Place, Radiation, Sound};
 use super::super::storage::Sample;
 use super::super::turn::TURN_SAMPLES;
 use crate::fixed;
 
 /// As [`Sample::network`].
 pub(in crate::room) fn network<T: Sample>(tick: NetworkTick<'_, T>) -> bool {
-    let NetworkTick { memory, lines, positions, sound, turns, busy, input, out, .. } = tick;
+    let NetworkTick { memory, lines, places, sound, turns, busy, input, out, .. } = tick;
     prepare(input, &mut sound.input, tick.input_shift, tick.input_gain);
-    let exceeded = pass(memory, lines, positions, sound, turns, input.len(), busy);
+    let exceeded = pass(memory, lines, places, sound, turns, input.len(), busy);
     match tick.radiation {
         Radiation::Put => radiate(&sound.output, tick.output_gain, out, false),
         Radiation::Add => radiate(&sound.output, tick.output_gain, out, true),
@@ -45,8 +45,8 @@ fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32
 /// that is stored is beyond those up to which it may be lowered.
 fn pass<T: Sample>(
     memory: &mut [[T; 2]],
-    lines: &[Line; LINES],
-    positions: &mut [u16; LINES],
+    lines: &[Place; LINES],
+    places: &mut [Place; LINES],
     Sound { input, output }: &mut Sound<T>,
     (turns, fixed): (&[T::Turn], T::Turn),
     frames: usize,
@@ -56,15 +56,7 @@ fn pass<T: Sample>(
     let sound = input.iter().zip(output).take(frames);
     let turns = turns.iter().flat_map(|turn| core::iter::repeat_n(turn, TURN_SAMPLES));
     for ((&x, out), moving) in sound.zip(turns) {
-        let mut start = 0;
-        let at = lines.each_ref().map(|line| {
-            let at = start;
-            start += usize::from(line.delay);
-            at
-        });
-        let [p0, p1, p2, p3] = *positions;
-        let [a0, a1, a2, a3] = at;
-        let at = [a0 + usize::from(p0), a1 + usize::from(p1), a2 + usize::from(p2), a3 + usize::from(p3)];
+        let at = places.map(|place| usize::from(place.at));
         let Some(words) = at_each(memory, at) else { return exceeded };
         let (written, y) = mix(words, x, [moving, &fixed]);
         let exceeds = |word: &[T; 2], bits: u32| word.iter().any(|value| value.exceeds(bits));
@@ -75,8 +67,8 @@ fn pass<T: Sample>(
                 *place = word;
             }
         }
-        for (position, line) in positions.iter_mut().zip(lines) {
-            *position = if *position + 1 >= line.delay { 0 } else { *position + 1 };
+        for (place, line) in places.iter_mut().zip(lines) {
+            *place = if place.left > 1 { Place { at: place.at + 1, left: place.left - 1 } } else { *line };
         }
     }
     exceeded
