@@ -12,7 +12,7 @@ use super::storage::Sample;
 use crate::fixed;
 
 /// Blocks whose levels are remembered, a power of two.
-const HISTORY: usize = 128;
+const HISTORY: usize = 64;
 const _: () = assert!(super::plan::MAX_BLOCKS + 2 < HISTORY && HISTORY.is_power_of_two());
 /// Bits of a halved output, sign included, beyond which the level is raised; and bits of what is stored up to which it is lowered.
 pub(super) const LOUD_BITS: u32 = 15;
@@ -29,7 +29,7 @@ const MOST_EXPONENT: i32 = least_exponent(28);
 /// A level's fixed numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Level {
-    /// `e^{-d}` (Q32) and `e^d - 1` (Q30) over a block.
+    /// `e^{-d}` (Q32) and `e^d - 1` (Q28) over a block.
     decay: u32,
     growth: u32,
     /// The same over a sample: `1 - e^{-d}`, `e^d - 1`, Q32 and below 1/2.
@@ -127,7 +127,7 @@ impl Level {
         let (fraction, exponent) = libm::frexp(plan.output);
         Self {
             decay: q32(libm::exp(-tick)) as u32,
-            growth: libm::rint(libm::expm1(tick) * 1_073_741_824.0) as u32,
+            growth: libm::rint(libm::expm1(tick) * 268_435_456.0) as u32,
             sample_loss: q32(-libm::expm1(-nepers)) as i32,
             sample_growth: q32(libm::expm1(nepers)) as i32,
             output: libm::rint(fraction * 2_147_483_647.0) as u32,
@@ -166,8 +166,9 @@ impl Level {
         if state.exponent < least {
             state.step(least - state.exponent);
         }
-        if state.loud && state.exponent < MOST_EXPONENT {
-            state.step(1);
+        if state.loud && state.exponent < MOST_EXPONENT - 1 {
+            // Twice as seldom as by one.
+            state.step(2);
         } else if state.watch == 0 {
             if T::LOWERED && !state.busy && self.is_steady(state) && state.exponent > least {
                 state.step(-1);
@@ -215,13 +216,13 @@ impl Level {
     fn decay(&self, state: &mut LevelState) {
         state.now = state.now.wrapping_add(1);
         (state.steady, state.age) = (state.steady.saturating_add(1), state.age.saturating_add(1));
-        // The mantissa goes back above 2^31, the inverse with it below 2^32. A block's growth is below 4 (150/s, 64 frames at 8 kHz).
+        // The mantissa goes back above 2^31, the inverse with it below 2^32. A block's growth is below 16 (150/s, 128 frames at 8 kHz).
         let mantissa = high_word(state.mantissa, self.decay);
         let low = mantissa.leading_zeros();
         state.mantissa = mantissa << low;
         state.exponent -= low as i32;
         let inverse = state.inverse >> low;
-        let growth = (u64::from(inverse) * u64::from(self.growth)) >> 30;
+        let growth = (u64::from(inverse) * u64::from(self.growth)) >> 28;
         let inverse = inverse.saturating_add(growth as u32).max(1 << 31);
         // One step of Newton's method keeps the inverse from drifting: 2^63 - mantissa · inverse is small.
         let error = ((1u64 << 63).wrapping_sub(u64::from(state.mantissa) * u64::from(inverse)) >> 31) as i32;

@@ -60,14 +60,15 @@ use network::{NetworkConfig, NetworkState, Sound, Turns};
 use turn::Turn;
 use upsample::{Upsampler, UpsamplerState};
 
-/// Frames that are worked on together, two ticks: half as many beginnings and ends.
-const BLOCK_FRAMES: usize = 2 * TICK_FRAMES;
+/// Frames that are worked on together, a part of the work at each of its ticks: a quarter of the beginnings and ends.
+const BLOCK_FRAMES: usize = TICKS * TICK_FRAMES;
+const TICKS: usize = 4;
 /// Rates: 1, 1/2 ... 1/32.
 const RATES: usize = plan::SLOWEST.ilog2() as usize + 1;
 
 /// A room with `SAMPLES` samples of delay, of type `i16` (what a board has room for) or `i32`.
 #[derive(Debug)]
-pub struct Room<T, const SAMPLES: usize> {
+pub struct Room<T: Sample, const SAMPLES: usize> {
     /// The first `count` are the table's, from the lowest up.
     bands: [Band; MAX_BANDS],
     count: usize,
@@ -82,14 +83,14 @@ pub struct Room<T, const SAMPLES: usize> {
     outputs: [[[i32; 2]; BLOCK_FRAMES]; 2],
     /// Which of both comes in and goes out.
     side: bool,
-    /// Outputs of the lower rates: the upper half at half the rate, below it a quarter, and so on; at 1/32 the third and fourth element.
+    /// Outputs of the lower rates: the upper half at half the rate, below it a quarter, and so on; at 1/32 from the fifth element on.
     rates: [[i32; 2]; BLOCK_FRAMES],
     /// Or of this block's input, and of that which is worked on.
     heard: u32,
     worked: u32,
-    /// How far the work is, and the bands of its second half.
+    /// How far the work is, and where each tick's part of it ends.
     work: Work,
-    second_half: usize,
+    part_ends: [u8; TICKS],
     /// Frames of this block that have passed.
     passed: usize,
     /// Whether nothing sounds and nothing has come in since.
@@ -100,9 +101,11 @@ pub struct Room<T, const SAMPLES: usize> {
 
 /// What a tick needs for itself; here, so that it is neither on the stack nor cleared each time.
 #[derive(Clone, Copy, Debug)]
-struct Scratch<T> {
+struct Scratch<T: Sample> {
     high: [i32; BLOCK_FRAMES],
     sound: Sound<T>,
+    /// The angles of the block that is worked on.
+    turns: Turns<T>,
 }
 
 /// All delay lines; pairs of 16 bits are words.
@@ -127,8 +130,10 @@ struct Band {
 /// How far the work on a block is.
 #[derive(Clone, Copy, Debug)]
 struct Work {
-    /// Bands that are still to come, counted from the lowest.
+    /// What comes next: for each band from the highest down its split and its answer, and then the doublings.
     next: usize,
+    /// Bits of the largest size in what was parted last.
+    bits: i32,
     /// What the input has been thinned to.
     division: usize,
     /// The rates at which there is an answer.
@@ -139,7 +144,7 @@ struct Work {
 }
 
 impl Work {
-    const NONE: Self = Self { next: 0, division: 1, written: [false; RATES], asleep: true, begun: false };
+    const NONE: Self = Self { next: 0, bits: 0, division: 1, written: [false; RATES], asleep: true, begun: false };
 }
 
 impl Band {
@@ -178,12 +183,13 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             heard: 0,
             worked: 0,
             work: Work::NONE,
-            second_half: 0,
+            part_ends: [0; TICKS],
             passed: 0,
             silent: true,
             scratch: Scratch {
                 high: [0; BLOCK_FRAMES],
                 sound: Sound { input: [[T::ZERO; 2]; BLOCK_FRAMES], output: [[T::ZERO; 2]; BLOCK_FRAMES] },
+                turns: Turns::NONE,
             },
             memory: Memory([T::ZERO; SAMPLES]),
         }
@@ -216,7 +222,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         self.upsampler = Upsampler::new();
         self.turn = Turn::new(rate);
         self.levels = self.bands.first().map_or(0, |band| band.division.trailing_zeros() as usize);
-        self.second_half = plan::second_half(&plans, bands.len());
+        self.part_ends = plan::part_ends(&plans, bands.len());
         self.count = bands.len();
         Ok(())
     }
@@ -242,10 +248,11 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             let (now, later) = out.split_at_mut(left.min(out.len()));
             self.pass(now);
             out = later;
-            match self.passed {
-                TICK_FRAMES => self.finish(),
-                BLOCK_FRAMES => self.begin(),
-                _ => {}
+            if self.passed == BLOCK_FRAMES {
+                self.begin();
+            }
+            if self.passed.is_multiple_of(TICK_FRAMES) {
+                self.work_on();
             }
         }
     }
@@ -266,8 +273,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         self.silent &= self.heard == 0;
     }
 
-    /// At a block's end: what came in is worked on, what was worked on goes out; the first half of the work.
-    #[inline(never)]
+    /// At a block's end: what came in is worked on, what was worked on goes out.
     fn begin(&mut self) {
         self.passed = 0;
         if self.silent {
@@ -276,22 +282,32 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         self.side = !self.side;
         (self.worked, self.heard) = (self.heard, 0);
         self.turn.advance();
-        self.work = Work { next: self.count, begun: true, ..Work::NONE };
-        self.render_bands(self.second_half);
+        self.scratch.turns = Turns::new(&self.turn);
+        self.work = Work { begun: true, ..Work::NONE };
     }
 
-    /// Amid a block: the other half of the work.
+    /// At each tick's end: a part of the work on a block.
     #[inline(never)]
-    fn finish(&mut self) {
+    fn work_on(&mut self) {
         if !self.work.begun {
             return;
         }
-        self.render_bands(0);
-        self.double();
-        if self.work.asleep && self.worked == 0 && self.heard == 0 {
-            self.clear();
+        let part = self.passed / TICK_FRAMES;
+        while self.part_ends.get(part).is_some_and(|&end| self.work.next < usize::from(end)) {
+            let band = self.count.wrapping_sub(1 + self.work.next / 2);
+            match self.work.next {
+                next if next == 2 * self.count => self.double(),
+                next if next % 2 == 0 => self.split(band),
+                _ => self.answer(band),
+            }
+            self.work.next += 1;
         }
-        self.work.begun = false;
+        if part + 1 == TICKS {
+            if self.work.asleep && self.worked == 0 && self.heard == 0 {
+                self.clear();
+            }
+            self.work.begun = false;
+        }
     }
 
     /// Brings what sounds at lower rates to the full one.
@@ -321,45 +337,52 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         }
     }
 
-    /// Splits what came in and lets the bands answer, from the next one to be worked on down to one.
-    fn render_bands(&mut self, last: usize) {
-        let Scratch { high, sound } = &mut self.scratch;
-        let Work { next, division, written, asleep, .. } = &mut self.work;
-        let ([_, low], [_, full_rate]) = (turned(&mut self.inputs, self.side), turned(&mut self.outputs, self.side));
-        let (memory, _) = self.memory.0.as_chunks_mut::<2>();
-        let turns = Turns::<T>::new(&self.turn);
-        for (index, band) in self.bands.iter_mut().enumerate().take(*next).skip(last).rev() {
-            let own = usize::from(band.division);
-            let block = BLOCK_FRAMES / own;
-            if own > *division
-                && let Some(low) = low.get_mut(..BLOCK_FRAMES / *division)
-            {
-                thin(low, own / *division);
-            }
-            let (Some(low), Some(high)) = (low.get_mut(..block), high.get_mut(..block)) else { return };
-            *division = own;
-            let input_bits = if index == 0 {
-                for (high, low) in high.iter_mut().zip(low) {
-                    *high = *low << 1;
-                }
-                network::bits(high)
-            } else {
-                *division = if band.thins { 2 * own } else { own };
-                band.split.render(&mut band.split_state, low, high, band.thins)
-            };
-            if band.config.sleeps(&band.state, input_bits) {
-                continue;
-            }
-            let out = if own == 1 { full_rate.get_mut(..) } else { self.rates.get_mut(block..2 * block) };
-            let lines = memory.get_mut(usize::from(band.start)..usize::from(band.start) + usize::from(band.pairs));
-            let (Some(lines), Some(out), Some(written)) = (lines, out, written.get_mut(own.trailing_zeros() as usize))
-            else {
-                return;
-            };
-            *asleep = false;
-            *written |= band.config.render(&mut band.state, lines, (high, input_bits), &turns, sound, (out, *written));
+    /// Parts a band from what came in; what lies below it stays.
+    fn split(&mut self, index: usize) {
+        let Work { division, bits, .. } = &mut self.work;
+        let [_, low] = turned(&mut self.inputs, self.side);
+        let Some(band) = self.bands.get_mut(index) else { return };
+        let own = usize::from(band.division);
+        if own > *division
+            && let Some(low) = low.get_mut(..BLOCK_FRAMES / *division)
+        {
+            thin(low, own / *division);
         }
-        *next = last;
+        let block = BLOCK_FRAMES / own;
+        let (Some(low), Some(high)) = (low.get_mut(..block), self.scratch.high.get_mut(..block)) else { return };
+        *division = own;
+        *bits = if index == 0 {
+            for (high, low) in high.iter_mut().zip(low) {
+                *high = *low << 1;
+            }
+            network::bits(high)
+        } else {
+            *division = if band.thins { 2 * own } else { own };
+            band.split.render(&mut band.split_state, low, high, band.thins)
+        };
+    }
+
+    /// Lets a band answer to what was parted for it.
+    fn answer(&mut self, index: usize) {
+        let Scratch { high, sound, turns } = &mut self.scratch;
+        let Work { written, asleep, bits, .. } = &mut self.work;
+        let [_, full_rate] = turned(&mut self.outputs, self.side);
+        let (memory, _) = self.memory.0.as_chunks_mut::<2>();
+        let Some(band) = self.bands.get_mut(index) else { return };
+        if band.config.sleeps(&band.state, *bits) {
+            return;
+        }
+        let own = usize::from(band.division);
+        let block = BLOCK_FRAMES / own;
+        let out = if own == 1 { full_rate.get_mut(..) } else { self.rates.get_mut(block..2 * block) };
+        let lines = memory.get_mut(usize::from(band.start)..usize::from(band.start) + usize::from(band.pairs));
+        let (Some(lines), Some(out), Some(written), Some(high)) =
+            (lines, out, written.get_mut(own.trailing_zeros() as usize), high.get(..block))
+        else {
+            return;
+        };
+        *asleep = false;
+        *written |= band.config.render(&mut band.state, lines, (high, *bits), turns, sound, (out, *written));
     }
 
     /// Back to silence, where a network that sleeps has cleared its lines.

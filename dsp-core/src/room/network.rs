@@ -252,18 +252,33 @@ fn settle<T: Sample>(memory: &mut [[T; 2]], line: &Place, place: Place, count: u
 pub(super) struct Turns<T: Sample> {
     /// Of each eighth frame.
     moving: [T::Turn; BLOCK_FRAMES / TURN_SAMPLES],
-    /// Of each eighth frame of a band at half the rate, and at a quarter of it: there the first is that of all the slower ones.
-    half: [T::Turn; 4],
-    quarter: [T::Turn; 2],
+    /// Of each eighth frame of a band at half the rate, and at a quarter of it: an eighth, where the first is that of all the slower ones.
+    half: [T::Turn; 8],
+    quarter: [T::Turn; 4],
+    eighth: [T::Turn; 2],
     fixed: T::Turn,
 }
 
 impl<T: Sample> Turns<T> {
+    pub(super) const NONE: Self = Self {
+        moving: [T::NO_TURN; BLOCK_FRAMES / TURN_SAMPLES],
+        half: [T::NO_TURN; 8],
+        quarter: [T::NO_TURN; 4],
+        eighth: [T::NO_TURN; 2],
+        fixed: T::NO_TURN,
+    };
+
     /// Those of a block.
     pub(super) fn new(turn: &Turn) -> Self {
         let moving = turn.steps().map(T::turn);
-        let [a, _, b, _, c, _, d, _] = moving;
-        Self { moving, half: [a, b, c, d], quarter: [a, c], fixed: T::turn(ANGLE.map(|value| value << 16)) }
+        let [a, _, b, _, c, _, d, _, e, _, f, _, g, _, h, _] = moving;
+        Self {
+            moving,
+            half: [a, b, c, d, e, f, g, h],
+            quarter: [a, c, e, g],
+            eighth: [a, e],
+            fixed: T::turn(ANGLE.map(|value| value << 16)),
+        }
     }
 
     /// Those of a band of so many frames: moving, fixed.
@@ -271,7 +286,8 @@ impl<T: Sample> Turns<T> {
         let moving: &[T::Turn] = match BLOCK_FRAMES / block.max(1) {
             1 => &self.moving,
             2 => &self.half,
-            _ => &self.quarter,
+            4 => &self.quarter,
+            _ => &self.eighth,
         };
         (moving, self.fixed)
     }

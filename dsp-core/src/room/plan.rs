@@ -1,8 +1,8 @@
 //! From a table of bands to rates, delays and gains.
 
-use super::BLOCK_FRAMES;
 use super::RoomError;
 use super::network::{INPUT_GAIN, LINES};
+use super::{BLOCK_FRAMES, TICKS};
 use crate::SampleRate;
 use crate::table::layout::RoomBandRecord;
 
@@ -24,7 +24,7 @@ const DENSE_S: f64 = 0.16;
 /// Ratio of neighbouring delays.
 const RATIO: f64 = 1.4;
 /// Longest delay of a line, in blocks.
-pub(super) const MAX_BLOCKS: usize = 95;
+pub(super) const MAX_BLOCKS: usize = 47;
 
 /// One band's network.
 #[derive(Clone, Copy, Debug)]
@@ -185,20 +185,36 @@ fn output_gain(plan: &BandPlan, decay_per_s: f64) -> f64 {
     libm::sqrt(1.0 / (2.0 * decay_per_s * (c + d) * given))
 }
 
-/// Cycles of a band's block: a sample of its own rate, and beginnings and ends.
-const SAMPLE_CYCLES: usize = 85;
-const BAND_CYCLES: usize = 800;
-/// Cycles of the doublings: a frame of the full rate.
-const DOUBLING_CYCLES: usize = 38;
+/// Cycles of a split, of a network, and of doubling to the full rate: a sample, and beginnings and ends.
+const SPLIT_CYCLES: [usize; 2] = [34, 300];
+const NETWORK_CYCLES: [usize; 2] = [55, 900];
+const DOUBLING_CYCLES: [usize; 2] = [28, 500];
 
-/// How many of the lowest bands are best left for the second half of the work on a block, which doubles the rates too.
-pub(super) fn second_half(plans: &[BandPlan; MAX_BANDS], count: usize) -> usize {
-    let cycles =
-        |bands: &[BandPlan]| bands.iter().map(|plan| plan.block() * SAMPLE_CYCLES + BAND_CYCLES).sum::<usize>();
-    let (plans, _) = plans.split_at(count.min(MAX_BANDS));
-    let worst = |&half: &usize| {
-        let (low, high) = plans.split_at(half);
-        (cycles(low) + BLOCK_FRAMES * DOUBLING_CYCLES).max(cycles(high))
+/// Where each tick's part of the work on a block is best cut: for each band from the highest down its split and its answer, and then the doublings.
+pub(super) fn part_ends(plans: &[BandPlan; MAX_BANDS], count: usize) -> [u8; TICKS] {
+    let cost = |item: usize| {
+        let plan = plans.get(count.wrapping_sub(1 + item / 2));
+        let (samples, [a_sample, a_block]) = match plan {
+            Some(plan) if item % 2 == 0 => (plan.block(), SPLIT_CYCLES),
+            Some(plan) => (plan.block(), NETWORK_CYCLES),
+            None => (BLOCK_FRAMES, DOUBLING_CYCLES),
+        };
+        samples * a_sample + a_block
     };
-    (0..=plans.len()).min_by_key(worst).unwrap_or_default()
+    let items = 2 * count + 1;
+    let cut = |most: usize| {
+        let (mut ends, mut item) = ([0; TICKS], 0);
+        for end in &mut ends {
+            let mut sum = 0;
+            while item < items && sum + cost(item) <= most {
+                sum += cost(item);
+                item += 1;
+            }
+            *end = item as u8;
+        }
+        (item == items).then_some(ends)
+    };
+    // The least that every part keeps within, in steps of a few cycles a frame.
+    let all = (0..items).map(cost).sum::<usize>();
+    (0..=all / 64).find_map(|step| cut(step * 64 + 64)).unwrap_or([items as u8; TICKS])
 }

@@ -11,7 +11,9 @@ pub trait Sample: Copy + sealed::Sealed {
     /// Whether its lines' level is lowered where that leaves it more bits.
     const LOWERED: bool;
     /// Sine and cosine of an angle as samples are multiplied by them.
-    type Turn: Copy;
+    type Turn: Copy + core::fmt::Debug;
+    /// No angle yet.
+    const NO_TURN: Self::Turn;
 
     /// From sine and cosine, Q31.
     fn turn(turn: [i32; 2]) -> Self::Turn;
@@ -56,6 +58,7 @@ impl Sample for i16 {
     const ZERO: Self = 0;
     const LOWERED: bool = true;
     type Turn = [i16; 2];
+    const NO_TURN: [i16; 2] = [0; 2];
 
     fn turn(turn: [i32; 2]) -> [i16; 2] {
         turn.map(|value| (value.saturating_add(1 << 15) >> 16) as i16)
@@ -115,6 +118,7 @@ impl Sample for i32 {
     const ZERO: Self = 0;
     const LOWERED: bool = false;
     type Turn = [i32; 2];
+    const NO_TURN: [i32; 2] = [0; 2];
 
     fn turn(turn: [i32; 2]) -> [i32; 2] {
         turn

@@ -15,36 +15,51 @@ const SWINGS_HZ: f64 = 1.9;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
     phase: u32,
+    /// In half a block.
     speed: u32,
-    now: [i32; 2],
-    next: [i32; 2],
+    /// At the block's beginning, its middle and its end.
+    at: [[i32; 2]; 3],
 }
 
 impl Turn {
-    pub(super) const NONE: Self = Self { phase: 0, speed: 0, now: [0; 2], next: [0; 2] };
+    pub(super) const NONE: Self = Self { phase: 0, speed: 0, at: [[0; 2]; 3] };
 
     pub(super) fn new(rate: SampleRate) -> Self {
-        let speed = libm::rint(SWINGS_HZ * BLOCK_FRAMES as f64 / rate.hz() * 4_294_967_296.0) as u32;
+        let speed = libm::rint(SWINGS_HZ * (BLOCK_FRAMES / 2) as f64 / rate.hz() * 4_294_967_296.0) as u32;
         let mut turn = Self { speed, ..Self::NONE };
-        turn.advance();
+        turn.at = [[0; 2], [0; 2], turn.next()];
         turn
     }
 
     /// A block later.
     pub(super) fn advance(&mut self) {
-        self.now = self.next;
+        let [_, _, end] = self.at;
+        self.at = [end, self.next(), self.next()];
+    }
+
+    /// Half a block further.
+    fn next(&mut self) -> [i32; 2] {
         self.phase = self.phase.wrapping_add(self.speed);
         // Q31 times radians over a turn, to parts of a turn.
         let angle = ((i64::from(sine(self.phase)) * SWING_PER_TURN_Q30) >> 29) as u32;
-        self.next = [sine(angle), sine(angle.wrapping_add(1 << 30))];
+        [sine(angle), sine(angle.wrapping_add(1 << 30))]
     }
 
-    /// Sines and cosines of each eighth frame of a block, on the straight line between those at its ends.
+    /// Sines and cosines of each eighth frame of a block, on the straight lines between those at its beginning, its middle and its end.
     pub(super) fn steps(&self) -> [[i32; 2]; BLOCK_FRAMES / TURN_SAMPLES] {
-        // The difference of two Q31 fits when both are an eighth.
-        let ([sine, cosine], [next_sine, next_cosine]) = (self.now, self.next);
-        let (sine_step, cosine_step) = ((next_sine >> 3) - (sine >> 3), (next_cosine >> 3) - (cosine >> 3));
-        [0, 1, 2, 3, 4, 5, 6, 7].map(|step: i32| [sine + step * sine_step, cosine + step * cosine_step])
+        let [begin, middle, end] = self.at;
+        let mut steps = [[0; 2]; BLOCK_FRAMES / TURN_SAMPLES];
+        let (first, second) = steps.split_at_mut(BLOCK_FRAMES / TURN_SAMPLES / 2);
+        for (half, [sine, cosine], [next_sine, next_cosine]) in [(first, begin, middle), (second, middle, end)] {
+            // The difference of two Q31 fits when both are an eighth.
+            let (sine_step, cosine_step) = ((next_sine >> 3) - (sine >> 3), (next_cosine >> 3) - (cosine >> 3));
+            let (mut sine, mut cosine) = (sine, cosine);
+            for step in half {
+                *step = [sine, cosine];
+                (sine, cosine) = (sine + sine_step, cosine + cosine_step);
+            }
+        }
+        steps
     }
 }
 

@@ -10,7 +10,7 @@ mod split;
 use crate::SampleRate;
 
 /// Frames of a block: the wet sound begins two blocks after the dry one.
-const BLOCK_FRAMES: usize = 64;
+const BLOCK_FRAMES: usize = 128;
 /// Lines of a network; each holds pairs.
 const LINES: usize = 4;
 
@@ -87,7 +87,7 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
             [32, 16, 8, 4, 2].into_iter().find(|&division| division <= slowest && fits(division)).unwrap_or(1)
         })
         .collect();
-    // Seconds of delay: 0.15 of T60 or a hundred resonances in the band, within the memory and 95 blocks for the longest line.
+    // Seconds of delay: 0.15 of T60 or a hundred resonances in the band, within the memory and 47 blocks for the longest line.
     let wishes: Vec<f64> = bands
         .iter()
         .enumerate()
@@ -104,7 +104,7 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
     let needed = |limit: f64| -> f64 {
         wishes.iter().zip(&divisions).map(|(wish, &division)| wish.min(limit) * hz / division as f64).sum()
     };
-    let (mut limit, mut high) = (0.0, 2.0 * 95.0 * BLOCK_FRAMES as f64 / hz / parts[LINES - 1]);
+    let (mut limit, mut high) = (0.0, 2.0 * 47.0 * BLOCK_FRAMES as f64 / hz / parts[LINES - 1]);
     if needed(high) <= samples as f64 {
         limit = high;
     }

@@ -34,15 +34,17 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
     out
 }
 
-/// Sine and cosine of the mix's angle in a block counted from 0: a swing of ±6 radians 1.9 times a second, on a straight line between
-/// blocks, held for eight samples.
+/// Sine and cosine of the mix's angle in a block counted from 0: a swing of ±6 radians 1.9 times a second, on a straight line from half block to half
+/// block, held for eight samples.
 fn turn(index: usize, sample: usize, block: usize, hz: f64) -> (f64, f64) {
-    let at = |index: usize| {
-        let t = index as f64 * BLOCK_FRAMES as f64 / hz;
+    let at = |half: usize| {
+        let t = half as f64 * BLOCK_FRAMES as f64 / 2.0 / hz;
         (6.0 * (TAU * 1.9 * t).sin()).sin_cos()
     };
-    let part = (sample / 8 * 8) as f64 / block as f64;
-    // The first block's angle is that of one block after the start.
-    let (from, to) = (at(index + 1), at(index + 2));
+    let part = 2.0 * (sample / 8 * 8) as f64 / block as f64;
+    let half = part as usize;
+    // The first block's angle is that of half a block after the start.
+    let (from, to) = (at(2 * index + half + 1), at(2 * index + half + 2));
+    let part = part - half as f64;
     (from.0 + part * (to.0 - from.0), from.1 + part * (to.1 - from.1))
 }

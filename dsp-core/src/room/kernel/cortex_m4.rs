@@ -16,7 +16,7 @@ struct Call<'a> {
     memory: *mut [i16; 2],
     lines: &'a [Place; LINES],
     places: &'a mut [Place; LINES],
-    /// Input; output lies 256 bytes behind.
+    /// Input; output lies 512 bytes behind.
     sound: *mut Sound<i16>,
     frames: usize,
     /// Of each eighth frame.
@@ -33,7 +33,7 @@ struct Call<'a> {
 }
 
 // What cortex_m4.s counts on.
-const _: () = assert!(BLOCK_FRAMES == 64 && TURN_SAMPLES == 8 && LINES == 4 && offset_of!(Sound<i16>, output) == 256);
+const _: () = assert!(BLOCK_FRAMES == 128 && TURN_SAMPLES == 8 && LINES == 4 && offset_of!(Sound<i16>, output) == 512);
 const _: () = assert!(size_of::<Place>() == 4 && offset_of!(Place, left) == 2 && size_of::<Call<'_>>() == 64);
 const _: () = assert!(size_of::<Split>() == 20 && size_of::<SplitState>() == 52);
 

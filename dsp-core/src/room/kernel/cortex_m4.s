@@ -82,7 +82,7 @@
 4:
     .endm
 
-@ One frame of all lines. r0-r3 lines, r4 sound (outputs lie 256 bytes behind), r5 turning sine and cosine, r6 fixed ones, r7-r10 the lines' words, r11, r12 free,
+@ One frame of all lines. r0-r3 lines, r4 sound (outputs lie 512 bytes behind), r5 turning sine and cosine, r6 fixed ones, r7-r10 the lines' words, r11, r12 free,
 @ lr count. The sticky flag Q tells of stored values of 14 bits and a sign, or of outputs of 15: nothing else here sets it.
     .macro turned word angle
     smladx  r12, \word, \angle, r11
@@ -112,7 +112,7 @@
     qsub16  r7, r7, r8
     qadd16  r8, r9, r10
     qsub16  r9, r9, r10
-    str     r9, [r4, #252]
+    str     r9, [r4, #508]
     .if \busy
     ssat16  r11, #15, r9
     .endif
@@ -243,7 +243,7 @@ malleus_room_network:
     mrs     lr, APSR
     ldr     r10, [sp, #40]
     ldr     r0, [r10, #12]
-    add     r0, #256
+    add     r0, #512
     ldr     r2, [r10, #16]
     add     r10, #48
     ldm     r10, {r1, r3-r5}
