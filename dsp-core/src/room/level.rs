@@ -4,8 +4,8 @@
 //! for it raises it by powers of two, and so do outputs of half their range and more; where all that was stored has been below a quarter of the range for as long as the
 //! longest line, it is lowered by one. What was stored before such a step is read times that power of two.
 //!
-//! **Bounds.** A raised level leaves `|x · 2^shift| < 2^31`; with the inverse below 2^30 times a block's growth (below 4), the input of a line is below 2^14 steps times that
-//! growth. Input is at most ±2.0 = 2^28, so that the exponent is at most 14.
+//! **Bounds.** A raised level leaves `|x · 2^shift| < 2^31`, and the inverse below 2^31 to a block's end, however much it grows: the input of a line is below 2^14
+//! steps. Input is at most ±2.0 = 2^28.
 
 use super::plan::BandPlan;
 use super::storage::Sample;
@@ -19,12 +19,8 @@ pub(super) const LOUD_BITS: u32 = 15;
 pub(super) const QUIET_BITS: u32 = 14;
 /// What is left out: outputs below 2^7 steps of the bus, -120 dBFS.
 const INAUDIBLE_BITS: i32 = 7;
-/// The exponent that leaves an input of so many bits 31.
-const fn least_exponent(input_bits: i32) -> i32 {
-    input_bits - 14
-}
-/// That of the loudest input, ±2.0.
-const MOST_EXPONENT: i32 = least_exponent(28);
+/// Bits of the loudest input, ±2.0.
+const MOST_INPUT_BITS: i32 = 28;
 
 /// A level's fixed numbers.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +34,8 @@ pub(super) struct Level {
     /// The output's gain: mantissa below 2^31, times 2^(exponent - 31).
     output: u32,
     output_exponent: i32,
+    /// Bits that the inverse needs above 2^30 to grow in a block.
+    room: i32,
     /// Blocks of the longest line.
     longest: u8,
 }
@@ -117,8 +115,16 @@ impl LevelState {
 const ASLEEP: u8 = u8::MAX;
 
 impl Level {
-    pub(super) const NONE: Self =
-        Self { decay: 0, growth: 0, sample_loss: 0, sample_growth: 0, output: 0, output_exponent: 0, longest: 0 };
+    pub(super) const NONE: Self = Self {
+        decay: 0,
+        growth: 0,
+        sample_loss: 0,
+        sample_growth: 0,
+        output: 0,
+        output_exponent: 0,
+        room: 0,
+        longest: 0,
+    };
 
     pub(super) fn new(plan: &BandPlan, longest: u8) -> Self {
         let q32 = |value: f64| libm::rint(value * 4_294_967_296.0);
@@ -133,8 +139,14 @@ impl Level {
             output: libm::rint(fraction * 2_147_483_647.0) as u32,
             // Outputs are halved.
             output_exponent: exponent + 1,
+            room: (libm::ceil(libm::log2(libm::exp(tick))) as i32 - 1).max(0),
             longest,
         }
+    }
+
+    /// The exponent that leaves an input of so many bits 31.
+    fn least_exponent(&self, input_bits: i32) -> i32 {
+        input_bits + self.room - 14
     }
 
     /// Whether an input of so many bits would be heard: an answer is at most half an input times the gain.
@@ -150,7 +162,7 @@ impl Level {
     /// Makes the level fit a block's input and what the outputs were.
     pub(super) fn begin<T: Sample>(&self, state: &mut LevelState, input_bits: i32) {
         // The smallest exponent whose shift leaves the input its bits.
-        let least = if input_bits > 0 { least_exponent(input_bits) } else { i32::MIN };
+        let least = if input_bits > 0 { self.least_exponent(input_bits) } else { i32::MIN };
         if state.is_asleep() {
             *state = LevelState {
                 mantissa: (1 << 31) + 1,
@@ -166,7 +178,7 @@ impl Level {
         if state.exponent < least {
             state.step(least - state.exponent);
         }
-        if state.loud && state.exponent < MOST_EXPONENT - 1 {
+        if state.loud && state.exponent < self.least_exponent(MOST_INPUT_BITS) - 1 {
             // Twice as seldom as by one.
             state.step(2);
         } else if state.watch == 0 {
@@ -184,7 +196,9 @@ impl Level {
 
     /// The shift and gain of the input, and the gain's growth.
     pub(super) fn input(&self, state: &LevelState) -> (u32, [i32; 2]) {
-        ((17 - state.exponent).clamp(0, 31).unsigned_abs(), [(state.inverse >> 2) as i32, self.sample_growth])
+        let shift = 17 + self.room - state.exponent;
+        let gain = (state.inverse >> (2 + self.room).unsigned_abs()) as i32;
+        (shift.clamp(0, 31).unsigned_abs(), [gain, self.sample_growth])
     }
 
     /// The gain of the outputs and its loss; and, where that is too loud for its format, by how many bits.

@@ -15,7 +15,7 @@
 //! saturating additions is eight. The angles of lines 0 and 2 turn with time, which moves the resonances before one can stand out; lines 1 and 3 have one
 //! angle, and change halves. The mix is orthogonal at each moment, hence never adds energy.
 //!
-//! **Nothing wraps.** A rotation's sum is at most `√2 · 2^15 · 2^15 < 2^30.5`; all other sums saturate. A full-scale impulse puts at most `2^14.2` into each value
+//! **Nothing wraps.** A rotation's sum is at most `√2 · 2^15 · 2^15 < 2^30.5`; all other sums saturate. A full-scale impulse puts at most `2^13.6` into each value
 //! and cannot saturate any: each mix spreads what there is.
 
 use super::BLOCK_FRAMES;
@@ -28,13 +28,13 @@ use crate::fixed;
 /// Lines of a network; each holds pairs.
 pub(super) const LINES: usize = 4;
 /// What of the input each of a line's values takes.
-pub(super) const INPUT_GAIN: f64 = 0.5;
+pub(super) const INPUT_GAIN: f64 = 0.25;
 /// Sine and cosine of the angle of lines 1 and 3: of all pairs near it the one whose squares sum up to 1 within 3e-8, in 15 bits.
 const ANGLE: [i32; 2] = [14_111, 29_574];
 
 /// Input and output of a network's block.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(4))]
+#[repr(C, align(32))]
 pub(super) struct Sound<T> {
     /// In the network's units, the same for both values of a pair.
     pub(super) input: [[T; 2]; BLOCK_FRAMES],
@@ -55,7 +55,7 @@ pub struct NetworkTick<'a, T: Sample> {
     /// Whether outputs are watched, or what is stored.
     pub(super) busy: bool,
     pub(super) input: &'a [i32],
-    /// Input is taken times `2^shift · gain / 2^32`, in 2^-15 steps; the gain grows by a part of itself (Q32) a sample.
+    /// Input is taken times `2^shift · gain / 2^32`, in 2^-16 steps; the gain grows by a part of itself (Q32) a sample.
     pub(super) input_shift: u32,
     pub(super) input_gain: [i32; 2],
     pub(super) out: &'a mut [[i32; 2]],

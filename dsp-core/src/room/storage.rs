@@ -18,7 +18,7 @@ pub trait Sample: Copy + sealed::Sealed {
     /// From sine and cosine, Q31.
     fn turn(turn: [i32; 2]) -> Self::Turn;
 
-    /// From 2^-15 steps, saturated.
+    /// From 2^-16 steps.
     fn input(value: i32) -> Self;
 
     /// `(c a + s b, s a - c b) / 2` of a pair (a, b).
@@ -66,8 +66,8 @@ impl Sample for i16 {
 
     #[inline(always)]
     fn input(value: i32) -> i16 {
-        // At most 2^30 by what prepares: SSAT.
-        ((value + (1 << 14)) >> 15).clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16
+        // At most 2^30 by what prepares.
+        ((value + (1 << 15)) >> 16) as i16
     }
 
     #[inline(always)]
@@ -125,7 +125,7 @@ impl Sample for i32 {
     }
 
     fn input(value: i32) -> i32 {
-        value.saturating_mul(2)
+        value
     }
 
     fn rotate([a, b]: [i32; 2], &[sine, cosine]: &[i32; 2]) -> [i32; 2] {

@@ -8,7 +8,7 @@ use super::kernel;
 /// Width of the transition, of half the higher rate.
 const TRANSITION: f64 = 0.1;
 
-/// The coefficients, Q31; the same at every rate.
+/// The coefficients, the smaller as Q32, the other as Q31; the same at every rate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Upsampler {
     a: [i32; 2],
@@ -28,7 +28,8 @@ impl Upsampler {
     pub(super) const NONE: Self = Self { a: [0; 2] };
 
     pub(super) fn new() -> Self {
-        Self { a: half_band::<2>(TRANSITION).map(|a| libm::rint(a * 2_147_483_648.0) as i32) }
+        let [a0, a1] = half_band::<2>(TRANSITION);
+        Self { a: [libm::rint(a0 * 4_294_967_296.0) as i32, libm::rint(a1 * 2_147_483_648.0) as i32] }
     }
 
     /// Adds `slow` at twice its rate to `fast`, which is twice as long, or puts it there. `slow` is clipped to ±4.0 in Q4.27, so that no difference wraps: the

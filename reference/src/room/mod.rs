@@ -119,7 +119,7 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
         let gains: Vec<f64> = delays.iter().map(|&delay| (-law.decay_per_s * delay as f64 / own_hz).exp()).collect();
         // Energy as in a network of pipes: each value's output is spread evenly over all. Outputs are differences of lines 2 and 3.
         let passed: Vec<f64> = gains.iter().map(|gain| gain * gain).collect();
-        let given = 0.25 / (1.0 - passed.iter().sum::<f64>() / LINES as f64);
+        let given = 1.0 / 16.0 / (1.0 - passed.iter().sum::<f64>() / LINES as f64);
         let output = law.gain * (1.0 / (2.0 * law.decay_per_s * given * (passed[2] + passed[3]))).sqrt();
         Plan { division: divisions[band], edge: law.from_hz / own_hz, delays, gains, output }
     };

@@ -20,7 +20,12 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
             [cosine * a + sine * b + x, sine * a - cosine * b + x]
         };
         let swapped = |[a, b]: [f64; 2]| [b, a];
-        let r = [read(0, moving, x), swapped(read(1, fixed, 0.0)), read(2, moving, 0.0), swapped(read(3, fixed, 0.0))];
+        let r = [
+            read(0, moving, x / 2.0),
+            swapped(read(1, fixed, 0.0)),
+            read(2, moving, 0.0),
+            swapped(read(3, fixed, 0.0)),
+        ];
         for side in 0..2 {
             out[side].push(plan.output * (r[2][side] - r[3][side]));
         }

@@ -34,6 +34,7 @@ struct Call<'a> {
 
 // What cortex_m4.s counts on.
 const _: () = assert!(BLOCK_FRAMES == 128 && TURN_SAMPLES == 8 && LINES == 4 && offset_of!(Sound<i16>, output) == 512);
+const _: () = assert!(align_of::<Sound<i16>>() == 32 && offset_of!(Sound<i16>, input) == 0);
 const _: () = assert!(size_of::<Place>() == 4 && offset_of!(Place, left) == 2 && size_of::<Call<'_>>() == 64);
 const _: () = assert!(size_of::<Split>() == 20 && size_of::<SplitState>() == 52);
 

@@ -11,12 +11,11 @@
     lsl     \x, \x, r3
     smmlar  \x, \x, r4, r6
     smmlar  r4, r4, r5, r4
-    ssat    \x, #16, \x, asr #15
-    pkhbt   \x, \x, \x, lsl #16
+    pkhtb   \x, \x, \x, asr #16
     .endm
 
     .macro preparing
-    mov     r6, #0x4000
+    movw    r6, #0x8000
     subs    r2, #4
     blt     2f
 1:  ldr     r7, [r0]
@@ -46,14 +45,13 @@
     .endm
 
 @ Radiate: r0 output, r1 out, r2 count, r3 gain, r4 loss
-    .macro radiated add at
-    ldr     r5, [r0], #4
+    .macro radiated add at word
     .if \add
     ldr     r6, [r1, #\at]
     ldr     r7, [r1, #\at + 4]
     .endif
-    smulwb  r8, r3, r5
-    smulwt  r9, r3, r5
+    smulwb  r8, r3, \word
+    smulwt  r9, r3, \word
     smmlsr  r3, r3, r4, r3
     .if \add
     qadd    r8, r6, r8
@@ -66,16 +64,18 @@
     .macro radiating add
     subs    r2, #4
     blt     2f
-1:  radiated \add, 0
-    radiated \add, 8
-    radiated \add, 16
-    radiated \add, 24
+1:  ldm     r0!, {r5, r10-r12}
+    radiated \add, 0, r5
+    radiated \add, 8, r10
+    radiated \add, 16, r11
+    radiated \add, 24, r12
     adds    r1, #32
     subs    r2, #4
     bge     1b
 2:  adds    r2, #4
     beq     4f
-3:  radiated \add, 0
+3:  ldr     r5, [r0], #4
+    radiated \add, 0, r5
     adds    r1, #8
     subs    r2, #1
     bne     3b
@@ -154,7 +154,8 @@
 @ Layouts: call is memory 0, lines 4, positions 8, sound 12, frames 16, angles 20, fixed angle 24, busy 28, input 32, shift 36, gain 40, growth 44, out 48,
 @ gain 52, loss 56, what to do with `out` 60 (0 put, 1 add, 2 nothing); a line is where it begins and its length, halfwords in pairs; a position is
 @ where it is and what is left to the line's end, alike.
-@ sp: memory, lines, positions, sound, frames left, angles, fixed angle, busy; this cut's frames left 32, frames to the next angle 36, call 40.
+@ sp: memory, lines, positions, sound, frames left, angles, fixed angle, busy; this cut's frames left 32, angles less an eighth of
+@ the sound's address 36 (sound lies on 32 bytes: eight inputs), call 40.
     .macro begun line word
     uxth    r\line, \word
     add     r\line, r6, r\line, lsl #2
@@ -185,8 +186,11 @@ malleus_room_network:
     add     r0, #32
     ldm     r0, {r0, r3-r5}
     preparing
-    mov     r4, #8
-    str     r4, [sp, #36]
+    ldr     r4, [sp, #12]
+    ldr     r5, [sp, #20]
+    lsr     r4, r4, #5
+    sub     r5, r5, r4, lsl #2
+    str     r5, [sp, #36]
     movs    r4, #0
     msr     APSR_nzcvq, r4
 5:  ldm     sp, {r6-r9}
@@ -211,23 +215,18 @@ malleus_room_network:
     ldr     r12, [sp, #16]
     sub     r12, r12, r9
     str     r12, [sp, #16]
-6:  ldr     lr, [sp, #36]
-    ldr     r12, [sp, #20]
+6:  ubfx    lr, r4, #2, #3
+    rsb     lr, lr, #8
     cmp     lr, r9
     it      hi
     movhi   lr, r9
-    ldr     r5, [r12]
-    ldr     r6, [sp, #24]
+    lsr     r5, r4, #5
     sub     r9, r9, lr
-    str     r9, [sp, #32]
-    ldr     r10, [sp, #36]
-    subs    r10, r10, lr
-    itt     eq
-    moveq   r10, #8
-    addeq   r12, #4
-    str     r10, [sp, #36]
-    str     r12, [sp, #20]
+    ldr     r12, [sp, #36]
+    ldr     r6, [sp, #24]
     ldr     r10, [sp, #28]
+    ldr     r5, [r12, r5, lsl #2]
+    str     r9, [sp, #32]
     cmp     r10, #0
     bne     7f
     frames  0
@@ -381,23 +380,39 @@ malleus_room_scale:
 
 @ r0 what is kept of low, r1 high, r2 count, r12 low
     .macro parting thin
-    subs    r2, #2
+    subs    r2, #4
     blt     2f
 1:  ldr     r4, [r12]
     ldr     r5, [r12, #4]
     ldr     r6, [r1]
     ldr     r7, [r1, #4]
+    ldr     r10, [r12, #8]
+    ldr     r11, [r1, #8]
     parted  r4, r6, 0, 1
     parted  r5, r7, 4, 1 - \thin
-    add     r12, #8
-    adds    r1, #8
-    subs    r2, #2
+    ldr     r5, [r12, #12]
+    ldr     r7, [r1, #12]
+    add     r12, #16
+    parted  r10, r11, 8, 1
+    parted  r5, r7, 12, 1 - \thin
+    adds    r1, #16
+    subs    r2, #4
     bge     1b
-2:  adds    r2, #2
+2:  adds    r2, #4
     beq     4f
-    ldr     r4, [r12]
+@ one, two or three are left: of these every second is kept where it is to be thin
+3:  ldr     r4, [r12], #4
     ldr     r6, [r1]
     parted  r4, r6, 0, 1
+    adds    r1, #4
+    subs    r2, #1
+    beq     4f
+    ldr     r4, [r12], #4
+    ldr     r6, [r1]
+    parted  r4, r6, 0, 1 - \thin
+    adds    r1, #4
+    subs    r2, #1
+    bne     3b
 4:
     .endm
 
@@ -412,21 +427,26 @@ malleus_room_split:
     ldr     r0, [sp, #8]
     ldr     r1, [sp, #12]
     ldr     r2, [sp, #52]
-    subs    r2, #2
+    subs    r2, #4
     blt     2f
 1:  ldr     r9, [r0]
     ldr     r10, [r0, #4]
-    adds    r0, #8
     first_order r9, r4
     first_order r10, r9
-    mov     r4, r10
-    subs    r2, #2
+    ldr     r9, [r0, #8]
+    ldr     r4, [r0, #12]
+    adds    r0, #16
+    first_order r9, r10
+    first_order r4, r9
+    subs    r2, #4
     bge     1b
-2:  adds    r2, #2
+2:  adds    r2, #4
     beq     4f
-    ldr     r9, [r0]
+3:  ldr     r9, [r0], #4
     first_order r9, r4
     mov     r4, r9
+    subs    r2, #1
+    bne     3b
 4:  stm     r12, {r4-r6}
     section 12, 12, 32
     section 8, 4, 12
@@ -450,12 +470,11 @@ malleus_room_split:
     .macro doubled x x1 add at
     ssat    \x, #30, \x
     sub     r9, \x, r6
-    smmulr  r9, r9, r3
     .if \add
     ldr     r10, [r1, #\at]
     ldr     r11, [r1, #\at + 8]
     .endif
-    add     r6, \x1, r9, lsl #1
+    smmlar  r6, r9, r3, \x1
     sub     r9, \x, r7
     smmulr  r9, r9, r4
     add     r7, \x1, r9, lsl #1

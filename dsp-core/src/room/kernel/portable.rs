@@ -21,7 +21,7 @@ pub(in crate::room) fn network<T: Sample>(tick: NetworkTick<'_, T>) -> bool {
     exceeded
 }
 
-/// Gives both values of pairs input times `2^shift · gain / 2^32`, in 2^-15 steps; the gain grows by a part of itself (Q32) a sample.
+/// Gives both values of pairs input times `2^shift · gain / 2^32`, in 2^-16 steps; the gain grows by a part of itself (Q32) a sample.
 fn prepare<T: Sample>(input: &[i32], prepared: &mut [[T; 2]], shift: u32, [gain, growth]: [i32; 2]) {
     let mut gain = gain;
     for (prepared, &x) in prepared.iter_mut().zip(input) {
@@ -195,7 +195,7 @@ pub(in crate::room) fn double(
                 return;
             };
             let x = x.clamp(-(1 << 29), (1 << 29) - 1);
-            *even = *x1 + (fixed::smmulr(x - *even, a0) << 1);
+            *even = fixed::smmlar(*x1, x - *even, a0);
             *odd = *x1 + (fixed::smmulr(x - *odd, a1) << 1);
             *x1 = x;
             let before = if add { [*fast_even, *fast_odd] } else { [0; 2] };
