@@ -60,6 +60,8 @@ pub(super) struct LevelState {
     /// Blocks until it may be lowered, and whether something since the last such look was beyond [`QUIET_BITS`].
     watch: u8,
     busy: bool,
+    /// Bits of the loudest input since the last such look.
+    input_bits: i32,
     /// Whether an output of the last block was beyond [`LOUD_BITS`].
     loud: bool,
 }
@@ -77,6 +79,7 @@ impl LevelState {
         quiet: ASLEEP,
         watch: 0,
         busy: false,
+        input_bits: 0,
         loud: false,
     };
 
@@ -178,14 +181,15 @@ impl Level {
         if state.exponent < least {
             state.step(least - state.exponent);
         }
-        if state.loud && state.exponent < self.least_exponent(MOST_INPUT_BITS) - 1 {
-            // Twice as seldom as by one.
-            state.step(2);
+        state.input_bits = state.input_bits.max(input_bits);
+        if state.loud && state.exponent < self.least_exponent(MOST_INPUT_BITS) {
+            state.step(1);
         } else if state.watch == 0 {
-            if T::LOWERED && !state.busy && self.is_steady(state) && state.exponent > least {
+            let room = state.exponent > self.least_exponent(state.input_bits) || state.input_bits == 0;
+            if T::LOWERED && !state.busy && self.is_steady(state) && room {
                 state.step(-1);
             }
-            (state.busy, state.watch) = (false, self.longest);
+            (state.busy, state.watch, state.input_bits) = (false, self.longest, 0);
         } else {
             state.watch -= 1;
         }
