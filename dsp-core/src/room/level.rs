@@ -179,13 +179,17 @@ impl Level {
             };
         }
         if state.exponent < least {
-            state.step(least - state.exponent);
+            // One bit more, where there is one: steady sound is brought to another level half as often.
+            let raised = (least + 1).min(self.least_exponent(MOST_INPUT_BITS));
+            state.step(raised - state.exponent);
         }
         state.input_bits = state.input_bits.max(input_bits);
-        if state.loud && state.exponent < self.least_exponent(MOST_INPUT_BITS) {
-            state.step(1);
+        if state.loud && state.exponent < self.least_exponent(MOST_INPUT_BITS) - 1 {
+            // By two bits, and not lowered soon: the same.
+            state.step(2);
+            (state.busy, state.watch) = (true, u8::MAX);
         } else if state.watch == 0 {
-            let room = state.exponent > self.least_exponent(state.input_bits) || state.input_bits == 0;
+            let room = state.exponent > self.least_exponent(state.input_bits) + 1 || state.input_bits == 0;
             if T::LOWERED && !state.busy && self.is_steady(state) && room {
                 state.step(-1);
             }
