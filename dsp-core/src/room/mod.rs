@@ -4,37 +4,33 @@
 //!  (left + right)/2 ─► split ─► split ─► ... ─► lowest band        each at the lowest rate that its band allows
 //!                        │ high    │ high          │
 //!                        ▼         ▼               ▼
-//!                     network   network         network              eight delay lines each
+//!                     network   network         network              four lines of pairs each
 //!                        │ L R     │ L R           │ L R
 //!  left, right ◄──(+)────┴─(+)◄─2x─┴──── ... ◄─2x──┘
 //! ```
 //!
 //! **The law.** A unit impulse is answered, on each side and in each band from its `from_hz` to the next one's, by noise whose power decays as
 //! `g² e^{-2 d t}`: the answer's energy is `g²/(2 d)` of what the band was given, at every sample rate. (Diffimpact's gain is per sample: theirs is ours over √fs,
-//! over the rms of their noise.) T60 = ln(1000)/d. Sides are uncorrelated. The wet sound begins one tick of 32 frames after the dry one and then
+//! over the rms of their noise.) T60 = ln(1000)/d. Sides are uncorrelated. The wet sound begins two blocks of 128 frames after the dry one and then
 //! as early as the shortest line, a few milliseconds.
 //!
 //! **The form.** One feedback delay network a band, so that a band's T60 is exact: all of its resonances decay alike. Bands are cut apart by steep splits, and
-//! each runs at the rate divided by 1 to 32, with its delays in one memory. Static networks of so little memory ring audibly; a slow rotation inside the mix keeps their
-//! resonances moving.
+//! each runs at the rate divided by 1 to 32, with its delays in one memory. A slow rotation inside the mix keeps the resonances moving.
 //!
-//! **Time.** Input is gathered for a tick of 32 frames; at its end the answer for the next tick is computed. So the length of the
-//! caller's blocks changes nothing.
-
+//! **Time.** Input is gathered for a block of four ticks; its work is cut into four parts, one at each tick of the next block; the answer goes out in the block
+//! after that. So the length of the caller's blocks changes nothing.
 //!
-//! **Measured** at 48 kHz (`cargo test -p host-tests --test room -- --nocapture`, `... --test on_chip room ...`):
+//! **Measured** at 48 kHz (`cargo test -p host-tests --test room -- --nocapture`, `... --test on_chip room ...`); more in `docs/room.md`:
 //!
 //! | what | figure |
 //! | --- | --- |
-//! | against the twin in f64, T60 0.2 to 20 s | 32-bit lines 96 dB and more; 16-bit lines 59 dB and more |
-//! | T60 of bands with 300 and more independent samples (band width times T60), neighbours within a factor of 2 | within 5 % (23 of 23) |
-//! | energy of the same | within 0.3 dB |
-//! | echoes a second, 80 to 100 ms after an impulse | 11 900 and more |
-//! | spectral crest of a late second, T60 6 s; noise has 10.4 dB | 12.8 dB with 48 KB of lines, 14.9 dB with 16 KB |
-//! | nominal cycles a frame, mean (worst tick), noise at full scale | 971 (1080) with 4 bands, 1493 (1560) with 8 |
-//! | RAM with 48 KB of lines | 55 196 bytes |
-//!
-//! The cycles are far above what is meant (250 and 700): the assembly takes 250 of the 971; the rest is plain Rust around it.
+//! | against the twin in f64, T60 0.2 to 20 s | 32-bit lines 104 dB and more; 16-bit lines 51 dB and more |
+//! | T60 of bands with 300 and more independent samples (band width times T60), neighbours within a factor of 2 | within 5 % (20 of 23) |
+//! | energy of the same | within 0.6 dB |
+//! | peaks a second, 80 to 100 ms after an impulse | 6 700 and more |
+//! | spectral crest of a late second, T60 6 s; noise has 10.4 dB | 13.1 dB with 48 KB of lines, 13.5 dB with 16 KB |
+//! | nominal cycles a frame, mean, noise | 251 with 4 bands (dearest tick 425), 340 with 8 |
+//! | RAM with 48 KB of lines | 57 120 bytes |
 
 mod crossover;
 mod error;

@@ -82,7 +82,7 @@
 4:
     .endm
 
-@ One frame of all lines. r0-r3 lines, r4 sound (outputs lie 512 bytes behind), r5 turning sine and cosine, r6 fixed ones, r7-r10 the lines' words, r11, r12 free,
+@ One frame of all lines. r0-r3 lines, r4 sound (outputs lie 512 bytes behind), r5 turning sine and cosine, r6 fixed ones, r7-r10 the lines' words, r11 half a step, r12 free,
 @ lr count. The sticky flag Q tells of stored values of 14 bits and a sign, or of outputs of 15: nothing else here sets it.
     .macro turned word angle
     smladx  r12, \word, \angle, r11
@@ -101,39 +101,38 @@
     ldr     r8, [r1]
     ldr     r9, [r2]
     ldr     r10, [r3]
-    movw    r11, #0x8000
     turned  r7, r5
     turned_and_swapped r8, r6
     turned  r9, r5
     turned_and_swapped r10, r6
-    ldr     r11, [r4], #4
-    qadd16  r7, r7, r11
+    ldr     r12, [r4], #4
+    qadd16  r7, r7, r12
     qadd16  r12, r7, r8
     qsub16  r7, r7, r8
     qadd16  r8, r9, r10
     qsub16  r9, r9, r10
     str     r9, [r4, #508]
-    .if \busy
-    ssat16  r11, #15, r9
-    .endif
     qadd16  r10, r12, r8
     qsub16  r12, r12, r8
     qadd16  r8, r7, r9
     qsub16  r7, r7, r9
-    .if \busy == 0
-    ssat16  r11, #14, r10
-    ssat16  r11, #14, r12
-    ssat16  r11, #14, r8
-    ssat16  r11, #14, r7
-    .endif
     str     r10, [r1], #4
     str     r8, [r2], #4
     str     r12, [r3], #4
     str     r7, [r0], #4
+    .if \busy
+    ssat16  r9, #15, r9
+    .else
+    ssat16  r10, #14, r10
+    ssat16  r12, #14, r12
+    ssat16  r8, #14, r8
+    ssat16  r7, #14, r7
+    .endif
     .endm
 
 @ lr frames, at least one
     .macro frames busy
+    movw    r11, #0x8000
     subs    lr, #4
     blt     2f
 1:  frame   \busy
@@ -265,6 +264,17 @@ malleus_room_scale:
     mov     r12, #0x00010001
     subs    r1, #4
     blt     3f
+    adds    r3, r2, #1
+    bne     1f
+9:  ldm     r0, {r4-r7}
+    subs    r1, #4
+    shadd16 r4, r4, r12
+    shadd16 r5, r5, r12
+    shadd16 r6, r6, r12
+    shadd16 r7, r7, r12
+    stm     r0!, {r4-r7}
+    bge     9b
+    b       3f
 1:  ldm     r0, {r4-r7}
     mov     r3, r2
     cmp     r3, #0
