@@ -293,7 +293,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             let band = self.count.wrapping_sub(1 + self.work.next / 2);
             match self.work.next {
                 next if next == 2 * self.count => self.double(),
-                next if next % 2 == 0 => self.split(band),
+                next if next.is_multiple_of(2) => self.split(band),
                 _ => self.answer(band),
             }
             self.work.next += 1;

@@ -195,7 +195,7 @@ pub(super) fn part_ends(plans: &[BandPlan; MAX_BANDS], count: usize) -> [u8; TIC
     let cost = |item: usize| {
         let plan = plans.get(count.wrapping_sub(1 + item / 2));
         let (samples, [a_sample, a_block]) = match plan {
-            Some(plan) if item % 2 == 0 => (plan.block(), SPLIT_CYCLES),
+            Some(plan) if item.is_multiple_of(2) => (plan.block(), SPLIT_CYCLES),
             Some(plan) => (plan.block(), NETWORK_CYCLES),
             None => (BLOCK_FRAMES, DOUBLING_CYCLES),
         };
