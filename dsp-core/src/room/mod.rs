@@ -29,7 +29,7 @@
 //! | energy of the same | within 0.6 dB |
 //! | peaks a second, 80 to 100 ms after an impulse | 6 700 and more |
 //! | spectral crest of a late second, T60 6 s; noise has 10.4 dB | 13.1 dB with 48 KB of lines, 13.5 dB with 16 KB |
-//! | nominal cycles a frame, mean, noise | 251 with 4 bands (dearest tick 425), 340 with 8 |
+//! | nominal cycles a frame, mean, noise | 251 with 4 bands (dearest tick 425), 316 with 8 (506) |
 //! | RAM with 48 KB of lines | 57 120 bytes |
 
 mod crossover;
