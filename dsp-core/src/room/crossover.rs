@@ -1,19 +1,21 @@
-//! Splitting the input at a band edge: a seventh-order elliptic low-pass and high-pass from one pair of all-pass branches.
+//! Splitting the input at a band edge: a fifth-order elliptic low-pass and high-pass from one pair of all-pass branches.
 //!
 //! ```text
-//!          ┌─ A0 = S(a0) · S(a2) ──┬─(+)─► low  = (A0 + A1)/2
-//!   x ──┬──┤                       │ │
-//!          └─ A1 = F · S(a1) ──────┴─(-)─► high = (A0 - A1)/2
+//!            ┌─ A0 = S(a0) ──────┬─(+)─► low  = (A0 + A1)/2
+//!   x/2 ──┬──┤                   │ │
+//!            └─ A1 = S(a1) · F ──┴─(-)─► high = (A0 - A1)/2
 //! ```
 //!
-//! `|low|² + |high|² = 1` whatever the coefficients' rounding: no energy is lost or counted twice at an edge. 40 dB down from a quarter of an octave beyond
-//! the edge. The half-band prototype (three coefficients a) is designed by the nome series of Valenzuela and Constantinides (1983) and moved to the
+//! `|low|² + |high|² = 1` whatever the coefficients' rounding: no energy is lost or counted twice at an edge. 36 dB down from a sixth of an octave beyond
+//! the edge. The half-band prototype (two coefficients a) is designed by the nome series of Valenzuela and Constantinides (1983) and moved to the
 //! edge by `z^-1 -> (z^-1 - α)/(1 - α z^-1)`.
 
+use super::kernel;
+
 /// Second-order sections of a split, one of them behind the first-order one.
-const SECTIONS: usize = 3;
+const SECTIONS: usize = 2;
 /// Width of the half-band prototype's transition, of half the sample rate.
-const TRANSITION: f64 = 0.05;
+const TRANSITION: f64 = 0.1;
 
 /// The coefficients a of all-pass sections `(a + z^-2)/(1 + a z^-2)`, rising, that make an elliptic half-band filter by turns in two branches.
 ///
@@ -44,20 +46,22 @@ pub(super) fn half_band<const N: usize>(transition: f64) -> [f64; N] {
     })
 }
 
-/// A split's coefficients, Q30.
+/// A split's coefficients, Q31.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(super) struct Split {
     /// α of the first-order section `(z^-1 - α)/(1 - α z^-1)`.
-    first: i32,
-    /// c1, c2 of `(c2 + c1 z^-1 + z^-2)/(1 + c1 z^-1 + c2 z^-2)`.
-    second: [[i32; 2]; SECTIONS],
+    pub(super) first: i32,
+    /// c1/2 and c2/2 of `(c2 + c1 z^-1 + z^-2)/(1 + c1 z^-1 + c2 z^-2)`.
+    pub(super) second: [[i32; 2]; SECTIONS],
 }
 
-/// What a split remembers: inputs, outputs and cut-off bits of its sections.
+/// What a split remembers: inputs and outputs of its sections, the latest first, and the bits that they cut off.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(super) struct SplitState {
-    first: [i32; 3],
-    second: [[i32; 5]; SECTIONS],
+    pub(super) first: [i32; 3],
+    pub(super) second: [[i32; 5]; SECTIONS],
 }
 
 impl SplitState {
@@ -72,93 +76,36 @@ impl Split {
         let pi = core::f64::consts::PI;
         let (edge, middle) = (edge * pi, pi / 4.0);
         let alpha = libm::sin(middle - edge) / libm::sin(middle + edge);
-        let q30 = |value: f64| libm::rint(value * 1_073_741_824.0) as i32;
+        let q31 = |value: f64| libm::rint(value * 2_147_483_648.0) as i32;
         let second = half_band::<SECTIONS>(TRANSITION).map(|a| {
             let scale = 1.0 / (1.0 + a * alpha * alpha);
-            [q30(-2.0 * alpha * (1.0 + a) * scale), q30((a + alpha * alpha) * scale)]
+            [q31(-alpha * (1.0 + a) * scale), q31(0.5 * (a + alpha * alpha) * scale)]
         });
-        Self { first: q30(alpha), second }
+        Self { first: q31(alpha), second }
     }
 
-    /// Splits `low` (at most ±2.0 in Q4.27) in place; `high` is as long.
+    /// Splits `low`, which holds half the signal (at most ±1.0 in Q4.27), in place into half the low part, at most ±1.0, of which every second sample is kept
+    /// where it is to be `thin`; `high` is as long, and whole. Gives the bits of the largest size in `high`.
     ///
-    /// Nothing wraps: the branches run at half scale, at most ±2^27, and no branch's impulse response sums up to more than 5.65
-    /// (measured over all edges from 0.001 to 0.49 of the rate, see this file's tests): every value stays below 2^29.5, every difference of two
-    /// below 2^30.5.
-    pub(super) fn render(&self, state: &mut SplitState, low: &mut [i32], high: &mut [i32]) {
-        for (low, high) in low.iter_mut().zip(high.iter_mut()) {
-            let half = *low >> 1;
-            (*low, *high) = (half, half);
-        }
-        let ([c0, c1, c2], [s0, s1, s2]) = (&self.second, &mut state.second);
-        section(c0, s0, low);
-        section(c2, s2, low);
-        first_order(self.first, &mut state.first, high);
-        section(c1, s1, high);
-        for (low, high) in low.iter_mut().zip(high.iter_mut()) {
-            let (a, b) = (*low, *high);
-            (*low, *high) = (clip(a + b), a - b);
-        }
+    /// Nothing wraps: no branch's impulse response sums up to more than 5.65 (measured over all edges from 0.001 to 0.49 of the rate, see this file's
+    /// tests): every value stays below 2^29.5, every difference of two below 2^30.5.
+    pub(super) fn render(&self, state: &mut SplitState, low: &mut [i32], high: &mut [i32], thin: bool) -> i32 {
+        32 - kernel::split(self, state, low, high, thin).leading_zeros() as i32
     }
-}
-
-/// To ±2.0, for the next split.
-#[inline(always)]
-pub(super) fn clip(value: i32) -> i32 {
-    const CLIP: i32 = 1 << 28;
-    let value = if value < -CLIP { -CLIP } else { value };
-    if value > CLIP - 1 { CLIP - 1 } else { value }
-}
-
-/// Bits of fraction of a coefficient.
-const FRACTION: u32 = 30;
-
-/// `y = x2 + c2 (x - y2) + c1 (x1 - y1)`. What rounding cuts off is added to the next sum: a pole pair near 0 Hz would raise plain rounding noise by the square of what it
-/// raises this.
-fn section(&[c1, c2]: &[i32; 2], state: &mut [i32; 5], block: &mut [i32]) {
-    let [mut x1, mut x2, mut y1, mut y2, mut rest] = *state;
-    let mut step = |x: &mut i32| {
-        // Two products of at most 2^30.5 by 2^30 and by 2^31: below 2^62.1.
-        let sum = i64::from(*x - y2) * i64::from(c2) + i64::from(x1 - y1) * i64::from(c1) + i64::from(rest);
-        rest = (sum & ((1 << FRACTION) - 1)) as i32;
-        let y = x2 + (sum >> FRACTION) as i32;
-        (x2, x1, y2, y1) = (x1, *x, y1, y);
-        *x = y;
-    };
-    // Two at a time: the registers of the past then need not be moved.
-    let (pairs, last) = block.as_chunks_mut::<2>();
-    for [a, b] in pairs {
-        step(a);
-        step(b);
-    }
-    last.iter_mut().for_each(step);
-    *state = [x1, x2, y1, y2, rest];
-}
-
-/// `y = x1 - α (x - y1)`, with its rounding carried on in the same way.
-fn first_order(alpha: i32, state: &mut [i32; 3], block: &mut [i32]) {
-    let [mut x1, mut y1, mut rest] = *state;
-    for x in block {
-        let sum = i64::from(*x - y1) * i64::from(alpha) + i64::from(rest);
-        rest = (sum & ((1 << FRACTION) - 1)) as i32;
-        let y = x1 - (sum >> FRACTION) as i32;
-        (x1, y1) = (*x, y);
-        *x = y;
-    }
-    *state = [x1, y1, rest];
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::kernel::portable::{first_order, section};
     use super::*;
     use std::vec;
     use std::vec::Vec;
 
     /// Sum of the sizes of a branch's impulse response (of 2^24).
-    fn gain(sections: &[[i32; 2]], first: Option<i32>) -> f64 {
+    fn gain(section_of: Option<&[i32; 2]>, first: Option<i32>) -> f64 {
         let mut response: Vec<i32> = vec![0; 40_000];
         response[0] = 1 << 24;
-        for section_of in sections {
+        if let Some(section_of) = section_of {
             section(section_of, &mut [0; 5], &mut response);
         }
         if let Some(alpha) = first {
@@ -170,8 +117,8 @@ mod tests {
     #[test]
     fn no_branch_raises_a_signal_by_more_than_its_headroom() {
         for step in 0..=60 {
-            let Split { first, second: [c0, c1, c2] } = Split::new(0.001 * 490f64.powf(f64::from(step) / 60.0));
-            for gain in [gain(&[c0], None), gain(&[c0, c2], None), gain(&[], Some(first)), gain(&[c1], Some(first))] {
+            let Split { first, second: [c0, c1] } = Split::new(0.001 * 490f64.powf(f64::from(step) / 60.0));
+            for gain in [gain(Some(&c0), None), gain(None, Some(first)), gain(Some(&c1), Some(first))] {
                 assert!(gain <= 5.65, "{gain} at step {step}");
             }
         }

@@ -4,41 +4,38 @@
 //!  (left + right)/2 ─► split ─► split ─► ... ─► lowest band        each at the lowest rate that its band allows
 //!                        │ high    │ high          │
 //!                        ▼         ▼               ▼
-//!                     network   network         network              eight delay lines each
+//!                     network   network         network              four lines of pairs each
 //!                        │ L R     │ L R           │ L R
 //!  left, right ◄──(+)────┴─(+)◄─2x─┴──── ... ◄─2x──┘
 //! ```
 //!
 //! **The law.** A unit impulse is answered, on each side and in each band from its `from_hz` to the next one's, by noise whose power decays as
 //! `g² e^{-2 d t}`: the answer's energy is `g²/(2 d)` of what the band was given, at every sample rate. (Diffimpact's gain is per sample: theirs is ours over √fs,
-//! over the rms of their noise.) T60 = ln(1000)/d. Sides are uncorrelated. The wet sound begins one tick of 32 frames after the dry one and then
+//! over the rms of their noise.) T60 = ln(1000)/d. Sides are uncorrelated. The wet sound begins two blocks of 128 frames after the dry one and then
 //! as early as the shortest line, a few milliseconds.
 //!
 //! **The form.** One feedback delay network a band, so that a band's T60 is exact: all of its resonances decay alike. Bands are cut apart by steep splits, and
-//! each runs at the rate divided by 1 to 32, with its delays in one memory. Static networks of so little memory ring audibly; a slow rotation inside the mix keeps their
-//! resonances moving.
+//! each runs at the rate divided by 1 to 32, with its delays in one memory. A slow rotation inside the mix keeps the resonances moving.
 //!
-//! **Time.** Input is gathered for a tick of 32 frames; at its end the answer for the next tick is computed. So the length of the
-//! caller's blocks changes nothing.
-
+//! **Time.** Input is gathered for a block of four ticks; its work is cut into four parts, one at each tick of the next block; the answer goes out in the block
+//! after that. So the length of the caller's blocks changes nothing.
 //!
-//! **Measured** at 48 kHz (`cargo test -p host-tests --test room -- --nocapture`, `... --test on_chip room ...`):
+//! **Measured** at 48 kHz (`cargo test -p host-tests --test room -- --nocapture`, `... --test on_chip room ...`); more in `docs/room.md`:
 //!
 //! | what | figure |
 //! | --- | --- |
-//! | against the twin in f64, T60 0.2 to 20 s | 32-bit lines 96 dB and more; 16-bit lines 59 dB and more |
-//! | T60 of bands with 300 and more independent samples (band width times T60), neighbours within a factor of 2 | within 5 % (23 of 23) |
-//! | energy of the same | within 0.3 dB |
-//! | echoes a second, 80 to 100 ms after an impulse | 11 900 and more |
-//! | spectral crest of a late second, T60 6 s; noise has 10.4 dB | 12.8 dB with 48 KB of lines, 14.9 dB with 16 KB |
-//! | nominal cycles a frame, mean (worst tick), noise at full scale | 971 (1080) with 4 bands, 1493 (1560) with 8 |
-//! | RAM with 48 KB of lines | 55 196 bytes |
-//!
-//! The cycles are far above what is meant (250 and 700): the assembly takes 250 of the 971; the rest is plain Rust around it.
+//! | against the twin in f64, T60 0.2 to 20 s | 32-bit lines 104 dB and more; 16-bit lines 51 dB and more |
+//! | T60 of bands with 300 and more independent samples (band width times T60), neighbours within a factor of 2 | within 5 % (20 of 23) |
+//! | energy of the same | within 0.6 dB |
+//! | peaks a second, 80 to 100 ms after an impulse | 6 700 and more |
+//! | spectral crest of a late second, T60 6 s; noise has 10.4 dB | 13.1 dB with 48 KB of lines, 13.5 dB with 16 KB |
+//! | nominal cycles a frame, mean, noise | 251 with 4 bands (dearest tick 425), 316 with 8 (506) |
+//! | RAM with 48 KB of lines | 57 120 bytes |
 
 mod crossover;
 mod error;
 mod kernel;
+mod level;
 mod network;
 mod plan;
 mod storage;
@@ -49,44 +46,68 @@ pub use error::RoomError;
 pub use plan::MAX_BANDS;
 pub use storage::Sample;
 
+use core::cell::Cell;
+
 use crate::SampleRate;
 use crate::resonator::TICK_FRAMES;
 use crate::table::layout::RoomBandRecord;
-use crossover::{Split, SplitState, clip};
-use network::{NetworkConfig, NetworkState};
+use crossover::{Split, SplitState};
+use network::{NetworkConfig, NetworkState, Sound, Turns};
 use turn::Turn;
 use upsample::{Upsampler, UpsamplerState};
 
+/// Frames that are worked on together, a part of the work at each of its ticks: a quarter of the beginnings and ends.
+const BLOCK_FRAMES: usize = TICKS * TICK_FRAMES;
+const TICKS: usize = 4;
 /// Rates: 1, 1/2 ... 1/32.
-const RATES: usize = TICK_FRAMES.ilog2() as usize + 1;
+const RATES: usize = plan::SLOWEST.ilog2() as usize + 1;
 
 /// A room with `SAMPLES` samples of delay, of type `i16` (what a board has room for) or `i32`.
 #[derive(Debug)]
-pub struct Room<T, const SAMPLES: usize> {
+pub struct Room<T: Sample, const SAMPLES: usize> {
     /// The first `count` are the table's, from the lowest up.
     bands: [Band; MAX_BANDS],
     count: usize,
     upsampler: Upsampler,
     upsamplers: [UpsamplerState; RATES],
+    /// Doublings from the lowest band's rate.
+    levels: usize,
     turn: Turn,
-    /// What came in during this tick, and what goes out.
-    input: [i32; TICK_FRAMES],
-    wet: [[i32; 2]; TICK_FRAMES],
-    /// Frames of this tick that have passed.
+    /// Half of what comes in during this block, and of what is worked on: by turns.
+    inputs: [[i32; BLOCK_FRAMES]; 2],
+    /// What goes out in this block, and what is worked on: by turns.
+    outputs: [[[i32; 2]; BLOCK_FRAMES]; 2],
+    /// Which of both comes in and goes out.
+    side: bool,
+    /// Outputs of the lower rates: the upper half at half the rate, below it a quarter, and so on; at 1/32 from the fifth element on.
+    rates: [[i32; 2]; BLOCK_FRAMES],
+    /// Or of this block's input, and of that which is worked on.
+    heard: u32,
+    worked: u32,
+    /// How far the work is, and where each tick's part of it ends.
+    work: Work,
+    part_ends: [u8; TICKS],
+    /// Frames of this block that have passed.
     passed: usize,
-    /// Whether nothing sounds and nothing has come in during this tick.
+    /// Whether nothing sounds and nothing has come in since.
     silent: bool,
-    scratch: Scratch,
-    memory: [T; SAMPLES],
+    scratch: Scratch<T>,
+    memory: Memory<T, SAMPLES>,
 }
 
 /// What a tick needs for itself; here, so that it is neither on the stack nor cleared each time.
 #[derive(Clone, Copy, Debug)]
-struct Scratch {
-    low: [i32; TICK_FRAMES],
-    high: [i32; TICK_FRAMES],
-    network: network::Scratch,
+struct Scratch<T: Sample> {
+    high: [i32; BLOCK_FRAMES],
+    sound: Sound<T>,
+    /// The angles of the block that is worked on.
+    turns: Turns<T>,
 }
+
+/// All delay lines; pairs of 16 bits are words.
+#[derive(Debug)]
+#[repr(C, align(4))]
+struct Memory<T, const SAMPLES: usize>([T; SAMPLES]);
 
 #[derive(Clone, Copy, Debug)]
 struct Band {
@@ -95,8 +116,31 @@ struct Band {
     split: Split,
     split_state: SplitState,
     division: u8,
-    /// Samples of delay, all lines together.
-    samples: u16,
+    /// Whether the next lower band runs at a lower rate.
+    thins: bool,
+    /// Pairs of delay, all lines together, and where they begin.
+    pairs: u16,
+    start: u16,
+}
+
+/// How far the work on a block is.
+#[derive(Clone, Copy, Debug)]
+struct Work {
+    /// What comes next: for each band from the highest down its split and its answer, and then the doublings.
+    next: usize,
+    /// Bits of the largest size in what was parted last.
+    bits: i32,
+    /// What the input has been thinned to.
+    division: usize,
+    /// The rates at which there is an answer.
+    written: [bool; RATES],
+    /// Whether all bands were asleep.
+    asleep: bool,
+    begun: bool,
+}
+
+impl Work {
+    const NONE: Self = Self { next: 0, bits: 0, division: 1, written: [false; RATES], asleep: true, begun: false };
 }
 
 impl Band {
@@ -106,7 +150,9 @@ impl Band {
         split: Split::NONE,
         split_state: SplitState::SILENT,
         division: 1,
-        samples: 0,
+        thins: false,
+        pairs: 0,
+        start: 0,
     };
 }
 
@@ -124,13 +170,24 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             count: 0,
             upsampler: Upsampler::NONE,
             upsamplers: [UpsamplerState::SILENT; RATES],
+            levels: 0,
             turn: Turn::NONE,
-            input: [0; TICK_FRAMES],
-            wet: [[0; 2]; TICK_FRAMES],
+            inputs: [[0; BLOCK_FRAMES]; 2],
+            outputs: [[[0; 2]; BLOCK_FRAMES]; 2],
+            side: false,
+            rates: [[0; 2]; BLOCK_FRAMES],
+            heard: 0,
+            worked: 0,
+            work: Work::NONE,
+            part_ends: [0; TICKS],
             passed: 0,
             silent: true,
-            scratch: Scratch { low: [0; TICK_FRAMES], high: [0; TICK_FRAMES], network: network::Scratch::EMPTY },
-            memory: [T::ZERO; SAMPLES],
+            scratch: Scratch {
+                high: [0; BLOCK_FRAMES],
+                sound: Sound { input: [[T::ZERO; 2]; BLOCK_FRAMES], output: [[T::ZERO; 2]; BLOCK_FRAMES] },
+                turns: Turns::NONE,
+            },
+            memory: Memory([T::ZERO; SAMPLES]),
         }
     }
 
@@ -141,18 +198,27 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
     pub fn load(&mut self, bands: &[RoomBandRecord], rate: SampleRate) -> Result<(), RoomError> {
         (self.count, self.passed) = (0, 0);
         self.clear();
+        self.memory.0.fill(T::ZERO);
         let plans = plan::plan(bands, rate, SAMPLES)?;
+        let (mut below, mut start) = (1, 0);
         for (band, plan) in self.bands.iter_mut().zip(&plans) {
             *band = Band {
-                config: NetworkConfig::new::<T>(plan),
+                state: NetworkConfig::new(plan).silent(),
+                config: NetworkConfig::new(plan),
                 split: if plan.edge > 0.0 { Split::new(plan.edge) } else { Split::NONE },
                 division: plan.division as u8,
-                samples: plan.delays.iter().sum::<usize>() as u16,
+                thins: below > plan.division,
+                pairs: plan.delays.iter().sum::<usize>() as u16,
+                start,
                 ..Band::NONE
             };
+            below = plan.division;
+            start += band.pairs;
         }
         self.upsampler = Upsampler::new();
         self.turn = Turn::new(rate);
+        self.levels = self.bands.first().map_or(0, |band| band.division.trailing_zeros() as usize);
+        self.part_ends = plan::part_ends(&plans, bands.len());
         self.count = bands.len();
         Ok(())
     }
@@ -174,12 +240,15 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         }
         let mut out = out;
         while !out.is_empty() {
-            let (now, later) = out.split_at_mut((TICK_FRAMES - self.passed).min(out.len()));
+            let left = TICK_FRAMES - self.passed % TICK_FRAMES;
+            let (now, later) = out.split_at_mut(left.min(out.len()));
             self.pass(now);
             out = later;
-            if self.passed == TICK_FRAMES {
-                self.passed = 0;
-                self.tick();
+            if self.passed == BLOCK_FRAMES {
+                self.begin();
+            }
+            if self.passed.is_multiple_of(TICK_FRAMES) {
+                self.work_on();
             }
         }
     }
@@ -187,106 +256,156 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
     /// Lets frames of silence pass while the room [is silent](Self::is_silent): what rendering them would do.
     pub fn pass_silence(&mut self, frames: usize) {
         // While the room is silent its input is zeros throughout.
-        self.passed = (self.passed + frames) % TICK_FRAMES;
+        self.passed = (self.passed + frames) % BLOCK_FRAMES;
     }
 
     #[inline(never)]
     fn pass(&mut self, out: &mut [[i32; 2]]) {
         let frames = self.passed..self.passed + out.len();
         self.passed = frames.end;
-        let (Some(input), Some(wet)) = (self.input.get_mut(frames.clone()), self.wet.get(frames)) else { return };
-        let mut heard = 0;
-        for (([left, right], input), wet) in out.iter_mut().zip(input).zip(wet) {
-            let middle = clip((*left >> 1) + (*right >> 1));
-            *input = middle;
-            heard |= middle;
-            *left = left.saturating_add(wet[0]);
-            *right = right.saturating_add(wet[1]);
-        }
-        self.silent &= heard == 0;
+        let ([input, _], [wet, _]) = (turned(&mut self.inputs, self.side), turned(&mut self.outputs, self.side));
+        let (Some(input), Some(wet)) = (input.get_mut(frames.clone()), wet.get(frames)) else { return };
+        self.heard |= kernel::exchange(out, wet, input);
+        self.silent &= self.heard == 0;
     }
 
-    #[inline(never)]
-    fn tick(&mut self) {
+    /// At a block's end: what came in is worked on, what was worked on goes out.
+    fn begin(&mut self) {
+        self.passed = 0;
         if self.silent {
             return;
         }
+        self.side = !self.side;
+        (self.worked, self.heard) = (self.heard, 0);
         self.turn.advance();
-        // Outputs of each rate, the lower half of the array at half the rate, and so on: at 1/32, the second element.
-        let mut rates = [[0; 2]; 2 * TICK_FRAMES];
-        let asleep = self.render_bands(&mut rates);
-        let lowest = self.bands.first().map_or(1, |band| usize::from(band.division));
-        for (state, level) in self.upsamplers.iter_mut().zip(0..RATES as u32 - 1).rev() {
-            let block = TICK_FRAMES >> level;
-            if lowest <= 1 << level {
-                continue;
+        self.scratch.turns = Turns::new(&self.turn);
+        self.work = Work { begun: true, ..Work::NONE };
+    }
+
+    /// At each tick's end: a part of the work on a block.
+    #[inline(never)]
+    fn work_on(&mut self) {
+        if !self.work.begun {
+            return;
+        }
+        let part = self.passed / TICK_FRAMES;
+        while self.part_ends.get(part).is_some_and(|&end| self.work.next < usize::from(end)) {
+            let band = self.count.wrapping_sub(1 + self.work.next / 2);
+            match self.work.next {
+                next if next == 2 * self.count => self.double(),
+                next if next.is_multiple_of(2) => self.split(band),
+                _ => self.answer(band),
             }
-            let (slow, fast) = rates.split_at_mut(block);
-            let (Some(slow), Some(fast)) = (slow.get(block / 2..), fast.get_mut(..block)) else { return };
-            self.upsampler.render(state, slow, fast);
+            self.work.next += 1;
         }
-        let (_, full_rate) = rates.split_at(TICK_FRAMES);
-        for (wet, full_rate) in self.wet.iter_mut().zip(full_rate) {
-            *wet = *full_rate;
-        }
-        if asleep && self.input.iter().all(|&x| x == 0) {
-            self.clear();
+        if part + 1 == TICKS {
+            if self.work.asleep && self.worked == 0 && self.heard == 0 {
+                self.clear();
+            }
+            self.work.begun = false;
         }
     }
 
-    /// Splits the tick's input and lets the bands answer; whether all are silent.
-    fn render_bands(&mut self, rates: &mut [[i32; 2]; 2 * TICK_FRAMES]) -> bool {
-        let Scratch { low, high, network: scratch } = &mut self.scratch;
-        low.copy_from_slice(&self.input);
-        let (mut division, mut asleep) = (1, true);
-        let mut memory = self.memory.as_mut_slice();
-        for (index, band) in self.bands.iter_mut().enumerate().take(self.count).rev() {
-            let own = usize::from(band.division);
-            if own > division {
-                thin(low, own / division);
-                division = own;
+    /// Brings what sounds at lower rates to the full one.
+    fn double(&mut self) {
+        let [_, full_rate] = turned(&mut self.outputs, self.side);
+        let [at_full_rate, written @ ..] = &mut self.work.written;
+        let [state, states @ ..] = &mut self.upsamplers;
+        for (level, state) in (1..self.levels).zip(states).rev() {
+            let block = BLOCK_FRAMES >> level;
+            let (slow, fast) = self.rates.split_at_mut(block);
+            let (Some(slow), Some(fast)) = (slow.get_mut(block / 2..), fast.get_mut(..block)) else { return };
+            let Some([fast_written, slow_written]) = written.get_mut(level - 1..=level) else { return };
+            if !*slow_written {
+                slow.fill([0; 2]);
             }
-            let block = TICK_FRAMES / own;
-            let (Some(low), Some(high)) = (low.get_mut(..block), high.get_mut(..block)) else { return asleep };
-            let input = match index {
-                0 => &*low,
-                _ => {
-                    band.split.render(&mut band.split_state, low, high);
-                    &*high
-                }
-            };
-            let Some((lines, later)) = core::mem::take(&mut memory).split_at_mut_checked(usize::from(band.samples))
-            else {
-                return asleep;
-            };
-            memory = later;
-            if band.config.sleeps::<T>(&band.state, input) {
-                continue;
-            }
-            let Some(out) = rates.get_mut(block..2 * block) else { return asleep };
-            band.config.render(&mut band.state, lines, input, &self.turn, scratch, out);
-            asleep = false;
+            self.upsampler.render(state, slow, fast, *fast_written);
+            *fast_written = true;
         }
-        asleep
+        if self.levels > 0 {
+            let (_, slow) = self.rates.split_at_mut(BLOCK_FRAMES / 2);
+            if !written.first().copied().unwrap_or_default() {
+                slow.fill([0; 2]);
+            }
+            self.upsampler.render(state, slow, full_rate, *at_full_rate);
+        } else if !*at_full_rate {
+            full_rate.fill([0; 2]);
+        }
     }
 
-    /// Back to silence; memory need not be cleared, since a history of zeros stands for zeros.
+    /// Parts a band from what came in; what lies below it stays.
+    fn split(&mut self, index: usize) {
+        let Work { division, bits, .. } = &mut self.work;
+        let [_, low] = turned(&mut self.inputs, self.side);
+        let Some(band) = self.bands.get_mut(index) else { return };
+        let own = usize::from(band.division);
+        if own > *division
+            && let Some(low) = low.get_mut(..BLOCK_FRAMES / *division)
+        {
+            thin(low, own / *division);
+        }
+        let block = BLOCK_FRAMES / own;
+        let (Some(low), Some(high)) = (low.get_mut(..block), self.scratch.high.get_mut(..block)) else { return };
+        *division = own;
+        *bits = if index == 0 {
+            for (high, low) in high.iter_mut().zip(low) {
+                *high = *low << 1;
+            }
+            network::bits(high)
+        } else {
+            *division = if band.thins { 2 * own } else { own };
+            band.split.render(&mut band.split_state, low, high, band.thins)
+        };
+    }
+
+    /// Lets a band answer to what was parted for it.
+    fn answer(&mut self, index: usize) {
+        let Scratch { high, sound, turns } = &mut self.scratch;
+        let Work { written, asleep, bits, .. } = &mut self.work;
+        let [_, full_rate] = turned(&mut self.outputs, self.side);
+        let (memory, _) = self.memory.0.as_chunks_mut::<2>();
+        let Some(band) = self.bands.get_mut(index) else { return };
+        if band.config.sleeps(&band.state, *bits) {
+            return;
+        }
+        let own = usize::from(band.division);
+        let block = BLOCK_FRAMES / own;
+        let out = if own == 1 { full_rate.get_mut(..) } else { self.rates.get_mut(block..2 * block) };
+        let lines = memory.get_mut(usize::from(band.start)..usize::from(band.start) + usize::from(band.pairs));
+        let (Some(lines), Some(out), Some(written), Some(high)) =
+            (lines, out, written.get_mut(own.trailing_zeros() as usize), high.get(..block))
+        else {
+            return;
+        };
+        *asleep = false;
+        *written |= band.config.render(&mut band.state, lines, (high, *bits), turns, sound, (out, *written));
+    }
+
+    /// Back to silence, where a network that sleeps has cleared its lines.
     fn clear(&mut self) {
         for band in &mut self.bands {
-            (band.state, band.split_state) = (NetworkState::SILENT, SplitState::SILENT);
+            (band.state, band.split_state) = (band.config.silent(), SplitState::SILENT);
         }
         self.upsamplers = [UpsamplerState::SILENT; RATES];
-        (self.input, self.wet) = ([0; TICK_FRAMES], [[0; 2]; TICK_FRAMES]);
+        (self.inputs, self.outputs) = ([[0; BLOCK_FRAMES]; 2], [[[0; 2]; BLOCK_FRAMES]; 2]);
+        (self.heard, self.worked) = (0, 0);
+        self.work = Work::NONE;
         self.silent = true;
     }
 }
 
-/// Keeps every `step`th sample.
-fn thin(block: &mut [i32; TICK_FRAMES], step: usize) {
-    for index in 1..TICK_FRAMES / step.max(1) {
-        let kept = block.get(index * step).copied();
-        if let (Some(sample), Some(kept)) = (block.get_mut(index), kept) {
-            *sample = kept;
+/// What comes in or goes out, and what is worked on.
+fn turned<B>([a, b]: &mut [B; 2], side: bool) -> [&mut B; 2] {
+    if side { [b, a] } else { [a, b] }
+}
+
+/// Keeps every `step`th sample, a power of two.
+fn thin(block: &mut [i32], step: usize) {
+    let mut block = Cell::from_mut(block).as_slice_of_cells();
+    for _ in 0..step.trailing_zeros() {
+        for (to, [from, _]) in block.iter().zip(block.as_chunks::<2>().0) {
+            to.set(from.get());
         }
+        block = block.get(..block.len() / 2).unwrap_or_default();
     }
 }

@@ -1,90 +1,110 @@
-//! One band's feedback delay network: eight lines, an orthogonal mix that slowly turns, one gain a line.
+//! One band's feedback delay network: four lines of pairs, an orthogonal mix that slowly turns, and a level that decays beside it.
 //!
 //! ```text
-//!        ┌─────────────────────────────────────────────────────────┐
-//!   x ─►(+)─► line 1..8, z^-m ─► g = 10^(-3 m/(fs T60)) ─► mix ─┬─┘
-//!                                                               └─► outputs 1 and 4 ─► left, right
+//!        ┌────────────────────────────────────────────────────────────────┐
+//!        └─► line 0..3 of pairs, z^-m ─► rotation ─► mix of four ─► ×1/2 ─┘
+//!   x · 1/level ─► rotation 0            │ 2, 3
+//!                                        └─► difference · level ─► left, right
 //! ```
 //!
-//! All lines lose the same decibels a second, so that every resonance of the band has exactly the table's T60: there is no absorption filter to be inexact.
-//! The mix is three stages of butterflies; in the first, two of the four are rotations by an angle that turns with time, which moves
-//! the resonances before they can stand out. It is orthogonal at each moment, hence never adds energy.
+//! **The decay.** All lines lose the same decibels a second, so that every resonance of the band has exactly the table's T60. That loss is the same for all
+//! that the network holds, whenever it came in: the lines lose nothing, and a [`Level`](super::level) falls by `e^{-d t}` instead. What comes in is divided by it, what goes
+//! out is multiplied by it. A tail so keeps all its 16 bits however quiet it is.
 //!
-//! **Nothing wraps.** Let all that a tick reads be at most X in size, after gains below 1. Stage one halves: outputs are at most `X cos/2 + X sin/2 < 0.71 X`
-//! (rotations) or `2·X/√8 < 0.71 X` (the others, whose gains hold the factor 1/√8). Each later stage adds two: at most 1.42 X, then 2.84 X. With an input of at most
-//! the same power of two that bounds X, what is stored is below 3.84 times that power, that is below `2^(bits + 2)`: the size for which the tick's
-//! exponent is chosen. Stored sizes are clipped to ±2.0 where that bound is above it, so that X <= 2^28 and no sum reaches 2^31. The network being orthogonal
-//! and its gains below 1, its energy never exceeds what came in: an impulse of full scale puts at most 8/4 into it, half a unit into each line, and can neither
-//! wrap nor clip at 2.0.
+//! **The mix.** A line holds pairs (a, b), which on a Cortex-M4F are two halves of a word: `(c a + s b, s a - c b)` is two instructions, and a mix of four words by
+//! saturating additions is eight. The angles of lines 0 and 2 turn with time, which moves the resonances before one can stand out; lines 1 and 3 have one
+//! angle, and change halves. The mix is orthogonal at each moment, hence never adds energy.
+//!
+//! **Nothing wraps.** A rotation's sum is at most `√2 · 2^15 · 2^15 < 2^30.5`; all other sums saturate. A full-scale impulse puts at most `2^13.6` into each value
+//! and cannot saturate any: each mix spreads what there is.
 
-use super::plan::{BandPlan, MAX_TICKS};
-use super::storage::{CLIP_BITS, Sample};
-use super::turn::Turn;
+use super::BLOCK_FRAMES;
+use super::level::{Level, LevelState};
+use super::plan::BandPlan;
+use super::storage::Sample;
+use super::turn::{TURN_SAMPLES, Turn};
 use crate::fixed;
-use crate::resonator::TICK_FRAMES;
 
-/// Lines of a network.
-pub(super) const LINES: usize = 8;
-/// What of the input each line takes, where a plan's output gain is meant.
-pub(super) const INPUT_GAIN: f64 = 1.0;
-/// Samples that are mixed by the same angle.
-const TURN_SAMPLES: usize = 8;
-/// Ticks whose exponents are remembered: more than the longest line has, and what a byte counts round.
-const HISTORY: usize = 256;
-const _: () = assert!(MAX_TICKS + 2 < HISTORY);
-/// 1/√8, for lines whose butterfly is not a rotation.
-const PLAIN: f64 = 0.353_553_390_593_273_8;
+/// Lines of a network; each holds pairs.
+pub(super) const LINES: usize = 4;
+/// What of the input each of a line's values takes.
+pub(super) const INPUT_GAIN: f64 = 0.25;
+/// Sine and cosine of the angle of lines 1 and 3: of all pairs near it the one whose squares sum up to 1 within 3e-8, in 15 bits.
+const ANGLE: [i32; 2] = [14_111, 29_574];
 
-/// The working values of a tick, line by line.
-pub(super) type Work = [[i32; TICK_FRAMES]; LINES];
-
-/// What a tick of a network needs for itself.
+/// Input and output of a network's block.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scratch {
-    work: Work,
-    /// Input, and then both outputs.
-    sound: [[i32; 2]; TICK_FRAMES],
+#[repr(C, align(32))]
+pub(super) struct Sound<T> {
+    /// In the network's units, the same for both values of a pair.
+    pub(super) input: [[T; 2]; BLOCK_FRAMES],
+    /// Half the outputs, in the network's units.
+    pub(super) output: [[T; 2]; BLOCK_FRAMES],
 }
 
-impl Scratch {
-    pub(super) const EMPTY: Self = Self { work: [[0; TICK_FRAMES]; LINES], sound: [[0; 2]; TICK_FRAMES] };
+/// All that a block of a network reads and writes.
+#[derive(Debug)]
+pub struct NetworkTick<'a, T: Sample> {
+    /// The lines, one behind another.
+    pub(super) memory: &'a mut [[T; 2]],
+    pub(super) lines: &'a [Place; LINES],
+    pub(super) places: &'a mut [Place; LINES],
+    pub(super) sound: &'a mut Sound<T>,
+    /// The angles of each eighth frame, and the fixed one.
+    pub(super) turns: (&'a [T::Turn], T::Turn),
+    /// Whether outputs are watched, or what is stored.
+    pub(super) busy: bool,
+    pub(super) input: &'a [i32],
+    /// Input is taken times `2^shift · gain / 2^32`, in 2^-16 steps; the gain grows by a part of itself (Q32) a sample.
+    pub(super) input_shift: u32,
+    pub(super) input_gain: [i32; 2],
+    pub(super) out: &'a mut [[i32; 2]],
+    /// The gain of the outputs, as [`Sample::times`] has it, which loses a part of itself (Q32) a sample.
+    pub(super) output_gain: [i32; 2],
+    pub(super) radiation: Radiation,
+}
+
+/// What becomes of the outputs.
+#[derive(Clone, Copy, Debug)]
+#[repr(u32)]
+pub(super) enum Radiation {
+    Put = 0,
+    Add = 1,
+    Nothing = 2,
 }
 
 /// A network's fixed numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NetworkConfig {
-    lines: [Line; LINES],
+    /// The lines' beginnings and lengths.
+    lines: [Place; LINES],
+    ages: [Age; LINES],
+    level: Level,
     block: u8,
-    /// Output gain as a Q32 mantissa times 2^shift.
-    output: i32,
-    output_shift: i32,
-    /// Samples of at most this many bits are inaudible.
-    inaudible_bits: i32,
-    /// Ticks after which nothing is left of a sample but what was mixed again.
-    longest_ticks: u8,
 }
 
-/// A delay line's fixed numbers.
+/// Where in the network's memory a line begins, or is read and written next, and how many pairs are left to its end.
 #[derive(Clone, Copy, Debug)]
-struct Line {
-    /// Where it begins in the network's memory, and how long it is.
-    start: u16,
-    delay: u16,
-    /// A [`Sample::gain`].
-    gain: i32,
-    /// Ticks since the first sample that a tick reads was stored.
-    ticks: u8,
-    /// Samples that the tick reads before it comes to those that were stored a tick later; a whole block where it does not.
+#[repr(C, align(4))]
+pub(super) struct Place {
+    pub(super) at: u16,
+    pub(super) left: u16,
+}
+
+/// When what a block reads was stored.
+#[derive(Clone, Copy, Debug)]
+struct Age {
+    /// Blocks since the first pair that a block reads was stored.
+    blocks: u8,
+    /// Pairs that the block reads before it comes to those that were stored a block later; a whole block where it does not.
     seam: u8,
 }
 
-impl Line {
-    const NONE: Self = Self { start: 0, delay: 0, gain: 0, ticks: 0, seam: 0 };
-
-    fn new(start: usize, delay: usize, gain: i32, block: usize) -> Self {
-        let ticks = delay.div_ceil(block);
-        let seam = block - (ticks * block - delay);
-        Self { start: start as u16, delay: delay as u16, gain, ticks: ticks as u8, seam: seam as u8 }
+impl Age {
+    fn new(delay: usize, block: usize) -> Self {
+        let blocks = delay.div_ceil(block);
+        let seam = block - (blocks * block - delay);
+        Self { blocks: blocks as u8, seam: seam as u8 }
     }
 }
 
@@ -92,234 +112,198 @@ impl Line {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NetworkState {
     /// Where each line is read and written next.
-    positions: [u16; LINES],
-    /// Of each of the last ticks: exponent (low 4 bits) and bits of the stored sizes (high 4 bits; 0: nothing but zeros).
-    history: [u8; HISTORY],
-    /// Where the next tick goes in `history`.
-    now: u8,
-    /// Ticks since something audible was stored.
-    quiet_ticks: u8,
-    /// Whether all is zero.
-    silent: bool,
+    places: [Place; LINES],
+    level: LevelState,
 }
 
 impl NetworkState {
-    pub(super) const SILENT: Self =
-        Self { positions: [0; LINES], history: [0; HISTORY], now: 0, quiet_ticks: 0, silent: true };
+    pub(super) const SILENT: Self = Self { places: [Place { at: 0, left: 0 }; LINES], level: LevelState::SILENT };
 }
 
 impl NetworkConfig {
-    pub(super) const NONE: Self =
-        Self { lines: [Line::NONE; LINES], block: 1, output: 0, output_shift: 0, inaudible_bits: 0, longest_ticks: 0 };
+    pub(super) const NONE: Self = Self {
+        lines: [Place { at: 0, left: 0 }; LINES],
+        ages: [Age { blocks: 0, seam: 0 }; LINES],
+        level: Level::NONE,
+        block: 1,
+    };
 
-    pub(super) fn new<T: Sample>(plan: &BandPlan) -> Self {
-        let (mut lines, mut start) = ([Line::NONE; LINES], 0);
-        for (index, (line, (&delay, &gain))) in lines.iter_mut().zip(plan.delays.iter().zip(&plan.gains)).enumerate() {
-            let gain = T::gain(if index < LINES / 2 { gain } else { gain * PLAIN });
-            *line = Line::new(start, delay, gain, plan.block());
-            start += delay;
-        }
-        let output = libm::scalbn(plan.output, T::INPUT_SHIFT);
-        let (fraction, exponent) = libm::frexp(output);
-        // Mantissas below 1/2.
-        let mantissa = libm::rint(fraction * 2_147_483_647.0) as i32;
-        // A size of 2^b sounds at most 2.84 · 2^b · output; that shall stay below -110 dBFS, 2^8.72 of the bus.
-        let inaudible_bits = libm::floor(8.72 - libm::log2(2.84 * output.max(1e-30))) as i32;
-        let longest = plan.delays.iter().fold(0, |longest, &delay| longest.max(delay));
-        Self {
-            lines,
-            block: plan.block() as u8,
-            output: mantissa,
-            output_shift: exponent + 1,
-            // Rounding keeps four bits alive in a long tail.
-            inaudible_bits: inaudible_bits.clamp(4, 20),
-            longest_ticks: (longest.div_ceil(plan.block()) + 1).min(HISTORY - 1) as u8,
-        }
+    pub(super) fn new(plan: &BandPlan) -> Self {
+        let mut at = 0;
+        let lines = plan.delays.map(|delay| {
+            let line = Place { at: at as u16, left: delay as u16 };
+            at += delay;
+            line
+        });
+        let ages = plan.delays.map(|delay| Age::new(delay, plan.block()));
+        let longest = ages.iter().fold(0, |longest: u8, age| longest.max(age.blocks));
+        Self { lines, ages, level: Level::new(plan, longest), block: plan.block() as u8 }
     }
 
-    /// Whether a tick can be left out: all is zero, and so is what can be heard of the input.
-    pub(super) fn sleeps<T: Sample>(&self, state: &NetworkState, input: &[i32]) -> bool {
-        state.silent && bits(input) - T::INPUT_SHIFT <= self.inaudible_bits
+    /// All lines at their beginnings, and silent.
+    pub(super) fn silent(&self) -> NetworkState {
+        NetworkState { places: self.lines, ..NetworkState::SILENT }
     }
 
-    /// A tick: `input` in Q4.27, its block long; the output is added to `out`.
+    /// Whether a block can be left out: all is silent, and so is what would be heard of the input.
+    #[inline(always)]
+    pub(super) fn sleeps(&self, state: &NetworkState, input_bits: i32) -> bool {
+        state.level.is_asleep() && !self.level.is_audible(input_bits)
+    }
+
+    /// A block: `input` in Q4.27, at most ±2.0, its block long and of `input_bits`; the output is added to `out`, or put there. Whether there was one.
     pub(super) fn render<T: Sample>(
         &self,
         state: &mut NetworkState,
-        memory: &mut [T],
-        input: &[i32],
-        turn: &Turn,
-        Scratch { work, sound }: &mut Scratch,
-        out: &mut [[i32; 2]],
-    ) {
-        let (pasts, loudest) = self.look_back(state);
-        let bits = loudest.bits.max(bits(input) - T::INPUT_SHIFT).max(0) + 2;
-        let exponent = T::exponent(bits, loudest.exponent);
-        self.take_all(state, memory, &pasts, exponent, work);
-        let shift = T::FRACTION - exponent;
-        let Some(sound) = sound.get_mut(..usize::from(self.block)) else { return };
-        let shifts = Shifts { input: shift - T::INPUT_SHIFT, output: self.output_shift - shift };
-        self.mix::<T>(turn, input, work, sound, shifts);
-        self.radiate(sound, out, shifts.output);
-        let size = self.put_all(state, memory, work, (bits > CLIP_BITS).then_some(exponent));
-        self.remember(state, exponent, size);
-    }
-}
-
-/// From the bus to working values and back, to the left.
-#[derive(Clone, Copy)]
-struct Shifts {
-    input: i32,
-    output: i32,
-}
-
-/// Of all that a tick reads.
-#[derive(Clone, Copy)]
-struct Loudest {
-    /// Bits of the sizes in Q4.27.
-    bits: i32,
-    exponent: i32,
-}
-
-impl NetworkState {
-    fn past(&self, ticks: u8) -> u8 {
-        self.history.get(usize::from(self.now.wrapping_sub(ticks))).copied().unwrap_or(0)
-    }
-}
-
-impl NetworkConfig {
-    /// What each line reads first and last, and the loudest of all.
-    fn look_back(&self, state: &NetworkState) -> ([[u8; 2]; LINES], Loudest) {
-        let mut pasts = [[0; 2]; LINES];
-        let mut loudest = Loudest { bits: 0, exponent: 0 };
-        for (pasts, line) in pasts.iter_mut().zip(&self.lines) {
-            let earlier = state.past(line.ticks);
-            let later = if line.seam < self.block { state.past(line.ticks.wrapping_sub(1)) } else { earlier };
-            *pasts = [earlier, later];
-            for past in [earlier, later] {
-                let (exponent, bits) = (i32::from(past & 15), i32::from(past >> 4));
-                // Nothing but zeros has no exponent.
-                let exponent = if bits > 0 { exponent } else { 0 };
-                loudest = Loudest { bits: loudest.bits.max(bits + exponent), exponent: loudest.exponent.max(exponent) };
-            }
+        memory: &mut [[T; 2]],
+        (input, input_bits): (&[i32], i32),
+        turns: &Turns<T>,
+        sound: &mut Sound<T>,
+        (out, add): (&mut [[i32; 2]], bool),
+    ) -> bool {
+        if state.level.is_inaudible() && !self.level.is_audible(input_bits) {
+            self.drain(state, memory);
+            return false;
         }
-        (pasts, loudest)
+        self.level.begin::<T>(&mut state.level, input_bits);
+        if !self.level.is_steady(&state.level) {
+            self.settle(state, memory);
+        }
+        let (input_shift, input_gain) = self.level.input(&state.level);
+        let (output_gain, output_shift) = self.level.output(&state.level);
+        let radiation = match add {
+            _ if output_shift > 0 => Radiation::Nothing,
+            true => Radiation::Add,
+            false => Radiation::Put,
+        };
+        let exceeded = T::network(NetworkTick {
+            memory,
+            lines: &self.lines,
+            places: &mut state.places,
+            sound,
+            turns: turns.of(input.len()),
+            busy: state.level.is_busy(),
+            input,
+            input_shift,
+            input_gain,
+            out,
+            output_gain,
+            radiation,
+        });
+        if output_shift > 0 {
+            radiate_loud(&sound.output, output_gain, output_shift, out, add);
+        }
+        self.level.end(&mut state.level, exceeded);
+        true
     }
 
-    /// Reads a block of every line, times its gain, as working values.
+    /// A block that nothing is heard of: what it would read is cleared.
+    #[cold]
+    fn drain<T: Sample>(&self, state: &mut NetworkState, memory: &mut [[T; 2]]) {
+        let block = u16::from(self.block);
+        for (line, place) in self.lines.iter().zip(&mut state.places) {
+            settle(memory, line, *place, block, i32::MIN);
+            *place = place.after(block, line);
+        }
+        self.level.drain(&mut state.level);
+    }
+
+    /// Brings what this block will read to today's level, where it was stored at another.
     #[inline(never)]
-    fn take_all<T: Sample>(
-        &self,
-        state: &NetworkState,
-        memory: &[T],
-        pasts: &[[u8; 2]; LINES],
-        exponent: i32,
-        work: &mut Work,
-    ) {
-        for (((line, pasts), &position), work) in self.lines.iter().zip(pasts).zip(&state.positions).zip(work) {
-            let (start, delay, position) = (usize::from(line.start), usize::from(line.delay), usize::from(position));
-            let Some(work) = work.get_mut(..usize::from(self.block)) else { return };
-            let Some(memory) = memory.get(start..start + delay) else { return };
-            let gain_of = |past: u8| match past >> 4 {
-                0 => 0,
-                _ => T::raise(line.gain, i32::from(past & 15) - exponent),
-            };
-            let &[earlier, later] = pasts;
-            if earlier == later {
-                take(memory, position, gain_of(earlier), work);
-                continue;
-            }
-            let (before, after) = work.split_at_mut(usize::from(line.seam).min(work.len()));
-            take(memory, position, gain_of(earlier), before);
-            take(memory, position + usize::from(line.seam), gain_of(later), after);
+    fn settle<T: Sample>(&self, state: &NetworkState, memory: &mut [[T; 2]]) {
+        let block = u16::from(self.block);
+        for ((line, age), place) in self.lines.iter().zip(&self.ages).zip(&state.places) {
+            let (earlier, later) = (state.level.rise(age.blocks), state.level.rise(age.blocks.wrapping_sub(1)));
+            let seam = u16::from(age.seam);
+            settle(memory, line, *place, seam, earlier);
+            settle(memory, line, place.after(seam, line), block - seam, later);
         }
-    }
-
-    /// Mixes a tick, a few samples at a time by the same angle; leaves both outputs in `sound`.
-    fn mix<T: Sample>(&self, turn: &Turn, input: &[i32], work: &mut Work, sound: &mut [[i32; 2]], shifts: Shifts) {
-        let (left, right) = (shifts.input.max(0).unsigned_abs(), shifts.input.min(0).unsigned_abs());
-        let (left, right) = (left.min(31), right.min(31));
-        for (sound, &x) in sound.iter_mut().zip(input) {
-            sound[0] = (x << left) >> right;
-        }
-        let parts = sound.len().div_ceil(TURN_SAMPLES);
-        for (part, sound) in sound.chunks_mut(TURN_SAMPLES).enumerate() {
-            T::mix(work, part * TURN_SAMPLES, sound, turn.at(part, parts));
-        }
-    }
-
-    /// Adds both outputs, times the output gain.
-    fn radiate(&self, sound: &[[i32; 2]], out: &mut [[i32; 2]], shift: i32) {
-        if shift <= 0 {
-            let right = shift.unsigned_abs().min(31);
-            for ([left_out, right_out], &[left, other]) in out.iter_mut().zip(sound) {
-                *left_out = left_out.saturating_add(fixed::smmulr(left, self.output) >> right);
-                *right_out = right_out.saturating_add(fixed::smmulr(other, self.output) >> right);
-            }
-            return;
-        }
-        let left = shift.unsigned_abs().min(31);
-        let most = i32::MAX >> left;
-        for (out, &y) in out.as_flattened_mut().iter_mut().zip(sound.as_flattened()) {
-            *out = out.saturating_add(fixed::smmulr(y, self.output).clamp(-most, most) << left);
-        }
-    }
-
-    /// Writes a block of every line where it was read; gives the bits of the largest size. Clips where the sizes may need it.
-    fn put_all<T: Sample>(&self, state: &mut NetworkState, memory: &mut [T], work: &Work, clipped: Option<i32>) -> u32 {
-        let mut size = 0;
-        for ((line, position), work) in self.lines.iter().zip(&mut state.positions).zip(work) {
-            let (start, delay) = (usize::from(line.start), usize::from(line.delay));
-            let Some(line) = memory.get_mut(start..start + delay) else { return size };
-            let Some(work) = work.get(..usize::from(self.block)) else { return size };
-            let Some((before, after)) = line.split_at_mut_checked(usize::from(*position)) else { return size };
-            let (to_end, from_start) = work.split_at(after.len().min(work.len()));
-            let put = |work: &[i32], line: &mut [T]| match clipped {
-                None => T::put(work, line),
-                Some(exponent) => T::put_clipped(work, line, exponent),
-            };
-            size = size.max(put(to_end, after));
-            if !from_start.is_empty() {
-                size = size.max(put(from_start, before));
-            }
-            let next = usize::from(*position) + work.len();
-            *position = if next >= delay { next - delay } else { next } as u16;
-        }
-        size
-    }
-
-    fn remember(&self, state: &mut NetworkState, exponent: i32, size: u32) {
-        // 32-bit samples have no exponent: what their sizes exceed 15 bits by stands in its place.
-        let (exponent, size) = if size > 15 { (size as i32 - 15, 15) } else { (exponent, size as i32) };
-        if let Some(entry) = state.history.get_mut(usize::from(state.now)) {
-            *entry = (exponent | size << 4) as u8;
-        }
-        state.now = state.now.wrapping_add(1);
-        let audible = size > 0 && size + exponent > self.inaudible_bits;
-        state.quiet_ticks = if audible { 0 } else { state.quiet_ticks.saturating_add(1) };
-        let silent = state.quiet_ticks > self.longest_ticks;
-        if silent && !state.silent {
-            // A history of zeros stands for lines of zeros.
-            state.history = [0; HISTORY];
-        }
-        state.silent = silent;
     }
 }
 
-fn take<T: Sample>(line: &[T], position: usize, gain: i32, work: &mut [i32]) {
-    if gain == 0 {
-        work.fill(0);
+impl Place {
+    /// So many pairs (at most a line's length) further, from the line's end back to its beginning.
+    fn after(self, pairs: u16, line: &Place) -> Self {
+        match self.left.checked_sub(pairs) {
+            Some(left @ 1..) => Self { at: self.at + pairs, left },
+            _ => Self { at: line.at + (pairs - self.left), left: line.left - (pairs - self.left) },
+        }
+    }
+}
+
+/// Raises a run of a line that may pass its end.
+fn settle<T: Sample>(memory: &mut [[T; 2]], line: &Place, place: Place, count: u16, rise: i32) {
+    if rise == 0 || count == 0 {
         return;
     }
-    let position = if position >= line.len() { position - line.len() } else { position };
-    let (before, after) = line.split_at_checked(position).unwrap_or((line, &[]));
-    if after.len() >= work.len() {
-        T::take(after, gain, work);
-        return;
+    let to_end = count.min(place.left);
+    for (at, count) in [(place.at, to_end), (line.at, count - to_end)] {
+        let Some(words) = memory.get_mut(usize::from(at)..usize::from(at) + usize::from(count)) else { return };
+        // Below -16 bits, nothing is left of 16; of 32, nothing that is heard.
+        match rise {
+            ..-16 => words.fill([T::ZERO; 2]),
+            _ => T::scale(words, rise),
+        }
     }
-    let (to_end, from_start) = work.split_at_mut(after.len());
-    T::take(after, gain, to_end);
-    T::take(before, gain, from_start);
+}
+
+/// A block's angles as the lines' samples are multiplied by them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turns<T: Sample> {
+    /// Of each eighth frame.
+    moving: [T::Turn; BLOCK_FRAMES / TURN_SAMPLES],
+    /// Of each eighth frame of a band at half the rate, and at a quarter of it: an eighth, where the first is that of all the slower ones.
+    half: [T::Turn; 8],
+    quarter: [T::Turn; 4],
+    eighth: [T::Turn; 2],
+    fixed: T::Turn,
+}
+
+impl<T: Sample> Turns<T> {
+    pub(super) const NONE: Self = Self {
+        moving: [T::NO_TURN; BLOCK_FRAMES / TURN_SAMPLES],
+        half: [T::NO_TURN; 8],
+        quarter: [T::NO_TURN; 4],
+        eighth: [T::NO_TURN; 2],
+        fixed: T::NO_TURN,
+    };
+
+    /// Those of a block.
+    pub(super) fn new(turn: &Turn) -> Self {
+        let moving = turn.steps().map(T::turn);
+        let [a, _, b, _, c, _, d, _, e, _, f, _, g, _, h, _] = moving;
+        Self {
+            moving,
+            half: [a, b, c, d, e, f, g, h],
+            quarter: [a, c, e, g],
+            eighth: [a, e],
+            fixed: T::turn(ANGLE.map(|value| value << 16)),
+        }
+    }
+
+    /// Those of a band of so many frames: moving, fixed.
+    fn of(&self, block: usize) -> (&[T::Turn], T::Turn) {
+        let moving: &[T::Turn] = match BLOCK_FRAMES / block.max(1) {
+            1 => &self.moving,
+            2 => &self.half,
+            4 => &self.quarter,
+            _ => &self.eighth,
+        };
+        (moving, self.fixed)
+    }
+}
+
+/// Adds outputs times a gain above what [`Sample::times`] holds, by so many bits, or puts them there.
+#[cold]
+fn radiate_loud<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], shift: u32, out: &mut [[i32; 2]], add: bool) {
+    let mut gain = gain;
+    for (out, pair) in out.iter_mut().zip(output) {
+        for (out, &y) in out.iter_mut().zip(pair) {
+            let before = if add { *out } else { 0 };
+            *out = before.saturating_add(fixed::saturating_shift_left(y.times(gain), shift));
+        }
+        gain = fixed::smmlsr(gain, gain, loss);
+    }
 }
 
 /// Bits of the largest size in a block.

@@ -2,22 +2,29 @@
 
 use super::RoomError;
 use super::network::{INPUT_GAIN, LINES};
+use super::{BLOCK_FRAMES, TICKS};
 use crate::SampleRate;
-use crate::resonator::TICK_FRAMES;
 use crate::table::layout::RoomBandRecord;
 
 /// Bands that a room may have.
 pub const MAX_BANDS: usize = 8;
 /// Highest edge of a band that may run at a rate, of that rate: its split is 40 dB down where the spectrum folds.
-const EDGE: f64 = 0.4;
+const EDGE: f64 = 0.42;
+/// Of so few bands none is slower than this: doublings cost more than it saves.
+const FEW_BANDS: usize = 4;
+const FEW_BANDS_DIVISION: usize = 8;
+/// Of more bands none is slower than this.
+pub(super) const SLOWEST: usize = 32;
 /// A network's delays add up to this part of its T60 ...
 const DELAY_OF_T60: f64 = 0.15;
 /// ... or to what makes this many resonances in its band, so that a narrow one does not beat, whichever is longer.
 const RESONANCES: f64 = 100.0;
+/// Longest delays of the highest band, in seconds: short enough for a thousand echoes a second within 100 ms.
+const DENSE_S: f64 = 0.16;
 /// Ratio of neighbouring delays.
-const RATIO: f64 = 1.25;
-/// Longest delay of a line, in ticks.
-pub(super) const MAX_TICKS: usize = 190;
+const RATIO: f64 = 1.4;
+/// Longest delay of a line, in blocks.
+pub(super) const MAX_BLOCKS: usize = 47;
 
 /// One band's network.
 #[derive(Clone, Copy, Debug)]
@@ -26,20 +33,21 @@ pub(super) struct BandPlan {
     pub division: usize,
     /// Its lower edge, of its own rate; 0 for the lowest band.
     pub edge: f64,
-    /// Delays in samples at its own rate, distinct primes, rising.
+    /// Delays of its lines of pairs at its own rate, distinct primes, rising.
     pub delays: [usize; LINES],
-    /// Gain of a pass through each line, `10^(-3 delay/(rate T60))`.
-    pub gains: [f64; LINES],
+    /// Decay in nepers a sample at its own rate.
+    pub decay_per_sample: f64,
     /// Gain of the output.
     pub output: f64,
 }
 
 impl BandPlan {
-    pub(super) const NONE: Self = Self { division: 1, edge: 0.0, delays: [0; LINES], gains: [0.0; LINES], output: 0.0 };
+    pub(super) const NONE: Self =
+        Self { division: 1, edge: 0.0, delays: [0; LINES], decay_per_sample: 0.0, output: 0.0 };
 
-    /// Samples of a tick.
+    /// Samples of a block.
     pub(super) fn block(&self) -> usize {
-        TICK_FRAMES / self.division
+        BLOCK_FRAMES / self.division
     }
 }
 
@@ -74,28 +82,30 @@ pub(super) fn plan(
     }
     let mut plans = [BandPlan::NONE; MAX_BANDS];
     let mut delays_s = [0.0; MAX_BANDS];
+    let slowest = if bands.len() <= FEW_BANDS { FEW_BANDS_DIVISION } else { SLOWEST };
     for (band, plan) in plans.iter_mut().enumerate().take(bands.len()) {
         let (from_hz, to_hz) = edges_hz(bands, band, hz);
-        while plan.division < TICK_FRAMES && to_hz * (2 * plan.division) as f64 <= EDGE * hz {
+        while plan.division < slowest && to_hz * (2 * plan.division) as f64 <= EDGE * hz {
             plan.division *= 2;
         }
         plan.edge = from_hz * plan.division as f64 / hz;
         if let (Some(record), Some(delay_s)) = (bands.get(band), delays_s.get_mut(band)) {
             let t60_s = T60_PER_TIME_CONSTANT / f64::from(record.decay_per_s.get());
             *delay_s = (DELAY_OF_T60 * t60_s).max(RESONANCES / (to_hz - from_hz));
+            if band + 1 == bands.len() {
+                *delay_s = delay_s.min(DENSE_S);
+            }
         }
     }
     share(&mut delays_s, &plans, hz, words);
     for ((plan, record), &delay_s) in plans.iter_mut().zip(bands).zip(&delays_s) {
         let own_rate = hz / plan.division as f64;
         let decay_per_s = f64::from(record.decay_per_s.get());
-        plan.delays = delays(delay_s * own_rate, plan.block());
-        for (gain, &delay) in plan.gains.iter_mut().zip(&plan.delays) {
-            *gain = libm::exp(-decay_per_s * delay as f64 / own_rate);
-        }
-        plan.output = f64::from(record.gain.get()) * output_gain(&plan.gains, decay_per_s);
+        plan.delays = delays(0.5 * delay_s * own_rate, plan.block());
+        plan.decay_per_sample = decay_per_s / own_rate;
+        plan.output = f64::from(record.gain.get()) * output_gain(plan, decay_per_s);
     }
-    let needed = plans.iter().flat_map(|plan| plan.delays).sum();
+    let needed = 2 * plans.iter().flat_map(|plan| plan.delays).sum::<usize>();
     if needed > words {
         return Err(RoomError::TooFewSamples { needed, capacity: words });
     }
@@ -121,7 +131,7 @@ fn share(delays_s: &mut [f64; MAX_BANDS], plans: &[BandPlan; MAX_BANDS], hz: f64
     // The longest line must not outlast the history of exponents.
     let weights = weights();
     let longest_part = weights.iter().fold(0.0, |longest: f64, &weight| longest.max(weight));
-    let (mut low, mut high) = (0.0, (MAX_TICKS * TICK_FRAMES) as f64 / hz / longest_part);
+    let (mut low, mut high) = (0.0, 2.0 * (MAX_BLOCKS * BLOCK_FRAMES) as f64 / hz / longest_part);
     if needed(high) > words as f64 {
         for _ in 0..30 {
             let middle = 0.5 * (low + high);
@@ -166,11 +176,45 @@ fn is_prime(n: usize) -> bool {
 
 /// What makes the impulse response's energy the law's, `g²/(2 d)` for g = 1.
 ///
-/// Energy flows as through a network of pipes: each line's output is spread evenly over all lines. With an input that puts `INPUT²` into each
-/// line, the lines put out `S = Σ G_j INPUT² / (1 - Σ G_j / L)` in all (G the squared gains), and each output takes 1/L of that.
-fn output_gain(gains: &[f64; LINES], decay_per_s: f64) -> f64 {
-    let passed = gains.iter().fold(0.0, |sum, gain| sum + gain * gain);
-    let lines = LINES as f64;
-    let energy = passed * INPUT_GAIN * INPUT_GAIN / (1.0 - passed / lines) / lines;
-    libm::sqrt(1.0 / (2.0 * decay_per_s * energy))
+/// Energy flows as through a network of pipes: each value's output is spread evenly over all. With an input that puts `INPUT²` into each value, each
+/// is given `P = INPUT² / (1 - Σ 2 G_j / 8)` in all (G the lines' squared gains), and an output, the difference of a value of line 2 and one of line 3, is
+/// `(G_2 + G_3) P`.
+fn output_gain(plan: &BandPlan, decay_per_s: f64) -> f64 {
+    let [a, b, c, d] = plan.delays.map(|delay| libm::exp(-2.0 * plan.decay_per_sample * delay as f64));
+    let given = INPUT_GAIN * INPUT_GAIN / (1.0 - (a + b + c + d) / LINES as f64);
+    libm::sqrt(1.0 / (2.0 * decay_per_s * (c + d) * given))
+}
+
+/// Cycles of a split, of a network, and of doubling to the full rate: a sample, and beginnings and ends.
+const SPLIT_CYCLES: [usize; 2] = [34, 300];
+const NETWORK_CYCLES: [usize; 2] = [55, 900];
+const DOUBLING_CYCLES: [usize; 2] = [28, 500];
+
+/// Where each tick's part of the work on a block is best cut: for each band from the highest down its split and its answer, and then the doublings.
+pub(super) fn part_ends(plans: &[BandPlan; MAX_BANDS], count: usize) -> [u8; TICKS] {
+    let cost = |item: usize| {
+        let plan = plans.get(count.wrapping_sub(1 + item / 2));
+        let (samples, [a_sample, a_block]) = match plan {
+            Some(plan) if item.is_multiple_of(2) => (plan.block(), SPLIT_CYCLES),
+            Some(plan) => (plan.block(), NETWORK_CYCLES),
+            None => (BLOCK_FRAMES, DOUBLING_CYCLES),
+        };
+        samples * a_sample + a_block
+    };
+    let items = 2 * count + 1;
+    let cut = |most: usize| {
+        let (mut ends, mut item) = ([0; TICKS], 0);
+        for end in &mut ends {
+            let mut sum = 0;
+            while item < items && sum + cost(item) <= most {
+                sum += cost(item);
+                item += 1;
+            }
+            *end = item as u8;
+        }
+        (item == items).then_some(ends)
+    };
+    // The least that every part keeps within, in steps of a few cycles a frame.
+    let all = (0..items).map(cost).sum::<usize>();
+    (0..=all / 64).find_map(|step| cut(step * 64 + 64)).unwrap_or([items as u8; TICKS])
 }

@@ -1,49 +1,51 @@
-//! What the delay lines are kept in: 16 bits with a shared exponent a tick, or 32 bits.
+//! What the delay lines are kept in: 16 bits, or 32 bits. Both stand for the same: 32 bits are 16 with 16 more behind them.
 
 use super::kernel;
-use super::network::Work;
+use super::network::NetworkTick;
 use crate::fixed;
 
-/// A stored sample of a delay line.
-///
-/// A sample stands for `stored · 2^exponent` in Q4.27. In the network it is a *working value*, `sample · 2^(FRACTION - exponent)`.
+/// A stored sample of a delay line: a step of a 16-bit sample is what the network's level says, a 32-bit one is 2^16 times finer.
 pub trait Sample: Copy + sealed::Sealed {
     /// Silence.
     const ZERO: Self;
-    /// Bits of a working value behind the stored sample's last one.
-    const FRACTION: i32;
-    /// Each line takes the input times 2^-this: as quiet as leaves room for long loud sounds.
-    const INPUT_SHIFT: i32;
-    /// Half a stored step as a working value, where storing cuts bits off.
-    const HALF_STEP: i32;
+    /// Whether its lines' level is lowered where that leaves it more bits.
+    const LOWERED: bool;
+    /// Sine and cosine of an angle as samples are multiplied by them.
+    type Turn: Copy + core::fmt::Debug;
+    /// No angle yet.
+    const NO_TURN: Self::Turn;
 
-    /// The exponent of a tick's samples whose sizes are below `2^bits` in Q4.27, where those that the tick reads have at most `read`.
-    fn exponent(bits: i32, read: i32) -> i32;
+    /// From sine and cosine, Q31.
+    fn turn(turn: [i32; 2]) -> Self::Turn;
 
-    /// The gain of a read, for samples whose exponent is higher than the tick's by `rise`.
-    fn gain(gain: f64) -> i32;
+    /// From 2^-16 steps.
+    fn input(value: i32) -> Self;
 
-    /// Adapts a gain to samples whose exponent is higher than the tick's by `rise` (at most 2).
-    fn raise(gain: i32, rise: i32) -> i32;
+    /// `(c a + s b, s a - c b) / 2` of a pair (a, b).
+    fn rotate(pair: [Self; 2], turn: &Self::Turn) -> [Self; 2];
 
-    /// Reads a block times a gain, as working values.
-    fn take(line: &[Self], gain: i32, work: &mut [i32]);
+    /// Half of it, rounded half up.
+    fn halve(self) -> Self;
 
-    /// Mixes the samples of all lines from `start` on, as many as `sound` has, by an angle given as sine and cosine (Q31). `sound` holds each frame's input in its
-    /// first element, and afterwards both outputs.
-    fn mix(work: &mut Work, start: usize, sound: &mut [[i32; 2]], turn: [i32; 2]);
+    /// `a + b`, saturated.
+    fn add(a: Self, b: Self) -> Self;
 
-    /// Stores working values that are known to fit; gives the bits of the largest size.
-    fn put(work: &[i32], line: &mut [Self]) -> u32;
+    /// `a - b`, saturated.
+    fn subtract(a: Self, b: Self) -> Self;
 
-    /// The same, clipped to ±2 of the bus, whatever the values.
-    fn put_clipped(work: &[i32], line: &mut [Self], exponent: i32) -> u32;
+    /// Times a gain whose 2^16 stands for one bus step (Q4.27) a step of a 16-bit sample.
+    fn times(self, gain: i32) -> i32;
+
+    /// Whether it is beyond so many bits (sign included, of 16).
+    fn exceeds(self, bits: u32) -> bool;
+
+    /// Lets a tick pass through a network. Whether, where it is `busy`, an output is beyond the bits that raise the level; otherwise whether something
+    /// that is stored is beyond those up to which it may be lowered.
+    fn network(tick: NetworkTick<'_, Self>) -> bool;
+
+    /// Doubles all, saturated, or halves all as often as `rise` is below 0.
+    fn scale(words: &mut [[Self; 2]], rise: i32);
 }
-
-/// Largest size in a line, ±2.0 in Q4.27: what is louder is clipped there.
-pub(super) const CLIP: i32 = 1 << 28;
-/// Bits of [`CLIP`].
-pub(super) const CLIP_BITS: i32 = 28;
 
 mod sealed {
     pub trait Sealed {}
@@ -51,101 +53,113 @@ mod sealed {
     impl Sealed for i32 {}
 }
 
-/// Half the memory. A tick's samples share an exponent, so that a tail stays 70 dB above its own rounding however quiet it is.
+/// Half the memory, and what the assembly is for.
 impl Sample for i16 {
     const ZERO: Self = 0;
-    const FRACTION: i32 = 12;
-    const INPUT_SHIFT: i32 = 2;
-    const HALF_STEP: i32 = 1 << 11;
+    const LOWERED: bool = true;
+    type Turn = [i16; 2];
+    const NO_TURN: [i16; 2] = [0; 2];
 
-    fn exponent(bits: i32, read: i32) -> i32 {
-        // Never so low that a read would have to be raised by more than 2, never above what ±2.0 needs.
-        (bits - 15).max(read - 2).clamp(0, CLIP_BITS - 15)
-    }
-
-    fn gain(gain: f64) -> i32 {
-        libm::rint(gain * 268_435_456.0) as i32
+    fn turn(turn: [i32; 2]) -> [i16; 2] {
+        turn.map(|value| (value.saturating_add(1 << 15) >> 16) as i16)
     }
 
     #[inline(always)]
-    fn raise(gain: i32, rise: i32) -> i32 {
-        // Gains are below 2^28, rises at most 2.
-        match rise {
-            0.. => gain << rise.min(2),
-            _ => fixed::rounding_shift_right(gain, rise.unsigned_abs()),
-        }
+    fn input(value: i32) -> i16 {
+        // At most 2^30 by what prepares.
+        ((value + (1 << 15)) >> 16) as i16
     }
 
-    fn take(line: &[Self], gain: i32, work: &mut [i32]) {
-        kernel::take(line, gain, work);
+    #[inline(always)]
+    fn rotate([a, b]: [i16; 2], &[sine, cosine]: &[i16; 2]) -> [i16; 2] {
+        const HALF_STEP: i32 = 1 << 15;
+        let [a, b, sine, cosine] = [a, b, sine, cosine].map(i32::from);
+        // SMLAD, SMLSDX, and the upper halves.
+        [((cosine * a + sine * b + HALF_STEP) >> 16) as i16, ((sine * a - cosine * b + HALF_STEP) >> 16) as i16]
     }
 
-    fn mix(work: &mut Work, start: usize, sound: &mut [[i32; 2]], turn: [i32; 2]) {
-        kernel::mix(work, start, sound, turn);
+    fn halve(self) -> i16 {
+        // SHADD16 with ones.
+        ((i32::from(self) + 1) >> 1) as i16
     }
 
-    fn put(work: &[i32], line: &mut [Self]) -> u32 {
-        kernel::put(work, line)
+    #[inline(always)]
+    fn add(a: i16, b: i16) -> i16 {
+        a.saturating_add(b)
     }
 
-    fn put_clipped(work: &[i32], line: &mut [Self], exponent: i32) -> u32 {
-        let most = (CLIP >> exponent.clamp(0, CLIP_BITS)).min(i32::from(i16::MAX));
-        let mut sizes = 0;
-        for (sample, &value) in line.iter_mut().zip(work) {
-            *sample = (value >> 12).clamp(-most, most) as i16;
-            sizes |= (*sample ^ (*sample >> 15)) as u32;
-        }
-        32 - sizes.leading_zeros()
+    #[inline(always)]
+    fn subtract(a: i16, b: i16) -> i16 {
+        a.saturating_sub(b)
+    }
+
+    #[inline(always)]
+    fn times(self, gain: i32) -> i32 {
+        // At most 2^31 · 2^15 / 2^16 (SMULWB).
+        ((i64::from(gain) * i64::from(self)) >> 16) as i32
+    }
+
+    #[inline(always)]
+    fn exceeds(self, bits: u32) -> bool {
+        (self ^ (self >> 15)) >> (bits - 1) != 0
+    }
+
+    fn network(tick: NetworkTick<'_, i16>) -> bool {
+        kernel::network(tick)
+    }
+
+    fn scale(words: &mut [[i16; 2]], rise: i32) {
+        kernel::scale(words, rise);
     }
 }
 
-/// Twice the memory: rounding at -160 dBFS, for those who have the room.
+/// Twice the memory, for those who have it: rounding at what the bus and the splits have.
 impl Sample for i32 {
     const ZERO: Self = 0;
-    const FRACTION: i32 = 0;
-    /// There is no exponent that would keep the last bits of the input.
-    const INPUT_SHIFT: i32 = 1;
-    const HALF_STEP: i32 = 0;
+    const LOWERED: bool = false;
+    type Turn = [i32; 2];
+    const NO_TURN: [i32; 2] = [0; 2];
 
-    fn exponent(_: i32, _: i32) -> i32 {
-        0
+    fn turn(turn: [i32; 2]) -> [i32; 2] {
+        turn
     }
 
-    fn gain(gain: f64) -> i32 {
-        libm::rint(gain * 2_147_483_648.0) as i32
+    fn input(value: i32) -> i32 {
+        value
     }
 
-    #[inline(always)]
-    fn raise(gain: i32, _: i32) -> i32 {
-        gain
+    fn rotate([a, b]: [i32; 2], &[sine, cosine]: &[i32; 2]) -> [i32; 2] {
+        let [a, b, sine, cosine] = [a, b, sine, cosine].map(i64::from);
+        // Below √2 · 2^62: no sum leaves 64 bits.
+        let half = |sum: i64| ((sum + (1 << 31)) >> 32) as i32;
+        [half(cosine * a + sine * b), half(sine * a - cosine * b)]
     }
 
-    fn take(line: &[Self], gain: i32, work: &mut [i32]) {
-        for (value, &sample) in work.iter_mut().zip(line) {
-            // At most ±2^28 by less than 1.
-            *value = fixed::smmulr(sample << 1, gain);
-        }
+    fn halve(self) -> i32 {
+        (self >> 1) + (self & 1)
     }
 
-    fn mix(work: &mut Work, start: usize, sound: &mut [[i32; 2]], turn: [i32; 2]) {
-        kernel::portable::mix(work, start, sound, turn, Self::HALF_STEP);
+    fn add(a: i32, b: i32) -> i32 {
+        a.saturating_add(b)
     }
 
-    fn put(work: &[i32], line: &mut [Self]) -> u32 {
-        let mut sizes = 0;
-        for (sample, &value) in line.iter_mut().zip(work) {
-            *sample = value;
-            sizes |= (value ^ (value >> 31)) as u32;
-        }
-        32 - sizes.leading_zeros()
+    fn subtract(a: i32, b: i32) -> i32 {
+        a.saturating_sub(b)
     }
 
-    fn put_clipped(work: &[i32], line: &mut [Self], _: i32) -> u32 {
-        let mut sizes = 0;
-        for (sample, &value) in line.iter_mut().zip(work) {
-            *sample = value.clamp(-CLIP, CLIP);
-            sizes |= (*sample ^ (*sample >> 31)) as u32;
-        }
-        32 - sizes.leading_zeros()
+    fn times(self, gain: i32) -> i32 {
+        fixed::smmulr(self, gain)
+    }
+
+    fn exceeds(self, bits: u32) -> bool {
+        (self ^ (self >> 31)) >> (bits + 15) != 0
+    }
+
+    fn network(tick: NetworkTick<'_, i32>) -> bool {
+        kernel::portable::network(tick)
+    }
+
+    fn scale(words: &mut [[i32; 2]], rise: i32) {
+        kernel::portable::scale(words, rise);
     }
 }

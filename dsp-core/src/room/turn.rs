@@ -1,49 +1,65 @@
-//! The angle that turns the networks' mixes: the same for all bands, moved on by every tick that sounds.
+//! The angle that turns the networks' mixes: the same for all bands, moved on by every block that sounds.
 
+use super::BLOCK_FRAMES;
 use crate::SampleRate;
 use crate::fixed;
-use crate::resonator::TICK_FRAMES;
 
+/// Samples that are mixed by the same angle.
+pub(super) const TURN_SAMPLES: usize = 8;
 /// The angle swings by this many radians to either side ...
 const SWING: f64 = 6.0;
 /// ... this many times a second: that moves the resonances by up to 11 Hz, and spreads a steady tone by as much.
 const SWINGS_HZ: f64 = 1.9;
 
-/// The phase of the swing as a part of a turn, 2^32 = one turn; sine and cosine of the angle as Q31, at the beginning of a tick and at its end.
+/// The phase of the swing as a part of a turn, 2^32 = one turn; sine and cosine of the angle as Q31, at the beginning of a block and at its end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
     phase: u32,
+    /// In half a block.
     speed: u32,
-    now: [i32; 2],
-    next: [i32; 2],
+    /// At the block's beginning, its middle and its end.
+    at: [[i32; 2]; 3],
 }
 
 impl Turn {
-    pub(super) const NONE: Self = Self { phase: 0, speed: 0, now: [0; 2], next: [0; 2] };
+    pub(super) const NONE: Self = Self { phase: 0, speed: 0, at: [[0; 2]; 3] };
 
     pub(super) fn new(rate: SampleRate) -> Self {
-        let speed = libm::rint(SWINGS_HZ * TICK_FRAMES as f64 / rate.hz() * 4_294_967_296.0) as u32;
+        let speed = libm::rint(SWINGS_HZ * (BLOCK_FRAMES / 2) as f64 / rate.hz() * 4_294_967_296.0) as u32;
         let mut turn = Self { speed, ..Self::NONE };
-        turn.advance();
+        turn.at = [[0; 2], [0; 2], turn.next()];
         turn
     }
 
-    /// A tick later.
+    /// A block later.
     pub(super) fn advance(&mut self) {
-        self.now = self.next;
+        let [_, _, end] = self.at;
+        self.at = [end, self.next(), self.next()];
+    }
+
+    /// Half a block further.
+    fn next(&mut self) -> [i32; 2] {
         self.phase = self.phase.wrapping_add(self.speed);
         // Q31 times radians over a turn, to parts of a turn.
         let angle = ((i64::from(sine(self.phase)) * SWING_PER_TURN_Q30) >> 29) as u32;
-        self.next = [sine(angle), sine(angle.wrapping_add(1 << 30))];
+        [sine(angle), sine(angle.wrapping_add(1 << 30))]
     }
 
-    /// Sine and cosine at the beginning of one of a tick's equal parts (a power of two of them), on the straight line between those at its ends.
-    pub(super) fn at(&self, part: usize, parts: usize) -> [i32; 2] {
-        let shift = parts.trailing_zeros();
-        // A tick turns by much less than a radian, but let it be: the difference of two Q31 fits when halved.
-        let step = |from: i32, to: i32| from + (((((to >> 1) - (from >> 1)) >> shift) * part as i32) << 1);
-        let ([sine, cosine], [next_sine, next_cosine]) = (self.now, self.next);
-        [step(sine, next_sine), step(cosine, next_cosine)]
+    /// Sines and cosines of each eighth frame of a block, on the straight lines between those at its beginning, its middle and its end.
+    pub(super) fn steps(&self) -> [[i32; 2]; BLOCK_FRAMES / TURN_SAMPLES] {
+        let [begin, middle, end] = self.at;
+        let mut steps = [[0; 2]; BLOCK_FRAMES / TURN_SAMPLES];
+        let (first, second) = steps.split_at_mut(BLOCK_FRAMES / TURN_SAMPLES / 2);
+        for (half, [sine, cosine], [next_sine, next_cosine]) in [(first, begin, middle), (second, middle, end)] {
+            // The difference of two Q31 fits when both are an eighth.
+            let (sine_step, cosine_step) = ((next_sine >> 3) - (sine >> 3), (next_cosine >> 3) - (cosine >> 3));
+            let (mut sine, mut cosine) = (sine, cosine);
+            for step in half {
+                *step = [sine, cosine];
+                (sine, cosine) = (sine + sine_step, cosine + cosine_step);
+            }
+        }
+        steps
     }
 }
 

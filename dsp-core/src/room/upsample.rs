@@ -3,12 +3,12 @@
 //! `y[2n] = A(a0) x[n]`, `y[2n+1] = A(a1) x[n]`, `A(a) = (a + z^-1)/(1 + a z^-1)`: images are 36 dB down from 0.3 of the higher rate on, where bands end at 0.2 of it.
 
 use super::crossover::half_band;
-use crate::fixed;
+use super::kernel;
 
 /// Width of the transition, of half the higher rate.
 const TRANSITION: f64 = 0.1;
 
-/// The coefficients, Q31; the same at every rate.
+/// The coefficients, the smaller as Q32, the other as Q31; the same at every rate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Upsampler {
     a: [i32; 2],
@@ -28,36 +28,13 @@ impl Upsampler {
     pub(super) const NONE: Self = Self { a: [0; 2] };
 
     pub(super) fn new() -> Self {
-        Self { a: half_band::<2>(TRANSITION).map(|a| libm::rint(a * 2_147_483_648.0) as i32) }
+        let [a0, a1] = half_band::<2>(TRANSITION);
+        Self { a: [libm::rint(a0 * 4_294_967_296.0) as i32, libm::rint(a1 * 2_147_483_648.0) as i32] }
     }
 
-    /// Adds `slow` at twice its rate to `fast`, which is twice as long. `slow` is clipped to ±4.0 in Q4.27, so that no difference wraps: the
+    /// Adds `slow` at twice its rate to `fast`, which is twice as long, or puts it there. `slow` is clipped to ±4.0 in Q4.27, so that no difference wraps: the
     /// impulse response of an all-pass of first order sums up to 1 + 2a < 2.5, so that all stays below 2^30.4, differences below 2^30.9.
-    pub(super) fn render(&self, state: &mut UpsamplerState, slow: &[[i32; 2]], fast: &mut [[i32; 2]]) {
-        let [a0, a1] = self.a;
-        let [mut left, mut right] = state.sides;
-        let (pairs, _) = fast.as_chunks_mut::<2>();
-        for ([l, r], [even, odd]) in slow.iter().zip(pairs) {
-            let ([le, lo], [re, ro]) = (step(&mut left, *l, a0, a1), step(&mut right, *r, a0, a1));
-            *even = [even[0].saturating_add(le), even[1].saturating_add(re)];
-            *odd = [odd[0].saturating_add(lo), odd[1].saturating_add(ro)];
-        }
-        state.sides = [left, right];
+    pub(super) fn render(&self, state: &mut UpsamplerState, slow: &[[i32; 2]], fast: &mut [[i32; 2]], add: bool) {
+        kernel::double(&self.a, &mut state.sides, slow, fast, add);
     }
-}
-
-#[inline(always)]
-fn step([x1, even1, odd1]: &mut [i32; 3], x: i32, a0: i32, a1: i32) -> [i32; 2] {
-    let x = clip(x);
-    let even = *x1 + (fixed::smmulr(x - *even1, a0) << 1);
-    let odd = *x1 + (fixed::smmulr(x - *odd1, a1) << 1);
-    (*x1, *even1, *odd1) = (x, even, odd);
-    [even, odd]
-}
-
-#[inline(always)]
-fn clip(value: i32) -> i32 {
-    const CLIP: i32 = 1 << 29;
-    let value = if value < -CLIP { -CLIP } else { value };
-    if value > CLIP - 1 { CLIP - 1 } else { value }
 }

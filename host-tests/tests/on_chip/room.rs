@@ -16,12 +16,13 @@ fn noise(seed: u32) -> impl FnMut() -> i32 {
     }
 }
 
-/// Nominal cycles a frame: mean and worst tick, while the room is played by noise so many bits below full scale.
+/// Nominal cycles a frame: mean and worst tick, while the room is played by noise so many bits below full scale. Long enough for its level to be raised now and
+/// then.
 fn cycles(chip: &mut RoomOnChip, table: &Table, quieter_bits: u32) -> (f64, f64) {
     chip.load(table, 48_000).unwrap();
     let mut noise = noise(1);
     let mut ticks = Vec::new();
-    for tick in 0..120 {
+    for tick in 0..1600 {
         let mut out = [[0; 2]; TICK_FRAMES];
         out.fill_with(|| [noise() >> quieter_bits; 2]);
         let cost = chip.render(&mut out).unwrap();
@@ -33,10 +34,10 @@ fn cycles(chip: &mut RoomOnChip, table: &Table, quieter_bits: u32) -> (f64, f64)
 }
 
 #[test]
-fn a_full_room_costs_no_more_than_its_documentation_says() {
+fn four_bands_cost_at_most_252_cycles_a_frame_and_eight_at_most_700() {
     let mut chip = RoomOnChip::new().unwrap();
     let [four, eight] = octave_tables(3.0);
-    for (table, most) in [(four, 1100.0), (eight, 1600.0)] {
+    for (table, most) in [(four, 252.0), (eight, 700.0)] {
         for quieter_bits in [3, 0] {
             let (mean, worst) = cycles(&mut chip, &table, quieter_bits);
             println!(
@@ -44,7 +45,7 @@ fn a_full_room_costs_no_more_than_its_documentation_says() {
                 table.bands.len(),
                 6 * quieter_bits
             );
-            assert!(worst <= most, "{} bands: {worst:.1} cycles a frame", table.bands.len());
+            assert!(mean <= most && worst <= 600.0, "{} bands: {mean:.1} cycles a frame, {worst:.1}", table.bands.len());
         }
     }
 }
@@ -57,9 +58,9 @@ fn the_chip_gives_the_bits_of_the_pc_for_any_run_length() {
         let mut room = Box::new(Room::<i16, LARGE>::new());
         room.load(&table.records(), SampleRate::HZ_48000).unwrap();
         let mut noise = noise(7);
-        for run in 0..400 {
+        for run in 0..800 {
             let frames = 1 + run % TICK_FRAMES;
-            let level = 27 - (run / 20) as u32;
+            let level = 27 - (run / 30) as u32;
             let mut on_chip = vec![[0; 2]; frames];
             on_chip.fill_with(|| match run % 7 {
                 0 => [noise() >> (27 - level), noise() >> (27 - level)],
@@ -87,5 +88,5 @@ fn a_silent_room_costs_next_to_nothing_and_its_memory_is_stated() {
     }
     println!("silent: {last:.1} cycles a frame; {} bytes with 48 KB of delay", chip.bytes().unwrap());
     assert!(last <= 30.0, "{last} cycles a frame");
-    assert!(chip.bytes().unwrap() <= 49_152 + 6_144);
+    assert!(chip.bytes().unwrap() <= 49_152 + 10_240);
 }

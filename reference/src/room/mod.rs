@@ -9,9 +9,10 @@ mod split;
 
 use crate::SampleRate;
 
-/// Frames of a tick: the wet sound begins one tick after the dry one.
-const TICK_FRAMES: usize = 32;
-const LINES: usize = 8;
+/// Frames of a block: the wet sound begins two blocks after the dry one.
+const BLOCK_FRAMES: usize = 128;
+/// Lines of a network; each holds pairs.
+const LINES: usize = 4;
 
 /// One band of a room; bands stand from the lowest up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +29,7 @@ pub struct RoomBand {
 pub(crate) struct Plan {
     division: usize,
     edge: f64,
+    /// Of pairs.
     delays: Vec<usize>,
     gains: Vec<f64>,
     output: f64,
@@ -39,9 +41,9 @@ pub(crate) struct Plan {
 pub fn room(bands: &[RoomBand], dry: &[f64], rate: SampleRate, samples: usize) -> [Vec<f64>; 2] {
     let hz = rate.hz();
     let plans = plans(bands, hz, samples);
-    let ticks = dry.len().div_ceil(TICK_FRAMES);
+    let blocks = dry.len().div_ceil(BLOCK_FRAMES);
     let mut low = dry.to_vec();
-    low.resize(ticks * TICK_FRAMES, 0.0);
+    low.resize(blocks * BLOCK_FRAMES, 0.0);
     let (mut division, mut answers) = (1, Vec::new());
     for (index, plan) in plans.iter().enumerate().rev() {
         low = low.into_iter().step_by(plan.division / division).collect();
@@ -73,31 +75,36 @@ pub fn room(bands: &[RoomBand], dry: &[f64], rate: SampleRate, samples: usize) -
         sum = sum.map(|side| split::double(&side));
         division /= 2;
     }
-    sum.map(|side| std::iter::repeat_n(0.0, TICK_FRAMES).chain(side).take(dry.len()).collect())
+    sum.map(|side| std::iter::repeat_n(0.0, 2 * BLOCK_FRAMES).chain(side).take(dry.len()).collect())
 }
 
 fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
     let to_hz = |band: usize| bands.get(band + 1).map_or(hz / 2.0, |next| next.from_hz);
+    let slowest = if bands.len() <= 4 { 8 } else { 32 };
     let divisions: Vec<usize> = (0..bands.len())
         .map(|band| {
-            let fits = |division: usize| to_hz(band) * division as f64 <= 0.4 * hz;
-            [32, 16, 8, 4, 2].into_iter().find(|&division| fits(division)).unwrap_or(1)
+            let fits = |division: usize| to_hz(band) * division as f64 <= 0.42 * hz;
+            [32, 16, 8, 4, 2].into_iter().find(|&division| division <= slowest && fits(division)).unwrap_or(1)
         })
         .collect();
-    // Seconds of delay: 0.15 of T60 or a hundred resonances in the band, within the memory and 190 ticks for the longest line.
+    // Seconds of delay: 0.15 of T60 or a hundred resonances in the band, within the memory and 47 blocks for the longest line.
     let wishes: Vec<f64> = bands
         .iter()
         .enumerate()
-        .map(|(band, law)| (0.15 * 1000f64.ln() / law.decay_per_s).max(100.0 / (to_hz(band) - law.from_hz)))
+        .map(|(band, law)| {
+            let wish = (0.15 * 1000f64.ln() / law.decay_per_s).max(100.0 / (to_hz(band) - law.from_hz));
+            // Dense enough in the highest band.
+            if band + 1 == bands.len() { wish.min(0.16) } else { wish }
+        })
         .collect();
     let parts: Vec<f64> = {
-        let sum: f64 = (0..LINES as i32).map(|line| 1.25f64.powi(line)).sum();
-        (0..LINES as i32).map(|line| 1.25f64.powi(line) / sum).collect()
+        let sum: f64 = (0..LINES as i32).map(|line| 1.4f64.powi(line)).sum();
+        (0..LINES as i32).map(|line| 1.4f64.powi(line) / sum).collect()
     };
     let needed = |limit: f64| -> f64 {
         wishes.iter().zip(&divisions).map(|(wish, &division)| wish.min(limit) * hz / division as f64).sum()
     };
-    let (mut limit, mut high) = (0.0, 190.0 * TICK_FRAMES as f64 / hz / parts[LINES - 1]);
+    let (mut limit, mut high) = (0.0, 2.0 * 47.0 * BLOCK_FRAMES as f64 / hz / parts[LINES - 1]);
     if needed(high) <= samples as f64 {
         limit = high;
     }
@@ -107,13 +114,13 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
     }
     let band = |band: usize| {
         let own_hz = hz / divisions[band] as f64;
-        let delays = delays(wishes[band].min(limit) * own_hz, TICK_FRAMES / divisions[band], &parts);
+        let delays = delays(0.5 * wishes[band].min(limit) * own_hz, BLOCK_FRAMES / divisions[band], &parts);
         let law = bands[band];
         let gains: Vec<f64> = delays.iter().map(|&delay| (-law.decay_per_s * delay as f64 / own_hz).exp()).collect();
-        // Energy as in a network of pipes: each line's output is spread evenly over all.
-        let passed: f64 = gains.iter().map(|gain| gain * gain).sum();
-        let energy = passed / 256.0 / (1.0 - passed / LINES as f64) / LINES as f64;
-        let output = law.gain * (1.0 / (2.0 * law.decay_per_s * energy)).sqrt();
+        // Energy as in a network of pipes: each value's output is spread evenly over all. Outputs are differences of lines 2 and 3.
+        let passed: Vec<f64> = gains.iter().map(|gain| gain * gain).collect();
+        let given = 1.0 / 16.0 / (1.0 - passed.iter().sum::<f64>() / LINES as f64);
+        let output = law.gain * (1.0 / (2.0 * law.decay_per_s * given * (passed[2] + passed[3]))).sqrt();
         Plan { division: divisions[band], edge: law.from_hz / own_hz, delays, gains, output }
     };
     (0..bands.len()).map(band).collect()

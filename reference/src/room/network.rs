@@ -1,50 +1,55 @@
 //! One band's feedback delay network.
 
-use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+use std::f64::consts::TAU;
 
-use super::{Plan, TICK_FRAMES};
+use super::{BLOCK_FRAMES, LINES, Plan};
 
 /// Both outputs of a network for an input at its own rate. `hz` is the full rate.
+///
+/// Four lines of pairs. What each gives is turned, lines 0 and 2 by an angle that moves, 1 and 3 by one that does not and with its halves changed; then mixed by
+/// four, and written a line further on.
 pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
-    let block = TICK_FRAMES / plan.division;
-    let mut lines: Vec<Vec<f64>> = plan.delays.iter().map(|&delay| vec![0.0; delay]).collect();
+    let block = BLOCK_FRAMES / plan.division;
+    let mut lines: Vec<Vec<[f64; 2]>> = plan.delays.iter().map(|&delay| vec![[0.0; 2]; delay]).collect();
     let mut out = [Vec::with_capacity(input.len()), Vec::with_capacity(input.len())];
+    let fixed = (14_111f64 / 32_768.0).atan2(29_574.0 / 32_768.0).sin_cos();
     for (frame, &x) in input.iter().enumerate() {
-        let read = |line: usize| plan.gains[line] * lines[line][frame];
-        let [sine, cosine] = turn(frame / block, frame % block, block, hz);
-        let mut y = [0.0; 8];
-        for pair in 0..4 {
-            let (a, b) = (read(2 * pair), read(2 * pair + 1));
-            (y[2 * pair], y[2 * pair + 1]) = match pair {
-                0 | 1 => (cosine * a + sine * b, cosine * b - sine * a),
-                _ => ((a + b) * FRAC_1_SQRT_2, (a - b) * FRAC_1_SQRT_2),
-            };
+        let moving = turn(frame / block, frame % block, block, hz);
+        let read = |line: usize, (sine, cosine): (f64, f64), x: f64| {
+            let [a, b] = lines[line][frame].map(|value| plan.gains[line] * value);
+            [cosine * a + sine * b + x, sine * a - cosine * b + x]
+        };
+        let swapped = |[a, b]: [f64; 2]| [b, a];
+        let r = [
+            read(0, moving, x / 2.0),
+            swapped(read(1, fixed, 0.0)),
+            read(2, moving, 0.0),
+            swapped(read(3, fixed, 0.0)),
+        ];
+        for side in 0..2 {
+            out[side].push(plan.output * (r[2][side] - r[3][side]));
         }
-        for stride in [2, 4] {
-            for i in (0..8).filter(|i| i & stride == 0) {
-                let (a, b) = (y[i], y[i + stride]);
-                (y[i], y[i + stride]) = ((a + b) * FRAC_1_SQRT_2, (a - b) * FRAC_1_SQRT_2);
-            }
+        const SIGNS: [[f64; 4]; 4] =
+            [[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]];
+        for (output, signs) in SIGNS.iter().enumerate() {
+            let side = |side: usize| 0.5 * signs.iter().zip(&r).map(|(sign, r)| sign * r[side]).sum::<f64>();
+            lines[(output + 1) % LINES].push([side(0), side(1)]);
         }
-        const SIGNS: [f64; 8] = [1.0, -1.0, 1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
-        for (output, y) in y.iter().enumerate() {
-            lines[(output + 3) % 8].push(y + SIGNS[output] * x / 16.0);
-        }
-        out[0].push(plan.output * y[0]);
-        out[1].push(plan.output * y[3]);
     }
     out
 }
 
-/// Sine and cosine of the mix's angle in a tick counted from 0: a swing of ±6 radians 1.9 times a second, on a straight line between
-/// ticks, held for eight samples.
-fn turn(tick: usize, sample: usize, block: usize, hz: f64) -> [f64; 2] {
-    let at = |tick: usize| {
-        let t = tick as f64 * TICK_FRAMES as f64 / hz;
+/// Sine and cosine of the mix's angle in a block counted from 0: a swing of ±6 radians 1.9 times a second, on a straight line from half block to half
+/// block, held for eight samples.
+fn turn(index: usize, sample: usize, block: usize, hz: f64) -> (f64, f64) {
+    let at = |half: usize| {
+        let t = half as f64 * BLOCK_FRAMES as f64 / 2.0 / hz;
         (6.0 * (TAU * 1.9 * t).sin()).sin_cos()
     };
-    let part = (sample / 8 * 8) as f64 / block as f64;
-    // The first tick's angle is that of one tick after the start.
-    let (from, to) = (at(tick + 1), at(tick + 2));
-    [from.0 + part * (to.0 - from.0), from.1 + part * (to.1 - from.1)]
+    let part = 2.0 * (sample / 8 * 8) as f64 / block as f64;
+    let half = part as usize;
+    // The first block's angle is that of half a block after the start.
+    let (from, to) = (at(2 * index + half + 1), at(2 * index + half + 2));
+    let part = part - half as f64;
+    (from.0 + part * (to.0 - from.0), from.1 + part * (to.1 - from.1))
 }

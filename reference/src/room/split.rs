@@ -38,7 +38,7 @@ pub(super) fn split(signal: &[f64], edge: f64) -> (Vec<f64>, Vec<f64>) {
     let (cut, middle) = (PI * edge, PI / 4.0);
     let alpha = (middle - cut).sin() / (middle + cut).sin();
     let mut branches = [signal.to_vec(), filter(&[-alpha, 1.0], &[1.0, -alpha], signal)];
-    for (index, a) in half_band(3, 0.05).into_iter().enumerate() {
+    for (index, a) in half_band(2, 0.1).into_iter().enumerate() {
         // The half-band section with z^-1 replaced by (z^-1 - α)/(1 - α z^-1).
         let scale = 1.0 + a * alpha * alpha;
         let (c1, c2) = (-2.0 * alpha * (1.0 + a) / scale, (a + alpha * alpha) / scale);

@@ -1,43 +1,137 @@
 //! The kernels for a Cortex-M4F: `cortex_m4.s`, bit for bit what [`super::portable`] does.
 #![allow(unsafe_code)] // assembly
 
-use super::super::network::{LINES, Work};
-use crate::resonator::TICK_FRAMES;
+use core::mem::offset_of;
+
+use super::super::BLOCK_FRAMES;
+use super::super::crossover::{Split, SplitState};
+use super::super::network::{LINES, NetworkTick, Place, Sound};
+use super::super::turn::TURN_SAMPLES;
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 
+/// What a network's tick is told.
+#[repr(C)]
+struct Call<'a> {
+    memory: *mut [i16; 2],
+    lines: &'a [Place; LINES],
+    places: &'a mut [Place; LINES],
+    /// Input; output lies 512 bytes behind.
+    sound: *mut Sound<i16>,
+    frames: usize,
+    /// Of each eighth frame.
+    turns: *const [i16; 2],
+    fixed: [i16; 2],
+    busy: u32,
+    input: *const i32,
+    input_shift: u32,
+    input_gain: [i32; 2],
+    out: *mut [i32; 2],
+    output_gain: [i32; 2],
+    /// A [`Radiation`].
+    radiation: u32,
+}
+
 // What cortex_m4.s counts on.
-const _: () = assert!(TICK_FRAMES == 32 && LINES == 8 && size_of::<Work>() == 1024);
+const _: () = assert!(BLOCK_FRAMES == 128 && TURN_SAMPLES == 8 && LINES == 4 && offset_of!(Sound<i16>, output) == 512);
+const _: () = assert!(align_of::<Sound<i16>>() == 32 && offset_of!(Sound<i16>, input) == 0);
+const _: () = assert!(size_of::<Place>() == 4 && offset_of!(Place, left) == 2 && size_of::<Call<'_>>() == 64);
+const _: () = assert!(size_of::<Split>() == 20 && size_of::<SplitState>() == 52);
 
 unsafe extern "C" {
-    fn malleus_room_take(line: *const i16, gain: i32, work: *mut i32, count: usize);
-    fn malleus_room_put(work: *const i32, line: *mut i16, count: usize) -> u32;
-    fn malleus_room_mix(work: *mut i32, sound: *mut [i32; 2], count: usize, sine: i32, cosine: i32);
+    fn malleus_room_network(call: &mut Call<'_>) -> u32;
+    fn malleus_room_scale(words: *mut [i16; 2], count: usize, rise: i32);
+    fn malleus_room_split(
+        split: &Split,
+        state: &mut SplitState,
+        low: *mut i32,
+        high: *mut i32,
+        count: usize,
+        thin: bool,
+    ) -> u32;
+    fn malleus_room_double(
+        a: &[i32; 2],
+        sides: *mut [i32; 3],
+        slow: *const i32,
+        fast: *mut i32,
+        count: usize,
+        add: bool,
+    );
+    fn malleus_room_exchange(out: *mut [i32; 2], wet: *const [i32; 2], input: *mut i32, count: usize) -> u32;
 }
 
-/// As [`super::portable::take`].
-pub(in crate::room) fn take(line: &[i16], gain: i32, work: &mut [i32]) {
-    let count = line.len().min(work.len());
+/// As [`super::portable::split`].
+pub(in crate::room) fn split(
+    split: &Split,
+    state: &mut SplitState,
+    low: &mut [i32],
+    high: &mut [i32],
+    thin: bool,
+) -> u32 {
+    let count = low.len().min(high.len());
     // SAFETY: both slices hold `count` elements.
-    unsafe { malleus_room_take(line.as_ptr(), gain, work.as_mut_ptr(), count) }
+    unsafe { malleus_room_split(split, state, low.as_mut_ptr(), high.as_mut_ptr(), count, thin) }
 }
 
-/// As [`super::portable::put`].
-pub(in crate::room) fn put(work: &[i32], line: &mut [i16]) -> u32 {
-    let count = line.len().min(work.len());
-    // SAFETY: both slices hold `count` elements; the core stores words at any address.
-    let sizes = unsafe { malleus_room_put(work.as_ptr(), line.as_mut_ptr(), count) };
-    31 - ((sizes | sizes >> 16) & 0xffff | 1).leading_zeros()
-}
-
-/// As [`super::portable::mix`], on 16-bit lines.
-pub(in crate::room) fn mix(work: &mut Work, start: usize, sound: &mut [[i32; 2]], [sine, cosine]: [i32; 2]) {
-    if sound.is_empty() || start + sound.len() > TICK_FRAMES {
-        return;
+/// As [`super::portable::double`].
+pub(in crate::room) fn double(
+    a: &[i32; 2],
+    sides: &mut [[i32; 3]; 2],
+    slow: &[[i32; 2]],
+    fast: &mut [[i32; 2]],
+    add: bool,
+) {
+    let count = slow.len().min(fast.len() / 2);
+    if count > 0 {
+        // SAFETY: there are `count` pairs of `slow` and twice as many of `fast`; sides lie behind one another.
+        unsafe {
+            malleus_room_double(a, sides.as_mut_ptr(), slow.as_ptr().cast(), fast.as_mut_ptr().cast(), count, add);
+        }
     }
-    // SAFETY: `start` and the frames behind it lie within each line of `work`, so that the last line's end is not passed.
-    unsafe {
-        let work = work.as_mut_ptr().cast::<i32>().add(start);
-        malleus_room_mix(work, sound.as_mut_ptr(), sound.len(), sine, cosine);
+}
+
+/// As [`super::portable::exchange`].
+pub(in crate::room) fn exchange(out: &mut [[i32; 2]], wet: &[[i32; 2]], input: &mut [i32]) -> u32 {
+    let count = out.len().min(wet.len()).min(input.len());
+    // SAFETY: all slices hold `count` elements.
+    unsafe { malleus_room_exchange(out.as_mut_ptr(), wet.as_ptr(), input.as_mut_ptr(), count) }
+}
+
+/// As [`super::portable::network`].
+#[inline(always)]
+pub(in crate::room) fn network(tick: NetworkTick<'_, i16>) -> bool {
+    let NetworkTick { memory, lines, places, sound, turns: (turns, fixed), .. } = tick;
+    let frames = tick.input.len();
+    let [.., Place { at, left }] = *lines;
+    let pairs = usize::from(at) + usize::from(left);
+    if frames == 0 || frames > tick.out.len().min(BLOCK_FRAMES) || pairs > memory.len() || turns.len() * 8 < frames {
+        return false;
+    }
+    let mut call = Call {
+        memory: memory.as_mut_ptr(),
+        lines,
+        places,
+        sound,
+        frames,
+        turns: turns.as_ptr(),
+        fixed,
+        busy: u32::from(tick.busy),
+        input: tick.input.as_ptr(),
+        input_shift: tick.input_shift,
+        input_gain: tick.input_gain,
+        out: tick.out.as_mut_ptr(),
+        output_gain: tick.output_gain,
+        radiation: tick.radiation as u32,
+    };
+    // SAFETY: the lines lie within the memory, places within the lines (they begin there and only a block moves them, back to there at a line's end; a line is
+    // at least a block long); there are an input, an output and a frame of `out` a frame, and an angle for each eight.
+    unsafe { malleus_room_network(&mut call) != 0 }
+}
+
+/// As [`super::portable::scale`].
+pub(in crate::room) fn scale(words: &mut [[i16; 2]], rise: i32) {
+    if !words.is_empty() {
+        // SAFETY: there are as many words as it says.
+        unsafe { malleus_room_scale(words.as_mut_ptr(), words.len(), rise) }
     }
 }

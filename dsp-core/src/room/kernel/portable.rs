@@ -1,54 +1,227 @@
 //! The kernels in plain Rust: the definition of the bits.
 
-use super::super::network::Work;
+#[cfg(not(cortex_m4f))]
+use super::super::crossover::{Split, SplitState};
+use super::super::level::{LOUD_BITS, QUIET_BITS};
+use super::super::network::{LINES, NetworkTick, Place, Radiation, Sound};
+use super::super::storage::Sample;
+use super::super::turn::TURN_SAMPLES;
 use crate::fixed;
 
-/// `work = gain · line / 2^16`, rounded down (SMULWB).
-#[cfg(not(cortex_m4f))]
-pub(in crate::room) fn take(line: &[i16], gain: i32, work: &mut [i32]) {
-    for (value, &sample) in work.iter_mut().zip(line) {
-        *value = ((i64::from(gain) * i64::from(sample)) >> 16) as i32;
+/// As [`Sample::network`].
+pub(in crate::room) fn network<T: Sample>(tick: NetworkTick<'_, T>) -> bool {
+    let NetworkTick { memory, lines, places, sound, turns, busy, input, out, .. } = tick;
+    prepare(input, &mut sound.input, tick.input_shift, tick.input_gain);
+    let exceeded = pass(memory, lines, places, sound, turns, input.len(), busy);
+    match tick.radiation {
+        Radiation::Put => radiate(&sound.output, tick.output_gain, out, false),
+        Radiation::Add => radiate(&sound.output, tick.output_gain, out, true),
+        Radiation::Nothing => {}
+    }
+    exceeded
+}
+
+/// Gives both values of pairs input times `2^shift · gain / 2^32`, in 2^-16 steps; the gain grows by a part of itself (Q32) a sample.
+fn prepare<T: Sample>(input: &[i32], prepared: &mut [[T; 2]], shift: u32, [gain, growth]: [i32; 2]) {
+    let mut gain = gain;
+    for (prepared, &x) in prepared.iter_mut().zip(input) {
+        *prepared = [T::input(fixed::smmulr(x << shift, gain)); 2];
+        gain = fixed::smmlar(gain, gain, growth);
     }
 }
 
-/// `line = work / 2^12`, rounded down, which the caller knows to fit; gives the bits of the largest size.
+/// Adds outputs times a gain, that loses a part of itself (Q32) a frame, to `out`, or puts them there.
+fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], add: bool) {
+    let mut gain = gain;
+    for ([left, right], &[y_left, y_right]) in out.iter_mut().zip(output) {
+        let [before_left, before_right] = if add { [*left, *right] } else { [0; 2] };
+        *left = before_left.saturating_add(y_left.times(gain));
+        *right = before_right.saturating_add(y_right.times(gain));
+        gain = fixed::smmlsr(gain, gain, loss);
+    }
+}
+
+/// Lets a tick pass through the lines. Whether, where it is `busy`, an output is beyond the bits that raise the level; otherwise whether something
+/// that is stored is beyond those up to which it may be lowered.
+fn pass<T: Sample>(
+    memory: &mut [[T; 2]],
+    lines: &[Place; LINES],
+    places: &mut [Place; LINES],
+    Sound { input, output }: &mut Sound<T>,
+    (turns, fixed): (&[T::Turn], T::Turn),
+    frames: usize,
+    busy: bool,
+) -> bool {
+    let mut exceeded = false;
+    let sound = input.iter().zip(output).take(frames);
+    let turns = turns.iter().flat_map(|turn| core::iter::repeat_n(turn, TURN_SAMPLES));
+    for ((&x, out), moving) in sound.zip(turns) {
+        let at = places.map(|place| usize::from(place.at));
+        let Some(words) = at_each(memory, at) else { return exceeded };
+        let (written, y) = mix(words, x, [moving, &fixed]);
+        let exceeds = |word: &[T; 2], bits: u32| word.iter().any(|value| value.exceeds(bits));
+        exceeded |= if busy { exceeds(&y, LOUD_BITS) } else { written.iter().any(|word| exceeds(word, QUIET_BITS)) };
+        *out = y;
+        for (word, at) in written.into_iter().zip(at) {
+            if let Some(place) = memory.get_mut(at) {
+                *place = word;
+            }
+        }
+        for (place, line) in places.iter_mut().zip(lines) {
+            *place = if place.left > 1 { Place { at: place.at + 1, left: place.left - 1 } } else { *line };
+        }
+    }
+    exceeded
+}
+
+fn at_each<T: Copy>(memory: &[[T; 2]], [a, b, c, d]: [usize; LINES]) -> Option<[[T; 2]; LINES]> {
+    let at = |at: usize| memory.get(at).copied();
+    Some([at(a)?, at(b)?, at(c)?, at(d)?])
+}
+
+/// As [`Sample::scale`].
+pub(in crate::room) fn scale<T: Sample>(words: &mut [[T; 2]], rise: i32) {
+    for value in words.as_flattened_mut() {
+        *value = match rise {
+            0.. => T::add(*value, *value),
+            _ => (rise..0).fold(*value, |value, _| T::halve(value)),
+        };
+    }
+}
+
+/// One frame: what the lines gave is turned and mixed; what they are to hold, and half the outputs.
+#[inline(always)]
+fn mix<T: Sample>(
+    [w0, w1, w2, w3]: [[T; 2]; LINES],
+    x: [T; 2],
+    [moving, fixed]: [&T::Turn; 2],
+) -> ([[T; 2]; LINES], [T; 2]) {
+    let swapped = |[a, b]: [T; 2]| [b, a];
+    let r0 = sum(T::rotate(w0, moving), x);
+    let r1 = swapped(T::rotate(w1, fixed));
+    let r2 = T::rotate(w2, moving);
+    let r3 = swapped(T::rotate(w3, fixed));
+    let (s0, s1, s2, s3) = (sum(r0, r1), difference(r0, r1), sum(r2, r3), difference(r2, r3));
+    ([difference(s1, s3), sum(s0, s2), sum(s1, s3), difference(s0, s2)], s3)
+}
+
+#[inline(always)]
+fn sum<T: Sample>([a, b]: [T; 2], [c, d]: [T; 2]) -> [T; 2] {
+    [T::add(a, c), T::add(b, d)]
+}
+
+#[inline(always)]
+fn difference<T: Sample>([a, b]: [T; 2], [c, d]: [T; 2]) -> [T; 2] {
+    [T::subtract(a, c), T::subtract(b, d)]
+}
+
+/// As [`Split::render`], but gives the or of the sizes.
 #[cfg(not(cortex_m4f))]
-pub(in crate::room) fn put(work: &[i32], line: &mut [i16]) -> u32 {
+pub(in crate::room) fn split(
+    split: &Split,
+    state: &mut SplitState,
+    low: &mut [i32],
+    high: &mut [i32],
+    thin: bool,
+) -> u32 {
+    let ([c0, c1], [s0, s1]) = (&split.second, &mut state.second);
+    high.copy_from_slice(low);
+    first_order(split.first, &mut state.first, high);
+    section(c1, s1, high);
+    section(c0, s0, low);
     let mut sizes = 0;
-    for (sample, &value) in line.iter_mut().zip(work) {
-        *sample = (value >> 12) as i16;
-        sizes |= (*sample ^ (*sample >> 15)) as u32;
+    for (low, high) in low.iter_mut().zip(high.iter_mut()) {
+        let (a, b) = (*low, *high);
+        (*low, *high) = (clip(a + b) >> 1, a - b);
+        sizes |= (*high ^ (*high >> 31)) as u32;
     }
-    32 - sizes.leading_zeros()
+    if thin {
+        for index in 1..low.len().div_ceil(2) {
+            let kept = low.get(2 * index).copied();
+            if let (Some(low), Some(kept)) = (low.get_mut(index), kept) {
+                *low = kept;
+            }
+        }
+    }
+    sizes
 }
 
-/// Mixes the lines' samples from `start` on, as many as `sound` has, and adds the input: `sound` holds the input of each frame in its first element,
-/// and afterwards the two outputs. `half_step` is what storing will cut off.
-pub(in crate::room) fn mix(
-    work: &mut Work,
-    start: usize,
-    sound: &mut [[i32; 2]],
-    [sine, cosine]: [i32; 2],
-    half_step: i32,
-) {
-    let [w0, w1, w2, w3, w4, w5, w6, w7] = work;
-    let (low, high) =
-        (w0.iter_mut().zip(w1).zip(w2.iter_mut().zip(w3)), w4.iter_mut().zip(w5).zip(w6.iter_mut().zip(w7)));
-    for ((((l0, l1), (l2, l3)), ((l4, l5), (l6, l7))), sound) in low.zip(high).skip(start).zip(sound) {
-        let x = sound[0];
-        // First stage: two rotations, two butterflies. What storing cuts off is added here and so reaches every line.
-        let a0 = fixed::smmlar(fixed::smmulr(sine, *l1), cosine, *l0) + half_step;
-        let a1 = fixed::smmlsr(fixed::smmulr(cosine, *l1), sine, *l0) + half_step;
-        let a2 = fixed::smmlar(fixed::smmulr(sine, *l3), cosine, *l2);
-        let a3 = fixed::smmlsr(fixed::smmulr(cosine, *l3), sine, *l2);
-        let (a4, a5, a6, a7) = (*l4 + *l5, *l4 - *l5, *l6 + *l7, *l6 - *l7);
-        let (b0, b2, b1, b3) = (a0 + a2, a0 - a2, a1 + a3, a1 - a3);
-        let (b4, b6, b5, b7) = (a4 + a6, a4 - a6, a5 + a7, a5 - a7);
-        let (c0, c4, c1, c5) = (b0 + b4, b0 - b4, b1 + b5, b1 - b5);
-        let (c2, c6, c3, c7) = (b2 + b6, b2 - b6, b3 + b7, b3 - b7);
-        // Outputs go round by three lines: a symmetric mix would come back to itself in step.
-        (*l3, *l4, *l5, *l6) = (c0 + x, c1 - x, c2 + x, c3 + x);
-        (*l7, *l0, *l1, *l2) = (c4 - x, c5 + x, c6 - x, c7 + x);
-        *sound = [c0 - half_step, c3 - half_step];
+/// `y = x2 + c2 (x - y2) + c1 (x1 - y1)`. What is cut off is added to the next sum: a pole pair near 0 Hz would raise plain rounding noise by the square of what it
+/// raises this.
+#[cfg(not(cortex_m4f))]
+pub(in crate::room) fn section(&[half_c1, half_c2]: &[i32; 2], state: &mut [i32; 5], block: &mut [i32]) {
+    let [mut x1, mut x2, mut y1, mut y2, mut rest] = *state;
+    for x in block {
+        // Products of at most 2^30.5 by 2^31 and by 2^30: below 2^62.1.
+        let sum =
+            i64::from(*x - y2) * i64::from(half_c2) + i64::from(x1 - y1) * i64::from(half_c1) + i64::from(rest as u32);
+        rest = sum as i32;
+        let y = x2 + ((sum >> 32) << 2) as i32;
+        (x2, x1, y2, y1) = (x1, *x, y1, y);
+        *x = y;
     }
+    *state = [x1, x2, y1, y2, rest];
+}
+
+/// `y = x1 - α (x - y1)`, with what is cut off carried on in the same way.
+#[cfg(not(cortex_m4f))]
+pub(in crate::room) fn first_order(alpha: i32, state: &mut [i32; 3], block: &mut [i32]) {
+    let [mut x1, mut y1, mut rest] = *state;
+    for x in block {
+        let sum = i64::from(*x - y1) * i64::from(alpha) + i64::from(rest as u32);
+        rest = sum as i32;
+        let y = x1 - ((sum >> 32) << 1) as i32;
+        (x1, y1) = (*x, y);
+        *x = y;
+    }
+    *state = [x1, y1, rest];
+}
+
+/// Adds `slow` at twice its rate to `fast`, or puts it there, side by side: see [`Upsampler`](super::super::upsample::Upsampler).
+#[cfg(not(cortex_m4f))]
+pub(in crate::room) fn double(
+    &[a0, a1]: &[i32; 2],
+    sides: &mut [[i32; 3]; 2],
+    slow: &[[i32; 2]],
+    fast: &mut [[i32; 2]],
+    add: bool,
+) {
+    let (pairs, _) = fast.as_chunks_mut::<2>();
+    for (side, [x1, even, odd]) in sides.iter_mut().enumerate() {
+        for (slow, [fast_even, fast_odd]) in slow.iter().zip(pairs.iter_mut()) {
+            let (Some(&x), Some(fast_even), Some(fast_odd)) =
+                (slow.get(side), fast_even.get_mut(side), fast_odd.get_mut(side))
+            else {
+                return;
+            };
+            let x = x.clamp(-(1 << 29), (1 << 29) - 1);
+            *even = fixed::smmlar(*x1, x - *even, a0);
+            *odd = *x1 + (fixed::smmulr(x - *odd, a1) << 1);
+            *x1 = x;
+            let before = if add { [*fast_even, *fast_odd] } else { [0; 2] };
+            (*fast_even, *fast_odd) = (before[0].saturating_add(*even), before[1].saturating_add(*odd));
+        }
+    }
+}
+
+/// Puts half the middle of `out`, at most ±1.0, to `input` and adds `wet` to `out`; gives the or of the input.
+#[cfg(not(cortex_m4f))]
+pub(in crate::room) fn exchange(out: &mut [[i32; 2]], wet: &[[i32; 2]], input: &mut [i32]) -> u32 {
+    let mut heard = 0;
+    for (([left, right], wet), input) in out.iter_mut().zip(wet).zip(input) {
+        *input = clip((*left >> 1) + (*right >> 1)) >> 1;
+        heard |= *input as u32;
+        *left = left.saturating_add(wet[0]);
+        *right = right.saturating_add(wet[1]);
+    }
+    heard
+}
+
+/// To ±2.0, for the next split.
+#[cfg(not(cortex_m4f))]
+#[inline(always)]
+fn clip(value: i32) -> i32 {
+    const CLIP: i32 = 1 << 28;
+    let value = if value < -CLIP { -CLIP } else { value };
+    if value > CLIP - 1 { CLIP - 1 } else { value }
 }
