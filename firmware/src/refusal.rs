@@ -64,6 +64,12 @@ impl defmt::Format for At {
             Place::ObjectBand(object, band) => {
                 defmt::write!(f, "object {=usize}, residual, band {=usize}", object, band)
             }
+            Place::ObjectFilter(object) | Place::ObjectBreakpoint(object, _) | Place::ObjectLoop(object, _) => {
+                defmt::write!(f, "object {=usize}, dynamic filter", object)
+            }
+            Place::ObjectBiquads(object) | Place::ObjectChain(object, _) | Place::ObjectBiquad(object, _) => {
+                defmt::write!(f, "object {=usize}, biquads", object)
+            }
             Place::Background => defmt::write!(f, "background"),
             Place::BackgroundEdge(edge) => defmt::write!(f, "background, edge {=usize}", edge),
             Place::BackgroundBand(band) => defmt::write!(f, "background, band {=usize}", band),
@@ -181,6 +187,9 @@ fn table(f: Formatter<'_>, error: TableError) {
             above,
             below
         ),
+        // Not met while the board's engine has no memory for filters.
+        TableError::UnstablePole { place, .. } => defmt::write!(f, "{}: an unstable pole", At(place)),
+        TableError::TimeOrder { place, .. } => defmt::write!(f, "{}: its times do not rise", At(place)),
         TableError::BadText { place } => defmt::write!(f, "{}: a text that is not UTF-8", At(place)),
         TableError::NotZero { place, field } => defmt::write!(f, "{}: {=str}: must be zero", At(place), field.key()),
     }
@@ -208,6 +217,11 @@ fn load(f: Formatter<'_>, error: LoadError) {
         }
         // Not met while the board's engine has no memory for a room.
         LoadError::Room(_) => defmt::write!(f, "the room cannot be built"),
+        // Nor for filters.
+        LoadError::TooManyFilters { .. }
+        | LoadError::FilterTable(_)
+        | LoadError::DynamicFilter { .. }
+        | LoadError::Biquads { .. } => defmt::write!(f, "the filters cannot be built"),
         LoadError::Pad { pad, striker: Some(striker), error, capacity, rate } => defmt::write!(
             f,
             "pad {=usize}, striker {=usize}: {}",

@@ -13,6 +13,7 @@ pub mod residual;
 pub mod room;
 pub mod score;
 pub mod segment;
+pub mod stages;
 pub mod strike;
 pub mod synthetic;
 pub mod table;

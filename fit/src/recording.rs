@@ -6,21 +6,12 @@ use serde::Serialize;
 
 use crate::audio::{self, Recording};
 use crate::contact::half_sine;
-use crate::distance::{log_spectral_distance_db, lsd_window};
+use crate::distance::lsd_window;
 use crate::modes::DampedSine;
+use crate::stages::{Heard, MOST_RISE_DB, Sounding, is_worth_its_room};
 use crate::strike::{self, Fit, fit_force, fit_sound};
 use crate::table::{self, Provenance};
 use crate::{FitError, bark, material, render, residual, room, segment};
-
-/// The residual's noise is the same in every run.
-const RESIDUAL_SEED: u64 = 1;
-/// Levels at which the residual is tried.
-const RESIDUAL_LEVELS: [f64; 6] = [0.0, 0.1, 0.2, 0.4, 0.7, 1.0];
-
-/// Levels at which the room is tried, dB.
-const ROOM_LEVELS_DB: [f64; 5] = [0.0, -3.0, -6.0, -10.0, -15.0];
-/// A room brings the sound nearer by more than this, or it stays out.
-const LEAST_GAIN_DB: f64 = 0.05;
 
 /// What to do with a recording.
 #[derive(Clone, Debug, Default)]
@@ -77,10 +68,16 @@ pub struct Report {
     pub lsd_db: f64,
     /// The same of the `f64` reference's rendering.
     pub lsd_reference_db: f64,
-    /// The same of dsp-core's rendering of modes and residual together, dB; `lsd_db` where a residual brings it no nearer.
+    /// The same of dsp-core's rendering of modes and residual together, dB, averaged over three draws; `lsd_db` where a residual brings it no nearer.
     pub lsd_with_residual_db: f64,
     /// The same of modes in the room that is heard, with what they then leave as residual, dB; `None` where no room is heard.
     pub lsd_with_room_db: Option<f64>,
+    /// ERB distance of dsp-core's rendering of the modes to the loudest strike, all of it, dB.
+    pub erb_db: f64,
+    /// The same of modes and residual together, averaged over three draws of the noise; `erb_db` where a residual brings it no nearer.
+    pub erb_with_residual_db: f64,
+    /// The same of modes in the room that is heard, with what they then leave as residual; `None` where no room is heard.
+    pub erb_with_room_db: Option<f64>,
     /// By how much the table's room is weaker than what was heard, dB: the modes hold part of the tail; `None` where the table has no room.
     pub room_level_db: Option<f64>,
     /// The residual bands of the table: what the modes leave of the loudest strike, in so far as it brings the sound nearer.
@@ -150,23 +147,24 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let table = table::of_fit(&fit, &provenance);
     let heard = &recording.samples[strike.hit.onset..strike.hit.end];
     let rendering = render::by_instrument(&table, strike.position, recording.rate_hz, heard.len())?;
-    let window = lsd_window(heard, recording.rate_hz);
-    let by_reference = render::by_reference(&table, strike.position, recording.rate_hz, window.end)?;
-    let distance = |sound: &[f64]| log_spectral_distance_db(&heard[window.clone()], &sound[window.clone()]);
-    let modes_alone = distance(&rendering);
-    let stage = Stage { heard, rate_hz: recording.rate_hz, position: strike.position, distance: &distance };
-    let dry = stage.with_residual(Sounding { table, sound: rendering.clone(), lsd_db: modes_alone })?;
-    let lsd_with_residual_db = dry.0.lsd_db;
+    let stage = Heard::new(heard, recording.rate_hz, strike.position);
+    let end = lsd_window(heard, recording.rate_hz).end;
+    let by_reference = render::by_reference(&table, strike.position, recording.rate_hz, end)?;
+    let modes_alone = stage.distances(&rendering);
+    let most_lsd_db = modes_alone.lsd_db + MOST_RISE_DB;
+    let modes = Sounding { table, sound: rendering.clone(), distances: modes_alone };
+    let dry = stage.with_residual(modes, most_lsd_db)?;
+    let with_residual = dry.0.distances;
     let room = room::estimate(heard, recording.rate_hz);
     let wet = match &room {
         Some(room) => stage.in_room(&dry.0.table, room)?,
         None => None,
     };
-    let (mut lsd_with_room_db, mut room_level_db, mut best) = (None, None, dry);
+    let (mut with_room, mut room_level_db, mut best) = (None, None, dry);
     if let Some((level_db, in_room)) = wet {
-        let wet = stage.with_residual(in_room)?;
-        lsd_with_room_db = Some(wet.0.lsd_db);
-        if wet.0.lsd_db < lsd_with_residual_db - LEAST_GAIN_DB {
+        let wet = stage.with_residual(in_room, most_lsd_db)?;
+        with_room = Some(wet.0.distances);
+        if is_worth_its_room(&wet.0, &best.0, most_lsd_db) {
             (room_level_db, best) = (Some(level_db), wet);
         }
     }
@@ -194,10 +192,13 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         frequency_hz: range(|mode| mode.frequency_hz),
         t60_s: range(strike::Mode::t60_s),
         material: material::guess(&fit),
-        lsd_db: modes_alone,
-        lsd_reference_db: distance(&by_reference),
-        lsd_with_residual_db,
-        lsd_with_room_db,
+        lsd_db: modes_alone.lsd_db,
+        lsd_reference_db: stage.distances(&by_reference).lsd_db,
+        lsd_with_residual_db: with_residual.lsd_db,
+        lsd_with_room_db: with_room.map(|distances| distances.lsd_db),
+        erb_db: modes_alone.erb_db,
+        erb_with_residual_db: with_residual.erb_db,
+        erb_with_room_db: with_room.map(|distances| distances.erb_db),
         room_level_db,
         residual_bands,
         estimator: options.strike.estimator,
@@ -207,61 +208,6 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         seconds: start.elapsed().as_secs_f64(),
     };
     Ok(Fitted { recording, fit, table, rendering, whole, sounding, report })
-}
-
-/// A table, what dsp-core makes of it, and how far that is from what was heard.
-struct Sounding {
-    table: kit::Kit,
-    sound: Vec<f64>,
-    lsd_db: f64,
-}
-
-/// Where tables are heard and compared with the loudest strike.
-struct Stage<'a, D> {
-    heard: &'a [f64],
-    rate_hz: f64,
-    position: f64,
-    distance: &'a D,
-}
-
-impl<D: Fn(&[f64]) -> f64> Stage<'_, D> {
-    fn play(&self, table: kit::Kit) -> Result<Sounding, FitError> {
-        let sound = render::by_instrument(&table, self.position, self.rate_hz, self.heard.len())?;
-        Ok(Sounding { lsd_db: (self.distance)(&sound), table, sound })
-    }
-
-    /// With what the sound leaves as residual, at the level that brings it nearest; as it was where none does.
-    fn with_residual(&self, plain: Sounding) -> Result<(Sounding, Vec<residual::Band>), FitError> {
-        let bands = residual::fit_bands(self.heard, &plain.sound, self.rate_hz, residual::BANDS);
-        let noise = residual::render(&bands, self.heard.len(), self.rate_hz, RESIDUAL_SEED);
-        let distance = |level: f64| {
-            let noisy: Vec<f64> = plain.sound.iter().zip(&noise).map(|(sound, noise)| sound + level * noise).collect();
-            (self.distance)(&noisy)
-        };
-        // Noise that does not bring the sound nearer stays out: a few strong modes leave what is no noise.
-        let levels = RESIDUAL_LEVELS.map(|level| (distance(level), level));
-        let level = levels.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, level)| level);
-        let bands: Vec<_> = bands.iter().map(|band| residual::Band { weight: band.weight * level, ..*band }).collect();
-        let noisy = self.play(table::with_residual(plain.table.clone(), &bands, RESIDUAL_SEED as u32))?;
-        if noisy.lsd_db >= plain.lsd_db {
-            return Ok((plain, Vec::new()));
-        }
-        Ok((noisy, bands.into_iter().filter(|band| band.weight > 0.0).collect()))
-    }
-
-    /// The modes of a table in the room, at the level that brings them nearest to what was heard.
-    fn in_room(&self, table: &kit::Kit, room: &room::Room) -> Result<Option<(f64, Sounding)>, FitError> {
-        let mut modes = table.clone();
-        modes.objects.iter_mut().for_each(|object| object.residual = None);
-        let mut best: Option<(f64, Sounding)> = None;
-        for level_db in ROOM_LEVELS_DB {
-            let sounding = self.play(table::with_room(modes.clone(), room, level_db))?;
-            if best.as_ref().is_none_or(|(_, best)| sounding.lsd_db < best.lsd_db) {
-                best = Some((level_db, sounding));
-            }
-        }
-        Ok(best)
-    }
 }
 
 /// The loudest strike's modes as they sound behind its contact, reckoned back to its onset.

@@ -79,7 +79,11 @@ pub fn by_reference(table: &Kit, position: f64, rate_hz: f64, frames: usize) -> 
             .collect(),
     });
     let pad = reference::Pad {
-        object: reference::Object { modes: modes.collect(), acceleration: f64::from(object.acceleration) },
+        object: reference::Object {
+            modes: modes.collect(),
+            acceleration: f64::from(object.acceleration),
+            biquads: vec![],
+        },
         strikers: vec![reference::Striker {
             pulse: match striker.pulse {
                 kit::Pulse::Hertz => reference::Pulse::HertzHalfSine,

@@ -52,6 +52,8 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
             acceleration: strike.map_or(0.0, |strike| strike.acceleration as f32),
             modes: modes.collect(),
             residual: None,
+            dynamic_filter: None,
+            biquads: None,
         }],
         strikers: vec![Striker {
             name: item_name(&provenance.name, " strike"),

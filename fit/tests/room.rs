@@ -149,8 +149,13 @@ fn a_room_that_modes_and_residual_do_not_hold_stands_in_the_table() {
     let report = &fitted.report;
     let with_room_db = report.lsd_with_room_db.expect("a room is heard");
     println!(
-        "modes {:.2} dB, with residual {:.2}, in the room, {:?} dB, {with_room_db:.2}",
-        report.lsd_db, report.lsd_with_residual_db, report.room_level_db
+        "LSD: modes {:.2} dB, with residual {:.2}, in the room, {:?} dB, {with_room_db:.2}; ERB distance {:.2}, {:.2}, {:?} dB",
+        report.lsd_db,
+        report.lsd_with_residual_db,
+        report.room_level_db,
+        report.erb_db,
+        report.erb_with_residual_db,
+        report.erb_with_room_db
     );
     assert!(with_room_db < report.lsd_with_residual_db && report.lsd_with_residual_db < report.lsd_db);
     // The octave round 1 kHz.

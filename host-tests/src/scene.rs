@@ -31,6 +31,8 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
             acceleration: 0.0,
             modes,
             residual: None,
+            dynamic_filter: None,
+            biquads: None,
         }],
         strikers: vec![Striker {
             name: "striker".into(),

@@ -38,7 +38,7 @@ prop_compose! {
     ) -> Object {
         Object {
             name: format!("object {index}"), source: String::new(), licence: String::new(),
-            reference_force: reference_force.exp2(), acceleration, modes, residual: None,
+            reference_force: reference_force.exp2(), acceleration, modes, residual: None, dynamic_filter: None, biquads: None,
         }
     }
 }

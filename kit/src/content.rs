@@ -4,6 +4,8 @@
 
 use dsp_core::trigger::Settings;
 
+use crate::{Biquads, DynamicFilter};
+
 /// A kit: objects and strikers, bound to pads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kit {
@@ -93,6 +95,10 @@ pub struct Object {
     pub modes: Vec<Mode>,
     /// What it sounds beside them, if anything.
     pub residual: Option<Residual>,
+    /// Noise, or its modes, through a filter that moves, if any.
+    pub dynamic_filter: Option<DynamicFilter>,
+    /// A biquad bank beside the modes, if any.
+    pub biquads: Option<Biquads>,
 }
 
 /// A striker: its contact pulse and its own modal bank (diffimpact eq. 1, `IR_striker`).

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use dsp_core::table::range::CHAIN_DEPTH;
 use dsp_core::table::{Place, TableError};
 
 use crate::file::FileError;
@@ -168,6 +169,17 @@ pub enum Fault {
         /// What asks for that many.
         why: &'static str,
     },
+    /// A breakpoint with another order than the first one's.
+    #[error("a2 and b2: give both in every breakpoint (second order), or in none (first order)")]
+    MixedOrder,
+    /// A chain with another number of biquads than the first one.
+    #[error("{found} biquads: must be {expected}, as many as the first chain has")]
+    ChainDepth {
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        expected: usize,
+    },
     /// A MIDI note outside 0 to 127.
     #[error("midi_notes has {note}: notes are 0 to 127")]
     MidiNote {
@@ -249,6 +261,19 @@ fn item_name(kit: &Kit, place: Place) -> String {
         Place::ObjectResidual(index) => format!("object {index} {:?}, residual", object(index)),
         Place::ObjectEdge(index, edge) => format!("object {index} {:?}, residual, edge {edge}", object(index)),
         Place::ObjectBand(index, band) => format!("object {index} {:?}, residual, band {band}", object(index)),
+        Place::ObjectFilter(index) => format!("object {index} {:?}, dynamic filter", object(index)),
+        Place::ObjectBreakpoint(index, breakpoint) => {
+            format!("object {index} {:?}, dynamic filter, breakpoint {breakpoint}", object(index))
+        }
+        Place::ObjectLoop(index, number) => {
+            format!("object {index} {:?}, dynamic filter, loop {number}", object(index))
+        }
+        Place::ObjectBiquads(index) => format!("object {index} {:?}, biquads", object(index)),
+        Place::ObjectChain(index, chain) => format!("object {index} {:?}, biquads, chain {chain}", object(index)),
+        Place::ObjectBiquad(index, number) => {
+            let (chain, biquad) = (number / CHAIN_DEPTH, number % CHAIN_DEPTH);
+            format!("object {index} {:?}, biquads, chain {chain}, biquad {biquad}", object(index))
+        }
         Place::Background => "background".to_owned(),
         Place::BackgroundEdge(edge) => format!("background, edge {edge}"),
         Place::BackgroundBand(band) => format!("background, band {band}"),
@@ -269,6 +294,8 @@ fn place_of(error: &TableError) -> Option<Place> {
         | TableError::SharedInput { place, .. }
         | TableError::BadText { place }
         | TableError::EdgeOrder { place, .. }
+        | TableError::UnstablePole { place, .. }
+        | TableError::TimeOrder { place, .. }
         | TableError::NotZero { place, .. } => Some(place),
         TableError::Truncated { .. }
         | TableError::WrongMagic { .. }

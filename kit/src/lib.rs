@@ -26,6 +26,7 @@ pub mod text;
 
 mod content;
 mod error;
+mod filters;
 mod load;
 mod nearest;
 mod shipped;
@@ -33,6 +34,7 @@ mod statistics;
 
 pub use content::{Background, Gain, Kit, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
 pub use error::{Fault, KitError, Location};
+pub use filters::{Biquad, Biquads, Breakpoint, DynamicFilter, Exciter, Loop, ModesGo, Order};
 pub use load::{Loaded, load, open};
 pub use shipped::{shipped, shipped_names};
 pub use statistics::{BankStatistics, Statistics};

@@ -15,6 +15,7 @@ struct Shipped {
 const KITS: &[Shipped] = &[
     Shipped { name: "demo", text: include_str!("../../tables/demo.toml") },
     Shipped { name: "recorded", text: include_str!("../../tables/recorded.toml") },
+    Shipped { name: "filters", text: include_str!("../../tables/filters.toml") },
 ];
 
 /// The tables that shipped kits include, by file.

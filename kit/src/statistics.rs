@@ -2,7 +2,7 @@
 
 use dsp_core::table::layout::{GainRecord, ModeRecord};
 
-use crate::{Kit, Mode};
+use crate::{Biquads, Kit, Mode};
 
 /// What a kit amounts to.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Statistics {
     pub strikers: Vec<BankStatistics>,
 }
 
-/// What one object's or striker's modal bank amounts to.
+/// What one object's or striker's modal bank amounts to, and an object's filters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BankStatistics {
     /// Name of the object or striker.
@@ -32,6 +32,12 @@ pub struct BankStatistics {
     pub t60_s: Option<(f32, f32)>,
     /// Bytes that the modes and their gains take in the binary form.
     pub mode_bytes: usize,
+    /// Breakpoints of its dynamic filter; 0 without one.
+    pub breakpoints: usize,
+    /// Loops round its dynamic filter.
+    pub loops: usize,
+    /// Biquads.
+    pub biquads: usize,
 }
 
 impl Statistics {
@@ -40,7 +46,12 @@ impl Statistics {
         let objects: Vec<_> = kit
             .objects
             .iter()
-            .map(|object| BankStatistics::of(&object.name, &object.modes, object.position_count()))
+            .map(|object| BankStatistics {
+                breakpoints: object.dynamic_filter.as_ref().map_or(0, |filter| filter.path.len()),
+                loops: object.dynamic_filter.as_ref().map_or(0, |filter| filter.loops.len()),
+                biquads: object.biquads.as_ref().map_or(0, Biquads::count),
+                ..BankStatistics::of(&object.name, &object.modes, object.position_count())
+            })
             .collect();
         let strikers: Vec<_> =
             kit.strikers.iter().map(|striker| BankStatistics::of(&striker.name, &striker.modes, 1)).collect();
@@ -64,6 +75,9 @@ impl BankStatistics {
             frequency_hz: extent(modes.iter().map(|mode| mode.frequency_hz)),
             t60_s: extent(modes.iter().map(|mode| 1000f32.ln() / mode.decay_per_s)),
             mode_bytes: modes.len() * size_of::<ModeRecord>() + gains * size_of::<GainRecord>(),
+            breakpoints: 0,
+            loops: 0,
+            biquads: 0,
         }
     }
 }

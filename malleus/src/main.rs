@@ -163,6 +163,9 @@ enum KitCommand {
     Check {
         /// Kit: a .toml or .bin file, or the name of a shipped kit
         kit: String,
+        /// Sample rate at which its filters must be stable, in Hz, or as a ratio such as 86000000/1792
+        #[arg(long, value_name = "HZ|N/D", default_value = "48000", value_parser = parse_rate)]
+        rate: SampleRate,
         /// Print a machine-readable report on stdout (docs/json.md)
         #[arg(long)]
         json: bool,

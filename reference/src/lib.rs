@@ -52,6 +52,7 @@
 //!             gains: vec![Gain { sine: 2.0, cosine: 0.0 }],
 //!         }],
 //!         acceleration: 0.001,
+//!         biquads: vec![],
 //!     },
 //!     strikers: vec![Striker {
 //!         pulse: Pulse::HertzHalfSine,

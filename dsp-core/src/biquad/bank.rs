@@ -1,50 +1,82 @@
-//! The bank in Q31: chains, the level of their input, and when they are at rest.
+//! The bank in Q31: pairs of sections, the level of their input, and when they are at rest.
 
 use super::design::{Biquad, BiquadError};
-use super::kernel::{self, Signals};
-use super::parallel;
-use super::section::{Level, Role, SKIPPED, Section};
-use crate::fixed::{Scale, qadd, saturating_shift_left};
+use super::fractions::parts;
+use super::kernel::{self, ALLOWANCE, Run};
+use super::pair::{self, Gain, Level, Pair, Wiring, X_BITS};
+use super::pole::Pole;
+use crate::fixed::times_q31;
 use crate::resonator::TICK_FRAMES;
 
-/// L parallel chains of M biquads, at most `SECTIONS` in all.
+/// L parallel chains of M biquads, in at most `PAIRS` pairs of sections.
 ///
 /// Input and output are Q4.27 blocks. Ticks of 32 frames are counted from the first frame: what a block's caller does with sizes changes no bit.
-/// A chain whose output would be below a quarter of a step of the bus, with no input left, is cleared and not run; a bank at rest
-/// costs a comparison a block.
+/// Sections whose output would stay below a step of the bus, with no input left, are cleared and not run; a bank at rest costs a comparison a block.
 ///
-/// Worst SNR against `f64`: `cargo test -p host-tests --test biquads -- --nocapture`; cycles: `cargo test -p host-tests --test virtual_biquads -- --nocapture`.
+/// A pair for every section suffices, half of that and four usually (`Bank::size`): sections of alike arithmetic go in twos.
+///
+/// Worst SNR against `f64`, and cycles: `docs/biquads.md`.
 #[derive(Clone, Debug)]
-pub struct Bank<const SECTIONS: usize> {
-    sections: [Section; SECTIONS],
+pub struct Bank<const PAIRS: usize> {
+    pairs: [Pair; PAIRS],
     count: usize,
+    sections: usize,
     depth: usize,
-    /// Of all chains of one section, what goes straight through.
-    direct: Scale,
-    signals: Signals,
-    /// Frame within the tick, and whether the count of all frames is odd: ticks are even.
+    /// Of all chains, what goes straight through.
+    direct: Gain,
+    direct_size: f32,
+    /// The same as a multiplier of the shifted input into the mix.
+    direct_q32: i32,
+    /// Frame within the tick; ticks begin on even frames.
     frame: usize,
-    /// Inputs of this tick are smaller than 2^bits; negative: there are none.
-    input_bits: i32,
-    /// All inputs of this tick, or'ed after folding their sign.
-    peak: u32,
+    /// The sizes of this tick's inputs add up to less than 2^bits; `None`: there are none.
+    input_bits: Option<u32>,
+    /// What they have added up to, as words; the most of the last ticks, and how many those are.
+    used: u32,
+    recent: u32,
+    recent_ticks: u8,
     /// By how many bits the mix is smaller than the bus.
-    room: u32,
+    room: i32,
     asks: bool,
     ringing: bool,
 }
 
-impl<const SECTIONS: usize> Bank<SECTIONS> {
+/// What happens to a bank in a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TickKind {
+    /// A force sets in: all sections are scaled anew, up to three times.
+    Struck,
+    /// There is input, about as loud as before.
+    Driven,
+    /// It rings, or is at rest.
+    Free,
+}
+
+/// Inputs that are too large for their level are expected to add up to this many bits more: a contact force sets in over 17 bits, and each
+/// rise costs as much as a tick's loops.
+const RISE_BITS: u32 = 5;
+/// The same for the first after silence.
+const ONSET_BITS: u32 = 7;
+/// Ticks after which a level that was never reached is lowered.
+const PATIENCE_TICKS: u8 = 16;
+/// Ticks without input after which it is asked what still rings.
+const REST_TICKS: u8 = 8;
+
+impl<const PAIRS: usize> Bank<PAIRS> {
     /// A bank of no chains.
     pub const EMPTY: Self = Self {
-        sections: [Section::EMPTY; SECTIONS],
+        pairs: [Pair::EMPTY; PAIRS],
         count: 0,
+        sections: 0,
         depth: 1,
-        direct: Scale::ZERO,
-        signals: Signals::SILENT,
+        direct: Gain::ZERO,
+        direct_size: 0.0,
+        direct_q32: 0,
         frame: 0,
-        input_bits: -1000,
-        peak: 0,
+        input_bits: None,
+        used: 0,
+        recent: 0,
+        recent_ticks: 0,
         room: 0,
         asks: false,
         ringing: false,
@@ -65,75 +97,121 @@ impl<const SECTIONS: usize> Bank<SECTIONS> {
     /// # Errors
     /// [`BiquadError`].
     pub fn load(&mut self, biquads: &[Biquad], depth: usize) -> Result<(), BiquadError> {
-        let sections = biquads.len();
-        self.count = 0;
-        if !(1..=4).contains(&depth) || !sections.is_multiple_of(depth) {
-            return Err(BiquadError::Depth { depth, sections });
+        self.load_each(biquads.iter().map(|&biquad| Ok(biquad)), depth)
+    }
+
+    /// As [`load`](Self::load), from biquads that are read, or carried to another rate, one at a time.
+    ///
+    /// # Errors
+    /// [`BiquadError`], those of the biquads too.
+    pub fn load_each<E: From<BiquadError>>(
+        &mut self,
+        biquads: impl IntoIterator<Item = Result<Biquad, E>>,
+        depth: usize,
+    ) -> Result<(), E> {
+        self.clear();
+        let result = self.place_all(biquads, depth);
+        if result.is_err() {
+            self.clear();
         }
-        let room = self.sections.get_mut(..sections).ok_or(BiquadError::Full { sections, room: SECTIONS })?;
+        result
+    }
+
+    /// Makes it a bank of no chains, in place.
+    pub fn unload(&mut self) {
+        self.clear();
+    }
+
+    /// Field by field: a bank is too large for a small stack.
+    fn clear(&mut self) {
+        self.pairs.fill(Pair::EMPTY);
+        (self.count, self.sections, self.depth) = (0, 0, 1);
+        (self.direct, self.direct_size) = (Gain::ZERO, 0.0);
+        (self.recent, self.recent_ticks, self.room) = (0, 0, 0);
+        self.rest();
+    }
+
+    fn place_all<E: From<BiquadError>>(
+        &mut self,
+        biquads: impl IntoIterator<Item = Result<Biquad, E>>,
+        depth: usize,
+    ) -> Result<(), E> {
         let mut direct = 0.0;
-        let chains = room.chunks_exact_mut(depth).zip(biquads.chunks_exact(depth));
-        for (chain, (slots, given)) in chains.enumerate() {
-            let parts = if depth == 1 { None } else { parallel::parts(given) };
-            if let Some((through, parts)) = parts {
-                for (index, biquad) in given.iter().enumerate() {
-                    biquad.check(chain * depth + index)?;
-                }
-                direct += through;
-                for ((index, slot), part) in slots.iter_mut().enumerate().zip(parts.into_iter().flatten()) {
-                    let (section, mirrored) = Section::new(&part, chain * depth + index)?;
-                    *slot = section;
-                    slot.place(Role::Only, u8::from(mirrored), u8::from(mirrored), false);
-                }
-                continue;
+        // Mirrored pairs gather at the far end first: they run last, so that signs change once.
+        let (mut plain, mut mirrored, mut sections) = (0, 0, 0);
+        let mut biquads = biquads.into_iter();
+        if !(1..=4).contains(&depth) {
+            return Err(BiquadError::Depth { depth, sections: biquads.count() }.into());
+        }
+        while let Some(first) = biquads.next() {
+            let mut chain = [first?; 4];
+            let mut length = 1;
+            for slot in chain.iter_mut().take(depth).skip(1) {
+                let Some(next) = biquads.next() else { break };
+                (*slot, length) = (next?, length + 1);
             }
-            // Those that run mirrored go last, so that the sign changes at most once.
-            let mut order = [None; 4];
-            let mut place = 0;
-            for mirrored_pass in [false, true] {
-                for (index, biquad) in given.iter().enumerate() {
-                    let (section, mirrored) = Section::new(biquad, chain * depth + index)?;
-                    if mirrored == mirrored_pass {
-                        if let Some(slot) = order.get_mut(place) {
-                            *slot = Some((section, mirrored));
-                        }
-                        place += 1;
-                    }
-                }
+            sections += length;
+            if length != depth {
+                return Err(BiquadError::Depth { depth, sections }.into());
             }
-            let mut before = None;
-            for (index, (slot, ordered)) in slots.iter_mut().zip(order).enumerate() {
-                let Some((section, mirrored)) = ordered else { continue };
-                *slot = section;
-                let is_last = index + 1 == depth;
-                let role = match (depth, is_last) {
-                    (1, _) => Role::Only,
-                    (_, true) => Role::Last,
-                    _ => Role::Inner,
-                };
-                let source = if index == 0 { u8::from(mirrored) } else { 2 };
-                let target = if is_last { u8::from(mirrored) } else { 2 };
-                slot.place(role, source, target, before.is_some_and(|before| before != mirrored));
-                before = Some(mirrored);
+            let chain = chain.get(..depth).unwrap_or(&[]);
+            let start = sections - depth;
+            for (index, biquad) in chain.iter().enumerate() {
+                biquad.check(start + index)?;
             }
-            if depth == 1 {
-                direct += given.first().map_or(0.0, |biquad| biquad.numerator[0]);
+            direct += chain.iter().map(|biquad| biquad.numerator[0]).product::<f64>();
+            let all = parts::<Pole>(chain);
+            for cluster in all.get(..depth).unwrap_or(&[]).chunk_by(|_, next| next.handed != 0.0) {
+                let (head, tail) = Pair::of(cluster, start)?;
+                let full = BiquadError::Full { sections, room: PAIRS };
+                self.place(head, tail, &mut plain, &mut mirrored).ok_or(full)?;
             }
         }
-        let (frame, count) = (self.frame, sections);
-        *self = Self { sections: self.sections, count, depth, direct: Scale::new(direct), frame, ..Self::EMPTY };
+        let gap = PAIRS - plain - mirrored;
+        if let Some(behind) = self.pairs.get_mut(plain..) {
+            behind.rotate_left(gap);
+        }
+        (self.count, self.sections, self.depth) = (plain + mirrored, sections, depth);
+        (self.direct, self.direct_size) = (Gain::new(direct), direct.abs() as f32);
         Ok(())
     }
 
-    /// Sections, and how many of them a chain has.
-    pub fn size(&self) -> (usize, usize) {
-        (self.count, self.depth)
+    /// `None` where there is no room.
+    fn place(&mut self, head: Pair, tail: Option<Pair>, plain: &mut usize, mirrored: &mut usize) -> Option<()> {
+        let used = |index: usize| index < *plain || index >= PAIRS - *mirrored;
+        let mut open = self.pairs.iter_mut().enumerate().filter(|(index, _)| used(*index));
+        if let Some((_, pair)) = open.find(|(_, pair)| pair.takes(&head)) {
+            pair.join(&head);
+            return Some(());
+        }
+        let needed = 1 + usize::from(tail.is_some());
+        if *plain + *mirrored + needed > PAIRS {
+            return None;
+        }
+        let at = if head.is_mirrored() { PAIRS - *mirrored - needed } else { *plain };
+        *if head.is_mirrored() { mirrored } else { plain } += needed;
+        for (slot, pair) in self.pairs.iter_mut().skip(at).zip([Some(head), tail].into_iter().flatten()) {
+            *slot = pair;
+        }
+        Some(())
+    }
+
+    /// Sections, how many of them a chain has, and in how many pairs they run.
+    pub fn size(&self) -> (usize, usize, usize) {
+        (self.sections, self.depth, self.count)
     }
 
     /// Clears what rings.
     pub fn rest(&mut self) {
-        self.sections.iter_mut().take(self.count).for_each(Section::rest);
-        (self.ringing, self.input_bits, self.peak) = (false, -1000, 0);
+        self.pairs.iter_mut().take(self.count).for_each(Pair::rest);
+        (self.ringing, self.input_bits, self.used, self.asks) = (false, None, 0, false);
+    }
+
+    /// Leaves so much of what rings, as Q31.
+    pub fn attenuate(&mut self, left: i32) {
+        for cell in self.pairs.iter_mut().take(self.count).flat_map(|pair| &mut pair.cells) {
+            (cell.u, cell.v) = (times_q31(cell.u, left), times_q31(cell.v, left));
+        }
     }
 
     /// Whether anything sounds or may: false means that a block without input costs nothing.
@@ -141,159 +219,192 @@ impl<const SECTIONS: usize> Bank<SECTIONS> {
         self.ringing
     }
 
-    /// Adds the bank's sound to `out`, saturating. Without an input it rings on.
+    /// Nominal cycles of a whole tick on a Cortex-M4F, rounded up by at most a half: what a budget reckons with before the tick is rendered.
+    pub fn cycles(&self, tick: TickKind) -> u32 {
+        let each = |pair: &Pair| match (tick, pair.wiring()) {
+            (TickKind::Struck, Wiring::Chain) => 3000,
+            (TickKind::Struck, _) => 2400,
+            (_, Wiring::Chain) => 1200,
+            (TickKind::Driven, _) => 640,
+            (TickKind::Free, _) => 500,
+        };
+        let pairs = self.pairs.iter().take(self.count).map(each).sum::<u32>();
+        if self.count == 0 || tick == TickKind::Free && !self.ringing { 0 } else { pairs + 1500 }
+    }
+
+    /// Adds the bank's sound to `out`, saturating. Without an input, or behind its end, it rings on.
     pub fn render(&mut self, input: Option<&[i32]>, out: &mut [i32]) {
-        if self.count == 0 {
-            return;
-        }
-        if input.is_none() && !self.ringing {
+        let input = input.unwrap_or(&[]);
+        if self.count == 0 || !self.ringing && input.iter().all(|&word| word == 0) {
             self.frame = (self.frame + out.len()) % TICK_FRAMES;
-            return;
+        } else {
+            self.sound(input, out);
         }
-        let mut input = input.unwrap_or(&[]);
-        let mut out = out;
+    }
+
+    #[inline(never)]
+    fn sound(&mut self, input: &[i32], out: &mut [i32]) {
+        let (mut input, mut out) = (input, out);
         while !out.is_empty() {
             if self.frame == 0 {
                 self.tick();
             }
             let frames = out.len().min(TICK_FRAMES - self.frame);
+            let frames = if input.is_empty() { frames } else { frames.min(input.len()) };
             let (now, later) = out.split_at_mut(frames);
             let (x, more) = input.split_at(frames.min(input.len()));
-            self.run(x, now);
+            self.run((!x.is_empty()).then_some(x), now);
             (input, out) = (more, later);
-            self.frame = (self.frame + frames) % TICK_FRAMES;
         }
     }
 
-    /// What is decided on a tick: whether the input's level fell, which chains are at rest, whether sections are to be scaled anew.
+    /// What is decided on a tick: whether the input's level fell, which pairs are at rest, which are to be scaled anew.
     fn tick(&mut self) {
-        let bits = bits_of(self.peak);
-        self.peak = 0;
-        let falls = bits < self.input_bits - 3;
-        if falls {
-            self.input_bits = bits;
+        if !self.ringing {
+            return;
         }
-        if bits < 0 && self.ringing {
-            let sections = self.sections.get_mut(..self.count).unwrap_or(&mut []);
+        self.recent = self.recent.max(self.used);
+        self.recent_ticks += 1;
+        let before = self.input_bits;
+        self.input_bits = before.and_then(|level| {
+            // By how many bits the inputs stayed below their level, in this tick and in the last ones.
+            let below = |used: u32| ALLOWANCE.ilog2().saturating_sub(bits_of(used)).min(level);
+            match (self.used, below(self.used)) {
+                (0, _) => None,
+                (_, bits) if bits > RISE_BITS + 1 => Some(level - (bits - 1)),
+                _ if self.recent_ticks >= PATIENCE_TICKS => Some(level - below(self.recent).saturating_sub(1)),
+                _ => Some(level),
+            }
+        });
+        self.used = 0;
+        if self.recent_ticks >= PATIENCE_TICKS || before != self.input_bits {
+            (self.recent, self.recent_ticks) = (0, 0);
+        }
+        if self.input_bits.is_none() && (before.is_some() || self.recent_ticks.is_multiple_of(REST_TICKS)) {
             // All are asked: those that are done are cleared.
-            self.ringing = units(sections).map(rings_on).filter(|&rings| rings).count() > 0;
+            self.ringing = units(self.pairs.get_mut(..self.count)).map(rings_on).filter(|&rings| rings).count() > 0;
         }
-        if (falls || self.asks) && self.ringing {
-            self.settle();
-        }
-    }
-
-    /// Frames within a tick.
-    fn run(&mut self, x: &[i32], out: &mut [i32]) {
-        let (mut x, mut out, mut frame) = (x, out, self.frame);
-        while !out.is_empty() {
-            // As far as the level holds: the frame at which it does not is where all is scaled anew, whatever the blocks are.
-            let limit = 1u64 << self.input_bits.clamp(0, 32);
-            let holds = |word: &&i32| u64::from(word.unsigned_abs()) < limit;
-            let good = x.iter().take_while(holds).count();
-            let frames = if good == x.len() { out.len() } else { good };
-            if frames == 0 {
-                // One bit more than this frame needs; a limit of 1 holds silence only, so that the frame is not 0.
-                self.input_bits = bits_of(x.first().map_or(0, |word| word.unsigned_abs())).max(0) + 1;
-                self.ringing = true;
-                self.settle();
-                continue;
-            }
-            let (now, later) = out.split_at_mut(frames);
-            let (given, more) = x.split_at(frames.min(x.len()));
-            self.peak = given.iter().fold(self.peak, |peak, &word| peak | word.unsigned_abs());
-            if self.ringing {
-                self.sound(given, now, frame % 2 == 1);
-            }
-            frame += frames;
-            (x, out) = (more, later);
+        if before != self.input_bits {
+            self.settle(true);
+        } else if self.asks {
+            self.settle(false);
         }
     }
 
-    fn sound(&mut self, given: &[i32], out: &mut [i32], odd: bool) {
-        let frames = out.len();
-        let up = self.input_exponent() as u32;
-        let signals = &mut self.signals;
-        let padded = given.iter().copied().chain(core::iter::repeat(0));
-        for ((input, alternating), (index, x)) in
-            signals.input.iter_mut().zip(&mut signals.alternating).zip(padded.enumerate()).take(frames)
-        {
-            *input = x << up;
-            *alternating = if (index % 2 == 1) == odd { *input } else { input.wrapping_neg() };
-        }
-        signals.mix.fill(0);
-        signals.alternating_mix.fill(0);
-        let sections = self.sections.get_mut(..self.count).unwrap_or(&mut []);
-        self.asks = kernel::run(sections, signals, frames, odd);
-        let room = self.room;
-        for (index, (out, (&plain, &other))) in
-            out.iter_mut().zip(signals.mix.iter().zip(&signals.alternating_mix)).enumerate()
-        {
-            let other = if (index % 2 == 1) == odd { other } else { -other };
-            *out = qadd(*out, saturating_shift_left(plain + other, room));
-        }
-        if !self.direct.is_zero() {
-            for (out, &x) in out.iter_mut().zip(given) {
-                *out = qadd(*out, self.direct.apply(x));
+    /// Frames within a tick; an input of as many, or none.
+    fn run(&mut self, x: Option<&[i32]>, out: &mut [i32]) {
+        let exponent = self.input_exponent();
+        let run = Run {
+            bits: self.input_bits.unwrap_or(0).min(31),
+            allowance: ALLOWANCE - self.used,
+            left: exponent.max(0) as u32,
+            right: (-exponent).max(0) as u32,
+            direct: self.direct_q32,
+            room: self.room as u32,
+            odd: self.frame % 2 == 1,
+        };
+        if self.ringing {
+            let outcome = kernel::run(self.pairs.get_mut(..self.count).unwrap_or(&mut []), run, x, out);
+            if !outcome.refused {
+                self.used += outcome.used;
+                self.asks = outcome.asks;
+                self.frame = (self.frame + out.len()) % TICK_FRAMES;
+                return;
             }
+        }
+        // As far as the level holds; the frame at which it does not is where all is scaled anew, whatever the blocks are.
+        let Some(x) = x else {
+            self.frame = (self.frame + out.len()) % TICK_FRAMES;
+            return;
+        };
+        let mut left = run.allowance;
+        let holds = |word: &&i32| {
+            let size = folded((**word << run.left) >> run.right);
+            let fits = folded(**word) >> run.bits == 0 && size <= left;
+            left = left.saturating_sub(size);
+            fits
+        };
+        let good = x.iter().take_while(holds).count();
+        let (now, later) = out.split_at_mut(good.min(out.len()));
+        let (given, more) = x.split_at(good);
+        if self.ringing && good > 0 {
+            self.run(Some(given), now);
+        } else {
+            self.frame = (self.frame + good) % TICK_FRAMES;
+        }
+        if let Some(&loud) = more.first() {
+            // At most 36, for 32 frames of the largest; a level that held so far has been used up.
+            let rise = if self.input_bits.is_some() { RISE_BITS } else { ONSET_BITS };
+            let level = (bits_of(folded(loud)) + rise).max(self.input_bits.map_or(0, |level| level + 1));
+            self.input_bits = Some(level.min(37));
+            (self.used, self.recent, self.recent_ticks) = (0, 0, 0);
+            self.ringing = true;
+            self.settle(true);
+            self.run(Some(more), later);
         }
     }
 
-    /// The input is shifted left so that it has 30 bits.
+    /// Inputs times two to this add up to [`X_BITS`] bits.
     fn input_exponent(&self) -> i32 {
-        if self.input_bits < 0 { 0 } else { (30 - self.input_bits).max(0) }
+        self.input_bits.map_or(0, |bits| X_BITS - bits as i32)
     }
 
-    /// Scales all sections for the level of their input, and the mix for all chains.
-    fn settle(&mut self) {
+    /// Scales units for the level of their input, all or those that ask, and the mix for all.
+    fn settle(&mut self, all: bool) {
         self.asks = false;
         let exponent = self.input_exponent();
-        let input = match self.input_bits {
-            ..0 => Level::SILENT,
-            bits => Level { exponent, bits: bits + exponent },
-        };
-        let count = self.count;
-        let sections = self.sections.get_mut(..count).unwrap_or(&mut []);
-        let (mut loudest, mut lowest) = (-1000, 1000);
-        for chain in units(sections) {
-            if input != Level::SILENT {
-                chain.iter_mut().for_each(Section::wake);
+        let has_input = self.input_bits.is_some();
+        let input = Level { exponent: has_input.then_some(exponent) };
+        // No input is larger than all of them together.
+        let direct = self.direct_size * pair::power_of_two(self.input_bits.map_or(-126, |bits| bits.min(31) as i32));
+        let (mut loudness, mut lowest) = (direct, 1000);
+        for unit in units(self.pairs.get_mut(..self.count)) {
+            if all && has_input {
+                unit.iter_mut().for_each(Pair::wake);
             }
-            if chain.iter().any(|section| section.kind != SKIPPED) {
-                let out = chain.iter_mut().fold(input, |level, section| section.settle(level));
-                (loudest, lowest) = (loudest.max(out.bits - out.exponent), lowest.min(out.exponent));
+            if unit.iter().all(Pair::is_skipped) {
+                continue;
+            }
+            if all || unit.iter().any(|pair| pair.asks != 0) {
+                unit.iter_mut().for_each(|pair| pair.asks = 0);
+                pair::settle(unit, input);
+                pair::set_mix(unit, self.room);
+            }
+            if let Some(last) = unit.last() {
+                loudness += last.loudness();
+                lowest = lowest.min(last.exponent());
             }
         }
-        // The sum of all chains has 29 bits, and the scale of each is below 1/2.
-        let chains = 32 - (count as u32).leading_zeros() as i32;
-        self.room = (loudest + chains - 29).max(2 - lowest).clamp(0, 60) as u32;
-        for last in units(sections).filter_map(<[Section]>::last_mut) {
-            last.set_mix(self.room as i32);
+        // The sum of all has 30 bits, and the scale of each, and of what goes straight through, is below 1/2.
+        let direct = if has_input { self.direct.exponent() + 1 - exponent } else { 0 };
+        let room = (pair::bits_above(loudness) - 30).max(2 - lowest).max(direct).clamp(0, 31);
+        if room != self.room {
+            self.room = room;
+            units(self.pairs.get_mut(..self.count)).for_each(|unit| pair::set_mix(unit, room));
         }
+        self.direct_q32 = if has_input { self.direct.q32(-room - exponent) } else { 0 };
     }
 }
 
-/// What stands side by side: sections alone, and chains of sections that could not be parted.
-fn units(sections: &mut [Section]) -> impl Iterator<Item = &mut [Section]> {
-    sections.split_inclusive_mut(|section| section.role() != Role::Inner)
+/// What stands side by side: pairs, and twos of pairs whose sections stand behind one another.
+fn units(pairs: Option<&mut [Pair]>) -> impl Iterator<Item = &mut [Pair]> {
+    pairs.unwrap_or(&mut []).chunk_by_mut(|_, next| next.is_tail())
 }
 
-/// Bits below which all of or'ed sizes are; -1000 for none.
-fn bits_of(peak: u32) -> i32 {
-    if peak == 0 { -1000 } else { 32 - peak.leading_zeros() as i32 }
+fn folded(word: i32) -> u32 {
+    (word ^ (word >> 31)) as u32
 }
 
-/// Whether a chain without input will still be heard; else it is cleared, and left out until there is input again.
-fn rings_on(chain: &mut [Section]) -> bool {
-    // A state reaches the output by way of the sections behind it; four of them together stay below a quarter of a step.
-    let mut reach = 0;
-    let mut audible = false;
-    for section in chain.iter().rev().filter(|section| section.kind != SKIPPED) {
-        audible |= section.value_bits() + reach > -4;
-        reach += section.reach_bits().max(0);
+/// Bits below which all of or'ed sizes are.
+fn bits_of(peak: u32) -> u32 {
+    32 - peak.leading_zeros()
+}
+
+/// Whether a unit without input will still be heard; else it is cleared, and left out until there is input again.
+fn rings_on(unit: &mut [Pair]) -> bool {
+    let is_heard = unit.iter().any(|pair| !pair.is_skipped() && pair.sound_bits() > 0);
+    if !is_heard {
+        unit.iter_mut().for_each(Pair::rest);
     }
-    if !audible {
-        chain.iter_mut().for_each(Section::rest);
-    }
-    audible
+    is_heard
 }

@@ -2,8 +2,6 @@
 
 use core::fmt;
 
-use crate::SampleRate;
-
 /// One of a pair of conjugate roots in the z-plane, `real ± i·imaginary`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Root {
@@ -56,6 +54,18 @@ pub enum BiquadError {
         /// Bound of the sum of the sizes of its impulse response.
         gain: f64,
     },
+    /// A real pole, one at 0, or one that coincides with another of its chain: no mode rings like that.
+    NoMode {
+        /// The biquad, counted from 0.
+        biquad: usize,
+    },
+    /// A pole that would stand beyond half the rate to which it is carried.
+    BeyondNyquist {
+        /// The biquad, counted from 0.
+        biquad: usize,
+        /// Its angle there in half turns: 1 is half the rate.
+        angle: f64,
+    },
     /// Not 1 to 4 sections a chain, or the sections are no whole chains.
     Depth {
         /// Sections a chain.
@@ -87,6 +97,13 @@ impl fmt::Display for BiquadError {
                 f,
                 "biquad {biquad}: a gain of up to {gain}: at most {} is possible; lower k or move the zeros to the poles",
                 Biquad::MAX_GAIN
+            ),
+            Self::NoMode { biquad } => {
+                write!(f, "biquad {biquad}: its pole is real, or another's too: play it as a biquad, or move the pole")
+            }
+            Self::BeyondNyquist { biquad, angle } => write!(
+                f,
+                "biquad {biquad}: at this rate its pole would stand at {angle} of half the rate: leave it out, or play at the rate of the table"
             ),
             Self::Depth { depth, sections } => {
                 write!(f, "{sections} sections in chains of {depth}: give whole chains of 1 to 4 sections")
@@ -139,56 +156,9 @@ impl Biquad {
         Ok(())
     }
 
-    /// The biquad of a mode, with its impulse response `h[n] = r^n (gs sin nθ + gc cos nθ) / fs`, the term of n = 0 with half weight
-    /// (impulse invariance, as the bank of modes has it).
-    pub fn from_mode(frequency_hz: f64, decay_per_s: f64, sine: f64, cosine: f64, rate: SampleRate) -> Self {
-        let radius = libm::exp(-decay_per_s / rate.hz());
-        let pole = Root::polar(radius, core::f64::consts::TAU * frequency_hz / rate.hz());
-        let half = cosine / 2.0 / rate.hz();
-        Self { pole, numerator: [half, sine / rate.hz() * pole.imaginary, -half * pole.square()] }
-    }
-
-    /// Frequency in Hz, decay in 1/s, and the gains (sine, cosine) of the mode that rings as the biquad's impulse response does from n = 1 on:
-    /// `h[n] fs = r^n (gs sin nθ + gc cos nθ)`; b0 is beside it. `None` for real poles.
-    pub fn to_mode(&self, rate: SampleRate) -> Option<(f64, f64, f64, f64)> {
-        let (radius, imaginary) = (libm::sqrt(self.pole.square()), self.pole.imaginary.abs());
-        let (n1, n2) = self.proper();
-        // h1 = r (s sin θ + c cos θ) = n1, and h2 = n2 + 2 r cos θ n1 = r² (s sin 2θ + c cos 2θ): so n2 = -r² c.
-        let cosine = -n2 / self.pole.square();
-        let sine = (n1 - cosine * self.pole.real) / imaginary;
-        let theta = libm::atan2(imaginary, self.pole.real);
-        let (fs, tau) = (rate.hz(), core::f64::consts::TAU);
-        (imaginary > 0.0).then_some((theta * fs / tau, -libm::log(radius) * fs, sine * fs, cosine * fs))
-    }
-
     /// The numerator that is left of it beside b0: `n1 z⁻¹ + n2 z⁻²`.
     pub fn proper(&self) -> (f64, f64) {
         let [b0, b1, b2] = self.numerator;
         (b1 + 2.0 * b0 * self.pole.real, b2 - b0 * self.pole.square())
-    }
-}
-
-/// How a section steps. k is the shift of u.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Form {
-    /// `u -= e v; v += e u; u -= δ u`: e < 1/2, δ < 1/2.
-    Coupled = 0,
-    /// `u -= (e²/2) v; v += 2 u; u -= δ u`: e² < 1, δ < 1/2.
-    Shifted1 = 1,
-    /// `u -= (e²/4) v; v += 4 u; u -= δ u`: e² < 2, δ < 1/2.
-    Shifted2 = 2,
-    /// `u -= (e²/4) v; v += 4 u; u = (1 - δ) u`: e² < 2, any δ.
-    Damped = 3,
-}
-
-impl Form {
-    /// By how many bits u is smaller than v.
-    pub const fn shift(self) -> u32 {
-        match self {
-            Self::Coupled => 0,
-            Self::Shifted1 => 1,
-            Self::Shifted2 | Self::Damped => 2,
-        }
     }
 }

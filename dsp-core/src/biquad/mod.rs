@@ -9,36 +9,46 @@
 //! # The form
 //!
 //! A direct form in Q31 keeps 51 dB of a low pole. A section is the modified coupled form of [`crate::resonator`] instead, with the input going into
-//! both states and straight through:
+//! both states; what goes straight through is added once for all chains:
 //!
 //! ```text
-//! y = v + d x;   u -= e v;   v += e u;   u -= δ u;   u += g_u x;   v += g_v x
-//! δ = 1 - |p|²,  e² = |1 - p|²;   d = k,  g_v = 2k Re(p - q),  e g_u = k(|q|² - |p|²) + |p|² g_v
+//! y = v;   u -= e v;   v += e u;   u -= δ u;   u += g_u x;   v += g_v x
+//! δ = 1 - |p|²,  e² = |1 - p|²;   n1 z⁻¹ + n2 z⁻² over the denominator:  g_v = n1,  e g_u = n2 + |p|² n1
 //! ```
 //!
-//! Three free multipliers realise any pair of zeros, δ and e any pair of conjugate poles. Poles of Re p < 0 run mirrored (on input and output of
-//! alternating sign); poles of e >= 1/2 or |p|² < 1/2 have their own scaling ([`design::Form`]).
+//! Two multipliers realise any numerator, δ and e any pair of conjugate poles. Poles of Re p < 0 run mirrored (on input and output of
+//! alternating sign); poles of e >= 1/2 or |p|² < 1/2 have their own scaling ([`pole::Form`]).
 //!
 //! # Chains
 //!
-//! The product of a chain is run as the sum of its partial fractions, a section each and as many as before, wherever their poles are apart
-//! (the private module `parallel` says why); chains whose poles coincide run one section behind the other.
+//! The product of a chain is run as the sum of its partial fractions, a section each and as many as before; sections whose poles (nearly) coincide stay
+//! behind one another, each with its own share of the input (the private module `fractions` says why and how).
 //!
 //! # Scaling
 //!
-//! Every section has a power of two of its own, `state = value · 2^E`, kept between ticks by `section::Section::settle`: from its state and the
-//! level of its input the largest E is chosen for which nothing can wrap. So a resonance that takes 50 dB off a noise input still has all its bits.
+//! A pair of sections has a power of two of its own, `state = value · 2^E`, kept between ticks by `pair::settle`: from its states and the
+//! level of the input the largest E is chosen for which nothing can wrap. So a resonance that takes 50 dB off a noise input still has all its bits.
 //! The proof stands there.
 //!
-//! Worst SNR against `f64`, and cycles: see [`Bank`].
+//! # Single precision
+//!
+//! [`float`] is the same bank in `f32`, for those who mix in floats: the same run time, half as many decibels.
+//!
+//! Worst SNR against `f64`, and cycles: `docs/biquads.md`.
 
 pub mod bank;
 pub mod butterworth;
 pub mod design;
+pub mod float;
 pub mod kernel;
-pub mod section;
+pub mod modes;
+pub mod pair;
+pub mod pole;
+pub mod rate;
 
-mod parallel;
+mod extent;
+mod fractions;
 
-pub use bank::Bank;
+pub use bank::{Bank, TickKind};
 pub use design::{Biquad, BiquadError, Root};
+pub use modes::{ModalForm, Partial};

@@ -15,7 +15,7 @@
 
 use crate::SampleRate;
 use crate::biquad::butterworth::{BandError, Exciter};
-use crate::fixed::Log2;
+use crate::fixed::{Log2, times_q31};
 
 /// Multipliers, Q31 but for the input's.
 #[derive(Clone, Copy, Debug, Default)]
@@ -75,6 +75,13 @@ impl BandPass {
 
     pub(super) fn rest(&mut self) {
         self.states = [State::default(); 2];
+    }
+
+    /// Leaves so much (Q31) of what rings.
+    pub(super) fn attenuate(&mut self, left: i32) {
+        for state in &mut self.states {
+            state.c = state.c.map(|c| times_q31(c, left));
+        }
     }
 
     /// At a tick without noise: clears what is below a few steps; gives whether all is.

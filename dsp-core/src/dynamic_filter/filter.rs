@@ -6,7 +6,7 @@ use super::noise::White;
 use super::path::{Form, PARAMETERS, Path};
 use super::second_order::TwoPoles;
 use super::walk::Walk;
-use crate::fixed::{qadd, saturating_shift_left};
+use crate::fixed::{qadd, saturating_shift_left, times_q31};
 use crate::resonator::TICK_FRAMES;
 
 /// Noise and filter of one object; its input is Q(27 - q).
@@ -71,6 +71,16 @@ impl<const N: usize> Filter<N> {
         (self.one_pole.state, self.one_pole.last) = (self.one_pole.rest(), 0);
         self.two_poles = TwoPoles::REST;
         self.walk.end(&self.path);
+    }
+
+    /// Leaves so much (Q31) of what rings and of the noise to come.
+    pub(super) fn attenuate(&mut self, left: i32) {
+        let nothing = self.one_pole.rest();
+        let one_pole = &mut self.one_pole;
+        // Beside the half step that it holds; 32 bits of it are enough.
+        one_pole.state = ((one_pole.state - nothing) >> 31) * i64::from(left) + nothing;
+        (one_pole.last, one_pole.level) = (times_q31(one_pole.last, left), times_q31(one_pole.level, left));
+        self.two_poles.attenuate(left);
     }
 
     /// A whole tick of noise through the filter, added to `out`: as [`segment`](Self::segment) and [`run_noise`](Self::run_noise), for less. `false` where it is

@@ -286,6 +286,13 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         (self.left, self.noisy, self.ringing) = (0, false, false);
     }
 
+    /// Leaves so much (Q31) of what rings and of the noise to come, until a strike brings noise of its own.
+    pub fn attenuate(&mut self, left: i32) {
+        self.filter.attenuate(left);
+        self.loops.attenuate(left);
+        self.exciter.attenuate(left);
+    }
+
     /// Nominal cycles of a tick while it sounds, at most, for the engine's budget; 0 where none is loaded.
     pub fn cycles_a_tick(&self) -> u32 {
         if !self.loaded {

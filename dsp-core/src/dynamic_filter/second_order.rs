@@ -5,7 +5,7 @@
 
 use super::path::{Form, PARAMETERS, Path};
 use super::walk::Line;
-use crate::fixed::{qadd, saturate};
+use crate::fixed::{qadd, saturate, times_q31};
 
 /// The filter's states.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,6 +24,12 @@ impl TwoPoles {
             self.z = [0; 2];
         }
         self.last == 0 && self.z == [0; 2]
+    }
+
+    /// Leaves so much (Q31) of what rings.
+    pub(super) fn attenuate(&mut self, left: i32) {
+        self.z = self.z.map(|z| (z >> 31) * i64::from(left));
+        self.last = times_q31(self.last, left);
     }
 
     /// What lies in `buffer` through the filter, added to `out`; s is left there, larger than the bus by 2^h.

@@ -8,7 +8,7 @@
 //! Events are looked at as far as the block holds them: with blocks of whole ticks nothing comes as a surprise within a tick.
 
 use super::cost::{CYCLES, Counts, Part};
-use super::{Direct, Engine, Surroundings};
+use super::{Direct, Engine, FilterRoom, Surroundings};
 use crate::event::{Action, Event, Time};
 use crate::pad::{Pad, group_count, is_ringing};
 use crate::resonator::{Audience, Memory, Selection, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
@@ -178,20 +178,22 @@ impl<
         let due = self.pads().iter().filter(|pad| pad.is_guard_due(pad.own(&self.banks)));
         let groups = due.map(|pad| group_count(pad.own(&self.banks))).sum();
         let pads = self.pads().iter().filter(|pad| !pad.rests()).count();
-        let noise = (Part::ResidualCycle, self.noise_cycles() + self.room_cycles());
+        let noise = (Part::ResidualCycle, self.noise_cycles() + self.room_cycles() + self.filter_cycles());
         [(Part::Tick, 1), (Part::WakingPad, pads as u32), (Part::DueGroup, groups), noise]
     }
 
     /// What an event does.
-    pub(super) fn event_counts(&self, event: &Event) -> [(Part, u32); 2] {
-        match event.action {
+    pub(super) fn event_counts(&self, event: &Event) -> [(Part, u32); 3] {
+        let filters = (Part::ResidualCycle, self.filter_strike_cycles(event));
+        let [first, second] = match event.action {
             Action::Strike => [(Part::Strike, 1), (Part::ResidualStrike, u32::from(self.has_noise(event.pad)))],
             Action::Choke | Action::Release => {
                 let modes = self.pads().get(usize::from(event.pad)).map_or(0, Pad::mode_count);
                 [(Part::Strike, 1), (Part::ChokedMode, modes as u32)]
             }
             Action::Shed(_) => self.survey_counts(),
-        }
+        };
+        [first, second, filters]
     }
 
     fn survey_counts(&self) -> [(Part, u32); 2] {
@@ -261,12 +263,16 @@ impl<
                 // Nobody hears the force, and nothing is done.
                 continue;
             }
+            let on_bus = self.filters.join_in(number, is_driven, pad_banks);
             if is_driven {
-                counts.add(if pad.drives_quickly(pad_banks) { Part::DrivenPad } else { Part::BusDrivenPad }, 1);
+                counts.add(
+                    if pad.drives_quickly(pad_banks) && !on_bus { Part::DrivenPad } else { Part::BusDrivenPad },
+                    1,
+                );
                 counts.add(Part::DrivenFrame, frames);
                 counts.add(Part::ContactFrame, contact_frames);
                 counts.add(Part::DirectFrame, if is_direct { frames } else { 0 });
-            } else if pad.rings_quickly(pad_banks) {
+            } else if pad.rings_quickly(pad_banks) && !on_bus {
                 counts.add(Part::RingingPad, 1);
             } else {
                 counts.add(Part::BusPad, 1);

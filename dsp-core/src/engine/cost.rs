@@ -54,7 +54,7 @@ pub enum Part {
     ResidualRun,
     /// A frame of it.
     ResidualFrame,
-    /// A cycle of the work on noise to come, and of the room.
+    /// A cycle of the work on noise to come, of the room, and of filters.
     ResidualCycle,
     /// A tick in which nothing is.
     IdleTick,

@@ -2,13 +2,15 @@
 
 use core::fmt;
 
-use super::{Engine, Skipping, Surroundings, TickReport};
+use super::{Engine, FilterRoom, Skipping, Surroundings, TickReport};
 use crate::SampleRate;
+use crate::biquad::BiquadError;
 use crate::contact::Flight;
+use crate::dynamic_filter::DynamicFilterError;
 use crate::pad::{Pad, PadTables, group_count};
 use crate::resonator::{Bank, BankError, Memory, Mode, Used, max_decay_per_s};
 use crate::room::RoomError;
-use crate::table::Kit;
+use crate::table::{Kit, TableError};
 
 /// What an engine has room for, all pads together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +53,27 @@ pub enum LoadError {
     },
     /// The kit's room cannot be built.
     Room(RoomError),
+    /// More pads with a dynamic filter or biquads than the engine has room for.
+    TooManyFilters {
+        /// Room of the engine.
+        capacity: usize,
+    },
+    /// A dynamic filter or a biquad bank in the kit is none.
+    FilterTable(TableError),
+    /// The dynamic filter of a pad's object cannot be built at this rate, or in this memory.
+    DynamicFilter {
+        /// Which pad.
+        pad: u8,
+        /// What.
+        error: DynamicFilterError,
+    },
+    /// The biquad bank of a pad's object cannot be built at this rate, or in this memory.
+    Biquads {
+        /// Which pad.
+        pad: u8,
+        /// What.
+        error: BiquadError,
+    },
     /// Something of a pad does not fit.
     Pad {
         /// Which pad.
@@ -88,6 +111,12 @@ impl fmt::Display for LoadError {
                 )
             }
             Self::Room(error) => error.fmt(f),
+            Self::TooManyFilters { capacity } => {
+                write!(f, "pads with a dynamic filter or biquads: more than {capacity}: take some out of the kit")
+            }
+            Self::FilterTable(error) => error.fmt(f),
+            Self::DynamicFilter { pad, error } => write!(f, "pad {pad}, dynamic filter of its object: {error}"),
+            Self::Biquads { pad, error } => write!(f, "pad {pad}, biquads of its object: {error}"),
             Self::Pad { pad, striker, error, capacity: Capacity { banks, modes, groups, origins }, rate } => {
                 write!(f, "pad {pad}, ")?;
                 match striker {
@@ -153,6 +182,7 @@ impl<
         self.load_pads(kit, rate)?;
         self.load_noise(kit, rate)?;
         self.load_room(kit, rate)?;
+        self.filters.load(kit, rate)?;
         (self.pad_count, self.kit) = (kit.pads().len(), Some(*kit));
         self.modes_built = self.pads().iter().map(|pad| pad.mode_count() as u32).sum();
         self.groups_built = self.pads().iter().map(|pad| group_count(pad.own(&self.banks))).sum();

@@ -13,6 +13,7 @@
 mod budget;
 mod check;
 mod cost;
+mod filters;
 mod load;
 mod noise;
 mod report;
@@ -20,6 +21,7 @@ mod surroundings;
 mod tick;
 
 pub use cost::{CYCLES, Counts, PARTS, Part};
+pub use filters::{FilterRoom, Filters, NoFilters};
 pub use load::{Capacity, LoadError};
 pub use noise::{NoResiduals, ResidualRoom, Residuals};
 pub use report::{Cause, TickReport};
@@ -65,7 +67,7 @@ pub struct Direct<'a> {
 /// | `GROUPS` | register groups: modes/6, and up to six more a bank | 24 |
 /// | `ORIGINS` | modes of pads that can be choked or have several positions | 12 |
 /// | `CONTACTS` | contacts under way at once | 24 |
-/// | `S` | [`Surroundings`]: [`Residuals`] for so many pads with a residual, the background counting as one, and a [`Room`](crate::room::Room); neither unless said otherwise | 16 KB a residual; a room as long as its lines |
+/// | `S` | [`Surroundings`]: [`Residuals`] for so many pads with a residual, the background counting as one, a [`Room`](crate::room::Room), and [`Filters`]; none unless said otherwise | 16 KB a residual; a room as long as its lines; filters as their delay lines and biquads |
 #[derive(Debug)]
 pub struct Engine<
     'k,
@@ -88,6 +90,7 @@ pub struct Engine<
     flight: Flight<CONTACTS>,
     residuals: S::Residuals,
     room: S::Room,
+    filters: S::Filters,
     /// `None` before a load, so that an engine in a `static` is all zeros and costs no flash.
     rate: Option<SampleRate>,
     skipping: Skipping,
@@ -150,6 +153,7 @@ impl<
             flight: Flight::EMPTY,
             residuals: S::Residuals::EMPTY,
             room: S::Room::EMPTY,
+            filters: S::Filters::EMPTY,
             rate: None,
             skipping: Skipping::On,
             now: 0,
@@ -191,7 +195,11 @@ impl<
 
     /// Whether nothing rings and no contact is under way: until the next event or direct force, output is exact silence and a core may sleep.
     pub fn is_silent(&self) -> bool {
-        self.flight.count() == 0 && !is_ringing(&self.banks) && self.noises() == 0 && self.room.is_silent()
+        self.flight.count() == 0
+            && !is_ringing(&self.banks)
+            && self.noises() == 0
+            && self.filters.ringing() == 0
+            && self.room.is_silent()
     }
 
     /// Lets a tick of silence pass without a block to write to: what rendering it without events and direct force would do, but for the report.

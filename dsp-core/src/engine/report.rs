@@ -66,6 +66,14 @@ pub struct TickReport {
     pub room_frames: u32,
     /// Residuals that sound at the tick's end, the background among them.
     pub residuals: u32,
+    /// Frames of dynamic filters that were rendered, all pads.
+    pub filter_frames: u32,
+    /// Frames times banded waveguides round dynamic filters that ran.
+    pub loop_frames: u32,
+    /// Frames times biquads that ran.
+    pub biquad_frames: u32,
+    /// Pads whose dynamic filter or biquads sound at the tick's end.
+    pub filters: u32,
 }
 
 impl TickReport {
@@ -90,6 +98,10 @@ impl TickReport {
         background_frames: 0,
         room_frames: 0,
         residuals: 0,
+        filter_frames: 0,
+        loop_frames: 0,
+        biquad_frames: 0,
+        filters: 0,
         shed: Shed::NOTHING,
         counts: Counts::NONE,
         ringing_pads: 0,

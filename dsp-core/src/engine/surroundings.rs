@@ -1,33 +1,45 @@
 //! What an engine may have beside its pads: noise and a room, or neither.
 
-use super::{Engine, LoadError, NoResiduals, ResidualRoom, Residuals};
+use super::{Engine, FilterRoom, LoadError, NoFilters, NoResiduals, ResidualRoom, Residuals};
 use crate::SampleRate;
 use crate::room::{Room, RoomError, Sample};
 use crate::table::Kit;
 use crate::table::layout::RoomBandRecord;
 
-/// What an engine has memory and code for: [`NoResiduals`] (neither noise nor a room), [`Residuals`] (noise, no room), or a pair of noise and
-/// room, such as `(NoResiduals, Room<i16, 24576>)`. What a kit has beyond that is not heard.
+/// What an engine has memory and code for: [`NoResiduals`] (neither noise nor a room), [`Residuals`] (noise, no room), a pair of noise and
+/// room, such as `(NoResiduals, Room<i16, 24576>)`, or noise, room and filters, such as `(NoResiduals, NoRoom, Filters<2, 16, 4, 512, 64>)`. What
+/// a kit has beyond that is not heard.
 pub trait Surroundings {
     /// Residuals and background.
     type Residuals: ResidualRoom;
     /// The room.
     type Room: RoomStage;
+    /// Dynamic filters and biquad banks.
+    type Filters: FilterRoom;
 }
 
 impl Surroundings for NoResiduals {
     type Residuals = Self;
     type Room = NoRoom;
+    type Filters = NoFilters;
 }
 
 impl<const COUNT: usize> Surroundings for Residuals<COUNT> {
     type Residuals = Self;
     type Room = NoRoom;
+    type Filters = NoFilters;
 }
 
 impl<R: ResidualRoom, M: RoomStage> Surroundings for (R, M) {
     type Residuals = R;
     type Room = M;
+    type Filters = NoFilters;
+}
+
+impl<R: ResidualRoom, M: RoomStage, F: FilterRoom> Surroundings for (R, M, F) {
+    type Residuals = R;
+    type Room = M;
+    type Filters = F;
 }
 
 /// An engine's last stage before the output: [`NoRoom`], or a [`Room`] of some memory.

@@ -1,11 +1,12 @@
 //! What happens within a tick: its beginning, events, runs of frames, its end.
 
 use super::budget::LeaveOut;
-use super::{Direct, Engine, RoomStage, Skipping, Surroundings};
+use super::filters::{Sources, render_filtered};
+use super::{Direct, Engine, FilterRoom, RoomStage, Skipping, Surroundings};
 use crate::contact::Contact;
 use crate::event::{Action, Event};
 use crate::pad::{Pad, PadTables, Run, is_ringing};
-use crate::resonator::Memory;
+use crate::resonator::{Memory, TICK_FRAMES};
 
 impl<
     'k,
@@ -75,6 +76,7 @@ impl<
         let Some(impact) = pad.strike(event.velocity, event.striker, rate, banks) else { return };
         let moves = Pad::moves_to(event.position, banks);
         self.strike_noise(event.pad, impact.peak);
+        self.strike_filters(event.pad, impact.peak);
         self.expects = true;
         let contact = Contact::new(event.pad, event.striker, impact, event.time.early());
         self.report.strikes += 1;
@@ -101,6 +103,7 @@ impl<
         }
         if event.action != Action::Strike {
             self.choke_noise(event.pad, event.action, tables.pad().choke_t60_s());
+            self.choke_filters(event.pad, event.action, tables.pad().choke_t60_s());
         }
     }
 
@@ -133,6 +136,13 @@ impl<
                 .filter(|direct| direct.pad == number && !(skip && direct.force.iter().all(|&x| x == 0)))
                 .map(|direct| direct.force);
             let has_force = direct.is_some() || (contacts && self.flight.count_on(number) > 0);
+            if self.filters.join_in(number, has_force, banks) {
+                let run = Run { frames: out.len(), odd_start, skip, direct };
+                let sources = Sources { has_force, flight: &mut self.flight, memory: &mut memory, banks };
+                let place = (number, (self.now % TICK_FRAMES as u64) as usize);
+                render_filtered(pad, place, run, sources, &mut self.filters, &mut self.report, out);
+                continue;
+            }
             if has_force && skip && !pad.responds(banks, memory.groups) {
                 // Nobody would hear the force.
                 self.flight.pass(number, out.len());
@@ -161,12 +171,14 @@ impl<
             return;
         }
         self.end_noise_tick();
+        self.report.filters = self.filters.ringing();
         self.report.contacts = self.flight.count() as u32;
         self.report.ringing_pads = self.pads().iter().filter(|pad| is_ringing(pad.own(&self.banks))).count() as u32;
         self.idle = self.skipping == Skipping::On
             && self.report.contacts == 0
             && self.report.ringing_pads == 0
             && self.report.residuals == 0
+            && self.report.filters == 0
             && self.room.is_silent()
             && self.pads().iter().all(|pad| pad.retired_amplitude() == 0.0);
         if self.idle {

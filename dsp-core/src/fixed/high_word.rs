@@ -60,6 +60,13 @@ pub const fn smmlsr(acc: i32, a: i32, b: i32) -> i32 {
     (high_half(acc).wrapping_sub(product(a, b)).wrapping_add(HALF) >> 32) as i32
 }
 
+/// `x` times a gain from 0 to below 1 as Q31, rounded to an even step: never larger than x, and 0 of a single step.
+#[inline(always)]
+pub const fn times_q31(x: i32, gain: i32) -> i32 {
+    // At most 2^30 in size before the shift.
+    smmulr(x, gain) << 1
+}
+
 /// `value / 2^shift`, rounded to nearest, half up; any shift of 32 or more gives 0.
 #[inline(always)]
 pub const fn rounding_shift_right(value: i32, shift: u32) -> i32 {

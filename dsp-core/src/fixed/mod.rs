@@ -11,7 +11,7 @@ mod power;
 mod saturating;
 mod scale;
 
-pub use high_word::{rounding_shift_right, smmla, smmlar, smmls, smmlsr, smmul, smmulr};
+pub use high_word::{rounding_shift_right, smmla, smmlar, smmls, smmlsr, smmul, smmulr, times_q31};
 pub use power::{Log2, Power};
 pub use saturating::{qadd, qsub, saturate, saturating_shift_left, to_24_bit};
 pub use scale::Scale;

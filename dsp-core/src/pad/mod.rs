@@ -9,9 +9,13 @@
 //!
 //! A second strike adds energy to the same ringing banks.
 
+mod filters;
+mod hand;
 mod render;
 mod tables;
 
+pub use filters::{FilterWork, PadFilters};
+pub use hand::Hand;
 pub use tables::PadTables;
 
 use crate::SampleRate;

@@ -116,6 +116,24 @@ impl Pad<'_> {
     ) {
         let mut sound = [0; TICK_FRAMES];
         let Some(sound) = sound.get_mut(..force.len()) else { return };
+        self.add_driven(number, run, flight, memory, banks, force, (sound, None), work);
+        self.panner.render(sound, out);
+    }
+
+    /// Adds, under a force, all of the pad to a bus, the object's modes to another one where there is one.
+    #[inline(always)] // one of two callers is not built where there are no filters
+    #[allow(clippy::too_many_arguments)] // one call, taken apart for the stack's sake
+    fn add_driven<const CONTACTS: usize>(
+        &mut self,
+        number: u8,
+        run: Run<'_>,
+        flight: &mut Flight<CONTACTS>,
+        memory: &mut Memory<'_>,
+        banks: &mut [Bank],
+        force: &mut [i32],
+        (sound, modes): (&mut [i32], Option<&mut [i32]>),
+        work: &mut PadWork,
+    ) {
         let Some((object, strikers)) = banks.split_first_mut() else { return };
         if !strikers.is_empty() {
             let (mut direct, mut strikers) = (run.direct, strikers.iter_mut());
@@ -133,11 +151,65 @@ impl Pad<'_> {
                 }
             }
         }
-        work.object = object.render(memory, Some(force), run.odd_start, run.skip, sound);
+        match modes {
+            Some(modes) => work.object = object.render(memory, Some(force), run.odd_start, run.skip, modes),
+            None => work.object = object.render(memory, Some(force), run.odd_start, run.skip, sound),
+        }
         if self.acceleration.is_built() {
             work.acceleration_frames = force.len() as u32;
             self.acceleration.render(force, sound);
         }
+    }
+
+    /// Under a force, adds the pad to a mono bus of at most a tick, before level and pan: what its filters are put beside. Leaves the force in `force`,
+    /// which is to be silent before. The object's modes go to `modes` where there is such a bus.
+    #[inline(never)]
+    #[allow(clippy::too_many_arguments)] // what a run has, and where the pad's state lies
+    pub fn drive_mono<const CONTACTS: usize>(
+        &mut self,
+        number: u8,
+        run: Run<'_>,
+        flight: &mut Flight<CONTACTS>,
+        memory: &mut Memory<'_>,
+        banks: &mut [Bank],
+        force: &mut [i32],
+        buses: (&mut [i32], Option<&mut [i32]>),
+    ) -> PadWork {
+        self.wake(banks);
+        self.struck = true;
+        let frames = force.len() as u32;
+        let direct_frames = if run.direct.is_some() { frames } else { 0 };
+        let mut work = PadWork { force_frames: frames, direct_frames, ..PadWork::default() };
+        if banks.len() == 1 {
+            self.take_force(number, run.direct, flight, force);
+        }
+        self.add_driven(number, run, flight, memory, banks, force, buses, &mut work);
+        work
+    }
+
+    /// The same without a force; gives the mode-frames of the object's bank and of the strikers' banks.
+    #[inline(never)]
+    pub fn ring_mono(
+        &mut self,
+        odd_start: bool,
+        memory: &mut Memory<'_>,
+        banks: &mut [Bank],
+        (sound, modes): (&mut [i32], Option<&mut [i32]>),
+    ) -> (u32, u32) {
+        let Some((object, strikers)) = banks.split_first_mut() else { return (0, 0) };
+        let frames = sound.len() as u32;
+        let mut striker_modes = 0;
+        for bank in strikers {
+            striker_modes += bank.running_modes(true);
+            bank.render(memory, None, odd_start, true, sound);
+        }
+        let object_modes = object.running_modes(true);
+        object.render(memory, None, odd_start, true, modes.unwrap_or(sound));
+        (object_modes * frames, striker_modes * frames)
+    }
+
+    /// Adds a mono bus to the stereo sum with the pad's level and pan.
+    pub fn pan(&self, sound: &[i32], out: &mut [[i32; 2]]) {
         self.panner.render(sound, out);
     }
 }

@@ -2,8 +2,9 @@
 
 use zerocopy::FromBytes;
 
-use super::error::{Field, Place, TableError};
+use super::error::TableError;
 use super::layout::{GainRecord, ModeRecord};
+use super::place::{Field, Place};
 use super::range::{self, Range};
 
 pub(super) type BankView<'a> = (&'a [ModeRecord], &'a [GainRecord], &'a str, &'a str);

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::layout::{FORMAT_VERSION, SECTION_VERSION};
+use super::place::{Field, Place};
 use super::range::Range;
 
 /// What is wrong with a kit's bytes: which field, where, what it holds and what is allowed.
@@ -152,6 +153,24 @@ pub enum TableError {
         /// The edge, in Hz.
         above: f32,
     },
+    /// A filter whose poles lie on or outside the unit circle.
+    UnstablePole {
+        /// Which breakpoint or biquad.
+        place: Place,
+        /// The key that decides it.
+        field: Field,
+        /// The largest radius of its poles.
+        radius: f32,
+    },
+    /// A breakpoint that is not later than the one before it.
+    TimeOrder {
+        /// Which breakpoint.
+        place: Place,
+        /// The one before, in seconds.
+        before_s: f32,
+        /// The breakpoint, in seconds.
+        time_s: f32,
+    },
     /// A text that is not UTF-8.
     BadText {
         /// Whose text.
@@ -164,160 +183,6 @@ pub enum TableError {
         /// Which field.
         field: Field,
     },
-}
-
-/// Where in a kit a field stands; indices count from 0 in the order of the file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// The kit as a whole.
-    Kit,
-    /// The object of this index.
-    Object(usize),
-    /// A mode of an object: (object, mode).
-    ObjectMode(usize, usize),
-    /// The striker of this index.
-    Striker(usize),
-    /// A mode of a striker: (striker, mode).
-    StrikerMode(usize, usize),
-    /// The pad of this index.
-    Pad(usize),
-    /// The residual of the object of this index.
-    ObjectResidual(usize),
-    /// An edge of the bands of an object's residual: (object, edge).
-    ObjectEdge(usize, usize),
-    /// A band of an object's residual: (object, band).
-    ObjectBand(usize, usize),
-    /// The background.
-    Background,
-    /// An edge of its bands.
-    BackgroundEdge(usize),
-    /// A band of it.
-    BackgroundBand(usize),
-    /// The room.
-    Room,
-    /// A band of it.
-    RoomBand(usize),
-}
-
-/// A field of a kit, by its key in the text form.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(missing_docs, reason = "each variant is the key of the same name in the text form")]
-pub enum Field {
-    Acceleration,
-    Button,
-    ButtonVelocity,
-    Channel,
-    ChokeButton,
-    ChokeT60S,
-    ContactExponent,
-    ContactTimeS,
-    CrosstalkDb,
-    DecayDbPerS,
-    DecayPerS,
-    DirectGain,
-    EdgesHz,
-    FrequencyHz,
-    FromHz,
-    FullScale,
-    Gain,
-    GainCosine,
-    GainSine,
-    LevelDb,
-    MaskDecayPerS,
-    MaskTimeS,
-    MidiNotes,
-    Mode,
-    Modes,
-    Object,
-    TriggerPad,
-    Padding,
-    Pan,
-    PeakExponent,
-    PeakForce,
-    Positions,
-    Pulse,
-    ReferenceForce,
-    RimChannel,
-    RimDb,
-    RimStriker,
-    ScanTimeS,
-    StrikerWeight,
-    Strikers,
-    Threshold,
-    VelocityExponent,
-    Weight,
-}
-
-impl Field {
-    /// The key in the text form.
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Acceleration => "acceleration",
-            Self::Button => "button",
-            Self::ButtonVelocity => "button_velocity",
-            Self::Channel => "channel",
-            Self::ChokeButton => "choke_button",
-            Self::ChokeT60S => "choke_t60_s",
-            Self::ContactExponent => "contact_exponent",
-            Self::ContactTimeS => "contact_time_s",
-            Self::CrosstalkDb => "crosstalk_db",
-            Self::DecayDbPerS => "decay_db_per_s",
-            Self::DecayPerS => "decay_per_s",
-            Self::DirectGain => "direct_gain",
-            Self::EdgesHz => "edges_hz",
-            Self::FrequencyHz => "frequency_hz",
-            Self::FromHz => "from_hz",
-            Self::FullScale => "full_scale",
-            Self::Gain => "gain",
-            Self::GainCosine => "gain_cosine",
-            Self::GainSine => "gain_sine",
-            Self::LevelDb => "level_db",
-            Self::MaskDecayPerS => "mask_decay_per_s",
-            Self::MaskTimeS => "mask_time_s",
-            Self::MidiNotes => "midi_notes",
-            Self::Mode => "mode",
-            Self::Modes => "modes",
-            Self::Object => "object",
-            Self::TriggerPad => "pad",
-            Self::Padding => "padding",
-            Self::Pan => "pan",
-            Self::PeakExponent => "peak_exponent",
-            Self::PeakForce => "peak_force",
-            Self::Positions => "positions",
-            Self::Pulse => "pulse",
-            Self::ReferenceForce => "reference_force",
-            Self::RimChannel => "rim_channel",
-            Self::RimDb => "rim_db",
-            Self::RimStriker => "rim_striker",
-            Self::ScanTimeS => "scan_time_s",
-            Self::StrikerWeight => "striker_weight",
-            Self::Strikers => "strikers",
-            Self::Threshold => "threshold",
-            Self::VelocityExponent => "velocity_exponent",
-            Self::Weight => "weight",
-        }
-    }
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Kit => write!(f, "the kit"),
-            Self::Object(object) => write!(f, "object {object}"),
-            Self::ObjectMode(object, mode) => write!(f, "object {object}, mode {mode}"),
-            Self::Striker(striker) => write!(f, "striker {striker}"),
-            Self::StrikerMode(striker, mode) => write!(f, "striker {striker}, mode {mode}"),
-            Self::Pad(pad) => write!(f, "pad {pad}"),
-            Self::ObjectResidual(object) => write!(f, "object {object}, residual"),
-            Self::ObjectEdge(object, edge) => write!(f, "object {object}, residual, edge {edge}"),
-            Self::ObjectBand(object, band) => write!(f, "object {object}, residual, band {band}"),
-            Self::Background => write!(f, "background"),
-            Self::BackgroundEdge(edge) => write!(f, "background, edge {edge}"),
-            Self::BackgroundBand(band) => write!(f, "background, band {band}"),
-            Self::Room => write!(f, "room"),
-            Self::RoomBand(band) => write!(f, "room, band {band}"),
-        }
-    }
 }
 
 struct Tag([u8; 4]);
@@ -399,6 +264,14 @@ impl fmt::Display for TableError {
                 field.key(),
                 super::range::BAND_WIDTH_HZ
             ),
+            Self::UnstablePole { place, field, radius } => write!(
+                f,
+                "{place}: {}: a pole of radius {radius} does not decay; move it within the unit circle",
+                field.key()
+            ),
+            Self::TimeOrder { place, before_s, time_s } => {
+                write!(f, "{place}: time_s = {time_s}: must be later than the breakpoint before it, {before_s}")
+            }
             Self::BadText { place } => write!(f, "{place}: source or licence is not UTF-8"),
             Self::NotZero { place, field } => write!(f, "{place}: {} must be zero", field.key()),
         }

@@ -4,8 +4,9 @@ use zerocopy::byteorder::little_endian::U32;
 use zerocopy::{FromBytes, Immutable, KnownLayout, Unaligned};
 
 use super::checksum;
-use super::error::{Place, TableError};
+use super::error::TableError;
 use super::layout::{FORMAT_VERSION, FileHeader, MAGIC, SECTION_VERSION, SectionEntry, tag};
+use super::place::Place;
 
 /// Header, checksum and directory; gives the directory and the kit's own bytes.
 pub(super) fn read_frame(bytes: &[u8]) -> Result<(&[SectionEntry], &[u8]), TableError> {
@@ -45,8 +46,7 @@ pub(super) fn read_frame(bytes: &[u8]) -> Result<(&[SectionEntry], &[u8]), Table
 }
 
 pub(super) fn is_known(tag: [u8; 4]) -> bool {
-    [tag::META, tag::OBJECT, tag::STRIKER, tag::PADS, tag::TRIGGER, tag::RESIDUAL, tag::BACKGROUND, tag::ROOM]
-        .contains(&tag)
+    tag::KNOWN.contains(&tag)
 }
 
 /// Sections tile the kit from the directory's end to the kit's, and are of known kinds and versions.

@@ -43,6 +43,15 @@ pub mod tag {
     pub const BACKGROUND: [u8; 4] = *b"bgnd";
     /// The room: [`RoomBandRecord`](super::RoomBandRecord)s, from the lowest up. At most one; a reader may skip it.
     pub const ROOM: [u8; 4] = *b"room";
+    /// The dynamic filter of an object: [`DynamicFilterHeader`](super::DynamicFilterHeader), [`BreakpointRecord`](super::BreakpointRecord)s,
+    /// [`LoopRecord`](super::LoopRecord)s. One section an object that has one, in their order; a reader may skip it.
+    pub const DYNAMIC_FILTER: [u8; 4] = *b"dynf";
+    /// The biquad bank of an object: [`BiquadsHeader`](super::BiquadsHeader), [`BiquadRecord`](super::BiquadRecord)s, chain by chain. One section
+    /// an object that has one, in their order; a reader may skip it.
+    pub const BIQUADS: [u8; 4] = *b"biqd";
+    /// All of them.
+    pub const KNOWN: [[u8; 4]; 10] =
+        [META, OBJECT, STRIKER, PADS, TRIGGER, RESIDUAL, BACKGROUND, ROOM, DYNAMIC_FILTER, BIQUADS];
 }
 
 /// The head of a kit.
@@ -256,4 +265,99 @@ pub struct RoomBandRecord {
     pub gain: F32,
     /// Decay rate d in 1/s; T60 = ln(1000)/d.
     pub decay_per_s: F32,
+}
+
+/// The head of a `dynf` section; behind it `breakpoint_count` [`BreakpointRecord`]s, then `loop_count` [`LoopRecord`]s.
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct DynamicFilterHeader {
+    /// Which object, counted from 0 in the order of the `OBJT` sections.
+    pub object: U16,
+    /// Order of the filter, 1 or 2.
+    pub order: u8,
+    /// Bit 0: the object's modes go through the filter. Bit 1: there is an exciter.
+    pub flags: u8,
+    /// Seed of the noise.
+    pub seed: U32,
+    /// The rate in Hz that the coefficients are for.
+    pub rate_hz: F32,
+    /// Number of breakpoints.
+    pub breakpoint_count: U16,
+    /// Number of loops.
+    pub loop_count: U16,
+    /// Lower edge of the exciter's band in Hz; 0 without an exciter.
+    pub low_hz: F32,
+    /// Upper edge of the exciter's band in Hz; 0 without an exciter.
+    pub high_hz: F32,
+    /// Exponent by which both edges follow the strike's peak force; 0 without an exciter.
+    pub exponent: F32,
+}
+
+/// Bit 0 of [`DynamicFilterHeader::flags`].
+pub const MODES_THROUGH: u8 = 1;
+/// Bit 1 of [`DynamicFilterHeader::flags`].
+pub const HAS_EXCITER: u8 = 2;
+
+/// The dynamic filter's coefficients at a time after the strike: `s(n) = b0 e(n) + b1 e(n-1) + b2 e(n-2) - a1 s(n-1) - a2 s(n-2)`.
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct BreakpointRecord {
+    /// Seconds after the strike.
+    pub time_s: F32,
+    /// a1.
+    pub a1: F32,
+    /// a2; 0 in a filter of first order.
+    pub a2: F32,
+    /// b0.
+    pub b0: F32,
+    /// b1.
+    pub b1: F32,
+    /// b2; 0 in a filter of first order.
+    pub b2: F32,
+}
+
+/// A banded waveguide round the dynamic filter (dynamic-filter eq. 8 to 13).
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct LoopRecord {
+    /// Middle f_c of its band-pass in Hz.
+    pub frequency_hz: F32,
+    /// Width Δf of its band-pass at -3 dB in Hz.
+    pub bandwidth_hz: F32,
+    /// Gain γ_s at f_c.
+    pub gain: F32,
+    /// Delay d_s in seconds.
+    pub delay_s: F32,
+}
+
+/// The head of a `biqd` section; behind it `chain_count · depth` [`BiquadRecord`]s, chain by chain.
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct BiquadsHeader {
+    /// Which object, counted from 0 in the order of the `OBJT` sections.
+    pub object: U16,
+    /// Number of chains side by side.
+    pub chain_count: U16,
+    /// Number of biquads in each chain, one behind the other.
+    pub depth: U16,
+    /// 0.
+    pub reserved: U16,
+    /// The rate in Hz that poles and zeros are for.
+    pub rate_hz: F32,
+}
+
+/// A biquad `k (1 - 2 Re q z⁻¹ + |q|² z⁻²) / (1 - 2 Re p z⁻¹ + |p|² z⁻²)` (diffmodal eq. 2).
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct BiquadRecord {
+    /// Real part of the pole p.
+    pub pole_re: F32,
+    /// Imaginary part of the pole p.
+    pub pole_im: F32,
+    /// Real part of the zero q; 0 with `zero_im` 0 stands for none.
+    pub zero_re: F32,
+    /// Imaginary part of the zero q.
+    pub zero_im: F32,
+    /// Gain k.
+    pub gain: F32,
 }

@@ -89,3 +89,33 @@ pub const LAST_BUTTON: usize = 15;
 pub const ROOM_GAIN: Range = Range::new(0.0, 100.0);
 /// Decay of a room's band in 1/s: T60 from 46 ms to 23 s.
 pub const ROOM_DECAY_PER_S: Range = Range::new(0.3, 150.0);
+/// The rate in Hz that a filter's coefficients are for: the rates that the engine is made for.
+pub const RATE_HZ: Range = Range::new(8_000.0, 192_000.0);
+/// Breakpoints of a dynamic filter.
+pub const BREAKPOINTS: usize = 32;
+/// Loops round a dynamic filter.
+pub const LOOPS: usize = 16;
+/// Time of a breakpoint after the first, in seconds after the strike.
+pub const TIME_S: Range = Range::new(0.0, 3_600.0);
+/// Coefficients of a dynamic filter beside a1 and a2, either sign; on load the filter's gain is bounded too.
+pub const COEFFICIENT: Range = Range::new(-1e6, 1e6);
+/// a1 of a dynamic filter; its poles must lie within the unit circle.
+pub const A1: Range = Range::new(-2.0, 2.0);
+/// a2 of a dynamic filter; its poles must lie within the unit circle.
+pub const A2: Range = Range::new(-1.0, 1.0);
+/// Exponent by which the exciter's edges follow the strike's peak force.
+pub const EXCITER_EXPONENT: Range = Range::new(-4.0, 4.0);
+/// Bandwidth of a loop in Hz; it must also be below the loop's frequency.
+pub const BANDWIDTH_HZ: Range = Range::new(0.01, 48_000.0);
+/// Gain of a loop at its frequency; on load the loops must be stable round the filter.
+pub const LOOP_GAIN: Range = Range::new(-1e6, 1e6);
+/// Delay of a loop in seconds; on load it must fit the engine's delay line.
+pub const DELAY_S: Range = Range::new(5e-6, 1.0);
+/// Chains of a biquad bank.
+pub const CHAINS: usize = 64;
+/// Biquads of a chain.
+pub const CHAIN_DEPTH: usize = 4;
+/// Real and imaginary part of a pole; it must lie within the unit circle.
+pub const POLE: Range = Range::new(-1.0, 1.0);
+/// Real and imaginary part of a zero.
+pub const ZERO: Range = Range::new(-1e3, 1e3);

@@ -5,12 +5,13 @@ use zerocopy::FromBytes;
 use super::check::{
     check_bank, check_count, check_distinct, check_name, check_range, check_ranges, name_str, read_bank,
 };
-use super::error::{Field, Place, TableError};
+use super::error::TableError;
 use super::frame::{check_sections, head, is_known, only_section, optional_section, read_frame, sections, whole};
 use super::layout::{
     GainRecord, MetaRecord, ModeRecord, NO_NOTE, NO_STRIKER, ObjectHeader, PadRecord, RoomBandRecord, SectionEntry,
     StrikerHeader, TriggerRecord, tag,
 };
+use super::place::{Field, Place};
 use super::range;
 use super::residual::{Background, Residual};
 use super::room;
@@ -19,8 +20,8 @@ use super::trigger::Trigger;
 /// A checked kit: views into the caller's bytes, nothing is copied.
 #[derive(Clone, Copy, Debug)]
 pub struct Kit<'a> {
-    bytes: &'a [u8],
-    directory: &'a [SectionEntry],
+    pub(super) bytes: &'a [u8],
+    pub(super) directory: &'a [SectionEntry],
     meta: &'a MetaRecord,
     pads: &'a [PadRecord],
     triggers: &'a [TriggerRecord],
@@ -130,6 +131,11 @@ impl<'a> Kit<'a> {
     /// Tags of sections that were skipped because this reader does not know them.
     pub fn skipped_sections(&self) -> impl Iterator<Item = [u8; 4]> + use<'a> {
         self.directory.iter().map(|entry| entry.tag).filter(|&tag| !is_known(tag))
+    }
+
+    /// Whether there is a section of a tag, whatever it holds.
+    pub fn has_section(&self, tag: [u8; 4]) -> bool {
+        sections(self.directory, self.bytes, tag).next().is_some()
     }
 
     /// What the object of an index sounds beside its modes.

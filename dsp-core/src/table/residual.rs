@@ -4,9 +4,10 @@ use zerocopy::FromBytes;
 use zerocopy::byteorder::little_endian::F32;
 
 use super::check::{check_count, check_range};
-use super::error::{Field, Place, TableError};
+use super::error::TableError;
 use super::frame::head;
 use super::layout::{BackgroundHeader, ResidualBandRecord, ResidualHeader};
+use super::place::{Field, Place};
 use super::range;
 use crate::residual::BandLaw;
 

@@ -3,8 +3,9 @@
 use zerocopy::FromBytes;
 
 use super::check::{check_count, check_ranges};
-use super::error::{Field, Place, TableError};
+use super::error::TableError;
 use super::layout::RoomBandRecord;
+use super::place::{Field, Place};
 use super::range::{self, Range};
 use crate::room::MAX_BANDS;
 

@@ -3,8 +3,9 @@
 use zerocopy::FromBytes;
 
 use super::check::{check_count, check_ranges};
-use super::error::{Field, Place, TableError};
+use super::error::TableError;
 use super::layout::{NO_INPUT, NO_STRIKER, PadRecord, TriggerRecord};
+use super::place::{Field, Place};
 use super::range::{self, Range};
 
 /// How one pad of a [`Kit`](super::Kit) is triggered.

@@ -6,6 +6,7 @@ use super::kernel;
 use super::resonance::{LINE_BITS, Resonance};
 use super::tuning::{Loop, Tuned};
 use crate::SampleRate;
+use crate::fixed::times_q31;
 use crate::resonator::TICK_FRAMES;
 
 /// At most `LOOPS` loops on one line of `FRAMES` frames of s.
@@ -107,6 +108,15 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         self.line.fill(0);
         (self.sizes, self.sizes_of, self.frames_of_first, self.quiet_frames) = (0, [0; 2], 0, 0);
         self.line_bits = LINE_BITS;
+    }
+
+    /// Leaves so much (Q31) of what rings.
+    pub(crate) fn attenuate(&mut self, left: i32) {
+        for band in self.bands.iter_mut().take(self.count) {
+            band.attenuate(left);
+        }
+        let used = if self.count > 0 { FRAMES } else { 0 };
+        self.line.iter_mut().take(used).for_each(|s| *s = times_q31(*s, left));
     }
 
     /// How many of so many frames can be run at once: as long as no loop reads what is not written, and the ring does not turn.

@@ -16,7 +16,7 @@
 //! nearly all its bits, and E rises while line and state decay.
 
 use super::tuning::Tuned;
-use crate::fixed::rounding_shift_right;
+use crate::fixed::{rounding_shift_right, times_q31};
 use crate::resonator::TICK_FRAMES;
 
 /// Bits of a line's words: `|x| < 2^30`.
@@ -180,6 +180,11 @@ impl Resonance {
     /// What it reads from now on is below 2^`line_bits`; to be followed by [`settle`](Self::settle).
     pub(super) fn expect(&mut self, line_bits: i32) {
         self.limit = self.largest_exponent.min(self.for_input - line_bits);
+    }
+
+    /// Leaves so much (Q31) of it.
+    pub(super) fn attenuate(&mut self, left: i32) {
+        (self.u, self.v) = (times_q31(self.u, left), times_q31(self.v, left));
     }
 
     /// Whether nothing is left.

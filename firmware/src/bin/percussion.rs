@@ -5,6 +5,7 @@
 
 use defmt_rtt as _;
 use dsp_core::table::Kit;
+use dsp_core::table::layout::tag;
 use embassy_executor::{SpawnError, SpawnToken, Spawner};
 use firmware::audio::instrument::Instrument;
 use firmware::faults::{self, Fault};
@@ -78,6 +79,9 @@ fn kit_in_sector(instrument: &mut Instrument) -> Result<Option<(Kit<'static>, in
     defmt::info!("kit sector: {=str} plays", kit.name());
     if kit.residuals().next().is_some() || kit.background().is_some() || !kit.room().is_empty() {
         defmt::warn!("kit sector: its residuals, background and room are left out: boards play contacts and modes");
+    }
+    if kit.has_section(tag::DYNAMIC_FILTER) || kit.has_section(tag::BIQUADS) {
+        defmt::warn!("kit sector: its dynamic filters and biquads are left out: boards play contacts and modes");
     }
     Ok(Some((kit, settings)))
 }

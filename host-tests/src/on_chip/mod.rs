@@ -1,6 +1,7 @@
 //! The same code on the virtual Cortex-M4F: the bank alone and the whole engine, called from here.
 
 mod bank;
+mod biquads;
 pub mod budget_scenes;
 mod engine;
 mod filters;
@@ -9,6 +10,7 @@ mod room;
 pub mod scenes;
 
 pub use bank::BankOnChip;
+pub use biquads::BiquadsOnChip;
 pub use engine::{BLOCK_FRAMES, EngineOnChip, Footprint, Told};
 pub use filters::FiltersOnChip;
 pub use residual::ResidualOnChip;

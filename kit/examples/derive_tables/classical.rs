@@ -19,6 +19,8 @@ fn object(name: &str, source: &str, modes: Vec<Mode>) -> Object {
         acceleration: 0.0,
         modes,
         residual: None,
+        dynamic_filter: None,
+        biquads: None,
     }
 }
 

@@ -89,6 +89,8 @@ fn object(
             })
             .collect(),
         residual: None,
+        dynamic_filter: None,
+        biquads: None,
     }
 }
 

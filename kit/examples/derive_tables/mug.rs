@@ -58,6 +58,8 @@ pub(crate) fn derive(folder: &Path) -> Result<Option<Object>, Failure> {
             })
             .collect(),
         residual: None,
+        dynamic_filter: None,
+        biquads: None,
     }))
 }
 

@@ -6,20 +6,21 @@ use dsp_core::table::layout::{
     NAME_BYTES, NO_INPUT, NO_NOTE, NO_STRIKER, ObjectHeader, PadRecord, ResidualBandRecord, ResidualHeader,
     RoomBandRecord, SECTION_VERSION, STRIKERS_PER_PAD, SectionEntry, StrikerHeader, TriggerRecord, tag,
 };
-use dsp_core::table::{Field, Kit as TableView, Place, TableError, checksum, range};
+use dsp_core::table::{Field, Place, TableError, checksum, range};
 use dsp_core::trigger::{Mode as TriggerMode, Settings};
 use zerocopy::byteorder::little_endian::{F32, U16, U32};
 use zerocopy::{Immutable, IntoBytes};
 
+use super::filters;
 use crate::error::Fault;
 use crate::{Background, Kit, KitError, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
 
 /// Builds the binary form: sections `META`, `OBJT` an object, `STRK` a striker, `PADS`, `trig` where
-/// a pad says how it is triggered, `resi` an object with a residual, `bgnd` and `room` where there is a background or a room, in this order. The same kit gives the same bytes.
+/// a pad says how it is triggered, `resi` an object with a residual, `bgnd` and `room` where there is a background or a room, `dynf` an object with a
+/// dynamic filter and `biqd` an object with a biquad bank, in this order. The same kit gives the same bytes.
 ///
 /// # Errors
-/// [`KitError::Item`] for what the form cannot hold (nothing is ever cut off) and for whatever [`dsp_core::table::Kit::parse`]
-/// refuses in the result.
+/// [`KitError::Item`] for what the form cannot hold (nothing is ever cut off) and for whatever [`dsp_core::table::Kit`] refuses in the result.
 pub fn build(kit: &Kit) -> Result<Vec<u8>, KitError> {
     let build = Build { kit };
     let mut sections = vec![(tag::META, build.meta()?)];
@@ -54,8 +55,18 @@ pub fn build(kit: &Kit) -> Result<Vec<u8>, KitError> {
     if !kit.room.is_empty() {
         sections.push((tag::ROOM, room(&kit.room)));
     }
+    for (index, object) in kit.objects.iter().enumerate() {
+        if let Some(filter) = &object.dynamic_filter {
+            sections.push((tag::DYNAMIC_FILTER, build.dynamic_filter(index, filter)?));
+        }
+    }
+    for (index, object) in kit.objects.iter().enumerate() {
+        if let Some(biquads) = &object.biquads {
+            sections.push((tag::BIQUADS, build.biquads(index, biquads)?));
+        }
+    }
     let bytes = build.frame(&sections)?;
-    TableView::parse(&bytes).map_err(|error| KitError::from_table(kit, error))?;
+    filters::parse(&bytes).map_err(|error| KitError::from_table(kit, error))?;
     Ok(bytes)
 }
 
@@ -72,12 +83,12 @@ fn room(bands: &[RoomBand]) -> Vec<u8> {
     section
 }
 
-struct Build<'a> {
+pub(super) struct Build<'a> {
     kit: &'a Kit,
 }
 
 impl Build<'_> {
-    fn fault(&self, place: Place, fault: Fault) -> KitError {
+    pub(super) fn fault(&self, place: Place, fault: Fault) -> KitError {
         KitError::item(self.kit, place, fault)
     }
 
@@ -309,7 +320,14 @@ impl Build<'_> {
         Ok(padded)
     }
 
-    fn count(&self, place: Place, field: Field, value: usize, min: usize, max: usize) -> Result<U16, KitError> {
+    pub(super) fn count(
+        &self,
+        place: Place,
+        field: Field,
+        value: usize,
+        min: usize,
+        max: usize,
+    ) -> Result<U16, KitError> {
         match u16::try_from(value) {
             Ok(count) if (min..=max).contains(&value) => Ok(U16::new(count)),
             _ => Err(self.fault(place, Fault::Table(TableError::Count { place, field, value, min, max }))),
@@ -346,7 +364,7 @@ impl Build<'_> {
     }
 }
 
-fn append(bytes: &mut Vec<u8>, record: &(impl IntoBytes + Immutable)) {
+pub(super) fn append(bytes: &mut Vec<u8>, record: &(impl IntoBytes + Immutable)) {
     bytes.extend_from_slice(record.as_bytes());
 }
 

@@ -3,7 +3,7 @@
 use dsp_core::residual::BandLaw;
 use dsp_core::table::layout::{GainRecord, ModeRecord};
 use dsp_core::table::{
-    Background as BackgroundView, Kit as TableView, Object as ObjectView, Pad as PadView, Residual as ResidualView,
+    Background as BackgroundView, Object as ObjectView, Pad as PadView, Residual as ResidualView,
     Striker as StrikerView,
 };
 use dsp_core::trigger::Settings;
@@ -14,9 +14,9 @@ use crate::{Background, Gain, Kit, KitError, Mode, Object, Pad, Pulse, Residual,
 /// ([`crate::Loaded::skipped_sections`] lists them), nor is the number of positions of an object without modes.
 ///
 /// # Errors
-/// [`KitError::Binary`] with what [`dsp_core::table::Kit::parse`] refuses.
+/// [`KitError::Binary`] with what [`dsp_core::table::Kit`] refuses.
 pub fn read(bytes: &[u8]) -> Result<Kit, KitError> {
-    let view = TableView::parse(bytes)?;
+    let view = super::filters::parse(bytes)?;
     let mut objects: Vec<Object> = view.objects().map(object).collect();
     let strikers: Vec<Striker> = view.strikers().map(striker).collect();
     let mut pads: Vec<Pad> = view.pads().map(|pad| read_pad(pad, &objects, &strikers)).collect();
@@ -30,6 +30,7 @@ pub fn read(bytes: &[u8]) -> Result<Kit, KitError> {
             object.residual = Some(read_residual(residual));
         }
     }
+    super::filters::read(&view, &mut objects);
     let background = view.background().map(read_background);
     let room = view.room().iter().map(|band| RoomBand {
         from_hz: band.from_hz.get(),
@@ -48,6 +49,8 @@ fn object(view: ObjectView<'_>) -> Object {
         acceleration: view.acceleration(),
         modes: modes(view.modes(), view.gains(), view.position_count()),
         residual: None,
+        dynamic_filter: None,
+        biquads: None,
     }
 }
 

@@ -4,6 +4,7 @@ use dsp_core::table::Place;
 use toml::Spanned;
 
 use super::document::{Document, Gains, ModeTable, ObjectTable, PadTable, RoomBandTable, StrikerTable};
+use super::filters::{BiquadsTable, DynamicFilterTable};
 use super::origin::{ItemOrigin, Origins};
 use super::residual::{BackgroundTable, ResidualTable};
 use super::{SourceText, UNTITLED};
@@ -73,12 +74,27 @@ impl Assembly {
             acceleration: table.acceleration,
             modes: Vec::new(),
             residual: None,
+            dynamic_filter: None,
+            biquads: None,
         });
         self.refuse_duplicate(Place::Object(index))?;
         let modes = self.modes(table.modes, |mode| Place::ObjectMode(index, mode))?;
         let residual = table.residual.map(ResidualTable::read);
+        let dynamic_filter = match table.dynamic_filter.map(DynamicFilterTable::read) {
+            None => None,
+            Some((origin, filter)) => {
+                self.origins.set_filter(index, origin);
+                let mixed = |breakpoint| self.refusal(Place::ObjectBreakpoint(index, breakpoint), Fault::MixedOrder);
+                Some(filter.map_err(mixed)?)
+            }
+        };
+        let biquads = table.biquads.map(|table| {
+            let (origin, biquads) = BiquadsTable::read(table);
+            self.origins.set_biquads(index, origin);
+            biquads
+        });
         if let Some(object) = self.kit.objects.last_mut() {
-            object.modes = modes;
+            (object.modes, object.dynamic_filter, object.biquads) = (modes, dynamic_filter, biquads);
             if let Some((residual, origin)) = residual {
                 object.residual = Some(residual);
                 self.origins.set_residual(index, origin);

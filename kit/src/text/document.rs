@@ -5,6 +5,7 @@ use std::fmt;
 use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 use toml::Spanned;
 
+use super::filters::{BiquadsTable, DynamicFilterTable};
 use super::residual::{BackgroundTable, ResidualTable};
 use super::trigger::TriggerTable;
 use crate::Pulse;
@@ -52,6 +53,8 @@ pub(super) struct ObjectTable {
     pub(super) acceleration: f32,
     pub(super) modes: Vec<Spanned<ModeTable>>,
     pub(super) residual: Option<Spanned<ResidualTable>>,
+    pub(super) dynamic_filter: Option<Spanned<DynamicFilterTable>>,
+    pub(super) biquads: Option<Spanned<BiquadsTable>>,
 }
 
 #[derive(serde::Deserialize)]

@@ -5,6 +5,7 @@
 
 mod assembly;
 mod document;
+mod filters;
 mod number;
 mod origin;
 mod residual;

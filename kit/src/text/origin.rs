@@ -1,10 +1,12 @@
 //! Where in which file each item of a kit stood.
 
 use dsp_core::table::Place;
+use dsp_core::table::range::CHAIN_DEPTH;
 use toml::Spanned;
 
 use super::SourceText;
 use super::document::ModeTable;
+use super::filters::{BiquadsOrigin, FilterOrigin};
 use super::residual::NoiseOrigin;
 use crate::{KitError, Location};
 
@@ -29,6 +31,8 @@ pub(super) struct ItemOrigin {
     name_offset: usize,
     mode_offsets: Vec<usize>,
     residual: NoiseOrigin,
+    filter: FilterOrigin,
+    biquads: BiquadsOrigin,
 }
 
 impl ItemOrigin {
@@ -39,6 +43,8 @@ impl ItemOrigin {
             name_offset: name.span().start,
             mode_offsets: modes.iter().map(|mode| mode.span().start).collect(),
             residual: NoiseOrigin::default(),
+            filter: FilterOrigin::default(),
+            biquads: BiquadsOrigin::default(),
         }
     }
 }
@@ -70,6 +76,20 @@ impl Origins {
     pub(super) fn set_residual(&mut self, object: usize, origin: NoiseOrigin) {
         if let Some(item) = self.objects.get_mut(object) {
             item.residual = origin;
+        }
+    }
+
+    /// Where the dynamic filter of an object stands.
+    pub(super) fn set_filter(&mut self, object: usize, origin: FilterOrigin) {
+        if let Some(item) = self.objects.get_mut(object) {
+            item.filter = origin;
+        }
+    }
+
+    /// Where the biquad bank of an object stands.
+    pub(super) fn set_biquads(&mut self, object: usize, origin: BiquadsOrigin) {
+        if let Some(item) = self.objects.get_mut(object) {
+            item.biquads = origin;
         }
     }
 
@@ -127,11 +147,22 @@ impl Origins {
         let Some(item) = self.item(place) else {
             return self.at(self.kit.0, self.kit.1);
         };
+        let (filter, biquads) = (&item.filter, &item.biquads);
+        let chain = |chain: usize| biquads.chains.get(chain);
         let part_offset = match place {
             Place::ObjectMode(_, mode) | Place::StrikerMode(_, mode) => item.mode_offsets.get(mode).copied(),
             Place::ObjectResidual(_) => Some(item.residual.offset),
             Place::ObjectEdge(_, edge) => Some(item.residual.edges.get(edge).copied().unwrap_or(item.residual.offset)),
             Place::ObjectBand(_, band) => Some(item.residual.bands.get(band).copied().unwrap_or(item.residual.offset)),
+            Place::ObjectFilter(_) => Some(filter.offset),
+            Place::ObjectBreakpoint(_, point) => Some(filter.path.get(point).copied().unwrap_or(filter.offset)),
+            Place::ObjectLoop(_, index) => Some(filter.loops.get(index).copied().unwrap_or(filter.offset)),
+            Place::ObjectBiquads(_) => Some(biquads.offset),
+            Place::ObjectChain(_, index) => Some(chain(index).map_or(biquads.offset, |(offset, _)| *offset)),
+            Place::ObjectBiquad(_, number) => {
+                let biquad = |(_, own): &(usize, Vec<usize>)| own.get(number % CHAIN_DEPTH).copied();
+                Some(chain(number / CHAIN_DEPTH).and_then(biquad).unwrap_or(biquads.offset))
+            }
             _ => None,
         };
         self.at(item.file, part_offset.unwrap_or(item.offset))
@@ -149,7 +180,13 @@ impl Origins {
             | Place::ObjectMode(index, _)
             | Place::ObjectResidual(index)
             | Place::ObjectEdge(index, _)
-            | Place::ObjectBand(index, _) => self.objects.get(index),
+            | Place::ObjectBand(index, _)
+            | Place::ObjectFilter(index)
+            | Place::ObjectBreakpoint(index, _)
+            | Place::ObjectLoop(index, _)
+            | Place::ObjectBiquads(index)
+            | Place::ObjectChain(index, _)
+            | Place::ObjectBiquad(index, _) => self.objects.get(index),
             Place::Striker(index) | Place::StrikerMode(index, _) => self.strikers.get(index),
             Place::Pad(index) => self.pads.get(index),
         }

@@ -39,13 +39,16 @@ impl Display for Text<&RoomBand> {
 
 impl Display for Text<&Object> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Object { name, source, licence, reference_force, acceleration, modes, residual } = self.0;
+        let Object { name, source, licence, reference_force, acceleration, modes, residual, dynamic_filter, biquads } =
+            self.0;
         writeln!(f, "\n[[object]]\nname = {}", Text(name.as_str()))?;
         writeln!(f, "source = {}\nlicence = {}", Text(source.as_str()), Text(licence.as_str()))?;
         writeln!(f, "reference_force = {}", Text(*reference_force))?;
         writeln!(f, "acceleration = {}", Text(*acceleration))?;
         write!(f, "{}", Text(modes.as_slice()))?;
-        residual.iter().try_for_each(|residual| write!(f, "{}", super::residual::Text(residual)))
+        residual.iter().try_for_each(|residual| write!(f, "{}", super::residual::Text(residual)))?;
+        dynamic_filter.iter().try_for_each(|filter| write!(f, "{}", super::filters::Text(filter)))?;
+        biquads.iter().try_for_each(|biquads| write!(f, "{}", super::filters::Text(biquads)))
     }
 }
 

@@ -6,8 +6,10 @@ use kit::{Background, Gain, Kit, Mode, Object, Pad, Pulse, Residual, RoomBand, S
 use proptest::prelude::*;
 use proptest::sample::subsequence;
 
+use crate::arbitrary_filters::{biquads, dynamic_filter};
+
 /// Any number of the range, all bit patterns equally likely: subnormals and -0.0 as well, and often the ends.
-fn number(range: Range) -> BoxedStrategy<f32> {
+pub(crate) fn number(range: Range) -> BoxedStrategy<f32> {
     let ends = prop_oneof![Just(range.min), Just(range.max)];
     let positive = |max: f32| (0..=max.to_bits()).prop_map(f32::from_bits);
     if range.min > 0.0 {
@@ -52,9 +54,10 @@ fn modes(positions: usize) -> impl Strategy<Value = Vec<Mode>> {
 
 fn object(name: String) -> impl Strategy<Value = Object> {
     let modes = (1..4usize).prop_flat_map(modes);
-    let sound = (modes, prop::option::of(residual()));
+    let filters = (prop::option::of(dynamic_filter()), prop::option::of(biquads()));
+    let sound = (modes, prop::option::of(residual()), filters);
     (text(), text(), number(range::REFERENCE_FORCE), number(range::ACCELERATION), sound).prop_map(
-        move |(source, licence, reference_force, acceleration, (modes, residual))| Object {
+        move |(source, licence, reference_force, acceleration, (modes, residual, (dynamic_filter, biquads)))| Object {
             name: name.clone(),
             source,
             licence,
@@ -62,6 +65,8 @@ fn object(name: String) -> impl Strategy<Value = Object> {
             acceleration,
             modes,
             residual,
+            dynamic_filter,
+            biquads,
         },
     )
 }

@@ -38,7 +38,7 @@ fn with_section(section_tag: [u8; 4]) -> Vec<u8> {
 }
 
 /// A header with the right length and checksum in front of a body.
-fn signed(body: &[u8]) -> Vec<u8> {
+pub(crate) fn signed(body: &[u8]) -> Vec<u8> {
     let (mut header, _) = FileHeader::read_from_prefix(&bytes()).expect("a header");
     header.length = U32::new((size_of::<FileHeader>() + body.len()) as u32);
     header.crc = U32::new(checksum(body));
@@ -251,19 +251,23 @@ fn two_items_of_one_kind_and_name_are_refused() {
     assert_eq!(message, "striker 2 \"yarn\": another one has the same name");
 }
 
+/// The bytes behind a kit's header, and where in them the first section of a tag lies.
+pub(crate) fn section_of(bytes: &[u8], wanted: [u8; 4]) -> (Vec<u8>, std::ops::Range<usize>) {
+    let header = size_of::<FileHeader>();
+    let (count, rest) = U32::read_from_prefix(&bytes[header..]).expect("a count");
+    let (entries, _) = <[SectionEntry]>::ref_from_prefix_with_elems(rest, count.get() as usize).expect("a directory");
+    let section = entries.iter().find(|entry| entry.tag == wanted).expect("such a section");
+    let start = section.offset.get() as usize - header;
+    (bytes[header..].to_vec(), start..start + section.length.get() as usize)
+}
+
 #[test]
 fn a_foreign_object_whose_counts_lie_is_refused() {
-    let good = bytes();
-    let header = size_of::<FileHeader>();
-    let (count, rest) = U32::read_from_prefix(&good[header..]).expect("a count");
-    let (entries, _) = <[SectionEntry]>::ref_from_prefix_with_elems(rest, count.get() as usize).expect("a directory");
-    let object = entries.iter().find(|entry| entry.tag == tag::OBJECT).expect("an object");
-    let offset = object.offset.get() as usize;
-    let mut body = good[header..].to_vec();
-    let (record, _) = ObjectHeader::mut_from_prefix(&mut body[offset - header..]).expect("an object");
+    let (mut body, range) = section_of(&bytes(), tag::OBJECT);
+    let (record, _) = ObjectHeader::mut_from_prefix(&mut body[range.clone()]).expect("an object");
     record.mode_count.set(4096);
     assert!(matches!(table_error(&signed(&body)), TableError::LengthMismatch { place: Place::Object(0), .. }));
-    record_positions(&mut body[offset - header..]);
+    record_positions(&mut body[range]);
     assert!(matches!(
         table_error(&signed(&body)),
         TableError::Count { place: Place::Object(0), field: Field::Positions, value: 0, .. }

@@ -1,8 +1,10 @@
 //! Kits as text and binary: what goes in comes out, and what is wrong is refused by name.
 
 mod arbitrary;
+mod arbitrary_filters;
 mod binary_refusals;
 mod files;
+mod filters;
 mod residual;
 mod room;
 mod round_trip;

@@ -26,6 +26,8 @@ pub(crate) fn object(name: &str, modes: Vec<Mode>) -> Object {
         acceleration: 0.0,
         modes,
         residual: None,
+        dynamic_filter: None,
+        biquads: None,
     }
 }
 

@@ -11,7 +11,7 @@ use kit::Loaded;
 use malleus::demo::{self, RATE};
 use malleus::events::EventsError;
 use malleus::plot::{self, StrikeMark, TickRow};
-use malleus::render::instrument::{Output, PcEngine, RenderError, Settings};
+use malleus::render::instrument::{Output, RenderError, Settings};
 use malleus::render::{Performance, instrument, law};
 use malleus::wave;
 use serde::Serialize;
@@ -144,7 +144,7 @@ fn row(loaded: &Loaded, table: &Kit<'_>, performance: &Performance, pad: u8) -> 
     let expected = law::render(&loaded.kit, &solo, RATE, |_| {})
         .map_err(|error| CommandError::Law { kit: demo::KIT.to_owned(), error })?;
 
-    let mut engine = Box::new(PcEngine::new());
+    let mut engine = instrument::engine();
     engine.load(table, RATE, Skipping::On).map_err(|error| refused(error.into()))?;
     let modes = engine.mode_count(usize::from(pad));
     let built = (modes * solo.frames) as u64;

@@ -2,8 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use dsp_core::SampleRate;
+use dsp_core::engine::LoadError;
+use dsp_core::table::Kit;
 use kit::{BankStatistics, Loaded};
 use malleus::plot::{self, KitPicture, ObjectPicture};
+use malleus::render::instrument;
 use serde::Serialize;
 
 use super::{CommandError, print, print_json};
@@ -13,7 +17,7 @@ pub(crate) fn run(command: &KitCommand) -> Result<(), CommandError> {
     match command {
         KitCommand::New { output, tables, first_note } => new(output, tables, *first_note),
         KitCommand::Build { kit, output } => build(kit, output),
-        KitCommand::Check { kit, json } => check(kit, *json),
+        KitCommand::Check { kit, rate, json } => check(kit, *rate, *json),
         KitCommand::Show { kit, plot, json } => show(kit, plot.as_deref(), *json),
     }
 }
@@ -68,12 +72,68 @@ fn build(name: &str, output: &Path) -> Result<(), CommandError> {
     print(&format!("{}: {} bytes, {}\n", output.display(), statistics.bytes, counts(&loaded)))
 }
 
-fn check(name: &str, json: bool) -> Result<(), CommandError> {
+fn check(name: &str, rate: SampleRate, json: bool) -> Result<(), CommandError> {
     let loaded = open(name)?;
+    check_filters(name, &loaded, rate)?;
     if json {
         return print_json(&KitReport::of(name, &loaded));
     }
     print(&format!("{name}: good; {}, {} bytes in binary\n", counts(&loaded), loaded.binary.len()))
+}
+
+/// What only a rate can tell: whether every object's filters are stable, and whether the instrument plays the kit.
+fn check_filters(name: &str, loaded: &Loaded, rate: SampleRate) -> Result<(), CommandError> {
+    let filtered = |object: &&kit::Object| object.dynamic_filter.is_some() || object.biquads.is_some();
+    for object in loaded.kit.objects.iter().filter(filtered) {
+        // Alone, so that tables without pads are judged, too.
+        let alone = one_object(object);
+        let bytes = kit::binary::build(&alone)?;
+        let table = Kit::parse(&bytes).map_err(|error| CommandError::Table { kit: name.to_owned(), error })?;
+        let what = match instrument::check(&table, rate) {
+            Ok(()) => continue,
+            Err(LoadError::DynamicFilter { error, .. }) => format!("dynamic filter: {error}"),
+            Err(LoadError::Biquads { error, .. }) => format!("biquads: {error}"),
+            Err(other) => other.to_string(),
+        };
+        return Err(CommandError::Filters { kit: name.to_owned(), object: object.name.clone(), rate, what });
+    }
+    if loaded.kit.pads.is_empty() {
+        return Ok(());
+    }
+    let table = Kit::parse(&loaded.binary).map_err(|error| CommandError::Table { kit: name.to_owned(), error })?;
+    if let Err(error) = instrument::check(&table, rate) {
+        eprintln!("malleus: {name}: at {rate} it does not play: {error}");
+    }
+    Ok(())
+}
+
+/// The filters of an object, on a pad.
+fn one_object(object: &kit::Object) -> kit::Kit {
+    let (name, nothing) = ("filters".to_owned(), String::new);
+    let striker = kit::Striker {
+        name: name.clone(),
+        source: nothing(),
+        licence: nothing(),
+        pulse: kit::Pulse::Hertz,
+        peak_force: object.reference_force,
+        peak_exponent: 1.0,
+        contact_time_s: 0.001,
+        contact_exponent: 0.0,
+        modes: vec![],
+    };
+    let pad = kit::Pad {
+        name: name.clone(),
+        object: object.name.clone(),
+        strikers: vec![name.clone()],
+        level_db: 0.0,
+        pan: 0.0,
+        striker_weight: 1.0,
+        choke_t60_s: 0.0,
+        midi_notes: vec![],
+        trigger: None,
+    };
+    let object = kit::Object { modes: vec![], residual: None, ..object.clone() };
+    kit::Kit { name, objects: vec![object], strikers: vec![striker], pads: vec![pad], background: None, room: vec![] }
 }
 
 fn show(name: &str, picture: Option<&Path>, json: bool) -> Result<(), CommandError> {
@@ -100,7 +160,19 @@ fn counts(loaded: &Loaded) -> String {
     let statistics = loaded.statistics();
     let modes: usize = statistics.objects.iter().chain(&statistics.strikers).map(|bank| bank.modes).sum();
     let kit = &loaded.kit;
-    format!("{} pads, {} objects, {} strikers, {modes} modes", kit.pads.len(), kit.objects.len(), kit.strikers.len())
+    let (pads, objects, strikers) = (kit.pads.len(), kit.objects.len(), kit.strikers.len());
+    let mut counts = format!("{pads} pads, {objects} objects, {strikers} strikers, {modes} modes");
+    let all = |count: fn(&BankStatistics) -> usize| statistics.objects.iter().map(count).sum::<usize>();
+    for (count, what) in [
+        (all(|object| usize::from(object.breakpoints > 0)), "dynamic filters"),
+        (all(|object| object.loops), "loops"),
+        (all(|object| object.biquads), "biquads"),
+    ] {
+        if count > 0 {
+            counts += &format!(", {count} {what}");
+        }
+    }
+    counts
 }
 
 fn picture_of(loaded: &Loaded) -> KitPicture {
@@ -115,8 +187,28 @@ fn picture_of(loaded: &Loaded) -> KitPicture {
                 (f64::from(mode.frequency_hz), t60_s, 20.0 * f64::from(loudest.max(1e-12)).log10())
             })
             .collect(),
+        filter: object.dynamic_filter.as_ref().map_or(vec![], filter_curves),
+        loops_hz: object
+            .dynamic_filter
+            .iter()
+            .flat_map(|filter| &filter.loops)
+            .map(|own| own.frequency_hz.into())
+            .collect(),
+        biquads: object.biquads.as_ref().map_or(vec![], |bank| curve(f64::from(bank.rate_hz), |hz| bank.magnitude(hz))),
     });
     KitPicture { title: loaded.kit.name.clone(), objects: objects.collect() }
+}
+
+/// |F| at each breakpoint.
+fn filter_curves(filter: &kit::DynamicFilter) -> Vec<Vec<(f64, f64)>> {
+    let rate_hz = f64::from(filter.rate_hz);
+    filter.path.iter().map(|point| curve(rate_hz, |hz| point.magnitude(hz, rate_hz))).collect()
+}
+
+/// A magnitude in dB at 24 frequencies an octave from 20 Hz up to half the rate.
+fn curve(rate_hz: f64, magnitude: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+    let frequencies = (0..).map(|step| 20.0 * 2f64.powf(f64::from(step) / 24.0)).take_while(|&hz| hz < rate_hz / 2.0);
+    frequencies.map(|hz| (hz, 20.0 * magnitude(hz).max(1e-12).log10())).collect()
 }
 
 #[derive(Debug, Serialize)]
@@ -140,6 +232,9 @@ struct BankReport {
     highest_frequency_hz: Option<f32>,
     shortest_t60_s: Option<f32>,
     longest_t60_s: Option<f32>,
+    breakpoints: usize,
+    loops: usize,
+    biquads: usize,
 }
 
 impl<'a> KitReport<'a> {
@@ -168,6 +263,9 @@ impl BankReport {
             highest_frequency_hz: bank.frequency_hz.map(|(_, highest)| highest),
             shortest_t60_s: bank.t60_s.map(|(shortest, _)| shortest),
             longest_t60_s: bank.t60_s.map(|(_, longest)| longest),
+            breakpoints: bank.breakpoints,
+            loops: bank.loops,
+            biquads: bank.biquads,
         }
     }
 }

@@ -35,6 +35,8 @@ pub(crate) enum CommandError {
     Report(#[from] malleus::report::ReportError),
     #[error("{kit}: {error}")]
     Render { kit: String, error: RenderError },
+    #[error("{kit}: object {object:?} at {rate}: {what}")]
+    Filters { kit: String, object: String, rate: dsp_core::SampleRate, what: String },
     #[error("{kit}: the reference refuses: {error}")]
     Law { kit: String, error: reference::Error },
     #[error("{kit}: unknown pad {name:?}; the kit has {pads}")]

@@ -34,6 +34,10 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
     }
     let mut work = Work::default();
     let frames = if arguments.reference {
+        let left_out = law::leaves_out(&loaded.kit);
+        if !left_out.is_empty() {
+            eprintln!("malleus: {name}: the reference leaves out {}", left_out.join(", "));
+        }
         let bar = progress(performance.frames as u64, "reference");
         let sound = law::render(&loaded.kit, &performance, rate, |done| bar.set_position(done as u64))
             .map_err(|error| CommandError::Law { kit: name.clone(), error })?;
@@ -123,6 +127,12 @@ struct Work {
     retired_modes: u64,
     largest_retired_amplitude: f32,
     refused_inputs: u64,
+    residual_frames: u64,
+    background_frames: u64,
+    room_frames: u64,
+    filter_frames: u64,
+    loop_frames: u64,
+    biquad_frames: u64,
     shed_groups: u64,
     shed_modes: u64,
     largest_shed_amplitude: f32,
@@ -144,6 +154,12 @@ impl Work {
         self.retired_modes += u64::from(report.retired_modes);
         self.largest_retired_amplitude = self.largest_retired_amplitude.max(report.retired_amplitude);
         self.refused_inputs += u64::from(report.refused_inputs);
+        self.residual_frames += u64::from(report.residual_frames);
+        self.background_frames += u64::from(report.background_frames);
+        self.room_frames += u64::from(report.room_frames);
+        self.filter_frames += u64::from(report.filter_frames);
+        self.loop_frames += u64::from(report.loop_frames);
+        self.biquad_frames += u64::from(report.biquad_frames);
         self.shed_groups += u64::from(report.shed.groups);
         self.shed_modes += u64::from(report.shed.modes);
         self.largest_shed_amplitude = self.largest_shed_amplitude.max(report.shed.amplitude);

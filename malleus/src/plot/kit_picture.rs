@@ -1,9 +1,9 @@
-//! A kit's modes: for each object, gain over frequency, coloured by how long they ring.
+//! A kit's modes: for each object, gain over frequency, coloured by how long they ring; and the responses of its filters.
 
 use std::path::Path;
 
 use super::canvas::{Area, Canvas};
-use super::colour::{FRAME, VIRIDIS};
+use super::colour::{Colour, DRIVEN, FRAME, VIRIDIS, WAVEFORM};
 use super::error::PlotError;
 use super::page;
 use super::panel::{Panel, REMARK_TEXT, TICK_TEXT, TITLE_TEXT, heading, outline};
@@ -26,6 +26,12 @@ pub struct ObjectPicture {
     pub name: String,
     /// Its modes: (frequency in Hz, T60 in s, gain in dB).
     pub modes: Vec<(f64, f64, f64)>,
+    /// |F| of its dynamic filter at each breakpoint: (frequency in Hz, dB).
+    pub filter: Vec<Vec<(f64, f64)>>,
+    /// Frequencies of the loops round it in Hz.
+    pub loops_hz: Vec<f64>,
+    /// |H| of its biquads: (frequency in Hz, dB).
+    pub biquads: Vec<(f64, f64)>,
 }
 
 const COLUMNS: usize = 3;
@@ -43,17 +49,24 @@ const RANGE_DB: f64 = 80.0;
 /// [`PlotError`], naming the file.
 pub fn kit(path: &Path, picture: &KitPicture) -> Result<(), PlotError> {
     let t60: Vec<f64> = picture.objects.iter().flat_map(|object| object.modes.iter().map(|mode| mode.1)).collect();
-    if t60.is_empty() {
+    let is_empty = |object: &ObjectPicture| object.filter.is_empty() && object.biquads.is_empty();
+    if t60.is_empty() && picture.objects.iter().all(is_empty) {
         return Err(PlotError::Nothing { path: path.to_owned(), what: "mode" });
     }
     let (shortest, longest) =
         t60.iter().fold((f64::INFINITY, 0.0f64), |(low, high), &t60| (low.min(t60), high.max(t60)));
+    let (shortest, longest) = if t60.is_empty() { (0.1, 10.0) } else { (shortest, longest) };
     let t60 = Scale::logarithmic_round(shortest, longest);
     let rows = picture.objects.len().div_ceil(COLUMNS);
     let mut canvas = page::blank(path, WIDTH, (TOP + rows as f32 * CELL.1 + 20.0) as u32)?;
     canvas.text(&picture.title, (LEFT, 46.0), Anchor::Start, TITLE_TEXT);
+    let has_filters = !picture.objects.iter().all(is_empty);
+    let more = match has_filters {
+        true => "; blue: |F| of dynamic filters, darkest at the strike, loops as dotted lines; red: |H| of biquads",
+        false => "",
+    };
     canvas.text(
-        "modes: gain relative to the loudest (dB) over frequency (Hz)",
+        &format!("modes: gain relative to the loudest (dB) over frequency (Hz){more}"),
         (LEFT, 72.0),
         Anchor::Start,
         REMARK_TEXT,
@@ -79,6 +92,7 @@ fn draw_object(canvas: &mut Canvas, area: Area, object: &ObjectPicture, t60: Sca
         0 => "no modes".to_owned(),
         count => format!("{count} modes, T60 {:.2} to {:.2} s", range.0, range.1),
     };
+    let remark = format!("{remark}{}", filters_remark(object));
     heading(canvas, area, &object.name, &remark);
     let (x_ticks, y_ticks) = (panel.x.ticks(area.width, 60.0), panel.y.ticks(area.height, 40.0));
     panel.vertical_grid(canvas, &x_ticks);
@@ -93,9 +107,48 @@ fn draw_object(canvas: &mut Canvas, area: Area, object: &ObjectPicture, t60: Sca
         canvas.rectangle(Area { left: x - 1.0, top: y, width: 2.0, height: area.bottom() - y }, colour);
         canvas.disc((x, y), 3.5, colour);
     }
+    draw_filters(canvas, &panel, object);
     panel.ticks_left(canvas, &y_ticks);
     panel.ticks_below(canvas, &x_ticks);
     panel.frame(canvas);
+}
+
+fn filters_remark(object: &ObjectPicture) -> String {
+    let mut remark = String::new();
+    match (object.filter.len(), object.loops_hz.len()) {
+        (0, _) => {}
+        (_, 0) => remark += ", dynamic filter",
+        (_, loops) => remark += &format!(", dynamic filter with {loops} loops"),
+    }
+    if !object.biquads.is_empty() {
+        remark += ", biquads";
+    }
+    remark
+}
+
+/// Curves, each kind relative to its largest value.
+fn draw_filters(canvas: &mut Canvas, panel: &Panel, object: &ObjectPicture) {
+    let largest =
+        |curves: &[Vec<(f64, f64)>]| curves.iter().flatten().map(|point| point.1).fold(f64::NEG_INFINITY, f64::max);
+    let line = |curve: &[(f64, f64)], top: f64| -> Vec<(f32, f32)> {
+        let seen = curve.iter().filter(|(hz, _)| (20.0..=20_000.0).contains(hz));
+        seen.map(|&(hz, db)| (panel.x_px(hz), panel.y_px((db - top).clamp(-RANGE_DB, 5.0)))).collect()
+    };
+    for &hz in object.loops_hz.iter().filter(|hz| (20.0..=20_000.0).contains(*hz)) {
+        let x = panel.x_px(hz);
+        canvas.line(&[(x, panel.area.top), (x, panel.area.bottom())], 1.0, Some([2.0, 3.0]), WAVEFORM);
+    }
+    let top = largest(&object.filter);
+    for (index, curve) in object.filter.iter().enumerate().rev() {
+        // A breakpoint of b0 = 0 is silent: nothing to draw.
+        if largest(std::slice::from_ref(curve)) > top - RANGE_DB {
+            let share = index as f32 / object.filter.len() as f32;
+            let colour = Colour { opacity: (255.0 - 190.0 * share) as u8, ..WAVEFORM };
+            canvas.line(&line(curve, top), 1.6, None, colour);
+        }
+    }
+    let biquads = std::slice::from_ref(&object.biquads);
+    canvas.line(&line(&object.biquads, largest(biquads)), 1.6, None, DRIVEN);
 }
 
 /// The colours of T60, at the top right.

@@ -1,15 +1,19 @@
 //! Rendering by dsp-core, exactly as a board does.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Direct, Engine, LoadError, Residuals, STANDARD_CONTACTS, Skipping, TickReport};
+use dsp_core::engine::{Direct, Engine, Filters, LoadError, Residuals, STANDARD_CONTACTS, Skipping, TickReport};
 use dsp_core::event::{Event, EventError};
 use dsp_core::room::Room;
 use dsp_core::table::Kit;
+use dsp_core::table::range::{BREAKPOINTS, CHAIN_DEPTH, CHAINS, LOOPS};
 
 use super::Performance;
 
-/// Noise of 32 pads, and a second of delay for the room: a longer T60 than that keeps its decay, with fewer resonances.
-type PcSurroundings = (Residuals<32>, Room<i32, 49_152>);
+/// Noise of 32 pads; a second of delay for the room: a longer T60 than that keeps its decay, with fewer resonances; filters of 32 pads with all that a
+/// table may hold, but for loops' delays: 8192 frames.
+type PcSurroundings = (Residuals<32>, Room<i32, 49_152>, Filters<32, BREAKPOINTS, LOOPS, 8192, BIQUADS>);
+
+const BIQUADS: usize = CHAINS * CHAIN_DEPTH;
 
 /// The engine of the PC: room for large kits; as many contacts at once as a board has.
 pub type PcEngine<'k> = Engine<'k, 64, 320, 8192, 4096, 8192, STANDARD_CONTACTS, PcSurroundings>;
@@ -47,6 +51,30 @@ pub enum Output {
     Bus,
 }
 
+/// An engine without a kit, on the heap.
+///
+/// It is made on a stack of its own: it is larger than that of a usual thread.
+pub fn engine<'k>() -> Box<PcEngine<'k>> {
+    let made = std::thread::scope(|scope| {
+        let large = std::thread::Builder::new().stack_size(4 * size_of::<PcEngine<'_>>() + (1 << 20));
+        large.spawn_scoped(scope, make).ok()?.join().ok()
+    });
+    made.unwrap_or_else(make)
+}
+
+#[inline(never)] // its stack must not be its caller's
+fn make<'k>() -> Box<PcEngine<'k>> {
+    Box::new(PcEngine::new())
+}
+
+/// Whether the instrument can hold a kit at a rate.
+///
+/// # Errors
+/// [`LoadError`].
+pub fn check(kit: &Kit<'_>, rate: SampleRate) -> Result<(), LoadError> {
+    engine().load(kit, rate, Skipping::On)
+}
+
 /// Renders a performance; `observe` sees each tick's report.
 ///
 /// # Errors
@@ -74,7 +102,7 @@ pub fn render_logged(
     mut observe: impl FnMut(&TickReport),
     mut log: impl FnMut(&Event),
 ) -> Result<Vec<[i32; 2]>, RenderError> {
-    let mut engine = Box::new(PcEngine::new());
+    let mut engine = engine();
     engine.load(kit, settings.rate, settings.skipping)?;
     engine.set_budget(settings.budget_cycles);
     let mut frames = vec![[0; 2]; performance.frames];

@@ -1,4 +1,4 @@
-//! Rendering by the `f64` reference, from the same physical parameters.
+//! Rendering by the `f64` reference, from the same physical parameters: contacts, modes, biquads. It has no noise ([`leaves_out`]).
 
 use dsp_core::SampleRate;
 use dsp_core::event::Action;
@@ -6,8 +6,25 @@ use dsp_core::fixed::ONE_Q27;
 
 use super::Performance;
 
+/// What the reference leaves out of a kit.
+pub fn leaves_out(kit: &kit::Kit) -> Vec<&'static str> {
+    let any = |has: fn(&kit::Object) -> bool| kit.objects.iter().any(has);
+    [
+        (
+            any(|object| object.dynamic_filter.is_some()),
+            "dynamic filters (modes that go through them are heard beside)",
+        ),
+        (any(|object| object.residual.is_some()), "residuals"),
+        (kit.background.is_some(), "the background"),
+        (!kit.room.is_empty(), "the room"),
+    ]
+    .into_iter()
+    .filter_map(|(is_there, what)| is_there.then_some(what))
+    .collect()
+}
+
 /// The pads of a kit as the reference knows them.
-pub fn pads(kit: &kit::Kit) -> Vec<reference::Pad> {
+pub fn pads(kit: &kit::Kit, rate: SampleRate) -> Vec<reference::Pad> {
     kit.pads
         .iter()
         .map(|pad| {
@@ -18,6 +35,9 @@ pub fn pads(kit: &kit::Kit) -> Vec<reference::Pad> {
                 object: reference::Object {
                     modes: object.map_or(Vec::new(), |object| modes(&object.modes)),
                     acceleration: object.map_or(0.0, |object| f64::from(object.acceleration)),
+                    biquads: object
+                        .and_then(|object| object.biquads.as_ref())
+                        .map_or(vec![], |bank| biquads(bank, rate)),
                 },
                 strikers: strikers.map(striker).collect(),
                 striker_weight: f64::from(pad.striker_weight),
@@ -58,6 +78,31 @@ fn modes(modes: &[kit::Mode]) -> Vec<reference::Mode> {
         .collect()
 }
 
+/// Biquads at a rate: poles and zeros raised to the power of the table's rate over it, the gain at the pole's frequency kept.
+fn biquads(bank: &kit::Biquads, rate: SampleRate) -> Vec<Vec<reference::biquad::Biquad>> {
+    let power = f64::from(bank.rate_hz) / rate.hz();
+    let carried = |biquad: &kit::Biquad| {
+        let root = |[re, im]: [f32; 2]| (f64::from(re), f64::from(im));
+        let raised = |(re, im): (f64, f64)| {
+            let (radius, angle) = (re.hypot(im).powf(power), im.atan2(re) * power);
+            if re == 0.0 && im == 0.0 { (0.0, 0.0) } else { (radius * angle.cos(), radius * angle.sin()) }
+        };
+        let (pole, zero, gain) = (root(biquad.pole), root(biquad.zero), f64::from(biquad.gain));
+        let given = reference::biquad::Biquad::from_roots(pole, zero, gain);
+        if power == 1.0 {
+            return given;
+        }
+        let angle = pole.1.abs().atan2(pole.0);
+        let moved = reference::biquad::Biquad::from_roots(raised(pole), raised(zero), gain);
+        let same = given.magnitude(angle) / moved.magnitude(angle * power);
+        reference::biquad::Biquad {
+            numerator: moved.numerator.map(|b| if same.is_finite() { b * same } else { b }),
+            ..moved
+        }
+    };
+    bank.chains.iter().map(|chain| chain.iter().map(carried).collect()).collect()
+}
+
 /// Renders a performance, 1.0 = full scale, not clipped; `progress` is told how many frames are done.
 ///
 /// A pad that cannot be choked (`choke_t60_s` = 0) ignores chokes and releases, here as in the instrument.
@@ -70,7 +115,7 @@ pub fn render(
     rate: SampleRate,
     mut progress: impl FnMut(usize),
 ) -> Result<Vec<[f64; 2]>, reference::Error> {
-    let pads = pads(kit);
+    let pads = pads(kit, rate);
     let (numerator, denominator) = rate.ratio();
     let rate = reference::SampleRate { numerator, denominator };
     let chokable = |pad: u8| kit.pads.get(usize::from(pad)).is_some_and(|pad| pad.choke_t60_s > 0.0);

@@ -42,12 +42,16 @@ impl Performance {
 
 const LONGEST_TAIL_S: f64 = 30.0;
 
-/// 1.6 times the longest T60 of a pad: 96 dB; and a contact.
+/// 1.6 times the longest T60 of a pad, or duration of its filter: 96 dB; and a contact.
 fn ringing_time_s(kit: &kit::Kit, pad: usize) -> f64 {
     let Some(pad) = kit.pads.get(pad) else { return 0.0 };
-    let object = kit.objects.iter().filter(|object| object.name == pad.object).flat_map(|object| &object.modes);
+    let objects = || kit.objects.iter().filter(|object| object.name == pad.object);
+    let object = objects().flat_map(|object| &object.modes);
     let strikers = kit.strikers.iter().filter(|striker| pad.strikers.contains(&striker.name));
     let modes = object.chain(strikers.flat_map(|striker| &striker.modes));
     let slowest = modes.map(|mode| f64::from(mode.decay_per_s)).fold(f64::INFINITY, f64::min);
-    0.1 + 1.6 * 1000f64.ln() / slowest
+    let filters_s = objects().flat_map(|object| &object.dynamic_filter).map(kit::DynamicFilter::duration_s);
+    let biquads_s = objects().flat_map(|object| &object.biquads).map(kit::Biquads::t60_s);
+    let longest_s = filters_s.chain(biquads_s).fold(1000f64.ln() / slowest, f64::max);
+    0.1 + 1.6 * longest_s
 }

@@ -135,6 +135,8 @@ fn tiles(summary: &Summary, fitted: &Fitted) -> String {
         ("Log-spectral distance", format!("{:.2} dB", summary.lsd_db)),
         ("... with residual", format!("{:.2} dB", summary.lsd_with_residual_db)),
         ("... in the room", report.lsd_with_room_db.map_or("none heard".to_owned(), |db| format!("{db:.2} dB"))),
+        ("ERB distance", format!("{:.2} dB", report.erb_db)),
+        ("... with residual", format!("{:.2} dB", report.erb_with_residual_db)),
         ("Modes", format!("{}, {emergent} emergent", summary.modes)),
         ("Frequencies", format!("{:.0} to {:.0} Hz", report.frequency_hz[0], report.frequency_hz[1])),
         ("T60", format!("{} to {} s", significant(summary.t60_s[0]), significant(summary.t60_s[1]))),

@@ -3,16 +3,18 @@
 //! Eq. 1 for one pad, without background noise and room, and with the striker's own sound:
 //!
 //! ```text
-//! y = F ⊗ IR_object + η Σ_s F_s ⊗ IR_striker_s + α F,   F = Σ_s F_s + direct
+//! y = F ⊗ (IR_object + H) + η Σ_s F_s ⊗ IR_striker_s + α F,   F = Σ_s F_s + direct
 //! ```
 //!
-//! `F_s` is the part of the force that striker s makes; a direct force counts as made by striker 0.
+//! H is the object's biquads, where it has some. `F_s` is the part of the force that striker s makes; a direct force counts as made by striker 0.
 //! The object's gains are those of the position of the latest strike that has begun, for the whole
 //! force, until the next begins; before the first they are those of position 0.
 
+mod biquads;
 mod part;
 mod voice;
 
+use crate::biquad::Biquad;
 use crate::contact::Striker;
 use crate::error::Error;
 use crate::event::{self, Direct, Event};
@@ -28,6 +30,8 @@ pub struct Object {
     pub modes: Vec<Mode>,
     /// α: weight of the acceleration sound, in full scale per newton.
     pub acceleration: f64,
+    /// Chains of biquads beside the modes (diffmodal eq. 3), driven by the force in newtons; for the sample rate at which they are rendered.
+    pub biquads: Vec<Vec<Biquad>>,
 }
 
 /// An object with its strikers and its place in the mix.

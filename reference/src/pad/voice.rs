@@ -4,6 +4,7 @@ use crate::contact::Impact;
 use crate::error::BankOwner;
 use crate::event::{Action, Event};
 use crate::pad::Pad;
+use crate::pad::biquads::Biquads;
 use crate::radiation::add_acceleration_sound;
 use crate::rate::SampleRate;
 use crate::resonator::{Bank, GainsError};
@@ -14,6 +15,7 @@ pub(crate) struct Voice<'a> {
     rate: SampleRate,
     object: Bank<'a>,
     strikers: Vec<StrikerVoice<'a>>,
+    biquads: Biquads<'a>,
 }
 
 /// Everything of a striker that moves.
@@ -33,7 +35,8 @@ impl<'a> Voice<'a> {
                 bank: Bank::new(&striker.modes, rate).map_err(|error| (BankOwner::Striker(index), error))?,
             })
         });
-        Ok(Self { pad, rate, object, strikers: strikers.collect::<Result<_, _>>()? })
+        let biquads = Biquads::new(&pad.object.biquads);
+        Ok(Self { pad, rate, object, strikers: strikers.collect::<Result<_, _>>()?, biquads })
     }
 
     /// Lets `event` happen before the next sample, which is to be its first.
@@ -44,13 +47,18 @@ impl<'a> Voice<'a> {
                 if let Some(impact) = striker.strike(event.velocity, event.time_samples) {
                     self.strikers[event.striker].impacts.push(impact);
                     self.object.set_position(event.position);
+                    self.biquads.lift();
                 }
             }
             Action::Choke => {
                 let t60_s = self.pad.choke_t60_s;
                 self.banks().for_each(|bank| bank.choke(t60_s));
+                self.biquads.choke(t60_s, self.rate);
             }
-            Action::Release => self.banks().for_each(Bank::release),
+            Action::Release => {
+                self.banks().for_each(Bank::release);
+                self.biquads.release();
+            }
         }
     }
 
@@ -78,6 +86,7 @@ impl<'a> Voice<'a> {
             }
         }
         self.object.add_sound(&force, sound);
+        self.biquads.add_sound(&force, sound);
         add_acceleration_sound(self.pad.object.acceleration, &force, sound);
     }
 

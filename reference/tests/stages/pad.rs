@@ -39,7 +39,7 @@ fn full_pad() -> Pad {
         ..hertz_striker()
     };
     Pad {
-        object: Object { modes: some_modes(), acceleration: 0.002 },
+        object: Object { modes: some_modes(), acceleration: 0.002, biquads: vec![] },
         striker_weight: 0.4,
         ..pad(vec![], vec![stick, mallet])
     }
@@ -69,7 +69,10 @@ fn a_pad_radiates_object_strikers_and_acceleration_as_equation_1_says() {
 
 #[test]
 fn without_modes_a_pad_gives_the_force_itself() {
-    let pad = Pad { object: Object { modes: vec![], acceleration: 1.0 }, ..pad(vec![], vec![hertz_striker()]) };
+    let pad = Pad {
+        object: Object { modes: vec![], acceleration: 1.0, biquads: vec![] },
+        ..pad(vec![], vec![hertz_striker()])
+    };
     let events = [strike(3.75, 0, 0.5), strike(20.25, 0, 1.0)];
     let impacts = events.map(|event| hertz_striker().strike(event.velocity, event.time_samples).expect("a strike"));
     assert_eq!(mono(&pad, &events, 500), force(&impacts, 500));

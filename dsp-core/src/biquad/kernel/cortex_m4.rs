@@ -3,58 +3,70 @@
 
 use core::mem::offset_of;
 
-use super::super::section::{Role, Section};
-use super::{Signals, portable};
+use super::super::pair::{Cell, Pair};
+use super::{Outcome, Run};
 use crate::resonator::TICK_FRAMES;
 
-core::arch::global_asm!(".equ BIQUAD_SECTION, {section}", section = const size_of::<Section>());
+core::arch::global_asm!(".equ BQ_PAIR, {pair}", pair = const size_of::<Pair>());
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 
-/// What the assembly takes.
+/// What the assembly takes, and what it leaves in `used`.
 #[repr(C)]
 struct Call {
-    section: *mut Section,
-    end: *mut Section,
+    pairs: *mut Pair,
+    end: *mut Pair,
     frames: u32,
-    sources: [*const i32; 2],
-    mixes: [*mut i32; 2],
+    input: *const i32,
+    left: u32,
+    right: u32,
+    bits: u32,
+    direct: i32,
+    out: *mut i32,
+    room: u32,
+    odd: u32,
+    used: u32,
+    allowance: u32,
 }
 
 // The offsets that cortex_m4.s uses.
 const _: () = {
-    assert!(offset_of!(Section, u) == 0 && offset_of!(Section, v) == 4 && offset_of!(Section, gain_v) == 20);
-    assert!(offset_of!(Section, scale) == 28 && offset_of!(Section, low) == 32 && offset_of!(Section, span) == 36);
-    assert!(offset_of!(Section, kind) == 40 && offset_of!(Section, source) == 41);
-    assert!(offset_of!(Call, frames) == 8 && offset_of!(Call, sources) == 12 && offset_of!(Call, mixes) == 20);
+    assert!(size_of::<Cell>() == 24 && offset_of!(Cell, v) == 4 && offset_of!(Cell, turn) == 8);
+    assert!(offset_of!(Cell, damp) == 12 && offset_of!(Cell, gain_u) == 16 && offset_of!(Cell, gain_v) == 20);
+    assert!(offset_of!(Pair, cells) == 0 && offset_of!(Pair, scales) == 48 && offset_of!(Pair, couple) == 56);
+    assert!(offset_of!(Pair, chain) == 60 && offset_of!(Pair, low) == 64 && offset_of!(Pair, span) == 68);
+    assert!(offset_of!(Pair, kind) == 72 && offset_of!(Pair, shift) == 73 && offset_of!(Pair, asks) == 74);
+    assert!(offset_of!(Call, frames) == 8 && offset_of!(Call, bits) == 24 && offset_of!(Call, used) == 44);
+    assert!(TICK_FRAMES == 32);
 };
 
 unsafe extern "C" {
-    fn malleus_biquads(call: *const Call) -> u32;
+    fn malleus_biquads(call: *mut Call) -> u32;
 }
 
-/// As [`portable::run`]. Sections that follow one another in a chain are run by that.
-pub fn run(sections: &mut [Section], signals: &mut Signals, frames: usize, odd: bool) -> bool {
-    if frames == 0 || frames > TICK_FRAMES {
-        return false;
+/// As [`super::portable::run`].
+pub fn run(pairs: &mut [Pair], run: Run, input: Option<&[i32]>, out: &mut [i32]) -> Outcome {
+    let frames = out.len();
+    if frames == 0 || frames > TICK_FRAMES || input.is_some_and(|input| input.len() != frames) {
+        return Outcome { used: 0, asks: false, refused: false };
     }
-    let mut asks = false;
-    for same in sections.chunk_by_mut(|a, b| (a.role() == Role::Only) == (b.role() == Role::Only)) {
-        let alone = same.first().is_some_and(|section| section.role() == Role::Only);
-        if !alone {
-            asks |= portable::run(same, signals, frames, odd);
-            continue;
-        }
-        let ends = same.as_mut_ptr_range();
-        let call = Call {
-            section: ends.start,
-            end: ends.end,
-            frames: frames as u32,
-            sources: [signals.input.as_ptr(), signals.alternating.as_ptr()],
-            mixes: [signals.mix.as_mut_ptr(), signals.alternating_mix.as_mut_ptr()],
-        };
-        // SAFETY: the sections and the signals are borrowed mutably for the call; frames are 1 to 32, so that the assembly stays within the
-        // signals; a section alone has a source of 0 or 1 (its only writer, `Section::place`, is given nothing else for this role).
-        asks |= unsafe { malleus_biquads(&call) } != 0;
-    }
-    asks
+    let ends = pairs.as_mut_ptr_range();
+    let mut call = Call {
+        pairs: ends.start,
+        end: ends.end,
+        frames: frames as u32,
+        input: input.map_or(core::ptr::null(), <[i32]>::as_ptr),
+        left: run.left.min(31),
+        right: run.right.min(31),
+        bits: run.bits.min(31),
+        direct: run.direct,
+        out: out.as_mut_ptr(),
+        room: run.room.min(31),
+        odd: u32::from(run.odd),
+        used: 0,
+        allowance: run.allowance,
+    };
+    // SAFETY: the pairs and `out` are borrowed mutably for the call, the input, as long as `out`, is borrowed; frames are 1 to 32, so that the
+    // assembly stays within its buffers; it keeps the procedure call standard and uses 500 bytes of stack.
+    let answer = unsafe { malleus_biquads(&raw mut call) };
+    Outcome { used: call.used, asks: answer == 1, refused: answer == 2 }
 }

@@ -1,7 +1,7 @@
-//! The hot loops: all sections of a bank over a run of frames.
+//! The hot loops: all pairs of a bank over a run of frames.
 //!
-//! [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly (`cortex_m4.s`), compared bit for bit on
-//! the virtual core (`cargo test -p host-tests --test virtual_biquads`).
+//! A frame of a pair: mix, step, inject. [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly
+//! (`cortex_m4.s`), compared bit for bit on the virtual core (`cargo test -p host-tests --test on_chip biquads`).
 
 pub mod portable;
 
@@ -13,31 +13,35 @@ pub use cortex_m4::run;
 #[cfg(not(cortex_m4f))]
 pub use portable::run;
 
-use crate::resonator::TICK_FRAMES;
+/// What the sizes of a tick's inputs, as words, may add up to.
+pub const ALLOWANCE: u32 = 1 << 29;
 
-/// What goes through a bank's sections in a run.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Signals {
-    /// The input.
-    pub input: [i32; TICK_FRAMES],
-    /// The input with the sign of every odd frame (counted from the bank's start) changed.
-    pub alternating: [i32; TICK_FRAMES],
-    /// What a chain's sections hand on.
-    pub chain: [i32; TICK_FRAMES],
-    /// The sum of all chains; a run adds to it.
-    pub mix: [i32; TICK_FRAMES],
-    /// The sum of those whose output has alternating sign.
-    pub alternating_mix: [i32; TICK_FRAMES],
+/// How a run's input becomes words, and its mix the bus.
+#[derive(Clone, Copy, Debug)]
+pub struct Run {
+    /// No input may reach 2^bits, 0 to 31: a run that has one is not begun.
+    pub bits: u32,
+    /// What may be left of [`ALLOWANCE`]: a run whose inputs exceed it is not begun.
+    pub allowance: u32,
+    /// By how many bits inputs are shifted left.
+    pub left: u32,
+    /// Then right, rounding down.
+    pub right: u32,
+    /// Q32 of the shifted input into the mix.
+    pub direct: i32,
+    /// By how many bits the mix is shifted left, saturating.
+    pub room: u32,
+    /// Whether the first frame is an odd one.
+    pub odd: bool,
 }
 
-impl Signals {
-    /// Nothing.
-    pub const SILENT: Self = Self {
-        input: [0; TICK_FRAMES],
-        alternating: [0; TICK_FRAMES],
-        chain: [0; TICK_FRAMES],
-        mix: [0; TICK_FRAMES],
-        alternating_mix: [0; TICK_FRAMES],
-    };
+/// What a run has come to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outcome {
+    /// The sizes of all inputs, as words, added up; what is below 0 counts 1 less.
+    pub used: u32,
+    /// Whether a pair asks to be settled.
+    pub asks: bool,
+    /// Whether an input was too large, so that nothing has been done.
+    pub refused: bool,
 }

@@ -1,0 +1,390 @@
+//! Two sections side by side, or one behind the other: what a kernel takes at a time, and the power of two by which both are scaled.
+//!
+//! # Why nothing can wrap
+//!
+//! The size of a state is `s = max(|u| 2^k, |v|)`. Between two calls of [`settle`] (a tick at most) everything is linear, so that each intermediate
+//! result is at most
+//!
+//! ```text
+//! G s + M X         G: the largest growth of states of size 1 over a tick's frames; M: the largest size that a single input of 1 leaves (both
+//!                      found on load by stepping the very sections in `f64`: `extent`);  X: the bound of the sum of all inputs' sizes
+//! ```
+//!
+//! With whole powers of two above each, settle chooses E such that `G s < 2^30` and `M X < 2^28`: states stay below `2^30 + 2^28`, and
+//! rounding (at most five halves of a step a frame, each growing by G) adds less than 2^9.
+
+use super::design::{Biquad, BiquadError};
+use super::extent::Extent;
+use super::fractions::Part;
+use super::pole::{Form, Pole};
+
+/// What bounds the input: for the words that the kernels make of it, `word = value · 2^exponent`, `Σ |word| <= 2^X_BITS` over a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Level {
+    /// Power of two by which the words are larger than the values, which count steps of the bus. `None`: nothing comes in.
+    pub(super) exponent: Option<i32>,
+}
+
+/// Bits of the input's words, added up: enough for 130 dB each, few enough to leave their multipliers 20 bits beside a resonance of 90 dB.
+pub(super) const X_BITS: i32 = super::kernel::ALLOWANCE.ilog2() as i32;
+/// The largest exponent of a state: beyond it all is far below any bus.
+const MAX_EXPONENT: i32 = 200;
+/// Bits of growth of states.
+const STATE_BITS: i32 = 30;
+/// Bits of what an input adds.
+const INPUT_BITS: i32 = 28;
+
+/// A gain as `mantissa · 2^(exponent - 31)`, mantissa normalised.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gain {
+    mantissa: i32,
+    exponent: i32,
+}
+
+impl Gain {
+    pub(super) const ZERO: Self = Self { mantissa: 0, exponent: -1000 };
+
+    pub(super) fn new(value: f64) -> Self {
+        let (fraction, exponent) = libm::frexp(value);
+        match value == 0.0 {
+            true => Self::ZERO,
+            false => Self { mantissa: libm::rint(fraction * 2_147_483_648.0) as i32, exponent },
+        }
+    }
+
+    /// It is below 2^this.
+    pub(super) fn exponent(self) -> i32 {
+        self.exponent
+    }
+
+    /// The multiplier `gain · 2^shift` as Q32; the caller sees to it that it is below 1/2.
+    pub(super) fn q32(self, shift: i32) -> i32 {
+        crate::fixed::rounding_shift_right(self.mantissa, (-1 - shift - self.exponent).clamp(0, 40) as u32)
+    }
+}
+
+/// A section as the kernels have it.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Cell {
+    /// The component that does not sound.
+    pub(super) u: i32,
+    /// The component that sounds.
+    pub(super) v: i32,
+    /// e or e²/2^k, Q32.
+    pub(super) turn: i32,
+    /// δ as Q32; 1 - δ as Q31 for [`Form::Damped`].
+    pub(super) damp: i32,
+    /// Q32 of the input into u.
+    pub(super) gain_u: i32,
+    /// Q32 of the input into v.
+    pub(super) gain_v: i32,
+}
+
+impl Cell {
+    const EMPTY: Self = Self { u: 0, v: 0, turn: 0, damp: 0, gain_u: 0, gain_v: 0 };
+
+    /// A part at rest, without input.
+    fn new(pole: Pole) -> Self {
+        Self { turn: pole.turn, damp: pole.damp, ..Self::EMPTY }
+    }
+}
+
+/// Two sections. The first words are what the kernels read.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Pair {
+    /// The sections.
+    pub(super) cells: [Cell; 2],
+    /// Q32 of each v into the mix.
+    pub(super) scales: [i32; 2],
+    /// Q32 of the first's v into the second's u.
+    pub(super) couple: i32,
+    /// Q32 of what the pair before hands on, into the first's u.
+    pub(super) chain: i32,
+    /// States smaller than this ask to be settled.
+    pub(super) low: u32,
+    /// So do those that are as large as this above `low`.
+    pub(super) span: u32,
+    /// Form, [`Wiring`] times 4, and the bits below.
+    pub(super) kind: u8,
+    /// k of the form.
+    pub(super) shift: u8,
+    /// Whether it asks to be settled.
+    pub(super) asks: u8,
+    /// Whether it belongs to the pair before, whose exponent is its own.
+    is_tail: bool,
+    exponent: i32,
+    gains: [[Gain; 2]; 2],
+    /// Bound of what it sounds like until it is settled anew, in steps of the bus.
+    loudness: f32,
+    growth: f32,
+    of_input: f32,
+    /// Bits of the largest gain, and of the sum of its impulse response's sizes.
+    gain_bits: i16,
+    reach_bits: i16,
+}
+
+/// How the sections of a pair stand to one another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Wiring {
+    /// There is no second.
+    Single = 0,
+    /// Side by side; both sound.
+    Parallel = 1,
+    /// One behind the other; the second sounds.
+    Coupled = 2,
+    /// A half of three or four, one behind the other.
+    Chain = 3,
+}
+
+/// In a kind: it is not run.
+pub const SKIPPED: u8 = 16;
+/// In a kind: on input and output of alternating sign.
+pub const MIRRORED: u8 = 32;
+
+impl Pair {
+    /// No sections.
+    pub const EMPTY: Self = Self {
+        cells: [Cell::EMPTY; 2],
+        scales: [0; 2],
+        couple: 0,
+        chain: 0,
+        low: 0,
+        span: 0,
+        kind: SKIPPED,
+        shift: 0,
+        asks: 0,
+        is_tail: false,
+        exponent: MAX_EXPONENT,
+        gains: [[Gain::ZERO; 2]; 2],
+        loudness: 0.0,
+        growth: 0.0,
+        of_input: 0.0,
+        gain_bits: 0,
+        reach_bits: 0,
+    };
+
+    /// The pairs, one or two, of a part that stands alone, or of two to four that stand behind one another. `index` is that of the chain's first
+    /// biquad, for the message.
+    ///
+    /// # Errors
+    /// [`BiquadError::UnboundedGain`].
+    pub(super) fn of(parts: &[Part<Pole>], index: usize) -> Result<(Self, Option<Self>), BiquadError> {
+        let extent = Extent::of(parts);
+        if !(0.0..=Biquad::MAX_GAIN).contains(&extent.reach) {
+            return Err(BiquadError::UnboundedGain { biquad: index, gain: extent.reach });
+        }
+        let mut pairs = [Self::EMPTY; 2];
+        for (number, (pair, parts)) in pairs.iter_mut().zip(parts.chunks(2)).enumerate() {
+            let [first, second] = [parts.first(), parts.get(1)];
+            pair.is_tail = number > 0;
+            (pair.growth, pair.of_input) = (above(extent.growth), above(extent.of_input));
+            pair.reach_bits = libm::frexp(extent.reach).1 as i16;
+            for ((cell, gains), part) in pair.cells.iter_mut().zip(&mut pair.gains).zip(parts) {
+                *cell = Cell::new(part.pole);
+                *gains = part.gains.map(Gain::new);
+            }
+            let couple = |part: Option<&Part<Pole>>| part.map_or(0, |part| part.pole.couple(part.handed));
+            (pair.chain, pair.couple) = (couple(first), couple(second));
+            if let Some(Part { pole, .. }) = first {
+                pair.shift = pole.form.shift() as u8;
+                pair.kind = pole.form as u8 | if pole.mirrored { MIRRORED | SKIPPED } else { SKIPPED };
+            }
+        }
+        let [mut head, mut tail] = pairs;
+        let largest = [head, tail].iter().flat_map(|pair| pair.gains).flatten().map(Gain::exponent).max();
+        head.gain_bits = largest.unwrap_or(0).max(-1000) as i16;
+        let wiring = match parts.len() {
+            ..=1 => Wiring::Single,
+            2 => Wiring::Coupled,
+            _ => Wiring::Chain,
+        };
+        head.kind |= 4 * wiring as u8;
+        tail.kind |= 4 * wiring as u8;
+        Ok((head, (wiring == Wiring::Chain).then_some(tail)))
+    }
+
+    /// Whether another single section may stand beside this one's.
+    pub(super) fn takes(&self, other: &Self) -> bool {
+        self.wiring() == Wiring::Single && other.wiring() == Wiring::Single && self.kind == other.kind
+    }
+
+    /// Takes a single section beside its own.
+    pub(super) fn join(&mut self, other: &Self) {
+        let ([first, _], [its_gains, _]) = (other.cells, other.gains);
+        let ([cells, _], [gains, _]) = (self.cells, self.gains);
+        (self.cells, self.gains) = ([cells, first], [gains, its_gains]);
+        self.kind += 4 * (Wiring::Parallel as u8 - Wiring::Single as u8);
+        (self.growth, self.of_input) = (self.growth.max(other.growth), self.of_input.max(other.of_input));
+        self.gain_bits = self.gain_bits.max(other.gain_bits);
+        self.reach_bits = self.reach_bits.max(other.reach_bits);
+    }
+
+    /// How its sections stand.
+    pub(super) fn wiring(&self) -> Wiring {
+        match (self.kind >> 2) & 3 {
+            0 => Wiring::Single,
+            1 => Wiring::Parallel,
+            2 => Wiring::Coupled,
+            _ => Wiring::Chain,
+        }
+    }
+
+    /// Whether it runs on input and output of alternating sign.
+    pub(super) fn is_mirrored(&self) -> bool {
+        self.kind & MIRRORED != 0
+    }
+
+    /// Whether it is not run.
+    pub(super) fn is_skipped(&self) -> bool {
+        self.kind & SKIPPED != 0
+    }
+
+    /// Whether it belongs to the pair before.
+    pub(super) fn is_tail(&self) -> bool {
+        self.is_tail
+    }
+
+    /// Its form.
+    pub(super) fn form(&self) -> Form {
+        match self.kind & 3 {
+            0 => Form::Coupled,
+            1 => Form::Shifted1,
+            2 => Form::Shifted2,
+            _ => Form::Damped,
+        }
+    }
+
+    /// Bound of its sound until it is settled anew, in steps of the bus.
+    pub(super) fn loudness(&self) -> f32 {
+        if self.is_skipped() { 0.0 } else { self.loudness }
+    }
+
+    /// Words of its states are values times two to this.
+    pub(super) fn exponent(&self) -> i32 {
+        self.exponent
+    }
+
+    /// Runs it from now on.
+    pub(super) fn wake(&mut self) {
+        self.kind &= !SKIPPED;
+    }
+
+    /// Clears the states and leaves it out.
+    pub(super) fn rest(&mut self) {
+        for cell in &mut self.cells {
+            (cell.u, cell.v) = (0, 0);
+        }
+        self.kind |= SKIPPED;
+        self.asks = 0;
+    }
+
+    /// `max(|u| 2^k, |v|)` of both, rounded up to the next power of two less one.
+    pub(super) fn size(&self) -> u32 {
+        let folded = |word: i32| word ^ (word >> 31);
+        let [a, b] = &self.cells;
+        ((folded(a.v) | folded(b.v)) | ((folded(a.u) | folded(b.u)) << self.shift)) as u32
+    }
+
+    /// Whether its states have left the bounds that [`settle`] chose.
+    pub(super) fn has_left_bounds(&self) -> bool {
+        self.size().wrapping_sub(self.low) >= self.span
+    }
+
+    /// Bits of what the states may still sound like, in steps of the bus: a slow mode's u becomes its v, at most four times as large, and
+    /// what a section hands on makes at most eight times as much of the next.
+    pub(super) fn sound_bits(&self) -> i32 {
+        let to_come = match self.wiring() {
+            Wiring::Single | Wiring::Parallel => 2,
+            Wiring::Coupled => 5,
+            Wiring::Chain => 11,
+        };
+        match self.size() {
+            0 => -1000,
+            size => 32 - size.leading_zeros() as i32 + to_come - self.exponent,
+        }
+    }
+
+    fn set_mix(&mut self, room: i32, is_last: bool) {
+        // 2^32 · 2^-(E + room).
+        let shift = 32 - self.exponent - room;
+        let scale = if (0..31).contains(&shift) { 1 << shift } else { 0 };
+        let is_alone = self.cells.get(1).is_none_or(|cell| cell.turn == 0);
+        self.scales = match self.wiring() {
+            Wiring::Single | Wiring::Parallel => [scale, scale],
+            Wiring::Coupled => [0, scale],
+            Wiring::Chain if !is_last => [0, 0],
+            Wiring::Chain if is_alone => [scale, 0],
+            Wiring::Chain => [0, scale],
+        };
+    }
+}
+
+/// Chooses a unit's exponent (a pair's, or that of two behind one another) for an input, shifts the states and derives the multipliers.
+pub(super) fn settle(unit: &mut [Pair], input: Level) {
+    let Some(head) = unit.first() else { return };
+    let (growth, of_input, before) = (head.growth, head.of_input, head.exponent);
+    let growth_bits = bits_above(growth);
+    let size = unit.iter().fold(0, |size, pair| size | pair.size());
+    let bits = 32 - size.leading_zeros() as i32;
+    // The multipliers of the input must stay below 1/2, and what it adds below 2^28.
+    let for_input = input.exponent.map_or(MAX_EXPONENT, |exponent| {
+        let room = (-1 - i32::from(head.gain_bits)).min(INPUT_BITS - X_BITS - bits_above(of_input));
+        (exponent + room).min(MAX_EXPONENT)
+    });
+    // A bit is left for the state to grow before it asks again.
+    let for_state = if size == 0 { MAX_EXPONENT } else { before + STATE_BITS - growth_bits - bits - 1 };
+    let exponent = for_input.min(for_state);
+    let moved = exponent - before;
+    let bits = if size == 0 { -1000 } else { bits + moved };
+    let shift = input.exponent.map(|from| exponent - from);
+    let added = shift.map_or(0.0, |shift| of_input * power_of_two(shift + X_BITS));
+    let high = (bits + 1).max(bits_above(added) + 1).clamp(1, STATE_BITS - growth_bits);
+    let may_grow = size != 0 && for_input > exponent + 2 && exponent < MAX_EXPONENT && high > 4;
+    let low = if may_grow { 1 << (high - 4) } else { 0 };
+    let bound = (power_of_two(high) * growth + added + 512.0) * power_of_two(-exponent);
+    for pair in unit {
+        for (cell, gains) in pair.cells.iter_mut().zip(&pair.gains) {
+            (cell.u, cell.v) = (shifted(cell.u, moved), shifted(cell.v, moved));
+            let [u, v] = gains.map(|gain| shift.map_or(0, |shift| gain.q32(shift)));
+            (cell.gain_u, cell.gain_v) = (u, v);
+        }
+        pair.exponent = exponent;
+        // Of two behind one another the first says when both have fallen.
+        pair.low = if pair.is_tail { 0 } else { low };
+        pair.span = (1u32 << high) - pair.low;
+        pair.loudness = if pair.wiring() == Wiring::Parallel { 2.0 * bound } else { bound };
+    }
+}
+
+/// Sets the multipliers into a mix of `value · 2^-room`.
+pub(super) fn set_mix(unit: &mut [Pair], room: i32) {
+    let last = unit.len().saturating_sub(1);
+    unit.iter_mut().enumerate().for_each(|(index, pair)| pair.set_mix(room, index == last));
+}
+
+/// A state moved by powers of two; settle sees to it that nothing is lost at the top.
+fn shifted(word: i32, shift: i32) -> i32 {
+    match shift {
+        0.. => word.wrapping_shl(shift.min(31) as u32),
+        right => crate::fixed::rounding_shift_right(word, right.unsigned_abs()),
+    }
+}
+
+/// 2^exponent, for bounds: at least 2^-126, at most 2^127.
+pub(super) fn power_of_two(exponent: i32) -> f32 {
+    f32::from_bits(((exponent.clamp(-126, 127) + 127) as u32) << 23)
+}
+
+/// The power of two above a bound.
+pub(super) fn bits_above(bound: f32) -> i32 {
+    // The exponent of a float, biased by 127, is that of the power of two below.
+    ((bound.to_bits() >> 23) & 255) as i32 - 126
+}
+
+/// A bound in single precision, with a little to spare for the rounding of multipliers.
+fn above(bound: f64) -> f32 {
+    (bound * (1.0 + 1e-5)) as f32
+}

@@ -1,0 +1,134 @@
+//! A pole as the arithmetic of a section realises it.
+
+use super::design::Root;
+use super::fractions::Realised;
+
+/// How a section steps. k is the shift of u.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Form {
+    /// `u -= e v; v += e u; u -= δ u`: e < 1/2, δ < 1/2.
+    Coupled = 0,
+    /// `u -= (e²/2) v; v += 2 u; u -= δ u`: e² < 1, δ < 1/2.
+    Shifted1 = 1,
+    /// `u -= (e²/4) v; v += 4 u; u -= δ u`: e² < 2, δ < 1/2.
+    Shifted2 = 2,
+    /// `u -= (e²/4) v; v += 4 u; u = (1 - δ) u`: e² < 2, any δ.
+    Damped = 3,
+}
+
+impl Form {
+    /// By how many bits u is smaller than v.
+    pub const fn shift(self) -> u32 {
+        match self {
+            Self::Coupled => 0,
+            Self::Shifted1 => 1,
+            Self::Shifted2 | Self::Damped => 2,
+        }
+    }
+}
+
+/// The two multipliers of a pair of conjugate poles: `|p|² = 1 - δ`, `|1 - p|² = e²`.
+///
+/// They are numbers of their own, not roundings of something better: the partial fractions of a chain are derived from them, so that what
+/// rounding moves is a pole, and never the balance between parts that cancel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pole {
+    /// The arithmetic.
+    pub form: Form,
+    /// Whether it stands for -p, on input and output of alternating sign.
+    pub mirrored: bool,
+    /// e or e²/2^k, Q32.
+    pub turn: i32,
+    /// δ as Q32; 1 - δ as Q31 for [`Form::Damped`].
+    pub damp: i32,
+}
+
+impl Pole {
+    /// e or e²/2^k as it is after rounding.
+    pub fn turn(self) -> f64 {
+        f64::from(self.turn) / TWO_POW_32
+    }
+
+    /// Q32 of another section's v into u, for what [`Realised::handed`] says.
+    pub(super) fn couple(self, handed: f64) -> i32 {
+        libm::rint(handed / self.entry() * TWO_POW_32) as i32
+    }
+}
+
+impl Realised for Pole {
+    type Form = Form;
+
+    /// At 1, without decay: nothing moves.
+    const EMPTY: Self = Self { form: Form::Coupled, mirrored: false, turn: 0, damp: 0 };
+
+    /// So that e² <= 2.
+    const MIRROR_BELOW: f64 = 0.0;
+
+    fn form_of(root: Root, mirrored: bool) -> Form {
+        let (delta, step_squared) = steps(root, mirrored);
+        match step_squared {
+            _ if delta >= 0.49 => Form::Damped,
+            e2 if e2 < 0.249 => Form::Coupled,
+            e2 if e2 < 0.99 => Form::Shifted1,
+            _ => Form::Shifted2,
+        }
+    }
+
+    fn new(root: Root, mirrored: bool, &form: &Form) -> Self {
+        let (delta, step_squared) = steps(root, mirrored);
+        let turn = match form {
+            Form::Coupled => libm::sqrt(step_squared),
+            _ => step_squared / f64::from(1u32 << form.shift()),
+        };
+        let damp = match form {
+            Form::Damped => libm::rint((1.0 - delta) * 2_147_483_648.0) as i32,
+            _ => q32(delta),
+        };
+        Self { form, mirrored, turn: q32(turn), damp }
+    }
+
+    fn is_mirrored(self) -> bool {
+        self.mirrored
+    }
+
+    fn delta(self) -> f64 {
+        match self.form {
+            Form::Damped => 1.0 - f64::from(self.damp) / 2_147_483_648.0,
+            _ => f64::from(self.damp) / TWO_POW_32,
+        }
+    }
+
+    fn step_squared(self) -> f64 {
+        match self.form {
+            Form::Coupled => self.turn() * self.turn(),
+            _ => self.turn() * self.entry(),
+        }
+    }
+
+    fn entry(self) -> f64 {
+        match self.form {
+            Form::Coupled => self.turn(),
+            form => f64::from(1u32 << form.shift()),
+        }
+    }
+
+    fn handed(self, wanted: f64) -> f64 {
+        let couple = libm::rint((wanted / self.entry()).min(0.45) * TWO_POW_32).max(1.0);
+        self.entry() * couple / TWO_POW_32
+    }
+}
+
+const TWO_POW_32: f64 = 4_294_967_296.0;
+
+/// δ and e² of a pole; `|1 - p|²` without cancellation, `1 - |p|²` from the radius, exact where it is near 1.
+pub(super) fn steps(root: Root, mirrored: bool) -> (f64, f64) {
+    let real = if mirrored { -root.real } else { root.real };
+    let radius = libm::sqrt(root.square());
+    ((1.0 - radius) * (1.0 + radius), (1.0 - real) * (1.0 - real) + root.imaginary * root.imaginary)
+}
+
+/// Nearest Q32, the largest below a half for more.
+fn q32(value: f64) -> i32 {
+    libm::rint(value * TWO_POW_32) as i32
+}

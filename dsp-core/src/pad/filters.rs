@@ -1,0 +1,280 @@
+//! What a pad has beside its banks: a dynamic filter with its loops, and biquads.
+//!
+//! ```text
+//! F ──► biquads ───────────────────────────────────────────────┐
+//!  └──► object bank ─┬─ "beside" ──────────────────────────────┤
+//!                    └─ "through" ─► dynamic filter ─► loops ──┴─► hand ─► the pad's bus
+//! strike ──────────────► its noise ──────┘
+//! ```
+//!
+//! A hand on the pad lets the sound of both fall by the pad's T60 ([`Hand`]); the object's bank damps its modes by itself.
+
+use super::hand::Hand;
+use crate::SampleRate;
+use crate::biquad::{self, Biquad, BiquadError, Root};
+use crate::dynamic_filter::{Breakpoint, DynamicFilter, DynamicFilterError, Exciter, Settings};
+use crate::fixed;
+use crate::resonator::TICK_FRAMES;
+use crate::table;
+use crate::table::layout::{BiquadRecord, BreakpointRecord, LoopRecord};
+use crate::waveguide::Loop;
+
+/// The filters of one pad: a dynamic filter of at most `POINTS` breakpoints with at most `LOOPS` loops whose delays fit `FRAMES` frames, and biquads
+/// in at most `PAIRS` pairs (a pair for each suffices).
+#[derive(Clone, Debug)]
+pub struct PadFilters<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize> {
+    dynamic: DynamicFilter<POINTS, LOOPS, FRAMES>,
+    biquads: biquad::Bank<PAIRS>,
+    has_dynamic: bool,
+    loop_count: u32,
+    /// The filter runs louder by so many bits, its noise, modes and loops softer: [`louder_bits`].
+    louder: u32,
+    hand: Hand,
+    /// The frame within the tick that both are at.
+    frame: usize,
+}
+
+/// What the filters of a pad did over a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FilterWork {
+    /// Frames of the dynamic filter.
+    pub filter_frames: u32,
+    /// Frames times loops.
+    pub loop_frames: u32,
+    /// Frames times biquads.
+    pub biquad_frames: u32,
+}
+
+impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize>
+    PadFilters<POINTS, LOOPS, FRAMES, PAIRS>
+{
+    /// None of both: silent, at no cost.
+    pub const EMPTY: Self = Self {
+        dynamic: DynamicFilter::EMPTY,
+        biquads: biquad::Bank::EMPTY,
+        has_dynamic: false,
+        loop_count: 0,
+        louder: 0,
+        hand: Hand::AWAY,
+        frame: 0,
+    };
+
+    /// Makes it none of both.
+    pub fn unload(&mut self) {
+        self.dynamic.unload();
+        self.biquads.unload();
+        (self.has_dynamic, self.loop_count, self.louder, self.hand, self.frame) = (false, 0, 0, Hand::AWAY, 0);
+    }
+
+    /// Derives the dynamic filter for a rate. `stream` tells noises of one seed apart, `peak` is the pad's hardest strike: peak force over the
+    /// reference force, at velocity 1.
+    ///
+    /// # Errors
+    /// [`DynamicFilterError`].
+    pub fn load_dynamic(
+        &mut self,
+        filter: &table::DynamicFilter<'_>,
+        rate: SampleRate,
+        stream: u32,
+        peak: f32,
+    ) -> Result<(), DynamicFilterError> {
+        self.louder = louder_bits(peak);
+        let louder = libm::scalbn(1.0, self.louder as i32);
+        let exciter = filter.exciter().map(|band| {
+            // The filter is told levels that are smaller by 1/louder.
+            let exponent = f64::from(band.exponent);
+            let factor = libm::pow(louder, exponent);
+            Exciter { low_hz: f64::from(band.low_hz) * factor, high_hz: f64::from(band.high_hz) * factor, exponent }
+        });
+        let settings = Settings {
+            seed: filter.seed(),
+            rate_hz: f64::from(filter.rate_hz()),
+            order: filter.order(),
+            modes_through: filter.takes_modes(),
+            exciter,
+            path: filter.path().iter().map(|record| breakpoint(record, louder)),
+            loops: filter.loops().iter().map(|record| band(record, louder)),
+        };
+        self.dynamic.load(settings, rate, stream)?;
+        (self.has_dynamic, self.loop_count) = (true, filter.loops().len() as u32); // at most 16
+        Ok(())
+    }
+
+    /// Derives the biquads for a rate; `reference_force` is what 1.0 of force stands for, in newtons.
+    ///
+    /// # Errors
+    /// [`BiquadError`].
+    pub fn load_biquads(
+        &mut self,
+        bank: &table::Biquads<'_>,
+        rate: SampleRate,
+        reference_force: f32,
+    ) -> Result<(), BiquadError> {
+        let depth = bank.depth().max(1);
+        let rate_hz = f64::from(bank.rate_hz());
+        let biquads = bank.records().iter().enumerate().map(|(index, record)| {
+            // The force in newtons goes into the first of each chain.
+            let newtons = if index.is_multiple_of(depth) { f64::from(reference_force) } else { 1.0 };
+            section(record, newtons).carried(index, rate_hz, rate)
+        });
+        self.biquads.load_each(biquads, depth)
+    }
+
+    /// Whether there is anything.
+    pub fn is_built(&self) -> bool {
+        self.has_dynamic || self.has_biquads()
+    }
+
+    fn has_biquads(&self) -> bool {
+        self.biquads.size().0 > 0
+    }
+
+    /// Whether a force makes it sound.
+    #[inline(always)]
+    pub fn takes_force(&self) -> bool {
+        self.has_biquads() && !self.hand.is_mute()
+    }
+
+    /// Whether the object's modes go through it instead of to the output.
+    #[inline(always)]
+    pub fn takes_modes(&self) -> bool {
+        self.has_dynamic && self.dynamic.takes_modes()
+    }
+
+    /// Whether anything sounds, or a hand is about to end it: otherwise it need not be rendered without force and modes.
+    #[inline(always)]
+    pub fn is_ringing(&self) -> bool {
+        self.dynamic.is_ringing() || self.biquads.is_ringing() || self.hand.is_fading()
+    }
+
+    /// Begins a strike at a frame of the tick; `level` is its peak force over the reference force.
+    pub fn strike(&mut self, level: f32, frame: usize) {
+        self.align(frame);
+        self.lift();
+        if self.has_dynamic {
+            self.dynamic.strike(level / (1u32 << self.louder) as f32);
+        }
+    }
+
+    /// A hand that comes, and leaves so much of the amplitude after a frame, or goes.
+    pub fn set_choked(&mut self, per_frame: Option<f64>) {
+        if per_frame.is_none() {
+            self.lift();
+        }
+        self.hand.set(per_frame);
+    }
+
+    /// What rings is what the hand has left of it, and the hand begins anew.
+    fn lift(&mut self) {
+        if let Some(left) = self.hand.lift() {
+            self.dynamic.attenuate(left);
+            self.biquads.attenuate(left);
+        }
+    }
+
+    /// Adds a run, at most a tick long and within it, to the pad's bus. `force` is the force in the run, where there is one; `modes` are the
+    /// object's, where they go through.
+    pub fn render(
+        &mut self,
+        frame: usize,
+        force: Option<&[i32]>,
+        modes: Option<&mut [i32]>,
+        out: &mut [i32],
+    ) -> FilterWork {
+        self.align(frame);
+        self.frame = (frame + out.len()) % TICK_FRAMES;
+        if self.hand.is_away() {
+            return self.add(force, modes, out);
+        }
+        let mut sound = [0; TICK_FRAMES];
+        let Some(sound) = sound.get_mut(..out.len()) else { return FilterWork::default() };
+        let work = self.add(force, modes, sound);
+        self.hand.fade(sound);
+        if self.frame == 0 {
+            self.hand.settle();
+        }
+        if self.hand.is_mute() {
+            self.dynamic.rest();
+            self.biquads.rest();
+        }
+        out.iter_mut().zip(&*sound).for_each(|(out, &x)| *out = fixed::qadd(*out, x));
+        work
+    }
+
+    fn add(&mut self, force: Option<&[i32]>, modes: Option<&mut [i32]>, out: &mut [i32]) -> FilterWork {
+        let (mut work, frames) = (FilterWork::default(), out.len() as u32);
+        if self.has_biquads() {
+            if force.is_some() || self.biquads.is_ringing() {
+                work.biquad_frames = frames * self.biquads.size().0 as u32;
+            }
+            self.biquads.render(force, out);
+        }
+        let modes = modes.filter(|_| self.takes_modes());
+        if modes.is_some() || self.dynamic.is_ringing() {
+            (work.filter_frames, work.loop_frames) = (frames, frames * self.loop_count);
+            let modes = modes.map(|modes| {
+                let half = (1 << self.louder) >> 1;
+                modes.iter_mut().for_each(|mode| *mode = mode.saturating_add(half) >> self.louder);
+                &*modes
+            });
+            self.dynamic.render(modes, out);
+        } else {
+            self.dynamic.pass(out.len());
+        }
+        work
+    }
+
+    /// Both count ticks, and are not asked while they are silent.
+    fn align(&mut self, frame: usize) {
+        let passed = (TICK_FRAMES + frame - self.frame) % TICK_FRAMES;
+        if passed > 0 {
+            self.dynamic.pass(passed);
+            self.biquads.render(None, [0; TICK_FRAMES].get_mut(..passed).unwrap_or(&mut []));
+        }
+        self.frame = frame;
+    }
+
+    /// Nominal cycles of a tick in which it sounds.
+    pub fn cycles_a_tick(&self) -> u32 {
+        self.dynamic.cycles_a_tick() + BIQUAD_TICK * self.biquads.size().0 as u32
+    }
+}
+
+/// The filter's noise is at most 1.0. Where a strike may be harder than the reference force, the filter is made louder by a power of two and what goes in softer.
+fn louder_bits(peak: f32) -> u32 {
+    (0..MOST_LOUDER).find(|&bits| peak <= (1u32 << bits) as f32).unwrap_or(MOST_LOUDER)
+}
+
+/// Forces are below 16 times the reference force.
+const MOST_LOUDER: u32 = 4;
+
+fn breakpoint(record: &BreakpointRecord, louder: f64) -> Breakpoint {
+    Breakpoint {
+        time_s: f64::from(record.time_s.get()),
+        a1: f64::from(record.a1.get()),
+        a2: f64::from(record.a2.get()),
+        b0: f64::from(record.b0.get()) * louder,
+        b1: f64::from(record.b1.get()) * louder,
+        b2: f64::from(record.b2.get()) * louder,
+    }
+}
+
+fn band(record: &LoopRecord, louder: f64) -> Loop {
+    Loop {
+        frequency_hz: f64::from(record.frequency_hz.get()),
+        bandwidth_hz: f64::from(record.bandwidth_hz.get()),
+        gain: f64::from(record.gain.get()) / louder,
+        delay_s: f64::from(record.delay_s.get()),
+    }
+}
+
+/// Nominal cycles of a biquad and tick.
+const BIQUAD_TICK: u32 = 15 * TICK_FRAMES as u32;
+
+/// A record's biquad, its gain times another one.
+fn section(record: &BiquadRecord, gain: f64) -> Biquad {
+    let root = |real: f32, imaginary: f32| Root { real: f64::from(real), imaginary: f64::from(imaginary) };
+    let pole = root(record.pole_re.get(), record.pole_im.get());
+    let zero = root(record.zero_re.get(), record.zero_im.get());
+    Biquad::from_roots(pole, zero, f64::from(record.gain.get()) * gain)
+}

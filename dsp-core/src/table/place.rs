@@ -1,0 +1,222 @@
+//! Where in a kit something stands, and which field it is.
+
+use core::fmt;
+
+use super::range::CHAIN_DEPTH;
+
+/// Where in a kit a field stands; indices count from 0 in the order of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// The kit as a whole.
+    Kit,
+    /// The object of this index.
+    Object(usize),
+    /// A mode of an object: (object, mode).
+    ObjectMode(usize, usize),
+    /// The striker of this index.
+    Striker(usize),
+    /// A mode of a striker: (striker, mode).
+    StrikerMode(usize, usize),
+    /// The pad of this index.
+    Pad(usize),
+    /// The residual of the object of this index.
+    ObjectResidual(usize),
+    /// An edge of the bands of an object's residual: (object, edge).
+    ObjectEdge(usize, usize),
+    /// A band of an object's residual: (object, band).
+    ObjectBand(usize, usize),
+    /// The dynamic filter of the object of this index.
+    ObjectFilter(usize),
+    /// A breakpoint of its path: (object, breakpoint).
+    ObjectBreakpoint(usize, usize),
+    /// A loop round it: (object, loop).
+    ObjectLoop(usize, usize),
+    /// The biquad bank of the object of this index.
+    ObjectBiquads(usize),
+    /// A chain of it: (object, chain).
+    ObjectChain(usize, usize),
+    /// A biquad of it: (object, [`CHAIN_DEPTH`] times the chain plus the biquad in it).
+    ObjectBiquad(usize, usize),
+    /// The background.
+    Background,
+    /// An edge of its bands.
+    BackgroundEdge(usize),
+    /// A band of it.
+    BackgroundBand(usize),
+    /// The room.
+    Room,
+    /// A band of it.
+    RoomBand(usize),
+}
+
+/// A field of a kit, by its key in the text form.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "each variant is the key of the same name in the text form")]
+pub enum Field {
+    A1,
+    A2,
+    Acceleration,
+    B0,
+    B1,
+    B2,
+    BandwidthHz,
+    Biquads,
+    Button,
+    ButtonVelocity,
+    Chains,
+    Channel,
+    ChokeButton,
+    ChokeT60S,
+    ContactExponent,
+    ContactTimeS,
+    CrosstalkDb,
+    DecayDbPerS,
+    DecayPerS,
+    DelayS,
+    DirectGain,
+    EdgesHz,
+    Exciter,
+    Exponent,
+    FrequencyHz,
+    FromHz,
+    FullScale,
+    Gain,
+    GainCosine,
+    GainSine,
+    HighHz,
+    LevelDb,
+    Loops,
+    LowHz,
+    MaskDecayPerS,
+    MaskTimeS,
+    MidiNotes,
+    Mode,
+    Modes,
+    Object,
+    Order,
+    TriggerPad,
+    Padding,
+    Pan,
+    Path,
+    PeakExponent,
+    PeakForce,
+    Pole,
+    Positions,
+    Pulse,
+    RateHz,
+    ReferenceForce,
+    RimChannel,
+    RimDb,
+    RimStriker,
+    ScanTimeS,
+    StrikerWeight,
+    Strikers,
+    Threshold,
+    TimeS,
+    VelocityExponent,
+    Weight,
+    Zero,
+}
+
+impl Field {
+    /// The key in the text form.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::A1 => "a1",
+            Self::A2 => "a2",
+            Self::Acceleration => "acceleration",
+            Self::B0 => "b0",
+            Self::B1 => "b1",
+            Self::B2 => "b2",
+            Self::BandwidthHz => "bandwidth_hz",
+            Self::Biquads => "biquads",
+            Self::Button => "button",
+            Self::ButtonVelocity => "button_velocity",
+            Self::Chains => "chains",
+            Self::Channel => "channel",
+            Self::ChokeButton => "choke_button",
+            Self::ChokeT60S => "choke_t60_s",
+            Self::ContactExponent => "contact_exponent",
+            Self::ContactTimeS => "contact_time_s",
+            Self::CrosstalkDb => "crosstalk_db",
+            Self::DecayDbPerS => "decay_db_per_s",
+            Self::DecayPerS => "decay_per_s",
+            Self::DelayS => "delay_s",
+            Self::DirectGain => "direct_gain",
+            Self::EdgesHz => "edges_hz",
+            Self::Exciter => "exciter",
+            Self::Exponent => "exponent",
+            Self::FrequencyHz => "frequency_hz",
+            Self::FromHz => "from_hz",
+            Self::FullScale => "full_scale",
+            Self::Gain => "gain",
+            Self::GainCosine => "gain_cosine",
+            Self::GainSine => "gain_sine",
+            Self::HighHz => "high_hz",
+            Self::LevelDb => "level_db",
+            Self::Loops => "loops",
+            Self::LowHz => "low_hz",
+            Self::MaskDecayPerS => "mask_decay_per_s",
+            Self::MaskTimeS => "mask_time_s",
+            Self::MidiNotes => "midi_notes",
+            Self::Mode => "mode",
+            Self::Modes => "modes",
+            Self::Object => "object",
+            Self::Order => "order",
+            Self::TriggerPad => "pad",
+            Self::Padding => "padding",
+            Self::Pan => "pan",
+            Self::Path => "path",
+            Self::PeakExponent => "peak_exponent",
+            Self::PeakForce => "peak_force",
+            Self::Pole => "pole",
+            Self::Positions => "positions",
+            Self::Pulse => "pulse",
+            Self::RateHz => "rate_hz",
+            Self::ReferenceForce => "reference_force",
+            Self::RimChannel => "rim_channel",
+            Self::RimDb => "rim_db",
+            Self::RimStriker => "rim_striker",
+            Self::ScanTimeS => "scan_time_s",
+            Self::StrikerWeight => "striker_weight",
+            Self::Strikers => "strikers",
+            Self::Threshold => "threshold",
+            Self::TimeS => "time_s",
+            Self::VelocityExponent => "velocity_exponent",
+            Self::Weight => "weight",
+            Self::Zero => "zero",
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Kit => write!(f, "the kit"),
+            Self::Object(object) => write!(f, "object {object}"),
+            Self::ObjectMode(object, mode) => write!(f, "object {object}, mode {mode}"),
+            Self::Striker(striker) => write!(f, "striker {striker}"),
+            Self::StrikerMode(striker, mode) => write!(f, "striker {striker}, mode {mode}"),
+            Self::Pad(pad) => write!(f, "pad {pad}"),
+            Self::ObjectResidual(object) => write!(f, "object {object}, residual"),
+            Self::ObjectEdge(object, edge) => write!(f, "object {object}, residual, edge {edge}"),
+            Self::ObjectBand(object, band) => write!(f, "object {object}, residual, band {band}"),
+            Self::ObjectFilter(object) => write!(f, "object {object}, dynamic filter"),
+            Self::ObjectBreakpoint(object, breakpoint) => {
+                write!(f, "object {object}, dynamic filter, breakpoint {breakpoint}")
+            }
+            Self::ObjectLoop(object, index) => write!(f, "object {object}, dynamic filter, loop {index}"),
+            Self::ObjectBiquads(object) => write!(f, "object {object}, biquads"),
+            Self::ObjectChain(object, chain) => write!(f, "object {object}, biquads, chain {chain}"),
+            Self::ObjectBiquad(object, number) => {
+                let (chain, biquad) = (number / CHAIN_DEPTH, number % CHAIN_DEPTH);
+                write!(f, "object {object}, biquads, chain {chain}, biquad {biquad}")
+            }
+            Self::Background => write!(f, "background"),
+            Self::BackgroundEdge(edge) => write!(f, "background, edge {edge}"),
+            Self::BackgroundBand(band) => write!(f, "background, band {band}"),
+            Self::Room => write!(f, "room"),
+            Self::RoomBand(band) => write!(f, "room, band {band}"),
+        }
+    }
+}

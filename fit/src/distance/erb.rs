@@ -1,0 +1,112 @@
+//! Distance of band levels: what an ear that is no spectrum analyser compares.
+
+use super::Spectrogram;
+use super::lsd::FLOOR;
+
+/// Bands.
+pub const ERB_BANDS: usize = 40;
+/// Lowest and highest edge in Hz.
+const RANGE_HZ: [f64; 2] = [50.0, 16_000.0];
+/// Samples of a frame; a quarter of it to the next.
+const WINDOW: usize = 1024;
+
+/// Edges of `count` bands in Hz, evenly spaced on the ERB-rate scale (Glasberg and Moore).
+pub fn erb_edges_hz(count: usize, [low_hz, high_hz]: [f64; 2]) -> Vec<f64> {
+    let rate = |f: f64| (1.0 + 0.004_37 * f).ln();
+    let (low, high) = (rate(low_hz), rate(high_hz));
+    (0..=count).map(|edge| ((low + (high - low) * edge as f64 / count as f64).exp() - 1.0) / 0.004_37).collect()
+}
+
+/// Energies of 40 bands (ERB-spaced, 50 Hz to 16 kHz) in Hann frames of 1024 samples every 256: what the ERB distance compares.
+#[derive(Clone, Debug)]
+pub struct ErbLevels {
+    /// One array a frame; a band beyond half the rate is 0.
+    pub frames: Vec<[f64; ERB_BANDS]>,
+}
+
+impl ErbLevels {
+    /// Of a sound.
+    pub fn new(samples: &[f64], rate_hz: f64) -> Self {
+        let spectrogram = Spectrogram::new(WINDOW);
+        let edges: Vec<f64> =
+            erb_edges_hz(ERB_BANDS, RANGE_HZ).iter().map(|edge| edge / rate_hz * WINDOW as f64).collect();
+        let power = spectrogram.power(samples);
+        let frames = power.chunks_exact(spectrogram.bin_count()).map(|frame| {
+            let mut levels = [0.0; ERB_BANDS];
+            for (level, edge) in levels.iter_mut().zip(edges.windows(2)) {
+                *level = band_power(frame, edge[0], edge[1]);
+            }
+            levels
+        });
+        Self { frames: frames.collect() }
+    }
+
+    /// Edges of the bands in Hz.
+    pub fn edges_hz() -> Vec<f64> {
+        erb_edges_hz(ERB_BANDS, RANGE_HZ)
+    }
+
+    /// What lies 60 dB below the loudest band of any frame.
+    pub fn floor(&self) -> f64 {
+        self.frames.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max) * FLOOR
+    }
+
+    /// The ERB distance in dB of a rendering to this recording: mean over frames of the rms over bands of the difference in dB, both floored 60 dB below
+    /// the recording's maximum. Frames beyond the shorter one's end do not count.
+    pub fn distance_db(&self, rendering: &Self) -> f64 {
+        let floor = self.floor();
+        let frames = self.frames.iter().zip(&rendering.frames).map(|(wanted, given)| {
+            let squares = wanted
+                .iter()
+                .zip(given)
+                .map(|(wanted, given)| (10.0 * (given.max(floor) / wanted.max(floor)).log10()).powi(2));
+            (squares.sum::<f64>() / ERB_BANDS as f64).sqrt()
+        });
+        let count = self.frames.len().min(rendering.frames.len()).max(1) as f64;
+        frames.sum::<f64>() / count
+    }
+}
+
+/// Power between two places of a spectrum, given in bins with fractions.
+pub(crate) fn band_power(frame: &[f64], from: f64, to: f64) -> f64 {
+    let share = |bin: usize| (to.min(bin as f64 + 0.5) - from.max(bin as f64 - 0.5)).clamp(0.0, 1.0);
+    let first = (from - 0.5).floor().max(0.0) as usize;
+    let last = ((to + 0.5).ceil() as usize).min(frame.len().saturating_sub(1));
+    (first..=last).filter_map(|bin| Some(frame.get(bin)? * share(bin))).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::SplitMix64;
+
+    fn noise(seed: u64, gain: f64) -> Vec<f64> {
+        let mut random = SplitMix64(seed);
+        (0..24_000).map(|_| gain * random.normal()).collect()
+    }
+
+    #[test]
+    fn a_change_of_level_is_its_decibels_and_silence_the_way_to_the_floor() {
+        let (sound, louder) = (noise(1, 0.1), noise(1, 0.2));
+        let levels = ErbLevels::new(&sound, 48_000.0);
+        assert!((levels.distance_db(&ErbLevels::new(&louder, 48_000.0)) - 6.0206).abs() < 1e-3);
+        assert_eq!(levels.distance_db(&levels), 0.0);
+        let silence = levels.distance_db(&ErbLevels::new(&vec![0.0; sound.len()], 48_000.0));
+        assert!((30.0..60.0).contains(&silence), "{silence}");
+    }
+
+    #[test]
+    fn another_draw_of_the_same_noise_is_near() {
+        let levels = ErbLevels::new(&noise(1, 0.1), 48_000.0);
+        let distance = levels.distance_db(&ErbLevels::new(&noise(2, 0.1), 48_000.0));
+        // Narrow bands hold few independent values in a frame.
+        assert!((1.0..6.0).contains(&distance), "{distance}");
+    }
+
+    #[test]
+    fn bands_hold_all_power_between_their_edges() {
+        let frame = [1.0; 100];
+        assert!((band_power(&frame, 3.25, 7.75) - 4.5).abs() < 1e-12);
+        assert_eq!(band_power(&frame, 200.0, 300.0), 0.0);
+    }
+}

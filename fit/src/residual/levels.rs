@@ -1,0 +1,317 @@
+//! Weight and decay of each band, from short-time levels.
+//!
+//! Noise of a band in a frame is a draw: its level scatters by decibels where the band is narrow. So it is not the mean level that is matched but
+//! the squared error in dB that is to be expected over draws: noise that would have to be drawn just so costs what it scatters.
+
+use std::sync::Arc;
+
+use super::{Band, spread};
+use crate::FitError;
+use crate::distance::{ERB_BANDS, Spectrogram, band_power, erb_edges_hz};
+
+/// Samples of a frame, as in the ERB distance.
+const WINDOW: usize = 1024;
+/// Edges of the ERB distance's bands in Hz; bands as wide on that scale follow up to [`HIGHEST_HZ`].
+const RANGE_HZ: [f64; 2] = [50.0, 16_000.0];
+/// Tables hold bands up to here: any rate of 44.1 kHz and more plays them.
+const HIGHEST_HZ: f64 = 20_000.0;
+/// Below the recording's loudest band and frame nothing counts any more by so much, as a power ratio: 60 dB.
+const FLOOR: f64 = 1e-6;
+/// Frames of the beginning that are all looked at (0.25 s); of what follows, as many more, evenly spread.
+const FIRST_FRAMES: usize = 44;
+const LATER_FRAMES: usize = 150;
+/// What the beginning counts beside the whole.
+const BEGINNING: f64 = 0.3;
+/// Slowest and fastest decay, dB/s, and how many are tried on the way.
+const DECAYS_DB_PER_S: [f64; 2] = [1.0, 5000.0];
+const DECAY_STEPS: i32 = 12;
+/// Levels that are tried, from 6 dB below the floor on, 6 dB apart.
+const LEVEL_STEPS: i32 = 12;
+/// Quarters of a normal distribution by their medians.
+const DRAWS: [f64; 4] = [-1.15, -0.32, 0.32, 1.15];
+/// Noise below this share of what is there anyway changes nothing.
+const NEGLIGIBLE: f64 = 1e-3;
+/// Frames count less the further they are from the recording, since their distance is the root of a mean square: passes until that settles.
+const PASSES: usize = 4;
+
+/// Fits bands to what `recording` has and `model` has not; both begin at the strike and are equally long. The 40 bands of the ERB distance and those above
+/// up to 20 kHz, as far as the rate reaches; bands in which noise would not help have no weight.
+///
+/// # Errors
+/// [`FitError::Render`] at a rate that the instrument does not play.
+pub fn fit_bands(recording: &[f64], model: &[f64], rate_hz: f64) -> Result<Vec<Band>, FitError> {
+    let rate = |f: f64| (1.0 + 0.004_37 * f).ln();
+    let width = (rate(RANGE_HZ[1]) - rate(RANGE_HZ[0])) / ERB_BANDS as f64;
+    let highest_hz = HIGHEST_HZ.min(0.49 * rate_hz);
+    let above = ((rate(highest_hz) - rate(RANGE_HZ[1])) / width).floor().max(0.0) as usize;
+    let mut edges_hz = erb_edges_hz(ERB_BANDS, RANGE_HZ);
+    edges_hz.extend((1..=above).map(|band| ((rate(RANGE_HZ[1]) + width * band as f64).exp() - 1.0) / 0.004_37));
+    edges_hz.retain(|&edge| edge <= highest_hz);
+    let levels = Levels::new(recording, model, rate_hz, &edges_hz)?;
+    let mut weights = levels.counts.clone();
+    let mut bands = vec![Noise::NONE; edges_hz.len().saturating_sub(1)];
+    for _ in 0..PASSES {
+        for band in 0..bands.len() {
+            bands[band] = levels.fit(band, bands[band], &levels.leaked(band, &bands), &weights);
+        }
+        let mut squares = vec![0.0; weights.len()];
+        for (band, &noise) in bands.iter().enumerate() {
+            levels.add_squares(band, noise, &levels.leaked(band, &bands), &mut squares);
+        }
+        let count = bands.len().max(1) as f64;
+        let weight = |(square, count_of): (&f64, &f64)| count_of / ((square / count).sqrt() + 1.0);
+        weights = squares.iter().zip(&levels.counts).map(weight).collect();
+    }
+    let bands = bands.iter().zip(edges_hz.windows(2)).map(|(noise, edges)| Band {
+        edges_hz: [edges[0], edges[1]],
+        weight: noise.power.sqrt(),
+        decay_db_per_s: noise.decay_db_per_s,
+    });
+    Ok(bands.collect())
+}
+
+/// Noise of a band: mean square at the strike, and its decay.
+#[derive(Clone, Copy)]
+struct Noise {
+    power: f64,
+    decay_db_per_s: f64,
+}
+
+impl Noise {
+    const NONE: Self = Self { power: 0.0, decay_db_per_s: DECAYS_DB_PER_S[0] };
+}
+
+/// Powers of bands in the frames that count.
+struct Levels {
+    /// When each frame begins, in seconds.
+    frames: Vec<f64>,
+    /// For how many each stands.
+    counts: Vec<f64>,
+    rate_hz: f64,
+    /// Band by band: the recording in dB, the model as it is.
+    wanted_db: Vec<Vec<f64>>,
+    model: Vec<Vec<f64>>,
+    floor: f64,
+    /// What noise of unit rms in one band (rows) has in each.
+    spread: Arc<Vec<Vec<f64>>>,
+    /// Levels of a band's noise in the quarters of its draws, relative to their mean.
+    draws: Vec<[f64; 4]>,
+    /// Share of a band's noise that falls on a mode in it.
+    cells: Vec<f64>,
+}
+
+impl Levels {
+    fn new(recording: &[f64], model: &[f64], rate_hz: f64, edges_hz: &[f64]) -> Result<Self, FitError> {
+        let spectrogram = Spectrogram::new(WINDOW);
+        let count = spectrogram.frame_count(recording.len()).min(spectrogram.frame_count(model.len()));
+        let step = (count / LATER_FRAMES).max(1);
+        let frames: Vec<usize> = (0..count).filter(|frame| *frame < FIRST_FRAMES || frame % step == 0).collect();
+        let beginning = 1.0 + BEGINNING * count as f64 / FIRST_FRAMES.min(count).max(1) as f64;
+        let stands_for = |&frame: &usize| if frame < FIRST_FRAMES { beginning } else { step as f64 };
+        let bins = spectrogram.bin_count();
+        let edges: Vec<f64> = edges_hz.iter().map(|edge| edge / rate_hz * WINDOW as f64).collect();
+        let powers = |sound: &[f64]| -> Vec<Vec<f64>> {
+            let power = spectrogram.power(sound);
+            let of_band = |edge: &[f64]| -> Vec<f64> {
+                let at = |frame: &usize| power.get(frame * bins..(frame + 1) * bins).unwrap_or(&[]);
+                frames.iter().map(|frame| band_power(at(frame), edge[0], edge[1])).collect()
+            };
+            edges.windows(2).map(of_band).collect()
+        };
+        let (wanted, model) = (powers(recording), powers(model));
+        let floor = wanted.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max) * FLOOR;
+        // A Hann window smears 1.5 bins into one: so many independent complex values has a band.
+        let cells: Vec<f64> = edges.windows(2).map(|edge| ((edge[1] - edge[0]) / 1.5).max(1.0)).collect();
+        let draws = cells.iter().map(|cells| {
+            // Wilson and Hilferty's cube.
+            let spread = 2.0 / (9.0 * 2.0 * cells);
+            DRAWS.map(|z| (1.0 - spread + z * spread.sqrt()).max(0.05).powi(3))
+        });
+        Ok(Self {
+            spread: spread::measured(edges_hz, rate_hz, WINDOW)?,
+            draws: draws.collect(),
+            cells: cells.iter().map(|cells| 1.0 / cells).collect(),
+            wanted_db: wanted
+                .iter()
+                .map(|band| band.iter().map(|power| 10.0 * power.max(floor).log10()).collect())
+                .collect(),
+            model,
+            floor,
+            rate_hz,
+            counts: frames.iter().map(stands_for).collect(),
+            frames: frames.iter().map(|&frame| (frame * spectrogram.hop()) as f64 / rate_hz).collect(),
+        })
+    }
+
+    /// What the other bands' noise spreads into a band.
+    fn leaked(&self, band: usize, noises: &[Noise]) -> Vec<f64> {
+        let mut sum = vec![0.0; self.frames.len()];
+        for (other, (noise, row)) in noises.iter().zip(self.spread.iter()).enumerate() {
+            let share = row.get(band).copied().unwrap_or(0.0) * noise.power;
+            // 30 dB below the floor nothing adds up to it.
+            if other != band && share > 1e-3 * self.floor {
+                for (sum, shape) in sum.iter_mut().zip(self.shape(noise.decay_db_per_s)) {
+                    *sum += share * shape;
+                }
+            }
+        }
+        sum
+    }
+
+    /// What noise of unit rms in a band has in that band.
+    fn own(&self, band: usize) -> f64 {
+        self.spread.get(band).and_then(|row| row.get(band)).copied().unwrap_or(0.0).max(1e-9)
+    }
+
+    /// Mean of `10^{-γt/10}` under the window's square, for each frame.
+    fn shape(&self, decay_db_per_s: f64) -> Vec<f64> {
+        let fade = |seconds: f64| 10f64.powf(-decay_db_per_s * seconds / 10.0);
+        let window = |n: usize| (std::f64::consts::PI * n as f64 / WINDOW as f64).sin().powi(4);
+        let within: f64 = (0..WINDOW).map(|n| window(n) * fade(n as f64 / self.rate_hz)).sum();
+        let within = within / (0..WINDOW).map(window).sum::<f64>();
+        self.frames.iter().map(|&seconds| within * fade(seconds)).collect()
+    }
+
+    /// Squared error in dB to be expected of a frame with so much noise.
+    fn square(&self, band: usize, frame: usize, noise: f64) -> f64 {
+        let at = |of: &[Vec<f64>]| of.get(band).and_then(|values| values.get(frame)).copied();
+        let (Some(wanted_db), Some(model)) = (at(&self.wanted_db), at(&self.model)) else { return 0.0 };
+        let (Some(draws), Some(cell)) = (self.draws.get(band), self.cells.get(band)) else { return 0.0 };
+        let square = |power: f64| (10.0 * power.max(self.floor).log10() - wanted_db).powi(2);
+        if noise < NEGLIGIBLE * model.max(self.floor) {
+            return square(model);
+        }
+        // Noise that falls on a mode beats with it: by that much more or less.
+        let beat = (2.0 * model * noise * cell).sqrt();
+        let both = |draw: &f64| {
+            let sum = model + draw * noise;
+            square(sum + beat) + square((sum - beat).max(0.1 * sum))
+        };
+        draws.iter().map(both).sum::<f64>() / (2 * draws.len()) as f64
+    }
+
+    /// `power` is that of the band's own noise in a frame, before it decays by `shape`; `leaked` what others add.
+    fn cost(&self, band: usize, power: f64, shape: &[f64], leaked: &[f64], weights: &[f64]) -> f64 {
+        let frames = shape.iter().zip(leaked).zip(weights).enumerate();
+        frames.map(|(frame, ((shape, leaked), weight))| weight * self.square(band, frame, leaked + power * shape)).sum()
+    }
+
+    fn add_squares(&self, band: usize, noise: Noise, leaked: &[f64], squares: &mut [f64]) {
+        let shape = self.shape(noise.decay_db_per_s);
+        for (frame, ((sum, shape), leaked)) in squares.iter_mut().zip(shape).zip(leaked).enumerate() {
+            *sum += self.square(band, frame, leaked + self.own(band) * noise.power * shape);
+        }
+    }
+
+    /// The noise of the least cost: on a grid, or from what was found before on, then by halving steps round its best place.
+    fn fit(&self, band: usize, before: Noise, leaked: &[f64], weights: &[f64]) -> Noise {
+        let [slowest, fastest] = DECAYS_DB_PER_S;
+        let octaves = (fastest / slowest).ln() / f64::from(DECAY_STEPS);
+        let decay = |step: f64| slowest * (octaves * step).exp();
+        let power = |step: f64| self.floor * 10f64.powf((6.0 * step - 6.0) / 10.0);
+        let cost = |decay_step: f64, level_step: f64| {
+            self.cost(band, power(level_step), &self.shape(decay(decay_step)), leaked, weights)
+        };
+        let without = self.cost(band, 0.0, &self.shape(slowest), leaked, weights);
+        let mut best = (without, 0.0, 0.0);
+        if before.power > 0.0 {
+            let level_step = (10.0 * (before.power * self.own(band) / self.floor).log10() + 6.0) / 6.0;
+            let decay_step = (before.decay_db_per_s / slowest).ln() / octaves;
+            best = (cost(decay_step, level_step), decay_step, level_step);
+        }
+        if best.0 >= without {
+            best = (without, 0.0, 0.0);
+            for decay_step in (0..=DECAY_STEPS).map(f64::from) {
+                let shape = self.shape(decay(decay_step));
+                for level_step in (0..=LEVEL_STEPS).map(f64::from) {
+                    let cost = self.cost(band, power(level_step), &shape, leaked, weights);
+                    if cost < best.0 {
+                        best = (cost, decay_step, level_step);
+                    }
+                }
+            }
+        }
+        if best.0 >= without {
+            return Noise::NONE;
+        }
+        let mut step = 0.5;
+        while step > 0.02 {
+            let (_, decay_step, level_step) = best;
+            let ways = [(step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step), (step, step), (-step, -step)];
+            for (by_decay, by_level) in ways {
+                let decay_step = (decay_step + by_decay).clamp(0.0, f64::from(DECAY_STEPS));
+                let cost = cost(decay_step, level_step + by_level);
+                if cost < best.0 {
+                    best = (cost, decay_step, level_step + by_level);
+                }
+            }
+            if best.1 == decay_step && best.2 == level_step {
+                step /= 2.0;
+            }
+        }
+        Noise { power: power(best.2) / self.own(band), decay_db_per_s: decay(best.1) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::SplitMix64;
+    use crate::table;
+
+    #[test]
+    fn bands_of_decaying_noise_are_found_again() {
+        let rate_hz = 44_100.0;
+        let edges = erb_edges_hz(ERB_BANDS, RANGE_HZ);
+        let truth: Vec<Band> = edges
+            .windows(2)
+            .enumerate()
+            .map(|(index, edge)| Band {
+                edges_hz: [edge[0], edge[1]],
+                weight: 0.1 / (1.0 + 0.1 * index as f64),
+                decay_db_per_s: 60.0 + 6.0 * index as f64,
+            })
+            .collect();
+        // Noise scatters: single estimates do, the mean over the draws has no bias to speak of.
+        const DRAWS: u32 = 6;
+        let silent = table::of_fit(
+            &crate::strike::Fit { rate_hz, modes: vec![], strikes: vec![], measured: false, loudest: 0 },
+            &table::Provenance { name: "noise".to_owned(), source: String::new(), licence: String::new() },
+        );
+        let mut mean = vec![(0.0, 0.0); truth.len()];
+        for seed in 0..DRAWS {
+            let table = table::with_residual(silent.clone(), &truth, seed);
+            let mut sound = crate::render::by_instrument(&table, 0.0, rate_hz, 44_100).expect("a right table");
+            let mut random = SplitMix64(100 + u64::from(seed));
+            sound.iter_mut().for_each(|x| *x += 1e-6 * random.normal());
+            let found = fit_bands(&sound, &vec![0.0; sound.len()], rate_hz).expect("a usual rate");
+            for ((truth, found), mean) in truth.iter().zip(&found).zip(&mut mean) {
+                let level_db = 20.0 * (found.weight.max(1e-6) / truth.weight).log10();
+                mean.0 += level_db / f64::from(DRAWS);
+                mean.1 += found.decay_db_per_s / truth.decay_db_per_s / f64::from(DRAWS);
+            }
+        }
+        for ((level_db, decay), truth) in mean.iter().zip(&truth) {
+            println!("{:?} Hz: level {level_db:+.2} dB, decay {decay:.3}", truth.edges_hz);
+        }
+        let is_narrow = |band: &Band| band.edges_hz[1] - band.edges_hz[0] < 150.0;
+        for ((level_db, decay), truth) in mean.iter().zip(&truth).filter(|(_, truth)| !is_narrow(truth)) {
+            assert!(level_db.abs() < 1.5 && (decay - 1.0).abs() < 0.08, "{truth:?}: {level_db:+.2} dB, {decay:.3}");
+        }
+        // Bands narrower than a frame resolves share their power with their neighbours: together they have it.
+        let power = |of: &dyn Fn(usize) -> f64| -> f64 {
+            let narrow = truth.iter().enumerate().filter(|(_, band)| is_narrow(band));
+            narrow.map(|(index, band)| (band.weight * 10f64.powf(of(index) / 20.0)).powi(2)).sum()
+        };
+        let together_db = 10.0 * (power(&|index| mean[index].0) / power(&|_| 0.0)).log10();
+        assert!(together_db.abs() < 2.5, "{together_db:+.2} dB");
+    }
+
+    #[test]
+    fn where_the_model_has_it_all_there_is_no_noise() {
+        let mut random = SplitMix64(5);
+        let sound: Vec<f64> = (0..20_000).map(|n| random.normal() * (-1e-4 * f64::from(n)).exp()).collect();
+        let bands = fit_bands(&sound, &sound, 48_000.0).expect("a usual rate");
+        assert!(bands.len() >= 40 && bands.iter().all(|band| band.weight < 1e-3), "{bands:?}");
+    }
+}

@@ -1,0 +1,57 @@
+//! What the instrument's noise of one band gives to all bands: short frames smear narrow bands, in the noise as in the measurement.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::Band;
+use crate::distance::{Spectrogram, band_power};
+use crate::{FitError, render, table};
+
+/// Seconds of noise that are measured.
+const SECONDS: f64 = 0.7;
+/// What of it is left out: frames that grow to their full length.
+const SETTLING_S: f64 = 0.1;
+
+/// Mean power that noise of unit rms in each band (rows) has in each band (columns) of frames of `window` samples, as dsp-core plays it.
+///
+/// # Errors
+/// [`FitError::Render`] at a rate that the instrument does not play.
+pub(super) fn measured(edges_hz: &[f64], rate_hz: f64, window: usize) -> Result<Arc<Vec<Vec<f64>>>, FitError> {
+    // A second of work, and the same for all recordings of a rate.
+    static KNOWN: Mutex<BTreeMap<(u64, usize), Arc<Vec<Vec<f64>>>>> = Mutex::new(BTreeMap::new());
+    let key = (rate_hz.to_bits(), edges_hz.len());
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(spread) = known.get(&key) {
+        return Ok(spread.clone());
+    }
+    let spread = Arc::new(measure(edges_hz, rate_hz, window)?);
+    known.insert(key, spread.clone());
+    Ok(spread)
+}
+
+fn measure(edges_hz: &[f64], rate_hz: f64, window: usize) -> Result<Vec<Vec<f64>>, FitError> {
+    let spectrogram = Spectrogram::new(window);
+    let silent = table::of_fit(
+        &crate::strike::Fit { rate_hz, modes: vec![], strikes: vec![], measured: false, loudest: 0 },
+        &table::Provenance { name: "noise".to_owned(), source: String::new(), licence: String::new() },
+    );
+    let places: Vec<f64> = edges_hz.iter().map(|edge| edge / rate_hz * window as f64).collect();
+    let rows = edges_hz.windows(2).zip(1..).map(|(edges, seed)| {
+        const WEIGHT: f64 = 0.05;
+        // The slowest decay that a table holds: 0.7 dB over the measurement.
+        let band = Band { edges_hz: [edges[0], edges[1]], weight: WEIGHT, decay_db_per_s: 1.0 };
+        let table = table::with_residual(silent.clone(), &[band], seed);
+        let sound = render::by_instrument(&table, 0.0, rate_hz, (SECONDS * rate_hz) as usize)?;
+        let power = spectrogram.power(sound.get((SETTLING_S * rate_hz) as usize..).unwrap_or(&[]));
+        let frames = power.chunks_exact(spectrogram.bin_count());
+        let count = frames.len().max(1) as f64 * WEIGHT * WEIGHT;
+        let mut row = vec![0.0; places.len().saturating_sub(1)];
+        for frame in frames {
+            for (sum, place) in row.iter_mut().zip(places.windows(2)) {
+                *sum += band_power(frame, place[0], place[1]) / count;
+            }
+        }
+        Ok(row)
+    });
+    rows.collect()
+}

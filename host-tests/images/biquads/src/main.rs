@@ -1,0 +1,93 @@
+//! Banks of biquads on a bare Cortex-M4F, without a board.
+//!
+//! Nothing starts by itself: the virtual core writes numbers into memory and calls the exported functions, which return 0 or a
+//! negative number that says why not. The host's side of it is `host-tests/src/on_chip/biquads.rs`.
+#![no_std]
+#![no_main]
+
+use core::cell::UnsafeCell;
+use core::panic::PanicInfo;
+
+use dsp_core::biquad::float::FloatBank;
+use dsp_core::biquad::{Bank, Biquad, BiquadError, Root};
+
+struct Global<T>(UnsafeCell<T>);
+
+// SAFETY: the virtual core has one thread and calls one function at a time.
+unsafe impl<T> Sync for Global<T> {}
+
+static BANK: Global<Bank<64>> = Global(UnsafeCell::new(Bank::EMPTY));
+
+fn biquad(&[real, imaginary, b0, b1, b2]: &[f64; 5]) -> Result<Biquad, BiquadError> {
+    Ok(Biquad { pole: Root { real, imaginary }, numerator: [b0, b1, b2] })
+}
+
+/// Loads `count` biquads of five words (pole, numerator) in chains of `depth`. -1: refused.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub unsafe extern "C" fn biquads_load(numbers: *const [f64; 5], count: usize, depth: usize) -> i32 {
+    // SAFETY: the host's word.
+    let numbers = unsafe { core::slice::from_raw_parts(numbers, count) };
+    // SAFETY: as for `Sync`.
+    let bank = unsafe { &mut *BANK.0.get() };
+    if bank.load_each(numbers.iter().map(biquad), depth).is_ok() { 0 } else { -1 }
+}
+
+/// Adds a block to `out`. `input` may be null.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub unsafe extern "C" fn biquads_render(input: *const i32, out: *mut i32, frames: usize) {
+    // SAFETY: the host's word.
+    let (input, out) = unsafe {
+        let input = (!input.is_null()).then(|| core::slice::from_raw_parts(input, frames));
+        (input, core::slice::from_raw_parts_mut(out, frames))
+    };
+    // SAFETY: as for `Sync`.
+    unsafe { &mut *BANK.0.get() }.render(input, out);
+}
+
+static FLOATS: Global<FloatBank<20>> = Global(UnsafeCell::new(FloatBank::EMPTY));
+
+/// As `biquads_load`, in single precision.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub unsafe extern "C" fn float_biquads_load(numbers: *const [f64; 5], count: usize, depth: usize) -> i32 {
+    // SAFETY: the host's word.
+    let numbers = unsafe { core::slice::from_raw_parts(numbers, count) };
+    let mut biquads = [Biquad { pole: Root { real: 0.0, imaginary: 0.0 }, numerator: [0.0; 3] }; 64];
+    for (slot, &[real, imaginary, b0, b1, b2]) in biquads.iter_mut().zip(numbers) {
+        *slot = Biquad { pole: Root { real, imaginary }, numerator: [b0, b1, b2] };
+    }
+    // SAFETY: as for `Sync`.
+    let bank = unsafe { &mut *FLOATS.0.get() };
+    match biquads.get(..count).map(|biquads| bank.load(biquads, depth)) {
+        Some(Ok(())) => 0,
+        _ => -1,
+    }
+}
+
+/// As `biquads_render`, in single precision.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub unsafe extern "C" fn float_biquads_render(input: *const f32, out: *mut f32, frames: usize) {
+    // SAFETY: the host's word.
+    let (input, out) = unsafe {
+        let input = (!input.is_null()).then(|| core::slice::from_raw_parts(input, frames));
+        (input, core::slice::from_raw_parts_mut(out, frames))
+    };
+    // SAFETY: as for `Sync`.
+    unsafe { &mut *FLOATS.0.get() }.render(input, out);
+}
+
+/// The virtual core never starts here; a linker needs an entry.
+#[unsafe(no_mangle)]
+pub extern "C" fn _start() -> ! {
+    loop {}
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    // An undefined instruction: the virtual core stops and names the function.
+    // SAFETY: never returns.
+    unsafe { core::arch::asm!("udf #0", options(noreturn)) }
+}

@@ -1,0 +1,118 @@
+//! Chains of biquads in both worlds, drawn at random.
+
+use dsp_core::biquad::{Biquad, Root};
+
+use crate::snr::Random;
+
+/// 1.0 on the bus.
+pub const FULL_SCALE: f64 = 134_217_728.0;
+
+/// Radius and angle, one for each section.
+pub type Roots = Vec<(f64, f64)>;
+
+/// A bank in both worlds.
+#[derive(Clone, Debug)]
+pub struct Chains {
+    /// dsp-core's, one chain behind the other.
+    pub ours: Vec<Biquad>,
+    /// The reference's.
+    pub theirs: Vec<Vec<reference::biquad::Biquad>>,
+    /// Sections a chain.
+    pub depth: usize,
+}
+
+/// A radius from 0 to `1 - 10^-largest`, evenly in the logarithm of its distance from 1, and an angle of 20 Hz to 23 kHz.
+pub fn root(random: &mut Random, largest: f64) -> (f64, f64) {
+    let radius = 1.0 - 10f64.powf(-random.between(0.0, largest));
+    let hz = 20.0 * 1150f64.powf(random.between(0.0, 1.0));
+    (radius, hz * std::f64::consts::TAU / 48_000.0)
+}
+
+/// Noise of -0.9 to 0.9 of full scale.
+pub fn noise(random: &mut Random, frames: usize) -> Vec<i32> {
+    (0..frames).map(|_| (random.between(-0.9, 0.9) * FULL_SCALE) as i32).collect()
+}
+
+fn section(pole: Root, zero: Root, gain: f64) -> reference::biquad::Biquad {
+    reference::biquad::Biquad::from_roots((pole.real, pole.imaginary), (zero.real, zero.imaginary), gain)
+}
+
+impl Chains {
+    /// From poles and zeros, each chain's gain 1 at the pole, 0 or half the rate where it is largest.
+    pub fn bounded(poles: &[(f64, f64)], zeros: &[(f64, f64)], depth: usize) -> Self {
+        let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+        for (poles, zeros) in poles.chunks(depth).zip(zeros.chunks(depth)) {
+            let roots =
+                poles.iter().zip(zeros).map(|(&(r, angle), &(q, zero))| (Root::polar(r, angle), Root::polar(q, zero)));
+            let plain: Vec<_> = roots.clone().map(|(pole, zero)| section(pole, zero, 1.0)).collect();
+            let gain_at = |angle: f64| plain.iter().map(|section| section.magnitude(angle)).product::<f64>();
+            let angles = poles.iter().map(|&(_, angle)| angle).chain([0.0, std::f64::consts::PI]);
+            let gain = angles.map(gain_at).fold(0.0, f64::max).powf(-1.0 / depth as f64);
+            theirs.push(roots.clone().map(|(pole, zero)| section(pole, zero, gain)).collect());
+            ours.extend(roots.map(|(pole, zero)| Biquad::from_roots(pole, zero, gain)));
+        }
+        Self { ours, theirs, depth }
+    }
+
+    /// From poles and zeros, with gains such that what each section hands on has its peaks at -8 dBFS for `input`: far poles and zeros in a chain leave
+    /// next to nothing otherwise.
+    pub fn loud(poles: &[(f64, f64)], zeros: &[(f64, f64)], depth: usize, input: &[i32]) -> Self {
+        let input: Vec<f64> = input.iter().map(|&x| f64::from(x)).collect();
+        let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+        for (poles, zeros) in poles.chunks(depth).zip(zeros.chunks(depth)) {
+            let (mut signal, mut chain) = (input.clone(), Vec::new());
+            for (&(radius, angle), &(zero_radius, zero_angle)) in poles.iter().zip(zeros) {
+                let (pole, zero) = (Root::polar(radius, angle), Root::polar(zero_radius, zero_angle));
+                let plain = section(pole, zero, 1.0).filter(&signal);
+                let peak = plain.iter().fold(0.0f64, |peak, y| peak.max(y.abs()));
+                let gain = 0.4 * FULL_SCALE / peak;
+                signal = plain.iter().map(|y| y * gain).collect();
+                chain.push(section(pole, zero, gain));
+                ours.push(Biquad::from_roots(pole, zero, gain));
+            }
+            theirs.push(chain);
+        }
+        Self { ours, theirs, depth }
+    }
+
+    /// What `f64` makes of an input.
+    pub fn exact(&self, input: &[i32]) -> Vec<f64> {
+        reference::biquad::filter(&self.theirs, &input.iter().map(|&x| f64::from(x)).collect::<Vec<_>>())
+    }
+}
+
+/// Worst of `snr` over 50 banks of a depth under noise, whose poles and zeros `place` chooses for a number of sections.
+pub fn worst_of_depth(
+    depth: usize,
+    seed: u64,
+    place: impl Fn(&mut Random, usize) -> (Roots, Roots),
+    snr: impl Fn(&Chains, &[i32]) -> f64,
+) -> f64 {
+    let mut random = Random::new(seed);
+    let mut one = |case: usize| {
+        let (poles, zeros) = place(&mut random, depth * (1 + case % 3));
+        let input = noise(&mut random, 48_000);
+        snr(&Chains::loud(&poles, &zeros, depth, &input), &input)
+    };
+    (0..50).map(&mut one).fold(f64::INFINITY, f64::min)
+}
+
+/// Poles anywhere, to a radius of 0.99999, and zeros anywhere, to 0.99.
+pub fn anywhere(random: &mut Random, count: usize) -> (Roots, Roots) {
+    let mut all = |largest| (0..count).map(|_| root(random, largest)).collect();
+    (all(5.0), all(2.0))
+}
+
+/// Chains of `depth` poles within `nearness` of their own widths.
+pub fn near(random: &mut Random, count: usize, depth: usize, nearness: f64) -> (Roots, Roots) {
+    let mut poles = Vec::new();
+    for _ in 0..count / depth {
+        let (radius, angle) = root(random, 5.0);
+        let width = (1.0 - radius) * nearness;
+        for _ in 0..depth {
+            let radius = (radius + width * random.between(-0.2, 0.2)).clamp(0.0, 0.999_99);
+            poles.push((radius, (angle + width * random.between(-1.0, 1.0)).clamp(0.0, std::f64::consts::PI)));
+        }
+    }
+    (poles, (0..count).map(|_| root(random, 2.0)).collect())
+}
