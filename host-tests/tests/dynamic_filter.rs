@@ -28,7 +28,7 @@ fn random_path(random: &mut Random, count: usize, shortest: f64, longest: f64) -
         .collect()
 }
 
-/// The same of the second order: conjugate or real poles.
+/// The same of the second order: conjugate or real poles, gains such that the bus does not clip.
 fn random_second_order(random: &mut Random, count: usize, shortest: f64, longest: f64) -> Vec<Breakpoint> {
     let (mut time_s, conjugate) = (0.0, random.between(0.0, 1.0) < 0.5);
     (0..count)
@@ -37,7 +37,7 @@ fn random_second_order(random: &mut Random, count: usize, shortest: f64, longest
             let (r, other) = (radius().min(0.9999), radius().min(0.9999));
             let angle = 0.01 * 300f64.powf(random.between(0.0, 1.0));
             let (a1, a2, size) = if conjugate {
-                (-2.0 * r * angle.cos(), r * r, (1.0 - r).sqrt())
+                (-2.0 * r * angle.cos(), r * r, (1.0 - r).sqrt() * angle.sin())
             } else {
                 (-(r + other), r * other, (1.0 - r).max(1.0 - other).sqrt() * (1.0 - r).min(1.0 - other))
             };

@@ -25,6 +25,7 @@ impl<const N: usize> Filter<N> {
     /// At rest behind the end of the loaded path.
     pub(super) fn start(&mut self, noise: White) {
         self.one_pole = OnePole { noise, shift: self.path.scale, growth: self.path.growth, ..OnePole::REST };
+        self.one_pole.state = self.one_pole.rest();
         self.two_poles = TwoPoles::REST;
         self.walk.end(&self.path);
     }
@@ -50,31 +51,34 @@ impl<const N: usize> Filter<N> {
     /// At a tick into which nothing came: clears what is below a step; gives whether all is.
     pub(super) fn settle(&mut self) -> bool {
         if self.path.form.parameters() == PARAMETERS {
-            return self.two_poles.settle(self.path.form);
+            return self.two_poles.settle();
         }
-        // Damping takes the high word, rounded: a positive pole ends within a step of 0, a negative one, where twice the rounding's half step alternates,
+        // Damping takes the high word, rounded: a positive pole ends where that is 0, a negative one, where twice the rounding's half step alternates,
         // within 1/(1 - |p|).
+        let nothing = self.one_pole.rest();
+        let bits = if self.one_pole.is_far() { 30 } else { 32 };
         let OnePole { state, last, lines: [damp, ..], .. } = &mut self.one_pole;
         let distance = i64::from(damp.value) + (1 << 31);
-        let rest = if distance < 1 << 30 { (1 << 30) / distance.max(1) + 2 } else { 2 };
-        if *last == 0 && (-rest..=rest).contains(&(*state >> 32)) {
-            *state = OnePole::REST.state;
+        let rest = if distance < 1 << 30 { (1 << 30) / distance.max(1) + 2 } else { 0 };
+        if *last == 0 && (-rest..=rest).contains(&(*state >> bits)) {
+            *state = nothing;
         }
-        *last == 0 && *state == OnePole::REST.state
+        *last == 0 && *state == nothing
     }
 
     /// Clears what rings, and ends the path.
     pub(super) fn rest(&mut self) {
-        (self.one_pole.state, self.one_pole.last) = (OnePole::REST.state, 0);
+        (self.one_pole.state, self.one_pole.last) = (self.one_pole.rest(), 0);
         self.two_poles = TwoPoles::REST;
         self.walk.end(&self.path);
     }
 
     /// Leaves so much (Q31) of what rings and of the noise to come.
     pub(super) fn attenuate(&mut self, left: i32) {
+        let nothing = self.one_pole.rest();
         let one_pole = &mut self.one_pole;
         // Beside the half step that it holds; 32 bits of it are enough.
-        one_pole.state = ((one_pole.state - OnePole::REST.state) >> 31) * i64::from(left) + OnePole::REST.state;
+        one_pole.state = ((one_pole.state - nothing) >> 31) * i64::from(left) + nothing;
         (one_pole.last, one_pole.level) = (times_q31(one_pole.last, left), times_q31(one_pole.level, left));
         self.two_poles.attenuate(left);
     }
@@ -167,11 +171,7 @@ impl<const N: usize> Filter<N> {
             Form::EqualZeros => kernel::from_buffer::<true>(&mut self.one_pole, buffer, out),
             Form::OnePole => kernel::from_buffer::<false>(&mut self.one_pole, buffer, out),
             Form::Conjugate | Form::Real => {
-                self.two_poles.run(&self.path, &mut self.one_pole.lines, buffer);
-                let scale = self.path.scale;
-                out.iter_mut()
-                    .zip(buffer)
-                    .for_each(|(out, &mut s)| *out = qadd(*out, kernel::portable::scaled(s, scale)));
+                self.two_poles.run(&self.path, &mut self.one_pole.lines, buffer, out);
             }
         }
     }

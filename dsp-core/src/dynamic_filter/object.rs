@@ -119,7 +119,8 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         self.filter.start(White::new(seed, stream));
         self.loops.load(loops, self.filter.line_scale(), rate, |all| stability::check(order, path, all, rate))?;
         if let Some(exciter) = exciter {
-            if !(exciter.exponent.abs() <= Exciter::LARGEST_EXPONENT) {
+            let largest = Exciter::LARGEST_EXPONENT;
+            if !(-largest..=largest).contains(&exciter.exponent) {
                 return Err(DynamicFilterError::Exponent { exponent: exciter.exponent });
             }
             self.exciter.load(&exciter, rate)?;
@@ -172,10 +173,10 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
     #[inline]
     pub fn render(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
         // What a tick mostly is.
-        if let (true, 0, 0, Some(tick)) = (self.plain && self.ringing, self.frame, self.left, out.as_mut_array()) {
-            if self.filter.run_tick(tick) {
-                return;
-            }
+        if let (true, 0, 0, Some(tick)) = (self.plain && self.ringing, self.frame, self.left, out.as_mut_array())
+            && self.filter.run_tick(tick)
+        {
+            return;
         }
         self.render_any(modes, out);
     }

@@ -25,6 +25,7 @@ pub(crate) struct Loops<const LOOPS: usize, const FRAMES: usize> {
     sizes: u32,
     sizes_of: [u32; 2],
     frames_of_first: usize,
+    line_bits: i32,
     longest: usize,
     /// Frames for which all were silent.
     quiet_frames: usize,
@@ -43,6 +44,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         sizes: 0,
         sizes_of: [0; 2],
         frames_of_first: 0,
+        line_bits: LINE_BITS,
         longest: 0,
         quiet_frames: 0,
     };
@@ -105,6 +107,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         self.bands.iter_mut().take(self.count).for_each(Resonance::rest);
         self.line.fill(0);
         (self.sizes, self.sizes_of, self.frames_of_first, self.quiet_frames) = (0, [0; 2], 0, 0);
+        self.line_bits = LINE_BITS;
     }
 
     /// Leaves so much (Q31) of what rings.
@@ -162,8 +165,15 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
             (self.sizes_of, self.frames_of_first) = ([0, self.sizes_of[0]], 0);
         }
         let line_bits = 32 - all.leading_zeros() as i32;
-        for band in self.bands.iter_mut().take(self.count) {
-            band.settle(if band.delay < TICK_FRAMES { LINE_BITS } else { line_bits });
+        let bands = self.bands.iter_mut().take(self.count);
+        if line_bits != self.line_bits {
+            self.line_bits = line_bits;
+            bands.for_each(|band| {
+                band.expect(if band.delay < TICK_FRAMES { LINE_BITS } else { line_bits });
+                band.settle();
+            });
+        } else {
+            bands.for_each(Resonance::settle);
         }
         let silence = 1u32.checked_shl((SILENCE + self.line_scale).clamp(0, 31) as u32).unwrap_or(0);
         self.quiet_frames = if self.sizes < silence { self.quiet_frames + TICK_FRAMES } else { 0 };

@@ -74,6 +74,8 @@ pub struct Resonance {
     /// The largest E for the mix and the multipliers of the input, and with words of the line below 1.
     largest_exponent: i32,
     for_input: i32,
+    /// The largest E for the line as it is.
+    limit: i32,
     /// E of the line's and of the mix' words.
     line_scale: i32,
     mix_scale: i32,
@@ -97,6 +99,7 @@ impl Resonance {
         exponent: 0,
         largest_exponent: 0,
         for_input: 0,
+        limit: 0,
         line_scale: 0,
         mix_scale: 0,
         growth_bits: 0,
@@ -170,11 +173,13 @@ impl Resonance {
     /// Clears it.
     pub(super) fn rest(&mut self) {
         (self.u, self.v) = (0, 0);
-        self.set(self.limit(LINE_BITS));
+        self.expect(LINE_BITS);
+        self.set(self.limit);
     }
 
-    fn limit(&self, line_bits: i32) -> i32 {
-        self.largest_exponent.min(self.for_input - line_bits)
+    /// What it reads from now on is below 2^`line_bits`; to be followed by [`settle`](Self::settle).
+    pub(super) fn expect(&mut self, line_bits: i32) {
+        self.limit = self.largest_exponent.min(self.for_input - line_bits);
     }
 
     /// Leaves so much (Q31) of it.
@@ -187,13 +192,13 @@ impl Resonance {
         (self.u, self.v) == (0, 0)
     }
 
-    /// On a tick: scales the state anew where it has left its bounds. What it reads until the next one is below 2^`line_bits`.
+    /// On a tick: scales the state anew where it has left its bounds.
     #[inline(always)]
-    pub(super) fn settle(&mut self, line_bits: i32) {
+    pub(super) fn settle(&mut self) {
         let size = (self.v ^ (self.v >> 31)) | ((self.u ^ (self.u >> 31)) << self.shift);
         let bits = 32 - (size as u32).leading_zeros() as i32;
         let free = STATE_BITS - self.growth_bits - bits;
-        let limit = self.limit(line_bits);
+        let limit = self.limit;
         // A bit is left for it to grow before it is looked at again, and it is moved up by three at least.
         if free < 0 || self.exponent > limit || free > 4 && self.exponent + 2 < limit {
             self.rescale((self.exponent + free - 1).min(limit));

@@ -18,6 +18,8 @@ const _: () = {
 unsafe extern "C" {
     fn malleus_from_noise_equal_asr(filter: *mut OnePole, out: *mut i32, frames: usize);
     fn malleus_from_noise_equal_lsl(filter: *mut OnePole, out: *mut i32, frames: usize);
+    fn malleus_from_noise_equal_far(filter: *mut OnePole, out: *mut i32, frames: usize);
+    fn malleus_from_noise_two_far(filter: *mut OnePole, out: *mut i32, frames: usize);
     fn malleus_from_noise_two_asr(filter: *mut OnePole, out: *mut i32, frames: usize);
     fn malleus_from_noise_two_lsl(filter: *mut OnePole, out: *mut i32, frames: usize);
     fn malleus_from_buffer_equal_asr(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
@@ -33,6 +35,8 @@ pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
         return portable::from_noise::<EQUAL>(filter, out);
     }
     let kernel = match (EQUAL, filter.shift >= 0) {
+        (true, _) if filter.is_far() => malleus_from_noise_equal_far,
+        (false, _) if filter.is_far() => malleus_from_noise_two_far,
         (true, true) => malleus_from_noise_equal_asr,
         (true, false) => malleus_from_noise_equal_lsl,
         (false, true) => malleus_from_noise_two_asr,
@@ -45,7 +49,7 @@ pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
 /// As [`portable::from_buffer`].
 pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], out: &mut [i32]) {
     let frames = buffer.len().min(out.len());
-    if frames == 0 || !fits(filter, frames) {
+    if frames == 0 || filter.is_far() {
         return portable::from_buffer::<EQUAL>(filter, buffer, out);
     }
     let kernel = match (EQUAL, filter.shift >= 0) {

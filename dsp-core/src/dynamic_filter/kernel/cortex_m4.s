@@ -1,6 +1,6 @@
 @ The first order's hot loops for a Cortex-M4F. The bits are those of portable.rs.
 @
-@ malleus_from_noise_{equal,two}_{asr,lsl}(filter, out, frames)           noise and filter, added to out
+@ malleus_from_noise_{equal,two}_{asr,lsl,far}(filter, out, frames)       noise and filter, added to out
 @ malleus_from_buffer_{equal,two}_{asr,lsl}(filter, buffer, out, frames)  buffer through the filter, added to out; the state stays in the buffer
 @
 @ `equal`: b1 = b0, one product for both. `asr`, `lsl`: where the state's high word is larger or smaller than the bus.
@@ -111,6 +111,115 @@ malleus_from_noise_\kind\()_\direction:
     pop     {r4-r11, pc}
     .size   malleus_from_noise_\kind\()_\direction, . - malleus_from_noise_\kind\()_\direction
     .endm
+
+@ Where the bus is 8 times the high word or more: what damping takes, with two bits of the low word, is the sound of the frame before, so that a frame begins by
+@ adding that.
+    .macro far_sound now
+    lsl     lr, r3, #2
+    orr     lr, lr, r2, lsr #30
+    ldr     \now, [r1]
+    smlal   r2, r3, r8, lr
+    lsl     lr, lr, r7
+    qadd    \now, \now, lr
+    str     \now, [r1], #4
+    .endm
+
+    .macro far_input_equal before now
+    mul     r5, r5, r0
+    smmul   \now, r5, r6
+    add     \before, \before, \now
+    smlal   r2, r3, r10, \before
+    add     r8, r8, r9
+    add     r10, r10, r11
+    .endm
+
+    .macro far_input_two before now
+    vmov    lr, s3
+    mul     r5, r5, lr
+    vmov    lr, s2
+    smmul   \now, r5, lr
+    smlal   r2, r3, r10, \now
+    smlal   r2, r3, r0, \before
+    add     r8, r8, r9
+    add     r10, r10, r11
+    add     r0, r0, r6
+    .endm
+
+    .macro from_noise_far kind
+    .p2align 2
+    .global malleus_from_noise_\kind\()_far
+    .type   malleus_from_noise_\kind\()_far, %function
+    .thumb_func
+malleus_from_noise_\kind\()_far:
+    push    {r0, r4-r11, lr}
+    add     r12, r1, r2, lsl #2
+    sub     r12, r12, #4
+    vmov    s0, r12
+    sub     r12, r12, #32
+    vmov    s1, r12
+    .ifc \kind, two
+    ldr     r12, [r0, #40]
+    ldr     lr, [r0, #44]
+    .endif
+    ldm     r0, {r2-r11}
+    movw    r0, #0x65dd
+    movt    r0, #0x93d7
+    .ifc \kind, two
+    vmov    s2, r6
+    vmov    s3, r0
+    mov     r0, r12
+    mov     r6, lr
+    .endif
+    rsb     r7, r7, #0
+    sub     r7, r7, #2
+    lsl     lr, r3, #2
+    orr     lr, lr, r2, lsr #30
+    smlal   r2, r3, r8, lr
+    far_input_\kind r4, r12
+    vmov    lr, s1
+    cmp     r1, lr
+    bhi     2f
+1:  .rept   4
+    far_sound r4
+    far_input_\kind r12, r4
+    far_sound r12
+    far_input_\kind r4, r12
+    .endr
+    vmov    lr, s1
+    cmp     r1, lr
+    bls     1b
+2:  vmov    lr, s0
+    cmp     r1, lr
+    bhs     4f
+3:  far_sound r4
+    far_input_\kind r12, r4
+    mov     r12, r4
+    vmov    lr, s0
+    cmp     r1, lr
+    blo     3b
+4:  mov     r4, r12
+    lsl     lr, r3, #2
+    orr     lr, lr, r2, lsr #30
+    lsl     lr, lr, r7
+    ldr     r12, [r1]
+    qadd    r12, r12, lr
+    str     r12, [r1]
+    .ifc \kind, two
+    mov     r12, r0
+    .endif
+    pop     {r0}
+    stm     r0, {r2-r5}
+    str     r8, [r0, #24]
+    str     r10, [r0, #32]
+    .ifc \kind, two
+    str     r12, [r0, #40]
+    .endif
+    pop     {r4-r11, pc}
+    .size   malleus_from_noise_\kind\()_far, . - malleus_from_noise_\kind\()_far
+    .endm
+
+    from_noise_far equal
+    from_noise_far two
 
     from_noise equal, asr
     from_noise equal, lsl

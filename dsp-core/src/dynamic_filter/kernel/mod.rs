@@ -21,8 +21,8 @@ use super::walk::Line;
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct OnePole {
-    /// S, 2^(59 + h) times s, and half a step of its high word ([`REST`](Self::REST)), so that taking that word rounds to nearest: it is
-    /// larger than the bus by 2^h.
+    /// S, 2^(59 + h) times s, and half a step of what damping takes of it ([`rest`](Self::rest)), so that taking it rounds to nearest. Its high word is larger than the
+    /// bus by 2^h.
     pub state: i64,
     /// e of the frame before, Q(27 - q).
     pub last: i32,
@@ -39,6 +39,17 @@ pub struct OnePole {
 }
 
 impl OnePole {
+    /// Whether a step of the state's high word would be 8 steps of the bus or more: then two bits below it count too, for a cycle a frame.
+    #[inline(always)]
+    pub const fn is_far(&self) -> bool {
+        self.shift <= -3
+    }
+
+    /// The state of nothing.
+    pub const fn rest(&self) -> i64 {
+        if self.is_far() { 1 << 29 } else { 1 << 31 }
+    }
+
     /// At rest.
     pub const REST: Self = Self {
         state: 1 << 31,

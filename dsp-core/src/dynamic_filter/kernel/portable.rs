@@ -22,16 +22,17 @@ pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], 
 }
 
 impl OnePole {
-    /// The state as a word for the next frame's damping: its high word is below 2^29.
+    /// What damping takes of the state: 4 times its high word, which is below 2^29; where the bus is much larger, with two bits more below.
     #[inline(always)]
     fn truncated(&self) -> i32 {
-        ((self.state >> 32) as i32) << 2
+        if self.is_far() { (self.state >> 30) as i32 } else { ((self.state >> 32) as i32) << 2 }
     }
 
     #[inline(always)]
     fn step<const EQUAL: bool>(&mut self, e: i32) {
+        let damping = self.truncated();
         let [damp, b0, b1, ..] = &mut self.lines;
-        self.state += i64::from(damp.value) * i64::from(((self.state >> 32) as i32) << 2);
+        self.state += i64::from(damp.value) * i64::from(damping);
         if EQUAL {
             self.state += i64::from(b0.value) * i64::from(e + self.last);
         } else {
@@ -47,7 +48,11 @@ impl OnePole {
     /// The state on the bus.
     #[inline(always)]
     fn sound(&self) -> i32 {
-        scaled((self.state >> 32) as i32, self.shift)
+        if self.is_far() {
+            scaled(self.truncated(), self.shift + 2)
+        } else {
+            scaled((self.state >> 32) as i32, self.shift)
+        }
     }
 }
 
