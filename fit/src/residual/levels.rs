@@ -3,8 +3,6 @@
 //! Noise of a band in a frame is a draw: its level scatters by decibels where the band is narrow. So it is not the mean level that is matched but
 //! the squared error in dB that is to be expected over draws: noise that would have to be drawn just so costs what it scatters.
 
-use std::sync::Arc;
-
 use super::{Band, spread};
 use crate::FitError;
 use crate::distance::{ERB_BANDS, Spectrogram, band_power, erb_edges_hz};
@@ -93,7 +91,7 @@ struct Levels {
     model: Vec<Vec<f64>>,
     floor: f64,
     /// What noise of unit rms in one band (rows) has in each.
-    spread: Arc<Vec<Vec<f64>>>,
+    spread: spread::Spread,
     /// Levels of a band's noise in the quarters of its draws, relative to their mean.
     draws: Vec<[f64; 4]>,
     /// Share of a band's noise that falls on a mode in it.

@@ -12,13 +12,16 @@ const SECONDS: f64 = 0.7;
 /// What of it is left out: frames that grow to their full length.
 const SETTLING_S: f64 = 0.1;
 
+/// Rows of powers, band by band.
+pub(super) type Spread = Arc<Vec<Vec<f64>>>;
+
 /// Mean power that noise of unit rms in each band (rows) has in each band (columns) of frames of `window` samples, as dsp-core plays it.
 ///
 /// # Errors
 /// [`FitError::Render`] at a rate that the instrument does not play.
-pub(super) fn measured(edges_hz: &[f64], rate_hz: f64, window: usize) -> Result<Arc<Vec<Vec<f64>>>, FitError> {
+pub(super) fn measured(edges_hz: &[f64], rate_hz: f64, window: usize) -> Result<Spread, FitError> {
     // A second of work, and the same for all recordings of a rate.
-    static KNOWN: Mutex<BTreeMap<(u64, usize), Arc<Vec<Vec<f64>>>>> = Mutex::new(BTreeMap::new());
+    static KNOWN: Mutex<BTreeMap<(u64, usize), Spread>> = Mutex::new(BTreeMap::new());
     let key = (rate_hz.to_bits(), edges_hz.len());
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(spread) = known.get(&key) {
