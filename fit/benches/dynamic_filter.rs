@@ -65,10 +65,9 @@ fn main() {
                 "second order",
                 Model { path: noise_alone(&law, Criterion::AllBands(Form::SecondOrder)), ..Model::default() },
             ),
-            ("additive 3b", additive(&law, &modes, &emergence, Criterion::ThreeBands)),
-            ("additive 1st", additive(&law, &modes, &emergence, Criterion::AllBands(Form::FirstOrder))),
-            ("additive 1p1z", additive(&law, &modes, &emergence, Criterion::AllBands(Form::OnePoleOneZero))),
-            ("additive 2nd", additive(&law, &modes, &emergence, Criterion::AllBands(Form::SecondOrder))),
+            ("additive 1st", additive(&law, &modes, &emergence, Form::FirstOrder)),
+            ("additive 1p1z", additive(&law, &modes, &emergence, Form::OnePoleOneZero)),
+            ("additive 2nd", additive(&law, &modes, &emergence, Form::SecondOrder)),
         ] {
             let t0 = start.elapsed().as_secs_f64();
             let sounds: Vec<Vec<f64>> = (1..=4).map(|seed| render(&model, length, seed)).collect();

@@ -1,8 +1,10 @@
 //! The additive way: a few modes beside the filter (dynamic-filter §III-B, §IV-B2).
 
-use super::path::{beside, db_per_s, share_of_modes, times_s};
+use super::joint::{Joint, Sought};
+use super::lattice::Lattice;
+use super::path::{db_per_s, first_guess, path_of_filters, times_s};
 use super::response::{BandHearing, heard_in_band};
-use super::{Criterion, Model, Path, RATE_HZ};
+use super::{Form, Model, RATE_HZ};
 use crate::bark::{DampingBand, DampingLaw, width_hz};
 use crate::modes::DampedSine;
 
@@ -17,27 +19,34 @@ const PROMINENCE: f64 = 2e-3;
 
 /// Chooses at most [`MOST_MODES`] of `modes` and the path of the noise beside them, so that each band decays by the law.
 ///
-/// `modes` as they sound at the strike, with what each stands out of the smooth part of the spectrum (`emergence_db`, [`crate::bark::emergence_db`]). A mode decays as it was
-/// measured. Those are taken that bring the decays of the bands nearest to the law, the more prominent of equals.
-pub fn additive(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], criterion: Criterion) -> Model {
-    let mut path = beside(law, &[], criterion);
-    let mut chosen: Vec<DampedSine> = Vec::new();
+/// `modes` as they sound at the strike, with what each stands out of the smooth part of the spectrum (`emergence_db`,
+/// [`crate::bark::emergence_db`]). Those are taken that bring the decays of the bands nearest to the law, the more prominent of equals; then filter
+/// and modes are fitted together.
+pub fn additive(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], form: Form) -> Model {
+    let joint = Joint::new(law);
+    let (mut sought, _) = joint.descend(&first_guess(law, form));
+    let mut best: Option<(f64, Sought)> = None;
     for _ in 0..ROUNDS {
-        chosen = choose(law, modes, emergence_db, &path);
-        path = beside(law, &chosen, criterion);
+        sought.modes = choose(law, modes, emergence_db, &sought.filters);
+        let (found, sum) = joint.descend(&sought);
+        sought.filters.clone_from(&found.filters);
+        if best.as_ref().is_none_or(|best| sum < best.0) {
+            best = Some((sum, found));
+        }
     }
-    Model { path, modes: chosen, loops: Vec::new() }
+    let Some((_, best)) = best else { return Model::default() };
+    Model { path: path_of_filters(law, &best.filters), modes: best.modes, loops: Vec::new() }
 }
 
 /// The modes that a path lacks most, one after the other.
-fn choose(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], path: &Path) -> Vec<DampedSine> {
+fn choose(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], filters: &[Lattice]) -> Vec<DampedSine> {
     let times_s = times_s(law);
     let noise: Vec<Vec<f64>> = law
         .bands
         .iter()
         .map(|band| {
             let hearing = BandHearing::new(band.bark, RATE_HZ);
-            times_s.iter().map(|time_s| hearing.power(super::lattice::squared(&path.at(*time_s)))).collect()
+            filters.iter().map(|filter| hearing.power(filter.squared())).collect()
         })
         .collect();
     let mut chosen: Vec<DampedSine> = Vec::new();
@@ -65,11 +74,11 @@ fn misfit(law: &DampingLaw, times_s: &[f64], noise: &[Vec<f64>], modes: &[Damped
     law.bands
         .iter()
         .zip(noise)
-        .enumerate()
-        .filter(|(_, (band, _))| counted.contains(&band.bark))
-        .map(|(index, (band, noise))| {
+        .filter(|(band, _)| counted.contains(&band.bark))
+        .map(|(band, noise)| {
             // Where modes make a band, the next path will leave them room.
-            let share = share_of_modes(law, index, modes);
+            let held = |mode: &DampedSine| mode.amplitude.powi(2) * heard_in_band(mode.frequency_hz, band.bark);
+            let share = modes.iter().map(held).sum::<f64>() / band.gain.powi(2);
             let kept = if share > 0.5 { 0.03 } else { 1.0 - share };
             let power = |(time_s, noise): (&f64, &f64)| {
                 let ring = |mode: &DampedSine| {
@@ -89,8 +98,7 @@ fn misfit(law: &DampingLaw, times_s: &[f64], noise: &[Vec<f64>], modes: &[Damped
 
 /// The straight line through a band's level over its first 40 dB, every second weighed alike, as the analysis sees it; dB/s.
 pub(crate) fn decay_db_per_s(band: &DampingBand, times_s: &[f64], powers: &[f64]) -> f64 {
-    // The analysis begins three standard deviations of the band's response behind the strike.
-    let from_s = 3.0 / (std::f64::consts::TAU * 0.5 * width_hz(band.centre_hz));
+    let from_s = settled_s(band);
     let loudest = powers.iter().copied().fold(0.0, f64::max);
     let mut sums = [0.0; 5];
     for (pair, power) in times_s.windows(2).zip(powers.windows(2)) {
@@ -108,4 +116,9 @@ pub(crate) fn decay_db_per_s(band: &DampingBand, times_s: &[f64], powers: &[f64]
     let [count, time, level, squared, product] = sums;
     let spread = count * squared - time * time;
     if spread <= 0.0 { 0.0 } else { -(count * product - time * level) / spread }
+}
+
+/// The analysis begins three standard deviations of the band's response behind the strike; seconds.
+pub(crate) fn settled_s(band: &DampingBand) -> f64 {
+    3.0 / (std::f64::consts::TAU * 0.5 * width_hz(band.centre_hz))
 }

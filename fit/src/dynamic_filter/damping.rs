@@ -15,9 +15,9 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// By how much α is off, as a ratio less 1, without sign; infinite where the resynthesis has none.
+    /// By how much α is off, as a ratio less 1, without sign; 1 where the resynthesis shows no decay.
     pub fn error(&self) -> f64 {
-        self.decay_per_s.map_or(f64::INFINITY, |decay| (decay / self.recorded.decay_per_s - 1.0).abs())
+        self.decay_per_s.map_or(1.0, |decay| (decay / self.recorded.decay_per_s - 1.0).abs())
     }
 }
 

@@ -29,6 +29,11 @@ impl Lattice {
         Self { form, free }
     }
 
+    /// With free numbers as they are.
+    pub(crate) fn of(form: Form, free: Vec<f64>) -> Self {
+        Self { form, free }
+    }
+
     /// The form.
     pub(crate) fn form(&self) -> Form {
         self.form

@@ -1,4 +1,4 @@
-//! What the filter has to follow, band by band, and the search for coefficients that do.
+//! A first path: at each time the filter whose band levels come nearest to the law.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -14,10 +14,6 @@ const FADED_WEIGHT: f64 = 0.05;
 const INERTIA_DB: f64 = 0.3;
 /// Steps of a search at most.
 const STEPS: usize = 40;
-/// Rounds in which the search is told which errors do not move.
-const ROUNDS: usize = 4;
-/// How much of an error that does not move is forgiven, so that decays come before colour.
-const FORGIVEN: f64 = 0.8;
 
 /// One band's law in terms of the filter.
 #[derive(Clone, Debug)]
@@ -28,52 +24,20 @@ pub(crate) struct Target {
     pub(crate) level_db: f64,
     /// How fast that falls, dB/s.
     pub(crate) decay_db_per_s: f64,
-    /// What an error counts.
-    pub(crate) weight: f64,
-    /// Whether the filter may lie below, not above: where modes make the band.
-    pub(crate) ceiling: bool,
 }
 
 impl Target {
     fn level_db_at(&self, time_s: f64) -> f64 {
         self.level_db - self.decay_db_per_s * time_s
     }
-
-    fn is_heard_at(&self, time_s: f64) -> bool {
-        self.decay_db_per_s * time_s < HEARD_DB
-    }
 }
 
-/// Filters at `times_s` whose levels in all bands follow the targets in the least-squares sense of decibels: what eq. 19 asks for three bands, in
-/// the units in which a decay is a straight line. The search at each time starts from the filter before.
+/// Filters at `times_s`, each nearest to the targets in the least-squares sense of decibels: what eq. 19 asks for three bands, in the units in which
+/// a decay is a straight line. The search at each time starts from the filter before.
 pub(crate) fn follow(form: Form, targets: &[Target], times_s: &[f64]) -> Vec<Lattice> {
-    let mut offsets_db = vec![0.0; targets.len()];
-    let mut path = descend_along(form, targets, &offsets_db, times_s);
-    for _ in 0..ROUNDS {
-        for (target, offset_db) in targets.iter().zip(&mut offsets_db) {
-            let errors: Vec<f64> = times_s
-                .iter()
-                .zip(&path)
-                .filter(|(time_s, _)| target.is_heard_at(**time_s) && !target.ceiling)
-                .map(|(time_s, filter)| level_db(target, filter) - target.level_db_at(*time_s))
-                .collect();
-            if !errors.is_empty() {
-                *offset_db = FORGIVEN * errors.iter().sum::<f64>() / errors.len() as f64;
-            }
-        }
-        path = descend_along(form, targets, &offsets_db, times_s);
-    }
-    path
-}
-
-fn level_db(target: &Target, filter: &Lattice) -> f64 {
-    10.0 * target.hearing.power(filter.squared()).max(1e-30).log10()
-}
-
-fn descend_along(form: Form, targets: &[Target], offsets_db: &[f64], times_s: &[f64]) -> Vec<Lattice> {
     let mut path: Vec<Lattice> = Vec::with_capacity(times_s.len());
     for &time_s in times_s {
-        let moment = Moment { targets, offsets_db, time_s, before: path.last() };
+        let moment = Moment { targets, time_s, before: path.last() };
         let next = match path.last() {
             Some(before) => moment.descend(before.clone()).0,
             None => {
@@ -87,10 +51,13 @@ fn descend_along(form: Form, targets: &[Target], offsets_db: &[f64], times_s: &[
     path
 }
 
+fn level_db(target: &Target, filter: &Lattice) -> f64 {
+    10.0 * target.hearing.power(filter.squared()).max(1e-30).log10()
+}
+
 /// The search at one time.
 struct Moment<'a> {
     targets: &'a [Target],
-    offsets_db: &'a [f64],
     time_s: f64,
     before: Option<&'a Lattice>,
 }
@@ -123,21 +90,16 @@ impl Moment<'_> {
 
     /// Errors, weighed, in dB.
     fn errors(&self, filter: &Lattice) -> DVector<f64> {
-        let bands = self.targets.iter().zip(self.offsets_db).map(|(target, offset_db)| {
-            let error = level_db(target, filter) - target.level_db_at(self.time_s) - offset_db;
-            let heard = target.is_heard_at(self.time_s);
-            let error = if target.ceiling || !heard { error.max(0.0) } else { error };
-            let weight = if heard { target.weight } else { target.weight.min(FADED_WEIGHT) };
-            weight.sqrt() * error
+        let bands = self.targets.iter().map(|target| {
+            let error = level_db(target, filter) - target.level_db_at(self.time_s);
+            let heard = target.decay_db_per_s * self.time_s < HEARD_DB;
+            if heard { error } else { FADED_WEIGHT.sqrt() * error.max(0.0) }
         });
         let inert = self.before.into_iter().flat_map(|before| {
             filter.free.iter().zip(&before.free).skip(1).map(|(now, before)| INERTIA_DB * (now - before))
         });
-        DVector::from_iterator(self.count(filter), bands.chain(inert))
-    }
-
-    fn count(&self, filter: &Lattice) -> usize {
-        self.targets.len() + if self.before.is_some() { filter.free.len() - 1 } else { 0 }
+        let count = self.targets.len() + if self.before.is_some() { filter.free.len() - 1 } else { 0 };
+        DVector::from_iterator(count, bands.chain(inert))
     }
 
     /// Gauss and Newton's descent with Levenberg's damping; the filter and its sum of squares.

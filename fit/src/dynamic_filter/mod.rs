@@ -10,6 +10,7 @@
 
 mod additive;
 mod damping;
+mod joint;
 mod lattice;
 mod levels;
 mod path;
