@@ -1,5 +1,6 @@
 //! How well a resynthesis keeps a damping law.
 
+use super::RATE_HZ;
 use crate::bark::{DampingBand, DampingLaw, damping_law};
 
 /// Bands count whose gain is at most so far below the loudest's, as a ratio of amplitudes: 40 dB.
@@ -29,9 +30,9 @@ pub fn counted(law: &DampingLaw) -> impl Iterator<Item = &DampingBand> {
 
 /// The laws of several resyntheses as one: in each band the geometric mean of those that show it, where at least half do.
 ///
-/// `sounds` at `rate_hz`, from the strike on. `None` where no band is left.
-pub fn mean_law(sounds: &[Vec<f64>], rate_hz: f64) -> Option<DampingLaw> {
-    let laws: Vec<DampingLaw> = sounds.iter().filter_map(|sound| damping_law(sound, rate_hz)).collect();
+/// `sounds` at 48 kHz, from the strike on. `None` where no band is left.
+pub fn mean_law(sounds: &[Vec<f64>]) -> Option<DampingLaw> {
+    let laws: Vec<DampingLaw> = sounds.iter().filter_map(|sound| damping_law(sound, RATE_HZ)).collect();
     let mut bands: Vec<DampingBand> = Vec::new();
     for rate in (1..=crate::bark::HIGHEST_BARK as u32).map(f64::from) {
         let shown: Vec<&DampingBand> =

@@ -1,12 +1,15 @@
 //! Filter, modes and loops together: the descent that makes what all bands hear decay by the law.
 
+use std::f64::consts::{PI, TAU};
+
 use nalgebra::{DMatrix, DVector};
 
 use super::additive::settled_s;
 use super::damping::counted;
 use super::lattice::{Lattice, WIDEST, squared};
 use super::path::{db_per_s, times_s};
-use super::response::{BandHearing, heard_in_band};
+use super::response::{BandHearing, NOISE_DENSITY, heard_in_band, response};
+use super::waveguide::{MOST_LOOP_GAIN, SHORTEST_DELAY, average_of};
 use super::{Form, RATE_HZ};
 use crate::bark::{DampingLaw, HIGHEST_BARK, frequency_hz};
 use crate::modes::DampedSine;
@@ -31,6 +34,8 @@ const AFTER_WEIGHT: f64 = 0.3;
 const OFFSET_PRICE: f64 = 0.15;
 /// Price of changing a mode's amplitude and decay, dB a neper.
 const MODE_PRICE: [f64; 2] = [1.5, 3.0];
+/// Price of changing the odds of a loop's gain and the logarithm of its width, dB a unit.
+const GUIDE_PRICE: f64 = 0.15;
 /// Price of change from knot to knot, dB a unit.
 const MOTION_PRICE: f64 = 0.03;
 /// Steps at most.
@@ -43,6 +48,49 @@ pub(crate) struct Sought {
     pub(crate) filters: Vec<Lattice>,
     /// Modes beside the filter.
     pub(crate) modes: Vec<DampedSine>,
+    /// Loops round it.
+    pub(crate) guides: Vec<Guide>,
+}
+
+/// A loop as the descent sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Guide {
+    /// f_c in Hz.
+    pub(crate) frequency_hz: f64,
+    /// Δf in Hz.
+    pub(crate) bandwidth_hz: f64,
+    /// γ_s times the loudest `|F|` there: below 1.
+    pub(crate) loop_gain: f64,
+}
+
+impl Guide {
+    /// What the loop adds to the noise's power in a band that hears all of it, over `times_s`.
+    ///
+    /// The band-pass's envelope y, in white noise e of density S: `y' = -β(1 - q) y + β q e` with β = πΔf and q = γ F(ω_s, t) D_s, so
+    /// `P = E|y|²` obeys `P' = -2β(1 - Re q) P + β²|q|² S`. The delay slows it by 1 + β Re q d. What is heard is `|F|²(P + β Re q S)`: the mode, and
+    /// what it has in common with the noise that feeds it.
+    fn powers(&self, times_s: &[f64], filters: &[Lattice]) -> Vec<f64> {
+        let angular = TAU * self.frequency_hz / RATE_HZ;
+        let responses: Vec<_> = filters.iter().map(|filter| response(&filter.coefficients(), angular)).collect();
+        let loudest = responses.iter().map(|response| response.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let lasting = responses.windows(2).zip(times_s.windows(2)).map(|(pair, times)| (pair[0], times[1] - times[0]));
+        let average = average_of(lasting);
+        let back = average.conj() / average.norm().max(f64::MIN_POSITIVE) * (self.loop_gain / loudest);
+        let beta = PI * self.bandwidth_hz;
+        let delay_s = SHORTEST_DELAY / RATE_HZ;
+        let (mut power, mut before) = (0.0, 0.0);
+        let mut powers = Vec::with_capacity(times_s.len());
+        for (time_s, response) in times_s.iter().zip(&responses) {
+            let q = back * response;
+            let slowed = beta / (1.0 + (beta * delay_s * q.re).max(0.0));
+            let rate = 2.0 * slowed * (1.0 - q.re).max(1e-6);
+            let steady = slowed * slowed * q.norm_sqr() * NOISE_DENSITY / rate;
+            power = steady + (power - steady) * f64::exp(-rate * (time_s - before));
+            before = *time_s;
+            powers.push(response.norm_sqr() * (power + (slowed * q.re * NOISE_DENSITY).max(0.0)));
+        }
+        powers
+    }
 }
 
 /// One level that is asked for.
@@ -95,12 +143,12 @@ impl Joint {
             rows.extend(spread(&times_s, 0.0, HEARD_DB / decay, rates.len(), NEIGHBOUR_WEIGHT, true, level));
             rates.push(rate);
         }
-        let hearing = rates.iter().map(|rate| BandHearing::new(*rate, RATE_HZ)).collect();
+        let hearing = rates.iter().map(|rate| BandHearing::new(*rate)).collect();
         Self { times_s, rates, hearing, rows, lawful }
     }
 
-    /// Levels in dB that the bands hear, `[time][band]`.
-    fn levels_db(&self, sought: &Sought) -> Vec<Vec<f64>> {
+    /// Powers that the bands hear, `[time][band]`.
+    pub(crate) fn powers(&self, sought: &Sought) -> Vec<Vec<f64>> {
         let heard: Vec<Vec<(usize, f64)>> = sought
             .modes
             .iter()
@@ -123,13 +171,20 @@ impl Joint {
                     }
                 }
             }
-            powers.into_iter().map(|power| 10.0 * power.max(1e-30).log10()).collect()
+            powers
         };
-        self.times_s.iter().zip(&sought.filters).map(at).collect()
+        let mut powers: Vec<Vec<f64>> = self.times_s.iter().zip(&sought.filters).map(at).collect();
+        for guide in &sought.guides {
+            let heard: Vec<f64> = self.rates.iter().map(|rate| heard_in_band(guide.frequency_hz, *rate)).collect();
+            for (powers, own) in powers.iter_mut().zip(guide.powers(&self.times_s, &sought.filters)) {
+                powers.iter_mut().zip(&heard).for_each(|(power, heard)| *power += heard * own);
+            }
+        }
+        powers
     }
 
-    /// Sum of squares, dB², of what the descent makes least; its bands weighed as they stand.
-    pub(crate) fn descend(&self, start: &Sought) -> (Sought, f64) {
+    /// Filters, modes and loops that bring the levels of all bands nearest to the law, from a start.
+    pub(crate) fn descend(&self, start: &Sought) -> Sought {
         const NUDGE: f64 = 1e-4;
         let mut numbers = Numbers::of(start, self.lawful);
         let mut trust = vec![1.0; self.rates.len()];
@@ -170,8 +225,7 @@ impl Joint {
                 }
             }
         }
-        let sum = errors.norm_squared();
-        (numbers.sought(), sum)
+        numbers.sought()
     }
 
     /// What each band's errors count, by how large they are: 1 where there are none.
@@ -187,10 +241,10 @@ impl Joint {
     }
 
     fn row_errors(&self, numbers: &Numbers) -> Vec<f64> {
-        let levels = self.levels_db(&numbers.sought());
+        let powers = self.powers(&numbers.sought());
         let error = |row: &Row| {
-            let level = levels.get(row.time).and_then(|levels| levels.get(row.band)).copied().unwrap_or(-300.0);
-            let error = level - row.level_db - numbers.offset_db(row.band);
+            let power = powers.get(row.time).and_then(|powers| powers.get(row.band)).copied().unwrap_or(0.0);
+            let error = 10.0 * power.max(1e-30).log10() - row.level_db - numbers.offset_db(row.band);
             if row.ceiling { error.max(0.0) } else { error }
         };
         self.rows.iter().map(error).collect()
@@ -237,6 +291,7 @@ struct Numbers {
     a_knot: usize,
     knots: usize,
     modes: Vec<DampedSine>,
+    guides: Vec<Guide>,
     free: Vec<f64>,
 }
 
@@ -248,8 +303,8 @@ impl Numbers {
         let at = |knot: usize| start.filters.get((knot * TIMES_A_KNOT).min(times.saturating_sub(1)));
         let mut free: Vec<f64> = (0..knots).filter_map(at).flat_map(|filter| filter.free.iter().copied()).collect();
         let a_knot = start.filters.first().map_or(0, |filter| filter.free.len());
-        free.resize(free.len() + 2 * start.modes.len() + bands, 0.0);
-        Self { form, times, a_knot, knots, modes: start.modes.clone(), free }
+        free.resize(free.len() + 2 * (start.modes.len() + start.guides.len()) + bands, 0.0);
+        Self { form, times, a_knot, knots, modes: start.modes.clone(), guides: start.guides.clone(), free }
     }
 
     fn filter_numbers(&self) -> &[f64] {
@@ -261,8 +316,13 @@ impl Numbers {
         self.free.get(from..from + 2 * self.modes.len()).unwrap_or(&[])
     }
 
-    fn offset_db(&self, band: usize) -> f64 {
+    fn guide_numbers(&self) -> &[f64] {
         let from = self.knots * self.a_knot + 2 * self.modes.len();
+        self.free.get(from..from + 2 * self.guides.len()).unwrap_or(&[])
+    }
+
+    fn offset_db(&self, band: usize) -> f64 {
+        let from = self.knots * self.a_knot + 2 * (self.modes.len() + self.guides.len());
         self.free.get(from + band).copied().unwrap_or(0.0)
     }
 
@@ -284,8 +344,12 @@ impl Numbers {
             if index % self.a_knot == 0 { 0.0 } else { MOTION_PRICE * (now - before) }
         });
         let modes = self.mode_numbers().iter().enumerate().map(|(index, x)| MODE_PRICE[index % 2] * x);
-        let from = self.knots * self.a_knot + 2 * self.modes.len();
-        motion.chain(modes).chain(self.free.get(from..).unwrap_or(&[]).iter().map(|offset| OFFSET_PRICE * offset))
+        let guides = self.guide_numbers().iter().map(|x| GUIDE_PRICE * x);
+        let from = self.knots * self.a_knot + 2 * (self.modes.len() + self.guides.len());
+        motion
+            .chain(modes)
+            .chain(guides)
+            .chain(self.free.get(from..).unwrap_or(&[]).iter().map(|offset| OFFSET_PRICE * offset))
     }
 
     fn sought(&self) -> Sought {
@@ -302,6 +366,16 @@ impl Numbers {
             decay_per_s: mode.decay_per_s * change[1].clamp(-2.0, 2.0).exp(),
             ..*mode
         });
-        Sought { filters: (0..self.times).map(filter).collect(), modes: modes.collect() }
+        let guides = self.guides.iter().zip(self.guide_numbers().chunks_exact(2)).map(|(guide, change)| {
+            // The gain moves along a logistic curve, so that it stays below its bound.
+            let share = (guide.loop_gain / MOST_LOOP_GAIN).clamp(0.02, 0.98);
+            let moved = (share / (1.0 - share)).ln() + change[0];
+            Guide {
+                loop_gain: MOST_LOOP_GAIN / (1.0 + (-moved).exp()),
+                bandwidth_hz: (guide.bandwidth_hz * change[1].exp()).clamp(1.0, 0.2 * guide.frequency_hz),
+                ..*guide
+            }
+        });
+        Sought { filters: (0..self.times).map(filter).collect(), modes: modes.collect(), guides: guides.collect() }
     }
 }

@@ -34,6 +34,20 @@ impl Lattice {
         Self { form, free }
     }
 
+    /// The same filter in a form that holds more; an exact one where the form has all numbers of the other.
+    pub(crate) fn within(&self, form: Form) -> Self {
+        let at = |index: usize| self.free.get(index).copied().unwrap_or(0.0);
+        let free = match (self.form, form) {
+            (from, to) if from == to => self.free.clone(),
+            (Form::FirstOrder, Form::OnePoleOneZero) => vec![at(0), at(1), WIDEST],
+            (Form::FirstOrder, Form::SecondOrder) => vec![at(0), at(1), 0.0, WIDEST, 0.0],
+            (Form::OnePoleOneZero, Form::SecondOrder) => vec![at(0), at(1), 0.0, at(2), 0.0],
+            (_, Form::FirstOrder) => vec![at(0), at(1)],
+            (_, _) => vec![at(0), at(1), at(3)],
+        };
+        Self { form, free }
+    }
+
     /// The form.
     pub(crate) fn form(&self) -> Form {
         self.form

@@ -8,6 +8,8 @@
 //!                                 └► loops round it: d_s, γ_s (eq. 22 to 24) ─────► banded waveguides
 //! ```
 
+pub mod study;
+
 mod additive;
 mod damping;
 mod joint;
@@ -18,6 +20,7 @@ mod response;
 mod sound;
 mod thin;
 mod three_bands;
+mod waveguide;
 
 pub use additive::{MOST_MODES, additive};
 pub use damping::{Comparison, compare, counted, mean_law};
@@ -25,6 +28,9 @@ pub use path::{Criterion, noise_alone};
 pub use response::response;
 pub use sound::render;
 pub use thin::{MOST_BREAKPOINTS, THINNED_WITHIN_DB};
+pub use waveguide::{
+    MOST_LOOP_GAIN, SHORTEST_DELAY, USUAL_BANDWIDTH_HZ, average, by_average_filter, loop_gain, waveguide,
+};
 
 use crate::modes::DampedSine;
 

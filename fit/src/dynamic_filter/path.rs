@@ -1,12 +1,13 @@
 //! The estimation of coefficients over time from a damping law.
 
+use super::additive::misfit;
 use super::joint::{Joint, Sought};
 use super::lattice::Lattice;
 use super::levels::{Target, follow};
 use super::response::BandHearing;
 use super::thin::thin;
 use super::three_bands::keep_three;
-use super::{Coefficients, Form, Path, RATE_HZ};
+use super::{Coefficients, Form, Path};
 use crate::bark::DampingLaw;
 
 /// By what the coefficients are chosen.
@@ -35,24 +36,45 @@ pub fn noise_alone(law: &DampingLaw, criterion: Criterion) -> Path {
     match criterion {
         Criterion::ThreeBands => {
             let times_s = times_s(law);
-            path_of(law, &times_s, &keep_three(law, RATE_HZ, &times_s))
+            path_of(law, &times_s, &keep_three(law, &times_s))
         }
         Criterion::AllBands(form) => {
-            let (sought, _) = Joint::new(law).descend(&first_guess(law, form));
-            path_of_filters(law, &sought.filters)
+            let (joint, times_s) = (Joint::new(law), times_s(law));
+            let off = |sought: &Sought| misfit(law, &times_s, &joint.powers(sought));
+            let best = starts(law, &joint, form).into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+            best.map_or_else(Path::default, |best| path_of_filters(law, &best.filters))
         }
     }
 }
 
+/// Filters for noise alone from which a fit with modes or loops begins: those of the form itself, and those of each form within it, which are its
+/// own too and often lead to better ones.
+pub(crate) fn starts(law: &DampingLaw, joint: &Joint, form: Form) -> Vec<Sought> {
+    let forms: &[Form] = match form {
+        Form::FirstOrder => &[Form::FirstOrder],
+        Form::OnePoleOneZero => &[Form::FirstOrder, Form::OnePoleOneZero],
+        Form::SecondOrder => &[Form::FirstOrder, Form::SecondOrder],
+    };
+    let start = |narrow: &Form| {
+        let mut found = joint.descend(&first_guess(law, *narrow));
+        if *narrow != form {
+            found.filters = found.filters.iter().map(|filter| filter.within(form)).collect();
+            found = joint.descend(&found);
+        }
+        found
+    };
+    forms.iter().map(start).collect()
+}
+
 /// The filters that follow the law time by time, without modes.
-pub(crate) fn first_guess(law: &DampingLaw, form: Form) -> Sought {
+fn first_guess(law: &DampingLaw, form: Form) -> Sought {
     let target = |band: &crate::bark::DampingBand| Target {
-        hearing: BandHearing::new(band.bark, RATE_HZ),
+        hearing: BandHearing::new(band.bark),
         level_db: 20.0 * band.gain.log10(),
         decay_db_per_s: db_per_s(band.decay_per_s),
     };
     let targets: Vec<Target> = law.bands.iter().map(target).collect();
-    Sought { filters: follow(form, &targets, &times_s(law)), modes: Vec::new() }
+    Sought { filters: follow(form, &targets, &times_s(law)), modes: Vec::new(), guides: Vec::new() }
 }
 
 /// Filters at the times of [`times_s`] as breakpoints.
@@ -62,7 +84,7 @@ pub(crate) fn path_of_filters(law: &DampingLaw, filters: &[Lattice]) -> Path {
 }
 
 fn path_of(law: &DampingLaw, times_s: &[f64], filters: &[Coefficients]) -> Path {
-    let bands: Vec<BandHearing> = law.bands.iter().map(|band| BandHearing::new(band.bark, RATE_HZ)).collect();
+    let bands: Vec<BandHearing> = law.bands.iter().map(|band| BandHearing::new(band.bark)).collect();
     thin(times_s, filters, &bands)
 }
 

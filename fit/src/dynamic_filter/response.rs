@@ -4,11 +4,13 @@ use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
-use super::Coefficients;
+use super::{Coefficients, RATE_HZ};
 use crate::bark::{bark, frequency_hz, width_hz};
 
 /// Variance of the dynamic filter's noise, uniform from -1 to 1.
 const NOISE_VARIANCE: f64 = 1.0 / 3.0;
+/// Mean square of the envelope of that noise a Hz at 48 kHz: its density on one side of the spectrum, and twice that for an analytic signal.
+pub(crate) const NOISE_DENSITY: f64 = 2.0 * 2.0 * NOISE_VARIANCE / RATE_HZ;
 /// Standard deviation in Bark of a band's response to power: that of [`crate::bark`] to amplitude over √2.
 const SPREAD_BARK: f64 = 0.5 * std::f64::consts::FRAC_1_SQRT_2;
 /// Places at which a band is looked at: so many on either side of its middle ...
@@ -32,19 +34,17 @@ pub(crate) struct BandHearing {
 }
 
 impl BandHearing {
-    /// The band round a whole number of Bark at `rate_hz`.
-    pub(crate) fn new(rate: f64, rate_hz: f64) -> Self {
+    /// The band round a whole number of Bark at 48 kHz.
+    pub(crate) fn new(rate: f64) -> Self {
         let step = APART * SPREAD_BARK;
         let places = (-PLACES..=PLACES).filter_map(|place| {
             let apart = f64::from(place) * APART;
             let frequency = frequency_hz((rate + apart * SPREAD_BARK).max(0.0));
-            if frequency >= 0.5 * rate_hz || rate + apart * SPREAD_BARK <= 0.0 {
+            if frequency >= 0.5 * RATE_HZ || rate + apart * SPREAD_BARK <= 0.0 {
                 return None;
             }
-            // Density of the noise on one side of the spectrum, and twice that for the square of an analytic signal's envelope.
-            let density = 2.0 * 2.0 * NOISE_VARIANCE / rate_hz;
-            let weight = density * (-0.5 * apart * apart).exp() * width_hz(frequency) * step;
-            Some((TAU * frequency / rate_hz, weight))
+            let weight = NOISE_DENSITY * (-0.5 * apart * apart).exp() * width_hz(frequency) * step;
+            Some((TAU * frequency / RATE_HZ, weight))
         });
         Self { places: places.collect() }
     }
@@ -66,11 +66,10 @@ mod tests {
 
     #[test]
     fn a_band_hears_white_noise_as_its_width_says() {
-        let rate_hz = 48_000.0;
         for rate in [4.0, 10.0, 18.0] {
             let width = std::f64::consts::PI.sqrt() * 0.5 * width_hz(frequency_hz(rate));
-            let expected = 2.0 * NOISE_VARIANCE * width / (0.5 * rate_hz);
-            let db = 10.0 * (BandHearing::new(rate, rate_hz).power(|_| 1.0) / expected).log10();
+            let expected = 2.0 * NOISE_VARIANCE * width / (0.5 * RATE_HZ);
+            let db = 10.0 * (BandHearing::new(rate).power(|_| 1.0) / expected).log10();
             assert!(db.abs() < 0.2, "{rate} Bark: {db}");
         }
     }

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::Coefficients;
 use super::response::{BandHearing, response};
+use super::{Coefficients, RATE_HZ};
 use crate::bark::{DampingLaw, bark};
 
 /// Values of a1 that the search tries before it closes in.
@@ -16,14 +16,14 @@ const MOST_A1: f64 = 0.99995;
 /// Eq. 20 fixes differences of amplitudes only. At the strike, where there is nothing to differ from, `|F|` itself meets `Λ(G_k)` in the
 /// least-squares sense; from there on each step makes criterion 19 least. For a given a1 that is linear in b0, so a1 alone is searched: over
 /// -1 to 1 (eq. 21), then by golden section. Λ is taken in units of what a band hears of the filter's noise.
-pub(crate) fn keep_three(law: &DampingLaw, rate_hz: f64, times_s: &[f64]) -> Vec<Coefficients> {
+pub(crate) fn keep_three(law: &DampingLaw, times_s: &[f64]) -> Vec<Coefficients> {
     let centroids = &law.centroids;
     let bands: Vec<Kept> = [centroids.whole_hz, centroids.below_hz, centroids.above_hz]
         .into_iter()
         .map(|frequency_hz| {
-            let heard = BandHearing::new(bark(frequency_hz), rate_hz).power(|_| 1.0).max(1e-30).sqrt();
+            let heard = BandHearing::new(bark(frequency_hz)).power(|_| 1.0).max(1e-30).sqrt();
             Kept {
-                angular: TAU * frequency_hz / rate_hz,
+                angular: TAU * frequency_hz / RATE_HZ,
                 gain: law.gain(frequency_hz) / heard,
                 decay_per_s: law.decay_per_s(frequency_hz),
             }
@@ -85,20 +85,19 @@ mod tests {
 
     #[test]
     fn a_law_that_a_first_order_filter_can_hold_is_held_exactly() {
-        let rate_hz = 48_000.0;
         let bands = (2..22).map(f64::from).map(|rate| DampingBand {
             bark: rate,
             centre_hz: frequency_hz(rate),
             // White noise through a plain gain: the same decay everywhere.
-            gain: 0.1 * BandHearing::new(rate, rate_hz).power(|_| 1.0).sqrt(),
+            gain: 0.1 * BandHearing::new(rate).power(|_| 1.0).sqrt(),
             decay_per_s: 20.0,
         });
         let centroids = Centroids { whole_hz: 1000.0, below_hz: 400.0, above_hz: 2500.0, highest_hz: 9000.0 };
         let law = DampingLaw { bands: bands.collect(), centroids };
         let times_s: Vec<f64> = (0..40).map(|step| 0.005 * f64::from(step)).collect();
-        for (filter, time_s) in keep_three(&law, rate_hz, &times_s).iter().zip(&times_s) {
+        for (filter, time_s) in keep_three(&law, &times_s).iter().zip(&times_s) {
             for frequency in [400.0, 1000.0, 2500.0] {
-                let ratio = response(filter, TAU * frequency / rate_hz).norm() / (0.1 * (-20.0 * time_s).exp());
+                let ratio = response(filter, TAU * frequency / RATE_HZ).norm() / (0.1 * (-20.0 * time_s).exp());
                 assert!((ratio - 1.0).abs() < 0.02, "{time_s} s, {frequency} Hz: {ratio}");
             }
             assert!(filter.a[0].abs() < 1.0);
