@@ -42,7 +42,7 @@ pub fn additive(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], fo
         }
     }
     let Some((_, best)) = best else { return Model::default() };
-    Model { path: path_of_filters(law, &best.filters), modes: best.modes, loops: Vec::new() }
+    Model { path: path_of_filters(law, &best), modes: best.modes, loops: Vec::new() }
 }
 
 /// The modes that filters lack most, one after the other.

@@ -9,7 +9,7 @@ use super::damping::counted;
 use super::lattice::{Lattice, WIDEST, squared};
 use super::path::{db_per_s, times_s};
 use super::response::{BandHearing, NOISE_DENSITY, heard_in_band, response};
-use super::waveguide::{MOST_LOOP_GAIN, SHORTEST_DELAY, average_of};
+use super::waveguide::{MOST_LOOP_GAIN, average_of, delay_s};
 use super::{Form, RATE_HZ};
 use crate::bark::{DampingLaw, HIGHEST_BARK, frequency_hz};
 use crate::modes::DampedSine;
@@ -36,6 +36,8 @@ const OFFSET_PRICE: f64 = 0.15;
 const MODE_PRICE: [f64; 2] = [1.5, 3.0];
 /// Price of changing the odds of a loop's gain and the logarithm of its width, dB a unit.
 const GUIDE_PRICE: f64 = 0.15;
+/// Price of a loop's gain beyond its bound, dB a unit.
+const UNSTABLE_PRICE: f64 = 300.0;
 /// Price of change from knot to knot, dB a unit.
 const MOTION_PRICE: f64 = 0.03;
 /// Steps at most.
@@ -50,6 +52,19 @@ pub(crate) struct Sought {
     pub(crate) modes: Vec<DampedSine>,
     /// Loops round it.
     pub(crate) guides: Vec<Guide>,
+    /// The time, counted, after which there is no noise and the filter stands still; none for never.
+    pub(crate) end: Option<usize>,
+}
+
+impl Sought {
+    /// Ends the noise, and stops the filter, behind a time.
+    pub(crate) fn freeze_after(&mut self, end: Option<usize>) {
+        self.end = end;
+        let last = end.and_then(|end| self.filters.get(end)).cloned();
+        if let (Some(end), Some(last)) = (end, last) {
+            self.filters.iter_mut().skip(end + 1).for_each(|filter| filter.clone_from(&last));
+        }
+    }
 }
 
 /// A loop as the descent sees it.
@@ -69,28 +84,41 @@ impl Guide {
     /// The band-pass's envelope y, in white noise e of density S: `y' = -β(1 - q) y + β q e` with β = πΔf and q = γ F(ω_s, t) D_s, so
     /// `P = E|y|²` obeys `P' = -2β(1 - Re q) P + β²|q|² S`. The delay slows it by 1 + β Re q d. What is heard is `|F|²(P + β Re q S)`: the mode, and
     /// what it has in common with the noise that feeds it.
-    fn powers(&self, times_s: &[f64], filters: &[Lattice]) -> Vec<f64> {
+    pub(crate) fn powers(&self, times_s: &[f64], filters: &[Lattice], end: Option<usize>) -> Vec<f64> {
         let angular = TAU * self.frequency_hz / RATE_HZ;
         let responses: Vec<_> = filters.iter().map(|filter| response(&filter.coefficients(), angular)).collect();
         let loudest = responses.iter().map(|response| response.norm()).fold(f64::MIN_POSITIVE, f64::max);
         let lasting = responses.windows(2).zip(times_s.windows(2)).map(|(pair, times)| (pair[0], times[1] - times[0]));
-        let average = average_of(lasting);
-        let back = average.conj() / average.norm().max(f64::MIN_POSITIVE) * (self.loop_gain / loudest);
+        // The delay is tuned to the filter in which the mode rings freely, where there is one.
+        let tuned = end.and_then(|end| responses.get(end).copied()).unwrap_or_else(|| average_of(lasting));
+        let back = tuned.conj() / tuned.norm().max(f64::MIN_POSITIVE) * (self.loop_gain / loudest);
         let beta = PI * self.bandwidth_hz;
-        let delay_s = SHORTEST_DELAY / RATE_HZ;
+        let delay_s = delay_s(self.frequency_hz, tuned.arg());
         let (mut power, mut before) = (0.0, 0.0);
         let mut powers = Vec::with_capacity(times_s.len());
-        for (time_s, response) in times_s.iter().zip(&responses) {
+        for (time, (time_s, response)) in times_s.iter().zip(&responses).enumerate() {
+            let density = if end.is_some_and(|end| time > end) { 0.0 } else { NOISE_DENSITY };
             let q = back * response;
             let slowed = beta / (1.0 + (beta * delay_s * q.re).max(0.0));
             let rate = 2.0 * slowed * (1.0 - q.re).max(1e-6);
-            let steady = slowed * slowed * q.norm_sqr() * NOISE_DENSITY / rate;
+            let steady = slowed * slowed * q.norm_sqr() * density / rate;
             power = steady + (power - steady) * f64::exp(-rate * (time_s - before));
             before = *time_s;
-            powers.push(response.norm_sqr() * (power + (slowed * q.re * NOISE_DENSITY).max(0.0)));
+            powers.push(response.norm_sqr() * (power + (slowed * q.re * density).max(0.0)));
         }
         powers
     }
+}
+
+/// `|F| Σ|B_s|` at the centre of each loop, its neighbours' skirts as those of a narrow band-pass: what has to stay below 1.
+pub(crate) fn crowding(guides: &[Guide]) -> impl Iterator<Item = f64> + '_ {
+    guides.iter().enumerate().map(|(index, guide)| {
+        let skirt = |(other, neighbour): (usize, &Guide)| {
+            let apart = 2.0 * (neighbour.frequency_hz - guide.frequency_hz) / neighbour.bandwidth_hz;
+            if other == index { neighbour.loop_gain } else { neighbour.loop_gain / apart.hypot(1.0) }
+        };
+        guides.iter().enumerate().map(skirt).sum()
+    })
 }
 
 /// One level that is asked for.
@@ -160,9 +188,13 @@ impl Joint {
                 self.rates.iter().enumerate().filter_map(in_band).collect()
             })
             .collect();
-        let at = |(time_s, filter): (&f64, &Lattice)| {
+        let at = |(time, (time_s, filter)): (usize, (&f64, &Lattice))| {
             let squared = squared(&filter.coefficients());
-            let mut powers: Vec<f64> = self.hearing.iter().map(|hearing| hearing.power(&squared)).collect();
+            let mut powers: Vec<f64> = if sought.end.is_some_and(|end| time > end) {
+                vec![0.0; self.hearing.len()]
+            } else {
+                self.hearing.iter().map(|hearing| hearing.power(&squared)).collect()
+            };
             for (mode, heard) in sought.modes.iter().zip(&heard) {
                 let fallen = (-2.0 * mode.decay_per_s * time_s).exp();
                 for (band, power) in heard {
@@ -173,10 +205,10 @@ impl Joint {
             }
             powers
         };
-        let mut powers: Vec<Vec<f64>> = self.times_s.iter().zip(&sought.filters).map(at).collect();
+        let mut powers: Vec<Vec<f64>> = self.times_s.iter().zip(&sought.filters).enumerate().map(at).collect();
         for guide in &sought.guides {
             let heard: Vec<f64> = self.rates.iter().map(|rate| heard_in_band(guide.frequency_hz, *rate)).collect();
-            for (powers, own) in powers.iter_mut().zip(guide.powers(&self.times_s, &sought.filters)) {
+            for (powers, own) in powers.iter_mut().zip(guide.powers(&self.times_s, &sought.filters, sought.end)) {
                 powers.iter_mut().zip(&heard).for_each(|(power, heard)| *power += heard * own);
             }
         }
@@ -256,7 +288,10 @@ impl Joint {
             let trust = trust.get(row.band).copied().unwrap_or(1.0);
             (trust * row.weight).sqrt() * error
         });
-        let all: Vec<f64> = weighed.chain(numbers.prices()).collect();
+        let guides = numbers.sought().guides;
+        let unstable: Vec<f64> =
+            crowding(&guides).map(|gain| UNSTABLE_PRICE * (gain - MOST_LOOP_GAIN).max(0.0)).collect();
+        let all: Vec<f64> = weighed.chain(numbers.prices()).chain(unstable).collect();
         DVector::from_vec(all)
     }
 }
@@ -292,6 +327,7 @@ struct Numbers {
     knots: usize,
     modes: Vec<DampedSine>,
     guides: Vec<Guide>,
+    end: Option<usize>,
     free: Vec<f64>,
 }
 
@@ -304,7 +340,16 @@ impl Numbers {
         let mut free: Vec<f64> = (0..knots).filter_map(at).flat_map(|filter| filter.free.iter().copied()).collect();
         let a_knot = start.filters.first().map_or(0, |filter| filter.free.len());
         free.resize(free.len() + 2 * (start.modes.len() + start.guides.len()) + bands, 0.0);
-        Self { form, times, a_knot, knots, modes: start.modes.clone(), guides: start.guides.clone(), free }
+        Self {
+            form,
+            times,
+            a_knot,
+            knots,
+            modes: start.modes.clone(),
+            guides: start.guides.clone(),
+            end: start.end,
+            free,
+        }
     }
 
     fn filter_numbers(&self) -> &[f64] {
@@ -356,6 +401,7 @@ impl Numbers {
         let numbers = self.filter_numbers();
         let knot = |index: usize| numbers.get(index * self.a_knot..(index + 1) * self.a_knot).unwrap_or(&[]);
         let filter = |time: usize| {
+            let time = self.end.map_or(time, |end| time.min(end));
             let (from, part) = (time / TIMES_A_KNOT, (time % TIMES_A_KNOT) as f64 / TIMES_A_KNOT as f64);
             let to = (from + 1).min(self.knots.saturating_sub(1));
             let free = knot(from).iter().zip(knot(to)).map(|(from, to)| from + part * (to - from));
@@ -368,7 +414,7 @@ impl Numbers {
         });
         let guides = self.guides.iter().zip(self.guide_numbers().chunks_exact(2)).map(|(guide, change)| {
             // The gain moves along a logistic curve, so that it stays below its bound.
-            let share = (guide.loop_gain / MOST_LOOP_GAIN).clamp(0.02, 0.98);
+            let share = (guide.loop_gain / MOST_LOOP_GAIN).clamp(0.02, 0.9999);
             let moved = (share / (1.0 - share)).ln() + change[0];
             Guide {
                 loop_gain: MOST_LOOP_GAIN / (1.0 + (-moved).exp()),
@@ -376,6 +422,11 @@ impl Numbers {
                 ..*guide
             }
         });
-        Sought { filters: (0..self.times).map(filter).collect(), modes: modes.collect(), guides: guides.collect() }
+        Sought {
+            filters: (0..self.times).map(filter).collect(),
+            modes: modes.collect(),
+            guides: guides.collect(),
+            end: self.end,
+        }
     }
 }

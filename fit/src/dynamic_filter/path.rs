@@ -42,7 +42,7 @@ pub fn noise_alone(law: &DampingLaw, criterion: Criterion) -> Path {
             let (joint, times_s) = (Joint::new(law), times_s(law));
             let off = |sought: &Sought| misfit(law, &times_s, &joint.powers(sought));
             let best = starts(law, &joint, form).into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-            best.map_or_else(Path::default, |best| path_of_filters(law, &best.filters))
+            best.map_or_else(Path::default, |best| path_of_filters(law, &best))
         }
     }
 }
@@ -74,13 +74,14 @@ fn first_guess(law: &DampingLaw, form: Form) -> Sought {
         decay_db_per_s: db_per_s(band.decay_per_s),
     };
     let targets: Vec<Target> = law.bands.iter().map(target).collect();
-    Sought { filters: follow(form, &targets, &times_s(law)), modes: Vec::new(), guides: Vec::new() }
+    Sought { filters: follow(form, &targets, &times_s(law)), modes: Vec::new(), guides: Vec::new(), end: None }
 }
 
-/// Filters at the times of [`times_s`] as breakpoints.
-pub(crate) fn path_of_filters(law: &DampingLaw, filters: &[Lattice]) -> Path {
-    let filters: Vec<Coefficients> = filters.iter().map(Lattice::coefficients).collect();
-    path_of(law, &times_s(law), &filters)
+/// Filters at the times of [`times_s`] as breakpoints, up to where the noise ends.
+pub(crate) fn path_of_filters(law: &DampingLaw, sought: &Sought) -> Path {
+    let filters: Vec<Coefficients> = sought.filters.iter().map(Lattice::coefficients).collect();
+    let count = sought.end.map_or(filters.len(), |end| filters.len().min(end + 1));
+    path_of(law, &times_s(law), filters.get(..count).unwrap_or(&filters))
 }
 
 fn path_of(law: &DampingLaw, times_s: &[f64], filters: &[Coefficients]) -> Path {

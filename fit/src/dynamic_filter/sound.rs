@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::Complex;
+
 use super::{Coefficients, Loop, Model, RATE_HZ};
 use crate::synthetic::SplitMix64;
 
@@ -30,45 +32,37 @@ pub fn render(model: &Model, length: usize, seed: u64) -> Vec<f64> {
 
 /// Delay and band-pass of a loop (eq. 8 to 11).
 struct Feedback {
-    /// Whole samples of the delay, and the weights of the four round its fraction (Lagrange).
+    /// Whole samples of the delay.
     delay: usize,
-    weights: [f64; 4],
-    c0: f64,
-    c3: f64,
-    c4: f64,
-    delayed: [f64; 2],
+    /// The band-pass, its numerator such that gain and phase at the centre are those of the band-pass and of the delay's fraction.
+    numerator: [f64; 2],
+    denominator: [f64; 2],
     before: [f64; 2],
 }
 
 impl Feedback {
     fn new(guide: &Loop) -> Self {
-        let delay = (guide.delay_s * RATE_HZ).max(2.0);
-        let x = delay.fract() + 1.0;
-        let weights = std::array::from_fn(|at| {
-            let others = (0..4).filter(|other| *other != at).map(|other| other as f64);
-            others.map(|other| (x - other) / (at as f64 - other)).product()
-        });
+        let delay = (guide.delay_s * RATE_HZ).max(1.0);
+        let whole = delay.round();
         let angular = TAU * guide.frequency_hz / RATE_HZ;
         // Eq. 11 prints Q = Δf/f_c; with f_c/Δf the width is Δf.
         let tau = angular.sin() * guide.bandwidth_hz / (2.0 * guide.frequency_hz);
-        Self {
-            delay: delay as usize - 1,
-            weights,
-            c0: guide.gain * tau / (1.0 + tau),
-            c3: -2.0 * angular.cos() / (1.0 + tau),
-            c4: (1.0 - tau) / (1.0 + tau),
-            delayed: [0.0; 2],
-            before: [0.0; 2],
-        }
+        let denominator = [-2.0 * angular.cos() / (1.0 + tau), (1.0 - tau) / (1.0 + tau)];
+        let late = Complex::from_polar(1.0, -angular);
+        let at_centre = late * (late * denominator[1] + denominator[0]) + 1.0;
+        let wanted = at_centre * Complex::from_polar(guide.gain, -angular * (delay - whole));
+        let second = -wanted.im / angular.sin();
+        let numerator = [wanted.re - second * angular.cos(), second];
+        Self { delay: whole as usize, numerator, denominator, before: [0.0; 2] }
     }
 
     /// The loop's next sample, from the filter's output so far.
     fn next(&mut self, sound: &[f64]) -> f64 {
         let n = sound.len();
         let past = |ago: usize| n.checked_sub(ago).and_then(|at| sound.get(at)).copied().unwrap_or(0.0);
-        let delayed: f64 = self.weights.iter().enumerate().map(|(at, weight)| weight * past(self.delay + at)).sum();
-        let now = self.c0 * (delayed - self.delayed[1]) - self.c3 * self.before[0] - self.c4 * self.before[1];
-        self.delayed = [delayed, self.delayed[0]];
+        let [n0, n1] = self.numerator;
+        let [d1, d2] = self.denominator;
+        let now = n0 * past(self.delay) + n1 * past(self.delay + 1) - d1 * self.before[0] - d2 * self.before[1];
         self.before = [now, self.before[0]];
         now
     }

@@ -73,13 +73,12 @@ pub enum Way {
 
 impl Way {
     /// Those that the study compares.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 8] = [
         Self::ThreeBands,
         Self::Noise(Form::FirstOrder),
         Self::Noise(Form::OnePoleOneZero),
         Self::Noise(Form::SecondOrder),
         Self::Additive(Form::FirstOrder),
-        Self::Additive(Form::OnePoleOneZero),
         Self::Additive(Form::SecondOrder),
         Self::AverageFilter,
         Self::Waveguide(Form::SecondOrder),

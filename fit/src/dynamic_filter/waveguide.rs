@@ -5,11 +5,12 @@ use std::f64::consts::TAU;
 use nalgebra::Complex;
 
 use super::additive::{MOST_MODES, misfit};
-use super::joint::{Guide, Joint, Sought};
+use super::joint::{Guide, Joint, Sought, crowding};
 use super::lattice::Lattice;
 use super::path::{path_of_filters, starts, times_s};
-use super::response::response;
-use super::{Coefficients, Form, Loop, Model, Path, RATE_HZ};
+use super::response::{heard_in_band, response};
+use super::sound::render;
+use super::{Coefficients, Form, Loop, Model, Path, RATE_HZ, compare, mean_law};
 use crate::bark::DampingLaw;
 use crate::modes::DampedSine;
 
@@ -18,9 +19,20 @@ pub const SHORTEST_DELAY: f64 = 32.0;
 /// Width of a loop's band-pass in Hz where nothing asks for more: the paper sets 1 to 5.
 pub const USUAL_BANDWIDTH_HZ: f64 = 3.0;
 /// `|F| Σ|B_s|` stays below this at every frequency and time: less than 1 by what interpolation between breakpoints may add.
-pub const MOST_LOOP_GAIN: f64 = 0.95;
+pub const MOST_LOOP_GAIN: f64 = 0.998;
 /// Emergence that a loop is asked for at most, as a ratio.
 const MOST_EMERGENCE: f64 = 50.0;
+/// Ends of the noise that are tried, as parts of the time until the slowest band has died away.
+const ENDS: [f64; 4] = [0.02, 0.06, 0.15, 0.35];
+/// Widths of a loop's band-pass that are tried, Hz a 1/s of its mode's decay.
+const WIDTHS: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
+/// A model is heard until its slowest band has decayed by so many nepers, or this long, seconds ...
+const HEARD_DECAYS: f64 = 6.0;
+const MOST_HEARD_S: f64 = 4.0;
+/// ... with the noise of so many seeds, none of them the study's.
+const HEARD_SEEDS: [u64; 3] = [1001, 1002, 1003];
+/// An error of α that is as bad as can be counted.
+const WORST_HEARD: f64 = 0.3;
 /// Rounds of choosing loops for a filter, and a filter for loops.
 const ROUNDS: usize = 2;
 /// Frequencies of the condition, beside those round each loop.
@@ -159,89 +171,116 @@ pub(crate) fn stabilise(path: &Path, loops: &mut [Loop]) {
 
 /// Chooses at most [`MOST_MODES`] loops at modes of the recording, and path, gains and widths so that each band decays by the law.
 ///
-/// A loop's mode lives on what the filter lets through: it cannot decay slower than the filter there, only faster, the more it stands out at first. So the
-/// filter is fitted together with the loops, whose gains begin at those of [`by_average_filter`].
+/// While noise goes on, a loop's mode lives on what the filter lets through: where that falls, the mode falls faster. So the noise may end early: the
+/// burst is a strike, and what it has set ringing in the loops goes on round a filter that stands still, at `πΔf (1 - |F| γ_s)`. Bands that are gone by
+/// then are the filter's, those that last are the loops'. Several ends are tried, and none.
 pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], form: Form) -> Model {
     let (joint, times_s) = (Joint::new(law), times_s(law));
-    let mut best: Option<(f64, Sought)> = None;
-    for mut sought in starts(law, &joint, form) {
-        for _ in 0..ROUNDS {
-            sought.guides = choose(law, &joint, modes, emergence_db, &sought.filters);
-            let found = joint.descend(&sought);
-            sought.filters.clone_from(&found.filters);
-            let off = misfit(law, &times_s, &joint.powers(&found));
-            if best.as_ref().is_none_or(|best| off < best.0) {
-                best = Some((off, found));
+    let last_s = times_s.last().copied().unwrap_or(0.0);
+    let ends = ENDS.iter().map(|part| Some(times_s.partition_point(|time_s| *time_s < part * last_s)));
+    let off = |sought: &Sought| misfit(law, &times_s, &joint.powers(sought));
+    let mut models = Vec::new();
+    for start in starts(law, &joint, form) {
+        for end in ends.clone().chain([None]) {
+            let mut sought = start.clone();
+            sought.freeze_after(end);
+            let mut tried = Vec::new();
+            for _ in 0..ROUNDS {
+                sought.guides = choose(law, &joint, modes, emergence_db, &sought);
+                let found = joint.descend(&sought);
+                sought.filters.clone_from(&found.filters);
+                tried.push(found);
             }
+            let best = tried.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+            models.extend(best.map(|best| model_of(law, best)));
         }
+        let path = path_of_filters(law, &start);
+        let loops = by_average_filter(&path, modes, emergence_db, USUAL_BANDWIDTH_HZ);
+        models.push(Model { path, modes: Vec::new(), loops });
     }
-    let Some((_, best)) = best else { return Model::default() };
-    let path = path_of_filters(law, &best.filters);
+    // The descent takes each loop for itself and the filter for slow: what sounds best decides.
+    let heard = models.into_iter().map(|model| (heard_off(law, &model), model));
+    heard.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Model::default, |(_, model)| model)
+}
+
+/// What a law misses in a model's sound: the sum over bands of the error of α, none more than [`WORST_HEARD`].
+fn heard_off(law: &DampingLaw, model: &Model) -> f64 {
+    let slowest = law.bands.iter().map(|band| band.decay_per_s).fold(f64::INFINITY, f64::min);
+    let length_s = (HEARD_DECAYS / slowest).min(MOST_HEARD_S);
+    let sounds: Vec<Vec<f64>> =
+        HEARD_SEEDS.iter().map(|seed| render(model, (length_s * RATE_HZ) as usize, *seed)).collect();
+    compare(law, mean_law(&sounds).as_ref()).iter().map(|band| band.error().min(WORST_HEARD)).sum()
+}
+
+/// The loops' gains and delays for the path that their filters make.
+fn model_of(law: &DampingLaw, sought: &Sought) -> Model {
+    let path = path_of_filters(law, sought);
     let filters = filters_of(&path);
-    let mut loops: Vec<Loop> = best
-        .guides
-        .iter()
-        .map(|guide| {
-            let angular = TAU * guide.frequency_hz / RATE_HZ;
-            let loudest =
-                filters.iter().map(|filter| response(filter, angular).norm()).fold(f64::MIN_POSITIVE, f64::max);
-            Loop {
-                frequency_hz: guide.frequency_hz,
-                bandwidth_hz: guide.bandwidth_hz,
-                gain: guide.loop_gain / loudest,
-                delay_s: delay_s(guide.frequency_hz, average(&path, angular).arg()),
-            }
-        })
-        .collect();
+    let last = path.points.last().map(|point| point.coefficients).unwrap_or_default();
+    let loops = sought.guides.iter().map(|guide| {
+        let angular = TAU * guide.frequency_hz / RATE_HZ;
+        let loudest = filters.iter().map(|filter| response(filter, angular).norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let tuned = if sought.end.is_some() { response(&last, angular) } else { average(&path, angular) };
+        Loop {
+            frequency_hz: guide.frequency_hz,
+            bandwidth_hz: guide.bandwidth_hz,
+            gain: guide.loop_gain / loudest,
+            delay_s: delay_s(guide.frequency_hz, tuned.arg()),
+        }
+    });
+    let mut loops: Vec<Loop> = loops.collect();
     stabilise(&path, &mut loops);
     Model { path, modes: Vec::new(), loops }
 }
 
 /// Loops that bring the decays of bands nearest to the law, one after the other.
-fn choose(
-    law: &DampingLaw,
-    joint: &Joint,
-    modes: &[DampedSine],
-    emergence_db: &[f64],
-    filters: &[Lattice],
-) -> Vec<Guide> {
+fn choose(law: &DampingLaw, joint: &Joint, modes: &[DampedSine], emergence_db: &[f64], sought: &Sought) -> Vec<Guide> {
     let times_s = times_s(law);
-    let measure = |guides: &[Guide]| {
-        let sought = Sought { filters: filters.to_vec(), modes: Vec::new(), guides: guides.to_vec() };
-        misfit(law, &times_s, &joint.powers(&sought))
+    let noise = joint.powers(&Sought { guides: Vec::new(), ..sought.clone() });
+    let with = |powers: &[Vec<f64>], guide: &Guide| -> Vec<Vec<f64>> {
+        let heard: Vec<f64> = law.bands.iter().map(|band| heard_in_band(guide.frequency_hz, band.bark)).collect();
+        let own = guide.powers(&times_s, &sought.filters, sought.end);
+        let bands =
+            |powers: &Vec<f64>, own: f64| powers.iter().zip(&heard).map(|(power, heard)| power + heard * own).collect();
+        powers.iter().zip(own).map(|(powers, own)| bands(powers, own)).collect()
     };
     let candidates: Vec<Guide> = modes
         .iter()
         .zip(emergence_db)
-        .filter(|(mode, emergence_db)| **emergence_db > 0.0 && mode.frequency_hz < 0.45 * RATE_HZ)
+        .filter(|(mode, _)| mode.frequency_hz < 0.45 * RATE_HZ)
         .flat_map(|(mode, emergence_db)| {
-            // A mode comes up as fast as it may go down: its band-pass is as wide as its decay asks for, or as the paper's.
-            [USUAL_BANDWIDTH_HZ, mode.decay_per_s / std::f64::consts::PI, 3.0 * mode.decay_per_s].map(|width| Guide {
-                frequency_hz: mode.frequency_hz,
-                bandwidth_hz: width.clamp(1.0, 0.2 * mode.frequency_hz),
-                loop_gain: MOST_LOOP_GAIN * (1.0 - 10f64.powf(-emergence_db / 20.0)),
+            let angular = TAU * mode.frequency_hz / RATE_HZ;
+            let magnitude = |filter: &Lattice| response(&filter.coefficients(), angular).norm();
+            let loudest = sought.filters.iter().map(magnitude).fold(f64::MIN_POSITIVE, f64::max);
+            let last = sought.filters.last().map_or(loudest, magnitude);
+            WIDTHS.map(|times| {
+                let bandwidth_hz = (times * mode.decay_per_s).clamp(1.0, 0.2 * mode.frequency_hz);
+                let loop_gain = match sought.end {
+                    // Left to itself, it decays as its mode does.
+                    Some(_) => (1.0 - mode.decay_per_s / (std::f64::consts::PI * bandwidth_hz)) * loudest / last,
+                    None => 1.0 - 10f64.powf(-emergence_db / 20.0),
+                };
+                Guide { frequency_hz: mode.frequency_hz, bandwidth_hz, loop_gain }
             })
         })
+        .filter(|guide| (0.0..MOST_LOOP_GAIN).contains(&guide.loop_gain))
         .collect();
     let mut chosen: Vec<Guide> = Vec::new();
-    let mut best = measure(&chosen);
+    let mut powers = noise;
+    let mut best = misfit(law, &times_s, &powers);
     while chosen.len() < MOST_MODES {
-        let apart = |guide: &&Guide| {
-            let near = |other: &Guide| {
-                (other.frequency_hz - guide.frequency_hz).abs() < other.bandwidth_hz + guide.bandwidth_hz
-            };
-            !chosen.iter().any(near)
+        let stable = |guide: &&Guide| {
+            let more: Vec<Guide> = chosen.iter().copied().chain([**guide]).collect();
+            crowding(&more).all(|gain| gain < MOST_LOOP_GAIN)
         };
-        let tried = candidates.iter().filter(apart).map(|guide| {
-            let mut more = chosen.clone();
-            more.push(*guide);
-            (measure(&more), *guide)
-        });
+        let tried =
+            candidates.iter().filter(stable).map(|guide| (misfit(law, &times_s, &with(&powers, guide)), *guide));
         let Some((now, guide)) = tried.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
         if now >= best {
             break;
         }
         best = now;
+        powers = with(&powers, &guide);
         chosen.push(guide);
     }
     chosen
