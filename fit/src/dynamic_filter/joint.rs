@@ -92,7 +92,8 @@ impl Guide {
         // The delay is tuned to the filter in which the mode rings freely, where there is one.
         let tuned = end.and_then(|end| responses.get(end).copied()).unwrap_or_else(|| average_of(lasting));
         let back = tuned.conj() / tuned.norm().max(f64::MIN_POSITIVE) * (self.loop_gain / loudest);
-        let beta = PI * self.bandwidth_hz;
+        // By eq. 10 and 11 the width shrinks by sin ω/ω towards half the rate.
+        let beta = PI * self.bandwidth_hz * angular.sin() / angular;
         let delay_s = delay_s(self.frequency_hz, tuned.arg());
         let (mut power, mut before) = (0.0, 0.0);
         let mut powers = Vec::with_capacity(times_s.len());
