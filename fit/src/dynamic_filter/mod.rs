@@ -12,6 +12,7 @@ pub mod study;
 
 mod additive;
 mod damping;
+mod guide;
 mod joint;
 mod lattice;
 mod levels;

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use nalgebra::Complex;
 
 use super::additive::{MOST_MODES, misfit};
-use super::joint::{Guide, Joint, Sought, crowding};
+use super::guide::{Guide, crowding};
+use super::joint::{Joint, Sought};
 use super::lattice::Lattice;
 use super::path::{path_of_filters, starts, times_s};
 use super::response::{heard_in_band, response};
