@@ -5,6 +5,7 @@ pub mod bark;
 pub mod bins;
 pub mod contact;
 pub mod distance;
+pub mod dynamic_filter;
 pub mod material;
 pub mod modes;
 pub mod recording;

@@ -4,6 +4,7 @@
 
 mod canvas;
 mod colour;
+mod curves;
 mod error;
 mod kit_picture;
 mod page;
@@ -15,6 +16,7 @@ mod spectrogram;
 mod spectrogram_image;
 mod text;
 
+pub use curves::{Axis, Curve, CurvesPanel, CurvesPicture, StrokeKind, curves};
 pub use error::PlotError;
 pub use kit_picture::{KitPicture, ObjectPicture, kit};
 pub use performance::{Performance, StrikeMark, TickRow, performance};

@@ -1,0 +1,83 @@
+//! The filter's frozen response (dynamic-filter eq. 5): its magnitude, its phase, and what a Bark band hears of noise through it.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Complex;
+
+use super::{Coefficients, RATE_HZ};
+use crate::bark::{bark, frequency_hz, width_hz};
+
+/// Variance of the dynamic filter's noise, uniform from -1 to 1.
+const NOISE_VARIANCE: f64 = 1.0 / 3.0;
+/// Mean square of the envelope of that noise a Hz at 48 kHz: its density on one side of the spectrum, and twice that for an analytic signal.
+pub(crate) const NOISE_DENSITY: f64 = 2.0 * 2.0 * NOISE_VARIANCE / RATE_HZ;
+/// Standard deviation in Bark of a band's response to power: that of [`crate::bark`] to amplitude over √2.
+const SPREAD_BARK: f64 = 0.5 * std::f64::consts::FRAC_1_SQRT_2;
+/// Places at which a band is looked at: so many on either side of its middle ...
+const PLACES: i32 = 3;
+/// ... so many standard deviations apart.
+const APART: f64 = 0.9;
+
+/// `F(e^{iω})` for frozen coefficients, ω in radians a sample.
+pub fn response(coefficients: &Coefficients, angular: f64) -> Complex<f64> {
+    let late = Complex::from_polar(1.0, -angular);
+    let [b0, b1, b2] = coefficients.b;
+    let [a1, a2] = coefficients.a;
+    (late * (late * b2 + b1) + b0) / (late * (late * a2 + a1) + 1.0)
+}
+
+/// What one Bark band hears of white noise through the filter.
+#[derive(Clone, Debug)]
+pub(crate) struct BandHearing {
+    /// ω in radians a sample at places of the band, and what the noise's power there counts in the band.
+    places: Vec<(f64, f64)>,
+}
+
+impl BandHearing {
+    /// The band round a whole number of Bark at 48 kHz.
+    pub(crate) fn new(rate: f64) -> Self {
+        let step = APART * SPREAD_BARK;
+        let places = (-PLACES..=PLACES).filter_map(|place| {
+            let apart = f64::from(place) * APART;
+            let frequency = frequency_hz((rate + apart * SPREAD_BARK).max(0.0));
+            if frequency >= 0.5 * RATE_HZ || rate + apart * SPREAD_BARK <= 0.0 {
+                return None;
+            }
+            let weight = NOISE_DENSITY * (-0.5 * apart * apart).exp() * width_hz(frequency) * step;
+            Some((TAU * frequency / RATE_HZ, weight))
+        });
+        Self { places: places.collect() }
+    }
+
+    /// Mean square of the band's envelope for a filter's squared magnitude over ω.
+    pub(crate) fn power(&self, squared: impl Fn(f64) -> f64) -> f64 {
+        self.places.iter().map(|(angular, weight)| weight * squared(*angular)).sum()
+    }
+}
+
+/// What a band's envelope makes of a sine: its response at a distance in Bark, as a ratio of powers.
+pub(crate) fn heard_in_band(frequency: f64, rate: f64) -> f64 {
+    (-0.5 * ((bark(frequency) - rate) / SPREAD_BARK).powi(2)).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_band_hears_white_noise_as_its_width_says() {
+        for rate in [4.0, 10.0, 18.0] {
+            let width = std::f64::consts::PI.sqrt() * 0.5 * width_hz(frequency_hz(rate));
+            let expected = 2.0 * NOISE_VARIANCE * width / (0.5 * RATE_HZ);
+            let db = 10.0 * (BandHearing::new(rate).power(|_| 1.0) / expected).log10();
+            assert!(db.abs() < 0.2, "{rate} Bark: {db}");
+        }
+    }
+
+    #[test]
+    fn the_form_of_eq_17_passes_nothing_at_half_the_rate() {
+        let filter = Coefficients { a: [-0.7, 0.0], b: [0.2, 0.2, 0.0] };
+        assert!(response(&filter, std::f64::consts::PI).norm() < 1e-12);
+        assert!((response(&filter, 0.0).norm() - 0.4 / 0.3).abs() < 1e-12);
+    }
+}
