@@ -79,7 +79,7 @@ pub fn roll(seconds: f64, block: usize, mut progress: impl FnMut(f64)) -> Rolled
             let value = f64::from(*sample) / f64::from(ONE_Q27);
             rolled.peak = rolled.peak.max(value.abs());
             energy += value * value;
-            rolled.hash = (rolled.hash ^ *sample as u32 as u64 ^ place << 32).wrapping_mul(0x0100_0000_01b3);
+            rolled.hash = (rolled.hash ^ u64::from(*sample as u32) ^ place << 32).wrapping_mul(0x0100_0000_01b3);
         }
         frames += block as u64;
         if frames >= minute || to >= end && from < end {
