@@ -133,10 +133,10 @@ impl<const N: usize> Filter<N> {
     /// Nominal cycles of a tick, at most; `plain` says whether noise is all that comes in.
     pub(super) fn cycles_a_tick(&self, plain: bool) -> u32 {
         32 * match (self.path.form, plain) {
-            (Form::EqualZeros, true) => 20,
-            (Form::OnePole, true) => 24,
-            (Form::EqualZeros | Form::OnePole, false) => 36,
-            (Form::Conjugate | Form::Real, _) => 100,
+            (Form::EqualZeros, true) => 22,
+            (Form::OnePole, true) => 26,
+            (Form::EqualZeros | Form::OnePole, false) => 80,
+            (Form::Conjugate | Form::Real, _) => 200,
         }
     }
 

@@ -170,7 +170,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
 
     /// Adds a block of any length to `out`: Q4.27, saturating. `modes` (as many frames, where the table says that they go through the
     /// filter) are added to its input.
-    #[inline]
+    #[inline(always)]
     pub fn render(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
         // What a tick mostly is.
         if let (true, 0, 0, Some(tick)) = (self.plain && self.ringing, self.frame, self.left, out.as_mut_array())
@@ -300,7 +300,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         }
         let (loops, short) = self.loops.count();
         let mut cycles = self.filter.cycles_a_tick(self.plain);
-        cycles += if self.exciter.is_loaded() { 80 * 32 } else { 0 };
+        cycles += if self.exciter.is_loaded() { 145 * 32 } else { 0 };
         cycles += if self.modes_through { 12 * 32 } else { 0 };
         cycles += 16 * 32 * loops as u32 + if loops > 0 { 12 * 32 } else { 0 };
         cycles + 80 * 32 * short as u32

@@ -12,7 +12,7 @@
 //! `v = y 2^(27 + E)`. The size of a state is `s = max(|u| 2^k, |v|)`. Within a tick everything is linear, so that each intermediate result is at most
 //! `G s + N X`: G the largest growth of a state of size 1, N the sum over the frames of the sizes that an input of 1 leaves, both found on load by stepping the very
 //! section in `f64`; X the line's words, which a tick before they are read are known where the delay is a tick or more, and below 2^30 always.
-//! [`Resonance::settle`] keeps E, on ticks, such that `G s < 2^30` and `N X < 2^28`: because a narrow band's N is small, that leaves the state
+//! `Resonance::settle` keeps E, on ticks, such that `G s < 2^30` and `N X < 2^28`: because a narrow band's N is small, that leaves the state
 //! nearly all its bits, and E rises while line and state decay.
 
 use super::tuning::Tuned;

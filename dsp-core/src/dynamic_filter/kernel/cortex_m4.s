@@ -62,7 +62,7 @@ malleus_from_noise_\kind\()_\direction:
     push    {r0, r4-r11, lr}
     add     r12, r1, r2, lsl #2
     vmov    s0, r12
-    sub     r12, r12, #32
+    sub     r12, r12, #64
     vmov    s1, r12
     .ifc \kind, two
     ldr     r12, [r0, #40]
@@ -83,7 +83,7 @@ malleus_from_noise_\kind\()_\direction:
     vmov    lr, s1
     cmp     r1, lr
     bhi     2f
-1:  .rept   4
+1:  .rept   8
     noise_\kind \direction, r4, r12
     noise_\kind \direction, r12, r4
     .endr
