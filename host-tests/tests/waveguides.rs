@@ -82,7 +82,7 @@ fn loops_that_ring_for_twenty_seconds_keep_ninety_db() {
 #[test]
 fn a_moving_filter_in_loops_keeps_ninety_db() {
     let point = |time_s, b0: f64, a1| Breakpoint { time_s, b0, b1: 0.6 * b0, a1, ..Breakpoint::default() };
-    let path = vec![point(0.0, 0.3, -0.2), point(0.05, 0.1, -0.8), point(0.2, 0.02, -0.95)];
+    let path = [point(0.0, 0.3, -0.2), point(0.05, 0.1, -0.8), point(0.2, 0.02, -0.95)];
     let loops = loops(&[300.0, 1000.0, 4000.0], 5.0, 32.0).into_iter().map(|one| Loop { gain: 0.4, ..one }).collect();
     for (order, a2) in [(1, 0.0), (2, 0.5)] {
         let path = path.iter().map(|p| Breakpoint { a2: a2 * p.a1 * p.a1, ..*p }).collect();
