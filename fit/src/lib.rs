@@ -12,6 +12,7 @@ pub mod recording;
 pub mod render;
 pub mod residual;
 pub mod room;
+pub mod room_prior;
 pub mod score;
 pub mod segment;
 pub mod stages;
