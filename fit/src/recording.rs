@@ -164,7 +164,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     if let Some((level_db, in_room)) = wet {
         let wet = stage.with_residual(in_room, most_lsd_db)?;
         with_room = Some(wet.0.distances);
-        if is_worth_its_room(&wet.0, &best.0, most_lsd_db) {
+        if is_worth_its_room(&wet.0, &best.0, modes_alone) {
             (room_level_db, best) = (Some(level_db), wet);
         }
     }

@@ -172,11 +172,8 @@ pub fn is_worth(more: &Sounding, less: &Sounding, most_lsd_db: f64) -> bool {
     !worse && nearer < 1.0 - LEAST_GAIN && more.lsd_db <= most_lsd_db
 }
 
-/// Whether a room brings a sound nearer: by the mean of its log-spectral and its ERB distance, relative to the dry ones. What is nearer in its spectrum may
-/// be a little further in its levels.
-pub fn is_worth_its_room(wet: &Sounding, dry: &Sounding, most_lsd_db: f64) -> bool {
-    let (wet, dry) = (wet.distances, dry.distances);
-    let ratio = |wet: f64, dry: f64| wet / dry.max(1e-9);
-    let mean = 0.5 * (ratio(wet.lsd_db, dry.lsd_db) + ratio(wet.erb_db, dry.erb_db));
-    mean < 1.0 - LEAST_GAIN && wet.lsd_db <= most_lsd_db
+/// Whether a room is worth what it does to a sound: its log-spectral distance is nearer than the dry one's by a twentieth, and its ERB distance, which may be further
+/// than the dry one's with a residual, nearer than that of the modes alone by a tenth.
+pub fn is_worth_its_room(wet: &Sounding, dry: &Sounding, alone: Distances) -> bool {
+    wet.distances.lsd_db < 0.95 * dry.distances.lsd_db && wet.distances.erb_db < 0.9 * alone.erb_db
 }

@@ -29,6 +29,8 @@ pub(super) struct Walk {
     /// The piece, and where the next one begins.
     piece: usize,
     next: u32,
+    /// Up to here [`tick`](Self::tick) may go: 0 until a segment of the piece has set the lines' steps, and after the path's last breakpoint.
+    whole: u32,
     ramps: [Ramp; PARAMETERS],
 }
 
@@ -48,6 +50,7 @@ impl Walk {
         time: 0,
         piece: 0,
         next: u32::MAX,
+        whole: 0,
         ramps: [Ramp { wide: 0, of_tick: 0, middle_of_tick: 0 }; PARAMETERS],
     };
 
@@ -65,6 +68,7 @@ impl Walk {
 
     fn enter<const N: usize>(&mut self, path: &Path<N>, piece: usize) {
         self.piece = piece;
+        self.whole = 0;
         self.next = path.pieces().get(piece + 1).map_or(u32::MAX, |next| next.start);
         let Some(piece) = path.pieces().get(piece) else { return };
         for ((ramp, &value), &slope) in self.ramps.iter_mut().zip(&piece.value).zip(&piece.slope) {
@@ -105,6 +109,7 @@ impl Walk {
         }
         if self.is_under_way() {
             self.time += frames as u32;
+            self.whole = self.next;
         }
         frames
     }
@@ -113,7 +118,7 @@ impl Walk {
     #[inline(always)]
     pub(super) fn tick(&mut self, lines: &mut [Line; PARAMETERS], parameters: usize) -> bool {
         let time = self.time + TICK_FRAMES as u32;
-        if !self.is_under_way() || time > self.next || self.time == 0 {
+        if time > self.whole {
             return false;
         }
         self.time = time;

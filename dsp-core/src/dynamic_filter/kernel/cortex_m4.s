@@ -64,6 +64,7 @@ malleus_from_noise_\kind\()_\direction:
     vmov    s0, r12
     sub     r12, r12, #64
     vmov    s1, r12
+    cmp     r1, r12
     .ifc \kind, two
     ldr     r12, [r0, #40]
     ldr     lr, [r0, #44]
@@ -80,8 +81,6 @@ malleus_from_noise_\kind\()_\direction:
     .ifc \direction, lsl
     rsb     r7, r7, #0
     .endif
-    vmov    lr, s1
-    cmp     r1, lr
     bhi     2f
 1:  .rept   8
     noise_\kind \direction, r4, r12
@@ -92,12 +91,7 @@ malleus_from_noise_\kind\()_\direction:
     bls     1b
 2:  vmov    lr, s0
     cmp     r1, lr
-    bhs     4f
-3:  noise_\kind \direction, r4, r12
-    mov     r4, r12
-    vmov    lr, s0
-    cmp     r1, lr
-    blo     3b
+    blo     3f
 4:  .ifc \kind, two
     mov     r12, r0
     .endif
@@ -109,6 +103,9 @@ malleus_from_noise_\kind\()_\direction:
     str     r12, [r0, #40]
     .endif
     pop     {r4-r11, pc}
+3:  noise_\kind \direction, r4, r12
+    mov     r4, r12
+    b       2b
     .size   malleus_from_noise_\kind\()_\direction, . - malleus_from_noise_\kind\()_\direction
     .endm
 
