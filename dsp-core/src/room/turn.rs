@@ -7,8 +7,8 @@ use crate::fixed;
 /// Samples that are mixed by the same angle.
 pub(super) const TURN_SAMPLES: usize = 8;
 /// The angle swings by this many radians to either side ...
-const SWING: f64 = 6.0;
-/// ... this many times a second: that moves the resonances by up to 11 Hz, and spreads a steady tone by as much.
+const SWING: f64 = 3.0;
+/// ... this many times a second: that moves the resonances by up to 6 Hz, and spreads a steady tone by as much. A wider swing makes a short band's decay uneven.
 const SWINGS_HZ: f64 = 1.9;
 
 /// The phase of the swing as a part of a turn, 2^32 = one turn; sine and cosine of the angle as Q31, at the beginning of a block and at its end.

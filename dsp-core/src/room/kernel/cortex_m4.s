@@ -84,13 +84,25 @@
 
 @ One frame of all lines. r0-r3 lines, r4 sound (outputs lie 512 bytes behind), r5 turning sine and cosine, r6 fixed ones, r7-r10 the lines' words, r11 half a step, r12 free,
 @ lr count. The sticky flag Q tells of stored values of 14 bits and a sign, or of outputs of 15: nothing else here sets it.
-    .macro turned word angle
+    .macro reflected word angle
     smladx  r12, \word, \angle, r11
     smlsd   \word, \word, \angle, r11
     pkhtb   \word, \word, r12, asr #16
     .endm
 
-    .macro turned_and_swapped word angle
+    .macro rotated word angle
+    smlsdx  r12, \word, \angle, r11
+    smlad   \word, \word, \angle, r11
+    pkhtb   \word, \word, r12, asr #16
+    .endm
+
+    .macro rotated_and_swapped word angle
+    smlad   r12, \word, \angle, r11
+    smlsdx  \word, \word, \angle, r11
+    pkhtb   \word, \word, r12, asr #16
+    .endm
+
+    .macro reflected_and_swapped word angle
     smlsd   r12, \word, \angle, r11
     smladx  \word, \word, \angle, r11
     pkhtb   \word, \word, r12, asr #16
@@ -101,10 +113,10 @@
     ldr     r8, [r1]
     ldr     r9, [r2]
     ldr     r10, [r3]
-    turned  r7, r5
-    turned_and_swapped r8, r6
-    turned  r9, r5
-    turned_and_swapped r10, r6
+    reflected r7, r5
+    rotated r8, r6
+    rotated_and_swapped r9, r5
+    reflected_and_swapped r10, r6
     ldr     r12, [r4], #4
     qadd16  r7, r7, r12
     qadd16  r12, r7, r8
