@@ -35,7 +35,7 @@ const ANGLE: [i32; 2] = [14_111, 29_574];
 
 /// Input and output of a network's block.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub(super) struct Sound<T> {
     /// In the network's units, the same for both values of a pair.
     pub(super) input: [[T; 2]; BLOCK_FRAMES],
@@ -51,7 +51,7 @@ pub struct NetworkTick<'a, T: Sample> {
     pub(super) lines: &'a [Place; LINES],
     pub(super) places: &'a mut [Place; LINES],
     pub(super) sound: &'a mut Sound<T>,
-    /// The angles of each eighth frame, and the fixed one.
+    /// The angles of each sixteenth frame, and the fixed one.
     pub(super) turns: (&'a [T::Turn], T::Turn),
     /// Whether outputs are watched, or what is stored.
     pub(super) busy: bool,
@@ -251,33 +251,30 @@ fn settle<T: Sample>(memory: &mut [[T; 2]], line: &Place, place: Place, count: u
 /// A block's angles as the lines' samples are multiplied by them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turns<T: Sample> {
-    /// Of each eighth frame.
+    /// Of each sixteenth frame.
     moving: [T::Turn; BLOCK_FRAMES / TURN_SAMPLES],
-    /// Of each eighth frame of a band at half the rate, and at a quarter of it: an eighth, where the first is that of all the slower ones.
-    half: [T::Turn; 8],
-    quarter: [T::Turn; 4],
-    eighth: [T::Turn; 2],
+    /// Of each sixteenth frame of a band at half the rate, and at a quarter of it, where the first is that of all the slower ones.
+    half: [T::Turn; 4],
+    quarter: [T::Turn; 2],
     fixed: T::Turn,
 }
 
 impl<T: Sample> Turns<T> {
     pub(super) const NONE: Self = Self {
         moving: [T::NO_TURN; BLOCK_FRAMES / TURN_SAMPLES],
-        half: [T::NO_TURN; 8],
-        quarter: [T::NO_TURN; 4],
-        eighth: [T::NO_TURN; 2],
+        half: [T::NO_TURN; 4],
+        quarter: [T::NO_TURN; 2],
         fixed: T::NO_TURN,
     };
 
     /// Those of a block.
     pub(super) fn new(turn: &Turn) -> Self {
         let moving = turn.steps().map(T::turn);
-        let [a, _, b, _, c, _, d, _, e, _, f, _, g, _, h, _] = moving;
+        let [a, _, b, _, c, _, d, _] = moving;
         Self {
             moving,
-            half: [a, b, c, d, e, f, g, h],
-            quarter: [a, c, e, g],
-            eighth: [a, e],
+            half: [a, b, c, d],
+            quarter: [a, c],
             fixed: T::turn(ANGLE.map(|value| value << 16)),
         }
     }
@@ -287,8 +284,7 @@ impl<T: Sample> Turns<T> {
         let moving: &[T::Turn] = match BLOCK_FRAMES / block.max(1) {
             1 => &self.moving,
             2 => &self.half,
-            4 => &self.quarter,
-            _ => &self.eighth,
+            _ => &self.quarter,
         };
         (moving, self.fixed)
     }

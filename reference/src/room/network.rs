@@ -39,13 +39,13 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
 }
 
 /// Sine and cosine of the mix's angle in a block counted from 0: a swing of ±3 radians 1.9 times a second, on a straight line from half block to half
-/// block, held for eight samples.
+/// block, held for sixteen samples.
 fn turn(index: usize, sample: usize, block: usize, hz: f64) -> (f64, f64) {
     let at = |half: usize| {
         let t = half as f64 * BLOCK_FRAMES as f64 / 2.0 / hz;
         (3.0 * (TAU * 1.9 * t).sin()).sin_cos()
     };
-    let part = 2.0 * (sample / 8 * 8) as f64 / block as f64;
+    let part = 2.0 * (sample / 16 * 16) as f64 / block as f64;
     let half = part as usize;
     // The first block's angle is that of half a block after the start.
     let (from, to) = (at(2 * index + half + 1), at(2 * index + half + 2));

@@ -161,12 +161,12 @@
 4:
     .endm
 
-@ Pass: a tick, cut where a line ends and where the angle changes, each eight frames.
+@ Pass: a tick, cut where a line ends and where the angle changes, each sixteen frames.
 @ Layouts: call is memory 0, lines 4, positions 8, sound 12, frames 16, angles 20, fixed angle 24, busy 28, input 32, shift 36, gain 40, growth 44, out 48,
 @ gain 52, loss 56, what to do with `out` 60 (0 put, 1 add, 2 nothing); a line is where it begins and its length, halfwords in pairs; a position is
 @ where it is and what is left to the line's end, alike.
-@ sp: memory, lines, positions, sound, frames left, angles, fixed angle, busy; this cut's frames left 32, angles less an eighth of
-@ the sound's address 36 (sound lies on 32 bytes: eight inputs), call 40.
+@ sp: memory, lines, positions, sound, frames left, angles, fixed angle, busy; this cut's frames left 32, angles less a sixteenth of
+@ the sound's address 36 (sound lies on 64 bytes: sixteen inputs), call 40.
     .macro begun line word
     uxth    r\line, \word
     add     r\line, r6, r\line, lsl #2
@@ -199,7 +199,7 @@ malleus_room_network:
     preparing
     ldr     r4, [sp, #12]
     ldr     r5, [sp, #20]
-    lsr     r4, r4, #5
+    lsr     r4, r4, #6
     sub     r5, r5, r4, lsl #2
     str     r5, [sp, #36]
     movs    r4, #0
@@ -226,12 +226,12 @@ malleus_room_network:
     ldr     r12, [sp, #16]
     sub     r12, r12, r9
     str     r12, [sp, #16]
-6:  ubfx    lr, r4, #2, #3
-    rsb     lr, lr, #8
+6:  ubfx    lr, r4, #2, #4
+    rsb     lr, lr, #16
     cmp     lr, r9
     it      hi
     movhi   lr, r9
-    lsr     r5, r4, #5
+    lsr     r5, r4, #6
     sub     r9, r9, lr
     ldr     r12, [sp, #36]
     ldr     r6, [sp, #24]
