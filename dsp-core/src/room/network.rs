@@ -271,12 +271,7 @@ impl<T: Sample> Turns<T> {
     pub(super) fn new(turn: &Turn) -> Self {
         let moving = turn.steps().map(T::turn);
         let [a, _, b, _, c, _, d, _] = moving;
-        Self {
-            moving,
-            half: [a, b, c, d],
-            quarter: [a, c],
-            fixed: T::turn(ANGLE.map(|value| value << 16)),
-        }
+        Self { moving, half: [a, b, c, d], quarter: [a, c], fixed: T::turn(ANGLE.map(|value| value << 16)) }
     }
 
     /// Those of a band of so many frames: moving, fixed.

@@ -45,7 +45,11 @@ fn four_bands_cost_at_most_250_cycles_a_frame_and_eight_at_most_700() {
                 table.bands.len(),
                 6 * quieter_bits
             );
-            assert!(mean <= most && worst <= 600.0, "{} bands: {mean:.1} cycles a frame, {worst:.1}", table.bands.len());
+            assert!(
+                mean <= most && worst <= 600.0,
+                "{} bands: {mean:.1} cycles a frame, {worst:.1}",
+                table.bands.len()
+            );
         }
     }
 }

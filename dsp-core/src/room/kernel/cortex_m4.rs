@@ -104,7 +104,11 @@ pub(in crate::room) fn network(tick: NetworkTick<'_, i16>) -> bool {
     let frames = tick.input.len();
     let [.., Place { at, left }] = *lines;
     let pairs = usize::from(at) + usize::from(left);
-    if frames == 0 || frames > tick.out.len().min(BLOCK_FRAMES) || pairs > memory.len() || turns.len() * TURN_SAMPLES < frames {
+    if frames == 0
+        || frames > tick.out.len().min(BLOCK_FRAMES)
+        || pairs > memory.len()
+        || turns.len() * TURN_SAMPLES < frames
+    {
         return false;
     }
     let mut call = Call {
