@@ -12,8 +12,9 @@
 //! out is multiplied by it. A tail so keeps all its 16 bits however quiet it is.
 //!
 //! **The mix.** A line holds pairs (a, b), which on a Cortex-M4F are two halves of a word: `(c a + s b, s a - c b)` is two instructions, and a mix of four words by
-//! saturating additions is eight. The angles of lines 0 and 2 turn with time, which moves the resonances before one can stand out; lines 1 and 3 have one
-//! angle, and change halves. The mix is orthogonal at each moment, hence never adds energy.
+//! saturating additions is eight. Lines 0 and 3 reflect their pairs as above, 1 and 2 rotate them, `(c a - s b, s a + c b)`; 2 and 3 then swap halves. So the four spread what the halves differ
+//! in: were all alike, one side would keep more than its part for a while, and its T60 would be off by 5 % in narrow bands. The angles of lines 0 and 2 turn
+//! with time, which moves the resonances before one can stand out; lines 1 and 3 have one angle. The mix is orthogonal at each moment, hence never adds energy.
 //!
 //! **Nothing wraps.** A rotation's sum is at most `√2 · 2^15 · 2^15 < 2^30.5`; all other sums saturate. A full-scale impulse puts at most `2^13.6` into each value
 //! and cannot saturate any: each mix spreads what there is.
@@ -34,7 +35,7 @@ const ANGLE: [i32; 2] = [14_111, 29_574];
 
 /// Input and output of a network's block.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub(super) struct Sound<T> {
     /// In the network's units, the same for both values of a pair.
     pub(super) input: [[T; 2]; BLOCK_FRAMES],
@@ -50,7 +51,7 @@ pub struct NetworkTick<'a, T: Sample> {
     pub(super) lines: &'a [Place; LINES],
     pub(super) places: &'a mut [Place; LINES],
     pub(super) sound: &'a mut Sound<T>,
-    /// The angles of each eighth frame, and the fixed one.
+    /// The angles of each sixteenth frame, and the fixed one.
     pub(super) turns: (&'a [T::Turn], T::Turn),
     /// Whether outputs are watched, or what is stored.
     pub(super) busy: bool,
@@ -250,35 +251,27 @@ fn settle<T: Sample>(memory: &mut [[T; 2]], line: &Place, place: Place, count: u
 /// A block's angles as the lines' samples are multiplied by them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turns<T: Sample> {
-    /// Of each eighth frame.
+    /// Of each sixteenth frame.
     moving: [T::Turn; BLOCK_FRAMES / TURN_SAMPLES],
-    /// Of each eighth frame of a band at half the rate, and at a quarter of it: an eighth, where the first is that of all the slower ones.
-    half: [T::Turn; 8],
-    quarter: [T::Turn; 4],
-    eighth: [T::Turn; 2],
+    /// Of each sixteenth frame of a band at half the rate, and at a quarter of it, where the first is that of all the slower ones.
+    half: [T::Turn; 4],
+    quarter: [T::Turn; 2],
     fixed: T::Turn,
 }
 
 impl<T: Sample> Turns<T> {
     pub(super) const NONE: Self = Self {
         moving: [T::NO_TURN; BLOCK_FRAMES / TURN_SAMPLES],
-        half: [T::NO_TURN; 8],
-        quarter: [T::NO_TURN; 4],
-        eighth: [T::NO_TURN; 2],
+        half: [T::NO_TURN; 4],
+        quarter: [T::NO_TURN; 2],
         fixed: T::NO_TURN,
     };
 
     /// Those of a block.
     pub(super) fn new(turn: &Turn) -> Self {
         let moving = turn.steps().map(T::turn);
-        let [a, _, b, _, c, _, d, _, e, _, f, _, g, _, h, _] = moving;
-        Self {
-            moving,
-            half: [a, b, c, d, e, f, g, h],
-            quarter: [a, c, e, g],
-            eighth: [a, e],
-            fixed: T::turn(ANGLE.map(|value| value << 16)),
-        }
+        let [a, _, b, _, c, _, d, _] = moving;
+        Self { moving, half: [a, b, c, d], quarter: [a, c], fixed: T::turn(ANGLE.map(|value| value << 16)) }
     }
 
     /// Those of a band of so many frames: moving, fixed.
@@ -286,8 +279,7 @@ impl<T: Sample> Turns<T> {
         let moving: &[T::Turn] = match BLOCK_FRAMES / block.max(1) {
             1 => &self.moving,
             2 => &self.half,
-            4 => &self.quarter,
-            _ => &self.eighth,
+            _ => &self.quarter,
         };
         (moving, self.fixed)
     }

@@ -22,6 +22,9 @@ pub trait Sample: Copy + sealed::Sealed {
     fn input(value: i32) -> Self;
 
     /// `(c a + s b, s a - c b) / 2` of a pair (a, b).
+    fn reflect(pair: [Self; 2], turn: &Self::Turn) -> [Self; 2];
+
+    /// `(c a - s b, s a + c b) / 2` of a pair (a, b).
     fn rotate(pair: [Self; 2], turn: &Self::Turn) -> [Self; 2];
 
     /// Half of it, rounded half up.
@@ -53,6 +56,14 @@ mod sealed {
     impl Sealed for i32 {}
 }
 
+/// Of the 16 bits that are cut off.
+const HALF_STEP: i32 = 1 << 15;
+
+/// The upper 32 bits, rounded half up. A turned pair's sum is below √2 · 2^62: it does not leave 64 bits.
+fn upper_half(sum: i64) -> i32 {
+    ((sum + (1 << 31)) >> 32) as i32
+}
+
 /// Half the memory, and what the assembly is for.
 impl Sample for i16 {
     const ZERO: Self = 0;
@@ -71,11 +82,17 @@ impl Sample for i16 {
     }
 
     #[inline(always)]
-    fn rotate([a, b]: [i16; 2], &[sine, cosine]: &[i16; 2]) -> [i16; 2] {
-        const HALF_STEP: i32 = 1 << 15;
+    fn reflect([a, b]: [i16; 2], &[sine, cosine]: &[i16; 2]) -> [i16; 2] {
         let [a, b, sine, cosine] = [a, b, sine, cosine].map(i32::from);
-        // SMLAD, SMLSDX, and the upper halves.
+        // SMLADX, SMLSD, and the upper halves.
         [((cosine * a + sine * b + HALF_STEP) >> 16) as i16, ((sine * a - cosine * b + HALF_STEP) >> 16) as i16]
+    }
+
+    #[inline(always)]
+    fn rotate([a, b]: [i16; 2], &[sine, cosine]: &[i16; 2]) -> [i16; 2] {
+        let [a, b, sine, cosine] = [a, b, sine, cosine].map(i32::from);
+        // SMLSDX, SMLAD, and the upper halves.
+        [((cosine * a - sine * b + HALF_STEP) >> 16) as i16, ((sine * a + cosine * b + HALF_STEP) >> 16) as i16]
     }
 
     fn halve(self) -> i16 {
@@ -128,11 +145,14 @@ impl Sample for i32 {
         value
     }
 
+    fn reflect([a, b]: [i32; 2], &[sine, cosine]: &[i32; 2]) -> [i32; 2] {
+        let [a, b, sine, cosine] = [a, b, sine, cosine].map(i64::from);
+        [upper_half(cosine * a + sine * b), upper_half(sine * a - cosine * b)]
+    }
+
     fn rotate([a, b]: [i32; 2], &[sine, cosine]: &[i32; 2]) -> [i32; 2] {
         let [a, b, sine, cosine] = [a, b, sine, cosine].map(i64::from);
-        // Below √2 · 2^62: no sum leaves 64 bits.
-        let half = |sum: i64| ((sum + (1 << 31)) >> 32) as i32;
-        [half(cosine * a + sine * b), half(sine * a - cosine * b)]
+        [upper_half(cosine * a - sine * b), upper_half(sine * a + cosine * b)]
     }
 
     fn halve(self) -> i32 {

@@ -5,10 +5,10 @@ use crate::SampleRate;
 use crate::fixed;
 
 /// Samples that are mixed by the same angle.
-pub(super) const TURN_SAMPLES: usize = 8;
+pub(super) const TURN_SAMPLES: usize = 16;
 /// The angle swings by this many radians to either side ...
-const SWING: f64 = 6.0;
-/// ... this many times a second: that moves the resonances by up to 11 Hz, and spreads a steady tone by as much.
+const SWING: f64 = 3.0;
+/// ... this many times a second: that moves the resonances by up to 6 Hz, and spreads a steady tone by as much. A wider swing makes a short band's decay uneven.
 const SWINGS_HZ: f64 = 1.9;
 
 /// The phase of the swing as a part of a turn, 2^32 = one turn; sine and cosine of the angle as Q31, at the beginning of a block and at its end.
@@ -45,14 +45,14 @@ impl Turn {
         [sine(angle), sine(angle.wrapping_add(1 << 30))]
     }
 
-    /// Sines and cosines of each eighth frame of a block, on the straight lines between those at its beginning, its middle and its end.
+    /// Sines and cosines of each sixteenth frame of a block, on the straight lines between those at its beginning, its middle and its end.
     pub(super) fn steps(&self) -> [[i32; 2]; BLOCK_FRAMES / TURN_SAMPLES] {
         let [begin, middle, end] = self.at;
         let mut steps = [[0; 2]; BLOCK_FRAMES / TURN_SAMPLES];
         let (first, second) = steps.split_at_mut(BLOCK_FRAMES / TURN_SAMPLES / 2);
         for (half, [sine, cosine], [next_sine, next_cosine]) in [(first, begin, middle), (second, middle, end)] {
-            // The difference of two Q31 fits when both are an eighth.
-            let (sine_step, cosine_step) = ((next_sine >> 3) - (sine >> 3), (next_cosine >> 3) - (cosine >> 3));
+            // The difference of two Q31 fits when both are a quarter.
+            let (sine_step, cosine_step) = ((next_sine >> 2) - (sine >> 2), (next_cosine >> 2) - (cosine >> 2));
             let (mut sine, mut cosine) = (sine, cosine);
             for step in half {
                 *step = [sine, cosine];

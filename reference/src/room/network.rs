@@ -6,8 +6,8 @@ use super::{BLOCK_FRAMES, LINES, Plan};
 
 /// Both outputs of a network for an input at its own rate. `hz` is the full rate.
 ///
-/// Four lines of pairs. What each gives is turned, lines 0 and 2 by an angle that moves, 1 and 3 by one that does not and with its halves changed; then mixed by
-/// four, and written a line further on.
+/// Four lines of pairs. What each gives is turned: lines 0 and 2 by an angle that moves, 1 and 3 by one that does not; 0 and 3 are reflected, 1 and 2 rotated; 2
+/// and 3 change halves. Then it is mixed by four, and written a line further on.
 pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
     let block = BLOCK_FRAMES / plan.division;
     let mut lines: Vec<Vec<[f64; 2]>> = plan.delays.iter().map(|&delay| vec![[0.0; 2]; delay]).collect();
@@ -15,16 +15,15 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
     let fixed = (14_111f64 / 32_768.0).atan2(29_574.0 / 32_768.0).sin_cos();
     for (frame, &x) in input.iter().enumerate() {
         let moving = turn(frame / block, frame % block, block, hz);
-        let read = |line: usize, (sine, cosine): (f64, f64), x: f64| {
-            let [a, b] = lines[line][frame].map(|value| plan.gains[line] * value);
-            [cosine * a + sine * b + x, sine * a - cosine * b + x]
-        };
+        let read = |line: usize| lines[line][frame].map(|value| plan.gains[line] * value);
+        let reflected = |[a, b]: [f64; 2], (sine, cosine): (f64, f64)| [cosine * a + sine * b, sine * a - cosine * b];
+        let rotated = |[a, b]: [f64; 2], (sine, cosine): (f64, f64)| [cosine * a - sine * b, sine * a + cosine * b];
         let swapped = |[a, b]: [f64; 2]| [b, a];
         let r = [
-            read(0, moving, x / 2.0),
-            swapped(read(1, fixed, 0.0)),
-            read(2, moving, 0.0),
-            swapped(read(3, fixed, 0.0)),
+            reflected(read(0), moving).map(|value| value + x / 2.0),
+            rotated(read(1), fixed),
+            swapped(rotated(read(2), moving)),
+            swapped(reflected(read(3), fixed)),
         ];
         for side in 0..2 {
             out[side].push(plan.output * (r[2][side] - r[3][side]));
@@ -39,14 +38,14 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
     out
 }
 
-/// Sine and cosine of the mix's angle in a block counted from 0: a swing of ±6 radians 1.9 times a second, on a straight line from half block to half
-/// block, held for eight samples.
+/// Sine and cosine of the mix's angle in a block counted from 0: a swing of ±3 radians 1.9 times a second, on a straight line from half block to half
+/// block, held for sixteen samples.
 fn turn(index: usize, sample: usize, block: usize, hz: f64) -> (f64, f64) {
     let at = |half: usize| {
         let t = half as f64 * BLOCK_FRAMES as f64 / 2.0 / hz;
-        (6.0 * (TAU * 1.9 * t).sin()).sin_cos()
+        (3.0 * (TAU * 1.9 * t).sin()).sin_cos()
     };
-    let part = 2.0 * (sample / 8 * 8) as f64 / block as f64;
+    let part = 2.0 * (sample / 16 * 16) as f64 / block as f64;
     let half = part as usize;
     // The first block's angle is that of half a block after the start.
     let (from, to) = (at(2 * index + half + 1), at(2 * index + half + 2));

@@ -19,7 +19,7 @@ struct Call<'a> {
     /// Input; output lies 512 bytes behind.
     sound: *mut Sound<i16>,
     frames: usize,
-    /// Of each eighth frame.
+    /// Of each sixteenth frame.
     turns: *const [i16; 2],
     fixed: [i16; 2],
     busy: u32,
@@ -33,8 +33,8 @@ struct Call<'a> {
 }
 
 // What cortex_m4.s counts on.
-const _: () = assert!(BLOCK_FRAMES == 128 && TURN_SAMPLES == 8 && LINES == 4 && offset_of!(Sound<i16>, output) == 512);
-const _: () = assert!(align_of::<Sound<i16>>() == 32 && offset_of!(Sound<i16>, input) == 0);
+const _: () = assert!(BLOCK_FRAMES == 128 && TURN_SAMPLES == 16 && LINES == 4 && offset_of!(Sound<i16>, output) == 512);
+const _: () = assert!(align_of::<Sound<i16>>() == 64 && offset_of!(Sound<i16>, input) == 0);
 const _: () = assert!(size_of::<Place>() == 4 && offset_of!(Place, left) == 2 && size_of::<Call<'_>>() == 64);
 const _: () = assert!(size_of::<Split>() == 20 && size_of::<SplitState>() == 52);
 
@@ -104,7 +104,11 @@ pub(in crate::room) fn network(tick: NetworkTick<'_, i16>) -> bool {
     let frames = tick.input.len();
     let [.., Place { at, left }] = *lines;
     let pairs = usize::from(at) + usize::from(left);
-    if frames == 0 || frames > tick.out.len().min(BLOCK_FRAMES) || pairs > memory.len() || turns.len() * 8 < frames {
+    if frames == 0
+        || frames > tick.out.len().min(BLOCK_FRAMES)
+        || pairs > memory.len()
+        || turns.len() * TURN_SAMPLES < frames
+    {
         return false;
     }
     let mut call = Call {
@@ -124,7 +128,7 @@ pub(in crate::room) fn network(tick: NetworkTick<'_, i16>) -> bool {
         radiation: tick.radiation as u32,
     };
     // SAFETY: the lines lie within the memory, places within the lines (they begin there and only a block moves them, back to there at a line's end; a line is
-    // at least a block long); there are an input, an output and a frame of `out` a frame, and an angle for each eight.
+    // at least a block long); there are an input, an output and a frame of `out` a frame, and an angle for each sixteen.
     unsafe { malleus_room_network(&mut call) != 0 }
 }
 

@@ -84,13 +84,25 @@
 
 @ One frame of all lines. r0-r3 lines, r4 sound (outputs lie 512 bytes behind), r5 turning sine and cosine, r6 fixed ones, r7-r10 the lines' words, r11 half a step, r12 free,
 @ lr count. The sticky flag Q tells of stored values of 14 bits and a sign, or of outputs of 15: nothing else here sets it.
-    .macro turned word angle
+    .macro reflected word angle
     smladx  r12, \word, \angle, r11
     smlsd   \word, \word, \angle, r11
     pkhtb   \word, \word, r12, asr #16
     .endm
 
-    .macro turned_and_swapped word angle
+    .macro rotated word angle
+    smlsdx  r12, \word, \angle, r11
+    smlad   \word, \word, \angle, r11
+    pkhtb   \word, \word, r12, asr #16
+    .endm
+
+    .macro rotated_and_swapped word angle
+    smlad   r12, \word, \angle, r11
+    smlsdx  \word, \word, \angle, r11
+    pkhtb   \word, \word, r12, asr #16
+    .endm
+
+    .macro reflected_and_swapped word angle
     smlsd   r12, \word, \angle, r11
     smladx  \word, \word, \angle, r11
     pkhtb   \word, \word, r12, asr #16
@@ -101,10 +113,10 @@
     ldr     r8, [r1]
     ldr     r9, [r2]
     ldr     r10, [r3]
-    turned  r7, r5
-    turned_and_swapped r8, r6
-    turned  r9, r5
-    turned_and_swapped r10, r6
+    reflected r7, r5
+    rotated r8, r6
+    rotated_and_swapped r9, r5
+    reflected_and_swapped r10, r6
     ldr     r12, [r4], #4
     qadd16  r7, r7, r12
     qadd16  r12, r7, r8
@@ -149,12 +161,12 @@
 4:
     .endm
 
-@ Pass: a tick, cut where a line ends and where the angle changes, each eight frames.
+@ Pass: a tick, cut where a line ends and where the angle changes, each sixteen frames.
 @ Layouts: call is memory 0, lines 4, positions 8, sound 12, frames 16, angles 20, fixed angle 24, busy 28, input 32, shift 36, gain 40, growth 44, out 48,
 @ gain 52, loss 56, what to do with `out` 60 (0 put, 1 add, 2 nothing); a line is where it begins and its length, halfwords in pairs; a position is
 @ where it is and what is left to the line's end, alike.
-@ sp: memory, lines, positions, sound, frames left, angles, fixed angle, busy; this cut's frames left 32, angles less an eighth of
-@ the sound's address 36 (sound lies on 32 bytes: eight inputs), call 40.
+@ sp: memory, lines, positions, sound, frames left, angles, fixed angle, busy; this cut's frames left 32, angles less a sixteenth of
+@ the sound's address 36 (sound lies on 64 bytes: sixteen inputs), call 40.
     .macro begun line word
     uxth    r\line, \word
     add     r\line, r6, r\line, lsl #2
@@ -187,7 +199,7 @@ malleus_room_network:
     preparing
     ldr     r4, [sp, #12]
     ldr     r5, [sp, #20]
-    lsr     r4, r4, #5
+    lsr     r4, r4, #6
     sub     r5, r5, r4, lsl #2
     str     r5, [sp, #36]
     movs    r4, #0
@@ -214,12 +226,12 @@ malleus_room_network:
     ldr     r12, [sp, #16]
     sub     r12, r12, r9
     str     r12, [sp, #16]
-6:  ubfx    lr, r4, #2, #3
-    rsb     lr, lr, #8
+6:  ubfx    lr, r4, #2, #4
+    rsb     lr, lr, #16
     cmp     lr, r9
     it      hi
     movhi   lr, r9
-    lsr     r5, r4, #5
+    lsr     r5, r4, #6
     sub     r9, r9, lr
     ldr     r12, [sp, #36]
     ldr     r6, [sp, #24]
