@@ -126,9 +126,12 @@ impl Timer {
         ticks.chain(update).min().map_or(u64::MAX, |tick| self.since.saturating_add(pace.cycle_of(tick)))
     }
 
-    /// Channels that something can follow from: a compare value, or an output.
+    /// Channels that something can follow from: a compare value, an interrupt (0 is a value, too), or an output.
     fn watched(&self) -> impl Iterator<Item = usize> {
-        (0..4).filter(|&channel| self.compare[channel] != 0 || self.enables & 1 << (4 * channel) != 0)
+        (0..4).filter(|&channel| {
+            let interrupts = self.interrupts & UPDATE << (channel + 1) != 0;
+            self.compare[channel] != 0 || interrupts || self.enables & 1 << (4 * channel) != 0
+        })
     }
 
     /// Takes the event at `context.now`, and says what it tells other devices.
@@ -249,6 +252,10 @@ impl Timer {
                 }
             }
             0x34..=0x40 => {
+                // An instruction may end after the event at which it began: that is not lost.
+                if self.next_event() <= context.now {
+                    self.fire(context, &mut output);
+                }
                 self.taken = self.ticks(context.now);
                 self.compare[(offset / 4 - 13) as usize] = value & self.mask();
             }

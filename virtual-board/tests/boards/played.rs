@@ -34,7 +34,10 @@ pub(crate) fn events(running: &VirtualBoard, kit: &Kit<'_>, rate: SampleRate) ->
 pub(crate) fn heard_and_rendered(running: &VirtualBoard, board: Board, kit: &[u8]) -> [Vec<[i32; 2]>; 2] {
     let (kit, rate) = (Kit::parse(kit).unwrap(), rate(board));
     let streams = running.streams();
-    let [stream] = streams.as_slice() else { panic!("{} streams", streams.len()) };
+    let [stream] = streams.as_slice() else {
+        let log: Vec<String> = running.report().unwrap().log.into_iter().map(|line| line.message).collect();
+        panic!("{} streams; the log: {log:#?}", streams.len())
+    };
     assert_eq!((stream.underruns, stream.unconnected_frames), (0, 0));
     assert!(stream.frames.iter().flatten().all(|slot| slot & 0xFF == 0), "24 bits at the top of 32");
     let heard: Vec<[i32; 2]> = stream.frames.iter().map(|frame| frame.map(|slot| slot >> 8)).collect();

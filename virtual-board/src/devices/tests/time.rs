@@ -42,6 +42,20 @@ fn a_compare_value_sets_its_flag_once_a_period() {
     assert_eq!(bench.read(TIM3 + 0x10), 3);
 }
 
+#[test]
+fn a_compare_value_of_zero_interrupts_as_others_do() {
+    let mut bench = Bench::new(Board::Stm32f407gDisc1);
+    bench.write(TIM3 + 0x2c, 0xffff);
+    bench.write(TIM3 + 0x38, 0);
+    bench.write(TIM3 + 0x0c, 4);
+    bench.write(TIM3, 1);
+    bench.pass(65_535);
+    assert_eq!(bench.devices.lines(), 0);
+    bench.pass(1);
+    assert_eq!(bench.devices.lines(), 1 << 29);
+    assert_eq!(bench.read(TIM3 + 0x10) & 4, 4);
+}
+
 /// PA1 and PA2 in a scan, 16 frames of DMA in a circle, a sequence each 1/8000 s.
 fn sampling() -> Bench {
     let mut bench = Bench::new(Board::Stm32f407gDisc1);
