@@ -34,7 +34,7 @@ fn the_chip_has_the_bits_of_the_pc() {
         (1, 0.4, 30.0, 0, None),
         (1, 1.0, 1000.0, 0, None),
         (1, 1.0, 1e-3, 0, band),
-        (1, -1.0, 1.0, 7, None),
+        (1, -1.0, 1.0, 4, None),
         (1, 1.0, 1.0, 3, band),
         (2, 1.0, 1.0, 2, None),
     ];
@@ -48,7 +48,7 @@ fn the_chip_has_the_bits_of_the_pc() {
         let mut loops = loops(count);
         loops.iter_mut().zip([400.0, 5000.0, 9000.0, 15_000.0]).for_each(|(one, hz)| one.frequency_hz = hz);
         loops.iter_mut().for_each(|one| one.gain /= 2.0 * count as f64);
-        if count == 7 {
+        if count == 4 {
             loops[2].delay_s = 11.5 / 48_000.0;
         }
         // Both begin on a tick.
@@ -115,15 +115,16 @@ fn filter_and_loops_keep_their_cycles_and_cost_nothing_at_rest() {
     let (excited, strike) = cost(1, 1.0, 1.0, &[], Some(Exciter { low_hz: 80.0, high_hz: 5000.0, exponent: 0.3 }));
     println!("with an exciter: {excited:.1}, a strike {strike}");
     let (one, _) = cost(1, 1.0, 1.0, &loops(1), None);
-    let (ten, _) = cost(1, 1.0, 1.0, &loops(10), None);
-    println!("1 loop: {one:.1}, 10 loops: {ten:.1}, a loop: {:.1}", (ten - one) / 9.0);
+    // More would take the chip minutes: it checks their stability in software f64.
+    let (four, _) = cost(1, 1.0, 1.0, &loops(4), None);
+    println!("1 loop: {one:.1}, 4 loops: {four:.1}, a loop: {:.1}", (four - one) / 3.0);
     for frames in [16.0, 8.0] {
-        let mut short = loops(10);
+        let mut short = loops(4);
         short.iter_mut().for_each(|one| one.delay_s = (frames + 0.3) / 48_000.0);
-        let (ten, _) = cost(1, 1.0, 1.0, &short, None);
-        println!("10 loops of {frames} frames: {ten:.1}, a loop beyond the filter: {:.1}", (ten - plain) / 10.0);
+        let (four, _) = cost(1, 1.0, 1.0, &short, None);
+        println!("4 loops of {frames} frames: {four:.1}, a loop beyond the first: {:.1}", (four - one) / 3.0);
     }
     // The goal is 20; a call a tick and what the harness adds are within these.
     assert!(plain <= 20.5 && loud <= 20.5, "{plain} {loud}");
-    assert!((ten - one) / 9.0 <= 16.0);
+    assert!((four - one) / 3.0 <= 16.0);
 }
