@@ -48,7 +48,7 @@ pub struct Axis {
 /// One curve.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Its name in the legend.
+    /// Its name in the legend, where it has one.
     pub name: String,
     /// Which of the picture's five colours, counted from 0 and over again.
     pub colour: usize,
@@ -149,7 +149,7 @@ fn draw_names(canvas: &mut Canvas, area: Area, curves: &[Curve]) {
     let baseline = area.top - 8.0;
     let middle = baseline - LABEL_TEXT.size_px * CAPITAL_HEIGHT / 2.0;
     let mut right = area.right();
-    for curve in curves.iter().rev() {
+    for curve in curves.iter().rev().filter(|curve| !curve.name.is_empty()) {
         let colour = COLOURS[curve.colour % COLOURS.len()];
         canvas.text(&curve.name, (right, baseline), Anchor::End, LABEL_TEXT);
         let end = right - canvas.length_px(&curve.name, LABEL_TEXT) - 6.0;
