@@ -10,11 +10,17 @@ const RANGE_HZ: [f64; 2] = [50.0, 16_000.0];
 /// Samples of a frame; a quarter of it to the next.
 const WINDOW: usize = 1024;
 
-/// Edges of `count` bands in Hz, evenly spaced on the ERB-rate scale (Glasberg and Moore).
-pub fn erb_edges_hz(count: usize, [low_hz, high_hz]: [f64; 2]) -> Vec<f64> {
-    let rate = |f: f64| (1.0 + 0.004_37 * f).ln();
-    let (low, high) = (rate(low_hz), rate(high_hz));
-    (0..=count).map(|edge| ((low + (high - low) * edge as f64 / count as f64).exp() - 1.0) / 0.004_37).collect()
+/// ERB rate of a frequency in Hz, but for a factor (Glasberg and Moore).
+fn erb_rate(hz: f64) -> f64 {
+    (1.0 + 0.004_37 * hz).ln()
+}
+
+/// Edges in Hz of the ERB distance's bands and of as many more, as wide on that scale, as end at or below `highest_hz`; fewer where that lies lower.
+pub(crate) fn erb_edges_up_to_hz(highest_hz: f64) -> Vec<f64> {
+    let [low, high] = RANGE_HZ.map(erb_rate);
+    let width = (high - low) / ERB_BANDS as f64;
+    let count = ((erb_rate(highest_hz) - low) / width + 1e-9).floor().max(0.0);
+    (0..=count as usize).map(|edge| ((low + width * edge as f64).exp() - 1.0) / 0.004_37).collect()
 }
 
 /// Energies of 40 bands (ERB-spaced, 50 Hz to 16 kHz) in Hann frames of 1024 samples every 256: what the ERB distance compares.
@@ -28,8 +34,7 @@ impl ErbLevels {
     /// Of a sound.
     pub fn new(samples: &[f64], rate_hz: f64) -> Self {
         let spectrogram = Spectrogram::new(WINDOW);
-        let edges: Vec<f64> =
-            erb_edges_hz(ERB_BANDS, RANGE_HZ).iter().map(|edge| edge / rate_hz * WINDOW as f64).collect();
+        let edges: Vec<f64> = Self::edges_hz().iter().map(|edge| edge / rate_hz * WINDOW as f64).collect();
         let power = spectrogram.power(samples);
         let frames = power.chunks_exact(spectrogram.bin_count()).map(|frame| {
             let mut levels = [0.0; ERB_BANDS];
@@ -43,7 +48,7 @@ impl ErbLevels {
 
     /// Edges of the bands in Hz.
     pub fn edges_hz() -> Vec<f64> {
-        erb_edges_hz(ERB_BANDS, RANGE_HZ)
+        erb_edges_up_to_hz(RANGE_HZ[1])
     }
 
     /// What lies 60 dB below the loudest band of any frame.

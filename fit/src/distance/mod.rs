@@ -5,8 +5,8 @@ mod gradient;
 mod lsd;
 mod spectrogram;
 
-pub(crate) use erb::band_power;
-pub use erb::{ERB_BANDS, ErbLevels, erb_edges_hz};
+pub use erb::{ERB_BANDS, ErbLevels};
+pub(crate) use erb::{band_power, erb_edges_up_to_hz};
 pub(crate) use gradient::Target;
 pub use lsd::{LSD_SECONDS, frame_distances_db, log_spectral_distance_db, lsd_window};
 pub use spectrogram::Spectrogram;

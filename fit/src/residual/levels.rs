@@ -5,12 +5,10 @@
 
 use super::{Band, spread};
 use crate::FitError;
-use crate::distance::{ERB_BANDS, Spectrogram, band_power, erb_edges_hz};
+use crate::distance::{Spectrogram, band_power, erb_edges_up_to_hz};
 
 /// Samples of a frame, as in the ERB distance.
 const WINDOW: usize = 1024;
-/// Edges of the ERB distance's bands in Hz; bands as wide on that scale follow up to [`HIGHEST_HZ`].
-const RANGE_HZ: [f64; 2] = [50.0, 16_000.0];
 /// Tables hold bands up to here: any rate of 44.1 kHz and more plays them.
 const HIGHEST_HZ: f64 = 20_000.0;
 /// Below the recording's loudest band and frame nothing counts any more by so much, as a power ratio: 60 dB.
@@ -38,13 +36,7 @@ const PASSES: usize = 4;
 /// # Errors
 /// [`FitError::Render`] at a rate that the instrument does not play.
 pub fn fit_bands(recording: &[f64], model: &[f64], rate_hz: f64) -> Result<Vec<Band>, FitError> {
-    let rate = |f: f64| (1.0 + 0.004_37 * f).ln();
-    let width = (rate(RANGE_HZ[1]) - rate(RANGE_HZ[0])) / ERB_BANDS as f64;
-    let highest_hz = HIGHEST_HZ.min(0.49 * rate_hz);
-    let above = ((rate(highest_hz) - rate(RANGE_HZ[1])) / width).floor().max(0.0) as usize;
-    let mut edges_hz = erb_edges_hz(ERB_BANDS, RANGE_HZ);
-    edges_hz.extend((1..=above).map(|band| ((rate(RANGE_HZ[1]) + width * band as f64).exp() - 1.0) / 0.004_37));
-    edges_hz.retain(|&edge| edge <= highest_hz);
+    let edges_hz = erb_edges_up_to_hz(HIGHEST_HZ.min(0.49 * rate_hz));
     let levels = Levels::new(recording, model, rate_hz, &edges_hz)?;
     let mut weights = levels.counts.clone();
     let mut bands = vec![Noise::NONE; edges_hz.len().saturating_sub(1)];
@@ -254,13 +246,14 @@ impl Levels {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::distance::ErbLevels;
     use crate::synthetic::SplitMix64;
     use crate::table;
 
     #[test]
     fn bands_of_decaying_noise_are_found_again() {
         let rate_hz = 44_100.0;
-        let edges = erb_edges_hz(ERB_BANDS, RANGE_HZ);
+        let edges = ErbLevels::edges_hz();
         let truth: Vec<Band> = edges
             .windows(2)
             .enumerate()
