@@ -86,21 +86,23 @@ impl<'a> Heard<'a> {
         let Some(residual) = table.objects.first().and_then(|object| object.residual.clone()) else {
             return Ok(Sounding { distances: first, table, sound });
         };
-        // Modes do not change with the seed: the noise alone is drawn anew, and taken for what it replaces. A room hears both: all is rendered then.
-        let mut noise_only = table.clone();
-        if table.room.is_empty() {
-            noise_only.objects.iter_mut().for_each(|object| object.modes.clear());
-        }
-        let own_noise = render(&noise_only)?;
+        // Modes do not change with the seed: the noise alone is drawn anew and put in the place of the table's. In a room both are heard as one, and all is rendered.
+        let mut drawn = table.clone();
+        let modes = if table.room.is_empty() && draws > 1 {
+            drawn.objects.iter_mut().for_each(|object| object.modes.clear());
+            let noise = render(&drawn)?;
+            sound.iter().zip(noise).map(|(sound, noise)| sound - noise).collect()
+        } else {
+            vec![0.0; sound.len()]
+        };
         let mut sum = first;
         for draw in 1..draws.max(1) {
-            if let Some(object) = noise_only.objects.first_mut() {
+            if let Some(object) = drawn.objects.first_mut() {
                 object.residual = Some(kit::Residual { seed: residual.seed.wrapping_add(draw), ..residual.clone() });
             }
-            let noise = render(&noise_only)?;
-            let drawn: Vec<f64> =
-                sound.iter().zip(&own_noise).zip(&noise).map(|((sound, own), noise)| sound - own + noise).collect();
-            let distances = self.distances(&drawn);
+            let noise = render(&drawn)?;
+            let together: Vec<f64> = modes.iter().zip(noise).map(|(modes, noise)| modes + noise).collect();
+            let distances = self.distances(&together);
             sum.lsd_db += distances.lsd_db;
             sum.erb_db += distances.erb_db;
             sum.early_erb_db += distances.early_erb_db;
