@@ -117,7 +117,9 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         self.filter.path.load(order, path.clone(), rate, ratio)?;
         let path = path.map(move |point| point.carried(order, ratio));
         self.filter.start(White::new(seed, stream));
-        self.loops.load(loops, self.filter.line_scale(), rate, |all| stability::check(order, path, all, rate))?;
+        let largest_gain = self.filter.path.gain;
+        let stable = |all: &[_]| stability::check(order, largest_gain, path, all, rate);
+        self.loops.load(loops, self.filter.line_scale(), rate, stable)?;
         if let Some(exciter) = exciter {
             let largest = Exciter::LARGEST_EXPONENT;
             if !(-largest..=largest).contains(&exciter.exponent) {

@@ -9,10 +9,14 @@ use crate::waveguide::{LoopError, Tuned};
 
 /// Points of each piece at which the loops are looked at.
 const PARTS: u32 = 4;
+/// A little below 1 for what rounding does to multipliers.
+const BELOW_ONE: f64 = 1.0 - 1e-7;
 
-/// `|F(ω)| Σ |B_s(ω)| < 1` at four points of each piece, at angles all over the circle and close by each band.
+/// `|F(ω)| Σ |B_s(ω)| < 1` at four points of each piece, at angles all over the circle and close by each band. `largest_gain` is what |F| nowhere exceeds: where the
+/// loops pass too little even for that, as at most angles, the path need not be walked.
 pub(super) fn check(
     order: u8,
+    largest_gain: f64,
     breakpoints: impl Iterator<Item = Breakpoint> + Clone,
     loops: &[Tuned],
     rate: SampleRate,
@@ -20,6 +24,9 @@ pub(super) fn check(
     let holds = |omega: f64| {
         let w = (libm::cos(omega), libm::sin(omega));
         let of_loops: f64 = loops.iter().map(|tuned| tuned.magnitude(w)).sum();
+        if largest_gain * of_loops < BELOW_ONE {
+            return Ok(());
+        }
         let mut largest = 0.0f64;
         let mut following = breakpoints.clone().skip(1);
         for here in breakpoints.clone() {
@@ -32,8 +39,7 @@ pub(super) fn check(
         }
         let gain = largest * of_loops;
         let frequency_hz = omega * rate.hz() / TAU;
-        // A little below 1 for what rounding does to multipliers.
-        if gain < 1.0 - 1e-7 { Ok(()) } else { Err(LoopError::Unstable { frequency_hz, gain }) }
+        if gain < BELOW_ONE { Ok(()) } else { Err(LoopError::Unstable { frequency_hz, gain }) }
     };
     for tuned in loops {
         let (angle, distance) = tuned.pole();
