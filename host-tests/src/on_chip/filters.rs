@@ -1,6 +1,5 @@
-//! Biquads, the dynamic filter and waveguides on the virtual core.
+//! The dynamic filter and waveguides on the virtual core.
 
-use dsp_core::biquad::Biquad;
 use dsp_core::dynamic_filter::{Breakpoint, Exciter};
 use dsp_core::waveguide::Loop;
 use virtual_core::{Cost, Image, Machine};
@@ -11,7 +10,7 @@ const INPUT: u32 = HOST_MEMORY;
 const OUT: u32 = HOST_MEMORY + 0x4000;
 const BAND: u32 = HOST_MEMORY + 0x8000;
 
-/// `host-tests/images/filters`: a bank of at most 64 biquads, a dynamic filter of 16 breakpoints and 10 loops of up to 2048 frames.
+/// `host-tests/images/filters`: a dynamic filter of 16 breakpoints and 10 loops of up to 2048 frames.
 #[derive(Debug)]
 pub struct FiltersOnChip {
     machine: Machine,
@@ -27,38 +26,7 @@ impl FiltersOnChip {
         Ok(Self { machine: Machine::new(&image)? })
     }
 
-    /// Loads a bank of biquads.
-    ///
-    /// # Errors
-    /// [`OnChipError::Refused`] where it is no bank.
-    pub fn load_biquads(&mut self, biquads: &[Biquad], depth: usize) -> Result<(), OnChipError> {
-        let numbers = |biquad: &Biquad| {
-            let [b0, b1, b2] = biquad.numerator;
-            [biquad.pole.real, biquad.pole.imaginary, b0, b1, b2]
-        };
-        let bytes: Vec<u8> = biquads.iter().flat_map(numbers).flat_map(f64::to_le_bytes).collect();
-        self.machine.write(INPUT, &bytes)?;
-        let call = self.machine.call("biquads_load", &[INPUT, biquads.len() as u32, depth as u32])?;
-        accept("biquads_load", call.value)
-    }
-
-    /// A block of at most 4096 frames from a bus of zeros: its sound, and what it cost.
-    ///
-    /// # Errors
-    /// [`OnChipError::Run`].
-    pub fn render_biquads(&mut self, input: Option<&[i32]>, frames: usize) -> Result<(Vec<i32>, Cost), OnChipError> {
-        self.machine.write(OUT, &vec![0; frames * 4])?;
-        if let Some(input) = input {
-            self.machine.write(INPUT, &bytes_of(input))?;
-        }
-        let address = if input.is_some() { INPUT } else { 0 };
-        let call = self.machine.call("biquads_render", &[address, OUT, frames as u32])?;
-        let mut out = vec![0; frames * 4];
-        self.machine.read(OUT, &mut out)?;
-        Ok((words_of(&out), call.cost))
-    }
-
-    /// Loads a dynamic filter at 48 kHz, seed and stream 9.
+    /// Loads a dynamic filter at 48 kHz, seed and stream 9; what that cost.
     ///
     /// # Errors
     /// [`OnChipError::Refused`] where it is none.
@@ -68,7 +36,7 @@ impl FiltersOnChip {
         points: &[Breakpoint],
         loops: &[Loop],
         exciter: Option<Exciter>,
-    ) -> Result<(), OnChipError> {
+    ) -> Result<Cost, OnChipError> {
         let point = |p: &Breakpoint| [p.time_s, p.a1, p.a2, p.b0, p.b1, p.b2];
         let one = |l: &Loop| [l.frequency_hz, l.bandwidth_hz, l.gain, l.delay_s];
         let bytes: Vec<u8> = points.iter().flat_map(point).flat_map(f64::to_le_bytes).collect();
@@ -80,7 +48,8 @@ impl FiltersOnChip {
         let band = if band.is_some() { BAND } else { 0 };
         let arguments = [INPUT, points.len() as u32, OUT, loops.len() as u32, u32::from(order), band];
         let call = self.machine.call("filter_load", &arguments)?;
-        accept("filter_load", call.value)
+        accept("filter_load", call.value)?;
+        Ok(call.cost)
     }
 
     /// Strikes the filter.

@@ -95,7 +95,8 @@ fn filter_and_loops_keep_their_cycles_and_cost_nothing_at_rest() {
         if order == 2 {
             path.iter_mut().for_each(|point| point.a2 = 0.9 * point.a1 * point.a1);
         }
-        chip.load_filter(order, &path, loops, exciter).unwrap();
+        let load = chip.load_filter(order, &path, loops, exciter).unwrap().nominal;
+        println!("{} loops: loaded in {:.2} million cycles", loops.len(), load as f64 / 1e6);
         let at_rest = chip.render(None, 512).unwrap().1.nominal as f64 / 512.0;
         assert!(at_rest <= 0.3, "{at_rest}");
         let strike = chip.strike(1.0).unwrap().nominal;

@@ -1,4 +1,4 @@
-//! Biquads, the dynamic filter and waveguides on a bare Cortex-M4F, without a board.
+//! The dynamic filter and waveguides on a bare Cortex-M4F, without a board.
 //!
 //! Nothing starts by itself: the virtual core writes numbers into memory and calls the exported functions, which return 0 or a
 //! negative number that says why not. The host's side of it is `host-tests/src/on_chip/filters.rs`.
@@ -9,7 +9,6 @@ use core::cell::UnsafeCell;
 use core::panic::PanicInfo;
 
 use dsp_core::SampleRate;
-use dsp_core::biquad::{Bank, Biquad, Root};
 use dsp_core::dynamic_filter::{Breakpoint, DynamicFilter, Exciter, Settings};
 use dsp_core::waveguide::Loop;
 
@@ -17,39 +16,6 @@ struct Global<T>(UnsafeCell<T>);
 
 // SAFETY: the virtual core has one thread and calls one function at a time.
 unsafe impl<T> Sync for Global<T> {}
-
-static BIQUADS: Global<Bank<64>> = Global(UnsafeCell::new(Bank::EMPTY));
-
-/// Loads `count` biquads of five words (pole, numerator) in chains of `depth`. -1: refused.
-#[unsafe(no_mangle)]
-#[unsafe(link_section = ".text.exported")]
-pub unsafe extern "C" fn biquads_load(numbers: *const [f64; 5], count: usize, depth: usize) -> i32 {
-    // SAFETY: the host's word.
-    let numbers = unsafe { core::slice::from_raw_parts(numbers, count) };
-    let mut biquads = [Biquad { pole: Root::polar(0.0, 0.0), numerator: [0.0; 3] }; 64];
-    for (biquad, &[real, imaginary, b0, b1, b2]) in biquads.iter_mut().zip(numbers) {
-        *biquad = Biquad { pole: Root { real, imaginary }, numerator: [b0, b1, b2] };
-    }
-    // SAFETY: as for `Sync`.
-    let bank = unsafe { &mut *BIQUADS.0.get() };
-    match biquads.get(..count).map(|biquads| bank.load(biquads, depth)) {
-        Some(Ok(())) => 0,
-        _ => -1,
-    }
-}
-
-/// Adds a block to `out`. `input` may be null.
-#[unsafe(no_mangle)]
-#[unsafe(link_section = ".text.exported")]
-pub unsafe extern "C" fn biquads_render(input: *const i32, out: *mut i32, frames: usize) {
-    // SAFETY: the host's word.
-    let (input, out) = unsafe {
-        let input = (!input.is_null()).then(|| core::slice::from_raw_parts(input, frames));
-        (input, core::slice::from_raw_parts_mut(out, frames))
-    };
-    // SAFETY: as for `Sync`.
-    unsafe { &mut *BIQUADS.0.get() }.render(input, out);
-}
 
 static FILTER: Global<DynamicFilter<16, 10, 2048>> = Global(UnsafeCell::new(DynamicFilter::EMPTY));
 
