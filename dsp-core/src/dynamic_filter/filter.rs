@@ -5,8 +5,8 @@ use super::kernel::{self, OnePole};
 use super::noise::White;
 use super::path::{Form, PARAMETERS, Path};
 use super::second_order::TwoPoles;
-use super::walk::Walk;
-use crate::fixed::{qadd, saturating_shift_left, times_q31};
+use super::walk::{Line, Walk};
+use crate::fixed::{qadd, saturating_shift_left, smmulr, times_q31};
 use crate::resonator::TICK_FRAMES;
 
 /// Noise and filter of one object; its input is Q(27 - q).
@@ -16,11 +16,18 @@ pub(super) struct Filter<const N: usize> {
     walk: Walk,
     one_pole: OnePole,
     two_poles: TwoPoles,
+    /// The path's level of the noise, Q30.
+    level: Line,
 }
 
 impl<const N: usize> Filter<N> {
-    pub(super) const EMPTY: Self =
-        Self { path: Path::EMPTY, walk: Walk::NOWHERE, one_pole: OnePole::REST, two_poles: TwoPoles::REST };
+    pub(super) const EMPTY: Self = Self {
+        path: Path::EMPTY,
+        walk: Walk::NOWHERE,
+        one_pole: OnePole::REST,
+        two_poles: TwoPoles::REST,
+        level: Line { value: 0, step: 0 },
+    };
 
     /// At rest behind the end of the loaded path.
     pub(super) fn start(&mut self, noise: White) {
@@ -39,8 +46,10 @@ impl<const N: usize> Filter<N> {
 
     /// Begins a segment of at most so many frames: gives its frames, and whether there is noise in it.
     pub(super) fn segment(&mut self, most: usize) -> (usize, bool) {
-        let frames = self.walk.segment(&self.path, most, &mut self.one_pole.lines);
-        (frames, self.walk.is_under_way())
+        let frames = self.walk.segment(&self.path, most, &mut self.one_pole.lines, &mut self.level);
+        // What is 0 all along is not drawn.
+        let silent = self.path.has_levels && self.level.is_zero();
+        (frames, self.walk.is_under_way() && !silent)
     }
 
     /// Whether noise is still to come.
@@ -113,8 +122,21 @@ impl<const N: usize> Filter<N> {
 
     /// The next frames of noise, Q(27 - q).
     pub(super) fn noise(&mut self, input: &mut [i32]) {
-        let OnePole { noise, level, .. } = &mut self.one_pole;
-        input.iter_mut().for_each(|word| *word = noise.draw(*level));
+        self.draw(self.one_pole.level, input);
+    }
+
+    /// The next frames of noise at a strike's level, and at the path's.
+    fn draw(&mut self, level: i32, input: &mut [i32]) {
+        let noise = &mut self.one_pole.noise;
+        if !self.path.has_levels {
+            input.iter_mut().for_each(|word| *word = noise.draw(level));
+            return;
+        }
+        for word in input {
+            // 1 is 2^30: two bits less than a product's high word has.
+            *word = noise.draw(smmulr(level, self.level.value) << 2);
+            self.level.advance();
+        }
     }
 
     /// The next frames of noise through the exciter's band, which works on words below 2^27; or what it gives without noise.
@@ -123,7 +145,7 @@ impl<const N: usize> Filter<N> {
         let level = if noisy { self.one_pole.level >> down } else { 0 };
         input.fill(0);
         if noisy {
-            input.iter_mut().for_each(|word| *word = self.one_pole.noise.draw(level));
+            self.draw(level, input);
         }
         band.run(input);
         let largest = self.largest_input();

@@ -129,7 +129,8 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         }
         self.level_unit = (268_435_456.0 * libm::sqrt(ratio)) as f32;
         (self.modes_through, self.loaded) = (modes_through, true);
-        self.plain = self.loops.count().0 == 0 && !self.exciter.is_loaded() && !modes_through;
+        self.plain =
+            self.loops.count().0 == 0 && !self.exciter.is_loaded() && !modes_through && !self.filter.path.has_levels;
         Ok(())
     }
 

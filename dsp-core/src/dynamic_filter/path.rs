@@ -71,7 +71,7 @@ impl Form {
 }
 
 /// A piece of the path: parameters at its first frame and their change a frame.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     /// First frame after the strike.
     pub(super) start: u32,
@@ -79,7 +79,17 @@ pub(super) struct Piece {
     pub(super) value: [i32; PARAMETERS],
     /// With 32 bits more.
     pub(super) slope: [i64; PARAMETERS],
+    /// The noise's level, Q30, and its change a frame with 32 bits more.
+    pub(super) noise: i32,
+    pub(super) noise_slope: i64,
 }
+
+impl Piece {
+    const NOTHING: Self = Self { start: 0, value: [0; PARAMETERS], slope: [0; PARAMETERS], noise: 0, noise_slope: 0 };
+}
+
+/// A level of 1 in [`Piece::noise`].
+const NOISE_UNIT: f64 = 1073741824.0;
 
 /// Coefficients over time for a sample rate: at most `N` breakpoints.
 #[derive(Clone, Copy, Debug)]
@@ -87,6 +97,8 @@ pub struct Path<const N: usize> {
     pieces: [Piece; N],
     count: usize,
     pub(super) form: Form,
+    /// Whether the noise has levels of its own.
+    pub(super) has_levels: bool,
     /// h: the state's word is larger than the bus by 2^h.
     pub(super) scale: i32,
     /// q: the input's words are Q(27 - q).
@@ -128,9 +140,10 @@ impl Derived {
 impl<const N: usize> Path<N> {
     /// A path that gives nothing.
     pub const EMPTY: Self = Self {
-        pieces: [Piece { start: 0, value: [0; PARAMETERS], slope: [0; PARAMETERS] }; N],
+        pieces: [Piece::NOTHING; N],
         count: 0,
         form: Form::EqualZeros,
+        has_levels: false,
         scale: 0,
         input_shift: 0,
         inner_scale: 0,
@@ -157,6 +170,7 @@ impl<const N: usize> Path<N> {
         }
         let form = self.check(order, breakpoints.clone())?;
         self.form = form;
+        self.has_levels = breakpoints.clone().any(|point| point.noise != 1.0);
         let breakpoints = breakpoints.map(|point| point.carried(order, ratio));
         let nothing = Derived { form, parameters: [0.0; PARAMETERS], direct: 0.0, ring: 0.0, inner: 1.0 };
         let mut most = nothing;
@@ -183,14 +197,20 @@ impl<const N: usize> Path<N> {
             self.count += 1;
             piece.start = start as u32;
             let (from, to) = (parameters(&here), parameters(&next.unwrap_or(here)));
+            let between = |from: f64, to: f64, unit: f64| {
+                let change = (to - from) / (end - frame);
+                let value = libm::rint((from + change * (start - frame)) * unit) as i32;
+                // Of a single frame the change is never used; any other is at most the whole range.
+                let slope = if end - start > 1.0 { libm::rint(change * unit * 4294967296.0) as i64 } else { 0 };
+                (value, slope)
+            };
             for ((((value, slope), from), to), unit) in
                 piece.value.iter_mut().zip(&mut piece.slope).zip(from).zip(to).zip(units)
             {
-                let change = (to - from) / (end - frame);
-                *value = libm::rint((from + change * (start - frame)) * unit) as i32;
-                // Of a single frame the change is never used; any other is at most the whole range.
-                *slope = if end - start > 1.0 { libm::rint(change * unit * 4294967296.0) as i64 } else { 0 };
+                (*value, *slope) = between(from, to, unit);
             }
+            let noise_after = next.map_or(here.noise, |next| next.noise);
+            (piece.noise, piece.noise_slope) = between(here.noise, noise_after, NOISE_UNIT);
         }
         Ok(())
     }
@@ -206,6 +226,9 @@ impl<const N: usize> Path<N> {
                 return Err(PathError::Order { breakpoint, time_s });
             }
             before = time_s;
+            if !(0.0..=1.0).contains(&point.noise) {
+                return Err(PathError::Noise { breakpoint, noise: point.noise });
+            }
             let here = derive(order, &point, breakpoint, OF_TABLE)?.form;
             if form.is_some_and(|form| form != here) && order == 2 {
                 return Err(PathError::PolesMeet { breakpoint });
