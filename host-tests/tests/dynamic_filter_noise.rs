@@ -73,12 +73,13 @@ fn levels_of_the_noise_keep_ninety_db_with_everything_round_them() {
         for case in 0..8 {
             let mut time_s = 0.0;
             let path = (0..5)
-                .map(|_| {
+                .map(|n| {
                     let pole = random.between(0.1, 0.95);
                     let a2 = if order == 2 { 0.6 * pole * pole } else { 0.0 };
-                    let noise = if random.between(0.0, 1.0) < 0.3 { 0.0 } else { random.between(0.0, 1.0) };
+                    let quiet = n > 0 && random.between(0.0, 1.0) < 0.4;
+                    let noise = if quiet { 0.0 } else { random.between(0.2, 1.0) };
                     let point = Breakpoint { a2, noise, ..point(time_s, 0.3 * (1.0 - pole), -pole) };
-                    time_s += if case % 2 == 0 { random.between(3e-5, 2e-3) } else { random.between(0.02, 0.2) };
+                    time_s += if case % 2 == 0 { random.between(2e-4, 2e-3) } else { random.between(0.02, 0.2) };
                     point
                 })
                 .collect::<Vec<_>>();

@@ -16,6 +16,8 @@ pub(super) struct Filter<const N: usize> {
     walk: Walk,
     one_pole: OnePole,
     two_poles: TwoPoles,
+    /// Whether the sums that come in are coarse ([`kernel::COARSE_BITS`]).
+    pub(super) coarse: bool,
     /// The path's level of the noise, Q30.
     level: Line,
 }
@@ -26,6 +28,7 @@ impl<const N: usize> Filter<N> {
         walk: Walk::NOWHERE,
         one_pole: OnePole::REST,
         two_poles: TwoPoles::REST,
+        coarse: false,
         level: Line { value: 0, step: 0 },
     };
 
@@ -46,6 +49,15 @@ impl<const N: usize> Filter<N> {
 
     /// Begins a segment of at most so many frames: gives its frames, and whether there is noise in it.
     pub(super) fn segment(&mut self, most: usize) -> (usize, bool) {
+        // Nothing new: a whole tick within a piece, or behind the path's end.
+        if self.walk.is_over() {
+            return (most, false);
+        }
+        if most == TICK_FRAMES && !self.path.has_levels && self.walk.whole_ticks() > 0 {
+            self.walk.tick(&mut self.one_pole.lines, self.path.form.parameters());
+            self.walk.pass(1);
+            return (most, true);
+        }
         let frames = self.walk.segment(&self.path, most, &mut self.one_pole.lines, &mut self.level);
         // What is 0 all along is not drawn.
         let silent = self.path.has_levels && self.level.is_zero();
@@ -92,20 +104,25 @@ impl<const N: usize> Filter<N> {
         self.two_poles.attenuate(left);
     }
 
-    /// A whole tick of noise through the filter, added to `out`: as [`segment`](Self::segment) and [`run_noise`](Self::run_noise), for less. `false` where it is
-    /// to be done by them.
+    /// How many whole ticks of noise alone may be run by [`run_tick`](Self::run_tick): they end within the path's piece.
+    pub(super) fn whole_ticks(&self) -> u32 {
+        if self.path.form.parameters() == PARAMETERS { 0 } else { self.walk.whole_ticks() }
+    }
+
+    /// Goes on by so many of them on the path.
+    pub(super) fn pass(&mut self, whole_ticks: u32) {
+        self.walk.pass(whole_ticks);
+    }
+
+    /// A whole tick of noise through the filter, added to `out`: as [`segment`](Self::segment) and [`run_noise`](Self::run_noise), for less.
     #[inline(always)]
-    pub(super) fn run_tick(&mut self, out: &mut [i32; TICK_FRAMES]) -> bool {
-        match self.path.form {
-            Form::EqualZeros if self.walk.tick(&mut self.one_pole.lines, 2) => {
-                kernel::from_noise::<true>(&mut self.one_pole, out);
-                true
-            }
-            Form::OnePole if self.walk.tick(&mut self.one_pole.lines, 3) => {
-                kernel::from_noise::<false>(&mut self.one_pole, out);
-                true
-            }
-            _ => false,
+    pub(super) fn run_tick(&mut self, out: &mut [i32; TICK_FRAMES]) {
+        if self.path.form == Form::EqualZeros {
+            self.walk.tick(&mut self.one_pole.lines, 2);
+            kernel::from_noise::<true>(&mut self.one_pole, out);
+        } else {
+            self.walk.tick(&mut self.one_pole.lines, 3);
+            kernel::from_noise::<false>(&mut self.one_pole, out);
         }
     }
 
@@ -122,15 +139,19 @@ impl<const N: usize> Filter<N> {
 
     /// The next frames of noise, Q(27 - q).
     pub(super) fn noise(&mut self, input: &mut [i32]) {
-        self.draw(self.one_pole.level, input);
+        self.draw(self.one_pole.level >> self.grain(), input);
+    }
+
+    /// Bits by which the input's words are smaller than the filter takes them: those of sums ([`run_sums`](Self::run_sums)).
+    fn grain(&self) -> u32 {
+        if self.coarse { kernel::COARSE_BITS } else { 0 }
     }
 
     /// The next frames of noise at a strike's level, and at the path's.
     fn draw(&mut self, level: i32, input: &mut [i32]) {
         let noise = &mut self.one_pole.noise;
         if !self.path.has_levels {
-            input.iter_mut().for_each(|word| *word = noise.draw(level));
-            return;
+            return kernel::noise(noise, level, input);
         }
         for word in input {
             // 1 is 2^30: two bits less than a product's high word has.
@@ -148,8 +169,8 @@ impl<const N: usize> Filter<N> {
             self.draw(level, input);
         }
         band.run(input);
-        let largest = self.largest_input();
-        input.iter_mut().for_each(|word| *word = saturating_shift_left(*word, down).clamp(-largest, largest));
+        let (largest, grain) = (self.largest_input(), self.grain());
+        input.iter_mut().for_each(|word| *word = saturating_shift_left(*word, down).clamp(-largest, largest) >> grain);
     }
 
     /// Nominal cycles of a tick, at most; `plain` says whether noise is all that comes in.
@@ -162,9 +183,9 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Adds a signal of the bus to an input, larger than it by 2^`up`, and clips it to 2.0.
-    pub(super) fn add(&self, signal: &[i32], up: i32, input: &mut [i32]) {
-        let shift = up + self.path.input_shift;
+    /// Adds a signal of the bus to an input, and clips it to 2.0; coarse sums to more.
+    pub(super) fn add(&self, signal: &[i32], input: &mut [i32]) {
+        let shift = self.grain() as i32 + self.path.input_shift;
         let largest = self.largest_input();
         // Twice the loop, so that what is shifted how is asked once.
         if shift >= 0 {
@@ -194,6 +215,22 @@ impl<const N: usize> Filter<N> {
             Form::OnePole => kernel::from_buffer::<false>(&mut self.one_pole, buffer, out),
             Form::Conjugate | Form::Real => {
                 self.two_poles.run(&self.path, &mut self.one_pole.lines, buffer, out);
+            }
+        }
+    }
+
+    /// Sums of noise and loops, clipped to 2.0, through the filter, added to `out`, and s left in their place; gives its sizes, or'ed.
+    pub(super) fn run_sums(&mut self, sums: &mut [i32], out: &mut [i32]) -> u32 {
+        match (self.path.form, self.coarse) {
+            (Form::EqualZeros, false) => kernel::from_sums::<true, false>(&mut self.one_pole, sums, out),
+            (Form::EqualZeros, true) => kernel::from_sums::<true, true>(&mut self.one_pole, sums, out),
+            (Form::OnePole, false) => kernel::from_sums::<false, false>(&mut self.one_pole, sums, out),
+            (Form::OnePole, true) => kernel::from_sums::<false, true>(&mut self.one_pole, sums, out),
+            (Form::Conjugate | Form::Real, coarse) => {
+                let clip = if coarse { kernel::portable::clipped::<true> } else { kernel::portable::clipped::<false> };
+                sums.iter_mut().for_each(|sum| *sum = clip(*sum));
+                self.run(sums, out);
+                sums.iter().fold(0, |sizes, &s| sizes | (s ^ (s >> 31)) as u32)
             }
         }
     }

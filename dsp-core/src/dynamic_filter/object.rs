@@ -4,6 +4,7 @@ use super::error::DynamicFilterError;
 use super::exciter::BandPass;
 use super::filter::Filter;
 use super::noise::White;
+use super::path::Input;
 use super::settings::{Breakpoint, Exciter, Loop, Settings};
 use super::stability;
 use crate::SampleRate;
@@ -52,6 +53,9 @@ pub struct DynamicFilter<const POINTS: usize, const LOOPS: usize, const FRAMES: 
     /// Frame within the tick, and frames that are left of the segment.
     frame: usize,
     left: usize,
+    /// Whole ticks of noise alone, which [`Filter::run_tick`] may do: so many were granted, so many are left.
+    granted: u32,
+    whole_ticks: u32,
     /// Whether the segment has noise.
     noisy: bool,
     ringing: bool,
@@ -69,6 +73,8 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         level_unit: 0.0,
         frame: 0,
         left: 0,
+        granted: 0,
+        whole_ticks: 0,
         noisy: false,
         ringing: false,
     };
@@ -114,12 +120,20 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
             return Err(DynamicFilterError::Rate { rate_hz });
         }
         let ratio = rate.hz() / rate_hz;
-        self.filter.path.load(order, path.clone(), rate, ratio)?;
+        let looped = loops.clone().next().is_some();
+        self.plain = !looped && exciter.is_none() && !modes_through && path.clone().all(|point| point.noise == 1.0);
+        let input = match (self.plain, looped) {
+            (true, _) => Input::Noise,
+            (false, true) => Input::Sums,
+            (false, false) => Input::Words,
+        };
+        self.filter.path.load(order, path.clone(), rate, ratio, input)?;
         let path = path.map(move |point| point.carried(order, ratio));
         self.filter.start(White::new(seed, stream));
         let largest_gain = self.filter.path.gain;
         let stable = |all: &[_]| stability::check(order, largest_gain, path, all, rate);
         self.loops.load(loops, self.filter.line_scale(), rate, stable)?;
+        self.filter.coarse = self.loops.is_coarse();
         if let Some(exciter) = exciter {
             let largest = Exciter::LARGEST_EXPONENT;
             if !(-largest..=largest).contains(&exciter.exponent) {
@@ -129,8 +143,6 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         }
         self.level_unit = (268_435_456.0 * libm::sqrt(ratio)) as f32;
         (self.modes_through, self.loaded) = (modes_through, true);
-        self.plain =
-            self.loops.count().0 == 0 && !self.exciter.is_loaded() && !modes_through && !self.filter.path.has_levels;
         Ok(())
     }
 
@@ -140,6 +152,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         (self.filter, self.exciter) = (Filter::EMPTY, BandPass::NONE);
         (self.modes_through, self.loaded, self.plain) = (false, false, false);
         (self.left, self.noisy, self.ringing) = (0, false, false);
+        (self.granted, self.whole_ticks) = (0, 0);
     }
 
     /// Whether the object's modes are to be given to [`render`](Self::render), rather than added to the output beside it.
@@ -161,6 +174,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         let level = level.clamp(0.0, Self::MAX_LEVEL);
         // 1.99 of 2^28 is the most that the input's format holds.
         let words = (level * self.level_unit).min(Self::MAX_LEVEL * 268_435_456.0);
+        self.settle_whole_ticks();
         self.filter.strike(words as i32);
         self.exciter.strike(level);
         (self.left, self.ringing) = (0, true);
@@ -176,9 +190,9 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
     #[inline(always)]
     pub fn render(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
         // What a tick mostly is.
-        if let (true, 0, 0, Some(tick)) = (self.plain && self.ringing, self.frame, self.left, out.as_mut_array())
-            && self.filter.run_tick(tick)
-        {
+        if let (1.., Some(tick)) = (self.whole_ticks, out.as_mut_array()) {
+            self.whole_ticks -= 1;
+            self.filter.run_tick(tick);
             return;
         }
         self.render_any(modes, out);
@@ -186,6 +200,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
 
     #[inline(never)]
     fn render_any(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
+        self.settle_whole_ticks();
         let (mut modes, mut out) = (modes.unwrap_or(&[]), out);
         while !out.is_empty() {
             if self.ringing && self.left == 0 {
@@ -217,6 +232,16 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
             self.left -= frames;
             self.frame = (self.frame + frames) % TICK_FRAMES;
         }
+        if self.plain && self.ringing && self.frame == 0 && self.left == 0 {
+            self.granted = self.filter.whole_ticks();
+            self.whole_ticks = self.granted;
+        }
+    }
+
+    /// Takes back what is left of the whole ticks of noise that were granted.
+    fn settle_whole_ticks(&mut self) {
+        self.filter.pass(self.granted - self.whole_ticks);
+        (self.granted, self.whole_ticks) = (0, 0);
     }
 
     /// A tick, a strike or a breakpoint.
@@ -249,14 +274,9 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
     #[inline(never)]
     fn run(&mut self, modes: &[i32], out: &mut [i32]) {
         let mut own = [0; TICK_FRAMES];
-        let (mut mix, frames) = ([0; TICK_FRAMES], out.len());
+        let frames = out.len();
         let looped = self.loops.count().0 > 0;
-        let (Some(own), Some(mix)) = (own.get_mut(..frames), mix.get_mut(..frames)) else { return };
-        if looped {
-            self.loops.read(mix);
-        }
-        let mix_scale = self.loops.mix_scale();
-        let input = if looped { self.loops.slot(frames) } else { own };
+        let input = if looped { self.loops.slot(frames) } else { own.get_mut(..frames).unwrap_or(&mut []) };
         if self.exciter.is_loaded() {
             self.filter.excite(&mut self.exciter, self.noisy, input);
         } else if self.noisy {
@@ -265,14 +285,17 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
             input.fill(0);
         }
         if looped {
-            self.filter.add(mix, mix_scale, input);
+            self.loops.add(frames);
         }
+        let input = if looped { self.loops.slot(frames) } else { own.get_mut(..frames).unwrap_or(&mut []) };
         if self.modes_through {
-            self.filter.add(modes, 0, input);
+            self.filter.add(modes, input);
         }
-        self.filter.run(input, out);
         if looped {
-            self.loops.advance(frames);
+            let sizes = self.filter.run_sums(input, out);
+            self.loops.advance(frames, sizes);
+        } else {
+            self.filter.run(input, out);
         }
     }
 
@@ -283,6 +306,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
 
     /// Clears what rings and ends the path; the noise stays where it is.
     pub fn rest(&mut self) {
+        self.settle_whole_ticks();
         self.filter.rest();
         self.loops.rest();
         self.exciter.rest();

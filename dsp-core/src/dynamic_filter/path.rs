@@ -36,6 +36,17 @@ const CARRIED: Limits = Limits { poles: [-0.9999, 0.999_999], gain: 2.0 * MAX_GA
 /// |e| is clipped to this: 2.0.
 pub(super) const MAX_INPUT_BITS: i32 = 28;
 
+/// What comes into a filter: its words' formats follow from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Input {
+    /// Noise alone, straight from the generator: the first order's state is then in the bus' format, 4 times smaller, or some more.
+    Noise,
+    /// Words that are clipped to 2.0.
+    Words,
+    /// Sums with loops, in Q29.
+    Sums,
+}
+
 /// Parameters of the largest form.
 pub const PARAMETERS: usize = 5;
 
@@ -156,12 +167,13 @@ impl<const N: usize> Path<N> {
     ///
     /// # Errors
     /// [`PathError`].
-    pub fn load(
+    pub(super) fn load(
         &mut self,
         order: u8,
         breakpoints: impl Iterator<Item = Breakpoint> + Clone,
         rate: SampleRate,
         ratio: f64,
+        input: Input,
     ) -> Result<(), PathError> {
         *self = Self::EMPTY;
         let given = breakpoints.clone().count();
@@ -180,7 +192,7 @@ impl<const N: usize> Path<N> {
                 return Err(PathError::Gain { breakpoint, gain: most.gain() });
             }
         }
-        let units = self.choose_scales(&most);
+        let units = self.choose_scales(&most, input);
         self.gain = most.gain();
         let parameters = |point: &Breakpoint| derive(order, point, 0, CARRIED).unwrap_or(nothing).parameters;
         let mut following = breakpoints.clone().skip(1);
@@ -242,13 +254,21 @@ impl<const N: usize> Path<N> {
     }
 
     /// h and q; gives what 1 is in each parameter's format.
-    fn choose_scales(&mut self, most: &Derived) -> [f64; PARAMETERS] {
+    fn choose_scales(&mut self, most: &Derived, from: Input) -> [f64; PARAMETERS] {
         let largest = most.parameters;
         let exponent = |value: f64| libm::frexp(value * 1.001).1;
         let power = |bits: i32| libm::scalbn(1.0, bits);
         // gain · 2^(MAX_INPUT_BITS + h) <= 2^state_bits.
         let room = self.form.state_bits() - MAX_INPUT_BITS;
         self.scale = (room - exponent(most.gain())).clamp(-14, 12);
+        if from == Input::Noise && self.form.parameters() < PARAMETERS {
+            // The bus' own format, where the state fits it, saves the shift; what is below a step of the bus is not heard.
+            self.scale = match self.scale {
+                0.. => 0,
+                -2..0 => -2,
+                far => far,
+            };
+        }
         let of_input = match self.form {
             Form::EqualZeros | Form::OnePole => largest[1].max(largest[2]),
             Form::Conjugate => largest[2].max(largest[3]).max(largest[4]),
@@ -256,7 +276,9 @@ impl<const N: usize> Path<N> {
         };
         // b · 2^(bits + q) < 2^31, bits being 32 + h in the first order and 31 + h in the second.
         let bits = if self.form.parameters() < PARAMETERS { 32 } else { 31 } + self.scale;
-        self.input_shift = (31 - bits - exponent(of_input)).clamp(-2, 4);
+        // Sums are Q29: b fits, because in the state's format the gain is below 2.
+        let finest = if from == Input::Sums { -2 } else { 4 };
+        self.input_shift = (31 - bits - exponent(of_input)).clamp(-2, finest);
         self.inner_scale = room - exponent(most.inner);
         let input = power(bits + self.input_shift);
         let inner = power(30 + self.scale - self.inner_scale);
