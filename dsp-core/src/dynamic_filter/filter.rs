@@ -54,7 +54,11 @@ impl<const N: usize> Filter<N> {
             return (most, false);
         }
         if most == TICK_FRAMES && !self.path.has_levels && self.walk.whole_ticks() > 0 {
-            self.walk.tick(&mut self.one_pole.lines, self.path.form.parameters());
+            match self.path.form {
+                Form::EqualZeros => self.walk.tick(&mut self.one_pole.lines, 2),
+                Form::OnePole => self.walk.tick(&mut self.one_pole.lines, 3),
+                Form::Conjugate | Form::Real => self.walk.tick(&mut self.one_pole.lines, PARAMETERS),
+            }
             self.walk.pass(1);
             return (most, true);
         }
@@ -220,19 +224,23 @@ impl<const N: usize> Filter<N> {
     }
 
     /// Sums of noise and loops, clipped to 2.0, through the filter, added to `out`, and s left in their place; gives its sizes, or'ed.
+    #[inline(always)]
     pub(super) fn run_sums(&mut self, sums: &mut [i32], out: &mut [i32]) -> u32 {
         match (self.path.form, self.coarse) {
             (Form::EqualZeros, false) => kernel::from_sums::<true, false>(&mut self.one_pole, sums, out),
             (Form::EqualZeros, true) => kernel::from_sums::<true, true>(&mut self.one_pole, sums, out),
             (Form::OnePole, false) => kernel::from_sums::<false, false>(&mut self.one_pole, sums, out),
             (Form::OnePole, true) => kernel::from_sums::<false, true>(&mut self.one_pole, sums, out),
-            (Form::Conjugate | Form::Real, coarse) => {
-                let clip = if coarse { kernel::portable::clipped::<true> } else { kernel::portable::clipped::<false> };
-                sums.iter_mut().for_each(|sum| *sum = clip(*sum));
-                self.run(sums, out);
-                sums.iter().fold(0, |sizes, &s| sizes | (s ^ (s >> 31)) as u32)
-            }
+            (Form::Conjugate | Form::Real, _) => self.run_sums_of_two_poles(sums, out),
         }
+    }
+
+    #[inline(never)]
+    fn run_sums_of_two_poles(&mut self, sums: &mut [i32], out: &mut [i32]) -> u32 {
+        let clip = if self.coarse { kernel::portable::clipped::<true> } else { kernel::portable::clipped::<false> };
+        sums.iter_mut().for_each(|sum| *sum = clip(*sum));
+        self.run(sums, out);
+        sums.iter().fold(0, |sizes, &s| sizes | (s ^ (s >> 31)) as u32)
     }
 
     /// See [`run`](Self::run).

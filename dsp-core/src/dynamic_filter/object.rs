@@ -48,6 +48,8 @@ pub struct DynamicFilter<const POINTS: usize, const LOOPS: usize, const FRAMES: 
     loaded: bool,
     /// Whether noise goes straight into the filter, and nothing else does.
     plain: bool,
+    /// Whether noise and loops are all that does.
+    only_looped: bool,
     /// 1.0 of the noise's level, 2^28 and more at a higher rate than the table's.
     level_unit: f32,
     /// Frame within the tick, and frames that are left of the segment.
@@ -70,6 +72,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         modes_through: false,
         loaded: false,
         plain: false,
+        only_looped: false,
         level_unit: 0.0,
         frame: 0,
         left: 0,
@@ -122,6 +125,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         let ratio = rate.hz() / rate_hz;
         let looped = loops.clone().next().is_some();
         self.plain = !looped && exciter.is_none() && !modes_through && path.clone().all(|point| point.noise == 1.0);
+        self.only_looped = looped && exciter.is_none() && !modes_through;
         let input = match (self.plain, looped) {
             (true, _) => Input::Noise,
             (false, true) => Input::Sums,
@@ -150,7 +154,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
     pub fn unload(&mut self) {
         self.loops.unload();
         (self.filter, self.exciter) = (Filter::EMPTY, BandPass::NONE);
-        (self.modes_through, self.loaded, self.plain) = (false, false, false);
+        (self.modes_through, self.loaded, self.plain, self.only_looped) = (false, false, false, false);
         (self.left, self.noisy, self.ringing) = (0, false, false);
         (self.granted, self.whole_ticks) = (0, 0);
     }
@@ -195,6 +199,13 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
             self.filter.run_tick(tick);
             return;
         }
+        // With loops, the same.
+        if let (true, true, 0, 0, Some(tick)) =
+            (self.only_looped, self.ringing, self.frame, self.left, out.as_mut_array())
+            && self.run_looped_tick(tick)
+        {
+            return;
+        }
         self.render_any(modes, out);
     }
 
@@ -225,7 +236,9 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
             }
             let (now, later) = out.split_at_mut(frames);
             let (given, more) = modes.split_at(frames.min(modes.len()));
-            if !(self.plain && self.noisy && self.filter.run_noise(now)) {
+            if self.loops.count().0 > 0 {
+                self.run_looped(given, now);
+            } else if !(self.plain && self.noisy && self.filter.run_noise(now)) {
                 self.run(given, now);
             }
             (out, modes) = (later, more);
@@ -270,33 +283,69 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         self.ringing = !self.filter.settle() || excited || !self.loops.is_at_rest();
     }
 
-    /// Frames within a segment, by way of a buffer: the loops' line, or one of its own.
+    /// A whole tick of noise and loops, if it is one; what is begun of any other one is left to [`render_any`](Self::render_any).
+    #[inline(never)]
+    fn run_looped_tick(&mut self, out: &mut [i32; TICK_FRAMES]) -> bool {
+        self.begin();
+        if !self.ringing || self.left < TICK_FRAMES || self.loops.run_length(TICK_FRAMES) < TICK_FRAMES {
+            return false;
+        }
+        self.left = 0;
+        self.sum(TICK_FRAMES);
+        self.filter_sums(out);
+        true
+    }
+
+    /// Noise and loops, summed in the line's slot.
+    #[inline(always)]
+    fn sum(&mut self, frames: usize) {
+        let sums = self.loops.slot(frames);
+        if self.noisy {
+            self.filter.noise(sums);
+        } else {
+            sums.fill(0);
+        }
+        self.loops.add(frames);
+    }
+
+    /// What was summed through the filter.
+    #[inline(always)]
+    fn filter_sums(&mut self, out: &mut [i32]) {
+        let frames = out.len();
+        let sizes = self.filter.run_sums(self.loops.slot(frames), out);
+        self.loops.advance(frames, sizes);
+    }
+
+    /// Frames within a segment, by way of the loops' line.
+    #[inline(never)]
+    fn run_looped(&mut self, modes: &[i32], out: &mut [i32]) {
+        let frames = out.len();
+        if self.exciter.is_loaded() {
+            self.filter.excite(&mut self.exciter, self.noisy, self.loops.slot(frames));
+            self.loops.add(frames);
+        } else {
+            self.sum(frames);
+        }
+        if self.modes_through {
+            self.filter.add(modes, self.loops.slot(frames));
+        }
+        self.filter_sums(out);
+    }
+
+    /// Frames within a segment without loops, by way of a buffer.
     #[inline(never)]
     fn run(&mut self, modes: &[i32], out: &mut [i32]) {
         let mut own = [0; TICK_FRAMES];
-        let frames = out.len();
-        let looped = self.loops.count().0 > 0;
-        let input = if looped { self.loops.slot(frames) } else { own.get_mut(..frames).unwrap_or(&mut []) };
+        let Some(input) = own.get_mut(..out.len()) else { return };
         if self.exciter.is_loaded() {
             self.filter.excite(&mut self.exciter, self.noisy, input);
         } else if self.noisy {
             self.filter.noise(input);
-        } else {
-            input.fill(0);
         }
-        if looped {
-            self.loops.add(frames);
-        }
-        let input = if looped { self.loops.slot(frames) } else { own.get_mut(..frames).unwrap_or(&mut []) };
         if self.modes_through {
             self.filter.add(modes, input);
         }
-        if looped {
-            let sizes = self.filter.run_sums(input, out);
-            self.loops.advance(frames, sizes);
-        } else {
-            self.filter.run(input, out);
-        }
+        self.filter.run(input, out);
     }
 
     /// Lets frames pass where nothing rings and no modes come: as a block, for nothing.

@@ -39,7 +39,7 @@ pub(super) const MAX_INPUT_BITS: i32 = 28;
 /// What comes into a filter: its words' formats follow from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Input {
-    /// Noise alone, straight from the generator: the first order's state is then in the bus' format, 4 times smaller, or some more.
+    /// Noise alone, straight from the generator.
     Noise,
     /// Words that are clipped to 2.0.
     Words,
@@ -261,11 +261,11 @@ impl<const N: usize> Path<N> {
         // gain · 2^(MAX_INPUT_BITS + h) <= 2^state_bits.
         let room = self.form.state_bits() - MAX_INPUT_BITS;
         self.scale = (room - exponent(most.gain())).clamp(-14, 12);
-        if from == Input::Noise && self.form.parameters() < PARAMETERS {
+        if from != Input::Words && self.form.parameters() < PARAMETERS {
             // The bus' own format, where the state fits it, saves the shift; what is below a step of the bus is not heard.
             self.scale = match self.scale {
                 0.. => 0,
-                -2..0 => -2,
+                -2..0 if from == Input::Noise => -2,
                 far => far,
             };
         }

@@ -26,6 +26,8 @@ pub(crate) struct Loops<const LOOPS: usize, const FRAMES: usize> {
     sum_scale: i32,
     /// Whether sums might not have room, so that they are to saturate.
     loud: bool,
+    /// Whether a state has left the bounds of its scaling.
+    unsettled: bool,
     /// Sizes written in this tick, or'ed, in the time that the longest delay takes, so far, and in that before; frames of the one and the other.
     sizes: u32,
     sizes_of: [u32; 2],
@@ -47,6 +49,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         line_scale: 0,
         sum_scale: FINE,
         loud: false,
+        unsettled: false,
         sizes: 0,
         sizes_of: [0; 2],
         frames_of_first: 0,
@@ -129,6 +132,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         for band in self.bands.iter_mut().take(self.count) {
             band.attenuate(left);
         }
+        self.unsettled = true;
         let used = if self.count > 0 { FRAMES } else { 0 };
         self.line.iter_mut().take(used).for_each(|s| *s = times_q31(*s, left));
     }
@@ -141,11 +145,11 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
     /// Adds what the loops give over so many frames to what lies in [`slot`](Self::slot), Q29 or less ([`COARSE`]).
     pub(crate) fn add(&mut self, frames: usize) {
         let Some(bands) = self.bands.get_mut(..self.count) else { return };
-        if self.loud {
-            kernel::portable::run_loud(bands, &mut self.line, self.place, frames);
+        self.unsettled = if self.loud {
+            kernel::portable::run_loud(bands, &mut self.line, self.place, frames)
         } else {
-            kernel::run(bands, &mut self.line, self.place, frames);
-        }
+            kernel::run(bands, &mut self.line, self.place, frames)
+        };
     }
 
     /// Where the next frames of s are to be written: what goes into the filter is summed there, and s left.
@@ -171,22 +175,28 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
             (self.sizes_of, self.frames_of_first) = ([0, self.sizes_of[0]], 0);
         }
         let line_bits = 32 - all.leading_zeros() as i32;
-        let known = line_bits == self.line_bits;
-        self.line_bits = line_bits;
-        let mut changed = false;
-        for band in self.bands.iter_mut().take(self.count) {
-            if !known {
-                band.expect(if band.delay < TICK_FRAMES { LINE_BITS } else { line_bits });
-            }
-            changed |= band.settle();
-        }
-        if changed {
-            self.loud = self.is_loud();
+        if line_bits != self.line_bits || self.unsettled {
+            self.scale_anew(line_bits);
         }
         let silence = 1u32.checked_shl((SILENCE + self.line_scale).clamp(0, 31) as u32).unwrap_or(0);
         self.quiet_frames = if self.sizes < silence { self.quiet_frames + TICK_FRAMES } else { 0 };
         self.sizes = 0;
         self.quiet_frames > FRAMES
+    }
+
+    /// States, for a line of words below 2^`line_bits`.
+    #[inline(never)]
+    fn scale_anew(&mut self, line_bits: i32) {
+        let known = line_bits == self.line_bits;
+        self.line_bits = line_bits;
+        for band in self.bands.iter_mut().take(self.count) {
+            if !known {
+                band.expect(if band.delay < TICK_FRAMES { LINE_BITS } else { line_bits });
+            }
+            band.settle();
+        }
+        self.unsettled = false;
+        self.loud = self.is_loud();
     }
 
     /// Whether nothing is left.

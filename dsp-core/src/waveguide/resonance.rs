@@ -77,6 +77,9 @@ pub struct Resonance {
     pub(super) shift: u32,
     /// Whole frames of delay.
     pub(super) delay: usize,
+    /// Leading zeros that a state's size must have for it to stay as it is scaled.
+    pub(super) least_zeros: i32,
+    pub(super) most_zeros: i32,
     /// E.
     exponent: i32,
     /// The largest E for the sum and the multipliers of the input, and with words of the line below 1.
@@ -109,6 +112,8 @@ impl Resonance {
         line_scale: 0,
         sum_scale: 0,
         growth_bits: 0,
+        least_zeros: 0,
+        most_zeros: 32,
         gains: [Gain::ZERO; 2],
         delay: 0,
     };
@@ -186,6 +191,7 @@ impl Resonance {
     /// What it reads from now on is below 2^`line_bits`; to be followed by [`settle`](Self::settle).
     pub(super) fn expect(&mut self, line_bits: i32) {
         self.limit = self.largest_exponent.min(self.for_input - line_bits);
+        self.bound();
     }
 
     /// Leaves so much (Q31) of it.
@@ -198,20 +204,37 @@ impl Resonance {
         (self.u, self.v) == (0, 0)
     }
 
-    /// On a tick: scales the state anew where it has left its bounds.
-    /// Gives whether that was so.
     #[inline(always)]
-    pub(super) fn settle(&mut self) -> bool {
+    fn zeros(&self) -> i32 {
         let size = (self.v ^ (self.v >> 31)) | ((self.u ^ (self.u >> 31)) << self.shift);
-        let bits = 32 - (size as u32).leading_zeros() as i32;
-        let free = STATE_BITS - self.growth_bits - bits;
-        let limit = self.limit;
-        // A bit is left for it to grow before it is looked at again, and it is moved up by three at least.
-        let changes = free < 0 || self.exponent > limit || free > 4 && self.exponent + 2 < limit;
-        if changes {
-            self.rescale((self.exponent + free - 1).min(limit));
+        size.leading_zeros() as i32
+    }
+
+    /// Whether the state has left the bounds of its scaling.
+    #[inline(always)]
+    pub(super) fn changes(&self) -> bool {
+        !(self.least_zeros..=self.most_zeros).contains(&self.zeros())
+    }
+
+    /// On a tick: scales the state anew where it has left its bounds.
+    pub(super) fn settle(&mut self) {
+        if self.changes() {
+            // A bit is left for it to grow before it is looked at again.
+            let free = self.zeros() - self.no_zeros_free();
+            self.rescale((self.exponent + free - 1).min(self.limit));
         }
-        changes
+    }
+
+    /// Leading zeros of a size that leaves no bit free.
+    const fn no_zeros_free(&self) -> i32 {
+        32 - STATE_BITS + self.growth_bits
+    }
+
+    /// Bounds of a size outside of which the state is to be scaled anew: it is moved up by three bits at least.
+    fn bound(&mut self) {
+        let none = self.no_zeros_free();
+        self.least_zeros = if self.exponent > self.limit { 33 } else { none };
+        self.most_zeros = if self.exponent + 2 < self.limit { none + 4 } else { 32 };
     }
 
     #[inline(never)]
@@ -230,6 +253,7 @@ impl Resonance {
         [self.gain_u, self.gain_v] = self.gains.map(|gain| gain.q32(shift));
         let scale = 32 + self.sum_scale - exponent;
         self.scale = if (0..31).contains(&scale) { 1 << scale } else { 0 };
+        self.bound();
     }
 
     /// The largest sum of [`weight`](Self::weight)s for which sums of all bands cannot wrap: their states, below 1.25 · 2^30, then give less than 2^30 together, and

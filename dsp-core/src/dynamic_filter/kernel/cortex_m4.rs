@@ -28,13 +28,13 @@ unsafe extern "C" {
     fn malleus_from_buffer_equal_lsl(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
     fn malleus_from_buffer_two_asr(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
     fn malleus_from_buffer_two_lsl(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
-    fn malleus_from_sums_equal_fine_asr(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_equal_fine_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
     fn malleus_from_sums_equal_fine_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
-    fn malleus_from_sums_equal_coarse_asr(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_equal_coarse_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
     fn malleus_from_sums_equal_coarse_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
-    fn malleus_from_sums_two_fine_asr(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_two_fine_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
     fn malleus_from_sums_two_fine_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
-    fn malleus_from_sums_two_coarse_asr(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_two_coarse_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
     fn malleus_from_sums_two_coarse_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
 }
 
@@ -87,17 +87,17 @@ pub fn from_sums<const EQUAL: bool, const COARSE: bool>(
     out: &mut [i32],
 ) -> u32 {
     let frames = sums.len().min(out.len());
-    if frames == 0 || filter.is_far() {
+    if frames == 0 || !(-2..=0).contains(&filter.shift) {
         return portable::from_sums::<EQUAL, COARSE>(filter, sums, out);
     }
-    let kernel = match (EQUAL, COARSE, filter.shift >= 0) {
-        (true, false, true) => malleus_from_sums_equal_fine_asr,
+    let kernel = match (EQUAL, COARSE, filter.shift == 0) {
+        (true, false, true) => malleus_from_sums_equal_fine_near,
         (true, false, false) => malleus_from_sums_equal_fine_lsl,
-        (true, true, true) => malleus_from_sums_equal_coarse_asr,
+        (true, true, true) => malleus_from_sums_equal_coarse_near,
         (true, true, false) => malleus_from_sums_equal_coarse_lsl,
-        (false, false, true) => malleus_from_sums_two_fine_asr,
+        (false, false, true) => malleus_from_sums_two_fine_near,
         (false, false, false) => malleus_from_sums_two_fine_lsl,
-        (false, true, true) => malleus_from_sums_two_coarse_asr,
+        (false, true, true) => malleus_from_sums_two_coarse_near,
         (false, true, false) => malleus_from_sums_two_coarse_lsl,
     };
     // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps the procedure call standard.

@@ -138,8 +138,8 @@ malleus_noise:
 4:  pop     {r4, pc}
     .size   malleus_noise, . - malleus_noise
 
-@ malleus_from_sums_{equal,two}_{fine,coarse}_{asr,lsl}(filter, sums, out, frames): sums of noise and loops, clipped at 2.0, through the filter, added to out; the
-@ state stays in their place; gives all sizes of these, or'ed. `coarse`: a step of a sum is 32 of the input.
+@ malleus_from_sums_{equal,two}_{fine,coarse}_{near,lsl}(filter, sums, out, frames): sums of noise and loops, clipped at 2.0, through the filter, added to out; the
+@ state stays in their place; gives all sizes of these, or'ed. `coarse`: a step of a sum is 32 of the input. `near`: the state's high word is the bus' word.
 @
 @ r0 sums, r1 out, r2:r3 state, r5 what damping takes of it, r6 sound, r7 shift, r8-r11 damping and b0 with their steps, lr sizes; r4 and r12 take turns as the
 @ input before and now.
@@ -161,8 +161,12 @@ malleus_noise:
     smlal   r2, r3, r10, \before
     add     r8, r8, r9
     lsl     r5, r3, #2
+    .ifc \direction, near
+    qadd    r6, r6, r3
+    .else
     \direction \before, r3, r7
     qadd    r6, r6, \before
+    .endif
     eor     \before, r5, r5, asr #31
     add     r10, r10, r11
     orr     lr, lr, \before
@@ -186,10 +190,14 @@ malleus_noise:
     orr     \before, \before, r5
     vmov    s4, \before
     ldr     \before, [r1]
-    \direction r5, r3, r7
     add     r10, r10, r11
     add     r12, r12, lr
+    .ifc \direction, near
+    qadd    \before, \before, r3
+    .else
+    \direction r5, r3, r7
     qadd    \before, \before, r5
+    .endif
     str     \before, [r1], #4
     .endm
 
@@ -271,8 +279,8 @@ malleus_from_sums_\kind\()_\grain\()_\direction:
     .endm
 
     .irp grain, fine, coarse
-    from_sums equal, \grain, asr
+    from_sums equal, \grain, near
     from_sums equal, \grain, lsl
-    from_sums two, \grain, asr
+    from_sums two, \grain, near
     from_sums two, \grain, lsl
     .endr

@@ -1,13 +1,13 @@
 @ The loops' band-passes for a Cortex-M4F. The bits are those of portable.rs.
 @
 @ malleus_loops(bands, count, line, line_end, sums, frames): adds what each band makes of the line to the sums; a band reads the line its delay before them, and
-@ from the line's end on at its start. The last two arguments lie on the stack.
-@ band (checked at compile time in cortex_m4.rs): u 0, v 4, turn 8, damp 12, gain_u 16, gain_v 20, scale 24, shift k 28, delay 32; 80 bytes.
+@ from the line's end on at its start. Gives 1 where a state is to be scaled anew. The last two arguments lie on the stack.
+@ band (checked at compile time in cortex_m4.rs): u 0, v 4, turn 8, damp 12, gain_u 16, gain_v 20, scale 24, shift k 28, delay 32, least and most zeros 36, 40; 88 bytes.
 @
 @ Optimisation log (nominal cycles a frame and band, this file alone):
 @   167    plain Rust, a bank of its own
 @    11.1  assembly, a call a band, the sum saturating
-@    10.3  the sum has room for all bands, so that the multiplication adds to it
+@     9.9  the sum has room for all bands, so that the multiplication adds to it
 
     .syntax unified
     .thumb
@@ -29,9 +29,9 @@
     .endm
 
     .macro loop_of k
-1:  subs    r3, #32
+1:  subs    r3, #64
     blo     3f
-2:  .irp    at, 0, 8, 16, 24
+2:  .irp    at, 0, 8, 16, 24, 32, 40, 48, 56
     ldr     r11, [r1, #\at]
     ldr     r12, [r1, #\at + 4]
     ldr     lr, [r2, #\at]
@@ -41,11 +41,11 @@
     str     lr, [r2, #\at]
     str     r0, [r2, #\at + 4]
     .endr
-    adds    r1, #32
-    adds    r2, #32
-    subs    r3, #32
+    adds    r1, #64
+    adds    r2, #64
+    subs    r3, #64
     bhs     2b
-3:  adds    r3, #32
+3:  adds    r3, #64
     beq     5f
 4:  ldr     r11, [r1], #4
     ldr     lr, [r2]
@@ -55,13 +55,16 @@
     bne     4b
 5:  vmov    r3, s6
     vmov    r0, s0
-    cmp     r3, #0
-    beq     8f
+    cbz     r3, 6f
     @ The line goes on at its start.
     vmov    r1, s2
     mov     r12, #0
     vmov    s6, r12
     b       1b
+    @ The size of the state.
+6:  eor     r6, r5, r5, asr #31
+    eor     r7, r4, r4, asr #31
+    orr     r6, r6, r7, lsl #\k
     .endm
 
     .p2align 2
@@ -72,7 +75,9 @@ malleus_loops:
     push    {r4-r11, lr}
     ldr     r4, [sp, #36]
     ldr     r5, [sp, #40]
+    mov     r6, #0
     vmov    s1, r1
+    vmov    s7, r6
     vmov    s2, r2
     vmov    s3, r3
     lsl     r5, r5, #2
@@ -101,12 +106,20 @@ malleus_loops:
     loop_of 0
 8:
 .Lmalleus_loops_end:
-    strd    r4, r5, [r0]
-    add     r0, r0, #80
+    clz     r6, r6
+    ldrd    r7, r8, [r0, #36]
+    vmov    r9, s7
+    strd    r4, r5, [r0], #88
+    sub     r7, r6, r7
+    sub     r8, r8, r6
+    orr     r7, r7, r8
+    orr     r9, r9, r7
+    vmov    s7, r9
     vmov    r1, s1
     subs    r1, #1
     vmov    s1, r1
     bne     7b
+    lsr     r0, r9, #31
     pop     {r4-r11, pc}
 .Lmalleus_loops_1:
     loop_of 1

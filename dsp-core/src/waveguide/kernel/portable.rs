@@ -4,14 +4,15 @@ use super::super::resonance::Resonance;
 use crate::fixed::{qadd, smmlar};
 
 /// Adds what comes out of the bands to `frames` sums that lie on the line from `place` on, where s will be written. A band reads its delay before them, and from
-/// the line's end on at its start; a delay is at least as many frames, and that many less than the line's at most.
-pub(crate) fn run(bands: &mut [Resonance], line: &mut [i32], place: usize, frames: usize) {
-    through(bands, line, place, frames, |band, sum, v| smmlar(sum, v, band.scale));
+/// the line's end on at its start; a delay is at least as many frames, and that many less than the line's at most. Gives whether a state is to be
+/// scaled anew.
+pub(crate) fn run(bands: &mut [Resonance], line: &mut [i32], place: usize, frames: usize) -> bool {
+    through(bands, line, place, frames, |band, sum, v| smmlar(sum, v, band.scale))
 }
 
 /// The same, saturating.
-pub(crate) fn run_loud(bands: &mut [Resonance], line: &mut [i32], place: usize, frames: usize) {
-    through(bands, line, place, frames, |band, sum, v| qadd(sum, band.of_sum(v)));
+pub(crate) fn run_loud(bands: &mut [Resonance], line: &mut [i32], place: usize, frames: usize) -> bool {
+    through(bands, line, place, frames, |band, sum, v| qadd(sum, band.of_sum(v)))
 }
 
 #[inline(always)]
@@ -21,16 +22,18 @@ fn through(
     place: usize,
     frames: usize,
     add: impl Fn(&Resonance, i32, i32) -> i32,
-) {
-    let length = line.len();
+) -> bool {
+    let (length, mut changes) = (line.len(), false);
     for band in bands {
         let mut from = if place >= band.delay { place - band.delay } else { place + length - band.delay };
         for at in place..place + frames {
-            let Some(&x) = line.get(from) else { return };
-            let Some(sum) = line.get_mut(at) else { return };
+            let Some(&x) = line.get(from) else { break };
+            let Some(sum) = line.get_mut(at) else { break };
             let v = band.step(x);
             *sum = add(band, *sum, v);
             from = if from + 1 == length { 0 } else { from + 1 };
         }
+        changes |= band.changes();
     }
+    changes
 }
