@@ -48,20 +48,24 @@ impl<const N: usize> Filter<N> {
     }
 
     /// Begins a segment of at most so many frames: gives its frames, and whether there is noise in it.
+    #[inline(always)]
     pub(super) fn segment(&mut self, most: usize) -> (usize, bool) {
-        // Nothing new: a whole tick within a piece, or behind the path's end.
+        // Nothing new: behind the path's end, or a whole tick within a piece.
         if self.walk.is_over() {
             return (most, false);
         }
-        if most == TICK_FRAMES && !self.path.has_levels && self.walk.whole_ticks() > 0 {
-            match self.path.form {
-                Form::EqualZeros => self.walk.tick(&mut self.one_pole.lines, 2),
-                Form::OnePole => self.walk.tick(&mut self.one_pole.lines, 3),
-                Form::Conjugate | Form::Real => self.walk.tick(&mut self.one_pole.lines, PARAMETERS),
+        if most == TICK_FRAMES && self.path.form == Form::EqualZeros && !self.path.has_levels {
+            if self.walk.whole_ticks() > 0 {
+                self.walk.tick(&mut self.one_pole.lines, 2);
+                self.walk.pass(1);
+                return (most, true);
             }
-            self.walk.pass(1);
-            return (most, true);
         }
+        self.begin_segment(most)
+    }
+
+    #[inline(never)]
+    fn begin_segment(&mut self, most: usize) -> (usize, bool) {
         let frames = self.walk.segment(&self.path, most, &mut self.one_pole.lines, &mut self.level);
         // What is 0 all along is not drawn.
         let silent = self.path.has_levels && self.level.is_zero();
@@ -226,12 +230,11 @@ impl<const N: usize> Filter<N> {
     /// Sums of noise and loops, clipped to 2.0, through the filter, added to `out`, and s left in their place; gives its sizes, or'ed.
     #[inline(always)]
     pub(super) fn run_sums(&mut self, sums: &mut [i32], out: &mut [i32]) -> u32 {
-        match (self.path.form, self.coarse) {
-            (Form::EqualZeros, false) => kernel::from_sums::<true, false>(&mut self.one_pole, sums, out),
-            (Form::EqualZeros, true) => kernel::from_sums::<true, true>(&mut self.one_pole, sums, out),
-            (Form::OnePole, false) => kernel::from_sums::<false, false>(&mut self.one_pole, sums, out),
-            (Form::OnePole, true) => kernel::from_sums::<false, true>(&mut self.one_pole, sums, out),
-            (Form::Conjugate | Form::Real, _) => self.run_sums_of_two_poles(sums, out),
+        match self.path.form {
+            form @ (Form::EqualZeros | Form::OnePole) => {
+                kernel::from_sums(&mut self.one_pole, form == Form::EqualZeros, self.coarse, sums, out)
+            }
+            Form::Conjugate | Form::Real => self.run_sums_of_two_poles(sums, out),
         }
     }
 

@@ -125,7 +125,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         let ratio = rate.hz() / rate_hz;
         let looped = loops.clone().next().is_some();
         self.plain = !looped && exciter.is_none() && !modes_through && path.clone().all(|point| point.noise == 1.0);
-        self.only_looped = looped && exciter.is_none() && !modes_through;
+        self.only_looped = looped && exciter.is_none() && !modes_through && order == 1;
         let input = match (self.plain, looped) {
             (true, _) => Input::Noise,
             (false, true) => Input::Sums,
@@ -258,6 +258,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
     }
 
     /// A tick, a strike or a breakpoint.
+    #[inline(always)]
     fn begin(&mut self) {
         if self.frame == 0 {
             let silent = if self.loops.count().0 > 0 { self.loops.settle() } else { true };
@@ -291,7 +292,13 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
             return false;
         }
         self.left = 0;
-        self.sum(TICK_FRAMES);
+        let Some(sums) = self.loops.slot(TICK_FRAMES).as_mut_array::<TICK_FRAMES>() else { return false };
+        if self.noisy {
+            self.filter.noise(sums)
+        } else {
+            *sums = [0; TICK_FRAMES]
+        }
+        self.loops.add(TICK_FRAMES);
         self.filter_sums(out);
         true
     }

@@ -175,8 +175,10 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
             (self.sizes_of, self.frames_of_first) = ([0, self.sizes_of[0]], 0);
         }
         let line_bits = 32 - all.leading_zeros() as i32;
-        if line_bits != self.line_bits || self.unsettled {
-            self.scale_anew(line_bits);
+        // What bounds the words bounds smaller ones; two bits more are not worth the time.
+        let known = line_bits <= self.line_bits && line_bits + 3 > self.line_bits;
+        if !known || self.unsettled {
+            self.scale_anew(if known { self.line_bits } else { line_bits });
         }
         let silence = 1u32.checked_shl((SILENCE + self.line_scale).clamp(0, 31) as u32).unwrap_or(0);
         self.quiet_frames = if self.sizes < silence { self.quiet_frames + TICK_FRAMES } else { 0 };

@@ -80,28 +80,32 @@ pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
     *noise = White::from_word(unsafe { malleus_noise(noise.word(), level, words.as_mut_ptr(), words.len()) });
 }
 
+type FromSums = unsafe extern "C" fn(*mut OnePole, *mut i32, *mut i32, usize) -> u32;
+
+/// By two coefficients, coarse, near.
+static FROM_SUMS: [FromSums; 8] = [
+    malleus_from_sums_equal_fine_lsl,
+    malleus_from_sums_equal_fine_near,
+    malleus_from_sums_equal_coarse_lsl,
+    malleus_from_sums_equal_coarse_near,
+    malleus_from_sums_two_fine_lsl,
+    malleus_from_sums_two_fine_near,
+    malleus_from_sums_two_coarse_lsl,
+    malleus_from_sums_two_coarse_near,
+];
+
 /// As [`portable::from_sums`].
-pub fn from_sums<const EQUAL: bool, const COARSE: bool>(
-    filter: &mut OnePole,
-    sums: &mut [i32],
-    out: &mut [i32],
-) -> u32 {
+#[inline(always)]
+pub fn from_sums(filter: &mut OnePole, equal: bool, coarse: bool, sums: &mut [i32], out: &mut [i32]) -> u32 {
     let frames = sums.len().min(out.len());
-    if frames == 0 || !(-2..=0).contains(&filter.shift) {
-        return portable::from_sums::<EQUAL, COARSE>(filter, sums, out);
+    let kind = 4 * usize::from(!equal) + 2 * usize::from(coarse) + usize::from(filter.shift == 0);
+    match FROM_SUMS.get(kind) {
+        // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps the procedure call standard.
+        Some(kernel) if frames > 0 && filter.shift >= -2 => unsafe {
+            kernel(filter, sums.as_mut_ptr(), out.as_mut_ptr(), frames)
+        },
+        _ => portable::from_sums(filter, equal, coarse, sums, out),
     }
-    let kernel = match (EQUAL, COARSE, filter.shift == 0) {
-        (true, false, true) => malleus_from_sums_equal_fine_near,
-        (true, false, false) => malleus_from_sums_equal_fine_lsl,
-        (true, true, true) => malleus_from_sums_equal_coarse_near,
-        (true, true, false) => malleus_from_sums_equal_coarse_lsl,
-        (false, false, true) => malleus_from_sums_two_fine_near,
-        (false, false, false) => malleus_from_sums_two_fine_lsl,
-        (false, true, true) => malleus_from_sums_two_coarse_near,
-        (false, true, false) => malleus_from_sums_two_coarse_lsl,
-    };
-    // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps the procedure call standard.
-    unsafe { kernel(filter, sums.as_mut_ptr(), out.as_mut_ptr(), frames) }
 }
 
 /// Whether shifting to the bus cannot lose a bit at the top, so that it need not saturate: the high word is below 2^29 always, and within these

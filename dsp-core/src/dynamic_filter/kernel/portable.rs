@@ -28,15 +28,18 @@ pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
 }
 
 /// Sums, clipped at 2.0, through the filter, added to `out`, as many frames as both have; the state is left in their place, 4 times the high word. Gives the
-/// sizes of these, or'ed. A sum's format is Q29, [`COARSE_BITS`] less of the `COARSE` kind.
-pub fn from_sums<const EQUAL: bool, const COARSE: bool>(
-    filter: &mut OnePole,
-    sums: &mut [i32],
-    out: &mut [i32],
-) -> u32 {
+/// sizes of these, or'ed. A sum's format is Q29, [`COARSE_BITS`] less of the `coarse` kind.
+#[inline(never)]
+pub fn from_sums(filter: &mut OnePole, equal: bool, coarse: bool, sums: &mut [i32], out: &mut [i32]) -> u32 {
+    let clip = if coarse { clipped::<true> } else { clipped::<false> };
     let mut sizes = 0;
     for (word, out) in sums.iter_mut().zip(out) {
-        filter.step::<EQUAL>(clipped::<COARSE>(*word));
+        let e = clip(*word);
+        if equal {
+            filter.step::<true>(e)
+        } else {
+            filter.step::<false>(e)
+        }
         *word = filter.truncated();
         sizes |= (*word ^ (*word >> 31)) as u32;
         *out = qadd(*out, filter.sound());

@@ -31,18 +31,16 @@
     .macro loop_of k
 1:  subs    r3, #64
     blo     3f
-2:  .irp    at, 0, 8, 16, 24, 32, 40, 48, 56
-    ldr     r11, [r1, #\at]
-    ldr     r12, [r1, #\at + 4]
-    ldr     lr, [r2, #\at]
-    ldr     r0, [r2, #\at + 4]
+2:  .rept   8
+    ldr     r12, [r1, #4]
+    ldr     r11, [r1], #8
+    ldr     r0, [r2, #4]
+    ldr     lr, [r2]
     loop_frame \k, r11, lr
     loop_frame \k, r12, r0
-    str     lr, [r2, #\at]
-    str     r0, [r2, #\at + 4]
+    str     r0, [r2, #4]
+    str     lr, [r2], #8
     .endr
-    adds    r1, #64
-    adds    r2, #64
     subs    r3, #64
     bhs     2b
 3:  adds    r3, #64
