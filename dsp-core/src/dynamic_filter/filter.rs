@@ -156,14 +156,20 @@ impl<const N: usize> Filter<N> {
     }
 
     /// The next frames of noise at a strike's level, and at the path's.
+    #[inline(always)]
     fn draw(&mut self, level: i32, input: &mut [i32]) {
-        let noise = &mut self.one_pole.noise;
-        if !self.path.has_levels {
-            return kernel::noise(noise, level, input);
+        if self.path.has_levels {
+            self.draw_levels(level, input);
+        } else {
+            kernel::noise(&mut self.one_pole.noise, level, input);
         }
+    }
+
+    #[inline(never)]
+    fn draw_levels(&mut self, level: i32, input: &mut [i32]) {
         for word in input {
             // 1 is 2^30: two bits less than a product's high word has.
-            *word = noise.draw(smmulr(level, self.level.value) << 2);
+            *word = self.one_pole.noise.draw(smmulr(level, self.level.value) << 2);
             self.level.advance();
         }
     }

@@ -39,11 +39,10 @@ use crate::waveguide::Loops;
 /// filter.render(None, &mut out);
 /// assert!(out.iter().any(|&sample| sample != 0));
 /// ```
+// In this order: what a tick asks for is near the start, where the chip reaches it by a short address.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct DynamicFilter<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> {
-    filter: Filter<POINTS>,
-    loops: Loops<LOOPS, FRAMES>,
-    exciter: BandPass,
     modes_through: bool,
     loaded: bool,
     /// Whether noise goes straight into the filter, and nothing else does.
@@ -61,6 +60,9 @@ pub struct DynamicFilter<const POINTS: usize, const LOOPS: usize, const FRAMES: 
     /// Whether the segment has noise.
     noisy: bool,
     ringing: bool,
+    exciter: BandPass,
+    filter: Filter<POINTS>,
+    loops: Loops<LOOPS, FRAMES>,
 }
 
 impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter<POINTS, LOOPS, FRAMES> {

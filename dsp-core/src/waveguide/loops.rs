@@ -13,14 +13,14 @@ use crate::resonator::TICK_FRAMES;
 const LARGEST_FINE: f64 = 1.0 / 16.0;
 
 /// At most `LOOPS` loops on one line of `FRAMES` frames of s.
+// In this order: what a tick asks for is near the start, where the chip reaches it by a short address.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub(crate) struct Loops<const LOOPS: usize, const FRAMES: usize> {
-    bands: [Resonance; LOOPS],
     count: usize,
     /// The shortest delay, at most a tick.
     shortest: usize,
-    /// The line, a ring, larger than the bus by 2^line_scale; where s is written next.
-    line: [i32; FRAMES],
+    /// Where s is written next.
     place: usize,
     line_scale: i32,
     sum_scale: i32,
@@ -36,6 +36,9 @@ pub(crate) struct Loops<const LOOPS: usize, const FRAMES: usize> {
     longest: usize,
     /// Frames for which all were silent.
     quiet_frames: usize,
+    bands: [Resonance; LOOPS],
+    /// The line, a ring, larger than the bus by 2^line_scale.
+    line: [i32; FRAMES],
 }
 
 impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
