@@ -232,10 +232,8 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
                 }
                 continue;
             }
-            let mut frames = out.len().min(self.left);
-            if !self.plain {
-                frames = self.loops.run_length(frames);
-            }
+            let most = out.len().min(self.left);
+            let frames = if self.loops.count().0 > 0 { self.loops.slot_length(most) } else { most };
             let (now, later) = out.split_at_mut(frames);
             let (given, more) = modes.split_at(frames.min(modes.len()));
             if self.loops.count().0 > 0 {
@@ -290,7 +288,8 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
     #[inline(never)]
     fn run_looped_tick(&mut self, out: &mut [i32; TICK_FRAMES]) -> bool {
         self.begin();
-        if !self.ringing || self.left < TICK_FRAMES || self.loops.run_length(TICK_FRAMES) < TICK_FRAMES {
+        let room = self.loops.run_length(self.loops.slot_length(TICK_FRAMES));
+        if !self.ringing || self.left < TICK_FRAMES || room < TICK_FRAMES {
             return false;
         }
         self.left = 0;
@@ -305,18 +304,6 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         true
     }
 
-    /// Noise and loops, summed in the line's slot.
-    #[inline(always)]
-    fn sum(&mut self, frames: usize) {
-        let sums = self.loops.slot(frames);
-        if self.noisy {
-            self.filter.noise(sums);
-        } else {
-            sums.fill(0);
-        }
-        self.loops.add(frames);
-    }
-
     /// What was summed through the filter.
     #[inline(always)]
     fn filter_sums(&mut self, out: &mut [i32]) {
@@ -325,20 +312,30 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         self.loops.advance(frames, sizes);
     }
 
-    /// Frames within a segment, by way of the loops' line.
+    /// Frames within a segment, by way of the loops' line: what comes in at once, loops and filter by blocks of the shortest delay.
     #[inline(never)]
     fn run_looped(&mut self, modes: &[i32], out: &mut [i32]) {
-        let frames = out.len();
+        let sums = self.loops.slot(out.len());
         if self.exciter.is_loaded() {
-            self.filter.excite(&mut self.exciter, self.noisy, self.loops.slot(frames));
-            self.loops.add(frames);
+            self.filter.excite(&mut self.exciter, self.noisy, sums);
+        } else if self.noisy {
+            self.filter.noise(sums);
         } else {
-            self.sum(frames);
+            sums.fill(0);
         }
-        if self.modes_through {
-            self.filter.add(modes, self.loops.slot(frames));
+        let (mut modes, mut out) = (modes, out);
+        while !out.is_empty() {
+            let frames = self.loops.run_length(out.len());
+            let (now, later) = out.split_at_mut(frames);
+            self.loops.add(frames);
+            if self.modes_through {
+                let (given, more) = modes.split_at(frames.min(modes.len()));
+                self.filter.add(given, self.loops.slot(frames));
+                modes = more;
+            }
+            self.filter_sums(now);
+            out = later;
         }
-        self.filter_sums(out);
     }
 
     /// Frames within a segment without loops, by way of a buffer.

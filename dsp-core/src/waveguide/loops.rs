@@ -89,8 +89,6 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
             self.shortest = self.shortest.min(tuned.delay);
             self.longest = self.longest.max(tuned.delay);
         }
-        // A slot is written while it is read: no loop may read it as what was there before.
-        self.shortest = self.shortest.min(FRAMES - self.longest);
         self.count = given;
         self.loud = self.is_loud();
         Ok(())
@@ -140,9 +138,14 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         self.line.iter_mut().take(used).for_each(|s| *s = times_q31(*s, left));
     }
 
-    /// How many of so many frames can be run at once: as long as no loop reads what is not written, and the ring does not turn.
+    /// How many of so many frames have a slot that no loop is still to read and in which the ring does not turn.
+    pub(crate) fn slot_length(&self, frames: usize) -> usize {
+        frames.min(FRAMES - self.longest).min(FRAMES - self.place)
+    }
+
+    /// How many of them can be run at once: as long as no loop reads what is not written.
     pub(crate) fn run_length(&self, frames: usize) -> usize {
-        frames.min(self.shortest).min(FRAMES - self.place)
+        frames.min(self.shortest)
     }
 
     /// Adds what the loops give over so many frames to what lies in [`slot`](Self::slot), Q29 or less ([`COARSE`]).

@@ -31,26 +31,37 @@
     .macro loop_of k
 1:  subs    r3, #64
     blo     3f
+    .p2align 2
 2:  .rept   8
     ldr     r12, [r1, #4]
     ldr     r11, [r1], #8
-    ldr     r0, [r2, #4]
+    ldr.w   r0, [r2, #4]
     ldr     lr, [r2]
     loop_frame \k, r11, lr
     loop_frame \k, r12, r0
-    str     r0, [r2, #4]
+    str.w   r0, [r2, #4]
     str     lr, [r2], #8
     .endr
     subs    r3, #64
     bhs     2b
 3:  adds    r3, #64
     beq     5f
-4:  ldr     r11, [r1], #4
+    tst     r3, #4
+    beq     4f
+    ldr     r11, [r1], #4
     ldr     lr, [r2]
     loop_frame \k, r11, lr
     str     lr, [r2], #4
     subs    r3, #4
-    bne     4b
+    beq     5f
+    @ Less than 8 pairs, each of 72 bytes: in at the right one.
+4:  rsb     r0, r3, #64
+    adr     r12, 2b
+    add     r0, r0, r0, lsl #3
+    add     r0, r0, r12
+    orr     r0, r0, #1
+    movs    r3, #0
+    bx      r0
 5:  vmov    r3, s6
     vmov    r0, s0
     cbz     r3, 6f
@@ -75,29 +86,32 @@ malleus_loops:
     ldr     r5, [sp, #40]
     mov     r6, #0
     vmov    s1, r1
+    vmov    s6, r6
     vmov    s7, r6
     vmov    s2, r2
     vmov    s3, r3
     lsl     r5, r5, #2
     vmov    s4, r4
     vmov    s5, r5
-7:  vmov    s0, r0
-    ldr     r1, [r0, #32]
+7:  ldr     r1, [r0, #32]
     ldm     r0, {r4-r11}
+    vmov    s0, r0
     vmov    r2, s4
-    vmov    r0, s2
-    vmov    r12, s3
+    vmov    r3, s5
+    vmov    r12, s2
     sub     r1, r2, r1, lsl #2
-    cmp     r1, r0
+    cmp     r1, r12
     bhs     6f
-    sub     r0, r12, r0
-    add     r1, r1, r0
-6:  vmov    r3, s5
-    sub     r12, r12, r1
+    @ Before the line's start, so from its end on; what is left of it may be less than is asked for. (Anything else ends before the sums.)
+    vmov    r0, s3
+    sub     r12, r0, r12
+    add     r1, r1, r12
+    sub     r12, r0, r1
     sub     r0, r3, r12
     bic     r0, r0, r0, asr #31
     sub     r3, r3, r0
     vmov    s6, r0
+6:
     cmp     r11, #1
     beq     .Lmalleus_loops_1
     bhi     .Lmalleus_loops_2
