@@ -259,3 +259,19 @@ fn the_tick_rate_is_not_heard() {
         assert!(all > 0.0 && worst < -50.0, "{what}: {worst}");
     }
 }
+
+#[test]
+fn a_zero_nearly_cancelled_at_nyquist_keeps_ninety_db() {
+    // As the first milliseconds of metal are estimated: all frequencies pass, through a1 near 1.
+    let path = vec![point(0.0, 0.999, 0.998), point(0.01, 0.95, 0.9), point(0.05, 0.3, -0.3), point(0.4, 0.02, -0.95)];
+    for loops in
+        [Vec::new(), vec![Loop { frequency_hz: 700.0, bandwidth_hz: 4.0, gain: 0.5, delay_s: 41.3 / 48_000.0 }]]
+    {
+        let table = Table { loops, ..Table::of_path(path.clone()) };
+        let mut ours = table.ours(RATE).unwrap();
+        let out = play(&mut ours, &[(0, 1.0), (4800, 0.3)], 24_000);
+        let snr = snr_db(&table.exact(&[(0, 1.0), (4800, 0.3)], ours.input_shift(), out.len(), RATE), &out);
+        println!("pole and zero near Nyquist, {} loops: {snr:.1} dB", table.loops.len());
+        assert!(snr >= 90.0, "{snr}");
+    }
+}

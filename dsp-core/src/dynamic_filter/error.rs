@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::path::{MAX_GAIN, MAX_POLE, MAX_TIME_S, MIN_POLE};
+use super::path::{MAX_GAIN, MAX_POLE, MAX_TIME_S, MIN_POLE, MIN_REAL_POLE};
 use crate::SampleRate;
 use crate::biquad::butterworth::{BandError, Exciter};
 use crate::waveguide::LoopError;
@@ -67,7 +67,7 @@ impl fmt::Display for PathError {
             ),
             Self::Unstable { breakpoint, pole } => write!(
                 f,
-                "breakpoint {breakpoint}: a pole at {pole} does not decay: keep poles between {MIN_POLE} and {MAX_POLE} (first order: -a1)"
+                "breakpoint {breakpoint}: a pole at {pole} does not decay: keep poles between {MIN_POLE} and {MAX_POLE} (first order: -a1), real ones of the second order above {MIN_REAL_POLE}"
             ),
             Self::Gain { breakpoint, gain } => write!(
                 f,

@@ -34,7 +34,13 @@ impl<const N: usize> Filter<N> {
 
     /// At rest behind the end of the loaded path.
     pub(super) fn start(&mut self, noise: White) {
-        self.one_pole = OnePole { noise, shift: self.path.scale, growth: self.path.growth, ..OnePole::REST };
+        self.one_pole = OnePole {
+            noise,
+            shift: self.path.scale,
+            growth: self.path.growth,
+            whole: self.path.whole,
+            ..OnePole::REST
+        };
         self.one_pole.state = self.one_pole.rest();
         self.two_poles = TwoPoles::REST;
         self.walk.end(&self.path);
@@ -83,12 +89,18 @@ impl<const N: usize> Filter<N> {
             return self.two_poles.settle();
         }
         // Damping takes the high word, rounded: a positive pole ends where that is 0, a negative one, where twice the rounding's half step alternates,
-        // within 1/(1 - |p|).
+        // within 1/(1 - |p|); where it takes all bits, a step below it.
         let nothing = self.one_pole.rest();
         let bits = if self.one_pole.is_far() { 30 } else { 32 };
         let OnePole { state, last, lines: [damp, ..], .. } = &mut self.one_pole;
         let distance = i64::from(damp.value) + (1 << 31);
-        let rest = if distance < 1 << 30 { (1 << 30) / distance.max(1) + 2 } else { 0 };
+        let rest = if self.path.whole {
+            1
+        } else if distance < 1 << 30 {
+            (1 << 30) / distance.max(1) + 2
+        } else {
+            0
+        };
         if *last == 0 && (-rest..=rest).contains(&(*state >> bits)) {
             *state = nothing;
         }

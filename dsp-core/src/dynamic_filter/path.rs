@@ -15,9 +15,11 @@ use crate::SampleRate;
 
 /// The largest real pole, and the largest magnitude of a conjugate one.
 pub const MAX_POLE: f64 = 0.9999;
-/// The smallest real pole (first order: the largest a1 is 0.9, eq. 17's low-pass at 0.48 fs): what rounding leaves grows with 1/(1 - |p|), and
-/// faster at this end.
-pub const MIN_POLE: f64 = -0.9;
+/// The smallest pole of the first order. What rounding leaves grows with 1/(1 - |p|), and faster at this end, so that below [`MIN_REAL_POLE`] it takes all bits
+/// of its state.
+pub const MIN_POLE: f64 = -0.9999;
+/// The smallest real pole of the second order. Eq. 17's low-pass is at 0.48 fs there.
+pub const MIN_REAL_POLE: f64 = -0.9;
 /// The largest gain, summed over the impulse response: `(|b0| + |b1|) / (1 - |a1|)` in the first order.
 pub const MAX_GAIN: f64 = 4096.0;
 /// The longest path.
@@ -27,11 +29,13 @@ pub const MAX_TIME_S: f64 = 3600.0;
 #[derive(Clone, Copy)]
 struct Limits {
     poles: [f64; 2],
+    /// Of the second order.
+    least_real: f64,
     gain: f64,
 }
 
-const OF_TABLE: Limits = Limits { poles: [MIN_POLE, MAX_POLE], gain: MAX_GAIN };
-const CARRIED: Limits = Limits { poles: [-0.9999, 0.999_999], gain: 2.0 * MAX_GAIN };
+const OF_TABLE: Limits = Limits { poles: [MIN_POLE, MAX_POLE], least_real: MIN_REAL_POLE, gain: MAX_GAIN };
+const CARRIED: Limits = Limits { poles: [-0.999_999, 0.999_999], least_real: -0.9999, gain: 2.0 * MAX_GAIN };
 
 /// |e| is clipped to this: 2.0.
 pub(super) const MAX_INPUT_BITS: i32 = 28;
@@ -110,6 +114,8 @@ pub struct Path<const N: usize> {
     pub(super) form: Form,
     /// Whether the noise has levels of its own.
     pub(super) has_levels: bool,
+    /// Whether damping takes all bits of a first-order state.
+    pub(super) whole: bool,
     /// h: the state's word is larger than the bus by 2^h.
     pub(super) scale: i32,
     /// q: the input's words are Q(27 - q).
@@ -155,6 +161,7 @@ impl<const N: usize> Path<N> {
         count: 0,
         form: Form::EqualZeros,
         has_levels: false,
+        whole: false,
         scale: 0,
         input_shift: 0,
         inner_scale: 0,
@@ -185,6 +192,8 @@ impl<const N: usize> Path<N> {
         self.has_levels = breakpoints.clone().any(|point| point.noise != 1.0);
         let breakpoints = breakpoints.map(|point| point.carried(order, ratio));
         let nothing = Derived { form, parameters: [0.0; PARAMETERS], direct: 0.0, ring: 0.0, inner: 1.0 };
+        let rounded = |point: Breakpoint| -point.a1 >= MIN_REAL_POLE;
+        self.whole = order == 1 && !breakpoints.clone().all(rounded);
         let mut most = nothing;
         for (breakpoint, point) in breakpoints.clone().enumerate() {
             most = most.or(derive(order, &point, breakpoint, CARRIED)?);
@@ -307,7 +316,7 @@ impl<const N: usize> Path<N> {
 /// Parameters of a breakpoint.
 fn derive(order: u8, point: &Breakpoint, breakpoint: usize, limits: Limits) -> Result<Derived, PathError> {
     let Breakpoint { a1, a2, b0, b1, b2, .. } = *point;
-    let [min_pole, max_pole] = limits.poles;
+    let Limits { poles: [min_pole, max_pole], least_real, .. } = limits;
     let stable = |pole: f64, least: f64| {
         if (least..=max_pole).contains(&pole) { Ok(()) } else { Err(PathError::Unstable { breakpoint, pole }) }
     };
@@ -334,8 +343,8 @@ fn derive(order: u8, point: &Breakpoint, breakpoint: usize, limits: Limits) -> R
             } else {
                 let root = libm::sqrt(rest);
                 let (p1, p2) = (middle + root, middle - root);
-                stable(p1, min_pole)?;
-                stable(p2, min_pole)?;
+                stable(p1, least_real)?;
+                stable(p2, least_real)?;
                 let (alpha, beta) = (n1, n2 + n1 * p2);
                 let ring = alpha.abs() + beta.abs() / (1.0 - p2.abs());
                 let parameters = [p1, p2, alpha, beta, b0];

@@ -37,12 +37,18 @@ fn the_chip_has_the_bits_of_the_pc() {
         (1, -1.0, 1.0, 4, None),
         (1, 1.0, 1.0, 3, band),
         (2, 1.0, 1.0, 2, None),
+        // A pole near -1.
+        (1, 0.9, 0.5, 0, None),
+        (1, 0.9, 0.5, 2, None),
     ];
     for (order, b1, gain, count, exciter) in cases {
         let mut path = path(b1);
         path.iter_mut().for_each(|point| (point.b0, point.b1) = (point.b0 * gain, point.b1 * gain));
         if order == 2 {
             path.iter_mut().for_each(|point| point.a2 = 0.9 * point.a1 * point.a1);
+        }
+        if b1 == 0.9 {
+            path[0].a1 = 0.99;
         }
         // High ones too: every shift; short ones too.
         let mut loops = loops(count);

@@ -41,7 +41,7 @@ unsafe extern "C" {
 /// As [`portable::from_noise`].
 #[inline(always)]
 pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
-    if out.is_empty() || !fits(filter, out.len()) {
+    if out.is_empty() || filter.whole || !fits(filter, out.len()) {
         return portable::from_noise::<EQUAL>(filter, out);
     }
     let kernel = match (EQUAL, filter.shift) {
@@ -61,7 +61,7 @@ pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
 /// As [`portable::from_buffer`].
 pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], out: &mut [i32]) {
     let frames = buffer.len().min(out.len());
-    if frames == 0 || filter.is_far() {
+    if frames == 0 || filter.whole || filter.is_far() {
         return portable::from_buffer::<EQUAL>(filter, buffer, out);
     }
     let kernel = match (EQUAL, filter.shift >= 0) {
@@ -101,7 +101,7 @@ pub fn from_sums(filter: &mut OnePole, equal: bool, coarse: bool, sums: &mut [i3
     let kind = 4 * usize::from(!equal) + 2 * usize::from(coarse) + usize::from(filter.shift == 0);
     match FROM_SUMS.get(kind) {
         // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps the procedure call standard.
-        Some(kernel) if frames > 0 && filter.shift >= -2 => unsafe {
+        Some(kernel) if frames > 0 && !filter.whole && filter.shift >= -2 => unsafe {
             kernel(filter, sums.as_mut_ptr(), out.as_mut_ptr(), frames)
         },
         _ => portable::from_sums(filter, equal, coarse, sums, out),

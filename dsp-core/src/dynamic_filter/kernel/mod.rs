@@ -39,6 +39,8 @@ pub struct OnePole {
     pub lines: [Line; PARAMETERS],
     /// The most by which an input changes the state's high word in a frame.
     pub growth: u32,
+    /// Whether damping takes all bits of the state: what rounding leaves would grow too much near -1.
+    pub whole: bool,
 }
 
 impl OnePole {
@@ -50,7 +52,11 @@ impl OnePole {
 
     /// The state of nothing.
     pub const fn rest(&self) -> i64 {
-        if self.is_far() { 1 << 29 } else { 1 << 31 }
+        match (self.whole, self.is_far()) {
+            (true, _) => 0,
+            (false, true) => 1 << 29,
+            (false, false) => 1 << 31,
+        }
     }
 
     /// At rest.
@@ -62,5 +68,6 @@ impl OnePole {
         shift: 0,
         lines: [Line { value: 0, step: 0 }; PARAMETERS],
         growth: 0,
+        whole: false,
     };
 }

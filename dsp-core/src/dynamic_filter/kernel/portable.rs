@@ -2,7 +2,7 @@
 
 use super::super::noise::White;
 use super::{COARSE_BITS, OnePole};
-use crate::fixed::{qadd, saturating_shift_left};
+use crate::fixed::{qadd, saturate, saturating_shift_left};
 
 /// Noise through the filter, added to `out`.
 pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
@@ -64,8 +64,12 @@ impl OnePole {
     #[inline(always)]
     fn step<const EQUAL: bool>(&mut self, e: i32) {
         let damping = self.truncated();
+        let below = self.state - (i64::from(damping) << 30);
         let [damp, b0, b1, ..] = &mut self.lines;
         self.state += i64::from(damp.value) * i64::from(damping);
+        if self.whole {
+            self.state += (i64::from(damp.value) * below) >> 30;
+        }
         if EQUAL {
             self.state += i64::from(b0.value) * i64::from(e + self.last);
         } else {
@@ -81,7 +85,9 @@ impl OnePole {
     /// The state on the bus.
     #[inline(always)]
     fn sound(&self) -> i32 {
-        if self.is_far() {
+        if self.whole {
+            saturate(self.state >> (32 + self.shift).clamp(0, 63))
+        } else if self.is_far() {
             scaled(self.truncated(), self.shift + 2)
         } else {
             scaled((self.state >> 32) as i32, self.shift)
