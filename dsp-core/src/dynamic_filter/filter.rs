@@ -199,14 +199,16 @@ impl<const N: usize> Filter<N> {
         input.iter_mut().for_each(|word| *word = saturating_shift_left(*word, down).clamp(-largest, largest) >> grain);
     }
 
-    /// Nominal cycles of a tick, at most; `plain` says whether noise is all that comes in.
+    /// Nominal cycles of a tick of noise alone, in blocks where it is not `plain`.
     pub(super) fn cycles_a_tick(&self, plain: bool) -> u32 {
-        32 * match (self.path.form, plain) {
-            (Form::EqualZeros, true) => 22,
-            (Form::OnePole, true) => 26,
-            (Form::EqualZeros | Form::OnePole, false) => 80,
-            (Form::Conjugate | Form::Real, _) => 200,
-        }
+        let first = match (self.path.form, plain) {
+            (Form::EqualZeros, true) => 560,
+            (Form::OnePole, true) => 650,
+            (Form::EqualZeros, false) => 930,
+            (Form::OnePole, false) => 1180,
+            (Form::Conjugate | Form::Real, _) => 6300,
+        };
+        first + if self.path.whole { 32 * 90 } else { 0 }
     }
 
     /// Adds a signal of the bus to an input, and clips it to 2.0; coarse sums to more.
@@ -266,7 +268,11 @@ impl<const N: usize> Filter<N> {
 
     /// See [`run`](Self::run).
     pub(super) fn line_scale(&self) -> i32 {
-        self.path.scale + if self.path.form.parameters() < PARAMETERS { 2 } else { 0 }
+        match (self.path.form.parameters() < PARAMETERS, self.one_pole.is_far()) {
+            (true, true) => 0,
+            (true, false) => self.path.scale + 2,
+            (false, _) => self.path.scale,
+        }
     }
 }
 

@@ -233,10 +233,10 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
                 continue;
             }
             let most = out.len().min(self.left);
-            let frames = if self.loops.count().0 > 0 { self.loops.slot_length(most) } else { most };
+            let frames = if self.loops.count() > 0 { self.loops.slot_length(most) } else { most };
             let (now, later) = out.split_at_mut(frames);
             let (given, more) = modes.split_at(frames.min(modes.len()));
-            if self.loops.count().0 > 0 {
+            if self.loops.count() > 0 {
                 self.run_looped(given, now);
             } else if !(self.plain && self.noisy && self.filter.run_noise(now)) {
                 self.run(given, now);
@@ -261,7 +261,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
     #[inline(always)]
     fn begin(&mut self) {
         if self.frame == 0 {
-            let silent = if self.loops.count().0 > 0 { self.loops.settle() } else { true };
+            let silent = if self.loops.count() > 0 { self.loops.settle() } else { true };
             if !self.filter.is_under_way() {
                 self.settle(silent);
             }
@@ -380,11 +380,9 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         if !self.loaded {
             return 0;
         }
-        let (loops, short) = self.loops.count();
         let mut cycles = self.filter.cycles_a_tick(self.plain);
-        cycles += if self.exciter.is_loaded() { 145 * 32 } else { 0 };
+        cycles += if self.exciter.is_loaded() { 135 * 32 } else { 0 };
         cycles += if self.modes_through { 12 * 32 } else { 0 };
-        cycles += 16 * 32 * loops as u32 + if loops > 0 { 12 * 32 } else { 0 };
-        cycles + 80 * 32 * short as u32
+        cycles + self.loops.cycles_a_tick()
     }
 }

@@ -11,6 +11,8 @@ use crate::resonator::TICK_FRAMES;
 
 /// Up to this sum of what may come out of the loops a fine sum has room.
 const LARGEST_FINE: f64 = 1.0 / 16.0;
+/// What s may be then: 12 dB above full scale. (If it is louder after all, sums saturate for a while.)
+const LOUDEST: f64 = 4.0;
 
 /// At most `LOOPS` loops on one line of `FRAMES` frames of s.
 // In this order: what a tick asks for is near the start, where the chip reaches it by a short address.
@@ -82,6 +84,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         stable(all)?;
         // Loops of little gain round a filter of much: there a step of the sum is loudest, and there is room for it to be small.
         let largest: f64 = all.iter().map(|tuned| Resonance::largest(tuned, line_scale)).sum();
+        let largest = largest * (LOUDEST / libm::scalbn(1.0, LINE_BITS - 27 - line_scale)).min(1.0);
         self.sum_scale = if largest < LARGEST_FINE { FINE } else { COARSE };
         self.line_scale = line_scale;
         for (band, tuned) in self.bands.iter_mut().zip(all) {
@@ -100,10 +103,15 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         (self.count, self.shortest, self.longest) = (0, TICK_FRAMES, 0);
     }
 
-    /// How many there are, and how many of them have a delay below a tick.
-    pub(crate) fn count(&self) -> (usize, usize) {
-        let short = |band: &&Resonance| band.delay < TICK_FRAMES;
-        (self.count, self.used().iter().filter(short).count())
+    /// How many there are.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Nominal cycles of a tick, with what the filter takes more for them: for each frame of a loop, each block, and each block of a loop.
+    pub(crate) fn cycles_a_tick(&self) -> u32 {
+        let (loops, blocks) = (self.count as u32, TICK_FRAMES.div_ceil(self.shortest) as u32);
+        if loops == 0 { 0 } else { 312 * loops + blocks * (270 + 84 * loops) }
     }
 
     fn used(&self) -> &[Resonance] {

@@ -30,18 +30,22 @@ unsafe extern "C" {
     fn malleus_from_buffer_two_lsl(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
     fn malleus_from_sums_equal_fine_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
     fn malleus_from_sums_equal_fine_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_equal_fine_far(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
     fn malleus_from_sums_equal_coarse_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
     fn malleus_from_sums_equal_coarse_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_equal_coarse_far(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
     fn malleus_from_sums_two_fine_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
     fn malleus_from_sums_two_fine_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_two_fine_far(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
     fn malleus_from_sums_two_coarse_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
     fn malleus_from_sums_two_coarse_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_two_coarse_far(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
 }
 
 /// As [`portable::from_noise`].
 #[inline(always)]
 pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
-    if out.is_empty() || filter.whole || !fits(filter, out.len()) {
+    if out.is_empty() || filter.whole || !fits::<0>(filter, out.len()) {
         return portable::from_noise::<EQUAL>(filter, out);
     }
     let kernel = match (EQUAL, filter.shift) {
@@ -82,39 +86,44 @@ pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
 
 type FromSums = unsafe extern "C" fn(*mut OnePole, *mut i32, *mut i32, usize) -> u32;
 
-/// By two coefficients, coarse, near.
-static FROM_SUMS: [FromSums; 8] = [
-    malleus_from_sums_equal_fine_lsl,
+/// By two coefficients, coarse, and how much larger the bus is.
+static FROM_SUMS: [FromSums; 12] = [
     malleus_from_sums_equal_fine_near,
-    malleus_from_sums_equal_coarse_lsl,
+    malleus_from_sums_equal_fine_lsl,
+    malleus_from_sums_equal_fine_far,
     malleus_from_sums_equal_coarse_near,
-    malleus_from_sums_two_fine_lsl,
+    malleus_from_sums_equal_coarse_lsl,
+    malleus_from_sums_equal_coarse_far,
     malleus_from_sums_two_fine_near,
-    malleus_from_sums_two_coarse_lsl,
+    malleus_from_sums_two_fine_lsl,
+    malleus_from_sums_two_fine_far,
     malleus_from_sums_two_coarse_near,
+    malleus_from_sums_two_coarse_lsl,
+    malleus_from_sums_two_coarse_far,
 ];
 
 /// As [`portable::from_sums`].
 #[inline(always)]
 pub fn from_sums(filter: &mut OnePole, equal: bool, coarse: bool, sums: &mut [i32], out: &mut [i32]) -> u32 {
     let frames = sums.len().min(out.len());
-    let kind = 4 * usize::from(!equal) + 2 * usize::from(coarse) + usize::from(filter.shift == 0);
+    let distance = usize::from(filter.shift < 0) + usize::from(filter.is_far());
+    let kind = 6 * usize::from(!equal) + 3 * usize::from(coarse) + distance;
     match FROM_SUMS.get(kind) {
         // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps the procedure call standard.
-        Some(kernel) if frames > 0 && !filter.whole && filter.shift >= -2 => unsafe {
+        Some(kernel) if frames > 0 && !filter.whole && fits::<1>(filter, frames) => unsafe {
             kernel(filter, sums.as_mut_ptr(), out.as_mut_ptr(), frames)
         },
         _ => portable::from_sums(filter, equal, coarse, sums, out),
     }
 }
 
-/// Whether shifting to the bus cannot lose a bit at the top, so that it need not saturate: the high word is below 2^29 always, and within these
+/// Whether shifting to the bus cannot lose a bit at the top, and leaves as many, so that it need not saturate: the high word is below 2^29 always, and within these
 /// frames it changes by no more than `growth` each.
 #[inline(always)]
-fn fits(filter: &OnePole, frames: usize) -> bool {
+fn fits<const BITS_LEFT: i32>(filter: &OnePole, frames: usize) -> bool {
     filter.shift >= -2 || {
         let high = ((filter.state >> 32) as i32).unsigned_abs();
         let most = u64::from(high) + frames as u64 * u64::from(filter.growth);
-        most >> (31 + filter.shift.max(-31)) == 0
+        most >> (31 - BITS_LEFT + filter.shift.max(-30)) == 0
     }
 }

@@ -138,11 +138,29 @@ malleus_noise:
 4:  pop     {r4, pc}
     .size   malleus_noise, . - malleus_noise
 
-@ malleus_from_sums_{equal,two}_{fine,coarse}_{near,lsl}(filter, sums, out, frames): sums of noise and loops, clipped at 2.0, through the filter, added to out; the
-@ state stays in their place; gives all sizes of these, or'ed. `coarse`: a step of a sum is 32 of the input. `near`: the state's high word is the bus' word.
+@ malleus_from_sums_{equal,two}_{fine,coarse}_{near,lsl,far}(filter, sums, out, frames): sums of noise and loops, clipped at 2.0, through the filter, added to out; the
+@ state stays in their place; gives all sizes of these, or'ed. `coarse`: a step of a sum is 32 of the input. `near`: the state's high word is the bus' word;
+@ `far`: the bus is 8 times as large or more, damping takes
+@ two bits below the high word, and what stays are words of the bus.
 @
 @ r0 sums, r1 out, r2:r3 state, r5 what damping takes of it, r6 sound, r7 shift, r8-r11 damping and b0 with their steps, lr sizes; r4 and r12 take turns as the
 @ input before and now.
+@ What damping takes of the state.
+    .macro taken direction word
+    lsl     \word, r3, #2
+    .ifc \direction, far
+    orr     \word, \word, r2, lsr #30
+    .endif
+    .endm
+
+@ Where the bus is far larger: the state's word of the bus, r7 bits above the high word. It fits the line.
+    .macro word_of_bus word spare
+    vmov    \spare, s5
+    lsr     \spare, r2, \spare
+    lsl     \word, r3, r7
+    orr     \word, \word, \spare
+    .endm
+
     .macro input grain word
     .ifc \grain, coarse
     ssat    \word, #26, \word
@@ -154,51 +172,70 @@ malleus_noise:
 
     .macro sums_equal grain direction before now
     ldr     \now, [r0]
+    .ifnc \direction, far
     ldr     r6, [r1]
+    .endif
     smlal   r2, r3, r8, r5
     input   \grain, \now
     add     \before, \before, \now
     smlal   r2, r3, r10, \before
     add     r8, r8, r9
-    lsl     r5, r3, #2
+    add     r10, r10, r11
+    .ifc \direction, far
+    word_of_bus \before, r6
+    ldr     r6, [r1]
+    qadd    r6, r6, \before
+    str     \before, [r0], #4
+    str     r6, [r1], #4
+    eor     \before, \before, \before, asr #31
+    taken   far, r5
+    .else
+    taken   \direction, r5
     .ifc \direction, near
     qadd    r6, r6, r3
     .else
-    \direction \before, r3, r7
+    lsl     \before, r3, r7
     qadd    r6, r6, \before
     .endif
-    eor     \before, r5, r5, asr #31
-    add     r10, r10, r11
-    orr     lr, lr, \before
     str     r5, [r0], #4
+    eor     \before, r5, r5, asr #31
     str     r6, [r1], #4
+    .endif
+    orr     lr, lr, \before
     .endm
 
 @ r12 b1, lr its step, s4 sizes; r4 and r6 take turns.
     .macro sums_two grain direction before now
     ldr     \now, [r0]
-    lsl     r5, r3, #2
+    taken   \direction, r5
     smlal   r2, r3, r8, r5
     input   \grain, \now
     smlal   r2, r3, r10, \now
     smlal   r2, r3, r12, \before
     add     r8, r8, r9
-    lsl     r5, r3, #2
-    vmov    \before, s4
-    str     r5, [r0], #4
-    eor     r5, r5, r5, asr #31
-    orr     \before, \before, r5
-    vmov    s4, \before
-    ldr     \before, [r1]
     add     r10, r10, r11
     add     r12, r12, lr
+    ldr     \before, [r1]
+    .ifc \direction, far
+    vmov    s6, \before
+    word_of_bus r5, \before
+    vmov    \before, s6
+    qadd    \before, \before, r5
+    .else
     .ifc \direction, near
     qadd    \before, \before, r3
     .else
-    \direction r5, r3, r7
+    lsl     r5, r3, r7
     qadd    \before, \before, r5
     .endif
+    taken   \direction, r5
+    .endif
     str     \before, [r1], #4
+    str     r5, [r0], #4
+    eor     r5, r5, r5, asr #31
+    vmov    \before, s4
+    orr     \before, \before, r5
+    vmov    s4, \before
     .endm
 
     .macro from_sums kind grain direction
@@ -224,9 +261,13 @@ malleus_from_sums_\kind\()_\grain\()_\direction:
     .else
     vmov    s4, r5
     .endif
-    lsl     r5, r3, #2
-    .ifc \direction, lsl
+    taken   \direction, r5
+    .ifnc \direction, near
     rsb     r7, r7, #0
+    .endif
+    .ifc \direction, far
+    rsb     r6, r7, #32
+    vmov    s5, r6
     .endif
     vmov    r6, s1
     cmp     r1, r6
@@ -281,6 +322,8 @@ malleus_from_sums_\kind\()_\grain\()_\direction:
     .irp grain, fine, coarse
     from_sums equal, \grain, near
     from_sums equal, \grain, lsl
+    from_sums equal, \grain, far
     from_sums two, \grain, near
     from_sums two, \grain, lsl
+    from_sums two, \grain, far
     .endr

@@ -4,6 +4,9 @@ use super::super::noise::White;
 use super::{COARSE_BITS, OnePole};
 use crate::fixed::{qadd, saturate, saturating_shift_left};
 
+/// Of words of the bus on the loops' line.
+const LARGEST_LINE_WORD: i32 = (1 << 30) - 1;
+
 /// Noise through the filter, added to `out`.
 pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
     for out in out {
@@ -27,7 +30,8 @@ pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
     words.iter_mut().for_each(|word| *word = noise.draw(level));
 }
 
-/// Sums, clipped at 2.0, through the filter, added to `out`, as many frames as both have; the state is left in their place, 4 times the high word. Gives the
+/// Sums, clipped at 2.0, through the filter, added to `out`, as many frames as both have; the state is left in their place, 4 times the high word, or, where
+/// the bus is far larger, its word. Gives the
 /// sizes of these, or'ed. A sum's format is Q29, [`COARSE_BITS`] less of the `coarse` kind.
 #[inline(never)]
 pub fn from_sums(filter: &mut OnePole, equal: bool, coarse: bool, sums: &mut [i32], out: &mut [i32]) -> u32 {
@@ -40,9 +44,9 @@ pub fn from_sums(filter: &mut OnePole, equal: bool, coarse: bool, sums: &mut [i3
         } else {
             filter.step::<false>(e)
         }
-        *word = filter.truncated();
+        *word = filter.line_word();
         sizes |= (*word ^ (*word >> 31)) as u32;
-        *out = qadd(*out, filter.sound());
+        *out = qadd(*out, if filter.is_far() { filter.word_of_bus() } else { filter.sound() });
     }
     sizes
 }
@@ -82,11 +86,26 @@ impl OnePole {
         b0.advance();
     }
 
+    /// The state as loops read it: 4 times the high word; where the bus is far larger, its word, at most 8.0, so that small loops have all bits of it.
+    #[inline(always)]
+    fn line_word(&self) -> i32 {
+        if !self.is_far() {
+            return self.truncated();
+        }
+        self.word_of_bus().clamp(-LARGEST_LINE_WORD, LARGEST_LINE_WORD)
+    }
+
+    /// The whole state on the bus.
+    #[inline(always)]
+    fn word_of_bus(&self) -> i32 {
+        saturate(self.state >> (32 + self.shift).clamp(0, 63))
+    }
+
     /// The state on the bus.
     #[inline(always)]
     fn sound(&self) -> i32 {
         if self.whole {
-            saturate(self.state >> (32 + self.shift).clamp(0, 63))
+            self.word_of_bus()
         } else if self.is_far() {
             scaled(self.truncated(), self.shift + 2)
         } else {
