@@ -60,12 +60,11 @@ impl<const N: usize> Filter<N> {
         if self.walk.is_over() {
             return (most, false);
         }
-        if most == TICK_FRAMES && self.path.form == Form::EqualZeros && !self.path.has_levels {
-            if self.walk.whole_ticks() > 0 {
-                self.walk.tick(&mut self.one_pole.lines, 2);
-                self.walk.pass(1);
-                return (most, true);
-            }
+        let plain = most == TICK_FRAMES && self.path.form == Form::EqualZeros && !self.path.has_levels;
+        if plain && self.walk.whole_ticks() > 0 {
+            self.walk.tick(&mut self.one_pole.lines, 2);
+            self.walk.pass(1);
+            return (most, true);
         }
         self.begin_segment(most)
     }

@@ -36,6 +36,7 @@ pub(super) const COARSE: i32 = FINE - COARSE_BITS as i32;
 
 /// A gain as `mantissa · 2^(exponent - 31)`, mantissa normalised.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 struct Gain {
     mantissa: i32,
     exponent: i32,
