@@ -12,7 +12,7 @@ const RATE: SampleRate = SampleRate::HZ_48000;
 fn random_path(random: &mut Random, count: usize, shortest: f64, longest: f64) -> Vec<Breakpoint> {
     let (mut time_s, equal) = (0.0, random.between(0.0, 1.0) < 0.5);
     // Half of the paths come near -1.
-    let lowest = if count % 2 == 0 { 1.0 } else { 4.0 };
+    let lowest = if count.is_multiple_of(2) { 1.0 } else { 4.0 };
     (0..count)
         .map(|index| {
             let pole = if random.between(0.0, 1.0) < 0.2 {

@@ -2,9 +2,8 @@
 
 use super::error::DynamicFilterError;
 use super::exciter::BandPass;
-use super::filter::Filter;
+use super::filter::{Filter, Input};
 use super::noise::White;
-use super::path::Input;
 use super::settings::{Breakpoint, Exciter, Loop, Settings};
 use super::stability;
 use crate::SampleRate;

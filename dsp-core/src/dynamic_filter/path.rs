@@ -10,6 +10,7 @@
 //! line between two points inside it is inside it.
 
 use super::error::PathError;
+use super::filter::Input;
 use super::settings::Breakpoint;
 use crate::SampleRate;
 
@@ -39,17 +40,6 @@ const CARRIED: Limits = Limits { poles: [-0.999_999, 0.999_999], least_real: -0.
 
 /// |e| is clipped to this: 2.0.
 pub(super) const MAX_INPUT_BITS: i32 = 28;
-
-/// What comes into a filter: its words' formats follow from it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Input {
-    /// Noise alone, straight from the generator.
-    Noise,
-    /// Words that are clipped to 2.0.
-    Words,
-    /// Sums with loops, in Q29.
-    Sums,
-}
 
 /// Parameters of the largest form.
 pub const PARAMETERS: usize = 5;

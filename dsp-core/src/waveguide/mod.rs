@@ -16,10 +16,10 @@
 //! cleared.
 
 pub mod error;
-pub mod kernel;
 pub mod resonance;
 pub mod tuning;
 
+mod kernel;
 mod loops;
 
 pub use error::LoopError;
