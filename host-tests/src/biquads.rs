@@ -97,10 +97,18 @@ pub fn worst_of_depth(
     (0..50).map(&mut one).fold(f64::INFINITY, f64::min)
 }
 
-/// Poles anywhere, to a radius of 0.99999, and zeros anywhere, to 0.99.
+/// Zeros anywhere, every fourth on the circle itself.
+fn zeros(random: &mut Random, count: usize) -> Roots {
+    let zero = |index: usize| {
+        let (radius, angle) = root(random, 5.0);
+        (if index % 4 == 3 { 1.0 } else { radius }, angle)
+    };
+    (0..count).map(zero).collect()
+}
+
+/// Poles anywhere, to a radius of 0.99999, and zeros anywhere, the circle among it.
 pub fn anywhere(random: &mut Random, count: usize) -> (Roots, Roots) {
-    let mut all = |largest| (0..count).map(|_| root(random, largest)).collect();
-    (all(5.0), all(2.0))
+    ((0..count).map(|_| root(random, 5.0)).collect(), zeros(random, count))
 }
 
 /// Chains of `depth` poles within `nearness` of their own widths.
@@ -114,5 +122,5 @@ pub fn near(random: &mut Random, count: usize, depth: usize, nearness: f64) -> (
             poles.push((radius, (angle + width * random.between(-1.0, 1.0)).clamp(0.0, std::f64::consts::PI)));
         }
     }
-    (poles, (0..count).map(|_| root(random, 2.0)).collect())
+    (poles, zeros(random, count))
 }

@@ -7,6 +7,7 @@ use dsp_core::fixed::ONE_Q27;
 use dsp_core::noise::Sfc32;
 use dsp_core::room::Room;
 use dsp_core::table::Kit as KitView;
+use kit::Loaded;
 use kit::text::SourceText;
 
 use crate::scene::load;
@@ -14,8 +15,59 @@ use crate::scene::load;
 /// A kit of four pads that has every stage.
 const KIT: &str = include_str!("rolls.toml");
 
-type Stages = (Residuals<5>, Room<i16, 8_192>, Filters<4, 32, 16, 2_048, 16>);
-type RollEngine<'k> = Engine<'k, 4, 16, 128, 64, 128, STANDARD_CONTACTS, Stages>;
+/// The engine of the rolls, on PC and chip (`host-tests/images/engine`, feature `stages`).
+pub type RollEngine<'k> = Engine<'k, 4, 16, 128, 64, 128, STANDARD_CONTACTS, Stages>;
+type Stages = (Residuals<3>, Room<i16, 8_192>, Filters<2, 32, 16, 256, 16>);
+
+/// The kit of the rolls.
+///
+/// # Panics
+/// If the kit beside this file is wrong.
+pub fn kit() -> Loaded {
+    let source = SourceText { file: "rolls.toml".into(), text: KIT.into() };
+    load(kit::text::parse(&source, |_| Ok(source.clone())).expect("the kit beside this file is right"))
+}
+
+/// Hands on all pads: strikes of every strength 8 to 120 ms apart, at any position, and sometimes a palm.
+#[derive(Debug)]
+pub struct Hands {
+    random: Sfc32,
+    next: [u64; 4],
+}
+
+impl Hands {
+    /// About to strike.
+    pub fn new() -> Self {
+        Self { random: Sfc32::new(11, 0), next: [0; 4] }
+    }
+
+    fn uniform(&mut self) -> f64 {
+        f64::from(self.random.draw()) / 4_294_967_296.0
+    }
+
+    /// What they do before a frame, in an order that blocks do not change: the earliest pad first.
+    pub fn until(&mut self, frame: u64) -> Vec<Event> {
+        let mut events = Vec::new();
+        while let Some((pad, at)) = (0..4u8).zip(self.next).min_by_key(|(_, at)| *at).filter(|(_, at)| *at < frame) {
+            let velocity = self.uniform().powi(2) as f32;
+            let position = self.uniform() as f32;
+            let action = match self.uniform() {
+                ..0.02 => Action::Choke,
+                ..0.06 => Action::Release,
+                _ => Action::Strike,
+            };
+            events.push(Event { time: Time::at_frame(at), pad, velocity, position, striker: 0, action });
+            self.next[usize::from(pad)] = at + 384 + (5_376.0 * self.uniform() * self.uniform()) as u64;
+        }
+        events
+    }
+}
+
+impl Default for Hands {
+    fn default() -> Self {
+        Self::new()
+    }
+}
 
 /// What a roll came to.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,44 +89,27 @@ pub struct Rolled {
 /// # Panics
 /// If the kit beside this file is wrong.
 pub fn roll(seconds: f64, block: usize, mut progress: impl FnMut(f64)) -> Rolled {
-    let source = SourceText { file: "rolls.toml".into(), text: KIT.into() };
-    let kit = kit::text::parse(&source, |_| Ok(source.clone())).expect("the kit beside this file is right");
-    let loaded = load(kit);
+    let loaded = kit();
     let view = KitView::parse(&loaded.binary).expect("it was built just now");
     let rate = SampleRate::HZ_48000;
     let mut engine: Box<RollEngine<'_>> = Box::new(Engine::new());
     engine.load(&view, rate, Skipping::On).expect("it fits");
     let end = (seconds * rate.hz()) as u64;
-    let mut random = Sfc32::new(11, 0);
-    let mut uniform = move || f64::from(random.draw()) / 4_294_967_296.0;
-    let mut next = [0u64; 4];
+    let mut hands = Hands::new();
     let mut rolled =
         Rolled { strikes: 0, minute_rms: Vec::new(), peak: 0.0, silent_after_s: None, hash: 0xcbf2_9ce4_8422_2325 };
     let mut out = vec![[0; 2]; block];
     let minute = (60.0 * rate.hz()) as u64;
-    let (mut energy, mut frames, mut waiting) = (0.0, 0u64, Vec::new());
+    let (mut energy, mut frames) = (0.0, 0u64);
     while engine.now() < end + minute {
         let (from, to) = (engine.now(), engine.now() + block as u64);
-        // Events are drawn in an order that blocks do not change: those of the earliest pad first.
-        while let Some((pad, at)) = (0..4u8).zip(next).min_by_key(|(_, at)| *at).filter(|(_, at)| *at < to.min(end)) {
-            let velocity = uniform().powi(2) as f32;
-            let position = uniform() as f32;
-            let kind = uniform();
-            let action = match kind {
-                ..0.02 => Action::Choke,
-                ..0.06 => Action::Release,
-                _ => Action::Strike,
-            };
-            rolled.strikes += u64::from(action == Action::Strike);
-            waiting.push(Event { time: Time::at_frame(at), pad, velocity, position, striker: 0, action });
-            next[usize::from(pad)] = at + 384 + (5_376.0 * uniform() * uniform()) as u64;
-        }
+        let events = hands.until(to.min(end));
+        rolled.strikes += events.iter().filter(|event| event.action == Action::Strike).count() as u64;
         if from >= end && rolled.silent_after_s.is_none() && engine.is_silent() {
             rolled.silent_after_s = Some((from - end) as f64 / rate.hz());
             break;
         }
-        engine.render_bus(&waiting, None, &mut out, |_| {}).expect("the events are in order");
-        waiting.clear();
+        engine.render_bus(&events, None, &mut out, |_| {}).expect("the events are in order");
         for (sample, place) in out.as_flattened().iter().zip(2 * from..).filter(|(sample, _)| **sample != 0) {
             let value = f64::from(*sample) / f64::from(ONE_Q27);
             rolled.peak = rolled.peak.max(value.abs());

@@ -29,8 +29,8 @@ fn chains_whose_poles_nearly_coincide_keep_ninety_db_too() {
             let seed = 77 + depth as u64;
             let worst = worst_of_depth(depth, seed, |random, count| near(random, count, depth, nearness), accuracy);
             println!("worst SNR, chains of {depth} within {nearness} widths: {worst:.1} dB");
-            // Three or four narrow poles a few of their widths apart: each part is ten times larger than their sum.
-            let floor = if nearness > 1.0 && depth > 2 { 85.0 } else { 90.0 };
+            // Four poles behind one another whose zeros leave little of what each hands on.
+            let floor = if depth == 4 { 86.0 } else { 90.0 };
             assert!(worst >= floor, "{worst}");
         }
     }
@@ -55,9 +55,7 @@ fn a_strike_and_its_ringing_keep_ninety_db() {
             worst = worst.min(snr_db(&chains.exact(&input), &out));
         }
         println!("worst SNR of strikes, chains of {depth}: {worst:.1} dB");
-        // Resonances far apart leave little of a strike to each other: less of it is left than the bounds allow for.
-        let floor = if depth < 3 { 90.0 } else { 80.0 };
-        assert!(worst >= floor, "{worst}");
+        assert!(worst >= 90.0, "{worst}");
     }
 }
 

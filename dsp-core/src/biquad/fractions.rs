@@ -129,7 +129,7 @@ fn clusters(chain: &[Biquad]) -> [u8; 4] {
 fn are_near(one: Root, other: Root) -> bool {
     let width = |pole: Root| 1.0 - libm::sqrt(pole.square());
     let distance = libm::hypot(one.real - other.real, one.imaginary.abs() - other.imaginary.abs());
-    width(one).min(width(other)) > 0.75 * distance
+    width(one).min(width(other)) > 0.6 * distance
 }
 
 /// Whether a cluster runs mirrored, and in which form: one that serves all its sections. `None` where there is no such cluster.

@@ -10,7 +10,7 @@
 //!                      found on load by stepping the very sections in `f64`: `extent`);  X: the bound of the sum of all inputs' sizes
 //! ```
 //!
-//! With whole powers of two above each, settle chooses E such that `G s < 2^30` and `M X < 2^28`: states stay below `2^30 + 2^28`, and
+//! With whole powers of two above each, settle chooses E such that `G s < 2^30` and `M X < 2^29`: states stay below `2^30 + 2^29`, and
 //! rounding (at most five halves of a step a frame, each growing by G) adds less than 2^9.
 
 use super::design::{Biquad, BiquadError};
@@ -32,7 +32,7 @@ const MAX_EXPONENT: i32 = 200;
 /// Bits of growth of states.
 const STATE_BITS: i32 = 30;
 /// Bits of what an input adds.
-const INPUT_BITS: i32 = 28;
+const INPUT_BITS: i32 = 29;
 
 /// A gain as `mantissa · 2^(exponent - 31)`, mantissa normalised.
 #[derive(Clone, Copy, Debug)]

@@ -58,6 +58,16 @@ impl EngineOnChip {
         Ok(Self { machine: Machine::new(&image)?, image })
     }
 
+    /// As [`new`](Self::new), with room for every stage of the kit of [`rolls`](crate::rolls).
+    ///
+    /// # Errors
+    /// [`OnChipError`].
+    pub fn with_every_stage() -> Result<Self, OnChipError> {
+        let elf = virtual_core::build_binary(&manifest("engine"), "engine-image", &["--features", "stages"])?;
+        let image = Image::from_elf(&elf)?;
+        Ok(Self { machine: Machine::new(&image)?, image })
+    }
+
     /// Loads a kit in its binary form.
     ///
     /// # Errors

@@ -7,5 +7,6 @@ mod costs;
 mod filters;
 mod kernels;
 mod residual;
+mod rolls;
 mod room;
 mod trigger;

@@ -14,7 +14,7 @@ pub use cortex_m4::run;
 pub use portable::run;
 
 /// What the sizes of a tick's inputs, as words, may add up to.
-pub const ALLOWANCE: u32 = 1 << 29;
+pub const ALLOWANCE: u32 = 1 << 30;
 
 /// How a run's input becomes words, and its mix the bus.
 #[derive(Clone, Copy, Debug)]

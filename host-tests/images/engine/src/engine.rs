@@ -4,13 +4,24 @@ use core::cell::UnsafeCell;
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Direct, Engine, STANDARD_CONTACTS, Skipping, TickReport};
+#[cfg(feature = "stages")]
+use dsp_core::engine::{Filters, Residuals};
 use dsp_core::event::Event;
+#[cfg(feature = "stages")]
+use dsp_core::room::Room;
 use dsp_core::table::Kit;
 
 use crate::wire::{WireEvent, slice, slice_mut};
 
 /// Room for the storm's kit: sixteen pads, 1024 modes.
+#[cfg(not(feature = "stages"))]
 type Instrument = Engine<'static, 16, 32, 1024, 256, 1024, STANDARD_CONTACTS>;
+
+/// Room for every stage of the kit of `host-tests/src/rolls.toml`; the same type as the engine of `host-tests/src/rolls.rs`.
+#[cfg(feature = "stages")]
+type Instrument = Engine<'static, 4, 16, 128, 64, 128, STANDARD_CONTACTS, Stages>;
+#[cfg(feature = "stages")]
+type Stages = (Residuals<3>, Room<i16, 8_192>, Filters<2, 32, 16, 256, 16>);
 
 /// What a board for 512 modes needs: eight pads that cannot be choked.
 type Instrument512 = Engine<'static, 8, 8, 512, 96, 0, 16>;
