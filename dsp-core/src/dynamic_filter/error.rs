@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::path::{MAX_GAIN, MAX_POLE, MAX_TIME_S, MIN_POLE};
+use super::path::{MAX_GAIN, MAX_POLE, MAX_TIME_S, MIN_POLE, MIN_REAL_POLE};
 use crate::SampleRate;
 use crate::biquad::butterworth::{BandError, Exciter};
 use crate::waveguide::LoopError;
@@ -38,6 +38,13 @@ pub enum PathError {
         /// That gain.
         gain: f64,
     },
+    /// A level of the noise that is not between 0 and 1.
+    Noise {
+        /// The breakpoint, counted from 0.
+        breakpoint: usize,
+        /// That level.
+        noise: f64,
+    },
     /// A second-order filter whose poles are conjugate at some breakpoints and real at others.
     PolesMeet {
         /// The first breakpoint that is unlike the one before.
@@ -60,12 +67,15 @@ impl fmt::Display for PathError {
             ),
             Self::Unstable { breakpoint, pole } => write!(
                 f,
-                "breakpoint {breakpoint}: a pole at {pole} does not decay: keep poles between {MIN_POLE} and {MAX_POLE} (first order: -a1)"
+                "breakpoint {breakpoint}: a pole at {pole} does not decay: keep poles between {MIN_POLE} and {MAX_POLE} (first order: -a1), real ones of the second order above {MIN_REAL_POLE}"
             ),
             Self::Gain { breakpoint, gain } => write!(
                 f,
                 "breakpoint {breakpoint}: a gain of {gain}: lower its b to at most {MAX_GAIN}, or move poles apart that are nearly the same"
             ),
+            Self::Noise { breakpoint, noise } => {
+                write!(f, "breakpoint {breakpoint}: a level of the noise of {noise}: give 0 to 1")
+            }
             Self::PolesMeet { breakpoint } => write!(
                 f,
                 "breakpoint {breakpoint}: poles become real or conjugate here: keep a1² - 4 a2 below 0 in all breakpoints or in none"

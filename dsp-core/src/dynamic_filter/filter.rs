@@ -5,9 +5,20 @@ use super::kernel::{self, OnePole};
 use super::noise::White;
 use super::path::{Form, PARAMETERS, Path};
 use super::second_order::TwoPoles;
-use super::walk::Walk;
-use crate::fixed::{qadd, saturating_shift_left, times_q31};
+use super::walk::{Line, Walk};
+use crate::fixed::{qadd, saturating_shift_left, smmulr, times_q31};
 use crate::resonator::TICK_FRAMES;
+
+/// What comes into a filter: its words' formats follow from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Input {
+    /// Noise alone, straight from the generator.
+    Noise,
+    /// Words that are clipped to 2.0.
+    Words,
+    /// Sums with loops, in Q29.
+    Sums,
+}
 
 /// Noise and filter of one object; its input is Q(27 - q).
 #[derive(Clone, Debug)]
@@ -16,15 +27,31 @@ pub(super) struct Filter<const N: usize> {
     walk: Walk,
     one_pole: OnePole,
     two_poles: TwoPoles,
+    /// Whether the sums that come in are coarse ([`kernel::COARSE_BITS`]).
+    pub(super) coarse: bool,
+    /// The path's level of the noise, Q30.
+    level: Line,
 }
 
 impl<const N: usize> Filter<N> {
-    pub(super) const EMPTY: Self =
-        Self { path: Path::EMPTY, walk: Walk::NOWHERE, one_pole: OnePole::REST, two_poles: TwoPoles::REST };
+    pub(super) const EMPTY: Self = Self {
+        path: Path::EMPTY,
+        walk: Walk::NOWHERE,
+        one_pole: OnePole::REST,
+        two_poles: TwoPoles::REST,
+        coarse: false,
+        level: Line { value: 0, step: 0 },
+    };
 
     /// At rest behind the end of the loaded path.
     pub(super) fn start(&mut self, noise: White) {
-        self.one_pole = OnePole { noise, shift: self.path.scale, growth: self.path.growth, ..OnePole::REST };
+        self.one_pole = OnePole {
+            noise,
+            shift: self.path.scale,
+            growth: self.path.growth,
+            whole: self.path.whole,
+            ..OnePole::REST
+        };
         self.one_pole.state = self.one_pole.rest();
         self.two_poles = TwoPoles::REST;
         self.walk.end(&self.path);
@@ -38,9 +65,27 @@ impl<const N: usize> Filter<N> {
     }
 
     /// Begins a segment of at most so many frames: gives its frames, and whether there is noise in it.
+    #[inline(always)]
     pub(super) fn segment(&mut self, most: usize) -> (usize, bool) {
-        let frames = self.walk.segment(&self.path, most, &mut self.one_pole.lines);
-        (frames, self.walk.is_under_way())
+        // Nothing new: behind the path's end, or a whole tick within a piece.
+        if self.walk.is_over() {
+            return (most, false);
+        }
+        let plain = most == TICK_FRAMES && self.path.form == Form::EqualZeros && !self.path.has_levels;
+        if plain && self.walk.whole_ticks() > 0 {
+            self.walk.tick(&mut self.one_pole.lines, 2);
+            self.walk.pass(1);
+            return (most, true);
+        }
+        self.begin_segment(most)
+    }
+
+    #[inline(never)]
+    fn begin_segment(&mut self, most: usize) -> (usize, bool) {
+        let frames = self.walk.segment(&self.path, most, &mut self.one_pole.lines, &mut self.level);
+        // What is 0 all along is not drawn.
+        let silent = self.path.has_levels && self.level.is_zero();
+        (frames, self.walk.is_under_way() && !silent)
     }
 
     /// Whether noise is still to come.
@@ -54,12 +99,18 @@ impl<const N: usize> Filter<N> {
             return self.two_poles.settle();
         }
         // Damping takes the high word, rounded: a positive pole ends where that is 0, a negative one, where twice the rounding's half step alternates,
-        // within 1/(1 - |p|).
+        // within 1/(1 - |p|); where it takes all bits, a step below it.
         let nothing = self.one_pole.rest();
         let bits = if self.one_pole.is_far() { 30 } else { 32 };
         let OnePole { state, last, lines: [damp, ..], .. } = &mut self.one_pole;
         let distance = i64::from(damp.value) + (1 << 31);
-        let rest = if distance < 1 << 30 { (1 << 30) / distance.max(1) + 2 } else { 0 };
+        let rest = if self.path.whole {
+            1
+        } else if distance < 1 << 30 {
+            (1 << 30) / distance.max(1) + 2
+        } else {
+            0
+        };
         if *last == 0 && (-rest..=rest).contains(&(*state >> bits)) {
             *state = nothing;
         }
@@ -83,20 +134,25 @@ impl<const N: usize> Filter<N> {
         self.two_poles.attenuate(left);
     }
 
-    /// A whole tick of noise through the filter, added to `out`: as [`segment`](Self::segment) and [`run_noise`](Self::run_noise), for less. `false` where it is
-    /// to be done by them.
+    /// How many whole ticks of noise alone may be run by [`run_tick`](Self::run_tick): they end within the path's piece.
+    pub(super) fn whole_ticks(&self) -> u32 {
+        if self.path.form.parameters() == PARAMETERS { 0 } else { self.walk.whole_ticks() }
+    }
+
+    /// Goes on by so many of them on the path.
+    pub(super) fn pass(&mut self, whole_ticks: u32) {
+        self.walk.pass(whole_ticks);
+    }
+
+    /// A whole tick of noise through the filter, added to `out`: as [`segment`](Self::segment) and [`run_noise`](Self::run_noise), for less.
     #[inline(always)]
-    pub(super) fn run_tick(&mut self, out: &mut [i32; TICK_FRAMES]) -> bool {
-        match self.path.form {
-            Form::EqualZeros if self.walk.tick(&mut self.one_pole.lines, 2) => {
-                kernel::from_noise::<true>(&mut self.one_pole, out);
-                true
-            }
-            Form::OnePole if self.walk.tick(&mut self.one_pole.lines, 3) => {
-                kernel::from_noise::<false>(&mut self.one_pole, out);
-                true
-            }
-            _ => false,
+    pub(super) fn run_tick(&mut self, out: &mut [i32; TICK_FRAMES]) {
+        if self.path.form == Form::EqualZeros {
+            self.walk.tick(&mut self.one_pole.lines, 2);
+            kernel::from_noise::<true>(&mut self.one_pole, out);
+        } else {
+            self.walk.tick(&mut self.one_pole.lines, 3);
+            kernel::from_noise::<false>(&mut self.one_pole, out);
         }
     }
 
@@ -113,8 +169,31 @@ impl<const N: usize> Filter<N> {
 
     /// The next frames of noise, Q(27 - q).
     pub(super) fn noise(&mut self, input: &mut [i32]) {
-        let OnePole { noise, level, .. } = &mut self.one_pole;
-        input.iter_mut().for_each(|word| *word = noise.draw(*level));
+        self.draw(self.one_pole.level >> self.grain(), input);
+    }
+
+    /// Bits by which the input's words are smaller than the filter takes them: those of sums ([`run_sums`](Self::run_sums)).
+    fn grain(&self) -> u32 {
+        if self.coarse { kernel::COARSE_BITS } else { 0 }
+    }
+
+    /// The next frames of noise at a strike's level, and at the path's.
+    #[inline(always)]
+    fn draw(&mut self, level: i32, input: &mut [i32]) {
+        if self.path.has_levels {
+            self.draw_levels(level, input);
+        } else {
+            kernel::noise(&mut self.one_pole.noise, level, input);
+        }
+    }
+
+    #[inline(never)]
+    fn draw_levels(&mut self, level: i32, input: &mut [i32]) {
+        for word in input {
+            // 1 is 2^30: two bits less than a product's high word has.
+            *word = self.one_pole.noise.draw(smmulr(level, self.level.value) << 2);
+            self.level.advance();
+        }
     }
 
     /// The next frames of noise through the exciter's band, which works on words below 2^27; or what it gives without noise.
@@ -123,26 +202,28 @@ impl<const N: usize> Filter<N> {
         let level = if noisy { self.one_pole.level >> down } else { 0 };
         input.fill(0);
         if noisy {
-            input.iter_mut().for_each(|word| *word = self.one_pole.noise.draw(level));
+            self.draw(level, input);
         }
         band.run(input);
-        let largest = self.largest_input();
-        input.iter_mut().for_each(|word| *word = saturating_shift_left(*word, down).clamp(-largest, largest));
+        let (largest, grain) = (self.largest_input(), self.grain());
+        input.iter_mut().for_each(|word| *word = saturating_shift_left(*word, down).clamp(-largest, largest) >> grain);
     }
 
-    /// Nominal cycles of a tick, at most; `plain` says whether noise is all that comes in.
+    /// Nominal cycles of a tick of noise alone, in blocks where it is not `plain`.
     pub(super) fn cycles_a_tick(&self, plain: bool) -> u32 {
-        32 * match (self.path.form, plain) {
-            (Form::EqualZeros, true) => 22,
-            (Form::OnePole, true) => 26,
-            (Form::EqualZeros | Form::OnePole, false) => 80,
-            (Form::Conjugate | Form::Real, _) => 200,
-        }
+        let first = match (self.path.form, plain) {
+            (Form::EqualZeros, true) => 560,
+            (Form::OnePole, true) => 650,
+            (Form::EqualZeros, false) => 930,
+            (Form::OnePole, false) => 1180,
+            (Form::Conjugate | Form::Real, _) => 6300,
+        };
+        first + if self.path.whole { 32 * 90 } else { 0 }
     }
 
-    /// Adds a signal of the bus to an input, larger than it by 2^`up`, and clips it to 2.0.
-    pub(super) fn add(&self, signal: &[i32], up: i32, input: &mut [i32]) {
-        let shift = up + self.path.input_shift;
+    /// Adds a signal of the bus to an input, and clips it to 2.0; coarse sums to more.
+    pub(super) fn add(&self, signal: &[i32], input: &mut [i32]) {
+        let shift = self.grain() as i32 + self.path.input_shift;
         let largest = self.largest_input();
         // Twice the loop, so that what is shifted how is asked once.
         if shift >= 0 {
@@ -176,9 +257,32 @@ impl<const N: usize> Filter<N> {
         }
     }
 
+    /// Sums of noise and loops, clipped to 2.0, through the filter, added to `out`, and s left in their place; gives its sizes, or'ed.
+    #[inline(always)]
+    pub(super) fn run_sums(&mut self, sums: &mut [i32], out: &mut [i32]) -> u32 {
+        match self.path.form {
+            form @ (Form::EqualZeros | Form::OnePole) => {
+                kernel::from_sums(&mut self.one_pole, form == Form::EqualZeros, self.coarse, sums, out)
+            }
+            Form::Conjugate | Form::Real => self.run_sums_of_two_poles(sums, out),
+        }
+    }
+
+    #[inline(never)]
+    fn run_sums_of_two_poles(&mut self, sums: &mut [i32], out: &mut [i32]) -> u32 {
+        let clip = if self.coarse { kernel::portable::clipped::<true> } else { kernel::portable::clipped::<false> };
+        sums.iter_mut().for_each(|sum| *sum = clip(*sum));
+        self.run(sums, out);
+        sums.iter().fold(0, |sizes, &s| sizes | (s ^ (s >> 31)) as u32)
+    }
+
     /// See [`run`](Self::run).
     pub(super) fn line_scale(&self) -> i32 {
-        self.path.scale + if self.path.form.parameters() < PARAMETERS { 2 } else { 0 }
+        match (self.path.form.parameters() < PARAMETERS, self.one_pole.is_far()) {
+            (true, true) => 0,
+            (true, false) => self.path.scale + 2,
+            (false, _) => self.path.scale,
+        }
     }
 }
 

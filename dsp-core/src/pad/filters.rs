@@ -257,6 +257,7 @@ fn breakpoint(record: &BreakpointRecord, louder: f64) -> Breakpoint {
         b0: f64::from(record.b0.get()) * louder,
         b1: f64::from(record.b1.get()) * louder,
         b2: f64::from(record.b2.get()) * louder,
+        noise: 1.0,
     }
 }
 

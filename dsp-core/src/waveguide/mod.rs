@@ -6,8 +6,8 @@
 //!             └───── Σ B_s ◄──── z^-D_s ◄────┘
 //! ```
 //!
-//! All loops read one line of s. Where every delay is at least a tick (p in eq. 22 chosen so), they work in blocks of a tick; otherwise in blocks of the
-//! shortest delay. The fraction of a delay is in the numerator of its band-pass ([`tuning`]), which turns the phase at the band's frequency by it.
+//! All loops read one line of s, and are summed, with the noise, where s will be written. Where every delay is at least a tick (p in eq. 22 chosen so), they
+//! work in blocks of a tick; otherwise in blocks of the shortest delay. The fraction of a delay is in the numerator of its band-pass ([`tuning`]), which turns the phase at the band's frequency by it.
 //!
 //! **Stability.** On load `|F(ω)| Σ |B_s(ω)| < 1` is required all along the path, on a grid that is dense about each band: frozen at any
 //! point, the loops decay. While coefficients move, and for any strikes, the filter clips its input to 2.0, so that s stays within the bound of
@@ -16,10 +16,10 @@
 //! cleared.
 
 pub mod error;
-pub mod kernel;
 pub mod resonance;
 pub mod tuning;
 
+mod kernel;
 mod loops;
 
 pub use error::LoopError;

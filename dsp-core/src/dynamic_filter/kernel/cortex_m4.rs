@@ -1,12 +1,13 @@
-//! The kernels for a Cortex-M4F: `cortex_m4.s`, bit for bit what [`super::portable`] does.
+//! The kernels for a Cortex-M4F: `cortex_m4.s` and `cortex_m4_input.s`, bit for bit what [`super::portable`] does.
 #![allow(unsafe_code)] // assembly
 
 use core::mem::offset_of;
 
-use super::super::noise::MULTIPLIER;
+use super::super::noise::{MULTIPLIER, White};
 use super::{OnePole, portable};
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
+core::arch::global_asm!(include_str!("cortex_m4_input.s"), options(raw));
 
 // What cortex_m4.s counts on.
 const _: () = {
@@ -16,31 +17,46 @@ const _: () = {
 };
 
 unsafe extern "C" {
-    fn malleus_from_noise_equal_asr(filter: *mut OnePole, out: *mut i32, frames: usize);
-    fn malleus_from_noise_equal_lsl(filter: *mut OnePole, out: *mut i32, frames: usize);
+    fn malleus_noise(noise: u32, level: i32, words: *mut i32, frames: usize) -> u32;
+    fn malleus_from_noise_equal_near(filter: *mut OnePole, out: *mut i32, frames: usize);
+    fn malleus_from_noise_equal_loud(filter: *mut OnePole, out: *mut i32, frames: usize);
     fn malleus_from_noise_equal_far(filter: *mut OnePole, out: *mut i32, frames: usize);
     fn malleus_from_noise_two_far(filter: *mut OnePole, out: *mut i32, frames: usize);
-    fn malleus_from_noise_two_asr(filter: *mut OnePole, out: *mut i32, frames: usize);
-    fn malleus_from_noise_two_lsl(filter: *mut OnePole, out: *mut i32, frames: usize);
+    fn malleus_from_noise_two_near(filter: *mut OnePole, out: *mut i32, frames: usize);
+    fn malleus_from_noise_two_loud(filter: *mut OnePole, out: *mut i32, frames: usize);
     fn malleus_from_buffer_equal_asr(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
     fn malleus_from_buffer_equal_lsl(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
     fn malleus_from_buffer_two_asr(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
     fn malleus_from_buffer_two_lsl(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
+    fn malleus_from_sums_equal_fine_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_equal_fine_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_equal_fine_far(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_equal_coarse_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_equal_coarse_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_equal_coarse_far(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_two_fine_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_two_fine_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_two_fine_far(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_two_coarse_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_two_coarse_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_two_coarse_far(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
 }
 
 /// As [`portable::from_noise`].
 #[inline(always)]
 pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
-    if out.is_empty() || !fits(filter, out.len()) {
+    if out.is_empty() || filter.whole || !fits::<0>(filter, out.len()) {
         return portable::from_noise::<EQUAL>(filter, out);
     }
-    let kernel = match (EQUAL, filter.shift >= 0) {
-        (true, _) if filter.is_far() => malleus_from_noise_equal_far,
-        (false, _) if filter.is_far() => malleus_from_noise_two_far,
-        (true, true) => malleus_from_noise_equal_asr,
-        (true, false) => malleus_from_noise_equal_lsl,
-        (false, true) => malleus_from_noise_two_asr,
-        (false, false) => malleus_from_noise_two_lsl,
+    let kernel = match (EQUAL, filter.shift) {
+        (true, 0) => malleus_from_noise_equal_near,
+        (false, 0) => malleus_from_noise_two_near,
+        (true, -2) => malleus_from_noise_equal_loud,
+        (false, -2) => malleus_from_noise_two_loud,
+        (true, ..=-3) => malleus_from_noise_equal_far,
+        (false, ..=-3) => malleus_from_noise_two_far,
+        // No path's scale where noise goes straight in.
+        _ => return portable::from_noise::<EQUAL>(filter, out),
     };
     // SAFETY: `out` is borrowed mutably and holds as many words as are given; the assembly keeps the procedure call standard.
     unsafe { kernel(filter, out.as_mut_ptr(), out.len()) }
@@ -49,7 +65,7 @@ pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
 /// As [`portable::from_buffer`].
 pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], out: &mut [i32]) {
     let frames = buffer.len().min(out.len());
-    if frames == 0 || filter.is_far() {
+    if frames == 0 || filter.whole || filter.is_far() {
         return portable::from_buffer::<EQUAL>(filter, buffer, out);
     }
     let kernel = match (EQUAL, filter.shift >= 0) {
@@ -62,13 +78,52 @@ pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], 
     unsafe { kernel(filter, buffer.as_mut_ptr(), out.as_mut_ptr(), frames) }
 }
 
-/// Whether shifting to the bus cannot lose a bit at the top, so that it need not saturate: the high word is below 2^29 always, and within these
+/// As [`portable::noise`].
+pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
+    // SAFETY: `words` is borrowed mutably and holds as many words as are given; the assembly keeps the procedure call standard.
+    *noise = White::from_word(unsafe { malleus_noise(noise.word(), level, words.as_mut_ptr(), words.len()) });
+}
+
+type FromSums = unsafe extern "C" fn(*mut OnePole, *mut i32, *mut i32, usize) -> u32;
+
+/// By two coefficients, coarse, and how much larger the bus is.
+static FROM_SUMS: [FromSums; 12] = [
+    malleus_from_sums_equal_fine_near,
+    malleus_from_sums_equal_fine_lsl,
+    malleus_from_sums_equal_fine_far,
+    malleus_from_sums_equal_coarse_near,
+    malleus_from_sums_equal_coarse_lsl,
+    malleus_from_sums_equal_coarse_far,
+    malleus_from_sums_two_fine_near,
+    malleus_from_sums_two_fine_lsl,
+    malleus_from_sums_two_fine_far,
+    malleus_from_sums_two_coarse_near,
+    malleus_from_sums_two_coarse_lsl,
+    malleus_from_sums_two_coarse_far,
+];
+
+/// As [`portable::from_sums`].
+#[inline(always)]
+pub fn from_sums(filter: &mut OnePole, equal: bool, coarse: bool, sums: &mut [i32], out: &mut [i32]) -> u32 {
+    let frames = sums.len().min(out.len());
+    let distance = usize::from(filter.shift < 0) + usize::from(filter.is_far());
+    let kind = 6 * usize::from(!equal) + 3 * usize::from(coarse) + distance;
+    match FROM_SUMS.get(kind) {
+        // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps the procedure call standard.
+        Some(kernel) if frames > 0 && !filter.whole && fits::<1>(filter, frames) => unsafe {
+            kernel(filter, sums.as_mut_ptr(), out.as_mut_ptr(), frames)
+        },
+        _ => portable::from_sums(filter, equal, coarse, sums, out),
+    }
+}
+
+/// Whether shifting to the bus cannot lose a bit at the top, and leaves as many, so that it need not saturate: the high word is below 2^29 always, and within these
 /// frames it changes by no more than `growth` each.
 #[inline(always)]
-fn fits(filter: &OnePole, frames: usize) -> bool {
+fn fits<const BITS_LEFT: i32>(filter: &OnePole, frames: usize) -> bool {
     filter.shift >= -2 || {
         let high = ((filter.state >> 32) as i32).unsigned_abs();
         let most = u64::from(high) + frames as u64 * u64::from(filter.growth);
-        most >> (31 + filter.shift.max(-31)) == 0
+        most >> (31 - BITS_LEFT + filter.shift.max(-30)) == 0
     }
 }

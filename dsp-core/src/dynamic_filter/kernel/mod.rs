@@ -1,4 +1,4 @@
-//! The hot loops of the first order: noise and filter at once, or a filter of what lies in a buffer.
+//! The hot loops of the first order: noise and filter at once, noise alone, or a filter of what lies in a buffer or of a sum of noise and loops.
 //!
 //! [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly (`cortex_m4.s`), compared bit for bit on the
 //! virtual core (`cargo test -p host-tests --test on_chip filters`).
@@ -9,13 +9,16 @@ pub mod portable;
 mod cortex_m4;
 
 #[cfg(cortex_m4f)]
-pub use cortex_m4::{from_buffer, from_noise};
+pub use cortex_m4::{from_buffer, from_noise, from_sums, noise};
 #[cfg(not(cortex_m4f))]
-pub use portable::{from_buffer, from_noise};
+pub use portable::{from_buffer, from_noise, from_sums, noise};
 
 use super::noise::White;
 use super::path::PARAMETERS;
 use super::walk::Line;
+
+/// Bits by which a sum of [`from_sums`]' coarse kind is smaller than the filter's input, Q29: it holds 128 instead of 4.
+pub const COARSE_BITS: u32 = 5;
 
 /// A first-order filter at work: what changes with each frame. The assembly reads it in this order.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +39,8 @@ pub struct OnePole {
     pub lines: [Line; PARAMETERS],
     /// The most by which an input changes the state's high word in a frame.
     pub growth: u32,
+    /// Whether damping takes all bits of the state: what rounding leaves would grow too much near -1.
+    pub whole: bool,
 }
 
 impl OnePole {
@@ -47,7 +52,11 @@ impl OnePole {
 
     /// The state of nothing.
     pub const fn rest(&self) -> i64 {
-        if self.is_far() { 1 << 29 } else { 1 << 31 }
+        match (self.whole, self.is_far()) {
+            (true, _) => 0,
+            (false, true) => 1 << 29,
+            (false, false) => 1 << 31,
+        }
     }
 
     /// At rest.
@@ -59,5 +68,6 @@ impl OnePole {
         shift: 0,
         lines: [Line { value: 0, step: 0 }; PARAMETERS],
         growth: 0,
+        whole: false,
     };
 }

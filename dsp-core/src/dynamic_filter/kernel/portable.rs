@@ -1,7 +1,11 @@
 //! The loops in plain Rust: the definition of the bits.
 
-use super::OnePole;
-use crate::fixed::{qadd, saturating_shift_left};
+use super::super::noise::White;
+use super::{COARSE_BITS, OnePole};
+use crate::fixed::{qadd, saturate, saturating_shift_left};
+
+/// Of words of the bus on the loops' line.
+const LARGEST_LINE_WORD: i32 = (1 << 30) - 1;
 
 /// Noise through the filter, added to `out`.
 pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
@@ -21,6 +25,39 @@ pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], 
     }
 }
 
+/// Noise of a level.
+pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
+    words.iter_mut().for_each(|word| *word = noise.draw(level));
+}
+
+/// Sums, clipped at 2.0, through the filter, added to `out`, as many frames as both have; the state is left in their place, 4 times the high word, or, where
+/// the bus is far larger, its word. Gives the
+/// sizes of these, or'ed. A sum's format is Q29, [`COARSE_BITS`] less of the `coarse` kind.
+#[inline(never)]
+pub fn from_sums(filter: &mut OnePole, equal: bool, coarse: bool, sums: &mut [i32], out: &mut [i32]) -> u32 {
+    let clip = if coarse { clipped::<true> } else { clipped::<false> };
+    let mut sizes = 0;
+    for (word, out) in sums.iter_mut().zip(out) {
+        let e = clip(*word);
+        if equal {
+            filter.step::<true>(e)
+        } else {
+            filter.step::<false>(e)
+        }
+        *word = filter.line_word();
+        sizes |= (*word ^ (*word >> 31)) as u32;
+        *out = qadd(*out, if filter.is_far() { filter.word_of_bus() } else { filter.sound() });
+    }
+    sizes
+}
+
+/// A sum as an input of Q29: at most 2.0.
+#[inline(always)]
+pub fn clipped<const COARSE: bool>(sum: i32) -> i32 {
+    let bits = if COARSE { COARSE_BITS } else { 0 };
+    sum.clamp(-1 << (30 - bits), (1 << (30 - bits)) - 1) << bits
+}
+
 impl OnePole {
     /// What damping takes of the state: 4 times its high word, which is below 2^29; where the bus is much larger, with two bits more below.
     #[inline(always)]
@@ -31,8 +68,12 @@ impl OnePole {
     #[inline(always)]
     fn step<const EQUAL: bool>(&mut self, e: i32) {
         let damping = self.truncated();
+        let below = self.state - (i64::from(damping) << 30);
         let [damp, b0, b1, ..] = &mut self.lines;
         self.state += i64::from(damp.value) * i64::from(damping);
+        if self.whole {
+            self.state += (i64::from(damp.value) * below) >> 30;
+        }
         if EQUAL {
             self.state += i64::from(b0.value) * i64::from(e + self.last);
         } else {
@@ -45,10 +86,27 @@ impl OnePole {
         b0.advance();
     }
 
+    /// The state as loops read it: 4 times the high word; where the bus is far larger, its word, at most 8.0, so that small loops have all bits of it.
+    #[inline(always)]
+    fn line_word(&self) -> i32 {
+        if !self.is_far() {
+            return self.truncated();
+        }
+        self.word_of_bus().clamp(-LARGEST_LINE_WORD, LARGEST_LINE_WORD)
+    }
+
+    /// The whole state on the bus.
+    #[inline(always)]
+    fn word_of_bus(&self) -> i32 {
+        saturate(self.state >> (32 + self.shift).clamp(0, 63))
+    }
+
     /// The state on the bus.
     #[inline(always)]
     fn sound(&self) -> i32 {
-        if self.is_far() {
+        if self.whole {
+            self.word_of_bus()
+        } else if self.is_far() {
             scaled(self.truncated(), self.shift + 2)
         } else {
             scaled((self.state >> 32) as i32, self.shift)
