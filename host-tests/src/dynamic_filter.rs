@@ -58,7 +58,7 @@ impl Table {
         let ratio = rate.hz() / self.rate_hz;
         let point = |p: &Breakpoint| {
             let Breakpoint { time_s, a1, a2, b0, b1, b2 } = *p;
-            reference::dynamic_filter::Breakpoint { time_s, a1, a2, b0, b1, b2 }.at_ratio(ratio)
+            reference::dynamic_filter::Breakpoint { time_s, noise: 1.0, a1, a2, b0, b1, b2 }.at_ratio(ratio)
         };
         let path: Vec<_> = self.path.iter().map(point).collect();
         let last = (path.last().map_or(0.0, |point| point.time_s) * rate.hz()).ceil() as usize;

@@ -24,6 +24,6 @@ impl Breakpoint {
         let (above, below) = if first_order { (divide(above), divide(below)) } else { (above, below) };
         let [b0, b1, b2] = above.map(|c| c / below[0]);
         let [_, a1, a2] = below.map(|c| c / below[0]);
-        Self { time_s: self.time_s, a1, a2, b0, b1, b2 }
+        Self { time_s: self.time_s, noise: self.noise, a1, a2, b0, b1, b2 }
     }
 }

@@ -10,10 +10,12 @@ pub use form::Form;
 use crate::SampleRate;
 
 /// The coefficients at a time after the strike: `s(n) = b0 e(n) + b1 e(n-1) + b2 e(n-2) - a1 s(n-1) - a2 s(n-2)`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Breakpoint {
     /// Seconds after the strike.
     pub time_s: f64,
+    /// Level of the noise, 0 to 1: it scales e(n), never the filter.
+    pub noise: f64,
     /// a1.
     pub a1: f64,
     /// a2, of the second order only.
@@ -24,6 +26,13 @@ pub struct Breakpoint {
     pub b1: f64,
     /// b2, of the second order only.
     pub b2: f64,
+}
+
+impl Default for Breakpoint {
+    /// At 0 s, noise at its full level, the filter closed.
+    fn default() -> Self {
+        Self { time_s: 0.0, noise: 1.0, a1: 0.0, a2: 0.0, b0: 0.0, b1: 0.0, b2: 0.0 }
+    }
 }
 
 /// A filter along its path, from rest.
@@ -52,6 +61,16 @@ impl<'a> Filter<'a> {
             }
         }
         Form::of(self.order, &self.path.last().copied().unwrap_or_default())
+    }
+
+    /// Level of the noise so many samples after the strike: linear between breakpoints, none from the last one on.
+    pub fn noise(&self, samples: usize) -> f64 {
+        let time_s = samples as f64 / self.rate.hz();
+        let within = |pair: &&[Breakpoint]| (pair[0].time_s..pair[1].time_s).contains(&time_s);
+        self.path.windows(2).find(within).map_or(0.0, |pair| {
+            let part = (time_s - pair[0].time_s) / (pair[1].time_s - pair[0].time_s);
+            pair[0].noise + part * (pair[1].noise - pair[0].noise)
+        })
     }
 
     /// s(n) for e(n), so many samples after the last strike.
