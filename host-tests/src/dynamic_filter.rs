@@ -39,9 +39,17 @@ impl Table {
     /// # Errors
     /// [`DynamicFilterError`].
     pub fn ours(&self, rate: SampleRate) -> Result<Box<Ours>, DynamicFilterError> {
+        self.with_seed(SEED.0, rate)
+    }
+
+    /// dsp-core's, with another seed.
+    ///
+    /// # Errors
+    /// [`DynamicFilterError`].
+    pub fn with_seed(&self, seed: u32, rate: SampleRate) -> Result<Box<Ours>, DynamicFilterError> {
         let mut filter = Box::new(Ours::EMPTY);
         let settings = Settings {
-            seed: SEED.0,
+            seed,
             rate_hz: self.rate_hz,
             order: self.order,
             modes_through: self.modes_through,
@@ -57,28 +65,33 @@ impl Table {
         let theirs = reference::SampleRate { numerator: (rate.hz() * 64.0) as u32, denominator: 64 };
         let ratio = rate.hz() / self.rate_hz;
         let point = |p: &Breakpoint| {
-            let Breakpoint { time_s, a1, a2, b0, b1, b2 } = *p;
-            reference::dynamic_filter::Breakpoint { time_s, noise: 1.0, a1, a2, b0, b1, b2 }.at_ratio(ratio)
+            let Breakpoint { time_s, a1, a2, b0, b1, b2, noise } = *p;
+            reference::dynamic_filter::Breakpoint { time_s, noise, a1, a2, b0, b1, b2 }.at_ratio(ratio)
         };
         let path: Vec<_> = self.path.iter().map(point).collect();
+        let mut filter = reference::dynamic_filter::Filter::new(self.order, &path, theirs);
         let last = (path.last().map_or(0.0, |point| point.time_s) * rate.hz()).ceil() as usize;
         let mut generator = White::new(SEED.0, SEED.1);
         let unit = 268_435_456.0 * ratio.sqrt();
         let mut noise = |n: usize| {
             let Some(&(start, level)) = strikes.iter().rev().find(|(start, _)| *start <= n) else { return 0.0 };
-            if n - start >= last {
+            // What is silent all through a piece is not drawn.
+            let time_s = (n - start) as f64 / rate.hz();
+            let within = |pair: &&[Breakpoint]| (pair[0].time_s..pair[1].time_s).contains(&time_s);
+            let silent = |pair: &[Breakpoint]| pair[0].noise == 0.0 && pair[1].noise == 0.0;
+            if n - start >= last || self.path.windows(2).find(within).is_some_and(silent) {
                 return 0.0;
             }
             let words = (f64::from(level) * unit).min(1.99 * 268_435_456.0) as i32;
             let words = if input_shift >= 0 { words >> input_shift } else { words << -input_shift };
-            f64::from(generator.draw(words)) * f64::exp2(f64::from(input_shift))
+            let of_path = filter.noise(n - start);
+            f64::from(generator.draw(words)) * f64::exp2(f64::from(input_shift)) * of_path
         };
         let mut input: Vec<f64> = (0..frames).map(&mut noise).collect();
         if let Some(Exciter { low_hz, high_hz, exponent }) = self.exciter {
             let level = strikes.first().map_or(1.0, |&(_, level)| f64::from(level));
             input = reference::dynamic_filter::Exciter { low_hz, high_hz, exponent }.filter(level, &input, theirs);
         }
-        let mut filter = reference::dynamic_filter::Filter::new(self.order, &path, theirs);
         let starts: Vec<usize> = strikes.iter().map(|&(start, _)| start).collect();
         let one = |&Loop { frequency_hz, bandwidth_hz, gain, delay_s }: &Loop| reference::waveguide::Loop {
             frequency_hz,

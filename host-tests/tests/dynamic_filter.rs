@@ -43,7 +43,7 @@ fn random_second_order(random: &mut Random, count: usize, shortest: f64, longest
             };
             let gain = 10f64.powf(-random.between(0.0, 0.5) * index as f64) * size;
             let [b0, b1, b2] = [(); 3].map(|()| gain * random.between(-1.0, 1.0));
-            let point = Breakpoint { time_s, a1, a2, b0, b1, b2 };
+            let point = Breakpoint { time_s, a1, a2, b0, b1, b2, ..Breakpoint::default() };
             time_s += shortest * (longest / shortest).powf(random.between(0.0, 1.0));
             point
         })
@@ -91,7 +91,7 @@ fn edges_of_the_range_keep_ninety_db() {
     ] {
         for b1 in [1.0, -0.5] {
             let b0 = if order == 1 { 0.2 * (1.0 - f64::abs(a1)).sqrt() } else { 1e-6 };
-            let point = |time_s| Breakpoint { time_s, a1, a2, b0, b1: b1 * b0, b2: 0.0 };
+            let point = |time_s| Breakpoint { time_s, a1, a2, b0, b1: b1 * b0, ..Breakpoint::default() };
             let table = Table { order, ..Table::of_path(vec![point(0.0), point(1.0)]) };
             let snr = snr(&table, [1.0, 1.99], RATE);
             println!("{what}, b1/b0 {b1}: {snr:.1} dB");
@@ -226,6 +226,7 @@ proptest! {
         blocks in prop::collection::vec(1usize..90, 1..20),
         loud in any::<bool>(),
         excited in any::<bool>(),
+        levels in any::<bool>(),
         seed in 1u64..1000,
     ) {
         let mut time_s = 0.0;
@@ -238,13 +239,14 @@ proptest! {
                     _ => (-(pole + pole.abs() / 2.0), pole * pole.abs() / 2.0, (1.0 - pole.abs()).powi(2)),
                 };
                 let b0 = bits.exp2() * unit;
-                let point = Breakpoint { time_s, a1, a2, b0, b1: b0 * ratio, b2: 0.0 };
+                let noise = if levels { pole.abs() } else { 1.0 };
+                let point = Breakpoint { time_s, a1, a2, b0, b1: b0 * ratio, b2: 0.0, noise };
                 time_s += step;
                 point
             })
             .collect();
         let exciter = excited.then_some(Exciter { low_hz: 100.0, high_hz: 3000.0, exponent: 0.5 });
-        let table = Table { order, exciter, modes_through: true, ..Table::of_path(path) };
+        let table = Table { order, exciter, modes_through: loud, ..Table::of_path(path) };
         let filter = table.ours(RATE);
         prop_assume!(!matches!(filter, Err(DynamicFilterError::Path(PathError::PolesMeet { .. }))));
         let mut whole = filter.unwrap();

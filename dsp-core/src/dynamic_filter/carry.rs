@@ -25,6 +25,6 @@ impl Breakpoint {
         let [n0, n1, n2] = terms(self.b0, self.b1, self.b2);
         // A zero at -1 stays there: exactly, so that eq. 17 is still known as such.
         let n1 = if order == 1 && self.b1 == self.b0 { n0 } else { n1 };
-        Self { time_s: self.time_s, a1: d1 / d0, a2: d2 / d0, b0: n0 / d0, b1: n1 / d0, b2: n2 / d0 }
+        Self { a1: d1 / d0, a2: d2 / d0, b0: n0 / d0, b1: n1 / d0, b2: n2 / d0, ..self }
     }
 }

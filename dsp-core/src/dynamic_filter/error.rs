@@ -38,6 +38,13 @@ pub enum PathError {
         /// That gain.
         gain: f64,
     },
+    /// A level of the noise that is not between 0 and 1.
+    Noise {
+        /// The breakpoint, counted from 0.
+        breakpoint: usize,
+        /// That level.
+        noise: f64,
+    },
     /// A second-order filter whose poles are conjugate at some breakpoints and real at others.
     PolesMeet {
         /// The first breakpoint that is unlike the one before.
@@ -66,6 +73,9 @@ impl fmt::Display for PathError {
                 f,
                 "breakpoint {breakpoint}: a gain of {gain}: lower its b to at most {MAX_GAIN}, or move poles apart that are nearly the same"
             ),
+            Self::Noise { breakpoint, noise } => {
+                write!(f, "breakpoint {breakpoint}: a level of the noise of {noise}: give 0 to 1")
+            }
             Self::PolesMeet { breakpoint } => write!(
                 f,
                 "breakpoint {breakpoint}: poles become real or conjugate here: keep a1² - 4 a2 below 0 in all breakpoints or in none"

@@ -5,8 +5,8 @@ use super::kernel::{self, OnePole};
 use super::noise::White;
 use super::path::{Form, PARAMETERS, Path};
 use super::second_order::TwoPoles;
-use super::walk::Walk;
-use crate::fixed::{qadd, saturating_shift_left, times_q31};
+use super::walk::{Line, Walk};
+use crate::fixed::{qadd, saturating_shift_left, smmulr, times_q31};
 use crate::resonator::TICK_FRAMES;
 
 /// Noise and filter of one object; its input is Q(27 - q).
@@ -16,11 +16,21 @@ pub(super) struct Filter<const N: usize> {
     walk: Walk,
     one_pole: OnePole,
     two_poles: TwoPoles,
+    /// Whether the sums that come in are coarse ([`kernel::COARSE_BITS`]).
+    pub(super) coarse: bool,
+    /// The path's level of the noise, Q30.
+    level: Line,
 }
 
 impl<const N: usize> Filter<N> {
-    pub(super) const EMPTY: Self =
-        Self { path: Path::EMPTY, walk: Walk::NOWHERE, one_pole: OnePole::REST, two_poles: TwoPoles::REST };
+    pub(super) const EMPTY: Self = Self {
+        path: Path::EMPTY,
+        walk: Walk::NOWHERE,
+        one_pole: OnePole::REST,
+        two_poles: TwoPoles::REST,
+        coarse: false,
+        level: Line { value: 0, step: 0 },
+    };
 
     /// At rest behind the end of the loaded path.
     pub(super) fn start(&mut self, noise: White) {
@@ -38,9 +48,28 @@ impl<const N: usize> Filter<N> {
     }
 
     /// Begins a segment of at most so many frames: gives its frames, and whether there is noise in it.
+    #[inline(always)]
     pub(super) fn segment(&mut self, most: usize) -> (usize, bool) {
-        let frames = self.walk.segment(&self.path, most, &mut self.one_pole.lines);
-        (frames, self.walk.is_under_way())
+        // Nothing new: behind the path's end, or a whole tick within a piece.
+        if self.walk.is_over() {
+            return (most, false);
+        }
+        if most == TICK_FRAMES && self.path.form == Form::EqualZeros && !self.path.has_levels {
+            if self.walk.whole_ticks() > 0 {
+                self.walk.tick(&mut self.one_pole.lines, 2);
+                self.walk.pass(1);
+                return (most, true);
+            }
+        }
+        self.begin_segment(most)
+    }
+
+    #[inline(never)]
+    fn begin_segment(&mut self, most: usize) -> (usize, bool) {
+        let frames = self.walk.segment(&self.path, most, &mut self.one_pole.lines, &mut self.level);
+        // What is 0 all along is not drawn.
+        let silent = self.path.has_levels && self.level.is_zero();
+        (frames, self.walk.is_under_way() && !silent)
     }
 
     /// Whether noise is still to come.
@@ -83,20 +112,25 @@ impl<const N: usize> Filter<N> {
         self.two_poles.attenuate(left);
     }
 
-    /// A whole tick of noise through the filter, added to `out`: as [`segment`](Self::segment) and [`run_noise`](Self::run_noise), for less. `false` where it is
-    /// to be done by them.
+    /// How many whole ticks of noise alone may be run by [`run_tick`](Self::run_tick): they end within the path's piece.
+    pub(super) fn whole_ticks(&self) -> u32 {
+        if self.path.form.parameters() == PARAMETERS { 0 } else { self.walk.whole_ticks() }
+    }
+
+    /// Goes on by so many of them on the path.
+    pub(super) fn pass(&mut self, whole_ticks: u32) {
+        self.walk.pass(whole_ticks);
+    }
+
+    /// A whole tick of noise through the filter, added to `out`: as [`segment`](Self::segment) and [`run_noise`](Self::run_noise), for less.
     #[inline(always)]
-    pub(super) fn run_tick(&mut self, out: &mut [i32; TICK_FRAMES]) -> bool {
-        match self.path.form {
-            Form::EqualZeros if self.walk.tick(&mut self.one_pole.lines, 2) => {
-                kernel::from_noise::<true>(&mut self.one_pole, out);
-                true
-            }
-            Form::OnePole if self.walk.tick(&mut self.one_pole.lines, 3) => {
-                kernel::from_noise::<false>(&mut self.one_pole, out);
-                true
-            }
-            _ => false,
+    pub(super) fn run_tick(&mut self, out: &mut [i32; TICK_FRAMES]) {
+        if self.path.form == Form::EqualZeros {
+            self.walk.tick(&mut self.one_pole.lines, 2);
+            kernel::from_noise::<true>(&mut self.one_pole, out);
+        } else {
+            self.walk.tick(&mut self.one_pole.lines, 3);
+            kernel::from_noise::<false>(&mut self.one_pole, out);
         }
     }
 
@@ -113,8 +147,31 @@ impl<const N: usize> Filter<N> {
 
     /// The next frames of noise, Q(27 - q).
     pub(super) fn noise(&mut self, input: &mut [i32]) {
-        let OnePole { noise, level, .. } = &mut self.one_pole;
-        input.iter_mut().for_each(|word| *word = noise.draw(*level));
+        self.draw(self.one_pole.level >> self.grain(), input);
+    }
+
+    /// Bits by which the input's words are smaller than the filter takes them: those of sums ([`run_sums`](Self::run_sums)).
+    fn grain(&self) -> u32 {
+        if self.coarse { kernel::COARSE_BITS } else { 0 }
+    }
+
+    /// The next frames of noise at a strike's level, and at the path's.
+    #[inline(always)]
+    fn draw(&mut self, level: i32, input: &mut [i32]) {
+        if self.path.has_levels {
+            self.draw_levels(level, input);
+        } else {
+            kernel::noise(&mut self.one_pole.noise, level, input);
+        }
+    }
+
+    #[inline(never)]
+    fn draw_levels(&mut self, level: i32, input: &mut [i32]) {
+        for word in input {
+            // 1 is 2^30: two bits less than a product's high word has.
+            *word = self.one_pole.noise.draw(smmulr(level, self.level.value) << 2);
+            self.level.advance();
+        }
     }
 
     /// The next frames of noise through the exciter's band, which works on words below 2^27; or what it gives without noise.
@@ -123,11 +180,11 @@ impl<const N: usize> Filter<N> {
         let level = if noisy { self.one_pole.level >> down } else { 0 };
         input.fill(0);
         if noisy {
-            input.iter_mut().for_each(|word| *word = self.one_pole.noise.draw(level));
+            self.draw(level, input);
         }
         band.run(input);
-        let largest = self.largest_input();
-        input.iter_mut().for_each(|word| *word = saturating_shift_left(*word, down).clamp(-largest, largest));
+        let (largest, grain) = (self.largest_input(), self.grain());
+        input.iter_mut().for_each(|word| *word = saturating_shift_left(*word, down).clamp(-largest, largest) >> grain);
     }
 
     /// Nominal cycles of a tick, at most; `plain` says whether noise is all that comes in.
@@ -140,9 +197,9 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Adds a signal of the bus to an input, larger than it by 2^`up`, and clips it to 2.0.
-    pub(super) fn add(&self, signal: &[i32], up: i32, input: &mut [i32]) {
-        let shift = up + self.path.input_shift;
+    /// Adds a signal of the bus to an input, and clips it to 2.0; coarse sums to more.
+    pub(super) fn add(&self, signal: &[i32], input: &mut [i32]) {
+        let shift = self.grain() as i32 + self.path.input_shift;
         let largest = self.largest_input();
         // Twice the loop, so that what is shifted how is asked once.
         if shift >= 0 {
@@ -174,6 +231,25 @@ impl<const N: usize> Filter<N> {
                 self.two_poles.run(&self.path, &mut self.one_pole.lines, buffer, out);
             }
         }
+    }
+
+    /// Sums of noise and loops, clipped to 2.0, through the filter, added to `out`, and s left in their place; gives its sizes, or'ed.
+    #[inline(always)]
+    pub(super) fn run_sums(&mut self, sums: &mut [i32], out: &mut [i32]) -> u32 {
+        match self.path.form {
+            form @ (Form::EqualZeros | Form::OnePole) => {
+                kernel::from_sums(&mut self.one_pole, form == Form::EqualZeros, self.coarse, sums, out)
+            }
+            Form::Conjugate | Form::Real => self.run_sums_of_two_poles(sums, out),
+        }
+    }
+
+    #[inline(never)]
+    fn run_sums_of_two_poles(&mut self, sums: &mut [i32], out: &mut [i32]) -> u32 {
+        let clip = if self.coarse { kernel::portable::clipped::<true> } else { kernel::portable::clipped::<false> };
+        sums.iter_mut().for_each(|sum| *sum = clip(*sum));
+        self.run(sums, out);
+        sums.iter().fold(0, |sizes, &s| sizes | (s ^ (s >> 31)) as u32)
     }
 
     /// See [`run`](Self::run).

@@ -24,6 +24,18 @@ impl White {
         Self(Sfc32::new(seed, stream).first() | 1)
     }
 
+    /// The generator's word.
+    #[cfg(cortex_m4f)]
+    pub(super) const fn word(self) -> u32 {
+        self.0
+    }
+
+    /// From that.
+    #[cfg(cortex_m4f)]
+    pub(super) const fn from_word(word: u32) -> Self {
+        Self(word)
+    }
+
     /// The next sample, uniform in -level/2 to level/2.
     #[inline(always)]
     pub fn draw(&mut self, level: i32) -> i32 {

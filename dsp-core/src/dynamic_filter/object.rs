@@ -4,6 +4,7 @@ use super::error::DynamicFilterError;
 use super::exciter::BandPass;
 use super::filter::Filter;
 use super::noise::White;
+use super::path::Input;
 use super::settings::{Breakpoint, Exciter, Loop, Settings};
 use super::stability;
 use crate::SampleRate;
@@ -38,23 +39,30 @@ use crate::waveguide::Loops;
 /// filter.render(None, &mut out);
 /// assert!(out.iter().any(|&sample| sample != 0));
 /// ```
+// In this order: what a tick asks for is near the start, where the chip reaches it by a short address.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct DynamicFilter<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> {
-    filter: Filter<POINTS>,
-    loops: Loops<LOOPS, FRAMES>,
-    exciter: BandPass,
     modes_through: bool,
     loaded: bool,
     /// Whether noise goes straight into the filter, and nothing else does.
     plain: bool,
+    /// Whether noise and loops are all that does.
+    only_looped: bool,
     /// 1.0 of the noise's level, 2^28 and more at a higher rate than the table's.
     level_unit: f32,
     /// Frame within the tick, and frames that are left of the segment.
     frame: usize,
     left: usize,
+    /// Whole ticks of noise alone, which [`Filter::run_tick`] may do: so many were granted, so many are left.
+    granted: u32,
+    whole_ticks: u32,
     /// Whether the segment has noise.
     noisy: bool,
     ringing: bool,
+    exciter: BandPass,
+    filter: Filter<POINTS>,
+    loops: Loops<LOOPS, FRAMES>,
 }
 
 impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter<POINTS, LOOPS, FRAMES> {
@@ -66,9 +74,12 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         modes_through: false,
         loaded: false,
         plain: false,
+        only_looped: false,
         level_unit: 0.0,
         frame: 0,
         left: 0,
+        granted: 0,
+        whole_ticks: 0,
         noisy: false,
         ringing: false,
     };
@@ -114,12 +125,21 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
             return Err(DynamicFilterError::Rate { rate_hz });
         }
         let ratio = rate.hz() / rate_hz;
-        self.filter.path.load(order, path.clone(), rate, ratio)?;
+        let looped = loops.clone().next().is_some();
+        self.plain = !looped && exciter.is_none() && !modes_through && path.clone().all(|point| point.noise == 1.0);
+        self.only_looped = looped && exciter.is_none() && !modes_through && order == 1;
+        let input = match (self.plain, looped) {
+            (true, _) => Input::Noise,
+            (false, true) => Input::Sums,
+            (false, false) => Input::Words,
+        };
+        self.filter.path.load(order, path.clone(), rate, ratio, input)?;
         let path = path.map(move |point| point.carried(order, ratio));
         self.filter.start(White::new(seed, stream));
         let largest_gain = self.filter.path.gain;
         let stable = |all: &[_]| stability::check(order, largest_gain, path, all, rate);
         self.loops.load(loops, self.filter.line_scale(), rate, stable)?;
+        self.filter.coarse = self.loops.is_coarse();
         if let Some(exciter) = exciter {
             let largest = Exciter::LARGEST_EXPONENT;
             if !(-largest..=largest).contains(&exciter.exponent) {
@@ -129,7 +149,6 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         }
         self.level_unit = (268_435_456.0 * libm::sqrt(ratio)) as f32;
         (self.modes_through, self.loaded) = (modes_through, true);
-        self.plain = self.loops.count().0 == 0 && !self.exciter.is_loaded() && !modes_through;
         Ok(())
     }
 
@@ -137,8 +156,9 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
     pub fn unload(&mut self) {
         self.loops.unload();
         (self.filter, self.exciter) = (Filter::EMPTY, BandPass::NONE);
-        (self.modes_through, self.loaded, self.plain) = (false, false, false);
+        (self.modes_through, self.loaded, self.plain, self.only_looped) = (false, false, false, false);
         (self.left, self.noisy, self.ringing) = (0, false, false);
+        (self.granted, self.whole_ticks) = (0, 0);
     }
 
     /// Whether the object's modes are to be given to [`render`](Self::render), rather than added to the output beside it.
@@ -160,6 +180,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         let level = level.clamp(0.0, Self::MAX_LEVEL);
         // 1.99 of 2^28 is the most that the input's format holds.
         let words = (level * self.level_unit).min(Self::MAX_LEVEL * 268_435_456.0);
+        self.settle_whole_ticks();
         self.filter.strike(words as i32);
         self.exciter.strike(level);
         (self.left, self.ringing) = (0, true);
@@ -175,8 +196,15 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
     #[inline(always)]
     pub fn render(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
         // What a tick mostly is.
-        if let (true, 0, 0, Some(tick)) = (self.plain && self.ringing, self.frame, self.left, out.as_mut_array())
-            && self.filter.run_tick(tick)
+        if let (1.., Some(tick)) = (self.whole_ticks, out.as_mut_array()) {
+            self.whole_ticks -= 1;
+            self.filter.run_tick(tick);
+            return;
+        }
+        // With loops, the same.
+        if let (true, true, 0, 0, Some(tick)) =
+            (self.only_looped, self.ringing, self.frame, self.left, out.as_mut_array())
+            && self.run_looped_tick(tick)
         {
             return;
         }
@@ -185,6 +213,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
 
     #[inline(never)]
     fn render_any(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
+        self.settle_whole_ticks();
         let (mut modes, mut out) = (modes.unwrap_or(&[]), out);
         while !out.is_empty() {
             if self.ringing && self.left == 0 {
@@ -203,22 +232,33 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
                 }
                 continue;
             }
-            let mut frames = out.len().min(self.left);
-            if !self.plain {
-                frames = self.loops.run_length(frames);
-            }
+            let most = out.len().min(self.left);
+            let frames = if self.loops.count().0 > 0 { self.loops.slot_length(most) } else { most };
             let (now, later) = out.split_at_mut(frames);
             let (given, more) = modes.split_at(frames.min(modes.len()));
-            if !(self.plain && self.noisy && self.filter.run_noise(now)) {
+            if self.loops.count().0 > 0 {
+                self.run_looped(given, now);
+            } else if !(self.plain && self.noisy && self.filter.run_noise(now)) {
                 self.run(given, now);
             }
             (out, modes) = (later, more);
             self.left -= frames;
             self.frame = (self.frame + frames) % TICK_FRAMES;
         }
+        if self.plain && self.ringing && self.frame == 0 && self.left == 0 {
+            self.granted = self.filter.whole_ticks();
+            self.whole_ticks = self.granted;
+        }
+    }
+
+    /// Takes back what is left of the whole ticks of noise that were granted.
+    fn settle_whole_ticks(&mut self) {
+        self.filter.pass(self.granted - self.whole_ticks);
+        (self.granted, self.whole_ticks) = (0, 0);
     }
 
     /// A tick, a strike or a breakpoint.
+    #[inline(always)]
     fn begin(&mut self) {
         if self.frame == 0 {
             let silent = if self.loops.count().0 > 0 { self.loops.settle() } else { true };
@@ -244,35 +284,74 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         self.ringing = !self.filter.settle() || excited || !self.loops.is_at_rest();
     }
 
-    /// Frames within a segment, by way of a buffer: the loops' line, or one of its own.
+    /// A whole tick of noise and loops, if it is one; what is begun of any other one is left to [`render_any`](Self::render_any).
+    #[inline(never)]
+    fn run_looped_tick(&mut self, out: &mut [i32; TICK_FRAMES]) -> bool {
+        self.begin();
+        let room = self.loops.run_length(self.loops.slot_length(TICK_FRAMES));
+        if !self.ringing || self.left < TICK_FRAMES || room < TICK_FRAMES {
+            return false;
+        }
+        self.left = 0;
+        let Some(sums) = self.loops.slot(TICK_FRAMES).as_mut_array::<TICK_FRAMES>() else { return false };
+        if self.noisy {
+            self.filter.noise(sums)
+        } else {
+            *sums = [0; TICK_FRAMES]
+        }
+        self.loops.add(TICK_FRAMES);
+        self.filter_sums(out);
+        true
+    }
+
+    /// What was summed through the filter.
+    #[inline(always)]
+    fn filter_sums(&mut self, out: &mut [i32]) {
+        let frames = out.len();
+        let sizes = self.filter.run_sums(self.loops.slot(frames), out);
+        self.loops.advance(frames, sizes);
+    }
+
+    /// Frames within a segment, by way of the loops' line: what comes in at once, loops and filter by blocks of the shortest delay.
+    #[inline(never)]
+    fn run_looped(&mut self, modes: &[i32], out: &mut [i32]) {
+        let sums = self.loops.slot(out.len());
+        if self.exciter.is_loaded() {
+            self.filter.excite(&mut self.exciter, self.noisy, sums);
+        } else if self.noisy {
+            self.filter.noise(sums);
+        } else {
+            sums.fill(0);
+        }
+        let (mut modes, mut out) = (modes, out);
+        while !out.is_empty() {
+            let frames = self.loops.run_length(out.len());
+            let (now, later) = out.split_at_mut(frames);
+            self.loops.add(frames);
+            if self.modes_through {
+                let (given, more) = modes.split_at(frames.min(modes.len()));
+                self.filter.add(given, self.loops.slot(frames));
+                modes = more;
+            }
+            self.filter_sums(now);
+            out = later;
+        }
+    }
+
+    /// Frames within a segment without loops, by way of a buffer.
     #[inline(never)]
     fn run(&mut self, modes: &[i32], out: &mut [i32]) {
         let mut own = [0; TICK_FRAMES];
-        let (mut mix, frames) = ([0; TICK_FRAMES], out.len());
-        let looped = self.loops.count().0 > 0;
-        let (Some(own), Some(mix)) = (own.get_mut(..frames), mix.get_mut(..frames)) else { return };
-        if looped {
-            self.loops.read(mix);
-        }
-        let mix_scale = self.loops.mix_scale();
-        let input = if looped { self.loops.slot(frames) } else { own };
+        let Some(input) = own.get_mut(..out.len()) else { return };
         if self.exciter.is_loaded() {
             self.filter.excite(&mut self.exciter, self.noisy, input);
         } else if self.noisy {
             self.filter.noise(input);
-        } else {
-            input.fill(0);
-        }
-        if looped {
-            self.filter.add(mix, mix_scale, input);
         }
         if self.modes_through {
-            self.filter.add(modes, 0, input);
+            self.filter.add(modes, input);
         }
         self.filter.run(input, out);
-        if looped {
-            self.loops.advance(frames);
-        }
     }
 
     /// Lets frames pass where nothing rings and no modes come: as a block, for nothing.
@@ -282,6 +361,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
 
     /// Clears what rings and ends the path; the noise stays where it is.
     pub fn rest(&mut self) {
+        self.settle_whole_ticks();
         self.filter.rest();
         self.loops.rest();
         self.exciter.rest();

@@ -36,6 +36,17 @@ const CARRIED: Limits = Limits { poles: [-0.9999, 0.999_999], gain: 2.0 * MAX_GA
 /// |e| is clipped to this: 2.0.
 pub(super) const MAX_INPUT_BITS: i32 = 28;
 
+/// What comes into a filter: its words' formats follow from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Input {
+    /// Noise alone, straight from the generator.
+    Noise,
+    /// Words that are clipped to 2.0.
+    Words,
+    /// Sums with loops, in Q29.
+    Sums,
+}
+
 /// Parameters of the largest form.
 pub const PARAMETERS: usize = 5;
 
@@ -71,7 +82,7 @@ impl Form {
 }
 
 /// A piece of the path: parameters at its first frame and their change a frame.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     /// First frame after the strike.
     pub(super) start: u32,
@@ -79,7 +90,17 @@ pub(super) struct Piece {
     pub(super) value: [i32; PARAMETERS],
     /// With 32 bits more.
     pub(super) slope: [i64; PARAMETERS],
+    /// The noise's level, Q30, and its change a frame with 32 bits more.
+    pub(super) noise: i32,
+    pub(super) noise_slope: i64,
 }
+
+impl Piece {
+    const NOTHING: Self = Self { start: 0, value: [0; PARAMETERS], slope: [0; PARAMETERS], noise: 0, noise_slope: 0 };
+}
+
+/// A level of 1 in [`Piece::noise`].
+const NOISE_UNIT: f64 = 1073741824.0;
 
 /// Coefficients over time for a sample rate: at most `N` breakpoints.
 #[derive(Clone, Copy, Debug)]
@@ -87,6 +108,8 @@ pub struct Path<const N: usize> {
     pieces: [Piece; N],
     count: usize,
     pub(super) form: Form,
+    /// Whether the noise has levels of its own.
+    pub(super) has_levels: bool,
     /// h: the state's word is larger than the bus by 2^h.
     pub(super) scale: i32,
     /// q: the input's words are Q(27 - q).
@@ -128,9 +151,10 @@ impl Derived {
 impl<const N: usize> Path<N> {
     /// A path that gives nothing.
     pub const EMPTY: Self = Self {
-        pieces: [Piece { start: 0, value: [0; PARAMETERS], slope: [0; PARAMETERS] }; N],
+        pieces: [Piece::NOTHING; N],
         count: 0,
         form: Form::EqualZeros,
+        has_levels: false,
         scale: 0,
         input_shift: 0,
         inner_scale: 0,
@@ -143,12 +167,13 @@ impl<const N: usize> Path<N> {
     ///
     /// # Errors
     /// [`PathError`].
-    pub fn load(
+    pub(super) fn load(
         &mut self,
         order: u8,
         breakpoints: impl Iterator<Item = Breakpoint> + Clone,
         rate: SampleRate,
         ratio: f64,
+        input: Input,
     ) -> Result<(), PathError> {
         *self = Self::EMPTY;
         let given = breakpoints.clone().count();
@@ -157,6 +182,7 @@ impl<const N: usize> Path<N> {
         }
         let form = self.check(order, breakpoints.clone())?;
         self.form = form;
+        self.has_levels = breakpoints.clone().any(|point| point.noise != 1.0);
         let breakpoints = breakpoints.map(|point| point.carried(order, ratio));
         let nothing = Derived { form, parameters: [0.0; PARAMETERS], direct: 0.0, ring: 0.0, inner: 1.0 };
         let mut most = nothing;
@@ -166,7 +192,7 @@ impl<const N: usize> Path<N> {
                 return Err(PathError::Gain { breakpoint, gain: most.gain() });
             }
         }
-        let units = self.choose_scales(&most);
+        let units = self.choose_scales(&most, input);
         self.gain = most.gain();
         let parameters = |point: &Breakpoint| derive(order, point, 0, CARRIED).unwrap_or(nothing).parameters;
         let mut following = breakpoints.clone().skip(1);
@@ -183,14 +209,20 @@ impl<const N: usize> Path<N> {
             self.count += 1;
             piece.start = start as u32;
             let (from, to) = (parameters(&here), parameters(&next.unwrap_or(here)));
+            let between = |from: f64, to: f64, unit: f64| {
+                let change = (to - from) / (end - frame);
+                let value = libm::rint((from + change * (start - frame)) * unit) as i32;
+                // Of a single frame the change is never used; any other is at most the whole range.
+                let slope = if end - start > 1.0 { libm::rint(change * unit * 4294967296.0) as i64 } else { 0 };
+                (value, slope)
+            };
             for ((((value, slope), from), to), unit) in
                 piece.value.iter_mut().zip(&mut piece.slope).zip(from).zip(to).zip(units)
             {
-                let change = (to - from) / (end - frame);
-                *value = libm::rint((from + change * (start - frame)) * unit) as i32;
-                // Of a single frame the change is never used; any other is at most the whole range.
-                *slope = if end - start > 1.0 { libm::rint(change * unit * 4294967296.0) as i64 } else { 0 };
+                (*value, *slope) = between(from, to, unit);
             }
+            let noise_after = next.map_or(here.noise, |next| next.noise);
+            (piece.noise, piece.noise_slope) = between(here.noise, noise_after, NOISE_UNIT);
         }
         Ok(())
     }
@@ -206,6 +238,9 @@ impl<const N: usize> Path<N> {
                 return Err(PathError::Order { breakpoint, time_s });
             }
             before = time_s;
+            if !(0.0..=1.0).contains(&point.noise) {
+                return Err(PathError::Noise { breakpoint, noise: point.noise });
+            }
             let here = derive(order, &point, breakpoint, OF_TABLE)?.form;
             if form.is_some_and(|form| form != here) && order == 2 {
                 return Err(PathError::PolesMeet { breakpoint });
@@ -219,13 +254,21 @@ impl<const N: usize> Path<N> {
     }
 
     /// h and q; gives what 1 is in each parameter's format.
-    fn choose_scales(&mut self, most: &Derived) -> [f64; PARAMETERS] {
+    fn choose_scales(&mut self, most: &Derived, from: Input) -> [f64; PARAMETERS] {
         let largest = most.parameters;
         let exponent = |value: f64| libm::frexp(value * 1.001).1;
         let power = |bits: i32| libm::scalbn(1.0, bits);
         // gain · 2^(MAX_INPUT_BITS + h) <= 2^state_bits.
         let room = self.form.state_bits() - MAX_INPUT_BITS;
         self.scale = (room - exponent(most.gain())).clamp(-14, 12);
+        if from != Input::Words && self.form.parameters() < PARAMETERS {
+            // The bus' own format, where the state fits it, saves the shift; what is below a step of the bus is not heard.
+            self.scale = match self.scale {
+                0.. => 0,
+                -2..0 if from == Input::Noise => -2,
+                far => far,
+            };
+        }
         let of_input = match self.form {
             Form::EqualZeros | Form::OnePole => largest[1].max(largest[2]),
             Form::Conjugate => largest[2].max(largest[3]).max(largest[4]),
@@ -233,7 +276,9 @@ impl<const N: usize> Path<N> {
         };
         // b · 2^(bits + q) < 2^31, bits being 32 + h in the first order and 31 + h in the second.
         let bits = if self.form.parameters() < PARAMETERS { 32 } else { 31 } + self.scale;
-        self.input_shift = (31 - bits - exponent(of_input)).clamp(-2, 4);
+        // Sums are Q29: b fits, because in the state's format the gain is below 2.
+        let finest = if from == Input::Sums { -2 } else { 4 };
+        self.input_shift = (31 - bits - exponent(of_input)).clamp(-2, finest);
         self.inner_scale = room - exponent(most.inner);
         let input = power(bits + self.input_shift);
         let inner = power(30 + self.scale - self.inner_scale);

@@ -6,7 +6,7 @@ pub use crate::waveguide::Loop;
 /// The coefficients at a time after the strike; between breakpoints they are interpolated linearly.
 ///
 /// First order: `s(n) = b0 e(n) + b1 e(n-1) - a1 s(n-1)`. Second order: a2 and b2 too.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Breakpoint {
     /// Seconds after the strike; the first one's is 0.
     pub time_s: f64,
@@ -20,6 +20,15 @@ pub struct Breakpoint {
     pub b1: f64,
     /// Coefficient of e(n-2): second order only.
     pub b2: f64,
+    /// Level of the noise, 0 to 1, times the strike's; it scales what goes into the filter, never the filter.
+    pub noise: f64,
+}
+
+impl Default for Breakpoint {
+    /// At 0 s, all coefficients 0, noise at the strike's level.
+    fn default() -> Self {
+        Self { time_s: 0.0, a1: 0.0, a2: 0.0, b0: 0.0, b1: 0.0, b2: 0.0, noise: 1.0 }
+    }
 }
 
 /// All of an object's dynamic filter. `P` and `L` are iterators that may be run several times, such as `slice.iter().copied()`.

@@ -14,6 +14,11 @@ pub struct Line {
 }
 
 impl Line {
+    /// Whether it is 0 in all frames.
+    pub fn is_zero(&self) -> bool {
+        (self.value, self.step) == (0, 0)
+    }
+
     /// A frame on. After a segment's last frame the value is used no more, so that it may wrap.
     #[inline(always)]
     pub fn advance(&mut self) {
@@ -31,17 +36,37 @@ pub(super) struct Walk {
     next: u32,
     /// Up to here [`tick`](Self::tick) may go: 0 until a segment of the piece has set the lines' steps, and after the path's last breakpoint.
     whole: u32,
+    over: bool,
     ramps: [Ramp; PARAMETERS],
+    noise: Ramp,
 }
 
 /// A parameter on the way through a piece.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Ramp {
-    /// At the next segment's start, with 32 bits more.
+    /// At the next segment's start, with 32 bits more, and with what makes the middle of a tick right ([`Walk::segment`]).
     wide: i64,
-    /// Its change in a tick, and what makes the middle of a tick right ([`Walk::segment`]).
+    /// Its change in a tick.
     of_tick: i64,
-    middle_of_tick: i64,
+}
+
+impl Ramp {
+    const NOTHING: Self = Self { wide: 0, of_tick: 0 };
+
+    fn new(value: i32, slope: i64) -> Self {
+        Self {
+            wide: (i64::from(value) << 32).wrapping_add(middle(slope, TICK_FRAMES as u32)),
+            of_tick: slope.wrapping_mul(TICK_FRAMES as i64),
+        }
+    }
+
+    /// The line over so many frames, after which the ramp is behind them.
+    fn segment(&mut self, slope: i64, frames: u32) -> Line {
+        let shorter = middle(slope, frames).wrapping_sub(middle(slope, TICK_FRAMES as u32));
+        let value = (self.wide.wrapping_add(shorter) >> 32) as i32;
+        self.wide = self.wide.wrapping_add(slope.wrapping_mul(i64::from(frames)));
+        Line { value, step: step(slope) }
+    }
 }
 
 impl Walk {
@@ -51,7 +76,9 @@ impl Walk {
         piece: 0,
         next: u32::MAX,
         whole: 0,
-        ramps: [Ramp { wide: 0, of_tick: 0, middle_of_tick: 0 }; PARAMETERS],
+        over: false,
+        ramps: [Ramp::NOTHING; PARAMETERS],
+        noise: Ramp::NOTHING,
     };
 
     /// To the path's start.
@@ -68,16 +95,13 @@ impl Walk {
 
     fn enter<const N: usize>(&mut self, path: &Path<N>, piece: usize) {
         self.piece = piece;
-        self.whole = 0;
+        (self.whole, self.over) = (0, false);
         self.next = path.pieces().get(piece + 1).map_or(u32::MAX, |next| next.start);
         let Some(piece) = path.pieces().get(piece) else { return };
         for ((ramp, &value), &slope) in self.ramps.iter_mut().zip(&piece.value).zip(&piece.slope) {
-            *ramp = Ramp {
-                wide: i64::from(value) << 32,
-                of_tick: slope.wrapping_mul(TICK_FRAMES as i64),
-                middle_of_tick: middle(slope, TICK_FRAMES as u32),
-            };
+            *ramp = Ramp::new(value, slope);
         }
+        self.noise = Ramp::new(piece.noise, piece.noise_slope);
     }
 
     /// Whether the path's last breakpoint is still to come.
@@ -95,6 +119,7 @@ impl Walk {
         path: &Path<N>,
         most: usize,
         lines: &mut [Line; PARAMETERS],
+        noise: &mut Line,
     ) -> usize {
         if self.time >= self.next {
             self.enter(path, self.piece + 1);
@@ -103,30 +128,42 @@ impl Walk {
         let frames = most.min(TICK_FRAMES).min((self.next - self.time) as usize);
         let all = self.ramps.iter_mut().zip(&piece.slope).zip(lines);
         for ((ramp, &slope), line) in all.take(path.form.parameters()) {
-            let value = (ramp.wide.wrapping_add(middle(slope, frames as u32)) >> 32) as i32;
-            *line = Line { value, step: step(slope) };
-            ramp.wide = ramp.wide.wrapping_add(slope.wrapping_mul(i64::from(frames as u32)));
+            *line = ramp.segment(slope, frames as u32);
+        }
+        if path.has_levels {
+            *noise = self.noise.segment(piece.noise_slope, frames as u32);
         }
         if self.is_under_way() {
             self.time += frames as u32;
             self.whole = self.next;
+        } else {
+            self.over = true;
         }
         frames
     }
 
-    /// As [`segment`](Self::segment) for a whole tick with noise within a piece whose steps are in the lines already; `false` where it is none.
+    /// How many whole ticks lie within the piece, whose steps are in the lines already.
+    pub(super) fn whole_ticks(&self) -> u32 {
+        self.whole.saturating_sub(self.time) / TICK_FRAMES as u32
+    }
+
+    /// Goes on by so many of them.
+    pub(super) fn pass(&mut self, whole_ticks: u32) {
+        self.time += whole_ticks * TICK_FRAMES as u32;
+    }
+
+    /// As [`segment`](Self::segment) for the next whole tick, but for [`pass`](Self::pass).
     #[inline(always)]
-    pub(super) fn tick(&mut self, lines: &mut [Line; PARAMETERS], parameters: usize) -> bool {
-        let time = self.time + TICK_FRAMES as u32;
-        if time > self.whole {
-            return false;
-        }
-        self.time = time;
+    pub(super) fn tick(&mut self, lines: &mut [Line; PARAMETERS], parameters: usize) {
         for (ramp, line) in self.ramps.iter_mut().zip(lines).take(parameters) {
-            line.value = (ramp.wide.wrapping_add(ramp.middle_of_tick) >> 32) as i32;
+            line.value = (ramp.wide >> 32) as i32;
             ramp.wide = ramp.wide.wrapping_add(ramp.of_tick);
         }
-        true
+    }
+
+    /// Whether the lines hold what stays after the path's end.
+    pub(super) fn is_over(&self) -> bool {
+        self.over
     }
 }
 

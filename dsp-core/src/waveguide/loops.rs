@@ -3,24 +3,31 @@
 use super::SILENCE;
 use super::error::LoopError;
 use super::kernel;
-use super::resonance::{LINE_BITS, Resonance};
+use super::resonance::{COARSE, FINE, LINE_BITS, Resonance};
 use super::tuning::{Loop, Tuned};
 use crate::SampleRate;
 use crate::fixed::times_q31;
 use crate::resonator::TICK_FRAMES;
 
+/// Up to this sum of what may come out of the loops a fine sum has room.
+const LARGEST_FINE: f64 = 1.0 / 16.0;
+
 /// At most `LOOPS` loops on one line of `FRAMES` frames of s.
+// In this order: what a tick asks for is near the start, where the chip reaches it by a short address.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub(crate) struct Loops<const LOOPS: usize, const FRAMES: usize> {
-    bands: [Resonance; LOOPS],
     count: usize,
     /// The shortest delay, at most a tick.
     shortest: usize,
-    /// The line, a ring, larger than the bus by 2^line_scale; where s is written next.
-    line: [i32; FRAMES],
+    /// Where s is written next.
     place: usize,
     line_scale: i32,
-    mix_scale: i32,
+    sum_scale: i32,
+    /// Whether sums might not have room, so that they are to saturate.
+    loud: bool,
+    /// Whether a state has left the bounds of its scaling.
+    unsettled: bool,
     /// Sizes written in this tick, or'ed, in the time that the longest delay takes, so far, and in that before; frames of the one and the other.
     sizes: u32,
     sizes_of: [u32; 2],
@@ -29,6 +36,9 @@ pub(crate) struct Loops<const LOOPS: usize, const FRAMES: usize> {
     longest: usize,
     /// Frames for which all were silent.
     quiet_frames: usize,
+    bands: [Resonance; LOOPS],
+    /// The line, a ring, larger than the bus by 2^line_scale.
+    line: [i32; FRAMES],
 }
 
 impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
@@ -40,7 +50,9 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         line: [0; FRAMES],
         place: 0,
         line_scale: 0,
-        mix_scale: 0,
+        sum_scale: FINE,
+        loud: false,
+        unsettled: false,
         sizes: 0,
         sizes_of: [0; 2],
         frames_of_first: 0,
@@ -68,16 +80,17 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         }
         let all = all.get(..given).unwrap_or(&[]);
         stable(all)?;
-        // 2^mix_scale < 2 / |y|, so that a state that holds y is larger than its mix.
-        let largest = all.iter().map(|tuned| Resonance::largest(tuned, line_scale)).fold(0.0, f64::max);
-        self.mix_scale = (1 - libm::frexp(largest).1).clamp(-20, 0);
+        // Loops of little gain round a filter of much: there a step of the sum is loudest, and there is room for it to be small.
+        let largest: f64 = all.iter().map(|tuned| Resonance::largest(tuned, line_scale)).sum();
+        self.sum_scale = if largest < LARGEST_FINE { FINE } else { COARSE };
         self.line_scale = line_scale;
         for (band, tuned) in self.bands.iter_mut().zip(all) {
-            *band = Resonance::new(tuned, line_scale, self.mix_scale);
+            *band = Resonance::new(tuned, line_scale, self.sum_scale);
             self.shortest = self.shortest.min(tuned.delay);
             self.longest = self.longest.max(tuned.delay);
         }
         self.count = given;
+        self.loud = self.is_loud();
         Ok(())
     }
 
@@ -97,9 +110,13 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         self.bands.get(..self.count).unwrap_or(&[])
     }
 
-    /// E of the mix.
-    pub(crate) fn mix_scale(&self) -> i32 {
-        self.mix_scale
+    /// Whether a step of the sums is large ([`COARSE`]).
+    pub(crate) fn is_coarse(&self) -> bool {
+        self.sum_scale == COARSE
+    }
+
+    fn is_loud(&self) -> bool {
+        self.used().iter().map(Resonance::weight).sum::<u64>() > Resonance::LARGEST_WEIGHT
     }
 
     /// Clears what rings.
@@ -108,6 +125,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         self.line.fill(0);
         (self.sizes, self.sizes_of, self.frames_of_first, self.quiet_frames) = (0, [0; 2], 0, 0);
         self.line_bits = LINE_BITS;
+        self.loud = self.is_loud();
     }
 
     /// Leaves so much (Q31) of what rings.
@@ -115,41 +133,39 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         for band in self.bands.iter_mut().take(self.count) {
             band.attenuate(left);
         }
+        self.unsettled = true;
         let used = if self.count > 0 { FRAMES } else { 0 };
         self.line.iter_mut().take(used).for_each(|s| *s = times_q31(*s, left));
     }
 
-    /// How many of so many frames can be run at once: as long as no loop reads what is not written, and the ring does not turn.
+    /// How many of so many frames have a slot that no loop is still to read and in which the ring does not turn.
+    pub(crate) fn slot_length(&self, frames: usize) -> usize {
+        frames.min(FRAMES - self.longest).min(FRAMES - self.place)
+    }
+
+    /// How many of them can be run at once: as long as no loop reads what is not written.
     pub(crate) fn run_length(&self, frames: usize) -> usize {
-        frames.min(self.shortest).min(FRAMES - self.place)
+        frames.min(self.shortest)
     }
 
-    /// The loops' sum over so many frames, added to `mix`.
-    pub(crate) fn read(&mut self, mix: &mut [i32]) {
-        let frames = mix.len();
-        for band in self.bands.iter_mut().take(self.count) {
-            let start = match self.place.checked_sub(band.delay) {
-                Some(start) => start,
-                None => self.place + FRAMES - band.delay,
-            };
-            let first = frames.min(FRAMES.saturating_sub(start));
-            let (now, later) = mix.split_at_mut(first);
-            kernel::run(band, self.line.get(start..start + first).unwrap_or(&[]), now);
-            if !later.is_empty() {
-                kernel::run(band, self.line.get(..later.len()).unwrap_or(&[]), later);
-            }
-        }
+    /// Adds what the loops give over so many frames to what lies in [`slot`](Self::slot), Q29 or less ([`COARSE`]).
+    pub(crate) fn add(&mut self, frames: usize) {
+        let Some(bands) = self.bands.get_mut(..self.count) else { return };
+        self.unsettled = if self.loud {
+            kernel::portable::run_loud(bands, &mut self.line, self.place, frames)
+        } else {
+            kernel::run(bands, &mut self.line, self.place, frames)
+        };
     }
 
-    /// Where the next frames of s are to be written: the input goes in there, and the filter leaves s.
+    /// Where the next frames of s are to be written: what goes into the filter is summed there, and s left.
     pub(crate) fn slot(&mut self, frames: usize) -> &mut [i32] {
         self.line.get_mut(self.place..self.place + frames).unwrap_or(&mut [])
     }
 
-    /// Moves on behind a slot that was written.
-    pub(crate) fn advance(&mut self, frames: usize) {
-        let written = self.line.get(self.place..self.place + frames).unwrap_or(&[]);
-        self.sizes |= written.iter().fold(0, |sizes, &s| sizes | (s ^ (s >> 31)) as u32);
+    /// Moves on behind a slot in which s was left, its sizes or'ed.
+    pub(crate) fn advance(&mut self, frames: usize, sizes: u32) {
+        self.sizes |= sizes;
         self.place += frames;
         if self.place >= FRAMES {
             self.place = 0;
@@ -165,20 +181,30 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
             (self.sizes_of, self.frames_of_first) = ([0, self.sizes_of[0]], 0);
         }
         let line_bits = 32 - all.leading_zeros() as i32;
-        let bands = self.bands.iter_mut().take(self.count);
-        if line_bits != self.line_bits {
-            self.line_bits = line_bits;
-            bands.for_each(|band| {
-                band.expect(if band.delay < TICK_FRAMES { LINE_BITS } else { line_bits });
-                band.settle();
-            });
-        } else {
-            bands.for_each(Resonance::settle);
+        // What bounds the words bounds smaller ones; two bits more are not worth the time.
+        let known = line_bits <= self.line_bits && line_bits + 3 > self.line_bits;
+        if !known || self.unsettled {
+            self.scale_anew(if known { self.line_bits } else { line_bits });
         }
         let silence = 1u32.checked_shl((SILENCE + self.line_scale).clamp(0, 31) as u32).unwrap_or(0);
         self.quiet_frames = if self.sizes < silence { self.quiet_frames + TICK_FRAMES } else { 0 };
         self.sizes = 0;
         self.quiet_frames > FRAMES
+    }
+
+    /// States, for a line of words below 2^`line_bits`.
+    #[inline(never)]
+    fn scale_anew(&mut self, line_bits: i32) {
+        let known = line_bits == self.line_bits;
+        self.line_bits = line_bits;
+        for band in self.bands.iter_mut().take(self.count) {
+            if !known {
+                band.expect(if band.delay < TICK_FRAMES { LINE_BITS } else { line_bits });
+            }
+            band.settle();
+        }
+        self.unsettled = false;
+        self.loud = self.is_loud();
     }
 
     /// Whether nothing is left.

@@ -16,7 +16,8 @@
 //! nearly all its bits, and E rises while line and state decay.
 
 use super::tuning::Tuned;
-use crate::fixed::{rounding_shift_right, times_q31};
+use crate::dynamic_filter::kernel::COARSE_BITS;
+use crate::fixed::{rounding_shift_right, saturating_shift_left, smmlar, smmlsr, times_q31};
 use crate::resonator::TICK_FRAMES;
 
 /// Bits of a line's words: `|x| < 2^30`.
@@ -25,8 +26,13 @@ pub(super) const LINE_BITS: i32 = 30;
 const STATE_BITS: i32 = 30;
 /// Bits of what an input adds.
 const INPUT_BITS: i32 = 28;
-/// The largest E above the mix' scale, so that the mix' multiplier is one.
-const LARGEST_ABOVE_MIX: i32 = 31;
+/// The largest E above the sum's scale, so that the sum's multiplier is one.
+const LARGEST_ABOVE_SUM: i32 = 31;
+
+/// E of a sum in the filter's input format, Q29, which has room for 4.
+pub(super) const FINE: i32 = 2;
+/// E of a sum that has room for 128.
+pub(super) const COARSE: i32 = FINE - COARSE_BITS as i32;
 
 /// A gain as `mantissa · 2^(exponent - 31)`, mantissa normalised.
 #[derive(Clone, Copy, Debug)]
@@ -65,24 +71,27 @@ pub struct Resonance {
     pub(super) gain_u: i32,
     /// Q32 of the input into v.
     pub(super) gain_v: i32,
-    /// Q32 of v into the mix.
+    /// Q32 of v into the sum.
     pub(super) scale: i32,
     /// k.
     pub(super) shift: u32,
+    /// Whole frames of delay.
+    pub(super) delay: usize,
+    /// Leading zeros that a state's size must have for it to stay as it is scaled.
+    pub(super) least_zeros: i32,
+    pub(super) most_zeros: i32,
     /// E.
     exponent: i32,
-    /// The largest E for the mix and the multipliers of the input, and with words of the line below 1.
+    /// The largest E for the sum and the multipliers of the input, and with words of the line below 1.
     largest_exponent: i32,
     for_input: i32,
     /// The largest E for the line as it is.
     limit: i32,
-    /// E of the line's and of the mix' words.
+    /// E of the line's and of the sum's words.
     line_scale: i32,
-    mix_scale: i32,
+    sum_scale: i32,
     growth_bits: i32,
     gains: [Gain; 2],
-    /// Whole frames of delay.
-    pub(super) delay: usize,
 }
 
 impl Resonance {
@@ -101,14 +110,16 @@ impl Resonance {
         for_input: 0,
         limit: 0,
         line_scale: 0,
-        mix_scale: 0,
+        sum_scale: 0,
         growth_bits: 0,
+        least_zeros: 0,
+        most_zeros: 32,
         gains: [Gain::ZERO; 2],
         delay: 0,
     };
 
-    /// Derives it at rest, for words of the line of `s 2^(27 + line_scale)`, and a mix of `y 2^(27 + mix_scale)`.
-    pub(super) fn new(tuned: &Tuned, line_scale: i32, mix_scale: i32) -> Self {
+    /// Derives it at rest, for words of the line of `s 2^(27 + line_scale)`, and a sum of `y 2^(27 + sum_scale)`.
+    pub(super) fn new(tuned: &Tuned, line_scale: i32, sum_scale: i32) -> Self {
         let (_, distance) = tuned.pole();
         let delta = distance * (2.0 - distance);
         let squared = 1.0 - 2.0 * tuned.real + tuned.square;
@@ -148,10 +159,10 @@ impl Resonance {
             turn: turn_q32,
             damp: damp_q32,
             shift,
-            largest_exponent: for_gains.min(mix_scale + LARGEST_ABOVE_MIX),
+            largest_exponent: for_gains.min(sum_scale + LARGEST_ABOVE_SUM),
             for_input: line_scale + INPUT_BITS - bits_above(of_input),
             line_scale,
-            mix_scale,
+            sum_scale,
             growth_bits: bits_above(growth),
             gains: gains.map(Gain::new),
             delay: tuned.delay,
@@ -180,6 +191,7 @@ impl Resonance {
     /// What it reads from now on is below 2^`line_bits`; to be followed by [`settle`](Self::settle).
     pub(super) fn expect(&mut self, line_bits: i32) {
         self.limit = self.largest_exponent.min(self.for_input - line_bits);
+        self.bound();
     }
 
     /// Leaves so much (Q31) of it.
@@ -192,17 +204,37 @@ impl Resonance {
         (self.u, self.v) == (0, 0)
     }
 
-    /// On a tick: scales the state anew where it has left its bounds.
     #[inline(always)]
-    pub(super) fn settle(&mut self) {
+    fn zeros(&self) -> i32 {
         let size = (self.v ^ (self.v >> 31)) | ((self.u ^ (self.u >> 31)) << self.shift);
-        let bits = 32 - (size as u32).leading_zeros() as i32;
-        let free = STATE_BITS - self.growth_bits - bits;
-        let limit = self.limit;
-        // A bit is left for it to grow before it is looked at again, and it is moved up by three at least.
-        if free < 0 || self.exponent > limit || free > 4 && self.exponent + 2 < limit {
-            self.rescale((self.exponent + free - 1).min(limit));
+        size.leading_zeros() as i32
+    }
+
+    /// Whether the state has left the bounds of its scaling.
+    #[inline(always)]
+    pub(super) fn changes(&self) -> bool {
+        !(self.least_zeros..=self.most_zeros).contains(&self.zeros())
+    }
+
+    /// On a tick: scales the state anew where it has left its bounds.
+    pub(super) fn settle(&mut self) {
+        if self.changes() {
+            // A bit is left for it to grow before it is looked at again.
+            let free = self.zeros() - self.no_zeros_free();
+            self.rescale((self.exponent + free - 1).min(self.limit));
         }
+    }
+
+    /// Leading zeros of a size that leaves no bit free.
+    const fn no_zeros_free(&self) -> i32 {
+        32 - STATE_BITS + self.growth_bits
+    }
+
+    /// Bounds of a size outside of which the state is to be scaled anew: it is moved up by three bits at least.
+    fn bound(&mut self) {
+        let none = self.no_zeros_free();
+        self.least_zeros = if self.exponent > self.limit { 33 } else { none };
+        self.most_zeros = if self.exponent + 2 < self.limit { none + 4 } else { 32 };
     }
 
     #[inline(never)]
@@ -219,7 +251,39 @@ impl Resonance {
         self.exponent = exponent;
         let shift = exponent - self.line_scale;
         [self.gain_u, self.gain_v] = self.gains.map(|gain| gain.q32(shift));
-        let scale = 32 + self.mix_scale - exponent;
+        let scale = 32 + self.sum_scale - exponent;
         self.scale = if (0..31).contains(&scale) { 1 << scale } else { 0 };
+        self.bound();
+    }
+
+    /// The largest sum of [`weight`](Self::weight)s for which sums of all bands cannot wrap: their states, below 1.25 · 2^30, then give less than 2^30 together, and
+    /// noise or an exciter at most 2^30.
+    pub(super) const LARGEST_WEIGHT: u64 = 3 << 30;
+
+    /// What it takes of a sum's room: its multiplier, if there is one.
+    pub(super) fn weight(&self) -> u64 {
+        if self.exponent < self.sum_scale + 2 { 1 << 32 } else { self.scale as u64 }
+    }
+
+    /// A frame for a word x of the line; gives the state that sounds.
+    #[inline(always)]
+    pub(super) fn step(&mut self, x: i32) -> i32 {
+        self.u = smmlsr(self.u, self.damp, self.u);
+        self.u = smmlsr(self.u, self.turn, self.v);
+        match self.shift {
+            0 => self.v = smmlar(self.v, self.turn, self.u),
+            shift => self.v += self.u << shift,
+        }
+        self.u = smmlar(self.u, self.gain_u, x);
+        self.v = smmlar(self.v, self.gain_v, x);
+        self.v
+    }
+
+    /// What a state that sounds is in a sum, saturating, at any E.
+    pub(super) fn of_sum(&self, v: i32) -> i32 {
+        match self.exponent - self.sum_scale {
+            right @ 0.. => rounding_shift_right(v, right.unsigned_abs()),
+            left => saturating_shift_left(v, left.unsigned_abs()),
+        }
     }
 }

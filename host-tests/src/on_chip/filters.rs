@@ -37,7 +37,7 @@ impl FiltersOnChip {
         loops: &[Loop],
         exciter: Option<Exciter>,
     ) -> Result<Cost, OnChipError> {
-        let point = |p: &Breakpoint| [p.time_s, p.a1, p.a2, p.b0, p.b1, p.b2];
+        let point = |p: &Breakpoint| [p.time_s, p.a1, p.a2, p.b0, p.b1, p.b2, p.noise];
         let one = |l: &Loop| [l.frequency_hz, l.bandwidth_hz, l.gain, l.delay_s];
         let bytes: Vec<u8> = points.iter().flat_map(point).flat_map(f64::to_le_bytes).collect();
         self.machine.write(INPUT, &bytes)?;

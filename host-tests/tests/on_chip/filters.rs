@@ -7,7 +7,7 @@ use host_tests::on_chip::FiltersOnChip;
 use host_tests::snr::Random;
 
 fn path(b1: f64) -> [Breakpoint; 3] {
-    let point = |time_s, b0: f64, a1| Breakpoint { time_s, a1, a2: 0.0, b0, b1: b1 * b0, b2: 0.0 };
+    let point = |time_s, b0: f64, a1| Breakpoint { time_s, a1, b0, b1: b1 * b0, ..Breakpoint::default() };
     [point(0.0, 0.25, -0.3), point(0.11, 0.1, -0.7), point(0.53, 0.02, -0.9)]
 }
 

@@ -1,12 +1,13 @@
-//! The kernels for a Cortex-M4F: `cortex_m4.s`, bit for bit what [`super::portable`] does.
+//! The kernels for a Cortex-M4F: `cortex_m4.s` and `cortex_m4_input.s`, bit for bit what [`super::portable`] does.
 #![allow(unsafe_code)] // assembly
 
 use core::mem::offset_of;
 
-use super::super::noise::MULTIPLIER;
+use super::super::noise::{MULTIPLIER, White};
 use super::{OnePole, portable};
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
+core::arch::global_asm!(include_str!("cortex_m4_input.s"), options(raw));
 
 // What cortex_m4.s counts on.
 const _: () = {
@@ -16,16 +17,25 @@ const _: () = {
 };
 
 unsafe extern "C" {
-    fn malleus_from_noise_equal_asr(filter: *mut OnePole, out: *mut i32, frames: usize);
-    fn malleus_from_noise_equal_lsl(filter: *mut OnePole, out: *mut i32, frames: usize);
+    fn malleus_noise(noise: u32, level: i32, words: *mut i32, frames: usize) -> u32;
+    fn malleus_from_noise_equal_near(filter: *mut OnePole, out: *mut i32, frames: usize);
+    fn malleus_from_noise_equal_loud(filter: *mut OnePole, out: *mut i32, frames: usize);
     fn malleus_from_noise_equal_far(filter: *mut OnePole, out: *mut i32, frames: usize);
     fn malleus_from_noise_two_far(filter: *mut OnePole, out: *mut i32, frames: usize);
-    fn malleus_from_noise_two_asr(filter: *mut OnePole, out: *mut i32, frames: usize);
-    fn malleus_from_noise_two_lsl(filter: *mut OnePole, out: *mut i32, frames: usize);
+    fn malleus_from_noise_two_near(filter: *mut OnePole, out: *mut i32, frames: usize);
+    fn malleus_from_noise_two_loud(filter: *mut OnePole, out: *mut i32, frames: usize);
     fn malleus_from_buffer_equal_asr(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
     fn malleus_from_buffer_equal_lsl(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
     fn malleus_from_buffer_two_asr(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
     fn malleus_from_buffer_two_lsl(filter: *mut OnePole, buffer: *mut i32, out: *mut i32, frames: usize);
+    fn malleus_from_sums_equal_fine_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_equal_fine_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_equal_coarse_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_equal_coarse_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_two_fine_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_two_fine_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_two_coarse_near(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
+    fn malleus_from_sums_two_coarse_lsl(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
 }
 
 /// As [`portable::from_noise`].
@@ -34,13 +44,15 @@ pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
     if out.is_empty() || !fits(filter, out.len()) {
         return portable::from_noise::<EQUAL>(filter, out);
     }
-    let kernel = match (EQUAL, filter.shift >= 0) {
-        (true, _) if filter.is_far() => malleus_from_noise_equal_far,
-        (false, _) if filter.is_far() => malleus_from_noise_two_far,
-        (true, true) => malleus_from_noise_equal_asr,
-        (true, false) => malleus_from_noise_equal_lsl,
-        (false, true) => malleus_from_noise_two_asr,
-        (false, false) => malleus_from_noise_two_lsl,
+    let kernel = match (EQUAL, filter.shift) {
+        (true, 0) => malleus_from_noise_equal_near,
+        (false, 0) => malleus_from_noise_two_near,
+        (true, -2) => malleus_from_noise_equal_loud,
+        (false, -2) => malleus_from_noise_two_loud,
+        (true, ..=-3) => malleus_from_noise_equal_far,
+        (false, ..=-3) => malleus_from_noise_two_far,
+        // No path's scale where noise goes straight in.
+        _ => return portable::from_noise::<EQUAL>(filter, out),
     };
     // SAFETY: `out` is borrowed mutably and holds as many words as are given; the assembly keeps the procedure call standard.
     unsafe { kernel(filter, out.as_mut_ptr(), out.len()) }
@@ -60,6 +72,40 @@ pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], 
     };
     // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps the procedure call standard.
     unsafe { kernel(filter, buffer.as_mut_ptr(), out.as_mut_ptr(), frames) }
+}
+
+/// As [`portable::noise`].
+pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
+    // SAFETY: `words` is borrowed mutably and holds as many words as are given; the assembly keeps the procedure call standard.
+    *noise = White::from_word(unsafe { malleus_noise(noise.word(), level, words.as_mut_ptr(), words.len()) });
+}
+
+type FromSums = unsafe extern "C" fn(*mut OnePole, *mut i32, *mut i32, usize) -> u32;
+
+/// By two coefficients, coarse, near.
+static FROM_SUMS: [FromSums; 8] = [
+    malleus_from_sums_equal_fine_lsl,
+    malleus_from_sums_equal_fine_near,
+    malleus_from_sums_equal_coarse_lsl,
+    malleus_from_sums_equal_coarse_near,
+    malleus_from_sums_two_fine_lsl,
+    malleus_from_sums_two_fine_near,
+    malleus_from_sums_two_coarse_lsl,
+    malleus_from_sums_two_coarse_near,
+];
+
+/// As [`portable::from_sums`].
+#[inline(always)]
+pub fn from_sums(filter: &mut OnePole, equal: bool, coarse: bool, sums: &mut [i32], out: &mut [i32]) -> u32 {
+    let frames = sums.len().min(out.len());
+    let kind = 4 * usize::from(!equal) + 2 * usize::from(coarse) + usize::from(filter.shift == 0);
+    match FROM_SUMS.get(kind) {
+        // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps the procedure call standard.
+        Some(kernel) if frames > 0 && filter.shift >= -2 => unsafe {
+            kernel(filter, sums.as_mut_ptr(), out.as_mut_ptr(), frames)
+        },
+        _ => portable::from_sums(filter, equal, coarse, sums, out),
+    }
 }
 
 /// Whether shifting to the bus cannot lose a bit at the top, so that it need not saturate: the high word is below 2^29 always, and within these

@@ -1,9 +1,8 @@
-@ The first order's hot loops for a Cortex-M4F. The bits are those of portable.rs.
+@ The first order's hot loops of noise for a Cortex-M4F. The bits are those of portable.rs.
 @
-@ malleus_from_noise_{equal,two}_{asr,lsl,far}(filter, out, frames)       noise and filter, added to out
-@ malleus_from_buffer_{equal,two}_{asr,lsl}(filter, buffer, out, frames)  buffer through the filter, added to out; the state stays in the buffer
+@ malleus_from_noise_{equal,two}_{near,loud,far}(filter, out, frames)     noise and filter, added to out
 @
-@ `equal`: b1 = b0, one product for both. `asr`, `lsl`: where the state's high word is larger or smaller than the bus.
+@ `equal`: b1 = b0, one product for both. `near`: the state's high word is the bus' word; `loud`: the bus is 4 times as large; `far`: 8 times or more.
 @ filter (checked at compile time in cortex_m4.rs): state 0, last 8, noise 12, level 16, shift 20, then value and step of damping 24, b0 32, b1 40.
 @
 @ Optimisation log (nominal cycles a frame, this file alone):
@@ -11,15 +10,41 @@
 @    18.1  noise as packed halves of SFC32 in a buffer of its own (4.1), filter (14): too many loads and stores
 @    17.1  both in one loop, SFC32: three registers too many, steps fetched from s-registers
 @    13.6  a multiplicative generator needs one register and a cycle
+@    11.8  a state in the bus' own format needs no shift and no register for it, so that two frames of the output are fetched at once
 
     .syntax unified
     .thumb
     .fpu fpv4-sp-d16
     .section .text.malleus_dynamic_filter,"ax",%progbits
 
-@ r0 multiplier, r1 out, r2:r3 state, r5 noise, r6 level, r7 shift, r8 damping, r9 its step, r10 b0, r11 its step; r4 and r12 take turns as e and the e
-@ before, which becomes their sum, then the sound.
-    .macro noise_equal direction before now
+@ r0 multiplier, r1 out, r2:r3 state, r5 noise, r6 level, r8 damping, r9 its step, r10 b0, r11 its step; r4, r12 and lr take turns as the e before, e, and
+@ the next one; an e before becomes the sum of two, then the sound.
+    .macro noise_equal_near before now next
+    mul     r5, r5, r0
+    lsl     r7, r3, #2
+    smlal   r2, r3, r8, r7
+    smmul   \now, r5, r6
+    add     \before, \before, \now
+    smlal   r2, r3, r10, \before
+    add     r8, r8, r9
+    add     r10, r10, r11
+    ldr     \before, [r1]
+    ldr     r7, [r1, #4]
+    qadd    \before, \before, r3
+    mul     r5, r5, r0
+    lsl     \next, r3, #2
+    smlal   r2, r3, r8, \next
+    smmul   \next, r5, r6
+    add     \now, \now, \next
+    smlal   r2, r3, r10, \now
+    add     r8, r8, r9
+    qadd    r7, r7, r3
+    add     r10, r10, r11
+    str     r7, [r1, #4]
+    str     \before, [r1], #8
+    .endm
+
+    .macro noise_equal_one_near before now
     mul     r5, r5, r0
     lsl     lr, r3, #2
     smlal   r2, r3, r8, lr
@@ -28,16 +53,29 @@
     smlal   r2, r3, r10, \before
     ldr     lr, [r1]
     add     r8, r8, r9
-    \direction \before, r3, r7
     add     r10, r10, r11
-    qadd    lr, lr, \before
+    qadd    lr, lr, r3
     str     lr, [r1], #4
     .endm
 
-@ r0 b1, r6 its step, s2 level, s3 multiplier; the others as above.
-    .macro noise_two direction before now
-    vmov    lr, s3
-    mul     r5, r5, lr
+@ r7 four times the high word, which is what damping takes next, and this frame's sound.
+    .macro noise_equal_one_loud before now
+    mul     r5, r5, r0
+    smlal   r2, r3, r8, r7
+    smmul   \now, r5, r6
+    add     \before, \before, \now
+    smlal   r2, r3, r10, \before
+    ldr     lr, [r1]
+    add     r8, r8, r9
+    lsl     r7, r3, #2
+    add     r10, r10, r11
+    qadd    lr, lr, r7
+    str     lr, [r1], #4
+    .endm
+
+@ r0 b1, r6 its step, r7 multiplier, s2 level; the others as above.
+    .macro noise_two_one_near before now
+    mul     r5, r5, r7
     lsl     lr, r3, #2
     smlal   r2, r3, r8, lr
     vmov    lr, s2
@@ -46,19 +84,35 @@
     smlal   r2, r3, r0, \before
     ldr     lr, [r1]
     add     r8, r8, r9
-    \direction \before, r3, r7
+    add     r10, r10, r11
+    qadd    lr, lr, r3
+    add     r0, r0, r6
+    str     lr, [r1], #4
+    .endm
+
+    .macro noise_two_one_loud before now
+    mul     r5, r5, r7
+    lsl     lr, r3, #2
+    smlal   r2, r3, r8, lr
+    vmov    lr, s2
+    smmul   \now, r5, lr
+    smlal   r2, r3, r10, \now
+    smlal   r2, r3, r0, \before
+    ldr     lr, [r1]
+    lsl     \before, r3, #2
+    add     r8, r8, r9
     add     r10, r10, r11
     qadd    lr, lr, \before
     add     r0, r0, r6
     str     lr, [r1], #4
     .endm
 
-    .macro from_noise kind direction
+    .macro from_noise kind loudness
     .p2align 2
-    .global malleus_from_noise_\kind\()_\direction
-    .type   malleus_from_noise_\kind\()_\direction, %function
+    .global malleus_from_noise_\kind\()_\loudness
+    .type   malleus_from_noise_\kind\()_\loudness, %function
     .thumb_func
-malleus_from_noise_\kind\()_\direction:
+malleus_from_noise_\kind\()_\loudness:
     push    {r0, r4-r11, lr}
     add     r12, r1, r2, lsl #2
     vmov    s0, r12
@@ -70,22 +124,29 @@ malleus_from_noise_\kind\()_\direction:
     ldr     lr, [r0, #44]
     .endif
     ldm     r0, {r2-r11}
-    movw    r0, #0x65dd
-    movt    r0, #0x93d7
     .ifc \kind, two
     vmov    s2, r6
-    vmov    s3, r0
     mov     r0, r12
     mov     r6, lr
-    .endif
-    .ifc \direction, lsl
-    rsb     r7, r7, #0
+    movw    r7, #0x65dd
+    movt    r7, #0x93d7
+    .else
+    movw    r0, #0x65dd
+    movt    r0, #0x93d7
+    lsl     r7, r3, #2
     .endif
     bhi     2f
-1:  .rept   8
-    noise_\kind \direction, r4, r12
-    noise_\kind \direction, r12, r4
+1:  .ifc \kind\()_\loudness, equal_near
+    .rept   4
+    noise_equal_near r4, r12, lr
+    noise_equal_near lr, r12, r4
     .endr
+    .else
+    .rept   8
+    noise_\kind\()_one_\loudness r4, r12
+    noise_\kind\()_one_\loudness r12, r4
+    .endr
+    .endif
     vmov    lr, s1
     cmp     r1, lr
     bls     1b
@@ -103,10 +164,10 @@ malleus_from_noise_\kind\()_\direction:
     str     r12, [r0, #40]
     .endif
     pop     {r4-r11, pc}
-3:  noise_\kind \direction, r4, r12
+3:  noise_\kind\()_one_\loudness r4, r12
     mov     r4, r12
     b       2b
-    .size   malleus_from_noise_\kind\()_\direction, . - malleus_from_noise_\kind\()_\direction
+    .size   malleus_from_noise_\kind\()_\loudness, . - malleus_from_noise_\kind\()_\loudness
     .endm
 
 @ Where the bus is 8 times the high word or more: what damping takes, with two bits of the low word, is the sound of the frame before, so that a frame begins by
@@ -218,106 +279,7 @@ malleus_from_noise_\kind\()_far:
     from_noise_far equal
     from_noise_far two
 
-    from_noise equal, asr
-    from_noise equal, lsl
-    from_noise two, asr
-    from_noise two, lsl
-
-@ r0 buffer, r1 out, r2:r3 state, r5 what damping takes of it, r7 shift, r8-r11 damping and b0 with their steps; r4 and r12 take turns.
-    .macro buffer_equal direction before now
-    ldr     \now, [r0]
-    ldr     r6, [r1]
-    smlal   r2, r3, r8, r5
-    add     \before, \before, \now
-    smlal   r2, r3, r10, \before
-    add     r8, r8, r9
-    lsl     r5, r3, #2
-    \direction \before, r3, r7
-    qadd    r6, r6, \before
-    add     r10, r10, r11
-    str     r5, [r0], #4
-    str     r6, [r1], #4
-    .endm
-
-@ r12 b1, lr its step; r4 and r6 take turns.
-    .macro buffer_two direction before now
-    ldr     \now, [r0]
-    lsl     r5, r3, #2
-    smlal   r2, r3, r8, r5
-    smlal   r2, r3, r10, \now
-    smlal   r2, r3, r12, \before
-    add     r8, r8, r9
-    lsl     r5, r3, #2
-    \direction \before, r3, r7
-    str     r5, [r0], #4
-    ldr     r5, [r1]
-    add     r10, r10, r11
-    add     r12, r12, lr
-    qadd    r5, r5, \before
-    str     r5, [r1], #4
-    .endm
-
-    .macro from_buffer kind direction
-    .p2align 2
-    .global malleus_from_buffer_\kind\()_\direction
-    .type   malleus_from_buffer_\kind\()_\direction, %function
-    .thumb_func
-malleus_from_buffer_\kind\()_\direction:
-    push    {r0, r4-r11, lr}
-    add     r12, r2, r3, lsl #2
-    vmov    s0, r12
-    sub     r12, r12, #16
-    vmov    s1, r12
-    mov     r4, r2
-    vmov    s2, r1
-    vmov    s3, r4
-    ldm     r0, {r2-r12, lr}
-    vmov    r0, s2
-    vmov    r1, s3
-    lsl     r5, r3, #2
-    .ifc \direction, lsl
-    rsb     r7, r7, #0
-    .endif
-    vmov    r6, s1
-    cmp     r1, r6
-    bhi     2f
-1:  .rept   2
-    .ifc \kind, equal
-    buffer_equal \direction, r4, r12
-    buffer_equal \direction, r12, r4
-    .else
-    buffer_two \direction, r4, r6
-    buffer_two \direction, r6, r4
-    .endif
+    .irp loudness, near, loud
+    from_noise equal, \loudness
+    from_noise two, \loudness
     .endr
-    vmov    r6, s1
-    cmp     r1, r6
-    bls     1b
-2:  vmov    r6, s0
-    cmp     r1, r6
-    bhs     4f
-3:  .ifc \kind, equal
-    buffer_equal \direction, r4, r12
-    mov     r4, r12
-    .else
-    buffer_two \direction, r4, r6
-    mov     r4, r6
-    .endif
-    vmov    r6, s0
-    cmp     r1, r6
-    blo     3b
-4:  pop     {r0}
-    stm     r0, {r2-r4}
-    str     r8, [r0, #24]
-    str     r10, [r0, #32]
-    .ifc \kind, two
-    str     r12, [r0, #40]
-    .endif
-    pop     {r4-r11, pc}
-    .size   malleus_from_buffer_\kind\()_\direction, . - malleus_from_buffer_\kind\()_\direction
-    .endm
-
-    from_buffer equal, asr
-    from_buffer equal, lsl
-    from_buffer two, asr
-    from_buffer two, lsl

@@ -1,4 +1,4 @@
-//! The hot loops of the first order: noise and filter at once, or a filter of what lies in a buffer.
+//! The hot loops of the first order: noise and filter at once, noise alone, or a filter of what lies in a buffer or of a sum of noise and loops.
 //!
 //! [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly (`cortex_m4.s`), compared bit for bit on the
 //! virtual core (`cargo test -p host-tests --test on_chip filters`).
@@ -9,13 +9,16 @@ pub mod portable;
 mod cortex_m4;
 
 #[cfg(cortex_m4f)]
-pub use cortex_m4::{from_buffer, from_noise};
+pub use cortex_m4::{from_buffer, from_noise, from_sums, noise};
 #[cfg(not(cortex_m4f))]
-pub use portable::{from_buffer, from_noise};
+pub use portable::{from_buffer, from_noise, from_sums, noise};
 
 use super::noise::White;
 use super::path::PARAMETERS;
 use super::walk::Line;
+
+/// Bits by which a sum of [`from_sums`]' coarse kind is smaller than the filter's input, Q29: it holds 128 instead of 4.
+pub const COARSE_BITS: u32 = 5;
 
 /// A first-order filter at work: what changes with each frame. The assembly reads it in this order.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,7 @@
 //! The loops in plain Rust: the definition of the bits.
 
-use super::OnePole;
+use super::super::noise::White;
+use super::{COARSE_BITS, OnePole};
 use crate::fixed::{qadd, saturating_shift_left};
 
 /// Noise through the filter, added to `out`.
@@ -19,6 +20,38 @@ pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], 
         *word = filter.truncated();
         *out = qadd(*out, filter.sound());
     }
+}
+
+/// Noise of a level.
+pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
+    words.iter_mut().for_each(|word| *word = noise.draw(level));
+}
+
+/// Sums, clipped at 2.0, through the filter, added to `out`, as many frames as both have; the state is left in their place, 4 times the high word. Gives the
+/// sizes of these, or'ed. A sum's format is Q29, [`COARSE_BITS`] less of the `coarse` kind.
+#[inline(never)]
+pub fn from_sums(filter: &mut OnePole, equal: bool, coarse: bool, sums: &mut [i32], out: &mut [i32]) -> u32 {
+    let clip = if coarse { clipped::<true> } else { clipped::<false> };
+    let mut sizes = 0;
+    for (word, out) in sums.iter_mut().zip(out) {
+        let e = clip(*word);
+        if equal {
+            filter.step::<true>(e)
+        } else {
+            filter.step::<false>(e)
+        }
+        *word = filter.truncated();
+        sizes |= (*word ^ (*word >> 31)) as u32;
+        *out = qadd(*out, filter.sound());
+    }
+    sizes
+}
+
+/// A sum as an input of Q29: at most 2.0.
+#[inline(always)]
+pub fn clipped<const COARSE: bool>(sum: i32) -> i32 {
+    let bits = if COARSE { COARSE_BITS } else { 0 };
+    sum.clamp(-1 << (30 - bits), (1 << (30 - bits)) - 1) << bits
 }
 
 impl OnePole {

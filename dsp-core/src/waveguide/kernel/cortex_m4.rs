@@ -12,26 +12,34 @@ const _: () = {
     assert!(offset_of!(Resonance, u) == 0 && offset_of!(Resonance, v) == 4 && offset_of!(Resonance, turn) == 8);
     assert!(offset_of!(Resonance, damp) == 12 && offset_of!(Resonance, gain_u) == 16);
     assert!(offset_of!(Resonance, gain_v) == 20 && offset_of!(Resonance, scale) == 24);
+    assert!(offset_of!(Resonance, shift) == 28 && offset_of!(Resonance, delay) == 32);
+    assert!(
+        offset_of!(Resonance, least_zeros) == 36
+            && offset_of!(Resonance, most_zeros) == 40
+            && size_of::<Resonance>() == 88
+    );
 };
 
 unsafe extern "C" {
-    fn malleus_loop_0(band: *mut Resonance, line: *const i32, mix: *mut i32, frames: usize);
-    fn malleus_loop_1(band: *mut Resonance, line: *const i32, mix: *mut i32, frames: usize);
-    fn malleus_loop_2(band: *mut Resonance, line: *const i32, mix: *mut i32, frames: usize);
-    fn malleus_loop_3(band: *mut Resonance, line: *const i32, mix: *mut i32, frames: usize);
+    fn malleus_loops(
+        bands: *mut Resonance,
+        count: usize,
+        line: *const i32,
+        line_end: *const i32,
+        sums: *mut i32,
+        frames: usize,
+    ) -> u32;
 }
 
 /// As [`super::portable::run`].
-#[inline(always)]
-pub fn run(band: &mut Resonance, line: &[i32], mix: &mut [i32]) {
-    let frames = line.len().min(mix.len());
-    let kernel = match band.shift {
-        0 => malleus_loop_0,
-        1 => malleus_loop_1,
-        2 => malleus_loop_2,
-        _ => malleus_loop_3,
-    };
-    // SAFETY: the band and the mix are borrowed mutably, and line and mix hold at least `frames` words; the assembly keeps the procedure call
-    // standard.
-    unsafe { kernel(band, line.as_ptr(), mix.as_mut_ptr(), frames) }
+pub(crate) fn run(bands: &mut [Resonance], line: &mut [i32], place: usize, frames: usize) -> bool {
+    if bands.is_empty() || frames == 0 || place + frames > line.len() {
+        return false;
+    }
+    let range = line.as_mut_ptr_range();
+    // SAFETY: bands and line are borrowed mutably, and the sums lie on the line. A band's delay is below the line's length, as `Tuned::new` and `Loops` see to, so
+    // that it reads within the line. The assembly keeps the procedure call standard.
+    unsafe {
+        malleus_loops(bands.as_mut_ptr(), bands.len(), range.start, range.end, range.start.add(place), frames) != 0
+    }
 }

@@ -1,14 +1,20 @@
-@ A loop's band-pass for a Cortex-M4F. The bits are those of portable.rs.
+@ The loops' band-passes for a Cortex-M4F. The bits are those of portable.rs.
 @
-@ malleus_loop_{0,1,2,3}(band, line, mix, frames): k of the band's shift.
-@ band (checked at compile time in cortex_m4.rs): u 0, v 4, turn 8, damp 12, gain_u 16, gain_v 20, scale 24, shift 28.
-@ Nominal cycles a frame, this file alone: 167 as plain Rust on a bank of its own, 11 here.
+@ malleus_loops(bands, count, line, line_end, sums, frames): adds what each band makes of the line to the sums; a band reads the line its delay before them, and
+@ from the line's end on at its start. Gives 1 where a state is to be scaled anew. The last two arguments lie on the stack.
+@ band (checked at compile time in cortex_m4.rs): u 0, v 4, turn 8, damp 12, gain_u 16, gain_v 20, scale 24, shift k 28, delay 32, least and most zeros 36, 40; 88 bytes.
+@
+@ Optimisation log (nominal cycles a frame and band, this file alone):
+@   167    plain Rust, a bank of its own
+@    11.1  assembly, a call a band, the sum saturating
+@     9.9  the sum has room for all bands, so that the multiplication adds to it
 
     .syntax unified
     .thumb
+    .fpu fpv4-sp-d16
     .section .text.malleus_loop,"ax",%progbits
 
-@ r4 u, r5 v, r6 turn, r7 damp, r8 gain_u, r9 gain_v, r10 scale
+@ r1 line, r2 sums, r3 bytes left; r4 u, r5 v, r6 turn, r7 damp, r8 gain_u, r9 gain_v, r10 scale
     .macro loop_frame k x sum
     smmlsr  r4, r7, r4, r4
     smmlsr  r4, r6, r5, r4
@@ -19,49 +25,123 @@
     .endif
     smmlar  r4, r8, \x, r4
     smmlar  r5, r9, \x, r5
-    smmulr  \x, r5, r10
-    qadd    \sum, \sum, \x
+    smmlar  \sum, r5, r10, \sum
     .endm
 
     .macro loop_of k
+1:  subs    r3, #64
+    blo     3f
     .p2align 2
-    .global malleus_loop_\k
-    .type   malleus_loop_\k, %function
-    .thumb_func
-malleus_loop_\k:
-    push    {r0, r4-r11, lr}
-    ldm     r0, {r4-r10}
-    subs    r3, #8
-    blo     2f
-1:  .irp    at, 0, 8, 16, 24
-    ldr     r11, [r1, #\at]
-    ldr     r12, [r1, #\at + 4]
-    ldr     lr, [r2, #\at]
-    ldr     r0, [r2, #\at + 4]
+2:  .rept   8
+    ldr     r12, [r1, #4]
+    ldr     r11, [r1], #8
+    ldr.w   r0, [r2, #4]
+    ldr     lr, [r2]
     loop_frame \k, r11, lr
     loop_frame \k, r12, r0
-    str     lr, [r2, #\at]
-    str     r0, [r2, #\at + 4]
+    str.w   r0, [r2, #4]
+    str     lr, [r2], #8
     .endr
-    adds    r1, #32
-    adds    r2, #32
-    subs    r3, #8
-    bhs     1b
-2:  adds    r3, #8
+    subs    r3, #64
+    bhs     2b
+3:  adds    r3, #64
+    beq     5f
+    tst     r3, #4
     beq     4f
-3:  ldr     r11, [r1], #4
+    ldr     r11, [r1], #4
     ldr     lr, [r2]
     loop_frame \k, r11, lr
     str     lr, [r2], #4
-    subs    r3, #1
-    bne     3b
-4:  pop     {r0}
-    strd    r4, r5, [r0]
-    pop     {r4-r11, pc}
-    .size   malleus_loop_\k, . - malleus_loop_\k
+    subs    r3, #4
+    beq     5f
+    @ Less than 8 pairs, each of 72 bytes: in at the right one.
+4:  rsb     r0, r3, #64
+    adr     r12, 2b
+    add     r0, r0, r0, lsl #3
+    add     r0, r0, r12
+    orr     r0, r0, #1
+    movs    r3, #0
+    bx      r0
+5:  vmov    r3, s6
+    vmov    r0, s0
+    cbz     r3, 6f
+    @ The line goes on at its start.
+    vmov    r1, s2
+    mov     r12, #0
+    vmov    s6, r12
+    b       1b
+    @ The size of the state.
+6:  eor     r6, r5, r5, asr #31
+    eor     r7, r4, r4, asr #31
+    orr     r6, r6, r7, lsl #\k
     .endm
 
+    .p2align 2
+    .global malleus_loops
+    .type   malleus_loops, %function
+    .thumb_func
+malleus_loops:
+    push    {r4-r11, lr}
+    ldr     r4, [sp, #36]
+    ldr     r5, [sp, #40]
+    mov     r6, #0
+    vmov    s1, r1
+    vmov    s6, r6
+    vmov    s7, r6
+    vmov    s2, r2
+    vmov    s3, r3
+    lsl     r5, r5, #2
+    vmov    s4, r4
+    vmov    s5, r5
+7:  ldr     r1, [r0, #32]
+    ldm     r0, {r4-r11}
+    vmov    s0, r0
+    vmov    r2, s4
+    vmov    r3, s5
+    vmov    r12, s2
+    sub     r1, r2, r1, lsl #2
+    cmp     r1, r12
+    bhs     6f
+    @ Before the line's start, so from its end on; what is left of it may be less than is asked for. (Anything else ends before the sums.)
+    vmov    r0, s3
+    sub     r12, r0, r12
+    add     r1, r1, r12
+    sub     r12, r0, r1
+    sub     r0, r3, r12
+    bic     r0, r0, r0, asr #31
+    sub     r3, r3, r0
+    vmov    s6, r0
+6:
+    cmp     r11, #1
+    beq     .Lmalleus_loops_1
+    bhi     .Lmalleus_loops_2
     loop_of 0
+8:
+.Lmalleus_loops_end:
+    clz     r6, r6
+    ldrd    r7, r8, [r0, #36]
+    vmov    r9, s7
+    strd    r4, r5, [r0], #88
+    sub     r7, r6, r7
+    sub     r8, r8, r6
+    orr     r7, r7, r8
+    orr     r9, r9, r7
+    vmov    s7, r9
+    vmov    r1, s1
+    subs    r1, #1
+    vmov    s1, r1
+    bne     7b
+    lsr     r0, r9, #31
+    pop     {r4-r11, pc}
+.Lmalleus_loops_1:
     loop_of 1
+8:  b       .Lmalleus_loops_end
+.Lmalleus_loops_2:
+    cmp     r11, #2
+    bhi     .Lmalleus_loops_3
     loop_of 2
+8:  b       .Lmalleus_loops_end
+.Lmalleus_loops_3:
     loop_of 3
+8:  b       .Lmalleus_loops_end
+    .size   malleus_loops, . - malleus_loops

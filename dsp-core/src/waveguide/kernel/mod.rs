@@ -1,14 +1,14 @@
-//! The hot loop: one band-pass over a run of frames.
+//! The hot loops: all band-passes over a run of frames.
 //!
 //! [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly (`cortex_m4.s`), compared bit for bit on the
 //! virtual core (`cargo test -p host-tests --test on_chip filters`).
 
-pub mod portable;
+pub(super) mod portable;
 
 #[cfg(cortex_m4f)]
 mod cortex_m4;
 
 #[cfg(cortex_m4f)]
-pub use cortex_m4::run;
+pub(super) use cortex_m4::run;
 #[cfg(not(cortex_m4f))]
-pub use portable::run;
+pub(super) use portable::run;

@@ -1,19 +1,39 @@
-//! The loop in plain Rust: the definition of the bits.
+//! The loops in plain Rust: the definition of the bits.
 
 use super::super::resonance::Resonance;
-use crate::fixed::{qadd, smmlar, smmlsr, smmulr};
+use crate::fixed::{qadd, smmlar};
 
-/// What comes out of the line through the band, added to the mix, as many frames as both have.
-pub fn run(band: &mut Resonance, line: &[i32], mix: &mut [i32]) {
-    for (sum, &x) in mix.iter_mut().zip(line) {
-        band.u = smmlsr(band.u, band.damp, band.u);
-        band.u = smmlsr(band.u, band.turn, band.v);
-        match band.shift {
-            0 => band.v = smmlar(band.v, band.turn, band.u),
-            shift => band.v += band.u << shift,
+/// Adds what comes out of the bands to `frames` sums that lie on the line from `place` on, where s will be written. A band reads its delay before them, and from
+/// the line's end on at its start; a delay is at least as many frames, and that many less than the line's at most. Gives whether a state is to be
+/// scaled anew.
+pub(crate) fn run(bands: &mut [Resonance], line: &mut [i32], place: usize, frames: usize) -> bool {
+    through(bands, line, place, frames, |band, sum, v| smmlar(sum, v, band.scale))
+}
+
+/// The same, saturating.
+pub(crate) fn run_loud(bands: &mut [Resonance], line: &mut [i32], place: usize, frames: usize) -> bool {
+    through(bands, line, place, frames, |band, sum, v| qadd(sum, band.of_sum(v)))
+}
+
+#[inline(always)]
+fn through(
+    bands: &mut [Resonance],
+    line: &mut [i32],
+    place: usize,
+    frames: usize,
+    add: impl Fn(&Resonance, i32, i32) -> i32,
+) -> bool {
+    let (length, mut changes) = (line.len(), false);
+    for band in bands {
+        let mut from = if place >= band.delay { place - band.delay } else { place + length - band.delay };
+        for at in place..place + frames {
+            let Some(&x) = line.get(from) else { break };
+            let Some(sum) = line.get_mut(at) else { break };
+            let v = band.step(x);
+            *sum = add(band, *sum, v);
+            from = if from + 1 == length { 0 } else { from + 1 };
         }
-        band.u = smmlar(band.u, band.gain_u, x);
-        band.v = smmlar(band.v, band.gain_v, x);
-        *sum = qadd(*sum, smmulr(band.v, band.scale));
+        changes |= band.changes();
     }
+    changes
 }

@@ -19,12 +19,12 @@ unsafe impl<T> Sync for Global<T> {}
 
 static FILTER: Global<DynamicFilter<16, 10, 2048>> = Global(UnsafeCell::new(DynamicFilter::EMPTY));
 
-/// Loads a dynamic filter at 48 kHz: breakpoints of six words (time, a1, a2, b0, b1, b2), loops of four (frequency, bandwidth, gain,
+/// Loads a dynamic filter at 48 kHz: breakpoints of seven words (time, a1, a2, b0, b1, b2, noise), loops of four (frequency, bandwidth, gain,
 /// delay), order, and 1 where modes go through; seed and stream 9. -1: refused.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn filter_load(
-    points: *const [f64; 6],
+    points: *const [f64; 7],
     count: usize,
     loops: *const [f64; 4],
     bands: usize,
@@ -36,7 +36,8 @@ pub unsafe extern "C" fn filter_load(
         let exciter = (!exciter.is_null()).then(|| *exciter);
         (core::slice::from_raw_parts(points, count), core::slice::from_raw_parts(loops, bands), exciter)
     };
-    let point = |&[time_s, a1, a2, b0, b1, b2]: &[f64; 6]| Breakpoint { time_s, a1, a2, b0, b1, b2 };
+    let point =
+        |&[time_s, a1, a2, b0, b1, b2, noise]: &[f64; 7]| Breakpoint { time_s, a1, a2, b0, b1, b2, noise };
     let one =
         |&[frequency_hz, bandwidth_hz, gain, delay_s]: &[f64; 4]| Loop { frequency_hz, bandwidth_hz, gain, delay_s };
     let settings = Settings {
