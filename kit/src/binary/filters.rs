@@ -1,7 +1,8 @@
 //! The sections `dynf` and `biqd`, both ways.
 
 use dsp_core::table::layout::{
-    BiquadRecord, BiquadsHeader, BreakpointRecord, DynamicFilterHeader, HAS_EXCITER, HAS_LEVELS, LoopRecord, MODES_THROUGH,
+    BiquadRecord, BiquadsHeader, BreakpointRecord, DynamicFilterHeader, HAS_EXCITER, HAS_LEVELS, LoopRecord,
+    MODES_THROUGH,
 };
 use dsp_core::table::{
     Biquads as BiquadsView, DynamicFilter as FilterView, ExciterBand, Field, Kit as TableView, Place, TableError, range,
@@ -92,9 +93,7 @@ impl Build<'_> {
                 Order::First => 1,
                 Order::Second => 2,
             },
-            flags: through
-                | if exciter.is_some() { HAS_EXCITER } else { 0 }
-                | if has_levels { HAS_LEVELS } else { 0 },
+            flags: through | if exciter.is_some() { HAS_EXCITER } else { 0 } | if has_levels { HAS_LEVELS } else { 0 },
             seed: U32::new(*seed),
             rate_hz: F32::new(*rate_hz),
             breakpoint_count: self.count(place, Field::Path, path.len(), 1, range::BREAKPOINTS)?,
