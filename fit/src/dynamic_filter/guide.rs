@@ -22,6 +22,11 @@ const PLACES_HZ: [f64; 28] = [
     5000.0, 6300.0, 8000.0, 9500.0, 11_000.0, 13_000.0, 15_000.0, 17_000.0, 19_000.0, 21_000.0, 22_500.0, 23_900.0,
 ];
 
+/// A delay may be longer than the shortest by so much, seconds.
+const LONGER_S: f64 = 2e-3;
+/// Beyond this ratio of frequencies, as a logarithm, a loop is not wanted.
+const ELSEWHERE: f64 = 0.2;
+
 /// A loop as the descent sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Guide {
@@ -175,8 +180,69 @@ impl<'a> Guides<'a> {
                 let heard = (-decay * times[0]).exp() * (times[1] - times[0]);
                 turned += self.with_others(index, *filter) * heard;
             }
-            delay_s(guide.frequency_hz, turned.arg())
+            self.quietest(guide, delay_s(guide.frequency_hz, turned.arg()))
         });
         tuned.collect()
+    }
+
+    /// The delay, of those with a few turns more, with which a loop gains least where the filter is loud and the loop is not wanted.
+    ///
+    /// The fraction of a delay is in the numerator of the band-pass, `c0 + c1 z^-1`: it decides where that has its zero. Round a low-pass a loop of a
+    /// high frequency has hardly any gain to itself unless the zero is near 0 Hz.
+    fn quietest(&self, guide: &Guide, shortest_s: f64) -> f64 {
+        let unwanted = |delay_s: f64| {
+            let tuned = Guide { delay_s, ..*guide }.of_unit_gain();
+            let elsewhere = PLACES_HZ.iter().zip(&self.places);
+            let elsewhere = elsewhere.filter(|(place_hz, _)| (*place_hz / guide.frequency_hz).ln().abs() > ELSEWHERE);
+            let gain = |(place_hz, (_, filter)): (&f64, &(Vec<f64>, Vec<f64>))| {
+                let loudest = filter.iter().copied().fold(0.0, f64::max);
+                loudest * through_loop(&tuned, TAU * place_hz / RATE_HZ).norm()
+            };
+            elsewhere.map(gain).fold(0.0, f64::max)
+        };
+        let turns = (LONGER_S * guide.frequency_hz).clamp(0.0, 16.0) as i32;
+        let delays_s = (0..=turns).map(|turn| shortest_s + f64::from(turn) / guide.frequency_hz);
+        delays_s.min_by(|a, b| unwanted(*a).total_cmp(&unwanted(*b))).unwrap_or(shortest_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bark::{damping_law, frequency_hz};
+    use crate::dynamic_filter::{Breakpoint, Model, Path, render};
+
+    #[test]
+    fn loops_that_turn_each_other_s_phase_ring_as_their_poles_say() {
+        let filter = Coefficients { a: [-0.3, 0.0], b: [0.2, 0.1, 0.0] };
+        let guide = |rate: f64, bandwidth_hz: f64, loop_gain: f64| {
+            let frequency_hz = frequency_hz(rate);
+            Guide { frequency_hz, bandwidth_hz, loop_gain, delay_s: delay_s(frequency_hz, -0.1) }
+        };
+        let mut guides = vec![guide(5.0, 40.0, 0.82), guide(7.0, 60.0, 0.75), guide(13.0, 30.0, 0.7)];
+        let times_s: Vec<f64> = (0..400).map(|step| 1e-3 * f64::from(step)).collect();
+        let filters = vec![filter; times_s.len()];
+        let delays_s = Guides::new(&guides, &filters).tuned_delays_s(&times_s, &[10.0; 3]);
+        guides.iter_mut().zip(delays_s).for_each(|(guide, delay_s)| guide.delay_s = delay_s);
+        let noise: Vec<f64> = times_s.iter().map(|time_s| if *time_s < 0.02 { 1.0 } else { 0.0 }).collect();
+        let all = Guides::new(&guides, &filters);
+        let powers = all.along(&times_s, &noise).powers;
+        let point = |time_s| Breakpoint { time_s, coefficients: filter, noise: 1.0 };
+        let loops = guides.iter().zip(all.gains()).map(|(guide, gain)| Loop {
+            frequency_hz: guide.frequency_hz,
+            bandwidth_hz: guide.bandwidth_hz,
+            gain: *gain,
+            delay_s: guide.delay_s,
+        });
+        let model = Model { path: Path { points: vec![point(0.0), point(0.02)] }, loops: loops.collect(), modes: vec![] };
+        let sound = render(&model, 48_000, 3);
+        let law = damping_law(&sound[2400..], RATE_HZ).expect("it decays");
+        for (guide, powers) in guides.iter().zip(&powers) {
+            let expected = 0.5 * (powers[100] / powers[200]).ln() / 0.1;
+            let alone = guide.beta_per_s() * (1.0 - guide.loop_gain);
+            let found = law.decay_per_s(guide.frequency_hz);
+            println!("{:.0} Hz: {found:.2} for {expected:.2} 1/s, alone {alone:.2}", guide.frequency_hz);
+            assert!((found / expected - 1.0).abs() < 0.03, "{:.0} Hz: {found} for {expected}", guide.frequency_hz);
+        }
     }
 }
