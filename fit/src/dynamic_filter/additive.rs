@@ -1,9 +1,8 @@
 //! The additive way: a few modes beside the filter (dynamic-filter §III-B, §IV-B2).
 
-use super::heard::mend;
 use super::joint::{Joint, Sought};
 use super::lattice::Lattice;
-use super::path::{db_per_s, path_of, starts, times_s};
+use super::path::{db_per_s, path_of_filters, starts, times_s};
 use super::response::{BandHearing, heard_in_band};
 use super::{Form, Model};
 use crate::bark::{DampingBand, DampingLaw, width_hz};
@@ -12,7 +11,7 @@ use crate::modes::DampedSine;
 /// Most modes of a model, as in the paper's soundboard.
 pub const MOST_MODES: usize = 10;
 /// Rounds of choosing modes for a path, and a path for modes.
-const ROUNDS: usize = 2;
+const ROUNDS: usize = 3;
 /// Modes that hold more than this share of a band's power at the strike make it ...
 const MODES_MAKE: f64 = 0.5;
 /// ... and the filter's noise will be left this share.
@@ -20,39 +19,30 @@ const ROOM: f64 = 0.03;
 /// A decay off by so much is as bad as can be counted, in the logarithm.
 const WORST: f64 = 0.45;
 /// What 10 dB of prominence is worth, in the units of the squared error of a band.
-pub(crate) const PROMINENCE: f64 = 2e-3;
+const PROMINENCE: f64 = 2e-3;
 
 /// Chooses at most [`MOST_MODES`] of `modes` and the path of the noise beside them, so that each band decays by the law.
 ///
 /// `modes` as they sound at the strike, with what each stands out of the smooth part of the spectrum (`emergence_db`,
 /// [`crate::bark::emergence_db`]). Those are taken that bring the decays of the bands nearest to the law, the more prominent of equals; then filter
-/// and modes are fitted together, and what is heard to be off is asked for anew.
+/// and modes are fitted together.
 pub fn additive(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], form: Form) -> Model {
-    let best = beside(law, modes, emergence_db, form).into_iter().next();
-    best.map_or_else(Model::default, |best| mend(law, &best, &model_of).1)
-}
-
-fn model_of(law: &DampingLaw, sought: &Sought) -> Model {
-    Model { path: path_of(law, sought).0, modes: sought.modes.clone(), loops: Vec::new() }
-}
-
-/// Filters with modes beside them, the best of each start, those first that meet the law best.
-fn beside(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], form: Form) -> Vec<Sought> {
+    let joint = Joint::new(law);
     let times_s = times_s(law);
-    let joint = Joint::new(law, &times_s);
-    let mut all: Vec<(f64, Sought)> = Vec::new();
+    let mut best: Option<(f64, Sought)> = None;
     for mut sought in starts(law, &joint, form) {
-        let mut tried: Vec<(f64, Sought)> = Vec::new();
         for _ in 0..ROUNDS {
             sought.modes = choose(law, modes, emergence_db, &sought.filters);
             let found = joint.descend(&sought);
             sought.filters.clone_from(&found.filters);
-            tried.push((misfit(law, &times_s, &joint.powers(&found)), found));
+            let off = misfit(law, &times_s, &joint.powers(&found));
+            if best.as_ref().is_none_or(|best| off < best.0) {
+                best = Some((off, found));
+            }
         }
-        all.extend(tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)));
     }
-    all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    all.into_iter().map(|(_, sought)| sought).collect()
+    let Some((_, best)) = best else { return Model::default() };
+    Model { path: path_of_filters(law, &best), modes: best.modes, loops: Vec::new() }
 }
 
 /// The modes that filters lack most, one after the other.

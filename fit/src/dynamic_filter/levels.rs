@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::lattice::{Lattice, Shape, WIDEST};
+use super::Form;
+use super::lattice::{Lattice, WIDEST};
 use super::response::BandHearing;
 
 /// A band's level falls so far before it no longer matters, dB: a band's decay is read off its first 40 dB.
@@ -33,16 +34,16 @@ impl Target {
 
 /// Filters at `times_s`, each nearest to the targets in the least-squares sense of decibels: what eq. 19 asks for three bands, in the units in which
 /// a decay is a straight line. The search at each time starts from the filter before.
-pub(crate) fn follow(shape: Shape, targets: &[Target], times_s: &[f64]) -> Vec<Lattice> {
+pub(crate) fn follow(form: Form, targets: &[Target], times_s: &[f64]) -> Vec<Lattice> {
     let mut path: Vec<Lattice> = Vec::with_capacity(times_s.len());
     for &time_s in times_s {
         let moment = Moment { targets, time_s, before: path.last() };
         let next = match path.last() {
             Some(before) => moment.descend(before.clone()).0,
             None => {
-                let found = moment.starts(shape).into_iter().map(|start| moment.descend(start));
+                let found = moment.starts(form).into_iter().map(|start| moment.descend(start));
                 let best = found.min_by(|a, b| a.1.total_cmp(&b.1));
-                best.map_or_else(|| Lattice::flat(shape, 1.0), |(filter, _)| filter)
+                best.map_or_else(|| Lattice::flat(form, 1.0), |(filter, _)| filter)
             }
         };
         path.push(next);
@@ -63,22 +64,14 @@ struct Moment<'a> {
 
 impl Moment<'_> {
     /// Where the search begins with nothing before it: flat, low-passes, high-passes and humps at the bands' mean level.
-    fn starts(&self, shape: Shape) -> Vec<Lattice> {
-        let flat = Lattice::flat(shape, 1.0);
+    fn starts(&self, form: Form) -> Vec<Lattice> {
+        let flat = Lattice::flat(form, 1.0);
         let above: Vec<f64> =
             self.targets.iter().map(|target| target.level_db_at(self.time_s) - level_db(target, &flat)).collect();
         let gain = 10f64.powf(above.iter().sum::<f64>() / above.len().max(1) as f64 / 20.0);
-        let starts: &[[f64; 4]] = match shape {
-            Shape::FirstOrder | Shape::OnePoleOneZero => &[[0.0; 4], [-1.5, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]],
-            Shape::RealPoles => &[
-                [0.0; 4],
-                [-1.5, 0.0, 0.0, 0.0],
-                [-1.5, -1.0, 0.0, 0.0],
-                [-2.5, -1.0, -1.5, 0.5],
-                [-1.5, 1.0, 0.0, 0.0],
-                [1.0, 0.5, 0.0, 0.0],
-            ],
-            Shape::ConjugatePoles => &[
+        let shapes: &[[f64; 4]] = match form {
+            Form::FirstOrder | Form::OnePoleOneZero => &[[0.0; 4], [-1.5, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]],
+            Form::SecondOrder => &[
                 [0.0; 4],
                 [-1.5, 0.0, 0.0, 0.0],
                 [-1.5, 1.0, 0.0, 0.0],
@@ -87,12 +80,12 @@ impl Moment<'_> {
                 [1.0, 0.5, 0.0, 0.0],
             ],
         };
-        let start = |numbers: &[f64; 4]| {
-            let mut lattice = Lattice::flat(shape, gain);
-            lattice.free.iter_mut().skip(1).zip(numbers).for_each(|(free, number)| *free = *number);
+        let start = |shape: &[f64; 4]| {
+            let mut lattice = Lattice::flat(form, gain);
+            lattice.free.iter_mut().skip(1).zip(shape).for_each(|(free, shape)| *free = *shape);
             lattice
         };
-        starts.iter().map(start).collect()
+        shapes.iter().map(start).collect()
     }
 
     /// Errors, weighed, in dB.

@@ -5,38 +5,33 @@
 //! strike ─► damping law α(f), Λ(f) ─┬► three bands, first order (eq. 19 to 21) ─┐
 //!           (crate::bark)           └► all bands, first or second order ────────┴► breakpoints
 //!        ─► modes ─► at most ten ─┬► beside the filter, damped (additive) ────────► levels that are left to noise
-//!                                 └► loops round it, struck by noise of a level of its own ─► banded waveguides
+//!                                 └► loops round it: d_s, γ_s (eq. 22 to 24) ─────► banded waveguides
 //! ```
 
 pub mod study;
 
 mod additive;
-mod average_filter;
 mod damping;
 mod guide;
-mod heard;
 mod joint;
 mod lattice;
 mod levels;
-mod numbers;
 mod path;
 mod response;
 mod sound;
-mod stability;
-mod straight;
 mod thin;
 mod three_bands;
 mod waveguide;
 
 pub use additive::{MOST_MODES, additive};
-pub use average_filter::{USUAL_BANDWIDTH_HZ, average, by_average_filter};
 pub use damping::{Comparison, compare, counted, mean_law};
 pub use path::{Criterion, noise_alone};
 pub use response::response;
 pub use sound::render;
-pub use stability::{MOST_LOOP_GAIN, loop_gain};
 pub use thin::{MOST_BREAKPOINTS, THINNED_WITHIN_DB};
-pub use waveguide::{SHORTEST_DELAY, waveguide};
+pub use waveguide::{
+    MOST_LOOP_GAIN, SHORTEST_DELAY, USUAL_BANDWIDTH_HZ, average, by_average_filter, loop_gain, waveguide,
+};
 
 use crate::modes::DampedSine;
 
@@ -63,6 +58,17 @@ pub struct Coefficients {
     pub b: [f64; 3],
 }
 
+impl Coefficients {
+    /// Part of the way (0 to 1) in a straight line to others: stable between stable ones, for the stable a1, a2 fill a triangle.
+    pub fn towards(&self, other: &Self, part: f64) -> Self {
+        let between = |from: f64, to: f64| from + part * (to - from);
+        Self {
+            a: std::array::from_fn(|i| between(self.a[i], other.a[i])),
+            b: std::array::from_fn(|i| between(self.b[i], other.b[i])),
+        }
+    }
+}
+
 /// Coefficients at a time after the strike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Breakpoint {
@@ -70,11 +76,9 @@ pub struct Breakpoint {
     pub time_s: f64,
     /// The coefficients.
     pub coefficients: Coefficients,
-    /// Level of the noise, 0 to 1.
-    pub noise: f64,
 }
 
-/// How the coefficients move: along straight lines between breakpoints, and with them the level of the noise; no noise after the last.
+/// How the coefficients move: linear between breakpoints; no noise after the last.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Path {
     /// Breakpoints in order of time, the first at 0.

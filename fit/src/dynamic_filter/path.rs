@@ -2,12 +2,12 @@
 
 use super::additive::misfit;
 use super::joint::{Joint, Sought};
-use super::lattice::Shape;
+use super::lattice::Lattice;
 use super::levels::{Target, follow};
 use super::response::BandHearing;
 use super::thin::thin;
 use super::three_bands::keep_three;
-use super::{Form, Path};
+use super::{Coefficients, Form, Path};
 use crate::bark::DampingLaw;
 
 /// By what the coefficients are chosen.
@@ -20,7 +20,7 @@ pub enum Criterion {
 }
 
 /// Times at which coefficients are estimated before they are thinned.
-const TIMES: usize = 49;
+const TIMES: usize = 97;
 /// The slowest band is followed until it has fallen so far, dB.
 const FOLLOWED_DB: f64 = 60.0;
 /// In the fastest band the first step is so much of a decay.
@@ -36,55 +36,57 @@ pub fn noise_alone(law: &DampingLaw, criterion: Criterion) -> Path {
     match criterion {
         Criterion::ThreeBands => {
             let times_s = times_s(law);
-            let filters = keep_three(law, &times_s);
-            thin(law, &times_s, &filters, &vec![1.0; filters.len()], &[])
+            path_of(law, &times_s, &keep_three(law, &times_s))
         }
         Criterion::AllBands(form) => {
-            let times_s = times_s(law);
-            let joint = Joint::new(law, &times_s);
+            let (joint, times_s) = (Joint::new(law), times_s(law));
             let off = |sought: &Sought| misfit(law, &times_s, &joint.powers(sought));
             let best = starts(law, &joint, form).into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-            best.map_or_else(Path::default, |best| path_of(law, &best).0)
+            best.map_or_else(Path::default, |best| path_of_filters(law, &best))
         }
     }
 }
 
-/// Filters for noise alone from which a fit with modes or loops begins: one for each shape of the form, and those of each shape within it, which
-/// often lead to better ones.
+/// Filters for noise alone from which a fit with modes or loops begins: those of the form itself, and those of each form within it, which are its
+/// own too and often lead to better ones.
 pub(crate) fn starts(law: &DampingLaw, joint: &Joint, form: Form) -> Vec<Sought> {
-    let start = |shapes: &&[Shape]| {
-        let mut found: Option<Sought> = None;
-        for shape in *shapes {
-            let mut start = found.unwrap_or_else(|| first_guess(law, *shape));
-            start.filters = start.filters.iter().map(|filter| filter.within(*shape)).collect();
-            found = Some(joint.descend(&start));
+    let forms: &[Form] = match form {
+        Form::FirstOrder => &[Form::FirstOrder],
+        Form::OnePoleOneZero => &[Form::FirstOrder, Form::OnePoleOneZero],
+        Form::SecondOrder => &[Form::FirstOrder, Form::SecondOrder],
+    };
+    let start = |narrow: &Form| {
+        let mut found = joint.descend(&first_guess(law, *narrow));
+        if *narrow != form {
+            found.filters = found.filters.iter().map(|filter| filter.within(form)).collect();
+            found = joint.descend(&found);
         }
         found
     };
-    form.shapes().iter().filter_map(start).collect()
+    forms.iter().map(start).collect()
 }
 
 /// The filters that follow the law time by time, without modes.
-fn first_guess(law: &DampingLaw, shape: Shape) -> Sought {
+fn first_guess(law: &DampingLaw, form: Form) -> Sought {
     let target = |band: &crate::bark::DampingBand| Target {
         hearing: BandHearing::new(band.bark),
         level_db: 20.0 * band.gain.log10(),
         decay_db_per_s: db_per_s(band.decay_per_s),
     };
     let targets: Vec<Target> = law.bands.iter().map(target).collect();
-    Sought::of_filters(follow(shape, &targets, &times_s(law)))
+    Sought { filters: follow(form, &targets, &times_s(law)), modes: Vec::new(), guides: Vec::new(), end: None }
 }
 
-/// Filters and noise at the times of [`times_s`] as breakpoints, the noise's level at most 1; and by how much the filter is louder for that.
-pub(crate) fn path_of(law: &DampingLaw, sought: &Sought) -> (Path, f64) {
-    let noise = sought.noise_powers();
-    let loudest = noise.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let louder = loudest.sqrt();
-    let mut filters = sought.coefficients();
-    filters.iter_mut().flat_map(|filter| &mut filter.b).for_each(|b| *b *= louder);
-    let noise: Vec<f64> = noise.iter().map(|power| (power / loudest).sqrt()).collect();
-    let loops: Vec<f64> = sought.guides.iter().map(|guide| guide.frequency_hz).collect();
-    (thin(law, &times_s(law), &filters, &noise, &loops), louder)
+/// Filters at the times of [`times_s`] as breakpoints, up to where the noise ends.
+pub(crate) fn path_of_filters(law: &DampingLaw, sought: &Sought) -> Path {
+    let filters: Vec<Coefficients> = sought.filters.iter().map(Lattice::coefficients).collect();
+    let count = sought.end.map_or(filters.len(), |end| filters.len().min(end + 1));
+    path_of(law, &times_s(law), filters.get(..count).unwrap_or(&filters))
+}
+
+fn path_of(law: &DampingLaw, times_s: &[f64], filters: &[Coefficients]) -> Path {
+    let bands: Vec<BandHearing> = law.bands.iter().map(|band| BandHearing::new(band.bark)).collect();
+    thin(times_s, filters, &bands)
 }
 
 /// From the strike until the slowest band has died away, the closer together the earlier.

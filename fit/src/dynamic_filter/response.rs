@@ -29,7 +29,7 @@ pub fn response(coefficients: &Coefficients, angular: f64) -> Complex<f64> {
 /// What one Bark band hears of white noise through the filter.
 #[derive(Clone, Debug)]
 pub(crate) struct BandHearing {
-    /// cos ω at places of the band, and what the noise's power there counts in the band.
+    /// ω in radians a sample at places of the band, and what the noise's power there counts in the band.
     places: Vec<(f64, f64)>,
 }
 
@@ -44,14 +44,14 @@ impl BandHearing {
                 return None;
             }
             let weight = NOISE_DENSITY * (-0.5 * apart * apart).exp() * width_hz(frequency) * step;
-            Some(((TAU * frequency / RATE_HZ).cos(), weight))
+            Some((TAU * frequency / RATE_HZ, weight))
         });
         Self { places: places.collect() }
     }
 
-    /// Mean square of the band's envelope for a filter's squared magnitude over cos ω.
+    /// Mean square of the band's envelope for a filter's squared magnitude over ω.
     pub(crate) fn power(&self, squared: impl Fn(f64) -> f64) -> f64 {
-        self.places.iter().map(|(cosine, weight)| weight * squared(*cosine)).sum()
+        self.places.iter().map(|(angular, weight)| weight * squared(*angular)).sum()
     }
 }
 

@@ -1,38 +1,69 @@
 //! A model as it sounds, in `f64` at 48 kHz.
 
-use reference::SampleRate;
-use reference::dynamic_filter::Filter;
-use reference::waveguide;
+use std::f64::consts::TAU;
 
-use super::{Loop, Model};
+use nalgebra::Complex;
+
+use super::{Coefficients, Loop, Model, RATE_HZ};
 use crate::synthetic::SplitMix64;
-
-/// [`super::RATE_HZ`].
-pub(crate) const RATE: SampleRate = SampleRate { numerator: 48_000, denominator: 1 };
 
 /// Renders one strike of a model at a force of the reference: `length` samples at 48 kHz, the noise of a seed.
 ///
-/// Eq. 12 and 13 by the reference, parameters interpolated at each sample: noise at its level and what the loops bring back go through the filter;
-/// modes stand beside it.
+/// Eq. 12 and 13, coefficients interpolated at each sample: noise and what the loops bring back go through the filter; modes stand beside it.
 pub fn render(model: &Model, length: usize, seed: u64) -> Vec<f64> {
     let mut random = SplitMix64(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
-    let path = model.path.breakpoints();
-    let mut filter = Filter::new(model.path.order(), &path, RATE);
-    let noise = |n: usize| match filter.noise(n) {
-        0.0 => 0.0,
-        level => level * (2.0 * random.uniform() - 1.0),
-    };
-    let input: Vec<f64> = (0..length).map(noise).collect();
-    let loops: Vec<waveguide::Loop> = model.loops.iter().map(Loop::exact).collect();
-    let mut sound = waveguide::filter(&mut filter, &loops, &[0], &input, RATE);
-    model.modes.iter().for_each(|mode| mode.add_to(&mut sound, super::RATE_HZ));
+    let mut loops: Vec<Feedback> = model.loops.iter().map(Feedback::new).collect();
+    let mut sound: Vec<f64> = Vec::with_capacity(length);
+    let (mut inputs, mut outputs) = ([0.0; 2], [0.0; 2]);
+    let end_s = model.path.end_s();
+    for n in 0..length {
+        let time_s = n as f64 / RATE_HZ;
+        let noise = if time_s <= end_s { 2.0 * random.uniform() - 1.0 } else { 0.0 };
+        let input = noise + loops.iter_mut().map(|feedback| feedback.next(&sound)).sum::<f64>();
+        let Coefficients { a: [a1, a2], b: [b0, b1, b2] } = model.path.at(time_s);
+        let output = b0 * input + b1 * inputs[0] + b2 * inputs[1] - a1 * outputs[0] - a2 * outputs[1];
+        inputs = [input, inputs[0]];
+        outputs = [output, outputs[0]];
+        sound.push(output);
+    }
+    model.modes.iter().for_each(|mode| mode.add_to(&mut sound, RATE_HZ));
     sound
 }
 
-impl Loop {
-    /// As the reference takes it.
-    pub(crate) fn exact(&self) -> waveguide::Loop {
-        let Self { frequency_hz, bandwidth_hz, gain, delay_s } = *self;
-        waveguide::Loop { frequency_hz, bandwidth_hz, gain, delay_s }
+/// Delay and band-pass of a loop (eq. 8 to 11).
+struct Feedback {
+    /// Whole samples of the delay.
+    delay: usize,
+    /// The band-pass, its numerator such that gain and phase at the centre are those of the band-pass and of the delay's fraction.
+    numerator: [f64; 2],
+    denominator: [f64; 2],
+    before: [f64; 2],
+}
+
+impl Feedback {
+    fn new(guide: &Loop) -> Self {
+        let delay = (guide.delay_s * RATE_HZ).max(1.0);
+        let whole = delay.round();
+        let angular = TAU * guide.frequency_hz / RATE_HZ;
+        // Eq. 11 prints Q = Δf/f_c; with f_c/Δf the width is Δf.
+        let tau = angular.sin() * guide.bandwidth_hz / (2.0 * guide.frequency_hz);
+        let denominator = [-2.0 * angular.cos() / (1.0 + tau), (1.0 - tau) / (1.0 + tau)];
+        let late = Complex::from_polar(1.0, -angular);
+        let at_centre = late * (late * denominator[1] + denominator[0]) + 1.0;
+        let wanted = at_centre * Complex::from_polar(guide.gain, -angular * (delay - whole));
+        let second = -wanted.im / angular.sin();
+        let numerator = [wanted.re - second * angular.cos(), second];
+        Self { delay: whole as usize, numerator, denominator, before: [0.0; 2] }
+    }
+
+    /// The loop's next sample, from the filter's output so far.
+    fn next(&mut self, sound: &[f64]) -> f64 {
+        let n = sound.len();
+        let past = |ago: usize| n.checked_sub(ago).and_then(|at| sound.get(at)).copied().unwrap_or(0.0);
+        let [n0, n1] = self.numerator;
+        let [d1, d2] = self.denominator;
+        let now = n0 * past(self.delay) + n1 * past(self.delay + 1) - d1 * self.before[0] - d2 * self.before[1];
+        self.before = [now, self.before[0]];
+        now
     }
 }

@@ -1,42 +1,105 @@
-//! The waveguide way: loops round the filter that favour a few modes (dynamic-filter §III-B, §IV-B2, eq. 8 to 13 and 22).
-//!
-//! A loop's mode cannot decay slower than the filter round which it runs while that closes. So the decay that all bands share is in the level of the
-//! noise, the strike of eq. 8's x(n), and the filter only changes its colour: struck by that noise, a loop rings on at a decay of its own,
-//! `πΔf (1 - |F| γ_s)`. Bands that are gone early are the noise's, those that last the loops'.
+//! The waveguide way: loops round the filter that favour a few modes (dynamic-filter §III-B, §IV-B2, eq. 8 to 13 and 22 to 24).
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
-use super::additive::{MOST_MODES, PROMINENCE, misfit};
-use super::counted;
-use super::guide::{Guide, Guides, usual_over_last};
-use super::heard::mend;
-use super::joint::{Joint, SOUGHT_LOOP_GAIN, Sought};
+use nalgebra::Complex;
+
+use super::additive::{MOST_MODES, misfit};
+use super::guide::{Guide, crowding};
+use super::joint::{Joint, Sought};
 use super::lattice::Lattice;
-use super::numbers::{DEEPEST, mild};
-use super::path::{path_of, starts, times_s};
-use super::response::heard_in_band;
-use super::stability::stabilise;
-use super::{Form, Loop, Model, RATE_HZ};
-use crate::bark::{DampingLaw, bark};
+use super::path::{path_of_filters, starts, times_s};
+use super::response::{heard_in_band, response};
+use super::sound::render;
+use super::{Coefficients, Form, Loop, Model, Path, RATE_HZ, compare, mean_law};
+use crate::bark::DampingLaw;
 use crate::modes::DampedSine;
-use crate::score::quantile;
 
 /// A loop's delay is at least so many samples, so that a board computes it a tick at a time.
 pub const SHORTEST_DELAY: f64 = 32.0;
-/// Rounds of choosing loops for noise and filter, and noise and filter for loops.
+/// Width of a loop's band-pass in Hz where nothing asks for more: the paper sets 1 to 5.
+pub const USUAL_BANDWIDTH_HZ: f64 = 3.0;
+/// `|F| Σ|B_s|` stays below this at every frequency and time: less than 1 by what interpolation between breakpoints may add.
+pub const MOST_LOOP_GAIN: f64 = 0.998;
+/// Emergence that a loop is asked for at most, as a ratio.
+const MOST_EMERGENCE: f64 = 50.0;
+/// Ends of the noise that are tried, as parts of the time until the slowest band has died away.
+const ENDS: [f64; 4] = [0.02, 0.06, 0.15, 0.35];
+/// Widths of a loop's band-pass that are tried, Hz a 1/s of its mode's decay.
+const WIDTHS: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
+/// A model is heard until its slowest band has decayed by so many nepers, or this long, seconds ...
+const HEARD_DECAYS: f64 = 6.0;
+const MOST_HEARD_S: f64 = 4.0;
+/// ... with the noise of so many seeds, none of them the study's.
+const HEARD_SEEDS: [u64; 3] = [1001, 1002, 1003];
+/// An error of α that is as bad as can be counted.
+const WORST_HEARD: f64 = 0.3;
+/// Rounds of choosing loops for a filter, and a filter for loops.
 const ROUNDS: usize = 2;
-/// Where the noise's level begins to fall as fast as a band: these quantiles of the law's decays.
-const FALLS: [f64; 2] = [0.5, 1.0];
-/// Where the noise ends, in the other beginning, as parts of the time until the slowest band has died away.
-const ENDS: [f64; 2] = [0.06, 0.25];
-/// Gains of loops that are tried.
-const GAINS: [f64; 5] = [0.3, 0.6, 0.8, 0.9, 0.96];
-/// What a loop's decay hangs on the filter's gain costs, in the units of the squared error of a band, a unit of 1/(1 - |F| γ_s).
-const DEPENDENCE: f64 = 5e-4;
-/// So much more error may cost a loop that the fit of all together may need.
-const WORTH: f64 = 0.03;
-/// Loops are at least so many Bark apart: two in a band would beat, and each would turn the other's phase.
-const APART_BARK: f64 = 0.4;
+/// Frequencies of the condition, beside those round each loop.
+const FREQUENCIES: usize = 512;
+
+/// The average filter `F~(ω)` of a path: its magnitude squared is the power spectral density of noise filtered along the path (over the time in
+/// which there is noise), its phase that of the filter while it is loud.
+pub fn average(path: &Path, angular: f64) -> Complex<f64> {
+    let weighed = path.points.windows(2).filter_map(|pair| {
+        let &[from, to] = pair else { return None };
+        let middle = response(&from.coefficients.towards(&to.coefficients, 0.5), angular);
+        Some((middle, to.time_s - from.time_s))
+    });
+    average_of(weighed)
+}
+
+/// The same of responses and the seconds that they last.
+pub(crate) fn average_of(responses: impl Iterator<Item = (Complex<f64>, f64)>) -> Complex<f64> {
+    let (mut power, mut turned, mut length) = (0.0, Complex::new(0.0, 0.0), 0.0);
+    for (response, lasts_s) in responses {
+        power += response.norm_sqr() * lasts_s;
+        turned += response * response.norm() * lasts_s;
+        length += lasts_s;
+    }
+    if length <= 0.0 || turned.norm() <= 0.0 {
+        return Complex::new(0.0, 0.0);
+    }
+    turned / turned.norm() * (power / length).sqrt()
+}
+
+/// The loops that make a path's noise emerge at modes as the recording does, at most [`MOST_MODES`], the most prominent first.
+///
+/// `d_s` by eq. 22 with the smallest p that leaves [`SHORTEST_DELAY`]; γ_s so that criterion 23 is zero with H of eq. 24, each loop's own gain
+/// found while the others stand still, until all agree. Then the stability condition: each γ_s is lowered until `|F| Σ|B_s|` is at most
+/// [`MOST_LOOP_GAIN`] at every frequency and breakpoint. The filter is loudest at the strike and `F~` an average, so it lowers most of them: criterion
+/// 23 alone would let a mode grow without bound while the filter is still open.
+pub fn by_average_filter(path: &Path, modes: &[DampedSine], emergence_db: &[f64], bandwidth_hz: f64) -> Vec<Loop> {
+    let mut wanted: Vec<(&DampedSine, f64)> = modes.iter().zip(emergence_db.iter().copied()).collect();
+    wanted.retain(|(mode, emergence_db)| *emergence_db > 0.0 && mode.frequency_hz < 0.45 * RATE_HZ);
+    wanted.sort_by(|a, b| b.1.total_cmp(&a.1));
+    wanted.truncate(MOST_MODES);
+    let ratios: Vec<f64> = wanted.iter().map(|(_, db)| 10f64.powf(db / 20.0).min(MOST_EMERGENCE)).collect();
+    let mut loops: Vec<Loop> = wanted
+        .iter()
+        .map(|(mode, _)| Loop {
+            frequency_hz: mode.frequency_hz,
+            bandwidth_hz,
+            gain: 0.0,
+            delay_s: delay_s(mode.frequency_hz, average(path, TAU * mode.frequency_hz / RATE_HZ).arg()),
+        })
+        .collect();
+    for _ in 0..20 {
+        for index in 0..loops.len() {
+            let frequency = loops[index].frequency_hz;
+            let others = loops.iter().enumerate().filter(|(other, _)| *other != index);
+            let others: Complex<f64> = others.map(|(_, guide)| through(guide, frequency)).sum();
+            let filter = average(path, TAU * frequency / RATE_HZ);
+            let own = Complex::from_polar(1.0, -TAU * frequency * loops[index].delay_s);
+            // 1 - F~ (γ D + others) = 1/E.
+            let gain = ((1.0 - ratios[index].recip()) / filter - others) / own;
+            loops[index].gain = if gain.re.is_finite() { gain.re.max(0.0) } else { 0.0 };
+        }
+    }
+    stabilise(path, &mut loops);
+    loops
+}
 
 /// Delay in seconds that brings a wave round a loop back in phase (eq. 22).
 pub(crate) fn delay_s(frequency_hz: f64, filter_phase: f64) -> f64 {
@@ -46,171 +109,180 @@ pub(crate) fn delay_s(frequency_hz: f64, filter_phase: f64) -> f64 {
     (first + turns * period) / RATE_HZ
 }
 
-/// Chooses at most [`MOST_MODES`] loops at modes of the recording, and noise, path, gains and widths so that each band decays by the law.
-///
-/// Begins with a filter that stands still, the colour of the strike, and noise that falls like one of the bands; or with the filter of noise alone,
-/// which stands still from where the noise ends. Loops are taken that bring the decays of the bands nearest to the law, one after the other; then all
-/// is fitted together, delays are tuned to the filter found, and what is heard to be off is asked for anew. What sounds best of both beginnings is kept.
-pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], form: Form) -> Model {
-    let times_s = times_s(law);
-    let joint = Joint::new(law, &times_s);
-    let off = |sought: &Sought| misfit(law, &times_s, &joint.powers(sought));
-    let first = starts(law, &joint, form).into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-    let Some(first) = first else { return Model::default() };
-    let decays: Vec<f64> = counted(law).map(|band| band.decay_per_s).collect();
-    let fitted = |start: Sought| {
-        let mut sought = start;
-        let mut best: Option<(f64, Sought)> = None;
-        for _ in 0..ROUNDS {
-            sought.guides = choose(law, &times_s, &joint, modes, emergence_db, &sought);
-            tune(&times_s, &mut sought);
-            sought = joint.descend(&sought);
-            tune(&times_s, &mut sought);
-            let now = off(&sought);
-            if best.as_ref().is_none_or(|best| now < best.0) {
-                best = Some((now, sought.clone()));
-            }
+/// `B_s D_s` at a frequency in Hz.
+fn through(guide: &Loop, frequency_hz: f64) -> Complex<f64> {
+    band_pass(guide, frequency_hz) * Complex::from_polar(1.0, -TAU * frequency_hz * guide.delay_s)
+}
+
+/// `B_s` (eq. 9 to 11) at a frequency in Hz.
+fn band_pass(guide: &Loop, frequency_hz: f64) -> Complex<f64> {
+    let (angular, centre) = (TAU * frequency_hz / RATE_HZ, TAU * guide.frequency_hz / RATE_HZ);
+    let tau = centre.sin() * guide.bandwidth_hz / (2.0 * guide.frequency_hz);
+    // The numerator τ(1 - z^-2) and the denominator, both times z: real and imaginary parts apart.
+    let wide = Complex::new(0.0, 2.0 * tau * angular.sin());
+    let apart = Complex::new(2.0 * (angular.cos() - centre.cos()), 0.0);
+    if wide.norm() + apart.norm() <= 0.0 { Complex::new(0.0, 0.0) } else { wide / (wide + apart) * guide.gain }
+}
+
+/// Largest `|F| Σ|B_s|` over frequencies and a path's breakpoints and the middles between them.
+pub fn loop_gain(path: &Path, loops: &[Loop]) -> f64 {
+    let filters: Vec<Coefficients> = filters_of(path);
+    frequencies(loops).map(|frequency| gain_at(&filters, loops, frequency)).fold(0.0, f64::max)
+}
+
+fn filters_of(path: &Path) -> Vec<Coefficients> {
+    let points = path.points.iter().map(|point| point.coefficients);
+    let middles = path.points.windows(2).filter_map(|pair| match pair {
+        [from, to] => Some(from.coefficients.towards(&to.coefficients, 0.5)),
+        _ => None,
+    });
+    points.chain(middles).collect()
+}
+
+fn frequencies(loops: &[Loop]) -> impl Iterator<Item = f64> + '_ {
+    let wide = (1..FREQUENCIES).map(|at| 0.5 * RATE_HZ * (at as f64 / FREQUENCIES as f64).powi(2));
+    let near = loops
+        .iter()
+        .flat_map(|guide| (-16..=16).map(|step| guide.frequency_hz + 0.25 * f64::from(step) * guide.bandwidth_hz));
+    wide.chain(near).filter(|frequency| (0.0..0.5 * RATE_HZ).contains(frequency))
+}
+
+fn gain_at(filters: &[Coefficients], loops: &[Loop], frequency_hz: f64) -> f64 {
+    let loudest =
+        filters.iter().map(|filter| response(filter, TAU * frequency_hz / RATE_HZ).norm()).fold(0.0, f64::max);
+    loudest * loops.iter().map(|guide| band_pass(guide, frequency_hz).norm()).sum::<f64>()
+}
+
+/// Lowers gains until the loops are stable.
+pub(crate) fn stabilise(path: &Path, loops: &mut [Loop]) {
+    let filters = filters_of(path);
+    // Each alone, then all together.
+    for guide in loops.iter_mut() {
+        let alone = std::slice::from_ref(guide);
+        let gain = frequencies(alone).map(|frequency| gain_at(&filters, alone, frequency)).fold(0.0, f64::max);
+        if gain > MOST_LOOP_GAIN {
+            guide.gain *= MOST_LOOP_GAIN / gain;
         }
-        best
-    };
-    let standing = FALLS.map(|part| fitted(standing(&times_s, &first, quantile(&decays, part))));
-    let ending = ENDS.map(|part| fitted(ending(&times_s, &first, part)));
-    let best = [standing, ending].map(|found| found.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0)));
-    let heard = best.iter().flatten().map(|(_, sought)| mend(law, sought, &model_of));
+    }
+    let gain = frequencies(loops).map(|frequency| gain_at(&filters, loops, frequency)).fold(0.0, f64::max);
+    if gain > MOST_LOOP_GAIN {
+        loops.iter_mut().for_each(|guide| guide.gain *= MOST_LOOP_GAIN / gain);
+    }
+}
+
+/// Chooses at most [`MOST_MODES`] loops at modes of the recording, and path, gains and widths so that each band decays by the law.
+///
+/// While noise goes on, a loop's mode lives on what the filter lets through: where that falls, the mode falls faster. So the noise may end early: the
+/// burst is a strike, and what it has set ringing in the loops goes on round a filter that stands still, at `πΔf (1 - |F| γ_s)`. Bands that are gone by
+/// then are the filter's, those that last are the loops'. Several ends are tried, and none.
+pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], form: Form) -> Model {
+    let (joint, times_s) = (Joint::new(law), times_s(law));
+    let last_s = times_s.last().copied().unwrap_or(0.0);
+    let ends = ENDS.iter().map(|part| Some(times_s.partition_point(|time_s| *time_s < part * last_s)));
+    let off = |sought: &Sought| misfit(law, &times_s, &joint.powers(sought));
+    let mut models = Vec::new();
+    for start in starts(law, &joint, form) {
+        for end in ends.clone().chain([None]) {
+            let mut sought = start.clone();
+            sought.freeze_after(end);
+            let mut tried = Vec::new();
+            for _ in 0..ROUNDS {
+                sought.guides = choose(law, &joint, modes, emergence_db, &sought);
+                let found = joint.descend(&sought);
+                sought.filters.clone_from(&found.filters);
+                tried.push(found);
+            }
+            let best = tried.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+            models.extend(best.map(|best| model_of(law, best)));
+        }
+        let path = path_of_filters(law, &start);
+        let loops = by_average_filter(&path, modes, emergence_db, USUAL_BANDWIDTH_HZ);
+        models.push(Model { path, modes: Vec::new(), loops });
+    }
+    // The descent takes each loop for itself and the filter for slow: what sounds best decides.
+    let heard = models.into_iter().map(|model| (heard_off(law, &model), model));
     heard.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Model::default, |(_, model)| model)
 }
 
-/// The path and the loops as a table has them, stable.
+/// What a law misses in a model's sound: the sum over bands of the error of α, none more than [`WORST_HEARD`].
+fn heard_off(law: &DampingLaw, model: &Model) -> f64 {
+    let slowest = law.bands.iter().map(|band| band.decay_per_s).fold(f64::INFINITY, f64::min);
+    let length_s = (HEARD_DECAYS / slowest).min(MOST_HEARD_S);
+    let sounds: Vec<Vec<f64>> =
+        HEARD_SEEDS.iter().map(|seed| render(model, (length_s * RATE_HZ) as usize, *seed)).collect();
+    compare(law, mean_law(&sounds).as_ref()).iter().map(|band| band.error().min(WORST_HEARD)).sum()
+}
+
+/// The loops' gains and delays for the path that their filters make.
 fn model_of(law: &DampingLaw, sought: &Sought) -> Model {
-    let (path, louder) = path_of(law, sought);
-    let filters = sought.coefficients();
-    let gains = Guides::new(&sought.guides, &filters);
-    let loops = sought.guides.iter().zip(gains.gains()).map(|(guide, gain)| {
-        let Guide { frequency_hz, bandwidth_hz, delay_s, .. } = *guide;
-        Loop { frequency_hz, bandwidth_hz, gain: gain / louder, delay_s }
+    let path = path_of_filters(law, sought);
+    let filters = filters_of(&path);
+    let last = path.points.last().map(|point| point.coefficients).unwrap_or_default();
+    let loops = sought.guides.iter().map(|guide| {
+        let angular = TAU * guide.frequency_hz / RATE_HZ;
+        let loudest = filters.iter().map(|filter| response(filter, angular).norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let tuned = if sought.end.is_some() { response(&last, angular) } else { average(&path, angular) };
+        Loop {
+            frequency_hz: guide.frequency_hz,
+            bandwidth_hz: guide.bandwidth_hz,
+            gain: guide.loop_gain / loudest,
+            delay_s: delay_s(guide.frequency_hz, tuned.arg()),
+        }
     });
     let mut loops: Vec<Loop> = loops.collect();
     stabilise(&path, &mut loops);
     Model { path, modes: Vec::new(), loops }
 }
 
-/// A filter that stands still as another begins, with noise whose level falls at a rate in 1/s.
-fn standing(times_s: &[f64], start: &Sought, fall_per_s: f64) -> Sought {
-    let mut filter = start.filters.first().cloned();
-    filter.iter_mut().for_each(soften);
-    let filters = times_s.iter().filter_map(|_| filter.clone()).collect();
-    let levels = times_s.iter().map(|time_s| (-fall_per_s * time_s).max(-DEEPEST)).collect();
-    Sought { levels, ..Sought::of_filters(filters) }
-}
-
-/// A filter that moves as another, with noise at its full level, until a part of the time is over: then the filter stands still, and there is no noise.
-fn ending(times_s: &[f64], start: &Sought, part: f64) -> Sought {
-    let last_s = times_s.last().copied().unwrap_or(0.0);
-    let end = times_s.partition_point(|time_s| *time_s < part * last_s);
-    let mut sought = start.clone();
-    if let Some(last) = sought.filters.get(end).cloned() {
-        sought.filters.iter_mut().skip(end).for_each(|filter| filter.clone_from(&last));
-    }
-    sought.filters.iter_mut().for_each(soften);
-    sought.levels = (0..times_s.len()).map(|time| if time > end { -DEEPEST } else { 0.0 }).collect();
-    sought
-}
-
-/// Brings a filter's poles to where loops can be round it.
-fn soften(filter: &mut Lattice) {
-    let shape = filter.shape();
-    for (place, number) in filter.free.iter_mut().enumerate().skip(1) {
-        let [least, most] = mild(shape, place);
-        *number = number.clamp(least, most);
-    }
-}
-
-/// Loops that bring the decays of bands nearest to the law, one after the other, the more prominent of equals.
-fn choose(
-    law: &DampingLaw,
-    times_s: &[f64],
-    joint: &Joint,
-    modes: &[DampedSine],
-    emergence_db: &[f64],
-    sought: &Sought,
-) -> Vec<Guide> {
-    let (filters, noise) = (sought.coefficients(), sought.noise_powers());
-    let mut powers = joint.powers(&Sought { guides: Vec::new(), ..sought.clone() });
-    let mut left: Vec<Candidate> = Vec::new();
-    for (mode, emergence_db) in modes.iter().zip(emergence_db) {
-        let heard: Vec<f64> = law.bands.iter().map(|band| heard_in_band(mode.frequency_hz, band.bark)).collect();
-        let usual_over_last = usual_over_last(mode.frequency_hz, &filters);
-        for guide in GAINS.iter().filter_map(|gain| alone(mode, *gain, usual_over_last)) {
-            let mut own = Sought { guides: vec![guide], ..sought.clone() };
-            tune(times_s, &mut own);
-            let over_time = Guides::new(&own.guides, &filters).along(times_s, &noise).powers;
-            left.extend(own.guides.into_iter().zip(over_time).map(|(guide, over_time)| {
-                let price = DEPENDENCE / (1.0 - guide.loop_gain).max(0.01) - PROMINENCE * emergence_db.max(0.0) / 10.0;
-                Candidate { guide, heard: heard.clone(), over_time, price }
-            }));
-        }
-    }
+/// Loops that bring the decays of bands nearest to the law, one after the other.
+fn choose(law: &DampingLaw, joint: &Joint, modes: &[DampedSine], emergence_db: &[f64], sought: &Sought) -> Vec<Guide> {
+    let times_s = times_s(law);
+    let noise = joint.powers(&Sought { guides: Vec::new(), ..sought.clone() });
+    let with = |powers: &[Vec<f64>], guide: &Guide| -> Vec<Vec<f64>> {
+        let heard: Vec<f64> = law.bands.iter().map(|band| heard_in_band(guide.frequency_hz, band.bark)).collect();
+        let own = guide.powers(&times_s, &sought.filters, sought.end);
+        let bands =
+            |powers: &Vec<f64>, own: f64| powers.iter().zip(&heard).map(|(power, heard)| power + heard * own).collect();
+        powers.iter().zip(own).map(|(powers, own)| bands(powers, own)).collect()
+    };
+    let candidates: Vec<Guide> = modes
+        .iter()
+        .zip(emergence_db)
+        .filter(|(mode, _)| mode.frequency_hz < 0.45 * RATE_HZ)
+        .flat_map(|(mode, emergence_db)| {
+            let angular = TAU * mode.frequency_hz / RATE_HZ;
+            let magnitude = |filter: &Lattice| response(&filter.coefficients(), angular).norm();
+            let loudest = sought.filters.iter().map(magnitude).fold(f64::MIN_POSITIVE, f64::max);
+            let last = sought.filters.last().map_or(loudest, magnitude);
+            WIDTHS.map(|times| {
+                let bandwidth_hz = (times * mode.decay_per_s).clamp(1.0, 0.2 * mode.frequency_hz);
+                let loop_gain = match sought.end {
+                    // Left to itself, it decays as its mode does.
+                    Some(_) => (1.0 - mode.decay_per_s / (std::f64::consts::PI * bandwidth_hz)) * loudest / last,
+                    None => 1.0 - 10f64.powf(-emergence_db / 20.0),
+                };
+                Guide { frequency_hz: mode.frequency_hz, bandwidth_hz, loop_gain }
+            })
+        })
+        .filter(|guide| (0.0..MOST_LOOP_GAIN).contains(&guide.loop_gain))
+        .collect();
     let mut chosen: Vec<Guide> = Vec::new();
-    let mut best = misfit(law, times_s, &powers);
+    let mut powers = noise;
+    let mut best = misfit(law, &times_s, &powers);
     while chosen.len() < MOST_MODES {
-        let tried = left.iter().map(|candidate| {
-            let with = candidate.added_to(&powers);
-            (misfit(law, times_s, &with) + candidate.price, candidate.guide, with)
-        });
-        let Some((now, guide, with)) = tried.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-        if now >= best + WORTH {
+        let stable = |guide: &&Guide| {
+            let more: Vec<Guide> = chosen.iter().copied().chain([**guide]).collect();
+            crowding(&more).all(|gain| gain < MOST_LOOP_GAIN)
+        };
+        let tried =
+            candidates.iter().filter(stable).map(|guide| (misfit(law, &times_s, &with(&powers, guide)), *guide));
+        let Some((now, guide)) = tried.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+        if now >= best {
             break;
         }
-        let all: Vec<Guide> = chosen.iter().copied().chain([guide]).collect();
-        let crowded =
-            Guides::new(&all, &filters).along(times_s, &noise).crowding.iter().any(|gain| *gain >= SOUGHT_LOOP_GAIN);
-        if crowded {
-            left.retain(|candidate| candidate.guide != guide);
-            continue;
-        }
-        let apart = |other: &Guide| (bark(other.frequency_hz) - bark(guide.frequency_hz)).abs();
-        left.retain(|candidate| apart(&candidate.guide) >= APART_BARK);
-        (best, powers, chosen) = (now, with, all);
+        best = now;
+        powers = with(&powers, &guide);
+        chosen.push(guide);
     }
     chosen
-}
-
-/// A loop that may be taken.
-struct Candidate {
-    guide: Guide,
-    /// What each band of the law hears of it.
-    heard: Vec<f64>,
-    over_time: Vec<f64>,
-    price: f64,
-}
-
-impl Candidate {
-    fn added_to(&self, powers: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let with = |(powers, own): (&Vec<f64>, &f64)| {
-            // Behind the law's bands stand those that have none.
-            let heard = self.heard.iter().chain(std::iter::repeat(&0.0));
-            powers.iter().zip(heard).map(|(power, heard)| power + heard * own).collect()
-        };
-        powers.iter().zip(&self.over_time).map(with).collect()
-    }
-}
-
-/// The loop of a gain that decays as a mode does round the last filter, where its band is not too wide for that.
-fn alone(mode: &DampedSine, loop_gain: f64, usual_over_last: f64) -> Option<Guide> {
-    let frequency_hz = mode.frequency_hz;
-    let angular = TAU * frequency_hz / RATE_HZ;
-    let bandwidth_hz = mode.decay_per_s / (1.0 - loop_gain) / PI * angular / angular.sin();
-    let fits = frequency_hz < 0.45 * RATE_HZ && (1.0..0.2 * frequency_hz).contains(&bandwidth_hz);
-    let delay_s = delay_s(frequency_hz, 0.0);
-    fits.then(|| Guide { frequency_hz, bandwidth_hz, loop_gain: loop_gain * usual_over_last, delay_s })
-}
-
-/// Tunes delays to the filter, and to each other.
-fn tune(times_s: &[f64], sought: &mut Sought) {
-    let filters = sought.coefficients();
-    for _ in 0..3 {
-        let decays: Vec<f64> = sought.guides.iter().map(|guide| guide.beta_per_s() * (1.0 - guide.loop_gain)).collect();
-        let delays_s = Guides::new(&sought.guides, &filters).tuned_delays_s(times_s, &decays);
-        sought.guides.iter_mut().zip(delays_s).for_each(|(guide, delay_s)| guide.delay_s = delay_s);
-    }
 }
