@@ -1,15 +1,21 @@
-//! `cargo bench -p fit --bench dynamic_filter [-- NAME...]`: how well damping laws of recordings survive in the dynamic filter, with at most ten
-//! modes beside it or loops round it. With names, only the recordings whose names contain one of them, band by band.
+//! `cargo bench -p fit --bench dynamic_filter [-- NAME... [--ways PART]]`: how well damping laws of recordings survive in the dynamic filter, with at
+//! most ten modes beside it or loops round it. With names, only the recordings whose names contain one of them, band by band; with a part of their
+//! names, only those ways.
 
+use std::io::Write;
 use std::path::Path as FilePath;
 
 use fit::dynamic_filter::study::{SEEDS, Way, heard_in, resynthesis};
-use fit::dynamic_filter::{Comparison, compare, mean_law};
+use fit::dynamic_filter::{Comparison, compare, counted, mean_law};
 use fit::score::quantile;
 
 fn main() {
     let folder = FilePath::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/recordings");
-    let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    let split = arguments.iter().position(|argument| argument == "--ways").unwrap_or(arguments.len());
+    let (wanted, parts) = arguments.split_at(split);
+    let asked = |way: &Way| parts.get(1).is_none_or(|part| way.label().contains(part.as_str()));
+    let ways: Vec<Way> = Way::ALL.into_iter().filter(asked).collect();
     let Ok(entries) = std::fs::read_dir(&folder) else {
         println!("{} is absent: nothing to measure", folder.display());
         return;
@@ -21,9 +27,9 @@ fn main() {
         "Damping per Bark band against the recording's, {SEEDS} seeds: median and worst error, bands within 15 %\n"
     );
     print!("| recording | bands |");
-    Way::ALL.iter().for_each(|way| print!(" {} |", way.label()));
-    println!("\n| --- | --- |{}", " --- |".repeat(Way::ALL.len()));
-    let mut sums = vec![(0, 0); Way::ALL.len()];
+    ways.iter().for_each(|way| print!(" {} |", way.label()));
+    println!("\n| --- | --- |{}", " --- |".repeat(ways.len()));
+    let mut sums = vec![(0, 0); ways.len()];
     for file in files {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         if !wanted.is_empty() && !wanted.iter().any(|part| name.contains(part.as_str())) {
@@ -37,23 +43,25 @@ fn main() {
             }
         };
         let mut columns: Vec<Vec<Comparison>> = Vec::new();
-        let mut line = String::new();
-        for (way, sum) in Way::ALL.into_iter().zip(&mut sums) {
+        print!("| {name} | {} |", counted(&heard.law).count());
+        for (way, sum) in ways.iter().zip(&mut sums) {
             let model = way.model(&heard);
             let compared = compare(&heard.law, mean_law(&resynthesis(&model, &heard)).as_ref());
             let errors: Vec<f64> = compared.iter().map(Comparison::error).collect();
             let within = errors.iter().filter(|error| **error <= 0.15).count();
-            line += &format!(
+            print!(
                 " {:.0}, {:.0} %: {within} ({}) |",
                 100.0 * quantile(&errors, 0.5),
                 100.0 * quantile(&errors, 1.0),
                 model.modes.len() + model.loops.len()
             );
+            // A way takes its time: what is known is shown.
+            let _ = std::io::stdout().flush();
             sum.0 += within;
             sum.1 += errors.len();
             columns.push(compared);
         }
-        println!("| {name} | {} |{line}", columns.first().map_or(0, Vec::len));
+        println!();
         if !wanted.is_empty() {
             print_bands(&columns);
         }

@@ -20,7 +20,7 @@ type Room = (NoResiduals, NoRoom, Filters<2, 32, 16, 2048, 16>);
 type FilteredEngine<'k> = Engine<'k, 4, 8, 64, 32, 64, STANDARD_CONTACTS, Room>;
 
 fn breakpoint(time_s: f32, a1: f32, b: f32) -> Breakpoint {
-    Breakpoint { time_s, a1, a2: 0.0, b0: b, b1: b, b2: 0.0 }
+    Breakpoint { time_s, noise: 1.0, a1, a2: 0.0, b0: b, b1: b, b2: 0.0 }
 }
 
 /// Noise that falls within a quarter of a second.
@@ -383,7 +383,7 @@ fn any_path() -> impl Strategy<Value = Vec<Breakpoint>> {
             // So near the pole only as loud as the arithmetic allows.
             let limit = 0.97 * MAX_GAIN as f32 * (1.0 - a1.abs());
             let [b0, b1] = [b0, b1].map(|b: f32| b.clamp(-limit / 2.0, limit / 2.0));
-            path.push(Breakpoint { time_s, a1, a2: 0.0, b0, b1, b2: 0.0 });
+            path.push(Breakpoint { time_s, noise: 1.0, a1, a2: 0.0, b0, b1, b2: 0.0 });
             time_s += step;
         }
         path

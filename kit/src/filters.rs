@@ -16,7 +16,8 @@ pub struct DynamicFilter {
     pub exciter: Option<Exciter>,
     /// Order of the filter; of the first order a2 and b2 of all breakpoints are 0.
     pub order: Order,
-    /// 1 to 32 breakpoints, the first at 0 s, each later than the one before; linear between them, no noise after the last.
+    /// 1 to 32 breakpoints, the first at 0 s, each later than the one before; linear between them (coefficients
+    /// and level of the noise), no noise after the last.
     pub path: Vec<Breakpoint>,
     /// At most 16 banded waveguides round the filter.
     pub loops: Vec<Loop>,
@@ -64,10 +65,12 @@ pub struct Exciter {
 }
 
 /// The coefficients at a time after the strike: `s(n) = b0 e(n) + b1 e(n-1) + b2 e(n-2) - a1 s(n-1) - a2 s(n-2)`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Breakpoint {
     /// Seconds after the strike.
     pub time_s: f32,
+    /// Level of the noise, 0 to 1: it scales what goes into the filter, never the filter.
+    pub noise: f32,
     /// a1.
     pub a1: f32,
     /// a2; 0 in a filter of first order.
@@ -78,6 +81,13 @@ pub struct Breakpoint {
     pub b1: f32,
     /// b2; 0 in a filter of first order.
     pub b2: f32,
+}
+
+impl Default for Breakpoint {
+    /// At the strike, noise at its full level, the filter closed.
+    fn default() -> Self {
+        Self { time_s: 0.0, noise: 1.0, a1: 0.0, a2: 0.0, b0: 0.0, b1: 0.0, b2: 0.0 }
+    }
 }
 
 /// A banded waveguide: a delay and a band-pass in a feedback loop round the filter.

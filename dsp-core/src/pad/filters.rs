@@ -92,7 +92,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
             order: filter.order(),
             modes_through: filter.takes_modes(),
             exciter,
-            path: filter.path().iter().map(|record| breakpoint(record, louder)),
+            path: filter.path().iter().zip(filter.levels()).map(|(record, noise)| breakpoint(record, noise, louder)),
             loops: filter.loops().iter().map(|record| band(record, louder)),
         };
         self.dynamic.load(settings, rate, stream)?;
@@ -249,7 +249,7 @@ fn louder_bits(peak: f32) -> u32 {
 /// Forces are below 16 times the reference force.
 const MOST_LOUDER: u32 = 4;
 
-fn breakpoint(record: &BreakpointRecord, louder: f64) -> Breakpoint {
+fn breakpoint(record: &BreakpointRecord, noise: f32, louder: f64) -> Breakpoint {
     Breakpoint {
         time_s: f64::from(record.time_s.get()),
         a1: f64::from(record.a1.get()),
@@ -257,7 +257,7 @@ fn breakpoint(record: &BreakpointRecord, louder: f64) -> Breakpoint {
         b0: f64::from(record.b0.get()) * louder,
         b1: f64::from(record.b1.get()) * louder,
         b2: f64::from(record.b2.get()) * louder,
-        noise: 1.0,
+        noise: f64::from(noise),
     }
 }
 

@@ -1,11 +1,12 @@
 //! The `dynf` sections: the dynamic filter of an object, with its exciter and its loops.
 
 use zerocopy::FromBytes;
+use zerocopy::byteorder::little_endian::F32;
 
 use super::check::{check_count, check_range, check_ranges};
 use super::error::TableError;
 use super::frame::{head, sections};
-use super::layout::{BreakpointRecord, DynamicFilterHeader, HAS_EXCITER, LoopRecord, MODES_THROUGH, tag};
+use super::layout::{BreakpointRecord, DynamicFilterHeader, HAS_EXCITER, HAS_LEVELS, LoopRecord, MODES_THROUGH, tag};
 use super::place::{Field, Place};
 use super::range::{self, Range};
 use super::read::Kit;
@@ -16,6 +17,8 @@ pub struct DynamicFilter<'a> {
     header: &'a DynamicFilterHeader,
     path: &'a [BreakpointRecord],
     loops: &'a [LoopRecord],
+    /// One a breakpoint, or none.
+    levels: &'a [F32],
 }
 
 /// The exciter's band, whose edges are times `(peak force / reference force)^exponent`.
@@ -62,12 +65,16 @@ impl<'a> DynamicFilter<'a> {
         let (path, loops) = (usize::from(header.breakpoint_count.get()), usize::from(header.loop_count.get()));
         check_count(place, Field::Path, path, 1, range::BREAKPOINTS)?;
         check_count(place, Field::Loops, loops, 0, range::LOOPS)?;
-        let expected =
-            size_of::<DynamicFilterHeader>() + size_of::<BreakpointRecord>() * path + size_of::<LoopRecord>() * loops;
+        let levels = if header.flags & HAS_LEVELS != 0 { path } else { 0 };
+        let expected = size_of::<DynamicFilterHeader>()
+            + size_of::<BreakpointRecord>() * path
+            + size_of::<LoopRecord>() * loops
+            + size_of::<F32>() * levels;
         let mismatch = TableError::LengthMismatch { place, expected, found: body.len() };
         let (path, rest) = <[BreakpointRecord]>::ref_from_prefix_with_elems(rest, path).map_err(|_| mismatch)?;
         let (loops, rest) = <[LoopRecord]>::ref_from_prefix_with_elems(rest, loops).map_err(|_| mismatch)?;
-        if rest.is_empty() { Ok(Self { header, path, loops }) } else { Err(mismatch) }
+        let (levels, rest) = <[F32]>::ref_from_prefix_with_elems(rest, levels).map_err(|_| mismatch)?;
+        if rest.is_empty() { Ok(Self { header, path, loops, levels }) } else { Err(mismatch) }
     }
 
     fn check(&self, objects: usize, next_object: usize) -> Result<(), TableError> {
@@ -75,7 +82,7 @@ impl<'a> DynamicFilter<'a> {
         check_object(object, objects, next_object, Place::ObjectFilter(object))?;
         let place = Place::ObjectFilter(object);
         check_count(place, Field::Order, usize::from(self.header.order), 1, 2)?;
-        if self.header.flags & !(MODES_THROUGH | HAS_EXCITER) != 0 {
+        if self.header.flags & !(MODES_THROUGH | HAS_EXCITER | HAS_LEVELS) != 0 {
             return Err(TableError::NotZero { place, field: Field::Padding });
         }
         check_range(place, Field::RateHz, self.rate_hz(), range::RATE_HZ)?;
@@ -84,6 +91,9 @@ impl<'a> DynamicFilter<'a> {
         for (index, breakpoint) in self.path.iter().enumerate() {
             self.check_breakpoint(Place::ObjectBreakpoint(object, index), breakpoint, before)?;
             before = Some(breakpoint.time_s.get());
+        }
+        for (index, level) in self.levels.iter().enumerate() {
+            check_range(Place::ObjectBreakpoint(object, index), Field::Noise, level.get(), range::NOISE_LEVEL)?;
         }
         self.loops
             .iter()
@@ -170,6 +180,12 @@ impl<'a> DynamicFilter<'a> {
     /// The coefficients' path, 1 to [`range::BREAKPOINTS`] breakpoints.
     pub fn path(&self) -> &'a [BreakpointRecord] {
         self.path
+    }
+
+    /// Levels of the noise at the breakpoints of [`Self::path`], 0 to 1: 1 each where the table says nothing.
+    pub fn levels(&self) -> impl Iterator<Item = f32> + Clone + use<'a> {
+        let levels = self.levels;
+        (0..self.path.len()).map(move |index| levels.get(index).map_or(1.0, |level| level.get()))
     }
 
     /// The loops round the filter, at most [`range::LOOPS`].

@@ -267,7 +267,8 @@ pub struct RoomBandRecord {
     pub decay_per_s: F32,
 }
 
-/// The head of a `dynf` section; behind it `breakpoint_count` [`BreakpointRecord`]s, then `loop_count` [`LoopRecord`]s.
+/// The head of a `dynf` section; behind it `breakpoint_count` [`BreakpointRecord`]s, then `loop_count` [`LoopRecord`]s, then, where there are
+/// levels, `breakpoint_count` [`F32`]s.
 #[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
 #[repr(C)]
 pub struct DynamicFilterHeader {
@@ -275,7 +276,7 @@ pub struct DynamicFilterHeader {
     pub object: U16,
     /// Order of the filter, 1 or 2.
     pub order: u8,
-    /// Bit 0: the object's modes go through the filter. Bit 1: there is an exciter.
+    /// Bit 0: the object's modes go through the filter. Bit 1: there is an exciter. Bit 2: each breakpoint has a level of the noise.
     pub flags: u8,
     /// Seed of the noise.
     pub seed: U32,
@@ -297,6 +298,8 @@ pub struct DynamicFilterHeader {
 pub const MODES_THROUGH: u8 = 1;
 /// Bit 1 of [`DynamicFilterHeader::flags`].
 pub const HAS_EXCITER: u8 = 2;
+/// Bit 2 of [`DynamicFilterHeader::flags`].
+pub const HAS_LEVELS: u8 = 4;
 
 /// The dynamic filter's coefficients at a time after the strike: `s(n) = b0 e(n) + b1 e(n-1) + b2 e(n-2) - a1 s(n-1) - a2 s(n-2)`.
 #[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]

@@ -59,6 +59,8 @@ pub enum Field {
     B0,
     B1,
     B2,
+    /// `noise`
+    Noise,
     BandwidthHz,
     Biquads,
     Button,
@@ -128,6 +130,7 @@ impl Field {
             Self::B0 => "b0",
             Self::B1 => "b1",
             Self::B2 => "b2",
+            Self::Noise => "noise",
             Self::BandwidthHz => "bandwidth_hz",
             Self::Biquads => "biquads",
             Self::Button => "button",

@@ -99,6 +99,8 @@ pub const LOOPS: usize = 16;
 pub const TIME_S: Range = Range::new(0.0, 3_600.0);
 /// Coefficients of a dynamic filter beside a1 and a2, either sign; on load the filter's gain is bounded too.
 pub const COEFFICIENT: Range = Range::new(-1e6, 1e6);
+/// Level of the noise at a breakpoint.
+pub const NOISE_LEVEL: Range = Range::new(0.0, 1.0);
 /// a1 of a dynamic filter; its poles must lie within the unit circle.
 pub const A1: Range = Range::new(-2.0, 2.0);
 /// a2 of a dynamic filter; its poles must lie within the unit circle.

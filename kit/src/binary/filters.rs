@@ -1,7 +1,8 @@
 //! The sections `dynf` and `biqd`, both ways.
 
 use dsp_core::table::layout::{
-    BiquadRecord, BiquadsHeader, BreakpointRecord, DynamicFilterHeader, HAS_EXCITER, LoopRecord, MODES_THROUGH,
+    BiquadRecord, BiquadsHeader, BreakpointRecord, DynamicFilterHeader, HAS_EXCITER, HAS_LEVELS, LoopRecord,
+    MODES_THROUGH,
 };
 use dsp_core::table::{
     Biquads as BiquadsView, DynamicFilter as FilterView, ExciterBand, Field, Kit as TableView, Place, TableError, range,
@@ -42,14 +43,15 @@ fn read_filter(view: &FilterView<'_>) -> DynamicFilter {
         rate_hz: view.rate_hz(),
         exciter: view.exciter().map(|ExciterBand { low_hz, high_hz, exponent }| Exciter { low_hz, high_hz, exponent }),
         order: if view.order() == 1 { Order::First } else { Order::Second },
-        path: view.path().iter().map(read_breakpoint).collect(),
+        path: view.path().iter().zip(view.levels()).map(read_breakpoint).collect(),
         loops: view.loops().iter().map(read_loop).collect(),
     }
 }
 
-fn read_breakpoint(record: &BreakpointRecord) -> Breakpoint {
+fn read_breakpoint((record, noise): (&BreakpointRecord, f32)) -> Breakpoint {
     Breakpoint {
         time_s: record.time_s.get(),
+        noise,
         a1: record.a1.get(),
         a2: record.a2.get(),
         b0: record.b0.get(),
@@ -82,6 +84,7 @@ impl Build<'_> {
         let place = Place::ObjectFilter(object);
         let DynamicFilter { seed, modes, rate_hz, exciter, order, path, loops } = filter;
         let through = if *modes == ModesGo::Through { MODES_THROUGH } else { 0 };
+        let has_levels = path.iter().any(|point| point.noise != 1.0);
         let Exciter { low_hz, high_hz, exponent } =
             exciter.unwrap_or(Exciter { low_hz: 0.0, high_hz: 0.0, exponent: 0.0 });
         let header = DynamicFilterHeader {
@@ -90,7 +93,7 @@ impl Build<'_> {
                 Order::First => 1,
                 Order::Second => 2,
             },
-            flags: through | if exciter.is_some() { HAS_EXCITER } else { 0 },
+            flags: through | if exciter.is_some() { HAS_EXCITER } else { 0 } | if has_levels { HAS_LEVELS } else { 0 },
             seed: U32::new(*seed),
             rate_hz: F32::new(*rate_hz),
             breakpoint_count: self.count(place, Field::Path, path.len(), 1, range::BREAKPOINTS)?,
@@ -100,13 +103,16 @@ impl Build<'_> {
             exponent: F32::new(exponent),
         };
         let mut section = header.as_bytes().to_vec();
-        for &Breakpoint { time_s, a1, a2, b0, b1, b2 } in path {
+        for &Breakpoint { time_s, noise: _, a1, a2, b0, b1, b2 } in path {
             let [time_s, a1, a2, b0, b1, b2] = [time_s, a1, a2, b0, b1, b2].map(F32::new);
             append(&mut section, &BreakpointRecord { time_s, a1, a2, b0, b1, b2 });
         }
         for &Loop { frequency_hz, bandwidth_hz, gain, delay_s } in loops {
             let [frequency_hz, bandwidth_hz, gain, delay_s] = [frequency_hz, bandwidth_hz, gain, delay_s].map(F32::new);
             append(&mut section, &LoopRecord { frequency_hz, bandwidth_hz, gain, delay_s });
+        }
+        if has_levels {
+            path.iter().for_each(|point| append(&mut section, &F32::new(point.noise)));
         }
         Ok(section)
     }

@@ -37,6 +37,8 @@ struct ExciterTable {
 #[serde(deny_unknown_fields)]
 struct BreakpointTable {
     time_s: f32,
+    #[serde(default = "full_level")]
+    noise: f32,
     a1: f32,
     a2: Option<f32>,
     b0: f32,
@@ -69,6 +71,10 @@ struct BiquadTable {
     #[serde(default)]
     zero: [f32; 2],
     gain: f32,
+}
+
+fn full_level() -> f32 {
+    1.0
 }
 
 fn usual_rate_hz() -> f32 {
@@ -130,8 +136,8 @@ impl DynamicFilterTable {
 impl BreakpointTable {
     /// Eq. 17 has b1 = b0.
     fn breakpoint(self) -> Breakpoint {
-        let Self { time_s, a1, a2, b0, b1, b2 } = self;
-        Breakpoint { time_s, a1, a2: a2.unwrap_or(0.0), b0, b1: b1.unwrap_or(b0), b2: b2.unwrap_or(0.0) }
+        let Self { time_s, noise, a1, a2, b0, b1, b2 } = self;
+        Breakpoint { time_s, noise, a1, a2: a2.unwrap_or(0.0), b0, b1: b1.unwrap_or(b0), b2: b2.unwrap_or(0.0) }
     }
 }
 
@@ -163,13 +169,16 @@ impl Display for Text<&DynamicFilter> {
             writeln!(f, "exciter = {{ low_hz = {low_hz}, high_hz = {high_hz}, exponent = {exponent} }}")?;
         }
         writeln!(f, "path = [")?;
-        for &Breakpoint { time_s, a1, a2, b0, b1, b2 } in path {
-            let [time_s, a1, a2, b0, b1, b2] = [time_s, a1, a2, b0, b1, b2].map(shortest_decimal);
+        let has_levels = path.iter().any(|point| point.noise != 1.0);
+        for &Breakpoint { time_s, noise, a1, a2, b0, b1, b2 } in path {
+            let [time_s, noise, a1, a2, b0, b1, b2] = [time_s, noise, a1, a2, b0, b1, b2].map(shortest_decimal);
+            let level = if has_levels { format!(", noise = {noise}") } else { String::new() };
             match order {
-                Order::First => writeln!(f, "    {{ time_s = {time_s}, a1 = {a1}, b0 = {b0}, b1 = {b1} }},")?,
-                Order::Second => {
-                    writeln!(f, "    {{ time_s = {time_s}, a1 = {a1}, a2 = {a2}, b0 = {b0}, b1 = {b1}, b2 = {b2} }},")?
-                }
+                Order::First => writeln!(f, "    {{ time_s = {time_s}{level}, a1 = {a1}, b0 = {b0}, b1 = {b1} }},")?,
+                Order::Second => writeln!(
+                    f,
+                    "    {{ time_s = {time_s}{level}, a1 = {a1}, a2 = {a2}, b0 = {b0}, b1 = {b1}, b2 = {b2} }},"
+                )?,
             }
         }
         writeln!(f, "]")?;

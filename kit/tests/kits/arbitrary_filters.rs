@@ -29,14 +29,17 @@ pub(crate) fn dynamic_filter() -> impl Strategy<Value = DynamicFilter> {
 fn path(order: Order) -> impl Strategy<Value = Vec<Breakpoint>> {
     let numerator = [(); 3].map(|()| number(range::COEFFICIENT));
     let roots = (-0.999f32..0.999, -0.999f32..0.999, any::<bool>());
-    let point = (1e-6f32..100.0, roots, numerator).prop_map(move |(step, (one, other, conjugate), [b0, b1, b2])| {
-        let (a1, a2, b2) = match (order, conjugate) {
-            (Order::First, _) => (one, 0.0, 0.0),
-            (Order::Second, true) => (2.0 * one * other, one * one, b2),
-            (Order::Second, false) => (-(one + other), one * other, b2),
-        };
-        (step, Breakpoint { time_s: 0.0, a1, a2, b0, b1, b2 })
-    });
+    let noise = prop_oneof![Just(1.0), number(range::NOISE_LEVEL)];
+    let point = (1e-6f32..100.0, roots, numerator, noise).prop_map(
+        move |(step, (one, other, conjugate), [b0, b1, b2], noise)| {
+            let (a1, a2, b2) = match (order, conjugate) {
+                (Order::First, _) => (one, 0.0, 0.0),
+                (Order::Second, true) => (2.0 * one * other, one * one, b2),
+                (Order::Second, false) => (-(one + other), one * other, b2),
+            };
+            (step, Breakpoint { time_s: 0.0, noise, a1, a2, b0, b1, b2 })
+        },
+    );
     prop::collection::vec(point, 1..=range::BREAKPOINTS).prop_map(|points| {
         let mut time_s = 0.0;
         let mut path: Vec<Breakpoint> = Vec::new();

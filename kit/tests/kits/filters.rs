@@ -74,6 +74,29 @@ fn the_tables_come_through_text_and_bytes_unchanged() {
 }
 
 #[test]
+fn levels_of_the_noise_come_through_and_take_no_room_where_all_are_one() {
+    let plain = binary::build(&sample::parse(TEXT).expect("a right text")).expect("a right kit");
+    let text = TEXT.replace("{ time_s = 0.25, a1", "{ time_s = 0.25, noise = 0.5, a1");
+    let kit = sample::parse(&text).expect("a right text");
+    let levels = |kit: &kit::Kit| -> Vec<f32> {
+        kit.objects[1].dynamic_filter.iter().flat_map(|filter| &filter.path).map(|point| point.noise).collect()
+    };
+    assert_eq!(levels(&kit), [1.0, 0.5, 1.0]);
+    assert_eq!(sample::parse(&kit::text::write(&kit)).expect("its own text"), kit);
+    let bytes = binary::build(&kit).expect("a right kit");
+    assert_eq!(bytes.len(), plain.len() + 12);
+    assert_eq!(levels(&binary::read(&bytes).expect("its own bytes")), [1.0, 0.5, 1.0]);
+    let view = TableView::parse(&bytes).expect("a right kit");
+    let filter = view.dynamic_filter_of(1).expect("right tables").expect("the object has one");
+    assert_eq!(filter.levels().collect::<Vec<_>>(), [1.0, 0.5, 1.0]);
+    for (level, shown) in [("1.5", "1.5"), ("-0.25", "-0.25"), ("nan", "NaN")] {
+        let message = refusal("{ time_s = 0.25, a1", &format!("{{ time_s = 0.25, noise = {level}, a1"));
+        let expected = format!("breakpoint 1: noise = {shown}: must be from 0 to 1");
+        assert!(message.ends_with(&expected), "{message}");
+    }
+}
+
+#[test]
 fn a_second_order_is_one_with_a2_and_b2_in_every_breakpoint() {
     let text = TEXT.replace("a1 = -0.5, b0 = 0.25 }", "a1 = -0.5, a2 = 0.25, b0 = 0.25, b2 = 1 }");
     let message = sample::parse(&text).expect_err("a mixed order").to_string();
@@ -195,7 +218,9 @@ fn foreign_bytes_of_a_dynamic_filter_are_refused_by_name() {
     };
     let place = Place::ObjectFilter(1);
     assert!(matches!(header(|head| head.order = 3), TableError::Count { field: Field::Order, value: 3, .. }));
-    assert_eq!(header(|head| head.flags = 4), TableError::NotZero { place, field: Field::Padding });
+    assert_eq!(header(|head| head.flags = 8), TableError::NotZero { place, field: Field::Padding });
+    // Levels of the noise that are not there.
+    assert!(matches!(header(|head| head.flags = 4), TableError::LengthMismatch { expected: 144, found: 132, .. }));
     assert_eq!(header(|head| head.flags = 1), TableError::NotZero { place, field: Field::Exciter });
     assert!(matches!(header(|head| head.object.set(2)), TableError::Dangling { index: 2, count: 2, .. }));
     assert!(matches!(header(|head| head.loop_count.set(1)), TableError::LengthMismatch { .. }));
