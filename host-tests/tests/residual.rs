@@ -14,14 +14,14 @@ const SEEDS: u32 = 200;
 const FRAMES: usize = 65_536;
 
 /// Bands of equal density whose decay (dB/s) is a function of their number.
-fn bands(spacing: Spacing, count: usize, range_hz: [f64; 2], decay: impl Fn(usize) -> f64) -> Vec<BandLaw> {
+fn bands(spacing: Spacing, count: usize, range_hz: [f64; 2], mut decay: impl FnMut(usize) -> f64) -> Vec<BandLaw> {
     let edges = edges_hz(spacing, count, range_hz);
-    let band = |(index, edges): (usize, &[f64])| BandLaw {
+    let mut band = |(index, edges): (usize, &[f64])| BandLaw {
         edges_hz: [edges[0] as f32, edges[1] as f32],
         weight: (0.003 * ((edges[1] - edges[0]) / 100.0).sqrt()) as f32,
         decay_db_per_s: decay(index) as f32,
     };
-    edges.windows(2).enumerate().map(band).collect()
+    edges.windows(2).enumerate().map(&mut band).collect()
 }
 
 /// The worst error beyond three standard errors, in dB.
@@ -39,6 +39,26 @@ fn energies_of_a_hundred_bands_follow_the_law_in_either_spacing() {
         // The outermost band has no neighbour that makes up for what its edge loses, beyond 1 dB where it is as narrow as the blur.
         let inner = measured.get(..99).unwrap_or(&[]);
         assert!(worst(inner) < 0.5 && worst(&measured) < 1.0, "{spacing:?}: {measured:?}");
+    }
+}
+
+#[test]
+fn bands_keep_their_energy_beside_others_that_last_longer_or_shorter() {
+    for (spacing, narrowest_hz) in [(Spacing::Linear, 0.0), (Spacing::Erb, 0.0)] {
+        for seed in 0..3 {
+            // Evenly spread from 20 to 400 dB/s.
+            let mut random = Sfc32::new(seed, 77);
+            let bands = bands(spacing, 100, [50.0, 23_500.0], |_| 20.0 + 380.0 * f64::from(random.draw()) / 2f64.powi(32));
+            let measured = energies(&bands, &sounds(&bands, SEEDS, FRAMES));
+            let is_wide = |band: &BandLaw| f64::from(band.edges_hz[1] - band.edges_hz[0]) >= narrowest_hz;
+            let beyond: Vec<String> = bands
+                .iter()
+                .zip(&measured)
+                .filter(|(band, m)| is_wide(band) && m.error.abs() - 3.0 * m.standard_error > 0.5)
+                .map(|(band, m)| format!("{:.0}-{:.0} Hz {:.0} dB/s: {:.2}+-{:.2}", band.edges_hz[0], band.edges_hz[1], band.decay_db_per_s, m.error, m.standard_error))
+                .collect();
+            println!("{spacing:?}, seed {seed}: worst beyond 3 s.e. {:.2} dB; {} of 100 beyond 0.5: {beyond:?}", worst(&measured), beyond.len());
+        }
     }
 }
 

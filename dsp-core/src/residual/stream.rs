@@ -1,30 +1,37 @@
 //! A frame as it sounds: a wave under a window that fades in and out by quarter sines, times a common exponential decay.
 
+use super::bands::FRAME_TICKS;
 use super::fourier::{Complex, SLOPE, SLOPE_STEPS, place};
+use crate::resonator::TICK_FRAMES;
+
+/// Frames of a slope: a quarter of a wave.
+pub(super) const SLOPE_FRAMES: u32 = 256;
+/// Step in [`SLOPE`] from a sample to the next.
+const SLOPE_STEP: u32 = SLOPE_STEPS as u32 / SLOPE_FRAMES;
+/// No end.
+const NEVER: u32 = u32::MAX / 2;
 
 /// Where a wave stands in a stage's memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Wave {
-    /// Which region.
-    pub(super) region: usize,
-    /// First complex number in it.
-    pub(super) first: usize,
-    /// log2 of its complex numbers.
-    pub(super) points_log2: u32,
+pub(super) enum Wave {
+    /// A strike's own.
+    Own,
+    /// In a region for frames.
+    Region(usize),
 }
 
 impl Wave {
+    /// log2 of its complex numbers.
+    pub(super) const fn points_log2(self) -> u32 {
+        match self {
+            Self::Own => super::ONSET_POINTS.ilog2(),
+            Self::Region(_) => super::MAX_POINTS.ilog2(),
+        }
+    }
+
     /// Complex numbers.
     pub(super) const fn points(self) -> usize {
-        1 << self.points_log2
-    }
-
-    pub(super) fn of(self, memory: &[Complex]) -> &[Complex] {
-        memory.get(self.first..self.first + self.points()).unwrap_or(&[])
-    }
-
-    pub(super) fn of_mut(self, memory: &mut [Complex]) -> &mut [Complex] {
-        memory.get_mut(self.first..self.first + self.points()).unwrap_or(&mut [])
+        1 << self.points_log2()
     }
 }
 
@@ -34,22 +41,56 @@ impl Wave {
 pub(super) struct Stream {
     pub(super) wave: Wave,
     /// Frames since its beginning.
-    pub(super) position: u32,
+    position: u32,
+    /// Place in the wave at its beginning.
+    start: u32,
     /// Frames of the fade in; 0: at once there.
-    pub(super) fade_in: u32,
+    fade_in: u32,
     /// Where the fade out begins.
-    pub(super) fade_out_at: u32,
-    /// Its frames.
-    pub(super) fade_out: u32,
+    fade_out_at: u32,
     /// Amplitude now.
     pub(super) gain: f32,
     /// What is left of it after a frame.
-    pub(super) per_frame: f32,
+    per_frame: f32,
 }
 
 impl Stream {
+    /// A frame, which fades in, and out where the next one begins.
+    pub(super) fn of_frame(wave: Wave, gain: f32, per_frame: f32) -> Self {
+        let fade_out_at = FRAME_TICKS * TICK_FRAMES as u32;
+        Self { wave, position: 0, start: 0, fade_in: SLOPE_FRAMES, fade_out_at, gain, per_frame }
+    }
+
+    /// A strike's own, at once there and for as long as nothing else says; read backwards or forwards.
+    pub(super) fn of_strike(is_backwards: bool, gain: f32, per_frame: f32) -> Self {
+        let start = if is_backwards { 2 << Wave::Own.points_log2() } else { 0 };
+        Self { wave: Wave::Own, position: 0, start, fade_in: 0, fade_out_at: NEVER, gain, per_frame }
+    }
+
     pub(super) fn is_over(&self) -> bool {
-        self.position >= self.fade_out_at + self.fade_out
+        self.position >= self.fade_out_at + SLOPE_FRAMES
+    }
+
+    /// Whether it has not begun to fade out.
+    pub(super) fn is_held(&self) -> bool {
+        self.position < self.fade_out_at
+    }
+
+    /// Fades out from now on, unless it does so already.
+    pub(super) fn end(&mut self) {
+        self.fade_out_at = self.fade_out_at.min(self.position);
+    }
+
+    /// Sounds on, unless it fades out already.
+    pub(super) fn hold(&mut self) {
+        if self.is_held() {
+            self.fade_out_at = NEVER;
+        }
+    }
+
+    /// Ticks until nothing of it fades in.
+    pub(super) fn fading_ticks(&self) -> u32 {
+        self.fade_in.saturating_sub(self.position) / TICK_FRAMES as u32
     }
 
     /// Adds so many frames and moves on; `choke` is what a hand leaves after a frame.
@@ -59,12 +100,12 @@ impl Stream {
             // To the end of the window's part.
             let (length, slope) = self.part();
             let wave = 2 * self.wave.points() as u32;
-            let length = length.min(wave - self.position % wave) as usize;
+            let length = length.min(wave - self.place() % wave) as usize;
             let length = length.min(out.len());
             let (now, later) = core::mem::take(&mut out).split_at_mut(length);
             match slope {
                 Some((index, step)) => self.add_slope(memory, per_frame, (index, step), now),
-                None if self.position >= self.fade_out_at => {}
+                None if !self.is_held() => {}
                 None => self.add_flat(memory, per_frame, now),
             }
             self.position = self.position.saturating_add(length as u32);
@@ -74,8 +115,8 @@ impl Stream {
 
     #[inline(never)]
     fn add_flat(&mut self, memory: &[Complex], per_frame: f32, mut out: &mut [f32]) {
-        let (mut position, mut gain) = (self.position, self.gain);
-        let (turn, points_log2) = (self.turn(), self.wave.points_log2);
+        let (mut position, mut gain) = (self.place(), self.gain);
+        let (turn, points_log2) = (self.turn(), self.wave.points_log2());
         let at = |position: u32| sample_pair(memory, position, turn, points_log2);
         if position % 2 == 1
             && let Some(first) = out.split_off_first_mut()
@@ -101,8 +142,8 @@ impl Stream {
 
     #[inline(never)]
     fn add_slope(&mut self, memory: &[Complex], per_frame: f32, (mut index, step): (u32, u32), mut out: &mut [f32]) {
-        let (mut position, mut gain) = (self.position, self.gain);
-        let (turn, points_log2) = (self.turn(), self.wave.points_log2);
+        let (mut position, mut gain) = (self.place(), self.gain);
+        let (turn, points_log2) = (self.turn(), self.wave.points_log2());
         let at = |position: u32| sample_pair(memory, position, turn, points_log2);
         let window = |index: u32| SLOPE.get(index as usize).copied().unwrap_or(0.0);
         if position % 2 == 1
@@ -130,22 +171,26 @@ impl Stream {
     /// All ones where the wave is read backwards.
     #[inline(always)]
     fn turn(&self) -> u32 {
-        let is_backwards = (self.position >> (self.wave.points_log2 + 1)) & 1;
+        let is_backwards = (self.place() >> (self.wave.points_log2() + 1)) & 1;
         is_backwards.wrapping_neg()
+    }
+
+    /// Place in the wave, counted on beyond its end.
+    #[inline(always)]
+    fn place(&self) -> u32 {
+        self.position.wrapping_add(self.start)
     }
 
     /// Frames left of the window's part, and where its slope stands in [`SLOPE`], with its step.
     fn part(&self) -> (u32, Option<(u32, u32)>) {
-        let (steps, position) = (SLOPE_STEPS as u32, self.position);
-        let end = self.fade_out_at + self.fade_out;
+        let position = self.position;
+        let end = self.fade_out_at + SLOPE_FRAMES;
         if position < self.fade_in {
-            let step = steps / self.fade_in;
-            (self.fade_in - position, Some((position * step, step)))
+            (self.fade_in - position, Some((position * SLOPE_STEP, SLOPE_STEP)))
         } else if position < self.fade_out_at {
             (self.fade_out_at - position, None)
         } else if position < end {
-            let step = steps / self.fade_out.max(1);
-            (end - position, Some(((end - position) * step, step.wrapping_neg())))
+            (end - position, Some(((end - position) * SLOPE_STEP, SLOPE_STEP.wrapping_neg())))
         } else {
             (u32::MAX, None)
         }
