@@ -59,15 +59,15 @@ const fn twiddle(index: usize) -> Complex {
     [cosine(index) as f32, cosine(index + 3 * TURN / 4) as f32]
 }
 
-/// Steps of [`SLOPE`] in a slope of the largest wave.
-pub(super) const SLOPE_STEPS: usize = MAX_POINTS;
+/// Samples of a window's slope: a quarter of the largest wave.
+pub(super) const SLOPE_FRAMES: usize = MAX_POINTS / 2;
 
-/// `sin(π/2 k/512)`: the slopes of windows. `sin² + cos² = 1` at every step.
-pub(super) static SLOPE: [f32; SLOPE_STEPS + 1] = {
-    let mut table = [0.0; SLOPE_STEPS + 1];
+/// `sin(π/2 k/256)`: the slopes of windows. `sin² + cos² = 1` at every step.
+pub(super) static SLOPE: [f32; SLOPE_FRAMES + 1] = {
+    let mut table = [0.0; SLOPE_FRAMES + 1];
     let mut index = 0;
     while index < table.len() {
-        table[index] = quarter_sine(index as f64 / SLOPE_STEPS as f64) as f32;
+        table[index] = quarter_sine(index as f64 / SLOPE_FRAMES as f64) as f32;
         index += 1;
     }
     table
@@ -116,7 +116,7 @@ pub(super) fn fill_pairs(spectrum: &mut [Complex], pairs: core::ops::Range<usize
     let (step, half) = (MAX_POINTS / points, points / 2);
     let Some((low, high)) = spectrum.split_at_mut_checked(half) else { return };
     let mirrored = (half + 1).saturating_sub(pairs.end)..(half + 1).saturating_sub(pairs.start);
-    let mut angle = pairs.start * step;
+    let twiddles = TWIDDLES.get(pairs.start * step..).unwrap_or(&[]).iter();
     let (Some(low), Some(high)) = (low.get_mut(pairs), high.get_mut(mirrored)) else { return };
     let line = |[amplitude, tilted]: Complex, below: Complex, own: Complex, above: Complex| {
         [
@@ -126,14 +126,18 @@ pub(super) fn fill_pairs(spectrum: &mut [Complex], pairs: core::ops::Range<usize
     };
     // Low lines go up, high ones down; where a range begins, those before it are drawn anew.
     let ([mut a, mut b, mut c, mut d], mut own) = (draw(), draw());
-    for (low, high) in low.iter_mut().zip(high.iter_mut().rev()) {
+    let mut fill = |low: &mut Complex, high: &mut Complex, twiddle: Complex| {
         let next = draw();
         let at_low = line(*low, [a, b], [own[0], own[1]], [next[0], next[1]]);
         let at_high = line(*high, [next[2], next[3]], [own[2], own[3]], [c, d]);
-        let twiddle = TWIDDLES.get(angle).copied().unwrap_or([1.0, 0.0]);
         (*low, *high) = fold(at_low, at_high, twiddle);
         ([a, b, c, d], own) = (own, next);
-        angle += step;
+    };
+    let lines = low.iter_mut().zip(high.iter_mut().rev());
+    if step == 1 {
+        lines.zip(twiddles).for_each(|((low, high), twiddle)| fill(low, high, *twiddle));
+    } else {
+        lines.zip(twiddles.step_by(step)).for_each(|((low, high), twiddle)| fill(low, high, *twiddle));
     }
 }
 
@@ -172,8 +176,7 @@ impl Progress {
 
     /// Computes butterflies of one pass until they have cost about so many cycles, or until the pass is over; gives the cycles.
     pub(super) fn advance(&mut self, data: &mut [Complex], cycles: u32) -> u32 {
-        let is_square = self.block.trailing_zeros().is_multiple_of(2);
-        let (radix, cost) = if is_square { (4, RADIX_4_CYCLES) } else { (2, RADIX_2_CYCLES) };
+        let (radix, cost) = butterfly_cycles(self.block);
         let (quarter, all) = (self.block / radix, data.len() / radix);
         let mut count = (all - self.done).min((cycles / cost) as usize + 1);
         match self.block {
@@ -209,15 +212,25 @@ impl Progress {
     }
 }
 
-/// Cycles of a butterfly, for sharing the work among ticks; measured on the virtual core.
-const RADIX_4_CYCLES: u32 = 65;
-const RADIX_2_CYCLES: u32 = 35;
+/// The radix of the pass over blocks of so many points, and the cycles of a butterfly, for sharing the work among ticks; measured on the virtual core.
+const fn butterfly_cycles(block: usize) -> (usize, u32) {
+    match block {
+        4 => (4, 52),
+        16 => (4, 75),
+        64 | 256 => (4, 92),
+        _ => (2, 37),
+    }
+}
 
 /// Cycles of a transform by the same measure.
 pub(super) const fn cycles(points: usize) -> u32 {
-    let passes = points.trailing_zeros();
-    let of_2 = (passes % 2) * (points as u32 / 2) * RADIX_2_CYCLES;
-    of_2 + (passes / 2) * (points as u32 / 4) * RADIX_4_CYCLES
+    let (mut block, mut sum) = (points, 0);
+    while block > 1 {
+        let (radix, cost) = butterfly_cycles(block);
+        sum += (points / radix) as u32 * cost;
+        block /= radix;
+    }
+    sum
 }
 
 #[inline(never)]

@@ -36,9 +36,9 @@ pub(super) struct Job {
 
 /// Cycles of a band that is brought up to date, more where a strike adds to it and where that comes at any distance from the frame before, and of a pair of
 /// lines, for sharing the work; measured on the virtual core.
-const BAND_CYCLES: u32 = 45;
+const BAND_CYCLES: u32 = 60;
 const STRUCK_CYCLES: u32 = 90;
-const PAIR_CYCLES: u32 = 110;
+pub(super) const PAIR_CYCLES: u32 = 100;
 
 impl Job {
     pub(super) fn new(region: usize, passage: Passage, bands: usize, is_struck: bool) -> Self {
@@ -58,11 +58,14 @@ impl Job {
         }
     }
 
-    /// Brings all bands up to date that are not: the frame is given up, but their energy counts from its beginning on.
-    pub(super) fn finish_bands(&self, bands: &mut Bands) {
-        if let Step::Bands(from) = self.step {
-            bands.advance(from..bands.count(), &self.passage);
+    /// Gives the frame up. Where some bands have been brought up to its beginning, all are; gives whether they have.
+    pub(super) fn give_up(&self, bands: &mut Bands) -> bool {
+        match self.step {
+            Step::Bands(0) => return false,
+            Step::Bands(from) => _ = bands.advance(from..bands.count(), &self.passage),
+            _ => {}
         }
+        true
     }
 
     /// Whether it has been found to be below a power at its beginning, where chokes have left `kept` of its amplitude.
@@ -98,7 +101,7 @@ impl Job {
                     }
                 }
                 Step::Lines(from) => {
-                    let to = (points / 2).min(*from + (room / PAIR_CYCLES) as usize + 1);
+                    let to = (points / 2).min(pairs_within(room).saturating_add(*from));
                     fill_pairs(spectrum, *from..to, noise);
                     spent += (to - *from) as u32 * PAIR_CYCLES;
                     *from = to;
@@ -135,4 +138,9 @@ impl Job {
 /// Cycles of the random lines of a spectrum.
 pub(super) const fn pair_cycles(points: usize) -> u32 {
     points as u32 / 2 * PAIR_CYCLES
+}
+
+/// Pairs of lines that cost about so much, at least one.
+pub(super) const fn pairs_within(cycles: u32) -> usize {
+    (cycles / PAIR_CYCLES) as usize + 1
 }

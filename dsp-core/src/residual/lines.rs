@@ -109,7 +109,7 @@ impl Cursor {
 
 /// Puts the lines' amplitudes into the real parts of a spectrum (of a wave twice as long), and the amplitudes times half their tilt into the imaginary
 /// parts, from where `cursor` stands until they have cost about so many cycles: the bands' powers, shared among the lines by how much of a line's width
-/// is in the band. A line has the tilt of the band that gives it most. Gives the cycles.
+/// is in the band. A line has the tilt of the uppermost band in it. Gives the cycles.
 #[inline(never)]
 pub(super) fn fill_amplitudes(
     bands: &Bands,
@@ -126,7 +126,7 @@ pub(super) fn fill_amplitudes(
         && let Some(at_edge) = lines.split_off_first_mut()
     {
         let end = (cursor.line as f32 + 0.5) * spacing;
-        let (mut power, mut most, mut half_tilt) = (0.0, 0.0, 0.0);
+        let (mut power, mut half_tilt) = (0.0, 0.0);
         cursor.line += 1;
         spent += LINE_CYCLES;
         loop {
@@ -134,15 +134,13 @@ pub(super) fn fill_amplitudes(
             if low >= end {
                 break;
             }
-            let part = density * (least(high, end) - low);
-            power += part;
-            if part > most {
-                (most, half_tilt) = (part, own);
-            }
+            half_tilt = own;
             if high > end {
+                power += density * (end - low);
                 cursor.piece.low = end;
                 break;
             }
+            power += density * (high - low);
             cursor.advance(bands, common, spacing);
             spent += BAND_CYCLES;
         }
@@ -204,8 +202,8 @@ pub(super) fn fill_onset(bands: &Bands, energy: impl Fn(usize) -> f32, amplitude
 }
 
 /// Cycles of a line with an edge, of a band, and of a line inside a band; measured on the virtual core.
-const LINE_CYCLES: u32 = 90;
-const BAND_CYCLES: u32 = 190;
+const LINE_CYCLES: u32 = 170;
+const BAND_CYCLES: u32 = 235;
 const ALIKE_CYCLES: u32 = 8;
 
 /// Cycles of all lines of a spectrum of so many, with so many bands.

@@ -50,8 +50,8 @@ use crate::resonator::TICK_FRAMES;
 
 /// Points of a strike's own frame.
 const ONSET_POINTS: usize = 128;
-/// Cycles of a stream in a tick; measured on the virtual core.
-const STREAM_CYCLES: u32 = 800;
+/// Cycles in a tick of a stream that fades out, and of what the other one's fading in costs beyond sounding; measured on the virtual core.
+const STREAM_CYCLES: u32 = 1_250;
 
 /// Noise in bands that decay, each at its own rate, after every strike.
 ///
@@ -201,13 +201,12 @@ impl Shaper {
 
     /// The first frame that carries all energy, in place of any other.
     fn plan_onset(&mut self) {
-        // Their energies then stand for the frame that would have come: so many ticks before this one as have passed of the last one.
-        if let Some(job) = self.job.take() {
-            job.finish_bands(&mut self.bands);
-        }
+        // The bands' energies stand for the last frame's beginning, or, once they have been brought up to it, for the next one's.
+        let is_ahead = self.job.take().is_none_or(|job| job.give_up(&mut self.bands));
+        let ticks = self.ticks_since + if is_ahead { 0 } else { FRAME_TICKS };
         self.renewal = None;
         (self.in_onset, self.just_struck, self.ticks_to_next) = (true, true, FRAME_TICKS);
-        let passage = Passage { ticks: self.ticks_since, kept: self.kept * self.kept, ..Passage::NEXT };
+        let passage = Passage { ticks, kept: self.kept * self.kept, ..Passage::NEXT };
         self.kept = 1.0;
         let region = self.free_region().unwrap_or(0);
         self.job = Some(Job::new(region, passage, self.bands.count(), true));
@@ -254,15 +253,15 @@ impl Shaper {
                 self.kept *= self.choke_per_frame;
             }
         }
+        if self.ticks_to_next > 0 && !core::mem::take(&mut self.just_struck) {
+            self.work();
+        }
         for stream in &mut self.streams {
             if stream.as_ref().is_some_and(Stream::is_over) {
                 *stream = None;
             }
         }
         if self.ticks_to_next > 0 {
-            if !core::mem::take(&mut self.just_struck) {
-                self.work();
-            }
             self.ticks_to_next -= 1;
             if self.ticks_to_next == 0 {
                 self.begin_next();
@@ -284,13 +283,11 @@ impl Shaper {
         if self.wants_renewal() {
             left += self.renewal.as_ref().map_or(Renewal::CYCLES, Renewal::left);
         }
-        let (mut fading_ticks, mut ending) = (0, 0);
-        for stream in self.streams.iter().flatten() {
-            fading_ticks = stream.fading_ticks().max(fading_ticks);
-            ending += u32::from(!stream.is_held());
+        let mut streams = 0;
+        for ticks in self.streams.iter().flatten().filter_map(Stream::ticks_to_end) {
+            (left, streams) = (left + ticks * STREAM_CYCLES, streams + STREAM_CYCLES);
         }
-        let extra = if fading_ticks > 0 { ending * STREAM_CYCLES } else { 0 };
-        ((left + extra * fading_ticks) / self.ticks_to_next.max(1)).saturating_sub(extra)
+        (left / self.ticks_to_next.max(1)).saturating_sub(streams)
     }
 
     /// Whether the next strike has no new noise yet, and there is time to make it.

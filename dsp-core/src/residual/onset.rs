@@ -2,7 +2,7 @@
 
 use super::bands::{Band, Bands, Common, FRAME_TICKS};
 use super::fourier::{self, Complex, Progress};
-use super::job::pair_cycles;
+use super::job::{PAIR_CYCLES, pair_cycles, pairs_within};
 use super::lines::fill_onset;
 use super::stream::SLOPE_FRAMES;
 use super::{ONSET_POINTS, fill_pairs, random_lines};
@@ -70,22 +70,32 @@ fn energy_under_window(per_tick: f64) -> f64 {
     sum
 }
 
+/// Cycles of writing the whole wave once; measured on the virtual core.
+const COPY_CYCLES: u32 = 900;
+
 /// New noise for the next strike, in the making.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Renewal {
     /// Where it is made.
     pub(super) region: usize,
-    transform: Option<Progress>,
+    step: Step,
     left: u32,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    Amplitudes,
+    Lines(usize),
+    Transform(Progress),
 }
 
 impl Renewal {
     /// Cycles of all of it, about.
-    pub(super) const CYCLES: u32 = pair_cycles(ONSET_POINTS) + fourier::cycles(ONSET_POINTS);
+    pub(super) const CYCLES: u32 = 2 * COPY_CYCLES + pair_cycles(ONSET_POINTS) + fourier::cycles(ONSET_POINTS);
 
     /// Not begun.
     pub(super) const fn new(region: usize) -> Self {
-        Self { region, transform: None, left: Self::CYCLES }
+        Self { region, step: Step::Amplitudes, left: Self::CYCLES }
     }
 
     /// Cycles that are left to do, about.
@@ -94,7 +104,7 @@ impl Renewal {
     }
 
     pub(super) fn is_over(&self) -> bool {
-        self.transform.is_some_and(Progress::is_over)
+        matches!(self.step, Step::Transform(progress) if progress.is_over())
     }
 
     /// Does what costs about so many cycles in memory that begins with `wave`; at its end the noise is the strike's.
@@ -102,16 +112,26 @@ impl Renewal {
         let Some(wave) = wave.get_mut(..ONSET_POINTS) else { return };
         let mut spent = 0;
         while spent < share && !self.is_over() {
-            if let Some(progress) = &mut self.transform {
-                spent += progress.advance(wave, share - spent);
-            } else {
-                for (line, &amplitude) in wave.iter_mut().zip(&onset.amplitudes) {
-                    *line = [amplitude, 0.0];
+            let room = share - spent;
+            match &mut self.step {
+                Step::Amplitudes => {
+                    for (line, &amplitude) in wave.iter_mut().zip(&onset.amplitudes) {
+                        *line = [amplitude, 0.0];
+                    }
+                    fourier::fill_middle(wave, random_lines(noise));
+                    spent += COPY_CYCLES;
+                    self.step = Step::Lines(1);
                 }
-                fourier::fill_middle(wave, random_lines(noise));
-                fill_pairs(wave, 1..ONSET_POINTS / 2, noise);
-                spent += pair_cycles(ONSET_POINTS);
-                self.transform = Some(Progress::start(ONSET_POINTS));
+                Step::Lines(from) => {
+                    let range = *from..pairs_within(room).saturating_add(*from).min(ONSET_POINTS / 2);
+                    fill_pairs(wave, range.clone(), noise);
+                    spent += range.len() as u32 * PAIR_CYCLES;
+                    *from = range.end;
+                    if range.end == ONSET_POINTS / 2 {
+                        self.step = Step::Transform(Progress::start(ONSET_POINTS));
+                    }
+                }
+                Step::Transform(progress) => spent += progress.advance(wave, room),
             }
         }
         self.left = self.left.saturating_sub(spent);

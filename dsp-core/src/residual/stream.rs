@@ -1,13 +1,11 @@
 //! A frame as it sounds: a wave under a window that fades in and out by quarter sines, times a common exponential decay.
 
 use super::bands::FRAME_TICKS;
-use super::fourier::{Complex, SLOPE, SLOPE_STEPS, place};
+use super::fourier::{self, Complex, SLOPE, place};
 use crate::resonator::TICK_FRAMES;
 
 /// Frames of a slope: a quarter of a wave.
-pub(super) const SLOPE_FRAMES: u32 = 256;
-/// Step in [`SLOPE`] from a sample to the next.
-const SLOPE_STEP: u32 = SLOPE_STEPS as u32 / SLOPE_FRAMES;
+pub(super) const SLOPE_FRAMES: u32 = fourier::SLOPE_FRAMES as u32;
 /// No end.
 const NEVER: u32 = u32::MAX / 2;
 
@@ -88,9 +86,10 @@ impl Stream {
         }
     }
 
-    /// Ticks until nothing of it fades in.
-    pub(super) fn fading_ticks(&self) -> u32 {
-        self.fade_in.saturating_sub(self.position) / TICK_FRAMES as u32
+    /// Where it fades out, ticks until that is over, the one just rendered among them.
+    pub(super) fn ticks_to_end(&self) -> Option<u32> {
+        let left = self.fade_out_at.saturating_add(SLOPE_FRAMES).saturating_sub(self.position);
+        (left < SLOPE_FRAMES).then_some(left / TICK_FRAMES as u32 + 1)
     }
 
     /// Adds so many frames and moves on; `choke` is what a hand leaves after a frame.
@@ -98,15 +97,16 @@ impl Stream {
         let per_frame = self.per_frame * choke;
         while !out.is_empty() {
             // To the end of the window's part.
-            let (length, slope) = self.part();
+            let (length, part) = self.part();
             let wave = 2 * self.wave.points() as u32;
             let length = length.min(wave - self.place() % wave) as usize;
             let length = length.min(out.len());
             let (now, later) = core::mem::take(&mut out).split_at_mut(length);
-            match slope {
-                Some((index, step)) => self.add_slope(memory, per_frame, (index, step), now),
-                None if !self.is_held() => {}
-                None => self.add_flat(memory, per_frame, now),
+            match part {
+                Part::In(from) => self.add_slope(memory, per_frame, SLOPE.iter().skip(from as usize), now),
+                Part::Whole => self.add_flat(memory, per_frame, now),
+                Part::Out(from) => self.add_slope(memory, per_frame, SLOPE.iter().rev().skip(from as usize), now),
+                Part::Over => {}
             }
             self.position = self.position.saturating_add(length as u32);
             out = later;
@@ -141,28 +141,35 @@ impl Stream {
     }
 
     #[inline(never)]
-    fn add_slope(&mut self, memory: &[Complex], per_frame: f32, (mut index, step): (u32, u32), mut out: &mut [f32]) {
+    fn add_slope<'s>(
+        &mut self,
+        memory: &[Complex],
+        per_frame: f32,
+        slope: impl Iterator<Item = &'s f32>,
+        mut out: &mut [f32],
+    ) {
         let (mut position, mut gain) = (self.place(), self.gain);
         let (turn, points_log2) = (self.turn(), self.wave.points_log2());
         let at = |position: u32| sample_pair(memory, position, turn, points_log2);
-        let window = |index: u32| SLOPE.get(index as usize).copied().unwrap_or(0.0);
+        let mut slope = slope.copied();
+        let mut window = || slope.next().unwrap_or(0.0);
         if position % 2 == 1
             && let Some(first) = out.split_off_first_mut()
         {
-            *first += at(position)[1] * (gain * window(index));
-            (position, index, gain) = (position + 1, index.wrapping_add(step), gain * per_frame);
+            *first += at(position)[1] * (gain * window());
+            (position, gain) = (position + 1, gain * per_frame);
         }
         let (pairs, last) = out.as_chunks_mut::<2>();
         for [even, odd] in pairs {
             let [x, y] = at(position);
             let next = gain * per_frame;
-            *even += x * (gain * window(index));
-            *odd += y * (next * window(index.wrapping_add(step)));
-            (position, index) = (position.wrapping_add(2), index.wrapping_add(step.wrapping_mul(2)));
+            *even += x * (gain * window());
+            *odd += y * (next * window());
+            position = position.wrapping_add(2);
             gain = next * per_frame;
         }
         if let Some(last) = last.first_mut() {
-            *last += at(position)[0] * (gain * window(index));
+            *last += at(position)[0] * (gain * window());
             gain *= per_frame;
         }
         self.gain = gain;
@@ -181,20 +188,29 @@ impl Stream {
         self.position.wrapping_add(self.start)
     }
 
-    /// Frames left of the window's part, and where its slope stands in [`SLOPE`], with its step.
-    fn part(&self) -> (u32, Option<(u32, u32)>) {
+    /// Frames left of the window's part.
+    fn part(&self) -> (u32, Part) {
         let position = self.position;
         let end = self.fade_out_at + SLOPE_FRAMES;
         if position < self.fade_in {
-            (self.fade_in - position, Some((position * SLOPE_STEP, SLOPE_STEP)))
+            (self.fade_in - position, Part::In(position))
         } else if position < self.fade_out_at {
-            (self.fade_out_at - position, None)
+            (self.fade_out_at - position, Part::Whole)
         } else if position < end {
-            (end - position, Some(((end - position) * SLOPE_STEP, SLOPE_STEP.wrapping_neg())))
+            (end - position, Part::Out(position - self.fade_out_at))
         } else {
-            (u32::MAX, None)
+            (u32::MAX, Part::Over)
         }
     }
+}
+
+/// A part of a window; a slope from a step on.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    In(u32),
+    Whole,
+    Out(u32),
+    Over,
 }
 
 /// The samples at an even position and the next one, or those of the pair that an odd position is in; `turn` as of [`Stream::turn`].
