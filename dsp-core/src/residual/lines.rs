@@ -50,7 +50,8 @@ struct Next {
     retreat: f32,
 }
 
-/// How far the stronger of two bands keeps away from their edge, in lines, where the other one is nothing; never more than [`MOST`] of its width.
+/// How far the stronger of two bands keeps away from their edge, in lines, where the other one is nothing; never more than [`MOST`] of what it is wider than
+/// a line.
 const RETREAT: f32 = 1.25;
 const MOST: f32 = 1.0 / 3.0;
 /// c is so many times `(q - p) / (q + p)`, p and q what is left after a quarter of a frame of the band and of all. Over the window that is the tilt that
@@ -90,12 +91,12 @@ impl Cursor {
             (after.upper, after.quarter, after.energy) = (band.upper, e * e, band.density * under_window(e));
         }
         let width = upper - lower;
-        let most = RETREAT * spacing;
+        let most = |width: f32| positive(least(RETREAT * spacing, MOST * (width - spacing)));
         let mut high = upper;
         if energy > after.energy {
-            high -= least(most * (1.0 - after.energy / energy), MOST * width);
+            high -= most(width) * (1.0 - after.energy / energy);
         } else if after.energy > energy {
-            after.retreat = least(most * (1.0 - energy / after.energy), MOST * (after.upper - upper));
+            after.retreat = most(after.upper - upper) * (1.0 - energy / after.energy);
         }
         let low = lower + retreat;
         let steep = TILT * (common.quarter - quarter) / (common.quarter + quarter);
@@ -189,7 +190,7 @@ pub(super) fn fill_onset(bands: &Bands, energy: impl Fn(usize) -> f32, amplitude
         let beside = |other: Option<usize>| other.filter(|&other| other < count).map_or(0.0, &energy);
         let others = beside(index.checked_sub(1)) + beside(Some(index + 1));
         let sharper = own + BLUR * spacing / width.max(1e-9) * (2.0 * own - others);
-        let density = sharper.max(0.4 * own).min(2.0 * own);
+        let density = sharper.max(0.4 * own).min(3.0 * own);
         for (line, power) in amplitudes.iter_mut().enumerate() {
             let (from, to) = ((line as f32 - 0.5) * spacing, (line as f32 + 0.5) * spacing);
             *power += density * positive(to.min(band.upper) - from.max(lower));

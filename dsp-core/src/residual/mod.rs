@@ -14,7 +14,7 @@
 //! constant from frame to frame. Each frame's work is shared among the 24 ticks before it.
 //!
 //! A strike begins a frame of its own, at its very sample and with nothing before it. What that needs does not depend on the strike but
-//! for its level: its noise is ready before, of 256 samples that are read to and fro. The next frame begins 24 ticks later and carries
+//! for its level: its noise is ready before, 256 samples that are read to and fro, from a new place every 8 ticks. The next frame begins 24 ticks later and carries
 //! what the strike has left and what rang before: energies add, band by band.
 //!
 //! A frame carries the mean decay of its energy sample by sample, and of each band the energy that its own decay leaves under the window, tilted in
@@ -50,6 +50,8 @@ use crate::resonator::TICK_FRAMES;
 
 /// Points of a strike's own frame.
 const ONSET_POINTS: usize = 128;
+/// Ticks of a part of it.
+const JUMP_TICKS: u32 = 8;
 /// Cycles in a tick of a stream that fades out, and of what the other one's fading in costs beyond sounding; measured on the virtual core.
 const STREAM_CYCLES: u32 = 1_250;
 
@@ -64,8 +66,8 @@ pub struct Shaper {
     /// Power below which the sound ends.
     silence: f32,
     waves: [[Complex; MAX_POINTS]; 3],
-    /// What sounds: up to two frames, and those of two strikes.
-    streams: [Option<Stream>; 4],
+    /// What sounds: up to two frames, and two parts of a strike's own; the end of another strike's.
+    streams: [Option<Stream>; 5],
     job: Option<Job>,
     renewal: Option<Renewal>,
     /// Ticks to the next frame's beginning; 0: there will be none.
@@ -92,7 +94,7 @@ impl Shaper {
         onset: Onset::NONE,
         silence: 0.0,
         waves: [[[0.0; 2]; MAX_POINTS]; 3],
-        streams: [None; 4],
+        streams: [None; 5],
         job: None,
         renewal: None,
         ticks_to_next: 0,
@@ -124,7 +126,7 @@ impl Shaper {
 
     fn stop(&mut self) {
         self.bands.clear();
-        (self.streams, self.job, self.renewal) = ([None; 4], None, None);
+        (self.streams, self.job, self.renewal) = ([None; 5], None, None);
         (self.ticks_to_next, self.in_onset, self.just_struck, self.active) = (0, false, false, false);
         (self.ticks_since, self.kept) = (0, 1.0);
     }
@@ -190,12 +192,23 @@ impl Shaper {
         // A frame that was to be replaced now holds on.
         self.streams.iter_mut().flatten().for_each(Stream::hold);
         self.plan_onset();
-        let Onset { per_frame, is_used, is_backwards, .. } = &mut self.onset;
-        *is_backwards ^= *is_used;
-        *is_used = true;
-        let own = Stream::of_strike(*is_backwards, strength, *per_frame);
+        self.onset.is_used = true;
+        let own = Stream::of_strike(self.noise.draw(), strength, self.onset.per_frame);
+        self.add_stream(own);
+    }
+
+    fn add_stream(&mut self, stream: Stream) {
         if let Some(free) = self.streams.iter_mut().find(|stream| stream.is_none()) {
-            *free = Some(own);
+            *free = Some(stream);
+        }
+    }
+
+    /// A strike's own wave is short, and would be heard as a tone: it goes on from another place in it.
+    fn jump(&mut self) {
+        let start = self.noise.draw();
+        let is_own = |stream: &&mut Stream| stream.wave == Wave::Own && stream.is_held();
+        if let Some(next) = self.streams.iter_mut().flatten().find(is_own).map(|own| own.jump(start)) {
+            self.add_stream(next);
         }
     }
 
@@ -265,6 +278,8 @@ impl Shaper {
             self.ticks_to_next -= 1;
             if self.ticks_to_next == 0 {
                 self.begin_next();
+            } else if self.in_onset && self.ticks_to_next.is_multiple_of(JUMP_TICKS) {
+                self.jump();
             }
         }
         if self.ticks_to_next == 0 && self.streams.iter().all(Option::is_none) {
@@ -332,10 +347,7 @@ impl Shaper {
             self.bands.clear();
             return;
         };
-        let stream = job.stream(self.kept);
-        if let Some(free) = self.streams.iter_mut().find(|stream| stream.is_none()) {
-            *free = Some(stream);
-        }
+        self.add_stream(job.stream(self.kept));
         self.ticks_to_next = FRAME_TICKS;
         let region = self.free_region().unwrap_or(0);
         self.job = Some(Job::new(region, Passage::NEXT, self.bands.count(), false));

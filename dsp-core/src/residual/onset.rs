@@ -18,9 +18,8 @@ pub(super) struct Onset {
     pub(super) wave: [Complex; ONSET_POINTS],
     /// Share of the amplitude that is left after a sample.
     pub(super) per_frame: f32,
-    /// Whether a strike has had the noise. Until there is new, another one has it the other way round: noise turned round is other noise of the same spectrum.
+    /// Whether a strike has had the noise. Until there is new, another one has it from another place on.
     pub(super) is_used: bool,
-    pub(super) is_backwards: bool,
 }
 
 impl Onset {
@@ -29,7 +28,6 @@ impl Onset {
         wave: [[0.0; 2]; ONSET_POINTS],
         per_frame: 1.0,
         is_used: false,
-        is_backwards: false,
     };
 
     /// Derives it in place, with noise for the first strike.
@@ -46,7 +44,7 @@ impl Onset {
         let energy = |band: &Band| f64::from(band.strike) * energy_under_window(f64::from(band.per_tick)) / all;
         fill_onset(bands, |index| bands.all().get(index).map_or(0.0, energy) as f32, &mut self.amplitudes);
         self.per_frame = common.per_frame();
-        (self.is_used, self.is_backwards) = (false, false);
+        self.is_used = false;
         let mut renewal = Renewal::new(0);
         let mut wave = [[0.0; 2]; ONSET_POINTS];
         while !renewal.is_over() {
@@ -137,7 +135,7 @@ impl Renewal {
         self.left = self.left.saturating_sub(spent);
         if self.is_over() {
             onset.wave.copy_from_slice(wave);
-            (onset.is_used, onset.is_backwards) = (false, false);
+            onset.is_used = false;
         }
     }
 }

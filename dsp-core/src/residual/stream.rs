@@ -1,11 +1,13 @@
 //! A frame as it sounds: a wave under a window that fades in and out by quarter sines, times a common exponential decay.
 
 use super::bands::FRAME_TICKS;
-use super::fourier::{self, Complex, SLOPE, place};
+use super::fourier::{self, Complex, SHORT_SLOPE, SLOPE, place};
 use crate::resonator::TICK_FRAMES;
 
 /// Frames of a slope: a quarter of a wave.
 pub(super) const SLOPE_FRAMES: u32 = fourier::SLOPE_FRAMES as u32;
+/// Frames of a slope from one part of a strike's own wave to the next.
+const SHORT_FRAMES: u32 = fourier::SHORT_FRAMES as u32;
 /// No end.
 const NEVER: u32 = u32::MAX / 2;
 
@@ -44,8 +46,9 @@ pub(super) struct Stream {
     start: u32,
     /// Frames of the fade in; 0: at once there.
     fade_in: u32,
-    /// Where the fade out begins.
+    /// Where the fade out begins, and its frames.
     fade_out_at: u32,
+    fade_out: u32,
     /// Amplitude now.
     pub(super) gain: f32,
     /// What is left of it after a frame.
@@ -56,17 +59,23 @@ impl Stream {
     /// A frame, which fades in, and out where the next one begins.
     pub(super) fn of_frame(wave: Wave, gain: f32, per_frame: f32) -> Self {
         let fade_out_at = FRAME_TICKS * TICK_FRAMES as u32;
-        Self { wave, position: 0, start: 0, fade_in: SLOPE_FRAMES, fade_out_at, gain, per_frame }
+        Self { wave, position: 0, start: 0, fade_in: SLOPE_FRAMES, fade_out_at, fade_out: SLOPE_FRAMES, gain, per_frame }
     }
 
-    /// A strike's own, at once there and for as long as nothing else says; read backwards or forwards.
-    pub(super) fn of_strike(is_backwards: bool, gain: f32, per_frame: f32) -> Self {
-        let start = if is_backwards { 2 << Wave::Own.points_log2() } else { 0 };
-        Self { wave: Wave::Own, position: 0, start, fade_in: 0, fade_out_at: NEVER, gain, per_frame }
+    /// A strike's own, at once there and for as long as nothing else says, from an even place in its wave on.
+    pub(super) fn of_strike(start: u32, gain: f32, per_frame: f32) -> Self {
+        let start = start & !1;
+        Self { wave: Wave::Own, position: 0, start, fade_in: 0, fade_out_at: NEVER, fade_out: SLOPE_FRAMES, gain, per_frame }
+    }
+
+    /// What goes on from another place in the wave, while this fades out.
+    pub(super) fn jump(&mut self, start: u32) -> Self {
+        (self.fade_out_at, self.fade_out) = (self.position, SHORT_FRAMES);
+        Self { fade_in: SHORT_FRAMES, ..Self::of_strike(start, self.gain, self.per_frame) }
     }
 
     pub(super) fn is_over(&self) -> bool {
-        self.position >= self.fade_out_at + SLOPE_FRAMES
+        self.position >= self.fade_out_at + self.fade_out
     }
 
     /// Whether it has not begun to fade out.
@@ -88,8 +97,8 @@ impl Stream {
 
     /// Where it fades out, ticks until that is over, the one just rendered among them.
     pub(super) fn ticks_to_end(&self) -> Option<u32> {
-        let left = self.fade_out_at.saturating_add(SLOPE_FRAMES).saturating_sub(self.position);
-        (left < SLOPE_FRAMES).then_some(left / TICK_FRAMES as u32 + 1)
+        let left = (self.fade_out_at + self.fade_out).saturating_sub(self.position);
+        (left < self.fade_out).then_some(left / TICK_FRAMES as u32 + 1)
     }
 
     /// Adds so many frames and moves on; `choke` is what a hand leaves after a frame.
@@ -103,9 +112,11 @@ impl Stream {
             let length = length.min(out.len());
             let (now, later) = core::mem::take(&mut out).split_at_mut(length);
             match part {
-                Part::In(from) => self.add_slope(memory, per_frame, SLOPE.iter().skip(from as usize), now),
+                Part::In(from) => self.add_slope(memory, per_frame, slope_of(self.fade_in).iter().skip(from), now),
+                Part::Out(from) => {
+                    self.add_slope(memory, per_frame, slope_of(self.fade_out).iter().rev().skip(from), now);
+                }
                 Part::Whole => self.add_flat(memory, per_frame, now),
-                Part::Out(from) => self.add_slope(memory, per_frame, SLOPE.iter().rev().skip(from as usize), now),
                 Part::Over => {}
             }
             self.position = self.position.saturating_add(length as u32);
@@ -191,25 +202,30 @@ impl Stream {
     /// Frames left of the window's part.
     fn part(&self) -> (u32, Part) {
         let position = self.position;
-        let end = self.fade_out_at + SLOPE_FRAMES;
+        let end = self.fade_out_at + self.fade_out;
         if position < self.fade_in {
-            (self.fade_in - position, Part::In(position))
+            (self.fade_in - position, Part::In(position as usize))
         } else if position < self.fade_out_at {
             (self.fade_out_at - position, Part::Whole)
         } else if position < end {
-            (end - position, Part::Out(position - self.fade_out_at))
+            (end - position, Part::Out((position - self.fade_out_at) as usize))
         } else {
             (u32::MAX, Part::Over)
         }
     }
 }
 
-/// A part of a window; a slope from a step on.
+/// The slope of so many frames.
+fn slope_of(frames: u32) -> &'static [f32] {
+    if frames == SHORT_FRAMES { &SHORT_SLOPE } else { &SLOPE }
+}
+
+/// A part of a window; a slope from a frame on.
 #[derive(Clone, Copy, Debug)]
 enum Part {
-    In(u32),
+    In(usize),
     Whole,
-    Out(u32),
+    Out(usize),
     Over,
 }
 
