@@ -125,10 +125,7 @@ pub(super) fn fill_pairs(spectrum: &mut [Complex], pairs: core::ops::Range<usize
     let twiddles = TWIDDLES.get(pairs.start * step..).unwrap_or(&[]).iter();
     let (Some(low), Some(high)) = (low.get_mut(pairs), high.get_mut(mirrored)) else { return };
     let line = |[amplitude, tilted]: Complex, below: Complex, own: Complex, above: Complex| {
-        [
-            amplitude * own[0] + tilted * (below[1] - above[1]),
-            amplitude * own[1] - tilted * (below[0] - above[0]),
-        ]
+        [amplitude * own[0] + tilted * (below[1] - above[1]), amplitude * own[1] - tilted * (below[0] - above[0])]
     };
     // Low lines go up, high ones down; where a range begins, those before it are drawn anew.
     let ([mut a, mut b, mut c, mut d], mut own) = (draw(), draw());

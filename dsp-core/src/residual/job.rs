@@ -74,7 +74,13 @@ impl Job {
     }
 
     /// Does what costs about so many cycles; gives what it has cost.
-    pub(super) fn advance(&mut self, bands: &mut Bands, spectrum: &mut [Complex], noise: &mut Sfc32, share: u32) -> u32 {
+    pub(super) fn advance(
+        &mut self,
+        bands: &mut Bands,
+        spectrum: &mut [Complex],
+        noise: &mut Sfc32,
+        share: u32,
+    ) -> u32 {
         let points = spectrum.len();
         let spacing = 0.5 / points.max(1) as f32;
         let mut spent = 0;

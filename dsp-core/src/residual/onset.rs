@@ -23,12 +23,8 @@ pub(super) struct Onset {
 }
 
 impl Onset {
-    pub(super) const NONE: Self = Self {
-        amplitudes: [0.0; ONSET_POINTS],
-        wave: [[0.0; 2]; ONSET_POINTS],
-        per_frame: 1.0,
-        is_used: false,
-    };
+    pub(super) const NONE: Self =
+        Self { amplitudes: [0.0; ONSET_POINTS], wave: [[0.0; 2]; ONSET_POINTS], per_frame: 1.0, is_used: false };
 
     /// Derives it in place, with noise for the first strike.
     pub(super) fn load(&mut self, bands: &Bands, noise: &mut Sfc32) {
@@ -69,7 +65,7 @@ fn energy_under_window(per_tick: f64) -> f64 {
 }
 
 /// Cycles of writing the whole wave once; measured on the virtual core.
-const COPY_CYCLES: u32 = 900;
+const COPY_CYCLES: u32 = 1_300;
 
 /// New noise for the next strike, in the making.
 #[derive(Clone, Copy, Debug)]

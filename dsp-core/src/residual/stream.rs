@@ -59,13 +59,31 @@ impl Stream {
     /// A frame, which fades in, and out where the next one begins.
     pub(super) fn of_frame(wave: Wave, gain: f32, per_frame: f32) -> Self {
         let fade_out_at = FRAME_TICKS * TICK_FRAMES as u32;
-        Self { wave, position: 0, start: 0, fade_in: SLOPE_FRAMES, fade_out_at, fade_out: SLOPE_FRAMES, gain, per_frame }
+        Self {
+            wave,
+            position: 0,
+            start: 0,
+            fade_in: SLOPE_FRAMES,
+            fade_out_at,
+            fade_out: SLOPE_FRAMES,
+            gain,
+            per_frame,
+        }
     }
 
     /// A strike's own, at once there and for as long as nothing else says, from an even place in its wave on.
     pub(super) fn of_strike(start: u32, gain: f32, per_frame: f32) -> Self {
         let start = start & !1;
-        Self { wave: Wave::Own, position: 0, start, fade_in: 0, fade_out_at: NEVER, fade_out: SLOPE_FRAMES, gain, per_frame }
+        Self {
+            wave: Wave::Own,
+            position: 0,
+            start,
+            fade_in: 0,
+            fade_out_at: NEVER,
+            fade_out: SLOPE_FRAMES,
+            gain,
+            per_frame,
+        }
     }
 
     /// What goes on from another place in the wave, while this fades out.
