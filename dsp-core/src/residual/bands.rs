@@ -52,11 +52,18 @@ pub(super) struct Passage {
     pub(super) kept: f32,
     /// Energy of strikes, by its distance before the frame.
     pub(super) waiting: [f32; WAITING],
+    /// Whether it is that before the frame for whose beginning the energies stand: of strikes that came too late for it.
+    pub(super) is_late: bool,
 }
 
 impl Passage {
     /// From one frame to the next.
-    pub(super) const NEXT: Self = Self { ticks: FRAME_TICKS, kept: 1.0, waiting: [0.0; WAITING] };
+    pub(super) const NEXT: Self = Self { ticks: FRAME_TICKS, kept: 1.0, waiting: [0.0; WAITING], is_late: false };
+
+    /// Whether a strike adds to the energies.
+    pub(super) fn is_struck(&self) -> bool {
+        self.waiting.iter().any(|&energy| energy > 0.0)
+    }
 
     /// Adds a strike's energy so many ticks before the frame, shared between the two eighths beside that time: the line between two values of the
     /// exponential.
@@ -184,19 +191,22 @@ impl Bands {
         let (mut power, mut left) = (0.0, 0.0);
         let [e0, e1, e2, e3, e4, e5, e6] = passage.waiting;
         let is_next = passage.ticks == FRAME_TICKS;
-        let is_struck = passage.waiting.iter().any(|&energy| energy > 0.0);
+        let is_struck = passage.is_struck();
         for band in self.bands.get_mut(bands).unwrap_or(&mut []) {
             let e = band.per_eighth;
             let square = e * e;
-            let mut density = 0.0;
-            if band.density > 0.0 {
-                let share = if is_next { square * square * square } else { power_of(band.per_tick, passage.ticks) };
-                density = band.density * passage.kept * share;
-            }
+            let mut density = band.density * passage.kept;
+            let mut struck = 0.0;
             if is_struck {
-                let waiting = e0 + e * (e1 + e * (e2 + e * (e3 + e * (e4 + e * (e5 + e * e6)))));
-                density += band.strike * waiting;
+                struck = band.strike * (e0 + e * (e1 + e * (e2 + e * (e3 + e * (e4 + e * (e5 + e * e6))))));
             }
+            if passage.is_late {
+                (density, struck) = (density + struck, 0.0);
+            }
+            if density > 0.0 {
+                density *= if is_next { square * square * square } else { power_of(band.per_tick, passage.ticks) };
+            }
+            density += struck;
             band.density = if density > LEAST { density } else { 0.0 };
             let energy = band.density * (band.upper - lower);
             lower = band.upper;

@@ -1,6 +1,6 @@
 //! A frame in the making: its work is shared among the ticks before it sounds.
 
-use super::bands::{Bands, Common, Passage};
+use super::bands::{Bands, Common, FRAME_TICKS, Passage};
 use super::fourier::{self, Complex, MAX_POINTS, Progress};
 use super::lines::{Cursor, amplitude_cycles, fill_amplitudes};
 use super::stream::{Stream, Wave};
@@ -30,8 +30,9 @@ pub(super) struct Job {
     /// Power of the bands that are up to date, and what is left of it after a quarter of the frame.
     sum: (f32, f32),
     common: Common,
-    /// Energy of strikes that came too late for it.
+    /// Energy of strikes that came too late for it, at its beginning; and by its distance before that.
     late: f32,
+    missed: Passage,
 }
 
 /// Cycles of a band that is brought up to date, more where a strike adds to it and where that comes at any distance from the frame before, and of a pair of
@@ -41,12 +42,22 @@ const STRUCK_CYCLES: u32 = 90;
 pub(super) const PAIR_CYCLES: u32 = 100;
 
 impl Job {
-    pub(super) fn new(region: usize, passage: Passage, bands: usize, is_struck: bool) -> Self {
+    pub(super) fn new(region: usize, passage: Passage, bands: usize) -> Self {
         let points = MAX_POINTS;
+        let is_struck = passage.ticks != FRAME_TICKS || passage.is_struck();
         let of_band = BAND_CYCLES + if is_struck { STRUCK_CYCLES } else { 0 };
         let bands = bands as u32 * of_band + amplitude_cycles(points, bands);
         let left = bands + pair_cycles(points) + fourier::cycles(points);
-        Self { region, passage, step: Step::Bands(0), left, sum: (0.0, 0.0), common: Common::NONE, late: 0.0 }
+        Self {
+            region,
+            passage,
+            step: Step::Bands(0),
+            left,
+            sum: (0.0, 0.0),
+            common: Common::NONE,
+            late: 0.0,
+            missed: Passage { is_late: true, ..Passage::NEXT },
+        }
     }
 
     /// Adds the energy of a strike so many ticks before the frame: band by band where none has been brought up to date, else to the whole frame, as `late`.
@@ -55,13 +66,19 @@ impl Job {
             self.passage.add(energy, ticks);
         } else {
             self.late += late;
+            self.missed.add(energy, ticks);
         }
+    }
+
+    /// From its beginning to that of the frame after it.
+    pub(super) fn to_next(&self) -> Passage {
+        if self.missed.is_struck() { self.missed } else { Passage::NEXT }
     }
 
     /// Gives the frame up. Where some bands have been brought up to its beginning, all are; gives whether they have.
     pub(super) fn give_up(&self, bands: &mut Bands) -> bool {
         match self.step {
-            Step::Bands(0) => return false,
+            Step::Bands(0) if !self.passage.is_late => return false,
             Step::Bands(from) => _ = bands.advance(from..bands.count(), &self.passage),
             _ => {}
         }
@@ -91,7 +108,7 @@ impl Job {
                     let to = bands.count().min(*from + 10);
                     let (power, left) = bands.advance(*from..to, &self.passage);
                     self.sum = (self.sum.0 + power, self.sum.1 + left);
-                    let is_struck = self.passage.waiting.iter().any(|&energy| energy > 0.0);
+                    let is_struck = self.passage.is_struck();
                     spent += (to - *from) as u32 * (BAND_CYCLES + if is_struck { STRUCK_CYCLES } else { 0 });
                     *from = to;
                     if to == bands.count() {

@@ -222,7 +222,7 @@ impl Shaper {
         let passage = Passage { ticks, kept: self.kept * self.kept, ..Passage::NEXT };
         self.kept = 1.0;
         let region = self.free_region().unwrap_or(0);
-        self.job = Some(Job::new(region, passage, self.bands.count(), true));
+        self.job = Some(Job::new(region, passage, self.bands.count()));
     }
 
     fn free_region(&self) -> Option<usize> {
@@ -350,7 +350,7 @@ impl Shaper {
         self.add_stream(job.stream(self.kept));
         self.ticks_to_next = FRAME_TICKS;
         let region = self.free_region().unwrap_or(0);
-        self.job = Some(Job::new(region, Passage::NEXT, self.bands.count(), false));
+        self.job = Some(Job::new(region, job.to_next(), self.bands.count()));
     }
 }
 
