@@ -71,7 +71,7 @@ impl Job {
     }
 
     /// From its beginning to that of the frame after it.
-    pub(super) fn to_next(&self) -> Passage {
+    pub(super) fn onward(&self) -> Passage {
         if self.missed.is_struck() { self.missed } else { Passage::NEXT }
     }
 

@@ -18,11 +18,11 @@
 //! what the strike has left and what rang before: energies add, band by band.
 //!
 //! A frame carries the mean decay of its energy sample by sample, and of each band the energy that its own decay leaves under the window, tilted in
-//! time as that decay differs from the mean ([`lines`]).
+//! time as that decay differs from the mean (`lines`).
 //!
 //! Resolution: lines are fs/1024 apart (47 Hz at 48 kHz). Bands narrower than that share lines with their neighbours.
 //!
-//! Strikes within 24 ticks of another one raise its first two frames as a whole: their energy is right, their spectra are the first one's.
+//! Strikes within 24 ticks of another one raise its first frame as a whole; from the second on they count band by band.
 //!
 //! Amplitude is proportional to a strike's peak force, as that of the modes is.
 
@@ -350,7 +350,7 @@ impl Shaper {
         self.add_stream(job.stream(self.kept));
         self.ticks_to_next = FRAME_TICKS;
         let region = self.free_region().unwrap_or(0);
-        self.job = Some(Job::new(region, job.to_next(), self.bands.count()));
+        self.job = Some(Job::new(region, job.onward(), self.bands.count()));
     }
 }
 
