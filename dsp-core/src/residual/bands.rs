@@ -195,18 +195,23 @@ impl Bands {
         for band in self.bands.get_mut(bands).unwrap_or(&mut []) {
             let e = band.per_eighth;
             let square = e * e;
-            let mut density = band.density * passage.kept;
-            let mut struck = 0.0;
-            if is_struck {
-                struck = band.strike * (e0 + e * (e1 + e * (e2 + e * (e3 + e * (e4 + e * (e5 + e * e6))))));
+            let share = square * square * square;
+            let mut density = band.density;
+            if is_next && !is_struck {
+                density *= share;
+            } else {
+                density *= passage.kept;
+                let waiting = e0 + e * (e1 + e * (e2 + e * (e3 + e * (e4 + e * (e5 + e * e6)))));
+                let struck = band.strike * waiting;
+                if passage.is_late {
+                    density = (density + struck) * share;
+                } else {
+                    if density > 0.0 {
+                        density *= power_of(band.per_tick, passage.ticks);
+                    }
+                    density += struck;
+                }
             }
-            if passage.is_late {
-                (density, struck) = (density + struck, 0.0);
-            }
-            if density > 0.0 {
-                density *= if is_next { square * square * square } else { power_of(band.per_tick, passage.ticks) };
-            }
-            density += struck;
             band.density = if density > LEAST { density } else { 0.0 };
             let energy = band.density * (band.upper - lower);
             lower = band.upper;

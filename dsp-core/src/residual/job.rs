@@ -1,6 +1,6 @@
 //! A frame in the making: its work is shared among the ticks before it sounds.
 
-use super::bands::{Bands, Common, FRAME_TICKS, Passage};
+use super::bands::{Bands, Common, Passage};
 use super::fourier::{self, Complex, MAX_POINTS, Progress};
 use super::lines::{Cursor, amplitude_cycles, fill_amplitudes};
 use super::stream::{Stream, Wave};
@@ -42,9 +42,8 @@ const STRUCK_CYCLES: u32 = 90;
 pub(super) const PAIR_CYCLES: u32 = 100;
 
 impl Job {
-    pub(super) fn new(region: usize, passage: Passage, bands: usize) -> Self {
+    pub(super) fn new(region: usize, passage: Passage, bands: usize, is_struck: bool) -> Self {
         let points = MAX_POINTS;
-        let is_struck = passage.ticks != FRAME_TICKS || passage.is_struck();
         let of_band = BAND_CYCLES + if is_struck { STRUCK_CYCLES } else { 0 };
         let bands = bands as u32 * of_band + amplitude_cycles(points, bands);
         let left = bands + pair_cycles(points) + fourier::cycles(points);

@@ -222,7 +222,7 @@ impl Shaper {
         let passage = Passage { ticks, kept: self.kept * self.kept, ..Passage::NEXT };
         self.kept = 1.0;
         let region = self.free_region().unwrap_or(0);
-        self.job = Some(Job::new(region, passage, self.bands.count()));
+        self.job = Some(Job::new(region, passage, self.bands.count(), true));
     }
 
     fn free_region(&self) -> Option<usize> {
@@ -234,11 +234,15 @@ impl Shaper {
     }
 
     /// Adds a run of at most a tick to `out`, Q4.27.
-    #[inline(never)]
+    #[inline(always)]
     pub fn render(&mut self, out: &mut [i32]) {
-        if !self.active {
-            return;
+        if self.active {
+            self.add_sound(out);
         }
+    }
+
+    #[inline(never)]
+    fn add_sound(&mut self, out: &mut [i32]) {
         let mut sum = [0.0; TICK_FRAMES];
         let Some(sum) = sum.get_mut(..out.len()) else { return };
         for stream in self.streams.iter_mut().flatten() {
@@ -255,11 +259,15 @@ impl Shaper {
     }
 
     /// The work of a tick for the frames to come; after the tick's last run.
-    #[inline(never)]
+    #[inline(always)]
     pub fn end_tick(&mut self) {
-        if !self.active {
-            return;
+        if self.active {
+            self.end_sounding_tick();
         }
+    }
+
+    #[inline(never)]
+    fn end_sounding_tick(&mut self) {
         self.ticks_since += 1;
         if self.choked {
             for _ in 0..TICK_FRAMES {
@@ -350,7 +358,8 @@ impl Shaper {
         self.add_stream(job.stream(self.kept));
         self.ticks_to_next = FRAME_TICKS;
         let region = self.free_region().unwrap_or(0);
-        self.job = Some(Job::new(region, job.onward(), self.bands.count()));
+        let passage = job.onward();
+        self.job = Some(Job::new(region, passage, self.bands.count(), passage.is_struck()));
     }
 }
 
