@@ -67,7 +67,7 @@ pub const PARTS: usize = Part::IdleTick as usize + 1;
 /// profiles where a fit cannot tell parts apart; `cargo test -p host-tests --test on_chip budget` holds them to 3 %.
 pub const CYCLES: [u32; PARTS] = [
     2570, 368, 462, 118, 1089, 1305, 49, 2394, 1223, 3698, 20, 55, 62, 430, 435, 1800, 5062, 5500, 125, 800, 30, 1,
-    6800, 500, 40, 1, 1380,
+    700, 500, 40, 1, 1380,
 ];
 
 /// How much of each part a tick has.

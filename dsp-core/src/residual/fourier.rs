@@ -59,19 +59,25 @@ const fn twiddle(index: usize) -> Complex {
     [cosine(index) as f32, cosine(index + 3 * TURN / 4) as f32]
 }
 
-/// Steps of [`SLOPE`] in a slope of the largest wave.
-pub(super) const SLOPE_STEPS: usize = MAX_POINTS;
+/// Samples of a window's slope: a quarter of the largest wave.
+pub(super) const SLOPE_FRAMES: usize = MAX_POINTS / 2;
 
-/// `sin(π/2 k/512)`: the slopes of windows. `sin² + cos² = 1` at every step.
-pub(super) static SLOPE: [f32; SLOPE_STEPS + 1] = {
-    let mut table = [0.0; SLOPE_STEPS + 1];
+/// `sin(π/2 k/256)`: the slopes of windows. `sin² + cos² = 1` at every step.
+pub(super) static SLOPE: [f32; SLOPE_FRAMES + 1] = slope();
+
+/// Samples of a short slope, and it.
+pub(super) const SHORT_FRAMES: usize = 64;
+pub(super) static SHORT_SLOPE: [f32; SHORT_FRAMES + 1] = slope();
+
+const fn slope<const LENGTH: usize>() -> [f32; LENGTH] {
+    let mut table = [0.0; LENGTH];
     let mut index = 0;
-    while index < table.len() {
-        table[index] = quarter_sine(index as f64 / SLOPE_STEPS as f64) as f32;
+    while index < LENGTH {
+        table[index] = quarter_sine(index as f64 / (LENGTH - 1) as f64) as f32;
         index += 1;
     }
     table
-};
+}
 
 /// `cos(2π k/1024)`.
 const fn cosine(index: usize) -> f64 {
@@ -107,23 +113,34 @@ fn fold(low: Complex, high: Complex, [cos, sin]: Complex) -> (Complex, Complex) 
     ([sum[0] - turned[1], sum[1] + turned[0]], [sum[0] + turned[1], turned[0] - sum[1]])
 }
 
-/// Puts random lines into a spectrum whose amplitudes stand in the real parts: of `pairs`, the pairs of lines k and M - k in 1 to M/2 - 1, those of a
-/// range. `draw` gives the real and imaginary parts of two lines.
+/// Puts random lines into a spectrum: of `pairs`, the pairs of lines k and M - k in 1 to M/2 - 1, those of a range. The spectrum holds of each line its
+/// amplitude A, and A c/2, c its tilt: with `u_k` random the line is `A (u_k - i c/2 (u_{k-1} - u_{k+1}))`, in time the noise of the u times
+/// `1 + c sin 2πn/2M`. `draw` gives the real and imaginary parts of two `u`.
 #[inline(always)]
 pub(super) fn fill_pairs(spectrum: &mut [Complex], pairs: core::ops::Range<usize>, mut draw: impl FnMut() -> [f32; 4]) {
     let points = spectrum.len().max(1);
     let (step, half) = (MAX_POINTS / points, points / 2);
     let Some((low, high)) = spectrum.split_at_mut_checked(half) else { return };
     let mirrored = (half + 1).saturating_sub(pairs.end)..(half + 1).saturating_sub(pairs.start);
-    let mut angle = pairs.start * step;
+    let twiddles = TWIDDLES.get(pairs.start * step..).unwrap_or(&[]).iter();
     let (Some(low), Some(high)) = (low.get_mut(pairs), high.get_mut(mirrored)) else { return };
-    for (low, high) in low.iter_mut().zip(high.iter_mut().rev()) {
-        let scaled = |line: Complex, amplitude: f32| [line[0] * amplitude, line[1] * amplitude];
-        let [a, b, c, d] = draw();
-        let (at_low, at_high) = (scaled([a, b], low[0]), scaled([c, d], high[0]));
-        let twiddle = TWIDDLES.get(angle).copied().unwrap_or([1.0, 0.0]);
+    let line = |[amplitude, tilted]: Complex, below: Complex, own: Complex, above: Complex| {
+        [amplitude * own[0] + tilted * (below[1] - above[1]), amplitude * own[1] - tilted * (below[0] - above[0])]
+    };
+    // Low lines go up, high ones down; where a range begins, those before it are drawn anew.
+    let ([mut a, mut b, mut c, mut d], mut own) = (draw(), draw());
+    let mut fill = |low: &mut Complex, high: &mut Complex, twiddle: Complex| {
+        let next = draw();
+        let at_low = line(*low, [a, b], [own[0], own[1]], [next[0], next[1]]);
+        let at_high = line(*high, [next[2], next[3]], [own[2], own[3]], [c, d]);
         (*low, *high) = fold(at_low, at_high, twiddle);
-        angle += step;
+        ([a, b, c, d], own) = (own, next);
+    };
+    let lines = low.iter_mut().zip(high.iter_mut().rev());
+    if step == 1 {
+        lines.zip(twiddles).for_each(|((low, high), twiddle)| fill(low, high, *twiddle));
+    } else {
+        lines.zip(twiddles.step_by(step)).for_each(|((low, high), twiddle)| fill(low, high, *twiddle));
     }
 }
 
@@ -162,8 +179,7 @@ impl Progress {
 
     /// Computes butterflies of one pass until they have cost about so many cycles, or until the pass is over; gives the cycles.
     pub(super) fn advance(&mut self, data: &mut [Complex], cycles: u32) -> u32 {
-        let is_square = self.block.trailing_zeros().is_multiple_of(2);
-        let (radix, cost) = if is_square { (4, RADIX_4_CYCLES) } else { (2, RADIX_2_CYCLES) };
+        let (radix, cost) = butterfly_cycles(self.block);
         let (quarter, all) = (self.block / radix, data.len() / radix);
         let mut count = (all - self.done).min((cycles / cost) as usize + 1);
         match self.block {
@@ -199,15 +215,25 @@ impl Progress {
     }
 }
 
-/// Cycles of a butterfly, for sharing the work among ticks; measured on the virtual core.
-const RADIX_4_CYCLES: u32 = 65;
-const RADIX_2_CYCLES: u32 = 35;
+/// The radix of the pass over blocks of so many points, and the cycles of a butterfly, for sharing the work among ticks; measured on the virtual core.
+const fn butterfly_cycles(block: usize) -> (usize, u32) {
+    match block {
+        4 => (4, 52),
+        16 => (4, 75),
+        64 | 256 => (4, 92),
+        _ => (2, 37),
+    }
+}
 
 /// Cycles of a transform by the same measure.
 pub(super) const fn cycles(points: usize) -> u32 {
-    let passes = points.trailing_zeros();
-    let of_2 = (passes % 2) * (points as u32 / 2) * RADIX_2_CYCLES;
-    of_2 + (passes / 2) * (points as u32 / 4) * RADIX_4_CYCLES
+    let (mut block, mut sum) = (points, 0);
+    while block > 1 {
+        let (radix, cost) = butterfly_cycles(block);
+        sum += (points / radix) as u32 * cost;
+        block /= radix;
+    }
+    sum
 }
 
 #[inline(never)]
@@ -308,15 +334,16 @@ mod tests {
     use crate::noise::Sfc32;
     use std::vec::Vec;
 
-    /// Of random lines: the wave as computed in pieces, and the plain sum in `f64`.
+    /// Of random lines, tilted or not: the wave as computed in pieces, and the plain sum in `f64`.
     fn both(points: usize, piece: u32) -> (Vec<f64>, Vec<f64>) {
         let mut noise = Sfc32::new(points as u32, 1);
-        let mut drawn: Vec<Complex> = Vec::new();
-        let mut spectrum: Vec<Complex> = (0..points).map(|k| [1.0 / (1.0 + (k % 37) as f32), 0.0]).collect();
-        let amplitudes: Vec<f64> = spectrum.iter().map(|line| f64::from(line[0])).collect();
+        let mut drawn: Vec<[Complex; 2]> = Vec::new();
+        let amplitude = |k: usize| 1.0 / (1.0 + (k % 37) as f32);
+        let tilted = |k: usize| amplitude(k) * ((k % 5) as f32 - 2.0) * 0.2;
+        let mut spectrum: Vec<Complex> = (0..points).map(|k| [amplitude(k), tilted(k)]).collect();
         let mut draw = || {
             let four = noise.four().map(|x| x as f32 / 128.0);
-            drawn.extend([[four[0], four[1]], [four[2], four[3]]]);
+            drawn.push([[four[0], four[1]], [four[2], four[3]]]);
             four
         };
         fill_middle(&mut spectrum, draw());
@@ -328,14 +355,25 @@ mod tests {
         }
         let wave =
             (0..2 * points as u32).map(|n| f64::from(spectrum[place(n, points.trailing_zeros())][n as usize % 2]));
-        let mut lines = drawn.iter();
-        let mut next = |k: usize| lines.next().unwrap().map(|x| f64::from(x) * amplitudes[k]);
         let mut exact = std::vec![[0.0; 2]; points];
-        exact[0] = [next(0)[0], 0.0];
-        exact[points / 2] = next(points / 2);
-        for k in 1..points / 2 {
-            exact[k] = next(k);
-            exact[points - k] = next(points - k);
+        let middle = |k: usize, part: Complex| part.map(|x| f64::from(x) * f64::from(amplitude(k)));
+        exact[0] = [middle(0, drawn[0][0])[0], 0.0];
+        exact[points / 2] = middle(points / 2, drawn[0][1]);
+        let line = |k: usize, [below, own, above]: [Complex; 3]| {
+            let (amplitude, tilted) = (f64::from(amplitude(k)), f64::from(tilted(k)));
+            // -i (x + iy) = y - ix.
+            [
+                amplitude * f64::from(own[0]) + tilted * f64::from(below[1] - above[1]),
+                amplitude * f64::from(own[1]) - tilted * f64::from(below[0] - above[0]),
+            ]
+        };
+        let mut first = 1;
+        for range in [1..5, 5..points / 2] {
+            for (k, three) in range.clone().zip(drawn[first..].windows(3)) {
+                exact[k] = line(k, [three[0][0], three[1][0], three[2][0]]);
+                exact[points - k] = line(points - k, [three[2][1], three[1][1], three[0][1]]);
+            }
+            first += range.len() + 2;
         }
         let sum = |n: usize| {
             let line = |k: usize| {

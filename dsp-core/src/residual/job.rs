@@ -1,18 +1,17 @@
 //! A frame in the making: its work is shared among the ticks before it sounds.
 
-use super::bands::{Bands, Common, Cursor, Shape, WAITING, When, amplitude_cycles};
-use super::fourier::{self, Complex, Progress};
+use super::bands::{Bands, Common, Passage};
+use super::fourier::{self, Complex, MAX_POINTS, Progress};
+use super::lines::{Cursor, amplitude_cycles, fill_amplitudes};
 use super::stream::{Stream, Wave};
-use super::{ONSET_POINTS, fill_pairs, lines};
+use super::{fill_pairs, random_lines};
 use crate::noise::Sfc32;
 
 /// What comes next in the making of a frame.
 #[derive(Clone, Copy, Debug)]
 enum Step {
-    Bands(When),
-    Update { ticks: u32, kept: f32, from: usize },
-    Waiting,
-    Frame,
+    /// Bands from here on are to be brought up to date.
+    Bands(usize),
     Amplitudes(Cursor),
     Lines(usize),
     Transform(Progress),
@@ -22,114 +21,109 @@ enum Step {
 /// A frame in the making.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Job {
-    pub(super) wave: Wave,
-    /// Number (0: 64 points, 3: 512) and shape.
-    pub(super) frame: (usize, Shape),
+    /// Where the wave is made.
+    pub(super) region: usize,
+    passage: Passage,
     step: Step,
     /// Cycles that are left to do, about.
     left: u32,
+    /// Power of the bands that are up to date, and what is left of it after a quarter of the frame.
+    sum: (f32, f32),
     common: Common,
-    /// Cycles that the bands have already cost in this tick.
-    owed: u32,
-    /// Energy of strikes that came too late for it.
+    /// Energy of strikes that came too late for it, at its beginning; and by its distance before that.
     late: f32,
+    missed: Passage,
 }
 
-/// Cycles of a band that is brought up to date after a strike (more where it still sounds), that is given the strike's energy and that is made ready, and of a pair of lines, for sharing the work; measured on the virtual core.
-const UPDATE_CYCLES: u32 = 20;
-const POWER_CYCLES: u32 = 60;
-const WAITING_CYCLES: u32 = 50;
+/// Cycles of a band that is brought up to date, more where a strike adds to it and where that comes at any distance from the frame before, and of a pair of
+/// lines, for sharing the work; measured on the virtual core.
 const BAND_CYCLES: u32 = 60;
-const PAIR_CYCLES: u32 = 92;
+const STRUCK_CYCLES: u32 = 90;
+pub(super) const PAIR_CYCLES: u32 = 100;
 
 impl Job {
-    pub(super) fn new(wave: Wave, frame: (usize, Shape), when: When, bands: usize) -> Self {
-        let points = wave.points() as u32;
-        let of_band = BAND_CYCLES + if let When::AfterStrike(_) = when { UPDATE_CYCLES + WAITING_CYCLES } else { 0 };
-        let left = bands as u32 * of_band
-            + amplitude_cycles(wave.points(), bands)
-            + points / 2 * PAIR_CYCLES
-            + fourier::cycles(wave.points());
-        let common = Common { power: 0.0, gain: 1.0, per_frame: 1.0 };
-        Self { wave, frame, step: Step::Bands(when), left, common, owed: 0, late: 0.0 }
-    }
-
-    /// When the frame begins, where the bands are yet to be brought up to date for it.
-    pub(super) fn when(&self) -> Option<When> {
-        if let Step::Bands(when) = self.step { Some(when) } else { None }
-    }
-
-    /// Begins to bring the bands up to date after a strike: chokes have left `kept` of their energy.
-    pub(super) fn begin_update(&mut self, ticks: u32, kept: f32) {
-        self.step = Step::Update { ticks, kept, from: 0 };
-    }
-
-    /// The bands are ready, and said so much of the frame.
-    pub(super) fn set_common(&mut self, bands: &Bands, common: Common) {
-        self.common = common;
-        self.owed = bands.count() as u32 * BAND_CYCLES;
-        self.step = Step::Amplitudes(bands.lowest());
-    }
-
-    /// Energy of a strike that the bands did not know of when they were brought up to date.
-    pub(super) fn add_late(&mut self, energy: f32) {
-        if !matches!(self.step, Step::Bands(_) | Step::Update { .. } | Step::Waiting) {
-            self.late += energy;
+    pub(super) fn new(region: usize, passage: Passage, bands: usize, is_struck: bool) -> Self {
+        let points = MAX_POINTS;
+        let of_band = BAND_CYCLES + if is_struck { STRUCK_CYCLES } else { 0 };
+        let bands = bands as u32 * of_band + amplitude_cycles(points, bands);
+        let left = bands + pair_cycles(points) + fourier::cycles(points);
+        Self {
+            region,
+            passage,
+            step: Step::Bands(0),
+            left,
+            sum: (0.0, 0.0),
+            common: Common::NONE,
+            late: 0.0,
+            missed: Passage { is_late: true, ..Passage::NEXT },
         }
     }
 
-    /// Does the share of this tick, one of `slices` that are left; `waiting` is the energy of strikes that no band has yet.
+    /// Adds the energy of a strike so many ticks before the frame: band by band where none has been brought up to date, else to the whole frame, as `late`.
+    pub(super) fn add(&mut self, energy: f32, ticks: f32, late: f32) {
+        if matches!(self.step, Step::Bands(0)) {
+            self.passage.add(energy, ticks);
+        } else {
+            self.late += late;
+            self.missed.add(energy, ticks);
+        }
+    }
+
+    /// From its beginning to that of the frame after it.
+    pub(super) fn onward(&self) -> Passage {
+        if self.missed.is_struck() { self.missed } else { Passage::NEXT }
+    }
+
+    /// Gives the frame up. Where some bands have been brought up to its beginning, all are; gives whether they have.
+    pub(super) fn give_up(&self, bands: &mut Bands) -> bool {
+        match self.step {
+            Step::Bands(0) if !self.passage.is_late => return false,
+            Step::Bands(from) => _ = bands.advance(from..bands.count(), &self.passage),
+            _ => {}
+        }
+        true
+    }
+
+    /// Whether it has been found to be below a power at its beginning, where chokes have left `kept` of its amplitude.
+    pub(super) fn is_below(&self, power: f32, kept: f32) -> bool {
+        !matches!(self.step, Step::Bands(_)) && (self.common.power + self.late) * kept * kept < power
+    }
+
+    /// Does what costs about so many cycles; gives what it has cost.
     pub(super) fn advance(
         &mut self,
         bands: &mut Bands,
-        waiting: &mut [f32; WAITING],
         spectrum: &mut [Complex],
         noise: &mut Sfc32,
-        slices: u32,
-    ) {
+        share: u32,
+    ) -> u32 {
         let points = spectrum.len();
-        let share = if slices > 1 { self.left / slices } else { u32::MAX };
-        let mut spent = core::mem::take(&mut self.owed);
-        // What cannot be cut is left to the next tick where it does not fit.
-        let fits = |spent: u32, cycles: u32| spent == 0 || spent.saturating_add(cycles) <= share;
+        let spacing = 0.5 / points.max(1) as f32;
+        let mut spent = 0;
         while spent < share {
             let room = share - spent;
             match &mut self.step {
-                Step::Update { ticks, kept, from } => {
-                    let to = bands.count().min(*from + 8);
-                    let sounding = bands.update(*from..to, *ticks, *kept);
-                    spent += (to - *from) as u32 * UPDATE_CYCLES + sounding as u32 * POWER_CYCLES;
+                Step::Bands(from) => {
+                    let to = bands.count().min(*from + 10);
+                    let (power, left) = bands.advance(*from..to, &self.passage);
+                    self.sum = (self.sum.0 + power, self.sum.1 + left);
+                    let is_struck = self.passage.is_struck();
+                    spent += (to - *from) as u32 * (BAND_CYCLES + if is_struck { STRUCK_CYCLES } else { 0 });
                     *from = to;
                     if to == bands.count() {
-                        self.step = Step::Waiting;
+                        self.common = Common::of(self.sum.0, self.sum.1);
+                        self.step = Step::Amplitudes(Cursor::new(bands, &self.common, spacing));
                     }
-                }
-                Step::Waiting => {
-                    let cycles = bands.count() as u32 * WAITING_CYCLES;
-                    if !fits(spent, cycles) {
-                        break;
-                    }
-                    bands.add_waiting(&core::mem::replace(waiting, [0.0; WAITING]));
-                    spent += cycles;
-                    self.step = Step::Frame;
-                }
-                Step::Frame => {
-                    if !fits(spent, bands.count() as u32 * BAND_CYCLES) {
-                        break;
-                    }
-                    let common = bands.ready(None, self.frame);
-                    self.set_common(bands, common);
-                    spent += core::mem::take(&mut self.owed);
                 }
                 Step::Amplitudes(cursor) => {
-                    spent += bands.fill_amplitudes(spectrum, cursor, room);
+                    spent += fill_amplitudes(bands, &self.common, spectrum, cursor, room);
                     if cursor.lines() == points {
-                        fourier::fill_middle(spectrum, lines(noise));
+                        fourier::fill_middle(spectrum, random_lines(noise));
                         self.step = Step::Lines(1);
                     }
                 }
                 Step::Lines(from) => {
-                    let to = (points / 2).min(*from + (room / PAIR_CYCLES) as usize + 1);
+                    let to = (points / 2).min(pairs_within(room).saturating_add(*from));
                     fill_pairs(spectrum, *from..to, noise);
                     spent += (to - *from) as u32 * PAIR_CYCLES;
                     *from = to;
@@ -143,40 +137,32 @@ impl Job {
                         self.step = Step::Done;
                     }
                 }
-                Step::Bands(_) | Step::Done => break,
+                Step::Done => break,
             }
         }
         self.left = self.left.saturating_sub(spent);
+        spent
     }
 
-    /// By how much late strikes raise the whole frame's amplitude.
-    fn growth(&self) -> f32 {
-        let has_late = self.late > 0.0 && self.common.power > 0.0;
-        if has_late { super::square_root(1.0 + self.late / self.common.power) } else { 1.0 }
-    }
-
-    /// Cycles that the next tick's share will take, about, where so many ticks are left.
-    pub(super) fn share(&self, slices: u32) -> u32 {
-        self.left / slices.max(1)
+    /// Cycles that are left to do, about.
+    pub(super) fn left(&self) -> u32 {
+        self.left
     }
 
     /// The frame as it sounds. `kept` is what chokes have left of its amplitude.
     pub(super) fn stream(&self, kept: f32) -> Stream {
-        let (number, shape) = self.frame;
-        let unit = (ONSET_POINTS as u32) << number;
-        // A quarter of the wave; see `Shape`.
-        let (quarter, quarters, fade_out) = match shape {
-            Shape::Steady => (unit / 2, 3, unit / 2),
-            Shape::Growing | Shape::Onset => (unit / 2, 4, unit),
-        };
-        Stream {
-            wave: self.wave,
-            position: 0,
-            fade_in: quarter,
-            fade_out_at: quarter * quarters,
-            fade_out,
-            gain: kept * self.growth(),
-            per_frame: self.common.per_frame,
-        }
+        let has_late = self.late > 0.0 && self.common.power > 0.0;
+        let growth = if has_late { super::square_root(1.0 + self.late / self.common.power) } else { 1.0 };
+        Stream::of_frame(Wave::Region(self.region), kept * growth, self.common.per_frame())
     }
+}
+
+/// Cycles of the random lines of a spectrum.
+pub(super) const fn pair_cycles(points: usize) -> u32 {
+    points as u32 / 2 * PAIR_CYCLES
+}
+
+/// Pairs of lines that cost about so much, at least one.
+pub(super) const fn pairs_within(cycles: u32) -> usize {
+    (cycles / PAIR_CYCLES) as usize + 1
 }

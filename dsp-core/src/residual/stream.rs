@@ -1,30 +1,37 @@
 //! A frame as it sounds: a wave under a window that fades in and out by quarter sines, times a common exponential decay.
 
-use super::fourier::{Complex, SLOPE, SLOPE_STEPS, place};
+use super::bands::FRAME_TICKS;
+use super::fourier::{self, Complex, SHORT_SLOPE, SLOPE, place};
+use crate::resonator::TICK_FRAMES;
+
+/// Frames of a slope: a quarter of a wave.
+pub(super) const SLOPE_FRAMES: u32 = fourier::SLOPE_FRAMES as u32;
+/// Frames of a slope from one part of a strike's own wave to the next.
+const SHORT_FRAMES: u32 = fourier::SHORT_FRAMES as u32;
+/// No end.
+const NEVER: u32 = u32::MAX / 2;
 
 /// Where a wave stands in a stage's memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Wave {
-    /// Which region.
-    pub(super) region: usize,
-    /// First complex number in it.
-    pub(super) first: usize,
-    /// log2 of its complex numbers.
-    pub(super) points_log2: u32,
+pub(super) enum Wave {
+    /// A strike's own.
+    Own,
+    /// In a region for frames.
+    Region(usize),
 }
 
 impl Wave {
+    /// log2 of its complex numbers.
+    pub(super) const fn points_log2(self) -> u32 {
+        match self {
+            Self::Own => super::ONSET_POINTS.ilog2(),
+            Self::Region(_) => super::MAX_POINTS.ilog2(),
+        }
+    }
+
     /// Complex numbers.
     pub(super) const fn points(self) -> usize {
-        1 << self.points_log2
-    }
-
-    pub(super) fn of(self, memory: &[Complex]) -> &[Complex] {
-        memory.get(self.first..self.first + self.points()).unwrap_or(&[])
-    }
-
-    pub(super) fn of_mut(self, memory: &mut [Complex]) -> &mut [Complex] {
-        memory.get_mut(self.first..self.first + self.points()).unwrap_or(&mut [])
+        1 << self.points_log2()
     }
 }
 
@@ -34,22 +41,82 @@ impl Wave {
 pub(super) struct Stream {
     pub(super) wave: Wave,
     /// Frames since its beginning.
-    pub(super) position: u32,
+    position: u32,
+    /// Place in the wave at its beginning.
+    start: u32,
     /// Frames of the fade in; 0: at once there.
-    pub(super) fade_in: u32,
-    /// Where the fade out begins.
-    pub(super) fade_out_at: u32,
-    /// Its frames.
-    pub(super) fade_out: u32,
+    fade_in: u32,
+    /// Where the fade out begins, and its frames.
+    fade_out_at: u32,
+    fade_out: u32,
     /// Amplitude now.
     pub(super) gain: f32,
     /// What is left of it after a frame.
-    pub(super) per_frame: f32,
+    per_frame: f32,
 }
 
 impl Stream {
+    /// A frame, which fades in, and out where the next one begins.
+    pub(super) fn of_frame(wave: Wave, gain: f32, per_frame: f32) -> Self {
+        let fade_out_at = FRAME_TICKS * TICK_FRAMES as u32;
+        Self {
+            wave,
+            position: 0,
+            start: 0,
+            fade_in: SLOPE_FRAMES,
+            fade_out_at,
+            fade_out: SLOPE_FRAMES,
+            gain,
+            per_frame,
+        }
+    }
+
+    /// A strike's own, at once there and for as long as nothing else says, from an even place in its wave on.
+    pub(super) fn of_strike(start: u32, gain: f32, per_frame: f32) -> Self {
+        let start = start & !1;
+        Self {
+            wave: Wave::Own,
+            position: 0,
+            start,
+            fade_in: 0,
+            fade_out_at: NEVER,
+            fade_out: SLOPE_FRAMES,
+            gain,
+            per_frame,
+        }
+    }
+
+    /// What goes on from another place in the wave, while this fades out.
+    pub(super) fn jump(&mut self, start: u32) -> Self {
+        (self.fade_out_at, self.fade_out) = (self.position, SHORT_FRAMES);
+        Self { fade_in: SHORT_FRAMES, ..Self::of_strike(start, self.gain, self.per_frame) }
+    }
+
     pub(super) fn is_over(&self) -> bool {
         self.position >= self.fade_out_at + self.fade_out
+    }
+
+    /// Whether it has not begun to fade out.
+    pub(super) fn is_held(&self) -> bool {
+        self.position < self.fade_out_at
+    }
+
+    /// Fades out from now on, unless it does so already.
+    pub(super) fn end(&mut self) {
+        self.fade_out_at = self.fade_out_at.min(self.position);
+    }
+
+    /// Sounds on, unless it fades out already.
+    pub(super) fn hold(&mut self) {
+        if self.is_held() {
+            self.fade_out_at = NEVER;
+        }
+    }
+
+    /// Where it fades out, ticks until that is over, the one just rendered among them.
+    pub(super) fn ticks_to_end(&self) -> Option<u32> {
+        let left = (self.fade_out_at + self.fade_out).saturating_sub(self.position);
+        (left < self.fade_out).then_some(left / TICK_FRAMES as u32 + 1)
     }
 
     /// Adds so many frames and moves on; `choke` is what a hand leaves after a frame.
@@ -57,15 +124,18 @@ impl Stream {
         let per_frame = self.per_frame * choke;
         while !out.is_empty() {
             // To the end of the window's part.
-            let (length, slope) = self.part();
+            let (length, part) = self.part();
             let wave = 2 * self.wave.points() as u32;
-            let length = length.min(wave - self.position % wave) as usize;
+            let length = length.min(wave - self.place() % wave) as usize;
             let length = length.min(out.len());
             let (now, later) = core::mem::take(&mut out).split_at_mut(length);
-            match slope {
-                Some((index, step)) => self.add_slope(memory, per_frame, (index, step), now),
-                None if self.position >= self.fade_out_at => {}
-                None => self.add_flat(memory, per_frame, now),
+            match part {
+                Part::In(from) => self.add_slope(memory, per_frame, slope_of(self.fade_in).iter().skip(from), now),
+                Part::Out(from) => {
+                    self.add_slope(memory, per_frame, slope_of(self.fade_out).iter().rev().skip(from), now);
+                }
+                Part::Whole => self.add_flat(memory, per_frame, now),
+                Part::Over => {}
             }
             self.position = self.position.saturating_add(length as u32);
             out = later;
@@ -74,8 +144,8 @@ impl Stream {
 
     #[inline(never)]
     fn add_flat(&mut self, memory: &[Complex], per_frame: f32, mut out: &mut [f32]) {
-        let (mut position, mut gain) = (self.position, self.gain);
-        let (turn, points_log2) = (self.turn(), self.wave.points_log2);
+        let (mut position, mut gain) = (self.place(), self.gain);
+        let (turn, points_log2) = (self.turn(), self.wave.points_log2());
         let at = |position: u32| sample_pair(memory, position, turn, points_log2);
         if position % 2 == 1
             && let Some(first) = out.split_off_first_mut()
@@ -100,28 +170,35 @@ impl Stream {
     }
 
     #[inline(never)]
-    fn add_slope(&mut self, memory: &[Complex], per_frame: f32, (mut index, step): (u32, u32), mut out: &mut [f32]) {
-        let (mut position, mut gain) = (self.position, self.gain);
-        let (turn, points_log2) = (self.turn(), self.wave.points_log2);
+    fn add_slope<'s>(
+        &mut self,
+        memory: &[Complex],
+        per_frame: f32,
+        slope: impl Iterator<Item = &'s f32>,
+        mut out: &mut [f32],
+    ) {
+        let (mut position, mut gain) = (self.place(), self.gain);
+        let (turn, points_log2) = (self.turn(), self.wave.points_log2());
         let at = |position: u32| sample_pair(memory, position, turn, points_log2);
-        let window = |index: u32| SLOPE.get(index as usize).copied().unwrap_or(0.0);
+        let mut slope = slope.copied();
+        let mut window = || slope.next().unwrap_or(0.0);
         if position % 2 == 1
             && let Some(first) = out.split_off_first_mut()
         {
-            *first += at(position)[1] * (gain * window(index));
-            (position, index, gain) = (position + 1, index.wrapping_add(step), gain * per_frame);
+            *first += at(position)[1] * (gain * window());
+            (position, gain) = (position + 1, gain * per_frame);
         }
         let (pairs, last) = out.as_chunks_mut::<2>();
         for [even, odd] in pairs {
             let [x, y] = at(position);
             let next = gain * per_frame;
-            *even += x * (gain * window(index));
-            *odd += y * (next * window(index.wrapping_add(step)));
-            (position, index) = (position.wrapping_add(2), index.wrapping_add(step.wrapping_mul(2)));
+            *even += x * (gain * window());
+            *odd += y * (next * window());
+            position = position.wrapping_add(2);
             gain = next * per_frame;
         }
         if let Some(last) = last.first_mut() {
-            *last += at(position)[0] * (gain * window(index));
+            *last += at(position)[0] * (gain * window());
             gain *= per_frame;
         }
         self.gain = gain;
@@ -130,26 +207,44 @@ impl Stream {
     /// All ones where the wave is read backwards.
     #[inline(always)]
     fn turn(&self) -> u32 {
-        let is_backwards = (self.position >> (self.wave.points_log2 + 1)) & 1;
+        let is_backwards = (self.place() >> (self.wave.points_log2() + 1)) & 1;
         is_backwards.wrapping_neg()
     }
 
-    /// Frames left of the window's part, and where its slope stands in [`SLOPE`], with its step.
-    fn part(&self) -> (u32, Option<(u32, u32)>) {
-        let (steps, position) = (SLOPE_STEPS as u32, self.position);
+    /// Place in the wave, counted on beyond its end.
+    #[inline(always)]
+    fn place(&self) -> u32 {
+        self.position.wrapping_add(self.start)
+    }
+
+    /// Frames left of the window's part.
+    fn part(&self) -> (u32, Part) {
+        let position = self.position;
         let end = self.fade_out_at + self.fade_out;
         if position < self.fade_in {
-            let step = steps / self.fade_in;
-            (self.fade_in - position, Some((position * step, step)))
+            (self.fade_in - position, Part::In(position as usize))
         } else if position < self.fade_out_at {
-            (self.fade_out_at - position, None)
+            (self.fade_out_at - position, Part::Whole)
         } else if position < end {
-            let step = steps / self.fade_out.max(1);
-            (end - position, Some(((end - position) * step, step.wrapping_neg())))
+            (end - position, Part::Out((position - self.fade_out_at) as usize))
         } else {
-            (u32::MAX, None)
+            (u32::MAX, Part::Over)
         }
     }
+}
+
+/// The slope of so many frames.
+fn slope_of(frames: u32) -> &'static [f32] {
+    if frames == SHORT_FRAMES { &SHORT_SLOPE } else { &SLOPE }
+}
+
+/// A part of a window; a slope from a frame on.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    In(usize),
+    Whole,
+    Out(usize),
+    Over,
 }
 
 /// The samples at an even position and the next one, or those of the pair that an odd position is in; `turn` as of [`Stream::turn`].

@@ -1,0 +1,231 @@
+//! From the bands' energies to the lines of a frame's spectrum: how strong each is, and how it is tilted in time.
+//!
+//! A frame blurs a band's edges by about a line, so that a band that lasts would be heard, and measured, in a neighbour that is long over. Hence the stronger of
+//! two neighbours keeps away from their edge, by up to a line, and carries its energy in what is left of its width.
+//!
+//! Within a frame, a band falls faster or slower than all bands on average. A **tilt** `1 + c sin 2πt` (t from 0 to 1 over the frame) makes up for
+//! that. In frequency it is a line's sum with its two neighbours: cheap, and each band may have its own.
+
+use super::bands::{Bands, Common, under_window};
+use super::fourier::Complex;
+use super::square_root::square_root;
+use crate::noise::DEVIATION;
+
+/// How far the lines have come through the bands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cursor {
+    line: usize,
+    piece: Piece,
+    next: Next,
+}
+
+/// A band as a frame carries it, without what is behind.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    /// Cycles/sample.
+    low: f32,
+    high: f32,
+    /// Power per (cycle/sample) in the wave.
+    density: f32,
+    /// Half of c.
+    half_tilt: f32,
+}
+
+impl Piece {
+    /// Beyond all bands.
+    const END: Self = Self { low: 2.0, high: 2.0, density: 0.0, half_tilt: 0.0 };
+}
+
+/// The band that comes after a piece.
+#[derive(Clone, Copy, Debug)]
+struct Next {
+    band: usize,
+    lower: f32,
+    upper: f32,
+    /// What is left of it after a quarter of the frame.
+    quarter: f32,
+    /// Energy in the frame, per (cycle/sample).
+    energy: f32,
+    /// How far it keeps away from its lower edge.
+    retreat: f32,
+}
+
+/// How far the stronger of two bands keeps away from their edge, in lines, where the other one is nothing; never more than [`MOST`] of what it is wider than
+/// a line.
+const RETREAT: f32 = 1.25;
+const MOST: f32 = 1.0 / 3.0;
+/// The lowest band, where it is narrower than a line, loses to what is below it, and has nothing there that makes up for it: of its energy, so much more for
+/// each time that it fits a line beyond the first.
+const OUTER: f32 = 0.28;
+/// c is so many times `(q - p) / (q + p)`, p and q what is left after a quarter of a frame of the band and of all. Over the window that is the tilt that
+/// keeps the slope from frame to frame (fitted to decays of 20 to 400 dB/s beside each other).
+const TILT: f32 = 1.15;
+const STEEPEST: f32 = 0.9;
+
+impl Cursor {
+    /// At the lowest line, for bands that are up to date. `spacing` is that of the lines, cycles/sample.
+    pub(super) fn new(bands: &Bands, common: &Common, spacing: f32) -> Self {
+        let lower = bands.lower();
+        // A band of no width and no energy below the lowest one.
+        let next = Next { band: 0, lower, upper: lower, quarter: 1.0, energy: 0.0, retreat: 0.0 };
+        let mut new = Self { line: 0, piece: Piece::END, next };
+        new.advance(bands, common, spacing);
+        new.advance(bands, common, spacing);
+        let width = new.piece.high - new.piece.low;
+        if width > 0.0 {
+            new.piece.density *= 1.0 + OUTER * least(positive(spacing / width - 1.0), 8.0);
+        }
+        new
+    }
+
+    /// Lines that are behind.
+    pub(super) fn lines(&self) -> usize {
+        self.line
+    }
+
+    /// To the next band's piece.
+    #[inline(never)]
+    fn advance(&mut self, bands: &Bands, common: &Common, spacing: f32) {
+        let Next { band, lower, upper, quarter, energy, retreat } = self.next;
+        if band > bands.count() {
+            self.piece = Piece::END;
+            return;
+        }
+        let mut after = Next { band: band + 1, lower: upper, upper, quarter: 1.0, energy: 0.0, retreat: 0.0 };
+        if let Some(band) = bands.all().get(band) {
+            let e = band.per_eighth;
+            (after.upper, after.quarter, after.energy) = (band.upper, e * e, band.density * under_window(e));
+        }
+        let width = upper - lower;
+        let most = |width: f32| positive(least(RETREAT * spacing, MOST * (width - spacing)));
+        let mut high = upper;
+        if energy > after.energy {
+            high -= most(width) * (1.0 - after.energy / energy);
+        } else if after.energy > energy {
+            after.retreat = most(after.upper - upper) * (1.0 - energy / after.energy);
+        }
+        let low = lower + retreat;
+        let steep = TILT * (common.quarter - quarter) / (common.quarter + quarter);
+        let tilt = least(if steep > -STEEPEST { steep } else { -STEEPEST }, STEEPEST);
+        let [zeroth, first, second] = common.moments;
+        let window = zeroth + tilt * (2.0 * first + tilt * second);
+        let density = if high > low { energy * width / ((high - low) * window) } else { 0.0 };
+        (self.piece, self.next) = (Piece { low, high, density, half_tilt: 0.5 * tilt }, after);
+    }
+}
+
+/// Puts the lines' amplitudes into the real parts of a spectrum (of a wave twice as long), and the amplitudes times half their tilt into the imaginary
+/// parts, from where `cursor` stands until they have cost about so many cycles: the bands' powers, shared among the lines by how much of a line's width
+/// is in the band. A line has the tilt of the uppermost band in it. Gives the cycles.
+#[inline(never)]
+pub(super) fn fill_amplitudes(
+    bands: &Bands,
+    common: &Common,
+    spectrum: &mut [Complex],
+    cursor: &mut Cursor,
+    cycles: u32,
+) -> u32 {
+    let lines_per_cycle = 2.0 * spectrum.len() as f32;
+    let spacing = 1.0 / lines_per_cycle;
+    let Some(mut lines) = spectrum.get_mut(cursor.line..) else { return 0 };
+    let mut spent = 0;
+    while spent < cycles
+        && let Some(at_edge) = lines.split_off_first_mut()
+    {
+        let end = (cursor.line as f32 + 0.5) * spacing;
+        let (mut power, mut half_tilt) = (0.0, 0.0);
+        cursor.line += 1;
+        spent += LINE_CYCLES;
+        loop {
+            let Piece { low, high, density, half_tilt: own } = cursor.piece;
+            if low >= end {
+                break;
+            }
+            half_tilt = own;
+            if high > end {
+                power += density * (end - low);
+                cursor.piece.low = end;
+                break;
+            }
+            power += density * (high - low);
+            cursor.advance(bands, common, spacing);
+            spent += BAND_CYCLES;
+        }
+        *at_edge = line(power, half_tilt);
+        // Lines that a band, or nothing, fills are all alike.
+        let Piece { low, high, density, half_tilt } = cursor.piece;
+        let (up_to, power) = if low <= end { (high, density * spacing) } else { (low, 0.0) };
+        let beyond = (up_to * lines_per_cycle + 0.5) as usize;
+        let count = beyond.saturating_sub(cursor.line).min(lines.len());
+        if count > 0
+            && let Some(alike) = lines.split_off_mut(..count)
+        {
+            alike.fill(line(power, half_tilt));
+            cursor.line += count;
+            if low <= end {
+                cursor.piece.low = (cursor.line as f32 - 0.5) * spacing;
+            }
+            spent += count as u32 * ALIKE_CYCLES;
+        }
+    }
+    spent
+}
+
+/// Of a line's power and half its tilt its amplitude in units of the noise, and that times half the tilt; half the root, because a line beside its mirror
+/// image has 4 times the power of each of its two parts.
+#[inline(always)]
+fn line(power: f32, half_tilt: f32) -> Complex {
+    const SCALE: f32 = (0.5 / DEVIATION) as f32;
+    let amplitude = square_root(power) * SCALE;
+    [amplitude, amplitude * half_tilt]
+}
+
+/// The amplitudes of the lines of a strike's own frame, at a strike of the reference force, where `energy` gives of each band its energy in that frame per
+/// (cycle/sample).
+///
+/// Its few lines blur most. What a band loses to its neighbours is added before, and what it gets from them is taken away.
+pub(super) fn fill_onset(bands: &Bands, energy: impl Fn(usize) -> f32, amplitudes: &mut [f32]) {
+    /// Of a line's width, how much two bands beside an edge exchange.
+    const BLUR: f32 = 0.3;
+    let spacing = 0.5 / amplitudes.len() as f32;
+    amplitudes.fill(0.0);
+    let mut lower = bands.lower();
+    let count = bands.count();
+    for (index, band) in bands.all().iter().enumerate() {
+        let (own, width) = (energy(index), band.upper - lower);
+        let beside = |other: Option<usize>| other.filter(|&other| other < count).map_or(0.0, &energy);
+        let others = beside(index.checked_sub(1)) + beside(Some(index + 1));
+        let sharper = own + BLUR * spacing / width.max(1e-9) * (2.0 * own - others);
+        let density = sharper.max(0.4 * own).min(3.0 * own);
+        for (line, power) in amplitudes.iter_mut().enumerate() {
+            let (from, to) = ((line as f32 - 0.5) * spacing, (line as f32 + 0.5) * spacing);
+            *power += density * positive(to.min(band.upper) - from.max(lower));
+        }
+        lower = band.upper;
+    }
+    for amplitude in amplitudes {
+        *amplitude = line(*amplitude, 0.0)[0];
+    }
+}
+
+/// Cycles of a line with an edge, of a band, and of a line inside a band; measured on the virtual core.
+const LINE_CYCLES: u32 = 170;
+const BAND_CYCLES: u32 = 235;
+const ALIKE_CYCLES: u32 = 8;
+
+/// Cycles of all lines of a spectrum of so many, with so many bands.
+pub(super) fn amplitude_cycles(lines: usize, bands: usize) -> u32 {
+    let edges = bands.min(lines) as u32;
+    bands as u32 * BAND_CYCLES + edges * LINE_CYCLES + (lines as u32 - edges) * ALIKE_CYCLES
+}
+
+#[inline(always)]
+fn positive(x: f32) -> f32 {
+    if x > 0.0 { x } else { 0.0 }
+}
+
+/// The smaller one: in a compare and a move, which the library's is not.
+#[inline(always)]
+fn least(x: f32, y: f32) -> f32 {
+    if x < y { x } else { y }
+}
