@@ -2,11 +2,11 @@
 //!
 //! `y[2n] = A(a0) x[n]`, `y[2n+1] = A(a1) x[n]`, `A(a) = (a + z^-1)/(1 + a z^-1)`: images are 36 dB down from 0.3 of the higher rate on, where bands end at 0.2 of it.
 
-use super::crossover::half_band;
+use super::elliptic::Elliptic;
 use super::kernel;
 
-/// Width of the transition, of half the higher rate.
-const TRANSITION: f64 = 0.1;
+/// Where the pass band ends over where the stop band begins, as `tan(π f)`: at 0.2 and 0.3 of the higher rate.
+const SELECTIVITY: f64 = 0.527_864_045_000_420_6;
 
 /// The coefficients, the smaller as Q32, the other as Q31; the same at every rate.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +28,8 @@ impl Upsampler {
     pub(super) const NONE: Self = Self { a: [0; 2] };
 
     pub(super) fn new() -> Self {
-        let [a0, a1] = half_band::<2>(TRANSITION);
+        // At a half band's edge, with both sides alike, b0 is 1, and z^-1 has no part in a section.
+        let [a0, a1, ..] = Elliptic::even(2, SELECTIVITY).pairs.map(|[b1, _]| (2.0 - b1) / (2.0 + b1));
         Self { a: [libm::rint(a0 * 4_294_967_296.0) as i32, libm::rint(a1 * 2_147_483_648.0) as i32] }
     }
 

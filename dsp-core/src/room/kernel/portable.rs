@@ -124,11 +124,12 @@ pub(in crate::room) fn split(
     high: &mut [i32],
     thin: bool,
 ) -> u32 {
-    let ([c0, c1], [s0, s1]) = (&split.second, &mut state.second);
     high.copy_from_slice(low);
     first_order(split.first, &mut state.first, high);
-    section(c1, s1, high);
-    section(c0, s0, low);
+    let sections = split.second.iter().zip(&mut state.second).take(split.sections as usize);
+    for (index, (coefficients, state)) in sections.enumerate() {
+        section(coefficients, state, if index.is_multiple_of(2) { &mut *low } else { &mut *high });
+    }
     let mut sizes = 0;
     for (low, high) in low.iter_mut().zip(high.iter_mut()) {
         let (a, b) = (*low, *high);

@@ -1,14 +1,18 @@
-//! The kernels for a Cortex-M4F: `cortex_m4.s`, bit for bit what [`super::portable`] does.
+//! The kernels for a Cortex-M4F: the assembly beside this file, bit for bit what [`super::portable`] does.
 #![allow(unsafe_code)] // assembly
 
 use core::mem::offset_of;
 
 use super::super::BLOCK_FRAMES;
-use super::super::crossover::{Split, SplitState};
+use super::super::crossover::{MOST_SECTIONS, Split, SplitState};
 use super::super::network::{LINES, NetworkTick, Place, Sound};
 use super::super::turn::TURN_SAMPLES;
 
-core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
+core::arch::global_asm!(include_str!("network.s"), options(raw));
+core::arch::global_asm!(include_str!("levels.s"), options(raw));
+core::arch::global_asm!(include_str!("split.s"), options(raw));
+core::arch::global_asm!(include_str!("double.s"), options(raw));
+core::arch::global_asm!(include_str!("exchange.s"), options(raw));
 
 /// What a network's tick is told.
 #[repr(C)]
@@ -32,11 +36,12 @@ struct Call<'a> {
     radiation: u32,
 }
 
-// What cortex_m4.s counts on.
+// What the assembly counts on.
 const _: () = assert!(BLOCK_FRAMES == 128 && TURN_SAMPLES == 16 && LINES == 4 && offset_of!(Sound<i16>, output) == 512);
 const _: () = assert!(align_of::<Sound<i16>>() == 64 && offset_of!(Sound<i16>, input) == 0);
 const _: () = assert!(size_of::<Place>() == 4 && offset_of!(Place, left) == 2 && size_of::<Call<'_>>() == 64);
-const _: () = assert!(size_of::<Split>() == 20 && size_of::<SplitState>() == 52);
+const _: () =
+    assert!(offset_of!(Split, sections) == 4 && offset_of!(Split, second) == 8 && offset_of!(SplitState, second) == 12);
 
 unsafe extern "C" {
     fn malleus_room_network(call: &mut Call<'_>) -> u32;
@@ -69,7 +74,10 @@ pub(in crate::room) fn split(
     thin: bool,
 ) -> u32 {
     let count = low.len().min(high.len());
-    // SAFETY: both slices hold `count` elements.
+    if !(1..=MOST_SECTIONS as u32).contains(&split.sections) {
+        return 0;
+    }
+    // SAFETY: both slices hold `count` elements; there are as many sections and states as it says.
     unsafe { malleus_room_split(split, state, low.as_mut_ptr(), high.as_mut_ptr(), count, thin) }
 }
 
