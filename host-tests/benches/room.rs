@@ -41,14 +41,6 @@ fn follow(tables: &[Table], what: &str) {
                 let is_fair = of_ideal().all(|error| holds(&error));
                 fair += usize::from(is_fair);
                 own_fair += usize::from(is_fair && holds(error));
-                if is_fair && !holds(error) {
-                    println!(
-                        "    {band} of {:?}: {:.3}, ideal {:.3?}",
-                        table.bands,
-                        error.t60,
-                        of_ideal().map(|e| e.t60).collect::<Vec<_>>()
-                    );
-                }
                 energy_holds += usize::from(error.energy_db.abs() <= 1.0);
                 ideal_energy_holds += of_ideal().filter(|error| error.energy_db.abs() <= 1.0).count();
                 if is_fair {

@@ -70,8 +70,9 @@ pub struct Room<T: Sample, const SAMPLES: usize> {
     /// The first `count` are the table's, from the lowest up.
     bands: [Band; MAX_BANDS],
     count: usize,
-    upsampler: Upsampler,
-    upsamplers: [UpsamplerState; RATES],
+    /// From a rate to twice it, each by the number of halvings; the first is not used.
+    upsamplers: [Upsampler; RATES],
+    upsampler_states: [UpsamplerState; RATES],
     /// Doublings from the lowest band's rate.
     levels: usize,
     turn: Turn,
@@ -150,8 +151,8 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         Self {
             bands: [Band::NONE; MAX_BANDS],
             count: 0,
-            upsampler: Upsampler::NONE,
-            upsamplers: [UpsamplerState::SILENT; RATES],
+            upsamplers: [Upsampler::NONE; RATES],
+            upsampler_states: [UpsamplerState::SILENT; RATES],
             levels: 0,
             turn: Turn::NONE,
             inputs: [[0; BLOCK_FRAMES]; 2],
@@ -197,7 +198,9 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             below = plan.division;
             start += band.pairs;
         }
-        self.upsampler = Upsampler::new();
+        for (halvings, upsampler) in self.upsamplers.iter_mut().enumerate() {
+            *upsampler = Upsampler::new(plan::highest_end(&plans, 1 << halvings));
+        }
         self.turn = Turn::new(rate);
         self.levels = self.bands.first().map_or(0, |band| band.division.trailing_zeros() as usize);
         self.part_ends = plan::part_ends(&plans, bands.len());
@@ -256,7 +259,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         for band in &mut self.bands {
             (band.state, band.split_state) = (band.config.silent(), SplitState::SILENT);
         }
-        self.upsamplers = [UpsamplerState::SILENT; RATES];
+        self.upsampler_states = [UpsamplerState::SILENT; RATES];
         (self.inputs, self.outputs) = ([[0; BLOCK_FRAMES]; 2], [[[0; 2]; BLOCK_FRAMES]; 2]);
         (self.heard, self.worked) = (0, 0);
         self.work = Work::NONE;

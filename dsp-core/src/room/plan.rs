@@ -10,8 +10,9 @@ use crate::table::layout::RoomBandRecord;
 
 /// Bands that a room may have.
 pub const MAX_BANDS: usize = 8;
-/// Highest edge of a band that may run at a rate, of that rate: its split is 40 dB down where the spectrum folds.
-const EDGE: f64 = 0.42;
+/// Highest edge of a band that may run at a rate, of that rate, of few bands and of more: the lower it is, the weaker are the images that doubling leaves.
+const FEW_BANDS_EDGE: f64 = 0.42;
+const EDGE: f64 = 0.35;
 /// Of so few bands none is slower than this: doublings cost more than it saves.
 const FEW_BANDS: usize = 4;
 const FEW_BANDS_DIVISION: usize = 8;
@@ -33,6 +34,8 @@ pub(super) const MAX_BLOCKS: usize = 47;
 pub(super) struct BandPlan {
     /// It runs at the rate divided by this: 1, 2, 4 ... 32.
     pub division: usize,
+    /// Its upper edge, of its own rate.
+    pub to: f64,
     /// The split at its lower edge; none for the lowest band.
     pub split: Split,
     /// Delays of its lines of pairs at its own rate, distinct primes, rising.
@@ -45,7 +48,7 @@ pub(super) struct BandPlan {
 
 impl BandPlan {
     pub(super) const NONE: Self =
-        Self { division: 1, split: Split::NONE, delays: [0; LINES], decay_per_sample: 0.0, output: 0.0 };
+        Self { division: 1, to: 0.0, split: Split::NONE, delays: [0; LINES], decay_per_sample: 0.0, output: 0.0 };
 
     /// Samples of a block.
     pub(super) fn block(&self) -> usize {
@@ -84,12 +87,13 @@ pub(super) fn plan(
     }
     let mut plans = [BandPlan::NONE; MAX_BANDS];
     let mut delays_s = [0.0; MAX_BANDS];
-    let slowest = if bands.len() <= FEW_BANDS { FEW_BANDS_DIVISION } else { SLOWEST };
+    let (slowest, edge) = if bands.len() <= FEW_BANDS { (FEW_BANDS_DIVISION, FEW_BANDS_EDGE) } else { (SLOWEST, EDGE) };
     for (band, plan) in plans.iter_mut().enumerate().take(bands.len()) {
         let (from_hz, to_hz) = edges_hz(bands, band, hz);
-        while plan.division < slowest && to_hz * (2 * plan.division) as f64 <= EDGE * hz {
+        while plan.division < slowest && to_hz * (2 * plan.division) as f64 <= edge * hz {
             plan.division *= 2;
         }
+        plan.to = to_hz * plan.division as f64 / hz;
         if let (Some(record), Some(delay_s)) = (bands.get(band), delays_s.get_mut(band)) {
             let t60_s = T60_PER_TIME_CONSTANT / f64::from(record.decay_per_s.get());
             *delay_s = (DELAY_OF_T60 * t60_s).max(RESONANCES / (to_hz - from_hz));
@@ -122,6 +126,12 @@ const MAX_EDGE: f64 = 0.49;
 fn edges_hz(bands: &[RoomBandRecord], band: usize, hz: f64) -> (f64, f64) {
     let edge = |band: usize| bands.get(band).map_or(hz / 2.0, |record| f64::from(record.from_hz.get()));
     (edge(band), edge(band + 1))
+}
+
+/// Where the highest of the bands that run at the rate over `division`, or slower, ends: of that rate. 0 where none does.
+pub(super) fn highest_end(plans: &[BandPlan; MAX_BANDS], division: usize) -> f64 {
+    let slow = plans.iter().filter(|plan| plan.division >= division);
+    slow.map(|plan| plan.to * division as f64 / plan.division as f64).fold(0.0, f64::max)
 }
 
 /// A band as its neighbours' splits see it.
@@ -271,8 +281,8 @@ const FEW_BANDS_CYCLES: usize = 250 * PARTS;
 const CYCLES: usize = 680 * PARTS;
 /// Gain of a band that says 0, as splits see it.
 const LEAST_GAIN: f64 = 1e-4;
-/// Least factor of a band's energy: one that its neighbours' skirts fill already is not silenced.
-const LEAST_FACTOR: f64 = 0.6;
+/// Least factor of a band's energy: within its edges by a sixth of an octave, a band is as loud as the table says.
+const LEAST_FACTOR: f64 = 0.85;
 
 /// Where each tick's part of the work on a block is best cut: for each band from the highest down its split and its answer, and then the doublings.
 pub(super) fn part_ends(plans: &[BandPlan; MAX_BANDS], count: usize) -> [u8; TICKS] {

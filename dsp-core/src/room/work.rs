@@ -70,8 +70,9 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
     fn double(&mut self) {
         let [_, full_rate] = turned(&mut self.outputs, self.side);
         let [at_full_rate, written @ ..] = &mut self.work.written;
-        let [state, states @ ..] = &mut self.upsamplers;
-        for (level, state) in (1..self.levels).zip(states).rev() {
+        let [_, upsampler, upsamplers @ ..] = &self.upsamplers;
+        let [state, states @ ..] = &mut self.upsampler_states;
+        for ((level, state), upsampler) in (1..self.levels).zip(states).zip(upsamplers).rev() {
             let block = BLOCK_FRAMES >> level;
             let (slow, fast) = self.rates.split_at_mut(block);
             let (Some(slow), Some(fast)) = (slow.get_mut(block / 2..), fast.get_mut(..block)) else { return };
@@ -79,7 +80,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             if !*slow_written {
                 slow.fill([0; 2]);
             }
-            self.upsampler.render(state, slow, fast, *fast_written);
+            upsampler.render(state, slow, fast, *fast_written);
             *fast_written = true;
         }
         if self.levels > 0 {
@@ -87,7 +88,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             if !written.first().copied().unwrap_or_default() {
                 slow.fill([0; 2]);
             }
-            self.upsampler.render(state, slow, full_rate, *at_full_rate);
+            upsampler.render(state, slow, full_rate, *at_full_rate);
         } else if !*at_full_rate {
             full_rate.fill([0; 2]);
         }

@@ -71,7 +71,7 @@ pub(super) fn leanings(bands: &[RoomBand], divisions: &[usize], hz: f64) -> (Vec
     }
     let factor = |band: usize| {
         let wanted = width(band) - others[band] / energy(band);
-        (wanted / own[band].max(0.5 * width(band))).clamp(0.6, 1.0 / 0.6)
+        (wanted / own[band].max(0.5 * width(band))).clamp(0.85, 1.0 / 0.85)
     };
     (splits, (0..bands.len()).map(factor).collect())
 }

@@ -29,6 +29,8 @@ pub struct RoomBand {
 /// One band's network.
 pub(crate) struct Plan {
     division: usize,
+    /// Where the band ends, in Hz.
+    to_hz: f64,
     /// At the lower edge; none for the lowest band.
     split: Option<lean::Leaning>,
     /// Of pairs.
@@ -60,12 +62,18 @@ pub fn room(bands: &[RoomBand], dry: &[f64], rate: SampleRate, samples: usize) -
         };
         answers.push((division, network::render(plan, &high, hz)));
     }
+    // From the rate over `division` to twice it.
+    let double = |signal: &[f64], division: usize| {
+        let slow = plans.iter().filter(|plan| plan.division >= division);
+        let highest_hz = slow.map(|plan| plan.to_hz).fold(0.0, f64::max);
+        split::double(signal, highest_hz * division as f64 / hz)
+    };
     let mut sum = [Vec::new(), Vec::new()];
     for (own, answer) in answers.into_iter().rev() {
         for (sum, answer) in sum.iter_mut().zip(answer) {
             let mut slower = division;
             while slower > own {
-                *sum = split::double(sum);
+                *sum = double(sum, slower);
                 slower /= 2;
             }
             sum.resize(answer.len(), 0.0);
@@ -74,7 +82,7 @@ pub fn room(bands: &[RoomBand], dry: &[f64], rate: SampleRate, samples: usize) -
         division = own;
     }
     while division > 1 {
-        sum = sum.map(|side| split::double(&side));
+        sum = sum.map(|side| double(&side, division));
         division /= 2;
     }
     sum.map(|side| std::iter::repeat_n(0.0, 2 * BLOCK_FRAMES).chain(side).take(dry.len()).collect())
@@ -82,10 +90,10 @@ pub fn room(bands: &[RoomBand], dry: &[f64], rate: SampleRate, samples: usize) -
 
 fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
     let to_hz = |band: usize| bands.get(band + 1).map_or(hz / 2.0, |next| next.from_hz);
-    let slowest = if bands.len() <= 4 { 8 } else { 32 };
+    let (slowest, edge) = if bands.len() <= 4 { (8, 0.42) } else { (32, 0.35) };
     let divisions: Vec<usize> = (0..bands.len())
         .map(|band| {
-            let fits = |division: usize| to_hz(band) * division as f64 <= 0.42 * hz;
+            let fits = |division: usize| to_hz(band) * division as f64 <= edge * hz;
             [32, 16, 8, 4, 2].into_iter().find(|&division| division <= slowest && fits(division)).unwrap_or(1)
         })
         .collect();
@@ -125,7 +133,7 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
         let passed: Vec<f64> = gains.iter().map(|gain| gain * gain).collect();
         let given = 1.0 / 16.0 / (1.0 - passed.iter().sum::<f64>() / LINES as f64);
         let output = law.gain * (factors[band] / (2.0 * law.decay_per_s * given * (passed[2] + passed[3]))).sqrt();
-        Plan { division: divisions[band], split, delays, gains, output }
+        Plan { division: divisions[band], to_hz: to_hz(band), split, delays, gains, output }
     };
     (0..bands.len()).zip(splits).map(band).collect()
 }

@@ -87,9 +87,9 @@ pub(super) fn split(signal: &[f64], low_pass: &Elliptic, tangent: f64) -> (Vec<f
     (both().map(|(a, b)| (a + b) / 2.0).collect(), both().map(|(a, b)| (a - b) / 2.0).collect())
 }
 
-/// A signal at twice its rate: a half-band low-pass of fifth order, pass band to 0.2 of the higher rate.
-pub(super) fn double(signal: &[f64]) -> Vec<f64> {
-    let half_band = Elliptic::new(2, (PI / 5.0).tan().powi(2), 1.0);
+/// A signal at twice its rate: a half-band low-pass of fifth order, whose pass band ends at `to` of the lower rate.
+pub(super) fn double(signal: &[f64], to: f64) -> Vec<f64> {
+    let half_band = Elliptic::new(2, (PI / 2.0 * to.max(0.25)).tan().powi(2), 1.0);
     let branch = |[b1, _]: [f64; 2]| {
         let a = (2.0 - b1) / (2.0 + b1);
         filter(&[a, 1.0], &[1.0, a], signal)
