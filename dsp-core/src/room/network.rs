@@ -23,7 +23,7 @@ use super::BLOCK_FRAMES;
 use super::level::{Level, LevelState};
 use super::plan::BandPlan;
 use super::storage::Sample;
-use super::turn::{TURN_SAMPLES, Turn};
+use super::turn::{TURN_FRAMES, Turn};
 use crate::fixed;
 
 /// Lines of a network; each holds pairs.
@@ -51,8 +51,8 @@ pub struct NetworkTick<'a, T: Sample> {
     pub(super) lines: &'a [Place; LINES],
     pub(super) places: &'a mut [Place; LINES],
     pub(super) sound: &'a mut Sound<T>,
-    /// The angles of each sixteenth frame, and the fixed one.
-    pub(super) turns: (&'a [T::Turn], T::Turn),
+    /// The moving angles, how many frames each is for (a power of two, at most 16), and the fixed one.
+    pub(super) turns: (&'a [T::Turn], usize, T::Turn),
     /// Whether outputs are watched, or what is stored.
     pub(super) busy: bool,
     pub(super) input: &'a [i32],
@@ -252,18 +252,17 @@ fn settle<T: Sample>(memory: &mut [[T; 2]], line: &Place, place: Place, count: u
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turns<T: Sample> {
     /// Of each sixteenth frame.
-    moving: [T::Turn; BLOCK_FRAMES / TURN_SAMPLES],
-    /// Of each sixteenth frame of a band at half the rate, and at a quarter of it, where the first is that of all the slower ones.
-    half: [T::Turn; 4],
-    quarter: [T::Turn; 2],
+    moving: [T::Turn; BLOCK_FRAMES / TURN_FRAMES],
+    /// Of each 32nd, for bands at lower rates. Were they held for longer, their steps would spread what rings in one band over its neighbours, 31 dB down at an
+    /// eighth of the rate and sixteen samples a step.
+    half: [T::Turn; BLOCK_FRAMES / TURN_FRAMES / 2],
     fixed: T::Turn,
 }
 
 impl<T: Sample> Turns<T> {
     pub(super) const NONE: Self = Self {
-        moving: [T::NO_TURN; BLOCK_FRAMES / TURN_SAMPLES],
-        half: [T::NO_TURN; 4],
-        quarter: [T::NO_TURN; 2],
+        moving: [T::NO_TURN; BLOCK_FRAMES / TURN_FRAMES],
+        half: [T::NO_TURN; BLOCK_FRAMES / TURN_FRAMES / 2],
         fixed: T::NO_TURN,
     };
 
@@ -271,17 +270,15 @@ impl<T: Sample> Turns<T> {
     pub(super) fn new(turn: &Turn) -> Self {
         let moving = turn.steps().map(T::turn);
         let [a, _, b, _, c, _, d, _] = moving;
-        Self { moving, half: [a, b, c, d], quarter: [a, c], fixed: T::turn(ANGLE.map(|value| value << 16)) }
+        Self { moving, half: [a, b, c, d], fixed: T::turn(ANGLE.map(|value| value << 16)) }
     }
 
-    /// Those of a band of so many frames: moving, fixed.
-    fn of(&self, block: usize) -> (&[T::Turn], T::Turn) {
-        let moving: &[T::Turn] = match BLOCK_FRAMES / block.max(1) {
-            1 => &self.moving,
-            2 => &self.half,
-            _ => &self.quarter,
-        };
-        (moving, self.fixed)
+    /// Those of a band whose block is so many frames: moving, frames that each is for, fixed.
+    fn of(&self, block: usize) -> (&[T::Turn], usize, T::Turn) {
+        match block {
+            BLOCK_FRAMES => (&self.moving, TURN_FRAMES, self.fixed),
+            _ => (&self.half, (block / self.half.len()).max(1), self.fixed),
+        }
     }
 }
 

@@ -5,7 +5,6 @@ use super::super::crossover::{Split, SplitState};
 use super::super::level::{LOUD_BITS, QUIET_BITS};
 use super::super::network::{LINES, NetworkTick, Place, Radiation, Sound};
 use super::super::storage::Sample;
-use super::super::turn::TURN_SAMPLES;
 use crate::fixed;
 
 /// As [`Sample::network`].
@@ -48,13 +47,13 @@ fn pass<T: Sample>(
     lines: &[Place; LINES],
     places: &mut [Place; LINES],
     Sound { input, output }: &mut Sound<T>,
-    (turns, fixed): (&[T::Turn], T::Turn),
+    (turns, turn_frames, fixed): (&[T::Turn], usize, T::Turn),
     frames: usize,
     busy: bool,
 ) -> bool {
     let mut exceeded = false;
     let sound = input.iter().zip(output).take(frames);
-    let turns = turns.iter().flat_map(|turn| core::iter::repeat_n(turn, TURN_SAMPLES));
+    let turns = turns.iter().flat_map(|turn| core::iter::repeat_n(turn, turn_frames));
     for ((&x, out), moving) in sound.zip(turns) {
         let at = places.map(|place| usize::from(place.at));
         let Some(words) = at_each(memory, at) else { return exceeded };

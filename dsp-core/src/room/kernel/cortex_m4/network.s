@@ -161,12 +161,12 @@
 4:
     .endm
 
-@ Pass: a tick, cut where a line ends and where the angle changes, each sixteen frames.
+@ Pass: a block, cut where a line ends and where the angle changes.
 @ Layouts: call is memory 0, lines 4, positions 8, sound 12, frames 16, angles 20, fixed angle 24, busy 28, input 32, shift 36, gain 40, growth 44, out 48,
-@ gain 52, loss 56, what to do with `out` 60 (0 put, 1 add, 2 nothing); a line is where it begins and its length, halfwords in pairs; a position is
+@ gain 52, loss 56, what to do with `out` 60 (0 put, 1 add, 2 nothing), bits of an angle's bytes of input 64; a line is where it begins and its length, halfwords in pairs; a position is
 @ where it is and what is left to the line's end, alike.
-@ sp: memory, lines, positions, sound, frames left, angles, fixed angle, busy; this cut's frames left 32, angles less a sixteenth of
-@ the sound's address 36 (sound lies on 64 bytes: sixteen inputs), call 40.
+@ sp: memory, lines, positions, sound, frames left, angles, fixed angle, busy; this cut's frames left 32, angles less what of them
+@ the sound's address counts for 36 (sound lies on 64 bytes: sixteen inputs), call 40, bits of an angle's bytes 44.
     .macro begun line word
     uxth    r\line, \word
     add     r\line, r6, r\line, lsl #2
@@ -188,7 +188,7 @@
     .thumb_func
 malleus_room_network:
     push    {r4-r11, lr}
-    sub     sp, #44
+    sub     sp, #48
     ldm     r0, {r4-r11}
     stm     sp, {r4-r11}
     str     r0, [sp, #40]
@@ -197,9 +197,12 @@ malleus_room_network:
     add     r0, #32
     ldm     r0, {r0, r3-r5}
     preparing
+    ldr     r6, [sp, #40]
     ldr     r4, [sp, #12]
     ldr     r5, [sp, #20]
-    lsr     r4, r4, #6
+    ldr     r6, [r6, #64]
+    lsr     r4, r4, r6
+    str     r6, [sp, #44]
     sub     r5, r5, r4, lsl #2
     str     r5, [sp, #36]
     movs    r4, #0
@@ -226,17 +229,20 @@ malleus_room_network:
     ldr     r12, [sp, #16]
     sub     r12, r12, r9
     str     r12, [sp, #16]
-6:  ubfx    lr, r4, #2, #4
-    rsb     lr, lr, #16
+6:  ldr     r10, [sp, #44]
+    ldr     r12, [sp, #36]
+    ldr     r6, [sp, #24]
+    lsr     r5, r4, r10
+    add     lr, r5, #1
+    lsl     lr, lr, r10
+    ldr     r10, [sp, #28]
+    sub     lr, lr, r4
+    ldr     r5, [r12, r5, lsl #2]
+    lsr     lr, lr, #2
     cmp     lr, r9
     it      hi
     movhi   lr, r9
-    lsr     r5, r4, #6
     sub     r9, r9, lr
-    ldr     r12, [sp, #36]
-    ldr     r6, [sp, #24]
-    ldr     r10, [sp, #28]
-    ldr     r5, [r12, r5, lsl #2]
     str     r9, [sp, #32]
     cmp     r10, #0
     bne     7f
@@ -264,5 +270,5 @@ malleus_room_network:
     b       6f
 5:  radiating 0
 6:  and     r0, lr, #0x08000000
-    add     sp, #44
+    add     sp, #48
     pop     {r4-r11, pc}
