@@ -56,12 +56,18 @@ pub(super) fn sections_wanted(low: &Side, high: &Side) -> usize {
     LEAST_SECTIONS + usize::from(ratio >= UNLIKE) + usize::from(ratio >= FAR_APART)
 }
 
-/// The split of so many sections between two bands.
-pub(super) fn leaning(low: &Side, high: &Side, at: &Edge, sections: usize) -> Leaning {
+/// How much (dB) a band's skirt drowns another, beyond what bands alike do.
+pub(super) fn drowning_db(skirt: &Side, other: &Side) -> f64 {
+    let louder_db = 10.0 * libm::log10(skirt.energy / other.energy);
+    louder_db + LONGER_DB * libm::log2(other.decay_per_s / skirt.decay_per_s).clamp(-1.0, 1.0)
+}
+
+/// The split of so many sections between two bands, where the low side's skirt and the high side's drown what they reach by so much (dB).
+///
+/// What lies above the next band is behind that one's split too; but all that lies below is reached by the high side.
+pub(super) fn leaning(by_low_db: f64, by_high_db: f64, at: &Edge, sections: usize) -> Leaning {
     let k = SELECTIVITIES.get(sections - LEAST_SECTIONS).copied().unwrap_or(0.8);
-    let louder_db = 10.0 * libm::log10(low.energy / high.energy);
-    let longer = libm::log2(high.decay_per_s / low.decay_per_s).clamp(-1.0, 1.0);
-    let lean_db = louder_db + LONGER_DB * longer;
+    let lean_db = 0.5 * (by_low_db - by_high_db);
     let all_db = shared_db(sections, k);
     let high_db = (0.5 * (all_db - lean_db)).clamp(LEAST_DB, all_db - LEAST_DB);
     let filter = Elliptic::leaning(sections, k, high_db);

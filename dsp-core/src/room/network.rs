@@ -82,6 +82,8 @@ pub(super) struct NetworkConfig {
     ages: [Age; LINES],
     level: Level,
     block: u8,
+    /// Samples that are mixed by one angle.
+    turn_samples: u8,
 }
 
 /// Where in the network's memory a line begins, or is read and written next, and how many pairs are left to its end.
@@ -127,6 +129,7 @@ impl NetworkConfig {
         ages: [Age { blocks: 0, seam: 0 }; LINES],
         level: Level::NONE,
         block: 1,
+        turn_samples: 1,
     };
 
     pub(super) fn new(plan: &BandPlan) -> Self {
@@ -138,7 +141,13 @@ impl NetworkConfig {
         });
         let ages = plan.delays.map(|delay| Age::new(delay, plan.block()));
         let longest = ages.iter().fold(0, |longest: u8, age| longest.max(age.blocks));
-        Self { lines, ages, level: Level::new(plan, longest), block: plan.block() as u8 }
+        Self {
+            lines,
+            ages,
+            level: Level::new(plan, longest),
+            block: plan.block() as u8,
+            turn_samples: plan.turn_samples as u8,
+        }
     }
 
     /// All lines at their beginnings, and silent.
@@ -182,7 +191,7 @@ impl NetworkConfig {
             lines: &self.lines,
             places: &mut state.places,
             sound,
-            turns: turns.of(input.len()),
+            turns: turns.of(input.len(), usize::from(self.turn_samples)),
             busy: state.level.is_busy(),
             input,
             input_shift,
@@ -253,7 +262,7 @@ fn settle<T: Sample>(memory: &mut [[T; 2]], line: &Place, place: Place, count: u
 pub(super) struct Turns<T: Sample> {
     /// Of each sixteenth frame.
     moving: [T::Turn; BLOCK_FRAMES / TURN_FRAMES],
-    /// Of each 32nd, for bands at lower rates. Were they held for longer, their steps would spread what rings in one band over its neighbours, 31 dB down at an
+    /// Of each 32nd, for some slower bands. Were they held for longer, their steps would spread what rings in one band over its neighbours, 31 dB down at an
     /// eighth of the rate and sixteen samples a step.
     half: [T::Turn; BLOCK_FRAMES / TURN_FRAMES / 2],
     fixed: T::Turn,
@@ -273,12 +282,10 @@ impl<T: Sample> Turns<T> {
         Self { moving, half: [a, b, c, d], fixed: T::turn(ANGLE.map(|value| value << 16)) }
     }
 
-    /// Those of a band whose block is so many frames: moving, frames that each is for, fixed.
-    fn of(&self, block: usize) -> (&[T::Turn], usize, T::Turn) {
-        match block {
-            BLOCK_FRAMES => (&self.moving, TURN_FRAMES, self.fixed),
-            _ => (&self.half, (block / self.half.len()).max(1), self.fixed),
-        }
+    /// Those of a band whose block is so many samples: moving, samples that each is for, fixed.
+    fn of(&self, block: usize, samples: usize) -> (&[T::Turn], usize, T::Turn) {
+        let moving: &[T::Turn] = if samples * self.moving.len() == block { &self.moving } else { &self.half };
+        (moving, samples, self.fixed)
     }
 }
 
@@ -293,10 +300,4 @@ fn radiate_loud<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], shift: u32
         }
         gain = fixed::smmlsr(gain, gain, loss);
     }
-}
-
-/// Bits of the largest size in a block.
-pub(super) fn bits(block: &[i32]) -> i32 {
-    let sizes = block.iter().fold(0u32, |sizes, &x| sizes | (x ^ (x >> 31)) as u32);
-    32 - sizes.leading_zeros() as i32
 }

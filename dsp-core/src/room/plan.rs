@@ -4,6 +4,7 @@ use super::RoomError;
 use super::crossover::{LEAST_SECTIONS, MOST_SECTIONS, Split};
 use super::lean::{self, Edge, Leaning, Side};
 use super::network::{INPUT_GAIN, LINES};
+use super::turn::TURN_FRAMES;
 use super::{BLOCK_FRAMES, TICKS};
 use crate::SampleRate;
 use crate::table::layout::RoomBandRecord;
@@ -40,6 +41,8 @@ pub(super) struct BandPlan {
     pub split: Split,
     /// Delays of its lines of pairs at its own rate, distinct primes, rising.
     pub delays: [usize; LINES],
+    /// Samples that are mixed by one angle.
+    pub turn_samples: usize,
     /// Decay in nepers a sample at its own rate.
     pub decay_per_sample: f64,
     /// Gain of the output.
@@ -47,8 +50,15 @@ pub(super) struct BandPlan {
 }
 
 impl BandPlan {
-    pub(super) const NONE: Self =
-        Self { division: 1, to: 0.0, split: Split::NONE, delays: [0; LINES], decay_per_sample: 0.0, output: 0.0 };
+    pub(super) const NONE: Self = Self {
+        division: 1,
+        to: 0.0,
+        split: Split::NONE,
+        delays: [0; LINES],
+        turn_samples: 1,
+        decay_per_sample: 0.0,
+        output: 0.0,
+    };
 
     /// Samples of a block.
     pub(super) fn block(&self) -> usize {
@@ -108,6 +118,9 @@ pub(super) fn plan(
         let own_rate = hz / plan.division as f64;
         let decay_per_s = f64::from(record.decay_per_s.get());
         plan.delays = delays(0.5 * delay_s * own_rate, plan.block());
+        // Of few bands the middle ones are not worth the cycles of finer steps.
+        let coarse = bands.len() <= FEW_BANDS && (2..FEW_BANDS_DIVISION).contains(&plan.division);
+        plan.turn_samples = (if coarse { 2 * TURN_FRAMES } else { TURN_FRAMES } / plan.division).max(1);
         plan.decay_per_sample = decay_per_s / own_rate;
         plan.output = libm::sqrt(energy) * f64::from(record.gain.get()) * output_gain(plan, decay_per_s);
     }
@@ -154,8 +167,11 @@ fn split(plans: &mut [BandPlan; MAX_BANDS], bands: &[RoomBandRecord], hz: f64) -
         let ((from_hz, edge_hz), (_, to_hz)) = (edges_hz(bands, band, hz), edges_hz(bands, band + 1, hz));
         let Some(plan) = plans.get_mut(band + 1) else { break };
         let own_hz = hz / plan.division as f64;
+        let below = bands.iter().take(band + 1).map(|below| lean::drowning_db(&high, &side(below)));
+        let by_high_db = below.fold(f64::MIN, f64::max);
         let at = Edge { from: from_hz / own_hz, edge: edge_hz / own_hz, to: to_hz / own_hz };
-        let Leaning { split, lost_below, lost_above } = lean::leaning(&low, &high, &at, sections);
+        let Leaning { split, lost_below, lost_above } =
+            lean::leaning(lean::drowning_db(&low, &high), by_high_db, &at, sections);
         plan.split = split;
         if let (Some([own_low, own_high]), Some([others_low, others_high])) = (
             own.get_mut(band..).and_then(<[f64]>::first_chunk_mut),
@@ -272,7 +288,7 @@ const NETWORK_CYCLES: [usize; 2] = [55, 900];
 const DOUBLING_CYCLES: [usize; 2] = [28, 500];
 /// Of a further section a sample; of the exchange with the bus a frame, and of all that is done once a block, a band and frame.
 const SECTION_CYCLES: usize = 10;
-const FRAME_CYCLES: usize = 32;
+const FRAME_CYCLES: usize = 22;
 const BAND_CYCLES: usize = 12;
 /// Parts that a cycle is counted in: a slow band's share is not whole.
 const PARTS: usize = SLOWEST;
@@ -282,7 +298,7 @@ const CYCLES: usize = 680 * PARTS;
 /// Gain of a band that says 0, as splits see it.
 const LEAST_GAIN: f64 = 1e-4;
 /// Least factor of a band's energy: within its edges by a sixth of an octave, a band is as loud as the table says.
-const LEAST_FACTOR: f64 = 0.85;
+const LEAST_FACTOR: f64 = 0.9;
 
 /// Where each tick's part of the work on a block is best cut: for each band from the highest down its split and its answer, and then the doublings.
 pub(super) fn part_ends(plans: &[BandPlan; MAX_BANDS], count: usize) -> [u8; TICKS] {

@@ -2,7 +2,8 @@
 
 use core::cell::Cell;
 
-use super::network::{self, Turns};
+use super::crossover;
+use super::network::Turns;
 use super::storage::Sample;
 use super::{BLOCK_FRAMES, RATES, Room, Scratch, TICKS, turned};
 use crate::resonator::TICK_FRAMES;
@@ -109,10 +110,12 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         let (Some(low), Some(high)) = (low.get_mut(..block), self.scratch.high.get_mut(..block)) else { return };
         *division = own;
         *bits = if index == 0 {
-            for (high, low) in high.iter_mut().zip(low) {
+            let mut sizes = 0;
+            for (high, low) in high.iter_mut().zip(low.iter()) {
                 *high = *low << 1;
+                sizes |= (*high ^ (*high >> 31)) as u32;
             }
-            network::bits(high)
+            crossover::bits(sizes, high)
         } else {
             *division = if band.thins { 2 * own } else { own };
             band.split.render(&mut band.split_state, low, high, band.thins)

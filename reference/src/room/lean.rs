@@ -28,7 +28,7 @@ fn sections(bands: &[RoomBand], divisions: &[usize]) -> Vec<usize> {
     let rates: usize = divisions.iter().map(|division| 32 / division).sum();
     let splits: usize = divisions.iter().skip(1).map(|division| 32 / division).sum();
     let doubling = if divisions[0] > 1 { 28 * 32 } else { 0 };
-    let mut cycles = 55 * rates + 34 * splits + 32 * (32 + 12 * bands.len()) + doubling;
+    let mut cycles = 55 * rates + 34 * splits + 32 * (22 + 12 * bands.len()) + doubling;
     let limit = 32 * if bands.len() <= 4 { 250 } else { 680 };
     let mut sections = vec![2; bands.len().saturating_sub(1)];
     for count in [3, 4] {
@@ -48,14 +48,19 @@ pub(super) fn leanings(bands: &[RoomBand], divisions: &[usize], hz: f64) -> (Vec
     let edge_hz = |band: usize| bands.get(band).map_or(hz / 2.0, |band| band.from_hz);
     let energy = |band: usize| bands[band].gain.max(1e-4).powi(2) / (2.0 * bands[band].decay_per_s);
     let width = |band: usize| edge_hz(band + 1) - edge_hz(band);
+    // By how much a band's skirt drowns another.
+    let drowning_db = |skirt: usize, other: usize| {
+        let longer = (bands[other].decay_per_s / bands[skirt].decay_per_s).log2().clamp(-1.0, 1.0);
+        10.0 * (energy(skirt) / energy(other)).log10() + 20.0 * longer
+    };
     let mut own: Vec<f64> = (0..bands.len()).map(width).collect();
     let mut others = vec![0.0; bands.len()];
     let mut splits = Vec::new();
     for (low, sections) in sections(bands, divisions).into_iter().enumerate() {
         let high = low + 1;
         let k = [0.65, 0.72, 0.8][sections - 2];
-        let longer = (bands[high].decay_per_s / bands[low].decay_per_s).log2().clamp(-1.0, 1.0);
-        let lean_db = 10.0 * (energy(low) / energy(high)).log10() + 20.0 * longer;
+        let by_high_db = (0..=low).map(|below| drowning_db(high, below)).fold(f64::MIN, f64::max);
+        let lean_db = 0.5 * (drowning_db(low, high) - by_high_db);
         let all_db = shared_db(sections, k);
         let low_pass = Elliptic::leaning(sections, k, (0.5 * (all_db - lean_db)).clamp(10.0, all_db - 10.0));
         let own_hz = hz / divisions[high] as f64;
@@ -71,7 +76,7 @@ pub(super) fn leanings(bands: &[RoomBand], divisions: &[usize], hz: f64) -> (Vec
     }
     let factor = |band: usize| {
         let wanted = width(band) - others[band] / energy(band);
-        (wanted / own[band].max(0.5 * width(band))).clamp(0.85, 1.0 / 0.85)
+        (wanted / own[band].max(0.5 * width(band))).clamp(0.9, 1.0 / 0.9)
     };
     (splits, (0..bands.len()).map(factor).collect())
 }

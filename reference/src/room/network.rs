@@ -14,8 +14,7 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
     let mut out = [Vec::with_capacity(input.len()), Vec::with_capacity(input.len())];
     let fixed = (14_111f64 / 32_768.0).atan2(29_574.0 / 32_768.0).sin_cos();
     for (frame, &x) in input.iter().enumerate() {
-        let held = if plan.division == 1 { 16 } else { 32 / plan.division };
-        let moving = turn(frame / block, frame % block / held * held, block, hz);
+        let moving = turn(frame / block, frame % block / plan.held * plan.held, block, hz);
         let read = |line: usize| lines[line][frame].map(|value| plan.gains[line] * value);
         let reflected = |[a, b]: [f64; 2], (sine, cosine): (f64, f64)| [cosine * a + sine * b, sine * a - cosine * b];
         let rotated = |[a, b]: [f64; 2], (sine, cosine): (f64, f64)| [cosine * a - sine * b, sine * a + cosine * b];

@@ -1,7 +1,7 @@
 //! The kernels in plain Rust: the definition of the bits.
 
 #[cfg(not(cortex_m4f))]
-use super::super::crossover::{Split, SplitState};
+use super::super::crossover::{SHAPED_FIRST, Split, SplitState};
 use super::super::level::{LOUD_BITS, QUIET_BITS};
 use super::super::network::{LINES, NetworkTick, Place, Radiation, Sound};
 use super::super::storage::Sample;
@@ -163,14 +163,19 @@ pub(in crate::room) fn section(&[half_c1, half_c2]: &[i32; 2], state: &mut [i32;
     *state = [x1, x2, y1, y2, rest];
 }
 
-/// `y = x1 - α (x - y1)`, with what is cut off carried on in the same way.
+/// `y = x1 - α (x - y1)`, with what is cut off carried on in the same way where α is above [`SHAPED_FIRST`].
 #[cfg(not(cortex_m4f))]
 pub(in crate::room) fn first_order(alpha: i32, state: &mut [i32; 3], block: &mut [i32]) {
     let [mut x1, mut y1, mut rest] = *state;
     for x in block {
-        let sum = i64::from(*x - y1) * i64::from(alpha) + i64::from(rest as u32);
-        rest = sum as i32;
-        let y = x1 - ((sum >> 32) << 1) as i32;
+        let product = if alpha > SHAPED_FIRST {
+            let sum = i64::from(*x - y1) * i64::from(alpha) + i64::from(rest as u32);
+            rest = sum as i32;
+            (sum >> 32) as i32
+        } else {
+            fixed::smmulr(*x - y1, alpha)
+        };
+        let y = x1 - (product << 1);
         (x1, y1) = (*x, y);
         *x = y;
     }

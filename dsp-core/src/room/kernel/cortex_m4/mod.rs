@@ -4,7 +4,7 @@
 use core::mem::offset_of;
 
 use super::super::BLOCK_FRAMES;
-use super::super::crossover::{MOST_SECTIONS, Split, SplitState};
+use super::super::crossover::{MOST_SECTIONS, SHAPED_FIRST, Split, SplitState};
 use super::super::network::{LINES, NetworkTick, Place, Sound};
 
 core::arch::global_asm!(include_str!("network.s"), options(raw));
@@ -41,8 +41,12 @@ struct Call<'a> {
 const _: () = assert!(BLOCK_FRAMES == 128 && LINES == 4 && offset_of!(Sound<i16>, output) == 512);
 const _: () = assert!(align_of::<Sound<i16>>() == 64 && offset_of!(Sound<i16>, input) == 0);
 const _: () = assert!(size_of::<Place>() == 4 && offset_of!(Place, left) == 2 && size_of::<Call<'_>>() == 68);
-const _: () =
-    assert!(offset_of!(Split, sections) == 4 && offset_of!(Split, second) == 8 && offset_of!(SplitState, second) == 12);
+const _: () = assert!(
+    offset_of!(Split, sections) == 4
+        && offset_of!(Split, second) == 8
+        && offset_of!(SplitState, second) == 12
+        && SHAPED_FIRST == 0x6800_0000
+);
 
 unsafe extern "C" {
     fn malleus_room_network(call: &mut Call<'_>) -> u32;

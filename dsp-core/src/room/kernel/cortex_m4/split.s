@@ -19,12 +19,41 @@
     str     \y2, [r0, #\at]
     .endm
 
-    .macro first_order x x1
+    .macro first_order x x1 shaped
     sub     r8, \x, r5
+    .if \shaped
     mov     r7, #0
     smlal   r6, r7, r8, r3
+    .else
+    smmulr  r7, r8, r3
+    .endif
     sub     r5, \x1, r7, lsl #1
     str     r5, [r1], #4
+    .endm
+
+@ The first-order section over a block: r0 from, r1 to, r2 count, r3 α, r4-r6 state.
+    .macro first_orders shaped
+    subs    r2, #4
+    blt     2f
+1:  ldr     r9, [r0]
+    ldr     r10, [r0, #4]
+    first_order r9, r4, \shaped
+    first_order r10, r9, \shaped
+    ldr     r9, [r0, #8]
+    ldr     r4, [r0, #12]
+    adds    r0, #16
+    first_order r9, r10, \shaped
+    first_order r4, r9, \shaped
+    subs    r2, #4
+    bge     1b
+2:  adds    r2, #4
+    beq     4f
+3:  ldr     r9, [r0], #4
+    first_order r9, r4, \shaped
+    mov     r4, r9
+    subs    r2, #1
+    bne     3b
+4:
     .endm
 
     .macro parted low high at whole
@@ -99,27 +128,12 @@ malleus_room_split:
     mov     r0, r2
     ldm     r12, {r4-r6}
     ldr     r2, [sp, #56]
-    subs    r2, #4
-    blt     2f
-1:  ldr     r9, [r0]
-    ldr     r10, [r0, #4]
-    first_order r9, r4
-    first_order r10, r9
-    ldr     r9, [r0, #8]
-    ldr     r4, [r0, #12]
-    adds    r0, #16
-    first_order r9, r10
-    first_order r4, r9
-    subs    r2, #4
-    bge     1b
-2:  adds    r2, #4
-    beq     4f
-3:  ldr     r9, [r0], #4
-    first_order r9, r4
-    mov     r4, r9
-    subs    r2, #1
-    bne     3b
-4:  stm     r12, {r4-r6}
+    cmp     r3, #0x68000000
+    bgt     5f
+    first_orders 0
+    b       6f
+5:  first_orders 1
+6:  stm     r12, {r4-r6}
 @ Sections, by turns of low and of high; r2 counts them.
     movs    r2, #0
 7:  ldr     r10, [sp]
