@@ -118,8 +118,8 @@ pub(super) fn plan(
         let own_rate = hz / plan.division as f64;
         let decay_per_s = f64::from(record.decay_per_s.get());
         plan.delays = delays(0.5 * delay_s * own_rate, plan.block());
-        // Of few bands the middle ones are not worth the cycles of finer steps.
-        let coarse = bands.len() <= FEW_BANDS && (2..FEW_BANDS_DIVISION).contains(&plan.division);
+        // Of few bands the slower ones have no cycles for finer steps.
+        let coarse = bands.len() <= FEW_BANDS && plan.division > 1;
         plan.turn_samples = (if coarse { 2 * TURN_FRAMES } else { TURN_FRAMES } / plan.division).max(1);
         plan.decay_per_sample = decay_per_s / own_rate;
         plan.output = libm::sqrt(energy) * f64::from(record.gain.get()) * output_gain(plan, decay_per_s);
@@ -288,7 +288,7 @@ const NETWORK_CYCLES: [usize; 2] = [55, 900];
 const DOUBLING_CYCLES: [usize; 2] = [28, 500];
 /// Of a further section a sample; of the exchange with the bus a frame, and of all that is done once a block, a band and frame.
 const SECTION_CYCLES: usize = 10;
-const FRAME_CYCLES: usize = 22;
+const FRAME_CYCLES: usize = 28;
 const BAND_CYCLES: usize = 12;
 /// Parts that a cycle is counted in: a slow band's share is not whole.
 const PARTS: usize = SLOWEST;

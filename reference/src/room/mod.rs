@@ -135,7 +135,7 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
         let passed: Vec<f64> = gains.iter().map(|gain| gain * gain).collect();
         let given = 1.0 / 16.0 / (1.0 - passed.iter().sum::<f64>() / LINES as f64);
         let output = law.gain * (factors[band] / (2.0 * law.decay_per_s * given * (passed[2] + passed[3]))).sqrt();
-        let held_frames = if bands.len() <= 4 && [2, 4].contains(&divisions[band]) { 32 } else { 16 };
+        let held_frames = if bands.len() <= 4 && divisions[band] > 1 { 32 } else { 16 };
         let held = (held_frames / divisions[band]).max(1);
         Plan { held, division: divisions[band], to_hz: to_hz(band), split, delays, gains, output }
     };
