@@ -24,29 +24,31 @@
 //!
 //! | what | figure |
 //! | --- | --- |
-//! | against the twin in f64, T60 0.2 to 20 s | 32-bit lines 104 dB and more; 16-bit lines 51 dB and more |
-//! | T60 of bands with 300 and more independent samples (band width times T60), neighbours within a factor of 2 | within 5 % (23 of 23) |
-//! | energy of the same | within 0.3 dB |
+//! | against the twin in f64, T60 0.2 to 20 s | 32-bit lines 103 dB and more; 16-bit lines 51 dB and more |
+//! | T60 within 5 %, of bands with 300 and more independent samples (band width times T60), neighbours within a factor of 2 | 23 of 23 (4 bands), 17 of 17 (8) |
+//! | any neighbours from 0.2 to 6 s, gains ±6 dB | 15 of 17 (4 bands), 12 of 13 (8) |
+//! | energy of the same | within 1.01 dB |
 //! | peaks a second, 80 to 100 ms after an impulse | 6 300 and more |
-//! | spectral crest of a late second, T60 6 s; noise has 10.4 dB | 11.5 dB with 48 KB of lines, 14.2 dB with 16 KB |
-//! | nominal cycles a frame, mean, noise | 247 with 4 bands (dearest tick 419), 312 with 8 (499) |
-//! | RAM with 48 KB of lines | 57 088 bytes |
+//! | spectral crest of a late second, T60 6 s; noise has 10.4 dB | 11.5 dB with 48 KB of lines, 14.3 dB with 16 KB |
+//! | nominal cycles a frame, mean, noise | 249 with 4 bands (dearest tick 421), 322 with 8 (500) |
+//! | RAM with 48 KB of lines | 57 600 bytes |
 
 mod crossover;
+mod elliptic;
 mod error;
 mod kernel;
+mod lean;
 mod level;
 mod network;
 mod plan;
 mod storage;
 mod turn;
 mod upsample;
+mod work;
 
 pub use error::RoomError;
 pub use plan::MAX_BANDS;
 pub use storage::Sample;
-
-use core::cell::Cell;
 
 use crate::SampleRate;
 use crate::resonator::TICK_FRAMES;
@@ -55,6 +57,7 @@ use crossover::{Split, SplitState};
 use network::{NetworkConfig, NetworkState, Sound, Turns};
 use turn::Turn;
 use upsample::{Upsampler, UpsamplerState};
+use work::Work;
 
 /// Frames that are worked on together, a part of the work at each of its ticks: a quarter of the beginnings and ends.
 const BLOCK_FRAMES: usize = TICKS * TICK_FRAMES;
@@ -68,8 +71,9 @@ pub struct Room<T: Sample, const SAMPLES: usize> {
     /// The first `count` are the table's, from the lowest up.
     bands: [Band; MAX_BANDS],
     count: usize,
-    upsampler: Upsampler,
-    upsamplers: [UpsamplerState; RATES],
+    /// From a rate to twice it, each by the number of halvings; the first is not used.
+    upsamplers: [Upsampler; RATES],
+    upsampler_states: [UpsamplerState; RATES],
     /// Doublings from the lowest band's rate.
     levels: usize,
     turn: Turn,
@@ -123,26 +127,6 @@ struct Band {
     start: u16,
 }
 
-/// How far the work on a block is.
-#[derive(Clone, Copy, Debug)]
-struct Work {
-    /// What comes next: for each band from the highest down its split and its answer, and then the doublings.
-    next: usize,
-    /// Bits of the largest size in what was parted last.
-    bits: i32,
-    /// What the input has been thinned to.
-    division: usize,
-    /// The rates at which there is an answer.
-    written: [bool; RATES],
-    /// Whether all bands were asleep.
-    asleep: bool,
-    begun: bool,
-}
-
-impl Work {
-    const NONE: Self = Self { next: 0, bits: 0, division: 1, written: [false; RATES], asleep: true, begun: false };
-}
-
 impl Band {
     const NONE: Self = Self {
         config: NetworkConfig::NONE,
@@ -168,8 +152,8 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         Self {
             bands: [Band::NONE; MAX_BANDS],
             count: 0,
-            upsampler: Upsampler::NONE,
-            upsamplers: [UpsamplerState::SILENT; RATES],
+            upsamplers: [Upsampler::NONE; RATES],
+            upsampler_states: [UpsamplerState::SILENT; RATES],
             levels: 0,
             turn: Turn::NONE,
             inputs: [[0; BLOCK_FRAMES]; 2],
@@ -205,7 +189,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             *band = Band {
                 state: NetworkConfig::new(plan).silent(),
                 config: NetworkConfig::new(plan),
-                split: if plan.edge > 0.0 { Split::new(plan.edge) } else { Split::NONE },
+                split: plan.split,
                 division: plan.division as u8,
                 thins: below > plan.division,
                 pairs: plan.delays.iter().sum::<usize>() as u16,
@@ -215,7 +199,9 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             below = plan.division;
             start += band.pairs;
         }
-        self.upsampler = Upsampler::new();
+        for (halvings, upsampler) in self.upsamplers.iter_mut().enumerate() {
+            *upsampler = Upsampler::new(plan::highest_end(&plans, 1 << halvings));
+        }
         self.turn = Turn::new(rate);
         self.levels = self.bands.first().map_or(0, |band| band.division.trailing_zeros() as usize);
         self.part_ends = plan::part_ends(&plans, bands.len());
@@ -269,124 +255,12 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         self.silent &= self.heard == 0;
     }
 
-    /// At a block's end: what came in is worked on, what was worked on goes out.
-    fn begin(&mut self) {
-        self.passed = 0;
-        if self.silent {
-            return;
-        }
-        self.side = !self.side;
-        (self.worked, self.heard) = (self.heard, 0);
-        self.turn.advance();
-        self.scratch.turns = Turns::new(&self.turn);
-        self.work = Work { begun: true, ..Work::NONE };
-    }
-
-    /// At each tick's end: a part of the work on a block.
-    #[inline(never)]
-    fn work_on(&mut self) {
-        if !self.work.begun {
-            return;
-        }
-        let part = self.passed / TICK_FRAMES;
-        while self.part_ends.get(part).is_some_and(|&end| self.work.next < usize::from(end)) {
-            let band = self.count.wrapping_sub(1 + self.work.next / 2);
-            match self.work.next {
-                next if next == 2 * self.count => self.double(),
-                next if next.is_multiple_of(2) => self.split(band),
-                _ => self.answer(band),
-            }
-            self.work.next += 1;
-        }
-        if part + 1 == TICKS {
-            if self.work.asleep && self.worked == 0 && self.heard == 0 {
-                self.clear();
-            }
-            self.work.begun = false;
-        }
-    }
-
-    /// Brings what sounds at lower rates to the full one.
-    fn double(&mut self) {
-        let [_, full_rate] = turned(&mut self.outputs, self.side);
-        let [at_full_rate, written @ ..] = &mut self.work.written;
-        let [state, states @ ..] = &mut self.upsamplers;
-        for (level, state) in (1..self.levels).zip(states).rev() {
-            let block = BLOCK_FRAMES >> level;
-            let (slow, fast) = self.rates.split_at_mut(block);
-            let (Some(slow), Some(fast)) = (slow.get_mut(block / 2..), fast.get_mut(..block)) else { return };
-            let Some([fast_written, slow_written]) = written.get_mut(level - 1..=level) else { return };
-            if !*slow_written {
-                slow.fill([0; 2]);
-            }
-            self.upsampler.render(state, slow, fast, *fast_written);
-            *fast_written = true;
-        }
-        if self.levels > 0 {
-            let (_, slow) = self.rates.split_at_mut(BLOCK_FRAMES / 2);
-            if !written.first().copied().unwrap_or_default() {
-                slow.fill([0; 2]);
-            }
-            self.upsampler.render(state, slow, full_rate, *at_full_rate);
-        } else if !*at_full_rate {
-            full_rate.fill([0; 2]);
-        }
-    }
-
-    /// Parts a band from what came in; what lies below it stays.
-    fn split(&mut self, index: usize) {
-        let Work { division, bits, .. } = &mut self.work;
-        let [_, low] = turned(&mut self.inputs, self.side);
-        let Some(band) = self.bands.get_mut(index) else { return };
-        let own = usize::from(band.division);
-        if own > *division
-            && let Some(low) = low.get_mut(..BLOCK_FRAMES / *division)
-        {
-            thin(low, own / *division);
-        }
-        let block = BLOCK_FRAMES / own;
-        let (Some(low), Some(high)) = (low.get_mut(..block), self.scratch.high.get_mut(..block)) else { return };
-        *division = own;
-        *bits = if index == 0 {
-            for (high, low) in high.iter_mut().zip(low) {
-                *high = *low << 1;
-            }
-            network::bits(high)
-        } else {
-            *division = if band.thins { 2 * own } else { own };
-            band.split.render(&mut band.split_state, low, high, band.thins)
-        };
-    }
-
-    /// Lets a band answer to what was parted for it.
-    fn answer(&mut self, index: usize) {
-        let Scratch { high, sound, turns } = &mut self.scratch;
-        let Work { written, asleep, bits, .. } = &mut self.work;
-        let [_, full_rate] = turned(&mut self.outputs, self.side);
-        let (memory, _) = self.memory.0.as_chunks_mut::<2>();
-        let Some(band) = self.bands.get_mut(index) else { return };
-        if band.config.sleeps(&band.state, *bits) {
-            return;
-        }
-        let own = usize::from(band.division);
-        let block = BLOCK_FRAMES / own;
-        let out = if own == 1 { full_rate.get_mut(..) } else { self.rates.get_mut(block..2 * block) };
-        let lines = memory.get_mut(usize::from(band.start)..usize::from(band.start) + usize::from(band.pairs));
-        let (Some(lines), Some(out), Some(written), Some(high)) =
-            (lines, out, written.get_mut(own.trailing_zeros() as usize), high.get(..block))
-        else {
-            return;
-        };
-        *asleep = false;
-        *written |= band.config.render(&mut band.state, lines, (high, *bits), turns, sound, (out, *written));
-    }
-
     /// Back to silence, where a network that sleeps has cleared its lines.
     fn clear(&mut self) {
         for band in &mut self.bands {
             (band.state, band.split_state) = (band.config.silent(), SplitState::SILENT);
         }
-        self.upsamplers = [UpsamplerState::SILENT; RATES];
+        self.upsampler_states = [UpsamplerState::SILENT; RATES];
         (self.inputs, self.outputs) = ([[0; BLOCK_FRAMES]; 2], [[[0; 2]; BLOCK_FRAMES]; 2]);
         (self.heard, self.worked) = (0, 0);
         self.work = Work::NONE;
@@ -397,15 +271,4 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
 /// What comes in or goes out, and what is worked on.
 fn turned<B>([a, b]: &mut [B; 2], side: bool) -> [&mut B; 2] {
     if side { [b, a] } else { [a, b] }
-}
-
-/// Keeps every `step`th sample, a power of two.
-fn thin(block: &mut [i32], step: usize) {
-    let mut block = Cell::from_mut(block).as_slice_of_cells();
-    for _ in 0..step.trailing_zeros() {
-        for (to, [from, _]) in block.iter().zip(block.as_chunks::<2>().0) {
-            to.set(from.get());
-        }
-        block = block.get(..block.len() / 2).unwrap_or_default();
-    }
 }

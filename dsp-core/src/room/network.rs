@@ -23,7 +23,7 @@ use super::BLOCK_FRAMES;
 use super::level::{Level, LevelState};
 use super::plan::BandPlan;
 use super::storage::Sample;
-use super::turn::{TURN_SAMPLES, Turn};
+use super::turn::{TURN_FRAMES, Turn};
 use crate::fixed;
 
 /// Lines of a network; each holds pairs.
@@ -51,8 +51,8 @@ pub struct NetworkTick<'a, T: Sample> {
     pub(super) lines: &'a [Place; LINES],
     pub(super) places: &'a mut [Place; LINES],
     pub(super) sound: &'a mut Sound<T>,
-    /// The angles of each sixteenth frame, and the fixed one.
-    pub(super) turns: (&'a [T::Turn], T::Turn),
+    /// The moving angles, how many frames each is for (a power of two, at most 16), and the fixed one.
+    pub(super) turns: (&'a [T::Turn], usize, T::Turn),
     /// Whether outputs are watched, or what is stored.
     pub(super) busy: bool,
     pub(super) input: &'a [i32],
@@ -82,6 +82,8 @@ pub(super) struct NetworkConfig {
     ages: [Age; LINES],
     level: Level,
     block: u8,
+    /// Samples that are mixed by one angle.
+    turn_samples: u8,
 }
 
 /// Where in the network's memory a line begins, or is read and written next, and how many pairs are left to its end.
@@ -127,6 +129,7 @@ impl NetworkConfig {
         ages: [Age { blocks: 0, seam: 0 }; LINES],
         level: Level::NONE,
         block: 1,
+        turn_samples: 1,
     };
 
     pub(super) fn new(plan: &BandPlan) -> Self {
@@ -138,7 +141,13 @@ impl NetworkConfig {
         });
         let ages = plan.delays.map(|delay| Age::new(delay, plan.block()));
         let longest = ages.iter().fold(0, |longest: u8, age| longest.max(age.blocks));
-        Self { lines, ages, level: Level::new(plan, longest), block: plan.block() as u8 }
+        Self {
+            lines,
+            ages,
+            level: Level::new(plan, longest),
+            block: plan.block() as u8,
+            turn_samples: plan.turn_samples as u8,
+        }
     }
 
     /// All lines at their beginnings, and silent.
@@ -182,7 +191,7 @@ impl NetworkConfig {
             lines: &self.lines,
             places: &mut state.places,
             sound,
-            turns: turns.of(input.len()),
+            turns: turns.of(input.len(), usize::from(self.turn_samples)),
             busy: state.level.is_busy(),
             input,
             input_shift,
@@ -252,18 +261,17 @@ fn settle<T: Sample>(memory: &mut [[T; 2]], line: &Place, place: Place, count: u
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turns<T: Sample> {
     /// Of each sixteenth frame.
-    moving: [T::Turn; BLOCK_FRAMES / TURN_SAMPLES],
-    /// Of each sixteenth frame of a band at half the rate, and at a quarter of it, where the first is that of all the slower ones.
-    half: [T::Turn; 4],
-    quarter: [T::Turn; 2],
+    moving: [T::Turn; BLOCK_FRAMES / TURN_FRAMES],
+    /// Of each 32nd, for some slower bands. Were they held for longer, their steps would spread what rings in one band over its neighbours, 31 dB down at an
+    /// eighth of the rate and sixteen samples a step.
+    half: [T::Turn; BLOCK_FRAMES / TURN_FRAMES / 2],
     fixed: T::Turn,
 }
 
 impl<T: Sample> Turns<T> {
     pub(super) const NONE: Self = Self {
-        moving: [T::NO_TURN; BLOCK_FRAMES / TURN_SAMPLES],
-        half: [T::NO_TURN; 4],
-        quarter: [T::NO_TURN; 2],
+        moving: [T::NO_TURN; BLOCK_FRAMES / TURN_FRAMES],
+        half: [T::NO_TURN; BLOCK_FRAMES / TURN_FRAMES / 2],
         fixed: T::NO_TURN,
     };
 
@@ -271,17 +279,13 @@ impl<T: Sample> Turns<T> {
     pub(super) fn new(turn: &Turn) -> Self {
         let moving = turn.steps().map(T::turn);
         let [a, _, b, _, c, _, d, _] = moving;
-        Self { moving, half: [a, b, c, d], quarter: [a, c], fixed: T::turn(ANGLE.map(|value| value << 16)) }
+        Self { moving, half: [a, b, c, d], fixed: T::turn(ANGLE.map(|value| value << 16)) }
     }
 
-    /// Those of a band of so many frames: moving, fixed.
-    fn of(&self, block: usize) -> (&[T::Turn], T::Turn) {
-        let moving: &[T::Turn] = match BLOCK_FRAMES / block.max(1) {
-            1 => &self.moving,
-            2 => &self.half,
-            _ => &self.quarter,
-        };
-        (moving, self.fixed)
+    /// Those of a band whose block is so many samples: moving, samples that each is for, fixed.
+    fn of(&self, block: usize, samples: usize) -> (&[T::Turn], usize, T::Turn) {
+        let moving: &[T::Turn] = if samples * self.moving.len() == block { &self.moving } else { &self.half };
+        (moving, samples, self.fixed)
     }
 }
 
@@ -296,10 +300,4 @@ fn radiate_loud<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], shift: u32
         }
         gain = fixed::smmlsr(gain, gain, loss);
     }
-}
-
-/// Bits of the largest size in a block.
-pub(super) fn bits(block: &[i32]) -> i32 {
-    let sizes = block.iter().fold(0u32, |sizes, &x| sizes | (x ^ (x >> 31)) as u32);
-    32 - sizes.leading_zeros() as i32
 }

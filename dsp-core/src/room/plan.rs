@@ -1,15 +1,19 @@
 //! From a table of bands to rates, delays and gains.
 
 use super::RoomError;
+use super::crossover::{LEAST_SECTIONS, MOST_SECTIONS, Split};
+use super::lean::{self, Edge, Leaning, Side};
 use super::network::{INPUT_GAIN, LINES};
+use super::turn::TURN_FRAMES;
 use super::{BLOCK_FRAMES, TICKS};
 use crate::SampleRate;
 use crate::table::layout::RoomBandRecord;
 
 /// Bands that a room may have.
 pub const MAX_BANDS: usize = 8;
-/// Highest edge of a band that may run at a rate, of that rate: its split is 40 dB down where the spectrum folds.
-const EDGE: f64 = 0.42;
+/// Highest edge of a band that may run at a rate, of that rate, of few bands and of more: the lower it is, the weaker are the images that doubling leaves.
+const FEW_BANDS_EDGE: f64 = 0.42;
+const EDGE: f64 = 0.35;
 /// Of so few bands none is slower than this: doublings cost more than it saves.
 const FEW_BANDS: usize = 4;
 const FEW_BANDS_DIVISION: usize = 8;
@@ -31,10 +35,14 @@ pub(super) const MAX_BLOCKS: usize = 47;
 pub(super) struct BandPlan {
     /// It runs at the rate divided by this: 1, 2, 4 ... 32.
     pub division: usize,
-    /// Its lower edge, of its own rate; 0 for the lowest band.
-    pub edge: f64,
+    /// Its upper edge, of its own rate.
+    pub to: f64,
+    /// The split at its lower edge; none for the lowest band.
+    pub split: Split,
     /// Delays of its lines of pairs at its own rate, distinct primes, rising.
     pub delays: [usize; LINES],
+    /// Samples that are mixed by one angle.
+    pub turn_samples: usize,
     /// Decay in nepers a sample at its own rate.
     pub decay_per_sample: f64,
     /// Gain of the output.
@@ -42,8 +50,15 @@ pub(super) struct BandPlan {
 }
 
 impl BandPlan {
-    pub(super) const NONE: Self =
-        Self { division: 1, edge: 0.0, delays: [0; LINES], decay_per_sample: 0.0, output: 0.0 };
+    pub(super) const NONE: Self = Self {
+        division: 1,
+        to: 0.0,
+        split: Split::NONE,
+        delays: [0; LINES],
+        turn_samples: 1,
+        decay_per_sample: 0.0,
+        output: 0.0,
+    };
 
     /// Samples of a block.
     pub(super) fn block(&self) -> usize {
@@ -82,13 +97,13 @@ pub(super) fn plan(
     }
     let mut plans = [BandPlan::NONE; MAX_BANDS];
     let mut delays_s = [0.0; MAX_BANDS];
-    let slowest = if bands.len() <= FEW_BANDS { FEW_BANDS_DIVISION } else { SLOWEST };
+    let (slowest, edge) = if bands.len() <= FEW_BANDS { (FEW_BANDS_DIVISION, FEW_BANDS_EDGE) } else { (SLOWEST, EDGE) };
     for (band, plan) in plans.iter_mut().enumerate().take(bands.len()) {
         let (from_hz, to_hz) = edges_hz(bands, band, hz);
-        while plan.division < slowest && to_hz * (2 * plan.division) as f64 <= EDGE * hz {
+        while plan.division < slowest && to_hz * (2 * plan.division) as f64 <= edge * hz {
             plan.division *= 2;
         }
-        plan.edge = from_hz * plan.division as f64 / hz;
+        plan.to = to_hz * plan.division as f64 / hz;
         if let (Some(record), Some(delay_s)) = (bands.get(band), delays_s.get_mut(band)) {
             let t60_s = T60_PER_TIME_CONSTANT / f64::from(record.decay_per_s.get());
             *delay_s = (DELAY_OF_T60 * t60_s).max(RESONANCES / (to_hz - from_hz));
@@ -98,12 +113,16 @@ pub(super) fn plan(
         }
     }
     share(&mut delays_s, &plans, hz, words);
-    for ((plan, record), &delay_s) in plans.iter_mut().zip(bands).zip(&delays_s) {
+    let energies = split(&mut plans, bands, hz);
+    for (((plan, record), &delay_s), energy) in plans.iter_mut().zip(bands).zip(&delays_s).zip(energies) {
         let own_rate = hz / plan.division as f64;
         let decay_per_s = f64::from(record.decay_per_s.get());
         plan.delays = delays(0.5 * delay_s * own_rate, plan.block());
+        // Of few bands the slower ones have no cycles for finer steps.
+        let coarse = bands.len() <= FEW_BANDS && plan.division > 1;
+        plan.turn_samples = (if coarse { 2 * TURN_FRAMES } else { TURN_FRAMES } / plan.division).max(1);
         plan.decay_per_sample = decay_per_s / own_rate;
-        plan.output = f64::from(record.gain.get()) * output_gain(plan, decay_per_s);
+        plan.output = libm::sqrt(energy) * f64::from(record.gain.get()) * output_gain(plan, decay_per_s);
     }
     let needed = 2 * plans.iter().flat_map(|plan| plan.delays).sum::<usize>();
     if needed > words {
@@ -120,6 +139,84 @@ const MAX_EDGE: f64 = 0.49;
 fn edges_hz(bands: &[RoomBandRecord], band: usize, hz: f64) -> (f64, f64) {
     let edge = |band: usize| bands.get(band).map_or(hz / 2.0, |record| f64::from(record.from_hz.get()));
     (edge(band), edge(band + 1))
+}
+
+/// Where the highest of the bands that run at the rate over `division`, or slower, ends: of that rate. 0 where none does.
+pub(super) fn highest_end(plans: &[BandPlan; MAX_BANDS], division: usize) -> f64 {
+    let slow = plans.iter().filter(|plan| plan.division >= division);
+    slow.map(|plan| plan.to * division as f64 / plan.division as f64).fold(0.0, f64::max)
+}
+
+/// A band as its neighbours' splits see it.
+fn side(record: &RoomBandRecord) -> Side {
+    let (gain, decay_per_s) = (f64::from(record.gain.get()).max(LEAST_GAIN), f64::from(record.decay_per_s.get()));
+    Side { decay_per_s, energy: gain * gain / (2.0 * decay_per_s) }
+}
+
+/// Plans the splits. Gives the factors of the bands' energies that make up for what they lose beyond their edges, and for what their neighbours add within them.
+fn split(plans: &mut [BandPlan; MAX_BANDS], bands: &[RoomBandRecord], hz: f64) -> [f64; MAX_BANDS] {
+    let sections = sections(plans, bands);
+    // What is in a band from `from_hz` to the next one: its own, and its neighbours', times hertz.
+    let (mut own, mut others) = ([0.0; MAX_BANDS], [0.0; MAX_BANDS]);
+    for (band, own) in own.iter_mut().enumerate().take(bands.len()) {
+        let (from_hz, to_hz) = edges_hz(bands, band, hz);
+        *own = to_hz - from_hz;
+    }
+    for (band, (pair, &sections)) in bands.array_windows::<2>().zip(&sections).enumerate() {
+        let [low, high] = pair.each_ref().map(side);
+        let ((from_hz, edge_hz), (_, to_hz)) = (edges_hz(bands, band, hz), edges_hz(bands, band + 1, hz));
+        let Some(plan) = plans.get_mut(band + 1) else { break };
+        let own_hz = hz / plan.division as f64;
+        let below = bands.iter().take(band + 1).map(|below| lean::drowning_db(&high, &side(below)));
+        let by_high_db = below.fold(f64::MIN, f64::max);
+        let at = Edge { from: from_hz / own_hz, edge: edge_hz / own_hz, to: to_hz / own_hz };
+        let Leaning { split, lost_below, lost_above } =
+            lean::leaning(lean::drowning_db(&low, &high), by_high_db, &at, sections);
+        plan.split = split;
+        if let (Some([own_low, own_high]), Some([others_low, others_high])) = (
+            own.get_mut(band..).and_then(<[f64]>::first_chunk_mut),
+            others.get_mut(band..).and_then(<[f64]>::first_chunk_mut),
+        ) {
+            *own_low -= lost_below * own_hz;
+            *own_high -= lost_above * own_hz;
+            *others_low += lost_below * own_hz * high.energy;
+            *others_high += lost_above * own_hz * low.energy;
+        }
+    }
+    let mut factors = [1.0; MAX_BANDS];
+    for (band, (factor, record)) in factors.iter_mut().zip(bands).enumerate() {
+        let (from_hz, to_hz) = edges_hz(bands, band, hz);
+        let (own, others) = (own.get(band).copied().unwrap_or(1.0), others.get(band).copied().unwrap_or(0.0));
+        let wanted = (to_hz - from_hz) - others / side(record).energy;
+        *factor = (wanted / own.max(0.5 * (to_hz - from_hz))).clamp(LEAST_FACTOR, 1.0 / LEAST_FACTOR);
+    }
+    factors
+}
+
+/// Sections of the splits, from the lowest edge up: those that are wanted, as far as the cycles reach; the lowest edges first, where a section costs least.
+fn sections(plans: &[BandPlan; MAX_BANDS], bands: &[RoomBandRecord]) -> [usize; MAX_BANDS] {
+    let mut sections = [LEAST_SECTIONS; MAX_BANDS];
+    let limit = if bands.len() <= FEW_BANDS { FEW_BANDS_CYCLES } else { CYCLES };
+    let mut left = limit.saturating_sub(cycles(plans, bands.len()));
+    for count in LEAST_SECTIONS + 1..=MOST_SECTIONS {
+        let splits = sections.iter_mut().zip(bands.array_windows::<2>()).zip(plans.iter().skip(1));
+        for ((sections, [low, high]), plan) in splits {
+            let cost = SECTION_CYCLES * PARTS / plan.division;
+            if lean::sections_wanted(&side(low), &side(high)) >= count && *sections + 1 == count && cost <= left {
+                (*sections, left) = (count, left - cost);
+            }
+        }
+    }
+    sections
+}
+
+/// Cycles a frame with splits of two sections, in parts.
+fn cycles(plans: &[BandPlan; MAX_BANDS], bands: usize) -> usize {
+    let networks = plans.iter().take(bands).map(|plan| NETWORK_CYCLES[0] * PARTS / plan.division);
+    let splits = plans.iter().take(bands).skip(1).map(|plan| SPLIT_CYCLES[0] * PARTS / plan.division);
+    let slow = plans.first().is_some_and(|plan| plan.division > 1);
+    let ends = (FRAME_CYCLES + BAND_CYCLES * bands) * PARTS;
+    networks.chain(splits).sum::<usize>() + ends + if slow { DOUBLING_CYCLES[0] * PARTS } else { 0 }
 }
 
 /// Cuts the wishes (seconds of delay, all lines of a band together) to what the memory holds: the same limit for all.
@@ -185,17 +282,34 @@ fn output_gain(plan: &BandPlan, decay_per_s: f64) -> f64 {
     libm::sqrt(1.0 / (2.0 * decay_per_s * (c + d) * given))
 }
 
-/// Cycles of a split, of a network, and of doubling to the full rate: a sample, and beginnings and ends.
+/// Cycles of a split of two sections, of a network, and of doubling to the full rate: a sample, and beginnings and ends.
 const SPLIT_CYCLES: [usize; 2] = [34, 300];
 const NETWORK_CYCLES: [usize; 2] = [55, 900];
 const DOUBLING_CYCLES: [usize; 2] = [28, 500];
+/// Of a further section a sample; of the exchange with the bus a frame, and of all that is done once a block, a band and frame.
+const SECTION_CYCLES: usize = 10;
+const FRAME_CYCLES: usize = 28;
+const BAND_CYCLES: usize = 12;
+/// Parts that a cycle is counted in: a slow band's share is not whole.
+const PARTS: usize = SLOWEST;
+/// What splits may bring a room of few bands to, and of more.
+const FEW_BANDS_CYCLES: usize = 250 * PARTS;
+const CYCLES: usize = 680 * PARTS;
+/// Gain of a band that says 0, as splits see it.
+const LEAST_GAIN: f64 = 1e-4;
+/// Least factor of a band's energy: within its edges by a sixth of an octave, a band is as loud as the table says.
+const LEAST_FACTOR: f64 = 0.9;
 
 /// Where each tick's part of the work on a block is best cut: for each band from the highest down its split and its answer, and then the doublings.
 pub(super) fn part_ends(plans: &[BandPlan; MAX_BANDS], count: usize) -> [u8; TICKS] {
     let cost = |item: usize| {
         let plan = plans.get(count.wrapping_sub(1 + item / 2));
         let (samples, [a_sample, a_block]) = match plan {
-            Some(plan) if item.is_multiple_of(2) => (plan.block(), SPLIT_CYCLES),
+            Some(plan) if item.is_multiple_of(2) => {
+                let more = (plan.split.sections as usize).saturating_sub(LEAST_SECTIONS);
+                let [a_sample, a_block] = SPLIT_CYCLES;
+                (plan.block(), [a_sample + more * SECTION_CYCLES, a_block])
+            }
             Some(plan) => (plan.block(), NETWORK_CYCLES),
             None => (BLOCK_FRAMES, DOUBLING_CYCLES),
         };

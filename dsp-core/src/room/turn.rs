@@ -4,8 +4,8 @@ use super::BLOCK_FRAMES;
 use crate::SampleRate;
 use crate::fixed;
 
-/// Samples that are mixed by the same angle.
-pub(super) const TURN_SAMPLES: usize = 16;
+/// Frames that are mixed by the same angle at the full rate.
+pub(super) const TURN_FRAMES: usize = 16;
 /// The angle swings by this many radians to either side ...
 const SWING: f64 = 3.0;
 /// ... this many times a second: that moves the resonances by up to 6 Hz, and spreads a steady tone by as much. A wider swing makes a short band's decay uneven.
@@ -46,10 +46,10 @@ impl Turn {
     }
 
     /// Sines and cosines of each sixteenth frame of a block, on the straight lines between those at its beginning, its middle and its end.
-    pub(super) fn steps(&self) -> [[i32; 2]; BLOCK_FRAMES / TURN_SAMPLES] {
+    pub(super) fn steps(&self) -> [[i32; 2]; BLOCK_FRAMES / TURN_FRAMES] {
         let [begin, middle, end] = self.at;
-        let mut steps = [[0; 2]; BLOCK_FRAMES / TURN_SAMPLES];
-        let (first, second) = steps.split_at_mut(BLOCK_FRAMES / TURN_SAMPLES / 2);
+        let mut steps = [[0; 2]; BLOCK_FRAMES / TURN_FRAMES];
+        let (first, second) = steps.split_at_mut(BLOCK_FRAMES / TURN_FRAMES / 2);
         for (half, [sine, cosine], [next_sine, next_cosine]) in [(first, begin, middle), (second, middle, end)] {
             // The difference of two Q31 fits when both are a quarter.
             let (sine_step, cosine_step) = ((next_sine >> 2) - (sine >> 2), (next_cosine >> 2) - (cosine >> 2));

@@ -18,24 +18,69 @@ impl Band {
     }
 }
 
-/// The part of a response in a band: everything else of its spectrum set to 0, after as many zeros behind it.
-pub fn band_of(response: &[f64], band: Band, rate_hz: f64) -> Vec<f64> {
-    let length = (2 * response.len()).next_power_of_two();
-    let (forward, inverse) = (fourier::forward(length), fourier::inverse(length));
-    let mut signal = response.to_vec();
-    signal.resize(length, 0.0);
-    let mut spectrum = forward.make_output_vec();
-    forward.process(&mut signal, &mut spectrum).expect("lengths are the plan's");
-    for (bin, value) in spectrum.iter_mut().enumerate() {
-        let hz = bin as f64 * rate_hz / length as f64;
-        *value *= if (band.from_hz..=band.to_hz).contains(&hz) { 1.0 / length as f64 } else { 0.0 };
+/// How a checker cuts a band out of a response.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Look {
+    /// Everything else of the spectrum set to 0, and a sixth of an octave at each edge with it.
+    Inside,
+    /// Everything else of the spectrum set to 0, exactly at the edges.
+    Whole,
+    /// A high-pass and a low-pass at the edges, Butterworth of fourth order, forwards and backwards.
+    Butterworth,
+}
+
+impl Look {
+    /// What it lets through at a frequency.
+    fn gain(self, band: Band, rate_hz: f64, hz: f64) -> f64 {
+        let within = |band: Band| f64::from((band.from_hz..=band.to_hz).contains(&hz));
+        match self {
+            Self::Inside => within(band.inside(rate_hz)),
+            Self::Whole => within(band),
+            Self::Butterworth => {
+                let high_pass =
+                    if band.from_hz > 0.0 { 1.0 / (1.0 + (band.from_hz / hz.max(1e-3)).powi(8)) } else { 1.0 };
+                let low_pass = if band.to_hz < rate_hz / 2.0 { 1.0 / (1.0 + (hz / band.to_hz).powi(8)) } else { 1.0 };
+                high_pass * low_pass
+            }
+        }
     }
-    // The ends of a real signal's spectrum are real.
-    spectrum[0].im = 0.0;
-    spectrum[length / 2].im = 0.0;
-    inverse.process(&mut spectrum, &mut signal).expect("lengths are the plan's");
-    signal.truncate(response.len());
-    signal
+}
+
+/// A response's spectrum, with as many zeros behind it.
+pub struct Spectrum {
+    bins: Vec<fourier::Complex<f64>>,
+    rate_hz: f64,
+    frames: usize,
+}
+
+impl Spectrum {
+    /// Of a response.
+    pub fn new(response: &[f64], rate_hz: f64) -> Self {
+        let length = (2 * response.len()).next_power_of_two();
+        let forward = fourier::forward(length);
+        let mut signal = response.to_vec();
+        signal.resize(length, 0.0);
+        let mut bins = forward.make_output_vec();
+        forward.process(&mut signal, &mut bins).expect("lengths are the plan's");
+        Self { bins, rate_hz, frames: response.len() }
+    }
+
+    /// The response in a band.
+    pub fn band(&self, look: Look, band: Band) -> Vec<f64> {
+        let length = 2 * (self.bins.len() - 1);
+        let mut bins = self.bins.clone();
+        for (bin, value) in bins.iter_mut().enumerate() {
+            *value *= look.gain(band, self.rate_hz, bin as f64 * self.rate_hz / length as f64) / length as f64;
+        }
+        // The ends of a real signal's spectrum are real.
+        bins[0].im = 0.0;
+        bins[length / 2].im = 0.0;
+        let inverse = fourier::inverse(length);
+        let mut signal = inverse.make_output_vec();
+        inverse.process(&mut bins, &mut signal).expect("lengths are the plan's");
+        signal.truncate(self.frames);
+        signal
+    }
 }
 
 /// Energy of a response.

@@ -1,9 +1,13 @@
 //! The room measured: impulse responses, and what their decay, energy, density and spectrum are.
 
 mod analysis;
+mod ideal;
+mod law;
 mod tables;
 
-pub use analysis::{Band, band_of, crest_db, echo_density_per_s, energy, t60_s};
+pub use analysis::{Band, Look, Spectrum, crest_db, echo_density_per_s, energy, t60_s};
+pub use ideal::ideal_response;
+pub use law::{BandError, band_errors, frames_needed};
 pub use tables::{Table, TableBand, octave_tables, random_tables};
 
 use dsp_core::SampleRate;

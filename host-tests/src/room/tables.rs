@@ -72,7 +72,7 @@ pub fn octave_tables(t60_s: f64) -> [Table; 2] {
 }
 
 /// Numbers in 0 to 1 (xorshift).
-fn random(seed: u64) -> impl FnMut() -> f64 {
+pub(super) fn random(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed ^ 0x2545_f491_4f6c_dd1d;
     move || {
         state ^= state << 13;

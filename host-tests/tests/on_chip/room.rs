@@ -55,6 +55,29 @@ fn four_bands_cost_at_most_250_cycles_a_frame_and_eight_at_most_700() {
 }
 
 #[test]
+fn edges_anywhere_keep_to_the_cycles_that_are_stated() {
+    let mut chip = RoomOnChip::new().unwrap();
+    // T60s far apart, for which splits are given all the sections that there are cycles for.
+    let far_apart = |edges_hz: &[f64]| {
+        let mut table = Table::even(edges_hz, 0.4, 1.0);
+        table.bands.iter_mut().step_by(2).for_each(|band| band.t60_s = 3.0);
+        table
+    };
+    let plans: [(&[f64], f64); 5] = [
+        (&[250.0, 1000.0, 4000.0], 250.0),
+        (&[500.0, 2000.0, 8000.0], 255.0),
+        (&[1000.0, 4000.0, 12_000.0], 330.0),
+        (&[125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0], 700.0),
+        (&[500.0, 1000.0, 2000.0, 4000.0, 8000.0, 11_000.0, 15_000.0], 700.0),
+    ];
+    for (edges_hz, most) in plans {
+        let (mean, worst) = cycles(&mut chip, &far_apart(edges_hz), 3);
+        println!("edges {edges_hz:?}: {mean:.1} nominal cycles a frame, worst tick {worst:.1}");
+        assert!(mean <= most, "edges {edges_hz:?}: {mean:.1} cycles a frame");
+    }
+}
+
+#[test]
 fn the_chip_gives_the_bits_of_the_pc_for_any_run_length() {
     let mut chip = RoomOnChip::new().unwrap();
     for table in random_tables(4, 2, 4.0, 6.0, 5).into_iter().chain(random_tables(8, 1, 4.0, 6.0, 6)) {

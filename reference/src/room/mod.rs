@@ -4,6 +4,7 @@
 //! is one feedback delay network a band behind steep splits, each at the rate divided by a power of two; see `dsp-core`'s room, of which this is the twin in double
 //! precision, with no bound on levels and no rounding.
 
+mod lean;
 mod network;
 mod split;
 
@@ -28,10 +29,15 @@ pub struct RoomBand {
 /// One band's network.
 pub(crate) struct Plan {
     division: usize,
-    edge: f64,
+    /// Where the band ends, in Hz.
+    to_hz: f64,
+    /// At the lower edge; none for the lowest band.
+    split: Option<lean::Leaning>,
     /// Of pairs.
     delays: Vec<usize>,
     gains: Vec<f64>,
+    /// Samples that are mixed by one angle.
+    held: usize,
     output: f64,
 }
 
@@ -45,25 +51,31 @@ pub fn room(bands: &[RoomBand], dry: &[f64], rate: SampleRate, samples: usize) -
     let mut low = dry.to_vec();
     low.resize(blocks * BLOCK_FRAMES, 0.0);
     let (mut division, mut answers) = (1, Vec::new());
-    for (index, plan) in plans.iter().enumerate().rev() {
+    for plan in plans.iter().rev() {
         low = low.into_iter().step_by(plan.division / division).collect();
         division = plan.division;
-        let high = match index {
-            0 => std::mem::take(&mut low),
-            _ => {
-                let (below, above) = split::split(&low, plan.edge);
+        let high = match &plan.split {
+            None => std::mem::take(&mut low),
+            Some(lean::Leaning { low_pass, tangent }) => {
+                let (below, above) = split::split(&low, low_pass, *tangent);
                 low = below;
                 above
             }
         };
         answers.push((division, network::render(plan, &high, hz)));
     }
+    // From the rate over `division` to twice it.
+    let double = |signal: &[f64], division: usize| {
+        let slow = plans.iter().filter(|plan| plan.division >= division);
+        let highest_hz = slow.map(|plan| plan.to_hz).fold(0.0, f64::max);
+        split::double(signal, highest_hz * division as f64 / hz)
+    };
     let mut sum = [Vec::new(), Vec::new()];
     for (own, answer) in answers.into_iter().rev() {
         for (sum, answer) in sum.iter_mut().zip(answer) {
             let mut slower = division;
             while slower > own {
-                *sum = split::double(sum);
+                *sum = double(sum, slower);
                 slower /= 2;
             }
             sum.resize(answer.len(), 0.0);
@@ -72,7 +84,7 @@ pub fn room(bands: &[RoomBand], dry: &[f64], rate: SampleRate, samples: usize) -
         division = own;
     }
     while division > 1 {
-        sum = sum.map(|side| split::double(&side));
+        sum = sum.map(|side| double(&side, division));
         division /= 2;
     }
     sum.map(|side| std::iter::repeat_n(0.0, 2 * BLOCK_FRAMES).chain(side).take(dry.len()).collect())
@@ -80,10 +92,10 @@ pub fn room(bands: &[RoomBand], dry: &[f64], rate: SampleRate, samples: usize) -
 
 fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
     let to_hz = |band: usize| bands.get(band + 1).map_or(hz / 2.0, |next| next.from_hz);
-    let slowest = if bands.len() <= 4 { 8 } else { 32 };
+    let (slowest, edge) = if bands.len() <= 4 { (8, 0.42) } else { (32, 0.35) };
     let divisions: Vec<usize> = (0..bands.len())
         .map(|band| {
-            let fits = |division: usize| to_hz(band) * division as f64 <= 0.42 * hz;
+            let fits = |division: usize| to_hz(band) * division as f64 <= edge * hz;
             [32, 16, 8, 4, 2].into_iter().find(|&division| division <= slowest && fits(division)).unwrap_or(1)
         })
         .collect();
@@ -112,7 +124,9 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
         let middle = 0.5 * (limit + high);
         if needed(middle) <= samples as f64 { limit = middle } else { high = middle }
     }
-    let band = |band: usize| {
+    let (splits, factors) = lean::leanings(bands, &divisions, hz);
+    let splits = std::iter::once(None).chain(splits.into_iter().map(Some));
+    let band = |(band, split): (usize, Option<lean::Leaning>)| {
         let own_hz = hz / divisions[band] as f64;
         let delays = delays(0.5 * wishes[band].min(limit) * own_hz, BLOCK_FRAMES / divisions[band], &parts);
         let law = bands[band];
@@ -120,10 +134,12 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
         // Energy as in a network of pipes: each value's output is spread evenly over all. Outputs are differences of lines 2 and 3.
         let passed: Vec<f64> = gains.iter().map(|gain| gain * gain).collect();
         let given = 1.0 / 16.0 / (1.0 - passed.iter().sum::<f64>() / LINES as f64);
-        let output = law.gain * (1.0 / (2.0 * law.decay_per_s * given * (passed[2] + passed[3]))).sqrt();
-        Plan { division: divisions[band], edge: law.from_hz / own_hz, delays, gains, output }
+        let output = law.gain * (factors[band] / (2.0 * law.decay_per_s * given * (passed[2] + passed[3]))).sqrt();
+        let held_frames = if bands.len() <= 4 && divisions[band] > 1 { 32 } else { 16 };
+        let held = (held_frames / divisions[band]).max(1);
+        Plan { held, division: divisions[band], to_hz: to_hz(band), split, delays, gains, output }
     };
-    (0..bands.len()).map(band).collect()
+    (0..bands.len()).zip(splits).map(band).collect()
 }
 
 /// Distinct primes, each at most its part of `total` unless the block is longer.

@@ -14,7 +14,7 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
     let mut out = [Vec::with_capacity(input.len()), Vec::with_capacity(input.len())];
     let fixed = (14_111f64 / 32_768.0).atan2(29_574.0 / 32_768.0).sin_cos();
     for (frame, &x) in input.iter().enumerate() {
-        let moving = turn(frame / block, frame % block, block, hz);
+        let moving = turn(frame / block, frame % block / plan.held * plan.held, block, hz);
         let read = |line: usize| lines[line][frame].map(|value| plan.gains[line] * value);
         let reflected = |[a, b]: [f64; 2], (sine, cosine): (f64, f64)| [cosine * a + sine * b, sine * a - cosine * b];
         let rotated = |[a, b]: [f64; 2], (sine, cosine): (f64, f64)| [cosine * a - sine * b, sine * a + cosine * b];
@@ -39,13 +39,13 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
 }
 
 /// Sine and cosine of the mix's angle in a block counted from 0: a swing of ±3 radians 1.9 times a second, on a straight line from half block to half
-/// block, held for sixteen samples.
+/// block.
 fn turn(index: usize, sample: usize, block: usize, hz: f64) -> (f64, f64) {
     let at = |half: usize| {
         let t = half as f64 * BLOCK_FRAMES as f64 / 2.0 / hz;
         (3.0 * (TAU * 1.9 * t).sin()).sin_cos()
     };
-    let part = 2.0 * (sample / 16 * 16) as f64 / block as f64;
+    let part = 2.0 * sample as f64 / block as f64;
     let half = part as usize;
     // The first block's angle is that of half a block after the start.
     let (from, to) = (at(2 * index + half + 1), at(2 * index + half + 2));

@@ -2,23 +2,62 @@
 
 use std::f64::consts::PI;
 
-/// The coefficients a of the sections `(a + z^-2)/(1 + a z^-2)` of an elliptic half-band filter, rising, whose transition is `transition` of half the rate wide
-/// (Valenzuela and Constantinides, 1983: elliptic functions by the nome's series).
-pub(super) fn half_band(count: usize, transition: f64) -> Vec<f64> {
-    let k = ((1.0 - 2.0 * transition) * PI / 4.0).tan().powi(2);
+/// An elliptic low-pass of odd order whose pass band ends at √k rad/s and whose stop band begins at 1/√k: a real pole at -σ and pairs `s² + b1 s + b0`, [b1, b0],
+/// from the real pole outwards (Antoniou: the series in the nome q).
+#[derive(Clone, Debug)]
+pub(super) struct Elliptic {
+    sigma: f64,
+    pairs: Vec<[f64; 2]>,
+}
+
+impl Elliptic {
+    /// With so many pairs, and a complementary high-pass that is `high_db` down in the pass band.
+    pub(super) fn leaning(pairs: usize, k: f64, high_db: f64) -> Self {
+        let q = nome(k);
+        let lambda = 10f64.powf(high_db / 20.0).acosh() / (2 * pairs + 1) as f64;
+        let odd: f64 = (0..8).map(|i| sign(i) * q.powi(i * (i + 1)) * (f64::from(2 * i + 1) * lambda).sinh()).sum();
+        let even: f64 = (1..8).map(|i| sign(i) * q.powi(i * i) * (f64::from(2 * i) * lambda).cosh()).sum();
+        Self::new(pairs, k, (q.powf(0.25) * odd / (0.5 + even)).abs())
+    }
+
+    fn new(pairs: usize, k: f64, sigma: f64) -> Self {
+        let q = nome(k);
+        let pair = |index: usize| {
+            let angle = (index + 1) as f64 * PI / (2 * pairs + 1) as f64;
+            let odd: f64 = (0..8).map(|i| sign(i) * q.powi(i * (i + 1)) * (f64::from(2 * i + 1) * angle).sin()).sum();
+            let even: f64 = (1..8).map(|i| sign(i) * q.powi(i * i) * (f64::from(2 * i) * angle).cos()).sum();
+            let w = q.powf(0.25) * odd / (0.5 + even);
+            let v = ((1.0 - w * w * k) * (1.0 - w * w / k)).sqrt();
+            let outer = (1.0 + k * sigma * sigma) * (1.0 + sigma * sigma / k);
+            let scale = 1.0 + sigma * sigma * w * w;
+            [2.0 * sigma * v / scale, ((sigma * v).powi(2) + w * w * outer) / (scale * scale)]
+        };
+        Self { sigma, pairs: (0..pairs).map(pair).collect() }
+    }
+
+    /// Power of the low-pass at so many rad/s: by how far the branches' phases are apart.
+    pub(super) fn low_power(&self, w: f64) -> f64 {
+        let mut phases = [0.0, 2.0 * (w / self.sigma).atan()];
+        for (index, [b1, b0]) in self.pairs.iter().enumerate() {
+            phases[index % 2] += 2.0 * (b1 * w).atan2(b0 - w * w);
+        }
+        ((phases[0] - phases[1]) / 2.0).cos().powi(2)
+    }
+}
+
+/// Attenuations of low-pass and high-pass together, in dB.
+pub(super) fn shared_db(pairs: usize, k: f64) -> f64 {
+    -20.0 * (4.0 * nome(k).powf(pairs as f64 + 0.5)).log10()
+}
+
+fn nome(k: f64) -> f64 {
     let root = (1.0 - k * k).powf(0.25);
     let e = 0.5 * (1.0 - root) / (1.0 + root);
-    let q = e + 2.0 * e.powi(5) + 15.0 * e.powi(9) + 150.0 * e.powi(13);
-    let section = |index: usize| {
-        let angle = (index + 1) as f64 * PI / (2 * count + 1) as f64;
-        let sign = |i: i32| if i % 2 == 0 { 1.0 } else { -1.0 };
-        let odd = (0..8).map(|i| sign(i) * q.powi(i * (i + 1)) * (f64::from(2 * i + 1) * angle).sin());
-        let even = (1..8).map(|i| sign(i) * q.powi(i * i) * (f64::from(2 * i) * angle).cos());
-        let w = q.powf(0.25) * odd.sum::<f64>() / (0.5 + even.sum::<f64>());
-        let x = ((1.0 - w * w * k) * (1.0 - w * w / k)).sqrt() / (1.0 + w * w);
-        (1.0 - x) / (1.0 + x)
-    };
-    (0..count).map(section).collect()
+    e + 2.0 * e.powi(5) + 15.0 * e.powi(9) + 150.0 * e.powi(13)
+}
+
+fn sign(i: i32) -> f64 {
+    if i % 2 == 0 { 1.0 } else { -1.0 }
 }
 
 /// Filters a signal by `numerator(z)/denominator(z)`, powers of z^-1, the denominator's first being 1.
@@ -33,15 +72,14 @@ fn filter(numerator: &[f64], denominator: &[f64], signal: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Splits a signal at `edge` (of its rate): what lies below, and what lies above.
-pub(super) fn split(signal: &[f64], edge: f64) -> (Vec<f64>, Vec<f64>) {
-    let (cut, middle) = (PI * edge, PI / 4.0);
-    let alpha = (middle - cut).sin() / (middle + cut).sin();
+/// Splits a signal by a low-pass whose 1 rad/s is `tan(π f)` = `tangent` (bilinear transform): what lies below, and what lies above.
+pub(super) fn split(signal: &[f64], low_pass: &Elliptic, tangent: f64) -> (Vec<f64>, Vec<f64>) {
+    let real = low_pass.sigma * tangent;
+    let alpha = (1.0 - real) / (1.0 + real);
     let mut branches = [signal.to_vec(), filter(&[-alpha, 1.0], &[1.0, -alpha], signal)];
-    for (index, a) in half_band(2, 0.1).into_iter().enumerate() {
-        // The half-band section with z^-1 replaced by (z^-1 - α)/(1 - α z^-1).
-        let scale = 1.0 + a * alpha * alpha;
-        let (c1, c2) = (-2.0 * alpha * (1.0 + a) / scale, (a + alpha * alpha) / scale);
+    for (index, [b1, b0]) in low_pass.pairs.iter().enumerate() {
+        let (b1, b0) = (b1 * tangent, b0 * tangent * tangent);
+        let (c1, c2) = (2.0 * (b0 - 1.0) / (1.0 + b1 + b0), (1.0 - b1 + b0) / (1.0 + b1 + b0));
         branches[index % 2] = filter(&[c2, c1, 1.0], &[1.0, c1, c2], &branches[index % 2]);
     }
     let [a, b] = branches;
@@ -49,8 +87,13 @@ pub(super) fn split(signal: &[f64], edge: f64) -> (Vec<f64>, Vec<f64>) {
     (both().map(|(a, b)| (a + b) / 2.0).collect(), both().map(|(a, b)| (a - b) / 2.0).collect())
 }
 
-/// A signal at twice its rate.
-pub(super) fn double(signal: &[f64]) -> Vec<f64> {
-    let branches: Vec<Vec<f64>> = half_band(2, 0.1).into_iter().map(|a| filter(&[a, 1.0], &[1.0, a], signal)).collect();
+/// A signal at twice its rate: a half-band low-pass of fifth order, whose pass band ends at `to` of the lower rate.
+pub(super) fn double(signal: &[f64], to: f64) -> Vec<f64> {
+    let half_band = Elliptic::new(2, (PI / 2.0 * to.max(0.25)).tan().powi(2), 1.0);
+    let branch = |[b1, _]: [f64; 2]| {
+        let a = (2.0 - b1) / (2.0 + b1);
+        filter(&[a, 1.0], &[1.0, a], signal)
+    };
+    let branches: Vec<Vec<f64>> = half_band.pairs.into_iter().map(branch).collect();
     branches[0].iter().zip(&branches[1]).flat_map(|(&even, &odd)| [even, odd]).collect()
 }

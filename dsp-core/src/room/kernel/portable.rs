@@ -1,11 +1,10 @@
 //! The kernels in plain Rust: the definition of the bits.
 
 #[cfg(not(cortex_m4f))]
-use super::super::crossover::{Split, SplitState};
+use super::super::crossover::{SHAPED_FIRST, Split, SplitState};
 use super::super::level::{LOUD_BITS, QUIET_BITS};
 use super::super::network::{LINES, NetworkTick, Place, Radiation, Sound};
 use super::super::storage::Sample;
-use super::super::turn::TURN_SAMPLES;
 use crate::fixed;
 
 /// As [`Sample::network`].
@@ -48,13 +47,13 @@ fn pass<T: Sample>(
     lines: &[Place; LINES],
     places: &mut [Place; LINES],
     Sound { input, output }: &mut Sound<T>,
-    (turns, fixed): (&[T::Turn], T::Turn),
+    (turns, turn_frames, fixed): (&[T::Turn], usize, T::Turn),
     frames: usize,
     busy: bool,
 ) -> bool {
     let mut exceeded = false;
     let sound = input.iter().zip(output).take(frames);
-    let turns = turns.iter().flat_map(|turn| core::iter::repeat_n(turn, TURN_SAMPLES));
+    let turns = turns.iter().flat_map(|turn| core::iter::repeat_n(turn, turn_frames));
     for ((&x, out), moving) in sound.zip(turns) {
         let at = places.map(|place| usize::from(place.at));
         let Some(words) = at_each(memory, at) else { return exceeded };
@@ -124,11 +123,12 @@ pub(in crate::room) fn split(
     high: &mut [i32],
     thin: bool,
 ) -> u32 {
-    let ([c0, c1], [s0, s1]) = (&split.second, &mut state.second);
     high.copy_from_slice(low);
     first_order(split.first, &mut state.first, high);
-    section(c1, s1, high);
-    section(c0, s0, low);
+    let sections = split.second.iter().zip(&mut state.second).take(split.sections as usize);
+    for (index, (coefficients, state)) in sections.enumerate() {
+        section(coefficients, state, if index.is_multiple_of(2) { &mut *low } else { &mut *high });
+    }
     let mut sizes = 0;
     for (low, high) in low.iter_mut().zip(high.iter_mut()) {
         let (a, b) = (*low, *high);
@@ -163,14 +163,19 @@ pub(in crate::room) fn section(&[half_c1, half_c2]: &[i32; 2], state: &mut [i32;
     *state = [x1, x2, y1, y2, rest];
 }
 
-/// `y = x1 - α (x - y1)`, with what is cut off carried on in the same way.
+/// `y = x1 - α (x - y1)`, with what is cut off carried on in the same way where α is above [`SHAPED_FIRST`].
 #[cfg(not(cortex_m4f))]
 pub(in crate::room) fn first_order(alpha: i32, state: &mut [i32; 3], block: &mut [i32]) {
     let [mut x1, mut y1, mut rest] = *state;
     for x in block {
-        let sum = i64::from(*x - y1) * i64::from(alpha) + i64::from(rest as u32);
-        rest = sum as i32;
-        let y = x1 - ((sum >> 32) << 1) as i32;
+        let product = if alpha > SHAPED_FIRST {
+            let sum = i64::from(*x - y1) * i64::from(alpha) + i64::from(rest as u32);
+            rest = sum as i32;
+            (sum >> 32) as i32
+        } else {
+            fixed::smmulr(*x - y1, alpha)
+        };
+        let y = x1 - (product << 1);
         (x1, y1) = (*x, y);
         *x = y;
     }

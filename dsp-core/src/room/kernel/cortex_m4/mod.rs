@@ -1,14 +1,17 @@
-//! The kernels for a Cortex-M4F: `cortex_m4.s`, bit for bit what [`super::portable`] does.
+//! The kernels for a Cortex-M4F: the assembly beside this file, bit for bit what [`super::portable`] does.
 #![allow(unsafe_code)] // assembly
 
 use core::mem::offset_of;
 
 use super::super::BLOCK_FRAMES;
-use super::super::crossover::{Split, SplitState};
+use super::super::crossover::{MOST_SECTIONS, SHAPED_FIRST, Split, SplitState};
 use super::super::network::{LINES, NetworkTick, Place, Sound};
-use super::super::turn::TURN_SAMPLES;
 
-core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
+core::arch::global_asm!(include_str!("network.s"), options(raw));
+core::arch::global_asm!(include_str!("levels.s"), options(raw));
+core::arch::global_asm!(include_str!("split.s"), options(raw));
+core::arch::global_asm!(include_str!("double.s"), options(raw));
+core::arch::global_asm!(include_str!("exchange.s"), options(raw));
 
 /// What a network's tick is told.
 #[repr(C)]
@@ -19,7 +22,7 @@ struct Call<'a> {
     /// Input; output lies 512 bytes behind.
     sound: *mut Sound<i16>,
     frames: usize,
-    /// Of each sixteenth frame.
+    /// Each for so many frames.
     turns: *const [i16; 2],
     fixed: [i16; 2],
     busy: u32,
@@ -30,13 +33,20 @@ struct Call<'a> {
     output_gain: [i32; 2],
     /// A [`Radiation`].
     radiation: u32,
+    /// Bits of the bytes of input that an angle is for.
+    turn_bits: u32,
 }
 
-// What cortex_m4.s counts on.
-const _: () = assert!(BLOCK_FRAMES == 128 && TURN_SAMPLES == 16 && LINES == 4 && offset_of!(Sound<i16>, output) == 512);
+// What the assembly counts on.
+const _: () = assert!(BLOCK_FRAMES == 128 && LINES == 4 && offset_of!(Sound<i16>, output) == 512);
 const _: () = assert!(align_of::<Sound<i16>>() == 64 && offset_of!(Sound<i16>, input) == 0);
-const _: () = assert!(size_of::<Place>() == 4 && offset_of!(Place, left) == 2 && size_of::<Call<'_>>() == 64);
-const _: () = assert!(size_of::<Split>() == 20 && size_of::<SplitState>() == 52);
+const _: () = assert!(size_of::<Place>() == 4 && offset_of!(Place, left) == 2 && size_of::<Call<'_>>() == 68);
+const _: () = assert!(
+    offset_of!(Split, sections) == 4
+        && offset_of!(Split, second) == 8
+        && offset_of!(SplitState, second) == 12
+        && SHAPED_FIRST == 0x6800_0000
+);
 
 unsafe extern "C" {
     fn malleus_room_network(call: &mut Call<'_>) -> u32;
@@ -69,7 +79,10 @@ pub(in crate::room) fn split(
     thin: bool,
 ) -> u32 {
     let count = low.len().min(high.len());
-    // SAFETY: both slices hold `count` elements.
+    if !(1..=MOST_SECTIONS as u32).contains(&split.sections) {
+        return 0;
+    }
+    // SAFETY: both slices hold `count` elements; there are as many sections and states as it says.
     unsafe { malleus_room_split(split, state, low.as_mut_ptr(), high.as_mut_ptr(), count, thin) }
 }
 
@@ -100,14 +113,16 @@ pub(in crate::room) fn exchange(out: &mut [[i32; 2]], wet: &[[i32; 2]], input: &
 /// As [`super::portable::network`].
 #[inline(always)]
 pub(in crate::room) fn network(tick: NetworkTick<'_, i16>) -> bool {
-    let NetworkTick { memory, lines, places, sound, turns: (turns, fixed), .. } = tick;
+    let NetworkTick { memory, lines, places, sound, turns: (turns, turn_frames, fixed), .. } = tick;
     let frames = tick.input.len();
     let [.., Place { at, left }] = *lines;
     let pairs = usize::from(at) + usize::from(left);
     if frames == 0
         || frames > tick.out.len().min(BLOCK_FRAMES)
         || pairs > memory.len()
-        || turns.len() * TURN_SAMPLES < frames
+        || !turn_frames.is_power_of_two()
+        || turn_frames > 16
+        || turns.len() * turn_frames < frames
     {
         return false;
     }
@@ -126,9 +141,11 @@ pub(in crate::room) fn network(tick: NetworkTick<'_, i16>) -> bool {
         out: tick.out.as_mut_ptr(),
         output_gain: tick.output_gain,
         radiation: tick.radiation as u32,
+        turn_bits: (4 * turn_frames).trailing_zeros(),
     };
     // SAFETY: the lines lie within the memory, places within the lines (they begin there and only a block moves them, back to there at a line's end; a line is
-    // at least a block long); there are an input, an output and a frame of `out` a frame, and an angle for each sixteen.
+    // at least a block long); there are an input, an output and a frame of `out` a frame, and an angle for each `turn_frames`, which
+    // are at most the 64 bytes on which sound lies.
     unsafe { malleus_room_network(&mut call) != 0 }
 }
 

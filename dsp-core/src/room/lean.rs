@@ -1,0 +1,89 @@
+//! Which of its two sides a split favours, and what each then loses to the other.
+//!
+//! A low-pass and a high-pass from one pair of all-passes share a sum of attenuations: what the one gains the other loses. Where neighbours decay alike and are as
+//! loud, both get half. Where one rings longer, or is louder, its skirt is what is heard in the other's tail, while the other's is drowned or gone: the split then
+//! leans, and lies a little on the longer one's side, at no cycle's cost.
+
+use super::crossover::{LEAST_SECTIONS, Split};
+use super::elliptic::{Elliptic, shared_db};
+use core::f64::consts::PI;
+
+/// Selectivity k of splits of two, three and four sections: where the pass band ends over where the stop band begins.
+pub(super) const SELECTIVITIES: [f64; 3] = [0.65, 0.72, 0.8];
+/// What each side has at least, in dB.
+pub(super) const LEAST_DB: f64 = 10.0;
+/// What a band that rings twice as long or longer is given more than the other, and by how much of the distance between the bands' ends the edge then moves.
+const LONGER_DB: f64 = 20.0;
+const SHIFT: f64 = 0.4;
+/// Ratios of T60 from which a split is given three sections, and four.
+const UNLIKE: f64 = 1.25;
+const FAR_APART: f64 = 2.0;
+/// Steps of an integral.
+const STEPS: i32 = 24;
+/// How far below an edge a lowest band is looked at, as a part of it.
+const LOWEST_PART: f64 = 1.0 / 16.0;
+
+/// One side of an edge.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Side {
+    /// Decay in nepers a second.
+    pub(super) decay_per_s: f64,
+    /// Energy a hertz, `g²/(2 d)`.
+    pub(super) energy: f64,
+}
+
+/// Where a split is, of the sample rate at which it runs: both bands' outer ends, and the edge.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge {
+    pub(super) from: f64,
+    pub(super) edge: f64,
+    pub(super) to: f64,
+}
+
+/// A split, and what of the table's bands goes astray: widths as parts of the rate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leaning {
+    pub(super) split: Split,
+    /// What the low side loses to the high one.
+    pub(super) lost_below: f64,
+    /// What the high side loses to the low one.
+    pub(super) lost_above: f64,
+}
+
+/// Sections that a split between such bands is given where there are cycles for them.
+pub(super) fn sections_wanted(low: &Side, high: &Side) -> usize {
+    let ratio = libm::exp(libm::fabs(libm::log(low.decay_per_s / high.decay_per_s)));
+    LEAST_SECTIONS + usize::from(ratio >= UNLIKE) + usize::from(ratio >= FAR_APART)
+}
+
+/// How much (dB) a band's skirt drowns another, beyond what bands alike do.
+pub(super) fn drowning_db(skirt: &Side, other: &Side) -> f64 {
+    let louder_db = 10.0 * libm::log10(skirt.energy / other.energy);
+    louder_db + LONGER_DB * libm::log2(other.decay_per_s / skirt.decay_per_s).clamp(-1.0, 1.0)
+}
+
+/// The split of so many sections between two bands, where the low side's skirt and the high side's drown what they reach by so much (dB).
+///
+/// What lies above the next band is behind that one's split too; but all that lies below is reached by the high side.
+pub(super) fn leaning(by_low_db: f64, by_high_db: f64, at: &Edge, sections: usize) -> Leaning {
+    let k = SELECTIVITIES.get(sections - LEAST_SECTIONS).copied().unwrap_or(0.8);
+    let lean_db = 0.5 * (by_low_db - by_high_db);
+    let all_db = shared_db(sections, k);
+    let high_db = (0.5 * (all_db - lean_db)).clamp(LEAST_DB, all_db - LEAST_DB);
+    let filter = Elliptic::leaning(sections, k, high_db);
+    let shift = SHIFT * (lean_db / LONGER_DB).clamp(-1.0, 1.0);
+    let tangent = libm::tan(PI * at.edge) * libm::pow(k, 0.5 * shift);
+    let low_power = |f: f64| filter.low_power(libm::tan(PI * f) / tangent);
+    Leaning {
+        split: Split::new(&filter, tangent),
+        lost_below: integral(at.from.max(LOWEST_PART * at.edge), at.edge, |f| 1.0 - low_power(f)),
+        lost_above: integral(at.edge, at.to, low_power),
+    }
+}
+
+/// Midpoints in steps of one ratio.
+fn integral(from: f64, to: f64, power: impl Fn(f64) -> f64) -> f64 {
+    let step = libm::log(to / from) / f64::from(STEPS);
+    let at = |index: i32| from * libm::exp((f64::from(index) + 0.5) * step);
+    (0..STEPS).map(|index| power(at(index)) * at(index) * step).sum()
+}

@@ -1,0 +1,158 @@
+//! The work on a block: cut into a part for each of its ticks.
+
+use core::cell::Cell;
+
+use super::crossover;
+use super::network::Turns;
+use super::storage::Sample;
+use super::{BLOCK_FRAMES, RATES, Room, Scratch, TICKS, turned};
+use crate::resonator::TICK_FRAMES;
+
+/// How far the work on a block is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Work {
+    /// What comes next: for each band from the highest down its split and its answer, and then the doublings.
+    pub(super) next: usize,
+    /// Bits of the largest size in what was parted last.
+    bits: i32,
+    /// What the input has been thinned to.
+    division: usize,
+    /// The rates at which there is an answer.
+    written: [bool; RATES],
+    /// Whether all bands were asleep.
+    asleep: bool,
+    begun: bool,
+}
+
+impl Work {
+    pub(super) const NONE: Self =
+        Self { next: 0, bits: 0, division: 1, written: [false; RATES], asleep: true, begun: false };
+}
+
+impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
+    /// At a block's end: what came in is worked on, what was worked on goes out.
+    pub(super) fn begin(&mut self) {
+        self.passed = 0;
+        if self.silent {
+            return;
+        }
+        self.side = !self.side;
+        (self.worked, self.heard) = (self.heard, 0);
+        self.turn.advance();
+        self.scratch.turns = Turns::new(&self.turn);
+        self.work = Work { begun: true, ..Work::NONE };
+    }
+
+    /// At each tick's end: a part of the work on a block.
+    #[inline(never)]
+    pub(super) fn work_on(&mut self) {
+        if !self.work.begun {
+            return;
+        }
+        let part = self.passed / TICK_FRAMES;
+        while self.part_ends.get(part).is_some_and(|&end| self.work.next < usize::from(end)) {
+            let band = self.count.wrapping_sub(1 + self.work.next / 2);
+            match self.work.next {
+                next if next == 2 * self.count => self.double(),
+                next if next.is_multiple_of(2) => self.split(band),
+                _ => self.answer(band),
+            }
+            self.work.next += 1;
+        }
+        if part + 1 == TICKS {
+            if self.work.asleep && self.worked == 0 && self.heard == 0 {
+                self.clear();
+            }
+            self.work.begun = false;
+        }
+    }
+
+    /// Brings what sounds at lower rates to the full one.
+    fn double(&mut self) {
+        let [_, full_rate] = turned(&mut self.outputs, self.side);
+        let [at_full_rate, written @ ..] = &mut self.work.written;
+        let [_, upsampler, upsamplers @ ..] = &self.upsamplers;
+        let [state, states @ ..] = &mut self.upsampler_states;
+        for ((level, state), upsampler) in (1..self.levels).zip(states).zip(upsamplers).rev() {
+            let block = BLOCK_FRAMES >> level;
+            let (slow, fast) = self.rates.split_at_mut(block);
+            let (Some(slow), Some(fast)) = (slow.get_mut(block / 2..), fast.get_mut(..block)) else { return };
+            let Some([fast_written, slow_written]) = written.get_mut(level - 1..=level) else { return };
+            if !*slow_written {
+                slow.fill([0; 2]);
+            }
+            upsampler.render(state, slow, fast, *fast_written);
+            *fast_written = true;
+        }
+        if self.levels > 0 {
+            let (_, slow) = self.rates.split_at_mut(BLOCK_FRAMES / 2);
+            if !written.first().copied().unwrap_or_default() {
+                slow.fill([0; 2]);
+            }
+            upsampler.render(state, slow, full_rate, *at_full_rate);
+        } else if !*at_full_rate {
+            full_rate.fill([0; 2]);
+        }
+    }
+
+    /// Parts a band from what came in; what lies below it stays.
+    fn split(&mut self, index: usize) {
+        let Work { division, bits, .. } = &mut self.work;
+        let [_, low] = turned(&mut self.inputs, self.side);
+        let Some(band) = self.bands.get_mut(index) else { return };
+        let own = usize::from(band.division);
+        if own > *division
+            && let Some(low) = low.get_mut(..BLOCK_FRAMES / *division)
+        {
+            thin(low, own / *division);
+        }
+        let block = BLOCK_FRAMES / own;
+        let (Some(low), Some(high)) = (low.get_mut(..block), self.scratch.high.get_mut(..block)) else { return };
+        *division = own;
+        *bits = if index == 0 {
+            let mut sizes = 0;
+            for (high, low) in high.iter_mut().zip(low.iter()) {
+                *high = *low << 1;
+                sizes |= (*high ^ (*high >> 31)) as u32;
+            }
+            crossover::bits(sizes, high)
+        } else {
+            *division = if band.thins { 2 * own } else { own };
+            band.split.render(&mut band.split_state, low, high, band.thins)
+        };
+    }
+
+    /// Lets a band answer to what was parted for it.
+    fn answer(&mut self, index: usize) {
+        let Scratch { high, sound, turns } = &mut self.scratch;
+        let Work { written, asleep, bits, .. } = &mut self.work;
+        let [_, full_rate] = turned(&mut self.outputs, self.side);
+        let (memory, _) = self.memory.0.as_chunks_mut::<2>();
+        let Some(band) = self.bands.get_mut(index) else { return };
+        if band.config.sleeps(&band.state, *bits) {
+            return;
+        }
+        let own = usize::from(band.division);
+        let block = BLOCK_FRAMES / own;
+        let out = if own == 1 { full_rate.get_mut(..) } else { self.rates.get_mut(block..2 * block) };
+        let lines = memory.get_mut(usize::from(band.start)..usize::from(band.start) + usize::from(band.pairs));
+        let (Some(lines), Some(out), Some(written), Some(high)) =
+            (lines, out, written.get_mut(own.trailing_zeros() as usize), high.get(..block))
+        else {
+            return;
+        };
+        *asleep = false;
+        *written |= band.config.render(&mut band.state, lines, (high, *bits), turns, sound, (out, *written));
+    }
+}
+
+/// Keeps every `step`th sample, a power of two.
+fn thin(block: &mut [i32], step: usize) {
+    let mut block = Cell::from_mut(block).as_slice_of_cells();
+    for _ in 0..step.trailing_zeros() {
+        for (to, [from, _]) in block.iter().zip(block.as_chunks::<2>().0) {
+            to.set(from.get());
+        }
+        block = block.get(..block.len() / 2).unwrap_or_default();
+    }
+}

@@ -1,0 +1,26 @@
+//! The law itself: independent decaying noise, cut out of each band exactly.
+
+use super::{Band, Look, Spectrum, Table, tables::random};
+
+/// What an ideal room answers to a unit impulse: each side, another noise for another seed.
+///
+/// It has no skirts, no resonances and no rounding: where a checker finds its T60 wrong, the checker's own filter or the noise's own scatter is why.
+pub fn ideal_response(table: &Table, rate_hz: f64, frames: usize, seed: u64) -> [Vec<f64>; 2] {
+    let mut random = random(seed);
+    // The first numbers of neighbouring seeds are alike.
+    (0..20).for_each(|_| _ = random());
+    [(); 2].map(|()| {
+        let mut sum = vec![0.0; frames];
+        for (index, band) in table.bands.iter().enumerate() {
+            // White noise of power g²/rate a sample: of its energy g²/(2 d), the band gets its part of the spectrum.
+            let rms = band.gain / rate_hz.sqrt();
+            let decay = -1000f64.ln() / (band.t60_s * rate_hz);
+            let noise: Vec<f64> =
+                (0..frames).map(|frame| rms * (decay * frame as f64).exp() * 12f64.sqrt() * (random() - 0.5)).collect();
+            let part = Spectrum::new(&noise, rate_hz)
+                .band(Look::Whole, Band { from_hz: band.from_hz, to_hz: table.to_hz(index, rate_hz) });
+            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+        }
+        sum
+    })
+}
