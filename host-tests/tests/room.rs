@@ -96,7 +96,7 @@ fn decays_and_energies_follow_the_table_as_far_as_an_ideal_room_does() {
             set.bands, set.neighbours, set.gains_db
         );
         assert!(
-            all >= 10 && within as f64 >= set.least * all as f64 && worst_db <= set.most_db,
+            all >= 10 && within as f64 >= set.least * f64::from(all) && worst_db <= set.most_db,
             "{within} of {all}, {worst_db} dB"
         );
     }
