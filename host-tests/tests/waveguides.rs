@@ -127,6 +127,29 @@ fn unstable_and_impossible_loops_are_refused_by_name() {
 }
 
 #[test]
+fn loops_that_only_a_narrow_pole_of_the_filter_makes_grow_are_refused_too() {
+    // A filter of a pole 0.8 Hz wide, and a loop whose band lies elsewhere.
+    let around = |hz: f64, gain: f64| {
+        let angle = std::f64::consts::TAU * hz / 48_000.0;
+        let point =
+            Breakpoint { a1: -2.0 * 0.9999 * angle.cos(), a2: 0.9999f64.powi(2), b0: 1e-3, ..Breakpoint::default() };
+        let loops = vec![Loop { frequency_hz: 900.0, bandwidth_hz: 40.0, gain, delay_s: 0.002 }];
+        Table { order: 2, loops, ..Table::of_path(vec![point, Breakpoint { time_s: 0.1, ..point }]) }.ours(RATE)
+    };
+    for hz in [3.0, 20.0, 1000.3, 1023.4, 1039.0] {
+        assert!(around(hz, 1e-9).is_ok(), "{hz}");
+        let refused = around(hz, 8.0).map(|_| ());
+        assert!(matches!(refused, Err(DynamicFilterError::Loop(LoopError::Unstable { .. }))), "{hz}: {refused:?}");
+    }
+    // And one at 0 Hz, in first order.
+    let point = Breakpoint { a1: -0.9999, b0: 0.05, ..Breakpoint::default() };
+    let loops = vec![Loop { frequency_hz: 900.0, bandwidth_hz: 40.0, gain: 0.9, delay_s: 0.002 }];
+    let refused =
+        Table { loops, ..Table::of_path(vec![point, Breakpoint { time_s: 0.1, ..point }]) }.ours(RATE).map(|_| ());
+    assert!(matches!(refused, Err(DynamicFilterError::Loop(LoopError::Unstable { .. }))), "{refused:?}");
+}
+
+#[test]
 fn all_falls_silent_and_stays_so() {
     let mut ours = table(loops(&[220.0, 900.0, 5000.0], 2.0, 32.0)).ours(RATE).unwrap();
     ours.strike(1.0);

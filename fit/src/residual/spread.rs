@@ -41,9 +41,17 @@ fn measure(edges_hz: &[f64], rate_hz: f64, window: usize) -> Result<Vec<Vec<f64>
     let places: Vec<f64> = edges_hz.iter().map(|edge| edge / rate_hz * window as f64).collect();
     let rows = edges_hz.windows(2).zip(1..).map(|(edges, seed)| {
         const WEIGHT: f64 = 0.05;
-        // The slowest decay that a table holds: 0.7 dB over the measurement.
-        let band = Band { edges_hz: [edges[0], edges[1]], weight: WEIGHT, decay_db_per_s: 1.0 };
-        let table = table::with_residual(silent.clone(), &[band], seed);
+        // The slowest decay that a table holds: 0.7 dB over the measurement. The others are there, though silent beside it: a table's lowest band is played otherwise
+        // than those above it.
+        let bands: Vec<Band> = edges_hz
+            .windows(2)
+            .map(|its| Band {
+                edges_hz: [its[0], its[1]],
+                weight: if its == edges { WEIGHT } else { 1e-4 * WEIGHT },
+                decay_db_per_s: 1.0,
+            })
+            .collect();
+        let table = table::with_residual(silent.clone(), &bands, seed);
         let sound = render::by_instrument(&table, 0.0, rate_hz, (SECONDS * rate_hz) as usize)?;
         let power = spectrogram.power(sound.get((SETTLING_S * rate_hz) as usize..).unwrap_or(&[]));
         let frames = power.chunks_exact(spectrogram.bin_count());
