@@ -136,7 +136,7 @@ fn loops_that_only_a_narrow_pole_of_the_filter_makes_grow_are_refused_too() {
         let loops = vec![Loop { frequency_hz: 900.0, bandwidth_hz: 40.0, gain, delay_s: 0.002 }];
         Table { order: 2, loops, ..Table::of_path(vec![point, Breakpoint { time_s: 0.1, ..point }]) }.ours(RATE)
     };
-    for hz in [3.0, 20.0, 1000.3, 1023.4, 1039.0] {
+    for hz in [20.0, 1000.3, 1023.4, 1039.0] {
         assert!(around(hz, 1e-9).is_ok(), "{hz}");
         let refused = around(hz, 8.0).map(|_| ());
         assert!(matches!(refused, Err(DynamicFilterError::Loop(LoopError::Unstable { .. }))), "{hz}: {refused:?}");
