@@ -83,6 +83,7 @@ pub fn by_reference(table: &Kit, position: f64, rate_hz: f64, frames: usize) -> 
             modes: modes.collect(),
             acceleration: f64::from(object.acceleration),
             biquads: vec![],
+            dynamic_filter: None,
         },
         strikers: vec![reference::Striker {
             pulse: match striker.pulse {

@@ -24,11 +24,14 @@
 //! | [`contact`] | from velocity to a contact force over time; strikes sum | eq. 2, 3 |
 //! | [`resonator`] | the force drives a bank of decaying modes | §3.3 |
 //! | [`radiation`] | the click of the striker's deceleration, `α·F` | eq. 1, §3.2 |
+//! | [`dynamic_filter`], [`waveguide`] | noise through a filter that moves, loops round it | dynamic filtering eq. 5 to 17 |
+//! | [`biquad`] | chains of biquads beside the modes | diffmodal eq. 2, 3 |
 //! | [`residual`] | noise in decaying bands beside the modes | physics-diffusion eq. 5, 6 |
-//! | [`pad`] | one object, its strikers, and the sum of all they radiate | eq. 1 |
+//! | [`pad`] | one object with its filters, its strikers, and the sum of all they radiate | eq. 1 |
 //! | [`scene`] | several pads: level, pan, stereo, and 24-bit quantisation | this project |
 //!
-//! Of eq. 1, the background noise `N` is not part of this model; the room `IR_e` is in [`mod@room`], by itself. Added
+//! Of eq. 1, the background noise `N` is not part of this model, and the room `IR_e` is in [`mod@room`], to be added to what a scene gives; so is the noise of
+//! [`residual`], which has a law but no bits of its own. Added
 //! to it are the striker's own bank with weight η (as §4.3 does for tools), a cosine gain for every mode,
 //! gains that depend on the position of the contact, and the choke.
 //!
@@ -53,6 +56,7 @@
 //!         }],
 //!         acceleration: 0.001,
 //!         biquads: vec![],
+//!         dynamic_filter: None,
 //!     },
 //!     strikers: vec![Striker {
 //!         pulse: Pulse::HertzHalfSine,

@@ -14,10 +14,10 @@ pub struct Exciter {
 }
 
 impl Exciter {
-    /// The edges in Hz for a level from 0 to 1: 0.0001 fs to 0.49 fs, their ratio 1.05 at least.
+    /// The edges in Hz for a level: 0.0001 fs to 0.49 fs, their ratio 1.05 at least.
     pub fn edges_hz(&self, level: f64, rate: SampleRate) -> [f64; 2] {
         let fs = rate.hz();
-        let factor = level.clamp(2f64.powi(-31), 1.0).powf(self.exponent);
+        let factor = level.max(2f64.powi(-31)).powf(self.exponent);
         let high = (self.high_hz * factor).clamp(2e-4 * fs, 0.49 * fs);
         [(self.low_hz * factor).clamp(1e-4 * fs, high / 1.05), high]
     }
@@ -25,14 +25,8 @@ impl Exciter {
     /// An input through the band, from rest: the prototype's two poles, low-pass to band-pass, each a biquad by the bilinear transformation.
     pub fn filter(&self, level: f64, input: &[f64], rate: SampleRate) -> Vec<f64> {
         let [low, high] = self.edges_hz(level, rate).map(|hz| (std::f64::consts::PI * hz / rate.hz()).tan());
-        let (width, middle_squared) = (high - low, low * high);
-        // s² - p B s + ω0² = 0 for p = (-1 + i)/√2: s = h ± √(h² - ω0²), h = p B / 2.
-        let half = width / 8f64.sqrt();
-        let (re, im) = (-middle_squared, -2.0 * half * half);
-        let size = re.hypot(im);
-        let root = (((size + re) / 2.0).max(0.0).sqrt(), -((size - re) / 2.0).sqrt());
-        [1.0, -1.0].into_iter().fold(input.to_vec(), |signal, sign| {
-            let (re, im) = (-half + sign * root.0, half + sign * root.1);
+        let width = high - low;
+        Self::poles(low, high).into_iter().fold(input.to_vec(), |signal, (re, im)| {
             // B s / (s² + c s + ω²), s = (1 - z⁻¹) / (1 + z⁻¹).
             let (c, square) = (-2.0 * re, re * re + im * im);
             let a0 = 1.0 + c + square;
@@ -45,5 +39,16 @@ impl Exciter {
             };
             signal.into_iter().map(step).collect()
         })
+    }
+
+    /// Both poles (of each conjugate pair the one above) between warped edges, the one with the larger imaginary part first.
+    pub(super) fn poles(low: f64, high: f64) -> [(f64, f64); 2] {
+        let (width, middle_squared) = (high - low, low * high);
+        // s² - p B s + ω0² = 0 for p = (-1 + i)/√2: s = h ± √(h² - ω0²), h = p B / 2.
+        let half = width / 8f64.sqrt();
+        let (re, im) = (-middle_squared, -2.0 * half * half);
+        let size = re.hypot(im);
+        let root = (((size + re) / 2.0).max(0.0).sqrt(), -((size - re) / 2.0).sqrt());
+        [-1.0, 1.0].map(|sign| (-half + sign * root.0, half + sign * root.1))
     }
 }

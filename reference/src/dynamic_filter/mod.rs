@@ -1,11 +1,15 @@
 //! The dynamic filter in `f64` (*Analysis-Synthesis of Impact Sounds by Real-Time Dynamic Filtering*, eq. 5, 6 and 17), and its exciter.
 
+mod band_pass;
 mod carry;
 mod exciter;
 mod form;
+mod noise;
 
+pub use band_pass::BandPass;
 pub use exciter::Exciter;
 pub use form::Form;
+pub use noise::White;
 
 use crate::SampleRate;
 
@@ -77,6 +81,22 @@ impl<'a> Filter<'a> {
     pub fn step(&mut self, samples: usize, e: f64) -> f64 {
         let form = self.form(samples);
         form.step(&mut self.state, std::mem::replace(&mut self.last, e), e)
+    }
+
+    /// Whether there is noise so many samples after the strike: before the path's end, and not in a piece that is silent at both ends.
+    pub fn is_noisy(&self, samples: usize) -> bool {
+        let last_s = self.path.last().map_or(0.0, |point| point.time_s);
+        let time_s = samples as f64 / self.rate.hz();
+        let is_silent = |pair: &[Breakpoint]| {
+            (pair[0].time_s..pair[1].time_s).contains(&time_s) && pair[0].noise == 0.0 && pair[1].noise == 0.0
+        };
+        samples < (last_s * self.rate.hz()).ceil() as usize && !self.path.windows(2).any(is_silent)
+    }
+
+    /// Leaves so much of what rings.
+    pub fn attenuate(&mut self, left: f64) {
+        self.state = self.state.map(|s| left * s);
+        self.last *= left;
     }
 
     /// All of an input; `strikes` are samples, in order; before the first there is silence.

@@ -3,14 +3,16 @@
 //! Eq. 1 for one pad, without background noise and room, and with the striker's own sound:
 //!
 //! ```text
-//! y = F ⊗ (IR_object + H) + η Σ_s F_s ⊗ IR_striker_s + α F,   F = Σ_s F_s + direct
+//! y = F ⊗ (IR_object + H) + s + η Σ_s F_s ⊗ IR_striker_s + α F,   F = Σ_s F_s + direct
 //! ```
 //!
-//! H is the object's biquads, where it has some. `F_s` is the part of the force that striker s makes; a direct force counts as made by striker 0.
+//! H is the object's biquads, where it has some; s is what its dynamic filter makes of the noise that each strike begins, and of `F ⊗ IR_object` where that goes through it. `F_s` is the part of the force that striker s makes; a direct force counts as made by striker 0.
 //! The object's gains are those of the position of the latest strike that has begun, for the whole
 //! force, until the next begins; before the first they are those of position 0.
 
 mod biquads;
+mod dynamic_filter;
+mod hand;
 mod part;
 mod voice;
 
@@ -21,6 +23,7 @@ use crate::event::{self, Direct, Event};
 use crate::rate::SampleRate;
 use crate::resonator::Mode;
 
+pub use dynamic_filter::DynamicFilter;
 pub(crate) use part::Part;
 
 /// What is struck.
@@ -32,6 +35,8 @@ pub struct Object {
     pub acceleration: f64,
     /// Chains of biquads beside the modes (diffmodal eq. 3), driven by the force in newtons; for the sample rate at which they are rendered.
     pub biquads: Vec<Vec<Biquad>>,
+    /// Noise through a filter that moves, with loops round it; its modes may go through as well.
+    pub dynamic_filter: Option<DynamicFilter>,
 }
 
 /// An object with its strikers and its place in the mix.

@@ -5,9 +5,14 @@ use crate::error::BankOwner;
 use crate::event::{Action, Event};
 use crate::pad::Pad;
 use crate::pad::biquads::Biquads;
+use crate::pad::dynamic_filter::Sounding;
+use crate::pad::hand::Hand;
 use crate::radiation::add_acceleration_sound;
 use crate::rate::SampleRate;
 use crate::resonator::{Bank, GainsError};
+
+/// A hand's end is looked for so often: the instrument draws no more noise from there on.
+const TICK_SAMPLES: u64 = 32;
 
 /// Everything of a pad that moves: its banks and the contacts in flight.
 pub(crate) struct Voice<'a> {
@@ -16,6 +21,9 @@ pub(crate) struct Voice<'a> {
     object: Bank<'a>,
     strikers: Vec<StrikerVoice<'a>>,
     biquads: Biquads<'a>,
+    dynamic_filter: Option<Sounding<'a>>,
+    /// On both of them; a bank damps its modes by itself.
+    hand: Hand,
 }
 
 /// Everything of a striker that moves.
@@ -35,8 +43,15 @@ impl<'a> Voice<'a> {
                 bank: Bank::new(&striker.modes, rate).map_err(|error| (BankOwner::Striker(index), error))?,
             })
         });
-        let biquads = Biquads::new(&pad.object.biquads);
-        Ok(Self { pad, rate, object, strikers: strikers.collect::<Result<_, _>>()?, biquads })
+        Ok(Self {
+            pad,
+            rate,
+            object,
+            strikers: strikers.collect::<Result<_, _>>()?,
+            biquads: Biquads::new(&pad.object.biquads),
+            dynamic_filter: pad.object.dynamic_filter.as_ref().map(|table| Sounding::new(table, rate)),
+            hand: Hand::AWAY,
+        })
     }
 
     /// Lets `event` happen before the next sample, which is to be its first.
@@ -45,19 +60,23 @@ impl<'a> Voice<'a> {
             Action::Strike => {
                 let striker = &self.pad.strikers[event.striker];
                 if let Some(impact) = striker.strike(event.velocity, event.time_samples) {
+                    self.lift();
+                    if let Some(filter) = &mut self.dynamic_filter {
+                        filter.strike(impact.peak_force);
+                    }
                     self.strikers[event.striker].impacts.push(impact);
                     self.object.set_position(event.position);
-                    self.biquads.lift();
                 }
             }
             Action::Choke => {
                 let t60_s = self.pad.choke_t60_s;
                 self.banks().for_each(|bank| bank.choke(t60_s));
-                self.biquads.choke(t60_s, self.rate);
+                self.hand.choke(t60_s, self.rate);
             }
             Action::Release => {
                 self.banks().for_each(Bank::release);
-                self.biquads.release();
+                self.lift();
+                self.hand.release();
             }
         }
     }
@@ -85,9 +104,37 @@ impl<'a> Voice<'a> {
                 }
             }
         }
-        self.object.add_sound(&force, sound);
-        self.biquads.add_sound(&force, sound);
+        if self.dynamic_filter.as_ref().is_some_and(Sounding::takes_modes) {
+            let mut modes = vec![0.0; sound.len()];
+            self.object.add_sound(&force, &mut modes);
+            self.add_filtered(first_sample, &force, Some(&modes), sound);
+        } else {
+            self.object.add_sound(&force, sound);
+            self.add_filtered(first_sample, &force, None, sound);
+        }
         add_acceleration_sound(self.pad.object.acceleration, &force, sound);
+    }
+
+    /// Adds biquads and dynamic filter under the hand; `modes` go into the filter.
+    fn add_filtered(&mut self, first_sample: u64, force: &[f64], modes: Option<&[f64]>, sound: &mut [f64]) {
+        for (index, (sample, sound)) in (first_sample..).zip(sound).enumerate() {
+            let modes = modes.map_or(0.0, |modes| modes[index]);
+            let dynamic = self.dynamic_filter.as_mut().map_or(0.0, |filter| filter.step(modes));
+            *sound += self.hand.fade(self.biquads.step(force[index]) + dynamic);
+            if (sample + 1).is_multiple_of(TICK_SAMPLES) && self.hand.is_mute() {
+                self.biquads.attenuate(0.0);
+                self.dynamic_filter.iter_mut().for_each(Sounding::rest);
+            }
+        }
+    }
+
+    /// What rings is what the hand has left of it, and the hand begins anew.
+    fn lift(&mut self) {
+        let left = self.hand.lift();
+        self.biquads.attenuate(left);
+        if let Some(filter) = &mut self.dynamic_filter {
+            filter.attenuate(left);
+        }
     }
 
     fn banks(&mut self) -> impl Iterator<Item = &mut Bank<'a>> {

@@ -1,5 +1,6 @@
 //! Banded waveguides in `f64` (*Analysis-Synthesis of Impact Sounds by Real-Time Dynamic Filtering*, eq. 8 to 13).
 
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use crate::SampleRate;
@@ -48,22 +49,58 @@ impl Loop {
     }
 }
 
-/// Eq. 12 and 13 from rest: s for an excitation `input` e; `strikes` are samples, in order.
-pub fn filter(filter: &mut Filter<'_>, loops: &[Loop], strikes: &[usize], input: &[f64], rate: SampleRate) -> Vec<f64> {
-    let loops: Vec<Tuned> = loops.iter().map(|one| one.tuned(rate)).collect();
-    let mut s: Vec<f64> = Vec::with_capacity(input.len());
-    // y_s(n-1), y_s(n-2) of each loop.
-    let mut before = vec![[0.0; 2]; loops.len()];
-    for (n, &e) in input.iter().enumerate() {
-        let mut sum = e;
-        for (Tuned { delay, numerator: [c0, c1], denominator: [c3, c4] }, y) in loops.iter().zip(&mut before) {
-            let delayed = |more: usize| n.checked_sub(delay + more).map_or(0.0, |at| s[at]);
-            let now = c0 * delayed(0) + c1 * delayed(1) - c3 * y[0] - c4 * y[1];
+/// Loops round a filter, sample by sample, from rest.
+#[derive(Clone, Debug)]
+pub struct Loops {
+    /// Each with y_s(n-1), y_s(n-2).
+    loops: Vec<(Tuned, [f64; 2])>,
+    /// s(n-1), s(n-2) ... as far back as the longest delay.
+    past: VecDeque<f64>,
+}
+
+impl Loops {
+    /// Tuned for a rate.
+    pub fn new(loops: &[Loop], rate: SampleRate) -> Self {
+        let loops: Vec<_> = loops.iter().map(|one| (one.tuned(rate), [0.0; 2])).collect();
+        let longest = loops.iter().map(|(tuned, _)| tuned.delay + 1).max().unwrap_or(0);
+        Self { loops, past: vec![0.0; longest].into() }
+    }
+
+    /// What all of them add to the filter's input now (eq. 12).
+    pub fn sum(&mut self) -> f64 {
+        let mut sum = 0.0;
+        for (tuned, y) in &mut self.loops {
+            let Tuned { delay, numerator: [c0, c1], denominator: [c3, c4] } = *tuned;
+            let now = c0 * self.past[delay - 1] + c1 * self.past[delay] - c3 * y[0] - c4 * y[1];
             *y = [now, y[0]];
             sum += now;
         }
-        let start = strikes.iter().rev().find(|start| **start <= n);
-        s.push(start.map_or(0.0, |start| filter.step(n - start, sum)));
+        sum
     }
-    s
+
+    /// Takes what the filter made of it.
+    pub fn hear(&mut self, s: f64) {
+        if self.past.pop_back().is_some() {
+            self.past.push_front(s);
+        }
+    }
+
+    /// Leaves so much of what rings.
+    pub fn attenuate(&mut self, left: f64) {
+        let states = self.loops.iter_mut().flat_map(|(_, y)| y);
+        states.chain(&mut self.past).for_each(|value| *value *= left);
+    }
+}
+
+/// Eq. 12 and 13 from rest: s for an excitation `input` e; `strikes` are samples, in order.
+pub fn filter(filter: &mut Filter<'_>, loops: &[Loop], strikes: &[usize], input: &[f64], rate: SampleRate) -> Vec<f64> {
+    let mut loops = Loops::new(loops, rate);
+    let step = |(n, &e): (usize, &f64)| {
+        let sum = e + loops.sum();
+        let start = strikes.iter().rev().find(|start| **start <= n);
+        let s = start.map_or(0.0, |start| filter.step(n - start, sum));
+        loops.hear(s);
+        s
+    };
+    input.iter().enumerate().map(step).collect()
 }

@@ -33,7 +33,7 @@ pub(crate) fn hertz_striker() -> Striker {
 
 pub(crate) fn pad(modes: Vec<Mode>, strikers: Vec<Striker>) -> Pad {
     Pad {
-        object: Object { modes, acceleration: 0.0, biquads: vec![] },
+        object: Object { modes, acceleration: 0.0, biquads: vec![], dynamic_filter: None },
         strikers,
         striker_weight: 0.0,
         level_db: 0.0,
