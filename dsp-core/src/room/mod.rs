@@ -95,6 +95,8 @@ pub struct Room<T: Sample, const SAMPLES: usize> {
     passed: usize,
     /// Whether nothing sounds and nothing has come in since.
     silent: bool,
+    /// Blocks by which the turn is late.
+    silent_blocks: u32,
     scratch: Scratch<T>,
     memory: Memory<T, SAMPLES>,
 }
@@ -166,6 +168,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             part_ends: [0; TICKS],
             passed: 0,
             silent: true,
+            silent_blocks: 0,
             scratch: Scratch {
                 high: [0; BLOCK_FRAMES],
                 sound: Sound { input: [[T::ZERO; 2]; BLOCK_FRAMES], output: [[T::ZERO; 2]; BLOCK_FRAMES] },
@@ -180,7 +183,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
     /// # Errors
     /// A [`RoomError`]; there is then no room.
     pub fn load(&mut self, bands: &[RoomBandRecord], rate: SampleRate) -> Result<(), RoomError> {
-        (self.count, self.passed) = (0, 0);
+        (self.count, self.passed, self.silent_blocks) = (0, 0, 0);
         self.clear();
         self.memory.0.fill(T::ZERO);
         let plans = plan::plan(bands, rate, SAMPLES)?;
@@ -242,7 +245,10 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
     /// Lets frames of silence pass while the room [is silent](Self::is_silent): what rendering them would do.
     pub fn pass_silence(&mut self, frames: usize) {
         // While the room is silent its input is zeros throughout.
-        self.passed = (self.passed + frames) % BLOCK_FRAMES;
+        let passed = self.passed + frames;
+        self.passed = passed % BLOCK_FRAMES;
+        // 2^32 blocks are more than a month.
+        self.silent_blocks = self.silent_blocks.wrapping_add((passed / BLOCK_FRAMES) as u32);
     }
 
     #[inline(never)]

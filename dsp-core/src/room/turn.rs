@@ -1,4 +1,4 @@
-//! The angle that turns the networks' mixes: the same for all bands, moved on by every block that sounds.
+//! The angle that turns the networks' mixes: the same for all bands, a function of time alone.
 
 use super::BLOCK_FRAMES;
 use crate::SampleRate;
@@ -31,8 +31,12 @@ impl Turn {
         turn
     }
 
-    /// A block later.
-    pub(super) fn advance(&mut self) {
+    /// A block later, after so many that were silent.
+    pub(super) fn advance(&mut self, silent_blocks: u32) {
+        if silent_blocks > 0 {
+            self.phase = self.phase.wrapping_add(self.speed.wrapping_mul(2).wrapping_mul(silent_blocks));
+            self.at = [[0; 2], [0; 2], self.now()];
+        }
         let [_, _, end] = self.at;
         self.at = [end, self.next(), self.next()];
     }
@@ -40,6 +44,10 @@ impl Turn {
     /// Half a block further.
     fn next(&mut self) -> [i32; 2] {
         self.phase = self.phase.wrapping_add(self.speed);
+        self.now()
+    }
+
+    fn now(&self) -> [i32; 2] {
         // Q31 times radians over a turn, to parts of a turn.
         let angle = ((i64::from(sine(self.phase)) * SWING_PER_TURN_Q30) >> 29) as u32;
         [sine(angle), sine(angle.wrapping_add(1 << 30))]

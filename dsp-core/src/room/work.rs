@@ -34,11 +34,12 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
     pub(super) fn begin(&mut self) {
         self.passed = 0;
         if self.silent {
+            self.silent_blocks = self.silent_blocks.wrapping_add(1);
             return;
         }
         self.side = !self.side;
         (self.worked, self.heard) = (self.heard, 0);
-        self.turn.advance();
+        self.turn.advance(core::mem::take(&mut self.silent_blocks));
         self.scratch.turns = Turns::new(&self.turn);
         self.work = Work { begun: true, ..Work::NONE };
     }
