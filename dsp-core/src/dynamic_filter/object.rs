@@ -58,6 +58,8 @@ pub struct DynamicFilter<const POINTS: usize, const LOOPS: usize, const FRAMES: 
     whole_ticks: u32,
     /// Whether the segment has noise.
     noisy: bool,
+    /// Whether modes have come in since the last tick began.
+    fed: bool,
     ringing: bool,
     exciter: BandPass,
     filter: Filter<POINTS>,
@@ -80,6 +82,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         granted: 0,
         whole_ticks: 0,
         noisy: false,
+        fed: false,
         ringing: false,
     };
 
@@ -156,7 +159,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         self.loops.unload();
         (self.filter, self.exciter) = (Filter::EMPTY, BandPass::NONE);
         (self.modes_through, self.loaded, self.plain, self.only_looped) = (false, false, false, false);
-        (self.left, self.noisy, self.ringing) = (0, false, false);
+        (self.left, self.noisy, self.fed, self.ringing) = (0, false, false, false);
         (self.granted, self.whole_ticks) = (0, 0);
     }
 
@@ -212,6 +215,9 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
 
     #[inline(never)]
     fn render_any(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
+        if !self.ringing && modes.is_none() {
+            return self.pass(out.len());
+        }
         self.settle_whole_ticks();
         let (mut modes, mut out) = (modes.unwrap_or(&[]), out);
         while !out.is_empty() {
@@ -272,15 +278,16 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         (self.left, self.noisy) = self.filter.segment(TICK_FRAMES - self.frame);
     }
 
-    /// Whether it is at rest, on a tick after the path's end; `silent` says whether the loops may be cleared.
+    /// Whether it is at rest, on a tick after the path's end; `silent` says that nothing lies in the loops' line, even of what they have still to read.
     #[inline(never)]
     fn settle(&mut self, silent: bool) {
         let excited = !self.exciter.settle();
-        if silent && !excited && !self.loops.is_at_rest() {
+        let comes = excited || core::mem::take(&mut self.fed);
+        if silent && !comes && self.loops.count() > 0 {
             self.loops.rest();
             self.filter.rest();
         }
-        self.ringing = !self.filter.settle() || excited || !self.loops.is_at_rest();
+        self.ringing = !self.filter.settle() || comes || !silent;
     }
 
     /// A whole tick of noise and loops, if it is one; what is begun of any other one is left to [`render_any`](Self::render_any).
@@ -330,6 +337,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
             if self.modes_through {
                 let (given, more) = modes.split_at(frames.min(modes.len()));
                 self.filter.add(given, self.loops.slot(frames));
+                self.fed |= given.iter().any(|&mode| mode != 0);
                 modes = more;
             }
             self.filter_sums(now);

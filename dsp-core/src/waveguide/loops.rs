@@ -1,10 +1,10 @@
 //! The delay line and the loops that read it.
 
-use super::SILENCE;
 use super::error::LoopError;
 use super::kernel;
 use super::resonance::{COARSE, FINE, LINE_BITS, Resonance};
 use super::tuning::{Loop, Tuned};
+use super::{NOTHING, SILENCE, STILL_S};
 use crate::SampleRate;
 use crate::fixed::times_q31;
 use crate::resonator::TICK_FRAMES;
@@ -36,8 +36,10 @@ pub(crate) struct Loops<const LOOPS: usize, const FRAMES: usize> {
     frames_of_first: usize,
     line_bits: i32,
     longest: usize,
-    /// Frames for which all were silent.
-    quiet_frames: usize,
+    /// Bits of the sizes of such a time, for how many frames these have been the same or one more, and after how many no tail would be.
+    tail_bits: i32,
+    still_frames: usize,
+    most_still_frames: usize,
     bands: [Resonance; LOOPS],
     /// The line, a ring, larger than the bus by 2^line_scale.
     line: [i32; FRAMES],
@@ -60,7 +62,9 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         frames_of_first: 0,
         line_bits: LINE_BITS,
         longest: 0,
-        quiet_frames: 0,
+        tail_bits: 0,
+        still_frames: 0,
+        most_still_frames: 0,
     };
 
     /// Derives loops at rest for a line of s larger than the bus by 2^`line_scale`; `stable` checks the sum of the loops.
@@ -94,6 +98,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         }
         self.count = given;
         self.loud = self.is_loud();
+        self.most_still_frames = (STILL_S * rate.hz()) as usize;
         Ok(())
     }
 
@@ -131,7 +136,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
     pub(crate) fn rest(&mut self) {
         self.bands.iter_mut().take(self.count).for_each(Resonance::rest);
         self.line.fill(0);
-        (self.sizes, self.sizes_of, self.frames_of_first, self.quiet_frames) = (0, [0; 2], 0, 0);
+        (self.sizes, self.sizes_of, self.frames_of_first, self.still_frames) = (0, [0; 2], 0, 0);
         self.line_bits = LINE_BITS;
         self.loud = self.is_loud();
     }
@@ -182,22 +187,27 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
 
     /// On a tick: scales states anew; gives whether the line has been silent for all its length, so that it may be cleared.
     pub(crate) fn settle(&mut self) -> bool {
-        self.sizes_of[0] |= self.sizes;
-        let all = self.sizes_of[0] | self.sizes_of[1];
-        self.frames_of_first += TICK_FRAMES;
-        if self.frames_of_first > self.longest {
-            (self.sizes_of, self.frames_of_first) = ([0, self.sizes_of[0]], 0);
-        }
-        let line_bits = 32 - all.leading_zeros() as i32;
+        self.sizes_of[0] |= core::mem::take(&mut self.sizes);
+        let line_bits = bits(self.sizes_of[0] | self.sizes_of[1]);
         // What bounds the words bounds smaller ones; two bits more are not worth the time.
         let known = line_bits <= self.line_bits && line_bits + 3 > self.line_bits;
         if !known || self.unsettled {
             self.scale_anew(if known { self.line_bits } else { line_bits });
         }
-        let silence = 1u32.checked_shl((SILENCE + self.line_scale).clamp(0, 31) as u32).unwrap_or(0);
-        self.quiet_frames = if self.sizes < silence { self.quiet_frames + TICK_FRAMES } else { 0 };
-        self.sizes = 0;
-        self.quiet_frames > FRAMES
+        self.frames_of_first += TICK_FRAMES;
+        self.frames_of_first > self.longest && self.is_over()
+    }
+
+    /// When the longest delay has passed: whether what was written in it is no sound.
+    #[inline(never)]
+    fn is_over(&mut self) -> bool {
+        let bits = bits(self.sizes_of[0]);
+        let is_still = bits == self.tail_bits || bits == self.tail_bits + 1;
+        (self.tail_bits, self.still_frames) =
+            if is_still { (self.tail_bits, self.still_frames + self.frames_of_first) } else { (bits, 0) };
+        (self.sizes_of, self.frames_of_first) = ([0, self.sizes_of[0]], 0);
+        let is_below = |steps_bits: i32| bits <= (steps_bits + self.line_scale).max(0);
+        is_below(NOTHING) || is_below(SILENCE) && self.still_frames > self.most_still_frames
     }
 
     /// States, for a line of words below 2^`line_bits`.
@@ -214,9 +224,9 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         self.unsettled = false;
         self.loud = self.is_loud();
     }
+}
 
-    /// Whether nothing is left.
-    pub(crate) fn is_at_rest(&self) -> bool {
-        self.used().iter().all(Resonance::is_at_rest)
-    }
+/// Bits of the largest of sizes that were or'ed.
+fn bits(sizes: u32) -> i32 {
+    32 - sizes.leading_zeros() as i32
 }

@@ -200,11 +200,6 @@ impl Resonance {
         (self.u, self.v) = (times_q31(self.u, left), times_q31(self.v, left));
     }
 
-    /// Whether nothing is left.
-    pub(super) fn is_at_rest(&self) -> bool {
-        (self.u, self.v) == (0, 0)
-    }
-
     #[inline(always)]
     fn zeros(&self) -> i32 {
         let size = (self.v ^ (self.v >> 31)) | ((self.u ^ (self.u >> 31)) << self.shift);
