@@ -9,9 +9,12 @@ use dsp_core::table::range::{BREAKPOINTS, CHAIN_DEPTH, CHAINS, LOOPS};
 
 use super::Performance;
 
+/// Samples of delay of the room.
+pub const ROOM_SAMPLES: usize = 49_152;
+
 /// Noise of 32 pads; a second of delay for the room: a longer T60 than that keeps its decay, with fewer resonances; filters of 32 pads with all that a
 /// table may hold, but for loops' delays: 8192 frames.
-type PcSurroundings = (Residuals<32>, Room<i32, 49_152>, Filters<32, BREAKPOINTS, LOOPS, 8192, BIQUADS>);
+type PcSurroundings = (Residuals<32>, Room<i32, ROOM_SAMPLES>, Filters<32, BREAKPOINTS, LOOPS, 8192, BIQUADS>);
 
 const BIQUADS: usize = CHAINS * CHAIN_DEPTH;
 

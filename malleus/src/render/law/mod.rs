@@ -1,106 +1,24 @@
-//! Rendering by the `f64` reference, from the same physical parameters: contacts, modes, biquads. It has no noise ([`leaves_out`]).
+//! Rendering by the `f64` reference, from the same physical parameters: contacts, modes, biquads, dynamic filters with their noise and loops, the room. What is noise
+//! throughout is left out ([`leaves_out`]).
+
+mod pads;
+
+pub use pads::pads;
 
 use dsp_core::SampleRate;
 use dsp_core::event::Action;
 use dsp_core::fixed::ONE_Q27;
 
 use super::Performance;
+use super::instrument::ROOM_SAMPLES;
 
 /// What the reference leaves out of a kit.
 pub fn leaves_out(kit: &kit::Kit) -> Vec<&'static str> {
-    let any = |has: fn(&kit::Object) -> bool| kit.objects.iter().any(has);
-    [
-        (
-            any(|object| object.dynamic_filter.is_some()),
-            "dynamic filters (modes that go through them are heard beside)",
-        ),
-        (any(|object| object.residual.is_some()), "residuals"),
-        (kit.background.is_some(), "the background"),
-        (!kit.room.is_empty(), "the room"),
-    ]
-    .into_iter()
-    .filter_map(|(is_there, what)| is_there.then_some(what))
-    .collect()
-}
-
-/// The pads of a kit as the reference knows them.
-pub fn pads(kit: &kit::Kit, rate: SampleRate) -> Vec<reference::Pad> {
-    kit.pads
-        .iter()
-        .map(|pad| {
-            let object = kit.objects.iter().find(|object| object.name == pad.object);
-            let strikers =
-                pad.strikers.iter().filter_map(|name| kit.strikers.iter().find(|striker| striker.name == *name));
-            reference::Pad {
-                object: reference::Object {
-                    modes: object.map_or(Vec::new(), |object| modes(&object.modes)),
-                    acceleration: object.map_or(0.0, |object| f64::from(object.acceleration)),
-                    biquads: object
-                        .and_then(|object| object.biquads.as_ref())
-                        .map_or(vec![], |bank| biquads(bank, rate)),
-                },
-                strikers: strikers.map(striker).collect(),
-                striker_weight: f64::from(pad.striker_weight),
-                level_db: f64::from(pad.level_db),
-                pan: f64::from(pad.pan),
-                choke_t60_s: f64::from(pad.choke_t60_s),
-            }
-        })
+    let has_residual = kit.objects.iter().any(|object| object.residual.is_some());
+    [(has_residual, "residuals"), (kit.background.is_some(), "the background")]
+        .into_iter()
+        .filter_map(|(is_there, what)| is_there.then_some(what))
         .collect()
-}
-
-fn striker(striker: &kit::Striker) -> reference::Striker {
-    reference::Striker {
-        pulse: match striker.pulse {
-            kit::Pulse::Hertz => reference::Pulse::HertzHalfSine,
-            kit::Pulse::Gaussian => reference::Pulse::Gaussian,
-        },
-        peak_force: f64::from(striker.peak_force),
-        peak_exponent: f64::from(striker.peak_exponent),
-        contact_time_s: f64::from(striker.contact_time_s),
-        contact_exponent: f64::from(striker.contact_exponent),
-        modes: modes(&striker.modes),
-    }
-}
-
-fn modes(modes: &[kit::Mode]) -> Vec<reference::Mode> {
-    modes
-        .iter()
-        .map(|mode| reference::Mode {
-            frequency_hz: f64::from(mode.frequency_hz),
-            decay_per_s: f64::from(mode.decay_per_s),
-            gains: mode
-                .gains
-                .iter()
-                .map(|gain| reference::Gain { sine: f64::from(gain.sine), cosine: f64::from(gain.cosine) })
-                .collect(),
-        })
-        .collect()
-}
-
-/// Biquads at a rate: poles and zeros raised to the power of the table's rate over it, the gain at the pole's frequency kept.
-fn biquads(bank: &kit::Biquads, rate: SampleRate) -> Vec<Vec<reference::biquad::Biquad>> {
-    let power = f64::from(bank.rate_hz) / rate.hz();
-    let carried = |biquad: &kit::Biquad| {
-        let root = |[re, im]: [f32; 2]| (f64::from(re), f64::from(im));
-        let raised = |(re, im): (f64, f64)| {
-            let (radius, angle) = (re.hypot(im).powf(power), im.atan2(re) * power);
-            if re == 0.0 && im == 0.0 { (0.0, 0.0) } else { (radius * angle.cos(), radius * angle.sin()) }
-        };
-        let (pole, zero, gain) = (root(biquad.pole), root(biquad.zero), f64::from(biquad.gain));
-        let given = reference::biquad::Biquad::from_roots(pole, zero, gain);
-        if power == 1.0 {
-            return given;
-        }
-        let angle = pole.1.abs().atan2(pole.0);
-        let moved = reference::biquad::Biquad::from_roots(raised(pole), raised(zero), gain);
-        let same = given.magnitude(angle) / moved.magnitude(angle * power);
-        reference::biquad::Biquad {
-            numerator: moved.numerator.map(|b| if same.is_finite() { b * same } else { b }),
-            ..moved
-        }
-    };
-    bank.chains.iter().map(|chain| chain.iter().map(carried).collect()).collect()
 }
 
 /// Renders a performance, 1.0 = full scale, not clipped; `progress` is told how many frames are done.
@@ -156,7 +74,29 @@ pub fn render(
         done += block.len();
         progress(done);
     }
+    add_room(kit, rate, &mut frames);
     Ok(frames)
+}
+
+/// Adds the room's answer to the middle of a sound.
+fn add_room(kit: &kit::Kit, rate: reference::SampleRate, frames: &mut [[f64; 2]]) {
+    if kit.room.is_empty() {
+        return;
+    }
+    let bands: Vec<_> = kit
+        .room
+        .iter()
+        .map(|band| reference::RoomBand {
+            from_hz: f64::from(band.from_hz),
+            gain: f64::from(band.gain),
+            decay_per_s: f64::from(band.decay_per_s),
+        })
+        .collect();
+    let middle: Vec<f64> = frames.iter().map(|[left, right]| 0.5 * (left + right)).collect();
+    let [left, right] = reference::room(&bands, &middle, rate, ROOM_SAMPLES);
+    for (frame, (left, right)) in frames.iter_mut().zip(left.into_iter().zip(right)) {
+        *frame = [frame[0] + left, frame[1] + right];
+    }
 }
 
 fn reference_force(kit: &kit::Kit, pad: usize) -> f64 {

@@ -1,0 +1,164 @@
+//! Whole kits with dynamic filters, loops, biquads, hands and a room: the instrument against the `f64` reference.
+
+use dsp_core::SampleRate;
+use dsp_core::engine::Skipping;
+use dsp_core::event::{Action, Event, Time};
+use dsp_core::fixed::ONE_Q27;
+use dsp_core::table::Kit;
+use kit::{Breakpoint, DynamicFilter, Exciter, Loop, ModesGo, Order};
+use malleus::render::instrument::{Output, Settings};
+use malleus::render::{Performance, instrument, law};
+use proptest::prelude::*;
+
+/// dBFS of the law's sound, and of the instrument's difference from it.
+fn heard_and_error_dbfs(kit: kit::Kit, events: Vec<Event>, rate: SampleRate, seconds: f64) -> (f64, f64) {
+    let binary = kit::binary::build(&kit).expect("a right kit");
+    let performance = Performance::new(events, None, &kit, rate, Some(seconds));
+    let expected = law::render(&kit, &performance, rate, |_| {}).expect("right events");
+    let table = Kit::parse(&binary).expect("a loaded kit is valid");
+    let settings = Settings { rate, block: 128, skipping: Skipping::Off, budget_cycles: None };
+    let bus = instrument::render(&table, &performance, settings, Output::Bus, |_| {}).expect("the kit fits");
+    let (mut signal, mut noise) = (0.0, 0.0);
+    for (expected, &got) in expected.iter().flatten().zip(bus.iter().flatten()) {
+        signal += expected * expected;
+        noise += (f64::from(got) / f64::from(ONE_Q27) - expected).powi(2);
+    }
+    let values = 2.0 * expected.len() as f64;
+    (10.0 * (signal / values).log10(), 10.0 * (noise / values).log10())
+}
+
+/// dB between them.
+fn snr_db(kit: kit::Kit, events: Vec<Event>, rate: SampleRate, seconds: f64) -> f64 {
+    let (heard, error) = heard_and_error_dbfs(kit, events, rate, seconds);
+    heard - error
+}
+
+fn event(action: Action, pad: usize, frame: u64, velocity: f32) -> Event {
+    Event { time: Time { frame, fraction: 0x3000_0000 }, pad: pad as u8, velocity, action, ..Event::default() }
+}
+
+/// Strikes, one of them after the noise's end, and a hand that comes between them, goes, and comes for good.
+fn played(pad: usize) -> Vec<Event> {
+    use Action::{Choke, Release, Strike};
+    let events = [
+        (Strike, 1_003, 1.0),
+        (Strike, 4_000, 0.6),
+        (Choke, 9_000, 0.0),
+        (Strike, 11_017, 0.9),
+        (Release, 13_333, 0.0),
+        (Strike, 90_000, 0.3),
+        (Choke, 95_000, 0.0),
+        (Strike, 140_000, 0.8),
+    ];
+    events.into_iter().map(|(action, frame, velocity)| event(action, pad, frame, velocity)).collect()
+}
+
+fn filters() -> kit::Kit {
+    kit::open("filters").expect("the shipped kit is valid").kit
+}
+
+#[test]
+fn each_pad_of_the_filters_kit_leaves_at_least_90_db_to_the_law() {
+    for rate in [SampleRate::HZ_48000, SampleRate::new(44_100, 1).expect("a right rate")] {
+        for (index, pad) in filters().pads.iter().enumerate() {
+            let snr_db = snr_db(filters(), played(index), rate, 1.0);
+            println!("{} at {} Hz: {snr_db:.1} dB", pad.name, rate.hz());
+            assert!(snr_db >= 90.0, "{} at {} Hz: {snr_db:.1} dB", pad.name, rate.hz());
+        }
+    }
+}
+
+#[test]
+fn in_a_room_that_falls_silent_between_strikes_the_sum_does_too() {
+    let mut kit = filters();
+    kit.room = [(0.0, 0.5, -9.0), (500.0, 0.4, -12.0), (2_000.0, 0.3, -15.0), (8_000.0, 0.2, -20.0)]
+        .map(|(from_hz, t60_s, energy_db)| kit::RoomBand::new(from_hz, t60_s, energy_db))
+        .into();
+    let strikes = [(0, 5_003), (1, 20_000), (4, 250_031)];
+    let events = strikes.map(|(pad, frame)| event(Action::Strike, pad, frame, 0.9)).into();
+    let snr_db = snr_db(kit, events, SampleRate::HZ_48000, 2.0);
+    println!("with a room: {snr_db:.1} dB");
+    assert!(snr_db >= 90.0, "{snr_db:.1} dB");
+}
+
+/// A pole pair, or two real poles, within `largest`, as a1 and a2; of the first order a2 is 0.
+fn any_poles(order: Order, largest: f32) -> BoxedStrategy<(f32, f32)> {
+    match order {
+        Order::First => (-largest..largest).prop_map(|a1| (a1, 0.0)).boxed(),
+        Order::Second => (0.05f32..largest, 0.1f32..3.0).prop_map(|(r, angle)| (-2.0 * r * angle.cos(), r * r)).boxed(),
+    }
+}
+
+prop_compose! {
+    fn any_path(order: Order, levels: bool)(
+        points in prop::collection::vec((0.0005f32..0.1, any_poles(order, 0.99), -0.3f32..0.3, -0.3f32..0.3, 0.0f32..1.0), 1..8),
+    ) -> Vec<Breakpoint> {
+        let mut end_s = 0.0;
+        points
+            .into_iter()
+            .map(|(step_s, (a1, a2), b0, b1, noise)| {
+                let time_s = end_s;
+                end_s += step_s;
+                // A quarter of the pieces' ends are silent.
+                let noise = if levels { (4.0 / 3.0 * noise - 1.0 / 3.0).max(0.0) } else { 1.0 };
+                Breakpoint { time_s, noise, a1, a2, b0, b1, b2: 0.0 }
+            })
+            .collect()
+    }
+}
+
+prop_compose! {
+    fn any_filter()(order in prop_oneof![Just(Order::First), Just(Order::Second)], levels in any::<bool>())(
+        path in any_path(order, levels),
+        order in Just(order),
+        seed in any::<u32>(),
+        through in any::<bool>(),
+        exciter in prop::option::of((50.0f32..2_000.0, 1.2f32..8.0, -0.8f32..0.8)),
+        loops in prop::collection::vec((80.0f32..8_000.0, 2.0f32..200.0, -0.9f32..0.9, 0.0003f32..0.02), 0..4),
+    ) -> DynamicFilter {
+        // Stable, however the path moves: the sum of all gains round the loops stays below 0.9.
+        let gain_at = |point: &Breakpoint| (0..400).map(|n| point.magnitude(60.0 * f64::from(n), 48_000.0)).fold(0.0, f64::max);
+        let loudest = path.iter().map(gain_at).fold(1e-3, f64::max) as f32;
+        let count = loops.len() as f32;
+        DynamicFilter {
+            seed,
+            modes: if through { ModesGo::Through } else { ModesGo::Beside },
+            rate_hz: 48_000.0,
+            exciter: exciter.map(|(low_hz, ratio, exponent)| Exciter { low_hz, high_hz: ratio * low_hz, exponent }),
+            order,
+            path,
+            loops: loops
+                .into_iter()
+                .map(|(frequency_hz, bandwidth_hz, gain, delay_s)| Loop {
+                    frequency_hz,
+                    bandwidth_hz: bandwidth_hz.min(0.5 * frequency_hz),
+                    gain: gain / count / (4.0 * loudest).max(1.0),
+                    delay_s,
+                })
+                .collect(),
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Any filter, any strikes and hands.
+    #[test]
+    fn a_kit_with_any_dynamic_filter_leaves_at_least_90_db_to_the_law_or_its_error_is_inaudible(
+        filter in any_filter(),
+        times in prop::collection::vec((0u64..30_000, 0.05f32..=1.0, 0usize..8), 1..8),
+    ) {
+        let mut kit = filters();
+        kit.pads.truncate(1);
+        kit.objects[0].dynamic_filter = Some(filter);
+        let event = |(frame, velocity, what): (u64, f32, usize)| {
+            event([Action::Choke, Action::Release].get(what).copied().unwrap_or(Action::Strike), 0, frame, velocity)
+        };
+        let mut events: Vec<Event> = times.into_iter().map(event).collect();
+        events.sort_by_key(|event| event.time.frame);
+        let (heard, error) = heard_and_error_dbfs(kit, events, SampleRate::HZ_48000, 0.8);
+        println!("{heard:.1} dBFS, error {error:.1} dBFS, {:.1}", heard - error);
+        prop_assert!(heard - error >= 90.0 || error < -130.0, "{heard:.1} dBFS, error {error:.1} dBFS");
+    }
+}
