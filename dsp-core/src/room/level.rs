@@ -1,7 +1,7 @@
 //! A network's level: what one step of its lines stands for, falling as the band decays.
 //!
 //! `scale = mantissa · 2^(exponent - 32)` bus steps (Q4.27) a step of a 16-bit pair, mantissa from 2^31 to 2^32. It falls by `e^{-d t}`, sample by sample. Input too loud
-//! for it raises it by powers of two, and so do outputs of half their range and more; where all that was stored has been below a quarter of the range for as long as the
+//! for it raises it by powers of two, and so does what is stored of half its range and more; where all that was stored has been below a quarter of the range for as long as the
 //! longest line, it is lowered by one. What was stored before such a step is read times that power of two.
 //!
 //! **Bounds.** A raised level leaves `|x · 2^shift| < 2^31`, and the inverse below 2^31 to a block's end, however much it grows: the input of a line is below 2^14
@@ -14,7 +14,7 @@ use crate::fixed;
 /// Blocks whose levels are remembered, a power of two.
 const HISTORY: usize = 64;
 const _: () = assert!(super::plan::MAX_BLOCKS + 2 < HISTORY && HISTORY.is_power_of_two());
-/// Bits of a halved output, sign included, beyond which the level is raised; and bits of what is stored up to which it is lowered.
+/// Bits of what is stored, sign included, beyond which the level is raised, and up to which it is lowered.
 pub(super) const LOUD_BITS: u32 = 15;
 pub(super) const QUIET_BITS: u32 = 14;
 /// What is left out: outputs below 2^7 steps of the bus, -120 dBFS.
@@ -34,6 +34,8 @@ pub(super) struct Level {
     /// The output's gain: mantissa below 2^31, times 2^(exponent - 31).
     output: u32,
     output_exponent: i32,
+    /// Bits by which a steady input's answers, gathered over the decay, are above one sample's.
+    gathered_bits: i32,
     /// Bits that the inverse needs above 2^30 to grow in a block.
     room: i32,
     /// Blocks of the longest line.
@@ -62,7 +64,7 @@ pub(super) struct LevelState {
     busy: bool,
     /// Bits of the loudest input since the last such look.
     input_bits: i32,
-    /// Whether an output of the last block was beyond [`LOUD_BITS`].
+    /// Whether something in the last block was beyond [`LOUD_BITS`].
     loud: bool,
 }
 
@@ -125,6 +127,7 @@ impl Level {
         sample_growth: 0,
         output: 0,
         output_exponent: 0,
+        gathered_bits: 0,
         room: 0,
         longest: 0,
     };
@@ -142,6 +145,8 @@ impl Level {
             output: libm::rint(fraction * 2_147_483_647.0) as u32,
             // Outputs are halved.
             output_exponent: exponent + 1,
+            // Powers add: 1/(2 d) of them.
+            gathered_bits: libm::ceil(-0.5 * libm::log2(2.0 * nepers)).max(0.0) as i32,
             room: (libm::ceil(libm::log2(libm::exp(tick))) as i32 - 1).max(0),
             longest,
         }
@@ -152,9 +157,9 @@ impl Level {
         input_bits + self.room - 14
     }
 
-    /// Whether an input of so many bits would be heard: an answer is at most half an input times the gain.
+    /// Whether an input of so many bits would be heard if it went on: a sample's answer is at most half of it times the gain.
     pub(super) fn is_audible(&self, input_bits: i32) -> bool {
-        input_bits > 0 && input_bits + self.output_exponent - 1 > INAUDIBLE_BITS
+        input_bits > 0 && input_bits + self.output_exponent - 1 + self.gathered_bits > INAUDIBLE_BITS
     }
 
     /// Whether all that a block reads was stored at today's level.

@@ -53,7 +53,7 @@ pub struct NetworkTick<'a, T: Sample> {
     pub(super) sound: &'a mut Sound<T>,
     /// The moving angles, how many frames each is for (a power of two, at most 16), and the fixed one.
     pub(super) turns: (&'a [T::Turn], usize, T::Turn),
-    /// Whether outputs are watched, or what is stored.
+    /// Whether it is watched for loud values ([`Sample::watched`]), or for values that keep the level from being lowered.
     pub(super) busy: bool,
     pub(super) input: &'a [i32],
     /// Input is taken times `2^shift · gain / 2^32`, in 2^-16 steps; the gain grows by a part of itself (Q32) a sample.

@@ -1,7 +1,7 @@
 //! What the delay lines are kept in: 16 bits, or 32 bits. Both stand for the same: 32 bits are 16 with 16 more behind them.
 
 use super::kernel;
-use super::network::NetworkTick;
+use super::network::{LINES, NetworkTick};
 use crate::fixed;
 
 /// A stored sample of a delay line: a step of a 16-bit sample is what the network's level says, a 32-bit one is 2^16 times finer.
@@ -42,7 +42,10 @@ pub trait Sample: Copy + sealed::Sealed {
     /// Whether it is beyond so many bits (sign included, of 16).
     fn exceeds(self, bits: u32) -> bool;
 
-    /// Lets a tick pass through a network. Whether, where it is `busy`, an output is beyond the bits that raise the level; otherwise whether something
+    /// What of that which is stored is watched, so that the level is raised before any of it saturates. The mix spreads what there is over all lines.
+    fn watched(stored: &[[Self; 2]; LINES]) -> &[[Self; 2]];
+
+    /// Lets a tick pass through a network. Whether, where it is `busy`, something watched is beyond the bits that raise the level; otherwise whether something
     /// that is stored is beyond those up to which it may be lowered.
     fn network(tick: NetworkTick<'_, Self>) -> bool;
 
@@ -121,6 +124,12 @@ impl Sample for i16 {
         (self ^ (self >> 15)) >> (bits - 1) != 0
     }
 
+    /// One line: what there is a cycle for.
+    #[inline(always)]
+    fn watched([_, stored, ..]: &[[i16; 2]; LINES]) -> &[[i16; 2]] {
+        core::slice::from_ref(stored)
+    }
+
     fn network(tick: NetworkTick<'_, i16>) -> bool {
         kernel::network(tick)
     }
@@ -173,6 +182,10 @@ impl Sample for i32 {
 
     fn exceeds(self, bits: u32) -> bool {
         (self ^ (self >> 31)) >> (bits + 15) != 0
+    }
+
+    fn watched(stored: &[[i32; 2]; LINES]) -> &[[i32; 2]] {
+        stored
     }
 
     fn network(tick: NetworkTick<'_, i32>) -> bool {

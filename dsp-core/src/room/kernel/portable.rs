@@ -40,7 +40,7 @@ fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32
     }
 }
 
-/// Lets a tick pass through the lines. Whether, where it is `busy`, an output is beyond the bits that raise the level; otherwise whether something
+/// Lets a tick pass through the lines. Whether, where it is `busy`, something [watched](Sample::watched) is beyond the bits that raise the level; otherwise whether something
 /// that is stored is beyond those up to which it may be lowered.
 fn pass<T: Sample>(
     memory: &mut [[T; 2]],
@@ -58,8 +58,8 @@ fn pass<T: Sample>(
         let at = places.map(|place| usize::from(place.at));
         let Some(words) = at_each(memory, at) else { return exceeded };
         let (written, y) = mix(words, x, [moving, &fixed]);
-        let exceeds = |word: &[T; 2], bits: u32| word.iter().any(|value| value.exceeds(bits));
-        exceeded |= if busy { exceeds(&y, LOUD_BITS) } else { written.iter().any(|word| exceeds(word, QUIET_BITS)) };
+        let exceeds = |words: &[[T; 2]], bits: u32| words.as_flattened().iter().any(|value| value.exceeds(bits));
+        exceeded |= if busy { exceeds(T::watched(&written), LOUD_BITS) } else { exceeds(&written, QUIET_BITS) };
         *out = y;
         for (word, at) in written.into_iter().zip(at) {
             if let Some(place) = memory.get_mut(at) {

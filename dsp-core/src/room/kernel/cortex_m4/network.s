@@ -83,7 +83,7 @@
     .endm
 
 @ One frame of all lines. r0-r3 lines, r4 sound (outputs lie 512 bytes behind), r5 turning sine and cosine, r6 fixed ones, r7-r10 the lines' words, r11 half a step, r12 free,
-@ lr count. The sticky flag Q tells of stored values of 14 bits and a sign, or of outputs of 15: nothing else here sets it.
+@ lr count. The sticky flag Q tells of stored values beyond 14 bits, sign included, or of those of line 1 beyond 15: nothing else here sets it.
     .macro reflected word angle
     smladx  r12, \word, \angle, r11
     smlsd   \word, \word, \angle, r11
@@ -133,7 +133,7 @@
     str     r12, [r3], #4
     str     r7, [r0], #4
     .if \busy
-    ssat16  r9, #15, r9
+    ssat16  r10, #15, r10
     .else
     ssat16  r10, #14, r10
     ssat16  r12, #14, r12
