@@ -74,6 +74,24 @@ fn bands_of_three_lines_and_more_keep_their_energy_beside_others_that_last_longe
 }
 
 #[test]
+fn bands_of_sixteen_lines_and_more_keep_their_energy_beside_louder_ones() {
+    // Of 50, 16 and 5 lines each; five are too few for 20 dB.
+    for (count, most_db) in [(10, 0.5), (30, 0.5), (100, 1.6)] {
+        for seed in 0..3 {
+            let mut random = Sfc32::new(seed, 78);
+            let mut bands = bands(Spacing::Linear, count, [100.0, 23_500.0], random_decays(seed));
+            // Densities within 20 dB.
+            for band in &mut bands {
+                band.weight *= 10f64.powf(f64::from(random.draw()) / 2f64.powi(32) - 0.5) as f32;
+            }
+            let measured = energies(&bands, &sounds(&bands, SEEDS, FRAMES));
+            println!("{count} bands, seed {seed}: worst {:.2} dB beyond 3 s.e.", worst(&measured));
+            assert!(worst(&measured) < most_db, "{count} bands, seed {seed}: {measured:?}");
+        }
+    }
+}
+
+#[test]
 fn bands_decay_at_their_own_rate_beside_others() {
     let decays_db_per_s = [400.0, 60.0, 250.0, 100.0, 400.0, 150.0, 300.0, 60.0];
     let bands = bands(Spacing::Linear, 8, [500.0, 20_500.0], |index| decays_db_per_s[index]);

@@ -29,12 +29,14 @@ pub(super) struct Band {
     /// Share of the energy that is left after a tick, and after an eighth of a frame.
     pub(super) per_tick: f32,
     pub(super) per_eighth: f32,
+    /// Energy in a strike's own frame at the reference force, per (cycle/sample): its density times ticks.
+    pub(super) in_onset: f32,
     /// Density at the beginning of the last frame for which it was brought up to date.
     pub(super) density: f32,
 }
 
 impl Band {
-    const NONE: Self = Self { upper: 0.0, strike: 0.0, per_tick: 0.0, per_eighth: 0.0, density: 0.0 };
+    const NONE: Self = Self { upper: 0.0, strike: 0.0, per_tick: 0.0, per_eighth: 0.0, in_onset: 0.0, density: 0.0 };
 }
 
 /// Ticks of an eighth of a frame.
@@ -88,10 +90,12 @@ pub(super) struct Common {
     pub(super) quarter: f32,
     /// Energy of the window under the common decay, times the zeroth, first and second power of the tilt: see [`Common::of`].
     pub(super) moments: [f32; 3],
+    /// Whether the frame is a strike's own, which has no tilts: it may be read from anywhere.
+    pub(super) is_onset: bool,
 }
 
 impl Common {
-    pub(super) const NONE: Self = Self { power: 0.0, quarter: 1.0, moments: [1.0, 0.0, 0.0] };
+    pub(super) const NONE: Self = Self { power: 0.0, quarter: 1.0, moments: [1.0, 0.0, 0.0], is_onset: false };
 
     /// Of a power at a frame's beginning, and what is left of it after a quarter.
     ///
@@ -104,7 +108,17 @@ impl Common {
         let (early, late) = (e * (1.0 + e2), e4 * e * (1.0 + e2));
         let first = core::f32::consts::FRAC_1_SQRT_2 * (0.5 * e + e3 - e4 * e - 0.5 * e6 * e) + e2 - e6;
         let second = 0.5 * (early - 0.5 * e + late - 0.5 * e6 * e) + e2 + e6;
-        Self { power, quarter, moments: [under_window(e), first, second] }
+        Self { power, quarter, moments: [under_window(e), first, second], is_onset: false }
+    }
+
+    /// The same for a strike's own frame, whose window leaves so much energy, in ticks.
+    pub(super) fn of_onset(self, energy_ticks: f32) -> Self {
+        Self { moments: [energy_ticks, 0.0, 0.0], is_onset: true, ..self }
+    }
+
+    /// Energy of a band in the frame, per (cycle/sample), in the window's units.
+    pub(super) fn energy_of(&self, band: &Band) -> f32 {
+        if self.is_onset { band.in_onset } else { band.density * under_window(band.per_eighth) }
     }
 
     /// Share of the amplitude that is left after a sample.
@@ -116,7 +130,7 @@ impl Common {
 
 /// Energy under a frame's window, in eighths of the frame, of a band of which `e` is left after each: by the trapezoidal rule.
 #[inline(always)]
-pub(super) fn under_window(e: f32) -> f32 {
+fn under_window(e: f32) -> f32 {
     let square = e * e;
     let cube = square * e;
     e * ((1.0 + e + square) * (1.0 + cube) + 0.5 * (cube * cube - 1.0))
@@ -146,13 +160,15 @@ impl Bands {
             let tick_s = TICK_FRAMES as f64 / rate.hz();
             let power = f64::from(law.weight) * f64::from(law.weight);
             let bits = -f64::from(law.decay_db_per_s) * tick_s * (core::f64::consts::LOG2_10 / 10.0);
+            let per_tick = exponential::power_of_two(bits);
             *band = Band {
                 upper: upper as f32,
                 strike: (power / (upper - lower).max(1e-9)) as f32,
-                per_tick: exponential::power_of_two(bits) as f32,
+                per_tick: per_tick as f32,
                 per_eighth: exponential::power_of_two(bits * f64::from(EIGHTH_TICKS)) as f32,
-                density: 0.0,
-            };
+                ..Band::NONE
+            }
+            .with_onset(per_tick);
             new.count += 1;
             new.strike_power += power as f32;
         }

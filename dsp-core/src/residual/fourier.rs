@@ -63,21 +63,15 @@ const fn twiddle(index: usize) -> Complex {
 pub(super) const SLOPE_FRAMES: usize = MAX_POINTS / 2;
 
 /// `sin(π/2 k/256)`: the slopes of windows. `sin² + cos² = 1` at every step.
-pub(super) static SLOPE: [f32; SLOPE_FRAMES + 1] = slope();
-
-/// Samples of a short slope, and it.
-pub(super) const SHORT_FRAMES: usize = 64;
-pub(super) static SHORT_SLOPE: [f32; SHORT_FRAMES + 1] = slope();
-
-const fn slope<const LENGTH: usize>() -> [f32; LENGTH] {
-    let mut table = [0.0; LENGTH];
+pub(super) static SLOPE: [f32; SLOPE_FRAMES + 1] = {
+    let mut table = [0.0; SLOPE_FRAMES + 1];
     let mut index = 0;
-    while index < LENGTH {
-        table[index] = quarter_sine(index as f64 / (LENGTH - 1) as f64) as f32;
+    while index < table.len() {
+        table[index] = quarter_sine(index as f64 / SLOPE_FRAMES as f64) as f32;
         index += 1;
     }
     table
-}
+};
 
 /// `cos(2π k/1024)`.
 const fn cosine(index: usize) -> f64 {

@@ -1,10 +1,9 @@
 //! A frame in the making: its work is shared among the ticks before it sounds.
 
 use super::bands::{Bands, Common, Passage};
-use super::fourier::{self, Complex, MAX_POINTS, Progress};
-use super::lines::{Cursor, amplitude_cycles, fill_amplitudes};
-use super::stream::{Stream, Wave};
-use super::{fill_pairs, random_lines};
+use super::fourier::Complex;
+use super::making::Making;
+use super::stream::Stream;
 use crate::noise::Sfc32;
 
 /// What comes next in the making of a frame.
@@ -12,10 +11,7 @@ use crate::noise::Sfc32;
 enum Step {
     /// Bands from here on are to be brought up to date.
     Bands(usize),
-    Amplitudes(Cursor),
-    Lines(usize),
-    Transform(Progress),
-    Done,
+    Wave(Making),
 }
 
 /// A frame in the making.
@@ -35,18 +31,15 @@ pub(super) struct Job {
     missed: Passage,
 }
 
-/// Cycles of a band that is brought up to date, more where a strike adds to it and where that comes at any distance from the frame before, and of a pair of
-/// lines, for sharing the work; measured on the virtual core.
+/// Cycles of a band that is brought up to date, and more where a strike adds to it and where that comes at any distance from the frame before, for sharing the
+/// work; measured on the virtual core.
 const BAND_CYCLES: u32 = 60;
 const STRUCK_CYCLES: u32 = 90;
-pub(super) const PAIR_CYCLES: u32 = 100;
 
 impl Job {
     pub(super) fn new(region: usize, passage: Passage, bands: usize, is_struck: bool) -> Self {
-        let points = MAX_POINTS;
         let of_band = BAND_CYCLES + if is_struck { STRUCK_CYCLES } else { 0 };
-        let bands = bands as u32 * of_band + amplitude_cycles(points, bands);
-        let left = bands + pair_cycles(points) + fourier::cycles(points);
+        let left = bands as u32 * of_band + Making::cycles(bands);
         Self {
             region,
             passage,
@@ -97,11 +90,8 @@ impl Job {
         noise: &mut Sfc32,
         share: u32,
     ) -> u32 {
-        let points = spectrum.len();
-        let spacing = 0.5 / points.max(1) as f32;
         let mut spent = 0;
         while spent < share {
-            let room = share - spent;
             match &mut self.step {
                 Step::Bands(from) => {
                     let to = bands.count().min(*from + 10);
@@ -112,32 +102,13 @@ impl Job {
                     *from = to;
                     if to == bands.count() {
                         self.common = Common::of(self.sum.0, self.sum.1);
-                        self.step = Step::Amplitudes(Cursor::new(bands, &self.common, spacing));
+                        self.step = Step::Wave(Making::new(self.region, bands, &self.common));
                     }
                 }
-                Step::Amplitudes(cursor) => {
-                    spent += fill_amplitudes(bands, &self.common, spectrum, cursor, room);
-                    if cursor.lines() == points {
-                        fourier::fill_middle(spectrum, random_lines(noise));
-                        self.step = Step::Lines(1);
-                    }
+                Step::Wave(making) => {
+                    spent += making.advance(bands, spectrum, noise, share - spent);
+                    break;
                 }
-                Step::Lines(from) => {
-                    let to = (points / 2).min(pairs_within(room).saturating_add(*from));
-                    fill_pairs(spectrum, *from..to, noise);
-                    spent += (to - *from) as u32 * PAIR_CYCLES;
-                    *from = to;
-                    if to == points / 2 {
-                        self.step = Step::Transform(Progress::start(points));
-                    }
-                }
-                Step::Transform(progress) => {
-                    spent += progress.advance(spectrum, room);
-                    if progress.is_over() {
-                        self.step = Step::Done;
-                    }
-                }
-                Step::Done => break,
             }
         }
         self.left = self.left.saturating_sub(spent);
@@ -153,16 +124,6 @@ impl Job {
     pub(super) fn stream(&self, kept: f32) -> Stream {
         let has_late = self.late > 0.0 && self.common.power > 0.0;
         let growth = if has_late { super::square_root(1.0 + self.late / self.common.power) } else { 1.0 };
-        Stream::of_frame(Wave::Region(self.region), kept * growth, self.common.per_frame())
+        Stream::of_frame(self.region, kept * growth, self.common.per_frame())
     }
-}
-
-/// Cycles of the random lines of a spectrum.
-pub(super) const fn pair_cycles(points: usize) -> u32 {
-    points as u32 / 2 * PAIR_CYCLES
-}
-
-/// Pairs of lines that cost about so much, at least one.
-pub(super) const fn pairs_within(cycles: u32) -> usize {
-    (cycles / PAIR_CYCLES) as usize + 1
 }

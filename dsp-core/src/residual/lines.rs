@@ -6,7 +6,7 @@
 //! Within a frame, a band falls faster or slower than all bands on average. A **tilt** `1 + c sin 2πt` (t from 0 to 1 over the frame) makes up for
 //! that. In frequency it is a line's sum with its two neighbours: cheap, and each band may have its own.
 
-use super::bands::{Bands, Common, under_window};
+use super::bands::{Bands, Common};
 use super::fourier::Complex;
 use super::square_root::square_root;
 use crate::noise::DEVIATION;
@@ -52,11 +52,12 @@ struct Next {
 
 /// How far the stronger of two bands keeps away from their edge, in lines, where the other one is nothing; never more than [`MOST`] of what it is wider than
 /// a line.
-const RETREAT: f32 = 1.25;
-const MOST: f32 = 1.0 / 3.0;
+const RETREAT: f32 = 0.8;
+const MOST: f32 = 0.2;
 /// The lowest band, where it is narrower than a line, loses to what is below it, and has nothing there that makes up for it: of its energy, so much more for
 /// each time that it fits a line beyond the first.
 const OUTER: f32 = 0.28;
+const OUTER_OF_ONSET: f32 = 0.8;
 /// c is so many times `(q - p) / (q + p)`, p and q what is left after a quarter of a frame of the band and of all. Over the window that is the tilt that
 /// keeps the slope from frame to frame (fitted to decays of 20 to 400 dB/s beside each other).
 const TILT: f32 = 1.15;
@@ -73,7 +74,8 @@ impl Cursor {
         new.advance(bands, common, spacing);
         let width = new.piece.high - new.piece.low;
         if width > 0.0 {
-            new.piece.density *= 1.0 + OUTER * least(positive(spacing / width - 1.0), 8.0);
+            let outer = if common.is_onset { OUTER_OF_ONSET } else { OUTER };
+            new.piece.density *= 1.0 + outer * least(positive(spacing / width - 1.0), 8.0);
         }
         new
     }
@@ -94,7 +96,7 @@ impl Cursor {
         let mut after = Next { band: band + 1, lower: upper, upper, quarter: 1.0, energy: 0.0, retreat: 0.0 };
         if let Some(band) = bands.all().get(band) {
             let e = band.per_eighth;
-            (after.upper, after.quarter, after.energy) = (band.upper, e * e, band.density * under_window(e));
+            (after.upper, after.quarter, after.energy) = (band.upper, e * e, common.energy_of(band));
         }
         let width = upper - lower;
         let most = |width: f32| positive(least(RETREAT * spacing, MOST * (width - spacing)));
@@ -106,6 +108,7 @@ impl Cursor {
         }
         let low = lower + retreat;
         let steep = TILT * (common.quarter - quarter) / (common.quarter + quarter);
+        let steep = if common.is_onset { 0.0 } else { steep };
         let tilt = least(if steep > -STEEPEST { steep } else { -STEEPEST }, STEEPEST);
         let [zeroth, first, second] = common.moments;
         let window = zeroth + tilt * (2.0 * first + tilt * second);
@@ -178,34 +181,6 @@ fn line(power: f32, half_tilt: f32) -> Complex {
     const SCALE: f32 = (0.5 / DEVIATION) as f32;
     let amplitude = square_root(power) * SCALE;
     [amplitude, amplitude * half_tilt]
-}
-
-/// The amplitudes of the lines of a strike's own frame, at a strike of the reference force, where `energy` gives of each band its energy in that frame per
-/// (cycle/sample).
-///
-/// Its few lines blur most. What a band loses to its neighbours is added before, and what it gets from them is taken away.
-pub(super) fn fill_onset(bands: &Bands, energy: impl Fn(usize) -> f32, amplitudes: &mut [f32]) {
-    /// Of a line's width, how much two bands beside an edge exchange.
-    const BLUR: f32 = 0.3;
-    let spacing = 0.5 / amplitudes.len() as f32;
-    amplitudes.fill(0.0);
-    let mut lower = bands.lower();
-    let count = bands.count();
-    for (index, band) in bands.all().iter().enumerate() {
-        let (own, width) = (energy(index), band.upper - lower);
-        let beside = |other: Option<usize>| other.filter(|&other| other < count).map_or(0.0, &energy);
-        let others = beside(index.checked_sub(1)) + beside(Some(index + 1));
-        let sharper = own + BLUR * spacing / width.max(1e-9) * (2.0 * own - others);
-        let density = sharper.max(0.4 * own).min(3.0 * own);
-        for (line, power) in amplitudes.iter_mut().enumerate() {
-            let (from, to) = ((line as f32 - 0.5) * spacing, (line as f32 + 0.5) * spacing);
-            *power += density * positive(to.min(band.upper) - from.max(lower));
-        }
-        lower = band.upper;
-    }
-    for amplitude in amplitudes {
-        *amplitude = line(*amplitude, 0.0)[0];
-    }
 }
 
 /// Cycles of a line with an edge, of a band, and of a line inside a band; measured on the virtual core.

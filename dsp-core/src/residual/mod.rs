@@ -14,7 +14,7 @@
 //! constant from frame to frame. Each frame's work is shared among the 24 ticks before it.
 //!
 //! A strike begins a frame of its own, at its very sample and with nothing before it. What that needs does not depend on the strike but
-//! for its level: its noise is ready before, 256 samples that are read to and fro, from a new place every 8 ticks. The next frame begins 24 ticks later and carries
+//! for its level: its noise is ready before, and new noise for the next strike is made little by little afterwards. The next frame begins 24 ticks later and carries
 //! what the strike has left and what rang before: energies add, band by band.
 //!
 //! A frame carries the mean decay of its energy sample by sample, and of each band the energy that its own decay leaves under the window, tilted in
@@ -30,6 +30,7 @@ mod bands;
 mod fourier;
 mod job;
 mod lines;
+mod making;
 mod onset;
 mod square_root;
 mod stream;
@@ -39,25 +40,26 @@ pub use bands::{BandLaw, MAX_BANDS};
 use bands::{Bands, FRAME_TICKS, Passage, power_of};
 use fourier::{Complex, MAX_POINTS};
 use job::Job;
-use onset::{Onset, Renewal};
+use making::Making;
+use onset::Onset;
 use square_root::square_root;
-use stream::{Stream, Wave};
+use stream::Stream;
 
 use crate::SampleRate;
 use crate::fixed;
 use crate::noise::Sfc32;
 use crate::resonator::TICK_FRAMES;
 
-/// Points of a strike's own frame.
-const ONSET_POINTS: usize = 128;
-/// Ticks of a part of it.
-const JUMP_TICKS: u32 = 8;
+/// Waves in memory: two frames, one in the making, a strike's own, and new noise for the next.
+const REGIONS: usize = 5;
+/// Cycles a tick of making that new noise: some 200 ms with a hundred bands.
+const RENEWAL_CYCLES: u32 = 400;
 /// Cycles in a tick of a stream that fades out, and of what the other one's fading in costs beyond sounding; measured on the virtual core.
 const STREAM_CYCLES: u32 = 1_250;
 
 /// Noise in bands that decay, each at its own rate, after every strike.
 ///
-/// 16 KB. Accuracy against the law and cycles: `docs/residual.md`.
+/// 23 KB. Accuracy against the law and cycles: `docs/residual.md`.
 #[derive(Clone, Debug)]
 pub struct Shaper {
     bands: Bands,
@@ -65,11 +67,11 @@ pub struct Shaper {
     onset: Onset,
     /// Power below which the sound ends.
     silence: f32,
-    waves: [[Complex; MAX_POINTS]; 3],
-    /// What sounds: up to two frames, and two parts of a strike's own; the end of another strike's.
-    streams: [Option<Stream>; 5],
+    waves: [[Complex; MAX_POINTS]; REGIONS],
+    /// What sounds: up to two frames, a strike's own, the end of another strike's.
+    streams: [Option<Stream>; 4],
     job: Option<Job>,
-    renewal: Option<Renewal>,
+    renewal: Option<Making>,
     /// Ticks to the next frame's beginning; 0: there will be none.
     ticks_to_next: u32,
     /// Whether the next frame is the first to carry a strike.
@@ -93,8 +95,8 @@ impl Shaper {
         noise: Sfc32::new(0, 0),
         onset: Onset::NONE,
         silence: 0.0,
-        waves: [[[0.0; 2]; MAX_POINTS]; 3],
-        streams: [None; 5],
+        waves: [[[0.0; 2]; MAX_POINTS]; REGIONS],
+        streams: [None; 4],
         job: None,
         renewal: None,
         ticks_to_next: 0,
@@ -114,19 +116,20 @@ impl Shaper {
         self.bands = Bands::new(laws, rate);
         self.noise = noise;
         self.silence = silence * silence;
-        self.onset.load(&self.bands, &mut self.noise);
+        let [wave, ..] = &mut self.waves;
+        self.onset.load(&self.bands, wave, &mut self.noise);
     }
 
     /// Forgets all sound and all bands.
     pub fn reset(&mut self) {
         self.stop();
-        self.bands = Bands::NONE;
+        (self.bands, self.onset, self.renewal) = (Bands::NONE, Onset::NONE, None);
         (self.choked, self.choke_per_frame) = (false, 1.0);
     }
 
     fn stop(&mut self) {
         self.bands.clear();
-        (self.streams, self.job, self.renewal) = ([None; 5], None, None);
+        (self.streams, self.job) = ([None; 4], None);
         (self.ticks_to_next, self.in_onset, self.just_struck, self.active) = (0, false, false, false);
         (self.ticks_since, self.kept) = (0, 1.0);
     }
@@ -182,7 +185,7 @@ impl Shaper {
 
     /// A second strike before the frame that carries the first: what there is already grows.
     fn join_onset(&mut self, energy: f32) {
-        let is_own = |stream: &&mut Stream| stream.wave == Wave::Own && stream.is_held();
+        let is_own = |stream: &&mut Stream| stream.is_own() && stream.is_held();
         if let Some(own) = self.streams.iter_mut().flatten().find(is_own) {
             own.gain = square_root(own.gain * own.gain + energy);
         }
@@ -193,8 +196,8 @@ impl Shaper {
         self.streams.iter_mut().flatten().for_each(Stream::hold);
         self.plan_onset();
         self.onset.is_used = true;
-        let own = Stream::of_strike(self.noise.draw(), strength, self.onset.per_frame);
-        self.add_stream(own);
+        let start = self.noise.draw();
+        self.add_stream(Stream::of_strike(self.onset.region, start, strength, self.onset.per_frame));
     }
 
     fn add_stream(&mut self, stream: Stream) {
@@ -203,21 +206,11 @@ impl Shaper {
         }
     }
 
-    /// A strike's own wave is short, and would be heard as a tone: it goes on from another place in it.
-    fn jump(&mut self) {
-        let start = self.noise.draw();
-        let is_own = |stream: &&mut Stream| stream.wave == Wave::Own && stream.is_held();
-        if let Some(next) = self.streams.iter_mut().flatten().find(is_own).map(|own| own.jump(start)) {
-            self.add_stream(next);
-        }
-    }
-
     /// The first frame that carries all energy, in place of any other.
     fn plan_onset(&mut self) {
         // The bands' energies stand for the last frame's beginning, or, once they have been brought up to it, for the next one's.
         let is_ahead = self.job.take().is_none_or(|job| job.give_up(&mut self.bands));
         let ticks = self.ticks_since + if is_ahead { 0 } else { FRAME_TICKS };
-        self.renewal = None;
         (self.in_onset, self.just_struck, self.ticks_to_next) = (true, true, FRAME_TICKS);
         let passage = Passage { ticks, kept: self.kept * self.kept, ..Passage::NEXT };
         self.kept = 1.0;
@@ -227,8 +220,10 @@ impl Shaper {
 
     fn free_region(&self) -> Option<usize> {
         let is_used = |region: &usize| {
-            self.job.is_some_and(|job| job.region == *region)
-                || self.streams.iter().flatten().any(|stream| stream.wave == Wave::Region(*region))
+            self.onset.region == *region
+                || self.renewal.is_some_and(|renewal| renewal.region == *region)
+                || self.job.is_some_and(|job| job.region == *region)
+                || self.streams.iter().flatten().any(|stream| stream.region == *region)
         };
         (0..self.waves.len()).find(|region| !is_used(region))
     }
@@ -246,10 +241,7 @@ impl Shaper {
         let mut sum = [0.0; TICK_FRAMES];
         let Some(sum) = sum.get_mut(..out.len()) else { return };
         for stream in self.streams.iter_mut().flatten() {
-            let memory: &[Complex] = match stream.wave {
-                Wave::Own => &self.onset.wave,
-                Wave::Region(region) => self.waves.get(region).map_or(&[], |wave| wave),
-            };
+            let memory: &[Complex] = self.waves.get(stream.region).map_or(&[], |wave| wave);
             stream.add_to(memory, self.choke_per_frame, sum);
         }
         for (out, &sum) in out.iter_mut().zip(&*sum) {
@@ -286,8 +278,6 @@ impl Shaper {
             self.ticks_to_next -= 1;
             if self.ticks_to_next == 0 {
                 self.begin_next();
-            } else if self.in_onset && self.ticks_to_next.is_multiple_of(JUMP_TICKS) {
-                self.jump();
             }
         }
         if self.ticks_to_next == 0 && self.streams.iter().all(Option::is_none) {
@@ -297,15 +287,13 @@ impl Shaper {
 
     /// Cycles that this tick's work will take, about; without what strikes bring.
     pub fn cycles_ahead(&self) -> u32 {
-        if self.job.is_some() && self.ticks_to_next > 0 { self.share() } else { 0 }
+        let renewal = if self.wants_renewal() { RENEWAL_CYCLES } else { 0 };
+        if self.job.is_some() && self.ticks_to_next > 0 { self.share() + renewal } else { 0 }
     }
 
-    /// Cycles of this tick's work: its share of the next frame and of the next strike's noise, less what streams cost that end before that frame begins.
+    /// Cycles of this tick's share of the next frame, less what streams cost that end before that frame begins.
     fn share(&self) -> u32 {
         let mut left = self.job.as_ref().map_or(0, Job::left);
-        if self.wants_renewal() {
-            left += self.renewal.as_ref().map_or(Renewal::CYCLES, Renewal::left);
-        }
         let mut streams = 0;
         for ticks in self.streams.iter().flatten().filter_map(Stream::ticks_to_end) {
             (left, streams) = (left + ticks * STREAM_CYCLES, streams + STREAM_CYCLES);
@@ -321,35 +309,41 @@ impl Shaper {
     /// This tick's share of the next frame.
     fn work(&mut self) {
         let share = if self.ticks_to_next > 1 { self.share() } else { u32::MAX };
-        let mut spent = 0;
         if let Some(job) = self.job.as_mut()
             && let Some(memory) = self.waves.get_mut(job.region)
         {
-            spent = job.advance(&mut self.bands, memory, &mut self.noise, share);
+            job.advance(&mut self.bands, memory, &mut self.noise, share);
             if !self.in_onset && job.is_below(self.silence, self.kept) {
                 self.job = None;
             }
         }
-        if spent < share && self.wants_renewal() {
-            self.renew(share - spent);
+        if self.wants_renewal() {
+            self.renew();
         }
     }
 
-    /// Makes new noise for the next strike, in memory that no frame needs now.
-    fn renew(&mut self, share: u32) {
-        let renewing = self.renewal.map(|renewal| renewal.region);
-        let Some(region) = renewing.or_else(|| self.free_region()) else { return };
-        let Some(memory) = self.waves.get_mut(region) else { return };
-        let mut renewal = self.renewal.unwrap_or(Renewal::new(region));
-        renewal.advance(&mut self.onset, memory, &mut self.noise, share);
-        self.renewal = if renewal.is_over() { None } else { Some(renewal) };
+    /// Makes some of the new noise for the next strike.
+    #[inline(never)]
+    fn renew(&mut self) {
+        if self.renewal.is_none() {
+            self.renewal = self.free_region().map(|region| self.onset.renewal(region, &self.bands));
+        }
+        if let Some(renewal) = self.renewal.as_mut()
+            && let Some(memory) = self.waves.get_mut(renewal.region)
+        {
+            renewal.advance(&self.bands, memory, &mut self.noise, RENEWAL_CYCLES);
+            if renewal.is_over() {
+                self.onset.renew(renewal);
+                self.renewal = None;
+            }
+        }
     }
 
     fn begin_next(&mut self) {
         if core::mem::take(&mut self.in_onset) {
             self.streams.iter_mut().flatten().for_each(Stream::end);
         }
-        (self.ticks_since, self.renewal) = (0, None);
+        self.ticks_since = 0;
         let Some(job) = self.job.take().filter(|job| !job.is_below(self.silence, self.kept)) else {
             // Below what can be heard: what still sounds fades out.
             self.bands.clear();
@@ -361,17 +355,4 @@ impl Shaper {
         let passage = job.onward();
         self.job = Some(Job::new(region, passage, self.bands.count(), passage.is_struck()));
     }
-}
-
-fn fill_pairs(spectrum: &mut [Complex], pairs: core::ops::Range<usize>, noise: &mut Sfc32) {
-    // A copy, which stays in registers.
-    let mut local = *noise;
-    fourier::fill_pairs(spectrum, pairs, || random_lines(&mut local));
-    *noise = local;
-}
-
-/// Two lines' random parts.
-#[inline(always)]
-fn random_lines(noise: &mut Sfc32) -> [f32; 4] {
-    noise.four().map(|part| part as f32)
 }

@@ -1,54 +1,34 @@
 //! A frame as it sounds: a wave under a window that fades in and out by quarter sines, times a common exponential decay.
 
 use super::bands::FRAME_TICKS;
-use super::fourier::{self, Complex, SHORT_SLOPE, SLOPE, place};
+use super::fourier::{self, Complex, MAX_POINTS, SLOPE, place};
 use crate::resonator::TICK_FRAMES;
 
 /// Frames of a slope: a quarter of a wave.
 pub(super) const SLOPE_FRAMES: u32 = fourier::SLOPE_FRAMES as u32;
-/// Frames of a slope from one part of a strike's own wave to the next.
-const SHORT_FRAMES: u32 = fourier::SHORT_FRAMES as u32;
 /// No end.
 const NEVER: u32 = u32::MAX / 2;
 
-/// Where a wave stands in a stage's memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wave {
-    /// A strike's own.
-    Own,
-    /// In a region for frames.
-    Region(usize),
-}
+const POINTS_LOG2: u32 = MAX_POINTS.ilog2();
+/// Samples of a wave.
+const WAVE_FRAMES: u32 = 2 * MAX_POINTS as u32;
 
-impl Wave {
-    /// log2 of its complex numbers.
-    pub(super) const fn points_log2(self) -> u32 {
-        match self {
-            Self::Own => super::ONSET_POINTS.ilog2(),
-            Self::Region(_) => super::MAX_POINTS.ilog2(),
-        }
-    }
-
-    /// Complex numbers.
-    pub(super) const fn points(self) -> usize {
-        1 << self.points_log2()
-    }
-}
-
-/// A wave under way. Beyond its end it is read backwards, then forwards again: noise turned round is noise of the same spectrum, and a
-/// wave that repeats would be a tone.
+/// A wave under way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stream {
-    pub(super) wave: Wave,
+    /// The region of the stage's memory in which the wave stands.
+    pub(super) region: usize,
+    /// Whether beyond the wave's end it is read backwards, then forwards again: noise turned round is noise of the same spectrum, and a wave that repeats
+    /// would be a tone. A strike's own is heard for a whole wave, from wherever it begins, and goes round.
+    turns: bool,
     /// Frames since its beginning.
     position: u32,
     /// Place in the wave at its beginning.
     start: u32,
     /// Frames of the fade in; 0: at once there.
     fade_in: u32,
-    /// Where the fade out begins, and its frames.
+    /// Where the fade out begins.
     fade_out_at: u32,
-    fade_out: u32,
     /// Amplitude now.
     pub(super) gain: f32,
     /// What is left of it after a frame.
@@ -57,43 +37,24 @@ pub(super) struct Stream {
 
 impl Stream {
     /// A frame, which fades in, and out where the next one begins.
-    pub(super) fn of_frame(wave: Wave, gain: f32, per_frame: f32) -> Self {
+    pub(super) fn of_frame(region: usize, gain: f32, per_frame: f32) -> Self {
         let fade_out_at = FRAME_TICKS * TICK_FRAMES as u32;
-        Self {
-            wave,
-            position: 0,
-            start: 0,
-            fade_in: SLOPE_FRAMES,
-            fade_out_at,
-            fade_out: SLOPE_FRAMES,
-            gain,
-            per_frame,
-        }
+        Self { region, turns: true, position: 0, start: 0, fade_in: SLOPE_FRAMES, fade_out_at, gain, per_frame }
     }
 
     /// A strike's own, at once there and for as long as nothing else says, from an even place in its wave on.
-    pub(super) fn of_strike(start: u32, gain: f32, per_frame: f32) -> Self {
+    pub(super) fn of_strike(region: usize, start: u32, gain: f32, per_frame: f32) -> Self {
         let start = start & !1;
-        Self {
-            wave: Wave::Own,
-            position: 0,
-            start,
-            fade_in: 0,
-            fade_out_at: NEVER,
-            fade_out: SLOPE_FRAMES,
-            gain,
-            per_frame,
-        }
+        Self { region, turns: false, position: 0, start, fade_in: 0, fade_out_at: NEVER, gain, per_frame }
     }
 
-    /// What goes on from another place in the wave, while this fades out.
-    pub(super) fn jump(&mut self, start: u32) -> Self {
-        (self.fade_out_at, self.fade_out) = (self.position, SHORT_FRAMES);
-        Self { fade_in: SHORT_FRAMES, ..Self::of_strike(start, self.gain, self.per_frame) }
+    /// Whether it is a strike's own.
+    pub(super) fn is_own(&self) -> bool {
+        !self.turns
     }
 
     pub(super) fn is_over(&self) -> bool {
-        self.position >= self.fade_out_at + self.fade_out
+        self.position >= self.fade_out_at + SLOPE_FRAMES
     }
 
     /// Whether it has not begun to fade out.
@@ -115,8 +76,8 @@ impl Stream {
 
     /// Where it fades out, ticks until that is over, the one just rendered among them.
     pub(super) fn ticks_to_end(&self) -> Option<u32> {
-        let left = (self.fade_out_at + self.fade_out).saturating_sub(self.position);
-        (left < self.fade_out).then_some(left / TICK_FRAMES as u32 + 1)
+        let left = (self.fade_out_at + SLOPE_FRAMES).saturating_sub(self.position);
+        (left < SLOPE_FRAMES).then_some(left / TICK_FRAMES as u32 + 1)
     }
 
     /// Adds so many frames and moves on; `choke` is what a hand leaves after a frame.
@@ -125,15 +86,12 @@ impl Stream {
         while !out.is_empty() {
             // To the end of the window's part.
             let (length, part) = self.part();
-            let wave = 2 * self.wave.points() as u32;
-            let length = length.min(wave - self.place() % wave) as usize;
+            let length = length.min(WAVE_FRAMES - self.place() % WAVE_FRAMES) as usize;
             let length = length.min(out.len());
             let (now, later) = core::mem::take(&mut out).split_at_mut(length);
             match part {
-                Part::In(from) => self.add_slope(memory, per_frame, slope_of(self.fade_in).iter().skip(from), now),
-                Part::Out(from) => {
-                    self.add_slope(memory, per_frame, slope_of(self.fade_out).iter().rev().skip(from), now);
-                }
+                Part::In(from) => self.add_slope(memory, per_frame, SLOPE.iter().skip(from), now),
+                Part::Out(from) => self.add_slope(memory, per_frame, SLOPE.iter().rev().skip(from), now),
                 Part::Whole => self.add_flat(memory, per_frame, now),
                 Part::Over => {}
             }
@@ -145,8 +103,8 @@ impl Stream {
     #[inline(never)]
     fn add_flat(&mut self, memory: &[Complex], per_frame: f32, mut out: &mut [f32]) {
         let (mut position, mut gain) = (self.place(), self.gain);
-        let (turn, points_log2) = (self.turn(), self.wave.points_log2());
-        let at = |position: u32| sample_pair(memory, position, turn, points_log2);
+        let turn = self.turn();
+        let at = |position: u32| sample_pair(memory, position, turn);
         if position % 2 == 1
             && let Some(first) = out.split_off_first_mut()
         {
@@ -178,8 +136,8 @@ impl Stream {
         mut out: &mut [f32],
     ) {
         let (mut position, mut gain) = (self.place(), self.gain);
-        let (turn, points_log2) = (self.turn(), self.wave.points_log2());
-        let at = |position: u32| sample_pair(memory, position, turn, points_log2);
+        let turn = self.turn();
+        let at = |position: u32| sample_pair(memory, position, turn);
         let mut slope = slope.copied();
         let mut window = || slope.next().unwrap_or(0.0);
         if position % 2 == 1
@@ -207,7 +165,7 @@ impl Stream {
     /// All ones where the wave is read backwards.
     #[inline(always)]
     fn turn(&self) -> u32 {
-        let is_backwards = (self.place() >> (self.wave.points_log2() + 1)) & 1;
+        let is_backwards = (self.place() >> (POINTS_LOG2 + 1)) & u32::from(self.turns);
         is_backwards.wrapping_neg()
     }
 
@@ -220,7 +178,7 @@ impl Stream {
     /// Frames left of the window's part.
     fn part(&self) -> (u32, Part) {
         let position = self.position;
-        let end = self.fade_out_at + self.fade_out;
+        let end = self.fade_out_at + SLOPE_FRAMES;
         if position < self.fade_in {
             (self.fade_in - position, Part::In(position as usize))
         } else if position < self.fade_out_at {
@@ -231,11 +189,6 @@ impl Stream {
             (u32::MAX, Part::Over)
         }
     }
-}
-
-/// The slope of so many frames.
-fn slope_of(frames: u32) -> &'static [f32] {
-    if frames == SHORT_FRAMES { &SHORT_SLOPE } else { &SLOPE }
 }
 
 /// A part of a window; a slope from a frame on.
@@ -249,7 +202,7 @@ enum Part {
 
 /// The samples at an even position and the next one, or those of the pair that an odd position is in; `turn` as of [`Stream::turn`].
 #[inline(always)]
-fn sample_pair(memory: &[Complex], position: u32, turn: u32, points_log2: u32) -> [f32; 2] {
-    let [even, odd] = memory.get(place(position ^ turn, points_log2)).copied().unwrap_or([0.0; 2]);
+fn sample_pair(memory: &[Complex], position: u32, turn: u32) -> [f32; 2] {
+    let [even, odd] = memory.get(place(position ^ turn, POINTS_LOG2)).copied().unwrap_or([0.0; 2]);
     if turn == 0 { [even, odd] } else { [odd, even] }
 }
