@@ -1,7 +1,7 @@
 //! The filter along its path, of either order.
 
 use super::exciter::BandPass;
-use super::kernel::{self, OnePole};
+use super::kernel::{self, OnePole, SumsKind};
 use super::noise::White;
 use super::path::{Form, PARAMETERS, Path};
 use super::second_order::TwoPoles;
@@ -27,8 +27,8 @@ pub(super) struct Filter<const N: usize> {
     walk: Walk,
     one_pole: OnePole,
     two_poles: TwoPoles,
-    /// Whether the sums that come in are coarse ([`kernel::COARSE_BITS`]).
-    pub(super) coarse: bool,
+    /// How the sums that come in are taken.
+    sums: SumsKind,
     /// The path's level of the noise, Q30.
     level: Line,
 }
@@ -39,7 +39,7 @@ impl<const N: usize> Filter<N> {
         walk: Walk::NOWHERE,
         one_pole: OnePole::REST,
         two_poles: TwoPoles::REST,
-        coarse: false,
+        sums: SumsKind::new(&OnePole::REST, true, false),
         level: Line { value: 0, step: 0 },
     };
 
@@ -57,6 +57,11 @@ impl<const N: usize> Filter<N> {
         self.walk.end(&self.path);
     }
 
+    /// What comes in are sums, `coarse` where they are smaller than it by [`kernel::COARSE_BITS`].
+    pub(super) fn expect_sums(&mut self, coarse: bool) {
+        self.sums = SumsKind::new(&self.one_pole, self.path.form == Form::EqualZeros, coarse);
+    }
+
     /// To the path's start, with noise of a level of which 2^28 is 1.0.
     pub(super) fn strike(&mut self, level: i32) {
         let level = shifted(level, self.path.input_shift);
@@ -67,15 +72,9 @@ impl<const N: usize> Filter<N> {
     /// Begins a segment of at most so many frames: gives its frames, and whether there is noise in it.
     #[inline(always)]
     pub(super) fn segment(&mut self, most: usize) -> (usize, bool) {
-        // Nothing new: behind the path's end, or a whole tick within a piece.
+        // Nothing new behind the path's end.
         if self.walk.is_over() {
             return (most, false);
-        }
-        let plain = most == TICK_FRAMES && self.path.form == Form::EqualZeros && !self.path.has_levels;
-        if plain && self.walk.whole_ticks() > 0 {
-            self.walk.tick(&mut self.one_pole.lines, 2);
-            self.walk.pass(1);
-            return (most, true);
         }
         self.begin_segment(most)
     }
@@ -134,14 +133,42 @@ impl<const N: usize> Filter<N> {
         self.two_poles.attenuate(left);
     }
 
-    /// How many whole ticks of noise alone may be run by [`run_tick`](Self::run_tick): they end within the path's piece.
-    pub(super) fn whole_ticks(&self) -> u32 {
-        if self.path.form.parameters() == PARAMETERS { 0 } else { self.walk.whole_ticks() }
+    /// How many whole ticks may be run by [`run_tick`](Self::run_tick), or begun by [`tick`](Self::tick): within the path's piece, or, where this is
+    /// asked for, behind the path's end.
+    pub(super) fn whole_ticks(&self, after_end: bool) -> u32 {
+        match (self.walk.is_over(), self.path.has_levels) {
+            (true, _) => {
+                if after_end {
+                    u32::MAX
+                } else {
+                    0
+                }
+            }
+            (false, true) => 0,
+            (false, false) => self.walk.whole_ticks(),
+        }
     }
 
     /// Goes on by so many of them on the path.
     pub(super) fn pass(&mut self, whole_ticks: u32) {
         self.walk.pass(whole_ticks);
+    }
+
+    /// Sets the lines for one of them before the path's end.
+    #[inline(always)]
+    pub(super) fn tick(&mut self) {
+        match self.path.form {
+            Form::EqualZeros => self.walk.tick(&mut self.one_pole.lines, 2),
+            Form::OnePole => self.walk.tick(&mut self.one_pole.lines, 3),
+            Form::Conjugate | Form::Real => self.walk.tick(&mut self.one_pole.lines, PARAMETERS),
+        }
+    }
+
+    /// Where noise for sums comes from, and its level.
+    #[inline(always)]
+    pub(super) fn noise_of_sums(&mut self) -> (&mut White, i32) {
+        let level = self.one_pole.level >> self.grain();
+        (&mut self.one_pole.noise, level)
     }
 
     /// A whole tick of noise through the filter, added to `out`: as [`segment`](Self::segment) and [`run_noise`](Self::run_noise), for less.
@@ -174,7 +201,7 @@ impl<const N: usize> Filter<N> {
 
     /// Bits by which the input's words are smaller than the filter takes them: those of sums ([`run_sums`](Self::run_sums)).
     fn grain(&self) -> u32 {
-        if self.coarse { kernel::COARSE_BITS } else { 0 }
+        if self.sums.is_coarse() { kernel::COARSE_BITS } else { 0 }
     }
 
     /// The next frames of noise at a strike's level, and at the path's.
@@ -214,11 +241,12 @@ impl<const N: usize> Filter<N> {
         let first = match (self.path.form, plain) {
             (Form::EqualZeros, true) => 560,
             (Form::OnePole, true) => 650,
-            (Form::EqualZeros, false) => 930,
-            (Form::OnePole, false) => 1180,
+            (Form::EqualZeros, false) => 780,
+            (Form::OnePole, false) => 980,
             (Form::Conjugate | Form::Real, _) => 6300,
         };
-        first + if self.path.whole { 32 * 90 } else { 0 }
+        let levels = if self.path.has_levels { 960 } else { 0 };
+        first + levels + if self.path.whole { 32 * 90 } else { 0 }
     }
 
     /// Adds a signal of the bus to an input, and clips it to 2.0; coarse sums to more.
@@ -261,16 +289,15 @@ impl<const N: usize> Filter<N> {
     #[inline(always)]
     pub(super) fn run_sums(&mut self, sums: &mut [i32], out: &mut [i32]) -> u32 {
         match self.path.form {
-            form @ (Form::EqualZeros | Form::OnePole) => {
-                kernel::from_sums(&mut self.one_pole, form == Form::EqualZeros, self.coarse, sums, out)
-            }
+            Form::EqualZeros | Form::OnePole => kernel::from_sums(&mut self.one_pole, self.sums, sums, out),
             Form::Conjugate | Form::Real => self.run_sums_of_two_poles(sums, out),
         }
     }
 
     #[inline(never)]
     fn run_sums_of_two_poles(&mut self, sums: &mut [i32], out: &mut [i32]) -> u32 {
-        let clip = if self.coarse { kernel::portable::clipped::<true> } else { kernel::portable::clipped::<false> };
+        let clip =
+            if self.sums.is_coarse() { kernel::portable::clipped::<true> } else { kernel::portable::clipped::<false> };
         sums.iter_mut().for_each(|sum| *sum = clip(*sum));
         self.run(sums, out);
         sums.iter().fold(0, |sizes, &s| sizes | (s ^ (s >> 31)) as u32)

@@ -31,6 +31,7 @@ mod exciter;
 mod filter;
 mod second_order;
 mod stability;
+mod whole_ticks;
 
 pub use error::{DynamicFilterError, PathError};
 pub use object::DynamicFilter;

@@ -149,7 +149,9 @@ impl Walk {
 
     /// Goes on by so many of them.
     pub(super) fn pass(&mut self, whole_ticks: u32) {
-        self.time += whole_ticks * TICK_FRAMES as u32;
+        if self.is_under_way() {
+            self.time += whole_ticks * TICK_FRAMES as u32;
+        }
     }
 
     /// As [`segment`](Self::segment) for the next whole tick, but for [`pass`](Self::pass).

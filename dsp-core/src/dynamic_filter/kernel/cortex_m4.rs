@@ -4,7 +4,7 @@
 use core::mem::offset_of;
 
 use super::super::noise::{MULTIPLIER, White};
-use super::{OnePole, portable};
+use super::{OnePole, SumsKind, portable};
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 core::arch::global_asm!(include_str!("cortex_m4_input.s"), options(raw));
@@ -86,7 +86,7 @@ pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
 
 type FromSums = unsafe extern "C" fn(*mut OnePole, *mut i32, *mut i32, usize) -> u32;
 
-/// By two coefficients, coarse, and how much larger the bus is.
+/// By [`SumsKind`]; a state that is damped whole has none.
 static FROM_SUMS: [FromSums; 12] = [
     malleus_from_sums_equal_fine_near,
     malleus_from_sums_equal_fine_lsl,
@@ -104,16 +104,14 @@ static FROM_SUMS: [FromSums; 12] = [
 
 /// As [`portable::from_sums`].
 #[inline(always)]
-pub fn from_sums(filter: &mut OnePole, equal: bool, coarse: bool, sums: &mut [i32], out: &mut [i32]) -> u32 {
+pub fn from_sums(filter: &mut OnePole, kind: SumsKind, sums: &mut [i32], out: &mut [i32]) -> u32 {
     let frames = sums.len().min(out.len());
-    let distance = usize::from(filter.shift < 0) + usize::from(filter.is_far());
-    let kind = 6 * usize::from(!equal) + 3 * usize::from(coarse) + distance;
-    match FROM_SUMS.get(kind) {
+    match FROM_SUMS.get(usize::from(kind.0)) {
         // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps the procedure call standard.
-        Some(kernel) if frames > 0 && !filter.whole && fits::<1>(filter, frames) => unsafe {
+        Some(kernel) if fits::<1>(filter, frames) => unsafe {
             kernel(filter, sums.as_mut_ptr(), out.as_mut_ptr(), frames)
         },
-        _ => portable::from_sums(filter, equal, coarse, sums, out),
+        _ => portable::from_sums(filter, kind, sums, out),
     }
 }
 

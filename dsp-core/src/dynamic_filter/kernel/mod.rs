@@ -20,6 +20,28 @@ use super::walk::Line;
 /// Bits by which a sum of [`from_sums`]' coarse kind is smaller than the filter's input, Q29: it holds 128 instead of 4.
 pub const COARSE_BITS: u32 = 5;
 
+/// How [`from_sums`] works: chosen on load.
+#[derive(Clone, Copy, Debug)]
+pub struct SumsKind(u8);
+
+impl SumsKind {
+    /// For a filter: `equal` where b1 = b0, `coarse` where a sum's steps are large.
+    pub const fn new(filter: &OnePole, equal: bool, coarse: bool) -> Self {
+        let distance = (filter.shift < 0) as u8 + filter.is_far() as u8;
+        Self(distance + 3 * coarse as u8 + 6 * !equal as u8 + 12 * filter.whole as u8)
+    }
+
+    const fn is_equal(self) -> bool {
+        self.0 % 12 < 6
+    }
+
+    /// Whether a sum's steps are large.
+    #[inline(always)]
+    pub const fn is_coarse(self) -> bool {
+        self.0 % 6 >= 3
+    }
+}
+
 /// A first-order filter at work: what changes with each frame. The assembly reads it in this order.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
