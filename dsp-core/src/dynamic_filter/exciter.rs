@@ -1,39 +1,22 @@
 //! The exciter at work: the noise's band, a fourth-order Butterworth band-pass whose edges follow the strike's level.
 //!
-//! Two state-variable sections (trapezoidal, Zavalishin) with `g = ω_i` warped and `k = 1/Q_i`:
+//! Two state-variable sections ([`super::kernel::section`]) with `g = ω_i` warped and `k = 1/Q_i`:
 //!
 //! ```text
-//! v3 = x - c2;   v1 = c1 - m c1 + p v3;   v2 = c2 + p c1 + n v3;   c1 = 2 v1 - c1;   c2 = 2 v2 - c2
 //! m = g (g + k) / D,   p = g / D,   n = g² / D,   D = 1 + g (g + k)
 //! ```
 //!
 //! v1 is the section's band-pass, v2 its low-pass, `x - k v1 - v2` its high-pass. A band narrower than its middle frequency is made of two band-passes, a
 //! wider one of a high-pass and a low-pass: so each section's gain stays near 1. Everything is stable at any g and k, so that edges may move while it
-//! rings. What rounding down leaves of v1 and v2 is given to the next frame.
+//! rings.
 //!
 //! A strike derives the multipliers in `f32` by the FPU, relative errors some 2^-22: no library function, the same bits everywhere.
 
+use super::kernel;
+use super::kernel::section::{Response, Section};
 use crate::SampleRate;
 use crate::biquad::butterworth::{BandError, Exciter};
 use crate::fixed::{Log2, times_q31};
-
-/// Multipliers, Q31 but for the input's.
-#[derive(Clone, Copy, Debug, Default)]
-struct Section {
-    m: i32,
-    p: i32,
-    n: i32,
-    /// Q30 of the input.
-    input: i32,
-    /// Q30 of v1 in the high-pass.
-    k: i32,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-struct State {
-    c: [i32; 2],
-    left: [i32; 2],
-}
 
 /// The two sections.
 #[derive(Clone, Copy, Debug)]
@@ -41,21 +24,15 @@ pub(super) struct BandPass {
     /// Edges over fs at level 1.
     edges: [f32; 2],
     exponent_q27: i32,
+    /// Of the lower pole and of the higher one.
     sections: [Section; 2],
-    states: [State; 2],
     wide: bool,
     loaded: bool,
 }
 
 impl BandPass {
-    pub(super) const NONE: Self = Self {
-        edges: [0.0; 2],
-        exponent_q27: 0,
-        sections: [Section { m: 0, p: 0, n: 0, input: 0, k: 0 }; 2],
-        states: [State { c: [0; 2], left: [0; 2] }; 2],
-        wide: false,
-        loaded: false,
-    };
+    pub(super) const NONE: Self =
+        Self { edges: [0.0; 2], exponent_q27: 0, sections: [Section::NONE; 2], wide: false, loaded: false };
 
     /// Takes a band for a rate.
     pub(super) fn load(&mut self, exciter: &Exciter, rate: SampleRate) -> Result<(), BandError> {
@@ -74,22 +51,24 @@ impl BandPass {
     }
 
     pub(super) fn rest(&mut self) {
-        self.states = [State::default(); 2];
+        for section in &mut self.sections {
+            (section.c, section.left) = ([0; 2], [0; 2]);
+        }
     }
 
     /// Leaves so much (Q31) of what rings.
     pub(super) fn attenuate(&mut self, left: i32) {
-        for state in &mut self.states {
-            state.c = state.c.map(|c| times_q31(c, left));
+        for section in &mut self.sections {
+            section.c = section.c.map(|c| times_q31(c, left));
         }
     }
 
     /// At a tick without noise: clears what is below a few steps; gives whether all is.
     pub(super) fn settle(&mut self) -> bool {
-        if self.states.iter().all(|state| state.c.iter().all(|c| c.unsigned_abs() < 16)) {
+        if self.sections.iter().all(|section| section.c.iter().all(|c| c.unsigned_abs() < 16)) {
             self.rest();
         }
-        self.states.iter().all(|state| state.c == [0; 2])
+        self.sections.iter().all(|section| section.c == [0; 2])
     }
 
     /// Moves the edges to where a strike of a level has them: `level^exponent` times, up to 0.49 fs.
@@ -118,64 +97,34 @@ impl BandPass {
             let g = square_root(re * re + im * im);
             let k = -2.0 * re / g;
             let below = 1.0 + g * (g + k);
-            let input = match (self.wide, sign > 0.0) {
-                (false, _) => width / g,
+            let gain = match (self.wide, sign > 0.0) {
+                (false, _) => width / square_root(square),
                 // The high-pass comes first; the low-pass' 1 becomes width²/ω².
                 (true, true) => 1.0,
                 (true, false) => width * width / (g * g),
             };
+            let (p, n) = (g / below, g * g / below);
             *section = Section {
-                m: fixed(g * (g + k) / below, 31),
-                p: fixed(g / below, 31),
-                n: fixed(g * g / below, 31),
-                input: fixed(input, 30),
+                less_m: -fixed(g * (g + k) / below, 31),
+                p: fixed(p, 31),
+                less_p: -fixed(p, 31),
+                less_n: -fixed(n, 31),
+                input: [fixed(gain * p, 31), fixed(gain * n, 31)],
                 k: fixed(k, 30),
+                ..*section
             };
         }
     }
 
-    /// Noise of at most 2^27 through the band; what comes out is below 2^30.
+    /// Noise of at most 2^27 through the band; what comes out is below 2^29 (impulse responses sum to 2.9 at most). States of narrow bands are below 2^29 too; those
+    /// of a wide one up to 0.49 fs sum to 35, so that noise of level 1.99 would have to be 5.8 standard deviations off to wrap there.
     pub(super) fn run(&mut self, buffer: &mut [i32]) {
-        let [high, low] = self.sections;
-        let [of_high, of_low] = &mut self.states;
-        for word in buffer {
-            *word = if self.wide {
-                let x = of_low.high_pass(&low, *word);
-                of_high.step(&high, times(x, high.input)).1
-            } else {
-                let x = of_low.step(&low, times(*word, low.input)).0;
-                of_high.step(&high, times(x, high.input)).0
-            };
-        }
+        let [high, low] = &mut self.sections;
+        let [first, second] =
+            if self.wide { [Response::High, Response::Low] } else { [Response::Band, Response::Band] };
+        kernel::section(low, first, buffer);
+        kernel::section(high, second, buffer);
     }
-}
-
-impl State {
-    /// v1 and v2.
-    #[inline(always)]
-    fn step(&mut self, by: &Section, x: i32) -> (i32, i32) {
-        let [c1, c2] = self.c;
-        let v3 = i64::from(x.wrapping_sub(c2));
-        let (m, p, n, wide) = (i64::from(by.m), i64::from(by.p), i64::from(by.n), i64::from(c1));
-        let sum1 = p * v3 - m * wide + i64::from(self.left[0]);
-        let sum2 = n * v3 + p * wide + i64::from(self.left[1]);
-        self.left = [sum1, sum2].map(|sum| (sum & 0x7fff_ffff) as i32);
-        let (v1, v2) = (c1.wrapping_add((sum1 >> 31) as i32), c2.wrapping_add((sum2 >> 31) as i32));
-        self.c = [v1.wrapping_mul(2).wrapping_sub(c1), v2.wrapping_mul(2).wrapping_sub(c2)];
-        (v1, v2)
-    }
-
-    #[inline(always)]
-    fn high_pass(&mut self, by: &Section, x: i32) -> i32 {
-        let (v1, v2) = self.step(by, x);
-        x.wrapping_sub(v2).wrapping_sub(times(v1, by.k))
-    }
-}
-
-/// Q30, nearest.
-#[inline(always)]
-fn times(x: i32, gain: i32) -> i32 {
-    ((i64::from(x) * i64::from(gain) + (1 << 29)) >> 30) as i32
 }
 
 /// `value · 2^bits`, rounded to zero, saturating: 24 bits of it are the value's own.

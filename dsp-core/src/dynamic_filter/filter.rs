@@ -226,14 +226,19 @@ impl<const N: usize> Filter<N> {
     /// The next frames of noise through the exciter's band, which works on words below 2^27; or what it gives without noise.
     pub(super) fn excite(&mut self, band: &mut BandPass, noisy: bool, input: &mut [i32]) {
         let down = (1 - self.path.input_shift).max(0) as u32;
-        let level = if noisy { self.one_pole.level >> down } else { 0 };
-        input.fill(0);
         if noisy {
-            self.draw(level, input);
+            self.draw(self.one_pole.level >> down, input);
+        } else {
+            input.fill(0);
         }
         band.run(input);
-        let (largest, grain) = (self.largest_input(), self.grain());
-        input.iter_mut().for_each(|word| *word = saturating_shift_left(*word, down).clamp(-largest, largest) >> grain);
+        // 2.0 in the band's format, in nearly all tables this one power, which a single instruction clips to.
+        let (bits, grain) = (BAND_BITS - (self.path.input_shift - 1).max(0), self.grain());
+        if bits == BAND_BITS {
+            input.iter_mut().for_each(|word| *word = clipped(*word, BAND_BITS) << down >> grain);
+        } else {
+            input.iter_mut().for_each(|word| *word = clipped(*word, bits) << down >> grain);
+        }
     }
 
     /// Nominal cycles of a tick of noise alone, in blocks where it is not `plain`.
@@ -311,6 +316,15 @@ impl<const N: usize> Filter<N> {
             (false, _) => self.path.scale,
         }
     }
+}
+
+/// Of noise in the exciter's band.
+const BAND_BITS: i32 = 27;
+
+/// Clipped to 2^bits.
+#[inline(always)]
+fn clipped(word: i32, bits: i32) -> i32 {
+    word.clamp(-1 << bits, (1 << bits) - 1)
 }
 
 /// By so many bits to the right, rounding down, or to the left, saturating.

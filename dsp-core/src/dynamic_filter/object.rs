@@ -357,7 +357,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
             return 0;
         }
         let mut cycles = self.filter.cycles_a_tick(self.plain);
-        cycles += if self.exciter.is_loaded() { 135 * 32 } else { 0 };
+        cycles += if self.exciter.is_loaded() { 67 * 32 } else { 0 };
         cycles += if self.modes_through { 12 * 32 } else { 0 };
         cycles + self.loops.cycles_a_tick()
     }

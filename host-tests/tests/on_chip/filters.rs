@@ -43,6 +43,7 @@ fn the_chip_has_the_bits_of_the_pc() {
     let mut chip = FiltersOnChip::new().unwrap();
     let (mut random, mut played) = (Random::new(5), 0);
     let band = Some(Exciter { low_hz: 80.0, high_hz: 5000.0, exponent: 0.3 });
+    let narrow = Some(Exciter { low_hz: 900.0, high_hz: 1300.0, exponent: -0.4 });
     // Loud, quiet and steep paths take all loops of the assembly.
     let cases = [
         (1, 1.0, 1.0, 0, None),
@@ -51,6 +52,7 @@ fn the_chip_has_the_bits_of_the_pc() {
         (1, 0.4, 30.0, 0, None),
         (1, 1.0, 1000.0, 0, None),
         (1, 1.0, 1e-3, 0, band),
+        (1, 0.4, 1.0, 0, narrow),
         (1, -1.0, 1.0, 4, None),
         (1, 1.0, 1.0, 3, band),
         (1, 1.0, 20.0, 2, None),
@@ -138,6 +140,7 @@ fn filter_and_loops_keep_their_cycles_and_cost_nothing_at_rest() {
     println!("second order: {second:.1}");
     let (excited, strike) = cost(1, 1.0, 1.0, &[], Some(Exciter { low_hz: 80.0, high_hz: 5000.0, exponent: 0.3 }));
     println!("with an exciter: {excited:.1}, a strike {strike}");
+    assert!(excited <= 95.0, "{excited}");
     let (one, _) = cost(1, 1.0, 1.0, &loops(1), None);
     // More would take the chip minutes: it checks their stability in software f64.
     let (four, _) = cost(1, 1.0, 1.0, &loops(4), None);

@@ -1,22 +1,31 @@
-//! The kernels for a Cortex-M4F: `cortex_m4.s` and `cortex_m4_input.s`, bit for bit what [`super::portable`] does.
+//! The kernels for a Cortex-M4F: `cortex_m4.s`, `cortex_m4_input.s` and `cortex_m4_section.s`, bit for bit what [`super::portable`] and
+//! [`super::section`] do.
 #![allow(unsafe_code)] // assembly
 
 use core::mem::offset_of;
 
 use super::super::noise::{MULTIPLIER, White};
+use super::section::{Response, Section};
 use super::{OnePole, SumsKind, portable};
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 core::arch::global_asm!(include_str!("cortex_m4_input.s"), options(raw));
+core::arch::global_asm!(include_str!("cortex_m4_section.s"), options(raw));
 
-// What cortex_m4.s counts on.
+// What the assembly counts on.
 const _: () = {
     assert!(offset_of!(OnePole, state) == 0 && offset_of!(OnePole, last) == 8 && offset_of!(OnePole, noise) == 12);
     assert!(offset_of!(OnePole, level) == 16 && offset_of!(OnePole, shift) == 20 && offset_of!(OnePole, lines) == 24);
     assert!(MULTIPLIER == 0x93d7_65dd);
+    assert!(offset_of!(Section, c) == 0 && offset_of!(Section, left) == 8 && offset_of!(Section, less_m) == 16);
+    assert!(offset_of!(Section, p) == 20 && offset_of!(Section, less_p) == 24 && offset_of!(Section, less_n) == 28);
+    assert!(offset_of!(Section, input) == 32 && offset_of!(Section, k) == 40);
 };
 
 unsafe extern "C" {
+    fn malleus_section_band(section: *mut Section, words: *mut i32, frames: usize);
+    fn malleus_section_low(section: *mut Section, words: *mut i32, frames: usize);
+    fn malleus_section_high(section: *mut Section, words: *mut i32, frames: usize);
     fn malleus_noise(noise: u32, level: i32, words: *mut i32, frames: usize) -> u32;
     fn malleus_from_noise_equal_near(filter: *mut OnePole, out: *mut i32, frames: usize);
     fn malleus_from_noise_equal_loud(filter: *mut OnePole, out: *mut i32, frames: usize);
@@ -82,6 +91,17 @@ pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], 
 pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
     // SAFETY: `words` is borrowed mutably and holds as many words as are given; the assembly keeps the procedure call standard.
     *noise = White::from_word(unsafe { malleus_noise(noise.word(), level, words.as_mut_ptr(), words.len()) });
+}
+
+/// As [`super::section::section`].
+pub fn section(section: &mut Section, response: Response, words: &mut [i32]) {
+    let kernel = match response {
+        Response::Band => malleus_section_band,
+        Response::Low => malleus_section_low,
+        Response::High => malleus_section_high,
+    };
+    // SAFETY: both are borrowed mutably, and as many words are given as there are; the assembly keeps the procedure call standard.
+    unsafe { kernel(section, words.as_mut_ptr(), words.len()) }
 }
 
 type FromSums = unsafe extern "C" fn(*mut OnePole, *mut i32, *mut i32, usize) -> u32;
