@@ -1,10 +1,10 @@
 //! The filter along its path, of either order.
 
 use super::exciter::BandPass;
+use super::kernel::two_poles::TwoPoles;
 use super::kernel::{self, OnePole, SumsKind};
 use super::noise::White;
 use super::path::{Form, PARAMETERS, Path};
-use super::second_order::TwoPoles;
 use super::walk::{Line, Walk};
 use crate::fixed::{qadd, saturating_shift_left, smmulr, times_q31};
 use crate::resonator::TICK_FRAMES;
@@ -53,7 +53,7 @@ impl<const N: usize> Filter<N> {
             ..OnePole::REST
         };
         self.one_pole.state = self.one_pole.rest();
-        self.two_poles = TwoPoles::REST;
+        self.two_poles = TwoPoles::new(&self.path);
         self.walk.end(&self.path);
     }
 
@@ -119,7 +119,7 @@ impl<const N: usize> Filter<N> {
     /// Clears what rings, and ends the path.
     pub(super) fn rest(&mut self) {
         (self.one_pole.state, self.one_pole.last) = (self.one_pole.rest(), 0);
-        self.two_poles = TwoPoles::REST;
+        self.two_poles.rest();
         self.walk.end(&self.path);
     }
 
@@ -248,10 +248,18 @@ impl<const N: usize> Filter<N> {
             (Form::OnePole, true) => 650,
             (Form::EqualZeros, false) => 780,
             (Form::OnePole, false) => 980,
-            (Form::Conjugate | Form::Real, _) => 6300,
+            (Form::Conjugate, _) => 2600,
+            (Form::Real, _) => 2860,
         };
-        let levels = if self.path.has_levels { 960 } else { 0 };
-        first + levels + if self.path.whole { 32 * 90 } else { 0 }
+        let second = self.path.form.parameters() == PARAMETERS;
+        let levels = if self.path.has_levels { [960, 700][usize::from(second)] } else { 0 };
+        let loud = if second && self.path.scale < 0 { 360 } else { 0 };
+        first + levels + loud + if self.path.whole { 32 * 90 } else { 0 }
+    }
+
+    /// The same of a block of sums, beyond what the first order takes.
+    pub(super) fn cycles_a_block(&self) -> u32 {
+        if self.path.form.parameters() == PARAMETERS { 150 } else { 0 }
     }
 
     /// Adds a signal of the bus to an input, and clips it to 2.0; coarse sums to more.
@@ -284,8 +292,8 @@ impl<const N: usize> Filter<N> {
         match self.path.form {
             Form::EqualZeros => kernel::from_buffer::<true>(&mut self.one_pole, buffer, out),
             Form::OnePole => kernel::from_buffer::<false>(&mut self.one_pole, buffer, out),
-            Form::Conjugate | Form::Real => {
-                self.two_poles.run(&self.path, &mut self.one_pole.lines, buffer, out);
+            form @ (Form::Conjugate | Form::Real) => {
+                kernel::two_poles(&mut self.two_poles, form == Form::Real, &mut self.one_pole.lines, buffer, out);
             }
         }
     }
@@ -301,9 +309,12 @@ impl<const N: usize> Filter<N> {
 
     #[inline(never)]
     fn run_sums_of_two_poles(&mut self, sums: &mut [i32], out: &mut [i32]) -> u32 {
-        let clip =
-            if self.sums.is_coarse() { kernel::portable::clipped::<true> } else { kernel::portable::clipped::<false> };
-        sums.iter_mut().for_each(|sum| *sum = clip(*sum));
+        // Twice the loop, so that how it is clipped is asked once.
+        if self.sums.is_coarse() {
+            sums.iter_mut().for_each(|sum| *sum = kernel::portable::clipped::<true>(*sum));
+        } else {
+            sums.iter_mut().for_each(|sum| *sum = kernel::portable::clipped::<false>(*sum));
+        }
         self.run(sums, out);
         sums.iter().fold(0, |sizes, &s| sizes | (s ^ (s >> 31)) as u32)
     }

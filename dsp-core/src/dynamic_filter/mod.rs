@@ -29,7 +29,6 @@ pub mod walk;
 mod carry;
 mod exciter;
 mod filter;
-mod second_order;
 mod stability;
 mod whole_ticks;
 

@@ -359,6 +359,6 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         let mut cycles = self.filter.cycles_a_tick(self.plain);
         cycles += if self.exciter.is_loaded() { 67 * 32 } else { 0 };
         cycles += if self.modes_through { 12 * 32 } else { 0 };
-        cycles + self.loops.cycles_a_tick()
+        cycles + self.loops.cycles_a_tick(self.filter.cycles_a_block())
     }
 }

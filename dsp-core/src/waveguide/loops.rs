@@ -118,10 +118,12 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         self.count
     }
 
-    /// Nominal cycles of a tick, with what the filter takes more for them: for a block of a whole tick, each loop, and what further blocks cost.
-    pub(crate) fn cycles_a_tick(&self) -> u32 {
+    /// Nominal cycles of a tick, with what the filter takes more for them: for a block of a whole tick, each loop, and what further blocks cost;
+    /// `of_block` are those of the filter itself.
+    pub(crate) fn cycles_a_tick(&self, of_block: u32) -> u32 {
         let (loops, blocks) = (self.count as u32, TICK_FRAMES.div_ceil(self.shortest) as u32);
-        if loops == 0 { 0 } else { 230 + 376 * loops + (blocks - 1) * (270 + 84 * loops) }
+        let further = (blocks - 1) * (270 + 84 * loops);
+        if loops == 0 { 0 } else { 230 + 376 * loops + further + blocks * of_block }
     }
 
     fn used(&self) -> &[Resonance] {

@@ -1,16 +1,19 @@
-//! The kernels for a Cortex-M4F: `cortex_m4.s`, `cortex_m4_input.s` and `cortex_m4_section.s`, bit for bit what [`super::portable`] and
-//! [`super::section`] do.
+//! The kernels for a Cortex-M4F: `cortex_m4*.s`, bit for bit what [`super::portable`], [`super::two_poles`] and [`super::section`] do.
 #![allow(unsafe_code)] // assembly
 
 use core::mem::offset_of;
 
 use super::super::noise::{MULTIPLIER, White};
+use super::super::path::PARAMETERS;
+use super::super::walk::Line;
 use super::section::{Response, Section};
+use super::two_poles::TwoPoles;
 use super::{OnePole, SumsKind, portable};
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 core::arch::global_asm!(include_str!("cortex_m4_input.s"), options(raw));
 core::arch::global_asm!(include_str!("cortex_m4_section.s"), options(raw));
+core::arch::global_asm!(include_str!("cortex_m4_two_poles.s"), options(raw));
 
 // What the assembly counts on.
 const _: () = {
@@ -20,9 +23,14 @@ const _: () = {
     assert!(offset_of!(Section, c) == 0 && offset_of!(Section, left) == 8 && offset_of!(Section, less_m) == 16);
     assert!(offset_of!(Section, p) == 20 && offset_of!(Section, less_p) == 24 && offset_of!(Section, less_n) == 28);
     assert!(offset_of!(Section, input) == 32 && offset_of!(Section, k) == 40);
+    assert!(size_of::<Line>() == 8 && PARAMETERS == 5);
 };
 
 unsafe extern "C" {
+    fn malleus_conjugate_near(poles: *mut TwoPoles, lines: *mut Line, buffer: *mut i32, out: *mut i32, frames: usize);
+    fn malleus_conjugate_loud(poles: *mut TwoPoles, lines: *mut Line, buffer: *mut i32, out: *mut i32, frames: usize);
+    fn malleus_real_near(poles: *mut TwoPoles, lines: *mut Line, buffer: *mut i32, out: *mut i32, frames: usize);
+    fn malleus_real_loud(poles: *mut TwoPoles, lines: *mut Line, buffer: *mut i32, out: *mut i32, frames: usize);
     fn malleus_section_band(section: *mut Section, words: *mut i32, frames: usize);
     fn malleus_section_low(section: *mut Section, words: *mut i32, frames: usize);
     fn malleus_section_high(section: *mut Section, words: *mut i32, frames: usize);
@@ -91,6 +99,25 @@ pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], 
 pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
     // SAFETY: `words` is borrowed mutably and holds as many words as are given; the assembly keeps the procedure call standard.
     *noise = White::from_word(unsafe { malleus_noise(noise.word(), level, words.as_mut_ptr(), words.len()) });
+}
+
+/// As [`super::two_poles::two_poles`].
+pub fn two_poles(
+    poles: &mut TwoPoles,
+    real: bool,
+    lines: &mut [Line; PARAMETERS],
+    buffer: &mut [i32],
+    out: &mut [i32],
+) {
+    let frames = buffer.len().min(out.len());
+    let kernel = match (real, poles.is_loud()) {
+        (false, false) => malleus_conjugate_near,
+        (false, true) => malleus_conjugate_loud,
+        (true, false) => malleus_real_near,
+        (true, true) => malleus_real_loud,
+    };
+    // SAFETY: all are borrowed mutably, buffer and out hold at least `frames` words; the assembly keeps the procedure call standard.
+    unsafe { kernel(poles, lines.as_mut_ptr(), buffer.as_mut_ptr(), out.as_mut_ptr(), frames) }
 }
 
 /// As [`super::section::section`].

@@ -1,21 +1,24 @@
-//! The hot loops: of the first order, noise and filter at once, noise alone, or a filter of what lies in a buffer or of a sum of noise and loops; and the
-//! exciter's sections.
+//! The hot loops: of the first order, noise and filter at once, noise alone, or a filter of what lies in a buffer or of a sum of noise and loops; the
+//! second order; and the exciter's sections.
 //!
-//! [`portable`] and [`section`] are the definition of the bits; on a Cortex-M4F the same is done by assembly (`cortex_m4*.s`), compared bit for bit on the
+//! [`portable`], [`two_poles`] and [`section`] are the definition of the bits; on a Cortex-M4F the same is done by assembly (`cortex_m4*.s`), compared bit for bit on the
 //! virtual core (`cargo test -p host-tests --test on_chip filters`).
 
 pub mod portable;
 pub mod section;
+pub mod two_poles;
 
 #[cfg(cortex_m4f)]
 mod cortex_m4;
 
 #[cfg(cortex_m4f)]
-pub use cortex_m4::{from_buffer, from_noise, from_sums, noise, section};
+pub use cortex_m4::{from_buffer, from_noise, from_sums, noise, section, two_poles};
 #[cfg(not(cortex_m4f))]
 pub use portable::{from_buffer, from_noise, from_sums, noise};
 #[cfg(not(cortex_m4f))]
 pub use section::section;
+#[cfg(not(cortex_m4f))]
+pub use two_poles::two_poles;
 
 use super::noise::White;
 use super::path::PARAMETERS;
