@@ -136,16 +136,10 @@ impl<const N: usize> Filter<N> {
     /// How many whole ticks may be run by [`run_tick`](Self::run_tick), or begun by [`tick`](Self::tick): within the path's piece, or, where this is
     /// asked for, behind the path's end.
     pub(super) fn whole_ticks(&self, after_end: bool) -> u32 {
-        match (self.walk.is_over(), self.path.has_levels) {
-            (true, _) => {
-                if after_end {
-                    u32::MAX
-                } else {
-                    0
-                }
-            }
-            (false, true) => 0,
-            (false, false) => self.walk.whole_ticks(),
+        match (self.walk.is_over(), after_end) {
+            (true, true) => u32::MAX,
+            (true, false) => 0,
+            (false, _) => self.walk.whole_ticks(),
         }
     }
 
@@ -154,9 +148,18 @@ impl<const N: usize> Filter<N> {
         self.walk.pass(whole_ticks);
     }
 
-    /// Sets the lines for one of them before the path's end.
+    /// Sets the lines for one of them before the path's end; gives whether there is noise in it.
+    pub(super) fn tick(&mut self) -> bool {
+        self.tick_lines();
+        !self.path.has_levels || {
+            self.walk.tick_level(&mut self.level);
+            !self.level.is_zero()
+        }
+    }
+
+    /// The same where the noise has no levels.
     #[inline(always)]
-    pub(super) fn tick(&mut self) {
+    pub(super) fn tick_lines(&mut self) {
         match self.path.form {
             Form::EqualZeros => self.walk.tick(&mut self.one_pole.lines, 2),
             Form::OnePole => self.walk.tick(&mut self.one_pole.lines, 3),
@@ -216,11 +219,13 @@ impl<const N: usize> Filter<N> {
 
     #[inline(never)]
     fn draw_levels(&mut self, level: i32, input: &mut [i32]) {
+        let (mut noise, mut part) = (self.one_pole.noise, self.level);
         for word in input {
             // 1 is 2^30: two bits less than a product's high word has.
-            *word = self.one_pole.noise.draw(smmulr(level, self.level.value) << 2);
-            self.level.advance();
+            *word = noise.draw(smmulr(level, part.value) << 2);
+            part.advance();
         }
+        (self.one_pole.noise, self.level) = (noise, part);
     }
 
     /// The next frames of noise through the exciter's band, which works on words below 2^27; or what it gives without noise.
@@ -252,7 +257,7 @@ impl<const N: usize> Filter<N> {
             (Form::Real, _) => 2860,
         };
         let second = self.path.form.parameters() == PARAMETERS;
-        let levels = if self.path.has_levels { [960, 700][usize::from(second)] } else { 0 };
+        let levels = if self.path.has_levels { [620, 340][usize::from(second)] } else { 0 };
         let loud = if second && self.path.scale < 0 { 360 } else { 0 };
         first + levels + loud + if self.path.whole { 32 * 90 } else { 0 }
     }

@@ -46,6 +46,8 @@ pub struct DynamicFilter<const POINTS: usize, const LOOPS: usize, const FRAMES: 
     loaded: bool,
     /// Whether noise goes straight into a filter of the first order, and nothing else does.
     pub(super) plain: bool,
+    /// Whether loops work in blocks of a tick, on noise that has one level and no band.
+    pub(super) looped: bool,
     /// 1.0 of the noise's level, 2^28 and more at a higher rate than the table's.
     level_unit: f32,
     /// Frame within the tick, and frames that are left of the segment.
@@ -71,6 +73,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         modes_through: false,
         loaded: false,
         plain: false,
+        looped: false,
         level_unit: 0.0,
         frame: 0,
         left: 0,
@@ -136,6 +139,8 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         let stable = |all: &[_]| stability::check(order, largest_gain, path, all, rate);
         self.loops.load(loops, self.filter.line_scale(), rate, stable)?;
         self.filter.expect_sums(self.loops.is_coarse());
+        let by_tick = self.loops.run_length(TICK_FRAMES) == TICK_FRAMES;
+        self.looped = looped && by_tick && exciter.is_none() && !self.filter.path.has_levels;
         if let Some(exciter) = exciter {
             let largest = Exciter::LARGEST_EXPONENT;
             if !(-largest..=largest).contains(&exciter.exponent) {
@@ -152,7 +157,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
     pub fn unload(&mut self) {
         self.loops.unload();
         (self.filter, self.exciter) = (Filter::EMPTY, BandPass::NONE);
-        (self.modes_through, self.loaded, self.plain) = (false, false, false);
+        (self.modes_through, self.loaded, self.plain, self.looped) = (false, false, false, false);
         (self.left, self.noisy, self.ringing) = (0, false, false);
         (self.granted, self.whole_ticks) = (0, 0);
     }

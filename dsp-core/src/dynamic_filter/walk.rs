@@ -163,6 +163,13 @@ impl Walk {
         }
     }
 
+    /// The same for the noise's level.
+    #[inline(always)]
+    pub(super) fn tick_level(&mut self, level: &mut Line) {
+        level.value = (self.noise.wide >> 32) as i32;
+        self.noise.wide = self.noise.wide.wrapping_add(self.noise.of_tick);
+    }
+
     /// Whether the lines hold what stays after the path's end.
     pub(super) fn is_over(&self) -> bool {
         self.over

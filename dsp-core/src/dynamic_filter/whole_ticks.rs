@@ -41,18 +41,18 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
     /// One of the whole ticks.
     #[inline(never)]
     pub(super) fn run_tick(&mut self, out: &mut [i32; TICK_FRAMES]) {
-        if self.noisy {
-            self.filter.tick();
-        }
-        if self.loops.count() == 0 {
-            return self.run(&[], out);
-        }
-        let whole = self.loops.run_length(TICK_FRAMES) == TICK_FRAMES;
-        if self.noisy && whole && !self.exciter.is_loaded() {
+        if self.looped && self.noisy {
+            self.filter.tick_lines();
             let (noise, level) = self.filter.noise_of_sums();
             self.loops.add_to_noise(noise, level);
             self.filter_sums(out);
         } else {
+            if self.filter.is_under_way() {
+                self.noisy = self.filter.tick();
+            }
+            if self.loops.count() == 0 {
+                return self.run(&[], out);
+            }
             self.run_looped(&[], out);
         }
         if !self.loops.is_settled() {

@@ -123,7 +123,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
     pub(crate) fn cycles_a_tick(&self, of_block: u32) -> u32 {
         let (loops, blocks) = (self.count as u32, TICK_FRAMES.div_ceil(self.shortest) as u32);
         let further = (blocks - 1) * (270 + 84 * loops);
-        if loops == 0 { 0 } else { 230 + 376 * loops + further + blocks * of_block }
+        if loops == 0 { 0 } else { 250 + 376 * loops + further + blocks * of_block }
     }
 
     fn used(&self) -> &[Resonance] {
