@@ -10,6 +10,11 @@
 //! wider one of a high-pass and a low-pass: so each section's gain stays near 1. Everything is stable at any g and k, so that edges may move while it
 //! rings.
 //!
+//! # Why nothing can wrap
+//!
+//! With words up to X, what comes out of either section is at most 3.3 X, and states are at most 3.1 X in narrow bands, 35 X in wide ones up to 0.49 fs (sums over
+//! impulse responses). So X is 2^27 where no strike can make the band a wide one, 2^25 elsewhere, where more of the noise goes through.
+//!
 //! A strike derives the multipliers in `f32` by the FPU, relative errors some 2^-22: no library function, the same bits everywhere.
 
 use super::kernel;
@@ -28,11 +33,13 @@ pub(super) struct BandPass {
     sections: [Section; 2],
     wide: bool,
     loaded: bool,
+    /// 2.0 is two to the power of this.
+    bits: i32,
 }
 
 impl BandPass {
     pub(super) const NONE: Self =
-        Self { edges: [0.0; 2], exponent_q27: 0, sections: [Section::NONE; 2], wide: false, loaded: false };
+        Self { edges: [0.0; 2], exponent_q27: 0, sections: [Section::NONE; 2], wide: false, loaded: false, bits: 27 };
 
     /// Takes a band for a rate.
     pub(super) fn load(&mut self, exciter: &Exciter, rate: SampleRate) -> Result<(), BandError> {
@@ -41,9 +48,15 @@ impl BandPass {
             edges: [exciter.low_hz, exciter.high_hz].map(|hz| (hz / rate.hz()) as f32),
             exponent_q27: libm::rint(exciter.exponent * 134_217_728.0) as i32,
             loaded: true,
+            bits: input_bits(exciter, rate),
             ..Self::NONE
         };
         Ok(())
+    }
+
+    /// What comes in and goes out is a level of 2.0 at two to the power of this.
+    pub(super) fn bits(&self) -> i32 {
+        self.bits
     }
 
     pub(super) fn is_loaded(&self) -> bool {
@@ -116,8 +129,7 @@ impl BandPass {
         }
     }
 
-    /// Noise of at most 2^27 through the band; what comes out is below 2^29 (impulse responses sum to 2.9 at most). States of narrow bands are below 2^29 too; those
-    /// of a wide one up to 0.49 fs sum to 35, so that noise of level 1.99 would have to be 5.8 standard deviations off to wrap there.
+    /// Noise below 2.0 through the band.
     pub(super) fn run(&mut self, buffer: &mut [i32]) {
         let [high, low] = &mut self.sections;
         let [first, second] =
@@ -125,6 +137,15 @@ impl BandPass {
         kernel::section(low, first, buffer);
         kernel::section(high, second, buffer);
     }
+}
+
+/// Bits of 2.0: fewer where a strike may make the band a wide one. That is likeliest at its highest, unless level and noise are then so small that all fits anyway.
+fn input_bits(exciter: &Exciter, rate: SampleRate) -> i32 {
+    let [low, high] = [exciter.low_hz, exciter.high_hz].map(|hz| hz / rate.hz());
+    let [loudest, softest] = [2.0, 0.4].map(|level| libm::pow(level, exciter.exponent));
+    let factor = loudest.max(softest).min(Exciter::LARGEST_EDGE / high);
+    let [low, high] = [low, high].map(|edge| libm::tan(core::f64::consts::PI * factor * edge));
+    if (high - low) * (high - low) > 0.99 * low * high { 25 } else { 27 }
 }
 
 /// `value · 2^bits`, rounded to zero, saturating: 24 bits of it are the value's own.
@@ -161,4 +182,49 @@ fn low_pole(square: f32, half: f32, (re, im): (f32, f32)) -> (f32, f32) {
 
 fn square_root(x: f32) -> f32 {
     libm::sqrtf(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::vec::Vec;
+
+    use super::*;
+
+    /// Noise that a state, or what comes out, answers with all that it ever can.
+    #[test]
+    fn the_worst_noise_wraps_nothing() {
+        let rate = SampleRate::HZ_48000;
+        for (low_hz, high_hz) in [
+            (240.0, 23_520.0),
+            (80.0, 9000.0),
+            (20_700.0, 23_520.0),
+            (6000.0, 15_500.0),
+            (13_300.0, 16_700.0),
+            (900.0, 1000.0),
+        ] {
+            let mut band = BandPass::NONE;
+            band.load(&Exciter { low_hz, high_hz, exponent: 0.0 }, rate).unwrap();
+            band.strike(1.99);
+            let one = 1 << (band.bits() - 6);
+            let places = |band: &BandPass, word: i32| [&band.sections[0].c[..], &band.sections[1].c, &[word]].concat();
+            let response: Vec<Vec<i32>> = (0..4000)
+                .scan(band, |band, n| {
+                    let mut word = [if n == 0 { one } else { 0 }];
+                    band.run(&mut word);
+                    Some(places(band, word[0]))
+                })
+                .collect();
+            for place in 0..5 {
+                let sum: f64 = response.iter().map(|at| f64::from(at[place]).abs()).sum::<f64>() * 64.0;
+                let mut worst = band;
+                let mut last = [0];
+                for at in response.iter().rev() {
+                    last[0] = 64 * one * at[place].signum();
+                    worst.run(&mut last);
+                }
+                let reached = f64::from(places(&worst, last[0])[place]);
+                assert!((reached / sum - 1.0).abs() < 1e-2, "{low_hz} to {high_hz} Hz, {place}: {reached} of {sum}");
+            }
+        }
+    }
 }

@@ -4,7 +4,7 @@ use super::exciter::BandPass;
 use super::kernel::two_poles::TwoPoles;
 use super::kernel::{self, OnePole, SumsKind};
 use super::noise::White;
-use super::path::{Form, PARAMETERS, Path};
+use super::path::{Form, MAX_INPUT_BITS, PARAMETERS, Path};
 use super::walk::{Line, Walk};
 use crate::fixed::{qadd, saturating_shift_left, smmulr, times_q31};
 use crate::resonator::TICK_FRAMES;
@@ -230,19 +230,19 @@ impl<const N: usize> Filter<N> {
 
     /// The next frames of noise through the exciter's band, which works on words below 2^27; or what it gives without noise.
     pub(super) fn excite(&mut self, band: &mut BandPass, noisy: bool, input: &mut [i32]) {
-        let down = (1 - self.path.input_shift).max(0) as u32;
+        let down = (MAX_INPUT_BITS - self.path.input_shift - band.bits()).max(0) as u32;
         if noisy {
             self.draw(self.one_pole.level >> down, input);
         } else {
             input.fill(0);
         }
         band.run(input);
-        // 2.0 in the band's format, in nearly all tables this one power, which a single instruction clips to.
-        let (bits, grain) = (BAND_BITS - (self.path.input_shift - 1).max(0), self.grain());
-        if bits == BAND_BITS {
-            input.iter_mut().for_each(|word| *word = clipped(*word, BAND_BITS) << down >> grain);
-        } else {
-            input.iter_mut().for_each(|word| *word = clipped(*word, bits) << down >> grain);
+        // 2.0 in the band's format, in nearly all tables one of two powers, to which a single instruction clips.
+        let (bits, grain) = (MAX_INPUT_BITS - self.path.input_shift - down as i32, self.grain());
+        match bits {
+            27 => input.iter_mut().for_each(|word| *word = clipped(*word, 27) << down >> grain),
+            25 => input.iter_mut().for_each(|word| *word = clipped(*word, 25) << down >> grain),
+            _ => input.iter_mut().for_each(|word| *word = clipped(*word, bits) << down >> grain),
         }
     }
 
@@ -333,9 +333,6 @@ impl<const N: usize> Filter<N> {
         }
     }
 }
-
-/// Of noise in the exciter's band.
-const BAND_BITS: i32 = 27;
 
 /// Clipped to 2^bits.
 #[inline(always)]
