@@ -91,8 +91,11 @@ fn edges_of_the_range_keep_ninety_db() {
         ("no pole", 1, 0.0, 0.0),
         ("slowest conjugate poles", 2, -1.9997, 0.9998),
         ("slowest real poles", 2, -1.9997, 0.999_700_02),
+        ("small poles, nearly all in b1", 2, -0.5, 0.06),
     ] {
         for b1 in [1.0, -0.5] {
+            let small = a2 == 0.06;
+            let b1 = if small { 1e5 * b1 } else { b1 };
             let b0 = if order == 1 { 0.2 * (1.0 - f64::abs(a1)).sqrt() } else { 1e-6 };
             let point = |time_s| Breakpoint { time_s, a1, a2, b0, b1: b1 * b0, ..Breakpoint::default() };
             let table = Table { order, ..Table::of_path(vec![point(0.0), point(1.0)]) };

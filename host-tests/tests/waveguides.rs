@@ -1,7 +1,7 @@
 //! Banded waveguides against `f64`: long loops, stability, blocks of any size, silence.
 
 use dsp_core::SampleRate;
-use dsp_core::dynamic_filter::{Breakpoint, DynamicFilterError};
+use dsp_core::dynamic_filter::{Breakpoint, DynamicFilterError, Exciter};
 use dsp_core::waveguide::{Loop, LoopError};
 use host_tests::dynamic_filter::{Table, play};
 use host_tests::snr::snr_db;
@@ -233,5 +233,71 @@ proptest! {
             }
             prop_assert_eq!(got, expected);
         }
+    }
+
+    /// Whole ticks on the tick, which are done in a shorter way while nothing begins or ends, against odd blocks: with strikes and a hand wherever they come, until the
+    /// loops are cleared.
+    #[test]
+    fn whole_ticks_change_no_bit(
+        corners in prop::collection::vec((1e-5f64..0.05, -0.99f64..0.99, 0.0f64..1.0), 1..5),
+        order in 1u8..=2,
+        bands in prop::collection::vec((40.0f64..20_000.0, 1.0f64..300.0, 0.01f64..0.9, 4.0f64..600.0), 0..4),
+        excited in any::<bool>(),
+        levels in any::<bool>(),
+        runs in prop::collection::vec((1usize..9000, 0.0f32..2.0, any::<bool>()), 1..5),
+        blocks in prop::collection::vec(1usize..90, 1..20),
+    ) {
+        let mut time_s = 0.0;
+        let path: Vec<Breakpoint> = corners
+            .iter()
+            .map(|&(step, pole, noise)| {
+                let b0 = 0.3 * (1.0 - pole.abs());
+                let noise = if levels { noise } else { 1.0 };
+                let a2 = if order == 2 { 0.9 * pole * pole } else { 0.0 };
+                let point = Breakpoint { time_s, a1: -pole, a2, b0, b1: b0, noise, ..Breakpoint::default() };
+                time_s += step;
+                point
+            })
+            .collect();
+        let share = 0.5 / bands.len() as f64;
+        let loops = bands
+            .iter()
+            .map(|&(frequency_hz, hz, gain, frames)| Loop {
+                frequency_hz,
+                bandwidth_hz: hz.min(frequency_hz / 4.0),
+                gain: gain * share,
+                delay_s: frames / 48_000.0,
+            })
+            .collect();
+        let exciter = excited.then_some(Exciter { low_hz: 100.0, high_hz: 3000.0, exponent: 0.5 });
+        let table = Table { order, exciter, loops, ..Table::of_path(path) };
+        let ours = table.ours(RATE);
+        prop_assume!(ours.is_ok());
+        let mut whole = ours.unwrap();
+        let (mut cut, mut place, mut block) = (whole.clone(), 0, blocks.iter().cycle());
+        let last = (40_000, 0.0, false);
+        for (frames, level, hand) in runs.into_iter().chain([last]) {
+            for filter in [&mut whole, &mut cut] {
+                filter.strike(level);
+                if hand {
+                    filter.attenuate(1 << 28);
+                }
+            }
+            let (mut expected, mut got) = (vec![0; frames], vec![0; frames]);
+            let (mut at, mut from) = (0, 0);
+            while at < frames {
+                let end = (at + 32 - (place + at) % 32).min(frames);
+                whole.render(None, &mut expected[at..end]);
+                at = end;
+            }
+            while from < frames {
+                let end = (from + block.next().unwrap()).min(frames);
+                cut.render(None, &mut got[from..end]);
+                from = end;
+            }
+            place += frames;
+            prop_assert!(got == expected, "they differ from frame {:?} on", got.iter().zip(&expected).position(|(a, b)| a != b));
+        }
+        prop_assert_eq!(whole.is_ringing(), cut.is_ringing());
     }
 }

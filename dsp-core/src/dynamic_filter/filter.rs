@@ -1,10 +1,10 @@
 //! The filter along its path, of either order.
 
 use super::exciter::BandPass;
-use super::kernel::{self, OnePole};
+use super::kernel::two_poles::TwoPoles;
+use super::kernel::{self, OnePole, SumsKind};
 use super::noise::White;
-use super::path::{Form, PARAMETERS, Path};
-use super::second_order::TwoPoles;
+use super::path::{Form, MAX_INPUT_BITS, PARAMETERS, Path};
 use super::walk::{Line, Walk};
 use crate::fixed::{qadd, saturating_shift_left, smmulr, times_q31};
 use crate::resonator::TICK_FRAMES;
@@ -27,8 +27,8 @@ pub(super) struct Filter<const N: usize> {
     walk: Walk,
     one_pole: OnePole,
     two_poles: TwoPoles,
-    /// Whether the sums that come in are coarse ([`kernel::COARSE_BITS`]).
-    pub(super) coarse: bool,
+    /// How the sums that come in are taken.
+    sums: SumsKind,
     /// The path's level of the noise, Q30.
     level: Line,
 }
@@ -39,7 +39,7 @@ impl<const N: usize> Filter<N> {
         walk: Walk::NOWHERE,
         one_pole: OnePole::REST,
         two_poles: TwoPoles::REST,
-        coarse: false,
+        sums: SumsKind::new(&OnePole::REST, true, false),
         level: Line { value: 0, step: 0 },
     };
 
@@ -53,8 +53,13 @@ impl<const N: usize> Filter<N> {
             ..OnePole::REST
         };
         self.one_pole.state = self.one_pole.rest();
-        self.two_poles = TwoPoles::REST;
+        self.two_poles = TwoPoles::new(&self.path);
         self.walk.end(&self.path);
+    }
+
+    /// What comes in are sums, `coarse` where they are smaller than it by [`kernel::COARSE_BITS`].
+    pub(super) fn expect_sums(&mut self, coarse: bool) {
+        self.sums = SumsKind::new(&self.one_pole, self.path.form == Form::EqualZeros, coarse);
     }
 
     /// To the path's start, with noise of a level of which 2^28 is 1.0.
@@ -67,15 +72,9 @@ impl<const N: usize> Filter<N> {
     /// Begins a segment of at most so many frames: gives its frames, and whether there is noise in it.
     #[inline(always)]
     pub(super) fn segment(&mut self, most: usize) -> (usize, bool) {
-        // Nothing new: behind the path's end, or a whole tick within a piece.
+        // Nothing new behind the path's end.
         if self.walk.is_over() {
             return (most, false);
-        }
-        let plain = most == TICK_FRAMES && self.path.form == Form::EqualZeros && !self.path.has_levels;
-        if plain && self.walk.whole_ticks() > 0 {
-            self.walk.tick(&mut self.one_pole.lines, 2);
-            self.walk.pass(1);
-            return (most, true);
         }
         self.begin_segment(most)
     }
@@ -120,7 +119,7 @@ impl<const N: usize> Filter<N> {
     /// Clears what rings, and ends the path.
     pub(super) fn rest(&mut self) {
         (self.one_pole.state, self.one_pole.last) = (self.one_pole.rest(), 0);
-        self.two_poles = TwoPoles::REST;
+        self.two_poles.rest();
         self.walk.end(&self.path);
     }
 
@@ -134,14 +133,45 @@ impl<const N: usize> Filter<N> {
         self.two_poles.attenuate(left);
     }
 
-    /// How many whole ticks of noise alone may be run by [`run_tick`](Self::run_tick): they end within the path's piece.
-    pub(super) fn whole_ticks(&self) -> u32 {
-        if self.path.form.parameters() == PARAMETERS { 0 } else { self.walk.whole_ticks() }
+    /// How many whole ticks may be run by [`run_tick`](Self::run_tick), or begun by [`tick`](Self::tick): within the path's piece, or, where this is
+    /// asked for, behind the path's end.
+    pub(super) fn whole_ticks(&self, after_end: bool) -> u32 {
+        match (self.walk.is_over(), after_end) {
+            (true, true) => u32::MAX,
+            (true, false) => 0,
+            (false, _) => self.walk.whole_ticks(),
+        }
     }
 
     /// Goes on by so many of them on the path.
     pub(super) fn pass(&mut self, whole_ticks: u32) {
         self.walk.pass(whole_ticks);
+    }
+
+    /// Sets the lines for one of them before the path's end; gives whether there is noise in it.
+    pub(super) fn tick(&mut self) -> bool {
+        self.tick_lines();
+        !self.path.has_levels || {
+            self.walk.tick_level(&mut self.level);
+            !self.level.is_zero()
+        }
+    }
+
+    /// The same where the noise has no levels.
+    #[inline(always)]
+    pub(super) fn tick_lines(&mut self) {
+        match self.path.form {
+            Form::EqualZeros => self.walk.tick(&mut self.one_pole.lines, 2),
+            Form::OnePole => self.walk.tick(&mut self.one_pole.lines, 3),
+            Form::Conjugate | Form::Real => self.walk.tick(&mut self.one_pole.lines, PARAMETERS),
+        }
+    }
+
+    /// Where noise for sums comes from, and its level.
+    #[inline(always)]
+    pub(super) fn noise_of_sums(&mut self) -> (&mut White, i32) {
+        let level = self.one_pole.level >> self.grain();
+        (&mut self.one_pole.noise, level)
     }
 
     /// A whole tick of noise through the filter, added to `out`: as [`segment`](Self::segment) and [`run_noise`](Self::run_noise), for less.
@@ -174,7 +204,7 @@ impl<const N: usize> Filter<N> {
 
     /// Bits by which the input's words are smaller than the filter takes them: those of sums ([`run_sums`](Self::run_sums)).
     fn grain(&self) -> u32 {
-        if self.coarse { kernel::COARSE_BITS } else { 0 }
+        if self.sums.is_coarse() { kernel::COARSE_BITS } else { 0 }
     }
 
     /// The next frames of noise at a strike's level, and at the path's.
@@ -189,24 +219,31 @@ impl<const N: usize> Filter<N> {
 
     #[inline(never)]
     fn draw_levels(&mut self, level: i32, input: &mut [i32]) {
+        let (mut noise, mut part) = (self.one_pole.noise, self.level);
         for word in input {
             // 1 is 2^30: two bits less than a product's high word has.
-            *word = self.one_pole.noise.draw(smmulr(level, self.level.value) << 2);
-            self.level.advance();
+            *word = noise.draw(smmulr(level, part.value) << 2);
+            part.advance();
         }
+        (self.one_pole.noise, self.level) = (noise, part);
     }
 
     /// The next frames of noise through the exciter's band, which works on words below 2^27; or what it gives without noise.
     pub(super) fn excite(&mut self, band: &mut BandPass, noisy: bool, input: &mut [i32]) {
-        let down = (1 - self.path.input_shift).max(0) as u32;
-        let level = if noisy { self.one_pole.level >> down } else { 0 };
-        input.fill(0);
+        let down = (MAX_INPUT_BITS - self.path.input_shift - band.bits()).max(0) as u32;
         if noisy {
-            self.draw(level, input);
+            self.draw(self.one_pole.level >> down, input);
+        } else {
+            input.fill(0);
         }
         band.run(input);
-        let (largest, grain) = (self.largest_input(), self.grain());
-        input.iter_mut().for_each(|word| *word = saturating_shift_left(*word, down).clamp(-largest, largest) >> grain);
+        // 2.0 in the band's format, in nearly all tables one of two powers, to which a single instruction clips.
+        let (bits, grain) = (MAX_INPUT_BITS - self.path.input_shift - down as i32, self.grain());
+        match bits {
+            27 => input.iter_mut().for_each(|word| *word = clipped(*word, 27) << down >> grain),
+            25 => input.iter_mut().for_each(|word| *word = clipped(*word, 25) << down >> grain),
+            _ => input.iter_mut().for_each(|word| *word = clipped(*word, bits) << down >> grain),
+        }
     }
 
     /// Nominal cycles of a tick of noise alone, in blocks where it is not `plain`.
@@ -214,11 +251,20 @@ impl<const N: usize> Filter<N> {
         let first = match (self.path.form, plain) {
             (Form::EqualZeros, true) => 560,
             (Form::OnePole, true) => 650,
-            (Form::EqualZeros, false) => 930,
-            (Form::OnePole, false) => 1180,
-            (Form::Conjugate | Form::Real, _) => 6300,
+            (Form::EqualZeros, false) => 780,
+            (Form::OnePole, false) => 980,
+            (Form::Conjugate, _) => 2600,
+            (Form::Real, _) => 2860,
         };
-        first + if self.path.whole { 32 * 90 } else { 0 }
+        let second = self.path.form.parameters() == PARAMETERS;
+        let levels = if self.path.has_levels { [620, 340][usize::from(second)] } else { 0 };
+        let loud = if second && self.path.scale < 0 { 360 } else { 0 };
+        first + levels + loud + if self.path.whole { 32 * 90 } else { 0 }
+    }
+
+    /// The same of a block of sums, beyond what the first order takes.
+    pub(super) fn cycles_a_block(&self) -> u32 {
+        if self.path.form.parameters() == PARAMETERS { 150 } else { 0 }
     }
 
     /// Adds a signal of the bus to an input, and clips it to 2.0; coarse sums to more.
@@ -251,8 +297,8 @@ impl<const N: usize> Filter<N> {
         match self.path.form {
             Form::EqualZeros => kernel::from_buffer::<true>(&mut self.one_pole, buffer, out),
             Form::OnePole => kernel::from_buffer::<false>(&mut self.one_pole, buffer, out),
-            Form::Conjugate | Form::Real => {
-                self.two_poles.run(&self.path, &mut self.one_pole.lines, buffer, out);
+            form @ (Form::Conjugate | Form::Real) => {
+                kernel::two_poles(&mut self.two_poles, form == Form::Real, &mut self.one_pole.lines, buffer, out);
             }
         }
     }
@@ -261,17 +307,19 @@ impl<const N: usize> Filter<N> {
     #[inline(always)]
     pub(super) fn run_sums(&mut self, sums: &mut [i32], out: &mut [i32]) -> u32 {
         match self.path.form {
-            form @ (Form::EqualZeros | Form::OnePole) => {
-                kernel::from_sums(&mut self.one_pole, form == Form::EqualZeros, self.coarse, sums, out)
-            }
+            Form::EqualZeros | Form::OnePole => kernel::from_sums(&mut self.one_pole, self.sums, sums, out),
             Form::Conjugate | Form::Real => self.run_sums_of_two_poles(sums, out),
         }
     }
 
     #[inline(never)]
     fn run_sums_of_two_poles(&mut self, sums: &mut [i32], out: &mut [i32]) -> u32 {
-        let clip = if self.coarse { kernel::portable::clipped::<true> } else { kernel::portable::clipped::<false> };
-        sums.iter_mut().for_each(|sum| *sum = clip(*sum));
+        // Twice the loop, so that how it is clipped is asked once.
+        if self.sums.is_coarse() {
+            sums.iter_mut().for_each(|sum| *sum = kernel::portable::clipped::<true>(*sum));
+        } else {
+            sums.iter_mut().for_each(|sum| *sum = kernel::portable::clipped::<false>(*sum));
+        }
         self.run(sums, out);
         sums.iter().fold(0, |sizes, &s| sizes | (s ^ (s >> 31)) as u32)
     }
@@ -284,6 +332,12 @@ impl<const N: usize> Filter<N> {
             (false, _) => self.path.scale,
         }
     }
+}
+
+/// Clipped to 2^bits.
+#[inline(always)]
+fn clipped(word: i32, bits: i32) -> i32 {
+    word.clamp(-1 << bits, (1 << bits) - 1)
 }
 
 /// By so many bits to the right, rounding down, or to the left, saturating.

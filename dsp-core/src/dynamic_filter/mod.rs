@@ -29,8 +29,8 @@ pub mod walk;
 mod carry;
 mod exciter;
 mod filter;
-mod second_order;
 mod stability;
+mod whole_ticks;
 
 pub use error::{DynamicFilterError, PathError};
 pub use object::DynamicFilter;

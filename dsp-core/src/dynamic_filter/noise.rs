@@ -26,13 +26,13 @@ impl White {
 
     /// The generator's word.
     #[cfg(cortex_m4f)]
-    pub(super) const fn word(self) -> u32 {
+    pub(crate) const fn word(self) -> u32 {
         self.0
     }
 
     /// From that.
     #[cfg(cortex_m4f)]
-    pub(super) const fn from_word(word: u32) -> Self {
+    pub(crate) const fn from_word(word: u32) -> Self {
         Self(word)
     }
 

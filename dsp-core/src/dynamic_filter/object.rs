@@ -42,28 +42,28 @@ use crate::waveguide::Loops;
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct DynamicFilter<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> {
-    modes_through: bool,
+    pub(super) modes_through: bool,
     loaded: bool,
-    /// Whether noise goes straight into the filter, and nothing else does.
-    plain: bool,
-    /// Whether noise and loops are all that does.
-    only_looped: bool,
+    /// Whether noise goes straight into a filter of the first order, and nothing else does.
+    pub(super) plain: bool,
+    /// Whether loops work in blocks of a tick, on noise that has one level and no band.
+    pub(super) looped: bool,
     /// 1.0 of the noise's level, 2^28 and more at a higher rate than the table's.
     level_unit: f32,
     /// Frame within the tick, and frames that are left of the segment.
-    frame: usize,
-    left: usize,
-    /// Whole ticks of noise alone, which [`Filter::run_tick`] may do: so many were granted, so many are left.
-    granted: u32,
-    whole_ticks: u32,
+    pub(super) frame: usize,
+    pub(super) left: usize,
+    /// Whole ticks in which nothing begins or ends, and no modes come: so many were granted, so many are left.
+    pub(super) granted: u32,
+    pub(super) whole_ticks: u32,
     /// Whether the segment has noise.
-    noisy: bool,
-    /// Whether modes have come in since the last tick began.
+    pub(super) noisy: bool,
+    /// Whether modes have come in since the last tick that was settled.
     fed: bool,
-    ringing: bool,
-    exciter: BandPass,
-    filter: Filter<POINTS>,
-    loops: Loops<LOOPS, FRAMES>,
+    pub(super) ringing: bool,
+    pub(super) exciter: BandPass,
+    pub(super) filter: Filter<POINTS>,
+    pub(super) loops: Loops<LOOPS, FRAMES>,
 }
 
 impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter<POINTS, LOOPS, FRAMES> {
@@ -75,7 +75,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         modes_through: false,
         loaded: false,
         plain: false,
-        only_looped: false,
+        looped: false,
         level_unit: 0.0,
         frame: 0,
         left: 0,
@@ -128,8 +128,8 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         }
         let ratio = rate.hz() / rate_hz;
         let looped = loops.clone().next().is_some();
-        self.plain = !looped && exciter.is_none() && !modes_through && path.clone().all(|point| point.noise == 1.0);
-        self.only_looped = looped && exciter.is_none() && !modes_through && order == 1;
+        let alone = !looped && exciter.is_none() && !modes_through;
+        self.plain = order == 1 && alone && path.clone().all(|point| point.noise == 1.0);
         let input = match (self.plain, looped) {
             (true, _) => Input::Noise,
             (false, true) => Input::Sums,
@@ -141,7 +141,9 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         let largest_gain = self.filter.path.gain;
         let stable = |all: &[_]| stability::check(order, largest_gain, path, all, rate);
         self.loops.load(loops, self.filter.line_scale(), rate, stable)?;
-        self.filter.coarse = self.loops.is_coarse();
+        self.filter.expect_sums(self.loops.is_coarse());
+        let by_tick = self.loops.run_length(TICK_FRAMES) == TICK_FRAMES;
+        self.looped = looped && by_tick && exciter.is_none() && !self.filter.path.has_levels;
         if let Some(exciter) = exciter {
             let largest = Exciter::LARGEST_EXPONENT;
             if !(-largest..=largest).contains(&exciter.exponent) {
@@ -158,7 +160,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
     pub fn unload(&mut self) {
         self.loops.unload();
         (self.filter, self.exciter) = (Filter::EMPTY, BandPass::NONE);
-        (self.modes_through, self.loaded, self.plain, self.only_looped) = (false, false, false, false);
+        (self.modes_through, self.loaded, self.plain, self.looped) = (false, false, false, false);
         (self.left, self.noisy, self.fed, self.ringing) = (0, false, false, false);
         (self.granted, self.whole_ticks) = (0, 0);
     }
@@ -198,23 +200,22 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
     #[inline(always)]
     pub fn render(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
         // What a tick mostly is.
-        if let (1.., Some(tick)) = (self.whole_ticks, out.as_mut_array()) {
-            self.whole_ticks -= 1;
-            self.filter.run_tick(tick);
-            return;
-        }
-        // With loops, the same.
-        if let (true, true, 0, 0, Some(tick)) =
-            (self.only_looped, self.ringing, self.frame, self.left, out.as_mut_array())
-            && self.run_looped_tick(tick)
+        if let Some(tick) = out.as_mut_array()
+            && (self.whole_ticks > 0 || self.renew())
         {
+            self.whole_ticks -= 1;
+            if self.plain {
+                self.filter.run_tick(tick);
+            } else {
+                self.run_tick(tick);
+            }
             return;
         }
         self.render_any(modes, out);
     }
 
     #[inline(never)]
-    fn render_any(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
+    pub(super) fn render_any(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
         if !self.ringing && modes.is_none() {
             return self.pass(out.len());
         }
@@ -251,25 +252,16 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
             self.frame = (self.frame + frames) % TICK_FRAMES;
         }
         if self.plain && self.ringing && self.frame == 0 && self.left == 0 {
-            self.granted = self.filter.whole_ticks();
+            self.granted = self.filter.whole_ticks(false);
             self.whole_ticks = self.granted;
         }
-    }
-
-    /// Takes back what is left of the whole ticks of noise that were granted.
-    fn settle_whole_ticks(&mut self) {
-        self.filter.pass(self.granted - self.whole_ticks);
-        (self.granted, self.whole_ticks) = (0, 0);
     }
 
     /// A tick, a strike or a breakpoint.
     #[inline(always)]
     fn begin(&mut self) {
         if self.frame == 0 {
-            let silent = if self.loops.count() > 0 { self.loops.settle() } else { true };
-            if !self.filter.is_under_way() {
-                self.settle(silent);
-            }
+            self.settle();
         }
         self.segment();
     }
@@ -278,9 +270,18 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         (self.left, self.noisy) = self.filter.segment(TICK_FRAMES - self.frame);
     }
 
+    /// On a tick: states are scaled, and after the path's end what is at rest ends, with loops at the end of their windows.
+    #[inline(always)]
+    pub(super) fn settle(&mut self) {
+        let (due, silent) = if self.loops.count() > 0 { self.loops.settle() } else { (true, true) };
+        if due && !self.filter.is_under_way() {
+            self.end(silent);
+        }
+    }
+
     /// Whether it is at rest, on a tick after the path's end; `silent` says that nothing lies in the loops' line, even of what they have still to read.
     #[inline(never)]
-    fn settle(&mut self, silent: bool) {
+    fn end(&mut self, silent: bool) {
         let excited = !self.exciter.settle();
         let comes = excited || core::mem::take(&mut self.fed);
         if silent && !comes && self.loops.count() > 0 {
@@ -290,29 +291,9 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         self.ringing = !self.filter.settle() || comes || !silent;
     }
 
-    /// A whole tick of noise and loops, if it is one; what is begun of any other one is left to [`render_any`](Self::render_any).
-    #[inline(never)]
-    fn run_looped_tick(&mut self, out: &mut [i32; TICK_FRAMES]) -> bool {
-        self.begin();
-        let room = self.loops.run_length(self.loops.slot_length(TICK_FRAMES));
-        if !self.ringing || self.left < TICK_FRAMES || room < TICK_FRAMES {
-            return false;
-        }
-        self.left = 0;
-        let Some(sums) = self.loops.slot(TICK_FRAMES).as_mut_array::<TICK_FRAMES>() else { return false };
-        if self.noisy {
-            self.filter.noise(sums)
-        } else {
-            *sums = [0; TICK_FRAMES]
-        }
-        self.loops.add(TICK_FRAMES);
-        self.filter_sums(out);
-        true
-    }
-
     /// What was summed through the filter.
     #[inline(always)]
-    fn filter_sums(&mut self, out: &mut [i32]) {
+    pub(super) fn filter_sums(&mut self, out: &mut [i32]) {
         let frames = out.len();
         let sizes = self.filter.run_sums(self.loops.slot(frames), out);
         self.loops.advance(frames, sizes);
@@ -320,7 +301,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
 
     /// Frames within a segment, by way of the loops' line: what comes in at once, loops and filter by blocks of the shortest delay.
     #[inline(never)]
-    fn run_looped(&mut self, modes: &[i32], out: &mut [i32]) {
+    pub(super) fn run_looped(&mut self, modes: &[i32], out: &mut [i32]) {
         let sums = self.loops.slot(out.len());
         if self.exciter.is_loaded() {
             self.filter.excite(&mut self.exciter, self.noisy, sums);
@@ -347,7 +328,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
 
     /// Frames within a segment without loops, by way of a buffer.
     #[inline(never)]
-    fn run(&mut self, modes: &[i32], out: &mut [i32]) {
+    pub(super) fn run(&mut self, modes: &[i32], out: &mut [i32]) {
         let mut own = [0; TICK_FRAMES];
         let Some(input) = own.get_mut(..out.len()) else { return };
         if self.exciter.is_loaded() {
@@ -377,6 +358,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
 
     /// Leaves so much (Q31) of what rings and of the noise to come, until a strike brings noise of its own.
     pub fn attenuate(&mut self, left: i32) {
+        self.settle_whole_ticks();
         self.filter.attenuate(left);
         self.loops.attenuate(left);
         self.exciter.attenuate(left);
@@ -388,8 +370,8 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
             return 0;
         }
         let mut cycles = self.filter.cycles_a_tick(self.plain);
-        cycles += if self.exciter.is_loaded() { 135 * 32 } else { 0 };
+        cycles += if self.exciter.is_loaded() { 67 * 32 } else { 0 };
         cycles += if self.modes_through { 12 * 32 } else { 0 };
-        cycles + self.loops.cycles_a_tick()
+        cycles + self.loops.cycles_a_tick(self.filter.cycles_a_block())
     }
 }

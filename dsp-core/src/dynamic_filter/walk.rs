@@ -149,7 +149,9 @@ impl Walk {
 
     /// Goes on by so many of them.
     pub(super) fn pass(&mut self, whole_ticks: u32) {
-        self.time += whole_ticks * TICK_FRAMES as u32;
+        if self.is_under_way() {
+            self.time += whole_ticks * TICK_FRAMES as u32;
+        }
     }
 
     /// As [`segment`](Self::segment) for the next whole tick, but for [`pass`](Self::pass).
@@ -159,6 +161,13 @@ impl Walk {
             line.value = (ramp.wide >> 32) as i32;
             ramp.wide = ramp.wide.wrapping_add(ramp.of_tick);
         }
+    }
+
+    /// The same for the noise's level.
+    #[inline(always)]
+    pub(super) fn tick_level(&mut self, level: &mut Line) {
+        level.value = (self.noise.wide >> 32) as i32;
+        self.noise.wide = self.noise.wide.wrapping_add(self.noise.of_tick);
     }
 
     /// Whether the lines hold what stays after the path's end.

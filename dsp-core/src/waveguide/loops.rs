@@ -6,6 +6,8 @@ use super::resonance::{COARSE, FINE, LINE_BITS, Resonance};
 use super::tuning::{Loop, Tuned};
 use super::{NOTHING, SILENCE, STILL_S};
 use crate::SampleRate;
+use crate::dynamic_filter;
+use crate::dynamic_filter::noise::White;
 use crate::fixed::times_q31;
 use crate::resonator::TICK_FRAMES;
 
@@ -13,6 +15,9 @@ use crate::resonator::TICK_FRAMES;
 const LARGEST_FINE: f64 = 1.0 / 16.0;
 /// What s may be then: 12 dB above full scale. (If it is louder after all, sums saturate for a while.)
 const LOUDEST: f64 = 4.0;
+
+/// The shortest time over which the largest word of the line is sought: ticks in which nothing is to be settled cost less.
+const SHORTEST_WINDOW: usize = 8 * TICK_FRAMES;
 
 /// At most `LOOPS` loops on one line of `FRAMES` frames of s.
 // In this order: what a tick asks for is near the start, where the chip reaches it by a short address.
@@ -30,10 +35,13 @@ pub(crate) struct Loops<const LOOPS: usize, const FRAMES: usize> {
     loud: bool,
     /// Whether a state has left the bounds of its scaling.
     unsettled: bool,
-    /// Sizes written in this tick, or'ed, in the time that the longest delay takes, so far, and in that before; frames of the one and the other.
+    /// Sizes written since it was last settled, or'ed, and frames since then beyond a tick.
     sizes: u32,
+    passed: usize,
+    /// Sizes in a window that is longer than the longest delay, so far, and in that before; frames of the former.
     sizes_of: [u32; 2],
     frames_of_first: usize,
+    window: usize,
     line_bits: i32,
     longest: usize,
     /// Bits of the sizes of such a time, for how many frames these have been the same or one more, and after how many no tail would be.
@@ -58,8 +66,10 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         loud: false,
         unsettled: false,
         sizes: 0,
+        passed: 0,
         sizes_of: [0; 2],
         frames_of_first: 0,
+        window: SHORTEST_WINDOW,
         line_bits: LINE_BITS,
         longest: 0,
         tail_bits: 0,
@@ -96,7 +106,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
             self.shortest = self.shortest.min(tuned.delay);
             self.longest = self.longest.max(tuned.delay);
         }
-        self.count = given;
+        (self.count, self.window) = (given, self.longest.max(SHORTEST_WINDOW));
         self.loud = self.is_loud();
         self.most_still_frames = (STILL_S * rate.hz()) as usize;
         Ok(())
@@ -113,10 +123,12 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         self.count
     }
 
-    /// Nominal cycles of a tick, with what the filter takes more for them: for each frame of a loop, each block, and each block of a loop.
-    pub(crate) fn cycles_a_tick(&self) -> u32 {
+    /// Nominal cycles of a tick, with what the filter takes more for them: for a block of a whole tick, each loop, and what further blocks cost;
+    /// `of_block` are those of the filter itself.
+    pub(crate) fn cycles_a_tick(&self, of_block: u32) -> u32 {
         let (loops, blocks) = (self.count as u32, TICK_FRAMES.div_ceil(self.shortest) as u32);
-        if loops == 0 { 0 } else { 312 * loops + blocks * (270 + 84 * loops) }
+        let further = (blocks - 1) * (270 + 84 * loops);
+        if loops == 0 { 0 } else { 250 + 376 * loops + further + blocks * of_block }
     }
 
     fn used(&self) -> &[Resonance] {
@@ -137,6 +149,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         self.bands.iter_mut().take(self.count).for_each(Resonance::rest);
         self.line.fill(0);
         (self.sizes, self.sizes_of, self.frames_of_first, self.still_frames) = (0, [0; 2], 0, 0);
+        self.passed = 0;
         self.line_bits = LINE_BITS;
         self.loud = self.is_loud();
     }
@@ -171,6 +184,20 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         };
     }
 
+    /// As [`add`](Self::add) to noise of a level, of which a whole tick is drawn, for one of the [`whole_ticks`](Self::whole_ticks).
+    #[inline(always)]
+    pub(crate) fn add_to_noise(&mut self, noise: &mut White, level: i32) {
+        if self.loud {
+            dynamic_filter::kernel::noise(noise, level, self.slot(TICK_FRAMES));
+            return self.add(TICK_FRAMES);
+        }
+        let Some(bands) = self.bands.get_mut(..self.count) else { return };
+        // It was settled.
+        if kernel::run_on_noise(noise, level, bands, &mut self.line, self.place, TICK_FRAMES) {
+            self.unsettled = true;
+        }
+    }
+
     /// Where the next frames of s are to be written: what goes into the filter is summed there, and s left.
     pub(crate) fn slot(&mut self, frames: usize) -> &mut [i32] {
         self.line.get_mut(self.place..self.place + frames).unwrap_or(&mut [])
@@ -185,20 +212,47 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         }
     }
 
-    /// On a tick: scales states anew; gives whether the line has been silent for all its length, so that it may be cleared.
-    pub(crate) fn settle(&mut self) -> bool {
-        self.sizes_of[0] |= core::mem::take(&mut self.sizes);
+    /// How many ticks may be run, each in one slot and followed by [`pass`](Self::pass), before the next [`settle`](Self::settle), as long as
+    /// [`is_settled`](Self::is_settled).
+    pub(crate) fn whole_ticks(&self) -> u32 {
+        if FRAMES - self.longest < TICK_FRAMES {
+            return 0;
+        }
+        let of_window = self.window.saturating_sub(self.frames_of_first) + TICK_FRAMES;
+        (of_window.min(FRAMES - self.place) / TICK_FRAMES) as u32
+    }
+
+    /// Whether all states, and what is on the line, are within the bounds of their scaling.
+    #[inline(always)]
+    pub(crate) fn is_settled(&self) -> bool {
+        !self.unsettled && self.sizes >> self.line_bits == 0
+    }
+
+    /// So many ticks have passed since it was settled.
+    pub(crate) fn pass(&mut self, whole_ticks: u32) {
+        self.passed += (whole_ticks as usize).saturating_sub(1) * TICK_FRAMES;
+    }
+
+    /// On a tick: scales states anew. Gives whether a window ended, and whether the line has been silent for all its length, so that it may be cleared.
+    ///
+    /// Where states and line are settled, nothing is to be done but at a window's end: so it is the same bits that follow, on whichever of the ticks
+    /// between this is called.
+    pub(crate) fn settle(&mut self) -> (bool, bool) {
+        self.sizes_of[0] |= self.sizes;
+        self.frames_of_first += self.passed + TICK_FRAMES;
+        (self.sizes, self.passed) = (0, 0);
+        let ended = self.frames_of_first > self.window;
+        let is_over = ended && self.is_over();
         let line_bits = bits(self.sizes_of[0] | self.sizes_of[1]);
         // What bounds the words bounds smaller ones; two bits more are not worth the time.
         let known = line_bits <= self.line_bits && line_bits + 3 > self.line_bits;
         if !known || self.unsettled {
             self.scale_anew(if known { self.line_bits } else { line_bits });
         }
-        self.frames_of_first += TICK_FRAMES;
-        self.frames_of_first > self.longest && self.is_over()
+        (ended, is_over)
     }
 
-    /// When the longest delay has passed: whether what was written in it is no sound.
+    /// At a window's end: whether what was written in it is no sound.
     #[inline(never)]
     fn is_over(&mut self) -> bool {
         let bits = bits(self.sizes_of[0]);

@@ -53,10 +53,10 @@ impl BandPass {
         for (section, (re, im)) in [(&mut self.high, high_pole), (&mut self.low, low_pole)] {
             section.g = f64::hypot(re, im);
             section.k = -2.0 * re / section.g;
-            section.input = width / section.g;
+            section.input = width / (low * high).sqrt();
         }
         if self.is_wide {
-            (self.low.input, self.high.input) = (1.0, self.high.input * self.high.input);
+            (self.low.input, self.high.input) = (1.0, (width / self.high.g).powi(2));
         }
     }
 

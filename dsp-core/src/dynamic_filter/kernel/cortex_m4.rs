@@ -1,22 +1,39 @@
-//! The kernels for a Cortex-M4F: `cortex_m4.s` and `cortex_m4_input.s`, bit for bit what [`super::portable`] does.
+//! The kernels for a Cortex-M4F: `cortex_m4*.s`, bit for bit what [`super::portable`], [`super::two_poles`] and [`super::section`] do.
 #![allow(unsafe_code)] // assembly
 
 use core::mem::offset_of;
 
 use super::super::noise::{MULTIPLIER, White};
-use super::{OnePole, portable};
+use super::super::path::PARAMETERS;
+use super::super::walk::Line;
+use super::section::{Response, Section};
+use super::two_poles::TwoPoles;
+use super::{OnePole, SumsKind, portable};
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 core::arch::global_asm!(include_str!("cortex_m4_input.s"), options(raw));
+core::arch::global_asm!(include_str!("cortex_m4_section.s"), options(raw));
+core::arch::global_asm!(include_str!("cortex_m4_two_poles.s"), options(raw));
 
-// What cortex_m4.s counts on.
+// What the assembly counts on.
 const _: () = {
     assert!(offset_of!(OnePole, state) == 0 && offset_of!(OnePole, last) == 8 && offset_of!(OnePole, noise) == 12);
     assert!(offset_of!(OnePole, level) == 16 && offset_of!(OnePole, shift) == 20 && offset_of!(OnePole, lines) == 24);
     assert!(MULTIPLIER == 0x93d7_65dd);
+    assert!(offset_of!(Section, c) == 0 && offset_of!(Section, left) == 8 && offset_of!(Section, less_m) == 16);
+    assert!(offset_of!(Section, p) == 20 && offset_of!(Section, less_p) == 24 && offset_of!(Section, less_n) == 28);
+    assert!(offset_of!(Section, input) == 32 && offset_of!(Section, k) == 40);
+    assert!(size_of::<Line>() == 8 && PARAMETERS == 5);
 };
 
 unsafe extern "C" {
+    fn malleus_conjugate_near(poles: *mut TwoPoles, lines: *mut Line, buffer: *mut i32, out: *mut i32, frames: usize);
+    fn malleus_conjugate_loud(poles: *mut TwoPoles, lines: *mut Line, buffer: *mut i32, out: *mut i32, frames: usize);
+    fn malleus_real_near(poles: *mut TwoPoles, lines: *mut Line, buffer: *mut i32, out: *mut i32, frames: usize);
+    fn malleus_real_loud(poles: *mut TwoPoles, lines: *mut Line, buffer: *mut i32, out: *mut i32, frames: usize);
+    fn malleus_section_band(section: *mut Section, words: *mut i32, frames: usize);
+    fn malleus_section_low(section: *mut Section, words: *mut i32, frames: usize);
+    fn malleus_section_high(section: *mut Section, words: *mut i32, frames: usize);
     fn malleus_noise(noise: u32, level: i32, words: *mut i32, frames: usize) -> u32;
     fn malleus_from_noise_equal_near(filter: *mut OnePole, out: *mut i32, frames: usize);
     fn malleus_from_noise_equal_loud(filter: *mut OnePole, out: *mut i32, frames: usize);
@@ -84,9 +101,39 @@ pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
     *noise = White::from_word(unsafe { malleus_noise(noise.word(), level, words.as_mut_ptr(), words.len()) });
 }
 
+/// As [`super::two_poles::two_poles`].
+pub fn two_poles(
+    poles: &mut TwoPoles,
+    real: bool,
+    lines: &mut [Line; PARAMETERS],
+    buffer: &mut [i32],
+    out: &mut [i32],
+) {
+    let frames = buffer.len().min(out.len());
+    let kernel = match (real, poles.is_loud()) {
+        (false, false) => malleus_conjugate_near,
+        (false, true) => malleus_conjugate_loud,
+        (true, false) => malleus_real_near,
+        (true, true) => malleus_real_loud,
+    };
+    // SAFETY: all are borrowed mutably, buffer and out hold at least `frames` words; the assembly keeps the procedure call standard.
+    unsafe { kernel(poles, lines.as_mut_ptr(), buffer.as_mut_ptr(), out.as_mut_ptr(), frames) }
+}
+
+/// As [`super::section::section`].
+pub fn section(section: &mut Section, response: Response, words: &mut [i32]) {
+    let kernel = match response {
+        Response::Band => malleus_section_band,
+        Response::Low => malleus_section_low,
+        Response::High => malleus_section_high,
+    };
+    // SAFETY: both are borrowed mutably, and as many words are given as there are; the assembly keeps the procedure call standard.
+    unsafe { kernel(section, words.as_mut_ptr(), words.len()) }
+}
+
 type FromSums = unsafe extern "C" fn(*mut OnePole, *mut i32, *mut i32, usize) -> u32;
 
-/// By two coefficients, coarse, and how much larger the bus is.
+/// By [`SumsKind`]; a state that is damped whole has none.
 static FROM_SUMS: [FromSums; 12] = [
     malleus_from_sums_equal_fine_near,
     malleus_from_sums_equal_fine_lsl,
@@ -104,16 +151,14 @@ static FROM_SUMS: [FromSums; 12] = [
 
 /// As [`portable::from_sums`].
 #[inline(always)]
-pub fn from_sums(filter: &mut OnePole, equal: bool, coarse: bool, sums: &mut [i32], out: &mut [i32]) -> u32 {
+pub fn from_sums(filter: &mut OnePole, kind: SumsKind, sums: &mut [i32], out: &mut [i32]) -> u32 {
     let frames = sums.len().min(out.len());
-    let distance = usize::from(filter.shift < 0) + usize::from(filter.is_far());
-    let kind = 6 * usize::from(!equal) + 3 * usize::from(coarse) + distance;
-    match FROM_SUMS.get(kind) {
+    match FROM_SUMS.get(usize::from(kind.0)) {
         // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps the procedure call standard.
-        Some(kernel) if frames > 0 && !filter.whole && fits::<1>(filter, frames) => unsafe {
+        Some(kernel) if fits::<1>(filter, frames) => unsafe {
             kernel(filter, sums.as_mut_ptr(), out.as_mut_ptr(), frames)
         },
-        _ => portable::from_sums(filter, equal, coarse, sums, out),
+        _ => portable::from_sums(filter, kind, sums, out),
     }
 }
 

@@ -249,16 +249,21 @@ malleus_from_sums_\kind\()_\grain\()_\direction:
     vmov    s0, r12
     sub     r12, r12, #32
     vmov    s1, r12
-    mov     r4, r2
-    vmov    s2, r1
-    vmov    s3, r4
-    ldm     r0, {r2-r12, lr}
-    vmov    r0, s2
-    vmov    r1, s3
-    mov     r5, #0
+    mov     lr, r0
+    mov     r0, r1
+    mov     r1, r2
+    ldm     lr, {r2-r4}
+    ldr     r7, [lr, #20]
+    ldr     r8, [lr, #24]
+    ldr     r9, [lr, #28]
+    ldr     r10, [lr, #32]
+    ldr     r11, [lr, #36]
     .ifc \kind, equal
-    mov     lr, r5
+    mov     lr, #0
     .else
+    ldr     r12, [lr, #40]
+    ldr     lr, [lr, #44]
+    mov     r5, #0
     vmov    s4, r5
     .endif
     taken   \direction, r5

@@ -1,17 +1,24 @@
-//! The hot loops of the first order: noise and filter at once, noise alone, or a filter of what lies in a buffer or of a sum of noise and loops.
+//! The hot loops: of the first order, noise and filter at once, noise alone, or a filter of what lies in a buffer or of a sum of noise and loops; the
+//! second order; and the exciter's sections.
 //!
-//! [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly (`cortex_m4.s`), compared bit for bit on the
+//! [`portable`], [`two_poles`] and [`section`] are the definition of the bits; on a Cortex-M4F the same is done by assembly (`cortex_m4*.s`), compared bit for bit on the
 //! virtual core (`cargo test -p host-tests --test on_chip filters`).
 
 pub mod portable;
+pub mod section;
+pub mod two_poles;
 
 #[cfg(cortex_m4f)]
 mod cortex_m4;
 
 #[cfg(cortex_m4f)]
-pub use cortex_m4::{from_buffer, from_noise, from_sums, noise};
+pub use cortex_m4::{from_buffer, from_noise, from_sums, noise, section, two_poles};
 #[cfg(not(cortex_m4f))]
 pub use portable::{from_buffer, from_noise, from_sums, noise};
+#[cfg(not(cortex_m4f))]
+pub use section::section;
+#[cfg(not(cortex_m4f))]
+pub use two_poles::two_poles;
 
 use super::noise::White;
 use super::path::PARAMETERS;
@@ -19,6 +26,28 @@ use super::walk::Line;
 
 /// Bits by which a sum of [`from_sums`]' coarse kind is smaller than the filter's input, Q29: it holds 128 instead of 4.
 pub const COARSE_BITS: u32 = 5;
+
+/// How [`from_sums`] works: chosen on load.
+#[derive(Clone, Copy, Debug)]
+pub struct SumsKind(u8);
+
+impl SumsKind {
+    /// For a filter: `equal` where b1 = b0, `coarse` where a sum's steps are large.
+    pub const fn new(filter: &OnePole, equal: bool, coarse: bool) -> Self {
+        let distance = (filter.shift < 0) as u8 + filter.is_far() as u8;
+        Self(distance + 3 * coarse as u8 + 6 * !equal as u8 + 12 * filter.whole as u8)
+    }
+
+    const fn is_equal(self) -> bool {
+        self.0 % 12 < 6
+    }
+
+    /// Whether a sum's steps are large.
+    #[inline(always)]
+    pub const fn is_coarse(self) -> bool {
+        self.0 % 6 >= 3
+    }
+}
 
 /// A first-order filter at work: what changes with each frame. The assembly reads it in this order.
 #[derive(Clone, Copy, Debug)]

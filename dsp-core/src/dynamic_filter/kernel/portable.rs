@@ -1,7 +1,7 @@
 //! The loops in plain Rust: the definition of the bits.
 
 use super::super::noise::White;
-use super::{COARSE_BITS, OnePole};
+use super::{COARSE_BITS, OnePole, SumsKind};
 use crate::fixed::{qadd, saturate, saturating_shift_left};
 
 /// Of words of the bus on the loops' line.
@@ -32,14 +32,14 @@ pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
 
 /// Sums, clipped at 2.0, through the filter, added to `out`, as many frames as both have; the state is left in their place, 4 times the high word, or, where
 /// the bus is far larger, its word. Gives the
-/// sizes of these, or'ed. A sum's format is Q29, [`COARSE_BITS`] less of the `coarse` kind.
+/// sizes of these, or'ed. A sum's format is Q29, [`COARSE_BITS`] less of a coarse kind.
 #[inline(never)]
-pub fn from_sums(filter: &mut OnePole, equal: bool, coarse: bool, sums: &mut [i32], out: &mut [i32]) -> u32 {
-    let clip = if coarse { clipped::<true> } else { clipped::<false> };
+pub fn from_sums(filter: &mut OnePole, kind: SumsKind, sums: &mut [i32], out: &mut [i32]) -> u32 {
+    let clip = if kind.is_coarse() { clipped::<true> } else { clipped::<false> };
     let mut sizes = 0;
     for (word, out) in sums.iter_mut().zip(out) {
         let e = clip(*word);
-        if equal {
+        if kind.is_equal() {
             filter.step::<true>(e)
         } else {
             filter.step::<false>(e)

@@ -4,6 +4,8 @@
 use core::mem::offset_of;
 
 use super::super::resonance::Resonance;
+use crate::dynamic_filter::kernel;
+use crate::dynamic_filter::noise::White;
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 
@@ -29,6 +31,16 @@ unsafe extern "C" {
         sums: *mut i32,
         frames: usize,
     ) -> u32;
+    fn malleus_loops_on_noise(
+        bands: *mut Resonance,
+        count: usize,
+        line: *const i32,
+        line_end: *const i32,
+        sums: *mut i32,
+        frames: usize,
+        noise: u32,
+        level: i32,
+    ) -> u64;
 }
 
 /// As [`super::portable::run`].
@@ -42,4 +54,27 @@ pub(crate) fn run(bands: &mut [Resonance], line: &mut [i32], place: usize, frame
     unsafe {
         malleus_loops(bands.as_mut_ptr(), bands.len(), range.start, range.end, range.start.add(place), frames) != 0
     }
+}
+
+/// As [`super::portable::run_on_noise`].
+pub(crate) fn run_on_noise(
+    noise: &mut White,
+    level: i32,
+    bands: &mut [Resonance],
+    line: &mut [i32],
+    place: usize,
+    frames: usize,
+) -> bool {
+    if bands.first().is_none_or(|first| first.shift > 0) || frames == 0 || place + frames > line.len() {
+        let sums = line.get_mut(place..place + frames).unwrap_or(&mut []);
+        kernel::noise(noise, level, sums);
+        return run(bands, line, place, frames);
+    }
+    let range = line.as_mut_ptr_range();
+    let (count, sums, word) = (bands.len(), range.start.wrapping_add(place), noise.word());
+    // SAFETY: as for `run`.
+    let result =
+        unsafe { malleus_loops_on_noise(bands.as_mut_ptr(), count, range.start, range.end, sums, frames, word, level) };
+    *noise = White::from_word((result >> 32) as u32);
+    result as u32 != 0
 }

@@ -2,12 +2,15 @@
 @
 @ malleus_loops(bands, count, line, line_end, sums, frames): adds what each band makes of the line to the sums; a band reads the line its delay before them, and
 @ from the line's end on at its start. Gives 1 where a state is to be scaled anew. The last two arguments lie on the stack.
+@ malleus_loops_on_noise(..., noise, level): the same, to noise that is drawn here instead of to what lies there, the first band's k being 0; gives the generator's word
+@ besides, in r1. These two lie on the stack too.
 @ band (checked at compile time in cortex_m4.rs): u 0, v 4, turn 8, damp 12, gain_u 16, gain_v 20, scale 24, shift k 28, delay 32, least and most zeros 36, 40; 88 bytes.
 @
 @ Optimisation log (nominal cycles a frame and band, this file alone):
 @   167    plain Rust, a bank of its own
 @    11.1  assembly, a call a band, the sum saturating
 @     9.9  the sum has room for all bands, so that the multiplication adds to it
+@    14.5  the first band with the noise that it adds to, instead of 16.6 for both, what begins and ends a call included
 
     .syntax unified
     .thumb
@@ -26,6 +29,12 @@
     smmlar  r4, r8, \x, r4
     smmlar  r5, r9, \x, r5
     smmlar  \sum, r5, r10, \sum
+    .endm
+
+    .macro loop_size k
+    eor     r6, r5, r5, asr #31
+    eor     r7, r4, r4, asr #31
+    orr     r6, r6, r7, lsl #\k
     .endm
 
     .macro loop_of k
@@ -70,17 +79,10 @@
     mov     r12, #0
     vmov    s6, r12
     b       1b
-    @ The size of the state.
-6:  eor     r6, r5, r5, asr #31
-    eor     r7, r4, r4, asr #31
-    orr     r6, r6, r7, lsl #\k
+6:  loop_size \k
     .endm
 
-    .p2align 2
-    .global malleus_loops
-    .type   malleus_loops, %function
-    .thumb_func
-malleus_loops:
+    .macro loops_begin
     push    {r4-r11, lr}
     ldr     r4, [sp, #36]
     ldr     r5, [sp, #40]
@@ -93,7 +95,11 @@ malleus_loops:
     lsl     r5, r5, #2
     vmov    s4, r4
     vmov    s5, r5
-7:  ldr     r1, [r0, #32]
+    .endm
+
+@ Where the band at r0 reads (r1), the sums (r2), and the bytes that it may go on for (r3), with what is left for the line's start in s6.
+    .macro loop_begin
+    ldr     r1, [r0, #32]
     ldm     r0, {r4-r11}
     vmov    s0, r0
     vmov    r2, s4
@@ -112,6 +118,69 @@ malleus_loops:
     sub     r3, r3, r0
     vmov    s6, r0
 6:
+    .endm
+
+@ r0 the generator's word, r3 its multiplier, lr level, r11 word of the line, r12 sum
+    .macro noise_frame
+    ldr     r11, [r1], #4
+    mul     r0, r0, r3
+    smmul   r12, r0, lr
+    loop_frame 0, r11, r12
+    str     r12, [r2], #4
+    .endm
+
+    .p2align 2
+    .global malleus_loops_on_noise
+    .type   malleus_loops_on_noise, %function
+    .thumb_func
+malleus_loops_on_noise:
+    loops_begin
+    loop_begin
+    add     r12, r1, r3
+    ldr     r0, [sp, #44]
+    ldr     lr, [sp, #48]
+    movw    r3, #0x65dd
+    movt    r3, #0x93d7
+1:  vmov    s9, r12
+    sub     r12, r12, #64
+    vmov    s10, r12
+    cmp     r1, r12
+    bhi     3f
+2:  .rept   16
+    noise_frame
+    .endr
+    vmov    r12, s10
+    cmp     r1, r12
+    bls     2b
+3:  vmov    r12, s9
+    cmp     r1, r12
+    beq     5f
+4:  noise_frame
+    vmov    r12, s9
+    cmp     r1, r12
+    bne     4b
+5:  vmov    r12, s6
+    cmp     r12, #0
+    beq     6f
+    @ The line goes on at its start.
+    vmov    r1, s2
+    add     r12, r12, r1
+    mov     r11, #0
+    vmov    s6, r11
+    b       1b
+6:  vmov    s8, r0
+    vmov    r0, s0
+    loop_size 0
+    b       .Lmalleus_loops_end
+    .size   malleus_loops_on_noise, . - malleus_loops_on_noise
+
+    .p2align 2
+    .global malleus_loops
+    .type   malleus_loops, %function
+    .thumb_func
+malleus_loops:
+    loops_begin
+7:  loop_begin
     cmp     r11, #1
     beq     .Lmalleus_loops_1
     bhi     .Lmalleus_loops_2
@@ -132,6 +201,7 @@ malleus_loops:
     vmov    s1, r1
     bne     7b
     lsr     r0, r9, #31
+    vmov    r1, s8
     pop     {r4-r11, pc}
 .Lmalleus_loops_1:
     loop_of 1

@@ -9,6 +9,6 @@ pub(super) mod portable;
 mod cortex_m4;
 
 #[cfg(cortex_m4f)]
-pub(super) use cortex_m4::run;
+pub(super) use cortex_m4::{run, run_on_noise};
 #[cfg(not(cortex_m4f))]
-pub(super) use portable::run;
+pub(super) use portable::{run, run_on_noise};

@@ -1,6 +1,8 @@
 //! The loops in plain Rust: the definition of the bits.
 
 use super::super::resonance::Resonance;
+#[cfg(not(cortex_m4f))]
+use crate::dynamic_filter::{kernel, noise::White};
 use crate::fixed::{qadd, smmlar};
 
 /// Adds what comes out of the bands to `frames` sums that lie on the line from `place` on, where s will be written. A band reads its delay before them, and from
@@ -10,7 +12,21 @@ pub(crate) fn run(bands: &mut [Resonance], line: &mut [i32], place: usize, frame
     through(bands, line, place, frames, |band, sum, v| smmlar(sum, v, band.scale))
 }
 
-/// The same, saturating.
+/// The same, adding to noise of a level instead of to what lies there.
+#[cfg(not(cortex_m4f))]
+pub(crate) fn run_on_noise(
+    noise: &mut White,
+    level: i32,
+    bands: &mut [Resonance],
+    line: &mut [i32],
+    place: usize,
+    frames: usize,
+) -> bool {
+    kernel::noise(noise, level, line.get_mut(place..place + frames).unwrap_or(&mut []));
+    run(bands, line, place, frames)
+}
+
+/// As [`run`], saturating.
 pub(crate) fn run_loud(bands: &mut [Resonance], line: &mut [i32], place: usize, frames: usize) -> bool {
     through(bands, line, place, frames, |band, sum, v| qadd(sum, band.of_sum(v)))
 }
