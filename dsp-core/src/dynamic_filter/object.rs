@@ -58,7 +58,7 @@ pub struct DynamicFilter<const POINTS: usize, const LOOPS: usize, const FRAMES: 
     pub(super) whole_ticks: u32,
     /// Whether the segment has noise.
     pub(super) noisy: bool,
-    /// Whether modes have come in since the last tick that was settled.
+    /// Whether modes have come in since it was last asked whether all is at rest.
     fed: bool,
     pub(super) ringing: bool,
     pub(super) exciter: BandPass,

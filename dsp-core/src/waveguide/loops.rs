@@ -233,26 +233,25 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         self.passed += (whole_ticks as usize).saturating_sub(1) * TICK_FRAMES;
     }
 
-    /// On a tick: scales states anew. Gives whether a window ended, and whether the line has been silent for all its length, so that it may be cleared.
+    /// On a tick: scales states anew. Gives whether a window ended, and whether what was written in it is no sound.
     ///
     /// Where states and line are settled, nothing is to be done but at a window's end: so it is the same bits that follow, on whichever of the ticks
     /// between this is called.
     pub(crate) fn settle(&mut self) -> (bool, bool) {
-        self.sizes_of[0] |= self.sizes;
-        self.frames_of_first += self.passed + TICK_FRAMES;
-        (self.sizes, self.passed) = (0, 0);
+        self.sizes_of[0] |= core::mem::take(&mut self.sizes);
+        self.frames_of_first += core::mem::take(&mut self.passed) + TICK_FRAMES;
         let ended = self.frames_of_first > self.window;
-        let is_over = ended && self.is_over();
+        let silent = ended && self.is_over();
         let line_bits = bits(self.sizes_of[0] | self.sizes_of[1]);
         // What bounds the words bounds smaller ones; two bits more are not worth the time.
         let known = line_bits <= self.line_bits && line_bits + 3 > self.line_bits;
         if !known || self.unsettled {
             self.scale_anew(if known { self.line_bits } else { line_bits });
         }
-        (ended, is_over)
+        (ended, silent)
     }
 
-    /// At a window's end: whether what was written in it is no sound.
+    /// At a window's end, where the next one begins: whether what was written in it is no sound.
     #[inline(never)]
     fn is_over(&mut self) -> bool {
         let bits = bits(self.sizes_of[0]);

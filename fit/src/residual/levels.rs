@@ -264,7 +264,7 @@ mod tests {
             })
             .collect();
         // Noise scatters: single estimates do, the mean over the draws has no bias to speak of.
-        const DRAWS: u32 = 6;
+        const DRAWS: u32 = 16;
         let silent = table::of_fit(
             &crate::strike::Fit { rate_hz, modes: vec![], strikes: vec![], measured: false, loudest: 0 },
             &table::Provenance { name: "noise".to_owned(), source: String::new(), licence: String::new() },

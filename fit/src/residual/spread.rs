@@ -8,9 +8,11 @@ use crate::distance::{Spectrogram, band_power};
 use crate::{FitError, render, table};
 
 /// Seconds of noise that are measured.
-const SECONDS: f64 = 0.7;
-/// What of it is left out: frames that grow to their full length.
+const SECONDS: f64 = 2.0;
+/// What of it is left out: a strike's own frame.
 const SETTLING_S: f64 = 0.1;
+/// The slowest decay that a table holds.
+const DECAY_DB_PER_S: f64 = 1.0;
 
 /// Rows of powers, band by band.
 pub(super) type Spread = Arc<Vec<Vec<f64>>>;
@@ -41,21 +43,22 @@ fn measure(edges_hz: &[f64], rate_hz: f64, window: usize) -> Result<Vec<Vec<f64>
     let places: Vec<f64> = edges_hz.iter().map(|edge| edge / rate_hz * window as f64).collect();
     let rows = edges_hz.windows(2).zip(1..).map(|(edges, seed)| {
         const WEIGHT: f64 = 0.05;
-        // The slowest decay that a table holds: 0.7 dB over the measurement. The others are there, though silent beside it: a table's lowest band is played otherwise
-        // than those above it.
+        // The others are there, though silent beside it: a table's lowest band is played otherwise than those above it.
         let bands: Vec<Band> = edges_hz
             .windows(2)
             .map(|its| Band {
                 edges_hz: [its[0], its[1]],
                 weight: if its == edges { WEIGHT } else { 1e-4 * WEIGHT },
-                decay_db_per_s: 1.0,
+                decay_db_per_s: DECAY_DB_PER_S,
             })
             .collect();
         let table = table::with_residual(silent.clone(), &bands, seed);
         let sound = render::by_instrument(&table, 0.0, rate_hz, (SECONDS * rate_hz) as usize)?;
         let power = spectrogram.power(sound.get((SETTLING_S * rate_hz) as usize..).unwrap_or(&[]));
         let frames = power.chunks_exact(spectrogram.bin_count());
-        let count = frames.len().max(1) as f64 * WEIGHT * WEIGHT;
+        let step_s = (SECONDS - SETTLING_S) / frames.len().max(1) as f64;
+        let left = |frame: usize| 10f64.powf(-0.1 * DECAY_DB_PER_S * (SETTLING_S + frame as f64 * step_s));
+        let count = (0..frames.len()).map(left).sum::<f64>().max(1e-9) * WEIGHT * WEIGHT;
         let mut row = vec![0.0; places.len().saturating_sub(1)];
         for frame in frames {
             for (sum, place) in row.iter_mut().zip(places.windows(2)) {
