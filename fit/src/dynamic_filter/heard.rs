@@ -30,9 +30,8 @@ const SHORT_ROUNDS: usize = 2;
 /// A mode is in a band that hears so much of its power, and so many of a band's modes are tried.
 const INSIDE: f64 = 0.2;
 const TRIED: usize = 2;
-/// A band that is off by more than this is offered modes; so many bands at most.
-const OPEN: f64 = 0.1;
-const OFFERED: usize = 8;
+/// Bands that are offered modes at most.
+const OFFERED: usize = 16;
 /// Of what is off in the logarithm of α, so much is asked for in a round ...
 const ASKED: f64 = 0.6;
 /// ... and as much as this in all.
@@ -152,7 +151,7 @@ pub(crate) fn complete(
     let mut best = mended;
     let mut given_up = Vec::new();
     for _ in 0..OFFERED {
-        let is_open = |band: &&Comparison| band.error() > OPEN && !given_up.contains(&band.recorded.bark);
+        let is_open = |band: &&Comparison| band.error() > GOOD && !given_up.contains(&band.recorded.bark);
         let worst = best.heard.bands.iter().filter(is_open).max_by(|a, b| a.error().total_cmp(&b.error()));
         let Some(worst) = worst.copied() else { break };
         let taken: Vec<f64> = best.sought.modes.iter().map(|mode| mode.frequency_hz).collect();
