@@ -10,6 +10,8 @@ use super::lsd::{FLOOR, SIZES, of_unit_rms};
 /// A recording that renderings are compared with, its spectra kept.
 pub(crate) struct Target {
     scales: Vec<Scale>,
+    /// The recording's rms.
+    rms: f64,
 }
 
 struct Scale {
@@ -21,6 +23,7 @@ struct Scale {
 
 impl Target {
     pub(crate) fn new(recording: &[f64]) -> Self {
+        let rms = rms(recording);
         let recording = of_unit_rms(recording);
         let scales = SIZES.map(|size| {
             let spectrogram = Spectrogram::new(size);
@@ -28,18 +31,27 @@ impl Target {
             let floor = wanted.iter().copied().fold(f64::MIN_POSITIVE, f64::max) * FLOOR;
             Scale { spectrogram, inverse: fourier::inverse(size), wanted, floor }
         });
-        Self { scales: scales.into() }
+        Self { scales: scales.into(), rms }
+    }
+
+    /// A stretch of the same recording, above the same floor.
+    pub(crate) fn part(&self, samples: &[f64]) -> Self {
+        let samples: Vec<f64> = samples.iter().map(|x| x / self.rms).collect();
+        let scale = |scale: &Scale| Scale {
+            spectrogram: scale.spectrogram.clone(),
+            inverse: scale.inverse.clone(),
+            wanted: scale.spectrogram.power(&samples),
+            floor: scale.floor,
+        };
+        Self { scales: self.scales.iter().map(scale).collect(), rms: self.rms }
     }
 
     /// The distance in dB with a soft floor (`P + floor` in place of `max(P, floor)`), and its derivative by each sample.
     pub(crate) fn distance_and_slope(&self, rendering: &[f64]) -> (f64, Vec<f64>) {
         let length = rendering.len();
-        let rms = (rendering.iter().map(|x| x * x).sum::<f64>() / length.max(1) as f64).sqrt().max(1e-12);
+        let rms = rms(rendering);
         let scaled: Vec<f64> = rendering.iter().map(|x| x / rms).collect();
-        let (mut distance, mut slope) = (0.0, vec![0.0; length]);
-        for scale in &self.scales {
-            distance += scale.add(&scaled, self.scales.len() as f64, &mut slope);
-        }
+        let (distance, mut slope) = self.of_scaled(&scaled);
         // Through the division by the rms: what only changes the level changes nothing.
         let along = slope.iter().zip(&scaled).map(|(slope, x)| slope * x).sum::<f64>() / length.max(1) as f64;
         for (slope, x) in slope.iter_mut().zip(&scaled) {
@@ -47,6 +59,25 @@ impl Target {
         }
         (distance, slope)
     }
+
+    /// The same at the recording's level: a rendering is as loud as it is.
+    pub(crate) fn distance_and_slope_at_level(&self, rendering: &[f64]) -> (f64, Vec<f64>) {
+        let scaled: Vec<f64> = rendering.iter().map(|x| x / self.rms).collect();
+        let (distance, mut slope) = self.of_scaled(&scaled);
+        slope.iter_mut().for_each(|slope| *slope /= self.rms);
+        (distance, slope)
+    }
+
+    fn of_scaled(&self, scaled: &[f64]) -> (f64, Vec<f64>) {
+        let mut slope = vec![0.0; scaled.len()];
+        let scales = self.scales.len() as f64;
+        let distance = self.scales.iter().map(|scale| scale.add(scaled, scales, &mut slope)).sum();
+        (distance, slope)
+    }
+}
+
+fn rms(samples: &[f64]) -> f64 {
+    (samples.iter().map(|x| x * x).sum::<f64>() / samples.len().max(1) as f64).sqrt().max(1e-12)
 }
 
 impl Scale {
@@ -95,11 +126,16 @@ mod tests {
         let (wanted, given) = (tone(0.3, 1e-3), tone(0.31, 2e-3));
         let target = Target::new(&wanted);
         let (distance, slope) = target.distance_and_slope(&given);
+        let part = target.part(&wanted[1000..3048]);
+        let (part_distance, part_slope) = part.distance_and_slope_at_level(&given[1000..3048]);
         for at in [10, 700, 2500] {
             let mut moved = given.clone();
             moved[at] += 1e-6;
             let numeric = (target.distance_and_slope(&moved).0 - distance) / 1e-6;
             assert!((numeric - slope[at]).abs() < 1e-3 * numeric.abs() + 1e-5, "{at}: {numeric} {}", slope[at]);
+            let Some(slope) = at.checked_sub(1000).and_then(|at| part_slope.get(at)) else { continue };
+            let numeric = (part.distance_and_slope_at_level(&moved[1000..3048]).0 - part_distance) / 1e-6;
+            assert!((numeric - slope).abs() < 1e-3 * numeric.abs() + 1e-5, "{at}: {numeric} {slope}");
         }
     }
 }

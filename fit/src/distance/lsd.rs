@@ -3,7 +3,9 @@
 use super::Spectrogram;
 
 /// Window sizes in samples.
-pub(crate) const SIZES: [usize; 2] = [512, 2048];
+pub(crate) const SIZES: [usize; 2] = [512, LONGEST_WINDOW];
+/// The longest of them.
+pub(crate) const LONGEST_WINDOW: usize = 2048;
 /// How far below the recording's maximum nothing counts any more, as a power ratio: 60 dB.
 pub(crate) const FLOOR: f64 = 1e-6;
 /// The stretch that is compared, in seconds.

@@ -1,5 +1,6 @@
 //! The additive way: a few modes beside the filter (dynamic-filter §III-B, §IV-B2).
 
+use super::heard::{Mended, complete, mend};
 use super::joint::{Joint, Sought};
 use super::lattice::Lattice;
 use super::path::{db_per_s, path_of_filters, starts, times_s};
@@ -18,6 +19,8 @@ const MODES_MAKE: f64 = 0.5;
 const ROOM: f64 = 0.03;
 /// A decay off by so much is as bad as can be counted, in the logarithm.
 const WORST: f64 = 0.45;
+/// A law of which so little is missed needs no other beginning.
+const MET: f64 = 0.1;
 /// What 10 dB of prominence is worth, in the units of the squared error of a band.
 const PROMINENCE: f64 = 2e-3;
 
@@ -25,24 +28,32 @@ const PROMINENCE: f64 = 2e-3;
 ///
 /// `modes` as they sound at the strike, with what each stands out of the smooth part of the spectrum (`emergence_db`,
 /// [`crate::bark::emergence_db`]). Those are taken that bring the decays of the bands nearest to the law, the more prominent of equals; then filter
-/// and modes are fitted together.
+/// and modes are fitted together, and what is heard to be off is asked for anew.
 pub fn additive(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], form: Form) -> Model {
-    let joint = Joint::new(law);
     let times_s = times_s(law);
-    let mut best: Option<(f64, Sought)> = None;
+    let joint = Joint::new(law, &times_s);
+    let off = |sought: &Sought| misfit(law, &times_s, &joint.powers(sought));
+    let model_of =
+        |sought: &Sought| Model { path: path_of_filters(law, sought), modes: sought.modes.clone(), loops: Vec::new() };
+    let mut best: Option<Mended> = None;
     for mut sought in starts(law, &joint, form) {
+        let mut tried = Vec::new();
         for _ in 0..ROUNDS {
             sought.modes = choose(law, modes, emergence_db, &sought.filters);
             let found = joint.descend(&sought);
             sought.filters.clone_from(&found.filters);
-            let off = misfit(law, &times_s, &joint.powers(&found));
-            if best.as_ref().is_none_or(|best| off < best.0) {
-                best = Some((off, found));
-            }
+            tried.push(found);
+        }
+        let Some(found) = tried.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))) else { continue };
+        let now = complete(law, mend(law, &found, model_of), modes, model_of);
+        if best.as_ref().is_none_or(|best| now.heard.missed < best.heard.missed) {
+            best = Some(now);
+        }
+        if best.as_ref().is_some_and(|best| best.heard.missed < MET) {
+            break;
         }
     }
-    let Some((_, best)) = best else { return Model::default() };
-    Model { path: path_of_filters(law, &best), modes: best.modes, loops: Vec::new() }
+    best.map_or_else(Model::default, |best| best.model)
 }
 
 /// The modes that filters lack most, one after the other.

@@ -32,12 +32,18 @@ pub fn counted(law: &DampingLaw) -> impl Iterator<Item = &DampingBand> {
 ///
 /// `sounds` at 48 kHz, from the strike on. `None` where no band is left.
 pub fn mean_law(sounds: &[Vec<f64>]) -> Option<DampingLaw> {
-    let laws: Vec<DampingLaw> = sounds.iter().filter_map(|sound| damping_law(sound, RATE_HZ)).collect();
+    let laws: Vec<Option<DampingLaw>> = sounds.iter().map(|sound| damping_law(sound, RATE_HZ)).collect();
+    mean_of(&laws)
+}
+
+/// The same of the sounds' laws.
+pub(crate) fn mean_of(all: &[Option<DampingLaw>]) -> Option<DampingLaw> {
+    let laws: Vec<&DampingLaw> = all.iter().flatten().collect();
     let mut bands: Vec<DampingBand> = Vec::new();
     for rate in (1..=crate::bark::HIGHEST_BARK as u32).map(f64::from) {
         let shown: Vec<&DampingBand> =
             laws.iter().filter_map(|law| law.bands.iter().find(|band| band.bark == rate)).collect();
-        if 2 * shown.len() < sounds.len() {
+        if 2 * shown.len() < all.len() {
             continue;
         }
         let mean = |of: fn(&DampingBand) -> f64| {

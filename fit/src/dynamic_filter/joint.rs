@@ -6,7 +6,7 @@ use super::additive::settled_s;
 use super::damping::counted;
 use super::guide::{Guide, crowding};
 use super::lattice::{Lattice, WIDEST, squared};
-use super::path::{db_per_s, times_s};
+use super::path::db_per_s;
 use super::response::{BandHearing, heard_in_band};
 use super::waveguide::MOST_LOOP_GAIN;
 use super::{Form, RATE_HZ};
@@ -18,7 +18,7 @@ const TIMES_A_KNOT: usize = 6;
 /// A decay is read off so many dB.
 const HEARD_DB: f64 = 40.0;
 /// What a level may exceed after that.
-const AFTER_DB: f64 = 46.0;
+const AFTER_DB: f64 = 52.0;
 /// An error in every level of a band by so much counts half, dB: what cannot be followed must not spoil what can.
 const HOPELESS_DB: f64 = 4.0;
 /// Weight of a band that is too quiet to count.
@@ -87,9 +87,8 @@ pub(crate) struct Joint {
 }
 
 impl Joint {
-    /// Of a law.
-    pub(crate) fn new(law: &DampingLaw) -> Self {
-        let times_s = times_s(law);
+    /// Of a law at times.
+    pub(crate) fn new(law: &DampingLaw, times_s: &[f64]) -> Self {
         let counts: Vec<f64> = counted(law).map(|band| band.bark).collect();
         let mut rates: Vec<f64> = law.bands.iter().map(|band| band.bark).collect();
         let mut rows = Vec::new();
@@ -98,10 +97,11 @@ impl Joint {
             let decay = db_per_s(band.decay_per_s);
             let (from_s, heard_s) = (settled_s(band), HEARD_DB / decay);
             let level = |time_s: f64| 20.0 * band.gain.log10() - decay * time_s;
-            rows.extend(spread(&times_s, from_s, from_s + heard_s, index, weight, false, level));
+            rows.extend(spread(times_s, from_s, from_s + heard_s, index, weight, false, level));
             let after = |time_s: f64| level(time_s).max(level(AFTER_DB / decay));
-            let end_s = from_s + 1.5 * heard_s;
-            rows.extend(spread(&times_s, from_s + heard_s, end_s, index, AFTER_WEIGHT * weight, true, after));
+            // A draw that is louder for a moment long after would pass for the band's decay: until the end nothing may be.
+            let end_s = times_s.last().copied().unwrap_or(0.0).max(from_s + 1.5 * heard_s);
+            rows.extend(spread(times_s, from_s + heard_s, end_s, index, AFTER_WEIGHT * weight, true, after));
         }
         let lawful = rates.len();
         for rate in (1..=HIGHEST_BARK as u32).map(f64::from) {
@@ -113,11 +113,11 @@ impl Joint {
             }
             let decay = db_per_s(band.decay_per_s);
             let level = |time_s: f64| 20.0 * band.gain.log10() - decay * time_s;
-            rows.extend(spread(&times_s, 0.0, HEARD_DB / decay, rates.len(), NEIGHBOUR_WEIGHT, true, level));
+            rows.extend(spread(times_s, 0.0, HEARD_DB / decay, rates.len(), NEIGHBOUR_WEIGHT, true, level));
             rates.push(rate);
         }
         let hearing = rates.iter().map(|rate| BandHearing::new(*rate)).collect();
-        Self { times_s, rates, hearing, rows, lawful }
+        Self { times_s: times_s.to_vec(), rates, hearing, rows, lawful }
     }
 
     /// Powers that the bands hear, `[time][band]`.

@@ -13,6 +13,7 @@ pub mod study;
 mod additive;
 mod damping;
 mod guide;
+mod heard;
 mod joint;
 mod lattice;
 mod levels;

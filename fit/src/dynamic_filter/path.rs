@@ -39,7 +39,8 @@ pub fn noise_alone(law: &DampingLaw, criterion: Criterion) -> Path {
             path_of(law, &times_s, &keep_three(law, &times_s))
         }
         Criterion::AllBands(form) => {
-            let (joint, times_s) = (Joint::new(law), times_s(law));
+            let times_s = times_s(law);
+            let joint = Joint::new(law, &times_s);
             let off = |sought: &Sought| misfit(law, &times_s, &joint.powers(sought));
             let best = starts(law, &joint, form).into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
             best.map_or_else(Path::default, |best| path_of_filters(law, &best))

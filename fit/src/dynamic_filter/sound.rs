@@ -11,7 +11,7 @@ use crate::synthetic::SplitMix64;
 ///
 /// Eq. 12 and 13, coefficients interpolated at each sample: noise and what the loops bring back go through the filter; modes stand beside it.
 pub fn render(model: &Model, length: usize, seed: u64) -> Vec<f64> {
-    let mut random = SplitMix64(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+    let mut random = SplitMix64(seed);
     let mut loops: Vec<Feedback> = model.loops.iter().map(Feedback::new).collect();
     let mut sound: Vec<f64> = Vec::with_capacity(length);
     let (mut inputs, mut outputs) = ([0.0; 2], [0.0; 2]);
@@ -65,5 +65,25 @@ impl Feedback {
         let now = n0 * past(self.delay) + n1 * past(self.delay + 1) - d1 * self.before[0] - d2 * self.before[1];
         self.before = [now, self.before[0]];
         now
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Breakpoint, Path};
+    use super::*;
+
+    #[test]
+    fn noises_of_neighbouring_seeds_have_nothing_in_common() {
+        let point = |time_s| Breakpoint { time_s, coefficients: Coefficients { a: [0.0; 2], b: [1.0, 0.0, 0.0] } };
+        let model = Model { path: Path { points: vec![point(0.0), point(1.0)] }, ..Model::default() };
+        let [one, other] = [1, 2].map(|seed| render(&model, 20_000, seed));
+        for shift in 0..50 {
+            let product = |(a, b): (&f64, &f64)| a * b;
+            let common = 3.0 * one.iter().skip(shift).zip(&other).map(product).sum::<f64>() / other.len() as f64;
+            let back = 3.0 * other.iter().skip(shift).zip(&one).map(product).sum::<f64>() / one.len() as f64;
+            // Of independent noise: 0.007 is a standard deviation.
+            assert!(common.abs().max(back.abs()) < 0.035, "{shift}: {common:.3}, {back:.3}");
+        }
     }
 }

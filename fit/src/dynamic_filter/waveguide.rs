@@ -6,12 +6,12 @@ use nalgebra::Complex;
 
 use super::additive::{MOST_MODES, misfit};
 use super::guide::{Guide, crowding};
+use super::heard::{hear, mend};
 use super::joint::{Joint, Sought};
 use super::lattice::Lattice;
 use super::path::{path_of_filters, starts, times_s};
 use super::response::{heard_in_band, response};
-use super::sound::render;
-use super::{Coefficients, Form, Loop, Model, Path, RATE_HZ, compare, mean_law};
+use super::{Coefficients, Form, Loop, Model, Path, RATE_HZ};
 use crate::bark::DampingLaw;
 use crate::modes::DampedSine;
 
@@ -27,13 +27,8 @@ const MOST_EMERGENCE: f64 = 50.0;
 const ENDS: [f64; 4] = [0.02, 0.06, 0.15, 0.35];
 /// Widths of a loop's band-pass that are tried, Hz a 1/s of its mode's decay.
 const WIDTHS: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
-/// A model is heard until its slowest band has decayed by so many nepers, or this long, seconds ...
-const HEARD_DECAYS: f64 = 6.0;
-const MOST_HEARD_S: f64 = 4.0;
-/// ... with the noise of so many seeds, none of them the study's.
-const HEARD_SEEDS: [u64; 3] = [1001, 1002, 1003];
-/// An error of α that is as bad as can be counted.
-const WORST_HEARD: f64 = 0.3;
+/// So many of what the descents find are mended.
+const MENDED: usize = 2;
 /// Rounds of choosing loops for a filter, and a filter for loops.
 const ROUNDS: usize = 2;
 /// Frequencies of the condition, beside those round each loop.
@@ -174,13 +169,14 @@ pub(crate) fn stabilise(path: &Path, loops: &mut [Loop]) {
 ///
 /// While noise goes on, a loop's mode lives on what the filter lets through: where that falls, the mode falls faster. So the noise may end early: the
 /// burst is a strike, and what it has set ringing in the loops goes on round a filter that stands still, at `πΔf (1 - |F| γ_s)`. Bands that are gone by
-/// then are the filter's, those that last are the loops'. Several ends are tried, and none.
+/// then are the filter's, those that last are the loops'. Several ends are tried, and none; what is heard to be off in the best of them is asked for anew.
 pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], form: Form) -> Model {
-    let (joint, times_s) = (Joint::new(law), times_s(law));
+    let times_s = times_s(law);
+    let joint = Joint::new(law, &times_s);
     let last_s = times_s.last().copied().unwrap_or(0.0);
     let ends = ENDS.iter().map(|part| Some(times_s.partition_point(|time_s| *time_s < part * last_s)));
     let off = |sought: &Sought| misfit(law, &times_s, &joint.powers(sought));
-    let mut models = Vec::new();
+    let mut found: Vec<(Model, Option<Sought>)> = Vec::new();
     for start in starts(law, &joint, form) {
         for end in ends.clone().chain([None]) {
             let mut sought = start.clone();
@@ -192,25 +188,23 @@ pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], f
                 sought.filters.clone_from(&found.filters);
                 tried.push(found);
             }
-            let best = tried.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-            models.extend(best.map(|best| model_of(law, best)));
+            let best = tried.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+            found.extend(best.map(|best| (model_of(law, &best), Some(best))));
         }
         let path = path_of_filters(law, &start);
         let loops = by_average_filter(&path, modes, emergence_db, USUAL_BANDWIDTH_HZ);
-        models.push(Model { path, modes: Vec::new(), loops });
+        found.push((Model { path, modes: Vec::new(), loops }, None));
     }
-    // The descent takes each loop for itself and the filter for slow: what sounds best decides.
-    let heard = models.into_iter().map(|model| (heard_off(law, &model), model));
-    heard.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Model::default, |(_, model)| model)
-}
-
-/// What a law misses in a model's sound: the sum over bands of the error of α, none more than [`WORST_HEARD`].
-fn heard_off(law: &DampingLaw, model: &Model) -> f64 {
-    let slowest = law.bands.iter().map(|band| band.decay_per_s).fold(f64::INFINITY, f64::min);
-    let length_s = (HEARD_DECAYS / slowest).min(MOST_HEARD_S);
-    let sounds: Vec<Vec<f64>> =
-        HEARD_SEEDS.iter().map(|seed| render(model, (length_s * RATE_HZ) as usize, *seed)).collect();
-    compare(law, mean_law(&sounds).as_ref()).iter().map(|band| band.error().min(WORST_HEARD)).sum()
+    // The descent takes each loop for itself and the filter for slow: what sounds best decides, and is mended.
+    let mut ranked: Vec<_> =
+        found.into_iter().map(|(model, sought)| (hear(law, &model).missed, model, sought)).collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ranked.truncate(MENDED);
+    let mended = ranked.into_iter().map(|(missed, model, sought)| {
+        let mended = sought.map(|sought| mend(law, &sought, |sought| model_of(law, sought)));
+        mended.map_or((missed, model), |mended| (mended.heard.missed, mended.model))
+    });
+    mended.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Model::default, |(_, model)| model)
 }
 
 /// The loops' gains and delays for the path that their filters make.

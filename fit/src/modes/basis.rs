@@ -83,6 +83,20 @@ impl Basis {
         Self { pole, head_u, head_v, tail_u: z * u, tail_v: z * (v + u), tail_length }
     }
 
+    /// The response from a sample behind the force on.
+    pub(crate) fn later(&self, from: usize, length: usize) -> Self {
+        let since = from.saturating_sub(self.head_u.len()) as f64;
+        let power = self.pole.power(since);
+        Self {
+            pole: self.pole,
+            head_u: vec![],
+            head_v: vec![],
+            tail_u: power * self.tail_u,
+            tail_v: power * (self.tail_v + self.tail_u * since),
+            tail_length: length,
+        }
+    }
+
     /// `[Σ x u, Σ x v]`.
     pub(crate) fn project(&self, samples: &[f64]) -> [Complex<f64>; 2] {
         let (head, tail) = samples.split_at(self.head_u.len());
