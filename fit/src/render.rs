@@ -1,16 +1,18 @@
 //! A table as it sounds: by the instrument that a board runs, and by the reference.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Engine, Residuals, Skipping};
+use dsp_core::engine::{Engine, Filters, Residuals, Skipping};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::room::Room;
+use dsp_core::table::range::{BREAKPOINTS, LOOPS};
 use kit::{Kit, Pad};
 
 use crate::FitError;
 
 /// Room for one table of the largest kind.
-type OnePad<'k> = Engine<'k, 1, 5, 8192, 2048, 8192, 4, (Residuals<1>, Room<i32, 49_152>)>;
+type OnePad<'k> = Engine<'k, 1, 5, 8192, 2048, 8192, 4, Surroundings>;
+type Surroundings = (Residuals<1>, Room<i32, 49_152>, Filters<1, BREAKPOINTS, LOOPS, 8192, 1>);
 
 /// The table bound to one pad, in the middle, at a level of 0 dB for each channel.
 pub fn playable(table: &Kit) -> Kit {

@@ -104,6 +104,9 @@ struct FitArguments {
     /// How modes are found: `modal` all together by maximum likelihood; `bins` one a bin of a spectrogram, for comparison
     #[arg(long, value_enum, value_name = "NAME", default_value_t = EstimatorName::Modal)]
     estimator: EstimatorName,
+    /// Fit noise through a moving filter in place of modes and residual, with at most ten modes beside it or ten loops round it (docs/dynamic-filter-fits.md)
+    #[arg(long, value_enum, value_name = "WITH", conflicts_with_all = ["modes", "estimator", "force_channel", "hits", "budget", "report"])]
+    dynamic_filter: Option<BesideName>,
     /// Channel of the measured force, counted from 0
     #[arg(long, value_name = "C")]
     force_channel: Option<usize>,
@@ -128,6 +131,13 @@ struct FitArguments {
     /// Print a machine-readable report on stdout (docs/json.md)
     #[arg(long)]
     json: bool,
+}
+
+/// What a dynamic filter has beside its noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum BesideName {
+    Modes,
+    Loops,
 }
 
 /// Names of the estimators.

@@ -54,8 +54,8 @@ use crate::resonator::TICK_FRAMES;
 const REGIONS: usize = 5;
 /// Cycles a tick of making that new noise: some 200 ms with a hundred bands.
 const RENEWAL_CYCLES: u32 = 400;
-/// Cycles in a tick of a stream that fades out, and of what the other one's fading in costs beyond sounding; measured on the virtual core.
-const STREAM_CYCLES: u32 = 1_250;
+/// Cycles in a tick of a stream that fades out, and of what the other one's fading in costs beyond sounding; where dearest ticks are cheapest.
+const STREAM_CYCLES: u32 = 1_700;
 
 /// Noise in bands that decay, each at its own rate, after every strike.
 ///

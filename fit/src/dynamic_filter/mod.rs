@@ -9,6 +9,7 @@
 //! ```
 
 pub mod study;
+pub mod table;
 
 mod additive;
 mod damping;

@@ -12,6 +12,7 @@ use malleus::wave::write_mono;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::fit_filter::{self, FilterReport};
 use super::fit_names as names;
 use super::{CommandError, print, print_json, progress};
 use crate::{EstimatorName, FitArguments};
@@ -31,6 +32,7 @@ struct Row {
 #[serde(rename_all = "snake_case", tag = "outcome")]
 enum Outcome {
     Fitted { report: Box<Report> },
+    Filtered { report: Box<FilterReport> },
     Skipped,
     Failed { error: String },
 }
@@ -97,10 +99,10 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
 }
 
 /// One recording and where its results go.
-struct Job {
-    input: PathBuf,
-    name: String,
-    table: PathBuf,
+pub(super) struct Job {
+    pub(super) input: PathBuf,
+    pub(super) name: String,
+    pub(super) table: PathBuf,
     page: Option<PathBuf>,
 }
 
@@ -109,26 +111,18 @@ fn fit_one(arguments: &FitArguments, job: &Job) -> Outcome {
     if !arguments.redo && wanted.iter().flatten().all(|path| is_newer(path, &job.input)) {
         return Outcome::Skipped;
     }
-    match fit_and_write(arguments, job) {
-        Ok(report) => Outcome::Fitted { report: Box::new(report) },
-        Err(error) => Outcome::Failed { error },
-    }
+    let outcome = match arguments.dynamic_filter {
+        None => fit_and_write(arguments, job).map(|report| Outcome::Fitted { report: Box::new(report) }),
+        Some(beside) => fit_filter::fit_and_write(arguments, job, beside)
+            .map(|report| Outcome::Filtered { report: Box::new(report) })
+            .map_err(|error| with_file(&job.input, error)),
+    };
+    outcome.unwrap_or_else(|error| Outcome::Failed { error })
 }
 
 fn fit_and_write(arguments: &FitArguments, job: &Job) -> Result<Report, String> {
     let Job { input, name, table, page } = job;
-    let in_file = |error: FitError| match error {
-        // These name the file themselves.
-        FitError::Read { .. }
-        | FitError::NotAudio { .. }
-        | FitError::Empty { .. }
-        | FitError::Channel { .. }
-        | FitError::NoMicrophone { .. }
-        | FitError::Rate { .. }
-        | FitError::NotFinite { .. } => error.to_string(),
-        other => format!("{}: {other}", input.display()),
-    };
-    let fitted = fit_file(input, &options(arguments)).map_err(in_file)?;
+    let fitted = fit_file(input, &options(arguments)).map_err(|error| with_file(input, error))?;
     let text = ::kit::text::write(&fitted.table);
     ::kit::file::write_whole(table, text.as_bytes()).map_err(|error| error.to_string())?;
     if let Some(path) = &arguments.render {
@@ -140,13 +134,27 @@ fn fit_and_write(arguments: &FitArguments, job: &Job) -> Result<Report, String> 
     Ok(fitted.report)
 }
 
+/// The message of an error, with its file where it does not name that itself.
+fn with_file(input: &Path, error: FitError) -> String {
+    match error {
+        FitError::Read { .. }
+        | FitError::NotAudio { .. }
+        | FitError::Empty { .. }
+        | FitError::Channel { .. }
+        | FitError::NoMicrophone { .. }
+        | FitError::Rate { .. }
+        | FitError::NotFinite { .. } => error.to_string(),
+        other => format!("{}: {other}", input.display()),
+    }
+}
+
 /// What could not be fitted, and why.
 fn failures(rows: &[Row]) -> Vec<(String, String)> {
     let failure = |row: &Row| match &row.outcome {
         Outcome::Failed { error } => {
             Some((row.input.file_name().unwrap_or_default().to_string_lossy().into_owned(), error.clone()))
         }
-        Outcome::Fitted { .. } | Outcome::Skipped => None,
+        Outcome::Fitted { .. } | Outcome::Filtered { .. } | Outcome::Skipped => None,
     };
     rows.iter().filter_map(failure).collect()
 }
@@ -182,10 +190,11 @@ fn is_newer(result: &Path, source: &Path) -> bool {
 }
 
 fn as_text(rows: &[Row]) -> String {
-    let mut text = format!(
-        "{:32} {:>5} {:>7} {:>17} {:>7} {:>7}\n",
-        "recording", "modes", "LSD dB", "T60 s", "strikes", "seconds"
-    );
+    let has_filters = rows.iter().any(|row| matches!(row.outcome, Outcome::Filtered { .. }));
+    let head = ["recording", "modes", "LSD dB", "T60 s", "strikes", "seconds"];
+    let [name, modes, lsd, t60, strikes, seconds] = head;
+    let head = format!("{name:32} {modes:>5} {lsd:>7} {t60:>17} {strikes:>7} {seconds:>7}\n");
+    let mut text = if has_filters { String::new() } else { head };
     for row in rows {
         let name = row.input.file_name().unwrap_or_default().to_string_lossy();
         text += &match &row.outcome {
@@ -195,6 +204,15 @@ fn as_text(rows: &[Row]) -> String {
                 report.lsd_db,
                 format!("{:.3} to {:.2}", report.t60_s[0], report.t60_s[1]),
                 report.strikes.len(),
+                report.seconds
+            ),
+            Outcome::Filtered { report } => format!(
+                "{name:32} {} modes, {} loops: decay within 15 % in {} of {} Bark bands, median error {:.0} %, {:.1} s\n",
+                report.modes,
+                report.loops,
+                report.bands_within_15_percent,
+                report.bands,
+                100.0 * report.median_error,
                 report.seconds
             ),
             Outcome::Skipped => format!("{name:32} is done already ({})\n", row.table.display()),

@@ -3,6 +3,7 @@
 pub(crate) mod board;
 pub(crate) mod demo;
 pub(crate) mod fit;
+mod fit_filter;
 mod fit_names;
 pub(crate) mod kit;
 pub(crate) mod play;

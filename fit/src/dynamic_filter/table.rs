@@ -1,0 +1,130 @@
+//! A model as a table, and what of a recording's damping the instrument keeps when it plays that table.
+
+use nalgebra::Complex;
+
+use super::study::{Heard, Way};
+use super::{Comparison, Form, Model, RATE_HZ, compare, mean_law};
+use crate::modes::DampedSine;
+use crate::strike::Fit;
+use crate::table::{self, Provenance};
+use crate::{FitError, render};
+
+/// Seeds of the noise that the instrument is heard with.
+const SEEDS: std::ops::RangeInclusive<u32> = 1..=4;
+/// Shortest contact in seconds: three samples at 48 kHz. Longest, where no mode needs a shorter one.
+const CONTACT_S: [f64; 2] = [6.25e-5, 2e-4];
+
+/// Which ways of resynthesis a table is sought by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beside {
+    /// At most ten modes beside the filter.
+    Modes,
+    /// At most ten loops round it.
+    Loops,
+}
+
+/// A recording's strike as a table with a dynamic filter.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The table.
+    pub table: kit::Kit,
+    /// Its model.
+    pub model: Model,
+    /// The recording's Bark bands beside the sound of the table, as the instrument plays it at 48 kHz, the mean of four seeds.
+    pub bands: Vec<Comparison>,
+}
+
+impl Fitted {
+    /// Bands whose α is within 15 %.
+    pub fn bands_within(&self) -> usize {
+        self.bands.iter().filter(|band| band.error() <= 0.15).count()
+    }
+}
+
+/// Fits filters of second and of first order, plays their tables, and keeps the one that keeps more bands within 15 %. (The instrument refuses paths on which complex poles become real
+/// ones.)
+///
+/// # Errors
+/// [`FitError::Render`] where the instrument plays neither.
+pub fn fitted(heard: &Heard, beside: Beside, provenance: &Provenance) -> Result<Fitted, FitError> {
+    let way = |form| match beside {
+        Beside::Modes => Way::Additive(form),
+        Beside::Loops => Way::Waveguide(form),
+    };
+    let mut best: Result<Fitted, FitError> = Err(FitError::Render(String::new()));
+    for form in [Form::SecondOrder, Form::FirstOrder] {
+        let model = way(form).model(heard);
+        let found = heard_in_instrument(heard, &model, provenance);
+        let is_better = match (&best, &found) {
+            (Ok(best), Ok(found)) => found.bands_within() > best.bands_within(),
+            (Ok(_), Err(_)) => false,
+            (Err(_), _) => true,
+        };
+        if is_better {
+            best = found;
+        }
+    }
+    best
+}
+
+fn heard_in_instrument(heard: &Heard, model: &Model, provenance: &Provenance) -> Result<Fitted, FitError> {
+    let length = (heard.length_s * RATE_HZ) as usize;
+    let play = |seed| render::by_instrument(&of_model(model, provenance, seed), 0.0, RATE_HZ, length);
+    let sounds = SEEDS.map(play).collect::<Result<Vec<_>, FitError>>()?;
+    let bands = compare(&heard.law, mean_law(&sounds).as_ref());
+    Ok(Fitted { table: of_model(model, provenance, *SEEDS.start()), model: model.clone(), bands })
+}
+
+/// The table of a model: at velocity 1 its sound, softer strikes by Hertz's law.
+pub fn of_model(model: &Model, provenance: &Provenance, seed: u32) -> kit::Kit {
+    let silent = Fit { rate_hz: RATE_HZ, modes: vec![], strikes: vec![], measured: false, loudest: 0 };
+    let mut table = table::of_fit(&silent, provenance);
+    let highest_hz = model.modes.iter().map(|mode| mode.frequency_hz).fold(1.0, f64::max);
+    let contact_s = (1.0 / highest_hz).clamp(CONTACT_S[0], CONTACT_S[1]);
+    if let Some(striker) = table.strikers.first_mut() {
+        striker.contact_time_s = contact_s as f32;
+    }
+    if let Some(object) = table.objects.first_mut() {
+        object.modes = model.modes.iter().map(|mode| driven(mode, contact_s)).collect();
+        object.dynamic_filter = Some(filter(model, seed));
+    }
+    table
+}
+
+/// The mode that a half-sine of 1 N and so many seconds leaves as it is wanted: its residue over the pulse's transform at the mode's pole.
+fn driven(mode: &DampedSine, contact_s: f64) -> kit::Mode {
+    let pole = Complex::new(-mode.decay_per_s, std::f64::consts::TAU * mode.frequency_hz);
+    let half_turn = std::f64::consts::PI / contact_s;
+    let pulse = ((-pole * contact_s).exp() + 1.0) * half_turn / (pole * pole + half_turn * half_turn);
+    let gain = Complex::from_polar(mode.amplitude, mode.phase) / pulse;
+    kit::Mode {
+        frequency_hz: mode.frequency_hz as f32,
+        decay_per_s: mode.decay_per_s as f32,
+        gains: vec![kit::Gain { sine: -gain.im as f32, cosine: gain.re as f32 }],
+    }
+}
+
+fn filter(model: &Model, seed: u32) -> kit::DynamicFilter {
+    let points = &model.path.points;
+    let second = points.iter().any(|point| point.coefficients.a[1] != 0.0 || point.coefficients.b[2] != 0.0);
+    let breakpoint = |point: &super::Breakpoint| {
+        let super::Coefficients { a: [a1, a2], b: [b0, b1, b2] } = point.coefficients;
+        let [a1, a2, b0, b1, b2] = [a1, a2, b0, b1, b2].map(|value| value as f32);
+        kit::Breakpoint { time_s: point.time_s as f32, noise: 1.0, a1, a2, b0, b1, b2 }
+    };
+    let round = |one: &super::Loop| kit::Loop {
+        frequency_hz: one.frequency_hz as f32,
+        bandwidth_hz: one.bandwidth_hz as f32,
+        gain: one.gain as f32,
+        delay_s: one.delay_s as f32,
+    };
+    kit::DynamicFilter {
+        seed,
+        modes: kit::ModesGo::Beside,
+        rate_hz: RATE_HZ as f32,
+        exciter: None,
+        order: if second { kit::Order::Second } else { kit::Order::First },
+        path: points.iter().map(breakpoint).collect(),
+        loops: model.loops.iter().map(round).collect(),
+    }
+}
