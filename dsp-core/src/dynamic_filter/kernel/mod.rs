@@ -1,7 +1,7 @@
 //! The hot loops: of the first order, noise and filter at once, noise alone, or a filter of what lies in a buffer or of a sum of noise and loops; the
 //! second order; and the exciter's sections.
 //!
-//! [`portable`], [`two_poles`] and [`section`] are the definition of the bits; on a Cortex-M4F the same is done by assembly (`cortex_m4*.s`), compared bit for bit on the
+//! [`portable`], [`mod@two_poles`] and [`mod@section`] are the definition of the bits; on a Cortex-M4F the same is done by assembly (`cortex_m4*.s`), compared bit for bit on the
 //! virtual core (`cargo test -p host-tests --test on_chip filters`).
 
 pub mod portable;
