@@ -14,6 +14,10 @@ const SEEDS: std::ops::RangeInclusive<u32> = 1..=4;
 /// Shortest contact in seconds: three samples at 48 kHz. Longest, where no mode needs a shorter one.
 const CONTACT_S: [f64; 2] = [6.25e-5, 2e-4];
 
+/// Largest radius of a pole, and least real pole of a second order, that the instrument plays, with room for the table's rounding.
+const MOST_POLE: f64 = 0.999_88;
+const LEAST_REAL_POLE: f64 = -0.89;
+
 /// Which ways of resynthesis a table is sought by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Beside {
@@ -108,7 +112,8 @@ fn filter(model: &Model, seed: u32) -> kit::DynamicFilter {
     let points = &model.path.points;
     let second = points.iter().any(|point| point.coefficients.a[1] != 0.0 || point.coefficients.b[2] != 0.0);
     let breakpoint = |point: &super::Breakpoint| {
-        let super::Coefficients { a: [a1, a2], b: [b0, b1, b2] } = point.coefficients;
+        let super::Coefficients { a, b: [b0, b1, b2] } = point.coefficients;
+        let [a1, a2] = played(a, if second { LEAST_REAL_POLE } else { -MOST_POLE });
         let [a1, a2, b0, b1, b2] = [a1, a2, b0, b1, b2].map(|value| value as f32);
         kit::Breakpoint { time_s: point.time_s as f32, noise: 1.0, a1, a2, b0, b1, b2 }
     };
@@ -127,4 +132,15 @@ fn filter(model: &Model, seed: u32) -> kit::DynamicFilter {
         path: points.iter().map(breakpoint).collect(),
         loops: model.loops.iter().map(round).collect(),
     }
+}
+
+/// a1, a2 with poles that the instrument plays: what rings for longer than T60 1.2 s rings that long.
+fn played([a1, a2]: [f64; 2], least: f64) -> [f64; 2] {
+    let discriminant = a1 * a1 - 4.0 * a2;
+    if discriminant < 0.0 {
+        let smaller = (MOST_POLE / a2.sqrt()).min(1.0);
+        return [a1 * smaller, a2 * smaller * smaller];
+    }
+    let [p, q] = [1.0, -1.0].map(|sign| ((-a1 + sign * discriminant.sqrt()) / 2.0).clamp(least, MOST_POLE));
+    [-(p + q), p * q]
 }
