@@ -46,38 +46,45 @@ fn random_decays(seed: u32) -> impl FnMut(usize) -> f64 {
     move |_| 20.0 + 380.0 * f64::from(random.draw()) / 2f64.powi(32)
 }
 
+/// Bands that are off by more than half a dB beyond three standard errors.
+fn misses(measured: &[Measured]) -> usize {
+    measured.iter().filter(|m| m.error.abs() - 3.0 * m.standard_error > 0.5).count()
+}
+
 #[test]
-fn bands_of_three_lines_and_more_keep_their_energy_beside_others_that_last_longer_or_shorter() {
+fn bands_of_two_lines_and_more_keep_their_energy_beside_others_that_last_longer_or_shorter() {
     // Lines of a frame are 48 000/1024 Hz apart.
-    const THREE_LINES_HZ: f32 = 3.0 * 48_000.0 / 1_024.0;
-    for spacing in [Spacing::Linear, Spacing::Erb] {
-        for seed in 0..3 {
+    const WIDE_HZ: f32 = 2.0 * 48_000.0 / 1_024.0;
+    // One of these that lies between two lines beside one of 2.5 lines that lasts ten times as long may be 0.6 dB off.
+    for (spacing, most_misses) in [(Spacing::Linear, 0), (Spacing::Erb, 1)] {
+        let mut missed = 0;
+        for seed in 0..6 {
             let bands = bands(spacing, 100, [50.0, 23_500.0], random_decays(seed));
             let measured = energies(&bands, &sounds(&bands, SEEDS, FRAMES));
             let (wide, narrow): (Vec<_>, Vec<_>) =
-                bands.iter().zip(measured).partition(|(band, _)| band.edges_hz[1] - band.edges_hz[0] > THREE_LINES_HZ);
+                bands.iter().zip(measured).partition(|(band, _)| band.edges_hz[1] - band.edges_hz[0] > WIDE_HZ);
             let only = |part: &[(&BandLaw, Measured)]| part.iter().map(|(_, measured)| *measured).collect::<Vec<_>>();
-            let beyond =
-                |part: &[Measured]| part.iter().filter(|m| m.error.abs() - 3.0 * m.standard_error > 0.5).count();
             let (wide, narrow) = (only(&wide), only(&narrow));
             println!(
-                "{spacing:?}, seed {seed}: {} bands of three lines and more, worst {:.2} dB beyond 3 s.e.; of {} narrower ones {} miss, worst {:.2}",
+                "{spacing:?}, seed {seed}: {} bands of 94 Hz and more, worst {:.2} dB beyond 3 s.e.; of {} narrower ones {} miss, worst {:.2}",
                 wide.len(),
                 worst(&wide),
                 narrow.len(),
-                beyond(&narrow),
+                misses(&narrow),
                 worst(&narrow)
             );
-            assert!(worst(&wide) < 0.5, "{spacing:?}, seed {seed}: {wide:?}");
+            missed += misses(&wide);
+            assert!(missed <= most_misses && worst(&wide) < 0.7, "{spacing:?}, seed {seed}: {wide:?}");
         }
     }
 }
 
 #[test]
-fn bands_of_sixteen_lines_and_more_keep_their_energy_beside_louder_ones() {
-    // Of 50, 16 and 5 lines each; five are too few for 20 dB.
-    for (count, most_db) in [(10, 0.5), (30, 0.5), (100, 1.6)] {
-        for seed in 0..3 {
+fn bands_of_five_lines_and_more_keep_their_energy_beside_louder_ones() {
+    // Of 50, 16 and 5 lines each. A band of five may be one of 20 dB less beside one that lasts ten times as long: there it is a dB off.
+    for (count, most_misses) in [(10, 0), (30, 0), (100, 1)] {
+        let mut missed = 0;
+        for seed in 0..12 {
             let mut random = Sfc32::new(seed, 78);
             let mut bands = bands(Spacing::Linear, count, [100.0, 23_500.0], random_decays(seed));
             // Densities within 20 dB.
@@ -86,7 +93,8 @@ fn bands_of_sixteen_lines_and_more_keep_their_energy_beside_louder_ones() {
             }
             let measured = energies(&bands, &sounds(&bands, SEEDS, FRAMES));
             println!("{count} bands, seed {seed}: worst {:.2} dB beyond 3 s.e.", worst(&measured));
-            assert!(worst(&measured) < most_db, "{count} bands, seed {seed}: {measured:?}");
+            missed += misses(&measured);
+            assert!(missed <= most_misses && worst(&measured) < 1.0, "{count} bands, seed {seed}: {measured:?}");
         }
     }
 }

@@ -67,7 +67,7 @@ pub struct Direct<'a> {
 /// | `GROUPS` | register groups: modes/6, and up to six more a bank | 24 |
 /// | `ORIGINS` | modes of pads that can be choked or have several positions | 12 |
 /// | `CONTACTS` | contacts under way at once | 24 |
-/// | `S` | [`Surroundings`]: [`Residuals`] for so many pads with a residual, the background counting as one, a [`Room`](crate::room::Room), and [`Filters`]; none unless said otherwise | 16 KB a residual; a room as long as its lines; filters as their delay lines and biquads |
+/// | `S` | [`Surroundings`]: [`Residuals`] for so many pads with a residual, the background counting as one, a [`Room`](crate::room::Room), and [`Filters`]; none unless said otherwise | 24 KB a residual; a room as long as its lines; filters as their delay lines and biquads |
 #[derive(Debug)]
 pub struct Engine<
     'k,

@@ -25,7 +25,7 @@ pub trait ResidualRoom {
 #[derive(Clone, Copy, Debug)]
 pub struct NoResiduals;
 
-/// Room for so many pads with a residual, the background counting as one; 16 KB each.
+/// Room for so many pads with a residual, the background counting as one; 24 KB each.
 #[derive(Clone, Debug)]
 pub struct Residuals<const COUNT: usize> {
     places: [Place; COUNT],

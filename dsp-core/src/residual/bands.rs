@@ -1,5 +1,6 @@
 //! The bands: how much energy each has, how it decays, and what a frame needs of it.
 
+use super::edges::retreats;
 use super::square_root::{exact_root, square_root};
 use crate::SampleRate;
 use crate::exponential;
@@ -33,10 +34,20 @@ pub(super) struct Band {
     pub(super) in_onset: f32,
     /// Density at the beginning of the last frame for which it was brought up to date.
     pub(super) density: f32,
+    /// How far it keeps away from its lower and its upper edge where there is nothing beyond, cycles/sample.
+    pub(super) retreats: [f32; 2],
 }
 
 impl Band {
-    const NONE: Self = Self { upper: 0.0, strike: 0.0, per_tick: 0.0, per_eighth: 0.0, in_onset: 0.0, density: 0.0 };
+    const NONE: Self = Self {
+        upper: 0.0,
+        strike: 0.0,
+        per_tick: 0.0,
+        per_eighth: 0.0,
+        in_onset: 0.0,
+        density: 0.0,
+        retreats: [0.0; 2],
+    };
 }
 
 /// Ticks of an eighth of a frame.
@@ -166,6 +177,7 @@ impl Bands {
                 strike: (power / (upper - lower).max(1e-9)) as f32,
                 per_tick: per_tick as f32,
                 per_eighth: exponential::power_of_two(bits * f64::from(EIGHTH_TICKS)) as f32,
+                retreats: retreats([lower, upper], f64::from(law.decay_db_per_s) / rate.hz()),
                 ..Band::NONE
             }
             .with_onset(per_tick);

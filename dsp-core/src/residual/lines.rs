@@ -1,7 +1,7 @@
 //! From the bands' energies to the lines of a frame's spectrum: how strong each is, and how it is tilted in time.
 //!
 //! A frame blurs a band's edges by about a line, so that a band that lasts would be heard, and measured, in a neighbour that is long over. Hence the stronger of
-//! two neighbours keeps away from their edge, by up to a line, and carries its energy in what is left of its width.
+//! two neighbours keeps away from their edge (`edges`), and carries its energy in what is left of its width.
 //!
 //! Within a frame, a band falls faster or slower than all bands on average. A **tilt** `1 + c sin 2πt` (t from 0 to 1 over the frame) makes up for
 //! that. In frequency it is a line's sum with its two neighbours: cheap, and each band may have its own.
@@ -46,14 +46,17 @@ struct Next {
     quarter: f32,
     /// Energy in the frame, per (cycle/sample).
     energy: f32,
-    /// How far it keeps away from its lower edge.
-    retreat: f32,
+    /// How far it keeps away from its lower edge, and how far from its upper one if there is nothing beyond.
+    retreats: [f32; 2],
 }
 
-/// How far the stronger of two bands keeps away from their edge, in lines, where the other one is nothing; never more than [`MOST`] of what it is wider than
-/// a line.
-const RETREAT: f32 = 0.8;
-const MOST: f32 = 0.2;
+impl Next {
+    /// A band of no width and no energy, at an edge.
+    const fn nothing(band: usize, edge: f32) -> Self {
+        Self { band, lower: edge, upper: edge, quarter: 1.0, energy: 0.0, retreats: [0.0; 2] }
+    }
+}
+
 /// The lowest band, where it is narrower than a line, loses to what is below it, and has nothing there that makes up for it: of its energy, so much more for
 /// each time that it fits a line beyond the first.
 const OUTER: f32 = 0.28;
@@ -66,12 +69,9 @@ const STEEPEST: f32 = 0.9;
 impl Cursor {
     /// At the lowest line, for bands that are up to date. `spacing` is that of the lines, cycles/sample.
     pub(super) fn new(bands: &Bands, common: &Common, spacing: f32) -> Self {
-        let lower = bands.lower();
-        // A band of no width and no energy below the lowest one.
-        let next = Next { band: 0, lower, upper: lower, quarter: 1.0, energy: 0.0, retreat: 0.0 };
-        let mut new = Self { line: 0, piece: Piece::END, next };
-        new.advance(bands, common, spacing);
-        new.advance(bands, common, spacing);
+        let mut new = Self { line: 0, piece: Piece::END, next: Next::nothing(0, bands.lower()) };
+        new.advance(bands, common);
+        new.advance(bands, common);
         let width = new.piece.high - new.piece.low;
         if width > 0.0 {
             let outer = if common.is_onset { OUTER_OF_ONSET } else { OUTER };
@@ -87,26 +87,27 @@ impl Cursor {
 
     /// To the next band's piece.
     #[inline(never)]
-    fn advance(&mut self, bands: &Bands, common: &Common, spacing: f32) {
-        let Next { band, lower, upper, quarter, energy, retreat } = self.next;
+    fn advance(&mut self, bands: &Bands, common: &Common) {
+        let Next { band, lower, upper, quarter, energy, retreats: [from_lower, from_upper] } = self.next;
         if band > bands.count() {
             self.piece = Piece::END;
             return;
         }
-        let mut after = Next { band: band + 1, lower: upper, upper, quarter: 1.0, energy: 0.0, retreat: 0.0 };
+        let mut after = Next::nothing(band + 1, upper);
         if let Some(band) = bands.all().get(band) {
             let e = band.per_eighth;
             (after.upper, after.quarter, after.energy) = (band.upper, e * e, common.energy_of(band));
+            after.retreats = band.retreats;
         }
-        let width = upper - lower;
-        let most = |width: f32| positive(least(RETREAT * spacing, MOST * (width - spacing)));
-        let mut high = upper;
+        // The stronger of two bands keeps away from their edge.
+        let (mut high, mut of_after) = (upper, 0.0);
         if energy > after.energy {
-            high -= most(width) * (1.0 - after.energy / energy);
+            high -= from_upper * (1.0 - after.energy / energy);
         } else if after.energy > energy {
-            after.retreat = most(after.upper - upper) * (1.0 - energy / after.energy);
+            of_after = 1.0 - energy / after.energy;
         }
-        let low = lower + retreat;
+        after.retreats[0] *= of_after;
+        let (low, width) = (lower + from_lower, upper - lower);
         let steep = TILT * (common.quarter - quarter) / (common.quarter + quarter);
         let steep = if common.is_onset { 0.0 } else { steep };
         let tilt = least(if steep > -STEEPEST { steep } else { -STEEPEST }, STEEPEST);
@@ -151,7 +152,7 @@ pub(super) fn fill_amplitudes(
                 break;
             }
             power += density * (high - low);
-            cursor.advance(bands, common, spacing);
+            cursor.advance(bands, common);
             spent += BAND_CYCLES;
         }
         *at_edge = line(power, half_tilt);

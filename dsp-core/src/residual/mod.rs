@@ -20,13 +20,14 @@
 //! A frame carries the mean decay of its energy sample by sample, and of each band the energy that its own decay leaves under the window, tilted in
 //! time as that decay differs from the mean (`lines`).
 //!
-//! Resolution: lines are fs/1024 apart (47 Hz at 48 kHz). Bands narrower than that share lines with their neighbours.
+//! Resolution: lines are fs/1024 apart (47 Hz at 48 kHz). Bands narrower than that share lines with their neighbours (`edges`).
 //!
 //! Strikes within 24 ticks of another one raise its first frame as a whole; from the second on they count band by band.
 //!
 //! Amplitude is proportional to a strike's peak force, as that of the modes is.
 
 mod bands;
+mod edges;
 mod fourier;
 mod job;
 mod lines;
@@ -59,7 +60,7 @@ const STREAM_CYCLES: u32 = 1_700;
 
 /// Noise in bands that decay, each at its own rate, after every strike.
 ///
-/// 23 KB. Accuracy against the law and cycles: `docs/residual.md`.
+/// 24 KB. Accuracy against the law and cycles: `docs/residual.md`.
 #[derive(Clone, Debug)]
 pub struct Shaper {
     bands: Bands,
