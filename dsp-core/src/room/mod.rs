@@ -30,7 +30,7 @@
 //! | energy of the same | within 1.01 dB |
 //! | peaks a second, 80 to 100 ms after an impulse | 6 300 and more |
 //! | spectral crest of a late second, T60 6 s; noise has 10.4 dB | 11.5 dB with 48 KB of lines, 14.3 dB with 16 KB |
-//! | nominal cycles a frame, mean, noise | 249 with 4 bands (dearest tick 421), 322 with 8 (500) |
+//! | nominal cycles a frame, mean, noise | 246 with 4 bands (dearest tick 375), 319 with 8 (470) |
 //! | RAM with 48 KB of lines | 57 600 bytes |
 
 mod crossover;

@@ -78,22 +78,20 @@ const SWING_PER_TURN_Q30: i64 = (SWING / (2.0 * core::f64::consts::PI) * 1_073_7
 fn sine(angle: u32) -> i32 {
     // Quarters 1 and 2 mirrored: an angle from -1/4 to 1/4 turn, as Q31 of a quarter.
     let folded = if (angle.wrapping_add(1 << 30) as i32) < 0 { (1u32 << 31).wrapping_sub(angle) } else { angle } as i32;
-    // 2^30 is a quarter turn, z = 1 in Q30.
-    let z = i64::from(folded);
-    let z2 = (z * z) >> 30;
+    // 2^30 is a quarter turn, z = 1 in Q30; all that follows is below 2.
+    let times = |a: i32, b: i32| i64::from(a) * i64::from(b);
+    let z2 = (times(folded, folded) >> 30) as i32;
     // x (π/2 - (π/2)³ x²/3! + ...), to the eleventh power, Q30, times 1 - 2^-22.
-    let mut sum = COEFFICIENTS_Q30[5];
-    for &coefficient in COEFFICIENTS_Q30.iter().rev().skip(1) {
-        sum = coefficient + ((sum * z2) >> 30);
-    }
-    fixed::saturate((sum * z) >> 29)
+    let [coefficients @ .., last] = COEFFICIENTS_Q30;
+    let sum = coefficients.iter().rev().fold(last, |sum, &coefficient| coefficient + (times(sum, z2) >> 30) as i32);
+    fixed::saturate(times(sum, folded) >> 29)
 }
 
-const fn q30(value: f64) -> i64 {
-    (value * 1_073_741_824.0 * (1.0 - 1.0 / 4_194_304.0)) as i64
+const fn q30(value: f64) -> i32 {
+    (value * 1_073_741_824.0 * (1.0 - 1.0 / 4_194_304.0)) as i32
 }
 
-const COEFFICIENTS_Q30: [i64; 6] = [
+const COEFFICIENTS_Q30: [i32; 6] = [
     q30(core::f64::consts::FRAC_PI_2),
     q30(-0.645_964_097_506_246_3),
     q30(0.079_692_626_246_167_05),

@@ -214,7 +214,7 @@ pub(in crate::room) fn double(
 pub(in crate::room) fn exchange(out: &mut [[i32; 2]], wet: &[[i32; 2]], input: &mut [i32]) -> u32 {
     let mut heard = 0;
     for (([left, right], wet), input) in out.iter_mut().zip(wet).zip(input) {
-        *input = clip((*left >> 1) + (*right >> 1)) >> 1;
+        *input = clip(left.saturating_add(*right) >> 1) >> 1;
         heard |= *input as u32;
         *left = left.saturating_add(wet[0]);
         *right = right.saturating_add(wet[1]);

@@ -10,9 +10,8 @@
     ldr     r6, [r0, #\at + 4]
     ldr     r7, [r1, #\at]
     ldr     r8, [r1, #\at + 4]
-    asr     r9, r5, #1
-    add     r9, r9, r6, asr #1
-    ssat    r9, #28, r9, asr #1
+    qadd    r9, r5, r6
+    ssat    r9, #28, r9, asr #2
     qadd    r5, r5, r7
     qadd    r6, r6, r8
     orr     r4, r4, r9
