@@ -15,6 +15,7 @@ use std::process::ExitCode;
 use fit::distance::{log_spectral_distance_db, lsd_window};
 use fit::recording::{Options, fit_file};
 use fit::render::by_instrument;
+use fit::table::Provenance;
 use instruments::{INSTRUMENTS, Instrument};
 use kit::{Kit, Pad};
 use rayon::prelude::*;
@@ -82,22 +83,25 @@ fn one(instrument: &Instrument, recordings: &Path, out: &Path) -> Result<String,
         return Ok(format!("{}: absent; {} stays as it is", path.display(), instrument.name));
     }
     let origin = manifest::origin(recordings, instrument.recording)?;
-    let mut options = Options { licence: origin.licence, ..Options::default() };
+    let mut options = Options { licence: origin.licence.clone(), ..Options::default() };
     options.strike.modes.most_modes = instrument.modes;
     let fitted = fit_file(&path, &options)?;
     let strike = fitted.fit.strikes.get(fitted.fit.loudest).ok_or("no strike")?;
     let heard = fitted.recording.samples.get(strike.hit.onset..strike.hit.end).ok_or("no sound")?;
     let rate_hz = fitted.recording.rate_hz;
 
-    let mut table = fitted.table.clone();
+    let source = fitted.table.objects.first().map_or("", |object| object.source.as_str());
+    // Modes alone: a board has no memory for fourteen residuals.
+    let provenance =
+        Provenance { name: instrument.name.to_owned(), source: source.to_owned(), licence: origin.licence };
+    let mut table = fit::table::of_fit(&fitted.fit, &provenance);
     let limited = table.objects.iter_mut().map(|object| decay::limit(&mut object.modes, heard, rate_hz)).sum::<usize>();
     let filled = gain::fill_zeros(&mut table);
     let wanted = 10f64.powf(PEAK_DBFS / 20.0) / louder_channel(instrument.pan);
     let peak = gain::peak(&table, 1.0)?;
     gain::scale(&mut table, wanted / peak);
     let source = format!(
-        "{}; {}; decays of {limited} modes held to the recording's, gains of {filled} to the contact's envelope, all scaled in common",
-        fitted.table.objects.first().map_or("", |object| object.source.as_str()),
+        "{source}; {}; decays of {limited} modes held to the recording's, gains of {filled} to the contact's envelope, all scaled in common",
         origin.source
     );
     table.name = instrument.name.to_owned();
