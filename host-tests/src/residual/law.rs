@@ -1,5 +1,6 @@
 //! Energies and decays of many seeds against the law.
 
+use dsp_core::noise::Sfc32;
 use dsp_core::residual::BandLaw;
 
 use super::spectrum::{RATE_HZ, between, cut, energy_spectrum};
@@ -21,6 +22,25 @@ pub fn sounds(bands: &[BandLaw], seeds: u32, frames: usize) -> Vec<Vec<f64>> {
         out.iter().map(|&x| f64::from(x) / 2f64.powi(27)).collect()
     };
     (0..seeds).map(sound).collect()
+}
+
+/// The law carried out: white noise cut sharply into bands, each under its own envelope. (As `reference::residual::render`, whose transforms are a
+/// textbook's and slow.)
+pub fn ideal_sound(bands: &[BandLaw], seed: u32, frames: usize) -> Vec<f64> {
+    let mut random = Sfc32::new(seed, 99);
+    // The sum of twelve even numbers: nearly normal, of variance 1.
+    let mut normal = || (0..12).map(|_| f64::from(random.draw()) / 2f64.powi(32)).sum::<f64>() - 6.0;
+    let noise: Vec<f64> = (0..frames).map(|_| normal()).collect();
+    let mut sound = vec![0.0; frames];
+    for band in reference_bands(bands) {
+        let [low, high] = band.edges_hz;
+        let gain = band.weight / ((high - low) / (0.5 * RATE_HZ)).sqrt();
+        let per_frame = -band.decay_db_per_s * std::f64::consts::LN_10 / 20.0 / RATE_HZ;
+        for (frame, (sound, wave)) in sound.iter_mut().zip(cut(&noise, band.edges_hz)).enumerate() {
+            *sound += gain * wave * (per_frame * frame as f64).exp();
+        }
+    }
+    sound
 }
 
 /// Of each band: the energy between its edges, in dB over what the law expects there, on average over all sounds.
