@@ -2,7 +2,7 @@
 
 use dsp_core::SampleRate;
 use dsp_core::biquad::BiquadError;
-use dsp_core::dynamic_filter::path::{MAX_GAIN, MAX_POLE, MIN_POLE};
+use dsp_core::dynamic_filter::limits::{MAX_GAIN, MAX_POLE, MIN_POLE};
 use dsp_core::engine::{
     Direct, Engine, Filters, LoadError, NoResiduals, NoRoom, STANDARD_CONTACTS, Skipping, TickReport,
 };

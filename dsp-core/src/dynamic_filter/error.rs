@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::path::{MAX_GAIN, MAX_POLE, MAX_TIME_S, MIN_POLE, MIN_REAL_POLE};
+use super::limits::{MAX_GAIN, MAX_POLE, MAX_TIME_S, MIN_POLE, MIN_REAL_POLE};
 use crate::SampleRate;
 use crate::biquad::butterworth::{BandError, Exciter};
 use crate::waveguide::LoopError;

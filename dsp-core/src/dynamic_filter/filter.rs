@@ -9,17 +9,6 @@ use super::walk::{Line, Walk};
 use crate::fixed::{qadd, saturating_shift_left, smmulr, times_q31};
 use crate::resonator::TICK_FRAMES;
 
-/// What comes into a filter: its words' formats follow from it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Input {
-    /// Noise alone, straight from the generator.
-    Noise,
-    /// Words that are clipped to 2.0.
-    Words,
-    /// Sums with loops, in Q29.
-    Sums,
-}
-
 /// Noise and filter of one object; its input is Q(27 - q).
 #[derive(Clone, Debug)]
 pub(super) struct Filter<const N: usize> {

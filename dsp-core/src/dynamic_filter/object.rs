@@ -2,8 +2,9 @@
 
 use super::error::DynamicFilterError;
 use super::exciter::BandPass;
-use super::filter::{Filter, Input};
+use super::filter::Filter;
 use super::noise::White;
+use super::path::Input;
 use super::settings::{Breakpoint, Exciter, Loop, Settings};
 use super::stability;
 use crate::SampleRate;

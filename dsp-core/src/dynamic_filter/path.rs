@@ -10,36 +10,23 @@
 //! line between two points inside it is inside it.
 
 use super::error::PathError;
-use super::filter::Input;
+use super::limits::{CARRIED, Limits, MAX_TIME_S, MIN_REAL_POLE, OF_TABLE};
 use super::settings::Breakpoint;
 use crate::SampleRate;
 
-/// The largest real pole, and the largest magnitude of a conjugate one.
-pub const MAX_POLE: f64 = 0.9999;
-/// The smallest pole of the first order. What rounding leaves grows with 1/(1 - |p|), and faster at this end, so that below [`MIN_REAL_POLE`] it takes all bits
-/// of its state.
-pub const MIN_POLE: f64 = -0.9999;
-/// The smallest real pole of the second order. Eq. 17's low-pass is at 0.48 fs there.
-pub const MIN_REAL_POLE: f64 = -0.9;
-/// The largest gain, summed over the impulse response: `(|b0| + |b1|) / (1 - |a1|)` in the first order.
-pub const MAX_GAIN: f64 = 4096.0;
-/// The longest path.
-pub const MAX_TIME_S: f64 = 3600.0;
-
-/// What a table says at its own rate, and what may become of it at another.
-#[derive(Clone, Copy)]
-struct Limits {
-    poles: [f64; 2],
-    /// Of the second order.
-    least_real: f64,
-    gain: f64,
-}
-
-const OF_TABLE: Limits = Limits { poles: [MIN_POLE, MAX_POLE], least_real: MIN_REAL_POLE, gain: MAX_GAIN };
-const CARRIED: Limits = Limits { poles: [-0.999_999, 0.999_999], least_real: -0.9999, gain: 2.0 * MAX_GAIN };
-
 /// |e| is clipped to this: 2.0.
 pub(super) const MAX_INPUT_BITS: i32 = 28;
+
+/// What comes into a filter: its words' formats follow from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Input {
+    /// Noise alone, straight from the generator.
+    Noise,
+    /// Words that are clipped to 2.0.
+    Words,
+    /// Sums with loops, in Q29.
+    Sums,
+}
 
 /// Parameters of the largest form.
 pub const PARAMETERS: usize = 5;
