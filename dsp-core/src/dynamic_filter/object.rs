@@ -220,6 +220,14 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         if !self.ringing && modes.is_none() {
             return self.pass(out.len());
         }
+        // Whole ticks cost less.
+        if modes.is_none()
+            && out.len() > TICK_FRAMES
+            && let Some((rest_of_tick, ticks)) = out.split_at_mut_checked((TICK_FRAMES - self.frame) % TICK_FRAMES)
+        {
+            self.render_any(None, rest_of_tick);
+            return ticks.chunks_mut(TICK_FRAMES).for_each(|tick| self.render(None, tick));
+        }
         self.settle_whole_ticks();
         let (mut modes, mut out) = (modes.unwrap_or(&[]), out);
         while !out.is_empty() {

@@ -207,3 +207,19 @@ fn the_budget_counts_levels_exciters_and_second_orders() {
         assert!((1.0..1.12).contains(&over), "{over}");
     }
 }
+
+#[test]
+fn blocks_of_many_ticks_cost_what_ticks_do() {
+    let mut chip = FiltersOnChip::new().unwrap();
+    let mut cost = |frames: usize| {
+        chip.load_filter(1, &path(1.0), &[], None).unwrap();
+        chip.strike(1.0).unwrap();
+        chip.render(None, 20).unwrap();
+        let blocks = 12_800 / frames;
+        let all: u64 = (0..blocks).map(|_| chip.render(None, frames).unwrap().1.nominal).sum();
+        all as f64 / (blocks * frames) as f64
+    };
+    let [ticks, long] = [32, 320].map(&mut cost);
+    println!("blocks of 32 frames, off the tick: {ticks:.1} cycles a frame; of 320: {long:.1}");
+    assert!(long <= 20.0, "{long}");
+}
