@@ -1,6 +1,6 @@
 //! The additive way: a few modes beside the filter (dynamic-filter §III-B, §IV-B2).
 
-use super::heard::{Mended, complete, mend};
+use super::heard::{Mended, complete, descend, mend};
 use super::joint::{Joint, Sought};
 use super::lattice::Lattice;
 use super::path::{db_per_s, path_of_filters, starts, times_s};
@@ -35,7 +35,7 @@ pub fn additive(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], fo
     let off = |sought: &Sought| misfit(law, &times_s, &joint.powers(sought));
     let model_of =
         |sought: &Sought| Model { path: path_of_filters(law, sought), modes: sought.modes.clone(), loops: Vec::new() };
-    let mut best: Option<Mended> = None;
+    let mut best: Option<Mended<Sought>> = None;
     for mut sought in starts(law, &joint, form) {
         let mut tried = Vec::new();
         for _ in 0..ROUNDS {
@@ -45,7 +45,7 @@ pub fn additive(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], fo
             tried.push(found);
         }
         let Some(found) = tried.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))) else { continue };
-        let now = complete(law, mend(law, &found, model_of), modes, model_of);
+        let now = complete(law, mend(law, &found, model_of, descend(law)), modes, model_of);
         if best.as_ref().is_none_or(|best| now.heard.missed < best.heard.missed) {
             best = Some(now);
         }

@@ -64,9 +64,9 @@ pub(crate) fn hear(law: &DampingLaw, model: &Model) -> Heard {
 
 /// A model, and what is heard of the law in it.
 #[derive(Clone)]
-pub(crate) struct Mended {
+pub(crate) struct Mended<S> {
     /// What was sought.
-    sought: Sought,
+    sought: S,
     /// The law that was asked for.
     asked: DampingLaw,
     /// The model of it.
@@ -79,19 +79,31 @@ pub(crate) struct Mended {
 ///
 /// The descent takes powers for what a band's decay is read off, a loop's mode for the steady one, and straight lines for what lies between
 /// breakpoints; what is left of that is an error of every band that hardly depends on the seed.
-pub(crate) fn mend(law: &DampingLaw, found: &Sought, model_of: impl Fn(&Sought) -> Model) -> Mended {
-    mend_from(law, law.clone(), found.clone(), &model_of, ROUNDS)
+///
+/// `descend` finds anew, from what was found, what is asked for.
+pub(crate) fn mend<S: Clone>(
+    law: &DampingLaw,
+    found: &S,
+    model_of: impl Fn(&S) -> Model,
+    descend: impl Fn(&DampingLaw, &S) -> S,
+) -> Mended<S> {
+    mend_from(law, law.clone(), found.clone(), model_of, descend, ROUNDS)
 }
 
-fn mend_from(
+/// [`Joint`]'s descent for what is asked for in the place of a law.
+pub(crate) fn descend(law: &DampingLaw) -> impl Fn(&DampingLaw, &Sought) -> Sought + Copy + use<'_> {
+    move |asked, sought| Joint::new(asked, &times_s(law)).descend(sought)
+}
+
+fn mend_from<S: Clone>(
     law: &DampingLaw,
     mut asked: DampingLaw,
-    mut sought: Sought,
-    model_of: impl Fn(&Sought) -> Model,
+    mut sought: S,
+    model_of: impl Fn(&S) -> Model,
+    descend: impl Fn(&DampingLaw, &S) -> S,
     rounds: usize,
-) -> Mended {
-    let times_s = times_s(law);
-    let mut best: Option<Mended> = None;
+) -> Mended<S> {
+    let mut best: Option<Mended<S>> = None;
     let mut round = 0;
     loop {
         let model = model_of(&sought);
@@ -111,7 +123,7 @@ fn mend_from(
             return best.clone();
         }
         round += 1;
-        sought = Joint::new(&asked, &times_s).descend(&sought);
+        sought = descend(&asked, &sought);
     }
 }
 
@@ -144,10 +156,10 @@ fn with_room(law: &DampingLaw, sought: &Sought) -> Sought {
 /// only the fit of all together tells.
 pub(crate) fn complete(
     law: &DampingLaw,
-    mended: Mended,
+    mended: Mended<Sought>,
     modes: &[DampedSine],
     model_of: impl Fn(&Sought) -> Model,
-) -> Mended {
+) -> Mended<Sought> {
     let mut best = mended;
     let mut given_up = Vec::new();
     for _ in 0..OFFERED {
@@ -159,7 +171,7 @@ pub(crate) fn complete(
             let mut sought = with_room(law, &best.sought);
             sought.modes.push(DampedSine { decay_per_s: worst.recorded.decay_per_s, ..mode });
             let start = Joint::new(&best.asked, &times_s(law)).descend(&sought);
-            mend_from(law, best.asked.clone(), start, &model_of, SHORT_ROUNDS)
+            mend_from(law, best.asked.clone(), start, &model_of, descend(law), SHORT_ROUNDS)
         });
         match tried.min_by(|a, b| a.heard.missed.total_cmp(&b.heard.missed)) {
             Some(better) if better.heard.missed < best.heard.missed => best = better,

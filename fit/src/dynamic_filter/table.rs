@@ -115,7 +115,7 @@ fn filter(model: &Model, seed: u32) -> kit::DynamicFilter {
         let super::Coefficients { a, b: [b0, b1, b2] } = point.coefficients;
         let [a1, a2] = played(a, if second { LEAST_REAL_POLE } else { -MOST_POLE });
         let [a1, a2, b0, b1, b2] = [a1, a2, b0, b1, b2].map(|value| value as f32);
-        kit::Breakpoint { time_s: point.time_s as f32, noise: 1.0, a1, a2, b0, b1, b2 }
+        kit::Breakpoint { time_s: point.time_s as f32, noise: point.noise as f32, a1, a2, b0, b1, b2 }
     };
     let round = |one: &super::Loop| kit::Loop {
         frequency_hz: one.frequency_hz as f32,

@@ -3,14 +3,16 @@
 use std::f64::consts::TAU;
 
 use nalgebra::Complex;
+use rayon::prelude::*;
 
 use super::additive::{MOST_MODES, misfit};
 use super::guide::{Guide, crowding};
-use super::heard::{hear, mend};
+use super::heard::{Mended, descend, hear, mend};
 use super::joint::{Joint, Sought};
 use super::lattice::Lattice;
 use super::path::{path_of_filters, starts, times_s};
 use super::response::{heard_in_band, response};
+use super::ringing::{Ringing, of_sought, starts as starts_of_ringing};
 use super::{Coefficients, Form, Loop, Model, Path, RATE_HZ};
 use crate::bark::DampingLaw;
 use crate::modes::DampedSine;
@@ -29,6 +31,10 @@ const ENDS: [f64; 4] = [0.02, 0.06, 0.15, 0.35];
 const WIDTHS: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
 /// So many of what the descents find are mended.
 const MENDED: usize = 2;
+/// The same of loops that ring while the noise falls by its level.
+const MENDED_RINGING: usize = 4;
+/// Modes of loops lie below so much of the rate.
+const HIGHEST_PART: f64 = 0.42;
 /// Rounds of choosing loops for a filter, and a filter for loops.
 const ROUNDS: usize = 2;
 /// Frequencies of the condition, beside those round each loop.
@@ -177,7 +183,9 @@ pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], f
     let ends = ENDS.iter().map(|part| Some(times_s.partition_point(|time_s| *time_s < part * last_s)));
     let off = |sought: &Sought| misfit(law, &times_s, &joint.powers(sought));
     let mut found: Vec<(Model, Option<Sought>)> = Vec::new();
-    for start in starts(law, &joint, form) {
+    let starts = starts(law, &joint, form);
+    let first_filters: Vec<Lattice> = starts.iter().filter_map(|start| start.filters.first().cloned()).collect();
+    for start in starts {
         for end in ends.clone().chain([None]) {
             let mut sought = start.clone();
             sought.freeze_after(end);
@@ -200,11 +208,38 @@ pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], f
         found.into_iter().map(|(model, sought)| (hear(law, &model).missed, model, sought)).collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
     ranked.truncate(MENDED);
+    let followed: Vec<Ringing> =
+        ranked.iter().filter_map(|(_, _, sought)| of_sought(law, &joint, sought.as_ref()?)).collect();
     let mended = ranked.into_iter().map(|(missed, model, sought)| {
-        let mended = sought.map(|sought| mend(law, &sought, |sought| model_of(law, sought)));
+        let mended = sought.map(|sought| mend(law, &sought, |sought| model_of(law, sought), descend(law)));
         mended.map_or((missed, model), |mended| (mended.heard.missed, mended.model))
     });
-    mended.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Model::default, |(_, model)| model)
+    let ringing = ringing(law, &joint, modes, followed, &first_filters);
+    let all = mended.chain(ringing.into_iter().map(|mended| (mended.heard.missed, mended.model)));
+    all.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Model::default, |(_, model)| model)
+}
+
+/// Loops that ring while the noise falls by its level: the best of what descents find, mended.
+fn ringing(
+    law: &DampingLaw,
+    joint: &Joint,
+    modes: &[DampedSine],
+    followed: Vec<Ringing>,
+    filters: &[Lattice],
+) -> Vec<Mended<Ringing>> {
+    let times_s = times_s(law);
+    let usual: Vec<DampedSine> =
+        modes.iter().filter(|mode| mode.frequency_hz < HIGHEST_PART * RATE_HZ).copied().collect();
+    let starts: Vec<Ringing> = followed.into_iter().chain(starts_of_ringing(law, joint, filters, &usual)).collect();
+    let found = starts.into_par_iter().map(|start| {
+        let found = start.descend(joint);
+        (hear(law, &found.model(&times_s)).missed, found)
+    });
+    let mut found: Vec<(f64, Ringing)> = found.collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.truncate(MENDED_RINGING);
+    let descend = |asked: &DampingLaw, found: &Ringing| found.descend(&Joint::new(asked, &times_s));
+    found.into_par_iter().map(|(_, found)| mend(law, &found, |found| found.model(&times_s), descend)).collect()
 }
 
 /// The loops' gains and delays for the path that their filters make.
