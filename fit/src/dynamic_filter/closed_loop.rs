@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
-use super::{Coefficients, RATE_HZ};
+use super::{Coefficients, Loop, RATE_HZ};
 
 /// Delay and band-pass of a loop of gain 1 (eq. 8 to 11): `z^-D (a + c z^-1)/(1 - 2 real z^-1 + square z^-2)`, as the instrument plays it.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +28,13 @@ impl BandPass {
         let wanted = below * Complex::from_polar(1.0, centre * frames - phase);
         let c = -wanted.im / centre.sin();
         Self { frames: frames as i32, real, square, a: wanted.re - c * centre.cos(), c }
+    }
+
+    /// That of a loop.
+    pub(crate) fn of(guide: &Loop) -> Self {
+        let delay = guide.delay_s * RATE_HZ;
+        let phase = TAU * guide.frequency_hz * guide.delay_s;
+        Self::new(guide.frequency_hz, guide.bandwidth_hz, delay.floor(), phase)
     }
 
     /// Its response at `w = z^-1`, and the derivative of the response's logarithm by w.

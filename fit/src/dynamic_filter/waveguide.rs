@@ -6,14 +6,15 @@ use nalgebra::Complex;
 use rayon::prelude::*;
 
 use super::additive::{MOST_MODES, misfit};
+use super::closed_loop::BandPass;
 use super::guide::{Guide, crowding};
-use super::heard::{Mended, descend, hear, mend};
+use super::heard::{Mended, complete, descend, hear, lacking, mend};
 use super::joint::{Joint, Sought};
-use super::lattice::Lattice;
+use super::lattice::{Lattice, squared};
 use super::path::{path_of_filters, starts, times_s};
-use super::response::{heard_in_band, response};
+use super::response::{heard_in_band, near_poles, response};
 use super::ringing::{Ringing, of_sought, starts as starts_of_ringing};
-use super::{Coefficients, Form, Loop, Model, Path, RATE_HZ};
+use super::{Coefficients, Comparison, Form, Loop, Model, Path, RATE_HZ};
 use crate::bark::DampingLaw;
 use crate::modes::DampedSine;
 
@@ -33,6 +34,8 @@ const WIDTHS: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
 const MENDED: usize = 2;
 /// The same of loops that ring while the noise falls by its level.
 const MENDED_RINGING: usize = 4;
+/// Bands that are offered such loops.
+const OFFERED: usize = 6;
 /// Modes of loops lie below so much of the rate.
 const HIGHEST_PART: f64 = 0.42;
 /// Rounds of choosing loops for a filter, and a filter for loops.
@@ -127,8 +130,19 @@ fn band_pass(guide: &Loop, frequency_hz: f64) -> Complex<f64> {
 
 /// Largest `|F| Σ|B_s|` over frequencies and a path's breakpoints and the middles between them.
 pub fn loop_gain(path: &Path, loops: &[Loop]) -> f64 {
-    let filters: Vec<Coefficients> = filters_of(path);
-    frequencies(loops).map(|frequency| gain_at(&filters, loops, frequency)).fold(0.0, f64::max)
+    largest_gain(&filters_of(path), loops)
+}
+
+/// The same for filters, with the band-passes that the instrument plays.
+fn largest_gain(filters: &[Coefficients], loops: &[Loop]) -> f64 {
+    let bands: Vec<(BandPass, f64)> = loops.iter().map(|guide| (BandPass::of(guide), guide.gain)).collect();
+    let wide = frequencies(loops).map(|frequency| TAU * frequency / RATE_HZ);
+    let near_poles = filters.iter().flat_map(near_poles).filter(|_| !loops.is_empty());
+    let gain_at = |angular: f64| {
+        let loudest = filters.iter().map(|filter| squared(filter)(angular)).fold(0.0, f64::max).sqrt();
+        loudest * bands.iter().map(|(band, gain)| (gain * band.magnitude(angular)).abs()).sum::<f64>()
+    };
+    wide.chain(near_poles).map(gain_at).fold(0.0, f64::max)
 }
 
 fn filters_of(path: &Path) -> Vec<Coefficients> {
@@ -148,24 +162,18 @@ fn frequencies(loops: &[Loop]) -> impl Iterator<Item = f64> + '_ {
     wide.chain(near).filter(|frequency| (0.0..0.5 * RATE_HZ).contains(frequency))
 }
 
-fn gain_at(filters: &[Coefficients], loops: &[Loop], frequency_hz: f64) -> f64 {
-    let loudest =
-        filters.iter().map(|filter| response(filter, TAU * frequency_hz / RATE_HZ).norm()).fold(0.0, f64::max);
-    loudest * loops.iter().map(|guide| band_pass(guide, frequency_hz).norm()).sum::<f64>()
-}
-
 /// Lowers gains until the loops are stable.
 pub(crate) fn stabilise(path: &Path, loops: &mut [Loop]) {
     let filters = filters_of(path);
     // Each alone, then all together.
     for guide in loops.iter_mut() {
         let alone = std::slice::from_ref(guide);
-        let gain = frequencies(alone).map(|frequency| gain_at(&filters, alone, frequency)).fold(0.0, f64::max);
+        let gain = largest_gain(&filters, alone);
         if gain > MOST_LOOP_GAIN {
             guide.gain *= MOST_LOOP_GAIN / gain;
         }
     }
-    let gain = frequencies(loops).map(|frequency| gain_at(&filters, loops, frequency)).fold(0.0, f64::max);
+    let gain = largest_gain(&filters, loops);
     if gain > MOST_LOOP_GAIN {
         loops.iter_mut().for_each(|guide| guide.gain *= MOST_LOOP_GAIN / gain);
     }
@@ -219,14 +227,14 @@ pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], f
     all.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Model::default, |(_, model)| model)
 }
 
-/// Loops that ring while the noise falls by its level: the best of what descents find, mended.
+/// Loops that ring while the noise falls by its level: the best of what descents find, mended, with loops where it is heard to lack them.
 fn ringing(
     law: &DampingLaw,
     joint: &Joint,
     modes: &[DampedSine],
     followed: Vec<Ringing>,
     filters: &[Lattice],
-) -> Vec<Mended<Ringing>> {
+) -> Option<Mended<Ringing>> {
     let times_s = times_s(law);
     let usual: Vec<DampedSine> =
         modes.iter().filter(|mode| mode.frequency_hz < HIGHEST_PART * RATE_HZ).copied().collect();
@@ -239,7 +247,14 @@ fn ringing(
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(MENDED_RINGING);
     let descend = |asked: &DampingLaw, found: &Ringing| found.descend(&Joint::new(asked, &times_s));
-    found.into_par_iter().map(|(_, found)| mend(law, &found, |found| found.model(&times_s), descend)).collect()
+    let model_of = |found: &Ringing| found.model(&times_s);
+    let mended: Vec<_> = found.into_par_iter().map(|(_, found)| mend(law, &found, model_of, descend)).collect();
+    let best = mended.into_iter().min_by(|a, b| a.heard.missed.total_cmp(&b.heard.missed))?;
+    let offered = |found: &Ringing, worst: &Comparison| {
+        let lacking = lacking(worst, &usual, &found.frequencies_hz());
+        lacking.iter().map(|mode| found.with(law, joint, mode, &worst.recorded)).collect()
+    };
+    Some(complete(law, best, OFFERED, offered, model_of, descend))
 }
 
 /// The loops' gains and delays for the path that their filters make.

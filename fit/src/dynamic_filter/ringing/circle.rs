@@ -4,15 +4,14 @@ use std::f64::consts::{PI, TAU};
 
 use super::super::closed_loop::BandPass;
 use super::super::lattice::squared;
+use super::super::response::near_poles;
 use super::super::{Coefficients, RATE_HZ};
 
 /// Angles all over the circle, closer together towards 0 Hz ...
 const ALL_OVER: u32 = 48;
 const TOWARDS_ZERO: f64 = 1.7;
-/// ... so many on either side of a loop's centre, up to two of its widths away ...
+/// ... and so many on either side of a loop's centre, up to two of its widths away.
 const NEAR: i32 = 5;
-/// ... and close by the filter's poles, in distances from the circle.
-const POLE_STEPS: [f64; 7] = [-2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0];
 /// Sharpness of the smooth maximum.
 const SHARP: f64 = 200.0;
 
@@ -46,9 +45,7 @@ impl<'a> Circle<'a> {
     /// `|F| Σ |γ_s B_s|` at all angles, those close by the filter's own poles last.
     pub(super) fn gains_round(&self, filter: &Coefficients) -> Vec<f64> {
         let squared = squared(filter);
-        let own = poles(filter).into_iter().flat_map(|(angle, distance)| {
-            POLE_STEPS.map(|step| (angle + step * distance).clamp(0.0, PI)).map(|angular| (angular, self.sum(angular)))
-        });
+        let own = near_poles(filter).map(|angular| (angular, self.sum(angular)));
         self.sums.iter().copied().chain(own).map(|(angular, sum)| squared(angular).sqrt() * sum).collect()
     }
 
@@ -59,16 +56,4 @@ impl<'a> Circle<'a> {
         let above: f64 = all.iter().map(|gain| (SHARP * (gain / most - 1.0)).exp()).sum();
         most * (1.0 + above.ln() / SHARP)
     }
-}
-
-/// Angles of a filter's poles and their distances from the circle.
-fn poles(filter: &Coefficients) -> [(f64, f64); 2] {
-    let [a1, a2] = filter.a;
-    let (middle, rest) = (-a1 / 2.0, a1 * a1 / 4.0 - a2);
-    if rest < 0.0 {
-        return [((-rest).sqrt().atan2(middle), 1.0 - a2.sqrt()); 2];
-    }
-    [1.0, -1.0]
-        .map(|sign| middle + sign * rest.sqrt())
-        .map(|pole| (if pole < 0.0 { PI } else { 0.0 }, 1.0 - pole.abs()))
 }

@@ -2,17 +2,16 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::super::additive::MOST_MODES;
-use super::super::closed_loop::BandPass;
+use super::super::additive::{MOST_MODES, misfit};
 use super::super::counted;
 use super::super::joint::{Joint, Sought};
 use super::super::lattice::Lattice;
 use super::super::path::times_s;
 use super::super::response::{NOISE_DENSITY, heard_in_band, response};
 use super::super::waveguide::delay_s;
-use super::super::{Form, RATE_HZ};
+use super::super::{Coefficients, RATE_HZ};
 use super::circle::Circle;
-use super::numbers::Ringing;
+use super::numbers::{A_LOOP, Ringing};
 use crate::bark::{DampingBand, DampingLaw, bark};
 use crate::modes::DampedSine;
 use crate::score::quantile;
@@ -75,17 +74,23 @@ fn start(
         let residue = (2.0 * noise_decay_per_s / NOISE_DENSITY).sqrt() * band.gain / filter.norm().max(1e-9);
         let apart = |(other, _): &(DampedSine, DampingBand)| TAU * (other.frequency_hz - mode.frequency_hz).abs();
         let nearest = slower.iter().map(apart).filter(|apart| *apart > 0.0).fold(TAU * mode.frequency_hz, f64::min);
-        let decay_per_s = band.decay_per_s;
-        let half_width = (residue + decay_per_s).min(crowded * nearest).max(LEAST_WIDTH * decay_per_s).max(PI);
-        let delay_s = delay_s(mode.frequency_hz, filter.arg());
-        loops.push((mode.frequency_hz, (delay_s * RATE_HZ).floor()));
-        free.push((decay_per_s * (1.0 + half_width * delay_s) / half_width).min(MOST_MISSING).ln());
-        free.push((half_width / PI).ln());
+        let (frames, numbers) =
+            numbers_of_loop(residue, band.decay_per_s, crowded * nearest, mode.frequency_hz, filter.arg());
+        loops.push((mode.frequency_hz, frames));
+        free.extend(numbers);
     }
     free.resize(free.len() + joint.lawful(), 0.0);
     let ringing = Ringing { form: filter.form(), knots, loops, free };
     let filters = vec![coefficients; ringing.knots.len()];
     ringing.with_gains_of(times_s, &filters)
+}
+
+/// Whole samples of delay and free numbers of a loop round a filter of a phase: its residue in 1/s, as far as its half-width may be so much, and its decay.
+fn numbers_of_loop(residue: f64, decay_per_s: f64, widest: f64, frequency_hz: f64, phase: f64) -> (f64, [f64; A_LOOP]) {
+    let half_width = (residue + decay_per_s).min(widest).max(LEAST_WIDTH * decay_per_s).max(PI);
+    let delay_s = delay_s(frequency_hz, phase);
+    let missing = (decay_per_s * (1.0 + half_width * delay_s) / half_width).min(MOST_MISSING);
+    ((delay_s * RATE_HZ).floor(), [missing.ln(), (half_width / PI).ln()])
 }
 
 /// The loudest bands that fall slower than noise, at most as many as there may be loops, each with its loudest mode.
@@ -129,19 +134,55 @@ pub(crate) fn of_sought(law: &DampingLaw, joint: &Joint, sought: &Sought) -> Opt
         free.extend([(1.0 - gain).clamp(LEAST_MISSING, MOST_MISSING).ln(), guide.bandwidth_hz.ln()]);
     }
     free.resize(free.len() + joint.lawful(), 0.0);
-    let form: Form = last.form();
+    let form = last.form();
     let coefficients: Vec<_> = filters.iter().map(|filter| filter.coefficients()).collect();
     Some(Ringing { form, knots, loops, free }.with_gains_of(&times_s, &coefficients))
 }
 
 impl Ringing {
+    /// With one more loop in a band that lacks it; in the place of the one whose loss is least, where there are as many as there may be.
+    pub(crate) fn with(&self, law: &DampingLaw, joint: &Joint, mode: &DampedSine, band: &DampingBand) -> Self {
+        let off = |less: &Self| misfit(law, &joint.times_s, &less.powers(joint, &less.spelled(&joint.times_s)));
+        let is_full = self.loops.len() >= MOST_MODES;
+        let fewer = (0..self.loops.len()).filter(|_| is_full).map(|index| self.without(index));
+        let least = fewer.map(|less| (off(&less), less)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let mut more = least.map_or_else(|| self.clone(), |(_, less)| less);
+        let spelled = self.spelled(&joint.times_s);
+        let Some((last, _)) = spelled.knots.last() else { return more };
+        let filter = response(last, TAU * mode.frequency_hz / RATE_HZ);
+        let steps =
+            joint.times_s.windows(2).zip(&spelled.levels).map(|(pair, level)| level * level * (pair[1] - pair[0]));
+        let noise_s: f64 = steps.sum::<f64>().max(f64::MIN_POSITIVE);
+        let residue = band.gain / filter.norm().max(1e-9) / (NOISE_DENSITY * noise_s).sqrt();
+        let apart = |(other_hz, _): &(f64, f64)| TAU * (other_hz - mode.frequency_hz).abs();
+        let nearest = more.loops.iter().map(apart).fold(TAU * mode.frequency_hz, f64::min);
+        let numbers = numbers_of_loop(residue, band.decay_per_s, nearest * CROWDED[1], mode.frequency_hz, filter.arg());
+        let at = more.first_of_offsets();
+        more.free.splice(at..at, numbers.1);
+        more.loops.push((mode.frequency_hz, numbers.0));
+        let filters: Vec<Coefficients> = spelled.knots.iter().map(|knot| knot.0).collect();
+        more.with_gains_of(&joint.times_s, &filters)
+    }
+
+    fn without(&self, index: usize) -> Self {
+        let mut less = self.clone();
+        let from = self.first_of_loops() + A_LOOP * index;
+        less.free.drain(from..from + A_LOOP);
+        less.loops.remove(index);
+        less
+    }
+
+    /// Frequencies of the loops in Hz.
+    pub(crate) fn frequencies_hz(&self) -> Vec<f64> {
+        self.loops.iter().map(|(hz, _)| *hz).collect()
+    }
+
     /// With knots whose filters have the gains of others, as long as their loops are stable.
-    fn with_gains_of(mut self, times_s: &[f64], filters: &[super::super::Coefficients]) -> Self {
+    fn with_gains_of(mut self, times_s: &[f64], filters: &[Coefficients]) -> Self {
         self.bound();
         let spelled = self.spelled(times_s);
-        let bands: &[BandPass] = &spelled.bands;
         let centres_hz: Vec<f64> = self.loops.iter().map(|(hz, _)| *hz).collect();
-        let circle = Circle::new(bands, &spelled.gains, &centres_hz, &spelled.widths_hz);
+        let circle = Circle::new(&spelled.bands, &spelled.gains, &centres_hz, &spelled.widths_hz);
         let a_knot = self.a_knot();
         for (knot, filter) in filters.iter().enumerate().take(self.knots.len().saturating_sub(1)) {
             let most = if self.loops.is_empty() { 0.0 } else { circle.largest(filter) };
