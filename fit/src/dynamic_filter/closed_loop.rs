@@ -129,7 +129,7 @@ mod tests {
             // (β + s) = β γ e^{-s d} to first order in d.
             let slowed = beta / (1.0 + beta * gain * delay_s);
             assert!((pole.decay_per_s() / (slowed * (1.0 - gain)) - 1.0).abs() < 0.02, "{frequency_hz}: {pole:?}");
-            assert!((pole.residue.re / (slowed * gain) - 1.0).abs() < 0.02, "{frequency_hz}: {pole:?}");
+            assert!((pole.residue.re / (slowed * gain) - 1.0).abs() < 0.04, "{frequency_hz}: {pole:?}");
             assert!((pole.s.im / TAU - frequency_hz).abs() < 0.05 * bandwidth_hz, "{frequency_hz}: {pole:?}");
         }
     }

@@ -142,5 +142,6 @@ fn played([a1, a2]: [f64; 2], least: f64) -> [f64; 2] {
         return [a1 * smaller, a2 * smaller * smaller];
     }
     let [p, q] = [1.0, -1.0].map(|sign| ((-a1 + sign * discriminant.sqrt()) / 2.0).clamp(least, MOST_POLE));
-    [-(p + q), p * q]
+    // Never -0.0: a table of the first order has no a2.
+    [-(p + q), p * q + 0.0]
 }

@@ -35,7 +35,7 @@ const MENDED: usize = 2;
 /// The same of loops that ring while the noise falls by its level.
 const MENDED_RINGING: usize = 4;
 /// Bands that are offered such loops.
-const OFFERED: usize = 6;
+const OFFERED: usize = 5;
 /// Modes of loops lie below so much of the rate.
 const HIGHEST_PART: f64 = 0.42;
 /// Rounds of choosing loops for a filter, and a filter for loops.
@@ -128,7 +128,7 @@ fn band_pass(guide: &Loop, frequency_hz: f64) -> Complex<f64> {
     if wide.norm() + apart.norm() <= 0.0 { Complex::new(0.0, 0.0) } else { wide / (wide + apart) * guide.gain }
 }
 
-/// Largest `|F| Σ|B_s|` over frequencies and a path's breakpoints and the middles between them.
+/// Largest `|F| Σ|B_s|` over frequencies and a path's breakpoints and the quarters between them.
 pub fn loop_gain(path: &Path, loops: &[Loop]) -> f64 {
     largest_gain(&filters_of(path), loops)
 }
@@ -147,18 +147,19 @@ fn largest_gain(filters: &[Coefficients], loops: &[Loop]) -> f64 {
 
 fn filters_of(path: &Path) -> Vec<Coefficients> {
     let points = path.points.iter().map(|point| point.coefficients);
-    let middles = path.points.windows(2).filter_map(|pair| match pair {
-        [from, to] => Some(from.coefficients.towards(&to.coefficients, 0.5)),
-        _ => None,
+    // Where the instrument looks at each piece, too.
+    let between = path.points.windows(2).flat_map(|pair| {
+        let at = |part| pair[0].coefficients.towards(&pair[1].coefficients, part);
+        [0.25, 0.5, 0.75].map(at)
     });
-    points.chain(middles).collect()
+    points.chain(between).collect()
 }
 
 fn frequencies(loops: &[Loop]) -> impl Iterator<Item = f64> + '_ {
     let wide = (1..FREQUENCIES).map(|at| 0.5 * RATE_HZ * (at as f64 / FREQUENCIES as f64).powi(2));
     let near = loops
         .iter()
-        .flat_map(|guide| (-16..=16).map(|step| guide.frequency_hz + 0.25 * f64::from(step) * guide.bandwidth_hz));
+        .flat_map(|guide| (-64..=64).map(|step| guide.frequency_hz + f64::from(step) / 16.0 * guide.bandwidth_hz));
     wide.chain(near).filter(|frequency| (0.0..0.5 * RATE_HZ).contains(frequency))
 }
 
@@ -246,7 +247,7 @@ fn ringing(
     let mut found: Vec<(f64, Ringing)> = found.collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(MENDED_RINGING);
-    let descend = |asked: &DampingLaw, found: &Ringing| found.descend(&Joint::new(asked, &times_s));
+    let descend = |asked: &DampingLaw, found: &Ringing| found.follow(&Joint::new(asked, &times_s));
     let model_of = |found: &Ringing| found.model(&times_s);
     let mended: Vec<_> = found.into_par_iter().map(|(_, found)| mend(law, &found, model_of, descend)).collect();
     let best = mended.into_iter().min_by(|a, b| a.heard.missed.total_cmp(&b.heard.missed))?;

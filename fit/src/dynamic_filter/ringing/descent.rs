@@ -26,9 +26,10 @@ const DEAR_GAIN: f64 = MOST_LOOP_GAIN - 0.013;
 const LARGEST_GAIN: f64 = 1.01;
 /// Gains are looked at at every so many times.
 const TIMES_A_GAIN: usize = 2;
-/// Steps at most, and at least; of the sum of squares, a step that gains less than this part is idle, and so many of them end it.
+/// Steps at most, at least, and at most of a descent that follows another; of the sum of squares, a step that gains less than this part is idle, and so many of them end it.
 const STEPS: usize = 80;
 const LEAST_STEPS: usize = 25;
+const STEPS_TO_FOLLOW: usize = 20;
 const IDLE: f64 = 1e-3;
 const IDLE_STEPS: usize = 5;
 /// Largest damping.
@@ -41,16 +42,24 @@ struct Errors {
 }
 
 impl Ringing {
-    /// The numbers that bring the levels of all bands nearest to the law, from where they are.
+    /// The numbers that bring the levels of all bands nearest to the law, from a first guess.
     pub(crate) fn descend(&self, joint: &Joint) -> Self {
+        self.search(joint, vec![1.0; joint.rates.len()], STEPS, LEAST_STEPS, HOPELESS_AT_FIRST_DB)
+    }
+
+    /// The same from what a descent has found for a law that was a little different.
+    pub(crate) fn follow(&self, joint: &Joint) -> Self {
+        self.search(joint, self.trust(joint, HOPELESS_DB), STEPS_TO_FOLLOW, 0, HOPELESS_DB)
+    }
+
+    fn search(&self, joint: &Joint, mut trust: Vec<f64>, steps: usize, least_steps: usize, hopeless_db: f64) -> Self {
         let mut now = self.clone();
         now.bound();
-        let mut trust = vec![1.0; joint.rates.len()];
         let mut errors = now.errors(joint, &trust);
         let (mut damping, mut idle) = (1e-2, 0);
-        for step in 0..STEPS {
+        for step in 0..steps {
             if step % WEIGHED == WEIGHED - 1 {
-                let hope_db = HOPELESS_AT_FIRST_DB * HOPE_LEFT.powf(step as f64);
+                let hope_db = hopeless_db * HOPE_LEFT.powf(step as f64);
                 trust = now.trust(joint, HOPELESS_DB.max(hope_db));
                 errors = now.errors(joint, &trust);
             }
@@ -59,7 +68,7 @@ impl Ringing {
             let (before, left) = (errors.all.norm_squared(), after.all.norm_squared());
             idle = if before - left < IDLE * (1.0 + left) { idle + 1 } else { 0 };
             (now, errors) = (moved, after);
-            if idle >= IDLE_STEPS && step >= LEAST_STEPS {
+            if idle >= IDLE_STEPS && step >= least_steps {
                 break;
             }
         }

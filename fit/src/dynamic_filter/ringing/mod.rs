@@ -17,3 +17,6 @@ mod start;
 
 pub(crate) use numbers::Ringing;
 pub(crate) use start::{of_sought, starts};
+
+#[cfg(test)]
+mod tests;

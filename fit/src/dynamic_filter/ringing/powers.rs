@@ -20,9 +20,10 @@ const STEPS: usize = 2;
 const SLOWEST: f64 = 0.05;
 
 /// A loop's mode at a time, counted.
-struct Place {
+pub(super) struct Place {
     time: usize,
-    decay_per_s: f64,
+    /// α in 1/s.
+    pub(super) decay_per_s: f64,
     /// `|R|²`, and `Re R`.
     square: f64,
     common: f64,
@@ -68,7 +69,7 @@ impl Ringing {
     }
 
     /// The loop's pole from time to time, each sought from that before.
-    fn places(&self, spelled: &Spelled, frequency_hz: f64) -> Vec<Place> {
+    pub(super) fn places(&self, spelled: &Spelled, frequency_hz: f64) -> Vec<Place> {
         let end = self.end();
         let times = (0..end).step_by(TIMES_A_POLE).chain([end]);
         let (mut s, mut steps) = (Complex::new(0.0, TAU * frequency_hz), FIRST_STEPS);

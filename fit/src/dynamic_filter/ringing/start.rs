@@ -178,7 +178,7 @@ impl Ringing {
     }
 
     /// With knots whose filters have the gains of others, as long as their loops are stable.
-    fn with_gains_of(mut self, times_s: &[f64], filters: &[Coefficients]) -> Self {
+    pub(super) fn with_gains_of(mut self, times_s: &[f64], filters: &[Coefficients]) -> Self {
         self.bound();
         let spelled = self.spelled(times_s);
         let centres_hz: Vec<f64> = self.loops.iter().map(|(hz, _)| *hz).collect();
