@@ -8,7 +8,7 @@ use super::guide::{Guide, crowding};
 use super::lattice::{Lattice, WIDEST, squared};
 use super::path::db_per_s;
 use super::response::{BandHearing, heard_in_band};
-use super::waveguide::MOST_LOOP_GAIN;
+use super::stability::MOST_LOOP_GAIN;
 use super::{Form, RATE_HZ};
 use crate::bark::{DampingLaw, HIGHEST_BARK, frequency_hz};
 use crate::modes::DampedSine;

@@ -23,6 +23,7 @@ mod path;
 mod response;
 mod ringing;
 mod sound;
+mod stability;
 mod thin;
 mod three_bands;
 mod waveguide;
@@ -32,10 +33,9 @@ pub use damping::{Comparison, compare, counted, mean_law};
 pub use path::{Criterion, noise_alone};
 pub use response::response;
 pub use sound::render;
+pub use stability::{MOST_LOOP_GAIN, loop_gain};
 pub use thin::{MOST_BREAKPOINTS, THINNED_WITHIN_DB};
-pub use waveguide::{
-    MOST_LOOP_GAIN, SHORTEST_DELAY, USUAL_BANDWIDTH_HZ, average, by_average_filter, loop_gain, waveguide,
-};
+pub use waveguide::{SHORTEST_DELAY, USUAL_BANDWIDTH_HZ, average, by_average_filter, waveguide};
 
 use crate::modes::DampedSine;
 

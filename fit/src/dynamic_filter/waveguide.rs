@@ -3,18 +3,17 @@
 use std::f64::consts::TAU;
 
 use nalgebra::Complex;
-use rayon::prelude::*;
 
 use super::additive::{MOST_MODES, misfit};
-use super::closed_loop::BandPass;
 use super::guide::{Guide, crowding};
-use super::heard::{Mended, complete, descend, hear, lacking, mend};
+use super::heard::{descend, hear, mend};
 use super::joint::{Joint, Sought};
-use super::lattice::{Lattice, squared};
+use super::lattice::Lattice;
 use super::path::{path_of_filters, starts, times_s};
-use super::response::{heard_in_band, near_poles, response};
-use super::ringing::{Ringing, of_sought, starts as starts_of_ringing};
-use super::{Coefficients, Comparison, Form, Loop, Model, Path, RATE_HZ};
+use super::response::{heard_in_band, response};
+use super::ringing::{self, Ringing};
+use super::stability::{MOST_LOOP_GAIN, filters_of, stabilise};
+use super::{Form, Loop, Model, Path, RATE_HZ};
 use crate::bark::DampingLaw;
 use crate::modes::DampedSine;
 
@@ -22,8 +21,6 @@ use crate::modes::DampedSine;
 pub const SHORTEST_DELAY: f64 = 32.0;
 /// Width of a loop's band-pass in Hz where nothing asks for more: the paper sets 1 to 5.
 pub const USUAL_BANDWIDTH_HZ: f64 = 3.0;
-/// `|F| Σ|B_s|` stays below this at every frequency and time: less than 1 by what interpolation between breakpoints may add.
-pub const MOST_LOOP_GAIN: f64 = 0.998;
 /// Emergence that a loop is asked for at most, as a ratio.
 const MOST_EMERGENCE: f64 = 50.0;
 /// Ends of the noise that are tried, as parts of the time until the slowest band has died away.
@@ -32,16 +29,8 @@ const ENDS: [f64; 4] = [0.02, 0.06, 0.15, 0.35];
 const WIDTHS: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
 /// So many of what the descents find are mended.
 const MENDED: usize = 2;
-/// The same of loops that ring while the noise falls by its level.
-const MENDED_RINGING: usize = 4;
-/// Bands that are offered such loops.
-const OFFERED: usize = 5;
-/// Modes of loops lie below so much of the rate.
-const HIGHEST_PART: f64 = 0.42;
 /// Rounds of choosing loops for a filter, and a filter for loops.
 const ROUNDS: usize = 2;
-/// Frequencies of the condition, beside those round each loop.
-const FREQUENCIES: usize = 512;
 
 /// The average filter `F~(ω)` of a path: its magnitude squared is the power spectral density of noise filtered along the path (over the time in
 /// which there is noise), its phase that of the filter while it is loud.
@@ -128,58 +117,6 @@ fn band_pass(guide: &Loop, frequency_hz: f64) -> Complex<f64> {
     if wide.norm() + apart.norm() <= 0.0 { Complex::new(0.0, 0.0) } else { wide / (wide + apart) * guide.gain }
 }
 
-/// Largest `|F| Σ|B_s|` over frequencies and a path's breakpoints and the quarters between them.
-pub fn loop_gain(path: &Path, loops: &[Loop]) -> f64 {
-    largest_gain(&filters_of(path), loops)
-}
-
-/// The same for filters, with the band-passes that the instrument plays.
-fn largest_gain(filters: &[Coefficients], loops: &[Loop]) -> f64 {
-    let bands: Vec<(BandPass, f64)> = loops.iter().map(|guide| (BandPass::of(guide), guide.gain)).collect();
-    let wide = frequencies(loops).map(|frequency| TAU * frequency / RATE_HZ);
-    let near_poles = filters.iter().flat_map(near_poles).filter(|_| !loops.is_empty());
-    let gain_at = |angular: f64| {
-        let loudest = filters.iter().map(|filter| squared(filter)(angular)).fold(0.0, f64::max).sqrt();
-        loudest * bands.iter().map(|(band, gain)| (gain * band.magnitude(angular)).abs()).sum::<f64>()
-    };
-    wide.chain(near_poles).map(gain_at).fold(0.0, f64::max)
-}
-
-fn filters_of(path: &Path) -> Vec<Coefficients> {
-    let points = path.points.iter().map(|point| point.coefficients);
-    // Where the instrument looks at each piece, too.
-    let between = path.points.windows(2).flat_map(|pair| {
-        let at = |part| pair[0].coefficients.towards(&pair[1].coefficients, part);
-        [0.25, 0.5, 0.75].map(at)
-    });
-    points.chain(between).collect()
-}
-
-fn frequencies(loops: &[Loop]) -> impl Iterator<Item = f64> + '_ {
-    let wide = (1..FREQUENCIES).map(|at| 0.5 * RATE_HZ * (at as f64 / FREQUENCIES as f64).powi(2));
-    let near = loops
-        .iter()
-        .flat_map(|guide| (-64..=64).map(|step| guide.frequency_hz + f64::from(step) / 16.0 * guide.bandwidth_hz));
-    wide.chain(near).filter(|frequency| (0.0..0.5 * RATE_HZ).contains(frequency))
-}
-
-/// Lowers gains until the loops are stable.
-pub(crate) fn stabilise(path: &Path, loops: &mut [Loop]) {
-    let filters = filters_of(path);
-    // Each alone, then all together.
-    for guide in loops.iter_mut() {
-        let alone = std::slice::from_ref(guide);
-        let gain = largest_gain(&filters, alone);
-        if gain > MOST_LOOP_GAIN {
-            guide.gain *= MOST_LOOP_GAIN / gain;
-        }
-    }
-    let gain = largest_gain(&filters, loops);
-    if gain > MOST_LOOP_GAIN {
-        loops.iter_mut().for_each(|guide| guide.gain *= MOST_LOOP_GAIN / gain);
-    }
-}
-
 /// Chooses at most [`MOST_MODES`] loops at modes of the recording, and path, gains and widths so that each band decays by the law.
 ///
 /// While noise goes on, a loop's mode lives on what the filter lets through: where that falls, the mode falls faster. So the noise may end early: the
@@ -218,44 +155,14 @@ pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], f
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
     ranked.truncate(MENDED);
     let followed: Vec<Ringing> =
-        ranked.iter().filter_map(|(_, _, sought)| of_sought(law, &joint, sought.as_ref()?)).collect();
+        ranked.iter().filter_map(|(_, _, sought)| ringing::of_sought(law, &joint, sought.as_ref()?)).collect();
     let mended = ranked.into_iter().map(|(missed, model, sought)| {
         let mended = sought.map(|sought| mend(law, &sought, |sought| model_of(law, sought), descend(law)));
         mended.map_or((missed, model), |mended| (mended.heard.missed, mended.model))
     });
-    let ringing = ringing(law, &joint, modes, followed, &first_filters);
+    let ringing = ringing::search(law, &joint, modes, followed, &first_filters);
     let all = mended.chain(ringing.into_iter().map(|mended| (mended.heard.missed, mended.model)));
     all.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Model::default, |(_, model)| model)
-}
-
-/// Loops that ring while the noise falls by its level: the best of what descents find, mended, with loops where it is heard to lack them.
-fn ringing(
-    law: &DampingLaw,
-    joint: &Joint,
-    modes: &[DampedSine],
-    followed: Vec<Ringing>,
-    filters: &[Lattice],
-) -> Option<Mended<Ringing>> {
-    let times_s = times_s(law);
-    let usual: Vec<DampedSine> =
-        modes.iter().filter(|mode| mode.frequency_hz < HIGHEST_PART * RATE_HZ).copied().collect();
-    let starts: Vec<Ringing> = followed.into_iter().chain(starts_of_ringing(law, joint, filters, &usual)).collect();
-    let found = starts.into_par_iter().map(|start| {
-        let found = start.descend(joint);
-        (hear(law, &found.model(&times_s)).missed, found)
-    });
-    let mut found: Vec<(f64, Ringing)> = found.collect();
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    found.truncate(MENDED_RINGING);
-    let descend = |asked: &DampingLaw, found: &Ringing| found.follow(&Joint::new(asked, &times_s));
-    let model_of = |found: &Ringing| found.model(&times_s);
-    let mended: Vec<_> = found.into_par_iter().map(|(_, found)| mend(law, &found, model_of, descend)).collect();
-    let best = mended.into_iter().min_by(|a, b| a.heard.missed.total_cmp(&b.heard.missed))?;
-    let offered = |found: &Ringing, worst: &Comparison| {
-        let lacking = lacking(worst, &usual, &found.frequencies_hz());
-        lacking.iter().map(|mode| found.with(law, joint, mode, &worst.recorded)).collect()
-    };
-    Some(complete(law, best, OFFERED, offered, model_of, descend))
 }
 
 /// The loops' gains and delays for the path that their filters make.

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::super::joint::Joint;
-use super::super::waveguide::MOST_LOOP_GAIN;
+use super::super::stability::MOST_LOOP_GAIN;
 use super::circle::Circle;
 use super::numbers::{Ringing, Spelled};
 

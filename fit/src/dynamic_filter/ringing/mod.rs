@@ -13,10 +13,12 @@ mod circle;
 mod descent;
 mod numbers;
 mod powers;
+mod search;
 mod start;
 
 pub(crate) use numbers::Ringing;
-pub(crate) use start::{of_sought, starts};
+pub(crate) use search::search;
+pub(crate) use start::of_sought;
 
 #[cfg(test)]
 mod tests;

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use super::super::closed_loop::BandPass;
 use super::super::lattice::{Lattice, WIDEST};
 use super::super::response::response;
-use super::super::waveguide::{MOST_LOOP_GAIN, loop_gain};
+use super::super::stability::{MOST_LOOP_GAIN, loop_gain};
 use super::super::{Breakpoint, Coefficients, Form, Loop, Model, Path, RATE_HZ};
 use super::circle::Circle;
 
@@ -175,20 +175,20 @@ impl Ringing {
             Some(Breakpoint { time_s: *times_s.get(*time)?, coefficients, noise: level / loudest })
         };
         let path = Path { points: spelled.knots.iter().zip(&self.knots).filter_map(point).collect() };
-        let numbers = spelled.gains.iter().zip(&spelled.widths_hz).zip(&spelled.phases);
-        let round = |((frequency_hz, frames), ((gain, width_hz), phase)): (&(f64, f64), ((&f64, &f64), &f64))| {
+        let round = |(index, (frequency_hz, frames)): (usize, &(f64, f64))| {
+            let of = |numbers: &[f64]| numbers.get(index).copied().unwrap_or(0.0);
             // The delay that turns the wave as the descent had it, with a fraction that the numerator makes.
             let period = RATE_HZ / frequency_hz;
-            let first = phase / TAU * period;
+            let first = of(&spelled.phases) / TAU * period;
             let turns = ((frames + 0.5 - first) / period).round();
             Loop {
                 frequency_hz: *frequency_hz,
-                bandwidth_hz: *width_hz,
-                gain: gain / loudest,
+                bandwidth_hz: of(&spelled.widths_hz),
+                gain: of(&spelled.gains) / loudest,
                 delay_s: (first + turns * period) / RATE_HZ,
             }
         };
-        let mut loops: Vec<Loop> = self.loops.iter().zip(numbers).map(round).collect();
+        let mut loops: Vec<Loop> = self.loops.iter().enumerate().map(round).collect();
         let lower = (MOST_LOOP_GAIN / loop_gain(&path, &loops).max(f64::MIN_POSITIVE)).min(1.0);
         loops.iter_mut().for_each(|guide| guide.gain *= lower);
         Model { path, modes: Vec::new(), loops }

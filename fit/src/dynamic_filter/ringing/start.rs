@@ -35,7 +35,7 @@ const LEAST_MISSING: f64 = 2e-3;
 const MOST_MISSING: f64 = 0.9;
 
 /// First guesses for each of some filters.
-pub(crate) fn starts(law: &DampingLaw, joint: &Joint, filters: &[Lattice], modes: &[DampedSine]) -> Vec<Ringing> {
+pub(super) fn starts(law: &DampingLaw, joint: &Joint, filters: &[Lattice], modes: &[DampedSine]) -> Vec<Ringing> {
     let mut decays: Vec<f64> = counted(law).map(|band| band.decay_per_s).collect();
     decays.sort_by(f64::total_cmp);
     let of_filter = |filter: &Lattice| {
