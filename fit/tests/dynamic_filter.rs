@@ -15,7 +15,7 @@ use fit::score::quantile;
 /// Noise for 20 ms through a low-pass that stands still.
 fn burst() -> Path {
     let coefficients = Coefficients { a: [-0.3, 0.0], b: [0.2, 0.1, 0.0] };
-    let point = |time_s| Breakpoint { time_s, coefficients };
+    let point = |time_s| Breakpoint { time_s, coefficients, noise: 1.0 };
     Path { points: vec![point(0.0), point(0.02)] }
 }
 

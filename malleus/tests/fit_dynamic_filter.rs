@@ -22,6 +22,7 @@ fn write_recording(path: &Path) {
     let point = |time_s: f64, b0: f64, a1: f64| Breakpoint {
         time_s,
         coefficients: Coefficients { a: [a1, 0.0], b: [b0, b0, 0.0] },
+        noise: 1.0,
     };
     let mode = |frequency_hz, decay_per_s, amplitude| DampedSine { frequency_hz, decay_per_s, amplitude, phase: 0.3 };
     let model = Model {

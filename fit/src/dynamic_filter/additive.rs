@@ -1,11 +1,11 @@
 //! The additive way: a few modes beside the filter (dynamic-filter §III-B, §IV-B2).
 
-use super::heard::{Mended, complete, mend};
+use super::heard::{Mended, complete, descend, lacking, mend};
 use super::joint::{Joint, Sought};
 use super::lattice::Lattice;
 use super::path::{db_per_s, path_of_filters, starts, times_s};
 use super::response::{BandHearing, heard_in_band};
-use super::{Form, Model};
+use super::{Comparison, Form, Model};
 use crate::bark::{DampingBand, DampingLaw, width_hz};
 use crate::modes::DampedSine;
 
@@ -19,6 +19,8 @@ const MODES_MAKE: f64 = 0.5;
 const ROOM: f64 = 0.03;
 /// A decay off by so much is as bad as can be counted, in the logarithm.
 const WORST: f64 = 0.45;
+/// Bands that are offered modes at most.
+const OFFERED: usize = 16;
 /// A law of which so little is missed needs no other beginning.
 const MET: f64 = 0.1;
 /// What 10 dB of prominence is worth, in the units of the squared error of a band.
@@ -35,7 +37,16 @@ pub fn additive(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], fo
     let off = |sought: &Sought| misfit(law, &times_s, &joint.powers(sought));
     let model_of =
         |sought: &Sought| Model { path: path_of_filters(law, sought), modes: sought.modes.clone(), loops: Vec::new() };
-    let mut best: Option<Mended> = None;
+    let offered = |sought: &Sought, worst: &Comparison| {
+        let taken: Vec<f64> = sought.modes.iter().map(|mode| mode.frequency_hz).collect();
+        let with = |mode: DampedSine| {
+            let mut more = with_room(law, &joint, sought);
+            more.modes.push(DampedSine { decay_per_s: worst.recorded.decay_per_s, ..mode });
+            more
+        };
+        lacking(worst, modes, &taken).into_iter().map(with).collect()
+    };
+    let mut best: Option<Mended<Sought>> = None;
     for mut sought in starts(law, &joint, form) {
         let mut tried = Vec::new();
         for _ in 0..ROUNDS {
@@ -45,7 +56,7 @@ pub fn additive(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], fo
             tried.push(found);
         }
         let Some(found) = tried.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))) else { continue };
-        let now = complete(law, mend(law, &found, model_of), modes, model_of);
+        let now = complete(law, mend(law, &found, model_of, descend(law)), OFFERED, offered, model_of, descend(law));
         if best.as_ref().is_none_or(|best| now.heard.missed < best.heard.missed) {
             best = Some(now);
         }
@@ -54,6 +65,17 @@ pub fn additive(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], fo
         }
     }
     best.map_or_else(Model::default, |best| best.model)
+}
+
+/// Without the mode whose loss is least, where there are as many as there may be.
+fn with_room(law: &DampingLaw, joint: &Joint, sought: &Sought) -> Sought {
+    let without = |at: usize| {
+        let mut less = sought.clone();
+        less.modes.remove(at);
+        (misfit(law, &joint.times_s, &joint.powers(&less)), less)
+    };
+    let fewer = (0..sought.modes.len()).map(without).min_by(|a, b| a.0.total_cmp(&b.0));
+    fewer.filter(|_| sought.modes.len() >= MOST_MODES).map_or_else(|| sought.clone(), |(_, less)| less)
 }
 
 /// The modes that filters lack most, one after the other.

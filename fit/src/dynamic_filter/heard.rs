@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use super::additive::{MOST_MODES, misfit};
 use super::damping::mean_of;
 use super::joint::{Joint, Sought};
 use super::path::times_s;
@@ -30,8 +29,6 @@ const SHORT_ROUNDS: usize = 2;
 /// A mode is in a band that hears so much of its power, and so many of a band's modes are tried.
 const INSIDE: f64 = 0.2;
 const TRIED: usize = 2;
-/// Bands that are offered modes at most.
-const OFFERED: usize = 16;
 /// Of what is off in the logarithm of α, so much is asked for in a round ...
 const ASKED: f64 = 0.6;
 /// ... and as much as this in all.
@@ -64,9 +61,9 @@ pub(crate) fn hear(law: &DampingLaw, model: &Model) -> Heard {
 
 /// A model, and what is heard of the law in it.
 #[derive(Clone)]
-pub(crate) struct Mended {
+pub(crate) struct Mended<S> {
     /// What was sought.
-    sought: Sought,
+    sought: S,
     /// The law that was asked for.
     asked: DampingLaw,
     /// The model of it.
@@ -79,19 +76,31 @@ pub(crate) struct Mended {
 ///
 /// The descent takes powers for what a band's decay is read off, a loop's mode for the steady one, and straight lines for what lies between
 /// breakpoints; what is left of that is an error of every band that hardly depends on the seed.
-pub(crate) fn mend(law: &DampingLaw, found: &Sought, model_of: impl Fn(&Sought) -> Model) -> Mended {
-    mend_from(law, law.clone(), found.clone(), &model_of, ROUNDS)
+///
+/// `descend` finds anew, from what was found, what is asked for.
+pub(crate) fn mend<S: Clone>(
+    law: &DampingLaw,
+    found: &S,
+    model_of: impl Fn(&S) -> Model,
+    descend: impl Fn(&DampingLaw, &S) -> S,
+) -> Mended<S> {
+    mend_from(law, law.clone(), found.clone(), model_of, descend, ROUNDS)
 }
 
-fn mend_from(
+/// [`Joint`]'s descent for what is asked for in the place of a law.
+pub(crate) fn descend(law: &DampingLaw) -> impl Fn(&DampingLaw, &Sought) -> Sought + Copy + use<'_> {
+    move |asked, sought| Joint::new(asked, &times_s(law)).descend(sought)
+}
+
+fn mend_from<S: Clone>(
     law: &DampingLaw,
     mut asked: DampingLaw,
-    mut sought: Sought,
-    model_of: impl Fn(&Sought) -> Model,
+    mut sought: S,
+    model_of: impl Fn(&S) -> Model,
+    descend: impl Fn(&DampingLaw, &S) -> S,
     rounds: usize,
-) -> Mended {
-    let times_s = times_s(law);
-    let mut best: Option<Mended> = None;
+) -> Mended<S> {
+    let mut best: Option<Mended<S>> = None;
     let mut round = 0;
     loop {
         let model = model_of(&sought);
@@ -111,12 +120,12 @@ fn mend_from(
             return best.clone();
         }
         round += 1;
-        sought = Joint::new(&asked, &times_s).descend(&sought);
+        sought = descend(&asked, &sought);
     }
 }
 
 /// The modes that a law's worst band may lack, the loudest in it first.
-fn lacking(band: &Comparison, modes: &[DampedSine], taken_hz: &[f64]) -> Vec<DampedSine> {
+pub(crate) fn lacking(band: &Comparison, modes: &[DampedSine], taken_hz: &[f64]) -> Vec<DampedSine> {
     let heard = |mode: &DampedSine| heard_in_band(mode.frequency_hz, band.recorded.bark);
     let is_new = |mode: &&DampedSine| !taken_hz.contains(&mode.frequency_hz);
     let mut there: Vec<DampedSine> = modes.iter().filter(|mode| heard(mode) > INSIDE).filter(is_new).copied().collect();
@@ -125,43 +134,31 @@ fn lacking(band: &Comparison, modes: &[DampedSine], taken_hz: &[f64]) -> Vec<Dam
     there
 }
 
-/// Without the mode whose loss is least, where there are as many as there may be.
-fn with_room(law: &DampingLaw, sought: &Sought) -> Sought {
-    let times_s = times_s(law);
-    let joint = Joint::new(law, &times_s);
-    let without = |at: usize| {
-        let mut less = sought.clone();
-        less.modes.remove(at);
-        (misfit(law, &times_s, &joint.powers(&less)), less)
-    };
-    let fewer = (0..sought.modes.len()).map(without).min_by(|a, b| a.0.total_cmp(&b.0));
-    fewer.filter(|_| sought.modes.len() >= MOST_MODES).map_or_else(|| sought.clone(), |(_, less)| less)
-}
-
-/// Takes in modes where a model is heard to lack them, band by band, the worst first, as long as that is heard to help.
+/// Takes in what `offered` gives where a model is heard to lack it, band by band, the worst first, at most so many bands, as long as that is heard to help.
 ///
-/// In the place of the one that is needed least, where there are ten. Predictions say of each mode alone what it would do; where noise is in its way,
-/// only the fit of all together tells.
-pub(crate) fn complete(
+/// Predictions say of each mode alone what it would do; where noise is in its way, only the fit of all together tells.
+pub(crate) fn complete<S: Clone + Send + Sync>(
     law: &DampingLaw,
-    mended: Mended,
-    modes: &[DampedSine],
-    model_of: impl Fn(&Sought) -> Model,
-) -> Mended {
+    mended: Mended<S>,
+    bands: usize,
+    offered: impl Fn(&S, &Comparison) -> Vec<S> + Sync,
+    model_of: impl Fn(&S) -> Model + Sync,
+    descend: impl Fn(&DampingLaw, &S) -> S + Sync,
+) -> Mended<S> {
     let mut best = mended;
     let mut given_up = Vec::new();
-    for _ in 0..OFFERED {
+    for _ in 0..bands {
         let is_open = |band: &&Comparison| band.error() > GOOD && !given_up.contains(&band.recorded.bark);
         let worst = best.heard.bands.iter().filter(is_open).max_by(|a, b| a.error().total_cmp(&b.error()));
         let Some(worst) = worst.copied() else { break };
-        let taken: Vec<f64> = best.sought.modes.iter().map(|mode| mode.frequency_hz).collect();
-        let tried = lacking(&worst, modes, &taken).into_iter().map(|mode| {
-            let mut sought = with_room(law, &best.sought);
-            sought.modes.push(DampedSine { decay_per_s: worst.recorded.decay_per_s, ..mode });
-            let start = Joint::new(&best.asked, &times_s(law)).descend(&sought);
-            mend_from(law, best.asked.clone(), start, &model_of, SHORT_ROUNDS)
-        });
-        match tried.min_by(|a, b| a.heard.missed.total_cmp(&b.heard.missed)) {
+        let tried: Vec<Mended<S>> = offered(&best.sought, &worst)
+            .into_par_iter()
+            .map(|sought| {
+                let start = descend(&best.asked, &sought);
+                mend_from(law, best.asked.clone(), start, &model_of, &descend, SHORT_ROUNDS)
+            })
+            .collect();
+        match tried.into_iter().min_by(|a, b| a.heard.missed.total_cmp(&b.heard.missed)) {
             Some(better) if better.heard.missed < best.heard.missed => best = better,
             _ => given_up.push(worst.recorded.bark),
         }

@@ -8,7 +8,7 @@ use super::guide::{Guide, crowding};
 use super::lattice::{Lattice, WIDEST, squared};
 use super::path::db_per_s;
 use super::response::{BandHearing, heard_in_band};
-use super::waveguide::MOST_LOOP_GAIN;
+use super::stability::MOST_LOOP_GAIN;
 use super::{Form, RATE_HZ};
 use crate::bark::{DampingLaw, HIGHEST_BARK, frequency_hz};
 use crate::modes::DampedSine;
@@ -67,21 +67,36 @@ impl Sought {
 }
 
 /// One level that is asked for.
-struct Row {
-    band: usize,
+pub(crate) struct Row {
+    /// The band and the time, counted.
+    pub(crate) band: usize,
     time: usize,
-    weight: f64,
+    /// What it counts.
+    pub(crate) weight: f64,
     level_db: f64,
     /// Only what exceeds the level is an error.
     ceiling: bool,
 }
 
+impl Row {
+    /// By how much powers, `[time][band]`, are off, in a band whose level may be off at all times alike.
+    pub(crate) fn error_db(&self, powers: &[Vec<f64>], offset_db: f64) -> f64 {
+        let power = powers.get(self.time).and_then(|powers| powers.get(self.band)).copied().unwrap_or(0.0);
+        let error = 10.0 * power.max(1e-30).log10() - self.level_db - offset_db;
+        if self.ceiling { error.max(0.0) } else { error }
+    }
+}
+
 /// The law as levels over time.
 pub(crate) struct Joint {
-    times_s: Vec<f64>,
-    rates: Vec<f64>,
-    hearing: Vec<BandHearing>,
-    rows: Vec<Row>,
+    /// The times, seconds.
+    pub(crate) times_s: Vec<f64>,
+    /// The bands' rates in Bark: those of the law, then neighbours without one.
+    pub(crate) rates: Vec<f64>,
+    /// What they hear of noise.
+    pub(crate) hearing: Vec<BandHearing>,
+    /// What is asked for.
+    pub(crate) rows: Vec<Row>,
     /// How many bands have a law, and with it an offset.
     lawful: usize,
 }
@@ -118,6 +133,11 @@ impl Joint {
         }
         let hearing = rates.iter().map(|rate| BandHearing::new(*rate)).collect();
         Self { times_s: times_s.to_vec(), rates, hearing, rows, lawful }
+    }
+
+    /// How many bands have a law.
+    pub(crate) fn lawful(&self) -> usize {
+        self.lawful
     }
 
     /// Powers that the bands hear, `[time][band]`.
@@ -219,11 +239,7 @@ impl Joint {
 
     fn row_errors(&self, numbers: &Numbers) -> Vec<f64> {
         let powers = self.powers(&numbers.sought());
-        let error = |row: &Row| {
-            let power = powers.get(row.time).and_then(|powers| powers.get(row.band)).copied().unwrap_or(0.0);
-            let error = 10.0 * power.max(1e-30).log10() - row.level_db - numbers.offset_db(row.band);
-            if row.ceiling { error.max(0.0) } else { error }
-        };
+        let error = |row: &Row| row.error_db(&powers, numbers.offset_db(row.band));
         self.rows.iter().map(error).collect()
     }
 

@@ -12,6 +12,7 @@ pub mod study;
 pub mod table;
 
 mod additive;
+mod closed_loop;
 mod damping;
 mod guide;
 mod heard;
@@ -20,7 +21,9 @@ mod lattice;
 mod levels;
 mod path;
 mod response;
+mod ringing;
 mod sound;
+mod stability;
 mod thin;
 mod three_bands;
 mod waveguide;
@@ -30,10 +33,9 @@ pub use damping::{Comparison, compare, counted, mean_law};
 pub use path::{Criterion, noise_alone};
 pub use response::response;
 pub use sound::render;
+pub use stability::{MOST_LOOP_GAIN, loop_gain};
 pub use thin::{MOST_BREAKPOINTS, THINNED_WITHIN_DB};
-pub use waveguide::{
-    MOST_LOOP_GAIN, SHORTEST_DELAY, USUAL_BANDWIDTH_HZ, average, by_average_filter, loop_gain, waveguide,
-};
+pub use waveguide::{SHORTEST_DELAY, USUAL_BANDWIDTH_HZ, average, by_average_filter, waveguide};
 
 use crate::modes::DampedSine;
 
@@ -78,6 +80,8 @@ pub struct Breakpoint {
     pub time_s: f64,
     /// The coefficients.
     pub coefficients: Coefficients,
+    /// Level of the noise, 0 to 1.
+    pub noise: f64,
 }
 
 /// How the coefficients move: linear between breakpoints; no noise after the last.
@@ -98,6 +102,17 @@ impl Path {
             }
             (Some(only), None) | (None, Some(only)) => only.coefficients,
             (None, None) => Coefficients::default(),
+        }
+    }
+
+    /// The noise's level at a time in seconds; after the last breakpoint there is none.
+    pub fn noise_at(&self, time_s: f64) -> f64 {
+        let above = self.points.partition_point(|point| point.time_s <= time_s);
+        match (above.checked_sub(1).and_then(|below| self.points.get(below)), self.points.get(above)) {
+            (Some(from), Some(to)) => {
+                from.noise + (time_s - from.time_s) / (to.time_s - from.time_s) * (to.noise - from.noise)
+            }
+            _ => 0.0,
         }
     }
 

@@ -1,6 +1,6 @@
 //! The filter's frozen response (dynamic-filter eq. 5): its magnitude, its phase, and what a Bark band hears of noise through it.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use nalgebra::Complex;
 
@@ -24,6 +24,21 @@ pub fn response(coefficients: &Coefficients, angular: f64) -> Complex<f64> {
     let [b0, b1, b2] = coefficients.b;
     let [a1, a2] = coefficients.a;
     (late * (late * b2 + b1) + b0) / (late * (late * a2 + a1) + 1.0)
+}
+
+/// Angles close by a filter's poles, in distances of a pole from the circle.
+const POLE_STEPS: [f64; 7] = [-2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0];
+
+/// Angles close by a filter's poles, where its magnitude may be largest; ω in radians a sample.
+pub(crate) fn near_poles(filter: &Coefficients) -> impl Iterator<Item = f64> + use<> {
+    let [a1, a2] = filter.a;
+    let (middle, rest) = (-a1 / 2.0, a1 * a1 / 4.0 - a2);
+    let real = |pole: f64| (if pole < 0.0 { PI } else { 0.0 }, 1.0 - pole.abs());
+    let poles = match rest {
+        rest if rest < 0.0 => [((-rest).sqrt().atan2(middle), 1.0 - a2.sqrt()); 2],
+        rest => [1.0, -1.0].map(|sign| real(middle + sign * rest.sqrt())),
+    };
+    poles.into_iter().flat_map(|(angle, distance)| POLE_STEPS.map(|step| (angle + step * distance).clamp(0.0, PI)))
 }
 
 /// What one Bark band hears of white noise through the filter.

@@ -15,10 +15,10 @@ pub fn render(model: &Model, length: usize, seed: u64) -> Vec<f64> {
     let mut loops: Vec<Feedback> = model.loops.iter().map(Feedback::new).collect();
     let mut sound: Vec<f64> = Vec::with_capacity(length);
     let (mut inputs, mut outputs) = ([0.0; 2], [0.0; 2]);
-    let end_s = model.path.end_s();
     for n in 0..length {
         let time_s = n as f64 / RATE_HZ;
-        let noise = if time_s <= end_s { 2.0 * random.uniform() - 1.0 } else { 0.0 };
+        let level = model.path.noise_at(time_s);
+        let noise = if level > 0.0 { level * (2.0 * random.uniform() - 1.0) } else { 0.0 };
         let input = noise + loops.iter_mut().map(|feedback| feedback.next(&sound)).sum::<f64>();
         let Coefficients { a: [a1, a2], b: [b0, b1, b2] } = model.path.at(time_s);
         let output = b0 * input + b1 * inputs[0] + b2 * inputs[1] - a1 * outputs[0] - a2 * outputs[1];
@@ -43,7 +43,7 @@ struct Feedback {
 impl Feedback {
     fn new(guide: &Loop) -> Self {
         let delay = (guide.delay_s * RATE_HZ).max(1.0);
-        let whole = delay.round();
+        let whole = delay.floor();
         let angular = TAU * guide.frequency_hz / RATE_HZ;
         // Eq. 11 prints Q = Δf/f_c; with f_c/Δf the width is Δf.
         let tau = angular.sin() * guide.bandwidth_hz / (2.0 * guide.frequency_hz);
@@ -75,7 +75,8 @@ mod tests {
 
     #[test]
     fn noises_of_neighbouring_seeds_have_nothing_in_common() {
-        let point = |time_s| Breakpoint { time_s, coefficients: Coefficients { a: [0.0; 2], b: [1.0, 0.0, 0.0] } };
+        let point =
+            |time_s| Breakpoint { time_s, coefficients: Coefficients { a: [0.0; 2], b: [1.0, 0.0, 0.0] }, noise: 1.0 };
         let model = Model { path: Path { points: vec![point(0.0), point(1.0)] }, ..Model::default() };
         let [one, other] = [1, 2].map(|seed| render(&model, 20_000, seed));
         for shift in 0..50 {

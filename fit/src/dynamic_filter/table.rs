@@ -115,7 +115,7 @@ fn filter(model: &Model, seed: u32) -> kit::DynamicFilter {
         let super::Coefficients { a, b: [b0, b1, b2] } = point.coefficients;
         let [a1, a2] = played(a, if second { LEAST_REAL_POLE } else { -MOST_POLE });
         let [a1, a2, b0, b1, b2] = [a1, a2, b0, b1, b2].map(|value| value as f32);
-        kit::Breakpoint { time_s: point.time_s as f32, noise: 1.0, a1, a2, b0, b1, b2 }
+        kit::Breakpoint { time_s: point.time_s as f32, noise: point.noise as f32, a1, a2, b0, b1, b2 }
     };
     let round = |one: &super::Loop| kit::Loop {
         frequency_hz: one.frequency_hz as f32,
@@ -142,5 +142,6 @@ fn played([a1, a2]: [f64; 2], least: f64) -> [f64; 2] {
         return [a1 * smaller, a2 * smaller * smaller];
     }
     let [p, q] = [1.0, -1.0].map(|sign| ((-a1 + sign * discriminant.sqrt()) / 2.0).clamp(least, MOST_POLE));
-    [-(p + q), p * q]
+    // Never -0.0: a table of the first order has no a2.
+    [-(p + q), p * q + 0.0]
 }

@@ -45,6 +45,6 @@ pub(crate) fn thin(times_s: &[f64], filters: &[Coefficients], bands: &[BandHeari
     }
     let points = kept
         .into_iter()
-        .filter_map(|at| Some(Breakpoint { time_s: *times_s.get(at)?, coefficients: *filters.get(at)? }));
+        .filter_map(|at| Some(Breakpoint { time_s: *times_s.get(at)?, coefficients: *filters.get(at)?, noise: 1.0 }));
     Path { points: points.collect() }
 }

@@ -6,12 +6,14 @@ use nalgebra::Complex;
 
 use super::additive::{MOST_MODES, misfit};
 use super::guide::{Guide, crowding};
-use super::heard::{hear, mend};
+use super::heard::{descend, hear, mend};
 use super::joint::{Joint, Sought};
 use super::lattice::Lattice;
 use super::path::{path_of_filters, starts, times_s};
 use super::response::{heard_in_band, response};
-use super::{Coefficients, Form, Loop, Model, Path, RATE_HZ};
+use super::ringing::{self, Ringing};
+use super::stability::{MOST_LOOP_GAIN, filters_of, stabilise};
+use super::{Form, Loop, Model, Path, RATE_HZ};
 use crate::bark::DampingLaw;
 use crate::modes::DampedSine;
 
@@ -19,8 +21,6 @@ use crate::modes::DampedSine;
 pub const SHORTEST_DELAY: f64 = 32.0;
 /// Width of a loop's band-pass in Hz where nothing asks for more: the paper sets 1 to 5.
 pub const USUAL_BANDWIDTH_HZ: f64 = 3.0;
-/// `|F| Σ|B_s|` stays below this at every frequency and time: less than 1 by what interpolation between breakpoints may add.
-pub const MOST_LOOP_GAIN: f64 = 0.998;
 /// Emergence that a loop is asked for at most, as a ratio.
 const MOST_EMERGENCE: f64 = 50.0;
 /// Ends of the noise that are tried, as parts of the time until the slowest band has died away.
@@ -31,8 +31,6 @@ const WIDTHS: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
 const MENDED: usize = 2;
 /// Rounds of choosing loops for a filter, and a filter for loops.
 const ROUNDS: usize = 2;
-/// Frequencies of the condition, beside those round each loop.
-const FREQUENCIES: usize = 512;
 
 /// The average filter `F~(ω)` of a path: its magnitude squared is the power spectral density of noise filtered along the path (over the time in
 /// which there is noise), its phase that of the filter while it is loud.
@@ -119,52 +117,6 @@ fn band_pass(guide: &Loop, frequency_hz: f64) -> Complex<f64> {
     if wide.norm() + apart.norm() <= 0.0 { Complex::new(0.0, 0.0) } else { wide / (wide + apart) * guide.gain }
 }
 
-/// Largest `|F| Σ|B_s|` over frequencies and a path's breakpoints and the middles between them.
-pub fn loop_gain(path: &Path, loops: &[Loop]) -> f64 {
-    let filters: Vec<Coefficients> = filters_of(path);
-    frequencies(loops).map(|frequency| gain_at(&filters, loops, frequency)).fold(0.0, f64::max)
-}
-
-fn filters_of(path: &Path) -> Vec<Coefficients> {
-    let points = path.points.iter().map(|point| point.coefficients);
-    let middles = path.points.windows(2).filter_map(|pair| match pair {
-        [from, to] => Some(from.coefficients.towards(&to.coefficients, 0.5)),
-        _ => None,
-    });
-    points.chain(middles).collect()
-}
-
-fn frequencies(loops: &[Loop]) -> impl Iterator<Item = f64> + '_ {
-    let wide = (1..FREQUENCIES).map(|at| 0.5 * RATE_HZ * (at as f64 / FREQUENCIES as f64).powi(2));
-    let near = loops
-        .iter()
-        .flat_map(|guide| (-16..=16).map(|step| guide.frequency_hz + 0.25 * f64::from(step) * guide.bandwidth_hz));
-    wide.chain(near).filter(|frequency| (0.0..0.5 * RATE_HZ).contains(frequency))
-}
-
-fn gain_at(filters: &[Coefficients], loops: &[Loop], frequency_hz: f64) -> f64 {
-    let loudest =
-        filters.iter().map(|filter| response(filter, TAU * frequency_hz / RATE_HZ).norm()).fold(0.0, f64::max);
-    loudest * loops.iter().map(|guide| band_pass(guide, frequency_hz).norm()).sum::<f64>()
-}
-
-/// Lowers gains until the loops are stable.
-pub(crate) fn stabilise(path: &Path, loops: &mut [Loop]) {
-    let filters = filters_of(path);
-    // Each alone, then all together.
-    for guide in loops.iter_mut() {
-        let alone = std::slice::from_ref(guide);
-        let gain = frequencies(alone).map(|frequency| gain_at(&filters, alone, frequency)).fold(0.0, f64::max);
-        if gain > MOST_LOOP_GAIN {
-            guide.gain *= MOST_LOOP_GAIN / gain;
-        }
-    }
-    let gain = frequencies(loops).map(|frequency| gain_at(&filters, loops, frequency)).fold(0.0, f64::max);
-    if gain > MOST_LOOP_GAIN {
-        loops.iter_mut().for_each(|guide| guide.gain *= MOST_LOOP_GAIN / gain);
-    }
-}
-
 /// Chooses at most [`MOST_MODES`] loops at modes of the recording, and path, gains and widths so that each band decays by the law.
 ///
 /// While noise goes on, a loop's mode lives on what the filter lets through: where that falls, the mode falls faster. So the noise may end early: the
@@ -177,7 +129,9 @@ pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], f
     let ends = ENDS.iter().map(|part| Some(times_s.partition_point(|time_s| *time_s < part * last_s)));
     let off = |sought: &Sought| misfit(law, &times_s, &joint.powers(sought));
     let mut found: Vec<(Model, Option<Sought>)> = Vec::new();
-    for start in starts(law, &joint, form) {
+    let starts = starts(law, &joint, form);
+    let first_filters: Vec<Lattice> = starts.iter().filter_map(|start| start.filters.first().cloned()).collect();
+    for start in starts {
         for end in ends.clone().chain([None]) {
             let mut sought = start.clone();
             sought.freeze_after(end);
@@ -200,11 +154,15 @@ pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], f
         found.into_iter().map(|(model, sought)| (hear(law, &model).missed, model, sought)).collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
     ranked.truncate(MENDED);
+    let followed: Vec<Ringing> =
+        ranked.iter().filter_map(|(_, _, sought)| ringing::of_sought(law, &joint, sought.as_ref()?)).collect();
     let mended = ranked.into_iter().map(|(missed, model, sought)| {
-        let mended = sought.map(|sought| mend(law, &sought, |sought| model_of(law, sought)));
+        let mended = sought.map(|sought| mend(law, &sought, |sought| model_of(law, sought), descend(law)));
         mended.map_or((missed, model), |mended| (mended.heard.missed, mended.model))
     });
-    mended.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Model::default, |(_, model)| model)
+    let ringing = ringing::search(law, &joint, modes, followed, &first_filters);
+    let all = mended.chain(ringing.into_iter().map(|mended| (mended.heard.missed, mended.model)));
+    all.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Model::default, |(_, model)| model)
 }
 
 /// The loops' gains and delays for the path that their filters make.
