@@ -77,6 +77,7 @@ impl ClockPlan {
     }
 
     /// The sample rate on the I2S pins as a ratio, Hz.
+    #[inline(always)] // so that no division is left that could fail
     pub const fn sample_rate_ratio(&self) -> (u32, u32) {
         let AudioClock { divider, multiplier, output_divider, prescaler, master_clock } = self.audio;
         let clock_hz = self.crystal_hz / divider as u32 * multiplier as u32 / output_divider as u32;
@@ -84,6 +85,7 @@ impl ClockPlan {
     }
 
     /// The sample rate on the I2S pins.
+    #[inline(always)]
     pub fn sample_rate(&self) -> SampleRate {
         let (numerator, denominator) = self.sample_rate_ratio();
         SampleRate::new(numerator, denominator).unwrap_or(SampleRate::HZ_48000)

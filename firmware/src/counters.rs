@@ -55,6 +55,8 @@ counters! {
     STRIKES,
     /// Decisions to leave modes out.
     SHEDS,
+    /// Residuals, dynamic filters and biquads that strikes did not begin for want of time.
+    REFUSED_STAGES,
     /// Events whose frame had passed.
     LATE_EVENTS,
     /// Events that could not be: no such pad, too many at once.

@@ -22,6 +22,7 @@ impl<T> Owned<T> {
     /// # Safety
     /// Nobody uses the contents, now or while the reference lives.
     #[expect(clippy::mut_from_ref, reason = "the caller promises to be alone")]
+    #[inline(always)] // so that what is large is made in its place, not on the stack
     pub unsafe fn fill(&self, value: T) -> &mut T {
         // SAFETY: the caller's word.
         unsafe { (*self.0.get()).write(value) }

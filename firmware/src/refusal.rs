@@ -2,17 +2,21 @@
 //! words here would take 10 KB of flash, most of it for decimals.)
 
 use defmt::Formatter;
-use dsp_core::engine::{Capacity, LoadError};
+use dsp_core::biquad::BiquadError;
+use dsp_core::dynamic_filter::DynamicFilterError;
+use dsp_core::engine::{Capacity, LoadError, Stage};
 use dsp_core::resonator::{BankError, max_decay_per_s};
+use dsp_core::room::RoomError;
 use dsp_core::table::{Place, TableError};
 use dsp_core::trigger::TriggerError;
+use dsp_core::waveguide::LoopError;
 
 /// Why a kit does not play.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refusal {
     /// Its bytes are no kit.
     Table(TableError),
-    /// It does not fit the engine, or not at this sample rate.
+    /// It does not fit the engine, or not at this sample rate; or a stage of it does not, which is left out.
     Load(LoadError),
     /// Its inputs cannot be.
     Trigger(TriggerError),
@@ -187,7 +191,6 @@ fn table(f: Formatter<'_>, error: TableError) {
             above,
             below
         ),
-        // Not met while the board's engine has no memory for filters.
         TableError::UnstablePole { place, .. } => defmt::write!(f, "{}: an unstable pole", At(place)),
         TableError::TimeOrder { place, .. } => defmt::write!(f, "{}: its times do not rise", At(place)),
         TableError::BadText { place } => defmt::write!(f, "{}: a text that is not UTF-8", At(place)),
@@ -201,27 +204,35 @@ fn load(f: Formatter<'_>, error: LoadError) {
         LoadError::TooManyPads { pads, capacity } => {
             defmt::write!(f, "{=usize} pads: this board has room for {=usize}", pads, capacity)
         }
-        LoadError::TooManyResiduals { capacity } => {
-            defmt::write!(f, "more than {=usize} residuals, the background counting as one", capacity)
-        }
-        LoadError::BeyondNyquist { pad: Some(pad), edge_hz, .. } => {
+        LoadError::TooManyResiduals { pad, capacity } => {
+            let stage = pad.map_or(Stage::Background, Stage::Residual);
             defmt::write!(
                 f,
-                "pad {=u8}, residual: edges_hz: {=f32}: beyond half this board's sample rate",
-                pad,
-                edge_hz
+                "{}: this board has room for {=usize}, the background counting as one",
+                Of(stage),
+                capacity
             )
         }
-        LoadError::BeyondNyquist { pad: None, edge_hz, .. } => {
-            defmt::write!(f, "background: edges_hz: {=f32}: beyond half this board's sample rate", edge_hz)
+        LoadError::BeyondNyquist { pad, edge_hz, .. } => {
+            let stage = pad.map_or(Stage::Background, Stage::Residual);
+            defmt::write!(f, "{}: edges_hz: {=f32}: beyond half this board's sample rate", Of(stage), edge_hz)
         }
-        // Not met while the board's engine has no memory for a room.
-        LoadError::Room(_) => defmt::write!(f, "the room cannot be built"),
-        // Nor for filters.
-        LoadError::TooManyFilters { .. }
-        | LoadError::FilterTable(_)
-        | LoadError::DynamicFilter { .. }
-        | LoadError::Biquads { .. } => defmt::write!(f, "the filters cannot be built"),
+        LoadError::Room(error) => defmt::write!(f, "{}: {}", Of(Stage::Room), Why::Room(error)),
+        LoadError::TooManyFilters { pad, capacity } => defmt::write!(
+            f,
+            "pad {=u8}, dynamic filter and biquads: this board has room for those of {=usize} pads",
+            pad,
+            capacity
+        ),
+        LoadError::NoPlace { stage } => defmt::write!(f, "{}: this board plays none", Of(stage)),
+        LoadError::TooDear { stage, cycles, left } => {
+            defmt::write!(f, "{}: takes {=u32} cycles a tick, {=u32} are left", Of(stage), cycles, left)
+        }
+        LoadError::FilterTable(error) => table(f, error),
+        LoadError::DynamicFilter { pad, error } => {
+            defmt::write!(f, "{}: {}", Of(Stage::DynamicFilter(pad)), Why::DynamicFilter(error))
+        }
+        LoadError::Biquads { pad, error } => defmt::write!(f, "{}: {}", Of(Stage::Biquads(pad)), Why::Biquads(error)),
         LoadError::Pad { pad, striker: Some(striker), error, capacity, rate } => defmt::write!(
             f,
             "pad {=usize}, striker {=usize}: {}",
@@ -235,6 +246,58 @@ fn load(f: Formatter<'_>, error: LoadError) {
             pad,
             Bank { error, capacity, max_decay_per_s: max_decay_per_s(rate) }
         ),
+    }
+}
+
+struct Of(Stage);
+
+impl defmt::Format for Of {
+    fn format(&self, f: Formatter<'_>) {
+        match self.0 {
+            Stage::Residual(pad) => defmt::write!(f, "pad {=u8}, residual", pad),
+            Stage::Background => defmt::write!(f, "background"),
+            Stage::DynamicFilter(pad) => defmt::write!(f, "pad {=u8}, dynamic filter", pad),
+            Stage::Biquads(pad) => defmt::write!(f, "pad {=u8}, biquads", pad),
+            Stage::Room => defmt::write!(f, "room"),
+        }
+    }
+}
+
+/// What hinders a stage; where and how much are for `malleus kit check` to tell.
+enum Why {
+    Room(RoomError),
+    DynamicFilter(DynamicFilterError),
+    Biquads(BiquadError),
+}
+
+impl defmt::Format for Why {
+    fn format(&self, f: Formatter<'_>) {
+        match *self {
+            Self::Room(RoomError::TooFewSamples { needed, capacity }) => {
+                defmt::write!(f, "{=usize} samples of delay needed, this board has {=usize}", needed, capacity)
+            }
+            Self::Room(RoomError::EdgeAboveNyquist { band, from_hz, .. }) => {
+                defmt::write!(f, "band {=usize}: from_hz = {=f32}: above 0.49 of the sample rate", band, from_hz)
+            }
+            Self::DynamicFilter(DynamicFilterError::Loop(LoopError::Count { given, room })) => {
+                defmt::write!(f, "{=usize} loops, this board has room for {=usize}", given, room)
+            }
+            Self::DynamicFilter(DynamicFilterError::Loop(LoopError::Delay { index, room, .. })) => {
+                defmt::write!(f, "loop {=usize}: longer than {=usize} frames", index, room)
+            }
+            Self::DynamicFilter(DynamicFilterError::Loop(LoopError::Unstable { frequency_hz, gain })) => {
+                defmt::write!(f, "unstable near {=f64} Hz, where a round has a gain of {=f64}", frequency_hz, gain)
+            }
+            Self::Biquads(BiquadError::Full { sections, room }) => {
+                defmt::write!(f, "{=usize} biquads, this board has room for {=usize} pairs", sections, room)
+            }
+            Self::Biquads(BiquadError::BeyondNyquist { biquad, .. }) => {
+                defmt::write!(f, "biquad {=usize}: its pole would be beyond half this board's sample rate", biquad)
+            }
+            Self::Room(_) | Self::DynamicFilter(_) | Self::Biquads(_) => {
+                defmt::write!(f, "its table cannot be played at this board's rate: `malleus kit check` says why")
+            }
+        }
     }
 }
 

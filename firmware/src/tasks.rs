@@ -92,7 +92,7 @@ pub async fn report() {
         let time = u64::from(CYCLES_PER_HALF) * u64::from(halves.wrapping_sub(halves_before)).max(1);
         halves_before = halves;
         defmt::info!(
-            "second: halves {=u32}, missed {=u32}, worst {=u32} of {=u32} cycles, load {=u32}/1000, strikes {=u32}, sheds {=u32}",
+            "second: halves {=u32}, missed {=u32}, worst {=u32} of {=u32} cycles, load {=u32}/1000, strikes {=u32}, sheds {=u32}, refused stages {=u32}",
             halves,
             counters::MISSED_HALVES.get(),
             counters::WORST_HALF_CYCLES.take(),
@@ -100,6 +100,7 @@ pub async fn report() {
             (busy / time) as u32,
             counters::STRIKES.get(),
             counters::SHEDS.get(),
+            counters::REFUSED_STAGES.get(),
         );
         defmt::info!(
             "faults: stream restarts {=u32}, ADC restarts {=u32}, lost ADC frames {=u32}, late events {=u32}, refused events {=u32}, unlogged lines {=u32}",

@@ -355,7 +355,7 @@ fn what_an_engine_cannot_play_is_refused_by_name_and_one_without_room_plays_with
     let mut kit = all();
     let pad = kit.pads[0].clone();
     kit.pads.extend((1..3).map(|index| kit::Pad { name: format!("pad {index}"), ..pad.clone() }));
-    assert_eq!(refusal(kit), LoadError::TooManyFilters { capacity: 2 });
+    assert_eq!(refusal(kit), LoadError::TooManyFilters { pad: 2, capacity: 2 });
 }
 
 #[test]

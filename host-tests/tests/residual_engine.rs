@@ -135,7 +135,7 @@ fn what_an_engine_cannot_play_is_refused_by_name_and_one_without_room_plays_with
     let bytes = binary(&kit);
     let view = KitView::parse(&bytes).expect("a right kit");
     let error = engine.load(&view, SampleRate::HZ_48000, Skipping::On).expect_err("three do not fit two");
-    assert_eq!(error, LoadError::TooManyResiduals { capacity: 2 });
+    assert_eq!(error, LoadError::TooManyResiduals { pad: Some(2), capacity: 2 });
     let mut without = Box::new(Engine::<'_, 4, 8, 64, 32, 64, STANDARD_CONTACTS, NoResiduals>::new());
     assert!(without.load(&view, SampleRate::HZ_48000, Skipping::On).is_ok());
 }

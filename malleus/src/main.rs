@@ -66,6 +66,9 @@ struct PlayArguments {
     /// Sample rate in Hz, or as a ratio such as 86000000/1792 [default: 48000, with --direct the file's own]
     #[arg(long, value_name = "HZ|N/D", value_parser = parse_rate)]
     rate: Option<SampleRate>,
+    /// Play as that board does, at its rate, with its room and without what it leaves out: stm32f407g-disc1 or blackpill-f411
+    #[arg(long, value_parser = commands::board::parse_board, conflicts_with_all = ["rate", "reference", "no_skip", "budget_mhz"])]
+    board: Option<virtual_board::Board>,
     /// Frames a block; any block gives the same bits
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     block: u32,

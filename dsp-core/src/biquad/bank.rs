@@ -251,8 +251,8 @@ impl<const PAIRS: usize> Bank<PAIRS> {
             }
             let frames = out.len().min(TICK_FRAMES - self.frame);
             let frames = if input.is_empty() { frames } else { frames.min(input.len()) };
-            let (now, later) = out.split_at_mut(frames);
-            let (x, more) = input.split_at(frames.min(input.len()));
+            let Some((now, later)) = core::mem::take(&mut out).split_at_mut_checked(frames) else { return };
+            let Some((x, more)) = input.split_at_checked(frames.min(input.len())) else { return };
             self.run((!x.is_empty()).then_some(x), now);
             (input, out) = (more, later);
         }
@@ -325,8 +325,8 @@ impl<const PAIRS: usize> Bank<PAIRS> {
             fits
         };
         let good = x.iter().take_while(holds).count();
-        let (now, later) = out.split_at_mut(good.min(out.len()));
-        let (given, more) = x.split_at(good);
+        let Some((now, later)) = out.split_at_mut_checked(good.min(out.len())) else { return };
+        let Some((given, more)) = x.split_at_checked(good.min(x.len())) else { return };
         if self.ringing && good > 0 {
             self.run(Some(given), now);
         } else {
@@ -388,7 +388,12 @@ impl<const PAIRS: usize> Bank<PAIRS> {
 
 /// What stands side by side: pairs, and twos of pairs whose sections stand behind one another.
 fn units(pairs: Option<&mut [Pair]>) -> impl Iterator<Item = &mut [Pair]> {
-    pairs.unwrap_or(&mut []).chunk_by_mut(|_, next| next.is_tail())
+    let mut rest = pairs.unwrap_or(&mut []);
+    core::iter::from_fn(move || {
+        let tails = rest.iter().skip(1).take_while(|pair| pair.is_tail()).count();
+        let unit = rest.split_off_mut(..rest.len().min(1 + tails))?;
+        (!unit.is_empty()).then_some(unit)
+    })
 }
 
 fn folded(word: i32) -> u32 {

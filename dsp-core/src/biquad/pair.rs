@@ -341,7 +341,7 @@ pub(super) fn settle(unit: &mut [Pair], input: Level) {
     let bits = if size == 0 { -1000 } else { bits + moved };
     let shift = input.exponent.map(|from| exponent - from);
     let added = shift.map_or(0.0, |shift| of_input * power_of_two(shift + X_BITS));
-    let high = (bits + 1).max(bits_above(added) + 1).clamp(1, STATE_BITS - growth_bits);
+    let high = (bits + 1).max(bits_above(added) + 1).max(1).min(STATE_BITS - growth_bits);
     let may_grow = size != 0 && for_input > exponent + 2 && exponent < MAX_EXPONENT && high > 4;
     let low = if may_grow { 1 << (high - 4) } else { 0 };
     let bound = (power_of_two(high) * growth + added + 512.0) * power_of_two(-exponent);

@@ -95,7 +95,15 @@ impl BandPass {
         let [low, high] = self.edges;
         let high = (high * factor).clamp(2.0 * Exciter::LEAST_EDGE as f32, Exciter::LARGEST_EDGE as f32);
         // The ratio stays within what the table's check allows.
-        let low = (low * factor).clamp(Exciter::LEAST_EDGE as f32, high / Exciter::LEAST_RATIO as f32);
+        let (low, lowest, highest) = (low * factor, Exciter::LEAST_EDGE as f32, high / Exciter::LEAST_RATIO as f32);
+        // Not `clamp`, which asks whether the bounds are in order, and would panic.
+        let low = if low < lowest {
+            lowest
+        } else if low > highest {
+            highest
+        } else {
+            low
+        };
         let (low, high) = (tangent(low), tangent(high));
         let (width, square) = (high - low, low * high);
         self.wide = width * width > square;

@@ -264,14 +264,14 @@ impl<const N: usize> Filter<N> {
         if shift >= 0 {
             let shift = shift.min(31);
             for (word, &sample) in input.iter_mut().zip(signal) {
-                *word = qadd(*word, sample >> shift).clamp(-largest, largest);
+                *word = qadd(*word, sample >> shift).max(-largest).min(largest);
             }
         } else {
             // What would be lost at the top is beyond the clip.
             let shift = shift.unsigned_abs().min(31);
             let most = i32::MAX >> shift;
             for (word, &sample) in input.iter_mut().zip(signal) {
-                *word = qadd(*word, sample.clamp(-most, most) << shift).clamp(-largest, largest);
+                *word = qadd(*word, sample.max(-most).min(most) << shift).max(-largest).min(largest);
             }
         }
     }

@@ -27,6 +27,7 @@ pub mod path;
 pub mod settings;
 pub mod walk;
 
+mod bound;
 mod carry;
 mod exciter;
 mod filter;

@@ -1,10 +1,15 @@
 //! Whether the loops round a path decay.
+//!
+//! In software `f64` a Cortex-M4 would take seconds for ten loops round a long path. So each angle is judged by bounds in `f32` first ([`bound`]), which the
+//! FPU finds, and only where these leave it open in `f64`. What is refused does not depend on the bounds.
 
 use core::f64::consts::{PI, TAU};
 
-use super::path;
+use super::bound::{self, Angle};
+use super::path::Point;
 use super::settings::Breakpoint;
 use crate::SampleRate;
+use crate::table::range;
 use crate::waveguide::{LoopError, Tuned};
 
 /// Points of each piece at which the loops are looked at.
@@ -13,6 +18,21 @@ const PARTS: u32 = 4;
 const GRID: u32 = 256;
 /// A little below 1 for what rounding does to multipliers.
 const BELOW_ONE: f64 = 1.0 - 1e-7;
+/// A bound below this is certain: in `f32` each is within 1e-4 of what it is to be above.
+const CERTAIN: f32 = 0.9995;
+/// Angles that are judged in one walk along the path.
+const TOGETHER: usize = 16;
+
+/// An angle at which the loops pass too much for the filter's largest gain.
+#[derive(Clone, Copy)]
+struct Suspect {
+    omega: f64,
+    angle: Angle,
+    /// Bound of `Σ |B_s|` there.
+    loops: f32,
+    /// Largest |F| of the points of the path at which bounds leave it open.
+    filter: f64,
+}
 
 /// `|F(ω)| Σ |B_s(ω)| < 1` at four points of each piece: at angles all over the circle, close by each band, and close by the pole of each point of the path.
 /// `largest_gain` is what |F| nowhere exceeds: where the loops pass too little even for that, as at most angles, the path need not be walked.
@@ -23,35 +43,67 @@ pub(super) fn check(
     loops: &[Tuned],
     rate: SampleRate,
 ) -> Result<(), LoopError> {
+    let Some(first) = loops.first() else { return Ok(()) };
+    let mut bounds = [bound::Loop::new(first); range::LOOPS];
+    bounds.iter_mut().zip(loops).for_each(|(bound, tuned)| *bound = bound::Loop::new(tuned));
+    let bounds = bounds.get(..loops.len()).unwrap_or(&[]);
+    let at_most = |omega: f64| match bounds.is_empty() {
+        true => f32::INFINITY,
+        false => bounds.iter().map(|bound| bound.at_most(omega)).sum::<f32>(),
+    };
+    let gain_at_most = largest_gain as f32;
+
     let at = |omega: f64| (libm::cos(omega), libm::sin(omega));
     let of_loops = |omega: f64| loops.iter().map(|tuned| tuned.magnitude(at(omega))).sum::<f64>();
     let refuse_above = |gain: f64, omega: f64| {
         let frequency_hz = omega * rate.hz() / TAU;
         if gain < BELOW_ONE { Ok(()) } else { Err(LoopError::Unstable { frequency_hz, gain }) }
     };
-    let holds = |omega: f64| {
-        let of_loops = of_loops(omega);
-        if largest_gain * of_loops < BELOW_ONE {
-            return Ok(());
-        }
-        let mut largest = 0.0f64;
+    let judge = |suspects: &mut [Suspect]| {
         walk(breakpoints.clone(), |here, next, part| {
-            largest = largest.max(path::magnitude(order, here, next, part, at(omega)));
+            let point = Point::between(order, here, next, part);
+            for suspect in suspects.iter_mut() {
+                let bound = point.as_ref().map_or(f32::INFINITY, |point| bound::of_filter(point, &suspect.angle));
+                let is_certain = bound * suspect.loops < CERTAIN;
+                if !is_certain {
+                    let exact = point.as_ref().map_or(f64::INFINITY, |point| point.magnitude(at(suspect.omega)));
+                    suspect.filter = suspect.filter.max(exact);
+                }
+            }
             Ok(())
         })?;
-        refuse_above(largest * of_loops, omega)
+        let mut open = suspects.iter().filter(|suspect| suspect.filter > 0.0);
+        open.try_for_each(|suspect| refuse_above(suspect.filter * of_loops(suspect.omega), suspect.omega))
     };
-    if loops.is_empty() {
-        return Ok(());
+
+    let close_by = loops.iter().map(Tuned::pole).flat_map(around);
+    let grid = (0..GRID).map(|step| (f64::from(step) + 0.5) / f64::from(GRID) * PI);
+    let nobody = Suspect { omega: 0.0, angle: Angle::new(0.0), loops: 0.0, filter: 0.0 };
+    let (mut suspects, mut count) = ([nobody; TOGETHER], 0);
+    for omega in close_by.chain(grid) {
+        let loops = at_most(omega);
+        if gain_at_most * loops < CERTAIN {
+            continue;
+        }
+        if let Some(suspect) = suspects.get_mut(count) {
+            *suspect = Suspect { omega, angle: Angle::new(omega), loops, filter: 0.0 };
+        }
+        count += 1;
+        if count == TOGETHER {
+            judge(&mut suspects)?;
+            count = 0;
+        }
     }
-    loops.iter().map(Tuned::pole).flat_map(around).try_for_each(holds)?;
-    (0..GRID).try_for_each(|step| holds((f64::from(step) + 0.5) / f64::from(GRID) * PI))?;
+    judge(suspects.get_mut(..count).unwrap_or(&mut []))?;
+
     walk(breakpoints.clone(), |here, next, part| {
-        path::poles(order, here, next, part).into_iter().flat_map(around).try_for_each(|omega| {
-            let of_loops = of_loops(omega);
-            let is_safe = largest_gain * of_loops < BELOW_ONE;
-            let of_filter = if is_safe { 0.0 } else { path::magnitude(order, here, next, part, at(omega)) };
-            refuse_above(of_filter * of_loops, omega)
+        let Some(point) = Point::between(order, here, next, part) else { return refuse_above(f64::INFINITY, 0.0) };
+        point.poles().into_iter().flat_map(around).try_for_each(|omega| {
+            let loops = at_most(omega);
+            if gain_at_most * loops < CERTAIN || bound::of_filter(&point, &Angle::new(omega)) * loops < CERTAIN {
+                return Ok(());
+            }
+            refuse_above(point.magnitude(at(omega)) * of_loops(omega), omega)
         })
     })
 }

@@ -232,10 +232,13 @@ impl<
         }
         counts.add(Part::Look, 1);
         counts.add(Part::Pad, self.pad_count as u32);
-        let noises = self.noises() as u32
-            + struck.iter().zip(0u8..).filter(|(is, pad)| **is && self.has_noise(*pad)).count() as u32;
-        counts.add(Part::ResidualRun, noises);
-        counts.add(Part::ResidualFrame, noises * frames);
+        if self.noisy {
+            let begun = struck.iter().zip(0u8..).filter(|(is, pad)| **is && self.has_noise(*pad)).count();
+            let noises = (self.noises() + begun) as u32;
+            counts.add(Part::ResidualRun, noises);
+            counts.add(Part::ResidualFrame, noises * frames);
+        }
+        let filtered = self.filtered;
         for ((pad, number), &struck) in self.pads().iter().zip(0u8..).zip(struck) {
             let pad_banks = pad.own(&self.banks);
             let contact_frames = self.flight.frames_ahead(number, frames) + if struck { frames } else { 0 };
@@ -263,7 +266,7 @@ impl<
                 // Nobody hears the force, and nothing is done.
                 continue;
             }
-            let on_bus = self.filters.join_in(number, is_driven, pad_banks);
+            let on_bus = filtered && self.filters.join_in(number, is_driven, pad_banks);
             if is_driven {
                 counts.add(
                     if pad.drives_quickly(pad_banks) && !on_bus { Part::DrivenPad } else { Part::BusDrivenPad },

@@ -1,6 +1,6 @@
 //! Dynamic filters and biquad banks: what objects have beside their modes, where an engine has room for it.
 
-use super::{Engine, LoadError, Surroundings, TickReport};
+use super::{Engine, Fitting, Left, LoadError, Stage, Surroundings, TickReport};
 use crate::SampleRate;
 use crate::contact::Flight;
 use crate::event::{Action, Event};
@@ -17,7 +17,7 @@ pub trait FilterRoom {
     ///
     /// # Errors
     /// A [`LoadError`]; there are then no filters.
-    fn load(&mut self, kit: &Kit<'_>, rate: SampleRate) -> Result<(), LoadError>;
+    fn load(&mut self, kit: &Kit<'_>, rate: SampleRate, fitting: &mut Fitting<'_>) -> Result<(), LoadError>;
 
     /// Whether a pad's filters have a part in its next run: they sound, or take its force or its modes.
     fn join_in(&self, pad: u8, has_force: bool, banks: &[Bank]) -> bool;
@@ -28,11 +28,17 @@ pub trait FilterRoom {
     /// Whether the modes of a pad's object go through its filter.
     fn takes_modes(&self, pad: u8) -> bool;
 
+    /// Whether any pad has filters.
+    fn has_any(&self) -> bool;
+
     /// Whether a pad has filters.
     fn has(&self, pad: u8) -> bool;
 
-    /// A strike of a pad at a frame of the tick; `level` is its peak force over the reference force.
-    fn strike(&mut self, pad: u8, level: f32, frame: usize);
+    /// A strike of a pad at a frame of the tick; `level` is its peak force over the reference force. What finds no time in `left` goes without it.
+    fn strike(&mut self, pad: u8, level: f32, frame: usize, left: &mut Left);
+
+    /// What filters that sound take.
+    fn sounding_cycles(&self) -> u32;
 
     /// A hand that comes to a pad, and leaves so much of the amplitude after a frame, or goes.
     fn set_choked(&mut self, pad: u8, per_frame: Option<f64>);
@@ -61,8 +67,16 @@ pub struct NoFilters;
 impl FilterRoom for NoFilters {
     const EMPTY: Self = Self;
 
-    #[inline(always)]
-    fn load(&mut self, _: &Kit<'_>, _: SampleRate) -> Result<(), LoadError> {
+    fn load(&mut self, kit: &Kit<'_>, _: SampleRate, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
+        for (pad, number) in kit.pads().zip(0u8..) {
+            let object = pad.object_index();
+            if matches!(kit.dynamic_filter_of(object), Ok(Some(_))) {
+                fitting.pass_over(Stage::DynamicFilter(number));
+            }
+            if matches!(kit.biquads_of(object), Ok(Some(_))) {
+                fitting.pass_over(Stage::Biquads(number));
+            }
+        }
         Ok(())
     }
 
@@ -82,12 +96,22 @@ impl FilterRoom for NoFilters {
     }
 
     #[inline(always)]
+    fn has_any(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
     fn has(&self, _: u8) -> bool {
         false
     }
 
     #[inline(always)]
-    fn strike(&mut self, _: u8, _: f32, _: usize) {}
+    fn strike(&mut self, _: u8, _: f32, _: usize, _: &mut Left) {}
+
+    #[inline(always)]
+    fn sounding_cycles(&self) -> u32 {
+        0
+    }
 
     #[inline(always)]
     fn set_choked(&mut self, _: u8, _: Option<f64>) {}
@@ -114,19 +138,33 @@ impl FilterRoom for NoFilters {
 pub struct Filters<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize>
 {
     places: [Place<POINTS, LOOPS, FRAMES, PAIRS>; COUNT],
+    /// A bit for each of the first 64 pads that has filters: most have none, and are asked for them several times a tick.
+    pads: u64,
 }
 
 /// The filters of one pad.
 #[derive(Clone, Debug)]
 struct Place<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize> {
     pad: Option<u8>,
+    /// What the dynamic filter takes while it sounds, and the biquads.
+    cycles: [u32; 2],
     filters: PadFilters<POINTS, LOOPS, FRAMES, PAIRS>,
 }
 
 impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize>
     Filters<COUNT, POINTS, LOOPS, FRAMES, PAIRS>
 {
+    #[inline(always)]
+    fn has_none(&self, pad: u8) -> bool {
+        1u64.checked_shl(pad.into()).is_some_and(|bit| self.pads & bit == 0)
+    }
+
+    #[inline(always)]
     fn of(&self, pad: u8) -> Option<&PadFilters<POINTS, LOOPS, FRAMES, PAIRS>> {
+        if self.has_none(pad) { None } else { self.search(pad) }
+    }
+
+    fn search(&self, pad: u8) -> Option<&PadFilters<POINTS, LOOPS, FRAMES, PAIRS>> {
         self.places.iter().find(|place| place.pad == Some(pad)).map(|place| &place.filters)
     }
 
@@ -134,8 +172,8 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
         self.places.iter_mut().find(|place| place.pad == Some(pad)).map(|place| &mut place.filters)
     }
 
-    fn derive(&mut self, kit: &Kit<'_>, rate: SampleRate) -> Result<(), LoadError> {
-        let mut free = self.places.iter_mut();
+    fn derive(&mut self, kit: &Kit<'_>, rate: SampleRate, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
+        let mut free = self.places.iter_mut().peekable();
         for (pad, number) in kit.pads().zip(0u8..) {
             let object = pad.object_index();
             let filter = kit.dynamic_filter_of(object).map_err(LoadError::FilterTable)?;
@@ -143,23 +181,51 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
             if filter.is_none() && biquads.is_none() {
                 continue;
             }
-            let Some(place) = free.next() else { return Err(LoadError::TooManyFilters { capacity: COUNT }) };
-            place.pad = Some(number);
+            let Some(place) = free.peek_mut() else {
+                fitting.leave_out(LoadError::TooManyFilters { pad: number, capacity: COUNT })?;
+                continue;
+            };
+            let (filters, mut dynamic_cycles, mut biquad_cycles) = (&mut place.filters, 0, 0);
             let reference_force = kit.object_of(pad).map_or(1.0, |object| object.reference_force());
             if let Some(filter) = filter {
                 let hardest = kit.strikers_of(pad).map(|striker| striker.contact().peak_force()).fold(0.0, f32::max);
-                let loaded = place.filters.load_dynamic(&filter, rate, u32::from(number), hardest / reference_force);
-                loaded.map_err(|error| LoadError::DynamicFilter { pad: number, error })?;
+                match filters.load_dynamic(&filter, rate, u32::from(number), hardest / reference_force) {
+                    Err(error) => fitting.leave_out(LoadError::DynamicFilter { pad: number, error })?,
+                    Ok(()) => {
+                        let (stage, cycles) = (Stage::DynamicFilter(number), filters.dearest_of_dynamic());
+                        // What modes go through runs with them, whether a strike brings noise or not.
+                        let afforded = match filters.takes_modes() {
+                            true => fitting.take(stage, cycles).then_some(0),
+                            false => fitting.afford(stage, cycles),
+                        };
+                        match afforded {
+                            Some(cycles) => dynamic_cycles = cycles,
+                            None => filters.unload_dynamic(),
+                        }
+                    }
+                }
             }
             if let Some(biquads) = biquads {
-                let loaded = place.filters.load_biquads(&biquads, rate, reference_force);
-                loaded.map_err(|error| LoadError::Biquads { pad: number, error })?;
+                match filters.load_biquads(&biquads, rate, reference_force) {
+                    Err(error) => fitting.leave_out(LoadError::Biquads { pad: number, error })?,
+                    Ok(()) => match fitting.afford(Stage::Biquads(number), filters.dearest_of_biquads()) {
+                        Some(cycles) => biquad_cycles = cycles,
+                        None => filters.unload_biquads(),
+                    },
+                }
+            }
+            if filters.is_built()
+                && let Some(place) = free.next()
+            {
+                (place.pad, place.cycles) = (Some(number), [dynamic_cycles, biquad_cycles]);
+                self.pads |= 1u64.checked_shl(number.into()).unwrap_or(0);
             }
         }
         Ok(())
     }
 
     fn unload(&mut self) {
+        self.pads = 0;
         for place in &mut self.places {
             place.pad = None;
             place.filters.unload();
@@ -170,17 +236,19 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
 impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize> FilterRoom
     for Filters<COUNT, POINTS, LOOPS, FRAMES, PAIRS>
 {
-    const EMPTY: Self = Self { places: [const { Place { pad: None, filters: PadFilters::EMPTY } }; COUNT] };
+    const EMPTY: Self =
+        Self { places: [const { Place { pad: None, cycles: [0; 2], filters: PadFilters::EMPTY } }; COUNT], pads: 0 };
 
-    fn load(&mut self, kit: &Kit<'_>, rate: SampleRate) -> Result<(), LoadError> {
+    fn load(&mut self, kit: &Kit<'_>, rate: SampleRate, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
         self.unload();
-        let result = self.derive(kit, rate);
+        let result = self.derive(kit, rate, fitting);
         if result.is_err() {
             self.unload();
         }
         result
     }
 
+    #[inline(never)]
     fn join_in(&self, pad: u8, has_force: bool, banks: &[Bank]) -> bool {
         self.of(pad).is_some_and(|filters| {
             filters.is_ringing()
@@ -197,14 +265,27 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
         self.of(pad).is_some_and(PadFilters::takes_modes)
     }
 
+    fn has_any(&self) -> bool {
+        self.places.iter().any(|place| place.pad.is_some())
+    }
+
     fn has(&self, pad: u8) -> bool {
         self.of(pad).is_some()
     }
 
-    fn strike(&mut self, pad: u8, level: f32, frame: usize) {
-        if let Some(filters) = self.of_mut(pad) {
-            filters.strike(level, frame);
-        }
+    fn strike(&mut self, pad: u8, level: f32, frame: usize, left: &mut Left) {
+        let Some(place) = self.places.iter_mut().find(|place| place.pad == Some(pad)) else { return };
+        let [has_dynamic, has_biquads] = place.filters.parts();
+        let ([dynamic_sounds, biquads_sound], [of_dynamic, of_biquads]) = (place.filters.sounding(), place.cycles);
+        let dynamic = has_dynamic && left.admits(dynamic_sounds, of_dynamic);
+        let biquads = has_biquads && left.admits(biquads_sound, of_biquads);
+        place.filters.strike(level, frame, [dynamic, biquads]);
+    }
+
+    fn sounding_cycles(&self) -> u32 {
+        let places = self.places.iter().filter(|place| place.pad.is_some());
+        let parts = places.flat_map(|place| place.filters.sounding().into_iter().zip(place.cycles));
+        parts.map(|(sounds, cycles)| if sounds { cycles } else { 0 }).sum()
     }
 
     fn set_choked(&mut self, pad: u8, per_frame: Option<f64>) {
@@ -299,16 +380,29 @@ impl<
 > Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
 {
     /// A strike of a pad, its peak force in bus steps.
-    #[inline(always)]
-    pub(super) fn strike_filters(&mut self, pad: u8, peak: i32) {
+    #[inline(never)]
+    pub(super) fn strike_filters(&mut self, pad: u8, peak: i32, left: &mut Left) {
         let frame = (self.now % TICK_FRAMES as u64) as usize;
-        self.filters.strike(pad, peak as f32 / crate::fixed::ONE_Q27 as f32, frame);
+        self.filters.strike(pad, peak as f32 / crate::fixed::ONE_Q27 as f32, frame, left);
+    }
+
+    /// A strike of a pad that may have stages, its peak force in bus steps.
+    #[inline(never)] // kits without have nothing of it
+    pub(super) fn strike_stages(&mut self, pad: u8, peak: i32) {
+        let sounding = match self.stage_cycles {
+            Some(_) => self.sounding_noise_cycles() + self.filters.sounding_cycles(),
+            None => 0,
+        };
+        let mut left = Left::new(self.stage_cycles, sounding);
+        self.strike_noise(pad, peak, &mut left);
+        self.strike_filters(pad, peak, &mut left);
+        self.report.refused_stages += left.refused;
     }
 
     /// A hand that comes to a pad or goes; `t60_s` is what it imposes, 0 where it imposes nothing.
     #[inline(always)]
     pub(super) fn choke_filters(&mut self, pad: u8, action: Action, t60_s: f32) {
-        if !self.filters.has(pad) {
+        if !self.filtered || !self.filters.has(pad) {
             return;
         }
         let per_frame = libm::exp(-core::f64::consts::LN_10 * 3.0 / (f64::from(t60_s) * self.rate().hz()));
@@ -318,6 +412,11 @@ impl<
     /// Cycles of the filters that sound, in this tick.
     #[inline(always)]
     pub(super) fn filter_cycles(&self) -> u32 {
+        if self.filtered { self.cycles_of_filters() } else { 0 }
+    }
+
+    #[inline(never)]
+    fn cycles_of_filters(&self) -> u32 {
         let pads = 0..self.pad_count as u8; // events count pads in a byte
         pads.map(|pad| self.filters.cycles(pad, false)).sum()
     }
@@ -325,6 +424,6 @@ impl<
     /// Cycles of the filters that a strike begins, in its tick.
     #[inline(always)]
     pub(super) fn filter_strike_cycles(&self, event: &Event) -> u32 {
-        if event.action == Action::Strike { self.filters.cycles(event.pad, true) } else { 0 }
+        if self.filtered && event.action == Action::Strike { self.filters.cycles(event.pad, true) } else { 0 }
     }
 }

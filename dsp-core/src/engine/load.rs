@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::fitting::{Fitting, Stage};
 use super::{Engine, FilterRoom, Skipping, Surroundings, TickReport};
 use crate::SampleRate;
 use crate::biquad::BiquadError;
@@ -39,6 +40,8 @@ pub enum LoadError {
     },
     /// More pads with a residual, the background counting as one, than the engine has room for.
     TooManyResiduals {
+        /// The first pad whose residual finds no room, or `None` for the background.
+        pad: Option<u8>,
         /// Room of the engine.
         capacity: usize,
     },
@@ -55,8 +58,24 @@ pub enum LoadError {
     Room(RoomError),
     /// More pads with a dynamic filter or biquads than the engine has room for.
     TooManyFilters {
+        /// The first pad whose filters find no room.
+        pad: u8,
         /// Room of the engine.
         capacity: usize,
+    },
+    /// The engine has neither memory nor code for such a stage. Only of [`Engine::load_what_fits`]: otherwise it is passed over.
+    NoPlace {
+        /// Which stage.
+        stage: Stage,
+    },
+    /// A stage for which there is no time in a tick beside the pads, the room and the background. Only of [`Engine::load_what_fits`].
+    TooDear {
+        /// Which stage.
+        stage: Stage,
+        /// Cycles of its dearest tick, with the cycle model's worst case and the waits of flash.
+        cycles: u32,
+        /// Cycles that are left.
+        left: u32,
     },
     /// A dynamic filter or a biquad bank in the kit is none.
     FilterTable(TableError),
@@ -96,7 +115,11 @@ impl fmt::Display for LoadError {
             Self::TooManyPads { pads, capacity } => {
                 write!(f, "pads: {pads}, this engine has room for {capacity}")
             }
-            Self::TooManyResiduals { capacity } => {
+            Self::TooManyResiduals { pad, capacity } => {
+                match pad {
+                    Some(pad) => write!(f, "pad {pad}, residual of its object: ")?,
+                    None => write!(f, "background: ")?,
+                }
                 write!(f, "residuals: more than {capacity}, the background counting as one: take some out of the kit")
             }
             Self::BeyondNyquist { pad, edge_hz, rate } => {
@@ -111,9 +134,15 @@ impl fmt::Display for LoadError {
                 )
             }
             Self::Room(error) => error.fmt(f),
-            Self::TooManyFilters { capacity } => {
-                write!(f, "pads with a dynamic filter or biquads: more than {capacity}: take some out of the kit")
-            }
+            Self::TooManyFilters { pad, capacity } => write!(
+                f,
+                "pad {pad}, filters of its object: pads with a dynamic filter or biquads: more than {capacity}: take some out of the kit"
+            ),
+            Self::NoPlace { stage } => write!(f, "{stage}: this engine has none"),
+            Self::TooDear { stage, cycles, left } => write!(
+                f,
+                "{stage}: takes up to {cycles} cycles a tick, and {left} are left beside pads, room and background: fewer of those, or a smaller one"
+            ),
             Self::FilterTable(error) => error.fmt(f),
             Self::DynamicFilter { pad, error } => write!(f, "pad {pad}, dynamic filter of its object: {error}"),
             Self::Biquads { pad, error } => write!(f, "pad {pad}, biquads of its object: {error}"),
@@ -173,16 +202,50 @@ impl<
     /// # Errors
     /// A [`LoadError`]; the engine is then without a kit and silent.
     pub fn load(&mut self, kit: &Kit<'k>, rate: SampleRate, skipping: Skipping) -> Result<(), LoadError> {
+        self.load_all(kit, rate, skipping, Fitting::all())
+    }
+
+    /// Loads all pads, and of the room, the background, residuals and filters, in this order and pad by pad, what there is memory for and what alone takes no
+    /// more than what is left of `stage_cycles` a tick by the pads, the room and the background. `tell` is told what is left out, and why; the kit plays
+    /// without it.
+    ///
+    /// A filter that modes go through takes its time for good. Residuals and filters that sound at once take no more than what is left, either: where a strike finds no time for one, it goes without
+    /// ([`TickReport::refused_stages`]). The [budget](Self::set_budget) sheds modes, not stages. These cycles are the cycle model's worst, with the waits of flash.
+    ///
+    /// # Errors
+    /// A [`LoadError`] for pads that do not fit, and for a table that is none; the engine is then without a kit and silent.
+    pub fn load_what_fits(
+        &mut self,
+        kit: &Kit<'k>,
+        rate: SampleRate,
+        skipping: Skipping,
+        stage_cycles: u32,
+        mut tell: impl FnMut(LoadError),
+    ) -> Result<(), LoadError> {
+        self.load_all(kit, rate, skipping, Fitting::within(stage_cycles, kit.pads().len(), &mut tell))
+    }
+
+    fn load_all(
+        &mut self,
+        kit: &Kit<'k>,
+        rate: SampleRate,
+        skipping: Skipping,
+        mut fitting: Fitting<'_>,
+    ) -> Result<(), LoadError> {
         self.banks = [const { Bank::EMPTY }; BANKS];
         (self.pad_count, self.idle, self.expects, self.retired_amplitude) = (0, false, false, 0.0);
+        (self.noisy, self.filtered) = (false, false);
         self.modes = [Mode::SILENT; MODES];
         self.flight = Flight::EMPTY;
         self.report = TickReport::EMPTY;
         (self.rate, self.skipping, self.now) = (Some(rate), skipping, 0);
         self.load_pads(kit, rate)?;
-        self.load_noise(kit, rate)?;
-        self.load_room(kit, rate)?;
-        self.filters.load(kit, rate)?;
+        // First what sounds on: what it takes is not there for what strikes begin.
+        self.load_room(kit, rate, &mut fitting)?;
+        self.load_noise(kit, rate, &mut fitting)?;
+        self.filters.load(kit, rate, &mut fitting)?;
+        self.stage_cycles = fitting.left();
+        (self.noisy, self.filtered) = (self.has_any_noise(), self.filters.has_any());
         (self.pad_count, self.kit) = (kit.pads().len(), Some(*kit));
         self.modes_built = self.pads().iter().map(|pad| pad.mode_count() as u32).sum();
         self.groups_built = self.pads().iter().map(|pad| group_count(pad.own(&self.banks))).sum();

@@ -10,18 +10,22 @@
 //! A block is cut at ticks and at events; all bookkeeping happens on ticks, so that the block size cannot change a bit. What ran
 //! and what was skipped in each tick is told by a [`TickReport`].
 
+mod apart;
 mod budget;
 mod check;
 mod cost;
 mod filters;
+mod fitting;
 mod load;
 mod noise;
 mod report;
 mod surroundings;
 mod tick;
 
+pub use apart::Apart;
 pub use cost::{CYCLES, Counts, PARTS, Part};
 pub use filters::{FilterRoom, Filters, NoFilters};
+pub use fitting::{Fitting, Left, Stage};
 pub use load::{Capacity, LoadError};
 pub use noise::{NoResiduals, ResidualRoom, Residuals};
 pub use report::{Cause, TickReport};
@@ -97,6 +101,11 @@ pub struct Engine<
     now: u64,
     /// Cycles that a tick may take.
     budget: Option<u32>,
+    /// Cycles that stages which strikes begin may take together.
+    stage_cycles: Option<u32>,
+    /// Whether any residual or background has been loaded, and whether any filter: kits without take no cycle for them.
+    noisy: bool,
+    filtered: bool,
     report: TickReport,
     /// Whether nothing rings, no contact is under way and nothing retired may still be missing: until an event or a direct force, a tick
     /// has nothing to do.
@@ -142,6 +151,11 @@ impl<
 {
     /// An engine without a kit, silent. `const`, so that it can lie in a `static` and never on a stack.
     pub const fn new() -> Self {
+        Self::with_stages(S::Residuals::EMPTY, S::Room::EMPTY, S::Filters::EMPTY)
+    }
+
+    /// The same with stages that are made already, such as those that lie [`Apart`].
+    pub const fn with_stages(residuals: S::Residuals, room: S::Room, filters: S::Filters) -> Self {
         Self {
             pads: [const { Pad::EMPTY }; PADS],
             pad_count: 0,
@@ -151,13 +165,16 @@ impl<
             groups: [Group::EMPTY; GROUPS],
             origins: [Origin::NONE; ORIGINS],
             flight: Flight::EMPTY,
-            residuals: S::Residuals::EMPTY,
-            room: S::Room::EMPTY,
-            filters: S::Filters::EMPTY,
+            residuals,
+            room,
+            filters,
             rate: None,
             skipping: Skipping::On,
             now: 0,
             budget: None,
+            stage_cycles: None,
+            noisy: false,
+            filtered: false,
             report: TickReport::EMPTY,
             idle: false,
             was_idle: false,
@@ -198,7 +215,7 @@ impl<
         self.flight.count() == 0
             && !is_ringing(&self.banks)
             && self.noises() == 0
-            && self.filters.ringing() == 0
+            && !(self.filtered && self.filters.ringing() > 0)
             && self.room.is_silent()
     }
 
@@ -208,6 +225,7 @@ impl<
         let passes = self.idle && self.now.is_multiple_of(TICK_FRAMES as u64);
         if passes {
             self.now += TICK_FRAMES as u64;
+            self.room.pass_silence(TICK_FRAMES);
         }
         passes
     }

@@ -46,6 +46,8 @@ pub struct TickReport {
     pub extra_guards: u32,
     /// Runs of register groups whose input was refused for want of headroom.
     pub refused_inputs: u32,
+    /// Residuals, dynamic filters and biquads that strikes did not begin for want of time.
+    pub refused_stages: u32,
     /// Modes that retired at this tick.
     pub retired_modes: u32,
     /// Bound of the amplitude that is missing by retirement, 1.0 = full scale; below 10^-5.
@@ -92,6 +94,7 @@ impl TickReport {
         displaced_contacts: 0,
         extra_guards: 0,
         refused_inputs: 0,
+        refused_stages: 0,
         retired_modes: 0,
         retired_amplitude: 0.0,
         residual_frames: 0,

@@ -1,6 +1,6 @@
 //! What an engine may have beside its pads: noise and a room, or neither.
 
-use super::{Engine, FilterRoom, LoadError, NoFilters, NoResiduals, ResidualRoom, Residuals};
+use super::{Engine, FilterRoom, Fitting, LoadError, NoFilters, NoResiduals, ResidualRoom, Residuals, Stage};
 use crate::SampleRate;
 use crate::room::{Room, RoomError, Sample};
 use crate::table::Kit;
@@ -137,17 +137,37 @@ impl<
 > Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
 {
     /// Derives the room, and begins it in silence.
-    pub(super) fn load_room(&mut self, kit: &Kit<'_>, rate: SampleRate) -> Result<(), LoadError> {
-        self.room.load(kit.room(), rate).map_err(LoadError::Room)
+    pub(super) fn load_room(
+        &mut self,
+        kit: &Kit<'_>,
+        rate: SampleRate,
+        fitting: &mut Fitting<'_>,
+    ) -> Result<(), LoadError> {
+        let bands = kit.room();
+        if let Err(error) = self.room.load(bands, rate) {
+            return fitting.leave_out(LoadError::Room(error));
+        }
+        match self.room.band_count() as u32 {
+            0 if !bands.is_empty() => fitting.pass_over(Stage::Room),
+            0 => {}
+            count if fitting.take(Stage::Room, ROOM_TICK + count * ROOM_BAND_TICK) => {}
+            _ => return self.room.load(&[], rate).map_err(LoadError::Room),
+        }
+        Ok(())
     }
 
     /// Lets the room answer a run of the stereo bus.
     #[inline(always)]
     pub(super) fn render_room(&mut self, out: &mut [[i32; 2]]) {
         if self.room.band_count() > 0 {
-            self.room.render(out);
-            self.report.room_frames += if self.room.is_silent() { 0 } else { out.len() as u32 };
+            self.add_room(out);
         }
+    }
+
+    #[inline(never)]
+    fn add_room(&mut self, out: &mut [[i32; 2]]) {
+        self.room.render(out);
+        self.report.room_frames += if self.room.is_silent() { 0 } else { out.len() as u32 };
     }
 
     /// Cycles that the room takes in this tick.

@@ -75,8 +75,9 @@ impl<
         let banks = pad.own_mut(&mut self.banks);
         let Some(impact) = pad.strike(event.velocity, event.striker, rate, banks) else { return };
         let moves = Pad::moves_to(event.position, banks);
-        self.strike_noise(event.pad, impact.peak);
-        self.strike_filters(event.pad, impact.peak);
+        if self.noisy || self.filtered {
+            self.strike_stages(event.pad, impact.peak);
+        }
         self.expects = true;
         let contact = Contact::new(event.pad, event.striker, impact, event.time.early());
         self.report.strikes += 1;
@@ -136,7 +137,7 @@ impl<
                 .filter(|direct| direct.pad == number && !(skip && direct.force.iter().all(|&x| x == 0)))
                 .map(|direct| direct.force);
             let has_force = direct.is_some() || (contacts && self.flight.count_on(number) > 0);
-            if self.filters.join_in(number, has_force, banks) {
+            if self.filtered && self.filters.join_in(number, has_force, banks) {
                 let run = Run { frames: out.len(), odd_start, skip, direct };
                 let sources = Sources { has_force, flight: &mut self.flight, memory: &mut memory, banks };
                 let place = (number, (self.now % TICK_FRAMES as u64) as usize);
@@ -171,7 +172,7 @@ impl<
             return;
         }
         self.end_noise_tick();
-        self.report.filters = self.filters.ringing();
+        self.report.filters = if self.filtered { self.filters.ringing() } else { 0 };
         self.report.contacts = self.flight.count() as u32;
         self.report.ringing_pads = self.pads().iter().filter(|pad| is_ringing(pad.own(&self.banks))).count() as u32;
         self.idle = self.skipping == Skipping::On

@@ -30,6 +30,9 @@ pub struct PadFilters<const POINTS: usize, const LOOPS: usize, const FRAMES: usi
     /// The filter runs louder by so many bits, its noise, modes and loops softer: [`louder_bits`].
     louder: u32,
     hand: Hand,
+    /// Whether the biquads do not hear the force of the last strike, and whether they have not rung since they did.
+    deaf: bool,
+    struck: bool,
     /// The frame within the tick that both are at.
     frame: usize,
 }
@@ -56,14 +59,16 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         loop_count: 0,
         louder: 0,
         hand: Hand::AWAY,
+        deaf: false,
+        struck: false,
         frame: 0,
     };
 
     /// Makes it none of both.
     pub fn unload(&mut self) {
-        self.dynamic.unload();
-        self.biquads.unload();
-        (self.has_dynamic, self.loop_count, self.louder, self.hand, self.frame) = (false, 0, 0, Hand::AWAY, 0);
+        self.unload_dynamic();
+        self.unload_biquads();
+        (self.hand, self.frame) = (Hand::AWAY, 0);
     }
 
     /// Derives the dynamic filter for a rate. `stream` tells noises of one seed apart, `peak` is the pad's hardest strike: peak force over the
@@ -120,6 +125,18 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         self.biquads.load_each(biquads, depth)
     }
 
+    /// Leaves the biquads alone.
+    pub fn unload_dynamic(&mut self) {
+        self.dynamic.unload();
+        (self.has_dynamic, self.loop_count, self.louder) = (false, 0, 0);
+    }
+
+    /// Leaves the dynamic filter alone.
+    pub fn unload_biquads(&mut self) {
+        self.biquads.unload();
+        (self.deaf, self.struck) = (false, false);
+    }
+
     /// Whether there is anything.
     pub fn is_built(&self) -> bool {
         self.has_dynamic || self.has_biquads()
@@ -132,7 +149,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
     /// Whether a force makes it sound.
     #[inline(always)]
     pub fn takes_force(&self) -> bool {
-        self.has_biquads() && !self.hand.is_mute()
+        self.has_biquads() && !self.deaf && !self.hand.is_mute()
     }
 
     /// Whether the object's modes go through it instead of to the output.
@@ -148,12 +165,25 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
     }
 
     /// Begins a strike at a frame of the tick; `level` is its peak force over the reference force.
-    pub fn strike(&mut self, level: f32, frame: usize) {
+    ///
+    /// Parts that are not admitted, in the order of [`parts`](Self::parts), go without the strike: what rings rings on.
+    pub fn strike(&mut self, level: f32, frame: usize, [dynamic, biquads]: [bool; 2]) {
         self.align(frame);
         self.lift();
-        if self.has_dynamic {
+        if self.has_dynamic && dynamic {
             self.dynamic.strike(level / (1u32 << self.louder) as f32);
         }
+        (self.deaf, self.struck) = (!biquads, biquads);
+    }
+
+    /// Whether there is a dynamic filter, and whether there are biquads.
+    pub fn parts(&self) -> [bool; 2] {
+        [self.has_dynamic, self.has_biquads()]
+    }
+
+    /// Whether the dynamic filter sounds, and whether the biquads do, or will by the strike that has just begun.
+    pub fn sounding(&self) -> [bool; 2] {
+        [self.dynamic.is_ringing(), self.biquads.is_ringing() || self.struck]
     }
 
     /// A hand that comes, and leaves so much of the amplitude after a frame, or goes.
@@ -204,10 +234,12 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
     fn add(&mut self, force: Option<&[i32]>, modes: Option<&mut [i32]>, out: &mut [i32]) -> FilterWork {
         let (mut work, frames) = (FilterWork::default(), out.len() as u32);
         if self.has_biquads() {
+            let force = force.filter(|_| !self.deaf);
             if force.is_some() || self.biquads.is_ringing() {
                 work.biquad_frames = frames * self.biquads.size().0 as u32;
             }
             self.biquads.render(force, out);
+            self.struck &= !self.biquads.is_ringing();
         }
         let modes = modes.filter(|_| self.takes_modes());
         if modes.is_some() || self.dynamic.is_ringing() {
@@ -238,6 +270,16 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
     pub fn cycles_a_tick(&self, struck: bool) -> u32 {
         let kind = if struck { TickKind::Struck } else { TickKind::Driven };
         self.dynamic.cycles_a_tick() + self.biquads.cycles(kind)
+    }
+
+    /// The same of the dynamic filter alone.
+    pub fn dearest_of_dynamic(&self) -> u32 {
+        self.dynamic.cycles_a_tick()
+    }
+
+    /// The same of the biquads alone, struck.
+    pub fn dearest_of_biquads(&self) -> u32 {
+        self.biquads.cycles(TickKind::Struck)
     }
 }
 

@@ -194,6 +194,7 @@ impl Progress {
 
     fn rows(&self, data: &mut [Complex], row: usize, count: usize) {
         let (mut done, end) = (self.done, self.done + count);
+        let row = row.max(1);
         while done < end {
             let (block, first) = (done / row, done % row);
             let length = (row - first).min(end - done);

@@ -38,18 +38,22 @@ const STRUCK_CYCLES: u32 = 90;
 
 impl Job {
     pub(super) fn new(region: usize, passage: Passage, bands: usize, is_struck: bool) -> Self {
-        let of_band = BAND_CYCLES + if is_struck { STRUCK_CYCLES } else { 0 };
-        let left = bands as u32 * of_band + Making::cycles(bands);
         Self {
             region,
             passage,
             step: Step::Bands(0),
-            left,
+            left: Self::cycles(bands, is_struck),
             sum: (0.0, 0.0),
             common: Common::NONE,
             late: 0.0,
             missed: Passage { is_late: true, ..Passage::NEXT },
         }
+    }
+
+    /// Cycles of all of it with so many bands, about.
+    pub(super) fn cycles(bands: usize, is_struck: bool) -> u32 {
+        let of_band = BAND_CYCLES + if is_struck { STRUCK_CYCLES } else { 0 };
+        bands as u32 * of_band + Making::cycles(bands)
     }
 
     /// Adds the energy of a strike so many ticks before the frame: band by band where none has been brought up to date, else to the whole frame, as `late`.

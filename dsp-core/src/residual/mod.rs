@@ -43,7 +43,7 @@ use fourier::{Complex, MAX_POINTS};
 use job::Job;
 use making::Making;
 use onset::Onset;
-use square_root::square_root;
+pub(crate) use square_root::square_root;
 use stream::Stream;
 
 use crate::SampleRate;
@@ -290,6 +290,11 @@ impl Shaper {
     pub fn cycles_ahead(&self) -> u32 {
         let renewal = if self.wants_renewal() { RENEWAL_CYCLES } else { 0 };
         if self.job.is_some() && self.ticks_to_next > 0 { self.share() + renewal } else { 0 }
+    }
+
+    /// Nominal cycles of the dearest tick of so many bands: strikes on strikes, whose frames carry both, sounding four at once.
+    pub fn dearest_tick(bands: usize) -> u32 {
+        Job::cycles(bands, true) / FRAME_TICKS + RENEWAL_CYCLES + 2 * STREAM_CYCLES
     }
 
     /// Cycles of this tick's share of the next frame, less what streams cost that end before that frame begins.

@@ -4,7 +4,7 @@
 ///
 /// Two steps of Newton's method for `1/sqrt(x)` from the well-known first guess by the bits.
 #[inline(always)]
-pub(super) fn square_root(x: f32) -> f32 {
+pub(crate) fn square_root(x: f32) -> f32 {
     let half = 0.5 * x;
     let guess = f32::from_bits(0x5f37_59df_u32.wrapping_sub(x.to_bits() >> 1));
     let better = guess * (1.5 - half * guess * guess);

@@ -69,7 +69,7 @@ pub(super) fn leaning(by_low_db: f64, by_high_db: f64, at: &Edge, sections: usiz
     let k = SELECTIVITIES.get(sections - LEAST_SECTIONS).copied().unwrap_or(0.8);
     let lean_db = 0.5 * (by_low_db - by_high_db);
     let all_db = shared_db(sections, k);
-    let high_db = (0.5 * (all_db - lean_db)).clamp(LEAST_DB, all_db - LEAST_DB);
+    let high_db = (0.5 * (all_db - lean_db)).max(LEAST_DB).min(all_db - LEAST_DB);
     let filter = Elliptic::leaning(sections, k, high_db);
     let shift = SHIFT * (lean_db / LONGER_DB).clamp(-1.0, 1.0);
     let tangent = libm::tan(PI * at.edge) * libm::pow(k, 0.5 * shift);

@@ -103,11 +103,11 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         let Some(band) = self.bands.get_mut(index) else { return };
         let own = usize::from(band.division);
         if own > *division
-            && let Some(low) = low.get_mut(..BLOCK_FRAMES / *division)
+            && let Some(low) = low.get_mut(..quotient(BLOCK_FRAMES, *division))
         {
-            thin(low, own / *division);
+            thin(low, quotient(own, *division));
         }
-        let block = BLOCK_FRAMES / own;
+        let block = quotient(BLOCK_FRAMES, own);
         let (Some(low), Some(high)) = (low.get_mut(..block), self.scratch.high.get_mut(..block)) else { return };
         *division = own;
         *bits = if index == 0 {
@@ -134,7 +134,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             return;
         }
         let own = usize::from(band.division);
-        let block = BLOCK_FRAMES / own;
+        let block = quotient(BLOCK_FRAMES, own);
         let out = if own == 1 { full_rate.get_mut(..) } else { self.rates.get_mut(block..2 * block) };
         let lines = memory.get_mut(usize::from(band.start)..usize::from(band.start) + usize::from(band.pairs));
         let (Some(lines), Some(out), Some(written), Some(high)) =
@@ -145,6 +145,11 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         *asleep = false;
         *written |= band.config.render(&mut band.state, lines, (high, *bits), turns, sound, (out, *written));
     }
+}
+
+/// Without a panic: a division is never 0.
+fn quotient(dividend: usize, divisor: usize) -> usize {
+    dividend.checked_div(divisor).unwrap_or(0)
 }
 
 /// Keeps every `step`th sample, a power of two.

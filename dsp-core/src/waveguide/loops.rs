@@ -126,7 +126,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
     /// Nominal cycles of a tick, with what the filter takes more for them: for a block of a whole tick, each loop, and what further blocks cost;
     /// `of_block` are those of the filter itself.
     pub(crate) fn cycles_a_tick(&self, of_block: u32) -> u32 {
-        let (loops, blocks) = (self.count as u32, TICK_FRAMES.div_ceil(self.shortest) as u32);
+        let (loops, blocks) = (self.count as u32, TICK_FRAMES.div_ceil(self.shortest.max(1)) as u32);
         let further = (blocks - 1) * (270 + 84 * loops);
         if loops == 0 { 0 } else { 250 + 376 * loops + further + blocks * of_block }
     }

@@ -35,7 +35,7 @@ pub(crate) struct Tuned {
 impl Tuned {
     /// Poles as in eq. 9 to 11 with `τ = sin ω / 2Q`, `Q = f_c / Δf` (the paper prints the inverse), the whole frames of the delay, and the numerator that
     /// makes the gain at f_c `γ e^{-iωφ}`, φ being what is left of the delay: over a band of a few hertz that is the delay.
-    pub(super) fn new(of: &Loop, index: usize, room: usize, rate: SampleRate) -> Result<Self, LoopError> {
+    pub(crate) fn new(of: &Loop, index: usize, room: usize, rate: SampleRate) -> Result<Self, LoopError> {
         let Loop { frequency_hz, bandwidth_hz, gain, delay_s } = *of;
         let delay = delay_s * rate.hz();
         // sin ω in the numerator's derivation: not within a thousandth of Nyquist.
@@ -81,6 +81,11 @@ impl Tuned {
         let (double_cosine, double_sine) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);
         let real = 1.0 - 2.0 * self.real * cosine + self.square * double_cosine;
         above / libm::hypot(real, 2.0 * self.real * sine - self.square * double_sine)
+    }
+
+    /// a and c.
+    pub(crate) fn zero(&self) -> (f64, f64) {
+        (self.a, self.c)
     }
 
     /// The angle of its pole, and the pole's distance from the unit circle.

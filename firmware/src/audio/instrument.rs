@@ -1,31 +1,27 @@
 //! The engine with its kit and the events that wait for their frame.
 
-use dsp_core::engine::{Direct, Engine, LoadError, STANDARD_CONTACTS, Skipping};
+pub use boards::PADS;
+use boards::{Board, BoardEngine};
+use dsp_core::engine::{Apart, Direct, FilterRoom, LoadError, ResidualRoom, RoomStage, Skipping};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::table::Kit;
 
 use super::i2s::HALF_FRAMES;
 use super::waiting::Waiting;
-use crate::board::CLOCKS;
+use crate::board::{CLOCKS, Memory};
 use crate::counters;
 use crate::owned::Owned;
 
-/// Pads of an engine of the boards.
-pub const PADS: usize = 16;
-/// Banks: a pad's object, and its strikers up to the last one with modes.
-const BANKS: usize = 32;
-/// Modes, all pads together.
-const MODES: usize = 640;
-/// Register groups: a sixth of the modes, and up to six more a bank.
-const GROUPS: usize = 224;
-/// Modes that can be choked or have several positions.
-const ORIGINS: usize = 512;
+type Residuals = <Memory as Board>::Residuals;
+type Room = <Memory as Board>::Room;
+type Filters = <Memory as Board>::Filters;
 
-type BoardEngine = Engine<'static, PADS, BANKS, MODES, GROUPS, ORIGINS, STANDARD_CONTACTS>;
+/// The board's engine (`boards`, told where), its stages in the memories that have room for them.
+type PlacedEngine = BoardEngine<'static, (Apart<'static, Residuals>, Apart<'static, Room>, Apart<'static, Filters>)>;
 
 /// What turns events into sound.
 pub struct Instrument {
-    engine: BoardEngine,
+    engine: PlacedEngine,
     /// How many strikers each pad has.
     strikers: [u8; PADS],
     waiting: Waiting,
@@ -40,8 +36,14 @@ pub struct Half<'a> {
     pub peak_bits: u32,
 }
 
-#[unsafe(link_section = ".hot")]
+#[unsafe(link_section = ".hot.instrument")]
 static INSTRUMENT: Owned<Instrument> = Owned::empty();
+#[unsafe(link_section = ".stages.filters")]
+static FILTERS: Owned<Filters> = Owned::empty();
+#[unsafe(link_section = ".stages.residuals")]
+static RESIDUALS: Owned<Residuals> = Owned::empty();
+#[unsafe(link_section = ".hot.room")]
+static ROOM: Owned<Room> = Owned::empty();
 
 impl Instrument {
     /// The one instrument, without a kit.
@@ -49,8 +51,15 @@ impl Instrument {
     /// # Safety
     /// Called once.
     pub unsafe fn place() -> &'static mut Self {
+        // One after the other, each copied to its place from flash: they are larger than the stack.
+        // SAFETY: the caller's word.
+        let residuals = unsafe { RESIDUALS.fill(Residuals::EMPTY) };
+        // SAFETY: likewise.
+        let room = unsafe { ROOM.fill(Room::EMPTY) };
+        // SAFETY: likewise.
+        let filters = unsafe { FILTERS.fill(Filters::EMPTY) };
         let empty = Self {
-            engine: BoardEngine::new(),
+            engine: PlacedEngine::with_stages(Apart::new(residuals), Apart::new(room), Apart::new(filters)),
             strikers: [0; PADS],
             waiting: Waiting::NONE,
             block: [[0; 2]; HALF_FRAMES],
@@ -59,14 +68,19 @@ impl Instrument {
         unsafe { INSTRUMENT.fill(empty) }
     }
 
-    /// Loads a kit for the board's sample rate.
+    /// Loads a kit for the board's sample rate. `tell` is told what is left out of it for want of memory or time.
     ///
     /// # Errors
     /// [`LoadError`]; the instrument is then silent.
     #[inline(never)] // only at the start: its stack is not the program's
-    pub fn load(&mut self, kit: &Kit<'static>, budget_cycles_per_tick: u32) -> Result<(), LoadError> {
+    pub fn load(
+        &mut self,
+        kit: &Kit<'static>,
+        budget_cycles_per_tick: u32,
+        tell: impl FnMut(LoadError),
+    ) -> Result<(), LoadError> {
         self.waiting = Waiting::NONE;
-        self.engine.load(kit, CLOCKS.sample_rate(), Skipping::On)?;
+        self.engine.load_what_fits(kit, CLOCKS.sample_rate(), Skipping::On, Memory::STAGE_CYCLES, tell)?;
         self.engine.set_budget(Some(budget_cycles_per_tick));
         self.strikers = [0; PADS];
         for (count, pad) in self.strikers.iter_mut().zip(kit.pads()) {
@@ -110,7 +124,7 @@ impl Instrument {
             events,
             direct,
             &mut self.block,
-            |_| {},
+            |tick| counters::REFUSED_STAGES.add(tick.refused_stages),
             |decision| {
                 counters::SHEDS.add(1);
                 // A decision stands behind the events of its frame.

@@ -5,7 +5,6 @@
 
 use defmt_rtt as _;
 use dsp_core::table::Kit;
-use dsp_core::table::layout::tag;
 use embassy_executor::{SpawnError, SpawnToken, Spawner};
 use firmware::audio::instrument::Instrument;
 use firmware::faults::{self, Fault};
@@ -31,7 +30,7 @@ async fn main(spawner: Spawner) {
         // Nobody feeds the watchdog: the board starts anew.
         return defmt::error!("the built-in kit does not play: flash this image again");
     };
-    watchdog::feed();
+    watchdog::expect_sound();
     let board = board::init(peripherals);
     if let Err(error) = board.codec {
         faults::set(Fault::Codec, true);
@@ -68,20 +67,19 @@ fn choose_kit(instrument: &mut Instrument) -> Option<(Kit<'static>, input::Setti
         }
     }
     let kit = Kit::parse(kits::BUILT_IN).ok()?;
-    instrument.load(&kit, audio::BUDGET_CYCLES).ok()?;
+    instrument.load(&kit, audio::BUDGET_CYCLES, |_| {}).ok()?;
     Some((kit, input::Settings::of(&kit).ok()?))
 }
 
 fn kit_in_sector(instrument: &mut Instrument) -> Result<Option<(Kit<'static>, input::Settings)>, Refusal> {
     let Some(kit) = kits::in_sector()? else { return Ok(None) };
     let settings = input::Settings::of(&kit)?;
-    instrument.load(&kit, audio::BUDGET_CYCLES)?;
+    let tell = |error| {
+        defmt::warn!("kit sector, left out: {}", Refusal::Load(error));
+        // A large kit of which much is left out takes long.
+        watchdog::feed();
+    };
+    instrument.load(&kit, audio::BUDGET_CYCLES, tell)?;
     defmt::info!("kit sector: {=str} plays", kit.name());
-    if kit.residuals().next().is_some() || kit.background().is_some() || !kit.room().is_empty() {
-        defmt::warn!("kit sector: its residuals, background and room are left out: boards play contacts and modes");
-    }
-    if kit.has_section(tag::DYNAMIC_FILTER) || kit.has_section(tag::BIQUADS) {
-        defmt::warn!("kit sector: its dynamic filters and biquads are left out: boards play contacts and modes");
-    }
     Ok(Some((kit, settings)))
 }

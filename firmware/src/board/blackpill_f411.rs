@@ -10,8 +10,8 @@ use crate::audio::i2s::{I2s, Wiring};
 use crate::clock::{AudioClock, ClockPlan};
 use crate::input::Button;
 
-/// As the project calls it.
-pub const NAME: &str = "blackpill-f411";
+/// What its engine has memory and time for.
+pub use boards::BlackpillF411 as Memory;
 
 /// 96 MHz (100 MHz divides neither to the ADC's 48 kHz nor to USB's 48 MHz); 76.8 MHz / 1600 = exactly 48 kHz.
 pub const CLOCKS: ClockPlan = ClockPlan {

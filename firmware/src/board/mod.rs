@@ -17,6 +17,15 @@ mod stm32f407g_disc1;
 #[cfg(not(feature = "blackpill-f411"))]
 pub use stm32f407g_disc1::*;
 
+/// As the project calls it.
+pub const NAME: &str = <Memory as boards::Board>::NAME;
+
+// What the PC plays as this board (`malleus play --board`) is at this rate.
+const _: () = {
+    let ((a, b), (c, d)) = (CLOCKS.sample_rate_ratio(), <Memory as boards::Board>::RATE);
+    assert!(a as u64 * d as u64 == c as u64 * b as u64, "boards/src and CLOCKS name different rates");
+};
+
 /// What the application is given of the board.
 pub struct Board {
     /// Running, silent.

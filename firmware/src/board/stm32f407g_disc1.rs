@@ -14,8 +14,8 @@ use crate::clock::{AudioClock, ClockPlan};
 use crate::codec;
 use crate::input::Button;
 
-/// As the project calls it.
-pub const NAME: &str = "stm32f407g-disc1";
+/// What its engine has memory and time for.
+pub use boards::Stm32f407gDisc1 as Memory;
 
 /// 168 MHz; 86 MHz / 1792 = 47 991.07 Hz, the nearest to 48 kHz with a master clock for the codec.
 pub const CLOCKS: ClockPlan = ClockPlan {

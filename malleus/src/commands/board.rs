@@ -189,7 +189,7 @@ fn text(report: &Report) -> String {
     text
 }
 
-fn parse_board(name: &str) -> Result<Board, String> {
+pub(crate) fn parse_board(name: &str) -> Result<Board, String> {
     name.parse().map_err(|error: BoardError| error.to_string())
 }
 

@@ -45,7 +45,7 @@ pub(crate) enum CommandError {
     #[error("{kit}: the kit has no pads: nothing can be played; bind its objects to pads (docs/kit-format.md)")]
     NoPads { kit: String },
     #[error(
-        "{file}: its rate is {file_rate}, --rate asks for {rate}; a force is not resampled: leave --rate out, or convert the file"
+        "{file}: its rate is {file_rate}, --rate or --board asks for {rate}; a force is not resampled: leave it out, or convert the file"
     )]
     RateMismatch { file: String, file_rate: dsp_core::SampleRate, rate: dsp_core::SampleRate },
     #[error(
@@ -68,6 +68,18 @@ pub(crate) enum CommandError {
     Print(#[from] std::io::Error),
     #[error("the report cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
+}
+
+/// Says on stderr what a board leaves out of a kit, or why it refuses it.
+fn tell_what_is_left_out(kit: &str, board: virtual_board::Board, table: &dsp_core::table::Kit<'_>) {
+    match malleus::render::board::leaves_out(board, table) {
+        Ok(left_out) => {
+            for reason in left_out {
+                eprintln!("malleus: {kit}: {} leaves out: {reason}", board.name());
+            }
+        }
+        Err(error) => eprintln!("malleus: {kit}: {} refuses it and plays its built-in kit: {error}", board.name()),
+    }
 }
 
 /// A progress bar on stderr, shown where that is a terminal.

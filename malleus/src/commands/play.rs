@@ -8,11 +8,11 @@ use dsp_core::event::Event;
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
 use malleus::render::instrument::{Output, Settings};
-use malleus::render::{Performance, instrument, law};
+use malleus::render::{Performance, board, instrument, law};
 use malleus::{events, wave};
 use serde::Serialize;
 
-use super::{CommandError, peak_dbfs, print, print_json, progress};
+use super::{CommandError, peak_dbfs, print, print_json, progress, tell_what_is_left_out};
 use crate::PlayArguments;
 
 /// The longest sound that is rendered at once: an hour is 1.4 GB of frames.
@@ -50,6 +50,9 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         let block = arguments.block as usize;
         let block = if budget_cycles.is_some() { block.next_multiple_of(TICK_FRAMES) } else { block };
         let settings = Settings { rate, block, skipping, budget_cycles };
+        if let Some(on) = arguments.board {
+            tell_what_is_left_out(name, on, &table);
+        }
         let bar = progress(performance.frames as u64, "playing");
         let mut played = Vec::new();
         let observe = |report: &TickReport| {
@@ -57,8 +60,11 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
             bar.set_position(report.frame);
         };
         let log = |event: &Event| played.push(*event);
-        let frames = instrument::render_logged(&table, &performance, settings, Output::Samples24, observe, log)
-            .map_err(|error| CommandError::Render { kit: name.clone(), error })?;
+        let frames = match arguments.board {
+            Some(on) => board::render(on, &table, &performance, block, observe, log),
+            None => instrument::render_logged(&table, &performance, settings, Output::Samples24, observe, log),
+        };
+        let frames = frames.map_err(|error| CommandError::Render { kit: name.clone(), error })?;
         bar.finish_and_clear();
         if let Some(path) = &arguments.log {
             kit::file::write_whole(path, events::csv::write(&played, &table, rate).as_bytes())
@@ -84,7 +90,7 @@ fn read_performance(
             pads: kit.pads.iter().map(|pad| pad.name.as_str()).collect::<Vec<_>>().join(", "),
         })?;
         let force = wave::read_force(&path, channel)?;
-        let rate = arguments.rate.unwrap_or(force.rate);
+        let rate = arguments.board.map(board::rate).or(arguments.rate).unwrap_or(force.rate);
         if rate.hz() != force.rate.hz() {
             let file = path.display().to_string();
             return Err(CommandError::RateMismatch { file, file_rate: force.rate, rate });
@@ -92,7 +98,7 @@ fn read_performance(
         let performance = Performance::new(Vec::new(), Some((pad, force.samples)), kit, rate, arguments.tail);
         return Ok((rate, performance));
     }
-    let rate = arguments.rate.unwrap_or(SampleRate::HZ_48000);
+    let rate = arguments.board.map(board::rate).or(arguments.rate).unwrap_or(SampleRate::HZ_48000);
     let path = arguments.strikes.as_deref().unwrap_or(Path::new(""));
     let list = events::read(path, table, rate)?;
     for remark in &list.remarks {
@@ -133,6 +139,7 @@ struct Work {
     filter_frames: u64,
     loop_frames: u64,
     biquad_frames: u64,
+    refused_stages: u64,
     shed_groups: u64,
     shed_modes: u64,
     largest_shed_amplitude: f32,
@@ -160,6 +167,7 @@ impl Work {
         self.filter_frames += u64::from(report.filter_frames);
         self.loop_frames += u64::from(report.loop_frames);
         self.biquad_frames += u64::from(report.biquad_frames);
+        self.refused_stages += u64::from(report.refused_stages);
         self.shed_groups += u64::from(report.shed.groups);
         self.shed_modes += u64::from(report.shed.modes);
         self.largest_shed_amplitude = self.largest_shed_amplitude.max(report.shed.amplitude);

@@ -1,7 +1,9 @@
 //! Rendering by dsp-core, exactly as a board does.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Direct, Engine, Filters, LoadError, Residuals, STANDARD_CONTACTS, Skipping, TickReport};
+use dsp_core::engine::{
+    Direct, Engine, Filters, LoadError, Residuals, STANDARD_CONTACTS, Skipping, Surroundings, TickReport,
+};
 use dsp_core::event::{Event, EventError};
 use dsp_core::room::Room;
 use dsp_core::table::Kit;
@@ -102,16 +104,39 @@ pub fn render_logged(
     performance: &Performance,
     settings: Settings,
     output: Output,
-    mut observe: impl FnMut(&TickReport),
-    mut log: impl FnMut(&Event),
+    observe: impl FnMut(&TickReport),
+    log: impl FnMut(&Event),
 ) -> Result<Vec<[i32; 2]>, RenderError> {
     let mut engine = engine();
     engine.load(kit, settings.rate, settings.skipping)?;
     engine.set_budget(settings.budget_cycles);
+    play(&mut *engine, performance, settings.block, output, observe, log)
+}
+
+/// Plays a performance on an engine with a kit, in blocks of `block` frames.
+///
+/// # Errors
+/// [`RenderError::Event`].
+pub fn play<
+    const PADS: usize,
+    const BANKS: usize,
+    const MODES: usize,
+    const GROUPS: usize,
+    const ORIGINS: usize,
+    const CONTACTS: usize,
+    S: Surroundings,
+>(
+    engine: &mut Engine<'_, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>,
+    performance: &Performance,
+    block: usize,
+    output: Output,
+    mut observe: impl FnMut(&TickReport),
+    mut log: impl FnMut(&Event),
+) -> Result<Vec<[i32; 2]>, RenderError> {
     let mut frames = vec![[0; 2]; performance.frames];
     let mut events = performance.events.as_slice();
     let mut silence = Vec::new();
-    for block in frames.chunks_mut(settings.block.max(1)) {
+    for block in frames.chunks_mut(block.max(1)) {
         let start = engine.now();
         let end = start + block.len() as u64;
         let due = events.iter().take_while(|event: &&Event| event.time.first_frame() < end).count();

@@ -1,5 +1,6 @@
 //! Rendering a performance: by the instrument, or by the law.
 
+pub mod board;
 pub mod instrument;
 pub mod law;
 

@@ -26,6 +26,8 @@ pub struct Report {
     pub static_ram_bytes: u32,
     /// The most stack that was used.
     pub stack_bytes: Option<u32>,
+    /// How much the memory map leaves it; `None` where the image has no such symbols.
+    pub stack_room_bytes: Option<u32>,
     /// How long the board ran.
     pub seconds: f64,
     /// The core's clock at the end, in Hz.
@@ -198,6 +200,7 @@ impl VirtualBoard {
             flash_bytes: self.image.flash_bytes(),
             static_ram_bytes: self.image.static_ram_bytes(),
             stack_bytes: self.stack_bytes(),
+            stack_room_bytes: self.stack_room_bytes(),
             seconds: devices.seconds(now),
             core_hz: devices.clocks.core.as_f64(),
             instructions: self.machine.cost().instructions,
@@ -241,10 +244,19 @@ impl VirtualBoard {
     }
 
     fn stack_bytes(&self) -> Option<u32> {
-        // The first word of the vector table is where the stack starts.
+        self.stack_top()?.checked_sub(self.lowest_stack.min(self.machine.lowest_stack()))
+    }
+
+    /// The first word of the vector table is where the stack starts.
+    fn stack_top(&self) -> Option<u32> {
         let mut top = [0; 4];
         self.machine.read(virtual_core::FLASH_ADDRESS, &mut top).ok()?;
-        u32::from_le_bytes(top).checked_sub(self.lowest_stack.min(self.machine.lowest_stack()))
+        Some(u32::from_le_bytes(top))
+    }
+
+    fn stack_room_bytes(&self) -> Option<u32> {
+        // cortex-m-rt's name: the stack may grow down to the last of the statics.
+        self.stack_top()?.checked_sub(self.machine.symbol("_stack_end")?.address)
     }
 
     fn interrupts(&self) -> Vec<InterruptReport> {

@@ -176,8 +176,14 @@ fn a_good_kit_in_the_sector_plays() {
 fn what_a_board_leaves_out_of_a_kit_is_told() {
     let mut demo = kit::open("demo").unwrap().kit;
     demo.room = vec![kit::RoomBand::new(0.0, 0.6, -12.0)];
+    demo.objects[2].dynamic_filter = kit::open("filters").unwrap().kit.objects[2].dynamic_filter.clone();
     let kit = kit::binary::build(&demo).unwrap();
     let running = common::run(Board::BlackpillF411, &Setup { kit, ..Setup::default() }, 0.3);
     let report = running.report().unwrap();
-    assert!(says(&report, "kit sector: demo plays") && says(&report, "room are left out"), "{:#?}", report.log);
+    assert!(says(&report, "kit sector: demo plays"), "{:#?}", report.log);
+    for left_out in ["room: this board plays none", "pad 2, dynamic filter: takes "] {
+        assert!(says(&report, &format!("kit sector, left out: {left_out}")), "{:#?}", report.log);
+    }
+    // It plays, and no fault is shown.
+    assert!(!report.leds.iter().any(|led| led.at_s > 0.05 && led.lit), "{:#?}", report.leds);
 }

@@ -30,12 +30,12 @@ fn each_image_starts_and_plays_its_button() {
 #[test]
 fn the_sample_rates_are_those_of_the_clock_trees() {
     for (board, ratio) in [(Board::Stm32f407gDisc1, (86_000_000, 1792)), (Board::BlackpillF411, (48_000, 1))] {
-        let running = common::run(board, &Setup::default(), 0.15);
+        let running = common::run(board, &Setup::default(), 0.25);
         let streams = running.streams();
         let rate = streams[0].rate;
         assert_eq!(rate.numerator() * ratio.1, ratio.0 * rate.denominator(), "{}: {rate}", board.name());
         // Frames that have left in that time, to one.
-        let expected = (0.15 - streams[0].start_s) * rate.as_f64();
+        let expected = (0.25 - streams[0].start_s) * rate.as_f64();
         assert!(
             (streams[0].frames.len() as f64 - expected).abs() < 1.5,
             "{}: {}",

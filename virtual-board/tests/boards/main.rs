@@ -11,4 +11,5 @@ mod played;
 mod replay;
 mod self_test;
 mod sound;
+mod stages;
 mod timing;

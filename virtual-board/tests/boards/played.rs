@@ -1,12 +1,12 @@
 //! What a board's log says was played, and what `malleus play` makes of it.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::Skipping;
+use dsp_core::engine::{Skipping, TickReport};
 use dsp_core::event::Event;
 use dsp_core::table::Kit;
 use malleus::events::csv;
-use malleus::render::Performance;
 use malleus::render::instrument::{Output, Settings, render};
+use malleus::render::{Performance, board};
 use virtual_board::{Board, VirtualBoard};
 
 /// A board's true rate.
@@ -33,6 +33,34 @@ pub(crate) fn events(running: &VirtualBoard, kit: &Kit<'_>, rate: SampleRate) ->
 /// sound, since the stream begins before the engine does.
 pub(crate) fn heard_and_rendered(running: &VirtualBoard, board: Board, kit: &[u8]) -> [Vec<[i32; 2]>; 2] {
     let (kit, rate) = (Kit::parse(kit).unwrap(), rate(board));
+    let heard = heard(running);
+    let performance = Performance { events: events(running, &kit, rate), direct: None, frames: heard.len() };
+    let settings = Settings { rate, block: 32, skipping: Skipping::On, budget_cycles: None };
+    let rendered = render(&kit, &performance, settings, Output::Samples24, |_| {}).unwrap();
+    [heard, rendered].map(from_first_sound)
+}
+
+/// The same with what `malleus play --board` renders, and the sums of its ticks' reports: frames of residuals, dynamic filters, loops, biquads and the room, and
+/// stages that were refused.
+pub(crate) fn heard_and_rendered_as_board(
+    running: &VirtualBoard,
+    board: Board,
+    kit: &[u8],
+) -> ([Vec<[i32; 2]>; 2], [u32; 6]) {
+    let (kit, rate, heard) = (Kit::parse(kit).unwrap(), rate(board), heard(running));
+    let performance = Performance { events: events(running, &kit, rate), direct: None, frames: heard.len() };
+    let mut work = [0; 6];
+    let observe = |tick: &TickReport| {
+        let frames = [tick.residual_frames, tick.filter_frames, tick.loop_frames, tick.biquad_frames, tick.room_frames];
+        work.iter_mut().zip(frames).for_each(|(sum, frames)| *sum += frames);
+        work[5] += tick.refused_stages;
+    };
+    let rendered = board::render(board, &kit, &performance, 128, observe, |_| {}).unwrap();
+    ([heard, rendered].map(from_first_sound), work)
+}
+
+/// The frames that left the I2S in its only stream.
+fn heard(running: &VirtualBoard) -> Vec<[i32; 2]> {
     let streams = running.streams();
     let [stream] = streams.as_slice() else {
         let log: Vec<String> = running.report().unwrap().log.into_iter().map(|line| line.message).collect();
@@ -40,12 +68,10 @@ pub(crate) fn heard_and_rendered(running: &VirtualBoard, board: Board, kit: &[u8
     };
     assert_eq!((stream.underruns, stream.unconnected_frames), (0, 0));
     assert!(stream.frames.iter().flatten().all(|slot| slot & 0xFF == 0), "24 bits at the top of 32");
-    let heard: Vec<[i32; 2]> = stream.frames.iter().map(|frame| frame.map(|slot| slot >> 8)).collect();
-    let performance = Performance { events: events(running, &kit, rate), direct: None, frames: heard.len() };
-    let settings = Settings { rate, block: 32, skipping: Skipping::On, budget_cycles: None };
-    let rendered = render(&kit, &performance, settings, Output::Samples24, |_| {}).unwrap();
-    [heard, rendered].map(|frames| {
-        let first = frames.iter().position(|frame| *frame != [0; 2]).expect("no sound");
-        frames[first..].to_vec()
-    })
+    stream.frames.iter().map(|frame| frame.map(|slot| slot >> 8)).collect()
+}
+
+fn from_first_sound(frames: Vec<[i32; 2]>) -> Vec<[i32; 2]> {
+    let first = frames.iter().position(|frame| *frame != [0; 2]).expect("no sound");
+    frames[first..].to_vec()
 }

@@ -11,7 +11,11 @@ pub(crate) fn strikes(events: &[Event]) -> usize {
 
 /// The frames that were compared, from the first sound on, all of which must be the same.
 pub(crate) fn assert_same_bits(running: &VirtualBoard, board: Board, kit: &[u8]) -> usize {
-    let [heard, rendered] = heard_and_rendered(running, board, kit);
+    assert_same(board, heard_and_rendered(running, board, kit))
+}
+
+/// The same of what was heard and what was rendered.
+pub(crate) fn assert_same(board: Board, [heard, rendered]: [Vec<[i32; 2]>; 2]) -> usize {
     let same = heard.iter().zip(&rendered).take_while(|(a, b)| a == b).count();
     let compared = heard.len();
     // A strike whose line was still under way at the end is missing in the log.

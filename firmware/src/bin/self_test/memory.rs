@@ -14,15 +14,18 @@ unsafe extern "C" {
     static _stack_end: u32;
     static _hot_start: u32;
     static _hot_end: u32;
+    static _stages_start: u32;
+    static _stages_end: u32;
 }
 
-/// Memory between the statics and the stack, and the place of the instrument, which has not been filled yet.
+/// Memory between the statics and the stack, and the places of the instrument and its stages, which have not been filled yet.
 pub(crate) fn check(failures: &mut Failures) {
     let here = 0u32;
     let stack = (&raw const here) as usize - STACK_MARGIN;
     for (name, start, end) in [
         ("stack", (&raw const _stack_end) as usize, stack),
         ("hot", (&raw const _hot_start) as usize, (&raw const _hot_end) as usize),
+        ("stages", (&raw const _stages_start) as usize, (&raw const _stages_end) as usize),
     ] {
         let words = (end.saturating_sub(start)) / 4;
         let wrong = (0..words).filter(|word| !holds(start + 4 * word, *word as u32)).count();
@@ -44,7 +47,7 @@ fn holds(address: usize, number: u32) -> bool {
     let word = address as *mut u32;
     PATTERNS.iter().all(|pattern| {
         let value = pattern ^ number;
-        // SAFETY: nobody else uses the memory between the statics and the stack, nor the instrument's before it is placed.
+        // SAFETY: nobody else uses the memory between the statics and the stack, nor the instrument's and its stages' before they are placed.
         unsafe {
             write_volatile(word, value);
             read_volatile(word) == value

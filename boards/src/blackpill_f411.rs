@@ -1,0 +1,28 @@
+//! WeAct BlackPill F411: 128 KB of RAM in one. A room is more than its 96 MHz can pay for beside strikes; the memory goes to long loops.
+//!
+//! | bytes | what |
+//! | --- | --- |
+//! | 33 088 | the engine: pads, modes |
+//! | 2 272 | the inputs: triggers |
+//! | 23 392 | a residual; the background counts as one |
+//! | 42 792 | filters of four pads |
+//! | 5 232 | DMA buffers, the log, tasks |
+//! | 23 440 | the stack: 12.4 KB are used, at the start; 4 KB are kept free (`cargo test -p virtual-board --test boards load::images -- --nocapture`) |
+
+use dsp_core::engine::{Filters, NoRoom, Residuals};
+
+use crate::Board;
+
+/// The board.
+#[derive(Clone, Copy, Debug)]
+pub struct BlackpillF411;
+
+impl Board for BlackpillF411 {
+    const NAME: &'static str = "blackpill-f411";
+    const RATE: (u32, u32) = (48_000, 1);
+    const STAGE_CYCLES: u32 = 17_600;
+    type Residuals = Residuals<1>;
+    type Room = NoRoom;
+    /// 32 breakpoints, 16 loops of up to 1023 frames (21 ms), sixteen pairs of biquads.
+    type Filters = Filters<4, 32, 16, 1024, 16>;
+}

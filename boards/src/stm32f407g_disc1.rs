@@ -1,0 +1,30 @@
+//! STM32F407G-DISC1: 128 KB of RAM, and 64 KB beside the core that no DMA reaches.
+//!
+//! | bytes | what | where |
+//! | --- | --- | --- |
+//! | 33 088 | the engine: pads, modes | beside the core |
+//! | 2 272 | the inputs: triggers | beside the core |
+//! | 27 904 | the room: 9728 samples of delay (19 KB), and 8 KB of what it works with | beside the core |
+//! | 70 176 | three residuals, 23 392 each; the background counts as one | RAM |
+//! | 35 488 | filters of five pads | RAM |
+//! | 5 232 | DMA buffers, the log, tasks | RAM |
+//! | 20 176 | the stack: 12.4 KB are used, at the start; 4 KB are kept free (`cargo test -p virtual-board --test boards load::images -- --nocapture`) | RAM |
+
+use dsp_core::engine::{Filters, Residuals};
+use dsp_core::room::Room;
+
+use crate::Board;
+
+/// The board.
+#[derive(Clone, Copy, Debug)]
+pub struct Stm32f407gDisc1;
+
+impl Board for Stm32f407gDisc1 {
+    const NAME: &'static str = "stm32f407g-disc1";
+    const RATE: (u32, u32) = (86_000_000, 1792);
+    const STAGE_CYCLES: u32 = 47_000;
+    type Residuals = Residuals<3>;
+    type Room = Room<i16, 9_728>;
+    /// 32 breakpoints, ten loops of up to 511 frames (10.6 ms), eight pairs of biquads.
+    type Filters = Filters<5, 32, 10, 512, 8>;
+}
