@@ -65,7 +65,7 @@ impl<M: RoomStage> RoomStage for Apart<'_, M> {
 impl<F: FilterRoom> FilterRoom for Apart<'_, F> {
     const EMPTY: Self = Self(None);
 
-    fn load(&mut self, kit: &Kit<'_>, rate: SampleRate, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
+    fn load<G: Fitting>(&mut self, kit: &Kit<'_>, rate: SampleRate, fitting: &mut G) -> Result<(), LoadError> {
         self.0.as_mut().map_or(Ok(()), |filters| filters.load(kit, rate, fitting))
     }
 

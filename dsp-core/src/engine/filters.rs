@@ -17,7 +17,7 @@ pub trait FilterRoom {
     ///
     /// # Errors
     /// A [`LoadError`]; there are then no filters.
-    fn load(&mut self, kit: &Kit<'_>, rate: SampleRate, fitting: &mut Fitting<'_>) -> Result<(), LoadError>;
+    fn load<F: Fitting>(&mut self, kit: &Kit<'_>, rate: SampleRate, fitting: &mut F) -> Result<(), LoadError>;
 
     /// Whether a pad's filters have a part in its next run: they sound, or take its force or its modes.
     fn join_in(&self, pad: u8, has_force: bool, banks: &[Bank]) -> bool;
@@ -67,7 +67,10 @@ pub struct NoFilters;
 impl FilterRoom for NoFilters {
     const EMPTY: Self = Self;
 
-    fn load(&mut self, kit: &Kit<'_>, _: SampleRate, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
+    fn load<F: Fitting>(&mut self, kit: &Kit<'_>, _: SampleRate, fitting: &mut F) -> Result<(), LoadError> {
+        if !F::TELLS {
+            return Ok(());
+        }
         for (pad, number) in kit.pads().zip(0u8..) {
             let object = pad.object_index();
             if matches!(kit.dynamic_filter_of(object), Ok(Some(_))) {
@@ -172,7 +175,7 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
         self.places.iter_mut().find(|place| place.pad == Some(pad)).map(|place| &mut place.filters)
     }
 
-    fn derive(&mut self, kit: &Kit<'_>, rate: SampleRate, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
+    fn derive(&mut self, kit: &Kit<'_>, rate: SampleRate, fitting: &mut impl Fitting) -> Result<(), LoadError> {
         let mut free = self.places.iter_mut().peekable();
         for (pad, number) in kit.pads().zip(0u8..) {
             let object = pad.object_index();
@@ -239,7 +242,7 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
     const EMPTY: Self =
         Self { places: [const { Place { pad: None, cycles: [0; 2], filters: PadFilters::EMPTY } }; COUNT], pads: 0 };
 
-    fn load(&mut self, kit: &Kit<'_>, rate: SampleRate, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
+    fn load<F: Fitting>(&mut self, kit: &Kit<'_>, rate: SampleRate, fitting: &mut F) -> Result<(), LoadError> {
         self.unload();
         let result = self.derive(kit, rate, fitting);
         if result.is_err() {

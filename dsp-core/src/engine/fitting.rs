@@ -88,65 +88,97 @@ impl Left {
     }
 }
 
-/// What becomes of stages for which there is no memory or no time.
-pub struct Fitting<'f>(Option<Within<'f>>);
-
-/// What is left for stages, and who is told of what is left out.
-struct Within<'f> {
-    cycles: u32,
-    tell: &'f mut dyn FnMut(LoadError),
-}
-
-impl<'f> Fitting<'f> {
-    /// All time, and what finds no memory is refused.
-    pub(super) fn all() -> Self {
-        Self(None)
-    }
-
-    /// So many cycles a tick beside what so many pads take.
-    pub(super) fn within(cycles: u32, pads: usize, tell: &'f mut dyn FnMut(LoadError)) -> Self {
-        Self(Some(Within { cycles: cycles.saturating_sub(pads as u32 * PAD_CYCLES), tell }))
-    }
+/// What becomes of stages for which there is no memory or no time: everything is asked for, or what fits within so many cycles.
+pub trait Fitting {
+    /// Whether somebody is told of what is left out: where nobody is, nothing looks for it.
+    const TELLS: bool;
 
     /// A stage that cannot be: left out and told, or refused.
     ///
     /// # Errors
     /// What was given, where it is refused.
-    pub fn leave_out(&mut self, error: LoadError) -> Result<(), LoadError> {
-        let Some(within) = self.0.as_mut() else { return Err(error) };
-        (within.tell)(error);
+    fn leave_out(&mut self, error: LoadError) -> Result<(), LoadError>;
+
+    /// A stage that the engine has neither memory nor code for.
+    fn pass_over(&mut self, stage: Stage);
+
+    /// What a stage of so many nominal cycles a tick takes while it sounds; where there is not even time for it alone, it is told, and left out.
+    fn afford(&mut self, stage: Stage, cycles: u32) -> Option<u32>;
+
+    /// The same for a stage that sounds on: what it takes is no more there for others.
+    fn take(&mut self, stage: Stage, cycles: u32) -> bool;
+
+    /// What is left for stages that strikes begin; `None`: all that they take.
+    fn left(&self) -> Option<u32>;
+}
+
+/// All time; what finds no memory is refused, and what the engine has no code for is passed over.
+pub(super) struct All;
+
+impl Fitting for All {
+    const TELLS: bool = false;
+
+    fn leave_out(&mut self, error: LoadError) -> Result<(), LoadError> {
+        Err(error)
+    }
+
+    fn pass_over(&mut self, _: Stage) {}
+
+    fn afford(&mut self, _: Stage, _: u32) -> Option<u32> {
+        Some(0)
+    }
+
+    fn take(&mut self, _: Stage, _: u32) -> bool {
+        true
+    }
+
+    fn left(&self) -> Option<u32> {
+        None
+    }
+}
+
+/// What is left for stages, and who is told of what is left out.
+pub(super) struct Within<'f> {
+    cycles: u32,
+    tell: &'f mut dyn FnMut(LoadError),
+}
+
+impl<'f> Within<'f> {
+    /// So many cycles a tick beside what so many pads take.
+    pub(super) fn new(cycles: u32, pads: usize, tell: &'f mut dyn FnMut(LoadError)) -> Self {
+        Self { cycles: cycles.saturating_sub(pads as u32 * PAD_CYCLES), tell }
+    }
+}
+
+impl Fitting for Within<'_> {
+    const TELLS: bool = true;
+
+    fn leave_out(&mut self, error: LoadError) -> Result<(), LoadError> {
+        (self.tell)(error);
         Ok(())
     }
 
-    /// A stage that the engine has neither memory nor code for: told, or passed over.
-    pub fn pass_over(&mut self, stage: Stage) {
-        if let Some(within) = self.0.as_mut() {
-            (within.tell)(LoadError::NoPlace { stage });
-        }
+    fn pass_over(&mut self, stage: Stage) {
+        (self.tell)(LoadError::NoPlace { stage });
     }
 
-    /// What a stage of so many nominal cycles a tick takes while it sounds; where there is not even time for it alone, it is told, and left out.
-    pub fn afford(&mut self, stage: Stage, cycles: u32) -> Option<u32> {
+    fn afford(&mut self, stage: Stage, cycles: u32) -> Option<u32> {
         let cycles = stage.worst_cycles(cycles);
-        if let Some(within) = self.0.as_mut().filter(|within| within.cycles < cycles) {
-            (within.tell)(LoadError::TooDear { stage, cycles, left: within.cycles });
+        if self.cycles < cycles {
+            (self.tell)(LoadError::TooDear { stage, cycles, left: self.cycles });
             return None;
         }
         Some(cycles)
     }
 
-    /// The same for a stage that sounds on: what it takes is no more there for others.
-    pub fn take(&mut self, stage: Stage, cycles: u32) -> bool {
+    fn take(&mut self, stage: Stage, cycles: u32) -> bool {
         let afforded = self.afford(stage, cycles);
-        if let (Some(within), Some(cycles)) = (self.0.as_mut(), afforded) {
-            within.cycles -= cycles;
-        }
+        self.cycles -= afforded.unwrap_or(0);
         afforded.is_some()
     }
 
-    /// What is left for stages that strikes begin; `None`: all that they take.
-    pub(super) fn left(&self) -> Option<u32> {
-        self.0.as_ref().map(|within| within.cycles)
+    fn left(&self) -> Option<u32> {
+        Some(self.cycles)
     }
 }
 
@@ -168,7 +200,7 @@ mod tests {
     fn what_sounds_on_takes_its_time_for_good_and_what_alone_is_too_dear_is_told() {
         let mut told = std::vec::Vec::new();
         let mut tell = |error| told.push(error);
-        let mut fitting = Fitting::within(40_000 + 2 * PAD_CYCLES, 2, &mut tell);
+        let mut fitting = Within::new(40_000 + 2 * PAD_CYCLES, 2, &mut tell);
         assert!(fitting.take(Stage::Room, 10_000));
         let left = 40_000 - Stage::Room.worst_cycles(10_000);
         assert_eq!(fitting.left(), Some(left));

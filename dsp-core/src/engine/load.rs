@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::fitting::{Fitting, Stage};
+use super::fitting::{All, Fitting, Stage, Within};
 use super::{Engine, FilterRoom, Skipping, Surroundings, TickReport};
 use crate::SampleRate;
 use crate::biquad::BiquadError;
@@ -202,7 +202,7 @@ impl<
     /// # Errors
     /// A [`LoadError`]; the engine is then without a kit and silent.
     pub fn load(&mut self, kit: &Kit<'k>, rate: SampleRate, skipping: Skipping) -> Result<(), LoadError> {
-        self.load_all(kit, rate, skipping, Fitting::all())
+        self.load_all(kit, rate, skipping, All)
     }
 
     /// Loads all pads, and of the room, the background, residuals and filters, in this order and pad by pad, what there is memory for and what alone takes no
@@ -222,7 +222,7 @@ impl<
         stage_cycles: u32,
         mut tell: impl FnMut(LoadError),
     ) -> Result<(), LoadError> {
-        self.load_all(kit, rate, skipping, Fitting::within(stage_cycles, kit.pads().len(), &mut tell))
+        self.load_all(kit, rate, skipping, Within::new(stage_cycles, kit.pads().len(), &mut tell))
     }
 
     fn load_all(
@@ -230,7 +230,7 @@ impl<
         kit: &Kit<'k>,
         rate: SampleRate,
         skipping: Skipping,
-        mut fitting: Fitting<'_>,
+        mut fitting: impl Fitting,
     ) -> Result<(), LoadError> {
         self.banks = [const { Bank::EMPTY }; BANKS];
         (self.pad_count, self.idle, self.expects, self.retired_amplitude) = (0, false, false, 0.0);

@@ -83,7 +83,10 @@ impl Place {
 }
 
 /// Where there are no places at all.
-fn pass_over(kit: &Kit<'_>, fitting: &mut Fitting<'_>) {
+fn pass_over<F: Fitting>(kit: &Kit<'_>, fitting: &mut F) {
+    if !F::TELLS {
+        return;
+    }
     for (pad, number) in kit.pads().zip(0u8..) {
         if kit.residual_of(pad.object_index()).is_some() {
             fitting.pass_over(Stage::Residual(number));
@@ -100,7 +103,7 @@ fn next_place<'p>(
     (owner, panner): (Owner, Panner),
     (bands, edge_hz): (usize, f32),
     (capacity, rate): (usize, SampleRate),
-    fitting: &mut Fitting<'_>,
+    fitting: &mut impl Fitting,
 ) -> Result<Option<&'p mut Place>, LoadError> {
     let (pad, stage) = match owner {
         Owner::Pad(pad) => (Some(pad), Stage::Residual(pad)),
@@ -141,7 +144,7 @@ impl<
         &mut self,
         kit: &Kit<'_>,
         rate: SampleRate,
-        fitting: &mut Fitting<'_>,
+        fitting: &mut impl Fitting,
     ) -> Result<(), LoadError> {
         let places = self.residuals.places_mut();
         for place in places.iter_mut() {

@@ -141,7 +141,7 @@ impl<
         &mut self,
         kit: &Kit<'_>,
         rate: SampleRate,
-        fitting: &mut Fitting<'_>,
+        fitting: &mut impl Fitting,
     ) -> Result<(), LoadError> {
         let bands = kit.room();
         if let Err(error) = self.room.load(bands, rate) {
