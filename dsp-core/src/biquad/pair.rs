@@ -36,6 +36,7 @@ const INPUT_BITS: i32 = 29;
 
 /// A gain as `mantissa · 2^(exponent - 31)`, mantissa normalised.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(super) struct Gain {
     mantissa: i32,
     exponent: i32,
