@@ -11,7 +11,7 @@ use malleus::render::instrument;
 use serde::Serialize;
 use virtual_board::Board;
 
-use super::{CommandError, print, print_json, tell_what_is_left_out};
+use super::{CommandError, left_out, print, print_json};
 use crate::KitCommand;
 
 pub(crate) fn run(command: &KitCommand) -> Result<(), CommandError> {
@@ -68,30 +68,30 @@ fn new(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<(), CommandE
 
 fn build(name: &str, output: &Path) -> Result<(), CommandError> {
     let loaded = open(name)?;
-    tell_boards(name, &loaded)?;
+    let boards = on_boards(name, &loaded)?;
     kit::file::write_whole(output, &loaded.binary)?;
     let statistics = loaded.statistics();
-    print(&format!("{}: {} bytes, {}\n", output.display(), statistics.bytes, counts(&loaded)))
+    print(&format!("{}: {} bytes, {}\n{boards}", output.display(), statistics.bytes, counts(&loaded)))
 }
 
 fn check(name: &str, rate: SampleRate, json: bool) -> Result<(), CommandError> {
     let loaded = open(name)?;
     check_filters(name, &loaded, rate)?;
-    tell_boards(name, &loaded)?;
     if json {
         return print_json(&KitReport::of(name, &loaded));
     }
-    print(&format!("{name}: good; {}, {} bytes in binary\n", counts(&loaded), loaded.binary.len()))
+    let boards = on_boards(name, &loaded)?;
+    print(&format!("{name}: good; {}, {} bytes in binary\n{boards}", counts(&loaded), loaded.binary.len()))
 }
 
-/// Says what each board would leave out of a kit; tables without pads are for no board.
-fn tell_boards(name: &str, loaded: &Loaded) -> Result<(), CommandError> {
+/// What each board would leave out of a kit, in lines; tables without pads are for no board.
+fn on_boards(name: &str, loaded: &Loaded) -> Result<String, CommandError> {
     if loaded.kit.pads.is_empty() {
-        return Ok(());
+        return Ok(String::new());
     }
     let table = Kit::parse(&loaded.binary).map_err(|error| CommandError::Table { kit: name.to_owned(), error })?;
-    Board::ALL.into_iter().for_each(|board| tell_what_is_left_out(name, board, &table));
-    Ok(())
+    let lines = Board::ALL.into_iter().flat_map(|board| left_out(name, board, &table));
+    Ok(lines.map(|line| line + "\n").collect())
 }
 
 /// What only a rate can tell: whether every object's filters are stable, and whether the instrument plays the kit.

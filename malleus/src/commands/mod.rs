@@ -70,15 +70,12 @@ pub(crate) enum CommandError {
     Json(#[from] serde_json::Error),
 }
 
-/// Says on stderr what a board leaves out of a kit, or why it refuses it.
-fn tell_what_is_left_out(kit: &str, board: virtual_board::Board, table: &dsp_core::table::Kit<'_>) {
+/// What a board leaves out of a kit, or why it refuses it; a line each.
+fn left_out(kit: &str, board: virtual_board::Board, table: &dsp_core::table::Kit<'_>) -> Vec<String> {
+    let name = board.name();
     match malleus::render::board::leaves_out(board, table) {
-        Ok(left_out) => {
-            for reason in left_out {
-                eprintln!("malleus: {kit}: {} leaves out: {reason}", board.name());
-            }
-        }
-        Err(error) => eprintln!("malleus: {kit}: {} refuses it and plays its built-in kit: {error}", board.name()),
+        Ok(reasons) => reasons.iter().map(|reason| format!("{kit}: {name} leaves out: {reason}")).collect(),
+        Err(error) => vec![format!("{kit}: {name} refuses it and plays its built-in kit: {error}")],
     }
 }
 

@@ -12,7 +12,7 @@ use malleus::render::{Performance, board, instrument, law};
 use malleus::{events, wave};
 use serde::Serialize;
 
-use super::{CommandError, peak_dbfs, print, print_json, progress, tell_what_is_left_out};
+use super::{CommandError, left_out, peak_dbfs, print, print_json, progress};
 use crate::PlayArguments;
 
 /// The longest sound that is rendered at once: an hour is 1.4 GB of frames.
@@ -51,7 +51,7 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         let block = if budget_cycles.is_some() { block.next_multiple_of(TICK_FRAMES) } else { block };
         let settings = Settings { rate, block, skipping, budget_cycles };
         if let Some(on) = arguments.board {
-            tell_what_is_left_out(name, on, &table);
+            left_out(name, on, &table).iter().for_each(|line| eprintln!("malleus: {line}"));
         }
         let bar = progress(performance.frames as u64, "playing");
         let mut played = Vec::new();
