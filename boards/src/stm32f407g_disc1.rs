@@ -8,7 +8,7 @@
 //! | 72 600 | three residuals, 24 200 each; the background counts as one | RAM |
 //! | 35 488 | filters of five pads | RAM |
 //! | 5 232 | DMA buffers, the log, tasks | RAM |
-//! | 17 752 | the stack: 12.4 KB are used, at the start; 4 KB are kept free (`cargo test -p virtual-board --test boards load::images -- --nocapture`) | RAM |
+//! | 17 752 | the stack: 13.2 KB are used, at the start; 4 KB are kept free (`cargo test -p virtual-board --test boards -- --nocapture load::images stages`) | RAM |
 
 use dsp_core::engine::{Filters, Residuals};
 use dsp_core::room::Room;

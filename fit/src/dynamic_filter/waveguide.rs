@@ -155,7 +155,7 @@ pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], f
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
     ranked.truncate(MENDED);
     let followed: Vec<Ringing> =
-        ranked.iter().filter_map(|(_, _, sought)| ringing::of_sought(law, &joint, sought.as_ref()?)).collect();
+        ranked.iter().filter_map(|(_, _, sought)| ringing::of_sought(&joint, sought.as_ref()?)).collect();
     let mended = ranked.into_iter().map(|(missed, model, sought)| {
         let mended = sought.map(|sought| mend(law, &sought, |sought| model_of(law, sought), descend(law)));
         mended.map_or((missed, model), |mended| (mended.heard.missed, mended.model))

@@ -5,7 +5,6 @@ use rayon::prelude::*;
 use super::super::heard::{Mended, complete, hear, lacking, mend};
 use super::super::joint::Joint;
 use super::super::lattice::Lattice;
-use super::super::path::times_s;
 use super::super::{Comparison, RATE_HZ};
 use super::numbers::Ringing;
 use super::start::starts;
@@ -27,19 +26,19 @@ pub(crate) fn search(
     followed: Vec<Ringing>,
     filters: &[Lattice],
 ) -> Option<Mended<Ringing>> {
-    let times_s = times_s(law);
+    let times_s = &joint.times_s;
     let usual: Vec<DampedSine> =
         modes.iter().filter(|mode| mode.frequency_hz < HIGHEST_PART * RATE_HZ).copied().collect();
     let starts: Vec<Ringing> = followed.into_iter().chain(starts(law, joint, filters, &usual)).collect();
     let found = starts.into_par_iter().map(|start| {
         let found = start.descend(joint);
-        (hear(law, &found.model(&times_s)).missed, found)
+        (hear(law, &found.model(times_s)).missed, found)
     });
     let mut found: Vec<(f64, Ringing)> = found.collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(MENDED);
-    let descend = |asked: &DampingLaw, found: &Ringing| found.follow(&Joint::new(asked, &times_s));
-    let model_of = |found: &Ringing| found.model(&times_s);
+    let descend = |asked: &DampingLaw, found: &Ringing| found.follow(&Joint::new(asked, times_s));
+    let model_of = |found: &Ringing| found.model(times_s);
     let mended: Vec<_> = found.into_par_iter().map(|(_, found)| mend(law, &found, model_of, descend)).collect();
     let best = mended.into_iter().min_by(|a, b| a.heard.missed.total_cmp(&b.heard.missed))?;
     let offered = |found: &Ringing, worst: &Comparison| {

@@ -6,7 +6,6 @@ use super::super::additive::{MOST_MODES, misfit};
 use super::super::counted;
 use super::super::joint::{Joint, Sought};
 use super::super::lattice::Lattice;
-use super::super::path::times_s;
 use super::super::response::{NOISE_DENSITY, heard_in_band, response};
 use super::super::waveguide::delay_s;
 use super::super::{Coefficients, RATE_HZ};
@@ -116,8 +115,8 @@ fn slower(law: &DampingLaw, modes: &[DampedSine], noise_decay_per_s: f64) -> Vec
 }
 
 /// What a descent without levels has found, where its noise ends and its loops ring on.
-pub(crate) fn of_sought(law: &DampingLaw, joint: &Joint, sought: &Sought) -> Option<Ringing> {
-    let times_s = times_s(law);
+pub(crate) fn of_sought(joint: &Joint, sought: &Sought) -> Option<Ringing> {
+    let times_s = &joint.times_s;
     let end = sought.end.filter(|end| *end > 0 && !sought.guides.is_empty())?.min(times_s.len() - 1);
     let (knots, last) = (Ringing::knots_until(end), sought.filters.get(end)?);
     let filters: Vec<&Lattice> = knots.iter().filter_map(|time| sought.filters.get(*time)).collect();
@@ -136,7 +135,7 @@ pub(crate) fn of_sought(law: &DampingLaw, joint: &Joint, sought: &Sought) -> Opt
     free.resize(free.len() + joint.lawful(), 0.0);
     let form = last.form();
     let coefficients: Vec<_> = filters.iter().map(|filter| filter.coefficients()).collect();
-    Some(Ringing { form, knots, loops, free }.with_gains_of(&times_s, &coefficients))
+    Some(Ringing { form, knots, loops, free }.with_gains_of(times_s, &coefficients))
 }
 
 impl Ringing {
