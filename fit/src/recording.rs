@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::audio::{self, Recording};
-use crate::contact::half_sine;
+use crate::contact;
 use crate::distance::lsd_window;
 use crate::modes::DampedSine;
 use crate::stages::{Heard, MOST_RISE_DB, Sounding, is_worth_its_room};
@@ -100,7 +100,7 @@ pub struct Report {
 pub struct StrikeReport {
     /// When, in seconds of the recording.
     pub at_s: f64,
-    /// Contact time of the half-sine force in seconds.
+    /// Contact time in seconds.
     pub contact_time_s: f64,
     /// Log-spectral distance of the model in dB.
     pub lsd_db: f64,
@@ -214,7 +214,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
 fn sounding(fit: &Fit) -> Vec<DampedSine> {
     let strike = fit.strikes.get(fit.loudest);
     let force = strike.map_or(Vec::new(), |strike| {
-        half_sine(strike.contact_time_s, fit.rate_hz).iter().map(|x| x * strike.peak_force / fit.rate_hz).collect()
+        contact::force(strike.contact_time_s, fit.rate_hz).iter().map(|x| x * strike.peak_force / fit.rate_hz).collect()
     });
     let position = strike.map_or(0.0, |strike| strike.position)
         * fit.modes.first().map_or(0, |mode| mode.gains.len().saturating_sub(1)) as f64;

@@ -89,7 +89,7 @@ pub fn by_reference(table: &Kit, position: f64, rate_hz: f64, frames: usize) -> 
         },
         strikers: vec![reference::Striker {
             pulse: match striker.pulse {
-                kit::Pulse::Hertz => reference::Pulse::HertzHalfSine,
+                kit::Pulse::Hertz => reference::Pulse::Hertz { restitution: f64::from(striker.restitution) },
                 kit::Pulse::Gaussian => reference::Pulse::Gaussian,
             },
             peak_force: f64::from(striker.peak_force),

@@ -64,6 +64,7 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
             peak_exponent: 1.2,
             contact_time_s: strike.map_or(5e-4, |strike| strike.contact_time_s as f32),
             contact_exponent: -0.2,
+            restitution: Striker::DEFAULT_RESTITUTION,
             modes: Vec::new(),
         }],
         pads: Vec::new(),

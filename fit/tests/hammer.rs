@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use fit::audio::{Recording, read};
-use fit::contact::{HALF_SINE_FWHM, contact_time_s};
+use fit::contact::{PULSE_FWHM, contact_time_s};
 use fit::modes::Settings as ModeSettings;
 use fit::score::quantile;
 use fit::segment::{Hit, hits};
@@ -60,7 +60,7 @@ fn contact_times_from_sound_are_within_20_percent_of_the_measured_width() {
             let width_s = force_width_s(force, peak, recording.rate_hz);
             let heard = contact_time_s(&recording.samples[hit.onset..hit.end], recording.rate_hz)
                 .expect("the hit is long enough");
-            let ratio = heard * HALF_SINE_FWHM / width_s;
+            let ratio = heard * PULSE_FWHM / width_s;
             println!(
                 "{name} {:.3} s: {:.3} ms measured, {ratio:.2} of it heard",
                 hit.onset as f64 / 44_100.0,

@@ -29,6 +29,7 @@ fn click(room: Vec<RoomBand>) -> Kit {
             peak_exponent: 1.2,
             contact_time_s: 2e-4,
             contact_exponent: -0.2,
+            restitution: Striker::DEFAULT_RESTITUTION,
             modes: vec![],
         }],
         pads: vec![],

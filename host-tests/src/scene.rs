@@ -43,6 +43,7 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
             peak_exponent: 1.2,
             contact_time_s: 0.0005,
             contact_exponent: -0.2,
+            restitution: Striker::DEFAULT_RESTITUTION,
             modes: Vec::new(),
         }],
         pads: vec![Pad {

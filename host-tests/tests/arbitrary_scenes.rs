@@ -46,12 +46,14 @@ prop_compose! {
 prop_compose! {
     fn striker(index: usize)(
         gaussian: bool, peak in -10.0f32..12.0, peak_exponent in 0.0f32..4.0, contact in -15.0f32..-5.0,
-        contact_exponent in -0.5f32..0.5, modes in modes(1, 8),
+        contact_exponent in -0.5f32..0.5, restitution in 0.1f32..=1.0,
+        modes in modes(1, 8),
     ) -> Striker {
         Striker {
             name: format!("striker {index}"), source: String::new(), licence: String::new(),
             pulse: if gaussian { Pulse::Gaussian } else { Pulse::Hertz },
-            peak_force: peak.exp2(), peak_exponent, contact_time_s: contact.exp2(), contact_exponent, modes,
+            peak_force: peak.exp2(), peak_exponent, contact_time_s: contact.exp2(), contact_exponent,
+            restitution: if gaussian { Striker::DEFAULT_RESTITUTION } else { restitution }, modes,
         }
     }
 }

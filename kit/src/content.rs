@@ -120,14 +120,21 @@ pub struct Striker {
     pub contact_time_s: f32,
     /// Exponent b of the contact time, `τ = τ1 v^b`.
     pub contact_exponent: f32,
+    /// Coefficient of restitution of a Hertz pulse, 0.1 to 1; [`Striker::DEFAULT_RESTITUTION`] for a Gaussian.
+    pub restitution: f32,
     /// The striker's own modes, each with exactly one gain.
     pub modes: Vec<Mode>,
+}
+
+impl Striker {
+    /// Restitution of a striker that does not say its own.
+    pub const DEFAULT_RESTITUTION: f32 = dsp_core::table::range::DEFAULT_RESTITUTION;
 }
 
 /// Shape of a contact pulse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pulse {
-    /// Hertz half-sine; begins at its onset.
+    /// Spheres in contact that lose energy, by the striker's restitution; begins at its onset.
     #[default]
     Hertz,
     /// Gaussian (diffimpact eq. 2); begins where it is 100 dB down.

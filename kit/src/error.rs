@@ -293,6 +293,7 @@ fn place_of(error: &TableError) -> Option<Place> {
         | TableError::BadNote { place, .. }
         | TableError::SharedInput { place, .. }
         | TableError::BadText { place }
+        | TableError::GaussianRestitution { place, .. }
         | TableError::EdgeOrder { place, .. }
         | TableError::UnstablePole { place, .. }
         | TableError::TimeOrder { place, .. }

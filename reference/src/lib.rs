@@ -59,7 +59,7 @@
 //!         dynamic_filter: None,
 //!     },
 //!     strikers: vec![Striker {
-//!         pulse: Pulse::HertzHalfSine,
+//!         pulse: Pulse::Hertz { restitution: 0.45 },
 //!         peak_force: 50.0,
 //!         peak_exponent: Striker::HERTZ_PEAK_EXPONENT,
 //!         contact_time_s: 0.0005,

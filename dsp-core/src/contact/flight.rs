@@ -1,7 +1,7 @@
 //! The contacts that are under way.
 
-use super::law::{Impact, WHOLE};
-use super::pulse::{self, Pulse, SHAPE_BITS};
+use super::law::Impact;
+use super::pulse::{self, Asymmetry, Pulse, SHAPE_BITS, WHOLE};
 use crate::fixed;
 
 /// One contact under way.
@@ -12,46 +12,91 @@ pub struct Contact {
     pulse: Pulse,
     /// Peak force, Q4.27.
     peak: i32,
-    /// Fraction of the pulse at the next frame, 1.0 = 2^63.
+    /// Fraction of the pulse at the next frame, 1.0 = [`WHOLE`]: where that frame's interval ends.
     phase: u64,
-    /// Fraction of the pulse in one frame.
+    /// Fraction of the pulse in one frame, at most 16.
     step: u64,
 }
 
 impl Contact {
-    const OVER: Self = Self { pad: 0, striker: 0, pulse: Pulse::HertzHalfSine, peak: 0, phase: 0, step: 0 };
+    const OVER: Self = Self { pad: 0, striker: 0, pulse: Pulse::Gaussian, peak: 0, phase: WHOLE, step: 0 };
 
     /// A contact whose pulse began `early` (a fraction of a sample, 1.0 = 2^32) before the next frame: onsets fall between samples.
     pub fn new(pad: u8, striker: u8, impact: Impact, early: u32) -> Self {
         // The step in halves, so that nothing overflows.
         let (upper, lower) = (impact.step >> 32, impact.step & 0xffff_ffff);
         let phase = upper * u64::from(early) + ((lower * u64::from(early)) >> 32);
-        Self { pad, striker, pulse: impact.pulse, peak: impact.peak, phase, step: impact.step.clamp(1, WHOLE) }
+        let step = impact.step.clamp(1, 16 * WHOLE);
+        Self { pad, striker, pulse: impact.pulse, peak: impact.peak, phase, step }
+    }
+
+    /// The phase from which on no frame has force. Below 2^63.
+    fn end(&self) -> u64 {
+        match self.pulse {
+            // The last frame is the one in whose interval the pulse ends.
+            Pulse::Hertz(_) => WHOLE + self.step,
+            Pulse::Gaussian => WHOLE,
+        }
     }
 
     fn is_over(&self) -> bool {
-        self.phase >= WHOLE || self.step == 0
+        self.phase >= self.end() || self.step == 0
+    }
+
+    /// Bound of the frames that still have force; the upper words are precise enough.
+    fn frames_left(&self) -> u32 {
+        (self.end().saturating_sub(self.phase) >> 32) as u32 / ((self.step >> 32) as u32).max(1) + 1
     }
 
     /// Adds the pulse to a run of force and moves on.
     fn add_to(&mut self, force: &mut [i32]) {
         match self.pulse {
-            Pulse::HertzHalfSine => self.add_shape(force, pulse::half_sine),
-            Pulse::Gaussian => self.add_shape(force, pulse::gaussian),
+            Pulse::Hertz(asymmetry) => self.add_means(force, asymmetry),
+            Pulse::Gaussian => self.add_gaussian(force),
+        }
+    }
+
+    /// Each frame the mean over the interval that ends at it. The first and the last one, of which the
+    /// pulse fills a part, have coefficients of their own; those between share theirs.
+    #[inline(always)]
+    fn add_means(&mut self, force: &mut [i32], asymmetry: Asymmetry) {
+        let (step, peak) = (self.step, i64::from(self.peak));
+        // A shape is below 1: the product is smaller than the peak.
+        let scaled = |shape: i32| ((i64::from(shape) * peak) >> SHAPE_BITS) as i32;
+        let mut frames = force.iter_mut();
+        if self.phase < step {
+            let Some(force) = frames.next() else { return };
+            *force = fixed::qadd(*force, scaled(asymmetry.edge(self.phase, step)));
+            self.phase += step;
+        }
+        if self.phase <= WHOLE {
+            let means = asymmetry.means(step, 1 << 31);
+            // The interval's middle; its upper 32 bits, which are below 1 here.
+            let (mut middle, last) = (self.phase - step / 2, WHOLE - step / 2);
+            while middle <= last {
+                let Some(force) = frames.next() else { break };
+                *force = fixed::qadd(*force, scaled(means.about((middle >> 26) as u32)));
+                middle += step;
+            }
+            self.phase = middle + step / 2;
+        }
+        if self.phase > WHOLE && self.phase < WHOLE + step {
+            let Some(force) = frames.next() else { return };
+            *force = fixed::qadd(*force, scaled(asymmetry.edge(self.phase, step)));
+            self.phase += step;
         }
     }
 
     #[inline(always)]
-    fn add_shape(&mut self, force: &mut [i32], shape: impl Fn(u32) -> i32) {
+    fn add_gaussian(&mut self, force: &mut [i32]) {
         let (mut phase, step, peak) = (self.phase, self.step, i64::from(self.peak));
         for force in force {
             if phase >= WHOLE {
                 break;
             }
-            // Below 1.0 = 2^63: the upper 32 bits of the fraction.
-            let value = (i64::from(shape((phase >> 31) as u32)) * peak) >> SHAPE_BITS;
+            // Below 1.0: the upper 32 bits of the fraction.
+            let value = (i64::from(pulse::gaussian((phase >> 26) as u32)) * peak) >> SHAPE_BITS;
             *force = fixed::qadd(*force, value as i32);
-            // Steps are at most 1.0, so that this cannot wrap.
             phase += step;
         }
         self.phase = phase;
@@ -85,8 +130,8 @@ impl<const CAPACITY: usize> Flight<CAPACITY> {
         contacts.fold((0.0, 0.0), |(input, longest), contact| {
             // The upper words are as precise as the floats.
             let step = ((contact.step >> 32) as u32).max(1) as f32;
-            let left = ((WHOLE.saturating_sub(contact.phase)) >> 32) as u32 as f32 / step + 1.0;
-            let length = (WHOLE >> 32) as u32 as f32 / step;
+            let left = (contact.end().saturating_sub(contact.phase) >> 32) as u32 as f32 / step + 1.0;
+            let length = (contact.end() >> 32) as u32 as f32 / step;
             (input + contact.peak as f32 * left, if length > longest { length } else { longest })
         })
     }
@@ -94,10 +139,7 @@ impl<const CAPACITY: usize> Flight<CAPACITY> {
     /// Frames times contacts of a pad within a run.
     pub fn frames_ahead(&self, pad: u8, frames: u32) -> u32 {
         let contacts = self.under_way().iter().filter(|contact| contact.pad == pad);
-        let left = |contact: &Contact| {
-            (WHOLE.saturating_sub(contact.phase) >> 32) as u32 / ((contact.step >> 32) as u32).max(1)
-        };
-        contacts.map(|contact| (left(contact) + 1).min(frames)).sum()
+        contacts.map(|contact| contact.frames_left().min(frames)).sum()
     }
 
     /// Moves a pad's contacts on without anybody hearing them.

@@ -1,6 +1,7 @@
 //! The striker's law: what a velocity does.
 
 use super::Pulse;
+use super::pulse::WHOLE;
 use crate::fixed::{self, Log2};
 use crate::table::ContactTable;
 use crate::{SampleRate, exponential};
@@ -13,6 +14,8 @@ pub struct StrikerLaw {
     peak: u64,
     /// Fraction of the pulse in a sample at velocity 1, 1.0 = [`WHOLE`].
     step: u64,
+    /// Largest step at which the pulse's samples still tell its impulse.
+    fastest_played: u64,
     /// a and -b, Q27.
     peak_exponent_q27: i32,
     step_exponent_q27: i32,
@@ -27,25 +30,24 @@ pub struct Impact {
     pub pulse: Pulse,
     /// Peak force, Q4.27 of the force bus.
     pub peak: i32,
-    /// Fraction of the pulse in a sample, 1.0 = [`WHOLE`].
+    /// Fraction of the pulse in a sample, 1.0 = [`WHOLE`]; more than that where it is shorter.
     pub step: u64,
 }
 
 impl Impact {
     /// Bound of the sum of its force, bus steps.
     pub fn sum(&self) -> u64 {
-        // Half a sample more than its length on either side; the upper words are as good as all 64 bits.
+        // A sample more than its length on either side: the first and the last are filled in part.
+        // The upper words are as good as all 64 bits.
         let samples = (WHOLE >> 32) as u32 / ((self.step >> 32) as u32).max(1);
         u64::from(self.peak.unsigned_abs()) * (u64::from(samples) + 2)
     }
 }
 
-/// 1.0 of a pulse's fraction.
-pub const WHOLE: u64 = 1 << 63;
-
 /// The longest contact, in seconds: a law that asks for more (b < 0 at the softest velocities) is held here.
 pub const MAX_CONTACT_TIME_S: f64 = 0.25;
-/// The shortest contact, in seconds.
+/// The shortest contact, in seconds: a law that asks for less (b > 0 at the softest velocities) is
+/// held here. At 8 kHz it is a 12th of a sample.
 pub const MIN_CONTACT_TIME_S: f64 = 1e-5;
 
 impl StrikerLaw {
@@ -54,7 +56,7 @@ impl StrikerLaw {
     pub fn new(contact: &ContactTable<'_>, reference_force: f32, rate: SampleRate) -> Self {
         let pulse = pulse_of(contact);
         let samples_a_second = pulse.length() as f32 * rate.hz_f32();
-        // `as` saturates: a pulse shorter than a sample is over at once.
+        // `as` saturates; at 8 kHz and [`MIN_CONTACT_TIME_S`] the step is 12.5 times the whole.
         let step = |contact_time_s: f32| (WHOLE as f32 / (contact_time_s * samples_a_second)) as u64;
         // Scaled by a power of two: exact but for the fraction.
         let q27 = |exponent: f32| (exponent * fixed::ONE_Q27 as f32) as i32;
@@ -62,6 +64,7 @@ impl StrikerLaw {
             pulse,
             peak: (contact.peak_force() / reference_force * fixed::ONE_Q27 as f32) as u64,
             step: step(contact.contact_time_s()),
+            fastest_played: pulse.fastest_step(),
             peak_exponent_q27: q27(contact.peak_exponent()),
             step_exponent_q27: q27(-contact.contact_exponent()),
             step_range: (step(MAX_CONTACT_TIME_S as f32).max(1), step(MIN_CONTACT_TIME_S as f32)),
@@ -80,12 +83,23 @@ impl StrikerLaw {
         let (slowest, fastest) = self.step_range;
         // Not `clamp`, which panics on a range the wrong way round: nothing here can.
         let step = logarithm.power(self.step_exponent_q27).of(self.step).max(slowest).min(fastest);
+        let (step, peak) = self.played(step, peak);
         (peak > 0).then_some(Impact { pulse: self.pulse, peak, step })
+    }
+
+    /// A pulse too fast for its samples to tell its impulse is played slower and weaker, with that impulse.
+    fn played(&self, step: u64, peak: i32) -> (u64, i32) {
+        if step <= self.fastest_played {
+            return (step, peak);
+        }
+        // A 32nd of WHOLE is 2^53; the ratio, below 1, as Q31.
+        let ratio = ((self.fastest_played >> 27) << 31).checked_div(step >> 27).unwrap_or(0);
+        (self.fastest_played, ((i64::from(peak) * ratio as i64 + (1 << 30)) >> 31) as i32)
     }
 }
 
 fn pulse_of(contact: &ContactTable<'_>) -> Pulse {
-    if contact.is_gaussian() { Pulse::Gaussian } else { Pulse::HertzHalfSine }
+    if contact.is_gaussian() { Pulse::Gaussian } else { Pulse::hertz(contact.restitution()) }
 }
 
 fn half_to_the(exponent: f32) -> f32 {
@@ -97,5 +111,5 @@ pub fn typical_contact(contact: &ContactTable<'_>, reference_force: f32) -> (f32
     let pulse = pulse_of(contact);
     let contact_time_s = contact.contact_time_s() * half_to_the(contact.contact_exponent());
     let peak = contact.peak_force() / reference_force * half_to_the(contact.peak_exponent());
-    (peak * contact_time_s * pulse.area() as f32, contact_time_s)
+    (peak * contact_time_s * pulse.area(), contact_time_s)
 }

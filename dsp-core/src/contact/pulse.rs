@@ -1,64 +1,166 @@
 //! The shapes of a contact: force over time, as a fraction of the peak.
 
-use crate::fixed;
+use core::num::NonZeroU32;
+
+use crate::fixed::{self, Log2, ONE_Q27};
 
 /// Bits of a pulse's fraction: 1.0 = 2^29.
 pub const SHAPE_BITS: u32 = 29;
 
+/// Largest value of a shape: 1.0 less a step, so that a product with any peak force fits.
+const MAX_SHAPE: i32 = (1 << SHAPE_BITS) - 1;
+
+/// 1.0 of a contact's phase: a contact may be as short as a 16th of a sample before its phase, and
+/// a step beyond, would no longer fit 64 bits.
+pub const WHOLE: u64 = 1 << 58;
+
 /// How the contact force rises and falls.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pulse {
-    /// Hertz half-sine, `sin(π t/τ)` for `0 <= t <= τ`: frictionless spheres in contact (diffimpact §3.2).
-    #[default]
-    HertzHalfSine,
-    /// Gaussian, `exp(-6/τ² (t - t_i - τ/2)²)` (diffimpact eq. 2), cut where it is 100 dB down on either side; it begins there.
+    /// Contact of spheres that lose energy, `N sin(πx) (1 + A cos(πx))`, x = t/τ in 0 to 1.
+    Hertz(Asymmetry),
+    /// Gaussian, `exp(-6/τ² (t - t_i - τ/2)²)` (diffimpact eq. 2), cut where it is 100 dB down on
+    /// either side; it begins there.
     Gaussian,
 }
 
+/// A and N of a [`Pulse::Hertz`], from the coefficient of restitution e.
+///
+/// `A = (1-r)/(1+r)`, where r is the ratio of the force's last slope to its first, `r = e^4.6`: that
+/// follows Hunt and Crossley's contact `x'' = -x^1.5 (1 + μ x')` within 4 % for e of 0.45 to 1. N
+/// makes the peak 1. At e = 1 the pulse is the half-sine of diffimpact §3.2; below, its spectrum
+/// `N² (2/π)² [c²/(1-4x²)² + (A/4)² s²/(1-x²)²]`, x = fτ, c = cos πx, s = sin πx, has no zeros.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Asymmetry {
+    /// A, Q31, from 0 to below 1.
+    skew: i32,
+    /// `2N/π`: mean of the pulse over τ, Q31, 0.49 to 0.64.
+    area: NonZeroU32,
+}
+
+/// Coefficients of a Hertz pulse's means over intervals of one width: `sin(πm) (even + odd cos(πm))`
+/// about the middle m.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Means {
+    /// Q29, 0 to 1.
+    even: i32,
+    /// Q31, 0 to 0.77.
+    odd: i32,
+}
+
+/// Length of the Gaussian in contact times τ: `2 sqrt(ln(10^5)/6)`.
+const GAUSSIAN_LENGTH: f64 = 2.770_430_227_115_183;
+/// Shortest Gaussian contact time in samples: below it, samples no longer tell the impulse.
+const SHORTEST_GAUSSIAN_SAMPLES: f64 = 1.75;
+
 impl Pulse {
-    /// Length of the pulse in contact times τ: 1, or `2 sqrt(ln(10^5)/6)` = 2.770 for the Gaussian.
+    /// The Hertz pulse of a coefficient of restitution, 0.1 to 1.
+    ///
+    /// A and N are within 2^-21, by `f32`: some 700 cycles on a Cortex-M4F, once a strike.
+    pub fn hertz(restitution: f32) -> Self {
+        const SLOPE_EXPONENT_Q27: i32 = (4.6 * ONE_Q27 as f64) as i32;
+        // At most 1, and 2^-16 at e = 0.1: `Log2` holds numbers at 1, shifts are held at 31.
+        let slopes = Log2::new(restitution).power(SLOPE_EXPONENT_Q27).of(1 << 31) as f32 / (1u32 << 31) as f32;
+        let skew = (1.0 - slopes) / (1.0 + slopes);
+        // Where the force is largest: 2A cos²(πx) + cos(πx) - A = 0. The product of both factors
+        // below is 1 to 1.3.
+        let cosine = 2.0 * skew / (1.0 + libm::sqrtf(1.0 + 8.0 * skew * skew));
+        let scale = 1.0 / (libm::sqrtf(1.0 - cosine * cosine) * (1.0 + skew * cosine));
+        let q31 = |value: f32| (value * (1u32 << 31) as f32) as u32;
+        Self::Hertz(Asymmetry {
+            skew: q31(skew).min(i32::MAX as u32) as i32, // `as` saturates
+            area: NonZeroU32::new(q31(scale * core::f32::consts::FRAC_2_PI)).unwrap_or(NonZeroU32::MIN),
+        })
+    }
+
+    /// Length of the pulse in contact times τ: 1, or 2.770 for the Gaussian.
     pub const fn length(self) -> f64 {
         match self {
-            Self::HertzHalfSine => 1.0,
-            Self::Gaussian => 2.770_430_227_115_183,
+            Self::Hertz(_) => 1.0,
+            Self::Gaussian => GAUSSIAN_LENGTH,
         }
     }
 
     /// Mean of the pulse over τ, relative to its peak: the impulse is `m τ` times this.
-    pub const fn area(self) -> f64 {
+    pub fn area(self) -> f32 {
         match self {
-            Self::HertzHalfSine => core::f64::consts::FRAC_2_PI,
+            Self::Hertz(Asymmetry { area, .. }) => area.get() as f32 / (1u32 << 31) as f32,
             // sqrt(π/6) erf(sqrt(ln(10^5))).
-            Self::Gaussian => 0.723_600_097_971_158,
+            Self::Gaussian => 0.723_600_1,
         }
     }
 
-    /// The pulse in Q2.29 at a fraction of its length (2^32 = 1). Error at most 7e-9 of the peak. With its contact it costs
-    /// [`crate::engine::Part::ContactFrame`].
-    pub fn shape(self, fraction: u32) -> i32 {
+    /// Largest step of a phase in a frame: a faster pulse is played at this one, with a peak smaller
+    /// in the same ratio, so that its impulse stays.
+    pub(super) fn fastest_step(self) -> u64 {
         match self {
-            Self::HertzHalfSine => half_sine(fraction),
-            Self::Gaussian => gaussian(fraction),
+            Self::Hertz(_) => 16 * WHOLE,
+            Self::Gaussian => (WHOLE as f64 / (SHORTEST_GAUSSIAN_SAMPLES * GAUSSIAN_LENGTH)) as u64,
         }
     }
 }
 
-#[inline(always)]
-pub(super) fn half_sine(fraction: u32) -> i32 {
-    cos_half_pi_sqrt(negated_square_from_middle(fraction))
+impl Asymmetry {
+    /// Coefficients of the means over intervals of the pulse of `width` (of [`WHOLE`], at most 1),
+    /// which are `share` (Q31, 0 to 1) of a sample's interval.
+    ///
+    /// The mean over a sample of which the pulse fills the width w about the middle m, `share = w τ fs`
+    /// being its part, is `share N [sinc(w/2) sin(πm) + A/2 sinc(w) sin(2πm)]`. With P(w) =
+    /// `sin(πw/2)/w` that is `share (2N/π) P(w) sin(πm) [1 + A cos(πw/2) cos(πm)]`: no difference of
+    /// nearly equal numbers, however long or short the contact.
+    pub(super) fn means(self, width: u64, share: u32) -> Means {
+        // Q31; 1.0 itself lies a step above.
+        let width = i64::from((width >> 27).min(i32::MAX as u64) as i32);
+        let minus_z = -((width * width) >> 31) as i32;
+        // At most (2/π) 2^31 · 2^31, then times P < 2 in Q29: below 2^62.
+        let filled = (u64::from(self.area.get()) * u64::from(share)) >> 31;
+        let even = (filled as i64 * i64::from(sinc_half_pi_sqrt(minus_z)) + (1 << 30)) >> 31;
+        // At most 2^31 · 2^31.
+        let odd = (((even * i64::from(cos_half_pi_sqrt(minus_z))) >> 27) * i64::from(self.skew) + (1 << 30)) >> 31;
+        Means { even: even as i32, odd: odd.min(i32::MAX.into()) as i32 }
+    }
+
+    /// The mean of the sample interval of `step` that ends at `end`, Q29, for any part of it that the
+    /// pulse fills. For the first and the last sample of a contact.
+    #[inline(never)] // twice a contact, and its registers would be the inner loop's
+    pub(super) fn edge(self, end: u64, step: u64) -> i32 {
+        let (from, to) = (end.saturating_sub(step).min(WHOLE), end.min(WHOLE));
+        let width = to - from;
+        // The width is at most the step and below 2^59: as Q31 the dividend fits 64 bits.
+        let share = ((width >> 26) << 31).checked_div(step >> 26).unwrap_or(0);
+        let middle = ((from + to) >> 27).min(u64::from(u32::MAX));
+        self.means(width, share.min(1 << 31) as u32).about(middle as u32)
+    }
 }
 
+impl Means {
+    /// The mean about a middle (2^32 = 1), Q29, 0 to below 1. Error at most 1e-8 of the peak.
+    ///
+    /// With its contact it costs [`crate::engine::Part::ContactFrame`].
+    #[inline(always)]
+    pub(super) fn about(self, middle: u32) -> i32 {
+        let from_middle = (middle ^ 0x8000_0000) as i32; // y = 2m - 1, Q31
+        let minus_z = negated_square(from_middle);
+        // sin(πm) = cos(π/2 y), cos(πm) = -sin(π/2 y) = -y P(y²). `odd` below 0.77 and P below 1.58
+        // give less than 2 in Q30; the bracket is at most 0.77 · 1.58 + 1 in Q29.
+        let odd = fixed::smmulr(self.odd, sinc_half_pi_sqrt(minus_z)) << 2;
+        let bracket = fixed::smmlsr(self.even, odd, from_middle);
+        let mean = (i64::from(cos_half_pi_sqrt(minus_z)) * i64::from(bracket)) >> SHAPE_BITS;
+        (mean as i32).clamp(0, MAX_SHAPE)
+    }
+}
+
+/// The Gaussian in Q2.29 at a fraction of its length (2^32 = 1). Error at most 7e-9 of the peak.
 #[inline(always)]
 pub(super) fn gaussian(fraction: u32) -> i32 {
-    gaussian_100_db(negated_square_from_middle(fraction))
+    gaussian_100_db(negated_square((fraction ^ 0x8000_0000) as i32))
 }
 
-/// Square of the distance from the middle, -1 to 1 as Q31: both shapes are functions of it. Q31, negated: -2^31 to 0.
+/// Square of a distance from the middle, -1 to 1 as Q31: Q31, negated, -2^31 to 0.
 ///
 /// Negated, because of a factor that it knows to be positive LLVM makes an unsigned product of four instructions instead of one SMMLSR.
 #[inline(always)]
-fn negated_square_from_middle(fraction: u32) -> i32 {
-    let from_middle = (fraction ^ 0x8000_0000) as i32;
+fn negated_square(from_middle: i32) -> i32 {
     let square = ((i64::from(from_middle) * i64::from(from_middle)) >> 31) as u32;
     square.wrapping_neg() as i32
 }
@@ -82,23 +184,40 @@ const fn terms<const N: usize>(coefficients: [f64; N]) -> [i32; N] {
     terms
 }
 
-/// `cos(π/2 · sqrt(z))`, z in 0 to 1 as Q31, given as -z: the Taylor series of the cosine, seven terms of (π/2)^2k / (2k)!.
+/// `cos(π/2 · sqrt(z))`, z in 0 to 1 as Q31, given as -z: the polynomial of least error, 2.2e-10.
 #[inline(always)]
 fn cos_half_pi_sqrt(minus_z: i32) -> i32 {
-    const TERMS: [i32; 8] = terms([
-        -6.386_603_083_791_84e-9,
-        4.710_874_778_818_17e-7,
-        -2.520_204_237_306_06e-5,
-        9.192_602_748_394_26e-4,
-        -2.086_348_076_335_30e-2,
-        2.536_695_079_010_48e-1,
-        -1.233_700_550_136_17,
-        1.0,
+    const TERMS: [i32; 6] = terms([
+        -2.382_491_851_567_09e-5,
+        9.177_248_395_580_06e-4,
+        -2.086_268_838_535_58e-2,
+        2.536_693_227_714_05e-1,
+        -1.233_700_534_307_09,
+        0.999_999_999_780_652,
     ]);
-    // Written out: built for size, a loop would load its terms and count them.
+    six(minus_z, TERMS).max(0)
+}
+
+/// `sin(π/2 · sqrt(z)) / sqrt(z)`, z in 0 to 1 as Q31, given as -z, from π/2 to 1: the polynomial of
+/// least error, 2.7e-11.
+#[inline(always)]
+fn sinc_half_pi_sqrt(minus_z: i32) -> i32 {
+    const TERMS: [i32; 6] = terms([
+        -3.431_869_602_853_96e-6,
+        1.602_547_918_133_15e-4,
+        -4.681_657_883_710_75e-3,
+        7.969_260_374_861_20e-2,
+        -6.459_640_955_820_08e-1,
+        1.570_796_326_768_22,
+    ]);
+    six(minus_z, TERMS)
+}
+
+/// Horner's scheme written out: built for size, a loop would load its terms and count them.
+#[inline(always)]
+fn six(minus_z: i32, [t5, t4, t3, t2, t1, t0]: [i32; 6]) -> i32 {
     let next = |sum: i32, term: i32| fixed::smmlsr(term, sum, minus_z);
-    let [t7, t6, t5, t4, t3, t2, t1, t0] = TERMS;
-    next(next(next(next(next(next(next(t7, t6), t5), t4), t3), t2), t1), t0).max(0)
+    next(next(next(next(next(t5, t4), t3), t2), t1), t0)
 }
 
 /// `10^(-5 z)`, z in 0 to 1 as Q31, given as -z, as a power of two: integer part by shift, fraction by the Taylor series of `2^-f`.
@@ -129,31 +248,97 @@ fn gaussian_100_db(minus_z: i32) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::f64::consts::PI;
 
-    fn worst(pulse: Pulse, exact: impl Fn(f64) -> f64) -> f64 {
-        (0..=1_000_000u64)
+    /// A and N of the law, in `f64`.
+    fn law(restitution: f64) -> (f64, f64) {
+        let slopes = libm::pow(restitution, 4.6);
+        let skew = (1.0 - slopes) / (1.0 + slopes);
+        let shape = |x: f64| libm::sin(PI * x) * (1.0 + skew * libm::cos(PI * x));
+        // The peak by search, not by the formula of the code.
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..200 {
+            let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+            if shape(a) < shape(b) { low = a } else { high = b }
+        }
+        (skew, 1.0 / shape((low + high) / 2.0))
+    }
+
+    fn asymmetry(restitution: f32) -> Asymmetry {
+        match Pulse::hertz(restitution) {
+            Pulse::Hertz(asymmetry) => asymmetry,
+            Pulse::Gaussian => unreachable!("asked for another pulse"),
+        }
+    }
+
+    const RESTITUTIONS: [f32; 6] = [0.1, 0.3, 0.45, 0.7, 0.95, 1.0];
+
+    #[test]
+    fn skew_and_area_follow_the_law_within_two_to_the_minus_21() {
+        for restitution in RESTITUTIONS {
+            let (skew, scale) = law(restitution.into());
+            let got = asymmetry(restitution);
+            let errors = [
+                f64::from(got.skew) / 2f64.powi(31) - skew,
+                f64::from(got.area.get()) / 2f64.powi(31) / (scale * 2.0 / PI) - 1.0,
+            ];
+            assert!(errors.iter().all(|error| error.abs() < 2f64.powi(-21)), "{restitution}: {errors:?}");
+        }
+    }
+
+    #[test]
+    fn means_of_any_interval_follow_the_integral_to_1e_8_of_the_peak() {
+        let mut worst = 0.0f64;
+        for restitution in RESTITUTIONS {
+            let pulse = asymmetry(restitution);
+            let (skew, area) = (f64::from(pulse.skew) / 2f64.powi(31), f64::from(pulse.area.get()) / 2f64.powi(31));
+            // The integral from 0, as a sum of squares of sines: no cancellation near 0.
+            let integral = |x: f64| {
+                let x = x.clamp(0.0, 1.0);
+                let (half, whole) = (libm::sin(PI * x / 2.0), libm::sin(PI * x));
+                area * (half * half + skew / 4.0 * whole * whole)
+            };
+            for samples in [0.08, 0.3, 0.96, 1.0, 1.04, 2.5, 7.7, 33.3, 480.1] {
+                let step = (WHOLE as f64 / samples) as u64;
+                let h = step as f64 / WHOLE as f64;
+                for early in 0..50u64 {
+                    let mut phase = step / 50 * early;
+                    while phase < WHOLE + step {
+                        let x = phase as f64 / WHOLE as f64;
+                        let exact = (integral(x) - integral(x - h)) / h;
+                        let edge = pulse.edge(phase, step);
+                        let inner = (step..=WHOLE).contains(&phase).then(|| {
+                            pulse.means(step, 1 << 31).about(((phase - step / 2) >> 26) as u32)
+                        });
+                        for got in core::iter::once(edge).chain(inner) {
+                            worst = worst.max((f64::from(got) / 2f64.powi(29) - exact).abs());
+                        }
+                        phase += step;
+                    }
+                }
+            }
+        }
+        assert!(worst < 1e-8, "{worst:e}");
+    }
+
+    #[test]
+    fn gaussian_follows_its_law_to_7e_9_of_the_peak() {
+        let worst = (0..=1_000_000u64)
             .map(|step| {
                 let fraction = (step * u64::from(u32::MAX) / 1_000_000) as u32;
-                let got = f64::from(pulse.shape(fraction)) / f64::from(1 << SHAPE_BITS);
-                (got - exact(f64::from(fraction) / 2f64.powi(32))).abs()
+                let got = f64::from(gaussian(fraction)) / f64::from(1 << SHAPE_BITS);
+                let x = f64::from(fraction) / 2f64.powi(32);
+                (got - (-1e5f64.ln() * (2.0 * x - 1.0).powi(2)).exp()).abs()
             })
-            .fold(0.0, f64::max)
+            .fold(0.0, f64::max);
+        assert!(worst < 7e-9, "{worst}");
     }
 
     #[test]
-    fn both_shapes_follow_their_law_to_7e_9_of_the_peak() {
-        let half_sine = worst(Pulse::HertzHalfSine, |x| (core::f64::consts::PI * x).sin());
-        let gaussian = worst(Pulse::Gaussian, |x| (-1e5f64.ln() * (2.0 * x - 1.0).powi(2)).exp());
-        assert!(half_sine < 7e-9 && gaussian < 7e-9, "{half_sine} {gaussian}");
-    }
-
-    #[test]
-    fn lengths_and_areas_are_those_of_the_laws() {
+    fn length_and_area_of_the_gaussian_are_those_of_its_law() {
         assert!((Pulse::Gaussian.length() - 2.0 * (1e5f64.ln() / 6.0).sqrt()).abs() < 1e-12);
-        for pulse in [Pulse::HertzHalfSine, Pulse::Gaussian] {
-            let sum: f64 = (0..100_000u32).map(|step| f64::from(pulse.shape(step.wrapping_mul(42_950)))).sum::<f64>();
-            let area = sum / 100_000.0 / f64::from(1 << SHAPE_BITS) * pulse.length();
-            assert!((area - pulse.area()).abs() < 1e-4, "{pulse:?}: {area}");
-        }
+        let sum: f64 = (0..100_000u32).map(|step| f64::from(gaussian(step.wrapping_mul(42_950)))).sum::<f64>();
+        let area = sum / 100_000.0 / f64::from(1 << SHAPE_BITS) * Pulse::Gaussian.length();
+        assert!((area - f64::from(Pulse::Gaussian.area())).abs() < 1e-4, "{area}");
     }
 }

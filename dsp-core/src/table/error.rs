@@ -171,6 +171,13 @@ pub enum TableError {
         /// The breakpoint, in seconds.
         time_s: f32,
     },
+    /// A Gaussian striker with a restitution other than the default: its pulse has none.
+    GaussianRestitution {
+        /// Which striker.
+        place: Place,
+        /// Its restitution.
+        value: f32,
+    },
     /// A text that is not UTF-8.
     BadText {
         /// Whose text.
@@ -272,6 +279,10 @@ impl fmt::Display for TableError {
             Self::TimeOrder { place, before_s, time_s } => {
                 write!(f, "{place}: time_s = {time_s}: must be later than the breakpoint before it, {before_s}")
             }
+            Self::GaussianRestitution { place, value } => write!(
+                f,
+                "{place}: restitution = {value}: a gaussian pulse has none; leave the key out, or take pulse = \"hertz\""
+            ),
             Self::BadText { place } => write!(f, "{place}: source or licence is not UTF-8"),
             Self::NotZero { place, field } => write!(f, "{place}: {} must be zero", field.key()),
         }

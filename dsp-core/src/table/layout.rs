@@ -49,9 +49,12 @@ pub mod tag {
     /// The biquad bank of an object: [`BiquadsHeader`](super::BiquadsHeader), [`BiquadRecord`](super::BiquadRecord)s, chain by chain. One section
     /// an object that has one, in their order; a reader may skip it.
     pub const BIQUADS: [u8; 4] = *b"biqd";
+    /// The restitution of each striker as [`F32`](super::F32), in their order. At most one; without it each has
+    /// [`DEFAULT_RESTITUTION`](crate::table::range::DEFAULT_RESTITUTION). A reader may skip it.
+    pub const RESTITUTION: [u8; 4] = *b"rest";
     /// All of them.
-    pub const KNOWN: [[u8; 4]; 10] =
-        [META, OBJECT, STRIKER, PADS, TRIGGER, RESIDUAL, BACKGROUND, ROOM, DYNAMIC_FILTER, BIQUADS];
+    pub const KNOWN: [[u8; 4]; 11] =
+        [META, OBJECT, STRIKER, PADS, TRIGGER, RESIDUAL, BACKGROUND, ROOM, DYNAMIC_FILTER, BIQUADS, RESTITUTION];
 }
 
 /// The head of a kit.
@@ -117,7 +120,7 @@ pub struct ObjectHeader {
 pub struct StrikerHeader {
     /// The striker's name.
     pub name: [u8; NAME_BYTES],
-    /// Shape of the contact pulse: 0 Hertz half-sine, 1 Gaussian.
+    /// Shape of the contact pulse: 0 Hertz, 1 Gaussian.
     pub pulse: U32,
     /// Peak force m1 at velocity 1, in newtons.
     pub peak_force: F32,

@@ -7,7 +7,7 @@
 //! directory section count, then an entry a section: tag, version, offset, length
 //! sections  META one · OBJT one an object · STRK one a striker · PADS one · trig none or one ·
 //!           resi none or one an object · bgnd none or one · room none or one ·
-//!           dynf none or one an object · biqd none or one an object
+//!           dynf none or one an object · biqd none or one an object · rest none or one
 //! ```
 //!
 //! All numbers are little-endian, floats are IEEE single precision, sections are 4-byte aligned and tile the file without

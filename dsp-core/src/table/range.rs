@@ -41,6 +41,11 @@ pub const PEAK_EXPONENT: Range = Range::new(0.0, 8.0);
 pub const CONTACT_TIME_S: Range = Range::new(2e-5, 0.1);
 /// Exponent of the contact time.
 pub const CONTACT_EXPONENT: Range = Range::new(-1.0, 1.0);
+/// Coefficient of restitution of a Hertz pulse.
+pub const RESTITUTION: Range = Range::new(0.1, 1.0);
+/// Restitution of strikers that do not say theirs: at or above the median of the measured hammer
+/// forces, and no ripple of the spectrum above 0.5 dB.
+pub const DEFAULT_RESTITUTION: f32 = 0.45;
 /// Level of a pad in dB.
 pub const LEVEL_DB: Range = Range::new(-120.0, 40.0);
 /// Pan of a pad.

@@ -1,6 +1,7 @@
 //! Reading a kit in place: everything is checked once in [`Kit::parse`], after which the views cannot fail.
 
 use zerocopy::FromBytes;
+use zerocopy::byteorder::little_endian::F32;
 
 use super::check::{
     check_bank, check_count, check_distinct, check_name, check_range, check_ranges, name_str, read_bank,
@@ -25,6 +26,8 @@ pub struct Kit<'a> {
     meta: &'a MetaRecord,
     pads: &'a [PadRecord],
     triggers: &'a [TriggerRecord],
+    /// One for each striker, or none where all have the default.
+    restitutions: &'a [F32],
 }
 
 /// A struck object of a [`Kit`].
@@ -41,6 +44,7 @@ pub struct Object<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct Striker<'a> {
     header: &'a StrikerHeader,
+    restitution: f32,
     modes: &'a [ModeRecord],
     gains: &'a [GainRecord],
     source: &'a str,
@@ -51,6 +55,7 @@ pub struct Striker<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct ContactTable<'a> {
     header: &'a StrikerHeader,
+    restitution: f32,
 }
 
 /// A pad of a [`Kit`].
@@ -82,6 +87,7 @@ impl<'a> Kit<'a> {
                 })
             })?,
             triggers: super::trigger::read(optional_section(directory, kit_bytes, tag::TRIGGER)?)?,
+            restitutions: read_restitutions(directory, kit_bytes)?,
         };
         kit.check()?;
         Ok(kit)
@@ -104,7 +110,9 @@ impl<'a> Kit<'a> {
 
     /// The strikers, in the order in which pads count them.
     pub fn strikers(&self) -> impl Iterator<Item = Striker<'a>> + Clone + use<'a> {
-        sections(self.directory, self.bytes, tag::STRIKER).filter_map(|body| Striker::read(body, 0).ok())
+        let bodies = sections(self.directory, self.bytes, tag::STRIKER).enumerate();
+        let restitutions = self.restitutions;
+        bodies.filter_map(move |(index, body)| Striker::read(body, index, restitutions).ok())
     }
 
     /// The pads.
@@ -180,7 +188,7 @@ impl<'a> Kit<'a> {
         }
         let mut strikers = 0;
         for body in sections(self.directory, self.bytes, tag::STRIKER) {
-            Striker::read(body, strikers)?.check(strikers)?;
+            Striker::read(body, strikers, self.restitutions)?.check(strikers)?;
             strikers += 1;
         }
         for (index, record) in self.pads.iter().enumerate() {
@@ -207,6 +215,17 @@ impl<'a> Kit<'a> {
             }
         }
         Ok(())
+    }
+}
+
+/// The restitutions of a kit: one for each striker, or none.
+fn read_restitutions<'a>(directory: &'a [SectionEntry], kit: &'a [u8]) -> Result<&'a [F32], TableError> {
+    let Some(body) = optional_section(directory, kit, tag::RESTITUTION)? else { return Ok(&[]) };
+    // Counts of a directory in memory: the product cannot overflow.
+    let expected = sections(directory, kit, tag::STRIKER).count() * size_of::<F32>();
+    match <[F32]>::ref_from_bytes(body) {
+        Ok(restitutions) if body.len() == expected => Ok(restitutions),
+        _ => Err(TableError::LengthMismatch { place: Place::Kit, expected, found: body.len() }),
     }
 }
 
@@ -273,14 +292,15 @@ impl<'a> Object<'a> {
 }
 
 impl<'a> Striker<'a> {
-    fn read(body: &'a [u8], index: usize) -> Result<Self, TableError> {
+    fn read(body: &'a [u8], index: usize, restitutions: &[F32]) -> Result<Self, TableError> {
         let place = Place::Striker(index);
         let (header, rest) = head::<StrikerHeader>(body, place)?;
         let modes = usize::from(header.mode_count.get());
         check_count(place, Field::Modes, modes, 0, range::MODES_PER_BANK)?;
         let texts = (usize::from(header.source_bytes.get()), usize::from(header.licence_bytes.get()));
         let (modes, gains, source, licence) = read_bank(body.len(), rest, modes, 1, texts, place)?;
-        Ok(Self { header, modes, gains, source, licence })
+        let restitution = restitutions.get(index).map_or(range::DEFAULT_RESTITUTION, |restitution| restitution.get());
+        Ok(Self { header, restitution, modes, gains, source, licence })
     }
 
     fn check(&self, index: usize) -> Result<(), TableError> {
@@ -294,11 +314,20 @@ impl<'a> Striker<'a> {
                 (Field::PeakExponent, range::PEAK_EXPONENT),
                 (Field::ContactTimeS, range::CONTACT_TIME_S),
                 (Field::ContactExponent, range::CONTACT_EXPONENT),
+                (Field::Restitution, range::RESTITUTION),
             ]
         };
-        let values =
-            [contact.peak_force(), contact.peak_exponent(), contact.contact_time_s(), contact.contact_exponent()];
+        let values = [
+            contact.peak_force(),
+            contact.peak_exponent(),
+            contact.contact_time_s(),
+            contact.contact_exponent(),
+            contact.restitution(),
+        ];
         check_ranges(place, ranges, &values)?;
+        if contact.is_gaussian() && self.restitution != range::DEFAULT_RESTITUTION {
+            return Err(TableError::GaussianRestitution { place, value: self.restitution });
+        }
         if self.header.reserved.get() != 0 {
             return Err(TableError::NotZero { place, field: Field::Padding });
         }
@@ -312,7 +341,7 @@ impl<'a> Striker<'a> {
 
     /// The contact that it makes.
     pub fn contact(&self) -> ContactTable<'a> {
-        ContactTable { header: self.header }
+        ContactTable { header: self.header, restitution: self.restitution }
     }
 
     /// The poles of the striker's own modes.
@@ -337,7 +366,7 @@ impl<'a> Striker<'a> {
 }
 
 impl ContactTable<'_> {
-    /// Whether the contact pulse is Gaussian; otherwise it is a Hertz half-sine.
+    /// True if the contact pulse is Gaussian; otherwise it is a Hertz pulse with a restitution.
     pub fn is_gaussian(&self) -> bool {
         self.header.pulse.get() == 1
     }
@@ -360,6 +389,11 @@ impl ContactTable<'_> {
     /// Exponent b of the contact time.
     pub fn contact_exponent(&self) -> f32 {
         self.header.contact_exponent.get()
+    }
+
+    /// Coefficient of restitution of a Hertz pulse, 0.1 to 1.
+    pub fn restitution(&self) -> f32 {
+        self.restitution
     }
 }
 

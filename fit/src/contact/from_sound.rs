@@ -2,10 +2,10 @@
 //!
 //! What a microphone hears of a strike is the contact's spectrum times the object's response. The response has peaks at the modes, but between
 //! them rises steadily, by about 3 dB an octave (measured on the hits of an impact hammer on a mug and a wooden holder: the median over the
-//! bins of a third octave follows that line within some 8 dB from 0.5 to 12 kHz). A half-sine falls by 12 dB an octave above
+//! bins of a third octave follows that line within some 8 dB from 0.5 to 12 kHz). The pulse falls by 12 dB an octave above
 //! its corner. So the contact time is that whose third-octave levels, tilted by 3 dB an octave, fit best.
 
-use super::half_sine_power;
+use super::pulse_power;
 
 /// Contact times that are tried, in seconds, and how many of them.
 const RANGE_S: (f64, f64) = (1e-4, 4e-3);
@@ -21,10 +21,10 @@ const SCATTER_DB: f64 = 8.0;
 /// What lies below is not the contact's any more: 50 dB under its maximum.
 const LEAST_POWER: f64 = 1e-5;
 
-/// The contact time of a half-sine force in seconds, from the sound of one strike from its onset on. `None` where there is too little sound or
+/// The contact time of a force in seconds, from the sound of one strike from its onset on. `None` where there is too little sound or
 /// bandwidth for five bands.
 ///
-/// The force's width at half maximum is 2/3 of this time. On the 18 hits of the two impact-hammer recordings it is within 20 % of the measured one
+/// The force's width at half maximum is half of this time ([`super::PULSE_FWHM`]). On the 18 hits of the two impact-hammer recordings it is within 20 % of the measured one
 /// (`cargo test -p fit --test hammer -- --nocapture`); tilt, bands and scatter were chosen on those same hits, and other objects are untried.
 pub fn contact_time_s(strike: &[f64], rate_hz: f64) -> Option<f64> {
     let length = strike.len().min((LENGTH_S * rate_hz) as usize);
@@ -63,7 +63,7 @@ pub fn contact_time_s(strike: &[f64], rate_hz: f64) -> Option<f64> {
             .map(|(bins, level_db)| {
                 let mean = bins
                     .clone()
-                    .map(|bin| half_sine_power(bin as f64 * bin_hz, contact_time_s) + LEAST_POWER)
+                    .map(|bin| pulse_power(bin as f64 * bin_hz, contact_time_s) + LEAST_POWER)
                     .sum::<f64>()
                     / bins.len() as f64;
                 let centre_hz = (bins.start + bins.end) as f64 / 2.0 * bin_hz;

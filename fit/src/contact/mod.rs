@@ -6,18 +6,78 @@ pub use from_sound::contact_time_s;
 
 use std::f64::consts::PI;
 
-/// Full width at half maximum of a half-sine contact of time T, as a share of T.
-pub const HALF_SINE_FWHM: f64 = 2.0 / 3.0;
+use kit::Striker;
+use reference::{Pulse, SampleRate};
 
-/// The half-sine force of a contact of `contact_time_s`, peak 1, sampled from its onset; at least one sample.
-pub fn half_sine(contact_time_s: f64, rate_hz: f64) -> Vec<f64> {
-    let length = (contact_time_s * rate_hz).ceil().max(2.0) as usize;
-    (0..length).map(|n| (PI * n as f64 / (contact_time_s * rate_hz)).sin().max(0.0)).collect()
+/// Full width at half maximum of the contact pulse, as a share of its contact time T.
+pub const PULSE_FWHM: f64 = 0.500_266;
+
+/// A of the pulse with the restitution that strikers have unless they say theirs: `(1-r)/(1+r)`, `r = 0.45^4.6`.
+const SKEW: f64 = 0.950_464_6;
+
+/// The pulse that fits assume: that of a striker with the default restitution. Its spectrum has no zeros.
+fn pulse() -> Pulse {
+    Pulse::Hertz { restitution: f64::from(Striker::DEFAULT_RESTITUTION) }
 }
 
-/// Power spectrum of a half-sine of contact time T at frequency f, 1 at f = 0: `(cos πfT / (1 - (2fT)²))²`.
-pub fn half_sine_power(frequency_hz: f64, contact_time_s: f64) -> f64 {
+/// The force of a contact of `contact_time_s` that begins at sample 0, peak 1, as the instrument plays it: each sample
+/// the mean over the interval that ends there.
+pub fn force(contact_time_s: f64, rate_hz: f64) -> Vec<f64> {
+    let rate = SampleRate { numerator: rate_hz.round() as u32, denominator: 1 };
+    let length = (contact_time_s * rate_hz).ceil() as usize + 1;
+    (0..length).map(|n| pulse().sample(n as f64 / rate.hz(), contact_time_s, rate)).collect()
+}
+
+/// Power spectrum of a contact of time T at frequency f, 1 at f = 0: with x = fT,
+/// `(cos πx / (1 - 4x²))² + (A/4 sin πx / (1 - x²))²`.
+pub fn pulse_power(frequency_hz: f64, contact_time_s: f64) -> f64 {
     let x = frequency_hz * contact_time_s;
-    let denominator = 1.0 - (2.0 * x).powi(2);
-    if denominator.abs() < 1e-6 { (PI / 4.0).powi(2) } else { ((PI * x).cos() / denominator).powi(2) }
+    let (sine, cosine) = (PI * x).sin_cos();
+    let near = |pole: f64| (x - pole).abs() < 1e-6;
+    let even = if near(0.5) { PI / 4.0 } else { cosine / (1.0 - 4.0 * x * x) };
+    let odd = if near(1.0) { PI / 2.0 } else { sine / (1.0 - x * x) };
+    even.powi(2) + (SKEW / 4.0 * odd).powi(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn force_and_spectrum_are_those_of_one_pulse() {
+        // Finely sampled: the mean over a sample droops by sinc(f/fs).
+        let (time_s, rate_hz) = (1e-3, 4_000_000.0);
+        let force = force(time_s, rate_hz);
+        let transform = |frequency_hz: f64| {
+            let (mut re, mut im) = (0.0, 0.0);
+            for (n, x) in force.iter().enumerate() {
+                let (sine, cosine) = (2.0 * PI * frequency_hz * n as f64 / rate_hz).sin_cos();
+                re += x * cosine;
+                im += x * sine;
+            }
+            re * re + im * im
+        };
+        for frequency_hz in [100.0, 500.0, 1_000.0, 1_500.0, 2_500.0, 7_300.0, 12_000.0] {
+            let ratio = transform(frequency_hz) / transform(0.0) / pulse_power(frequency_hz, time_s);
+            assert!((ratio - 1.0).abs() < 1e-3, "{frequency_hz} Hz: {ratio}");
+        }
+    }
+
+    #[test]
+    fn width_at_half_maximum_is_that_of_the_pulse() {
+        let force = force(1.0, 1_000_000.0);
+        let above = force.iter().filter(|x| **x > 0.5).count() as f64 / 1e6;
+        assert!((above - PULSE_FWHM).abs() < 3e-6, "{above}");
+    }
+
+    #[test]
+    fn no_frequency_is_missing_from_the_spectrum() {
+        for step in 1..200_000 {
+            let x = f64::from(step) * 1e-4;
+            // Its fall, without the ripple.
+            let envelope = 1.0 / (1.0 + (4.0 * x * x).powi(2));
+            let ratio_db = 10.0 * (pulse_power(x, 1.0) / envelope).log10();
+            assert!(ratio_db.abs() < 3.0, "fT = {x}: {ratio_db} dB");
+        }
+    }
 }

@@ -7,7 +7,7 @@ use super::{Comparison, Form, Model, RATE_HZ, compare, mean_law};
 use crate::modes::DampedSine;
 use crate::strike::Fit;
 use crate::table::{self, Provenance};
-use crate::{FitError, render};
+use crate::{FitError, contact, render};
 
 /// Seeds of the noise that the instrument is heard with.
 const SEEDS: std::ops::RangeInclusive<u32> = 1..=4;
@@ -95,11 +95,12 @@ pub fn of_model(model: &Model, provenance: &Provenance, seed: u32) -> kit::Kit {
     table
 }
 
-/// The mode that a half-sine of 1 N and so many seconds leaves as it is wanted: its residue over the pulse's transform at the mode's pole.
+/// The mode that a contact of 1 N and so many seconds leaves as it is wanted: its residue over the force's transform, as
+/// the instrument plays it, at the mode's pole.
 fn driven(mode: &DampedSine, contact_s: f64) -> kit::Mode {
-    let pole = Complex::new(-mode.decay_per_s, std::f64::consts::TAU * mode.frequency_hz);
-    let half_turn = std::f64::consts::PI / contact_s;
-    let pulse = ((-pole * contact_s).exp() + 1.0) * half_turn / (pole * pole + half_turn * half_turn);
+    let pole = Complex::new(-mode.decay_per_s, std::f64::consts::TAU * mode.frequency_hz) / RATE_HZ;
+    let force = contact::force(contact_s, RATE_HZ);
+    let pulse: Complex<f64> = force.iter().enumerate().map(|(n, x)| (-pole * n as f64).exp() * *x / RATE_HZ).sum();
     let gain = Complex::from_polar(mode.amplitude, mode.phase) / pulse;
     kit::Mode {
         frequency_hz: mode.frequency_hz as f32,

@@ -3,7 +3,7 @@
 use super::high_pass::high_pass;
 use super::{Fit, Mode, Settings, Strike, table_acceleration, table_gain};
 use crate::FitError;
-use crate::contact::HALF_SINE_FWHM;
+use crate::contact::PULSE_FWHM;
 use crate::distance::{log_spectral_distance_db, lsd_window};
 use crate::modes::{Basis, Ending, Gains, Group, Pole, Stretch, estimate_poles, refine};
 use crate::segment::Hit;
@@ -53,7 +53,7 @@ pub struct Shared {
 }
 
 /// Fits the strikes of a recording with its force: the object's own response, with gains at as many positions as there are strikes, in an order
-/// in which neighbours are alike. Each strike's contact time is that of the half-sine with the measured force's width at half maximum.
+/// in which neighbours are alike. Each strike's contact time is that of the pulse with the measured force's width at half maximum.
 ///
 /// What a strike's figures compare is the model under the measured force, both sides high-passed at 300 Hz.
 ///
@@ -78,7 +78,7 @@ pub fn fit_force(
         let onset = (hit.at_s * rate_hz).round() as usize;
         Strike {
             hit: Hit { onset, end: onset + hit.sound.len() },
-            contact_time_s: force_width_s(force, onset, rate_hz) / HALF_SINE_FWHM,
+            contact_time_s: force_width_s(force, onset, rate_hz) / PULSE_FWHM,
             peak_force: force.get(onset).copied().unwrap_or(1.0),
             position: shared.prediction_along_db(&row, hit).1,
             acceleration,

@@ -66,7 +66,7 @@ impl Mode {
 pub struct Strike {
     /// Where in the recording.
     pub hit: Hit,
-    /// Contact time of the half-sine force in seconds.
+    /// Contact time in seconds.
     pub contact_time_s: f64,
     /// Peak of the force: 1 from sound alone, else as measured (full scale = 1).
     pub peak_force: f64,

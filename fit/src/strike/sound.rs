@@ -5,7 +5,7 @@ use nalgebra::Complex;
 use super::{Estimator, Fit, Mode, Settings, Strike, table_acceleration, table_gain};
 use crate::FitError;
 use crate::bins;
-use crate::contact::{contact_time_s, half_sine};
+use crate::contact::{contact_time_s, force};
 use crate::distance::{log_spectral_distance_db, lsd_window};
 use crate::modes::{Ending, Gains, Group, Model, Pole, Stretch, estimate_poles, polish, refine};
 use crate::segment::Hit;
@@ -18,7 +18,7 @@ const LONGEST_S: f64 = 12.0;
 /// Fits the strikes of a recording from sound alone.
 ///
 /// The modes come from the loudest strike's free ringing, behind its contact; their poles are then refined over all strikes together, each
-/// driven by a half-sine force of peak 1 and the contact time that its sound shows, with gains of its own. So gains contain the
+/// driven by a force of peak 1 and the contact time that its sound shows, with gains of its own. So gains contain the
 /// force's size (diffimpact eq. 9 normalises likewise).
 ///
 /// # Errors
@@ -30,7 +30,7 @@ pub fn fit_sound(samples: &[f64], rate_hz: f64, hits: &[Hit], settings: Settings
     let at_s = hits.get(loudest).map_or(0.0, |hit| hit.onset as f64 / rate_hz);
     let contacts_s: Vec<f64> =
         heard.iter().map(|sound| contact_time_s(sound, rate_hz).unwrap_or(USUAL_CONTACT_S)).collect();
-    let forces: Vec<Vec<f64>> = contacts_s.iter().map(|&time_s| half_sine(time_s, rate_hz)).collect();
+    let forces: Vec<Vec<f64>> = contacts_s.iter().map(|&time_s| force(time_s, rate_hz)).collect();
     if settings.estimator == Estimator::Bins {
         let (Some(hit), Some(sound), Some(contact_s)) =
             (hits.get(loudest), heard.get(loudest), contacts_s.get(loudest))
@@ -66,24 +66,18 @@ fn heard<'a>(samples: &'a [f64], hit: &Hit, rate_hz: f64) -> &'a [f64] {
     samples.get(hit.onset..end).unwrap_or(&[])
 }
 
-/// A bin's mode rings as it was heard when its gain is divided by what the contact's spectrum does to it; a half-sine has zeros, so no gain grows by
-/// more than this (30 dB).
-const LEAST_CONTACT: f64 = 0.0316;
-
-/// The strongest of one mode a bin, as the response to a half-sine of the contact time.
+/// The strongest of one mode a bin, as the response to a force of the contact time: a mode rings as it was heard when its
+/// gain is divided by what the contact's spectrum, which has no zeros, does to it.
 fn of_bins(sound: &[f64], rate_hz: f64, hit: &Hit, contact_time_s: f64, settings: Settings) -> Option<Fit> {
     let sines = bins::strongest(bins::estimate(sound, rate_hz), settings.modes.most_modes);
     if sines.is_empty() {
         return None;
     }
-    let force = half_sine(contact_time_s, rate_hz);
+    let force = force(contact_time_s, rate_hz);
     let force = &force[..force.len().min(sound.len())];
-    let whole: f64 = force.iter().sum();
     let poles: Vec<Pole> = sines.iter().map(|sine| Pole::new(sine.frequency_hz, sine.decay_per_s, rate_hz)).collect();
     let gains = sines.iter().zip(&poles).map(|(sine, pole)| {
         let contact: Complex<f64> = force.iter().enumerate().map(|(m, x)| pole.power(-(m as f64)) * *x).sum();
-        let least = LEAST_CONTACT * whole;
-        let contact = if contact.norm() < least { Complex::from_polar(least, contact.arg()) } else { contact };
         Complex::from_polar(sine.amplitude, sine.phase) / contact
     });
     let gains = Gains { modes: gains.collect(), force: 0.0 };

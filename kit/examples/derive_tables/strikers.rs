@@ -35,6 +35,7 @@ fn striker(name: &str, peak_force: f64, contact_time_s: f64, source: &str) -> St
         peak_exponent: 1.2,
         contact_time_s: rounded(contact_time_s),
         contact_exponent: -0.2,
+        restitution: Striker::DEFAULT_RESTITUTION,
         modes: Vec::new(),
     }
 }

@@ -17,7 +17,7 @@ use crate::{Background, Kit, KitError, Mode, Object, Pad, Pulse, Residual, RoomB
 
 /// Builds the binary form: sections `META`, `OBJT` an object, `STRK` a striker, `PADS`, `trig` where
 /// a pad says how it is triggered, `resi` an object with a residual, `bgnd` and `room` where there is a background or a room, `dynf` an object with a
-/// dynamic filter and `biqd` an object with a biquad bank, in this order. The same kit gives the same bytes.
+/// dynamic filter, `biqd` an object with a biquad bank, and `rest` where a striker's restitution is not the default, in this order. The same kit gives the same bytes.
 ///
 /// # Errors
 /// [`KitError::Item`] for what the form cannot hold (nothing is ever cut off) and for whatever [`dsp_core::table::Kit`] refuses in the result.
@@ -64,6 +64,11 @@ pub fn build(kit: &Kit) -> Result<Vec<u8>, KitError> {
         if let Some(biquads) = &object.biquads {
             sections.push((tag::BIQUADS, build.biquads(index, biquads)?));
         }
+    }
+    if kit.strikers.iter().any(|striker| striker.restitution != Striker::DEFAULT_RESTITUTION) {
+        let mut restitutions = Vec::new();
+        kit.strikers.iter().for_each(|striker| append(&mut restitutions, &F32::new(striker.restitution)));
+        sections.push((tag::RESTITUTION, restitutions));
     }
     let bytes = build.frame(&sections)?;
     filters::parse(&bytes).map_err(|error| KitError::from_table(kit, error))?;

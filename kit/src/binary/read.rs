@@ -86,6 +86,7 @@ fn striker(view: StrikerView<'_>) -> Striker {
         peak_exponent: view.contact().peak_exponent(),
         contact_time_s: view.contact().contact_time_s(),
         contact_exponent: view.contact().contact_exponent(),
+        restitution: view.contact().restitution(),
         modes: modes(view.modes(), view.gains(), 1),
     }
 }

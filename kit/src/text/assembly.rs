@@ -115,6 +115,7 @@ impl Assembly {
             peak_exponent: table.peak_exponent,
             contact_time_s: table.contact_time_s,
             contact_exponent: table.contact_exponent,
+            restitution: table.restitution,
             modes: Vec::new(),
         });
         self.refuse_duplicate(Place::Striker(index))?;

@@ -8,7 +8,7 @@ use toml::Spanned;
 use super::filters::{BiquadsTable, DynamicFilterTable};
 use super::residual::{BackgroundTable, ResidualTable};
 use super::trigger::TriggerTable;
-use crate::Pulse;
+use crate::{Pulse, Striker};
 
 /// A file, as it stands there.
 #[derive(serde::Deserialize)]
@@ -73,6 +73,8 @@ pub(super) struct StrikerTable {
     pub(super) contact_time_s: f32,
     #[serde(default = "usual_contact_exponent")]
     pub(super) contact_exponent: f32,
+    #[serde(default = "usual_restitution")]
+    pub(super) restitution: f32,
     #[serde(default)]
     pub(super) modes: Vec<Spanned<ModeTable>>,
 }
@@ -120,6 +122,10 @@ fn usual_peak_exponent() -> f32 {
 /// Contact time shrinks as v^-0.2.
 fn usual_contact_exponent() -> f32 {
     -0.2
+}
+
+fn usual_restitution() -> f32 {
+    Striker::DEFAULT_RESTITUTION
 }
 
 fn usual_choke_t60_s() -> f32 {

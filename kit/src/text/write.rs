@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 
 use super::FORMAT;
 use super::number::shortest_decimal;
-use crate::{Gain, Kit, Mode, Object, Pad, RoomBand, Striker};
+use crate::{Gain, Kit, Mode, Object, Pad, Pulse, RoomBand, Striker};
 
 /// Writes a kit as text: all keys, includes resolved, one line a mode, each number as the shortest decimal that gives its
 /// f32 back. The same kit gives the same text.
@@ -63,6 +63,7 @@ impl Display for Text<&Striker> {
             peak_exponent,
             contact_time_s,
             contact_exponent,
+            restitution,
             modes,
         } = self.0;
         writeln!(f, "\n[[striker]]\nname = {}", Text(name.as_str()))?;
@@ -71,6 +72,10 @@ impl Display for Text<&Striker> {
         writeln!(f, "peak_force = {}\npeak_exponent = {}", Text(*peak_force), Text(*peak_exponent))?;
         writeln!(f, "contact_time_s = {}", Text(*contact_time_s))?;
         writeln!(f, "contact_exponent = {}", Text(*contact_exponent))?;
+        // A Gaussian has none; a wrong one is written all the same, so that it is refused and not lost.
+        if *pulse == Pulse::Hertz || *restitution != Striker::DEFAULT_RESTITUTION {
+            writeln!(f, "restitution = {}", Text(*restitution))?;
+        }
         write!(f, "{}", Text(modes.as_slice()))
     }
 }

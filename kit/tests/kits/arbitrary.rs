@@ -118,11 +118,14 @@ fn room() -> impl Strategy<Value = Vec<RoomBand>> {
 }
 
 fn striker(name: String) -> impl Strategy<Value = Striker> {
-    let pulse = prop_oneof![Just(Pulse::Hertz), Just(Pulse::Gaussian)];
+    // A Gaussian has no restitution of its own.
+    let usual = Striker::DEFAULT_RESTITUTION;
+    let hertz = prop_oneof![2 => number(range::RESTITUTION), 1 => Just(usual)].prop_map(|e| (Pulse::Hertz, e));
+    let pulse = prop_oneof![hertz, Just((Pulse::Gaussian, usual))];
     let peak = (number(range::PEAK_FORCE), number(range::PEAK_EXPONENT));
     let contact = (number(range::CONTACT_TIME_S), number(range::CONTACT_EXPONENT));
     (text(), text(), pulse, peak, contact, modes(1)).prop_map(
-        move |(source, licence, pulse, (peak_force, peak_exponent), (contact_time_s, contact_exponent), modes)| {
+        move |(source, licence, (pulse, restitution), (peak_force, peak_exponent), (contact_time_s, contact_exponent), modes)| {
             Striker {
                 name: name.clone(),
                 source,
@@ -132,6 +135,7 @@ fn striker(name: String) -> impl Strategy<Value = Striker> {
                 peak_exponent,
                 contact_time_s,
                 contact_exponent,
+                restitution,
                 modes,
             }
         },

@@ -41,6 +41,7 @@ pub(crate) fn striker(name: &str) -> Striker {
         peak_exponent: 1.2,
         contact_time_s: 0.001,
         contact_exponent: -0.2,
+        restitution: Striker::DEFAULT_RESTITUTION,
         modes: bank(1, 1),
     }
 }

@@ -1,37 +1,8 @@
-//! Gains that hold for strikes of any velocity, and levels.
-
-use std::f64::consts::PI;
+//! Levels.
 
 use kit::{Kit, Striker};
 
 use crate::Failure;
-
-/// A zero of the contact's spectrum is filled to this share of the envelope.
-const LEAST_SHARE: f64 = 0.25;
-
-/// The half-sine's spectrum has zeros, and a mode near one was given a large gain to be heard at all. A softer strike lasts longer, its zeros
-/// lie elsewhere, and such a mode would leap out. So a gain is held to what the spectrum's envelope allows; returns how many were.
-pub(crate) fn fill_zeros(table: &mut Kit) -> usize {
-    let contact_time_s = table.strikers.first().map_or(0.0, |striker| f64::from(striker.contact_time_s));
-    let mut filled = 0;
-    for mode in table.objects.iter_mut().flat_map(|object| &mut object.modes) {
-        let share = share_of_envelope(f64::from(mode.frequency_hz), contact_time_s);
-        if share < LEAST_SHARE {
-            filled += 1;
-            for gain in &mut mode.gains {
-                gain.sine = (f64::from(gain.sine) * share / LEAST_SHARE) as f32;
-                gain.cosine = (f64::from(gain.cosine) * share / LEAST_SHARE) as f32;
-            }
-        }
-    }
-    filled
-}
-
-/// `|cos(π f τ) / (1 - (2 f τ)²)|` against its envelope `1 / |1 - (2 f τ)²|`; 1 below the first zero, at f τ = 3/2.
-fn share_of_envelope(frequency_hz: f64, contact_time_s: f64) -> f64 {
-    let cycles = frequency_hz * contact_time_s;
-    if cycles < 1.0 { 1.0 } else { (PI * cycles).cos().abs() }
-}
 
 /// Multiplies everything that an object radiates.
 pub(crate) fn scale(table: &mut Kit, factor: f64) {

@@ -1,7 +1,7 @@
 //! Makes the shipped kit `recorded` anew: `cargo run --release -p malleus --example recorded_kit -- --recordings ../shared/data/recordings --out tables`.
 //!
-//! Each instrument is fitted as `malleus fit` does, then made playable: no mode rings longer than the recording shows, no gain makes up for
-//! a zero of one contact's spectrum, strikes at velocity 1 have the same peak. A row an instrument says how near the shipped table is to
+//! Each instrument is fitted as `malleus fit` does, then made playable: no mode rings longer than the recording shows, strikes at
+//! velocity 1 have the same peak. A row an instrument says how near the shipped table is to
 //! its recording. Where recordings are absent, tables stay as they are.
 
 mod decay;
@@ -96,12 +96,11 @@ fn one(instrument: &Instrument, recordings: &Path, out: &Path) -> Result<String,
         Provenance { name: instrument.name.to_owned(), source: source.to_owned(), licence: origin.licence };
     let mut table = fit::table::of_fit(&fitted.fit, &provenance);
     let limited = table.objects.iter_mut().map(|object| decay::limit(&mut object.modes, heard, rate_hz)).sum::<usize>();
-    let filled = gain::fill_zeros(&mut table);
     let wanted = 10f64.powf(PEAK_DBFS / 20.0) / louder_channel(instrument.pan);
     let peak = gain::peak(&table, 1.0)?;
     gain::scale(&mut table, wanted / peak);
     let source = format!(
-        "{source}; {}; decays of {limited} modes held to the recording's, gains of {filled} to the contact's envelope, all scaled in common",
+        "{source}; {}; decays of {limited} modes held to the recording's, all gains scaled in common",
         origin.source
     );
     table.name = instrument.name.to_owned();

@@ -132,6 +132,7 @@ fn one_object(object: &kit::Object) -> kit::Kit {
         peak_exponent: 1.0,
         contact_time_s: 0.001,
         contact_exponent: 0.0,
+        restitution: kit::Striker::DEFAULT_RESTITUTION,
         modes: vec![],
     };
     let pad = kit::Pad {

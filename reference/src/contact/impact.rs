@@ -17,9 +17,9 @@ pub struct Impact {
 }
 
 impl Impact {
-    /// The force in newtons at `sample`, that is at time `sample / fs`.
+    /// The force in newtons of `sample`, that is at time `sample / fs` ([`Pulse::sample`]).
     pub fn force(&self, sample: u64, rate: SampleRate) -> f64 {
-        self.peak_force * self.pulse.shape(self.since_onset_s(sample, rate), self.contact_time_s)
+        self.peak_force * self.pulse.sample(self.since_onset_s(sample, rate), self.contact_time_s, rate)
     }
 
     /// Adds the force in newtons to `force`, whose first element is at `first_sample`.
@@ -29,9 +29,9 @@ impl Impact {
         }
     }
 
-    /// Whether the contact has ended before `sample`.
+    /// True if no force is left at `sample` and after it.
     pub fn is_over(&self, sample: u64, rate: SampleRate) -> bool {
-        self.since_onset_s(sample, rate) > self.pulse.duration_s(self.contact_time_s)
+        self.since_onset_s(sample, rate) > self.pulse.sampled_duration_s(self.contact_time_s, rate)
     }
 
     fn since_onset_s(&self, sample: u64, rate: SampleRate) -> f64 {

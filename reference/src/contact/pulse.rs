@@ -2,14 +2,24 @@
 
 use std::f64::consts::PI;
 
+use crate::rate::SampleRate;
+
 /// The shape `C(t)` of a contact force, with its peak at 1.
 ///
 /// Times are counted from the pulse's start, which is the time of the strike.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pulse {
-    /// `sin(π t/τ)` for `0 <= t <= τ`: the contact of two frictionless spheres, approximately
-    /// (§3.2, the model that eq. 2 smooths). Its area is `2τ/π`.
-    HertzHalfSine,
+    /// `N sin(πx) (1 + A cos(πx))`, x = t/τ in 0 to 1: the contact of two spheres that lose energy.
+    ///
+    /// `A = (1-r)/(1+r)`; r is the ratio of the force's last slope to its first, `r = e^4.6`.
+    /// That follows Hunt and Crossley's contact `x'' = -x^1.5 (1 + μ x')`, whose ratio is
+    /// `e^1.5 (1-μe)/(1+μ)` with `μ (1+e) = ln((1+μ)/(1-μe))`, within 4 % for e of 0.45 to 1. At
+    /// e = 1 it is the half-sine of frictionless spheres (§3.2, the model that eq. 2 smooths); below,
+    /// its spectrum has no zeros.
+    Hertz {
+        /// Coefficient of restitution e, 0.1 to 1: rebound speed over impact speed.
+        restitution: f64,
+    },
     /// `exp(-6/τ² (t - c)²)` with its centre at `c = τ √(ln(10⁵)/6)`, about 1.385 τ (eq. 2).
     ///
     /// A Gaussian has no beginning: it is cut where it is 100 dB (10⁻⁵) below its peak, at `t = 0`
@@ -20,6 +30,10 @@ pub enum Pulse {
     Gaussian,
 }
 
+/// Shortest Gaussian contact time in samples. A shorter one is played as long as this, with a peak
+/// smaller in that ratio: its samples would no longer tell its impulse.
+const SHORTEST_GAUSSIAN_SAMPLES: f64 = 1.75;
+
 impl Pulse {
     /// `C(t)`: the force at `since_start_s` seconds after the start, as a share of its peak.
     ///
@@ -29,7 +43,11 @@ impl Pulse {
             return 0.0;
         }
         match self {
-            Self::HertzHalfSine => (PI * since_start_s / contact_time_s).sin(),
+            Self::Hertz { restitution } => {
+                let (skew, scale) = skew_and_scale(restitution);
+                let (sine, cosine) = (PI * since_start_s / contact_time_s).sin_cos();
+                scale * sine * (1.0 + skew * cosine)
+            }
             // Eq. 2.
             Self::Gaussian => {
                 let from_centre = since_start_s - gaussian_centre_s(contact_time_s);
@@ -38,13 +56,54 @@ impl Pulse {
         }
     }
 
+    /// The force of the sample at `since_start_s`, as a share of the peak.
+    ///
+    /// Hertz: the mean of `C` over the sample interval that ends there, so that the samples' sum
+    /// is the impulse whatever the onset and however short the contact. Gaussian: `C` itself.
+    pub fn sample(self, since_start_s: f64, contact_time_s: f64, rate: SampleRate) -> f64 {
+        match self {
+            Self::Hertz { restitution } => {
+                let interval = 1.0 / (contact_time_s * rate.hz());
+                let end = since_start_s / contact_time_s;
+                let (from, to) = ((end - interval).clamp(0.0, 1.0), end.clamp(0.0, 1.0));
+                let (skew, scale) = skew_and_scale(restitution);
+                // ∫ sin πx and ∫ sin 2πx between the two, each as a product of two sines.
+                let (sum, difference) = (PI * (from + to) / 2.0, PI * (to - from) / 2.0);
+                let first = 2.0 / PI * sum.sin() * difference.sin();
+                let second = (2.0 * sum).sin() * (2.0 * difference).sin() / PI;
+                scale * (first + skew / 2.0 * second) / interval
+            }
+            Self::Gaussian => {
+                let played_s = contact_time_s.max(SHORTEST_GAUSSIAN_SAMPLES / rate.hz());
+                contact_time_s / played_s * self.shape(since_start_s, played_s)
+            }
+        }
+    }
+
     /// How long the force acts, in seconds, for a contact time τ of `contact_time_s` seconds.
     pub fn duration_s(self, contact_time_s: f64) -> f64 {
         match self {
-            Self::HertzHalfSine => contact_time_s,
+            Self::Hertz { .. } => contact_time_s,
             Self::Gaussian => 2.0 * gaussian_centre_s(contact_time_s),
         }
     }
+
+    /// How long after the start a sample may still have force, in seconds.
+    pub fn sampled_duration_s(self, contact_time_s: f64, rate: SampleRate) -> f64 {
+        match self {
+            Self::Hertz { .. } => contact_time_s + 1.0 / rate.hz(),
+            Self::Gaussian => self.duration_s(contact_time_s.max(SHORTEST_GAUSSIAN_SAMPLES / rate.hz())),
+        }
+    }
+}
+
+/// A and N of the Hertz pulse: its skew, and the factor that makes its peak 1.
+fn skew_and_scale(restitution: f64) -> (f64, f64) {
+    let slopes = restitution.powf(4.6);
+    let skew = (1.0 - slopes) / (1.0 + slopes);
+    // Where the force is largest: 2A cos²(πx) + cos(πx) - A = 0.
+    let cosine = 2.0 * skew / (1.0 + (1.0 + 8.0 * skew * skew).sqrt());
+    (skew, 1.0 / ((1.0 - cosine * cosine).sqrt() * (1.0 + skew * cosine)))
 }
 
 /// Time from where eq. 2 has risen to 10⁻⁵ of its peak to that peak: `exp(-6 c²/τ²) = 10⁻⁵`.

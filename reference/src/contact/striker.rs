@@ -29,10 +29,13 @@ impl Striker {
     /// why a harder strike is also a brighter one.
     pub const HERTZ_CONTACT_EXPONENT: f64 = -0.2;
 
+    /// The shortest and the longest contact, in seconds: the law's τ is held between them.
+    pub const CONTACT_TIME_RANGE_S: [f64; 2] = [1e-5, 0.25];
+
     /// The contact that a strike at `velocity` (0 to 1) makes, starting at `onset_samples`:
     ///
     /// ```text
-    /// m = m1 v^a,   τ = τ1 v^b
+    /// m = m1 v^a,   τ = τ1 v^b, held between 10 µs and 0.25 s
     /// ```
     ///
     /// `None` for a velocity of 0, which is no strike.
@@ -41,7 +44,8 @@ impl Striker {
             onset_samples,
             pulse: self.pulse,
             peak_force: self.peak_force * velocity.powf(self.peak_exponent),
-            contact_time_s: self.contact_time_s * velocity.powf(self.contact_exponent),
+            contact_time_s: (self.contact_time_s * velocity.powf(self.contact_exponent))
+                .clamp(Self::CONTACT_TIME_RANGE_S[0], Self::CONTACT_TIME_RANGE_S[1]),
         })
     }
 }

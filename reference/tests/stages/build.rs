@@ -22,7 +22,7 @@ pub(crate) fn some_modes() -> Vec<Mode> {
 
 pub(crate) fn hertz_striker() -> Striker {
     Striker {
-        pulse: Pulse::HertzHalfSine,
+        pulse: Pulse::Hertz { restitution: 0.45 },
         peak_force: 80.0,
         peak_exponent: Striker::HERTZ_PEAK_EXPONENT,
         contact_time_s: 0.001,

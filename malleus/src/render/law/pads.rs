@@ -32,7 +32,7 @@ pub fn pads(kit: &kit::Kit, rate: SampleRate) -> Vec<reference::Pad> {
 fn striker(striker: &kit::Striker) -> reference::Striker {
     reference::Striker {
         pulse: match striker.pulse {
-            kit::Pulse::Hertz => reference::Pulse::HertzHalfSine,
+            kit::Pulse::Hertz => reference::Pulse::Hertz { restitution: f64::from(striker.restitution) },
             kit::Pulse::Gaussian => reference::Pulse::Gaussian,
         },
         peak_force: f64::from(striker.peak_force),
