@@ -6,6 +6,7 @@ mod binary_refusals;
 mod files;
 mod filters;
 mod residual;
+mod restitution;
 mod room;
 mod round_trip;
 mod sample;

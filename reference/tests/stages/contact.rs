@@ -9,6 +9,7 @@ use crate::build::{RATE, hertz_striker};
 
 const PEAK_FORCE: f64 = 30.0;
 const CONTACT_TIME_S: f64 = 0.002;
+const HALF_SINE: Pulse = Pulse::Hertz { restitution: 1.0 };
 
 fn impact(pulse: Pulse, onset_samples: f64) -> Impact {
     Impact { onset_samples, pulse, peak_force: PEAK_FORCE, contact_time_s: CONTACT_TIME_S }
@@ -24,7 +25,99 @@ fn area(pulse: Pulse) -> f64 {
 #[test]
 fn a_half_sine_has_the_area_of_a_half_sine() {
     let expected = 2.0 * CONTACT_TIME_S * PEAK_FORCE / PI;
-    assert!((area(Pulse::HertzHalfSine) / expected - 1.0).abs() < 1e-9);
+    assert!((area(HALF_SINE) / expected - 1.0).abs() < 1e-9);
+}
+
+/// N of the pulse, its peak found by search, and A.
+fn scale_and_skew(restitution: f64) -> (f64, f64) {
+    let slopes = restitution.powf(4.6);
+    let skew = (1.0 - slopes) / (1.0 + slopes);
+    let shape = |x: f64| (PI * x).sin() * (1.0 + skew * (PI * x).cos());
+    let peak = (0..1_000_000).map(|n| shape(f64::from(n) / 1e6)).fold(0.0, f64::max);
+    (1.0 / peak, skew)
+}
+
+#[test]
+fn a_hertz_pulse_follows_its_law_with_a_peak_of_1() {
+    for restitution in [0.1, 0.3, 0.45, 0.8, 1.0] {
+        let pulse = Pulse::Hertz { restitution };
+        let (scale, skew) = scale_and_skew(restitution);
+        for step in 0..=100 {
+            let x = f64::from(step) / 100.0;
+            let expected = scale * (PI * x).sin() * (1.0 + skew * (PI * x).cos());
+            let got = pulse.shape(x * CONTACT_TIME_S, CONTACT_TIME_S);
+            assert!((got - expected).abs() < 1e-10, "e = {restitution}, x = {x}: {got} {expected}");
+        }
+        let slope = |x: f64| pulse.shape(x * CONTACT_TIME_S, CONTACT_TIME_S) * 1e7;
+        let ratio = slope(1.0 - 1e-7) / slope(1e-7);
+        assert!((ratio / restitution.powf(4.6) - 1.0).abs() < 1e-2, "e = {restitution}: {ratio}");
+    }
+}
+
+#[test]
+fn a_hertz_sample_is_the_mean_of_the_force_over_its_interval() {
+    for restitution in [0.1, 0.45, 1.0] {
+        let pulse = Pulse::Hertz { restitution };
+        for (contact_time_s, since_start_s) in
+            [(0.002, 1e-3), (0.002, 1e-5), (0.002, 2.01e-3), (2e-5, 1.1e-5), (2e-5, 2.5e-5), (2e-5, 4e-5), (1e-5, 1.5e-5)]
+        {
+            let mean = (0..100_000)
+                .map(|n| {
+                    let back_s = (f64::from(n) + 0.5) / 100_000.0 / RATE.hz();
+                    pulse.shape(since_start_s - back_s, contact_time_s)
+                })
+                .sum::<f64>()
+                / 100_000.0;
+            let got = pulse.sample(since_start_s, contact_time_s, RATE);
+            assert!((got - mean).abs() < 1e-6, "e = {restitution}, {contact_time_s} s, {since_start_s} s: {got} {mean}");
+        }
+    }
+}
+
+#[test]
+fn the_spectrum_of_a_hertz_pulse_is_the_documented_one() {
+    let fine = SampleRate { numerator: 10_000_000, denominator: 1 };
+    for restitution in [0.3, 0.45, 0.8, 1.0] {
+        let (scale, skew) = scale_and_skew(restitution);
+        let pulse = Pulse::Hertz { restitution };
+        for frequency_hz in [10.0, 333.0, 760.0, 1_240.0, 2_250.0, 7_777.0] {
+            let (mut re, mut im) = (0.0, 0.0);
+            for n in 0..20_001 {
+                let t = f64::from(n) / fine.hz();
+                let (sine, cosine) = (2.0 * PI * frequency_hz * t).sin_cos();
+                let share = pulse.shape(t, CONTACT_TIME_S) / (CONTACT_TIME_S * fine.hz());
+                (re, im) = (re + share * cosine, im + share * sine);
+            }
+            let x = frequency_hz * CONTACT_TIME_S;
+            let (s, c) = (PI * x).sin_cos();
+            let even = c / (1.0 - 4.0 * x * x);
+            let odd = skew / 4.0 * s / (1.0 - x * x);
+            let law = (scale * 2.0 / PI).powi(2) * (even * even + odd * odd);
+            assert!((re * re + im * im - law).abs() < 1e-6 * law + 1e-12, "e = {restitution}, {frequency_hz} Hz");
+        }
+    }
+}
+
+/// Hunt and Crossley's ratio of the force's last slope to its first: `e^1.5 (1-μe)/(1+μ)`, where
+/// `μ (1+e) = ln((1+μ)/(1-μe))`.
+fn hunt_and_crossley_slopes(restitution: f64) -> f64 {
+    let e = restitution;
+    let (mut low, mut high) = (1e-9, 1.0 / e - 1e-12);
+    for _ in 0..200 {
+        let mu = (low + high) / 2.0;
+        // Below the root the logarithm is the smaller.
+        if ((1.0 + mu) / (1.0 - mu * e)).ln() < mu * (1.0 + e) { low = mu } else { high = mu }
+    }
+    e.powf(1.5) * (1.0 - low * e) / (1.0 + low)
+}
+
+#[test]
+fn slopes_follow_hunt_and_crossley_within_4_percent_from_e_0_45_on() {
+    for step in 45..100 {
+        let restitution = f64::from(step) / 100.0;
+        let ratio = restitution.powf(4.6) / hunt_and_crossley_slopes(restitution);
+        assert!((ratio - 1.0).abs() < 0.04, "e = {restitution}: {ratio}");
+    }
 }
 
 #[test]
@@ -38,9 +131,9 @@ fn a_gaussian_has_its_area_but_for_the_tails_below_100_db() {
 #[test]
 fn a_half_sine_peaks_in_the_middle_and_is_zero_outside() {
     let middle = CONTACT_TIME_S / 2.0;
-    assert_eq!(Pulse::HertzHalfSine.shape(middle, CONTACT_TIME_S), 1.0);
-    assert_eq!(Pulse::HertzHalfSine.shape(-1e-9, CONTACT_TIME_S), 0.0);
-    assert_eq!(Pulse::HertzHalfSine.shape(CONTACT_TIME_S + 1e-9, CONTACT_TIME_S), 0.0);
+    assert_eq!(HALF_SINE.shape(middle, CONTACT_TIME_S), 1.0);
+    assert_eq!(HALF_SINE.shape(-1e-9, CONTACT_TIME_S), 0.0);
+    assert_eq!(HALF_SINE.shape(CONTACT_TIME_S + 1e-9, CONTACT_TIME_S), 0.0);
 }
 
 #[test]
@@ -67,20 +160,47 @@ fn a_gaussian_is_equation_2_with_its_onset_half_a_contact_time_before_the_centre
 
 #[test]
 fn a_contact_starts_at_a_fraction_of_a_sample() {
-    let impact = impact(Pulse::HertzHalfSine, 10.25);
+    let impact = impact(HALF_SINE, 10.25);
     assert_eq!(impact.force(10, RATE), 0.0);
+    // The mean over the interval, of which the contact fills three quarters.
     let since_onset_s = 0.75 / 48_000.0;
-    let expected = PEAK_FORCE * (PI * since_onset_s / CONTACT_TIME_S).sin();
-    assert!((impact.force(11, RATE) - expected).abs() < 1e-12);
+    let area = CONTACT_TIME_S / PI * (1.0 - (PI * since_onset_s / CONTACT_TIME_S).cos());
+    assert!((impact.force(11, RATE) - PEAK_FORCE * area * 48_000.0).abs() < 1e-9);
 }
 
 #[test]
 fn a_contact_is_over_once_its_force_stays_zero() {
-    let impact = impact(Pulse::HertzHalfSine, 0.5);
-    assert!(!impact.is_over(96, RATE));
-    assert!(impact.force(96, RATE) > 0.0);
-    assert!(impact.is_over(97, RATE));
-    assert_eq!(impact.force(97, RATE), 0.0);
+    // Its last force is that of the interval in which it ends, at 96.5 samples.
+    let impact = impact(HALF_SINE, 0.5);
+    assert!(!impact.is_over(97, RATE));
+    assert!(impact.force(97, RATE) > 0.0);
+    assert!(impact.is_over(98, RATE));
+    assert_eq!(impact.force(98, RATE), 0.0);
+}
+
+#[test]
+fn a_short_contact_keeps_its_impulse_at_any_onset() {
+    let pulses = [HALF_SINE, Pulse::Hertz { restitution: 0.45 }, Pulse::Gaussian];
+    for (pulse, limit_db) in pulses.into_iter().zip([1e-9, 1e-9, 0.2]) {
+        let whole = area(pulse) / PEAK_FORCE / CONTACT_TIME_S;
+        for contact_time_s in [1e-5, 2e-5, 5e-5, 1.6e-4] {
+            for onset in 0..50 {
+                let onset_samples = f64::from(onset) / 50.0;
+                let impact = Impact { onset_samples, pulse, peak_force: 1.0, contact_time_s };
+                let sum: f64 = (0..200).map(|sample| impact.force(sample, RATE)).sum();
+                let error_db = 20.0 * (sum / RATE.hz() / contact_time_s / whole).log10();
+                assert!(error_db.abs() < limit_db.max(1e-6), "{pulse:?}, {contact_time_s} s: {error_db} dB");
+            }
+        }
+    }
+}
+
+#[test]
+fn contact_times_are_held_between_10_us_and_a_quarter_of_a_second() {
+    let longer = Striker { contact_exponent: -1.0, ..hertz_striker() };
+    let shorter = Striker { contact_exponent: 1.0, ..hertz_striker() };
+    let time_s = |striker: Striker| striker.strike(1e-3, 0.0).expect("a velocity above 0").contact_time_s;
+    assert_eq!((time_s(longer), time_s(shorter)), (0.25, 1e-5));
 }
 
 #[test]
