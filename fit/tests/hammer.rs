@@ -100,3 +100,61 @@ fn with_the_force_shared_poles_leave_20_db_less_and_predict_other_strikes() {
         assert!(common < plain && along < common, "{name}");
     }
 }
+
+/// A of `sin(πx) (1 + A cos(πx))`, 0 to 1, that comes nearest to a force round its peak, over onset, contact time and size.
+fn skew(force: &[f64], peak: usize, rate_hz: f64) -> f64 {
+    let around = &force[peak - 60..peak + 100];
+    let energy: f64 = around.iter().map(|x| x * x).sum();
+    let mut best = (energy, 0.0);
+    for step in 0..=20 {
+        let skew = f64::from(step) / 20.0;
+        for time_s in (0..40).map(|n| 2.5e-4 + 2.5e-5 * f64::from(n)) {
+            let time = time_s * rate_hz;
+            // The peak lies between 0.33 and 0.5 of the contact; a margin to either side.
+            let (first, last) = (60.0 - 0.6 * time, 60.0 - 0.2 * time);
+            let onsets = (0..).map(|n| first + 0.5 * f64::from(n)).take_while(|onset| *onset < last);
+            for onset in onsets {
+                let (mut cross, mut own) = (0.0, 0.0);
+                for (n, x) in around.iter().enumerate() {
+                    let at = (n as f64 - onset) / time;
+                    if (0.0..1.0).contains(&at) {
+                        let (sine, cosine) = (std::f64::consts::PI * at).sin_cos();
+                        let shape = sine * (1.0 + skew * cosine);
+                        cross += shape * x;
+                        own += shape * shape;
+                    }
+                }
+                let left = energy - cross * cross / own;
+                if left < best.0 {
+                    best = (left, skew);
+                }
+            }
+        }
+    }
+    best.1
+}
+
+#[test]
+fn restitution_of_the_measured_forces_has_a_median_at_most_that_of_the_default() {
+    let mut all = Vec::new();
+    for name in ["hammer_ceramic.wav", "hammer_wood.wav"] {
+        let Some((recording, found)) = recording(name) else { continue };
+        let force = recording.force.as_ref().expect("channel 1 was asked for");
+        let restitutions = found.iter().map(|hit| {
+            let around = hit.onset - 150..hit.onset + 80;
+            let peak = around.max_by(|&a, &b| force[a].total_cmp(&force[b])).expect("not empty");
+            let skew = skew(force, peak, recording.rate_hz);
+            ((1.0 - skew) / (1.0 + skew)).powf(1.0 / 4.6)
+        });
+        let restitutions: Vec<f64> = restitutions.collect();
+        println!("{name}: e = {restitutions:.2?}, median {:.2}", quantile(&restitutions, 0.5));
+        all.extend(restitutions);
+    }
+    if !all.is_empty() {
+        let median = quantile(&all, 0.5);
+        println!("all: median {median:.2}");
+        // Below the default, and not below what the format allows.
+        let usual = f64::from(kit::Striker::DEFAULT_RESTITUTION);
+        assert!((0.2..=usual).contains(&median), "{median:.2}");
+    }
+}

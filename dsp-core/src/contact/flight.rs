@@ -23,11 +23,11 @@ impl Contact {
 
     /// A contact whose pulse began `early` (a fraction of a sample, 1.0 = 2^32) before the next frame: onsets fall between samples.
     pub fn new(pad: u8, striker: u8, impact: Impact, early: u32) -> Self {
+        let (step, peak) = impact.pulse.played(impact.step, impact.peak);
         // The step in halves, so that nothing overflows.
-        let (upper, lower) = (impact.step >> 32, impact.step & 0xffff_ffff);
+        let (upper, lower) = (step >> 32, step & 0xffff_ffff);
         let phase = upper * u64::from(early) + ((lower * u64::from(early)) >> 32);
-        let step = impact.step.clamp(1, 16 * WHOLE);
-        Self { pad, striker, pulse: impact.pulse, peak: impact.peak, phase, step }
+        Self { pad, striker, pulse: impact.pulse, peak, phase, step: step.max(1) }
     }
 
     /// The phase from which on no frame has force. Below 2^63.

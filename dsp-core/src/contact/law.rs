@@ -14,8 +14,6 @@ pub struct StrikerLaw {
     peak: u64,
     /// Fraction of the pulse in a sample at velocity 1, 1.0 = [`WHOLE`].
     step: u64,
-    /// Largest step at which the pulse's samples still tell its impulse.
-    fastest_played: u64,
     /// a and -b, Q27.
     peak_exponent_q27: i32,
     step_exponent_q27: i32,
@@ -64,7 +62,6 @@ impl StrikerLaw {
             pulse,
             peak: (contact.peak_force() / reference_force * fixed::ONE_Q27 as f32) as u64,
             step: step(contact.contact_time_s()),
-            fastest_played: pulse.fastest_step(),
             peak_exponent_q27: q27(contact.peak_exponent()),
             step_exponent_q27: q27(-contact.contact_exponent()),
             step_range: (step(MAX_CONTACT_TIME_S as f32).max(1), step(MIN_CONTACT_TIME_S as f32)),
@@ -83,18 +80,7 @@ impl StrikerLaw {
         let (slowest, fastest) = self.step_range;
         // Not `clamp`, which panics on a range the wrong way round: nothing here can.
         let step = logarithm.power(self.step_exponent_q27).of(self.step).max(slowest).min(fastest);
-        let (step, peak) = self.played(step, peak);
         (peak > 0).then_some(Impact { pulse: self.pulse, peak, step })
-    }
-
-    /// A pulse too fast for its samples to tell its impulse is played slower and weaker, with that impulse.
-    fn played(&self, step: u64, peak: i32) -> (u64, i32) {
-        if step <= self.fastest_played {
-            return (step, peak);
-        }
-        // A 32nd of WHOLE is 2^53; the ratio, below 1, as Q31.
-        let ratio = ((self.fastest_played >> 27) << 31).checked_div(step >> 27).unwrap_or(0);
-        (self.fastest_played, ((i64::from(peak) * ratio as i64 + (1 << 30)) >> 31) as i32)
     }
 }
 

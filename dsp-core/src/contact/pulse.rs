@@ -90,12 +90,18 @@ impl Pulse {
         }
     }
 
-    /// Largest step of a phase in a frame: a faster pulse is played at this one, with a peak smaller
-    /// in the same ratio, so that its impulse stays.
-    pub(super) fn fastest_step(self) -> u64 {
+    /// Step and peak that a contact is played with. A pulse too fast for its samples to tell its
+    /// impulse is played slower and weaker, with that impulse.
+    pub(super) fn played(self, step: u64, peak: i32) -> (u64, i32) {
+        const FASTEST_GAUSSIAN: u64 = (WHOLE as f64 / (SHORTEST_GAUSSIAN_SAMPLES * GAUSSIAN_LENGTH)) as u64;
         match self {
-            Self::Hertz(_) => 16 * WHOLE,
-            Self::Gaussian => (WHOLE as f64 / (SHORTEST_GAUSSIAN_SAMPLES * GAUSSIAN_LENGTH)) as u64,
+            Self::Gaussian if step > FASTEST_GAUSSIAN => {
+                // Below 2^56: the dividend fits; the ratio, below 1, is Q31.
+                let ratio = ((FASTEST_GAUSSIAN >> 27) << 31).checked_div(step >> 27).unwrap_or(0);
+                (FASTEST_GAUSSIAN, ((i64::from(peak) * ratio as i64 + (1 << 30)) >> 31) as i32)
+            }
+            // More than the law's shortest contact asks for at the lowest rate.
+            Self::Hertz(_) | Self::Gaussian => (step.min(16 * WHOLE), peak),
         }
     }
 }
@@ -307,9 +313,9 @@ mod tests {
                         let x = phase as f64 / WHOLE as f64;
                         let exact = (integral(x) - integral(x - h)) / h;
                         let edge = pulse.edge(phase, step);
-                        let inner = (step..=WHOLE).contains(&phase).then(|| {
-                            pulse.means(step, 1 << 31).about(((phase - step / 2) >> 26) as u32)
-                        });
+                        let inner = (step..=WHOLE)
+                            .contains(&phase)
+                            .then(|| pulse.means(step, 1 << 31).about(((phase - step / 2) >> 26) as u32));
                         for got in core::iter::once(edge).chain(inner) {
                             worst = worst.max((f64::from(got) / 2f64.powi(29) - exact).abs());
                         }

@@ -70,7 +70,7 @@ pub(super) fn lifetime_ms(table: &BankTable<'_>, index: usize, frequency_hz: f32
     let (impulse, contact_time_s) = table.typical_contact;
     let gains = table.gains.get(index * table.positions..).unwrap_or(&[]).iter().take(table.positions);
     let gain = gains.fold(0.0f32, |gain, at| gain.max(at.sine.get().abs()).max(at.cosine.get().abs()));
-    // The spectrum of a half-sine pulse falls as 1/f² above 1/(2 τ).
+    // The spectrum of a contact pulse falls as 1/f² above 1/(2 τ).
     let corner = 2.0 * frequency_hz * contact_time_s;
     let level = gain * table.weight as f32 * impulse / (1.0 + corner * corner);
     let periods = logarithm((level / Retirement::THRESHOLD).max(1.0));

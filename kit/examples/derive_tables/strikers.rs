@@ -14,8 +14,8 @@ pub(crate) fn all() -> Vec<Striker> {
         striker(
             "hammer-tip",
             0.6,
-            0.0005,
-            "impact hammer on a mug: peak in units of the recording's full scale, contact time from its width at half maximum, 0.33 ms",
+            0.00066,
+            "impact hammer on a mug: peak in units of the recording's full scale, contact time from its width at half maximum, 0.33 ms, half of it",
         ),
         Striker {
             pulse: Pulse::Gaussian,
