@@ -120,7 +120,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         let biquads = bank.records().iter().enumerate().map(|(index, record)| {
             // The force in newtons goes into the first of each chain.
             let newtons = if index.is_multiple_of(depth) { f64::from(reference_force) } else { 1.0 };
-            section(record, newtons).carried(index, rate_hz, rate)
+            Biquad::from_roots_at(index, roots(record, newtons), rate_hz, rate)
         });
         self.biquads.load_each(biquads, depth)
     }
@@ -312,10 +312,10 @@ fn band(record: &LoopRecord, louder: f64) -> Loop {
     }
 }
 
-/// A record's biquad, its gain times another one.
-fn section(record: &BiquadRecord, gain: f64) -> Biquad {
+/// A record's pole, zero, and gain times another one.
+fn roots(record: &BiquadRecord, gain: f64) -> (Root, Root, f64) {
     let root = |real: f32, imaginary: f32| Root { real: f64::from(real), imaginary: f64::from(imaginary) };
     let pole = root(record.pole_re.get(), record.pole_im.get());
     let zero = root(record.zero_re.get(), record.zero_im.get());
-    Biquad::from_roots(pole, zero, f64::from(record.gain.get()) * gain)
+    (pole, zero, f64::from(record.gain.get()) * gain)
 }

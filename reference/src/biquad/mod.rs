@@ -1,5 +1,7 @@
 //! Parallel chains of biquads in `f64` (*Differentiable Modal Synthesis for Physical Modeling of Planar Objects*, "diffmodal", eq. 2 and 3).
 
+use std::f64::consts::PI;
+
 /// A section `(b0 + b1 z⁻¹ + b2 z⁻²) / (1 + a1 z⁻¹ + a2 z⁻²)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Biquad {
@@ -17,6 +19,30 @@ impl Biquad {
             numerator: [gain, -2.0 * gain * zero.0, gain * square(zero)],
             denominator: [-2.0 * pole.0, square(pole)],
         }
+    }
+
+    /// As [`from_roots`](Self::from_roots), carried from the rate at which the roots are given to one that is `1/ratio` times as high.
+    ///
+    /// Each root r e^{±iα}, α from 0 to π, becomes `r^ratio e^{±i min(ratio α, π)}`: it keeps its frequency in hertz and its decay per second, up to
+    /// half the new rate. k is scaled such that |H| at the pole's angle stays; it stays itself where that |H| is 0 before or after.
+    pub fn carried(pole: (f64, f64), zero: (f64, f64), gain: f64, ratio: f64) -> Self {
+        if ratio == 1.0 {
+            return Self::from_roots(pole, zero, gain);
+        }
+        let polar = |(re, im): (f64, f64)| (re.hypot(im), im.abs().atan2(re));
+        let moved = |(radius, angle): (f64, f64)| (radius.powf(ratio), (angle * ratio).min(PI));
+        let cartesian = |(radius, angle): (f64, f64)| (radius * angle.cos(), radius * angle.sin());
+        let (old_pole, old_zero) = (polar(pole), polar(zero));
+        let (new_pole, new_zero) = (moved(old_pole), moved(old_zero));
+        // |1 - r e^{i(α - θ)}| |1 - r e^{i(α + θ)}|, seen from the circle at θ.
+        let distances = |(radius, angle): (f64, f64), theta: f64| -> f64 {
+            let distance = |between: f64| (1.0 - radius).hypot(2.0 * radius.sqrt() * (between / 2.0).sin());
+            distance(angle - theta) * distance(angle + theta)
+        };
+        let level = |pole: (f64, f64), zero| distances(zero, pole.1) / distances(pole, pole.1);
+        let (before, after) = (level(old_pole, old_zero), level(new_pole, new_zero));
+        let same = if before > 0.0 && after > 0.0 { before / after } else { 1.0 };
+        Self::from_roots(cartesian(new_pole), cartesian(new_zero), gain * same)
     }
 
     /// The response to `input`, from rest, by the difference equation.
