@@ -57,6 +57,14 @@ impl Biquad {
         input.iter().map(step).collect()
     }
 
+    /// Radius of the pole that decays more slowly.
+    pub fn radius(&self) -> f64 {
+        let [a1, a2] = self.denominator;
+        let rest = a1 * a1 / 4.0 - a2;
+        // A conjugate pair's product is the square of its radius; rounding makes an even pair seem two.
+        if rest <= 1e-12 * a2.abs() { a2.max(0.0).sqrt() } else { a1.abs() / 2.0 + rest.sqrt() }
+    }
+
     /// `|H|` at an angle in radians a sample.
     pub fn magnitude(&self, angle: f64) -> f64 {
         let at = |[c0, c1, c2]: [f64; 3]| {
