@@ -187,10 +187,10 @@ fn choked_biquads_of_every_depth_keep_86_db_against_the_reference() {
 fn a_choked_dynamic_filter_falls_at_the_faster_of_both_rates() {
     for hz in [22_050, 48_000, 96_000] {
         for (own, choke) in [(1.0f32, 0.1f32), (0.15, 0.1), (0.1, 0.1), (0.05, 0.1)] {
-            let kit = kit(choke, Some(falling(own, 0.4)), None);
+            let kit = kit(choke, Some(falling(own, 1.3 * own)), None);
             let start = hz as usize / 50;
             let wanted = f64::from(own.min(choke));
-            let (from, to) = (start, start + (wanted * f64::from(hz) * 0.8) as usize);
+            let (from, to) = (start, start + (wanted * f64::from(hz) * 0.7) as usize);
             let events = [strike(0, 1.0), hand(start as u64, Action::Choke)];
             let window = hz as usize / 100;
             // The noise's own level scatters: measured against the same noise without a hand, whose fall is known.
@@ -204,7 +204,8 @@ fn a_choked_dynamic_filter_falls_at_the_faster_of_both_rates() {
             };
             for (name, sound) in [("instrument", choked), ("reference", law.iter().map(|&x| x as i32).collect())] {
                 let got = 60.0 / (60.0 / f64::from(own) + extra(&sound));
-                assert!((got / wanted - 1.0).abs() < 0.03, "{name}, {hz} Hz, own {own} s, hand {choke} s: {got:.4} s");
+                // A piece of the path falls by 2.5 dB, at first more slowly than at its end.
+                assert!((got / wanted - 1.0).abs() < 0.05, "{name}, {hz} Hz, own {own} s, hand {choke} s: {got:.4} s");
             }
         }
     }
@@ -251,7 +252,7 @@ fn choked_dynamic_filters_keep_80_db_against_the_reference() {
 
 #[test]
 fn a_hand_comes_and_goes_without_a_click() {
-    let chains = vec![vec![pole(220.0, 3.0, 0.02)], vec![pole(400.0, 1.0, 0.1), pole(400.5, 1.0, 0.02)], vec![pole(90.0, 0.05, 0.01)]];
+    let chains = vec![vec![pole(220.0, 3.0, 0.1), pole(600.0, 0.5, 0.1)], vec![pole(400.0, 1.0, 0.1), pole(400.5, 1.0, 0.02)]];
     let tone = DynamicFilter {
         loops: vec![Loop { frequency_hz: 200.0, bandwidth_hz: 2.0, gain: 0.9, delay_s: 0.005 }],
         path: vec![
