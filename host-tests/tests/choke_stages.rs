@@ -15,10 +15,20 @@ type FilteredEngine<'k> = Engine<'k, 1, 8, 64, 32, 64, STANDARD_CONTACTS, Room>;
 
 /// The left channel of the instrument, in steps of the bus.
 fn instrument(kit: &Kit, hz: u32, events: &[Event], force: Option<&[i32]>, frames: usize, block: usize) -> Vec<i32> {
+    play(kit, hz, events, force, (frames, block, Skipping::Off))
+}
+
+fn play(
+    kit: &Kit,
+    hz: u32,
+    events: &[Event],
+    force: Option<&[i32]>,
+    (frames, block, skipping): (usize, usize, Skipping),
+) -> Vec<i32> {
     let loaded = load(kit.clone());
     let view = KitView::parse(&loaded.binary).expect("a right kit");
     let mut engine = Box::new(FilteredEngine::new());
-    engine.load(&view, SampleRate::new(hz, 1).unwrap(), Skipping::Off).expect("it fits");
+    engine.load(&view, SampleRate::new(hz, 1).unwrap(), skipping).expect("it fits");
     let (mut out, mut events) = (vec![[0; 2]; frames], events);
     for chunk in out.chunks_mut(block) {
         let start = engine.now() as usize;
@@ -273,7 +283,9 @@ fn a_hand_comes_and_goes_without_a_click() {
                 let events = [strike(0, 1.0), hand(comes, Action::Choke), hand(goes, Action::Release)];
                 let held = instrument(&kit, 48_000, &events, None, 12_000, 128);
                 let [comes, goes] = [comes as usize, goes as usize];
-                assert!(held[..=comes] == free[..=comes] && held[comes + 40] != free[comes + 40]);
+                // All the same up to the hand, and its first sample but for rounding.
+                assert!(held[..comes] == free[..comes] && held[comes].abs_diff(free[comes]) <= 16);
+                assert!(held[comes + 40] != free[comes + 40]);
                 let (before, at) = (largest_step(&free[comes - 600..comes]), largest_step(&held[comes - 2..comes + 40]));
                 assert!(at <= before + STEP, "hand {choke} s comes: {at} after {before}");
                 let (before, at) = (largest_step(&held[goes - 300..goes]), largest_step(&held[goes - 2..goes + 600]));

@@ -7,6 +7,9 @@ use core::f64::consts::PI;
 /// How far beyond half the rate a pole may stand and still be put there: the codec's clock is 186 ppm off.
 const TOLERANCE: f64 = 1.001;
 
+/// Product of two zeros' distances from a point of the circle below which |H| there is no level to keep.
+const VANISHING: f64 = 1e-6;
+
 impl Biquad {
     /// The biquad for `rate` of a table's pole pair, zero pair and gain, which are given for `rate_hz`.
     ///
@@ -14,9 +17,10 @@ impl Biquad {
     ///
     /// ```text
     /// p' = |p|^ρ at the angle min(ρ arg p, π),   q' = |q|^ρ at the angle min(ρ arg q, π)
-    /// k' = k |H(e^iθ)| / |H'(e^iθ')|,   θ = arg p,  θ' = arg p';   where either is 0, k' = k
+    /// k' = k |H(e^iθ)| / |H'(e^iθ')|,   θ = arg p,  θ' = arg p'
     /// ```
     ///
+    /// Where the zeros' distances from `e^iθ`, multiplied, are below 1e-6, or from `e^iθ'`, k' = k: a level that nearly vanishes is none to keep.
     /// So frequencies in Hz and decays in 1/s stay, and the level of the resonance. It holds for every root: a real one below 0 is a pair at half
     /// the table's rate, and stands at that frequency at any other rate too. At the table's own rate nothing changes. `index` is for the message.
     ///
@@ -36,9 +40,9 @@ impl Biquad {
         }
         check_angle(index, pole, ratio)?;
         let [new_pole, new_zero] = [pole, zero].map(|root| raised(root, ratio));
-        let level = |pole: Root, zero: Root| distances(zero, angle(pole)) / distances(pole, angle(pole));
-        let (before, after) = (level(pole, zero), level(new_pole, new_zero));
-        let same = if before > 0.0 && after > 0.0 { before / after } else { 1.0 };
+        let (before, after) = (distances(zero, angle(pole)), distances(new_zero, angle(new_pole)));
+        let of_poles = distances(new_pole, angle(new_pole)) / distances(pole, angle(pole));
+        let same = if before < VANISHING || after < VANISHING { 1.0 } else { before / after * of_poles };
         Ok(Self::from_roots(new_pole, new_zero, gain * same))
     }
 

@@ -170,10 +170,10 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         self.has_dynamic && self.dynamic.takes_modes()
     }
 
-    /// Whether anything sounds, or a hand is about to end it: otherwise it need not be rendered without force and modes.
+    /// Whether anything sounds: otherwise it need not be rendered without force and modes.
     #[inline(always)]
     pub fn is_ringing(&self) -> bool {
-        self.dynamic.is_ringing() || self.biquads.is_ringing() || self.hand.is_fading()
+        self.dynamic.is_ringing() || self.biquads.is_ringing()
     }
 
     /// Begins a strike at a frame of the tick; `level` is its peak force over the reference force.
@@ -272,19 +272,36 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         let (mut sound, mut since, mut frame) = ([0; TICK_FRAMES], self.since, self.frame);
         let Some(mut rest) = sound.get_mut(..out.len()) else { return };
         while !rest.is_empty() {
-            if self.hand.frames() == 0 {
-                let (frames, falls) = self.levels.falls(since, (TICK_FRAMES - frame) as u32);
-                self.hand.expect(frames, falls);
+            let mut frames = rest.len();
+            // Silence, up to the first mode that sounds.
+            let given = modes.as_deref().unwrap_or(&[]);
+            let waits = if self.dynamic.is_ringing() {
+                0
+            } else {
+                given.iter().position(|&mode| mode != 0).unwrap_or(frames).min(frames)
+            };
+            if waits > 0 {
+                self.hand.rest();
+                frames = waits;
+            } else {
+                if self.hand.frames() == 0 {
+                    let (frames, falls) = self.levels.falls(since, (TICK_FRAMES - frame) as u32);
+                    self.hand.expect(frames, falls);
+                }
+                frames = frames.min(self.hand.frames() as usize);
             }
-            let frames = rest.len().min(self.hand.frames() as usize);
             let Some((now, later)) = core::mem::take(&mut rest).split_at_mut_checked(frames) else { return };
             let given = modes.take().and_then(|given| given.split_at_mut_checked(frames)).map(|(given, more)| {
                 modes = Some(more);
-                self.hand.raise(given);
+                if waits == 0 {
+                    self.hand.raise(given);
+                }
                 &*given
             });
             self.add_dynamic(given, now);
-            self.hand.fade(now);
+            if waits == 0 {
+                self.hand.fade(now);
+            }
             (rest, since, frame) = (later, since.saturating_add(frames as u32).min(PAST), (frame + frames) % TICK_FRAMES);
         }
         out.iter_mut().zip(&sound).for_each(|(out, &x)| *out = fixed::qadd(*out, x));

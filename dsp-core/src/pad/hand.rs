@@ -46,9 +46,9 @@ impl Hand {
         self.gain == ONE && !self.is_fading()
     }
 
-    /// Whether it is still taking away: it goes on in silence, too, so that what is not computed cannot change when it is over.
+    /// Whether it is still taking away.
     #[inline(always)]
-    pub fn is_fading(&self) -> bool {
+    fn is_fading(&self) -> bool {
         self.wanted > 0.0 && !self.spent
     }
 
@@ -59,6 +59,11 @@ impl Hand {
             (self.gain, self.inverse, self.frames, self.spent) = (ONE, ONE_INVERSE, 0, true);
         }
         is_mute
+    }
+
+    /// In silence there is nothing to take, and the gain begins anew: so what is not computed cannot change what follows.
+    pub fn rest(&mut self) {
+        (self.gain, self.inverse, self.frames) = (ONE, ONE_INVERSE, 0);
     }
 
     /// Comes, to let the sound fall by so many nepers a frame, or goes. What it has left so far stays until [`lift`](Self::lift).
@@ -164,7 +169,7 @@ mod tests {
                 hand.fade(&mut [0]);
             }
             assert!(hand.settle(), "{t60_s} s at {rate_hz} Hz");
-            assert!(!hand.is_fading() && hand.is_away() && hand.lift().is_none());
+            assert!(hand.is_away() && hand.lift().is_none());
         }
     }
 

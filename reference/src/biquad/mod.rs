@@ -24,7 +24,8 @@ impl Biquad {
     /// As [`from_roots`](Self::from_roots), carried from the rate at which the roots are given to one that is `1/ratio` times as high.
     ///
     /// Each root r e^{±iα}, α from 0 to π, becomes `r^ratio e^{±i min(ratio α, π)}`: it keeps its frequency in hertz and its decay per second, up to
-    /// half the new rate. k is scaled such that |H| at the pole's angle stays; it stays itself where that |H| is 0 before or after.
+    /// half the new rate. k is scaled such that |H| at the pole's angle stays; it stays itself where |H| nearly vanishes there before or after, the zeros' distances
+    /// from that point of the circle being below 1e-6 when multiplied.
     pub fn carried(pole: (f64, f64), zero: (f64, f64), gain: f64, ratio: f64) -> Self {
         if ratio == 1.0 {
             return Self::from_roots(pole, zero, gain);
@@ -39,9 +40,9 @@ impl Biquad {
             let distance = |between: f64| (1.0 - radius).hypot(2.0 * radius.sqrt() * (between / 2.0).sin());
             distance(angle - theta) * distance(angle + theta)
         };
-        let level = |pole: (f64, f64), zero| distances(zero, pole.1) / distances(pole, pole.1);
-        let (before, after) = (level(old_pole, old_zero), level(new_pole, new_zero));
-        let same = if before > 0.0 && after > 0.0 { before / after } else { 1.0 };
+        let (before, after) = (distances(old_zero, old_pole.1), distances(new_zero, new_pole.1));
+        let of_poles = distances(new_pole, new_pole.1) / distances(old_pole, old_pole.1);
+        let same = if before < 1e-6 || after < 1e-6 { 1.0 } else { before / after * of_poles };
         Self::from_roots(cartesian(new_pole), cartesian(new_zero), gain * same)
     }
 
