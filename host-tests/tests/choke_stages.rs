@@ -308,5 +308,7 @@ fn hands_on_stages_give_the_same_bits_for_any_block_size() {
         for block in [1, 7, 32, 100] {
             assert!(instrument(&kit, 48_000, &events(48_000), Some(&force), 12_000, block) == whole, "blocks of {block}");
         }
+        let skipping = play(&kit, 48_000, &events(48_000), Some(&force), (12_000, 128, Skipping::On));
+        assert!(skipping == whole, "what rests is left out");
     }
 }
