@@ -5,7 +5,6 @@ use super::fractions::parts;
 use super::kernel::{self, ALLOWANCE, Run};
 use super::pair::{self, Gain, Level, Pair, Wiring, X_BITS};
 use super::pole::Pole;
-use crate::fixed::times_q31;
 use crate::resonator::TICK_FRAMES;
 
 /// L parallel chains of M biquads, in at most `PAIRS` pairs of sections.
@@ -39,6 +38,7 @@ pub struct Bank<const PAIRS: usize> {
     room: i32,
     asks: bool,
     ringing: bool,
+    choked: bool,
 }
 
 /// What happens to a bank in a tick.
@@ -80,6 +80,7 @@ impl<const PAIRS: usize> Bank<PAIRS> {
         room: 0,
         asks: false,
         ringing: false,
+        choked: false,
     };
 
     /// Derives a bank at rest from chains of `depth` sections, one behind the other.
@@ -97,10 +98,11 @@ impl<const PAIRS: usize> Bank<PAIRS> {
     /// # Errors
     /// [`BiquadError`].
     pub fn load(&mut self, biquads: &[Biquad], depth: usize) -> Result<(), BiquadError> {
-        self.load_each(biquads.iter().map(|&biquad| Ok(biquad)), depth)
+        self.load_each(biquads.iter().map(|&biquad| Ok(biquad)), depth, 1.0)
     }
 
-    /// As [`load`](Self::load), from biquads that are read, or carried to another rate, one at a time.
+    /// As [`load`](Self::load), from biquads that are read, or carried to another rate, one at a time. `hand` is what a hand leaves of the amplitude
+    /// after a frame ([`set_choked`](Self::set_choked)), above 0; 1 where there is none.
     ///
     /// # Errors
     /// [`BiquadError`], those of the biquads too.
@@ -108,9 +110,10 @@ impl<const PAIRS: usize> Bank<PAIRS> {
         &mut self,
         biquads: impl IntoIterator<Item = Result<Biquad, E>>,
         depth: usize,
+        hand: f64,
     ) -> Result<(), E> {
         self.clear();
-        let result = self.place_all(biquads, depth);
+        let result = self.place_all(biquads, depth, hand);
         if result.is_err() {
             self.clear();
         }
@@ -128,6 +131,7 @@ impl<const PAIRS: usize> Bank<PAIRS> {
         (self.count, self.sections, self.depth) = (0, 0, 1);
         (self.direct, self.direct_size) = (Gain::ZERO, 0.0);
         (self.recent, self.recent_ticks, self.room) = (0, 0, 0);
+        self.choked = false;
         self.rest();
     }
 
@@ -135,6 +139,7 @@ impl<const PAIRS: usize> Bank<PAIRS> {
         &mut self,
         biquads: impl IntoIterator<Item = Result<Biquad, E>>,
         depth: usize,
+        hand: f64,
     ) -> Result<(), E> {
         let mut direct = 0.0;
         // Mirrored pairs gather at the far end first: they run last, so that signs change once.
@@ -160,9 +165,13 @@ impl<const PAIRS: usize> Bank<PAIRS> {
                 biquad.check(start + index)?;
             }
             direct += chain.iter().map(|biquad| biquad.numerator[0]).product::<f64>();
+            // So that the slowest pole falls as the hand wants; a chain that falls faster than the hand is left alone.
+            let slowest = chain.iter().map(|biquad| biquad.pole.square()).fold(0.0, f64::max);
+            let slowest = libm::sqrt(slowest);
+            let kept = if hand < slowest { hand / slowest } else { 1.0 };
             let all = parts::<Pole>(chain);
             for cluster in all.get(..depth).unwrap_or(&[]).chunk_by(|_, next| next.handed != 0.0) {
-                let (head, tail) = Pair::of(cluster, start)?;
+                let (head, tail) = Pair::of(cluster, kept, start)?;
                 let full = BiquadError::Full { sections, room: PAIRS };
                 self.place(head, tail, &mut plain, &mut mirrored).ok_or(full)?;
             }
@@ -207,10 +216,16 @@ impl<const PAIRS: usize> Bank<PAIRS> {
         (self.ringing, self.input_bits, self.used, self.asks) = (false, None, 0, false);
     }
 
-    /// Leaves so much of what rings, as Q31.
-    pub fn attenuate(&mut self, left: i32) {
-        for cell in self.pairs.iter_mut().take(self.count).flat_map(|pair| &mut pair.cells) {
-            (cell.u, cell.v) = (times_q31(cell.u, left), times_q31(cell.v, left));
+    /// Lets the hand come or go. While it lies there a chain whose slowest pole has the radius r is multiplied by `min(1, hand / r)` after each frame: all that
+    /// rings, and all that is struck, falls at the faster of both rates. The sound goes on without a step, either way.
+    pub fn set_choked(&mut self, choked: bool) {
+        if choked == self.choked {
+            return;
+        }
+        self.choked = choked;
+        units(self.pairs.get_mut(..self.count)).for_each(pair::exchange);
+        if self.ringing {
+            self.settle(true);
         }
     }
 

@@ -30,6 +30,10 @@
 //! level of the input the largest E is chosen for which nothing can wrap. So a resonance that takes 50 dB off a noise input still has all its bits.
 //! The proof stands there.
 //!
+//! # Hand
+//!
+//! Under a hand a chain's states are multiplied by κ after each frame, so that it falls no slower than the hand wants: the private module `choke`.
+//!
 //! # Single precision
 //!
 //! [`float`] is the same bank in `f32`, for those who mix in floats: the same run time, half as many decibels.
@@ -46,6 +50,7 @@ pub mod pair;
 pub mod pole;
 pub mod rate;
 
+mod choke;
 mod extent;
 mod fractions;
 

@@ -13,6 +13,7 @@
 //! With whole powers of two above each, settle chooses E such that `G s < 2^30` and `M X < 2^29`: states stay below `2^30 + 2^29`, and
 //! rounding (at most five halves of a step a frame, each growing by G) adds less than 2^9.
 
+use super::choke::{Choked, Turn};
 use super::design::{Biquad, BiquadError};
 use super::extent::Extent;
 use super::fractions::Part;
@@ -56,6 +57,12 @@ impl Gain {
     /// It is below 2^this.
     pub(super) fn exponent(self) -> i32 {
         self.exponent
+    }
+
+    /// The product with a word, to the nearest; below 2^62.
+    fn times(self, word: i32) -> i64 {
+        let right = (31 - self.exponent).clamp(1, 63);
+        (i64::from(self.mantissa) * i64::from(word) + (1 << (right - 1))) >> right
     }
 
     /// The multiplier `gain · 2^shift` as Q32; the caller sees to it that it is below 1/2.
@@ -124,6 +131,61 @@ pub struct Pair {
     /// Bits of the largest gain, and of the sum of its impulse response's sizes.
     gain_bits: i16,
     reach_bits: i16,
+    /// What a hand's coming or going puts in its place.
+    other: Other,
+}
+
+/// What a pair is under the hand, or without it: what changes when the hand comes or goes.
+#[derive(Clone, Copy, Debug)]
+struct Other {
+    /// Turn and damp of each cell.
+    poles: [[i32; 2]; 2],
+    gains: [[Gain; 2]; 2],
+    couple: i32,
+    chain: i32,
+    growth: f32,
+    of_input: f32,
+    gain_bits: i16,
+    form: u8,
+    /// What each u becomes on the way there, and on the way back.
+    there: [[Gain; 2]; 2],
+    back: [[Gain; 2]; 2],
+}
+
+impl Other {
+    const EMPTY: Self = Self {
+        poles: [[0; 2]; 2],
+        gains: [[Gain::ZERO; 2]; 2],
+        couple: 0,
+        chain: 0,
+        growth: 0.0,
+        of_input: 0.0,
+        gain_bits: 0,
+        form: 0,
+        there: [[Gain::ZERO; 2]; 2],
+        back: [[Gain::ZERO; 2]; 2],
+    };
+
+    /// Of a pair made of the parts under the hand.
+    fn of(pair: &Pair, there: &[Turn], back: &[Turn]) -> Self {
+        let ways = |turns: &[Turn]| {
+            let mut ways = [[Gain::ZERO; 2]; 2];
+            ways.iter_mut().zip(turns).for_each(|(way, turn)| *way = turn.map(Gain::new));
+            ways
+        };
+        Self {
+            poles: [&pair.cells[0], &pair.cells[1]].map(|cell| [cell.turn, cell.damp]),
+            gains: pair.gains,
+            couple: pair.couple,
+            chain: pair.chain,
+            growth: pair.growth,
+            of_input: pair.of_input,
+            gain_bits: pair.gain_bits,
+            form: pair.kind & FORM,
+            there: ways(there),
+            back: ways(back),
+        }
+    }
 }
 
 /// How the sections of a pair stand to one another.
@@ -140,6 +202,8 @@ pub enum Wiring {
     Chain = 3,
 }
 
+/// In a kind: the form.
+const FORM: u8 = 3;
 /// In a kind: it is not run.
 pub const SKIPPED: u8 = 16;
 /// In a kind: on input and output of alternating sign.
@@ -165,18 +229,41 @@ impl Pair {
         of_input: 0.0,
         gain_bits: 0,
         reach_bits: 0,
+        other: Other::EMPTY,
     };
 
     /// The pairs, one or two, of a part that stands alone, or of two to four that stand behind one another. `index` is that of the chain's first
-    /// biquad, for the message.
+    /// biquad, for the message. `kept` is what a hand leaves of their states after a frame.
     ///
     /// # Errors
     /// [`BiquadError::UnboundedGain`].
-    pub(super) fn of(parts: &[Part<Pole>], index: usize) -> Result<(Self, Option<Self>), BiquadError> {
+    pub(super) fn of(parts: &[Part<Pole>], kept: f64, index: usize) -> Result<(Self, Option<Self>), BiquadError> {
         let extent = Extent::of(parts);
         if !(0.0..=Biquad::MAX_GAIN).contains(&extent.reach) {
             return Err(BiquadError::UnboundedGain { biquad: index, gain: extent.reach });
         }
+        let mut pairs = Self::free(parts, &extent);
+        let choked = Choked::of(parts, kept);
+        if kept < 1.0
+            && let Some(under_hand) = choked.parts.get(..parts.len())
+        {
+            let held = Self::free(under_hand, &Extent::of(under_hand));
+            let ways = choked.there.chunks(2).zip(choked.back.chunks(2));
+            for ((pair, held), (there, back)) in pairs.iter_mut().zip(&held).zip(ways) {
+                pair.other = Other::of(held, there, back);
+            }
+        } else {
+            let ways = choked.there.chunks(2).zip(choked.back.chunks(2));
+            for (pair, (there, back)) in pairs.iter_mut().zip(ways) {
+                pair.other = Other::of(pair, there, back);
+            }
+        }
+        let [head, tail] = pairs;
+        Ok((head, tail.is_tail.then_some(tail)))
+    }
+
+    /// The pairs of parts, without a hand; the second is a tail, or empty.
+    fn free(parts: &[Part<Pole>], extent: &Extent) -> [Self; 2] {
         let mut pairs = [Self::EMPTY; 2];
         for (number, (pair, parts)) in pairs.iter_mut().zip(parts.chunks(2)).enumerate() {
             let [first, second] = [parts.first(), parts.get(1)];
@@ -204,12 +291,14 @@ impl Pair {
         };
         head.kind |= 4 * wiring as u8;
         tail.kind |= 4 * wiring as u8;
-        Ok((head, (wiring == Wiring::Chain).then_some(tail)))
+        tail.is_tail = wiring == Wiring::Chain;
+        [head, tail]
     }
 
     /// Whether another single section may stand beside this one's.
     pub(super) fn takes(&self, other: &Self) -> bool {
-        self.wiring() == Wiring::Single && other.wiring() == Wiring::Single && self.kind == other.kind
+        self.wiring() == Wiring::Single && other.wiring() == Wiring::Single
+            && (self.kind, self.other.form) == (other.kind, other.other.form)
     }
 
     /// Takes a single section beside its own.
@@ -221,6 +310,34 @@ impl Pair {
         (self.growth, self.of_input) = (self.growth.max(other.growth), self.of_input.max(other.of_input));
         self.gain_bits = self.gain_bits.max(other.gain_bits);
         self.reach_bits = self.reach_bits.max(other.reach_bits);
+        let (own, its) = (&mut self.other, &other.other);
+        own.poles[1] = its.poles[0];
+        own.gains[1] = its.gains[0];
+        own.there[1] = its.there[0];
+        own.back[1] = its.back[0];
+        (own.growth, own.of_input) = (own.growth.max(its.growth), own.of_input.max(its.of_input));
+        own.gain_bits = own.gain_bits.max(its.gain_bits);
+    }
+
+    /// What a hand's coming or going makes of its sections, but for their states.
+    fn exchange(&mut self) {
+        let other = &mut self.other;
+        for (cell, pole) in self.cells.iter_mut().zip(&mut other.poles) {
+            let [turn, damp] = pole;
+            core::mem::swap(&mut cell.turn, turn);
+            core::mem::swap(&mut cell.damp, damp);
+        }
+        core::mem::swap(&mut self.gains, &mut other.gains);
+        core::mem::swap(&mut self.couple, &mut other.couple);
+        core::mem::swap(&mut self.chain, &mut other.chain);
+        core::mem::swap(&mut self.growth, &mut other.growth);
+        core::mem::swap(&mut self.of_input, &mut other.of_input);
+        core::mem::swap(&mut self.gain_bits, &mut other.gain_bits);
+        let form = self.kind & FORM;
+        self.kind = self.kind & !FORM | other.form;
+        other.form = form;
+        core::mem::swap(&mut other.there, &mut other.back);
+        self.shift = self.form().shift() as u8;
     }
 
     /// How its sections stand.
@@ -320,6 +437,30 @@ impl Pair {
             Wiring::Chain if is_alone => [scale, 0],
             Wiring::Chain => [0, scale],
         };
+    }
+}
+
+/// Lets a hand come to a unit, or go: what rings goes on without a step. To be settled afterwards.
+pub(super) fn exchange(unit: &mut [Pair]) {
+    // Two to a pair, two pairs at most: what each u becomes, with 31 bits more than a word has.
+    let mut wide = [[0i64; 2]; 2];
+    let mut largest = 0;
+    for (pair, wide) in unit.iter_mut().zip(&mut wide) {
+        let there = pair.other.there;
+        pair.exchange();
+        for ((wide, cell), [of_u, of_v]) in wide.iter_mut().zip(&pair.cells).zip(there) {
+            *wide = of_u.times(cell.u).saturating_add(of_v.times(cell.v));
+            largest = largest.max(wide.unsigned_abs().saturating_mul(1 << pair.shift));
+        }
+    }
+    // States stay below 2^30.
+    let down = (64 - largest.leading_zeros()).saturating_sub(30);
+    for (pair, wide) in unit.iter_mut().zip(wide) {
+        pair.exponent -= down as i32;
+        for (cell, wide) in pair.cells.iter_mut().zip(wide) {
+            cell.u = (wide >> down) as i32;
+            cell.v = shifted(cell.v, -(down as i32));
+        }
     }
 }
 

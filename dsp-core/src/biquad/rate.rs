@@ -2,14 +2,52 @@
 
 use super::design::{Biquad, BiquadError, Root};
 use crate::SampleRate;
+use core::f64::consts::PI;
 
 /// How far beyond half the rate a pole may stand and still be put there: the codec's clock is 186 ppm off.
 const TOLERANCE: f64 = 1.001;
 
+/// Product of two zeros' distances from a point of the circle below which |H| there is no level to keep.
+const VANISHING: f64 = 1e-6;
+
 impl Biquad {
-    /// The biquad for `rate` of one given at `rate_hz`: `p' = p^(rate_hz / rate)`, so that frequencies in Hz and decays in 1/s stay, and zeros likewise
-    /// (those that would stand beyond half the rate, at half the rate). k is scaled such that |H| at the pole's own angle, the level of
-    /// its resonance, stays. At the same rate nothing changes.
+    /// The biquad for `rate` of a table's pole pair, zero pair and gain, which are given for `rate_hz`.
+    ///
+    /// The law, with ρ = `rate_hz` / rate and `arg` from 0 to π:
+    ///
+    /// ```text
+    /// p' = |p|^ρ at the angle min(ρ arg p, π),   q' = |q|^ρ at the angle min(ρ arg q, π)
+    /// k' = k |H(e^iθ)| / |H'(e^iθ')|,   θ = arg p,  θ' = arg p'
+    /// ```
+    ///
+    /// Where the zeros' distances from `e^iθ`, multiplied, are below 1e-6, or from `e^iθ'`, k' = k: a level that nearly vanishes is none to keep.
+    /// So frequencies in Hz and decays in 1/s stay, and the level of the resonance. It holds for every root: a real one below 0 is a pair at half
+    /// the table's rate, and stands at that frequency at any other rate too. At the table's own rate nothing changes. `index` is for the message.
+    ///
+    /// # Errors
+    /// [`BiquadError`]: what [`Biquad::check`] refuses, and [`BiquadError::BeyondNyquist`].
+    pub fn from_roots_at(
+        index: usize,
+        (pole, zero, gain): (Root, Root, f64),
+        rate_hz: f64,
+        rate: SampleRate,
+    ) -> Result<Self, BiquadError> {
+        let given = Self::from_roots(pole, zero, gain);
+        given.check(index)?;
+        let ratio = rate_hz / rate.hz();
+        if ratio == 1.0 {
+            return Ok(given);
+        }
+        check_angle(index, pole, ratio)?;
+        let [new_pole, new_zero] = [pole, zero].map(|root| raised(root, ratio));
+        let (before, after) = (distances(zero, angle(pole)), distances(new_zero, angle(new_pole)));
+        let of_poles = distances(new_pole, angle(new_pole)) / distances(pole, angle(pole));
+        let same = if before < VANISHING || after < VANISHING { 1.0 } else { before / after * of_poles };
+        Ok(Self::from_roots(new_pole, new_zero, gain * same))
+    }
+
+    /// The biquad for `rate` of one of any numerator given at `rate_hz`: the law of [`from_roots_at`](Self::from_roots_at) for poles and pairs of
+    /// zeros. Zeros that are real and differ, which a mode may have and a table has not, keep their signs.
     ///
     /// An impulse-invariant mode comes out within 0.1 dB of the mode derived for that rate, near its resonance. `index` is for the message.
     ///
@@ -21,61 +59,69 @@ impl Biquad {
         if ratio == 1.0 {
             return Ok(*self);
         }
-        let angle = angle(self.pole) * ratio;
-        if !(0.0..=core::f64::consts::PI * TOLERANCE).contains(&angle) {
-            return Err(BiquadError::BeyondNyquist { biquad: index, angle: angle / core::f64::consts::PI });
-        }
-        let pole = carried(self.pole, ratio);
+        check_angle(index, self.pole, ratio)?;
+        let pole = raised(self.pole, ratio);
         let numerator = match (self.roots(), self.numerator) {
-            (Some((gain, zeros)), _) => {
-                let [one, other] = zeros.map(|zero| carried(zero, ratio));
-                if one.imaginary != 0.0 {
-                    [gain, -2.0 * gain * one.real, gain * one.square()]
-                } else {
-                    [gain, -gain * (one.real + other.real), gain * one.real * other.real]
-                }
+            (Some((gain, [one, other])), _) if one.imaginary == 0.0 && one.real != other.real => {
+                let [one, other] = [one.real, other.real].map(|real| raised_real(real, ratio));
+                [gain, -gain * (one + other), gain * one * other]
             }
+            (Some((gain, [zero, _])), _) => Self::from_roots(pole, raised(zero, ratio), gain).numerator,
             // A delay and one zero, or only a delay.
-            (None, [_, b1, b2]) if b1 != 0.0 => {
-                [0.0, b1, -b1 * carried(Root { real: -b2 / b1, imaginary: 0.0 }, ratio).real]
-            }
+            (None, [_, b1, b2]) if b1 != 0.0 => [0.0, b1, -b1 * raised_real(-b2 / b1, ratio)],
             (None, numerator) => numerator,
         };
-        let given = magnitude(self.pole, self.numerator);
-        let got = magnitude(pole, numerator);
-        let gain = if got > 0.0 { given / got } else { 1.0 };
+        let level = |pole: Root, numerator| size(numerator, angle(pole)) / distances(pole, angle(pole));
+        let (before, after) = (level(self.pole, self.numerator), level(pole, numerator));
+        let gain = if after > 0.0 { before / after } else { 1.0 };
         Ok(Self { pole, numerator: numerator.map(|b| b * gain) })
     }
 }
 
+/// Refuses a pole that would stand beyond half the rate.
+fn check_angle(biquad: usize, pole: Root, ratio: f64) -> Result<(), BiquadError> {
+    let half_turns = angle(pole) * ratio / PI;
+    if half_turns > TOLERANCE { Err(BiquadError::BeyondNyquist { biquad, angle: half_turns }) } else { Ok(()) }
+}
+
+/// From 0 to π.
 fn angle(root: Root) -> f64 {
     libm::atan2(root.imaginary.abs(), root.real)
 }
 
-/// `root^ratio`, its angle at most half a turn; a negative one stays negative.
-fn carried(root: Root, ratio: f64) -> Root {
-    let radius = libm::sqrt(root.square());
-    // Near 1 the gap is what matters, and `ln(1 - gap)` is exact.
-    let radius = if radius > 0.0 { libm::exp(ratio * libm::log(radius)) } else { 0.0 };
+/// `root^ratio`, its angle at most half a turn.
+fn raised(root: Root, ratio: f64) -> Root {
     let turned = angle(root) * ratio;
-    if turned >= core::f64::consts::PI || (root.imaginary == 0.0 && root.real < 0.0) {
-        Root { real: -radius, imaginary: 0.0 }
-    } else {
-        Root::polar(radius, turned)
-    }
+    let radius = power(libm::sqrt(root.square()), ratio);
+    if turned >= PI { Root { real: -radius, imaginary: 0.0 } } else { Root::polar(radius, turned) }
 }
 
-/// |H| on the circle at the pole's angle.
-fn magnitude(pole: Root, [b0, b1, b2]: [f64; 3]) -> f64 {
-    let theta = angle(pole);
-    let at = |[c0, c1, c2]: [f64; 3]| {
-        libm::hypot(
-            c0 + c1 * libm::cos(theta) + c2 * libm::cos(2.0 * theta),
-            c1 * libm::sin(theta) + c2 * libm::sin(2.0 * theta),
-        )
+/// The size of a real number to the power of `ratio`, with its sign.
+fn raised_real(real: f64, ratio: f64) -> f64 {
+    libm::copysign(power(real.abs(), ratio), real)
+}
+
+fn power(radius: f64, ratio: f64) -> f64 {
+    if radius > 0.0 { libm::exp(ratio * libm::log(radius)) } else { 0.0 }
+}
+
+/// `|1 - r e^{i(α-θ)}| |1 - r e^{i(α+θ)}|` of a pair of roots `r e^{±iα}` seen from the circle at the angle θ.
+///
+/// From the distances themselves: near the circle the sum of a polynomial's terms has lost their digits.
+fn distances(root: Root, theta: f64) -> f64 {
+    let (radius, alpha) = (libm::sqrt(root.square()), angle(root));
+    let distance = |between: f64| {
+        // |1 - r e^{iβ}|² = (1 - r)² + 4 r sin²(β/2).
+        let sine = libm::sin(between / 2.0);
+        libm::sqrt((1.0 - radius) * (1.0 - radius) + 4.0 * radius * sine * sine)
     };
-    // The denominator from its factors: near the circle the sum of its terms has lost their digits.
-    let radius = libm::sqrt(pole.square());
-    let other = libm::hypot(libm::cos(theta) - radius * libm::cos(theta), libm::sin(theta) + radius * libm::sin(theta));
-    at([b0, b1, b2]) / ((1.0 - radius) * other)
+    distance(alpha - theta) * distance(alpha + theta)
+}
+
+/// `|b0 + b1 z⁻¹ + b2 z⁻²|` on the circle.
+fn size([b0, b1, b2]: [f64; 3], theta: f64) -> f64 {
+    libm::hypot(
+        b0 + b1 * libm::cos(theta) + b2 * libm::cos(2.0 * theta),
+        b1 * libm::sin(theta) + b2 * libm::sin(2.0 * theta),
+    )
 }

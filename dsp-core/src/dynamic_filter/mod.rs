@@ -20,6 +20,7 @@
 
 pub mod error;
 pub mod kernel;
+pub mod level;
 pub mod limits;
 pub mod noise;
 pub mod object;

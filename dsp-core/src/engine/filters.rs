@@ -40,8 +40,8 @@ pub trait FilterRoom {
     /// What filters that sound take.
     fn sounding_cycles(&self) -> u32;
 
-    /// A hand that comes to a pad, and leaves so much of the amplitude after a frame, or goes.
-    fn set_choked(&mut self, pad: u8, per_frame: Option<f64>);
+    /// A hand that comes to a pad at a frame of the tick, to let the sound fall by so many nepers a frame, or goes.
+    fn set_choked(&mut self, pad: u8, frame: usize, nepers: Option<f64>);
 
     /// Adds a pad's filters to its bus: see [`PadFilters::render`].
     fn render(
@@ -117,7 +117,7 @@ impl FilterRoom for NoFilters {
     }
 
     #[inline(always)]
-    fn set_choked(&mut self, _: u8, _: Option<f64>) {}
+    fn set_choked(&mut self, _: u8, _: usize, _: Option<f64>) {}
 
     #[inline(always)]
     fn render(&mut self, _: u8, _: usize, _: Option<&[i32]>, _: Option<&mut [i32]>, _: &mut [i32]) -> FilterWork {
@@ -209,7 +209,7 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
                 }
             }
             if let Some(biquads) = biquads {
-                match filters.load_biquads(&biquads, rate, reference_force) {
+                match filters.load_biquads(&biquads, rate, reference_force, pad.choke_t60_s()) {
                     Err(error) => fitting.leave_out(LoadError::Biquads { pad: number, error })?,
                     Ok(()) => match fitting.afford(Stage::Biquads(number), filters.dearest_of_biquads()) {
                         Some(cycles) => biquad_cycles = cycles,
@@ -291,9 +291,9 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
         parts.map(|(sounds, cycles)| if sounds { cycles } else { 0 }).sum()
     }
 
-    fn set_choked(&mut self, pad: u8, per_frame: Option<f64>) {
+    fn set_choked(&mut self, pad: u8, frame: usize, nepers: Option<f64>) {
         if let Some(filters) = self.of_mut(pad) {
-            filters.set_choked(per_frame);
+            filters.set_choked(frame, nepers);
         }
     }
 
@@ -408,8 +408,9 @@ impl<
         if !self.filtered || !self.filters.has(pad) {
             return;
         }
-        let per_frame = libm::exp(-core::f64::consts::LN_10 * 3.0 / (f64::from(t60_s) * self.rate().hz()));
-        self.filters.set_choked(pad, (action == Action::Choke && t60_s > 0.0).then_some(per_frame));
+        let frame = (self.now % TICK_FRAMES as u64) as usize;
+        let nepers = (action == Action::Choke && t60_s > 0.0).then(|| crate::pad::nepers(t60_s, self.rate()));
+        self.filters.set_choked(pad, frame, nepers);
     }
 
     /// Cycles of the filters that sound, in this tick.

@@ -174,7 +174,10 @@ impl<
             let bands = (residual.bands().count(), highest_hz);
             let Some(place) = next_place(&mut free, own, bands, (capacity, rate), fitting)? else { continue };
             let noise = Sfc32::new(residual.seed(), u32::from(number));
-            place.shaper.load(residual.bands(), rate, noise, SILENCE / place.panner.loudest());
+            let choke_t60_s = f64::from(pad.choke_t60_s());
+            let hand_db_per_s = if choke_t60_s > 0.0 { 60.0 / choke_t60_s } else { 0.0 };
+            let silence = SILENCE / place.panner.loudest();
+            place.shaper.load_choked(residual.bands(), rate, noise, silence, hand_db_per_s);
         }
         Ok(())
     }
@@ -193,11 +196,9 @@ impl<
 
     /// A hand that comes to a pad or goes; `t60_s` is what it imposes, 0 where it imposes nothing.
     pub(super) fn choke_noise(&mut self, pad: u8, action: Action, t60_s: f32) {
-        let rate_hz = self.rate().hz();
+        let offset = (self.now % TICK_FRAMES as u64) as usize;
         for place in self.residuals.places_mut().iter_mut().filter(|place| place.owner == Owner::Pad(pad)) {
-            let per_frame = libm::exp(-core::f64::consts::LN_10 * 3.0 / (f64::from(t60_s) * rate_hz)) as f32;
-            let is_choked = action == Action::Choke && t60_s > 0.0;
-            place.shaper.set_choked(is_choked.then_some(per_frame));
+            place.shaper.set_choked(action == Action::Choke && t60_s > 0.0, offset);
         }
     }
 

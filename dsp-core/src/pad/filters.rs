@@ -1,17 +1,19 @@
 //! What a pad has beside its banks: a dynamic filter with its loops, and biquads.
 //!
 //! ```text
-//! F ──► biquads ───────────────────────────────────────────────┐
-//!  └──► object bank ─┬─ "beside" ──────────────────────────────┤
-//!                    └─ "through" ─► dynamic filter ─► loops ──┴─► hand ─► the pad's bus
+//! F ──► biquads ────────────────────────────────────────────────────────┐
+//!  └──► object bank ─┬─ "beside" ───────────────────────────────────────┤
+//!                    └─ "through" ─► dynamic filter ─► loops ─► hand ───┴─► the pad's bus
 //! strike ──────────────► its noise ──────┘
 //! ```
 //!
-//! A hand on the pad lets the sound of both fall by the pad's T60 ([`Hand`]); the object's bank damps its modes by itself.
+//! A hand on the pad lets the sound of each fall by the pad's T60 where it falls slower by itself: the biquads' chains by poles of their own
+//! ([`biquad::Bank::set_choked`]), the dynamic filter by a gain ([`Hand`]) for which its path says how it falls ([`Levels`]). The object's bank damps its modes by itself.
 
 use super::hand::Hand;
 use crate::SampleRate;
 use crate::biquad::{self, Biquad, BiquadError, Root, TickKind};
+use crate::dynamic_filter::level::Levels;
 use crate::dynamic_filter::{Breakpoint, DynamicFilter, DynamicFilterError, Exciter, Settings};
 use crate::fixed;
 use crate::resonator::TICK_FRAMES;
@@ -30,6 +32,9 @@ pub struct PadFilters<const POINTS: usize, const LOOPS: usize, const FRAMES: usi
     /// The filter runs louder by so many bits, its noise, modes and loops softer: [`louder_bits`].
     louder: u32,
     hand: Hand,
+    /// How the dynamic filter's sound falls by itself, and frames since its path began.
+    levels: Levels<POINTS>,
+    since: u32,
     /// Whether the biquads do not hear the force of the last strike, and whether they have not rung since they did.
     deaf: bool,
     struck: bool,
@@ -59,6 +64,8 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         loop_count: 0,
         louder: 0,
         hand: Hand::AWAY,
+        levels: Levels::NONE,
+        since: PAST,
         deaf: false,
         struck: false,
         frame: 0,
@@ -68,7 +75,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
     pub fn unload(&mut self) {
         self.unload_dynamic();
         self.unload_biquads();
-        (self.hand, self.frame) = (Hand::AWAY, 0);
+        (self.hand, self.frame, self.since) = (Hand::AWAY, 0, PAST);
     }
 
     /// Derives the dynamic filter for a rate. `stream` tells noises of one seed apart, `peak` is the pad's hardest strike: peak force over the
@@ -91,21 +98,24 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
             let factor = libm::pow(louder, exponent);
             Exciter { low_hz: f64::from(band.low_hz) * factor, high_hz: f64::from(band.high_hz) * factor, exponent }
         });
+        let path = filter.path().iter().zip(filter.levels()).map(|(record, noise)| breakpoint(record, noise, louder));
         let settings = Settings {
             seed: filter.seed(),
             rate_hz: f64::from(filter.rate_hz()),
             order: filter.order(),
             modes_through: filter.takes_modes(),
             exciter,
-            path: filter.path().iter().zip(filter.levels()).map(|(record, noise)| breakpoint(record, noise, louder)),
+            path: path.clone(),
             loops: filter.loops().iter().map(|record| band(record, louder)),
         };
         self.dynamic.load(settings, rate, stream)?;
+        let at = (rate, rate.hz() / f64::from(filter.rate_hz()));
+        self.levels.load(filter.order(), path, at, !filter.loops().is_empty());
         (self.has_dynamic, self.loop_count) = (true, filter.loops().len() as u32); // at most 16
         Ok(())
     }
 
-    /// Derives the biquads for a rate; `reference_force` is what 1.0 of force stands for, in newtons.
+    /// Derives the biquads for a rate; `reference_force` is what 1.0 of force stands for, in newtons, `choke_t60_s` what a hand imposes, 0 where none can.
     ///
     /// # Errors
     /// [`BiquadError`].
@@ -114,15 +124,17 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         bank: &table::Biquads<'_>,
         rate: SampleRate,
         reference_force: f32,
+        choke_t60_s: f32,
     ) -> Result<(), BiquadError> {
         let depth = bank.depth().max(1);
         let rate_hz = f64::from(bank.rate_hz());
         let biquads = bank.records().iter().enumerate().map(|(index, record)| {
             // The force in newtons goes into the first of each chain.
             let newtons = if index.is_multiple_of(depth) { f64::from(reference_force) } else { 1.0 };
-            section(record, newtons).carried(index, rate_hz, rate)
+            Biquad::from_roots_at(index, roots(record, newtons), rate_hz, rate)
         });
-        self.biquads.load_each(biquads, depth)
+        let hand = if choke_t60_s > 0.0 { libm::exp(-nepers(choke_t60_s, rate)) } else { 1.0 };
+        self.biquads.load_each(biquads, depth, hand)
     }
 
     /// Leaves the biquads alone.
@@ -149,7 +161,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
     /// Whether a force makes it sound.
     #[inline(always)]
     pub fn takes_force(&self) -> bool {
-        self.has_biquads() && !self.deaf && !self.hand.is_mute()
+        self.has_biquads() && !self.deaf
     }
 
     /// Whether the object's modes go through it instead of to the output.
@@ -158,10 +170,10 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         self.has_dynamic && self.dynamic.takes_modes()
     }
 
-    /// Whether anything sounds, or a hand is about to end it: otherwise it need not be rendered without force and modes.
+    /// Whether anything sounds: otherwise it need not be rendered without force and modes.
     #[inline(always)]
     pub fn is_ringing(&self) -> bool {
-        self.dynamic.is_ringing() || self.biquads.is_ringing() || self.hand.is_fading()
+        self.dynamic.is_ringing() || self.biquads.is_ringing()
     }
 
     /// Begins a strike at a frame of the tick; `level` is its peak force over the reference force.
@@ -172,6 +184,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         self.lift();
         if self.has_dynamic && dynamic {
             self.dynamic.strike(level / (1u32 << self.louder) as f32);
+            self.since = 0;
         }
         (self.deaf, self.struck) = (!biquads, biquads);
     }
@@ -186,19 +199,20 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         [self.dynamic.is_ringing(), self.biquads.is_ringing() || self.struck]
     }
 
-    /// A hand that comes, and leaves so much of the amplitude after a frame, or goes.
-    pub fn set_choked(&mut self, per_frame: Option<f64>) {
-        if per_frame.is_none() {
+    /// A hand that comes, to let the sound fall by so many nepers a frame, or goes.
+    pub fn set_choked(&mut self, frame: usize, nepers: Option<f64>) {
+        self.align(frame);
+        if nepers.is_none() {
             self.lift();
         }
-        self.hand.set(per_frame);
+        self.hand.set(nepers);
+        self.biquads.set_choked(nepers.is_some());
     }
 
     /// What rings is what the hand has left of it, and the hand begins anew.
     fn lift(&mut self) {
         if let Some(left) = self.hand.lift() {
             self.dynamic.attenuate(left);
-            self.biquads.attenuate(left);
         }
     }
 
@@ -212,26 +226,6 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         out: &mut [i32],
     ) -> FilterWork {
         self.align(frame);
-        self.frame = (frame + out.len()) % TICK_FRAMES;
-        if self.hand.is_away() {
-            return self.add(force, modes, out);
-        }
-        let mut sound = [0; TICK_FRAMES];
-        let Some(sound) = sound.get_mut(..out.len()) else { return FilterWork::default() };
-        let work = self.add(force, modes, sound);
-        self.hand.fade(sound);
-        if self.frame == 0 {
-            self.hand.settle();
-        }
-        if self.hand.is_mute() {
-            self.dynamic.rest();
-            self.biquads.rest();
-        }
-        out.iter_mut().zip(&*sound).for_each(|(out, &x)| *out = fixed::qadd(*out, x));
-        work
-    }
-
-    fn add(&mut self, force: Option<&[i32]>, modes: Option<&mut [i32]>, out: &mut [i32]) -> FilterWork {
         let (mut work, frames) = (FilterWork::default(), out.len() as u32);
         if self.has_biquads() {
             let force = force.filter(|_| !self.deaf);
@@ -244,16 +238,73 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         let modes = modes.filter(|_| self.takes_modes());
         if modes.is_some() || self.dynamic.is_ringing() {
             (work.filter_frames, work.loop_frames) = (frames, frames * self.loop_count);
-            let modes = modes.map(|modes| {
-                let half = (1 << self.louder) >> 1;
-                modes.iter_mut().for_each(|mode| *mode = mode.saturating_add(half) >> self.louder);
-                &*modes
-            });
+        }
+        let modes = modes.map(|modes| {
+            let half = (1 << self.louder) >> 1;
+            modes.iter_mut().for_each(|mode| *mode = mode.saturating_add(half) >> self.louder);
+            modes
+        });
+        if self.hand.is_away() {
+            self.add_dynamic(modes.as_deref(), out);
+        } else {
+            self.add_under_hand(modes, out);
+        }
+        self.since = self.since.saturating_add(frames).min(PAST);
+        self.frame = (self.frame + out.len()) % TICK_FRAMES;
+        if self.frame == 0 && self.hand.settle() {
+            self.dynamic.rest();
+            self.since = PAST;
+        }
+        work
+    }
+
+    fn add_dynamic(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
+        if modes.is_some() || self.dynamic.is_ringing() {
             self.dynamic.render(modes, out);
         } else {
             self.dynamic.pass(out.len());
         }
-        work
+    }
+
+    /// From tick to tick, strike to strike and breakpoint to breakpoint the hand takes one share a frame: a caller's blocks change nothing.
+    #[inline(never)]
+    fn add_under_hand(&mut self, mut modes: Option<&mut [i32]>, out: &mut [i32]) {
+        let (mut sound, mut since, mut frame) = ([0; TICK_FRAMES], self.since, self.frame);
+        let Some(mut rest) = sound.get_mut(..out.len()) else { return };
+        while !rest.is_empty() {
+            let mut frames = rest.len();
+            // Silence, up to the first mode that sounds.
+            let given = modes.as_deref().unwrap_or(&[]);
+            let waits = if self.dynamic.is_ringing() {
+                0
+            } else {
+                given.iter().position(|&mode| mode != 0).unwrap_or(frames).min(frames)
+            };
+            if waits > 0 {
+                self.hand.rest();
+                frames = waits;
+            } else {
+                if self.hand.frames() == 0 {
+                    let (frames, falls) = self.levels.falls(since, (TICK_FRAMES - frame) as u32);
+                    self.hand.expect(frames, falls);
+                }
+                frames = frames.min(self.hand.frames() as usize);
+            }
+            let Some((now, later)) = core::mem::take(&mut rest).split_at_mut_checked(frames) else { return };
+            let given = modes.take().and_then(|given| given.split_at_mut_checked(frames)).map(|(given, more)| {
+                modes = Some(more);
+                if waits == 0 {
+                    self.hand.raise(given);
+                }
+                &*given
+            });
+            self.add_dynamic(given, now);
+            if waits == 0 {
+                self.hand.fade(now);
+            }
+            (rest, since, frame) = (later, since.saturating_add(frames as u32).min(PAST), (frame + frames) % TICK_FRAMES);
+        }
+        out.iter_mut().zip(&sound).for_each(|(out, &x)| *out = fixed::qadd(*out, x));
     }
 
     /// Both count ticks, and are not asked while they are silent.
@@ -264,6 +315,12 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
             self.biquads.render(None, [0; TICK_FRAMES].get_mut(..passed).unwrap_or(&mut []));
         }
         self.frame = frame;
+    }
+
+    /// Nominal cycles that a hand adds to its tick, which comes or goes.
+    pub fn cycles_of_hand(&self) -> u32 {
+        let biquads = if self.biquads.is_ringing() { self.biquads.cycles(TickKind::Struck) } else { 0 };
+        biquads + if self.hand.is_away() { 0 } else { self.dynamic.cycles_a_tick() / 2 }
     }
 
     /// Nominal cycles of a tick in which it sounds, or of one in which it is struck.
@@ -281,6 +338,14 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
     pub fn dearest_of_biquads(&self) -> u32 {
         self.biquads.cycles(TickKind::Struck)
     }
+}
+
+/// Frames long after any path.
+const PAST: u32 = u32::MAX / 2;
+
+/// What a hand of a T60 wants the sound to fall by in a frame, in nepers.
+pub(crate) fn nepers(t60_s: f32, rate: SampleRate) -> f64 {
+    core::f64::consts::LN_10 * 3.0 / (f64::from(t60_s) * rate.hz())
 }
 
 /// The filter's noise is at most 1.0. Where a strike may be harder than the reference force, the filter is made louder by a power of two and what goes in softer.
@@ -312,10 +377,10 @@ fn band(record: &LoopRecord, louder: f64) -> Loop {
     }
 }
 
-/// A record's biquad, its gain times another one.
-fn section(record: &BiquadRecord, gain: f64) -> Biquad {
+/// A record's pole, zero, and gain times another one.
+fn roots(record: &BiquadRecord, gain: f64) -> (Root, Root, f64) {
     let root = |real: f32, imaginary: f32| Root { real: f64::from(real), imaginary: f64::from(imaginary) };
     let pole = root(record.pole_re.get(), record.pole_im.get());
     let zero = root(record.zero_re.get(), record.zero_im.get());
-    Biquad::from_roots(pole, zero, f64::from(record.gain.get()) * gain)
+    (pole, zero, f64::from(record.gain.get()) * gain)
 }

@@ -14,6 +14,7 @@ mod hand;
 mod render;
 mod tables;
 
+pub(crate) use filters::nepers;
 pub use filters::{FilterWork, PadFilters};
 pub use hand::Hand;
 pub use tables::PadTables;

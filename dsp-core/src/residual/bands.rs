@@ -61,8 +61,10 @@ pub(super) const WAITING: usize = 7;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Passage {
     pub(super) ticks: u32,
-    /// What chokes have left of the energy.
-    pub(super) kept: f32,
+    /// Over how many of them, and of those that were reckoned wrongly before, a hand lies on the object; below 0 where it was expected in vain.
+    pub(super) choked_ticks: f32,
+    /// Whether the hand lies there at the frame's beginning, as far as is known.
+    pub(super) is_choked: bool,
     /// Energy of strikes, by its distance before the frame.
     pub(super) waiting: [f32; WAITING],
     /// Whether it is that before the frame for whose beginning the energies stand: of strikes that came too late for it.
@@ -71,7 +73,13 @@ pub(super) struct Passage {
 
 impl Passage {
     /// From one frame to the next.
-    pub(super) const NEXT: Self = Self { ticks: FRAME_TICKS, kept: 1.0, waiting: [0.0; WAITING], is_late: false };
+    pub(super) const NEXT: Self = Self {
+        ticks: FRAME_TICKS,
+        choked_ticks: 0.0,
+        is_choked: false,
+        waiting: [0.0; WAITING],
+        is_late: false,
+    };
 
     /// Whether a strike adds to the energies.
     pub(super) fn is_struck(&self) -> bool {
@@ -99,6 +107,10 @@ pub(super) struct Common {
     pub(super) power: f32,
     /// Share of the power that is left after a quarter of the frame.
     pub(super) quarter: f32,
+    /// The same without a hand and with one.
+    quarters: [f32; 2],
+    /// Share of the energy that the hand leaves of a band after an eighth of the frame, at most; 1 without one.
+    pub(super) eighth: f32,
     /// Energy of the window under the common decay, times the zeroth, first and second power of the tilt: see [`Common::of`].
     pub(super) moments: [f32; 3],
     /// Whether the frame is a strike's own, which has no tilts: it may be read from anywhere.
@@ -106,20 +118,31 @@ pub(super) struct Common {
 }
 
 impl Common {
-    pub(super) const NONE: Self = Self { power: 0.0, quarter: 1.0, moments: [1.0, 0.0, 0.0], is_onset: false };
+    pub(super) const NONE: Self = Self {
+        power: 0.0,
+        quarter: 1.0,
+        quarters: [1.0; 2],
+        eighth: 1.0,
+        moments: [1.0, 0.0, 0.0],
+        is_onset: false,
+    };
 
-    /// Of a power at a frame's beginning, and what is left of it after a quarter.
+    /// Of a power at a frame's beginning, what is left of it after a quarter without a hand and with one, and what the hand leaves after an eighth, if it
+    /// lies there.
     ///
     /// The window's squares at the eighths of a frame are 0, 1/2, 1, 1, 1, 1, 1, 1/2; a tilt is `1 + c sin 2πt`, t from 0 to 1 over the frame.
-    pub(super) fn of(power: f32, left: f32) -> Self {
-        let quarter = mean(left, power);
+    pub(super) fn of(power: f32, left: [f32; 2], hand: Option<f32>) -> Self {
+        let quarters = left.map(|left| mean(left, power));
+        let [free, choked] = quarters;
+        let quarter = if hand.is_some() { choked } else { free };
         let e = square_root(quarter);
         let (e2, e4) = (quarter, quarter * quarter);
         let (e3, e6) = (e * e2, e4 * e2);
         let (early, late) = (e * (1.0 + e2), e4 * e * (1.0 + e2));
         let first = core::f32::consts::FRAC_1_SQRT_2 * (0.5 * e + e3 - e4 * e - 0.5 * e6 * e) + e2 - e6;
         let second = 0.5 * (early - 0.5 * e + late - 0.5 * e6 * e) + e2 + e6;
-        Self { power, quarter, moments: [under_window(e), first, second], is_onset: false }
+        let moments = [under_window(e), first, second];
+        Self { power, quarter, quarters, eighth: hand.unwrap_or(1.0), moments, is_onset: false }
     }
 
     /// The same for a strike's own frame, whose window leaves so much energy, in ticks.
@@ -129,13 +152,24 @@ impl Common {
 
     /// Energy of a band in the frame, per (cycle/sample), in the window's units.
     pub(super) fn energy_of(&self, band: &Band) -> f32 {
-        if self.is_onset { band.in_onset } else { band.density * under_window(band.per_eighth) }
+        if self.is_onset { band.in_onset } else { band.density * under_window(least(band.per_eighth, self.eighth)) }
     }
 
-    /// Share of the amplitude that is left after a sample.
-    pub(super) fn per_frame(&self) -> f32 {
+    /// Share of the amplitude that is left after a sample, without a hand and with one.
+    pub(super) fn per_frame(&self) -> [f32; 2] {
         // A quarter has 256 samples; the amplitude is the root of the power.
-        (0..9).fold(self.quarter, |share, _| exact_root(share)).min(1.0)
+        self.quarters.map(|quarter| (0..9).fold(quarter, |share, _| exact_root(share)).min(1.0))
+    }
+
+    /// What of the amplitude is left at the frame's beginning where a hand lay there for so many ticks more than was reckoned with, or fewer.
+    pub(super) fn kept(&self, choked_ticks: f32) -> f32 {
+        let [free, choked] = self.quarters;
+        if choked_ticks == 0.0 || choked >= free {
+            return 1.0;
+        }
+        // A quarter has eight ticks.
+        let per_tick = (0..3).fold(choked / free, |share, _| exact_root(share));
+        square_root(choke(per_tick, choked_ticks))
     }
 }
 
@@ -155,14 +189,18 @@ pub(super) struct Bands {
     lower: f32,
     /// Power of a strike at the reference force.
     strike_power: f32,
+    /// Share of the energy that a hand leaves at most, after a tick and after an eighth of a frame.
+    hand: [f32; 2],
 }
 
 impl Bands {
-    pub(super) const NONE: Self = Self { bands: [Band::NONE; MAX_BANDS], count: 0, lower: 0.0, strike_power: 0.0 };
+    pub(super) const NONE: Self = Self { bands: [Band::NONE; MAX_BANDS], count: 0, lower: 0.0, strike_power: 0.0, hand: [1.0; 2] };
 
-    /// Derives the bands for a rate; those beyond `MAX_BANDS` are left out.
-    pub(super) fn new(laws: impl Iterator<Item = BandLaw>, rate: SampleRate) -> Self {
+    /// Derives the bands for a rate; those beyond `MAX_BANDS` are left out. `hand_db_per_s` is what a hand makes them fall by at least, 0 where none can.
+    pub(super) fn new(laws: impl Iterator<Item = BandLaw>, hand_db_per_s: f64, rate: SampleRate) -> Self {
         let mut new = Self::NONE;
+        let hand_bits = -hand_db_per_s * (TICK_FRAMES as f64 / rate.hz()) * (core::f64::consts::LOG2_10 / 10.0);
+        new.hand = [1.0, f64::from(EIGHTH_TICKS)].map(|ticks| exponential::power_of_two(hand_bits * ticks) as f32);
         for (law, band) in laws.zip(&mut new.bands) {
             let [lower, upper] = law.edges_hz.map(|edge| f64::from(edge) / rate.hz());
             if new.count == 0 {
@@ -196,6 +234,12 @@ impl Bands {
         self.strike_power
     }
 
+    /// Share of the energy that a hand leaves at most after an eighth of a frame.
+    pub(super) fn hand_eighth(&self) -> f32 {
+        let [_, eighth] = self.hand;
+        eighth
+    }
+
     /// The lowest band's lower edge, cycles/sample.
     pub(super) fn lower(&self) -> f32 {
         self.lower
@@ -211,12 +255,14 @@ impl Bands {
         self.bands.iter_mut().take(self.count).for_each(|band| band.density = 0.0);
     }
 
-    /// Brings the energies of some bands up to a frame's beginning; gives their power there, and what is left of it after a quarter of the frame.
+    /// Brings the energies of some bands up to a frame's beginning; gives their power there, and what is left of it after a quarter of the frame
+    /// without a hand and with one.
     #[inline(never)]
-    pub(super) fn advance(&mut self, bands: core::ops::Range<usize>, passage: &Passage) -> (f32, f32) {
+    pub(super) fn advance(&mut self, bands: core::ops::Range<usize>, passage: &Passage) -> (f32, [f32; 2]) {
         let below = bands.start.checked_sub(1).and_then(|below| self.bands.get(below));
         let mut lower = below.map_or(self.lower, |band| band.upper);
-        let (mut power, mut left) = (0.0, 0.0);
+        let (mut power, mut left) = (0.0, [0.0; 2]);
+        let [hand_tick, hand_eighth] = self.hand;
         let [e0, e1, e2, e3, e4, e5, e6] = passage.waiting;
         let is_next = passage.ticks == FRAME_TICKS;
         let is_struck = passage.is_struck();
@@ -225,11 +271,15 @@ impl Bands {
             let square = e * e;
             let share = square * square * square;
             let mut density = band.density;
+            let choked = least(e, hand_eighth);
+            if passage.choked_ticks != 0.0 && density > 0.0 && choked < e {
+                density *= choke(hand_tick / band.per_tick, passage.choked_ticks);
+            }
             if is_next && !is_struck {
                 density *= share;
             } else {
-                density *= passage.kept;
-                let waiting = e0 + e * (e1 + e * (e2 + e * (e3 + e * (e4 + e * (e5 + e * e6)))));
+                let w = if passage.is_choked { choked } else { e };
+                let waiting = e0 + w * (e1 + w * (e2 + w * (e3 + w * (e4 + w * (e5 + w * e6)))));
                 let struck = band.strike * waiting;
                 if passage.is_late {
                     density = (density + struck) * share;
@@ -244,10 +294,26 @@ impl Bands {
             let energy = band.density * (band.upper - lower);
             lower = band.upper;
             power += energy;
-            left += energy * square;
+            left = [left[0] + energy * square, left[1] + energy * choked * choked];
         }
         (power, left)
     }
+}
+
+/// The smaller one: in a compare and a move, which the library's is not.
+#[inline(always)]
+pub(super) fn least(x: f32, y: f32) -> f32 {
+    if x < y { x } else { y }
+}
+
+/// A share of energy to the power of a number of ticks, which may have a fraction (on a line between whole ones) or be below 0.
+fn choke(per_tick: f32, ticks: f32) -> f32 {
+    let size = ticks.abs();
+    let whole = size as u32;
+    let part = size - whole as f32;
+    let left = power_of(per_tick, whole) * (1.0 - part + part * per_tick);
+    // What has fallen so far comes back no more.
+    if ticks < 0.0 { 1.0 / left.max(1e-20) } else { left }
 }
 
 /// Density that is no sound, long before denormals.

@@ -23,8 +23,8 @@ pub(super) struct Job {
     step: Step,
     /// Cycles that are left to do, about.
     left: u32,
-    /// Power of the bands that are up to date, and what is left of it after a quarter of the frame.
-    sum: (f32, f32),
+    /// Power of the bands that are up to date, and what is left of it after a quarter of the frame, without a hand and with one.
+    sum: (f32, [f32; 2]),
     common: Common,
     /// Energy of strikes that came too late for it, at its beginning; and by its distance before that.
     late: f32,
@@ -43,7 +43,7 @@ impl Job {
             passage,
             step: Step::Bands(0),
             left: Self::cycles(bands, is_struck),
-            sum: (0.0, 0.0),
+            sum: (0.0, [0.0; 2]),
             common: Common::NONE,
             late: 0.0,
             missed: Passage { is_late: true, ..Passage::NEXT },
@@ -81,7 +81,7 @@ impl Job {
         true
     }
 
-    /// Whether it has been found to be below a power at its beginning, where chokes have left `kept` of its amplitude.
+    /// Whether it has been found to be below a power at its beginning, where a hand has left `kept` of its amplitude.
     pub(super) fn is_below(&self, power: f32, kept: f32) -> bool {
         !matches!(self.step, Step::Bands(_)) && (self.common.power + self.late) * kept * kept < power
     }
@@ -100,12 +100,14 @@ impl Job {
                 Step::Bands(from) => {
                     let to = bands.count().min(*from + 10);
                     let (power, left) = bands.advance(*from..to, &self.passage);
-                    self.sum = (self.sum.0 + power, self.sum.1 + left);
+                    let (sum, [free, choked]) = self.sum;
+                    self.sum = (sum + power, [free + left[0], choked + left[1]]);
                     let is_struck = self.passage.is_struck();
                     spent += (to - *from) as u32 * (BAND_CYCLES + if is_struck { STRUCK_CYCLES } else { 0 });
                     *from = to;
                     if to == bands.count() {
-                        self.common = Common::of(self.sum.0, self.sum.1);
+                        let hand = self.passage.is_choked.then(|| bands.hand_eighth());
+                        self.common = Common::of(self.sum.0, self.sum.1, hand);
                         self.step = Step::Wave(Making::new(self.region, bands, &self.common));
                     }
                 }
@@ -124,7 +126,12 @@ impl Job {
         self.left
     }
 
-    /// The frame as it sounds. `kept` is what chokes have left of its amplitude.
+    /// What of its amplitude is left where a hand lay there for so many ticks more than it was made for.
+    pub(super) fn kept(&self, choked_ticks: f32) -> f32 {
+        self.common.kept(choked_ticks)
+    }
+
+    /// The frame as it sounds. `kept` is what a hand has left of its amplitude.
     pub(super) fn stream(&self, kept: f32) -> Stream {
         let has_late = self.late > 0.0 && self.common.power > 0.0;
         let growth = if has_late { super::square_root(1.0 + self.late / self.common.power) } else { 1.0 };

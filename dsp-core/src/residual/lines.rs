@@ -6,7 +6,7 @@
 //! Within a frame, a band falls faster or slower than all bands on average. A **tilt** `1 + c sin 2πt` (t from 0 to 1 over the frame) makes up for
 //! that. In frequency it is a line's sum with its two neighbours: cheap, and each band may have its own.
 
-use super::bands::{Bands, Common};
+use super::bands::{Bands, Common, least};
 use super::fourier::Complex;
 use super::square_root::square_root;
 use crate::noise::DEVIATION;
@@ -95,7 +95,7 @@ impl Cursor {
         }
         let mut after = Next::nothing(band + 1, upper);
         if let Some(band) = bands.all().get(band) {
-            let e = band.per_eighth;
+            let e = least(band.per_eighth, common.eighth);
             (after.upper, after.quarter, after.energy) = (band.upper, e * e, common.energy_of(band));
             after.retreats = band.retreats;
         }
@@ -198,10 +198,4 @@ pub(super) fn amplitude_cycles(lines: usize, bands: usize) -> u32 {
 #[inline(always)]
 fn positive(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
-}
-
-/// The smaller one: in a compare and a move, which the library's is not.
-#[inline(always)]
-fn least(x: f32, y: f32) -> f32 {
-    if x < y { x } else { y }
 }

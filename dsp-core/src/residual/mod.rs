@@ -82,11 +82,11 @@ pub struct Shaper {
     /// Ticks since the last frame's beginning.
     ticks_since: u32,
     active: bool,
-    /// What a choke leaves of the amplitude after a frame, and whether it does.
-    choke_per_frame: f32,
+    /// Whether a hand lies on the object.
     choked: bool,
-    /// What chokes have left of the energies' amplitude.
-    kept: f32,
+    /// Ticks for which it has lain there since the time for which the bands' energies stand, and those with which the frame in the making was reckoned.
+    choked_ticks: f32,
+    expected_ticks: f32,
 }
 
 impl Shaper {
@@ -105,16 +105,29 @@ impl Shaper {
         just_struck: false,
         ticks_since: 0,
         active: false,
-        choke_per_frame: 1.0,
         choked: false,
-        kept: 1.0,
+        choked_ticks: 0.0,
+        expected_ticks: 0.0,
     };
 
     /// Derives the stage in place (it is large) for a rate. `silence` is the rms (1.0 = full scale) below which the sound ends, `stream` tells
     /// stages of one seed apart. Bands beyond [`MAX_BANDS`] are left out: a kit's check refuses them.
     pub fn load(&mut self, laws: impl Iterator<Item = BandLaw>, rate: SampleRate, noise: Sfc32, silence: f32) {
+        self.load_choked(laws, rate, noise, silence, 0.0);
+    }
+
+    /// As [`load`](Self::load), with a hand that makes all bands fall by so many dB/s at least while it lies there ([`set_choked`](Self::set_choked)); 0 where there is
+    /// none.
+    pub fn load_choked(
+        &mut self,
+        laws: impl Iterator<Item = BandLaw>,
+        rate: SampleRate,
+        noise: Sfc32,
+        silence: f32,
+        hand_db_per_s: f64,
+    ) {
         self.reset();
-        self.bands = Bands::new(laws, rate);
+        self.bands = Bands::new(laws, hand_db_per_s, rate);
         self.noise = noise;
         self.silence = silence * silence;
         let [wave, ..] = &mut self.waves;
@@ -125,14 +138,14 @@ impl Shaper {
     pub fn reset(&mut self) {
         self.stop();
         (self.bands, self.onset, self.renewal) = (Bands::NONE, Onset::NONE, None);
-        (self.choked, self.choke_per_frame) = (false, 1.0);
+        self.choked = false;
     }
 
     fn stop(&mut self) {
         self.bands.clear();
         (self.streams, self.job) = ([None; 4], None);
         (self.ticks_to_next, self.in_onset, self.just_struck, self.active) = (0, false, false, false);
-        (self.ticks_since, self.kept) = (0, 1.0);
+        (self.ticks_since, self.choked_ticks, self.expected_ticks) = (0, 0.0, 0.0);
     }
 
     /// Whether the table has this stage at all.
@@ -146,10 +159,39 @@ impl Shaper {
         self.active
     }
 
-    /// What a hand on the object leaves of the amplitude after a frame (1.0: nothing is choked), until told otherwise.
-    pub fn set_choked(&mut self, choke_per_frame: Option<f32>) {
-        self.choked = choke_per_frame.is_some();
-        self.choke_per_frame = choke_per_frame.unwrap_or(1.0);
+    /// Lays a hand on the object, or lifts it, at a frame of the tick. While it lies there each band falls at the faster of its own rate and the hand's.
+    ///
+    /// Frames that sound or are nearly made fall at once as a whole, by what is right for all bands together; the next one is right band by band.
+    pub fn set_choked(&mut self, choked: bool, offset: usize) {
+        if choked == self.choked {
+            return;
+        }
+        self.choked = choked;
+        if self.active {
+            // A tick is counted at its end, if the hand lies there then.
+            let part = offset as f32 / TICK_FRAMES as f32;
+            self.choked_ticks += if choked { -part } else { part };
+        }
+    }
+
+    /// Whether a hand lies there, as the index of what is left without one and with one.
+    fn left_of(&self, [free, choked]: [f32; 2]) -> f32 {
+        if self.choked { choked } else { free }
+    }
+
+    /// A frame in the making, in place of none; `ticks` before it begins.
+    fn make(&mut self, passage: Passage, ticks: u32, is_struck: bool) {
+        let to_come = if self.choked { ticks as f32 } else { 0.0 };
+        self.expected_ticks = self.choked_ticks + to_come;
+        let passage = Passage { choked_ticks: self.expected_ticks, is_choked: self.choked, ..passage };
+        let region = self.free_region().unwrap_or(0);
+        self.job = Some(Job::new(region, passage, self.bands.count(), is_struck));
+    }
+
+    /// The bands' energies stand for the beginning of the frame that was in the making: gives the ticks by which a hand lay there longer than was expected.
+    fn settle_choke(&mut self) -> f32 {
+        self.choked_ticks -= core::mem::take(&mut self.expected_ticks);
+        self.choked_ticks
     }
 
     /// Begins the noise of a strike: `strength` is its peak force over the reference force, `offset` the frame within the tick.
@@ -165,9 +207,10 @@ impl Shaper {
         } else {
             self.begin_onset(strength);
         }
+        let onset_per_frame = self.left_of(self.onset.per_frame);
         if let Some(job) = self.job.as_mut() {
             // What of it is left at the frame's beginning, on average over the bands.
-            let left = power_of(self.onset.per_frame, 2 * TICK_FRAMES as u32 * self.ticks_to_next);
+            let left = power_of(onset_per_frame, 2 * TICK_FRAMES as u32 * self.ticks_to_next);
             let ticks = self.ticks_to_next as f32 - offset as f32 / TICK_FRAMES as f32;
             job.add(energy, ticks.max(0.0), energy * left * self.bands.strike_power());
         }
@@ -213,10 +256,10 @@ impl Shaper {
         let is_ahead = self.job.take().is_none_or(|job| job.give_up(&mut self.bands));
         let ticks = self.ticks_since + if is_ahead { 0 } else { FRAME_TICKS };
         (self.in_onset, self.just_struck, self.ticks_to_next) = (true, true, FRAME_TICKS);
-        let passage = Passage { ticks, kept: self.kept * self.kept, ..Passage::NEXT };
-        self.kept = 1.0;
-        let region = self.free_region().unwrap_or(0);
-        self.job = Some(Job::new(region, passage, self.bands.count(), true));
+        if is_ahead {
+            self.settle_choke();
+        }
+        self.make(Passage { ticks, ..Passage::NEXT }, FRAME_TICKS, true);
     }
 
     fn free_region(&self) -> Option<usize> {
@@ -243,7 +286,7 @@ impl Shaper {
         let Some(sum) = sum.get_mut(..out.len()) else { return };
         for stream in self.streams.iter_mut().flatten() {
             let memory: &[Complex] = self.waves.get(stream.region).map_or(&[], |wave| wave);
-            stream.add_to(memory, self.choke_per_frame, sum);
+            stream.add_to(memory, self.choked, sum);
         }
         for (out, &sum) in out.iter_mut().zip(&*sum) {
             // `as` saturates.
@@ -263,9 +306,7 @@ impl Shaper {
     fn end_sounding_tick(&mut self) {
         self.ticks_since += 1;
         if self.choked {
-            for _ in 0..TICK_FRAMES {
-                self.kept *= self.choke_per_frame;
-            }
+            self.choked_ticks += 1.0;
         }
         if self.ticks_to_next > 0 && !core::mem::take(&mut self.just_struck) {
             self.work();
@@ -319,7 +360,7 @@ impl Shaper {
             && let Some(memory) = self.waves.get_mut(job.region)
         {
             job.advance(&mut self.bands, memory, &mut self.noise, share);
-            if !self.in_onset && job.is_below(self.silence, self.kept) {
+            if !self.in_onset && job.is_below(self.silence, 1.0) {
                 self.job = None;
             }
         }
@@ -350,15 +391,17 @@ impl Shaper {
             self.streams.iter_mut().flatten().for_each(Stream::end);
         }
         self.ticks_since = 0;
-        let Some(job) = self.job.take().filter(|job| !job.is_below(self.silence, self.kept)) else {
+        let more = self.settle_choke();
+        let silence = self.silence;
+        let job = self.job.take().map(|job| (job, job.kept(more)));
+        let Some((job, kept)) = job.filter(|(job, kept)| !job.is_below(silence, *kept)) else {
             // Below what can be heard: what still sounds fades out.
             self.bands.clear();
             return;
         };
-        self.add_stream(job.stream(self.kept));
+        self.add_stream(job.stream(kept));
         self.ticks_to_next = FRAME_TICKS;
-        let region = self.free_region().unwrap_or(0);
         let passage = job.onward();
-        self.job = Some(Job::new(region, passage, self.bands.count(), passage.is_struck()));
+        self.make(passage, FRAME_TICKS, passage.is_struck());
     }
 }

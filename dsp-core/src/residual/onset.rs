@@ -1,6 +1,6 @@
 //! A strike's own frame: noise that is ready before the strike comes.
 
-use super::bands::{Band, Bands, Common, FRAME_TICKS};
+use super::bands::{Band, Bands, Common, FRAME_TICKS, least};
 use super::fourier::{Complex, MAX_POINTS};
 use super::making::Making;
 use super::stream::SLOPE_FRAMES;
@@ -13,24 +13,26 @@ pub(super) struct Onset {
     common: Common,
     /// Where the noise of the next strike stands.
     pub(super) region: usize,
-    /// Share of the amplitude that is left after a sample.
-    pub(super) per_frame: f32,
+    /// Share of the amplitude that is left after a sample, without a hand and with one.
+    pub(super) per_frame: [f32; 2],
     /// Whether a strike has had the noise. Until there is new, another one has it from another place on.
     pub(super) is_used: bool,
 }
 
 impl Onset {
-    pub(super) const NONE: Self = Self { common: Common::NONE, region: 0, per_frame: 1.0, is_used: false };
+    pub(super) const NONE: Self = Self { common: Common::NONE, region: 0, per_frame: [1.0; 2], is_used: false };
 
     /// Derives it in place, with noise for the first strike in `wave`, which is its region 0.
     pub(super) fn load(&mut self, bands: &Bands, wave: &mut [Complex; MAX_POINTS], noise: &mut Sfc32) {
-        let (mut power, mut left, mut lower) = (0.0, 0.0, bands.lower());
+        let (mut power, mut left, mut lower) = (0.0, [0.0; 2], bands.lower());
         for band in bands.all() {
             let energy = band.strike * (band.upper - lower);
-            (power, left) = (power + energy, left + energy * band.per_eighth * band.per_eighth);
+            let choked = least(band.per_eighth, bands.hand_eighth());
+            power += energy;
+            left = [left[0] + energy * band.per_eighth * band.per_eighth, left[1] + energy * choked * choked];
             lower = band.upper;
         }
-        let common = Common::of(power, left);
+        let common = Common::of(power, left, None);
         let per_tick = libm::pow(f64::from(common.quarter), 1.0 / 8.0);
         *self = Self {
             common: common.of_onset(energy_in_onset(per_tick) as f32),

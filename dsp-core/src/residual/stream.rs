@@ -31,19 +31,19 @@ pub(super) struct Stream {
     fade_out_at: u32,
     /// Amplitude now.
     pub(super) gain: f32,
-    /// What is left of it after a frame.
-    per_frame: f32,
+    /// What is left of it after a frame, without a hand and with one.
+    per_frame: [f32; 2],
 }
 
 impl Stream {
     /// A frame, which fades in, and out where the next one begins.
-    pub(super) fn of_frame(region: usize, gain: f32, per_frame: f32) -> Self {
+    pub(super) fn of_frame(region: usize, gain: f32, per_frame: [f32; 2]) -> Self {
         let fade_out_at = FRAME_TICKS * TICK_FRAMES as u32;
         Self { region, turns: true, position: 0, start: 0, fade_in: SLOPE_FRAMES, fade_out_at, gain, per_frame }
     }
 
     /// A strike's own, at once there and for as long as nothing else says, from an even place in its wave on.
-    pub(super) fn of_strike(region: usize, start: u32, gain: f32, per_frame: f32) -> Self {
+    pub(super) fn of_strike(region: usize, start: u32, gain: f32, per_frame: [f32; 2]) -> Self {
         let start = start & !1;
         Self { region, turns: false, position: 0, start, fade_in: 0, fade_out_at: NEVER, gain, per_frame }
     }
@@ -80,9 +80,10 @@ impl Stream {
         (left < SLOPE_FRAMES).then_some(left / TICK_FRAMES as u32 + 1)
     }
 
-    /// Adds so many frames and moves on; `choke` is what a hand leaves after a frame.
-    pub(super) fn add_to(&mut self, memory: &[Complex], choke: f32, mut out: &mut [f32]) {
-        let per_frame = self.per_frame * choke;
+    /// Adds so many frames and moves on.
+    pub(super) fn add_to(&mut self, memory: &[Complex], is_choked: bool, mut out: &mut [f32]) {
+        let [free, choked] = self.per_frame;
+        let per_frame = if is_choked { choked } else { free };
         while !out.is_empty() {
             // To the end of the window's part.
             let (length, part) = self.part();

@@ -1,5 +1,7 @@
 //! Parallel chains of biquads in `f64` (*Differentiable Modal Synthesis for Physical Modeling of Planar Objects*, "diffmodal", eq. 2 and 3).
 
+use std::f64::consts::PI;
+
 /// A section `(b0 + b1 z⁻¹ + b2 z⁻²) / (1 + a1 z⁻¹ + a2 z⁻²)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Biquad {
@@ -19,6 +21,31 @@ impl Biquad {
         }
     }
 
+    /// As [`from_roots`](Self::from_roots), carried from the rate at which the roots are given to one that is `1/ratio` times as high.
+    ///
+    /// Each root r e^{±iα}, α from 0 to π, becomes `r^ratio e^{±i min(ratio α, π)}`: it keeps its frequency in hertz and its decay per second, up to
+    /// half the new rate. k is scaled such that |H| at the pole's angle stays; it stays itself where |H| nearly vanishes there before or after, the zeros' distances
+    /// from that point of the circle being below 1e-6 when multiplied.
+    pub fn carried(pole: (f64, f64), zero: (f64, f64), gain: f64, ratio: f64) -> Self {
+        if ratio == 1.0 {
+            return Self::from_roots(pole, zero, gain);
+        }
+        let polar = |(re, im): (f64, f64)| (re.hypot(im), im.abs().atan2(re));
+        let moved = |(radius, angle): (f64, f64)| (radius.powf(ratio), (angle * ratio).min(PI));
+        let cartesian = |(radius, angle): (f64, f64)| (radius * angle.cos(), radius * angle.sin());
+        let (old_pole, old_zero) = (polar(pole), polar(zero));
+        let (new_pole, new_zero) = (moved(old_pole), moved(old_zero));
+        // |1 - r e^{i(α - θ)}| |1 - r e^{i(α + θ)}|, seen from the circle at θ.
+        let distances = |(radius, angle): (f64, f64), theta: f64| -> f64 {
+            let distance = |between: f64| (1.0 - radius).hypot(2.0 * radius.sqrt() * (between / 2.0).sin());
+            distance(angle - theta) * distance(angle + theta)
+        };
+        let (before, after) = (distances(old_zero, old_pole.1), distances(new_zero, new_pole.1));
+        let of_poles = distances(new_pole, new_pole.1) / distances(old_pole, old_pole.1);
+        let same = if before < 1e-6 || after < 1e-6 { 1.0 } else { before / after * of_poles };
+        Self::from_roots(cartesian(new_pole), cartesian(new_zero), gain * same)
+    }
+
     /// The response to `input`, from rest, by the difference equation.
     pub fn filter(&self, input: &[f64]) -> Vec<f64> {
         let ([b0, b1, b2], [a1, a2]) = (self.numerator, self.denominator);
@@ -29,6 +56,14 @@ impl Biquad {
             y
         };
         input.iter().map(step).collect()
+    }
+
+    /// Radius of the pole that decays more slowly.
+    pub fn radius(&self) -> f64 {
+        let [a1, a2] = self.denominator;
+        let rest = a1 * a1 / 4.0 - a2;
+        // A conjugate pair's product is the square of its radius; rounding makes an even pair seem two.
+        if rest <= 1e-12 * a2.abs() { a2.max(0.0).sqrt() } else { a1.abs() / 2.0 + rest.sqrt() }
     }
 
     /// `|H|` at an angle in radians a sample.

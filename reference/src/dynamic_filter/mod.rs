@@ -39,6 +39,24 @@ impl Default for Breakpoint {
     }
 }
 
+impl Breakpoint {
+    /// Rms of what white noise of rms 1 becomes: `sqrt(Σ h²)`.
+    fn noise_gain(&self) -> f64 {
+        let Self { a1, a2, b0, b1, b2, .. } = *self;
+        // The variance of an ARMA(2, 2) process.
+        let e = 1.0 + a2;
+        let above = (b0 * b0 + b1 * b1 + b2 * b2) * e - 2.0 * (b0 * b1 + b1 * b2) * a1 + 2.0 * b0 * b2 * (a1 * a1 - a2 * e);
+        let below = (1.0 - a2 * a2) * e - (1.0 - a2) * a1 * a1;
+        (above / below).max(0.0).sqrt()
+    }
+
+    /// Radius of the slowest pole.
+    fn radius(&self) -> f64 {
+        let rest = self.a1 * self.a1 - 4.0 * self.a2;
+        if rest < 0.0 { self.a2.sqrt() } else { (self.a1.abs() + rest.sqrt()) / 2.0 }
+    }
+}
+
 /// A filter along its path, from rest.
 #[derive(Clone, Debug)]
 pub struct Filter<'a> {
@@ -75,6 +93,32 @@ impl<'a> Filter<'a> {
             let part = (time_s - pair[0].time_s) / (pair[1].time_s - pair[0].time_s);
             pair[0].noise + part * (pair[1].noise - pair[0].noise)
         })
+    }
+
+    /// What is left of the sound after a sample, so many after the strike, by the path itself: by its level (the noise's times the filter's gain for white noise at each
+    /// breakpoint, linear between them, 0 from the last one on), or by its slowest pole (its radius linear between breakpoints) where that leaves more; 1 where it grows.
+    pub fn own_decay(&self, samples: usize) -> f64 {
+        let at = |samples: usize| -> (f64, f64) {
+            let time_s = samples as f64 / self.rate.hz();
+            let within = |pair: &&[Breakpoint]| (pair[0].time_s..pair[1].time_s).contains(&time_s);
+            match self.path.windows(2).find(within) {
+                Some(pair) => {
+                    let part = (time_s - pair[0].time_s) / (pair[1].time_s - pair[0].time_s);
+                    let mix = |of: &dyn Fn(&Breakpoint) -> f64| of(&pair[0]) + part * (of(&pair[1]) - of(&pair[0]));
+                    (mix(&|point| point.noise * point.noise_gain()), mix(&Breakpoint::radius))
+                }
+                None => (0.0, self.path.last().map_or(0.0, Breakpoint::radius)),
+            }
+        };
+        let ((now, radius), (next, _)) = (at(samples), at(samples + 1));
+        let of_level = if now > 0.0 {
+            next / now
+        } else if next > 0.0 {
+            1.0
+        } else {
+            0.0
+        };
+        of_level.max(radius).min(1.0)
     }
 
     /// s(n) for e(n), so many samples after the last strike.

@@ -1,5 +1,6 @@
 //! The object's biquad bank sounding (diffmodal eq. 2, 3), sample by sample.
 
+use super::hand::Hand;
 use crate::biquad::Biquad;
 
 /// The state of a bank: of each biquad its last two inputs and outputs.
@@ -13,9 +14,13 @@ impl<'a> Biquads<'a> {
         Self { chains: chains.iter().map(at_rest).collect() }
     }
 
-    /// Leaves so much of what rings.
-    pub(crate) fn attenuate(&mut self, left: f64) {
-        self.chains.iter_mut().flatten().flat_map(|(_, state)| state).for_each(|value| *value *= left);
+    /// After a sample: a hand takes from each chain what is missing to the fall of its slowest pole.
+    pub(crate) fn damp(&mut self, hand: &Hand) {
+        for chain in &mut self.chains {
+            let slowest = chain.iter().map(|(biquad, _)| biquad.radius()).fold(0.0, f64::max);
+            let kept = hand.keeps(slowest);
+            chain.iter_mut().flat_map(|(_, state)| state).for_each(|value| *value *= kept);
+        }
     }
 
     /// The answer to a force in newtons.

@@ -81,6 +81,11 @@ impl<'a> Sounding<'a> {
         self.since = PAST;
     }
 
+    /// What of its sound is left by itself after the sample that was last rendered: no less than its slowest pole leaves, all of it where there are loops.
+    pub(crate) fn own_decay(&self) -> f64 {
+        if self.table.loops.is_empty() { self.filter.own_decay(self.since.saturating_sub(1)) } else { 1.0 }
+    }
+
     /// One sample; `modes` is what goes in beside its noise.
     pub(crate) fn step(&mut self, modes: f64) -> f64 {
         let noise = if self.filter.is_noisy(self.since) {

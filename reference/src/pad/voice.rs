@@ -22,7 +22,7 @@ pub(crate) struct Voice<'a> {
     strikers: Vec<StrikerVoice<'a>>,
     biquads: Biquads<'a>,
     dynamic_filter: Option<Sounding<'a>>,
-    /// On both of them; a bank damps its modes by itself.
+    /// On the biquads and the dynamic filter; a bank damps its modes by itself.
     hand: Hand,
 }
 
@@ -60,7 +60,7 @@ impl<'a> Voice<'a> {
             Action::Strike => {
                 let striker = &self.pad.strikers[event.striker];
                 if let Some(impact) = striker.strike(event.velocity, event.time_samples) {
-                    self.lift();
+                    self.hand.begin();
                     if let Some(filter) = &mut self.dynamic_filter {
                         filter.strike(impact.peak_force);
                     }
@@ -75,7 +75,6 @@ impl<'a> Voice<'a> {
             }
             Action::Release => {
                 self.banks().for_each(Bank::release);
-                self.lift();
                 self.hand.release();
             }
         }
@@ -120,20 +119,22 @@ impl<'a> Voice<'a> {
         for (index, (sample, sound)) in (first_sample..).zip(sound).enumerate() {
             let modes = modes.map_or(0.0, |modes| modes[index]);
             let dynamic = self.dynamic_filter.as_mut().map_or(0.0, |filter| filter.step(modes));
-            *sound += self.hand.fade(self.biquads.step(force[index]) + dynamic);
-            if (sample + 1).is_multiple_of(TICK_SAMPLES) && self.hand.is_mute() {
-                self.biquads.attenuate(0.0);
+            *sound += self.biquads.step(force[index]) + dynamic;
+            if self.hand.is_here() {
+                self.damp();
+            }
+            if (sample + 1).is_multiple_of(TICK_SAMPLES) && self.hand.has_muted() {
                 self.dynamic_filter.iter_mut().for_each(Sounding::rest);
             }
         }
     }
 
-    /// What rings is what the hand has left of it, and the hand begins anew.
-    fn lift(&mut self) {
-        let left = self.hand.lift();
-        self.biquads.attenuate(left);
+    /// What the hand takes after a sample.
+    fn damp(&mut self) {
+        self.biquads.damp(&self.hand);
         if let Some(filter) = &mut self.dynamic_filter {
-            filter.attenuate(left);
+            let kept = self.hand.take(filter.own_decay());
+            filter.attenuate(kept);
         }
     }
 

@@ -30,7 +30,7 @@ pub unsafe extern "C" fn biquads_load(numbers: *const [f64; 5], count: usize, de
     let numbers = unsafe { core::slice::from_raw_parts(numbers, count) };
     // SAFETY: as for `Sync`.
     let bank = unsafe { &mut *BANK.0.get() };
-    if bank.load_each(numbers.iter().map(biquad), depth).is_ok() { 0 } else { -1 }
+    if bank.load_each(numbers.iter().map(biquad), depth, 1.0).is_ok() { 0 } else { -1 }
 }
 
 /// Adds a block to `out`. `input` may be null.

@@ -58,27 +58,12 @@ fn modes(modes: &[kit::Mode]) -> Vec<reference::Mode> {
         .collect()
 }
 
-/// Biquads at a rate: poles and zeros raised to the power of the table's rate over it, the gain at the pole's frequency kept.
+/// Biquads at a rate.
 fn biquads(bank: &kit::Biquads, rate: SampleRate) -> Vec<Vec<reference::biquad::Biquad>> {
-    let power = f64::from(bank.rate_hz) / rate.hz();
+    let ratio = f64::from(bank.rate_hz) / rate.hz();
     let carried = |biquad: &kit::Biquad| {
         let root = |[re, im]: [f32; 2]| (f64::from(re), f64::from(im));
-        let raised = |(re, im): (f64, f64)| {
-            let (radius, angle) = (re.hypot(im).powf(power), im.atan2(re) * power);
-            if re == 0.0 && im == 0.0 { (0.0, 0.0) } else { (radius * angle.cos(), radius * angle.sin()) }
-        };
-        let (pole, zero, gain) = (root(biquad.pole), root(biquad.zero), f64::from(biquad.gain));
-        let given = reference::biquad::Biquad::from_roots(pole, zero, gain);
-        if power == 1.0 {
-            return given;
-        }
-        let angle = pole.1.abs().atan2(pole.0);
-        let moved = reference::biquad::Biquad::from_roots(raised(pole), raised(zero), gain);
-        let same = given.magnitude(angle) / moved.magnitude(angle * power);
-        reference::biquad::Biquad {
-            numerator: moved.numerator.map(|b| if same.is_finite() { b * same } else { b }),
-            ..moved
-        }
+        reference::biquad::Biquad::carried(root(biquad.pole), root(biquad.zero), f64::from(biquad.gain), ratio)
     };
     bank.chains.iter().map(|chain| chain.iter().map(carried).collect()).collect()
 }

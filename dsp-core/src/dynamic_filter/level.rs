@@ -1,0 +1,148 @@
+//! The level of what a path makes of its noise: how fast the sound falls by itself, for a hand that is to make it fall no slower than it wants.
+//!
+//! The level at a breakpoint is the noise's there times the filter's gain for white noise, `sqrt(Σ h²)`; it is taken as linear between two breakpoints and is 0
+//! after the last. What rings in the filter falls no faster than its slowest pole, whose radius is taken as linear as well.
+
+use super::settings::Breakpoint;
+use crate::SampleRate;
+
+/// From one breakpoint to the next, in frames after the strike.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    start: u32,
+    /// At its first frame, and its change a frame.
+    level: f32,
+    level_step: f32,
+    /// How far inside the unit circle the slowest pole stands, and its change a frame.
+    gap: f32,
+    gap_step: f32,
+}
+
+impl Piece {
+    const NOTHING: Self = Self { start: 0, level: 0.0, level_step: 0.0, gap: 1.0, gap_step: 0.0 };
+
+    fn level(&self, frame: u32) -> f32 {
+        self.level + self.level_step * frame.saturating_sub(self.start) as f32
+    }
+}
+
+/// The levels along a path of at most `N` breakpoints.
+#[derive(Clone, Debug)]
+pub struct Levels<const N: usize> {
+    pieces: [Piece; N],
+    count: usize,
+    /// Whether loops ring on by themselves.
+    looped: bool,
+}
+
+impl<const N: usize> Levels<N> {
+    /// Of no path.
+    pub const NONE: Self = Self { pieces: [Piece::NOTHING; N], count: 0, looped: false };
+
+    /// Of a path whose coefficients are for a rate that is `1/ratio` times this one. Breakpoints beyond `N` are left out: loading the path refuses them.
+    pub fn load(
+        &mut self,
+        order: u8,
+        path: impl Iterator<Item = Breakpoint> + Clone,
+        (rate, ratio): (SampleRate, f64),
+        looped: bool,
+    ) {
+        (self.count, self.looped) = (0, looped);
+        let path = path.map(|point| point.carried(order, ratio));
+        let mut following = path.clone().skip(1);
+        for (here, piece) in path.zip(&mut self.pieces) {
+            let next = following.next();
+            let (from, to) = (here.time_s * rate.hz(), next.map_or(f64::INFINITY, |next| next.time_s * rate.hz()));
+            let start = libm::ceil(from);
+            let of = |point: &Breakpoint| (point.noise * noise_gain(point), 1.0 - slowest(order, point));
+            let ((level, gap), (next_level, next_gap)) = (of(&here), of(&next.unwrap_or(here)));
+            // After the last there is no noise, and the filter stays.
+            let level = if next.is_some() { level } else { 0.0 };
+            let next_level = if next.is_some() { next_level } else { 0.0 };
+            let line = |from_value: f64, to_value: f64| {
+                let step = (to_value - from_value) / (to - from);
+                ((from_value + step * (start - from)) as f32, step as f32)
+            };
+            let ((level, level_step), (gap, gap_step)) = (line(level, next_level), line(gap, next_gap));
+            *piece = Piece { start: start as u32, level, level_step, gap, gap_step };
+            self.count += 1;
+        }
+    }
+
+    /// From a frame after the strike on, at most so many of them: how many lie before the next breakpoint, and by how many nepers a frame the sound falls by itself over
+    /// these; infinite where nothing is left.
+    pub fn falls(&self, frame: u32, most: u32) -> (u32, f32) {
+        let pieces = self.pieces.get(..self.count).unwrap_or(&[]);
+        let at = pieces.iter().rposition(|piece| piece.start <= frame).unwrap_or(0);
+        let Some(piece) = pieces.get(at) else { return (most, 0.0) };
+        let next = pieces.get(at + 1).filter(|next| next.start > frame);
+        let frames = next.map_or(most, |next| most.min(next.start - frame));
+        if self.looped {
+            return (frames, 0.0);
+        }
+        let end = frame.saturating_add(frames);
+        let before = piece.level(frame);
+        let after = next.filter(|next| next.start <= end).map_or_else(|| piece.level(end), |next| next.level);
+        let of_level = if before > 0.0 && after > 0.0 {
+            -libm::log1pf((after - before) / before) / frames as f32
+        } else if after > 0.0 {
+            0.0
+        } else {
+            f32::INFINITY
+        };
+        let middle = (frame.saturating_sub(piece.start) as f32) + 0.5 * frames as f32;
+        let middle = if piece.gap_step == 0.0 { 0.0 } else { middle };
+        let gap = (piece.gap + piece.gap_step * middle).clamp(0.0, 1.0);
+        let of_pole = if gap < 1.0 { -libm::log1pf(-gap) } else { f32::INFINITY };
+        (frames, of_level.min(of_pole).max(0.0))
+    }
+}
+
+/// `sqrt(Σ h²)`: the rms of what white noise of rms 1 becomes.
+fn noise_gain(point: &Breakpoint) -> f64 {
+    let Breakpoint { a1, a2, b0, b1, b2, .. } = *point;
+    let squares = b0 * b0 + b1 * b1 + b2 * b2;
+    let above = (1.0 + a2) * squares - 2.0 * a1 * b1 * (b0 + b2) + 2.0 * b0 * b2 * (a1 * a1 - a2 * (1.0 + a2));
+    let below = (1.0 - a2) * (1.0 + a2 - a1) * (1.0 + a2 + a1);
+    libm::sqrt((above / below).max(0.0))
+}
+
+/// The largest radius of a pole.
+fn slowest(order: u8, point: &Breakpoint) -> f64 {
+    let Breakpoint { a1, a2, .. } = *point;
+    let rest = a1 * a1 - 4.0 * a2;
+    if order == 1 {
+        a1.abs()
+    } else if rest < 0.0 {
+        libm::sqrt(a2)
+    } else {
+        0.5 * (a1.abs() + libm::sqrt(rest))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gain_for_noise_is_that_of_the_impulse_response() {
+        for (a1, a2, b0, b1, b2) in
+            [(-0.5, 0.0, 0.3, 0.3, 0.0), (0.9, 0.0, 1.0, -0.4, 0.0), (-1.2, 0.7, 0.2, -0.1, 0.4), (-1.5, 0.55, 1.0, 0.0, -0.9)]
+        {
+            let point = Breakpoint { a1, a2, b0, b1, b2, ..Breakpoint::default() };
+            let (mut y, mut sum) = ([0.0; 2], 0.0);
+            for n in 0..5_000 {
+                let x = match n {
+                    0 => b0,
+                    1 => b1,
+                    2 => b2,
+                    _ => 0.0,
+                };
+                let now: f64 = x - a1 * y[0] - a2 * y[1];
+                sum += now * now;
+                y = [now, y[0]];
+            }
+            assert!((noise_gain(&point) / sum.sqrt() - 1.0).abs() < 1e-9, "{point:?}: {} {}", noise_gain(&point), sum.sqrt());
+        }
+    }
+}
