@@ -98,8 +98,8 @@ impl<
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         match event.action {
             Action::Strike => Pad::set_position(event.position, &tables, rate, &mut memory, banks),
-            Action::Choke => pad.set_choked(true, &tables, rate, &mut memory, banks),
-            Action::Release => pad.set_choked(false, &tables, rate, &mut memory, banks),
+            Action::Choke => pad.set_choked(true, &mut memory, banks),
+            Action::Release => pad.set_choked(false, &mut memory, banks),
             Action::Shed(_) => {}
         }
         if event.action != Action::Strike {
@@ -181,7 +181,7 @@ impl<
             && self.report.residuals == 0
             && self.report.filters == 0
             && self.room.is_silent()
-            && self.pads().iter().all(|pad| pad.retired_amplitude() == 0.0);
+            && self.pads().iter().all(|pad| pad.retired_amplitude() == 0.0 && !Pad::is_being_reached(pad.own(&self.banks)));
         if self.idle {
             let unstruck = self.pads().iter().filter(|pad| !pad.was_struck());
             self.unstruck_modes = unstruck.map(|pad| pad.mode_count() as u32).sum();

@@ -206,27 +206,19 @@ impl<'k> Pad<'k> {
         Some(impact)
     }
 
-    /// Lays a hand on, or lets go.
-    pub fn set_choked(
-        &mut self,
-        choked: bool,
-        tables: &PadTables<'_>,
-        rate: SampleRate,
-        memory: &mut Memory<'_>,
-        banks: &mut [Bank],
-    ) {
+    /// Lays a hand on, or lets go: it reaches the banks' first modes at once, the others at the coming ticks.
+    pub fn set_choked(&mut self, choked: bool, memory: &mut Memory<'_>, banks: &mut [Bank]) {
         if choked == self.choked {
             return;
         }
         self.choked = choked;
         self.wake(banks);
-        let Some((object, strikers)) = banks.split_first_mut() else { return };
-        object.set_choked(choked, &tables.object_table(NO_CONTACT), rate, memory);
-        for (index, bank) in strikers.iter_mut().enumerate() {
-            if let Some(table) = tables.striker_table(index, NO_CONTACT) {
-                bank.set_choked(choked, &table, rate, memory);
-            }
-        }
+        banks.iter_mut().for_each(|bank| bank.lay_hand(choked, memory));
+    }
+
+    /// True if a hand comes or goes that has not reached all modes yet.
+    pub fn is_being_reached(banks: &[Bank]) -> bool {
+        banks.iter().any(Bank::is_being_reached)
     }
 
     /// Whether a strike at a position needs other gains than the last one.
@@ -330,6 +322,9 @@ impl<'k> Pad<'k> {
         let mut retirement = Retirement::new(already, self.unit());
         let (mut rest_ticks, mut retired_amplitude) = (if skip { u8::MAX } else { 0 }, 0.0);
         for bank in banks {
+            if bank.is_being_reached() {
+                bank.reach(memory);
+            }
             bank.tick(memory, skip.then_some(&mut retirement));
             rest_ticks = rest_ticks.min(bank.rest_ticks());
             retired_amplitude += bank.retired_amplitude();

@@ -11,8 +11,8 @@ use crate::radiation::add_acceleration_sound;
 use crate::rate::SampleRate;
 use crate::resonator::{Bank, GainsError};
 
-/// A hand's end is looked for so often: the instrument draws no more noise from there on.
-const TICK_SAMPLES: u64 = 32;
+/// A tick: at each, a hand reaches further modes, and the end of its fade is looked for.
+pub(crate) const TICK_SAMPLES: u64 = 32;
 
 /// Everything of a pad that moves: its banks and the contacts in flight.
 pub(crate) struct Voice<'a> {
@@ -135,6 +135,16 @@ impl<'a> Voice<'a> {
         if let Some(filter) = &mut self.dynamic_filter {
             filter.attenuate(left);
         }
+    }
+
+    /// At a tick: a hand that comes or goes reaches further modes.
+    pub(crate) fn reach(&mut self) {
+        self.banks().filter(|bank| bank.is_being_reached()).for_each(Bank::reach);
+    }
+
+    /// Whether a hand that comes or goes has modes left to reach.
+    pub(crate) fn is_being_reached(&self) -> bool {
+        self.object.is_being_reached() || self.strikers.iter().any(|striker| striker.bank.is_being_reached())
     }
 
     fn banks(&mut self) -> impl Iterator<Item = &mut Bank<'a>> {

@@ -138,15 +138,15 @@ impl Group {
     }
 
     /// Sets the input gains, in bus steps of state a bus step of force: `gains` gives (into u, into v) for each mode, below
-    /// 2^[`MAX_GAIN_EXPONENT`].
-    pub(super) fn set_gains(&mut self, modes: &mut [Mode], gains: impl Fn(usize, &Mode) -> (f32, f32)) {
+    /// 2^[`MAX_GAIN_EXPONENT`]. The mantissas leave room for gains that grow by the factor `room`, at most 2.
+    pub(super) fn set_gains(&mut self, modes: &mut [Mode], room: f32, gains: impl Fn(usize, &Mode) -> (f32, f32)) {
         let weight = (1u32 << self.form().shift()) as f32;
         let peak = modes
             .iter()
             .enumerate()
             .map(|(index, mode)| gains(index, mode))
             .fold(0.0f32, |peak, (u, v)| peak.max((u * weight).abs()).max(v.abs()));
-        let (_, exponent) = libm::frexpf(peak);
+        let (_, exponent) = libm::frexpf(peak * room);
         self.gain_exponent = exponent as i16;
         let mut gain_peak = 0;
         let mut has_phase = false;
@@ -174,12 +174,10 @@ impl Group {
         self.plan.set(self.ringing(), gain_shift as u32, mix_scale(self.exponent() + mix_exponent));
     }
 
-    /// Derives from its poles how often it needs a guard while nothing drives it. After load, choke and release.
+    /// Derives from its poles how often it needs a guard while nothing drives it. After load.
     pub(super) fn schedule_guards(&mut self, modes: &[Mode]) {
-        // Half a bit: 32 samples of -log2(1 - δ)/2 bits each, δ in Q32, to first order.
-        const HALF_BIT: u32 = 93_000_000;
         let fastest = modes.iter().fold(0, |fastest, mode| mode.coefficients.delta.max(fastest));
-        self.guard_ticks = (HALF_BIT / fastest.unsigned_abs().max(1)).clamp(1, MAX_GUARD_TICKS) as u8;
+        self.guard_ticks = ticks_to_half_a_bit(fastest);
         let epsilon = modes.first().map_or(1, |mode| mode.coefficients.epsilon.unsigned_abs());
         // e² = 4 sin²(θ/2), θ ≈ e; ε is Q32.
         let angle = match self.form() {
@@ -201,8 +199,16 @@ impl Group {
     }
 
     /// Sets the time of its next guard after one for no input, or, where that may still come, at once when it ends.
-    pub(super) fn schedule(&mut self, clock: u8, has_input: bool) {
-        self.due_at = clock.wrapping_add(if has_input { 0 } else { self.guard_ticks });
+    /// The guard comes after `longest` ticks at the latest.
+    pub(super) fn schedule(&mut self, clock: u8, has_input: bool, longest: u8) {
+        self.due_at = clock.wrapping_add(if has_input { 0 } else { self.guard_ticks.min(longest) });
+    }
+
+    /// Brings the time of its next guard forward to at most `longest` ticks from now.
+    pub(super) fn hasten(&mut self, clock: u8, longest: u8) {
+        if self.due_ticks(clock) > longest as i8 {
+            self.due_at = clock.wrapping_add(longest);
+        }
     }
 
     /// Ticks until the next guard without input; below 0 where it is late.
@@ -217,7 +223,7 @@ impl Group {
         match self.exponent() - 3 {
             shift @ 0..=31 => u64::from((eighths.min(u64::from(u32::MAX)) as u32) >> shift) + 1,
             shift @ 32.. => (eighths >> shift) + 1,
-            shift => eighths << -shift, // at most 2^34 · 2^27
+            shift => eighths << -shift, // at most 2^34 · 2^29
         }
     }
 
@@ -250,6 +256,13 @@ impl Group {
         }
         Some(sum)
     }
+}
+
+/// Ticks in which a mode of this δ (Q32) decays by half a bit, 1 to [`MAX_GUARD_TICKS`].
+pub(super) fn ticks_to_half_a_bit(delta: i32) -> u8 {
+    // Half a bit: 32 samples of -log2(1 - δ)/2 bits each, δ in Q32, to first order.
+    const HALF_BIT: u32 = 93_000_000;
+    (HALF_BIT / delta.unsigned_abs().max(1)).clamp(1, MAX_GUARD_TICKS) as u8
 }
 
 /// `max(|u| · 2^k, |v|)`: the size of a state or an injection.
