@@ -10,7 +10,7 @@
 use super::cost::{CYCLES, Counts, Part};
 use super::{Direct, Engine, FilterRoom, Surroundings};
 use crate::event::{Action, Event, Time};
-use crate::pad::{group_count, is_ringing};
+use crate::pad::{Pad, group_count, is_ringing};
 use crate::resonator::{Audience, Bank, Memory, Selection, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
 
 /// How a pad is heard and how it will run; `None` for one that will not.
@@ -191,7 +191,10 @@ impl<
     pub(super) fn event_counts(&self, event: &Event) -> [(Part, u32); 4] {
         let filters = (Part::ResidualCycle, self.filter_strike_cycles(event));
         let [first, second] = match event.action {
-            Action::Strike => [(Part::Strike, 1), (Part::ResidualStrike, u32::from(self.has_noise(event.pad)))],
+            Action::Strike => {
+                let noise = (Part::ResidualStrike, u32::from(self.has_noise(event.pad)));
+                return [(Part::Strike, 1), noise, filters, (Part::MovedMode, self.moved_modes(event))];
+            }
             Action::Choke | Action::Release => {
                 let banks = self.pads().get(usize::from(event.pad)).map_or(&[][..], |pad| pad.own(&self.banks));
                 let (modes, guards) =
@@ -203,12 +206,26 @@ impl<
         [first, second, filters, (Part::ChokedMode, 0)]
     }
 
+    /// Modes whose gains a strike has derived anew.
+    fn moved_modes(&self, event: &Event) -> u32 {
+        let object = self.pads().get(usize::from(event.pad)).and_then(|pad| pad.own(&self.banks).first());
+        let moves = |object: &&Bank| object.place(event.position, |slot| self.flight.is_any_in(event.pad, slot)).moves;
+        object.filter(moves).map_or(0, |object| object.mode_count() as u32)
+    }
+
     fn survey_counts(&self) -> [(Part, u32); 2] {
         [(Part::Survey, 1), (Part::SurveyedGroup, self.groups_built)]
     }
 
     fn frames_to_tick(&self) -> u32 {
         (TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64) as u32
+    }
+
+    /// True if a force is, or by a known strike may be, in the second slot of a pad.
+    fn has_second(&self, number: u8, is_direct: bool, struck: bool, bank: &Bank) -> bool {
+        let is_driven = self.flight.is_any_in(number, 1) || struck && self.flight.is_any_in(number, 0);
+        let direct_slot = self.pads().get(usize::from(number)).map_or(0, Pad::direct_slot);
+        is_driven || bank.has_second_gains() && is_direct && direct_slot == 1
     }
 
     /// From now to the end of the tick, with the events that are known.
@@ -256,9 +273,13 @@ impl<
                 continue;
             }
             let (mut groups, mut banks) = (0, 0);
+            let mut on_bus = false;
             for bank in pad_banks.iter().filter(|bank| bank.mode_count() > 0) {
                 let (cycles, running) = bank.cycles(&self.groups, used, frames);
-                counts.add(Part::KernelCycle, cycles);
+                let has_second = bank.can_take_second() && self.has_second(number, is_direct, struck, bank);
+                counts.add(Part::KernelCycle, if has_second { 2 * cycles } else { cycles });
+                counts.add(Part::SecondGroup, if has_second { running } else { 0 });
+                on_bus |= has_second;
                 // Of a driven bank all are looked at closely.
                 counts.add(Part::PredictedGroup, bank.group_count() * (1 + u32::from(is_driven)));
                 groups += running;
@@ -273,7 +294,7 @@ impl<
                 // Nobody hears the force, and nothing is done.
                 continue;
             }
-            let on_bus = filtered && self.filters.join_in(number, is_driven, pad_banks);
+            on_bus |= filtered && self.filters.join_in(number, is_driven, pad_banks);
             if is_driven {
                 counts.add(
                     if pad.drives_quickly(pad_banks) && !on_bus { Part::DrivenPad } else { Part::BusDrivenPad },

@@ -23,7 +23,7 @@ use crate::contact::law::{Impact, StrikerLaw, typical_contact};
 use crate::fixed;
 use crate::output::Panner;
 use crate::radiation::Acceleration;
-use crate::resonator::{Bank, BankError, BankTable, BankWork, Group, Memory, Retirement, Used};
+use crate::resonator::{Bank, BankError, BankTable, BankWork, Group, Memory, Place, Retirement, Used};
 use crate::table::ContactTable;
 use crate::table::layout::STRIKERS_PER_PAD;
 use tables::NO_CONTACT;
@@ -46,6 +46,8 @@ pub struct Pad<'k> {
     expected: u32,
     choked: bool,
     struck: bool,
+    /// The slot of the latest strike.
+    direct_slot: u8,
     /// Coming ticks in which no bank has anything to do, and those of them that have passed without the banks' knowing.
     rest_ticks: u8,
     passed_ticks: u8,
@@ -98,6 +100,7 @@ impl<'k> Pad<'k> {
         expected: 0,
         choked: false,
         struck: false,
+        direct_slot: 0,
         rest_ticks: 0,
         passed_ticks: 0,
         retired_amplitude: 0.0,
@@ -221,13 +224,22 @@ impl<'k> Pad<'k> {
         banks.iter().any(Bank::is_being_reached)
     }
 
-    /// Whether a strike at a position needs other gains than the last one.
-    pub fn moves_to(position: f32, banks: &[Bank]) -> bool {
-        banks.first().is_some_and(|object| object.moves_to(position))
+    /// The slot of a strike at a position; `is_driven` says which slots contacts drive. A direct force acts there from now on.
+    pub fn place(&mut self, position: f32, banks: &[Bank], is_driven: impl Fn(u8) -> bool) -> Place {
+        let place = banks.first().map_or(Place::FIRST, |object| object.place(position, is_driven));
+        self.direct_slot = place.slot;
+        place
     }
 
-    /// Moves the object to the position of a strike.
+    /// The slot at whose position a direct force acts: that of the latest strike.
+    #[inline(always)]
+    pub(crate) fn direct_slot(&self) -> u8 {
+        self.direct_slot
+    }
+
+    /// Moves a slot of the object to the position of a strike.
     pub fn set_position(
+        slot: u8,
         position: f32,
         tables: &PadTables<'_>,
         rate: SampleRate,
@@ -235,7 +247,7 @@ impl<'k> Pad<'k> {
         banks: &mut [Bank],
     ) {
         if let Some(object) = banks.first_mut() {
-            object.set_position(position, &tables.object_table(NO_CONTACT), rate, memory);
+            object.set_position(slot, position, &tables.object_table(NO_CONTACT), rate, memory);
         }
     }
 

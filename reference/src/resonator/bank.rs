@@ -118,6 +118,27 @@ impl<'a> Bank<'a> {
         }
     }
 
+    /// Adds the bank's sound under forces at several positions at a time, each as long as `sound`: every force drives the gains of
+    /// its own position. The bank stays at the last of them.
+    pub fn add_sound_at(&mut self, forces: &[(f64, &[f64])], sound: &mut [f64]) {
+        if let [(position, force)] = forces {
+            self.set_position(*position);
+            return self.add_sound(force, sound);
+        }
+        for index in 0..self.one_poles.len() {
+            let mut inputs = Vec::new();
+            for (position, force) in forces {
+                if let (Some(one_pole), Some(gain)) = (&mut self.one_poles[index], self.modes[index].gain_at(*position)) {
+                    one_pole.set_gain(gain, self.rate);
+                    inputs.push((one_pole.input(), *force));
+                }
+            }
+            if let Some(one_pole) = &mut self.one_poles[index] {
+                one_pole.drive_at(&inputs, sound);
+            }
+        }
+    }
+
     /// `|z|` of every mode, in the order given: the amplitude (full scale) with which it vibrates
     /// after the last sample computed. 0 for a mode that is never rendered.
     pub fn amplitudes(&self) -> impl Iterator<Item = f64> {

@@ -99,6 +99,24 @@ impl OnePole {
         self.state = z;
     }
 
+    /// What the present gain makes of a newton: the addition to `z`, and half of h[0].
+    pub(crate) fn input(&self) -> (Complex, f64) {
+        (self.input, self.half_of_h0)
+    }
+
+    /// Adds the mode's sound under several forces (newtons), each with an [`Self::input`] of its own.
+    pub(crate) fn drive_at(&mut self, forces: &[((Complex, f64), &[f64])], sound: &mut [f64]) {
+        for (n, y) in sound.iter_mut().enumerate() {
+            self.state = self.pole * self.state;
+            let mut halves = 0.0;
+            for ((input, half_of_h0), force) in forces {
+                self.state = self.state + *input * force[n];
+                halves += half_of_h0 * force[n];
+            }
+            *y += self.state.re - halves;
+        }
+    }
+
     /// Adds the mode's sound under no force: [`Self::drive`] without the input.
     pub(crate) fn ring(&mut self, sound: &mut [f64]) {
         let mut z = self.state;

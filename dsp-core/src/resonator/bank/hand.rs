@@ -260,7 +260,13 @@ impl Bank {
         let (lies, first) = (self.hand.lies, usize::from(self.hand.reached));
         let last = first + self.modes_to_reach();
         let modes = memory.modes.get_mut(self.modes.range()).unwrap_or(&mut []);
-        let origins = memory.origins.get_mut(self.origins.range()).unwrap_or(&mut []);
+        let gains = self.second_gains();
+        // The gains of a second position lie behind the origins of all banks.
+        let split = gains.start.max(self.origins.range().end);
+        let (own, behind) = memory.origins.split_at_mut_checked(split).unwrap_or((&mut [], &mut []));
+        let origins = own.get_mut(self.origins.range()).unwrap_or(&mut []);
+        let seconds = behind.get_mut(..gains.len()).unwrap_or(&mut []);
+        let has_second = !seconds.is_empty();
         for place in first..last {
             let Some(slot) = origins.get(place).map(|origin| usize::from(origin.slot)) else { break };
             let (Some(mode), Some(origin)) = (modes.get_mut(slot), origins.get_mut(slot)) else { break };
@@ -273,6 +279,9 @@ impl Bank {
                 let share = change_of_u(origin.other, mode.coefficients);
                 mode.gain.u = grown(mode.gain.u, share);
                 mode.state.u = grown(mode.state.u, share);
+                if has_second && let Some(second) = seconds.get_mut(slot) {
+                    second.other.delta = grown(second.other.delta, share);
+                }
                 if is_guarded {
                     // Where no exponent is small enough for the room, which only a fault can bring about.
                     mode.state.u = mode.state.u.clamp(-(LIMIT as i32), LIMIT as i32);

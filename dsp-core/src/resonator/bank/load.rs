@@ -75,6 +75,7 @@ impl Bank {
         bank.groups = Span::new(used.groups..group_end).ok_or(BankError::TooManyGroups)?;
         bank.count_guards(memory);
         let own_origins = memory.origins.get_mut(bank.origins.range()).unwrap_or(&mut []);
+        bank.second.has_positions = table.positions > 1;
         bank.hand = hand.of(table, own_origins, memory.modes.get(bank.modes.range()).unwrap_or(&[]));
         set_order(own_origins);
         bank.onset = onset(cosine_sum, table, rate);

@@ -5,21 +5,22 @@ use core::ops::Range;
 mod guard;
 mod hand;
 mod load;
+mod position;
 mod render;
 mod shed;
 
+pub use self::position::Place;
 pub use hand::MODES_PER_TICK as HAND_MODES_PER_TICK;
 pub use render::MixShift;
 pub(super) use shed::half_octaves;
 pub use shed::{Audience, Selection, Shed, Survey, UpcomingRun, Use};
 
-use self::hand::{Hand, HandState};
+use self::hand::HandState;
+use self::position::Second;
 use super::coefficient::Coefficients;
-use super::gain::{gain_at, gain_law, onset, orbit_gains};
 use super::group::Group;
 use super::mode::Mode;
 use super::retirement::Retired;
-use crate::SampleRate;
 use crate::fixed::Scale;
 use crate::table::layout::{GainRecord, ModeRecord};
 
@@ -160,7 +161,9 @@ pub struct Bank {
     hand: HandState,
     /// Whether the allowance is enough for all contacts under way.
     is_covered: bool,
+    /// The position of slot 0, whose gains are the modes' own; and slot 1.
     position: f32,
+    second: Second,
     /// |force| that the groups are still guarded for.
     allowance: u64,
     /// The |force| since the last tick.
@@ -192,6 +195,7 @@ impl Bank {
         hand: HandState::NONE,
         is_covered: false,
         position: 0.0,
+        second: Second::NONE,
         allowance: 0,
         spent: 0,
         force_shift: 0,
@@ -224,46 +228,6 @@ impl Bank {
     #[inline(always)]
     pub fn retired_amplitude(&self) -> f32 {
         self.retired.amplitude()
-    }
-
-    /// Whether [`Bank::set_position`] may have anything to do.
-    pub fn moves_to(&self, position: f32) -> bool {
-        !self.origins.range().is_empty() && position != self.position
-    }
-
-    /// Moves the striking point for the contacts that follow: gains are interpolated between the table's positions.
-    ///
-    /// Derives every gain anew where the table has several positions; costs nothing otherwise.
-    pub fn set_position(&mut self, position: f32, table: &BankTable<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
-        if table.positions > 1 && position != self.position {
-            self.position = position;
-            self.derive_gains(table, rate, memory);
-        }
-    }
-
-    fn derive_gains(&mut self, table: &BankTable<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
-        let origins = memory.origins.get(self.origins.range()).unwrap_or(&[]);
-        let gain = gain_law(table, rate, self.position);
-        let (mut first, gain_room) = (0, Hand::new(table, rate).gain_room());
-        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
-            let origins = origins.get(first..).unwrap_or(&[]);
-            let index = |slot: usize| origins.get(slot).map(Origin::index);
-            let pole = |slot: usize, mode: &Mode| {
-                origins.get(slot).map_or(mode.coefficients, |origin| origin.at_rest(mode.coefficients))
-            };
-            let gains = orbit_gains(group, |slot| gain(index(slot)), pole);
-            group.set_gains(modes, gain_room, gains);
-            for (mode, origin) in modes.iter_mut().zip(origins) {
-                mode.gain.u = origin.held_gain(mode.coefficients, mode.gain.u);
-            }
-            first += modes.len();
-        });
-        let cosines = origins
-            .iter()
-            .map(|origin| f64::from(gain_at(table.gains, table.positions, origin.index(), self.position).1));
-        self.onset = onset(cosines.sum(), table, rate);
-        // New gains need new guards.
-        self.allowance = 0;
     }
 }
 
