@@ -38,7 +38,7 @@ fn modes(gains: &[(f32, f32)], positions: usize) -> Vec<Mode> {
 /// A table of 24 modes whose gains differ from place to place.
 fn table() -> Loaded {
     let gains: Vec<(f32, f32)> =
-        (0..72).map(|n| ((n as f32 * 1.7).sin() * 0.2, (n as f32 * 2.3).cos() * 0.05)).collect();
+        (0..72).map(|n| ((n as f32 * 1.7).sin() * 40.0, (n as f32 * 2.3).cos() * 10.0)).collect();
     let mut kit = one_pad(modes(&gains, 3));
     kit.strikers[0].contact_time_s = 0.003;
     load(kit)
@@ -73,7 +73,7 @@ fn a_strike_at_a_third_place_is_merged_into_the_nearer_and_counted() {
 
 #[test]
 fn a_pad_with_one_position_is_struck_in_one_slot_whatever_its_strikes_say() {
-    let loaded = load(one_pad(modes(&[(0.2, 0.0); 12], 1)));
+    let loaded = load(one_pad(modes(&[(40.0, 0.0); 12], 1)));
     let events = vec![strike_at(10.0, 0.0, 0.9), strike_at(20.0, 0.7, 0.8), strike_at(25.0, 1.0, 0.8)];
     let (snr, merged) = snr_to_the_law(&loaded, events);
     assert!(snr >= 100.0 && merged == 0, "{snr:.1} dB, {merged} merged");
@@ -84,12 +84,13 @@ proptest! {
 
     #[test]
     fn strikes_anywhere_on_any_table_agree_with_the_law_until_one_is_merged(
-        gains in prop::collection::vec((-0.3f32..0.3, -0.1f32..0.1), 8..160),
+        gains in prop::collection::vec((10f32..60.0, -20f32..20.0, any::<bool>()), 8..160),
         positions in 2usize..5,
         mut strikes in prop::collection::vec((0.0f64..4_000.0, 0u8..5, 0.2f32..1.0), 2..12),
         choke: bool,
         block in 1usize..200,
     ) {
+        let gains: Vec<_> = gains.into_iter().map(|(s, c, flips)| (if flips { -s } else { s }, c)).collect();
         let mut kit = one_pad(modes(&gains, positions));
         kit.strikers[0].contact_time_s = 0.002;
         kit.pads[0].choke_t60_s = 0.2;

@@ -39,8 +39,6 @@ const CALM_TICKS: u8 = 96;
 /// What a bank knows of its hand.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HandState {
-    /// True if the pad can be choked.
-    is_possible: bool,
     /// True from a choke to its release.
     pub(super) lies: bool,
     /// Number of modes that the hand, or its going, has reached since its last event.
@@ -53,22 +51,27 @@ pub(super) struct HandState {
     calm_ticks: u8,
     /// Most bits by which a release may make a u larger.
     room_bits: u8,
-    /// Ticks in which a mode under the hand decays by half a bit.
+    /// Ticks in which a mode under the hand decays by half a bit; 0 if the pad cannot be choked.
     guard_ticks: u8,
 }
 
 impl HandState {
     /// No hand, and none that can come.
     pub(super) const NONE: Self = Self {
-        is_possible: false,
         lies: false,
         reached: u16::MAX,
         passes_per_guard: 0,
         passes: 0,
         calm_ticks: 0,
         room_bits: 0,
-        guard_ticks: MAX_GUARD_TICKS as u8,
+        guard_ticks: 0,
     };
+
+    /// True if the pad can be choked.
+    #[inline(always)]
+    fn is_possible(&self) -> bool {
+        self.guard_ticks > 0
+    }
 
     /// Longest interval between two guards of a group, in ticks without input.
     #[inline(always)]
@@ -130,22 +133,26 @@ impl Hand {
             growth_of_change(frequency_hz, decay_per_s, self.decay_per_s.max(decay_per_s), self.rate)
         });
         let growth = growths.fold(1.0, f64::max);
-        let (mut passes_per_guard, mut product) = (0, growth);
-        while product <= RESERVE && passes_per_guard < u8::MAX {
-            (passes_per_guard, product) = (passes_per_guard + 1, product * growth);
-        }
         let coupled = origins.iter().zip(memory_modes).filter(|(origin, _)| origin.is_coupled());
         let released = coupled.map(|(origin, mode)| 1.0 + change_of_u(origin.other, mode.coefficients));
         let largest = released.fold(1.0f32, f32::max);
         HandState {
-            is_possible: true,
-            passes_per_guard,
+            passes_per_guard: passes_per_guard(growth),
             // One for the fraction of the logarithm, and two as the states' orbits may stand four times above their guard.
             room_bits: (libm::frexpf(largest).1 + 2).clamp(2, 30) as u8,
             guard_ticks: ticks_to_half_a_bit(self.delta),
             ..HandState::NONE
         }
     }
+}
+
+/// Number of changes that the reserve holds, each of which makes at most so much of an amplitude.
+fn passes_per_guard(growth: f64) -> u8 {
+    let (mut passes, mut product) = (0, growth);
+    while product <= RESERVE && passes < u8::MAX {
+        (passes, product) = (passes + 1, product * growth);
+    }
+    passes
 }
 
 /// Puts the slots of the modes into the origins, in the order of the table.
@@ -205,7 +212,7 @@ fn grown(number: i32, share: f32) -> i32 {
 impl Bank {
     /// A hand comes or goes: it reaches the first modes at once, the others by [`Bank::reach`].
     pub fn lay_hand(&mut self, lies: bool, memory: &mut Memory<'_>) {
-        if !self.hand.is_possible || lies == self.hand.lies {
+        if !self.hand.is_possible() || lies == self.hand.lies {
             return;
         }
         if self.hand_needs_guard() {
@@ -230,13 +237,13 @@ impl Bank {
 
     /// Number of modes that a hand reaches at its event.
     pub fn modes_of_a_hand(&self) -> usize {
-        if self.hand.is_possible { self.modes.range().len().min(MODES_PER_TICK) } else { 0 }
+        if self.hand.is_possible() { self.modes.range().len().min(MODES_PER_TICK) } else { 0 }
     }
 
     /// True if a hand comes or goes that has not reached all modes yet.
     #[inline(always)]
     pub fn is_being_reached(&self) -> bool {
-        self.hand.is_possible && usize::from(self.hand.reached) < self.modes.range().len()
+        self.hand.is_possible() && usize::from(self.hand.reached) < self.modes.range().len()
     }
 
     /// Number of modes that the next [`Bank::reach`] looks at.
@@ -302,5 +309,81 @@ impl Bank {
         } else {
             self.guard(memory, self.allowance, false);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::headroom::{GROWTH, GROWTH_OF_V};
+    use super::*;
+
+    /// Steps a state of a form without rounding; gives the size of what it comes by.
+    fn step(form: Form, (delta, epsilon): (f64, f64), (u, v): &mut (f64, f64)) -> f64 {
+        let scale = f64::from(1 << form.shift());
+        *u -= delta * *u;
+        *u -= epsilon * *v;
+        *v += if form == Form::Coupled { epsilon * *u } else { *u * scale };
+        (*u * scale).abs().max(v.abs())
+    }
+
+    fn reals(coefficients: Coefficients) -> (f64, f64) {
+        let unit = 2f64.powi(32);
+        (f64::from(coefficients.delta) / unit, f64::from(coefficients.epsilon) / unit)
+    }
+
+    #[test]
+    fn hands_between_two_guards_stay_within_the_reserve() {
+        let rate = SampleRate::HZ_48000;
+        let mut random = 1u32;
+        let mut next = |below: u32| {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (random >> 8) % below
+        };
+        let (mut worst, mut worst_v, mut flips) = (0.0f64, 0.0f64, 0);
+        for _ in 0..6_000 {
+            let frequency = 20.0 * 1_190f64.powf(f64::from(next(1 << 20)) / f64::from(1 << 20));
+            let rest_t60 = 0.001 * 10_000f64.powf(f64::from(next(1000)) / 1000.0);
+            let choke_t60 = 0.001 * 1_000f64.powf(f64::from(next(1000)) / 1000.0);
+            let rest_decay = 1000f64.ln() / rest_t60;
+            let choked_decay = decay_of_t60(choke_t60, rate).max(rest_decay);
+            let passes = passes_per_guard(growth_of_change(frequency, rest_decay, choked_decay, rate));
+            let Some(pole) = Pole::new(frequency, rest_decay, rate) else { continue };
+            let choked = pole.coefficients.choked(pole.form, delta_of_t60(choke_t60, rate));
+            for start in [1.0, -1.0] {
+                let mut state = (1.0 / f64::from(1 << pole.form.shift()), start);
+                let (mut now, mut other) = (pole.coefficients, choked);
+                for _ in 0..passes.min(4) {
+                    for _ in 0..next(40) {
+                        worst = worst.max(step(pole.form, reals(now), &mut state));
+                        worst_v = worst_v.max(state.1.abs());
+                    }
+                    if pole.form == Form::Coupled {
+                        state.0 *= 1.0 + f64::from(change_of_u(now, other));
+                    }
+                    core::mem::swap(&mut now, &mut other);
+                    flips += 1;
+                }
+                for _ in 0..300 {
+                    worst = worst.max(step(pole.form, reals(now), &mut state));
+                    worst_v = worst_v.max(state.1.abs());
+                }
+            }
+        }
+        std::println!("{flips} changes: growth {worst:.3} of the state, {worst_v:.3} of v");
+        assert!(flips > 1_000 && worst < GROWTH as f64 && worst_v < GROWTH_OF_V as f64, "{worst} {worst_v}");
+    }
+
+    #[test]
+    fn a_gain_under_a_hand_grows_by_less_than_its_room() {
+        let rate = SampleRate::HZ_44100;
+        let mut largest = 0.0f32;
+        for frequency in (1..=355).map(|n| f64::from(n) * 10.0) {
+            for choke_t60 in (0..60).map(|n| 0.001 * 1.1f64.powi(n)) {
+                let Some(pole) = Pole::new(frequency, 0.1, rate).filter(|pole| pole.form == Form::Coupled) else { continue };
+                let choked = pole.coefficients.choked(pole.form, delta_of_t60(choke_t60, rate));
+                largest = largest.max(1.0 + change_of_u(pole.coefficients, choked));
+            }
+        }
+        assert!((1.02..GAIN_ROOM).contains(&largest), "{largest}");
     }
 }
