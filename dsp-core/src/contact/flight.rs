@@ -9,6 +9,8 @@ use crate::fixed;
 pub struct Contact {
     pad: u8,
     striker: u8,
+    /// Which of the pad's position slots it drives.
+    slot: u8,
     pulse: Pulse,
     /// Peak force, Q4.27.
     peak: i32,
@@ -19,7 +21,7 @@ pub struct Contact {
 }
 
 impl Contact {
-    const OVER: Self = Self { pad: 0, striker: 0, pulse: Pulse::Gaussian, peak: 0, phase: WHOLE, step: 0 };
+    const OVER: Self = Self { pad: 0, striker: 0, slot: 0, pulse: Pulse::Gaussian, peak: 0, phase: WHOLE, step: 0 };
 
     /// A contact whose pulse began `early` (a fraction of a sample, 1.0 = 2^32) before the next frame: onsets fall between samples.
     pub fn new(pad: u8, striker: u8, impact: Impact, early: u32) -> Self {
@@ -27,7 +29,12 @@ impl Contact {
         // The step in halves, so that nothing overflows.
         let (upper, lower) = (step >> 32, step & 0xffff_ffff);
         let phase = upper * u64::from(early) + ((lower * u64::from(early)) >> 32);
-        Self { pad, striker, pulse: impact.pulse, peak, phase, step: step.max(1) }
+        Self { pad, striker, slot: 0, pulse: impact.pulse, peak, phase, step: step.max(1) }
+    }
+
+    /// The same contact at the position of one of the pad's slots.
+    pub fn in_slot(self, slot: u8) -> Self {
+        Self { slot, ..self }
     }
 
     /// The phase from which on no frame has force. Below 2^63.
@@ -124,6 +131,11 @@ impl<const CAPACITY: usize> Flight<CAPACITY> {
         self.under_way().iter().filter(|contact| contact.pad == pad).count()
     }
 
+    /// Whether any contact under way on a pad drives a position slot.
+    pub fn is_any_in(&self, pad: u8, slot: u8) -> bool {
+        self.under_way().iter().any(|contact| contact.pad == pad && contact.slot == slot)
+    }
+
     /// What the contacts on a pad may still bring: a bound of the sum of their force, bus steps, and the length in samples of the longest.
     pub fn ahead(&self, pad: u8) -> (f32, f32) {
         let contacts = self.under_way().iter().filter(|contact| contact.pad == pad);
@@ -163,9 +175,10 @@ impl<const CAPACITY: usize> Flight<CAPACITY> {
         true
     }
 
-    /// Adds the force of the contacts of one of a pad's strikers to a run, and moves these contacts on.
-    pub fn add_force(&mut self, pad: u8, striker: u8, force: &mut [i32]) {
-        let own = |contact: &&mut Contact| contact.pad == pad && contact.striker == striker;
+    /// Adds the force of the contacts of one of a pad's strikers in a position slot to a run, and moves these contacts on.
+    pub fn add_force(&mut self, pad: u8, striker: u8, slot: u8, force: &mut [i32]) {
+        let own =
+            |contact: &&mut Contact| contact.pad == pad && contact.striker == striker && contact.slot == slot;
         self.contacts.iter_mut().take(self.count).filter(own).for_each(|contact| contact.add_to(force));
     }
 

@@ -11,7 +11,7 @@ use super::cost::{CYCLES, Counts, Part};
 use super::{Direct, Engine, FilterRoom, Surroundings};
 use crate::event::{Action, Event, Time};
 use crate::pad::{Pad, group_count, is_ringing};
-use crate::resonator::{Audience, Memory, Selection, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
+use crate::resonator::{Audience, Bank, Memory, Selection, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
 
 /// How a pad is heard and how it will run; `None` for one that will not.
 type Listening = Option<(Audience, UpcomingRun)>;
@@ -55,8 +55,7 @@ impl<
         log: &mut impl FnMut(&Event),
     ) -> bool {
         let Some(budget) = self.budget.filter(|_| self.skipping == super::Skipping::On) else { return false };
-        // What a single tick may cost more than predicted.
-        let budget = budget - budget / MARGIN;
+        let margin = budget / MARGIN;
         let mut rest = self.rest_of_tick(upcoming, direct);
         let end = self.now + u64::from(self.frames_to_tick());
         let surprised = upcoming.first().is_some_and(|event| event.time.first_frame() < end);
@@ -66,6 +65,9 @@ impl<
                 self.report.counts.add(part, rest.of(part));
             }
         }
+        // What a single tick may cost more than predicted is kept free, and pays for a hand: so that of one pad sheds nothing.
+        let hands = (self.report.counts.of(Part::ChokedMode) + rest.of(Part::ChokedMode)) * cycles_of(Part::ChokedMode);
+        let budget = budget - margin + hands.min(margin);
         let predicted = self.report.predicted_cycles() + rest.cycles();
         if predicted > budget {
             let survey = self.survey_counts();
@@ -171,29 +173,44 @@ impl<
 
     /// What a tick's beginning does.
     #[inline(never)]
-    pub(super) fn beginning(&self) -> [(Part, u32); 4] {
+    pub(super) fn beginning(&self) -> [(Part, u32); 5] {
         if self.idle {
-            return [(Part::IdleTick, 1), (Part::WakingPad, 0), (Part::DueGroup, 0), (Part::ResidualCycle, 0)];
+            let nothing = (Part::WakingPad, 0);
+            return [(Part::IdleTick, 1), nothing, nothing, nothing, nothing];
         }
         let due = self.pads().iter().filter(|pad| pad.is_guard_due(pad.own(&self.banks)));
-        let groups = due.map(|pad| group_count(pad.own(&self.banks))).sum();
+        let groups: u32 = due.map(|pad| group_count(pad.own(&self.banks))).sum();
         let pads = self.pads().iter().filter(|pad| !pad.rests()).count();
         let noise = (Part::ResidualCycle, self.noise_cycles() + self.room_cycles() + self.filter_cycles());
-        [(Part::Tick, 1), (Part::WakingPad, pads as u32), (Part::DueGroup, groups), noise]
+        let (modes, guards) = reached(&self.banks, |bank| (bank.modes_to_reach(), bank.hand_is_guarded()));
+        let hand = (Part::ChokedMode, modes);
+        [(Part::Tick, 1), (Part::WakingPad, pads as u32), (Part::DueGroup, groups + guards), noise, hand]
     }
 
     /// What an event does.
-    pub(super) fn event_counts(&self, event: &Event) -> [(Part, u32); 3] {
+    pub(super) fn event_counts(&self, event: &Event) -> [(Part, u32); 4] {
         let filters = (Part::ResidualCycle, self.filter_strike_cycles(event));
         let [first, second] = match event.action {
-            Action::Strike => [(Part::Strike, 1), (Part::ResidualStrike, u32::from(self.has_noise(event.pad)))],
+            Action::Strike => {
+                let noise = (Part::ResidualStrike, u32::from(self.has_noise(event.pad)));
+                return [(Part::Strike, 1), noise, filters, (Part::MovedMode, self.moved_modes(event))];
+            }
             Action::Choke | Action::Release => {
-                let modes = self.pads().get(usize::from(event.pad)).map_or(0, Pad::mode_count);
-                [(Part::Strike, 1), (Part::ChokedMode, modes as u32)]
+                let banks = self.pads().get(usize::from(event.pad)).map_or(&[][..], |pad| pad.own(&self.banks));
+                let (modes, guards) =
+                    reached(banks, |bank| (bank.modes_of_a_hand(), bank.hand_needs_guard() || bank.hand_is_guarded()));
+                return [(Part::Strike, 1), (Part::ChokedMode, modes), (Part::DueGroup, guards), filters];
             }
             Action::Shed(_) => self.survey_counts(),
         };
-        [first, second, filters]
+        [first, second, filters, (Part::ChokedMode, 0)]
+    }
+
+    /// Modes whose gains a strike has derived anew.
+    fn moved_modes(&self, event: &Event) -> u32 {
+        let object = self.pads().get(usize::from(event.pad)).and_then(|pad| pad.own(&self.banks).first());
+        let moves = |object: &&Bank| object.place(event.position, |slot| self.flight.is_any_in(event.pad, slot)).moves;
+        object.filter(moves).map_or(0, |object| object.mode_count() as u32)
     }
 
     fn survey_counts(&self) -> [(Part, u32); 2] {
@@ -202,6 +219,13 @@ impl<
 
     fn frames_to_tick(&self) -> u32 {
         (TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64) as u32
+    }
+
+    /// True if a force is, or by a known strike may be, in the second slot of a pad.
+    fn has_second(&self, number: u8, is_direct: bool, struck: bool, bank: &Bank) -> bool {
+        let is_driven = self.flight.is_any_in(number, 1) || struck && self.flight.is_any_in(number, 0);
+        let direct_slot = self.pads().get(usize::from(number)).map_or(0, Pad::direct_slot);
+        is_driven || bank.has_second_gains() && is_direct && direct_slot == 1
     }
 
     /// From now to the end of the tick, with the events that are known.
@@ -249,9 +273,13 @@ impl<
                 continue;
             }
             let (mut groups, mut banks) = (0, 0);
+            let mut on_bus = false;
             for bank in pad_banks.iter().filter(|bank| bank.mode_count() > 0) {
                 let (cycles, running) = bank.cycles(&self.groups, used, frames);
-                counts.add(Part::KernelCycle, cycles);
+                let has_second = bank.can_take_second() && self.has_second(number, is_direct, struck, bank);
+                counts.add(Part::KernelCycle, if has_second { 2 * cycles } else { cycles });
+                counts.add(Part::SecondGroup, if has_second { running } else { 0 });
+                on_bus |= has_second;
                 // Of a driven bank all are looked at closely.
                 counts.add(Part::PredictedGroup, bank.group_count() * (1 + u32::from(is_driven)));
                 groups += running;
@@ -266,7 +294,7 @@ impl<
                 // Nobody hears the force, and nothing is done.
                 continue;
             }
-            let on_bus = filtered && self.filters.join_in(number, is_driven, pad_banks);
+            on_bus |= filtered && self.filters.join_in(number, is_driven, pad_banks);
             if is_driven {
                 counts.add(
                     if pad.drives_quickly(pad_banks) && !on_bus { Part::DrivenPad } else { Part::BusDrivenPad },
@@ -283,6 +311,14 @@ impl<
             }
         }
     }
+}
+
+/// Modes that a hand reaches in banks, and groups that are guarded for it: `of` gives a bank's modes, and whether it is guarded.
+fn reached(banks: &[Bank], of: impl Fn(&Bank) -> (usize, bool)) -> (u32, u32) {
+    banks.iter().map(|bank| (of(bank), bank)).fold((0, 0), |(modes, groups), ((reached, is_guarded), bank)| {
+        let guards = if is_guarded && reached > 0 { bank.group_count() } else { 0 };
+        (modes + reached as u32, groups + guards) // banks count in 16 bits
+    })
 }
 
 /// A 32nd of the budget is kept free.

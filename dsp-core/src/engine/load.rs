@@ -274,6 +274,8 @@ impl<
                 rate,
             })?;
         }
+        // Memory that is left then serves second positions.
+        self.banks.iter_mut().take(used.banks).for_each(|bank| bank.reserve_second(&memory, &mut used));
         Ok(())
     }
 }

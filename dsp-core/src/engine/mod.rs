@@ -66,10 +66,10 @@ pub struct Direct<'a> {
 /// | parameter | counts | bytes each |
 /// | --- | --- | --- |
 /// | `PADS` | pads of the kit | 76 |
-/// | `BANKS` | a pad's object, and its strikers up to the last one with modes, of all pads | 64 |
+/// | `BANKS` | a pad's object, and its strikers up to the last one with modes, of all pads | 88 |
 /// | `MODES` | modes below Nyquist of all pads, their strikers' included | 24 |
 /// | `GROUPS` | register groups: modes/6, and up to six more a bank | 24 |
-/// | `ORIGINS` | modes of pads that can be choked or have several positions | 12 |
+/// | `ORIGINS` | modes of pads that can be choked or have several positions; with several positions as many again, if there is room | 12 |
 /// | `CONTACTS` | contacts under way at once | 32 |
 /// | `S` | [`Surroundings`]: [`Residuals`] for so many pads with a residual, the background counting as one, a [`Room`](crate::room::Room), and [`Filters`]; none unless said otherwise | 24 KB a residual; a room as long as its lines; filters as their delay lines and biquads |
 #[derive(Debug)]
@@ -373,7 +373,7 @@ mod tests {
             (size_of::<Mode>(), size_of::<Group>(), size_of::<Origin>(), size_of::<Contact>()),
             (24, 24, 12, 32)
         );
-        assert_eq!(size_of::<Bank>(), 64);
+        assert_eq!(size_of::<Bank>(), 88);
         // Four pointers, each beside an f32, which are twice as wide on a PC as on the board.
         let pointers = 8 * (size_of::<usize>() - 4);
         assert_eq!(size_of::<Pad<'_>>(), (76 + pointers).next_multiple_of(size_of::<usize>()));

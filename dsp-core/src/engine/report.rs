@@ -42,6 +42,8 @@ pub struct TickReport {
     pub strikes: u32,
     /// Contacts that a new one displaced, because all places were taken.
     pub displaced_contacts: u32,
+    /// Strikes at a third position while contacts at two others were under way on the pad: they drive the nearer of these.
+    pub merged_positions: u32,
     /// Guards beyond the one a tick.
     pub extra_guards: u32,
     /// Runs of register groups whose input was refused for want of headroom.
@@ -92,6 +94,7 @@ impl TickReport {
         direct_frames: 0,
         strikes: 0,
         displaced_contacts: 0,
+        merged_positions: 0,
         extra_guards: 0,
         refused_inputs: 0,
         refused_stages: 0,

@@ -67,29 +67,30 @@ impl<
         }
         (self.idle, self.was_idle) = (false, false);
         if event.action != Action::Strike {
-            return self.change(event);
+            return self.change(event, 0);
         }
         self.admit(event.pad);
         let rate = self.rate();
         let Some(pad) = self.pads.get_mut(usize::from(event.pad)) else { return };
         let banks = pad.own_mut(&mut self.banks);
         let Some(impact) = pad.strike(event.velocity, event.striker, rate, banks) else { return };
-        let moves = Pad::moves_to(event.position, banks);
+        let place = pad.place(event.position, banks, |slot| self.flight.is_any_in(event.pad, slot));
         if self.noisy || self.filtered {
             self.strike_stages(event.pad, impact.peak);
         }
         self.expects = true;
-        let contact = Contact::new(event.pad, event.striker, impact, event.time.early());
+        let contact = Contact::new(event.pad, event.striker, impact, event.time.early()).in_slot(place.slot);
         self.report.strikes += 1;
         self.report.displaced_contacts += u32::from(self.flight.begin(contact));
-        if moves {
-            self.change(event);
+        self.report.merged_positions += u32::from(place.is_merged);
+        if place.moves {
+            self.change(event, place.slot);
         }
     }
 
     /// What needs the pad's tables: a hand that comes or goes, a strike at another position.
     #[inline(never)] // to look them up takes longer than a strike, and room on the stack
-    fn change(&mut self, event: &Event) {
+    fn change(&mut self, event: &Event, slot: u8) {
         let rate = self.rate();
         let Some(kit) = self.kit else { return };
         let Some(tables) = PadTables::new(kit, usize::from(event.pad)) else { return };
@@ -97,9 +98,9 @@ impl<
         let banks = pad.own_mut(&mut self.banks);
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
         match event.action {
-            Action::Strike => Pad::set_position(event.position, &tables, rate, &mut memory, banks),
-            Action::Choke => pad.set_choked(true, &tables, rate, &mut memory, banks),
-            Action::Release => pad.set_choked(false, &tables, rate, &mut memory, banks),
+            Action::Strike => Pad::set_position(slot, event.position, &tables, rate, &mut memory, banks),
+            Action::Choke => pad.set_choked(true, &mut memory, banks),
+            Action::Release => pad.set_choked(false, &mut memory, banks),
             Action::Shed(_) => {}
         }
         if event.action != Action::Strike {
@@ -181,7 +182,7 @@ impl<
             && self.report.residuals == 0
             && self.report.filters == 0
             && self.room.is_silent()
-            && self.pads().iter().all(|pad| pad.retired_amplitude() == 0.0);
+            && self.pads().iter().all(|pad| pad.retired_amplitude() == 0.0 && !Pad::is_being_reached(pad.own(&self.banks)));
         if self.idle {
             let unstruck = self.pads().iter().filter(|pad| !pad.was_struck());
             self.unstruck_modes = unstruck.map(|pad| pad.mode_count() as u32).sum();

@@ -24,7 +24,7 @@ use crate::contact::law::{Impact, StrikerLaw, typical_contact};
 use crate::fixed;
 use crate::output::Panner;
 use crate::radiation::Acceleration;
-use crate::resonator::{Bank, BankError, BankTable, BankWork, Group, Memory, Retirement, Used};
+use crate::resonator::{Bank, BankError, BankTable, BankWork, Group, Memory, Place, Retirement, Used};
 use crate::table::ContactTable;
 use crate::table::layout::STRIKERS_PER_PAD;
 use tables::NO_CONTACT;
@@ -47,6 +47,8 @@ pub struct Pad<'k> {
     expected: u32,
     choked: bool,
     struck: bool,
+    /// The slot of the latest strike.
+    direct_slot: u8,
     /// Coming ticks in which no bank has anything to do, and those of them that have passed without the banks' knowing.
     rest_ticks: u8,
     passed_ticks: u8,
@@ -99,6 +101,7 @@ impl<'k> Pad<'k> {
         expected: 0,
         choked: false,
         struck: false,
+        direct_slot: 0,
         rest_ticks: 0,
         passed_ticks: 0,
         retired_amplitude: 0.0,
@@ -207,36 +210,37 @@ impl<'k> Pad<'k> {
         Some(impact)
     }
 
-    /// Lays a hand on, or lets go.
-    pub fn set_choked(
-        &mut self,
-        choked: bool,
-        tables: &PadTables<'_>,
-        rate: SampleRate,
-        memory: &mut Memory<'_>,
-        banks: &mut [Bank],
-    ) {
+    /// Lays a hand on, or lets go: it reaches the banks' first modes at once, the others at the coming ticks.
+    pub fn set_choked(&mut self, choked: bool, memory: &mut Memory<'_>, banks: &mut [Bank]) {
         if choked == self.choked {
             return;
         }
         self.choked = choked;
         self.wake(banks);
-        let Some((object, strikers)) = banks.split_first_mut() else { return };
-        object.set_choked(choked, &tables.object_table(NO_CONTACT), rate, memory);
-        for (index, bank) in strikers.iter_mut().enumerate() {
-            if let Some(table) = tables.striker_table(index, NO_CONTACT) {
-                bank.set_choked(choked, &table, rate, memory);
-            }
-        }
+        banks.iter_mut().for_each(|bank| bank.lay_hand(choked, memory));
     }
 
-    /// Whether a strike at a position needs other gains than the last one.
-    pub fn moves_to(position: f32, banks: &[Bank]) -> bool {
-        banks.first().is_some_and(|object| object.moves_to(position))
+    /// True if a hand comes or goes that has not reached all modes yet.
+    pub fn is_being_reached(banks: &[Bank]) -> bool {
+        banks.iter().any(Bank::is_being_reached)
     }
 
-    /// Moves the object to the position of a strike.
+    /// The slot of a strike at a position; `is_driven` says which slots contacts drive. A direct force acts there from now on.
+    pub fn place(&mut self, position: f32, banks: &[Bank], is_driven: impl Fn(u8) -> bool) -> Place {
+        let place = banks.first().map_or(Place::FIRST, |object| object.place(position, is_driven));
+        self.direct_slot = place.slot;
+        place
+    }
+
+    /// The slot at whose position a direct force acts: that of the latest strike.
+    #[inline(always)]
+    pub(crate) fn direct_slot(&self) -> u8 {
+        self.direct_slot
+    }
+
+    /// Moves a slot of the object to the position of a strike.
     pub fn set_position(
+        slot: u8,
         position: f32,
         tables: &PadTables<'_>,
         rate: SampleRate,
@@ -244,7 +248,7 @@ impl<'k> Pad<'k> {
         banks: &mut [Bank],
     ) {
         if let Some(object) = banks.first_mut() {
-            object.set_position(position, &tables.object_table(NO_CONTACT), rate, memory);
+            object.set_position(slot, position, &tables.object_table(NO_CONTACT), rate, memory);
         }
     }
 
@@ -331,6 +335,9 @@ impl<'k> Pad<'k> {
         let mut retirement = Retirement::new(already, self.unit());
         let (mut rest_ticks, mut retired_amplitude) = (if skip { u8::MAX } else { 0 }, 0.0);
         for bank in banks {
+            if bank.is_being_reached() {
+                bank.reach(memory);
+            }
             bank.tick(memory, skip.then_some(&mut retirement));
             rest_ticks = rest_ticks.min(bank.rest_ticks());
             retired_amplitude += bank.retired_amplitude();

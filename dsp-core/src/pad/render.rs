@@ -73,7 +73,10 @@ impl Pad<'_> {
             work.force_frames = frames as u32;
             work.direct_frames = if run.direct.is_some() { frames as u32 } else { 0 };
         }
-        if let [object] = &mut *banks {
+        let has_second = self.has_second(number, run.direct, flight, banks);
+        if let [object] = &mut *banks
+            && !has_second
+        {
             self.take_force(number, run.direct, flight, force);
             // The usual case, in one pass: the same bits.
             let gains = self.panner.gains(object.mix_shift().is_loud);
@@ -84,11 +87,28 @@ impl Pad<'_> {
                 return work;
             }
         }
-        self.drive_on_bus(number, run, flight, memory, banks, force, out, &mut work);
+        if has_second {
+            self.drive_both_on_bus(number, run, flight, memory, banks, force, out, &mut work);
+        } else {
+            self.drive_on_bus(number, run, flight, memory, banks, force, out, &mut work);
+        }
         work
     }
 
-    /// Adds the force of all contacts, and a direct one, where no striker has a bank.
+    /// True if a force acts at the position of slot 1.
+    #[inline(always)]
+    fn has_second<const CONTACTS: usize>(
+        &self,
+        number: u8,
+        direct: Option<&[i32]>,
+        flight: &Flight<CONTACTS>,
+        banks: &[Bank],
+    ) -> bool {
+        banks.first().is_some_and(Bank::has_second_gains)
+            && (flight.is_any_in(number, 1) || direct.is_some() && self.direct_slot() == 1)
+    }
+
+    /// Adds the force of all contacts, and a direct one, where no striker has a bank and slot 1 no force.
     fn take_force<const CONTACTS: usize>(
         &self,
         number: u8,
@@ -97,7 +117,7 @@ impl Pad<'_> {
         force: &mut [i32],
     ) {
         direct.into_iter().for_each(|direct| add(force, direct));
-        (0..self.striker_count).for_each(|index| flight.add_force(number, index, force));
+        (0..self.striker_count).for_each(|index| flight.add_force(number, index, 0, force));
     }
 
     /// The same with all that a pad can have; `force` holds the force already where no striker has a bank.
@@ -116,11 +136,33 @@ impl Pad<'_> {
     ) {
         let mut sound = [0; TICK_FRAMES];
         let Some(sound) = sound.get_mut(..force.len()) else { return };
-        self.add_driven(number, run, flight, memory, banks, force, (sound, None), work);
+        self.add_driven(number, run, flight, memory, banks, (force, None), (sound, None), work);
         self.panner.render(sound, out);
     }
 
-    /// Adds, under a force, all of the pad to a bus, the object's modes to another one where there is one.
+    /// [`Pad::drive_on_bus`] with a force in slot 1 as well, for which there is another buffer.
+    #[inline(never)]
+    #[allow(clippy::too_many_arguments)] // one call, taken apart for the stack's sake
+    fn drive_both_on_bus<const CONTACTS: usize>(
+        &mut self,
+        number: u8,
+        run: Run<'_>,
+        flight: &mut Flight<CONTACTS>,
+        memory: &mut Memory<'_>,
+        banks: &mut [Bank],
+        force: &mut [i32],
+        out: &mut [[i32; 2]],
+        work: &mut PadWork,
+    ) {
+        let (mut sound, mut second) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
+        let frames = force.len();
+        let (Some(sound), Some(second)) = (sound.get_mut(..frames), second.get_mut(..frames)) else { return };
+        self.add_driven(number, run, flight, memory, banks, (force, Some(second)), (sound, None), work);
+        self.panner.render(sound, out);
+    }
+
+    /// Adds, under a force, all of the pad to a bus, the object's modes to another one where there is one. The first force is that of slot 0, and
+    /// holds it already where no striker has a bank and there is no second; behind, it is that of both.
     #[inline(always)] // one of two callers is not built where there are no filters
     #[allow(clippy::too_many_arguments)] // one call, taken apart for the stack's sake
     fn add_driven<const CONTACTS: usize>(
@@ -130,30 +172,30 @@ impl Pad<'_> {
         flight: &mut Flight<CONTACTS>,
         memory: &mut Memory<'_>,
         banks: &mut [Bank],
-        force: &mut [i32],
+        (force, mut second): (&mut [i32], Option<&mut [i32]>),
         (sound, modes): (&mut [i32], Option<&mut [i32]>),
         work: &mut PadWork,
     ) {
         let Some((object, strikers)) = banks.split_first_mut() else { return };
-        if !strikers.is_empty() {
+        if !strikers.is_empty() || second.is_some() {
             let (mut direct, mut strikers) = (run.direct, strikers.iter_mut());
             for index in 0..self.striker_count {
-                let direct = direct.take();
+                // Where there is no second force, a direct one acts in slot 0.
+                let (direct, striker) = (direct.take(), (number, index));
+                let forces = (&mut *force, second.as_deref_mut(), self.direct_slot());
                 match strikers.next().filter(|bank| bank.mode_count() > 0) {
                     Some(bank) => {
-                        let striker = (number, index);
-                        work.strikers += drive_striker(bank, striker, run, direct, flight, memory, force, sound);
+                        work.strikers += drive_striker(bank, striker, run, direct, flight, memory, forces, sound);
                     }
-                    None => {
-                        direct.into_iter().for_each(|direct| add(force, direct));
-                        flight.add_force(number, index, force);
-                    }
+                    None => add_forces(striker, direct, flight, forces),
                 }
             }
         }
-        match modes {
-            Some(modes) => work.object = object.render(memory, Some(force), run.odd_start, run.skip, modes),
-            None => work.object = object.render(memory, Some(force), run.odd_start, run.skip, sound),
+        let forces = (Some(&*force), second.as_deref());
+        work.object = object.render_slots(memory, forces, run.odd_start, run.skip, modes.unwrap_or(sound));
+        if let Some(second) = second {
+            // What does not depend on the position hears both.
+            add(force, second);
         }
         if self.acceleration.is_built() {
             work.acceleration_frames = force.len() as u32;
@@ -180,11 +222,34 @@ impl Pad<'_> {
         let frames = force.len() as u32;
         let direct_frames = if run.direct.is_some() { frames } else { 0 };
         let mut work = PadWork { force_frames: frames, direct_frames, ..PadWork::default() };
+        if self.has_second(number, run.direct, flight, banks) {
+            self.drive_both_mono(number, run, flight, memory, banks, force, buses, &mut work);
+            return work;
+        }
         if banks.len() == 1 {
             self.take_force(number, run.direct, flight, force);
         }
-        self.add_driven(number, run, flight, memory, banks, force, buses, &mut work);
+        self.add_driven(number, run, flight, memory, banks, (force, None), buses, &mut work);
         work
+    }
+
+    /// [`Pad::drive_mono`] with a force in slot 1 as well.
+    #[inline(never)] // its buffer must not weigh on pads that do without
+    #[allow(clippy::too_many_arguments)] // one call, taken apart for the stack's sake
+    fn drive_both_mono<const CONTACTS: usize>(
+        &mut self,
+        number: u8,
+        run: Run<'_>,
+        flight: &mut Flight<CONTACTS>,
+        memory: &mut Memory<'_>,
+        banks: &mut [Bank],
+        force: &mut [i32],
+        buses: (&mut [i32], Option<&mut [i32]>),
+        work: &mut PadWork,
+    ) {
+        let mut second = [0; TICK_FRAMES];
+        let Some(second) = second.get_mut(..force.len()) else { return };
+        self.add_driven(number, run, flight, memory, banks, (force, Some(second)), buses, work);
     }
 
     /// The same without a force; gives the mode-frames of the object's bank and of the strikers' banks.
@@ -224,15 +289,45 @@ fn drive_striker<const CONTACTS: usize>(
     direct: Option<&[i32]>,
     flight: &mut Flight<CONTACTS>,
     memory: &mut Memory<'_>,
-    total: &mut [i32],
+    (first, second, direct_slot): Forces<'_>,
     sound: &mut [i32],
 ) -> BankWork {
     let mut force = [0; TICK_FRAMES];
-    let Some(force) = force.get_mut(..total.len()) else { return BankWork::default() };
-    direct.into_iter().for_each(|direct| add(force, direct));
-    flight.add_force(pad, index, force);
-    add(total, force);
+    let Some(force) = force.get_mut(..first.len()) else { return BankWork::default() };
+    let has_second = second.is_some();
+    if let Some(second) = second {
+        flight.add_force(pad, index, 1, force);
+        direct.into_iter().filter(|_| direct_slot == 1).for_each(|direct| add(force, direct));
+        add(second, force);
+    }
+    // What is added to the first slot is added up apart.
+    let mut own = [0; TICK_FRAMES];
+    let Some(own) = own.get_mut(..first.len()) else { return BankWork::default() };
+    direct.into_iter().filter(|_| !has_second || direct_slot == 0).for_each(|direct| add(own, direct));
+    flight.add_force(pad, index, 0, own);
+    add(first, own);
+    add(force, own);
     bank.render(memory, Some(force), run.odd_start, run.skip, sound)
+}
+
+/// The forces of slot 0 and, where there is one, of slot 1; and the slot in which a direct force acts where there are both.
+type Forces<'f> = (&'f mut [i32], Option<&'f mut [i32]>, u8);
+
+/// Adds the force of a striker without a bank.
+fn add_forces<const CONTACTS: usize>(
+    (pad, index): (u8, u8),
+    direct: Option<&[i32]>,
+    flight: &mut Flight<CONTACTS>,
+    (first, second, direct_slot): Forces<'_>,
+) {
+    flight.add_force(pad, index, 0, first);
+    match second {
+        Some(second) => {
+            flight.add_force(pad, index, 1, second);
+            direct.into_iter().for_each(|direct| add(if direct_slot == 1 { &mut *second } else { &mut *first }, direct));
+        }
+        None => direct.into_iter().for_each(|direct| add(first, direct)),
+    }
 }
 
 fn add(sum: &mut [i32], more: &[i32]) {

@@ -93,8 +93,7 @@ fn q32_from(value: f64) -> i32 {
     libm::rint(value * TWO_POW_32) as i32
 }
 
-/// A pole in single precision: what is needed to turn gains into injections and states into amplitudes, and to move a pole
-/// while it rings.
+/// A pole in single precision: what is needed to turn gains into injections and states into amplitudes.
 ///
 /// In the coupled form a mode that starts with `v = C` and `u = cs S + cc C` rings as `v[n] = r^n (S sin nθ + C cos nθ)`, with
 /// `cs = r sin θ / (e r²)` and `cc = (e² - δ) / (2 e r²)`; the shifted form's u is e/2^k of that.
@@ -147,7 +146,7 @@ impl Coefficients {
     /// The same frequency with a faster decay: δ is raised to `choke_delta` (Q32) and the step follows,
     /// `e'² = (1-r')² + (r'/r) (e² - (1-r)²)`. Unchanged where the mode already decays faster.
     ///
-    /// In single precision: frequency within 0.001 cent. A choke costs [`crate::engine::Part::ChokedMode`] a mode in all.
+    /// In single precision, on load only: frequency within 0.001 cent.
     pub fn choked(self, form: Form, choke_delta: i32) -> Self {
         if choke_delta <= self.delta {
             return self;
@@ -166,10 +165,36 @@ impl Coefficients {
     }
 }
 
+/// By which share of itself a coupled form's u grows when its step goes from `from` to `to`: `e/e' - 1`.
+///
+/// The form adds `e u` to v, so that u times e is what v has moved by: the sample before stays what it was. A share instead of
+/// a factor keeps a small change exact: the sum that it goes into keeps all its bits.
+pub fn change_of_u(from: Coefficients, to: Coefficients) -> f32 {
+    match to.epsilon {
+        0 => 0.0,
+        // Both are in [0, 2^31).
+        step => (from.epsilon - step) as f32 / step as f32,
+    }
+}
+
+/// Bound of what a change between two decays makes of a mode's amplitude, at least 1, either way:
+/// `(1 + (1 - ρ) / θ) / ρ`, ρ the smaller radius over the larger, because the sine becomes `ρ S + (1 - ρ) C cot θ`.
+pub fn growth_of_change(frequency_hz: f64, rest_decay_per_s: f64, choked_decay_per_s: f64, rate: SampleRate) -> f64 {
+    let fs = rate.hz();
+    let folded_hz = if frequency_hz > fs / 4.0 { fs / 2.0 - frequency_hz } else { frequency_hz };
+    let angle = core::f64::consts::TAU * folded_hz / fs; // 1/θ is above cot θ
+    let lost = exponential::loss((choked_decay_per_s - rest_decay_per_s).max(0.0) / fs); // 1 - ρ
+    (1.0 + lost / angle) / (1.0 - lost)
+}
+
+/// The decay in 1/s that a hand of a T60 imposes.
+pub fn decay_of_t60(t60_s: f64, rate: SampleRate) -> f64 {
+    (core::f64::consts::LN_10 * 3.0 / t60_s).min(max_decay_per_s(rate))
+}
+
 /// The Q32 δ of a T60, for chokes.
 pub fn delta_of_t60(t60_s: f64, rate: SampleRate) -> i32 {
-    let decay_per_s = (core::f64::consts::LN_10 * 3.0 / t60_s).min(max_decay_per_s(rate));
-    q32_from(exponential::loss(2.0 * decay_per_s / rate.hz()))
+    q32_from(exponential::loss(2.0 * decay_of_t60(t60_s, rate) / rate.hz()))
 }
 
 /// δ, e and e² as they are after quantisation.

@@ -51,28 +51,20 @@ pub(super) fn gain_law<'a>(
     }
 }
 
-/// Turns phase gains into injections of a group's form.
-pub(super) fn orbit_gains<G: Fn(usize) -> (f32, f32)>(
+/// Turns phase gains into injections of a group's form: `gain` gives a mode's (sine, cosine), `pole` its coefficients without a
+/// hand.
+pub(super) fn orbit_gains<G: Fn(usize) -> (f32, f32), P: Fn(usize, &Mode) -> Coefficients>(
     group: &Group,
     gain: G,
-) -> impl Fn(usize, &Mode) -> (f32, f32) + use<G> {
+    pole: P,
+) -> impl Fn(usize, &Mode) -> (f32, f32) + use<G, P> {
     let (form, mirrored) = (group.form(), group.mirrored());
     move |slot, mode| {
         let (sine, cosine) = gain(slot);
         // sin n(π - θ') = -(-1)^n sin nθ'
         let sine = if mirrored { -sine } else { sine };
-        Orbit::new(form, mode.coefficients).state(sine, cosine)
+        Orbit::new(form, pole(slot, mode)).state(sine, cosine)
     }
-}
-
-/// Keeps sine and cosine of a ringing mode while its pole moves.
-pub(super) fn move_pole(group: &Group, mode: &mut Mode, target: Coefficients) {
-    let form = group.form();
-    let (u, v) = (mode.state.u as f32, mode.state.v as f32);
-    let (sine, cosine) = Orbit::new(form, mode.coefficients).phases(u, v);
-    mode.coefficients = target;
-    let (moved, _) = Orbit::new(form, target).state(sine, cosine);
-    mode.state.u = libm::rintf(moved) as i32;
 }
 
 pub(super) fn onset(cosine_sum: f64, table: &BankTable<'_>, rate: SampleRate) -> Scale {

@@ -3,7 +3,7 @@
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::resonator::TICK_FRAMES;
 
-use super::scenes::{pads, pads_of, strikes};
+use super::scenes::{choked_pads, pads, pads_of, pads_with_positions, strikes};
 
 /// A scene, played a tick a call.
 #[derive(Clone, Debug)]
@@ -36,6 +36,31 @@ pub fn storm(pads: usize, times: u64) -> Vec<Event> {
     (0..times).flat_map(|n| strikes(pads, n * 240, 1.0)).collect()
 }
 
+/// Every pad struck, choked and released, one after the other, some of them in one tick.
+pub fn hands_on(pads: u8) -> Vec<Event> {
+    let mut events = strikes(pads.into(), 5, 0.8);
+    for (frame, action) in [(1_000, Action::Choke), (1_900, Action::Release)] {
+        let at = |pad: u8| Time::at_frame(frame + 13 * u64::from(pad));
+        events.extend((0..pads).map(|pad| Event { time: at(pad), pad, action, ..Event::NOTHING }));
+    }
+    events
+}
+
+/// Every pad struck at two places within a contact, four times.
+pub fn at_two_places(pads: u8) -> Vec<Event> {
+    let strike = |frame: u64, position: f32, pad: u8| Event {
+        time: Time::at_frame(frame),
+        velocity: 0.8,
+        position,
+        pad,
+        ..Event::default()
+    };
+    let pair = |n: u64, pad: u8| [strike(400 * n + 8, 0.1, pad), strike(400 * n + 40, 0.8, pad)];
+    let mut events: Vec<Event> = (0..4).flat_map(|n| (0..pads).flat_map(move |pad| pair(n, pad))).collect();
+    events.sort_by_key(|event| event.time);
+    events
+}
+
 /// The bench's scenes, without a limit: what they cost is to be predicted.
 ///
 /// # Panics
@@ -64,6 +89,8 @@ pub fn unlimited() -> Vec<BudgetScene> {
         scene("four pads of 64 modes", &pads(4).binary, strikes(4, 5, 0.8), 100),
         scene("eight pads of 64 modes", &pads(8).binary, strikes(8, 5, 0.8), 100),
         scene("eight pads of 64 modes, struck thrice", &pads(8).binary, storm(8, 3), 60),
+        scene("four pads of 64 modes, choked and released", &choked_pads(4).binary, hands_on(4), 100),
+        scene("four pads of 64 modes, struck at two places", &pads_with_positions(4).binary, at_two_places(4), 60),
     ]
 }
 

@@ -5,7 +5,7 @@ use dsp_core::engine::Direct;
 use dsp_core::event::{Event, Time};
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::layout::{GainRecord, ModeRecord};
-use kit::{Kit, Loaded, Object, Pad};
+use kit::{Gain, Kit, Loaded, Object, Pad};
 use virtual_core::Cost;
 
 use super::{BankOnChip, EngineOnChip, OnChipError};
@@ -38,6 +38,25 @@ pub fn pads_of(count: usize, turns: usize) -> Loaded {
         })
         .unzip();
     load(Kit { name: format!("{count} pads"), objects, strikers, pads, background: None, room: vec![] })
+}
+
+/// The kit of [`pads`] with hands, of T60 0.1 s.
+pub fn choked_pads(count: usize) -> Loaded {
+    let mut kit = pads(count).kit;
+    kit.pads.iter_mut().for_each(|pad| pad.choke_t60_s = 0.1);
+    load(kit)
+}
+
+/// The kit of [`choked_pads`] with gains at three positions, and contacts of 3 ms.
+pub fn pads_with_positions(count: usize) -> Loaded {
+    let mut kit = choked_pads(count).kit;
+    for mode in kit.objects.iter_mut().flat_map(|object| &mut object.modes) {
+        let gain = mode.gains[0];
+        let weaker = |share: f32| Gain { sine: gain.sine * share, cosine: gain.cosine };
+        mode.gains = vec![gain, weaker(0.3), weaker(-0.7)];
+    }
+    kit.strikers.iter_mut().for_each(|striker| striker.contact_time_s = 0.003);
+    load(kit)
 }
 
 fn frequencies() -> impl Iterator<Item = f64> {

@@ -5,6 +5,7 @@ mod biquads;
 mod budget;
 mod costs;
 mod filters;
+mod hands;
 mod kernels;
 mod residual;
 mod rolls;

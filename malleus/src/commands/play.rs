@@ -130,6 +130,7 @@ struct Work {
     contact_frames: u64,
     strikes: u64,
     displaced_contacts: u64,
+    merged_positions: u64,
     retired_modes: u64,
     largest_retired_amplitude: f32,
     refused_inputs: u64,
@@ -158,6 +159,7 @@ impl Work {
         self.contact_frames += u64::from(report.contact_frames);
         self.strikes += u64::from(report.strikes);
         self.displaced_contacts += u64::from(report.displaced_contacts);
+        self.merged_positions += u64::from(report.merged_positions);
         self.retired_modes += u64::from(report.retired_modes);
         self.largest_retired_amplitude = self.largest_retired_amplitude.max(report.retired_amplitude);
         self.refused_inputs += u64::from(report.refused_inputs);

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! H is the object's biquads, where it has some; s is what its dynamic filter makes of the noise that each strike begins, and of `F ⊗ IR_object` where that goes through it. `F_s` is the part of the force that striker s makes; a direct force counts as made by striker 0.
-//! The object's gains are those of the position of the latest strike that has begun, for the whole
-//! force, until the next begins; before the first they are those of position 0.
+//! Each contact drives the object with the gains of its own position, however many positions are under
+//! force at a time. A direct force acts at that of the latest strike that has begun; before the first at 0.
 
 mod biquads;
 mod dynamic_filter;

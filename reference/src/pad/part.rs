@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::event::{Direct, Event};
 use crate::pad::Pad;
-use crate::pad::voice::Voice;
+use crate::pad::voice::{TICK_SAMPLES, Voice};
 use crate::rate::SampleRate;
 
 /// Forces are evaluated for at most so many samples at a time, so that memory stays small however
@@ -45,6 +45,9 @@ impl<'a> Part<'a> {
     /// Adds the next `sound.len()` samples to `sound`.
     pub(crate) fn render(&mut self, mut sound: &mut [f64]) {
         while !sound.is_empty() {
+            if self.next_sample.is_multiple_of(TICK_SAMPLES) {
+                self.voice.reach();
+            }
             while let Some(event) = self.to_come.pop_if(|event| event.first_sample() <= self.next_sample) {
                 self.voice.play(&event);
             }
@@ -56,12 +59,16 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// How far to go at once: not past the next event.
+    /// How far to go at once: not past the next event, nor past a tick that changes something.
     fn span_samples(&self) -> usize {
         let until_event = self.to_come.last().map(|event| event.first_sample() - self.next_sample);
-        until_event
-            .and_then(|samples| usize::try_from(samples).ok())
-            .map_or(SPAN_SAMPLES, |samples| samples.min(SPAN_SAMPLES))
+        let until_event = until_event.and_then(|samples| usize::try_from(samples).ok()).unwrap_or(SPAN_SAMPLES);
+        // A hand reaches further modes at each tick.
+        let until_tick = match self.voice.is_being_reached() {
+            true => (TICK_SAMPLES - self.next_sample % TICK_SAMPLES) as usize,
+            false => SPAN_SAMPLES,
+        };
+        until_event.min(until_tick).min(SPAN_SAMPLES)
     }
 
     /// The direct force over the next `length` samples.

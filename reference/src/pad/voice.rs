@@ -11,14 +11,16 @@ use crate::radiation::add_acceleration_sound;
 use crate::rate::SampleRate;
 use crate::resonator::{Bank, GainsError};
 
-/// A hand's end is looked for so often: the instrument draws no more noise from there on.
-const TICK_SAMPLES: u64 = 32;
+/// A tick: at each, a hand reaches further modes, and the end of its fade is looked for.
+pub(crate) const TICK_SAMPLES: u64 = 32;
 
 /// Everything of a pad that moves: its banks and the contacts in flight.
 pub(crate) struct Voice<'a> {
     pad: &'a Pad,
     rate: SampleRate,
     object: Bank<'a>,
+    /// That of the latest strike: where a direct force acts.
+    position: f64,
     strikers: Vec<StrikerVoice<'a>>,
     biquads: Biquads<'a>,
     dynamic_filter: Option<Sounding<'a>>,
@@ -28,8 +30,8 @@ pub(crate) struct Voice<'a> {
 
 /// Everything of a striker that moves.
 struct StrikerVoice<'a> {
-    /// Its contacts that have begun and are not over.
-    impacts: Vec<Impact>,
+    /// Its contacts that have begun and are not over, each with its position.
+    impacts: Vec<(Impact, f64)>,
     bank: Bank<'a>,
 }
 
@@ -47,6 +49,7 @@ impl<'a> Voice<'a> {
             pad,
             rate,
             object,
+            position: 0.0,
             strikers: strikers.collect::<Result<_, _>>()?,
             biquads: Biquads::new(&pad.object.biquads),
             dynamic_filter: pad.object.dynamic_filter.as_ref().map(|table| Sounding::new(table, rate)),
@@ -64,8 +67,8 @@ impl<'a> Voice<'a> {
                     if let Some(filter) = &mut self.dynamic_filter {
                         filter.strike(impact.peak_force);
                     }
-                    self.strikers[event.striker].impacts.push(impact);
-                    self.object.set_position(event.position);
+                    self.strikers[event.striker].impacts.push((impact, event.position));
+                    self.position = event.position;
                 }
             }
             Action::Choke => {
@@ -84,11 +87,13 @@ impl<'a> Voice<'a> {
     /// `direct` force (newtons, as long as `sound`).
     pub(crate) fn add_sound(&mut self, first_sample: u64, direct: &[f64], sound: &mut [f64]) {
         let mut force = direct.to_vec(); // F of eq. 3, once every striker has added its part
+        let mut at_positions = vec![(self.position, direct.to_vec())];
         for (index, striker) in self.strikers.iter_mut().enumerate() {
             let mut striker_force = vec![0.0; sound.len()]; // F_s
-            striker.impacts.retain(|impact| !impact.is_over(first_sample, self.rate));
-            for impact in &striker.impacts {
+            striker.impacts.retain(|(impact, _)| !impact.is_over(first_sample, self.rate));
+            for (impact, position) in &striker.impacts {
                 impact.add_force(first_sample, self.rate, &mut striker_force);
+                impact.add_force(first_sample, self.rate, at_position(&mut at_positions, *position, sound.len()));
             }
             add(&striker_force, &mut force);
 
@@ -103,12 +108,13 @@ impl<'a> Voice<'a> {
                 }
             }
         }
+        let at_positions: Vec<_> = at_positions.iter().map(|(position, force)| (*position, force.as_slice())).collect();
         if self.dynamic_filter.as_ref().is_some_and(Sounding::takes_modes) {
             let mut modes = vec![0.0; sound.len()];
-            self.object.add_sound(&force, &mut modes);
+            self.object.add_sound_at(&at_positions, &mut modes);
             self.add_filtered(first_sample, &force, Some(&modes), sound);
         } else {
-            self.object.add_sound(&force, sound);
+            self.object.add_sound_at(&at_positions, sound);
             self.add_filtered(first_sample, &force, None, sound);
         }
         add_acceleration_sound(self.pad.object.acceleration, &force, sound);
@@ -138,10 +144,29 @@ impl<'a> Voice<'a> {
         }
     }
 
+    /// At a tick: a hand that comes or goes reaches further modes.
+    pub(crate) fn reach(&mut self) {
+        self.banks().filter(|bank| bank.is_being_reached()).for_each(Bank::reach);
+    }
+
+    /// Whether a hand that comes or goes has modes left to reach.
+    pub(crate) fn is_being_reached(&self) -> bool {
+        self.object.is_being_reached() || self.strikers.iter().any(|striker| striker.bank.is_being_reached())
+    }
+
     fn banks(&mut self) -> impl Iterator<Item = &mut Bank<'a>> {
         let of_strikers = self.strikers.iter_mut().map(|striker| &mut striker.bank);
         std::iter::once(&mut self.object).chain(of_strikers)
     }
+}
+
+/// The force at a position, 0 where there is none yet.
+fn at_position(forces: &mut Vec<(f64, Vec<f64>)>, position: f64, length: usize) -> &mut [f64] {
+    let index = forces.iter().position(|(other, _)| *other == position).unwrap_or_else(|| {
+        forces.push((position, vec![0.0; length]));
+        forces.len() - 1
+    });
+    &mut forces[index].1
 }
 
 /// `sum += terms`.

@@ -17,7 +17,14 @@ pub struct Bank<'a> {
     rate: SampleRate,
     /// One for each mode; `None` for a mode at or above Nyquist, which is never rendered.
     one_poles: Vec<Option<OnePole>>,
+    /// The least decay in 1/s that a hand imposes, or 0 where it goes.
+    least_decay_per_s: f64,
+    /// Number of modes below Nyquist that the latest choke or release has reached.
+    reached: usize,
 }
+
+/// Modes below Nyquist that a choke or a release reaches at its event, and at each tick after it.
+pub const MODES_PER_TICK: usize = 12;
 
 impl<'a> Bank<'a> {
     /// A bank at rest, to be struck at position 0.
@@ -36,7 +43,8 @@ impl<'a> Bank<'a> {
             let below_nyquist = mode.frequency_hz < rate.hz() / 2.0;
             below_nyquist.then(|| OnePole::new(mode.frequency_hz, mode.decay_per_s, rate))
         });
-        let mut bank = Self { modes, rate, one_poles: one_poles.collect() };
+        let mut bank =
+            Self { modes, rate, one_poles: one_poles.collect(), least_decay_per_s: 0.0, reached: usize::MAX };
         bank.set_position(0.0);
         Ok(bank)
     }
@@ -51,27 +59,42 @@ impl<'a> Bank<'a> {
         }
     }
 
-    /// From the next sample on, every mode's decay rate is at least that of a T60 of `t60_s`
-    /// seconds: `max(d, ln(1000)/T60)`.
+    /// A hand comes: every mode that it reaches has from then on a decay rate of at least that of a
+    /// T60 of `t60_s` seconds: `max(d, ln(1000)/T60)`.
     ///
-    /// The state `z` is continuous and frequencies stay. The step that leads into the next sample
-    /// already has the new pole: `z[n] = p' z[n-1]`.
+    /// It reaches [`MODES_PER_TICK`] modes before the next sample, and as many at each
+    /// [`Self::reach`], in the order of the modes; those at or above Nyquist do not count. A choke
+    /// or release before the last has been reached begins anew. What a mode has sounded at its
+    /// last two samples stays, and so do frequencies: [`OnePole::set_decay`].
     pub fn choke(&mut self, t60_s: f64) {
         self.set_least_decay(1000_f64.ln() / t60_s);
     }
 
-    /// From the next sample on, the modes have their own decay rates again.
+    /// The hand goes: the modes have their own decay rates again, reached as by [`Self::choke`].
     pub fn release(&mut self) {
         self.set_least_decay(0.0);
     }
 
     fn set_least_decay(&mut self, least_per_s: f64) {
-        for (mode, one_pole) in self.modes.iter().zip(&mut self.one_poles) {
-            if let Some(one_pole) = one_pole {
-                let decay_per_s = mode.decay_per_s.max(least_per_s);
-                one_pole.set_pole(mode.frequency_hz, decay_per_s, self.rate);
-            }
+        if self.least_decay_per_s != least_per_s {
+            (self.least_decay_per_s, self.reached) = (least_per_s, 0);
+            self.reach();
         }
+    }
+
+    /// The next modes are reached; at each tick, a sample whose number is a multiple of 32.
+    pub fn reach(&mut self) {
+        let rendered = self.modes.iter().zip(&mut self.one_poles);
+        let rendered = rendered.filter_map(|(mode, one_pole)| Some((mode, one_pole.as_mut()?)));
+        for (mode, one_pole) in rendered.skip(self.reached).take(MODES_PER_TICK) {
+            one_pole.set_decay(mode.decay_per_s.max(self.least_decay_per_s), self.rate);
+        }
+        self.reached = self.reached.saturating_add(MODES_PER_TICK);
+    }
+
+    /// Whether a choke or release has modes left to reach.
+    pub fn is_being_reached(&self) -> bool {
+        self.reached < self.one_poles.iter().flatten().count()
     }
 
     /// Adds the bank's sound (full scale) under `force` (newtons) to `sound`, sample by sample; the
@@ -92,6 +115,27 @@ impl<'a> Bank<'a> {
                 }
             }
             start += run.len();
+        }
+    }
+
+    /// Adds the bank's sound under forces at several positions at a time, each as long as `sound`: every force drives the gains of
+    /// its own position. The bank stays at the last of them.
+    pub fn add_sound_at(&mut self, forces: &[(f64, &[f64])], sound: &mut [f64]) {
+        if let [(position, force)] = forces {
+            self.set_position(*position);
+            return self.add_sound(force, sound);
+        }
+        for index in 0..self.one_poles.len() {
+            let mut inputs = Vec::new();
+            for (position, force) in forces {
+                if let (Some(one_pole), Some(gain)) = (&mut self.one_poles[index], self.modes[index].gain_at(*position)) {
+                    one_pole.set_gain(gain, self.rate);
+                    inputs.push((one_pole.input(), *force));
+                }
+            }
+            if let Some(one_pole) = &mut self.one_poles[index] {
+                one_pole.drive_at(&inputs, sound);
+            }
         }
     }
 

@@ -29,5 +29,5 @@ mod one_pole;
 
 pub(crate) use complex::Complex;
 
-pub use bank::{Bank, GainsError};
+pub use bank::{Bank, GainsError, MODES_PER_TICK};
 pub use mode::{Gain, Mode};

@@ -24,7 +24,14 @@ const AT_REST: f64 = 1e-150;
 pub(crate) struct OnePole {
     /// `p`.
     pole: Complex,
-    /// `(gc - i gs)/fs`.
+    frequency_hz: f64,
+    /// The mode's own decay rate in 1/s.
+    own_decay_per_s: f64,
+    /// The present one.
+    decay_per_s: f64,
+    /// `(gc - i gs)/fs`, for the mode's own decay.
+    own_input: Complex,
+    /// What a unit of force adds to `z`.
     input: Complex,
     /// `gc/(2 fs)`.
     half_of_h0: f64,
@@ -37,6 +44,10 @@ impl OnePole {
     pub(crate) fn new(frequency_hz: f64, decay_per_s: f64, rate: SampleRate) -> Self {
         Self {
             pole: pole(frequency_hz, decay_per_s, rate),
+            frequency_hz,
+            own_decay_per_s: decay_per_s,
+            decay_per_s,
+            own_input: Complex::ZERO,
             input: Complex::ZERO,
             half_of_h0: 0.0,
             state: Complex::ZERO,
@@ -45,13 +56,37 @@ impl OnePole {
 
     /// Changes how the force from now on drives the mode; what rings, rings on.
     pub(crate) fn set_gain(&mut self, gain: Gain, rate: SampleRate) {
-        self.input = Complex { re: gain.cosine / rate.hz(), im: -gain.sine / rate.hz() };
+        self.own_input = Complex { re: gain.cosine / rate.hz(), im: -gain.sine / rate.hz() };
         self.half_of_h0 = gain.cosine / (2.0 * rate.hz());
+        self.set_input(rate);
     }
 
-    /// Changes frequency and decay from the next step on; the state is continuous.
-    pub(crate) fn set_pole(&mut self, frequency_hz: f64, decay_per_s: f64, rate: SampleRate) {
-        self.pole = pole(frequency_hz, decay_per_s, rate);
+    /// Changes the decay from the next step on.
+    ///
+    /// As displacement and velocity of a body go on when a hand is laid on it, the last two samples
+    /// of the mode stay what they were; and a force adds the same two samples as without the hand.
+    pub(crate) fn set_decay(&mut self, decay_per_s: f64, rate: SampleRate) {
+        self.state = self.with_same_samples(self.state, self.decay_per_s, decay_per_s, rate);
+        self.decay_per_s = decay_per_s;
+        self.pole = pole(self.frequency_hz, decay_per_s, rate);
+        self.set_input(rate);
+    }
+
+    fn set_input(&mut self, rate: SampleRate) {
+        self.input = self.with_same_samples(self.own_input, self.own_decay_per_s, self.decay_per_s, rate);
+    }
+
+    /// The vibration that has with a decay `to_per_s` the samples y[0] and y[-1] that `z` has with
+    /// `from_per_s`. With `z = C - i S`, `y[-1] = (C cos θ - S sin θ)/r`, and so `S' = ρ S + (1 - ρ) C cot θ`, ρ = r'/r.
+    fn with_same_samples(&self, z: Complex, from_per_s: f64, to_per_s: f64, rate: SampleRate) -> Complex {
+        let (sine, cosine) = (TAU * self.frequency_hz / rate.hz()).sin_cos();
+        if from_per_s == to_per_s || sine == 0.0 {
+            return z;
+        }
+        let decays = (from_per_s - to_per_s) / rate.hz();
+        // 1 - ρ without cancellation.
+        let lost = -decays.exp_m1();
+        Complex { re: z.re, im: decays.exp() * z.im - lost * z.re * cosine / sine }
     }
 
     /// Adds the mode's sound under `force` (newtons) to `sound` (full scale).
@@ -62,6 +97,24 @@ impl OnePole {
             *y += z.re - self.half_of_h0 * force;
         }
         self.state = z;
+    }
+
+    /// What the present gain makes of a newton: the addition to `z`, and half of h[0].
+    pub(crate) fn input(&self) -> (Complex, f64) {
+        (self.input, self.half_of_h0)
+    }
+
+    /// Adds the mode's sound under several forces (newtons), each with an [`Self::input`] of its own.
+    pub(crate) fn drive_at(&mut self, forces: &[((Complex, f64), &[f64])], sound: &mut [f64]) {
+        for (n, y) in sound.iter_mut().enumerate() {
+            self.state = self.pole * self.state;
+            let mut halves = 0.0;
+            for ((input, half_of_h0), force) in forces {
+                self.state = self.state + *input * force[n];
+                halves += half_of_h0 * force[n];
+            }
+            *y += self.state.re - halves;
+        }
     }
 
     /// Adds the mode's sound under no force: [`Self::drive`] without the input.

@@ -45,9 +45,18 @@ impl Bank {
         let all = core::mem::take(&mut self.allowance) > 0 && self.mix_shift.bits > 0;
         self.clock = self.clock.wrapping_add(1);
         self.due_ticks = self.due_ticks.saturating_sub(1);
+        self.hand.pass(1);
         if self.due_ticks == 0 {
-            self.guard_due(memory, retirement, if all { u8::MAX } else { self.guards_per_tick });
+            self.guard_due(memory, retirement, if all { u8::MAX } else { self.most_guards() });
         }
+    }
+
+    /// Most groups that a tick guards: under a hand they are due more often.
+    fn most_guards(&self) -> u8 {
+        let groups = self.groups.range().len();
+        let longest = usize::from(self.hand.longest_guard_ticks().max(1));
+        let held = if self.hand.lies { groups / longest + groups / 16 + 3 } else { 0 };
+        self.guards_per_tick.max(held.min(usize::from(u8::MAX)) as u8)
     }
 
     /// Guards all groups for the whole contact that begins, which brings a sum of |force| of `input`. So its force, however it rises, is not
@@ -66,7 +75,7 @@ impl Bank {
 
     /// How many of the coming ticks have nothing to do for the bank, if nothing but time passes: they can be told to it later, by [`Bank::pass`].
     pub fn rest_ticks(&self) -> u8 {
-        if self.spent > 0 || self.allowance > 0 || self.is_covered {
+        if self.spent > 0 || self.allowance > 0 || self.is_covered || self.is_being_reached() {
             return 0;
         }
         match self.ringing_modes {
@@ -85,6 +94,7 @@ impl Bank {
         if self.ringing_modes > 0 {
             self.clock = self.clock.wrapping_add(ticks);
             self.due_ticks = self.due_ticks.saturating_sub(ticks);
+            self.hand.pass(ticks);
         }
     }
 
@@ -103,13 +113,14 @@ impl Bank {
     pub(super) fn guard(&mut self, memory: &mut Memory<'_>, allowance: u64, all: bool) {
         // No single force can exceed the allowance for their sum.
         let force_shift = allowance.leading_zeros().saturating_sub(33);
-        let clock = self.clock;
+        let (clock, longest) = (self.clock, self.hand.longest_guard_ticks());
         for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
             if group.ringing() || all && !group.is_shed() {
                 group.guard(modes, allowance, force_shift);
-                group.schedule(clock, allowance > 0);
+                group.schedule(clock, allowance > 0, longest);
             }
         });
+        self.hand.meet_guard(self.is_being_reached());
         self.force_shift = force_shift as u8; // at most 31
         self.allowance = allowance;
         self.prepare(memory);
@@ -118,7 +129,7 @@ impl Bank {
     /// Guards groups whose time has come, at most so many.
     #[inline(never)]
     fn guard_due(&mut self, memory: &mut Memory<'_>, mut retirement: Option<&mut Retirement>, at_most: u8) {
-        let (clock, mix) = (self.clock, self.mix_shift);
+        let (clock, mix, longest) = (self.clock, self.mix_shift, self.hand.longest_guard_ticks());
         let (mut left, mut due_ticks) = (at_most, i8::MAX);
         // While the sum of the groups' bounds leaves room, what one of them decides does not concern the others.
         let mut is_settled = mix.bits == 0 && !mix.is_loud;
@@ -127,6 +138,7 @@ impl Bank {
             if !group.ringing() {
                 return;
             }
+            group.hasten(clock, longest);
             if group.due_ticks(clock) <= 0 && left > 0 {
                 left -= 1;
                 let (exponent, unit) = (group.exponent(), group.unit());
@@ -137,7 +149,7 @@ impl Bank {
                 // A bound of a free orbit holds for ever: only one that was found anew, or none, changes the sum.
                 is_settled &= group.ringing() && group.exponent() >= exponent;
                 group.scale_mix(0);
-                group.schedule(clock, false);
+                group.schedule(clock, false, longest);
             }
             due_ticks = due_ticks.min(group.due_ticks(clock));
         });
@@ -147,7 +159,20 @@ impl Bank {
         }
     }
 
-    /// Derives how many groups a tick may guard, from how often each needs it. After load, choke and release.
+    /// Guards all ringing groups, where there is no input.
+    pub(super) fn guard_all_at_rest(&mut self, memory: &mut Memory<'_>) {
+        let (clock, longest) = (self.clock, self.hand.longest_guard_ticks());
+        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
+            if group.ringing() {
+                group.follow(modes);
+                group.schedule(clock, false, longest);
+            }
+        });
+        self.hand.meet_guard(self.is_being_reached());
+        self.prepare(memory);
+    }
+
+    /// Derives how many groups a tick may guard, from how often each needs it. After load.
     pub(super) fn count_guards(&mut self, memory: &Memory<'_>) {
         let groups = memory.groups.get(self.groups.range()).unwrap_or(&[]);
         let due: u32 = groups.iter().map(Group::guards_in_longest_interval).sum();

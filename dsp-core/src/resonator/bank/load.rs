@@ -4,6 +4,7 @@ use super::super::gain::{check_gains, gain_at, gain_law, onset, orbit_gains};
 use super::super::group::{GROUP_MODES, Group};
 use super::super::mode::Mode;
 use super::super::order::{order_key, order_modes, pole_of};
+use super::hand::{Hand, set_order};
 use super::{Bank, BankError, BankTable, Memory, Origin, Span, Used};
 use crate::SampleRate;
 
@@ -35,6 +36,7 @@ impl Bank {
         };
         let mut group_end = used.groups;
         let mut cosine_sum = 0.0;
+        let hand = Hand::new(table, rate);
         let mut start = modes.start;
         while let Some(first) = memory.modes.get(start).filter(|_| start < modes.end) {
             let key = order_key(first);
@@ -59,19 +61,23 @@ impl Bank {
                 if keeps_origins {
                     let origin = origins.start + start - modes.start + slot;
                     if let Some(origin) = memory.origins.get_mut(origin) {
-                        *origin = Origin { coefficients: pole.coefficients, index: *index as u16 };
+                        *origin = Origin::new(pole.form, hand.choked(&pole), *index as u16);
                     }
                 }
             }
             let gain = gain_law(table, rate, 0.0);
-            let gains = orbit_gains(group_slot, |slot| gain(indices.get(slot).copied()));
-            group_slot.set_gains(group_modes, gains);
+            let gains = orbit_gains(group_slot, |slot| gain(indices.get(slot).copied()), |_, mode| mode.coefficients);
+            group_slot.set_gains(group_modes, hand.gain_room(), gains);
             group_slot.schedule_guards(group_modes);
             start += count;
             group_end += 1;
         }
         bank.groups = Span::new(used.groups..group_end).ok_or(BankError::TooManyGroups)?;
         bank.count_guards(memory);
+        let own_origins = memory.origins.get_mut(bank.origins.range()).unwrap_or(&mut []);
+        bank.second.has_positions = table.positions > 1;
+        bank.hand = hand.of(table, own_origins, memory.modes.get(bank.modes.range()).unwrap_or(&[]));
+        set_order(own_origins);
         bank.onset = onset(cosine_sum, table, rate);
         *used = Used { modes: modes.end, groups: group_end, origins: origins.end, ..*used };
         Ok(bank)

@@ -3,36 +3,41 @@
 use core::ops::Range;
 
 mod guard;
+mod hand;
 mod load;
+mod position;
 mod render;
 mod shed;
 
+pub use self::position::Place;
+pub use hand::MODES_PER_TICK as HAND_MODES_PER_TICK;
 pub use render::MixShift;
 pub(super) use shed::half_octaves;
 pub use shed::{Audience, Selection, Shed, Survey, UpcomingRun, Use};
 
-use super::coefficient::{Coefficients, delta_of_t60};
-use super::gain::{gain_at, gain_law, move_pole, onset, orbit_gains};
+use self::hand::HandState;
+use self::position::Second;
+use super::coefficient::Coefficients;
 use super::group::Group;
 use super::mode::Mode;
 use super::retirement::Retired;
-use crate::SampleRate;
 use crate::fixed::Scale;
 use crate::table::layout::{GainRecord, ModeRecord};
 
-/// What a bank needs to find its way back after a choke or to a new position; only banks that can be choked or have several
-/// positions keep it.
+/// What a bank needs for a hand and for new positions; only banks that can be choked or have several positions keep it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Origin {
-    /// The mode's coefficients as loaded.
-    coefficients: Coefficients,
-    /// The mode's index in the table.
-    index: u16,
+    /// The mode's coefficients that are not in use: those under a hand, or, while one lies there, those without.
+    other: Coefficients,
+    /// The mode's index in the table, [`Origin::HELD`] and [`Origin::COUPLED`].
+    index_and_flags: u16,
+    /// Where among the bank's modes that mode lies which has this origin's place in the order of the table.
+    slot: u16,
 }
 
 impl Origin {
     /// Fills memory before a kit is loaded.
-    pub const NONE: Self = Self { coefficients: Coefficients { delta: 0, epsilon: 0 }, index: 0 };
+    pub const NONE: Self = Self { other: Coefficients { delta: 0, epsilon: 0 }, index_and_flags: 0, slot: 0 };
 }
 
 /// The modes of a table, as a bank is loaded from them.
@@ -153,10 +158,12 @@ pub struct Bank {
     plain_groups: u16,
     /// The half of h[0] that does not belong to the integral: -Σ gc / (2 fs), times the force, is added to the sound.
     onset: Scale,
-    choked: bool,
+    hand: HandState,
     /// Whether the allowance is enough for all contacts under way.
     is_covered: bool,
+    /// The position of slot 0, whose gains are the modes' own; and slot 1.
     position: f32,
+    second: Second,
     /// |force| that the groups are still guarded for.
     allowance: u64,
     /// The |force| since the last tick.
@@ -185,9 +192,10 @@ impl Bank {
         plain_modes: 0,
         plain_groups: 0,
         onset: Scale::ZERO,
-        choked: false,
+        hand: HandState::NONE,
         is_covered: false,
         position: 0.0,
+        second: Second::NONE,
         allowance: 0,
         spent: 0,
         force_shift: 0,
@@ -220,63 +228,6 @@ impl Bank {
     #[inline(always)]
     pub fn retired_amplitude(&self) -> f32 {
         self.retired.amplitude()
-    }
-
-    /// Whether [`Bank::set_position`] may have anything to do.
-    pub fn moves_to(&self, position: f32) -> bool {
-        !self.origins.range().is_empty() && position != self.position
-    }
-
-    /// Moves the striking point for the contacts that follow: gains are interpolated between the table's positions.
-    ///
-    /// Derives every gain anew where the table has several positions; costs nothing otherwise.
-    pub fn set_position(&mut self, position: f32, table: &BankTable<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
-        if table.positions > 1 && position != self.position {
-            self.position = position;
-            self.derive_gains(table, rate, memory);
-        }
-    }
-
-    /// Raises the decay of every mode to the choke's, or lets go again. The sound goes on without a step.
-    pub fn set_choked(&mut self, choked: bool, table: &BankTable<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
-        if table.choke_t60_s <= 0.0 || choked == self.choked {
-            return;
-        }
-        self.choked = choked;
-        let choke_delta = delta_of_t60(table.choke_t60_s, rate);
-        let origins = memory.origins.get(self.origins.range()).unwrap_or(&[]);
-        let mut origins = origins.iter();
-        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
-            // A moved pole may have a larger u for the same sound.
-            group.make_room(modes);
-            for (mode, origin) in modes.iter_mut().zip(origins.by_ref()) {
-                let rest = origin.coefficients;
-                let target = if choked { rest.choked(group.form(), choke_delta) } else { rest };
-                move_pole(group, mode, target);
-            }
-            group.schedule_guards(modes);
-        });
-        self.count_guards(memory);
-        self.derive_gains(table, rate, memory);
-        self.guard(memory, 0, false);
-    }
-
-    fn derive_gains(&mut self, table: &BankTable<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
-        let origins = memory.origins.get(self.origins.range()).unwrap_or(&[]);
-        let gain = gain_law(table, rate, self.position);
-        let mut first = 0;
-        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
-            let index = |slot: usize| origins.get(first + slot).map(|origin| usize::from(origin.index));
-            let gains = orbit_gains(group, |slot| gain(index(slot)));
-            group.set_gains(modes, gains);
-            first += modes.len();
-        });
-        let cosines = origins
-            .iter()
-            .map(|origin| f64::from(gain_at(table.gains, table.positions, usize::from(origin.index), self.position).1));
-        self.onset = onset(cosines.sum(), table, rate);
-        // New gains need new guards.
-        self.allowance = 0;
     }
 }
 

@@ -94,8 +94,22 @@ impl Bank {
         skip: bool,
         out: &mut [i32],
     ) -> BankWork {
+        self.render_slots(memory, (force, None), odd_start, skip, out)
+    }
+
+    /// [`Bank::render`] under a force at the position of slot 0 and, where there is one, another at that of slot 1, as long.
+    #[inline(never)] // one for both
+    pub fn render_slots(
+        &mut self,
+        memory: &mut Memory<'_>,
+        (force, second): (Option<&[i32]>, Option<&[i32]>),
+        odd_start: bool,
+        skip: bool,
+        out: &mut [i32],
+    ) -> BankWork {
         let mut work = BankWork::default();
-        let mut sum = force.map_or(0, sum_of_magnitudes);
+        let mut second = second.filter(|_| self.has_second_gains()).unwrap_or(&[]);
+        let mut sum = force.map_or(0, sum_of_magnitudes) + sum_of_magnitudes(second);
         let Some(force) = force.filter(|_| !skip || sum > 0) else {
             if self.is_ringing() || !skip {
                 self.ring_on_bus(memory, odd_start, skip, out);
@@ -105,9 +119,9 @@ impl Bank {
         };
         let (mut force, mut out, mut odd) = (force, out, odd_start);
         while !force.is_empty() && !out.is_empty() {
-            let (count, spent) = affordable(force, sum, self.allowance);
+            let (count, spent) = affordable(force, second, sum, self.allowance);
             if count == 0 {
-                let next = force.first().map_or(0, |x| u64::from(x.unsigned_abs()));
+                let next = magnitude(force.first()) + magnitude(second.first());
                 // Room for a tick of twice this force, or four times what this tick has brought already, at most for what can come at all.
                 let wanted = (next * 2 * TICK_FRAMES as u64).max(self.spent.saturating_mul(4));
                 self.guard(memory, wanted.min(MAX_ALLOWANCE), true);
@@ -118,7 +132,9 @@ impl Bank {
             let (now, later) = force.split_at_checked(count).unwrap_or((force, &[]));
             let (out_now, out_later) =
                 core::mem::take(&mut out).split_at_mut_checked(count).unwrap_or((&mut [], &mut []));
-            self.drive(memory, now, odd, skip, out_now);
+            let (second_now, second_later) = second.split_at_checked(count).unwrap_or((second, &[]));
+            self.drive(memory, (now, second_now), odd, skip, out_now);
+            second = second_later;
             work.driven_mode_frames += self.running_modes(skip) * count as u32;
             work.refused += u32::from(self.refusing);
             self.allowance -= spent;
@@ -193,7 +209,7 @@ impl Bank {
         stereo: Stereo<'_>,
     ) {
         let mut mix = [0; TICK_FRAMES];
-        self.drive_mirrored(memory, run, shifted, odd_start, &mut mix);
+        self.drive_mirrored(memory, run, shifted, None, odd_start, &mut mix);
         if let Some((groups, modes)) = self.plain(memory) {
             kernel::driven_stereo(groups, modes, run, shifted, Some(&mix), stereo);
         }
@@ -218,6 +234,7 @@ impl Bank {
         memory: &mut Memory<'_>,
         run: kernel::Run,
         shifted: &mut Backward,
+        second: Option<&mut Backward>,
         odd_start: bool,
         mix: &mut Backward,
     ) -> bool {
@@ -225,19 +242,83 @@ impl Bank {
         alternate(shifted, odd_start);
         kernel::driven(groups, modes, run, shifted, mix);
         alternate(shifted, odd_start);
+        if let Some(second) = second {
+            alternate(second, odd_start);
+            self.drive_second(memory, true, run, second, mix);
+            alternate(second, odd_start);
+        }
         alternate(mix, odd_start);
         true
     }
 
     /// A run with a force for which the groups are guarded.
-    fn drive(&mut self, memory: &mut Memory<'_>, force: &[i32], odd_start: bool, skip: bool, out: &mut [i32]) {
+    fn drive(
+        &mut self,
+        memory: &mut Memory<'_>,
+        (force, second): (&[i32], &[i32]),
+        odd_start: bool,
+        skip: bool,
+        out: &mut [i32],
+    ) {
+        if !second.is_empty() {
+            return self.drive_both(memory, (force, second), odd_start, skip, out);
+        }
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
         let (mut mix, mut shifted) = ([0; TICK_FRAMES], self.shifted(force));
-        let add = self.has_mirrored() && self.drive_mirrored(memory, run, &mut shifted, odd_start, &mut mix);
+        let add = self.has_mirrored() && self.drive_mirrored(memory, run, &mut shifted, None, odd_start, &mut mix);
         if let Some((groups, modes)) = self.plain(memory) {
             kernel::driven(groups, modes, kernel::Run { add, ..run }, &shifted, &mut mix);
         }
         self.add_to_bus(&mix, self.mix_shift, Some(force), out);
+    }
+
+    /// A run with a force in either slot.
+    #[inline(never)] // its buffers must not weigh on runs with one
+    fn drive_both(
+        &mut self,
+        memory: &mut Memory<'_>,
+        (force, second): (&[i32], &[i32]),
+        odd_start: bool,
+        skip: bool,
+        out: &mut [i32],
+    ) {
+        let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
+        let (mut mix, mut shifted, mut others) = ([0; TICK_FRAMES], self.shifted(force), self.shifted(second));
+        let add = self.has_mirrored()
+            && self.drive_mirrored(memory, run, &mut shifted, Some(&mut others), odd_start, &mut mix);
+        if let Some((groups, modes)) = self.plain(memory) {
+            kernel::driven(groups, modes, kernel::Run { add, ..run }, &shifted, &mut mix);
+        }
+        self.drive_second(memory, false, run, &others, &mut mix);
+        self.add_to_bus(&mix, self.mix_shift, Some(force), out);
+        if !self.second.onset.is_zero() {
+            for (out, &x) in out.iter_mut().zip(second) {
+                *out = fixed::qadd(*out, self.second.onset.apply(x));
+            }
+        }
+    }
+
+    /// Adds what a force in slot 1 makes of the mirrored groups, or of the others.
+    fn drive_second(
+        &self,
+        memory: &mut Memory<'_>,
+        mirrored: bool,
+        run: kernel::Run,
+        force: &Backward,
+        mix: &mut Backward,
+    ) {
+        let (mut groups, mut modes, mut gains) = (self.groups.range(), self.modes.range(), self.second_gains());
+        let (plain_groups, plain_modes) = (usize::from(self.plain_groups), usize::from(self.plain_modes));
+        if mirrored {
+            groups.start += plain_groups;
+            (modes.start, gains.start) = (modes.start + plain_modes, gains.start + plain_modes);
+        } else {
+            groups.end = groups.start + plain_groups;
+        }
+        let of = (memory.groups.get(groups), memory.modes.get_mut(modes), memory.origins.get(gains));
+        if let (Some(groups), Some(modes), Some(gains)) = of {
+            super::position::drive_second((groups, modes, gains), run, force, mix);
+        }
     }
 
     /// Groups of the plain side, and all modes from theirs on.
@@ -306,15 +387,20 @@ fn sum_of_magnitudes(force: &[i32]) -> u64 {
     force.iter().fold(0, |sum, x| sum + u64::from(x.unsigned_abs()))
 }
 
-/// The longest beginning of a force whose sum of magnitudes is within the allowance, and that sum; `at_most` is a bound of the whole sum.
-fn affordable(force: &[i32], at_most: u64, allowance: u64) -> (usize, u64) {
+fn magnitude(x: Option<&i32>) -> u64 {
+    x.map_or(0, |x| u64::from(x.unsigned_abs()))
+}
+
+/// The longest beginning of a force whose sum of magnitudes, with those of a second one, is within the allowance, and that sum; `at_most` is a bound
+/// of the whole sum.
+fn affordable(force: &[i32], second: &[i32], at_most: u64, allowance: u64) -> (usize, u64) {
     if at_most <= allowance {
         return (force.len(), at_most);
     }
     let mut spent = 0;
     let mut count = 0;
-    for x in force {
-        let more = spent + u64::from(x.unsigned_abs());
+    for (index, x) in force.iter().enumerate() {
+        let more = spent + u64::from(x.unsigned_abs()) + magnitude(second.get(index));
         if more > allowance {
             break;
         }

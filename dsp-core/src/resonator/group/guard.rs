@@ -13,10 +13,12 @@ const MARGIN: u32 = ROUNDING as u32 + 4;
 const SILENCE: u64 = 1 << 27;
 
 impl Group {
-    /// Shifts the states down by two bits, for poles that are about to move. A guard must follow.
-    pub(in crate::resonator) fn make_room(&mut self, modes: &mut [Mode]) {
+    /// Shifts the states down by so many bits, for a hand that may make them larger; at the end of the exponents by two. A guard
+    /// must follow.
+    pub(in crate::resonator) fn make_room(&mut self, modes: &mut [Mode], bits: u8) {
         if self.ringing() {
-            self.lower(modes, 2);
+            let most = (self.exponent() - MIN_EXPONENT + 2).clamp(0, 30) as i8;
+            self.lower(modes, (bits as i8).min(most));
         }
     }
 

@@ -6,7 +6,8 @@ use super::bank::half_octaves;
 use super::coefficient::{Form, Orbit};
 use super::headroom::GROWTH_OF_V;
 use super::kernel::Plan;
-use super::mode::Mode;
+use super::mode::{InputGain, Mode};
+use crate::fixed;
 
 /// Modes in a full group: two register sets of three (free) or three of two (driven).
 pub const GROUP_MODES: usize = 6;
@@ -138,27 +139,52 @@ impl Group {
     }
 
     /// Sets the input gains, in bus steps of state a bus step of force: `gains` gives (into u, into v) for each mode, below
-    /// 2^[`MAX_GAIN_EXPONENT`].
-    pub(super) fn set_gains(&mut self, modes: &mut [Mode], gains: impl Fn(usize, &Mode) -> (f32, f32)) {
-        let weight = (1u32 << self.form().shift()) as f32;
-        let peak = modes
-            .iter()
-            .enumerate()
-            .map(|(index, mode)| gains(index, mode))
-            .fold(0.0f32, |peak, (u, v)| peak.max((u * weight).abs()).max(v.abs()));
-        let (_, exponent) = libm::frexpf(peak);
-        self.gain_exponent = exponent as i16;
-        let mut gain_peak = 0;
-        let mut has_phase = false;
-        for (index, mode) in modes.iter_mut().enumerate() {
-            let (u, v) = gains(index, mode);
-            let mantissa = |gain: f32| libm::rintf(libm::scalbnf(gain, 31 - exponent)) as i32;
-            mode.gain.u = mantissa(u);
-            mode.gain.v = mantissa(v);
-            gain_peak = size_of(self.form(), mode.gain.u, mode.gain.v).max(gain_peak);
-            has_phase |= mode.gain.v != 0;
+    /// 2^[`MAX_GAIN_EXPONENT`]. The mantissas leave room for gains that grow by the factor `room`, at most 2.
+    pub(super) fn set_gains(&mut self, modes: &mut [Mode], room: f32, gains: impl Fn(usize, &Mode) -> (f32, f32)) {
+        let gain = |index: usize| modes.get(index).map_or((0.0, 0.0), |mode| gains(index, mode));
+        let scale = Self::gain_scale(self.form(), modes.len(), room, gain);
+        let mut own = [InputGain::default(); GROUP_MODES];
+        own.iter_mut().enumerate().take(modes.len()).for_each(|(index, own)| *own = scale.mantissas(gain(index)));
+        self.share_gains(scale, &mut own, &mut [InputGain::default(); GROUP_MODES], room);
+        modes.iter_mut().zip(own).for_each(|(mode, own)| mode.gain = own);
+    }
+
+    /// The scale on which the largest of `count` injections, times the room, is nearly 1.
+    pub(super) fn gain_scale(
+        form: Form,
+        count: usize,
+        room: f32,
+        injection: impl Fn(usize) -> (f32, f32),
+    ) -> GainScale {
+        let weight = (1u32 << form.shift()) as f32;
+        let injections = (0..count).map(injection);
+        let peak = injections.fold(0.0f32, |peak, (u, v)| peak.max((u * weight).abs()).max(v.abs()));
+        GainScale { exponent: libm::frexpf(peak * room).1 }
+    }
+
+    /// Takes gains on a scale, and others on the present one, to one scale that holds both; the group's force may come by either.
+    pub(super) fn share_gains(
+        &mut self,
+        scale: GainScale,
+        new: &mut [InputGain; GROUP_MODES],
+        kept: &mut [InputGain; GROUP_MODES],
+        room: f32,
+    ) {
+        let form = self.form();
+        let peak = |gains: &[InputGain]| gains.iter().map(|gain| size_of(form, gain.u, gain.v)).max().unwrap_or(0);
+        let kept_peak = peak(kept);
+        let mut exponent = scale.exponent;
+        if kept_peak > 0 {
+            let with_room = kept_peak + if room > 1.0 { kept_peak / 16 } else { 0 };
+            // Bits of the peak's mantissa, beyond 31 for one that has no room yet.
+            let bits = 64 - with_room.leading_zeros() as i32;
+            exponent = exponent.max(i32::from(self.gain_exponent) + bits - 31);
         }
-        self.plan.set_phase(has_phase);
+        shift_gains(new, exponent - scale.exponent);
+        shift_gains(kept, exponent - i32::from(self.gain_exponent));
+        self.gain_exponent = exponent as i16;
+        let gain_peak = peak(new).max(peak(kept));
+        self.plan.set_phase(new.iter().chain(&*kept).any(|gain| gain.v != 0));
         self.gain_peak = gain_peak.min(u64::from(u32::MAX)) as u32;
         let half_octaves = half_octaves(self.gain_peak) + 2 * (i32::from(self.gain_exponent) - 31);
         self.gain_half_octaves = half_octaves.max(i8::MIN.into()) as i8; // gains are below 2^16
@@ -174,12 +200,10 @@ impl Group {
         self.plan.set(self.ringing(), gain_shift as u32, mix_scale(self.exponent() + mix_exponent));
     }
 
-    /// Derives from its poles how often it needs a guard while nothing drives it. After load, choke and release.
+    /// Derives from its poles how often it needs a guard while nothing drives it. After load.
     pub(super) fn schedule_guards(&mut self, modes: &[Mode]) {
-        // Half a bit: 32 samples of -log2(1 - δ)/2 bits each, δ in Q32, to first order.
-        const HALF_BIT: u32 = 93_000_000;
         let fastest = modes.iter().fold(0, |fastest, mode| mode.coefficients.delta.max(fastest));
-        self.guard_ticks = (HALF_BIT / fastest.unsigned_abs().max(1)).clamp(1, MAX_GUARD_TICKS) as u8;
+        self.guard_ticks = ticks_to_half_a_bit(fastest);
         let epsilon = modes.first().map_or(1, |mode| mode.coefficients.epsilon.unsigned_abs());
         // e² = 4 sin²(θ/2), θ ≈ e; ε is Q32.
         let angle = match self.form() {
@@ -201,8 +225,16 @@ impl Group {
     }
 
     /// Sets the time of its next guard after one for no input, or, where that may still come, at once when it ends.
-    pub(super) fn schedule(&mut self, clock: u8, has_input: bool) {
-        self.due_at = clock.wrapping_add(if has_input { 0 } else { self.guard_ticks });
+    /// The guard comes after `longest` ticks at the latest.
+    pub(super) fn schedule(&mut self, clock: u8, has_input: bool, longest: u8) {
+        self.due_at = clock.wrapping_add(if has_input { 0 } else { self.guard_ticks.min(longest) });
+    }
+
+    /// Brings the time of its next guard forward to at most `longest` ticks from now.
+    pub(super) fn hasten(&mut self, clock: u8, longest: u8) {
+        if self.due_ticks(clock) > longest as i8 {
+            self.due_at = clock.wrapping_add(longest);
+        }
     }
 
     /// Ticks until the next guard without input; below 0 where it is late.
@@ -217,7 +249,7 @@ impl Group {
         match self.exponent() - 3 {
             shift @ 0..=31 => u64::from((eighths.min(u64::from(u32::MAX)) as u32) >> shift) + 1,
             shift @ 32.. => (eighths >> shift) + 1,
-            shift => eighths << -shift, // at most 2^34 · 2^27
+            shift => eighths << -shift, // at most 2^34 · 2^29
         }
     }
 
@@ -249,6 +281,40 @@ impl Group {
             sum += amplitude;
         }
         Some(sum)
+    }
+}
+
+/// Ticks in which a mode of this δ (Q32) decays by half a bit, 1 to [`MAX_GUARD_TICKS`].
+pub(super) fn ticks_to_half_a_bit(delta: i32) -> u8 {
+    // Half a bit: 32 samples of -log2(1 - δ)/2 bits each, δ in Q32, to first order.
+    const HALF_BIT: u32 = 93_000_000;
+    (HALF_BIT / delta.unsigned_abs().max(1)).clamp(1, MAX_GUARD_TICKS) as u8
+}
+
+/// The exponent of gain mantissas: a mantissa g stands for `g · 2^(exponent - 31)`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GainScale {
+    exponent: i32,
+}
+
+impl GainScale {
+    /// An injection (into u, into v) on this scale.
+    pub(super) fn mantissas(self, (u, v): (f32, f32)) -> InputGain {
+        let mantissa = |gain: f32| libm::rintf(libm::scalbnf(gain, 31 - self.exponent)) as i32;
+        InputGain { u: mantissa(u), v: mantissa(v) }
+    }
+}
+
+/// Shifts mantissas right by so many bits, left where they are below 0, which the new exponent has room for.
+fn shift_gains(gains: &mut [InputGain], bits: i32) {
+    let shifted = |x: i32| match bits {
+        0 => x,
+        1..=31 => fixed::rounding_shift_right(x, bits as u32),
+        32.. => 0,
+        _ => x.wrapping_shl(bits.unsigned_abs().min(31)),
+    };
+    for gain in gains {
+        *gain = InputGain { u: shifted(gain.u), v: shifted(gain.v) };
     }
 }
 

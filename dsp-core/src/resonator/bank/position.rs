@@ -1,0 +1,227 @@
+//! Positions: each contact drives the gains of the place that it strikes.
+//!
+//! A bank plays force at two positions at a time, its **slots**. The modes hold the gains of slot 0. Those of slot 1 lie behind the
+//! origins of all banks, where there is memory for them: [`Bank::reserve_second`]. The bank is linear, and so the force in
+//! slot 1 drives a copy of the modes that starts from rest, over each run, and what it makes is added to sound and states.
+//! While slot 1 has no force nothing of this takes any time.
+//!
+//! A strike takes the slot that has its position; else one that no contact drives, slot 0 first; else, merged, the slot whose
+//! position is nearer.
+
+use core::ops::Range;
+
+use super::super::gain::{gain_at, gain_law, onset, orbit_gains};
+use super::super::group::{GROUP_MODES, Group};
+use super::super::kernel::{self, Backward};
+use super::super::mode::{InputGain, Mode, State};
+use super::hand::Hand;
+use super::{Bank, BankTable, Memory, Origin, Used, for_each_group};
+use crate::SampleRate;
+use crate::fixed::Scale;
+
+/// Slot 1 of a bank.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Second {
+    /// True if the bank's table has several positions.
+    pub(super) has_positions: bool,
+    /// True once gains have been derived for the slot.
+    pub(super) is_set: bool,
+    /// Where its gains begin among all origins; 0, the place of another bank's origin or of its own, while there are none.
+    start: u16,
+    position: f32,
+    /// As [`Bank::onset`], for force in this slot.
+    pub(super) onset: Scale,
+}
+
+impl Second {
+    /// No gains, and none to come.
+    pub(super) const NONE: Self =
+        Self { has_positions: false, is_set: false, start: 0, position: 0.0, onset: Scale::ZERO };
+}
+
+/// Which slot a strike drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The slot.
+    pub slot: u8,
+    /// True if its gains must be derived for the strike's position: [`Bank::set_position`].
+    pub moves: bool,
+    /// True if both slots are taken by other positions, of which it gets the nearer.
+    pub is_merged: bool,
+}
+
+impl Place {
+    /// Slot 0 as it is.
+    pub const FIRST: Self = Self { slot: 0, moves: false, is_merged: false };
+}
+
+impl Origin {
+    fn gain(&self) -> InputGain {
+        InputGain { u: self.other.delta, v: self.other.epsilon }
+    }
+
+    fn set_gain(&mut self, gain: InputGain) {
+        (self.other.delta, self.other.epsilon) = (gain.u, gain.v);
+    }
+}
+
+impl Bank {
+    /// Takes memory for the gains of a second position where the table has several and memory is left. After all banks have been
+    /// loaded, since none is refused for it.
+    pub fn reserve_second(&mut self, memory: &Memory<'_>, used: &mut Used) {
+        let end = used.origins + self.modes.range().len();
+        if self.second.has_positions && end <= memory.origins.len() {
+            self.second.start = used.origins as u16; // spans count in 16 bits
+            used.origins = end;
+        }
+    }
+
+    fn has_second(&self) -> bool {
+        self.second.start > 0
+    }
+
+    /// Places of the gains of slot 1 among all origins, none before they are derived.
+    pub(super) fn second_gains(&self) -> Range<usize> {
+        let start = usize::from(self.second.start);
+        start..start + if self.second.is_set { self.modes.range().len() } else { 0 }
+    }
+
+    /// True if slot 1 may have a force.
+    #[inline(always)]
+    pub fn has_second_gains(&self) -> bool {
+        self.second.is_set
+    }
+
+    /// True if contacts of a second position do not have to merge.
+    pub fn can_take_second(&self) -> bool {
+        self.has_second()
+    }
+
+    /// The slot for a strike at a position; `is_driven` says which of them contacts drive.
+    pub fn place(&self, position: f32, is_driven: impl Fn(u8) -> bool) -> Place {
+        let has = |slot_position: f32| slot_position == position;
+        if !self.second.has_positions || has(self.position) {
+            return Place::FIRST;
+        }
+        if self.second.is_set && has(self.second.position) {
+            return Place { slot: 1, ..Place::FIRST };
+        }
+        if !is_driven(0) {
+            return Place { moves: true, ..Place::FIRST };
+        }
+        if self.has_second() && !is_driven(1) {
+            return Place { slot: 1, moves: true, is_merged: false };
+        }
+        let distance = |slot_position: f32| (slot_position - position).abs();
+        let is_nearer = self.second.is_set && distance(self.second.position) < distance(self.position);
+        Place { slot: u8::from(is_nearer), moves: false, is_merged: true }
+    }
+
+    /// Moves a slot for the contacts that follow: gains are interpolated between the table's positions. [`Bank::expect`] must
+    /// follow before any force.
+    ///
+    /// It costs [`crate::engine::Part::MovedMode`] a mode.
+    pub fn set_position(
+        &mut self,
+        slot: u8,
+        position: f32,
+        table: &BankTable<'_>,
+        rate: SampleRate,
+        memory: &mut Memory<'_>,
+    ) {
+        if !self.second.has_positions || slot == 1 && !self.has_second() {
+            return;
+        }
+        let is_second = slot == 1;
+        let has_other = self.second.is_set;
+        if is_second {
+            (self.second.position, self.second.is_set) = (position, true);
+        } else {
+            self.position = position;
+        }
+        let gains = self.second_gains();
+        // What lies behind the own origins.
+        let split = gains.start.max(self.origins.range().end);
+        let (own, behind) = memory.origins.split_at_mut_checked(split).unwrap_or((&mut [], &mut []));
+        let origins = own.get(self.origins.range()).unwrap_or(&[]);
+        let mut seconds = behind.get_mut(..gains.len()).unwrap_or(&mut []);
+        let gain = gain_law(table, rate, position);
+        let gain_room = Hand::new(table, rate).gain_room();
+        let mut rest = origins;
+        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
+            let (origins, later) = rest.split_at_checked(modes.len()).unwrap_or((rest, &[]));
+            rest = later;
+            let taken = core::mem::take(&mut seconds);
+            let count = modes.len().min(taken.len());
+            let (second, later) = taken.split_at_mut_checked(count).unwrap_or((&mut [], &mut []));
+            seconds = later;
+            let index = |slot: usize| origins.get(slot).map(Origin::index);
+            let pole = |slot: usize, mode: &Mode| {
+                origins.get(slot).map_or(mode.coefficients, |origin| origin.at_rest(mode.coefficients))
+            };
+            let derived = orbit_gains(group, |slot| gain(index(slot)), pole);
+            let mut moved = [InputGain::default(); GROUP_MODES];
+            let mut kept = [InputGain::default(); GROUP_MODES];
+            let injected = |slot: usize| modes.get(slot).map_or((0.0, 0.0), |mode| derived(slot, mode));
+            let scale = Group::gain_scale(group.form(), modes.len(), gain_room, injected);
+            for (slot, gain) in moved.iter_mut().enumerate().take(modes.len()) {
+                *gain = scale.mantissas(injected(slot));
+                if let (Some(mode), Some(origin)) = (modes.get(slot), origins.get(slot)) {
+                    gain.u = origin.held_gain(mode.coefficients, gain.u);
+                }
+            }
+            // The other slot's gains as they are; none of slot 1 before it is set.
+            for (slot, gain) in kept.iter_mut().enumerate().take(modes.len()) {
+                let first = modes.get(slot).map_or(InputGain::default(), |mode| mode.gain);
+                *gain = match is_second {
+                    true => first,
+                    false if has_other => second.get(slot).map_or(InputGain::default(), Origin::gain),
+                    false => InputGain::default(),
+                };
+            }
+            group.share_gains(scale, &mut moved, &mut kept, gain_room);
+            let (of_first, of_second) = if is_second { (kept, moved) } else { (moved, kept) };
+            modes.iter_mut().zip(of_first).for_each(|(mode, gain)| mode.gain = gain);
+            second.iter_mut().zip(of_second).for_each(|(origin, gain)| origin.set_gain(gain));
+        });
+        let cosines = origins
+            .iter()
+            .map(|origin| f64::from(gain_at(table.gains, table.positions, origin.index(), position).1));
+        let onset = onset(cosines.sum(), table, rate);
+        if is_second {
+            self.second.onset = onset;
+        } else {
+            self.onset = onset;
+        }
+    }
+}
+
+/// Adds what a force in slot 1 makes of groups: to the mix, and to the states of their modes. `gains` begin with those of the
+/// groups' modes.
+#[inline(never)] // its copies must not weigh on runs without
+pub(super) fn drive_second(
+    (groups, modes, gains): (&[Group], &mut [Mode], &[Origin]),
+    run: kernel::Run,
+    force: &Backward,
+    mix: &mut Backward,
+) {
+    let (mut modes, mut gains) = (modes, gains);
+    for group in groups {
+        let Some((now, later)) = core::mem::take(&mut modes).split_at_mut_checked(group.count()) else { return };
+        let Some((gains_now, gains_later)) = gains.split_at_checked(group.count()) else { return };
+        (modes, gains) = (later, gains_later);
+        if run.skip && !group.ringing() {
+            continue;
+        }
+        let mut driven = [Mode::SILENT; GROUP_MODES];
+        for ((driven, mode), gain) in driven.iter_mut().zip(&*now).zip(gains_now) {
+            *driven = Mode { state: State::default(), coefficients: mode.coefficients, gain: gain.gain() };
+        }
+        kernel::driven(core::slice::from_ref(group), &mut driven, kernel::Run { add: true, ..run }, force, mix);
+        for (driven, mode) in driven.iter().zip(now) {
+            // Within the bounds of the guard, which allowed for both forces; in builds with debug assertions this is checked.
+            mode.state.u += driven.state.u;
+            mode.state.v += driven.state.v;
+        }
+    }
+}

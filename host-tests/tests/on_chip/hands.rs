@@ -1,0 +1,60 @@
+//! Hands and positions on the virtual core: their cycles, and their bits.
+
+use dsp_core::SampleRate;
+use dsp_core::engine::Skipping;
+use dsp_core::event::Event;
+use dsp_core::resonator::TICK_FRAMES;
+use dsp_core::table::Kit;
+use host_tests::on_chip::EngineOnChip;
+use host_tests::on_chip::budget_scenes::{at_two_places, hands_on};
+use host_tests::on_chip::scenes::{choked_pads, pads_with_positions};
+use host_tests::scene::TestEngine;
+
+const RATE: SampleRate = SampleRate::HZ_48000;
+
+/// Cycles of the functions of an engine whose names have a word in them, by word, over a scene, which must have the PC's bits.
+fn spent(loaded: &kit::Loaded, events: &[Event], ticks: usize, words: &[&str]) -> Vec<u64> {
+    let mut chip = EngineOnChip::new().unwrap();
+    chip.load(&loaded.binary, RATE).unwrap();
+    let view = Kit::parse(&loaded.binary).unwrap();
+    let mut engine = Box::new(TestEngine::new());
+    engine.load(&view, RATE, Skipping::On).unwrap();
+    chip.machine().clear_counts();
+    for tick in 0..ticks {
+        let frames = (tick * TICK_FRAMES) as u64..((tick + 1) * TICK_FRAMES) as u64;
+        let now: Vec<Event> =
+            events.iter().filter(|event| frames.contains(&event.time.first_frame())).copied().collect();
+        let mut expected = vec![[0; 2]; TICK_FRAMES];
+        engine.render(&now, None, &mut expected).unwrap();
+        let (got, _) = chip.render(&now, None, TICK_FRAMES).unwrap();
+        assert!(got == expected, "tick {tick}");
+    }
+    let profile = chip.machine().profile();
+    let of = |word: &&str| {
+        let functions = profile.iter().filter(|function| function.name.contains(word));
+        functions.map(|function| function.cost.nominal).sum()
+    };
+    words.iter().map(of).collect()
+}
+
+#[test]
+fn a_hand_takes_at_most_60_cycles_a_mode_and_has_the_same_bits_on_the_chip() {
+    let spent = spent(&choked_pads(4), &hands_on(4), 100, &["reach", "lay_hand"]);
+    // Four pads of 64 modes, choked and released.
+    let modes = 2.0 * 4.0 * 64.0;
+    let per_mode = spent.iter().sum::<u64>() as f64 / modes;
+    println!("{per_mode:.1} cycles a mode: {spent:?} of {modes} modes");
+    assert!((10.0..=60.0).contains(&per_mode), "{per_mode:.1} cycles a mode");
+}
+
+#[test]
+fn strikes_at_two_places_have_the_same_bits_on_the_chip() {
+    let mut events = at_two_places(4);
+    events.extend(hands_on(4).into_iter().filter(|event| event.velocity == 0.0));
+    events.sort_by_key(|event| event.time);
+    let words = ["set_position", "drive_second", "gain", "malleus_kernel"];
+    let spent = spent(&pads_with_positions(4), &events, 80, &words);
+    let moves = 4.0 * 8.0 * 64.0;
+    println!("at most {moves} modes moved: {words:?} {spent:?}");
+    assert!(spent[1] > 0, "no force in the second slot");
+}
