@@ -49,9 +49,12 @@ pub mod tag {
     /// The biquad bank of an object: [`BiquadsHeader`](super::BiquadsHeader), [`BiquadRecord`](super::BiquadRecord)s, chain by chain. One section
     /// an object that has one, in their order; a reader may skip it.
     pub const BIQUADS: [u8; 4] = *b"biqd";
+    /// The objects whose acceleration sound is derived: a [`U16`](super::U16) count, as many object numbers, zeros up to a
+    /// multiple of 4. At most one; a reader that skips it plays the number in [`ObjectHeader`](super::ObjectHeader).
+    pub const BALANCE: [u8; 4] = *b"bala";
     /// All of them.
-    pub const KNOWN: [[u8; 4]; 10] =
-        [META, OBJECT, STRIKER, PADS, TRIGGER, RESIDUAL, BACKGROUND, ROOM, DYNAMIC_FILTER, BIQUADS];
+    pub const KNOWN: [[u8; 4]; 11] =
+        [META, OBJECT, STRIKER, PADS, TRIGGER, RESIDUAL, BACKGROUND, ROOM, DYNAMIC_FILTER, BIQUADS, BALANCE];
 }
 
 /// The head of a kit.
@@ -99,7 +102,8 @@ pub struct ObjectHeader {
     pub name: [u8; NAME_BYTES],
     /// The force in newtons (1 where uncalibrated) that 1.0 on the force bus stands for.
     pub reference_force: F32,
-    /// Acceleration sound α, output per unit of force.
+    /// Acceleration sound α, output per newton. Of an object in [`tag::BALANCE`] it is what the derivation gives at 48 kHz
+    /// at the first position, for readers that do not know that section.
     pub acceleration: F32,
     /// Number of modes.
     pub mode_count: U16,

@@ -11,8 +11,8 @@ pub use render::MixShift;
 pub(super) use shed::half_octaves;
 pub use shed::{Audience, Selection, Shed, Survey, UpcomingRun, Use};
 
-use super::coefficient::{Coefficients, delta_of_t60};
-use super::gain::{gain_at, gain_law, move_pole, onset, orbit_gains};
+use super::coefficient::{Coefficients, Pole, delta_of_t60};
+use super::gain::{gain_law, move_pole, onset, orbit_gains, taken_at_once};
 use super::group::Group;
 use super::mode::Mode;
 use super::retirement::Retired;
@@ -48,6 +48,8 @@ pub struct BankTable<'a> {
     pub weight: f64,
     /// T60 in seconds of its choke, or 0.
     pub choke_t60_s: f64,
+    /// True if the force itself takes away the modes' static response (`acceleration = "balance"`), beside half of h[0].
+    pub is_balanced: bool,
     /// A typical contact, (impulse in bus units of force times seconds, contact time in s): it decides the order of modes, not their sound.
     pub typical_contact: (f32, f32),
 }
@@ -151,7 +153,8 @@ pub struct Bank {
     /// How many of its modes and of its groups run plain; the others, mirrored, come behind.
     plain_modes: u16,
     plain_groups: u16,
-    /// The half of h[0] that does not belong to the integral: -Σ gc / (2 fs), times the force, is added to the sound.
+    /// Factor of the force that is added to the sound: minus the half of h[0] that does not belong to the integral, or in
+    /// a balanced bank minus the static response as well. That of the free modes, choked or not.
     onset: Scale,
     choked: bool,
     /// Whether the allowance is enough for all contacts under way.
@@ -264,17 +267,19 @@ impl Bank {
     fn derive_gains(&mut self, table: &BankTable<'_>, rate: SampleRate, memory: &mut Memory<'_>) {
         let origins = memory.origins.get(self.origins.range()).unwrap_or(&[]);
         let gain = gain_law(table, rate, self.position);
-        let mut first = 0;
+        let (mut first, mut taken) = (0, 0.0);
         for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
+            let (form, mirrored) = (group.form(), group.mirrored());
+            for origin in origins.iter().skip(first).take(modes.len()) {
+                let pole = Pole { form, mirrored, coefficients: origin.coefficients };
+                taken += taken_at_once(table, pole, usize::from(origin.index), self.position);
+            }
             let index = |slot: usize| origins.get(first + slot).map(|origin| usize::from(origin.index));
             let gains = orbit_gains(group, |slot| gain(index(slot)));
             group.set_gains(modes, gains);
             first += modes.len();
         });
-        let cosines = origins
-            .iter()
-            .map(|origin| f64::from(gain_at(table.gains, table.positions, usize::from(origin.index), self.position).1));
-        self.onset = onset(cosines.sum(), table, rate);
+        self.onset = onset(taken, table, rate);
         // New gains need new guards.
         self.allowance = 0;
     }
