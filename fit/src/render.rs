@@ -83,7 +83,10 @@ pub fn by_reference(table: &Kit, position: f64, rate_hz: f64, frames: usize) -> 
     let pad = reference::Pad {
         object: reference::Object {
             modes: modes.collect(),
-            acceleration: f64::from(object.acceleration),
+            acceleration: match object.acceleration {
+                kit::Acceleration::Factor(alpha) => reference::Acceleration::Factor(f64::from(alpha)),
+                kit::Acceleration::Balance => reference::Acceleration::Balance,
+            },
             biquads: vec![],
             dynamic_filter: None,
         },

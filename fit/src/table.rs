@@ -1,6 +1,6 @@
 //! A fit as a table: the text that people keep and boards play.
 
-use kit::{Gain, Kit, Mode, Object, Pulse, Residual, Striker};
+use kit::{Acceleration, Gain, Kit, Mode, Object, Pulse, Residual, Striker};
 
 use crate::residual::Band;
 use crate::room::Room;
@@ -49,7 +49,7 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
             source: source.clone(),
             licence: licence.clone(),
             reference_force: 1.0,
-            acceleration: strike.map_or(0.0, |strike| strike.acceleration as f32),
+            acceleration: Acceleration::Factor(strike.map_or(0.0, |strike| strike.acceleration as f32)),
             modes: modes.collect(),
             residual: None,
             dynamic_filter: None,

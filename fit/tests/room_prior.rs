@@ -14,7 +14,7 @@ fn click(room: Vec<RoomBand>) -> Kit {
             source: source.clone(),
             licence: licence.clone(),
             reference_force: 1.0,
-            acceleration: 0.5,
+            acceleration: kit::Acceleration::Factor(0.5),
             modes: vec![],
             residual: None,
             dynamic_filter: None,

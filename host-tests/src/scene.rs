@@ -28,7 +28,7 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
             source: nothing(),
             licence: nothing(),
             reference_force: 1.0,
-            acceleration: 0.0,
+            acceleration: kit::Acceleration::NONE,
             modes,
             residual: None,
             dynamic_filter: None,

@@ -6,7 +6,7 @@ use dsp_core::engine::{Direct, Skipping};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::table::Kit as KitView;
 use host_tests::scene::TestEngine;
-use kit::{Gain, Kit, Loaded, Mode, Object, Pad, Pulse, Striker};
+use kit::{Acceleration, Gain, Kit, Loaded, Mode, Object, Pad, Pulse, Striker};
 use proptest::prelude::*;
 
 /// Any magnitude from tiny to `max`, either sign, or 0.
@@ -38,7 +38,7 @@ prop_compose! {
     ) -> Object {
         Object {
             name: format!("object {index}"), source: String::new(), licence: String::new(),
-            reference_force: reference_force.exp2(), acceleration, modes, residual: None, dynamic_filter: None, biquads: None,
+            reference_force: reference_force.exp2(), acceleration: Acceleration::Factor(acceleration), modes, residual: None, dynamic_filter: None, biquads: None,
         }
     }
 }

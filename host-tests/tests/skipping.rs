@@ -22,7 +22,7 @@ fn is_idle(report: &TickReport) -> bool {
 #[test]
 fn a_silent_engine_does_no_work_before_the_first_strike_nor_after_the_last_tail() {
     let mut kit = one_pad(vec![mode(440.0, 0.1, 300.0, 30.0), mode(9_000.0, 0.1, 300.0, 0.0)]);
-    kit.objects[0].acceleration = 0.1;
+    kit.objects[0].acceleration = kit::Acceleration::Factor(0.1);
     kit.strikers[0].modes = vec![mode(700.0, 0.05, 100.0, 0.0)];
     let loaded = load(kit);
     let (sound, reports) = play(&loaded, RATE, Skipping::On, &[strike(4_800, 1.0)], None, (48_000, &[128]));

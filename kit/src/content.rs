@@ -78,6 +78,32 @@ pub struct Background {
     pub weight: Vec<f32>,
 }
 
+/// The acceleration sound α of an object, output per newton.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Acceleration {
+    /// A number.
+    Factor(f32),
+    /// Derived from the modes at the rate at which they are rendered, so that a constant force makes no sound
+    /// ([`dsp_core::radiation`]); the strikers' own modes are balanced with the object's.
+    Balance,
+}
+
+impl Acceleration {
+    /// No acceleration sound.
+    pub const NONE: Self = Self::Factor(0.0);
+
+    /// The word in the text form that stands for [`Acceleration::Balance`].
+    pub const BALANCE_KEY: &str = "balance";
+
+    /// The number, where it is one.
+    pub fn factor(self) -> Option<f32> {
+        match self {
+            Self::Factor(factor) => Some(factor),
+            Self::Balance => None,
+        }
+    }
+}
+
 /// A struck object: a modal bank (diffimpact eq. 1, `IR_object`) and its acceleration sound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
@@ -89,8 +115,8 @@ pub struct Object {
     pub licence: String,
     /// The force in newtons (1 where uncalibrated) that 1.0 on the force bus stands for.
     pub reference_force: f32,
-    /// Acceleration sound α, output per newton (diffimpact eq. 1).
-    pub acceleration: f32,
+    /// Acceleration sound (diffimpact eq. 1).
+    pub acceleration: Acceleration,
     /// Its modes, all with the same number of gains.
     pub modes: Vec<Mode>,
     /// What it sounds beside them, if anything.

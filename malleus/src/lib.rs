@@ -4,6 +4,7 @@
 
 pub mod demo;
 pub mod events;
+pub mod loudness;
 pub mod plot;
 pub mod render;
 pub mod report;

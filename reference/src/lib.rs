@@ -23,7 +23,7 @@
 //! | [`event`] | who is struck when, how hard, where, with what; chokes, releases, direct force | this project |
 //! | [`contact`] | from velocity to a contact force over time; strikes sum | eq. 2, 3 |
 //! | [`resonator`] | the force drives a bank of decaying modes | §3.3 |
-//! | [`radiation`] | the click of the striker's deceleration, `α·F` | eq. 1, §3.2 |
+//! | [`radiation`] | the click of the striker's deceleration, `α·F`, or what cancels the static response | eq. 1, §3.2 |
 //! | [`dynamic_filter`], [`waveguide`] | noise through a filter that moves, loops round it | dynamic filtering eq. 5 to 17 |
 //! | [`biquad`] | chains of biquads beside the modes | diffmodal eq. 2, 3 |
 //! | [`residual`] | noise in decaying bands beside the modes | physics-diffusion eq. 5, 6 |
@@ -45,7 +45,7 @@
 //! # Example
 //!
 //! ```
-//! use reference::{Action, Event, Gain, Mode, Object, Pad, Pulse, SampleRate, Striker};
+//! use reference::{Acceleration, Action, Event, Gain, Mode, Object, Pad, Pulse, SampleRate, Striker};
 //!
 //! let bell = Pad {
 //!     object: Object {
@@ -54,7 +54,7 @@
 //!             decay_per_s: 3.0,
 //!             gains: vec![Gain { sine: 2.0, cosine: 0.0 }],
 //!         }],
-//!         acceleration: 0.001,
+//!         acceleration: Acceleration::Factor(0.001),
 //!         biquads: vec![],
 //!         dynamic_filter: None,
 //!     },
@@ -106,6 +106,7 @@ pub use contact::{Pulse, Striker};
 pub use error::{BankOwner, Error};
 pub use event::{Action, Direct, Event};
 pub use pad::{Object, Pad};
+pub use radiation::Acceleration;
 pub use rate::SampleRate;
 pub use resonator::{Bank, Gain, Mode};
 pub use room::{RoomBand, room};

@@ -123,7 +123,11 @@ impl<'k> Pad<'k> {
         let mut loaded = Self {
             reference_force: object.reference_force(),
             first_bank: used.banks as u16, // pads are at most 255, with five banks each
-            acceleration: Acceleration::new(object.acceleration(), object.reference_force()),
+            acceleration: match tables.is_balanced() {
+                // It is in the banks.
+                true => Acceleration::NONE,
+                false => Acceleration::new(object.acceleration(), object.reference_force()),
+            },
             panner: Panner::new(pad.level_db(), pad.pan()),
             ..Self::EMPTY
         };

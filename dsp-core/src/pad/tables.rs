@@ -9,6 +9,7 @@ pub struct PadTables<'a> {
     kit: Kit<'a>,
     pad: PadTable<'a>,
     object: Object<'a>,
+    is_balanced: bool,
 }
 
 /// Where a bank's order, which a typical contact decides, is settled already.
@@ -18,7 +19,12 @@ impl<'a> PadTables<'a> {
     /// The tables of a kit's pad, counted from 0. `None` where the kit has no such pad.
     pub fn new(kit: Kit<'a>, pad: usize) -> Option<Self> {
         let pad = kit.pads().nth(pad)?;
-        Some(Self { kit, pad, object: kit.object_of(pad)? })
+        Some(Self { kit, pad, object: kit.object_of(pad)?, is_balanced: kit.is_balanced(pad.object_index()) })
+    }
+
+    /// True if the banks of object and strikers are balanced, and the object's α is not a number.
+    pub fn is_balanced(&self) -> bool {
+        self.is_balanced
     }
 
     /// The pad's object.
@@ -42,6 +48,7 @@ impl<'a> PadTables<'a> {
             positions: self.object.position_count(),
             weight: f64::from(self.object.reference_force()),
             choke_t60_s: f64::from(self.pad.choke_t60_s()),
+            is_balanced: self.is_balanced,
             typical_contact,
         }
     }
@@ -54,6 +61,7 @@ impl<'a> PadTables<'a> {
             positions: 1,
             weight: f64::from(self.pad.striker_weight()) * f64::from(self.object.reference_force()),
             choke_t60_s: f64::from(self.pad.choke_t60_s()),
+            is_balanced: self.is_balanced,
             typical_contact,
         })
     }

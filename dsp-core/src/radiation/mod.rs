@@ -1,8 +1,25 @@
-//! Radiation: what sounds beside the modes.
+//! Radiation: what sounds beside the modes, in proportion to the force.
 //!
-//! [`Acceleration`] is the click of the striker's deceleration, α times the force (diffimpact eq. 1 and §3.2).
+//! [`Acceleration`] is the click of the striker's deceleration, α times the force (diffimpact eq. 1 and §3.2), with α a
+//! number of the table.
+//!
+//! A table may instead have its α derived (`acceleration = "balance"`). Modes that are cut off at a finite number leave
+//! a unipolar pulse: under a slow force they follow it, `y = H(1) F`, as a spring would. A body radiates by its
+//! acceleration, of which a constant force has none. α = -H(1) cancels that static response, with
+//!
+//! ```text
+//! H(1) = (1/fs) Σ_k [ Σ_{n>=0} r^n (gs sin nθ + gc cos nθ) - gc/2 ]
+//! ```
+//!
+//! over the modes that are rendered at the rate, at the position that is struck: linear in the gains, so α is
+//! interpolated as they are. [`balance`] gives it. It needs no stage: a bank adds `-gc/2` times the force anyway, and
+//! takes the whole sum instead ([`BankTable::is_balanced`](crate::resonator::BankTable::is_balanced)).
+//! A striker's own bank on a balanced object is balanced too.
 
+use crate::SampleRate;
 use crate::fixed::{self, Scale};
+use crate::resonator::coefficient::Pole;
+use crate::table::layout::{GainRecord, ModeRecord};
 
 /// Acceleration sound: `y += α F`.
 ///
@@ -32,4 +49,19 @@ impl Acceleration {
             *out = fixed::qadd(*out, self.gain.apply(force));
         }
     }
+}
+
+/// The α, output per newton, that cancels the static response of modes at their first position.
+///
+/// `gains` are those of all positions of the first mode, then of the second, and so on. In software `f64` on a
+/// Cortex-M4F: for tools, not for the audio path.
+pub fn balance(modes: &[ModeRecord], gains: &[GainRecord], positions: usize, rate: SampleRate) -> f64 {
+    let rendered = modes.iter().zip(gains.chunks(positions.max(1))).filter_map(|(mode, gains)| {
+        let pole = Pole::new(f64::from(mode.frequency_hz.get()), f64::from(mode.decay_per_s.get()), rate)?;
+        let gain = gains.first()?;
+        let (sine, cosine) = (f64::from(gain.sine.get()), f64::from(gain.cosine.get()));
+        let (of_sine, of_cosine) = pole.sums();
+        Some(sine * f64::from(of_sine) + cosine * (f64::from(of_cosine) - 0.5))
+    });
+    -rendered.sum::<f64>() / rate.hz()
 }

@@ -1,7 +1,7 @@
 //! From a table's gains to what a force injects into the states.
 
 use super::bank::{BankError, BankTable};
-use super::coefficient::{Coefficients, Orbit};
+use super::coefficient::{Coefficients, Orbit, Pole};
 use super::group::{Group, MAX_GAIN_EXPONENT};
 use super::mode::Mode;
 use crate::SampleRate;
@@ -67,6 +67,19 @@ pub(super) fn orbit_gains<G: Fn(usize) -> (f32, f32), P: Fn(usize, &Mode) -> Coe
     }
 }
 
-pub(super) fn onset(cosine_sum: f64, table: &BankTable<'_>, rate: SampleRate) -> Scale {
-    Scale::new(-cosine_sum * table.weight / (2.0 * rate.hz()))
+/// What of a mode's gains at a position the force itself takes away, times the rate: half of h[0], or with
+/// [`BankTable::is_balanced`] the whole static response, so that a constant force is not heard ([`crate::radiation`]).
+pub(super) fn taken_at_once(table: &BankTable<'_>, pole: Pole, index: usize, position: f32) -> f64 {
+    let (sine, cosine) = gain_at(table.gains, table.positions, index, position);
+    if !table.is_balanced {
+        return f64::from(cosine) / 2.0;
+    }
+    // Half of h[0] that the sum over all n counts too much is just the half that an unbalanced bank takes away.
+    let (of_sine, of_cosine) = pole.sums();
+    f64::from(sine) * f64::from(of_sine) + f64::from(cosine) * f64::from(of_cosine)
+}
+
+/// The factor of the force for a sum of [`taken_at_once`].
+pub(super) fn onset(taken: f64, table: &BankTable<'_>, rate: SampleRate) -> Scale {
+    Scale::new(-taken * table.weight / rate.hz())
 }

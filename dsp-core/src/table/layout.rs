@@ -52,9 +52,24 @@ pub mod tag {
     /// The restitution of each striker as [`F32`](super::F32), in their order. At most one; without it each has
     /// [`DEFAULT_RESTITUTION`](crate::table::range::DEFAULT_RESTITUTION). A reader may skip it.
     pub const RESTITUTION: [u8; 4] = *b"rest";
+    /// The objects whose acceleration sound is derived: a [`U16`](super::U16) count, as many object numbers, zeros up to a
+    /// multiple of 4. At most one; a reader that skips it plays the number in [`ObjectHeader`](super::ObjectHeader).
+    pub const BALANCE: [u8; 4] = *b"bala";
     /// All of them.
-    pub const KNOWN: [[u8; 4]; 11] =
-        [META, OBJECT, STRIKER, PADS, TRIGGER, RESIDUAL, BACKGROUND, ROOM, DYNAMIC_FILTER, BIQUADS, RESTITUTION];
+    pub const KNOWN: [[u8; 4]; 12] = [
+        META,
+        OBJECT,
+        STRIKER,
+        PADS,
+        TRIGGER,
+        RESIDUAL,
+        BACKGROUND,
+        ROOM,
+        DYNAMIC_FILTER,
+        BIQUADS,
+        RESTITUTION,
+        BALANCE,
+    ];
 }
 
 /// The head of a kit.
@@ -102,7 +117,8 @@ pub struct ObjectHeader {
     pub name: [u8; NAME_BYTES],
     /// The force in newtons (1 where uncalibrated) that 1.0 on the force bus stands for.
     pub reference_force: F32,
-    /// Acceleration sound α, output per unit of force.
+    /// Acceleration sound α, output per newton. Of an object in [`tag::BALANCE`] it is what the derivation gives at 48 kHz
+    /// at the first position, for readers that do not know that section.
     pub acceleration: F32,
     /// Number of modes.
     pub mode_count: U16,

@@ -7,7 +7,7 @@
 //! directory section count, then an entry a section: tag, version, offset, length
 //! sections  META one · OBJT one an object · STRK one a striker · PADS one · trig none or one ·
 //!           resi none or one an object · bgnd none or one · room none or one ·
-//!           dynf none or one an object · biqd none or one an object · rest none or one
+//!           dynf none or one an object · biqd none or one an object · rest none or one · bala none or one
 //! ```
 //!
 //! All numbers are little-endian, floats are IEEE single precision, sections are 4-byte aligned and tile the file without
@@ -19,6 +19,7 @@
 //! A new stage is a new section. As in PNG, a section whose tag begins with a lower-case letter may be skipped by a reader that
 //! does not know it; any other unknown tag, or a newer version of a known one, is refused by name.
 
+mod balance;
 mod biquads;
 mod check;
 mod dynamic_filter;

@@ -3,6 +3,7 @@
 use zerocopy::FromBytes;
 use zerocopy::byteorder::little_endian::F32;
 
+use super::balance;
 use super::check::{
     check_bank, check_count, check_distinct, check_name, check_range, check_ranges, name_str, read_bank,
 };
@@ -166,6 +167,13 @@ impl<'a> Kit<'a> {
         sections(self.directory, self.bytes, tag::ROOM).next().and_then(|body| room::read(body).ok()).unwrap_or(&[])
     }
 
+    /// Whether the acceleration sound of the object of an index is derived from its modes ([`crate::radiation`]).
+    pub fn is_balanced(&self, object: usize) -> bool {
+        let numbers = sections(self.directory, self.bytes, tag::BALANCE).next();
+        let numbers = numbers.and_then(|body| balance::read(body).ok()).unwrap_or(&[]);
+        numbers.iter().any(|number| usize::from(number.get()) == object)
+    }
+
     fn check_surroundings(&self, objects: usize) -> Result<(), TableError> {
         let mut next_object = 0;
         for body in sections(self.directory, self.bytes, tag::RESIDUAL) {
@@ -175,6 +183,9 @@ impl<'a> Kit<'a> {
         }
         if let Some(body) = optional_section(self.directory, self.bytes, tag::BACKGROUND)? {
             Background::read(body)?.check()?;
+        }
+        if let Some(body) = optional_section(self.directory, self.bytes, tag::BALANCE)? {
+            balance::check(balance::read(body)?, objects)?;
         }
         optional_section(self.directory, self.bytes, tag::ROOM)?.map_or(Ok(()), |body| room::read(body).map(|_| ()))
     }
@@ -260,7 +271,7 @@ impl<'a> Object<'a> {
         self.header.reference_force.get()
     }
 
-    /// Acceleration sound α, output per newton.
+    /// Acceleration sound α, output per newton; a fallback where [`Kit::is_balanced`].
     pub fn acceleration(&self) -> f32 {
         self.header.acceleration.get()
     }

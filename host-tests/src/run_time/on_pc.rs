@@ -29,6 +29,7 @@ impl BankOnPc {
             positions: 1,
             weight: 1.0,
             choke_t60_s: 0.0,
+            is_balanced: false,
             typical_contact: (1e-3, 1e-3),
         };
         let mut modes = vec![Mode::SILENT; cases.len()];

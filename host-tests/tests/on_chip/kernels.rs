@@ -14,8 +14,15 @@ struct OnPc {
 
 impl OnPc {
     fn new(modes: &[ModeRecord], gains: &[GainRecord]) -> Self {
-        let table =
-            BankTable { modes, gains, positions: 1, weight: 1.0, choke_t60_s: 0.0, typical_contact: (1e-3, 1e-3) };
+        let table = BankTable {
+            modes,
+            gains,
+            positions: 1,
+            weight: 1.0,
+            choke_t60_s: 0.0,
+            is_balanced: false,
+            typical_contact: (1e-3, 1e-3),
+        };
         let (mut modes, mut groups) = (vec![Mode::SILENT; 1024], vec![Group::EMPTY; 256]);
         let mut memory = Memory { modes: &mut modes, groups: &mut groups, origins: &mut [] };
         let bank = Bank::load(&table, SampleRate::HZ_48000, &mut memory, &mut Used::default()).expect("the modes fit");

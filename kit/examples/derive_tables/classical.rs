@@ -1,6 +1,6 @@
 //! Objects from the classical equations: bars and a membrane; and a bell from the partials that founders name.
 
-use kit::{Mode, Object};
+use kit::{Acceleration, Mode, Object};
 
 use crate::level::{Contact, mode, rounded};
 use crate::{bar, membrane};
@@ -16,7 +16,7 @@ fn object(name: &str, source: &str, modes: Vec<Mode>) -> Object {
         source: source.to_owned(),
         licence: "CC0-1.0".to_owned(),
         reference_force: 1.0,
-        acceleration: 0.0,
+        acceleration: Acceleration::Balance,
         modes,
         residual: None,
         dynamic_filter: None,
@@ -138,10 +138,9 @@ fn drum() -> Object {
     });
     Object {
         reference_force: 4.0,
-        acceleration: rounded(0.04),
         ..object(
             "drum",
-            "ideal circular membrane (zeros of J_m, shapes J_m(j r) at five positions from the middle to 90 % of the radius), 98 Hz; T60 0.45 s and less for axisymmetric modes, 0.75 s for the others, chosen by ear; acceleration sound chosen",
+            "ideal circular membrane (zeros of J_m, shapes J_m(j r) at five positions from the middle to 90 % of the radius), 98 Hz; T60 0.45 s and less for axisymmetric modes, 0.75 s for the others, chosen by ear",
             modes.collect(),
         )
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kit::Object;
+use kit::{Acceleration, Object};
 
 use crate::Failure;
 use crate::level::{Contact, mode};
@@ -80,7 +80,7 @@ fn object(
         ),
         licence: "BSD-2-Clause".to_owned(),
         reference_force: 1.0,
-        acceleration: 0.0,
+        acceleration: Acceleration::Balance,
         modes: modes
             .into_iter()
             .map(|measured| {

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use kit::{Gain, Mode, Object};
+use kit::{Acceleration, Gain, Mode, Object};
 
 use crate::Failure;
 use crate::level::rounded;
@@ -47,7 +47,7 @@ pub(crate) fn derive(folder: &Path) -> Result<Option<Object>, Failure> {
         source: "ceramic mug, impact hammer: frequencies and decays of 64 fitted modes; gains and acceleration by linear least squares of the microphone over 0.3 s of the hit at 0.4047 s, driven by the measured force (samuel-clarke/diffimpact, data/hammer/ceramic.wav); force in units of the recording's full scale".to_owned(),
         licence: "MIT".to_owned(),
         reference_force: 1.0,
-        acceleration: rounded(solution.last().copied().unwrap_or(0.0)),
+        acceleration: Acceleration::Factor(rounded(solution.last().copied().unwrap_or(0.0))),
         modes: poles
             .iter()
             .zip(gains)

@@ -1,5 +1,7 @@
 //! From a kit to its bytes.
 
+use dsp_core::SampleRate;
+use dsp_core::radiation::balance;
 use dsp_core::residual::MAX_BANDS;
 use dsp_core::table::layout::{
     BackgroundHeader, FORMAT_VERSION, FileHeader, GainRecord, MAGIC, MIDI_NOTES_PER_PAD, MetaRecord, ModeRecord,
@@ -13,11 +15,12 @@ use zerocopy::{Immutable, IntoBytes};
 
 use super::filters;
 use crate::error::Fault;
-use crate::{Background, Kit, KitError, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
+use crate::{Acceleration, Background, Kit, KitError, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
 
 /// Builds the binary form: sections `META`, `OBJT` an object, `STRK` a striker, `PADS`, `trig` where
 /// a pad says how it is triggered, `resi` an object with a residual, `bgnd` and `room` where there is a background or a room, `dynf` an object with a
-/// dynamic filter, `biqd` an object with a biquad bank, and `rest` where a striker's restitution is not the default, in this order. The same kit gives the same bytes.
+/// dynamic filter, `biqd` an object with a biquad bank, `rest` where a striker's restitution is not the default, and `bala` where an object's acceleration
+/// sound is derived, in this order. The same kit gives the same bytes.
 ///
 /// # Errors
 /// [`KitError::Item`] for what the form cannot hold (nothing is ever cut off) and for whatever [`dsp_core::table::Kit`] refuses in the result.
@@ -70,9 +73,20 @@ pub fn build(kit: &Kit) -> Result<Vec<u8>, KitError> {
         kit.strikers.iter().for_each(|striker| append(&mut restitutions, &F32::new(striker.restitution)));
         sections.push((tag::RESTITUTION, restitutions));
     }
+    let balanced = build.balanced()?;
+    if !balanced.is_empty() {
+        sections.push((tag::BALANCE, balanced));
+    }
     let bytes = build.frame(&sections)?;
     filters::parse(&bytes).map_err(|error| KitError::from_table(kit, error))?;
     Ok(bytes)
+}
+
+/// The α of a balanced object for readers that cannot derive it: that at 48 kHz and at the first position, within the
+/// range of a table's number. Modes that the reader of tables refuses have none.
+fn fallback(modes: &[ModeRecord], gains: &[GainRecord], positions: usize) -> f32 {
+    let alpha = balance(modes, gains, positions, SampleRate::HZ_48000) as f32;
+    if alpha.is_nan() { 0.0 } else { alpha.clamp(range::ACCELERATION.min, range::ACCELERATION.max) }
 }
 
 fn room(bands: &[RoomBand]) -> Vec<u8> {
@@ -108,16 +122,43 @@ impl Build<'_> {
         let header = ObjectHeader {
             name: self.name(place, &object.name)?,
             reference_force: F32::new(object.reference_force),
-            acceleration: F32::new(object.acceleration),
+            acceleration: F32::ZERO,
             mode_count: self.count(place, Field::Modes, object.modes.len(), 0, range::MODES_PER_BANK)?,
             position_count: self.count(place, Field::Positions, positions, 1, range::POSITIONS)?,
             source_bytes: self.text_bytes(place, "bytes of source", &object.source)?,
             licence_bytes: self.text_bytes(place, "bytes of licence", &object.licence)?,
         };
-        let mut section = header.as_bytes().to_vec();
         let why = "as many as the object's first mode has";
-        self.modes(&mut section, &object.modes, (positions, why), |mode| Place::ObjectMode(index, mode))?;
+        let (modes, gains) = self.modes(&object.modes, (positions, why), |mode| Place::ObjectMode(index, mode))?;
+        let acceleration = match object.acceleration {
+            Acceleration::Factor(factor) => factor,
+            Acceleration::Balance => fallback(&modes, &gains, positions),
+        };
+        let header = ObjectHeader { acceleration: F32::new(acceleration), ..header };
+        let mut section = header.as_bytes().to_vec();
+        section.extend_from_slice(modes.as_bytes());
+        section.extend_from_slice(gains.as_bytes());
         append_texts(&mut section, &object.source, &object.licence);
+        Ok(section)
+    }
+
+    /// The numbers of the objects whose acceleration sound is derived; nothing where none is.
+    fn balanced(&self) -> Result<Vec<u8>, KitError> {
+        let objects = self.kit.objects.iter().enumerate();
+        let balanced: Vec<usize> = objects
+            .filter(|(_, object)| object.acceleration == Acceleration::Balance)
+            .map(|(index, _)| index)
+            .collect();
+        let mut section = Vec::new();
+        if !balanced.is_empty() {
+            append(
+                &mut section,
+                &self.count(Place::Kit, Field::Acceleration, balanced.len(), 1, usize::from(u16::MAX))?,
+            );
+        }
+        for index in balanced {
+            append(&mut section, &self.count(Place::Object(index), Field::Object, index, 0, usize::from(u16::MAX))?);
+        }
         Ok(section)
     }
 
@@ -138,34 +179,34 @@ impl Build<'_> {
             licence_bytes: self.text_bytes(place, "bytes of licence", &striker.licence)?,
             reserved: U16::ZERO,
         };
-        let mut section = header.as_bytes().to_vec();
         let why = "since a striker has one position";
-        self.modes(&mut section, &striker.modes, (1, why), |mode| Place::StrikerMode(index, mode))?;
+        let (modes, gains) = self.modes(&striker.modes, (1, why), |mode| Place::StrikerMode(index, mode))?;
+        let mut section = header.as_bytes().to_vec();
+        section.extend_from_slice(modes.as_bytes());
+        section.extend_from_slice(gains.as_bytes());
         append_texts(&mut section, &striker.source, &striker.licence);
         Ok(section)
     }
 
     fn modes(
         &self,
-        section: &mut Vec<u8>,
         modes: &[Mode],
         (positions, why): (usize, &'static str),
         place: impl Fn(usize) -> Place,
-    ) -> Result<(), KitError> {
+    ) -> Result<(Vec<ModeRecord>, Vec<GainRecord>), KitError> {
         for (index, mode) in modes.iter().enumerate() {
             if mode.gains.len() != positions {
                 let fault = Fault::GainCount { found: mode.gains.len(), expected: positions, why };
                 return Err(self.fault(place(index), fault));
             }
-            append(
-                section,
-                &ModeRecord { frequency_hz: F32::new(mode.frequency_hz), decay_per_s: F32::new(mode.decay_per_s) },
-            );
         }
-        for gain in modes.iter().flat_map(|mode| &mode.gains) {
-            append(section, &GainRecord { sine: F32::new(gain.sine), cosine: F32::new(gain.cosine) });
-        }
-        Ok(())
+        let records = modes.iter().map(|mode| ModeRecord {
+            frequency_hz: F32::new(mode.frequency_hz),
+            decay_per_s: F32::new(mode.decay_per_s),
+        });
+        let gains = modes.iter().flat_map(|mode| &mode.gains);
+        let gains = gains.map(|gain| GainRecord { sine: F32::new(gain.sine), cosine: F32::new(gain.cosine) });
+        Ok((records.collect(), gains.collect()))
     }
 
     fn pad(&self, index: usize, pad: &Pad) -> Result<PadRecord, KitError> {

@@ -8,7 +8,7 @@ use dsp_core::table::{
 };
 use dsp_core::trigger::Settings;
 
-use crate::{Background, Gain, Kit, KitError, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
+use crate::{Acceleration, Background, Gain, Kit, KitError, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
 
 /// Reads the binary form; erased flash (0xFF) may follow it. Sections that this version may skip are not in the result
 /// ([`crate::Loaded::skipped_sections`] lists them), nor is the number of positions of an object without modes.
@@ -30,6 +30,11 @@ pub fn read(bytes: &[u8]) -> Result<Kit, KitError> {
             object.residual = Some(read_residual(residual));
         }
     }
+    for (index, object) in objects.iter_mut().enumerate() {
+        if view.is_balanced(index) {
+            object.acceleration = Acceleration::Balance;
+        }
+    }
     super::filters::read(&view, &mut objects);
     let background = view.background().map(read_background);
     let room = view.room().iter().map(|band| RoomBand {
@@ -46,7 +51,7 @@ fn object(view: ObjectView<'_>) -> Object {
         source: view.source().to_owned(),
         licence: view.licence().to_owned(),
         reference_force: view.reference_force(),
-        acceleration: view.acceleration(),
+        acceleration: Acceleration::Factor(view.acceleration()),
         modes: modes(view.modes(), view.gains(), view.position_count()),
         residual: None,
         dynamic_filter: None,

@@ -8,7 +8,7 @@ use toml::Spanned;
 use super::filters::{BiquadsTable, DynamicFilterTable};
 use super::residual::{BackgroundTable, ResidualTable};
 use super::trigger::TriggerTable;
-use crate::{Pulse, Striker};
+use crate::{Acceleration, Pulse, Striker};
 
 /// A file, as it stands there.
 #[derive(serde::Deserialize)]
@@ -49,8 +49,8 @@ pub(super) struct ObjectTable {
     pub(super) licence: String,
     #[serde(default = "one")]
     pub(super) reference_force: f32,
-    #[serde(default)]
-    pub(super) acceleration: f32,
+    #[serde(default = "no_acceleration", deserialize_with = "acceleration")]
+    pub(super) acceleration: Acceleration,
     pub(super) modes: Vec<Spanned<ModeTable>>,
     pub(super) residual: Option<Spanned<ResidualTable>>,
     pub(super) dynamic_filter: Option<Spanned<DynamicFilterTable>>,
@@ -130,6 +130,40 @@ fn usual_restitution() -> f32 {
 
 fn usual_choke_t60_s() -> f32 {
     0.1
+}
+
+fn no_acceleration() -> Acceleration {
+    Acceleration::NONE
+}
+
+fn acceleration<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Acceleration, D::Error> {
+    struct NumberOrWord;
+
+    impl Visitor<'_> for NumberOrWord {
+        type Value = Acceleration;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(f, "a number or {:?}", Acceleration::BALANCE_KEY)
+        }
+
+        fn visit_f64<E: de::Error>(self, value: f64) -> Result<Acceleration, E> {
+            Ok(Acceleration::Factor(value as f32))
+        }
+
+        fn visit_i64<E: de::Error>(self, value: i64) -> Result<Acceleration, E> {
+            Ok(Acceleration::Factor(value as f32))
+        }
+
+        fn visit_str<E: de::Error>(self, word: &str) -> Result<Acceleration, E> {
+            let balance = Acceleration::BALANCE_KEY;
+            match word == balance {
+                true => Ok(Acceleration::Balance),
+                false => Err(de::Error::custom(format!("acceleration = {word:?}: must be a number or {balance:?}"))),
+            }
+        }
+    }
+
+    deserializer.deserialize_any(NumberOrWord)
 }
 
 fn pulse<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Pulse, D::Error> {

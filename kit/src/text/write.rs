@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 
 use super::FORMAT;
 use super::number::shortest_decimal;
-use crate::{Gain, Kit, Mode, Object, Pad, Pulse, RoomBand, Striker};
+use crate::{Acceleration, Gain, Kit, Mode, Object, Pad, Pulse, RoomBand, Striker};
 
 /// Writes a kit as text: all keys, includes resolved, one line a mode, each number as the shortest decimal that gives its
 /// f32 back. The same kit gives the same text.
@@ -127,6 +127,15 @@ fn gain_text(gains: &[Gain], phase: impl Fn(&Gain) -> f32) -> String {
 impl Display for Text<f32> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str(&shortest_decimal(self.0))
+    }
+}
+
+impl Display for Text<Acceleration> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Acceleration::Factor(factor) => write!(f, "{}", Text(factor)),
+            Acceleration::Balance => write!(f, "{}", Text(Acceleration::BALANCE_KEY)),
+        }
     }
 }
 

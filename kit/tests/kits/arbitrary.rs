@@ -2,7 +2,7 @@
 
 use dsp_core::table::range::{self, Range};
 use dsp_core::trigger::{Mode as TriggerMode, Settings};
-use kit::{Background, Gain, Kit, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
+use kit::{Acceleration, Background, Gain, Kit, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
 use proptest::prelude::*;
 use proptest::sample::subsequence;
 
@@ -52,11 +52,15 @@ fn modes(positions: usize) -> impl Strategy<Value = Vec<Mode>> {
     )
 }
 
+fn acceleration() -> impl Strategy<Value = Acceleration> {
+    prop_oneof![number(range::ACCELERATION).prop_map(Acceleration::Factor), Just(Acceleration::Balance)]
+}
+
 fn object(name: String) -> impl Strategy<Value = Object> {
     let modes = (1..4usize).prop_flat_map(modes);
     let filters = (prop::option::of(dynamic_filter()), prop::option::of(biquads()));
     let sound = (modes, prop::option::of(residual()), filters);
-    (text(), text(), number(range::REFERENCE_FORCE), number(range::ACCELERATION), sound).prop_map(
+    (text(), text(), number(range::REFERENCE_FORCE), acceleration(), sound).prop_map(
         move |(source, licence, reference_force, acceleration, (modes, residual, (dynamic_filter, biquads)))| Object {
             name: name.clone(),
             source,

@@ -2,6 +2,7 @@
 
 mod arbitrary;
 mod arbitrary_filters;
+mod balance;
 mod binary_refusals;
 mod files;
 mod filters;

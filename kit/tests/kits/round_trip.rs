@@ -1,6 +1,6 @@
 //! Text and binary say the same, bit for bit.
 
-use kit::{Gain, KitError, Mode, Pulse, binary, text};
+use kit::{Acceleration, Gain, KitError, Mode, Pulse, binary, text};
 use proptest::prelude::*;
 
 use crate::{arbitrary, sample};
@@ -95,7 +95,7 @@ fn what_a_text_leaves_out_has_its_default() -> Result<(), KitError> {
     )?;
     let object = &kit.objects[0];
     assert_eq!((object.source.as_str(), object.licence.as_str()), ("", ""));
-    assert_eq!((object.reference_force, object.acceleration), (1.0, 0.0));
+    assert_eq!((object.reference_force, object.acceleration), (1.0, Acceleration::NONE));
     assert_eq!(
         object.modes,
         [Mode { frequency_hz: 220.0, decay_per_s: 3.0, gains: vec![Gain { sine: 512.0, cosine: 0.0 }] }]

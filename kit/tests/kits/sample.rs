@@ -5,7 +5,7 @@ use std::path::Path;
 
 use kit::file::FileError;
 use kit::text::SourceText;
-use kit::{Gain, Kit, KitError, Mode, Object, Pad, Pulse, Striker};
+use kit::{Acceleration, Gain, Kit, KitError, Mode, Object, Pad, Pulse, Striker};
 
 pub(crate) fn bank(modes: usize, positions: usize) -> Vec<Mode> {
     (0..modes)
@@ -23,7 +23,7 @@ pub(crate) fn object(name: &str, modes: Vec<Mode>) -> Object {
         source: "made for this test".to_owned(),
         licence: "CC0-1.0".to_owned(),
         reference_force: 1.0,
-        acceleration: 0.0,
+        acceleration: Acceleration::NONE,
         modes,
         residual: None,
         dynamic_filter: None,

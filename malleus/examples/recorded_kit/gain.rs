@@ -1,13 +1,15 @@
 //! Levels.
 
-use kit::{Kit, Striker};
+use kit::{Acceleration, Kit, Striker};
 
 use crate::Failure;
 
 /// Multiplies everything that an object radiates.
 pub(crate) fn scale(table: &mut Kit, factor: f64) {
     for object in &mut table.objects {
-        object.acceleration = (f64::from(object.acceleration) * factor) as f32;
+        if let Acceleration::Factor(alpha) = &mut object.acceleration {
+            *alpha = (f64::from(*alpha) * factor) as f32;
+        }
         for gain in object.modes.iter_mut().flat_map(|mode| &mut mode.gains) {
             gain.sine = (f64::from(gain.sine) * factor) as f32;
             gain.cosine = (f64::from(gain.cosine) * factor) as f32;

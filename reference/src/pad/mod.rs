@@ -20,6 +20,7 @@ use crate::biquad::Biquad;
 use crate::contact::Striker;
 use crate::error::Error;
 use crate::event::{self, Direct, Event};
+use crate::radiation::Acceleration;
 use crate::rate::SampleRate;
 use crate::resonator::Mode;
 
@@ -31,8 +32,8 @@ pub(crate) use part::Part;
 pub struct Object {
     /// Its modes (`IR_object`), with gains at one or more positions.
     pub modes: Vec<Mode>,
-    /// α: weight of the acceleration sound, in full scale per newton.
-    pub acceleration: f64,
+    /// The acceleration sound.
+    pub acceleration: Acceleration,
     /// Chains of biquads beside the modes (diffmodal eq. 3), driven by the force in newtons; for the sample rate at which they are rendered.
     pub biquads: Vec<Vec<Biquad>>,
     /// Noise through a filter that moves, with loops round it; its modes may go through as well.

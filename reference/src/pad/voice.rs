@@ -7,7 +7,7 @@ use crate::pad::Pad;
 use crate::pad::biquads::Biquads;
 use crate::pad::dynamic_filter::Sounding;
 use crate::pad::hand::Hand;
-use crate::radiation::add_acceleration_sound;
+use crate::radiation::{Acceleration, add_acceleration_sound};
 use crate::rate::SampleRate;
 use crate::resonator::{Bank, GainsError};
 
@@ -38,11 +38,15 @@ struct StrikerVoice<'a> {
 impl<'a> Voice<'a> {
     /// A pad at rest; refused if a bank has uneven gains.
     pub(crate) fn new(pad: &'a Pad, rate: SampleRate) -> Result<Self, (BankOwner, GainsError)> {
-        let object = Bank::new(&pad.object.modes, rate).map_err(|error| (BankOwner::Object, error))?;
+        let bank = match pad.object.acceleration {
+            Acceleration::Factor(_) => Bank::new,
+            Acceleration::Balance => Bank::balanced,
+        };
+        let object = bank(&pad.object.modes, rate).map_err(|error| (BankOwner::Object, error))?;
         let strikers = pad.strikers.iter().enumerate().map(|(index, striker)| {
             Ok(StrikerVoice {
                 impacts: Vec::new(),
-                bank: Bank::new(&striker.modes, rate).map_err(|error| (BankOwner::Striker(index), error))?,
+                bank: bank(&striker.modes, rate).map_err(|error| (BankOwner::Striker(index), error))?,
             })
         });
         Ok(Self {
@@ -117,7 +121,9 @@ impl<'a> Voice<'a> {
             self.object.add_sound_at(&at_positions, sound);
             self.add_filtered(first_sample, &force, None, sound);
         }
-        add_acceleration_sound(self.pad.object.acceleration, &force, sound);
+        if let Acceleration::Factor(alpha) = self.pad.object.acceleration {
+            add_acceleration_sound(alpha, &force, sound);
+        }
     }
 
     /// Adds biquads and dynamic filter under the hand; `modes` go into the filter.

@@ -1,5 +1,21 @@
 //! The acceleration sound.
 
+/// The acceleration sound of an object (eq. 1, §3.2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Acceleration {
+    /// α itself, in full scale per newton.
+    Factor(f64),
+    /// α that cancels the static response of the modes, so that a constant force makes no sound: minus the sum of the
+    /// impulse response, mode by mode and at the position of the force ([`crate::resonator::Bank::balanced`]). It goes
+    /// where the modes go, through a dynamic filter where they do. Strikers' own modes are balanced as well.
+    Balance,
+}
+
+impl Acceleration {
+    /// No acceleration sound.
+    pub const NONE: Self = Self::Factor(0.0);
+}
+
 /// Adds the acceleration sound `α F` to `sound` (full scale; eq. 1, §3.2).
 ///
 /// The striker's sudden stop sends out a click of pressure. Its mass is fixed, so its deceleration,

@@ -2,4 +2,4 @@
 
 mod acceleration;
 
-pub use acceleration::add_acceleration_sound;
+pub use acceleration::{Acceleration, add_acceleration_sound};

@@ -32,6 +32,25 @@ impl<'a> Bank<'a> {
     /// # Errors
     /// [`GainsError`] unless all `modes` have gains at the same number of positions, 1 or more.
     pub fn new(modes: &'a [Mode], rate: SampleRate) -> Result<Self, GainsError> {
+        Self::of(modes, rate, OnePole::new)
+    }
+
+    /// As [`Bank::new`], with a share of the force beside each mode that cancels the mode's static response: a constant
+    /// force is not heard once it has lasted.
+    ///
+    /// A hand leaves the share as it is.
+    ///
+    /// # Errors
+    /// As [`Bank::new`].
+    pub fn balanced(modes: &'a [Mode], rate: SampleRate) -> Result<Self, GainsError> {
+        Self::of(modes, rate, OnePole::balanced)
+    }
+
+    fn of(
+        modes: &'a [Mode],
+        rate: SampleRate,
+        one_pole: impl Fn(f64, f64, SampleRate) -> OnePole,
+    ) -> Result<Self, GainsError> {
         let expected = modes.first().map_or(1, |mode| mode.gains.len().max(1));
         for (index, mode) in modes.iter().enumerate() {
             let found = mode.gains.len();
@@ -41,7 +60,7 @@ impl<'a> Bank<'a> {
         }
         let one_poles = modes.iter().map(|mode| {
             let below_nyquist = mode.frequency_hz < rate.hz() / 2.0;
-            below_nyquist.then(|| OnePole::new(mode.frequency_hz, mode.decay_per_s, rate))
+            below_nyquist.then(|| one_pole(mode.frequency_hz, mode.decay_per_s, rate))
         });
         let mut bank =
             Self { modes, rate, one_poles: one_poles.collect(), least_decay_per_s: 0.0, reached: usize::MAX };

@@ -8,6 +8,9 @@
 //! A force of F newtons at sample 0 alone leaves `z[n] = p^n (gc - i gs) F/fs`, whose real part is
 //! `r^n (gs sin nθ + gc cos nθ) F/fs`: the impulse response. The term subtracted takes half of
 //! `h[0] = gc` away again.
+//!
+//! A constant force F leads to `z = (gc - i gs) F/fs/(1-p)`. Where that is to be silent, the term subtracted is
+//! `Re[(gc - i gs)/(1-p)] F/fs` instead.
 
 use std::f64::consts::TAU;
 
@@ -33,8 +36,10 @@ pub(crate) struct OnePole {
     own_input: Complex,
     /// What a unit of force adds to `z`.
     input: Complex,
-    /// `gc/(2 fs)`.
-    half_of_h0: f64,
+    /// What the force is multiplied by before it is subtracted: `Re[w (gc - i gs)]/fs`.
+    at_once: f64,
+    /// w: 1/2, or `1/(1-p)` of the pole without a hand, where the mode is balanced.
+    weight: Complex,
     /// `z`: both quadratures of the vibration, in full scale.
     state: Complex,
 }
@@ -49,15 +54,27 @@ impl OnePole {
             decay_per_s,
             own_input: Complex::ZERO,
             input: Complex::ZERO,
-            half_of_h0: 0.0,
+            at_once: 0.0,
+            weight: Complex { re: 0.5, im: 0.0 },
             state: Complex::ZERO,
         }
+    }
+
+    /// As [`OnePole::new`], for a mode whose static response is cancelled.
+    pub(crate) fn balanced(frequency_hz: f64, decay_per_s: f64, rate: SampleRate) -> Self {
+        let one_pole = Self::new(frequency_hz, decay_per_s, rate);
+        // 1 - p without the difference of two numbers near 1: (1 - r cos θ) - i r sin θ.
+        let (loss, half_angle) = (-(-decay_per_s / rate.hz()).exp_m1(), 0.5 * TAU * frequency_hz / rate.hz());
+        let re = loss + 2.0 * (1.0 - loss) * half_angle.sin().powi(2);
+        let im = -one_pole.pole.im;
+        let squared = re * re + im * im;
+        Self { weight: Complex { re: re / squared, im: -im / squared }, ..one_pole }
     }
 
     /// Changes how the force from now on drives the mode; what rings, rings on.
     pub(crate) fn set_gain(&mut self, gain: Gain, rate: SampleRate) {
         self.own_input = Complex { re: gain.cosine / rate.hz(), im: -gain.sine / rate.hz() };
-        self.half_of_h0 = gain.cosine / (2.0 * rate.hz());
+        self.at_once = (self.weight * self.own_input).re;
         self.set_input(rate);
     }
 
@@ -94,7 +111,7 @@ impl OnePole {
         let mut z = self.state;
         for (force, y) in force.iter().zip(sound) {
             z = self.pole * z + self.input * *force;
-            *y += z.re - self.half_of_h0 * force;
+            *y += z.re - self.at_once * force;
         }
         self.state = z;
     }

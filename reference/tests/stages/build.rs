@@ -1,6 +1,6 @@
 //! Small objects, strikers and events to test with.
 
-use reference::{Action, Event, Gain, Mode, Object, Pad, Pulse, SampleRate, Striker};
+use reference::{Acceleration, Action, Event, Gain, Mode, Object, Pad, Pulse, SampleRate, Striker};
 
 pub(crate) const RATE: SampleRate = SampleRate { numerator: 48_000, denominator: 1 };
 
@@ -33,7 +33,7 @@ pub(crate) fn hertz_striker() -> Striker {
 
 pub(crate) fn pad(modes: Vec<Mode>, strikers: Vec<Striker>) -> Pad {
     Pad {
-        object: Object { modes, acceleration: 0.0, biquads: vec![], dynamic_filter: None },
+        object: Object { modes, acceleration: Acceleration::Factor(0.0), biquads: vec![], dynamic_filter: None },
         strikers,
         striker_weight: 0.0,
         level_db: 0.0,

@@ -2,7 +2,7 @@
 
 use reference::contact::Impact;
 use reference::pad::render_mono;
-use reference::{Action, Bank, Direct, Event, Gain, Mode, Object, Pad, Pulse, Striker};
+use reference::{Acceleration, Action, Bank, Direct, Event, Gain, Mode, Object, Pad, Pulse, Striker};
 
 use crate::build::{
     RATE, choke, hertz_striker, largest_difference, mode, noise, pad, peak, release, some_modes, strike,
@@ -39,7 +39,12 @@ fn full_pad() -> Pad {
         ..hertz_striker()
     };
     Pad {
-        object: Object { modes: some_modes(), acceleration: 0.002, biquads: vec![], dynamic_filter: None },
+        object: Object {
+            modes: some_modes(),
+            acceleration: Acceleration::Factor(0.002),
+            biquads: vec![],
+            dynamic_filter: None,
+        },
         striker_weight: 0.4,
         ..pad(vec![], vec![stick, mallet])
     }
@@ -70,7 +75,12 @@ fn a_pad_radiates_object_strikers_and_acceleration_as_equation_1_says() {
 #[test]
 fn without_modes_a_pad_gives_the_force_itself() {
     let pad = Pad {
-        object: Object { modes: vec![], acceleration: 1.0, biquads: vec![], dynamic_filter: None },
+        object: Object {
+            modes: vec![],
+            acceleration: Acceleration::Factor(1.0),
+            biquads: vec![],
+            dynamic_filter: None,
+        },
         ..pad(vec![], vec![hertz_striker()])
     };
     let events = [strike(3.75, 0, 0.5), strike(20.25, 0, 1.0)];

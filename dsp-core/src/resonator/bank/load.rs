@@ -1,6 +1,6 @@
 //! From a table to a bank.
 
-use super::super::gain::{check_gains, gain_at, gain_law, onset, orbit_gains};
+use super::super::gain::{check_gains, gain_law, onset, orbit_gains, taken_at_once};
 use super::super::group::{GROUP_MODES, Group};
 use super::super::mode::Mode;
 use super::super::order::{order_key, order_modes, pole_of};
@@ -35,7 +35,7 @@ impl Bank {
             ..Self::EMPTY
         };
         let mut group_end = used.groups;
-        let mut cosine_sum = 0.0;
+        let mut taken = 0.0;
         let hand = Hand::new(table, rate);
         let mut start = modes.start;
         while let Some(first) = memory.modes.get(start).filter(|_| start < modes.end) {
@@ -50,7 +50,7 @@ impl Bank {
                 let pole =
                     table.modes.get(*index).and_then(|record| pole_of(record, rate)).ok_or(BankError::TooManyModes)?;
                 *mode = Mode { coefficients: pole.coefficients, ..Mode::SILENT };
-                cosine_sum += f64::from(gain_at(table.gains, table.positions, *index, 0.0).1);
+                taken += taken_at_once(table, pole, *index, 0.0);
                 if slot == 0 {
                     *group_slot = Group::new(pole.form, pole.mirrored, count as u8);
                     if !pole.mirrored {
@@ -78,7 +78,7 @@ impl Bank {
         bank.second.has_positions = table.positions > 1;
         bank.hand = hand.of(table, own_origins, memory.modes.get(bank.modes.range()).unwrap_or(&[]));
         set_order(own_origins);
-        bank.onset = onset(cosine_sum, table, rate);
+        bank.onset = onset(taken, table, rate);
         *used = Used { modes: modes.end, groups: group_end, origins: origins.end, ..*used };
         Ok(bank)
     }

@@ -53,6 +53,8 @@ pub struct BankTable<'a> {
     pub weight: f64,
     /// T60 in seconds of its choke, or 0.
     pub choke_t60_s: f64,
+    /// True if the force itself takes away the modes' static response (`acceleration = "balance"`), beside half of h[0].
+    pub is_balanced: bool,
     /// A typical contact, (impulse in bus units of force times seconds, contact time in s): it decides the order of modes, not their sound.
     pub typical_contact: (f32, f32),
 }
@@ -156,7 +158,8 @@ pub struct Bank {
     /// How many of its modes and of its groups run plain; the others, mirrored, come behind.
     plain_modes: u16,
     plain_groups: u16,
-    /// The half of h[0] that does not belong to the integral: -Σ gc / (2 fs), times the force, is added to the sound.
+    /// Factor of the force that is added to the sound: minus the half of h[0] that does not belong to the integral, or in
+    /// a balanced bank minus the static response as well. That of the free modes, choked or not.
     onset: Scale,
     hand: HandState,
     /// Whether the allowance is enough for all contacts under way.

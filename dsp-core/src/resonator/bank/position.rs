@@ -10,7 +10,8 @@
 
 use core::ops::Range;
 
-use super::super::gain::{gain_at, gain_law, onset, orbit_gains};
+use super::super::coefficient::Pole;
+use super::super::gain::{gain_law, onset, orbit_gains, taken_at_once};
 use super::super::group::{GROUP_MODES, Group};
 use super::super::kernel::{self, Backward};
 use super::super::mode::{InputGain, Mode, State};
@@ -147,18 +148,23 @@ impl Bank {
         let mut seconds = behind.get_mut(..gains.len()).unwrap_or(&mut []);
         let gain = gain_law(table, rate, position);
         let gain_room = Hand::new(table, rate).gain_room();
-        let mut rest = origins;
+        let (mut rest, mut taken) = (origins, 0.0);
         for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
             let (origins, later) = rest.split_at_checked(modes.len()).unwrap_or((rest, &[]));
             rest = later;
-            let taken = core::mem::take(&mut seconds);
-            let count = modes.len().min(taken.len());
-            let (second, later) = taken.split_at_mut_checked(count).unwrap_or((&mut [], &mut []));
+            let all = core::mem::take(&mut seconds);
+            let count = modes.len().min(all.len());
+            let (second, later) = all.split_at_mut_checked(count).unwrap_or((&mut [], &mut []));
             seconds = later;
             let index = |slot: usize| origins.get(slot).map(Origin::index);
             let pole = |slot: usize, mode: &Mode| {
                 origins.get(slot).map_or(mode.coefficients, |origin| origin.at_rest(mode.coefficients))
             };
+            for (mode, origin) in modes.iter().zip(origins) {
+                let coefficients = origin.at_rest(mode.coefficients);
+                let pole = Pole { form: group.form(), mirrored: group.mirrored(), coefficients };
+                taken += taken_at_once(table, pole, origin.index(), position);
+            }
             let derived = orbit_gains(group, |slot| gain(index(slot)), pole);
             let mut moved = [InputGain::default(); GROUP_MODES];
             let mut kept = [InputGain::default(); GROUP_MODES];
@@ -184,10 +190,7 @@ impl Bank {
             modes.iter_mut().zip(of_first).for_each(|(mode, gain)| mode.gain = gain);
             second.iter_mut().zip(of_second).for_each(|(origin, gain)| origin.set_gain(gain));
         });
-        let cosines = origins
-            .iter()
-            .map(|origin| f64::from(gain_at(table.gains, table.positions, origin.index(), position).1));
-        let onset = onset(cosines.sum(), table, rate);
+        let onset = onset(taken, table, rate);
         if is_second {
             self.second.onset = onset;
         } else {

@@ -75,6 +75,7 @@ fn time(object: &Object<'_>) -> (u32, u32) {
         positions: object.position_count(),
         weight: 1.0,
         choke_t60_s: 0.0,
+        is_balanced: false,
         typical_contact: (1e-3, 1e-3),
     };
     watchdog::feed();

@@ -48,7 +48,7 @@ pub unsafe extern "C" fn bank_load(
     // SAFETY: the host's word.
     let (modes, gains) = unsafe { (slice(modes, count), slice(gains, count)) };
     let Some(rate) = SampleRate::new(rate_hz, 1) else { return -1 };
-    let table = BankTable { modes, gains, positions: 1, weight: 1.0, choke_t60_s: 0.0, typical_contact: (1e-3, 1e-3) };
+    let table = BankTable { modes, gains, positions: 1, weight: 1.0, choke_t60_s: 0.0, is_balanced: false, typical_contact: (1e-3, 1e-3) };
     let (bank, mut memory) = alone();
     match Bank::load(&table, rate, &mut memory, &mut Used::default()) {
         Ok(loaded) => {

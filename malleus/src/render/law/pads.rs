@@ -13,7 +13,8 @@ pub fn pads(kit: &kit::Kit, rate: SampleRate) -> Vec<reference::Pad> {
             reference::Pad {
                 object: reference::Object {
                     modes: object.map_or(Vec::new(), |object| modes(&object.modes)),
-                    acceleration: object.map_or(0.0, |object| f64::from(object.acceleration)),
+                    acceleration: object
+                        .map_or(reference::Acceleration::NONE, |object| acceleration(object.acceleration)),
                     biquads: object
                         .and_then(|object| object.biquads.as_ref())
                         .map_or(vec![], |bank| biquads(bank, rate)),
@@ -27,6 +28,13 @@ pub fn pads(kit: &kit::Kit, rate: SampleRate) -> Vec<reference::Pad> {
             }
         })
         .collect()
+}
+
+fn acceleration(acceleration: kit::Acceleration) -> reference::Acceleration {
+    match acceleration {
+        kit::Acceleration::Factor(alpha) => reference::Acceleration::Factor(f64::from(alpha)),
+        kit::Acceleration::Balance => reference::Acceleration::Balance,
+    }
 }
 
 fn striker(striker: &kit::Striker) -> reference::Striker {

@@ -1,0 +1,110 @@
+//! Levels at which the pads of a kit are equally loud: `cargo run -p malleus --example kit_levels -- KIT [--spread DB]`.
+//!
+//! A pad's loudness is that of the loudest 400 ms of a strike at velocity 0.8, K-weighted (ITU-R BS.1770). All pads are
+//! brought to one loudness, the highest at which all pads struck at once at velocity 1, and each pad rolled at 10 a second
+//! at velocity 1, stay 0.5 dB below full scale. A pad that would not, alone, is left up to `--spread` dB (1 unless said)
+//! softer than the others, so that it does not hold all of them down. Prints a row a pad; changes no file.
+
+use std::process::ExitCode;
+
+use dsp_core::SampleRate;
+use malleus::loudness::{Meter, Sound, peak, sum};
+
+type Failure = Box<dyn std::error::Error>;
+
+/// Largest sample that may be, -0.5 dBFS.
+const CEILING: f64 = 0.944_060_876_285_923_5;
+
+fn main() -> ExitCode {
+    let Some((kit, spread_db)) = arguments() else {
+        eprintln!("usage: kit_levels KIT [--spread DB]");
+        return ExitCode::from(2);
+    };
+    // The engine that renders is built on the stack.
+    let levels = std::thread::Builder::new()
+        .stack_size(64 << 20)
+        .spawn(move || level(&kit, spread_db).map_err(|error| eprintln!("kit_levels: {error}")));
+    match levels.map(std::thread::JoinHandle::join) {
+        Ok(Ok(Ok(()))) => ExitCode::SUCCESS,
+        _ => ExitCode::FAILURE,
+    }
+}
+
+fn arguments() -> Option<(String, f64)> {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    match words.as_slice() {
+        [kit] => Some((kit.clone(), 1.0)),
+        [kit, key, spread] if key == "--spread" => {
+            Some((kit.clone(), spread.parse().ok().filter(|spread: &f64| *spread >= 0.0)?))
+        }
+        _ => None,
+    }
+}
+
+/// A pad at a level of 0 dB.
+struct Measured {
+    name: String,
+    level_db: f64,
+    loudness: f64,
+    roll_peak: f64,
+    hardest: Sound,
+}
+
+fn level(name: &str, spread_db: f64) -> Result<(), Failure> {
+    let mut loaded = kit::open(name)?;
+    let levels: Vec<f32> = loaded.kit.pads.iter().map(|pad| pad.level_db).collect();
+    loaded.kit.pads.iter_mut().for_each(|pad| pad.level_db = 0.0);
+    loaded.binary = kit::binary::build(&loaded.kit)?;
+    let meter = Meter::new(&loaded, SampleRate::HZ_48000)?;
+    let mut pads = Vec::new();
+    for (index, (pad, level_db)) in loaded.kit.pads.iter().zip(levels).enumerate() {
+        pads.push(Measured {
+            name: pad.name.clone(),
+            level_db: f64::from(level_db),
+            loudness: meter.loudness(index)?,
+            roll_peak: meter.roll_peak(index)?,
+            hardest: meter.hardest_strike(index)?,
+        });
+    }
+    let at_once = |levels: &[f64]| peak(&sum(pads.iter().zip(levels).map(|(pad, &level)| (gain(level), &pad.hardest))));
+
+    // What each pad could have alone, as loudness.
+    let highest = |pad: &Measured| pad.loudness + decibels(CEILING / pad.roll_peak);
+    let common = pads.iter().map(highest).fold(f64::INFINITY, f64::min) + spread_db;
+    let levels_at =
+        |loudness: f64| -> Vec<f64> { pads.iter().map(|pad| loudness.min(highest(pad)) - pad.loudness).collect() };
+    // All of them at once grow with the common loudness, so that halving finds the highest that fits.
+    let (mut low, mut high) = (common - 60.0, common);
+    if at_once(&levels_at(high)) > CEILING {
+        for _ in 0..30 {
+            let middle = 0.5 * (low + high);
+            if at_once(&levels_at(middle)) > CEILING { high = middle } else { low = middle }
+        }
+        high = low;
+    }
+    // Tenths of a dB, rounded down.
+    let chosen: Vec<f64> = levels_at(high).iter().map(|level| (10.0 * level).floor() / 10.0).collect();
+    println!("| pad | level_db, as it is | loudness, LKFS | level_db, equal | loudness, LKFS | roll, peak dBFS |");
+    println!("| --- | --- | --- | --- | --- | --- |");
+    for (pad, level) in pads.iter().zip(&chosen) {
+        println!(
+            "| `{}` | {:.1} | {:.1} | {level:.1} | {:.1} | {:.1} |",
+            pad.name,
+            pad.level_db,
+            pad.loudness + pad.level_db,
+            pad.loudness + level,
+            decibels(pad.roll_peak) + level,
+        );
+    }
+    let as_it_is: Vec<f64> = pads.iter().map(|pad| pad.level_db).collect();
+    println!("all at once: {:.1} dBFS as it is, {:.1} dBFS", decibels(at_once(&as_it_is)), decibels(at_once(&chosen)));
+    Ok(())
+}
+
+fn gain(level_db: f64) -> f64 {
+    10f64.powf(level_db / 20.0)
+}
+
+fn decibels(ratio: f64) -> f64 {
+    20.0 * ratio.log10()
+}

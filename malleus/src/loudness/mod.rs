@@ -1,0 +1,125 @@
+//! How loud the pads of a kit are beside each other, and how near to full scale they come.
+
+mod k_weighting;
+
+use dsp_core::SampleRate;
+use dsp_core::engine::Skipping;
+use dsp_core::event::{Event, Time};
+use dsp_core::fixed::ONE_Q27;
+use dsp_core::table::{Kit, TableError};
+
+use crate::render::Performance;
+use crate::render::instrument::{self, Output, RenderError, Settings};
+
+pub use k_weighting::loudest_lkfs;
+
+/// Velocity of the strike whose loudness counts.
+pub const VELOCITY: f32 = 0.8;
+/// Length of the stretch whose loudness counts, in seconds.
+pub const WINDOW_S: f64 = 0.4;
+/// Strikes a second of a roll.
+const ROLL_PER_S: f64 = 10.0;
+/// Strikes of a roll: 2 s.
+const ROLL_STRIKES: u64 = 20;
+/// Sound after the last strike, in seconds.
+const TAIL_S: f64 = 1.0;
+
+/// Stereo sound of the bus, 1.0 = full scale, before it is clipped.
+pub type Sound = Vec<[f64; 2]>;
+
+/// A kit's pads at a rate, played by the instrument.
+#[derive(Debug)]
+pub struct Meter<'a> {
+    kit: &'a kit::Kit,
+    table: Kit<'a>,
+    rate: SampleRate,
+}
+
+impl<'a> Meter<'a> {
+    /// For a kit at a rate.
+    ///
+    /// # Errors
+    /// [`TableError`] where the kit's bytes are none.
+    pub fn new(loaded: &'a kit::Loaded, rate: SampleRate) -> Result<Self, TableError> {
+        Ok(Self { kit: &loaded.kit, table: Kit::parse(&loaded.binary)?, rate })
+    }
+
+    /// Loudness in LKFS of the loudest [`WINDOW_S`] of a strike of the pad's first striker at [`VELOCITY`].
+    ///
+    /// # Errors
+    /// [`RenderError`] for a kit that does not fit the engine.
+    pub fn loudness(&self, pad: usize) -> Result<f64, RenderError> {
+        let sound = self.play(vec![strike(pad, 0, VELOCITY, 0, 0.0)])?;
+        Ok(loudest_lkfs(&sound, self.rate.hz(), WINDOW_S))
+    }
+
+    /// Largest sample of a roll at velocity 1, over all strikers of the pad and positions 0, 1/2 and 1.
+    ///
+    /// # Errors
+    /// As [`Meter::loudness`].
+    pub fn roll_peak(&self, pad: usize) -> Result<f64, RenderError> {
+        let mut largest: f64 = 0.0;
+        for (striker, position) in self.ways(pad) {
+            let frame = |index: u64| (index as f64 * self.rate.hz() / ROLL_PER_S) as u64;
+            let roll = (0..ROLL_STRIKES).map(|index| strike(pad, frame(index), 1.0, striker, position));
+            largest = largest.max(peak(&self.play(roll.collect())?));
+        }
+        Ok(largest)
+    }
+
+    /// A strike at velocity 1, by the striker and at the position that peak highest.
+    ///
+    /// # Errors
+    /// As [`Meter::loudness`].
+    pub fn hardest_strike(&self, pad: usize) -> Result<Sound, RenderError> {
+        let mut hardest = (-1.0, Sound::new());
+        for (striker, position) in self.ways(pad) {
+            let sound = self.play(vec![strike(pad, 0, 1.0, striker, position)])?;
+            let peak = peak(&sound);
+            if peak > hardest.0 {
+                hardest = (peak, sound);
+            }
+        }
+        Ok(hardest.1)
+    }
+
+    /// Strikers of a pad, each at every position that counts.
+    fn ways(&self, pad: usize) -> Vec<(u8, f32)> {
+        let kit = self.kit;
+        let Some(pad) = kit.pads.get(pad) else { return Vec::new() };
+        let object = kit.objects.iter().find(|object| object.name == pad.object);
+        let many = object.is_some_and(|object| object.position_count() > 1);
+        let positions: &[f32] = if many { &[0.0, 0.5, 1.0] } else { &[0.0] };
+        let strikers = (0u8..).zip(&pad.strikers).map(|(striker, _)| striker);
+        strikers.flat_map(|striker| positions.iter().map(move |&position| (striker, position))).collect()
+    }
+
+    fn play(&self, events: Vec<Event>) -> Result<Sound, RenderError> {
+        let performance = Performance::new(events, None, self.kit, self.rate, Some(TAIL_S));
+        let settings = Settings { rate: self.rate, block: 128, skipping: Skipping::On, budget_cycles: None };
+        let bus = instrument::render(&self.table, &performance, settings, Output::Bus, |_| {})?;
+        Ok(bus.into_iter().map(|frame| frame.map(|x| f64::from(x) / f64::from(ONE_Q27))).collect())
+    }
+}
+
+fn strike(pad: usize, frame: u64, velocity: f32, striker: u8, position: f32) -> Event {
+    let time = Time { frame: 10 + frame, fraction: 0x5000_0000 };
+    Event { time, pad: pad as u8, velocity, striker, position, ..Event::default() }
+}
+
+/// Largest sample of a sound, either side.
+pub fn peak(sound: &[[f64; 2]]) -> f64 {
+    sound.iter().flatten().fold(0.0, |peak, x| peak.max(x.abs()))
+}
+
+/// Sum of sounds, each times a gain.
+pub fn sum<'a>(sounds: impl IntoIterator<Item = (f64, &'a Sound)>) -> Sound {
+    let mut sum = Sound::new();
+    for (gain, sound) in sounds {
+        sum.resize(sum.len().max(sound.len()), [0.0; 2]);
+        for (sum, x) in sum.iter_mut().zip(sound) {
+            *sum = [sum[0] + gain * x[0], sum[1] + gain * x[1]];
+        }
+    }
+    sum
+}
