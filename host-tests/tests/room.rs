@@ -24,11 +24,11 @@ fn snr_db(table: &Table, answers: [Vec<f64>; 2], dry: &[f64], samples: usize) ->
         })
         .collect();
     let rate = reference::SampleRate { numerator: 48_000, denominator: 1 };
-    let law = reference::room(&bands, dry, rate, samples);
+    let twin = reference::network_twin(&bands, [dry, dry], rate, samples);
     let (mut signal, mut noise) = (0.0, 0.0);
-    for (law, answer) in law.iter().zip(&answers) {
-        signal += energy(law);
-        noise += law.iter().zip(answer).map(|(law, answer)| (law - answer).powi(2)).sum::<f64>();
+    for (twin, answer) in twin.iter().zip(&answers) {
+        signal += energy(twin);
+        noise += twin.iter().zip(answer).map(|(twin, answer)| (twin - answer).powi(2)).sum::<f64>();
     }
     10.0 * (signal / noise).log10()
 }

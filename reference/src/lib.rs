@@ -108,5 +108,5 @@ pub use event::{Action, Direct, Event};
 pub use pad::{Object, Pad};
 pub use rate::SampleRate;
 pub use resonator::{Bank, Gain, Mode};
-pub use room::{RoomBand, room};
+pub use room::{RoomBand, network_twin, room};
 pub use scene::{Scene, render};
