@@ -97,7 +97,8 @@ mod tests {
         let mut out = vec![[0; 2]; frames];
         out[0][side] = 1 << 26;
         let mut input = vec![0; frames];
-        Feed::SILENT.exchange(&mut out, &vec![[0; 2]; frames], &mut input);
+        let mut feed = Feed::SILENT;
+        feed.exchange(&mut out, &vec![[0; 2]; frames], &mut input);
         input.iter().map(|&x| f64::from(x) / f64::from(1 << 24)).collect()
     }
 

@@ -48,6 +48,8 @@ pub(super) struct BandPlan {
     pub decay_per_sample: f64,
     /// Gain of the output.
     pub output: f64,
+    /// True if the network's outputs are right and left.
+    pub swapped: bool,
 }
 
 impl BandPlan {
@@ -59,6 +61,7 @@ impl BandPlan {
         turn_samples: 1,
         decay_per_sample: 0.0,
         output: 0.0,
+        swapped: false,
     };
 
     /// Samples of a block.
@@ -115,7 +118,10 @@ pub(super) fn plan(
     }
     share(&mut delays_s, &plans, hz, words);
     let energies = split(&mut plans, bands, hz);
-    for (((plan, record), &delay_s), energy) in plans.iter_mut().zip(bands).zip(&delays_s).zip(energies) {
+    for (band, (((plan, record), &delay_s), energy)) in
+        plans.iter_mut().zip(bands).zip(&delays_s).zip(energies).enumerate()
+    {
+        plan.swapped = !band.is_multiple_of(2);
         let own_rate = hz / plan.division as f64;
         let decay_per_s = f64::from(record.decay_per_s.get());
         plan.delays = delays(0.5 * delay_s * own_rate, plan.block());

@@ -15,8 +15,10 @@ pub(in crate::room) fn network<T: Sample>(tick: NetworkTick<'_, T>) -> bool {
     prepare(input, &mut sound.input, tick.input_shift, tick.input_gain);
     let exceeded = pass(memory, lines, places, sound, turns, input.len(), busy);
     match tick.radiation {
-        Radiation::Put => radiate(&sound.output, tick.output_gain, out, false),
-        Radiation::Add => radiate(&sound.output, tick.output_gain, out, true),
+        Radiation::Put => radiate(&sound.output, tick.output_gain, out, (false, false)),
+        Radiation::Add => radiate(&sound.output, tick.output_gain, out, (true, false)),
+        Radiation::PutSwapped => radiate(&sound.output, tick.output_gain, out, (false, true)),
+        Radiation::AddSwapped => radiate(&sound.output, tick.output_gain, out, (true, true)),
         Radiation::Nothing => {}
     }
     exceeded
@@ -32,9 +34,15 @@ fn prepare<T: Sample>(input: &[i32], prepared: &mut [[T; 2]], shift: u32, [gain,
 }
 
 /// Adds outputs times a gain, that loses a part of itself (Q32) a frame, to `out`, or puts them there.
-fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], add: bool) {
+fn radiate<T: Sample>(
+    output: &[[T; 2]],
+    [gain, loss]: [i32; 2],
+    out: &mut [[i32; 2]],
+    (add, swapped): (bool, bool),
+) {
     let mut gain = gain;
-    for ([left, right], &[y_left, y_right]) in out.iter_mut().zip(output) {
+    for ([left, right], &[a, b]) in out.iter_mut().zip(output) {
+        let [y_left, y_right] = if swapped { [b, a] } else { [a, b] };
         let [before_left, before_right] = if add { [*left, *right] } else { [0; 2] };
         *left = before_left.saturating_add(y_left.times(gain));
         *right = before_right.saturating_add(y_right.times(gain));

@@ -31,6 +31,8 @@ pub(crate) struct Plan {
     /// Samples that are mixed by one angle.
     held: usize,
     output: f64,
+    /// True if the outputs are right and left: every second band's.
+    swapped: bool,
 }
 
 /// The network's answer to both sides of a sound, without that sound: left and right. Delays take at
@@ -129,7 +131,8 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
         let output = law.gain * (factors[band] / (2.0 * law.decay_per_s * given * (passed[2] + passed[3]))).sqrt();
         let held_frames = if bands.len() <= 4 && divisions[band] > 1 { 32 } else { 16 };
         let held = (held_frames / divisions[band]).max(1);
-        Plan { held, division: divisions[band], to_hz: to_hz(band), split, delays, gains, output }
+        let swapped = band % 2 == 1;
+        Plan { held, division: divisions[band], to_hz: to_hz(band), split, delays, gains, output, swapped }
     };
     (0..bands.len()).zip(splits).map(band).collect()
 }

@@ -27,7 +27,8 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
             rotated(read(3), fixed),
         ];
         for side in 0..2 {
-            out[side].push(plan.output * (r[2][side] - r[3][side]));
+            let half = if plan.swapped { 1 - side } else { side };
+            out[side].push(plan.output * (r[2][half] - r[3][half]));
         }
         const SIGNS: [[f64; 4]; 4] =
             [[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]];
