@@ -1,10 +1,10 @@
-//! The room against its law and its twin in f64, and under stress.
+//! The room against its law, against its arithmetic twin in f64, and under stress.
 
 use dsp_core::SampleRate;
 use dsp_core::room::{Room, RoomError};
 use host_tests::room::{
-    LARGE, Look, SMALL, Table, answer, band_errors, crest_db, echo_density_per_s, energy, frames_needed,
-    ideal_response, impulse_response, octave_tables, random_tables,
+    Answer, LARGE, Look, SMALL, Table, answer, band_errors, crest_db, echo_density_per_s, energy, frames_needed,
+    ideal_response, impulse_response, mean_and_rms, octave_tables, random_tables,
 };
 
 use proptest::prelude::*;
@@ -12,7 +12,7 @@ use reference::RoomBand;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// Signal to noise of a room against the f64 twin, both sides together.
+/// Signal to noise of a room against its arithmetic twin in f64, both sides together.
 fn snr_db(table: &Table, answers: [Vec<f64>; 2], dry: &[f64], samples: usize) -> f64 {
     let bands: Vec<RoomBand> = table
         .records()
@@ -24,11 +24,11 @@ fn snr_db(table: &Table, answers: [Vec<f64>; 2], dry: &[f64], samples: usize) ->
         })
         .collect();
     let rate = reference::SampleRate { numerator: 48_000, denominator: 1 };
-    let law = reference::room(&bands, dry, rate, samples);
+    let twin = reference::network_twin(&bands, [dry, dry], rate, samples);
     let (mut signal, mut noise) = (0.0, 0.0);
-    for (law, answer) in law.iter().zip(&answers) {
-        signal += energy(law);
-        noise += law.iter().zip(answer).map(|(law, answer)| (law - answer).powi(2)).sum::<f64>();
+    for (twin, answer) in twin.iter().zip(&answers) {
+        signal += energy(twin);
+        noise += twin.iter().zip(answer).map(|(twin, answer)| (twin - answer).powi(2)).sum::<f64>();
     }
     10.0 * (signal / noise).log10()
 }
@@ -258,5 +258,92 @@ fn an_impulse_of_full_scale_does_not_clip() {
         let db = 10.0 * (energy(&whole[0]) / difference).log10();
         println!("{} bands: {db:.1} dB", table.bands.len());
         assert!(db >= 70.0, "{db}");
+    }
+}
+
+/// Frames at which impulses meet the mix's swing at other angles.
+const STARTS: [usize; 4] = [0, 3000, 13_000, 21_000];
+
+#[test]
+fn wet_energy_does_not_depend_on_the_pan() {
+    let mut worst = [0.0f64; 2];
+    for table in random_tables(4, 3, 4.0, 6.0, 8) {
+        let frames = frames_needed(&table, RATE.hz());
+        let of = |pan| Answer::of_instrument(&table, RATE, pan, 0, frames);
+        let sides = [-1.0, 1.0].map(|pan| of(pan).energy());
+        let side = 0.5 * (sides[0] + sides[1]);
+        for pan in [-1.0, -0.5, 0.0, 0.3, 1.0] {
+            let answer = of(pan);
+            let db = 10.0 * (answer.energy() / side).log10();
+            println!("pan {pan}: {db:.2} dB, left above right {:.2} dB", answer.balance_db());
+            worst = [worst[0].max(db.abs()), worst[1].max(answer.balance_db().abs())];
+        }
+    }
+    println!("worst: energy {:.2} dB, balance {:.2} dB", worst[0], worst[1]);
+    assert!(worst[0] <= 0.6 && worst[1] <= 1.0, "{worst:?}");
+}
+
+#[test]
+fn left_and_right_are_equally_loud_over_random_tables() {
+    for bands in [4, 8] {
+        let mut balances = Vec::new();
+        for table in random_tables(bands, 3, 4.0, 6.0, 9) {
+            let frames = frames_needed(&table, RATE.hz());
+            for start in STARTS {
+                balances.push(Answer::of_instrument(&table, RATE, 0.0, start, frames).balance_db());
+            }
+        }
+        let (mean, rms) = mean_and_rms(&balances);
+        println!("{bands} bands: left above right {mean:.2} dB in the mean, {rms:.2} dB rms; {balances:.2?}");
+        assert!(mean.abs() <= 0.3 && rms <= 0.6, "{bands} bands: {mean:.2}, {rms:.2} dB");
+    }
+}
+
+#[test]
+fn wet_sound_begins_within_12_ms() {
+    for (numerator, what) in [(44_100, "44.1 kHz"), (48_000, "48 kHz"), (96_000, "96 kHz")] {
+        let rate = SampleRate::new(numerator, 1).unwrap();
+        for t60_s in [0.3, 1.0, 3.0] {
+            for table in octave_tables(t60_s) {
+                let answer = Answer::of_instrument(&table, rate, 0.0, 0, numerator as usize / 10);
+                let ms = 1000.0 * answer.onset_s(rate.hz());
+                println!("{what}, {} bands, T60 {t60_s} s: {ms:.1} ms", table.bands.len());
+                // Two blocks, and the shortest line.
+                assert!(ms >= 384_000.0 / rate.hz() - 0.1 && ms <= 12.0, "{ms:.1} ms");
+            }
+        }
+    }
+}
+
+#[test]
+fn instrument_and_law_agree_in_decay_energy_balance_and_correlation() {
+    let hz = RATE.hz();
+    // Instrument and law: errors of T60 and of energy, balances, correlations.
+    let mut all = [[const { Vec::new() }; 4]; 2];
+    for (index, table) in random_tables(4, 4, 2.0, 6.0, 10).into_iter().enumerate() {
+        let frames = frames_needed(&table, hz);
+        let answers = [
+            Answer::of_instrument(&table, RATE, 0.4, STARTS[index % 4], frames),
+            Answer::of_law(&table, RATE, 0.4, frames, index as u64),
+        ];
+        for (answer, [t60s, energies, balances, correlations]) in answers.iter().zip(&mut all) {
+            for error in answer.band_errors(&table, hz).iter().filter(|error| error.samples >= 300.0) {
+                t60s.push(error.t60);
+                energies.push(error.energy_db);
+            }
+            balances.push(answer.balance_db());
+            correlations.push(answer.correlation());
+        }
+    }
+    for (who, figures) in ["instrument", "law"].iter().zip(&all) {
+        let [t60, energy, balance, correlation] = figures.each_ref().map(|values| mean_and_rms(values));
+        println!(
+            "{who}: T60 {:+.1} %, rms {:.1} %; energy {:+.2} dB, rms {:.2}; balance {:+.2} dB, rms {:.2}; correlation {:+.3}, rms {:.3}",
+            100.0 * t60.0, 100.0 * t60.1, energy.0, energy.1, balance.0, balance.1, correlation.0, correlation.1
+        );
+        assert!(t60.0.abs() <= 0.02 && t60.1 <= 0.05, "{who}: T60 {t60:?}");
+        assert!(energy.0.abs() <= 0.5 && energy.1 <= 0.7, "{who}: energy {energy:?}");
+        assert!(balance.0.abs() <= 0.4 && balance.1 <= 0.7, "{who}: balance {balance:?}");
+        assert!(correlation.1 <= 0.12, "{who}: correlation {correlation:?}");
     }
 }

@@ -30,7 +30,7 @@
 //! | [`pad`] | one object with its filters, its strikers, and the sum of all they radiate | eq. 1 |
 //! | [`scene`] | several pads: level, pan, stereo, and 24-bit quantisation | this project |
 //!
-//! Of eq. 1, the background noise `N` is not part of this model, and the room `IR_e` is in [`mod@room`], to be added to what a scene gives; so is the noise of
+//! Of eq. 1, the background noise `N` is not part of this model, and the room `IR_e` (eq. 19) is in [`mod@room`], to be added to what a scene gives; so is the noise of
 //! [`residual`], which has a law but no bits of its own. Added
 //! to it are the striker's own bank with weight η (as §4.3 does for tools), a cosine gain for every mode,
 //! gains that depend on the position of the contact, and the choke.
@@ -109,5 +109,5 @@ pub use pad::{Object, Pad};
 pub use radiation::Acceleration;
 pub use rate::SampleRate;
 pub use resonator::{Bank, Gain, Mode};
-pub use room::{RoomBand, room};
+pub use room::{RoomBand, network_twin, room};
 pub use scene::{Scene, render};

@@ -3,7 +3,7 @@
 //! ```text
 //!        ┌────────────────────────────────────────────────────────────────┐
 //!        └─► line 0..3 of pairs, z^-m ─► rotation ─► mix of four ─► ×1/2 ─┘
-//!   x · 1/level ─► rotation 0            │ 2, 3
+//!   x · 1/level ─► rotation 0            │ 2, 3 (the two shortest lines)
 //!                                        └─► difference · level ─► left, right
 //! ```
 //!
@@ -12,9 +12,14 @@
 //! out is multiplied by it. A tail so keeps all its 16 bits however quiet it is.
 //!
 //! **The mix.** A line holds pairs (a, b), which on a Cortex-M4F are two halves of a word: `(c a + s b, s a - c b)` is two instructions, and a mix of four words by
-//! saturating additions is eight. Lines 0 and 3 reflect their pairs as above, 1 and 2 rotate them, `(c a - s b, s a + c b)`; 2 and 3 then swap halves. So the four spread what the halves differ
-//! in: were all alike, one side would keep more than its part for a while, and its T60 would be off by 5 % in narrow bands. The angles of lines 0 and 2 turn
-//! with time, which moves the resonances before one can stand out; lines 1 and 3 have one angle. The mix is orthogonal at each moment, hence never adds energy.
+//! saturating additions is eight. Lines 0 and 2 reflect their pairs as above, 1 and 3 rotate them, `(c a - s b, s a + c b)`; 0 and 1 then swap halves. So the four spread what the halves differ
+//! in: were all alike, one side would keep more than its part for a while, and its T60 would be off by 5 % in narrow bands. The angles of lines 0 and 1 turn
+//! with time, which moves the resonances before one can stand out; lines 2 and 3 have one angle. The mix is orthogonal at each moment, hence never adds energy.
+//!
+//! **Both sides.** What goes out is read from lines 2 and 3, whose first echoes a fixed angle turns by
+//! 25.5° the one way and the other: the one is louder left, the other right, by as much. (With a moving
+//! angle in line 2, as it was, nothing balanced line 3, and left was 0.2 to 1.8 dB below right.) What
+//! remains favours one side by 0.2 dB: every second band's outputs are swapped.
 //!
 //! **Nothing wraps.** A rotation's sum is at most `√2 · 2^15 · 2^15 < 2^30.5`; all other sums saturate. A full-scale impulse puts at most `2^13.6` into each value
 //! and cannot saturate any: each mix spreads what there is.
@@ -30,7 +35,7 @@ use crate::fixed;
 pub(super) const LINES: usize = 4;
 /// What of the input each of a line's values takes.
 pub(super) const INPUT_GAIN: f64 = 0.25;
-/// Sine and cosine of the angle of lines 1 and 3: of all pairs near it the one whose squares sum up to 1 within 3e-8, in 15 bits.
+/// Sine and cosine of the angle of lines 2 and 3: of all pairs near it the one whose squares sum up to 1 within 3e-8, in 15 bits.
 const ANGLE: [i32; 2] = [14_111, 29_574];
 
 /// Input and output of a network's block.
@@ -72,6 +77,8 @@ pub(super) enum Radiation {
     Put = 0,
     Add = 1,
     Nothing = 2,
+    PutSwapped = 3,
+    AddSwapped = 4,
 }
 
 /// A network's fixed numbers.
@@ -84,6 +91,8 @@ pub(super) struct NetworkConfig {
     block: u8,
     /// Samples that are mixed by one angle.
     turn_samples: u8,
+    /// True if the outputs are right and left.
+    swapped: bool,
 }
 
 /// Where in the network's memory a line begins, or is read and written next, and how many pairs are left to its end.
@@ -130,6 +139,7 @@ impl NetworkConfig {
         level: Level::NONE,
         block: 1,
         turn_samples: 1,
+        swapped: false,
     };
 
     pub(super) fn new(plan: &BandPlan) -> Self {
@@ -147,6 +157,7 @@ impl NetworkConfig {
             level: Level::new(plan, longest),
             block: plan.block() as u8,
             turn_samples: plan.turn_samples as u8,
+            swapped: plan.swapped,
         }
     }
 
@@ -183,7 +194,9 @@ impl NetworkConfig {
         let (output_gain, output_shift) = self.level.output(&state.level);
         let radiation = match add {
             _ if output_shift > 0 => Radiation::Nothing,
+            true if self.swapped => Radiation::AddSwapped,
             true => Radiation::Add,
+            false if self.swapped => Radiation::PutSwapped,
             false => Radiation::Put,
         };
         let exceeded = T::network(NetworkTick {
@@ -201,7 +214,7 @@ impl NetworkConfig {
             radiation,
         });
         if output_shift > 0 {
-            radiate_loud(&sound.output, output_gain, output_shift, out, add);
+            radiate_loud(&sound.output, output_gain, output_shift, out, (add, self.swapped));
         }
         self.level.end(&mut state.level, exceeded);
         true
@@ -291,10 +304,17 @@ impl<T: Sample> Turns<T> {
 
 /// Adds outputs times a gain above what [`Sample::times`] holds, by so many bits, or puts them there.
 #[cold]
-fn radiate_loud<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], shift: u32, out: &mut [[i32; 2]], add: bool) {
+fn radiate_loud<T: Sample>(
+    output: &[[T; 2]],
+    [gain, loss]: [i32; 2],
+    shift: u32,
+    out: &mut [[i32; 2]],
+    (add, swapped): (bool, bool),
+) {
     let mut gain = gain;
-    for (out, pair) in out.iter_mut().zip(output) {
-        for (out, &y) in out.iter_mut().zip(pair) {
+    for (out, &[a, b]) in out.iter_mut().zip(output) {
+        let pair = if swapped { [b, a] } else { [a, b] };
+        for (out, y) in out.iter_mut().zip(pair) {
             let before = if add { *out } else { 0 };
             *out = before.saturating_add(fixed::saturating_shift_left(y.times(gain), shift));
         }

@@ -38,7 +38,8 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             return;
         }
         self.side = !self.side;
-        (self.worked, self.heard) = (self.heard, 0);
+        let rings = self.feed.settle(self.dry == 0);
+        (self.worked, self.heard, self.dry) = (self.heard, rings, 0);
         self.turn.advance(core::mem::take(&mut self.silent_blocks));
         self.scratch.turns = Turns::new(&self.turn);
         self.work = Work { begun: true, ..Work::NONE };
@@ -61,7 +62,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             self.work.next += 1;
         }
         if part + 1 == TICKS {
-            if self.work.asleep && self.worked == 0 && self.heard == 0 {
+            if self.work.asleep && !self.worked && !self.heard {
                 self.clear();
             }
             self.work.begun = false;

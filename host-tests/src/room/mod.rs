@@ -3,11 +3,13 @@
 mod analysis;
 mod ideal;
 mod law;
+mod statistics;
 mod tables;
 
 pub use analysis::{Band, Look, Spectrum, crest_db, echo_density_per_s, energy, t60_s};
 pub use ideal::ideal_response;
 pub use law::{BandError, band_errors, frames_needed};
+pub use statistics::{Answer, mean_and_rms};
 pub use tables::{Table, TableBand, octave_tables, random_tables};
 
 use dsp_core::SampleRate;
@@ -42,13 +44,26 @@ pub fn answer<T: Sample, const SAMPLES: usize>(
     rate: SampleRate,
     dry: &[f64],
 ) -> Result<[Vec<f64>; 2], RoomError> {
+    answer_to_sides::<T, SAMPLES>(table, rate, [dry, dry])
+}
+
+/// A room's answer to both sides of a sound, without the sound itself.
+///
+/// # Errors
+/// A [`RoomError`] for a table that cannot be played.
+pub fn answer_to_sides<T: Sample, const SAMPLES: usize>(
+    table: &Table,
+    rate: SampleRate,
+    dry: [&[f64]; 2],
+) -> Result<[Vec<f64>; 2], RoomError> {
     let mut room = Box::new(Room::<T, SAMPLES>::new());
     room.load(&table.records(), rate)?;
-    let dry: Vec<i32> = dry.iter().map(|&x| dsp_core::fixed::q27_from(x)).collect();
-    let mut out: Vec<[i32; 2]> = dry.iter().map(|&x| [x; 2]).collect();
+    let [left, right] = dry.map(|side| side.iter().map(|&x| dsp_core::fixed::q27_from(x)).collect::<Vec<i32>>());
+    let dry: Vec<[i32; 2]> = left.into_iter().zip(right).map(|(left, right)| [left, right]).collect();
+    let mut out = dry.clone();
     room.render(&mut out);
     Ok([0, 1].map(|side| {
-        let wet = out.iter().zip(&dry).map(|(out, &dry)| i64::from(out[side]) - i64::from(dry));
+        let wet = out.iter().zip(&dry).map(|(out, dry)| i64::from(out[side]) - i64::from(dry[side]));
         wet.map(|wet| wet as f64 / f64::from(ONE_Q27)).collect()
     }))
 }

@@ -1,19 +1,23 @@
-//! The room, `y + y ⊗ IR_e` (§3.4): the law, and a network that follows it.
+//! The room, `y + y ⊗ IR_e` (diffimpact eq. 19): noise that decays, band by band.
 //!
-//! Each band answers an impulse with noise whose power decays as `g² e^{-2 d t}` from the impulse on: an energy of `g²/(2 d)` of what the band was given. The network
-//! is one feedback delay network a band behind steep splits, each at the rate divided by a power of two; see `dsp-core`'s room, of which this is the twin in double
-//! precision, with no bound on levels and no rounding.
+//! In a band from `from_hz` to the next one's, a unit impulse on one side is answered on each side by
+//! Gaussian noise of power `g²/2 · e^{-2 d t}`, cut out of the spectrum exactly. The noises of all four
+//! ways (left and right to left and right) are independent. So both sides get the same energy,
+//! `(L² + R²)/2` of what is played, for every constant-power pan; and they are uncorrelated.
+//!
+//! The answer begins with the sound. The instrument's begins 8 to 11 ms later (docs/room.md).
+//!
+//! It is one of many rooms with the same table: the seed is the room's. The instrument's network is
+//! another. The two are compared by what they share: energy, T60, balance and correlation. What
+//! the network computes sample by sample is checked by [`network_twin()`].
 
-mod lean;
-mod network;
-mod split;
+mod network_twin;
+mod transform;
+
+pub use network_twin::network_twin;
 
 use crate::SampleRate;
-
-/// Frames of a block: the wet sound begins two blocks after the dry one.
-const BLOCK_FRAMES: usize = 128;
-/// Lines of a network; each holds pairs.
-const LINES: usize = 4;
+use transform::{Complex, forward, inverse};
 
 /// One band of a room; bands stand from the lowest up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,131 +30,80 @@ pub struct RoomBand {
     pub decay_per_s: f64,
 }
 
-/// One band's network.
-pub(crate) struct Plan {
-    division: usize,
-    /// Where the band ends, in Hz.
-    to_hz: f64,
-    /// At the lower edge; none for the lowest band.
-    split: Option<lean::Leaning>,
-    /// Of pairs.
-    delays: Vec<usize>,
-    gains: Vec<f64>,
-    /// Samples that are mixed by one angle.
-    held: usize,
-    output: f64,
-}
+/// Nepers after which a band's noise is left out: 100 dB.
+const LAST_NEPERS: f64 = 11.512_925_464_970_229;
 
-/// The room's answer to a sound that is the same on both sides, without that sound: left and right. Delays take at most `samples` in all.
+/// The room's answer to both sides of a sound, without that sound: left and right.
 ///
-/// Bands are trusted: rising from 0, below 0.49 of the rate.
-pub fn room(bands: &[RoomBand], dry: &[f64], rate: SampleRate, samples: usize) -> [Vec<f64>; 2] {
-    let hz = rate.hz();
-    let plans = plans(bands, hz, samples);
-    let blocks = dry.len().div_ceil(BLOCK_FRAMES);
-    let mut low = dry.to_vec();
-    low.resize(blocks * BLOCK_FRAMES, 0.0);
-    let (mut division, mut answers) = (1, Vec::new());
-    for plan in plans.iter().rev() {
-        low = low.into_iter().step_by(plan.division / division).collect();
-        division = plan.division;
-        let high = match &plan.split {
-            None => std::mem::take(&mut low),
-            Some(lean::Leaning { low_pass, tangent }) => {
-                let (below, above) = split::split(&low, low_pass, *tangent);
-                low = below;
-                above
-            }
-        };
-        answers.push((division, network::render(plan, &high, hz)));
-    }
-    // From the rate over `division` to twice it.
-    let double = |signal: &[f64], division: usize| {
-        let slow = plans.iter().filter(|plan| plan.division >= division);
-        let highest_hz = slow.map(|plan| plan.to_hz).fold(0.0, f64::max);
-        split::double(signal, highest_hz * division as f64 / hz)
-    };
-    let mut sum = [Vec::new(), Vec::new()];
-    for (own, answer) in answers.into_iter().rev() {
-        for (sum, answer) in sum.iter_mut().zip(answer) {
-            let mut slower = division;
-            while slower > own {
-                *sum = double(sum, slower);
-                slower /= 2;
-            }
-            sum.resize(answer.len(), 0.0);
-            sum.iter_mut().zip(answer).for_each(|(sum, answer)| *sum += answer);
+/// Bands are trusted: rising from 0, decays above 0. Another seed is another room with the same table.
+pub fn room(bands: &[RoomBand], dry: [&[f64]; 2], rate: SampleRate, seed: u64) -> [Vec<f64>; 2] {
+    let frames = dry[0].len();
+    let longest_s = bands.iter().map(|band| LAST_NEPERS / band.decay_per_s).fold(0.0, f64::max);
+    let taps = ((longest_s * rate.hz()).ceil() as usize).clamp(1, frames.max(1));
+    // Overlap and add: so much of the sound at a time that its answer does not reach round.
+    let length = (2 * taps).next_power_of_two();
+    let responses = [0, 1].map(|to| [0, 1].map(|from| response(bands, rate, taps, length, [seed, to, from])));
+    let mut wet = [vec![0.0; frames], vec![0.0; frames]];
+    let step = length - taps;
+    for start in (0..frames).step_by(step) {
+        let end = (start + step).min(frames);
+        let parts = dry.map(|side| spectrum(&side[start..end], length));
+        for (wet, [from_left, from_right]) in wet.iter_mut().zip(&responses) {
+            let product = |bin: usize| parts[0][bin] * from_left[bin] + parts[1][bin] * from_right[bin];
+            let mut sum: Vec<Complex> = (0..length).map(product).collect();
+            inverse(&mut sum);
+            wet[start..].iter_mut().zip(&sum).for_each(|(wet, value)| *wet += value.re);
         }
-        division = own;
     }
-    while division > 1 {
-        sum = sum.map(|side| double(&side, division));
-        division /= 2;
-    }
-    sum.map(|side| std::iter::repeat_n(0.0, 2 * BLOCK_FRAMES).chain(side).take(dry.len()).collect())
+    wet
 }
 
-fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
-    let to_hz = |band: usize| bands.get(band + 1).map_or(hz / 2.0, |next| next.from_hz);
-    let (slowest, edge) = if bands.len() <= 4 { (8, 0.42) } else { (32, 0.35) };
-    let divisions: Vec<usize> = (0..bands.len())
-        .map(|band| {
-            let fits = |division: usize| to_hz(band) * division as f64 <= edge * hz;
-            [32, 16, 8, 4, 2].into_iter().find(|&division| division <= slowest && fits(division)).unwrap_or(1)
-        })
-        .collect();
-    // Seconds of delay: 0.15 of T60 or a hundred resonances in the band, within the memory and 47 blocks for the longest line.
-    let wishes: Vec<f64> = bands
-        .iter()
-        .enumerate()
-        .map(|(band, law)| {
-            let wish = (0.15 * 1000f64.ln() / law.decay_per_s).max(100.0 / (to_hz(band) - law.from_hz));
-            // Dense enough in the highest band.
-            if band + 1 == bands.len() { wish.min(0.16) } else { wish }
-        })
-        .collect();
-    let parts: Vec<f64> = {
-        let sum: f64 = (0..LINES as i32).map(|line| 1.4f64.powi(line)).sum();
-        (0..LINES as i32).map(|line| 1.4f64.powi(line) / sum).collect()
-    };
-    let needed = |limit: f64| -> f64 {
-        wishes.iter().zip(&divisions).map(|(wish, &division)| wish.min(limit) * hz / division as f64).sum()
-    };
-    let (mut limit, mut high) = (0.0, 2.0 * 47.0 * BLOCK_FRAMES as f64 / hz / parts[LINES - 1]);
-    if needed(high) <= samples as f64 {
-        limit = high;
+/// The spectrum of one way's impulse response, `taps` long.
+fn response(bands: &[RoomBand], rate: SampleRate, taps: usize, length: usize, way: [u64; 3]) -> Vec<Complex> {
+    let hz = rate.hz();
+    let mut sum = vec![Complex::ZERO; length];
+    for (index, band) in bands.iter().enumerate() {
+        let to_hz = bands.get(index + 1).map_or(f64::MAX, |next| next.from_hz);
+        let rms = band.gain / (2.0 * hz).sqrt();
+        let mut normal = normal(way, index as u64);
+        let noise: Vec<f64> =
+            (0..taps).map(|tap| rms * (-band.decay_per_s * tap as f64 / hz).exp() * normal()).collect();
+        for (bin, value) in spectrum(&noise, length).into_iter().enumerate() {
+            let bin_hz = bin.min(length - bin) as f64 * hz / length as f64;
+            if (band.from_hz..to_hz).contains(&bin_hz) {
+                sum[bin] = sum[bin] + value;
+            }
+        }
     }
-    for _ in 0..30 {
-        let middle = 0.5 * (limit + high);
-        if needed(middle) <= samples as f64 { limit = middle } else { high = middle }
-    }
-    let (splits, factors) = lean::leanings(bands, &divisions, hz);
-    let splits = std::iter::once(None).chain(splits.into_iter().map(Some));
-    let band = |(band, split): (usize, Option<lean::Leaning>)| {
-        let own_hz = hz / divisions[band] as f64;
-        let delays = delays(0.5 * wishes[band].min(limit) * own_hz, BLOCK_FRAMES / divisions[band], &parts);
-        let law = bands[band];
-        let gains: Vec<f64> = delays.iter().map(|&delay| (-law.decay_per_s * delay as f64 / own_hz).exp()).collect();
-        // Energy as in a network of pipes: each value's output is spread evenly over all. Outputs are differences of lines 2 and 3.
-        let passed: Vec<f64> = gains.iter().map(|gain| gain * gain).collect();
-        let given = 1.0 / 16.0 / (1.0 - passed.iter().sum::<f64>() / LINES as f64);
-        let output = law.gain * (factors[band] / (2.0 * law.decay_per_s * given * (passed[2] + passed[3]))).sqrt();
-        let held_frames = if bands.len() <= 4 && divisions[band] > 1 { 32 } else { 16 };
-        let held = (held_frames / divisions[band]).max(1);
-        Plan { held, division: divisions[band], to_hz: to_hz(band), split, delays, gains, output }
-    };
-    (0..bands.len()).zip(splits).map(band).collect()
+    // What the cut leaves before the beginning and behind the end is not part of the room.
+    inverse(&mut sum);
+    let taps: Vec<f64> = sum.iter().take(taps).map(|value| value.re).collect();
+    spectrum(&taps, length)
 }
 
-/// Distinct primes, each at most its part of `total` unless the block is longer.
-fn delays(total: f64, block: usize, parts: &[f64]) -> Vec<usize> {
-    let is_prime = |n: usize| n > 1 && (2..).take_while(|d| d * d <= n).all(|d| !n.is_multiple_of(d));
-    let mut delays = Vec::new();
-    for part in parts {
-        let least = block.max(delays.last().map_or(2, |last| last + 1));
-        let wanted = ((part * total) as usize).max(least);
-        let below = (least..=wanted).rev().find(|&n| is_prime(n));
-        delays.push(below.unwrap_or_else(|| (wanted..).find(|&n| is_prime(n)).unwrap_or(wanted)));
+fn spectrum(signal: &[f64], length: usize) -> Vec<Complex> {
+    let mut values: Vec<Complex> = signal.iter().map(|&re| Complex { re, im: 0.0 }).collect();
+    values.resize(length, Complex::ZERO);
+    forward(&mut values);
+    values
+}
+
+/// Gaussian noise of rms 1 (SplitMix64, Box and Muller), another for another way or band.
+fn normal(way: [u64; 3], band: u64) -> impl FnMut() -> f64 {
+    let mix = |state: u64| {
+        let x = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        x ^ (x >> 31)
+    };
+    const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
+    let [seed, to, from] = way;
+    let mut state = [to, from, band].iter().fold(seed, |state, part| mix(state.wrapping_add(STEP) ^ (part + 1)));
+    move || {
+        let mut uniform = || {
+            state = state.wrapping_add(STEP);
+            ((mix(state) >> 11) as f64 + 0.5) / (1u64 << 53) as f64
+        };
+        let (radius, turn) = (uniform(), uniform());
+        (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * turn).cos()
     }
-    delays
 }

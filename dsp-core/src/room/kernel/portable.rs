@@ -2,6 +2,8 @@
 
 #[cfg(not(cortex_m4f))]
 use super::super::crossover::{SHAPED_FIRST, Split, SplitState};
+#[cfg(not(cortex_m4f))]
+use super::super::feed::{CHAINS, Chain, ChainState};
 use super::super::level::{LOUD_BITS, QUIET_BITS};
 use super::super::network::{LINES, NetworkTick, Place, Radiation, Sound};
 use super::super::storage::Sample;
@@ -13,8 +15,10 @@ pub(in crate::room) fn network<T: Sample>(tick: NetworkTick<'_, T>) -> bool {
     prepare(input, &mut sound.input, tick.input_shift, tick.input_gain);
     let exceeded = pass(memory, lines, places, sound, turns, input.len(), busy);
     match tick.radiation {
-        Radiation::Put => radiate(&sound.output, tick.output_gain, out, false),
-        Radiation::Add => radiate(&sound.output, tick.output_gain, out, true),
+        Radiation::Put => radiate(&sound.output, tick.output_gain, out, (false, false)),
+        Radiation::Add => radiate(&sound.output, tick.output_gain, out, (true, false)),
+        Radiation::PutSwapped => radiate(&sound.output, tick.output_gain, out, (false, true)),
+        Radiation::AddSwapped => radiate(&sound.output, tick.output_gain, out, (true, true)),
         Radiation::Nothing => {}
     }
     exceeded
@@ -30,9 +34,15 @@ fn prepare<T: Sample>(input: &[i32], prepared: &mut [[T; 2]], shift: u32, [gain,
 }
 
 /// Adds outputs times a gain, that loses a part of itself (Q32) a frame, to `out`, or puts them there.
-fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], add: bool) {
+fn radiate<T: Sample>(
+    output: &[[T; 2]],
+    [gain, loss]: [i32; 2],
+    out: &mut [[i32; 2]],
+    (add, swapped): (bool, bool),
+) {
     let mut gain = gain;
-    for ([left, right], &[y_left, y_right]) in out.iter_mut().zip(output) {
+    for ([left, right], &[a, b]) in out.iter_mut().zip(output) {
+        let [y_left, y_right] = if swapped { [b, a] } else { [a, b] };
         let [before_left, before_right] = if add { [*left, *right] } else { [0; 2] };
         *left = before_left.saturating_add(y_left.times(gain));
         *right = before_right.saturating_add(y_right.times(gain));
@@ -96,10 +106,10 @@ fn mix<T: Sample>(
     [moving, fixed]: [&T::Turn; 2],
 ) -> ([[T; 2]; LINES], [T; 2]) {
     let swapped = |[a, b]: [T; 2]| [b, a];
-    let r0 = sum(T::reflect(w0, moving), x);
-    let r1 = T::rotate(w1, fixed);
-    let r2 = swapped(T::rotate(w2, moving));
-    let r3 = swapped(T::reflect(w3, fixed));
+    let r0 = sum(swapped(T::reflect(w0, moving)), x);
+    let r1 = swapped(T::rotate(w1, moving));
+    let r2 = T::reflect(w2, fixed);
+    let r3 = T::rotate(w3, fixed);
     let (s0, s1, s2, s3) = (sum(r0, r1), difference(r0, r1), sum(r2, r3), difference(r2, r3));
     ([difference(s1, s3), sum(s0, s2), sum(s1, s3), difference(s0, s2)], s3)
 }
@@ -209,17 +219,45 @@ pub(in crate::room) fn double(
     }
 }
 
-/// Puts half the middle of `out`, at most ±1.0, to `input` and adds `wet` to `out`; gives the or of the input.
+/// Makes `input`, at most ±1.0, of both sides of `out` by their [chains](super::super::feed) and adds
+/// `wet` to `out`; gives the or of what the chains were given.
 #[cfg(not(cortex_m4f))]
-pub(in crate::room) fn exchange(out: &mut [[i32; 2]], wet: &[[i32; 2]], input: &mut [i32]) -> u32 {
+pub(in crate::room) fn exchange(
+    out: &mut [[i32; 2]],
+    wet: &[[i32; 2]],
+    input: &mut [i32],
+    [left_state, right_state]: &mut [ChainState; 2],
+) -> u32 {
+    const HALF_CLIP: i32 = 1 << 27;
+    let [left_chain, right_chain] = &CHAINS;
     let mut heard = 0;
     for (([left, right], wet), input) in out.iter_mut().zip(wet).zip(input) {
-        *input = clip(left.saturating_add(*right) >> 1) >> 1;
-        heard |= *input as u32;
+        let [a, b] = [*left, *right].map(|side| (side >> 2).clamp(-HALF_CLIP, HALF_CLIP - 1));
+        heard |= (a | b) as u32;
+        let (a, b) = (chain(left_chain, left_state, a, false), chain(right_chain, right_state, b, true));
+        *input = (a + b).clamp(-HALF_CLIP, HALF_CLIP - 1);
         *left = left.saturating_add(wet[0]);
         *right = right.saturating_add(wet[1]);
     }
     heard
+}
+
+/// One side's sample through its three sections.
+#[cfg(not(cortex_m4f))]
+#[inline(always)]
+fn chain(chain: &Chain, state: &mut ChainState, x: i32, right: bool) -> i32 {
+    let [first, second] = chain.complements;
+    let d = x - (state.slow >> 32) as i32;
+    state.slow += i64::from(d) * i64::from(first);
+    let x = (state.slow >> 32) as i32 - d;
+    let d = x - state.second;
+    state.second = fixed::smmlar(state.second, d, second);
+    let x = state.second - d;
+    let d = x - state.last;
+    let half = if right { d >> 1 } else { 0 };
+    let y = fixed::smmlar(state.last + half, d, chain.last);
+    state.last = y + d;
+    y
 }
 
 /// To ±2.0, for the next split.

@@ -12,6 +12,18 @@ use dsp_core::fixed::ONE_Q27;
 use super::Performance;
 use super::instrument::ROOM_SAMPLES;
 
+/// Which room a performance is rendered in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Room {
+    /// The law: noise that decays, band by band.
+    Law,
+    /// The instrument's network in double precision, for comparisons sample by sample.
+    NetworkTwin,
+}
+
+/// The law's noise is the same at each run.
+const ROOM_SEED: u64 = 0;
+
 /// What the reference leaves out of a kit.
 pub fn leaves_out(kit: &kit::Kit) -> Vec<&'static str> {
     let has_residual = kit.objects.iter().any(|object| object.residual.is_some());
@@ -28,6 +40,20 @@ pub fn leaves_out(kit: &kit::Kit) -> Vec<&'static str> {
 /// # Errors
 /// As [`reference::Scene::new`].
 pub fn render(
+    kit: &kit::Kit,
+    performance: &Performance,
+    rate: SampleRate,
+    progress: impl FnMut(usize),
+) -> Result<Vec<[f64; 2]>, reference::Error> {
+    render_in(Room::Law, kit, performance, rate, progress)
+}
+
+/// Renders a performance as [`render`] does, in one of two rooms.
+///
+/// # Errors
+/// As [`reference::Scene::new`].
+pub fn render_in(
+    room: Room,
     kit: &kit::Kit,
     performance: &Performance,
     rate: SampleRate,
@@ -74,12 +100,12 @@ pub fn render(
         done += block.len();
         progress(done);
     }
-    add_room(kit, rate, &mut frames);
+    add_room(kit, room, rate, &mut frames);
     Ok(frames)
 }
 
-/// Adds the room's answer to the middle of a sound.
-fn add_room(kit: &kit::Kit, rate: reference::SampleRate, frames: &mut [[f64; 2]]) {
+/// Adds the room's answer to a sound.
+fn add_room(kit: &kit::Kit, room: Room, rate: reference::SampleRate, frames: &mut [[f64; 2]]) {
     if kit.room.is_empty() {
         return;
     }
@@ -92,8 +118,12 @@ fn add_room(kit: &kit::Kit, rate: reference::SampleRate, frames: &mut [[f64; 2]]
             decay_per_s: f64::from(band.decay_per_s),
         })
         .collect();
-    let middle: Vec<f64> = frames.iter().map(|[left, right]| 0.5 * (left + right)).collect();
-    let [left, right] = reference::room(&bands, &middle, rate, ROOM_SAMPLES);
+    let sides = [0, 1].map(|side| frames.iter().map(|frame| frame[side]).collect::<Vec<f64>>());
+    let dry = sides.each_ref().map(Vec::as_slice);
+    let [left, right] = match room {
+        Room::Law => reference::room(&bands, dry, rate, ROOM_SEED),
+        Room::NetworkTwin => reference::network_twin(&bands, dry, rate, ROOM_SAMPLES),
+    };
     for (frame, (left, right)) in frames.iter_mut().zip(left.into_iter().zip(right)) {
         *frame = [frame[0] + left, frame[1] + right];
     }

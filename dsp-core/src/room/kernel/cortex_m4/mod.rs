@@ -5,6 +5,7 @@ use core::mem::offset_of;
 
 use super::super::BLOCK_FRAMES;
 use super::super::crossover::{MOST_SECTIONS, SHAPED_FIRST, Split, SplitState};
+use super::super::feed::{CHAINS, Chain, ChainState};
 use super::super::network::{LINES, NetworkTick, Place, Sound};
 
 core::arch::global_asm!(include_str!("network.s"), options(raw));
@@ -48,6 +49,8 @@ const _: () = assert!(
         && SHAPED_FIRST == 0x6800_0000
 );
 
+const _: () = assert!(size_of::<Chain>() == 12 && size_of::<ChainState>() == 16 && offset_of!(ChainState, second) == 8);
+
 unsafe extern "C" {
     fn malleus_room_network(call: &mut Call<'_>) -> u32;
     fn malleus_room_scale(words: *mut [i16; 2], count: usize, rise: i32);
@@ -67,7 +70,14 @@ unsafe extern "C" {
         count: usize,
         add: bool,
     );
-    fn malleus_room_exchange(out: *mut [i32; 2], wet: *const [i32; 2], input: *mut i32, count: usize) -> u32;
+    fn malleus_room_exchange(
+        out: *mut [i32; 2],
+        wet: *const [i32; 2],
+        input: *mut i32,
+        count: usize,
+        chains: &[Chain; 2],
+        states: &mut [ChainState; 2],
+    ) -> u32;
 }
 
 /// As [`super::portable::split`].
@@ -104,10 +114,15 @@ pub(in crate::room) fn double(
 }
 
 /// As [`super::portable::exchange`].
-pub(in crate::room) fn exchange(out: &mut [[i32; 2]], wet: &[[i32; 2]], input: &mut [i32]) -> u32 {
+pub(in crate::room) fn exchange(
+    out: &mut [[i32; 2]],
+    wet: &[[i32; 2]],
+    input: &mut [i32],
+    states: &mut [ChainState; 2],
+) -> u32 {
     let count = out.len().min(wet.len()).min(input.len());
     // SAFETY: all slices hold `count` elements.
-    unsafe { malleus_room_exchange(out.as_mut_ptr(), wet.as_ptr(), input.as_mut_ptr(), count) }
+    unsafe { malleus_room_exchange(out.as_mut_ptr(), wet.as_ptr(), input.as_mut_ptr(), count, &CHAINS, states) }
 }
 
 /// As [`super::portable::network`].

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::RoomBand;
+use crate::room::RoomBand;
 use super::split::{Elliptic, shared_db};
 
 /// A split: its low-pass and where that lies.
@@ -28,8 +28,8 @@ fn sections(bands: &[RoomBand], divisions: &[usize]) -> Vec<usize> {
     let rates: usize = divisions.iter().map(|division| 32 / division).sum();
     let splits: usize = divisions.iter().skip(1).map(|division| 32 / division).sum();
     let doubling = if divisions[0] > 1 { 28 * 32 } else { 0 };
-    let mut cycles = 55 * rates + 34 * splits + 32 * (28 + 12 * bands.len()) + doubling;
-    let limit = 32 * if bands.len() <= 4 { 250 } else { 680 };
+    let mut cycles = 55 * rates + 34 * splits + 32 * (52 + 12 * bands.len()) + doubling;
+    let limit = 32 * if bands.len() <= 4 { 274 } else { 704 };
     let mut sections = vec![2; bands.len().saturating_sub(1)];
     for count in [3, 4] {
         for (edge, pair) in bands.windows(2).enumerate() {
