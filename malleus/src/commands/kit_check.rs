@@ -48,6 +48,9 @@ struct BoardFinding {
     /// What the board's budget leaves out of all pads at once at velocity 1.
     chord_shed: Vec<ShedFinding>,
     chord_refused_stages: u32,
+    /// Number of modes of all pads.
+    #[serde(skip)]
+    modes: usize,
     #[serde(skip)]
     is_refused: bool,
 }
@@ -127,6 +130,7 @@ fn of_board(name: &str, on: Board, kit: &kit::Kit, table: &Kit<'_>) -> BoardFind
     let shed = board::shed_of_chord(on, table);
     let is_refused = shed.is_err();
     let shed = shed.unwrap_or_default();
+    let modes = shed.modes.iter().map(|(_, of_modes)| of_modes).sum();
     let of_pads = kit.pads.iter().zip(&shed.modes).filter(|(_, (modes, _))| *modes > 0);
     let finding = |(pad, &(modes, of_modes)): (&kit::Pad, &(usize, usize))| ShedFinding {
         pad: pad.name.clone(),
@@ -139,6 +143,7 @@ fn of_board(name: &str, on: Board, kit: &kit::Kit, table: &Kit<'_>) -> BoardFind
         left_out: left_out(name, on, table),
         chord_shed: of_pads.map(finding).collect(),
         chord_refused_stages: shed.refused_stages,
+        modes,
         is_refused,
     }
 }
@@ -168,7 +173,9 @@ impl Findings {
                 ));
             }
         }
-        if let Some(peak) = self.chord_peak_dbfs.filter(|&peak| peak > 0.0) {
+        // One pad's chord is its strike.
+        let has_chord = self.strikes.iter().any(|strike| self.strikes.first().is_some_and(|first| first.pad != strike.pad));
+        if let Some(peak) = self.chord_peak_dbfs.filter(|&peak| has_chord && peak > 0.0) {
             lines.push(format!(
                 "{name}: all pads at once at velocity 1 peak at {peak:+.1} dBFS and clip: every level_db {:.1} dB lower fits",
                 (peak * 10.0).ceil() / 10.0
@@ -190,10 +197,13 @@ impl Findings {
 impl BoardFinding {
     /// What becomes of the chord, in words.
     fn of_chord(&self) -> String {
-        let modes = self.chord_shed.iter().map(|shed| format!("{} of {} modes of {:?}", shed.modes, shed.of_modes, shed.pad));
+        let all_modes = self.chord_shed.iter().map(|shed| shed.of_modes).sum::<usize>();
+        let is_all = self.chord_shed.iter().all(|shed| shed.modes == shed.of_modes) && all_modes == self.modes && all_modes > 0;
+        let modes = self.chord_shed.iter().filter(|_| !is_all).map(|shed| format!("{} of {} modes of {:?}", shed.modes, shed.of_modes, shed.pad));
         let stages = (self.chord_refused_stages > 0)
             .then(|| format!("{} residuals, dynamic filters and biquad banks", self.chord_refused_stages));
-        let all: Vec<String> = modes.chain(stages).collect();
+        let everything = is_all.then(|| format!("all {all_modes} modes"));
+        let all: Vec<String> = everything.into_iter().chain(modes).chain(stages).collect();
         match all.is_empty() {
             true => "sheds nothing of all pads at once at velocity 1".to_owned(),
             false => format!("sheds of all pads at once at velocity 1: {}", all.join(", ")),

@@ -117,11 +117,11 @@ fn budget_cycles(arguments: &PlayArguments, performance: &Performance, rate: Sam
 fn warn_of_clipping(kit: &str, level: &Level, force: Option<ForceLoad>) {
     if let Some(ForceLoad { largest, overloads }) = force.filter(|force| force.overloads > 0) {
         eprintln!(
-            "malleus: {kit}: the force of {overloads} strikes may clip: up to {largest:.1} times reference_force, 16 is the end; see malleus kit check"
+            "malleus: {kit}: strikes whose force may clip: {overloads}; it comes up to {largest:.1} times reference_force, the bus ends at 16; see malleus kit check"
         );
     }
     if level.saturated_samples > 0 {
-        eprintln!("malleus: {kit}: {} samples are at the bus's end, +24 dBFS", level.saturated_samples);
+        eprintln!("malleus: {kit}: samples at the bus's end, +24 dBFS: {}", level.saturated_samples);
     }
     if level.clipped_samples > 0 {
         let peak_dbfs = level.peak_dbfs().unwrap_or_default();
