@@ -26,9 +26,11 @@ pub struct Provenance {
     pub licence: String,
 }
 
-/// The object and its striker as a kit without pads. From sound alone the gains are those of the loudest strike, whose force has a peak of 1 at
-/// velocity 1; with a measured force they stand at all positions, and velocity 1 is the loudest strike. The reference force is the peak force where that is above 1, so
-/// that the force bus, which ends at 16 times of it, never clips at velocity 1. Below it is 1: the recorded force, played as a direct one, then has its own level.
+/// The object and its striker as a kit without pads. From sound alone the gains are those of the
+/// loudest strike, whose force has a peak of 1 at velocity 1; with a measured force they stand at
+/// all positions, and velocity 1 is the loudest strike. The reference force is the peak force where
+/// that is above 1, so that the force bus, which ends at 16 times of it, never clips at velocity 1.
+/// Below it is 1: the recorded force, played as a direct one, then has its own level.
 pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
     let name = item_name(&provenance.name, "");
     let strike = fit.strikes.get(fit.loudest);

@@ -189,8 +189,9 @@ pub struct Pad {
 }
 
 impl Object {
-    /// The object with another reference force, in newtons, and the same sound: what its numbers say for a strike of the reference force (a residual's weights, a
-    /// dynamic filter's noise and exciter) is carried over. Numbers may leave their ranges: build the kit to know.
+    /// The object with another reference force, in newtons, and the same sound: what its numbers
+    /// say for a strike of the reference force (a residual's weights, a dynamic filter's noise and
+    /// exciter) is carried over. Numbers may leave their ranges: build the kit to know.
     #[must_use]
     pub fn with_reference_force(&self, newtons: f32) -> Self {
         let ratio = f64::from(newtons) / f64::from(self.reference_force);
@@ -200,7 +201,8 @@ impl Object {
             residual.weight.iter_mut().for_each(|weight| times(weight, ratio));
         }
         if let Some(filter) = &mut object.dynamic_filter {
-            // The noise becomes 1/ratio of what it was, and the filter makes up for it: of all that goes in.
+            // The noise becomes 1/ratio of what it was, and the filter makes up for it: of all that
+            // goes in.
             for point in &mut filter.path {
                 [&mut point.b0, &mut point.b1, &mut point.b2].into_iter().for_each(|b| times(b, ratio));
             }

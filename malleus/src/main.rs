@@ -66,7 +66,8 @@ struct PlayArguments {
     /// Sample rate in Hz, or as a ratio such as 86000000/1792 [default: 48000, with --direct the file's own]
     #[arg(long, value_name = "HZ|N/D", value_parser = parse_rate)]
     rate: Option<SampleRate>,
-    /// Play as that board does, at its rate, with its room, within its budget and without what it leaves out: stm32f407g-disc1 or blackpill-f411
+    /// Play as that board does, at its rate, with its room, within its budget and without what it
+    /// leaves out: stm32f407g-disc1 or blackpill-f411
     #[arg(long, value_parser = commands::board::parse_board, conflicts_with_all = ["rate", "reference", "no_skip"])]
     board: Option<virtual_board::Board>,
     /// Frames a block; any block gives the same bits. With --board always the board's 32
@@ -81,7 +82,8 @@ struct PlayArguments {
     /// Run every mode in every frame, skip nothing
     #[arg(long)]
     no_skip: bool,
-    /// Cycles a second of a Cortex-M4 that may be spent, in MHz; what does not fit is left out, the quietest first. 0 is no limit [default: that of the
+    /// Cycles a second of a Cortex-M4 that may be spent, in MHz; what does not fit is left out, the
+    /// quietest first. 0 is no limit [default: that of the
     /// --board, unless the events are a log with what it left out; without a board no limit]
     #[arg(long, value_name = "MHZ", value_parser = parse_budget, conflicts_with_all = ["reference", "no_skip"])]
     budget_mhz: Option<f64>,
@@ -157,7 +159,8 @@ enum KitCommand {
     ///
     /// Chooses levels with which each pad peaks at -6 dBFS at velocity 1.
     New {
-        /// Tables: .toml files with objects and strikers; each object becomes a pad. Without -o, the first is the new kit
+        /// Tables: .toml files with objects and strikers; each object becomes a pad. Without -o,
+        /// the first is the new kit
         #[arg(required = true, value_name = "TABLE")]
         tables: Vec<PathBuf>,
         /// The new kit, text
@@ -175,7 +178,8 @@ enum KitCommand {
         #[arg(short, long, value_name = "KIT.bin")]
         output: PathBuf,
     },
-    /// Check a kit, text or binary: whether it is valid, what clips at velocity 1, and what boards leave out of it
+    /// Check a kit, text or binary: whether it is valid, what clips at velocity 1, and what boards
+    /// leave out of it
     Check {
         /// Kit: a .toml or .bin file, or the name of a shipped kit
         kit: String,
@@ -225,12 +229,9 @@ fn parse_rate(text: &str) -> Result<SampleRate, String> {
 }
 
 fn parse_budget(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|mhz: &f64| *mhz == 0.0 || (1.0..=10_000.0).contains(mhz))
-        .ok_or_else(|| {
-            "must be a number of MHz from 1 to 10000, such as 134.4 for 80 % of 168 MHz, or 0 for no limit".to_owned()
-        })
+    text.parse().ok().filter(|mhz: &f64| *mhz == 0.0 || (1.0..=10_000.0).contains(mhz)).ok_or_else(|| {
+        "must be a number of MHz from 1 to 10000, such as 134.4 for 80 % of 168 MHz, or 0 for no limit".to_owned()
+    })
 }
 
 fn parse_modes(text: &str) -> Result<usize, String> {

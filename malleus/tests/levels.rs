@@ -1,4 +1,5 @@
-//! Levels of a kit as its user meets them: what clips is named with the numbers that fit, and new kits do not clip.
+//! Levels of a kit as its user meets them: what clips is named with the numbers that fit, and new
+//! kits do not clip.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +15,8 @@ use malleus::render::level::Level;
 use malleus::render::{Performance, law};
 use tempfile::TempDir;
 
-/// Both a force beyond the bus and a sound beyond full scale: 20 N where the force bus ends at 16, and +17.7 dBFS.
+/// Both a force beyond the bus and a sound beyond full scale: 20 N where the force bus ends at 16,
+/// and +17.7 dBFS.
 const LOUD: &str = r#"format = 1
 name = "loud"
 
@@ -65,7 +67,8 @@ fn strike(pad: u8, position: f32, striker: u8) -> Event {
     Event { time: Time::at_frame(0), pad, velocity: 1.0, position, striker, action: Action::Strike }
 }
 
-/// The instrument's bus and the reference's sound, 1.0 = full scale, of a kit that is played for half a second at 48 kHz.
+/// The instrument's bus and the reference's sound, 1.0 = full scale, of a kit that is played for
+/// half a second at 48 kHz.
 fn both(kit: &kit::Kit, events: &[Event]) -> [Vec<[f64; 2]>; 2] {
     let (rate, frames) = (SampleRate::HZ_48000, 24_000);
     let performance = Performance { events: events.to_vec(), direct: None, frames };

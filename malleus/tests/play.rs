@@ -352,7 +352,9 @@ fn a_board_plays_within_its_budget_unless_that_is_lifted() {
     };
     let check = folder.malleus("kit check many.toml --json");
     let check: serde_json::Value = serde_json::from_slice(&check.stdout).unwrap();
-    for (index, (board, cycles, mhz)) in [("stm32f407g-disc1", 45_500, 0.0), ("blackpill-f411", 25_000, 37.5)].into_iter().enumerate() {
+    for (index, (board, cycles, mhz)) in
+        [("stm32f407g-disc1", 45_500, 0.0), ("blackpill-f411", 25_000, 37.5)].into_iter().enumerate()
+    {
         let (within, sound) = played(&format!("--board {board} --log log.csv"), "chord.csv");
         let shed = within["work"]["shed_modes"].as_u64().unwrap();
         println!("{board}: {shed} modes in {} ticks", within["work"]["shedding_ticks"]);
@@ -373,7 +375,11 @@ fn a_board_plays_within_its_budget_unless_that_is_lifted() {
         }
     }
     let text = String::from_utf8(folder.malleus("kit check many.toml").stdout).unwrap();
-    assert!(text.contains("blackpill-f411 sheds of all pads at once at velocity 1: ") && text.contains(" of 60 modes of \"bar 5\""), "{text}");
+    assert!(
+        text.contains("blackpill-f411 sheds of all pads at once at velocity 1: ")
+            && text.contains(" of 60 modes of \"bar 5\""),
+        "{text}"
+    );
     let text = String::from_utf8(folder.malleus("kit check kit.toml").stdout).unwrap();
     assert!(text.contains("blackpill-f411 sheds nothing of all pads at once at velocity 1"), "{text}");
 }

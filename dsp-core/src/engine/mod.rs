@@ -295,7 +295,8 @@ impl<
         self.render_bus_logged(events, direct, out, observe, |_| {})
     }
 
-    /// Renders stereo bus samples, Q4.27, and tells each decision to leave something out, as [`render_logged`](Self::render_logged) does.
+    /// Renders stereo bus samples, Q4.27, and tells each decision to leave something out, as
+    /// [`render_logged`](Self::render_logged) does.
     ///
     /// # Errors
     /// As [`render_observed`](Self::render_observed).

@@ -85,7 +85,8 @@ pub(super) fn run(name: &str, rate: SampleRate, json: bool) -> Result<(), Comman
     ))
 }
 
-/// What rendering tells of a kit with pads. What the instrument cannot hold is told, and not rendered.
+/// What rendering tells of a kit with pads. What the instrument cannot hold is told, and not
+/// rendered.
 fn findings(name: &str, loaded: &Loaded, rate: SampleRate) -> Result<Findings, CommandError> {
     let table = Kit::parse(&loaded.binary).map_err(|error| CommandError::Table { kit: name.to_owned(), error })?;
     let strikes = headroom::strike_count(&loaded.kit) as u64;
@@ -174,7 +175,8 @@ impl Findings {
             }
         }
         // One pad's chord is its strike.
-        let has_chord = self.strikes.iter().any(|strike| self.strikes.first().is_some_and(|first| first.pad != strike.pad));
+        let has_chord =
+            self.strikes.iter().any(|strike| self.strikes.first().is_some_and(|first| first.pad != strike.pad));
         if let Some(peak) = self.chord_peak_dbfs.filter(|&peak| has_chord && peak > 0.0) {
             lines.push(format!(
                 "{name}: all pads at once at velocity 1 peak at {peak:+.1} dBFS and clip: every level_db {:.1} dB lower fits",
@@ -198,8 +200,13 @@ impl BoardFinding {
     /// What becomes of the chord, in words.
     fn of_chord(&self) -> String {
         let all_modes = self.chord_shed.iter().map(|shed| shed.of_modes).sum::<usize>();
-        let is_all = self.chord_shed.iter().all(|shed| shed.modes == shed.of_modes) && all_modes == self.modes && all_modes > 0;
-        let modes = self.chord_shed.iter().filter(|_| !is_all).map(|shed| format!("{} of {} modes of {:?}", shed.modes, shed.of_modes, shed.pad));
+        let is_all =
+            self.chord_shed.iter().all(|shed| shed.modes == shed.of_modes) && all_modes == self.modes && all_modes > 0;
+        let modes = self
+            .chord_shed
+            .iter()
+            .filter(|_| !is_all)
+            .map(|shed| format!("{} of {} modes of {:?}", shed.modes, shed.of_modes, shed.pad));
         let stages = (self.chord_refused_stages > 0)
             .then(|| format!("{} residuals, dynamic filters and biquad banks", self.chord_refused_stages));
         let everything = is_all.then(|| format!("all {all_modes} modes"));
@@ -211,7 +218,8 @@ impl BoardFinding {
     }
 }
 
-/// What only a rate can tell: whether every object's filters are stable, and whether the instrument plays the kit.
+/// What only a rate can tell: whether every object's filters are stable, and whether the instrument
+/// plays the kit.
 fn check_filters(name: &str, loaded: &Loaded, rate: SampleRate) -> Result<(), CommandError> {
     let filtered = |object: &&kit::Object| object.dynamic_filter.is_some() || object.biquads.is_some();
     for object in loaded.kit.objects.iter().filter(filtered) {
@@ -265,4 +273,3 @@ fn one_object(object: &kit::Object) -> kit::Kit {
     let object = kit::Object { modes: vec![], residual: None, ..object.clone() };
     kit::Kit { name, objects: vec![object], strikers: vec![striker], pads: vec![pad], background: None, room: vec![] }
 }
-

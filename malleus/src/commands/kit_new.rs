@@ -14,13 +14,17 @@ use crate::Arguments;
 /// The rate at which levels are measured.
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// One pad for each object of the tables, struck by the strikers of its own table. Without an output, the first of the paths is it.
+/// One pad for each object of the tables, struck by the strikers of its own table. Without an
+/// output, the first of the paths is it.
 pub(super) fn run(tables: &[PathBuf], output: Option<&Path>, first_note: u8) -> Result<(), CommandError> {
     let (output, tables) = match (output, tables) {
         (Some(output), tables) => (output, tables),
         (None, [output, tables @ ..]) if !tables.is_empty() => (output.as_path(), tables),
         (None, _) => Arguments::command()
-            .error(ErrorKind::MissingRequiredArgument, "give a new kit and at least one table: malleus kit new TABLE -o KIT.toml")
+            .error(
+                ErrorKind::MissingRequiredArgument,
+                "give a new kit and at least one table: malleus kit new TABLE -o KIT.toml",
+            )
             .exit(),
     };
     let mut kit = bound(output, tables, first_note)?;
@@ -73,7 +77,8 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
     Ok(kit)
 }
 
-/// Gives objects whose hardest striker comes near the end of the force bus that striker's peak force as reference force. Their sound stays.
+/// Gives objects whose hardest striker comes near the end of the force bus that striker's peak
+/// force as reference force. Their sound stays.
 fn set_reference_forces(kit: &mut kit::Kit) {
     for index in 0..kit.objects.len() {
         let Some(object) = kit.objects.get(index) else { continue };
@@ -85,7 +90,8 @@ fn set_reference_forces(kit: &mut kit::Kit) {
     }
 }
 
-/// Sets each pad's level so that its loudest striker peaks at -6 dBFS at velocity 1; 0 dB where that cannot be told.
+/// Sets each pad's level so that its loudest striker peaks at -6 dBFS at velocity 1; 0 dB where
+/// that cannot be told.
 fn set_levels(output: &Path, kit: &mut kit::Kit) {
     let bar = progress(headroom::strike_count(kit) as u64, "choosing levels");
     let strikes = headroom::of_strikes(kit, RATE, || bar.inc(1));

@@ -102,7 +102,8 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
     if arguments.json { print_json(&report) } else { print(&report.as_text(rate)) }
 }
 
-/// Cycles that a tick may take, if limited. The board's own where it plays, unless its decisions are among the events already.
+/// Cycles that a tick may take, if limited. The board's own where it plays, unless its decisions
+/// are among the events already.
 fn budget_cycles(arguments: &PlayArguments, performance: &Performance, rate: SampleRate) -> Option<u32> {
     match arguments.budget_mhz {
         Some(0.0) => None,

@@ -41,8 +41,10 @@ pub fn budget_cycles(board: Board) -> u32 {
     }
 }
 
-/// What a board plays for a performance at its own rate, in blocks of a tick as the board has them. With the board's [budget](budget_cycles) the same bits for
-/// the same events; without one, the same bits for the events of the board's log, which hold its decisions. `log` sees every event as it is played.
+/// What a board plays for a performance at its own rate, in blocks of a tick as the board has them.
+/// With the board's [budget](budget_cycles) the same bits for the same events; without one, the
+/// same bits for the events of the board's log, which hold its decisions. `log` sees every event as
+/// it is played.
 ///
 /// # Errors
 /// [`RenderError`].
@@ -100,7 +102,8 @@ fn shed_by<B: boards::Board>(kit: &Kit<'_>) -> Result<Shed, RenderError> {
     Ok(shed)
 }
 
-/// Seconds of a chord in which a board is watched: its contacts are over by then, and what rings on takes less time from tick to tick.
+/// Seconds of a chord in which a board is watched: its contacts are over by then, and what rings on
+/// takes less time from tick to tick.
 const CHORD_S: f64 = 0.5;
 
 /// On the heap: some 170 KB.

@@ -1,7 +1,8 @@
 //! The force bus: how near its end the strikes of a performance come.
 //!
-//! A pad's force is Q4.27 in units of its object's `reference_force`, and clips at 16 times of it. Where that may happen is told from the events and the strikers' laws
-//! alone, so that the audio path need not look.
+//! A pad's force is Q4.27 in units of its object's `reference_force`, and clips at 16 times of it.
+//! Where that may happen is told from the events and the strikers' laws alone, so that the audio
+//! path need not look.
 
 use dsp_core::SampleRate;
 use dsp_core::contact::Pulse;
@@ -14,7 +15,8 @@ pub const FORCE_BUS_END: f64 = 16.0;
 /// How near the end of the force bus strikes come.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ForceLoad {
-    /// Largest bound of a pad's force, in reference forces: the sum of the peaks of the contacts that are under way when a strike begins.
+    /// Largest bound of a pad's force, in reference forces: the sum of the peaks of the contacts
+    /// that are under way when a strike begins.
     pub largest: f64,
     /// Number of strikes that bring that bound beyond the end of the bus.
     pub overloads: u64,
@@ -49,11 +51,7 @@ pub fn load(kit: &kit::Kit, events: &[Event], rate: SampleRate) -> ForceLoad {
 }
 
 /// One of a pad's strikers and the pad's object.
-pub fn bound<'k>(
-    kit: &'k kit::Kit,
-    pad: &kit::Pad,
-    striker: usize,
-) -> Option<(&'k kit::Striker, &'k kit::Object)> {
+pub fn bound<'k>(kit: &'k kit::Kit, pad: &kit::Pad, striker: usize) -> Option<(&'k kit::Striker, &'k kit::Object)> {
     let name = pad.strikers.get(striker)?;
     let striker = kit.strikers.iter().find(|striker| striker.name == *name)?;
     Some((striker, kit.objects.iter().find(|object| object.name == pad.object)?))

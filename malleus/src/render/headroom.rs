@@ -1,7 +1,10 @@
-//! How loud the strikes of a kit are at velocity 1, rendered by the instrument without what clips on the way, and the numbers that would fit.
+//! How loud the strikes of a kit are at velocity 1, rendered by the instrument without what clips
+//! on the way, and the numbers that would fit.
 //!
-//! The instrument clips the force at 16 times the reference force, and its buses at +24 dBFS. What is loud is rendered with `2^-k` of its forces, and counted `2^k` times:
-//! all that follows the force is linear in it but for a dynamic filter's exciter, whose edges are moved against it. The background is left out, the room is not.
+//! The instrument clips the force at 16 times the reference force, and its buses at +24 dBFS. What
+//! is loud is rendered with `2^-k` of its forces, and counted `2^k` times: all that follows the
+//! force is linear in it but for a dynamic filter's exciter, whose edges are moved against it. The
+//! background is left out, the room is not.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Skipping, TickReport};
@@ -16,7 +19,8 @@ use super::{Performance, strike};
 
 /// Peak at velocity 1 of the levels that are proposed, dBFS.
 pub const TARGET_DBFS: f64 = -6.0;
-/// Largest force at velocity 1 in a kit whose reference forces are chosen, in reference forces: four such strikes at once do not clip.
+/// Largest force at velocity 1 in a kit whose reference forces are chosen, in reference forces:
+/// four such strikes at once do not clip.
 pub const LARGEST_FORCE: f64 = 4.0;
 
 /// Seconds of a strike that are rendered, and how much of a dynamic filter's path at most.
@@ -48,7 +52,8 @@ pub struct Loudness {
     pub striker: usize,
     /// Peak force in reference forces, what a piezo's direct force may add to it included.
     pub force: f64,
-    /// Where along the object it is loudest, 0 to 1: one of the positions at which gains are given, between which the sound is a mean.
+    /// Where along the object it is loudest, 0 to 1: one of the positions at which gains are given,
+    /// between which the sound is a mean.
     pub position: f32,
     /// Peak of the sound there, 1.0 = full scale.
     pub peak: f64,
@@ -71,7 +76,8 @@ pub fn strike_count(kit: &kit::Kit) -> usize {
     strikes(kit).len()
 }
 
-/// Each striker on each pad, alone, at the position where it is loudest. `progress` is told of every strike that has been rendered.
+/// Each striker on each pad, alone, at the position where it is loudest. `progress` is told of
+/// every strike that has been rendered.
 ///
 /// # Errors
 /// [`HeadroomError`].
@@ -113,16 +119,20 @@ pub fn of_chord(kit: &kit::Kit, rate: SampleRate) -> Result<f64, HeadroomError> 
     unclipped_peak(&kit, &chord, rate)
 }
 
-/// The reference force with which an object's hardest strikes do not clip: their peak force, so that the bus stands at 1.0. `None` where they do not come near the bus's end,
-/// and where nobody strikes the object.
+/// The reference force with which an object's hardest strikes do not clip: their peak force, so
+/// that the bus stands at 1.0. `None` where they do not come near the bus's end, and where nobody
+/// strikes the object.
 pub fn fitting_reference_force(kit: &kit::Kit, object: &str, largest_force: f64) -> Option<f32> {
     let pads = kit.pads.iter().filter(|pad| pad.object == object);
     let struck = pads.flat_map(|pad| (0..pad.strikers.len()).filter_map(|index| force::bound(kit, pad, index)));
     let hardest = struck.max_by(|(a, _), (b, _)| a.peak_force.total_cmp(&b.peak_force));
-    hardest.filter(|(striker, object)| force::peak(striker, object) > largest_force).map(|(striker, _)| striker.peak_force)
+    hardest
+        .filter(|(striker, object)| force::peak(striker, object) > largest_force)
+        .map(|(striker, _)| striker.peak_force)
 }
 
-/// The level, in dB and rounded down to tenths, with which a pad of that level and peak peaks at [`TARGET_DBFS`]; as it is for silence.
+/// The level, in dB and rounded down to tenths, with which a pad of that level and peak peaks at
+/// [`TARGET_DBFS`]; as it is for silence.
 pub fn fitting_level_db(level_db: f32, peak: f64) -> f32 {
     if peak <= 0.0 {
         return level_db;

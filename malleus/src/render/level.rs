@@ -9,7 +9,8 @@ pub struct Level {
     pub peak: f64,
     /// Number of samples, left and right counted apart, that the step to 24 bits clips.
     pub clipped_samples: u64,
-    /// Number of samples at the end of the bus, +24 dBFS, which clips there; none in a sound that is not from a bus.
+    /// Number of samples at the end of the bus, +24 dBFS, which clips there; none in a sound that
+    /// is not from a bus.
     pub saturated_samples: u64,
 }
 

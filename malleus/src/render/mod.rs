@@ -43,7 +43,8 @@ impl Performance {
         Self { events, direct, frames }
     }
 
-    /// A kit's loudest chord: all of its pads at once in frame 0, each at velocity 1 and position 0 with its first striker.
+    /// A kit's loudest chord: all of its pads at once in frame 0, each at velocity 1 and position 0
+    /// with its first striker.
     pub fn chord(pads: usize, frames: usize) -> Self {
         let pads = (0..=u8::MAX).take(pads);
         Self { events: pads.map(|pad| strike(pad, 0, 0.0)).collect(), direct: None, frames }

@@ -60,7 +60,8 @@ pub(crate) fn heard_and_rendered_as_board(
     ([heard, rendered].map(from_first_sound), work)
 }
 
-/// What left the I2S, and what `malleus play --board` renders for the log's strikes alone, within the board's budget. Both come with what was played: the board's log, and the PC's.
+/// What left the I2S, and what `malleus play --board` renders for the log's strikes alone, within
+/// the board's budget. Both come with what was played: the board's log, and the PC's.
 pub(crate) fn heard_and_decided_as_board(
     running: &VirtualBoard,
     board: Board,
