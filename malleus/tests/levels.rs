@@ -148,11 +148,11 @@ fn kit_check_hears_peaks_behind_a_quiet_level_and_clipping_chords() {
 #[test]
 fn a_new_kit_peaks_at_minus_6_dbfs_at_velocity_1_in_both_renderers() {
     let table = LOUD.split("[[pad]]").next().unwrap();
-    let soft = table.replace("\"bar\"", "\"soft\"").replace("512", "0.01").replace("300", "0.002");
-    let soft = soft.replace("yarn mallet", "soft mallet").replace("feather", "soft feather").replace("180", "0.004");
+    let soft = table.replace("\"bar\"", "\"soft\"").replace("[512.0, 300.0]", "[2.3, 0.4]");
+    let soft = soft.replace("[180.0, -500.0]", "[0.8, 0.2]").replace("feather", "soft feather");
     let folder = folder(LOUD);
     fs::write(folder.path().join("bar.toml"), table).unwrap();
-    fs::write(folder.path().join("soft.toml"), soft.replace("-500", "0.001")).unwrap();
+    fs::write(folder.path().join("soft.toml"), soft.replace("yarn mallet", "soft mallet")).unwrap();
     // The new kit is named before the tables, or by an option.
     stdout(folder.path(), "kit new new.toml bar.toml soft.toml");
     let first = fs::read(folder.path().join("new.toml")).unwrap();
