@@ -20,6 +20,9 @@ pub struct BlackpillF411;
 impl Board for BlackpillF411 {
     const NAME: &'static str = "blackpill-f411";
     const RATE: (u32, u32) = (48_000, 1);
+    const CORE_HZ: u32 = 96_000_000;
+    /// At most a half: a tick with a strike takes most of a half at 96 MHz.
+    const LEAD_FRAMES: usize = 27;
     const STAGE_CYCLES: u32 = 17_600;
     type Residuals = Residuals<1>;
     type Room = NoRoom;

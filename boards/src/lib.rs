@@ -27,6 +27,14 @@ pub const GROUPS: usize = 224;
 /// Modes that can be choked or have several positions.
 pub const ORIGINS: usize = 512;
 
+/// Cycles that the inputs take of the time to a tick's deadline at the dearest: four piezos that
+/// ring.
+const INPUT_CYCLES: u32 = 9_000;
+/// Cycles that a tick may take with the cycle model's worst case and the waits of flash, in percent
+/// of the engine's prediction, which is nominal and without waits; with a reserve for what a change
+/// elsewhere moves in flash (virtual-board/tests/boards/load.rs).
+const WORST_PERCENT: u32 = 180;
+
 /// An engine of the boards with the stages `S`: 33 KB without them.
 pub type BoardEngine<'k, S> = Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, STANDARD_CONTACTS, S>;
 
@@ -39,6 +47,18 @@ pub trait Board {
     const NAME: &'static str;
     /// The sample rate on its I2S pins as a ratio, Hz.
     const RATE: (u32, u32);
+    /// The core's clock in Hz.
+    const CORE_HZ: u32;
+    /// Frames from the interrupt that renders a tick to the tick's first frame on the I2S pins: the
+    /// tick's deadline. At most a tick.
+    const LEAD_FRAMES: usize;
+    /// Cycles to the deadline of a tick.
+    const LEAD_CYCLES: u32 =
+        (Self::CORE_HZ as u64 * Self::LEAD_FRAMES as u64 * Self::RATE.1 as u64 / Self::RATE.0 as u64) as u32;
+    /// The engine's [budget](Engine::set_budget): cycles that a tick may take as the engine
+    /// predicts them. The time to the deadline without what the inputs take, by what the dearest
+    /// tick takes of its prediction.
+    const BUDGET_CYCLES: u32 = (Self::LEAD_CYCLES - INPUT_CYCLES) / WORST_PERCENT * 100;
     /// Cycles a tick that pads and stages may take together ([`Engine::load_what_fits`]), so that no half is missed where strikes come on all piezos at
     /// once (`cargo test -p virtual-board --test boards stages`).
     const STAGE_CYCLES: u32;

@@ -1,5 +1,6 @@
 //! A fit as a table: the text that people keep and boards play.
 
+use dsp_core::table::range::REFERENCE_FORCE;
 use kit::{Acceleration, Gain, Kit, Mode, Object, Pulse, Residual, Striker};
 
 use crate::residual::Band;
@@ -25,11 +26,15 @@ pub struct Provenance {
     pub licence: String,
 }
 
-/// The object and its striker as a kit without pads. From sound alone the gains are those of the loudest strike, whose force has a peak of 1 at
-/// velocity 1; with a measured force they stand at all positions, and velocity 1 is the loudest strike.
+/// The object and its striker as a kit without pads. From sound alone the gains are those of the
+/// loudest strike, whose force has a peak of 1 at velocity 1; with a measured force they stand at
+/// all positions, and velocity 1 is the loudest strike. The reference force is the peak force where
+/// that is above 1, so that the force bus, which ends at 16 times of it, never clips at velocity 1.
+/// Below it is 1: the recorded force, played as a direct one, then has its own level.
 pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
     let name = item_name(&provenance.name, "");
     let strike = fit.strikes.get(fit.loudest);
+    let peak_force = strike.map_or(1.0, |strike| strike.peak_force as f32);
     let (source, licence) = (provenance.source.clone(), provenance.licence.clone());
     let modes = fit.modes.iter().map(|mode| Mode {
         frequency_hz: mode.frequency_hz as f32,
@@ -48,7 +53,7 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
             name,
             source: source.clone(),
             licence: licence.clone(),
-            reference_force: 1.0,
+            reference_force: peak_force.clamp(1.0, REFERENCE_FORCE.max),
             acceleration: Acceleration::Factor(strike.map_or(0.0, |strike| strike.acceleration as f32)),
             modes: modes.collect(),
             residual: None,
@@ -60,7 +65,7 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
             source,
             licence,
             pulse: Pulse::Hertz,
-            peak_force: strike.map_or(1.0, |strike| strike.peak_force as f32),
+            peak_force,
             peak_exponent: 1.2,
             contact_time_s: strike.map_or(5e-4, |strike| strike.contact_time_s as f32),
             contact_exponent: -0.2,
@@ -84,8 +89,9 @@ pub fn with_residual(mut table: Kit, bands: &[Band], seed: u32) -> Kit {
     let peak_force = table.strikers.first().map_or(1.0, |striker| f64::from(striker.peak_force));
     if let (Some(lowest), Some(object)) = (kept.first(), table.objects.first_mut()) {
         let edges = std::iter::once(lowest.edges_hz[0]).chain(kept.iter().map(|band| band.edges_hz[1]));
-        // Bands are heard at the reference force, which is 1, and the strike is as strong as its peak.
-        let weight = |band: &&Band| ((band.weight / peak_force) as f32).min(MOST_WEIGHT);
+        // Bands are heard at the strike's peak force, and weights are those of the reference force.
+        let ratio = f64::from(object.reference_force) / peak_force;
+        let weight = |band: &&Band| ((band.weight * ratio) as f32).min(MOST_WEIGHT);
         let decay = |band: &&Band| (band.decay_db_per_s as f32).clamp(LEAST_DECAY_DB_PER_S, MOST_DECAY_DB_PER_S);
         object.residual = Some(Residual {
             seed,
@@ -160,6 +166,31 @@ mod tests {
         // Half the reference force: a strike of it sounds half as loud as the table says.
         assert_eq!(residual.weight, [0.04, 0.0, 0.02]);
         assert_eq!(residual.decay_db_per_s, [1.0; 3]);
+    }
+
+    #[test]
+    fn a_fitted_strike_of_many_newtons_is_the_reference_force() {
+        let strike = |peak_force: f64| crate::strike::Strike {
+            hit: crate::segment::Hit { onset: 0, end: 1 },
+            contact_time_s: 1e-3,
+            peak_force,
+            position: 0.0,
+            acceleration: 0.0,
+            lsd_db: 0.0,
+            residual_db: 0.0,
+        };
+        let provenance = Provenance { name: "mug".to_owned(), source: String::new(), licence: String::new() };
+        for (peak_force, expected) in [(250.0, 250.0), (0.5, 1.0), (1.0, 1.0)] {
+            let strikes = vec![strike(peak_force)];
+            let fit = Fit { rate_hz: 44_100.0, modes: vec![], strikes, measured: true, loudest: 0 };
+            let band = Band { edges_hz: [100.0, 200.0], weight: 0.02, decay_db_per_s: 10.0 };
+            let table = with_residual(of_fit(&fit, &provenance), &[band], 7);
+            let object = &table.objects[0];
+            assert_eq!(object.reference_force, expected);
+            // A strike of the table's peak force has the weight that was heard.
+            let weight = object.residual.as_ref().map_or(0.0, |residual| f64::from(residual.weight[0]));
+            assert!((weight * peak_force / f64::from(object.reference_force) - 0.02).abs() < 1e-8, "{weight}");
+        }
     }
 
     #[test]

@@ -38,7 +38,7 @@ fn force_alone(striker: Striker) -> Loaded {
         source: String::new(),
         licence: String::new(),
         reference_force: 1.0,
-        acceleration: 1.0,
+        acceleration: kit::Acceleration::Factor(1.0),
         modes: Vec::new(),
         residual: None,
         dynamic_filter: None,

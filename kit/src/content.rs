@@ -4,7 +4,7 @@
 
 use dsp_core::trigger::Settings;
 
-use crate::{Biquads, DynamicFilter};
+use crate::{Biquads, DynamicFilter, ModesGo};
 
 /// A kit: objects and strikers, bound to pads.
 #[derive(Clone, Debug, PartialEq)]
@@ -222,6 +222,37 @@ pub struct Pad {
 }
 
 impl Object {
+    /// The object with another reference force, in newtons, and the same sound: what its numbers
+    /// say for a strike of the reference force (a residual's weights, a dynamic filter's noise and
+    /// exciter) is carried over. Numbers may leave their ranges: build the kit to know.
+    #[must_use]
+    pub fn with_reference_force(&self, newtons: f32) -> Self {
+        let ratio = f64::from(newtons) / f64::from(self.reference_force);
+        let times = |x: &mut f32, factor: f64| *x = (f64::from(*x) * factor) as f32;
+        let mut object = Self { reference_force: newtons, ..self.clone() };
+        if let Some(residual) = &mut object.residual {
+            residual.weight.iter_mut().for_each(|weight| times(weight, ratio));
+        }
+        if let Some(filter) = &mut object.dynamic_filter {
+            // The noise becomes 1/ratio of what it was, and the filter makes up for it: of all that
+            // goes in.
+            for point in &mut filter.path {
+                [&mut point.b0, &mut point.b1, &mut point.b2].into_iter().for_each(|b| times(b, ratio));
+            }
+            filter.loops.iter_mut().for_each(|round| times(&mut round.gain, 1.0 / ratio));
+            if filter.modes == ModesGo::Through {
+                for gain in object.modes.iter_mut().flat_map(|mode| &mut mode.gains) {
+                    [&mut gain.sine, &mut gain.cosine].into_iter().for_each(|gain| times(gain, 1.0 / ratio));
+                }
+            }
+            if let Some(exciter) = &mut filter.exciter {
+                let moved = ratio.powf(f64::from(exciter.exponent));
+                [&mut exciter.low_hz, &mut exciter.high_hz].into_iter().for_each(|edge| times(edge, moved));
+            }
+        }
+        object
+    }
+
     /// The number of positions at which gains are given: that of the first mode, 1 for an object without modes.
     pub fn position_count(&self) -> usize {
         self.modes.first().map_or(1, |mode| mode.gains.len())

@@ -48,7 +48,7 @@ struct DemoArguments {
 /// Arguments of `malleus play`.
 #[derive(Debug, Args)]
 struct PlayArguments {
-    /// Kit: a .toml or .bin file, or the name of a shipped kit (demo, recorded)
+    /// Kit: a .toml or .bin file, or the name of a shipped kit (demo, recorded, filters)
     #[arg(long)]
     kit: String,
     /// Events: CSV (sample|time_s,pad,velocity[,position,striker,action]) or a Standard MIDI File
@@ -66,10 +66,11 @@ struct PlayArguments {
     /// Sample rate in Hz, or as a ratio such as 86000000/1792 [default: 48000, with --direct the file's own]
     #[arg(long, value_name = "HZ|N/D", value_parser = parse_rate)]
     rate: Option<SampleRate>,
-    /// Play as that board does, at its rate, with its room and without what it leaves out: stm32f407g-disc1 or blackpill-f411
-    #[arg(long, value_parser = commands::board::parse_board, conflicts_with_all = ["rate", "reference", "no_skip", "budget_mhz"])]
+    /// Play as that board does, at its rate, with its room, within its budget and without what it
+    /// leaves out: stm32f407g-disc1 or blackpill-f411
+    #[arg(long, value_parser = commands::board::parse_board, conflicts_with_all = ["rate", "reference", "no_skip"])]
     board: Option<virtual_board::Board>,
-    /// Frames a block; any block gives the same bits
+    /// Frames a block; any block gives the same bits. With --board always the board's 32
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     block: u32,
     /// Seconds that follow the last event or the force's end [default: until it has rung down by 96 dB, at most 30]
@@ -81,7 +82,9 @@ struct PlayArguments {
     /// Run every mode in every frame, skip nothing
     #[arg(long)]
     no_skip: bool,
-    /// Cycles a second of a Cortex-M4 that may be spent, in MHz; what does not fit is left out, the quietest first [default: no limit]
+    /// Cycles a second of a Cortex-M4 that may be spent, in MHz; what does not fit is left out, the
+    /// quietest first. 0 is no limit [default: that of the
+    /// --board, unless the events are a log with what it left out; without a board no limit]
     #[arg(long, value_name = "MHZ", value_parser = parse_budget, conflicts_with_all = ["reference", "no_skip"])]
     budget_mhz: Option<f64>,
     /// Write all events that were played, what was left out for want of time among them, as CSV: played back it gives the same bits
@@ -153,13 +156,16 @@ enum EstimatorName {
 #[derive(Debug, Subcommand)]
 enum KitCommand {
     /// Bind tables, such as `malleus fit` writes, to the pads of a new kit
+    ///
+    /// Chooses levels with which each pad peaks at -6 dBFS at velocity 1.
     New {
-        /// The new kit, text
-        #[arg(value_name = "KIT.toml")]
-        output: PathBuf,
-        /// Tables: .toml files with objects and strikers; each object becomes a pad
+        /// Tables: .toml files with objects and strikers; each object becomes a pad. Without -o,
+        /// the first is the new kit
         #[arg(required = true, value_name = "TABLE")]
         tables: Vec<PathBuf>,
+        /// The new kit, text
+        #[arg(short, long, value_name = "KIT.toml")]
+        output: Option<PathBuf>,
         /// MIDI note of the first pad; the others follow
         #[arg(long, value_name = "NOTE", default_value_t = 36, value_parser = clap::value_parser!(u8).range(0..=127))]
         first_note: u8,
@@ -172,7 +178,8 @@ enum KitCommand {
         #[arg(short, long, value_name = "KIT.bin")]
         output: PathBuf,
     },
-    /// Check a kit, text or binary
+    /// Check a kit, text or binary: whether it is valid, what clips at velocity 1, and what boards
+    /// leave out of it
     Check {
         /// Kit: a .toml or .bin file, or the name of a shipped kit
         kit: String,
@@ -222,10 +229,9 @@ fn parse_rate(text: &str) -> Result<SampleRate, String> {
 }
 
 fn parse_budget(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|mhz: &f64| (1.0..=10_000.0).contains(mhz))
-        .ok_or_else(|| "must be a number of MHz from 1 to 10000, such as 134.4 for 80 % of 168 MHz".to_owned())
+    text.parse().ok().filter(|mhz: &f64| *mhz == 0.0 || (1.0..=10_000.0).contains(mhz)).ok_or_else(|| {
+        "must be a number of MHz from 1 to 10000, such as 134.4 for 80 % of 168 MHz, or 0 for no limit".to_owned()
+    })
 }
 
 fn parse_modes(text: &str) -> Result<usize, String> {

@@ -270,3 +270,124 @@ fn what_a_budget_left_out_plays_to_the_same_bits_from_the_log() {
     assert!(busy != whole && log.contains(",shed "), "{log}");
     assert!(played("play --kit kit.toml --strikes log.csv -o again.wav", "again.wav") == busy, "{log}");
 }
+
+#[test]
+fn clipped_samples_are_counted_and_the_peak_before_them_is_told() {
+    let folder = Folder::new();
+    folder.write("s.csv", b"sample,pad,velocity\n0,bar,1\n");
+    folder.write("loud.toml", KIT.replace("midi_notes", "level_db = 30\nmidi_notes").as_bytes());
+    let played = |kit: &str, options: &str| {
+        let words = format!("play --kit {kit} --strikes s.csv -o out.wav --json{options}");
+        let output = folder.malleus(&words);
+        assert_eq!(output.status.code(), Some(0), "{words}");
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (report, String::from_utf8(output.stderr).unwrap(), samples(&folder.path("out.wav")))
+    };
+    for renderer in ["", " --reference"] {
+        let (soft, told, _) = played("kit.toml", renderer);
+        assert_eq!(soft["clipped_samples"], 0, "{told}");
+        assert!(!told.contains("clip"), "{told}");
+        let (loud, told, sound) = played("loud.toml", renderer);
+        let at_the_end = sound.iter().filter(|sample| !(-(1 << 23) + 1..(1 << 23) - 1).contains(*sample)).count();
+        assert_eq!(loud["clipped_samples"], at_the_end, "{loud}");
+        assert!(at_the_end > 100 && told.contains(&format!("{at_the_end} samples are clipped")), "{told}");
+        let [soft, loud_peak] = [&soft, &loud].map(|report| report["unclipped_peak_dbfs"].as_f64().unwrap());
+        assert!((loud_peak - soft - 30.0).abs() < 0.01 && loud_peak > 0.0, "{soft} {loud_peak}");
+        assert!(loud["peak_dbfs"].as_f64().unwrap().abs() < 1e-5);
+    }
+    let output = folder.malleus("play --kit loud.toml --strikes s.csv -o out.wav");
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("samples were clipped") && text.contains("peak +"), "{text}");
+}
+
+#[test]
+fn strikes_that_may_clip_the_force_bus_are_counted() {
+    let folder = Folder::new();
+    folder.write("hard.toml", KIT.replace("peak_force = 1.0", "peak_force = 9.0").as_bytes());
+    folder.write("harder.toml", KIT.replace("peak_force = 1.0", "peak_force = 17.0").as_bytes());
+    folder.write("roll.csv", b"time_s,pad,velocity\n0,bar,1\n0.0002,bar,1\n0.1,bar,1\n");
+    folder.write("one.csv", b"time_s,pad,velocity\n0,bar,1\n0.1,bar,0.5\n");
+    for (kit, strikes, overloads, largest) in
+        [("kit", "roll", 0, 2.0), ("hard", "one", 0, 9.0), ("hard", "roll", 1, 18.0), ("harder", "one", 1, 17.0)]
+    {
+        let output = folder.malleus(&format!("play --kit {kit}.toml --strikes {strikes}.csv -o out.wav --json"));
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((&report["force_overloads"], &report["largest_force"]), (&overloads.into(), &largest.into()));
+        assert_eq!(told.contains("reference_force"), overloads > 0, "{told}");
+    }
+}
+
+/// Six pads of 60 modes: more than a board has time for at once.
+fn many_modes() -> String {
+    let mut kit = String::from("format = 1\nname = \"many\"\n");
+    for pad in 0..6 {
+        kit += &format!("[[object]]\nname = \"bar {pad}\"\nmodes = [\n");
+        for mode in 0..60 {
+            let frequency_hz = 200.0 + 110.0 * f64::from(mode) + 7.0 * f64::from(pad);
+            let gain = 30.0 / (1.0 + f64::from(mode));
+            kit += &format!("{{ frequency_hz = {frequency_hz}, decay_per_s = 20, gain_sine = {gain} }},\n");
+        }
+        kit += "]\n";
+    }
+    kit += "[[striker]]\nname = \"stick\"\npeak_force = 1.0\ncontact_time_s = 0.0005\n";
+    for pad in 0..6 {
+        kit += &format!("[[pad]]\nname = \"bar {pad}\"\nobject = \"bar {pad}\"\nstrikers = [\"stick\"]\n");
+    }
+    kit
+}
+
+#[test]
+fn a_board_plays_within_its_budget_unless_that_is_lifted() {
+    let folder = Folder::new();
+    folder.write("many.toml", many_modes().as_bytes());
+    let strikes = (0..6).map(|pad| format!("0,bar {pad},1\n")).collect::<String>();
+    folder.write("chord.csv", format!("time_s,pad,velocity\n{strikes}").as_bytes());
+    let played = |options: &str, strikes: &str| {
+        let words = format!("play --kit many.toml --strikes {strikes} -o out.wav --json {options}");
+        let output = folder.malleus(&words);
+        assert!(output.status.success(), "{words}: {}", String::from_utf8_lossy(&output.stderr));
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (report, fs::read(folder.path("out.wav")).unwrap())
+    };
+    let check = folder.malleus("kit check many.toml --json");
+    let check: serde_json::Value = serde_json::from_slice(&check.stdout).unwrap();
+    for (index, (board, cycles, mhz)) in
+        [("stm32f407g-disc1", 45_500, 0.0), ("blackpill-f411", 25_000, 37.5)].into_iter().enumerate()
+    {
+        let (within, sound) = played(&format!("--board {board} --log log.csv"), "chord.csv");
+        let shed = within["work"]["shed_modes"].as_u64().unwrap();
+        println!("{board}: {shed} modes in {} ticks", within["work"]["shedding_ticks"]);
+        assert_eq!((&within["board"], &within["budget_cycles"]), (&board.into(), &cycles.into()));
+        assert!(shed > 0 && within["work"]["largest_predicted_cycles"].as_u64().unwrap() <= cycles);
+        // The kit check says beforehand what of each pad is shed.
+        let board_check = &check["boards"][index];
+        let told = board_check["chord_shed"].as_array().unwrap().iter().map(|shed| shed["modes"].as_u64().unwrap());
+        assert_eq!((&board_check["board"], told.sum::<u64>()), (&board.into(), shed), "{board_check}");
+        // A log holds the decisions: played back, they are taken as they are.
+        let (replayed, again) = played(&format!("--board {board}"), "log.csv");
+        assert!(again == sound && replayed["budget_cycles"].is_null(), "{board}");
+        let (whole, unlimited) = played(&format!("--board {board} --budget-mhz 0"), "chord.csv");
+        assert!(unlimited != sound && whole["work"]["shed_modes"] == 0 && whole["budget_cycles"].is_null());
+        if mhz > 0.0 {
+            let (_, of_mhz) = played(&format!("--board {board} --budget-mhz {mhz}"), "chord.csv");
+            assert!(of_mhz == sound, "{board} at {mhz} MHz");
+        }
+    }
+    let text = String::from_utf8(folder.malleus("kit check many.toml").stdout).unwrap();
+    assert!(
+        text.contains("blackpill-f411 sheds of all pads at once at velocity 1: ")
+            && text.contains(" of 60 modes of \"bar 5\""),
+        "{text}"
+    );
+    let text = String::from_utf8(folder.malleus("kit check kit.toml").stdout).unwrap();
+    assert!(text.contains("blackpill-f411 sheds nothing of all pads at once at velocity 1"), "{text}");
+}
+
+#[test]
+fn the_help_of_play_names_every_shipped_kit() {
+    let help = String::from_utf8(Folder::new().malleus("play --help").stdout).unwrap();
+    for name in kit::shipped_names() {
+        assert!(help.contains(name), "{name}");
+    }
+}

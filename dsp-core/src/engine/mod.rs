@@ -210,6 +210,12 @@ impl<
         self.pads().get(pad).map_or(0, Pad::mode_count)
     }
 
+    /// Number of a pad's modes that are left out for want of time until the pad's next strike.
+    pub fn shed_mode_count(&self, pad: usize) -> usize {
+        let banks = self.pads().get(pad).map_or(&[] as &[Bank], |pad| pad.own(&self.banks));
+        banks.iter().map(|bank| bank.shed_mode_count(&self.groups)).sum()
+    }
+
     /// Whether nothing rings and no contact is under way: until the next event or direct force, output is exact silence and a core may sleep.
     pub fn is_silent(&self) -> bool {
         self.flight.count() == 0
@@ -286,7 +292,23 @@ impl<
         out: &mut [[i32; 2]],
         observe: impl FnMut(&TickReport),
     ) -> Result<(), EventError> {
-        self.render_blocks(events, direct, out, observe, |_| {}, |_| {})
+        self.render_bus_logged(events, direct, out, observe, |_| {})
+    }
+
+    /// Renders stereo bus samples, Q4.27, and tells each decision to leave something out, as
+    /// [`render_logged`](Self::render_logged) does.
+    ///
+    /// # Errors
+    /// As [`render_observed`](Self::render_observed).
+    pub fn render_bus_logged(
+        &mut self,
+        events: &[Event],
+        direct: Option<Direct<'_>>,
+        out: &mut [[i32; 2]],
+        observe: impl FnMut(&TickReport),
+        log: impl FnMut(&Event),
+    ) -> Result<(), EventError> {
+        self.render_blocks(events, direct, out, observe, log, |_| {})
     }
 
     /// `finish` takes each run of the bus that is not exact silence.

@@ -16,27 +16,24 @@ mod waiting;
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
+use boards::Board;
 use dsp_core::event::Event;
 use dsp_core::trigger;
 use embassy_stm32::interrupt;
 
 use self::i2s::{HALF_FRAMES, I2s, Told};
 use self::instrument::Instrument;
-use crate::board::{CLOCKS, LEAD_FRAMES};
+use crate::board::{CLOCKS, Memory};
 use crate::input::{self, Inputs};
 use crate::owned::Owned;
 use crate::queue::Queue;
 use crate::{counters, cycles};
 
-/// Cycles to the deadline of a tick.
-const LEAD_CYCLES: u32 = CLOCKS.cycles_per_frames(LEAD_FRAMES as u32);
-/// What the inputs take of them at the dearest: four piezos that ring.
-const INPUT_CYCLES: u32 = 9_000;
-/// What a tick may cost with the cycle model's worst case and the waits of flash, in percent of what the engine predicts, which is nominal and
-/// without waits; with room for what a change elsewhere moves in flash (virtual-board/tests/boards/load.rs).
-const WORST_PERCENT: u32 = 180;
-/// What a tick may cost, as the engine predicts it.
-pub const BUDGET_CYCLES: u32 = (LEAD_CYCLES - INPUT_CYCLES) / WORST_PERCENT * 100;
+/// Frames from the interrupt that renders a tick to the tick's first frame, at most a half.
+const LEAD_FRAMES: usize = <Memory as Board>::LEAD_FRAMES;
+/// Cycles that a tick may take, as the engine predicts them.
+pub const BUDGET_CYCLES: u32 = <Memory as Board>::BUDGET_CYCLES;
+const _: () = assert!(LEAD_FRAMES <= HALF_FRAMES, "a tick is rendered at most a half ahead");
 /// Cycles in which a half plays.
 pub const CYCLES_PER_HALF: u32 = CLOCKS.cycles_per_frames(HALF_FRAMES as u32);
 

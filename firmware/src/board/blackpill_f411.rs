@@ -29,9 +29,6 @@ pub const CLOCKS: ClockPlan = ClockPlan {
 pub const I2S: Wiring =
     Wiring { spi: pac::SPI2, dma: pac::DMA1, stream: 4, channel: 0, interrupt: interrupt::DMA1_STREAM4 };
 
-/// From the interrupt to the first frame of the tick that it renders, at most a half: a tick with a strike takes most of a half at 96 MHz.
-pub const LEAD_FRAMES: usize = 27;
-
 /// LEDs of this board.
 pub const LEDS: usize = 1;
 

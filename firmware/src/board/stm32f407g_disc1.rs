@@ -33,9 +33,6 @@ pub const CLOCKS: ClockPlan = ClockPlan {
 pub const I2S: Wiring =
     Wiring { spi: pac::SPI3, dma: pac::DMA1, stream: 5, channel: 0, interrupt: interrupt::DMA1_STREAM5 };
 
-/// From the interrupt to the first frame of the tick that it renders, at most a half: with 168 MHz the budget is met well before a half is over.
-pub const LEAD_FRAMES: usize = 26;
-
 /// LEDs of this board.
 pub const LEDS: usize = 4;
 

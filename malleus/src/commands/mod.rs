@@ -6,6 +6,8 @@ pub(crate) mod fit;
 mod fit_filter;
 mod fit_names;
 pub(crate) mod kit;
+mod kit_check;
+mod kit_new;
 pub(crate) mod play;
 
 use std::io::Write;

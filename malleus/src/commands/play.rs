@@ -4,13 +4,16 @@ use std::path::{Path, PathBuf};
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Skipping, TickReport};
-use dsp_core::event::Event;
+use dsp_core::event::{Action, Event};
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
+use malleus::render::force::{self, ForceLoad};
 use malleus::render::instrument::{Output, Settings};
+use malleus::render::level::Level;
 use malleus::render::{Performance, board, instrument, law};
 use malleus::{events, wave};
 use serde::Serialize;
+use virtual_board::Board;
 
 use super::{CommandError, left_out, peak_dbfs, print, print_json, progress};
 use crate::PlayArguments;
@@ -33,7 +36,8 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         return Err(CommandError::TooLong { file, seconds, longest: LONGEST_S });
     }
     let mut work = Work::default();
-    let frames = if arguments.reference {
+    let budget_cycles = budget_cycles(arguments, &performance, rate);
+    let (frames, level) = if arguments.reference {
         let left_out = law::leaves_out(&loaded.kit);
         if !left_out.is_empty() {
             eprintln!("malleus: {name}: the reference leaves out {}", left_out.join(", "));
@@ -42,10 +46,10 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         let sound = law::render(&loaded.kit, &performance, rate, |done| bar.set_position(done as u64))
             .map_err(|error| CommandError::Law { kit: name.clone(), error })?;
         bar.finish_and_clear();
-        sound.into_iter().map(|frame| frame.map(reference::scene::quantise_24)).collect()
+        let level = Level::of_law(&sound);
+        (sound.into_iter().map(|frame| frame.map(reference::scene::quantise_24)).collect(), level)
     } else {
         let skipping = if arguments.no_skip { Skipping::Off } else { Skipping::On };
-        let budget_cycles = arguments.budget_mhz.map(|mhz| (mhz * 1e6 * TICK_FRAMES as f64 / rate.hz()) as u32);
         // With a budget, blocks of whole ticks: decisions look ahead as far as the block.
         let block = arguments.block as usize;
         let block = if budget_cycles.is_some() { block.next_multiple_of(TICK_FRAMES) } else { block };
@@ -61,19 +65,72 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         };
         let log = |event: &Event| played.push(*event);
         let frames = match arguments.board {
-            Some(on) => board::render(on, &table, &performance, block, observe, log),
-            None => instrument::render_logged(&table, &performance, settings, Output::Samples24, observe, log),
+            Some(on) => board::render(on, &table, &performance, budget_cycles, Output::Bus, observe, log),
+            None => instrument::render_logged(&table, &performance, settings, Output::Bus, observe, log),
         };
-        let frames = frames.map_err(|error| CommandError::Render { kit: name.clone(), error })?;
+        let mut frames = frames.map_err(|error| CommandError::Render { kit: name.clone(), error })?;
         bar.finish_and_clear();
         if let Some(path) = &arguments.log {
             kit::file::write_whole(path, events::csv::write(&played, &table, rate).as_bytes())
                 .map_err(|error| CommandError::Log { error })?;
         }
-        frames
+        let level = Level::of_bus(&frames);
+        dsp_core::output::to_24_bit(&mut frames);
+        (frames, level)
     };
     wave::write_stereo(&arguments.output, rate, &frames)?;
-    report(arguments, rate, &frames, (!arguments.reference).then_some(work))
+    let force = (!arguments.reference).then(|| force::load(&loaded.kit, &performance.events, rate));
+    warn_of_clipping(name, &level, force);
+    let report = PlayReport {
+        output: &arguments.output,
+        kit: name,
+        renderer: if arguments.reference { "reference" } else { "instrument" },
+        board: arguments.board.map(Board::name),
+        rate_hz: rate.hz(),
+        rate_ratio: rate.ratio(),
+        frames: frames.len(),
+        duration_s: frames.len() as f64 / rate.hz(),
+        peak_dbfs: peak_dbfs(&frames),
+        unclipped_peak_dbfs: level.peak_dbfs(),
+        clipped_samples: level.clipped_samples,
+        saturated_samples: (!arguments.reference).then_some(level.saturated_samples),
+        largest_force: force.map(|force| force.largest),
+        force_overloads: force.map(|force| force.overloads),
+        budget_cycles,
+        work: (!arguments.reference).then_some(work),
+    };
+    if arguments.json { print_json(&report) } else { print(&report.as_text(rate)) }
+}
+
+/// Cycles that a tick may take, if limited. The board's own where it plays, unless its decisions
+/// are among the events already.
+fn budget_cycles(arguments: &PlayArguments, performance: &Performance, rate: SampleRate) -> Option<u32> {
+    match arguments.budget_mhz {
+        Some(0.0) => None,
+        Some(mhz) => Some((mhz * 1e6 * TICK_FRAMES as f64 / rate.hz()) as u32),
+        None => {
+            let is_log = performance.events.iter().any(|event| matches!(event.action, Action::Shed(_)));
+            arguments.board.filter(|_| !is_log).map(board::budget_cycles)
+        }
+    }
+}
+
+fn warn_of_clipping(kit: &str, level: &Level, force: Option<ForceLoad>) {
+    if let Some(ForceLoad { largest, overloads }) = force.filter(|force| force.overloads > 0) {
+        eprintln!(
+            "malleus: {kit}: strikes whose force may clip: {overloads}; it comes up to {largest:.1} times reference_force, the bus ends at 16; see malleus kit check"
+        );
+    }
+    if level.saturated_samples > 0 {
+        eprintln!("malleus: {kit}: samples at the bus's end, +24 dBFS: {}", level.saturated_samples);
+    }
+    if level.clipped_samples > 0 {
+        let peak_dbfs = level.peak_dbfs().unwrap_or_default();
+        eprintln!(
+            "malleus: {kit}: {} samples are clipped: the peak is {peak_dbfs:+.1} dBFS; lower the pads' level_db, see malleus kit check",
+            level.clipped_samples
+        );
+    }
 }
 
 fn read_performance(
@@ -143,6 +200,7 @@ struct Work {
     refused_stages: u64,
     shed_groups: u64,
     shed_modes: u64,
+    shedding_ticks: u64,
     largest_shed_amplitude: f32,
     largest_predicted_cycles: u32,
 }
@@ -172,6 +230,7 @@ impl Work {
         self.refused_stages += u64::from(report.refused_stages);
         self.shed_groups += u64::from(report.shed.groups);
         self.shed_modes += u64::from(report.shed.modes);
+        self.shedding_ticks += u64::from(report.shed.groups > 0);
         self.largest_shed_amplitude = self.largest_shed_amplitude.max(report.shed.amplitude);
         self.largest_predicted_cycles = self.largest_predicted_cycles.max(report.predicted_cycles());
     }
@@ -182,34 +241,38 @@ struct PlayReport<'a> {
     output: &'a Path,
     kit: &'a str,
     renderer: &'static str,
+    board: Option<&'static str>,
     rate_hz: f64,
     rate_ratio: (u32, u32),
     frames: usize,
     duration_s: f64,
     peak_dbfs: Option<f64>,
+    unclipped_peak_dbfs: Option<f64>,
+    clipped_samples: u64,
+    saturated_samples: Option<u64>,
+    largest_force: Option<f64>,
+    force_overloads: Option<u64>,
+    budget_cycles: Option<u32>,
     work: Option<Work>,
 }
 
-fn report(
-    arguments: &PlayArguments,
-    rate: SampleRate,
-    frames: &[[i32; 2]],
-    work: Option<Work>,
-) -> Result<(), CommandError> {
-    let report = PlayReport {
-        output: &arguments.output,
-        kit: &arguments.kit,
-        renderer: if arguments.reference { "reference" } else { "instrument" },
-        rate_hz: rate.hz(),
-        rate_ratio: rate.ratio(),
-        frames: frames.len(),
-        duration_s: frames.len() as f64 / rate.hz(),
-        peak_dbfs: peak_dbfs(frames),
-        work,
-    };
-    if arguments.json {
-        return print_json(&report);
+impl PlayReport<'_> {
+    fn as_text(&self, rate: SampleRate) -> String {
+        let mut text = format!("{}: {:.2} s at {rate}, ", self.output.display(), self.duration_s);
+        text += &match (self.unclipped_peak_dbfs, self.clipped_samples) {
+            (None, _) => "silence".to_owned(),
+            (Some(peak), 0) => format!("peak {peak:.1} dBFS"),
+            (Some(peak), clipped) => format!("peak {peak:+.1} dBFS before {clipped} samples were clipped"),
+        };
+        if let (Some(cycles), Some(work)) = (self.budget_cycles, &self.work) {
+            text += &match work.shed_modes {
+                0 => format!("; nothing left out within {cycles} cycles a tick"),
+                modes => {
+                    let ticks = work.shedding_ticks;
+                    format!("; {modes} modes left out in {ticks} ticks to stay within {cycles} cycles a tick")
+                }
+            };
+        }
+        text + "\n"
     }
-    let peak = report.peak_dbfs.map_or("silence".to_owned(), |peak| format!("peak {peak:.1} dBFS"));
-    print(&format!("{}: {:.2} s at {rate}, {peak}\n", arguments.output.display(), report.duration_s))
 }

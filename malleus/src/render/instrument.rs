@@ -161,7 +161,9 @@ pub fn play<
             Output::Samples24 => {
                 engine.render_logged(now, direct, block, &mut observe, |decision| decisions.push(*decision))?;
             }
-            Output::Bus => engine.render_bus(now, direct, block, &mut observe)?,
+            Output::Bus => {
+                engine.render_bus_logged(now, direct, block, &mut observe, |decision| decisions.push(*decision))?;
+            }
         }
         // A decision stands behind the events of its frame.
         let mut now = now.iter().peekable();

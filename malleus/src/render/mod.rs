@@ -1,11 +1,14 @@
 //! Rendering a performance: by the instrument, or by the law.
 
 pub mod board;
+pub mod force;
+pub mod headroom;
 pub mod instrument;
 pub mod law;
+pub mod level;
 
 use dsp_core::SampleRate;
-use dsp_core::event::{Action, Event};
+use dsp_core::event::{Action, Event, Time};
 
 /// What is to be played.
 #[derive(Clone, Debug, Default)]
@@ -39,6 +42,18 @@ impl Performance {
         let frames = last.saturating_add((tail_s * rate.hz()).ceil() as usize).saturating_add(1);
         Self { events, direct, frames }
     }
+
+    /// A kit's loudest chord: all of its pads at once in frame 0, each at velocity 1 and position 0
+    /// with its first striker.
+    pub fn chord(pads: usize, frames: usize) -> Self {
+        let pads = (0..=u8::MAX).take(pads);
+        Self { events: pads.map(|pad| strike(pad, 0, 0.0)).collect(), direct: None, frames }
+    }
+}
+
+/// A strike at velocity 1 in frame 0.
+fn strike(pad: u8, striker: u8, position: f32) -> Event {
+    Event { time: Time::at_frame(0), pad, velocity: 1.0, position, striker, action: Action::Strike }
 }
 
 const LONGEST_TAIL_S: f64 = 30.0;

@@ -2,7 +2,7 @@
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Skipping, TickReport};
-use dsp_core::event::Event;
+use dsp_core::event::{Action, Event};
 use dsp_core::table::Kit;
 use malleus::events::csv;
 use malleus::render::instrument::{Output, Settings, render};
@@ -55,8 +55,26 @@ pub(crate) fn heard_and_rendered_as_board(
         work.iter_mut().zip(frames).for_each(|(sum, frames)| *sum += frames);
         work[5] += tick.refused_stages;
     };
-    let rendered = board::render(board, &kit, &performance, 128, observe, |_| {}).unwrap();
+    // The log holds what the board's budget decided.
+    let rendered = board::render(board, &kit, &performance, None, Output::Samples24, observe, |_| {}).unwrap();
     ([heard, rendered].map(from_first_sound), work)
+}
+
+/// What left the I2S, and what `malleus play --board` renders for the log's strikes alone, within
+/// the board's budget. Both come with what was played: the board's log, and the PC's.
+pub(crate) fn heard_and_decided_as_board(
+    running: &VirtualBoard,
+    board: Board,
+    kit: &[u8],
+) -> ([Vec<[i32; 2]>; 2], [Vec<Event>; 2]) {
+    let (kit, rate, heard) = (Kit::parse(kit).unwrap(), rate(board), heard(running));
+    let told = events(running, &kit, rate);
+    let strikes = told.iter().filter(|event| event.action == Action::Strike).copied().collect();
+    let performance = Performance { events: strikes, direct: None, frames: heard.len() };
+    let (budget, mut decided) = (Some(board::budget_cycles(board)), Vec::new());
+    let log = |event: &Event| decided.push(*event);
+    let rendered = board::render(board, &kit, &performance, budget, Output::Samples24, |_| {}, log).unwrap();
+    ([heard, rendered].map(from_first_sound), [told, decided])
 }
 
 /// The frames that left the I2S in its only stream.

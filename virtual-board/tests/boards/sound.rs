@@ -2,8 +2,8 @@
 
 use crate::common;
 use crate::hits::signal;
-use crate::played::{events, rate};
-use crate::replay::{assert_same_bits, strikes};
+use crate::played::{events, heard_and_decided_as_board, rate};
+use crate::replay::{assert_same, assert_same_bits, strikes};
 use dsp_core::event::Action;
 use dsp_core::table::Kit;
 use virtual_board::{Board, Press, Setup};
@@ -54,6 +54,64 @@ fn seconds_of_playing_on_the_disc1_replay_to_the_same_bits() {
 #[test]
 fn seconds_of_playing_on_the_blackpill_replay_to_the_same_bits() {
     play(Board::BlackpillF411);
+}
+
+/// Four pads of 120 modes each, spread over the spectrum: more than a board has time for while all
+/// are struck.
+fn four_large_pads() -> Vec<u8> {
+    let demo = kit::open("demo").unwrap().kit;
+    let object = |pad: u8| {
+        let mode = |mode: u8| kit::Mode {
+            frequency_hz: 150.0 + 60.0 * f32::from(mode) + 11.0 * f32::from(pad),
+            decay_per_s: 6.0 + 0.2 * f32::from(mode),
+            gains: vec![kit::Gain { sine: 40.0 / (1.0 + f32::from(mode)), cosine: 0.0 }],
+        };
+        kit::Object {
+            name: format!("large {pad}"),
+            source: String::new(),
+            licence: String::new(),
+            reference_force: 1.0,
+            acceleration: kit::Acceleration::NONE,
+            modes: (0..120).map(mode).collect(),
+            residual: None,
+            dynamic_filter: None,
+            biquads: None,
+        }
+    };
+    let striker = kit::Striker { name: "stick".to_owned(), peak_force: 1.0, modes: vec![], ..demo.strikers[0].clone() };
+    let pad = |object: &kit::Object| kit::Pad {
+        name: object.name.clone(),
+        object: object.name.clone(),
+        strikers: vec![striker.name.clone()],
+        midi_notes: vec![],
+        choke_t60_s: 0.0,
+        trigger: None,
+        ..demo.pads[0].clone()
+    };
+    let objects: Vec<kit::Object> = (0..4).map(object).collect();
+    let pads = objects.iter().map(pad).collect();
+    let kit = kit::Kit { name: "large".to_owned(), objects, strikers: vec![striker.clone()], pads, ..demo.clone() };
+    kit::binary::build(&kit).unwrap()
+}
+
+#[test]
+fn a_board_that_sheds_plays_the_bits_and_decisions_of_play_board_on_the_pc() {
+    for board in Board::ALL {
+        let piezos = (0..4).map(|piezo| {
+            let strokes = (0..6).map(|n| (0.4 + 0.07 * f64::from(n) + 0.003 * piezo as f64, 0.7));
+            signal(piezo, 1.0, &strokes.collect::<Vec<_>>())
+        });
+        let kit = four_large_pads();
+        let setup = Setup { piezos: piezos.collect(), kit: kit.clone(), ..Setup::default() };
+        let running = common::run(board, &setup, 1.0);
+        let (sounds, [told, decided]) = heard_and_decided_as_board(&running, board, &kit);
+        let same = assert_same(board, sounds);
+        let sheds = told.iter().filter(|event| matches!(event.action, Action::Shed(_))).count();
+        println!("{}: {} strikes, {sheds} sheds, {same} frames with the same bits", board.name(), strikes(&told));
+        assert!(sheds > 0 && strikes(&told) >= 20, "{}: {sheds} sheds", board.name());
+        assert_eq!(told, decided, "{}", board.name());
+        assert!(same > 20_000, "{}: {same} frames", board.name());
+    }
 }
 
 #[test]

@@ -199,6 +199,12 @@ impl Bank {
         groups.get(self.groups.range()).unwrap_or(&[]).iter().any(|group| !group.is_shed())
     }
 
+    /// Number of modes in groups that are left out.
+    pub fn shed_mode_count(&self, groups: &[Group]) -> usize {
+        let groups = groups.get(self.groups.range()).unwrap_or(&[]);
+        groups.iter().filter(|group| group.is_shed()).map(Group::count).sum()
+    }
+
     /// Whether a force now would find the groups unguarded, so that all of them must be guarded at once.
     pub fn is_unguarded(&self) -> bool {
         self.allowance == 0

@@ -1,0 +1,276 @@
+//! `malleus kit check`: whether a kit is valid, what of it clips at velocity 1, and what boards leave out of it.
+
+use dsp_core::SampleRate;
+use dsp_core::engine::LoadError;
+use dsp_core::table::Kit;
+use kit::Loaded;
+use malleus::render::headroom::{self, Loudness};
+use malleus::render::{board, force, instrument};
+use serde::Serialize;
+use virtual_board::Board;
+
+use super::kit::{KitReport, counts, open};
+use super::{CommandError, left_out, print, print_json, progress};
+
+/// What the check finds beside what [`KitReport`] says.
+#[derive(Debug, Default, Serialize)]
+struct Findings {
+    /// Each striker on each pad, alone at velocity 1.
+    strikes: Vec<StrikeFinding>,
+    /// All pads at once at velocity 1; `None` for silence.
+    chord_peak_dbfs: Option<f64>,
+    boards: Vec<BoardFinding>,
+    /// Why nothing has been rendered.
+    not_rendered: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct StrikeFinding {
+    pad: String,
+    striker: String,
+    /// In reference forces; the force bus ends at 16.
+    force: f64,
+    position: f32,
+    peak_dbfs: Option<f64>,
+    /// Where the force bus clips: a reference force with which it does not.
+    fitting_reference_force: Option<f32>,
+    /// Where the pad clips: the level with which its loudest striker peaks at -6 dBFS.
+    fitting_level_db: Option<f32>,
+    #[serde(skip)]
+    needs_rescaling: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct BoardFinding {
+    board: &'static str,
+    budget_cycles: u32,
+    left_out: Vec<String>,
+    /// What the board's budget leaves out of all pads at once at velocity 1.
+    chord_shed: Vec<ShedFinding>,
+    chord_refused_stages: u32,
+    /// Number of modes of all pads.
+    #[serde(skip)]
+    modes: usize,
+    #[serde(skip)]
+    is_refused: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct ShedFinding {
+    pad: String,
+    modes: usize,
+    of_modes: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct CheckReport<'a> {
+    #[serde(flatten)]
+    kit: KitReport<'a>,
+    #[serde(flatten)]
+    findings: Findings,
+}
+
+pub(super) fn run(name: &str, rate: SampleRate, json: bool) -> Result<(), CommandError> {
+    let loaded = open(name)?;
+    check_filters(name, &loaded, rate)?;
+    let findings = if loaded.kit.pads.is_empty() { Findings::default() } else { findings(name, &loaded, rate)? };
+    if json {
+        return print_json(&CheckReport { kit: KitReport::of(name, &loaded), findings });
+    }
+    print(&format!(
+        "{name}: good; {}, {} bytes in binary\n{}",
+        counts(&loaded),
+        loaded.binary.len(),
+        findings.as_text(name)
+    ))
+}
+
+/// What rendering tells of a kit with pads. What the instrument cannot hold is told, and not
+/// rendered.
+fn findings(name: &str, loaded: &Loaded, rate: SampleRate) -> Result<Findings, CommandError> {
+    let table = Kit::parse(&loaded.binary).map_err(|error| CommandError::Table { kit: name.to_owned(), error })?;
+    let strikes = headroom::strike_count(&loaded.kit) as u64;
+    let bar = progress(strikes + 1 + Board::ALL.len() as u64, "checking");
+    let mut findings = Findings::default();
+    let rendered = headroom::of_strikes(&loaded.kit, rate, || bar.inc(1));
+    match rendered.and_then(|strikes| Ok((strikes, headroom::of_chord(&loaded.kit, rate)?))) {
+        Ok((strikes, chord)) => {
+            findings.strikes = strikes.iter().filter_map(|strike| of_strike(&loaded.kit, strike, &strikes)).collect();
+            findings.chord_peak_dbfs = dbfs(chord);
+        }
+        Err(error) => findings.not_rendered = Some(error.to_string()),
+    }
+    for board in Board::ALL {
+        findings.boards.push(of_board(name, board, &loaded.kit, &table));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(findings)
+}
+
+/// The finding of one striker on one pad.
+fn of_strike(kit: &kit::Kit, strike: &Loudness, all: &[Loudness]) -> Option<StrikeFinding> {
+    let pad = kit.pads.get(strike.pad)?;
+    let (striker, object) = force::bound(kit, pad, strike.striker)?;
+    let loudest = all.iter().filter(|other| other.pad == strike.pad).map(|other| other.peak).fold(0.0, f64::max);
+    let reference_force = || headroom::fitting_reference_force(kit, &object.name, 0.0);
+    Some(StrikeFinding {
+        pad: pad.name.clone(),
+        striker: striker.name.clone(),
+        force: strike.force,
+        position: strike.position,
+        peak_dbfs: dbfs(strike.peak),
+        fitting_reference_force: strike.overloads_force().then(reference_force).flatten(),
+        fitting_level_db: strike.clips().then(|| headroom::fitting_level_db(pad.level_db, loudest)),
+        needs_rescaling: object.residual.is_some() || object.dynamic_filter.is_some(),
+    })
+}
+
+/// What a board leaves out of a kit, and of its loudest chord.
+fn of_board(name: &str, on: Board, kit: &kit::Kit, table: &Kit<'_>) -> BoardFinding {
+    let shed = board::shed_of_chord(on, table);
+    let is_refused = shed.is_err();
+    let shed = shed.unwrap_or_default();
+    let modes = shed.modes.iter().map(|(_, of_modes)| of_modes).sum();
+    let of_pads = kit.pads.iter().zip(&shed.modes).filter(|(_, (modes, _))| *modes > 0);
+    let finding = |(pad, &(modes, of_modes)): (&kit::Pad, &(usize, usize))| ShedFinding {
+        pad: pad.name.clone(),
+        modes,
+        of_modes,
+    };
+    BoardFinding {
+        board: on.name(),
+        budget_cycles: board::budget_cycles(on),
+        left_out: left_out(name, on, table),
+        chord_shed: of_pads.map(finding).collect(),
+        chord_refused_stages: shed.refused_stages,
+        modes,
+        is_refused,
+    }
+}
+
+fn dbfs(peak: f64) -> Option<f64> {
+    (peak > 0.0).then(|| 20.0 * peak.log10())
+}
+
+impl Findings {
+    fn as_text(&self, name: &str) -> String {
+        let mut lines: Vec<String> = Vec::new();
+        for strike in &self.strikes {
+            let StrikeFinding { pad, striker, force, .. } = strike;
+            if let Some(newtons) = strike.fitting_reference_force {
+                let rest = match strike.needs_rescaling {
+                    true => ", with the object's residual and dynamic filter scaled to it (docs/kit-format.md)",
+                    false => "",
+                };
+                lines.push(format!(
+                    "{name}: pad {pad:?} with {striker:?} at velocity 1: the force is {force:.1} times reference_force and clips at 16: reference_force = {newtons} fits{rest}"
+                ));
+            }
+            if let (Some(level_db), Some(peak_dbfs)) = (strike.fitting_level_db, strike.peak_dbfs) {
+                lines.push(format!(
+                    "{name}: pad {pad:?} with {striker:?} at velocity 1 peaks at {peak_dbfs:+.1} dBFS and clips: level_db = {level_db:.1} fits, a peak of {:.0} dBFS",
+                    headroom::TARGET_DBFS
+                ));
+            }
+        }
+        // One pad's chord is its strike.
+        let has_chord =
+            self.strikes.iter().any(|strike| self.strikes.first().is_some_and(|first| first.pad != strike.pad));
+        if let Some(peak) = self.chord_peak_dbfs.filter(|&peak| has_chord && peak > 0.0) {
+            lines.push(format!(
+                "{name}: all pads at once at velocity 1 peak at {peak:+.1} dBFS and clip: every level_db {:.1} dB lower fits",
+                (peak * 10.0).ceil() / 10.0
+            ));
+        }
+        if let Some(error) = &self.not_rendered {
+            lines.push(format!("{name}: levels are not checked: {error}"));
+        }
+        for board in &self.boards {
+            lines.extend(board.left_out.iter().cloned());
+            if !board.is_refused {
+                lines.push(format!("{name}: {} {}", board.board, board.of_chord()));
+            }
+        }
+        lines.into_iter().map(|line| line + "\n").collect()
+    }
+}
+
+impl BoardFinding {
+    /// What becomes of the chord, in words.
+    fn of_chord(&self) -> String {
+        let all_modes = self.chord_shed.iter().map(|shed| shed.of_modes).sum::<usize>();
+        let is_all =
+            self.chord_shed.iter().all(|shed| shed.modes == shed.of_modes) && all_modes == self.modes && all_modes > 0;
+        let modes = self
+            .chord_shed
+            .iter()
+            .filter(|_| !is_all)
+            .map(|shed| format!("{} of {} modes of {:?}", shed.modes, shed.of_modes, shed.pad));
+        let stages = (self.chord_refused_stages > 0)
+            .then(|| format!("{} residuals, dynamic filters and biquad banks", self.chord_refused_stages));
+        let everything = is_all.then(|| format!("all {all_modes} modes"));
+        let all: Vec<String> = everything.into_iter().chain(modes).chain(stages).collect();
+        match all.is_empty() {
+            true => "sheds nothing of all pads at once at velocity 1".to_owned(),
+            false => format!("sheds of all pads at once at velocity 1: {}", all.join(", ")),
+        }
+    }
+}
+
+/// What only a rate can tell: whether every object's filters are stable, and whether the instrument
+/// plays the kit.
+fn check_filters(name: &str, loaded: &Loaded, rate: SampleRate) -> Result<(), CommandError> {
+    let filtered = |object: &&kit::Object| object.dynamic_filter.is_some() || object.biquads.is_some();
+    for object in loaded.kit.objects.iter().filter(filtered) {
+        // Alone, so that tables without pads are judged, too.
+        let alone = one_object(object);
+        let bytes = kit::binary::build(&alone)?;
+        let table = Kit::parse(&bytes).map_err(|error| CommandError::Table { kit: name.to_owned(), error })?;
+        let what = match instrument::check(&table, rate) {
+            Ok(()) => continue,
+            Err(LoadError::DynamicFilter { error, .. }) => format!("dynamic filter: {error}"),
+            Err(LoadError::Biquads { error, .. }) => format!("biquads: {error}"),
+            Err(other) => other.to_string(),
+        };
+        return Err(CommandError::Filters { kit: name.to_owned(), object: object.name.clone(), rate, what });
+    }
+    if loaded.kit.pads.is_empty() {
+        return Ok(());
+    }
+    let table = Kit::parse(&loaded.binary).map_err(|error| CommandError::Table { kit: name.to_owned(), error })?;
+    if let Err(error) = instrument::check(&table, rate) {
+        eprintln!("malleus: {name}: at {rate} it does not play: {error}");
+    }
+    Ok(())
+}
+
+/// The filters of an object, on a pad.
+fn one_object(object: &kit::Object) -> kit::Kit {
+    let (name, nothing) = ("filters".to_owned(), String::new);
+    let striker = kit::Striker {
+        name: name.clone(),
+        source: nothing(),
+        licence: nothing(),
+        pulse: kit::Pulse::Hertz,
+        peak_force: object.reference_force,
+        peak_exponent: 1.0,
+        contact_time_s: 0.001,
+        contact_exponent: 0.0,
+        restitution: kit::Striker::DEFAULT_RESTITUTION,
+        modes: vec![],
+    };
+    let pad = kit::Pad {
+        name: name.clone(),
+        object: object.name.clone(),
+        strikers: vec![name.clone()],
+        level_db: 0.0,
+        pan: 0.0,
+        striker_weight: 1.0,
+        choke_t60_s: 0.0,
+        midi_notes: vec![],
+        trigger: None,
+    };
+    let object = kit::Object { modes: vec![], residual: None, ..object.clone() };
+    kit::Kit { name, objects: vec![object], strikers: vec![striker], pads: vec![pad], background: None, room: vec![] }
+}

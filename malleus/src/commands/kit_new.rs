@@ -1,0 +1,108 @@
+//! `malleus kit new`: tables bound to pads, at levels that fit.
+
+use std::path::{Path, PathBuf};
+
+use clap::CommandFactory;
+use clap::error::ErrorKind;
+use dsp_core::SampleRate;
+use malleus::render::headroom::{self, LARGEST_FORCE};
+
+use super::kit::open;
+use super::{CommandError, print, progress};
+use crate::Arguments;
+
+/// The rate at which levels are measured.
+const RATE: SampleRate = SampleRate::HZ_48000;
+
+/// One pad for each object of the tables, struck by the strikers of its own table. Without an
+/// output, the first of the paths is it.
+pub(super) fn run(tables: &[PathBuf], output: Option<&Path>, first_note: u8) -> Result<(), CommandError> {
+    let (output, tables) = match (output, tables) {
+        (Some(output), tables) => (output, tables),
+        (None, [output, tables @ ..]) if !tables.is_empty() => (output.as_path(), tables),
+        (None, _) => Arguments::command()
+            .error(
+                ErrorKind::MissingRequiredArgument,
+                "give a new kit and at least one table: malleus kit new TABLE -o KIT.toml",
+            )
+            .exit(),
+    };
+    let mut kit = bound(output, tables, first_note)?;
+    set_reference_forces(&mut kit);
+    // Judged as a board would, before anything is rendered or written.
+    kit::binary::build(&kit)?;
+    set_levels(output, &mut kit);
+    let bytes = kit::binary::build(&kit)?.len();
+    kit::file::write_whole(output, kit::text::write(&kit).as_bytes())?;
+    print(&format!("{}: {} pads, {bytes} bytes in binary\n", output.display(), kit.pads.len()))
+}
+
+/// The tables' objects on pads at 0 dB.
+fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, CommandError> {
+    let name = output.file_stem().unwrap_or_default().to_string_lossy();
+    let mut kit = kit::Kit {
+        name: name.into_owned(),
+        objects: vec![],
+        strikers: vec![],
+        pads: vec![],
+        background: None,
+        room: vec![],
+    };
+    let mut notes = (first_note..=127).map(|note| vec![note]);
+    for table in tables {
+        let loaded = open(&table.display().to_string())?;
+        let strikers: Vec<String> = loaded.kit.strikers.iter().take(4).map(|striker| striker.name.clone()).collect();
+        for object in &loaded.kit.objects {
+            kit.pads.push(kit::Pad {
+                name: object.name.clone(),
+                object: object.name.clone(),
+                strikers: strikers.clone(),
+                level_db: 0.0,
+                pan: 0.0,
+                striker_weight: 1.0,
+                choke_t60_s: 0.1,
+                midi_notes: notes.next().unwrap_or_default(),
+                trigger: None,
+            });
+        }
+        // A table's room is that of its recording; a kit has one.
+        match tables.len() {
+            1 => kit.room = loaded.kit.room,
+            _ if loaded.kit.room.is_empty() => {}
+            _ => eprintln!("malleus: {}: the room of its recording is left out", table.display()),
+        }
+        kit.objects.extend(loaded.kit.objects);
+        kit.strikers.extend(loaded.kit.strikers);
+    }
+    Ok(kit)
+}
+
+/// Gives objects whose hardest striker comes near the end of the force bus that striker's peak
+/// force as reference force. Their sound stays.
+fn set_reference_forces(kit: &mut kit::Kit) {
+    for index in 0..kit.objects.len() {
+        let Some(object) = kit.objects.get(index) else { continue };
+        let Some(newtons) = headroom::fitting_reference_force(kit, &object.name, LARGEST_FORCE) else { continue };
+        let object = object.with_reference_force(newtons);
+        if let Some(slot) = kit.objects.get_mut(index) {
+            *slot = object;
+        }
+    }
+}
+
+/// Sets each pad's level so that its loudest striker peaks at -6 dBFS at velocity 1; 0 dB where
+/// that cannot be told.
+fn set_levels(output: &Path, kit: &mut kit::Kit) {
+    let bar = progress(headroom::strike_count(kit) as u64, "choosing levels");
+    let strikes = headroom::of_strikes(kit, RATE, || bar.inc(1));
+    bar.finish_and_clear();
+    match strikes {
+        Ok(strikes) => {
+            for (index, pad) in kit.pads.iter_mut().enumerate() {
+                let peaks = strikes.iter().filter(|strike| strike.pad == index).map(|strike| strike.peak);
+                pad.level_db = headroom::fitting_level_db(pad.level_db, peaks.fold(0.0, f64::max));
+            }
+        }
+        Err(error) => eprintln!("malleus: {}: levels stay at 0 dB: {error}", output.display()),
+    }
+}

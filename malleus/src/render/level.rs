@@ -1,0 +1,74 @@
+//! Level of a sound before the step to 24 bits, and what that step clips.
+
+use dsp_core::fixed::{FULL_SCALE_24_BIT, ONE_Q27};
+
+/// Level of a sound before the step to 24 bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Level {
+    /// Largest magnitude of a sample, 1.0 = full scale.
+    pub peak: f64,
+    /// Number of samples, left and right counted apart, that the step to 24 bits clips.
+    pub clipped_samples: u64,
+    /// Number of samples at the end of the bus, +24 dBFS, which clips there; none in a sound that
+    /// is not from a bus.
+    pub saturated_samples: u64,
+}
+
+impl Level {
+    /// Level of stereo bus samples, Q4.27.
+    pub fn of_bus(frames: &[[i32; 2]]) -> Self {
+        frames.iter().flatten().fold(Self::default(), |level, &sample| {
+            let magnitude = f64::from(sample.unsigned_abs()) / f64::from(ONE_Q27);
+            // The step's own rounding, without its clip.
+            let clips = is_beyond_24_bits((i64::from(sample) + 8) >> 4);
+            level.with(magnitude, clips, sample == i32::MAX || sample == i32::MIN)
+        })
+    }
+
+    /// Level of a sound of the reference, 1.0 = full scale.
+    pub fn of_law(frames: &[[f64; 2]]) -> Self {
+        frames.iter().flatten().fold(Self::default(), |level, &sample| {
+            // `as` saturates far beyond 24 bits.
+            let steps = (sample * f64::from(FULL_SCALE_24_BIT) + 0.5).floor() as i64;
+            level.with(sample.abs(), is_beyond_24_bits(steps), false)
+        })
+    }
+
+    /// The peak in dBFS; `None` for silence.
+    pub fn peak_dbfs(&self) -> Option<f64> {
+        (self.peak > 0.0).then(|| 20.0 * self.peak.log10())
+    }
+
+    fn with(self, magnitude: f64, clips: bool, saturates: bool) -> Self {
+        Self {
+            peak: self.peak.max(magnitude),
+            clipped_samples: self.clipped_samples + u64::from(clips),
+            saturated_samples: self.saturated_samples + u64::from(saturates),
+        }
+    }
+}
+
+fn is_beyond_24_bits(steps: i64) -> bool {
+    !(-i64::from(FULL_SCALE_24_BIT)..i64::from(FULL_SCALE_24_BIT)).contains(&steps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_that_the_step_to_24_bits_changes_are_counted_and_no_others() {
+        for bus in [0, ONE_Q27 - 9, ONE_Q27 - 8, ONE_Q27, -ONE_Q27 - 8, -ONE_Q27 - 9, i32::MAX, i32::MIN] {
+            let mut stepped = [[bus, 0]];
+            dsp_core::output::to_24_bit(&mut stepped);
+            let level = Level::of_bus(&[[bus, 0]]);
+            let clips = (i64::from(stepped[0][0]) * 16 - i64::from(bus)).abs() > 8;
+            assert_eq!(level.clipped_samples, u64::from(clips), "{bus}");
+            assert_eq!(level.saturated_samples, u64::from(bus == i32::MAX || bus == i32::MIN), "{bus}");
+            let law = Level::of_law(&[[f64::from(bus) / f64::from(ONE_Q27), 0.0]]);
+            assert_eq!((law.clipped_samples, law.peak), (level.clipped_samples, level.peak), "{bus}");
+        }
+        assert_eq!(Level::of_bus(&[[i32::MIN, 0]]).peak_dbfs(), Some(20.0 * 16f64.log10()));
+        assert_eq!(Level::of_bus(&[[0, 0]]).peak_dbfs(), None);
+    }
+}
