@@ -6,6 +6,7 @@ mod budget;
 mod costs;
 mod filters;
 mod kernels;
+mod page;
 mod residual;
 mod rolls;
 mod room;
