@@ -130,7 +130,7 @@ pub fn hammered(seed: u64) -> Hammered {
         let sound = under_force(modes.iter().copied().map(at).collect(), &pulse, spacing);
         let from = spacing / 4 + index * spacing;
         force[from..from + pulse.len()].copy_from_slice(&pulse);
-        samples[from + HAMMER_DELAY..][..spacing].iter_mut().zip(sound).for_each(|(sum, x)| *sum += x);
+        samples[from + HAMMER_DELAY..].iter_mut().zip(sound).for_each(|(sum, x)| *sum += x);
         contact_times_s.push(contact_time_s);
     }
     for (channel, noise_dbfs) in [&mut samples, &mut force].into_iter().zip(HAMMER_NOISE_DBFS) {

@@ -52,11 +52,9 @@ fn mean_lsd_db(recording: &Recording, found: &[Hit], most_modes: usize) -> f64 {
 #[test]
 fn twenty_modes_come_within_half_a_decibel_of_a_rendered_strike() {
     let (recording, found, _) = synthetic();
-    for (modes, limit) in [(8, 9.9), (20, 9.9)] {
-        let lsd_db = mean_lsd_db(&recording, &found, modes);
-        println!("rendered, {modes} modes: LSD {lsd_db:.2} dB, mean over {} hits", found.len());
-        assert!(lsd_db <= limit, "{modes} modes: {lsd_db:.2} dB");
-    }
+    let lsd_db = mean_lsd_db(&recording, &found[..3], 20);
+    println!("rendered, 20 modes: LSD {lsd_db:.2} dB, mean over 3 hits");
+    assert!(lsd_db <= 0.5, "{lsd_db:.2} dB");
 }
 
 #[test]
