@@ -36,9 +36,12 @@ fn twenty_modes_are_found_at_the_accuracy_that_the_noise_allows() {
         }
         let share = found.len() as f64 / 120.0;
         let errors = |error: fn(&Match) -> f64| found.iter().map(error).collect::<Vec<_>>();
-        let medians = [Match::cents, Match::t60_percent, Match::amplitude_db].map(|error| quantile(&errors(error), 0.5));
+        let medians =
+            [Match::cents, Match::t60_percent, Match::amplitude_db].map(|error| quantile(&errors(error), 0.5));
         let p90 = quantile(&errors(Match::t60_percent), 0.9);
-        println!("{noise_dbfs} dBFS: {share} found; median cents, T60 %, dB {medians:.5?}, T60 90th percentile {p90:.3} %");
+        println!(
+            "{noise_dbfs} dBFS: {share} found; median cents, T60 %, dB {medians:.5?}, T60 90th percentile {p90:.3} %"
+        );
         assert!(share == 1.0, "{share} found");
         // Twice the figures of docs/fit.md, which come from other seeds.
         assert!(quantile(&errors(Match::cents), 0.5) <= cents);

@@ -2,8 +2,8 @@
 
 use dsp_core::SampleRate;
 use dsp_core::resonator::TICK_FRAMES;
-use host_tests::single_mode::q31::{self, StruckMode};
 use host_tests::single_mode::float_forms::FloatForm;
+use host_tests::single_mode::q31::{self, StruckMode};
 use host_tests::single_mode::{Case, grid, snr_db, worst_and_median};
 
 /// The README's table: worst and median SNR in dB, at full scale and 40 dB below.

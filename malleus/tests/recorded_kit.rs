@@ -134,7 +134,8 @@ fn by_reference_with_noise(table: &kit::Kit) -> Recording {
 fn each_table_is_nearer_to_its_own_sound_with_noise_than_any_other_table_is() {
     on_a_large_stack(|| {
         let names: Vec<String> = recorded().kit.objects.into_iter().map(|object| object.name).collect();
-        let tables: Vec<kit::Kit> = names.iter().map(|name| kit::load(&table_path(name)).expect("a table").kit).collect();
+        let tables: Vec<kit::Kit> =
+            names.iter().map(|name| kit::load(&table_path(name)).expect("a table").kit).collect();
         for (index, (name, table)) in names.iter().zip(&tables).enumerate() {
             let recording = by_reference_with_noise(table);
             let [own, other] = [index, (index + 1) % tables.len()].map(|index| distance_db(&recording, &tables[index]));

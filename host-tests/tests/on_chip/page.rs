@@ -118,7 +118,7 @@ fn kernels_of_the_readme_are_those_of_the_page() {
         }
         for (said, driven) in row[4].split(", ").zip(driven).filter(|(said, _)| !said.is_empty()) {
             let page = number(of(kernel, form, driven)[6]);
-            assert!((number(said) - page).abs() <= 0.151, "{kernel}, {form}, {driven}: {said}, {page} in the page");
+            assert!((number(said) - page).abs() <= 0.051, "{kernel}, {form}, {driven}: {said}, {page} in the page");
         }
         if !row[5].is_empty() {
             assert_eq!(number(row[5]), number(of(kernel, form, "free")[9]), "{kernel}, {form}");

@@ -37,7 +37,8 @@ fn run(bands: &[BandLaw], strikes: &[(usize, f32)]) -> Vec<u64> {
 #[test]
 fn a_hundred_bands_cost_less_than_250_cycles_a_frame_and_give_the_same_bits() {
     // The figures of docs/residual.md: mean, steady mean, dearest steady tick, dearest tick.
-    for (spacing, page) in [(Spacing::Erb, [229.0, 217.0, 233.0, 260.0]), (Spacing::Linear, [234.0, 220.0, 245.0, 273.0])]
+    for (spacing, page) in
+        [(Spacing::Erb, [229.0, 217.0, 233.0, 260.0]), (Spacing::Linear, [234.0, 220.0, 245.0, 273.0])]
     {
         let cycles = run(&bands(spacing), &[(0, 1.0)]);
         let a_frame = |cycles: u64| cycles as f64 / TICK_FRAMES as f64;
