@@ -25,7 +25,7 @@ fn exactly_found(sound: &Synthetic) -> Vec<Match> {
 fn twenty_modes_are_found_at_the_accuracy_that_the_noise_allows() {
     // Seeds that the bench does not use.
     for (noise_dbfs, cents, t60_percent, t60_percent_p90, db, most) in
-        [(-80.0, 0.0006, 0.03, 0.3, 0.005, 22), (-50.0, 0.007, 0.4, 4.0, 0.03, 24)]
+        [(-80.0, 0.00018, 0.0136, 0.094, 0.0008, 21), (-50.0, 0.0057, 0.42, 3.0, 0.024, 21)]
     {
         let mut found = Vec::new();
         for seed in 1001..1007 {
@@ -36,7 +36,14 @@ fn twenty_modes_are_found_at_the_accuracy_that_the_noise_allows() {
         }
         let share = found.len() as f64 / 120.0;
         let errors = |error: fn(&Match) -> f64| found.iter().map(error).collect::<Vec<_>>();
-        assert!(share >= if noise_dbfs < -60.0 { 0.98 } else { 0.95 }, "{share} found");
+        let medians =
+            [Match::cents, Match::t60_percent, Match::amplitude_db].map(|error| quantile(&errors(error), 0.5));
+        let p90 = quantile(&errors(Match::t60_percent), 0.9);
+        println!(
+            "{noise_dbfs} dBFS: {share} found; median cents, T60 %, dB {medians:.5?}, T60 90th percentile {p90:.3} %"
+        );
+        assert!(share == 1.0, "{share} found");
+        // Twice the figures of docs/fit.md, which come from other seeds.
         assert!(quantile(&errors(Match::cents), 0.5) <= cents);
         assert!(quantile(&errors(Match::t60_percent), 0.5) <= t60_percent);
         assert!(quantile(&errors(Match::t60_percent), 0.9) <= t60_percent_p90);

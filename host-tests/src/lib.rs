@@ -1,7 +1,6 @@
 //! What the tests and benches of this crate share: signals measured against the `f64` law.
 
 pub mod biquads;
-pub mod data;
 pub mod dynamic_filter;
 pub mod on_chip;
 pub mod performance;

@@ -2,15 +2,35 @@
 
 use dsp_core::SampleRate;
 use dsp_core::resonator::TICK_FRAMES;
+use host_tests::single_mode::float_forms::FloatForm;
 use host_tests::single_mode::q31::{self, StruckMode};
-use host_tests::single_mode::{Case, grid, snr_db};
+use host_tests::single_mode::{Case, grid, snr_db, worst_and_median};
 
+/// The README's table: worst and median SNR in dB, at full scale and 40 dB below.
 #[test]
-fn every_mode_of_the_grid_keeps_96_db_to_the_law_at_full_scale_and_40_db_below() {
-    for level in [1.0, 0.01] {
-        for case in grid(40, level).iter().map(Case::exact) {
-            let snr = snr_db(case.law(), q31::render(&case));
-            assert!(snr >= 96.0, "{snr:.1} dB: {case:?}");
+fn every_mode_keeps_the_snr_of_the_readme_at_full_scale_and_40_db_below() {
+    for (level, worst, median) in [(1.0, 101.8, 120.2), (0.01, 100.6, 116.7)] {
+        let snr = |case: Case| snr_db(case.law(), q31::render(&case));
+        let measured = worst_and_median(grid(40, level).iter().map(Case::exact).map(snr).collect());
+        println!("{level}: worst {:.1} dB, median {:.1} dB", measured.0, measured.1);
+        assert!(measured.0 >= worst - 1.0 && (measured.1 - median).abs() <= 1.0, "{level}: {measured:.1?}");
+    }
+}
+
+/// The other forms of the README's table, on every third frequency of its grid.
+#[test]
+fn single_precision_forms_lose_what_the_readme_says() {
+    for (form, readme) in [
+        (FloatForm::Direct, [(6.4, 63.8), (6.4, 64.1)]),
+        (FloatForm::Rotation, [(57.0, 83.4), (57.0, 83.4)]),
+        (FloatForm::Coupled, [(39.0, 103.4), (39.0, 102.7)]),
+    ] {
+        for (level, (worst, median)) in [1.0, 0.01].into_iter().zip(readme) {
+            let snr = |case: Case| snr_db(case.law(), form.render(&case));
+            let measured = worst_and_median(grid(14, level).iter().map(Case::exact).map(snr).collect());
+            println!("{}, {level}: worst {:.1} dB, median {:.1} dB", form.name(), measured.0, measured.1);
+            let near = |measured: f64, readme: f64| (measured - readme).abs() <= 3.0;
+            assert!(near(measured.0, worst) && near(measured.1, median), "{}, {level}: {measured:.1?}", form.name());
         }
     }
 }
@@ -31,7 +51,7 @@ fn analyse(case: &Case, sound: &[f64], from: usize, length: usize) -> (f64, f64)
 }
 
 #[test]
-fn frequency_stays_within_a_hundredth_of_a_cent_and_t60_within_two_parts_in_ten_thousand() {
+fn frequency_stays_within_0_0004_cent_and_t60_within_a_hundred_thousandth() {
     let (mut worst_cent, mut worst_t60) = (0.0f64, 0.0f64);
     for case in grid(12, 1.0).iter().map(Case::exact) {
         // Two windows of a fifth of the sound, three fifths apart.
@@ -43,8 +63,8 @@ fn frequency_stays_within_a_hundredth_of_a_cent_and_t60_within_two_parts_in_ten_
         let cent = 1200.0 / std::f64::consts::LN_2 * (turns - turns.round()) / seconds / case.frequency_hz;
         let t60 = (late.1 - early.1) / seconds / case.decay_per_s();
         (worst_cent, worst_t60) = (worst_cent.max(cent.abs()), worst_t60.max(t60.abs()));
-        assert!(cent.abs() < 0.01, "{cent} cent: {case:?}");
-        assert!(t60.abs() < 2e-4, "{t60}: {case:?}");
+        assert!(cent.abs() < 4e-4, "{cent} cent: {case:?}");
+        assert!(t60.abs() < 1e-5, "{t60}: {case:?}");
     }
     println!("worst: {worst_cent:.5} cent, T60 {:.5} %", 100.0 * worst_t60);
 }
@@ -69,7 +89,7 @@ fn tails_of_up_to_120_s_follow_the_law_for_90_db_and_end_in_exact_zero() {
                         let law = level * (-case.decay_per_s() * t).exp();
                         let error_db = 20.0 * (mode.amplitude() / law).log10();
                         worst = worst.max(error_db.abs());
-                        assert!(error_db.abs() < 0.1, "{error_db} dB, {down_db:.1} dB down: {case:?}");
+                        assert!(error_db.abs() < 0.01, "{error_db} dB, {down_db:.1} dB down: {case:?}");
                     }
                     assert!(t < 5.0 * case.t60_s + tick_s, "never ends: {case:?}");
                 }

@@ -1,26 +1,59 @@
-//! The measured force of an impact hammer: every pad against the law, and the mug against its microphone.
+//! The force of an impact hammer: every pad against the reference, and the mug against its microphone.
+//!
+//! The recording lies beside the project, in `../shared/data`: where it does not, its tests are ignored. A hammer's
+//! strikes that are made here, with the noise of a force channel, drive every pad as well.
 
+use std::path::Path;
+
+use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
-use host_tests::data;
+use dsp_core::fixed::ONE_Q27;
+use fit::synthetic::hammered;
 use host_tests::performance::{instrument, largest_difference, law, snr_db};
 use malleus::render::Performance;
 use malleus::wave::{Force, read_force};
 
+/// Strikes on a mug: channel 0 is the microphone, channel 1 the force.
 const RECORDING: &str = "hammer/hammer_ceramic.wav";
-/// The hit on the mug that its table was fitted to, in seconds.
-const HIT_S: f64 = 0.4047;
+/// Time of the force's peak of each strike in seconds, and what the mug's table leaves of it in dB. The table was fitted
+/// to the second strike.
+const STRIKES: [(f64, f64); 8] = [
+    (0.0598, -17.5),
+    (0.4047, -27.3),
+    (0.8305, -7.8),
+    (1.6959, -2.1),
+    (2.2651, -7.4),
+    (2.6449, -12.6),
+    (2.9845, -12.5),
+    (3.3691, -10.1),
+];
 
 fn demo() -> kit::Loaded {
     kit::open("demo").expect("the shipped kit is valid")
 }
 
-fn channel(channel: u16) -> Option<Force> {
-    data::find(RECORDING).map(|path| read_force(&path, channel).expect("the recording is readable"))
+fn channel(channel: u16) -> Force {
+    read_force(&Path::new(env!("SHARED_DATA")).join(RECORDING), channel).expect("the recording is readable")
 }
 
+#[cfg(not(has_shared_data))]
 #[test]
-fn the_measured_force_on_every_pad_leaves_at_least_90_db_to_the_law() {
-    let Some(force) = channel(1) else { return };
+fn recordings_are_absent_as_they_were_when_this_was_built() {
+    let data = Path::new(env!("SHARED_DATA"));
+    assert!(!data.is_dir(), "{} is there now: run `touch build/shared_data.rs` and test again", data.display());
+}
+
+/// The force of a hammer whose strikes are made here.
+fn rendered_force() -> Force {
+    let recording = hammered(1).recording;
+    let rate = SampleRate::new(recording.rate_hz as u32, 1).expect("44.1 kHz is a rate");
+    let force = recording.force.expect("a hammer measures its force");
+    Force { rate, samples: force.iter().map(|x| (x * f64::from(ONE_Q27)).round() as i32).collect() }
+}
+
+/// Every pad of the demo kit under the force, in mono: at least `snr_db` to the reference, and what skipping changes at
+/// most `skipped_dbfs`.
+fn every_pad_is_within(force: &Force, least_snr_db: f64, most_skipped_dbfs: f64) {
     let loaded = demo();
     for (index, pad) in (0u8..).zip(&loaded.kit.pads) {
         let direct = Some((index, force.samples.clone()));
@@ -29,12 +62,23 @@ fn the_measured_force_on_every_pad_leaves_at_least_90_db_to_the_law() {
         let expected = law(&loaded, &performance, force.rate);
         let snr = snr_db(&expected, &bus);
         let (skipped, reports) = instrument(&loaded, &performance, force.rate, Skipping::On);
-        let difference = largest_difference(&bus, &skipped);
-        println!("{}: {snr:.1} dB, skipping {:.1} dBFS", pad.name, 20.0 * difference.log10());
-        assert!(snr >= 90.0, "{}: {snr:.1} dB", pad.name);
-        assert!(difference < 1e-5, "{}: {difference}", pad.name);
+        let difference_dbfs = 20.0 * largest_difference(&bus, &skipped).log10();
+        println!("{}: {snr:.1} dB, skipping {difference_dbfs:.1} dBFS", pad.name);
+        assert!(snr >= least_snr_db, "{}: {snr:.1} dB", pad.name);
+        assert!(difference_dbfs < most_skipped_dbfs, "{}: {difference_dbfs} dBFS", pad.name);
         assert!(reports.iter().all(|report| report.retired_amplitude < 1e-5));
     }
+}
+
+#[test]
+fn a_rendered_hammers_force_on_every_pad_leaves_at_least_100_db() {
+    every_pad_is_within(&rendered_force(), 100.0, -100.0);
+}
+
+#[test]
+#[cfg_attr(not(has_shared_data), ignore = "needs the recordings in ../shared/data")]
+fn the_measured_force_on_every_pad_leaves_at_least_100_db() {
+    every_pad_is_within(&channel(1), 100.0, -101.0);
 }
 
 /// What is left of `microphone` without the best fit of `sound` at the best delay, in dB.
@@ -52,25 +96,67 @@ fn residual_db(microphone: &[f64], sound: &[f64], longest_delay: usize) -> (f64,
         .expect("there is a delay")
 }
 
-#[test]
-fn the_mug_under_its_measured_force_leaves_at_most_minus_26_db_of_the_microphone() {
-    const LONGEST_DELAY: usize = 64;
-    let (Some(microphone), Some(force)) = (channel(0), channel(1)) else { return };
+/// Longest way from the force to the microphone, in samples.
+const LONGEST_DELAY: usize = 64;
+
+/// The demo kit's mug under a force, in mono behind silence of the longest delay: reference, dsp-core.
+fn mug_under(force: &Force) -> [Vec<f64>; 2] {
     let loaded = demo();
     let mug = (0u8..).zip(&loaded.kit.pads).find(|(_, pad)| pad.name == "mug").expect("the kit has a mug").0;
-    let rate = force.rate;
-    let frame = |seconds: f64| (seconds * rate.hz()).round() as usize;
-    // The hit alone: its force from 3 ms before the peak, and 0.3 s of sound.
-    let (begin, length) = (frame(HIT_S - 0.003), frame(0.3));
-    let hit = force.samples[begin..begin + length].to_vec();
-    let microphone: Vec<f64> = microphone.samples[begin..begin + length].iter().map(|&x| f64::from(x)).collect();
-    let performance = Performance::new(Vec::new(), Some((mug, hit)), &loaded.kit, rate, Some(0.1));
-    let (bus, _) = instrument(&loaded, &performance, rate, Skipping::On);
-    for (name, sound) in [("reference", law(&loaded, &performance, rate)), ("dsp-core", bus)] {
+    let direct = Some((mug, force.samples.clone()));
+    let performance = Performance::new(Vec::new(), direct, &loaded.kit, force.rate, Some(0.1));
+    let (bus, _) = instrument(&loaded, &performance, force.rate, Skipping::On);
+    [law(&loaded, &performance, force.rate), bus].map(|sound| {
         let mut mono = vec![0.0; LONGEST_DELAY];
         mono.extend(sound.iter().map(|frame| frame[0] + frame[1]));
-        let (residual, delay) = residual_db(&microphone, &mono, LONGEST_DELAY);
-        println!("{name}: {residual:.2} dB of residual at a delay of {delay} samples");
-        assert!(residual <= -26.0, "{name}: {residual:.2} dB");
+        mono
+    })
+}
+
+#[test]
+fn residual_of_a_rendered_microphone_is_its_noise_at_its_delay() {
+    const DELAY: usize = 23;
+    let force = rendered_force();
+    let [reference, instrument] = mug_under(&Force { samples: force.samples[..20_000].to_vec(), ..force });
+    let rms = (reference.iter().map(|x| x * x).sum::<f64>() / reference.len() as f64).sqrt();
+    let mut state = 1u64;
+    let noise = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        // Uniform, rms 1.
+        ((state >> 33) as f64 / (1u64 << 31) as f64 - 0.5) * 12f64.sqrt()
+    };
+    let noise = std::iter::repeat_with(noise).map(|x| x * rms * 10f64.powf(-27.3 / 20.0));
+    let microphone: Vec<f64> =
+        reference[LONGEST_DELAY - DELAY..].iter().zip(noise).map(|(x, n)| 0.3 * (x + n)).collect();
+    for sound in [reference, instrument] {
+        let (residual, delay) = residual_db(&microphone, &sound, LONGEST_DELAY);
+        println!("{residual:.2} dB of residual at a delay of {delay} samples");
+        assert!(delay == DELAY && (residual + 27.3).abs() < 0.3, "{residual:.2} dB at {delay}");
+    }
+}
+
+/// What the demo kit's mug under the measured force of one strike leaves of the microphone, in dB: reference, dsp-core.
+fn mug_residuals_db(microphone: &Force, force: &Force, hit_s: f64) -> [f64; 2] {
+    let frame = |seconds: f64| (seconds * force.rate.hz()).round() as usize;
+    // The strike alone: its force from 3 ms before the peak, and 0.3 s of sound.
+    let (begin, length) = (frame(hit_s - 0.003), frame(0.3));
+    let alone = Force { samples: force.samples[begin..begin + length].to_vec(), ..*force };
+    let microphone: Vec<f64> = microphone.samples[begin..begin + length].iter().map(|&x| f64::from(x)).collect();
+    let residuals = mug_under(&alone).map(|sound| residual_db(&microphone, &sound, LONGEST_DELAY));
+    println!(
+        "strike at {hit_s:.4} s: {:.2} dB of residual by the reference, {:.2} dB by dsp-core, delays of {} and {} samples",
+        residuals[0].0, residuals[1].0, residuals[0].1, residuals[1].1
+    );
+    residuals.map(|(residual_db, _)| residual_db)
+}
+
+/// The README's figures: -27.3 dB on the strike that the table was fitted to, -17.5 to -2.1 dB on the others.
+#[test]
+#[cfg_attr(not(has_shared_data), ignore = "needs the recordings in ../shared/data")]
+fn the_mug_explains_the_strike_it_was_fitted_to_and_less_of_the_others() {
+    let (microphone, force) = (channel(0), channel(1));
+    for (hit_s, expected_db) in STRIKES {
+        let residuals_db = mug_residuals_db(&microphone, &force, hit_s);
+        assert!(residuals_db.iter().all(|db| (db - expected_db).abs() < 0.5), "{hit_s} s: {residuals_db:.2?}");
     }
 }

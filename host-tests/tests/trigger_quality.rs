@@ -20,7 +20,7 @@ fn print_row(name: &str, score: &Score) {
 }
 
 #[test]
-fn of_the_generated_strikes_99_percent_are_found_and_half_a_percent_is_false_and_95_percent_are_right_within_1_db() {
+fn of_the_generated_strikes_99_4_percent_are_found_none_false_and_95_percent_within_1_db() {
     println!("| scene | strikes | found % | false or double % | within 1 dB % | decided after ms |");
     println!("| --- | --- | --- | --- | --- | --- |");
     let mut all = Score::default();
@@ -35,8 +35,8 @@ fn of_the_generated_strikes_99_percent_are_found_and_half_a_percent_is_false_and
     }
     print_row("all", &all);
     assert!(all.played >= 500);
-    assert!(all.found_percent() >= 99.0);
-    assert!(all.false_percent() <= 0.5);
+    assert!(all.found_percent() >= 99.4);
+    assert!(all.false_percent() == 0.0);
     assert!(all.within_1_db_percent() >= 95.0);
 }
 
@@ -64,5 +64,5 @@ fn the_twin_in_double_precision_finds_the_same_strikes() {
     // A few strikes lie on the edge of a threshold, where rounding decides.
     assert!((only_here + only_there) * 500 <= same);
     assert!(frames_apart * 100 <= same);
-    assert!(worst_db < 0.5);
+    assert!(worst_db < 0.2);
 }

@@ -86,7 +86,7 @@ fn latency_jitters_by_less_than_50_microseconds_over_1000_offsets_of_one_wave() 
 }
 
 #[test]
-fn over_40_db_of_velocity_latency_is_skewed_by_less_than_a_tenth_of_a_millisecond() {
+fn over_40_db_of_velocity_strikes_are_decided_after_1_46_to_1_54_ms() {
     let mut random = Random::new(7);
     let mut latencies = Vec::new();
     for step in 0..=40 {
@@ -99,8 +99,7 @@ fn over_40_db_of_velocity_latency_is_skewed_by_less_than_a_tenth_of_a_millisecon
     let least = latencies.iter().copied().fold(f64::INFINITY, f64::min);
     let most = latencies.iter().copied().fold(0.0, f64::max);
     println!("0 to -40 dB: decided after {least:.3} to {most:.3} ms");
-    assert!(most - least < 0.1);
-    assert!(most < 1.6);
+    assert!(least >= 1.46 && most <= 1.54);
 }
 
 #[test]
@@ -188,7 +187,7 @@ fn a_resampler_without_input_is_silent_and_counts_and_then_goes_on_in_time() {
 }
 
 #[test]
-fn direct_drive_is_under_way_within_half_a_millisecond_of_the_onset_and_silent_before_and_after() {
+fn direct_drive_is_under_way_within_0_2_ms_of_the_onset_and_silent_before_and_after() {
     let settings = Settings { mode: dsp_core::trigger::Mode::Direct, ..Settings::of_unset_pad(0) };
     let i2s = SampleRate::new(86_000_000, 1792).expect("a rate");
     for velocity in [1.0, 0.1] {
@@ -213,7 +212,7 @@ fn direct_drive_is_under_way_within_half_a_millisecond_of_the_onset_and_silent_b
         let tenth = force.iter().position(|x| x.unsigned_abs() > peak / 10).expect("a force");
         let after_ms = (tenth as f64 - onset) / i2s.hz() * 1e3;
         println!("velocity {velocity}: a tenth of the force's peak after {after_ms:.2} ms");
-        assert!(after_ms < 0.5);
+        assert!(after_ms < 0.2);
         assert!((f64::from(peak) / f64::from(1 << 27) / velocity - 1.0).abs() < 0.06);
         assert!(force[..onset as usize].iter().all(|&x| x == 0));
         assert!(force[force.len() - 2000..].iter().all(|&x| x == 0));

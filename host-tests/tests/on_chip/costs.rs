@@ -77,7 +77,7 @@ fn the_kernels_keep_their_cycles_and_their_loops_fit_the_flash_cache() {
         let inner = chip.machine().loops().into_iter().filter(|found| found.iterations > 1).map(|found| found.bytes);
         let inner = inner.filter(|&bytes| bytes > 600).min().unwrap_or(0);
         println!("{what}: {per:.3} cycles, with flash x {with_flash:.3}, inner loop {inner} bytes");
-        assert!(per <= at_most && with_flash <= 1.1 && inner <= 900, "{what}");
+        assert!(per <= at_most && with_flash <= 1.03 && inner <= 900, "{what}");
     }
 }
 
@@ -93,7 +93,7 @@ fn a_silent_engine_and_its_memory_stay_small() {
         "silent: {per_frame:.1} cycles a frame; stack {} bytes; {footprint:?}, kit {kit} bytes",
         ringing.stack_bytes
     );
-    assert!(per_frame <= 35.0, "1 % of 168 MHz at 48 kHz are 35 cycles a frame: {per_frame}");
+    assert!(per_frame <= 23.0, "0.6 % of 168 MHz at 48 kHz are 21 to 23 cycles a frame: {per_frame}");
     assert!(ringing.stack_bytes <= 2048, "{} bytes of stack", ringing.stack_bytes);
     assert!(footprint.flash <= 64 * 1024, "the engine without its kit: {} bytes", footprint.flash);
     assert!(footprint.ram_of_512_modes <= 16 * 1024, "{} bytes", footprint.ram_of_512_modes);

@@ -7,6 +7,7 @@ mod costs;
 mod filters;
 mod hands;
 mod kernels;
+mod page;
 mod residual;
 mod rolls;
 mod room;

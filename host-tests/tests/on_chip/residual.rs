@@ -36,7 +36,10 @@ fn run(bands: &[BandLaw], strikes: &[(usize, f32)]) -> Vec<u64> {
 
 #[test]
 fn a_hundred_bands_cost_less_than_250_cycles_a_frame_and_give_the_same_bits() {
-    for spacing in [Spacing::Erb, Spacing::Linear] {
+    // The figures of docs/residual.md: mean, steady mean, dearest steady tick, dearest tick.
+    for (spacing, page) in
+        [(Spacing::Erb, [229.0, 217.0, 233.0, 260.0]), (Spacing::Linear, [234.0, 220.0, 245.0, 273.0])]
+    {
         let cycles = run(&bands(spacing), &[(0, 1.0)]);
         let a_frame = |cycles: u64| cycles as f64 / TICK_FRAMES as f64;
         let steady = &cycles[340..412];
@@ -49,14 +52,14 @@ fn a_hundred_bands_cost_less_than_250_cycles_a_frame_and_give_the_same_bits() {
             a_frame(steady_worst),
             a_frame(worst)
         );
-        assert!(mean < 250.0 && a_frame(steady_worst) < 250.0, "{spacing:?}: {mean}");
-        assert!(a_frame(worst) < WORST_AFTER_A_STRIKE, "{spacing:?}: {cycles:?}");
+        let measured = [mean, steady_mean, a_frame(steady_worst), a_frame(worst)];
+        let near = measured.iter().zip(page).all(|(measured, page)| (measured / page - 1.0).abs() <= 0.03);
+        assert!(near, "{spacing:?}: {measured:.0?} cycles a frame, {page:.0?} in docs/residual.md");
     }
 }
 
-/// Cycles a frame of the dearest tick after a strike, and of strikes on strikes.
-const WORST_AFTER_A_STRIKE: f64 = 280.0;
-const WORST_OF_STRIKES: f64 = 295.0;
+/// Cycles a frame of the dearest tick of strikes on strikes, 3 % above the figure of docs/residual.md.
+const WORST_OF_STRIKES: f64 = 291.0;
 
 #[test]
 fn strikes_on_strikes_give_the_same_bits() {

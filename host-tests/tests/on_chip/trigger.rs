@@ -30,9 +30,11 @@ fn the_chip_finds_the_same_strikes_as_the_pc_bit_for_bit() {
 }
 
 #[test]
-fn a_silent_channel_costs_at_most_20_cycles_a_sample_and_the_worst_struck_block_180() {
+fn a_channel_costs_17_cycles_a_sample_in_silence_and_41_under_strikes() {
     let mut chip = TriggerOnChip::new(false).unwrap();
+    // The figures of dsp-core/src/trigger/mod.rs, with a slack of 3 %.
     println!("state of {CHANNELS} channels: {} bytes", chip.state_bytes().unwrap());
+    assert!(chip.state_bytes().unwrap() <= 920);
     let block = 32;
     // Offset, hum and noise are learnt first.
     let silence = vec![[2048u16, 2047, 2049, 2050]; 4800];
@@ -41,7 +43,9 @@ fn a_silent_channel_costs_at_most_20_cycles_a_sample_and_the_worst_struck_block_
     // Half a second of the crosstalk scene, loud and quiet.
     let scene = scenes(3, 1).into_iter().find(|scene| scene.name == "crosstalk at -20 dB").expect("a scene");
     let counts = scene.counts();
-    for (what, counts, limit) in [("silent", &silence[..], 20.0), ("struck", &counts[9600..33_600], 180.0)] {
+    for (what, counts, mean, limit) in
+        [("silent", &silence[..], 17.0, 20.0), ("struck", &counts[9600..33_600], 41.0, 163.0)]
+    {
         let mut worst = 0.0f64;
         let (mut sum, mut blocks) = (0.0, 0.0);
         for frames in counts.chunks_exact(block) {
@@ -52,12 +56,12 @@ fn a_silent_channel_costs_at_most_20_cycles_a_sample_and_the_worst_struck_block_
             blocks += 1.0;
         }
         println!("{what}: {:.1} cycles a channel and sample, worst block {worst:.1}", sum / blocks);
-        assert!(worst <= limit, "{what}: {worst}");
+        assert!(worst <= 1.03 * limit && (sum / blocks - mean).abs() <= 0.03 * mean + 0.5, "{what}: {worst}");
     }
 }
 
 #[test]
-fn direct_drive_costs_at_most_150_cycles_a_sample() {
+fn direct_drive_costs_at_most_89_cycles_a_sample() {
     let mut chip = TriggerOnChip::new(true).unwrap();
     let (mut driven, mut silent) = (0, 0);
     for block in 0..200u32 {
@@ -79,7 +83,7 @@ fn direct_drive_costs_at_most_150_cycles_a_sample() {
     let per = |cycles: u64| cycles as f64 / 47.0;
     println!("resampler: silent {:.1}, driven {:.1} cycles a sample", per(silent), per(driven));
     assert!(driven > silent);
-    assert!(per(driven) <= 150.0);
+    assert!(per(driven) <= 89.0);
 }
 
 #[test]

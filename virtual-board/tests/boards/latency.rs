@@ -11,10 +11,11 @@ const CONTACT_S: f64 = 0.001;
 
 /// Each strike falls into the end of the last one's ring.
 #[test]
-fn strikes_sound_within_three_milliseconds_and_a_twentieth_of_one_of_each_other_wherever_they_fall_in_a_block() {
+fn strikes_sound_after_2_72_to_2_88_ms_and_within_0_05_ms_of_each_other() {
     for (board, count) in [(Board::Stm32f407gDisc1, 80), (Board::BlackpillF411, 40)] {
         let (smallest, largest) = measure(board, 0, count, 0.5, CONTACT_S);
-        assert!(largest <= 3.0e-3 && largest - smallest < 0.05e-3, "{}", board.name());
+        // docs/hardware.md: 2.77 to 2.82 ms.
+        assert!(smallest >= 2.72e-3 && largest <= 2.88e-3 && largest - smallest < 0.05e-3, "{}", board.name());
     }
 }
 
@@ -35,10 +36,10 @@ fn forty_decibels_of_velocity_are_hardly_earlier_or_later() {
 }
 
 #[test]
-fn a_direct_force_is_on_the_pin_within_one_and_a_half_milliseconds() {
+fn a_direct_force_is_on_the_pin_within_1_37_ms() {
     for board in Board::ALL {
         let (smallest, largest) = measure(board, 1, 16, 0.5, CONTACT_S);
-        assert!(largest <= 1.5e-3 && largest - smallest < 0.05e-3, "{}", board.name());
+        assert!(largest <= 1.37e-3 && largest - smallest < 0.05e-3, "{}", board.name());
     }
 }
 

@@ -1,0 +1,30 @@
+//! Build script of each crate whose tests compare with recordings that are not part of this repository.
+//!
+//! Sets `has_shared_data` if the recordings lie in `../shared/data` beside the workspace, so that cargo
+//! counts these tests as ignored, with a reason, if they do not. `SHARED_DATA` is the path of that folder.
+
+use std::path::{Path, PathBuf};
+
+pub(crate) fn main() {
+    let crate_folder = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").expect("cargo names the crate's folder"));
+    println!("cargo::rustc-check-cfg=cfg(has_shared_data)");
+    println!("cargo::rerun-if-changed=../build/shared_data.rs");
+    let data = crate_folder.join("../../shared/data");
+    println!("cargo::rustc-env=SHARED_DATA={}", data.display());
+    watch(&data);
+    if data.is_dir() {
+        println!("cargo::rustc-cfg=has_shared_data");
+    }
+}
+
+/// Looks again when the folder comes or goes.
+///
+/// Cargo builds a crate anew in every run if a path that it watches is missing. So the folder itself is
+/// watched only if it exists, else the one above it. If that is missing as well, the test
+/// `recordings_are_absent_as_they_were_when_this_was_built` says what to do once they are there.
+fn watch(data: &Path) {
+    let above = data.parent().filter(|above| above.is_dir());
+    if let Some(folder) = if data.is_dir() { Some(data) } else { above } {
+        println!("cargo::rerun-if-changed={}", folder.display());
+    }
+}

@@ -1,0 +1,127 @@
+//! docs/run_time_vs_error.md and the README's "How fast", figure by figure. The bench `run_time_vs_error` makes the page.
+
+use host_tests::on_chip::{BankOnChip, scenes};
+use host_tests::run_time::rows::{KernelRow, OURS_FIXED};
+use host_tests::run_time::{accuracy, measure};
+use host_tests::single_mode::grid;
+
+const PAGE: &str = include_str!("../../../docs/run_time_vs_error.md");
+const README: &str = include_str!("../../../README.md");
+
+/// Cells of the table whose first heading is `heading`, without marks of bold type and code.
+fn table<'p>(page: &'p str, heading: &str) -> Vec<Vec<&'p str>> {
+    let is_header = |line: &&str| line.strip_prefix("| ").is_some_and(|rest| rest.starts_with(heading));
+    let lines = page.lines().skip_while(|line| !is_header(line)).skip(2).take_while(|line| line.starts_with('|'));
+    let cells = |line: &'p str| {
+        let inside = line.trim_matches('|').split('|');
+        inside.map(|cell| cell.trim().trim_matches(['*', '`'])).collect::<Vec<_>>()
+    };
+    let rows: Vec<_> = lines.map(cells).collect();
+    assert!(!rows.is_empty(), "no table of {heading}");
+    rows
+}
+
+fn number(cell: &str) -> f64 {
+    cell.trim_end_matches([' ', '%', 'd', 'B']).parse().unwrap_or_else(|_| panic!("{cell:?} is no number"))
+}
+
+/// Within 3 %, and the rounding of the last place that is printed.
+fn near(measured: f64, page: f64, rounding: f64) -> bool {
+    (measured - page).abs() <= 0.03 * page + rounding
+}
+
+#[test]
+fn kernels_take_the_cycles_and_keep_the_snr_that_the_page_says() {
+    let mut chip = BankOnChip::new().expect("the image builds");
+    // Every third frequency of the page's grid, the lowest and the highest among them.
+    let accuracies = accuracy::measure(&grid(14, 1.0), || {});
+    let rows = measure::kernel_rows(&mut chip, &accuracies, || {}).expect("they run");
+    let page = table(PAGE, "kernel | form");
+    assert_eq!(rows.len(), page.len());
+    for (row, page) in rows.iter().zip(page) {
+        let KernelRow { kernel, form, driven, block, .. } = row;
+        assert_eq!(page[..4], [kernel, form, driven.name(), &block.to_string()]);
+        println!("{page:?}: {:.2} cycles, {:.2} with flash", row.cycles_nominal, row.cycles_with_flash);
+        for (measured, page) in
+            [(row.cycles_nominal, page[4]), (row.cycles_with_flash, page[6]), (row.instructions, page[7])]
+        {
+            assert!(near(measured, number(page), 0.006), "{kernel}, {form}: {measured:.3}, {page} in the page");
+        }
+        let Some(worst_db) = row.snr_worst_db else { continue };
+        // A single form of the bank plays few cases: the worst of a part of them may be better by more.
+        let better_db = if kernel == OURS_FIXED && form != measure::ALL_FORMS { 6.0 } else { 3.0 };
+        let lost_db = number(page[9]) - worst_db;
+        assert!((-better_db..=0.1).contains(&lost_db), "{kernel}, {form}: {worst_db:.1} dB, {} in the page", page[9]);
+    }
+}
+
+#[test]
+fn scenes_take_the_share_of_a_core_that_page_and_readme_say() {
+    let rows = scenes::measure_all().expect("they run");
+    let page = table(PAGE, "scene | modes");
+    assert_eq!(rows.len(), page.len());
+    for (row, page) in rows.iter().zip(&page) {
+        let measured = [
+            row.cycles_per_frame_nominal,
+            row.cycles_per_frame_with_flash,
+            100.0 * row.share_of_168_mhz,
+            100.0 * row.share_of_96_mhz,
+        ];
+        println!("{}: {measured:.1?}", row.scene);
+        assert_eq!(page[..2], [row.scene.as_str(), &row.modes.to_string()]);
+        for (measured, page) in measured.into_iter().zip(&page[2..]) {
+            assert!(near(measured, number(page), 0.6), "{}: {measured:.1}, {page} in the page", row.scene);
+        }
+    }
+    let shares = |scene: &str| {
+        let row = page.iter().find(|row| row[0] == scene).unwrap_or_else(|| panic!("no scene {scene}"));
+        [number(row[4]), number(row[5])]
+    };
+    let readme = table(README, "scene | share");
+    let scenes = [
+        "silence",
+        "bank alone, 256 modes",
+        "bank alone, 512 modes",
+        "4 pads of 64 modes ringing",
+        "8 pads of 64 modes ringing",
+        "every pad of the demo kit struck, 100 ms",
+    ];
+    assert_eq!(readme.len(), scenes.len());
+    for (row, scene) in readme.iter().zip(scenes) {
+        let said = row[1..].iter().filter(|cell| !cell.is_empty()).zip(shares(scene));
+        said.for_each(|(said, page)| assert_eq!(number(said), page, "{scene}: README and page differ"));
+    }
+}
+
+#[test]
+fn kernels_of_the_readme_are_those_of_the_page() {
+    let page = table(PAGE, "kernel | form");
+    let of = |kernel: &str, form: &str, driven: &str| {
+        let is_it = |row: &&Vec<&str>| row[..4] == [kernel, form, driven, "32"];
+        page.iter().find(is_it).unwrap_or_else(|| panic!("no row {kernel}, {form}, {driven}"))
+    };
+    let readme = table(README, "kernel, blocks");
+    let kernels = [
+        ("Q31 bank", measure::ALL_FORMS),
+        ("Q31 bank", measure::BOOKKEEPING),
+        ("f32 modes", "modified coupled"),
+        ("plain loop", "direct form, f32"),
+        ("idsp", "Biquad<f32>, DirectForm2Transposed"),
+        ("biquad", "DirectForm2Transposed<f32>"),
+    ];
+    assert_eq!(readme.len(), kernels.len());
+    for (row, (kernel, form)) in readme.iter().zip(kernels) {
+        let driven = ["free", "gain", "gain and phase"];
+        for (said, driven) in row[1..4].iter().zip(driven).filter(|(said, _)| !said.is_empty()) {
+            let page = number(of(kernel, form, driven)[4]);
+            assert!((number(said) - page).abs() <= 0.051, "{kernel}, {form}, {driven}: {said}, {page} in the page");
+        }
+        for (said, driven) in row[4].split(", ").zip(driven).filter(|(said, _)| !said.is_empty()) {
+            let page = number(of(kernel, form, driven)[6]);
+            assert!((number(said) - page).abs() <= 0.051, "{kernel}, {form}, {driven}: {said}, {page} in the page");
+        }
+        if !row[5].is_empty() {
+            assert_eq!(number(row[5]), number(of(kernel, form, "free")[9]), "{kernel}, {form}");
+        }
+    }
+}
