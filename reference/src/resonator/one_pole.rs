@@ -116,21 +116,21 @@ impl OnePole {
         self.state = z;
     }
 
-    /// What the present gain makes of a newton: the addition to `z`, and half of h[0].
+    /// What the present gain makes of a newton: the addition to `z`, and what is subtracted at once.
     pub(crate) fn input(&self) -> (Complex, f64) {
-        (self.input, self.half_of_h0)
+        (self.input, self.at_once)
     }
 
     /// Adds the mode's sound under several forces (newtons), each with an [`Self::input`] of its own.
     pub(crate) fn drive_at(&mut self, forces: &[((Complex, f64), &[f64])], sound: &mut [f64]) {
         for (n, y) in sound.iter_mut().enumerate() {
             self.state = self.pole * self.state;
-            let mut halves = 0.0;
-            for ((input, half_of_h0), force) in forces {
+            let mut subtracted = 0.0;
+            for ((input, at_once), force) in forces {
                 self.state = self.state + *input * force[n];
-                halves += half_of_h0 * force[n];
+                subtracted += at_once * force[n];
             }
-            *y += self.state.re - halves;
+            *y += self.state.re - subtracted;
         }
     }
 
