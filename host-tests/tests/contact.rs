@@ -80,9 +80,7 @@ fn area(pulse: Pulse, restitution: f64) -> f64 {
         Pulse::Hertz => {
             let slopes = restitution.powf(4.6);
             let skew = (1.0 - slopes) / (1.0 + slopes);
-            Box::new(move |x: f64| {
-                (std::f64::consts::PI * x).sin() * (1.0 + skew * (std::f64::consts::PI * x).cos())
-            })
+            Box::new(move |x: f64| (std::f64::consts::PI * x).sin() * (1.0 + skew * (std::f64::consts::PI * x).cos()))
         }
     };
     let values: Vec<f64> = (0..20_000).map(|n| shape((f64::from(n) + 0.5) / 20_000.0)).collect();
@@ -145,10 +143,10 @@ fn forces_of_any_striker_leave_100_db_to_the_law() {
         };
         let loaded = force_alone(striker.clone());
         let hz = [8_000, 44_100, 48_000, 96_000, 192_000][number % 5];
-        let events = (0..8).map(|n| {
-            strike(5 + 700 * n, random.between(0.0, 4_294_967_295.0) as u32, random.between(0.3, 1.0) as f32)
-        });
-        let performance = Performance::new(events.collect(), None, &loaded.kit, rate(hz), Some(7_000.0 / f64::from(hz)));
+        let events = (0..8)
+            .map(|n| strike(5 + 700 * n, random.between(0.0, 4_294_967_295.0) as u32, random.between(0.3, 1.0) as f32));
+        let performance =
+            Performance::new(events.collect(), None, &loaded.kit, rate(hz), Some(7_000.0 / f64::from(hz)));
         let (bus, _) = instrument(&loaded, &performance, rate(hz), Skipping::Off);
         let snr = snr_db(&law(&loaded, &performance, rate(hz)), &bus);
         least = least.min(snr);

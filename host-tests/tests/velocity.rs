@@ -53,14 +53,16 @@ fn every_mode_of_every_shipped_pad_gets_louder_with_velocity() {
                         .map(|velocity| {
                             let impact = striker.strike(velocity, onset).expect("a velocity above 0");
                             let rate = reference::SampleRate { numerator: 48_000, denominator: 1 };
-                            (0..).take_while(|&sample| !impact.is_over(sample, rate)).map(|n| impact.force(n, rate)).collect()
+                            (0..)
+                                .take_while(|&sample| !impact.is_over(sample, rate))
+                                .map(|n| impact.force(n, rate))
+                                .collect()
                         })
                         .collect();
                     let audible = law.object.modes.iter().filter(|mode| mode.frequency_hz < RATE.hz() / 2.0);
                     for mode in audible {
-                        let fall = largest_fall(
-                            forces.iter().map(|force| energy(mode.frequency_hz, mode.decay_per_s, force)),
-                        );
+                        let fall =
+                            largest_fall(forces.iter().map(|force| energy(mode.frequency_hz, mode.decay_per_s, force)));
                         worst_db = worst_db.max(10.0 * fall.log10());
                     }
                 }

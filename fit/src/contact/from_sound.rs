@@ -61,11 +61,9 @@ pub fn contact_time_s(strike: &[f64], rate_hz: f64) -> Option<f64> {
         let differences: Vec<f64> = bands
             .iter()
             .map(|(bins, level_db)| {
-                let mean = bins
-                    .clone()
-                    .map(|bin| pulse_power(bin as f64 * bin_hz, contact_time_s) + LEAST_POWER)
-                    .sum::<f64>()
-                    / bins.len() as f64;
+                let mean =
+                    bins.clone().map(|bin| pulse_power(bin as f64 * bin_hz, contact_time_s) + LEAST_POWER).sum::<f64>()
+                        / bins.len() as f64;
                 let centre_hz = (bins.start + bins.end) as f64 / 2.0 * bin_hz;
                 level_db - decibels(mean) - TILT * decibels(centre_hz)
             })

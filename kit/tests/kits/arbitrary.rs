@@ -129,7 +129,14 @@ fn striker(name: String) -> impl Strategy<Value = Striker> {
     let peak = (number(range::PEAK_FORCE), number(range::PEAK_EXPONENT));
     let contact = (number(range::CONTACT_TIME_S), number(range::CONTACT_EXPONENT));
     (text(), text(), pulse, peak, contact, modes(1)).prop_map(
-        move |(source, licence, (pulse, restitution), (peak_force, peak_exponent), (contact_time_s, contact_exponent), modes)| {
+        move |(
+            source,
+            licence,
+            (pulse, restitution),
+            (peak_force, peak_exponent),
+            (contact_time_s, contact_exponent),
+            modes,
+        )| {
             Striker {
                 name: name.clone(),
                 source,

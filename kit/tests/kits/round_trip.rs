@@ -57,6 +57,7 @@ peak_force = 20.0
 peak_exponent = 1.2
 contact_time_s = 0.001
 contact_exponent = -0.2
+restitution = 0.45
 modes = []
 
 [[pad]]

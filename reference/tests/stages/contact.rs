@@ -58,9 +58,15 @@ fn a_hertz_pulse_follows_its_law_with_a_peak_of_1() {
 fn a_hertz_sample_is_the_mean_of_the_force_over_its_interval() {
     for restitution in [0.1, 0.45, 1.0] {
         let pulse = Pulse::Hertz { restitution };
-        for (contact_time_s, since_start_s) in
-            [(0.002, 1e-3), (0.002, 1e-5), (0.002, 2.01e-3), (2e-5, 1.1e-5), (2e-5, 2.5e-5), (2e-5, 4e-5), (1e-5, 1.5e-5)]
-        {
+        for (contact_time_s, since_start_s) in [
+            (0.002, 1e-3),
+            (0.002, 1e-5),
+            (0.002, 2.01e-3),
+            (2e-5, 1.1e-5),
+            (2e-5, 2.5e-5),
+            (2e-5, 4e-5),
+            (1e-5, 1.5e-5),
+        ] {
             let mean = (0..100_000)
                 .map(|n| {
                     let back_s = (f64::from(n) + 0.5) / 100_000.0 / RATE.hz();
@@ -69,7 +75,10 @@ fn a_hertz_sample_is_the_mean_of_the_force_over_its_interval() {
                 .sum::<f64>()
                 / 100_000.0;
             let got = pulse.sample(since_start_s, contact_time_s, RATE);
-            assert!((got - mean).abs() < 1e-6, "e = {restitution}, {contact_time_s} s, {since_start_s} s: {got} {mean}");
+            assert!(
+                (got - mean).abs() < 1e-6,
+                "e = {restitution}, {contact_time_s} s, {since_start_s} s: {got} {mean}"
+            );
         }
     }
 }
