@@ -1,7 +1,7 @@
 //! Sounds of known modes, to measure estimators with.
 
 use crate::audio::Recording;
-use crate::contact::half_sine;
+use crate::contact;
 use crate::modes::DampedSine;
 
 /// A recording of which everything is known.
@@ -117,7 +117,7 @@ pub fn hammered(seed: u64) -> Hammered {
     for index in 0..HAMMER_STRIKES {
         let peak = 0.15 * 6f64.powf(random.uniform());
         let contact_time_s = 0.35e-3 * peak.powf(-0.2) * (0.1 * random.normal()).exp();
-        let pulse: Vec<f64> = half_sine(contact_time_s, RATE_HZ).iter().map(|x| peak * x).collect();
+        let pulse: Vec<f64> = contact::force(contact_time_s, RATE_HZ).iter().map(|x| peak * x).collect();
         // Along the line each mode has nodes of its own.
         let at = |(frequency_hz, decay_per_s, level, phase): (f64, f64, f64, f64)| reference::Mode {
             frequency_hz,
@@ -144,7 +144,7 @@ pub fn hammered(seed: u64) -> Hammered {
 /// The reference's sound of `modes` under a force at 44.1 kHz.
 fn under_force(modes: Vec<reference::Mode>, force: &[f64], length: usize) -> Vec<f64> {
     let pad = reference::Pad {
-        object: reference::Object { modes, acceleration: 0.0, biquads: Vec::new(), dynamic_filter: None },
+        object: reference::Object { modes, acceleration: reference::Acceleration::NONE, biquads: Vec::new(), dynamic_filter: None },
         strikers: Vec::new(),
         striker_weight: 0.0,
         level_db: 0.0,

@@ -1,7 +1,7 @@
 //! The pads of a shipped kit are about equally loud, and together below full scale.
 
 use dsp_core::SampleRate;
-use malleus::loudness::{Meter, peak, sum};
+use malleus::loudness::{Meter, loudest_lkfs, peak, sum};
 
 /// Loudest 400 ms at velocity 0.8, K-weighted, from the softest to the loudest pad of a kit.
 const MOST_SPREAD_DB: f64 = 6.0;
@@ -49,4 +49,39 @@ fn pads_of_each_shipped_kit_at_once_or_rolled_stay_below_full_scale() {
         }
     }
     assert!(failures.is_empty(), "cargo run -p malleus --example kit_levels gives levels: {failures:?}");
+}
+
+/// Loudness of 2 s of a sine of full scale in the left channel.
+fn of_sine(hz: f64, rate_hz: f64) -> f64 {
+    let frames = (2.0 * rate_hz) as u32;
+    let sample = |n: u32| (std::f64::consts::TAU * hz * f64::from(n) / rate_hz).sin();
+    let sound: Vec<[f64; 2]> = (0..frames).map(|n| [sample(n), 0.0]).collect();
+    // What begins at once rings at the filters' low end: the loudest stretch of the second half.
+    loudest_lkfs(&sound[sound.len() / 2..], rate_hz, 0.4)
+}
+
+/// Magnitude in dB of the recommendation's two biquads at 48 kHz.
+fn published_db(hz: f64) -> f64 {
+    let power = |b: [f64; 3], a: [f64; 3]| {
+        let square = |c: [f64; 3]| {
+            let angle = std::f64::consts::TAU * hz / 48_000.0;
+            let re = c[0] + c[1] * angle.cos() + c[2] * (2.0 * angle).cos();
+            let im = c[1] * angle.sin() + c[2] * (2.0 * angle).sin();
+            re * re + im * im
+        };
+        10.0 * (square(b) / square(a)).log10()
+    };
+    power([1.53512485958697, -2.69169618940638, 1.19839281085285], [1.0, -1.69065929318241, 0.73248077421585])
+        + power([1.0, -2.0, 1.0], [1.0, -1.99004745483398, 0.99007225036621])
+}
+
+#[test]
+fn weighting_is_that_of_the_recommendation_at_every_rate() {
+    for rate_hz in [44_100.0, 48_000.0, 96_000.0] {
+        for hz in [100.0, 400.0, 997.0, 2_000.0, 5_000.0] {
+            let (got, expected) = (of_sine(hz, rate_hz), published_db(hz) - 3.01 - 0.691);
+            assert!((got - expected).abs() < 0.05, "{hz} Hz at {rate_hz} Hz: {got:.3}, not {expected:.3}");
+        }
+        assert!((of_sine(997.0, rate_hz) + 3.01).abs() < 0.05, "{rate_hz} Hz");
+    }
 }

@@ -96,11 +96,12 @@ fn one(instrument: &Instrument, recordings: &Path, out: &Path) -> Result<String,
         Provenance { name: instrument.name.to_owned(), source: source.to_owned(), licence: origin.licence };
     let mut table = fit::table::of_fit(&fitted.fit, &provenance);
     let limited = table.objects.iter_mut().map(|object| decay::limit(&mut object.modes, heard, rate_hz)).sum::<usize>();
+    let derived = if gain::balance(&mut table)? { ", acceleration sound derived for it" } else { "" };
     let wanted = 10f64.powf(PEAK_DBFS / 20.0) / louder_channel(instrument.pan);
     let peak = gain::peak(&table, 1.0)?;
     gain::scale(&mut table, wanted / peak);
     let source = format!(
-        "{source}; {}; decays of {limited} modes held to the recording's, all gains scaled in common",
+        "{source}; {}; decays of {limited} modes held to the recording's, all gains scaled in common{derived}",
         origin.source
     );
     table.name = instrument.name.to_owned();
