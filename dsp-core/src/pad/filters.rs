@@ -317,10 +317,13 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         self.frame = frame;
     }
 
-    /// Nominal cycles that a hand adds to its tick, which comes or goes.
+    /// Nominal cycles that a hand's coming or going adds to its tick: all sections that ring are scaled anew, as by a strike.
     pub fn cycles_of_hand(&self) -> u32 {
-        let biquads = if self.biquads.is_ringing() { self.biquads.cycles(TickKind::Struck) } else { 0 };
-        biquads + if self.hand.is_away() { 0 } else { self.dynamic.cycles_a_tick() / 2 }
+        if self.biquads.is_ringing() {
+            self.biquads.cycles(TickKind::Struck).saturating_sub(self.biquads.cycles(TickKind::Driven))
+        } else {
+            0
+        }
     }
 
     /// Nominal cycles of a tick in which it sounds, or of one in which it is struck.
