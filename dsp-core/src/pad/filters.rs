@@ -302,7 +302,8 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
             if waits == 0 {
                 self.hand.fade(now);
             }
-            (rest, since, frame) = (later, since.saturating_add(frames as u32).min(PAST), (frame + frames) % TICK_FRAMES);
+            (rest, since, frame) =
+                (later, since.saturating_add(frames as u32).min(PAST), (frame + frames) % TICK_FRAMES);
         }
         out.iter_mut().zip(&sound).for_each(|(out, &x)| *out = fixed::qadd(*out, x));
     }
