@@ -6,6 +6,7 @@ use dsp_core::waveguide::{Loop, LoopError};
 use host_tests::dynamic_filter::{Table, play};
 use host_tests::snr::snr_db;
 use proptest::prelude::*;
+use std::f64::consts::TAU;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
@@ -76,6 +77,42 @@ fn loops_that_ring_for_twenty_seconds_keep_ninety_db() {
         assert!(whole >= 90.0, "{what}: {whole}");
         // They do ring: 60 dB in some 20 s.
         assert!(level(&exact[216_000..]) > level(&exact[24_000..36_000]) - 20.0, "{what}");
+    }
+}
+
+/// The table of docs/kit-format.md: what a loop's numerator of two terms lets through far from its middle, of what it has there.
+#[test]
+fn loops_pass_far_from_their_middle_what_the_page_says() {
+    let rate = reference::SampleRate { numerator: 48_000, denominator: 1 };
+    for (frequency_hz, bandwidth_hz, at_0, at_nyquist, at_tenth, of_eq_10) in [
+        (100.0, 2.0, -68.1, -77.7, -53.7, -53.9),
+        (500.0, 20.0, -48.1, -57.7, -45.0, -47.9),
+        (2_000.0, 20.0, -48.4, -57.8, -48.1, -60.0),
+        (2_000.0, 100.0, -34.4, -43.8, -34.1, -46.0),
+        (8_000.0, 100.0, -39.3, -45.3, -39.2, -58.8),
+    ] {
+        let of = |numerator: [f64; 3], [c3, c4]: [f64; 2], hz: f64| {
+            let section = reference::biquad::Biquad { numerator, denominator: [c3, c4] };
+            20.0 * section.magnitude(hz / 48_000.0 * TAU).log10()
+        };
+        let mut worst = [f64::NEG_INFINITY; 3];
+        let mut eq_10 = 0.0;
+        for step in 0..40 {
+            let delay_s = (100.0 + f64::from(step) / 40.0) / 48_000.0;
+            let one = reference::waveguide::Loop { frequency_hz, bandwidth_hz, gain: 1.0, delay_s };
+            let tuned = one.tuned(rate);
+            let [c0, c1] = tuned.numerator;
+            assert!(of([c0, c1, 0.0], tuned.denominator, frequency_hz).abs() < 1e-9);
+            for (worst, hz) in worst.iter_mut().zip([0.0, 24_000.0, frequency_hz / 10.0]) {
+                *worst = worst.max(of([c0, c1, 0.0], tuned.denominator, hz));
+            }
+            // c0 = τ / (1 + τ) = (1 - c4) / 2.
+            let c = (1.0 - tuned.denominator[1]) / 2.0;
+            eq_10 = of([c, 0.0, -c], tuned.denominator, frequency_hz / 10.0);
+        }
+        for (found, said) in worst.into_iter().chain([eq_10]).zip([at_0, at_nyquist, at_tenth, of_eq_10]) {
+            assert!((found - said).abs() < 0.1, "{frequency_hz} Hz, {bandwidth_hz} Hz: {found:.2} dB, said {said} dB");
+        }
     }
 }
 

@@ -91,7 +91,10 @@ fn the_reference_plays_filters_and_says_what_it_leaves_out() {
     let biquads = format!("{}{}", &KIT[..start], &KIT[end..]).replace("gain = 0.01", "gain = 0.125");
     let events =
         "time_s,pad,velocity,action\n0.01,bar,1,\n0.015,bar,,choke\n0.02,bar,0.5,\n0.1,bar,,release\n0.2,bar,1,\n";
-    for (kit, steps) in [(&*biquads, 2), (KIT, 40)] {
+    // Zeros that another rate moves: a real one below 0, and one beyond half of 22.05 kHz.
+    let of_zero = |zero: &str| biquads.replace("zero = [1, 0]", zero);
+    let (negative, high) = (of_zero("zero = [-1, 0]"), of_zero("zero = [-0.8, 0.3]"));
+    for (kit, steps) in [(&*biquads, 2), (&*negative, 2), (&*high, 2), (KIT, 40)] {
         let folder = folder(kit);
         fs::write(folder.path().join("s.csv"), events).unwrap();
         let sound = |words: &str, file: &str| -> Vec<i32> {
@@ -99,7 +102,7 @@ fn the_reference_plays_filters_and_says_what_it_leaves_out() {
             assert!(output.status.success() && output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
             hound::WavReader::open(folder.path().join(file)).unwrap().into_samples().map(Result::unwrap).collect()
         };
-        for rate in [48_000, 44_100] {
+        for rate in [48_000, 44_100, 96_000, 22_050] {
             let own = sound(&format!("play --kit kit.toml --strikes s.csv -o a.wav --no-skip --rate {rate}"), "a.wav");
             let law =
                 sound(&format!("play --kit kit.toml --strikes s.csv -o b.wav --reference --rate {rate}"), "b.wav");

@@ -45,7 +45,8 @@ impl Choked {
             let pole = Pole::new(root(part), part.pole.mirrored, &form);
             let (before, after) = (part.pole.entry(), pole.entry());
             let of_v = kept * (1.0 - part.pole.step_squared()) - (1.0 - pole.step_squared());
-            (*there, *back) = ([kept * before / after, of_v / after], [after / (kept * before), -of_v / (kept * before)]);
+            (*there, *back) =
+                ([kept * before / after, of_v / after], [after / (kept * before), -of_v / (kept * before)]);
             let ([gain_u, gain_v], [of_u, of_v]) = (part.gains, *there);
             let gains = [kept * (of_u * gain_u + of_v * gain_v), kept * gain_v];
             *slot = Part { pole, gains, handed: kept * kept * part.handed };

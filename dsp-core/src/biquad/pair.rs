@@ -297,7 +297,8 @@ impl Pair {
 
     /// Whether another single section may stand beside this one's.
     pub(super) fn takes(&self, other: &Self) -> bool {
-        self.wiring() == Wiring::Single && other.wiring() == Wiring::Single
+        self.wiring() == Wiring::Single
+            && other.wiring() == Wiring::Single
             && (self.kind, self.other.form) == (other.kind, other.other.form)
     }
 

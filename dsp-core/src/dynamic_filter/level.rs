@@ -126,9 +126,12 @@ mod tests {
 
     #[test]
     fn the_gain_for_noise_is_that_of_the_impulse_response() {
-        for (a1, a2, b0, b1, b2) in
-            [(-0.5, 0.0, 0.3, 0.3, 0.0), (0.9, 0.0, 1.0, -0.4, 0.0), (-1.2, 0.7, 0.2, -0.1, 0.4), (-1.5, 0.55, 1.0, 0.0, -0.9)]
-        {
+        for (a1, a2, b0, b1, b2) in [
+            (-0.5, 0.0, 0.3, 0.3, 0.0),
+            (0.9, 0.0, 1.0, -0.4, 0.0),
+            (-1.2, 0.7, 0.2, -0.1, 0.4),
+            (-1.5, 0.55, 1.0, 0.0, -0.9),
+        ] {
             let point = Breakpoint { a1, a2, b0, b1, b2, ..Breakpoint::default() };
             let (mut y, mut sum) = ([0.0; 2], 0.0);
             for n in 0..5_000 {
@@ -142,7 +145,12 @@ mod tests {
                 sum += now * now;
                 y = [now, y[0]];
             }
-            assert!((noise_gain(&point) / sum.sqrt() - 1.0).abs() < 1e-9, "{point:?}: {} {}", noise_gain(&point), sum.sqrt());
+            assert!(
+                (noise_gain(&point) / sum.sqrt() - 1.0).abs() < 1e-9,
+                "{point:?}: {} {}",
+                noise_gain(&point),
+                sum.sqrt()
+            );
         }
     }
 }

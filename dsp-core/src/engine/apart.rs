@@ -125,4 +125,8 @@ impl<F: FilterRoom> FilterRoom for Apart<'_, F> {
     fn cycles(&self, pad: u8, struck: bool) -> u32 {
         self.0.as_ref().map_or(0, |filters| filters.cycles(pad, struck))
     }
+
+    fn hand_cycles(&self, pad: u8) -> u32 {
+        self.0.as_ref().map_or(0, |filters| filters.hand_cycles(pad))
+    }
 }

@@ -58,6 +58,9 @@ pub trait FilterRoom {
 
     /// Nominal cycles that the filters of a pad take in this tick if they sound on; with `struck`, those that a strike adds to them.
     fn cycles(&self, pad: u8, struck: bool) -> u32;
+
+    /// Nominal cycles that a hand's coming to a pad, or going, adds to its tick.
+    fn hand_cycles(&self, pad: u8) -> u32;
 }
 
 /// No room: no memory and no code. A kit's dynamic filters and biquads are then not heard.
@@ -131,6 +134,11 @@ impl FilterRoom for NoFilters {
 
     #[inline(always)]
     fn cycles(&self, _: u8, _: bool) -> u32 {
+        0
+    }
+
+    #[inline(always)]
+    fn hand_cycles(&self, _: u8) -> u32 {
         0
     }
 }
@@ -317,6 +325,10 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
         let ringing = if filters.is_ringing() { filters.cycles_a_tick(false) } else { 0 };
         if struck { filters.cycles_a_tick(true).saturating_sub(ringing) } else { ringing }
     }
+
+    fn hand_cycles(&self, pad: u8) -> u32 {
+        self.of(pad).map_or(0, PadFilters::cycles_of_hand)
+    }
 }
 
 /// What a pad's run is made from.
@@ -425,9 +437,13 @@ impl<
         pads.map(|pad| self.filters.cycles(pad, false)).sum()
     }
 
-    /// Cycles of the filters that a strike begins, in its tick.
+    /// Cycles of the filters that a strike begins, or that a hand changes, in its tick.
     #[inline(always)]
     pub(super) fn filter_strike_cycles(&self, event: &Event) -> u32 {
-        if self.filtered && event.action == Action::Strike { self.filters.cycles(event.pad, true) } else { 0 }
+        match event.action {
+            Action::Strike if self.filtered => self.filters.cycles(event.pad, true),
+            Action::Choke | Action::Release if self.filtered => self.filters.hand_cycles(event.pad),
+            _ => 0,
+        }
     }
 }

@@ -302,7 +302,8 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
             if waits == 0 {
                 self.hand.fade(now);
             }
-            (rest, since, frame) = (later, since.saturating_add(frames as u32).min(PAST), (frame + frames) % TICK_FRAMES);
+            (rest, since, frame) =
+                (later, since.saturating_add(frames as u32).min(PAST), (frame + frames) % TICK_FRAMES);
         }
         out.iter_mut().zip(&sound).for_each(|(out, &x)| *out = fixed::qadd(*out, x));
     }
@@ -317,10 +318,13 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         self.frame = frame;
     }
 
-    /// Nominal cycles that a hand adds to its tick, which comes or goes.
+    /// Nominal cycles that a hand's coming or going adds to its tick: all sections that ring are scaled anew, as by a strike.
     pub fn cycles_of_hand(&self) -> u32 {
-        let biquads = if self.biquads.is_ringing() { self.biquads.cycles(TickKind::Struck) } else { 0 };
-        biquads + if self.hand.is_away() { 0 } else { self.dynamic.cycles_a_tick() / 2 }
+        if self.biquads.is_ringing() {
+            self.biquads.cycles(TickKind::Struck).saturating_sub(self.biquads.cycles(TickKind::Driven))
+        } else {
+            0
+        }
     }
 
     /// Nominal cycles of a tick in which it sounds, or of one in which it is struck.

@@ -30,15 +30,8 @@ const MUTE: u64 = ONE >> 20;
 
 impl Hand {
     /// No hand.
-    pub const AWAY: Self = Self {
-        gain: ONE,
-        inverse: ONE_INVERSE,
-        wanted: 0.0,
-        drop: 0,
-        rise: 0,
-        frames: 0,
-        spent: false,
-    };
+    pub const AWAY: Self =
+        Self { gain: ONE, inverse: ONE_INVERSE, wanted: 0.0, drop: 0, rise: 0, frames: 0, spent: false };
 
     /// Whether it changes nothing.
     #[inline(always)]

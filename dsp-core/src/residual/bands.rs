@@ -73,13 +73,8 @@ pub(super) struct Passage {
 
 impl Passage {
     /// From one frame to the next.
-    pub(super) const NEXT: Self = Self {
-        ticks: FRAME_TICKS,
-        choked_ticks: 0.0,
-        is_choked: false,
-        waiting: [0.0; WAITING],
-        is_late: false,
-    };
+    pub(super) const NEXT: Self =
+        Self { ticks: FRAME_TICKS, choked_ticks: 0.0, is_choked: false, waiting: [0.0; WAITING], is_late: false };
 
     /// Whether a strike adds to the energies.
     pub(super) fn is_struck(&self) -> bool {
@@ -118,14 +113,8 @@ pub(super) struct Common {
 }
 
 impl Common {
-    pub(super) const NONE: Self = Self {
-        power: 0.0,
-        quarter: 1.0,
-        quarters: [1.0; 2],
-        eighth: 1.0,
-        moments: [1.0, 0.0, 0.0],
-        is_onset: false,
-    };
+    pub(super) const NONE: Self =
+        Self { power: 0.0, quarter: 1.0, quarters: [1.0; 2], eighth: 1.0, moments: [1.0, 0.0, 0.0], is_onset: false };
 
     /// Of a power at a frame's beginning, what is left of it after a quarter without a hand and with one, and what the hand leaves after an eighth, if it
     /// lies there.
@@ -194,7 +183,8 @@ pub(super) struct Bands {
 }
 
 impl Bands {
-    pub(super) const NONE: Self = Self { bands: [Band::NONE; MAX_BANDS], count: 0, lower: 0.0, strike_power: 0.0, hand: [1.0; 2] };
+    pub(super) const NONE: Self =
+        Self { bands: [Band::NONE; MAX_BANDS], count: 0, lower: 0.0, strike_power: 0.0, hand: [1.0; 2] };
 
     /// Derives the bands for a rate; those beyond `MAX_BANDS` are left out. `hand_db_per_s` is what a hand makes them fall by at least, 0 where none can.
     pub(super) fn new(laws: impl Iterator<Item = BandLaw>, hand_db_per_s: f64, rate: SampleRate) -> Self {

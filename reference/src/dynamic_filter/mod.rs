@@ -45,7 +45,8 @@ impl Breakpoint {
         let Self { a1, a2, b0, b1, b2, .. } = *self;
         // The variance of an ARMA(2, 2) process.
         let e = 1.0 + a2;
-        let above = (b0 * b0 + b1 * b1 + b2 * b2) * e - 2.0 * (b0 * b1 + b1 * b2) * a1 + 2.0 * b0 * b2 * (a1 * a1 - a2 * e);
+        let above =
+            (b0 * b0 + b1 * b1 + b2 * b2) * e - 2.0 * (b0 * b1 + b1 * b2) * a1 + 2.0 * b0 * b2 * (a1 * a1 - a2 * e);
         let below = (1.0 - a2 * a2) * e - (1.0 - a2) * a1 * a1;
         (above / below).max(0.0).sqrt()
     }

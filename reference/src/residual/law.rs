@@ -2,11 +2,22 @@
 
 use std::f64::consts::PI;
 
-use super::Band;
+use super::{Band, Hold};
 
 /// Expected power of a band a time (seconds, not negative) after a strike at the reference force: `w² 10^(-γ t/10)`.
 pub fn power(band: &Band, time_s: f64) -> f64 {
     band.weight * band.weight * 10f64.powf(-band.decay_db_per_s * time_s / 10.0)
+}
+
+/// What is left of a band's amplitude a time (seconds, not negative) after a strike: it falls by its own decay, and by at least the hand's while one of
+/// `holds`, which do not overlap, lies on the object.
+pub fn envelope(band: &Band, holds: &[Hold], time_s: f64) -> f64 {
+    let own = band.decay_per_s();
+    let more = |hold: &Hold| {
+        let held_s = (hold.to_s.min(time_s) - hold.from_s.max(0.0)).max(0.0);
+        (1000f64.ln() / hold.t60_s - own).max(0.0) * held_s
+    };
+    (-own * time_s - holds.iter().map(more).sum::<f64>()).exp()
 }
 
 /// Expected one-sided energy density (full scale squared times seconds per hertz) of one strike at a frequency.

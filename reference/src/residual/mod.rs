@@ -8,8 +8,8 @@ mod fourier;
 mod law;
 mod render;
 
-pub use law::{energy_density, power};
-pub use render::render;
+pub use law::{energy_density, envelope, power};
+pub use render::{render, render_held};
 
 /// A band of decaying noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +20,17 @@ pub struct Band {
     pub weight: f64,
     /// Decay γ, in dB/s.
     pub decay_db_per_s: f64,
+}
+
+/// A time for which a hand lies on the object, counted from the strike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hold {
+    /// When it comes, in seconds after the strike; below 0 where it lay there before.
+    pub from_s: f64,
+    /// When it goes.
+    pub to_s: f64,
+    /// T60 that it imposes, in seconds.
+    pub t60_s: f64,
 }
 
 impl Band {

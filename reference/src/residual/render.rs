@@ -1,7 +1,8 @@
 //! The law carried out: white noise, cut into bands, each under its own envelope.
 
-use super::Band;
 use super::fourier::transform;
+use super::law::envelope;
+use super::{Band, Hold};
 use crate::rate::SampleRate;
 use crate::resonator::Complex;
 
@@ -9,6 +10,11 @@ use crate::resonator::Complex;
 ///
 /// The bands are cut from one Gaussian noise in its spectrum, so that their edges are sharp; a band's rms is right on average over noises.
 pub fn render(bands: &[Band], length: usize, rate: SampleRate, seed: u64) -> Vec<f64> {
+    render_held(bands, &[], length, rate, seed)
+}
+
+/// As [`render`], with hands on the object.
+pub fn render_held(bands: &[Band], holds: &[Hold], length: usize, rate: SampleRate, seed: u64) -> Vec<f64> {
     let size = length.next_power_of_two().max(2);
     let mut random = Random(seed);
     let noise: Vec<Complex> = (0..size).map(|_| Complex { re: random.normal(), im: 0.0 }).collect();
@@ -23,7 +29,7 @@ pub fn render(bands: &[Band], length: usize, rate: SampleRate, seed: u64) -> Vec
         // White noise of variance 1 has the power 2 (f2 - f1)/fs in a band; the transform there and back multiplies by its size.
         let gain = band.weight / (2.0 * (high - low) / rate.hz()).sqrt() / size as f64;
         for (n, (sound, wave)) in sound.iter_mut().zip(&wave).enumerate() {
-            *sound += gain * wave.re * (-band.decay_per_s() * n as f64 / rate.hz()).exp();
+            *sound += gain * wave.re * envelope(band, holds, n as f64 / rate.hz());
         }
     }
     sound
