@@ -56,7 +56,7 @@ const SHORTEST_GAUSSIAN_SAMPLES: f64 = 1.75;
 impl Pulse {
     /// The Hertz pulse of a coefficient of restitution, 0.1 to 1.
     ///
-    /// A and N are within 2^-21, by `f32`: some 700 cycles on a Cortex-M4F, once a strike.
+    /// A and N are within 2^-21, by `f32`; once a strike, within what `Part::Strike` counts.
     pub fn hertz(restitution: f32) -> Self {
         const SLOPE_EXPONENT_Q27: i32 = (4.6 * ONE_Q27 as f64) as i32;
         // At most 1, and 2^-16 at e = 0.1: `Log2` holds numbers at 1, shifts are held at 31.
