@@ -5,10 +5,11 @@ use dsp_core::SampleRate;
 use dsp_core::engine::{Part, Skipping};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::table::Kit as KitView;
-use host_tests::performance::{instrument, law, snr_db};
+use host_tests::performance::{self, law, snr_db};
 use host_tests::scene::{hand, load, mode, one_pad, strike};
 use kit::Mode;
-use malleus::render::Performance;
+use malleus::render::instrument::{Output, Settings};
+use malleus::render::{Performance, instrument};
 use proptest::prelude::*;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
@@ -20,7 +21,7 @@ fn budget<B: Board>() -> u32 {
 
 fn snr_to_the_law(loaded: &kit::Loaded, events: Vec<Event>) -> f64 {
     let performance = Performance::new(events, None, &loaded.kit, RATE, Some(0.4));
-    let (bus, _) = instrument(loaded, &performance, RATE, Skipping::Off);
+    let (bus, _) = performance::instrument(loaded, &performance, RATE, Skipping::Off);
     snr_db(&law(loaded, &performance, RATE), &bus)
 }
 
@@ -191,4 +192,25 @@ fn a_choked_bell_of_the_demo_kit_falls_by_its_t60_under_a_boards_budget() {
         // 60 dB in 0.25 s are 12 dB between the middles of the two parts, 50 to 60 ms apart.
         assert!(shed_groups == 0 && (9.0..18.0).contains(&fall_db), "{board}: {fall_db:.1} dB, {shed_groups} groups");
     }
+}
+
+#[test]
+fn no_tick_of_the_demo_piece_is_planned_beyond_its_budget() {
+    // 80 % of 168 MHz; the piece chokes pads while others ring.
+    const BUDGET: u32 = 89_600;
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tables/demo-piece.csv");
+    let loaded = kit::open("demo").expect("the kit ships with the project");
+    let view = KitView::parse(&loaded.binary).expect("it is valid");
+    let events = malleus::events::read(&path, &view, RATE).expect("the piece is valid").events;
+    let hands = events.iter().filter(|event| matches!(event.action, Action::Choke | Action::Release)).count();
+    let performance = Performance::new(events, None, &loaded.kit, RATE, Some(1.0));
+    let settings = Settings { rate: RATE, block: 32, skipping: Skipping::On, budget_cycles: Some(BUDGET) };
+    let (mut dearest, mut shed_groups) = (0, 0);
+    instrument::render(&view, &performance, settings, Output::Samples24, |report| {
+        dearest = dearest.max(report.predicted_cycles());
+        shed_groups += report.shed.groups;
+    })
+    .expect("the kit fits");
+    println!("{hands} hands, dearest tick {dearest} of {BUDGET} cycles, {shed_groups} groups shed");
+    assert!(hands > 0 && dearest <= BUDGET && shed_groups == 0, "{dearest} cycles, {shed_groups} groups shed");
 }
