@@ -177,8 +177,7 @@ impl<const CAPACITY: usize> Flight<CAPACITY> {
 
     /// Adds the force of the contacts of one of a pad's strikers in a position slot to a run, and moves these contacts on.
     pub fn add_force(&mut self, pad: u8, striker: u8, slot: u8, force: &mut [i32]) {
-        let own =
-            |contact: &&mut Contact| contact.pad == pad && contact.striker == striker && contact.slot == slot;
+        let own = |contact: &&mut Contact| contact.pad == pad && contact.striker == striker && contact.slot == slot;
         self.contacts.iter_mut().take(self.count).filter(own).for_each(|contact| contact.add_to(force));
     }
 

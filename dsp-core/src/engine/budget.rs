@@ -277,8 +277,8 @@ impl<
             for bank in pad_banks.iter().filter(|bank| bank.mode_count() > 0) {
                 let (cycles, running) = bank.cycles(&self.groups, used, frames);
                 let has_second = bank.can_take_second() && self.has_second(number, is_direct, struck, bank);
-                counts.add(Part::KernelCycle, if has_second { 2 * cycles } else { cycles });
-                counts.add(Part::SecondGroup, if has_second { running } else { 0 });
+                counts.add(Part::KernelCycle, cycles);
+                counts.add(Part::SecondFrame, if has_second { running * frames } else { 0 });
                 on_bus |= has_second;
                 // Of a driven bank all are looked at closely.
                 counts.add(Part::PredictedGroup, bank.group_count() * (1 + u32::from(is_driven)));

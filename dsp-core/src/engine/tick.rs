@@ -182,7 +182,10 @@ impl<
             && self.report.residuals == 0
             && self.report.filters == 0
             && self.room.is_silent()
-            && self.pads().iter().all(|pad| pad.retired_amplitude() == 0.0 && !Pad::is_being_reached(pad.own(&self.banks)));
+            && self
+                .pads()
+                .iter()
+                .all(|pad| pad.retired_amplitude() == 0.0 && !Pad::is_being_reached(pad.own(&self.banks)));
         if self.idle {
             let unstruck = self.pads().iter().filter(|pad| !pad.was_struck());
             self.unstruck_modes = unstruck.map(|pad| pad.mode_count() as u32).sum();

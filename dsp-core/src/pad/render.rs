@@ -324,7 +324,9 @@ fn add_forces<const CONTACTS: usize>(
     match second {
         Some(second) => {
             flight.add_force(pad, index, 1, second);
-            direct.into_iter().for_each(|direct| add(if direct_slot == 1 { &mut *second } else { &mut *first }, direct));
+            direct
+                .into_iter()
+                .for_each(|direct| add(if direct_slot == 1 { &mut *second } else { &mut *first }, direct));
         }
         None => direct.into_iter().for_each(|direct| add(first, direct)),
     }

@@ -32,7 +32,8 @@ mod order;
 pub mod retirement;
 
 pub use bank::{
-    Audience, Bank, BankError, BankTable, BankWork, HAND_MODES_PER_TICK, Memory, Place, Origin, Selection, Shed, Survey, UpcomingRun, Use, Used,
+    Audience, Bank, BankError, BankTable, BankWork, HAND_MODES_PER_TICK, Memory, Origin, Place, Selection, Shed,
+    Survey, UpcomingRun, Use, Used,
 };
 pub use coefficient::max_decay_per_s;
 pub use group::Group;

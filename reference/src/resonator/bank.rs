@@ -147,7 +147,8 @@ impl<'a> Bank<'a> {
         for index in 0..self.one_poles.len() {
             let mut inputs = Vec::new();
             for (position, force) in forces {
-                if let (Some(one_pole), Some(gain)) = (&mut self.one_poles[index], self.modes[index].gain_at(*position)) {
+                if let (Some(one_pole), Some(gain)) = (&mut self.one_poles[index], self.modes[index].gain_at(*position))
+                {
                     one_pole.set_gain(gain, self.rate);
                     inputs.push((one_pole.input(), *force));
                 }

@@ -14,9 +14,7 @@
 //! that a bank takes as many passes of a hand between two guards as the reserve holds, and must be guarded before the next.
 //! A bank with a mode so low that not even one fits is guarded around each step, with room for the u that grows.
 
-use super::super::coefficient::{
-    Coefficients, Form, Pole, change_of_u, decay_of_t60, delta_of_t60, growth_of_change,
-};
+use super::super::coefficient::{Coefficients, Form, Pole, change_of_u, decay_of_t60, delta_of_t60, growth_of_change};
 use super::super::group::{MAX_GUARD_TICKS, ticks_to_half_a_bit};
 use super::super::headroom::LIMIT;
 use super::{Bank, BankTable, Memory, Origin, for_each_group};
@@ -379,7 +377,9 @@ mod tests {
         let mut largest = 0.0f32;
         for frequency in (1..=355).map(|n| f64::from(n) * 10.0) {
             for choke_t60 in (0..60).map(|n| 0.001 * 1.1f64.powi(n)) {
-                let Some(pole) = Pole::new(frequency, 0.1, rate).filter(|pole| pole.form == Form::Coupled) else { continue };
+                let Some(pole) = Pole::new(frequency, 0.1, rate).filter(|pole| pole.form == Form::Coupled) else {
+                    continue;
+                };
                 let choked = pole.coefficients.choked(pole.form, delta_of_t60(choke_t60, rate));
                 largest = largest.max(1.0 + change_of_u(pole.coefficients, choked));
             }

@@ -1,9 +1,9 @@
 //! Positions: each contact drives the gains of the place that it strikes.
 //!
 //! A bank plays force at two positions at a time, its **slots**. The modes hold the gains of slot 0. Those of slot 1 lie behind the
-//! origins of all banks, where there is memory for them: [`Bank::reserve_second`]. The bank is linear, and so the force in
-//! slot 1 drives a copy of the modes that starts from rest, over each run, and what it makes is added to sound and states.
-//! While slot 1 has no force nothing of this takes any time.
+//! origins of all banks, where there is memory for them: [`Bank::reserve_second`]. The force in slot 1 is
+//! injected behind that in slot 0, frame by frame: a copy of the modes that is driven over a run and added at its end would
+//! round otherwise wherever a caller cuts a block. While slot 1 has no force nothing of this takes any time.
 //!
 //! A strike takes the slot that has its position; else one that no contact drives, slot 0 first; else, merged, the slot whose
 //! position is nearer.
@@ -13,12 +13,11 @@ use core::ops::Range;
 use super::super::coefficient::Pole;
 use super::super::gain::{gain_law, onset, orbit_gains, taken_at_once};
 use super::super::group::{GROUP_MODES, Group};
-use super::super::kernel::{self, Backward};
-use super::super::mode::{InputGain, Mode, State};
+use super::super::mode::{InputGain, Mode};
 use super::hand::Hand;
 use super::{Bank, BankTable, Memory, Origin, Used, for_each_group};
 use crate::SampleRate;
-use crate::fixed::Scale;
+use crate::fixed::{self, Scale};
 
 /// Slot 1 of a bank.
 #[derive(Clone, Copy, Debug)]
@@ -168,7 +167,11 @@ impl Bank {
             let derived = orbit_gains(group, |slot| gain(index(slot)), pole);
             let mut moved = [InputGain::default(); GROUP_MODES];
             let mut kept = [InputGain::default(); GROUP_MODES];
-            let injected = |slot: usize| modes.get(slot).map_or((0.0, 0.0), |mode| derived(slot, mode));
+            let mut injections = [(0.0, 0.0); GROUP_MODES];
+            for (slot, (injection, mode)) in injections.iter_mut().zip(&*modes).enumerate() {
+                *injection = derived(slot, mode);
+            }
+            let injected = |slot: usize| injections.get(slot).copied().unwrap_or((0.0, 0.0));
             let scale = Group::gain_scale(group.form(), modes.len(), gain_room, injected);
             for (slot, gain) in moved.iter_mut().enumerate().take(modes.len()) {
                 *gain = scale.mantissas(injected(slot));
@@ -199,32 +202,26 @@ impl Bank {
     }
 }
 
-/// Adds what a force in slot 1 makes of groups: to the mix, and to the states of their modes. `gains` begin with those of the
-/// groups' modes.
-#[inline(never)] // its copies must not weigh on runs without
-pub(super) fn drive_second(
-    (groups, modes, gains): (&[Group], &mut [Mode], &[Origin]),
-    run: kernel::Run,
-    force: &Backward,
-    mix: &mut Backward,
-) {
-    let (mut modes, mut gains) = (modes, gains);
+/// Injects one frame of force in slot 1 into groups that have run that frame, and gives what it adds to the mix. `gains` begin with
+/// those of the groups' modes.
+#[inline(never)] // once a frame, and not in the way of runs without
+pub(super) fn inject_second((groups, modes, gains): (&[Group], &mut [Mode], &[Origin]), skip: bool, force: i32) -> i32 {
+    let (mut modes, mut gains) = (modes.iter_mut(), gains.iter());
+    let mut mix = 0i32;
     for group in groups {
-        let Some((now, later)) = core::mem::take(&mut modes).split_at_mut_checked(group.count()) else { return };
-        let Some((gains_now, gains_later)) = gains.split_at_checked(group.count()) else { return };
-        (modes, gains) = (later, gains_later);
-        if run.skip && !group.ringing() {
-            continue;
-        }
-        let mut driven = [Mode::SILENT; GROUP_MODES];
-        for ((driven, mode), gain) in driven.iter_mut().zip(&*now).zip(gains_now) {
-            *driven = Mode { state: State::default(), coefficients: mode.coefficients, gain: gain.gain() };
-        }
-        kernel::driven(core::slice::from_ref(group), &mut driven, kernel::Run { add: true, ..run }, force, mix);
-        for (driven, mode) in driven.iter().zip(now) {
-            // Within the bounds of the guard, which allowed for both forces; in builds with debug assertions this is checked.
-            mode.state.u += driven.state.u;
-            mode.state.v += driven.state.v;
+        let plan = group.plan();
+        let (shift, is_left_out) = (plan.gain_shift(), skip && plan.is_at_rest());
+        for (mode, origin) in modes.by_ref().zip(gains.by_ref()).take(plan.count()) {
+            if is_left_out {
+                continue;
+            }
+            let gain = origin.gain();
+            let (u, v) = (fixed::smmulr(gain.u >> shift, force), fixed::smmulr(gain.v >> shift, force));
+            // Within the bounds of the guard, which has allowed for both forces; checked in builds with debug assertions.
+            mode.state.u += u;
+            mode.state.v += v;
+            mix += fixed::smmulr(v, plan.mix_scale());
         }
     }
+    mix
 }

@@ -5,6 +5,7 @@ use super::super::group::Group;
 use super::super::kernel::{self, Backward, Stereo};
 use super::super::mode::Mode;
 use super::guard::MAX_ALLOWANCE;
+use super::position::inject_second;
 use super::{Bank, BankWork, Memory};
 use crate::fixed;
 use crate::output::Gains;
@@ -133,7 +134,11 @@ impl Bank {
             let (out_now, out_later) =
                 core::mem::take(&mut out).split_at_mut_checked(count).unwrap_or((&mut [], &mut []));
             let (second_now, second_later) = second.split_at_checked(count).unwrap_or((second, &[]));
-            self.drive(memory, (now, second_now), odd, skip, out_now);
+            if second_now.is_empty() {
+                self.drive(memory, now, odd, skip, out_now);
+            } else {
+                self.drive_both(memory, (now, second_now), odd, skip, out_now);
+            }
             second = second_later;
             work.driven_mode_frames += self.running_modes(skip) * count as u32;
             work.refused += u32::from(self.refusing);
@@ -209,7 +214,7 @@ impl Bank {
         stereo: Stereo<'_>,
     ) {
         let mut mix = [0; TICK_FRAMES];
-        self.drive_mirrored(memory, run, shifted, None, odd_start, &mut mix);
+        self.drive_mirrored(memory, run, shifted, odd_start, &mut mix);
         if let Some((groups, modes)) = self.plain(memory) {
             kernel::driven_stereo(groups, modes, run, shifted, Some(&mix), stereo);
         }
@@ -234,7 +239,6 @@ impl Bank {
         memory: &mut Memory<'_>,
         run: kernel::Run,
         shifted: &mut Backward,
-        second: Option<&mut Backward>,
         odd_start: bool,
         mix: &mut Backward,
     ) -> bool {
@@ -242,83 +246,69 @@ impl Bank {
         alternate(shifted, odd_start);
         kernel::driven(groups, modes, run, shifted, mix);
         alternate(shifted, odd_start);
-        if let Some(second) = second {
-            alternate(second, odd_start);
-            self.drive_second(memory, true, run, second, mix);
-            alternate(second, odd_start);
-        }
         alternate(mix, odd_start);
         true
     }
 
     /// A run with a force for which the groups are guarded.
-    fn drive(
-        &mut self,
-        memory: &mut Memory<'_>,
-        (force, second): (&[i32], &[i32]),
-        odd_start: bool,
-        skip: bool,
-        out: &mut [i32],
-    ) {
-        if !second.is_empty() {
-            return self.drive_both(memory, (force, second), odd_start, skip, out);
-        }
+    fn drive(&mut self, memory: &mut Memory<'_>, force: &[i32], odd_start: bool, skip: bool, out: &mut [i32]) {
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
         let (mut mix, mut shifted) = ([0; TICK_FRAMES], self.shifted(force));
-        let add = self.has_mirrored() && self.drive_mirrored(memory, run, &mut shifted, None, odd_start, &mut mix);
+        let add = self.has_mirrored() && self.drive_mirrored(memory, run, &mut shifted, odd_start, &mut mix);
         if let Some((groups, modes)) = self.plain(memory) {
             kernel::driven(groups, modes, kernel::Run { add, ..run }, &shifted, &mut mix);
         }
         self.add_to_bus(&mix, self.mix_shift, Some(force), out);
     }
 
-    /// A run with a force in either slot.
-    #[inline(never)] // its buffers must not weigh on runs with one
+    /// A run with a force in either slot: frame by frame where there is one in slot 1.
+    #[inline(never)] // it must not weigh on runs with one
     fn drive_both(
         &mut self,
         memory: &mut Memory<'_>,
-        (force, second): (&[i32], &[i32]),
+        forces: (&[i32], &[i32]),
         odd_start: bool,
         skip: bool,
         out: &mut [i32],
     ) {
-        let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
-        let (mut mix, mut shifted, mut others) = ([0; TICK_FRAMES], self.shifted(force), self.shifted(second));
-        let add = self.has_mirrored()
-            && self.drive_mirrored(memory, run, &mut shifted, Some(&mut others), odd_start, &mut mix);
-        if let Some((groups, modes)) = self.plain(memory) {
-            kernel::driven(groups, modes, kernel::Run { add, ..run }, &shifted, &mut mix);
-        }
-        self.drive_second(memory, false, run, &others, &mut mix);
-        self.add_to_bus(&mix, self.mix_shift, Some(force), out);
-        if !self.second.onset.is_zero() {
-            for (out, &x) in out.iter_mut().zip(second) {
-                *out = fixed::qadd(*out, self.second.onset.apply(x));
+        let ((mut force, mut second), mut out, mut odd) = (forces, out, odd_start);
+        while !force.is_empty() && !out.is_empty() {
+            let without = second.iter().take_while(|&&x| x == 0).count();
+            let count = without.max(1);
+            let (now, later) = force.split_at_checked(count).unwrap_or((force, &[]));
+            let (second_now, second_later) = second.split_at_checked(count).unwrap_or((second, &[]));
+            let (out_now, out_later) =
+                core::mem::take(&mut out).split_at_mut_checked(now.len()).unwrap_or((&mut [], &mut []));
+            self.drive(memory, now, odd, skip, out_now);
+            if without == 0
+                && let ([x], [sound]) = (second_now, out_now)
+            {
+                let added = self.inject(memory, *x, odd, skip) + self.second.onset.apply_wide(*x);
+                *sound = fixed::qadd(*sound, fixed::saturate(added));
             }
+            (force, second, out) = (later, second_later, out_later);
+            odd ^= count % 2 == 1;
         }
     }
 
-    /// Adds what a force in slot 1 makes of the mirrored groups, or of the others.
-    fn drive_second(
-        &self,
-        memory: &mut Memory<'_>,
-        mirrored: bool,
-        run: kernel::Run,
-        force: &Backward,
-        mix: &mut Backward,
-    ) {
-        let (mut groups, mut modes, mut gains) = (self.groups.range(), self.modes.range(), self.second_gains());
-        let (plain_groups, plain_modes) = (usize::from(self.plain_groups), usize::from(self.plain_modes));
-        if mirrored {
-            groups.start += plain_groups;
-            (modes.start, gains.start) = (modes.start + plain_modes, gains.start + plain_modes);
-        } else {
-            groups.end = groups.start + plain_groups;
-        }
+    /// Injects a frame of the force in slot 1; gives what it adds to the sound of the frame.
+    fn inject(&self, memory: &mut Memory<'_>, force: i32, odd: bool, skip: bool) -> i64 {
+        // As for slot 0: within the allowance nothing is lost.
+        let force = force.wrapping_shl(u32::from(self.force_shift));
+        let (groups, modes, gains) = (self.groups.range(), self.modes.range(), self.second_gains());
         let of = (memory.groups.get(groups), memory.modes.get_mut(modes), memory.origins.get(gains));
-        if let (Some(groups), Some(modes), Some(gains)) = of {
-            super::position::drive_second((groups, modes, gains), run, force, mix);
+        let (Some(groups), Some(modes), Some(gains)) = of else { return 0 };
+        let (plain, mirrored) = groups.split_at_checked(usize::from(self.plain_groups)).unwrap_or((groups, &[]));
+        let count = usize::from(self.plain_modes);
+        let (plain_modes, mirrored_modes) = modes.split_at_mut_checked(count).unwrap_or((&mut [], &mut []));
+        let (plain_gains, mirrored_gains) = gains.split_at_checked(count).unwrap_or((&[], &[]));
+        let of_plain = inject_second((plain, plain_modes, plain_gains), skip, force);
+        let mut of_mirrored = 0;
+        if !mirrored.is_empty() {
+            let sign = |x: i32| if odd { x.saturating_neg() } else { x };
+            of_mirrored = sign(inject_second((mirrored, mirrored_modes, mirrored_gains), skip, sign(force)));
         }
+        (i64::from(of_plain) + i64::from(of_mirrored)) << self.mix_shift.bits
     }
 
     /// Groups of the plain side, and all modes from theirs on.
