@@ -319,7 +319,7 @@ fn wet_sound_begins_within_12_ms() {
 fn instrument_and_law_agree_in_decay_energy_balance_and_correlation() {
     let hz = RATE.hz();
     // Instrument and law: errors of T60 and of energy, balances, correlations.
-    let mut all = [[const { Vec::new() }; 4]; 2];
+    let mut all = [(); 2].map(|()| [(); 4].map(|()| Vec::new()));
     for (index, table) in random_tables(4, 4, 2.0, 6.0, 10).into_iter().enumerate() {
         let frames = frames_needed(&table, hz);
         let answers = [

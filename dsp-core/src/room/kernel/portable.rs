@@ -106,10 +106,10 @@ fn mix<T: Sample>(
     [moving, fixed]: [&T::Turn; 2],
 ) -> ([[T; 2]; LINES], [T; 2]) {
     let swapped = |[a, b]: [T; 2]| [b, a];
-    let r0 = sum(swapped(T::reflect(w0, moving)), x);
-    let r1 = swapped(T::rotate(w1, moving));
-    let r2 = T::reflect(w2, fixed);
-    let r3 = T::rotate(w3, fixed);
+    let r0 = sum(T::reflect(w0, moving), x);
+    let r1 = T::rotate(w1, fixed);
+    let r2 = swapped(T::rotate(w2, moving));
+    let r3 = swapped(T::reflect(w3, fixed));
     let (s0, s1, s2, s3) = (sum(r0, r1), difference(r0, r1), sum(r2, r3), difference(r2, r3));
     ([difference(s1, s3), sum(s0, s2), sum(s1, s3), difference(s0, s2)], s3)
 }
