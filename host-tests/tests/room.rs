@@ -339,7 +339,14 @@ fn instrument_and_law_agree_in_decay_energy_balance_and_correlation() {
         let [t60, energy, balance, correlation] = figures.each_ref().map(|values| mean_and_rms(values));
         println!(
             "{who}: T60 {:+.1} %, rms {:.1} %; energy {:+.2} dB, rms {:.2}; balance {:+.2} dB, rms {:.2}; correlation {:+.3}, rms {:.3}",
-            100.0 * t60.0, 100.0 * t60.1, energy.0, energy.1, balance.0, balance.1, correlation.0, correlation.1
+            100.0 * t60.0,
+            100.0 * t60.1,
+            energy.0,
+            energy.1,
+            balance.0,
+            balance.1,
+            correlation.0,
+            correlation.1
         );
         assert!(t60.0.abs() <= 0.02 && t60.1 <= 0.05, "{who}: T60 {t60:?}");
         assert!(energy.0.abs() <= 0.5 && energy.1 <= 0.7, "{who}: energy {energy:?}");

@@ -128,7 +128,8 @@ mod tests {
 
     #[test]
     fn no_section_raises_a_signal_beyond_its_headroom() {
-        for (side, alphas) in [[0.995_873, 0.908_579, 0.075_641], [0.977_746, 0.664_43, -0.648_582]].iter().enumerate() {
+        for (side, alphas) in [[0.995_873, 0.908_579, 0.075_641], [0.977_746, 0.664_43, -0.648_582]].iter().enumerate()
+        {
             let mut signal = vec![0.0; 40_000];
             signal[0] = 1.0;
             for (alpha, most) in alphas.iter().zip([2.995, 4.44, 4.46]) {

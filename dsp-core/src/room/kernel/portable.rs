@@ -34,12 +34,7 @@ fn prepare<T: Sample>(input: &[i32], prepared: &mut [[T; 2]], shift: u32, [gain,
 }
 
 /// Adds outputs times a gain, that loses a part of itself (Q32) a frame, to `out`, or puts them there.
-fn radiate<T: Sample>(
-    output: &[[T; 2]],
-    [gain, loss]: [i32; 2],
-    out: &mut [[i32; 2]],
-    (add, swapped): (bool, bool),
-) {
+fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], (add, swapped): (bool, bool)) {
     let mut gain = gain;
     for ([left, right], &[a, b]) in out.iter_mut().zip(output) {
         let [y_left, y_right] = if swapped { [b, a] } else { [a, b] };
