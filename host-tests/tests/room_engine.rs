@@ -59,9 +59,8 @@ fn the_sound_is_the_dry_one_and_the_rooms_answer_to_it() {
             .map(|band| TableBand { from_hz: band.from_hz.into(), t60_s: band.t60_s(), gain: band.gain.into() })
             .collect(),
     };
-    let input = [0, 1].map(|side| {
-        dry_sound.iter().map(|sides| f64::from(sides[side]) / f64::from(ONE_Q27)).collect::<Vec<f64>>()
-    });
+    let input = [0, 1]
+        .map(|side| dry_sound.iter().map(|sides| f64::from(sides[side]) / f64::from(ONE_Q27)).collect::<Vec<f64>>());
     let sides = input.each_ref().map(Vec::as_slice);
     let [left, right] = answer_to_sides::<i32, SMALL>(&table, SampleRate::HZ_48000, sides).expect("a right table");
     let energy = |side: &[f64]| side.iter().map(|x| x * x).sum::<f64>();

@@ -12,14 +12,14 @@
 //! out is multiplied by it. A tail so keeps all its 16 bits however quiet it is.
 //!
 //! **The mix.** A line holds pairs (a, b), which on a Cortex-M4F are two halves of a word: `(c a + s b, s a - c b)` is two instructions, and a mix of four words by
-//! saturating additions is eight. Lines 0 and 2 reflect their pairs as above, 1 and 3 rotate them, `(c a - s b, s a + c b)`; 0 and 1 then swap halves. So the four spread what the halves differ
-//! in: were all alike, one side would keep more than its part for a while, and its T60 would be off by 5 % in narrow bands. The angles of lines 0 and 1 turn
-//! with time, which moves the resonances before one can stand out; lines 2 and 3 have one angle. The mix is orthogonal at each moment, hence never adds energy.
+//! saturating additions is eight. Lines 0 and 3 reflect their pairs as above, 1 and 2 rotate them, `(c a - s b, s a + c b)`; 2 and 3 then swap halves. So the four spread what the halves differ
+//! in: were all alike, one side would keep more than its part for a while, and its T60 would be off by 5 % in narrow bands. The angles of lines 0 and 2 turn
+//! with time, which moves the resonances before one can stand out; lines 1 and 3 have one angle. The mix is orthogonal at each moment, hence never adds energy.
 //!
-//! **Both sides.** What goes out is read from lines 2 and 3, whose first echoes a fixed angle turns by
-//! 25.5° the one way and the other: the one is louder left, the other right, by as much. (With a moving
-//! angle in line 2, as it was, nothing balanced line 3, and left was 0.2 to 1.8 dB below right.) What
-//! remains favours one side by 0.2 dB: every second band's outputs are swapped.
+//! **Both sides.** Line 3's fixed angle turns the first echo of a pair of equals by 25.5°, and so to the
+//! right; nothing in a network balances it (left was 0.5 to 1.3 dB below right in all bands). So every
+//! second band's outputs are swapped. Fixed angles in lines 2 and 3 would balance each other, but then
+//! late spectra stand 3 dB further above their mean.
 //!
 //! **Nothing wraps.** A rotation's sum is at most `√2 · 2^15 · 2^15 < 2^30.5`; all other sums saturate. A full-scale impulse puts at most `2^13.6` into each value
 //! and cannot saturate any: each mix spreads what there is.
@@ -35,7 +35,7 @@ use crate::fixed;
 pub(super) const LINES: usize = 4;
 /// What of the input each of a line's values takes.
 pub(super) const INPUT_GAIN: f64 = 0.25;
-/// Sine and cosine of the angle of lines 2 and 3: of all pairs near it the one whose squares sum up to 1 within 3e-8, in 15 bits.
+/// Sine and cosine of the angle of lines 1 and 3: of all pairs near it the one whose squares sum up to 1 within 3e-8, in 15 bits.
 const ANGLE: [i32; 2] = [14_111, 29_574];
 
 /// Input and output of a network's block.

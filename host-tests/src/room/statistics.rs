@@ -39,11 +39,7 @@ impl Answer {
         let bands: Vec<RoomBand> = table
             .bands
             .iter()
-            .map(|band| RoomBand {
-                from_hz: band.from_hz,
-                gain: band.gain,
-                decay_per_s: 1000f64.ln() / band.t60_s,
-            })
+            .map(|band| RoomBand { from_hz: band.from_hz, gain: band.gain, decay_per_s: 1000f64.ln() / band.t60_s })
             .collect();
         let (numerator, denominator) = rate.ratio();
         let dry = impulse(pan, 0, frames);

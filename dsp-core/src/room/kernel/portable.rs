@@ -34,12 +34,7 @@ fn prepare<T: Sample>(input: &[i32], prepared: &mut [[T; 2]], shift: u32, [gain,
 }
 
 /// Adds outputs times a gain, that loses a part of itself (Q32) a frame, to `out`, or puts them there.
-fn radiate<T: Sample>(
-    output: &[[T; 2]],
-    [gain, loss]: [i32; 2],
-    out: &mut [[i32; 2]],
-    (add, swapped): (bool, bool),
-) {
+fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], (add, swapped): (bool, bool)) {
     let mut gain = gain;
     for ([left, right], &[a, b]) in out.iter_mut().zip(output) {
         let [y_left, y_right] = if swapped { [b, a] } else { [a, b] };
@@ -106,10 +101,10 @@ fn mix<T: Sample>(
     [moving, fixed]: [&T::Turn; 2],
 ) -> ([[T; 2]; LINES], [T; 2]) {
     let swapped = |[a, b]: [T; 2]| [b, a];
-    let r0 = sum(swapped(T::reflect(w0, moving)), x);
-    let r1 = swapped(T::rotate(w1, moving));
-    let r2 = T::reflect(w2, fixed);
-    let r3 = T::rotate(w3, fixed);
+    let r0 = sum(T::reflect(w0, moving), x);
+    let r1 = T::rotate(w1, fixed);
+    let r2 = swapped(T::rotate(w2, moving));
+    let r3 = swapped(T::reflect(w3, fixed));
     let (s0, s1, s2, s3) = (sum(r0, r1), difference(r0, r1), sum(r2, r3), difference(r2, r3));
     ([difference(s1, s3), sum(s0, s2), sum(s1, s3), difference(s0, s2)], s3)
 }

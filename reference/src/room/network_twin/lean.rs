@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use crate::room::RoomBand;
 use super::split::{Elliptic, shared_db};
+use crate::room::RoomBand;
 
 /// A split: its low-pass and where that lies.
 pub(super) struct Leaning {

@@ -6,8 +6,8 @@ use super::{BLOCK_FRAMES, LINES, Plan};
 
 /// Both outputs of a network for an input at its own rate. `hz` is the full rate.
 ///
-/// Four lines of pairs. What each gives is turned: lines 0 and 1 by an angle that moves, 2 and 3 by
-/// one that does not; 0 and 2 are reflected, 1 and 3 rotated; 0 and 1 change halves. Then it is mixed
+/// Four lines of pairs. What each gives is turned: lines 0 and 2 by an angle that moves, 1 and 3 by
+/// one that does not; 0 and 3 are reflected, 1 and 2 rotated; 2 and 3 change halves. Then it is mixed
 /// by four, and written a line further on.
 pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
     let block = BLOCK_FRAMES / plan.division;
@@ -21,10 +21,10 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
         let rotated = |[a, b]: [f64; 2], (sine, cosine): (f64, f64)| [cosine * a - sine * b, sine * a + cosine * b];
         let swapped = |[a, b]: [f64; 2]| [b, a];
         let r = [
-            swapped(reflected(read(0), moving)).map(|value| value + x / 2.0),
-            swapped(rotated(read(1), moving)),
-            reflected(read(2), fixed),
-            rotated(read(3), fixed),
+            reflected(read(0), moving).map(|value| value + x / 2.0),
+            rotated(read(1), fixed),
+            swapped(rotated(read(2), moving)),
+            swapped(reflected(read(3), fixed)),
         ];
         for side in 0..2 {
             let half = if plan.swapped { 1 - side } else { side };

@@ -118,10 +118,10 @@
     ldr     r8, [r1]
     ldr     r9, [r2]
     ldr     r10, [r3]
-    reflected_and_swapped r7, r5
-    rotated_and_swapped r8, r5
-    reflected r9, r6
-    rotated r10, r6
+    reflected r7, r5
+    rotated r8, r6
+    rotated_and_swapped r9, r5
+    reflected_and_swapped r10, r6
     ldr     r12, [r4], #4
     qadd16  r7, r7, r12
     qadd16  r12, r7, r8
