@@ -56,7 +56,7 @@ fn seconds_of_playing_on_the_blackpill_replay_to_the_same_bits() {
     play(Board::BlackpillF411);
 }
 
-/// Four pads of 120 modes each, spread over the spectrum: more than a board has time for while all
+/// Four pads of 40 modes each, spread over the spectrum: more than a board has time for while all
 /// are struck.
 fn four_large_pads() -> Vec<u8> {
     let demo = kit::open("demo").unwrap().kit;
