@@ -202,7 +202,7 @@ fn unclipped_peak(kit: &kit::Kit, performance: &Performance, rate: SampleRate) -
         let bus = render(&table, performance, settings, Output::Bus, observe)?;
         let peak = Level::of_bus(&bus).peak;
         // Before a pad's level and pan its bus may stand much higher.
-        let quietest = quiet.pads.iter().map(|pad| loudest_side(pad)).fold(1.0, f64::min);
+        let quietest = quiet.pads.iter().map(loudest_side).fold(1.0, f64::min);
         if refused == 0 && peak <= TRUSTED * quietest || halvings >= MOST_HALVINGS {
             return Ok(peak * f64::from(halvings).exp2());
         }

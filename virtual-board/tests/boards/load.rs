@@ -34,7 +34,7 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
     }
 }
 
-/// The time from an interrupt to the first frame that it renders, of a half (`LEAD_FRAMES` of the firmware's boards).
+/// The time from an interrupt to the first frame that it renders, of a half (`LEAD_FRAMES` in `boards/src`).
 pub(crate) fn deadline(board: Board) -> f64 {
     let lead_frames = match board {
         Board::Stm32f407gDisc1 => 26.0,

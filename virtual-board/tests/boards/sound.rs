@@ -56,13 +56,13 @@ fn seconds_of_playing_on_the_blackpill_replay_to_the_same_bits() {
     play(Board::BlackpillF411);
 }
 
-/// Four pads of 120 modes each, spread over the spectrum: more than a board has time for while all
+/// Four pads of 40 modes each, spread over the spectrum: more than a board has time for while all
 /// are struck.
 fn four_large_pads() -> Vec<u8> {
     let demo = kit::open("demo").unwrap().kit;
     let object = |pad: u8| {
         let mode = |mode: u8| kit::Mode {
-            frequency_hz: 150.0 + 60.0 * f32::from(mode) + 11.0 * f32::from(pad),
+            frequency_hz: 150.0 + 180.0 * f32::from(mode) + 11.0 * f32::from(pad),
             decay_per_s: 6.0 + 0.2 * f32::from(mode),
             gains: vec![kit::Gain { sine: 40.0 / (1.0 + f32::from(mode)), cosine: 0.0 }],
         };
@@ -72,7 +72,7 @@ fn four_large_pads() -> Vec<u8> {
             licence: String::new(),
             reference_force: 1.0,
             acceleration: kit::Acceleration::NONE,
-            modes: (0..120).map(mode).collect(),
+            modes: (0..40).map(mode).collect(),
             residual: None,
             dynamic_filter: None,
             biquads: None,
