@@ -75,8 +75,9 @@ pub(super) fn taken_at_once(table: &BankTable<'_>, pole: Pole, index: usize, pos
         return f64::from(cosine) / 2.0;
     }
     // Half of h[0] that the sum over all n counts too much is just the half that an unbalanced bank takes away.
+    // In single precision, as the gains' injections are: a strike at another position derives it while sound plays.
     let (of_sine, of_cosine) = pole.sums();
-    f64::from(sine) * f64::from(of_sine) + f64::from(cosine) * f64::from(of_cosine)
+    f64::from(sine * of_sine + cosine * of_cosine)
 }
 
 /// The factor of the force for a sum of [`taken_at_once`].

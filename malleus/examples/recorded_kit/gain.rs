@@ -5,24 +5,40 @@ use kit::{Acceleration, Kit, Striker};
 use crate::Failure;
 
 /// Largest share of a strike's energy below 0.7 times the lowest mode.
-const MOST_BELOW: f64 = 0.03;
+const MOST_BELOW: f64 = 0.029;
 
 /// Velocity of the strike whose share counts: soft strikes last long and have most of it.
 const SOFT: f32 = 0.2;
 
-/// The fit's α cancels the static response of the gains as they were fitted. For softer strikes
-/// it may leave a thump that no recording has. Then α is derived. Returns whether it is.
+/// The fit's α cancels the static response of the gains as they were fitted. For softer strikes it may
+/// leave a thump that no recording has. Then α moves toward the one that is derived, no further than it
+/// must. Returns by how many percent of the way.
 ///
 /// # Errors
 /// As [`fit::render::by_instrument`].
-pub(crate) fn balance(table: &mut Kit) -> Result<bool, Failure> {
+pub(crate) fn balance(table: &mut Kit) -> Result<u8, Failure> {
     let modes = table.objects.iter().flat_map(|object| &object.modes);
     let lowest_hz = modes.map(|mode| f64::from(mode.frequency_hz)).fold(f64::INFINITY, f64::min);
-    let thumps = share_below(&strike(table, SOFT, 96_000)?, 0.7 * lowest_hz)? > MOST_BELOW;
-    if thumps {
-        table.objects.iter_mut().for_each(|object| object.acceleration = Acceleration::Balance);
+    let fitted =
+        table.objects.first().and_then(|object| object.acceleration.factor()).ok_or("no fitted acceleration")?;
+    let derived = derived(table)?;
+    for percent in 0..=100u8 {
+        let alpha = fitted + f32::from(percent) / 100.0 * (derived - fitted);
+        table.objects.iter_mut().for_each(|object| object.acceleration = Acceleration::Factor(alpha));
+        if share_below(&strike(table, SOFT, 96_000)?, 0.7 * lowest_hz)? <= MOST_BELOW {
+            return Ok(percent);
+        }
     }
-    Ok(thumps)
+    Err("a balanced table thumps".into())
+}
+
+/// The α that balances the first object at 48 kHz, as its binary form has it.
+fn derived(table: &Kit) -> Result<f32, Failure> {
+    let mut balanced = table.clone();
+    balanced.objects.iter_mut().for_each(|object| object.acceleration = Acceleration::Balance);
+    let bytes = kit::binary::build(&balanced)?;
+    let view = dsp_core::table::Kit::parse(&bytes).map_err(|error| error.to_string())?;
+    Ok(view.objects().next().ok_or("no object")?.acceleration())
 }
 
 /// Share of the energy below a frequency.

@@ -96,12 +96,15 @@ fn one(instrument: &Instrument, recordings: &Path, out: &Path) -> Result<String,
         Provenance { name: instrument.name.to_owned(), source: source.to_owned(), licence: origin.licence };
     let mut table = fit::table::of_fit(&fitted.fit, &provenance);
     let limited = table.objects.iter_mut().map(|object| decay::limit(&mut object.modes, heard, rate_hz)).sum::<usize>();
-    let derived = if gain::balance(&mut table)? { ", acceleration sound derived for it" } else { "" };
+    let moved = match gain::balance(&mut table)? {
+        0 => String::new(),
+        percent => format!(", its acceleration sound moved by {percent} % toward balance"),
+    };
     let wanted = 10f64.powf(PEAK_DBFS / 20.0) / louder_channel(instrument.pan);
     let peak = gain::peak(&table, 1.0)?;
     gain::scale(&mut table, wanted / peak);
     let source = format!(
-        "{source}; {}; decays of {limited} modes held to the recording's, all gains scaled in common{derived}",
+        "{source}; {}; decays of {limited} modes held to the recording's{moved}, all gains scaled in common",
         origin.source
     );
     table.name = instrument.name.to_owned();
