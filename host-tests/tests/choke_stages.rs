@@ -322,12 +322,15 @@ fn a_hand_comes_and_goes_without_a_click() {
                 // All the same up to the hand, and its first sample but for rounding.
                 assert!(held[..comes] == free[..comes] && held[comes].abs_diff(free[comes]) <= 16);
                 assert!(free.iter().all(|x| x.abs() < 2 * ONE_Q27), "it clips");
-                let loudest = free[comes - 600..comes].iter().map(|x| x.abs()).max();
+                let loudest = free[comes - 600..comes + 600].iter().map(|x| x.abs()).max();
                 assert!(loudest > Some(ONE_Q27 / 10_000), "hand {choke} s: {loudest:?}");
+                // What a fast hand takes of a sample is a step by law: of the loudest, at most this.
+                let taken = 1.0 - (-1000f64.ln() / (f64::from(choke) * 48e3)).exp();
+                let of_hand = if choke < 0.05 { (f64::from(loudest.unwrap_or(0)) * taken) as i32 } else { 0 };
                 assert!(choke > 0.3 || held[goes - 300..goes] != free[goes - 300..goes]);
                 let (before, at) =
                     (largest_step(&free[comes - 600..comes]), largest_step(&held[comes - 2..comes + 40]));
-                assert!(at <= before + STEP, "hand {choke} s comes: {at} after {before}");
+                assert!(at <= before + of_hand + STEP, "hand {choke} s comes: {at} after {before}");
                 let (before, at) = (largest_step(&held[goes - 300..goes]), largest_step(&held[goes - 2..goes + 600]));
                 assert!(at <= before + STEP, "hand {choke} s goes: {at} after {before}");
             }
@@ -361,5 +364,22 @@ fn hands_on_stages_give_the_same_bits_for_any_block_size() {
         }
         let skipping = play(&kit, 48_000, &events(48_000), Some(&force), (12_000, 128, Skipping::On));
         assert!(skipping == whole, "what rests is left out");
+    }
+}
+
+#[test]
+fn zeros_that_another_rate_moves_sound_alike_in_instrument_and_reference() {
+    for zero in [[1.0, 0.0], [-1.0, 0.0], [-0.8, 0.3], [-1.5, 0.0], [0.0, 1.0], [-0.999, 0.01]] {
+        let biquad = Biquad { pole: [0.99, 0.05], zero, gain: 0.0003 };
+        let mut kit = kit(0.1, None, Some(bank(vec![vec![biquad]])));
+        kit.objects[0].modes = vec![mode(440.0, 0.23, 300.0, 0.0)];
+        for hz in [48_000, 44_100, 96_000, 22_050] {
+            let exact = reference(&kit, hz, &events(hz), 9_600);
+            let own = instrument(&kit, hz, &events(hz), None, 9_600, 128);
+            let worst = own.iter().zip(&exact).map(|(own, exact)| (f64::from(*own) - exact).abs()).fold(0.0, f64::max);
+            // Steps of 24 bits.
+            println!("zero {zero:?}, {hz} Hz: {:.2} steps", worst / 16.0);
+            assert!(snr_db(&exact, &own) >= 86.0, "zero {zero:?}, {hz} Hz");
+        }
     }
 }
