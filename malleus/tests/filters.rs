@@ -92,7 +92,7 @@ fn the_reference_plays_filters_and_says_what_it_leaves_out() {
     let events =
         "time_s,pad,velocity,action\n0.01,bar,1,\n0.015,bar,,choke\n0.02,bar,0.5,\n0.1,bar,,release\n0.2,bar,1,\n";
     // Zeros that another rate moves: a real one below 0, and one beyond half of 22.05 kHz.
-    let of_zero = |zero: &str| biquads.replace("zero = [1, 0]", zero);
+    let of_zero = |zero: &str| biquads.replace("zero = [1, 0]", zero).replace("gain = 0.125", "gain = 0.0003");
     let (negative, high) = (of_zero("zero = [-1, 0]"), of_zero("zero = [-0.8, 0.3]"));
     for (kit, steps) in [(&*biquads, 2), (&*negative, 2), (&*high, 2), (KIT, 40)] {
         let folder = folder(kit);

@@ -137,6 +137,7 @@ pub struct Pair {
 
 /// What a pair is under the hand, or without it: what changes when the hand comes or goes.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 struct Other {
     /// Turn and damp of each cell.
     poles: [[i32; 2]; 2],
