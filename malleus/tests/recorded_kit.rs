@@ -140,7 +140,7 @@ fn each_table_is_nearer_to_its_own_sound_with_noise_than_any_other_table_is() {
             let recording = by_reference_with_noise(table);
             let [own, other] = [index, (index + 1) % tables.len()].map(|index| distance_db(&recording, &tables[index]));
             println!("{name}: LSD {own:.2} dB, of another table {other:.2} dB");
-            assert!(own <= 0.2 && other > 2.0, "{name}: {own:.2} dB, of another table {other:.2} dB");
+            assert!(own <= 0.6 && other > 2.0, "{name}: {own:.2} dB, of another table {other:.2} dB");
         }
     });
 }
