@@ -149,7 +149,7 @@ impl core::ops::AddAssign for BankWork {
 
 /// A bank of modes in fixed point.
 ///
-/// Accuracy against the `f64` reference: 96 dB and better (`cargo bench -p host-tests --bench accuracy`).
+/// Accuracy of a mode against the `f64` reference: 100 dB and better (`cargo test -p host-tests --test long_tails`).
 #[derive(Clone, Debug)]
 pub struct Bank {
     modes: Span,
