@@ -239,11 +239,11 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         if modes.is_some() || self.dynamic.is_ringing() {
             (work.filter_frames, work.loop_frames) = (frames, frames * self.loop_count);
         }
-        let modes = modes.map(|modes| {
+        let mut modes = modes;
+        if let Some(modes) = &mut modes {
             let half = (1 << self.louder) >> 1;
             modes.iter_mut().for_each(|mode| *mode = mode.saturating_add(half) >> self.louder);
-            modes
-        });
+        }
         if self.hand.is_away() {
             self.add_dynamic(modes.as_deref(), out);
         } else {
