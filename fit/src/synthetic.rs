@@ -144,7 +144,12 @@ pub fn hammered(seed: u64) -> Hammered {
 /// The reference's sound of `modes` under a force at 44.1 kHz.
 fn under_force(modes: Vec<reference::Mode>, force: &[f64], length: usize) -> Vec<f64> {
     let pad = reference::Pad {
-        object: reference::Object { modes, acceleration: reference::Acceleration::NONE, biquads: Vec::new(), dynamic_filter: None },
+        object: reference::Object {
+            modes,
+            acceleration: reference::Acceleration::NONE,
+            biquads: Vec::new(),
+            dynamic_filter: None,
+        },
         strikers: Vec::new(),
         striker_weight: 0.0,
         level_db: 0.0,
