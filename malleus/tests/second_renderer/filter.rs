@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use toml::{Table, Value};
+use toml::Table;
 
 use crate::noise::Generator;
 use crate::text::{number, tables, word};
