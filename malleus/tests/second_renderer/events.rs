@@ -28,7 +28,7 @@ pub fn read(path: &Path, fs: f64) -> Vec<Event> {
             striker: field("striker").to_owned(),
         };
         Event {
-            at: if field("sample").is_empty() { number("time_s") * fs } else { number("sample") },
+            at: if field("sample").is_empty() { rounded(number("time_s") * fs) } else { number("sample") },
             pad: field("pad").to_owned(),
             action: match field("action") {
                 "" | "strike" => strike(),
@@ -39,4 +39,10 @@ pub fn read(path: &Path, fs: f64) -> Vec<Event> {
         }
     });
     events.collect()
+}
+
+/// A time in samples, rounded to 2^-32 of one, but not up to the next whole one.
+fn rounded(at: f64) -> f64 {
+    let steps = 2f64.powi(32);
+    at.floor() + (at.fract() * steps).round().min(steps - 1.0) / steps
 }

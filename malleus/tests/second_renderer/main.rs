@@ -73,7 +73,7 @@ fn agrees(rate: u32) {
     let folder = tempfile::tempdir().unwrap();
     let kit = file("every_key.toml");
     let pads = [Some("bar"), Some("plate"), Some("breath"), Some("tube"), Some("hiss"), None];
-    let mut quietest = f64::INFINITY;
+    let (mut worst, mut loud) = (f64::INFINITY, true);
     for pad in pads {
         let events = events_of(pad, folder.path());
         let (reference, message) = play(&kit, &events, &format!("--reference --tail 1 --rate {rate}"));
@@ -81,10 +81,14 @@ fn agrees(rate: u32) {
         let second = mix::render(&kit, &events, f64::from(rate), reference.len());
         let (peak, snr) = (f64::from(peak(&reference)) / 8_388_608.0, snr(&reference, &second));
         println!("{rate} Hz, {}: peak {:.1} dBFS, SNR {snr:.1} dB", pad.unwrap_or("all"), 20.0 * peak.log10());
-        assert!((0.1..0.999).contains(&peak), "{pad:?} peaks at {peak}");
-        quietest = quietest.min(snr);
+        if let Some(n) = reference.iter().zip(&second).position(|(a, b)| (0..2).any(|side| a[side].abs_diff(b[side]) > 8)) {
+            println!("  the first difference of more than 8 steps is at sample {n}, {:.4} s", n as f64 / f64::from(rate));
+        }
+        loud &= (0.1..0.999).contains(&peak);
+        worst = worst.min(snr);
     }
-    assert!(quietest >= 110.0, "{quietest:.1} dB");
+    assert!(loud, "each peak is to lie between -20 and 0 dBFS");
+    assert!(worst >= 110.0, "{worst:.1} dB");
 }
 
 #[test]
