@@ -23,8 +23,8 @@ pub fn read(path: &Path, fs: f64) -> Vec<Event> {
         let field = |name| columns.iter().position(|column| column == name).map_or("", |column| &record[column]);
         let number = |name| field(name).parse::<f64>().unwrap_or(0.0);
         let strike = || Action::Strike {
-            velocity: number("velocity"),
-            position: number("position"),
+            velocity: f64::from(number("velocity") as f32),
+            position: f64::from(number("position") as f32),
             striker: field("striker").to_owned(),
         };
         Event {

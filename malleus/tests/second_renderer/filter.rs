@@ -88,7 +88,7 @@ impl Filter {
         }
     }
 
-    /// A hand is laid on.
+    /// A hand comes or goes; not where one lies already.
     pub fn hand(&mut self) {
         self.hand = Some(1.0);
     }

@@ -70,5 +70,5 @@ fn every_key_of_the_page_occurs_in_a_kit_of_this_test() {
             }
         }
     }
-    assert_eq!(keys, 0, "count me");
+    assert!(keys >= 82, "only {keys} keys are found on the page");
 }

@@ -63,7 +63,7 @@ fn peak(samples: &[[i32; 2]]) -> i32 {
 fn events_of(pad: Option<&str>, folder: &Path) -> PathBuf {
     let all = fs::read_to_string(file("every_key.csv")).unwrap();
     let (header, lines) = all.split_once("striker,action\n").unwrap();
-    let kept = lines.lines().filter(|line| pad.is_none_or(|pad| line.split(',').nth(1) == Some(pad)));
+    let kept = lines.lines().filter(|line| pad.is_none_or(|pad| line.split(',').nth(1).unwrap().trim_matches('"') == pad));
     let path = folder.join("events.csv");
     fs::write(&path, format!("{header}striker,action\n{}\n", kept.collect::<Vec<_>>().join("\n"))).unwrap();
     path
@@ -72,7 +72,7 @@ fn events_of(pad: Option<&str>, folder: &Path) -> PathBuf {
 fn agrees(rate: u32) {
     let folder = tempfile::tempdir().unwrap();
     let kit = file("every_key.toml");
-    let pads = [Some("bar"), Some("plate"), Some("breath"), Some("tube"), Some("hiss"), None];
+    let pads = [Some("bar"), Some("plate"), Some("breath"), Some("tube"), Some("hiss"), Some("drone"), None];
     let (mut worst, mut loud) = (f64::INFINITY, true);
     for pad in pads {
         let events = events_of(pad, folder.path());

@@ -111,9 +111,11 @@ impl<'a> Pad<'a> {
     }
 
     fn hand(&mut self, hand_per_s: f64) {
-        self.hand_per_s = hand_per_s;
+        if self.hand_per_s != hand_per_s {
+            self.hand_per_s = hand_per_s;
+            self.filter.iter_mut().for_each(Filter::hand);
+        }
         self.banks().for_each(|bank| bank.hand(hand_per_s));
-        self.filter.iter_mut().for_each(Filter::hand);
     }
 
     /// What the pad sounds at sample n.
