@@ -1,0 +1,48 @@
+//! "Events".
+
+use std::path::Path;
+
+pub struct Event {
+    /// In samples, not rounded.
+    pub at: f64,
+    pub pad: String,
+    pub action: Action,
+}
+
+pub enum Action {
+    Strike { velocity: f64, position: f64, striker: String },
+    Choke,
+    Release,
+}
+
+pub fn read(path: &Path, fs: f64) -> Vec<Event> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_path(path).unwrap();
+    let columns = reader.headers().unwrap().clone();
+    let events = reader.records().map(|record| {
+        let record = record.unwrap();
+        let field = |name| columns.iter().position(|column| column == name).map_or("", |column| &record[column]);
+        let number = |name| field(name).parse::<f64>().unwrap_or(0.0);
+        let strike = || Action::Strike {
+            velocity: f64::from(number("velocity") as f32),
+            position: f64::from(number("position") as f32),
+            striker: field("striker").to_owned(),
+        };
+        Event {
+            at: if field("sample").is_empty() { rounded(number("time_s") * fs) } else { number("sample") },
+            pad: field("pad").to_owned(),
+            action: match field("action") {
+                "" | "strike" => strike(),
+                "choke" => Action::Choke,
+                "release" => Action::Release,
+                other => panic!("action {other}"),
+            },
+        }
+    });
+    events.collect()
+}
+
+/// A time in samples, rounded to 2^-32 of one, but not up to the next whole one.
+fn rounded(at: f64) -> f64 {
+    let steps = 2f64.powi(32);
+    at.floor() + (at.fract() * steps).round().min(steps - 1.0) / steps
+}

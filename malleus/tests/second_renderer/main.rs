@@ -1,0 +1,102 @@
+//! A second renderer, written from docs/kit-format.md and docs/noise.md alone, against `malleus play --reference`.
+//!
+//! What is compared, and how:
+//!
+//! - **Sample by sample**, 110 dB and more: all that the pages determine, for each pad alone and for all
+//!   together (every_key.toml, every_key.csv), at 48 and at 44.1 kHz.
+//! - **By energy** ([`random`], random.toml): a room, whose noise is not on the pages, with `--reference`; a residual
+//!   and a background, which `--reference` leaves out, with the instrument.
+//! - **Not at all**: triggers, which only boards have. every_key.toml holds them.
+//!
+//! Nothing of the workspace's crates is used here but the program. One file stands for each section of the pages.
+
+mod acceleration;
+mod biquads;
+mod contact;
+mod events;
+mod filter;
+mod keys;
+mod mix;
+mod modes;
+mod noise;
+mod random;
+mod text;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Path of a file of this folder.
+fn file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/second_renderer").join(name)
+}
+
+/// Runs `malleus play` with words split at spaces; the samples, and what it says.
+fn play(kit: &Path, events: &Path, words: &str) -> (Vec<[i32; 2]>, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let wave = folder.path().join("out.wav");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_malleus"));
+    command.arg("play").arg("--kit").arg(kit).arg("--strikes").arg(events).arg("--output").arg(&wave);
+    let output = command.args(words.split(' ')).output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{message}");
+    let mut reader = hound::WavReader::open(wave).unwrap();
+    assert_eq!((reader.spec().channels, reader.spec().bits_per_sample), (2, 24));
+    let samples = reader.samples::<i32>().map(Result::unwrap).collect::<Vec<_>>();
+    (samples.chunks_exact(2).map(|sides| [sides[0], sides[1]]).collect(), message)
+}
+
+/// SNR of a signal in dB; infinite where both are the same.
+fn snr(signal: &[[i32; 2]], other: &[[i32; 2]]) -> f64 {
+    let energy =
+        |difference: &dyn Fn(usize) -> i32, n: usize| (0..n).map(|k| f64::from(difference(k)).powi(2)).sum::<f64>();
+    let (a, b) = (signal.as_flattened(), other.as_flattened());
+    assert_eq!(a.len(), b.len());
+    10.0 * (energy(&|k| a[k], a.len()) / energy(&|k| a[k] - b[k], a.len())).log10()
+}
+
+fn peak(samples: &[[i32; 2]]) -> i32 {
+    samples.as_flattened().iter().map(|sample| sample.abs()).max().unwrap()
+}
+
+/// The events of every_key.csv, of one pad or of all.
+fn events_of(pad: Option<&str>, folder: &Path) -> PathBuf {
+    let all = fs::read_to_string(file("every_key.csv")).unwrap();
+    let (header, lines) = all.split_once("striker,action\n").unwrap();
+    let kept = lines.lines().filter(|line| pad.is_none_or(|pad| line.split(',').nth(1).unwrap().trim_matches('"') == pad));
+    let path = folder.join("events.csv");
+    fs::write(&path, format!("{header}striker,action\n{}\n", kept.collect::<Vec<_>>().join("\n"))).unwrap();
+    path
+}
+
+fn agrees(rate: u32) {
+    let folder = tempfile::tempdir().unwrap();
+    let kit = file("every_key.toml");
+    let pads = [Some("bar"), Some("plate"), Some("breath"), Some("tube"), Some("hiss"), Some("drone"), None];
+    let (mut worst, mut loud) = (f64::INFINITY, true);
+    for pad in pads {
+        let events = events_of(pad, folder.path());
+        let (reference, message) = play(&kit, &events, &format!("--reference --tail 1 --rate {rate}"));
+        assert!(message.contains("residual") && message.contains("background"), "nothing is said of: {message}");
+        let second = mix::render(&kit, &events, f64::from(rate), reference.len());
+        let (peak, snr) = (f64::from(peak(&reference)) / 8_388_608.0, snr(&reference, &second));
+        println!("{rate} Hz, {}: peak {:.1} dBFS, SNR {snr:.1} dB", pad.unwrap_or("all"), 20.0 * peak.log10());
+        if let Some(n) = reference.iter().zip(&second).position(|(a, b)| (0..2).any(|side| a[side].abs_diff(b[side]) > 8)) {
+            println!("  the first difference of more than 8 steps is at sample {n}, {:.4} s", n as f64 / f64::from(rate));
+        }
+        loud &= (0.1..0.999).contains(&peak);
+        worst = worst.min(snr);
+    }
+    assert!(loud, "each peak is to lie between -20 and 0 dBFS");
+    assert!(worst >= 110.0, "{worst:.1} dB");
+}
+
+#[test]
+fn second_renderer_agrees_with_the_reference_at_48000_hz() {
+    agrees(48000);
+}
+
+#[test]
+fn second_renderer_agrees_with_the_reference_at_44100_hz() {
+    agrees(44100);
+}

@@ -1,0 +1,64 @@
+//! The text form of a kit: files, numbers, names.
+
+use std::fs;
+use std::path::Path;
+
+use toml::{Table, Value};
+
+/// Tables of a kit, those of included files first.
+pub struct Kit {
+    pub objects: Vec<Table>,
+    pub strikers: Vec<Table>,
+    pub pads: Vec<Table>,
+}
+
+pub fn parse(path: &Path) -> Table {
+    fs::read_to_string(path).unwrap().parse().unwrap()
+}
+
+pub fn read(path: &Path) -> Kit {
+    let root = parse(path);
+    let mut kit = Kit { objects: Vec::new(), strikers: Vec::new(), pads: tables(&root, "pad") };
+    let included = root.get("include").and_then(Value::as_array).into_iter().flatten();
+    let folder = path.parent().unwrap();
+    let files = included.map(|file| parse(&folder.join(file.as_str().unwrap()))).collect::<Vec<_>>();
+    for file in files.iter().chain([&root]) {
+        kit.objects.extend(tables(file, "object"));
+        kit.strikers.extend(tables(file, "striker"));
+    }
+    kit
+}
+
+impl Kit {
+    pub fn object(&self, name: &str) -> &Table {
+        self.objects.iter().find(|object| word(object, "name", "") == name).unwrap()
+    }
+
+    pub fn striker(&self, name: &str) -> &Table {
+        self.strikers.iter().find(|striker| word(striker, "name", "") == name).unwrap()
+    }
+}
+
+/// A number, rounded to a 32-bit float.
+pub fn float(value: &Value) -> f64 {
+    f64::from(value.as_float().unwrap_or_else(|| value.as_integer().unwrap() as f64) as f32)
+}
+
+pub fn number(table: &Table, key: &str, default: f64) -> f64 {
+    table.get(key).map_or(default, float)
+}
+
+/// An array of numbers; a number is an array of one.
+pub fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().map_or_else(|| vec![float(value)], |array| array.iter().map(float).collect())
+}
+
+pub fn word<'a>(table: &'a Table, key: &str, default: &'a str) -> &'a str {
+    table.get(key).map_or(default, |value| value.as_str().unwrap())
+}
+
+/// An array of tables, empty where the key is missing.
+pub fn tables(table: &Table, key: &str) -> Vec<Table> {
+    let array = table.get(key).and_then(Value::as_array).into_iter().flatten();
+    array.map(|value| value.as_table().unwrap().clone()).collect()
+}
