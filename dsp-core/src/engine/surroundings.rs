@@ -119,11 +119,11 @@ impl<T: Sample, const SAMPLES: usize> RoomStage for Room<T, SAMPLES> {
 }
 
 /// Nominal cycles of the dearest tick of a room that sounds, and of each band of it, with some to spare (`cargo test -p host-tests --test on_chip room -- --nocapture`:
-/// up to 389 a frame with 4 bands). Bands of octaves and more are meant; several bands near the full rate cost more.
-const ROOM_TICK: u32 = 10_000;
+/// up to 430 a frame with 4 bands). Bands of octaves and more are meant; several bands near the full rate cost more.
+const ROOM_TICK: u32 = 11_200;
 const ROOM_BAND_TICK: u32 = 950;
 /// The same of one that is silent.
-const SILENT_ROOM_TICK: u32 = 900;
+const SILENT_ROOM_TICK: u32 = 520;
 
 impl<
     'k,

@@ -7,6 +7,7 @@
 //! **Bounds.** A raised level leaves `|x · 2^shift| < 2^31`, and the inverse below 2^31 to a block's end, however much it grows: the input of a line is below 2^14
 //! steps. Input is at most ±2.0 = 2^28.
 
+use super::network::SECOND_GAIN;
 use super::plan::BandPlan;
 use super::storage::Sample;
 use crate::fixed;
@@ -17,6 +18,7 @@ const _: () = assert!(super::plan::MAX_BLOCKS + 2 < HISTORY && HISTORY.is_power_
 /// Bits of what is stored, sign included, beyond which the level is raised, and up to which it is lowered.
 pub(super) const LOUD_BITS: u32 = 15;
 pub(super) const QUIET_BITS: u32 = 14;
+const HALF_SECOND_GAIN: u32 = (SECOND_GAIN * 2_147_483_648.0) as u32;
 /// What is left out: outputs below 2^7 steps of the bus, -120 dBFS.
 const INAUDIBLE_BITS: i32 = 7;
 /// Bits of the loudest input, ±2.0.
@@ -36,7 +38,7 @@ pub(super) struct Level {
     output_exponent: i32,
     /// Bits by which a steady input's answers, gathered over the decay, are above one sample's.
     gathered_bits: i32,
-    /// Bits that the inverse needs above 2^30 to grow in a block.
+    /// Bits that the inverse, times [`SECOND_GAIN`], needs above 2^30 to grow in a block.
     room: i32,
     /// Blocks of the longest line.
     longest: u8,
@@ -147,7 +149,7 @@ impl Level {
             output_exponent: exponent + 1,
             // Powers add: 1/(2 d) of them.
             gathered_bits: libm::ceil(-0.5 * libm::log2(2.0 * nepers)).max(0.0) as i32,
-            room: (libm::ceil(libm::log2(libm::exp(tick))) as i32 - 1).max(0),
+            room: (libm::ceil(libm::log2(SECOND_GAIN * libm::exp(tick))) as i32 - 1).max(0),
             longest,
         }
     }
@@ -210,7 +212,9 @@ impl Level {
     /// The shift and gain of the input, and the gain's growth.
     pub(super) fn input(&self, state: &LevelState) -> (u32, [i32; 2]) {
         let shift = 17 + self.room - state.exponent;
-        let gain = (state.inverse >> (2 + self.room).unsigned_abs()) as i32;
+        // Half of [`SECOND_GAIN`], twice.
+        let inverse = high_word(state.inverse, HALF_SECOND_GAIN);
+        let gain = (inverse >> (1 + self.room).unsigned_abs()) as i32;
         (shift.clamp(0, 31).unsigned_abs(), [gain, self.sample_growth])
     }
 

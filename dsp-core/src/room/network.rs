@@ -3,7 +3,7 @@
 //! ```text
 //!        ┌────────────────────────────────────────────────────────────────┐
 //!        └─► line 0..3 of pairs, z^-m ─► rotation ─► mix of four ─► ×1/2 ─┘
-//!   x · 1/level ─► rotation 0            │ 2, 3 (the two shortest lines)
+//!   x · 1/level ─► rotation 0            │ 2, 3
 //!                                        └─► difference · level ─► left, right
 //! ```
 //!
@@ -16,10 +16,11 @@
 //! in: were all alike, one side would keep more than its part for a while, and its T60 would be off by 5 % in narrow bands. The angles of lines 0 and 2 turn
 //! with time, which moves the resonances before one can stand out; lines 1 and 3 have one angle. The mix is orthogonal at each moment, hence never adds energy.
 //!
-//! **Both sides.** Line 3's fixed angle turns the first echo of a pair of equals by 25.5°, and so to the
-//! right; nothing in a network balances it (left was 0.5 to 1.3 dB below right in all bands). So every
-//! second band's outputs are swapped. Fixed angles in lines 2 and 3 would balance each other, but then
-//! late spectra stand 3 dB further above their mean.
+//! **Both sides.** Line 3's fixed angle, 25.5°, turns the first echo of a pair of equals to the right: its
+//! right half has 9 dB more. What follows is even, so that left was 0.5 to 1.3 dB below right over
+//! all. So the input is no pair of equals: it is 20° from that, where first echoes of all lines
+//! together are even in the mean over delays, decays and the swing's angles. What rings late is
+//! the same whatever the input's direction.
 //!
 //! **Nothing wraps.** A rotation's sum is at most `√2 · 2^15 · 2^15 < 2^30.5`; all other sums saturate. A full-scale impulse puts at most `2^13.6` into each value
 //! and cannot saturate any: each mix spreads what there is.
@@ -33,8 +34,12 @@ use crate::fixed;
 
 /// Lines of a network; each holds pairs.
 pub(super) const LINES: usize = 4;
-/// What of the input each of a line's values takes.
+/// What of the input each of a line's values takes, in the mean of their squares.
 pub(super) const INPUT_GAIN: f64 = 0.25;
+/// The first value of a pair takes this part of what the second takes, in 15 bits: tan 25°.
+pub(super) const FIRST_OF_SECOND: i32 = 15_280;
+/// The second takes this times `INPUT_GAIN`, so that both keep their energy: `√2 cos 25°`.
+pub(super) const SECOND_GAIN: f64 = 1.281_720_7;
 /// Sine and cosine of the angle of lines 1 and 3: of all pairs near it the one whose squares sum up to 1 within 3e-8, in 15 bits.
 const ANGLE: [i32; 2] = [14_111, 29_574];
 
@@ -42,7 +47,7 @@ const ANGLE: [i32; 2] = [14_111, 29_574];
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Sound<T> {
-    /// In the network's units, the same for both values of a pair.
+    /// In the network's units; the first of a pair is [`FIRST_OF_SECOND`] of the second.
     pub(super) input: [[T; 2]; BLOCK_FRAMES],
     /// Half the outputs, in the network's units.
     pub(super) output: [[T; 2]; BLOCK_FRAMES],
@@ -77,8 +82,6 @@ pub(super) enum Radiation {
     Put = 0,
     Add = 1,
     Nothing = 2,
-    PutSwapped = 3,
-    AddSwapped = 4,
 }
 
 /// A network's fixed numbers.
@@ -91,8 +94,6 @@ pub(super) struct NetworkConfig {
     block: u8,
     /// Samples that are mixed by one angle.
     turn_samples: u8,
-    /// True if the outputs are right and left.
-    swapped: bool,
 }
 
 /// Where in the network's memory a line begins, or is read and written next, and how many pairs are left to its end.
@@ -139,7 +140,6 @@ impl NetworkConfig {
         level: Level::NONE,
         block: 1,
         turn_samples: 1,
-        swapped: false,
     };
 
     pub(super) fn new(plan: &BandPlan) -> Self {
@@ -157,7 +157,6 @@ impl NetworkConfig {
             level: Level::new(plan, longest),
             block: plan.block() as u8,
             turn_samples: plan.turn_samples as u8,
-            swapped: plan.swapped,
         }
     }
 
@@ -194,9 +193,7 @@ impl NetworkConfig {
         let (output_gain, output_shift) = self.level.output(&state.level);
         let radiation = match add {
             _ if output_shift > 0 => Radiation::Nothing,
-            true if self.swapped => Radiation::AddSwapped,
             true => Radiation::Add,
-            false if self.swapped => Radiation::PutSwapped,
             false => Radiation::Put,
         };
         let exceeded = T::network(NetworkTick {
@@ -214,7 +211,7 @@ impl NetworkConfig {
             radiation,
         });
         if output_shift > 0 {
-            radiate_loud(&sound.output, output_gain, output_shift, out, (add, self.swapped));
+            radiate_loud(&sound.output, output_gain, output_shift, out, add);
         }
         self.level.end(&mut state.level, exceeded);
         true
@@ -304,17 +301,10 @@ impl<T: Sample> Turns<T> {
 
 /// Adds outputs times a gain above what [`Sample::times`] holds, by so many bits, or puts them there.
 #[cold]
-fn radiate_loud<T: Sample>(
-    output: &[[T; 2]],
-    [gain, loss]: [i32; 2],
-    shift: u32,
-    out: &mut [[i32; 2]],
-    (add, swapped): (bool, bool),
-) {
+fn radiate_loud<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], shift: u32, out: &mut [[i32; 2]], add: bool) {
     let mut gain = gain;
-    for (out, &[a, b]) in out.iter_mut().zip(output) {
-        let pair = if swapped { [b, a] } else { [a, b] };
-        for (out, y) in out.iter_mut().zip(pair) {
+    for (out, pair) in out.iter_mut().zip(output) {
+        for (out, &y) in out.iter_mut().zip(pair) {
             let before = if add { *out } else { 0 };
             *out = before.saturating_add(fixed::saturating_shift_left(y.times(gain), shift));
         }

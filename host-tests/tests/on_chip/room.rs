@@ -34,10 +34,10 @@ fn cycles(chip: &mut RoomOnChip, table: &Table, quieter_bits: u32) -> (f64, f64)
 }
 
 #[test]
-fn four_bands_cost_at_most_275_cycles_a_frame_and_eight_at_most_350() {
+fn four_bands_cost_at_most_289_cycles_a_frame_and_eight_at_most_366() {
     let mut chip = RoomOnChip::new().unwrap();
     let [four, eight] = octave_tables(3.0);
-    for (table, most) in [(four, 275.0), (eight, 350.0)] {
+    for (table, most) in [(four, 289.0), (eight, 366.0)] {
         for quieter_bits in [3, 0] {
             let (mean, worst) = cycles(&mut chip, &table, quieter_bits);
             println!(
@@ -64,11 +64,11 @@ fn edges_anywhere_keep_to_the_cycles_that_are_stated() {
         table
     };
     let plans: [(&[f64], f64); 5] = [
-        (&[250.0, 1000.0, 4000.0], 275.0),
-        (&[500.0, 2000.0, 8000.0], 280.0),
-        (&[1000.0, 4000.0, 12_000.0], 345.0),
-        (&[125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0], 410.0),
-        (&[500.0, 1000.0, 2000.0, 4000.0, 8000.0, 11_000.0, 15_000.0], 700.0),
+        (&[250.0, 1000.0, 4000.0], 288.0),
+        (&[500.0, 2000.0, 8000.0], 294.0),
+        (&[1000.0, 4000.0, 12_000.0], 360.0),
+        (&[125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0], 424.0),
+        (&[500.0, 1000.0, 2000.0, 4000.0, 8000.0, 11_000.0, 15_000.0], 650.0),
     ];
     for (edges_hz, most) in plans {
         let (mean, worst) = cycles(&mut chip, &far_apart(edges_hz), 3);
@@ -114,6 +114,6 @@ fn a_silent_room_costs_next_to_nothing_and_its_memory_is_stated() {
         last = chip.render(&mut out).unwrap().nominal as f64 / TICK_FRAMES as f64;
     }
     println!("silent: {last:.1} cycles a frame; {} bytes with 48 KB of delay", chip.bytes().unwrap());
-    assert!(last <= 30.0, "{last} cycles a frame");
+    assert!(last <= 13.5, "{last} cycles a frame");
     assert!(chip.bytes().unwrap() <= 49_152 + 10_240);
 }

@@ -5,7 +5,7 @@ use super::super::crossover::{SHAPED_FIRST, Split, SplitState};
 #[cfg(not(cortex_m4f))]
 use super::super::feed::{CHAINS, Chain, ChainState};
 use super::super::level::{LOUD_BITS, QUIET_BITS};
-use super::super::network::{LINES, NetworkTick, Place, Radiation, Sound};
+use super::super::network::{FIRST_OF_SECOND, LINES, NetworkTick, Place, Radiation, Sound};
 use super::super::storage::Sample;
 use crate::fixed;
 
@@ -15,29 +15,28 @@ pub(in crate::room) fn network<T: Sample>(tick: NetworkTick<'_, T>) -> bool {
     prepare(input, &mut sound.input, tick.input_shift, tick.input_gain);
     let exceeded = pass(memory, lines, places, sound, turns, input.len(), busy);
     match tick.radiation {
-        Radiation::Put => radiate(&sound.output, tick.output_gain, out, (false, false)),
-        Radiation::Add => radiate(&sound.output, tick.output_gain, out, (true, false)),
-        Radiation::PutSwapped => radiate(&sound.output, tick.output_gain, out, (false, true)),
-        Radiation::AddSwapped => radiate(&sound.output, tick.output_gain, out, (true, true)),
+        Radiation::Put => radiate(&sound.output, tick.output_gain, out, false),
+        Radiation::Add => radiate(&sound.output, tick.output_gain, out, true),
         Radiation::Nothing => {}
     }
     exceeded
 }
 
-/// Gives both values of pairs input times `2^shift · gain / 2^32`, in 2^-16 steps; the gain grows by a part of itself (Q32) a sample.
+/// Gives the second values of pairs input times `2^shift · gain / 2^32`, in 2^-16 steps, and the first
+/// ones [`FIRST_OF_SECOND`] of that; the gain grows by a part of itself (Q32) a sample.
 fn prepare<T: Sample>(input: &[i32], prepared: &mut [[T; 2]], shift: u32, [gain, growth]: [i32; 2]) {
     let mut gain = gain;
     for (prepared, &x) in prepared.iter_mut().zip(input) {
-        *prepared = [T::input(fixed::smmulr(x << shift, gain)); 2];
+        let second = fixed::smmulr(x << shift, gain);
+        *prepared = [fixed::smmulr(second, FIRST_OF_SECOND << 17), second].map(T::input);
         gain = fixed::smmlar(gain, gain, growth);
     }
 }
 
 /// Adds outputs times a gain, that loses a part of itself (Q32) a frame, to `out`, or puts them there.
-fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], (add, swapped): (bool, bool)) {
+fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], add: bool) {
     let mut gain = gain;
-    for ([left, right], &[a, b]) in out.iter_mut().zip(output) {
-        let [y_left, y_right] = if swapped { [b, a] } else { [a, b] };
+    for ([left, right], &[y_left, y_right]) in out.iter_mut().zip(output) {
         let [before_left, before_right] = if add { [*left, *right] } else { [0; 2] };
         *left = before_left.saturating_add(y_left.times(gain));
         *right = before_right.saturating_add(y_right.times(gain));

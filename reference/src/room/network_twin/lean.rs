@@ -28,8 +28,8 @@ fn sections(bands: &[RoomBand], divisions: &[usize]) -> Vec<usize> {
     let rates: usize = divisions.iter().map(|division| 32 / division).sum();
     let splits: usize = divisions.iter().skip(1).map(|division| 32 / division).sum();
     let doubling = if divisions[0] > 1 { 28 * 32 } else { 0 };
-    let mut cycles = 55 * rates + 34 * splits + 32 * (52 + 12 * bands.len()) + doubling;
-    let limit = 32 * if bands.len() <= 4 { 274 } else { 704 };
+    let mut cycles = 56 * rates + 34 * splits + 32 * (61 + 12 * bands.len()) + doubling;
+    let limit = 32 * if bands.len() <= 4 { 285 } else { 715 };
     let mut sections = vec![2; bands.len().saturating_sub(1)];
     for count in [3, 4] {
         for (edge, pair) in bands.windows(2).enumerate() {

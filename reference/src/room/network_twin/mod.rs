@@ -31,8 +31,6 @@ pub(crate) struct Plan {
     /// Samples that are mixed by one angle.
     held: usize,
     output: f64,
-    /// True if the outputs are right and left: every second band's.
-    swapped: bool,
 }
 
 /// The network's answer to both sides of a sound, without that sound: left and right. Delays take at
@@ -105,12 +103,14 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
             if band + 1 == bands.len() { wish.min(0.16) } else { wish }
         })
         .collect();
-    // The last two are read for the outputs.
-    let parts = [0.34, 0.47, 0.06, 0.13];
+    let parts: Vec<f64> = {
+        let sum: f64 = (0..LINES as i32).map(|line| 1.4f64.powi(line)).sum();
+        (0..LINES as i32).map(|line| 1.4f64.powi(line) / sum).collect()
+    };
     let needed = |limit: f64| -> f64 {
         wishes.iter().zip(&divisions).map(|(wish, &division)| wish.min(limit) * hz / division as f64).sum()
     };
-    let (mut limit, mut high) = (0.0, 2.0 * 47.0 * BLOCK_FRAMES as f64 / hz / 0.47);
+    let (mut limit, mut high) = (0.0, 2.0 * 47.0 * BLOCK_FRAMES as f64 / hz / parts[LINES - 1]);
     if needed(high) <= samples as f64 {
         limit = high;
     }
@@ -131,23 +131,20 @@ fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
         let output = law.gain * (factors[band] / (2.0 * law.decay_per_s * given * (passed[2] + passed[3]))).sqrt();
         let held_frames = if bands.len() <= 4 && divisions[band] > 1 { 32 } else { 16 };
         let held = (held_frames / divisions[band]).max(1);
-        let swapped = band % 2 == 1;
-        Plan { held, division: divisions[band], to_hz: to_hz(band), split, delays, gains, output, swapped }
+        Plan { held, division: divisions[band], to_hz: to_hz(band), split, delays, gains, output }
     };
     (0..bands.len()).zip(splits).map(band).collect()
 }
 
-/// Distinct primes, each at most its part of `total` unless the block is longer; from the shortest
-/// part up.
-fn delays(total: f64, block: usize, parts: &[f64; LINES]) -> Vec<usize> {
+/// Distinct primes, each at most its part of `total` unless the block is longer.
+fn delays(total: f64, block: usize, parts: &[f64]) -> Vec<usize> {
     let is_prime = |n: usize| n > 1 && (2..).take_while(|d| d * d <= n).all(|d| !n.is_multiple_of(d));
-    let mut delays = vec![0; LINES];
-    for line in [2, 3, 0, 1] {
-        let longest = delays.iter().fold(1, |longest: usize, &delay| longest.max(delay));
-        let least = block.max(longest + 1);
-        let wanted = ((parts[line] * total) as usize).max(least);
+    let mut delays = Vec::new();
+    for part in parts {
+        let least = block.max(delays.last().map_or(2, |last| last + 1));
+        let wanted = ((part * total) as usize).max(least);
         let below = (least..=wanted).rev().find(|&n| is_prime(n));
-        delays[line] = below.unwrap_or_else(|| (wanted..).find(|&n| is_prime(n)).unwrap_or(wanted));
+        delays.push(below.unwrap_or_else(|| (wanted..).find(|&n| is_prime(n)).unwrap_or(wanted)));
     }
     delays
 }

@@ -14,21 +14,24 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
     let mut lines: Vec<Vec<[f64; 2]>> = plan.delays.iter().map(|&delay| vec![[0.0; 2]; delay]).collect();
     let mut out = [Vec::with_capacity(input.len()), Vec::with_capacity(input.len())];
     let fixed = (14_111f64 / 32_768.0).atan2(29_574.0 / 32_768.0).sin_cos();
+    // Where both sides are even in the mean, of the energy that a pair of equals (x/2) has.
+    let (sine, cosine) = 25f64.to_radians().sin_cos();
+    let input_at = (cosine * 0.5f64.sqrt(), sine * 0.5f64.sqrt());
     for (frame, &x) in input.iter().enumerate() {
         let moving = turn(frame / block, frame % block / plan.held * plan.held, block, hz);
         let read = |line: usize| lines[line][frame].map(|value| plan.gains[line] * value);
         let reflected = |[a, b]: [f64; 2], (sine, cosine): (f64, f64)| [cosine * a + sine * b, sine * a - cosine * b];
         let rotated = |[a, b]: [f64; 2], (sine, cosine): (f64, f64)| [cosine * a - sine * b, sine * a + cosine * b];
+        let added = |[a, b]: [f64; 2]| [a + input_at.1 * x, b + input_at.0 * x];
         let swapped = |[a, b]: [f64; 2]| [b, a];
         let r = [
-            reflected(read(0), moving).map(|value| value + x / 2.0),
+            added(reflected(read(0), moving)),
             rotated(read(1), fixed),
             swapped(rotated(read(2), moving)),
             swapped(reflected(read(3), fixed)),
         ];
         for side in 0..2 {
-            let half = if plan.swapped { 1 - side } else { side };
-            out[side].push(plan.output * (r[2][half] - r[3][half]));
+            out[side].push(plan.output * (r[2][side] - r[3][side]));
         }
         const SIGNS: [[f64; 4]; 4] =
             [[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]];

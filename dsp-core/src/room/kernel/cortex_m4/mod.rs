@@ -6,7 +6,7 @@ use core::mem::offset_of;
 use super::super::BLOCK_FRAMES;
 use super::super::crossover::{MOST_SECTIONS, SHAPED_FIRST, Split, SplitState};
 use super::super::feed::{CHAINS, Chain, ChainState};
-use super::super::network::{LINES, NetworkTick, Place, Sound};
+use super::super::network::{FIRST_OF_SECOND, LINES, NetworkTick, Place, Sound};
 
 core::arch::global_asm!(include_str!("network.s"), options(raw));
 core::arch::global_asm!(include_str!("levels.s"), options(raw));
@@ -49,6 +49,7 @@ const _: () = assert!(
         && SHAPED_FIRST == 0x6800_0000
 );
 
+const _: () = assert!(FIRST_OF_SECOND == 15_280);
 const _: () = assert!(size_of::<Chain>() == 12 && size_of::<ChainState>() == 16 && offset_of!(ChainState, second) == 8);
 
 unsafe extern "C" {

@@ -6,16 +6,21 @@
 
 @ A network's tick, malleus_room_network(call), is three loops: prepare, pass, radiate.
 
-@ Prepare: r0 input, r1 prepared, r2 count, r3 shift, r4 gain, r5 growth, r6 half a step
+@ Prepare: r0 input, r1 prepared, r2 count, r3 shift, r4 gain, r5 growth, r6 half a step, lr the first values' part of the second ones, r12 half a step less that part of
+@ one: the second ones have theirs already
     .macro prepared x
     lsl     \x, \x, r3
     smmlar  \x, \x, r4, r6
     smmlar  r4, r4, r5, r4
-    pkhtb   \x, \x, \x, asr #16
+    smmlar  r11, \x, lr, r12
+    pkhtb   \x, \x, r11, asr #16
     .endm
 
     .macro preparing
     movw    r6, #0x8000
+    movw    r12, #0x8000 - 15280
+    movw    lr, #0
+    movt    lr, #15280 << 1
     subs    r2, #4
     blt     2f
 1:  ldr     r7, [r0]
@@ -45,18 +50,13 @@
     .endm
 
 @ Radiate: r0 output, r1 out, r2 count, r3 gain, r4 loss
-    .macro radiated add swapped at word
+    .macro radiated add at word
     .if \add
     ldr     r6, [r1, #\at]
     ldr     r7, [r1, #\at + 4]
     .endif
-    .if \swapped
-    smulwt  r8, r3, \word
-    smulwb  r9, r3, \word
-    .else
     smulwb  r8, r3, \word
     smulwt  r9, r3, \word
-    .endif
     smmlsr  r3, r3, r4, r3
     .if \add
     qadd    r8, r6, r8
@@ -66,21 +66,21 @@
     str     r9, [r1, #\at + 4]
     .endm
 
-    .macro radiating add swapped
+    .macro radiating add
     subs    r2, #4
     blt     2f
 1:  ldm     r0!, {r5, r10-r12}
-    radiated \add, \swapped, 0, r5
-    radiated \add, \swapped, 8, r10
-    radiated \add, \swapped, 16, r11
-    radiated \add, \swapped, 24, r12
+    radiated \add, 0, r5
+    radiated \add, 8, r10
+    radiated \add, 16, r11
+    radiated \add, 24, r12
     adds    r1, #32
     subs    r2, #4
     bge     1b
 2:  adds    r2, #4
     beq     4f
 3:  ldr     r5, [r0], #4
-    radiated \add, \swapped, 0, r5
+    radiated \add, 0, r5
     adds    r1, #8
     subs    r2, #1
     bne     3b
@@ -168,7 +168,7 @@
 
 @ Pass: a block, cut where a line ends and where the angle changes.
 @ Layouts: call is memory 0, lines 4, positions 8, sound 12, frames 16, angles 20, fixed angle 24, busy 28, input 32, shift 36, gain 40, growth 44, out 48,
-@ gain 52, loss 56, what to do with `out` 60 (0 put, 1 add, 2 nothing, 3 put swapped, 4 add swapped), bits of an angle's bytes of input 64; a line is where it begins and its length, halfwords in pairs; a position is
+@ gain 52, loss 56, what to do with `out` 60 (0 put, 1 add, 2 nothing), bits of an angle's bytes of input 64; a line is where it begins and its length, halfwords in pairs; a position is
 @ where it is and what is left to the line's end, alike.
 @ sp: memory, lines, positions, sound, frames left, angles, fixed angle, busy; this cut's frames left 32, angles less what of them
 @ the sound's address counts for 36 (sound lies on 64 bytes: sixteen inputs), call 40, bits of an angle's bytes 44.
@@ -268,20 +268,12 @@ malleus_room_network:
     ldr     r2, [r10, #16]
     add     r10, #48
     ldm     r10, {r1, r3-r5}
-    cmp     r5, #2
-    beq     6f
-    bhi     7f
-    cmp     r5, #0
-    beq     5f
-    radiating 1, 0
+    cmp     r5, #1
+    bhi     6f
+    blt     5f
+    radiating 1
     b       6f
-5:  radiating 0, 0
-    b       6f
-7:  cmp     r5, #3
-    beq     8f
-    radiating 1, 1
-    b       6f
-8:  radiating 0, 1
+5:  radiating 0
 6:  and     r0, lr, #0x08000000
     add     sp, #48
     pop     {r4-r11, pc}
