@@ -1,9 +1,9 @@
 //! Levels at which the pads of a kit are equally loud: `cargo run -p malleus --example kit_levels -- KIT [--spread DB]`.
 //!
-//! A pad's loudness is that of the loudest 400 ms of a strike at velocity 0.8, K-weighted (ITU-R BS.1770). All pads are
-//! brought to one loudness, the highest at which all pads struck at once at velocity 1, and each pad rolled at 10 a second
-//! at velocity 1, stay 0.5 dB below full scale. A pad that would not, alone, is left up to `--spread` dB (1 unless said)
-//! softer than the others, so that it does not hold all of them down. Prints a row a pad; changes no file.
+//! A pad's loudness is that of the loudest 400 ms of a strike at velocity 0.8, K-weighted (ITU-R BS.1770). Pads are brought
+//! to loudnesses that lie within `--spread` dB (2 unless said), the highest at which all pads struck at once at velocity 1,
+//! and each pad rolled at 10 a second at velocity 1, stay 0.5 dB below full scale. The more a pad's peaks stand above its
+//! loudness, the softer it is within the spread: a click would hold all others down. Prints a row a pad; changes no file.
 
 use std::process::ExitCode;
 
@@ -33,7 +33,7 @@ fn main() -> ExitCode {
 fn arguments() -> Option<(String, f64)> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     match words.as_slice() {
-        [kit] => Some((kit.clone(), 1.0)),
+        [kit] => Some((kit.clone(), 2.0)),
         [kit, key, spread] if key == "--spread" => {
             Some((kit.clone(), spread.parse().ok().filter(|spread: &f64| *spread >= 0.0)?))
         }
@@ -68,13 +68,16 @@ fn level(name: &str, spread_db: f64) -> Result<(), Failure> {
     }
     let at_once = |levels: &[f64]| peak(&sum(pads.iter().zip(levels).map(|(pad, &level)| (gain(level), &pad.hardest))));
 
-    // What each pad could have alone, as loudness.
+    // What each pad could have alone, as loudness; and how much softer than the loudest it is to be.
     let highest = |pad: &Measured| pad.loudness + decibels(CEILING / pad.roll_peak);
-    let common = pads.iter().map(highest).fold(f64::INFINITY, f64::min) + spread_db;
-    let levels_at =
-        |loudness: f64| -> Vec<f64> { pads.iter().map(|pad| loudness.min(highest(pad)) - pad.loudness).collect() };
+    let least = pads.iter().map(highest).fold(f64::INFINITY, f64::min);
+    let most = pads.iter().map(highest).fold(f64::NEG_INFINITY, f64::max);
+    let softer = |pad: &Measured| spread_db * (most - highest(pad)) / (most - least).max(f64::MIN_POSITIVE);
+    let levels_at = |loudness: f64| -> Vec<f64> {
+        pads.iter().map(|pad| (loudness - softer(pad)).min(highest(pad)) - pad.loudness).collect()
+    };
     // All of them at once grow with the common loudness, so that halving finds the highest that fits.
-    let (mut low, mut high) = (common - 60.0, common);
+    let (mut low, mut high) = (least - 60.0, least + spread_db);
     if at_once(&levels_at(high)) > CEILING {
         for _ in 0..30 {
             let middle = 0.5 * (low + high);

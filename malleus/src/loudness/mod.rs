@@ -53,7 +53,7 @@ impl<'a> Meter<'a> {
         Ok(loudest_lkfs(&sound, self.rate.hz(), WINDOW_S))
     }
 
-    /// Largest sample of a roll at velocity 1, over all strikers of the pad and positions 0, 1/2 and 1.
+    /// Largest sample of a roll at velocity 1, over all strikers of the pad and positions of its object.
     ///
     /// # Errors
     /// As [`Meter::loudness`].
@@ -88,10 +88,11 @@ impl<'a> Meter<'a> {
         let kit = self.kit;
         let Some(pad) = kit.pads.get(pad) else { return Vec::new() };
         let object = kit.objects.iter().find(|object| object.name == pad.object);
-        let many = object.is_some_and(|object| object.position_count() > 1);
-        let positions: &[f32] = if many { &[0.0, 0.5, 1.0] } else { &[0.0] };
+        let count = object.map_or(1, kit::Object::position_count);
+        // Gains and α are linear between two of the object's positions, so that no place between peaks higher than both.
+        let position = move |index: usize| index as f32 / (count - 1).max(1) as f32;
         let strikers = (0u8..).zip(&pad.strikers).map(|(striker, _)| striker);
-        strikers.flat_map(|striker| positions.iter().map(move |&position| (striker, position))).collect()
+        strikers.flat_map(|striker| (0..count).map(move |index| (striker, position(index)))).collect()
     }
 
     fn play(&self, events: Vec<Event>) -> Result<Sound, RenderError> {
