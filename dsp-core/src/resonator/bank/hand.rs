@@ -16,11 +16,17 @@
 //! the next. A change is large for low modes, which are of the coupled form: a hand of 100 ms reaches one of 20 Hz.
 //! A bank with a mode so low that not even one pass fits is guarded around each step, with room for the u that grows.
 
-use super::super::coefficient::{Coefficients, Form, Pole, change_of_u, decay_of_t60, delta_of_t60, growth_of_change};
+use core::ops::Range;
+
+use super::super::coefficient::{
+    Coefficients, Form, Pole, change_of_u, decay_of_t60, delta_of_t60, growth_of_change, q32_change_of_u,
+};
 use super::super::group::{MAX_GUARD_TICKS, ticks_to_half_a_bit};
 use super::super::headroom::LIMIT;
+use super::super::mode::Mode;
 use super::{Bank, BankTable, Memory, Origin, for_each_group};
 use crate::SampleRate;
+use crate::fixed;
 
 /// Modes of a bank that a hand reaches at its event, and at each tick after it: what fits the margin of the smaller board's
 /// budget (`cargo test -p host-tests --test on_chip hand`).
@@ -126,7 +132,7 @@ impl Hand {
     }
 
     /// What the bank of a table knows of it; `origins` are those of its modes.
-    pub(super) fn of(&self, table: &BankTable<'_>, origins: &[Origin], memory_modes: &[super::Mode]) -> HandState {
+    pub(super) fn of(&self, table: &BankTable<'_>, origins: &[Origin], memory_modes: &[Mode]) -> HandState {
         if self.delta == 0 {
             return HandState::NONE;
         }
@@ -213,6 +219,43 @@ fn grown(number: i32, share: f32) -> i32 {
     number.saturating_add((number as f32 * share) as i32)
 }
 
+/// Both numbers of a mode that belong to u grow by a share of themselves.
+fn grow(mode: &mut Mode, share: f32) {
+    mode.gain.u = grown(mode.gain.u, share);
+    mode.state.u = grown(mode.state.u, share);
+}
+
+/// Gives the modes at these places of the table's order the coefficients that they have with or without a hand, and calls
+/// `scale` with the slot of each of the coupled form, the mode and the coefficients that it had.
+#[inline(always)]
+fn change(
+    modes: &mut [Mode],
+    origins: &mut [Origin],
+    places: Range<usize>,
+    lies: bool,
+    mut scale: impl FnMut(usize, &mut Mode, Coefficients),
+) {
+    // One length for both: one check a mode.
+    let count = modes.len().min(origins.len());
+    let (Some(modes), Some(origins)) = (modes.get_mut(..count), origins.get_mut(..count)) else { return };
+    let held = if lies { Origin::HELD } else { 0 };
+    for place in places {
+        let Some(slot) = origins.get(place).map(|origin| usize::from(origin.slot)) else { return };
+        let (Some(mode), Some(origin)) = (modes.get_mut(slot), origins.get_mut(slot)) else { return };
+        let flags = origin.index_and_flags;
+        if (flags ^ held) & Origin::HELD == 0 {
+            continue;
+        }
+        origin.index_and_flags = flags ^ Origin::HELD;
+        let from = mode.coefficients;
+        mode.coefficients = origin.other;
+        origin.other = from;
+        if flags & Origin::COUPLED != 0 {
+            scale(slot, mode, from);
+        }
+    }
+}
+
 impl Bank {
     /// A hand comes or goes: it reaches the first modes at once, the others by [`Bank::reach`].
     pub fn lay_hand(&mut self, lies: bool, memory: &mut Memory<'_>) {
@@ -268,8 +311,34 @@ impl Bank {
                 group.make_room(modes, bits);
             });
         }
-        let (lies, first) = (self.hand.lies, usize::from(self.hand.reached));
+        let first = usize::from(self.hand.reached);
         let last = first + self.modes_to_reach();
+        if is_guarded || !self.second_gains().is_empty() {
+            self.change_with_care(memory, first..last, is_guarded);
+        } else {
+            let modes = memory.modes.get_mut(self.modes.range()).unwrap_or(&mut []);
+            let origins = memory.origins.get_mut(self.origins.range()).unwrap_or(&mut []);
+            change(modes, origins, first..last, self.hand.lies, |_, mode, from| {
+                match q32_change_of_u(from, mode.coefficients) {
+                    Some(share) => {
+                        // A gain has room, and a state stays within the headroom; 2^-33 is lost.
+                        mode.gain.u = fixed::smmlar(mode.gain.u, mode.gain.u, share);
+                        mode.state.u = fixed::smmlar(mode.state.u, mode.state.u, share);
+                    }
+                    None => grow(mode, change_of_u(from, mode.coefficients)),
+                }
+            });
+        }
+        self.hand.reached = last as u16; // banks count in 16 bits
+        self.hand.calm_ticks = CALM_TICKS;
+        if is_guarded {
+            self.settle(memory);
+        }
+    }
+
+    /// [`Bank::reach`] where there are gains of a second position, or states that may be clipped.
+    #[inline(never)] // few banks need it
+    fn change_with_care(&mut self, memory: &mut Memory<'_>, places: Range<usize>, is_guarded: bool) {
         let modes = memory.modes.get_mut(self.modes.range()).unwrap_or(&mut []);
         let gains = self.second_gains();
         // The gains of a second position lie behind the origins of all banks.
@@ -277,33 +346,17 @@ impl Bank {
         let (own, behind) = memory.origins.split_at_mut_checked(split).unwrap_or((&mut [], &mut []));
         let origins = own.get_mut(self.origins.range()).unwrap_or(&mut []);
         let seconds = behind.get_mut(..gains.len()).unwrap_or(&mut []);
-        let has_second = !seconds.is_empty();
-        for place in first..last {
-            let Some(slot) = origins.get(place).map(|origin| usize::from(origin.slot)) else { break };
-            let (Some(mode), Some(origin)) = (modes.get_mut(slot), origins.get_mut(slot)) else { break };
-            if origin.is_held() == lies {
-                continue;
+        change(modes, origins, places, self.hand.lies, |slot, mode, from| {
+            let share = change_of_u(from, mode.coefficients);
+            grow(mode, share);
+            if let Some(second) = seconds.get_mut(slot) {
+                second.other.delta = grown(second.other.delta, share);
             }
-            origin.index_and_flags ^= Origin::HELD;
-            core::mem::swap(&mut mode.coefficients, &mut origin.other);
-            if origin.is_coupled() {
-                let share = change_of_u(origin.other, mode.coefficients);
-                mode.gain.u = grown(mode.gain.u, share);
-                mode.state.u = grown(mode.state.u, share);
-                if has_second && let Some(second) = seconds.get_mut(slot) {
-                    second.other.delta = grown(second.other.delta, share);
-                }
-                if is_guarded {
-                    // Where no exponent is small enough for the room, which only a fault can bring about.
-                    mode.state.u = mode.state.u.clamp(-(LIMIT as i32), LIMIT as i32);
-                }
+            if is_guarded {
+                // Where no exponent is small enough for the room, which only a fault can bring about.
+                mode.state.u = mode.state.u.clamp(-(LIMIT as i32), LIMIT as i32);
             }
-        }
-        self.hand.reached = last as u16; // banks count in 16 bits
-        self.hand.calm_ticks = CALM_TICKS;
-        if is_guarded {
-            self.settle(memory);
-        }
+        });
     }
 
     /// Guards all ringing groups for what their input may still bring.
