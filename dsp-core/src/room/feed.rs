@@ -12,7 +12,7 @@
 //! the middle 3 dB more than one at a side. The ripple of the phases leaves at most 0.63 dB at one
 //! frequency, and 0.4 dB over all.
 //!
-//! Two chains cost 24 cycles a frame more than a plain sum. Splitting and feeding both sides on
+//! Two chains cost 33 cycles a frame more than a plain sum. Splitting and feeding both sides on
 //! their own costs 65 and more; a third bus beside the stereo sum costs every pad that rings.
 //!
 //! **Form.** `(z^-1 - α)/(1 - α z^-1)` with one state: `d = x - s`, `y = s - α d`, `s' = x - α d`. Where

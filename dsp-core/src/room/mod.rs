@@ -33,7 +33,7 @@
 //! | energy of the same | within 1.1 dB, any neighbours 1.6 dB |
 //! | peaks a second, 80 to 100 ms after an impulse | 7 400 and more |
 //! | spectral crest of a late second, T60 6 s; noise has 10.4 dB | 12.1 dB with 48 KB of lines, 14.8 dB with 16 KB |
-//! | nominal cycles a frame, mean, noise | 246 with 4 bands (dearest tick 375), 319 with 8 (470), and about 24 more since the feed (counted) |
+//! | nominal cycles a frame, mean, noise | 281 with 4 bands (dearest tick 414), 356 with 8 (528) |
 //! | RAM with 48 KB of lines | 57 664 bytes |
 
 mod crossover;
