@@ -3,7 +3,7 @@
 use crate::modes::Bank;
 
 /// -H(1) of a bank at a position: the α that cancels its static response.
-pub fn balance(bank: &Bank, position: f64, fs: f64) -> f64 {
+pub(crate) fn balance(bank: &Bank, position: f64, fs: f64) -> f64 {
     let static_response = bank.modes.iter().map(|mode| {
         let (gs, gc) = mode.gains(position);
         let (r, (sin, cos)) = (mode.own_radius, mode.theta.sin_cos());

@@ -6,7 +6,7 @@ use toml::{Table, Value};
 
 use crate::text::{number, numbers};
 
-pub struct Chain {
+pub(crate) struct Chain {
     biquads: Vec<Biquad>,
     /// Decay of the slowest pole in nepers a second.
     decay_per_s: f64,
@@ -43,7 +43,7 @@ impl Root {
     }
 }
 
-pub fn chains(object: &Table, fs: f64) -> Vec<Chain> {
+pub(crate) fn chains(object: &Table, fs: f64) -> Vec<Chain> {
     let Some(table) = object.get("biquads").and_then(Value::as_table) else { return Vec::new() };
     let rho = number(table, "rate_hz", 48000.0) / fs;
     let chains = table["chains"].as_array().unwrap().iter();
@@ -71,7 +71,7 @@ impl Chain {
         Self { biquads, decay_per_s: -fs * slowest.ln() }
     }
 
-    pub fn play(&mut self, force: f64) -> f64 {
+    pub(crate) fn play(&mut self, force: f64) -> f64 {
         self.biquads.iter_mut().fold(force, |x, biquad| {
             let Biquad { b, a, states } = biquad;
             let y = b[0] * x + states[0];
@@ -81,7 +81,7 @@ impl Chain {
     }
 
     /// A hand that lies on the pad, after each sample.
-    pub fn damp(&mut self, hand_per_s: f64, fs: f64) {
+    pub(crate) fn damp(&mut self, hand_per_s: f64, fs: f64) {
         let kappa = (-(hand_per_s - self.decay_per_s).max(0.0) / fs).exp();
         let states = self.biquads.iter_mut().flat_map(|biquad| &mut biquad.states);
         states.for_each(|state| *state *= kappa);

@@ -6,16 +6,16 @@ use toml::Table;
 
 use crate::text::{number, word};
 
-pub struct Contact {
+pub(crate) struct Contact {
     /// Sample at which the strike falls, not rounded.
     start: f64,
     peak: f64,
     /// Contact time in samples.
     time: f64,
     shape: Shape,
-    pub position: f64,
+    pub(crate) position: f64,
     /// Which of the pad's strikers.
-    pub striker: usize,
+    pub(crate) striker: usize,
 }
 
 enum Shape {
@@ -24,12 +24,12 @@ enum Shape {
 }
 
 /// Peak force m of a strike, before the Gaussian's floor.
-pub fn peak_force(striker: &Table, velocity: f64) -> f64 {
+pub(crate) fn peak_force(striker: &Table, velocity: f64) -> f64 {
     number(striker, "peak_force", 0.0) * velocity.powf(number(striker, "peak_exponent", f64::from(1.2_f32)))
 }
 
 impl Contact {
-    pub fn new(table: &Table, striker: usize, velocity: f64, position: f64, start: f64, fs: f64) -> Self {
+    pub(crate) fn new(table: &Table, striker: usize, velocity: f64, position: f64, start: f64, fs: f64) -> Self {
         let mut peak = peak_force(table, velocity);
         let exponent = number(table, "contact_exponent", f64::from(-0.2_f32));
         let time = number(table, "contact_time_s", 0.0) * velocity.powf(exponent);
@@ -48,7 +48,7 @@ impl Contact {
     }
 
     /// F\[n\] of this contact.
-    pub fn force(&self, n: usize) -> f64 {
+    pub(crate) fn force(&self, n: usize) -> f64 {
         let n = n as f64;
         match self.shape {
             Shape::Hertz { n: norm, a } => {
@@ -71,7 +71,7 @@ impl Contact {
     }
 
     /// True if all later forces are 0.
-    pub fn is_over(&self, n: usize) -> bool {
+    pub(crate) fn is_over(&self, n: usize) -> bool {
         n as f64 > self.start + 3.0 * self.time + 1.0
     }
 }

@@ -2,20 +2,20 @@
 
 use std::path::Path;
 
-pub struct Event {
+pub(crate) struct Event {
     /// In samples, not rounded.
-    pub at: f64,
-    pub pad: String,
-    pub action: Action,
+    pub(crate) at: f64,
+    pub(crate) pad: String,
+    pub(crate) action: Action,
 }
 
-pub enum Action {
+pub(crate) enum Action {
     Strike { velocity: f64, position: f64, striker: String },
     Choke,
     Release,
 }
 
-pub fn read(path: &Path, fs: f64) -> Vec<Event> {
+pub(crate) fn read(path: &Path, fs: f64) -> Vec<Event> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_path(path).unwrap();
     let columns = reader.headers().unwrap().clone();
     let events = reader.records().map(|record| {

@@ -10,9 +10,9 @@ use crate::text::{number, tables, word};
 /// Product of the hand's factors, below which the filter falls silent.
 const SILENT: f64 = 1.0 / 1_048_576.0;
 
-pub struct Filter {
+pub(crate) struct Filter {
     fs: f64,
-    pub through: bool,
+    pub(crate) through: bool,
     generator: Generator,
     exciter: Option<Exciter>,
     path: Vec<Breakpoint>,
@@ -58,7 +58,7 @@ struct States {
 }
 
 impl Filter {
-    pub fn new(object: &Table, stream: u32, fs: f64) -> Option<Self> {
+    pub(crate) fn new(object: &Table, stream: u32, fs: f64) -> Option<Self> {
         let table = object.get("dynamic_filter")?.as_table()?;
         let rho = fs / number(table, "rate_hz", 48000.0);
         Some(Self {
@@ -78,7 +78,7 @@ impl Filter {
     }
 
     /// A strike on sample n, of a peak force over the reference force.
-    pub fn strike(&mut self, n: usize, level: f64, table: &Table) {
+    pub(crate) fn strike(&mut self, n: usize, level: f64, table: &Table) {
         self.start = Some(n);
         self.noise = level * (self.fs / number(table, "rate_hz", 48000.0)).sqrt();
         self.noise_left = 1.0;
@@ -89,12 +89,12 @@ impl Filter {
     }
 
     /// A hand comes or goes; not where one lies already.
-    pub fn hand(&mut self) {
+    pub(crate) fn hand(&mut self) {
         self.hand = Some(1.0);
     }
 
     /// Sample n; `hand_per_s` is 0 where no hand lies on the pad.
-    pub fn play(&mut self, n: usize, modes: f64, hand_per_s: f64) -> f64 {
+    pub(crate) fn play(&mut self, n: usize, modes: f64, hand_per_s: f64) -> f64 {
         if hand_per_s > 0.0 && n.is_multiple_of(32) && self.hand.is_some_and(|product| product < SILENT) {
             self.scale(0.0);
             (self.hand, self.start) = (None, None);

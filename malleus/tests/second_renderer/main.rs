@@ -32,11 +32,11 @@ fn file(name: &str) -> PathBuf {
 }
 
 /// Runs `malleus play` with words split at spaces; the samples, and what it says.
-fn play(kit: &Path, events: &Path, words: &str) -> (Vec<[i32; 2]>, String) {
+fn play(kit: &Path, words: &str) -> (Vec<[i32; 2]>, String) {
     let folder = tempfile::tempdir().unwrap();
     let wave = folder.path().join("out.wav");
     let mut command = Command::new(env!("CARGO_BIN_EXE_malleus"));
-    command.arg("play").arg("--kit").arg(kit).arg("--strikes").arg(events).arg("--output").arg(&wave);
+    command.arg("play").arg("--kit").arg(kit).arg("--output").arg(&wave);
     let output = command.args(words.split(' ')).output().unwrap();
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{message}");
@@ -63,7 +63,8 @@ fn peak(samples: &[[i32; 2]]) -> i32 {
 fn events_of(pad: Option<&str>, folder: &Path) -> PathBuf {
     let all = fs::read_to_string(file("every_key.csv")).unwrap();
     let (header, lines) = all.split_once("striker,action\n").unwrap();
-    let kept = lines.lines().filter(|line| pad.is_none_or(|pad| line.split(',').nth(1).unwrap().trim_matches('"') == pad));
+    let kept =
+        lines.lines().filter(|line| pad.is_none_or(|pad| line.split(',').nth(1).unwrap().trim_matches('"') == pad));
     let path = folder.join("events.csv");
     fs::write(&path, format!("{header}striker,action\n{}\n", kept.collect::<Vec<_>>().join("\n"))).unwrap();
     path
@@ -76,13 +77,19 @@ fn agrees(rate: u32) {
     let (mut worst, mut loud) = (f64::INFINITY, true);
     for pad in pads {
         let events = events_of(pad, folder.path());
-        let (reference, message) = play(&kit, &events, &format!("--reference --tail 1 --rate {rate}"));
+        let (reference, message) =
+            play(&kit, &format!("--strikes {} --reference --tail 1 --rate {rate}", events.display()));
         assert!(message.contains("residual") && message.contains("background"), "nothing is said of: {message}");
-        let second = mix::render(&kit, &events, f64::from(rate), reference.len());
+        let second = mix::render(&kit, &events::read(&events, f64::from(rate)), None, f64::from(rate), reference.len());
         let (peak, snr) = (f64::from(peak(&reference)) / 8_388_608.0, snr(&reference, &second));
         println!("{rate} Hz, {}: peak {:.1} dBFS, SNR {snr:.1} dB", pad.unwrap_or("all"), 20.0 * peak.log10());
-        if let Some(n) = reference.iter().zip(&second).position(|(a, b)| (0..2).any(|side| a[side].abs_diff(b[side]) > 8)) {
-            println!("  the first difference of more than 8 steps is at sample {n}, {:.4} s", n as f64 / f64::from(rate));
+        if let Some(n) =
+            reference.iter().zip(&second).position(|(a, b)| (0..2).any(|side| a[side].abs_diff(b[side]) > 8))
+        {
+            println!(
+                "  the first difference of more than 8 steps is at sample {n}, {:.4} s",
+                n as f64 / f64::from(rate)
+            );
         }
         loud &= (0.1..0.999).contains(&peak);
         worst = worst.min(snr);
@@ -99,4 +106,31 @@ fn second_renderer_agrees_with_the_reference_at_48000_hz() {
 #[test]
 fn second_renderer_agrees_with_the_reference_at_44100_hz() {
     agrees(44100);
+}
+
+#[test]
+fn second_renderer_agrees_with_the_reference_under_a_direct_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let wave = folder.path().join("force.wav");
+    let spec = hound::WavSpec {
+        channels: 1,
+        sample_rate: 48000,
+        bits_per_sample: 24,
+        sample_format: hound::SampleFormat::Int,
+    };
+    let mut writer = hound::WavWriter::create(&wave, spec).unwrap();
+    let mut generator = noise::Generator::new(1, 2);
+    let samples =
+        (0..20000).map(|n| (generator.draw() * 4e6 + 2e6 * (f64::from(n) * 0.02).sin()) as i32).collect::<Vec<_>>();
+    samples.iter().for_each(|sample| writer.write_sample(*sample).unwrap());
+    writer.finalize().unwrap();
+    let kit = file("every_key.toml");
+    let force = samples.iter().map(|sample| f64::from(*sample) / 8_388_608.0).collect::<Vec<_>>();
+    for pad in ["bar", "plate", "tube"] {
+        let (reference, _) = play(&kit, &format!("--direct {} --pad {pad} --reference --tail 1", wave.display()));
+        let second = mix::render(&kit, &[], Some((pad, &force)), 48000.0, reference.len());
+        let (peak, snr) = (f64::from(peak(&reference)) / 8_388_608.0, snr(&reference, &second));
+        println!("direct force on {pad}: peak {:.1} dBFS, SNR {snr:.1} dB", 20.0 * peak.log10());
+        assert!((0.05..0.999).contains(&peak) && snr >= 110.0, "{pad}: peak {peak}, SNR {snr:.1} dB");
+    }
 }

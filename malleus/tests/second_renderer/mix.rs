@@ -8,7 +8,7 @@ use toml::Table;
 use crate::acceleration::balance;
 use crate::biquads::{Chain, chains};
 use crate::contact::{Contact, peak_force};
-use crate::events::{self, Action, Event};
+use crate::events::{Action, Event};
 use crate::filter::Filter;
 use crate::modes::Bank;
 use crate::text::{self, Kit, number, word};
@@ -27,13 +27,19 @@ struct Pad<'a> {
     hand_per_s: f64,
 }
 
-/// Left and right samples of a list of events.
-pub fn render(kit: &Path, events: &Path, fs: f64, frames: usize) -> Vec<[i32; 2]> {
+/// Left and right samples of events, or of a direct force on a pad, of its reference force.
+pub(crate) fn render(
+    kit: &Path,
+    events: &[Event],
+    direct: Option<(&str, &[f64])>,
+    fs: f64,
+    frames: usize,
+) -> Vec<[i32; 2]> {
     let kit = text::read(kit);
-    let events = events::read(events, fs);
     let mut sides = vec![[0.0; 2]; frames];
     for (stream, table) in kit.pads.iter().enumerate() {
         let mut pad = Pad::new(&kit, table, stream as u32, fs);
+        let direct = direct.filter(|(name, _)| *name == word(table, "name", "")).map_or(&[][..], |(_, force)| force);
         let mut events = events.iter().filter(|event| event.pad == word(table, "name", "")).peekable();
         let level = 10f64.powf(number(table, "level_db", 0.0) / 20.0);
         let (right, left) = ((number(table, "pan", 0.0) + 1.0) * PI / 4.0).sin_cos();
@@ -42,7 +48,7 @@ pub fn render(kit: &Path, events: &Path, fs: f64, frames: usize) -> Vec<[i32; 2]
             while let Some(event) = events.next_if(|event| event.at <= n as f64) {
                 pad.event(n, event);
             }
-            let x = level * pad.play(n);
+            let x = level * pad.play(n, direct.get(n).copied().unwrap_or(0.0));
             sides[0] += left * x;
             sides[1] += right * x;
         }
@@ -118,9 +124,11 @@ impl<'a> Pad<'a> {
         self.banks().for_each(|bank| bank.hand(hand_per_s));
     }
 
-    /// What the pad sounds at sample n.
-    fn play(&mut self, n: usize) -> f64 {
-        let forces = self.contacts.iter().map(|contact| (contact.position, contact.force(n))).collect::<Vec<_>>();
+    /// What the pad sounds at sample n, under its contacts and a direct force.
+    fn play(&mut self, n: usize, direct: f64) -> f64 {
+        let direct = direct * number(self.object, "reference_force", 1.0);
+        let mut forces = self.contacts.iter().map(|contact| (contact.position, contact.force(n))).collect::<Vec<_>>();
+        forces.push((0.0, direct));
         let force = forces.iter().map(|(_, force)| force).sum::<f64>();
         let balanced = self.object.get("acceleration").and_then(toml::Value::as_str) == Some("balance");
         let modes = self.bank.play(&forces);
@@ -128,7 +136,7 @@ impl<'a> Pad<'a> {
         let weight = number(self.table, "striker_weight", 1.0);
         for (index, bank) in self.striker_banks.iter_mut().enumerate() {
             let own = self.contacts.iter().filter(|contact| contact.striker == index);
-            let force = own.map(|contact| contact.force(n)).sum::<f64>();
+            let force = own.map(|contact| contact.force(n)).sum::<f64>() + if index == 0 { direct } else { 0.0 };
             beside += weight * bank.play(&[(0.0, force)]);
             if balanced {
                 beside += weight * balance(bank, 0.0, self.fs) * force;

@@ -9,17 +9,17 @@ use crate::text::{number, numbers, tables};
 /// Modes that a hand reaches at once.
 const REACH: usize = 12;
 
-pub struct Bank {
-    pub modes: Vec<Mode>,
+pub(crate) struct Bank {
+    pub(crate) modes: Vec<Mode>,
     /// Next mode that the hand, or its lifting, reaches.
     next: usize,
     fs: f64,
 }
 
-pub struct Mode {
-    pub theta: f64,
+pub(crate) struct Mode {
+    pub(crate) theta: f64,
     decay_per_s: f64,
-    pub own_radius: f64,
+    pub(crate) own_radius: f64,
     radius: f64,
     gain_sine: Vec<f64>,
     gain_cosine: Vec<f64>,
@@ -29,7 +29,7 @@ pub struct Mode {
 }
 
 impl Bank {
-    pub fn new(table: &Table, fs: f64) -> Self {
+    pub(crate) fn new(table: &Table, fs: f64) -> Self {
         let gains = |mode: &Table, key| mode.get(key).map_or(vec![0.0], |value: &Value| numbers(value));
         let read = |mode: &Table| {
             let decay_per_s = number(mode, "decay_per_s", 0.0);
@@ -50,13 +50,13 @@ impl Bank {
     }
 
     /// A hand comes or goes: it begins with the first mode.
-    pub fn hand(&mut self, hand_per_s: f64) {
+    pub(crate) fn hand(&mut self, hand_per_s: f64) {
         self.next = 0;
         self.reach(hand_per_s);
     }
 
     /// The next modes take the hand's decay; `hand_per_s` is 0 where there is no hand.
-    pub fn reach(&mut self, hand_per_s: f64) {
+    pub(crate) fn reach(&mut self, hand_per_s: f64) {
         let end = (self.next + REACH).min(self.modes.len());
         for mode in &mut self.modes[self.next..end] {
             let radius = (-mode.decay_per_s.max(hand_per_s) / self.fs).exp();
@@ -68,7 +68,7 @@ impl Bank {
     }
 
     /// The next sample, of forces at positions.
-    pub fn play(&mut self, forces: &[(f64, f64)]) -> f64 {
+    pub(crate) fn play(&mut self, forces: &[(f64, f64)]) -> f64 {
         let fs = self.fs;
         self.modes.iter_mut().map(|mode| mode.play(forces, fs)).sum()
     }
@@ -76,7 +76,7 @@ impl Bank {
 
 impl Mode {
     /// gs and gc at a position.
-    pub fn gains(&self, position: f64) -> (f64, f64) {
+    pub(crate) fn gains(&self, position: f64) -> (f64, f64) {
         (interpolated(&self.gain_sine, position), interpolated(&self.gain_cosine, position))
     }
 

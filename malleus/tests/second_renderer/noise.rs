@@ -1,9 +1,9 @@
 //! docs/noise.md: the numbers of a dynamic filter.
 
-pub struct Generator(u32);
+pub(crate) struct Generator(u32);
 
 impl Generator {
-    pub fn new(seed: u32, stream: u32) -> Self {
+    pub(crate) fn new(seed: u32, stream: u32) -> Self {
         let (mut a, mut b, mut c) = (seed, stream, 0x9e37_79b9_u32);
         let mut word = 0;
         for counter in 1..=17 {
@@ -13,7 +13,7 @@ impl Generator {
         Self(word | 1)
     }
 
-    pub fn draw(&mut self) -> f64 {
+    pub(crate) fn draw(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(0x93d7_65dd);
         f64::from(self.0 as i32) / 2f64.powi(31)
     }

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::text::{self, number, numbers, tables};
-use crate::{file, mix, play};
+use crate::{events, file, mix, play};
 
 const FS: f64 = 48000.0;
 
@@ -53,8 +53,8 @@ fn write(folder: &Path, lines: &str) -> PathBuf {
 fn reference_room_has_the_energy_of_the_page_in_each_band() {
     let folder = tempfile::tempdir().unwrap();
     let (kit, events) = (file("random.toml"), write(folder.path(), "0,click,1\n"));
-    let (wet, _) = play(&kit, &events, "--reference --tail 2");
-    let dry = mix::render(&kit, &events, FS, wet.len());
+    let (wet, _) = play(&kit, &format!("--strikes {} --reference --tail 2", events.display()));
+    let dry = mix::render(&kit, &events::read(&events, FS), None, FS, wet.len());
     let rooms = tables(&text::parse(&kit), "room");
     let edges = rooms.iter().map(|room| number(room, "from_hz", 0.0)).chain([FS / 2.0]).collect::<Vec<_>>();
     let bands = edges.windows(2).map(|edges| [edges[0] * 1.05, edges[1] / 1.05]).collect::<Vec<_>>();
@@ -89,7 +89,7 @@ fn instrument_residual_has_the_energy_of_the_page_in_each_band() {
     let velocity = 0.9_f64;
     let lines = (0..24).map(|k| format!("{},hiss,{velocity}\n", 0.3 + 0.41 * f64::from(k))).collect::<String>();
     let (kit, events) = (dry_kit(folder.path()), write(folder.path(), &lines));
-    let (sound, _) = play(&kit, &events, "--tail 0.5");
+    let (sound, _) = play(&kit, &format!("--strikes {} --tail 0.5", events.display()));
     let object = &tables(&text::parse(&kit), "object")[1];
     let residual = object["residual"].as_table().unwrap();
     let [edges, weights, decays] = ["edges_hz", "weight", "decay_db_per_s"].map(|key| numbers(&residual[key]));
@@ -105,7 +105,7 @@ fn instrument_residual_has_the_energy_of_the_page_in_each_band() {
 fn instrument_background_has_the_power_of_the_page_in_each_band() {
     let folder = tempfile::tempdir().unwrap();
     let (kit, events) = (dry_kit(folder.path()), write(folder.path(), "0,hiss,0\n"));
-    let (sound, _) = play(&kit, &events, "--tail 6");
+    let (sound, _) = play(&kit, &format!("--strikes {} --tail 6", events.display()));
     let kept = &sound[24000..264_000];
     let background = text::parse(&kit)["background"].as_table().unwrap().clone();
     let [edges, weights] = ["edges_hz", "weight"].map(|key| numbers(&background[key]));

@@ -6,17 +6,17 @@ use std::path::Path;
 use toml::{Table, Value};
 
 /// Tables of a kit, those of included files first.
-pub struct Kit {
-    pub objects: Vec<Table>,
-    pub strikers: Vec<Table>,
-    pub pads: Vec<Table>,
+pub(crate) struct Kit {
+    pub(crate) objects: Vec<Table>,
+    pub(crate) strikers: Vec<Table>,
+    pub(crate) pads: Vec<Table>,
 }
 
-pub fn parse(path: &Path) -> Table {
+pub(crate) fn parse(path: &Path) -> Table {
     fs::read_to_string(path).unwrap().parse().unwrap()
 }
 
-pub fn read(path: &Path) -> Kit {
+pub(crate) fn read(path: &Path) -> Kit {
     let root = parse(path);
     let mut kit = Kit { objects: Vec::new(), strikers: Vec::new(), pads: tables(&root, "pad") };
     let included = root.get("include").and_then(Value::as_array).into_iter().flatten();
@@ -30,35 +30,35 @@ pub fn read(path: &Path) -> Kit {
 }
 
 impl Kit {
-    pub fn object(&self, name: &str) -> &Table {
+    pub(crate) fn object(&self, name: &str) -> &Table {
         self.objects.iter().find(|object| word(object, "name", "") == name).unwrap()
     }
 
-    pub fn striker(&self, name: &str) -> &Table {
+    pub(crate) fn striker(&self, name: &str) -> &Table {
         self.strikers.iter().find(|striker| word(striker, "name", "") == name).unwrap()
     }
 }
 
 /// A number, rounded to a 32-bit float.
-pub fn float(value: &Value) -> f64 {
+pub(crate) fn float(value: &Value) -> f64 {
     f64::from(value.as_float().unwrap_or_else(|| value.as_integer().unwrap() as f64) as f32)
 }
 
-pub fn number(table: &Table, key: &str, default: f64) -> f64 {
+pub(crate) fn number(table: &Table, key: &str, default: f64) -> f64 {
     table.get(key).map_or(default, float)
 }
 
 /// An array of numbers; a number is an array of one.
-pub fn numbers(value: &Value) -> Vec<f64> {
+pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().map_or_else(|| vec![float(value)], |array| array.iter().map(float).collect())
 }
 
-pub fn word<'a>(table: &'a Table, key: &str, default: &'a str) -> &'a str {
+pub(crate) fn word<'a>(table: &'a Table, key: &str, default: &'a str) -> &'a str {
     table.get(key).map_or(default, |value| value.as_str().unwrap())
 }
 
 /// An array of tables, empty where the key is missing.
-pub fn tables(table: &Table, key: &str) -> Vec<Table> {
+pub(crate) fn tables(table: &Table, key: &str) -> Vec<Table> {
     let array = table.get(key).and_then(Value::as_array).into_iter().flatten();
     array.map(|value| value.as_table().unwrap().clone()).collect()
 }
