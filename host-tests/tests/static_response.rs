@@ -137,11 +137,6 @@ fn share_below(sound: &[[f64; 2]], hz: f64, rate: SampleRate) -> f64 {
 /// Largest share of a strike's energy below 0.7 times the lowest mode.
 const MOST: f64 = 0.03;
 
-/// Strikes whose contact pulse has a zero of its spectrum at the loudest modes, so that the rest is loud beside them: at
-/// velocity 0.2 the mug's contact lasts 0.69 ms, and 3.5/τ = 5073 Hz where its loudest pair lies at 5030 Hz. Its factor is
-/// fitted. Measured 21 %.
-const AT_A_ZERO: [(&str, f32, f64); 1] = [("mug", 0.2, 0.22)];
-
 #[test]
 fn no_shipped_pad_has_3_percent_of_its_energy_below_its_lowest_mode() {
     let rate = SampleRate::HZ_48000;
@@ -167,9 +162,7 @@ fn no_shipped_pad_has_3_percent_of_its_energy_below_its_lowest_mode() {
                         share_below(&instrument(&loaded, &performance, rate, Skipping::On).0, hz, rate)
                     });
                     let share = shares.fold(0.0, f64::max);
-                    let exception = AT_A_ZERO.iter().find(|(pad_name, at, _)| *pad_name == pad.name && *at == velocity);
-                    let most = exception.filter(|_| name == "demo").map_or(MOST, |(_, _, most)| *most);
-                    if share >= most {
+                    if share >= MOST {
                         failures.push(format!("{name} {} at {velocity}: {:.1} %", pad.name, 100.0 * share));
                     }
                     100.0 * share
