@@ -296,10 +296,11 @@ impl<
             }
             on_bus |= filtered && self.filters.join_in(number, is_driven, pad_banks);
             if is_driven {
-                counts.add(
-                    if pad.drives_quickly(pad_banks) && !on_bus { Part::DrivenPad } else { Part::BusDrivenPad },
-                    1,
-                );
+                let is_quick = pad.drives_quickly(pad_banks) && !on_bus;
+                counts.add(if is_quick { Part::DrivenPad } else { Part::BusDrivenPad }, 1);
+                if is_quick && pad_banks.iter().any(Bank::has_onset) {
+                    counts.add(Part::OnsetFrame, frames);
+                }
                 counts.add(Part::DrivenFrame, frames);
                 counts.add(Part::ContactFrame, contact_frames);
                 counts.add(Part::DirectFrame, if is_direct { frames } else { 0 });

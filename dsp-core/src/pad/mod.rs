@@ -266,7 +266,8 @@ impl<'k> Pad<'k> {
     pub fn drives_quickly(&self, banks: &[Bank]) -> bool {
         let [object] = banks else { return false };
         let is_loud = object.mix_shift().is_loud || self.expects();
-        !self.acceleration.is_built() && !object.has_onset() && self.panner.gains(is_loud).is_some()
+        let Some(gains) = self.panner.gains(is_loud).filter(|_| !self.acceleration.is_built()) else { return false };
+        !object.has_onset() || !self.expects() && object.can_add_onset(gains.shift)
     }
 
     /// Whether a contact has begun that the banks are not guarded for yet.

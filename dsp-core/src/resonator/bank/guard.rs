@@ -197,6 +197,7 @@ impl Bank {
         let bits = 64 - sum.leading_zeros() as i32;
         let mix_exponent = mix_exponent.max(bits - 31).max(0);
         self.mix_shift = MixShift { bits: mix_exponent as u8, is_loud: bits > 30 }; // at most 33 bits
+        self.mix_bits = bits as u8; // at most 64
         (self.ringing_modes, self.refusing) = (ringing_modes as u16, refusing);
         self.due_ticks = due_ticks.max(0) as u8;
         let force_shift = u32::from(self.force_shift);

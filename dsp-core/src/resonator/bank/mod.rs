@@ -174,6 +174,8 @@ pub struct Bank {
     /// Bits by which the force is shifted left before it drives the modes, so that a weak one keeps its precision.
     force_shift: u8,
     mix_shift: MixShift,
+    /// The sum of the modes' bounds stays below 2^this on the bus.
+    mix_bits: u8,
     /// Groups that refused the input they were last guarded for.
     refusing: u16,
     ringing_modes: u16,
@@ -203,6 +205,7 @@ impl Bank {
         spent: 0,
         force_shift: 0,
         mix_shift: MixShift { bits: 0, is_loud: false },
+        mix_bits: 0,
         refusing: 0,
         ringing_modes: 0,
         clock: 0,

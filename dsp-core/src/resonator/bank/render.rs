@@ -177,7 +177,7 @@ impl Bank {
     }
 
     /// Adds the bank's sound for a run under a force straight to the stereo bus, by gains for the loudness of [`Bank::mix_shift`]. `None`, and
-    /// nothing happens, where that is not possible: the bank has an onset of its own, or is not guarded for so much force.
+    /// nothing happens, where that is not possible: the bank is too loud to add its onset without a clip, or not guarded for so much force.
     pub fn render_stereo(
         &mut self,
         memory: &mut Memory<'_>,
@@ -186,8 +186,9 @@ impl Bank {
         gains: Gains,
         out: &mut [[i32; 2]],
     ) -> Option<BankWork> {
+        let mut onset = None;
         if self.has_onset() {
-            return None;
+            onset = Some(self.onset_mix(force, gains.shift)?);
         }
         let sum = sum_of_magnitudes(force);
         self.allowance = self.allowance.checked_sub(sum).filter(|_| sum > 0)?;
@@ -196,12 +197,33 @@ impl Bank {
         let stereo = self.stereo(gains, out);
         let mut shifted = self.shifted(force);
         if self.has_mirrored() {
-            self.drive_stereo_mirrored(memory, run, &mut shifted, odd_start, stereo);
+            self.drive_stereo_mirrored(memory, run, (&mut shifted, onset.as_ref()), odd_start, stereo);
         } else if let Some((groups, modes)) = self.plain(memory) {
-            kernel::driven_stereo(groups, modes, run, &shifted, None, stereo);
+            kernel::driven_stereo(groups, modes, run, &shifted, onset.as_ref(), stereo);
         }
         let driven_mode_frames = self.running_modes(true) * run.frames as u32;
         Some(BankWork { driven_mode_frames, refused: u32::from(self.refusing), ..BankWork::default() })
+    }
+
+    /// True if modes and onset together need no clip on the stereo bus, and have the bus's unit.
+    pub fn can_add_onset(&self, pan_shift: u32) -> bool {
+        // Half of the room that a bus sample has there is the modes', the other half the onset's.
+        self.mix_shift.bits == 0 && u32::from(self.mix_bits) + pan_shift <= 30
+    }
+
+    /// What the force adds to the sound at once, where [`Bank::can_add_onset`] and its half of the room suffices.
+    #[inline(never)] // its buffer must not weigh on banks without
+    fn onset_mix(&self, force: &[i32], pan_shift: u32) -> Option<Backward> {
+        if !self.can_add_onset(pan_shift) {
+            return None;
+        }
+        let mut mix = [0; TICK_FRAMES];
+        let mut signs = 0;
+        for (sum, &x) in mix.iter_mut().rev().zip(force) {
+            *sum = self.onset.apply(x);
+            signs |= *sum ^ (*sum >> 31);
+        }
+        (signs < (1 << (30 - pan_shift.min(29)))).then_some(mix)
     }
 
     #[inline(never)] // its buffer must not weigh on banks without mirrored modes
@@ -209,12 +231,16 @@ impl Bank {
         &mut self,
         memory: &mut Memory<'_>,
         run: kernel::Run,
-        shifted: &mut Backward,
+        (shifted, onset): (&mut Backward, Option<&Backward>),
         odd_start: bool,
         stereo: Stereo<'_>,
     ) {
         let mut mix = [0; TICK_FRAMES];
         self.drive_mirrored(memory, run, shifted, odd_start, &mut mix);
+        if let Some(onset) = onset {
+            // Within the bank's room and the onset's.
+            mix.iter_mut().zip(onset).for_each(|(sum, x)| *sum = sum.wrapping_add(*x));
+        }
         if let Some((groups, modes)) = self.plain(memory) {
             kernel::driven_stereo(groups, modes, run, shifted, Some(&mix), stereo);
         }
