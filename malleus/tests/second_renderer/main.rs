@@ -3,10 +3,12 @@
 //! What is compared, and how:
 //!
 //! - **Sample by sample**, 110 dB and more: all that the pages determine, for each pad alone and for all
-//!   together (every_key.toml, every_key.csv), at 48 and at 44.1 kHz.
+//!   together (every_key.toml, every_key.csv), at 48 and at 44.1 kHz, and a direct force.
 //! - **By energy** ([`random`], random.toml): a room, whose noise is not on the pages, with `--reference`; a residual
 //!   and a background, which `--reference` leaves out, with the instrument.
 //! - **Not at all**: triggers, which only boards have. every_key.toml holds them.
+//!
+//! In every case of the first kind all 24-bit samples were the same when this was written.
 //!
 //! Nothing of the workspace's crates is used here but the program. One file stands for each section of the pages.
 
