@@ -4,7 +4,7 @@ use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
 use dsp_core::event::{Event, Time};
 use dsp_core::fixed::q27_from;
-use host_tests::performance::{instrument, law, snr_db};
+use host_tests::performance::{instrument, largest_difference, law, snr_db};
 use host_tests::scene::{load, one_pad};
 use kit::{Acceleration, Gain, Kit, Loaded, Mode};
 use malleus::render::Performance;
@@ -89,7 +89,9 @@ proptest! {
             let energy = |sound: &[[f64; 2]]| sound.iter().flatten().map(|x| x * x).sum::<f64>();
             let difference = (energy(&plain) / energy(&balanced)).log10().max(0.0) * 10.0;
             let snr = snr_db(&balanced, &bus) + difference;
-            prop_assert!(snr >= 90.0 || energy(&plain) < 1e-9, "{rate}: {snr:.1} dB");
+            // A soft strike on a high mode is as small as the last of 24 bits.
+            let error = largest_difference(&balanced, &bus);
+            prop_assert!(snr >= 90.0 || error < 2f64.powi(-24), "{rate}: {snr:.1} dB, error up to {error:e}");
         }
     }
 }

@@ -65,7 +65,7 @@ fn a_full_strike_of_each_pad_neither_clips_nor_whispers_and_softer_ones_are_soft
         });
         println!("{}: {peaks:.1?} dBFS", pad.name);
         // Equally loud pads: what rings for 9 s peaks 20 dB below what lasts 0.1 s (kit_balance holds the loudness itself).
-        assert!((-24.5..=-3.0).contains(&peaks[0]), "{}: {peaks:.1?}", pad.name);
+        assert!((-24.5..=-2.5).contains(&peaks[0]), "{}: {peaks:.1?}", pad.name);
         assert!(peaks.is_sorted_by(|louder, softer| louder > softer), "{}: {peaks:.1?}", pad.name);
     }
 }
