@@ -139,8 +139,7 @@ impl Hand {
         let passes = origins.iter().filter_map(|origin| {
             let record = table.modes.get(origin.index())?;
             let (frequency_hz, decay_per_s) = (record.frequency_hz.get().into(), record.decay_per_s.get().into());
-            let growth =
-                growth_of_change(frequency_hz, decay_per_s, self.decay_per_s.max(decay_per_s), self.rate);
+            let growth = growth_of_change(frequency_hz, decay_per_s, self.decay_per_s.max(decay_per_s), self.rate);
             Some(passes_per_guard(growth, origin.is_coupled()))
         });
         let coupled = origins.iter().zip(memory_modes).filter(|(origin, _)| origin.is_coupled());
@@ -436,7 +435,8 @@ mod tests {
     #[test]
     fn a_hand_of_100_ms_needs_no_guards_around_its_steps_from_20_hz_on() {
         let passes = |frequency| {
-            let growth = growth_of_change(frequency, 1.0, decay_of_t60(0.1, SampleRate::HZ_48000), SampleRate::HZ_48000);
+            let growth =
+                growth_of_change(frequency, 1.0, decay_of_t60(0.1, SampleRate::HZ_48000), SampleRate::HZ_48000);
             passes_per_guard(growth, true)
         };
         assert_eq!((passes(20.0), passes(80.0)), (1, 4));
