@@ -246,8 +246,7 @@ fn change(
             continue;
         }
         origin.index_and_flags = flags ^ Origin::HELD;
-        let from = mode.coefficients;
-        mode.coefficients = origin.other;
+        let from = core::mem::replace(&mut mode.coefficients, origin.other);
         origin.other = from;
         if flags & Origin::COUPLED != 0 {
             scale(slot, mode, from);
