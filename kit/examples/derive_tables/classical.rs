@@ -2,7 +2,7 @@
 
 use kit::{Acceleration, Mode, Object};
 
-use crate::level::{Contact, mode, rounded};
+use crate::level::{Contact, mode};
 use crate::{bar, membrane};
 
 /// All of them.
