@@ -26,6 +26,9 @@ fn the_cost_of_the_scenes_is_predicted_within_three_percent() {
             let (_, call) = chip.render(&events, direct, TICK_FRAMES).unwrap();
             predicted += f64::from(chip.told().unwrap().predicted_cycles);
             modelled += call.cost.nominal as f64;
+            if std::env::var_os("TICKS").is_some() {
+                println!("{tick}: {} {}", call.cost.nominal, chip.told().unwrap().predicted_cycles);
+            }
         }
         let error = predicted / modelled - 1.0;
         println!("{}: predicted {predicted:.0}, modelled {modelled:.0}: {:+.2} %", scene.name, error * 100.0);
