@@ -21,7 +21,8 @@ pub struct Contact {
 }
 
 impl Contact {
-    const OVER: Self = Self { pad: 0, striker: 0, slot: 0, pulse: Pulse::Gaussian, peak: 0, phase: WHOLE, step: 0 };
+    /// All zeros: so an engine in a `static` costs no flash.
+    const OVER: Self = Self { pad: 0, striker: 0, slot: 0, pulse: Pulse::Gaussian, peak: 0, phase: 0, step: 0 };
 
     /// A contact whose pulse began `early` (a fraction of a sample, 1.0 = 2^32) before the next frame: onsets fall between samples.
     pub fn new(pad: u8, striker: u8, impact: Impact, early: u32) -> Self {
