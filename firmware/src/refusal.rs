@@ -193,6 +193,9 @@ fn table(f: Formatter<'_>, error: TableError) {
         ),
         TableError::UnstablePole { place, .. } => defmt::write!(f, "{}: an unstable pole", At(place)),
         TableError::TimeOrder { place, .. } => defmt::write!(f, "{}: its times do not rise", At(place)),
+        TableError::GaussianRestitution { place, value } => {
+            defmt::write!(f, "{}: restitution {=f32}: only a hertz pulse has one", At(place), value)
+        }
         TableError::BadText { place } => defmt::write!(f, "{}: a text that is not UTF-8", At(place)),
         TableError::NotZero { place, field } => defmt::write!(f, "{}: {=str}: must be zero", At(place), field.key()),
     }

@@ -67,7 +67,7 @@ impl<
         }
         // What a single tick may cost more than predicted is kept free, and pays for a hand: so that of one pad sheds nothing.
         let hands = (self.report.counts.of(Part::ChokedMode) + rest.of(Part::ChokedMode)) * cycles_of(Part::ChokedMode);
-        let budget = budget - margin + hands.min(margin);
+        let budget = budget - margin + hands.min(margin.max(HANDS * cycles_of(Part::ChokedMode)));
         let predicted = self.report.predicted_cycles() + rest.cycles();
         if predicted > budget {
             let survey = self.survey_counts();
@@ -324,6 +324,10 @@ fn reached(banks: &[Bank], of: impl Fn(&Bank) -> (usize, bool)) -> (u32, u32) {
 
 /// A 32nd of the budget is kept free.
 const MARGIN: u32 = 32;
+
+/// Modes of a hand at one tick that shed nothing, on a small budget too: those of an object's bank and of
+/// one striker's. A board's tick is twice its budget and more.
+const HANDS: u32 = 24;
 
 fn cycles_of(part: Part) -> u32 {
     CYCLES.get(part as usize).copied().unwrap_or(0)

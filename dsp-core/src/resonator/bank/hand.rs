@@ -65,15 +65,8 @@ pub(super) struct HandState {
 
 impl HandState {
     /// No hand, and none that can come.
-    pub(super) const NONE: Self = Self {
-        lies: false,
-        reached: u16::MAX,
-        passes_per_guard: 0,
-        passes: 0,
-        calm_ticks: 0,
-        room_bits: 0,
-        guard_ticks: 0,
-    };
+    pub(super) const NONE: Self =
+        Self { lies: false, reached: 0, passes_per_guard: 0, passes: 0, calm_ticks: 0, room_bits: 0, guard_ticks: 0 };
 
     /// True if the pad can be choked.
     #[inline(always)]
@@ -146,6 +139,8 @@ impl Hand {
         let released = coupled.map(|(origin, mode)| 1.0 + change_of_u(origin.other, mode.coefficients));
         let largest = released.fold(1.0f32, f32::max);
         HandState {
+            // Nothing is left to reach before the first hand.
+            reached: u16::MAX,
             passes_per_guard: passes.min().unwrap_or(u8::MAX),
             // One for the fraction of the logarithm, and two as the states' orbits may stand four times above their guard.
             room_bits: (libm::frexpf(largest).1 + 2).clamp(2, 30) as u8,
