@@ -26,6 +26,6 @@ impl Board for BlackpillF411 {
     const STAGE_CYCLES: u32 = 17_600;
     type Residuals = Residuals<1>;
     type Room = NoRoom;
-    /// 32 breakpoints, 16 loops of up to 1023 frames (21 ms), sixteen pairs of biquads.
-    type Filters = Filters<4, 32, 16, 1024, 16>;
+    /// 32 breakpoints, 16 loops of up to 1023 frames (21 ms), two pairs of biquads.
+    type Filters = Filters<4, 32, 16, 1024, 2>;
 }
