@@ -5,8 +5,8 @@
 //! | 33 088 | the engine: pads, modes | beside the core |
 //! | 2 272 | the inputs: triggers | beside the core |
 //! | 27 904 | the room: 9728 samples of delay (19 KB), and 8 KB of what it works with | beside the core |
-//! | 48 400 | two residuals, 24 200 each; the background counts as one | RAM |
-//! | 35 488 | filters of five pads | RAM |
+//! | 72 600 | three residuals, 24 200 each; the background counts as one | RAM |
+//! | 35 488 | filters of four pads | RAM |
 //! | 5 232 | DMA buffers, the log, tasks | RAM |
 //! | 17 752 | the stack: 13.2 KB are used, at the start; 4 KB are kept free (`cargo test -p virtual-board --test boards -- --nocapture load::images stages`) | RAM |
 
@@ -26,8 +26,8 @@ impl Board for Stm32f407gDisc1 {
     /// At most a half: with 168 MHz the budget is met well before a half is over.
     const LEAD_FRAMES: usize = 26;
     const STAGE_CYCLES: u32 = 47_000;
-    type Residuals = Residuals<2>;
+    type Residuals = Residuals<3>;
     type Room = Room<i16, 9_728>;
     /// 32 breakpoints, ten loops of up to 511 frames (10.6 ms), eight pairs of biquads.
-    type Filters = Filters<5, 32, 10, 512, 8>;
+    type Filters = Filters<4, 32, 10, 512, 8>;
 }
