@@ -198,7 +198,6 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
 
     /// Adds a block of any length to `out`: Q4.27, saturating. `modes` (as many frames, where the table says that they go through the
     /// filter) are added to its input.
-    #[inline(always)]
     #[inline(never)] // its kernels are called through a pointer, from here alone
     pub fn render(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
         // What a tick mostly is.
