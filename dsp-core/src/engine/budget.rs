@@ -67,7 +67,9 @@ impl<
         }
         // What a single tick may cost more than predicted is kept free, and pays for a hand: so that of one pad sheds nothing.
         let hands = (self.report.counts.of(Part::ChokedMode) + rest.of(Part::ChokedMode)) * cycles_of(Part::ChokedMode);
-        let budget = budget - margin + hands.min(margin.max(HANDS * cycles_of(Part::ChokedMode)));
+        // A hand's event is charged as a strike is.
+        let event = if hands > 0 { cycles_of(Part::Strike) } else { 0 };
+        let budget = budget - margin + event + hands.min(margin.max(HANDS * cycles_of(Part::ChokedMode)));
         let predicted = self.report.predicted_cycles() + rest.cycles();
         if predicted > budget {
             let survey = self.survey_counts();
