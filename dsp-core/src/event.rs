@@ -34,9 +34,9 @@ pub enum Action {
     /// A contact begins.
     #[default]
     Strike,
-    /// A hand is laid on: decays rise to the pad's choke T60, until a release.
+    /// A hand is laid on: from the first tick behind the event on, decays rise to the pad's choke T60, until a release.
     Choke,
-    /// The hand lets go: decays are the object's own again.
+    /// The hand lets go: from the first tick behind the event on, decays are the object's own again.
     Release,
     /// Time is short: the so many quietest register groups of all pads are left out, until their pad is struck again. An engine with a
     /// budget decides this itself and tells it; played back, the same decision gives the same bits. The event's pad does not matter.
@@ -70,6 +70,11 @@ impl Event {
         striker: 0,
         action: Action::Strike,
     };
+
+    /// True for a hand that comes or goes. It acts on a tick, so that no run of frames ends at its event.
+    pub const fn is_of_hand(&self) -> bool {
+        matches!(self.action, Action::Choke | Action::Release)
+    }
 }
 
 /// Why an engine refuses the events of a block. Nothing of the block has been rendered then.

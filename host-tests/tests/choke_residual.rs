@@ -19,6 +19,11 @@ enum Act {
     Release,
 }
 
+/// A hand acts at the first tick behind its event.
+fn acts_at(frame: usize, act: Act) -> usize {
+    if matches!(act, Act::Strike) { frame } else { (frame / TICK_FRAMES + 1) * TICK_FRAMES }
+}
+
 /// Power a window, averaged over seeds, in dB.
 fn levels(
     bands: &[BandLaw],
@@ -43,14 +48,16 @@ fn levels(
 
 fn play(shaper: &mut Shaper, acts: &[(usize, Act)], frames: usize) -> Vec<i32> {
     let mut out = vec![0; frames];
-    let mut acts = acts.iter().copied().peekable();
+    let mut acts: Vec<_> = acts.iter().map(|&(frame, act)| (acts_at(frame, act), act)).collect();
+    acts.sort_by_key(|(frame, _)| *frame);
+    let mut acts = acts.into_iter().peekable();
     let mut at = 0;
     while at < frames {
         while let Some((_, act)) = acts.next_if(|(frame, _)| *frame <= at) {
             match act {
                 Act::Strike => shaper.strike(1.0, at % TICK_FRAMES),
-                Act::Choke => shaper.set_choked(true, at % TICK_FRAMES),
-                Act::Release => shaper.set_choked(false, at % TICK_FRAMES),
+                Act::Choke => shaper.set_choked(true),
+                Act::Release => shaper.set_choked(false),
             }
         }
         let tick_end = (at / TICK_FRAMES + 1) * TICK_FRAMES;
@@ -115,9 +122,9 @@ fn a_residual_under_hands_has_the_powers_of_the_reference() {
     let bands = [band([300.0, 2_000.0], 80.0), band([2_000.0, 10_000.0], 80.0)];
     let acts =
         [(0, Act::Strike), (3_000, Act::Choke), (6_010, Act::Release), (9_000, Act::Choke), (10_007, Act::Release)];
-    let holds = [(3_000.0, 6_010.0), (9_000.0, 10_007.0)].map(|(from, to)| reference::residual::Hold {
-        from_s: from / 48e3,
-        to_s: to / 48e3,
+    let holds = [(3_000, 6_010), (9_000, 10_007)].map(|(from, to)| reference::residual::Hold {
+        from_s: acts_at(from, Act::Choke) as f64 / 48e3,
+        to_s: acts_at(to, Act::Release) as f64 / 48e3,
         t60_s: 0.15,
     });
     let of = |band: &BandLaw| reference::residual::Band {

@@ -8,10 +8,11 @@ use crate::pad::Pad;
 pub enum Action {
     /// A contact begins: its pulse starts at the event's exact time.
     Strike,
-    /// A hand is laid on the pad: from the event's sample on every mode dies away at least as fast
-    /// as [`Pad::choke_t60_s`] says, new strikes included.
+    /// A hand is laid on the pad: from the first tick behind the event on every mode dies away at least
+    /// as fast as [`Pad::choke_t60_s`] says, new strikes included.
     Choke,
-    /// The hand is lifted: from the event's sample on the modes have their own decay rates again.
+    /// The hand is lifted: from the first tick behind the event on the modes have their own decay rates
+    /// again.
     Release,
 }
 
@@ -33,11 +34,41 @@ pub struct Event {
 }
 
 impl Event {
-    /// The first sample `n` with `n >= time_samples`: the first that can hear of this event.
+    /// The first sample `n` with `n >= time_samples`.
     pub fn first_sample(&self) -> u64 {
         // The cast saturates: what happened before the start is known at sample 0.
         self.time_samples.ceil() as u64
     }
+
+    /// The first sample that can hear of this event: of a strike [`Self::first_sample`], of a hand the
+    /// first tick behind it.
+    pub fn acts_at(&self) -> u64 {
+        match self.action {
+            Action::Strike => self.first_sample(),
+            Action::Choke | Action::Release => (self.first_sample() / TICK_SAMPLES + 1) * TICK_SAMPLES,
+        }
+    }
+}
+
+/// A tick: at each, hands come and go and reach further modes, and the end of their fade is looked for.
+pub(crate) const TICK_SAMPLES: u64 = 32;
+
+/// Events in the order in which they act, each with its sample. Of several hands that act at one tick
+/// the last counts, and only if it changes whether one lies there.
+pub(crate) fn in_effect(events: impl Iterator<Item = Event>) -> Vec<(u64, Event)> {
+    let (hands, mut acting): (Vec<_>, Vec<_>) =
+        events.map(|event| (event.acts_at(), event)).partition(|(_, event)| event.action != Action::Strike);
+    let mut lies = Action::Release;
+    for at_tick in hands.chunk_by(|(a, _), (b, _)| a == b) {
+        let last = at_tick[at_tick.len() - 1];
+        if last.1.action != lies {
+            lies = last.1.action;
+            acting.push(last);
+        }
+    }
+    // Stable: at one sample hands before strikes.
+    acting.sort_by_key(|(sample, event)| (*sample, event.action == Action::Strike));
+    acting
 }
 
 /// A force that drives a pad sample by sample, such as the signal of a piezo under it.

@@ -176,6 +176,12 @@ impl<const CAPACITY: usize> Flight<CAPACITY> {
         true
     }
 
+    /// Adds the force of all contacts of a pad to a run, and moves them on.
+    pub fn add_force_of_pad(&mut self, pad: u8, force: &mut [i32]) {
+        let own = self.contacts.iter_mut().take(self.count).filter(|contact| contact.pad == pad);
+        own.for_each(|contact| contact.add_to(force));
+    }
+
     /// Adds the force of the contacts of one of a pad's strikers in a position slot to a run, and moves these contacts on.
     pub fn add_force(&mut self, pad: u8, striker: u8, slot: u8, force: &mut [i32]) {
         let own = |contact: &&mut Contact| contact.pad == pad && contact.striker == striker && contact.slot == slot;
@@ -186,11 +192,13 @@ impl<const CAPACITY: usize> Flight<CAPACITY> {
     pub fn clear_finished(&mut self) {
         let mut kept = 0;
         for index in 0..self.count {
-            let Some(contact) = self.contacts.get(index).copied().filter(|contact| !contact.is_over()) else {
-                continue;
-            };
-            if let Some(place) = self.contacts.get_mut(kept) {
-                *place = contact;
+            if self.contacts.get(index).is_some_and(|contact| !contact.is_over()) {
+                // Taken apart, because a copy within the array links `memmove`: 1.5 KB.
+                if let Some((before, rest)) = self.contacts.split_at_mut_checked(index)
+                    && let (Some(place), Some(contact)) = (before.get_mut(kept), rest.first())
+                {
+                    *place = *contact;
+                }
                 kept += 1;
             }
         }

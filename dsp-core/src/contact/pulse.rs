@@ -96,9 +96,8 @@ impl Pulse {
         const FASTEST_GAUSSIAN: u64 = (WHOLE as f64 / (SHORTEST_GAUSSIAN_SAMPLES * GAUSSIAN_LENGTH)) as u64;
         match self {
             Self::Gaussian if step > FASTEST_GAUSSIAN => {
-                // Below 2^56: the dividend fits; the ratio, below 1, is Q31.
-                let ratio = ((FASTEST_GAUSSIAN >> 27) << 31).checked_div(step >> 27).unwrap_or(0);
-                (FASTEST_GAUSSIAN, ((i64::from(peak) * ratio as i64 + (1 << 30)) >> 31) as i32)
+                let ratio = q31_ratio(FASTEST_GAUSSIAN, step);
+                (FASTEST_GAUSSIAN, ((i64::from(peak) * i64::from(ratio) + (1 << 30)) >> 31) as i32)
             }
             // More than the law's shortest contact asks for at the lowest rate.
             Self::Hertz(_) | Self::Gaussian => (step.min(16 * WHOLE), peak),
@@ -132,11 +131,24 @@ impl Asymmetry {
     pub(super) fn edge(self, end: u64, step: u64) -> i32 {
         let (from, to) = (end.saturating_sub(step).min(WHOLE), end.min(WHOLE));
         let width = to - from;
-        // The width is at most the step and below 2^59: as Q31 the dividend fits 64 bits.
-        let share = ((width >> 26) << 31).checked_div(step >> 26).unwrap_or(0);
         let middle = ((from + to) >> 27).min(u64::from(u32::MAX));
-        self.means(width, share.min(1 << 31) as u32).about(middle as u32)
+        self.means(width, q31_ratio(width, step)).about(middle as u32)
     }
+}
+
+/// `part / whole` in Q31, for a part of at most the whole: within 2^-29.
+///
+/// Two divisions in single precision, the second of what the first leaves: one of 64-bit integers would link 864 bytes.
+fn q31_ratio(part: u64, whole: u64) -> u32 {
+    let shift = whole.leading_zeros().saturating_sub(1);
+    // Of 31 bits, the whole of at least 2^30.
+    let (part, whole) = (((part << shift) >> 32) as u32, (((whole << shift) >> 32) as u32).max(1 << 30));
+    let unit = (1u32 << 31) as f32;
+    let first = (part as f32 / whole as f32 * unit) as u32; // `as` saturates
+    // Less than 2^31 · 2^9 either way.
+    let left = (i64::from(part) << 31) - i64::from(first.min(1 << 31)) * i64::from(whole);
+    let correction = (left >> 16) as i32 as f32 / (whole >> 16) as f32;
+    first.min(1 << 31).saturating_add_signed(correction as i32).min(1 << 31)
 }
 
 impl Means {

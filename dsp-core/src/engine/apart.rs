@@ -100,9 +100,9 @@ impl<F: FilterRoom> FilterRoom for Apart<'_, F> {
         self.0.as_ref().map_or(0, |filters| filters.sounding_cycles())
     }
 
-    fn set_choked(&mut self, pad: u8, frame: usize, nepers: Option<f64>) {
+    fn set_choked(&mut self, pad: u8, nepers: Option<f64>) {
         if let Some(filters) = self.0.as_mut() {
-            filters.set_choked(pad, frame, nepers);
+            filters.set_choked(pad, nepers);
         }
     }
 

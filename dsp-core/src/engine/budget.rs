@@ -58,7 +58,7 @@ impl<
         let margin = budget / MARGIN;
         let mut rest = self.rest_of_tick(upcoming, direct);
         let end = self.now + u64::from(self.frames_to_tick());
-        let surprised = upcoming.first().is_some_and(|event| event.time.first_frame() < end);
+        let surprised = super::next_news(upcoming).is_some_and(|event| event.time.first_frame() < end);
         if surprised {
             // The event will call for another look.
             for part in [Part::Look, Part::PredictedGroup] {
@@ -66,10 +66,10 @@ impl<
             }
         }
         // What a single tick may cost more than predicted is kept free, and pays for a hand: so that of one pad sheds nothing.
-        let hands = (self.report.counts.of(Part::ChokedMode) + rest.of(Part::ChokedMode)) * cycles_of(Part::ChokedMode);
-        // A hand's event is charged as a strike is.
-        let event = if hands > 0 { cycles_of(Part::Strike) } else { 0 };
-        let budget = budget - margin + event + hands.min(margin.max(HANDS * cycles_of(Part::ChokedMode)));
+        let modes = self.report.counts.of(Part::ChokedMode);
+        let hands = modes.min(HANDS) * cycles_of(Part::ChokedMode);
+        let hands = hands + self.report.counts.of(Part::Hand).min(1) * cycles_of(Part::Hand);
+        let budget = budget - margin + hands;
         let predicted = self.report.predicted_cycles() + rest.cycles();
         if predicted > budget {
             let survey = self.survey_counts();
@@ -184,28 +184,27 @@ impl<
         let groups: u32 = due.map(|pad| group_count(pad.own(&self.banks))).sum();
         let pads = self.pads().iter().filter(|pad| !pad.rests()).count();
         let noise = (Part::ResidualCycle, self.noise_cycles() + self.room_cycles() + self.filter_cycles());
-        let (modes, guards) = reached(&self.banks, |bank| (bank.modes_to_reach(), bank.hand_is_guarded()));
+        let (modes, guards) = self.reached();
         let hand = (Part::ChokedMode, modes);
         [(Part::Tick, 1), (Part::WakingPad, pads as u32), (Part::DueGroup, groups + guards), noise, hand]
     }
 
     /// What an event does.
     pub(super) fn event_counts(&self, event: &Event) -> [(Part, u32); 4] {
-        let filters = (Part::ResidualCycle, self.filter_strike_cycles(event));
-        let [first, second] = match event.action {
+        let nothing = (Part::Hand, 0);
+        match event.action {
             Action::Strike => {
+                let filters = (Part::ResidualCycle, self.filter_strike_cycles(event.pad));
                 let noise = (Part::ResidualStrike, u32::from(self.has_noise(event.pad)));
-                return [(Part::Strike, 1), noise, filters, (Part::MovedMode, self.moved_modes(event))];
+                [(Part::Strike, 1), noise, filters, (Part::MovedMode, self.moved_modes(event))]
             }
-            Action::Choke | Action::Release => {
-                let banks = self.pads().get(usize::from(event.pad)).map_or(&[][..], |pad| pad.own(&self.banks));
-                let (modes, guards) =
-                    reached(banks, |bank| (bank.modes_of_a_hand(), bank.hand_needs_guard() || bank.hand_is_guarded()));
-                return [(Part::Strike, 1), (Part::ChokedMode, modes), (Part::DueGroup, guards), filters];
+            Action::Shed(_) => {
+                let [survey, groups] = self.survey_counts();
+                [survey, groups, nothing, nothing]
             }
-            Action::Shed(_) => self.survey_counts(),
-        };
-        [first, second, filters, (Part::ChokedMode, 0)]
+            // At the tick at which they act.
+            Action::Choke | Action::Release => [nothing; 4],
+        }
     }
 
     /// Modes whose gains a strike has derived anew.
@@ -213,6 +212,14 @@ impl<
         let object = self.pads().get(usize::from(event.pad)).and_then(|pad| pad.own(&self.banks).first());
         let moves = |object: &&Bank| object.place(event.position, |slot| self.flight.is_any_in(event.pad, slot)).moves;
         object.filter(moves).map_or(0, |object| object.mode_count() as u32)
+    }
+
+    /// Modes that hands reach in this tick, and groups that are guarded for them.
+    fn reached(&self) -> (u32, u32) {
+        self.banks.iter().filter(|bank| bank.is_being_reached()).fold((0, 0), |(modes, groups), bank| {
+            let guards = if bank.hand_is_guarded() { bank.group_count() } else { 0 };
+            (modes + bank.modes_to_reach() as u32, groups + guards) // banks count in 16 bits
+        })
     }
 
     fn survey_counts(&self) -> [(Part, u32); 2] {
@@ -236,7 +243,8 @@ impl<
         let end = self.now + u64::from(self.frames_to_tick());
         let (mut now, mut total) = (self.now, Counts::NONE);
         let mut struck = [false; PADS];
-        let mut events = upcoming.iter().take_while(|event| event.time.first_frame() < end).peekable();
+        let news = upcoming.iter().filter(|event| !event.is_of_hand());
+        let mut events = news.take_while(|event| event.time.first_frame() < end).peekable();
         while now < end {
             let next = events.peek().map_or(end, |event| event.time.first_frame());
             self.add_run((next - now) as u32, direct, &struck, &mut total);
@@ -316,20 +324,12 @@ impl<
     }
 }
 
-/// Modes that a hand reaches in banks, and groups that are guarded for it: `of` gives a bank's modes, and whether it is guarded.
-fn reached(banks: &[Bank], of: impl Fn(&Bank) -> (usize, bool)) -> (u32, u32) {
-    banks.iter().map(|bank| (of(bank), bank)).fold((0, 0), |(modes, groups), ((reached, is_guarded), bank)| {
-        let guards = if is_guarded && reached > 0 { bank.group_count() } else { 0 };
-        (modes + reached as u32, groups + guards) // banks count in 16 bits
-    })
-}
-
 /// A 32nd of the budget is kept free.
 const MARGIN: u32 = 32;
 
 /// Modes of a hand at one tick that shed nothing, on a small budget too: those of an object's bank and of
 /// one striker's. A board's tick is twice its budget and more.
-const HANDS: u32 = 24;
+const HANDS: u32 = 32;
 
 fn cycles_of(part: Part) -> u32 {
     CYCLES.get(part as usize).copied().unwrap_or(0)

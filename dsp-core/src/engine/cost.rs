@@ -36,7 +36,9 @@ pub enum Part {
     GuardedRingingGroup,
     /// A strike.
     Strike,
-    /// A mode that is choked or released.
+    /// A hand that comes or goes.
+    Hand,
+    /// A mode that it reaches.
     ChokedMode,
     /// A mode whose gains are derived for a strike at another position.
     MovedMode,
@@ -72,7 +74,7 @@ pub const PARTS: usize = Part::IdleTick as usize + 1;
 /// Cycles of each [`Part`], nominal, without flash waits, from fits to the virtual core (`cargo bench -p host-tests --bench budget_costs` prints one) and from
 /// profiles where a fit cannot tell parts apart; `cargo test -p host-tests --test on_chip budget` holds them to 3 %.
 pub const CYCLES: [u32; PARTS] = [
-    2570, 457, 462, 118, 1089, 1305, 49, 2394, 2900, 5380, 20, 131, 62, 430, 435, 2900, 100, 1600, 560, 32, 5500, 125,
+    2570, 457, 462, 118, 1089, 1305, 49, 2394, 2900, 5380, 20, 131, 62, 430, 435, 2900, 900, 60, 1600, 560, 32, 5500, 125,
     800, 30, 1, 700, 500, 40, 1, 1550,
 ];
 

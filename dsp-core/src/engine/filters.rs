@@ -3,7 +3,6 @@
 use super::{Engine, Fitting, Left, LoadError, Stage, Surroundings, TickReport};
 use crate::SampleRate;
 use crate::contact::Flight;
-use crate::event::{Action, Event};
 use crate::pad::{FilterWork, Pad, PadFilters, Run, is_ringing};
 use crate::resonator::{Bank, Memory, TICK_FRAMES};
 use crate::table::Kit;
@@ -40,8 +39,8 @@ pub trait FilterRoom {
     /// What filters that sound take.
     fn sounding_cycles(&self) -> u32;
 
-    /// A hand that comes to a pad at a frame of the tick, to let the sound fall by so many nepers a frame, or goes.
-    fn set_choked(&mut self, pad: u8, frame: usize, nepers: Option<f64>);
+    /// A hand that comes to a pad, on a tick, to let the sound fall by so many nepers a frame, or goes.
+    fn set_choked(&mut self, pad: u8, nepers: Option<f64>);
 
     /// Adds a pad's filters to its bus: see [`PadFilters::render`].
     fn render(
@@ -120,7 +119,7 @@ impl FilterRoom for NoFilters {
     }
 
     #[inline(always)]
-    fn set_choked(&mut self, _: u8, _: usize, _: Option<f64>) {}
+    fn set_choked(&mut self, _: u8, _: Option<f64>) {}
 
     #[inline(always)]
     fn render(&mut self, _: u8, _: usize, _: Option<&[i32]>, _: Option<&mut [i32]>, _: &mut [i32]) -> FilterWork {
@@ -299,9 +298,9 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
         parts.map(|(sounds, cycles)| if sounds { cycles } else { 0 }).sum()
     }
 
-    fn set_choked(&mut self, pad: u8, frame: usize, nepers: Option<f64>) {
+    fn set_choked(&mut self, pad: u8, nepers: Option<f64>) {
         if let Some(filters) = self.of_mut(pad) {
-            filters.set_choked(frame, nepers);
+            filters.set_choked(nepers);
         }
     }
 
@@ -414,15 +413,13 @@ impl<
         self.report.refused_stages += left.refused;
     }
 
-    /// A hand that comes to a pad or goes; `t60_s` is what it imposes, 0 where it imposes nothing.
+    /// A hand that comes to a pad or goes, on a tick; `t60_s` is what it imposes.
     #[inline(always)]
-    pub(super) fn choke_filters(&mut self, pad: u8, action: Action, t60_s: f32) {
-        if !self.filtered || !self.filters.has(pad) {
-            return;
+    pub(super) fn choke_filters(&mut self, pad: u8, t60_s: Option<f32>) {
+        if self.filtered && self.filters.has(pad) {
+            let nepers = t60_s.map(|t60_s| crate::pad::nepers(t60_s, self.rate()));
+            self.filters.set_choked(pad, nepers);
         }
-        let frame = (self.now % TICK_FRAMES as u64) as usize;
-        let nepers = (action == Action::Choke && t60_s > 0.0).then(|| crate::pad::nepers(t60_s, self.rate()));
-        self.filters.set_choked(pad, frame, nepers);
     }
 
     /// Cycles of the filters that sound, in this tick.
@@ -437,13 +434,15 @@ impl<
         pads.map(|pad| self.filters.cycles(pad, false)).sum()
     }
 
-    /// Cycles of the filters that a strike begins, or that a hand changes, in its tick.
+    /// Cycles of the filters that a strike begins, in its tick.
     #[inline(always)]
-    pub(super) fn filter_strike_cycles(&self, event: &Event) -> u32 {
-        match event.action {
-            Action::Strike if self.filtered => self.filters.cycles(event.pad, true),
-            Action::Choke | Action::Release if self.filtered => self.filters.hand_cycles(event.pad),
-            _ => 0,
-        }
+    pub(super) fn filter_strike_cycles(&self, pad: u8) -> u32 {
+        if self.filtered { self.filters.cycles(pad, true) } else { 0 }
+    }
+
+    /// Cycles of a pad's filters for a hand that comes or goes.
+    #[inline(always)]
+    pub(super) fn filter_hand_cycles(&self, pad: u8) -> u32 {
+        if self.filtered { self.filters.hand_cycles(pad) } else { 0 }
     }
 }

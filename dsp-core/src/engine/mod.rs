@@ -7,8 +7,8 @@
 //! runs:           [----][--][------][----------------]   what the stages render at once
 //! ```
 //!
-//! A block is cut at ticks and at events; all bookkeeping happens on ticks, so that the block size cannot change a bit. What ran
-//! and what was skipped in each tick is told by a [`TickReport`].
+//! A block is cut at ticks and at events, but for those of hands, which act on ticks; all bookkeeping happens on ticks, so that
+//! the block size cannot change a bit. What ran and what was skipped in each tick is told by a [`TickReport`].
 
 mod apart;
 mod budget;
@@ -69,7 +69,7 @@ pub struct Direct<'a> {
 /// | `BANKS` | a pad's object, and its strikers up to the last one with modes, of all pads | 88 |
 /// | `MODES` | modes below Nyquist of all pads, their strikers' included | 24 |
 /// | `GROUPS` | register groups: modes/6, and up to six more a bank | 24 |
-/// | `ORIGINS` | modes of pads that can be choked or have several positions; with several positions as many again, if there is room | 12 |
+/// | `ORIGINS` | modes of pads that can be choked or have several positions; with several positions as many again, if there is room | 16 |
 /// | `CONTACTS` | contacts under way at once | 32 |
 /// | `S` | [`Surroundings`]: [`Residuals`] for so many pads with a residual, the background counting as one, a [`Room`](crate::room::Room), and [`Filters`]; none unless said otherwise | 24 KB a residual; a room as long as its lines; filters as their delay lines and biquads |
 #[derive(Debug)]
@@ -116,6 +116,8 @@ pub struct Engine<
     groups_built: u32,
     /// Whether a contact has begun that some pad is not guarded for yet.
     expects: bool,
+    /// Whether a hand has come or gone since the last tick.
+    hands_changed: bool,
     /// Modes of pads that have not been struck since the load; kept for idle ticks.
     unstruck_modes: u32,
     /// Sum of the pads' retired amplitudes.
@@ -181,6 +183,7 @@ impl<
             modes_built: 0,
             groups_built: 0,
             expects: false,
+            hands_changed: false,
             unstruck_modes: 0,
             retired_amplitude: 0.0,
         }
@@ -228,7 +231,7 @@ impl<
     /// Lets a tick of silence pass without a block to write to: what rendering it without events and direct force would do, but for the report.
     /// `false`, and nothing done, where something sounds or a tick is under way.
     pub fn pass_silent_tick(&mut self) -> bool {
-        let passes = self.idle && self.now.is_multiple_of(TICK_FRAMES as u64);
+        let passes = self.idle && !self.hands_changed && self.now.is_multiple_of(TICK_FRAMES as u64);
         if passes {
             self.now += TICK_FRAMES as u64;
             self.room.pass_silence(TICK_FRAMES);
@@ -336,7 +339,7 @@ impl<
             {
                 self.apply(event, direct);
                 events = later;
-                news = true;
+                news |= !event.is_of_hand();
             }
             let mut counted = false;
             if news && !self.idle {
@@ -346,7 +349,7 @@ impl<
                 }
             }
             let to_tick = TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64;
-            let to_event = events.first().map_or(u64::MAX, |event| event.time.first_frame() - self.now);
+            let to_event = next_news(events).map_or(u64::MAX, |event| event.time.first_frame() - self.now);
             // At most a tick, hence it fits a usize.
             let length = to_tick.min(to_event).min(end - self.now) as usize;
             let Some((now, later)) = core::mem::take(&mut out).split_at_mut_checked(length) else { break };
@@ -366,6 +369,13 @@ impl<
             direct = direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(length..)? }));
             out = later;
             self.now += length as u64;
+            while let Some((event, later)) = events
+                .split_first()
+                .filter(|(event, _)| event.is_of_hand() && event.time.first_frame() < self.now)
+            {
+                self.apply(event, direct);
+                events = later;
+            }
             if self.now.is_multiple_of(TICK_FRAMES as u64) {
                 self.end_tick();
                 observe(&self.report);
@@ -373,6 +383,11 @@ impl<
         }
         Ok(())
     }
+}
+
+/// The next event at which a run of frames ends.
+fn next_news(events: &[Event]) -> Option<&Event> {
+    events.iter().find(|event| !event.is_of_hand())
 }
 
 #[cfg(test)]
@@ -393,7 +408,7 @@ mod tests {
         );
         assert_eq!(
             (size_of::<Mode>(), size_of::<Group>(), size_of::<Origin>(), size_of::<Contact>()),
-            (24, 24, 12, 32)
+            (24, 24, 16, 32)
         );
         assert_eq!(size_of::<Bank>(), 88);
         // Four pointers, each beside an f32, which are twice as wide on a PC as on the board.

@@ -5,7 +5,6 @@ use core::slice::IterMut;
 
 use super::{Engine, Fitting, Left, LoadError, Stage, Surroundings};
 use crate::SampleRate;
-use crate::event::Action;
 use crate::noise::Sfc32;
 use crate::output::Panner;
 use crate::residual::Shaper;
@@ -194,11 +193,10 @@ impl<
         }
     }
 
-    /// A hand that comes to a pad or goes; `t60_s` is what it imposes, 0 where it imposes nothing.
-    pub(super) fn choke_noise(&mut self, pad: u8, action: Action, t60_s: f32) {
-        let offset = (self.now % TICK_FRAMES as u64) as usize;
+    /// A hand that comes to a pad or goes, on a tick.
+    pub(super) fn choke_noise(&mut self, pad: u8, lies: bool) {
         for place in self.residuals.places_mut().iter_mut().filter(|place| place.owner == Owner::Pad(pad)) {
-            place.shaper.set_choked(action == Action::Choke && t60_s > 0.0, offset);
+            place.shaper.set_choked(lies);
         }
     }
 

@@ -1,6 +1,7 @@
 //! What happens within a tick: its beginning, events, runs of frames, its end.
 
 use super::budget::LeaveOut;
+use super::cost::Part;
 use super::filters::{Sources, render_filtered};
 use super::{Direct, Engine, FilterRoom, RoomStage, Skipping, Surroundings};
 use crate::contact::Contact;
@@ -20,6 +21,7 @@ impl<
 > Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
 {
     pub(super) fn begin_tick(&mut self, direct: Option<Direct<'_>>) {
+        let hands = if core::mem::take(&mut self.hands_changed) { self.lay_hands() } else { [(Part::Hand, 0); 3] };
         if self.idle && self.was_idle {
             self.report.begin_idle(self.now);
         } else {
@@ -29,6 +31,7 @@ impl<
         if self.budget.is_some() {
             let counts = self.beginning();
             self.report.counts.add_all(counts);
+            self.report.counts.add_all(hands);
         }
         if self.idle {
             return;
@@ -65,10 +68,13 @@ impl<
             self.leave_out(LeaveOut::Groups(count), direct);
             return;
         }
-        (self.idle, self.was_idle) = (false, false);
-        if event.action != Action::Strike {
-            return self.change(event, 0);
+        if event.is_of_hand() {
+            let Some(pad) = self.pads.get_mut(usize::from(event.pad)) else { return };
+            pad.want_hand(event.action == Action::Choke);
+            self.hands_changed = true;
+            return;
         }
+        (self.idle, self.was_idle) = (false, false);
         self.admit(event.pad);
         let rate = self.rate();
         let Some(pad) = self.pads.get_mut(usize::from(event.pad)) else { return };
@@ -84,29 +90,50 @@ impl<
         self.report.displaced_contacts += u32::from(self.flight.begin(contact));
         self.report.merged_positions += u32::from(place.is_merged);
         if place.moves {
-            self.change(event, place.slot);
+            self.set_position(event, place.slot);
         }
     }
 
-    /// What needs the pad's tables: a hand that comes or goes, a strike at another position.
-    #[inline(never)] // to look them up takes longer than a strike, and room on the stack
-    fn change(&mut self, event: &Event, slot: u8) {
+    /// Hands that have come or gone since the last tick take effect: pads reach their first modes in the bookkeeping that
+    /// follows. Gives what it costs.
+    #[inline(never)] // rare
+    fn lay_hands(&mut self) -> [(Part, u32); 3] {
+        let (mut hands, mut guards, mut filter_cycles) = (0, 0, 0);
+        for number in 0..self.pad_count as u8 {
+            let Some(pad) = self.pads.get_mut(usize::from(number)).filter(|pad| pad.wants_change()) else { continue };
+            let banks = pad.own_mut(&mut self.banks);
+            let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
+            guards += pad.lay_hand(&mut memory, banks);
+            hands += 1;
+            let lies = pad.is_choked();
+            (self.idle, self.was_idle) = (false, false);
+            if self.noisy || self.filtered {
+                filter_cycles += self.filter_hand_cycles(number);
+                self.lay_hand_on_stages(number, lies);
+            }
+        }
+        [(Part::Hand, hands), (Part::DueGroup, guards), (Part::ResidualCycle, filter_cycles)]
+    }
+
+    #[inline(never)] // kits without have nothing of it
+    fn lay_hand_on_stages(&mut self, number: u8, lies: bool) {
+        let pad = self.kit.and_then(|kit| kit.pads().nth(usize::from(number)));
+        let t60_s = pad.map_or(0.0, |pad| pad.choke_t60_s());
+        let lies = lies && t60_s > 0.0;
+        self.choke_noise(number, lies);
+        self.choke_filters(number, lies.then_some(t60_s));
+    }
+
+    /// A strike at another position moves a slot of the object.
+    #[inline(never)] // to look up the tables takes longer than a strike, and room on the stack
+    fn set_position(&mut self, event: &Event, slot: u8) {
         let rate = self.rate();
         let Some(kit) = self.kit else { return };
         let Some(tables) = PadTables::new(kit, usize::from(event.pad)) else { return };
         let Some(pad) = self.pads.get_mut(usize::from(event.pad)) else { return };
         let banks = pad.own_mut(&mut self.banks);
         let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
-        match event.action {
-            Action::Strike => Pad::set_position(slot, event.position, &tables, rate, &mut memory, banks),
-            Action::Choke => pad.set_choked(true, &mut memory, banks),
-            Action::Release => pad.set_choked(false, &mut memory, banks),
-            Action::Shed(_) => {}
-        }
-        if event.action != Action::Strike {
-            self.choke_noise(event.pad, event.action, tables.pad().choke_t60_s());
-            self.choke_filters(event.pad, event.action, tables.pad().choke_t60_s());
-        }
+        Pad::set_position(slot, event.position, &tables, rate, &mut memory, banks);
     }
 
     /// Lets input reach again what was left out of a pad.

@@ -199,9 +199,9 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         [self.dynamic.is_ringing(), self.biquads.is_ringing() || self.struck]
     }
 
-    /// A hand that comes, to let the sound fall by so many nepers a frame, or goes.
-    pub fn set_choked(&mut self, frame: usize, nepers: Option<f64>) {
-        self.align(frame);
+    /// A hand that comes, to let the sound fall by so many nepers a frame, or goes, on a tick.
+    pub fn set_choked(&mut self, nepers: Option<f64>) {
+        self.align(0);
         if nepers.is_none() {
             self.lift();
         }

@@ -45,7 +45,9 @@ pub struct Pad<'k> {
     panner: Panner,
     /// |force| that contacts which have just begun will bring, until the banks are guarded for it: in steps of [`EXPECTED_STEP`], rounded up.
     expected: u32,
-    choked: bool,
+    /// Whether a hand is to lie on the pad from the next tick on, and whether one does.
+    is_hand_wanted: bool,
+    is_choked: bool,
     struck: bool,
     /// The slot of the latest strike.
     direct_slot: u8,
@@ -99,7 +101,8 @@ impl<'k> Pad<'k> {
         acceleration: Acceleration::NONE,
         panner: Panner::SILENT,
         expected: 0,
-        choked: false,
+        is_hand_wanted: false,
+        is_choked: false,
         struck: false,
         direct_slot: 0,
         rest_ticks: 0,
@@ -214,14 +217,26 @@ impl<'k> Pad<'k> {
         Some(impact)
     }
 
-    /// Lays a hand on, or lets go: it reaches the banks' first modes at once, the others at the coming ticks.
-    pub fn set_choked(&mut self, choked: bool, memory: &mut Memory<'_>, banks: &mut [Bank]) {
-        if choked == self.choked {
-            return;
-        }
-        self.choked = choked;
+    /// A hand is laid on or lets go, at the next tick.
+    pub fn want_hand(&mut self, lies: bool) {
+        self.is_hand_wanted = lies;
+    }
+
+    /// True if a hand has come or gone since the last tick.
+    pub fn wants_change(&self) -> bool {
+        self.is_hand_wanted != self.is_choked
+    }
+
+    /// True if a hand lies on the pad.
+    pub fn is_choked(&self) -> bool {
+        self.is_choked
+    }
+
+    /// Lays the hand on, or lets go: each [`Pad::tick`] that follows reaches some modes. Gives how many groups were guarded.
+    pub fn lay_hand(&mut self, memory: &mut Memory<'_>, banks: &mut [Bank]) -> u32 {
+        self.is_choked = self.is_hand_wanted;
         self.wake(banks);
-        banks.iter_mut().for_each(|bank| bank.lay_hand(choked, memory));
+        banks.iter_mut().map(|bank| bank.lay_hand(self.is_choked, memory)).sum()
     }
 
     /// True if a hand comes or goes that has not reached all modes yet.

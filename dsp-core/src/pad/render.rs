@@ -77,7 +77,7 @@ impl Pad<'_> {
         if let [object] = &mut *banks
             && !has_second
         {
-            self.take_force(number, run.direct, flight, force);
+            Self::take_force(number, run.direct, flight, force);
             // The usual case, in one pass: the same bits.
             let gains = self.panner.gains(object.mix_shift().is_loud);
             if let Some(gains) = gains.filter(|_| run.skip && !self.acceleration.is_built())
@@ -108,16 +108,15 @@ impl Pad<'_> {
             && (flight.is_any_in(number, 1) || direct.is_some() && self.direct_slot() == 1)
     }
 
-    /// Adds the force of all contacts, and a direct one, where no striker has a bank and slot 1 no force.
+    /// Adds the force of all contacts, and a direct one: where no striker has a bank and slot 1 no force.
     fn take_force<const CONTACTS: usize>(
-        &self,
         number: u8,
         direct: Option<&[i32]>,
         flight: &mut Flight<CONTACTS>,
         force: &mut [i32],
     ) {
         direct.into_iter().for_each(|direct| add(force, direct));
-        (0..self.striker_count).for_each(|index| flight.add_force(number, index, 0, force));
+        flight.add_force_of_pad(number, force);
     }
 
     /// The same with all that a pad can have; `force` holds the force already where no striker has a bank.
@@ -227,7 +226,7 @@ impl Pad<'_> {
             return work;
         }
         if banks.len() == 1 {
-            self.take_force(number, run.direct, flight, force);
+            Self::take_force(number, run.direct, flight, force);
         }
         self.add_driven(number, run, flight, memory, banks, (force, None), buses, &mut work);
         work

@@ -23,7 +23,7 @@ use crate::table::layout::{GainRecord, ModeRecord};
 
 /// Acceleration sound: `y += α F`.
 ///
-/// Exact to half a bus step; costs nothing without α or without force.
+/// Exact to half a bus step for gains below 1/2 ([`Scale`]); costs nothing without α or without force.
 #[derive(Clone, Copy, Debug)]
 pub struct Acceleration {
     gain: Scale,
@@ -46,7 +46,7 @@ impl Acceleration {
     /// Adds the sound of a run of force to `out`.
     pub fn render(&self, force: &[i32], out: &mut [i32]) {
         for (out, &force) in out.iter_mut().zip(force) {
-            *out = fixed::qadd(*out, self.gain.apply(force));
+            *out = fixed::qadd(*out, fixed::saturate(self.gain.apply(force)));
         }
     }
 }

@@ -159,19 +159,11 @@ impl Shaper {
         self.active
     }
 
-    /// Lays a hand on the object, or lifts it, at a frame of the tick. While it lies there each band falls at the faster of its own rate and the hand's.
+    /// Lays a hand on the object, or lifts it, on a tick. While it lies there each band falls at the faster of its own rate and the hand's.
     ///
     /// Frames that sound or are nearly made fall at once as a whole, by what is right for all bands together; the next one is right band by band.
-    pub fn set_choked(&mut self, choked: bool, offset: usize) {
-        if choked == self.choked {
-            return;
-        }
+    pub fn set_choked(&mut self, choked: bool) {
         self.choked = choked;
-        if self.active {
-            // A tick is counted at its end, if the hand lies there then.
-            let part = offset as f32 / TICK_FRAMES as f32;
-            self.choked_ticks += if choked { -part } else { part };
-        }
     }
 
     /// Whether a hand lies there, as the index of what is left without one and with one.

@@ -213,15 +213,10 @@ pub fn change_of_u(from: Coefficients, to: Coefficients) -> f32 {
     }
 }
 
-/// [`change_of_u`] in Q32; `None` where it is a half or more either way.
-#[inline(always)]
-pub fn q32_change_of_u(from: Coefficients, to: Coefficients) -> Option<i32> {
-    // Both are in [0, 2^31): the difference fits, and of a step of 0 there is none.
-    let change = from.epsilon - to.epsilon;
-    if change.unsigned_abs() >= to.epsilon as u32 / 2 {
-        return None;
-    }
-    Some((change as f32 / to.epsilon as f32 * TWO_POW_32 as f32) as i32) // `as` saturates
+/// [`change_of_u`] in Q32; `None` above `largest` either way.
+pub fn q32_change_of_u(from: Coefficients, to: Coefficients, largest: u32) -> Option<i32> {
+    let change = (change_of_u(from, to) * TWO_POW_32 as f32) as i32; // `as` saturates
+    (change.unsigned_abs() <= largest).then_some(change)
 }
 
 /// Bound of what a change between two decays makes of a mode's amplitude, at least 1, either way:

@@ -52,7 +52,7 @@ fn strikes_at_two_places_have_the_same_bits_on_the_chip() {
     let mut events = at_two_places(4);
     events.extend(hands_on(4).into_iter().filter(|event| event.velocity == 0.0));
     events.sort_by_key(|event| event.time);
-    let words = ["set_position", "inject", "gain", "malleus_kernel"];
+    let words = ["set_position", "driven_twice", "gain", "malleus_kernel"];
     let spent = spent(&pads_with_positions(4), &events, 80, &words);
     let moves = 4.0 * 8.0 * 64.0;
     println!("at most {moves} modes moved: {words:?} {spent:?}");

@@ -40,12 +40,20 @@ pub(crate) fn render(
     for (stream, table) in kit.pads.iter().enumerate() {
         let mut pad = Pad::new(&kit, table, stream as u32, fs);
         let direct = direct.filter(|(name, _)| *name == word(table, "name", "")).map_or(&[][..], |(_, force)| force);
-        let mut events = events.iter().filter(|event| event.pad == word(table, "name", "")).peekable();
+        let own = events.iter().filter(|event| event.pad == word(table, "name", ""));
+        let (strikes, hands): (Vec<_>, Vec<_>) = own.partition(|event| matches!(event.action, Action::Strike { .. }));
+        let (mut strikes, mut hands) = (strikes.into_iter().peekable(), hands.into_iter().peekable());
         let level = 10f64.powf(number(table, "level_db", 0.0) / 20.0);
         let (right, left) = ((number(table, "pan", 0.0) + 1.0) * PI / 4.0).sin_cos();
         for (n, sides) in sides.iter_mut().enumerate() {
+            // A hand acts at the first tick behind its event.
+            let mut latest = None;
+            while let Some(event) = hands.next_if(|event| n % 32 == 0 && event.at.ceil() < n as f64) {
+                latest = Some(event);
+            }
+            latest.into_iter().for_each(|event| pad.event(n, event));
             pad.tick(n);
-            while let Some(event) = events.next_if(|event| event.at <= n as f64) {
+            while let Some(event) = strikes.next_if(|event| event.at <= n as f64) {
                 pad.event(n, event);
             }
             let x = level * pad.play(n, direct.get(n).copied().unwrap_or(0.0));
@@ -120,8 +128,8 @@ impl<'a> Pad<'a> {
         if self.hand_per_s != hand_per_s {
             self.hand_per_s = hand_per_s;
             self.filter.iter_mut().for_each(Filter::hand);
+            self.banks().for_each(Bank::hand);
         }
-        self.banks().for_each(|bank| bank.hand(hand_per_s));
     }
 
     /// What the pad sounds at sample n, under its contacts and a direct force.

@@ -7,7 +7,7 @@ use toml::{Table, Value};
 use crate::text::{number, numbers, tables};
 
 /// Modes that a hand reaches at once.
-const REACH: usize = 12;
+const REACH: usize = 16;
 
 pub(crate) struct Bank {
     pub(crate) modes: Vec<Mode>,
@@ -50,9 +50,8 @@ impl Bank {
     }
 
     /// A hand comes or goes: it begins with the first mode.
-    pub(crate) fn hand(&mut self, hand_per_s: f64) {
+    pub(crate) fn hand(&mut self) {
         self.next = 0;
-        self.reach(hand_per_s);
     }
 
     /// The next modes take the hand's decay; `hand_per_s` is 0 where there is no hand.

@@ -1,9 +1,9 @@
 //! A pad's part in the scene: its voice, and the events that play it, each at its sample.
 
 use crate::error::Error;
-use crate::event::{Direct, Event};
+use crate::event::{Direct, Event, TICK_SAMPLES, in_effect};
 use crate::pad::Pad;
-use crate::pad::voice::{TICK_SAMPLES, Voice};
+use crate::pad::voice::Voice;
 use crate::rate::SampleRate;
 
 /// Forces are evaluated for at most so many samples at a time, so that memory stays small however
@@ -13,8 +13,8 @@ const SPAN_SAMPLES: usize = 256;
 /// One pad playing its events.
 pub(crate) struct Part<'a> {
     voice: Voice<'a>,
-    /// The events yet to come, latest first.
-    to_come: Vec<Event>,
+    /// The events yet to come and the samples at which they act, latest first.
+    to_come: Vec<(u64, Event)>,
     /// Direct force in newtons from sample 0; none after its end.
     direct_force: &'a [f64],
     /// The sample to be computed next.
@@ -36,7 +36,7 @@ impl<'a> Part<'a> {
         let own_direct = direct.filter(|direct| direct.pad == pad);
         Ok(Self {
             voice,
-            to_come: own_events.rev().collect(),
+            to_come: in_effect(own_events).into_iter().rev().collect(),
             direct_force: own_direct.map_or(&[], |direct| direct.force),
             next_sample: 0,
         })
@@ -45,11 +45,11 @@ impl<'a> Part<'a> {
     /// Adds the next `sound.len()` samples to `sound`.
     pub(crate) fn render(&mut self, mut sound: &mut [f64]) {
         while !sound.is_empty() {
+            while let Some((_, event)) = self.to_come.pop_if(|(sample, _)| *sample <= self.next_sample) {
+                self.voice.play(&event);
+            }
             if self.next_sample.is_multiple_of(TICK_SAMPLES) {
                 self.voice.reach();
-            }
-            while let Some(event) = self.to_come.pop_if(|event| event.first_sample() <= self.next_sample) {
-                self.voice.play(&event);
             }
             let (span, rest) = sound.split_at_mut(self.span_samples().min(sound.len()));
             let direct = self.direct(span.len());
@@ -61,7 +61,7 @@ impl<'a> Part<'a> {
 
     /// How far to go at once: not past the next event, nor past a tick that changes something.
     fn span_samples(&self) -> usize {
-        let until_event = self.to_come.last().map(|event| event.first_sample() - self.next_sample);
+        let until_event = self.to_come.last().map(|(sample, _)| sample - self.next_sample);
         let until_event = until_event.and_then(|samples| usize::try_from(samples).ok()).unwrap_or(SPAN_SAMPLES);
         // A hand reaches further modes at each tick.
         let until_tick = match self.voice.is_being_reached() {

@@ -2,7 +2,7 @@
 
 use crate::contact::Impact;
 use crate::error::BankOwner;
-use crate::event::{Action, Event};
+use crate::event::{Action, Event, TICK_SAMPLES};
 use crate::pad::Pad;
 use crate::pad::biquads::Biquads;
 use crate::pad::dynamic_filter::Sounding;
@@ -10,9 +10,6 @@ use crate::pad::hand::Hand;
 use crate::radiation::{Acceleration, add_acceleration_sound};
 use crate::rate::SampleRate;
 use crate::resonator::{Bank, GainsError};
-
-/// A tick: at each, a hand reaches further modes, and the end of its fade is looked for.
-pub(crate) const TICK_SAMPLES: u64 = 32;
 
 /// Everything of a pad that moves: its banks and the contacts in flight.
 pub(crate) struct Voice<'a> {

@@ -23,8 +23,8 @@ pub struct Bank<'a> {
     reached: usize,
 }
 
-/// Modes below Nyquist that a choke or a release reaches at its event, and at each tick after it.
-pub const MODES_PER_TICK: usize = 12;
+/// Modes below Nyquist that a choke or a release reaches at each tick.
+pub const MODES_PER_TICK: usize = 16;
 
 impl<'a> Bank<'a> {
     /// A bank at rest, to be struck at position 0.
@@ -81,9 +81,8 @@ impl<'a> Bank<'a> {
     /// A hand comes: every mode that it reaches has from then on a decay rate of at least that of a
     /// T60 of `t60_s` seconds: `max(d, ln(1000)/T60)`.
     ///
-    /// It reaches [`MODES_PER_TICK`] modes before the next sample, and as many at each
-    /// [`Self::reach`], in the order of the modes; those at or above Nyquist do not count. A choke
-    /// or release before the last has been reached begins anew. What a mode has sounded at its
+    /// Each [`Self::reach`] reaches [`MODES_PER_TICK`] modes, in the order of the modes; those at or
+    /// above Nyquist do not count. A choke or release before the last has been reached begins anew. What a mode has sounded at its
     /// last two samples stays, and so do frequencies: [`OnePole::set_decay`].
     pub fn choke(&mut self, t60_s: f64) {
         self.set_least_decay(1000_f64.ln() / t60_s);
@@ -97,7 +96,6 @@ impl<'a> Bank<'a> {
     fn set_least_decay(&mut self, least_per_s: f64) {
         if self.least_decay_per_s != least_per_s {
             (self.least_decay_per_s, self.reached) = (least_per_s, 0);
-            self.reach();
         }
     }
 

@@ -6,8 +6,8 @@
 //! The coupled form's u is `(v[n] - v[n-1]) / e`: it, and the gain into it, are multiplied by `e/e'`. The shifted forms' u is the
 //! difference itself, and stays.
 //!
-//! **Spread.** A hand reaches [`MODES_PER_TICK`] modes of a bank at its event and as many at each tick after it, in the order of
-//! the table, counted without modes at or above Nyquist. An event that comes meanwhile begins anew with the first mode.
+//! **Spread.** A hand reaches [`MODES_PER_TICK`] modes of a bank at each tick behind its event, in the order of the table, counted
+//! without modes at or above Nyquist. An event that comes meanwhile begins anew with the first mode.
 //!
 //! **Headroom.** A guard bounds the orbits of the poles that it finds ([`super::super::headroom`]), and the bounds have a
 //! reserve. For the shifted forms it is 4 over the 3.31 that is measured, for v 3 over 2.54. A coupled form's orbit grows by
@@ -28,9 +28,12 @@ use super::{Bank, BankTable, Memory, Origin, for_each_group};
 use crate::SampleRate;
 use crate::fixed;
 
-/// Modes of a bank that a hand reaches at its event, and at each tick after it: what fits the margin of the smaller board's
-/// budget (`cargo test -p host-tests --test on_chip hand`).
-pub const MODES_PER_TICK: usize = 12;
+/// Modes of a bank that a hand reaches at each tick: what fits the margin of the smaller board's budget
+/// (`cargo test -p host-tests --test on_chip hand`).
+pub const MODES_PER_TICK: usize = 16;
+
+/// Largest share of itself by which a u grows or shrinks for which [`inverse`] holds.
+const LARGEST_SHARE: u32 = 1 << 24;
 
 /// What the changes between two guards may make of an amplitude of this form. The reserves are 1.18, and 1.83 of the coupled
 /// form; a gain may be [`GAIN_ROOM`] times as large as the guard believes.
@@ -114,9 +117,11 @@ impl Hand {
         Self { delta: delta_of_t60(table.choke_t60_s, rate), decay_per_s, rate }
     }
 
-    /// A pole's coefficients under the hand; without one its own.
-    pub(super) fn choked(&self, pole: &Pole) -> Coefficients {
-        pole.coefficients.choked(pole.form, self.delta)
+    /// What a bank keeps of a pole.
+    pub(super) fn origin(&self, pole: &Pole, index: u16) -> Origin {
+        let choked = pole.coefficients.choked(pole.form, self.delta);
+        let share = q32_change_of_u(pole.coefficients, choked, LARGEST_SHARE);
+        Origin { share: share.unwrap_or(0), ..Origin::new(pole.form, choked, index) }
     }
 
     /// What the largest gain may grow by.
@@ -179,7 +184,7 @@ impl Origin {
     pub(super) fn new(form: Form, choked: Coefficients, index: u16) -> Self {
         let coupled = if form == Form::Coupled { Self::COUPLED } else { 0 };
         const { assert!(crate::table::range::MODES_PER_BANK <= Self::COUPLED as usize) };
-        Self { other: choked, index_and_flags: index | coupled, slot: 0 }
+        Self { other: choked, share: 0, index_and_flags: index | coupled, slot: 0 }
     }
 
     /// The mode's index in the table.
@@ -219,65 +224,82 @@ fn grow(mode: &mut Mode, share: f32) {
     mode.state.u = grown(mode.state.u, share);
 }
 
-/// Gives the modes at these places of the table's order the coefficients that they have with or without a hand, and calls
-/// `scale` with the slot of each of the coupled form, the mode and the coefficients that it had.
+/// Gives the modes at these places of the table's order the coefficients that they have with a hand (`LIES`) or without, and calls
+/// `scale` with the slot of each of the coupled form, the mode, its share and the coefficients that it had.
 #[inline(always)]
-fn change(
+fn exchange<const LIES: bool>(
     modes: &mut [Mode],
     origins: &mut [Origin],
     places: Range<usize>,
-    lies: bool,
-    mut scale: impl FnMut(usize, &mut Mode, Coefficients),
+    mut scale: impl FnMut(usize, &mut Mode, i32, Coefficients),
 ) {
     // One length for both: one check a mode.
     let count = modes.len().min(origins.len());
     let (Some(modes), Some(origins)) = (modes.get_mut(..count), origins.get_mut(..count)) else { return };
-    let held = if lies { Origin::HELD } else { 0 };
     for place in places {
         let Some(slot) = origins.get(place).map(|origin| usize::from(origin.slot)) else { return };
         let (Some(mode), Some(origin)) = (modes.get_mut(slot), origins.get_mut(slot)) else { return };
         let flags = origin.index_and_flags;
-        if (flags ^ held) & Origin::HELD == 0 {
+        if (flags & Origin::HELD != 0) == LIES {
             continue;
         }
         origin.index_and_flags = flags ^ Origin::HELD;
         let from = core::mem::replace(&mut mode.coefficients, origin.other);
         origin.other = from;
         if flags & Origin::COUPLED != 0 {
-            scale(slot, mode, from);
+            scale(slot, mode, origin.share, from);
         }
     }
 }
 
-impl Bank {
-    /// A hand comes or goes: it reaches the first modes at once, the others by [`Bank::reach`].
-    pub fn lay_hand(&mut self, lies: bool, memory: &mut Memory<'_>) {
-        if !self.hand.is_possible() || lies == self.hand.lies {
-            return;
+/// What the hand makes of a mode's u and of the gain into it, both of which its share is of.
+#[inline(always)]
+fn exchange_quickly<const LIES: bool>(modes: &mut [Mode], origins: &mut [Origin], places: Range<usize>) {
+    exchange::<LIES>(modes, origins, places, |_, mode, share, from| {
+        if share == 0 {
+            return grow_much(mode, from);
         }
-        if self.hand_needs_guard() {
+        let share = if LIES { share } else { inverse(share) };
+        // A gain has room, and a state stays within the headroom.
+        mode.gain.u = mode.gain.u.wrapping_add(fixed::smmulr(mode.gain.u, share));
+        mode.state.u = mode.state.u.wrapping_add(fixed::smmulr(mode.state.u, share));
+    });
+}
+
+/// A change of a low mode, for which [`inverse`] is not precise enough.
+#[cold]
+#[inline(never)]
+fn grow_much(mode: &mut Mode, from: Coefficients) {
+    grow(mode, change_of_u(from, mode.coefficients));
+}
+
+/// `1/(1 + s) - 1` in Q32 for an s below [`LARGEST_SHARE`]: what s makes larger becomes what it was. Within 2^-31.
+#[inline(always)]
+fn inverse(share: i32) -> i32 {
+    let square = fixed::smmulr(share, share);
+    square - share - fixed::smmulr(square, share)
+}
+
+impl Bank {
+    /// A hand comes or goes: it reaches the modes by [`Bank::reach`]. Gives how many groups were guarded before.
+    pub fn lay_hand(&mut self, lies: bool, memory: &mut Memory<'_>) -> u32 {
+        if !self.hand.is_possible() || lies == self.hand.lies {
+            return 0;
+        }
+        let needs_guard = self.ringing_modes > 0 && self.hand.passes >= self.hand.passes_per_guard;
+        if needs_guard {
             self.settle(memory);
         }
         (self.hand.lies, self.hand.reached) = (lies, 0);
         self.hand.passes = self.hand.passes.saturating_add(1);
         // Under a hand guards come more often.
         self.due_ticks = self.due_ticks.min(self.hand.longest_guard_ticks());
-        self.reach(memory);
-    }
-
-    /// True if the next hand must not come before a guard of all ringing groups.
-    pub fn hand_needs_guard(&self) -> bool {
-        self.ringing_modes > 0 && self.hand.passes >= self.hand.passes_per_guard
+        if needs_guard { self.group_count() } else { 0 }
     }
 
     /// True if each of a hand's steps needs a guard of all ringing groups.
     pub fn hand_is_guarded(&self) -> bool {
         self.ringing_modes > 0 && self.hand.passes_per_guard == 0
-    }
-
-    /// Number of modes that a hand reaches at its event.
-    pub fn modes_of_a_hand(&self) -> usize {
-        if self.hand.is_possible() { self.modes.range().len().min(MODES_PER_TICK) } else { 0 }
     }
 
     /// True if a hand comes or goes that has not reached all modes yet.
@@ -297,6 +319,25 @@ impl Bank {
     /// A hand that comes or goes reaches the next modes, at each tick. It costs [`crate::engine::Part::ChokedMode`] a mode.
     #[inline(never)]
     pub fn reach(&mut self, memory: &mut Memory<'_>) {
+        let first = usize::from(self.hand.reached);
+        let places = first..first + self.modes_to_reach();
+        self.hand.reached = places.end as u16; // banks count in 16 bits
+        self.hand.calm_ticks = CALM_TICKS;
+        if self.hand_is_guarded() || self.second.is_set {
+            return self.reach_with_care(memory, places);
+        }
+        let modes = memory.modes.get_mut(self.modes.range()).unwrap_or(&mut []);
+        let origins = memory.origins.get_mut(self.origins.range()).unwrap_or(&mut []);
+        if self.hand.lies {
+            exchange_quickly::<true>(modes, origins, places);
+        } else {
+            exchange_quickly::<false>(modes, origins, places);
+        }
+    }
+
+    /// [`Bank::reach`] where there are gains of a second position, or states that may be clipped.
+    #[inline(never)] // few banks need it
+    fn reach_with_care(&mut self, memory: &mut Memory<'_>, places: Range<usize>) {
         let is_guarded = self.hand_is_guarded();
         if is_guarded {
             let bits = self.hand.room_bits;
@@ -304,34 +345,6 @@ impl Bank {
                 group.make_room(modes, bits);
             });
         }
-        let first = usize::from(self.hand.reached);
-        let last = first + self.modes_to_reach();
-        if is_guarded || !self.second_gains().is_empty() {
-            self.change_with_care(memory, first..last, is_guarded);
-        } else {
-            let modes = memory.modes.get_mut(self.modes.range()).unwrap_or(&mut []);
-            let origins = memory.origins.get_mut(self.origins.range()).unwrap_or(&mut []);
-            change(modes, origins, first..last, self.hand.lies, |_, mode, from| {
-                match q32_change_of_u(from, mode.coefficients) {
-                    Some(share) => {
-                        // A gain has room, and a state stays within the headroom; 2^-33 is lost.
-                        mode.gain.u = fixed::smmlar(mode.gain.u, mode.gain.u, share);
-                        mode.state.u = fixed::smmlar(mode.state.u, mode.state.u, share);
-                    }
-                    None => grow(mode, change_of_u(from, mode.coefficients)),
-                }
-            });
-        }
-        self.hand.reached = last as u16; // banks count in 16 bits
-        self.hand.calm_ticks = CALM_TICKS;
-        if is_guarded {
-            self.settle(memory);
-        }
-    }
-
-    /// [`Bank::reach`] where there are gains of a second position, or states that may be clipped.
-    #[inline(never)] // few banks need it
-    fn change_with_care(&mut self, memory: &mut Memory<'_>, places: Range<usize>, is_guarded: bool) {
         let modes = memory.modes.get_mut(self.modes.range()).unwrap_or(&mut []);
         let gains = self.second_gains();
         // The gains of a second position lie behind the origins of all banks.
@@ -339,7 +352,7 @@ impl Bank {
         let (own, behind) = memory.origins.split_at_mut_checked(split).unwrap_or((&mut [], &mut []));
         let origins = own.get_mut(self.origins.range()).unwrap_or(&mut []);
         let seconds = behind.get_mut(..gains.len()).unwrap_or(&mut []);
-        change(modes, origins, places, self.hand.lies, |slot, mode, from| {
+        let change = |slot: usize, mode: &mut Mode, _, from| {
             let share = change_of_u(from, mode.coefficients);
             grow(mode, share);
             if let Some(second) = seconds.get_mut(slot) {
@@ -349,7 +362,15 @@ impl Bank {
                 // Where no exponent is small enough for the room, which only a fault can bring about.
                 mode.state.u = mode.state.u.clamp(-(LIMIT as i32), LIMIT as i32);
             }
-        });
+        };
+        if self.hand.lies {
+            exchange::<true>(modes, origins, places, change);
+        } else {
+            exchange::<false>(modes, origins, places, change);
+        }
+        if is_guarded {
+            self.settle(memory);
+        }
     }
 
     /// Guards all ringing groups for what their input may still bring.

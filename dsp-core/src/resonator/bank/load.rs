@@ -5,7 +5,7 @@ use super::super::group::{GROUP_MODES, Group};
 use super::super::mode::Mode;
 use super::super::order::{order_key, order_modes, pole_of};
 use super::hand::{Hand, set_order};
-use super::{Bank, BankError, BankTable, Memory, Origin, Span, Used};
+use super::{Bank, BankError, BankTable, Memory, Span, Used};
 use crate::SampleRate;
 
 impl Bank {
@@ -61,7 +61,7 @@ impl Bank {
                 if keeps_origins {
                     let origin = origins.start + start - modes.start + slot;
                     if let Some(origin) = memory.origins.get_mut(origin) {
-                        *origin = Origin::new(pole.form, hand.choked(&pole), *index as u16);
+                        *origin = hand.origin(&pole, *index as u16);
                     }
                 }
             }

@@ -29,6 +29,8 @@ use crate::table::layout::{GainRecord, ModeRecord};
 pub struct Origin {
     /// The mode's coefficients that are not in use: those under a hand, or, while one lies there, those without.
     other: Coefficients,
+    /// By which share of itself the hand makes a coupled form's u larger, Q32; 0 where it is too large for its inverse to be quick.
+    share: i32,
     /// The mode's index in the table, [`Origin::HELD`] and [`Origin::COUPLED`].
     index_and_flags: u16,
     /// Where among the bank's modes that mode lies which has this origin's place in the order of the table.
@@ -37,7 +39,7 @@ pub struct Origin {
 
 impl Origin {
     /// Fills memory before a kit is loaded.
-    pub const NONE: Self = Self { other: Coefficients { delta: 0, epsilon: 0 }, index_and_flags: 0, slot: 0 };
+    pub const NONE: Self = Self { other: Coefficients { delta: 0, epsilon: 0 }, share: 0, index_and_flags: 0, slot: 0 };
 }
 
 /// The modes of a table, as a bank is loaded from them.

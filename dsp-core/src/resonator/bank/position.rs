@@ -2,8 +2,9 @@
 //!
 //! A bank plays force at two positions at a time, its **slots**. The modes hold the gains of slot 0. Those of slot 1 lie behind the
 //! origins of all banks, where there is memory for them: [`Bank::reserve_second`]. The force in slot 1 is
-//! injected behind that in slot 0, frame by frame: a copy of the modes that is driven over a run and added at its end would
-//! round otherwise wherever a caller cuts a block. While slot 1 has no force nothing of this takes any time.
+//! injected behind that in slot 0, in each frame ([`kernel::driven_twice`](super::super::kernel::driven_twice)): a copy of the modes
+//! that is driven over a run and added at its end would round otherwise wherever a caller cuts a block. While slot 1 has no
+//! force nothing of this takes any time.
 //!
 //! A strike takes the slot that has its position; else one that no contact drives, slot 0 first; else, merged, the slot whose
 //! position is nearer.
@@ -17,7 +18,7 @@ use super::super::mode::{InputGain, Mode};
 use super::hand::Hand;
 use super::{Bank, BankTable, Memory, Origin, Used, for_each_group};
 use crate::SampleRate;
-use crate::fixed::{self, Scale};
+use crate::fixed::Scale;
 
 /// Slot 1 of a bank.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +57,8 @@ impl Place {
 }
 
 impl Origin {
-    fn gain(&self) -> InputGain {
+    /// The gains that it keeps for slot 1.
+    pub(in crate::resonator) fn gain(&self) -> InputGain {
         InputGain { u: self.other.delta, v: self.other.epsilon }
     }
 
@@ -200,28 +202,4 @@ impl Bank {
             self.onset = onset;
         }
     }
-}
-
-/// Injects one frame of force in slot 1 into groups that have run that frame, and gives what it adds to the mix. `gains` begin with
-/// those of the groups' modes.
-#[inline(never)] // once a frame, and not in the way of runs without
-pub(super) fn inject_second((groups, modes, gains): (&[Group], &mut [Mode], &[Origin]), skip: bool, force: i32) -> i32 {
-    let (mut modes, mut gains) = (modes.iter_mut(), gains.iter());
-    let mut mix = 0i32;
-    for group in groups {
-        let plan = group.plan();
-        let (shift, is_left_out) = (plan.gain_shift(), skip && plan.is_at_rest());
-        for (mode, origin) in modes.by_ref().zip(gains.by_ref()).take(plan.count()) {
-            if is_left_out {
-                continue;
-            }
-            let gain = origin.gain();
-            let (u, v) = (fixed::smmulr(gain.u >> shift, force), fixed::smmulr(gain.v >> shift, force));
-            // Within the bounds of the guard, which has allowed for both forces; checked in builds with debug assertions.
-            mode.state.u += u;
-            mode.state.v += v;
-            mix += fixed::smmulr(v, plan.mix_scale());
-        }
-    }
-    mix
 }

@@ -5,7 +5,6 @@ use super::super::group::Group;
 use super::super::kernel::{self, Backward, Stereo};
 use super::super::mode::Mode;
 use super::guard::MAX_ALLOWANCE;
-use super::position::inject_second;
 use super::{Bank, BankWork, Memory};
 use crate::fixed;
 use crate::output::Gains;
@@ -217,13 +216,15 @@ impl Bank {
         if !self.can_add_onset(pan_shift) {
             return None;
         }
-        let mut mix = [0; TICK_FRAMES];
-        let mut signs = 0;
+        let (onset, mut mix, mut signs) = (self.onset, [0; TICK_FRAMES], 0);
         for (sum, &x) in mix.iter_mut().rev().zip(force) {
-            *sum = self.onset.apply(x);
-            signs |= *sum ^ (*sum >> 31);
+            let undoubled = onset.undoubled(x);
+            *sum = undoubled.wrapping_shl(onset.doublings());
+            signs |= undoubled ^ (undoubled >> 31);
         }
-        (signs < (1 << (30 - pan_shift.min(29)))).then_some(mix)
+        // What is lost by the shift is beyond the room.
+        let room_bits = 30u32.checked_sub(pan_shift + onset.doublings())?;
+        (signs < 1 << room_bits).then_some(mix)
     }
 
     #[inline(never)] // its buffer must not weigh on banks without mirrored modes
@@ -287,54 +288,37 @@ impl Bank {
         self.add_to_bus(&mix, self.mix_shift, Some(force), out);
     }
 
-    /// A run with a force in either slot: frame by frame where there is one in slot 1.
+    /// A run with a force in either slot.
     #[inline(never)] // it must not weigh on runs with one
     fn drive_both(
         &mut self,
         memory: &mut Memory<'_>,
-        forces: (&[i32], &[i32]),
+        (force, second): (&[i32], &[i32]),
         odd_start: bool,
         skip: bool,
         out: &mut [i32],
     ) {
-        let ((mut force, mut second), mut out, mut odd) = (forces, out, odd_start);
-        while !force.is_empty() && !out.is_empty() {
-            let without = second.iter().take_while(|&&x| x == 0).count();
-            let count = without.max(1);
-            let (now, later) = force.split_at_checked(count).unwrap_or((force, &[]));
-            let (second_now, second_later) = second.split_at_checked(count).unwrap_or((second, &[]));
-            let (out_now, out_later) =
-                core::mem::take(&mut out).split_at_mut_checked(now.len()).unwrap_or((&mut [], &mut []));
-            self.drive(memory, now, odd, skip, out_now);
-            if without == 0
-                && let ([x], [sound]) = (second_now, out_now)
-            {
-                let added = self.inject(memory, *x, odd, skip) + self.second.onset.apply_wide(*x);
-                *sound = fixed::qadd(*sound, fixed::saturate(added));
-            }
-            (force, second, out) = (later, second_later, out_later);
-            odd ^= count % 2 == 1;
-        }
-    }
-
-    /// Injects a frame of the force in slot 1; gives what it adds to the sound of the frame.
-    fn inject(&self, memory: &mut Memory<'_>, force: i32, odd: bool, skip: bool) -> i64 {
-        // As for slot 0: within the allowance nothing is lost.
-        let force = force.wrapping_shl(u32::from(self.force_shift));
-        let (groups, modes, gains) = (self.groups.range(), self.modes.range(), self.second_gains());
-        let of = (memory.groups.get(groups), memory.modes.get_mut(modes), memory.origins.get(gains));
-        let (Some(groups), Some(modes), Some(gains)) = of else { return 0 };
-        let (plain, mirrored) = groups.split_at_checked(usize::from(self.plain_groups)).unwrap_or((groups, &[]));
-        let count = usize::from(self.plain_modes);
-        let (plain_modes, mirrored_modes) = modes.split_at_mut_checked(count).unwrap_or((&mut [], &mut []));
-        let (plain_gains, mirrored_gains) = gains.split_at_checked(count).unwrap_or((&[], &[]));
-        let of_plain = inject_second((plain, plain_modes, plain_gains), skip, force);
-        let mut of_mirrored = 0;
+        let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: true };
+        let (mut mix, mut forces) = ([0; TICK_FRAMES], [self.shifted(force), self.shifted(second)]);
+        let (plain_groups, plain_modes) = (usize::from(self.plain_groups), usize::from(self.plain_modes));
+        let gains = memory.origins.get(self.second_gains()).unwrap_or(&[]);
+        let groups = memory.groups.get(self.groups.range()).unwrap_or(&[]);
+        let modes = memory.modes.get_mut(self.modes.range()).unwrap_or(&mut []);
+        let (groups, mirrored) = groups.split_at_checked(plain_groups).unwrap_or((groups, &[]));
+        let (modes, mirrored_modes) = modes.split_at_mut_checked(plain_modes).unwrap_or((&mut [], &mut []));
+        let (gains, mirrored_gains) = gains.split_at_checked(plain_modes).unwrap_or((&[], &[]));
         if !mirrored.is_empty() {
-            let sign = |x: i32| if odd { x.saturating_neg() } else { x };
-            of_mirrored = sign(inject_second((mirrored, mirrored_modes, mirrored_gains), skip, sign(force)));
+            forces.iter_mut().for_each(|force| alternate(force, odd_start));
+            kernel::driven_twice(mirrored, (mirrored_modes, mirrored_gains), run, &forces, &mut mix);
+            forces.iter_mut().for_each(|force| alternate(force, odd_start));
+            alternate(&mut mix, odd_start);
         }
-        (i64::from(of_plain) + i64::from(of_mirrored)) << self.mix_shift.bits
+        kernel::driven_twice(groups, (modes, gains), run, &forces, &mut mix);
+        let frames = out.iter_mut().zip(mix.iter().rev());
+        for ((out, &sum), (&x, &y)) in frames.zip(force.iter().zip(second)) {
+            let at_once = self.onset.apply(x) + self.second.onset.apply(y);
+            *out = fixed::qadd(*out, fixed::saturate((i64::from(sum) << self.mix_shift.bits) + at_once));
+        }
     }
 
     /// Groups of the plain side, and all modes from theirs on.
@@ -359,7 +343,7 @@ impl Bank {
         match force.filter(|_| !self.onset.is_zero()) {
             Some(force) => {
                 for ((out, &sum), &x) in frames.zip(force) {
-                    let sound = (i64::from(sum) << shift.bits) + self.onset.apply_wide(x);
+                    let sound = (i64::from(sum) << shift.bits) + self.onset.apply(x);
                     *out = fixed::qadd(*out, fixed::saturate(sound));
                 }
             }

@@ -18,6 +18,7 @@ pub mod portable;
 mod cortex_m4;
 
 pub use plan::Plan;
+pub use portable::driven_twice;
 
 #[cfg(cortex_m4f)]
 pub use cortex_m4::{driven, driven_stereo, free, free_stereo};

@@ -3,6 +3,7 @@
 //! A mode at a time, because the sum of rounded integers does not depend on the order. On a Cortex-M4 LLVM makes 18.6 cycles a mode and
 //! sample of it (it spills the 64-bit sums), which is why there is assembly.
 
+use super::super::bank::Origin;
 use super::super::coefficient::Form;
 use super::super::group::Group;
 use super::super::mode::Mode;
@@ -58,6 +59,50 @@ pub fn driven(groups: &[Group], modes: &mut [Mode], run: Run, force: &Backward, 
         Form::Shifted1 => drive(mode, step_shifted::<1>, plan, force, mix),
         Form::Shifted2 => drive(mode, step_shifted::<2>, plan, force, mix),
     });
+}
+
+/// As [`driven`], under two forces: that of the modes' own gains, and one of the gains that the origins keep, one for each mode. It is
+/// added to the mix.
+///
+/// Not in assembly: strikes at two places of a pad within a contact time are rare
+/// (`cargo test -p host-tests --test on_chip at_two_places` prints the cycles).
+#[inline(never)]
+pub fn driven_twice(
+    groups: &[Group],
+    (modes, seconds): (&mut [Mode], &[Origin]),
+    run: Run,
+    [force, second]: &[Backward; 2],
+    mix: &mut Backward,
+) {
+    let last = slot(run.frames.saturating_sub(1));
+    let (Some(force), Some(second), Some(mix)) = (force.get(last..), second.get(last..), mix.get_mut(last..)) else {
+        return;
+    };
+    let mut modes = modes.iter_mut().zip(seconds);
+    for group in groups {
+        let plan = group.plan();
+        for (mode, second_gain) in modes.by_ref().take(plan.count()) {
+            if run.skip && plan.is_at_rest() {
+                continue;
+            }
+            let mut twice = |step: fn(&mut Mode)| {
+                let (first, other, shift) = (mode.gain, second_gain.gain(), plan.gain_shift());
+                let (first_u, first_v) = (first.u >> shift, first.v >> shift);
+                let (other_u, other_v) = (other.u >> shift, other.v >> shift);
+                for ((sum, &x), &y) in mix.iter_mut().zip(force).zip(second).rev() {
+                    step(mode);
+                    mode.state.u = accumulate(accumulate(mode.state.u, first_u, x), other_u, y);
+                    mode.state.v = accumulate(accumulate(mode.state.v, first_v, x), other_v, y);
+                    *sum = accumulate(*sum, mode.state.v, plan.mix_scale());
+                }
+            };
+            match plan.form() {
+                Form::Coupled => twice(step_coupled),
+                Form::Shifted1 => twice(step_shifted::<1>),
+                Form::Shifted2 => twice(step_shifted::<2>),
+            }
+        }
+    }
 }
 
 fn each(
