@@ -159,7 +159,7 @@ fn a_room_that_modes_and_residual_do_not_hold_stands_in_the_table() {
     );
     assert!(with_room_db < report.lsd_with_residual_db && report.lsd_with_residual_db < report.lsd_db);
     // The figures of docs/fit.md.
-    let page = [(report.lsd_db, 8.37), (report.lsd_with_residual_db, 7.03), (with_room_db, 6.25)];
+    let page = [(report.lsd_db, 8.25), (report.lsd_with_residual_db, 7.42), (with_room_db, 5.48)];
     assert!(page.iter().all(|(measured, page)| (measured - page).abs() < 0.5), "{page:.2?}");
     // The octave round 1 kHz.
     let band = fitted.table.room.iter().rfind(|band| band.from_hz < 1_000.0).expect("the room stands in the table");

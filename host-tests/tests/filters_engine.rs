@@ -221,14 +221,14 @@ fn a_hand_takes_60_db_in_its_t60_and_a_strike_after_it_sounds_as_ever() {
     kit.pads[0].choke_t60_s = 0.1;
     let loaded = load(kit);
     let ringing = play(&loaded, &[strike(0, 1.0)], 48_000, 128).0;
-    let (choked, reports) = play(&loaded, &[strike(0, 1.0), hand(9_600, Action::Choke)], 48_000, 128);
+    let (choked, reports) = play(&loaded, &[strike(0, 1.0), hand(9_599, Action::Choke)], 48_000, 128);
     assert!(ringing[..9_600] == choked[..9_600]);
     let fallen = |from: usize| db(power(&choked[from..from + 480]) / power(&ringing[from..from + 480]));
     let (early, late) = (fallen(9_600 + 2_160), fallen(9_600 + 4_560));
     assert!((early + 30.0).abs() < 0.5 && (late + 60.0).abs() < 0.5, "{early:.2} dB, {late:.2} dB");
     // 120 dB down it is over, though the path is not.
     assert!(reports[(9_600 + 9_700) / 32..].iter().all(is_idle));
-    let events = [strike(0, 1.0), hand(9_600, Action::Choke), hand(24_000, Action::Release), strike(24_000, 1.0)];
+    let events = [strike(0, 1.0), hand(9_599, Action::Choke), hand(23_999, Action::Release), strike(24_000, 1.0)];
     let again = play(&loaded, &events, 48_000, 128).0;
     let found = db(power(&again[24_000..28_800]) / power(&ringing[..4_800]));
     assert!(found.abs() < 0.5, "{found:.2} dB");

@@ -60,12 +60,12 @@ fn filters() -> kit::Kit {
 }
 
 #[test]
-fn each_pad_of_the_filters_kit_leaves_at_least_90_db_to_the_law() {
+fn each_pad_of_the_filters_kit_leaves_at_least_96_db_to_the_law() {
     for rate in [SampleRate::HZ_48000, SampleRate::new(44_100, 1).expect("a right rate")] {
         for (index, pad) in filters().pads.iter().enumerate() {
             let snr_db = snr_db(filters(), played(index), rate, 1.0);
             println!("{} at {} Hz: {snr_db:.1} dB", pad.name, rate.hz());
-            assert!(snr_db >= 90.0, "{} at {} Hz: {snr_db:.1} dB", pad.name, rate.hz());
+            assert!(snr_db >= 96.0, "{} at {} Hz: {snr_db:.1} dB", pad.name, rate.hz());
         }
     }
 }

@@ -22,7 +22,23 @@ impl Piece {
     const NOTHING: Self = Self { start: 0, level: 0.0, level_step: 0.0, gap: 1.0, gap_step: 0.0 };
 
     fn level(&self, frame: u32) -> f32 {
-        self.level + self.level_step * frame.saturating_sub(self.start) as f32
+        (self.level + self.level_step * frame.saturating_sub(self.start) as f32).max(0.0)
+    }
+
+    fn gap(&self, frame: u32) -> f32 {
+        self.gap_at(frame.saturating_sub(self.start) as f32)
+    }
+
+    fn gap_at(&self, since: f32) -> f32 {
+        // After the last breakpoint, for ever: no product with it.
+        let change = if self.gap_step == 0.0 { 0.0 } else { self.gap_step * since };
+        (self.gap + change).clamp(0.0, 1.0)
+    }
+
+    /// By how many nepers a frame the slowest pole falls over so many frames.
+    fn falls_of_pole(&self, frame: u32, frames: u32) -> f32 {
+        let gap = self.gap_at(frame.saturating_sub(self.start) as f32 + 0.5 * (frames - 1) as f32);
+        if gap < 1.0 { -libm::log1pf(-gap) } else { f32::INFINITY }
     }
 }
 
@@ -69,32 +85,49 @@ impl<const N: usize> Levels<N> {
         }
     }
 
-    /// From a frame after the strike on, at most so many of them: how many lie before the next breakpoint, and by how many nepers a frame the sound falls by itself over
-    /// these; infinite where nothing is left.
+    /// From a frame after the strike on, at most so many of them: for how many frames the sound falls by itself as evenly as is heard, and by how many nepers
+    /// a frame; infinite where nothing is left.
+    ///
+    /// From n to n + 1 it falls by the quotient of the levels there, or as the slowest pole does, by whichever is slower; by nothing where the level rises. A level
+    /// of 0 that stays 0 has the quotient 0.
     pub fn falls(&self, frame: u32, most: u32) -> (u32, f32) {
         let pieces = self.pieces.get(..self.count).unwrap_or(&[]);
         let at = pieces.iter().rposition(|piece| piece.start <= frame).unwrap_or(0);
         let Some(piece) = pieces.get(at) else { return (most, 0.0) };
         let next = pieces.get(at + 1).filter(|next| next.start > frame);
-        let frames = next.map_or(most, |next| most.min(next.start - frame));
+        let to_next = next.map_or(u32::MAX, |next| next.start - frame);
         if self.looped {
+            return (most.min(to_next), 0.0);
+        }
+        let before = piece.level(frame);
+        if let Some(next) = next.filter(|_| to_next == 1) {
+            // Over a breakpoint, where the level may jump.
+            let of_level = if next.level > 0.0 { falls_of(before, next.level, 1) } else { f32::INFINITY };
+            return (1, of_level.min(piece.falls_of_pole(frame, 1)));
+        }
+        let frames = most.min(to_next - 1);
+        let lost = -piece.level_step;
+        if lost < 0.0 || lost == 0.0 && before > 0.0 {
             return (frames, 0.0);
         }
-        let end = frame.saturating_add(frames);
-        let before = piece.level(frame);
-        let after = next.filter(|next| next.start <= end).map_or_else(|| piece.level(end), |next| next.level);
-        let of_level = if before > 0.0 && after > 0.0 {
-            -libm::log1pf((after - before) / before) / frames as f32
-        } else if after > 0.0 {
-            0.0
-        } else {
-            f32::INFINITY
-        };
-        let middle = (frame.saturating_sub(piece.start) as f32) + 0.5 * frames as f32;
-        let middle = if piece.gap_step == 0.0 { 0.0 } else { middle };
-        let gap = (piece.gap + piece.gap_step * middle).clamp(0.0, 1.0);
-        let of_pole = if gap < 1.0 { -libm::log1pf(-gap) } else { f32::INFINITY };
-        (frames, of_level.min(of_pole).max(0.0))
+        let at_pole = lost == 0.0 || before * piece.gap(frame) <= lost;
+        if at_pole {
+            return (frames, piece.falls_of_pole(frame, frames));
+        }
+        // As far as the level loses a 64th of itself: what is even over that errs by 3e-5. `as` saturates.
+        let frames = frames.min((before / (64.0 * lost)) as u32).max(1);
+        (frames, falls_of(before, piece.level(frame + frames), frames).min(piece.falls_of_pole(frame, frames)))
+    }
+}
+
+/// Nepers a frame from one level to another, 0 where it rises.
+fn falls_of(before: f32, after: f32, frames: u32) -> f32 {
+    if before > 0.0 && after > 0.0 {
+        (-libm::log1pf((after - before) / before) / frames as f32).max(0.0)
+    } else if after > 0.0 {
+        0.0
+    } else {
+        f32::INFINITY
     }
 }
 

@@ -62,7 +62,7 @@ mod tests {
             let mut stepped = [[bus, 0]];
             dsp_core::output::to_24_bit(&mut stepped);
             let level = Level::of_bus(&[[bus, 0]]);
-            let clips = (i64::from(stepped[0][0]) * 16 - i64::from(bus)).abs() > 8;
+            let clips = i64::from(stepped[0][0]) != (i64::from(bus) + 8) >> 4;
             assert_eq!(level.clipped_samples, u64::from(clips), "{bus}");
             assert_eq!(level.saturated_samples, u64::from(bus == i32::MAX || bus == i32::MIN), "{bus}");
             let law = Level::of_law(&[[f64::from(bus) / f64::from(ONE_Q27), 0.0]]);
