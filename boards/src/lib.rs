@@ -35,7 +35,7 @@ const INPUT_CYCLES: u32 = 9_000;
 /// elsewhere moves in flash (virtual-board/tests/boards/load.rs).
 const WORST_PERCENT: u32 = 180;
 
-/// An engine of the boards with the stages `S`: 33 KB without them.
+/// An engine of the boards with the stages `S`: 35 KB without them.
 pub type BoardEngine<'k, S> = Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, STANDARD_CONTACTS, S>;
 
 /// The stages of a board, as they are on the PC: in the engine itself.

@@ -2,9 +2,9 @@
 //!
 //! | bytes | what | where |
 //! | --- | --- | --- |
-//! | 33 088 | the engine: pads, modes | beside the core |
+//! | 35 136 | the engine: pads, modes | beside the core |
 //! | 2 272 | the inputs: triggers | beside the core |
-//! | 27 904 | the room: 9728 samples of delay (19 KB), and 8 KB of what it works with | beside the core |
+//! | 26 368 | the room: 8960 samples of delay (18 KB), and 8 KB of what it works with | beside the core |
 //! | 72 600 | three residuals, 24 200 each; the background counts as one | RAM |
 //! | 35 488 | filters of four pads | RAM |
 //! | 5 232 | DMA buffers, the log, tasks | RAM |
@@ -27,7 +27,7 @@ impl Board for Stm32f407gDisc1 {
     const LEAD_FRAMES: usize = 26;
     const STAGE_CYCLES: u32 = 47_000;
     type Residuals = Residuals<3>;
-    type Room = Room<i16, 9_728>;
+    type Room = Room<i16, 8_960>;
     /// 32 breakpoints, ten loops of up to 511 frames (10.6 ms), eight pairs of biquads.
     type Filters = Filters<4, 32, 10, 512, 8>;
 }

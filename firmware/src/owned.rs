@@ -38,3 +38,22 @@ impl<T> Owned<T> {
         unsafe { (*self.0.get()).assume_init_mut() }
     }
 }
+
+impl<T, const COUNT: usize> Owned<[T; COUNT]> {
+    /// As [`Owned::fill`], one after the other: what all of them are like lies in flash once.
+    ///
+    /// # Safety
+    /// As [`Owned::fill`].
+    #[expect(clippy::mut_from_ref, reason = "the caller promises to be alone")]
+    #[inline(always)] // so that each is made in its place, not on the stack
+    pub unsafe fn fill_each(&self, value: impl Fn() -> T) -> &mut [T; COUNT] {
+        // SAFETY: the caller's word.
+        let memory = unsafe { &mut *self.0.get() };
+        for index in 0..COUNT {
+            // SAFETY: the index is within the array.
+            unsafe { memory.as_mut_ptr().cast::<T>().add(index).write(value()) };
+        }
+        // SAFETY: all of them have just been written.
+        unsafe { memory.assume_init_mut() }
+    }
+}

@@ -17,7 +17,7 @@ const KIT: &str = include_str!("rolls.toml");
 
 /// The engine of the rolls, on PC and chip (`host-tests/images/engine`, feature `stages`).
 pub type RollEngine<'k> = Engine<'k, 4, 16, 128, 64, 128, STANDARD_CONTACTS, Stages>;
-type Stages = (Residuals<3>, Room<i16, 4_096>, Filters<2, 32, 16, 256, 16>);
+type Stages = (Residuals<3>, Room<i16, 4_096>, Filters<2, 32, 16, 256, 8>);
 
 /// The kit of the rolls.
 ///

@@ -14,11 +14,6 @@ use proptest::prelude::*;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// Cycles that a tick may cost on a board as the engine predicts it (`BUDGET_CYCLES` of the firmware).
-fn budget<B: Board>() -> u32 {
-    if B::NAME == BlackpillF411::NAME { 25_000 } else { 45_500 }
-}
-
 fn snr_to_the_law(loaded: &kit::Loaded, events: Vec<Event>) -> f64 {
     let performance = Performance::new(events, None, &loaded.kit, RATE, Some(0.4));
     let (bus, _) = performance::instrument(loaded, &performance, RATE, Skipping::Off);
@@ -96,7 +91,7 @@ fn play_from<B: Board>(view: &KitView<'_>, events: &[Event], limited_from: u64) 
     let (mut shed_groups, mut dearest) = (0, (0, 0));
     while sound.len() < FRAMES {
         let end = engine.now() + 32;
-        engine.set_budget((engine.now() >= limited_from).then_some(budget::<B>()));
+        engine.set_budget((engine.now() >= limited_from).then_some(B::BUDGET_CYCLES));
         let due = rest.iter().take_while(|event| event.time.first_frame() < end).count();
         let mut block = [[0; 2]; 32];
         engine
@@ -147,8 +142,8 @@ fn choke_every_pad<B: Board>(name: &str, has_noise: bool, phases: &[u64]) {
                 assert!(has_noise || step <= 3.2e-5, "{place}, {frame}: {step}");
             }
             assert!(held.shed_groups <= free.shed_groups, "{place}: {} groups", held.shed_groups);
-            assert!(held.dearest.0 <= budget::<B>(), "{place}: {:?} cycles", held.dearest);
-            dearest_share = dearest_share.max(f64::from(held.dearest.0) / f64::from(budget::<B>()));
+            assert!(held.dearest.0 <= B::BUDGET_CYCLES, "{place}: {:?} cycles", held.dearest);
+            dearest_share = dearest_share.max(f64::from(held.dearest.0) / f64::from(B::BUDGET_CYCLES));
         }
     }
     println!(

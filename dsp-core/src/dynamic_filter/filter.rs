@@ -246,7 +246,7 @@ impl<const N: usize> Filter<N> {
             (Form::Real, _) => 2860,
         };
         let second = self.path.form.parameters() == PARAMETERS;
-        let levels = if self.path.has_levels { [620, 340][usize::from(second)] } else { 0 };
+        let levels = if self.path.has_levels { [630, 340][usize::from(second)] } else { 0 };
         let loud = if second && self.path.scale < 0 { 360 } else { 0 };
         first + levels + loud + if self.path.whole { 32 * 90 } else { 0 }
     }

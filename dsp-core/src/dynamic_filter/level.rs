@@ -56,6 +56,7 @@ impl<const N: usize> Levels<N> {
     pub const NONE: Self = Self { pieces: [Piece::NOTHING; N], count: 0, looped: false };
 
     /// Of a path whose coefficients are for a rate that is `1/ratio` times this one. Breakpoints beyond `N` are left out: loading the path refuses them.
+    #[inline(never)] // only on load: its stack is not the caller's
     pub fn load(
         &mut self,
         order: u8,

@@ -82,10 +82,6 @@ impl<F: FilterRoom> FilterRoom for Apart<'_, F> {
         self.0.as_ref().is_some_and(|filters| filters.takes_modes(pad))
     }
 
-    fn has_any(&self) -> bool {
-        self.0.as_ref().is_some_and(|filters| filters.has_any())
-    }
-
     fn has(&self, pad: u8) -> bool {
         self.0.as_ref().is_some_and(|filters| filters.has(pad))
     }

@@ -304,7 +304,7 @@ impl<
                 // Nobody hears the force, and nothing is done.
                 continue;
             }
-            on_bus |= filtered && self.filters.join_in(number, is_driven, pad_banks);
+            on_bus |= filtered.may_have(number) && self.filters.join_in(number, is_driven, pad_banks);
             if is_driven {
                 let is_quick = pad.drives_quickly(pad_banks) && !on_bus;
                 counts.add(if is_quick { Part::DrivenPad } else { Part::BusDrivenPad }, 1);

@@ -42,7 +42,7 @@ pub enum Part {
     ChokedMode,
     /// A mode whose gains are derived for a strike at another position.
     MovedMode,
-    /// A frame of a register group under a force in the second slot of its pad, beside its kernel's cycles: an estimate.
+    /// A frame of a register group under a force in the second slot of its pad, beside its kernel's cycles.
     SecondFrame,
     /// A frame of a pad under a force that adds a share of it to the sound on its way straight to the stereo bus.
     OnsetFrame,
@@ -74,8 +74,8 @@ pub const PARTS: usize = Part::IdleTick as usize + 1;
 /// Cycles of each [`Part`], nominal, without flash waits, from fits to the virtual core (`cargo bench -p host-tests --bench budget_costs` prints one) and from
 /// profiles where a fit cannot tell parts apart; `cargo test -p host-tests --test on_chip budget` holds them to 3 %.
 pub const CYCLES: [u32; PARTS] = [
-    2570, 457, 462, 118, 1089, 1305, 49, 2394, 2900, 5380, 20, 131, 62, 430, 435, 2900, 900, 60, 1600, 560, 32, 5500, 125,
-    800, 30, 1, 700, 500, 40, 1, 1550,
+    2570, 457, 462, 118, 1089, 1305, 49, 2394, 2900, 5380, 20, 131, 24, 430, 435, 2900, 640, 60, 1600, 205, 32, 5500, 125,
+    800, 30, 1, 700, 500, 40, 1, 1598,
 ];
 
 /// How much of each part a tick has.

@@ -27,8 +27,6 @@ pub trait FilterRoom {
     /// Whether the modes of a pad's object go through its filter.
     fn takes_modes(&self, pad: u8) -> bool;
 
-    /// Whether any pad has filters.
-    fn has_any(&self) -> bool;
 
     /// Whether a pad has filters.
     fn has(&self, pad: u8) -> bool;
@@ -101,11 +99,6 @@ impl FilterRoom for NoFilters {
     }
 
     #[inline(always)]
-    fn has_any(&self) -> bool {
-        false
-    }
-
-    #[inline(always)]
     fn has(&self, _: u8) -> bool {
         false
     }
@@ -144,123 +137,154 @@ impl FilterRoom for NoFilters {
 
 /// Room for the filters of so many pads: dynamic filters of at most `POINTS` breakpoints with at most `LOOPS` loops whose delays fit `FRAMES` frames, and biquads
 /// in at most `PAIRS` pairs each (a pair for each biquad suffices).
-#[derive(Clone, Debug)]
-pub struct Filters<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize>
-{
-    places: [Place<POINTS, LOOPS, FRAMES, PAIRS>; COUNT],
-    /// A bit for each of the first 64 pads that has filters: most have none, and are asked for them several times a tick.
-    pads: u64,
+pub type Filters<
+    const COUNT: usize,
+    const POINTS: usize,
+    const LOOPS: usize,
+    const FRAMES: usize,
+    const PAIRS: usize,
+> = [Place<POINTS, LOOPS, FRAMES, PAIRS>; COUNT];
+
+/// Pads that have filters. Most have none, and are asked for them several times a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PadSet(u64);
+
+impl PadSet {
+    pub(super) const NONE: Self = Self(0);
+
+    /// Pads from 63 on are one.
+    #[inline(always)]
+    fn bit(pad: u8) -> u64 {
+        1 << pad.min(63)
+    }
+
+    pub(super) fn insert(&mut self, pad: u8) {
+        self.0 |= Self::bit(pad);
+    }
+
+    #[inline(always)]
+    pub(super) fn may_have(self, pad: u8) -> bool {
+        self.0 & Self::bit(pad) != 0
+    }
+
+    #[inline(always)]
+    pub(super) fn is_empty(self) -> bool {
+        self.0 == 0
+    }
 }
 
-/// The filters of one pad.
+/// Room for the filters of one pad.
 #[derive(Clone, Debug)]
-struct Place<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize> {
+pub struct Place<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize> {
     pad: Option<u8>,
     /// What the dynamic filter takes while it sounds, and the biquads.
     cycles: [u32; 2],
     filters: PadFilters<POINTS, LOOPS, FRAMES, PAIRS>,
 }
 
-impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize>
-    Filters<COUNT, POINTS, LOOPS, FRAMES, PAIRS>
+impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize>
+    Place<POINTS, LOOPS, FRAMES, PAIRS>
 {
-    #[inline(always)]
-    fn has_none(&self, pad: u8) -> bool {
-        1u64.checked_shl(pad.into()).is_some_and(|bit| self.pads & bit == 0)
-    }
+    /// Of no pad.
+    pub const FREE: Self = Self { pad: None, cycles: [0; 2], filters: PadFilters::EMPTY };
 
-    #[inline(always)]
-    fn of(&self, pad: u8) -> Option<&PadFilters<POINTS, LOOPS, FRAMES, PAIRS>> {
-        if self.has_none(pad) { None } else { self.search(pad) }
+    fn unload(&mut self) {
+        self.pad = None;
+        self.filters.unload();
     }
+}
 
-    fn search(&self, pad: u8) -> Option<&PadFilters<POINTS, LOOPS, FRAMES, PAIRS>> {
-        self.places.iter().find(|place| place.pad == Some(pad)).map(|place| &place.filters)
-    }
+/// The filters of a pad.
+fn of<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize>(
+    places: &[Place<POINTS, LOOPS, FRAMES, PAIRS>],
+    pad: u8,
+) -> Option<&PadFilters<POINTS, LOOPS, FRAMES, PAIRS>> {
+    places.iter().find(|place| place.pad == Some(pad)).map(|place| &place.filters)
+}
 
-    fn of_mut(&mut self, pad: u8) -> Option<&mut PadFilters<POINTS, LOOPS, FRAMES, PAIRS>> {
-        self.places.iter_mut().find(|place| place.pad == Some(pad)).map(|place| &mut place.filters)
-    }
+fn of_mut<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize>(
+    places: &mut [Place<POINTS, LOOPS, FRAMES, PAIRS>],
+    pad: u8,
+) -> Option<&mut PadFilters<POINTS, LOOPS, FRAMES, PAIRS>> {
+    places.iter_mut().find(|place| place.pad == Some(pad)).map(|place| &mut place.filters)
+}
 
-    fn derive(&mut self, kit: &Kit<'_>, rate: SampleRate, fitting: &mut impl Fitting) -> Result<(), LoadError> {
-        let mut free = self.places.iter_mut().peekable();
-        for (pad, number) in kit.pads().zip(0u8..) {
-            let object = pad.object_index();
-            let filter = kit.dynamic_filter_of(object).map_err(LoadError::FilterTable)?;
-            let biquads = kit.biquads_of(object).map_err(LoadError::FilterTable)?;
-            if filter.is_none() && biquads.is_none() {
-                continue;
-            }
-            let Some(place) = free.peek_mut() else {
-                fitting.leave_out(LoadError::TooManyFilters { pad: number, capacity: COUNT })?;
-                continue;
-            };
-            let (filters, mut dynamic_cycles, mut biquad_cycles) = (&mut place.filters, 0, 0);
-            let reference_force = kit.object_of(pad).map_or(1.0, |object| object.reference_force());
-            if let Some(filter) = filter {
-                let hardest = kit.strikers_of(pad).map(|striker| striker.contact().peak_force()).fold(0.0, f32::max);
-                match filters.load_dynamic(&filter, rate, u32::from(number), hardest / reference_force) {
-                    Err(error) => fitting.leave_out(LoadError::DynamicFilter { pad: number, error })?,
-                    Ok(()) => {
-                        let (stage, cycles) = (Stage::DynamicFilter(number), filters.dearest_of_dynamic());
-                        // What modes go through runs with them, whether a strike brings noise or not.
-                        let afforded = match filters.takes_modes() {
-                            true => fitting.take(stage, cycles).then_some(0),
-                            false => fitting.afford(stage, cycles),
-                        };
-                        match afforded {
-                            Some(cycles) => dynamic_cycles = cycles,
-                            None => filters.unload_dynamic(),
-                        }
+/// Derives the filters of a kit's pads.
+#[inline(never)] // only on load: its stack is not the program's
+fn derive<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize>(
+    places: &mut [Place<POINTS, LOOPS, FRAMES, PAIRS>],
+    kit: &Kit<'_>,
+    rate: SampleRate,
+    fitting: &mut impl Fitting,
+) -> Result<(), LoadError> {
+    let capacity = places.len();
+    let mut free = places.iter_mut().peekable();
+    for (pad, number) in kit.pads().zip(0u8..) {
+        let object = pad.object_index();
+        let filter = kit.dynamic_filter_of(object).map_err(LoadError::FilterTable)?;
+        let biquads = kit.biquads_of(object).map_err(LoadError::FilterTable)?;
+        if filter.is_none() && biquads.is_none() {
+            continue;
+        }
+        let Some(place) = free.peek_mut() else {
+            fitting.leave_out(LoadError::TooManyFilters { pad: number, capacity })?;
+            continue;
+        };
+        let (filters, mut dynamic_cycles, mut biquad_cycles) = (&mut place.filters, 0, 0);
+        let reference_force = kit.object_of(pad).map_or(1.0, |object| object.reference_force());
+        if let Some(filter) = filter {
+            let hardest = kit.strikers_of(pad).map(|striker| striker.contact().peak_force()).fold(0.0, f32::max);
+            match filters.load_dynamic(&filter, rate, u32::from(number), hardest / reference_force) {
+                Err(error) => fitting.leave_out(LoadError::DynamicFilter { pad: number, error })?,
+                Ok(()) => {
+                    let (stage, cycles) = (Stage::DynamicFilter(number), filters.dearest_of_dynamic());
+                    // What modes go through runs with them, whether a strike brings noise or not.
+                    let afforded = match filters.takes_modes() {
+                        true => fitting.take(stage, cycles).then_some(0),
+                        false => fitting.afford(stage, cycles),
+                    };
+                    match afforded {
+                        Some(cycles) => dynamic_cycles = cycles,
+                        None => filters.unload_dynamic(),
                     }
                 }
             }
-            if let Some(biquads) = biquads {
-                match filters.load_biquads(&biquads, rate, reference_force, pad.choke_t60_s()) {
-                    Err(error) => fitting.leave_out(LoadError::Biquads { pad: number, error })?,
-                    Ok(()) => match fitting.afford(Stage::Biquads(number), filters.dearest_of_biquads()) {
-                        Some(cycles) => biquad_cycles = cycles,
-                        None => filters.unload_biquads(),
-                    },
-                }
-            }
-            if filters.is_built()
-                && let Some(place) = free.next()
-            {
-                (place.pad, place.cycles) = (Some(number), [dynamic_cycles, biquad_cycles]);
-                self.pads |= 1u64.checked_shl(number.into()).unwrap_or(0);
+        }
+        if let Some(biquads) = biquads {
+            match filters.load_biquads(&biquads, rate, reference_force, pad.choke_t60_s()) {
+                Err(error) => fitting.leave_out(LoadError::Biquads { pad: number, error })?,
+                Ok(()) => match fitting.afford(Stage::Biquads(number), filters.dearest_of_biquads()) {
+                    Some(cycles) => biquad_cycles = cycles,
+                    None => filters.unload_biquads(),
+                },
             }
         }
-        Ok(())
-    }
-
-    fn unload(&mut self) {
-        self.pads = 0;
-        for place in &mut self.places {
-            place.pad = None;
-            place.filters.unload();
+        if filters.is_built()
+            && let Some(place) = free.next()
+        {
+            (place.pad, place.cycles) = (Some(number), [dynamic_cycles, biquad_cycles]);
         }
     }
+    Ok(())
 }
 
 impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize> FilterRoom
     for Filters<COUNT, POINTS, LOOPS, FRAMES, PAIRS>
 {
-    const EMPTY: Self =
-        Self { places: [const { Place { pad: None, cycles: [0; 2], filters: PadFilters::EMPTY } }; COUNT], pads: 0 };
+    const EMPTY: Self = [const { Place::FREE }; COUNT];
 
     fn load<F: Fitting>(&mut self, kit: &Kit<'_>, rate: SampleRate, fitting: &mut F) -> Result<(), LoadError> {
-        self.unload();
-        let result = self.derive(kit, rate, fitting);
+        self.iter_mut().for_each(Place::unload);
+        let result = derive(self, kit, rate, fitting);
         if result.is_err() {
-            self.unload();
+            self.iter_mut().for_each(Place::unload);
         }
         result
     }
 
     #[inline(never)]
     fn join_in(&self, pad: u8, has_force: bool, banks: &[Bank]) -> bool {
-        self.of(pad).is_some_and(|filters| {
+        of(self, pad).is_some_and(|filters| {
             filters.is_ringing()
                 || has_force && filters.takes_force()
                 || filters.takes_modes() && (has_force || is_ringing(banks))
@@ -268,23 +292,19 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
     }
 
     fn takes_force(&self, pad: u8) -> bool {
-        self.of(pad).is_some_and(PadFilters::takes_force)
+        of(self, pad).is_some_and(PadFilters::takes_force)
     }
 
     fn takes_modes(&self, pad: u8) -> bool {
-        self.of(pad).is_some_and(PadFilters::takes_modes)
-    }
-
-    fn has_any(&self) -> bool {
-        self.places.iter().any(|place| place.pad.is_some())
+        of(self, pad).is_some_and(PadFilters::takes_modes)
     }
 
     fn has(&self, pad: u8) -> bool {
-        self.of(pad).is_some()
+        of(self, pad).is_some()
     }
 
     fn strike(&mut self, pad: u8, level: f32, frame: usize, left: &mut Left) {
-        let Some(place) = self.places.iter_mut().find(|place| place.pad == Some(pad)) else { return };
+        let Some(place) = self.iter_mut().find(|place| place.pad == Some(pad)) else { return };
         let [has_dynamic, has_biquads] = place.filters.parts();
         let ([dynamic_sounds, biquads_sound], [of_dynamic, of_biquads]) = (place.filters.sounding(), place.cycles);
         let dynamic = has_dynamic && left.admits(dynamic_sounds, of_dynamic);
@@ -293,13 +313,13 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
     }
 
     fn sounding_cycles(&self) -> u32 {
-        let places = self.places.iter().filter(|place| place.pad.is_some());
+        let places = self.iter().filter(|place| place.pad.is_some());
         let parts = places.flat_map(|place| place.filters.sounding().into_iter().zip(place.cycles));
         parts.map(|(sounds, cycles)| if sounds { cycles } else { 0 }).sum()
     }
 
     fn set_choked(&mut self, pad: u8, nepers: Option<f64>) {
-        if let Some(filters) = self.of_mut(pad) {
+        if let Some(filters) = of_mut(self, pad) {
             filters.set_choked(nepers);
         }
     }
@@ -312,21 +332,21 @@ impl<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: 
         modes: Option<&mut [i32]>,
         out: &mut [i32],
     ) -> FilterWork {
-        self.of_mut(pad).map_or(FilterWork::default(), |filters| filters.render(frame, force, modes, out))
+        of_mut(self, pad).map_or(FilterWork::default(), |filters| filters.render(frame, force, modes, out))
     }
 
     fn ringing(&self) -> u32 {
-        self.places.iter().filter(|place| place.pad.is_some() && place.filters.is_ringing()).count() as u32
+        self.iter().filter(|place| place.pad.is_some() && place.filters.is_ringing()).count() as u32
     }
 
     fn cycles(&self, pad: u8, struck: bool) -> u32 {
-        let Some(filters) = self.of(pad) else { return 0 };
+        let Some(filters) = of(self, pad) else { return 0 };
         let ringing = if filters.is_ringing() { filters.cycles_a_tick(false) } else { 0 };
         if struck { filters.cycles_a_tick(true).saturating_sub(ringing) } else { ringing }
     }
 
     fn hand_cycles(&self, pad: u8) -> u32 {
-        self.of(pad).map_or(0, PadFilters::cycles_of_hand)
+        of(self, pad).map_or(0, PadFilters::cycles_of_hand)
     }
 }
 
@@ -416,7 +436,7 @@ impl<
     /// A hand that comes to a pad or goes, on a tick; `t60_s` is what it imposes.
     #[inline(always)]
     pub(super) fn choke_filters(&mut self, pad: u8, t60_s: Option<f32>) {
-        if self.filtered && self.filters.has(pad) {
+        if self.filtered.may_have(pad) {
             let nepers = t60_s.map(|t60_s| crate::pad::nepers(t60_s, self.rate()));
             self.filters.set_choked(pad, nepers);
         }
@@ -425,7 +445,7 @@ impl<
     /// Cycles of the filters that sound, in this tick.
     #[inline(always)]
     pub(super) fn filter_cycles(&self) -> u32 {
-        if self.filtered { self.cycles_of_filters() } else { 0 }
+        if self.filtered.is_empty() { 0 } else { self.cycles_of_filters() }
     }
 
     #[inline(never)]
@@ -437,12 +457,12 @@ impl<
     /// Cycles of the filters that a strike begins, in its tick.
     #[inline(always)]
     pub(super) fn filter_strike_cycles(&self, pad: u8) -> u32 {
-        if self.filtered { self.filters.cycles(pad, true) } else { 0 }
+        if self.filtered.may_have(pad) { self.filters.cycles(pad, true) } else { 0 }
     }
 
     /// Cycles of a pad's filters for a hand that comes or goes.
     #[inline(always)]
     pub(super) fn filter_hand_cycles(&self, pad: u8) -> u32 {
-        if self.filtered { self.filters.hand_cycles(pad) } else { 0 }
+        if self.filtered.may_have(pad) { self.filters.hand_cycles(pad) } else { 0 }
     }
 }

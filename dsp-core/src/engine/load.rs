@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::filters::PadSet;
 use super::fitting::{All, Fitting, Stage, Within};
 use super::{Engine, FilterRoom, Skipping, Surroundings, TickReport};
 use crate::SampleRate;
@@ -232,10 +233,11 @@ impl<
         skipping: Skipping,
         mut fitting: impl Fitting,
     ) -> Result<(), LoadError> {
-        self.banks = [const { Bank::EMPTY }; BANKS];
+        // One by one: an array would be made on the stack.
+        self.banks.iter_mut().for_each(|bank| *bank = Bank::EMPTY);
         (self.pad_count, self.idle, self.expects, self.retired_amplitude) = (0, false, false, 0.0);
-        (self.noisy, self.filtered) = (false, false);
-        self.modes = [Mode::SILENT; MODES];
+        (self.noisy, self.filtered) = (false, PadSet::NONE);
+        self.modes.fill(Mode::SILENT);
         self.flight = Flight::EMPTY;
         self.report = TickReport::EMPTY;
         (self.rate, self.skipping, self.now) = (Some(rate), skipping, 0);
@@ -245,8 +247,11 @@ impl<
         self.load_noise(kit, rate, &mut fitting)?;
         self.filters.load(kit, rate, &mut fitting)?;
         self.stage_cycles = fitting.left();
-        (self.noisy, self.filtered) = (self.has_any_noise(), self.filters.has_any());
+        self.noisy = self.has_any_noise();
         (self.pad_count, self.kit) = (kit.pads().len(), Some(*kit));
+        for pad in (0..self.pad_count as u8).filter(|&pad| self.filters.has(pad)) {
+            self.filtered.insert(pad);
+        }
         self.modes_built = self.pads().iter().map(|pad| pad.mode_count() as u32).sum();
         self.groups_built = self.pads().iter().map(|pad| group_count(pad.own(&self.banks))).sum();
         Ok(())

@@ -24,10 +24,10 @@ mod tick;
 
 pub use apart::Apart;
 pub use cost::{CYCLES, Counts, PARTS, Part};
-pub use filters::{FilterRoom, Filters, NoFilters};
+pub use filters::{FilterRoom, Filters, NoFilters, Place as FilterPlace};
 pub use fitting::{Fitting, Left, Stage};
 pub use load::{Capacity, LoadError};
-pub use noise::{NoResiduals, ResidualRoom, Residuals};
+pub use noise::{NoResiduals, Place as ResidualPlace, ResidualRoom, Residuals};
 pub use report::{Cause, TickReport};
 pub use surroundings::{NoRoom, RoomStage, Surroundings};
 
@@ -35,6 +35,7 @@ use crate::SampleRate;
 use crate::contact::Flight;
 use crate::event::{Event, EventError};
 use crate::output;
+use filters::PadSet;
 use crate::pad::{Pad, is_ringing};
 use crate::resonator::{Bank, Group, Mode, Origin, TICK_FRAMES};
 use crate::table::Kit;
@@ -103,9 +104,9 @@ pub struct Engine<
     budget: Option<u32>,
     /// Cycles that stages which strikes begin may take together.
     stage_cycles: Option<u32>,
-    /// Whether any residual or background has been loaded, and whether any filter: kits without take no cycle for them.
+    /// Whether any residual or background has been loaded, and pads that have filters: kits without take no cycle for them.
     noisy: bool,
-    filtered: bool,
+    filtered: PadSet,
     report: TickReport,
     /// Whether nothing rings, no contact is under way and nothing retired may still be missing: until an event or a direct force, a tick
     /// has nothing to do.
@@ -176,7 +177,7 @@ impl<
             budget: None,
             stage_cycles: None,
             noisy: false,
-            filtered: false,
+            filtered: PadSet::NONE,
             report: TickReport::EMPTY,
             idle: false,
             was_idle: false,
@@ -224,7 +225,7 @@ impl<
         self.flight.count() == 0
             && !is_ringing(&self.banks)
             && self.noises() == 0
-            && !(self.filtered && self.filters.ringing() > 0)
+            && (self.filtered.is_empty() || self.filters.ringing() == 0)
             && self.room.is_silent()
     }
 

@@ -28,10 +28,7 @@ pub trait ResidualRoom {
 pub struct NoResiduals;
 
 /// Room for so many pads with a residual, the background counting as one; 24 KB each.
-#[derive(Clone, Debug)]
-pub struct Residuals<const COUNT: usize> {
-    places: [Place; COUNT],
-}
+pub type Residuals<const COUNT: usize> = [Place; COUNT];
 
 impl ResidualRoom for NoResiduals {
     const EMPTY: Self = Self;
@@ -48,14 +45,14 @@ impl ResidualRoom for NoResiduals {
 }
 
 impl<const COUNT: usize> ResidualRoom for Residuals<COUNT> {
-    const EMPTY: Self = Self { places: [const { Place::FREE }; COUNT] };
+    const EMPTY: Self = [const { Place::FREE }; COUNT];
 
     fn places(&self) -> &[Place] {
-        &self.places
+        self
     }
 
     fn places_mut(&mut self) -> &mut [Place] {
-        &mut self.places
+        self
     }
 }
 
@@ -78,7 +75,8 @@ pub struct Place {
 }
 
 impl Place {
-    const FREE: Self = Self { owner: Owner::Nobody, cycles: 0, shaper: Shaper::NONE, panner: Panner::SILENT };
+    /// Of nobody.
+    pub const FREE: Self = Self { owner: Owner::Nobody, cycles: 0, shaper: Shaper::NONE, panner: Panner::SILENT };
 }
 
 /// Where there are no places at all.

@@ -81,7 +81,7 @@ impl<
         let banks = pad.own_mut(&mut self.banks);
         let Some(impact) = pad.strike(event.velocity, event.striker, rate, banks) else { return };
         let place = pad.place(event.position, banks, |slot| self.flight.is_any_in(event.pad, slot));
-        if self.noisy || self.filtered {
+        if self.noisy || self.filtered.may_have(event.pad) {
             self.strike_stages(event.pad, impact.peak);
         }
         self.expects = true;
@@ -107,7 +107,7 @@ impl<
             hands += 1;
             let lies = pad.is_choked();
             (self.idle, self.was_idle) = (false, false);
-            if self.noisy || self.filtered {
+            if self.noisy || self.filtered.may_have(number) {
                 filter_cycles += self.filter_hand_cycles(number);
                 self.lay_hand_on_stages(number, lies);
             }
@@ -165,7 +165,7 @@ impl<
                 .filter(|direct| direct.pad == number && !(skip && direct.force.iter().all(|&x| x == 0)))
                 .map(|direct| direct.force);
             let has_force = direct.is_some() || (contacts && self.flight.count_on(number) > 0);
-            if self.filtered && self.filters.join_in(number, has_force, banks) {
+            if self.filtered.may_have(number) && self.filters.join_in(number, has_force, banks) {
                 let run = Run { frames: out.len(), odd_start, skip, direct };
                 let sources = Sources { has_force, flight: &mut self.flight, memory: &mut memory, banks };
                 let place = (number, (self.now % TICK_FRAMES as u64) as usize);
@@ -200,7 +200,7 @@ impl<
             return;
         }
         self.end_noise_tick();
-        self.report.filters = if self.filtered { self.filters.ringing() } else { 0 };
+        self.report.filters = if self.filtered.is_empty() { 0 } else { self.filters.ringing() };
         self.report.contacts = self.flight.count() as u32;
         self.report.ringing_pads = self.pads().iter().filter(|pad| is_ringing(pad.own(&self.banks))).count() as u32;
         self.idle = self.skipping == Skipping::On

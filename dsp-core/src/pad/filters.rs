@@ -83,6 +83,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
     ///
     /// # Errors
     /// [`DynamicFilterError`].
+    #[inline(never)] // only on load: its stack is not the caller's
     pub fn load_dynamic(
         &mut self,
         filter: &table::DynamicFilter<'_>,
@@ -119,6 +120,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
     ///
     /// # Errors
     /// [`BiquadError`].
+    #[inline(never)] // likewise
     pub fn load_biquads(
         &mut self,
         bank: &table::Biquads<'_>,

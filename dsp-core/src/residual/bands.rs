@@ -147,7 +147,10 @@ impl Common {
     /// Share of the amplitude that is left after a sample, without a hand and with one.
     pub(super) fn per_frame(&self) -> [f32; 2] {
         // A quarter has 256 samples; the amplitude is the root of the power.
-        self.quarters.map(|quarter| (0..9).fold(quarter, |share, _| exact_root(share)).min(1.0))
+        let root = |quarter: f32| (0..9).fold(quarter, |share, _| exact_root(share)).min(1.0);
+        let [free, choked] = self.quarters;
+        let per_frame = root(free);
+        [per_frame, if choked == free { per_frame } else { root(choked) }]
     }
 
     /// What of the amplitude is left at the frame's beginning where a hand lay there for so many ticks more than was reckoned with, or fewer.

@@ -2,7 +2,7 @@
 
 pub use boards::PADS;
 use boards::{Board, BoardEngine};
-use dsp_core::engine::{Apart, Direct, FilterRoom, LoadError, ResidualRoom, RoomStage, Skipping};
+use dsp_core::engine::{Apart, Direct, FilterPlace, LoadError, ResidualPlace, RoomStage, Skipping};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::table::Kit;
 
@@ -53,11 +53,11 @@ impl Instrument {
     pub unsafe fn place() -> &'static mut Self {
         // One after the other, each copied to its place from flash: they are larger than the stack.
         // SAFETY: the caller's word.
-        let residuals = unsafe { RESIDUALS.fill(Residuals::EMPTY) };
+        let residuals = unsafe { RESIDUALS.fill_each(|| ResidualPlace::FREE) };
         // SAFETY: likewise.
         let room = unsafe { ROOM.fill(Room::EMPTY) };
         // SAFETY: likewise.
-        let filters = unsafe { FILTERS.fill(Filters::EMPTY) };
+        let filters = unsafe { FILTERS.fill_each(|| FilterPlace::FREE) };
         let empty = Self {
             engine: PlacedEngine::with_stages(Apart::new(residuals), Apart::new(room), Apart::new(filters)),
             strikers: [0; PADS],

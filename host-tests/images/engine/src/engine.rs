@@ -21,7 +21,7 @@ type Instrument = Engine<'static, 16, 32, 1024, 256, 1024, STANDARD_CONTACTS>;
 #[cfg(feature = "stages")]
 type Instrument = Engine<'static, 4, 16, 128, 64, 128, STANDARD_CONTACTS, Stages>;
 #[cfg(feature = "stages")]
-type Stages = (Residuals<3>, Room<i16, 4_096>, Filters<2, 32, 16, 256, 16>);
+type Stages = (Residuals<3>, Room<i16, 4_096>, Filters<2, 32, 16, 256, 8>);
 
 /// What a board for 512 modes needs: eight pads that cannot be choked.
 type Instrument512 = Engine<'static, 8, 8, 512, 96, 0, 16>;
