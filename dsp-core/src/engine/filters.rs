@@ -27,7 +27,6 @@ pub trait FilterRoom {
     /// Whether the modes of a pad's object go through its filter.
     fn takes_modes(&self, pad: u8) -> bool;
 
-
     /// Whether a pad has filters.
     fn has(&self, pad: u8) -> bool;
 
@@ -137,13 +136,8 @@ impl FilterRoom for NoFilters {
 
 /// Room for the filters of so many pads: dynamic filters of at most `POINTS` breakpoints with at most `LOOPS` loops whose delays fit `FRAMES` frames, and biquads
 /// in at most `PAIRS` pairs each (a pair for each biquad suffices).
-pub type Filters<
-    const COUNT: usize,
-    const POINTS: usize,
-    const LOOPS: usize,
-    const FRAMES: usize,
-    const PAIRS: usize,
-> = [Place<POINTS, LOOPS, FRAMES, PAIRS>; COUNT];
+pub type Filters<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize> =
+    [Place<POINTS, LOOPS, FRAMES, PAIRS>; COUNT];
 
 /// Pads that have filters. Most have none, and are asked for them several times a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -257,6 +257,7 @@ impl<
         Ok(())
     }
 
+    #[inline(never)] // its stack is not that of the stages that follow
     fn load_pads(&mut self, kit: &Kit<'k>, rate: SampleRate) -> Result<(), LoadError> {
         let pads = kit.pads().len();
         // Events count pads in a byte.

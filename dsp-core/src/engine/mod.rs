@@ -35,10 +35,10 @@ use crate::SampleRate;
 use crate::contact::Flight;
 use crate::event::{Event, EventError};
 use crate::output;
-use filters::PadSet;
 use crate::pad::{Pad, is_ringing};
 use crate::resonator::{Bank, Group, Mode, Origin, TICK_FRAMES};
 use crate::table::Kit;
+use filters::PadSet;
 
 /// Contacts under way at once in every engine that is meant to give the same bits as the others: one more displaces the one nearest to
 /// its end. 64 are 1000 strikes a second on each of eight pads with contacts of 8 ms.
@@ -370,9 +370,8 @@ impl<
             direct = direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(length..)? }));
             out = later;
             self.now += length as u64;
-            while let Some((event, later)) = events
-                .split_first()
-                .filter(|(event, _)| event.is_of_hand() && event.time.first_frame() < self.now)
+            while let Some((event, later)) =
+                events.split_first().filter(|(event, _)| event.is_of_hand() && event.time.first_frame() < self.now)
             {
                 self.apply(event, direct);
                 events = later;

@@ -137,6 +137,7 @@ impl<
 > Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
 {
     /// Derives the residuals of all pads whose object has one, and the background, and begins it.
+    #[inline(never)] // its stack is not that of the stages that follow
     pub(super) fn load_noise(
         &mut self,
         kit: &Kit<'_>,

@@ -62,12 +62,14 @@ unsafe extern "C" {
 /// As [`portable::from_noise`].
 #[inline(always)]
 pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
-    if out.is_empty() || filter.whole || !fits::<0>(filter, out.len()) {
+    if out.is_empty() || filter.whole {
         return portable::from_noise::<EQUAL>(filter, out);
     }
     let kernel = match (EQUAL, filter.shift) {
+        // The usual case first, which always fits.
         (true, 0) => malleus_from_noise_equal_near,
         (false, 0) => malleus_from_noise_two_near,
+        _ if !fits::<0>(filter, out.len()) => return portable::from_noise::<EQUAL>(filter, out),
         (true, -2) => malleus_from_noise_equal_loud,
         (false, -2) => malleus_from_noise_two_loud,
         (true, ..=-3) => malleus_from_noise_equal_far,
@@ -168,7 +170,8 @@ pub fn from_sums(filter: &mut OnePole, kind: SumsKind, sums: &mut [i32], out: &m
 fn fits<const BITS_LEFT: i32>(filter: &OnePole, frames: usize) -> bool {
     filter.shift >= -2 || {
         let high = ((filter.state >> 32) as i32).unsigned_abs();
-        let most = u64::from(high) + frames as u64 * u64::from(filter.growth);
+        // The shift is below 32, so that what saturates does not fit.
+        let most = high.saturating_add(filter.growth.saturating_mul(frames as u32));
         most >> (31 - BITS_LEFT + filter.shift.max(-30)) == 0
     }
 }
