@@ -2,13 +2,13 @@
 //!
 //! | bytes | what | where |
 //! | --- | --- | --- |
-//! | 35 136 | the engine: pads, modes | beside the core |
+//! | 36 712 | the engine: pads, modes; a block | beside the core |
 //! | 2 272 | the inputs: triggers | beside the core |
-//! | 26 368 | the room: 8960 samples of delay (18 KB), and 8 KB of what it works with | beside the core |
-//! | 72 600 | three residuals, 24 200 each; the background counts as one | RAM |
-//! | 35 488 | filters of four pads | RAM |
+//! | 26 432 | the room: 8960 samples of delay (18 KB), and 8 KB of what it works with | beside the core |
+//! | 72 840 | three residuals, 24 280 each; the background counts as one | RAM |
+//! | 35 264 | filters of four pads | RAM |
 //! | 5 232 | DMA buffers, the log, tasks | RAM |
-//! | 17 752 | the stack: 13.2 KB are used, at the start; 4 KB are kept free (`cargo test -p virtual-board --test boards -- --nocapture load::images stages`) | RAM |
+//! | 17 720 | the stack: 10 KB are used, at the start; 4 KB are kept free (`cargo test -p virtual-board --test boards -- --nocapture load::images stages`) | RAM |
 
 use dsp_core::engine::{Filters, Residuals};
 use dsp_core::room::Room;
