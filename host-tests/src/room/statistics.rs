@@ -34,7 +34,7 @@ impl Answer {
         Self { sides: sides.map(|side| side[at..].to_vec()) }
     }
 
-    /// Of the law, [`reference::room`], by the noise of a seed.
+    /// Of the law, [`reference::room()`], by the noise of a seed.
     pub fn of_law(table: &Table, rate: SampleRate, pan: f64, frames: usize, seed: u64) -> Self {
         let bands: Vec<RoomBand> = table
             .bands

@@ -83,7 +83,7 @@ impl<'a> Bank<'a> {
     ///
     /// Each [`Self::reach`] reaches [`MODES_PER_TICK`] modes, in the order of the modes; those at or
     /// above Nyquist do not count. A choke or release before the last has been reached begins anew. What a mode has sounded at its
-    /// last two samples stays, and so do frequencies: [`OnePole::set_decay`].
+    /// last two samples stays, and so do frequencies: `OnePole::set_decay`.
     pub fn choke(&mut self, t60_s: f64) {
         self.set_least_decay(1000_f64.ln() / t60_s);
     }

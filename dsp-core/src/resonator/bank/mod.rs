@@ -55,7 +55,7 @@ pub struct BankTable<'a> {
     pub weight: f64,
     /// T60 in seconds of its choke, or 0.
     pub choke_t60_s: f64,
-    /// True if the force itself takes away the modes' static response (`acceleration = "balance"`), beside half of h[0].
+    /// True if the force itself takes away the modes' static response (`acceleration = "balance"`), beside half of `h[0]`.
     pub is_balanced: bool,
     /// A typical contact, (impulse in bus units of force times seconds, contact time in s): it decides the order of modes, not their sound.
     pub typical_contact: (f32, f32),
