@@ -7,7 +7,9 @@
 //! | 24 280 | a residual; the background counts as one |
 //! | 39 328 | filters of four pads |
 //! | 5 232 | DMA buffers, the log, tasks |
-//! | 22 400 | the stack: 10 KB are used, at the start; 4 KB are kept free (`cargo test -p virtual-board --test boards -- --nocapture load::images stages`) |
+//! | 22 400 | the stack, of which loading a kit uses 10 KB and a test keeps 4 KB free |
+//!
+//! `cargo test -p virtual-board --test boards -- --nocapture load::images stages` prints the sums.
 
 use dsp_core::engine::{Filters, NoRoom, Residuals};
 

@@ -4,11 +4,13 @@
 //! | --- | --- | --- |
 //! | 36 712 | the engine: pads, modes; a block | beside the core |
 //! | 2 272 | the inputs: triggers | beside the core |
-//! | 26 432 | the room: 8960 samples of delay (18 KB), and 8 KB of what it works with | beside the core |
+//! | 26 432 | the room: 18 KB of delay, 8960 samples, and 8 KB of state | beside the core |
 //! | 72 840 | three residuals, 24 280 each; the background counts as one | RAM |
 //! | 35 264 | filters of four pads | RAM |
 //! | 5 232 | DMA buffers, the log, tasks | RAM |
-//! | 17 720 | the stack: 10 KB are used, at the start; 4 KB are kept free (`cargo test -p virtual-board --test boards -- --nocapture load::images stages`) | RAM |
+//! | 17 720 | the stack, of which loading a kit uses 10 KB and a test keeps 4 KB free | RAM |
+//!
+//! `cargo test -p virtual-board --test boards -- --nocapture load::images stages` prints the sums.
 
 use dsp_core::engine::{Filters, Residuals};
 use dsp_core::room::Room;

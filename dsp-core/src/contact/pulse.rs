@@ -136,9 +136,10 @@ impl Asymmetry {
     }
 }
 
-/// `part / whole` in Q31, for a part of at most the whole: within 2^-29.
+/// `part / whole` in Q31, for a part of at most the whole and a whole below 2^63: within 2^-28.
 ///
-/// Two divisions in single precision, the second of what the first leaves: one of 64-bit integers would link 864 bytes.
+/// Two divisions in single precision; the second divides the remainder of the first. A division of
+/// 64-bit integers takes 864 bytes of flash.
 fn q31_ratio(part: u64, whole: u64) -> u32 {
     let shift = whole.leading_zeros().saturating_sub(1);
     // Of 31 bits, the whole of at least 2^30.
@@ -271,6 +272,23 @@ fn gaussian_100_db(minus_z: i32) -> i32 {
 mod tests {
     use super::*;
     use core::f64::consts::PI;
+
+    #[test]
+    fn a_ratio_is_that_of_its_numbers_within_2_to_the_minus_28() {
+        let (mut random, mut worst) = (1u64, 0.0f64);
+        let mut next = || {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            random
+        };
+        for _ in 0..100_000 {
+            let whole = ((next() >> 1) >> (next() % 62)).max(1);
+            let part = ((whole >> (next() % 20)) as f64 * (next() >> 11) as f64 / (1u64 << 53) as f64) as u64;
+            let ratio = f64::from(q31_ratio(part.min(whole), whole)) / (1u64 << 31) as f64;
+            worst = worst.max((ratio - part.min(whole) as f64 / whole as f64).abs());
+        }
+        assert_eq!((q31_ratio(0, 7), q31_ratio(WHOLE, WHOLE)), (0, 1 << 31));
+        assert!(worst < 1.0 / (1u64 << 28) as f64, "{worst:e}");
+    }
 
     /// A and N of the law, in `f64`.
     fn law(restitution: f64) -> (f64, f64) {

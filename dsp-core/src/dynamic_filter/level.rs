@@ -86,11 +86,13 @@ impl<const N: usize> Levels<N> {
         }
     }
 
-    /// From a frame after the strike on, at most so many of them: for how many frames the sound falls by itself as evenly as is heard, and by how many nepers
-    /// a frame; infinite where nothing is left.
+    /// How fast the sound falls by itself at a frame after the strike: the number of frames, at most
+    /// `most`, for which one rate is precise enough, and that rate in nepers a frame. It is infinite
+    /// where nothing is left.
     ///
-    /// From n to n + 1 it falls by the quotient of the levels there, or as the slowest pole does, by whichever is slower; by nothing where the level rises. A level
-    /// of 0 that stays 0 has the quotient 0.
+    /// From n to n + 1 the amplitude is multiplied by the larger of two factors, at most 1: the
+    /// level at n + 1 over the level at n (0 where both are 0), and the radius of the slowest pole.
+    /// Kits under hands are 98 dB from the law with it (`cargo test -p malleus --test whole_sound`).
     pub fn falls(&self, frame: u32, most: u32) -> (u32, f32) {
         let pieces = self.pieces.get(..self.count).unwrap_or(&[]);
         let at = pieces.iter().rposition(|piece| piece.start <= frame).unwrap_or(0);
@@ -115,7 +117,7 @@ impl<const N: usize> Levels<N> {
         if at_pole {
             return (frames, piece.falls_of_pole(frame, frames));
         }
-        // As far as the level loses a 64th of itself: what is even over that errs by 3e-5. `as` saturates.
+        // Until the level has lost a 64th: a constant rate is then within (1/64)²/8 of the line. `as` saturates.
         let frames = frames.min((before / (64.0 * lost)) as u32).max(1);
         (frames, falls_of(before, piece.level(frame + frames), frames).min(piece.falls_of_pole(frame, frames)))
     }

@@ -202,8 +202,9 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
     pub fn render(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
         // What a tick mostly is.
         if let Some(tick) = out.as_mut_array()
-            && self.takes_whole_tick()
+            && (self.whole_ticks > 0 || self.renew())
         {
+            self.whole_ticks -= 1;
             if self.plain {
                 self.filter.run_tick(tick);
             } else {
@@ -212,14 +213,6 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
             return;
         }
         self.render_any(modes, out);
-    }
-
-    /// One of the whole ticks that are known to come, if there is one.
-    #[inline(always)]
-    fn takes_whole_tick(&mut self) -> bool {
-        let left = self.whole_ticks.checked_sub(1);
-        let left = left.or_else(|| if self.renew() { self.whole_ticks.checked_sub(1) } else { None });
-        left.map(|left| self.whole_ticks = left).is_some()
     }
 
     #[inline(never)]

@@ -327,8 +327,8 @@ impl<
 /// A 32nd of the budget is kept free.
 const MARGIN: u32 = 32;
 
-/// Modes of a hand at one tick that shed nothing, on a small budget too: those of an object's bank and of
-/// one striker's. A board's tick is twice its budget and more.
+/// Largest number of modes a tick whose choke is paid from beyond the budget: those of one object's
+/// bank and one striker's. A board's tick is at least twice as long as its budget.
 const HANDS: u32 = 32;
 
 fn cycles_of(part: Part) -> u32 {

@@ -44,7 +44,7 @@ pub enum Part {
     MovedMode,
     /// A frame of a register group under a force in the second slot of its pad, beside its kernel's cycles.
     SecondFrame,
-    /// A frame of a pad under a force that adds a share of it to the sound on its way straight to the stereo bus.
+    /// A frame of a driven pad that goes straight to the stereo bus and adds a share of the force.
     OnsetFrame,
     /// A survey of all groups, to leave some out.
     Survey,

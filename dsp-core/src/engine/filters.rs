@@ -139,34 +139,6 @@ impl FilterRoom for NoFilters {
 pub type Filters<const COUNT: usize, const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize> =
     [Place<POINTS, LOOPS, FRAMES, PAIRS>; COUNT];
 
-/// Pads that have filters. Most have none, and are asked for them several times a tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct PadSet(u64);
-
-impl PadSet {
-    pub(super) const NONE: Self = Self(0);
-
-    /// Pads from 63 on are one.
-    #[inline(always)]
-    fn bit(pad: u8) -> u64 {
-        1 << pad.min(63)
-    }
-
-    pub(super) fn insert(&mut self, pad: u8) {
-        self.0 |= Self::bit(pad);
-    }
-
-    #[inline(always)]
-    pub(super) fn may_have(self, pad: u8) -> bool {
-        self.0 & Self::bit(pad) != 0
-    }
-
-    #[inline(always)]
-    pub(super) fn is_empty(self) -> bool {
-        self.0 == 0
-    }
-}
-
 /// Room for the filters of one pad.
 #[derive(Clone, Debug)]
 pub struct Place<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize> {

@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-use super::filters::PadSet;
 use super::fitting::{All, Fitting, Stage, Within};
+use super::pad_set::PadSet;
 use super::{Engine, FilterRoom, Skipping, Surroundings, TickReport};
 use crate::SampleRate;
 use crate::biquad::BiquadError;

@@ -18,6 +18,7 @@ mod filters;
 mod fitting;
 mod load;
 mod noise;
+mod pad_set;
 mod report;
 mod surroundings;
 mod tick;
@@ -38,7 +39,7 @@ use crate::output;
 use crate::pad::{Pad, is_ringing};
 use crate::resonator::{Bank, Group, Mode, Origin, TICK_FRAMES};
 use crate::table::Kit;
-use filters::PadSet;
+use pad_set::PadSet;
 
 /// Contacts under way at once in every engine that is meant to give the same bits as the others: one more displaces the one nearest to
 /// its end. 64 are 1000 strikes a second on each of eight pads with contacts of 8 ms.

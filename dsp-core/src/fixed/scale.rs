@@ -4,8 +4,8 @@ use super::smmulr;
 
 /// A real gain as a Q32 mantissa and a number of doublings: a high word and a shift, 2 cycles on a Cortex-M4 and a clip.
 ///
-/// A value comes out within half of `2^doublings`: at most two steps of the value, times the gain, or half a step of the
-/// result where the gain is below 1/2.
+/// A result is exact to one step for gains below 1/2, and to two steps of the value times the gain
+/// for larger ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scale {
     mantissa: i32,

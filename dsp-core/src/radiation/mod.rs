@@ -23,7 +23,7 @@ use crate::table::layout::{GainRecord, ModeRecord};
 
 /// Acceleration sound: `y += α F`.
 ///
-/// Exact to half a bus step for gains below 1/2 ([`Scale`]); costs nothing without α or without force.
+/// Exact to one bus step for gains below 1/2 ([`Scale`]); costs nothing without α or without force.
 #[derive(Clone, Copy, Debug)]
 pub struct Acceleration {
     gain: Scale,
