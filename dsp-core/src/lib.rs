@@ -10,15 +10,16 @@ pub mod dynamic_filter;
 pub mod engine;
 pub mod event;
 pub mod fixed;
+pub mod memory;
 pub mod noise;
 pub mod output;
-pub mod pad;
 pub mod radiation;
 pub mod residual;
 pub mod resonator;
 pub mod room;
 pub mod table;
 pub mod trigger;
+pub mod voice;
 pub mod waveguide;
 
 mod exponential;

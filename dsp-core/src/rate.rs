@@ -10,6 +10,7 @@ use core::num::NonZeroU32;
 /// assert!((board.hz() - 47_991.071_43).abs() < 1e-4);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SampleRate {
     numerator: u32,
     denominator: NonZeroU32,

@@ -5,9 +5,10 @@ use super::fractions::parts;
 use super::kernel::{self, ALLOWANCE, Run};
 use super::pair::{self, Gain, Level, Pair, Wiring, X_BITS};
 use super::pole::Pole;
+use crate::memory::{Lender, OutOfMemory, Region};
 use crate::resonator::TICK_FRAMES;
 
-/// L parallel chains of M biquads, in at most `PAIRS` pairs of sections.
+/// L parallel chains of M biquads, in pairs of sections.
 ///
 /// Input and output are Q4.27 blocks. Ticks of 32 frames are counted from the first frame: what a block's caller does with sizes changes no bit.
 /// Sections whose output would stay below a step of the bus, with no input left, are cleared and not run; a bank at rest costs a comparison a block.
@@ -15,9 +16,9 @@ use crate::resonator::TICK_FRAMES;
 /// A pair for every section suffices, half of that and four usually (`Bank::size`): sections of alike arithmetic go in twos.
 ///
 /// Worst SNR against `f64`, and cycles: `docs/biquads.md`.
-#[derive(Clone, Debug)]
-pub struct Bank<const PAIRS: usize> {
-    pairs: [Pair; PAIRS],
+#[derive(Debug)]
+pub struct Bank<'m> {
+    pairs: &'m mut [Pair],
     count: usize,
     sections: usize,
     depth: usize,
@@ -62,38 +63,39 @@ const PATIENCE_TICKS: u8 = 16;
 /// Ticks without input after which it is asked what still rings.
 const REST_TICKS: u8 = 8;
 
-impl<const PAIRS: usize> Bank<PAIRS> {
+impl<'m> Bank<'m> {
     /// A bank of no chains.
-    pub const EMPTY: Self = Self {
-        pairs: [Pair::EMPTY; PAIRS],
-        count: 0,
-        sections: 0,
-        depth: 1,
-        direct: Gain::ZERO,
-        direct_size: 0.0,
-        direct_q32: 0,
-        frame: 0,
-        input_bits: None,
-        used: 0,
-        recent: 0,
-        recent_ticks: 0,
-        room: 0,
-        asks: false,
-        ringing: false,
-        choked: false,
-    };
-
-    /// Derives a bank at rest from chains of `depth` sections, one behind the other.
-    ///
-    /// # Errors
-    /// [`BiquadError`].
-    pub fn new(biquads: &[Biquad], depth: usize) -> Result<Self, BiquadError> {
-        let mut bank = Self::EMPTY;
-        bank.load(biquads, depth)?;
-        Ok(bank)
+    pub const fn empty() -> Self {
+        Self {
+            pairs: &mut [],
+            count: 0,
+            sections: 0,
+            depth: 1,
+            direct: Gain::ZERO,
+            direct_size: 0.0,
+            direct_q32: 0,
+            frame: 0,
+            input_bits: None,
+            used: 0,
+            recent: 0,
+            recent_ticks: 0,
+            room: 0,
+            asks: false,
+            ringing: false,
+            choked: false,
+        }
     }
 
-    /// As [`new`](Self::new), in place. What rang is cleared; after an error the bank is empty.
+    /// Takes memory for the pairs of so many sections: a pair for each suffices.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn take(lender: &mut impl Lender<'m>, sections: usize) -> Result<Self, OutOfMemory> {
+        Ok(Self { pairs: lender.take(Region::Bulk, sections, || Pair::EMPTY)?, ..Self::empty() })
+    }
+
+    /// Derives a bank at rest from chains of `depth` sections, one behind the other. What rang is cleared; after an error the
+    /// bank is empty.
     ///
     /// # Errors
     /// [`BiquadError`].
@@ -172,11 +174,11 @@ impl<const PAIRS: usize> Bank<PAIRS> {
             let all = parts::<Pole>(chain);
             for cluster in all.get(..depth).unwrap_or(&[]).chunk_by(|_, next| next.handed != 0.0) {
                 let (head, tail) = Pair::of(cluster, kept, start)?;
-                let full = BiquadError::Full { sections, room: PAIRS };
+                let full = BiquadError::Full { sections, room: self.pairs.len() };
                 self.place(head, tail, &mut plain, &mut mirrored).ok_or(full)?;
             }
         }
-        let gap = PAIRS - plain - mirrored;
+        let gap = self.pairs.len() - plain - mirrored;
         if let Some(behind) = self.pairs.get_mut(plain..) {
             behind.rotate_left(gap);
         }
@@ -187,17 +189,18 @@ impl<const PAIRS: usize> Bank<PAIRS> {
 
     /// `None` where there is no room.
     fn place(&mut self, head: Pair, tail: Option<Pair>, plain: &mut usize, mirrored: &mut usize) -> Option<()> {
-        let used = |index: usize| index < *plain || index >= PAIRS - *mirrored;
+        let room = self.pairs.len();
+        let used = |index: usize| index < *plain || index >= room - *mirrored;
         let mut open = self.pairs.iter_mut().enumerate().filter(|(index, _)| used(*index));
         if let Some((_, pair)) = open.find(|(_, pair)| pair.takes(&head)) {
             pair.join(&head);
             return Some(());
         }
         let needed = 1 + usize::from(tail.is_some());
-        if *plain + *mirrored + needed > PAIRS {
+        if *plain + *mirrored + needed > room {
             return None;
         }
-        let at = if head.is_mirrored() { PAIRS - *mirrored - needed } else { *plain };
+        let at = if head.is_mirrored() { room - *mirrored - needed } else { *plain };
         *if head.is_mirrored() { mirrored } else { plain } += needed;
         for (slot, pair) in self.pairs.iter_mut().skip(at).zip([Some(head), tail].into_iter().flatten()) {
             *slot = pair;

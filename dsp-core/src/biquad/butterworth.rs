@@ -18,6 +18,7 @@ pub struct Exciter {
 
 /// Band edges that are none: `0 < low`, `1.05 low < high` and `high < fs/2` do not all hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BandError {
     /// Lower edge in Hz.
     pub low_hz: f64,

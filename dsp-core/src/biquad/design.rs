@@ -34,6 +34,7 @@ pub struct Biquad {
 
 /// Why biquads are refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BiquadError {
     /// A number that is not finite.
     NotFinite {
@@ -154,11 +155,5 @@ impl Biquad {
             return Err(BiquadError::UnstablePole { biquad: index, radius });
         }
         Ok(())
-    }
-
-    /// The numerator that is left of it beside b0: `n1 z⁻¹ + n2 z⁻²`.
-    pub fn proper(&self) -> (f64, f64) {
-        let [b0, b1, b2] = self.numerator;
-        (b1 + 2.0 * b0 * self.pole.real, b2 - b0 * self.pole.square())
     }
 }

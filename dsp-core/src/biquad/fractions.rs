@@ -1,25 +1,31 @@
 //! A chain of sections as sections side by side: the partial fractions of eq. 3's product.
 //!
-//! Bounds of states multiply along a chain, and each costs bits; side by side each section has its own. Where poles (nearly) coincide, parts of
-//! opposite sign would cancel: those stay behind one another, as a *cluster*, in Newton's form instead of Lagrange's,
+//! Bounds of states multiply along a chain, and each costs bits; side by side each section has its
+//! own. Where poles (nearly) coincide, parts of opposite sign would cancel: those stay behind one
+//! another, as a *cluster*, in Newton's form instead of Lagrange's,
 //!
 //! ```text
-//! H = b0 + Σ_clusters  A_1 / (D_1 D_2 ... D_n) + A_2 / (D_2 ... D_n) + ... + A_n / D_n        A_k linear in z
+//! H = b0 + Σ_clusters  A_1 / (D_1 D_2 ... D_n) + A_2 / (D_2 ... D_n) + ... + A_n / D_n
+//!     A_k linear in z
 //! ```
 //!
-//! which is a chain whose every section has the input with two gains of its own, and of which the last sounds. Nothing in it grows when D_1 = D_2.
+//! which is a chain whose every section has the input with two gains of its own, and of which the
+//! last sounds. Nothing in it grows when D_1 = D_2.
 //!
 //! # Arithmetic
 //!
-//! Polynomials are in `ζ = z - 1` (`-z - 1` for mirrored sections), in which a slow pole pair is `ζ² + (δ + e²) ζ + e²`: no digit is lost however near it is
-//! to 1. What is known of the numerator is its residue modulo D_1 ... D_n in Newton's coordinates, `A_1 + D_1 A_2 + D_1 D_2 A_3 + ...`; multiplying that by a
-//! section's numerator, and dividing it by the denominator of a section outside the cluster, needs no difference of near poles as a divisor.
+//! Polynomials are in `ζ = z - 1` (`-z - 1` for mirrored sections), in which a slow pole pair is
+//! `ζ² + (δ + e²) ζ + e²`: no digit is lost however near it is to 1. What is known of the numerator
+//! is its residue modulo D_1 ... D_n in Newton's coordinates, `A_1 + D_1 A_2 + D_1 D_2 A_3 + ...`;
+//! multiplying that by a section's numerator, and dividing it by the denominator of a section
+//! outside the cluster, needs no difference of near poles as a divisor.
 
 use super::design::{Biquad, Root};
 
-/// A pole as some arithmetic realises it: `D = z² - (2 - δ - e²) z + 1 - δ`, and what goes into u reaches v times `entry`.
-pub(super) trait Realised: Copy {
-    /// What a cluster's sections must have in common.
+/// A pole as some arithmetic realises it: `D = z² - (2 - δ - e²) z + 1 - δ`, and an input into u
+/// reaches v times `entry`.
+pub trait Realised: Copy {
+    /// Arithmetic that all sections of a cluster must share.
     type Form: Ord;
 
     /// A section that does nothing.
@@ -30,41 +36,44 @@ pub(super) trait Realised: Copy {
 
     /// The first form in which a pole is exact.
     fn form_of(root: Root, mirrored: bool) -> Self::Form;
-    /// The nearest that a form has.
+    /// The nearest pole that a form can hold.
     fn new(root: Root, mirrored: bool, form: &Self::Form) -> Self;
-    /// Whether it stands for -p.
+    /// True if it stands for -p, on input and output of alternating sign.
     fn is_mirrored(self) -> bool;
     /// δ, after rounding.
     fn delta(self) -> f64;
     /// e², after rounding.
     fn step_squared(self) -> f64;
-    /// What of u goes into v.
+    /// Share of u that goes into v in each sample.
     fn entry(self) -> f64;
-    /// The possible multiplier from another section's v into this one's, by way of u, that is nearest to a wanted one; not 0.
+    /// The possible multiplier from another section's v into this one's, by way of u, that is
+    /// nearest to a wanted one; not 0.
     fn handed(self, wanted: f64) -> f64;
 }
 
 /// One section of a chain's partial fractions.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Part<P> {
+pub struct Part<P> {
     /// Its poles.
-    pub(super) pole: P,
-    /// What of the input goes into u and into v.
-    pub(super) gains: [f64; 2],
-    /// What of the v of the part before goes into this one's, by way of u; 0 where a cluster begins.
-    pub(super) handed: f64,
+    pub pole: P,
+    /// Gains of the input into u and into v.
+    pub gains: [f64; 2],
+    /// Share of the v of the part before that goes into this part's v, by way of u; 0 where a
+    /// cluster begins.
+    pub handed: f64,
 }
 
 impl<P: Realised> Part<P> {
     /// Silence.
-    pub(super) const EMPTY: Self = Self { pole: P::EMPTY, gains: [0.0; 2], handed: 0.0 };
+    pub const EMPTY: Self = Self { pole: P::EMPTY, gains: [0.0; 2], handed: 0.0 };
 }
 
 /// `a0 + a1 ζ`.
 type Line = [f64; 2];
 
-/// The parts of a chain of at most four sections, cluster by cluster; as many as it has sections are in use.
-pub(super) fn parts<P: Realised>(chain: &[Biquad]) -> [Part<P>; 4] {
+/// The parts of a chain of at most four sections, cluster by cluster; as many as it has sections
+/// are in use.
+pub fn parts<P: Realised>(chain: &[Biquad]) -> [Part<P>; 4] {
     let clusters = clusters(chain);
     let mut parts = [Part::EMPTY; 4];
     let mut slots = parts.iter_mut();
@@ -124,23 +133,26 @@ fn clusters(chain: &[Biquad]) -> [u8; 4] {
     labels
 }
 
-/// Whether two poles are so near that their parts would cancel: parts are `width / distance` times too large for each near neighbour. Further
-/// apart, sections in a row would lose more than that: one rings to another's rounding.
+/// True if two poles are so near that their parts would cancel: parts are `width / distance` times
+/// too large for each near neighbour. Further apart, sections in a row would lose more than that:
+/// one rings to another's rounding.
 fn are_near(one: Root, other: Root) -> bool {
     let width = |pole: Root| 1.0 - libm::sqrt(pole.square());
     let distance = libm::hypot(one.real - other.real, one.imaginary.abs() - other.imaginary.abs());
     width(one).min(width(other)) > 0.6 * distance
 }
 
-/// Whether a cluster runs mirrored, and in which form: one that serves all its sections. `None` where there is no such cluster.
+/// Side (true: mirrored) and form of a cluster, a form that serves all its sections; `None` if
+/// there is no such cluster.
 fn in_common<P: Realised>(chain: &[Biquad], clusters: &[u8; 4], label: u8) -> Option<(bool, P::Form)> {
     let members = || chain.iter().zip(clusters).filter(|(_, its)| **its == label).map(|(biquad, _)| biquad.pole);
     let mirrored = members().map(|pole| pole.real - P::MIRROR_BELOW).sum::<f64>() < 0.0;
     members().map(|pole| P::form_of(pole, mirrored)).max().map(|form| (mirrored, form))
 }
 
-/// The multiplier between two parts of a cluster: one with which the second sounds as loud as the first where it is loudest, at its
-/// angle or at 0; four times louder where they are so narrow that strikes are over long before a chain has built up its level.
+/// The multiplier between two parts of a cluster: one with which the second sounds as loud as the
+/// first where it is loudest, at its angle or at 0; four times louder where they are so narrow that
+/// strikes are over long before a chain has built up its level.
 fn coupling<P: Realised>(pole: P, root: Root) -> f64 {
     let radius = libm::sqrt(root.square());
     let width = 1.0 - radius;
@@ -186,7 +198,8 @@ impl Newton {
         }
     }
 
-    /// By `ζ² + c1 ζ + c0`, which has no root in common with any D_k: what [`multiply`](Self::multiply) does, undone.
+    /// Divides by `ζ² + c1 ζ + c0`, which has no root in common with any D_k: the inverse of
+    /// [`multiply`](Self::multiply).
     fn divide(&mut self, [n0, n1]: Line) {
         let (mut before, mut carry) = ([0.0; 2], 0.0);
         for (line, denominator) in self.lines.iter_mut().zip(self.denominators) {
@@ -238,7 +251,8 @@ mod tests {
         [c0 + c1 * zeta[0] + c2 * square[0], c1 * zeta[1] + c2 * square[1]]
     }
 
-    /// What the parts of a chain sound like at an angle, and the product that they stand for, with the poles as they are realised.
+    /// Answer of the parts of a chain at an angle, and of the product that they stand for, with the
+    /// poles as they are realised.
     fn both(chain: &[Biquad], angle: f64) -> (Complex, Complex) {
         let parts = parts::<Pole>(chain);
         let parts = &parts[..chain.len()];

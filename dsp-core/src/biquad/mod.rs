@@ -22,7 +22,7 @@
 //! # Chains
 //!
 //! The product of a chain is run as the sum of its partial fractions, a section each and as many as before; sections whose poles (nearly) coincide stay
-//! behind one another, each with its own share of the input (the private module `fractions` says why and how).
+//! behind one another, each with its own share of the input ([`fractions`] says why and how).
 //!
 //! # Scaling
 //!
@@ -34,16 +34,12 @@
 //!
 //! Under a hand a chain's states are multiplied by κ after each frame, so that it falls no slower than the hand wants: the private module `choke`.
 //!
-//! # Single precision
-//!
-//! [`float`] is the same bank in `f32`, for those who mix in floats: the same run time, half as many decibels.
-//!
 //! Worst SNR against `f64`, and cycles: `docs/biquads.md`.
 
 pub mod bank;
 pub mod butterworth;
 pub mod design;
-pub mod float;
+pub mod fractions;
 pub mod kernel;
 pub mod modes;
 pub mod pair;
@@ -52,7 +48,6 @@ pub mod rate;
 
 mod choke;
 mod extent;
-mod fractions;
 
 pub use bank::{Bank, TickKind};
 pub use design::{Biquad, BiquadError, Root};

@@ -3,7 +3,7 @@
 use super::design::Root;
 use super::fractions::Realised;
 
-/// How a section steps. k is the shift of u.
+/// Arithmetic of a section's step; k is the shift of u.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Form {
@@ -30,13 +30,14 @@ impl Form {
 
 /// The two multipliers of a pair of conjugate poles: `|p|² = 1 - δ`, `|1 - p|² = e²`.
 ///
-/// They are numbers of their own, not roundings of something better: the partial fractions of a chain are derived from them, so that what
-/// rounding moves is a pole, and never the balance between parts that cancel.
+/// They are numbers of their own, not roundings of something better: the partial fractions of a
+/// chain are derived from them, so that what rounding moves is a pole, and never the balance
+/// between parts that cancel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pole {
     /// The arithmetic.
     pub form: Form,
-    /// Whether it stands for -p, on input and output of alternating sign.
+    /// True if it stands for -p, on input and output of alternating sign.
     pub mirrored: bool,
     /// e or e²/2^k, Q32.
     pub turn: i32,
@@ -121,8 +122,9 @@ impl Realised for Pole {
 
 const TWO_POW_32: f64 = 4_294_967_296.0;
 
-/// δ and e² of a pole; `|1 - p|²` without cancellation, `1 - |p|²` from the radius, exact where it is near 1.
-pub(super) fn steps(root: Root, mirrored: bool) -> (f64, f64) {
+/// δ and e² of a pole, or of -p if mirrored: `|1 - p|²` without cancellation, `1 - |p|²` from the
+/// radius, exact where it is near 1.
+pub fn steps(root: Root, mirrored: bool) -> (f64, f64) {
     let real = if mirrored { -root.real } else { root.real };
     let radius = libm::sqrt(root.square());
     ((1.0 - radius) * (1.0 + radius), (1.0 - real) * (1.0 - real) + root.imaginary * root.imaginary)

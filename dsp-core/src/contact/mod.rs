@@ -2,21 +2,21 @@
 //!
 //! ```text
 //! velocity --> striker's law --> peak m, contact time τ --> pulse --+
-//!                                          (several in flight)      +--> force, Q4.27
+//!                                          (several in active)      +--> force, Q4.27
 //! direct signal ----------------------------------------------------+
 //! ```
 //!
-//! [`law`] turns a velocity into peak and contact time, [`pulse`] is the shape over the contact, [`flight`] keeps the contacts that are
+//! [`law`] turns a velocity into peak and contact time, [`pulse`] is the shape over the contact, [`active`] keeps the contacts that are
 //! under way, for all pads of an engine.
 //!
 //! A Hertz pulse is asymmetric by the striker's restitution, so that its spectrum has no zeros for a
 //! harder strike to sweep through a mode. Each sample of its force is the mean over the interval that
 //! ends there, so that the impulse is exact at any onset; highest frequencies droop by sinc(f/fs).
 
-pub mod flight;
+pub mod active;
 pub mod law;
 pub mod pulse;
 
-pub use flight::{Contact, Flight};
+pub use active::{ActiveContacts, Contact};
 pub use law::StrikerLaw;
 pub use pulse::Pulse;

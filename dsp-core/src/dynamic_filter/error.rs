@@ -9,6 +9,7 @@ use crate::waveguide::LoopError;
 
 /// Why breakpoints are refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PathError {
     /// None, or more than fit.
     Count {
@@ -89,6 +90,7 @@ impl core::error::Error for PathError {}
 
 /// Why a dynamic filter is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DynamicFilterError {
     /// Its path.
     Path(PathError),

@@ -10,9 +10,9 @@ use crate::fixed::{qadd, saturating_shift_left, smmulr, times_q31};
 use crate::resonator::TICK_FRAMES;
 
 /// Noise and filter of one object; its input is Q(27 - q).
-#[derive(Clone, Debug)]
-pub(super) struct Filter<const N: usize> {
-    pub(super) path: Path<N>,
+#[derive(Debug)]
+pub(super) struct Filter<'m> {
+    pub(super) path: Path<'m>,
     walk: Walk,
     one_pole: OnePole,
     two_poles: TwoPoles,
@@ -22,15 +22,17 @@ pub(super) struct Filter<const N: usize> {
     level: Line,
 }
 
-impl<const N: usize> Filter<N> {
-    pub(super) const EMPTY: Self = Self {
-        path: Path::EMPTY,
-        walk: Walk::NOWHERE,
-        one_pole: OnePole::REST,
-        two_poles: TwoPoles::REST,
-        sums: SumsKind::new(&OnePole::REST, true, false),
-        level: Line { value: 0, step: 0 },
-    };
+impl Filter<'_> {
+    pub(super) const fn empty() -> Self {
+        Self {
+            path: Path::empty(),
+            walk: Walk::NOWHERE,
+            one_pole: OnePole::REST,
+            two_poles: TwoPoles::REST,
+            sums: SumsKind::new(&OnePole::REST, true, false),
+            level: Line { value: 0, step: 0 },
+        }
+    }
 
     /// At rest behind the end of the loaded path.
     pub(super) fn start(&mut self, noise: White) {

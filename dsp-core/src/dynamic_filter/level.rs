@@ -5,6 +5,7 @@
 
 use super::settings::Breakpoint;
 use crate::SampleRate;
+use crate::memory::{Lender, OutOfMemory, Region};
 
 /// From one breakpoint to the next, in frames after the strike.
 #[derive(Clone, Copy, Debug)]
@@ -42,20 +43,30 @@ impl Piece {
     }
 }
 
-/// The levels along a path of at most `N` breakpoints.
-#[derive(Clone, Debug)]
-pub struct Levels<const N: usize> {
-    pieces: [Piece; N],
+/// The levels along a path.
+#[derive(Debug)]
+pub struct Levels<'m> {
+    pieces: &'m mut [Piece],
     count: usize,
     /// Whether loops ring on by themselves.
     looped: bool,
 }
 
-impl<const N: usize> Levels<N> {
-    /// Of no path.
-    pub const NONE: Self = Self { pieces: [Piece::NOTHING; N], count: 0, looped: false };
+impl<'m> Levels<'m> {
+    /// The levels of no path.
+    pub const fn none() -> Self {
+        Self { pieces: &mut [], count: 0, looped: false }
+    }
 
-    /// Of a path whose coefficients are for a rate that is `1/ratio` times this one. Breakpoints beyond `N` are left out: loading the path refuses them.
+    /// Takes memory for `count` breakpoints.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn take(lender: &mut impl Lender<'m>, count: usize) -> Result<Self, OutOfMemory> {
+        Ok(Self { pieces: lender.take(Region::Bulk, count, || Piece::NOTHING)?, ..Self::none() })
+    }
+
+    /// Derives the levels of a path whose coefficients are for a rate that is `1/ratio` times this one.
     #[inline(never)] // only on load: its stack is not the caller's
     pub fn load(
         &mut self,
@@ -67,7 +78,7 @@ impl<const N: usize> Levels<N> {
         (self.count, self.looped) = (0, looped);
         let path = path.map(|point| point.carried(order, ratio));
         let mut following = path.clone().skip(1);
-        for (here, piece) in path.zip(&mut self.pieces) {
+        for (here, piece) in path.zip(&mut *self.pieces) {
             let next = following.next();
             let (from, to) = (here.time_s * rate.hz(), next.map_or(f64::INFINITY, |next| next.time_s * rate.hz()));
             let start = libm::ceil(from);
@@ -92,7 +103,7 @@ impl<const N: usize> Levels<N> {
     ///
     /// From n to n + 1 the amplitude is multiplied by the larger of two factors, at most 1: the
     /// level at n + 1 over the level at n (0 where both are 0), and the radius of the slowest pole.
-    /// Kits under hands are 98 dB from the law with it (`cargo test -p malleus --test whole_sound`).
+    /// Kits under hands are 98 dB from the law with it (`cargo test -p malleus --test kits whole_sound`).
     pub fn falls(&self, frame: u32, most: u32) -> (u32, f32) {
         let pieces = self.pieces.get(..self.count).unwrap_or(&[]);
         let at = pieces.iter().rposition(|piece| piece.start <= frame).unwrap_or(0);

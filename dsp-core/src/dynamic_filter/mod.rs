@@ -36,6 +36,6 @@ mod stability;
 mod whole_ticks;
 
 pub use error::{DynamicFilterError, PathError};
-pub use object::DynamicFilter;
+pub use object::{DynamicFilter, FilterSize};
 pub use path::Path;
 pub use settings::{Breakpoint, Exciter, Settings};

@@ -4,26 +4,38 @@ use super::error::DynamicFilterError;
 use super::exciter::BandPass;
 use super::filter::Filter;
 use super::noise::White;
-use super::path::Input;
+use super::path::{Input, Path};
 use super::settings::{Breakpoint, Exciter, Loop, Settings};
 use super::stability;
 use crate::SampleRate;
+use crate::memory::{Lender, OutOfMemory};
 use crate::resonator::TICK_FRAMES;
 use crate::waveguide::Loops;
 
-/// The dynamic filter of one object: at most `POINTS` breakpoints, `LOOPS` loops, and `FRAMES` frames of delay round the filter.
+/// Size of a [`DynamicFilter`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FilterSize {
+    /// Number of breakpoints of its path.
+    pub breakpoints: usize,
+    /// Number of loops round the filter.
+    pub loops: usize,
+    /// Frames of the loops' delay line.
+    pub line_frames: usize,
+}
+
+/// The dynamic filter of one object, with the loops round it.
 ///
 /// Blocks of Q4.27 in and out. Ticks of 32 frames are counted from the first frame: a caller's blocks change no bit.
 ///
-/// Worst SNR against `f64` fed the same noise: `cargo test -p host-tests --test dynamic_filter --test waveguides -- --nocapture`; cycles: `cargo test -p
+/// Worst SNR against `f64` fed the same noise: `cargo test -p host-tests --test stages -- --nocapture dynamic_filter waveguides`; cycles: `cargo test -p
 /// host-tests --test on_chip filters -- --nocapture`.
 ///
 /// ```
 /// use dsp_core::SampleRate;
 /// use dsp_core::dynamic_filter::{Breakpoint, DynamicFilter, Settings};
+/// use dsp_core::memory::{Memory, Word};
 /// let point = |time_s, b0, a1| Breakpoint { time_s, a1, b0, b1: b0, ..Breakpoint::default() };
 /// let path = [point(0.0, 0.2, -0.3), point(0.25, 0.0, -0.98)];
-/// let mut filter: DynamicFilter<8, 0, 0> = DynamicFilter::EMPTY;
 /// let settings = Settings {
 ///     seed: 1,
 ///     rate_hz: 48_000.0,
@@ -33,6 +45,9 @@ use crate::waveguide::Loops;
 ///     path: path.iter().copied(),
 ///     loops: [].iter().copied(),
 /// };
+/// let size = DynamicFilter::size(&settings, SampleRate::HZ_48000).unwrap();
+/// let mut words = [Word::uninit(); 100];
+/// let mut filter = DynamicFilter::take(&mut Memory::new(&mut [], &mut words), size).unwrap();
 /// filter.load(settings, SampleRate::HZ_48000, 0).unwrap();
 /// filter.strike(1.0);
 /// let mut out = [0; 100];
@@ -40,9 +55,9 @@ use crate::waveguide::Loops;
 /// assert!(out.iter().any(|&sample| sample != 0));
 /// ```
 // In this order: what a tick asks for is near the start, where the chip reaches it by a short address.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 #[repr(C)]
-pub struct DynamicFilter<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> {
+pub struct DynamicFilter<'m> {
     pub(super) modes_through: bool,
     loaded: bool,
     /// Whether noise goes straight into a filter of the first order, and nothing else does.
@@ -63,35 +78,65 @@ pub struct DynamicFilter<const POINTS: usize, const LOOPS: usize, const FRAMES: 
     fed: bool,
     pub(super) ringing: bool,
     pub(super) exciter: BandPass,
-    pub(super) filter: Filter<POINTS>,
-    pub(super) loops: Loops<LOOPS, FRAMES>,
+    pub(super) filter: Filter<'m>,
+    pub(super) loops: Loops<'m>,
 }
 
-impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter<POINTS, LOOPS, FRAMES> {
-    /// None: gives nothing, costs nothing.
-    pub const EMPTY: Self = Self {
-        filter: Filter::EMPTY,
-        loops: Loops::EMPTY,
-        exciter: BandPass::NONE,
-        modes_through: false,
-        loaded: false,
-        plain: false,
-        looped: false,
-        level_unit: 0.0,
-        frame: 0,
-        left: 0,
-        granted: 0,
-        whole_ticks: 0,
-        noisy: false,
-        fed: false,
-        ringing: false,
-    };
+impl<'m> DynamicFilter<'m> {
+    /// No filter: gives nothing, costs nothing.
+    pub const fn empty() -> Self {
+        Self {
+            filter: Filter::empty(),
+            loops: Loops::empty(),
+            exciter: BandPass::NONE,
+            modes_through: false,
+            loaded: false,
+            plain: false,
+            looped: false,
+            level_unit: 0.0,
+            frame: 0,
+            left: 0,
+            granted: 0,
+            whole_ticks: 0,
+            noisy: false,
+            fed: false,
+            ringing: false,
+        }
+    }
 
     /// The largest level of a strike; what is louder counts as this.
     pub const MAX_LEVEL: f32 = 1.99;
 
-    /// Derives all for a rate, at rest and in place. `stream` is the number of the noise's stream, such as the pad's. After an error it is
-    /// none.
+    /// Size of the filter of these settings at a rate.
+    ///
+    /// # Errors
+    /// [`DynamicFilterError`] for loops that cannot be.
+    pub fn size<P, L>(settings: &Settings<P, L>, rate: SampleRate) -> Result<FilterSize, DynamicFilterError>
+    where
+        P: Iterator<Item = Breakpoint> + Clone,
+        L: Iterator<Item = Loop> + Clone,
+    {
+        Ok(FilterSize {
+            breakpoints: settings.path.clone().count(),
+            loops: settings.loops.clone().count(),
+            line_frames: Loops::line_frames(settings.loops.clone(), rate)?,
+        })
+    }
+
+    /// Takes the memory of a filter, which gives nothing until it is loaded.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn take(lender: &mut impl Lender<'m>, size: FilterSize) -> Result<Self, OutOfMemory> {
+        let path = Path::take(lender, size.breakpoints)?;
+        let loops = Loops::take(lender, size.loops, size.line_frames)?;
+        let mut taken = Self { loops, ..Self::empty() };
+        taken.filter.path = path;
+        Ok(taken)
+    }
+
+    /// Derives all for a rate, at rest, in the memory that was taken for the settings' [`size`](Self::size). `stream` is the
+    /// number of the noise's stream, such as the pad's. After an error it gives nothing.
     ///
     /// # Errors
     /// [`DynamicFilterError`].
@@ -105,12 +150,27 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         P: Iterator<Item = Breakpoint> + Clone,
         L: Iterator<Item = Loop> + Clone,
     {
-        self.unload();
-        let result = self.derive(settings, rate, stream);
-        if result.is_err() {
-            self.unload();
-        }
-        result
+        self.loaded = false;
+        self.derive(settings, rate, stream, true)
+    }
+
+    /// As [`load`](Self::load) for settings that have been loaded without memory, so that the loops are known to be stable: to
+    /// check that takes most of a load's time.
+    ///
+    /// # Errors
+    /// [`DynamicFilterError`].
+    pub(crate) fn load_again<P, L>(
+        &mut self,
+        settings: Settings<P, L>,
+        rate: SampleRate,
+        stream: u32,
+    ) -> Result<(), DynamicFilterError>
+    where
+        P: Iterator<Item = Breakpoint> + Clone,
+        L: Iterator<Item = Loop> + Clone,
+    {
+        self.loaded = false;
+        self.derive(settings, rate, stream, false)
     }
 
     fn derive<P, L>(
@@ -118,6 +178,7 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         settings: Settings<P, L>,
         rate: SampleRate,
         stream: u32,
+        is_unknown: bool,
     ) -> Result<(), DynamicFilterError>
     where
         P: Iterator<Item = Breakpoint> + Clone,
@@ -140,7 +201,10 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         let path = path.map(move |point| point.carried(order, ratio));
         self.filter.start(White::new(seed, stream));
         let largest_gain = self.filter.path.gain;
-        let stable = |all: &[_]| stability::check(order, largest_gain, path, all, rate);
+        let stable = |all: &[_]| match is_unknown {
+            true => stability::check(order, largest_gain, path, all, rate),
+            false => Ok(()),
+        };
         self.loops.load(loops, self.filter.line_scale(), rate, stable)?;
         self.filter.expect_sums(self.loops.is_coarse());
         let by_tick = self.loops.run_length(TICK_FRAMES) == TICK_FRAMES;
@@ -155,15 +219,6 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter
         self.level_unit = (268_435_456.0 * libm::sqrt(ratio)) as f32;
         (self.modes_through, self.loaded) = (modes_through, true);
         Ok(())
-    }
-
-    /// Makes it none.
-    pub fn unload(&mut self) {
-        self.loops.unload();
-        (self.filter, self.exciter) = (Filter::EMPTY, BandPass::NONE);
-        (self.modes_through, self.loaded, self.plain, self.looped) = (false, false, false, false);
-        (self.left, self.noisy, self.fed, self.ringing) = (0, false, false, false);
-        (self.granted, self.whole_ticks) = (0, 0);
     }
 
     /// Whether the object's modes are to be given to [`render`](Self::render), rather than added to the output beside it.

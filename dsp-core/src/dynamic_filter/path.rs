@@ -13,6 +13,8 @@ use super::error::PathError;
 use super::limits::{CARRIED, Limits, MAX_TIME_S, MIN_REAL_POLE, OF_TABLE};
 use super::settings::Breakpoint;
 use crate::SampleRate;
+use crate::memory::{Lender, OutOfMemory, Region};
+use crate::table::range::BREAKPOINTS;
 
 /// |e| is clipped to this: 2.0.
 pub(super) const MAX_INPUT_BITS: i32 = 28;
@@ -83,10 +85,10 @@ impl Piece {
 /// A level of 1 in [`Piece::noise`].
 const NOISE_UNIT: f64 = 1073741824.0;
 
-/// Coefficients over time for a sample rate: at most `N` breakpoints.
-#[derive(Clone, Copy, Debug)]
-pub struct Path<const N: usize> {
-    pieces: [Piece; N],
+/// Coefficients over time for a sample rate.
+#[derive(Debug)]
+pub struct Path<'m> {
+    pieces: &'m mut [Piece],
     count: usize,
     pub(super) form: Form,
     /// Whether the noise has levels of its own.
@@ -131,23 +133,30 @@ impl Derived {
     }
 }
 
-impl<const N: usize> Path<N> {
+impl<'m> Path<'m> {
     /// A path that gives nothing.
-    pub const EMPTY: Self = Self {
-        pieces: [Piece::NOTHING; N],
-        count: 0,
-        form: Form::EqualZeros,
-        has_levels: false,
-        whole: false,
-        scale: 0,
-        input_shift: 0,
-        inner_scale: 0,
-        growth: 0,
-        gain: 0.0,
-    };
+    pub const fn empty() -> Self {
+        Self {
+            pieces: &mut [],
+            count: 0,
+            form: Form::EqualZeros,
+            has_levels: false,
+            whole: false,
+            scale: 0,
+            input_shift: 0,
+            inner_scale: 0,
+            growth: 0,
+            gain: 0.0,
+        }
+    }
 
-    /// Derives the path of a filter of order 1 or 2 for a rate, which is `ratio` times the one that the coefficients are for, in place. Breakpoints keep their time to a fraction of a frame. After an error it is
-    /// empty.
+    /// Takes memory for `count` breakpoints.
+    pub(super) fn take(lender: &mut impl Lender<'m>, count: usize) -> Result<Self, OutOfMemory> {
+        Ok(Self { pieces: lender.take(Region::Bulk, count, || Piece::NOTHING)?, ..Self::empty() })
+    }
+
+    /// Derives the path of a filter of order 1 or 2 for a rate, which is `ratio` times the one that the coefficients are
+    /// for. Breakpoints keep their time to a fraction of a frame. Without memory all is derived but the pieces.
     ///
     /// # Errors
     /// [`PathError`].
@@ -159,12 +168,12 @@ impl<const N: usize> Path<N> {
         ratio: f64,
         input: Input,
     ) -> Result<(), PathError> {
-        *self = Self::EMPTY;
+        self.count = 0;
         let given = breakpoints.clone().count();
-        if given == 0 || given > N {
-            return Err(PathError::Count { given, room: N });
+        if given == 0 || given > BREAKPOINTS {
+            return Err(PathError::Count { given, room: BREAKPOINTS });
         }
-        let form = self.check(order, breakpoints.clone())?;
+        let form = check(order, breakpoints.clone())?;
         self.form = form;
         self.has_levels = breakpoints.clone().any(|point| point.noise != 1.0);
         let breakpoints = breakpoints.map(|point| point.carried(order, ratio));
@@ -211,32 +220,6 @@ impl<const N: usize> Path<N> {
             (piece.noise, piece.noise_slope) = between(here.noise, noise_after, NOISE_UNIT);
         }
         Ok(())
-    }
-
-    /// What can be said before anything is derived; gives the form.
-    fn check(&self, order: u8, breakpoints: impl Iterator<Item = Breakpoint> + Clone) -> Result<Form, PathError> {
-        let mut before = -1.0;
-        let mut form = None;
-        for (breakpoint, point) in breakpoints.clone().enumerate() {
-            let time_s = point.time_s;
-            let starts = breakpoint > 0 || time_s == 0.0;
-            if !(time_s > before && time_s <= MAX_TIME_S && starts) {
-                return Err(PathError::Order { breakpoint, time_s });
-            }
-            before = time_s;
-            if !(0.0..=1.0).contains(&point.noise) {
-                return Err(PathError::Noise { breakpoint, noise: point.noise });
-            }
-            let here = derive(order, &point, breakpoint, OF_TABLE)?.form;
-            if form.is_some_and(|form| form != here) && order == 2 {
-                return Err(PathError::PolesMeet { breakpoint });
-            }
-            // Eq. 17 is one only where all breakpoints are.
-            if form != Some(Form::OnePole) {
-                form = Some(here);
-            }
-        }
-        form.ok_or(PathError::Count { given: 0, room: N })
     }
 
     /// h and q; gives what 1 is in each parameter's format.
@@ -288,6 +271,32 @@ impl<const N: usize> Path<N> {
     pub(super) fn pieces(&self) -> &[Piece] {
         self.pieces.get(..self.count).unwrap_or(&[])
     }
+}
+
+/// What can be said before anything is derived; gives the form.
+fn check(order: u8, breakpoints: impl Iterator<Item = Breakpoint> + Clone) -> Result<Form, PathError> {
+    let mut before = -1.0;
+    let mut form = None;
+    for (breakpoint, point) in breakpoints.clone().enumerate() {
+        let time_s = point.time_s;
+        let starts = breakpoint > 0 || time_s == 0.0;
+        if !(time_s > before && time_s <= MAX_TIME_S && starts) {
+            return Err(PathError::Order { breakpoint, time_s });
+        }
+        before = time_s;
+        if !(0.0..=1.0).contains(&point.noise) {
+            return Err(PathError::Noise { breakpoint, noise: point.noise });
+        }
+        let here = derive(order, &point, breakpoint, OF_TABLE)?.form;
+        if form.is_some_and(|form| form != here) && order == 2 {
+            return Err(PathError::PolesMeet { breakpoint });
+        }
+        // Eq. 17 is one only where all breakpoints are.
+        if form != Some(Form::OnePole) {
+            form = Some(here);
+        }
+    }
+    form.ok_or(PathError::Count { given: 0, room: BREAKPOINTS })
 }
 
 /// Parameters of a breakpoint.

@@ -82,18 +82,18 @@ impl Walk {
     };
 
     /// To the path's start.
-    pub(super) fn start<const N: usize>(&mut self, path: &Path<N>) {
+    pub(super) fn start(&mut self, path: &Path<'_>) {
         self.time = 0;
         self.enter(path, 0);
     }
 
     /// To the path's last piece, where parameters stay.
-    pub(super) fn end<const N: usize>(&mut self, path: &Path<N>) {
+    pub(super) fn end(&mut self, path: &Path<'_>) {
         self.time = path.last_frame();
         self.enter(path, path.pieces().len().saturating_sub(1));
     }
 
-    fn enter<const N: usize>(&mut self, path: &Path<N>, piece: usize) {
+    fn enter(&mut self, path: &Path<'_>, piece: usize) {
         self.piece = piece;
         (self.whole, self.over) = (0, false);
         self.next = path.pieces().get(piece + 1).map_or(u32::MAX, |next| next.start);
@@ -114,9 +114,9 @@ impl Walk {
     ///
     /// A step has 32 bits only. So that what it leaves out cannot add up, a line is right in the middle of its segment, and each segment begins anew from
     /// the 64-bit parameters.
-    pub(super) fn segment<const N: usize>(
+    pub(super) fn segment(
         &mut self,
-        path: &Path<N>,
+        path: &Path<'_>,
         most: usize,
         lines: &mut [Line; PARAMETERS],
         noise: &mut Line,

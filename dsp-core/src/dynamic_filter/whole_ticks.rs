@@ -6,7 +6,7 @@
 use super::object::DynamicFilter;
 use crate::resonator::TICK_FRAMES;
 
-impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize> DynamicFilter<POINTS, LOOPS, FRAMES> {
+impl DynamicFilter<'_> {
     /// Grants whole ticks, if a tick begins and is one, and begins it.
     #[inline(always)]
     pub(super) fn renew(&mut self) -> bool {

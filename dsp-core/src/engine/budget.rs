@@ -8,13 +8,14 @@
 //! Events are looked at as far as the block holds them: with blocks of whole ticks nothing comes as a surprise within a tick.
 
 use super::cost::{CYCLES, Counts, Part};
-use super::{Direct, Engine, FilterRoom, Surroundings};
+use super::{Direct, Engine};
 use crate::event::{Action, Event, Time};
-use crate::pad::{Pad, group_count, is_ringing};
-use crate::resonator::{Audience, Bank, Memory, Selection, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
+use crate::resonator::{Audience, Bank, Selection, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
+use crate::room::Sample;
+use crate::voice::Voice;
 
 /// How a pad is heard and how it will run; `None` for one that will not.
-type Listening = Option<(Audience, UpcomingRun)>;
+pub(super) type Listening = Option<(Audience, UpcomingRun)>;
 
 /// How much to leave out.
 #[derive(Clone, Copy, Debug)]
@@ -27,17 +28,7 @@ pub(super) enum LeaveOut {
     Cycles(u32),
 }
 
-impl<
-    'k,
-    const PADS: usize,
-    const BANKS: usize,
-    const MODES: usize,
-    const GROUPS: usize,
-    const ORIGINS: usize,
-    const CONTACTS: usize,
-    S: Surroundings,
-> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
-{
+impl<S: Sample> Engine<'_, '_, S> {
     /// Sets how many cycles a tick of 32 frames may take, or takes the limit away. For 80 % of 168 MHz at 48 kHz: 89 600.
     ///
     /// Nothing is left out while [`Skipping`](super::Skipping) is off. What the look-up itself costs is among [`CYCLES`], [`Part::PredictedGroup`].
@@ -105,18 +96,17 @@ impl<
     #[inline(never)]
     pub(super) fn count_run(&mut self, frames: u32, direct: Option<Direct<'_>>) {
         let mut counts = Counts::NONE;
-        self.add_run(frames, direct, &[false; PADS], &mut counts);
+        self.add_run(frames, direct, &[], &mut counts);
         self.report.counts += counts;
     }
 
     /// Leaves out the quietest register groups of those that would run.
     #[inline(never)] // its tables must not lie on the stack beside what looks ahead
     pub(super) fn leave_out(&mut self, what: LeaveOut, direct: Option<Direct<'_>>) -> Shed {
-        let mut listening = [None; PADS];
-        self.listen(direct, &mut listening);
+        self.listen(direct);
         let shed = match what {
-            LeaveOut::All => self.shed(&listening, Selection::ALL),
-            _ => self.leave_out_quietest(&listening, what),
+            LeaveOut::All => self.shed(Selection::ALL),
+            _ => self.leave_out_quietest(what),
         };
         self.report.shed += shed;
         shed
@@ -124,12 +114,13 @@ impl<
 
     /// Surveys all groups first, which everything does without.
     #[inline(never)]
-    fn leave_out_quietest(&mut self, listening: &[Listening; PADS], what: LeaveOut) -> Shed {
-        let mut survey = Survey::<GROUPS>::NOBODY;
-        for (pad, listening) in self.pads().iter().zip(listening) {
-            let Some((audience, run)) = listening else { continue };
-            for bank in pad.own(&self.banks) {
-                bank.survey(&self.groups, audience, *run, &mut survey);
+    fn leave_out_quietest(&mut self, what: LeaveOut) -> Shed {
+        let levels = core::mem::take(&mut self.levels);
+        let mut survey = Survey::new(levels);
+        for (voice, listening) in self.voices.iter().zip(&*self.listening) {
+            match listening {
+                Some((audience, run)) => voice.banks().iter().for_each(|bank| bank.survey(audience, *run, &mut survey)),
+                None => survey.pass_over(voice.group_count()),
             }
         }
         let count = match what {
@@ -138,21 +129,23 @@ impl<
             LeaveOut::Cycles(excess) => survey.quietest_that_free(excess),
         };
         let (selection, cycles_below) = survey.quietest(count);
-        let mut shed = self.shed(listening, selection);
+        let mut shed = self.shed(selection);
         shed.cycles += cycles_below;
+        self.levels = survey.into_levels();
         shed
     }
 
     #[inline(never)] // one for both
-    fn shed(&mut self, listening: &[Listening; PADS], mut selection: Selection<'_>) -> Shed {
+    fn shed(&mut self, mut selection: Selection<'_>) -> Shed {
         let mut shed = Shed::default();
-        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
-        for (pad, listening) in self.pads.iter_mut().zip(listening) {
-            let Some((audience, run)) = listening else { continue };
-            let banks = pad.own_mut(&mut self.banks);
-            pad.wake(banks);
-            for bank in banks {
-                shed += bank.shed(&mut memory, audience, *run, &mut selection);
+        for (voice, listening) in self.voices.iter_mut().zip(&*self.listening) {
+            let Some((audience, run)) = listening else {
+                selection.pass_over(voice.group_count());
+                continue;
+            };
+            voice.wake();
+            for bank in &mut *voice.banks {
+                shed += bank.shed(audience, *run, &mut selection);
             }
         }
         shed
@@ -160,16 +153,17 @@ impl<
 
     /// How each pad that sounds is heard, and how it will run.
     #[inline(never)]
-    fn listen(&self, direct: Option<Direct<'_>>, listening: &mut [Listening; PADS]) {
-        for ((pad, listening), number) in self.pads().iter().zip(listening).zip(0u8..) {
-            let (input, contact_samples) = self.flight.ahead(number);
+    fn listen(&mut self, direct: Option<Direct<'_>>) {
+        let frames = self.frames_to_tick() as u8;
+        for ((voice, listening), number) in self.voices.iter().zip(&mut *self.listening).zip(0u8..) {
+            let (input, contact_samples) = self.contacts.ahead(number);
             let input = input + direct_input(direct, number);
             let used = if input > 0.0 { Use::Driven } else { Use::Free };
-            if used == Use::Driven || is_ringing(pad.own(&self.banks)) {
-                let guard = if pad.expects() { cycles_of(Part::GuardedGroup) as u16 } else { 0 };
-                let audience = Audience::new(pad.unit(), input, contact_samples);
-                *listening = Some((audience, UpcomingRun { used, frames: self.frames_to_tick() as u8, guard }));
-            }
+            *listening = (used == Use::Driven || voice.is_ringing()).then(|| {
+                let guard = if voice.expects() { cycles_of(Part::GuardedGroup) as u16 } else { 0 };
+                let audience = Audience::new(voice.unit(), input, contact_samples);
+                (audience, UpcomingRun { used, frames, guard })
+            });
         }
     }
 
@@ -180,9 +174,9 @@ impl<
             let nothing = (Part::WakingPad, 0);
             return [(Part::IdleTick, 1), nothing, nothing, nothing, nothing];
         }
-        let due = self.pads().iter().filter(|pad| pad.is_guard_due(pad.own(&self.banks)));
-        let groups: u32 = due.map(|pad| group_count(pad.own(&self.banks))).sum();
-        let pads = self.pads().iter().filter(|pad| !pad.rests()).count();
+        let due = self.voices.iter().filter(|voice| voice.is_guard_due());
+        let groups = due.map(Voice::group_count).sum::<usize>() as u32;
+        let pads = self.voices.iter().filter(|voice| !voice.rests()).count();
         let noise = (Part::ResidualCycle, self.noise_cycles() + self.room_cycles() + self.filter_cycles());
         let (modes, guards) = self.reached();
         let hand = (Part::ChokedMode, modes);
@@ -209,17 +203,21 @@ impl<
 
     /// Modes whose gains a strike has derived anew.
     fn moved_modes(&self, event: &Event) -> u32 {
-        let object = self.pads().get(usize::from(event.pad)).and_then(|pad| pad.own(&self.banks).first());
-        let moves = |object: &&Bank| object.place(event.position, |slot| self.flight.is_any_in(event.pad, slot)).moves;
+        let object = self.voices.get(usize::from(event.pad)).and_then(|voice| voice.banks().first());
+        let moves =
+            |object: &&Bank<'_>| object.place(event.position, |slot| self.contacts.is_any_in(event.pad, slot)).moves;
         object.filter(moves).map_or(0, |object| object.mode_count() as u32)
     }
 
     /// Modes that hands reach in this tick, and groups that are guarded for them.
     fn reached(&self) -> (u32, u32) {
-        self.banks.iter().filter(|bank| bank.is_being_reached()).fold((0, 0), |(modes, groups), bank| {
-            let guards = if bank.hand_is_guarded() { bank.group_count() } else { 0 };
-            (modes + bank.modes_to_reach() as u32, groups + guards) // banks count in 16 bits
-        })
+        self.voices.iter().flat_map(|voice| voice.banks()).filter(|bank| bank.is_being_reached()).fold(
+            (0, 0),
+            |(modes, groups), bank| {
+                let guards = if bank.hand_is_guarded() { bank.group_count() } else { 0 };
+                (modes + bank.modes_to_reach() as u32, groups + guards) // banks count in 16 bits
+            },
+        )
     }
 
     fn survey_counts(&self) -> [(Part, u32); 2] {
@@ -231,23 +229,30 @@ impl<
     }
 
     /// True if a force is, or by a known strike may be, in the second slot of a pad.
-    fn has_second(&self, number: u8, is_direct: bool, struck: bool, bank: &Bank) -> bool {
-        let is_driven = self.flight.is_any_in(number, 1) || struck && self.flight.is_any_in(number, 0);
-        let direct_slot = self.pads().get(usize::from(number)).map_or(0, Pad::direct_slot);
+    fn has_second(&self, number: u8, is_direct: bool, struck: bool, bank: &Bank<'_>) -> bool {
+        let is_driven = self.contacts.is_any_in(number, 1) || struck && self.contacts.is_any_in(number, 0);
+        let direct_slot = self.voices.get(usize::from(number)).map_or(0, Voice::direct_slot);
         is_driven || bank.has_second_gains() && is_direct && direct_slot == 1
     }
 
     /// From now to the end of the tick, with the events that are known.
     #[inline(never)]
-    fn rest_of_tick(&self, upcoming: &[Event], direct: Option<Direct<'_>>) -> Counts {
+    fn rest_of_tick(&mut self, upcoming: &[Event], direct: Option<Direct<'_>>) -> Counts {
+        let struck = core::mem::take(&mut self.struck);
+        struck.fill(false);
+        let total = self.count_rest_of_tick(upcoming, direct, struck);
+        self.struck = struck;
+        total
+    }
+
+    fn count_rest_of_tick(&self, upcoming: &[Event], direct: Option<Direct<'_>>, struck: &mut [bool]) -> Counts {
         let end = self.now + u64::from(self.frames_to_tick());
         let (mut now, mut total) = (self.now, Counts::NONE);
-        let mut struck = [false; PADS];
         let news = upcoming.iter().filter(|event| !event.is_of_hand());
         let mut events = news.take_while(|event| event.time.first_frame() < end).peekable();
         while now < end {
             let next = events.peek().map_or(end, |event| event.time.first_frame());
-            self.add_run((next - now) as u32, direct, &struck, &mut total);
+            self.add_run((next - now) as u32, direct, struck, &mut total);
             while let Some(event) = events.next_if(|event| event.time.first_frame() == next) {
                 total.add_all(self.event_counts(event));
                 if let (Action::Strike, Some(struck)) = (event.action, struck.get_mut(usize::from(event.pad))) {
@@ -259,33 +264,33 @@ impl<
         total
     }
 
-    /// Adds what a run of frames does. `struck` are pads that a known event will have struck by then.
-    fn add_run(&self, frames: u32, direct: Option<Direct<'_>>, struck: &[bool; PADS], counts: &mut Counts) {
+    /// Adds what a run of frames does. `struck` are pads that a known event will have struck by then; empty: none.
+    fn add_run(&self, frames: u32, direct: Option<Direct<'_>>, struck: &[bool], counts: &mut Counts) {
         if frames == 0 || self.idle && direct.is_none() && !struck.contains(&true) {
             return;
         }
         counts.add(Part::Look, 1);
-        counts.add(Part::Pad, self.pad_count as u32);
+        counts.add(Part::Pad, self.voices.len() as u32);
         if self.noisy {
             let begun = struck.iter().zip(0u8..).filter(|(is, pad)| **is && self.has_noise(*pad)).count();
             let noises = (self.noises() + begun) as u32;
             counts.add(Part::ResidualRun, noises);
             counts.add(Part::ResidualFrame, noises * frames);
         }
-        let filtered = self.filtered;
-        for ((pad, number), &struck) in self.pads().iter().zip(0u8..).zip(struck) {
-            let pad_banks = pad.own(&self.banks);
-            let contact_frames = self.flight.frames_ahead(number, frames) + if struck { frames } else { 0 };
+        for (voice, number) in self.voices.iter().zip(0u8..) {
+            let struck = struck.get(usize::from(number)).copied().unwrap_or(false);
+            let pad_banks = voice.banks();
+            let contact_frames = self.contacts.frames_ahead(number, frames) + if struck { frames } else { 0 };
             let is_direct = direct_input(direct, number) > 0.0;
             let is_driven = contact_frames > 0 || is_direct;
             let used = if is_driven { Use::Driven } else { Use::Free };
-            if !is_driven && !is_ringing(pad_banks) {
+            if !is_driven && !voice.is_ringing() {
                 continue;
             }
             let (mut groups, mut banks) = (0, 0);
             let mut on_bus = false;
             for bank in pad_banks.iter().filter(|bank| bank.mode_count() > 0) {
-                let (cycles, running) = bank.cycles(&self.groups, used, frames);
+                let (cycles, running) = bank.cycles(used, frames);
                 let has_second = bank.can_take_second() && self.has_second(number, is_direct, struck, bank);
                 counts.add(Part::KernelCycle, cycles);
                 counts.add(Part::SecondFrame, if has_second { running * frames } else { 0 });
@@ -294,7 +299,7 @@ impl<
                 counts.add(Part::PredictedGroup, bank.group_count() * (1 + u32::from(is_driven)));
                 groups += running;
                 banks += u32::from(running > 0);
-                if is_driven && (pad.expects() || struck || bank.is_unguarded()) {
+                if is_driven && (voice.expects() || struck || bank.is_unguarded()) {
                     let part = if bank.is_ringing() { Part::GuardedRingingGroup } else { Part::GuardedGroup };
                     counts.add(part, running);
                 }
@@ -304,9 +309,9 @@ impl<
                 // Nobody hears the force, and nothing is done.
                 continue;
             }
-            on_bus |= filtered.may_have(number) && self.filters.join_in(number, is_driven, pad_banks);
+            on_bus |= voice.filters_join_in(is_driven);
             if is_driven {
-                let is_quick = pad.drives_quickly(pad_banks) && !on_bus;
+                let is_quick = voice.drives_quickly() && !on_bus;
                 counts.add(if is_quick { Part::DrivenPad } else { Part::BusDrivenPad }, 1);
                 if is_quick && pad_banks.iter().any(Bank::has_onset) {
                     counts.add(Part::OnsetFrame, frames);
@@ -314,7 +319,7 @@ impl<
                 counts.add(Part::DrivenFrame, frames);
                 counts.add(Part::ContactFrame, contact_frames);
                 counts.add(Part::DirectFrame, if is_direct { frames } else { 0 });
-            } else if pad.rings_quickly(pad_banks) && !on_bus {
+            } else if voice.rings_quickly() && !on_bus {
                 counts.add(Part::RingingPad, 1);
             } else {
                 counts.add(Part::BusPad, 1);

@@ -1,20 +1,11 @@
 //! What a caller may ask of a block.
 
-use super::{Direct, Engine, Surroundings};
+use super::{Direct, Engine};
 use crate::event::{Event, EventError};
-use crate::pad::Pad;
+use crate::room::Sample;
+use crate::voice::Voice;
 
-impl<
-    'k,
-    const PADS: usize,
-    const BANKS: usize,
-    const MODES: usize,
-    const GROUPS: usize,
-    const ORIGINS: usize,
-    const CONTACTS: usize,
-    S: Surroundings,
-> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
-{
+impl<S: Sample> Engine<'_, '_, S> {
     /// Refuses the first event, or the direct force, that cannot be.
     pub(super) fn check(&self, events: &[Event], direct: Option<Direct<'_>>, frames: usize) -> Result<(), EventError> {
         let mut earliest = self.now;
@@ -22,8 +13,8 @@ impl<
         let pads = self.pad_count();
         for (index, event) in events.iter().enumerate() {
             let frame = event.time.first_frame();
-            let pad = self.pads().get(usize::from(event.pad));
-            let strikers = pad.map_or(0, Pad::striker_count);
+            let pad = self.voices.get(usize::from(event.pad));
+            let strikers = pad.map_or(0, Voice::striker_count);
             if frame < earliest {
                 return Err(EventError::OutOfOrder { index, frame, earliest });
             } else if frame >= end {

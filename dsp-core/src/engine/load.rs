@@ -1,212 +1,37 @@
-//! From a kit to a playing engine.
+//! From a kit to an engine: every slice is taken in one order, from memory or from an account.
 
-use core::fmt;
+use super::setup::{Fitting, Setup, Stage};
+use super::{Engine, LoadError, STANDARD_CONTACTS, TickReport};
+use crate::contact::ActiveContacts;
+use crate::memory::{Lender, Memory, OutOfMemory, Region, Words};
+use crate::noise::Sfc32;
+use crate::output::Panner;
+use crate::residual::Shaper;
+use crate::room::{Room, Sample};
+use crate::table::Kit;
+use crate::voice::{Filters, FiltersSize, PadTables, Residual, Voice, VoiceSize};
 
-use super::fitting::{All, Fitting, Stage, Within};
-use super::pad_set::PadSet;
-use super::{Engine, FilterRoom, Skipping, Surroundings, TickReport};
-use crate::SampleRate;
-use crate::biquad::BiquadError;
-use crate::contact::Flight;
-use crate::dynamic_filter::DynamicFilterError;
-use crate::pad::{Pad, PadTables, group_count};
-use crate::resonator::{Bank, BankError, Memory, Mode, Used, max_decay_per_s};
-use crate::room::RoomError;
-use crate::table::{Kit, TableError};
+/// Output below which noise ends, rms: -110 dBFS.
+const SILENCE: f32 = 3.162_277_7e-6;
 
-/// What an engine has room for, all pads together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Capacity {
-    /// Banks: a pad's object, and its strikers up to the last one with modes.
-    pub banks: usize,
-    /// Modes.
-    pub modes: usize,
-    /// Register groups.
-    pub groups: usize,
-    /// Modes of pads that can be choked or have several positions.
-    pub origins: usize,
-}
+/// Nominal cycles of the dearest tick of a room that sounds, and of each band of it, with some to spare (`cargo test -p host-tests --test on_chip room -- --nocapture`:
+/// up to 430 a frame with 4 bands). Bands of octaves and more are meant; several bands near the full rate cost more.
+pub(super) const ROOM_TICK: u32 = 11_200;
+pub(super) const ROOM_BAND_TICK: u32 = 950;
 
-/// Why a kit cannot be played by this engine.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LoadError {
-    /// The kit has no pad.
-    NoPads,
-    /// The kit has more pads than the engine.
-    TooManyPads {
-        /// Pads of the kit.
-        pads: usize,
-        /// Pads of the engine.
-        capacity: usize,
-    },
-    /// More pads with a residual, the background counting as one, than the engine has room for.
-    TooManyResiduals {
-        /// The first pad whose residual finds no room, or `None` for the background.
-        pad: Option<u8>,
-        /// Room of the engine.
-        capacity: usize,
-    },
-    /// A band of noise reaches beyond half the sample rate.
-    BeyondNyquist {
-        /// Which pad's residual, or `None` for the background.
-        pad: Option<u8>,
-        /// The highest edge, in Hz.
-        edge_hz: f32,
-        /// The rate at which it was loaded.
-        rate: SampleRate,
-    },
-    /// The kit's room cannot be built.
-    Room(RoomError),
-    /// More pads with a dynamic filter or biquads than the engine has room for.
-    TooManyFilters {
-        /// The first pad whose filters find no room.
-        pad: u8,
-        /// Room of the engine.
-        capacity: usize,
-    },
-    /// The engine has neither memory nor code for such a stage. Only of [`Engine::load_what_fits`]: otherwise it is passed over.
-    NoPlace {
-        /// Which stage.
-        stage: Stage,
-    },
-    /// A stage for which there is no time in a tick beside the pads, the room and the background. Only of [`Engine::load_what_fits`].
-    TooDear {
-        /// Which stage.
-        stage: Stage,
-        /// Cycles of its dearest tick, with the cycle model's worst case and the waits of flash.
-        cycles: u32,
-        /// Cycles that are left.
-        left: u32,
-    },
-    /// A dynamic filter or a biquad bank in the kit is none.
-    FilterTable(TableError),
-    /// The dynamic filter of a pad's object cannot be built at this rate, or in this memory.
-    DynamicFilter {
-        /// Which pad.
-        pad: u8,
-        /// What.
-        error: DynamicFilterError,
-    },
-    /// The biquad bank of a pad's object cannot be built at this rate, or in this memory.
-    Biquads {
-        /// Which pad.
-        pad: u8,
-        /// What.
-        error: BiquadError,
-    },
-    /// Something of a pad does not fit.
-    Pad {
-        /// Which pad.
-        pad: usize,
-        /// Which of its strikers' banks, or `None` for its object's.
-        striker: Option<usize>,
-        /// What.
-        error: BankError,
-        /// What the engine has room for.
-        capacity: Capacity,
-        /// The rate at which it was loaded.
-        rate: SampleRate,
-    },
-}
-
-impl fmt::Display for LoadError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::NoPads => write!(f, "the kit has no pads: there is nothing to play"),
-            Self::TooManyPads { pads, capacity } => {
-                write!(f, "pads: {pads}, this engine has room for {capacity}")
-            }
-            Self::TooManyResiduals { pad, capacity } => {
-                match pad {
-                    Some(pad) => write!(f, "pad {pad}, residual of its object: ")?,
-                    None => write!(f, "background: ")?,
-                }
-                write!(f, "residuals: more than {capacity}, the background counting as one: take some out of the kit")
-            }
-            Self::BeyondNyquist { pad, edge_hz, rate } => {
-                match pad {
-                    Some(pad) => write!(f, "pad {pad}, residual of its object: ")?,
-                    None => write!(f, "background: ")?,
-                }
-                write!(
-                    f,
-                    "edges_hz = {edge_hz}: must be at most {} Hz at {rate}; leave out the bands above",
-                    rate.hz() / 2.0
-                )
-            }
-            Self::Room(error) => error.fmt(f),
-            Self::TooManyFilters { pad, capacity } => write!(
-                f,
-                "pad {pad}, filters of its object: pads with a dynamic filter or biquads: more than {capacity}: take some out of the kit"
-            ),
-            Self::NoPlace { stage } => write!(f, "{stage}: this engine has none"),
-            Self::TooDear { stage, cycles, left } => write!(
-                f,
-                "{stage}: takes up to {cycles} cycles a tick, and {left} are left beside pads, room and background: fewer of those, or a smaller one"
-            ),
-            Self::FilterTable(error) => error.fmt(f),
-            Self::DynamicFilter { pad, error } => write!(f, "pad {pad}, dynamic filter of its object: {error}"),
-            Self::Biquads { pad, error } => write!(f, "pad {pad}, biquads of its object: {error}"),
-            Self::Pad { pad, striker, error, capacity: Capacity { banks, modes, groups, origins }, rate } => {
-                write!(f, "pad {pad}, ")?;
-                match striker {
-                    Some(striker) => write!(f, "striker {striker} of the pad: ")?,
-                    None => write!(f, "its object: ")?,
-                }
-                match error {
-                    BankError::TooManyModes => {
-                        write!(f, "modes: more than the {modes} that this engine has room for in all")
-                    }
-                    BankError::TooManyGroups => {
-                        write!(f, "modes: more than the {groups} register groups that this engine has room for in all")
-                    }
-                    BankError::TooManyOrigins => write!(
-                        f,
-                        "modes: more than {origins} modes in all of pads with choke_t60_s above 0 or several positions"
-                    ),
-                    BankError::TooManyBanks => write!(
-                        f,
-                        "banks: more than {banks} in all: a pad has one for its object, and one for each striker up to the last one with modes"
-                    ),
-                    BankError::DecayTooFast { mode, decay_per_s } => write!(
-                        f,
-                        "mode {mode}: decay_per_s = {decay_per_s}: must be at most {:.1} at {rate}",
-                        max_decay_per_s(rate)
-                    ),
-                    BankError::GainTooLarge => write!(
-                        f,
-                        "gain_sine or gain_cosine times reference_force (and striker_weight): must be below 2^14 times the rate"
-                    ),
-                }
-            }
-        }
-    }
-}
-
-impl core::error::Error for LoadError {}
-
-impl<
-    'k,
-    const PADS: usize,
-    const BANKS: usize,
-    const MODES: usize,
-    const GROUPS: usize,
-    const ORIGINS: usize,
-    const CONTACTS: usize,
-    S: Surroundings,
-> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
-{
-    /// Derives all stages from a kit for a sample rate and sets time to 0. What rang before is gone.
+impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
+    /// Derives all stages of a kit in lent memory, of which [`Plan::of`](super::Plan::of) says how much. Time begins at 0.
     ///
     /// Coefficients are derived in software `f64` on a Cortex-M4F: thousands of cycles a mode, not for the audio path.
     ///
     /// # Errors
-    /// A [`LoadError`]; the engine is then without a kit and silent.
-    pub fn load(&mut self, kit: &Kit<'k>, rate: SampleRate, skipping: Skipping) -> Result<(), LoadError> {
-        self.load_all(kit, rate, skipping, All)
+    /// A [`LoadError`] for the first part of the kit that does not fit, or cannot be.
+    pub fn new(kit: &Kit<'k>, setup: Setup, memory: Memory<'m>) -> Result<Self, LoadError> {
+        let mut memory = memory;
+        Self::build(kit, setup, &mut memory, Fitting::ALL)
     }
 
-    /// Loads all pads, and of the room, the background, residuals and filters, in this order and pad by pad, what there is memory for and what alone takes no
+    /// Derives all modes of a kit, and of the room, the background, residuals and filters, in this order and pad by pad, what there is memory for and what alone takes no
     /// more than what is left of `stage_cycles` a tick by the pads, the room and the background. `tell` is told what is left out, and why; the kit plays
     /// without it.
     ///
@@ -214,74 +39,331 @@ impl<
     /// ([`TickReport::refused_stages`]). The [budget](Self::set_budget) sheds modes, not stages. These cycles are the cycle model's worst, with the waits of flash.
     ///
     /// # Errors
-    /// A [`LoadError`] for pads that do not fit, and for a table that is none; the engine is then without a kit and silent.
-    pub fn load_what_fits(
-        &mut self,
+    /// A [`LoadError`] for modes that do not fit, or cannot be.
+    pub fn new_within(
         kit: &Kit<'k>,
-        rate: SampleRate,
-        skipping: Skipping,
+        setup: Setup,
+        memory: Memory<'m>,
         stage_cycles: u32,
-        mut tell: impl FnMut(LoadError),
-    ) -> Result<(), LoadError> {
-        self.load_all(kit, rate, skipping, Within::new(stage_cycles, kit.pads().len(), &mut tell))
+        tell: &mut dyn FnMut(LoadError),
+    ) -> Result<Self, LoadError> {
+        let mut memory = memory;
+        let fitting = Fitting::within(stage_cycles, kit.pads().len(), tell);
+        Self::build(kit, setup, &mut memory, fitting)
     }
 
-    fn load_all(
-        &mut self,
+    /// The engine, from memory; from an account one that is not to be played.
+    pub(super) fn build<L: Lender<'m>>(
         kit: &Kit<'k>,
-        rate: SampleRate,
-        skipping: Skipping,
-        mut fitting: impl Fitting,
-    ) -> Result<(), LoadError> {
-        // One by one: an array would be made on the stack.
-        self.banks.iter_mut().for_each(|bank| *bank = Bank::EMPTY);
-        (self.pad_count, self.idle, self.expects, self.retired_amplitude) = (0, false, false, 0.0);
-        (self.noisy, self.filtered) = (false, PadSet::NONE);
-        self.modes.fill(Mode::SILENT);
-        self.flight = Flight::EMPTY;
-        self.report = TickReport::EMPTY;
-        (self.rate, self.skipping, self.now) = (Some(rate), skipping, 0);
-        self.load_pads(kit, rate)?;
+        setup: Setup,
+        lender: &mut L,
+        mut fitting: Fitting<'_>,
+    ) -> Result<Self, LoadError> {
+        let mut engine = Self::take(kit, setup, lender)?;
+        engine.load_modes(lender)?;
         // First what sounds on: what it takes is not there for what strikes begin.
-        self.load_room(kit, rate, &mut fitting)?;
-        self.load_noise(kit, rate, &mut fitting)?;
-        self.filters.load(kit, rate, &mut fitting)?;
-        self.stage_cycles = fitting.left();
-        self.noisy = self.has_any_noise();
-        (self.pad_count, self.kit) = (kit.pads().len(), Some(*kit));
-        for pad in (0..self.pad_count as u8).filter(|&pad| self.filters.has(pad)) {
-            self.filtered.insert(pad);
+        engine.load_room(lender, &mut fitting)?;
+        engine.load_background(lender, &mut fitting)?;
+        for number in 0..kit.pads().len() as u8 {
+            engine.load_residual(number, lender, &mut fitting)?;
         }
-        self.modes_built = self.pads().iter().map(|pad| pad.mode_count() as u32).sum();
-        self.groups_built = self.pads().iter().map(|pad| group_count(pad.own(&self.banks))).sum();
-        Ok(())
+        for number in 0..kit.pads().len() as u8 {
+            engine.load_filters(number, lender, &mut fitting)?;
+        }
+        engine.words = lender.account().used();
+        engine.stage_cycles = fitting.left();
+        engine.modes_built = engine.voices.iter().map(|voice| voice.mode_count() as u32).sum();
+        Ok(engine)
     }
 
-    #[inline(never)] // its stack is not that of the stages that follow
-    fn load_pads(&mut self, kit: &Kit<'k>, rate: SampleRate) -> Result<(), LoadError> {
+    /// Takes what the engine itself keeps.
+    fn take<L: Lender<'m>>(kit: &Kit<'k>, setup: Setup, lender: &mut L) -> Result<Self, LoadError> {
         let pads = kit.pads().len();
         // Events count pads in a byte.
-        let capacity = PADS.min(usize::from(u8::MAX));
+        let capacity = usize::from(u8::MAX);
         match pads {
             0 => return Err(LoadError::NoPads),
             _ if pads > capacity => return Err(LoadError::TooManyPads { pads, capacity }),
             _ => {}
         }
-        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut self.origins };
-        let mut used = Used::default();
-        for (index, slot) in self.pads.iter_mut().take(pads).enumerate() {
-            let Some(tables) = PadTables::new(*kit, index) else { continue };
-            let loaded = Pad::load(&tables, rate, &mut memory, &mut used, &mut self.banks);
-            *slot = loaded.map_err(|(error, striker)| LoadError::Pad {
-                pad: index,
-                striker,
-                error,
-                capacity: Capacity { banks: BANKS, modes: MODES, groups: GROUPS, origins: ORIGINS },
-                rate,
-            })?;
+        let missing = |error| LoadError::Memory { stage: Stage::Engine, error };
+        Ok(Self {
+            kit: *kit,
+            voices: lender.take(Region::Fast, pads, Voice::empty).map_err(missing)?,
+            contacts: ActiveContacts::take(lender, STANDARD_CONTACTS).map_err(missing)?,
+            background: None,
+            centre: Panner::new(0.0, 0.0),
+            room: None,
+            listening: lender.take(Region::Fast, pads, || None).map_err(missing)?,
+            struck: lender.take(Region::Fast, pads, || false).map_err(missing)?,
+            levels: &mut [],
+            rate: setup.rate,
+            skipping: setup.skipping,
+            room_samples: setup.room_samples,
+            words: Words::default(),
+            now: 0,
+            budget: None,
+            stage_cycles: None,
+            noisy: false,
+            filtered: false,
+            report: TickReport::EMPTY,
+            idle: false,
+            was_idle: false,
+            modes_built: 0,
+            groups_built: 0,
+            expects: false,
+            hands_changed: false,
+            unstruck_modes: 0,
+            retired_amplitude: 0.0,
+        })
+    }
+
+    #[inline(never)] // its stack is not that of the stages that follow
+    fn load_modes<L: Lender<'m>>(&mut self, lender: &mut L) -> Result<(), LoadError> {
+        let (kit, rate) = (self.kit, self.rate);
+        for number in 0..kit.pads().len() as u8 {
+            let Some(tables) = PadTables::new(kit, usize::from(number)) else { continue };
+            let refused = |(error, striker)| LoadError::Pad { pad: usize::from(number), striker, error, rate };
+            let size = VoiceSize::new(&tables, rate).map_err(refused)?;
+            let missing = |error| LoadError::Memory { stage: Stage::Modes(number), error };
+            let voice = Voice::take(lender, &size).map_err(missing)?;
+            self.groups_built += size.groups() as u32;
+            // An account gives no slices.
+            if let Some(slot) = self.voices.get_mut(usize::from(number)) {
+                *slot = voice;
+                slot.set_number(number);
+                slot.load(&tables, rate).map_err(refused)?;
+            }
         }
+        let missing = |error| LoadError::Memory { stage: Stage::Engine, error };
+        self.levels = lender.take(Region::Fast, self.groups_built as usize, || 0).map_err(missing)?;
         // Memory that is left then serves second positions.
-        self.banks.iter_mut().take(used.banks).for_each(|bank| bank.reserve_second(&memory, &mut used));
+        for number in 0..kit.pads().len() {
+            let Some(tables) = PadTables::new(kit, number) else { continue };
+            let modes = VoiceSize::new(&tables, rate).map_or(0, |size| size.second_modes(&tables));
+            let mut none = Voice::empty();
+            let voice = self.voices.get_mut(number).unwrap_or(&mut none);
+            if modes > 0 && voice.take_second(lender, modes).is_err() {
+                break;
+            }
+        }
         Ok(())
+    }
+
+    #[inline(never)] // only on load: its stack is not the program's
+    fn load_room<L: Lender<'m>>(&mut self, lender: &mut L, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
+        let (bands, rate, samples) = (self.kit.room(), self.rate, self.room_samples);
+        if bands.is_empty() {
+            return Ok(());
+        }
+        let size = match Room::<S>::size(bands, rate, samples) {
+            Ok(size) => size,
+            Err(error) => return fitting.leave_out(LoadError::Room(error)),
+        };
+        if !fits(lender, |account| Room::<S>::place(account, size), Stage::Room, fitting)?
+            || !fitting.take(Stage::Room, ROOM_TICK + size.bands as u32 * ROOM_BAND_TICK)
+        {
+            return Ok(());
+        }
+        let missing = |error| LoadError::Memory { stage: Stage::Room, error };
+        self.room = Room::place(lender, size).map_err(missing)?;
+        match self.room.as_deref_mut() {
+            Some(room) => room.load(bands, rate, samples).map_err(LoadError::Room),
+            None => Ok(()),
+        }
+    }
+
+    #[inline(never)]
+    fn load_background<L: Lender<'m>>(&mut self, lender: &mut L, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
+        let Some(background) = self.kit.background() else { return Ok(()) };
+        let highest_hz = background.bands().last().map_or(0.0, |band| band.edges_hz[1]);
+        let bands = background.bands().count();
+        let Some(place) = self.take_noise(Stage::Background, (bands, highest_hz), lender, fitting)? else {
+            return Ok(());
+        };
+        self.noisy = true;
+        if let Some(place) = place {
+            place.shaper.load(background.bands(), self.rate, Sfc32::new(background.seed(), u32::MAX), 0.0);
+            place.shaper.begin();
+            self.background = Some(place);
+        }
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn load_residual<L: Lender<'m>>(
+        &mut self,
+        number: u8,
+        lender: &mut L,
+        fitting: &mut Fitting<'_>,
+    ) -> Result<(), LoadError> {
+        let Some(pad) = self.kit.pads().nth(usize::from(number)) else { return Ok(()) };
+        let Some(residual) = self.kit.residual_of(pad.object_index()) else { return Ok(()) };
+        let highest_hz = residual.bands().last().map_or(0.0, |band| band.edges_hz[1]);
+        let bands = residual.bands().count();
+        let Some(place) = self.take_noise(Stage::Residual(number), (bands, highest_hz), lender, fitting)? else {
+            return Ok(());
+        };
+        self.noisy = true;
+        if let (Some(place), Some(voice)) = (place, self.voices.get_mut(usize::from(number))) {
+            let noise = Sfc32::new(residual.seed(), u32::from(number));
+            let choke_t60_s = f64::from(pad.choke_t60_s());
+            let hand_db_per_s = if choke_t60_s > 0.0 { 60.0 / choke_t60_s } else { 0.0 };
+            let silence = SILENCE / voice.loudest();
+            place.shaper.load_choked(residual.bands(), self.rate, noise, silence, hand_db_per_s);
+            voice.residual = Some(place);
+        }
+        Ok(())
+    }
+
+    /// Takes the memory and the time of noise in a number of bands up to an edge in Hz: `None` where it is left out, and `Some(None)` from an account.
+    fn take_noise<L: Lender<'m>>(
+        &self,
+        stage: Stage,
+        (bands, edge_hz): (usize, f32),
+        lender: &mut L,
+        fitting: &mut Fitting<'_>,
+    ) -> Result<Option<Option<&'m mut Residual<'m>>>, LoadError> {
+        if f64::from(edge_hz) > self.rate.hz() / 2.0 {
+            return fitting.leave_out(LoadError::BeyondNyquist { stage, edge_hz, rate: self.rate }).map(|()| None);
+        }
+        if !fits(lender, |account| Residual::place(account, bands), stage, fitting)? {
+            return Ok(None);
+        }
+        let cycles = Shaper::dearest_tick(bands);
+        let cycles = match stage {
+            Stage::Background => fitting.take(stage, cycles).then_some(0),
+            _ => fitting.afford(stage, cycles),
+        };
+        let Some(cycles) = cycles else { return Ok(None) };
+        let place = Residual::place(lender, bands).map_err(|error| LoadError::Memory { stage, error })?;
+        Ok(Some(place.map(|place| place.with_cycles(cycles))))
+    }
+
+    #[inline(never)] // only on load: its stack is not the program's
+    fn load_filters<L: Lender<'m>>(
+        &mut self,
+        number: u8,
+        lender: &mut L,
+        fitting: &mut Fitting<'_>,
+    ) -> Result<(), LoadError> {
+        let (kit, rate) = (self.kit, self.rate);
+        let Some(pad) = kit.pads().nth(usize::from(number)) else { return Ok(()) };
+        let object = pad.object_index();
+        let filter = kit.dynamic_filter_of(object).map_err(LoadError::FilterTable)?;
+        let biquads = kit.biquads_of(object).map_err(LoadError::FilterTable)?;
+        let reference_force = kit.object_of(pad).map_or(1.0, |object| object.reference_force());
+        let hardest = kit.strikers_of(pad).map(|striker| striker.contact().peak_force()).fold(0.0, f32::max);
+        let (mut size, mut cycles) = (FiltersSize::default(), [0, 0]);
+        // Derived without memory: what they cost, and whether they can be.
+        if let Some(filter) = &filter {
+            let stage = Stage::DynamicFilter(number);
+            let mut tried = Filters::empty();
+            let sized = Filters::size_of_dynamic(filter, rate);
+            let derived = sized.and_then(|size| {
+                tried.load_dynamic(filter, rate, u32::from(number), hardest / reference_force, false).map(|()| size)
+            });
+            match derived {
+                Err(error) => fitting.leave_out(LoadError::DynamicFilter { pad: number, error })?,
+                Ok(dynamic) => {
+                    let wanted = FiltersSize { dynamic: Some(dynamic), ..FiltersSize::default() };
+                    if fits(lender, |account| Filters::place(account, wanted), stage, fitting)? {
+                        // What modes go through runs with them, whether a strike brings noise or not.
+                        let afforded = match tried.takes_modes() {
+                            true => fitting.take(stage, tried.dearest_of_dynamic()).then_some(0),
+                            false => fitting.afford(stage, tried.dearest_of_dynamic()),
+                        };
+                        if let Some(afforded) = afforded {
+                            (size, cycles[0]) = (wanted, afforded);
+                        }
+                    }
+                }
+            }
+        }
+        if let Some(biquads) = &biquads {
+            let stage = Stage::Biquads(number);
+            let wanted = FiltersSize { biquads: biquads.records().len(), ..size };
+            if let Err(error) = Filters::check_biquads(biquads, rate, reference_force) {
+                fitting.leave_out(LoadError::Biquads { pad: number, error })?;
+            } else if fits(lender, |account| Filters::place(account, wanted), stage, fitting)? {
+                let worst = Filters::dearest_of_biquads(wanted.biquads, biquads.depth());
+                if let Some(afforded) = fitting.afford(stage, worst) {
+                    (size, cycles[1]) = (wanted, afforded);
+                }
+            }
+        }
+        if size == FiltersSize::default() {
+            return Ok(());
+        }
+        let stage = if size.dynamic.is_some() { Stage::DynamicFilter(number) } else { Stage::Biquads(number) };
+        let place = Filters::place(lender, size).map_err(|error| LoadError::Memory { stage, error })?;
+        self.filtered = true;
+        let (Some(place), Some(voice)) = (place, self.voices.get_mut(usize::from(number))) else { return Ok(()) };
+        place.cycles = cycles;
+        if let (Some(filter), Some(_)) = (&filter, size.dynamic) {
+            let loaded = place.load_dynamic(filter, rate, u32::from(number), hardest / reference_force, true);
+            loaded.map_err(|error| LoadError::DynamicFilter { pad: number, error })?;
+        }
+        if let (Some(biquads), 1..) = (&biquads, size.biquads) {
+            let loaded = place.load_biquads(biquads, rate, reference_force, pad.choke_t60_s());
+            if let Err(error) = loaded {
+                place.unload_biquads();
+                fitting.leave_out(LoadError::Biquads { pad: number, error })?;
+            }
+        }
+        voice.filters = Some(place);
+        Ok(())
+    }
+}
+
+/// Memory and time that a kit takes, without either.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Words of memory that the engine takes.
+    pub words: Words,
+    /// Worst cycles a tick that pads, room, background and filters of modes leave for stages that strikes begin; `None` without a limit.
+    pub stage_cycles_left: Option<u32>,
+}
+
+impl Plan {
+    /// The plan of a whole kit; [`Engine::new`] then takes just these words. `S` is the sample type of the room.
+    ///
+    /// # Errors
+    /// A [`LoadError`], as [`Engine::new`] gives it.
+    pub fn of<S: Sample>(kit: &Kit<'_>, setup: Setup) -> Result<Self, LoadError> {
+        Self::build::<S>(kit, setup, Words::MAX, Fitting::ALL)
+    }
+
+    /// The plan of what fits in so many words and cycles; [`Engine::new_within`] then takes just these words. `tell` is told what is left out.
+    ///
+    /// # Errors
+    /// A [`LoadError`], as [`Engine::new_within`] gives it.
+    pub fn within<S: Sample>(
+        kit: &Kit<'_>,
+        setup: Setup,
+        words: Words,
+        stage_cycles: u32,
+        tell: &mut dyn FnMut(LoadError),
+    ) -> Result<Self, LoadError> {
+        Self::build::<S>(kit, setup, words, Fitting::within(stage_cycles, kit.pads().len(), tell))
+    }
+
+    fn build<S: Sample>(kit: &Kit<'_>, setup: Setup, words: Words, fitting: Fitting<'_>) -> Result<Self, LoadError> {
+        let mut account = crate::memory::Account::new(words);
+        let engine = Engine::<S>::build(kit, setup, &mut account, fitting)?;
+        Ok(Self { words: account.used(), stage_cycles_left: engine.stage_cycles })
+    }
+}
+
+/// True if a stage finds memory, which is then still to be taken; else it is left out.
+fn fits<'m, T>(
+    lender: &impl Lender<'m>,
+    take: impl FnOnce(&mut crate::memory::Account) -> Result<T, OutOfMemory>,
+    stage: Stage,
+    fitting: &mut Fitting<'_>,
+) -> Result<bool, LoadError> {
+    match take(&mut lender.account()) {
+        Ok(_) => Ok(true),
+        Err(error) => fitting.leave_out(LoadError::Memory { stage, error }).map(|()| false),
     }
 }

@@ -10,49 +10,36 @@
 //! A block is cut at ticks and at events, but for those of hands, which act on ticks; all bookkeeping happens on ticks, so that
 //! the block size cannot change a bit. What ran and what was skipped in each tick is told by a [`TickReport`].
 
-mod apart;
 mod budget;
 mod check;
 mod cost;
-mod filters;
-mod fitting;
+mod error;
 mod load;
-mod noise;
-mod pad_set;
 mod report;
-mod surroundings;
+mod setup;
+mod stages;
 mod tick;
 
-pub use apart::Apart;
 pub use cost::{CYCLES, Counts, PARTS, Part};
-pub use filters::{FilterRoom, Filters, NoFilters, Place as FilterPlace};
-pub use fitting::{Fitting, Left, Stage};
-pub use load::{Capacity, LoadError};
-pub use noise::{NoResiduals, Place as ResidualPlace, ResidualRoom, Residuals};
-pub use report::{Cause, TickReport};
-pub use surroundings::{NoRoom, RoomStage, Surroundings};
+pub use error::LoadError;
+pub use load::Plan;
+pub use report::TickReport;
+pub use setup::{Setup, Skipping, Stage};
 
 use crate::SampleRate;
-use crate::contact::Flight;
+use crate::contact::ActiveContacts;
 use crate::event::{Event, EventError};
-use crate::output;
-use crate::pad::{Pad, is_ringing};
-use crate::resonator::{Bank, Group, Mode, Origin, TICK_FRAMES};
+use crate::memory::Words;
+use crate::output::{self, Panner};
+use crate::resonator::{Bank, TICK_FRAMES};
+use crate::room::{Room, Sample};
 use crate::table::Kit;
-use pad_set::PadSet;
+use crate::voice::{Residual, Voice};
+use budget::Listening;
 
-/// Contacts under way at once in every engine that is meant to give the same bits as the others: one more displaces the one nearest to
-/// its end. 64 are 1000 strikes a second on each of eight pads with contacts of 8 ms.
+/// Contacts under way at once, in every engine: one more displaces the one nearest to its end. 64 are 1000 strikes a second on
+/// each of eight pads with contacts of 8 ms.
 pub const STANDARD_CONTACTS: usize = 64;
-
-/// What an engine leaves out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Skipping {
-    /// Everything that cannot be heard: pads at rest, input work without force, modes that have decayed.
-    On,
-    /// Nothing that was built: every mode runs with its input in every frame. For measuring.
-    Off,
-}
 
 /// A force that excites a pad directly, sample by sample.
 #[derive(Clone, Copy, Debug)]
@@ -63,62 +50,46 @@ pub struct Direct<'a> {
     pub force: &'a [i32],
 }
 
-/// Fixed memory for a whole instrument, sized at compile time.
-///
-/// | parameter | counts | bytes each |
-/// | --- | --- | --- |
-/// | `PADS` | pads of the kit | 76 |
-/// | `BANKS` | a pad's object, and its strikers up to the last one with modes, of all pads | 88 |
-/// | `MODES` | modes below Nyquist of all pads, their strikers' included | 24 |
-/// | `GROUPS` | register groups: modes/6, and up to six more a bank | 24 |
-/// | `ORIGINS` | modes of pads that can be choked or have several positions; with several positions as many again, if there is room | 16 |
-/// | `CONTACTS` | contacts under way at once | 32 |
-/// | `S` | [`Surroundings`]: [`Residuals`] for so many pads with a residual, the background counting as one, a [`Room`](crate::room::Room), and [`Filters`]; none unless said otherwise | 24 KB a residual; a room as long as its lines; filters as their delay lines and biquads |
+/// A whole instrument with its kit, in lent memory ([`Engine::new`]). `S` is the sample type of the room's delay lines: `i16` on
+/// boards, `i32` where memory is cheap.
 #[derive(Debug)]
-pub struct Engine<
-    'k,
-    const PADS: usize,
-    const BANKS: usize,
-    const MODES: usize,
-    const GROUPS: usize,
-    const ORIGINS: usize,
-    const CONTACTS: usize,
-    S: Surroundings = NoResiduals,
-> {
-    /// The first `pad_count` are the kit's.
-    pads: [Pad<'k>; PADS],
-    pad_count: usize,
-    kit: Option<Kit<'k>>,
-    banks: [Bank; BANKS],
-    modes: [Mode; MODES],
-    groups: [Group; GROUPS],
-    origins: [Origin; ORIGINS],
-    flight: Flight<CONTACTS>,
-    residuals: S::Residuals,
-    room: S::Room,
-    filters: S::Filters,
-    /// `None` before a load, so that an engine in a `static` is all zeros and costs no flash.
-    rate: Option<SampleRate>,
+pub struct Engine<'k, 'm, S: Sample = i16> {
+    kit: Kit<'k>,
+    /// A voice for each pad of the kit.
+    voices: &'m mut [Voice<'k, 'm>],
+    contacts: ActiveContacts<'m>,
+    background: Option<&'m mut Residual<'m>>,
+    /// Level and pan of the background.
+    centre: Panner,
+    room: Option<&'m mut Room<'m, S>>,
+    /// Scratch of the budget: how each pad is heard, pads that known events will have struck, the level of each register group.
+    listening: &'m mut [Listening],
+    struck: &'m mut [bool],
+    levels: &'m mut [u8],
+    rate: SampleRate,
     skipping: Skipping,
+    room_samples: usize,
+    words: Words,
     now: u64,
     /// Cycles that a tick may take.
     budget: Option<u32>,
     /// Cycles that stages which strikes begin may take together.
     stage_cycles: Option<u32>,
-    /// Whether any residual or background has been loaded, and pads that have filters: kits without take no cycle for them.
+    /// True if any residual or background has been loaded: kits without take no cycle for them.
     noisy: bool,
-    filtered: PadSet,
+    /// True if any pad has filters.
+    filtered: bool,
     report: TickReport,
-    /// Whether nothing rings, no contact is under way and nothing retired may still be missing: until an event or a direct force, a tick
+    /// True if nothing rings, no contact is under way and nothing retired may still be missing: until an event or a direct force, a tick
     /// has nothing to do.
     idle: bool,
-    /// Whether the last tick was idle too, so that the report has nothing to forget.
+    /// True if the last tick was idle too, so that the report has nothing to forget.
     was_idle: bool,
     modes_built: u32,
     groups_built: u32,
-    /// Whether a contact has begun that some pad is not guarded for yet.
+    /// True if a contact has begun that some pad is not guarded for yet.
     expects: bool,
-    /// Whether a hand has come or gone since the last tick.
+    /// True if a hand has come or gone since the last tick.
     hands_changed: bool,
     /// Modes of pads that have not been struck since the load; kept for idle ticks.
     unstruck_modes: u32,
@@ -126,108 +97,45 @@ pub struct Engine<
     retired_amplitude: f32,
 }
 
-impl<
-    'k,
-    const PADS: usize,
-    const BANKS: usize,
-    const MODES: usize,
-    const GROUPS: usize,
-    const ORIGINS: usize,
-    const CONTACTS: usize,
-    S: Surroundings,
-> Default for Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
-{
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<
-    'k,
-    const PADS: usize,
-    const BANKS: usize,
-    const MODES: usize,
-    const GROUPS: usize,
-    const ORIGINS: usize,
-    const CONTACTS: usize,
-    S: Surroundings,
-> Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>
-{
-    /// An engine without a kit, silent. `const`, so that it can lie in a `static` and never on a stack.
-    pub const fn new() -> Self {
-        Self::with_stages(S::Residuals::EMPTY, S::Room::EMPTY, S::Filters::EMPTY)
-    }
-
-    /// The same with stages that are made already, such as those that lie [`Apart`].
-    pub const fn with_stages(residuals: S::Residuals, room: S::Room, filters: S::Filters) -> Self {
-        Self {
-            pads: [const { Pad::EMPTY }; PADS],
-            pad_count: 0,
-            kit: None,
-            banks: [const { Bank::EMPTY }; BANKS],
-            modes: [Mode::SILENT; MODES],
-            groups: [Group::EMPTY; GROUPS],
-            origins: [Origin::NONE; ORIGINS],
-            flight: Flight::EMPTY,
-            residuals,
-            room,
-            filters,
-            rate: None,
-            skipping: Skipping::On,
-            now: 0,
-            budget: None,
-            stage_cycles: None,
-            noisy: false,
-            filtered: PadSet::NONE,
-            report: TickReport::EMPTY,
-            idle: false,
-            was_idle: false,
-            modes_built: 0,
-            groups_built: 0,
-            expects: false,
-            hands_changed: false,
-            unstruck_modes: 0,
-            retired_amplitude: 0.0,
-        }
-    }
-
+impl<S: Sample> Engine<'_, '_, S> {
     /// The frame that the next block begins with, counted from the load.
     pub fn now(&self) -> u64 {
         self.now
     }
 
-    /// The sample rate; 48 kHz before a load.
+    /// The sample rate.
     pub fn rate(&self) -> SampleRate {
-        self.rate.unwrap_or(SampleRate::HZ_48000)
+        self.rate
+    }
+
+    /// Words of memory that the engine has taken.
+    pub fn words(&self) -> Words {
+        self.words
     }
 
     /// Number of pads loaded.
     pub fn pad_count(&self) -> usize {
-        self.pad_count
-    }
-
-    fn pads(&self) -> &[Pad<'k>] {
-        self.pads.get(..self.pad_count).unwrap_or(&[])
+        self.voices.len()
     }
 
     /// Modes that a pad renders, its strikers' included; those at or above Nyquist are not among them.
     pub fn mode_count(&self, pad: usize) -> usize {
-        self.pads().get(pad).map_or(0, Pad::mode_count)
+        self.voices.get(pad).map_or(0, Voice::mode_count)
     }
 
     /// Number of a pad's modes that are left out for want of time until the pad's next strike.
     pub fn shed_mode_count(&self, pad: usize) -> usize {
-        let banks = self.pads().get(pad).map_or(&[] as &[Bank], |pad| pad.own(&self.banks));
-        banks.iter().map(|bank| bank.shed_mode_count(&self.groups)).sum()
+        let banks = self.voices.get(pad).map_or(&[] as &[Bank<'_>], Voice::banks);
+        banks.iter().map(Bank::shed_mode_count).sum()
     }
 
     /// Whether nothing rings and no contact is under way: until the next event or direct force, output is exact silence and a core may sleep.
     pub fn is_silent(&self) -> bool {
-        self.flight.count() == 0
-            && !is_ringing(&self.banks)
+        self.contacts.count() == 0
+            && !self.voices.iter().any(Voice::is_ringing)
             && self.noises() == 0
-            && (self.filtered.is_empty() || self.filters.ringing() == 0)
-            && self.room.is_silent()
+            && self.ringing_filters() == 0
+            && self.room_is_silent()
     }
 
     /// Lets a tick of silence pass without a block to write to: what rendering it without events and direct force would do, but for the report.
@@ -236,7 +144,7 @@ impl<
         let passes = self.idle && !self.hands_changed && self.now.is_multiple_of(TICK_FRAMES as u64);
         if passes {
             self.now += TICK_FRAMES as u64;
-            self.room.pass_silence(TICK_FRAMES);
+            self.pass_room_silence(TICK_FRAMES);
         }
         passes
     }
@@ -363,7 +271,7 @@ impl<
             }
             if passes_idle {
                 self.report.pass_idle(self.unstruck_modes, self.modes_built, length);
-                self.room.pass_silence(length);
+                self.pass_room_silence(length);
             } else {
                 self.render_run(direct_now, now);
                 finish(now);
@@ -395,25 +303,23 @@ fn next_news(events: &[Event]) -> Option<&Event> {
 mod tests {
     use super::*;
     use crate::contact::Contact;
+    use crate::resonator::{Group, Mode, Origin};
 
     #[test]
-    fn memory_is_what_the_table_above_says() {
+    fn a_mode_takes_24_bytes_and_a_group_of_six_as_many() {
         std::println!(
-            "pad {}, bank {}, mode {}, group {}, origin {}, contact {}",
-            size_of::<Pad<'_>>(),
-            size_of::<Bank>(),
+            "voice {}, bank {}, mode {}, group {}, origin {}, contact {}, engine {}",
+            size_of::<Voice<'_, '_>>(),
+            size_of::<Bank<'_>>(),
             size_of::<Mode>(),
             size_of::<Group>(),
             size_of::<Origin>(),
-            size_of::<Contact>()
+            size_of::<Contact>(),
+            size_of::<Engine<'_, '_>>(),
         );
         assert_eq!(
             (size_of::<Mode>(), size_of::<Group>(), size_of::<Origin>(), size_of::<Contact>()),
             (24, 24, 16, 32)
         );
-        assert_eq!(size_of::<Bank>(), 88);
-        // Four pointers, each beside an f32, which are twice as wide on a PC as on the board.
-        let pointers = 8 * (size_of::<usize>() - 4);
-        assert_eq!(size_of::<Pad<'_>>(), (76 + pointers).next_multiple_of(size_of::<usize>()));
     }
 }

@@ -1,17 +1,8 @@
 //! What a tick did and what it left out.
 
 use super::cost::Counts;
-use crate::pad::{Pad, PadWork};
 use crate::resonator::Shed;
-
-/// Why modes that were built did not run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// Their pad has not been struck since the load.
-    Unstruck,
-    /// They, or all of their pad, have decayed, or their gain at the struck position is 0.
-    Decayed,
-}
+use crate::voice::{FilterWork, PadWork, Ran, Voice};
 
 /// Everything that ran in one tick, and what was skipped; modes above Nyquist are not built and appear nowhere.
 ///
@@ -24,9 +15,10 @@ pub struct TickReport {
     pub driven_mode_frames: u32,
     /// Mode-frames ringing freely.
     pub free_mode_frames: u32,
-    /// Mode-frames skipped because their pad has not been struck ([`Cause::Unstruck`]).
+    /// Mode-frames skipped because their pad has not been struck since the load.
     pub unstruck_mode_frames: u32,
-    /// Mode-frames skipped because they have decayed ([`Cause::Decayed`]).
+    /// Mode-frames skipped because the modes, or all of their pad, have decayed, or because their gain at the
+    /// struck position is 0.
     pub decayed_mode_frames: u32,
     /// Mode-frames of strikers' banks among those that ran.
     pub striker_mode_frames: u32,
@@ -124,14 +116,6 @@ impl TickReport {
         self.driven_mode_frames + self.free_mode_frames
     }
 
-    /// Mode-frames that were built and skipped, for a cause.
-    pub fn skipped_mode_frames(&self, cause: Cause) -> u32 {
-        match cause {
-            Cause::Unstruck => self.unstruck_mode_frames,
-            Cause::Decayed => self.decayed_mode_frames,
-        }
-    }
-
     /// The next tick.
     pub(super) fn begin(&mut self, frame: u64) {
         // Counts are long, and there are none without a budget.
@@ -158,9 +142,9 @@ impl TickReport {
     }
 
     /// A pad without force, that ran so many mode-frames (object, strikers).
-    pub(super) fn add_ringing(&mut self, pad: &Pad<'_>, (object, strikers): (u32, u32), frames: usize) {
-        let skipped = (pad.mode_count() * frames) as u32 - (object + strikers);
-        match pad.was_struck() {
+    pub(super) fn add_ringing(&mut self, voice: &Voice<'_, '_>, (object, strikers): (u32, u32), frames: usize) {
+        let skipped = (voice.mode_count() * frames) as u32 - (object + strikers);
+        match voice.was_struck() {
             true => self.decayed_mode_frames += skipped,
             false => self.unstruck_mode_frames += skipped,
         }
@@ -168,12 +152,23 @@ impl TickReport {
         self.striker_mode_frames += strikers;
     }
 
-    pub(super) fn add(&mut self, pad: &Pad<'_>, work: &PadWork, frames: usize) {
+    /// A run of a pad whose filters had a part in it.
+    pub(super) fn add_filtered(&mut self, voice: &Voice<'_, '_>, (ran, work): (Ran, FilterWork), frames: usize) {
+        match ran {
+            Ran::Driven(work) => self.add(voice, &work, frames),
+            Ran::Ringing(object, strikers) => self.add_ringing(voice, (object, strikers), frames),
+        }
+        self.filter_frames += work.filter_frames;
+        self.loop_frames += work.loop_frames;
+        self.biquad_frames += work.biquad_frames;
+    }
+
+    pub(super) fn add(&mut self, voice: &Voice<'_, '_>, work: &PadWork, frames: usize) {
         let mut banks = work.object;
         banks += work.strikers;
         let run = banks.driven_mode_frames + banks.free_mode_frames;
-        let skipped = ((pad.mode_count() * frames) as u32).saturating_sub(run);
-        match pad.was_struck() {
+        let skipped = ((voice.mode_count() * frames) as u32).saturating_sub(run);
+        match voice.was_struck() {
             true => self.decayed_mode_frames += skipped,
             false => self.unstruck_mode_frames += skipped,
         }

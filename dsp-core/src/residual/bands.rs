@@ -4,6 +4,7 @@ use super::edges::retreats;
 use super::square_root::{exact_root, square_root};
 use crate::SampleRate;
 use crate::exponential;
+use crate::memory::{Lender, OutOfMemory, Region};
 use crate::resonator::TICK_FRAMES;
 
 /// Bands that one stage may have.
@@ -174,10 +175,9 @@ fn under_window(e: f32) -> f32 {
 }
 
 /// All bands of a stage.
-#[derive(Clone, Debug)]
-pub(super) struct Bands {
-    bands: [Band; MAX_BANDS],
-    count: usize,
+#[derive(Debug)]
+pub(super) struct Bands<'m> {
+    bands: &'m mut [Band],
     lower: f32,
     /// Power of a strike at the reference force.
     strike_power: f32,
@@ -185,19 +185,26 @@ pub(super) struct Bands {
     hand: [f32; 2],
 }
 
-impl Bands {
-    pub(super) const NONE: Self =
-        Self { bands: [Band::NONE; MAX_BANDS], count: 0, lower: 0.0, strike_power: 0.0, hand: [1.0; 2] };
+impl<'m> Bands<'m> {
+    /// No bands.
+    pub(super) const fn none() -> Self {
+        Self { bands: &mut [], lower: 0.0, strike_power: 0.0, hand: [1.0; 2] }
+    }
 
-    /// Derives the bands for a rate; those beyond `MAX_BANDS` are left out. `hand_db_per_s` is what a hand makes them fall by at least, 0 where none can.
-    pub(super) fn new(laws: impl Iterator<Item = BandLaw>, hand_db_per_s: f64, rate: SampleRate) -> Self {
-        let mut new = Self::NONE;
+    /// Takes memory for `count` bands.
+    pub(super) fn take(lender: &mut impl Lender<'m>, count: usize) -> Result<Self, OutOfMemory> {
+        Ok(Self { bands: lender.take(Region::Bulk, count, || Band::NONE)?, ..Self::none() })
+    }
+
+    /// Derives the bands for a rate. A choke makes them fall by at least `hand_db_per_s`, 0 where none can.
+    pub(super) fn load(&mut self, laws: impl Iterator<Item = BandLaw>, hand_db_per_s: f64, rate: SampleRate) {
+        (self.lower, self.strike_power) = (0.0, 0.0);
         let hand_bits = -hand_db_per_s * (TICK_FRAMES as f64 / rate.hz()) * (core::f64::consts::LOG2_10 / 10.0);
-        new.hand = [1.0, f64::from(EIGHTH_TICKS)].map(|ticks| exponential::power_of_two(hand_bits * ticks) as f32);
-        for (law, band) in laws.zip(&mut new.bands) {
+        self.hand = [1.0, f64::from(EIGHTH_TICKS)].map(|ticks| exponential::power_of_two(hand_bits * ticks) as f32);
+        for (index, (law, band)) in laws.zip(&mut *self.bands).enumerate() {
             let [lower, upper] = law.edges_hz.map(|edge| f64::from(edge) / rate.hz());
-            if new.count == 0 {
-                new.lower = lower as f32;
+            if index == 0 {
+                self.lower = lower as f32;
             }
             let tick_s = TICK_FRAMES as f64 / rate.hz();
             let power = f64::from(law.weight) * f64::from(law.weight);
@@ -212,14 +219,12 @@ impl Bands {
                 ..Band::NONE
             }
             .with_onset(per_tick);
-            new.count += 1;
-            new.strike_power += power as f32;
+            self.strike_power += power as f32;
         }
-        new
     }
 
     pub(super) fn count(&self) -> usize {
-        self.count
+        self.bands.len()
     }
 
     /// Power at once after a strike at the reference force.
@@ -240,12 +245,12 @@ impl Bands {
 
     /// The bands, lowest first.
     pub(super) fn all(&self) -> &[Band] {
-        self.bands.get(..self.count).unwrap_or(&[])
+        self.bands
     }
 
     /// Forgets all energy.
     pub(super) fn clear(&mut self) {
-        self.bands.iter_mut().take(self.count).for_each(|band| band.density = 0.0);
+        self.bands.iter_mut().for_each(|band| band.density = 0.0);
     }
 
     /// Brings the energies of some bands up to a frame's beginning; gives their power there, and what is left of it after a quarter of the frame

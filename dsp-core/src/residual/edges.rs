@@ -15,7 +15,7 @@ const BEYOND: [f32; 23] = [
 ];
 const QUARTERS: f32 = 4.0;
 /// Of what the law has beyond an edge the frames bring so much; the rest comes by itself, as a strike's own frame begins as abruptly as the law does.
-/// (Found by random tables: host-tests/tests/residual.rs.)
+/// (Found by random tables: host-tests/tests/stages/residual.rs.)
 const BY_LINES: f64 = 0.5;
 /// Lines that are left of a band, at least, where it keeps away from both of its edges.
 const LEFT: f64 = 0.6;

@@ -72,7 +72,7 @@ impl Job {
     }
 
     /// Gives the frame up. Where some bands have been brought up to its beginning, all are; gives whether they have.
-    pub(super) fn give_up(&self, bands: &mut Bands) -> bool {
+    pub(super) fn give_up(&self, bands: &mut Bands<'_>) -> bool {
         match self.step {
             Step::Bands(0) if !self.passage.is_late => return false,
             Step::Bands(from) => _ = bands.advance(from..bands.count(), &self.passage),
@@ -89,7 +89,7 @@ impl Job {
     /// Does what costs about so many cycles; gives what it has cost.
     pub(super) fn advance(
         &mut self,
-        bands: &mut Bands,
+        bands: &mut Bands<'_>,
         spectrum: &mut [Complex],
         noise: &mut Sfc32,
         share: u32,

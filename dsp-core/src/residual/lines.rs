@@ -68,7 +68,7 @@ const STEEPEST: f32 = 0.9;
 
 impl Cursor {
     /// At the lowest line, for bands that are up to date. `spacing` is that of the lines, cycles/sample.
-    pub(super) fn new(bands: &Bands, common: &Common, spacing: f32) -> Self {
+    pub(super) fn new(bands: &Bands<'_>, common: &Common, spacing: f32) -> Self {
         let mut new = Self { line: 0, piece: Piece::END, next: Next::nothing(0, bands.lower()) };
         new.advance(bands, common);
         new.advance(bands, common);
@@ -87,7 +87,7 @@ impl Cursor {
 
     /// To the next band's piece.
     #[inline(never)]
-    fn advance(&mut self, bands: &Bands, common: &Common) {
+    fn advance(&mut self, bands: &Bands<'_>, common: &Common) {
         let Next { band, lower, upper, quarter, energy, retreats: [from_lower, from_upper] } = self.next;
         if band > bands.count() {
             self.piece = Piece::END;
@@ -123,7 +123,7 @@ impl Cursor {
 /// is in the band. A line has the tilt of the uppermost band in it. Gives the cycles.
 #[inline(never)]
 pub(super) fn fill_amplitudes(
-    bands: &Bands,
+    bands: &Bands<'_>,
     common: &Common,
     spectrum: &mut [Complex],
     cursor: &mut Cursor,

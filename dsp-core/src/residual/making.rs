@@ -27,7 +27,7 @@ const PAIR_CYCLES: u32 = 100;
 
 impl Making {
     /// Not begun; `common` is what the bands share in it.
-    pub(super) fn new(region: usize, bands: &Bands, common: &Common) -> Self {
+    pub(super) fn new(region: usize, bands: &Bands<'_>, common: &Common) -> Self {
         let spacing = 0.5 / MAX_POINTS as f32;
         Self { region, common: *common, step: Step::Amplitudes(Cursor::new(bands, common, spacing)) }
     }
@@ -43,7 +43,13 @@ impl Making {
     }
 
     /// Does what costs about so many cycles in its region; gives what it has cost.
-    pub(super) fn advance(&mut self, bands: &Bands, spectrum: &mut [Complex], noise: &mut Sfc32, share: u32) -> u32 {
+    pub(super) fn advance(
+        &mut self,
+        bands: &Bands<'_>,
+        spectrum: &mut [Complex],
+        noise: &mut Sfc32,
+        share: u32,
+    ) -> u32 {
         let points = spectrum.len();
         let mut spent = 0;
         while spent < share && !self.is_over() {

@@ -48,6 +48,7 @@ use stream::Stream;
 
 use crate::SampleRate;
 use crate::fixed;
+use crate::memory::{Lender, OutOfMemory, Region};
 use crate::noise::Sfc32;
 use crate::resonator::TICK_FRAMES;
 
@@ -61,14 +62,14 @@ const STREAM_CYCLES: u32 = 1_700;
 /// Noise in bands that decay, each at its own rate, after every strike.
 ///
 /// 24 KB. Accuracy against the law and cycles: `docs/residual.md`.
-#[derive(Clone, Debug)]
-pub struct Shaper {
-    bands: Bands,
+#[derive(Debug)]
+pub struct Shaper<'m> {
+    bands: Bands<'m>,
     noise: Sfc32,
     onset: Onset,
     /// Power below which the sound ends.
     silence: f32,
-    waves: [[Complex; MAX_POINTS]; REGIONS],
+    waves: &'m mut [[Complex; MAX_POINTS]],
     /// What sounds: up to two frames, a strike's own, the end of another strike's.
     streams: [Option<Stream>; 4],
     job: Option<Job>,
@@ -89,28 +90,39 @@ pub struct Shaper {
     expected_ticks: f32,
 }
 
-impl Shaper {
+impl<'m> Shaper<'m> {
     /// Without bands, silent for ever.
-    pub const NONE: Self = Self {
-        bands: Bands::NONE,
-        noise: Sfc32::new(0, 0),
-        onset: Onset::NONE,
-        silence: 0.0,
-        waves: [[[0.0; 2]; MAX_POINTS]; REGIONS],
-        streams: [None; 4],
-        job: None,
-        renewal: None,
-        ticks_to_next: 0,
-        in_onset: false,
-        just_struck: false,
-        ticks_since: 0,
-        active: false,
-        choked: false,
-        choked_ticks: 0.0,
-        expected_ticks: 0.0,
-    };
+    pub const fn none() -> Self {
+        Self {
+            bands: Bands::none(),
+            noise: Sfc32::new(0, 0),
+            onset: Onset::NONE,
+            silence: 0.0,
+            waves: &mut [],
+            streams: [None; 4],
+            job: None,
+            renewal: None,
+            ticks_to_next: 0,
+            in_onset: false,
+            just_struck: false,
+            ticks_since: 0,
+            active: false,
+            choked: false,
+            choked_ticks: 0.0,
+            expected_ticks: 0.0,
+        }
+    }
 
-    /// Derives the stage in place (it is large) for a rate. `silence` is the rms (1.0 = full scale) below which the sound ends, `stream` tells
+    /// Takes memory for `bands` bands, 20 KB and 32 bytes a band: silent until it is loaded.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn take(lender: &mut impl Lender<'m>, bands: usize) -> Result<Self, OutOfMemory> {
+        let points = lender.take(Region::Bulk, REGIONS * MAX_POINTS, || [0.0; 2])?;
+        Ok(Self { bands: Bands::take(lender, bands)?, waves: points.as_chunks_mut().0, ..Self::none() })
+    }
+
+    /// Derives the stage for a rate in the memory that was taken for as many bands. `silence` is the rms (1.0 = full scale) below which the sound ends, `stream` tells
     /// stages of one seed apart. Bands beyond [`MAX_BANDS`] are left out: a kit's check refuses them.
     pub fn load(&mut self, laws: impl Iterator<Item = BandLaw>, rate: SampleRate, noise: Sfc32, silence: f32) {
         self.load_choked(laws, rate, noise, silence, 0.0);
@@ -126,19 +138,14 @@ impl Shaper {
         silence: f32,
         hand_db_per_s: f64,
     ) {
-        self.reset();
-        self.bands = Bands::new(laws, hand_db_per_s, rate);
+        self.stop();
+        (self.onset, self.renewal, self.choked) = (Onset::NONE, None, false);
+        self.bands.load(laws, hand_db_per_s, rate);
         self.noise = noise;
         self.silence = silence * silence;
-        let [wave, ..] = &mut self.waves;
-        self.onset.load(&self.bands, wave, &mut self.noise);
-    }
-
-    /// Forgets all sound and all bands.
-    pub fn reset(&mut self) {
-        self.stop();
-        (self.bands, self.onset, self.renewal) = (Bands::NONE, Onset::NONE, None);
-        self.choked = false;
+        if let Some(wave) = self.waves.first_mut() {
+            self.onset.load(&self.bands, wave, &mut self.noise);
+        }
     }
 
     fn stop(&mut self) {

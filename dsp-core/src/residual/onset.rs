@@ -23,7 +23,7 @@ impl Onset {
     pub(super) const NONE: Self = Self { common: Common::NONE, region: 0, per_frame: [1.0; 2], is_used: false };
 
     /// Derives it in place, with noise for the first strike in `wave`, which is its region 0.
-    pub(super) fn load(&mut self, bands: &Bands, wave: &mut [Complex; MAX_POINTS], noise: &mut Sfc32) {
+    pub(super) fn load(&mut self, bands: &Bands<'_>, wave: &mut [Complex; MAX_POINTS], noise: &mut Sfc32) {
         let (mut power, mut left, mut lower) = (0.0, [0.0; 2], bands.lower());
         for band in bands.all() {
             let energy = band.strike * (band.upper - lower);
@@ -43,7 +43,7 @@ impl Onset {
     }
 
     /// New noise for the next strike.
-    pub(super) fn renewal(&self, region: usize, bands: &Bands) -> Making {
+    pub(super) fn renewal(&self, region: usize, bands: &Bands<'_>) -> Making {
         Making::new(region, bands, &self.common)
     }
 

@@ -17,12 +17,9 @@
 //!
 //! Bookkeeping happens on ticks of [`TICK_FRAMES`] frames counted from the engine's start, and where a force outgrows what the
 //! groups were guarded for, which depends on the force alone: so a caller's block size cannot change a bit.
-//!
-//! [`float`] holds a single-precision form, for comparison only.
 
 pub mod bank;
 pub mod coefficient;
-pub mod float;
 mod gain;
 pub mod group;
 pub mod headroom;
@@ -32,8 +29,8 @@ mod order;
 pub mod retirement;
 
 pub use bank::{
-    Audience, Bank, BankError, BankTable, BankWork, HAND_MODES_PER_TICK, Memory, Origin, Place, Selection, Shed,
-    Survey, UpcomingRun, Use, Used,
+    Audience, Bank, BankError, BankSize, BankTable, BankWork, HAND_MODES_PER_TICK, Origin, Place, Selection, Shed,
+    Survey, UpcomingRun, Use,
 };
 pub use coefficient::max_decay_per_s;
 pub use group::Group;

@@ -1,7 +1,5 @@
 //! The order in which a bank's modes are grouped: by side and form, and within a form by how long a typical strike keeps them audible.
 
-use core::ops::Range;
-
 use super::bank::{BankError, BankTable};
 use super::coefficient::{Pole, max_decay_per_s};
 use super::mode::Mode;
@@ -13,35 +11,49 @@ pub(super) fn pole_of(record: &ModeRecord, rate: SampleRate) -> Option<Pole> {
     Pole::new(f64::from(record.frequency_hz.get()), f64::from(record.decay_per_s.get()), rate)
 }
 
-/// Fills modes behind `start` with the table's renderable modes in the order in which they are grouped. Until they are derived, a mode
-/// holds its table index in `state.u`, its lifetime in `state.v` and its side and form in `gain.u`.
-pub(super) fn order_modes(
-    table: &BankTable<'_>,
+/// A mode of a table that is rendered.
+pub(super) struct Rendered {
+    index: usize,
+    pole: Pole,
+}
+
+impl Rendered {
+    /// Side and form, by which modes are grouped: 0 to 7.
+    pub(super) fn key(&self) -> i32 {
+        i32::from(self.pole.mirrored) << 2 | self.pole.form as i32
+    }
+}
+
+/// The table's modes below Nyquist.
+pub(super) fn rendered<'t>(
+    table: &'t BankTable<'_>,
     rate: SampleRate,
-    modes: &mut [Mode],
-    start: usize,
-) -> Result<Range<usize>, BankError> {
-    let mut end = start;
-    for (index, record) in table.modes.iter().enumerate() {
+) -> impl Iterator<Item = Result<Rendered, BankError>> + use<'t> {
+    let modes = table.modes;
+    modes.iter().enumerate().filter_map(move |(index, record)| {
         let (frequency_hz, decay_per_s) = (record.frequency_hz.get(), record.decay_per_s.get());
         if f64::from(frequency_hz) >= rate.hz() / 2.0 {
-            continue;
+            return None;
         }
         if f64::from(decay_per_s) > max_decay_per_s(rate) {
-            return Err(BankError::DecayTooFast { mode: index, decay_per_s });
+            return Some(Err(BankError::DecayTooFast { mode: index, decay_per_s }));
         }
-        let Some(pole) = pole_of(record, rate) else { continue };
-        let slot = modes.get_mut(end).ok_or(BankError::TooManyModes)?;
+        pole_of(record, rate).map(|pole| Ok(Rendered { index, pole }))
+    })
+}
+
+/// Fills `modes` with the table's rendered modes in the order in which they are grouped. Until they are derived, a mode
+/// holds its table index in `state.u`, its lifetime in `state.v` and its side and form in `gain.u`.
+pub(super) fn order_modes(table: &BankTable<'_>, rate: SampleRate, modes: &mut [Mode]) -> Result<(), BankError> {
+    for (slot, mode) in modes.iter_mut().zip(rendered(table, rate)) {
+        let mode = mode?;
         *slot = Mode::SILENT;
-        slot.state.u = index as i32;
-        slot.state.v = lifetime_ms(table, index, frequency_hz, decay_per_s);
-        slot.gain.u = i32::from(pole.mirrored) << 2 | pole.form as i32;
-        end += 1;
+        slot.state.u = mode.index as i32;
+        slot.state.v = lifetime_ms(table, mode.index);
+        slot.gain.u = mode.key();
     }
-    if let Some(taken) = modes.get_mut(start..end) {
-        sort(taken);
-    }
-    Ok(start..end)
+    sort(modes);
+    Ok(())
 }
 
 /// By side and form, lifetime (longest first), index. Insertion: the library's sort would be 4 KB of flash, and this is less than a tenth of
@@ -66,7 +78,9 @@ pub(super) fn order_key(mode: &Mode) -> i32 {
 }
 
 /// How long a typical strike keeps a mode above the retirement threshold: the order of groups, so that only its order of size matters.
-pub(super) fn lifetime_ms(table: &BankTable<'_>, index: usize, frequency_hz: f32, decay_per_s: f32) -> i32 {
+fn lifetime_ms(table: &BankTable<'_>, index: usize) -> i32 {
+    let Some(record) = table.modes.get(index) else { return 0 };
+    let (frequency_hz, decay_per_s) = (record.frequency_hz.get(), record.decay_per_s.get());
     let (impulse, contact_time_s) = table.typical_contact;
     let gains = table.gains.get(index * table.positions..).unwrap_or(&[]).iter().take(table.positions);
     let gain = gains.fold(0.0f32, |gain, at| gain.max(at.sine.get().abs()).max(at.cosine.get().abs()));

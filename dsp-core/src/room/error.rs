@@ -7,6 +7,7 @@ use crate::table::range;
 
 /// Why a room cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RoomError {
     /// More bands than a room may have.
     TooManyBands {

@@ -23,7 +23,7 @@
 //! **Time.** Input is gathered for a block of four ticks; its work is cut into four parts, one at each tick of the next block; the answer goes out in the block
 //! after that. So the length of the caller's blocks changes nothing.
 //!
-//! **Measured** at 48 kHz (`cargo test -p host-tests --test room -- --nocapture`, `... --test on_chip room ...`); more in `docs/room.md`:
+//! **Measured** at 48 kHz (`cargo test -p host-tests --test stages room:: -- --nocapture`, `... --test on_chip room ...`); more in `docs/room.md`:
 //!
 //! | what | figure |
 //! | --- | --- |
@@ -55,6 +55,7 @@ pub use plan::MAX_BANDS;
 pub use storage::Sample;
 
 use crate::SampleRate;
+use crate::memory::{Lender, OutOfMemory, Region};
 use crate::resonator::TICK_FRAMES;
 use crate::table::layout::RoomBandRecord;
 use crossover::{Split, SplitState};
@@ -70,12 +71,20 @@ const TICKS: usize = 4;
 /// Rates: 1, 1/2 ... 1/32.
 const RATES: usize = plan::SLOWEST.ilog2() as usize + 1;
 
-/// A room with `SAMPLES` samples of delay, of type `i16` (what a board has room for) or `i32`.
+/// Size of a [`Room`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RoomSize {
+    /// Number of bands.
+    pub bands: usize,
+    /// Pairs of samples in all delay lines.
+    pub pairs: usize,
+}
+
+/// A room whose delay lines hold samples of `i16`, as on a board, or of `i32`.
 #[derive(Debug)]
-pub struct Room<T: Sample, const SAMPLES: usize> {
-    /// The first `count` are the table's, from the lowest up.
-    bands: [Band; MAX_BANDS],
-    count: usize,
+pub struct Room<'m, T: Sample> {
+    /// The table's bands, from the lowest up.
+    bands: &'m mut [Band],
     /// From a rate to twice it, each by the number of halvings; the first is not used.
     upsamplers: [Upsampler; RATES],
     upsampler_states: [UpsamplerState; RATES],
@@ -85,13 +94,13 @@ pub struct Room<T: Sample, const SAMPLES: usize> {
     /// Makes one signal of both sides.
     feed: Feed,
     /// Half of what comes in during this block, and of what is worked on: by turns.
-    inputs: [[i32; BLOCK_FRAMES]; 2],
+    inputs: [&'m mut [i32]; 2],
     /// What goes out in this block, and what is worked on: by turns.
-    outputs: [[[i32; 2]; BLOCK_FRAMES]; 2],
+    outputs: [&'m mut [[i32; 2]]; 2],
     /// Which of both comes in and goes out.
     side: bool,
     /// Outputs of the lower rates: the upper half at half the rate, below it a quarter, and so on; at 1/32 from the fifth element on.
-    rates: [[i32; 2]; BLOCK_FRAMES],
+    rates: &'m mut [[i32; 2]],
     /// Or of what this block's sides have been.
     dry: u32,
     /// True if this block's input, or that of the block which is worked on, may be other than zeros.
@@ -106,8 +115,9 @@ pub struct Room<T: Sample, const SAMPLES: usize> {
     silent: bool,
     /// Blocks by which the turn is late.
     silent_blocks: u32,
-    scratch: Scratch<T>,
-    memory: Memory<T, SAMPLES>,
+    scratch: Option<&'m mut Scratch<T>>,
+    /// Pairs of samples of all delay lines.
+    lines: &'m mut [[T; 2]],
 }
 
 /// What a tick needs for itself; here, so that it is neither on the stack nor cleared each time.
@@ -119,10 +129,13 @@ struct Scratch<T: Sample> {
     turns: Turns<T>,
 }
 
-/// All delay lines; pairs of 16 bits are words.
-#[derive(Debug)]
-#[repr(C, align(4))]
-struct Memory<T, const SAMPLES: usize>([T; SAMPLES]);
+impl<T: Sample> Scratch<T> {
+    const EMPTY: Self = Self {
+        high: [0; BLOCK_FRAMES],
+        sound: Sound { input: [[T::ZERO; 2]; BLOCK_FRAMES], output: [[T::ZERO; 2]; BLOCK_FRAMES] },
+        turns: Turns::NONE,
+    };
+}
 
 #[derive(Clone, Copy, Debug)]
 struct Band {
@@ -151,27 +164,20 @@ impl Band {
     };
 }
 
-impl<T: Sample, const SAMPLES: usize> Default for Room<T, SAMPLES> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
-    /// No room. `const`, so that it can lie in a `static` and never on a stack.
-    pub const fn new() -> Self {
+impl<'m, T: Sample> Room<'m, T> {
+    /// No room: adds nothing, at no cost.
+    pub const fn none() -> Self {
         Self {
-            bands: [Band::NONE; MAX_BANDS],
-            count: 0,
+            bands: &mut [],
             upsamplers: [Upsampler::NONE; RATES],
             upsampler_states: [UpsamplerState::SILENT; RATES],
             levels: 0,
             turn: Turn::NONE,
             feed: Feed::SILENT,
-            inputs: [[0; BLOCK_FRAMES]; 2],
-            outputs: [[[0; 2]; BLOCK_FRAMES]; 2],
+            inputs: [&mut [], &mut []],
+            outputs: [&mut [], &mut []],
             side: false,
-            rates: [[0; 2]; BLOCK_FRAMES],
+            rates: &mut [],
             dry: 0,
             heard: false,
             worked: false,
@@ -180,28 +186,61 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             passed: 0,
             silent: true,
             silent_blocks: 0,
-            scratch: Scratch {
-                high: [0; BLOCK_FRAMES],
-                sound: Sound { input: [[T::ZERO; 2]; BLOCK_FRAMES], output: [[T::ZERO; 2]; BLOCK_FRAMES] },
-                turns: Turns::NONE,
-            },
-            memory: Memory([T::ZERO; SAMPLES]),
+            scratch: None,
+            lines: &mut [],
         }
     }
 
-    /// Derives the room from its bands, from the lowest up, and begins in silence. Without bands there is no room: nothing is added, at no cost.
+    /// Size of the room of a table at a rate whose delays have at most `samples` samples.
     ///
     /// # Errors
-    /// A [`RoomError`]; there is then no room.
-    pub fn load(&mut self, bands: &[RoomBandRecord], rate: SampleRate) -> Result<(), RoomError> {
-        (self.count, self.passed, self.silent_blocks) = (0, 0, 0);
-        self.clear();
-        self.memory.0.fill(T::ZERO);
-        let plans = plan::plan(bands, rate, SAMPLES)?;
+    /// A [`RoomError`] for bands that make no room.
+    pub fn size(bands: &[RoomBandRecord], rate: SampleRate, samples: usize) -> Result<RoomSize, RoomError> {
+        let plans = plan::plan(bands, rate, samples)?;
+        Ok(RoomSize { bands: bands.len(), pairs: plans.iter().flat_map(|plan| plan.delays).sum() })
+    }
+
+    /// Takes the memory of a room, which is silent until it is loaded.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn take(lender: &mut impl Lender<'m>, size: RoomSize) -> Result<Self, OutOfMemory> {
+        let mut block = || lender.take(Region::Fast, BLOCK_FRAMES, || 0);
+        let inputs = [block()?, block()?];
+        let mut stereo = || lender.take(Region::Fast, BLOCK_FRAMES, || [0; 2]);
+        Ok(Self {
+            inputs,
+            outputs: [stereo()?, stereo()?],
+            rates: stereo()?,
+            bands: lender.take(Region::Fast, size.bands, || Band::NONE)?,
+            scratch: lender.take(Region::Fast, 1, || Scratch::EMPTY)?.first_mut(),
+            lines: lender.take(Region::Fast, size.pairs, || [T::ZERO; 2])?,
+            ..Self::none()
+        })
+    }
+
+    /// Takes the memory of a room and of what it is made of; `None` from an account.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn place(lender: &mut impl Lender<'m>, size: RoomSize) -> Result<Option<&'m mut Self>, OutOfMemory> {
+        let room = Self::take(lender, size)?;
+        let Some(place) = lender.take(Region::Fast, 1, Self::none)?.first_mut() else { return Ok(None) };
+        *place = room;
+        Ok(Some(place))
+    }
+
+    /// Derives the room of bands, from the lowest up, in the memory that was taken for its [`size`](Self::size) with as many
+    /// `samples`, and begins in silence.
+    ///
+    /// # Errors
+    /// A [`RoomError`]; the room is then not to be played.
+    pub fn load(&mut self, bands: &[RoomBandRecord], rate: SampleRate, samples: usize) -> Result<(), RoomError> {
+        (self.passed, self.silent_blocks) = (0, 0);
+        let plans = plan::plan(bands, rate, samples)?;
         let (mut below, mut start) = (1, 0);
         for (band, plan) in self.bands.iter_mut().zip(&plans) {
             *band = Band {
-                state: NetworkConfig::new(plan).silent(),
                 config: NetworkConfig::new(plan),
                 split: plan.split,
                 division: plan.division as u8,
@@ -219,7 +258,8 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         self.turn = Turn::new(rate);
         self.levels = self.bands.first().map_or(0, |band| band.division.trailing_zeros() as usize);
         self.part_ends = plan::part_ends(&plans, bands.len());
-        self.count = bands.len();
+        self.lines.fill([T::ZERO; 2]);
+        self.clear();
         Ok(())
     }
 
@@ -230,12 +270,12 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
 
     /// Number of bands; 0 where there is no room.
     pub fn band_count(&self) -> usize {
-        self.count
+        self.bands.len()
     }
 
     /// Takes a run of the dry stereo sum (Q4.27) in and adds the room's answer to it.
     pub fn render(&mut self, out: &mut [[i32; 2]]) {
-        if self.count == 0 {
+        if self.bands.is_empty() {
             return;
         }
         let mut out = out;
@@ -279,11 +319,12 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
 
     /// Back to silence, where a network that sleeps has cleared its lines.
     fn clear(&mut self) {
-        for band in &mut self.bands {
+        for band in &mut *self.bands {
             (band.state, band.split_state) = (band.config.silent(), SplitState::SILENT);
         }
         self.upsampler_states = [UpsamplerState::SILENT; RATES];
-        (self.inputs, self.outputs) = ([[0; BLOCK_FRAMES]; 2], [[[0; 2]; BLOCK_FRAMES]; 2]);
+        self.inputs.iter_mut().for_each(|input| input.fill(0));
+        self.outputs.iter_mut().for_each(|output| output.fill([0; 2]));
         (self.feed, self.dry, self.heard, self.worked) = (Feed::SILENT, 0, false, false);
         self.work = Work::NONE;
         self.silent = true;
@@ -291,6 +332,6 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
 }
 
 /// What comes in or goes out, and what is worked on.
-fn turned<B>([a, b]: &mut [B; 2], side: bool) -> [&mut B; 2] {
+fn turned<'b, B>([a, b]: &'b mut [&mut [B]; 2], side: bool) -> [&'b mut [B]; 2] {
     if side { [b, a] } else { [a, b] }
 }

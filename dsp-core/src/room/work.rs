@@ -29,7 +29,7 @@ impl Work {
         Self { next: 0, bits: 0, division: 1, written: [false; RATES], asleep: true, begun: false };
 }
 
-impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
+impl<T: Sample> Room<'_, T> {
     /// At a block's end: what came in is worked on, what was worked on goes out.
     pub(super) fn begin(&mut self) {
         self.passed = 0;
@@ -41,7 +41,9 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         let rings = self.feed.settle(self.dry == 0);
         (self.worked, self.heard, self.dry) = (self.heard, rings, 0);
         self.turn.advance(core::mem::take(&mut self.silent_blocks));
-        self.scratch.turns = Turns::new(&self.turn);
+        if let Some(scratch) = &mut self.scratch {
+            scratch.turns = Turns::new(&self.turn);
+        }
         self.work = Work { begun: true, ..Work::NONE };
     }
 
@@ -53,9 +55,9 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         }
         let part = self.passed / TICK_FRAMES;
         while self.part_ends.get(part).is_some_and(|&end| self.work.next < usize::from(end)) {
-            let band = self.count.wrapping_sub(1 + self.work.next / 2);
+            let band = self.bands.len().wrapping_sub(1 + self.work.next / 2);
             match self.work.next {
-                next if next == 2 * self.count => self.double(),
+                next if next == 2 * self.bands.len() => self.double(),
                 next if next.is_multiple_of(2) => self.split(band),
                 _ => self.answer(band),
             }
@@ -77,7 +79,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         let [state, states @ ..] = &mut self.upsampler_states;
         for ((level, state), upsampler) in (1..self.levels).zip(states).zip(upsamplers).rev() {
             let block = BLOCK_FRAMES >> level;
-            let (slow, fast) = self.rates.split_at_mut(block);
+            let Some((slow, fast)) = self.rates.split_at_mut_checked(block) else { return };
             let (Some(slow), Some(fast)) = (slow.get_mut(block / 2..), fast.get_mut(..block)) else { return };
             let Some([fast_written, slow_written]) = written.get_mut(level - 1..=level) else { return };
             if !*slow_written {
@@ -87,7 +89,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             *fast_written = true;
         }
         if self.levels > 0 {
-            let (_, slow) = self.rates.split_at_mut(BLOCK_FRAMES / 2);
+            let Some((_, slow)) = self.rates.split_at_mut_checked(BLOCK_FRAMES / 2) else { return };
             if !written.first().copied().unwrap_or_default() {
                 slow.fill([0; 2]);
             }
@@ -109,7 +111,8 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
             thin(low, quotient(own, *division));
         }
         let block = quotient(BLOCK_FRAMES, own);
-        let (Some(low), Some(high)) = (low.get_mut(..block), self.scratch.high.get_mut(..block)) else { return };
+        let Some(scratch) = self.scratch.as_deref_mut() else { return };
+        let (Some(low), Some(high)) = (low.get_mut(..block), scratch.high.get_mut(..block)) else { return };
         *division = own;
         *bits = if index == 0 {
             let mut sizes = 0;
@@ -126,10 +129,9 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
 
     /// Lets a band answer to what was parted for it.
     fn answer(&mut self, index: usize) {
-        let Scratch { high, sound, turns } = &mut self.scratch;
+        let Some(Scratch { high, sound, turns }) = self.scratch.as_deref_mut() else { return };
         let Work { written, asleep, bits, .. } = &mut self.work;
         let [_, full_rate] = turned(&mut self.outputs, self.side);
-        let (memory, _) = self.memory.0.as_chunks_mut::<2>();
         let Some(band) = self.bands.get_mut(index) else { return };
         if band.config.sleeps(&band.state, *bits) {
             return;
@@ -137,7 +139,7 @@ impl<T: Sample, const SAMPLES: usize> Room<T, SAMPLES> {
         let own = usize::from(band.division);
         let block = quotient(BLOCK_FRAMES, own);
         let out = if own == 1 { full_rate.get_mut(..) } else { self.rates.get_mut(block..2 * block) };
-        let lines = memory.get_mut(usize::from(band.start)..usize::from(band.start) + usize::from(band.pairs));
+        let lines = self.lines.get_mut(usize::from(band.start)..usize::from(band.start) + usize::from(band.pairs));
         let (Some(lines), Some(out), Some(written), Some(high)) =
             (lines, out, written.get_mut(own.trailing_zeros() as usize), high.get(..block))
         else {

@@ -8,6 +8,7 @@ use super::range::Range;
 
 /// What is wrong with a kit's bytes: which field, where, what it holds and what is allowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TableError {
     /// The bytes end before the kit does.
     Truncated {

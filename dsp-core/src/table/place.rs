@@ -6,6 +6,7 @@ use super::range::CHAIN_DEPTH;
 
 /// Where in a kit a field stands; indices count from 0 in the order of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Place {
     /// The kit as a whole.
     Kit,
@@ -51,6 +52,7 @@ pub enum Place {
 
 /// A field of a kit, by its key in the text form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[expect(missing_docs, reason = "each variant is the key of the same name in the text form")]
 pub enum Field {
     A1,

@@ -5,6 +5,7 @@
 
 /// A closed interval of allowed values.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Range {
     /// The smallest allowed value.
     pub min: f32,

@@ -142,11 +142,6 @@ impl<'a> Kit<'a> {
         self.directory.iter().map(|entry| entry.tag).filter(|&tag| !is_known(tag))
     }
 
-    /// Whether there is a section of a tag, whatever it holds.
-    pub fn has_section(&self, tag: [u8; 4]) -> bool {
-        sections(self.directory, self.bytes, tag).next().is_some()
-    }
-
     /// What the object of an index sounds beside its modes.
     pub fn residual_of(&self, object: usize) -> Option<Residual<'a>> {
         self.residuals().find(|residual| residual.object_index() == object)

@@ -8,6 +8,7 @@ use crate::table::range::Range;
 
 /// Why settings or rates are refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TriggerError {
     /// The ADC's rate is not between [`MIN_RATE_HZ`] and [`MAX_RATE_HZ`].
     Rate {

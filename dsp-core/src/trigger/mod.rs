@@ -25,13 +25,13 @@
 //!
 //! # Measured
 //!
-//! On the generated set of `host-tests` (`cargo test -p host-tests --test trigger_quality -- --nocapture`; noise to 3 counts rms, hum to 10
+//! On the generated set of `host-tests` (`cargo test -p host-tests --test trigger quality -- --nocapture`; noise to 3 counts rms, hum to 10
 //! counts, rings of 200 Hz to 8 kHz that fall to 1/e in 5 to 60 ms): of 1200 strikes 99.7 % found, none false or double, velocity within
 //! 1 dB for 97.4 %. What is lost are second strokes of flams into a long ring of the same pad, whose phases may cancel: there 1 in 100 is missed
 //! and 1 in 16 is over 1 dB off. The twin in `reference` finds the same strikes, velocities within 0.10 dB.
 //!
 //! Decided 1.48 to 1.52 ms after the onset over 40 dB of one wave, jitter 0.02 to 0.03 ms over 1000 offsets; a tenth of a direct force's peak is
-//! there after 0.10 ms (`--test trigger_timing`).
+//! there after 0.10 ms (`--test trigger timing`).
 //!
 //! Cycles of a Cortex-M4 (nominal) a channel and sample, blocks of 32 frames, four channels: silent 17, in a scene of strikes on all pads 41 on
 //! average and 163 in the worst block; the resampler 86 a sample; 920 bytes of state (`--test on_chip trigger`). Blocks that are

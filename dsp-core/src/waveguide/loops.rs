@@ -9,7 +9,9 @@ use crate::SampleRate;
 use crate::dynamic_filter;
 use crate::dynamic_filter::noise::White;
 use crate::fixed::times_q31;
+use crate::memory::{Lender, OutOfMemory, Region};
 use crate::resonator::TICK_FRAMES;
+use crate::table::range::LOOPS as MOST_LOOPS;
 
 /// Up to this sum of what may come out of the loops a fine sum has room.
 const LARGEST_FINE: f64 = 1.0 / 16.0;
@@ -19,12 +21,16 @@ const LOUDEST: f64 = 4.0;
 /// The shortest time over which the largest word of the line is sought: ticks in which nothing is to be settled cost less.
 const SHORTEST_WINDOW: usize = 8 * TICK_FRAMES;
 
-/// At most `LOOPS` loops on one line of `FRAMES` frames of s.
+/// Loops on one delay line of s.
 // In this order: what a tick asks for is near the start, where the chip reaches it by a short address.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 #[repr(C)]
-pub(crate) struct Loops<const LOOPS: usize, const FRAMES: usize> {
+pub(crate) struct Loops<'m> {
+    /// Number of loops.
     count: usize,
+    bands: &'m mut [Resonance],
+    /// The delay line, a ring, larger than the bus by 2^line_scale.
+    line: &'m mut [i32],
     /// The shortest delay, at most a tick.
     shortest: usize,
     /// Where s is written next.
@@ -48,36 +54,60 @@ pub(crate) struct Loops<const LOOPS: usize, const FRAMES: usize> {
     tail_bits: i32,
     still_frames: usize,
     most_still_frames: usize,
-    bands: [Resonance; LOOPS],
-    /// The line, a ring, larger than the bus by 2^line_scale.
-    line: [i32; FRAMES],
 }
 
-impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
-    /// None.
-    pub(crate) const EMPTY: Self = Self {
-        bands: [Resonance::EMPTY; LOOPS],
-        count: 0,
-        shortest: TICK_FRAMES,
-        line: [0; FRAMES],
-        place: 0,
-        line_scale: 0,
-        sum_scale: FINE,
-        loud: false,
-        unsettled: false,
-        sizes: 0,
-        passed: 0,
-        sizes_of: [0; 2],
-        frames_of_first: 0,
-        window: SHORTEST_WINDOW,
-        line_bits: LINE_BITS,
-        longest: 0,
-        tail_bits: 0,
-        still_frames: 0,
-        most_still_frames: 0,
-    };
+/// Longest delay line in frames: 43 ms at 192 kHz.
+pub(crate) const LONGEST_LINE: usize = 8192;
+/// Shortest delay line in frames: a ring that turns less often costs less.
+const SHORTEST_LINE: usize = 512;
 
-    /// Derives loops at rest for a line of s larger than the bus by 2^`line_scale`; `stable` checks the sum of the loops.
+impl<'m> Loops<'m> {
+    /// No loops.
+    pub(crate) const fn empty() -> Self {
+        Self {
+            count: 0,
+            bands: &mut [],
+            line: &mut [],
+            shortest: TICK_FRAMES,
+            place: 0,
+            line_scale: 0,
+            sum_scale: FINE,
+            loud: false,
+            unsettled: false,
+            sizes: 0,
+            passed: 0,
+            sizes_of: [0; 2],
+            frames_of_first: 0,
+            window: SHORTEST_WINDOW,
+            line_bits: LINE_BITS,
+            longest: 0,
+            tail_bits: 0,
+            still_frames: 0,
+            most_still_frames: 0,
+        }
+    }
+
+    /// Frames of the delay line of loops at a rate: the longest delay and a tick, in whole ticks; 0 without loops.
+    ///
+    /// # Errors
+    /// A [`LoopError`] for a loop that cannot be, or whose delay is longer than any line.
+    pub(crate) fn line_frames(loops: impl Iterator<Item = Loop>, rate: SampleRate) -> Result<usize, LoopError> {
+        let mut longest = None;
+        for (index, one) in loops.enumerate() {
+            longest = longest.max(Some(Tuned::new(&one, index, LONGEST_LINE, rate)?.delay));
+        }
+        let frames = longest.map_or(0, |longest| (longest + TICK_FRAMES).next_multiple_of(TICK_FRAMES));
+        Ok(if frames > 0 { frames.max(SHORTEST_LINE) } else { 0 })
+    }
+
+    /// Takes memory for `count` loops on a line of so many frames.
+    pub(crate) fn take(lender: &mut impl Lender<'m>, count: usize, frames: usize) -> Result<Self, OutOfMemory> {
+        let bands = lender.take(Region::Bulk, count, || Resonance::EMPTY)?;
+        Ok(Self { bands, line: lender.take(Region::Bulk, frames, || 0)?, ..Self::empty() })
+    }
+
+    /// Derives loops at rest for a line of s larger than the bus by 2^`line_scale`; `stable` checks the sum of the loops. Without
+    /// memory all is derived but the loops themselves.
     pub(crate) fn load(
         &mut self,
         loops: impl Iterator<Item = Loop> + Clone,
@@ -85,16 +115,27 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         rate: SampleRate,
         stable: impl FnOnce(&[Tuned]) -> Result<(), LoopError>,
     ) -> Result<(), LoopError> {
-        self.unload();
+        self.rest();
+        (self.shortest, self.longest) = (TICK_FRAMES, 0);
         let given = loops.clone().count();
-        if given > LOOPS {
-            return Err(LoopError::Count { given, room: LOOPS });
+        let mut all = [Tuned::default(); MOST_LOOPS];
+        if given > MOST_LOOPS {
+            return Err(LoopError::Count { given, room: MOST_LOOPS });
         }
-        let mut all = [Tuned::default(); LOOPS];
         for (index, (tuned, one)) in all.iter_mut().zip(loops).enumerate() {
-            *tuned = Tuned::new(&one, index, FRAMES, rate)?;
+            *tuned = Tuned::new(&one, index, LONGEST_LINE, rate)?;
         }
         let all = all.get(..given).unwrap_or(&[]);
+        // What memory was taken for: the kernels read within the line for delays below its length alone.
+        if !self.bands.is_empty() {
+            let room = self.line.len();
+            if given != self.bands.len() {
+                return Err(LoopError::Count { given, room: self.bands.len() });
+            }
+            if let Some((index, tuned)) = all.iter().enumerate().find(|(_, tuned)| tuned.delay + TICK_FRAMES > room) {
+                return Err(LoopError::Delay { index, frames: tuned.delay as f64, room });
+            }
+        }
         stable(all)?;
         // Loops of little gain round a filter of much: there a step of the sum is loudest, and there is room for it to be small.
         let largest: f64 = all.iter().map(|tuned| Resonance::largest(tuned, line_scale)).sum();
@@ -103,19 +144,16 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
         self.line_scale = line_scale;
         for (band, tuned) in self.bands.iter_mut().zip(all) {
             *band = Resonance::new(tuned, line_scale, self.sum_scale);
+        }
+        for tuned in all {
             self.shortest = self.shortest.min(tuned.delay);
             self.longest = self.longest.max(tuned.delay);
         }
-        (self.count, self.window) = (given, self.longest.max(SHORTEST_WINDOW));
+        self.count = given;
+        self.window = self.longest.max(SHORTEST_WINDOW);
         self.loud = self.is_loud();
         self.most_still_frames = (STILL_S * rate.hz()) as usize;
         Ok(())
-    }
-
-    /// Makes them none.
-    pub(crate) fn unload(&mut self) {
-        self.rest();
-        (self.count, self.shortest, self.longest) = (0, TICK_FRAMES, 0);
     }
 
     /// How many there are.
@@ -127,12 +165,8 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
     /// `of_block` are those of the filter itself.
     pub(crate) fn cycles_a_tick(&self, of_block: u32) -> u32 {
         let (loops, blocks) = (self.count as u32, TICK_FRAMES.div_ceil(self.shortest.max(1)) as u32);
-        let further = (blocks - 1) * (270 + 84 * loops);
+        let further = (blocks - 1) * (310 + 84 * loops);
         if loops == 0 { 0 } else { 250 + 376 * loops + further + blocks * of_block }
-    }
-
-    fn used(&self) -> &[Resonance] {
-        self.bands.get(..self.count).unwrap_or(&[])
     }
 
     /// Whether a step of the sums is large ([`COARSE`]).
@@ -141,12 +175,12 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
     }
 
     fn is_loud(&self) -> bool {
-        self.used().iter().map(Resonance::weight).sum::<u64>() > Resonance::LARGEST_WEIGHT
+        self.bands.iter().map(Resonance::weight).sum::<u64>() > Resonance::LARGEST_WEIGHT
     }
 
     /// Clears what rings.
     pub(crate) fn rest(&mut self) {
-        self.bands.iter_mut().take(self.count).for_each(Resonance::rest);
+        self.bands.iter_mut().for_each(Resonance::rest);
         self.line.fill(0);
         (self.sizes, self.sizes_of, self.frames_of_first, self.still_frames) = (0, [0; 2], 0, 0);
         self.passed = 0;
@@ -156,17 +190,16 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
 
     /// Leaves so much (Q31) of what rings.
     pub(crate) fn attenuate(&mut self, left: i32) {
-        for band in self.bands.iter_mut().take(self.count) {
+        for band in self.bands.iter_mut() {
             band.attenuate(left);
         }
         self.unsettled = true;
-        let used = if self.count > 0 { FRAMES } else { 0 };
-        self.line.iter_mut().take(used).for_each(|s| *s = times_q31(*s, left));
+        self.line.iter_mut().for_each(|s| *s = times_q31(*s, left));
     }
 
     /// How many of so many frames have a slot that no loop is still to read and in which the ring does not turn.
     pub(crate) fn slot_length(&self, frames: usize) -> usize {
-        frames.min(FRAMES - self.longest).min(FRAMES - self.place)
+        frames.min(self.line.len() - self.longest).min(self.line.len() - self.place)
     }
 
     /// How many of them can be run at once: as long as no loop reads what is not written.
@@ -176,11 +209,10 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
 
     /// Adds what the loops give over so many frames to what lies in [`slot`](Self::slot), Q29 or less ([`COARSE`]).
     pub(crate) fn add(&mut self, frames: usize) {
-        let Some(bands) = self.bands.get_mut(..self.count) else { return };
         self.unsettled = if self.loud {
-            kernel::portable::run_loud(bands, &mut self.line, self.place, frames)
+            kernel::portable::run_loud(self.bands, self.line, self.place, frames)
         } else {
-            kernel::run(bands, &mut self.line, self.place, frames)
+            kernel::run(self.bands, self.line, self.place, frames)
         };
     }
 
@@ -191,9 +223,8 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
             dynamic_filter::kernel::noise(noise, level, self.slot(TICK_FRAMES));
             return self.add(TICK_FRAMES);
         }
-        let Some(bands) = self.bands.get_mut(..self.count) else { return };
         // It was settled.
-        if kernel::run_on_noise(noise, level, bands, &mut self.line, self.place, TICK_FRAMES) {
+        if kernel::run_on_noise(noise, level, self.bands, self.line, self.place, TICK_FRAMES) {
             self.unsettled = true;
         }
     }
@@ -207,7 +238,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
     pub(crate) fn advance(&mut self, frames: usize, sizes: u32) {
         self.sizes |= sizes;
         self.place += frames;
-        if self.place >= FRAMES {
+        if self.place >= self.line.len() {
             self.place = 0;
         }
     }
@@ -215,11 +246,11 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
     /// How many ticks may be run, each in one slot and followed by [`pass`](Self::pass), before the next [`settle`](Self::settle), as long as
     /// [`is_settled`](Self::is_settled).
     pub(crate) fn whole_ticks(&self) -> u32 {
-        if FRAMES - self.longest < TICK_FRAMES {
+        if self.line.len() < self.longest + TICK_FRAMES {
             return 0;
         }
         let of_window = self.window.saturating_sub(self.frames_of_first) + TICK_FRAMES;
-        (of_window.min(FRAMES - self.place) / TICK_FRAMES) as u32
+        (of_window.min(self.line.len() - self.place) / TICK_FRAMES) as u32
     }
 
     /// Whether all states, and what is on the line, are within the bounds of their scaling.
@@ -268,7 +299,7 @@ impl<const LOOPS: usize, const FRAMES: usize> Loops<LOOPS, FRAMES> {
     fn scale_anew(&mut self, line_bits: i32) {
         let known = line_bits == self.line_bits;
         self.line_bits = line_bits;
-        for band in self.bands.iter_mut().take(self.count) {
+        for band in self.bands.iter_mut() {
             if !known {
                 band.expect(if band.delay < TICK_FRAMES { LINE_BITS } else { line_bits });
             }

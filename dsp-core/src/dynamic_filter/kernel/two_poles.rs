@@ -68,7 +68,7 @@ impl TwoPoles {
     }
 
     /// At rest, for a path.
-    pub(in super::super) fn new<const N: usize>(path: &Path<N>) -> Self {
+    pub(in super::super) fn new(path: &Path<'_>) -> Self {
         // e is at most 2^(28 - q).
         let input_bits = (path.input_shift + 2).clamp(0, 6);
         let inner = 1 << (31 + path.inner_scale + path.input_shift - input_bits).clamp(0, 30);

@@ -13,16 +13,16 @@
 
 use super::super::group::{Group, MAX_GUARD_TICKS};
 use super::super::retirement::Retirement;
-use super::{Bank, Memory, MixShift, for_each_group};
+use super::{Bank, MixShift, for_each_group};
 
 /// The most that can come in a tick: 32 frames of 2^31.
 pub(super) const MAX_ALLOWANCE: u64 = 32 << 31;
 
-impl Bank {
+impl Bank<'_> {
     /// The bookkeeping of a tick: exponents follow the sound down, modes that have become inaudible retire.
     ///
     /// `retirement` is `None` where nothing may be skipped.
-    pub fn tick(&mut self, memory: &mut Memory<'_>, retirement: Option<&mut Retirement>) {
+    pub fn tick(&mut self, retirement: Option<&mut Retirement>) {
         self.retired.decay();
         // What comes is expected to be at most twice what came; if it is more, `render` guards again.
         let expected = core::mem::take(&mut self.spent).saturating_mul(2);
@@ -32,7 +32,7 @@ impl Bank {
         }
         if expected > 0 {
             if !self.is_covered && !self.allows(expected) {
-                self.guard(memory, (8 * expected).min(MAX_ALLOWANCE), false);
+                self.guard((8 * expected).min(MAX_ALLOWANCE), false);
             }
             return;
         }
@@ -47,13 +47,13 @@ impl Bank {
         self.due_ticks = self.due_ticks.saturating_sub(1);
         self.hand.pass(1);
         if self.due_ticks == 0 {
-            self.guard_due(memory, retirement, if all { u8::MAX } else { self.most_guards() });
+            self.guard_due(retirement, if all { u8::MAX } else { self.most_guards() });
         }
     }
 
     /// Most groups that a tick guards: under a hand they are due more often.
     fn most_guards(&self) -> u8 {
-        let groups = self.groups.range().len();
+        let groups = self.groups.len();
         let longest = usize::from(self.hand.longest_guard_ticks().max(1));
         let held = if self.hand.lies { groups / longest + groups / 16 + 3 } else { 0 };
         self.guards_per_tick.max(held.min(usize::from(u8::MAX)) as u8)
@@ -61,9 +61,9 @@ impl Bank {
 
     /// Guards all groups for the whole contact that begins, which brings a sum of |force| of `input`. So its force, however it rises, is not
     /// cut into runs, and the ticks in between have nothing to do.
-    pub fn expect(&mut self, memory: &mut Memory<'_>, input: u64) {
+    pub fn expect(&mut self, input: u64) {
         let wanted = self.allowance.saturating_add(input);
-        self.guard(memory, wanted.min(MAX_ALLOWANCE), true);
+        self.guard(wanted.min(MAX_ALLOWANCE), true);
         self.is_covered = wanted <= MAX_ALLOWANCE;
     }
 
@@ -110,11 +110,11 @@ impl Bank {
 
     /// Guards all groups for an allowance of |force|. `all` includes groups at rest.
     #[inline(never)]
-    pub(super) fn guard(&mut self, memory: &mut Memory<'_>, allowance: u64, all: bool) {
+    pub(super) fn guard(&mut self, allowance: u64, all: bool) {
         // No single force can exceed the allowance for their sum.
         let force_shift = allowance.leading_zeros().saturating_sub(33);
         let (clock, longest) = (self.clock, self.hand.longest_guard_ticks());
-        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
+        for_each_group(self.modes, self.groups, |group, modes| {
             if group.ringing() || all && !group.is_shed() {
                 group.guard(modes, allowance, force_shift);
                 group.schedule(clock, allowance > 0, longest);
@@ -123,18 +123,18 @@ impl Bank {
         self.hand.meet_guard(self.is_being_reached());
         self.force_shift = force_shift as u8; // at most 31
         self.allowance = allowance;
-        self.prepare(memory);
+        self.prepare();
     }
 
     /// Guards groups whose time has come, at most so many.
     #[inline(never)]
-    fn guard_due(&mut self, memory: &mut Memory<'_>, mut retirement: Option<&mut Retirement>, at_most: u8) {
+    fn guard_due(&mut self, mut retirement: Option<&mut Retirement>, at_most: u8) {
         let (clock, mix, longest) = (self.clock, self.mix_shift, self.hand.longest_guard_ticks());
         let (mut left, mut due_ticks) = (at_most, i8::MAX);
         // While the sum of the groups' bounds leaves room, what one of them decides does not concern the others.
         let mut is_settled = mix.bits == 0 && !mix.is_loud;
         let retired = &mut self.retired;
-        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
+        for_each_group(self.modes, self.groups, |group, modes| {
             if !group.ringing() {
                 return;
             }
@@ -155,26 +155,26 @@ impl Bank {
         });
         self.due_ticks = due_ticks.max(0) as u8;
         if !is_settled {
-            self.prepare(memory);
+            self.prepare();
         }
     }
 
     /// Guards all ringing groups, where there is no input.
-    pub(super) fn guard_all_at_rest(&mut self, memory: &mut Memory<'_>) {
+    pub(super) fn guard_all_at_rest(&mut self) {
         let (clock, longest) = (self.clock, self.hand.longest_guard_ticks());
-        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
+        for_each_group(self.modes, self.groups, |group, modes| {
             if group.ringing() {
                 group.follow(modes);
                 group.schedule(clock, false, longest);
             }
         });
         self.hand.meet_guard(self.is_being_reached());
-        self.prepare(memory);
+        self.prepare();
     }
 
     /// Derives how many groups a tick may guard, from how often each needs it. After load.
-    pub(super) fn count_guards(&mut self, memory: &Memory<'_>) {
-        let groups = memory.groups.get(self.groups.range()).unwrap_or(&[]);
+    pub(super) fn count_guards(&mut self) {
+        let groups = &self.groups;
         let due: u32 = groups.iter().map(Group::guards_in_longest_interval).sum();
         // What falls due on average, one sixteenth of all, so that none is late by more than 16 ticks, and two: each call looks at all.
         let guards = (due + groups.len() as u32 * MAX_GUARD_TICKS / 16) / MAX_GUARD_TICKS + 2;
@@ -183,8 +183,8 @@ impl Bank {
 
     /// Finds the mix exponent for the groups' bounds and brings their plans up to date.
     #[inline(never)]
-    pub(super) fn prepare(&mut self, memory: &mut Memory<'_>) {
-        let groups = memory.groups.get_mut(self.groups.range()).unwrap_or(&mut []);
+    pub(super) fn prepare(&mut self) {
+        let groups = &mut *self.groups;
         let (mut sum, mut mix_exponent, mut ringing_modes, mut refusing, mut due_ticks) = (0u64, 0, 0, 0, i8::MAX);
         for group in groups.iter().filter(|group| group.ringing()) {
             sum = sum.saturating_add(group.mix_bound());

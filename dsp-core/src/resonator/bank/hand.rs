@@ -24,7 +24,7 @@ use super::super::coefficient::{
 use super::super::group::{MAX_GUARD_TICKS, ticks_to_half_a_bit};
 use super::super::headroom::LIMIT;
 use super::super::mode::Mode;
-use super::{Bank, BankTable, Memory, Origin, for_each_group};
+use super::{Bank, BankTable, Origin, for_each_group};
 use crate::SampleRate;
 use crate::fixed;
 
@@ -130,7 +130,7 @@ impl Hand {
     }
 
     /// What the bank of a table knows of it; `origins` are those of its modes.
-    pub(super) fn of(&self, table: &BankTable<'_>, origins: &[Origin], memory_modes: &[Mode]) -> HandState {
+    pub(super) fn of(&self, table: &BankTable<'_>, origins: &[Origin], modes: &[Mode]) -> HandState {
         if self.delta == 0 {
             return HandState::NONE;
         }
@@ -140,7 +140,7 @@ impl Hand {
             let growth = growth_of_change(frequency_hz, decay_per_s, self.decay_per_s.max(decay_per_s), self.rate);
             Some(passes_per_guard(growth, origin.is_coupled()))
         });
-        let coupled = origins.iter().zip(memory_modes).filter(|(origin, _)| origin.is_coupled());
+        let coupled = origins.iter().zip(modes).filter(|(origin, _)| origin.is_coupled());
         let released = coupled.map(|(origin, mode)| 1.0 + change_of_u(origin.other, mode.coefficients));
         let largest = released.fold(1.0f32, f32::max);
         HandState {
@@ -280,15 +280,15 @@ fn inverse(share: i32) -> i32 {
     square - share - fixed::smmulr(square, share)
 }
 
-impl Bank {
+impl Bank<'_> {
     /// A hand comes or goes: it reaches the modes by [`Bank::reach`]. Gives how many groups were guarded before.
-    pub fn lay_hand(&mut self, lies: bool, memory: &mut Memory<'_>) -> u32 {
+    pub fn lay_hand(&mut self, lies: bool) -> u32 {
         if !self.hand.is_possible() || lies == self.hand.lies {
             return 0;
         }
         let needs_guard = self.ringing_modes > 0 && self.hand.passes >= self.hand.passes_per_guard;
         if needs_guard {
-            self.settle(memory);
+            self.settle();
         }
         (self.hand.lies, self.hand.reached) = (lies, 0);
         self.hand.passes = self.hand.passes.saturating_add(1);
@@ -305,7 +305,7 @@ impl Bank {
     /// True if a hand comes or goes that has not reached all modes yet.
     #[inline(always)]
     pub fn is_being_reached(&self) -> bool {
-        self.hand.is_possible() && usize::from(self.hand.reached) < self.modes.range().len()
+        self.hand.is_possible() && usize::from(self.hand.reached) < self.modes.len()
     }
 
     /// Number of modes that the next [`Bank::reach`] looks at.
@@ -313,21 +313,20 @@ impl Bank {
         if !self.is_being_reached() {
             return 0;
         }
-        (self.modes.range().len() - usize::from(self.hand.reached)).min(MODES_PER_TICK)
+        (self.modes.len() - usize::from(self.hand.reached)).min(MODES_PER_TICK)
     }
 
     /// A hand that comes or goes reaches the next modes, at each tick. It costs [`crate::engine::Part::ChokedMode`] a mode.
     #[inline(never)]
-    pub fn reach(&mut self, memory: &mut Memory<'_>) {
+    pub fn reach(&mut self) {
         let first = usize::from(self.hand.reached);
         let places = first..first + self.modes_to_reach();
         self.hand.reached = places.end as u16; // banks count in 16 bits
         self.hand.calm_ticks = CALM_TICKS;
         if self.hand_is_guarded() || self.second.is_set {
-            return self.reach_with_care(memory, places);
+            return self.reach_with_care(places);
         }
-        let modes = memory.modes.get_mut(self.modes.range()).unwrap_or(&mut []);
-        let origins = memory.origins.get_mut(self.origins.range()).unwrap_or(&mut []);
+        let (modes, origins) = (&mut *self.modes, &mut *self.origins);
         if self.hand.lies {
             exchange_quickly::<true>(modes, origins, places);
         } else {
@@ -337,26 +336,21 @@ impl Bank {
 
     /// [`Bank::reach`] where there are gains of a second position, or states that may be clipped.
     #[inline(never)] // few banks need it
-    fn reach_with_care(&mut self, memory: &mut Memory<'_>, places: Range<usize>) {
+    fn reach_with_care(&mut self, places: Range<usize>) {
         let is_guarded = self.hand_is_guarded();
         if is_guarded {
             let bits = self.hand.room_bits;
-            for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
+            for_each_group(self.modes, self.groups, |group, modes| {
                 group.make_room(modes, bits);
             });
         }
-        let modes = memory.modes.get_mut(self.modes.range()).unwrap_or(&mut []);
-        let gains = self.second_gains();
-        // The gains of a second position lie behind the origins of all banks.
-        let split = gains.start.max(self.origins.range().end);
-        let (own, behind) = memory.origins.split_at_mut_checked(split).unwrap_or((&mut [], &mut []));
-        let origins = own.get_mut(self.origins.range()).unwrap_or(&mut []);
-        let seconds = behind.get_mut(..gains.len()).unwrap_or(&mut []);
+        let (modes, origins) = (&mut *self.modes, &mut *self.origins);
+        let seconds = if self.second.is_set { &mut *self.second.gains } else { &mut [] };
         let change = |slot: usize, mode: &mut Mode, _, from| {
             let share = change_of_u(from, mode.coefficients);
             grow(mode, share);
             if let Some(second) = seconds.get_mut(slot) {
-                second.other.delta = grown(second.other.delta, share);
+                second.u = grown(second.u, share);
             }
             if is_guarded {
                 // Where no exponent is small enough for the room, which only a fault can bring about.
@@ -369,16 +363,16 @@ impl Bank {
             exchange::<false>(modes, origins, places, change);
         }
         if is_guarded {
-            self.settle(memory);
+            self.settle();
         }
     }
 
     /// Guards all ringing groups for what their input may still bring.
-    fn settle(&mut self, memory: &mut Memory<'_>) {
+    fn settle(&mut self) {
         if self.allowance == 0 {
-            self.guard_all_at_rest(memory);
+            self.guard_all_at_rest();
         } else {
-            self.guard(memory, self.allowance, false);
+            self.guard(self.allowance, false);
         }
     }
 }

@@ -1,7 +1,5 @@
 //! The modal bank: `y[n] = (1/fs) Σ F[m] h[n-m]`, `h[n] = r^n (gs sin nθ + gc cos nθ)`, the first sample of h at half weight.
 
-use core::ops::Range;
-
 mod guard;
 mod hand;
 mod load;
@@ -63,15 +61,8 @@ pub struct BankTable<'a> {
 
 /// Why a bank cannot be loaded.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BankError {
-    /// More modes than the engine has room for.
-    TooManyModes,
-    /// More register groups than the engine has room for.
-    TooManyGroups,
-    /// More modes with positions or choke than the engine has room for.
-    TooManyOrigins,
-    /// More banks than the engine has room for: a pad has one for its object, and one for each striker up to the last one with modes.
-    TooManyBanks,
     /// A mode decays faster than [`super::max_decay_per_s`] at this rate.
     DecayTooFast {
         /// Which mode of the table.
@@ -83,48 +74,15 @@ pub enum BankError {
     GainTooLarge,
 }
 
-/// A part of a [`Memory`]'s slice.
-#[derive(Clone, Copy, Debug)]
-struct Span {
-    start: u16,
-    end: u16,
-}
-
-impl Span {
-    const EMPTY: Self = Self { start: 0, end: 0 };
-
-    /// `None` beyond what 16 bits count.
-    fn new(range: Range<usize>) -> Option<Self> {
-        Some(Self { start: u16::try_from(range.start).ok()?, end: u16::try_from(range.end).ok()? })
-    }
-
-    fn range(self) -> Range<usize> {
-        usize::from(self.start)..usize::from(self.end)
-    }
-}
-
-/// Memory in which banks live: each takes a contiguous part of each slice.
-#[derive(Debug)]
-pub struct Memory<'m> {
-    /// Modes of all banks.
-    pub modes: &'m mut [Mode],
-    /// Register groups of all banks.
-    pub groups: &'m mut [Group],
-    /// Origins of all banks that keep them.
-    pub origins: &'m mut [Origin],
-}
-
-/// How much of a [`Memory`] has been given away.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Used {
-    /// Modes.
+/// Number of slices' items that a bank takes from lent memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BankSize {
+    /// Modes below Nyquist.
     pub modes: usize,
-    /// Groups.
+    /// Register groups: a sixth of the modes, and up to six more.
     pub groups: usize,
-    /// Origins.
+    /// Modes with an [`Origin`]: all of a bank that can be choked or has several positions, or none.
     pub origins: usize,
-    /// Banks.
-    pub banks: usize,
 }
 
 /// What a bank did over a run of frames, in modes (times the frames of the run for the work).
@@ -151,12 +109,12 @@ impl core::ops::AddAssign for BankWork {
 
 /// A bank of modes in fixed point.
 ///
-/// Accuracy of a mode against the `f64` reference: 100 dB and better (`cargo test -p host-tests --test long_tails`).
-#[derive(Clone, Debug)]
-pub struct Bank {
-    modes: Span,
-    groups: Span,
-    origins: Span,
+/// Accuracy of a mode against the `f64` reference: 100 dB and better (`cargo test -p host-tests --test stages long_tails`).
+#[derive(Debug)]
+pub struct Bank<'m> {
+    modes: &'m mut [Mode],
+    groups: &'m mut [Group],
+    origins: &'m mut [Origin],
     /// How many of its modes and of its groups run plain; the others, mirrored, come behind.
     plain_modes: u16,
     plain_groups: u16,
@@ -168,7 +126,7 @@ pub struct Bank {
     is_covered: bool,
     /// The position of slot 0, whose gains are the modes' own; and slot 1.
     position: f32,
-    second: Second,
+    second: Second<'m>,
     /// |force| that the groups are still guarded for.
     allowance: u64,
     /// The |force| since the last tick.
@@ -190,35 +148,47 @@ pub struct Bank {
     retired: Retired,
 }
 
-impl Bank {
+impl Bank<'_> {
     /// A bank without modes.
-    pub const EMPTY: Self = Self {
-        modes: Span::EMPTY,
-        groups: Span::EMPTY,
-        origins: Span::EMPTY,
-        plain_modes: 0,
-        plain_groups: 0,
-        onset: Scale::ZERO,
-        hand: HandState::NONE,
-        is_covered: false,
-        position: 0.0,
-        second: Second::NONE,
-        allowance: 0,
-        spent: 0,
-        force_shift: 0,
-        mix_shift: MixShift { bits: 0, is_loud: false },
-        mix_bits: 0,
-        refusing: 0,
-        ringing_modes: 0,
-        clock: 0,
-        due_ticks: 0,
-        guards_per_tick: 0,
-        retired: Retired::NOTHING,
-    };
+    pub const fn empty() -> Self {
+        Self {
+            modes: &mut [],
+            groups: &mut [],
+            origins: &mut [],
+            plain_modes: 0,
+            plain_groups: 0,
+            onset: Scale::ZERO,
+            hand: HandState::NONE,
+            is_covered: false,
+            position: 0.0,
+            second: Second::none(),
+            allowance: 0,
+            spent: 0,
+            force_shift: 0,
+            mix_shift: MixShift { bits: 0, is_loud: false },
+            mix_bits: 0,
+            refusing: 0,
+            ringing_modes: 0,
+            clock: 0,
+            due_ticks: 0,
+            guards_per_tick: 0,
+            retired: Retired::NOTHING,
+        }
+    }
+
+    /// The modes, in groups.
+    pub fn modes(&self) -> &[Mode] {
+        self.modes
+    }
+
+    /// The register groups.
+    pub fn groups(&self) -> &[Group] {
+        self.groups
+    }
 
     /// Number of modes that it renders.
     pub fn mode_count(&self) -> usize {
-        self.modes.range().len()
+        self.modes.len()
     }
 
     /// Whether anything rings.
@@ -240,15 +210,9 @@ impl Bank {
 }
 
 /// Calls `visit` with each group and its modes.
-fn for_each_group(
-    modes: Span,
-    groups: Span,
-    all_modes: &mut [Mode],
-    all_groups: &mut [Group],
-    mut visit: impl FnMut(&mut Group, &mut [Mode]),
-) {
-    let mut rest = all_modes.get_mut(modes.range()).unwrap_or(&mut []);
-    for group in all_groups.get_mut(groups.range()).unwrap_or(&mut []) {
+fn for_each_group(modes: &mut [Mode], groups: &mut [Group], mut visit: impl FnMut(&mut Group, &mut [Mode])) {
+    let mut rest = modes;
+    for group in groups {
         let Some((modes, behind)) = rest.split_at_mut_checked(group.count()) else { return };
         visit(group, modes);
         rest = behind;

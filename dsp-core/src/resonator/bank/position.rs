@@ -1,7 +1,7 @@
 //! Positions: each contact drives the gains of the place that it strikes.
 //!
-//! A bank plays force at two positions at a time, its **slots**. The modes hold the gains of slot 0. Those of slot 1 lie behind the
-//! origins of all banks, where there is memory for them: [`Bank::reserve_second`]. The force in slot 1 is
+//! A bank plays force at two positions at a time, its **slots**. The modes hold the gains of slot 0. Those of slot 1 lie in a
+//! slice of their own where there is memory for it: [`Bank::take_second`]. The force in slot 1 is
 //! injected behind that in slot 0, in each frame ([`kernel::driven_twice`](super::super::kernel::driven_twice)): a copy of the modes
 //! that is driven over a run and added at its end would round otherwise wherever a caller cuts a block. While slot 1 has no
 //! force nothing of this takes any time.
@@ -9,35 +9,35 @@
 //! A strike takes the slot that has its position; else one that no contact drives, slot 0 first; else, merged, the slot whose
 //! position is nearer.
 
-use core::ops::Range;
-
 use super::super::coefficient::Pole;
 use super::super::gain::{gain_law, onset, orbit_gains, taken_at_once};
 use super::super::group::{GROUP_MODES, Group};
 use super::super::mode::{InputGain, Mode};
 use super::hand::Hand;
-use super::{Bank, BankTable, Memory, Origin, Used, for_each_group};
+use super::{Bank, BankTable, Origin, for_each_group};
 use crate::SampleRate;
 use crate::fixed::Scale;
+use crate::memory::{Lender, OutOfMemory, Region};
 
 /// Slot 1 of a bank.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Second {
+#[derive(Debug)]
+pub(super) struct Second<'m> {
     /// True if the bank's table has several positions.
     pub(super) has_positions: bool,
     /// True once gains have been derived for the slot.
     pub(super) is_set: bool,
-    /// Where its gains begin among all origins; 0, the place of another bank's origin or of its own, while there are none.
-    start: u16,
     position: f32,
+    /// Gains of all modes; empty where the bank has one slot only.
+    pub(super) gains: &'m mut [InputGain],
     /// As [`Bank::onset`], for force in this slot.
     pub(super) onset: Scale,
 }
 
-impl Second {
+impl Second<'_> {
     /// No gains, and none to come.
-    pub(super) const NONE: Self =
-        Self { has_positions: false, is_set: false, start: 0, position: 0.0, onset: Scale::ZERO };
+    pub(super) const fn none() -> Self {
+        Self { has_positions: false, is_set: false, position: 0.0, gains: &mut [], onset: Scale::ZERO }
+    }
 }
 
 /// Which slot a strike drives.
@@ -56,36 +56,18 @@ impl Place {
     pub const FIRST: Self = Self { slot: 0, moves: false, is_merged: false };
 }
 
-impl Origin {
-    /// The gains that it keeps for slot 1.
-    pub(in crate::resonator) fn gain(&self) -> InputGain {
-        InputGain { u: self.other.delta, v: self.other.epsilon }
-    }
-
-    fn set_gain(&mut self, gain: InputGain) {
-        (self.other.delta, self.other.epsilon) = (gain.u, gain.v);
-    }
-}
-
-impl Bank {
-    /// Takes memory for the gains of a second position where the table has several and memory is left. After all banks have been
-    /// loaded, since none is refused for it.
-    pub fn reserve_second(&mut self, memory: &Memory<'_>, used: &mut Used) {
-        let end = used.origins + self.modes.range().len();
-        if self.second.has_positions && end <= memory.origins.len() {
-            self.second.start = used.origins as u16; // spans count in 16 bits
-            used.origins = end;
-        }
+impl<'m> Bank<'m> {
+    /// Takes memory for the gains of a second position.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`]; the bank then has one slot, in which contacts of other positions merge.
+    pub fn take_second(&mut self, lender: &mut impl Lender<'m>, modes: usize) -> Result<(), OutOfMemory> {
+        self.second.gains = lender.take(Region::Fast, modes, InputGain::default)?;
+        Ok(())
     }
 
     fn has_second(&self) -> bool {
-        self.second.start > 0
-    }
-
-    /// Places of the gains of slot 1 among all origins, none before they are derived.
-    pub(super) fn second_gains(&self) -> Range<usize> {
-        let start = usize::from(self.second.start);
-        start..start + if self.second.is_set { self.modes.range().len() } else { 0 }
+        !self.second.gains.is_empty()
     }
 
     /// True if slot 1 may have a force.
@@ -123,14 +105,7 @@ impl Bank {
     /// follow before any force.
     ///
     /// It costs [`crate::engine::Part::MovedMode`] a mode.
-    pub fn set_position(
-        &mut self,
-        slot: u8,
-        position: f32,
-        table: &BankTable<'_>,
-        rate: SampleRate,
-        memory: &mut Memory<'_>,
-    ) {
+    pub fn set_position(&mut self, slot: u8, position: f32, table: &BankTable<'_>, rate: SampleRate) {
         if !self.second.has_positions || slot == 1 && !self.has_second() {
             return;
         }
@@ -141,16 +116,11 @@ impl Bank {
         } else {
             self.position = position;
         }
-        let gains = self.second_gains();
-        // What lies behind the own origins.
-        let split = gains.start.max(self.origins.range().end);
-        let (own, behind) = memory.origins.split_at_mut_checked(split).unwrap_or((&mut [], &mut []));
-        let origins = own.get(self.origins.range()).unwrap_or(&[]);
-        let mut seconds = behind.get_mut(..gains.len()).unwrap_or(&mut []);
+        let mut seconds = if self.second.is_set { &mut *self.second.gains } else { &mut [] };
         let gain = gain_law(table, rate, position);
         let gain_room = Hand::new(table, rate).gain_room();
-        let (mut rest, mut taken) = (origins, 0.0);
-        for_each_group(self.modes, self.groups, memory.modes, memory.groups, |group, modes| {
+        let (mut rest, mut taken) = (&*self.origins, 0.0);
+        for_each_group(self.modes, self.groups, |group, modes| {
             let (origins, later) = rest.split_at_checked(modes.len()).unwrap_or((rest, &[]));
             rest = later;
             let all = core::mem::take(&mut seconds);
@@ -186,14 +156,14 @@ impl Bank {
                 let first = modes.get(slot).map_or(InputGain::default(), |mode| mode.gain);
                 *gain = match is_second {
                     true => first,
-                    false if has_other => second.get(slot).map_or(InputGain::default(), Origin::gain),
+                    false if has_other => second.get(slot).copied().unwrap_or_default(),
                     false => InputGain::default(),
                 };
             }
             group.share_gains(scale, &mut moved, &mut kept, gain_room);
             let (of_first, of_second) = if is_second { (kept, moved) } else { (moved, kept) };
             modes.iter_mut().zip(of_first).for_each(|(mode, gain)| mode.gain = gain);
-            second.iter_mut().zip(of_second).for_each(|(origin, gain)| origin.set_gain(gain));
+            second.iter_mut().zip(of_second).for_each(|(second, gain)| *second = gain);
         });
         let onset = onset(taken, table, rate);
         if is_second {

@@ -5,19 +5,19 @@ use super::super::group::Group;
 use super::super::kernel::{self, Backward, Stereo};
 use super::super::mode::Mode;
 use super::guard::MAX_ALLOWANCE;
-use super::{Bank, BankWork, Memory};
+use super::{Bank, BankWork};
 use crate::fixed;
 use crate::output::Gains;
 
-impl Bank {
+impl Bank<'_> {
     /// The bank's sound for a run without force, of at most a tick's frames: replaces `mix`. Gives by how many bits it must be shifted left
     /// to be bus samples, and whether that can saturate.
     ///
     /// Costs 5.4 cycles a ringing mode and sample on a Cortex-M4F, and 250 a call, twice if it has modes above fs/4
     /// (nominal, `cargo bench -p host-tests --bench run_time_vs_error`).
-    pub fn ring(&mut self, memory: &mut Memory<'_>, run: kernel::Run, odd_start: bool, mix: &mut Backward) -> MixShift {
-        let add = self.has_mirrored() && self.ring_mirrored(memory, run, odd_start, mix);
-        if let Some((groups, modes)) = self.plain(memory) {
+    pub fn ring(&mut self, run: kernel::Run, odd_start: bool, mix: &mut Backward) -> MixShift {
+        let add = self.has_mirrored() && self.ring_mirrored(run, odd_start, mix);
+        if let Some((groups, modes)) = self.plain() {
             kernel::free(groups, modes, kernel::Run { add, ..run }, mix);
         }
         self.mix_shift
@@ -25,27 +25,20 @@ impl Bank {
 
     /// The same straight to the stereo bus, by gains for the loudness of [`Bank::mix_shift`].
     #[inline(always)]
-    pub fn ring_stereo(
-        &mut self,
-        memory: &mut Memory<'_>,
-        run: kernel::Run,
-        odd_start: bool,
-        gains: Gains,
-        out: &mut [[i32; 2]],
-    ) {
+    pub fn ring_stereo(&mut self, run: kernel::Run, odd_start: bool, gains: Gains, out: &mut [[i32; 2]]) {
         let stereo = self.stereo(gains, out);
         if self.has_mirrored() {
-            self.ring_stereo_mirrored(memory, run, odd_start, stereo);
-        } else if let Some((groups, modes)) = self.plain(memory) {
+            self.ring_stereo_mirrored(run, odd_start, stereo);
+        } else if let Some((groups, modes)) = self.plain() {
             kernel::free_stereo(groups, modes, run, None, stereo);
         }
     }
 
     #[inline(never)] // its buffer must not weigh on banks without mirrored modes
-    fn ring_stereo_mirrored(&mut self, memory: &mut Memory<'_>, run: kernel::Run, odd_start: bool, stereo: Stereo<'_>) {
+    fn ring_stereo_mirrored(&mut self, run: kernel::Run, odd_start: bool, stereo: Stereo<'_>) {
         let mut mix = [0; TICK_FRAMES];
-        self.ring_mirrored(memory, run, odd_start, &mut mix);
-        if let Some((groups, modes)) = self.plain(memory) {
+        self.ring_mirrored(run, odd_start, &mut mix);
+        if let Some((groups, modes)) = self.plain() {
             kernel::free_stereo(groups, modes, run, Some(&mix), stereo);
         }
     }
@@ -53,19 +46,13 @@ impl Bank {
     /// Whether any groups are mirrored.
     #[inline(always)]
     fn has_mirrored(&self) -> bool {
-        self.groups.start + self.plain_groups < self.groups.end
+        usize::from(self.plain_groups) < self.groups.len()
     }
 
     /// The sound of the mirrored modes; whether there are any.
     #[inline(never)]
-    fn ring_mirrored(
-        &mut self,
-        memory: &mut Memory<'_>,
-        run: kernel::Run,
-        odd_start: bool,
-        mix: &mut Backward,
-    ) -> bool {
-        let Some((groups, modes)) = self.mirrored(memory) else { return false };
+    fn ring_mirrored(&mut self, run: kernel::Run, odd_start: bool, mix: &mut Backward) -> bool {
+        let Some((groups, modes)) = self.mirrored() else { return false };
         kernel::free(groups, modes, kernel::Run { add: false, ..run }, mix);
         alternate(mix, odd_start);
         true
@@ -86,22 +73,14 @@ impl Bank {
     ///
     /// `force` is the input in bus steps, `None` where there is none; `odd_start` says whether the first frame's absolute number is odd;
     /// `skip` leaves out groups at rest and the input work of a zero force. The bits do not depend on how a caller cuts time into runs.
-    pub fn render(
-        &mut self,
-        memory: &mut Memory<'_>,
-        force: Option<&[i32]>,
-        odd_start: bool,
-        skip: bool,
-        out: &mut [i32],
-    ) -> BankWork {
-        self.render_slots(memory, (force, None), odd_start, skip, out)
+    pub fn render(&mut self, force: Option<&[i32]>, odd_start: bool, skip: bool, out: &mut [i32]) -> BankWork {
+        self.render_slots((force, None), odd_start, skip, out)
     }
 
     /// [`Bank::render`] under a force at the position of slot 0 and, where there is one, another at that of slot 1, as long.
     #[inline(never)] // one for both
     pub fn render_slots(
         &mut self,
-        memory: &mut Memory<'_>,
         (force, second): (Option<&[i32]>, Option<&[i32]>),
         odd_start: bool,
         skip: bool,
@@ -112,7 +91,7 @@ impl Bank {
         let mut sum = force.map_or(0, sum_of_magnitudes) + sum_of_magnitudes(second);
         let Some(force) = force.filter(|_| !skip || sum > 0) else {
             if self.is_ringing() || !skip {
-                self.ring_on_bus(memory, odd_start, skip, out);
+                self.ring_on_bus(odd_start, skip, out);
                 work.free_mode_frames += self.running_modes(skip) * out.len().min(TICK_FRAMES) as u32;
             }
             return work;
@@ -124,7 +103,7 @@ impl Bank {
                 let next = magnitude(force.first()) + magnitude(second.first());
                 // Room for a tick of twice this force, or four times what this tick has brought already, at most for what can come at all.
                 let wanted = (next * 2 * TICK_FRAMES as u64).max(self.spent.saturating_mul(4));
-                self.guard(memory, wanted.min(MAX_ALLOWANCE), true);
+                self.guard(wanted.min(MAX_ALLOWANCE), true);
                 self.is_covered = false;
                 work.extra_guards += 1;
                 continue;
@@ -134,9 +113,9 @@ impl Bank {
                 core::mem::take(&mut out).split_at_mut_checked(count).unwrap_or((&mut [], &mut []));
             let (second_now, second_later) = second.split_at_checked(count).unwrap_or((second, &[]));
             if second_now.is_empty() {
-                self.drive(memory, now, odd, skip, out_now);
+                self.drive(now, odd, skip, out_now);
             } else {
-                self.drive_both(memory, (now, second_now), odd, skip, out_now);
+                self.drive_both((now, second_now), odd, skip, out_now);
             }
             second = second_later;
             work.driven_mode_frames += self.running_modes(skip) * count as u32;
@@ -151,17 +130,17 @@ impl Bank {
 
     /// A run without force.
     #[inline(never)] // its buffer must not weigh on runs with force
-    fn ring_on_bus(&mut self, memory: &mut Memory<'_>, odd_start: bool, skip: bool, out: &mut [i32]) {
+    fn ring_on_bus(&mut self, odd_start: bool, skip: bool, out: &mut [i32]) {
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
         let mut mix = [0; TICK_FRAMES];
-        let shift = self.ring(memory, run, odd_start, &mut mix);
+        let shift = self.ring(run, odd_start, &mut mix);
         self.add_to_bus(&mix, shift, None, out);
     }
 
     /// Modes that a run takes: those that ring, or all.
     #[inline(always)]
     pub fn running_modes(&self, skip: bool) -> u32 {
-        if skip { u32::from(self.ringing_modes) } else { self.modes.range().len() as u32 }
+        if skip { u32::from(self.ringing_modes) } else { self.modes.len() as u32 }
     }
 
     /// Where the mix goes, and how.
@@ -179,7 +158,6 @@ impl Bank {
     /// nothing happens, where that is not possible: the bank is too loud to add its onset without a clip, or not guarded for so much force.
     pub fn render_stereo(
         &mut self,
-        memory: &mut Memory<'_>,
         force: &[i32],
         odd_start: bool,
         gains: Gains,
@@ -196,8 +174,8 @@ impl Bank {
         let stereo = self.stereo(gains, out);
         let mut shifted = self.shifted(force);
         if self.has_mirrored() {
-            self.drive_stereo_mirrored(memory, run, (&mut shifted, onset.as_ref()), odd_start, stereo);
-        } else if let Some((groups, modes)) = self.plain(memory) {
+            self.drive_stereo_mirrored(run, (&mut shifted, onset.as_ref()), odd_start, stereo);
+        } else if let Some((groups, modes)) = self.plain() {
             kernel::driven_stereo(groups, modes, run, &shifted, onset.as_ref(), stereo);
         }
         let driven_mode_frames = self.running_modes(true) * run.frames as u32;
@@ -230,19 +208,18 @@ impl Bank {
     #[inline(never)] // its buffer must not weigh on banks without mirrored modes
     fn drive_stereo_mirrored(
         &mut self,
-        memory: &mut Memory<'_>,
         run: kernel::Run,
         (shifted, onset): (&mut Backward, Option<&Backward>),
         odd_start: bool,
         stereo: Stereo<'_>,
     ) {
         let mut mix = [0; TICK_FRAMES];
-        self.drive_mirrored(memory, run, shifted, odd_start, &mut mix);
+        self.drive_mirrored(run, shifted, odd_start, &mut mix);
         if let Some(onset) = onset {
             // Within the bank's room and the onset's.
             mix.iter_mut().zip(onset).for_each(|(sum, x)| *sum = sum.wrapping_add(*x));
         }
-        if let Some((groups, modes)) = self.plain(memory) {
+        if let Some((groups, modes)) = self.plain() {
             kernel::driven_stereo(groups, modes, run, shifted, Some(&mix), stereo);
         }
     }
@@ -263,13 +240,12 @@ impl Bank {
     #[inline(never)]
     fn drive_mirrored(
         &mut self,
-        memory: &mut Memory<'_>,
         run: kernel::Run,
         shifted: &mut Backward,
         odd_start: bool,
         mix: &mut Backward,
     ) -> bool {
-        let Some((groups, modes)) = self.mirrored(memory) else { return false };
+        let Some((groups, modes)) = self.mirrored() else { return false };
         alternate(shifted, odd_start);
         kernel::driven(groups, modes, run, shifted, mix);
         alternate(shifted, odd_start);
@@ -278,11 +254,11 @@ impl Bank {
     }
 
     /// A run with a force for which the groups are guarded.
-    fn drive(&mut self, memory: &mut Memory<'_>, force: &[i32], odd_start: bool, skip: bool, out: &mut [i32]) {
+    fn drive(&mut self, force: &[i32], odd_start: bool, skip: bool, out: &mut [i32]) {
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
         let (mut mix, mut shifted) = ([0; TICK_FRAMES], self.shifted(force));
-        let add = self.has_mirrored() && self.drive_mirrored(memory, run, &mut shifted, odd_start, &mut mix);
-        if let Some((groups, modes)) = self.plain(memory) {
+        let add = self.has_mirrored() && self.drive_mirrored(run, &mut shifted, odd_start, &mut mix);
+        if let Some((groups, modes)) = self.plain() {
             kernel::driven(groups, modes, kernel::Run { add, ..run }, &shifted, &mut mix);
         }
         self.add_to_bus(&mix, self.mix_shift, Some(force), out);
@@ -290,20 +266,11 @@ impl Bank {
 
     /// A run with a force in either slot.
     #[inline(never)] // it must not weigh on runs with one
-    fn drive_both(
-        &mut self,
-        memory: &mut Memory<'_>,
-        (force, second): (&[i32], &[i32]),
-        odd_start: bool,
-        skip: bool,
-        out: &mut [i32],
-    ) {
+    fn drive_both(&mut self, (force, second): (&[i32], &[i32]), odd_start: bool, skip: bool, out: &mut [i32]) {
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: true };
         let (mut mix, mut forces) = ([0; TICK_FRAMES], [self.shifted(force), self.shifted(second)]);
         let (plain_groups, plain_modes) = (usize::from(self.plain_groups), usize::from(self.plain_modes));
-        let gains = memory.origins.get(self.second_gains()).unwrap_or(&[]);
-        let groups = memory.groups.get(self.groups.range()).unwrap_or(&[]);
-        let modes = memory.modes.get_mut(self.modes.range()).unwrap_or(&mut []);
+        let (groups, modes, gains) = (&*self.groups, &mut *self.modes, &*self.second.gains);
         let (groups, mirrored) = groups.split_at_checked(plain_groups).unwrap_or((groups, &[]));
         let (modes, mirrored_modes) = modes.split_at_mut_checked(plain_modes).unwrap_or((&mut [], &mut []));
         let (gains, mirrored_gains) = gains.split_at_checked(plain_modes).unwrap_or((&[], &[]));
@@ -321,19 +288,16 @@ impl Bank {
         }
     }
 
-    /// Groups of the plain side, and all modes from theirs on.
+    /// Groups of the plain side, and the bank's modes.
     #[inline(always)]
-    fn plain<'m>(&self, memory: &'m mut Memory<'_>) -> Option<(&'m [Group], &'m mut [Mode])> {
-        let modes = memory.modes.get_mut(usize::from(self.modes.start)..)?;
-        let start = usize::from(self.groups.start);
-        Some((memory.groups.get(start..start + usize::from(self.plain_groups))?, modes))
+    fn plain(&mut self) -> Option<(&[Group], &mut [Mode])> {
+        Some((self.groups.get(..usize::from(self.plain_groups))?, self.modes))
     }
 
-    /// Groups of the mirrored side, and all modes from theirs on; `None` where there are none.
-    fn mirrored<'m>(&self, memory: &'m mut Memory<'_>) -> Option<(&'m [Group], &'m mut [Mode])> {
-        let start = usize::from(self.groups.start + self.plain_groups);
-        let groups = memory.groups.get(start..usize::from(self.groups.end)).filter(|groups| !groups.is_empty())?;
-        Some((groups, memory.modes.get_mut(usize::from(self.modes.start + self.plain_modes)..)?))
+    /// Groups of the mirrored side, and their modes; `None` where there are none.
+    fn mirrored(&mut self) -> Option<(&[Group], &mut [Mode])> {
+        let groups = self.groups.get(usize::from(self.plain_groups)..).filter(|groups| !groups.is_empty())?;
+        Some((groups, self.modes.get_mut(usize::from(self.plain_modes)..)?))
     }
 
     /// Brings the mix to the bus. Modes and onset cancel where the force rises, so that only their sum may saturate.

@@ -7,7 +7,7 @@
 use super::super::group::{GROUP_MODES, Group};
 use super::super::headroom::GROWTH_OF_V;
 use super::super::kernel::Plan;
-use super::{Bank, Memory};
+use super::Bank;
 
 /// Half octaves that stand for nothing.
 const NOTHING_TO_COME: i16 = -4000;
@@ -53,17 +53,32 @@ impl Audience {
 
 /// All groups of an engine by loudness.
 #[derive(Debug)]
-pub struct Survey<const GROUPS: usize> {
-    /// The level of each group, or [`SILENT`].
-    levels: [u8; GROUPS],
+pub struct Survey<'l> {
+    /// The level of each group in the order in which the banks are surveyed, or [`SILENT`].
+    levels: &'l mut [u8],
+    /// Number of groups that have been surveyed.
+    surveyed: usize,
     /// What each level has and costs: groups, cycles.
     groups: [u16; LEVELS],
     cycles: [u32; LEVELS],
 }
 
-impl<const GROUPS: usize> Survey<GROUPS> {
-    /// Nobody would run.
-    pub const NOBODY: Self = Self { levels: [SILENT; GROUPS], groups: [0; LEVELS], cycles: [0; LEVELS] };
+impl<'l> Survey<'l> {
+    /// A survey of no group yet; `levels` has a byte for each group of the engine.
+    pub fn new(levels: &'l mut [u8]) -> Self {
+        levels.fill(SILENT);
+        Self { levels, surveyed: 0, groups: [0; LEVELS], cycles: [0; LEVELS] }
+    }
+
+    /// Gives the levels' memory back.
+    pub fn into_levels(self) -> &'l mut [u8] {
+        self.levels
+    }
+
+    /// Passes over groups that will not run.
+    pub fn pass_over(&mut self, groups: usize) {
+        self.surveyed += groups;
+    }
 
     /// How many of the quietest groups have to go to free so many cycles.
     pub fn quietest_that_free(&self, excess: u32) -> u16 {
@@ -86,18 +101,18 @@ impl<const GROUPS: usize> Survey<GROUPS> {
         for ((&groups, &cycles), threshold) in self.groups.iter().zip(&self.cycles).zip(0u8..) {
             if groups > left {
                 let at_threshold = u32::from(left);
-                return (Selection { levels: Some(&self.levels), threshold, at_threshold }, cycles_below);
+                return (Selection { levels: Some(self.levels), threshold, at_threshold }, cycles_below);
             }
             (left, cycles_below) = (left - groups, cycles_below + cycles);
         }
-        (Selection { levels: Some(&self.levels), threshold: LEVELS as u8, at_threshold: 0 }, cycles_below)
+        (Selection { levels: Some(self.levels), threshold: LEVELS as u8, at_threshold: 0 }, cycles_below)
     }
 }
 
 /// Which groups are left out.
 #[derive(Debug)]
 pub struct Selection<'a> {
-    /// The level of each group of the engine; `None`: all are equally quiet.
+    /// The level of each group of the engine that has not been passed yet; `None`: all are equally quiet.
     levels: Option<&'a [u8]>,
     /// What is below this level goes.
     threshold: u8,
@@ -108,6 +123,13 @@ pub struct Selection<'a> {
 impl Selection<'static> {
     /// Everything.
     pub const ALL: Self = Self { levels: None, threshold: LEVELS as u8, at_threshold: 0 };
+}
+
+impl Selection<'_> {
+    /// Passes over groups that will not run, in the order of the survey.
+    pub fn pass_over(&mut self, groups: usize) {
+        self.levels = self.levels.and_then(|levels| levels.get(groups..));
+    }
 }
 
 /// The level of a group that would not run.
@@ -154,20 +176,19 @@ impl core::ops::AddAssign for Shed {
     }
 }
 
-impl Bank {
+impl Bank<'_> {
     /// Puts the loudness of each of its groups at the group's place in the survey, `SILENT` for those that would not run, and adds up
     /// what each step of loudness costs. Under a force all would run that are not left out already, else those that ring.
     #[inline(never)]
-    pub fn survey<const GROUPS: usize>(
+    pub fn survey(
         &self,
-        groups: &[Group],
         audience: &Audience,
         UpcomingRun { used, frames, guard }: UpcomingRun,
-        survey: &mut Survey<GROUPS>,
+        survey: &mut Survey<'_>,
     ) {
-        let groups = groups.get(self.groups.range()).unwrap_or(&[]);
         let costs = Costs::new(used, frames.into());
-        for (group, place) in groups.iter().zip(survey.levels.get_mut(self.groups.range()).unwrap_or(&mut [])) {
+        let places = survey.levels.iter_mut().skip(survey.surveyed);
+        for (group, place) in self.groups.iter().zip(places) {
             if runs(group, used) {
                 let level = level(group, audience);
                 *place = level;
@@ -178,31 +199,31 @@ impl Bank {
                 }
             }
         }
+        survey.pass_over(self.groups.len());
     }
 
     /// What the bank will cost over a run of frames, without what comes once a call; and how many groups will run.
-    pub fn cycles(&self, groups: &[Group], used: Use, frames: u32) -> (u32, u32) {
+    pub fn cycles(&self, used: Use, frames: u32) -> (u32, u32) {
         let costs = Costs::new(used, frames);
-        let groups = groups.get(self.groups.range()).unwrap_or(&[]).iter();
-        groups
+        self.groups
+            .iter()
             .filter(|group| runs(group, used))
             .fold((0, 0), |(total, count), group| (total + costs.of(group.plan()), count + 1))
     }
 
     /// Groups of the bank, at rest or not.
     pub fn group_count(&self) -> u32 {
-        self.groups.range().len() as u32
+        self.groups.len() as u32
     }
 
     /// Whether any group would run under a force.
-    pub fn has_admitted(&self, groups: &[Group]) -> bool {
-        groups.get(self.groups.range()).unwrap_or(&[]).iter().any(|group| !group.is_shed())
+    pub fn has_admitted(&self) -> bool {
+        self.groups.iter().any(|group| !group.is_shed())
     }
 
     /// Number of modes in groups that are left out.
-    pub fn shed_mode_count(&self, groups: &[Group]) -> usize {
-        let groups = groups.get(self.groups.range()).unwrap_or(&[]);
-        groups.iter().filter(|group| group.is_shed()).map(Group::count).sum()
+    pub fn shed_mode_count(&self) -> usize {
+        self.groups.iter().filter(|group| group.is_shed()).map(Group::count).sum()
     }
 
     /// Whether a force now would find the groups unguarded, so that all of them must be guarded at once.
@@ -214,17 +235,15 @@ impl Bank {
     /// others the survey knows ([`Survey::quietest`]).
     pub fn shed(
         &mut self,
-        memory: &mut Memory<'_>,
         audience: &Audience,
         UpcomingRun { used, frames, guard }: UpcomingRun,
         selection: &mut Selection<'_>,
     ) -> Shed {
         let costs = Costs::new(used, frames.into());
         let (mut count, mut modes, mut lost, mut saved, mut rang) = (0, 0, 0.0, 0, false);
-        let mut start = self.modes.range().start;
-        let levels = selection.levels.and_then(|levels| levels.get(self.groups.range()));
-        let groups = memory.groups.get_mut(self.groups.range()).unwrap_or(&mut []);
-        for (index, group) in groups.iter_mut().enumerate() {
+        let mut start = 0;
+        let levels = selection.levels;
+        for (index, group) in self.groups.iter_mut().enumerate() {
             let level = levels.and_then(|levels| levels.get(index)).copied().unwrap_or(0);
             let first = start;
             start += group.count();
@@ -242,11 +261,12 @@ impl Bank {
             modes += (start - first) as u32;
             lost += bound(group, audience) * (start - first) as f32;
             rang |= group.ringing();
-            group.shed(memory.modes.get_mut(first..start).unwrap_or(&mut []));
+            group.shed(self.modes.get_mut(first..start).unwrap_or(&mut []));
         }
+        selection.pass_over(self.groups.len());
         // Groups at rest are no part of the plan.
         if rang {
-            self.prepare(memory);
+            self.prepare();
         }
         Shed {
             groups: count,
@@ -258,10 +278,9 @@ impl Bank {
     }
 
     /// Lets input reach all groups again: a new strike is a new chance.
-    pub fn admit(&mut self, memory: &mut Memory<'_>) {
-        let groups = memory.groups.get_mut(self.groups.range()).unwrap_or(&mut []);
+    pub fn admit(&mut self) {
         let mut admitted = false;
-        for group in groups.iter_mut().filter(|group| group.is_shed()) {
+        for group in self.groups.iter_mut().filter(|group| group.is_shed()) {
             group.admit();
             admitted = true;
         }

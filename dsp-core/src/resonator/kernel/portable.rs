@@ -3,10 +3,9 @@
 //! A mode at a time, because the sum of rounded integers does not depend on the order. On a Cortex-M4 LLVM makes 18.6 cycles a mode and
 //! sample of it (it spills the 64-bit sums), which is why there is assembly.
 
-use super::super::bank::Origin;
 use super::super::coefficient::Form;
 use super::super::group::Group;
-use super::super::mode::Mode;
+use super::super::mode::{InputGain, Mode};
 use super::{Backward, Plan, Run, Stereo, TICK_FRAMES, slot};
 use crate::fixed;
 
@@ -61,7 +60,7 @@ pub fn driven(groups: &[Group], modes: &mut [Mode], run: Run, force: &Backward, 
     });
 }
 
-/// As [`driven`], under two forces: that of the modes' own gains, and one of the gains that the origins keep, one for each mode. It is
+/// As [`driven`], under two forces: that of the modes' own gains, and one of the gains of a second position, one for each mode. It is
 /// added to the mix.
 ///
 /// Not in assembly: strikes at two places of a pad within a contact time are rare
@@ -69,7 +68,7 @@ pub fn driven(groups: &[Group], modes: &mut [Mode], run: Run, force: &Backward, 
 #[inline(never)]
 pub fn driven_twice(
     groups: &[Group],
-    (modes, seconds): (&mut [Mode], &[Origin]),
+    (modes, seconds): (&mut [Mode], &[InputGain]),
     run: Run,
     [force, second]: &[Backward; 2],
     mix: &mut Backward,
@@ -86,7 +85,7 @@ pub fn driven_twice(
                 continue;
             }
             let mut twice = |step: fn(&mut Mode)| {
-                let (first, other, shift) = (mode.gain, second_gain.gain(), plan.gain_shift());
+                let (first, other, shift) = (mode.gain, *second_gain, plan.gain_shift());
                 let (first_u, first_v) = (first.u >> shift, first.v >> shift);
                 let (other_u, other_v) = (other.u >> shift, other.v >> shift);
                 for ((sum, &x), &y) in mix.iter_mut().zip(force).zip(second).rev() {

@@ -37,7 +37,7 @@ impl<'a> PadTables<'a> {
         self.pad
     }
 
-    pub(super) fn strikers(&self) -> impl Iterator<Item = Striker<'a>> {
+    pub(super) fn strikers(&self) -> impl Iterator<Item = Striker<'a>> + use<'a> {
         self.kit.strikers_of(self.pad)
     }
 

@@ -3,6 +3,7 @@
 use super::law::Impact;
 use super::pulse::{self, Asymmetry, Pulse, SHAPE_BITS, WHOLE};
 use crate::fixed;
+use crate::memory::{Lender, OutOfMemory, Region};
 
 /// One contact under way.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +22,7 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// All zeros: so an engine in a `static` costs no flash.
+    /// A contact that is over.
     const OVER: Self = Self { pad: 0, striker: 0, slot: 0, pulse: Pulse::Gaussian, peak: 0, phase: 0, step: 0 };
 
     /// A contact whose pulse began `early` (a fraction of a sample, 1.0 = 2^32) before the next frame: onsets fall between samples.
@@ -111,16 +112,26 @@ impl Contact {
     }
 }
 
-/// All contacts of an engine, in the order in which they began; at most `CAPACITY` at a time.
+/// Contacts under way in an engine, in the order in which they began.
 #[derive(Debug)]
-pub struct Flight<const CAPACITY: usize> {
-    contacts: [Contact; CAPACITY],
+pub struct ActiveContacts<'m> {
+    contacts: &'m mut [Contact],
     count: usize,
 }
 
-impl<const CAPACITY: usize> Flight<CAPACITY> {
-    /// Nothing under way.
-    pub const EMPTY: Self = Self { contacts: [Contact::OVER; CAPACITY], count: 0 };
+impl<'m> ActiveContacts<'m> {
+    /// No contact under way, and no memory for any.
+    pub const fn none() -> Self {
+        Self { contacts: &mut [], count: 0 }
+    }
+
+    /// Takes memory for at most `capacity` contacts at a time.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn take(lender: &mut impl Lender<'m>, capacity: usize) -> Result<Self, OutOfMemory> {
+        Ok(Self { contacts: lender.take(Region::Fast, capacity, || Contact::OVER)?, count: 0 })
+    }
 
     /// Contacts under way.
     pub fn count(&self) -> usize {

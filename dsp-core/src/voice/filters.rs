@@ -14,26 +14,37 @@ use super::hand::Hand;
 use crate::SampleRate;
 use crate::biquad::{self, Biquad, BiquadError, Root, TickKind};
 use crate::dynamic_filter::level::Levels;
-use crate::dynamic_filter::{Breakpoint, DynamicFilter, DynamicFilterError, Exciter, Settings};
+use crate::dynamic_filter::{Breakpoint, DynamicFilter, DynamicFilterError, Exciter, FilterSize, Settings};
 use crate::fixed;
+use crate::memory::{Lender, OutOfMemory, Region};
 use crate::resonator::TICK_FRAMES;
 use crate::table;
 use crate::table::layout::{BiquadRecord, BreakpointRecord, LoopRecord};
 use crate::waveguide::Loop;
 
-/// The filters of one pad: a dynamic filter of at most `POINTS` breakpoints with at most `LOOPS` loops whose delays fit `FRAMES` frames, and biquads
-/// in at most `PAIRS` pairs (a pair for each suffices).
-#[derive(Clone, Debug)]
-pub struct PadFilters<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize> {
-    dynamic: DynamicFilter<POINTS, LOOPS, FRAMES>,
-    biquads: biquad::Bank<PAIRS>,
+/// Size of the filters of a voice.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FiltersSize {
+    /// Size of the dynamic filter, if there is one.
+    pub dynamic: Option<FilterSize>,
+    /// Number of biquads; 0 if there are none.
+    pub biquads: usize,
+}
+
+/// The filters of one voice: a dynamic filter with its loops, and biquads.
+#[derive(Debug)]
+pub struct Filters<'m> {
+    dynamic: DynamicFilter<'m>,
+    biquads: biquad::Bank<'m>,
+    /// Worst cycles of a tick in which the dynamic filter sounds, and of one in which the biquads do.
+    pub(crate) cycles: [u32; 2],
     has_dynamic: bool,
     loop_count: u32,
     /// The filter runs louder by so many bits, its noise, modes and loops softer: [`louder_bits`].
     louder: u32,
     hand: Hand,
     /// How the dynamic filter's sound falls by itself, and frames since its path began.
-    levels: Levels<POINTS>,
+    levels: Levels<'m>,
     since: u32,
     /// Whether the biquads do not hear the force of the last strike, and whether they have not rung since they did.
     deaf: bool,
@@ -53,33 +64,56 @@ pub struct FilterWork {
     pub biquad_frames: u32,
 }
 
-impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: usize>
-    PadFilters<POINTS, LOOPS, FRAMES, PAIRS>
-{
-    /// None of both: silent, at no cost.
-    pub const EMPTY: Self = Self {
-        dynamic: DynamicFilter::EMPTY,
-        biquads: biquad::Bank::EMPTY,
-        has_dynamic: false,
-        loop_count: 0,
-        louder: 0,
-        hand: Hand::AWAY,
-        levels: Levels::NONE,
-        since: PAST,
-        deaf: false,
-        struck: false,
-        frame: 0,
-    };
+impl<'m> Filters<'m> {
+    /// Neither a dynamic filter nor biquads: silent, at no cost.
+    pub const fn empty() -> Self {
+        Self {
+            dynamic: DynamicFilter::empty(),
+            biquads: biquad::Bank::empty(),
+            cycles: [0; 2],
+            has_dynamic: false,
+            loop_count: 0,
+            louder: 0,
+            hand: Hand::AWAY,
+            levels: Levels::none(),
+            since: PAST,
+            deaf: false,
+            struck: false,
+            frame: 0,
+        }
+    }
 
-    /// Makes it none of both.
-    pub fn unload(&mut self) {
-        self.unload_dynamic();
-        self.unload_biquads();
-        (self.hand, self.frame, self.since) = (Hand::AWAY, 0, PAST);
+    /// Size of a dynamic filter at a rate.
+    ///
+    /// # Errors
+    /// [`DynamicFilterError`] for loops that cannot be.
+    pub fn size_of_dynamic(
+        filter: &table::DynamicFilter<'_>,
+        rate: SampleRate,
+    ) -> Result<FilterSize, DynamicFilterError> {
+        DynamicFilter::size(&settings(filter, 0), rate)
+    }
+
+    /// Takes the memory of filters, which are silent until they are loaded; `None` from an account.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn place(lender: &mut impl Lender<'m>, size: FiltersSize) -> Result<Option<&'m mut Self>, OutOfMemory> {
+        let mut filters = Self::empty();
+        if let Some(size) = size.dynamic {
+            filters.dynamic = DynamicFilter::take(lender, size)?;
+            filters.levels = Levels::take(lender, size.breakpoints)?;
+        }
+        filters.biquads = biquad::Bank::take(lender, size.biquads)?;
+        let place = lender.take(Region::Bulk, 1, Self::empty)?.first_mut();
+        Ok(place.map(|place| {
+            *place = filters;
+            place
+        }))
     }
 
     /// Derives the dynamic filter for a rate. `stream` tells noises of one seed apart, `peak` is the pad's hardest strike: peak force over the
-    /// reference force, at velocity 1.
+    /// reference force, at velocity 1. `is_known` says that the filter has been loaded without memory, so that its loops are stable.
     ///
     /// # Errors
     /// [`DynamicFilterError`].
@@ -90,30 +124,27 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         rate: SampleRate,
         stream: u32,
         peak: f32,
+        is_known: bool,
     ) -> Result<(), DynamicFilterError> {
         self.louder = louder_bits(peak);
-        let louder = libm::scalbn(1.0, self.louder as i32);
-        let exciter = filter.exciter().map(|band| {
-            // The filter is told levels that are smaller by 1/louder.
-            let exponent = f64::from(band.exponent);
-            let factor = libm::pow(louder, exponent);
-            Exciter { low_hz: f64::from(band.low_hz) * factor, high_hz: f64::from(band.high_hz) * factor, exponent }
-        });
-        let path = filter.path().iter().zip(filter.levels()).map(|(record, noise)| breakpoint(record, noise, louder));
-        let settings = Settings {
-            seed: filter.seed(),
-            rate_hz: f64::from(filter.rate_hz()),
-            order: filter.order(),
-            modes_through: filter.takes_modes(),
-            exciter,
-            path: path.clone(),
-            loops: filter.loops().iter().map(|record| band(record, louder)),
-        };
-        self.dynamic.load(settings, rate, stream)?;
+        let settings = settings(filter, self.louder);
+        let path = settings.path.clone();
+        match is_known {
+            true => self.dynamic.load_again(settings, rate, stream)?,
+            false => self.dynamic.load(settings, rate, stream)?,
+        }
         let at = (rate, rate.hz() / f64::from(filter.rate_hz()));
         self.levels.load(filter.order(), path, at, !filter.loops().is_empty());
         (self.has_dynamic, self.loop_count) = (true, filter.loops().len() as u32); // at most 16
         Ok(())
+    }
+
+    /// Checks a biquad bank without any memory for it.
+    ///
+    /// # Errors
+    /// [`BiquadError`].
+    pub fn check_biquads(bank: &table::Biquads<'_>, rate: SampleRate, reference_force: f32) -> Result<(), BiquadError> {
+        carried(bank, rate, reference_force).enumerate().try_for_each(|(index, biquad)| biquad?.check(index))
     }
 
     /// Derives the biquads for a rate; `reference_force` is what 1.0 of force stands for, in newtons, `choke_t60_s` what a hand imposes, 0 where none can.
@@ -128,32 +159,15 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         reference_force: f32,
         choke_t60_s: f32,
     ) -> Result<(), BiquadError> {
-        let depth = bank.depth().max(1);
-        let rate_hz = f64::from(bank.rate_hz());
-        let biquads = bank.records().iter().enumerate().map(|(index, record)| {
-            // The force in newtons goes into the first of each chain.
-            let newtons = if index.is_multiple_of(depth) { f64::from(reference_force) } else { 1.0 };
-            Biquad::from_roots_at(index, roots(record, newtons), rate_hz, rate)
-        });
+        let (depth, biquads) = (bank.depth().max(1), carried(bank, rate, reference_force));
         let hand = if choke_t60_s > 0.0 { libm::exp(-nepers(choke_t60_s, rate)) } else { 1.0 };
         self.biquads.load_each(biquads, depth, hand)
     }
 
-    /// Leaves the biquads alone.
-    pub fn unload_dynamic(&mut self) {
-        self.dynamic.unload();
-        (self.has_dynamic, self.loop_count, self.louder) = (false, 0, 0);
-    }
-
-    /// Leaves the dynamic filter alone.
-    pub fn unload_biquads(&mut self) {
+    /// Unloads the biquad bank.
+    pub(crate) fn unload_biquads(&mut self) {
         self.biquads.unload();
         (self.deaf, self.struck) = (false, false);
-    }
-
-    /// Whether there is anything.
-    pub fn is_built(&self) -> bool {
-        self.has_dynamic || self.has_biquads()
     }
 
     fn has_biquads(&self) -> bool {
@@ -340,9 +354,33 @@ impl<const POINTS: usize, const LOOPS: usize, const FRAMES: usize, const PAIRS: 
         self.dynamic.cycles_a_tick()
     }
 
-    /// The same of the biquads alone, struck.
-    pub fn dearest_of_biquads(&self) -> u32 {
-        self.biquads.cycles(TickKind::Struck)
+    /// Nominal cycles of a tick in which so many biquads, in chains of `depth`, are struck: at most, where alike ones go in twos.
+    pub(crate) fn dearest_of_biquads(biquads: usize, depth: usize) -> u32 {
+        let each = if depth > 1 { 3000 } else { 2400 };
+        biquads.div_ceil(2) as u32 * each + 1500
+    }
+}
+
+/// What a table says of a dynamic filter that runs louder by so many bits.
+fn settings<'a>(
+    filter: &table::DynamicFilter<'a>,
+    louder_bits: u32,
+) -> Settings<impl Iterator<Item = Breakpoint> + Clone + use<'a>, impl Iterator<Item = Loop> + Clone + use<'a>> {
+    let louder = libm::scalbn(1.0, louder_bits as i32);
+    let exciter = filter.exciter().map(|band| {
+        // The filter is told levels that are smaller by 1/louder.
+        let exponent = f64::from(band.exponent);
+        let factor = libm::pow(louder, exponent);
+        Exciter { low_hz: f64::from(band.low_hz) * factor, high_hz: f64::from(band.high_hz) * factor, exponent }
+    });
+    Settings {
+        seed: filter.seed(),
+        rate_hz: f64::from(filter.rate_hz()),
+        order: filter.order(),
+        modes_through: filter.takes_modes(),
+        exciter,
+        path: filter.path().iter().zip(filter.levels()).map(move |(record, noise)| breakpoint(record, noise, louder)),
+        loops: filter.loops().iter().map(move |record| band(record, louder)),
     }
 }
 
@@ -381,6 +419,20 @@ fn band(record: &LoopRecord, louder: f64) -> Loop {
         gain: f64::from(record.gain.get()) / louder,
         delay_s: f64::from(record.delay_s.get()),
     }
+}
+
+/// The biquads of a table, carried to a rate.
+fn carried<'a>(
+    bank: &table::Biquads<'a>,
+    rate: SampleRate,
+    reference_force: f32,
+) -> impl Iterator<Item = Result<Biquad, BiquadError>> + use<'a> {
+    let (depth, rate_hz) = (bank.depth().max(1), f64::from(bank.rate_hz()));
+    bank.records().iter().enumerate().map(move |(index, record)| {
+        // The force in newtons goes into the first of each chain.
+        let newtons = if index.is_multiple_of(depth) { f64::from(reference_force) } else { 1.0 };
+        Biquad::from_roots_at(index, roots(record, newtons), rate_hz, rate)
+    })
 }
 
 /// A record's pole, zero, and gain times another one.

@@ -1,0 +1,234 @@
+//! Stages beside the modes: who strikes and chokes them, what they cost, which of them sound.
+
+use super::Engine;
+use super::load::{ROOM_BAND_TICK, ROOM_TICK};
+use super::setup::Left;
+use crate::fixed::ONE_Q27;
+use crate::resonator::TICK_FRAMES;
+use crate::room::{Room, Sample};
+use crate::voice::{Filters, Residual, Voice};
+
+/// Nominal cycles of a tick of a room that is silent.
+const SILENT_ROOM_TICK: u32 = 520;
+
+impl<S: Sample> Engine<'_, '_, S> {
+    /// Strikes the residual and the filters of a pad, as far as there is time; `peak` is the peak force in bus steps.
+    #[inline(never)] // kits without have nothing of it
+    pub(super) fn strike_stages(&mut self, pad: u8, peak: i32) {
+        let sounding = if self.stage_cycles.is_some() { self.sounding_cycles() } else { 0 };
+        let mut left = Left::new(self.stage_cycles, sounding);
+        let frame = (self.now % TICK_FRAMES as u64) as usize;
+        let level = peak as f32 / ONE_Q27 as f32;
+        let Some(voice) = self.voices.get_mut(usize::from(pad)) else { return };
+        if let Some(residual) = voice.residual.as_deref_mut()
+            && left.admits(residual.shaper.is_active(), residual.cycles)
+        {
+            residual.shaper.strike(level, frame);
+        }
+        if let Some(filters) = voice.filters.as_deref_mut() {
+            let ([has_dynamic, has_biquads], [dynamic_sounds, biquads_sound]) = (filters.parts(), filters.sounding());
+            let [of_dynamic, of_biquads] = filters.cycles;
+            let dynamic = has_dynamic && left.admits(dynamic_sounds, of_dynamic);
+            let biquads = has_biquads && left.admits(biquads_sound, of_biquads);
+            filters.strike(level, frame, [dynamic, biquads]);
+        }
+        self.report.refused_stages += left.refused;
+    }
+
+    /// Worst cycles of the residuals and filters that sound.
+    fn sounding_cycles(&self) -> u32 {
+        let of_residual = |residual: &Residual<'_>| if residual.shaper.is_active() { residual.cycles } else { 0 };
+        let of_filters = |filters: &Filters<'_>| {
+            let parts = filters.sounding().into_iter().zip(filters.cycles);
+            parts.map(|(sounds, cycles)| if sounds { cycles } else { 0 }).sum()
+        };
+        let of_voice = |voice: &Voice<'_, '_>| -> u32 {
+            voice.residual.as_deref().map_or(0, of_residual) + voice.filters.as_deref().map_or(0, of_filters)
+        };
+        self.voices.iter().map(of_voice).sum()
+    }
+
+    /// Chokes the residual and the filters of a pad, or lets them go, on a tick.
+    #[inline(never)] // kits without have nothing of it
+    pub(super) fn lay_hand_on_stages(&mut self, number: u8, lies: bool) {
+        let pad = self.kit.pads().nth(usize::from(number));
+        let t60_s = pad.map_or(0.0, |pad| pad.choke_t60_s());
+        let lies = lies && t60_s > 0.0;
+        let rate = self.rate;
+        let Some(voice) = self.voices.get_mut(usize::from(number)) else { return };
+        if let Some(residual) = voice.residual.as_deref_mut() {
+            residual.shaper.set_choked(lies);
+        }
+        if let Some(filters) = voice.filters.as_deref_mut() {
+            filters.set_choked(lies.then(|| crate::voice::nepers(t60_s, rate)));
+        }
+    }
+
+    /// Adds background and residuals to a run of the stereo bus.
+    #[inline(always)]
+    pub(super) fn render_noise(&mut self, out: &mut [[i32; 2]]) {
+        if self.noisy {
+            self.add_noise(out);
+        }
+    }
+
+    #[inline(never)] // its buffer and registers must not weigh on kits without
+    fn add_noise(&mut self, out: &mut [[i32; 2]]) {
+        if let Some(background) = self.background.as_deref_mut() {
+            let mut sound = [0; TICK_FRAMES];
+            if let Some(sound) = sound.get_mut(..out.len()) {
+                background.shaper.render(sound);
+                self.centre.render(sound, out);
+                self.report.background_frames += out.len() as u32;
+            }
+        }
+        for voice in &mut *self.voices {
+            self.report.residual_frames += voice.render_residual(out);
+        }
+    }
+
+    /// All noise that has been loaded: the background and the residuals.
+    fn noise(&self) -> impl Iterator<Item = &Residual<'_>> {
+        let residuals = self.voices.iter().filter_map(|voice| voice.residual.as_deref());
+        self.background.as_deref().into_iter().chain(residuals)
+    }
+
+    /// Works on the noise to come, at a tick's end.
+    #[inline(always)]
+    pub(super) fn end_noise_tick(&mut self) {
+        if self.noisy {
+            self.work_on_noise();
+        }
+    }
+
+    #[inline(never)]
+    fn work_on_noise(&mut self) {
+        if let Some(background) = self.background.as_deref_mut() {
+            background.shaper.end_tick();
+        }
+        for residual in self.voices.iter_mut().filter_map(|voice| voice.residual.as_deref_mut()) {
+            residual.shaper.end_tick();
+        }
+        self.report.residuals = self.noises() as u32;
+    }
+
+    /// Number of residuals that sound, and of backgrounds.
+    #[inline(always)]
+    pub(super) fn noises(&self) -> usize {
+        if self.noisy { self.count_noises() } else { 0 }
+    }
+
+    #[inline(never)]
+    fn count_noises(&self) -> usize {
+        self.noise().filter(|residual| residual.shaper.is_active()).count()
+    }
+
+    /// Nominal cycles of the work on noise to come in this tick.
+    #[inline(always)]
+    pub(super) fn noise_cycles(&self) -> u32 {
+        if self.noisy { self.cycles_of_noise() } else { 0 }
+    }
+
+    #[inline(never)]
+    fn cycles_of_noise(&self) -> u32 {
+        self.noise().map(|residual| residual.shaper.cycles_ahead()).sum()
+    }
+
+    /// True if a strike of a pad begins noise.
+    #[inline(always)]
+    pub(super) fn has_noise(&self, pad: u8) -> bool {
+        self.noisy && self.voices.get(usize::from(pad)).is_some_and(|voice| voice.residual.is_some())
+    }
+
+    /// The filters of a pad, where it has any.
+    #[inline(always)]
+    fn filters_of(&self, pad: u8) -> Option<&Filters<'_>> {
+        self.voices.get(usize::from(pad))?.filters.as_deref()
+    }
+
+    /// Number of pads whose filters sound.
+    #[inline(always)]
+    pub(super) fn ringing_filters(&self) -> u32 {
+        if self.filtered { self.count_ringing_filters() } else { 0 }
+    }
+
+    #[inline(never)]
+    fn count_ringing_filters(&self) -> u32 {
+        let filters = self.voices.iter().filter_map(|voice| voice.filters.as_deref());
+        filters.filter(|filters| filters.is_ringing()).count() as u32
+    }
+
+    /// Nominal cycles of the filters that sound, in this tick.
+    #[inline(always)]
+    pub(super) fn filter_cycles(&self) -> u32 {
+        if self.filtered { self.cycles_of_filters() } else { 0 }
+    }
+
+    #[inline(never)]
+    fn cycles_of_filters(&self) -> u32 {
+        let filters = self.voices.iter().filter_map(|voice| voice.filters.as_deref());
+        filters.filter(|filters| filters.is_ringing()).map(|filters| filters.cycles_a_tick(false)).sum()
+    }
+
+    /// Nominal cycles of the filters that a strike begins, in its tick.
+    #[inline(always)]
+    pub(super) fn filter_strike_cycles(&self, pad: u8) -> u32 {
+        self.filters_of(pad).map_or(0, |filters| {
+            let ringing = if filters.is_ringing() { filters.cycles_a_tick(false) } else { 0 };
+            filters.cycles_a_tick(true).saturating_sub(ringing)
+        })
+    }
+
+    /// Nominal cycles of a pad's filters for a hand that comes or goes.
+    #[inline(always)]
+    pub(super) fn filter_hand_cycles(&self, pad: u8) -> u32 {
+        self.filters_of(pad).map_or(0, Filters::cycles_of_hand)
+    }
+
+    /// Lets the room answer a run of the stereo bus.
+    #[inline(always)]
+    pub(super) fn render_room(&mut self, out: &mut [[i32; 2]]) {
+        if self.room.is_some() {
+            self.add_room(out);
+        }
+    }
+
+    #[inline(never)] // its registers must not weigh on kits without
+    fn add_room(&mut self, out: &mut [[i32; 2]]) {
+        if let Some(room) = self.room.as_deref_mut() {
+            room.render(out);
+            self.report.room_frames += if room.is_silent() { 0 } else { out.len() as u32 };
+        }
+    }
+
+    /// True if nothing goes out of the room until something comes in.
+    #[inline(always)]
+    pub(super) fn room_is_silent(&self) -> bool {
+        self.room.as_deref().is_none_or(Room::is_silent)
+    }
+
+    /// Lets frames of silence pass in a room that is silent.
+    #[inline(always)]
+    pub(super) fn pass_room_silence(&mut self, frames: usize) {
+        if self.room.is_some() {
+            self.pass_silence_of_room(frames);
+        }
+    }
+
+    #[inline(never)] // its registers must not weigh on kits without
+    fn pass_silence_of_room(&mut self, frames: usize) {
+        if let Some(room) = self.room.as_deref_mut() {
+            room.pass_silence(frames);
+        }
+    }
+
+    /// Nominal cycles of the room in this tick.
+    #[inline(always)]
+    pub(super) fn room_cycles(&self) -> u32 {
+        match self.room.as_deref() {
+            None => 0,
+            Some(room) if room.is_silent() && self.is_silent() => SILENT_ROOM_TICK,
+            Some(room) => ROOM_TICK + room.band_count() as u32 * ROOM_BAND_TICK,
+        }
+    }
+}

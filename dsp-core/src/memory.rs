@@ -1,0 +1,230 @@
+//! Memory that the caller lends: words, cut into the typed slices that the stages keep.
+//!
+//! Nothing here allocates. A chip lends statics, a PC lends vectors:
+//!
+//! ```text
+//! Plan::of(kit, rate, limits)        counts words with an Account
+//! Engine::new(kit, plan, memory)     takes the same slices, in the same order, from a Memory
+//! ```
+//!
+//! Both go through [`Lender::take`], so that a plan's words are those that the engine then takes.
+//! Slices lie in one of two memories ([`Region`]): a chip has a fast one beside the core and a large
+//! one, a PC has one of both.
+
+use core::fmt;
+use core::mem::MaybeUninit;
+
+/// Unit of lent memory: 8 bytes.
+pub type Word = MaybeUninit<u64>;
+
+/// Bytes of a [`Word`].
+pub const WORD_BYTES: usize = size_of::<Word>();
+
+/// Memory in which a slice lies if there is room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Region {
+    /// The fast memory: modes, contacts and what each tick asks for.
+    Fast,
+    /// The large memory: waves and delay lines.
+    Bulk,
+}
+
+/// Number of words in each memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Words {
+    /// Words of the fast memory.
+    pub fast: usize,
+    /// Words of the large memory.
+    pub bulk: usize,
+}
+
+impl Words {
+    /// As many words as there can be.
+    pub const MAX: Self = Self { fast: usize::MAX / WORD_BYTES, bulk: usize::MAX / WORD_BYTES };
+
+    /// Bytes of both memories together.
+    pub const fn bytes(self) -> usize {
+        (self.fast + self.bulk) * WORD_BYTES
+    }
+
+    fn of(&mut self, region: Region) -> &mut usize {
+        match region {
+            Region::Fast => &mut self.fast,
+            Region::Bulk => &mut self.bulk,
+        }
+    }
+}
+
+/// A slice that neither memory has room for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct OutOfMemory {
+    /// Words of the slice.
+    pub needed: usize,
+    /// Words that are left in the memory with more of them.
+    pub left: usize,
+}
+
+impl OutOfMemory {
+    /// Number of words that are missing.
+    pub const fn missing(self) -> usize {
+        self.needed.saturating_sub(self.left)
+    }
+}
+
+impl fmt::Display for OutOfMemory {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} more words of memory are needed, {WORD_BYTES} bytes each", self.missing())
+    }
+}
+
+impl core::error::Error for OutOfMemory {}
+
+/// A source of slices: [`Memory`], or an [`Account`] that only counts.
+pub trait Lender<'m> {
+    /// Takes a slice of `count` items, each as `make` gives it, from the memory of `region`, or from
+    /// the other one where that is full. An [`Account`] gives an empty slice.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`]; nothing is taken then.
+    fn take<T>(&mut self, region: Region, count: usize, make: impl Fn() -> T) -> Result<&'m mut [T], OutOfMemory>;
+
+    /// The account so far, to try whether something fits before it is taken.
+    fn account(&self) -> Account;
+}
+
+/// Words of a slice, wherever it begins; at least enough for every memory to refuse where a product overflows.
+fn words_of<T>(count: usize) -> usize {
+    let to_align = align_of::<T>().saturating_sub(align_of::<Word>());
+    let bytes = count.checked_mul(size_of::<T>()).and_then(|bytes| bytes.checked_add(to_align));
+    bytes.map_or(usize::MAX, |bytes| bytes.div_ceil(WORD_BYTES))
+}
+
+/// A count of words without any memory behind it.
+#[derive(Clone, Copy, Debug)]
+pub struct Account {
+    left: Words,
+    used: Words,
+}
+
+impl Account {
+    /// An account of which nothing is used.
+    pub const fn new(limit: Words) -> Self {
+        Self { left: limit, used: Words { fast: 0, bulk: 0 } }
+    }
+
+    /// Words that have been taken.
+    pub const fn used(&self) -> Words {
+        self.used
+    }
+
+    /// Books words; gives the memory that has them.
+    fn book(&mut self, region: Region, words: usize) -> Result<Region, OutOfMemory> {
+        let other = if region == Region::Fast { Region::Bulk } else { Region::Fast };
+        let fits = |region: &Region| *self.left.clone().of(*region) >= words;
+        let Some(region) = [region, other].into_iter().find(fits) else {
+            return Err(OutOfMemory { needed: words, left: self.left.fast.max(self.left.bulk) });
+        };
+        *self.left.of(region) -= words;
+        *self.used.of(region) += words;
+        Ok(region)
+    }
+}
+
+impl<'m> Lender<'m> for Account {
+    fn take<T>(&mut self, region: Region, count: usize, _: impl Fn() -> T) -> Result<&'m mut [T], OutOfMemory> {
+        self.book(region, words_of::<T>(count)).map(|_| &mut [] as &mut [T])
+    }
+
+    fn account(&self) -> Account {
+        *self
+    }
+}
+
+/// Words that a caller lends for the life of an engine.
+#[derive(Debug)]
+pub struct Memory<'m> {
+    fast: &'m mut [Word],
+    bulk: &'m mut [Word],
+    account: Account,
+}
+
+impl<'m> Memory<'m> {
+    /// The memory of these words, whatever they hold. One of both may be empty.
+    pub fn new(fast: &'m mut [Word], bulk: &'m mut [Word]) -> Self {
+        let account = Account::new(Words { fast: fast.len(), bulk: bulk.len() });
+        Self { fast, bulk, account }
+    }
+
+    /// Words that have been taken.
+    pub const fn used(&self) -> Words {
+        self.account.used()
+    }
+}
+
+impl<'m> Lender<'m> for Memory<'m> {
+    fn take<T>(&mut self, region: Region, count: usize, make: impl Fn() -> T) -> Result<&'m mut [T], OutOfMemory> {
+        let words = words_of::<T>(count);
+        let region = self.account.book(region, words)?;
+        let memory = if region == Region::Fast { &mut self.fast } else { &mut self.bulk };
+        // The account has booked no more than there is.
+        let taken = memory.split_off_mut(..words).unwrap_or(&mut []);
+        Ok(typed(taken, count, make))
+    }
+
+    fn account(&self) -> Account {
+        self.account
+    }
+}
+
+/// The words as a slice of `count` items, which they have room for.
+#[allow(unsafe_code)]
+#[inline(always)] // so that large items are made in their place
+fn typed<T>(words: &mut [Word], count: usize, make: impl Fn() -> T) -> &mut [T] {
+    let start = words.as_ptr().align_offset(align_of::<T>().max(align_of::<Word>()));
+    let Some(words) = words.get_mut(start..).filter(|words| size_of_val(*words) >= count * size_of::<T>()) else {
+        return &mut [];
+    };
+    let items = words.as_mut_ptr().cast::<MaybeUninit<T>>();
+    // SAFETY: the words begin at an address that is aligned for T and are as long as `count` items, by
+    // the check above; they are borrowed for 'm by nobody else, and an item that is not set yet may
+    // hold anything.
+    let items = unsafe { core::slice::from_raw_parts_mut(items, count) };
+    for item in &mut *items {
+        item.write(make());
+    }
+    // SAFETY: all items have just been set.
+    unsafe { items.assume_init_mut() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn account_and_memory_take_the_same_words() {
+        let mut words = [Word::uninit(); 40];
+        let (fast, bulk) = words.split_at_mut(10);
+        let mut account = Account::new(Words { fast: 10, bulk: 30 });
+        let mut memory = Memory::new(fast, bulk);
+        // Fits the fast memory; is too large for it; fills it; finds nothing.
+        for (count, fits) in [(9, true), (20, true), (11, true), (200, false), (3, true)] {
+            let counted: Result<&mut [u32], _> = account.take(Region::Fast, count, || 7);
+            let taken: Result<&mut [u32], _> = memory.take(Region::Fast, count, || 7);
+            assert_eq!(counted.is_ok(), fits);
+            match taken {
+                Ok(items) => assert!(fits && items == std::vec![7; count]),
+                Err(error) => assert!(!fits && counted.unwrap_err() == error),
+            }
+        }
+        assert_eq!(account.used(), memory.used());
+        assert_eq!(memory.used(), Words { fast: 5 + 2, bulk: 10 + 6 });
+    }
+
+    #[test]
+    fn missing_words_are_told() {
+        let mut account = Account::new(Words { fast: 3, bulk: 1 });
+        let error = <Account as Lender<'_>>::take::<u64>(&mut account, Region::Bulk, 5, || 0).unwrap_err();
+        assert_eq!((error.missing(), account.used()), (2, Words::default()));
+    }
+}

@@ -1,0 +1,123 @@
+//! From a kit to the banks of a voice.
+
+use super::{PadTables, Voice};
+use crate::SampleRate;
+use crate::contact::law::typical_contact;
+use crate::memory::{Lender, OutOfMemory, Region};
+use crate::output::Panner;
+use crate::radiation::Acceleration;
+use crate::resonator::{Bank, BankError, BankSize, BankTable};
+use crate::table::layout::STRIKERS_PER_PAD;
+
+/// Sizes of a voice's banks: the object's, and behind it those of the strikers up to the last one with modes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct VoiceSize {
+    banks: [BankSize; 1 + STRIKERS_PER_PAD],
+    count: usize,
+}
+
+impl VoiceSize {
+    /// Sizes of the banks of a pad at a sample rate.
+    ///
+    /// # Errors
+    /// A [`BankError`], and the striker that it concerns, or `None` for the object.
+    pub fn new(tables: &PadTables<'_>, rate: SampleRate) -> Result<Self, (BankError, Option<usize>)> {
+        let mut size = Self::default();
+        for (slot, (which, table)) in size.banks.iter_mut().zip(tables.banks()) {
+            *slot = Bank::size(&table, rate).map_err(|error| (error, which))?;
+            size.count += 1;
+        }
+        Ok(size)
+    }
+
+    /// Sizes of the banks.
+    pub fn banks(&self) -> &[BankSize] {
+        self.banks.get(..self.count).unwrap_or(&[])
+    }
+
+    /// Number of modes of all banks.
+    pub fn modes(&self) -> usize {
+        self.banks().iter().map(|bank| bank.modes).sum()
+    }
+
+    /// Number of register groups of all banks.
+    pub fn groups(&self) -> usize {
+        self.banks().iter().map(|bank| bank.groups).sum()
+    }
+
+    /// Number of modes that a second slot of the object has gains for; 0 where the object has one position.
+    pub fn second_modes(&self, tables: &PadTables<'_>) -> usize {
+        if tables.object().position_count() > 1 { self.banks().first().map_or(0, |bank| bank.modes) } else { 0 }
+    }
+}
+
+impl<'k, 'm> Voice<'k, 'm> {
+    /// Takes the memory of a voice's banks.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn take(lender: &mut impl Lender<'m>, size: &VoiceSize) -> Result<Self, OutOfMemory> {
+        let banks = lender.take(Region::Fast, size.banks().len(), Bank::empty)?;
+        for (index, &size) in size.banks().iter().enumerate() {
+            let bank = Bank::take(lender, size)?;
+            // An account gives no slices.
+            if let Some(slot) = banks.get_mut(index) {
+                *slot = bank;
+            }
+        }
+        Ok(Self { banks, ..Self::empty() })
+    }
+
+    /// Takes the memory of the object's second slot.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`]: contacts at a second position merge then.
+    pub fn take_second(&mut self, lender: &mut impl Lender<'m>, modes: usize) -> Result<(), OutOfMemory> {
+        match self.banks.first_mut() {
+            Some(object) => object.take_second(lender, modes),
+            None => Bank::empty().take_second(lender, modes),
+        }
+    }
+
+    /// Derives the banks and all that belongs to the pad from its tables, in the memory that was taken for their size.
+    ///
+    /// # Errors
+    /// A [`BankError`], and the striker that it concerns, or `None` for the object.
+    pub fn load(&mut self, tables: &PadTables<'k>, rate: SampleRate) -> Result<(), (BankError, Option<usize>)> {
+        let (pad, object) = (tables.pad(), tables.object());
+        self.reference_force = object.reference_force();
+        self.acceleration = match tables.is_balanced() {
+            // It is in the banks.
+            true => Acceleration::NONE,
+            false => Acceleration::new(object.acceleration(), object.reference_force()),
+        };
+        self.panner = Panner::new(pad.level_db(), pad.pan());
+        for (slot, striker) in self.contacts.iter_mut().zip(tables.strikers()) {
+            *slot = Some(striker.contact());
+            self.striker_count += 1;
+        }
+        for (bank, (which, table)) in self.banks.iter_mut().zip(tables.banks()) {
+            bank.load(&table, rate).map_err(|error| (error, which))?;
+            self.mode_count += bank.mode_count() as u16; // all banks count in 16 bits
+        }
+        Ok(())
+    }
+}
+
+impl<'a> PadTables<'a> {
+    /// The tables of the pad's banks, the object's first, with the number of the striker of each of the others; up to the last
+    /// striker that sounds.
+    fn banks(&self) -> impl Iterator<Item = (Option<usize>, BankTable<'_>)> + use<'_, 'a> {
+        let reference_force = self.object().reference_force();
+        let typical = move |contact| typical_contact(&contact, reference_force);
+        let first = self.strikers().next().map_or((0.0, 0.0), |striker| typical(striker.contact()));
+        let weight = self.pad().striker_weight();
+        let sounds = self.strikers().map(move |striker| !striker.modes().is_empty() && weight != 0.0);
+        let sounding = sounds.enumerate().filter(|(_, sounds)| *sounds).map(|(index, _)| index + 1).last().unwrap_or(0);
+        let strikers = self.strikers().take(sounding).enumerate();
+        let strikers = strikers.filter_map(move |(index, striker)| {
+            Some((Some(index), self.striker_table(index, typical(striker.contact()))?))
+        });
+        core::iter::once((None, self.object_table(first))).chain(strikers)
+    }
+}

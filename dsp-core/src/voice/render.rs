@@ -1,0 +1,342 @@
+//! A voice's sound over a run of frames.
+
+use super::{FilterWork, PadWork, Run, Voice};
+use crate::contact::ActiveContacts;
+use crate::fixed;
+use crate::resonator::kernel;
+use crate::resonator::{Bank, BankWork, TICK_FRAMES};
+
+impl Voice<'_, '_> {
+    /// Renders a run without force and adds it to the stereo sum; gives the mode-frames of the object's bank and of the strikers' banks. A
+    /// striker's bank that rings sounds on the same bus as the object's.
+    #[inline(never)]
+    pub fn ring(&mut self, frames: usize, odd_start: bool, out: &mut [[i32; 2]]) -> (u32, u32) {
+        let Some((object, strikers)) = self.banks.split_first_mut() else { return (0, 0) };
+        let object_modes = object.running_modes(true);
+        let striker_modes = strikers.iter().map(|bank| bank.running_modes(true)).sum::<u32>();
+        match self.panner.gains(object.mix_shift().is_loud).filter(|_| striker_modes == 0) {
+            // The usual case, in one pass: the same bits.
+            Some(gains) => {
+                let run = kernel::Run { frames, skip: true, add: false };
+                object.ring_stereo(run, odd_start, gains, out);
+            }
+            None => self.ring_on_bus(frames, odd_start, out),
+        }
+        (object_modes * frames as u32, striker_modes * frames as u32)
+    }
+
+    #[inline(never)]
+    fn ring_on_bus(&mut self, frames: usize, odd_start: bool, out: &mut [[i32; 2]]) {
+        let mut sound = [0; TICK_FRAMES];
+        let Some(sound) = sound.get_mut(..frames) else { return };
+        // The object's last, as under a force: a sum that is clipped depends on the order.
+        let Some((object, strikers)) = self.banks.split_first_mut() else { return };
+        strikers.iter_mut().chain([object]).for_each(|bank| {
+            bank.render(None, odd_start, true, sound);
+        });
+        self.panner.render(sound, out);
+    }
+
+    /// Renders a run with force, or one that leaves nothing out, and adds it to the stereo sum.
+    #[inline(never)] // its buffers must not weigh on runs without force
+    pub fn drive(&mut self, run: Run<'_>, contacts: &mut ActiveContacts<'_>, out: &mut [[i32; 2]]) -> PadWork {
+        self.wake();
+        let mut work = PadWork::default();
+        let frames = run.frames.min(TICK_FRAMES);
+        let mut force = [0; TICK_FRAMES];
+        let Some(force) = force.get_mut(..frames) else { return work };
+        if run.direct.is_some() || contacts.count_on(self.number) > 0 {
+            self.struck = true;
+            work.force_frames = frames as u32;
+            work.direct_frames = if run.direct.is_some() { frames as u32 } else { 0 };
+        }
+        let has_second = self.has_second(run.direct, contacts);
+        if let [object] = &mut *self.banks
+            && !has_second
+        {
+            take_force(self.number, run.direct, contacts, force);
+            // The usual case, in one pass: the same bits.
+            let gains = self.panner.gains(object.mix_shift().is_loud);
+            if let Some(gains) = gains.filter(|_| run.skip && !self.acceleration.is_built())
+                && let Some(object) = object.render_stereo(force, run.odd_start, gains, out)
+            {
+                work.object = object;
+                return work;
+            }
+        }
+        if has_second {
+            self.drive_both_on_bus(run, contacts, force, out, &mut work);
+        } else {
+            self.drive_on_bus(run, contacts, force, out, &mut work);
+        }
+        work
+    }
+
+    /// True if a force acts at the position of slot 1.
+    #[inline(always)]
+    fn has_second(&self, direct: Option<&[i32]>, contacts: &ActiveContacts<'_>) -> bool {
+        self.banks.first().is_some_and(Bank::has_second_gains)
+            && (contacts.is_any_in(self.number, 1) || direct.is_some() && self.direct_slot() == 1)
+    }
+
+    /// The rest of [`Voice::drive`] by way of a mono bus; `force` holds the force already where no striker has a bank.
+    #[inline(never)] // its buffer must not weigh on pads that do without
+    fn drive_on_bus(
+        &mut self,
+        run: Run<'_>,
+        contacts: &mut ActiveContacts<'_>,
+        force: &mut [i32],
+        out: &mut [[i32; 2]],
+        work: &mut PadWork,
+    ) {
+        let mut sound = [0; TICK_FRAMES];
+        let Some(sound) = sound.get_mut(..force.len()) else { return };
+        self.add_driven(run, contacts, (force, None), (sound, None), work);
+        self.panner.render(sound, out);
+    }
+
+    /// [`Voice::drive_on_bus`] with a force in slot 1 as well, for which there is another buffer.
+    #[inline(never)]
+    fn drive_both_on_bus(
+        &mut self,
+        run: Run<'_>,
+        contacts: &mut ActiveContacts<'_>,
+        force: &mut [i32],
+        out: &mut [[i32; 2]],
+        work: &mut PadWork,
+    ) {
+        let (mut sound, mut second) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
+        let frames = force.len();
+        let (Some(sound), Some(second)) = (sound.get_mut(..frames), second.get_mut(..frames)) else { return };
+        self.add_driven(run, contacts, (force, Some(second)), (sound, None), work);
+        self.panner.render(sound, out);
+    }
+
+    /// Adds, under a force, all of the voice to a bus, the object's modes to another one where there is one. The first force is that of slot 0, and
+    /// holds it already where no striker has a bank and there is no second; behind, it is that of both.
+    #[inline(always)] // one of two callers is not built where there are no filters
+    fn add_driven(
+        &mut self,
+        run: Run<'_>,
+        contacts: &mut ActiveContacts<'_>,
+        (force, mut second): (&mut [i32], Option<&mut [i32]>),
+        (sound, modes): (&mut [i32], Option<&mut [i32]>),
+        work: &mut PadWork,
+    ) {
+        let (number, striker_count, direct_slot) = (self.number, self.striker_count, self.direct_slot());
+        let Some((object, strikers)) = self.banks.split_first_mut() else { return };
+        if !strikers.is_empty() || second.is_some() {
+            let (mut direct, mut strikers) = (run.direct, strikers.iter_mut());
+            for index in 0..striker_count {
+                // Where there is no second force, a direct one acts in slot 0.
+                let (run, striker) = (Run { direct: direct.take(), ..run }, (number, index));
+                let forces = (&mut *force, second.as_deref_mut(), direct_slot);
+                match strikers.next().filter(|bank| bank.mode_count() > 0) {
+                    Some(bank) => work.strikers += drive_striker(bank, striker, run, contacts, forces, sound),
+                    None => add_forces(striker, run.direct, contacts, forces),
+                }
+            }
+        }
+        let forces = (Some(&*force), second.as_deref());
+        work.object = object.render_slots(forces, run.odd_start, run.skip, modes.unwrap_or(sound));
+        if let Some(second) = second {
+            // What does not depend on the position hears both.
+            add(force, second);
+        }
+        if self.acceleration.is_built() {
+            work.acceleration_frames = force.len() as u32;
+            self.acceleration.render(force, sound);
+        }
+    }
+
+    /// Under a force, adds the voice to a mono bus of at most a tick, before level and pan: what its filters are put beside. Leaves the force in `force`,
+    /// which is to be silent before. The object's modes go to `modes` where there is such a bus.
+    #[inline(never)]
+    fn drive_mono(
+        &mut self,
+        run: Run<'_>,
+        contacts: &mut ActiveContacts<'_>,
+        force: &mut [i32],
+        buses: (&mut [i32], Option<&mut [i32]>),
+    ) -> PadWork {
+        self.wake();
+        self.struck = true;
+        let frames = force.len() as u32;
+        let direct_frames = if run.direct.is_some() { frames } else { 0 };
+        let mut work = PadWork { force_frames: frames, direct_frames, ..PadWork::default() };
+        if self.has_second(run.direct, contacts) {
+            self.drive_both_mono(run, contacts, force, buses, &mut work);
+            return work;
+        }
+        if self.banks.len() == 1 {
+            take_force(self.number, run.direct, contacts, force);
+        }
+        self.add_driven(run, contacts, (force, None), buses, &mut work);
+        work
+    }
+
+    /// [`Voice::drive_mono`] with a force in slot 1 as well.
+    #[inline(never)] // its buffer must not weigh on pads that do without
+    fn drive_both_mono(
+        &mut self,
+        run: Run<'_>,
+        contacts: &mut ActiveContacts<'_>,
+        force: &mut [i32],
+        buses: (&mut [i32], Option<&mut [i32]>),
+        work: &mut PadWork,
+    ) {
+        let mut second = [0; TICK_FRAMES];
+        let Some(second) = second.get_mut(..force.len()) else { return };
+        self.add_driven(run, contacts, (force, Some(second)), buses, work);
+    }
+
+    /// [`Voice::drive_mono`] without a force; gives the mode-frames of the object's bank and of the strikers' banks.
+    #[inline(never)]
+    fn ring_mono(&mut self, odd_start: bool, (sound, modes): (&mut [i32], Option<&mut [i32]>)) -> (u32, u32) {
+        let Some((object, strikers)) = self.banks.split_first_mut() else { return (0, 0) };
+        let frames = sound.len() as u32;
+        let mut striker_modes = 0;
+        for bank in strikers {
+            striker_modes += bank.running_modes(true);
+            bank.render(None, odd_start, true, sound);
+        }
+        let object_modes = object.running_modes(true);
+        object.render(None, odd_start, true, modes.unwrap_or(sound));
+        (object_modes * frames, striker_modes * frames)
+    }
+
+    /// True if the filters have a part in the next run: they sound, or take its force or its modes.
+    #[inline(always)]
+    pub fn filters_join_in(&self, has_force: bool) -> bool {
+        self.filters.as_ref().is_some_and(|filters| {
+            filters.is_ringing()
+                || has_force && filters.takes_force()
+                || filters.takes_modes() && (has_force || self.is_ringing())
+        })
+    }
+
+    /// Renders a run, in which the filters [join in](Self::filters_join_in), on a mono bus and adds it to the stereo sum. `frame` is
+    /// the run's first frame within the tick.
+    #[inline(never)] // its buffers must not weigh on pads that do without
+    pub fn render_filtered(
+        &mut self,
+        frame: usize,
+        run: Run<'_>,
+        contacts: &mut ActiveContacts<'_>,
+        out: &mut [[i32; 2]],
+    ) -> (Ran, FilterWork) {
+        let (mut force, mut sound, mut modes) = ([0; TICK_FRAMES], [0; TICK_FRAMES], [0; TICK_FRAMES]);
+        let nothing = (Ran::Ringing(0, 0), FilterWork::default());
+        let (Some(force), Some(sound), Some(modes)) =
+            (force.get_mut(..run.frames), sound.get_mut(..run.frames), modes.get_mut(..run.frames))
+        else {
+            return nothing;
+        };
+        let Some((takes_modes, takes_force)) =
+            self.filters.as_ref().map(|filters| (filters.takes_modes(), filters.takes_force()))
+        else {
+            return nothing;
+        };
+        let has_force = run.has_force;
+        let is_heard = has_force && (!run.skip || self.responds() || takes_force);
+        let mut brings_modes = takes_modes && (is_heard || self.is_ringing());
+        if has_force && !is_heard {
+            contacts.pass(self.number, run.frames);
+        }
+        let buses = (&mut *sound, takes_modes.then_some(&mut *modes));
+        let ran = if is_heard || !run.skip {
+            brings_modes |= takes_modes;
+            Ran::Driven(self.drive_mono(run, contacts, force, buses))
+        } else {
+            let (object, strikers) = if self.is_ringing() { self.ring_mono(run.odd_start, buses) } else { (0, 0) };
+            Ran::Ringing(object, strikers)
+        };
+        let force = is_heard.then_some(&*force);
+        let Some(filters) = self.filters.as_deref_mut() else { return nothing };
+        let work = filters.render(frame, force, brings_modes.then_some(modes), sound);
+        self.panner.render(sound, out);
+        (ran, work)
+    }
+
+    /// Adds a run of the residual to the stereo sum; gives its frames.
+    #[inline(never)] // its buffer and registers must not weigh on kits without
+    pub fn render_residual(&mut self, out: &mut [[i32; 2]]) -> u32 {
+        let Some(residual) = self.residual.as_deref_mut().filter(|residual| residual.shaper.is_active()) else {
+            return 0;
+        };
+        let mut sound = [0; TICK_FRAMES];
+        let Some(sound) = sound.get_mut(..out.len()) else { return 0 };
+        residual.shaper.render(sound);
+        self.panner.render(sound, out);
+        out.len() as u32
+    }
+}
+
+/// What the banks of a voice did over a run.
+#[derive(Clone, Copy, Debug)]
+pub enum Ran {
+    /// They ran under a force.
+    Driven(PadWork),
+    /// They rang freely: mode-frames of the object's bank and of the strikers' banks.
+    Ringing(u32, u32),
+}
+
+/// Adds the force of all contacts, and a direct one: where no striker has a bank and slot 1 no force.
+fn take_force(number: u8, direct: Option<&[i32]>, contacts: &mut ActiveContacts<'_>, force: &mut [i32]) {
+    direct.into_iter().for_each(|direct| add(force, direct));
+    contacts.add_force_of_pad(number, force);
+}
+
+/// Runs the bank of a striker, and adds its force to the object's.
+#[inline(never)] // most strikers have no modes, and its buffer would weigh on them
+fn drive_striker(
+    bank: &mut Bank<'_>,
+    (pad, index): (u8, u8),
+    run: Run<'_>,
+    contacts: &mut ActiveContacts<'_>,
+    (first, second, direct_slot): Forces<'_>,
+    sound: &mut [i32],
+) -> BankWork {
+    let mut force = [0; TICK_FRAMES];
+    let Some(force) = force.get_mut(..first.len()) else { return BankWork::default() };
+    let (direct, has_second) = (run.direct, second.is_some());
+    if let Some(second) = second {
+        contacts.add_force(pad, index, 1, force);
+        direct.into_iter().filter(|_| direct_slot == 1).for_each(|direct| add(force, direct));
+        add(second, force);
+    }
+    // What is added to the first slot is added up apart.
+    let mut own = [0; TICK_FRAMES];
+    let Some(own) = own.get_mut(..first.len()) else { return BankWork::default() };
+    direct.into_iter().filter(|_| !has_second || direct_slot == 0).for_each(|direct| add(own, direct));
+    contacts.add_force(pad, index, 0, own);
+    add(first, own);
+    add(force, own);
+    bank.render(Some(force), run.odd_start, run.skip, sound)
+}
+
+/// The forces of slot 0 and, where there is one, of slot 1; and the slot in which a direct force acts where there are both.
+type Forces<'f> = (&'f mut [i32], Option<&'f mut [i32]>, u8);
+
+/// Adds the force of a striker without a bank.
+fn add_forces(
+    (pad, index): (u8, u8),
+    direct: Option<&[i32]>,
+    contacts: &mut ActiveContacts<'_>,
+    (first, second, direct_slot): Forces<'_>,
+) {
+    contacts.add_force(pad, index, 0, first);
+    match second {
+        Some(second) => {
+            contacts.add_force(pad, index, 1, second);
+            direct
+                .into_iter()
+                .for_each(|direct| add(if direct_slot == 1 { &mut *second } else { &mut *first }, direct));
+        }
+        None => direct.into_iter().for_each(|direct| add(first, direct)),
+    }
+}
+
+fn add(sum: &mut [i32], more: &[i32]) {
+    sum.iter_mut().zip(more).for_each(|(sum, &x)| *sum = fixed::qadd(*sum, x));
+}
