@@ -1,4 +1,4 @@
-//! Gives the linker the board's memory map, builds the built-in kit's bytes from the shipped text, and sets the log level.
+//! Gives the linker the board's memory map, builds the kits in the images, and sets the log level.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -19,12 +19,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("cargo::rustc-link-arg-bins={argument}");
     }
 
-    // The same bytes as `malleus kit build demo`: the `kit` crate reads the text and builds both.
+    // `malleus kit build demo` writes these bytes too: both are built by the `kit` crate.
     fs::write(out.join("built-in-kit.bin"), kit::open("demo")?.binary)?;
     println!("cargo::rerun-if-changed=../tables");
     build_self_test_kit(&out)?;
 
-    // The log lines are part of what the image does: they do not depend on where cargo was called.
+    // The image must not depend on the folder in which cargo was called, so the level is set here.
     println!("cargo::rerun-if-env-changed=DEFMT_LOG");
     if env::var_os("DEFMT_LOG").is_none() {
         println!("cargo::rustc-env=DEFMT_LOG=info");
@@ -32,10 +32,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Modes of each form of the bank, with one gain and with two: what the self-test times.
+/// Builds the kit that the self-test times: one object for each form of the modal bank and for each
+/// number of gains, 1 and 2.
 fn build_self_test_kit(out: &Path) -> Result<(), Box<dyn Error>> {
     const MODES: u32 = 240;
-    // Frequencies at which the bank takes each form, at 48 kHz (dsp-core/src/resonator/coefficient.rs).
+    // Lowest and highest frequency, in Hz, at which the bank takes each form at a sample rate of
+    // 48 kHz (dsp-core/src/resonator/coefficient.rs).
     const FORMS: [(&str, f64, f64); 5] = [
         ("coupled", 60.0, 3_700.0),
         ("shifted 0", 3_900.0, 5_400.0),

@@ -1,6 +1,8 @@
-//! WeAct BlackPill F411: 128 KB of RAM in one. A room is more than its 96 MHz can pay for beside strikes; the memory goes to long loops.
+//! WeAct BlackPill F411: 128 KB of RAM in one piece.
 //!
-//! | bytes | what |
+//! At 96 MHz it has no time for reverberation beside strikes; its memory goes to long loops.
+//!
+//! | bytes | use |
 //! | --- | --- |
 //! | 36 712 | the engine: pads, modes; a block |
 //! | 2 272 | the inputs: triggers |
@@ -11,11 +13,11 @@
 //!
 //! `cargo test -p virtual-board --test boards -- --nocapture load::images stages` prints the sums.
 
-use dsp_core::engine::{Filters, NoRoom, Residuals};
+use dsp_core::memory::Words;
 
 use crate::Board;
 
-/// The board.
+/// Board WeAct BlackPill F411.
 #[derive(Clone, Copy, Debug)]
 pub struct BlackpillF411;
 
@@ -23,11 +25,9 @@ impl Board for BlackpillF411 {
     const NAME: &'static str = "blackpill-f411";
     const RATE: (u32, u32) = (48_000, 1);
     const CORE_HZ: u32 = 96_000_000;
-    /// At most a half: a tick with a strike takes most of a half at 96 MHz.
+    /// Less than a half of the DMA buffer, of which a tick with a strike takes most at 96 MHz.
     const LEAD_FRAMES: usize = 27;
     const STAGE_CYCLES: u32 = 17_600;
-    type Residuals = Residuals<1>;
-    type Room = NoRoom;
-    /// 32 breakpoints, 16 loops of up to 1023 frames (21 ms), two pairs of biquads.
-    type Filters = Filters<4, 32, 16, 1024, 2>;
+    const WORDS: Words = Words { fast: 12_360, bulk: 0 };
+    const ROOM_SAMPLES: usize = 4_096;
 }

@@ -1,10 +1,11 @@
 #![no_std]
-#![doc = "What each board's engine has room for, beside the hardware: the firmware plays with it, and the PC that plays as a board does."]
+//! The boards as far as sound depends on them: the stages of each board's engine, its sample rate,
+//! and its time. The firmware uses them, and so does the PC when it plays as a board.
 //!
-//! Contacts and modes are the same on all boards. What there is for noise, filters and the room is a board's own: [`Board`], one module each, with an
-//! account of the chip's memory.
+//! Each board has a module, with a [`Board`] and an account of the chip's memory.
 //!
-//! What a kit has beyond that is left out and told, stage by stage: [`Engine::load_what_fits`].
+//! Stages of a kit that exceed a board's memory or time are left out and reported, one by one:
+//! [`Engine::new_within`].
 
 pub mod blackpill_f411;
 pub mod stm32f407g_disc1;
@@ -13,80 +14,94 @@ pub use blackpill_f411::BlackpillF411;
 pub use stm32f407g_disc1::Stm32f407gDisc1;
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Engine, FilterRoom, LoadError, ResidualRoom, RoomStage, STANDARD_CONTACTS, Skipping};
+use dsp_core::engine::{Engine, LoadError, Plan, Setup};
+use dsp_core::memory::{Memory, Words};
 use dsp_core::table::Kit;
 
-/// Pads of an engine of the boards.
+/// Maximum number of pads of a kit on a board: the firmware has counters for so many.
 pub const PADS: usize = 16;
-/// Banks: a pad's object, and its strikers up to the last one with modes.
-pub const BANKS: usize = 32;
-/// Modes, all pads together.
-pub const MODES: usize = 640;
-/// Register groups: a sixth of the modes, and up to six more a bank.
-pub const GROUPS: usize = 224;
-/// Modes that can be choked or have several positions.
-pub const ORIGINS: usize = 512;
 
-/// Cycles that the inputs take of the time to a tick's deadline at the dearest: four piezos that
-/// ring.
+/// Most cycles that the inputs take of the time to a tick's deadline: with four ringing piezos.
 const INPUT_CYCLES: u32 = 9_000;
-/// Cycles that a tick may take with the cycle model's worst case and the waits of flash, in percent
-/// of the engine's prediction, which is nominal and without waits; with a reserve for what a change
-/// elsewhere moves in flash (virtual-board/tests/boards/load.rs).
+/// Most cycles that a tick takes, in percent of the engine's prediction.
+///
+/// The prediction is nominal and without the waits of flash. These percent cover the cycle model's
+/// worst case with those waits, and a reserve for code that a change elsewhere moves in flash
+/// (virtual-board/tests/boards/load.rs).
 const WORST_PERCENT: u32 = 180;
 
-/// An engine of the boards with the stages `S`: 35 KB without them.
-pub type BoardEngine<'k, S> = Engine<'k, PADS, BANKS, MODES, GROUPS, ORIGINS, STANDARD_CONTACTS, S>;
-
-/// The stages of a board, as they are on the PC: in the engine itself.
-pub type Stages<B> = (<B as Board>::Residuals, <B as Board>::Room, <B as Board>::Filters);
-
-/// A board, as far as what it plays depends on it.
+/// Board as far as its sound depends on it.
 pub trait Board {
-    /// As the project calls it.
+    /// Name of the board in the project, such as in `--board`.
     const NAME: &'static str;
-    /// The sample rate on its I2S pins as a ratio, Hz.
+    /// Sample rate on the I2S pins in Hz, as a ratio.
     const RATE: (u32, u32);
-    /// The core's clock in Hz.
+    /// Clock of the core in Hz.
     const CORE_HZ: u32;
-    /// Frames from the interrupt that renders a tick to the tick's first frame on the I2S pins: the
-    /// tick's deadline. At most a tick.
+    /// Number of frames from the interrupt that renders a tick to the tick's deadline, its first
+    /// frame on the I2S pins; at most a tick.
     const LEAD_FRAMES: usize;
-    /// Cycles to the deadline of a tick.
+    /// Cycles from the interrupt that renders a tick to the tick's deadline.
     const LEAD_CYCLES: u32 =
         (Self::CORE_HZ as u64 * Self::LEAD_FRAMES as u64 * Self::RATE.1 as u64 / Self::RATE.0 as u64) as u32;
-    /// The engine's [budget](Engine::set_budget): cycles that a tick may take as the engine
-    /// predicts them. The time to the deadline without what the inputs take, by what the dearest
-    /// tick takes of its prediction.
+    /// [Budget](Engine::set_budget) of the engine: predicted cycles that a tick may take.
+    ///
+    /// It is the time to the deadline, less the time of the inputs, divided by the largest ratio of
+    /// a tick's cycles to their prediction.
     const BUDGET_CYCLES: u32 = (Self::LEAD_CYCLES - INPUT_CYCLES) / WORST_PERCENT * 100;
-    /// Cycles a tick that pads and stages may take together ([`Engine::load_what_fits`]), so that no half is missed where strikes come on all piezos at
-    /// once (`cargo test -p virtual-board --test boards stages`).
+    /// Cycles per tick that pads and stages may take together ([`Engine::new_within`]).
+    ///
+    /// With these no half of the DMA buffer is late when all piezos are struck at once (`cargo test
+    /// -p virtual-board --test boards stages`).
     const STAGE_CYCLES: u32;
-    /// Room for residuals and the background.
-    type Residuals: ResidualRoom;
-    /// The room's memory.
-    type Room: RoomStage;
-    /// Room for dynamic filters and biquads.
-    type Filters: FilterRoom;
+    /// Words of memory that the board lends its engine.
+    const WORDS: Words;
+    /// Maximum number of samples in the delay lines of the reverberation, 2 bytes each.
+    const ROOM_SAMPLES: usize;
 
-    /// [`RATE`](Self::RATE).
+    /// Sample rate on the I2S pins: [`RATE`](Self::RATE).
     fn rate() -> SampleRate {
         let (numerator, denominator) = Self::RATE;
         SampleRate::new(numerator, denominator).unwrap_or(SampleRate::HZ_48000)
     }
 
-    /// Loads a kit as the board does; `tell` is told what is left out.
+    /// Setup of the board's engine.
+    fn setup() -> Setup {
+        Setup { room_samples: Self::ROOM_SAMPLES, ..Setup::new(Self::rate()) }
+    }
+
+    /// Makes the engine of a kit as the board does; `tell` gets the reason for each stage that is
+    /// left out.
     ///
     /// # Errors
-    /// A [`LoadError`]: the board refuses the kit.
-    fn load<'k>(
-        engine: &mut BoardEngine<'k, Stages<Self>>,
+    /// [`LoadError`] if the board refuses the kit as a whole.
+    fn engine<'k, 'm>(
         kit: &Kit<'k>,
-        tell: impl FnMut(LoadError),
-    ) -> Result<(), LoadError>
-    where
-        Self: Sized,
-    {
-        engine.load_what_fits(kit, Self::rate(), Skipping::On, Self::STAGE_CYCLES, tell)
+        memory: Memory<'m>,
+        tell: &mut dyn FnMut(LoadError),
+    ) -> Result<Engine<'k, 'm>, LoadError> {
+        Self::refuse(kit)?;
+        Engine::new_within(kit, Self::setup(), memory, Self::STAGE_CYCLES, tell)
+    }
+
+    /// Plans the memory and time of a kit on the board; `tell` gets the reason for each stage that is
+    /// left out.
+    ///
+    /// # Errors
+    /// [`LoadError`] if the board refuses the kit as a whole.
+    fn plan(kit: &Kit<'_>, tell: &mut dyn FnMut(LoadError)) -> Result<Plan, LoadError> {
+        Self::refuse(kit)?;
+        Plan::within::<i16>(kit, Self::setup(), Self::WORDS, Self::STAGE_CYCLES, tell)
+    }
+
+    /// Refuses a kit with more pads than the firmware has queues for.
+    ///
+    /// # Errors
+    /// [`LoadError::TooManyPads`].
+    fn refuse(kit: &Kit<'_>) -> Result<(), LoadError> {
+        match kit.pads().len() {
+            pads if pads > PADS => Err(LoadError::TooManyPads { pads, capacity: PADS }),
+            _ => Ok(()),
+        }
     }
 }

@@ -1,6 +1,6 @@
-//! STM32F407G-DISC1: 128 KB of RAM, and 64 KB beside the core that no DMA reaches.
+//! STM32F407G-DISC1: 128 KB of RAM, and 64 KB beside the core (CCM) that DMA cannot reach.
 //!
-//! | bytes | what | where |
+//! | bytes | use | memory |
 //! | --- | --- | --- |
 //! | 36 712 | the engine: pads, modes; a block | beside the core |
 //! | 2 272 | the inputs: triggers | beside the core |
@@ -12,12 +12,11 @@
 //!
 //! `cargo test -p virtual-board --test boards -- --nocapture load::images stages` prints the sums.
 
-use dsp_core::engine::{Filters, Residuals};
-use dsp_core::room::Room;
+use dsp_core::memory::Words;
 
 use crate::Board;
 
-/// The board.
+/// Board STM32F407G-DISC1.
 #[derive(Clone, Copy, Debug)]
 pub struct Stm32f407gDisc1;
 
@@ -25,11 +24,9 @@ impl Board for Stm32f407gDisc1 {
     const NAME: &'static str = "stm32f407g-disc1";
     const RATE: (u32, u32) = (86_000_000, 1792);
     const CORE_HZ: u32 = 168_000_000;
-    /// At most a half: with 168 MHz the budget is met well before a half is over.
+    /// Less than a half of the DMA buffer: at 168 MHz the budget is met well before a half is over.
     const LEAD_FRAMES: usize = 26;
     const STAGE_CYCLES: u32 = 48_500;
-    type Residuals = Residuals<3>;
-    type Room = Room<i16, 8_960>;
-    /// 32 breakpoints, ten loops of up to 511 frames (10.6 ms), eight pairs of biquads.
-    type Filters = Filters<4, 32, 10, 512, 8>;
+    const WORDS: Words = Words { fast: 7_500, bulk: 13_500 };
+    const ROOM_SAMPLES: usize = 8_960;
 }

@@ -1,4 +1,4 @@
-//! A board's clocks: every rate that anything else uses is derived here, from the numbers that go into the clock-tree registers.
+//! A board's clocks: all rates, derived from the numbers in the clock-tree registers.
 //!
 //! ```text
 //! crystal ─┬─ /M ─ ×N ─┬─ /P ── core, AHB ─┬─ /APB1 ── I2C, SPI; timers ×2 ── ADC trigger
@@ -10,56 +10,60 @@ use dsp_core::SampleRate;
 use embassy_stm32::rcc;
 use embassy_stm32::time::Hertz;
 
-/// The numbers in the clock tree of one board.
+/// Numbers in the clock tree of one board.
 #[derive(Clone, Copy, Debug)]
 pub struct ClockPlan {
-    /// Crystal, Hz.
+    /// Frequency of the crystal in Hz.
     pub crystal_hz: u32,
     /// PLL input divider M.
     pub divider: u8,
     /// PLL multiplier N.
     pub multiplier: u16,
-    /// PLL output divider P of the core clock.
+    /// PLL output divider P, which makes the core clock.
     pub core_divider: rcc::PllPDiv,
-    /// PLL output divider Q of USB's 48 MHz.
+    /// PLL output divider Q, which makes the 48 MHz of USB.
     pub usb_divider: u8,
-    /// APB1 divider.
+    /// Divider of the bus APB1.
     pub apb1: rcc::APBPrescaler,
-    /// APB2 divider.
+    /// Divider of the bus APB2.
     pub apb2: rcc::APBPrescaler,
-    /// The I2S clock.
+    /// Numbers behind the I2S clock.
     pub audio: AudioClock,
 }
 
-/// The numbers behind the sample rate.
+/// Numbers behind the sample rate on the I2S pins.
 #[derive(Clone, Copy, Debug)]
 pub struct AudioClock {
-    /// PLLI2S input divider M. Where a chip has only one for both PLLs it must be the same.
+    /// PLLI2S input divider M.
+    ///
+    /// It must equal [`ClockPlan::divider`] if the chip has one divider for both PLLs.
     pub divider: u8,
     /// PLLI2S multiplier N.
     pub multiplier: u16,
     /// PLLI2S output divider R.
     pub output_divider: u8,
-    /// The peripheral's own prescaler, 2 I2SDIV + ODD.
+    /// Prescaler of the I2S peripheral, 2 I2SDIV + ODD.
     pub prescaler: u16,
-    /// Whether a master clock of 256 times the rate leaves the chip.
+    /// True if a master clock of 256 times the sample rate leaves the chip.
     pub master_clock: bool,
 }
 
-/// Bits of one frame on the wire: two slots of 32.
+/// Bits of one frame on the I2S wire: two slots of 32.
 const FRAME_BITS: u32 = 64;
-/// Master clock periods in a frame.
+/// Periods of the master clock in one frame.
 const MASTER_CLOCKS_PER_FRAME: u32 = 256;
-/// The piezos are sampled at this rate, Hz.
+/// Rate at which the piezos are sampled, in Hz.
 pub const ADC_RATE_HZ: u32 = 48_000;
 
 impl ClockPlan {
-    /// Core clock, Hz.
+    /// Returns the core clock in Hz.
     pub const fn core_hz(&self) -> u32 {
         self.crystal_hz / self.divider as u32 * self.multiplier as u32 / (2 * (self.core_divider as u32 + 1))
     }
 
-    /// Clock of the timers on APB1, Hz: twice the bus's where that is divided.
+    /// Returns the clock of the timers on APB1 in Hz.
+    ///
+    /// It is twice the bus clock if the bus clock is divided.
     pub const fn timer_hz(&self) -> u32 {
         match self.apb1 {
             rcc::APBPrescaler::DIV1 => self.core_hz(),
@@ -70,34 +74,35 @@ impl ClockPlan {
         }
     }
 
-    /// Timer ticks between two samples of the ADC.
+    /// Returns the number of timer periods between two samples of the ADC.
     pub const fn adc_period(&self) -> u32 {
         assert!(self.timer_hz().is_multiple_of(ADC_RATE_HZ), "the timer must divide to the ADC's rate");
         self.timer_hz() / ADC_RATE_HZ
     }
 
-    /// The sample rate on the I2S pins as a ratio, Hz.
-    #[inline(always)] // so that no division is left that could fail
+    /// Returns the sample rate on the I2S pins in Hz, as numerator and denominator.
+    // Inlined, it leaves no division that could panic.
+    #[inline(always)]
     pub const fn sample_rate_ratio(&self) -> (u32, u32) {
         let AudioClock { divider, multiplier, output_divider, prescaler, master_clock } = self.audio;
         let clock_hz = self.crystal_hz / divider as u32 * multiplier as u32 / output_divider as u32;
         (clock_hz, if master_clock { MASTER_CLOCKS_PER_FRAME } else { FRAME_BITS } * prescaler as u32)
     }
 
-    /// The sample rate on the I2S pins.
+    /// Returns the sample rate on the I2S pins.
     #[inline(always)]
     pub fn sample_rate(&self) -> SampleRate {
         let (numerator, denominator) = self.sample_rate_ratio();
         SampleRate::new(numerator, denominator).unwrap_or(SampleRate::HZ_48000)
     }
 
-    /// Core cycles in which so many frames leave, rounded down.
+    /// Returns the number of core cycles in which `frames` frames leave, rounded down.
     pub const fn cycles_per_frames(&self, frames: u32) -> u32 {
         let (numerator, denominator) = self.sample_rate_ratio();
         (self.core_hz() as u64 * frames as u64 * denominator as u64 / numerator as u64) as u32
     }
 
-    /// The same for the hardware library.
+    /// Returns these clocks in the form that the hardware library takes.
     pub fn rcc(&self) -> rcc::Config {
         let mut config = rcc::Config::new();
         config.hsi = false;

@@ -5,14 +5,19 @@ use embassy_stm32::i2c::{self, I2c, Master};
 use embassy_stm32::mode::Blocking;
 use embassy_time::{Duration, block_for};
 
+/// I2C address of the codec, 7 bits.
 const ADDRESS: u8 = 0x4A;
 
-/// Register 0x01: chip id in bits 7 to 3.
+/// Number of the register that holds the chip id in bits 7 to 3.
 const ID: u8 = 0x01;
+/// Chip id of a CS43L22.
 const CHIP_ID: u8 = 0b11100 << 3;
 
-/// What is written before power-up, in order: datasheet section 4.11 (required initialisation settings), then headphones on by their pin
-/// speakers off, clock found by the codec, I2S of up to 24 bits, and the headphones' volume 12 dB down.
+/// Registers and values that are written before power-up, in this order.
+///
+/// First come the initialisation settings that the datasheet requires (section 4.11). Then the
+/// headphones are switched on by their pin and the speakers off. The codec detects its clock, takes
+/// I2S of up to 24 bits, and plays the headphones 12 dB down.
 const BEFORE_POWER_UP: [(u8, u8); 11] = [
     (0x02, 0x01),
     (0x00, 0x99),
@@ -26,29 +31,30 @@ const BEFORE_POWER_UP: [(u8, u8); 11] = [
     (0x22, 0xE8),
     (0x23, 0xE8),
 ];
+/// Register and value that power the codec up.
 const POWER_UP: (u8, u8) = (0x02, 0x9E);
 
-/// Why the codec does not play.
+/// Reason for which the codec does not play.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
 pub enum Error {
-    /// It did not acknowledge register `register`: is it powered and wired?
+    /// The codec did not acknowledge an access: it may lack power or a wire.
     NotAnswering {
-        /// The register that was asked for.
+        /// Register that was accessed.
         register: u8,
-        /// What the bus says.
+        /// Error of the bus.
         bus: i2c::Error,
     },
-    /// Another chip answers at its address.
+    /// Another chip answers at the codec's address.
     WrongChip {
-        /// What register 0x01 holds.
+        /// Content of register 0x01.
         id: u8,
     },
 }
 
-/// Starts the codec: release the reset, write the settings, power up.
+/// Starts the codec: releases its reset, writes its settings and powers it up.
 ///
 /// # Errors
-/// [`Error`]; the codec is then held in reset, silent.
+/// [`Error`] if the codec does not answer as a CS43L22. It is then held in reset, silent.
 pub fn start(mut bus: I2c<'static, Blocking, Master>, mut reset: Output<'static>) -> Result<(), Error> {
     reset.set_low();
     block_for(Duration::from_millis(1));
@@ -58,7 +64,7 @@ pub fn start(mut bus: I2c<'static, Blocking, Master>, mut reset: Output<'static>
     if started.is_err() {
         reset.set_low();
     }
-    // The pin stays driven: released it would float.
+    // Dropping the pin would let it float.
     core::mem::forget(reset);
     started
 }

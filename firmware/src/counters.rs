@@ -1,8 +1,8 @@
-//! What is counted: written in the audio interrupt, told over defmt once a second.
+//! Counters that the audio interrupt writes and the report task logs once a second.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// A count since the start, or a maximum.
+/// Number that an interrupt writes and a task reads: a count, a maximum or a set of bits.
 pub struct Counter(AtomicU32);
 
 impl Counter {
@@ -10,27 +10,27 @@ impl Counter {
         Self(AtomicU32::new(0))
     }
 
-    /// Adds; wraps after 2^32.
+    /// Adds `more`, modulo 2^32.
     pub fn add(&self, more: u32) {
         self.0.fetch_add(more, Ordering::Relaxed);
     }
 
-    /// Keeps the larger value.
+    /// Sets the counter to `value` if that is larger.
     pub fn keep_larger(&self, value: u32) {
         self.0.fetch_max(value, Ordering::Relaxed);
     }
 
-    /// Adds the bits that a value has.
+    /// Sets the bits that are set in `value`.
     pub fn keep_bits(&self, value: u32) {
         self.0.fetch_or(value, Ordering::Relaxed);
     }
 
-    /// The value.
+    /// Returns the value.
     pub fn get(&self) -> u32 {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// The value, and 0 from now on.
+    /// Returns the value and sets the counter to 0.
     pub fn take(&self) -> u32 {
         self.0.swap(0, Ordering::Relaxed)
     }
@@ -41,32 +41,36 @@ macro_rules! counters {
 }
 
 counters! {
-    /// Halves that were rendered in time or late.
+    /// Number of halves of the DMA buffer that were rendered, in time or late.
     HALVES,
-    /// Halves that were heard again because they were not filled in time.
+    /// Number of halves that were heard again because they were not filled in time.
     MISSED_HALVES,
-    /// Restarts of the I2S stream after a DMA error.
+    /// Number of restarts of the I2S stream after a DMA error.
     STREAM_ERRORS,
-    /// Times that the ADC had stopped, by an overrun or a DMA error, and was started again.
+    /// Number of restarts of the ADC after an overrun or a DMA error.
     ADC_RESTARTS,
-    /// Frames of the ADC that were overwritten before they were read.
+    /// Number of frames of the ADC that were overwritten before they were read.
     LOST_ADC_FRAMES,
-    /// Strikes that were played.
+    /// Number of strikes that were played.
     STRIKES,
-    /// Decisions to leave modes out.
+    /// Number of decisions to leave modes out.
     SHEDS,
-    /// Residuals, dynamic filters and biquads that strikes did not begin for want of time.
+    /// Number of residuals, dynamic filters and biquads that strikes did not begin for want of
+    /// time.
     REFUSED_STAGES,
-    /// Events whose frame had passed.
+    /// Number of events whose frame had already been rendered.
     LATE_EVENTS,
-    /// Events that could not be: no such pad, too many at once.
+    /// Number of events that were refused: their pad or striker does not exist, too many wait, or
+    /// the engine refuses them.
     REFUSED_EVENTS,
-    /// Lines that are missing from the log, because it was full.
+    /// Number of lines that are missing from the log because its queue was full.
     UNLOGGED_LINES,
-    /// Cycles of the audio interrupt since the last report.
+    /// Core cycles that the audio interrupt has spent since the last report.
     AUDIO_CYCLES,
-    /// The dearest half since the last report, cycles.
+    /// Core cycles of the dearest half since the last report.
     WORST_HALF_CYCLES,
-    /// The bits of the samples since it was last shown: its highest is that of the loudest, of 23.
+    /// Bits set in the magnitude of any sample since the meter last took them.
+    ///
+    /// The highest set bit is that of the loudest sample. Full scale is 2^23.
     PEAK,
 }

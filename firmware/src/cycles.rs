@@ -1,4 +1,4 @@
-//! The core's cycle counter (DWT CYCCNT): wraps every 25 s at 168 MHz.
+//! Cycle counter of the core (DWT CYCCNT), which wraps every 25 s at 168 MHz.
 
 use cortex_m::Peripherals;
 use cortex_m::peripheral::DWT;
@@ -9,7 +9,7 @@ pub fn start(core: &mut Peripherals) {
     core.DWT.enable_cycle_counter();
 }
 
-/// Core cycles, modulo 2^32.
+/// Returns the core cycles since the counter was started, modulo 2^32.
 pub fn now() -> u32 {
     DWT::cycle_count()
 }

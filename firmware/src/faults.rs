@@ -1,8 +1,8 @@
-//! What is wrong with the board at present, shown by a LED as a number of flashes.
+//! Faults of the board that are present now, shown by a LED as a number of flashes.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// A fault and its number of flashes. Where there are several the lowest number is shown.
+/// Fault, with its number of flashes. If several are present, the lowest number is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Fault {
@@ -10,17 +10,18 @@ pub enum Fault {
     Kit = 2,
     /// The codec does not answer.
     Codec = 3,
-    /// A piezo's channel is stuck at a rail.
+    /// The channel of a piezo is stuck at a rail.
     Piezo = 4,
-    /// Sound was interrupted within the last seconds: a half came too late, or the stream began anew.
+    /// Sound was interrupted in the last 5 s: a half was late, or the I2S stream was restarted.
     Sound = 5,
-    /// The ADC had to be started anew within the last seconds.
+    /// The ADC was restarted in the last 5 s.
     Adc = 6,
 }
 
+/// Present faults: bit `n` is set if the fault of `n` flashes is present.
 static FAULTS: AtomicU32 = AtomicU32::new(0);
 
-/// Says that a fault is there, or not.
+/// Notes that a fault is present, or that it is no longer.
 pub fn set(fault: Fault, is_there: bool) {
     let bit = 1 << fault as u32;
     match is_there {
@@ -29,7 +30,7 @@ pub fn set(fault: Fault, is_there: bool) {
     };
 }
 
-/// Flashes to show: 0 where all is well.
+/// Returns the number of flashes to show, 0 if no fault is present.
 pub fn flashes() -> u32 {
     match FAULTS.load(Ordering::Relaxed) {
         0 => 0,

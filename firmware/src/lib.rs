@@ -1,5 +1,11 @@
 #![no_std]
-#![doc = "Malleus on a board: piezos and buttons in, I2S out."]
+//! Malleus on a board: piezos and buttons in, I2S out.
+//!
+//! ```text
+//! input ──► audio ──► I2S        board: clocks and wiring of the chosen board
+//!             │                  hardware: sets them up at the start
+//!             └──► tasks: log, report, LEDs, watchdog
+//! ```
 
 pub mod audio;
 pub mod board;
@@ -8,6 +14,8 @@ pub mod codec;
 pub mod counters;
 pub mod cycles;
 pub mod faults;
+pub mod half;
+pub mod hardware;
 pub mod input;
 pub mod kits;
 pub mod owned;

@@ -1,59 +1,54 @@
-//! A static that belongs to one interrupt.
+//! Static memory that belongs to one interrupt.
 
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 
-/// Memory that `main` fills before it lets an interrupt come, and that the interrupt's handler has to itself from then on.
+/// Memory that `main` fills before it enables an interrupt, whose handler alone uses it afterwards.
 ///
-/// In a `static` it may lie where nothing is set up at start: it is not read before it is filled.
+/// It is not read before it is filled, so a `static` of it may lie in memory that is not
+/// initialised at the start.
 pub struct Owned<T>(UnsafeCell<MaybeUninit<T>>);
 
 // SAFETY: `fill` and `get` are unsafe and ask for one user at a time.
 unsafe impl<T> Sync for Owned<T> {}
 
 impl<T> Owned<T> {
-    /// Empty.
+    /// Makes empty memory.
     pub const fn empty() -> Self {
         Self(UnsafeCell::new(MaybeUninit::uninit()))
     }
 
-    /// Fills the memory and hands it out.
+    /// Fills the memory and returns its content.
     ///
     /// # Safety
-    /// Nobody uses the contents, now or while the reference lives.
+    /// Nothing else uses the content, now or while the reference lives.
+    // Inlined, it lets a large value be made in place instead of on the stack.
     #[expect(clippy::mut_from_ref, reason = "the caller promises to be alone")]
-    #[inline(always)] // so that what is large is made in its place, not on the stack
+    #[inline(always)]
     pub unsafe fn fill(&self, value: T) -> &mut T {
-        // SAFETY: the caller's word.
+        // SAFETY: the caller promises to be alone.
         unsafe { (*self.0.get()).write(value) }
     }
 
-    /// The contents.
+    /// Returns the content.
     ///
     /// # Safety
-    /// It has been filled, and nobody else uses the contents while the reference lives.
+    /// The memory has been filled, and nothing else uses the content while the reference lives.
     #[expect(clippy::mut_from_ref, reason = "the caller promises to be alone")]
     pub unsafe fn get(&self) -> &mut T {
-        // SAFETY: the caller's word.
+        // SAFETY: the caller promises to be alone.
         unsafe { (*self.0.get()).assume_init_mut() }
     }
 }
 
-impl<T, const COUNT: usize> Owned<[T; COUNT]> {
-    /// As [`Owned::fill`], one after the other: what all of them are like lies in flash once.
+impl<T: Copy, const COUNT: usize> Owned<[MaybeUninit<T>; COUNT]> {
+    /// Returns the memory as it is, whose words may be uninitialised.
     ///
     /// # Safety
-    /// As [`Owned::fill`].
+    /// Nothing else uses the memory, now or while the reference lives.
     #[expect(clippy::mut_from_ref, reason = "the caller promises to be alone")]
-    #[inline(always)] // so that each is made in its place, not on the stack
-    pub unsafe fn fill_each(&self, value: impl Fn() -> T) -> &mut [T; COUNT] {
-        // SAFETY: the caller's word.
-        let memory = unsafe { &mut *self.0.get() };
-        for index in 0..COUNT {
-            // SAFETY: the index is within the array.
-            unsafe { memory.as_mut_ptr().cast::<T>().add(index).write(value()) };
-        }
-        // SAFETY: all of them have just been written.
-        unsafe { memory.assume_init_mut() }
+    pub unsafe fn lend(&self) -> &mut [MaybeUninit<T>; COUNT] {
+        // SAFETY: the caller promises to be alone; `MaybeUninit` words need no initialisation.
+        unsafe { (*self.0.get()).assume_init_mut() }
     }
 }

@@ -1,23 +1,27 @@
-//! A queue from one interrupt to one task, of which neither waits for the other.
+//! Queue from one interrupt to one task, in which neither waits for the other.
 
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// Room for `N` items, a power of two. (`heapless` has one too, whose length is known at run time only: its remainder by that length could panic, and
-/// nothing in the audio path may.)
+/// Queue of at most `N` items, a power of two.
+///
+/// It stands in for the queue of `heapless`, whose length is known only at run time: a remainder by
+/// that length could panic, and nothing in the audio path may.
 pub struct Queue<T, const N: usize> {
     items: [UnsafeCell<MaybeUninit<T>>; N],
-    /// Items pushed and taken so far, modulo 2^32.
+    /// Number of items pushed so far, modulo 2^32.
     pushed: AtomicU32,
+    /// Number of items taken so far, modulo 2^32.
     taken: AtomicU32,
 }
 
-// SAFETY: an item belongs to whoever pushes until `pushed` has been stored, and to whoever takes until `taken` has been; there is one of each.
+// SAFETY: an item belongs to the one producer until `pushed` is stored, and then to the one
+// consumer until `taken` is stored.
 unsafe impl<T: Send, const N: usize> Sync for Queue<T, N> {}
 
 impl<T: Copy, const N: usize> Queue<T, N> {
-    /// An empty queue.
+    /// Makes an empty queue.
     pub const fn new() -> Self {
         assert!(N.is_power_of_two());
         Self {
@@ -27,26 +31,26 @@ impl<T: Copy, const N: usize> Queue<T, N> {
         }
     }
 
-    /// Appends an item; `false` where there is no room.
+    /// Appends an item; returns `false` if the queue is full.
     ///
     /// # Safety
-    /// Called from one context only.
+    /// One context alone calls this.
     pub unsafe fn push(&self, item: T) -> bool {
         let pushed = self.pushed.load(Ordering::Relaxed);
         if pushed.wrapping_sub(self.taken.load(Ordering::Acquire)) as usize >= N {
             return false;
         }
         let Some(place) = self.items.get(pushed as usize % N) else { return false };
-        // SAFETY: the place is free, and nobody else fills it.
+        // SAFETY: the place is free, and the one producer fills it.
         unsafe { (*place.get()).write(item) };
         self.pushed.store(pushed.wrapping_add(1), Ordering::Release);
         true
     }
 
-    /// Takes the oldest item.
+    /// Removes and returns the oldest item, or `None` if the queue is empty.
     ///
     /// # Safety
-    /// Called from one context only.
+    /// One context alone calls this.
     pub unsafe fn take(&self) -> Option<T> {
         let taken = self.taken.load(Ordering::Relaxed);
         if self.pushed.load(Ordering::Acquire) == taken {

@@ -1,4 +1,4 @@
-//! The end: silence, a word about why, and a fresh start.
+//! Panics and faults: the output is muted, the cause is logged, and the chip restarts.
 
 use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -9,21 +9,21 @@ use embassy_stm32::pac::RCC;
 
 use crate::{audio, board};
 
-/// Why the chip started.
+/// Cause of the chip's last start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
 pub enum Cause {
-    /// Power came.
+    /// Power was switched on.
     PowerOn,
-    /// The reset pin, or a programmer.
+    /// The reset pin was pulled, by a button or a programmer.
     Pin,
-    /// The watchdog: sound had stopped.
+    /// The watchdog found that sound had stopped.
     Watchdog,
-    /// The program itself, after a panic or a fault.
+    /// The program restarted itself after a panic or a fault.
     Program,
 }
 
 impl Cause {
-    /// Reads and clears the chip's reset flags.
+    /// Returns the cause of the last start and clears the chip's reset flags.
     pub fn take() -> Self {
         let flags = RCC.csr().read();
         RCC.csr().modify(|w| w.set_rmvf(true));
@@ -39,9 +39,12 @@ impl Cause {
     }
 }
 
+/// True once [`end`] has begun to log.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// Silence first, then a word, then a fresh start. What goes wrong on the way does not come back here.
+/// Mutes the output, logs the cause by `tell`, and restarts the chip.
+///
+/// A panic inside `tell` comes here again and restarts the chip without logging.
 fn end(tell: impl FnOnce()) -> ! {
     cortex_m::interrupt::disable();
     board::mute();

@@ -1,4 +1,4 @@
-//! What can wait: the log, the report, the LEDs, the watchdog's food.
+//! Tasks that can wait for the sound: log, report, level meter, feeding of the watchdog.
 
 use dsp_core::event::{Action, Event};
 use dsp_core::table::Kit;
@@ -10,16 +10,18 @@ use crate::board::LEDS;
 use crate::faults::{self, Fault};
 use crate::{counters, watchdog};
 
-/// How often the log looks for lines, ms.
+/// Time between two looks for lines of the log, in ms.
 const LOG_EVERY_MS: u64 = 8;
-/// How often the watchdog may be fed, ms.
+/// Time between two chances to feed the watchdog, in ms.
 const FEED_EVERY_MS: u64 = 20;
-/// How often the meter is set, ms.
+/// Time between two updates of the level meter, in ms.
 const METER_EVERY_MS: u64 = 20;
-/// How long a passing fault is shown, s.
+/// Time for which a passing fault is shown, in s.
 const SHOW_S: u64 = 5;
 
-/// Tells what the audio interrupt has to tell. A played event has the form of an events file: behind `event` stand sample, pad, velocity, position,
+/// Logs the lines of the audio interrupt.
+///
+/// An event is logged as `event ` and a line of an events file: sample, pad, velocity, position,
 /// striker and action.
 #[embassy_executor::task]
 pub async fn log(mut lines: Log, kit: Kit<'static>) {
@@ -58,6 +60,7 @@ pub async fn log(mut lines: Log, kit: Kit<'static>) {
     }
 }
 
+/// Logs an event as a line of an events file.
 fn tell(event: &Event, kit: &Kit<'static>) {
     let sample = event.time.first_frame();
     let pad = kit.pads().nth(usize::from(event.pad));
@@ -81,7 +84,7 @@ fn tell(event: &Event, kit: &Kit<'static>) {
     }
 }
 
-/// Once a second: how the sound fares.
+/// Logs the counters once a second.
 #[embassy_executor::task]
 pub async fn report() {
     let mut halves_before = 0;
@@ -114,7 +117,7 @@ pub async fn report() {
     }
 }
 
-/// Feeds the watchdog while halves are filled and none has been missed since it was last looked.
+/// Feeds the watchdog if halves were rendered, and none missed, since the last look.
 #[embassy_executor::task]
 pub async fn feed() {
     let (mut halves_before, mut missed_before) = (counters::HALVES.get(), counters::MISSED_HALVES.get());
@@ -128,12 +131,12 @@ pub async fn feed() {
     }
 }
 
-/// Shows the level, each LED 12 dB; where there is a fault the last LED flashes its number instead.
+/// Shows the level on the LEDs, 12 dB each. If a fault is present the last LED flashes its number.
 #[embassy_executor::task]
 pub async fn meter(mut leds: [Output<'static>; LEDS], light_high: bool) {
     let mut step = 0;
     loop {
-        // 2^23 is full scale, and 12 dB are two bits.
+        // Full scale is 2^23, and 12 dB are two bits.
         let bits = u32::BITS - counters::PEAK.take().leading_zeros();
         let flashes = faults::flashes();
         step = if flashes == 0 { 0 } else { (step + 1) % ((flashes + PAUSE_FLASHES) * FLASH_STEPS) };
@@ -148,7 +151,7 @@ pub async fn meter(mut leds: [Output<'static>; LEDS], light_high: bool) {
     }
 }
 
-/// Steps of the meter from one flash to the next: 400 ms.
+/// Number of updates of the meter from one flash to the next, 400 ms.
 const FLASH_STEPS: u32 = 20;
-/// Between two numbers, in flashes.
+/// Pause after a number, in flashes.
 const PAUSE_FLASHES: u32 = 3;

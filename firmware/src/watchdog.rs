@@ -1,27 +1,31 @@
-//! The independent watchdog: a board whose sound has stopped starts again.
+//! Independent watchdog, which restarts a board whose sound has stopped.
 
 use embassy_stm32::pac::IWDG;
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
 
-/// LSI, 32 kHz (17 to 47 on silicon), over 32.
+/// Counts of the watchdog per second with the division by 32: its clock LSI has 32 kHz, on silicon
+/// 17 to 47 kHz.
 const COUNTS_PER_S: u32 = 1000;
-/// The board starts again after so long without being fed, s (0.17 to 0.47 on silicon).
+/// Time without feeding after which the board restarts, in seconds (0.17 to 0.47 s on silicon).
 const TIMEOUT_S: f32 = 0.25;
-/// The same while a kit is loaded, whose tables may take seconds (5.6 to 15 s on silicon): as long as the counter goes with twice the division.
+/// Time without feeding after which the board restarts while a kit is loaded, in seconds (5.6 to
+/// 15 s on silicon).
+///
+/// Deriving a kit's tables may take seconds. This is the longest time with the division by 64.
 const LOADING_S: f32 = 8.19;
 
-/// Starts it, for the time of loading a kit. It cannot be stopped.
+/// Starts the watchdog with the time limit for loading a kit. It cannot be stopped.
 pub fn start() {
     IWDG.kr().write(|w| w.set_key(Key::START));
     set(Pr::DIVIDE_BY64, LOADING_S / 2.0);
 }
 
-/// From now on the sound is due: it may not stop for longer than [`TIMEOUT_S`].
+/// Lowers the time limit to [`TIMEOUT_S`], for a board that plays.
 pub fn expect_sound() {
     set(Pr::DIVIDE_BY32, TIMEOUT_S);
 }
 
-/// `timeout_s` is what it would be with the division by 32.
+/// Sets the division, and the number of counts that last `timeout_s` with the division by 32.
 fn set(division: Pr, timeout_s: f32) {
     IWDG.kr().write(|w| w.set_key(Key::ENABLE));
     IWDG.pr().write(|w| w.set_pr(division));
@@ -29,7 +33,7 @@ fn set(division: Pr, timeout_s: f32) {
     feed();
 }
 
-/// As long again.
+/// Starts the time limit anew.
 pub fn feed() {
     IWDG.kr().write(|w| w.set_key(Key::RESET));
 }

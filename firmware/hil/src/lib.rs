@@ -1,1 +1,2 @@
-#![doc = "Hardware in the loop: `cargo test --features hil` flashes the self-test image and reads its verdict from a real board."]
+//! Hardware in the loop: `cargo test --features hil` flashes the self-test image onto a real board
+//! and reads its verdict.

@@ -1,4 +1,5 @@
-//! The self-test image on a real STM32F407G-DISC1: `cargo test --features hil`, with the board on a probe.
+//! Run of the self-test image on a real STM32F407G-DISC1: `cargo test --features hil`, with the
+//! board on a probe.
 #![cfg(feature = "hil")]
 
 use std::error::Error;
@@ -12,12 +13,13 @@ use probe_rs::flashing::DownloadOptions;
 use probe_rs::rtt::Rtt;
 use probe_rs::{Session, SessionConfig};
 
+/// Name of the board's chip in probe-rs.
 const CHIP: &str = "STM32F407VGTx";
-/// The test takes a few seconds; a board that says nothing for so long has failed.
+/// Time after which a board without a verdict has failed. The test takes a few seconds.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 #[test]
-fn the_self_test_passes_on_the_board() -> Result<(), Box<dyn Error>> {
+fn the_self_test_passes_on_a_real_disc1() -> Result<(), Box<dyn Error>> {
     let elf = build()?;
     let mut session = Session::auto_attach(CHIP, SessionConfig::default())?;
     flash(&mut session, &elf)?;
@@ -26,6 +28,7 @@ fn the_self_test_passes_on_the_board() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Builds the self-test image and returns its ELF file.
 fn build() -> Result<Vec<u8>, Box<dyn Error>> {
     let firmware = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let target = firmware.join("target");
@@ -34,10 +37,11 @@ fn build() -> Result<Vec<u8>, Box<dyn Error>> {
         .arg(&target)
         .current_dir(&firmware)
         .status()?;
-    assert!(status.success(), "the image does not build");
+    assert!(status.success(), "the self-test image does not build");
     Ok(std::fs::read(target.join("thumbv7em-none-eabihf/release/self-test"))?)
 }
 
+/// Writes the segments of an ELF file to the flash of the board.
 fn flash(session: &mut Session, elf: &[u8]) -> Result<(), Box<dyn Error>> {
     let mut loader = session.target().flash_loader();
     let file = ElfFile32::<object::Endianness>::parse(elf)?;
@@ -52,7 +56,7 @@ fn flash(session: &mut Session, elf: &[u8]) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Resets the board and gives its log's lines, up to the verdict.
+/// Resets the board and returns the lines of its log up to the verdict.
 fn listen(session: &mut Session, elf: &[u8]) -> Result<Vec<String>, Box<dyn Error>> {
     let table = Table::parse(elf)?.ok_or("the image has no defmt section")?;
     let mut decoder = table.new_stream_decoder();
@@ -63,7 +67,7 @@ fn listen(session: &mut Session, elf: &[u8]) -> Result<Vec<String>, Box<dyn Erro
         match Rtt::attach(&mut core) {
             Ok(rtt) => break rtt,
             Err(error) if begun.elapsed() > PATIENCE => return Err(error.into()),
-            // Not set up yet.
+            // The program has not set RTT up yet.
             Err(_) => std::thread::sleep(Duration::from_millis(10)),
         }
     };
@@ -77,7 +81,7 @@ fn listen(session: &mut Session, elf: &[u8]) -> Result<Vec<String>, Box<dyn Erro
             match decoder.decode() {
                 Ok(frame) => lines.push(frame.display_message().to_string()),
                 Err(DecodeError::UnexpectedEof) => break,
-                // The log begins anew at the next frame.
+                // The decoder goes on at the next frame.
                 Err(DecodeError::Malformed) => {}
             }
         }

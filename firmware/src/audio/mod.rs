@@ -1,4 +1,4 @@
-//! Sound: in the DMA's interrupt, while one half of the buffer plays, the other is rendered.
+//! Sound: while one half of the DMA buffer plays, the interrupt of the DMA renders the other.
 //!
 //! ```text
 //! DMA reads    |------- half 0 -------|------- half 1 -------|
@@ -7,8 +7,9 @@
 //!                                     |LEAD_FRAMES-->|
 //! ```
 //!
-//! A tick of the engine lies across the halves: it is heard [`LEAD_FRAMES`] after the interrupt that renders it, which is the deadline. A
-//! lead of less than a half shortens the way from a strike to its sound; the engine's budget leaves the rest of the time to others anyway.
+//! A tick of the engine lies across the halves. It is heard [`LEAD_FRAMES`] after the interrupt
+//! that renders it, which is the deadline. A lead of less than a half shortens the time from a
+//! strike to its sound; the engine's budget leaves the rest of the time to other tasks anyway.
 
 pub mod i2s;
 pub mod instrument;
@@ -21,107 +22,109 @@ use dsp_core::event::Event;
 use dsp_core::trigger;
 use embassy_stm32::interrupt;
 
-use self::i2s::{HALF_FRAMES, I2s, Told};
+use self::i2s::{I2s, Told};
 use self::instrument::Instrument;
 use crate::board::{CLOCKS, Memory};
+use crate::half::HALF_FRAMES;
 use crate::input::{self, Inputs};
 use crate::owned::Owned;
 use crate::queue::Queue;
 use crate::{counters, cycles};
 
-/// Frames from the interrupt that renders a tick to the tick's first frame, at most a half.
+/// Number of frames from the interrupt that renders a tick to the tick's first frame, at most a
+/// half.
 const LEAD_FRAMES: usize = <Memory as Board>::LEAD_FRAMES;
-/// Cycles that a tick may take, as the engine predicts them.
+/// Core cycles that a tick may take by the engine's prediction.
 pub const BUDGET_CYCLES: u32 = <Memory as Board>::BUDGET_CYCLES;
 const _: () = assert!(LEAD_FRAMES <= HALF_FRAMES, "a tick is rendered at most a half ahead");
-/// Cycles in which a half plays.
+/// Core cycles in which a half plays.
 pub const CYCLES_PER_HALF: u32 = CLOCKS.cycles_per_frames(HALF_FRAMES as u32);
 
 const SILENCE: [[i32; 2]; HALF_FRAMES] = [[0; 2]; HALF_FRAMES];
 
-/// Lines on their way to the log.
+/// Maximum number of lines that wait for the log task.
 const LINES: usize = 64;
 
-/// What the log is told.
+/// Line of the log.
 #[derive(Clone, Copy, Debug)]
 pub enum Line {
-    /// What was played, and what was left out.
+    /// An event was played, or modes were left out.
     Event(Event),
-    /// A piezo's channel fails.
+    /// The channel of a piezo fails.
     PiezoFault {
-        /// Which channel, counted from 0.
+        /// Number of the channel, from 0.
         channel: u8,
-        /// What is wrong.
+        /// Fault of the channel.
         fault: trigger::Fault,
     },
-    /// It is well again.
+    /// The channel of a piezo works again.
     PiezoRecovered {
-        /// Which channel, counted from 0.
+        /// Number of the channel, from 0.
         channel: u8,
     },
     /// Halves were not filled in time.
     Missed {
-        /// How many.
+        /// Number of these halves.
         halves: u32,
     },
-    /// The I2S stream was started anew after a DMA error.
+    /// The I2S stream was restarted after a DMA error.
     StreamRestarted,
-    /// The ADC was started anew after an overrun or a DMA error.
+    /// The ADC was restarted after an overrun or a DMA error.
     AdcRestarted,
 }
 
-/// Everything that belongs to the audio interrupt.
+/// State of the audio interrupt.
 struct Audio {
     i2s: I2s,
     inputs: &'static mut Inputs,
     instrument: &'static mut Instrument,
     lines: Lines,
-    /// When the last half was found played, cycles.
+    /// Time at which the last half was found played, in core cycles.
     last: u32,
-    /// Which half that was.
+    /// Half that was found played last, 0 or 1.
     played: usize,
-    /// Halves of zeros up to now.
+    /// Number of halves of zeros that were rendered in a row, at most 255.
     silent_halves: u8,
 }
 
 static LOG: Queue<Line, LINES> = Queue::new();
 
-/// The log's end in the interrupt; there is one.
+/// End of the log's queue in the interrupt. There is one.
 struct Lines(());
 
 impl Lines {
-    /// What finds no room is counted.
+    /// Appends a line to the log, or counts it as lost if the queue is full.
     fn push(&mut self, line: Line) {
-        // SAFETY: the one end.
+        // SAFETY: there is one `Lines`, so one context pushes.
         if !unsafe { LOG.push(line) } {
             counters::UNLOGGED_LINES.add(1);
         }
     }
 }
 
-/// The other end: what the interrupt has to tell, in order.
+/// End of the log's queue in the log task. There is one.
 pub struct Log(());
 
 impl Log {
-    /// The next line, where there is one.
+    /// Removes and returns the oldest line, or `None` if no line waits.
     pub fn take(&mut self) -> Option<Line> {
-        // SAFETY: the one end.
+        // SAFETY: there is one `Log`, so one context takes.
         unsafe { LOG.take() }
     }
 }
 
 static AUDIO: Owned<Audio> = Owned::empty();
-/// Whether `AUDIO` has been filled.
+/// True once `AUDIO` has been filled.
 static READY: AtomicBool = AtomicBool::new(false);
 
-/// From now on the stream, which runs already and is silent, plays the instrument. Gives the end of the log where lines come out.
+/// Lets the I2S stream, which runs and is silent, play the instrument. Returns the log's lines.
 ///
 /// # Safety
-/// Called once.
+/// This is called once.
 pub unsafe fn start(i2s: I2s, inputs: &'static mut Inputs, instrument: &'static mut Instrument) -> Log {
     let played = i2s.half_played();
     let audio = Audio { i2s, inputs, instrument, lines: Lines(()), last: cycles::now(), played, silent_halves: 0 };
-    // SAFETY: the caller's word; the interrupt does not look before it is told.
+    // SAFETY: the caller calls this once, and the interrupt does not look before `READY` is set.
     unsafe { AUDIO.fill(audio) };
     READY.store(true, Ordering::Release);
     Log(())
@@ -144,7 +147,7 @@ fn on_half() {
     if !READY.load(Ordering::Acquire) {
         return i2s::acknowledge();
     }
-    // SAFETY: `start` has filled it, and an interrupt does not interrupt itself.
+    // SAFETY: `start` has filled `AUDIO`, and an interrupt does not interrupt itself.
     let audio = unsafe { AUDIO.get() };
     audio.on_interrupt(begun);
     let spent = cycles::now().wrapping_sub(begun);
@@ -175,7 +178,7 @@ impl Audio {
         let (inputs, lines) = (&mut self.inputs, &mut self.lines);
         let half = self.instrument.render(inputs.direct(), |event| lines.push(Line::Event(*event)));
         self.silent_halves = if half.is_none() { self.silent_halves.saturating_add(1) } else { 0 };
-        // Where both halves hold zeros already there is nothing to write.
+        // If both halves hold zeros already there is nothing to write.
         if self.silent_halves <= 2 {
             // The half that begins LEAD_FRAMES after the one that has just been played.
             let frames = half.as_ref().map_or(&SILENCE, |half| half.frames);
@@ -186,12 +189,15 @@ impl Audio {
         }
         counters::HALVES.add(1);
         if self.i2s.frames_since(played) >= LEAD_FRAMES {
-            // The DMA came here before all was written: part of what was there before has been heard again.
+            // The DMA read a part of these frames before they were written: old frames were heard.
             self.miss(1);
         }
     }
 
-    #[inline(never)] // told apart in profiles; its stack and the renderer's share their place
+    /// Passes the events of the inputs to the instrument, and their faults to the log.
+    // Not inlined, so that profiles tell it apart, and its stack and that of the renderer share
+    // their place.
+    #[inline(never)]
     fn take_inputs(&mut self, missed: u32) {
         let (instrument, lines) = (&mut self.instrument, &mut self.lines);
         let restarts = counters::ADC_RESTARTS.get();
@@ -205,6 +211,7 @@ impl Audio {
         }
     }
 
+    /// Counts and logs halves that were not filled in time.
     fn miss(&mut self, halves: u32) {
         if halves > 0 {
             counters::MISSED_HALVES.add(halves);
@@ -212,12 +219,13 @@ impl Audio {
         }
     }
 
-    /// Halves that have been played since the last interrupt that rendered one: the time says about how many, the half that has just been played
-    /// whether the number is odd.
+    /// Returns the number of halves played since the last interrupt that rendered one.
+    ///
+    /// The time tells the number roughly. The half that has just been played tells if it is odd.
     fn halves_since_last(&self, now: u32, played: usize) -> u32 {
         let time = now.wrapping_sub(self.last);
         let odd = u32::from(played != self.played);
-        // The nearest number of that parity.
+        // Rounds to the nearest number of that parity.
         let pairs = time.saturating_add((1 - odd) * CYCLES_PER_HALF) / (2 * CYCLES_PER_HALF);
         2 * pairs + odd
     }

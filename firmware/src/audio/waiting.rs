@@ -2,22 +2,23 @@
 
 use dsp_core::event::Event;
 
-/// Events that may wait at once. A press that chokes a whole kit makes as many as there are pads.
+/// Maximum number of events that wait. A press that chokes a whole kit makes one event per pad.
 const WAITING: usize = 32;
 
-/// Up to 32 events in order of time; those of the same frame in the order in which they came.
+/// Up to 32 events in order of time. Events of one frame keep the order in which they came.
 pub(super) struct Waiting {
     events: [Event; WAITING],
     count: usize,
 }
 
 impl Waiting {
+    /// No events.
     pub(super) const NONE: Self = Self { events: [Event::NOTHING; WAITING], count: 0 };
 
-    /// `false` where there is no room.
+    /// Inserts an event; returns `false` if as many events wait as can.
     pub(super) fn insert(&mut self, event: Event) -> bool {
         let Some(waiting) = self.events.get_mut(..=self.count) else { return false };
-        // What was at a place moves on to the next, from the event's own place on.
+        // From the event's place on, each event moves one place on.
         let mut moving = event;
         let mut is_found = false;
         for place in waiting.iter_mut().take(self.count) {
@@ -33,14 +34,14 @@ impl Waiting {
         true
     }
 
-    /// Those that happen before a frame.
+    /// Returns the events that happen before a frame.
     pub(super) fn before(&self, frame: u64) -> &[Event] {
         let waiting = self.events.get(..self.count).unwrap_or(&[]);
         let due = waiting.iter().take_while(|event| event.time.first_frame() < frame).count();
         waiting.get(..due).unwrap_or(&[])
     }
 
-    /// Takes the first `due` away.
+    /// Removes the first `due` events.
     pub(super) fn pass(&mut self, due: usize) {
         if due == 0 {
             return;

@@ -1,4 +1,4 @@
-//! The application: pads.
+//! Application of the board: pads that play a kit.
 
 #![no_std]
 #![no_main]
@@ -12,43 +12,43 @@ use firmware::input::piezo::Piezos;
 use firmware::input::{self, Inputs};
 use firmware::refusal::Refusal;
 use firmware::restart::Cause;
-use firmware::{audio, board, cycles, kits, tasks, watchdog};
+use firmware::{audio, board, cycles, hardware, kits, tasks, watchdog};
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     watchdog::start();
-    let peripherals = board::start_clocks();
+    let peripherals = hardware::start_clocks();
     if let Some(mut core) = cortex_m::Peripherals::take() {
         cycles::start(&mut core);
     }
     defmt::info!("malleus on {=str}, started by {}", board::NAME, Cause::take());
     watchdog::feed();
-    // Before the stream: nothing then interrupts what derives the kit.
+    // The kit is loaded before the stream runs, so that no interrupt slows it down.
     // SAFETY: main runs once.
     let instrument = unsafe { Instrument::place() };
     let Some((kit, settings)) = choose_kit(instrument) else {
-        // Nobody feeds the watchdog: the board starts anew.
+        // The watchdog is not fed any more, so the board restarts.
         return defmt::error!("the built-in kit does not play: flash this image again");
     };
     watchdog::expect_sound();
-    let board = board::init(peripherals);
-    if let Err(error) = board.codec {
+    let devices = hardware::init(peripherals);
+    if let Err(error) = devices.codec {
         faults::set(Fault::Codec, true);
         defmt::error!("codec: {}", error);
     }
     watchdog::feed();
     // SAFETY: main runs once.
     let log = unsafe {
-        let inputs = Inputs::place(Piezos::new(board.piezos), board.button, settings);
-        audio::start(board.i2s, inputs, instrument)
+        let inputs = Inputs::place(Piezos::new(devices.piezos), devices.button, settings);
+        audio::start(devices.i2s, inputs, instrument)
     };
     spawn(&spawner, tasks::feed());
     spawn(&spawner, tasks::log(log, kit));
     spawn(&spawner, tasks::report());
-    spawn(&spawner, tasks::meter(board.leds, board.leds_light_high));
+    spawn(&spawner, tasks::meter(devices.leds, devices.leds_light_high));
 }
 
-/// A task of which there is one cannot be refused; should it be, the watchdog notices that nobody feeds it.
+/// Spawns a task. A task that is spawned once cannot be refused; if one were, the error is logged.
 fn spawn<T>(spawner: &Spawner, task: Result<SpawnToken<T>, SpawnError>) {
     match task {
         Ok(task) => spawner.spawn(task),
@@ -56,7 +56,9 @@ fn spawn<T>(spawner: &Spawner, task: Result<SpawnToken<T>, SpawnError>) {
     }
 }
 
-/// The kit in the flash sector where it is good, else the built-in one.
+/// Loads the kit of the kit sector if it is good, else the built-in one.
+///
+/// Returns `None` if neither plays.
 fn choose_kit(instrument: &mut Instrument) -> Option<(Kit<'static>, input::Settings)> {
     match kit_in_sector(instrument) {
         Ok(Some(chosen)) => return Some(chosen),
@@ -71,12 +73,13 @@ fn choose_kit(instrument: &mut Instrument) -> Option<(Kit<'static>, input::Setti
     Some((kit, input::Settings::of(&kit).ok()?))
 }
 
+/// Loads the kit of the kit sector, or returns `None` if the sector is erased.
 fn kit_in_sector(instrument: &mut Instrument) -> Result<Option<(Kit<'static>, input::Settings)>, Refusal> {
     let Some(kit) = kits::in_sector()? else { return Ok(None) };
     let settings = input::Settings::of(&kit)?;
     let tell = |error| {
         defmt::warn!("kit sector, left out: {}", Refusal::Load(error));
-        // A large kit of which much is left out takes long.
+        // A large kit of which much is left out takes long to load.
         watchdog::feed();
     };
     instrument.load(&kit, audio::BUDGET_CYCLES, tell)?;

@@ -1,4 +1,4 @@
-//! The button: its interrupt notes when the first contact was made, its level is read once a half.
+//! Button: its interrupt notes the time of the first contact, and its level is read once a half.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -9,26 +9,28 @@ use embassy_stm32::{interrupt, pac};
 
 use crate::cycles;
 
-/// Above the sound: it only reads a clock.
+/// Priority of the button's interrupt, next below that of the sound.
 const PRIORITY: Priority = Priority::P1;
-/// The line of pin 0, on every board.
+/// EXTI line of the button's pin, which is pin 0 on every board.
 const LINE: usize = 0;
 
-/// A button on EXTI line 0.
+/// Button on EXTI line 0.
 pub struct Button {
-    /// Its pin; the edge of a press interrupts.
+    /// Pin of the button, of which the edge of a press interrupts.
     pub pin: ExtiInput<'static, Blocking>,
-    /// Whether the pin is high while the button is pressed.
+    /// True if the pin is high while the button is pressed.
     pub pressed_is_high: bool,
 }
 
+/// True if a first contact has been noted and not been taken.
 static TOUCHED: AtomicBool = AtomicBool::new(false);
+/// Time of the noted contact, in core cycles.
 static TOUCHED_AT: AtomicU32 = AtomicU32::new(0);
 
 #[interrupt]
 fn EXTI0() {
     pac::EXTI.pr(0).write(|w| w.set_line(LINE, true));
-    // While one is kept the time stands still: it is the first contact that counts.
+    // The contacts bounce, and the first one counts: a noted time is not overwritten.
     if !TOUCHED.load(Ordering::Acquire) {
         TOUCHED_AT.store(cycles::now(), Ordering::Relaxed);
         TOUCHED.store(true, Ordering::Release);
@@ -36,14 +38,15 @@ fn EXTI0() {
 }
 
 impl Button {
-    /// Lets its interrupt come.
+    /// Enables the button's interrupt.
     pub fn listen(&self) {
         interrupt::EXTI0.set_priority(PRIORITY);
-        // SAFETY: the handler uses nothing but the two atomics.
+        // SAFETY: the handler shares nothing but two atomics.
         unsafe { interrupt::EXTI0.enable() };
     }
 
-    /// When the button was first touched since the last call, in core cycles.
+    /// Returns the time of the first contact since the last call in core cycles, or `None` if the
+    /// contacts did not close.
     pub fn touched(&self) -> Option<u32> {
         if !TOUCHED.load(Ordering::Acquire) {
             return None;
@@ -53,7 +56,7 @@ impl Button {
         Some(at)
     }
 
-    /// Whether it is pressed now; contacts may bounce.
+    /// Returns true if the contacts are closed now. They may bounce.
     pub fn is_pressed(&self) -> bool {
         self.pin.is_high() == self.pressed_is_high
     }

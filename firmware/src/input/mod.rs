@@ -1,13 +1,14 @@
-//! Piezos and the button, from their pins to events at frames of the output.
+//! Inputs: piezos and the button, from their pins to events at frames of the output.
 //!
 //! ```text
-//! ADC frame n ──► trigger: decided at n ──► anchor + floor((n - anchor) Q/P) + DELAY_FRAMES ──► event at that frame
+//! ADC frame n ──► trigger: decided at n
+//!             ──► anchor + floor((n - anchor) Q/P) + DELAY_FRAMES ──► event at that frame
 //! ```
 //!
-//! Both clocks come from one crystal, so their ratio Q/P is exact; an anchor says which frames belong together. It is set whenever the ADC is
-//! started, and moved when the output has fallen behind.
+//! The clocks of ADC and output come from one crystal, so their ratio Q/P is exact. An anchor pairs
+//! one frame of each. It is set when the ADC is started, and moved when halves were missed.
 
-mod button;
+pub mod button;
 pub mod piezo;
 
 use dsp_core::SampleRate;
@@ -16,64 +17,69 @@ use dsp_core::event::Event;
 use dsp_core::table::Kit;
 use dsp_core::trigger::{self, Buttons, Fault, FrameMap, Mode, Report, Resampler, Trigger, TriggerError};
 
-pub use self::button::Button;
+use self::button::Button;
 use self::piezo::{CHANNELS, Piezos, RING_FRAMES};
-use crate::audio::i2s::HALF_FRAMES;
 use crate::board::CLOCKS;
 use crate::clock::ADC_RATE_HZ;
+use crate::half::HALF_FRAMES;
 use crate::owned::Owned;
 use crate::{counters, cycles};
 
-/// From the anchor to the frame where a strike sounds. A strike is seen at the latest a half after it was decided (32 frames), the conversion
-/// of the last channel takes 0.4 of a frame, and rounding down to a frame of the output one more; what is left is for interrupts that are a little
-/// late.
+/// Number of frames from the decision of a strike to its sound.
+///
+/// A strike is seen at most a half (32 frames) after it was decided. The conversion of the last
+/// channel takes 0.4 of a frame, and rounding down to a frame of the output takes one more. The
+/// rest is for interrupts that are a little late.
 const DELAY_FRAMES: u64 = HALF_FRAMES as u64 + 2;
-/// The same for the direct force: the last of a half's 32 frames needs three frames of the ADC behind it.
+/// Number of frames from a sample of a direct force to its sound: the last of a half's 32 frames is
+/// interpolated from three frames of the ADC after it.
 const DIRECT_DELAY_FRAMES: u32 = HALF_FRAMES as u32 + 3;
 
-/// A frame of the ADC and the output's frame that was next to be rendered when it was sampled.
+/// Frame of the ADC, and the frame of the output that was to be rendered next when it was sampled.
 #[derive(Clone, Copy, Debug)]
 struct Anchor {
     adc: u64,
     output: u64,
 }
 
-/// What the inputs have to tell.
+/// Report of the inputs.
 #[derive(Clone, Copy, Debug)]
 pub enum Told {
-    /// Somebody plays.
+    /// A pad was struck, choked or released.
     Event(Event),
-    /// A piezo's channel fails.
+    /// The channel of a piezo fails.
     Fault {
-        /// Which channel, counted from 0.
+        /// Number of the channel, from 0.
         channel: u8,
-        /// What is wrong.
+        /// Fault of the channel.
         fault: Fault,
     },
-    /// It is well again.
+    /// The channel of a piezo works again.
     Recovered {
-        /// Which channel, counted from 0.
+        /// Number of the channel, from 0.
         channel: u8,
     },
 }
 
-/// A pad that its piezo drives directly.
+/// Pad that its piezo drives directly.
 struct DirectPad {
     pad: u8,
-    /// `None` until the clocks' frames are paired.
+    /// Resampler from ADC to output, or `None` until an anchor is set.
     resampler: Option<Resampler>,
+    /// Force in the half that is rendered next.
     force: [i32; HALF_FRAMES],
 }
 
 impl DirectPad {
-    /// From now on the resampler's first sample in belongs to its first sample out.
-    #[inline(never)] // a kilobyte that must not weigh on the stack of every half
+    /// Pairs the next sample of the ADC with the next frame of the output.
+    // Not inlined: its kilobyte must not add to the stack of every half.
+    #[inline(never)]
     fn start(&mut self) {
         self.resampler = Resampler::new(adc_rate(), CLOCKS.sample_rate(), DIRECT_DELAY_FRAMES).ok();
     }
 }
 
-/// All inputs. There is one.
+/// Inputs of the board. There is one set.
 pub struct Inputs {
     piezos: Piezos,
     button: Button,
@@ -87,21 +93,22 @@ pub struct Inputs {
 #[unsafe(link_section = ".hot")]
 static INPUTS: Owned<Inputs> = Owned::empty();
 
-/// What a kit says about the inputs.
+/// Settings that a kit makes for the inputs.
 pub struct Settings {
     trigger: Trigger<CHANNELS>,
     buttons: Buttons<1>,
     map: FrameMap,
-    /// The first pad in direct mode: the engine takes one force.
+    /// Number of the first pad in direct mode. The engine takes one force, so others are ignored.
     direct_pad: Option<u8>,
 }
 
 impl Settings {
-    /// Derives the trigger from a kit.
+    /// Derives the settings from a kit.
     ///
     /// # Errors
-    /// [`TriggerError`].
-    #[inline(never)] // as `Inputs::place`
+    /// [`TriggerError`] if a trigger or a button of the kit cannot be set as the kit says.
+    // Not inlined: the settings that are built here must not add to the stack of the whole program.
+    #[inline(never)]
     pub fn of(kit: &Kit<'_>) -> Result<Self, TriggerError> {
         let rate = adc_rate();
         let is_direct = |settings: trigger::Settings| settings.mode == Mode::Direct;
@@ -122,31 +129,35 @@ fn adc_rate() -> SampleRate {
 }
 
 impl Inputs {
-    /// The one set of inputs, not started yet.
+    /// Makes the one set of inputs, not started.
     ///
     /// # Safety
-    /// Called once.
-    #[inline(never)] // what is built here and moved to its place must not weigh on the stack of the whole program
+    /// This is called once.
+    // Not inlined: the inputs are built here and moved to their place, and must not add to the
+    // stack of the whole program.
+    #[inline(never)]
     pub unsafe fn place(piezos: Piezos, button: Button, settings: Settings) -> &'static mut Self {
         let Settings { trigger, buttons, map, direct_pad } = settings;
         button.listen();
         let direct = direct_pad.map(|pad| DirectPad { pad, resampler: None, force: [0; HALF_FRAMES] });
-        // SAFETY: the caller's word.
+        // SAFETY: the caller promises to call this once, so nothing else uses the memory.
         unsafe { INPUTS.fill(Self { piezos, button, trigger, buttons, map, anchor: None, direct }) }
     }
 
-    /// Takes what has come since the last half. `now` is the output's frame that is rendered next; `missed` halves of the output have
-    /// been lost since the last call.
+    /// Reports by `tell` all that has happened since the last call.
+    ///
+    /// `now` is the frame of the output that is rendered next. `missed` is the number of halves of
+    /// the output that were missed since the last call.
     pub fn take(&mut self, now: u64, missed: u32, mut tell: impl FnMut(Told)) {
         let Some(anchor) = &mut self.anchor else { return self.start(now) };
-        // What is rendered from now on is heard later by as much.
+        // Sound that is rendered from now on is heard later by the missed halves.
         anchor.output = anchor.output.saturating_sub(u64::from(missed) * HALF_FRAMES as u64);
         let anchor = *anchor;
         if missed as usize >= RING_FRAMES / HALF_FRAMES - 1 {
             counters::LOST_ADC_FRAMES.add((missed + 1) * HALF_FRAMES as u32);
             return self.start(now);
         }
-        // A half without a frame: whatever the reason, the sampler stands.
+        // No frame in a half means that the ADC has stopped, whatever the reason.
         let Some(parts) = self.piezos.take().ok().filter(|[first, _]| !first.is_empty()) else {
             counters::ADC_RESTARTS.add(1);
             return self.start(now);
@@ -178,19 +189,20 @@ impl Inputs {
         };
         if let Some(at) = self.button.touched() {
             let age = cycles::now().wrapping_sub(at) / CYCLES_PER_ADC_FRAME;
-            // Not before what the last half saw.
+            // The contact must not lie before the frames that the last call has processed.
             sample(now.saturating_sub(u64::from(age).min(HALF_FRAMES as u64)), true);
         }
         sample(now, self.button.is_pressed());
     }
 
-    /// The force of a pad that its piezo drives directly, for the half that is rendered next.
+    /// Returns the force of the pad in direct mode for the half that is rendered next.
     pub fn direct(&mut self) -> Option<Direct<'_>> {
         let DirectPad { pad, resampler, force } = self.direct.as_mut()?;
         resampler.as_mut()?.pull(force);
         Some(Direct { pad: *pad, force })
     }
 
+    /// Starts or restarts the ADC, and pairs its next frame with the frame `now` of the output.
     fn start(&mut self, now: u64) {
         self.piezos.start();
         if let Some(direct) = &mut self.direct {
@@ -199,7 +211,7 @@ impl Inputs {
         self.anchor = Some(Anchor { adc: self.trigger.now(), output: now });
     }
 
-    /// The output's stream has begun anew: the clocks' frames must be paired again.
+    /// Forgets the anchor, because the stream of the output was restarted.
     pub fn forget_anchor(&mut self) {
         self.anchor = None;
     }
@@ -208,7 +220,7 @@ impl Inputs {
 const CYCLES_PER_ADC_FRAME: u32 = CLOCKS.core_hz() / ADC_RATE_HZ;
 
 impl Anchor {
-    /// Where a strike that was decided at an ADC frame sounds.
+    /// Returns the frame of the output at which a strike sounds that was decided at `adc_frame`.
     fn output_frame(self, map: FrameMap, adc_frame: u64) -> u64 {
         self.output + map.output_frame(adc_frame.saturating_sub(self.adc)) + DELAY_FRAMES
     }

@@ -1,6 +1,7 @@
-//! The piezos: ADC1 scans their channels each time timer 3 says so, 48 000 times a second, and DMA2 writes the counts round a ring.
+//! Piezos: timer 3 triggers ADC1 48 000 times per second to scan their channels, and DMA2 writes
+//! the counts to a ring.
 //!
-//! There is no interrupt: whoever takes the frames looks how far the DMA has come.
+//! There is no interrupt: the reader of the frames looks how far the DMA has come.
 
 use core::cell::UnsafeCell;
 use core::sync::atomic::{Ordering, compiler_fence};
@@ -15,43 +16,47 @@ use embassy_stm32::{peripherals, rcc};
 
 use crate::board::{ADC_COMMON, CLOCKS, PIEZO_CHANNELS};
 
-/// Piezos.
+/// Number of piezos.
 pub const CHANNELS: usize = PIEZO_CHANNELS.len();
-/// One 12-bit count a piezo.
+/// Sample of every piezo, as counts of 12 bits.
 pub type Frame = [u16; CHANNELS];
 
-/// Frames of the ring: four halves of the audio buffer.
+/// Number of frames of the ring: four halves of the audio buffer.
 pub const RING_FRAMES: usize = 128;
+/// Number of counts of the ring.
 const COUNTS: usize = RING_FRAMES * CHANNELS;
-/// What the ADC needs from being switched on to its first conversion, us.
+/// Time from switching the ADC on to its first conversion, in microseconds.
 const ADC_WAKES_US: u32 = 4;
-/// DMA2's stream 0, channel 0 serves ADC1.
+/// Stream of DMA2 that serves ADC1.
 const STREAM: usize = 0;
+/// Request channel of ADC1 on that stream.
 const DMA_CHANNEL: u8 = 0;
-/// Timer 3's trigger output among ADC1's external triggers.
+/// Number of timer 3's trigger output among the external triggers of ADC1.
 const TRIGGER: u8 = 8;
 
 struct Ring(UnsafeCell<[Frame; RING_FRAMES]>);
 
-// SAFETY: written by the DMA; read by the one `Piezos`, where the DMA is not.
+// SAFETY: only the DMA writes the ring, and the one `Piezos` reads places that the DMA has left.
 unsafe impl Sync for Ring {}
 
 static RING: Ring = Ring(UnsafeCell::new([[0; CHANNELS]; RING_FRAMES]));
 
-/// The sampler. There is one.
+/// Sampler of the piezos. There is one.
 pub struct Piezos {
-    /// The next frame of the ring that has not been taken.
+    /// Place in the ring of the next frame that has not been taken.
     next: usize,
     _pins: [Flex<'static>; CHANNELS],
 }
 
-/// Why there are no frames.
+/// Error of a sampler that has stopped, by an overrun of the ADC or an error of its DMA.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stopped;
 
 impl Piezos {
-    /// Sets up timer, ADC and DMA; nothing runs yet. Each channel is held for 28 ADC clocks and converted in 12: at 21 and 24 MHz the four of them
-    /// take 7.6 and 6.7 us of the 20.8 between two frames.
+    /// Sets up timer and ADC without starting them.
+    ///
+    /// Each channel is sampled for 28 ADC clocks and converted in 12. At 21 and 24 MHz the four
+    /// channels take 7.6 and 6.7 us of the 20.8 us between two frames.
     pub fn new(pins: [Flex<'static>; CHANNELS]) -> Self {
         rcc::enable_and_reset::<peripherals::ADC1>();
         rcc::enable_and_reset::<peripherals::TIM3>();
@@ -69,7 +74,7 @@ impl Piezos {
         Self { next: 0, _pins: pins }
     }
 
-    /// Starts, or starts anew: the first frame is sampled now.
+    /// Starts or restarts the sampler. The first frame is sampled at once.
     pub fn start(&mut self) {
         TIM3.cr1().modify(|w| w.set_cen(false));
         ADC1.cr2().modify(|w| {
@@ -78,7 +83,7 @@ impl Piezos {
         });
         let registers = DMA2.st(STREAM);
         registers.cr().modify(|w| w.set_en(false));
-        // A transfer of two bytes ends within a few cycles.
+        // This ends: a transfer of two bytes takes a few cycles.
         while registers.cr().read().en() {}
         DMA2.ifcr(STREAM / 4).write(|w| {
             w.set_feif(STREAM % 4, true);
@@ -100,7 +105,7 @@ impl Piezos {
             w.set_circ(true);
         });
         registers.cr().modify(|w| w.set_en(true));
-        // Flags are cleared by writing zeros; the overrun's among them.
+        // The ADC's flags, that of an overrun among them, are cleared by writing zeros.
         ADC1.sr().write(|w| w.0 = 0);
         ADC1.cr2().modify(|w| {
             w.set_dma(true);
@@ -111,15 +116,17 @@ impl Piezos {
         self.next = 0;
         TIM3.cnt().write(|w| w.set_cnt(0));
         TIM3.cr1().modify(|w| w.set_cen(true));
-        // An update by hand: it triggers the first scan.
+        // An update by hand triggers the first scan.
         TIM3.egr().write(|w| w.set_ug(true));
     }
 
-    /// The frames that have come since the last call, in order: those up to the ring's end, and those from its beginning. They stay as they are
-    /// until the DMA comes round again, three halves later.
+    /// Returns the frames since the last call, in order: those up to the ring's end, and those from
+    /// its beginning.
+    ///
+    /// The frames stay valid until the DMA comes round again, three halves later.
     ///
     /// # Errors
-    /// [`Stopped`] where the ADC has been overrun or its DMA has failed: it must be started anew.
+    /// [`Stopped`] if the ADC was overrun or its DMA has failed. The sampler must be restarted.
     pub fn take(&mut self) -> Result<[&[Frame]; 2], Stopped> {
         let registers = DMA2.st(STREAM);
         let overrun = ADC1.sr().read().ovr();
@@ -131,7 +138,8 @@ impl Piezos {
         let end = (COUNTS - left.clamp(1, COUNTS)) / CHANNELS;
         let begin = core::mem::replace(&mut self.next, end);
         let first = RING.0.get().cast::<Frame>();
-        // SAFETY: both parts lie inside the ring, and the DMA writes elsewhere: from `end` on, less than a round further.
+        // SAFETY: both parts lie inside the ring, and the DMA writes elsewhere: from `end` on, less
+        // than a round further.
         let part = |begin: usize, end: usize| unsafe {
             core::slice::from_raw_parts(first.add(begin.min(end)), end.saturating_sub(begin))
         };

@@ -1,21 +1,21 @@
-//! The clocks against each other: all come from one crystal, so what is found is what the dividers make of it.
+//! Check of the clocks against each other. All come from one crystal, so this checks the dividers.
 
 use firmware::audio::i2s::I2s;
 use firmware::board::CLOCKS;
 use firmware::{cycles, watchdog};
 
-use crate::Failures;
+use crate::failures::Failures;
 
-/// Frames that are counted: a quarter of a second.
+/// Number of frames that are counted: a quarter of a second.
 const FRAMES: u32 = 12_000;
-/// The count may be off by a frame at either end.
+/// Largest error of the rate, in parts per million: the count may be off by a frame at either end.
 const TOLERANCE_PPM: i64 = 200;
 
-/// The rate at which frames leave, against the core's clock.
+/// Checks the rate at which frames leave the I2S output against the core's clock.
 pub(crate) fn check(i2s: &mut I2s, failures: &mut Failures) {
     i2s.start();
     let mut position = i2s.position();
-    // From one frame's beginning to another's.
+    // The count goes from the beginning of one frame to that of another.
     while i2s.position() == position {}
     position = i2s.position();
     let begun = cycles::now();

@@ -1,39 +1,42 @@
-//! DWT cycles of every kernel of the bank, beside the cycle model's.
+//! Cycles of every kernel of the modal bank by the core's counter, beside those of the cycle model.
 
-use dsp_core::resonator::{Bank, BankTable, Group, Memory, Mode, TICK_FRAMES, Used};
+use dsp_core::memory::{Memory, Word};
+use dsp_core::resonator::{Bank, BankTable, TICK_FRAMES};
 use dsp_core::table::{Kit, Object};
 use firmware::board::CLOCKS;
 use firmware::owned::Owned;
 use firmware::{cycles, watchdog};
 
-use crate::Failures;
+use crate::failures::Failures;
 
-/// Modes of each form, made by the build script.
+/// Kit of one object for each form of the bank and each number of gains, made by the build script.
 const KIT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/self-test-kit.bin"));
 
+/// Number of modes of each object.
 const MODES: usize = 240;
-/// Ticks that are timed; as many before them warm the flash accelerator up.
+/// Number of ticks that are timed. The same number before them warms the flash accelerator up.
 const TICKS: u32 = 32;
-/// A steady force, in bus steps: -60 dB.
+/// Steady force that drives the bank, in bus steps: -60 dB.
 const FORCE: i32 = 1 << 17;
-/// How much the chip may be dearer than the model, in percent.
+/// Largest excess of the measured cycles over the model's, in percent.
 const TOLERANCE_PERCENT: u32 = 15;
 
-/// What the cycle model says of any form but the mirrored, which costs up to 0.16 more: thousandths of a cycle a mode and sample, nominal, with the
-/// flash's waits (`cargo bench -p host-tests --bench run_time_vs_error`).
+/// Cycles of a ringing bank by the cycle model, in thousandths per mode and sample.
+///
+/// The three models are nominal, with the waits of flash (`cargo bench -p host-tests --bench
+/// run_time_vs_error`). The mirrored form costs up to 0.16 cycles more.
 const MODEL_FREE: u32 = 5_520;
+/// Cycles of a driven bank with one gain by the cycle model, in thousandths per mode and sample.
 const MODEL_GAIN: u32 = 7_780;
+/// Cycles of a driven bank with two gains by the cycle model, in thousandths per mode and sample.
 const MODEL_GAIN_AND_PHASE: u32 = 9_490;
 
-/// Room for one form's bank.
-struct Room {
-    modes: [Mode; MODES],
-    groups: [Group; MODES / 4],
-}
+/// Words of the bank of one object: its modes and a quarter as many groups, 24 bytes each.
+const WORDS: usize = MODES * 3 + MODES / 4 * 3;
 
-static ROOM: Owned<Room> = Owned::empty();
+static WORDS_OF_BANK: Owned<[Word; WORDS]> = Owned::empty();
 
-/// Each form ringing, and under a force with one gain and with two.
+/// Checks the cycles of each form, ringing, and under a force with one gain and with two.
 pub(crate) fn check(failures: &mut Failures) {
     let Ok(kit) = Kit::parse(KIT) else {
         return defmt::error!(
@@ -52,6 +55,7 @@ pub(crate) fn check(failures: &mut Failures) {
     }
 }
 
+/// Checks and logs one measurement.
 fn tell(object: &Object<'_>, input: &str, measured: u32, model: u32, failures: &mut Failures) {
     let verdict = failures.check(measured <= model / 100 * (100 + TOLERANCE_PERCENT));
     defmt::info!(
@@ -64,11 +68,9 @@ fn tell(object: &Object<'_>, input: &str, measured: u32, model: u32, failures: &
     );
 }
 
-/// Thousandths of a cycle a mode and sample: ringing, and under a force.
+/// Returns the cycles of an object's bank, ringing and under a force, in thousandths per mode and
+/// sample.
 fn time(object: &Object<'_>) -> (u32, u32) {
-    // SAFETY: main calls this, for one object after the other; no interrupt does.
-    let room = unsafe { ROOM.fill(Room { modes: [Mode::SILENT; MODES], groups: [Group::EMPTY; MODES / 4] }) };
-    let mut memory = Memory { modes: &mut room.modes, groups: &mut room.groups, origins: &mut [] };
     let table = BankTable {
         modes: object.modes(),
         gains: object.gains(),
@@ -79,23 +81,31 @@ fn time(object: &Object<'_>) -> (u32, u32) {
         typical_contact: (1e-3, 1e-3),
     };
     watchdog::feed();
-    let Ok(mut bank) = Bank::load(&table, CLOCKS.sample_rate(), &mut memory, &mut Used::default()) else {
+    // SAFETY: main calls this for one object after the other, whose bank is gone before the next,
+    // and no interrupt does.
+    let words = unsafe { WORDS_OF_BANK.lend() };
+    let mut memory = Memory::new(words, &mut []);
+    let rate = CLOCKS.sample_rate();
+    let bank = Bank::size(&table, rate).ok().and_then(|size| Bank::take(&mut memory, size).ok());
+    let Some(mut bank) = bank else { return (u32::MAX, u32::MAX) };
+    if bank.load(&table, rate).is_err() {
         return (u32::MAX, u32::MAX);
-    };
+    }
     let force = [FORCE; TICK_FRAMES];
-    let driven = ticks(&mut bank, &mut memory, Some(&force));
-    let free = ticks(&mut bank, &mut memory, None);
+    let driven = ticks(&mut bank, Some(&force));
+    let free = ticks(&mut bank, None);
     (free, driven)
 }
 
-fn ticks(bank: &mut Bank, memory: &mut Memory<'_>, force: Option<&[i32]>) -> u32 {
+/// Returns the cycles of a bank, driven by `force` or ringing, in thousandths per mode and sample.
+fn ticks(bank: &mut Bank<'_>, force: Option<&[i32]>) -> u32 {
     let mut spent = 0;
     for tick in 0..2 * TICKS {
         watchdog::feed();
-        bank.tick(memory, None);
+        bank.tick(None);
         let mut out = [0; TICK_FRAMES];
         let begun = cycles::now();
-        bank.render(memory, force, false, true, &mut out);
+        bank.render(force, false, true, &mut out);
         if tick >= TICKS {
             spent += u64::from(cycles::now().wrapping_sub(begun));
         }

@@ -1,15 +1,17 @@
-//! For the day a board is at hand: what can be checked without ears, as one table over defmt.
+//! Self-test of a board: all that can be checked without ears, as one table in the log.
 //!
 //! ```text
 //! cargo run --release --bin self-test
 //! ```
 //!
-//! The last line says `self-test: passed`, or how many checks failed; above it, each check's line says what was found and what is right.
+//! The last line says `self-test: passed`, or how many checks failed. Each line above it says what
+//! one check found, and what is right.
 
 #![no_std]
 #![no_main]
 
 mod clocks;
+mod failures;
 mod kernels;
 mod memory;
 mod piezos;
@@ -24,40 +26,30 @@ use firmware::input::Settings;
 use firmware::input::piezo::Piezos;
 use firmware::refusal::Refusal;
 use firmware::restart::Cause;
-use firmware::{board, cycles, kits, watchdog};
+use firmware::{board, cycles, hardware, kits, watchdog};
 
-/// Checks that failed.
-#[derive(Default)]
-struct Failures(u32);
-
-impl Failures {
-    /// Counts a check, and gives the word for its line.
-    fn check(&mut self, is_good: bool) -> &'static str {
-        self.0 += u32::from(!is_good);
-        if is_good { "good" } else { "WRONG" }
-    }
-}
+use crate::failures::Failures;
 
 #[embassy_executor::main]
 async fn main(_spawner: Spawner) {
     watchdog::start();
-    let mut board = board::init(board::start_clocks());
+    let mut devices = hardware::init(hardware::start_clocks());
     if let Some(mut core) = cortex_m::Peripherals::take() {
         cycles::start(&mut core);
     }
     let mut failures = Failures::default();
     defmt::info!("self-test on {=str}, started by {}", board::NAME, Cause::take());
-    match board.codec {
+    match devices.codec {
         Ok(()) => defmt::info!("codec: {=str}", failures.check(true)),
         Err(error) => defmt::error!("codec: {}: {=str}", error, failures.check(false)),
     }
-    // First, because it writes where later checks keep things.
+    // This check comes first, because it writes to memory that later checks use.
     memory::check(&mut failures);
     check_kits(&mut failures);
     kernels::check(&mut failures);
-    clocks::check(&mut board.i2s, &mut failures);
-    piezos::check(&mut Piezos::new(board.piezos), &mut failures);
-    match failures.0 {
+    clocks::check(&mut devices.i2s, &mut failures);
+    piezos::check(&mut Piezos::new(devices.piezos), &mut failures);
+    match failures.count() {
         0 => defmt::info!("self-test: passed"),
         count => defmt::error!("self-test: {=u32} checks failed", count),
     }
@@ -67,6 +59,7 @@ async fn main(_spawner: Spawner) {
     }
 }
 
+/// Checks that the built-in kit and the kit of the kit sector load.
 fn check_kits(failures: &mut Failures) {
     // SAFETY: main runs once.
     let instrument = unsafe { Instrument::place() };

@@ -1,13 +1,13 @@
-//! The RAM that nobody uses yet, written and read back.
+//! Check of the RAM that is not in use yet, which is written and read back.
 
 use core::ptr::{read_volatile, write_volatile};
 
 use firmware::watchdog;
 
-use crate::Failures;
+use crate::failures::Failures;
 
 const PATTERNS: [u32; 4] = [0x5555_5555, 0xAAAA_AAAA, 0x0F1E_2D3C, 0];
-/// Left for this very function below the stack pointer, bytes.
+/// Bytes below the stack pointer that are left to the check itself.
 const STACK_MARGIN: usize = 2048;
 
 unsafe extern "C" {
@@ -18,7 +18,9 @@ unsafe extern "C" {
     static _stages_end: u32;
 }
 
-/// Memory between the statics and the stack, and the places of the instrument and its stages, which have not been filled yet.
+/// Checks the memory between the statics and the stack, and that of the instrument and its stages.
+///
+/// The instrument must not have been placed yet.
 pub(crate) fn check(failures: &mut Failures) {
     let here = 0u32;
     let stack = (&raw const here) as usize - STACK_MARGIN;
@@ -42,12 +44,13 @@ pub(crate) fn check(failures: &mut Failures) {
     }
 }
 
-/// Whether a word keeps each pattern, mixed with its own number.
+/// Returns true if a word keeps each pattern, mixed with the number of the word.
 fn holds(address: usize, number: u32) -> bool {
     let word = address as *mut u32;
     PATTERNS.iter().all(|pattern| {
         let value = pattern ^ number;
-        // SAFETY: nobody else uses the memory between the statics and the stack, nor the instrument's and its stages' before they are placed.
+        // SAFETY: nothing uses the memory between the statics and the stack, nor that of the
+        // instrument and its stages before they are placed.
         unsafe {
             write_volatile(word, value);
             read_volatile(word) == value

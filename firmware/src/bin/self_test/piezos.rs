@@ -1,21 +1,23 @@
-//! The ADC: rate, bias and noise of each piezo's channel.
+//! Check of the ADC: its rate, and the bias and noise of each piezo's channel.
 
 use firmware::board::CLOCKS;
 use firmware::clock::ADC_RATE_HZ;
 use firmware::input::piezo::{CHANNELS, Piezos};
 use firmware::{cycles, watchdog};
 
-use crate::Failures;
+use crate::failures::Failures;
 
-/// Frames of the measurement: a tenth of a second.
+/// Number of frames of the measurement: a tenth of a second.
 const FRAMES: u32 = 4800;
-/// The bias is half the supply, counts.
+/// Allowed bias in counts, round half the supply.
 const BIAS: core::ops::RangeInclusive<u32> = 1800..=2300;
-/// Most noise of a channel at rest that leaves the softest strikes alone, rms, in hundredths of a count.
+/// Largest rms noise of a channel at rest that leaves the softest strikes intact, in hundredths of
+/// a count.
 const NOISE: u32 = 400;
+/// Largest error of the rate, in parts per million.
 const TOLERANCE_PPM: i64 = 2000;
 
-/// One channel's sums.
+/// Sums over the samples of a channel.
 #[derive(Clone, Copy, Default)]
 struct Channel {
     sum: u64,
@@ -24,7 +26,7 @@ struct Channel {
     largest: u16,
 }
 
-/// With piezos at rest, or none: bias resistors must be there.
+/// Checks all channels. Piezos must be at rest or absent, but the bias resistors present.
 pub(crate) fn check(piezos: &mut Piezos, failures: &mut Failures) {
     let mut channels = [Channel::default(); CHANNELS];
     piezos.start();
@@ -54,7 +56,8 @@ pub(crate) fn check(piezos: &mut Piezos, failures: &mut Failures) {
     for (number, channel) in channels.iter().enumerate() {
         let frames = u64::from(counted);
         let mean = (channel.sum / frames) as u32;
-        // Variance times 10^4, so that its root is in hundredths of a count. 4800^2 samples' squares of 12 bits times 10^4 have 62 bits.
+        // The variance is taken times 10^4, so that its root is in hundredths of a count. 4800^2
+        // times a square of 12 bits times 10^4 has 62 bits.
         let spread = (frames * channel.squares).saturating_sub(channel.sum * channel.sum);
         let variance = spread * 10_000 / (frames * frames);
         let noise = variance.isqrt() as u32;

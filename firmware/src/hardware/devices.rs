@@ -1,0 +1,24 @@
+//! Devices of the board that the application uses.
+
+use embassy_stm32::gpio::{Flex, Output};
+
+use crate::audio::i2s::I2s;
+use crate::board::{LEDS, PIEZO_CHANNELS};
+use crate::codec;
+use crate::input::button::Button;
+
+/// Devices of the board, set up.
+pub struct Devices {
+    /// I2S output, which runs and is silent.
+    pub i2s: I2s,
+    /// Button of the board.
+    pub button: Button,
+    /// LEDs of the level meter, from soft to loud.
+    pub leds: [Output<'static>; LEDS],
+    /// True if a high level lights a LED.
+    pub leds_light_high: bool,
+    /// Result of starting the codec; `Ok` if the codec has no bus.
+    pub codec: Result<(), codec::Error>,
+    /// Analog pins of the piezos, held so that nothing else takes them.
+    pub piezos: [Flex<'static>; PIEZO_CHANNELS.len()],
+}

@@ -1,0 +1,52 @@
+//! Start of the hardware: clocks first, then pins, I2S output and codec.
+
+use embassy_stm32::{Config, Peripherals, pac};
+
+use crate::board::CLOCKS;
+
+pub mod devices;
+
+#[cfg(feature = "blackpill-f411")]
+mod blackpill_f411;
+#[cfg(feature = "blackpill-f411")]
+pub use blackpill_f411::init;
+
+#[cfg(not(feature = "blackpill-f411"))]
+mod stm32f407g_disc1;
+#[cfg(not(feature = "blackpill-f411"))]
+pub use stm32f407g_disc1::init;
+
+/// Starts the clocks and the flash accelerator, so that the core runs at its full speed.
+///
+/// [`init`] must follow.
+pub fn start_clocks() -> Peripherals {
+    let mut config = Config::default();
+    config.rcc = CLOCKS.rcc();
+    let peripherals = embassy_stm32::init(config);
+    switch_flash_accelerator_on();
+    peripherals
+}
+
+/// Switches prefetch and caches of the flash on.
+///
+/// The hardware library sets the wait states alone: without the caches every jump waits for the
+/// flash. Caches may be reset only while they are off.
+fn switch_flash_accelerator_on() {
+    pac::FLASH.acr().modify(|w| {
+        w.set_icen(false);
+        w.set_dcen(false);
+    });
+    pac::FLASH.acr().modify(|w| {
+        w.set_icrst(true);
+        w.set_dcrst(true);
+    });
+    pac::FLASH.acr().modify(|w| {
+        w.set_icrst(false);
+        w.set_dcrst(false);
+    });
+    pac::FLASH.acr().modify(|w| {
+        w.set_prften(true);
+        w.set_icen(true);
+        w.set_dcen(true);
+    });
+}
