@@ -1,9 +1,12 @@
-//! Sets `has_shared_data` and `has_chromium`, so that cargo counts tests that need them as ignored where they are absent.
+//! Build script: sets `has_shared_data` and `has_chromium` if the recordings and a browser are
+//! here.
+//!
+//! If they are absent, cargo counts the tests that need them as ignored.
 
 #[path = "../build/shared_data.rs"]
 mod shared_data;
 
-/// Names under which a Chromium may be installed.
+/// Names of the programs under which Chromium may be installed.
 const BROWSERS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
 fn main() {

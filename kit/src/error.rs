@@ -1,88 +1,88 @@
-//! Why a kit is refused.
+//! Refusals of kits.
 
 use std::fmt;
 
 use dsp_core::table::range::CHAIN_DEPTH;
 use dsp_core::table::{Place, TableError};
 
+use crate::content::Kit;
 use crate::file::FileError;
-use crate::{Kit, nearest};
+use crate::nearest;
 
-/// What is wrong with a kit, where, and what to do about it.
+/// Refusal of a kit. Its message says what is wrong, where, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum KitError {
-    /// A file cannot be read or written.
+    /// A file of the kit cannot be read or written.
     #[error(transparent)]
     File(#[from] FileError),
-    /// Neither a file nor a shipped kit.
+    /// The name is neither that of a file nor that of a shipped kit.
     #[error("{name}: there is no such file, and no shipped kit of that name; shipped kits: {}", shipped.join(", "))]
     UnknownKit {
-        /// What was asked for.
+        /// Name that was asked for.
         name: String,
-        /// The shipped kits.
+        /// Names of the shipped kits.
         shipped: Vec<&'static str>,
     },
-    /// A file that is neither text nor a binary kit.
+    /// The file is neither text in UTF-8 nor a binary kit.
     #[error(
-        "{file}: neither a binary kit (it does not begin with \"MALL\") nor UTF-8 text (byte {offset} is not); give a kit as .toml or .bin"
+        "{file}: not text in UTF-8 (byte {offset} is not); give a kit as text (.toml), or as a binary kit, which begins with \"MALL\" (.bin)"
     )]
     NotText {
-        /// The file.
+        /// Name of the file.
         file: String,
-        /// The first byte that is not UTF-8.
+        /// Offset of the first byte that is not UTF-8, counted from 0.
         offset: usize,
     },
     /// The text is not TOML, or a key is unknown, missing, or of the wrong type.
     #[error("{at}: {message}")]
     Toml {
-        /// Where.
+        /// Place of the fault.
         at: Location,
-        /// What, and what is allowed.
+        /// Description of the fault and of what is allowed there.
         message: String,
     },
-    /// The text is of a format version that this crate does not know.
-    #[error(
-        "{at}: format = {found}: this program knows format {}; update it, or write the file in that format",
-        crate::text::FORMAT
-    )]
+    /// The text has a format version that this crate does not know.
+    #[error("{at}: format = {found}: this program knows format {known}; update it, or write the file in that format")]
     FormatVersion {
-        /// Where.
+        /// Place of the key `format`.
         at: Location,
-        /// The file's format version.
+        /// Format version of the file.
         found: i64,
+        /// Format version that this crate knows.
+        known: i64,
     },
-    /// A kit that has pads but no name.
+    /// The kit has pads but no name.
     #[error("{file}: a kit with pads must have a name; add name = \"...\" above the first table")]
     MissingName {
-        /// The file.
+        /// Name of the file.
         file: String,
     },
-    /// A file named by `include` cannot be had.
+    /// A file that `include` names cannot be read, or is refused.
     #[error("{at}: include: {cause}")]
     Include {
-        /// Where it is named.
+        /// Place of the file's name.
         at: Location,
-        /// What went wrong.
+        /// Refusal of the named file.
         cause: Box<KitError>,
     },
-    /// An included file includes others.
+    /// An included file includes another file.
     #[error(
-        "{at}: include: this file is itself included by {by}, and only a kit's own file may include; name {named:?} there"
+        "{at}: include: this file is itself included by {by}, and only a kit's own file may include others; include {named:?} there"
     )]
     NestedInclude {
-        /// Where.
+        /// Place of the name in the included file.
         at: Location,
-        /// The file that it names.
+        /// Name of the file that the included file includes.
         named: String,
-        /// The file that includes this one.
+        /// Name of the kit's own file.
         by: String,
     },
     /// An included file has pads.
     #[error("{at}: pad: this file is included by {by}, and only a kit's own file may have pads; move the pad there")]
     PadInInclude {
-        /// Where.
+        /// Place of the first pad.
         at: Location,
-        /// The file that includes this one.
+        /// Name of the kit's own file.
         by: String,
     },
     /// An included file has a background.
@@ -90,127 +90,127 @@ pub enum KitError {
         "{at}: background: this file is included by {by}, and only a kit's own file may have a background; move it there"
     )]
     BackgroundInInclude {
-        /// Where.
+        /// Place of the background.
         at: Location,
-        /// The file that includes this one.
+        /// Name of the kit's own file.
         by: String,
     },
-    /// Two items of one kind with the same name.
+    /// Two items of one kind have the same name.
     #[error("{at}: {kind} {name:?}: there is one of that name at {first}; give each its own")]
     Duplicate {
-        /// The second.
+        /// Place of the second name.
         at: Location,
-        /// `object`, `striker` or `pad`.
+        /// Kind of the items: `object`, `striker` or `pad`.
         kind: &'static str,
-        /// The name.
+        /// Name that both items have.
         name: String,
-        /// The first.
+        /// Place of the first name.
         first: Location,
     },
-    /// An item of the kit is wrong.
+    /// An item of the kit is invalid.
     #[error("{}{item}: {fault}", at.as_ref().map_or(String::new(), |at| format!("{at}: ")))]
     Item {
-        /// Where it stands, for a kit from text.
+        /// Place of the item in the text; `None` for a kit that is not from text.
         at: Option<Location>,
-        /// The item with its index, counted from 0, and its name.
+        /// Kind, index (counted from 0) and name of the item, in words.
         item: String,
-        /// The item.
+        /// Place of the item in the kit.
         place: Place,
-        /// What is wrong.
+        /// Fault of the item.
         fault: Box<Fault>,
     },
     /// The bytes of a binary kit are refused.
     #[error("{}{error}", file.as_ref().map_or(String::new(), |file| format!("{file}: ")))]
     Binary {
-        /// The file, where there is one.
+        /// Name of the file, if the bytes are from one.
         file: Option<String>,
-        /// What is wrong.
+        /// Refusal by the reader of the binary form.
         error: TableError,
     },
 }
 
-/// What is wrong with an item of a kit.
+/// Fault of an item of a kit.
 #[derive(Debug, thiserror::Error)]
 pub enum Fault {
-    /// A value that the table reader refuses.
+    /// The reader of the binary form refuses a value.
     #[error("{}", without_place(.0))]
     Table(TableError),
-    /// A name that no object or striker has.
+    /// No object or striker has the given name.
     #[error("{key} names {name:?}: there is no such {kind}{}", choice(name, kind, known))]
     Unknown {
-        /// The key.
+        /// Key that holds the name.
         key: &'static str,
-        /// `object` or `striker`.
+        /// Kind of the item that is named: `object` or `striker`.
         kind: &'static str,
-        /// The name.
+        /// Name that no item has.
         name: String,
-        /// The names that exist.
+        /// Names of the kit's items of that kind.
         known: Vec<String>,
     },
-    /// A mode's gains do not fit those of the other modes, or each other.
+    /// A mode has more or fewer gains than another mode, or than its own other phase.
     #[error("{found} gains: must be {expected}, {why}")]
     GainCount {
-        /// How many there are.
+        /// Number of gains.
         found: usize,
-        /// How many there must be.
+        /// Required number of gains.
         expected: usize,
-        /// What asks for that many.
+        /// Reason for the required number, in words.
         why: &'static str,
     },
-    /// An array with more or fewer numbers than the others ask for.
+    /// An array has more or fewer numbers than another array requires.
     #[error("{key} has {found} numbers: must have {expected}, {why}")]
     NumberCount {
-        /// The key of the array.
+        /// Key of the array.
         key: &'static str,
-        /// How many there are.
+        /// Number of numbers in the array.
         found: usize,
-        /// How many there must be.
+        /// Required number of numbers.
         expected: usize,
-        /// What asks for that many.
+        /// Reason for the required number, in words.
         why: &'static str,
     },
-    /// A breakpoint with another order than the first one's.
+    /// A breakpoint has another order than the first one of its path.
     #[error("a2 and b2: give both in every breakpoint (second order), or in none (first order)")]
     MixedOrder,
-    /// A chain with another number of biquads than the first one.
+    /// A chain has another number of biquads than the first chain of its bank.
     #[error("{found} biquads: must be {expected}, as many as the first chain has")]
     ChainDepth {
-        /// How many there are.
+        /// Number of biquads in the chain.
         found: usize,
-        /// How many there must be.
+        /// Number of biquads in the first chain.
         expected: usize,
     },
-    /// A MIDI note outside 0 to 127.
+    /// A MIDI note lies outside 0 to 127.
     #[error("midi_notes has {note}: notes are 0 to 127")]
     MidiNote {
-        /// The note.
+        /// Refused note.
         note: i64,
     },
-    /// More than the binary form can hold.
+    /// The kit has more of something than the binary form can hold.
     #[error("{what}: {found}: must be at most {max}")]
     TooLarge {
-        /// What is counted, with its unit.
+        /// Name of the counted thing, with its unit.
         what: &'static str,
-        /// How many there are.
+        /// Number of these things in the kit.
         found: usize,
-        /// The largest number that fits.
+        /// Largest number that the binary form can hold.
         max: usize,
     },
 }
 
-/// A place in a text file.
+/// Place in a text file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Location {
-    /// The file.
+    /// Name of the file.
     pub file: String,
-    /// The line, from 1.
+    /// Line, counted from 1.
     pub line: usize,
-    /// The column in characters, from 1.
+    /// Column in characters, counted from 1.
     pub column: usize,
 }
 
 impl Location {
-    /// The place of the byte `offset` in a file's text.
+    /// Finds line and column of the byte at `offset` in the text of a file.
     pub(crate) fn of(file: &str, text: &str, offset: usize) -> Self {
         let before = text.get(..offset).unwrap_or(text);
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
@@ -229,11 +229,12 @@ impl fmt::Display for Location {
 }
 
 impl KitError {
+    /// Creates the refusal of the item at `place`, without its place in a text.
     pub(crate) fn item(kit: &Kit, place: Place, fault: Fault) -> Self {
         Self::Item { at: None, item: item_name(kit, place), place, fault: Box::new(fault) }
     }
 
-    /// The table reader's refusal of the binary built from `kit`.
+    /// Converts the reader's refusal of the binary form that was built from `kit`.
     pub(crate) fn from_table(kit: &Kit, error: TableError) -> Self {
         match place_of(&error) {
             Some(place) => Self::item(kit, place, Fault::Table(error)),
@@ -248,6 +249,7 @@ impl From<TableError> for KitError {
     }
 }
 
+/// Kind, index and name of an item, in words.
 fn item_name(kit: &Kit, place: Place) -> String {
     let object = |index: usize| kit.objects.get(index).map_or("", |object| &object.name);
     let striker = |index: usize| kit.strikers.get(index).map_or("", |striker| &striker.name);
@@ -282,6 +284,7 @@ fn item_name(kit: &Kit, place: Place) -> String {
     }
 }
 
+/// Item that a refusal is about; `None` if it is about the bytes as a whole.
 fn place_of(error: &TableError) -> Option<Place> {
     match *error {
         TableError::LengthMismatch { place, .. }
@@ -310,13 +313,16 @@ fn place_of(error: &TableError) -> Option<Place> {
     }
 }
 
-/// The table reader's message without the place at its beginning, which [`KitError::Item`] says with the item's name.
+/// Message of the reader of the binary form without the place at its beginning.
+///
+/// [`KitError::Item`] names the place in its own words.
 fn without_place(error: &TableError) -> String {
     let message = error.to_string();
     let place = place_of(error).map_or(String::new(), |place| format!("{place}: "));
     message.strip_prefix(&place).unwrap_or(&message).to_owned()
 }
 
+/// Names that exist, in words, with the one that was probably meant.
 fn choice(name: &str, kind: &str, known: &[String]) -> String {
     if known.is_empty() {
         return format!("; the kit has no {kind}s");

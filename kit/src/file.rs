@@ -1,38 +1,45 @@
-//! Whole files: read at once, written beside their place and then renamed into it.
+//! Whole files: they are read at once, and written under another name before they get their own.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// A file that cannot be read or written.
+/// Failure to read or write a file, or to make a folder.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: cannot be {action}: {cause}", path.display())]
+#[error("{}: cannot be {action}: {}", path.display(), plain(cause))]
 pub struct FileError {
-    /// `read` or `written`.
+    /// The failed action: `read`, `written` or `made`.
     pub action: &'static str,
-    /// The file.
+    /// Path of the file or folder.
     pub path: PathBuf,
-    /// Why.
+    /// Error of the operating system.
     #[source]
     pub cause: io::Error,
 }
 
-/// Reads a whole file.
+/// The operating system's reason in words, without the number that the standard library adds.
+fn plain(cause: &io::Error) -> String {
+    let message = cause.to_string();
+    message.split(" (os error").next().unwrap_or_default().to_owned()
+}
+
+/// Reads a whole file into memory.
 ///
 /// # Errors
-/// [`FileError`] with path and cause.
+/// [`FileError`] with the path and the reason.
 pub fn read_whole(path: &Path) -> Result<Vec<u8>, FileError> {
     fs::read(path).map_err(|cause| FileError { action: "read", path: path.to_owned(), cause })
 }
 
-/// Writes a whole file so that, whatever happens, either the old content stands there or the new one.
+/// Writes a whole file so that, whatever happens, it has either its old content or the new one.
 ///
-/// The bytes go to a new file in the same folder, which is synced and renamed onto `path`; a link is followed, and the
-/// permissions of a file that was there stay. What is there but is no regular file (a pipe, a terminal) is written to directly.
+/// The bytes go to a new file in the same folder, which is synced and then renamed to `path`. A
+/// link is followed, and an existing file keeps its permissions. If `path` exists but is not a
+/// regular file, such as a pipe or a terminal, it is written to directly.
 ///
 /// # Errors
-/// [`FileError`] with path and cause; nothing is left behind.
+/// [`FileError`] with the path and the reason. No new file is left behind.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     try_write(path, bytes).map_err(|cause| FileError { action: "written", path: path.to_owned(), cause })
 }
@@ -50,13 +57,13 @@ fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
         .and_then(|()| file.sync_all())
         .and_then(|()| fs::rename(&beside, &target));
     if written.is_err() {
-        // The first error is the one to report; should removing fail too, its cause is the same.
+        // The first error is reported. If removing fails, too, its cause is the same.
         let _ = fs::remove_file(&beside);
     }
     written
 }
 
-/// A new file in the folder of `target`, under a name that no other process or thread uses.
+/// Creates a new file in the folder of `target`, under a name that no other process or thread uses.
 fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     loop {
@@ -64,7 +71,7 @@ fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
         let beside = target.with_file_name(format!(".malleus-{}-{number}.part", std::process::id()));
         match OpenOptions::new().write(true).create_new(true).open(&beside) {
             Ok(file) => return Ok((beside, file)),
-            // Left by a process of the same id that was killed.
+            // The file was left by a killed process that had this process's id.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),
         }

@@ -1,29 +1,37 @@
-//! What an object may have beside its modes: a dynamic filter with loops round it, and a biquad bank. Plain owned values that mirror the text's keys.
+//! Filters of an object beside its modes: a dynamic filter with loops round it, and a biquad bank.
+//!
+//! They are plain owned values that mirror the keys of the text form.
 
 use std::f64::consts::{PI, TAU};
 
-/// Noise, and the modes where they go through it, through a filter whose coefficients move after each strike (dynamic-filter eq. 5, 6, 17), with
-/// banded waveguides round it (eq. 8 to 13).
+/// Dynamic filter: its coefficients move after each strike (dynamic-filter eq. 5, 6, 17).
+///
+/// Noise goes through it, and the object's modes if [`ModesGo::Through`] is set. Banded waveguides
+/// may loop round it (eq. 8 to 13).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DynamicFilter {
-    /// Seed of the noise; each pad has a stream of its own.
+    /// Seed of the noise. Each pad has a stream of its own.
     pub seed: u32,
-    /// Where the object's modes go.
+    /// Way of the object's modes: beside the filter or through it.
     pub modes: ModesGo,
-    /// The rate in Hz that the coefficients are for; at another one the bilinear transformation carries them over.
+    /// Sample rate in Hz for which the coefficients are given.
+    ///
+    /// At another rate the bilinear transformation carries them over.
     pub rate_hz: f32,
-    /// Band-pass of the filter's noise, if any.
+    /// Band-pass between the noise and the filter, if any.
     pub exciter: Option<Exciter>,
-    /// Order of the filter; of the first order a2 and b2 of all breakpoints are 0.
+    /// Order of the filter; in a filter of first order a2 and b2 of all breakpoints are 0.
     pub order: Order,
-    /// 1 to 32 breakpoints, the first at 0 s, each later than the one before; linear between them (coefficients
-    /// and level of the noise), no noise after the last.
+    /// 1 to 32 breakpoints, the first at 0 s, each later than the one before.
+    ///
+    /// Between two of them the coefficients and the level of the noise are linear. After the last
+    /// one there is no noise.
     pub path: Vec<Breakpoint>,
-    /// At most 16 banded waveguides round the filter.
+    /// Banded waveguides round the filter, at most 16.
     pub loops: Vec<Loop>,
 }
 
-/// Where an object's modes go.
+/// Way of an object's modes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ModesGo {
     /// To the output, beside the filter.
@@ -34,7 +42,7 @@ pub enum ModesGo {
 }
 
 impl ModesGo {
-    /// The word in the text form.
+    /// Word that stands for this way in the text form.
     pub const fn key(self) -> &'static str {
         match self {
             Self::Beside => "beside",
@@ -53,47 +61,52 @@ pub enum Order {
     Second,
 }
 
-/// The exciter: a Butterworth band-pass of fourth order, both of whose edges are times `(peak force / reference force)^exponent`.
+/// Exciter: a Butterworth band-pass of fourth order for the noise.
+///
+/// A strike multiplies both edges by `(peak force / reference force)^exponent`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exciter {
     /// Lower edge (-3 dB) in Hz at the reference force.
     pub low_hz: f32,
     /// Upper edge (-3 dB) in Hz at the reference force.
     pub high_hz: f32,
-    /// By which power of the peak force both edges move.
+    /// Exponent of the peak force with which both edges move.
     pub exponent: f32,
 }
 
-/// The coefficients at a time after the strike: `s(n) = b0 e(n) + b1 e(n-1) + b2 e(n-2) - a1 s(n-1) - a2 s(n-2)`.
+/// Coefficients at a time after the strike.
+///
+/// The filter is `s(n) = b0 e(n) + b1 e(n-1) + b2 e(n-2) - a1 s(n-1) - a2 s(n-2)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Breakpoint {
-    /// Seconds after the strike.
+    /// Time after the strike in seconds.
     pub time_s: f32,
-    /// Level of the noise, 0 to 1: it scales what goes into the filter, never the filter.
+    /// Level of the noise that goes into the filter, 0 to 1.
     pub noise: f32,
-    /// a1.
+    /// Coefficient a1.
     pub a1: f32,
-    /// a2; 0 in a filter of first order.
+    /// Coefficient a2; 0 in a filter of first order.
     pub a2: f32,
-    /// b0.
+    /// Coefficient b0.
     pub b0: f32,
-    /// b1.
+    /// Coefficient b1.
     pub b1: f32,
-    /// b2; 0 in a filter of first order.
+    /// Coefficient b2; 0 in a filter of first order.
     pub b2: f32,
 }
 
 impl Default for Breakpoint {
-    /// At the strike, noise at its full level, the filter closed.
+    /// Breakpoint at the strike with noise at its full level and a silent filter: all coefficients
+    /// 0.
     fn default() -> Self {
         Self { time_s: 0.0, noise: 1.0, a1: 0.0, a2: 0.0, b0: 0.0, b1: 0.0, b2: 0.0 }
     }
 }
 
-/// A banded waveguide: a delay and a band-pass in a feedback loop round the filter.
+/// Banded waveguide: a delay and a band-pass in a feedback loop round the dynamic filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loop {
-    /// Middle f_c of the band-pass in Hz.
+    /// Centre frequency f_c of the band-pass in Hz.
     pub frequency_hz: f32,
     /// Width Δf of the band-pass at -3 dB in Hz, below `frequency_hz`.
     pub bandwidth_hz: f32,
@@ -103,35 +116,37 @@ pub struct Loop {
     pub delay_s: f32,
 }
 
-/// A biquad bank (diffmodal eq. 2, 3): 1 to 64 chains side by side, driven by the contact force in newtons.
+/// Biquad bank (diffmodal eq. 2, 3): parallel chains of biquads, driven by the contact force in
+/// newtons.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Biquads {
-    /// The rate in Hz that poles and zeros are for.
+    /// Sample rate in Hz for which poles and zeros are given.
     pub rate_hz: f32,
-    /// The chains, all of the same 1 to 4 biquads, one behind the other.
+    /// 1 to 64 chains; each has 1 to 4 biquads in series, and all have equally many.
     pub chains: Vec<Vec<Biquad>>,
 }
 
-/// A biquad `k (1 - 2 Re q z⁻¹ + |q|² z⁻²) / (1 - 2 Re p z⁻¹ + |p|² z⁻²)`.
+/// Biquad `k (1 - 2 Re q z⁻¹ + |q|² z⁻²) / (1 - 2 Re p z⁻¹ + |p|² z⁻²)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Biquad {
-    /// p as real and imaginary part, within the unit circle.
+    /// Pole p as real and imaginary part, within the unit circle.
     pub pole: [f32; 2],
-    /// q as real and imaginary part; (0, 0) is none.
+    /// Zero q as real and imaginary part; (0, 0) for a biquad without zeros.
     pub zero: [f32; 2],
-    /// k.
+    /// Gain k.
     pub gain: f32,
 }
 
 impl Breakpoint {
-    /// `|F|` at a frequency in Hz, of coefficients for a rate in Hz.
+    /// Magnitude `|F|` of the filter at a frequency in Hz; its coefficients are for `rate_hz`.
     pub fn magnitude(&self, hz: f64, rate_hz: f64) -> f64 {
         let [a1, a2, b0, b1, b2] = [self.a1, self.a2, self.b0, self.b1, self.b2].map(f64::from);
         let angle = TAU * hz / rate_hz;
         size([b0, b1, b2], angle) / size([1.0, a1, a2], angle)
     }
 
-    /// T60 in seconds of the filter as it is there, by the larger radius of its poles; 0 without poles.
+    /// T60 in seconds of the filter with these coefficients, from its outermost pole; 0 without
+    /// poles.
     pub fn t60_s(&self, rate_hz: f64) -> f64 {
         let (a1, a2) = (f64::from(self.a1), f64::from(self.a2));
         let discriminant = a1 * a1 - 4.0 * a2;
@@ -141,8 +156,10 @@ impl Breakpoint {
 }
 
 impl Loop {
-    /// T60 in seconds round a filter of a magnitude at its frequency: `ln(1000) (d + 1/(π Δf)) / -ln(γ|F|)`, the second term being the delay of the band-pass. Infinite
-    /// where it does not decay.
+    /// T60 of the loop in seconds, round a filter of magnitude `|F|` at the loop's frequency.
+    ///
+    /// It is `ln(1000) (d + 1/(π Δf)) / -ln(γ|F|)`, where `1/(π Δf)` is the delay of the band-pass,
+    /// and infinite if the loop does not decay.
     pub fn t60_s(&self, filter_magnitude: f64) -> f64 {
         let round = f64::from(self.gain).abs() * filter_magnitude;
         let delay_s = f64::from(self.delay_s) + 1.0 / (PI * f64::from(self.bandwidth_hz));
@@ -151,7 +168,8 @@ impl Loop {
 }
 
 impl DynamicFilter {
-    /// How long it sounds after a strike, in seconds: its path, then 60 dB of what rings longest.
+    /// Duration of the sound after a strike in seconds: that of the path, and then the T60 of the
+    /// loop or filter that rings longest.
     pub fn duration_s(&self) -> f64 {
         let Some(last) = self.path.last() else { return 0.0 };
         let rate_hz = f64::from(self.rate_hz);
@@ -161,7 +179,7 @@ impl DynamicFilter {
 }
 
 impl Biquads {
-    /// `|H|` at a frequency in Hz, output per newton.
+    /// Magnitude `|H|` of the bank at a frequency in Hz, output per newton.
     pub fn magnitude(&self, hz: f64) -> f64 {
         let angle = TAU * hz / f64::from(self.rate_hz);
         let (re, im) = self.chains.iter().fold((0.0, 0.0), |(re, im), chain| {
@@ -176,14 +194,14 @@ impl Biquads {
         re.hypot(im)
     }
 
-    /// The longest T60 of its poles in seconds.
+    /// Longest T60 of the bank's poles in seconds.
     pub fn t60_s(&self) -> f64 {
         let radius = |biquad: &Biquad| f64::from(biquad.pole[0]).hypot(f64::from(biquad.pole[1]));
         let largest = self.chains.iter().flatten().map(radius).fold(0.0, f64::max);
         t60_of_radius(largest, f64::from(self.rate_hz))
     }
 
-    /// Biquads in all.
+    /// Number of biquads of all chains.
     pub fn count(&self) -> usize {
         self.chains.iter().map(Vec::len).sum()
     }
@@ -193,18 +211,19 @@ fn t60_of_radius(radius: f64, rate_hz: f64) -> f64 {
     if radius > 0.0 { 1000f64.ln() / (-radius.ln() * rate_hz) } else { 0.0 }
 }
 
-/// `1 - 2 Re q z⁻¹ + |q|² z⁻²` of a root and its conjugate.
+/// Coefficients of `1 - 2 Re q z⁻¹ + |q|² z⁻²`, which has the root q and its conjugate.
 fn square([re, im]: [f32; 2]) -> [f64; 3] {
     let (re, im) = (f64::from(re), f64::from(im));
     [1.0, -2.0 * re, re * re + im * im]
 }
 
-/// `c0 + c1 z⁻¹ + c2 z⁻²` on the unit circle.
+/// Value of `c0 + c1 z⁻¹ + c2 z⁻²` at an angle on the unit circle, as real and imaginary part.
 fn polynomial([c0, c1, c2]: [f64; 3], angle: f64) -> (f64, f64) {
     let (one, two) = (angle, 2.0 * angle);
     (c0 + c1 * one.cos() + c2 * two.cos(), -(c1 * one.sin() + c2 * two.sin()))
 }
 
+/// Magnitude of a polynomial in z⁻¹ at an angle on the unit circle.
 fn size(coefficients: [f64; 3], angle: f64) -> f64 {
     let (re, im) = polynomial(coefficients, angle);
     re.hypot(im)
@@ -215,7 +234,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn magnitudes_and_ringing_times_are_those_of_the_equations() {
+    fn magnitudes_and_ringing_times_follow_the_equations() {
         let point = Breakpoint { a1: -0.5, b0: 0.25, b1: 0.25, ..Breakpoint::default() };
         // (b0 + b1) / (1 + a1) at 0, (b0 - b1) / (1 - a1) at Nyquist.
         assert!((point.magnitude(0.0, 48_000.0) - 1.0).abs() < 1e-12);

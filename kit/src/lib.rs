@@ -1,16 +1,17 @@
-//! Tables and kits: as text (TOML) and as the binary that a board plays, checking, and the kits that ship with Malleus.
+//! Tables and kits: their text form (TOML), the binary form that a board plays, and the shipped
+//! kits.
 //!
 //! ```text
-//! demo.toml ─┐ text::parse                 binary::build
-//! bell.toml ─┴────────────▶ Kit (owned) ─────────────────▶ bytes ─▶ dsp_core::table::Kit, in place, on a board or a PC
-//!            ◀────────────             ◀─────────────────
-//!              text::write                  binary::read
+//! demo.toml ─┐ text::parse               binary::build         dsp_core::table::Kit,
+//! bell.toml ─┴─────────────▶ Kit (owned) ─────────────▶ bytes ─▶ in place, on a board
+//!             ◀─────────────             ◀─────────────          or a PC
+//!               text::write               binary::read
 //! ```
 //!
-//! [`Kit`] mirrors the text's keys. What a number may be is judged in one place, [`dsp_core::table::Kit::parse`]: whatever
-//! enters or leaves through this crate has been built and read back by the code that the board runs, and what it
-//! refuses comes back as a [`KitError`] with the item's name and, for text, its file and line. `docs/kit-format.md` describes
-//! both forms.
+//! [`Kit`] mirrors the keys of the text. Ranges are checked in one place,
+//! [`dsp_core::table::Kit::parse`]: each kit that enters or leaves through this crate has been
+//! built and read back by the code that the board runs. A refusal is a [`KitError`] with the item's
+//! name and, for text, its file and line. `docs/kit-format.md` describes both forms.
 //!
 //! ```
 //! let demo = kit::open("demo")?;
@@ -29,12 +30,14 @@ mod error;
 mod filters;
 mod load;
 mod nearest;
+mod open;
 mod shipped;
 mod statistics;
 
 pub use content::{Acceleration, Background, Gain, Kit, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
 pub use error::{Fault, KitError, Location};
 pub use filters::{Biquad, Biquads, Breakpoint, DynamicFilter, Exciter, Loop, ModesGo, Order};
-pub use load::{Loaded, load, open};
+pub use load::{Loaded, load};
+pub use open::open;
 pub use shipped::{shipped, shipped_names};
 pub use statistics::{BankStatistics, Statistics};

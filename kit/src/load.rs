@@ -1,27 +1,34 @@
-//! Kits from files and by name.
+//! Kits from files.
 
 use std::path::Path;
 
 use dsp_core::table::Kit as TableView;
 use dsp_core::table::layout::MAGIC;
 
+use crate::content::Kit;
+use crate::error::KitError;
+use crate::statistics::Statistics;
 use crate::text::SourceText;
-use crate::{Kit, KitError, Statistics, binary, file, shipped, shipped_names, text};
+use crate::{binary, file, text};
 
-/// A kit that was found and checked.
+/// Kit that has been read and checked, with its binary form.
 #[derive(Clone, Debug)]
 pub struct Loaded {
-    /// What it holds.
+    /// Content of the kit.
     pub kit: Kit,
-    /// Its binary form, for [`dsp_core::table::Kit::parse`]; of a binary file the bytes themselves, up to the kit's end.
+    /// Binary form of the kit, for [`dsp_core::table::Kit::parse`].
+    ///
+    /// For a binary file these are its own bytes, up to the end of the kit.
     pub binary: Vec<u8>,
-    /// Tags of the sections of a binary file that were skipped because this version does not know them. They are in
-    /// `binary`, not in `kit`.
+    /// Tags of the sections of a binary file that were skipped, because this version does not know
+    /// them.
+    ///
+    /// These sections are in `binary`, but not in `kit`.
     pub skipped_sections: Vec<String>,
 }
 
 impl Loaded {
-    /// Modes, ringing times and bytes.
+    /// Statistics of the kit: numbers of modes, ringing times and bytes.
     pub fn statistics(&self) -> Statistics {
         Statistics::of(&self.kit, self.binary.len())
     }
@@ -45,12 +52,13 @@ impl Loaded {
     }
 }
 
-/// Reads a kit's file, text or binary, with the files that it includes.
+/// Reads the file of a kit, text or binary, and the files that it includes.
 ///
-/// A file that begins with `MALL`, or whose name ends in `.bin`, is binary, any other is text.
+/// A file that begins with `MALL`, or whose name ends in `.bin`, is read as binary, any other as
+/// text.
 ///
 /// # Errors
-/// [`KitError`] for a file that cannot be read and for the first thing that is wrong with the kit.
+/// [`KitError`] for a file that cannot be read, and for the first thing that is wrong with the kit.
 pub fn load(path: &Path) -> Result<Loaded, KitError> {
     let bytes = file::read_whole(path)?;
     let is_bin = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bin"));
@@ -65,23 +73,6 @@ pub fn load(path: &Path) -> Result<Loaded, KitError> {
         let path = folder.join(include);
         source_text(&path, file::read_whole(&path)?)
     })
-}
-
-/// Opens a kit by the name of a shipped one (`demo`) or by the path of its file.
-///
-/// A shipped name goes first, so that it means the same in every folder; `./demo` is a file.
-///
-/// # Errors
-/// [`KitError::UnknownKit`], with the names of the shipped kits, if it is neither; else as [`load`].
-pub fn open(name_or_path: &str) -> Result<Loaded, KitError> {
-    if let Some(loaded) = shipped(name_or_path) {
-        return loaded;
-    }
-    let path = Path::new(name_or_path);
-    if matches!(path.try_exists(), Ok(false)) {
-        return Err(KitError::UnknownKit { name: name_or_path.to_owned(), shipped: shipped_names().collect() });
-    }
-    load(path)
 }
 
 fn source_text(path: &Path, bytes: Vec<u8>) -> Result<SourceText, KitError> {

@@ -1,6 +1,8 @@
-//! The name that someone probably meant.
+//! The name that was probably meant by one that does not exist.
 
-/// The known name at the smallest edit distance from `name`, ignoring case, if at most a third of its letters differ.
+/// Known name with the smallest edit distance from `name`, ignoring case.
+///
+/// Returns `None` if more than a third of the letters of `name`, rounded up, would have to change.
 pub(crate) fn nearest<'a>(name: &str, known: &'a [String]) -> Option<&'a str> {
     let wanted: Vec<char> = name.to_lowercase().chars().collect();
     known
@@ -11,7 +13,8 @@ pub(crate) fn nearest<'a>(name: &str, known: &'a [String]) -> Option<&'a str> {
         .map(|(_, candidate)| candidate.as_str())
 }
 
-/// Levenshtein distance: insertions, deletions and substitutions of one character each.
+/// Levenshtein distance: the least number of insertions, deletions and substitutions of a
+/// character.
 fn edit_distance(from: &[char], to: &[char]) -> usize {
     let mut row: Vec<usize> = (0..=to.len()).collect();
     for (deleted, a) in from.iter().enumerate() {
@@ -35,7 +38,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_edit_distance_counts_insertions_deletions_and_substitutions() {
+    fn edit_distance_counts_insertions_deletions_and_substitutions() {
         let distance = |a: &str, b: &str| edit_distance(&a.chars().collect::<Vec<_>>(), &b.chars().collect::<Vec<_>>());
         assert_eq!(distance("kitten", "sitting"), 3);
         assert_eq!(distance("", "bell"), 4);
@@ -45,7 +48,7 @@ mod tests {
     }
 
     #[test]
-    fn a_near_name_is_suggested_and_a_far_one_is_not() {
+    fn near_name_is_suggested_and_a_far_one_is_not() {
         let known = ["marimba".to_owned(), "bell".to_owned()];
         assert_eq!(nearest("Marinba", &known), Some("marimba"));
         assert_eq!(nearest("bel", &known), Some("bell"));

@@ -1,24 +1,26 @@
-//! The kits that ship with Malleus, in the program itself.
+//! Kits that ship with Malleus, inside the program.
 
 use std::io;
 
+use crate::error::KitError;
 use crate::file::FileError;
+use crate::load::Loaded;
 use crate::text::SourceText;
-use crate::{KitError, Loaded};
 
-/// A shipped kit and its text.
+/// Shipped kit: its name and the text of its own file.
 struct Shipped {
     name: &'static str,
     text: &'static str,
 }
 
+/// All shipped kits.
 const KITS: &[Shipped] = &[
     Shipped { name: "demo", text: include_str!("../../tables/demo.toml") },
     Shipped { name: "recorded", text: include_str!("../../tables/recorded.toml") },
     Shipped { name: "filters", text: include_str!("../../tables/filters.toml") },
 ];
 
-/// The tables that shipped kits include, by file.
+/// Tables that shipped kits include, each with the name of its file.
 const TABLES: &[(&str, &str)] = &[
     ("marimba.toml", include_str!("../../tables/marimba.toml")),
     ("glockenspiel.toml", include_str!("../../tables/glockenspiel.toml")),
@@ -48,15 +50,15 @@ const TABLES: &[(&str, &str)] = &[
     ("recorded/plastic-cup.toml", include_str!("../../tables/recorded/plastic-cup.toml")),
 ];
 
-/// The names of the shipped kits.
+/// Names of the shipped kits.
 pub fn shipped_names() -> impl Iterator<Item = &'static str> {
     KITS.iter().map(|kit| kit.name)
 }
 
-/// The shipped kit of a name, or `None`.
+/// Reads the shipped kit of a name; `None` if there is none of that name.
 ///
 /// # Errors
-/// Those of [`crate::text::parse`]; none for the kits as they ship.
+/// The errors of [`crate::text::parse`]; the kits as they ship have none.
 pub fn shipped(name: &str) -> Option<Result<Loaded, KitError>> {
     let kit = KITS.iter().find(|kit| kit.name == name)?;
     let main = SourceText { file: format!("tables/{name}.toml"), text: kit.text.to_owned() };

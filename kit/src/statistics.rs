@@ -1,23 +1,24 @@
-//! What a kit amounts to: modes, ringing times, bytes.
+//! Statistics of a kit: numbers of modes, ringing times, and bytes.
 
 use dsp_core::table::layout::{GainRecord, ModeRecord};
 
-use crate::{Biquads, Kit, Mode};
+use crate::content::{Kit, Mode};
+use crate::filters::Biquads;
 
-/// What a kit amounts to.
+/// Statistics of a kit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statistics {
-    /// Bytes of the binary form.
+    /// Size of the binary form in bytes.
     pub bytes: usize,
-    /// Those of them that modes and their gains take.
+    /// Size of all modes and their gains in the binary form, in bytes.
     pub mode_bytes: usize,
-    /// One entry an object, in their order.
+    /// Statistics of each object, in the kit's order.
     pub objects: Vec<BankStatistics>,
-    /// One entry a striker, in their order.
+    /// Statistics of each striker, in the kit's order.
     pub strikers: Vec<BankStatistics>,
 }
 
-/// What one object's or striker's modal bank amounts to, and an object's filters.
+/// Statistics of the modal bank of one object or striker, and of an object's filters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BankStatistics {
     /// Name of the object or striker.
@@ -26,22 +27,22 @@ pub struct BankStatistics {
     pub modes: usize,
     /// Number of positions at which gains are given.
     pub positions: usize,
-    /// Lowest and highest frequency in Hz; `None` without modes.
+    /// Lowest and highest frequency of a mode in Hz; `None` without modes.
     pub frequency_hz: Option<(f32, f32)>,
-    /// Shortest and longest T60 = ln(1000)/d in seconds; `None` without modes.
+    /// Shortest and longest T60 = ln(1000)/d of a mode in seconds; `None` without modes.
     pub t60_s: Option<(f32, f32)>,
-    /// Bytes that the modes and their gains take in the binary form.
+    /// Size of the modes and their gains in the binary form, in bytes.
     pub mode_bytes: usize,
-    /// Breakpoints of its dynamic filter; 0 without one.
+    /// Number of breakpoints of the object's dynamic filter; 0 without one.
     pub breakpoints: usize,
-    /// Loops round its dynamic filter.
+    /// Number of loops round the object's dynamic filter.
     pub loops: usize,
-    /// Biquads.
+    /// Number of biquads of the object.
     pub biquads: usize,
 }
 
 impl Statistics {
-    /// Counts a kit whose binary form has `bytes` bytes.
+    /// Computes the statistics of a kit whose binary form has `bytes` bytes.
     pub(crate) fn of(kit: &Kit, bytes: usize) -> Self {
         let objects: Vec<_> = kit
             .objects
@@ -59,7 +60,7 @@ impl Statistics {
         Self { bytes, mode_bytes, objects, strikers }
     }
 
-    /// The share of the binary form that modes and their gains take, 0 to 1.
+    /// Share of the binary form that modes and their gains take, 0 to 1.
     pub fn mode_share(&self) -> f64 {
         self.mode_bytes as f64 / self.bytes.max(1) as f64
     }
@@ -82,7 +83,7 @@ impl BankStatistics {
     }
 }
 
-/// Smallest and largest of the values.
+/// Smallest and largest of the values; `None` without values.
 fn extent(values: impl Iterator<Item = f32>) -> Option<(f32, f32)> {
     values.map(|value| (value, value)).reduce(|(low, high), (value, _)| (low.min(value), high.max(value)))
 }

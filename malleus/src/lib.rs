@@ -1,6 +1,7 @@
-//! What the program `malleus` is made of: files in, sound and pictures out.
+//! The parts of the program `malleus`: files are read, sound and pictures are written.
 //!
-//! The sound itself comes from `dsp-core` (the instrument) or `reference` (the law); here are only the ways to and from it.
+//! The sound itself comes from `dsp-core`, the instrument that a board runs, or from `reference`,
+//! the same model in `f64`. This crate only reads, renders through one of the two, and writes.
 
 pub mod demo;
 pub mod events;

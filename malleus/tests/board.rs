@@ -1,4 +1,4 @@
-//! `malleus board run`, as a user calls it.
+//! `malleus board run`, as its user calls it.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -14,7 +14,7 @@ fn complaint(arguments: &[&str]) -> String {
 }
 
 #[test]
-fn an_image_that_cannot_be_run_is_named() {
+fn image_that_cannot_be_run_is_refused_with_its_name() {
     let folder = tempfile::tempdir().unwrap();
     let missing = complaint(&["no/such/image.elf"]);
     assert!(missing.contains("no/such/image.elf"), "{missing}");
@@ -25,7 +25,7 @@ fn an_image_that_cannot_be_run_is_named() {
 }
 
 #[test]
-fn wrong_arguments_are_refused_with_what_would_be_right() {
+fn wrong_arguments_are_refused_with_what_is_allowed() {
     for (arguments, expected) in [
         (["--board", "arduino"], "stm32f407g-disc1"),
         (["--fault", "adc-overrun"], "adc-overrun@AT"),
@@ -39,7 +39,7 @@ fn wrong_arguments_are_refused_with_what_would_be_right() {
 }
 
 #[test]
-fn the_firmware_plays_a_button_and_reports_it() {
+fn firmware_plays_a_press_of_the_button_and_reports_it() {
     let firmware = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware/Cargo.toml"));
     let features = ["--no-default-features", "--features", "stm32f407g-disc1"];
     let elf = virtual_core::build_binary(firmware, "percussion", &features).unwrap();
@@ -62,8 +62,9 @@ fn the_firmware_plays_a_button_and_reports_it() {
 }
 
 #[test]
-fn a_program_that_does_what_the_chip_forbids_ends_with_the_place() {
-    // A program for the bare core: it meets a breakpoint, which without a debugger is a fault.
+fn program_that_meets_a_breakpoint_ends_with_a_message_that_names_it() {
+    // The program is made for the bare core. It meets a breakpoint, which is a fault without a
+    // debugger.
     let program = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../virtual-core/tests/program/Cargo.toml"));
     let folder = tempfile::tempdir().unwrap();
     let image = folder.path().join("program.elf");

@@ -1,11 +1,12 @@
-//! Objects from the classical equations: bars and a membrane; and a bell from the partials that founders name.
+//! Objects from the classical equations of bars, a ring and a membrane, and a bell from the
+//! partials that founders name.
 
 use kit::{Acceleration, Mode, Object};
 
 use crate::level::{Contact, mode};
 use crate::{bar, membrane};
 
-/// All of them.
+/// All objects of this file.
 pub(crate) fn all() -> Vec<Object> {
     vec![marimba(), glockenspiel(), bell(), bowl(), claves(), drum()]
 }
@@ -24,11 +25,12 @@ fn object(name: &str, source: &str, modes: Vec<Mode>) -> Object {
     }
 }
 
-/// A3, undercut to 1 : 4 : 10. The higher modes keep the spacing of a uniform bar above the tuned ones.
+/// Marimba bar A3, undercut to 1 : 4 : 10. Its higher modes are spaced as those of a uniform bar.
 fn marimba() -> Object {
     let contact = Contact { time_s: 0.0024, peak: 1.0 };
     let ratios = [1.0, 4.0, 10.0, 10.0 * bar::ratio(4) / bar::ratio(3), 10.0 * bar::ratio(5) / bar::ratio(3)];
-    // (T60 in s, amplitude): wood damps as f², the resonator tube lets the first mode ring longest and loudest.
+    // (T60 in s, amplitude): wood damps as f², and the resonator tube makes the first mode the
+    // longest and the loudest.
     let sounds = [(1.6, 0.30), (0.55, 0.16), (0.22, 0.07), (0.11, 0.04), (0.07, 0.02)];
     let modes = (1..).zip(ratios.into_iter().zip(sounds)).map(|(n, (ratio, (t60_s, amplitude)))| {
         mode(220.0 * ratio, t60_s, amplitude, &bar::five_positions(n), contact)
@@ -40,7 +42,7 @@ fn marimba() -> Object {
     )
 }
 
-/// C6, an untuned steel bar.
+/// Glockenspiel bar C6: an untuned steel bar.
 fn glockenspiel() -> Object {
     let contact = Contact { time_s: 0.0002, peak: 1.0 };
     let modes = (1..=6).map(|n| {
@@ -55,7 +57,7 @@ fn glockenspiel() -> Object {
     )
 }
 
-/// Church bell of strike note 440 Hz: each partial a pair, because no bell is perfectly round.
+/// Church bell of strike note 440 Hz. Each partial is a pair, because no bell is perfectly round.
 fn bell() -> Object {
     let contact = Contact { time_s: 0.0007, peak: 1.0 };
     // (ratio to the prime, T60 in s, amplitude, split of the pair in parts per thousand)
@@ -87,8 +89,10 @@ fn bell() -> Object {
     )
 }
 
-/// A bronze singing bowl, its rim a thin ring: `f_n ~ n (n² - 1) / sqrt(n² + 1)` for n = 2, 3 ... waves round it (Hoppe, in Rayleigh's
-/// *Theory of Sound* § 233), each a beating pair.
+/// Bronze singing bowl whose rim is a thin ring; each of its modes is a beating pair.
+///
+/// A ring's modes of n = 2, 3 ... waves round it have `f_n ~ n (n² - 1) / sqrt(n² + 1)` (Hoppe, in
+/// Rayleigh's *Theory of Sound* § 233).
 fn bowl() -> Object {
     let contact = Contact { time_s: 0.0024, peak: 1.0 };
     let ring = |n: f64| n * (n * n - 1.0) / (n * n + 1.0).sqrt();
@@ -96,7 +100,7 @@ fn bowl() -> Object {
     let modes = (2..).zip(sounds).flat_map(|(n, (t60_s, amplitude))| {
         let frequency_hz = 196.0 * ring(f64::from(n)) / ring(2.0);
         let pair = [(-0.5, 0.6, 1.0), (0.5, 0.4, 0.95)];
-        // The halves of a pair lie 0.9 Hz apart at the lowest mode and further at the higher ones.
+        // The two modes of a pair lie 0.9 Hz apart at the lowest pair, and further at higher ones.
         pair.map(|(side, share, shorter)| {
             let beat_hz = 0.9 * f64::from(n).sqrt() / 2f64.sqrt();
             mode(frequency_hz + side * beat_hz, t60_s * shorter, amplitude * share, &[1.0], contact)
@@ -109,7 +113,7 @@ fn bowl() -> Object {
     )
 }
 
-/// A hardwood rod.
+/// Claves: a hardwood rod.
 fn claves() -> Object {
     let contact = Contact { time_s: 0.0007, peak: 1.0 };
     let modes = (1..=3).map(|n| {
@@ -123,7 +127,9 @@ fn claves() -> Object {
     )
 }
 
-/// An ideal membrane at 98 Hz, struck between its middle and its rim. Its force bus is in units of 4 N.
+/// Drum: an ideal membrane at 98 Hz, struck between its middle and its rim.
+///
+/// Its reference force is 4 N.
 fn drum() -> Object {
     let contact = Contact { time_s: 0.0024, peak: 1.0 };
     let first = membrane::zero(0, 1);
@@ -132,7 +138,7 @@ fn drum() -> Object {
     zeros.sort_by(|a, b| a.1.total_cmp(&b.1));
     let modes = zeros.into_iter().map(|(m, zero)| {
         let ratio = zero / first;
-        // Axisymmetric modes move air and lose their energy to it; the others ring on.
+        // Axisymmetric modes move air and lose their energy to it; the others ring longer.
         let t60_s = if m == 0 { 0.45 / ratio } else { 0.75 / ratio.powf(0.7) };
         mode(98.0 * ratio, t60_s, 0.42 / ratio.sqrt(), &membrane::five_positions(m, zero), contact)
     });

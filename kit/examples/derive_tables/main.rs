@@ -1,10 +1,13 @@
-//! Makes the shipped tables anew: `cargo run -p kit --example derive_tables -- --data ../shared/data --out tables`.
+//! Makes the shipped tables anew.
 //!
-//! Bars and membranes come from the classical equations and need no data; measured objects are made where their data are, and otherwise left
-//! as they are. The same input gives the same files.
+//! Run it by `cargo run -p kit --example derive_tables -- --data ../shared/data --out tables`.
+//!
+//! Bars and membranes come from the classical equations and need no data. The tables of measured
+//! objects stay as they are if their data are absent. Equal inputs give equal files.
 
 mod bar;
 mod classical;
+mod failure;
 mod level;
 mod measured;
 mod membrane;
@@ -14,6 +17,7 @@ mod strikers;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use failure::Failure;
 use kit::{Kit, Object, Striker};
 
 fn main() -> ExitCode {
@@ -45,8 +49,6 @@ fn arguments() -> Option<(PathBuf, PathBuf)> {
     }
     Some((data?, out?))
 }
-
-type Failure = Box<dyn std::error::Error>;
 
 fn derive(data: &Path, out: &Path) -> Result<(), Failure> {
     write(out, "strikers", Vec::new(), strikers::all())?;

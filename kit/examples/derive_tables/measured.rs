@@ -1,13 +1,14 @@
-//! Objects from measured modes: `modes_tdw.csv` (Traer et al. 2019 by way of the tdw package, BSD-2-Clause).
+//! Objects from measured modes: `modes_tdw.csv` (Traer et al. 2019 by way of the tdw package,
+//! BSD-2-Clause).
 
 use std::path::Path;
 
 use kit::{Acceleration, Object};
 
-use crate::Failure;
+use crate::failure::Failure;
 use crate::level::{Contact, mode};
 
-/// One measured mode.
+/// Measured mode: a row of the file.
 #[derive(Clone, Debug)]
 pub(crate) struct Measured {
     material: String,
@@ -18,14 +19,14 @@ pub(crate) struct Measured {
 }
 
 impl Measured {
-    /// Whether `other` is the same row under another material's name.
+    /// True if `other` has equal numbers under another material's name.
     fn is_also_of_another(&self, other: &Self) -> bool {
         let row = |mode: &Self| (mode.frequency_hz, mode.onset_power_db, mode.rt60_s);
         self.material != other.material && row(self) == row(other)
     }
 }
 
-/// Reads the measured modes; `None` where the file is absent.
+/// Reads the measured modes; `None` if the file is absent.
 pub(crate) fn read(path: &Path) -> Result<Option<Vec<Measured>>, Failure> {
     if !path.exists() {
         return Ok(None);
@@ -38,7 +39,7 @@ pub(crate) fn read(path: &Path) -> Result<Option<Vec<Measured>>, Failure> {
     Ok(Some(modes))
 }
 
-/// The objects made of them.
+/// Objects that are made of measured modes.
 pub(crate) fn all(modes: &[Measured]) -> Vec<Object> {
     vec![
         object(modes, "woodblock", "wood_hard", 1, 10, 0.34, 0.0007),
@@ -48,8 +49,9 @@ pub(crate) fn all(modes: &[Measured]) -> Vec<Object> {
     ]
 }
 
-/// The `count` modes of a material and size that radiate most energy. Their onset levels set the balance; the sum of amplitudes sets the
-/// level.
+/// Object of the `count` modes of a material and size that radiate most energy.
+///
+/// The modes' onset levels set their balance, and `amplitude` sets the level of all together.
 fn object(
     all: &[Measured],
     name: &str,
@@ -60,16 +62,17 @@ fn object(
     contact_time_s: f64,
 ) -> Object {
     let own = all.iter().filter(|mode| mode.material == material && mode.size == size);
-    // RT60 above 20 s are outliers of the measurement.
+    // Reverberation times above 20 s are outliers of the measurement.
     let plausible = own.filter(|mode| mode.rt60_s <= 20.0 && (20.0..20_000.0).contains(&mode.frequency_hz));
-    // Glass and metal share 250 of their 475 rows: which of the two was measured cannot be told.
+    // Glass and metal share 250 of their 475 rows, and the file does not tell which was measured.
     let mut modes: Vec<_> = plausible.filter(|mode| !all.iter().any(|other| mode.is_also_of_another(other))).collect();
     // The energy of a decaying sine is its onset power times its decay time.
     let energy = |mode: &Measured| 10f64.powf(mode.onset_power_db / 10.0) * mode.rt60_s;
     modes.sort_by(|a, b| energy(b).total_cmp(&energy(a)));
     modes.truncate(count);
     let amplitude_of = |mode: &Measured| 10f64.powf(mode.onset_power_db / 20.0);
-    // Phases are unknown and peaks do not meet: the root of the summed squares, times 2, is near the peak.
+    // Phases are unknown, and the modes' peaks do not coincide. Twice the root of the summed
+    // squares is near the peak of their sum.
     let sum = 2.0 * modes.iter().map(|mode| amplitude_of(mode).powi(2)).sum::<f64>().sqrt();
     let contact = Contact { time_s: contact_time_s, peak: 1.0 };
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
@@ -103,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_that_two_materials_share_is_left_out_of_both() {
+    fn row_that_two_materials_share_is_left_out_of_both() {
         let modes = [measured("glass", 900.0), measured("glass", 500.0), measured("metal", 900.0)];
         let glass = object(&modes, "glass", "glass", 0, 10, 0.3, 0.0002);
         assert_eq!(glass.modes.iter().map(|mode| mode.frequency_hz).collect::<Vec<_>>(), [500.0]);

@@ -1,6 +1,8 @@
 //! Modes of an ideal circular membrane: zeros of the Bessel functions J_m.
 
-/// J_m(x) by its integral, `1/π ∫ cos(m τ - x sin τ) dτ` over 0 to π; the trapezoidal rule is exact to rounding for it.
+/// Bessel function J_m(x), by its integral `1/π ∫ cos(m τ - x sin τ) dτ` over 0 to π.
+///
+/// The trapezoidal rule gives this integral exactly but for rounding.
 pub(crate) fn bessel(m: u32, x: f64) -> f64 {
     const STEPS: u32 = 200;
     let sum: f64 = (0..=STEPS)
@@ -13,7 +15,7 @@ pub(crate) fn bessel(m: u32, x: f64) -> f64 {
     sum / f64::from(STEPS)
 }
 
-/// Zero number `n` (from 1) of J_m above 0, by scanning and bisection.
+/// Zero `n`, counted from 1, of J_m above 0, by scanning and bisection.
 pub(crate) fn zero(m: u32, n: u32) -> f64 {
     let (mut x, mut found) = (0.5, 0);
     loop {
@@ -36,7 +38,8 @@ fn bisect(m: u32, mut low: f64, mut high: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Shapes `J_m(j r)` at five positions from the middle (0) towards the rim (1, at 90 % of the radius).
+/// Shapes `J_m(j r)` at five positions from the middle (0) towards the rim (1, at 90 % of the
+/// radius).
 pub(crate) fn five_positions(m: u32, zero: f64) -> [f64; 5] {
     [0.0, 0.225, 0.45, 0.675, 0.9].map(|radius| bessel(m, zero * radius))
 }
@@ -46,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_ratios_of_the_zeros_are_the_published_ones() {
+    fn ratios_of_the_bessel_zeros_are_the_published_ones() {
         let mut zeros: Vec<f64> = (0..6).flat_map(|m| (1..4).map(move |n| zero(m, n))).collect();
         zeros.sort_by(f64::total_cmp);
         for (zero, published) in

@@ -1,30 +1,34 @@
 //! The mug: measured with an impact hammer (samuel-clarke/diffimpact, MIT).
 //!
-//! Frequencies and decays are those of `mug_modes.csv`. Gains are the linear least squares of the microphone by the modes driven
-//! by the measured force, over 0.3 s of the hit at 0.4047 s: with the gains of the file itself the force leaves -23.5 dB.
-//! Least squares alone would leave -27.4 dB, and a static response of which a soft strike is 4.5 % thump: it is one more equation,
-//! that the response be 0, with a weight that takes a quarter of it away and costs 0.3 dB.
+//! Frequencies and decays are those of `mug_modes.csv`. Gains are fitted by linear least squares:
+//! the modes, driven by the measured force, are to give the microphone's signal over 0.3 s of the
+//! hit at 0.4047 s. The gains of the file itself would leave an error of -23.5 dB.
+//!
+//! Least squares alone would leave -27.4 dB, and a static response that makes 4.5 % of a soft
+//! strike a thump. One more equation asks that this response be 0. Its weight takes a quarter of
+//! the response away and costs 0.3 dB.
 
 use std::path::Path;
 
 use kit::{Acceleration, Gain, Mode, Object};
 
-use crate::Failure;
+use crate::failure::Failure;
 use crate::level::rounded;
 
+/// Sample rate of the recording in Hz.
 const RATE_HZ: f64 = 44_100.0;
-/// Sample of the force's peak.
+/// Index of the sample at which the force peaks.
 const PEAK: usize = 17_849;
-/// Samples before the peak at which the force begins.
+/// Number of samples from the start of the force to its peak.
 const BEFORE: usize = 132;
-/// From the hammer's force to the microphone.
+/// Delay from the hammer's force to the microphone, in samples.
 const DELAY: usize = 14;
-/// 0.3 s.
+/// Length of the stretch that is fitted, in samples: 0.3 s.
 const LENGTH: usize = 13_230;
-/// Weight of the static response's square beside the microphone's.
+/// Weight of the equation for the static response, where one sample of the microphone has 1.
 const STATIC_WEIGHT: f64 = 0.8;
 
-/// The mug, or `None` where the data are absent.
+/// Makes the mug from its data; `None` if the data are absent.
 pub(crate) fn derive(folder: &Path) -> Result<Option<Object>, Failure> {
     let (modes, recording) = (folder.join("mug_modes.csv"), folder.join("hammer_ceramic.wav"));
     if !modes.exists() || !recording.exists() {
@@ -70,7 +74,9 @@ pub(crate) fn derive(folder: &Path) -> Result<Option<Object>, Failure> {
     }))
 }
 
-/// The force through `e^{-dt} sin 2πft` and `e^{-dt} cos 2πft`, as the tables mean it: `(1/fs) Σ F[m] h[n-m]`, h[0] at half weight.
+/// Force through `h = e^{-dt} sin 2πft` and through `h = e^{-dt} cos 2πft`, as tables define gains.
+///
+/// That is `(1/fs) Σ F[m] h[n-m]`, with h[0] at half weight.
 fn driven((frequency_hz, decay_per_s): (f64, f64), force: &[f64]) -> [Vec<f64>; 2] {
     let radius = (-decay_per_s / RATE_HZ).exp();
     let (sin, cos) = (std::f64::consts::TAU * frequency_hz / RATE_HZ).sin_cos();
@@ -85,7 +91,7 @@ fn driven((frequency_hz, decay_per_s): (f64, f64), force: &[f64]) -> [Vec<f64>; 
     columns
 }
 
-/// What [`driven`] comes to under a force of 1 that stays.
+/// Limits of the two results of [`driven`] under a constant force of 1.
 fn under_constant_force((frequency_hz, decay_per_s): (f64, f64)) -> [f64; 2] {
     let radius = (-decay_per_s / RATE_HZ).exp();
     let (sin, cos) = (std::f64::consts::TAU * frequency_hz / RATE_HZ).sin_cos();
@@ -95,11 +101,13 @@ fn under_constant_force((frequency_hz, decay_per_s): (f64, f64)) -> [f64; 2] {
     [im / power / RATE_HZ, (re / power - 0.5) / RATE_HZ]
 }
 
-/// Least squares by the normal equations and Cholesky: the columns are far from dependent, and a table needs six digits.
+/// Solves linear least squares by the normal equations and Cholesky's decomposition.
+///
+/// The columns are far from dependent, and a table needs only six digits.
 fn least_squares(columns: &[Vec<f64>], target: &[f64]) -> Vec<f64> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let count = columns.len();
-    // Columns of unit length, so that one threshold would fit all pivots.
+    // Columns are scaled to unit length, so that all pivots are of one order of magnitude.
     let lengths: Vec<f64> = columns.iter().map(|column| dot(column, column).sqrt()).collect();
     let mut factor = vec![vec![0.0; count]; count];
     let mut solution = vec![0.0; count];

@@ -1,11 +1,14 @@
-//! The strikers of the demo kit.
+//! Strikers of the demo kit.
 
 use kit::{Pulse, Striker};
 
 use crate::bar;
 use crate::level::{Contact, mode, rounded};
 
-/// All of them. Contact times lie in the range that impact hammers show: 0.25 to 0.9 ms for hard tips, milliseconds for wound mallets.
+/// All strikers of the demo kit.
+///
+/// Contact times lie in the range that impact hammers show: 0.25 to 0.9 ms for hard tips,
+/// milliseconds for wound mallets.
 pub(crate) fn all() -> Vec<Striker> {
     vec![
         striker("yarn-mallet", 1.0, 0.0024, "wound mallet: contact time chosen, 2.4 ms at velocity 1"),
@@ -40,7 +43,7 @@ fn striker(name: &str, peak_force: f64, contact_time_s: f64, source: &str) -> St
     }
 }
 
-/// A stick that sounds itself: the first transverse modes of a free wooden bar.
+/// Drumstick with a sound of its own: the first transverse modes of a free wooden bar.
 fn drumstick() -> Striker {
     let contact = Contact { time_s: 0.001, peak: 1.0 };
     let modes = (1..=4).map(|n| {

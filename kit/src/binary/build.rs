@@ -1,29 +1,33 @@
-//! From a kit to its bytes.
+//! Conversion of a kit to its binary form.
 
 use dsp_core::SampleRate;
 use dsp_core::radiation::balance;
-use dsp_core::residual::MAX_BANDS;
 use dsp_core::table::layout::{
-    BackgroundHeader, FORMAT_VERSION, FileHeader, GainRecord, MAGIC, MIDI_NOTES_PER_PAD, MetaRecord, ModeRecord,
-    NAME_BYTES, NO_INPUT, NO_NOTE, NO_STRIKER, ObjectHeader, PadRecord, ResidualBandRecord, ResidualHeader,
-    RoomBandRecord, SECTION_VERSION, STRIKERS_PER_PAD, SectionEntry, StrikerHeader, TriggerRecord, tag,
+    GainRecord, MIDI_NOTES_PER_PAD, MetaRecord, ModeRecord, NO_INPUT, NO_NOTE, NO_STRIKER, ObjectHeader, PadRecord,
+    STRIKERS_PER_PAD, StrikerHeader, TriggerRecord, tag,
 };
-use dsp_core::table::{Field, Place, TableError, checksum, range};
+use dsp_core::table::{Field, Place, range};
 use dsp_core::trigger::{Mode as TriggerMode, Settings};
+use zerocopy::IntoBytes;
 use zerocopy::byteorder::little_endian::{F32, U16, U32};
-use zerocopy::{Immutable, IntoBytes};
 
+use super::builder::{Build, append};
 use super::filters;
-use crate::error::Fault;
-use crate::{Acceleration, Background, Kit, KitError, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
+use super::noise::room;
+use crate::content::{Acceleration, Kit, Mode, Object, Pad, Pulse, Striker};
+use crate::error::{Fault, KitError};
 
-/// Builds the binary form: sections `META`, `OBJT` an object, `STRK` a striker, `PADS`, `trig` where
-/// a pad says how it is triggered, `resi` an object with a residual, `bgnd` and `room` where there is a background or a room, `dynf` an object with a
-/// dynamic filter, `biqd` an object with a biquad bank, `rest` where a striker's restitution is not the default, and `bala` where an object's acceleration
-/// sound is derived, in this order. The same kit gives the same bytes.
+/// Builds the binary form of a kit. Equal kits give equal bytes.
+///
+/// Its sections are, in this order: `META`; one `OBJT` per object; one `STRK` per striker; `PADS`;
+/// `trig` if a pad has its own trigger settings; one `resi` per residual; `bgnd` and `room` if the
+/// kit has a background or a room; one `dynf` per dynamic filter; one `biqd` per biquad bank;
+/// `rest` if a striker's restitution is not the default; `bala` if an object's acceleration sound
+/// is derived.
 ///
 /// # Errors
-/// [`KitError::Item`] for what the form cannot hold (nothing is ever cut off) and for whatever [`dsp_core::table::Kit`] refuses in the result.
+/// [`KitError::Item`] for a number, name or text that the form cannot hold (nothing is ever cut
+/// off), and for all that [`dsp_core::table::Kit`] refuses in the result.
 pub fn build(kit: &Kit) -> Result<Vec<u8>, KitError> {
     let build = Build { kit };
     let mut sections = vec![(tag::META, build.meta()?)];
@@ -82,35 +86,16 @@ pub fn build(kit: &Kit) -> Result<Vec<u8>, KitError> {
     Ok(bytes)
 }
 
-/// The α of a balanced object for readers that cannot derive it: that at 48 kHz and at the first position, within the
-/// range of a table's number. Modes that the reader of tables refuses have none.
+/// Factor α of a balanced object for readers that cannot derive it: that at 48 kHz and at the first
+/// position, clamped to the range of a table's number.
+///
+/// Invalid modes, which the reader refuses later, give 0.
 fn fallback(modes: &[ModeRecord], gains: &[GainRecord], positions: usize) -> f32 {
     let alpha = balance(modes, gains, positions, SampleRate::HZ_48000) as f32;
     if alpha.is_nan() { 0.0 } else { alpha.clamp(range::ACCELERATION.min, range::ACCELERATION.max) }
 }
 
-fn room(bands: &[RoomBand]) -> Vec<u8> {
-    let mut section = Vec::new();
-    for band in bands {
-        let record = RoomBandRecord {
-            from_hz: F32::new(band.from_hz),
-            gain: F32::new(band.gain),
-            decay_per_s: F32::new(band.decay_per_s),
-        };
-        append(&mut section, &record);
-    }
-    section
-}
-
-pub(super) struct Build<'a> {
-    kit: &'a Kit,
-}
-
 impl Build<'_> {
-    pub(super) fn fault(&self, place: Place, fault: Fault) -> KitError {
-        KitError::item(self.kit, place, fault)
-    }
-
     fn meta(&self) -> Result<Vec<u8>, KitError> {
         let record = MetaRecord { name: self.name(Place::Kit, &self.kit.name)? };
         Ok(record.as_bytes().to_vec())
@@ -142,7 +127,8 @@ impl Build<'_> {
         Ok(section)
     }
 
-    /// The numbers of the objects whose acceleration sound is derived; nothing where none is.
+    /// Section with the number of objects whose acceleration sound is derived, and their indices;
+    /// empty if there is no such object.
     fn balanced(&self) -> Result<Vec<u8>, KitError> {
         let objects = self.kit.objects.iter().enumerate();
         let balanced: Vec<usize> = objects
@@ -220,7 +206,7 @@ impl Build<'_> {
         let mut midi_notes = [NO_NOTE; MIDI_NOTES_PER_PAD];
         self.count(place, Field::MidiNotes, pad.midi_notes.len(), 0, MIDI_NOTES_PER_PAD)?;
         for (slot, &note) in midi_notes.iter_mut().zip(&pad.midi_notes) {
-            // 255 would read as "no note"; the table reader cannot tell.
+            // 255 would read as "no note", which the reader cannot tell from a wrong note.
             if note == NO_NOTE {
                 return Err(self.fault(place, Fault::MidiNote { note: i64::from(note) }));
             }
@@ -242,7 +228,7 @@ impl Build<'_> {
 
     fn trigger(&self, pad: usize, settings: &Settings) -> Result<TriggerRecord, KitError> {
         let place = Place::Pad(pad);
-        // 255 would read as "none"; the table reader cannot tell.
+        // 255 would read as "no input", which the reader cannot tell from a wrong input.
         let input = |field, input: Option<u8>, last| match input {
             Some(input) => self.count(place, field, input.into(), 0, last).map(|_| input),
             None => Ok(NO_INPUT),
@@ -271,147 +257,6 @@ impl Build<'_> {
             button_velocity: F32::new(settings.button_velocity),
         })
     }
-
-    fn residual(&self, object: usize, residual: &Residual) -> Result<Vec<u8>, KitError> {
-        let place = Place::ObjectResidual(object);
-        let Residual { seed, edges_hz, weight, decay_db_per_s } = residual;
-        let bands = weight.len();
-        let header = ResidualHeader {
-            // One less than 16 bits hold; the reader says what it allows.
-            object: self.count(place, Field::Object, object, 0, usize::from(u16::MAX))?,
-            band_count: self.count(place, Field::Weight, bands, 1, MAX_BANDS)?,
-            seed: U32::new(*seed),
-        };
-        self.same_count(place, ("edges_hz", edges_hz.len()), (bands + 1, "one more than weight has"))?;
-        self.same_count(place, ("decay_db_per_s", decay_db_per_s.len()), (bands, "as many as weight has"))?;
-        let mut section = header.as_bytes().to_vec();
-        edges_hz.iter().for_each(|&edge| append(&mut section, &F32::new(edge)));
-        for (&weight, &decay) in weight.iter().zip(decay_db_per_s) {
-            append(&mut section, &ResidualBandRecord { weight: F32::new(weight), decay_db_per_s: F32::new(decay) });
-        }
-        Ok(section)
-    }
-
-    fn background(&self, background: &Background) -> Result<Vec<u8>, KitError> {
-        let place = Place::Background;
-        let Background { seed, edges_hz, weight } = background;
-        let bands = weight.len();
-        let header = BackgroundHeader {
-            band_count: self.count(place, Field::Weight, bands, 1, MAX_BANDS)?,
-            reserved: U16::ZERO,
-            seed: U32::new(*seed),
-        };
-        self.same_count(place, ("edges_hz", edges_hz.len()), (bands + 1, "one more than weight has"))?;
-        let mut section = header.as_bytes().to_vec();
-        edges_hz.iter().chain(weight).for_each(|&number| append(&mut section, &F32::new(number)));
-        Ok(section)
-    }
-
-    fn same_count(
-        &self,
-        place: Place,
-        (key, found): (&'static str, usize),
-        (expected, why): (usize, &'static str),
-    ) -> Result<(), KitError> {
-        if found == expected {
-            return Ok(());
-        }
-        Err(self.fault(place, Fault::NumberCount { key, found, expected, why }))
-    }
-
-    /// Header and directory in front of the sections, each filled up to 4 bytes.
-    fn frame(&self, sections: &[([u8; 4], Vec<u8>)]) -> Result<Vec<u8>, KitError> {
-        let offset_and_length = |value: usize| {
-            u32::try_from(value).map(U32::new).map_err(|_| {
-                let fault = Fault::TooLarge { what: "bytes of the kit", found: value, max: u32::MAX as usize };
-                self.fault(Place::Kit, fault)
-            })
-        };
-        let mut offset = size_of::<FileHeader>() + 4 + size_of::<SectionEntry>() * sections.len();
-        let mut body = Vec::new();
-        append(&mut body, &offset_and_length(sections.len())?);
-        for (tag, section) in sections {
-            let length = section.len().next_multiple_of(4);
-            let entry = SectionEntry {
-                tag: *tag,
-                version: U32::new(SECTION_VERSION),
-                offset: offset_and_length(offset)?,
-                length: offset_and_length(length)?,
-            };
-            append(&mut body, &entry);
-            offset += length;
-        }
-        for (_, section) in sections {
-            body.extend_from_slice(section);
-            body.resize(body.len().next_multiple_of(4), 0);
-        }
-        let header = FileHeader {
-            magic: MAGIC,
-            version: U32::new(FORMAT_VERSION),
-            length: offset_and_length(offset)?,
-            crc: U32::new(checksum(&body)),
-        };
-        let mut bytes = header.as_bytes().to_vec();
-        bytes.append(&mut body);
-        Ok(bytes)
-    }
-
-    /// A name padded with zeros. One that does not fit, or would lose zeros at its end, is refused here; the rest the reader judges.
-    fn name(&self, place: Place, name: &str) -> Result<[u8; NAME_BYTES], KitError> {
-        let mut padded = [0; NAME_BYTES];
-        match padded.get_mut(..name.len()) {
-            Some(start) if !name.contains('\0') => start.copy_from_slice(name.as_bytes()),
-            _ => return Err(self.fault(place, Fault::Table(TableError::BadName { place }))),
-        }
-        Ok(padded)
-    }
-
-    pub(super) fn count(
-        &self,
-        place: Place,
-        field: Field,
-        value: usize,
-        min: usize,
-        max: usize,
-    ) -> Result<U16, KitError> {
-        match u16::try_from(value) {
-            Ok(count) if (min..=max).contains(&value) => Ok(U16::new(count)),
-            _ => Err(self.fault(place, Fault::Table(TableError::Count { place, field, value, min, max }))),
-        }
-    }
-
-    fn text_bytes(&self, place: Place, what: &'static str, text: &str) -> Result<U16, KitError> {
-        u16::try_from(text.len())
-            .map(U16::new)
-            .map_err(|_| self.fault(place, Fault::TooLarge { what, found: text.len(), max: usize::from(u16::MAX) }))
-    }
-
-    /// The index of the object or striker of a name.
-    fn reference<'n>(
-        &self,
-        place: Place,
-        (key, kind): (&'static str, &'static str),
-        name: &str,
-        names: impl Iterator<Item = &'n str> + Clone,
-    ) -> Result<U16, KitError> {
-        let Some(index) = names.clone().position(|known| known == name) else {
-            let known = names.map(str::to_owned).collect();
-            return Err(self.fault(place, Fault::Unknown { key, kind, name: name.to_owned(), known }));
-        };
-        // One less than 16 bits hold: the largest stands for "no striker".
-        let max = usize::from(NO_STRIKER) - 1;
-        match u16::try_from(index) {
-            Ok(number) if index <= max => Ok(U16::new(number)),
-            _ => {
-                Err(self
-                    .fault(place, Fault::TooLarge { what: "number of the item that a pad names", found: index, max }))
-            }
-        }
-    }
-}
-
-pub(super) fn append(bytes: &mut Vec<u8>, record: &(impl IntoBytes + Immutable)) {
-    bytes.extend_from_slice(record.as_bytes());
 }
 
 fn append_texts(section: &mut Vec<u8>, source: &str, licence: &str) {

@@ -1,4 +1,4 @@
-//! The sections `dynf` and `biqd`, both ways.
+//! Conversion of dynamic filters and biquad banks to the sections `dynf` and `biqd`, and back.
 
 use dsp_core::table::layout::{
     BiquadRecord, BiquadsHeader, BreakpointRecord, DynamicFilterHeader, HAS_EXCITER, HAS_LEVELS, LoopRecord,
@@ -10,11 +10,12 @@ use dsp_core::table::{
 use zerocopy::IntoBytes;
 use zerocopy::byteorder::little_endian::{F32, U16, U32};
 
-use super::build::{Build, append};
-use crate::error::Fault;
-use crate::{Biquad, Biquads, Breakpoint, DynamicFilter, Exciter, KitError, Loop, ModesGo, Object, Order};
+use super::builder::{Build, append};
+use crate::content::Object;
+use crate::error::{Fault, KitError};
+use crate::filters::{Biquad, Biquads, Breakpoint, DynamicFilter, Exciter, Loop, ModesGo, Order};
 
-/// The view of a kit with all of its sections checked, those too that few engines play.
+/// Reads the bytes of a kit in place and checks all sections, also those that few engines play.
 pub(super) fn parse(bytes: &[u8]) -> Result<TableView<'_>, TableError> {
     let view = TableView::parse(bytes)?;
     view.dynamic_filters().try_for_each(|filter| filter.map(|_| ()))?;
@@ -22,7 +23,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<TableView<'_>, TableError> {
     Ok(view)
 }
 
-/// Gives the objects of a checked kit their filters.
+/// Adds their filters to the objects of a kit, from a checked view of its bytes.
 pub(super) fn read(view: &TableView<'_>, objects: &mut [Object]) {
     for filter in view.dynamic_filters().flatten() {
         if let Some(object) = objects.get_mut(filter.object_index()) {

@@ -1,7 +1,9 @@
-//! The binary form: what lies in a board's flash and what [`dsp_core::table`] reads in place.
+//! The binary form of a kit: a board has it in flash, and [`dsp_core::table`] reads it in place.
 
 mod build;
+mod builder;
 mod filters;
+mod noise;
 mod read;
 
 pub use build::build;

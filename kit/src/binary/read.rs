@@ -1,4 +1,4 @@
-//! From a kit's bytes to the kit.
+//! Conversion of the binary form to a kit.
 
 use dsp_core::residual::BandLaw;
 use dsp_core::table::layout::{GainRecord, ModeRecord};
@@ -8,13 +8,17 @@ use dsp_core::table::{
 };
 use dsp_core::trigger::Settings;
 
-use crate::{Acceleration, Background, Gain, Kit, KitError, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
+use crate::content::{Acceleration, Background, Gain, Kit, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
+use crate::error::KitError;
 
-/// Reads the binary form; erased flash (0xFF) may follow it. Sections that this version may skip are not in the result
-/// ([`crate::Loaded::skipped_sections`] lists them), nor is the number of positions of an object without modes.
+/// Reads a kit from its binary form, which erased flash (0xFF) may follow.
+///
+/// Two things are not in the result: sections that this version skips, which
+/// [`crate::Loaded::skipped_sections`] lists, and the number of positions of an object without
+/// modes.
 ///
 /// # Errors
-/// [`KitError::Binary`] with what [`dsp_core::table::Kit`] refuses.
+/// [`KitError::Binary`] with the first thing that [`dsp_core::table::Kit`] refuses.
 pub fn read(bytes: &[u8]) -> Result<Kit, KitError> {
     let view = super::filters::parse(bytes)?;
     let mut objects: Vec<Object> = view.objects().map(object).collect();
@@ -97,7 +101,7 @@ fn striker(view: StrikerView<'_>) -> Striker {
 }
 
 fn read_pad(view: PadView<'_>, objects: &[Object], strikers: &[Striker]) -> Pad {
-    // The indices were checked by the reader, so that neither default is ever used.
+    // The reader has checked the indices, so that neither default is ever used.
     let object = objects.get(view.object_index()).map(|object| object.name.clone()).unwrap_or_default();
     let strikers =
         view.striker_indices().filter_map(|index| strikers.get(index)).map(|striker| striker.name.clone()).collect();

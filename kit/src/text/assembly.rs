@@ -1,4 +1,4 @@
-//! From the documents of a kit's files to one kit, remembering where everything stood.
+//! Assembly of one kit from the documents of its files, with the place of each item.
 
 use dsp_core::table::Place;
 use toml::Spanned;
@@ -7,16 +7,18 @@ use super::document::{Document, Gains, ModeTable, ObjectTable, PadTable, RoomBan
 use super::filters::{BiquadsTable, DynamicFilterTable};
 use super::origin::{ItemOrigin, Origins};
 use super::residual::{BackgroundTable, ResidualTable};
-use super::{SourceText, UNTITLED};
-use crate::{Fault, Gain, Kit, KitError, Mode, Object, Pad, RoomBand, Striker};
+use super::source::{SourceText, UNTITLED};
+use crate::content::{Gain, Kit, Mode, Object, Pad, RoomBand, Striker};
+use crate::error::{Fault, KitError};
 
-/// A kit as far as it has been put together.
+/// Kit to which the items of its files are added one by one.
 pub(super) struct Assembly {
     kit: Kit,
     origins: Origins,
 }
 
 impl Assembly {
+    /// Starts with an empty kit that has the name of the main text.
     pub(super) fn new(main: &SourceText, name: Option<&Spanned<String>>) -> Self {
         Self {
             kit: Kit {
@@ -31,7 +33,7 @@ impl Assembly {
         }
     }
 
-    /// Adds what one file holds.
+    /// Adds all items of one file.
     pub(super) fn add(&mut self, source: &SourceText, document: Document) -> Result<(), KitError> {
         self.origins.begin_file(source);
         for object in document.object {
@@ -59,6 +61,7 @@ impl Assembly {
         Ok(())
     }
 
+    /// Gives the kit and the places of its items.
     pub(super) fn finish(self) -> (Kit, Origins) {
         (self.kit, self.origins)
     }
@@ -151,7 +154,9 @@ impl Assembly {
         Ok(())
     }
 
-    /// Modes with their gains; where both gains are missing, they are 0 at as many positions as the others have.
+    /// Converts modes with their gains.
+    ///
+    /// A mode without gains gets gains of 0, at as many positions as the other modes have.
     fn modes(&self, tables: Vec<Spanned<ModeTable>>, place: impl Fn(usize) -> Place) -> Result<Vec<Mode>, KitError> {
         let mut modes = Vec::with_capacity(tables.len());
         let positions = tables
@@ -179,8 +184,10 @@ impl Assembly {
         Ok(modes)
     }
 
-    /// Refuses the item at `place`, the last of its kind, if an earlier one has its name. The table reader would too, but
-    /// could not say where the earlier one stands.
+    /// Refuses the item at `place`, the last of its kind, if an earlier one has its name.
+    ///
+    /// The reader of the binary form would refuse it, too, but does not know the places in the
+    /// text.
     fn refuse_duplicate(&self, place: Place) -> Result<(), KitError> {
         let (kind, names): (_, Vec<&str>) = match place {
             Place::Object(_) => ("object", self.kit.objects.iter().map(|object| object.name.as_str()).collect()),

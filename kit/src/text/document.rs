@@ -1,4 +1,4 @@
-//! The shape of one text file: its keys, types and defaults.
+//! Structure of one text file: its keys, their types and their defaults.
 
 use std::fmt;
 
@@ -8,13 +8,13 @@ use toml::Spanned;
 use super::filters::{BiquadsTable, DynamicFilterTable};
 use super::residual::{BackgroundTable, ResidualTable};
 use super::trigger::TriggerTable;
-use crate::{Acceleration, Pulse, Striker};
+use crate::content::{Acceleration, Pulse, Striker};
 
-/// A file, as it stands there.
+/// Content of a text file, key by key.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Document {
-    /// Checked before the rest of the file is read.
+    /// Format version, which has been checked before the rest of the file is read.
     #[serde(rename = "format")]
     _format: i64,
     pub(super) name: Option<Spanned<String>>,
@@ -31,6 +31,7 @@ pub(super) struct Document {
     pub(super) pad: Vec<Spanned<PadTable>>,
 }
 
+/// Table `[[room]]`: a band of the room.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RoomBandTable {
@@ -39,6 +40,7 @@ pub(super) struct RoomBandTable {
     pub(super) decay_per_s: f32,
 }
 
+/// Table `[[object]]`.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ObjectTable {
@@ -57,6 +59,7 @@ pub(super) struct ObjectTable {
     pub(super) biquads: Option<Spanned<BiquadsTable>>,
 }
 
+/// Table `[[striker]]`.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StrikerTable {
@@ -79,6 +82,7 @@ pub(super) struct StrikerTable {
     pub(super) modes: Vec<Spanned<ModeTable>>,
 }
 
+/// Element of the key `modes`.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ModeTable {
@@ -88,6 +92,7 @@ pub(super) struct ModeTable {
     pub(super) gain_cosine: Option<Gains>,
 }
 
+/// Table `[[pad]]`.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PadTable {
@@ -107,19 +112,19 @@ pub(super) struct PadTable {
     pub(super) trigger: Option<TriggerTable>,
 }
 
-/// Gains at one position (a number) or at several (an array).
+/// Gains of a mode: in the text a number for one position, or an array for several.
 pub(super) struct Gains(pub(super) Vec<f32>);
 
 fn one() -> f32 {
     1.0
 }
 
-/// Peak force grows as v^1.2.
+/// Default exponent of the peak force, which grows as v^1.2.
 fn usual_peak_exponent() -> f32 {
     1.2
 }
 
-/// Contact time shrinks as v^-0.2.
+/// Default exponent of the contact time, which shrinks as v^-0.2.
 fn usual_contact_exponent() -> f32 {
     -0.2
 }

@@ -1,4 +1,4 @@
-//! The tables `[object.dynamic_filter]` and `[object.biquads]`.
+//! Tables `[object.dynamic_filter]` and `[object.biquads]`: they are read and written.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -6,9 +6,9 @@ use serde::de;
 use toml::Spanned;
 
 use super::number::shortest_decimal;
-use crate::{Biquad, Biquads, Breakpoint, DynamicFilter, Exciter, Loop, ModesGo, Order};
+use crate::filters::{Biquad, Biquads, Breakpoint, DynamicFilter, Exciter, Loop, ModesGo, Order};
 
-/// The table `[object.dynamic_filter]` as it stands in a file.
+/// Table `[object.dynamic_filter]`, key by key.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DynamicFilterTable {
@@ -55,7 +55,7 @@ struct LoopTable {
     delay_s: f32,
 }
 
-/// The table `[object.biquads]` as it stands in a file.
+/// Table `[object.biquads]`, key by key.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct BiquadsTable {
@@ -89,7 +89,7 @@ fn modes_go<'de, D: de::Deserializer<'de>>(deserializer: D) -> Result<ModesGo, D
     })
 }
 
-/// Where a dynamic filter stands.
+/// Byte offsets of a dynamic filter and of its parts in their file.
 #[derive(Default)]
 pub(super) struct FilterOrigin {
     pub(super) offset: usize,
@@ -97,7 +97,7 @@ pub(super) struct FilterOrigin {
     pub(super) loops: Vec<usize>,
 }
 
-/// Where a biquad bank stands, and each chain with its biquads.
+/// Byte offsets of a biquad bank, of its chains and of their biquads in their file.
 #[derive(Default)]
 pub(super) struct BiquadsOrigin {
     pub(super) offset: usize,
@@ -109,7 +109,10 @@ fn offsets<T>(tables: &[Spanned<T>]) -> Vec<usize> {
 }
 
 impl DynamicFilterTable {
-    /// The filter, or the breakpoint (counted from 0) that is of another order than the first.
+    /// Converts the table to a filter.
+    ///
+    /// The error is the index of the first breakpoint, counted from 0, whose order differs from
+    /// that of the first one.
     pub(super) fn read(table: Spanned<Self>) -> (FilterOrigin, Result<DynamicFilter, usize>) {
         let offset = table.span().start;
         let Self { seed, modes, rate_hz, exciter, path, loops } = table.into_inner();
@@ -134,7 +137,7 @@ impl DynamicFilterTable {
 }
 
 impl BreakpointTable {
-    /// Eq. 17 has b1 = b0.
+    /// Converts the table to a breakpoint; a missing b1 is b0, as in eq. 17.
     fn breakpoint(self) -> Breakpoint {
         let Self { time_s, noise, a1, a2, b0, b1, b2 } = self;
         Breakpoint { time_s, noise, a1, a2: a2.unwrap_or(0.0), b0, b1: b1.unwrap_or(b0), b2: b2.unwrap_or(0.0) }
@@ -156,7 +159,7 @@ impl BiquadsTable {
     }
 }
 
-/// A table that is to be written as TOML.
+/// Wrapper of a value that is written as TOML.
 pub(super) struct Text<T>(pub(super) T);
 
 impl Display for Text<&DynamicFilter> {

@@ -1,49 +1,40 @@
-//! The text form: TOML, for people and for comparing versions.
+//! The text form of a kit: TOML, for people and for version control.
 //!
-//! `docs/kit-format.md` lists all keys. A kit's own file may include table files of the same format, which hold objects and
-//! strikers; numbers are read as f64 and rounded to f32.
+//! `docs/kit-format.md` lists all keys. A kit's own file may include table files of this format,
+//! which hold objects and strikers. Numbers are read as f64 and rounded to f32.
 
 mod assembly;
 mod document;
 mod filters;
+mod message;
 mod number;
 mod origin;
 mod residual;
+mod source;
 mod trigger;
 mod write;
 
+pub use source::{FORMAT, SourceText, UNTITLED};
 pub use write::write;
 
 use serde::Deserialize;
 use toml::Spanned;
 
-use crate::{Kit, KitError, Location, binary};
+use crate::binary;
+use crate::content::Kit;
+use crate::error::{KitError, Location};
 use assembly::Assembly;
 use document::Document;
 
-/// The version of the text form that this crate reads and writes.
-pub const FORMAT: i64 = 1;
-
-/// The name of a text without pads that gives itself none.
-pub const UNTITLED: &str = "untitled";
-
-/// One file's text.
-#[derive(Clone, Debug)]
-pub struct SourceText {
-    /// What errors call the file.
-    pub file: String,
-    /// What it holds.
-    pub text: String,
-}
-
-/// Reads a kit from text and checks it, by building its binary form.
+/// Reads a kit from text and checks it by building its binary form.
 ///
-/// `include` fetches each file that the text includes, by the name that stands there. The objects and strikers of included
-/// files come first, in the order of the list, then those of the text itself.
+/// `include` fetches each file that the text includes, by the name that the text gives. The objects
+/// and strikers of included files come first, in the order of the list, then those of the text.
 ///
 /// # Errors
-/// A [`KitError`] with file, line and column for text that is not TOML, keys that are unknown, missing or of the wrong
-/// type, names that are not there or there twice, and all that [`binary::build`] refuses.
+/// [`KitError`] with file, line and column: for text that is not TOML, for keys that are unknown,
+/// missing or of the wrong type, for names that do not exist or exist twice, and for all that
+/// [`binary::build`] refuses.
 pub fn parse(
     main: &SourceText,
     mut include: impl FnMut(&str) -> Result<SourceText, KitError>,
@@ -64,7 +55,7 @@ pub fn parse(
     }
     let mut assembly = Assembly::new(main, document.name.as_ref());
     for (source, mut document) in included {
-        // Of its own recording: a table may be played in any room.
+        // A table's room is that of its recording; a table may be played in any room.
         document.room.clear();
         assembly.add(&source, document)?;
     }
@@ -74,7 +65,7 @@ pub fn parse(
     Ok(kit)
 }
 
-/// The part of every version of the text form that says which version it is.
+/// Part of the text that says which version of the format it has, in every version.
 #[derive(Deserialize)]
 struct Version {
     format: Spanned<i64>,
@@ -84,14 +75,15 @@ fn read_document(source: &SourceText) -> Result<Document, KitError> {
     let SourceText { file, text } = source;
     let refusal = |error: toml::de::Error| KitError::Toml {
         at: Location::of(file, text, error.span().map_or(0, |span| span.start)),
-        message: error.message().trim_end().replace('\n', ", "),
+        message: message::plain(error.message()),
     };
-    // The version first: a newer one may have keys that this crate would call unknown.
+    // The version is checked first, since a newer one may have keys that this crate calls unknown.
     let version: Version = toml::from_str(text).map_err(refusal)?;
     if *version.format.get_ref() != FORMAT {
         return Err(KitError::FormatVersion {
             at: Location::of(file, text, version.format.span().start),
             found: version.format.into_inner(),
+            known: FORMAT,
         });
     }
     toml::from_str(text).map_err(refusal)

@@ -1,10 +1,12 @@
-//! Numbers as the shortest decimals that give them back.
+//! Numbers as text: the shortest decimals from which they are read back bit for bit.
 
-/// The shortest decimal that TOML accepts as a float and that, read as f64 and rounded to f32, gives `value` back bit for bit.
+/// Shortest decimal that TOML accepts as a float and that gives `value` back bit for bit, when it
+/// is read as f64 and rounded to f32.
 ///
-/// The shortest decimal of an f32 lies nearer to it than to its neighbours, but the f64 next to that decimal may lie exactly
-/// halfway between two f32s and then be rounded to the wrong one. Of all finite f32s this befalls ±7.038531e-26 alone (tried
-/// on every one); such a number gets the digits of its f64.
+/// The shortest decimal of an f32 lies nearer to it than to its neighbours. But the f64 nearest to
+/// that decimal may lie exactly halfway between two f32s, and then be rounded to the wrong one. Of
+/// all finite f32s only ±7.038531e-26 are such numbers (every f32 was tried); they get the digits
+/// of their f64.
 pub(super) fn shortest_decimal(value: f32) -> String {
     if value.is_nan() {
         return "nan".to_owned();
@@ -31,7 +33,7 @@ mod tests {
     }
 
     #[test]
-    fn the_one_number_whose_shortest_decimal_rounds_wrongly_gets_more_digits() {
+    fn number_whose_shortest_decimal_rounds_wrongly_gets_more_digits() {
         let value = f32::from_bits(0x15AE_43FD);
         assert_eq!(format!("{value:?}"), "7.038531e-26");
         assert_ne!("7.038531e-26".parse::<f64>().map(|read| read as f32), Ok(value));

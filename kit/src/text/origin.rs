@@ -1,30 +1,32 @@
-//! Where in which file each item of a kit stood.
+//! Origins of a kit's items: their files and places in them.
 
 use dsp_core::table::Place;
 use dsp_core::table::range::CHAIN_DEPTH;
 use toml::Spanned;
 
-use super::SourceText;
 use super::document::ModeTable;
 use super::filters::{BiquadsOrigin, FilterOrigin};
 use super::residual::NoiseOrigin;
-use crate::{KitError, Location};
+use super::source::SourceText;
+use crate::error::{KitError, Location};
 
-/// The origins of a kit's items. Offsets are in bytes; lines are counted only when an error asks.
+/// Origins of a kit's items, as indices of files and offsets in bytes.
+///
+/// Lines are counted only for an error.
 pub(super) struct Origins {
     files: Vec<SourceText>,
-    /// The kit's own file and the offset of its name.
+    /// Index of the kit's own file, and the offset of the kit's name.
     kit: (usize, usize),
     pub(super) objects: Vec<ItemOrigin>,
     pub(super) strikers: Vec<ItemOrigin>,
     pub(super) pads: Vec<ItemOrigin>,
-    /// The file of the background, and where in it.
+    /// Index of the background's file, and the offsets of the background and its parts.
     background: Option<(usize, NoiseOrigin)>,
-    /// The file of each of the room's bands, and where in it.
+    /// For each band of the room, the index of its file and its offset.
     room: Vec<(usize, usize)>,
 }
 
-/// The origin of an object, striker or pad.
+/// Origin of an object, striker or pad and of its parts.
 pub(super) struct ItemOrigin {
     file: usize,
     offset: usize,
@@ -62,48 +64,48 @@ impl Origins {
         }
     }
 
-    /// Says that what is added from now on stands in this file.
+    /// Starts a file: all items that are added from now on are in it.
     pub(super) fn begin_file(&mut self, source: &SourceText) {
         self.files.push(source.clone());
     }
 
-    /// The file of what is being added.
+    /// Index of the file whose items are being added.
     pub(super) fn current_file(&self) -> usize {
         self.files.len() - 1
     }
 
-    /// Where the residual of an object stands.
+    /// Sets the origin of an object's residual.
     pub(super) fn set_residual(&mut self, object: usize, origin: NoiseOrigin) {
         if let Some(item) = self.objects.get_mut(object) {
             item.residual = origin;
         }
     }
 
-    /// Where the dynamic filter of an object stands.
+    /// Sets the origin of an object's dynamic filter.
     pub(super) fn set_filter(&mut self, object: usize, origin: FilterOrigin) {
         if let Some(item) = self.objects.get_mut(object) {
             item.filter = origin;
         }
     }
 
-    /// Where the biquad bank of an object stands.
+    /// Sets the origin of an object's biquad bank.
     pub(super) fn set_biquads(&mut self, object: usize, origin: BiquadsOrigin) {
         if let Some(item) = self.objects.get_mut(object) {
             item.biquads = origin;
         }
     }
 
-    /// Where, in the current file, the background stands.
+    /// Sets the origin of the background in the current file.
     pub(super) fn set_background(&mut self, origin: NoiseOrigin) {
         self.background = Some((self.current_file(), origin));
     }
 
-    /// Where, in the current file, the next band of the room stands.
+    /// Adds the offset of the room's next band in the current file.
     pub(super) fn add_room_band(&mut self, offset: usize) {
         self.room.push((self.current_file(), offset));
     }
 
-    /// Fills in where the item of an error stands.
+    /// Adds the place of its item to an error that has none yet.
     pub(super) fn locate(&self, error: KitError) -> KitError {
         match error {
             KitError::Item { at: None, item, place, fault } => {
@@ -113,7 +115,7 @@ impl Origins {
         }
     }
 
-    /// Where the name of an object, striker or pad stands.
+    /// Place of the name of an object, striker or pad.
     pub(super) fn name_of(&self, place: Place) -> Location {
         match self.item(place) {
             Some(item) => self.at(item.file, item.name_offset),
@@ -121,6 +123,7 @@ impl Origins {
         }
     }
 
+    /// Place of an item, or of the smallest part round it whose place is known.
     fn location(&self, place: Place) -> Location {
         if let Some((file, background)) = &self.background {
             let at = |offsets: &[usize], index: usize| {

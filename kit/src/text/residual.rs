@@ -1,16 +1,16 @@
-//! The tables `[object.residual]` and `[background]`.
+//! Tables `[object.residual]` and `[background]`: they are read and written.
 
 use std::fmt::{self, Display, Formatter};
 
 use toml::Spanned;
 
 use super::number::shortest_decimal;
-use crate::{Background, Residual};
+use crate::content::{Background, Residual};
 
-/// Numbers, each with its place in the file.
+/// Numbers of an array, each with its place in the file.
 pub(super) type Numbers = Vec<Spanned<f32>>;
 
-/// The table `[object.residual]` as it stands in a file.
+/// Table `[object.residual]`, key by key.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ResidualTable {
@@ -21,7 +21,7 @@ pub(super) struct ResidualTable {
     decay_db_per_s: Numbers,
 }
 
-/// The table `[background]` as it stands in a file.
+/// Table `[background]`, key by key.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct BackgroundTable {
@@ -31,7 +31,9 @@ pub(super) struct BackgroundTable {
     weight: Numbers,
 }
 
-/// Where the edges and the bands of such a table stand: a band where its weight does.
+/// Byte offsets of a residual or background, of its edges and of its bands in their file.
+///
+/// The offset of a band is that of its weight.
 #[derive(Default)]
 pub(super) struct NoiseOrigin {
     pub(super) offset: usize,
@@ -70,7 +72,7 @@ fn plain(numbers: Numbers) -> Vec<f32> {
     numbers.into_iter().map(Spanned::into_inner).collect()
 }
 
-/// A table that is to be written as TOML.
+/// Wrapper of a value that is written as TOML.
 pub(super) struct Text<T>(pub(super) T);
 
 impl Display for Text<&Residual> {
@@ -92,7 +94,7 @@ impl Display for Text<&Background> {
     }
 }
 
-/// An array, ten numbers a line.
+/// Writes an array with ten numbers per line.
 fn numbers(f: &mut Formatter<'_>, key: &str, numbers: &[f32]) -> fmt::Result {
     writeln!(f, "{key} = [")?;
     for line in numbers.chunks(10) {

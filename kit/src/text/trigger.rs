@@ -1,4 +1,4 @@
-//! The table `[pad.trigger]`.
+//! Table `[pad.trigger]`: it is read and written.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -7,7 +7,10 @@ use serde::de::{self, Deserialize, Deserializer};
 
 use super::number::shortest_decimal;
 
-/// The table as it stands in a file; what is missing has the default of an unset pad, but for the inputs, which are then not there.
+/// Table `[pad.trigger]`, key by key.
+///
+/// A missing key has the default of a pad without the table. A missing `rim_channel`, `button` or
+/// `choke_button` means that the pad has no such input.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TriggerTable {
@@ -30,6 +33,7 @@ pub(super) struct TriggerTable {
     choke_button: Option<u8>,
 }
 
+/// Trigger modes with their words in the text form.
 const MODES: [(Mode, &str); 3] = [(Mode::Velocity, "velocity"), (Mode::Direct, "direct"), (Mode::Off, "off")];
 
 fn mode<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Mode, D::Error> {
@@ -42,9 +46,9 @@ fn mode<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Mode, D::Error> {
 }
 
 impl TriggerTable {
-    /// The settings of the pad of this number.
+    /// Converts the table to the settings of the pad with index `pad`, counted from 0.
     pub(super) fn settings(self, pad: usize) -> Settings {
-        // A kit has fewer pads than 256, or the binary form refuses it.
+        // The binary form refuses a kit of 256 pads or more.
         let usual = Settings::of_unset_pad(u8::try_from(pad).unwrap_or(u8::MAX));
         Settings {
             mode: self.mode,
@@ -67,7 +71,7 @@ impl TriggerTable {
     }
 }
 
-/// Settings that are to be written as TOML.
+/// Wrapper of settings that are written as TOML.
 pub(super) struct Text<'a>(pub(super) &'a Settings);
 
 impl Display for Text<'_> {

@@ -1,20 +1,21 @@
-//! From a kit to its text.
+//! Conversion of a kit to its text form.
 
 use std::fmt::{self, Display, Formatter};
 
-use super::FORMAT;
 use super::number::shortest_decimal;
-use crate::{Acceleration, Gain, Kit, Mode, Object, Pad, Pulse, RoomBand, Striker};
+use super::source::FORMAT;
+use crate::content::{Acceleration, Gain, Kit, Mode, Object, Pad, Pulse, RoomBand, Striker};
 
-/// Writes a kit as text: all keys, includes resolved, one line a mode, each number as the shortest decimal that gives its
-/// f32 back. The same kit gives the same text.
+/// Writes a kit as text. Equal kits give equal texts.
 ///
-/// Text of a kit that [`crate::binary::build`] accepts is read back by [`super::parse`] as the same kit, bit for bit.
+/// The text has all keys, no includes, and one line per mode. Each number is the shortest decimal
+/// from which its f32 is read back. [`crate::text::parse`] reads the text of a valid kit, one that
+/// [`crate::binary::build`] accepts, back as an equal kit, bit for bit.
 pub fn write(kit: &Kit) -> String {
     format!("{}", Text(kit))
 }
 
-/// What is to be written as TOML.
+/// Wrapper of a value that is written as TOML.
 struct Text<T>(T);
 
 impl Display for Text<&Kit> {
@@ -72,7 +73,8 @@ impl Display for Text<&Striker> {
         writeln!(f, "peak_force = {}\npeak_exponent = {}", Text(*peak_force), Text(*peak_exponent))?;
         writeln!(f, "contact_time_s = {}", Text(*contact_time_s))?;
         writeln!(f, "contact_exponent = {}", Text(*contact_exponent))?;
-        // A Gaussian has none; a wrong one is written all the same, so that it is refused and not lost.
+        // A Gaussian pulse has no restitution. A kit that gives one is invalid, and its text must
+        // be, too.
         if *pulse == Pulse::Hertz || *restitution != Striker::DEFAULT_RESTITUTION {
             writeln!(f, "restitution = {}", Text(*restitution))?;
         }
@@ -113,7 +115,7 @@ impl Display for Text<&[Mode]> {
     }
 }
 
-/// A number for one position, an array for any other count.
+/// Text of a mode's gains: a number for one position, an array for any other count.
 fn gain_text(gains: &[Gain], phase: impl Fn(&Gain) -> f32) -> String {
     match gains {
         [gain] => shortest_decimal(phase(gain)),
@@ -140,7 +142,7 @@ impl Display for Text<Acceleration> {
 }
 
 impl Display for Text<&str> {
-    /// A TOML basic string on one line.
+    /// Writes a TOML basic string on one line.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "\"")?;
         for character in self.0.chars() {

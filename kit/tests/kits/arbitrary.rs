@@ -1,31 +1,13 @@
-//! Every valid kit that the binary form can hold, at sizes that a test can afford.
+//! Arbitrary valid kits that the binary form can hold, of sizes that a test can afford.
 
-use dsp_core::table::range::{self, Range};
+use dsp_core::table::range;
 use dsp_core::trigger::{Mode as TriggerMode, Settings};
 use kit::{Acceleration, Background, Gain, Kit, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
 use proptest::prelude::*;
 use proptest::sample::subsequence;
 
 use crate::arbitrary_filters::{biquads, dynamic_filter};
-
-/// Any number of the range, all bit patterns equally likely: subnormals and -0.0 as well, and often the ends.
-pub(crate) fn number(range: Range) -> BoxedStrategy<f32> {
-    let ends = prop_oneof![Just(range.min), Just(range.max)];
-    let positive = |max: f32| (0..=max.to_bits()).prop_map(f32::from_bits);
-    if range.min > 0.0 {
-        let inside = (range.min.to_bits()..=range.max.to_bits()).prop_map(f32::from_bits);
-        prop_oneof![8 => inside, 1 => ends].boxed()
-    } else if range.min == 0.0 {
-        prop_oneof![8 => positive(range.max), 1 => ends, 1 => Just(-0.0)].boxed()
-    } else if range.max == 0.0 {
-        prop_oneof![8 => positive(-range.min).prop_map(|value| -value), 1 => ends, 1 => Just(-0.0)].boxed()
-    } else {
-        let negative = positive(-range.min).prop_map(|value| -value);
-        // The one number whose shortest decimal does not come back through f64.
-        let trap = Just(f32::from_bits(0x15AE_43FD)).prop_filter("in range", move |&value| range.holds(value));
-        prop_oneof![4 => positive(range.max), 4 => negative, 1 => ends, 1 => Just(-0.0), 1 => trap].boxed()
-    }
-}
+use crate::arbitrary_number::number;
 
 fn name() -> impl Strategy<Value = String> {
     let edge = "[!#-+\\--~]";
@@ -37,7 +19,7 @@ fn names(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<String>> {
     prop::collection::hash_set(name(), count).prop_map(|names| names.into_iter().collect())
 }
 
-/// Any text, often with what TOML must escape.
+/// Any text, often with characters that TOML must escape.
 fn text() -> impl Strategy<Value = String> {
     prop_oneof![Just(String::new()), any::<String>(), "[\"'\\\\\n\r\t\u{0}\u{7}\u{7f}\u{85}\u{2028}\u{feff}é𝄞 a]{0,40}"]
 }
@@ -75,7 +57,7 @@ fn object(name: String) -> impl Strategy<Value = Object> {
     )
 }
 
-/// Rising edges of one more than so many bands.
+/// Rising edges of `bands` bands: one more edge than bands.
 fn edges_hz(bands: usize) -> impl Strategy<Value = Vec<f32>> {
     prop::collection::vec(1.0f32..900.0, bands + 1).prop_map(|widths| {
         let mut edge = 0.0;
@@ -122,7 +104,7 @@ fn room() -> impl Strategy<Value = Vec<RoomBand>> {
 }
 
 fn striker(name: String) -> impl Strategy<Value = Striker> {
-    // A Gaussian has no restitution of its own.
+    // A Gaussian pulse has no restitution, and its striker keeps the default.
     let usual = Striker::DEFAULT_RESTITUTION;
     let hertz = prop_oneof![2 => number(range::RESTITUTION), 1 => Just(usual)].prop_map(|e| (Pulse::Hertz, e));
     let pulse = prop_oneof![hertz, Just((Pulse::Gaussian, usual))];
@@ -177,7 +159,7 @@ fn pad(
     )
 }
 
-/// Pads of the kit, without repeated MIDI notes.
+/// Pads of a kit with these objects and strikers, without repeated MIDI notes.
 fn pads(objects: Vec<String>, strikers: Vec<String>) -> BoxedStrategy<Vec<Pad>> {
     if objects.is_empty() || strikers.is_empty() {
         return Just(Vec::new()).boxed();
@@ -202,7 +184,7 @@ fn pads(objects: Vec<String>, strikers: Vec<String>) -> BoxedStrategy<Vec<Pad>> 
         .boxed()
 }
 
-/// Trigger settings of one of four pads, whose inputs no other has.
+/// Trigger settings of one of four pads, with inputs that no other pad has.
 fn trigger(pad: u8) -> impl Strategy<Value = Settings> {
     let mode = prop::sample::select(vec![TriggerMode::Velocity, TriggerMode::Direct, TriggerMode::Off]);
     let input = |input| prop::sample::select(vec![None, Some(input)]);
@@ -237,7 +219,7 @@ fn trigger(pad: u8) -> impl Strategy<Value = Settings> {
     })
 }
 
-/// A valid kit.
+/// Any valid kit.
 pub(crate) fn kit() -> impl Strategy<Value = Kit> {
     (name(), names(0..4), names(0..6)).prop_flat_map(|(name, objects, strikers)| {
         let pads = pads(objects.clone(), strikers.clone());

@@ -1,11 +1,12 @@
-//! Every valid dynamic filter and biquad bank that the binary form can hold.
+//! Arbitrary valid dynamic filters and biquad banks that the binary form can hold.
 
 use dsp_core::table::range;
 use kit::{Biquad, Biquads, Breakpoint, DynamicFilter, Exciter, Loop, ModesGo, Order};
 use proptest::prelude::*;
 
-use crate::arbitrary::number;
+use crate::arbitrary_number::number;
 
+/// Any valid dynamic filter.
 pub(crate) fn dynamic_filter() -> impl Strategy<Value = DynamicFilter> {
     let exciter = (1.0f32..40_000.0, 1.0f32..40_000.0, number(range::EXCITER_EXPONENT))
         .prop_map(|(low_hz, width, exponent)| Exciter { low_hz, high_hz: low_hz + width, exponent });
@@ -25,7 +26,7 @@ pub(crate) fn dynamic_filter() -> impl Strategy<Value = DynamicFilter> {
     })
 }
 
-/// Poles by radius and angle, or as two real ones.
+/// Any valid path of a filter, with complex poles by radius and angle, or two real poles.
 fn path(order: Order) -> impl Strategy<Value = Vec<Breakpoint>> {
     let numerator = [(); 3].map(|()| number(range::COEFFICIENT));
     let roots = (-0.999f32..0.999, -0.999f32..0.999, any::<bool>());
@@ -45,13 +46,14 @@ fn path(order: Order) -> impl Strategy<Value = Vec<Breakpoint>> {
         let mut path: Vec<Breakpoint> = Vec::new();
         for (step, point) in points {
             path.push(Breakpoint { time_s, ..point });
-            // A step too small for the float at hand is none.
+            // Adding a very small step may leave the time unchanged; the next float is later.
             time_s = f32::max(time_s + step, time_s.next_up());
         }
         path
     })
 }
 
+/// Any valid loop.
 fn band() -> impl Strategy<Value = Loop> {
     let (frequency, bandwidth) = (number(range::EDGE_HZ), number(range::BANDWIDTH_HZ));
     (frequency, bandwidth, number(range::LOOP_GAIN), number(range::DELAY_S)).prop_map(
@@ -64,6 +66,7 @@ fn band() -> impl Strategy<Value = Loop> {
     )
 }
 
+/// Any valid biquad bank.
 pub(crate) fn biquads() -> impl Strategy<Value = Biquads> {
     let zero = prop_oneof![Just([0.0; 2]), Just([-0.0, 0.0]), [number(range::ZERO), number(range::ZERO)]];
     let biquad =

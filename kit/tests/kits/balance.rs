@@ -1,4 +1,4 @@
-//! `acceleration = "balance"`: text and bytes, and what is wrong with them.
+//! The derived acceleration sound, `acceleration = "balance"`, in text and bytes.
 
 use dsp_core::table::layout::tag;
 use dsp_core::table::{Field, Kit as TableView, Place, TableError};
@@ -6,7 +6,7 @@ use kit::{Acceleration, KitError, binary};
 use zerocopy::FromBytes;
 use zerocopy::byteorder::little_endian::U16;
 
-use crate::binary_refusals::{section_of, signed};
+use crate::binary_refusals::{has_section, section_of, signed};
 use crate::sample;
 
 const TEXT: &str = r#"format = 1
@@ -42,7 +42,7 @@ strikers = ["yarn"]
 "#;
 
 #[test]
-fn balance_comes_through_text_and_bytes_as_a_word() {
+fn balance_comes_through_text_and_bytes_unchanged() {
     let kit = sample::parse(TEXT).expect("a right text");
     let found: Vec<_> = kit.objects.iter().map(|object| object.acceleration).collect();
     assert_eq!(found, [Acceleration::Factor(0.25), Acceleration::Balance, Acceleration::Balance]);
@@ -59,7 +59,7 @@ fn reader_without_the_section_finds_the_factor_of_48_khz_at_the_first_position()
     let bytes = binary::build(&sample::parse(TEXT).expect("a right text")).expect("a right kit");
     let view = TableView::parse(&bytes).expect("a right kit");
     let object = view.objects().nth(1).expect("the bar");
-    // Σ r^n sin nθ = r sin θ / |1-p|², and so on: the formula of docs/kit-format.md, at 48 kHz.
+    // The formula of docs/kit-format.md at 48 kHz: Σ r^n sin nθ = r sin θ / |1-p|², and so on.
     let expected = [(440.0f64, 4.0f64, 300.0, -50.0), (1900.0, 30.0, 500.0, 0.0)].map(|(f, d, sine, cosine)| {
         let (r, angle) = ((-d / 48_000.0).exp(), std::f64::consts::TAU * f / 48_000.0);
         let distance = 1.0 - 2.0 * r * angle.cos() + r * r;
@@ -71,14 +71,15 @@ fn reader_without_the_section_finds_the_factor_of_48_khz_at_the_first_position()
 }
 
 #[test]
-fn kit_without_balance_has_no_such_section() {
+fn kit_without_balance_has_no_section_for_it() {
     let text = TEXT.replace("\"balance\"", "0.5");
     let bytes = binary::build(&sample::parse(&text).expect("a right text")).expect("a right kit");
-    assert!(!TableView::parse(&bytes).expect("a right kit").has_section(tag::BALANCE));
+    TableView::parse(&bytes).expect("a right kit");
+    assert!(!has_section(&bytes, tag::BALANCE));
 }
 
 #[test]
-fn other_words_and_types_are_refused_with_their_line() {
+fn other_words_and_types_of_an_acceleration_are_refused_with_their_line() {
     let refusal = |value: &str| {
         let text = TEXT.replacen("\"balance\"", value, 1);
         sample::parse(&text).expect_err("a wrong text").to_string()
@@ -89,12 +90,13 @@ fn other_words_and_types_are_refused_with_their_line() {
     );
     let message = refusal("[1.0]");
     assert!(
-        message.starts_with("test.toml:11:16: ") && message.ends_with("expected a number or \"balance\""),
+        message.starts_with("test.toml:11:16: ") && message.ends_with("an array: must be a number or \"balance\""),
         "{message}"
     );
 }
 
-/// What reading says after the numbers in the section were changed: their count, and one for each object.
+/// Refusal of the bytes after a change of the section's numbers: a count, and the index of each
+/// object.
 fn foreign(change: impl FnOnce(&mut [U16])) -> TableError {
     let bytes = binary::build(&sample::parse(TEXT).expect("a right text")).expect("a right kit");
     let (mut body, range) = section_of(&bytes, tag::BALANCE);
@@ -106,8 +108,8 @@ fn foreign(change: impl FnOnce(&mut [U16])) -> TableError {
 }
 
 #[test]
-fn foreign_bytes_of_the_section_are_refused_by_name() {
-    // 2, 1, 2, and two bytes of zeros.
+fn foreign_bytes_of_the_balance_section_are_refused_by_name() {
+    // The section holds the count 2, the indices 1 and 2, and two bytes of zeros.
     assert!(matches!(foreign(|body| body[0].set(0)), TableError::Count { field: Field::Acceleration, value: 0, .. }));
     assert!(matches!(foreign(|body| body[0].set(4)), TableError::LengthMismatch { expected: 12, found: 8, .. }));
     assert!(matches!(foreign(|body| body[2].set(3)), TableError::Dangling { index: 3, count: 3, .. }));

@@ -13,7 +13,7 @@ fn bytes() -> Vec<u8> {
     binary::build(&sample::kit()).expect("a valid kit")
 }
 
-/// The kit with one more section, of 4 bytes, at its end.
+/// Bytes of the sample kit with one more section of 4 bytes at their end.
 fn with_section(section_tag: [u8; 4]) -> Vec<u8> {
     let old = bytes();
     let header = size_of::<FileHeader>();
@@ -37,7 +37,7 @@ fn with_section(section_tag: [u8; 4]) -> Vec<u8> {
     signed(&body)
 }
 
-/// A header with the right length and checksum in front of a body.
+/// The body behind a header with the right length and checksum.
 pub(crate) fn signed(body: &[u8]) -> Vec<u8> {
     let (mut header, _) = FileHeader::read_from_prefix(&bytes()).expect("a header");
     header.length = U32::new((size_of::<FileHeader>() + body.len()) as u32);
@@ -53,7 +53,7 @@ fn table_error(bytes: &[u8]) -> TableError {
 }
 
 #[test]
-fn every_single_flipped_bit_is_refused() {
+fn kit_with_a_flipped_bit_is_refused() {
     let good = bytes();
     for index in 0..good.len() {
         for bit in 0..8 {
@@ -65,7 +65,7 @@ fn every_single_flipped_bit_is_refused() {
 }
 
 #[test]
-fn every_cut_is_refused() {
+fn kit_that_is_cut_off_is_refused() {
     let good = bytes();
     for length in 0..good.len() {
         assert!(binary::read(&good[..length]).is_err(), "{length} of {} bytes", good.len());
@@ -74,7 +74,7 @@ fn every_cut_is_refused() {
 
 proptest! {
     #[test]
-    fn damage_never_panics_and_is_never_accepted(damage in prop::collection::vec((any::<prop::sample::Index>(), 1u8..), 1..9)) {
+    fn damaged_bytes_never_panic_and_are_never_accepted(damage in prop::collection::vec((any::<prop::sample::Index>(), 1u8..), 1..9)) {
         let good = bytes();
         let mut bad = good.clone();
         for (index, change) in damage {
@@ -83,9 +83,9 @@ proptest! {
         prop_assert!(bad == good || binary::read(&bad).is_err());
     }
 
-    /// With the checksum right, what is read must at least be a kit that can be built again.
+    /// Bytes that are read although they are damaged must be a kit that can be built again.
     #[test]
-    fn damage_under_a_right_checksum_never_panics(damage in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..9)) {
+    fn damaged_bytes_with_a_right_checksum_never_panic(damage in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..9)) {
         let mut body = bytes().split_off(size_of::<FileHeader>());
         for (index, value) in damage {
             let index = index.index(body.len());
@@ -97,14 +97,14 @@ proptest! {
     }
 
     #[test]
-    fn noise_never_panics(noise in prop::collection::vec(any::<u8>(), 0..200)) {
+    fn random_bytes_never_panic_and_are_never_accepted(noise in prop::collection::vec(any::<u8>(), 0..200)) {
         prop_assert!(binary::read(&noise).is_err());
         prop_assert!(binary::read(&[&b"MALL\x01\0\0\0"[..], &noise].concat()).is_err());
     }
 }
 
 #[test]
-fn erased_flash_may_follow_and_nothing_else() {
+fn erased_flash_may_follow_a_kit_and_nothing_else_may() {
     let mut flash = bytes();
     let length = flash.len();
     flash.resize(length + 100, 0xFF);
@@ -114,21 +114,21 @@ fn erased_flash_may_follow_and_nothing_else() {
 }
 
 #[test]
-fn a_newer_version_is_refused() {
+fn kit_of_a_newer_version_is_refused() {
     let mut newer = bytes();
     newer[4] = 2;
     assert_eq!(table_error(&newer), TableError::NewerVersion { found: 2 });
 }
 
 #[test]
-fn an_unknown_section_is_refused_by_name() {
+fn unknown_section_is_refused_by_name() {
     let error = table_error(&with_section(*b"ROOM"));
     assert_eq!(error, TableError::UnknownSection { tag: *b"ROOM" });
     assert!(error.to_string().contains("\"ROOM\""), "{error}");
 }
 
 #[test]
-fn a_section_that_may_be_skipped_is_skipped_and_listed() -> Result<(), Box<dyn std::error::Error>> {
+fn section_that_may_be_skipped_is_skipped_and_listed() -> Result<(), Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("kit.bin");
     let foreign = with_section(*b"colr");
@@ -141,12 +141,12 @@ fn a_section_that_may_be_skipped_is_skipped_and_listed() -> Result<(), Box<dyn s
 }
 
 #[test]
-fn a_newer_section_is_refused_by_name() {
+fn section_of_a_newer_version_is_refused_by_name() {
     let error = table_error(&with_section(tag::PADS));
     assert_eq!(error, TableError::NewerSection { tag: tag::PADS, found: 7 });
 }
 
-/// The refusal of the sample kit after a change.
+/// Refusal of the sample kit after a change.
 fn refusal(change: impl FnOnce(&mut Kit)) -> KitError {
     let mut kit = sample::kit();
     change(&mut kit);
@@ -158,7 +158,7 @@ fn refusal_message(change: impl FnOnce(&mut Kit)) -> String {
 }
 
 #[test]
-fn a_number_outside_its_range_is_refused_with_item_field_and_range() {
+fn number_outside_its_range_is_refused_with_item_field_and_range() {
     let message = refusal_message(|kit| kit.objects[1].modes[2].frequency_hz = f32::INFINITY);
     assert_eq!(message, "object 1 \"string\", mode 2: frequency_hz = inf: must be from 0.1 to 1000000");
     let message = refusal_message(|kit| kit.strikers[0].modes[0].decay_per_s = f32::NAN);
@@ -183,7 +183,7 @@ fn names_that_would_be_cut_or_changed_are_refused() {
 }
 
 #[test]
-fn texts_that_do_not_fit_are_refused() {
+fn sources_and_licences_that_do_not_fit_are_refused() {
     let most = usize::from(u16::MAX);
     let message = refusal_message(|kit| kit.objects[0].source = "x".repeat(most + 1));
     assert_eq!(message, "object 0 \"bar\": bytes of source: 65536: must be at most 65535");
@@ -231,7 +231,7 @@ fn modes_with_different_numbers_of_gains_are_refused() {
 }
 
 #[test]
-fn a_pad_that_names_what_is_not_there_is_told_what_is() {
+fn pad_that_names_an_unknown_object_or_striker_is_refused_with_the_known_ones() {
     let error = refusal(|kit| kit.pads[0].object = "strign".to_owned());
     assert_eq!(
         error.to_string(),
@@ -251,18 +251,27 @@ fn two_items_of_one_kind_and_name_are_refused() {
     assert_eq!(message, "striker 2 \"yarn\": another one has the same name");
 }
 
-/// The bytes behind a kit's header, and where in them the first section of a tag lies.
+fn directory(bytes: &[u8]) -> &[SectionEntry] {
+    let (count, rest) = U32::read_from_prefix(&bytes[size_of::<FileHeader>()..]).expect("a count");
+    let (entries, _) = <[SectionEntry]>::ref_from_prefix_with_elems(rest, count.get() as usize).expect("a directory");
+    entries
+}
+
+/// True if a binary kit has a section of a tag.
+pub(crate) fn has_section(bytes: &[u8], wanted: [u8; 4]) -> bool {
+    directory(bytes).iter().any(|entry| entry.tag == wanted)
+}
+
+/// Bytes behind a kit's header, and the range in them of the first section with a tag.
 pub(crate) fn section_of(bytes: &[u8], wanted: [u8; 4]) -> (Vec<u8>, std::ops::Range<usize>) {
     let header = size_of::<FileHeader>();
-    let (count, rest) = U32::read_from_prefix(&bytes[header..]).expect("a count");
-    let (entries, _) = <[SectionEntry]>::ref_from_prefix_with_elems(rest, count.get() as usize).expect("a directory");
-    let section = entries.iter().find(|entry| entry.tag == wanted).expect("such a section");
+    let section = directory(bytes).iter().find(|entry| entry.tag == wanted).expect("such a section");
     let start = section.offset.get() as usize - header;
     (bytes[header..].to_vec(), start..start + section.length.get() as usize)
 }
 
 #[test]
-fn a_foreign_object_whose_counts_lie_is_refused() {
+fn object_section_with_wrong_counts_is_refused() {
     let (mut body, range) = section_of(&bytes(), tag::OBJECT);
     let (record, _) = ObjectHeader::mut_from_prefix(&mut body[range.clone()]).expect("an object");
     record.mode_count.set(4096);

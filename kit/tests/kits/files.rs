@@ -1,4 +1,4 @@
-//! Kits in files.
+//! Kits in files: they are recognised, read and written whole.
 
 use std::error::Error;
 use std::fs;
@@ -20,7 +20,7 @@ fn names_in(folder: &std::path::Path) -> Vec<String> {
 }
 
 #[test]
-fn content_tells_text_from_binary() -> Outcome {
+fn kit_is_read_as_text_or_binary_by_its_content() -> Outcome {
     let folder = tempfile::tempdir()?;
     let bytes = binary::build(&sample::kit())?;
     for (name, content) in
@@ -38,7 +38,7 @@ fn content_tells_text_from_binary() -> Outcome {
 }
 
 #[test]
-fn a_bin_file_without_magic_is_refused_as_one() -> Outcome {
+fn bin_file_without_magic_is_refused_as_binary() -> Outcome {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("flash.bin");
     fs::write(&path, [0xFF; 64])?;
@@ -48,18 +48,18 @@ fn a_bin_file_without_magic_is_refused_as_one() -> Outcome {
 }
 
 #[test]
-fn a_file_that_is_neither_is_refused() -> Outcome {
+fn file_that_is_neither_text_nor_binary_kit_is_refused() -> Outcome {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("noise");
     fs::write(&path, [b'a', b'=', 0xFF])?;
     let error = kit::load(&path).expect_err("noise");
     assert!(matches!(error, KitError::NotText { offset: 2, .. }), "{error}");
-    assert!(error.to_string().contains("noise: neither a binary kit"), "{error}");
+    assert!(error.to_string().contains("noise: not text in UTF-8 (byte 2 is not); give a kit as text"), "{error}");
     Ok(())
 }
 
 #[test]
-fn a_binary_dump_of_a_flash_sector_loads_without_the_erased_part() -> Outcome {
+fn dump_of_a_flash_sector_is_read_without_its_erased_part() -> Outcome {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("sector.bin");
     let kit_bytes = binary::build(&sample::kit())?;
@@ -85,9 +85,9 @@ fn includes_are_found_beside_the_file_that_names_them() -> Outcome {
 }
 
 #[test]
-fn a_missing_file_is_refused_with_path_and_cause() {
+fn missing_file_is_refused_with_path_and_reason() {
     let message = kit::load(std::path::Path::new("no/such.toml")).expect_err("there is none").to_string();
-    assert!(message.starts_with("no/such.toml: cannot be read: No such file"), "{message}");
+    assert_eq!(message, "no/such.toml: cannot be read: No such file or directory");
 }
 
 #[test]
@@ -102,14 +102,14 @@ fn writing_replaces_the_whole_file_and_leaves_nothing_beside_it() -> Outcome {
 }
 
 #[test]
-fn writing_that_fails_says_where_and_leaves_nothing() -> Outcome {
+fn writing_that_fails_names_the_file_and_leaves_nothing_behind() -> Outcome {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("nowhere/kit.bin");
     let message = write_whole(&path, b"x").expect_err("no folder").to_string();
     assert!(message.contains("nowhere/kit.bin: cannot be written: No such file"), "{message}");
     let message = write_whole(folder.path(), b"x").expect_err("a folder").to_string();
     assert!(message.contains("cannot be written"), "{message}");
-    // The name is refused only when the finished file is to get it.
+    // The system refuses this name only when the finished file is renamed to it.
     let message = write_whole(&folder.path().join("x".repeat(300)), b"x").expect_err("a long name").to_string();
     assert!(message.contains("xxx: cannot be written: "), "{message}");
     assert!(names_in(folder.path()).is_empty());

@@ -1,4 +1,4 @@
-//! Dynamic filters and biquad banks in text and bytes: what is wrong is refused with file, line and column.
+//! Dynamic filters and biquad banks in text and bytes: invalid ones are refused with their place.
 
 use dsp_core::table::layout::{BiquadRecord, BiquadsHeader, DynamicFilterHeader, tag};
 use dsp_core::table::{Field, Kit as TableView, Place, TableError};
@@ -47,7 +47,7 @@ fn refusal(from: &str, to: &str) -> String {
 }
 
 #[test]
-fn the_tables_come_through_text_and_bytes_unchanged() {
+fn filters_come_through_text_and_bytes_unchanged() {
     let kit = sample::parse(TEXT).expect("a right text");
     let filter = kit.objects[1].dynamic_filter.as_ref().expect("the object has one");
     assert_eq!(
@@ -74,7 +74,7 @@ fn the_tables_come_through_text_and_bytes_unchanged() {
 }
 
 #[test]
-fn levels_of_the_noise_come_through_and_take_no_room_where_all_are_one() {
+fn levels_of_the_noise_come_through_and_take_no_bytes_if_all_are_1() {
     let plain = binary::build(&sample::parse(TEXT).expect("a right text")).expect("a right kit");
     let text = TEXT.replace("{ time_s = 0.25, a1", "{ time_s = 0.25, noise = 0.5, a1");
     let kit = sample::parse(&text).expect("a right text");
@@ -97,7 +97,7 @@ fn levels_of_the_noise_come_through_and_take_no_room_where_all_are_one() {
 }
 
 #[test]
-fn a_second_order_is_one_with_a2_and_b2_in_every_breakpoint() {
+fn filter_of_second_order_has_a2_and_b2_in_every_breakpoint() {
     let text = TEXT.replace("a1 = -0.5, b0 = 0.25 }", "a1 = -0.5, a2 = 0.25, b0 = 0.25, b2 = 1 }");
     let message = sample::parse(&text).expect_err("a mixed order").to_string();
     assert_eq!(
@@ -111,7 +111,7 @@ fn a_second_order_is_one_with_a2_and_b2_in_every_breakpoint() {
     let filter = kit.objects[1].dynamic_filter.as_ref().expect("the object has one");
     assert_eq!((filter.order, filter.path[2].a2), (Order::Second, -0.125));
     assert_eq!(sample::parse(&kit::text::write(&kit)).expect("its own text"), kit);
-    // Two real poles, 1.05 and -0.05.
+    // The poles are real: 1.05 and -0.05.
     let message = sample::parse(&text.replace("a1 = -0.75, a2 = -0.125", "a1 = -1.0, a2 = -0.0525"));
     let message = message.expect_err("an unstable pole").to_string();
     assert!(
@@ -121,7 +121,7 @@ fn a_second_order_is_one_with_a2_and_b2_in_every_breakpoint() {
 }
 
 #[test]
-fn paths_that_are_none_are_refused_where_they_stand() {
+fn invalid_paths_are_refused_with_their_place() {
     assert_eq!(
         refusal("a1 = -0.98", "a1 = -1"),
         "test.toml:18:5: object 1 \"bar\", dynamic filter, breakpoint 1: a1: a pole of radius 1 does not decay; move it within the unit circle"
@@ -153,7 +153,7 @@ fn paths_that_are_none_are_refused_where_they_stand() {
 }
 
 #[test]
-fn loops_and_exciters_that_are_none_are_refused_where_they_stand() {
+fn invalid_loops_and_exciters_are_refused_with_their_place() {
     assert_eq!(
         refusal("bandwidth_hz = 4", "bandwidth_hz = 1000"),
         "test.toml:23:5: object 1 \"bar\", dynamic filter, loop 1: bandwidth_hz = 1000: must be from 0.01 to 1000"
@@ -175,7 +175,7 @@ fn loops_and_exciters_that_are_none_are_refused_where_they_stand() {
 }
 
 #[test]
-fn biquads_that_are_none_are_refused_where_they_stand() {
+fn invalid_biquads_are_refused_with_their_place() {
     assert_eq!(
         refusal("pole = [-0.5, 0.75]", "pole = [-0.75, 0.75]"),
         "test.toml:30:7: object 1 \"bar\", biquads, chain 1, biquad 0: pole: a pole of radius 1.0606601 does not decay; move it within the unit circle"
@@ -200,7 +200,7 @@ fn biquads_that_are_none_are_refused_where_they_stand() {
     assert_eq!(message(1, 5), "test.toml:29:5: object 1 \"bar\", biquads, chain 0: biquads = 5: must be from 1 to 4");
 }
 
-/// What reading the bytes says after the body of a section was changed.
+/// Refusal of the bytes after a change in the body of a section.
 fn foreign(section: [u8; 4], change: impl FnOnce(&mut [u8])) -> TableError {
     let bytes = binary::build(&sample::parse(TEXT).expect("a right text")).expect("a right kit");
     let (mut body, range) = section_of(&bytes, section);
@@ -219,14 +219,14 @@ fn foreign_bytes_of_a_dynamic_filter_are_refused_by_name() {
     let place = Place::ObjectFilter(1);
     assert!(matches!(header(|head| head.order = 3), TableError::Count { field: Field::Order, value: 3, .. }));
     assert_eq!(header(|head| head.flags = 8), TableError::NotZero { place, field: Field::Padding });
-    // Levels of the noise that are not there.
+    // The flag for levels of the noise, which the section does not have.
     assert!(matches!(header(|head| head.flags = 4), TableError::LengthMismatch { expected: 144, found: 132, .. }));
     assert_eq!(header(|head| head.flags = 1), TableError::NotZero { place, field: Field::Exciter });
     assert!(matches!(header(|head| head.object.set(2)), TableError::Dangling { index: 2, count: 2, .. }));
     assert!(matches!(header(|head| head.loop_count.set(1)), TableError::LengthMismatch { .. }));
     assert!(matches!(header(|head| head.breakpoint_count.set(0)), TableError::Count { field: Field::Path, .. }));
     assert!(matches!(header(|head| head.rate_hz.set(f32::NAN)), TableError::OutOfRange { field: Field::RateHz, .. }));
-    // a2 of a filter of first order.
+    // A filter of first order with an a2.
     let error = foreign(tag::DYNAMIC_FILTER, |body| body[size_of::<DynamicFilterHeader>() + 8] = 1);
     assert_eq!(error, TableError::NotZero { place: Place::ObjectBreakpoint(1, 0), field: Field::A2 });
 }
@@ -252,7 +252,7 @@ fn two_filters_of_one_object_are_refused() {
     let mut kit = sample::parse(TEXT).expect("a right text");
     kit.objects[0].dynamic_filter = kit.objects[1].dynamic_filter.clone();
     let bytes = binary::build(&kit).expect("a right kit");
-    // The second section of the kind: its object counts down.
+    // Objects of such sections must rise, so that a second section for one object is refused.
     let (mut body, range) = section_of(&bytes, tag::DYNAMIC_FILTER);
     DynamicFilterHeader::mut_from_prefix(&mut body[range]).expect("a head").0.object.set(1);
     match binary::read(&signed(&body)).expect_err("wrong bytes") {

@@ -1,7 +1,9 @@
-//! Kits as text and binary: what goes in comes out, and what is wrong is refused by name.
+//! Kits as text and binary: valid ones come through unchanged, and invalid ones are refused by
+//! name.
 
 mod arbitrary;
 mod arbitrary_filters;
+mod arbitrary_number;
 mod balance;
 mod binary_refusals;
 mod files;

@@ -1,4 +1,4 @@
-//! Residuals and background in the text: what is wrong is refused with file, line and column.
+//! Residuals and the background in text: invalid ones are refused with their place.
 
 use crate::sample;
 
@@ -37,7 +37,7 @@ fn refusal(from: &str, to: &str) -> String {
 }
 
 #[test]
-fn the_tables_come_through_text_and_bytes_unchanged() {
+fn residual_and_background_come_through_text_and_bytes_unchanged() {
     let kit = sample::parse(TEXT).expect("a right text");
     let residual = kit.objects[0].residual.as_ref().expect("the object has one");
     assert_eq!((residual.seed, residual.edges_hz.len(), residual.decay_db_per_s[1]), (7, 4, 200.5));
@@ -48,7 +48,7 @@ fn the_tables_come_through_text_and_bytes_unchanged() {
 }
 
 #[test]
-fn edges_out_of_order_are_refused_where_they_stand() {
+fn edges_out_of_order_are_refused_with_their_place() {
     let message = refusal("800, 3200", "150, 3200");
     assert_eq!(
         message,
@@ -62,7 +62,7 @@ fn edges_out_of_order_are_refused_where_they_stand() {
 }
 
 #[test]
-fn numbers_out_of_range_are_refused_where_they_stand() {
+fn weights_and_decays_out_of_range_are_refused_with_their_place() {
     let message = refusal("[100, 200.5, 400]", "[100, -200.5, 400]");
     assert_eq!(
         message,
@@ -102,5 +102,5 @@ fn more_bands_than_fit_and_arrays_of_unlike_length_are_refused() {
     let message = refusal("[100, 200.5, 400]", "[100]");
     assert!(message.contains("decay_db_per_s has 1 numbers: must have 3, as many as weight has"), "{message}");
     let message = refusal("[100, 200.5, 400]", "[]\nother = 1");
-    assert!(message.starts_with("test.toml:18:1: unknown field `other`"), "{message}");
+    assert!(message.starts_with("test.toml:18:1: unknown key `other`"), "{message}");
 }

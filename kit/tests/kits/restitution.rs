@@ -1,9 +1,10 @@
-//! The strikers' restitution in text and bytes.
+//! Restitution of strikers in text and bytes.
 
 use dsp_core::table::layout::tag;
 use dsp_core::table::{self, TableError};
 use kit::{Kit, KitError, Pulse, Striker, binary, text};
 
+use crate::binary_refusals::has_section;
 use crate::sample;
 
 const TEXT: &str = r#"format = 1
@@ -47,21 +48,22 @@ fn restitution_comes_through_text_and_bytes_unchanged() {
 }
 
 #[test]
-fn a_kit_of_default_strikers_has_the_bytes_of_a_kit_without_the_key() {
+fn kit_of_default_restitutions_has_no_section_for_them() {
     let mut kit = kit();
     let with = binary::build(&kit).expect("a right kit");
-    assert!(table::Kit::parse(&with).expect("its own bytes").has_section(tag::RESTITUTION));
+    table::Kit::parse(&with).expect("its own bytes");
+    assert!(has_section(&with, tag::RESTITUTION));
     kit.strikers[1].restitution = Striker::DEFAULT_RESTITUTION;
     let without = binary::build(&kit).expect("a right kit");
     let view = table::Kit::parse(&without).expect("its own bytes");
-    assert!(!view.has_section(tag::RESTITUTION));
+    assert!(!has_section(&without, tag::RESTITUTION));
     assert!(view.strikers().all(|striker| striker.contact().restitution() == Striker::DEFAULT_RESTITUTION));
-    // A directory line and three numbers.
+    // A line of the directory takes 16 bytes, and three numbers take 12.
     assert_eq!(with.len(), without.len() + 16 + 12);
 }
 
 #[test]
-fn wrong_restitutions_are_refused_where_they_stand() {
+fn invalid_restitutions_are_refused_with_their_place() {
     assert_eq!(
         refusal("restitution = 0.8", "restitution = 0.05"),
         "test.toml:9:1: striker 1 \"steel\": restitution = 0.05: must be from 0.1 to 1"
@@ -78,7 +80,7 @@ fn wrong_restitutions_are_refused_where_they_stand() {
 }
 
 #[test]
-fn a_gaussian_kit_with_a_wrong_restitution_is_refused_as_text_too() {
+fn kit_with_a_restitution_of_a_gaussian_is_refused_as_text_too() {
     let mut kit = kit();
     assert_eq!(kit.strikers[2].pulse, Pulse::Gaussian);
     kit.strikers[2].restitution = 0.5;
@@ -87,9 +89,9 @@ fn a_gaussian_kit_with_a_wrong_restitution_is_refused_as_text_too() {
 }
 
 #[test]
-fn a_section_for_another_number_of_strikers_is_refused() {
+fn restitution_section_for_another_number_of_strikers_is_refused() {
     let bytes = binary::build(&kit()).expect("a right kit");
-    // Behind the header's 16 bytes: the body, whose last section is `rest`.
+    // The body lies behind the header's 16 bytes, and its last section is `rest`.
     let mut body = bytes[16..bytes.len() - 4].to_vec();
     let sections = u32::from_le_bytes([body[0], body[1], body[2], body[3]]) as usize;
     let length = 4 + 16 * (sections - 1) + 12;

@@ -1,4 +1,4 @@
-//! The room in the text: what is wrong is refused with file, line and column.
+//! The room in text: an invalid one is refused with its place.
 
 use crate::sample;
 
@@ -26,7 +26,7 @@ fn refusal(from: &str, to: &str) -> String {
 }
 
 #[test]
-fn the_room_comes_through_text_and_bytes_unchanged() {
+fn room_comes_through_text_and_bytes_unchanged() {
     let kit = sample::parse(TEXT).expect("a right text");
     assert_eq!(kit.room[1], kit::RoomBand { from_hz: 2_000.0, gain: 0.5, decay_per_s: 14.25 });
     assert_eq!(sample::parse(&kit::text::write(&kit)).expect("its own text"), kit);
@@ -35,13 +35,13 @@ fn the_room_comes_through_text_and_bytes_unchanged() {
 }
 
 #[test]
-fn a_band_of_t60_and_energy_says_the_same_again() {
+fn band_made_of_t60_and_energy_has_this_t60_and_energy() {
     let band = kit::RoomBand::new(500.0, 1.2, -9.0);
     assert!((band.t60_s() - 1.2).abs() < 1e-6 && (band.energy_db() + 9.0).abs() < 1e-5);
 }
 
 #[test]
-fn bands_out_of_order_and_range_are_refused_where_they_stand() {
+fn bands_out_of_order_or_range_are_refused_with_their_place() {
     assert_eq!(
         refusal("from_hz = 0\n", "from_hz = 20\n"),
         "test.toml:4:1: room, band 0: from_hz = 20: must be from 0 to 0"
@@ -64,7 +64,7 @@ fn bands_out_of_order_and_range_are_refused_where_they_stand() {
 }
 
 #[test]
-fn more_bands_than_a_room_has_are_refused() {
+fn room_of_more_than_8_bands_is_refused() {
     let bands: String =
         (3..12).map(|band| format!("[[room]]\nfrom_hz = {band}000\ngain = 0.5\ndecay_per_s = 5.0\n")).collect();
     let message = refusal("[[object]]", &format!("{bands}[[object]]"));
@@ -72,7 +72,7 @@ fn more_bands_than_a_room_has_are_refused() {
 }
 
 #[test]
-fn the_room_of_an_included_file_is_left_aside() {
+fn room_of_an_included_file_is_left_out() {
     let main = "format = 1\ninclude = [\"bar.toml\"]\n";
     assert!(sample::parse_with(main, &[("bar.toml", TEXT)]).expect("right texts").room.is_empty());
     let own = "format = 1\ninclude = [\"bar.toml\"]\n\n[[room]]\nfrom_hz = 0\ngain = 0.25\ndecay_per_s = 3.0\n";

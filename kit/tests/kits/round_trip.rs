@@ -1,4 +1,4 @@
-//! Text and binary say the same, bit for bit.
+//! Kits come through text and binary unchanged, bit for bit.
 
 use kit::{Acceleration, Gain, KitError, Mode, Pulse, binary, text};
 use proptest::prelude::*;
@@ -15,14 +15,14 @@ proptest! {
         prop_assert_eq!(&read, &kit);
         let written = text::write(&read);
         let parsed = sample::parse(&written)?;
-        // The bytes tell -0.0 from 0.0, which `==` does not.
+        // Bytes are compared because they tell -0.0 from 0.0, which `==` does not.
         prop_assert_eq!(binary::build(&parsed)?, bytes);
         prop_assert_eq!(text::write(&parsed), written);
     }
 }
 
 #[test]
-fn text_reads_as_it_is_written() -> Result<(), KitError> {
+fn text_has_all_keys_and_is_read_back_unchanged() -> Result<(), KitError> {
     let mut kit = sample::kit();
     kit.objects.truncate(1);
     kit.strikers.truncate(1);
@@ -76,7 +76,7 @@ midi_notes = [60]
 }
 
 #[test]
-fn what_a_text_leaves_out_has_its_default() -> Result<(), KitError> {
+fn missing_key_has_its_default() -> Result<(), KitError> {
     let kit = sample::parse(
         r#"
         format = 1
@@ -112,7 +112,7 @@ fn what_a_text_leaves_out_has_its_default() -> Result<(), KitError> {
 }
 
 #[test]
-fn a_missing_gain_is_zero_at_every_position() -> Result<(), KitError> {
+fn missing_gain_is_zero_at_every_position() -> Result<(), KitError> {
     let kit = sample::parse(
         r#"
         format = 1
@@ -135,7 +135,7 @@ fn a_missing_gain_is_zero_at_every_position() -> Result<(), KitError> {
 }
 
 #[test]
-fn a_table_file_needs_neither_name_nor_pads() -> Result<(), KitError> {
+fn table_file_needs_neither_name_nor_pads() -> Result<(), KitError> {
     let kit = sample::parse("format = 1\n")?;
     assert_eq!(kit.name, text::UNTITLED);
     assert!(kit.objects.is_empty() && kit.strikers.is_empty() && kit.pads.is_empty());
@@ -162,7 +162,7 @@ fn included_objects_and_strikers_come_first_and_in_order() -> Result<(), KitErro
 }
 
 #[test]
-fn a_kit_of_512_modes_fits_24_kilobytes() -> Result<(), KitError> {
+fn kit_of_512_modes_fits_24_kilobytes() -> Result<(), KitError> {
     let mut kit = sample::kit();
     kit.objects = vec![sample::object("bar", sample::bank(128, 1)), sample::object("string", sample::bank(384, 1))];
     kit.strikers.iter_mut().for_each(|striker| striker.modes.clear());
@@ -172,7 +172,7 @@ fn a_kit_of_512_modes_fits_24_kilobytes() -> Result<(), KitError> {
 }
 
 #[test]
-fn the_kit_of_the_format_page_is_valid() -> Result<(), KitError> {
+fn kit_of_the_format_page_is_valid() -> Result<(), KitError> {
     let page = include_str!("../../../docs/kit-format.md");
     let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap_or("");
     let kit = sample::parse(example)?;

@@ -1,4 +1,4 @@
-//! A small kit to damage, and ways to read text without files.
+//! A small kit for tests to change, and functions that read text without files.
 
 use std::io;
 use std::path::Path;
@@ -7,6 +7,7 @@ use kit::file::FileError;
 use kit::text::SourceText;
 use kit::{Acceleration, Gain, Kit, KitError, Mode, Object, Pad, Pulse, Striker};
 
+/// Modes with gains at a number of positions.
 pub(crate) fn bank(modes: usize, positions: usize) -> Vec<Mode> {
     (0..modes)
         .map(|index| Mode {
@@ -60,6 +61,7 @@ pub(crate) fn pad(name: &str, object: &str, striker: &str) -> Pad {
     }
 }
 
+/// The sample kit: two objects, two strikers, two pads.
 pub(crate) fn kit() -> Kit {
     Kit {
         name: "test".to_owned(),
@@ -71,12 +73,12 @@ pub(crate) fn kit() -> Kit {
     }
 }
 
-/// Parses a text that includes nothing.
+/// Parses a text that includes no files.
 pub(crate) fn parse(text: &str) -> Result<Kit, KitError> {
     parse_with(text, &[])
 }
 
-/// Parses a text that includes files of these names and texts.
+/// Parses a text that includes files, which are given by their names and texts.
 pub(crate) fn parse_with(text: &str, includes: &[(&str, &str)]) -> Result<Kit, KitError> {
     let source = |file: &str, text: &str| SourceText { file: file.to_owned(), text: text.to_owned() };
     kit::text::parse(&source("test.toml", text), |name| match includes.iter().find(|(file, _)| *file == name) {

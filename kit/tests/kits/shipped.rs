@@ -1,4 +1,4 @@
-//! The kits in the program itself.
+//! Shipped kits: they are valid, and equal the files in tables/.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ fn every_shipped_kit_is_valid_and_says_where_its_numbers_come_from() -> Result<(
 }
 
 #[test]
-fn a_shipped_kit_is_the_same_as_its_file() -> Result<(), KitError> {
+fn shipped_kit_equals_its_file() -> Result<(), KitError> {
     for name in kit::shipped_names() {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tables").join(format!("{name}.toml"));
         assert_eq!(kit::load(&file)?.binary, kit::open(name)?.binary);
@@ -34,7 +34,7 @@ fn a_shipped_kit_is_the_same_as_its_file() -> Result<(), KitError> {
 }
 
 #[test]
-fn a_name_that_is_neither_file_nor_shipped_kit_lists_the_shipped_ones() {
+fn name_of_neither_file_nor_shipped_kit_is_refused_with_the_shipped_ones() {
     let message = kit::open("nosuch.toml").expect_err("there is none").to_string();
     assert!(message.contains("nosuch.toml") && message.contains("demo"), "{message}");
 }

@@ -1,4 +1,4 @@
-//! What a kit amounts to.
+//! Statistics of kits.
 
 use std::fs;
 
@@ -28,7 +28,7 @@ fn statistics_count_modes_ringing_times_and_bytes() -> Result<(), Box<dyn std::e
 }
 
 #[test]
-fn an_object_without_modes_has_no_ringing_time() -> Result<(), KitError> {
+fn object_without_modes_has_no_ringing_time() -> Result<(), KitError> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("empty.toml");
     fs::write(&path, "format = 1\n[[object]]\nname = \"air\"\nmodes = []\n").expect("a file");

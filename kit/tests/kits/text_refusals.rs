@@ -1,4 +1,4 @@
-//! Texts that are wrong are refused with file, line and what is allowed.
+//! Invalid texts are refused with file, line and the values that are allowed.
 
 use kit::{KitError, binary};
 use proptest::prelude::*;
@@ -27,74 +27,86 @@ strikers = ["yarn"]
 midi_notes = [60]
 "#;
 
-/// The refusal of the text after replacing one part of it.
+/// Refusal of the text after one part of it is replaced.
 fn refusal(from: &str, to: &str) -> String {
     assert_eq!(TEXT.matches(from).count(), 1, "{from:?} stands there once");
     sample::parse(&TEXT.replace(from, to)).expect_err("a wrong text").to_string()
 }
 
 #[test]
-fn the_text_is_right_before_it_is_damaged() {
+fn text_of_these_tests_is_valid_before_it_is_changed() {
     assert!(sample::parse(TEXT).is_ok());
 }
 
 #[test]
-fn an_unknown_key_is_refused_with_its_line_and_the_known_ones() {
+fn unknown_key_is_refused_with_its_line_and_the_known_ones() {
     let message = refusal("peak_force = 20.0", "peak_forse = 20.0");
-    assert!(message.starts_with("test.toml:13:1: unknown field `peak_forse`, expected one of `name`"), "{message}");
+    assert!(message.starts_with("test.toml:13:1: unknown key `peak_forse`: must be one of `name`"), "{message}");
     let message = refusal("frequency_hz = 330.0", "frequency = 330.0");
-    assert!(message.starts_with("test.toml:8:7: unknown field `frequency`"), "{message}");
+    assert!(message.starts_with("test.toml:8:7: unknown key `frequency`"), "{message}");
     let message = refusal("name = \"test\"", "nam = \"test\"");
-    assert!(message.starts_with("test.toml:2:1: unknown field `nam`"), "{message}");
+    assert!(message.starts_with("test.toml:2:1: unknown key `nam`"), "{message}");
     let message = refusal("midi_notes", "midi");
-    assert!(message.starts_with("test.toml:20:1: unknown field `midi`"), "{message}");
+    assert!(message.starts_with("test.toml:20:1: unknown key `midi`"), "{message}");
     let message = refusal("[[pad]]", "[[pads]]");
-    assert!(message.starts_with("test.toml:16:3: unknown field `pads`"), "{message}");
+    assert!(message.starts_with("test.toml:16:3: unknown key `pads`"), "{message}");
 }
 
 #[test]
-fn a_missing_key_is_refused_with_the_line_of_its_table() {
+fn missing_key_is_refused_with_the_line_of_its_table() {
     let message = refusal("peak_force = 20.0\n", "");
-    assert_eq!(message, "test.toml:11:1: missing field `peak_force`");
+    assert_eq!(message, "test.toml:11:1: the key `peak_force` is missing; add it");
     let message = refusal("frequency_hz = 330.0, ", "");
-    assert_eq!(message, "test.toml:8:5: missing field `frequency_hz`");
+    assert_eq!(message, "test.toml:8:5: the key `frequency_hz` is missing; add it");
     let message = refusal("format = 1\n", "");
-    assert_eq!(message, "test.toml:1:1: missing field `format`");
+    assert_eq!(message, "test.toml:1:1: the key `format` is missing; add it");
 }
 
 #[test]
-fn a_wrong_type_is_refused_with_its_line() {
+fn value_of_a_wrong_type_is_refused_with_its_line() {
     let message = refusal("peak_force = 20.0", "peak_force = \"20\"");
-    assert_eq!(message, "test.toml:13:14: invalid type: string \"20\", expected f32");
+    assert_eq!(message, "test.toml:13:14: string \"20\": must be a number");
     let message = refusal("strikers = [\"yarn\"]", "strikers = \"yarn\"");
-    assert_eq!(message, "test.toml:19:12: invalid type: string \"yarn\", expected a sequence");
+    assert_eq!(message, "test.toml:19:12: string \"yarn\": must be an array");
     let message = refusal("330.0, decay_per_s = 3.2, gain_sine = 512.0", "330.0, decay_per_s = 3.2, gain_sine = true");
-    assert!(message.starts_with("test.toml:8:60: invalid type: boolean `true`, expected a number, or an"), "{message}");
+    assert!(message.starts_with("test.toml:8:60: boolean `true`: must be a number, or an"), "{message}");
 }
 
 #[test]
 fn text_that_is_not_toml_is_refused_with_its_line() {
     let message = refusal("[[pad]]", "[[pad]");
-    assert!(message.starts_with("test.toml:16:"), "{message}");
+    assert!(message.starts_with("test.toml:16:") && message.contains("this is not TOML; check"), "{message}");
     let message = refusal("name = \"yarn\"", "name = \"yarn");
     assert!(message.starts_with("test.toml:12:"), "{message}");
     assert!(!message.contains('\n'), "{message}");
 }
 
 #[test]
-fn an_unknown_pulse_is_told_the_known_ones() {
+fn key_that_is_there_twice_is_refused() {
+    let message = refusal("peak_force = 20.0", "peak_force = 20.0\npeak_force = 21.0");
+    assert_eq!(message, "test.toml:14:1: this key is there twice; keep one of the two");
+}
+
+#[test]
+fn number_that_its_type_cannot_hold_is_refused_with_the_range() {
+    let message = refusal("midi_notes = [60]", "trigger = { channel = 256 }");
+    assert_eq!(message, "test.toml:20:23: integer `256`: must be a whole number from 0 to 255");
+}
+
+#[test]
+fn unknown_pulse_is_refused_with_the_known_ones() {
     let message = refusal("peak_force = 20.0", "peak_force = 20.0\npulse = \"square\"");
     assert_eq!(message, "test.toml:14:9: pulse = \"square\": must be \"hertz\" or \"gaussian\"");
 }
 
 #[test]
-fn a_newer_format_is_refused_before_its_keys_are() {
+fn newer_format_is_refused_before_its_keys_are() {
     let message = sample::parse("name = \"x\"\nnew_key = 1\nformat = 2\n").expect_err("newer").to_string();
     assert!(message.starts_with("test.toml:3:10: format = 2: this program knows format 1"), "{message}");
 }
 
 #[test]
-fn a_number_outside_its_range_is_refused_with_its_line_and_item() {
+fn number_outside_its_range_is_refused_with_its_line_and_item() {
     let message = refusal("frequency_hz = 330.0", "frequency_hz = 0");
     assert_eq!(message, "test.toml:8:5: object 0 \"bar\", mode 1: frequency_hz = 0: must be from 0.1 to 1000000");
     let message = refusal("contact_time_s = 0.001", "contact_time_s = 1.0");
@@ -104,7 +116,7 @@ fn a_number_outside_its_range_is_refused_with_its_line_and_item() {
 }
 
 #[test]
-fn a_number_that_an_f32_cannot_hold_is_refused() {
+fn number_that_an_f32_cannot_hold_is_refused() {
     for (number, shown) in [("1e40", "inf"), ("-1e40", "-inf"), ("inf", "inf"), ("nan", "NaN")] {
         let message = refusal("330.0, decay_per_s = 3.2", &format!("330.0, decay_per_s = {number}"));
         assert!(message.contains(&format!("mode 1: decay_per_s = {shown}: must be from")), "{message}");
@@ -114,7 +126,7 @@ fn a_number_that_an_f32_cannot_hold_is_refused() {
 }
 
 #[test]
-fn a_name_that_is_not_there_is_refused_with_those_that_are() {
+fn unknown_name_is_refused_with_the_known_ones() {
     let message = refusal("strikers = [\"yarn\"]", "strikers = [\"yarn\", \"yran\"]");
     assert_eq!(
         message,
@@ -123,7 +135,7 @@ fn a_name_that_is_not_there_is_refused_with_those_that_are() {
 }
 
 #[test]
-fn a_name_given_twice_is_refused_with_both_places() {
+fn name_that_is_given_twice_is_refused_with_both_places() {
     let again = "\n[[object]]\nname = \"bar\"\nmodes = []\n";
     let message = sample::parse(&format!("{TEXT}{again}")).expect_err("twice").to_string();
     assert_eq!(
@@ -160,7 +172,7 @@ fn gains_of_unequal_lengths_are_refused_with_their_line() {
 }
 
 #[test]
-fn a_midi_note_that_is_none_is_refused() {
+fn midi_note_outside_0_to_127_is_refused() {
     for note in ["-1", "128", "255", "300"] {
         let message = refusal("[60]", &format!("[60, {note}]"));
         assert!(
@@ -171,18 +183,18 @@ fn a_midi_note_that_is_none_is_refused() {
 }
 
 #[test]
-fn a_kit_with_pads_and_no_name_is_refused() {
+fn kit_with_pads_and_no_name_is_refused() {
     assert!(refusal("name = \"test\"\n", "").starts_with("test.toml: a kit with pads must have a name"));
 }
 
 #[test]
-fn a_bad_kit_name_is_refused_with_its_line() {
+fn invalid_kit_name_is_refused_with_its_line() {
     let message = refusal("name = \"test\"", "name = \"test, again\"");
     assert!(message.starts_with("test.toml:2:8: kit \"test, again\": name must be"), "{message}");
 }
 
 #[test]
-fn an_included_file_may_neither_include_nor_have_pads() {
+fn included_file_that_includes_files_or_has_pads_is_refused() {
     let main = "format = 1\ninclude = [\"a.toml\"]\n";
     let nested = "format = 1\ninclude = [\"b.toml\"]\n";
     let message = sample::parse_with(main, &[("a.toml", nested)]).expect_err("nested").to_string();
@@ -194,7 +206,7 @@ fn an_included_file_may_neither_include_nor_have_pads() {
 }
 
 #[test]
-fn an_error_in_an_included_file_names_that_file() {
+fn refusal_of_an_included_file_names_that_file() {
     let main = "format = 1\ninclude = [\"a.toml\", \"gone.toml\"]\n";
     let table = "format = 1\n[[object]]\nname = \"bar\"\nmodes = [\n{ frequency_hz = 1, decay_per_s = 0 } ]\n";
     let message = sample::parse_with(main, &[("a.toml", table), ("gone.toml", "format = 1")]).expect_err("range");
@@ -207,7 +219,7 @@ fn an_error_in_an_included_file_names_that_file() {
 }
 
 proptest! {
-    /// Whatever still parses is a kit that can be built.
+    /// A damaged text that can still be parsed is a kit that can be built.
     #[test]
     fn damaged_text_never_panics(at in any::<prop::sample::Index>(), cut in 0..12usize, put in "[\\[\\]{}=\"',.#0-9a-z_é\n -]{0,6}") {
         let start = at.index(TEXT.len());
@@ -221,6 +233,6 @@ proptest! {
 }
 
 #[test]
-fn errors_stay_small_enough_to_return_by_value() {
+fn error_of_a_kit_takes_at_most_128_bytes() {
     assert!(size_of::<KitError>() <= 128, "{} bytes", size_of::<KitError>());
 }

@@ -1,4 +1,4 @@
-//! How pads are triggered: the table `[pad.trigger]` and the section `trig`.
+//! Trigger settings of pads: the table `[pad.trigger]` and the section `trig`.
 
 use dsp_core::table::Kit as TableView;
 use dsp_core::trigger::{Mode, Settings};
@@ -8,7 +8,7 @@ use crate::sample;
 
 fn with_trigger(keys: &str) -> String {
     let text = text::write(&sample::kit());
-    // The sample's second pad comes last.
+    // The sample's second pad is the last table of its text.
     format!("{text}\n[pad.trigger]\n{keys}\n")
 }
 
@@ -24,14 +24,14 @@ fn settings(kit: &Kit) -> Vec<Settings> {
 }
 
 #[test]
-fn a_kit_that_says_nothing_has_no_section_and_every_pad_its_defaults() {
+fn kit_without_trigger_tables_has_no_section_and_gives_every_pad_its_defaults() {
     let bytes = binary::build(&sample::kit()).expect("a valid kit");
     assert!(!bytes.windows(4).any(|tag| tag == b"trig"));
     assert_eq!(settings(&sample::kit()), [Settings::of_unset_pad(0), Settings::of_unset_pad(1)]);
 }
 
 #[test]
-fn what_is_missing_in_a_table_has_its_default_and_other_pads_are_off() {
+fn missing_trigger_key_has_its_default_and_pads_without_a_table_are_off() {
     let kit = sample::parse(&with_trigger("mode = \"direct\"\nchannel = 3\nthreshold = 0.01")).expect("a valid text");
     let [first, second] = settings(&kit)[..] else { panic!("two pads") };
     assert_eq!((first.mode, first.button), (Mode::Off, None));
@@ -40,9 +40,9 @@ fn what_is_missing_in_a_table_has_its_default_and_other_pads_are_off() {
 }
 
 #[test]
-fn a_wrong_table_is_refused_with_its_key_and_what_is_allowed() {
+fn invalid_trigger_table_is_refused_with_its_key_and_what_is_allowed() {
     for (keys, expected) in [
-        ("chanel = 1", "unknown field `chanel`"),
+        ("chanel = 1", "unknown key `chanel`"),
         ("mode = \"loud\"", "mode = \"loud\": must be one of \"velocity\", \"direct\", \"off\""),
         ("channel = 16", "channel = 16: must be from 0 to 15"),
         ("rim_channel = 255", "rim_channel = 255: must be from 0 to 15"),

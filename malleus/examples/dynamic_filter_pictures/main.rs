@@ -1,4 +1,7 @@
-//! `cargo run -p malleus --example dynamic_filter_pictures`: the pictures of docs/dynamic-filter-fits.md, from ../shared/data/recordings.
+//! Draws the pictures of docs/dynamic-filter-fits.md from the recordings in
+//! ../shared/data/recordings.
+//!
+//! Run it by `cargo run -p malleus --example dynamic_filter_pictures`.
 
 mod panels;
 
@@ -9,10 +12,10 @@ use fit::dynamic_filter::study::{Heard, Way, heard_in, resynthesis};
 use fit::dynamic_filter::{Form, Model, mean_law};
 use malleus::plot::{CurvesPicture, curves};
 
-/// Wood, glass or ceramic, metal.
+/// Materials that are compared, each with the name of its recording.
 const RECORDINGS: [(&str, &str); 3] =
     [("wood", "wood_block_1"), ("ceramic", "ceramic_mug_1"), ("metal", "metal_agogo_1")];
-/// Factors of the modes' frequencies, from a large thing to a small one.
+/// Factors of the modes' frequencies, from a large object to a small one.
 const SIZES: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -20,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let recordings = workspace.join("../shared/data/recordings");
     let images = workspace.join("docs/images");
     if !recordings.is_dir() {
-        println!("{} is absent: nothing to draw", recordings.display());
+        println!("{}: there are no recordings, so that nothing is drawn", recordings.display());
         return Ok(());
     }
     let mut heard: Vec<(&str, Heard)> = Vec::new();

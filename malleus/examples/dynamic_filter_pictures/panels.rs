@@ -1,4 +1,4 @@
-//! The panels of the pictures.
+//! Panels of the pictures.
 
 use std::f64::consts::TAU;
 
@@ -27,7 +27,8 @@ fn law_points(law: &DampingLaw) -> Vec<[f64; 2]> {
     counted(law).map(|band| [band.centre_hz, band.decay_per_s]).collect()
 }
 
-/// b0 and a1 over time, and |F| of the first and the last material over frequency as time goes on.
+/// Panels of b0 and a1 over time, and of |F| over frequency at several times for the first and the
+/// last material.
 pub(crate) fn coefficients(paths: &[(&str, Path)]) -> Vec<CurvesPanel> {
     let over_time = |of: &dyn Fn(&Path, f64) -> f64| -> Vec<Curve> {
         let points = |path: &Path| (0..=300).map(|step| f64::from(step) * 0.001).map(|t| [t, of(path, t)]).collect();
@@ -73,7 +74,7 @@ fn magnitude_db(path: &Path, time_s: f64, frequency_hz: f64) -> f64 {
     20.0 * response(&path.at(time_s), TAU * frequency_hz / RATE_HZ).norm().max(1e-12).log10()
 }
 
-/// α(f) of a recording and its two resyntheses.
+/// Panel of the damping α(f) of a recording and of its two resyntheses.
 pub(crate) fn damping(material: &str, heard: &Heard, laws: &[Option<DampingLaw>; 2]) -> CurvesPanel {
     let recorded = law_points(&heard.law);
     let within = |factor: f64| recorded.iter().map(|[f, decay]| [*f, decay * factor]).collect::<Vec<_>>();
@@ -96,11 +97,13 @@ pub(crate) fn damping(material: &str, heard: &Heard, laws: &[Option<DampingLaw>;
     CurvesPanel { title: material.to_owned(), x: frequency(), y: decay(), curves }
 }
 
-/// The wood's table, and the same with the metal's path and the decays that its law gives the modes.
+/// Panels that compare the wood's table with the same table under the metal's curves: the metal's
+/// path of the filter, and the decays that the metal's damping law gives the modes.
 pub(crate) fn material(wood: &Heard, of_wood: &Model, metal: &Heard, of_metal: &Model) -> Vec<CurvesPanel> {
     let mut changed = Model { path: of_metal.path.clone(), ..of_wood.clone() };
     changed.modes.iter_mut().for_each(|mode| mode.decay_per_s = metal.law.decay_per_s(mode.frequency_hz));
-    // Noise as loud over the modes as it was: the paths of two recordings have two levels.
+    // The paths of two recordings differ in level. The gain keeps the noise as loud relative to the
+    // modes as it was.
     let gain = wood.law.bands.iter().map(|band| band.gain).sum::<f64>()
         / metal.law.bands.iter().map(|band| band.gain).sum::<f64>();
     changed.path.points.iter_mut().for_each(|point| point.coefficients.b.iter_mut().for_each(|b| *b *= gain));
@@ -140,7 +143,8 @@ fn levels(sound: &[f64]) -> Vec<[f64; 2]> {
     sound.chunks_exact(frame).enumerate().map(level).collect()
 }
 
-/// A model whose modes' frequencies are times a factor; their decays, amplitudes and the filter as they were.
+/// Model whose modes' frequencies are multiplied by a factor. Their decays and amplitudes, and the
+/// filter, are unchanged.
 pub(crate) fn sized(model: &Model, factor: f64) -> Model {
     let mut sized = model.clone();
     sized.modes.iter_mut().for_each(|mode| mode.frequency_hz *= factor);
@@ -148,7 +152,8 @@ pub(crate) fn sized(model: &Model, factor: f64) -> Model {
     sized
 }
 
-/// Where the modes lie, the centroid that follows them, and the damping that does not.
+/// Panels of models of several sizes: their modes and the centroid that moves with them, and their
+/// gain over frequency.
 pub(crate) fn sizes(heard: &Heard, sizes: &[(f64, Model)]) -> Vec<CurvesPanel> {
     let laws: Vec<Option<DampingLaw>> = sizes
         .iter()

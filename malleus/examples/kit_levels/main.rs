@@ -1,9 +1,13 @@
-//! Levels at which the pads of a kit are equally loud: `cargo run -p malleus --example kit_levels -- KIT [--spread DB]`.
+//! Finds levels at which the pads of a kit are equally loud, and prints one row per pad.
 //!
-//! A pad's loudness is that of the loudest 400 ms of a strike at velocity 0.8, K-weighted (ITU-R BS.1770). Pads are brought
-//! to loudnesses that lie within `--spread` dB (2 unless said), the highest at which all pads struck at once at velocity 1,
-//! and each pad rolled at 10 a second at velocity 1, stay 0.5 dB below full scale. The more a pad's peaks stand above its
-//! loudness, the softer it is within the spread: a click would hold all others down. Prints a row a pad; changes no file.
+//! Run it by `cargo run -p malleus --example kit_levels -- KIT [--spread DB]`. It changes no file.
+//!
+//! A pad's loudness is that of the loudest 400 ms of a strike at velocity 0.8, K-weighted (ITU-R
+//! BS.1770). The levels found bring all pads to loudnesses within `--spread` dB (default 2). They
+//! are the highest at which two sounds stay 0.5 dB below full scale: all pads struck at once at
+//! velocity 1, and each pad rolled at velocity 1 and 10 strikes per second. The more a pad's peaks
+//! stand above its loudness, the softer it is within the spread: else a click would hold all other
+//! pads down.
 
 use std::process::ExitCode;
 
@@ -12,7 +16,7 @@ use malleus::loudness::{Meter, Sound, peak, sum};
 
 type Failure = Box<dyn std::error::Error>;
 
-/// Largest sample that may be, -0.5 dBFS.
+/// Largest sample that is allowed: -0.5 dBFS, 1.0 = full scale.
 const CEILING: f64 = 0.944_060_876_285_923_5;
 
 fn main() -> ExitCode {
@@ -20,7 +24,7 @@ fn main() -> ExitCode {
         eprintln!("usage: kit_levels KIT [--spread DB]");
         return ExitCode::from(2);
     };
-    // The engine that renders is built on the stack.
+    // The engine that renders is built on the stack, and is larger than a usual one.
     let levels = std::thread::Builder::new()
         .stack_size(64 << 20)
         .spawn(move || level(&kit, spread_db).map_err(|error| eprintln!("kit_levels: {error}")));
@@ -41,12 +45,16 @@ fn arguments() -> Option<(String, f64)> {
     }
 }
 
-/// A pad at a level of 0 dB.
+/// Measurements of a pad at a level of 0 dB.
 struct Measured {
     name: String,
+    /// Level of the pad in the kit, in dB.
     level_db: f64,
+    /// Loudness in LKFS.
     loudness: f64,
+    /// Peak of a roll at velocity 1, 1.0 = full scale.
     roll_peak: f64,
+    /// Sound of the strike at velocity 1 that peaks highest.
     hardest: Sound,
 }
 
@@ -68,7 +76,7 @@ fn level(name: &str, spread_db: f64) -> Result<(), Failure> {
     }
     let at_once = |levels: &[f64]| peak(&sum(pads.iter().zip(levels).map(|(pad, &level)| (gain(level), &pad.hardest))));
 
-    // What each pad could have alone, as loudness; and how much softer than the loudest it is to be.
+    // The loudness that each pad could have alone decides how much softer than the loudest it gets.
     let highest = |pad: &Measured| pad.loudness + decibels(CEILING / pad.roll_peak);
     let least = pads.iter().map(highest).fold(f64::INFINITY, f64::min);
     let most = pads.iter().map(highest).fold(f64::NEG_INFINITY, f64::max);
@@ -76,7 +84,8 @@ fn level(name: &str, spread_db: f64) -> Result<(), Failure> {
     let levels_at = |loudness: f64| -> Vec<f64> {
         pads.iter().map(|pad| (loudness - softer(pad)).min(highest(pad)) - pad.loudness).collect()
     };
-    // All of them at once grow with the common loudness, so that halving finds the highest that fits.
+    // The peak of all pads at once grows with the common loudness, so that bisection finds the
+    // highest loudness that fits.
     let (mut low, mut high) = (least - 60.0, least + spread_db);
     if at_once(&levels_at(high)) > CEILING {
         for _ in 0..30 {
@@ -85,7 +94,7 @@ fn level(name: &str, spread_db: f64) -> Result<(), Failure> {
         }
         high = low;
     }
-    // Tenths of a dB, rounded down.
+    // Levels are rounded down to tenths of a dB.
     let chosen: Vec<f64> = levels_at(high).iter().map(|level| (10.0 * level).floor() / 10.0).collect();
     println!("| pad | level_db, as it is | loudness, LKFS | level_db, equal | loudness, LKFS | roll, peak dBFS |");
     println!("| --- | --- | --- | --- | --- | --- |");

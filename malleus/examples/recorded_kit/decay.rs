@@ -1,24 +1,32 @@
-//! How long things ring: in a recording, and what a table may claim.
+//! Decay times: those that a recording shows, and the longest that a table may have.
 
 use std::f64::consts::{PI, TAU};
 
 use kit::Mode;
 
-/// Frames in which a recording's decay is followed: 93 ms at 44.1 kHz, a band of about 16 Hz.
+/// Length of the frames in which a recording's decay is followed, in samples.
+///
+/// It is 93 ms at 44.1 kHz, for a band of about 16 Hz.
 const FRAME: usize = 4096;
+/// Distance from a frame to the next, in samples.
 const HOP: usize = 1024;
-/// The decay is followed from the second frame to this much below the loudest, or to `ABOVE_NOISE_DB` above the quietest frame.
+/// Level below the loudest frame, in dB, down to which the decay is followed from the second frame.
 const DOWN_DB: f64 = 40.0;
+/// Level above the quietest frame, in dB, at which the following of the decay ends at the latest.
 const ABOVE_NOISE_DB: f64 = 6.0;
-/// Frames that a slope needs.
+/// Least number of frames of which a slope is taken.
 const LEAST_FRAMES: usize = 6;
-/// A mode may ring this much longer than the band round it: beating bends the slope.
+/// Ratio by which a mode's T60 may exceed that of the band round it, because beating bends the
+/// slope.
 const TOLERANCE: f64 = 1.2;
-/// T60 at most, in lengths of the recording: a slower decay falls by less than 30 dB in all that was heard.
+/// Longest T60, in lengths of the recording: a slower decay would fall by less than 30 dB in all of
+/// it.
 const MOST_LENGTHS: f64 = 2.0;
 
-/// T60 in seconds of the band round a frequency, by least squares on the level of Hann-windowed frames; `None` where it does not
-/// fall, or too fast for the frames to tell.
+/// T60 in seconds of the band round a frequency, by least squares on the level of Hann-windowed
+/// frames.
+///
+/// Returns `None` if the level does not fall, or falls too fast for the frames to follow.
 pub(crate) fn band_t60_s(heard: &[f64], rate_hz: f64, frequency_hz: f64) -> Option<f64> {
     let starts = (0..heard.len().saturating_sub(FRAME)).step_by(HOP);
     let levels: Vec<f64> = starts
@@ -44,7 +52,7 @@ pub(crate) fn band_t60_s(heard: &[f64], rate_hz: f64, frequency_hz: f64) -> Opti
     (db_per_s < 0.0).then(|| -60.0 / db_per_s)
 }
 
-/// Level of one frequency (in cycles a sample) in a Hann-windowed frame, dB.
+/// Level in dB of one frequency, given in cycles per sample, in a Hann-windowed frame.
 fn level_db(frame: &[f64], frequency: f64) -> f64 {
     let (mut real, mut imaginary) = (0.0, 0.0);
     for (index, sample) in frame.iter().enumerate() {
@@ -56,7 +64,7 @@ fn level_db(frame: &[f64], frequency: f64) -> f64 {
     10.0 * (real * real + imaginary * imaginary).max(1e-30).log10()
 }
 
-/// Makes modes that ring longer than the recording shows ring as long as it does; returns how many.
+/// Shortens the T60 of modes that ring longer than the recording shows; returns the number of them.
 pub(crate) fn limit(modes: &mut [Mode], heard: &[f64], rate_hz: f64) -> usize {
     let longest = MOST_LENGTHS * heard.len() as f64 / rate_hz;
     let mut limited = 0;
@@ -72,10 +80,12 @@ pub(crate) fn limit(modes: &mut [Mode], heard: &[f64], rate_hz: f64) -> usize {
     limited
 }
 
-/// Stretch of which a level is taken, in seconds.
+/// Length of a stretch of which a level is taken, in seconds.
 const LEVEL_S: f64 = 0.02;
 
-/// Seconds from the loudest 20 ms to where the level has fallen by `down_db` for good; `None` if it never does.
+/// Time in seconds from the loudest 20 ms until the level has fallen by `down_db` for good.
+///
+/// Returns `None` if it does not within the sound.
 pub(crate) fn fall_time_s(sound: &[f64], rate_hz: f64, down_db: f64) -> Option<f64> {
     let size = (LEVEL_S * rate_hz) as usize;
     let powers: Vec<f64> = sound.chunks_exact(size).map(|chunk| chunk.iter().map(|x| x * x).sum()).collect();

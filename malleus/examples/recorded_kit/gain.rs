@@ -1,21 +1,24 @@
-//! Levels.
+//! Levels of a fitted table: the thump of its acceleration sound, and its peaks.
 
 use kit::{Acceleration, Kit, Striker};
 
-use crate::Failure;
+use crate::failure::Failure;
 
-/// Largest share of a strike's energy below 0.7 times the lowest mode.
+/// Largest share of a strike's energy that may lie below 0.7 times the frequency of the lowest
+/// mode.
 const MOST_BELOW: f64 = 0.029;
 
-/// Velocity of the strike whose share counts: soft strikes last long and have most of it.
+/// Velocity of the strike whose share is measured: soft contacts last long, and thump most.
 const SOFT: f32 = 0.2;
 
-/// The fit's α cancels the static response of the gains as they were fitted. For softer strikes it may
-/// leave a thump that no recording has. Then α moves toward the one that is derived, no further than it
-/// must. Returns by how many percent of the way.
+/// Moves a table's fitted α toward the one that is derived from its modes, as far as a soft strike
+/// needs so that it does not thump.
+///
+/// The fitted α cancels the static response of the gains as they were fitted, but may leave softer
+/// strikes a thump that no recording has. Returns the part of the way that α has moved, in percent.
 ///
 /// # Errors
-/// As [`fit::render::by_instrument`].
+/// The errors of [`fit::render::by_instrument`], and a table that thumps even with the derived α.
 pub(crate) fn balance(table: &mut Kit) -> Result<u8, Failure> {
     let modes = table.objects.iter().flat_map(|object| &object.modes);
     let lowest_hz = modes.map(|mode| f64::from(mode.frequency_hz)).fold(f64::INFINITY, f64::min);
@@ -32,7 +35,7 @@ pub(crate) fn balance(table: &mut Kit) -> Result<u8, Failure> {
     Err("a balanced table thumps".into())
 }
 
-/// The α that balances the first object at 48 kHz, as its binary form has it.
+/// Acceleration factor α that balances the table's first object at 48 kHz.
 fn derived(table: &Kit) -> Result<f32, Failure> {
     let mut balanced = table.clone();
     balanced.objects.iter_mut().for_each(|object| object.acceleration = Acceleration::Balance);
@@ -41,7 +44,7 @@ fn derived(table: &Kit) -> Result<f32, Failure> {
     Ok(view.objects().next().ok_or("no object")?.acceleration())
 }
 
-/// Share of the energy below a frequency.
+/// Share of a sound's energy that lies below a frequency, 0 to 1.
 fn share_below(sound: &[f64], hz: f64) -> Result<f64, Failure> {
     let transform = fourier::forward(sound.len());
     let (mut samples, mut bins) = (sound.to_vec(), transform.make_output_vec());
@@ -51,10 +54,10 @@ fn share_below(sound: &[f64], hz: f64) -> Result<f64, Failure> {
     Ok(energy(bins.get(..bin).unwrap_or(&bins)) / energy(&bins))
 }
 
-/// Rate at which strikes are rendered, in Hz.
+/// Sample rate at which strikes are rendered, in Hz.
 const RATE_HZ: f64 = 48_000.0;
 
-/// Multiplies everything that an object radiates.
+/// Multiplies all that the table's objects radiate by a factor.
 pub(crate) fn scale(table: &mut Kit, factor: f64) {
     for object in &mut table.objects {
         if let Acceleration::Factor(alpha) = &mut object.acceleration {
@@ -67,15 +70,15 @@ pub(crate) fn scale(table: &mut Kit, factor: f64) {
     }
 }
 
-/// Peak of a strike at a velocity, full scale 1, by the instrument at 48 kHz.
+/// Peak of a strike by the instrument at 48 kHz, 1.0 = full scale.
 ///
 /// # Errors
-/// As [`fit::render::by_instrument`].
+/// The errors of [`fit::render::by_instrument`].
 pub(crate) fn peak(table: &Kit, velocity: f32) -> Result<f64, Failure> {
     Ok(strike(table, velocity, 48_000)?.iter().fold(0.0, |peak, x| peak.max(x.abs())))
 }
 
-/// A strike at a velocity, so many frames of it.
+/// The first `frames` frames of a strike at a velocity.
 fn strike(table: &Kit, velocity: f32, frames: usize) -> Result<Vec<f64>, Failure> {
     let mut struck = table.clone();
     for striker in &mut struck.strikers {
@@ -84,7 +87,7 @@ fn strike(table: &Kit, velocity: f32, frames: usize) -> Result<Vec<f64>, Failure
     Ok(fit::render::by_instrument(&struck, 0.0, RATE_HZ, frames)?)
 }
 
-/// The striker whose strike at velocity 1 is this one's at `velocity`.
+/// Striker whose strike at velocity 1 equals the given striker's strike at `velocity`.
 fn at_velocity(striker: &Striker, velocity: f32) -> Striker {
     Striker {
         peak_force: striker.peak_force * velocity.powf(striker.peak_exponent),

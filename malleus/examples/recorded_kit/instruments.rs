@@ -1,21 +1,22 @@
-//! What the kit `recorded` is made of: which recording, how many modes, which pad.
+//! Instruments of the kit `recorded`: their recordings, numbers of modes, and pads.
 
-/// An instrument of the kit.
+/// Instrument of the kit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Instrument {
-    /// Name of table, object and pad.
+    /// Name of the table, of its object and of the pad.
     pub(crate) name: &'static str,
-    /// The recording's file.
+    /// File name of the recording.
     pub(crate) recording: &'static str,
-    /// Modes at most: where more no longer bring the sound much nearer.
+    /// Maximum number of modes; more would not bring the sound much nearer to the recording.
     pub(crate) modes: usize,
     /// Pan of the pad, -1 to 1.
     pub(crate) pan: f32,
-    /// Level of the pad in dB: what rings long is as loud at a lower peak, what is short at a higher one.
+    /// Level of the pad in dB. A long sound is as loud as a short one at a lower peak.
     pub(crate) level_db: f32,
-    /// T60 of the pad while it is choked, in seconds; 0 = cannot be choked.
+    /// T60 of the pad while it is choked, in seconds; 0 for a pad that cannot be choked.
     pub(crate) choke_t60_s: f32,
-    /// MIDI notes, General MIDI percussion where it knows the instrument or one like it.
+    /// MIDI notes: those of General MIDI percussion for the instrument or one like it, if it has
+    /// one.
     pub(crate) midi_notes: &'static [u8],
 }
 
@@ -29,7 +30,7 @@ const fn instrument(
     Instrument { name, recording, modes, pan, level_db, choke_t60_s, midi_notes }
 }
 
-/// The kit, in the order of its pads.
+/// Instruments of the kit, in the order of its pads.
 pub(crate) const INSTRUMENTS: [Instrument; 14] = [
     instrument("bass-drum", "membrane_bobobobass_1.wav", 24, (0.0, -2.8, 0.08), &[35, 36, 41, 43]),
     instrument("treble-drum", "membrane_bobobotreble_1.wav", 24, (-0.2, 0.2, 0.08), &[38, 40, 45, 47]),

@@ -1,10 +1,16 @@
-//! Makes the shipped kit `recorded` anew: `cargo run --release -p malleus --example recorded_kit -- --recordings ../shared/data/recordings --out tables`.
+//! Makes the shipped kit `recorded` anew from its recordings.
 //!
-//! Each instrument is fitted as `malleus fit` does, then made playable: no mode rings longer than the recording shows, strikes at
-//! velocity 1 have the same peak. A row an instrument says how near the shipped table is to
-//! its recording. Where recordings are absent, tables stay as they are.
+//! ```text
+//! cargo run --release -p malleus --example recorded_kit -- \
+//!     --recordings ../shared/data/recordings --out tables
+//! ```
+//!
+//! Each instrument is fitted as `malleus fit` does, then made playable: no mode rings longer than
+//! the recording shows, and all strikes at velocity 1 have one peak. A row per instrument says how
+//! near the shipped table is to its recording. The tables of absent recordings stay as they are.
 
 mod decay;
+mod failure;
 mod gain;
 mod instruments;
 mod manifest;
@@ -12,6 +18,7 @@ mod manifest;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use failure::Failure;
 use fit::distance::{log_spectral_distance_db, lsd_window};
 use fit::recording::{Options, fit_file};
 use fit::render::by_instrument;
@@ -20,11 +27,9 @@ use instruments::{INSTRUMENTS, Instrument};
 use kit::{Kit, Pad};
 use rayon::prelude::*;
 
-type Failure = Box<dyn std::error::Error + Send + Sync>;
-
-/// Peak of a strike at velocity 1 in the louder channel, at a level of 0 dB.
+/// Peak in dBFS of a strike at velocity 1 in the louder channel, with a pad's level of 0 dB.
 const PEAK_DBFS: f64 = -10.0;
-/// Stack of a worker: the engine that renders tables is built there.
+/// Stack of a worker thread in bytes: the engine that renders tables is built on it.
 const STACK_BYTES: usize = 64 << 20;
 
 fn main() -> ExitCode {
@@ -57,7 +62,9 @@ fn arguments() -> Option<(PathBuf, PathBuf)> {
 fn make(recordings: &Path, out: &Path) -> Result<(), Failure> {
     if !recordings.join("MANIFEST.csv").exists() {
         let path = recordings.display();
-        return Err(format!("{path}: no recordings (MANIFEST.csv) there; all tables stay as they are").into());
+        return Err(
+            format!("{path}: there are no recordings (no MANIFEST.csv), and all tables stay as they are").into()
+        );
     }
     std::fs::create_dir_all(out.join("recorded"))?;
     let workers = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build()?;
@@ -76,7 +83,7 @@ fn make(recordings: &Path, out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Fits an instrument and writes its table; returns its row.
+/// Fits an instrument and writes its table; returns the instrument's row.
 fn one(instrument: &Instrument, recordings: &Path, out: &Path) -> Result<String, Failure> {
     let path = recordings.join(instrument.recording);
     if !path.exists() {
@@ -91,7 +98,7 @@ fn one(instrument: &Instrument, recordings: &Path, out: &Path) -> Result<String,
     let rate_hz = fitted.recording.rate_hz;
 
     let source = fitted.table.objects.first().map_or("", |object| object.source.as_str());
-    // Modes alone: a board has no memory for fourteen residuals.
+    // The table has modes alone: a board has no memory for fourteen residuals.
     let provenance =
         Provenance { name: instrument.name.to_owned(), source: source.to_owned(), licence: origin.licence };
     let mut table = fit::table::of_fit(&fitted.fit, &provenance);
@@ -145,7 +152,9 @@ fn one(instrument: &Instrument, recordings: &Path, out: &Path) -> Result<String,
     ))
 }
 
-/// Gain of the louder channel relative to what [`by_instrument`] renders: a constant-power pan puts the middle 3 dB down, the side nothing.
+/// Gain of the louder channel relative to the sound of [`by_instrument`].
+///
+/// A constant-power pan lowers it by 3 dB in the middle, and by nothing at a side.
 fn louder_channel(pan: f32) -> f64 {
     let angle = (f64::from(pan.abs()) + 1.0) * std::f64::consts::FRAC_PI_4;
     angle.sin()
@@ -155,7 +164,7 @@ fn striker_name(instrument: &Instrument) -> String {
     fit::table::item_name(instrument.name, " strike")
 }
 
-/// The kit's own file: which tables, and the pads.
+/// Text of the kit's own file, which includes the tables and has the pads.
 fn kit_text() -> String {
     let pads = INSTRUMENTS.iter().map(|instrument| Pad {
         name: instrument.name.to_owned(),

@@ -1,25 +1,26 @@
-//! The recordings' manifest: where each comes from and under what licence.
+//! Manifest of the recordings: their origins and licences.
 
 use std::path::Path;
 
-use crate::Failure;
+use crate::failure::Failure;
 
-/// Licences that ask for no credit beyond the notices in `tables/LICENSES.md`.
+/// Beginnings of the licences that ask for no credit beyond the notices in `tables/LICENSES.md`.
 const WITHOUT_CREDIT: [&str; 3] = ["CC0", "MIT", "BSD"];
 
-/// Where a recording comes from.
+/// Origin and licence of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Origin {
     /// Repository, path and version.
     pub(crate) source: String,
-    /// Its licence: the identifier, without the manifest's remarks.
+    /// Identifier of the licence, without the manifest's remarks.
     pub(crate) licence: String,
 }
 
-/// The origin of a recording, from `MANIFEST.csv` in its folder.
+/// Reads the origin of a recording from `MANIFEST.csv` in its folder.
 ///
 /// # Errors
-/// A manifest that cannot be read or does not list the file, and a licence that asks for credit.
+/// A message if the manifest cannot be read or does not list the file, or if the licence asks for
+/// credit.
 pub(crate) fn origin(recordings: &Path, file: &str) -> Result<Origin, Failure> {
     let path = recordings.join("MANIFEST.csv");
     let mut manifest = csv::Reader::from_path(&path).map_err(|error| format!("{}: {error}", path.display()))?;

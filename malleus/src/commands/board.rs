@@ -1,4 +1,4 @@
-//! `malleus board run`: an unmodified firmware image on the virtual board.
+//! `malleus board run`: runs an unmodified firmware image on a virtual board.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -6,52 +6,57 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand, ValueEnum};
 use virtual_board::{Board, BoardError, CycleCase, Fault, PiezoSignal, Press, Report, Setup, VirtualBoard};
 
-use super::{CommandError, print, print_json, progress};
+use super::error::CommandError;
+use super::output::{print, print_json, progress};
 
-/// What `malleus board` can do.
+/// Commands of `malleus board`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum BoardCommand {
-    /// Run a firmware image on a virtual board: its sound as a WAV file, its log, and where its cycles went
+    /// Run a firmware image on a virtual board: gives its sound as a WAV file, its log, and its
+    /// cycles
     Run(RunArguments),
 }
 
 /// Arguments of `malleus board run`.
 #[derive(Debug, Args)]
 pub(crate) struct RunArguments {
-    /// The ELF file that cargo built in firmware/
+    /// ELF file of the firmware, as cargo builds it in firmware/
     image: PathBuf,
-    /// The board: stm32f407g-disc1 or blackpill-f411
+    /// Board: stm32f407g-disc1 or blackpill-f411
     #[arg(long, value_parser = parse_board, default_value = "stm32f407g-disc1")]
     board: Board,
-    /// A signal at a piezo's pin (-1 to 1 is 0 V to the supply): a WAV file; piezos count from 0, the first one unless said
+    /// Signal at the pin of a piezo, as a WAV file whose range -1 to 1 is 0 V to the supply; piezos
+    /// count from 0 [default piezo: 0]
     #[arg(long, value_name = "[PIEZO=]HIT.wav")]
     piezo: Vec<String>,
-    /// When these signals begin, in seconds after power-on: the firmware needs some time to start
+    /// Start of these signals, in seconds after power-on: the firmware needs some time to start
     #[arg(long, value_name = "SECONDS", default_value_t = 0.5, value_parser = parse_seconds)]
     piezo_start: f64,
-    /// Press the button: when, for how long (0.1 s unless said), and for how long its contacts bounce, in seconds
+    /// Press of the button, in seconds: when, for how long (0.1 if left out), and for how long its
+    /// contacts bounce (0 if left out)
     #[arg(long, value_name = "AT[,FOR[,BOUNCE]]", value_parser = parse_press)]
     button: Vec<Press>,
-    /// Something that goes wrong: adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT, codec-silent, core-stalled@AT,FOR,
-    /// audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, panic@AT, hard-fault@AT
+    /// Fault of the hardware or the program: adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT,
+    /// codec-silent, core-stalled@AT,FOR, audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO,
+    /// panic@AT, hard-fault@AT; times in seconds
     #[arg(long, value_name = "FAULT[@AT,...]", value_parser = parse_fault)]
     fault: Vec<Fault>,
-    /// A binary kit in the board's kit sector (malleus kit build makes one) [default: erased flash]
+    /// Binary kit in the kit sector of the board, from malleus kit build [default: erased flash]
     #[arg(long, value_name = "KIT.bin")]
     kit: Option<PathBuf>,
-    /// Seconds to run, from power-on [default: until the signals and presses are over, and 2 s]
+    /// Seconds to run, from power-on [default: 2 s more than the signals and presses last]
     #[arg(long, value_parser = parse_seconds)]
     seconds: Option<f64>,
-    /// The column of the cycle model that is the board's time
+    /// Column of the cycle model that sets the time of the board
     #[arg(long, value_enum, default_value = "nominal")]
     cycles: Cycles,
-    /// Add the waits of flash behind its accelerator
+    /// Add the wait states of the flash that its accelerator does not hide
     #[arg(long)]
     flash_waits: bool,
-    /// Where the sound that left the I2S goes, from its first frame on
+    /// WAV file to write: the sound on the I2S, from its first frame on
     #[arg(short, long, value_name = "OUT.wav")]
     output: Option<PathBuf>,
-    /// What is printed: text for people, json for programs (docs/json.md)
+    /// Form of the printed report: text for people, json for programs (docs/json.md)
     #[arg(long, value_enum, default_value = "text")]
     report: Form,
 }
@@ -69,9 +74,9 @@ enum Form {
     Json,
 }
 
-/// Seconds after the last signal or press.
+/// Default time from the end of the last signal or press to the end of the run, in seconds.
 const TAIL_S: f64 = 2.0;
-/// The longest run: an hour.
+/// Longest run, in seconds: an hour.
 const LONGEST_S: f64 = 3600.0;
 
 pub(crate) fn run(command: &BoardCommand) -> Result<(), CommandError> {
@@ -204,7 +209,9 @@ fn parse_press(text: &str) -> Result<Press, String> {
         [at_s] => Ok(Press { at_s, for_s: 0.1, bounce_s: 0.0 }),
         [at_s, for_s] => Ok(Press { at_s, for_s, bounce_s: 0.0 }),
         [at_s, for_s, bounce_s] => Ok(Press { at_s, for_s, bounce_s }),
-        _ => Err("give when, for how long and how long it bounces, such as 1.5,0.2,0.005".to_owned()),
+        _ => {
+            Err("must be when, for how long, and for how long it bounces, in seconds, such as 1.5,0.2,0.005".to_owned())
+        }
     }
 }
 
@@ -212,7 +219,7 @@ fn parse_fault(text: &str) -> Result<Fault, String> {
     let (name, rest) = text.split_once('@').unwrap_or((text, ""));
     let parts: Vec<&str> = rest.split(',').filter(|part| !part.is_empty()).collect();
     let at = |index: usize| {
-        let part = parts.get(index).ok_or_else(|| format!("{name} needs more times, such as {name}@1.5,0.1"))?;
+        let part = parts.get(index).ok_or_else(|| format!("must give more times, such as {name}@1.5,0.1"))?;
         parse_seconds(part)
     };
     Ok(match (name, parts.len()) {
@@ -224,7 +231,7 @@ fn parse_fault(text: &str) -> Result<Fault, String> {
         ("audio-interrupt-lost", 2) => Fault::AudioInterruptLost { at_s: at(0)?, for_s: at(1)? },
         ("piezo-at-rail", 2) => Fault::PiezoAtRail {
             at_s: at(0)?,
-            piezo: parts[1].parse().map_err(|_| "the piezo must be a number from 0 on".to_owned())?,
+            piezo: parts[1].parse().map_err(|_| "must name the piezo by a whole number, counted from 0".to_owned())?,
         },
         ("panic", 1) => Fault::Panic { at_s: at(0)? },
         ("hard-fault", 1) => Fault::HardFault { at_s: at(0)? },

@@ -1,4 +1,4 @@
-//! `malleus demo`.
+//! `malleus demo`: the demo piece as sound and picture, and each pad against the `f64` reference.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -7,6 +7,7 @@ use dsp_core::engine::{Skipping, TickReport};
 use dsp_core::fixed::{FULL_SCALE_24_BIT, ONE_Q27};
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
+use dsp_core::voice::{PadTables, VoiceSize};
 use kit::Loaded;
 use malleus::demo::{self, RATE};
 use malleus::events::EventsError;
@@ -16,8 +17,9 @@ use malleus::render::{Performance, instrument, law};
 use malleus::wave;
 use serde::Serialize;
 
-use super::{CommandError, peak_dbfs, print, print_json, progress};
-use crate::DemoArguments;
+use super::error::CommandError;
+use super::output::{peak_dbfs, print, print_json, progress};
+use crate::arguments::DemoArguments;
 
 const SETTINGS: Settings = Settings { rate: RATE, block: 128, skipping: Skipping::On, budget_cycles: None };
 
@@ -88,9 +90,9 @@ struct PadRow {
     shortest_t60_s: f64,
     longest_t60_s: f64,
     peak_dbfs: Option<f64>,
-    /// SNR of the bus against the reference, skipping off.
+    /// SNR of the bus against the `f64` reference in dB, with skipping off.
     snr_db: f64,
-    /// The largest difference that skipping makes, on the bus.
+    /// Largest difference on the bus that skipping makes; `None` if it makes none.
     skipping_error_dbfs: Option<f64>,
     skipped_share_of_work: f64,
 }
@@ -125,7 +127,8 @@ impl DemoReport<'_> {
     }
 }
 
-/// One pad's part of the piece alone, by the instrument with and without skipping, and by the law.
+/// Renders one pad's part of the piece by the instrument, with and without skipping, and by the
+/// `f64` reference, and compares them.
 fn row(loaded: &Loaded, table: &Kit<'_>, performance: &Performance, pad: u8) -> Result<PadRow, CommandError> {
     let solo = demo::solo(performance, pad);
     let render = |skipping, output| {
@@ -144,9 +147,9 @@ fn row(loaded: &Loaded, table: &Kit<'_>, performance: &Performance, pad: u8) -> 
     let expected = law::render(&loaded.kit, &solo, RATE, |_| {})
         .map_err(|error| CommandError::Law { kit: demo::KIT.to_owned(), error })?;
 
-    let mut engine = instrument::engine();
-    engine.load(table, RATE, Skipping::On).map_err(|error| refused(error.into()))?;
-    let modes = engine.mode_count(usize::from(pad));
+    let modes = PadTables::new(*table, usize::from(pad))
+        .and_then(|tables| VoiceSize::new(&tables, RATE).ok())
+        .map_or(0, |size| size.modes());
     let built = (modes * solo.frames) as u64;
     let t60 = t60_range(&loaded.kit, usize::from(pad));
     Ok(PadRow {
@@ -177,7 +180,7 @@ fn largest_difference_dbfs(a: &[[i32; 2]], b: &[[i32; 2]]) -> Option<f64> {
     (largest > 0).then(|| 20.0 * (largest as f64 / f64::from(ONE_Q27)).log10())
 }
 
-/// Shortest and longest T60 of the object of a pad.
+/// Shortest and longest T60 of the modes of a pad's object, in seconds.
 fn t60_range(kit: &kit::Kit, pad: usize) -> (f64, f64) {
     let object = kit.pads.get(pad).and_then(|pad| kit.objects.iter().find(|object| object.name == pad.object));
     let modes = object.map_or(&[][..], |object| &object.modes);

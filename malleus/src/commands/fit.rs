@@ -1,10 +1,9 @@
-//! `malleus fit`: recordings in, tables out.
+//! `malleus fit`: fits recordings and writes their tables, sounds and pages.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use ::fit::FitError;
 use ::fit::recording::{Fitted, Options, Report, fit_file};
 use ::fit::strike::Estimator;
 use malleus::report;
@@ -12,12 +11,14 @@ use malleus::wave::write_mono;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::error::CommandError;
 use super::fit_filter::{self, FilterReport};
+use super::fit_job::{Job, with_file};
 use super::fit_names as names;
-use super::{CommandError, print, print_json, progress};
-use crate::{EstimatorName, FitArguments};
+use super::output::{print, print_json, progress};
+use crate::arguments::{EstimatorName, FitArguments};
 
-/// What became of one input.
+/// One input and the outcome of its fit, a row of the report.
 #[derive(Debug, Serialize)]
 struct Row {
     input: PathBuf,
@@ -37,7 +38,7 @@ enum Outcome {
     Failed { error: String },
 }
 
-/// Stack of a worker: the engine that renders tables is built there.
+/// Stack of a worker thread in bytes: the engine that renders tables is built on it.
 const STACK_BYTES: usize = 64 << 20;
 
 pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
@@ -49,10 +50,10 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
         return Err(CommandError::OneRendering { inputs: arguments.input.len() });
     }
     if !one_file {
-        fs::create_dir_all(&arguments.output)?;
+        make_folder(&arguments.output)?;
     }
     if let Some(folder) = &arguments.report {
-        fs::create_dir_all(folder)?;
+        make_folder(folder)?;
     }
     let jobs: Vec<Job> = names::of_inputs(&arguments.input)
         .into_iter()
@@ -64,10 +65,7 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
         })
         .collect();
     let bar = progress(jobs.len() as u64, "fitting");
-    let workers = rayon::ThreadPoolBuilder::new()
-        .stack_size(STACK_BYTES)
-        .build()
-        .map_err(|error| CommandError::Print(std::io::Error::other(error)))?;
+    let workers = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build().map_err(CommandError::Workers)?;
     let said = Mutex::new(());
     let rows: Vec<Row> = workers.install(|| {
         jobs.par_iter()
@@ -98,12 +96,9 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// One recording and where its results go.
-pub(super) struct Job {
-    pub(super) input: PathBuf,
-    pub(super) name: String,
-    pub(super) table: PathBuf,
-    page: Option<PathBuf>,
+fn make_folder(path: &Path) -> Result<(), CommandError> {
+    fs::create_dir_all(path)
+        .map_err(|cause| CommandError::File(::kit::file::FileError { action: "made", path: path.to_owned(), cause }))
 }
 
 fn fit_one(arguments: &FitArguments, job: &Job) -> Outcome {
@@ -114,8 +109,7 @@ fn fit_one(arguments: &FitArguments, job: &Job) -> Outcome {
     let outcome = match arguments.dynamic_filter {
         None => fit_and_write(arguments, job).map(|report| Outcome::Fitted { report: Box::new(report) }),
         Some(beside) => fit_filter::fit_and_write(arguments, job, beside)
-            .map(|report| Outcome::Filtered { report: Box::new(report) })
-            .map_err(|error| with_file(&job.input, error)),
+            .map(|report| Outcome::Filtered { report: Box::new(report) }),
     };
     outcome.unwrap_or_else(|error| Outcome::Failed { error })
 }
@@ -134,21 +128,7 @@ fn fit_and_write(arguments: &FitArguments, job: &Job) -> Result<Report, String> 
     Ok(fitted.report)
 }
 
-/// The message of an error, with its file where it does not name that itself.
-fn with_file(input: &Path, error: FitError) -> String {
-    match error {
-        FitError::Read { .. }
-        | FitError::NotAudio { .. }
-        | FitError::Empty { .. }
-        | FitError::Channel { .. }
-        | FitError::NoMicrophone { .. }
-        | FitError::Rate { .. }
-        | FitError::NotFinite { .. } => error.to_string(),
-        other => format!("{}: {other}", input.display()),
-    }
-}
-
-/// What could not be fitted, and why.
+/// Names of the recordings that could not be fitted, each with the reason.
 fn failures(rows: &[Row]) -> Vec<(String, String)> {
     let failure = |row: &Row| match &row.outcome {
         Outcome::Failed { error } => {
@@ -175,7 +155,7 @@ fn options(arguments: &FitArguments) -> Options {
     options
 }
 
-/// dsp-core's rendering of the loudest strike at its place in the recording.
+/// The instrument's sound of the loudest strike, at the place where the strike is in the recording.
 fn aligned(fitted: &Fitted) -> Vec<f64> {
     let onset = fitted.fit.strikes.get(fitted.fit.loudest).map_or(0, |strike| strike.hit.onset);
     let mut sound = vec![0.0; onset];
@@ -183,7 +163,7 @@ fn aligned(fitted: &Fitted) -> Vec<f64> {
     sound
 }
 
-/// Whether a result is there and no older than what it was made from.
+/// True if the result exists and is no older than its source.
 fn is_newer(result: &Path, source: &Path) -> bool {
     let time = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified()).ok();
     time(result).zip(time(source)).is_some_and(|(result, source)| result >= source)

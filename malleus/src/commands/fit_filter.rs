@@ -1,40 +1,50 @@
-//! `malleus fit --dynamic-filter`: a recording as noise through a moving filter, with modes beside it or loops round it.
+//! `malleus fit --dynamic-filter`: fits noise through a moving filter to a recording, with modes
+//! beside the filter or loops round it.
 
 use std::time::Instant;
 
 use ::fit::dynamic_filter::study::heard_in;
 use ::fit::dynamic_filter::table::{Beside, Fitted, fitted};
+use ::fit::render;
 use ::fit::score::quantile;
 use ::fit::table::Provenance;
-use ::fit::{FitError, render};
 use malleus::wave::write_mono;
 use serde::Serialize;
 
-use super::fit::Job;
-use crate::{BesideName, FitArguments};
+use super::fit_job::{Job, with_file};
+use crate::arguments::{BesideName, FitArguments};
 
-/// What became of a recording.
+/// Report on the fit of one recording (docs/json.md).
 #[derive(Debug, Serialize)]
 pub(super) struct FilterReport {
-    /// Modes beside the filter, loops round it, its order, its breakpoints.
+    /// Number of modes beside the filter.
     pub(super) modes: usize,
+    /// Number of loops round the filter.
     pub(super) loops: usize,
+    /// Order of the filter, 1 or 2.
     order: u8,
+    /// Number of breakpoints of the filter's path.
     breakpoints: usize,
-    /// Bark bands within 40 dB of the recording's loudest.
+    /// Number of Bark bands within 40 dB of the recording's loudest one.
     pub(super) bands: usize,
-    /// Of those, whose decay the instrument's sound has within 15 %.
+    /// Number of those bands that decay in the instrument's sound within 15 % of the recording.
     pub(super) bands_within_15_percent: usize,
-    /// Median and worst error of their decays.
+    /// Median relative error of the decays of those bands.
     pub(super) median_error: f64,
+    /// Largest relative error of the decays of those bands.
     worst_error: f64,
-    /// Seconds that it took.
+    /// Time that the fit took, in seconds.
     pub(super) seconds: f64,
 }
 
-pub(super) fn fit_and_write(arguments: &FitArguments, job: &Job, beside: BesideName) -> Result<FilterReport, FitError> {
+/// Fits a recording and writes its table, and its sound if that is asked for.
+///
+/// # Errors
+/// A message that names the file that cannot be fitted or written.
+pub(super) fn fit_and_write(arguments: &FitArguments, job: &Job, beside: BesideName) -> Result<FilterReport, String> {
     let begun = Instant::now();
-    let heard = heard_in(&job.input)?;
+    let of_input = |error| with_file(&job.input, error);
+    let heard = heard_in(&job.input).map_err(of_input)?;
     let file = job.input.file_name().unwrap_or_default().to_string_lossy();
     let provenance = Provenance {
         name: job.name.clone(),
@@ -45,14 +55,14 @@ pub(super) fn fit_and_write(arguments: &FitArguments, job: &Job, beside: BesideN
         BesideName::Modes => Beside::Modes,
         BesideName::Loops => Beside::Loops,
     };
-    let fitted = fitted(&heard, beside, &provenance)?;
+    let fitted = fitted(&heard, beside, &provenance).map_err(of_input)?;
     let text = ::kit::text::write(&fitted.table);
-    let written = ::kit::file::write_whole(&job.table, text.as_bytes());
-    written.map_err(|error| FitError::Render(error.to_string()))?;
+    ::kit::file::write_whole(&job.table, text.as_bytes()).map_err(|error| error.to_string())?;
     if let Some(path) = &arguments.render {
         const RATE_HZ: f64 = ::fit::dynamic_filter::RATE_HZ;
-        let sound = render::by_instrument(&fitted.table, 0.0, RATE_HZ, (heard.length_s * RATE_HZ) as usize)?;
-        write_mono(path, RATE_HZ, &sound).map_err(|error| FitError::Render(error.to_string()))?;
+        let frames = (heard.length_s * RATE_HZ) as usize;
+        let sound = render::by_instrument(&fitted.table, 0.0, RATE_HZ, frames).map_err(of_input)?;
+        write_mono(path, RATE_HZ, &sound).map_err(|error| error.to_string())?;
     }
     Ok(report(&fitted, begun.elapsed().as_secs_f64()))
 }

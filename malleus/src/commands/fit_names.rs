@@ -1,11 +1,14 @@
-//! Names for the results of recordings: no two alike, the same in every run over the same files.
+//! Names for the results of recordings: no two are alike, and equal inputs give equal names.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each input once, however often it is named, with the name that its table and its page take: the file's stem where no other input has that (in
-/// any mixture of capitals); else with the names of as many folders above it as tell it from the others, else with its ending, else numbered.
+/// Each input once, however often it is given, with the name that its table and its page take.
+///
+/// The name is the file's stem if no other input has that stem, capitals apart. Else as many names
+/// of the folders above go before it as tell the inputs apart. If folders do not, the name keeps
+/// the file's ending, and if that does not tell them apart either, it gets a number.
 pub(super) fn of_inputs(inputs: &[PathBuf]) -> Vec<(PathBuf, String)> {
     let mut seen: Vec<PathBuf> = Vec::new();
     let mut once: Vec<&PathBuf> = Vec::new();
@@ -46,7 +49,8 @@ fn count(names: &[String]) -> BTreeMap<String, usize> {
     count
 }
 
-/// The stem, or the whole file name, of a path with so many folders above it before it.
+/// File name of a path, with or without its ending, behind the names of the `folders` folders
+/// above.
 fn name(path: &Path, folders: usize, ending: bool) -> String {
     let file = if ending { path.file_name() } else { path.file_stem() };
     let mut parts: Vec<String> = path
@@ -59,7 +63,7 @@ fn name(path: &Path, folders: usize, ending: bool) -> String {
     parts.reverse();
     parts.push(file.unwrap_or_default().to_string_lossy().into_owned());
     let name = parts.join("-");
-    // The index of a report has this name.
+    // The index of a report is called index.html.
     if name.eq_ignore_ascii_case("index") { "index-recording".to_owned() } else { name }
 }
 
@@ -73,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stem_of_its_own_is_the_name() {
+    fn name_of_an_input_is_its_stem_if_no_other_has_it() {
         assert_eq!(names(&["takes/mug.wav", "takes/bell.flac"]), ["mug", "bell"]);
     }
 
@@ -84,12 +88,12 @@ mod tests {
     }
 
     #[test]
-    fn files_that_differ_in_their_ending_keep_it() {
+    fn inputs_that_differ_only_in_their_ending_keep_it() {
         assert_eq!(names(&["t/hit.wav", "t/hit.flac"]), ["hit.wav", "hit.flac"]);
     }
 
     #[test]
-    fn no_two_names_are_alike_whatever_the_inputs() {
+    fn no_two_names_are_alike() {
         let found = names(&["a-b/c.wav", "x/a-b-c.wav", "y/c.wav", "a/b-c.wav", "z/b-c.wav", "index.wav", "A-B/C.WAV"]);
         let mut lower: Vec<String> = found.iter().map(|name| name.to_lowercase()).collect();
         lower.sort();
@@ -99,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_named_twice_is_fitted_once() {
+    fn input_that_is_given_twice_is_named_once() {
         assert_eq!(names(&["takes/mug.wav", "takes/mug.wav"]), ["mug"]);
     }
 }

@@ -1,7 +1,9 @@
-//! `malleus kit check`: whether a kit is valid, what of it clips at velocity 1, and what boards leave out of it.
+//! `malleus kit check`: tells if a kit is valid, what clips at velocity 1, and what boards leave
+//! out.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::LoadError;
+use dsp_core::memory::WORD_BYTES;
 use dsp_core::table::Kit;
 use kit::Loaded;
 use malleus::render::headroom::{self, Loudness};
@@ -9,18 +11,20 @@ use malleus::render::{board, force, instrument};
 use serde::Serialize;
 use virtual_board::Board;
 
-use super::kit::{KitReport, counts, open};
-use super::{CommandError, left_out, print, print_json, progress};
+use super::error::CommandError;
+use super::kit_report::{KitReport, counts, open};
+use super::left_out::left_out;
+use super::output::{print, print_json, progress};
 
-/// What the check finds beside what [`KitReport`] says.
+/// Findings of the check beyond the facts in [`KitReport`].
 #[derive(Debug, Default, Serialize)]
 struct Findings {
-    /// Each striker on each pad, alone at velocity 1.
+    /// One finding for each striker on each pad, struck alone at velocity 1.
     strikes: Vec<StrikeFinding>,
-    /// All pads at once at velocity 1; `None` for silence.
+    /// Peak of all pads struck at once at velocity 1; `None` for silence.
     chord_peak_dbfs: Option<f64>,
     boards: Vec<BoardFinding>,
-    /// Why nothing has been rendered.
+    /// Reason for which nothing is rendered, if the instrument cannot render the kit.
     not_rendered: Option<String>,
 }
 
@@ -28,13 +32,13 @@ struct Findings {
 struct StrikeFinding {
     pad: String,
     striker: String,
-    /// In reference forces; the force bus ends at 16.
+    /// Peak force in reference forces; the force bus ends at 16.
     force: f64,
     position: f32,
     peak_dbfs: Option<f64>,
-    /// Where the force bus clips: a reference force with which it does not.
+    /// Reference force with which the force bus does not clip; `None` if it does not clip now.
     fitting_reference_force: Option<f32>,
-    /// Where the pad clips: the level with which its loudest striker peaks at -6 dBFS.
+    /// Level with which the pad's loudest striker peaks at -6 dBFS; `None` if it does not clip now.
     fitting_level_db: Option<f32>,
     #[serde(skip)]
     needs_rescaling: bool,
@@ -44,15 +48,28 @@ struct StrikeFinding {
 struct BoardFinding {
     board: &'static str,
     budget_cycles: u32,
+    /// Memory and time that the kit takes; `None` if the board refuses it.
+    plan: Option<PlanFinding>,
     left_out: Vec<String>,
-    /// What the board's budget leaves out of all pads at once at velocity 1.
+    /// Modes that the board's budget leaves out of all pads struck at once at velocity 1.
     chord_shed: Vec<ShedFinding>,
     chord_refused_stages: u32,
-    /// Number of modes of all pads.
+    /// Number of modes of all pads together.
     #[serde(skip)]
     modes: usize,
     #[serde(skip)]
     is_refused: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct PlanFinding {
+    fast_bytes: usize,
+    of_fast_bytes: usize,
+    bulk_bytes: usize,
+    of_bulk_bytes: usize,
+    /// Cycles per tick for stages that strikes begin.
+    stage_cycles_left: u32,
+    of_stage_cycles: u32,
 }
 
 #[derive(Debug, Serialize)]
@@ -70,10 +87,10 @@ struct CheckReport<'a> {
     findings: Findings,
 }
 
-pub(super) fn run(name: &str, rate: SampleRate, json: bool) -> Result<(), CommandError> {
+pub(super) fn run(name: &str, rate: SampleRate, board: Option<Board>, json: bool) -> Result<(), CommandError> {
     let loaded = open(name)?;
     check_filters(name, &loaded, rate)?;
-    let findings = if loaded.kit.pads.is_empty() { Findings::default() } else { findings(name, &loaded, rate)? };
+    let findings = if loaded.kit.pads.is_empty() { Findings::default() } else { findings(name, &loaded, rate, board)? };
     if json {
         return print_json(&CheckReport { kit: KitReport::of(name, &loaded), findings });
     }
@@ -81,13 +98,14 @@ pub(super) fn run(name: &str, rate: SampleRate, json: bool) -> Result<(), Comman
         "{name}: good; {}, {} bytes in binary\n{}",
         counts(&loaded),
         loaded.binary.len(),
-        findings.as_text(name)
+        findings.as_text(name, board.is_some())
     ))
 }
 
-/// What rendering tells of a kit with pads. What the instrument cannot hold is told, and not
-/// rendered.
-fn findings(name: &str, loaded: &Loaded, rate: SampleRate) -> Result<Findings, CommandError> {
+/// Findings on a kit with pads, which is rendered for them.
+///
+/// If the instrument cannot render the kit, the findings say why.
+fn findings(name: &str, loaded: &Loaded, rate: SampleRate, board: Option<Board>) -> Result<Findings, CommandError> {
     let table = Kit::parse(&loaded.binary).map_err(|error| CommandError::Table { kit: name.to_owned(), error })?;
     let strikes = headroom::strike_count(&loaded.kit) as u64;
     let bar = progress(strikes + 1 + Board::ALL.len() as u64, "checking");
@@ -100,7 +118,7 @@ fn findings(name: &str, loaded: &Loaded, rate: SampleRate) -> Result<Findings, C
         }
         Err(error) => findings.not_rendered = Some(error.to_string()),
     }
-    for board in Board::ALL {
+    for board in Board::ALL.into_iter().filter(|&one| board.is_none_or(|board| board == one)) {
         findings.boards.push(of_board(name, board, &loaded.kit, &table));
         bar.inc(1);
     }
@@ -108,7 +126,7 @@ fn findings(name: &str, loaded: &Loaded, rate: SampleRate) -> Result<Findings, C
     Ok(findings)
 }
 
-/// The finding of one striker on one pad.
+/// Finding of one striker on one pad.
 fn of_strike(kit: &kit::Kit, strike: &Loudness, all: &[Loudness]) -> Option<StrikeFinding> {
     let pad = kit.pads.get(strike.pad)?;
     let (striker, object) = force::bound(kit, pad, strike.striker)?;
@@ -126,7 +144,8 @@ fn of_strike(kit: &kit::Kit, strike: &Loudness, all: &[Loudness]) -> Option<Stri
     })
 }
 
-/// What a board leaves out of a kit, and of its loudest chord.
+/// Finding of the stages that a board leaves out of a kit, and of the modes that it leaves out of
+/// all pads struck at once.
 fn of_board(name: &str, on: Board, kit: &kit::Kit, table: &Kit<'_>) -> BoardFinding {
     let shed = board::shed_of_chord(on, table);
     let is_refused = shed.is_err();
@@ -141,6 +160,7 @@ fn of_board(name: &str, on: Board, kit: &kit::Kit, table: &Kit<'_>) -> BoardFind
     BoardFinding {
         board: on.name(),
         budget_cycles: board::budget_cycles(on),
+        plan: board::plan(on, table).ok().map(|plan| PlanFinding::of(&plan)),
         left_out: left_out(name, on, table),
         chord_shed: of_pads.map(finding).collect(),
         chord_refused_stages: shed.refused_stages,
@@ -154,7 +174,8 @@ fn dbfs(peak: f64) -> Option<f64> {
 }
 
 impl Findings {
-    fn as_text(&self, name: &str) -> String {
+    /// The findings as lines, with the boards' plans if these are asked for.
+    fn as_text(&self, name: &str, with_plan: bool) -> String {
         let mut lines: Vec<String> = Vec::new();
         for strike in &self.strikes {
             let StrikeFinding { pad, striker, force, .. } = strike;
@@ -164,22 +185,22 @@ impl Findings {
                     false => "",
                 };
                 lines.push(format!(
-                    "{name}: pad {pad:?} with {striker:?} at velocity 1: the force is {force:.1} times reference_force and clips at 16: reference_force = {newtons} fits{rest}"
+                    "{name}: pad {pad:?} with {striker:?} at velocity 1: the force is {force:.1} times reference_force and clips at 16; reference_force = {newtons} fits{rest}"
                 ));
             }
             if let (Some(level_db), Some(peak_dbfs)) = (strike.fitting_level_db, strike.peak_dbfs) {
                 lines.push(format!(
-                    "{name}: pad {pad:?} with {striker:?} at velocity 1 peaks at {peak_dbfs:+.1} dBFS and clips: level_db = {level_db:.1} fits, a peak of {:.0} dBFS",
+                    "{name}: pad {pad:?} with {striker:?} at velocity 1 peaks at {peak_dbfs:+.1} dBFS and clips; level_db = {level_db:.1} fits and peaks at {:.0} dBFS",
                     headroom::TARGET_DBFS
                 ));
             }
         }
-        // One pad's chord is its strike.
+        // The chord of a single pad is its strike, which has a line already.
         let has_chord =
             self.strikes.iter().any(|strike| self.strikes.first().is_some_and(|first| first.pad != strike.pad));
         if let Some(peak) = self.chord_peak_dbfs.filter(|&peak| has_chord && peak > 0.0) {
             lines.push(format!(
-                "{name}: all pads at once at velocity 1 peak at {peak:+.1} dBFS and clip: every level_db {:.1} dB lower fits",
+                "{name}: all pads at once at velocity 1 peak at {peak:+.1} dBFS and clip; every level_db {:.1} dB lower fits",
                 (peak * 10.0).ceil() / 10.0
             ));
         }
@@ -187,6 +208,9 @@ impl Findings {
             lines.push(format!("{name}: levels are not checked: {error}"));
         }
         for board in &self.boards {
+            if let Some(plan) = board.plan.as_ref().filter(|_| with_plan) {
+                lines.push(format!("{name}: {} {}", board.board, plan.as_text()));
+            }
             lines.extend(board.left_out.iter().cloned());
             if !board.is_refused {
                 lines.push(format!("{name}: {} {}", board.board, board.of_chord()));
@@ -196,8 +220,33 @@ impl Findings {
     }
 }
 
+impl PlanFinding {
+    fn of(plan: &board::BoardPlan) -> Self {
+        Self {
+            fast_bytes: plan.taken.fast * WORD_BYTES,
+            of_fast_bytes: plan.lent.fast * WORD_BYTES,
+            bulk_bytes: plan.taken.bulk * WORD_BYTES,
+            of_bulk_bytes: plan.lent.bulk * WORD_BYTES,
+            stage_cycles_left: plan.stage_cycles_left,
+            of_stage_cycles: plan.stage_cycles,
+        }
+    }
+
+    /// The plan in words.
+    fn as_text(&self) -> String {
+        let bulk = match self.of_bulk_bytes {
+            0 => String::new(),
+            of => format!(" and {} of {of} bytes of large memory", self.bulk_bytes),
+        };
+        format!(
+            "takes {} of {} bytes of fast memory{bulk}; {} of {} cycles a tick are left for stages that strikes begin",
+            self.fast_bytes, self.of_fast_bytes, self.stage_cycles_left, self.of_stage_cycles
+        )
+    }
+}
+
 impl BoardFinding {
-    /// What becomes of the chord, in words.
+    /// Modes and stages that the board leaves out of all pads struck at once, in words.
     fn of_chord(&self) -> String {
         let all_modes = self.chord_shed.iter().map(|shed| shed.of_modes).sum::<usize>();
         let is_all =
@@ -218,17 +267,18 @@ impl BoardFinding {
     }
 }
 
-/// What only a rate can tell: whether every object's filters are stable, and whether the instrument
-/// plays the kit.
+/// Refuses a kit with filters that are unstable at the sample rate.
+///
+/// Tells the user if the instrument cannot play the kit at that rate.
 fn check_filters(name: &str, loaded: &Loaded, rate: SampleRate) -> Result<(), CommandError> {
     let filtered = |object: &&kit::Object| object.dynamic_filter.is_some() || object.biquads.is_some();
     for object in loaded.kit.objects.iter().filter(filtered) {
-        // Alone, so that tables without pads are judged, too.
+        // Each object alone, on a pad, so that tables without pads are judged, too.
         let alone = one_object(object);
         let bytes = kit::binary::build(&alone)?;
         let table = Kit::parse(&bytes).map_err(|error| CommandError::Table { kit: name.to_owned(), error })?;
-        let what = match instrument::check(&table, rate) {
-            Ok(()) => continue,
+        let what = match instrument::plan(&table, rate) {
+            Ok(_) => continue,
             Err(LoadError::DynamicFilter { error, .. }) => format!("dynamic filter: {error}"),
             Err(LoadError::Biquads { error, .. }) => format!("biquads: {error}"),
             Err(other) => other.to_string(),
@@ -239,13 +289,13 @@ fn check_filters(name: &str, loaded: &Loaded, rate: SampleRate) -> Result<(), Co
         return Ok(());
     }
     let table = Kit::parse(&loaded.binary).map_err(|error| CommandError::Table { kit: name.to_owned(), error })?;
-    if let Err(error) = instrument::check(&table, rate) {
-        eprintln!("malleus: {name}: at {rate} it does not play: {error}");
+    if let Err(error) = instrument::plan(&table, rate) {
+        eprintln!("malleus: {name}: it cannot be played at {rate}: {error}");
     }
     Ok(())
 }
 
-/// The filters of an object, on a pad.
+/// Kit of one pad that plays an object's filters without its modes.
 fn one_object(object: &kit::Object) -> kit::Kit {
     let (name, nothing) = ("filters".to_owned(), String::new);
     let striker = kit::Striker {

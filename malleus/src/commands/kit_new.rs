@@ -1,4 +1,4 @@
-//! `malleus kit new`: tables bound to pads, at levels that fit.
+//! `malleus kit new`: a kit whose pads play the objects of tables, at levels that do not clip.
 
 use std::path::{Path, PathBuf};
 
@@ -7,15 +7,17 @@ use clap::error::ErrorKind;
 use dsp_core::SampleRate;
 use malleus::render::headroom::{self, LARGEST_FORCE};
 
-use super::kit::open;
-use super::{CommandError, print, progress};
-use crate::Arguments;
+use super::error::CommandError;
+use super::kit_report::open;
+use super::output::{print, progress};
+use crate::arguments::Arguments;
 
-/// The rate at which levels are measured.
+/// Sample rate at which levels are measured.
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// One pad for each object of the tables, struck by the strikers of its own table. Without an
-/// output, the first of the paths is it.
+/// Writes a kit with one pad for each object of the tables, struck by the strikers of its table.
+///
+/// Without `output`, the first of the paths is the kit to write.
 pub(super) fn run(tables: &[PathBuf], output: Option<&Path>, first_note: u8) -> Result<(), CommandError> {
     let (output, tables) = match (output, tables) {
         (Some(output), tables) => (output, tables),
@@ -23,13 +25,13 @@ pub(super) fn run(tables: &[PathBuf], output: Option<&Path>, first_note: u8) -> 
         (None, _) => Arguments::command()
             .error(
                 ErrorKind::MissingRequiredArgument,
-                "give a new kit and at least one table: malleus kit new TABLE -o KIT.toml",
+                "give at least one table and the kit to write: malleus kit new TABLE... -o KIT.toml",
             )
             .exit(),
     };
     let mut kit = bound(output, tables, first_note)?;
     set_reference_forces(&mut kit);
-    // Judged as a board would, before anything is rendered or written.
+    // Refuses what a board would refuse, before anything is rendered or written.
     kit::binary::build(&kit)?;
     set_levels(output, &mut kit);
     let bytes = kit::binary::build(&kit)?.len();
@@ -37,7 +39,7 @@ pub(super) fn run(tables: &[PathBuf], output: Option<&Path>, first_note: u8) -> 
     print(&format!("{}: {} pads, {bytes} bytes in binary\n", output.display(), kit.pads.len()))
 }
 
-/// The tables' objects on pads at 0 dB.
+/// Kit of all objects and strikers of the tables, with one pad per object at a level of 0 dB.
 fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, CommandError> {
     let name = output.file_stem().unwrap_or_default().to_string_lossy();
     let mut kit = kit::Kit {
@@ -65,11 +67,15 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
                 trigger: None,
             });
         }
-        // A table's room is that of its recording; a kit has one.
+        // A table's room is that of its recording. A kit has one room, so that of several tables
+        // none is taken.
         match tables.len() {
             1 => kit.room = loaded.kit.room,
             _ if loaded.kit.room.is_empty() => {}
-            _ => eprintln!("malleus: {}: the room of its recording is left out", table.display()),
+            _ => eprintln!(
+                "malleus: {}: the room of its recording is left out, since a kit of several tables has none",
+                table.display()
+            ),
         }
         kit.objects.extend(loaded.kit.objects);
         kit.strikers.extend(loaded.kit.strikers);
@@ -77,8 +83,9 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
     Ok(kit)
 }
 
-/// Gives objects whose hardest striker comes near the end of the force bus that striker's peak
-/// force as reference force. Their sound stays.
+/// Raises the reference force of objects whose hardest striker comes near the end of the force bus.
+///
+/// The reference force becomes the peak force of that striker. The object sounds as before.
 fn set_reference_forces(kit: &mut kit::Kit) {
     for index in 0..kit.objects.len() {
         let Some(object) = kit.objects.get(index) else { continue };
@@ -90,8 +97,9 @@ fn set_reference_forces(kit: &mut kit::Kit) {
     }
 }
 
-/// Sets each pad's level so that its loudest striker peaks at -6 dBFS at velocity 1; 0 dB where
-/// that cannot be told.
+/// Sets each pad's level so that its loudest striker peaks at -6 dBFS at velocity 1.
+///
+/// Levels stay at 0 dB if the instrument cannot render the kit.
 fn set_levels(output: &Path, kit: &mut kit::Kit) {
     let bar = progress(headroom::strike_count(kit) as u64, "choosing levels");
     let strikes = headroom::of_strikes(kit, RATE, || bar.inc(1));

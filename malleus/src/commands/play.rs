@@ -1,4 +1,4 @@
-//! `malleus play`.
+//! `malleus play`: renders events or a direct force on a kit and writes the sound.
 
 use std::path::{Path, PathBuf};
 
@@ -15,10 +15,12 @@ use malleus::{events, wave};
 use serde::Serialize;
 use virtual_board::Board;
 
-use super::{CommandError, left_out, peak_dbfs, print, print_json, progress};
-use crate::PlayArguments;
+use super::error::CommandError;
+use super::left_out::left_out;
+use super::output::{peak_dbfs, print, print_json, progress};
+use crate::arguments::PlayArguments;
 
-/// The longest sound that is rendered at once: an hour is 1.4 GB of frames.
+/// Longest sound that is rendered at once, in seconds: an hour is 1.4 GB of frames.
 const LONGEST_S: f64 = 3_600.0;
 
 pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
@@ -50,7 +52,8 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         (sound.into_iter().map(|frame| frame.map(reference::scene::quantise_24)).collect(), level)
     } else {
         let skipping = if arguments.no_skip { Skipping::Off } else { Skipping::On };
-        // With a budget, blocks of whole ticks: decisions look ahead as far as the block.
+        // A budget needs blocks of whole ticks, because its decisions look ahead to the block's
+        // end.
         let block = arguments.block as usize;
         let block = if budget_cycles.is_some() { block.next_multiple_of(TICK_FRAMES) } else { block };
         let settings = Settings { rate, block, skipping, budget_cycles };
@@ -102,8 +105,10 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
     if arguments.json { print_json(&report) } else { print(&report.as_text(rate)) }
 }
 
-/// Cycles that a tick may take, if limited. The board's own where it plays, unless its decisions
-/// are among the events already.
+/// Cycles that a tick may take; `None` for no limit.
+///
+/// Without `--budget-mhz` a board's own limit holds. Events that are a log hold the board's
+/// decisions already, and are played without a limit.
 fn budget_cycles(arguments: &PlayArguments, performance: &Performance, rate: SampleRate) -> Option<u32> {
     match arguments.budget_mhz {
         Some(0.0) => None,
@@ -118,16 +123,19 @@ fn budget_cycles(arguments: &PlayArguments, performance: &Performance, rate: Sam
 fn warn_of_clipping(kit: &str, level: &Level, force: Option<ForceLoad>) {
     if let Some(ForceLoad { largest, overloads }) = force.filter(|force| force.overloads > 0) {
         eprintln!(
-            "malleus: {kit}: strikes whose force may clip: {overloads}; it comes up to {largest:.1} times reference_force, the bus ends at 16; see malleus kit check"
+            "malleus: {kit}: the force of {overloads} strikes may clip: it comes up to {largest:.1} times reference_force, and the force bus ends at 16; malleus kit check says which reference_force fits"
         );
     }
     if level.saturated_samples > 0 {
-        eprintln!("malleus: {kit}: samples at the bus's end, +24 dBFS: {}", level.saturated_samples);
+        eprintln!(
+            "malleus: {kit}: {} samples stand at the end of the bus, +24 dBFS, and may be clipped there; lower the pads' level_db",
+            level.saturated_samples
+        );
     }
     if level.clipped_samples > 0 {
         let peak_dbfs = level.peak_dbfs().unwrap_or_default();
         eprintln!(
-            "malleus: {kit}: {} samples are clipped: the peak is {peak_dbfs:+.1} dBFS; lower the pads' level_db, see malleus kit check",
+            "malleus: {kit}: {} samples are clipped, since the peak is {peak_dbfs:+.1} dBFS; lower the pads' level_db as malleus kit check proposes",
             level.clipped_samples
         );
     }
@@ -164,7 +172,8 @@ fn read_performance(
     Ok((rate, Performance::new(list.events, None, kit, rate, arguments.tail)))
 }
 
-/// `FILE:2` is channel 2 of FILE; without a number behind the last colon it is channel 0.
+/// Splits `FILE:2` into the path FILE and channel 2. Without a number behind the last colon the
+/// channel is 0.
 fn split_channel(argument: &str) -> (PathBuf, u16) {
     if let Some((path, channel)) = argument.rsplit_once(':')
         && let Ok(channel) = channel.parse()
@@ -174,7 +183,7 @@ fn split_channel(argument: &str) -> (PathBuf, u16) {
     (PathBuf::from(argument), 0)
 }
 
-/// Sums of all ticks' reports.
+/// Sums over the reports of all ticks (docs/json.md).
 #[derive(Debug, Default, Serialize)]
 struct Work {
     driven_mode_frames: u64,
@@ -266,10 +275,10 @@ impl PlayReport<'_> {
         };
         if let (Some(cycles), Some(work)) = (self.budget_cycles, &self.work) {
             text += &match work.shed_modes {
-                0 => format!("; nothing left out within {cycles} cycles a tick"),
+                0 => format!("; nothing is left out within {cycles} cycles per tick"),
                 modes => {
                     let ticks = work.shedding_ticks;
-                    format!("; {modes} modes left out in {ticks} ticks to stay within {cycles} cycles a tick")
+                    format!("; {modes} modes are left out in {ticks} ticks to stay within {cycles} cycles per tick")
                 }
             };
         }

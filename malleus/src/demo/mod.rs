@@ -1,4 +1,4 @@
-//! The demo piece: strikes from `tables/demo-piece.csv` on the shipped kit, and a scraped force on one pad.
+//! The demo piece: strikes from `tables/demo-piece.csv` on the shipped kit, and a scraped bowl.
 
 mod scrape;
 
@@ -8,21 +8,21 @@ use dsp_core::table::Kit;
 use crate::events::{self, EventsFault};
 use crate::render::Performance;
 
-/// The kit that the piece is for.
+/// Name of the shipped kit that plays the piece.
 pub const KIT: &str = "demo";
-/// The pad that is driven directly.
+/// Name of the pad that a scraping force drives directly.
 pub const SCRAPED_PAD: &str = "bowl";
-/// The sample rate of the piece.
+/// Sample rate of the piece.
 pub const RATE: SampleRate = SampleRate::HZ_48000;
 
 const PIECE: &str = include_str!("../../../tables/demo-piece.csv");
-/// The sound ends this long after the last strike.
+/// Time from the last strike to the end of the sound, in seconds.
 const TAIL_S: f64 = 3.0;
 
-/// The piece for the shipped kit.
+/// The demo piece as a performance for a kit, given as its binary `table` and its content `kit`.
 ///
 /// # Errors
-/// [`EventsFault`] if the piece names what the kit does not have; never for the two as they ship.
+/// [`EventsFault`] if the kit lacks a pad or striker of the piece. The shipped kit [`KIT`] has all.
 pub fn piece(table: &Kit<'_>, kit: &kit::Kit) -> Result<Performance, EventsFault> {
     let list = events::csv::parse(PIECE.as_bytes(), table, RATE)?;
     let scraped = (0u8..=254).zip(&kit.pads).find(|(_, pad)| pad.name == SCRAPED_PAD).map(|(index, _)| index);
@@ -30,7 +30,7 @@ pub fn piece(table: &Kit<'_>, kit: &kit::Kit) -> Result<Performance, EventsFault
     Ok(Performance::new(list.events, direct, kit, RATE, Some(TAIL_S)))
 }
 
-/// What of a performance concerns one pad; the same length.
+/// The events and the direct force of one pad of a performance, in a performance of equal length.
 pub fn solo(performance: &Performance, pad: u8) -> Performance {
     Performance {
         events: performance.events.iter().copied().filter(|event| event.pad == pad).collect(),

@@ -1,18 +1,22 @@
-//! A force as a stick makes it that is drawn along a rough edge: noise whose level and brightness follow the stick's speed.
+//! The force of a stick that is drawn along a rough edge.
+//!
+//! It is noise whose level and brightness follow the speed of the stick.
 
 use dsp_core::SampleRate;
 use dsp_core::fixed::q27_from;
 
+/// Time from the start of the piece to the start of the scraping, in seconds.
 const BEGIN_S: f64 = 9.2;
+/// Duration of the scraping, in seconds.
 const LENGTH_S: f64 = 2.1;
-/// Two strokes, there and back.
+/// Number of strokes: one there and one back.
 const STROKES: f64 = 2.0;
-/// Force at full speed, of the object's reference force, rms.
+/// Rms force at full speed, in reference forces of the object.
 const LEVEL: f64 = 0.02;
-/// Corner of the contact's low-pass at full speed, in Hz.
+/// Corner frequency of the contact's low-pass at full speed, in Hz.
 const BRIGHTEST_HZ: f64 = 6_000.0;
 
-/// The force, Q4.27, from the start of the piece.
+/// Samples of the scraping force in Q4.27, from the start of the piece.
 pub(super) fn force(rate: SampleRate) -> Vec<i32> {
     let begin = (BEGIN_S * rate.hz()) as usize;
     let length = (LENGTH_S * rate.hz()) as usize;
@@ -28,7 +32,7 @@ pub(super) fn force(rate: SampleRate) -> Vec<i32> {
     force
 }
 
-/// White noise of unit variance, uniform: xorshift32 (Marsaglia 2003).
+/// Generator of white noise, uniform with unit variance: xorshift32 (Marsaglia 2003).
 struct Noise(u32);
 
 impl Noise {

@@ -4,21 +4,27 @@ use dsp_core::SampleRate;
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::table::{Kit, Pad};
 
-use super::{EventList, EventsFault, time_from_seconds};
+use super::error::EventsFault;
+use super::list::{EventList, time_from_seconds};
 
 const COLUMNS: [&str; 7] = ["sample", "time_s", "pad", "velocity", "position", "striker", "action"];
 
-/// Parses CSV bytes for a kit at a rate. Empty fields of `position`, `striker` and `action` mean 0, the pad's first striker and `strike`;
-/// `velocity` may be empty for a choke or a release.
+/// Parses CSV bytes into events for a kit at a sample rate.
+///
+/// An empty `position` means 0, an empty `striker` the pad's first one, and an empty `action` a
+/// strike. `velocity` may be empty for a choke or a release. Lines that begin with `#` are
+/// comments.
 ///
 /// # Errors
-/// [`EventsFault`] with line, column, value and what is allowed.
+/// [`EventsFault`] for bytes that are not text in UTF-8, and for the first wrong field, with its
+/// line, column and value and the values that are allowed there.
 pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList, EventsFault> {
+    check_text(bytes)?;
     let mut reader = ::csv::ReaderBuilder::new().trim(::csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
-    let columns = Columns::find(reader.headers()?)?;
+    let columns = Columns::find(reader.headers().map_err(|error| of_reader(&error))?)?;
     let mut list = EventList::default();
     for record in reader.records() {
-        let record = record?;
+        let record = record.map_err(|error| of_reader(&error))?;
         let row = Row { line: record.position().map_or(0, ::csv::Position::line), record: &record, columns: &columns };
         let event = row.event(kit, rate)?;
         if list.events.last().is_some_and(|last: &Event| last.time > event.time) {
@@ -29,8 +35,31 @@ pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList,
     Ok(list)
 }
 
-/// Writes events for a kit at a rate such that [`parse`] gives the same events, bit for bit: by samples where all fall on samples, else by
-/// seconds.
+/// Refuses bytes that are not UTF-8 or hold a NUL, which no text has.
+fn check_text(bytes: &[u8]) -> Result<(), EventsFault> {
+    let text = std::str::from_utf8(bytes).map_err(|error| EventsFault::NotText { offset: error.valid_up_to() })?;
+    text.find('\0').map_or(Ok(()), |offset| Err(EventsFault::NotText { offset }))
+}
+
+/// The fault behind an error of the CSV reader.
+///
+/// Text that lies in memory can only fail by its number of fields. Any other error would be that of
+/// a byte that is not text.
+fn of_reader(error: &::csv::Error) -> EventsFault {
+    let position = error.position();
+    match error.kind() {
+        ::csv::ErrorKind::UnequalLengths { expected_len, len, .. } => EventsFault::FieldCount {
+            line: position.map_or(0, ::csv::Position::line),
+            found: *len,
+            expected: *expected_len,
+        },
+        _ => EventsFault::NotText { offset: position.map_or(0, |position| position.byte() as usize) },
+    }
+}
+
+/// Writes events as CSV from which [`parse`] reads them back, bit for bit, at the same rate.
+///
+/// Times are whole samples if all events fall on samples, else seconds.
 pub fn write(events: &[Event], kit: &Kit<'_>, rate: SampleRate) -> String {
     let whole = events.iter().all(|event| event.time.fraction == 0);
     let mut text = String::from(if whole { "sample" } else { "time_s" });
@@ -57,14 +86,17 @@ pub fn write(events: &[Event], kit: &Kit<'_>, rate: SampleRate) -> String {
     text
 }
 
-/// A time in seconds that reads back as the same time: the nearest one, or a neighbour of it, because the product with the rate is rounded.
+/// A number of seconds that [`time_from_seconds`] converts back to exactly `time`.
+///
+/// The quotient by the rate alone may miss it, because the product with the rate is rounded again:
+/// then one of the quotient's neighbours serves.
 fn seconds(time: Time, rate: SampleRate) -> f64 {
     let nearest = (time.frame as f64 + f64::from(time.fraction) / 4_294_967_296.0) / rate.hz();
     let neighbours = (0..16u64).flat_map(|step| [nearest.to_bits() + step, nearest.to_bits().saturating_sub(step)]);
     neighbours.map(f64::from_bits).find(|&seconds| time_from_seconds(seconds, rate) == Some(time)).unwrap_or(nearest)
 }
 
-/// Where each column stands.
+/// Index of each known column in the file's header, in the order of [`COLUMNS`].
 struct Columns([Option<usize>; COLUMNS.len()]);
 
 impl Columns {
@@ -73,23 +105,25 @@ impl Columns {
         for (place, name) in header.iter().enumerate() {
             match COLUMNS.iter().position(|column| *column == name) {
                 Some(column) if found[column].is_none() => found[column] = Some(place),
-                Some(_) => return Err(EventsFault::Header(format!("column `{name}` is there twice"))),
-                None => return Err(EventsFault::Header(format!("unknown column `{name}`"))),
+                Some(_) => return Err(EventsFault::Header(format!("the column `{name}` is there twice"))),
+                None => return Err(EventsFault::Header(format!("the column `{name}` is unknown"))),
             }
         }
         if found[0].is_some() == found[1].is_some() {
-            return Err(EventsFault::Header("one of `sample` and `time_s` must be there".to_owned()));
+            return Err(EventsFault::Header(
+                "exactly one of the columns `sample` and `time_s` must be there".to_owned(),
+            ));
         }
         for required in [2, 3] {
             if found[required].is_none() {
-                return Err(EventsFault::Header(format!("column `{}` is missing", COLUMNS[required])));
+                return Err(EventsFault::Header(format!("the column `{}` is missing", COLUMNS[required])));
             }
         }
         Ok(Self(found))
     }
 }
 
-/// One line.
+/// One line of the file behind the header.
 struct Row<'a> {
     line: u64,
     record: &'a ::csv::StringRecord,

@@ -7,19 +7,21 @@ use dsp_core::event::{Action, Event};
 use dsp_core::table::Kit;
 use midly::{Fps, MetaMessage, MidiMessage, Smf, Timing, TrackEventKind};
 
-use super::{EventList, EventsFault, time_from_seconds};
+use super::error::EventsFault;
+use super::list::{EventList, time_from_seconds};
 
-/// The channel of General MIDI percussion, counted from 0.
+/// Channel of General MIDI percussion, counted from 0: users know it as channel 10.
 const PERCUSSION_CHANNEL: u8 = 9;
 
-/// Parses a Standard MIDI File for a kit at a rate.
+/// Parses a Standard MIDI File into events for a kit at a sample rate.
 ///
-/// A note-on is a strike of velocity v/127 on the pad that has the note in `midi_notes`; note-offs mean nothing; polyphonic
-/// aftertouch of 64 and more chokes the pad, less releases it. Only channel 10 counts, unless the file has no notes there. All tempo changes
-/// are followed; tracks of a format 2 file are merged.
+/// A note-on of velocity v is a strike of velocity v/127 on the pad that has the note in
+/// `midi_notes`. Note-offs are ignored. Polyphonic aftertouch of 64 and more chokes the pad, less
+/// releases it. Only messages on channel 10 count, unless the file has no notes there. All tempo
+/// changes are followed; tracks of a format 2 file are merged.
 ///
 /// # Errors
-/// [`EventsFault`] for a damaged file and for one of which no note is mapped.
+/// [`EventsFault`] for a damaged file and for one whose notes the kit maps to no pad.
 pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList, EventsFault> {
     let smf = Smf::parse(bytes).map_err(EventsFault::Midi)?;
     let mut messages: Vec<(u64, Message)> = Vec::new();
@@ -38,7 +40,8 @@ pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList,
             }
         }
     }
-    // Stable: at the same tick a file's own order stays, the tempo track of a format 1 file first.
+    // The sort is stable: messages of one tick keep the file's order, in which the tempo track of a
+    // format 1 file comes first.
     messages.sort_by_key(|(ticks, _)| *ticks);
     let on_percussion = messages.iter().any(|(_, message)| message.is_note_on(Some(PERCUSSION_CHANNEL)));
     let channel = on_percussion.then_some(PERCUSSION_CHANNEL);
@@ -67,13 +70,14 @@ pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList,
             return Err(EventsFault::NoMappedNote { notes: skipped, mapped: mapped_notes(kit) });
         }
         let notes: Vec<_> = unmapped.iter().map(|(note, count)| format!("{note} ({count} times)")).collect();
-        list.remarks.push(format!("no pad plays note {}; left out", notes.join(", ")));
+        list.remarks.push(format!("no pad plays note {}: these notes are left out", notes.join(", ")));
     }
     Ok(list)
 }
 
+/// A message of any track that may matter.
 enum Message {
-    /// Microseconds a quarter note.
+    /// New tempo, in microseconds per quarter note.
     Tempo(u32),
     Midi(u8, MidiMessage),
 }
@@ -83,7 +87,8 @@ impl Message {
         matches!(self.action(channel), Some((_, _, Action::Strike)))
     }
 
-    /// Note, velocity and what it does, for messages on the channel that counts.
+    /// Note, velocity and action of a message, or `None` if it means nothing or is on a channel
+    /// other than `only_channel`.
     fn action(&self, only_channel: Option<u8>) -> Option<(u8, f32, Action)> {
         let Self::Midi(channel, message) = self else { return None };
         if only_channel.is_some_and(|only| only != *channel) {
@@ -102,7 +107,7 @@ impl Message {
     }
 }
 
-/// From ticks to seconds through all tempo changes so far.
+/// Converter from MIDI ticks to seconds that follows the tempo changes so far.
 struct Clock {
     ticks: u64,
     seconds: f64,
@@ -113,7 +118,7 @@ struct Clock {
 impl Clock {
     fn new(timing: Timing) -> Result<Self, EventsFault> {
         let (ticks_per_quarter, seconds_per_tick) = match timing {
-            // 120 beats a minute until the file says otherwise.
+            // 120 quarter notes per minute until the file sets a tempo.
             Timing::Metrical(ticks) => (Some(f64::from(ticks.as_int())), 0.5 / f64::from(ticks.as_int())),
             Timing::Timecode(fps, subframes) => (None, 1.0 / (frames_per_second(fps) * f64::from(subframes))),
         };

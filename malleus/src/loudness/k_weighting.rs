@@ -1,11 +1,12 @@
 //! K-weighting and loudness of ITU-R BS.1770, at any sample rate.
 //!
-//! The recommendation gives two biquads at 48 kHz: a shelf for what a head does, and a high-pass (RLB). Their analogue
-//! prototypes, by the bilinear transformation at the actual rate, give its numbers at 48 kHz to eight digits.
+//! The recommendation gives two biquads at 48 kHz: a shelf for the effect of a head, and a
+//! high-pass (RLB). Here their analogue prototypes go through the bilinear transformation at the
+//! actual rate, which gives the recommendation's numbers at 48 kHz to eight digits.
 
 use std::f64::consts::PI;
 
-/// `y = b0 x + b1 x' + b2 x'' - a1 y' - a2 y''`.
+/// Biquad `y = b0 x + b1 x' + b2 x'' - a1 y' - a2 y''` with its state.
 #[derive(Clone, Copy, Debug)]
 struct Biquad {
     b: [f64; 3],
@@ -18,7 +19,7 @@ impl Biquad {
         Self { b, a, state: [0.0; 2] }
     }
 
-    /// Direct form II, transposed.
+    /// Filters one sample, in the transposed direct form II.
     fn step(&mut self, x: f64) -> f64 {
         let y = self.b[0] * x + self.state[0];
         self.state = [self.b[1] * x - self.a[0] * y + self.state[1], self.b[2] * x - self.a[1] * y];
@@ -26,7 +27,7 @@ impl Biquad {
     }
 }
 
-/// The pre-filter: a shelf of +4 dB above 1.7 kHz.
+/// Pre-filter of the K-weighting: a shelf of +4 dB above 1.7 kHz.
 fn shelf(rate_hz: f64) -> Biquad {
     let (k, q) = ((PI * 1681.974450955533 / rate_hz).tan(), 0.7071752369554196);
     let high = 10f64.powf(3.999843853973347 / 20.0);
@@ -36,14 +37,16 @@ fn shelf(rate_hz: f64) -> Biquad {
     Biquad::new(b.map(|b| b / a0), [2.0 * (k * k - 1.0) / a0, (1.0 - k / q + k * k) / a0])
 }
 
-/// The RLB filter: a high-pass at 38 Hz.
+/// RLB filter of the K-weighting: a high-pass at 38 Hz.
 fn high_pass(rate_hz: f64) -> Biquad {
     let (k, q) = ((PI * 38.13547087602444 / rate_hz).tan(), 0.5003270373238773);
     let a0 = 1.0 + k / q + k * k;
     Biquad::new([1.0, -2.0, 1.0], [2.0 * (k * k - 1.0) / a0, (1.0 - k / q + k * k) / a0])
 }
 
-/// Loudness in LKFS of the loudest stretch of a sound, `window_s` long; a shorter sound counts as followed by silence.
+/// Loudness in LKFS of the loudest stretch of `window_s` seconds of a sound.
+///
+/// A sound that is shorter than the stretch counts as followed by silence.
 pub fn loudest_lkfs(sound: &[[f64; 2]], rate_hz: f64, window_s: f64) -> f64 {
     let mut filters = [[shelf(rate_hz), high_pass(rate_hz)]; 2];
     let mut energy = Vec::with_capacity(sound.len() + 1);

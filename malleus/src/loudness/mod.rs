@@ -1,4 +1,4 @@
-//! How loud the pads of a kit are beside each other, and how near to full scale they come.
+//! Loudness of a kit's pads relative to each other, and their peaks relative to full scale.
 
 mod k_weighting;
 
@@ -13,21 +13,21 @@ use crate::render::instrument::{self, Output, RenderError, Settings};
 
 pub use k_weighting::loudest_lkfs;
 
-/// Velocity of the strike whose loudness counts.
+/// Velocity of the strike whose loudness is measured.
 pub const VELOCITY: f32 = 0.8;
-/// Length of the stretch whose loudness counts, in seconds.
+/// Length of the loudest stretch of which the loudness is taken, in seconds.
 pub const WINDOW_S: f64 = 0.4;
-/// Strikes a second of a roll.
+/// Number of strikes per second of a roll.
 const ROLL_PER_S: f64 = 10.0;
-/// Strikes of a roll: 2 s.
+/// Number of strikes of a roll, which lasts 2 s.
 const ROLL_STRIKES: u64 = 20;
-/// Sound after the last strike, in seconds.
+/// Length of the sound after the last strike, in seconds.
 const TAIL_S: f64 = 1.0;
 
-/// Stereo sound of the bus, 1.0 = full scale, before it is clipped.
+/// Stereo sound of the bus before it is clipped, 1.0 = full scale.
 pub type Sound = Vec<[f64; 2]>;
 
-/// A kit's pads at a rate, played by the instrument.
+/// Meter of a kit's pads, which the instrument plays at one sample rate.
 #[derive(Debug)]
 pub struct Meter<'a> {
     kit: &'a kit::Kit,
@@ -36,27 +36,29 @@ pub struct Meter<'a> {
 }
 
 impl<'a> Meter<'a> {
-    /// For a kit at a rate.
+    /// Creates the meter of a loaded kit at a sample rate.
     ///
     /// # Errors
-    /// [`TableError`] where the kit's bytes are none.
+    /// [`TableError`] if the kit's bytes are not a valid kit.
     pub fn new(loaded: &'a kit::Loaded, rate: SampleRate) -> Result<Self, TableError> {
         Ok(Self { kit: &loaded.kit, table: Kit::parse(&loaded.binary)?, rate })
     }
 
-    /// Loudness in LKFS of the loudest [`WINDOW_S`] of a strike of the pad's first striker at [`VELOCITY`].
+    /// Loudness of a pad in LKFS: that of the loudest [`WINDOW_S`] seconds of a strike by the pad's
+    /// first striker at [`VELOCITY`].
     ///
     /// # Errors
-    /// [`RenderError`] for a kit that does not fit the engine.
+    /// [`RenderError`] if the kit does not fit the engine.
     pub fn loudness(&self, pad: usize) -> Result<f64, RenderError> {
         let sound = self.play(vec![strike(pad, 0, VELOCITY, 0, 0.0)])?;
         Ok(loudest_lkfs(&sound, self.rate.hz(), WINDOW_S))
     }
 
-    /// Largest sample of a roll at velocity 1, over all strikers of the pad and positions of its object.
+    /// Largest sample of a roll at velocity 1, over all strikers of the pad and all positions of
+    /// its object, 1.0 = full scale.
     ///
     /// # Errors
-    /// As [`Meter::loudness`].
+    /// [`RenderError`] if the kit does not fit the engine.
     pub fn roll_peak(&self, pad: usize) -> Result<f64, RenderError> {
         let mut largest: f64 = 0.0;
         for (striker, position) in self.ways(pad) {
@@ -67,10 +69,10 @@ impl<'a> Meter<'a> {
         Ok(largest)
     }
 
-    /// A strike at velocity 1, by the striker and at the position that peak highest.
+    /// Sound of a strike at velocity 1, by the striker and at the position that peak highest.
     ///
     /// # Errors
-    /// As [`Meter::loudness`].
+    /// [`RenderError`] if the kit does not fit the engine.
     pub fn hardest_strike(&self, pad: usize) -> Result<Sound, RenderError> {
         let mut hardest = (-1.0, Sound::new());
         for (striker, position) in self.ways(pad) {
@@ -83,13 +85,14 @@ impl<'a> Meter<'a> {
         Ok(hardest.1)
     }
 
-    /// Strikers of a pad, each at every position that counts.
+    /// Pairs of a striker of the pad and a position at which its object's gains are given.
     fn ways(&self, pad: usize) -> Vec<(u8, f32)> {
         let kit = self.kit;
         let Some(pad) = kit.pads.get(pad) else { return Vec::new() };
         let object = kit.objects.iter().find(|object| object.name == pad.object);
         let count = object.map_or(1, kit::Object::position_count);
-        // Gains and α are linear between two of the object's positions, so that no place between peaks higher than both.
+        // Gains and α are linear between two of the object's positions, so that no place between
+        // them peaks higher than both.
         let position = move |index: usize| index as f32 / (count - 1).max(1) as f32;
         let strikers = (0u8..).zip(&pad.strikers).map(|(striker, _)| striker);
         strikers.flat_map(|striker| (0..count).map(move |index| (striker, position(index)))).collect()
@@ -108,12 +111,12 @@ fn strike(pad: usize, frame: u64, velocity: f32, striker: u8, position: f32) -> 
     Event { time, pad: pad as u8, velocity, striker, position, ..Event::default() }
 }
 
-/// Largest sample of a sound, either side.
+/// Largest magnitude of a sample on either side of a sound, 1.0 = full scale.
 pub fn peak(sound: &[[f64; 2]]) -> f64 {
     sound.iter().flatten().fold(0.0, |peak, x| peak.max(x.abs()))
 }
 
-/// Sum of sounds, each times a gain.
+/// Sum of sounds, each multiplied by its gain; as long as the longest of them.
 pub fn sum<'a>(sounds: impl IntoIterator<Item = (f64, &'a Sound)>) -> Sound {
     let mut sum = Sound::new();
     for (gain, sound) in sounds {

@@ -1,4 +1,4 @@
-//! The page that everything is drawn on: areas, lines, discs, text and single pixels, antialiased, opaque.
+//! The opaque page on which pictures are drawn: areas, lines, discs, text and single pixels.
 
 use tiny_skia::{
     FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke, StrokeDash,
@@ -8,57 +8,59 @@ use tiny_skia::{
 use super::colour::{Colour, PAGE};
 use super::text::{Anchor, TextStyle, Typeface};
 
-/// A rectangle of the page, pixels from the top left corner.
+/// Rectangle of the page, in pixels from the top left corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Area {
-    /// Left edge.
+    /// Distance of the left edge from the left of the page, in pixels.
     pub(super) left: f32,
-    /// Top edge.
+    /// Distance of the top edge from the top of the page, in pixels.
     pub(super) top: f32,
-    /// Width.
+    /// Width in pixels.
     pub(super) width: f32,
-    /// Height.
+    /// Height in pixels.
     pub(super) height: f32,
 }
 
 impl Area {
-    /// Right edge.
+    /// Distance of the right edge from the left of the page, in pixels.
     pub(super) fn right(&self) -> f32 {
         self.left + self.width
     }
 
-    /// Bottom edge.
+    /// Distance of the bottom edge from the top of the page, in pixels.
     pub(super) fn bottom(&self) -> f32 {
         self.top + self.height
     }
 
-    /// Lane `index` of `count` equal ones from the top down.
+    /// Lane `index`, counted from the top, when the area is divided into `count` lanes of equal
+    /// height.
     pub(super) fn lane(&self, index: usize, count: usize) -> Self {
         let height = self.height / count as f32;
         Self { top: self.top + height * index as f32, height, ..*self }
     }
 }
 
-/// Why a page could not be made.
+/// Reason for which a page cannot be made.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum CanvasError {
     /// The font's bytes are damaged.
     Font,
-    /// So many pixels cannot be held.
+    /// The page has no pixels, or more than fit into memory.
     Surface,
 }
 
-/// A page of pixels with a typeface.
+/// Page of pixels on which shapes and text are drawn.
 pub(super) struct Canvas {
     pixels: Pixmap,
     typeface: Typeface,
 }
 
 impl Canvas {
-    /// An empty page.
+    /// Creates a blank page.
     ///
     /// # Errors
-    /// The page is empty or larger than memory, or the font is damaged.
+    /// [`CanvasError`] if the page has no pixels or more than fit into memory, or the font is
+    /// damaged.
     pub(super) fn new(width: u32, height: u32) -> Result<Self, CanvasError> {
         let typeface = Typeface::built_in().ok_or(CanvasError::Font)?;
         let mut pixels = Pixmap::new(width, height).ok_or(CanvasError::Surface)?;
@@ -66,39 +68,41 @@ impl Canvas {
         Ok(Self { pixels, typeface })
     }
 
-    /// Width, pixels.
+    /// Width of the page in pixels.
     pub(super) fn width(&self) -> u32 {
         self.pixels.width()
     }
 
-    /// Height, pixels.
+    /// Height of the page in pixels.
     pub(super) fn height(&self) -> u32 {
         self.pixels.height()
     }
 
-    /// The page as red, green, blue of each pixel, row by row.
+    /// Red, green and blue of each pixel, row by row from the top.
     pub(super) fn rgb(&self) -> Vec<u8> {
         self.pixels.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect()
     }
 
-    /// Fills an area; its edges are blended where they fall between pixels.
+    /// Fills an area. Edges that fall between pixels are blended.
     pub(super) fn rectangle(&mut self, area: Area, colour: Colour) {
         if let Some(rect) = Rect::from_xywh(area.left, area.top, area.width, area.height) {
             self.pixels.fill_rect(rect, &paint(colour), Transform::identity(), None);
         }
     }
 
-    /// A crisp horizontal line, one pixel thick, in the row of pixels that holds `y`.
+    /// Draws a horizontal line one pixel thick in the row of pixels that holds `y`.
     pub(super) fn horizontal(&mut self, left: f32, right: f32, y: f32, colour: Colour) {
         self.rectangle(Area { left, top: y.floor(), width: right - left, height: 1.0 }, colour);
     }
 
-    /// A crisp vertical line, one pixel thick, in the column of pixels that holds `x`.
+    /// Draws a vertical line one pixel thick in the column of pixels that holds `x`.
     pub(super) fn vertical(&mut self, x: f32, top: f32, bottom: f32, colour: Colour) {
         self.rectangle(Area { left: x.floor(), top, width: 1.0, height: bottom - top }, colour);
     }
 
-    /// A line through `points`, `width` pixels thick; `dash` gives the lengths of the strokes and the gaps.
+    /// Draws a line through `points`, `width` pixels thick.
+    ///
+    /// `dash` gives the lengths of its strokes and of the gaps between them, in pixels.
     pub(super) fn line(&mut self, points: &[(f32, f32)], width: f32, dash: Option<[f32; 2]>, colour: Colour) {
         let stroke = Stroke {
             width,
@@ -112,19 +116,19 @@ impl Canvas {
         }
     }
 
-    /// A filled disc.
+    /// Draws a filled disc.
     pub(super) fn disc(&mut self, (x, y): (f32, f32), radius: f32, colour: Colour) {
         if let Some(path) = PathBuilder::from_circle(x, y, radius) {
             self.pixels.fill_path(&path, &paint(colour), FillRule::Winding, Transform::identity(), None);
         }
     }
 
-    /// Sets one pixel; outside the page, nothing.
+    /// Lays a colour over one pixel. Pixels outside the page are ignored.
     pub(super) fn pixel(&mut self, x: u32, y: u32, colour: Colour) {
         self.blend(i64::from(x), i64::from(y), colour, 1.0);
     }
 
-    /// A text on a horizontal baseline.
+    /// Draws a text on a horizontal baseline.
     pub(super) fn text(&mut self, text: &str, (x, baseline): (f32, f32), anchor: Anchor, style: TextStyle) {
         let start = x - self.before_anchor(text, anchor, style);
         let mut covered = Vec::new();
@@ -136,7 +140,7 @@ impl Canvas {
         }
     }
 
-    /// A text that runs upwards on a vertical baseline (the letters' feet point right).
+    /// Draws a text that runs upwards on a vertical baseline; the feet of its letters point right.
     pub(super) fn text_upwards(&mut self, text: &str, (baseline, y): (f32, f32), anchor: Anchor, style: TextStyle) {
         let start = -y - self.before_anchor(text, anchor, style);
         let mut covered = Vec::new();
@@ -148,12 +152,12 @@ impl Canvas {
         }
     }
 
-    /// Length of a text, pixels.
+    /// Length of a text in pixels.
     pub(super) fn length_px(&self, text: &str, style: TextStyle) -> f32 {
         self.typeface.length_px(text, style)
     }
 
-    /// A text cut to `room_px` with an ellipsis where it is longer.
+    /// The text, cut before an ellipsis if it is longer than `room_px` pixels.
     pub(super) fn shortened(&self, text: &str, style: TextStyle, room_px: f32) -> String {
         self.typeface.shortened(text, style, room_px)
     }
@@ -166,7 +170,7 @@ impl Canvas {
         }
     }
 
-    /// Lays `colour` over a pixel with `share` of its opacity. The page stays opaque.
+    /// Lays a colour over one pixel, with `share` (0 to 1) of the colour's opacity.
     fn blend(&mut self, x: i64, y: i64, colour: Colour, share: f32) {
         let (width, height) = (i64::from(self.width()), i64::from(self.height()));
         if !(0..width).contains(&x) || !(0..height).contains(&y) {
@@ -193,7 +197,7 @@ fn paint(colour: Colour) -> Paint<'static> {
     paint
 }
 
-/// The path through `points`; nothing if they are fewer than two or not finite.
+/// Path through `points`; `None` if they are fewer than two or not finite.
 fn path(points: &[(f32, f32)], closed: bool) -> Option<Path> {
     let (first, rest) = points.split_first()?;
     let mut builder = PathBuilder::with_capacity(points.len() + 1, points.len());
@@ -220,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_page_of_no_pixels_is_refused() {
+    fn page_of_no_pixels_is_refused() {
         assert!(matches!(Canvas::new(0, 10), Err(CanvasError::Surface)));
     }
 
@@ -234,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn upward_text_runs_up_from_its_start_left_of_its_baseline() {
+    fn upward_text_lies_above_its_start_and_left_of_its_baseline() {
         let mut canvas = Canvas::new(60, 200).expect("page");
         let style = TextStyle::regular(16.0, INK);
         canvas.text_upwards("modes", (30.0, 150.0), Anchor::Start, style);

@@ -1,59 +1,61 @@
-//! The few colours of every picture, and the two colour maps.
+//! Colours of the pictures: a few fixed ones and two colour maps.
 
-/// A colour in 8-bit sRGB with an opacity.
+/// Colour in 8-bit sRGB with an opacity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Colour {
-    /// Red, 0 to 255.
+    /// Red component, 0 to 255.
     pub(super) red: u8,
-    /// Green, 0 to 255.
+    /// Green component, 0 to 255.
     pub(super) green: u8,
-    /// Blue, 0 to 255.
+    /// Blue component, 0 to 255.
     pub(super) blue: u8,
-    /// Opacity, 0 (nothing) to 255 (covers what is below).
+    /// Opacity, from 0 (invisible) to 255 (opaque).
     pub(super) opacity: u8,
 }
 
 impl Colour {
-    /// An opaque colour from its sRGB hexadecimal value, `0xRRGGBB`.
+    /// Creates an opaque colour from its sRGB hexadecimal value, `0xRRGGBB`.
     pub(super) const fn hex(rgb: u32) -> Self {
         let [_, red, green, blue] = rgb.to_be_bytes();
         Self { red, green, blue, opacity: 255 }
     }
 }
 
-/// The page.
+/// Colour of the blank page.
 pub(super) const PAGE: Colour = Colour::hex(0xffffff);
-/// Titles and data labels.
+/// Colour of titles and data labels.
 pub(super) const INK: Colour = Colour::hex(0x1b2027);
-/// Axis labels and remarks.
+/// Colour of axis labels and remarks.
 pub(super) const MUTED: Colour = Colour::hex(0x59626d);
-/// The frame and the ticks of a panel.
+/// Colour of the frame and the ticks of a panel.
 pub(super) const FRAME: Colour = Colour::hex(0x8c949d);
-/// Grid lines.
+/// Colour of grid lines.
 pub(super) const GRID: Colour = Colour::hex(0xe7eaed);
-/// Every other lane, and what a picture has no data for.
+/// Colour of every other lane, and of places without data.
 pub(super) const LANE: Colour = Colour::hex(0xf4f6f8);
-/// A waveform.
+/// Colour of a waveform.
 pub(super) const WAVEFORM: Colour = Colour::hex(0x27628f);
-/// Modes or a stage driven by a contact force.
+/// Colour of modes and stages that a contact force drives.
 pub(super) const DRIVEN: Colour = Colour::hex(0xc8553d);
-/// Modes that ring on without a force.
+/// Colour of modes that ring without a force.
 pub(super) const FREE: Colour = Colour::hex(0x8fb4cf);
-/// The striker's own bank.
+/// Colour of the strikers' own banks.
 pub(super) const STRIKER: Colour = Colour::hex(0xd9972f);
-/// The acceleration sound.
+/// Colour of the acceleration sound.
 pub(super) const ACCELERATION: Colour = Colour::hex(0x4f8a6d);
-/// The piezo signal as the force.
+/// Colour of a force that drives a pad directly.
 pub(super) const DIRECT: Colour = Colour::hex(0x6b5b95);
 
-/// A perceptually uniform colour map, one polynomial of degree 6 for each of red, green and blue: a fit of the map of the same name
-/// by S. van der Walt and N. Smith (matplotlib, CC0), coefficients by M. Zucker (CC0), rounded to 1e-4.
+/// Perceptually uniform colour map: one polynomial of degree 6 for each of red, green and blue.
+///
+/// The polynomials fit the maps of S. van der Walt and N. Smith in matplotlib (CC0). Their
+/// coefficients are those of M. Zucker (CC0), rounded to 1e-4.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ColourMap {
     coefficients: [[f32; 3]; 7],
 }
 
-/// Black over purple to pale yellow, for levels.
+/// Map from black over purple to pale yellow, for levels.
 pub(super) const MAGMA: ColourMap = ColourMap {
     coefficients: [
         [-0.0021, -0.0007, -0.0054],
@@ -66,7 +68,7 @@ pub(super) const MAGMA: ColourMap = ColourMap {
     ],
 };
 
-/// Dark blue over green to yellow, for decay times.
+/// Map from dark blue over green to yellow, for decay times.
 pub(super) const VIRIDIS: ColourMap = ColourMap {
     coefficients: [
         [0.2777, 0.0054, 0.3341],
@@ -80,7 +82,9 @@ pub(super) const VIRIDIS: ColourMap = ColourMap {
 };
 
 impl ColourMap {
-    /// The colour at `share` of the way from the low end (0) to the high end (1); beyond the ends, the end's colour.
+    /// Colour at `share` of the way from the low end (0) to the high end (1).
+    ///
+    /// A share beyond an end gives the colour of that end.
     pub(super) fn colour(&self, share: f32) -> Colour {
         let share = share.clamp(0.0, 1.0);
         let channel =
@@ -89,7 +93,7 @@ impl ColourMap {
     }
 }
 
-/// A share from 0 to 1 as a byte.
+/// Converts a share from 0 to 1 to a byte from 0 to 255.
 fn byte(share: f32) -> u8 {
     (share.clamp(0.0, 1.0) * 255.0).round() as u8
 }
@@ -106,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn the_maps_pass_through_their_published_colours() {
+    fn colour_maps_pass_through_their_published_colours() {
         for (share, magma, viridis) in [
             (0.0, 0x000004, 0x440154),
             (0.25, 0x51127c, 0x3b528b),
@@ -120,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn a_louder_level_is_never_darker() {
+    fn magma_is_never_darker_for_a_louder_level() {
         let lightness = |share: f32| {
             let colour = MAGMA.colour(share);
             0.2126 * f32::from(colour.red) + 0.7152 * f32::from(colour.green) + 0.0722 * f32::from(colour.blue)

@@ -1,4 +1,4 @@
-//! Curves in panels side by side: the plain diagram of measurements.
+//! Diagrams of measurements: curves in panels side by side.
 
 use std::path::Path;
 
@@ -10,58 +10,61 @@ use super::panel::{BUILT_DASH, LABEL_TEXT, Panel, REMARK_TEXT, TITLE_TEXT, headi
 use super::scale::Scale;
 use super::text::{Anchor, CAPITAL_HEIGHT};
 
-/// What is drawn.
+/// Picture of panels with curves, two panels per row.
 #[derive(Clone, Debug)]
 pub struct CurvesPicture {
-    /// Title of the picture.
+    /// Title above the panels.
     pub title: String,
-    /// What is shown, in a line below it.
+    /// Remark in a line below the title.
     pub remark: String,
-    /// Panels, two a row.
+    /// Panels from left to right and from top to bottom.
     pub panels: Vec<CurvesPanel>,
 }
 
-/// One diagram.
+/// One diagram of curves.
 #[derive(Clone, Debug)]
 pub struct CurvesPanel {
-    /// Its title.
+    /// Title above the diagram.
     pub title: String,
-    /// What the width means.
+    /// Horizontal axis.
     pub x: Axis,
-    /// What the height means.
+    /// Vertical axis.
     pub y: Axis,
-    /// The curves.
+    /// Curves, drawn in this order.
     pub curves: Vec<Curve>,
 }
 
-/// An axis.
+/// Axis of a diagram.
 #[derive(Clone, Debug)]
 pub struct Axis {
-    /// What it means, with its unit.
+    /// Name of the quantity along the axis, with its unit.
     pub label: String,
-    /// Lowest and highest value, the first below the second, both positive where the axis is logarithmic; curves are cut at them.
+    /// Lowest and highest value, in this order; both are positive on a logarithmic axis.
+    ///
+    /// Curves are cut at them.
     pub range: [f64; 2],
-    /// Equal ratios, equal lengths.
+    /// True if the axis is logarithmic, false if it is linear.
     pub logarithmic: bool,
 }
 
-/// One curve.
+/// Curve of a diagram.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Its name in the legend, where it has one.
+    /// Name in the legend; a curve with an empty name has no entry there.
     pub name: String,
-    /// Which of the picture's five colours, counted from 0 and over again.
+    /// Index of one of the picture's five colours, counted from 0; after the last the first
+    /// follows.
     pub colour: usize,
-    /// How it is drawn.
+    /// Kind of stroke.
     pub stroke: StrokeKind,
-    /// `[x, y]`; what is not finite is left out.
+    /// Points `[x, y]`; the curve has a gap at each point that is not finite.
     pub points: Vec<[f64; 2]>,
 }
 
-/// How a curve is drawn.
+/// Kind of stroke with which a curve is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StrokeKind {
-    /// A line.
+    /// A solid line.
     Solid,
     /// A dashed line.
     Dashed,
@@ -78,10 +81,10 @@ const COLUMN_PX: f32 = 690.0;
 const ROW_PX: f32 = 455.0;
 const DOT_PX: f32 = 3.2;
 
-/// Draws the panels.
+/// Draws a picture of curves into a PNG file.
 ///
 /// # Errors
-/// [`PlotError`], naming the file.
+/// [`PlotError`] with the path of the file, also for a picture without panels.
 pub fn curves(path: &Path, picture: &CurvesPicture) -> Result<(), PlotError> {
     if picture.panels.is_empty() {
         return Err(PlotError::Nothing { path: path.to_owned(), what: "panel" });
@@ -144,7 +147,7 @@ fn draw_curve(canvas: &mut Canvas, panel: &Panel, curve: &Curve) {
     }
 }
 
-/// Names of the curves in a line above the panel, from the right.
+/// Draws the names of the curves in a line above the panel that ends at its right edge.
 fn draw_names(canvas: &mut Canvas, area: Area, curves: &[Curve]) {
     let baseline = area.top - 8.0;
     let middle = baseline - LABEL_TEXT.size_px * CAPITAL_HEIGHT / 2.0;
@@ -167,7 +170,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_picture_without_panels_is_refused_and_one_with_a_gap_is_drawn() {
+    fn picture_without_panels_is_refused_and_one_with_a_gap_is_drawn() {
         let picture = CurvesPicture { title: String::new(), remark: String::new(), panels: Vec::new() };
         assert!(matches!(curves(Path::new("none.png"), &picture), Err(PlotError::Nothing { .. })));
         let axis = |range| Axis { label: "x".into(), range, logarithmic: false };

@@ -1,42 +1,43 @@
-//! What can keep a picture from being made.
+//! Reasons for which a picture cannot be made.
 
 use std::path::PathBuf;
 
 use kit::file::FileError;
 
-/// Why a picture was not made. No file is left behind in any of these cases.
+/// Reason for which a picture was not made. No file is left behind.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
-    /// There is nothing to draw.
-    #[error("{}: cannot be drawn: there is no {what}", path.display())]
+    /// The picture would be empty.
+    #[error("{}: cannot be drawn: there is no {what} to draw", path.display())]
     Nothing {
-        /// The picture that was asked for.
+        /// Path of the picture that was asked for.
         path: PathBuf,
-        /// What is missing.
+        /// Name of the thing of which at least one is needed.
         what: &'static str,
     },
     /// The picture does not fit into memory.
     #[error("{}: cannot be drawn: {width} x {height} pixels do not fit into memory; draw fewer objects", path.display())]
     Surface {
-        /// The picture that was asked for.
+        /// Path of the picture that was asked for.
         path: PathBuf,
         /// Width in pixels.
         width: u32,
         /// Height in pixels.
         height: u32,
     },
-    /// The font inside the program cannot be read.
+    /// The font inside the program is damaged.
     #[error("{}: cannot be drawn: the font inside this program is damaged; install the program again", path.display())]
     Font {
-        /// The picture that was asked for.
+        /// Path of the picture that was asked for.
         path: PathBuf,
     },
-    /// The picture cannot be encoded.
-    #[error("{}: cannot be encoded as PNG: {cause}", path.display())]
+    /// The picture cannot be encoded as PNG.
+    #[error("{}: cannot be drawn: the picture cannot be encoded as PNG; draw a smaller one", path.display())]
     Encoding {
-        /// The picture that was asked for.
+        /// Path of the picture that was asked for.
         path: PathBuf,
-        /// What the encoder says.
+        /// Error of the PNG encoder, kept for programs; the message leaves it out.
+        #[source]
         cause: png::EncodingError,
     },
     /// The file cannot be written.

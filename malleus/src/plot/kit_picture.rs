@@ -1,4 +1,5 @@
-//! A kit's modes: for each object, gain over frequency, coloured by how long they ring; and the responses of its filters.
+//! Picture of a kit: for each object, the gains of its modes over frequency and the responses of
+//! its filters. The colour of a mode is its T60.
 
 use std::path::Path;
 
@@ -10,27 +11,27 @@ use super::panel::{Panel, REMARK_TEXT, TICK_TEXT, TITLE_TEXT, heading, outline};
 use super::scale::{Scale, Spacing};
 use super::text::Anchor;
 
-/// What is drawn.
+/// Picture of a kit, with one panel per object.
 #[derive(Clone, Debug)]
 pub struct KitPicture {
-    /// Title of the picture.
+    /// Title above the panels.
     pub title: String,
-    /// The objects.
+    /// Objects, three panels per row.
     pub objects: Vec<ObjectPicture>,
 }
 
-/// One object.
+/// Modes and filters of one object.
 #[derive(Clone, Debug)]
 pub struct ObjectPicture {
-    /// Its name.
+    /// Name of the object, the title of its panel.
     pub name: String,
-    /// Its modes: (frequency in Hz, T60 in s, gain in dB).
+    /// Modes as (frequency in Hz, T60 in s, gain in dB).
     pub modes: Vec<(f64, f64, f64)>,
-    /// |F| of its dynamic filter at each breakpoint: (frequency in Hz, dB).
+    /// Response |F| of the dynamic filter at each breakpoint, as (frequency in Hz, dB).
     pub filter: Vec<Vec<(f64, f64)>>,
-    /// Frequencies of the loops round it in Hz.
+    /// Frequencies of the loops round the dynamic filter, in Hz.
     pub loops_hz: Vec<f64>,
-    /// |H| of its biquads: (frequency in Hz, dB).
+    /// Response |H| of the biquads, as (frequency in Hz, dB).
     pub biquads: Vec<(f64, f64)>,
 }
 
@@ -40,18 +41,19 @@ const LEFT: f32 = 80.0;
 const TOP: f32 = 120.0;
 const CELL: (f32, f32) = (450.0, 280.0);
 const PANEL: (f32, f32) = (360.0, 190.0);
-/// Modes more than this below an object's loudest end at the bottom of its panel.
+/// Range of gains in a panel, in dB below the object's loudest mode; softer modes lie at its
+/// bottom.
 const RANGE_DB: f64 = 80.0;
 
-/// Draws the modes of a kit's objects, three panels a row.
+/// Draws the modes and filters of a kit's objects into a PNG file, three panels per row.
 ///
 /// # Errors
-/// [`PlotError`], naming the file.
+/// [`PlotError`] with the path of the file, also for a kit without modes and filters.
 pub fn kit(path: &Path, picture: &KitPicture) -> Result<(), PlotError> {
     let t60: Vec<f64> = picture.objects.iter().flat_map(|object| object.modes.iter().map(|mode| mode.1)).collect();
     let is_empty = |object: &ObjectPicture| object.filter.is_empty() && object.biquads.is_empty();
     if t60.is_empty() && picture.objects.iter().all(is_empty) {
-        return Err(PlotError::Nothing { path: path.to_owned(), what: "mode" });
+        return Err(PlotError::Nothing { path: path.to_owned(), what: "mode or filter" });
     }
     let (shortest, longest) =
         t60.iter().fold((f64::INFINITY, 0.0f64), |(low, high), &t60| (low.min(t60), high.max(t60)));
@@ -126,7 +128,8 @@ fn filters_remark(object: &ObjectPicture) -> String {
     remark
 }
 
-/// Curves, each kind relative to its largest value.
+/// Draws the responses of the filters, those of each kind relative to the largest value of the
+/// kind.
 fn draw_filters(canvas: &mut Canvas, panel: &Panel, object: &ObjectPicture) {
     let largest =
         |curves: &[Vec<(f64, f64)>]| curves.iter().flatten().map(|point| point.1).fold(f64::NEG_INFINITY, f64::max);
@@ -140,7 +143,7 @@ fn draw_filters(canvas: &mut Canvas, panel: &Panel, object: &ObjectPicture) {
     }
     let top = largest(&object.filter);
     for (index, curve) in object.filter.iter().enumerate().rev() {
-        // A breakpoint of b0 = 0 is silent: nothing to draw.
+        // A filter with b0 = 0 is silent and has no response to draw.
         if largest(std::slice::from_ref(curve)) > top - RANGE_DB {
             let share = index as f32 / object.filter.len() as f32;
             let colour = Colour { opacity: (255.0 - 190.0 * share) as u8, ..WAVEFORM };
@@ -151,7 +154,7 @@ fn draw_filters(canvas: &mut Canvas, panel: &Panel, object: &ObjectPicture) {
     canvas.line(&line(&object.biquads, largest(biquads)), 1.6, None, DRIVEN);
 }
 
-/// The colours of T60, at the top right.
+/// Draws the scale of the colours of T60 at the top right.
 fn draw_colours(canvas: &mut Canvas, t60: Scale) {
     let bar = Area { left: WIDTH as f32 - 420.0, top: 40.0, width: 340.0, height: 14.0 };
     for column in 0..bar.width as usize {

@@ -1,6 +1,8 @@
-//! Pictures, as PNG: a performance over time, a kit's modes, and run time against error. Needs nothing of the machine, the font comes along.
+//! Pictures as PNG files: a performance over time, a kit's modes, curves, run time against error.
 //!
-//! [`performance()`] and [`kit()`] draw on a `canvas` by means of `panel`s with `scale`s; `spectrogram` is the one computation.
+//! They need nothing of the machine, since the program carries its font. [`performance()`],
+//! [`kit()`], [`curves()`] and [`run_time()`] draw panels with scales on a canvas. Only
+//! spectrograms are computed; the other pictures show numbers that their caller has.
 
 mod canvas;
 mod colour;

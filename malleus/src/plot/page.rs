@@ -1,11 +1,11 @@
-//! From a blank page to the PNG file, whole or not at all.
+//! Blank pages, and their way into a PNG file, whole or not at all.
 
 use std::path::Path;
 
 use super::canvas::{Canvas, CanvasError};
 use super::error::PlotError;
 
-/// A blank page for the picture at `path`.
+/// Creates a blank page, of `width` by `height` pixels, for the picture at `path`.
 pub(super) fn blank(path: &Path, width: u32, height: u32) -> Result<Canvas, PlotError> {
     Canvas::new(width, height).map_err(|error| match error {
         CanvasError::Font => PlotError::Font { path: path.to_owned() },
@@ -13,7 +13,7 @@ pub(super) fn blank(path: &Path, width: u32, height: u32) -> Result<Canvas, Plot
     })
 }
 
-/// Writes the page as an 8-bit RGB PNG.
+/// Writes a page to the file at `path` as PNG with 8 bits per colour.
 pub(super) fn write(path: &Path, canvas: &Canvas) -> Result<(), PlotError> {
     let bytes = encode(canvas).map_err(|cause| PlotError::Encoding { path: path.to_owned(), cause })?;
     Ok(kit::file::write_whole(path, &bytes)?)

@@ -1,50 +1,53 @@
-//! One diagram of a picture: an area with a scale each way, its frame, grid, ticks and labels.
+//! One diagram of a picture: an area with two scales, its frame, grid, ticks and labels.
 
 use super::canvas::{Area, Canvas};
 use super::colour::{Colour, FRAME, GRID, INK, MUTED};
 use super::scale::{Scale, Tick};
 use super::text::{Anchor, CAPITAL_HEIGHT, TextStyle};
 
-/// Tick labels.
+/// Style of tick labels.
 pub(super) const TICK_TEXT: TextStyle = TextStyle::regular(12.5, MUTED);
-/// Names of axes, lanes and legend entries.
+/// Style of the names of axes, lanes and legend entries.
 pub(super) const LABEL_TEXT: TextStyle = TextStyle::regular(13.5, INK);
-/// Remarks beside a title.
+/// Style of remarks beside a title.
 pub(super) const REMARK_TEXT: TextStyle = TextStyle::regular(13.5, MUTED);
-/// The title of a panel.
+/// Style of a panel's title.
 pub(super) const HEADING_TEXT: TextStyle = TextStyle::bold(15.0, INK);
-/// The title of a picture.
+/// Style of a picture's title.
 pub(super) const TITLE_TEXT: TextStyle = TextStyle::bold(24.0, INK);
 
-/// Distance from a heading's baseline to its panel, pixels.
+/// Distance from a heading's baseline down to its panel, in pixels.
 const HEADING_RISE_PX: f32 = 8.0;
+/// Length of a labelled tick, in pixels.
 const TICK_PX: f32 = 5.0;
+/// Length of a tick without a label, in pixels.
 const MINOR_TICK_PX: f32 = 3.0;
+/// Distance from a tick to its label, in pixels.
 const TICK_LABEL_GAP_PX: f32 = 5.0;
 
-/// An area of the page with the scale of its width and of its height.
+/// Area of the page with a scale along its width and one along its height.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Panel {
-    /// Where the data is drawn.
+    /// Area in which the data is drawn.
     pub(super) area: Area,
-    /// Scale from left to right.
+    /// Scale of the width, from left to right.
     pub(super) x: Scale,
-    /// Scale from bottom to top.
+    /// Scale of the height, from bottom to top.
     pub(super) y: Scale,
 }
 
 impl Panel {
-    /// Place of `value` across the page, pixels.
+    /// Distance of `value` from the left of the page, in pixels.
     pub(super) fn x_px(&self, value: f64) -> f32 {
         self.area.left + (self.x.share(value) * f64::from(self.area.width)) as f32
     }
 
-    /// Place of `value` down the page, pixels.
+    /// Distance of `value` from the top of the page, in pixels.
     pub(super) fn y_px(&self, value: f64) -> f32 {
         self.area.bottom() - (self.y.share(value) * f64::from(self.area.height)) as f32
     }
 
-    /// Faint vertical lines at the labelled ticks.
+    /// Draws faint vertical lines at the labelled ticks.
     pub(super) fn vertical_grid(&self, canvas: &mut Canvas, ticks: &[Tick]) {
         for tick in ticks.iter().filter(|tick| !tick.label.is_empty()) {
             let x = self.x_px(tick.value).min(self.area.right() - 1.0);
@@ -52,7 +55,7 @@ impl Panel {
         }
     }
 
-    /// Faint horizontal lines at the labelled ticks.
+    /// Draws faint horizontal lines at the labelled ticks.
     pub(super) fn horizontal_grid(&self, canvas: &mut Canvas, ticks: &[Tick]) {
         for tick in ticks.iter().filter(|tick| !tick.label.is_empty()) {
             let y = self.y_px(tick.value).min(self.area.bottom() - 1.0);
@@ -60,7 +63,7 @@ impl Panel {
         }
     }
 
-    /// Ticks and labels to the left of the area.
+    /// Draws ticks and their labels to the left of the area.
     pub(super) fn ticks_left(&self, canvas: &mut Canvas, ticks: &[Tick]) {
         for tick in ticks {
             let y = self.y_px(tick.value).min(self.area.bottom() - 1.0);
@@ -72,7 +75,7 @@ impl Panel {
         }
     }
 
-    /// Ticks and labels below the area.
+    /// Draws ticks and their labels below the area.
     pub(super) fn ticks_below(&self, canvas: &mut Canvas, ticks: &[Tick]) {
         for tick in ticks {
             let x = self.x_px(tick.value).min(self.area.right() - 1.0);
@@ -83,25 +86,25 @@ impl Panel {
         }
     }
 
-    /// What the height means, upwards, `distance_px` left of the area.
+    /// Draws the name of the vertical axis upwards, `distance_px` pixels left of the area.
     pub(super) fn label_left(&self, canvas: &mut Canvas, label: &str, distance_px: f32) {
         let place = (self.area.left - distance_px, self.area.top + self.area.height / 2.0);
         canvas.text_upwards(label, place, Anchor::Middle, LABEL_TEXT);
     }
 
-    /// What the width means, under the tick labels.
+    /// Draws the name of the horizontal axis under the tick labels.
     pub(super) fn label_below(&self, canvas: &mut Canvas, label: &str) {
         let place = (self.area.left + self.area.width / 2.0, self.area.bottom() + 40.0);
         canvas.text(label, place, Anchor::Middle, LABEL_TEXT);
     }
 
-    /// The outline of the area.
+    /// Draws the outline of the area.
     pub(super) fn frame(&self, canvas: &mut Canvas) {
         outline(canvas, self.area, FRAME);
     }
 }
 
-/// A one pixel outline just inside an area.
+/// Draws an outline one pixel thick just inside an area.
 pub(super) fn outline(canvas: &mut Canvas, area: Area, colour: Colour) {
     canvas.horizontal(area.left, area.right(), area.top, colour);
     canvas.horizontal(area.left, area.right(), area.bottom() - 1.0, colour);
@@ -109,7 +112,7 @@ pub(super) fn outline(canvas: &mut Canvas, area: Area, colour: Colour) {
     canvas.vertical(area.right() - 1.0, area.top, area.bottom(), colour);
 }
 
-/// A title above `area`, with a remark after it.
+/// Draws a title above `area`, and a remark to the right of the title.
 pub(super) fn heading(canvas: &mut Canvas, area: Area, title: &str, remark: &str) {
     let baseline = area.top - HEADING_RISE_PX;
     canvas.text(title, (area.left, baseline), Anchor::Start, HEADING_TEXT);
@@ -117,7 +120,7 @@ pub(super) fn heading(canvas: &mut Canvas, area: Area, title: &str, remark: &str
     canvas.text(remark, (after, baseline), Anchor::Start, REMARK_TEXT);
 }
 
-/// The sign of a legend entry.
+/// Sign that stands before the name of a legend entry.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Sign {
     /// A filled area.
@@ -126,7 +129,7 @@ pub(super) enum Sign {
     Dashed(Colour),
 }
 
-/// Entries above `area`, ending at its right edge.
+/// Draws the entries of a legend in a line above `area` that ends at its right edge.
 pub(super) fn legend(canvas: &mut Canvas, area: Area, entries: &[(Sign, &str)]) {
     const SIGN_WIDTH_PX: f32 = 18.0;
     const SIGN_HEIGHT_PX: f32 = 10.0;
@@ -154,7 +157,7 @@ pub(super) fn legend(canvas: &mut Canvas, area: Area, entries: &[(Sign, &str)]) 
     }
 }
 
-/// Strokes and gaps of the one dashed line that the pictures use, pixels.
+/// Lengths of the strokes and gaps of every dashed line in the pictures, in pixels.
 pub(super) const BUILT_DASH: [f32; 2] = [5.0, 3.0];
 
 fn tick_length(tick: &Tick) -> f32 {

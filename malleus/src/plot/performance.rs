@@ -1,4 +1,4 @@
-//! A performance over time: who was struck, waveform, spectrogram, active modes, stages.
+//! Picture of a performance over time: strikes, waveform, spectrogram, active modes and stages.
 
 use std::path::Path;
 
@@ -11,56 +11,56 @@ use super::scale::{Scale, in_minutes};
 use super::spectrogram::{FLOOR_DB, HIGHEST_HZ, LOWEST_HZ, Spectrogram};
 use super::text::Anchor;
 
-/// What is drawn. Signals are full scale = 1.
+/// Content of the picture of a performance.
 #[derive(Clone, Copy, Debug)]
 pub struct Performance<'a> {
-    /// Title of the picture.
+    /// Title above the panels.
     pub title: &'a str,
     /// Sample rate in Hz.
     pub rate_hz: f64,
-    /// Left channel.
+    /// Samples of the left channel, 1.0 = full scale.
     pub left: &'a [f32],
-    /// Right channel, as long.
+    /// Samples of the right channel, 1.0 = full scale, as many as of the left.
     pub right: &'a [f32],
     /// Length of a tick in seconds.
     pub seconds_per_tick: f64,
-    /// What ran in each tick.
+    /// Work of each tick, in order.
     pub ticks: &'a [TickRow],
-    /// Modes that were built.
+    /// Number of modes that the engine built.
     pub built_modes: u32,
-    /// Names of the pads.
+    /// Names of the pads, one lane each.
     pub pads: &'a [String],
-    /// The strikes.
+    /// Strikes of the performance.
     pub strikes: &'a [StrikeMark],
 }
 
-/// What ran in a tick.
+/// Work of one tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TickRow {
-    /// Modes with input, mean over the tick.
+    /// Number of modes that a force drives, mean over the tick.
     pub driven_modes: f32,
-    /// Modes ringing freely, mean over the tick.
+    /// Number of modes that ring without a force, mean over the tick.
     pub free_modes: f32,
-    /// Contacts under way at its end.
+    /// Number of contacts under way at the end of the tick.
     pub contacts: u32,
-    /// Whether any contact made a force.
+    /// True if a contact made a force.
     pub contact: bool,
-    /// Whether a striker's own bank ran.
+    /// True if a striker's own bank ran.
     pub striker_bank: bool,
-    /// Whether an acceleration sound was made.
+    /// True if an acceleration sound was made.
     pub acceleration: bool,
-    /// Whether a direct force was taken in.
+    /// True if a force drove a pad directly.
     pub direct: bool,
 }
 
-/// One strike.
+/// Mark of one strike.
 #[derive(Clone, Copy, Debug)]
 pub struct StrikeMark {
-    /// When, in seconds.
+    /// Time of the strike in seconds.
     pub time_s: f64,
-    /// On which pad, an index into the names.
+    /// Index of the struck pad in [`Performance::pads`].
     pub pad: usize,
-    /// Velocity, 0 to 1.
+    /// Velocity of the strike, 0 to 1; the height of its mark.
     pub velocity: f32,
 }
 
@@ -70,10 +70,10 @@ const PLOT_WIDTH: f32 = 1370.0;
 const LANE_PX: f32 = 17.0;
 const GAP_PX: f32 = 42.0;
 
-/// Draws a performance: 1600 pixels wide, about 1300 high.
+/// Draws a performance into a PNG file, 1600 pixels wide and about 1300 high.
 ///
 /// # Errors
-/// [`PlotError`], naming the file.
+/// [`PlotError`] with the path of the file, also for a performance without samples.
 pub fn performance(path: &Path, performance: &Performance<'_>) -> Result<(), PlotError> {
     let frames = performance.left.len().min(performance.right.len());
     if frames == 0 {
@@ -94,7 +94,7 @@ pub fn performance(path: &Path, performance: &Performance<'_>) -> Result<(), Plo
         top += height + GAP_PX;
         area
     });
-    // The lowest panel stands closer, its lanes need no heading of two lines.
+    // The lanes of the lowest panel are drawn pixel by pixel.
     areas[4].top = areas[4].top.round();
     let time = Scale::linear(0.0, duration_s);
     draw_strikes(&mut canvas, areas[0], time, performance);
@@ -107,7 +107,7 @@ pub fn performance(path: &Path, performance: &Performance<'_>) -> Result<(), Plo
     page::write(path, &canvas)
 }
 
-/// One lane a pad, a line a strike, as high as its velocity.
+/// Draws one lane per pad with a line for each strike, as high as its velocity.
 fn draw_strikes(canvas: &mut Canvas, area: Area, time: Scale, performance: &Performance<'_>) {
     let panel = Panel { area, x: time, y: Scale::linear(0.0, 1.0) };
     let count = performance.pads.len().max(1);
@@ -134,7 +134,8 @@ fn draw_lanes(canvas: &mut Canvas, area: Area, count: usize) {
     }
 }
 
-/// Smallest and largest sample of each pixel column, left above right.
+/// Draws the smallest and largest sample of each column of pixels, the left channel above the
+/// right.
 fn draw_waveform(canvas: &mut Canvas, area: Area, time: Scale, performance: &Performance<'_>) {
     heading(canvas, area, "Waveform", "");
     for (index, (name, samples)) in [("left", performance.left), ("right", performance.right)].into_iter().enumerate() {
@@ -191,7 +192,8 @@ fn draw_spectrogram(canvas: &mut Canvas, area: Area, time: Scale, performance: &
     outline(canvas, bar, FRAME);
 }
 
-/// Driven and free modes, stacked, the busiest tick of each pixel column, under the number that was built.
+/// Draws the driven and the free modes of the busiest tick in each column of pixels, stacked, under
+/// a line at the number of modes that were built.
 fn draw_modes(canvas: &mut Canvas, area: Area, time: Scale, performance: &Performance<'_>) {
     let built = f64::from(performance.built_modes.max(1));
     let panel = Panel { area, x: time, y: Scale::linear(0.0, built * 1.08) };
@@ -228,7 +230,7 @@ fn column_ticks<'a>(performance: &Performance<'a>, area: Area, column: usize) ->
     performance.ticks.get(from..tick_at(column + 1).max(from + 1).min(performance.ticks.len())).unwrap_or(&[])
 }
 
-/// One lane a stage, coloured where it ran.
+/// Draws one lane per stage, coloured at the times when the stage ran.
 fn draw_stages(canvas: &mut Canvas, area: Area, time: Scale, performance: &Performance<'_>) -> Panel {
     type Stage = (&'static str, Colour, fn(&TickRow) -> bool);
     const STAGES: [Stage; 4] = [

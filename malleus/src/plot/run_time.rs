@@ -1,4 +1,4 @@
-//! Run time against error: what kernels cost, and how exact they are.
+//! Picture of run time against error: the cycles of kernels and their signal-to-noise ratios.
 
 use std::path::Path;
 
@@ -10,49 +10,51 @@ use super::panel::{LABEL_TEXT, Panel, REMARK_TEXT, TITLE_TEXT};
 use super::scale::Scale;
 use super::text::{Anchor, CAPITAL_HEIGHT, TextStyle};
 
-/// What is drawn.
+/// Content of the picture of run time against error.
 #[derive(Clone, Debug)]
 pub struct RunTimePicture {
-    /// Title of the picture.
+    /// Title above the diagram.
     pub title: String,
-    /// What is measured, in a line below it.
+    /// Remark in a line below the title.
     pub remark: String,
-    /// The kernels.
+    /// Kernels that are compared.
     pub kernels: Vec<KernelMark>,
 }
 
-/// One kernel.
+/// Run time and error of one kernel.
 #[derive(Clone, Debug)]
 pub struct KernelMark {
-    /// Its name.
+    /// Name of the kernel.
     pub label: String,
-    /// Whether it is drawn in this project's colour.
+    /// True if the kernel is this project's, and is drawn in the project's colour.
     pub ours: bool,
-    /// Cycles a mode and sample, ringing freely and driven.
+    /// Cycles per mode and sample: while ringing freely, and while driven by a force.
     pub cycles: (f64, f64),
-    /// Signal-to-noise ratio, worst and median, dB.
+    /// Signal-to-noise ratio in dB: the worst and the median.
     pub snr_db: (f64, f64),
 }
 
 const SIZE: (u32, u32) = (1300, 760);
 const AREA: Area = Area { left: 90.0, top: 130.0, width: 800.0, height: 550.0 };
-/// Where names begin.
+/// Distance of the kernels' names from the left of the page, in pixels.
 const NAMES_PX: f32 = 935.0;
+/// Least distance between the baselines of two names, in pixels.
 const NAME_RISE_PX: f32 = 24.0;
 const FREE_RADIUS_PX: f32 = 4.0;
 const DRIVEN_RADIUS_PX: f32 = 6.5;
 const MEDIAN_RADIUS_PX: f32 = 4.5;
 
-/// Draws signal-to-noise ratio over cycles.
+/// Draws signal-to-noise ratio over cycles into a PNG file.
 ///
 /// # Errors
-/// [`PlotError`], naming the file.
+/// [`PlotError`] with the path of the file, also for a picture without kernels.
 pub fn run_time(path: &Path, picture: &RunTimePicture) -> Result<(), PlotError> {
     if picture.kernels.is_empty() {
         return Err(PlotError::Nothing { path: path.to_owned(), what: "kernel" });
     }
     let mut kernels: Vec<&KernelMark> = picture.kernels.iter().collect();
-    // From the top down, and from the right to the left where they are about equal, so that few lines to the names cross.
+    // From the top down, and kernels of about equal height from right to left, so that few of the
+    // lines to their names cross.
     let rounded_db = |kernel: &KernelMark| kernel.snr_db.0.round();
     kernels.sort_by(|a, b| rounded_db(b).total_cmp(&rounded_db(a)).then(b.cycles.1.total_cmp(&a.cycles.1)));
     let cycles = || kernels.iter().flat_map(|kernel| [kernel.cycles.0, kernel.cycles.1]);
@@ -85,7 +87,8 @@ pub fn run_time(path: &Path, picture: &RunTimePicture) -> Result<(), PlotError> 
     page::write(path, &canvas)
 }
 
-/// Heights of the names: at their kernels' where there is room, else pushed apart.
+/// Heights of the kernels' names: the heights of the kernels themselves, pushed apart where they
+/// are too close.
 fn name_places(panel: &Panel, kernels: &[&KernelMark]) -> Vec<f32> {
     let mut places: Vec<f32> = kernels.iter().map(|kernel| panel.y_px(kernel.snr_db.0)).collect();
     let mut above = f32::NEG_INFINITY;
@@ -130,7 +133,7 @@ fn colour(kernel: &KernelMark) -> Colour {
     if kernel.ours { WAVEFORM } else { DRIVEN }
 }
 
-/// What the marks mean.
+/// Draws the meaning of the marks above the diagram.
 fn draw_key(canvas: &mut Canvas) {
     let baseline = AREA.top - 14.0;
     let middle = baseline - LABEL_TEXT.size_px * CAPITAL_HEIGHT / 2.0;
@@ -169,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_without_kernels_is_refused() {
+    fn picture_without_kernels_is_refused() {
         let picture = RunTimePicture { title: String::new(), remark: String::new(), kernels: Vec::new() };
         assert!(matches!(run_time(Path::new("none.png"), &picture), Err(PlotError::Nothing { .. })));
     }

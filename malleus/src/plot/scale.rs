@@ -1,52 +1,53 @@
-//! Axes: from a value to a place, and which values to label.
+//! Scales of axes: they map a value to a place, and choose the values to label.
 
-/// How the values spread along an axis.
+/// Spacing of the values along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Spacing {
-    /// Equal steps, equal lengths.
+    /// Equal differences take equal lengths.
     Linear,
-    /// Equal ratios, equal lengths.
+    /// Equal ratios take equal lengths.
     Logarithmic,
 }
 
-/// A value that an axis marks.
+/// Value that an axis marks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tick {
-    /// Where.
+    /// Marked value.
     pub(super) value: f64,
-    /// What stands there; nothing for a tick between labels.
+    /// Text of the label; empty for a tick between labels.
     pub(super) label: String,
 }
 
-/// The range of an axis. `low < high`; both positive where the spacing is logarithmic.
+/// Range and spacing of an axis; `low < high`, and both are positive if the spacing is logarithmic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
-    /// Value at the left or bottom.
+    /// Value at the left or lower end.
     pub(super) low: f64,
-    /// Value at the right or top.
+    /// Value at the right or upper end.
     pub(super) high: f64,
-    /// Spread in between.
+    /// Spacing of the values between the ends.
     pub(super) spacing: Spacing,
 }
 
 impl Scale {
-    /// A linear axis.
+    /// Creates a linear scale.
     pub(super) const fn linear(low: f64, high: f64) -> Self {
         Self { low, high, spacing: Spacing::Linear }
     }
 
-    /// A logarithmic axis.
+    /// Creates a logarithmic scale.
     pub(super) const fn logarithmic(low: f64, high: f64) -> Self {
         Self { low, high, spacing: Spacing::Logarithmic }
     }
 
-    /// The logarithmic axis between steps 1, 2, 5 of a decade that holds `low` to `high` and at least a factor 4.
+    /// Creates the logarithmic scale that holds `low` to `high` and at least a factor of 4, and
+    /// that ends at 1, 2 or 5 times a power of ten.
     pub(super) fn logarithmic_round(low: f64, high: f64) -> Self {
         let middle = (low * high).sqrt();
         Self::logarithmic(one_two_five_below(low.min(middle / 2.0)), one_two_five_above(high.max(middle * 2.0)))
     }
 
-    /// How far along the axis `value` lies: 0 at `low`, 1 at `high`, outside them beyond.
+    /// Place of `value` along the axis: 0 at `low`, 1 at `high`, beyond 0 and 1 outside of them.
     pub(super) fn share(&self, value: f64) -> f64 {
         match self.spacing {
             Spacing::Linear => (value - self.low) / (self.high - self.low),
@@ -54,8 +55,11 @@ impl Scale {
         }
     }
 
-    /// Ticks for an axis of `length_px` whose labels are at least `gap_px` apart: round steps on a linear axis; 1, 2, 5 of each decade
-    /// (or only the decades, where there is no room) on a logarithmic one, with bare ticks in between.
+    /// Ticks for an axis of `length_px` pixels whose labels are at least `gap_px` pixels apart.
+    ///
+    /// A linear axis has labels at round steps. A logarithmic axis has labels at 1, 2 and 5 of each
+    /// decade, or at the decades alone where those would be too close, and ticks without labels
+    /// between them.
     pub(super) fn ticks(&self, length_px: f32, gap_px: f32) -> Vec<Tick> {
         match self.spacing {
             Spacing::Linear => {
@@ -67,7 +71,7 @@ impl Scale {
         }
     }
 
-    /// Ticks for a time axis in seconds; from two minutes on, in minutes and seconds.
+    /// Ticks for a time axis in seconds; from two minutes on, their labels are minutes and seconds.
     pub(super) fn time_ticks(&self, length_px: f32, gap_px: f32) -> Vec<Tick> {
         if !in_minutes(self.high) {
             return self.ticks(length_px, gap_px);
@@ -96,7 +100,8 @@ impl Scale {
         let decades = (self.high / self.low).log10();
         let decade_px = f64::from(length_px) / decades;
         let gap_px = f64::from(gap_px);
-        // The narrowest gap of 1, 2, 5, 10 is a factor 2; where even decades are crowded, every second, third ... one is labelled.
+        // The narrowest gap between 1, 2, 5 and 10 is a factor of 2. If even decades are too close,
+        // every second, third or further one has a label.
         let with_two_and_five = decade_px * 2.0_f64.log10() >= gap_px;
         let every = ((gap_px / decade_px).ceil() as i32).max(1);
         let mut ticks = Vec::new();
@@ -118,12 +123,13 @@ impl Scale {
     }
 }
 
-/// Whether a duration reads better in minutes and seconds.
+/// True if the labels of a time axis of this length are minutes and seconds.
 pub(super) fn in_minutes(duration_s: f64) -> bool {
     duration_s >= 120.0
 }
 
-/// The largest of 1, 2, 5 times a power of ten that is not above `value` (positive).
+/// Largest number of the form 1, 2 or 5 times a power of ten that is at most `value`, a positive
+/// one.
 fn one_two_five_below(value: f64) -> f64 {
     let decade = 10.0_f64.powf(value.log10().floor());
     [10.0, 5.0, 2.0, 1.0]
@@ -133,7 +139,8 @@ fn one_two_five_below(value: f64) -> f64 {
         .unwrap_or(decade)
 }
 
-/// The smallest of 1, 2, 5 times a power of ten that is not below `value` (positive).
+/// Smallest number of the form 1, 2 or 5 times a power of ten that is at least `value`, a positive
+/// one.
 pub(super) fn one_two_five_above(value: f64) -> f64 {
     let decade = 10.0_f64.powf(value.log10().floor());
     [1.0, 2.0, 5.0, 10.0]
@@ -143,14 +150,14 @@ pub(super) fn one_two_five_above(value: f64) -> f64 {
         .unwrap_or(10.0 * decade)
 }
 
-/// `value` with as many decimals as `step` needs, and a true minus sign.
+/// Writes `value` with as many decimals as `step` needs, and with a true minus sign.
 fn decimal(value: f64, step: f64) -> String {
     let decimals = (-(step * (1.0 + 1e-9)).log10().floor()).max(0.0) as usize;
     let text = format!("{:.decimals$}", if value == 0.0 { 0.0 } else { value });
     text.replace('-', "−")
 }
 
-/// A positive round value in few signs: 0.05, 2, 500, 10k.
+/// Writes a positive round value in few characters, such as 0.05, 2, 500 or 10k.
 fn short(value: f64) -> String {
     if value >= 999.5 {
         format!("{}k", (value / 1000.0 * 1e6).round() / 1e6)
@@ -173,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn a_linear_axis_is_labelled_in_round_steps_with_no_more_than_fit() {
+    fn linear_axis_is_labelled_in_round_steps_that_fit() {
         let ticks = Scale::linear(0.0, 14.2).ticks(1400.0, 90.0);
         assert_eq!(labels(&ticks), ["0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14"]);
         let ticks = Scale::linear(-0.1, 0.1).ticks(100.0, 30.0);
@@ -181,25 +188,25 @@ mod tests {
     }
 
     #[test]
-    fn a_frequency_axis_is_labelled_at_one_two_five() {
+    fn frequency_axis_is_labelled_at_one_two_and_five() {
         let ticks = Scale::logarithmic(50.0, 20_000.0).ticks(380.0, 20.0);
         assert_eq!(labels(&ticks), ["50", "100", "200", "500", "1k", "2k", "5k", "10k", "20k"]);
     }
 
     #[test]
-    fn a_short_logarithmic_axis_is_labelled_at_the_decades_only() {
+    fn short_logarithmic_axis_is_labelled_at_the_decades_only() {
         let ticks = Scale::logarithmic(20.0, 20_000.0).ticks(150.0, 30.0);
         assert_eq!(labels(&ticks), ["100", "1k", "10k"]);
     }
 
     #[test]
-    fn a_long_piece_is_labelled_in_minutes() {
+    fn long_time_axis_is_labelled_in_minutes() {
         let ticks = Scale::linear(0.0, 300.0).time_ticks(1400.0, 90.0);
         assert_eq!(labels(&ticks)[..4], ["0:00", "0:30", "1:00", "1:30"]);
     }
 
     #[test]
-    fn a_round_logarithmic_axis_holds_its_values_and_two_labels() {
+    fn round_logarithmic_axis_holds_its_values_and_two_labels() {
         for (low, high) in [(0.3, 0.31), (0.02, 7.0), (1.0, 1.0), (0.99, 21.0)] {
             let scale = Scale::logarithmic_round(low, high);
             assert!(scale.low <= low && high <= scale.high && scale.high >= 3.9 * scale.low);

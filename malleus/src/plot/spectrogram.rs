@@ -1,26 +1,33 @@
-//! Level over time and frequency, on the grid of a picture: one value a pixel.
+//! Level over time and frequency, on the grid of a picture: one value per pixel.
 //!
-//! Short-time Fourier transform with a Hann window. A strike wants a short window and a low mode a long one, so the transform is done
-//! with several lengths, and each frequency reads the lengths nearest to it, blended in dB.
+//! It is a short-time Fourier transform with a Hann window. A strike needs a short window and a low
+//! mode a long one. So the transform is done with several window lengths, and each frequency takes
+//! its level from the lengths that suit it best, blended in dB.
 
 use std::sync::Arc;
 
 use fourier::{Complex, RealToComplex};
 
-/// Lowest frequency shown, Hz.
+/// Lowest frequency of a spectrogram, in Hz.
 pub(super) const LOWEST_HZ: f64 = 50.0;
-/// Highest frequency shown, Hz.
+/// Highest frequency of a spectrogram, in Hz.
 pub(super) const HIGHEST_HZ: f64 = 20_000.0;
-/// Level of silence: whatever is below reads as this, dB.
+/// Level of silence in dB; lower levels read as this one.
 pub(super) const FLOOR_DB: f32 = -100.0;
 
-/// Window length, seconds, and the frequency, Hz, that it alone serves. Lengths are rounded to powers of two in samples.
+/// Window lengths in seconds, each with the frequency in Hz that it alone serves.
+///
+/// Lengths are rounded to powers of two in samples.
 const RESOLUTIONS: [(f64, f64); 3] = [(0.170, 120.0), (0.085, 600.0), (0.0425, 2500.0)];
-/// Transform length over window length: zeros added to the frame, which bring the bins closer (a sine between two reads 0.4 dB low
-/// instead of 1.4).
+/// Ratio of the transform's length to the window's.
+///
+/// The frame is filled up with zeros, which brings the bins closer together: a sine between two
+/// bins reads 0.4 dB low instead of 1.4 dB.
 const PADDING: usize = 2;
 
-/// Levels on a grid of `columns` equal spans of time and `rows` equal ratios of frequency from [`LOWEST_HZ`] (row 0) to [`HIGHEST_HZ`].
+/// Levels on a grid of `columns` equal spans of time and `rows` equal ratios of frequency.
+///
+/// Row 0 begins at [`LOWEST_HZ`], and the last row ends at [`HIGHEST_HZ`].
 #[derive(Clone, Debug)]
 pub(super) struct Spectrogram {
     columns: usize,
@@ -30,10 +37,13 @@ pub(super) struct Spectrogram {
 }
 
 impl Spectrogram {
-    /// The levels of `channels` (each the whole piece at `rate_hz`): the louder channel's, and where a column spans several frames,
-    /// the loudest frame's, so that no strike is lost between them. A full-scale sine (amplitude 1) reads 0 dB.
+    /// Computes the levels of `channels`, each the whole sound at `rate_hz`, in dB relative to a
+    /// full-scale sine (amplitude 1).
     ///
-    /// Memory: the grid and a few frames, whatever the length of the piece. Time: proportional to the length beyond one frame a column.
+    /// The louder channel counts. Where a column spans several frames, the loudest one counts, so
+    /// that no strike is lost between them. The memory is that of the grid and a few frames,
+    /// however long the sound. The time grows with the sound once that has more than one frame per
+    /// column.
     pub(super) fn of(channels: &[&[f32]], rate_hz: f64, columns: usize, rows: usize) -> Self {
         let mut level_db = vec![FLOOR_DB; columns * rows];
         let resolutions: Vec<Resolution> =
@@ -55,17 +65,19 @@ impl Spectrogram {
         Self { columns, rows, nyquist_hz: rate_hz / 2.0, level_db }
     }
 
-    /// Columns of the grid.
+    /// Number of columns of the grid.
     pub(super) fn columns(&self) -> usize {
         self.columns
     }
 
-    /// Rows of the grid.
+    /// Number of rows of the grid.
     pub(super) fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Level of a place on the grid, dB, from [`FLOOR_DB`] up; nothing above half the sample rate or outside the grid.
+    /// Level at a place on the grid in dB, at least [`FLOOR_DB`].
+    ///
+    /// Returns `None` above half the sample rate and outside the grid.
     pub(super) fn level_db(&self, column: usize, row: usize) -> Option<f32> {
         let inside = column < self.columns && row < self.rows;
         let known = frequency_hz(row as f64 + 0.5, self.rows) < self.nyquist_hz;
@@ -73,27 +85,28 @@ impl Spectrogram {
     }
 }
 
-/// Frequency at `row` (a whole number at its lower edge) of `rows`, Hz.
+/// Frequency in Hz at a place among `rows` rows; a whole number is the lower edge of that row.
 fn frequency_hz(row: f64, rows: usize) -> f64 {
     LOWEST_HZ * (HIGHEST_HZ / LOWEST_HZ).powf(row / rows as f64)
 }
 
-/// One window length and what the rows read of its bins.
+/// Transform with one window length, and the bins from which the rows take their levels.
 struct Resolution {
     window: Vec<f64>,
     fft: Arc<dyn RealToComplex<f64>>,
-    /// Power of a bin times this is the power re a full-scale sine.
+    /// Factor from the power of a bin to the power relative to a full-scale sine.
     power_scale: f32,
     rows: Vec<RowSource>,
 }
 
-/// What one row reads of a spectrum.
+/// Bins of one spectrum from which a row takes its level.
 struct RowSource {
     row: usize,
-    /// Share of this resolution in the row's level.
+    /// Share of this window length in the row's level, 0 to 1.
     weight: f32,
-    /// Edges of the row, bins.
+    /// Lower edge of the row, in bins.
     low_bin: f32,
+    /// Upper edge of the row, in bins.
     high_bin: f32,
 }
 
@@ -118,7 +131,8 @@ impl Resolution {
             })
             .collect();
         Self {
-            // A Hann window of N passes N/2 of a constant; the amplitude of a sine is split between its two lines.
+            // A Hann window of N samples passes N/2 of a constant, and a sine's amplitude is split
+            // between two lines of the spectrum.
             power_scale: (4.0 / length as f32).powi(2),
             window,
             fft: fourier::forward(fft_length),
@@ -126,7 +140,9 @@ impl Resolution {
         }
     }
 
-    /// Writes the louder channel's power re a full-scale sine, frame centred on `centre`, into `power`, keeping what was louder there.
+    /// Raises each bin of the scratch's power to that of the frame centred on sample `centre`.
+    ///
+    /// Powers are relative to a full-scale sine; the louder channel counts.
     fn hold_power(&self, channels: &[&[f32]], centre: usize, scratch: &mut Scratch) {
         scratch.frame.resize(self.fft.len(), 0.0);
         scratch.spectrum.resize(self.fft.len() / 2 + 1, Complex::default());
@@ -142,7 +158,7 @@ impl Resolution {
                 *slot = f64::from(*sample) * weight;
             }
             let done = self.fft.process_with_scratch(&mut scratch.frame, &mut scratch.spectrum, &mut scratch.workspace);
-            // Fails only for slices of other lengths than the plan's, which were made above.
+            // The transform fails only for slices of a wrong length; these were resized above.
             debug_assert!(done.is_ok());
             for (power, bin) in scratch.power.iter_mut().zip(&scratch.spectrum) {
                 *power = power.max(bin.norm_sqr() as f32 * self.power_scale);
@@ -151,8 +167,11 @@ impl Resolution {
     }
 }
 
-/// Share of resolution `index` in the level at `frequency_hz`: 1 at its own frequency, falling to 0 at its neighbours' along the
-/// logarithm; below the first and above the last, those alone. The shares of all add up to 1.
+/// Share of window length `index` in the level at `frequency_hz`, 0 to 1.
+///
+/// It is 1 at the frequency that this length alone serves, and falls to 0 at those of its
+/// neighbours, linearly in the logarithm of the frequency. Below the first and above the last
+/// frequency it stays 1. The shares of all lengths add up to 1.
 fn weight(index: usize, frequency_hz: f64) -> f64 {
     let own_hz = RESOLUTIONS[index].1;
     let neighbour = if frequency_hz < own_hz { index.checked_sub(1) } else { Some(index + 1) };
@@ -162,7 +181,7 @@ fn weight(index: usize, frequency_hz: f64) -> f64 {
     })
 }
 
-/// Buffers of one thread.
+/// Buffers of one thread, used again for each frame.
 #[derive(Default)]
 struct Scratch {
     frame: Vec<f64>,
@@ -199,7 +218,9 @@ fn fill_column(
     }
 }
 
-/// The highest power between two places on a spectrum, in bins; between bins, linear interpolation.
+/// Highest power between two places on a spectrum, which are given in bins.
+///
+/// Between two bins the power is interpolated linearly.
 fn row_power(power: &[f32], low_bin: f32, high_bin: f32) -> f32 {
     let at = |bin: f32| {
         let below = power.get(bin as usize).copied().unwrap_or(0.0);
@@ -235,13 +256,14 @@ mod tests {
     }
 
     #[test]
-    fn a_full_scale_sine_reads_0_db_in_its_own_row() {
+    fn full_scale_sine_reads_0_db_in_its_own_row() {
         for frequency_hz_in in [60.0, 110.0, 441.3, 1000.0, 5013.7, 15_000.0] {
             let sound = sine(frequency_hz_in, 1.0, 1.0);
             let spectrogram = Spectrogram::of(&[&sound], RATE_HZ, 10, ROWS);
             let (row, level_db) = loudest(&spectrogram, 5);
             let expected = (frequency_hz_in / LOWEST_HZ).ln() / (HIGHEST_HZ / LOWEST_HZ).ln() * ROWS as f64;
-            // A bin of the longest window is 6 rows wide at 60 Hz, so the peak may stand a few rows off.
+            // A bin of the longest window is 6 rows wide at 60 Hz, so that the peak may lie a few
+            // rows off.
             assert!(
                 (row as f64 + 0.5 - expected).abs() < 4.0,
                 "{frequency_hz_in} Hz in row {row}, expected {expected}"
@@ -251,14 +273,14 @@ mod tests {
     }
 
     #[test]
-    fn a_tenth_of_the_amplitude_reads_20_db_less() {
+    fn sine_of_a_tenth_of_full_scale_reads_minus_20_db() {
         let sound = sine(1000.0, 0.1, 1.0);
         let spectrogram = Spectrogram::of(&[&sound], RATE_HZ, 10, ROWS);
         assert!((loudest(&spectrogram, 5).1 + 20.0).abs() < 0.5);
     }
 
     #[test]
-    fn a_pure_sine_leaves_far_frequencies_at_the_floor() {
+    fn sine_leaves_far_frequencies_at_the_floor() {
         let sound = sine(1000.0, 0.5, 1.0);
         let spectrogram = Spectrogram::of(&[&sound], RATE_HZ, 10, ROWS);
         for row in [0, ROWS - 1] {
@@ -267,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn the_louder_channel_counts() {
+    fn louder_channel_counts() {
         let quiet = sine(1000.0, 0.01, 1.0);
         let loud = sine(1000.0, 1.0, 1.0);
         let spectrogram = Spectrogram::of(&[&quiet, &loud], RATE_HZ, 10, ROWS);
@@ -275,18 +297,18 @@ mod tests {
     }
 
     #[test]
-    fn a_click_is_seen_however_long_the_piece() {
+    fn click_in_a_minute_of_silence_is_seen() {
         let mut sound = vec![0.0; (60.0 * RATE_HZ) as usize];
         let at = (40.03 * RATE_HZ) as usize;
         sound[at..at + 24].fill(1.0);
         let spectrogram = Spectrogram::of(&[&sound], RATE_HZ, 100, ROWS);
         assert!(loudest(&spectrogram, 66).1 > -45.0);
-        // Blending two resolutions rounds even the floor.
+        // Even the floor is rounded when two window lengths are blended.
         assert!((loudest(&spectrogram, 30).1 - FLOOR_DB).abs() < 1e-3);
     }
 
     #[test]
-    fn nothing_is_said_about_frequencies_above_half_the_rate() {
+    fn frequencies_above_half_the_rate_have_no_level() {
         let sound = vec![0.0; 4000];
         let spectrogram = Spectrogram::of(&[&sound], 16_000.0, 10, ROWS);
         assert_eq!(spectrogram.level_db(3, ROWS - 1), None);
@@ -294,14 +316,14 @@ mod tests {
     }
 
     #[test]
-    fn a_piece_shorter_than_every_window_is_shown() {
+    fn sound_shorter_than_every_window_is_shown() {
         let sound = sine(3000.0, 1.0, 0.01);
         let spectrogram = Spectrogram::of(&[&sound], RATE_HZ, 50, ROWS);
         assert!(loudest(&spectrogram, 25).1 > -15.0);
     }
 
     #[test]
-    fn the_shares_of_the_window_lengths_add_up_to_one() {
+    fn shares_of_the_window_lengths_add_up_to_one() {
         for row in 0..=100 {
             let frequency = frequency_hz(f64::from(row), 100);
             let sum: f64 = (0..RESOLUTIONS.len()).map(|index| weight(index, frequency)).sum();

@@ -1,4 +1,4 @@
-//! Spectrograms as bare pictures, for pages that draw their own axes.
+//! Spectrograms without axes, for pages that draw their own.
 
 use std::path::Path;
 
@@ -6,16 +6,21 @@ use super::colour::{LANE, MAGMA};
 use super::error::PlotError;
 use super::spectrogram::{FLOOR_DB, HIGHEST_HZ, LOWEST_HZ, Spectrogram};
 
-/// Lowest and highest frequency of a bare spectrogram in Hz, at its lower and upper edge, in between in equal ratios.
+/// Frequencies in Hz at the lower and upper edge of a spectrogram without axes.
+///
+/// Between them, equal ratios of frequency take equal heights.
 pub const SPECTROGRAM_HZ: (f64, f64) = (LOWEST_HZ, HIGHEST_HZ);
-/// Levels that a bare spectrogram shows, from its loudest place down, dB.
+/// Range of levels that a spectrogram without axes shows, in dB below its loudest place.
 pub const SPECTROGRAM_RANGE_DB: f32 = 80.0;
 
-/// Spectrograms of sounds as PNG, `columns` by `rows` pixels: time to the right, the whole sound; frequency upwards, [`SPECTROGRAM_HZ`]. One scale of
-/// levels for all: the loudest place of the first sound is the brightest, [`SPECTROGRAM_RANGE_DB`] below it is black.
+/// Encodes the spectrograms of sounds as PNG, each `columns` by `rows` pixels.
+///
+/// Time runs to the right over the whole sound, and frequency upwards over [`SPECTROGRAM_HZ`]. All
+/// sounds share one scale of levels: the loudest place of the first sound is the brightest, and
+/// [`SPECTROGRAM_RANGE_DB`] below it is black.
 ///
 /// # Errors
-/// [`PlotError`], naming `path`, the page that they are for; for a picture of no pixels.
+/// [`PlotError`] with `path`, the page that the pictures are for, if a picture has no pixels.
 pub fn spectrogram_pngs(
     path: &Path,
     sounds: &[&[f32]],
@@ -62,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sine_is_a_bright_line_at_its_frequency_and_a_quieter_sound_is_darker() {
+    fn sine_is_a_bright_line_at_its_frequency_and_a_quieter_one_is_darker() {
         let sine = |amplitude: f64| -> Vec<f32> {
             (0..24_000)
                 .map(|n| (amplitude * (std::f64::consts::TAU * 1000.0 * f64::from(n) / 48_000.0).sin()) as f32)

@@ -1,36 +1,40 @@
-//! Text in the font that the program carries (Noto Sans, SIL Open Font License), so that a picture needs nothing of the machine.
+//! Text in the font that the program carries: Noto Sans, SIL Open Font License.
+//!
+//! So a picture needs no font of the machine.
 
 use ab_glyph::{Font, FontRef, GlyphId, PxScale, point};
 
 use super::colour::Colour;
 
-/// Height of a capital letter as a share of the text size; half of it centres a line of text on a height.
+/// Height of a capital letter as a share of the text size.
+///
+/// A baseline half of this height below a place centres the text on that place.
 pub(super) const CAPITAL_HEIGHT: f32 = 0.714;
 
-/// The weight of the strokes.
+/// Weight of a font's strokes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Weight {
-    /// For labels.
+    /// Weight of labels.
     Regular,
-    /// For titles.
+    /// Weight of titles.
     Bold,
 }
 
-/// Which point of the text stands at the given place, along the text.
+/// Point along a text that stands at the given place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
-    /// Its beginning.
+    /// Beginning of the text.
     Start,
-    /// Its middle.
+    /// Middle of the text.
     Middle,
-    /// Its end.
+    /// End of the text.
     End,
 }
 
-/// How a text looks.
+/// Size, weight and colour of a text.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TextStyle {
-    /// Em size, pixels.
+    /// Em size in pixels.
     pub(super) size_px: f32,
     /// Weight of the strokes.
     pub(super) weight: Weight,
@@ -39,25 +43,25 @@ pub(super) struct TextStyle {
 }
 
 impl TextStyle {
-    /// A text of regular weight.
+    /// Creates the style of a text of regular weight.
     pub(super) const fn regular(size_px: f32, colour: Colour) -> Self {
         Self { size_px, weight: Weight::Regular, colour }
     }
 
-    /// A text of bold weight.
+    /// Creates the style of a text of bold weight.
     pub(super) const fn bold(size_px: f32, colour: Colour) -> Self {
         Self { size_px, weight: Weight::Bold, colour }
     }
 }
 
-/// The two weights of the font.
+/// Font in its two weights.
 pub(super) struct Typeface {
     regular: FontRef<'static>,
     bold: FontRef<'static>,
 }
 
 impl Typeface {
-    /// The font that the program carries; nothing if its bytes are damaged.
+    /// Loads the font that the program carries; `None` if its bytes are damaged.
     pub(super) fn built_in() -> Option<Self> {
         Some(Self {
             regular: FontRef::try_from_slice(notosans::REGULAR_TTF).ok()?,
@@ -72,14 +76,15 @@ impl Typeface {
         }
     }
 
-    /// Length of `text`, pixels.
+    /// Length of `text` in pixels.
     pub(super) fn length_px(&self, text: &str, style: TextStyle) -> f32 {
         let font = self.font(style.weight);
         let (places, end) = places(font, text, style.size_px);
         if places.is_empty() { 0.0 } else { end }
     }
 
-    /// `text` if it is no longer than `room_px`, else as much of its beginning as fits before an ellipsis.
+    /// The whole text if it is at most `room_px` pixels long, else as much of its beginning as fits
+    /// before an ellipsis.
     pub(super) fn shortened(&self, text: &str, style: TextStyle, room_px: f32) -> String {
         if self.length_px(text, style) <= room_px {
             return text.to_owned();
@@ -94,8 +99,11 @@ impl Typeface {
         String::new()
     }
 
-    /// Calls `cover(along, across, share)` for every pixel that `text` touches: `along` the baseline from `start_px`, `across` it
-    /// (positive below) from `baseline_px`, with the share of the pixel that is covered.
+    /// Calls `cover(along, across, share)` for every pixel that `text` touches.
+    ///
+    /// `along` counts pixels in the direction of the text, which begins at `start_px`; `across`
+    /// counts them downwards, with the baseline at `baseline_px`. `share` is the share of the pixel
+    /// that is covered, 0 to 1.
     pub(super) fn cover(
         &self,
         text: &str,
@@ -117,7 +125,7 @@ impl Typeface {
     }
 }
 
-/// The glyphs of `text` with their places along the baseline, and the text's length, pixels.
+/// Glyphs of `text` with their places along the baseline, and the length of the text, in pixels.
 fn places(font: &FontRef<'static>, text: &str, size_px: f32) -> (Vec<(GlyphId, f32)>, f32) {
     let px_per_unit = size_px / font.units_per_em().unwrap_or(1000.0);
     let mut along = 0.0;
@@ -135,7 +143,9 @@ fn places(font: &FontRef<'static>, text: &str, size_px: f32) -> (Vec<(GlyphId, f
     (placed, along)
 }
 
-/// The font library scales by the height of a line; a text size is that of the em.
+/// Scale of the font library for an em of `size_px` pixels.
+///
+/// The library scales by the height of a line, while a text size is that of the em.
 fn line_scale(font: &FontRef<'static>, size_px: f32) -> PxScale {
     let units_per_em = font.units_per_em().unwrap_or(1000.0);
     PxScale::from(size_px * font.height_unscaled() / units_per_em)
@@ -149,7 +159,7 @@ mod tests {
     const STYLE: TextStyle = TextStyle::regular(14.0, INK);
 
     #[test]
-    fn the_built_in_font_has_every_sign_that_a_picture_uses() {
+    fn built_in_font_has_every_character_that_a_picture_uses() {
         let typeface = Typeface::built_in().expect("font");
         for weight in [Weight::Regular, Weight::Bold] {
             for sign in "0123456789−.:%·…–×≤≥µ°²äöüéñ".chars() {
@@ -159,13 +169,13 @@ mod tests {
     }
 
     #[test]
-    fn a_text_that_fits_is_left_alone() {
+    fn text_that_fits_is_not_cut() {
         let typeface = Typeface::built_in().expect("font");
         assert_eq!(typeface.shortened("snare", STYLE, 100.0), "snare");
     }
 
     #[test]
-    fn a_text_too_long_is_cut_before_an_ellipsis() {
+    fn text_that_is_too_long_is_cut_before_an_ellipsis() {
         let typeface = Typeface::built_in().expect("font");
         let short = typeface.shortened("a very long name of a drum", STYLE, 60.0);
         assert!(short.ends_with('…') && short.len() > 5, "{short}");
@@ -173,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn twice_the_size_is_twice_the_length() {
+    fn text_of_twice_the_size_has_twice_the_length() {
         let typeface = Typeface::built_in().expect("font");
         let large = TextStyle::regular(28.0, INK);
         let ratio = typeface.length_px("malleus", large) / typeface.length_px("malleus", STYLE);

@@ -1,17 +1,20 @@
-//! Rendering with the very engine of a board: what it leaves out, and its room, which is smaller than the PC's.
+//! Rendering with the engine of a board, which leaves stages out that the PC's engine plays.
+//!
+//! Its reverberation, too, has less memory than the PC's.
 
-use boards::{BlackpillF411, BoardEngine, Stages, Stm32f407gDisc1};
+use boards::{BlackpillF411, Stm32f407gDisc1};
 use dsp_core::SampleRate;
-use dsp_core::engine::{LoadError, TickReport};
+use dsp_core::engine::{Engine, LoadError, TickReport};
 use dsp_core::event::Event;
+use dsp_core::memory::{Memory, Word, Words};
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
 use virtual_board::Board;
 
-use super::Performance;
 use super::instrument::{Output, RenderError, play};
+use super::performance::Performance;
 
-/// A board's sample rate.
+/// Sample rate of a board.
 pub fn rate(board: Board) -> SampleRate {
     match board {
         Board::Stm32f407gDisc1 => <Stm32f407gDisc1 as boards::Board>::rate(),
@@ -19,21 +22,45 @@ pub fn rate(board: Board) -> SampleRate {
     }
 }
 
-/// Why a board leaves stages of a kit out, in the order in which it would load them.
-///
-/// # Errors
-/// [`LoadError`]: the board refuses the kit.
-pub fn leaves_out(board: Board, kit: &Kit<'_>) -> Result<Vec<LoadError>, LoadError> {
-    let mut left_out = Vec::new();
-    let tell = |error| left_out.push(error);
-    match board {
-        Board::Stm32f407gDisc1 => drop(loaded::<Stm32f407gDisc1>(kit, tell)?),
-        Board::BlackpillF411 => drop(loaded::<BlackpillF411>(kit, tell)?),
-    }
-    Ok(left_out)
+/// Plan of a kit on a board.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoardPlan {
+    /// Words of memory that the board lends its engine.
+    pub lent: Words,
+    /// Words of memory that the engine takes.
+    pub taken: Words,
+    /// Cycles per tick that pads and stages may take together.
+    pub stage_cycles: u32,
+    /// Cycles per tick that are left of them for stages that strikes begin.
+    pub stage_cycles_left: u32,
+    /// Reasons for which stages are left out, in the order in which the board would load them.
+    pub left_out: Vec<LoadError>,
 }
 
-/// The budget of a board's engine: cycles that a tick may take, as the engine predicts them.
+/// Plans a kit on a board.
+///
+/// # Errors
+/// [`LoadError`] if the board refuses the kit as a whole.
+pub fn plan(board: Board, kit: &Kit<'_>) -> Result<BoardPlan, LoadError> {
+    match board {
+        Board::Stm32f407gDisc1 => plan_of::<Stm32f407gDisc1>(kit),
+        Board::BlackpillF411 => plan_of::<BlackpillF411>(kit),
+    }
+}
+
+fn plan_of<B: boards::Board>(kit: &Kit<'_>) -> Result<BoardPlan, LoadError> {
+    let mut left_out = Vec::new();
+    let plan = B::plan(kit, &mut |error| left_out.push(error))?;
+    Ok(BoardPlan {
+        lent: B::WORDS,
+        taken: plan.words,
+        stage_cycles: B::STAGE_CYCLES,
+        stage_cycles_left: plan.stage_cycles_left.unwrap_or(B::STAGE_CYCLES),
+        left_out,
+    })
+}
+
+/// Budget of a board's engine: predicted cycles that a tick of 32 frames may take at most.
 pub fn budget_cycles(board: Board) -> u32 {
     match board {
         Board::Stm32f407gDisc1 => <Stm32f407gDisc1 as boards::Board>::BUDGET_CYCLES,
@@ -41,13 +68,14 @@ pub fn budget_cycles(board: Board) -> u32 {
     }
 }
 
-/// What a board plays for a performance at its own rate, in blocks of a tick as the board has them.
-/// With the board's [budget](budget_cycles) the same bits for the same events; without one, the
-/// same bits for the events of the board's log, which hold its decisions. `log` sees every event as
-/// it is played.
+/// Renders a performance as a board plays it: at the board's rate and in blocks of one tick.
+///
+/// With the board's [budget](budget_cycles), events give the bits that the board gives for them.
+/// Without a budget, the events of the board's log, which hold its decisions, give the bits that
+/// the board gave. `observe` gets the report of each tick, and `log` every event as it is played.
 ///
 /// # Errors
-/// [`RenderError`].
+/// [`RenderError`] if the board refuses the kit or an event.
 pub fn render(
     board: Board,
     kit: &Kit<'_>,
@@ -59,31 +87,35 @@ pub fn render(
 ) -> Result<Vec<[i32; 2]>, RenderError> {
     match board {
         Board::Stm32f407gDisc1 => {
-            let mut engine = loaded::<Stm32f407gDisc1>(kit, |_| {})?;
+            let mut memory = lent::<Stm32f407gDisc1>();
+            let mut engine = loaded::<Stm32f407gDisc1>(kit, &mut memory)?;
             engine.set_budget(budget_cycles);
-            play(&mut *engine, performance, TICK_FRAMES, output, observe, log)
+            play(&mut engine, performance, TICK_FRAMES, output, observe, log)
         }
         Board::BlackpillF411 => {
-            let mut engine = loaded::<BlackpillF411>(kit, |_| {})?;
+            let mut memory = lent::<BlackpillF411>();
+            let mut engine = loaded::<BlackpillF411>(kit, &mut memory)?;
             engine.set_budget(budget_cycles);
-            play(&mut *engine, performance, TICK_FRAMES, output, observe, log)
+            play(&mut engine, performance, TICK_FRAMES, output, observe, log)
         }
     }
 }
 
-/// What a board with its budget leaves out of a chord.
+/// Modes and stages that a board with its budget leaves out of a chord.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Shed {
-    /// Number of modes of each pad that are left out, and number of modes that the pad has.
+    /// For each pad, the number of modes that are left out and the number of modes that it has.
     pub modes: Vec<(usize, usize)>,
-    /// Number of residuals, dynamic filters and biquad banks that find no time.
+    /// Number of residuals, dynamic filters and biquad banks that the budget does not allow to
+    /// start.
     pub refused_stages: u32,
 }
 
-/// What a board with its budget leaves out of a kit's loudest [chord](Performance::chord).
+/// Modes and stages that a board with its budget leaves out of a kit's loudest
+/// [chord](Performance::chord).
 ///
 /// # Errors
-/// [`RenderError`].
+/// [`RenderError`] if the board refuses the kit.
 pub fn shed_of_chord(board: Board, kit: &Kit<'_>) -> Result<Shed, RenderError> {
     match board {
         Board::Stm32f407gDisc1 => shed_by::<Stm32f407gDisc1>(kit),
@@ -92,25 +124,30 @@ pub fn shed_of_chord(board: Board, kit: &Kit<'_>) -> Result<Shed, RenderError> {
 }
 
 fn shed_by<B: boards::Board>(kit: &Kit<'_>) -> Result<Shed, RenderError> {
-    let mut engine = loaded::<B>(kit, |_| {})?;
+    let mut memory = lent::<B>();
+    let mut engine = loaded::<B>(kit, &mut memory)?;
     engine.set_budget(Some(B::BUDGET_CYCLES));
     let chord = Performance::chord(kit.pads().len(), (CHORD_S * B::rate().hz()) as usize);
     let mut shed = Shed::default();
     let observe = |report: &TickReport| shed.refused_stages += report.refused_stages;
-    play(&mut *engine, &chord, TICK_FRAMES, Output::Bus, observe, |_| {})?;
+    play(&mut engine, &chord, TICK_FRAMES, Output::Bus, observe, |_| {})?;
     shed.modes = (0..engine.pad_count()).map(|pad| (engine.shed_mode_count(pad), engine.mode_count(pad))).collect();
     Ok(shed)
 }
 
-/// Seconds of a chord in which a board is watched: its contacts are over by then, and what rings on
-/// takes less time from tick to tick.
+/// Length of the chord that is rendered to find what a board leaves out, in seconds.
+///
+/// Contacts are over by then. Modes that still ring take less time from tick to tick.
 const CHORD_S: f64 = 0.5;
 
-/// On the heap: some 170 KB.
-type Loaded<'k, B> = Box<BoardEngine<'k, Stages<B>>>;
+/// Memory as a board lends it: fast and large.
+fn lent<B: boards::Board>() -> [Vec<Word>; 2] {
+    [B::WORDS.fast, B::WORDS.bulk].map(|words| vec![Word::uninit(); words])
+}
 
-fn loaded<'k, B: boards::Board>(kit: &Kit<'k>, tell: impl FnMut(LoadError)) -> Result<Loaded<'k, B>, LoadError> {
-    let mut engine = Box::new(BoardEngine::<Stages<B>>::new());
-    B::load(&mut engine, kit, tell)?;
-    Ok(engine)
+fn loaded<'k, 'm, B: boards::Board>(
+    kit: &Kit<'k>,
+    [fast, bulk]: &'m mut [Vec<Word>; 2],
+) -> Result<Engine<'k, 'm>, LoadError> {
+    B::engine(kit, Memory::new(fast, bulk), &mut |_| {})
 }

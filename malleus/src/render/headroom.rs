@@ -1,10 +1,9 @@
-//! How loud the strikes of a kit are at velocity 1, rendered by the instrument without what clips
-//! on the way, and the numbers that would fit.
+//! Peaks of a kit's strikes at velocity 1 as they would be without clipping, and levels that fit.
 //!
-//! The instrument clips the force at 16 times the reference force, and its buses at +24 dBFS. What
-//! is loud is rendered with `2^-k` of its forces, and counted `2^k` times: all that follows the
-//! force is linear in it but for a dynamic filter's exciter, whose edges are moved against it. The
-//! background is left out, the room is not.
+//! The instrument clips the force at 16 times the reference force, and its buses at +24 dBFS. So a
+//! loud strike is rendered with `2^-k` of its force, and its peak is multiplied by `2^k`: every
+//! stage behind the force is linear in it except a dynamic filter's exciter, whose edges are moved
+//! to make up for it. The background is left out; the kit's room is rendered.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Skipping, TickReport};
@@ -15,72 +14,77 @@ use rayon::prelude::*;
 use super::force;
 use super::instrument::{Output, RenderError, Settings, render};
 use super::level::Level;
-use super::{Performance, strike};
+use super::performance::{Performance, strike};
 
-/// Peak at velocity 1 of the levels that are proposed, dBFS.
+/// Peak at velocity 1 with the levels that are proposed, in dBFS.
 pub const TARGET_DBFS: f64 = -6.0;
-/// Largest force at velocity 1 in a kit whose reference forces are chosen, in reference forces:
-/// four such strikes at once do not clip.
+/// Largest force at velocity 1 in a kit whose reference forces are chosen, in reference forces.
+///
+/// Four strikes of this force at once do not clip.
 pub const LARGEST_FORCE: f64 = 4.0;
 
-/// Seconds of a strike that are rendered, and how much of a dynamic filter's path at most.
+/// Rendered length of a strike without a dynamic filter, in seconds.
 const STRIKE_S: f64 = 1.0;
+/// Longest rendered length of a strike, in seconds; a dynamic filter's path may last longer.
 const LONGEST_S: f64 = 5.0;
-/// Largest magnitude, 1.0 = full scale, that the buses are trusted with.
+/// Largest peak of a bus that is taken as not clipped, 1.0 = full scale; the bus ends at 16.
 const TRUSTED: f64 = 4.0;
 
-/// Why a kit's levels cannot be measured.
+/// Reason for which a kit's levels cannot be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum HeadroomError {
-    /// The kit is none.
+    /// The kit is invalid.
     #[error(transparent)]
     Kit(#[from] kit::KitError),
-    /// A kit that was built is not read back.
+    /// The binary form of the kit, just built, cannot be read back.
     #[error("{0}")]
     Table(dsp_core::table::TableError),
-    /// The instrument cannot hold it.
+    /// The instrument cannot render the kit.
     #[error(transparent)]
     Render(#[from] RenderError),
 }
 
-/// A striker on a pad, at velocity 1.
+/// Force and peak of one striker on one pad at velocity 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loudness {
-    /// The pad, counted from 0.
+    /// Index of the pad, counted from 0.
     pub pad: usize,
-    /// Which of its strikers.
+    /// Index of the striker among the pad's strikers, counted from 0.
     pub striker: usize,
-    /// Peak force in reference forces, what a piezo's direct force may add to it included.
+    /// Peak force in reference forces, with the most that a piezo's direct force may add.
     pub force: f64,
-    /// Where along the object it is loudest, 0 to 1: one of the positions at which gains are given,
-    /// between which the sound is a mean.
+    /// Position along the object at which the strike is loudest, 0 to 1.
+    ///
+    /// It is one of the positions at which gains are given; between two of them the sound is a
+    /// weighted mean of theirs.
     pub position: f32,
-    /// Peak of the sound there, 1.0 = full scale.
+    /// Peak of the sound at that position, 1.0 = full scale.
     pub peak: f64,
 }
 
 impl Loudness {
-    /// Whether the force bus clips this strike.
+    /// True if the force bus clips this strike.
     pub fn overloads_force(&self) -> bool {
         self.force > force::FORCE_BUS_END
     }
 
-    /// Whether the output clips this strike.
+    /// True if the step to 24 bits clips this strike.
     pub fn clips(&self) -> bool {
         self.peak > 1.0
     }
 }
 
-/// Strikes to be rendered to measure a kit.
+/// Number of strikes that are rendered to measure a kit.
 pub fn strike_count(kit: &kit::Kit) -> usize {
     strikes(kit).len()
 }
 
-/// Each striker on each pad, alone, at the position where it is loudest. `progress` is told of
-/// every strike that has been rendered.
+/// Measures each striker on each pad, struck alone, at the position where it is loudest.
+///
+/// `progress` is called after every strike that has been rendered.
 ///
 /// # Errors
-/// [`HeadroomError`].
+/// [`HeadroomError`] if the kit is invalid or the instrument cannot render it.
 pub fn of_strikes(
     kit: &kit::Kit,
     rate: SampleRate,
@@ -112,16 +116,18 @@ pub fn of_strikes(
 /// Peak of a kit's loudest [chord](Performance::chord), 1.0 = full scale.
 ///
 /// # Errors
-/// [`HeadroomError`].
+/// [`HeadroomError`] if the kit is invalid or the instrument cannot render it.
 pub fn of_chord(kit: &kit::Kit, rate: SampleRate) -> Result<f64, HeadroomError> {
     let kit = kit::Kit { background: None, ..kit.clone() };
     let chord = Performance::chord(kit.pads.len(), (seconds(&kit) * rate.hz()) as usize);
     unclipped_peak(&kit, &chord, rate)
 }
 
-/// The reference force with which an object's hardest strikes do not clip: their peak force, so
-/// that the bus stands at 1.0. `None` where they do not come near the bus's end, and where nobody
-/// strikes the object.
+/// Reference force in newtons with which an object's hardest strike does not clip: its peak force,
+/// so that the force bus peaks at 1.0.
+///
+/// Returns `None` if no strike at velocity 1 exceeds `largest_force`, in reference forces, or if no
+/// pad plays the object.
 pub fn fitting_reference_force(kit: &kit::Kit, object: &str, largest_force: f64) -> Option<f32> {
     let pads = kit.pads.iter().filter(|pad| pad.object == object);
     let struck = pads.flat_map(|pad| (0..pad.strikers.len()).filter_map(|index| force::bound(kit, pad, index)));
@@ -131,8 +137,9 @@ pub fn fitting_reference_force(kit: &kit::Kit, object: &str, largest_force: f64)
         .map(|(striker, _)| striker.peak_force)
 }
 
-/// The level, in dB and rounded down to tenths, with which a pad of that level and peak peaks at
-/// [`TARGET_DBFS`]; as it is for silence.
+/// Level in dB, rounded down to tenths, with which a pad peaks at [`TARGET_DBFS`].
+///
+/// `peak` is the pad's peak at `level_db`, 1.0 = full scale. A silent pad keeps its level.
 pub fn fitting_level_db(level_db: f32, peak: f64) -> f32 {
     if peak <= 0.0 {
         return level_db;
@@ -141,7 +148,7 @@ pub fn fitting_level_db(level_db: f32, peak: f64) -> f32 {
     ((level_db * 10.0).floor() / 10.0).clamp(-120.0, 40.0) as f32
 }
 
-/// All (pad, striker, position) that can be loudest.
+/// Every combination of pad, striker and position that can be the loudest.
 fn strikes(kit: &kit::Kit) -> Vec<(usize, usize, f32)> {
     let positions = |pad: &kit::Pad| {
         let object = kit.objects.iter().find(|object| object.name == pad.object);
@@ -156,7 +163,9 @@ fn strikes(kit: &kit::Kit) -> Vec<(usize, usize, f32)> {
     kit.pads.iter().enumerate().flat_map(of_pad).collect()
 }
 
-/// Peak force of a striker on a pad; a pad that a piezo drives directly may have its force on top.
+/// Peak force of a striker on a pad, in reference forces.
+///
+/// For a pad that a piezo drives directly, the piezo's largest force is added.
 fn force_of(kit: &kit::Kit, pad: usize, striker: usize) -> f64 {
     let Some(pad) = kit.pads.get(pad) else { return 0.0 };
     let direct = pad.trigger.filter(|trigger| trigger.mode == dsp_core::trigger::Mode::Direct);
@@ -164,7 +173,7 @@ fn force_of(kit: &kit::Kit, pad: usize, striker: usize) -> f64 {
     direct + force::bound(kit, pad, striker).map_or(0.0, |(striker, object)| force::peak(striker, object))
 }
 
-/// One pad of a kit and what it needs, in the kit's room.
+/// Kit of one pad with its object, its strikers and the kit's room.
 fn alone(kit: &kit::Kit, pad: usize) -> kit::Kit {
     let pads: Vec<kit::Pad> = kit.pads.get(pad).into_iter().cloned().collect();
     let objects = kit.objects.iter().filter(|object| pads.iter().any(|pad| pad.object == object.name));
@@ -179,18 +188,18 @@ fn alone(kit: &kit::Kit, pad: usize) -> kit::Kit {
     }
 }
 
-/// How long a kit's strikes are rendered.
+/// Rendered length of a kit's strikes, in seconds.
 fn seconds(kit: &kit::Kit) -> f64 {
     let filters = kit.objects.iter().filter_map(|object| object.dynamic_filter.as_ref());
     let longest = filters.map(kit::DynamicFilter::duration_s).fold(0.0, f64::max);
     (STRIKE_S + longest).min(LONGEST_S)
 }
 
-/// Peak of a performance at velocity 1 without what clips, 1.0 = full scale.
+/// Peak that a performance at velocity 1 would have without clipping, 1.0 = full scale.
 fn unclipped_peak(kit: &kit::Kit, performance: &Performance, rate: SampleRate) -> Result<f64, HeadroomError> {
     let pads = || kit.pads.iter().enumerate().flat_map(|(index, pad)| (0..pad.strikers.len()).map(move |n| (index, n)));
     let hardest = pads().map(|(pad, striker)| force_of(kit, pad, striker)).fold(0.0, f64::max);
-    // Below 1.0 on the force bus.
+    // Enough to keep the force bus below 1.0.
     let mut halvings = hardest.log2().ceil().max(0.0) as i32;
     loop {
         let quiet = quietened(kit, halvings);
@@ -201,7 +210,7 @@ fn unclipped_peak(kit: &kit::Kit, performance: &Performance, rate: SampleRate) -
         let observe = |report: &TickReport| refused += report.refused_inputs;
         let bus = render(&table, performance, settings, Output::Bus, observe)?;
         let peak = Level::of_bus(&bus).peak;
-        // Before a pad's level and pan its bus may stand much higher.
+        // A pad's own bus, before its level and pan, may stand much higher than the output.
         let quietest = quiet.pads.iter().map(loudest_side).fold(1.0, f64::min);
         if refused == 0 && peak <= TRUSTED * quietest || halvings >= MOST_HALVINGS {
             return Ok(peak * f64::from(halvings).exp2());
@@ -210,16 +219,16 @@ fn unclipped_peak(kit: &kit::Kit, performance: &Performance, rate: SampleRate) -
     }
 }
 
-/// Halvings of the force after which a peak is taken as it is: 180 dB.
+/// Number of halvings of the force, 180 dB, after which a peak is taken as it is.
 const MOST_HALVINGS: i32 = 30;
 
-/// Gain of the louder side of a pad.
+/// Gain of a pad's level and pan on its louder side.
 fn loudest_side(pad: &kit::Pad) -> f64 {
     let angle = (f64::from(pad.pan) + 1.0) * std::f64::consts::FRAC_PI_4;
     10f64.powf(f64::from(pad.level_db) / 20.0) * angle.cos().max(angle.sin())
 }
 
-/// A kit whose strikes have `2^-halvings` of their force, and sound so much softer, but no other.
+/// Kit whose strikes have `2^-halvings` of their force and sound softer by just that factor.
 fn quietened(kit: &kit::Kit, halvings: i32) -> kit::Kit {
     let mut kit = kit.clone();
     for striker in &mut kit.strikers {

@@ -1,53 +1,50 @@
-//! Rendering by dsp-core, exactly as a board does.
+//! Rendering by `dsp-core`, the instrument that a board runs.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{
-    Direct, Engine, Filters, LoadError, Residuals, STANDARD_CONTACTS, Skipping, Surroundings, TickReport,
-};
+use dsp_core::engine::{Direct, Engine, LoadError, Plan, Setup, Skipping, TickReport};
 use dsp_core::event::{Event, EventError};
-use dsp_core::room::Room;
+use dsp_core::memory::{Memory, Word};
+use dsp_core::room::Sample;
 use dsp_core::table::Kit;
-use dsp_core::table::range::{BREAKPOINTS, CHAIN_DEPTH, CHAINS, LOOPS};
 
-use super::Performance;
+use super::performance::Performance;
 
-/// Samples of delay of the room.
-pub const ROOM_SAMPLES: usize = 49_152;
+/// Maximum number of samples of delay in the reverberation: as many as its bands can use.
+///
+/// A reverberation with a longer T60 than its delay keeps its decay, with fewer resonances.
+pub const ROOM_SAMPLES: usize = Setup::new(SampleRate::HZ_48000).room_samples;
 
-/// Noise of 32 pads; a second of delay for the room: a longer T60 than that keeps its decay, with fewer resonances; filters of 32 pads with all that a
-/// table may hold, but for loops' delays: 8192 frames.
-type PcSurroundings = (Residuals<32>, Room<i32, ROOM_SAMPLES>, Filters<32, BREAKPOINTS, LOOPS, 8192, BIQUADS>);
+/// Type of a sample in the delay lines of the PC's reverberation.
+///
+/// 32 bits keep 95 dB of its sound, the boards' 16 bits 49.8 dB (docs/room.md).
+type RoomSample = i32;
 
-const BIQUADS: usize = CHAINS * CHAIN_DEPTH;
-
-/// The engine of the PC: room for large kits; as many contacts at once as a board has.
-pub type PcEngine<'k> = Engine<'k, 64, 320, 8192, 4096, 8192, STANDARD_CONTACTS, PcSurroundings>;
-
-/// Why a performance cannot be rendered.
+/// Reason for which a performance cannot be rendered.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
     /// The engine cannot hold the kit.
     #[error("the kit does not fit the engine: {0}")]
     Load(#[from] LoadError),
-    /// An event cannot be.
+    /// An event is out of range or out of order.
     #[error("{0}")]
     Event(#[from] EventError),
 }
 
-/// How to render.
+/// Settings of a rendering.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    /// Sample rate.
+    /// Sample rate of the sound.
     pub rate: SampleRate,
-    /// Frames a block; any number of 1 and more gives the same bits.
+    /// Frames per block, 1 or more; every number gives the same bits.
     pub block: usize,
-    /// What is left out.
+    /// Skipping of modes that cannot be heard, on or off.
     pub skipping: Skipping,
-    /// Cycles of a Cortex-M4 that a tick may take; what does not fit is left out.
+    /// Cycles of a Cortex-M4 that a tick may take; modes that do not fit are left out. `None` means
+    /// no limit.
     pub budget_cycles: Option<u32>,
 }
 
-/// What comes out.
+/// Format of the rendered samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Output {
     /// Signed 24-bit samples.
@@ -56,34 +53,18 @@ pub enum Output {
     Bus,
 }
 
-/// An engine without a kit, on the heap.
-///
-/// It is made on a stack of its own: it is larger than that of a usual thread.
-pub fn engine<'k>() -> Box<PcEngine<'k>> {
-    let made = std::thread::scope(|scope| {
-        let large = std::thread::Builder::new().stack_size(4 * size_of::<PcEngine<'_>>() + (1 << 20));
-        large.spawn_scoped(scope, make).ok()?.join().ok()
-    });
-    made.unwrap_or_else(make)
-}
-
-#[inline(never)] // its stack must not be its caller's
-fn make<'k>() -> Box<PcEngine<'k>> {
-    Box::new(PcEngine::new())
-}
-
-/// Whether the instrument can hold a kit at a rate.
+/// Plans the memory that the instrument takes for a kit at a sample rate.
 ///
 /// # Errors
-/// [`LoadError`].
-pub fn check(kit: &Kit<'_>, rate: SampleRate) -> Result<(), LoadError> {
-    engine().load(kit, rate, Skipping::On)
+/// [`LoadError`] with the first part of the kit that the instrument refuses.
+pub fn plan(kit: &Kit<'_>, rate: SampleRate) -> Result<Plan, LoadError> {
+    Plan::of::<RoomSample>(kit, Setup::new(rate))
 }
 
-/// Renders a performance; `observe` sees each tick's report.
+/// Renders a performance; `observe` gets the report of each tick.
 ///
 /// # Errors
-/// [`RenderError`].
+/// [`RenderError`] if the engine refuses the kit or an event.
 pub fn render(
     kit: &Kit<'_>,
     performance: &Performance,
@@ -94,11 +75,13 @@ pub fn render(
     render_logged(kit, performance, settings, output, observe, |_| {})
 }
 
-/// The same; `log` sees every event as it is played, the engine's own decisions to leave something out among them, in the order in which
-/// they play to the same bits.
+/// Renders a performance as [`render`] does, and logs the events as they are played.
+///
+/// `log` gets every event and, between them, the engine's own decisions to leave modes out. Played
+/// in that order, they give the same bits without a budget.
 ///
 /// # Errors
-/// [`RenderError`].
+/// [`RenderError`] if the engine refuses the kit or an event.
 pub fn render_logged(
     kit: &Kit<'_>,
     performance: &Performance,
@@ -107,26 +90,20 @@ pub fn render_logged(
     observe: impl FnMut(&TickReport),
     log: impl FnMut(&Event),
 ) -> Result<Vec<[i32; 2]>, RenderError> {
-    let mut engine = engine();
-    engine.load(kit, settings.rate, settings.skipping)?;
+    let setup = Setup { skipping: settings.skipping, ..Setup::new(settings.rate) };
+    let words = Plan::of::<RoomSample>(kit, setup)?.words;
+    let (mut fast, mut bulk) = (vec![Word::uninit(); words.fast], vec![Word::uninit(); words.bulk]);
+    let mut engine = Engine::<RoomSample>::new(kit, setup, Memory::new(&mut fast, &mut bulk))?;
     engine.set_budget(settings.budget_cycles);
-    play(&mut *engine, performance, settings.block, output, observe, log)
+    play(&mut engine, performance, settings.block, output, observe, log)
 }
 
-/// Plays a performance on an engine with a kit, in blocks of `block` frames.
+/// Plays a performance on an engine that holds a kit, in blocks of `block` frames.
 ///
 /// # Errors
 /// [`RenderError::Event`].
-pub fn play<
-    const PADS: usize,
-    const BANKS: usize,
-    const MODES: usize,
-    const GROUPS: usize,
-    const ORIGINS: usize,
-    const CONTACTS: usize,
-    S: Surroundings,
->(
-    engine: &mut Engine<'_, PADS, BANKS, MODES, GROUPS, ORIGINS, CONTACTS, S>,
+pub fn play<S: Sample>(
+    engine: &mut Engine<'_, '_, S>,
     performance: &Performance,
     block: usize,
     output: Output,
@@ -165,7 +142,7 @@ pub fn play<
                 engine.render_bus_logged(now, direct, block, &mut observe, |decision| decisions.push(*decision))?;
             }
         }
-        // A decision stands behind the events of its frame.
+        // The engine decides behind the events of a frame, so that the log has its decision there.
         let mut now = now.iter().peekable();
         for decision in &decisions {
             while let Some(event) = now.next_if(|event| event.time.first_frame() <= decision.time.frame) {

@@ -1,4 +1,4 @@
-//! Level of a sound before the step to 24 bits, and what that step clips.
+//! Level of a sound before the step to 24 bits, and the number of samples that the step clips.
 
 use dsp_core::fixed::{FULL_SCALE_24_BIT, ONE_Q27};
 
@@ -9,8 +9,8 @@ pub struct Level {
     pub peak: f64,
     /// Number of samples, left and right counted apart, that the step to 24 bits clips.
     pub clipped_samples: u64,
-    /// Number of samples at the end of the bus, +24 dBFS, which clips there; none in a sound that
-    /// is not from a bus.
+    /// Number of samples at the end of the bus, +24 dBFS, at which the bus clips; 0 for a sound of
+    /// the reference, which has no bus.
     pub saturated_samples: u64,
 }
 
@@ -19,22 +19,22 @@ impl Level {
     pub fn of_bus(frames: &[[i32; 2]]) -> Self {
         frames.iter().flatten().fold(Self::default(), |level, &sample| {
             let magnitude = f64::from(sample.unsigned_abs()) / f64::from(ONE_Q27);
-            // The step's own rounding, without its clip.
+            // Rounds as the step to 24 bits does, without its clipping.
             let clips = is_beyond_24_bits((i64::from(sample) + 8) >> 4);
             level.with(magnitude, clips, sample == i32::MAX || sample == i32::MIN)
         })
     }
 
-    /// Level of a sound of the reference, 1.0 = full scale.
+    /// Level of stereo samples of the reference, 1.0 = full scale.
     pub fn of_law(frames: &[[f64; 2]]) -> Self {
         frames.iter().flatten().fold(Self::default(), |level, &sample| {
-            // `as` saturates far beyond 24 bits.
+            // `as` saturates only far beyond 24 bits.
             let steps = (sample * f64::from(FULL_SCALE_24_BIT) + 0.5).floor() as i64;
             level.with(sample.abs(), is_beyond_24_bits(steps), false)
         })
     }
 
-    /// The peak in dBFS; `None` for silence.
+    /// Peak in dBFS; `None` for silence.
     pub fn peak_dbfs(&self) -> Option<f64> {
         (self.peak > 0.0).then(|| 20.0 * self.peak.log10())
     }
@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn samples_that_the_step_to_24_bits_changes_are_counted_and_no_others() {
+    fn exactly_the_samples_that_the_step_to_24_bits_clips_are_counted() {
         for bus in [0, ONE_Q27 - 9, ONE_Q27 - 8, ONE_Q27, -ONE_Q27 - 8, -ONE_Q27 - 9, i32::MAX, i32::MIN] {
             let mut stepped = [[bus, 0]];
             dsp_core::output::to_24_bit(&mut stepped);

@@ -1,18 +1,23 @@
-//! Charts as inline SVG: axes, lines, dots, bars. Colours are the page's, by class.
+//! Charts as inline SVG: axes, lines, dots and bars. The page's style sheet colours them by class.
 
 use std::fmt::Write;
 
 use super::markup::escaped;
 
-/// Size of a chart in its own units; the page scales it.
+/// Width of a chart in its own units, which the page scales.
 const WIDTH: f64 = 480.0;
+/// Height of a chart in its own units.
 const HEIGHT: f64 = 280.0;
+/// Left edge of the area with the data.
 const LEFT: f64 = 48.0;
+/// Right edge of the area with the data.
 const RIGHT: f64 = 468.0;
+/// Upper edge of the area with the data.
 const TOP: f64 = 10.0;
+/// Lower edge of the area with the data.
 const BOTTOM: f64 = 238.0;
 
-/// An axis: a range, linear or logarithmic, and what stands along it.
+/// Axis of a chart: a linear or logarithmic range, its ticks and its label.
 #[derive(Clone, Debug)]
 pub(super) struct Axis {
     low: f64,
@@ -23,7 +28,7 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// Frequency in Hz, logarithmic.
+    /// Creates a logarithmic axis of frequency in Hz.
     pub(super) fn frequency(low_hz: f64, high_hz: f64) -> Self {
         let ticks = [50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4, 2e4];
         let ticks = ticks
@@ -33,7 +38,8 @@ impl Axis {
         Self { low: low_hz, high: high_hz, logarithmic: true, ticks: ticks.collect(), label: "frequency, Hz" }
     }
 
-    /// Decades, logarithmic, the range rounded outwards to 1, 2, 5.
+    /// Creates a logarithmic axis whose range is rounded outwards to 1, 2 or 5 times a power of
+    /// ten.
     pub(super) fn decades(low: f64, high: f64, label: &'static str) -> Self {
         let steps: Vec<f64> =
             (-5..5).flat_map(|decade| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(decade))).collect();
@@ -46,7 +52,7 @@ impl Axis {
         Self { low, high, logarithmic: true, ticks: ticks.collect(), label }
     }
 
-    /// Linear, with at most about six round ticks.
+    /// Creates a linear axis with about six round ticks at most.
     pub(super) fn linear(low: f64, high: f64, label: &'static str) -> Self {
         let high = if high > low { high } else { low + 1.0 };
         let raw = (high - low) / 6.0;
@@ -58,7 +64,7 @@ impl Axis {
         Self { low, high, logarithmic: false, ticks: ticks.collect(), label }
     }
 
-    /// Place from 0 to 1.
+    /// Place of a value along the axis, 0 to 1; values beyond an end lie at that end.
     fn share(&self, value: f64) -> f64 {
         let share = if self.logarithmic {
             (value.max(self.low * 1e-9) / self.low).ln() / (self.high / self.low).ln()
@@ -73,13 +79,13 @@ fn is_power_of_ten(value: f64) -> bool {
     (value.log10() - value.log10().round()).abs() < 1e-9
 }
 
-/// A tick's number without the digits that rounding adds.
+/// Writes a tick's number without the digits that rounding adds.
 fn plain(value: f64) -> String {
     let rounded = (value * 1e6).round() / 1e6;
     if rounded == 0.0 { "0".to_owned() } else { format!("{rounded}").replace('-', "\u{2212}") }
 }
 
-/// A chart under way.
+/// Chart to which marks are added one by one.
 #[derive(Clone, Debug)]
 pub(super) struct Chart {
     x: Axis,
@@ -91,7 +97,7 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    /// An empty chart.
+    /// Creates a chart without marks.
     pub(super) fn new(title: &'static str, x: Axis, y: Axis) -> Self {
         Self { x, y, title, body: String::new(), legend: String::new(), uprights: 0 }
     }
@@ -101,16 +107,16 @@ impl Chart {
     }
 
     fn draw(&mut self, element: std::fmt::Arguments<'_>) {
-        // Writing to a string cannot fail.
+        // Writing into a string cannot fail.
         let _ = self.body.write_fmt(element);
     }
 
-    /// Names what a class of marks shows.
+    /// Adds an entry to the legend that names the marks of a class.
     pub(super) fn explain(&mut self, class: &str, text: &str) {
         let _ = write!(self.legend, "<span class=\"key {class}\">{}</span> ", escaped(text));
     }
 
-    /// A line through points.
+    /// Draws a line through points.
     pub(super) fn line(&mut self, class: &str, points: impl IntoIterator<Item = (f64, f64)>) {
         let mut path = String::new();
         for (x, y) in points {
@@ -120,20 +126,20 @@ impl Chart {
         self.draw(format_args!("<path class=\"line {class}\" d=\"{path}\"/>"));
     }
 
-    /// A dot.
+    /// Draws a dot.
     pub(super) fn dot(&mut self, class: &str, x: f64, y: f64, radius: f64) {
         let (x, y) = self.place(x, y);
         self.draw(format_args!("<circle class=\"dot {class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\"/>"));
     }
 
-    /// A line from the lower edge up to a dot.
+    /// Draws a dot and a line from the lower edge up to it.
     pub(super) fn stem(&mut self, class: &str, x: f64, y: f64) {
         let (px, py) = self.place(x, y);
         self.draw(format_args!("<path class=\"stem {class}\" d=\"M{px:.1} {BOTTOM}V{py:.1}\"/>"));
         self.dot(class, x, y, 2.6);
     }
 
-    /// A bar over a range of x, from the lower edge up.
+    /// Draws a bar over a range of x, from the lower edge up.
     pub(super) fn bar(&mut self, class: &str, from: f64, to: f64, y: f64) {
         let (left, top) = self.place(from, y);
         let (right, _) = self.place(to, y);
@@ -143,12 +149,13 @@ impl Chart {
         ));
     }
 
-    /// A level over a range of x.
+    /// Draws a horizontal line over a range of x.
     pub(super) fn level(&mut self, class: &str, from: f64, to: f64, y: f64) {
         self.line(class, [(from, y), (to, y)]);
     }
 
-    /// An upright line with a word at its top; the words of several stand below one another.
+    /// Draws an upright line with a word at its top. The words of several lines stand below each
+    /// other.
     pub(super) fn upright(&mut self, class: &str, x: f64, word: &str) {
         let (x, _) = self.place(x, self.y.low);
         let word = escaped(word);
@@ -158,13 +165,13 @@ impl Chart {
         self.draw(format_args!("<path class=\"upright {class}\" d=\"M{x:.1} {TOP}V{BOTTOM}\"/><text class=\"word\" text-anchor=\"{anchor}\" x=\"{beside:.1}\" y=\"{y:.1}\">{word}</text>"));
     }
 
-    /// A picture that fills the chart.
+    /// Draws a picture that fills the area with the data.
     pub(super) fn picture(&mut self, data: &str) {
         let (width, height) = (RIGHT - LEFT, BOTTOM - TOP);
         self.draw(format_args!("<image href=\"{data}\" x=\"{LEFT}\" y=\"{TOP}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\"/>"));
     }
 
-    /// The chart as a figure, its caption and legend above.
+    /// Writes the chart as an HTML figure with its caption and legend above it.
     pub(super) fn figure(self) -> String {
         let mut axes = String::new();
         for (value, text) in &self.x.ticks {

@@ -1,4 +1,4 @@
-//! What can keep a page from being made.
+//! Reasons for which a page cannot be made.
 
 use std::path::PathBuf;
 
@@ -6,29 +6,32 @@ use kit::file::FileError;
 
 use crate::plot::PlotError;
 
-/// Why a page was not made. No file is left behind, an older page stays as it was.
+/// Reason for which a page was not made. No new file is left behind, and an older page is
+/// unchanged.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// A picture in it cannot be made.
+    /// A picture in the page cannot be made.
     #[error(transparent)]
     Plot(#[from] PlotError),
-    /// A sound in it cannot be encoded.
-    #[error("{}: the sound cannot be encoded: {cause}", path.display())]
+    /// A sound in the page cannot be encoded.
+    #[error("{}: the sound is too long for a page; fit a shorter recording", path.display())]
     Sound {
-        /// The page.
+        /// Path of the page.
         path: PathBuf,
-        /// What the encoder says.
+        /// Error of the WAV encoder, kept for programs; the message leaves it out.
+        #[source]
         cause: hound::Error,
     },
-    /// Its figures cannot be written as JSON.
-    #[error("{}: the figures cannot be written as JSON: {cause}", path.display())]
+    /// The figures of the page cannot be written as JSON.
+    #[error("{}: the figures cannot be written as JSON; leave --report out, and tell the developers", path.display())]
     Figures {
-        /// The page.
+        /// Path of the page.
         path: PathBuf,
-        /// Why.
+        /// Error of the JSON encoder, kept for programs; the message leaves it out.
+        #[source]
         cause: serde_json::Error,
     },
-    /// A file or the folder cannot be read or written.
+    /// A page, the index or their folder cannot be read or written.
     #[error(transparent)]
     File(#[from] FileError),
 }

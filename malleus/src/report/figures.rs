@@ -1,4 +1,4 @@
-//! The charts of a page.
+//! Charts of a page, from the figures of a fit.
 
 use std::path::Path;
 
@@ -9,17 +9,20 @@ use super::markup::data_uri;
 use super::view::{View, envelope_db};
 use crate::plot::{PlotError, SPECTROGRAM_HZ, spectrogram_pngs};
 
-/// Pixels of a spectrogram.
+/// Width of a spectrogram in pixels.
 const COLUMNS: u32 = 640;
+/// Height of a spectrogram in pixels.
 const ROWS: u32 = 300;
-/// Points of a spectrum's line.
+/// Number of points of a spectrum's line.
 const POINTS: usize = 420;
-/// Range of levels shown, dB.
+/// Range of levels of a spectrum, in dB below its loudest line.
 const RANGE_DB: f64 = 90.0;
+/// Label of an axis of level.
 const LEVEL: &str = "level, dB";
+/// Label of an axis of T60.
 const T60: &str = "T60, s";
 
-/// Spectrograms of the recording and of the fit, side by side.
+/// Charts of the spectrograms of the recording and of the fit.
 pub(super) fn spectrograms(path: &Path, view: &View<'_>, sounds: &[Vec<f32>; 3]) -> Result<String, PlotError> {
     let shown: Vec<&[f32]> = sounds.iter().map(|sound| &sound[..view.shown]).collect();
     let pictures = spectrogram_pngs(path, &shown, view.rate_hz, COLUMNS, ROWS)?;
@@ -36,7 +39,7 @@ pub(super) fn spectrograms(path: &Path, view: &View<'_>, sounds: &[Vec<f32>; 3])
     Ok(charts.collect())
 }
 
-/// The modes over the spectra of recording and fit.
+/// Chart of the modes over the spectrum of the recording.
 pub(super) fn modes_over_spectrum(view: &View<'_>) -> String {
     let range_hz = (SPECTROGRAM_HZ.0, SPECTROGRAM_HZ.1.min(0.5 * view.rate_hz));
     let heard = view.spectrum(view.heard);
@@ -57,7 +60,7 @@ pub(super) fn modes_over_spectrum(view: &View<'_>) -> String {
     chart.figure()
 }
 
-/// Decays of modes, damping law and room over frequency.
+/// Chart of T60 over frequency: of the modes, of the damping law and of the room.
 pub(super) fn decays(view: &View<'_>) -> String {
     let report = &view.fitted.report;
     let modes = &view.fitted.sounding;
@@ -78,7 +81,7 @@ pub(super) fn decays(view: &View<'_>) -> String {
     chart.explain("fit", "modes (size: energy)");
     chart.explain("law", "damping law");
     for mode in modes {
-        // From 1.5 for what is 60 dB down to 6.5.
+        // The radius goes from 1.5, for modes 60 dB below the strongest, to 6.5.
         let level = (1.0 + (energy(mode) / most).log10() / 6.0).clamp(0.0, 1.0);
         chart.dot("fit", mode.frequency_hz, mode.t60_s(), 1.5 + 5.0 * level);
     }
@@ -92,7 +95,7 @@ pub(super) fn decays(view: &View<'_>) -> String {
     chart.figure()
 }
 
-/// The gain of the damping law, and the centroids.
+/// Chart of the damping law's gain over frequency, with the spectral centroids.
 pub(super) fn bark_gain(view: &View<'_>) -> Option<String> {
     let law = view.fitted.report.damping_law.as_ref()?;
     let loudest = law.bands.iter().map(|band| band.gain).fold(f64::MIN_POSITIVE, f64::max);
@@ -114,7 +117,7 @@ pub(super) fn bark_gain(view: &View<'_>) -> Option<String> {
     Some(chart.figure())
 }
 
-/// The residual's bands: level at the strike and decay.
+/// Charts of the residual's bands: their level at the strike, and their T60.
 pub(super) fn residual(view: &View<'_>) -> Option<String> {
     let bands = &view.fitted.report.residual_bands;
     if bands.is_empty() {
@@ -129,7 +132,7 @@ pub(super) fn residual(view: &View<'_>) -> Option<String> {
         Axis::frequency(range_hz.0, range_hz.1),
         Axis::linear(top - 80.0, top, "rms, dBFS"),
     );
-    // 0 dB/s does not end: 10 s stand for it.
+    // A band of 0 dB/s has no T60: 10 s stand for it.
     let t60_s = |decay_db_per_s: f64| (60.0 / decay_db_per_s.max(6.0)).max(1e-3);
     let (low, high) = bands
         .iter()
@@ -144,7 +147,7 @@ pub(super) fn residual(view: &View<'_>) -> Option<String> {
     Some(levels.figure() + &decays.figure())
 }
 
-/// The log-spectral distance over time.
+/// Chart of the log-spectral distance over time.
 pub(super) fn error_over_time(view: &View<'_>) -> String {
     let modes = view.distance_over_time(view.modes);
     let with_residual = view.distance_over_time(view.with_residual);
@@ -163,7 +166,7 @@ pub(super) fn error_over_time(view: &View<'_>) -> String {
     chart.figure()
 }
 
-/// Fewer frames than these are shown as dots, too: a line through one is none.
+/// Number of frames below which each is drawn as a dot, too: a line through one frame is invisible.
 const FEW_FRAMES: usize = 4;
 
 fn draw_frames(chart: &mut Chart, class: &str, frames: Vec<(f64, f64)>, dots: bool) {

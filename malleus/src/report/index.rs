@@ -1,23 +1,27 @@
-//! The index over all pages of a folder.
+//! Index of all pages in a folder.
 
 use std::fs;
 use std::path::Path;
 
 use kit::file::FileError;
 
-use super::document;
+use super::document::document;
 use super::error::ReportError;
 use super::markup::escaped;
 use super::page::{Summary, material, significant};
 
-/// Name of the index in its folder.
+/// File name of the index.
 pub const INDEX_FILE: &str = "index.html";
 
-/// Writes `index.html` in a folder, whole or not at all: a row for each page of a recording that lies there, whichever run made it, in order of name, and
-/// what could not be fitted (name of the recording and why).
+/// Writes the index [`INDEX_FILE`] of a folder, whole or not at all.
+///
+/// It has a row for each page of a recording in the folder, whichever run made it, in order of
+/// name. Behind them follow the recordings that could not be fitted: `failed` gives their names and
+/// the reasons.
 ///
 /// # Errors
-/// [`ReportError`], naming the folder or the file in it.
+/// [`ReportError`] with the path of the folder, or of the file in it that cannot be read or
+/// written.
 pub fn write_index(folder: &Path, failed: &[(String, String)]) -> Result<(), ReportError> {
     let unreadable = |cause| FileError { action: "read", path: folder.to_owned(), cause };
     let mut pages: Vec<(String, Summary)> = Vec::new();
@@ -69,7 +73,7 @@ fn index(pages: &[(String, Summary)], failed: &[(String, String)]) -> String {
     document("Fitted recordings", &body)
 }
 
-/// A file's name as a relative address.
+/// Relative address of a file in the folder of the index.
 fn address(file: &str) -> String {
     let mut address = String::from("./");
     for byte in file.bytes() {

@@ -1,11 +1,11 @@
-//! Text, sounds and pictures as parts of a page.
+//! Text, sounds and pictures as parts of an HTML page.
 
 use std::io::Cursor;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-/// Text in which nothing is taken for markup.
+/// Escapes a text so that no part of it is taken for markup.
 pub(super) fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for character in text.chars() {
@@ -21,12 +21,17 @@ pub(super) fn escaped(text: &str) -> String {
     safe
 }
 
-/// Bytes as an address that holds them.
+/// Writes bytes of a media type as a `data:` address that holds them.
 pub(super) fn data_uri(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{}", STANDARD.encode(bytes))
 }
 
-/// A mono sound, full scale 1, as a 16-bit WAV file in an address; what exceeds full scale is clipped.
+/// Writes a mono sound as a `data:` address that holds a 16-bit WAV file.
+///
+/// Samples beyond full scale, 1.0, are clipped.
+///
+/// # Errors
+/// The encoder's error if the sound is longer than a WAV file can be.
 pub(super) fn sound_uri(samples: &[f32], rate_hz: f64) -> Result<String, hound::Error> {
     let spec = hound::WavSpec {
         channels: 1,
@@ -43,7 +48,7 @@ pub(super) fn sound_uri(samples: &[f32], rate_hz: f64) -> Result<String, hound::
     Ok(data_uri("audio/wav", bytes.get_ref()))
 }
 
-/// JSON inside a script element: `<` cannot end it.
+/// Escapes JSON for a script element, which a `<` could end.
 pub(super) fn json_in_script(json: &str) -> String {
     json.replace('<', "\\u003c")
 }

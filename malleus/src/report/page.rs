@@ -1,4 +1,4 @@
-//! The page of one recording.
+//! Page of one fitted recording.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -6,31 +6,32 @@ use std::path::Path;
 use fit::recording::Fitted;
 use serde::{Deserialize, Serialize};
 
+use super::document::document;
 use super::error::ReportError;
+use super::figures;
 use super::markup::{escaped, json_in_script, sound_uri};
 use super::view::View;
-use super::{document, figures};
 
-/// The figures that an index shows of a page.
+/// Figures of a page that an index shows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Name of the recording.
     pub name: String,
-    /// Modes in the table.
+    /// Number of modes in the table.
     pub modes: usize,
-    /// Log-spectral distance without the residual, dB.
+    /// Log-spectral distance of the fit without its residual, in dB.
     pub lsd_db: f64,
-    /// With the residual, dB.
+    /// Log-spectral distance of the fit with its residual, in dB.
     pub lsd_with_residual_db: f64,
     /// Shortest and longest T60 of a mode in seconds.
     pub t60_s: [f64; 2],
     /// Contact time of the loudest strike in seconds.
     pub contact_time_s: f64,
-    /// What it may be made of, and how sure that is (0 to 1).
+    /// Material that the object may be made of, with the confidence of that guess (0 to 1).
     pub material: Option<(String, f64)>,
-    /// T60 of the room in seconds, where it has one.
+    /// T60 of the room in seconds, if a room is heard.
     pub room_t60_s: Option<f64>,
-    /// Seconds that the fit took.
+    /// Time that the fit took, in seconds.
     pub seconds: f64,
 }
 
@@ -50,7 +51,7 @@ impl Summary {
         }
     }
 
-    /// The summary inside a page; `None` for what is no page of a recording.
+    /// Reads the summary that a page holds; `None` if the page is not that of a recording.
     pub(super) fn in_page(html: &str) -> Option<Self> {
         let (_, rest) = html.split_once(SUMMARY_OPENS)?;
         let (json, _) = rest.split_once(SCRIPT_ENDS)?;
@@ -58,14 +59,19 @@ impl Summary {
     }
 }
 
+/// Start tag of the element that holds the summary as JSON.
 const SUMMARY_OPENS: &str = "<script type=\"application/json\" id=\"summary\">";
+/// Start tag of the element that holds all figures as JSON.
 const REPORT_OPENS: &str = "<script type=\"application/json\" id=\"report\">";
+/// End tag of both elements.
 const SCRIPT_ENDS: &str = "</script>";
 
-/// Writes the page of a fitted recording, whole or not at all: `name` is its title, `table` the file that the fit went to, which is named in it.
+/// Writes the page of a fitted recording, whole or not at all.
+///
+/// The title of the page is `name`. The page names the file of the fitted table, `table`.
 ///
 /// # Errors
-/// [`ReportError`], naming the page.
+/// [`ReportError`] with the path of the page.
 pub fn write_page(path: &Path, name: &str, table: &Path, fitted: &Fitted) -> Result<(), ReportError> {
     let html = page(path, name, table, fitted)?;
     Ok(kit::file::write_whole(path, html.as_bytes())?)
@@ -163,12 +169,12 @@ fn tiles(summary: &Summary, fitted: &Fitted) -> String {
     format!("<dl class=\"tiles\">\n{tiles}</dl>\n")
 }
 
-/// Material and confidence in words.
+/// Guessed material and its confidence, in words.
 pub(super) fn material(summary: &Summary) -> String {
     summary.material.as_ref().map_or("none".to_owned(), |(name, share)| format!("{name}, {:.0} %", share * 100.0))
 }
 
-/// Two significant digits or more, for times from a millisecond to minutes.
+/// Writes a time from a millisecond to minutes with two significant digits or more.
 pub(super) fn significant(value: f64) -> String {
     let digits = if value < 0.01 {
         4

@@ -1,34 +1,39 @@
-//! What of a fit a page shows: the strike's stretch, sounds at one level, spectra.
+//! The part of a fit that a page shows: the loudest strike, its sounds at one level, its spectra.
 
 use fit::distance::{frame_distances_db, lsd_window};
 use fit::recording::Fitted;
 
-/// Longest sound in a page, seconds.
+/// Longest sound in a page, in seconds.
 const LONGEST_S: f64 = 20.0;
-/// Pictures end when the recording has died away by this for good, as a power ratio: 60 dB.
+/// Power relative to the loudest frame at which the recording counts as over: 60 dB down.
+///
+/// Pictures end where the recording falls below it for good.
 const DIED_AWAY: f64 = 1e-6;
-/// Shortest picture, seconds.
+/// Shortest time that a picture shows, in seconds.
 const SHORTEST_S: f64 = 0.3;
-/// Peak of the recording in a page.
+/// Peak of the recording in a page, 1.0 = full scale.
 const PEAK: f64 = 0.9;
-/// Window of the error over time, samples.
+/// Window of the error over time, in samples.
 const WINDOW: usize = 2048;
 
-/// The loudest strike, heard and rendered, from its onset.
+/// The loudest strike from its onset, as recorded and as rendered.
 pub(super) struct View<'a> {
+    /// Fit that the page is about.
     pub(super) fitted: &'a Fitted,
+    /// Sample rate of all sounds in Hz.
     pub(super) rate_hz: f64,
-    /// The recording.
+    /// Samples of the recording.
     pub(super) heard: &'a [f64],
-    /// The instrument's rendering, as long.
+    /// Samples of the instrument's rendering of the modes, as many as of the recording.
     pub(super) modes: &'a [f64],
-    /// The same with the residual's noise.
+    /// Samples of the instrument's rendering of modes and residual, as many as of the recording.
     pub(super) with_residual: &'a [f64],
-    /// Samples that the pictures show.
+    /// Number of samples that the pictures show.
     pub(super) shown: usize,
 }
 
 impl<'a> View<'a> {
+    /// Takes the loudest strike out of a fit.
     pub(super) fn of(fitted: &'a Fitted) -> Self {
         let rate_hz = fitted.report.rate_hz;
         let hit = fitted.fit.strikes.get(fitted.fit.loudest).map_or(0..0, |strike| strike.hit.onset..strike.hit.end);
@@ -51,24 +56,28 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The three sounds at the level that puts the recording's peak at 0.9: recording, modes, modes and residual.
+    /// Sounds of the recording, of the modes, and of the modes with the residual.
+    ///
+    /// All have the gain that puts the recording's peak at 0.9 of full scale.
     pub(super) fn sounds(&self) -> [Vec<f32>; 3] {
         let peak = self.heard.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
         let scale = if peak > 0.0 { PEAK / peak } else { 1.0 };
         [self.heard, self.modes, self.with_residual].map(|sound| sound.iter().map(|x| (x * scale) as f32).collect())
     }
 
-    /// Length of the pictures in seconds.
+    /// Time that the pictures show, in seconds.
     pub(super) fn shown_s(&self) -> f64 {
         self.shown as f64 / self.rate_hz
     }
 
-    /// Whether the fit has any residual bands.
+    /// True if the fit has a residual.
     pub(super) fn has_residual(&self) -> bool {
         !self.fitted.report.residual_bands.is_empty()
     }
 
-    /// The log-spectral distance of a rendering over time: `(seconds, dB)`, a value a frame of 2048 samples, hop a quarter.
+    /// Log-spectral distance of a rendering from the recording over time, as (seconds, dB).
+    ///
+    /// There is one value per frame of 2048 samples; a frame begins every 512 samples.
     pub(super) fn distance_over_time(&self, rendering: &[f64]) -> Vec<(f64, f64)> {
         let (heard, given) = (&self.heard[..self.shown], &rendering[..self.shown]);
         let middle = |frame: usize| (frame * WINDOW / 4 + WINDOW / 2) as f64 / self.rate_hz;
@@ -79,13 +88,13 @@ impl<'a> View<'a> {
             .collect()
     }
 
-    /// The stretch over which the figure LSD is taken, seconds from the onset.
+    /// Stretch over which the page's log-spectral distance is taken, in seconds from the onset.
     pub(super) fn lsd_stretch_s(&self) -> (f64, f64) {
         let window = lsd_window(self.heard, self.rate_hz);
         (window.start as f64 / self.rate_hz, window.end as f64 / self.rate_hz)
     }
 
-    /// Magnitudes of the spectrum of what is shown of a sound, with the distance of the bins in Hz.
+    /// Magnitudes of the spectrum of the shown part of a sound, and the distance of its bins in Hz.
     pub(super) fn spectrum(&self, sound: &[f64]) -> (Vec<f64>, f64) {
         let size = self.shown.next_power_of_two().max(4096) * 2;
         let transform = fourier::forward(size);
@@ -101,7 +110,10 @@ impl<'a> View<'a> {
     }
 }
 
-/// The loudest bin in each of `count` equal ratios of frequency, dB over `reference`, at the ratio's middle.
+/// Envelope of a spectrum, as (frequency in Hz, dB relative to `reference`).
+///
+/// The range of frequencies is divided into `count` equal ratios. Each gives the level of its
+/// loudest bin, at its middle.
 pub(super) fn envelope_db(
     (magnitudes, bin_hz): &(Vec<f64>, f64),
     range_hz: (f64, f64),

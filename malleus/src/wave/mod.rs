@@ -1,4 +1,4 @@
-//! WAV files: forces in, 24-bit stereo out.
+//! WAV files: forces are read, and sounds are written as 24-bit stereo or 32-bit float mono.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -8,77 +8,86 @@ use dsp_core::fixed::q27_from;
 use hound::{SampleFormat, WavReader};
 use kit::file::FileError;
 
-/// A WAV file that cannot be read or written.
+/// Refusal of a WAV file that is to be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum WaveError {
-    /// The file cannot be read or written.
+    /// The file cannot be read from disk or written to it.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The file is not a WAV file of a kind that is read here, or it is damaged.
-    #[error("{}: not a readable WAV file: {cause}; integer PCM of 8 to 32 bits or 32-bit float is", path.display())]
+    /// The file is not a WAV file, is damaged, or holds samples of another format than is read
+    /// here.
+    #[error(
+        "{}: not a readable WAV file; give a whole WAV file of integer PCM with 8 to 32 bits or of 32-bit float",
+        path.display()
+    )]
     Kind {
-        /// The file.
+        /// Path of the refused file.
         path: PathBuf,
-        /// What the reader says.
+        /// Error of the WAV decoder, kept for programs; the message leaves it out.
+        #[source]
         cause: hound::Error,
     },
-    /// The file has no such channel.
-    #[error("{}: channel {channel}: it has {channels} (counted from 0)", path.display())]
+    /// The file has fewer channels than the one asked for.
+    #[error(
+        "{}: there is no channel {channel}: the file has {channels}, counted from 0",
+        path.display()
+    )]
     Channel {
-        /// The file.
+        /// Path of the refused file.
         path: PathBuf,
-        /// The channel asked for.
+        /// Channel asked for, counted from 0.
         channel: u16,
-        /// How many it has.
+        /// Number of channels in the file.
         channels: u16,
     },
-    /// The file has no samples.
-    #[error("{}: no samples: a force needs at least one", path.display())]
+    /// The file holds no samples.
+    #[error("{}: the file holds no samples; a force needs at least one", path.display())]
     Empty {
-        /// The file.
+        /// Path of the refused file.
         path: PathBuf,
     },
-    /// A sample is not a number, or beyond the force bus.
+    /// A sample is not a number, or lies beyond the end of the force bus at ±16.
     #[error("{}: sample {index} = {value}: must be from -16 to 16 (full scale is 1.0)", path.display())]
     Sample {
-        /// The file.
+        /// Path of the refused file.
         path: PathBuf,
-        /// Which sample of the channel, from 0.
+        /// Index of the sample in its channel, counted from 0.
         index: usize,
-        /// Its value.
+        /// Value of the sample, 1.0 = full scale.
         value: f32,
     },
-    /// The sound does not fit a WAV file.
+    /// The sound is longer than a WAV file can be.
     #[error("{}: {frames} frames do not fit a WAV file (4 GiB); play less at once", path.display())]
     TooLong {
-        /// The file.
+        /// Path of the file that was to be written.
         path: PathBuf,
-        /// How many there are.
+        /// Number of frames in the sound.
         frames: usize,
     },
-    /// The file's rate is none that the engine plays.
+    /// The file's sample rate lies outside the range of the engine.
     #[error("{}: sample rate {rate_hz} Hz: must be from 8000 to 192000", path.display())]
     Rate {
-        /// The file.
+        /// Path of the refused file.
         path: PathBuf,
-        /// Its rate.
+        /// Sample rate of the file in Hz.
         rate_hz: u32,
     },
 }
 
-/// A force from a WAV file.
+/// Force over time, read from one channel of a WAV file.
 #[derive(Clone, Debug)]
 pub struct Force {
-    /// The file's sample rate.
+    /// Sample rate of the file.
     pub rate: SampleRate,
-    /// The force, Q4.27: full scale = 1.0 = the object's reference force.
+    /// Samples of the force in Q4.27; full scale, 1.0, is the object's reference force.
     pub samples: Vec<i32>,
 }
 
-/// Reads one channel (counted from 0) of a WAV file as a force.
+/// Reads one channel of a WAV file, counted from 0, as a force.
 ///
 /// # Errors
-/// A [`WaveError`] that names the file and what is wrong.
+/// [`WaveError`] with the file's path, for a file that is not WAV, and for a channel, sample rate
+/// or sample outside its range.
 pub fn read_force(path: &Path, channel: u16) -> Result<Force, WaveError> {
     let bytes = kit::file::read_whole(path)?;
     let kind = |cause| WaveError::Kind { path: path.to_owned(), cause };
@@ -112,13 +121,14 @@ pub fn read_force(path: &Path, channel: u16) -> Result<Force, WaveError> {
     Ok(Force { rate, samples })
 }
 
-/// Writes 24-bit stereo samples as a WAV file, whole or not at all. The header's rate is a whole number of Hz, the nearest.
+/// Writes 24-bit stereo samples as a WAV file, whole or not at all.
 ///
-/// The header is the plain one of 44 bytes (format 1, PCM): crates write 24 bits as "extensible", which simple readers refuse, Python's
-/// `wave` before 3.12 among them.
+/// The header holds the whole number of Hz nearest to `rate`. It is the plain header of 44 bytes
+/// (format 1, PCM): libraries write 24 bits as "extensible", which simple readers refuse, among
+/// them Python's `wave` before 3.12.
 ///
 /// # Errors
-/// A [`WaveError`] that names the file.
+/// [`WaveError`] with the file's path, if the sound is longer than 4 GiB or cannot be written.
 pub fn write_stereo(path: &Path, rate: SampleRate, frames: &[[i32; 2]]) -> Result<(), WaveError> {
     const BYTES_PER_FRAME: u32 = 6;
     let data_bytes = u32::try_from(frames.len())
@@ -133,13 +143,13 @@ pub fn write_stereo(path: &Path, rate: SampleRate, frames: &[[i32; 2]]) -> Resul
     bytes.extend_from_slice(b"WAVEfmt ");
     bytes.extend_from_slice(&16u32.to_le_bytes());
     for word in [1u16, 2] {
-        bytes.extend_from_slice(&word.to_le_bytes()); // PCM, two channels
+        bytes.extend_from_slice(&word.to_le_bytes()); // format PCM, two channels
     }
     for word in [rate_hz, rate_hz * BYTES_PER_FRAME] {
         bytes.extend_from_slice(&word.to_le_bytes());
     }
     for word in [BYTES_PER_FRAME as u16, 24] {
-        bytes.extend_from_slice(&word.to_le_bytes()); // bytes a frame, bits a sample
+        bytes.extend_from_slice(&word.to_le_bytes()); // bytes per frame, bits per sample
     }
     bytes.extend_from_slice(b"data");
     bytes.extend_from_slice(&data_bytes.to_le_bytes());
@@ -149,12 +159,13 @@ pub fn write_stereo(path: &Path, rate: SampleRate, frames: &[[i32; 2]]) -> Resul
     Ok(kit::file::write_whole(path, &bytes)?)
 }
 
-/// Writes a mono sound as 32-bit float, full scale 1, whole or not at all.
+/// Writes a mono sound as a WAV file of 32-bit float, full scale 1.0, whole or not at all.
 ///
 /// # Errors
-/// A [`WaveError`] that names the file.
+/// [`WaveError`] with the file's path, if the sound is longer than 4 GiB or cannot be written.
 pub fn write_mono(path: &Path, rate_hz: f64, samples: &[f64]) -> Result<(), WaveError> {
-    let kind = |cause| WaveError::Kind { path: path.to_owned(), cause };
+    // Into memory, the encoder fails only where the file would be longer than its header can say.
+    let too_long = |_| WaveError::TooLong { path: path.to_owned(), frames: samples.len() };
     let spec = hound::WavSpec {
         channels: 1,
         sample_rate: rate_hz.round() as u32,
@@ -162,10 +173,10 @@ pub fn write_mono(path: &Path, rate_hz: f64, samples: &[f64]) -> Result<(), Wave
         sample_format: SampleFormat::Float,
     };
     let mut bytes = Cursor::new(Vec::new());
-    let mut writer = hound::WavWriter::new(&mut bytes, spec).map_err(kind)?;
+    let mut writer = hound::WavWriter::new(&mut bytes, spec).map_err(too_long)?;
     for &sample in samples {
-        writer.write_sample(sample as f32).map_err(kind)?;
+        writer.write_sample(sample as f32).map_err(too_long)?;
     }
-    writer.finalize().map_err(kind)?;
+    writer.finalize().map_err(too_long)?;
     Ok(kit::file::write_whole(path, bytes.get_ref())?)
 }

@@ -1,8 +1,8 @@
-//! "Acceleration sound".
+//! Section "Acceleration sound" of docs/kit-format.md.
 
 use crate::modes::Bank;
 
-/// -H(1) of a bank at a position: the α that cancels its static response.
+/// Factor α that cancels the static response of a bank at a position: -H(1).
 pub(crate) fn balance(bank: &Bank, position: f64, fs: f64) -> f64 {
     let static_response = bank.modes.iter().map(|mode| {
         let (gs, gc) = mode.gains(position);

@@ -1,4 +1,4 @@
-//! `[object.biquads]`.
+//! Section `[object.biquads]` of docs/kit-format.md.
 
 use std::f64::consts::PI;
 
@@ -6,9 +6,10 @@ use toml::{Table, Value};
 
 use crate::text::{number, numbers};
 
+/// Chain of biquads in series.
 pub(crate) struct Chain {
     biquads: Vec<Biquad>,
-    /// Decay of the slowest pole in nepers a second.
+    /// Decay rate of the slowest pole in nepers per second.
     decay_per_s: f64,
 }
 
@@ -18,7 +19,7 @@ struct Biquad {
     states: [f64; 2],
 }
 
-/// A root of the upper half plane: magnitude and angle.
+/// Magnitude and angle of a root in the upper half plane.
 #[derive(Clone, Copy)]
 struct Root {
     size: f64,
@@ -36,13 +37,14 @@ impl Root {
         Self { size, angle: (rho * self.angle).min(PI) }
     }
 
-    /// E(r e^(iα), θ).
+    /// E(r e^(iα), θ) of the page, for this root.
     fn distance(self, theta: f64) -> f64 {
         let part = |angle: f64| (1.0 - self.size).powi(2) + 4.0 * self.size * (angle / 2.0).sin().powi(2);
         part(self.angle - theta) * part(self.angle + theta)
     }
 }
 
+/// Chains of an object at a sample rate.
 pub(crate) fn chains(object: &Table, fs: f64) -> Vec<Chain> {
     let Some(table) = object.get("biquads").and_then(Value::as_table) else { return Vec::new() };
     let rho = number(table, "rate_hz", 48000.0) / fs;
@@ -80,7 +82,7 @@ impl Chain {
         })
     }
 
-    /// A hand that lies on the pad, after each sample.
+    /// Damps the states as a hand on the pad does after each sample.
     pub(crate) fn damp(&mut self, hand_per_s: f64, fs: f64) {
         let kappa = (-(hand_per_s - self.decay_per_s).max(0.0) / fs).exp();
         let states = self.biquads.iter_mut().flat_map(|biquad| &mut biquad.states);

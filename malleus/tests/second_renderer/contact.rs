@@ -1,4 +1,4 @@
-//! "The contact force".
+//! Section "The contact force" of docs/kit-format.md.
 
 use std::f64::consts::PI;
 
@@ -6,15 +6,16 @@ use toml::Table;
 
 use crate::text::{number, word};
 
+/// Contact that begins with a strike.
 pub(crate) struct Contact {
-    /// Sample at which the strike falls, not rounded.
+    /// Time of the strike in samples, not rounded.
     start: f64,
     peak: f64,
     /// Contact time in samples.
     time: f64,
     shape: Shape,
     pub(crate) position: f64,
-    /// Which of the pad's strikers.
+    /// Index of the striker among the pad's strikers.
     pub(crate) striker: usize,
 }
 
@@ -23,7 +24,7 @@ enum Shape {
     Gaussian,
 }
 
-/// Peak force m of a strike, before the Gaussian's floor.
+/// Peak force m of a strike in newtons, before a short Gaussian pulse is made longer.
 pub(crate) fn peak_force(striker: &Table, velocity: f64) -> f64 {
     number(striker, "peak_force", 0.0) * velocity.powf(number(striker, "peak_exponent", f64::from(1.2_f32)))
 }
@@ -47,7 +48,7 @@ impl Contact {
         Self { start, peak, time, shape, position, striker }
     }
 
-    /// F\[n\] of this contact.
+    /// Force F\[n\] of this contact at sample n.
     pub(crate) fn force(&self, n: usize) -> f64 {
         let n = n as f64;
         match self.shape {
@@ -70,7 +71,7 @@ impl Contact {
         }
     }
 
-    /// True if all later forces are 0.
+    /// True if the force is 0 from sample n on.
     pub(crate) fn is_over(&self, n: usize) -> bool {
         n as f64 > self.start + 3.0 * self.time + 1.0
     }

@@ -1,9 +1,10 @@
-//! "Events".
+//! Section "Events" of docs/kit-format.md.
 
 use std::path::Path;
 
+/// Event of a pad.
 pub(crate) struct Event {
-    /// In samples, not rounded.
+    /// Time in samples, not rounded.
     pub(crate) at: f64,
     pub(crate) pad: String,
     pub(crate) action: Action,
@@ -15,6 +16,7 @@ pub(crate) enum Action {
     Release,
 }
 
+/// Reads a file of events at a sample rate.
 pub(crate) fn read(path: &Path, fs: f64) -> Vec<Event> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_path(path).unwrap();
     let columns = reader.headers().unwrap().clone();
@@ -41,7 +43,7 @@ pub(crate) fn read(path: &Path, fs: f64) -> Vec<Event> {
     events.collect()
 }
 
-/// A time in samples, rounded to 2^-32 of one, but not up to the next whole one.
+/// Rounds a time in samples to 2^-32 of a sample, but not up to the next whole sample.
 fn rounded(at: f64) -> f64 {
     let steps = 2f64.powi(32);
     at.floor() + (at.fract() * steps).round().min(steps - 1.0) / steps

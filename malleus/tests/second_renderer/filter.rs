@@ -1,4 +1,4 @@
-//! `[object.dynamic_filter]`, and the hand on it.
+//! Section `[object.dynamic_filter]` of docs/kit-format.md, and the hand on the filter.
 
 use std::f64::consts::PI;
 
@@ -7,9 +7,10 @@ use toml::Table;
 use crate::noise::Generator;
 use crate::text::{number, tables, word};
 
-/// Product of the hand's factors, below which the filter falls silent.
+/// Product of the hand's factors below which the filter falls silent.
 const SILENT: f64 = 1.0 / 1_048_576.0;
 
+/// Dynamic filter of a pad.
 pub(crate) struct Filter {
     fs: f64,
     pub(crate) through: bool,
@@ -17,13 +18,14 @@ pub(crate) struct Filter {
     exciter: Option<Exciter>,
     path: Vec<Breakpoint>,
     loops: Vec<Loop>,
-    /// Sample on which the path began, if it has.
+    /// Sample at which the path began; `None` before the first strike.
     start: Option<usize>,
-    /// Noise level of the strike, and what the hand has left of it.
+    /// Noise level of the strike.
     noise: f64,
+    /// Share of the noise level that the hand has left.
     noise_left: f64,
     states: States,
-    /// All of s so far, as the hand has left it.
+    /// All samples s so far, as the hand has left them.
     line: Vec<f64>,
     /// Product of the hand's factors; `None` if the filter is silent under the hand.
     hand: Option<f64>,
@@ -34,23 +36,24 @@ struct Breakpoint {
     noise: f64,
     law: Law,
     values: [f64; 5],
-    /// Level of what sounds, and radius of the slowest pole.
+    /// Noise level times the root of the filter's impulse energy.
     level: f64,
+    /// Radius of the slowest pole.
     radius: f64,
 }
 
-/// What is linear between breakpoints.
+/// Set of values that are linear between breakpoints.
 #[derive(Clone, Copy)]
 enum Law {
-    /// a1, b0, b1.
+    /// First order: a1, b0, b1.
     First,
-    /// p, γ, d.
+    /// Second order with conjugate poles: p, γ, d.
     Conjugate,
-    /// p1, p2, α, β, d.
+    /// Second order with real poles: p1, p2, α, β, d.
     Real,
 }
 
-/// A sample ago: e, and s, z, or z1 and z2.
+/// States of the filter after the last sample: its input e, and s, z, or z1 and z2.
 #[derive(Clone, Copy, Default)]
 struct States {
     e: f64,
@@ -77,7 +80,7 @@ impl Filter {
         })
     }
 
-    /// A strike on sample n, of a peak force over the reference force.
+    /// Starts the path at sample n; `level` is the strike's peak force over the reference force.
     pub(crate) fn strike(&mut self, n: usize, level: f64, table: &Table) {
         self.start = Some(n);
         self.noise = level * (self.fs / number(table, "rate_hz", 48000.0)).sqrt();
@@ -88,12 +91,12 @@ impl Filter {
         }
     }
 
-    /// A hand comes or goes; not where one lies already.
+    /// Notes that a hand comes or goes; a choke of a choked pad is neither.
     pub(crate) fn hand(&mut self) {
         self.hand = Some(1.0);
     }
 
-    /// Sample n; `hand_per_s` is 0 where no hand lies on the pad.
+    /// Computes sample n; `hand_per_s` is the hand's decay rate, 0 without a hand.
     pub(crate) fn play(&mut self, n: usize, modes: f64, hand_per_s: f64) -> f64 {
         if hand_per_s > 0.0 && n.is_multiple_of(32) && self.hand.is_some_and(|product| product < SILENT) {
             self.scale(0.0);
@@ -114,20 +117,20 @@ impl Filter {
         s
     }
 
-    /// Seconds since the strike at sample n; `None` where the path is over.
+    /// Time from the strike to sample n in seconds; `None` if the path is over.
     fn time(&self, n: usize) -> Option<f64> {
         let last = self.path.last().unwrap().time;
         let samples = n - self.start?;
         ((samples as f64) < (last * self.fs).ceil()).then_some(samples as f64 / self.fs)
     }
 
-    /// The piece of the path at a time, and the place in it from 0 to 1.
+    /// Piece of the path that holds a time, and the time's place in it from 0 to 1.
     fn piece(&self, time: f64) -> Option<(&[Breakpoint], f64)> {
         let piece = self.path.windows(2).find(|piece| (piece[0].time..piece[1].time).contains(&time))?;
         Some((piece, (time - piece[0].time) / (piece[1].time - piece[0].time)))
     }
 
-    /// The noise behind the exciter.
+    /// Noise behind the exciter.
     fn excitation(&mut self, n: usize) -> f64 {
         let piece = self.time(n).and_then(|time| self.piece(time));
         let level = piece.and_then(|(piece, x)| {
@@ -147,7 +150,7 @@ impl Filter {
         (last.law, values)
     }
 
-    /// Level and radius, linear between breakpoints.
+    /// Level and radius at sample n, linear between breakpoints.
     fn level(&self, n: usize) -> (f64, f64) {
         let piece = self.time(n).and_then(|time| self.piece(time));
         piece.map_or((0.0, self.path.last().unwrap().radius), |(piece, x)| {
@@ -155,7 +158,7 @@ impl Filter {
         })
     }
 
-    /// What the hand leaves from n to n + 1.
+    /// Factor by which the hand damps the states from sample n to n + 1.
     fn kappa(&self, n: usize, hand_per_s: f64) -> f64 {
         let hand = (-hand_per_s / self.fs).exp();
         let ((now, radius), (next, _)) = (self.level(n), self.level(n + 1));
@@ -164,7 +167,7 @@ impl Filter {
         (hand / own).min(1.0)
     }
 
-    /// Multiplies all states and the noise to come.
+    /// Multiplies all states and all later noise by a factor.
     fn scale(&mut self, kappa: f64) {
         self.noise_left *= kappa;
         self.states.e *= kappa;
@@ -216,7 +219,10 @@ impl Breakpoint {
     }
 }
 
-/// Replaces 1/z in c0 + c1/z + ... by ((1 - ρ) + (1 + ρ)/z) / ((1 + ρ) + (1 - ρ)/z), and expands by the denominator.
+/// Carries a polynomial c0 + c1/z + ... over to another rate.
+///
+/// 1/z is replaced by ((1 - ρ) + (1 + ρ)/z) / ((1 + ρ) + (1 - ρ)/z), and the denominator is left
+/// out.
 fn carried_over(polynomial: &[f64], rho: f64) -> Vec<f64> {
     let order = polynomial.len() - 1;
     let (upper, lower) = ([1.0 - rho, 1.0 + rho], [1.0 + rho, 1.0 - rho]);
@@ -237,7 +243,7 @@ fn carried_over(polynomial: &[f64], rho: f64) -> Vec<f64> {
     sum
 }
 
-/// Σ h² of the filter of one breakpoint.
+/// Energy Σ h² of the impulse response of a breakpoint's filter.
 fn impulse_energy(law: Law, values: [f64; 5], radius: f64) -> f64 {
     let mut states = States::default();
     let length = 16 + (30.0 / (1.0 - radius)) as usize;
@@ -288,7 +294,7 @@ impl Loop {
         Self { delay: time as usize, c: [w[0] - c1 * cos, c1, c3, c4], y: [0.0; 2] }
     }
 
-    /// The next sample, of all of s before it.
+    /// Computes the next sample from all earlier samples s.
     fn play(&mut self, line: &[f64]) -> f64 {
         let s = |delay: usize| line.len().checked_sub(delay).map_or(0.0, |place| line[place]);
         let y =
@@ -304,7 +310,7 @@ struct Exciter {
     fs: f64,
     low: Section,
     high: Section,
-    /// Width and middle of the band; `None` before the first strike.
+    /// Coefficients of the band; `None` before the first strike.
     band: Option<Band>,
 }
 
@@ -330,10 +336,10 @@ impl Exciter {
         let low = (self.edges_hz[0] * m).max(0.0001 * fs).min(high / 1.05);
         let (a, b) = ((PI * low / fs).tan(), (PI * high / fs).tan());
         let (width, square) = (b - a, a * b);
-        // h² = B² (-1 + i)²/8 = -i B²/4.
+        // Its square is h² = B² (-1 + i)²/8 = -i B²/4.
         let h = [-width / 8f64.sqrt(), width / 8f64.sqrt()];
         let root = square_root([-square, -width * width / 4.0]);
-        // g and k of a pole.
+        // The coefficients g and k of a pole.
         let section = |pole: [f64; 2]| {
             let g = pole[0].hypot(pole[1]);
             [g, -2.0 * pole[0] / g]
@@ -365,7 +371,7 @@ impl Section {
     }
 }
 
-/// The root with a real part of 0 or more.
+/// Square root whose real part is 0 or more.
 fn square_root([re, im]: [f64; 2]) -> [f64; 2] {
     let size = re.hypot(im);
     let root = ((size + re) / 2.0).sqrt();

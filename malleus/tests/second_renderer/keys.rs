@@ -1,4 +1,4 @@
-//! The key tables of docs/kit-format.md against the kits of this folder.
+//! Every key in the tables of docs/kit-format.md occurs in the kits of this folder.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,9 +6,11 @@ use std::path::Path;
 
 use toml::Value;
 
-use crate::{file, text};
+use crate::program::file;
+use crate::text;
 
-/// Adds the path of each key, such as `object.modes.gain_sine`, and of each word, such as `striker.pulse="hertz"`.
+/// Adds the path of each key, such as `object.modes.gain_sine`, and of each word, such as
+/// `striker.pulse="hertz"`.
 fn collect(path: &str, value: &Value, found: &mut BTreeSet<String>) {
     match value {
         Value::Table(table) => {
@@ -26,12 +28,12 @@ fn collect(path: &str, value: &Value, found: &mut BTreeSet<String>) {
     }
 }
 
-/// What stands between backticks.
+/// Parts of a text between backticks.
 fn code(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
 
-/// Table that a heading of the text form speaks of, such as `.object.residual`.
+/// Path of the table that a heading of the page is about, such as `.object.residual`.
 fn table_of(heading: &str) -> String {
     match heading {
         "The file" => String::new(),

@@ -1,16 +1,18 @@
-//! A second renderer, written from docs/kit-format.md and docs/noise.md alone, against `malleus play --reference`.
+//! A second renderer, written from docs/kit-format.md and docs/noise.md alone, against
+//! `malleus play --reference`.
 //!
-//! What is compared, and how:
+//! Three kinds of content are told apart:
 //!
-//! - **Sample by sample**, 110 dB and more: all that the pages determine, for each pad alone and for all
-//!   together (every_key.toml, every_key.csv), at 48 and at 44.1 kHz, and a direct force.
-//! - **By energy** ([`random`], random.toml): a room, whose noise is not on the pages, with `--reference`; a residual
-//!   and a background, which `--reference` leaves out, with the instrument.
-//! - **Not at all**: triggers, which only boards have. every_key.toml holds them.
+//! - All that the pages determine is compared sample by sample, with an SNR of 110 dB and more:
+//!   each pad alone and all together (every_key.toml, every_key.csv), at 48 and at 44.1 kHz, and a
+//!   direct force. When this was written, all 24-bit samples were equal.
+//! - Noise that the pages give only by its power is compared by energy ([`random`], random.toml):
+//!   the room with `--reference`, and a residual and a background, which `--reference` leaves out,
+//!   with the instrument.
+//! - Triggers, which only boards have, are not compared. every_key.toml has them.
 //!
-//! In every case of the first kind all 24-bit samples were the same when this was written.
-//!
-//! Nothing of the workspace's crates is used here but the program. One file stands for each section of the pages.
+//! The test uses nothing of the workspace's crates but the program. Each file here stands for a
+//! section of the pages.
 
 mod acceleration;
 mod biquads;
@@ -21,34 +23,16 @@ mod keys;
 mod mix;
 mod modes;
 mod noise;
+mod program;
 mod random;
 mod text;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-/// Path of a file of this folder.
-fn file(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/second_renderer").join(name)
-}
+use program::{file, play};
 
-/// Runs `malleus play` with words split at spaces; the samples, and what it says.
-fn play(kit: &Path, words: &str) -> (Vec<[i32; 2]>, String) {
-    let folder = tempfile::tempdir().unwrap();
-    let wave = folder.path().join("out.wav");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_malleus"));
-    command.arg("play").arg("--kit").arg(kit).arg("--output").arg(&wave);
-    let output = command.args(words.split(' ')).output().unwrap();
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{message}");
-    let mut reader = hound::WavReader::open(wave).unwrap();
-    assert_eq!((reader.spec().channels, reader.spec().bits_per_sample), (2, 24));
-    let samples = reader.samples::<i32>().map(Result::unwrap).collect::<Vec<_>>();
-    (samples.chunks_exact(2).map(|sides| [sides[0], sides[1]]).collect(), message)
-}
-
-/// SNR of a signal in dB; infinite where both are the same.
+/// SNR of a signal in dB; infinite if both signals are equal.
 fn snr(signal: &[[i32; 2]], other: &[[i32; 2]]) -> f64 {
     let energy =
         |difference: &dyn Fn(usize) -> i32, n: usize| (0..n).map(|k| f64::from(difference(k)).powi(2)).sum::<f64>();
@@ -61,7 +45,7 @@ fn peak(samples: &[[i32; 2]]) -> i32 {
     samples.as_flattened().iter().map(|sample| sample.abs()).max().unwrap()
 }
 
-/// The events of every_key.csv, of one pad or of all.
+/// File with the events of every_key.csv, of one pad or of all.
 fn events_of(pad: Option<&str>, folder: &Path) -> PathBuf {
     let all = fs::read_to_string(file("every_key.csv")).unwrap();
     let (header, lines) = all.split_once("striker,action\n").unwrap();
@@ -72,6 +56,7 @@ fn events_of(pad: Option<&str>, folder: &Path) -> PathBuf {
     path
 }
 
+/// Asserts that both renderers agree on every pad and on all together at a sample rate.
 fn agrees(rate: u32) {
     let folder = tempfile::tempdir().unwrap();
     let kit = file("every_key.toml");

@@ -1,4 +1,4 @@
-//! `[[pad]]` and "From force to samples": events to 24-bit samples.
+//! Sections `[[pad]]` and "From force to samples" of docs/kit-format.md.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -23,11 +23,13 @@ struct Pad<'a> {
     chains: Vec<Chain>,
     filter: Option<Filter>,
     contacts: Vec<Contact>,
-    /// Decay of the hand that lies on the pad, 0 where none does.
+    /// Decay rate of the hand on the pad in 1/s; 0 without a hand.
     hand_per_s: f64,
 }
 
-/// Left and right samples of events, or of a direct force on a pad, of its reference force.
+/// Renders events, or a direct force on a pad, as left and right 24-bit samples.
+///
+/// The force is in reference forces of the pad's object.
 pub(crate) fn render(
     kit: &Path,
     events: &[Event],
@@ -46,7 +48,7 @@ pub(crate) fn render(
         let level = 10f64.powf(number(table, "level_db", 0.0) / 20.0);
         let (right, left) = ((number(table, "pan", 0.0) + 1.0) * PI / 4.0).sin_cos();
         for (n, sides) in sides.iter_mut().enumerate() {
-            // A hand acts at the first tick behind its event.
+            // A hand acts at the first tick after its event.
             let mut latest = None;
             while let Some(event) = hands.next_if(|event| n % 32 == 0 && event.at.ceil() < n as f64) {
                 latest = Some(event);
@@ -88,7 +90,7 @@ impl<'a> Pad<'a> {
         self.striker_banks.iter_mut().chain([&mut self.bank])
     }
 
-    /// The hand reaches more modes at each tick.
+    /// Lets the hand reach further modes, at each tick.
     fn tick(&mut self, n: usize) {
         if n.is_multiple_of(32) {
             let hand_per_s = self.hand_per_s;
@@ -96,7 +98,7 @@ impl<'a> Pad<'a> {
         }
     }
 
-    /// An event in the frame of sample n.
+    /// Acts on an event in the frame of sample n.
     fn event(&mut self, n: usize, event: &Event) {
         match &event.action {
             Action::Strike { velocity, position, striker } => self.strike(n, event.at, *velocity, *position, striker),
@@ -132,7 +134,7 @@ impl<'a> Pad<'a> {
         }
     }
 
-    /// What the pad sounds at sample n, under its contacts and a direct force.
+    /// Sound of the pad at sample n, under its contacts and a direct force.
     fn play(&mut self, n: usize, direct: f64) -> f64 {
         let direct = direct * number(self.object, "reference_force", 1.0);
         let mut forces = self.contacts.iter().map(|contact| (contact.position, contact.force(n))).collect::<Vec<_>>();

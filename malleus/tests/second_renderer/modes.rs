@@ -1,4 +1,4 @@
-//! "Modes" and "A hand on the modes".
+//! Sections "Modes" and "A hand on the modes" of docs/kit-format.md.
 
 use std::f64::consts::PI;
 
@@ -6,12 +6,13 @@ use toml::{Table, Value};
 
 use crate::text::{number, numbers, tables};
 
-/// Modes that a hand reaches at once.
+/// Number of modes of a bank that a hand reaches per tick.
 const REACH: usize = 16;
 
+/// Modal bank of an object or striker.
 pub(crate) struct Bank {
     pub(crate) modes: Vec<Mode>,
-    /// Next mode that the hand, or its lifting, reaches.
+    /// Index of the next mode that the hand reaches when it comes or goes.
     next: usize,
     fs: f64,
 }
@@ -23,8 +24,9 @@ pub(crate) struct Mode {
     radius: f64,
     gain_sine: Vec<f64>,
     gain_cosine: Vec<f64>,
-    /// S and C of what rings.
+    /// State S of the mode.
     sine: f64,
+    /// State C of the mode.
     cosine: f64,
 }
 
@@ -49,12 +51,12 @@ impl Bank {
         Self { next: modes.len(), modes, fs }
     }
 
-    /// A hand comes or goes: it begins with the first mode.
+    /// Notes that a hand comes or goes; it reaches the first mode first.
     pub(crate) fn hand(&mut self) {
         self.next = 0;
     }
 
-    /// The next modes take the hand's decay; `hand_per_s` is 0 where there is no hand.
+    /// Gives the next modes the hand's decay rate, 0 without a hand.
     pub(crate) fn reach(&mut self, hand_per_s: f64) {
         let end = (self.next + REACH).min(self.modes.len());
         for mode in &mut self.modes[self.next..end] {
@@ -66,7 +68,7 @@ impl Bank {
         self.next = end;
     }
 
-    /// The next sample, of forces at positions.
+    /// Computes the next sample from (position, force) pairs.
     pub(crate) fn play(&mut self, forces: &[(f64, f64)]) -> f64 {
         let fs = self.fs;
         self.modes.iter_mut().map(|mode| mode.play(forces, fs)).sum()
@@ -74,7 +76,7 @@ impl Bank {
 }
 
 impl Mode {
-    /// gs and gc at a position.
+    /// Gains gs and gc at a position.
     pub(crate) fn gains(&self, position: f64) -> (f64, f64) {
         (interpolated(&self.gain_sine, position), interpolated(&self.gain_cosine, position))
     }
@@ -96,7 +98,7 @@ impl Mode {
     }
 }
 
-/// Linear between evenly spaced positions from 0 to 1.
+/// Value at a position, linear between values at evenly spaced positions from 0 to 1.
 fn interpolated(values: &[f64], position: f64) -> f64 {
     let place = position * (values.len() - 1) as f64;
     let k = (place as usize).min(values.len().saturating_sub(2));

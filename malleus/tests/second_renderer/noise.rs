@@ -1,5 +1,6 @@
-//! docs/noise.md: the numbers of a dynamic filter.
+//! Noise of a dynamic filter, as docs/noise.md defines it.
 
+/// Generator of uniform noise from -1 to 1.
 pub(crate) struct Generator(u32);
 
 impl Generator {

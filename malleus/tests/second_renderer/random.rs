@@ -1,11 +1,12 @@
-//! What the pages give as expected powers only: energies of bands, against the formulas.
+//! Noise that the pages give only by its expected power: energies of bands against the formulas.
 
 use std::f64::consts::PI;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::program::{file, play};
 use crate::text::{self, number, numbers, tables};
-use crate::{events, file, mix, play};
+use crate::{events, mix};
 
 const FS: f64 = 48000.0;
 
@@ -25,7 +26,7 @@ fn fft(signal: &[[f64; 2]]) -> Vec<[f64; 2]> {
     spectrum
 }
 
-/// Energies (sums of squared samples) of one side within bands in Hz.
+/// Energies of one side within bands in Hz, as sums of squared samples.
 fn energies(samples: &[[i32; 2]], side: usize, bands: &[[f64; 2]]) -> Vec<f64> {
     let mut signal = samples.iter().map(|sides| [f64::from(sides[side]) / 8_388_608.0, 0.0]).collect::<Vec<_>>();
     signal.resize(samples.len().next_power_of_two(), [0.0; 2]);
@@ -42,7 +43,7 @@ fn assert_near(what: &str, measured: f64, expected: f64, tolerance_db: f64) {
     assert!(error.abs() < tolerance_db, "{what}: {error:+.2} dB");
 }
 
-/// A file of events.
+/// Writes a file of events with these lines.
 fn write(folder: &Path, lines: &str) -> PathBuf {
     let path = folder.join("events.csv");
     fs::write(&path, format!("time_s,pad,velocity\n{lines}")).unwrap();
@@ -75,7 +76,7 @@ fn reference_room_has_the_energy_of_the_page_in_each_band() {
     }
 }
 
-/// The kit without its room.
+/// Writes the kit without its room.
 fn dry_kit(folder: &Path) -> PathBuf {
     let path = folder.join("dry.toml");
     let all = fs::read_to_string(file("random.toml")).unwrap();

@@ -1,11 +1,11 @@
-//! The text form of a kit: files, numbers, names.
+//! Section "Text form" of docs/kit-format.md: files, numbers and names.
 
 use std::fs;
 use std::path::Path;
 
 use toml::{Table, Value};
 
-/// Tables of a kit, those of included files first.
+/// Tables of a kit; those of included files come first.
 pub(crate) struct Kit {
     pub(crate) objects: Vec<Table>,
     pub(crate) strikers: Vec<Table>,
@@ -39,7 +39,7 @@ impl Kit {
     }
 }
 
-/// A number, rounded to a 32-bit float.
+/// Value as a number, rounded to a 32-bit float.
 pub(crate) fn float(value: &Value) -> f64 {
     f64::from(value.as_float().unwrap_or_else(|| value.as_integer().unwrap() as f64) as f32)
 }
@@ -48,7 +48,7 @@ pub(crate) fn number(table: &Table, key: &str, default: f64) -> f64 {
     table.get(key).map_or(default, float)
 }
 
-/// An array of numbers; a number is an array of one.
+/// Value as an array of numbers; a single number is an array of one.
 pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().map_or_else(|| vec![float(value)], |array| array.iter().map(float).collect())
 }
@@ -57,7 +57,7 @@ pub(crate) fn word<'a>(table: &'a Table, key: &str, default: &'a str) -> &'a str
     table.get(key).map_or(default, |value| value.as_str().unwrap())
 }
 
-/// An array of tables, empty where the key is missing.
+/// Tables of an array; empty if the key is missing.
 pub(crate) fn tables(table: &Table, key: &str) -> Vec<Table> {
     let array = table.get(key).and_then(Value::as_array).into_iter().flatten();
     array.map(|value| value.as_table().unwrap().clone()).collect()

@@ -1,5 +1,8 @@
-//! Rendering by the `f64` reference, from the same physical parameters: contacts, modes, biquads, dynamic filters with their noise and loops, the room. What is noise
-//! throughout is left out ([`leaves_out`]).
+//! Rendering by the `f64` reference, from the physical parameters that the instrument uses.
+//!
+//! The reference plays contacts, modes, biquads, dynamic filters with their noise and loops, and
+//! the room. Residuals and the background, which are nothing but noise, are left out
+//! ([`leaves_out`]).
 
 mod pads;
 
@@ -9,22 +12,22 @@ use dsp_core::SampleRate;
 use dsp_core::event::Action;
 use dsp_core::fixed::ONE_Q27;
 
-use super::Performance;
 use super::instrument::ROOM_SAMPLES;
+use super::performance::Performance;
 
-/// Which room a performance is rendered in.
+/// Model of the room in which a performance is rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Room {
-    /// The law: noise that decays, band by band.
+    /// Noise that decays band by band: the model that the instrument's network approximates.
     Law,
-    /// The instrument's network in double precision, for comparisons sample by sample.
+    /// Delay network of the instrument in double precision, for comparisons sample by sample.
     NetworkTwin,
 }
 
-/// The law's noise is the same at each run.
+/// Seed of the room's noise, fixed so that each run gives the same sound.
 const ROOM_SEED: u64 = 0;
 
-/// What the reference leaves out of a kit.
+/// Names of the parts of a kit that the reference leaves out.
 pub fn leaves_out(kit: &kit::Kit) -> Vec<&'static str> {
     let has_residual = kit.objects.iter().any(|object| object.residual.is_some());
     [(has_residual, "residuals"), (kit.background.is_some(), "the background")]
@@ -33,12 +36,13 @@ pub fn leaves_out(kit: &kit::Kit) -> Vec<&'static str> {
         .collect()
 }
 
-/// Renders a performance, 1.0 = full scale, not clipped; `progress` is told how many frames are done.
+/// Renders a performance by the reference, 1.0 = full scale, without clipping.
 ///
-/// A pad that cannot be choked (`choke_t60_s` = 0) ignores chokes and releases, here as in the instrument.
+/// `progress` gets the number of frames that are done. A pad that cannot be choked (`choke_t60_s` =
+/// 0) ignores chokes and releases, as it does in the instrument.
 ///
 /// # Errors
-/// As [`reference::Scene::new`].
+/// The errors of [`reference::Scene::new`].
 pub fn render(
     kit: &kit::Kit,
     performance: &Performance,
@@ -48,10 +52,10 @@ pub fn render(
     render_in(Room::Law, kit, performance, rate, progress)
 }
 
-/// Renders a performance as [`render`] does, in one of two rooms.
+/// Renders a performance as [`render`] does, with a choice of the room's model.
 ///
 /// # Errors
-/// As [`reference::Scene::new`].
+/// The errors of [`reference::Scene::new`].
 pub fn render_in(
     room: Room,
     kit: &kit::Kit,
@@ -72,7 +76,7 @@ pub fn render_in(
                 Action::Strike => reference::Action::Strike,
                 Action::Choke => reference::Action::Choke,
                 Action::Release => reference::Action::Release,
-                // The law has all the time it needs.
+                // The reference has no budget, and leaves nothing out for want of time.
                 Action::Shed(_) => return None,
             };
             Some((event, action))
@@ -104,7 +108,7 @@ pub fn render_in(
     Ok(frames)
 }
 
-/// Adds the room's answer to a sound.
+/// Adds the room's response to a sound.
 fn add_room(kit: &kit::Kit, room: Room, rate: reference::SampleRate, frames: &mut [[f64; 2]]) {
     if kit.room.is_empty() {
         return;
@@ -129,6 +133,7 @@ fn add_room(kit: &kit::Kit, room: Room, rate: reference::SampleRate, frames: &mu
     }
 }
 
+/// Reference force of a pad's object, in newtons.
 fn reference_force(kit: &kit::Kit, pad: usize) -> f64 {
     let object = kit.pads.get(pad).and_then(|pad| kit.objects.iter().find(|object| object.name == pad.object));
     object.map_or(1.0, |object| f64::from(object.reference_force))

@@ -1,8 +1,8 @@
-//! A kit's pads as the reference knows them.
+//! Conversion of a kit's pads to those of the reference.
 
 use dsp_core::SampleRate;
 
-/// The pads of a kit at a rate.
+/// Pads of the reference for a kit at a sample rate.
 pub fn pads(kit: &kit::Kit, rate: SampleRate) -> Vec<reference::Pad> {
     (0u32..)
         .zip(&kit.pads)
@@ -66,7 +66,7 @@ fn modes(modes: &[kit::Mode]) -> Vec<reference::Mode> {
         .collect()
 }
 
-/// Biquads at a rate.
+/// Biquads of the reference, carried over to a sample rate.
 fn biquads(bank: &kit::Biquads, rate: SampleRate) -> Vec<Vec<reference::biquad::Biquad>> {
     let ratio = f64::from(bank.rate_hz) / rate.hz();
     let carried = |biquad: &kit::Biquad| {
@@ -76,7 +76,9 @@ fn biquads(bank: &kit::Biquads, rate: SampleRate) -> Vec<Vec<reference::biquad::
     bank.chains.iter().map(|chain| chain.iter().map(carried).collect()).collect()
 }
 
-/// An object's dynamic filter at a rate; the pad's number is the stream of its noise.
+/// Dynamic filter of the reference, carried over to a sample rate.
+///
+/// The pad's index, counted from 0, selects the stream of its noise.
 fn dynamic_filter(object: &kit::Object, pad: u32, rate: SampleRate) -> Option<reference::pad::DynamicFilter> {
     let table = object.dynamic_filter.as_ref()?;
     let ratio = rate.hz() / f64::from(table.rate_hz);
@@ -105,7 +107,7 @@ fn dynamic_filter(object: &kit::Object, pad: u32, rate: SampleRate) -> Option<re
         exciter: table.exciter.map(exciter),
         loops: table.loops.iter().map(round).collect(),
         takes_modes: table.modes == kit::ModesGo::Through,
-        // Of the same density at every rate.
+        // The factor keeps the noise's power density the same at every rate.
         noise: (reference::dynamic_filter::White::new(table.seed, pad), ratio.sqrt()),
         reference_force: f64::from(object.reference_force),
     })

@@ -1,4 +1,6 @@
-//! `malleus fit --report`: pages that show, play, and need nothing from outside. Where Chromium is installed it opens them, else its test is ignored.
+//! `malleus fit --report`: its pages show pictures, play sounds, and fetch nothing.
+//!
+//! If Chromium is installed it opens a page; else the test that needs it is ignored.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,7 +8,7 @@ use std::process::Command;
 
 use tempfile::TempDir;
 
-/// Writes a strike of three modes, 0.7 s at 44.1 kHz, as 16-bit WAV.
+/// Writes a strike of three modes as 16-bit WAV, 0.7 s at 44.1 kHz.
 fn strike(path: &Path, frequencies_hz: [f64; 3]) {
     fs::create_dir_all(path.parent().expect("a folder")).expect("can be made");
     let spec = hound::WavSpec {
@@ -37,7 +39,8 @@ fn malleus(arguments: &[&Path], flags: &[&str]) -> std::process::Output {
     command.arg("fit").args(arguments).args(flags).output().expect("the program runs")
 }
 
-/// A folder with two recordings of the same stem, one of another, and one that is no audio; fitted with a report.
+/// Folder with two recordings of one stem, one of another stem, and a file that is not audio, after
+/// a fit of all four with a report.
 struct Fitted {
     folder: TempDir,
     output: std::process::Output,
@@ -68,14 +71,14 @@ impl Fitted {
     }
 }
 
-/// One tag of a page.
+/// Tag of a page.
 struct Tag {
     name: String,
     closes: bool,
     attributes: Vec<(String, String)>,
 }
 
-/// All tags of a page, in order; what stands inside scripts and styles is skipped.
+/// All tags of a page in order, except those in scripts and styles.
 fn tags(html: &str) -> Vec<Tag> {
     let mut tags = Vec::new();
     let mut rest = html;
@@ -100,7 +103,7 @@ fn tags(html: &str) -> Vec<Tag> {
     tags
 }
 
-/// Elements that have no end.
+/// Elements that have no end tag.
 const VOID: [&str; 6] = ["!DOCTYPE", "meta", "link", "path", "image", "circle"];
 
 fn assert_well_formed_and_self_contained(html: &str) {
@@ -128,7 +131,7 @@ fn read(path: &Path) -> String {
 }
 
 #[test]
-fn each_recording_has_a_page_that_is_whole_and_asks_nothing_of_the_outside() {
+fn each_recording_has_a_page_that_is_well_formed_and_self_contained() {
     let fitted = Fitted::new();
     assert_eq!(fitted.output.status.code(), Some(1), "the file that is no audio fails");
     for name in ["one-hit", "two-hit", "<b>&bell"] {
@@ -145,7 +148,7 @@ fn each_recording_has_a_page_that_is_whole_and_asks_nothing_of_the_outside() {
         assert!(index.contains(found), "{found} is missing");
     }
 
-    // The figures are those of --json, and the two recordings of one stem are different ones.
+    // The two recordings of one stem have figures of their own.
     let rows: serde_json::Value = serde_json::from_slice(&fitted.output.stdout).expect("JSON");
     let rows = rows.as_array().expect("rows");
     assert_eq!(rows.len(), 4);
@@ -153,7 +156,7 @@ fn each_recording_has_a_page_that_is_whole_and_asks_nothing_of_the_outside() {
     assert!(rows[0]["report"]["damping_law"]["bands"].as_array().is_some_and(|bands| !bands.is_empty()));
     assert!(rows[0]["report"]["room"].is_null(), "a dry strike has no room");
 
-    // A rerun leaves what is done, makes the page that is missing, and its index still has every page.
+    // A second run makes only the page that is missing, and its index still has every page.
     let untouched = fitted.path("pages/two-hit.html");
     let before = fs::metadata(&untouched).and_then(|metadata| metadata.modified()).expect("is there");
     fs::remove_file(fitted.path("pages/one-hit.html")).expect("was there");
@@ -168,7 +171,8 @@ fn each_recording_has_a_page_that_is_whole_and_asks_nothing_of_the_outside() {
     assert!(index.contains("./one-hit.html") && index.contains("./two-hit.html") && index.contains("bell.html"));
 }
 
-/// What a script in the page finds.
+/// Script that plays the page's sounds, decodes its pictures, and writes its findings into the
+/// page.
 const FINDS: &str = r#"<script>
 const blocked = [];
 document.addEventListener("securitypolicyviolation", event => blocked.push(event.blockedURI));
@@ -198,7 +202,9 @@ document.addEventListener("securitypolicyviolation", event => blocked.push(event
 </script>
 </body>"#;
 
-/// What the probe wrote into the page. A browser on a busy machine may give up before the script ends: it is asked three times.
+/// Findings that the script wrote into the page.
+///
+/// A browser on a busy machine may end before the script does, so that it is run up to three times.
 fn dump(browser: &str, window: &str, probe: &Path) -> String {
     let mut said = String::new();
     for _ in 0..3 {
@@ -222,7 +228,7 @@ fn dump(browser: &str, window: &str, probe: &Path) -> String {
 
 #[test]
 #[cfg_attr(not(has_chromium), ignore = "needs Chromium; the page is checked by parsing alone, in the other tests")]
-fn in_a_browser_the_page_shows_its_sounds_play_and_nothing_is_fetched() {
+fn page_in_a_browser_shows_its_pictures_plays_its_sounds_and_fetches_nothing() {
     let browser = option_env!("CHROMIUM").unwrap_or("chromium");
     let folder = TempDir::new().expect("a folder");
     let input = folder.path().join("mug.wav");
@@ -234,7 +240,7 @@ fn in_a_browser_the_page_shows_its_sounds_play_and_nothing_is_fetched() {
     let html = read(&pages.join("mug.html"));
     let probe = folder.path().join("probe.html");
     fs::write(&probe, html.replace("</body>", FINDS)).expect("written");
-    // Wide and as narrow as a phone.
+    // A wide window, and one as narrow as a phone.
     for window in ["--window-size=1200,900", "--window-size=500,900"] {
         let found = dump(browser, window, &probe);
         let found: serde_json::Value =

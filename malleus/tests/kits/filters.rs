@@ -1,4 +1,4 @@
-//! Kits with dynamic filters and biquads as the program's user meets them: played, checked, refused.
+//! Kits with dynamic filters and biquads, as the program's user plays and checks them.
 
 use std::fs;
 use std::path::Path;
@@ -45,7 +45,9 @@ fn folder(kit: &str) -> TempDir {
     folder
 }
 
-/// The message of a kit that `malleus kit check` refuses with code 1, and `malleus play` as well.
+/// Message of `malleus kit check` on the kit after one part of its text is replaced.
+///
+/// Asserts that both `kit check` and `play` refuse the kit with exit code 1.
 fn refusal(from: &str, to: &str) -> String {
     assert_eq!(KIT.matches(from).count(), 1, "{from:?} stands there once");
     let folder = folder(&KIT.replace(from, to));
@@ -60,7 +62,7 @@ fn refusal(from: &str, to: &str) -> String {
 }
 
 #[test]
-fn a_kit_with_filters_plays_and_the_report_says_what_ran() {
+fn kit_with_filters_is_played_and_the_report_counts_the_frames_of_its_filters() {
     let folder = folder(KIT);
     let check = malleus(folder.path(), "kit check kit.toml");
     assert!(check.status.success() && check.stderr.is_empty(), "{}", String::from_utf8_lossy(&check.stderr));
@@ -74,7 +76,7 @@ fn a_kit_with_filters_plays_and_the_report_says_what_ran() {
     assert!(show.status.success(), "{}", String::from_utf8_lossy(&show.stderr));
     let text = String::from_utf8_lossy(&show.stdout).into_owned();
     assert!(text.contains("[object.dynamic_filter]") && text.contains("[object.biquads]"), "{text}");
-    // The text that it shows, and its binary form, play to the same bits.
+    // The text that `kit show` prints and the binary form give the same bits as the kit's own text.
     fs::write(folder.path().join("shown.toml"), &text).unwrap();
     assert!(malleus(folder.path(), "kit build kit.toml -o kit.bin").status.success());
     let first = fs::read(folder.path().join("out.wav")).unwrap();
@@ -85,13 +87,13 @@ fn a_kit_with_filters_plays_and_the_report_says_what_ran() {
 }
 
 #[test]
-fn the_reference_plays_filters_and_says_what_it_leaves_out() {
+fn reference_plays_filters_and_says_what_it_leaves_out() {
     let start = KIT.find("[object.dynamic_filter]").unwrap();
     let end = KIT.find("[object.biquads]").unwrap();
     let biquads = format!("{}{}", &KIT[..start], &KIT[end..]).replace("gain = 0.01", "gain = 0.125");
     let events =
         "time_s,pad,velocity,action\n0.01,bar,1,\n0.015,bar,,choke\n0.02,bar,0.5,\n0.1,bar,,release\n0.2,bar,1,\n";
-    // Zeros that another rate moves: a real one below 0, and one beyond half of 22.05 kHz.
+    // Zeros that move with the rate: a real one below 0, and one beyond half of 22.05 kHz.
     let of_zero = |zero: &str| biquads.replace("zero = [1, 0]", zero).replace("gain = 0.125", "gain = 0.0003");
     let (negative, high) = (of_zero("zero = [-1, 0]"), of_zero("zero = [-0.8, 0.3]"));
     for (kit, steps) in [(&*biquads, 2), (&*negative, 2), (&*high, 2), (KIT, 40)] {
@@ -118,7 +120,7 @@ fn the_reference_plays_filters_and_says_what_it_leaves_out() {
 }
 
 #[test]
-fn a_new_kit_keeps_the_filters_of_its_tables() {
+fn new_kit_keeps_the_filters_of_its_tables() {
     let folder = folder(&KIT[..KIT.find("[[pad]]").unwrap()]);
     assert!(malleus(folder.path(), "kit new bound.toml kit.toml").status.success());
     let bound = fs::read_to_string(folder.path().join("bound.toml")).unwrap();
@@ -128,7 +130,7 @@ fn a_new_kit_keeps_the_filters_of_its_tables() {
 }
 
 #[test]
-fn filters_that_no_rate_can_play_are_refused_with_file_line_and_what_is_allowed() {
+fn filters_that_are_invalid_at_any_rate_are_refused_with_file_and_line() {
     for (from, to, expected) in [
         ("a1 = -0.96875", "a1 = -1.5", "breakpoint 1: a1: a pole of radius 1.5 does not decay"),
         ("time_s = 0.125", "time_s = 0", "breakpoint 1: time_s = 0: must be later than the breakpoint before it, 0"),
@@ -147,7 +149,7 @@ fn filters_that_no_rate_can_play_are_refused_with_file_line_and_what_is_allowed(
 }
 
 #[test]
-fn filters_that_are_unstable_or_beyond_nyquist_at_the_rate_are_refused_by_name() {
+fn filters_that_are_unstable_or_beyond_nyquist_at_the_rate_are_refused() {
     let message = refusal("gain = 0.25", "gain = 25");
     assert!(message.starts_with("malleus: kit.toml: object \"bar\" at 48000 Hz: dynamic filter: "), "{message}");
     assert!(message.contains("gain round the loops"), "{message}");
@@ -157,7 +159,7 @@ fn filters_that_are_unstable_or_beyond_nyquist_at_the_rate_are_refused_by_name()
     assert!(message.contains("object \"bar\" at 48000 Hz: dynamic filter: "), "{message}");
     let message = refusal("delay_s = 0.004", "delay_s = 0.5");
     assert!(message.contains("object \"bar\" at 48000 Hz: dynamic filter: "), "{message}");
-    // A table without pads is judged too, and another rate allows more.
+    // A table without pads is checked, too, and a higher rate allows more.
     let table = KIT[..KIT.find("[[striker]]").unwrap()].replace("frequency_hz = 500", "frequency_hz = 30000");
     let folder = folder(&table);
     assert_eq!(malleus(folder.path(), "kit check kit.toml").status.code(), Some(1));

@@ -1,5 +1,5 @@
-//! Levels of a kit as its user meets them: what clips is named with the numbers that fit, and new
-//! kits do not clip.
+//! Levels of a kit, as its user meets them: `kit check` names strikes that clip with the numbers
+//! that fit, and new kits do not clip.
 
 use std::fs;
 use std::path::Path;
@@ -15,8 +15,8 @@ use malleus::render::level::Level;
 use malleus::render::{Performance, law};
 use tempfile::TempDir;
 
-/// Both a force beyond the bus and a sound beyond full scale: 20 N where the force bus ends at 16,
-/// and +17.7 dBFS.
+/// Kit with a force beyond the force bus, 20 N where the bus ends at 16, and a sound beyond full
+/// scale, +17.7 dBFS.
 const LOUD: &str = r#"format = 1
 name = "loud"
 
@@ -67,8 +67,8 @@ fn strike(pad: u8, position: f32, striker: u8) -> Event {
     Event { time: Time::at_frame(0), pad, velocity: 1.0, position, striker, action: Action::Strike }
 }
 
-/// The instrument's bus and the reference's sound, 1.0 = full scale, of a kit that is played for
-/// half a second at 48 kHz.
+/// Sounds of a kit by the instrument and by the reference, 1.0 = full scale, half a second at 48
+/// kHz.
 fn both(kit: &kit::Kit, events: &[Event]) -> [Vec<[f64; 2]>; 2] {
     let (rate, frames) = (SampleRate::HZ_48000, 24_000);
     let performance = Performance { events: events.to_vec(), direct: None, frames };
@@ -99,7 +99,8 @@ fn kit_check_names_what_clips_at_velocity_1_and_its_numbers_fit() {
     assert_eq!((feather["striker"].as_str(), mallet["striker"].as_str()), (Some("feather"), Some("yarn mallet")));
     assert!(feather["fitting_reference_force"].is_null() && feather["fitting_level_db"].is_null(), "{feather}");
     assert_eq!(mallet["fitting_reference_force"], 20.0, "{mallet}");
-    // What the reference, which clips nowhere, gives; the other end is softer.
+    // The reference clips nowhere, and so gives the peak that the check must find. The other end of
+    // the bar is softer.
     let loud = kit::load(&folder.path().join("kit.toml")).unwrap().kit;
     let [_, law] = both(&loud, &[strike(0, 0.0, 1)]);
     let [_, far] = both(&loud, &[strike(0, 1.0, 1)]);
@@ -127,7 +128,8 @@ fn kit_check_names_what_clips_at_velocity_1_and_its_numbers_fit() {
 
 #[test]
 fn kit_check_hears_peaks_behind_a_quiet_level_and_clipping_chords() {
-    // Two pads of -2 dBFS each; the pads' own buses stand at +28 dBFS, where they would clip.
+    // Each of the two pads peaks at -2 dBFS. Their own buses stand at +28 dBFS, where they would
+    // clip.
     let quiet = LOUD.replace("[512.0, 300.0]", "[1656.0, 970.0]").replace("[180.0, -500.0]", "[582.0, -1617.0]");
     let quiet = quiet.replace("modes = [", "reference_force = 20\nmodes = [").replace(
         "strikers = [\"feather\", \"yarn mallet\"]",
@@ -146,14 +148,14 @@ fn kit_check_hears_peaks_behind_a_quiet_level_and_clipping_chords() {
 }
 
 #[test]
-fn a_new_kit_peaks_at_minus_6_dbfs_at_velocity_1_in_both_renderers() {
+fn new_kit_peaks_at_minus_6_dbfs_at_velocity_1_in_both_renderers() {
     let table = LOUD.split("[[pad]]").next().unwrap();
     let soft = table.replace("\"bar\"", "\"soft\"").replace("[512.0, 300.0]", "[2.3, 0.4]");
     let soft = soft.replace("[180.0, -500.0]", "[0.8, 0.2]").replace("feather", "soft feather");
     let folder = folder(LOUD);
     fs::write(folder.path().join("bar.toml"), table).unwrap();
     fs::write(folder.path().join("soft.toml"), soft.replace("yarn mallet", "soft mallet")).unwrap();
-    // The new kit is named before the tables, or by an option.
+    // The new kit is the first path, or that of the option -o.
     stdout(folder.path(), "kit new new.toml bar.toml soft.toml");
     let first = fs::read(folder.path().join("new.toml")).unwrap();
     fs::remove_file(folder.path().join("new.toml")).unwrap();
@@ -176,7 +178,7 @@ fn a_new_kit_peaks_at_minus_6_dbfs_at_velocity_1_in_both_renderers() {
 }
 
 #[test]
-fn another_reference_force_leaves_the_sound_as_it_was() {
+fn object_with_another_reference_force_sounds_as_before() {
     let filtered = LOUD.replace(
         "\n[[striker]]\nname = \"yarn",
         r#"
@@ -212,7 +214,7 @@ name = "yarn"#,
 }
 
 #[test]
-fn the_first_example_of_the_format_plays_as_printed_without_clipping() {
+fn first_example_of_the_format_page_is_played_without_clipping() {
     let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/kit-format.md")).unwrap();
     let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let folder = folder(example);

@@ -1,7 +1,8 @@
-//! The shipped kit `recorded`: real fits, playable, and near their recordings.
+//! The shipped kit `recorded`: its tables are fits, they play, and they are near their recordings.
 //!
-//! The recordings lie beside the project, in `../shared/data/recordings`: where they do not, their test is ignored, and
-//! the tables are held to what the reference makes of them, with noise, alone.
+//! The recordings lie in `../shared/data/recordings`, beside the project. If they are absent, the
+//! test that compares with them is ignored. Another test compares each table with the reference's
+//! sound of it, with added noise.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -27,7 +28,7 @@ fn strike(pad: usize, frame: u64, velocity: f32) -> Event {
     Event { time: Time { frame, fraction: 0x5000_0000 }, pad: pad as u8, velocity, ..Event::default() }
 }
 
-/// The stereo bus, 1.0 = full scale, before it saturates.
+/// Stereo bus of a performance by the instrument, 1.0 = full scale.
 fn play(loaded: &kit::Loaded, performance: &Performance, skipping: Skipping) -> Vec<[f64; 2]> {
     let table = Kit::parse(&loaded.binary).expect("a loaded kit is valid");
     let settings = Settings { rate: RATE, block: 128, skipping, budget_cycles: None };
@@ -44,7 +45,7 @@ fn peak_dbfs(sound: &[[f64; 2]]) -> f64 {
 }
 
 #[test]
-fn it_holds_at_least_twelve_instruments_each_with_the_recording_and_a_licence_that_asks_for_no_credit() {
+fn recorded_kit_has_twelve_instruments_whose_licences_ask_for_no_credit() {
     let loaded = recorded();
     assert!(loaded.kit.pads.len() >= 12, "{}", loaded.kit.pads.len());
     let modes: usize = loaded.kit.objects.iter().map(|object| object.modes.len()).sum();
@@ -56,7 +57,7 @@ fn it_holds_at_least_twelve_instruments_each_with_the_recording_and_a_licence_th
 }
 
 #[test]
-fn a_full_strike_of_each_pad_neither_clips_nor_whispers_and_softer_ones_are_softer() {
+fn each_pad_at_velocity_1_neither_clips_nor_whispers_and_softer_strikes_are_softer() {
     let loaded = recorded();
     for (index, pad) in loaded.kit.pads.iter().enumerate() {
         let peaks = [1.0, 0.8, 0.6, 0.4, 0.2, 0.1].map(|velocity| {
@@ -64,7 +65,8 @@ fn a_full_strike_of_each_pad_neither_clips_nor_whispers_and_softer_ones_are_soft
             peak_dbfs(&play(&loaded, &performance, Skipping::On))
         });
         println!("{}: {peaks:.1?} dBFS", pad.name);
-        // Equally loud pads: what rings for 9 s peaks 20 dB below what lasts 0.1 s (kit_balance holds the loudness itself).
+        // Pads are equally loud, so that one that rings for 9 s peaks 20 dB below one that lasts
+        // 0.1 s. The test kit_balance compares the loudness itself.
         assert!((-24.5..=-2.5).contains(&peaks[0]), "{}: {peaks:.1?}", pad.name);
         assert!(peaks.is_sorted_by(|louder, softer| louder > softer), "{}: {peaks:.1?}", pad.name);
     }
@@ -74,7 +76,7 @@ fn a_full_strike_of_each_pad_neither_clips_nor_whispers_and_softer_ones_are_soft
 fn all_pads_played_together_stay_below_full_scale() {
     let loaded = recorded();
     let all = |gap: u64| (0..loaded.kit.pads.len()).map(move |pad| strike(pad, 10 + gap * pad as u64, 1.0)).collect();
-    // At once, and a fill of 30 strikes a second.
+    // All at once, and then one after another at 30 strikes per second.
     for gap in [0, 1_600] {
         let performance = Performance::new(all(gap), None, &loaded.kit, RATE, Some(1.0));
         let peak = peak_dbfs(&play(&loaded, &performance, Skipping::On));
@@ -84,7 +86,7 @@ fn all_pads_played_together_stay_below_full_scale() {
 }
 
 #[test]
-fn each_pad_leaves_at_least_90_db_to_the_law() {
+fn each_pad_has_90_db_of_snr_to_the_reference() {
     let loaded = recorded();
     for (index, pad) in loaded.kit.pads.iter().enumerate() {
         let strikes = [0.02, 0.9, 1.0, 0.4, 0.15, 0.7];
@@ -99,7 +101,8 @@ fn each_pad_leaves_at_least_90_db_to_the_law() {
     }
 }
 
-/// Log-spectral distance in dB from a recording's first strike to what dsp-core makes of a table.
+/// Log-spectral distance in dB from a recording's first strike to the instrument's sound of a
+/// table.
 fn distance_db(recording: &Recording, table: &kit::Kit) -> f64 {
     let (found, _) = fit::segment::hits(recording).expect("it holds a strike");
     let heard = &recording.samples[found[0].onset..found[0].end];
@@ -108,13 +111,15 @@ fn distance_db(recording: &Recording, table: &kit::Kit) -> f64 {
     log_spectral_distance_db(&heard[window.clone()], &sound[window])
 }
 
-/// Does the work on a large stack: the engine that renders a single table is built there.
+/// Does work on a large stack, on which the engine that renders a single table is built.
 fn on_a_large_stack(work: impl FnOnce() + Send + 'static) {
     let working = std::thread::Builder::new().stack_size(64 << 20).spawn(work);
     working.expect("a thread starts").join().expect("every table is near its sound");
 }
 
-/// A tenth of a second of silence and three of a strike of the table by the reference, with noise 70 dB below its peak.
+/// Recording of a table's strike by the reference, with noise 70 dB below its peak.
+///
+/// A tenth of a second of silence precedes the strike, which lasts 3 s.
 fn by_reference_with_noise(table: &kit::Kit) -> Recording {
     const RATE_HZ: f64 = 44_100.0;
     let sound = fit::render::by_reference(table, 0.0, RATE_HZ, 132_300).expect("it plays");
@@ -124,7 +129,7 @@ fn by_reference_with_noise(table: &kit::Kit) -> Recording {
     let mut state = 1u64;
     for sample in &mut samples {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        // Uniform, rms 1.
+        // Uniform noise with an rms of 1.
         let noise = ((state >> 33) as f64 / (1u64 << 31) as f64 - 0.5) * 12f64.sqrt();
         *sample += 0.5 * 10f64.powf(-70.0 / 20.0) * noise;
     }
@@ -132,7 +137,7 @@ fn by_reference_with_noise(table: &kit::Kit) -> Recording {
 }
 
 #[test]
-fn each_table_is_nearer_to_its_own_sound_with_noise_than_any_other_table_is() {
+fn each_table_is_nearer_to_its_own_noisy_sound_than_another_table() {
     on_a_large_stack(|| {
         let names: Vec<String> = recorded().kit.objects.into_iter().map(|object| object.name).collect();
         let tables: Vec<kit::Kit> =
@@ -174,7 +179,7 @@ fn table_path(name: &str) -> PathBuf {
 }
 
 #[test]
-fn the_program_plays_it_by_name() {
+fn program_plays_the_recorded_kit_by_name() {
     let folder = tempfile::tempdir().expect("a folder");
     let (strikes, sound) = (folder.path().join("s.csv"), folder.path().join("out.wav"));
     fs::write(&strikes, "time_s,pad,velocity\n0,tabla,1\n0.2,handbell,0.7\n").expect("it is written");

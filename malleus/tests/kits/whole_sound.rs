@@ -1,5 +1,5 @@
-//! Whole kits with dynamic filters, loops, biquads, hands and a room: the instrument against the `f64` reference, a room
-//! against its arithmetic twin.
+//! Whole kits with dynamic filters, loops, biquads, hands and a room, by the instrument and by the
+//! `f64` reference. A room is compared with its arithmetic twin.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
@@ -11,11 +11,12 @@ use malleus::render::instrument::{Output, Settings};
 use malleus::render::{Performance, instrument, law};
 use proptest::prelude::*;
 
-/// dBFS of the law's sound, and of the instrument's difference from it.
+/// Rms levels in dBFS of the reference's sound, and of the instrument's difference from it.
 fn heard_and_error_dbfs(kit: kit::Kit, events: Vec<Event>, rate: SampleRate, seconds: f64) -> (f64, f64) {
     let binary = kit::binary::build(&kit).expect("a right kit");
     let performance = Performance::new(events, None, &kit, rate, Some(seconds));
-    // Sample by sample a room is compared with its twin: the law's is another noise.
+    // The reference's own room is another noise, so that samples are compared with the network's
+    // twin.
     let expected = law::render_in(law::Room::NetworkTwin, &kit, &performance, rate, |_| {}).expect("right events");
     let table = Kit::parse(&binary).expect("a loaded kit is valid");
     let settings = Settings { rate, block: 128, skipping: Skipping::Off, budget_cycles: None };
@@ -29,7 +30,7 @@ fn heard_and_error_dbfs(kit: kit::Kit, events: Vec<Event>, rate: SampleRate, sec
     (10.0 * (signal / values).log10(), 10.0 * (noise / values).log10())
 }
 
-/// dB between them.
+/// SNR in dB of the instrument's sound against the reference's.
 fn snr_db(kit: kit::Kit, events: Vec<Event>, rate: SampleRate, seconds: f64) -> f64 {
     let (heard, error) = heard_and_error_dbfs(kit, events, rate, seconds);
     heard - error
@@ -39,7 +40,8 @@ fn event(action: Action, pad: usize, frame: u64, velocity: f32) -> Event {
     Event { time: Time { frame, fraction: 0x3000_0000 }, pad: pad as u8, velocity, action, ..Event::default() }
 }
 
-/// Strikes, one of them after the noise's end, and a hand that comes between them, goes, and comes for good.
+/// Strikes of a pad, one of them after the end of its noise. Between them a hand chokes the pad,
+/// releases it, and chokes it for good.
 fn played(pad: usize) -> Vec<Event> {
     use Action::{Choke, Release, Strike};
     let events = [
@@ -60,7 +62,7 @@ fn filters() -> kit::Kit {
 }
 
 #[test]
-fn each_pad_of_the_filters_kit_leaves_at_least_96_db_to_the_law() {
+fn each_pad_of_the_filters_kit_has_96_db_of_snr_to_the_reference() {
     for rate in [SampleRate::HZ_48000, SampleRate::new(44_100, 1).expect("a right rate")] {
         for (index, pad) in filters().pads.iter().enumerate() {
             let snr_db = snr_db(filters(), played(index), rate, 1.0);
@@ -71,7 +73,7 @@ fn each_pad_of_the_filters_kit_leaves_at_least_96_db_to_the_law() {
 }
 
 #[test]
-fn instrument_leaves_90_db_to_the_network_twin_of_a_room_that_falls_silent() {
+fn instrument_has_90_db_of_snr_to_the_twin_of_a_room_that_falls_silent() {
     let mut kit = filters();
     kit.room = [(0.0, 0.5, -9.0), (500.0, 0.4, -12.0), (2_000.0, 0.3, -15.0), (8_000.0, 0.2, -20.0)]
         .map(|(from_hz, t60_s, energy_db)| kit::RoomBand::new(from_hz, t60_s, energy_db))
@@ -83,7 +85,9 @@ fn instrument_leaves_90_db_to_the_network_twin_of_a_room_that_falls_silent() {
     assert!(snr_db >= 90.0, "{snr_db:.1} dB");
 }
 
-/// A pole pair, or two real poles, within `largest`, as a1 and a2; of the first order a2 is 0.
+/// Coefficients a1 and a2 of any poles whose magnitude is at most `largest`.
+///
+/// In a filter of first order a2 is 0; one of second order has a pair of conjugate poles.
 fn any_poles(order: Order, largest: f32) -> BoxedStrategy<(f32, f32)> {
     match order {
         Order::First => (-largest..largest).prop_map(|a1| (a1, 0.0)).boxed(),
@@ -101,7 +105,7 @@ prop_compose! {
             .map(|(step_s, (a1, a2), b0, b1, noise)| {
                 let time_s = end_s;
                 end_s += step_s;
-                // A quarter of the pieces' ends are silent.
+                // A quarter of the breakpoints are silent.
                 let noise = if levels { (4.0 / 3.0 * noise - 1.0 / 3.0).max(0.0) } else { 1.0 };
                 Breakpoint { time_s, noise, a1, a2, b0, b1, b2: 0.0 }
             })
@@ -118,7 +122,8 @@ prop_compose! {
         exciter in prop::option::of((50.0f32..2_000.0, 1.2f32..8.0, -0.8f32..0.8)),
         loops in prop::collection::vec((80.0f32..8_000.0, 2.0f32..200.0, -0.9f32..0.9, 0.0003f32..0.02), 0..4),
     ) -> DynamicFilter {
-        // Stable, however the path moves: the sum of all gains round the loops stays below 0.9.
+        // The sum of all gains round the loops stays below 0.9, so that the filter is stable on its
+        // path.
         let gain_at = |point: &Breakpoint| (0..400).map(|n| point.magnitude(60.0 * f64::from(n), 48_000.0)).fold(0.0, f64::max);
         let loudest = path.iter().map(gain_at).fold(1e-3, f64::max) as f32;
         let count = loops.len() as f32;
@@ -142,12 +147,14 @@ prop_compose! {
     }
 }
 
-/// 90 dB, or, of soft sounds, an error that nobody hears.
+/// True if the error lies 90 dB below the sound, or below -120 dBFS, where nobody hears it.
 fn is_right(heard_dbfs: f64, error_dbfs: f64) -> bool {
     heard_dbfs - error_dbfs >= 90.0 || error_dbfs < -120.0
 }
 
-/// Strikes of pad 0, of every eighth a hand that comes and of another one that goes, in order.
+/// Events of pad 0 in order of time, from (frame, velocity, kind).
+///
+/// Kind 0 is a choke, 1 a release, and any other a strike.
 fn hands(times: Vec<(u64, f32, usize)>) -> Vec<Event> {
     let what = |what: usize| [Action::Choke, Action::Release].get(what).copied().unwrap_or(Action::Strike);
     let mut events: Vec<Event> =
@@ -162,7 +169,7 @@ fn any_rate() -> impl Strategy<Value = SampleRate> {
         .prop_map(|(numerator, denominator)| SampleRate::new(numerator, denominator).expect("a right rate"))
 }
 
-/// Bands of a room from the lowest up, up to a third of the slowest rate, octaves and more apart.
+/// Any bands of a room, from the lowest up. They begin below 10 kHz, an octave and more apart.
 fn any_room() -> impl Strategy<Value = Vec<kit::RoomBand>> {
     let band = (1.0f64..2.0, 0.2f64..6.0, -30.0f64..0.0);
     prop::collection::vec(band, 1..=8).prop_map(|bands| {
@@ -180,9 +187,9 @@ fn any_room() -> impl Strategy<Value = Vec<kit::RoomBand>> {
     })
 }
 
-/// Chains whose sections have a gain of about 1 at their pole.
+/// Any biquad bank whose biquads have a gain of about 1 at their pole.
 fn any_biquads() -> impl Strategy<Value = kit::Biquads> {
-    // Below the Nyquist frequency of the slowest rate.
+    // Angles stay below the Nyquist frequency of the slowest rate.
     let section = (-4.0f64..-0.3, 0.02f64..2.0, 0.0f64..1.0, 0.0f64..2.0, 0.3f64..1.0);
     (1usize..=4).prop_flat_map(move |depth| {
         let chain = prop::collection::vec(section.clone(), depth);
@@ -205,9 +212,9 @@ fn any_biquads() -> impl Strategy<Value = kit::Biquads> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any filter, any strikes and hands.
+    /// The kit has any dynamic filter, and any strikes and hands.
     #[test]
-    fn any_dynamic_filter_leaves_90_db_to_the_law_or_an_error_that_nobody_hears(
+    fn dynamic_filter_has_90_db_of_snr_to_the_reference_or_an_inaudible_error(
         filter in any_filter(),
         times in prop::collection::vec((0u64..30_000, 0.05f32..=1.0, 0usize..8), 1..8),
         rate in any_rate(),
@@ -221,9 +228,9 @@ proptest! {
         prop_assert!(is_right(heard, error), "{heard:.1} dBFS, error {error:.1} dBFS");
     }
 
-    /// Any room, and strikes with silence between them.
+    /// The kit has any room, and strikes with silence between them.
     #[test]
-    fn any_room_leaves_90_db_to_its_twin_or_an_error_that_nobody_hears(
+    fn room_has_90_db_of_snr_to_its_twin_or_an_inaudible_error(
         room in any_room(),
         times in prop::collection::vec((0u64..200_000, 0.05f32..=1.0, 0usize..5), 1..5),
         rate in any_rate(),
@@ -237,9 +244,9 @@ proptest! {
         prop_assert!(is_right(heard, error), "{heard:.1} dBFS, error {error:.1} dBFS");
     }
 
-    /// Any biquads, any strikes and hands.
+    /// The kit has any biquads, and any strikes and hands.
     #[test]
-    fn any_biquads_leave_86_db_to_the_law_or_an_error_that_nobody_hears(
+    fn biquads_have_86_db_of_snr_to_the_reference_or_an_inaudible_error(
         biquads in any_biquads(),
         times in prop::collection::vec((0u64..30_000, 0.05f32..=1.0, 0usize..8), 1..8),
         rate in any_rate(),

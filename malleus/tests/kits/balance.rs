@@ -1,9 +1,11 @@
-//! The pads of a shipped kit are about equally loud, and together below full scale.
+//! Loudness of the shipped kits: their pads are about equally loud, and below full scale together.
 
 use dsp_core::SampleRate;
 use malleus::loudness::{Meter, loudest_lkfs, peak, sum};
 
-/// Loudest 400 ms at velocity 0.8, K-weighted, from the softest to the loudest pad of a kit.
+/// Largest difference in dB between the loudnesses of two pads of a kit.
+///
+/// A pad's loudness is that of the loudest 400 ms of a strike at velocity 0.8, K-weighted.
 const MOST_SPREAD_DB: f64 = 6.0;
 
 #[test]
@@ -51,16 +53,17 @@ fn pads_of_each_shipped_kit_at_once_or_rolled_stay_below_full_scale() {
     assert!(failures.is_empty(), "cargo run -p malleus --example kit_levels gives levels: {failures:?}");
 }
 
-/// Loudness of 2 s of a sine of full scale in the left channel.
+/// Loudness in LKFS of a full-scale sine in the left channel.
 fn of_sine(hz: f64, rate_hz: f64) -> f64 {
     let frames = (2.0 * rate_hz) as u32;
     let sample = |n: u32| (std::f64::consts::TAU * hz * f64::from(n) / rate_hz).sin();
     let sound: Vec<[f64; 2]> = (0..frames).map(|n| [sample(n), 0.0]).collect();
-    // What begins at once rings at the filters' low end: the loudest stretch of the second half.
+    // The onset makes the filters ring at low frequencies, so that only the second half is
+    // measured.
     loudest_lkfs(&sound[sound.len() / 2..], rate_hz, 0.4)
 }
 
-/// Magnitude in dB of the recommendation's two biquads at 48 kHz.
+/// Magnitude in dB of the two biquads that the recommendation gives for 48 kHz.
 fn published_db(hz: f64) -> f64 {
     let power = |b: [f64; 3], a: [f64; 3]| {
         let square = |c: [f64; 3]| {
@@ -76,7 +79,7 @@ fn published_db(hz: f64) -> f64 {
 }
 
 #[test]
-fn weighting_is_that_of_the_recommendation_at_every_rate() {
+fn k_weighting_is_that_of_the_recommendation_at_every_rate() {
     for rate_hz in [44_100.0, 48_000.0, 96_000.0] {
         for hz in [100.0, 400.0, 997.0, 2_000.0, 5_000.0] {
             let (got, expected) = (of_sine(hz, rate_hz), published_db(hz) - 3.01 - 0.691);

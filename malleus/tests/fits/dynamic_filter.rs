@@ -1,4 +1,4 @@
-//! `malleus fit --dynamic-filter`: a recording becomes a table that plays, and that keeps how its bands decay.
+//! `malleus fit --dynamic-filter`: its table plays, and decays in all bands as the recording does.
 
 use std::fs;
 use std::path::Path;
@@ -17,7 +17,8 @@ fn succeeds(folder: &Path, words: &str) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Noise that loses its high end first, and two modes: a block of wood, 20 ms after silence begins.
+/// Writes a recording of a block of wood: noise that loses its high end first, and two modes,
+/// behind 20 ms of silence.
 fn write_recording(path: &Path) {
     let point = |time_s: f64, b0: f64, a1: f64| Breakpoint {
         time_s,
@@ -64,12 +65,12 @@ fn a_recording_becomes_a_table_that_plays_and_keeps_its_decays() {
     fs::write(folder.path().join("s.csv"), "time_s,pad,velocity\n0,block,1\n").unwrap();
     succeeds(folder.path(), "play --kit kit.toml --strikes s.csv -o out.wav");
     assert!(folder.path().join("heard.wav").exists());
-    // What is done is not done again.
+    // A second run does not fit a recording whose table exists.
     assert!(succeeds(folder.path(), "fit block.wav -o block.toml --dynamic-filter modes").contains("is done already"));
 }
 
 #[test]
-fn what_does_not_go_with_a_dynamic_filter_is_refused() {
+fn options_that_conflict_with_a_dynamic_filter_and_absent_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let output = malleus(folder.path(), "fit a.wav -o a.toml --dynamic-filter modes --hits 1");
     assert_eq!(output.status.code(), Some(2));

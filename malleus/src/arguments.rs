@@ -1,0 +1,248 @@
+//! Command line of the program: commands, options, and the checks of their values.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use dsp_core::SampleRate;
+use virtual_board::Board;
+
+use crate::commands::board::{BoardCommand, parse_board};
+
+/// Physically modelled percussion, rendered by exactly the code that a board runs.
+///
+/// Without a command, plays the demo.
+#[derive(Debug, Parser)]
+#[command(version)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+/// Commands of the program.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Play a short piece on the shipped kit: writes demo.wav and demo.png, prints one row per pad
+    Demo(DemoArguments),
+    /// Play a kit from events or from a measured force, and write the sound as 24-bit stereo WAV
+    Play(PlayArguments),
+    /// Fit recordings of struck objects, and write one table per recording
+    Fit(FitArguments),
+    /// Make, build, check and show kits
+    #[command(subcommand)]
+    Kit(KitCommand),
+    /// Run firmware on a virtual board
+    #[command(subcommand)]
+    Board(BoardCommand),
+}
+
+/// Arguments of `malleus demo`.
+#[derive(Debug, Args)]
+pub(crate) struct DemoArguments {
+    /// Folder for demo.wav and demo.png; it is made if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "malleus-demo")]
+    pub(crate) out: PathBuf,
+    /// Print a machine-readable report on stdout (docs/json.md)
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `malleus play`.
+#[derive(Debug, Args)]
+pub(crate) struct PlayArguments {
+    /// Kit: a .toml or .bin file, or the name of a shipped kit (demo, recorded, filters)
+    #[arg(long)]
+    pub(crate) kit: String,
+    /// Events: a Standard MIDI File, or CSV in UTF-8 with the columns
+    /// sample|time_s,pad,velocity[,position,striker,action]
+    #[arg(long, value_name = "FILE", required_unless_present = "direct", conflicts_with = "direct")]
+    pub(crate) strikes: Option<PathBuf>,
+    /// Force that drives a pad sample by sample: a WAV file whose full scale is the reference force
+    /// of the pad's object; its channels count from 0 [default channel: 0]
+    #[arg(long, value_name = "FILE[:CHANNEL]", requires = "pad")]
+    pub(crate) direct: Option<String>,
+    /// Pad that the force of --direct drives
+    #[arg(long, value_name = "NAME", requires = "direct")]
+    pub(crate) pad: Option<String>,
+    /// WAV file to write
+    #[arg(short, long, value_name = "OUT.wav")]
+    pub(crate) output: PathBuf,
+    /// Sample rate in Hz, or as a ratio such as 86000000/1792 [default: 48000, with --direct the
+    /// rate of its file]
+    #[arg(long, value_name = "HZ|N/D", value_parser = parse_rate)]
+    pub(crate) rate: Option<SampleRate>,
+    /// Play as this board does: at its rate, with its reverberation, within its time, and without
+    /// the stages that it leaves out; stm32f407g-disc1 or blackpill-f411
+    #[arg(long, value_parser = parse_board, conflicts_with_all = ["rate", "reference", "no_skip"])]
+    pub(crate) board: Option<Board>,
+    /// Frames per block, always 32 with --board; every number gives equal sound, bit for bit
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub(crate) block: u32,
+    /// Seconds to play after the last event or the end of the force [default: until the sound has
+    /// decayed by 96 dB, at most 30]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_tail)]
+    pub(crate) tail: Option<f64>,
+    /// Render with the f64 reference instead of the instrument
+    #[arg(long, conflicts_with = "no_skip")]
+    pub(crate) reference: bool,
+    /// Run every mode in every frame, also those that cannot be heard
+    #[arg(long)]
+    pub(crate) no_skip: bool,
+    /// Million cycles of a Cortex-M4 that may be spent per second; what does not fit is left out,
+    /// the quietest modes first. 0 means no limit [default: the limit of --board, unless the events
+    /// are a log that says what was left out; without --board no limit]
+    #[arg(long, value_name = "MHZ", value_parser = parse_budget, conflicts_with_all = ["reference", "no_skip"])]
+    pub(crate) budget_mhz: Option<f64>,
+    /// Write all events as they were played as CSV, with those that left modes out for want of
+    /// time; played with --strikes, the file gives the same sound, bit for bit
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["reference", "direct"])]
+    pub(crate) log: Option<PathBuf>,
+    /// Print a machine-readable report on stdout (docs/json.md)
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `malleus fit`.
+#[derive(Debug, Args)]
+pub(crate) struct FitArguments {
+    /// Recordings: WAV, FLAC, AIFF, Ogg Vorbis, MP3, AAC, ALAC, CAF
+    #[arg(required = true)]
+    pub(crate) input: Vec<PathBuf>,
+    /// Table to write: a .toml file for one recording, or a folder for one table per recording
+    #[arg(short, long, value_name = "TABLE.toml|DIR")]
+    pub(crate) output: PathBuf,
+    /// Maximum number of modes
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = parse_modes)]
+    pub(crate) modes: usize,
+    /// Estimator of the modes: `modal` finds all together by maximum likelihood; `bins` finds one
+    /// per bin of a spectrogram, for comparison
+    #[arg(long, value_enum, value_name = "NAME", default_value_t = EstimatorName::Modal)]
+    pub(crate) estimator: EstimatorName,
+    /// Fit noise through a moving filter instead of modes and residual, with at most ten modes
+    /// beside it or at most ten loops round it (docs/dynamic-filter-fits.md)
+    #[arg(long, value_enum, value_name = "WITH", conflicts_with_all = ["modes", "estimator", "force_channel", "hits", "budget", "report"])]
+    pub(crate) dynamic_filter: Option<BesideName>,
+    /// Channel of the recording that holds the measured force, counted from 0
+    #[arg(long, value_name = "C")]
+    pub(crate) force_channel: Option<usize>,
+    /// Strikes of the recording to use, counted from 1 [default: all]
+    #[arg(long, value_name = "N,N", value_delimiter = ',')]
+    pub(crate) hits: Vec<usize>,
+    /// Cortex-M4 cycles per sample that the table may take while it is struck; the modes that
+    /// matter most are kept
+    #[arg(long, value_name = "CYCLES", value_parser = parse_cycles)]
+    pub(crate) budget: Option<f64>,
+    /// Write the instrument's sound of the loudest strike, aligned to the recording
+    #[arg(long, value_name = "OUT.wav")]
+    pub(crate) render: Option<PathBuf>,
+    /// Write a self-contained page of sound, pictures and figures for each recording into this
+    /// folder, and an index of all pages in it
+    #[arg(long, value_name = "DIR")]
+    pub(crate) report: Option<PathBuf>,
+    /// Licence of the recordings, kept in the tables
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    pub(crate) licence: String,
+    /// Fit again the recordings whose results exist and are newer than they are
+    #[arg(long)]
+    pub(crate) redo: bool,
+    /// Print a machine-readable report on stdout (docs/json.md)
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Parts that a fitted dynamic filter gets besides its noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BesideName {
+    Modes,
+    Loops,
+}
+
+/// Names of the estimators of modes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum EstimatorName {
+    Modal,
+    Bins,
+}
+
+/// Commands of `malleus kit`.
+#[derive(Debug, Subcommand)]
+pub(crate) enum KitCommand {
+    /// Make a new kit from tables, such as `malleus fit` writes: each object becomes a pad
+    ///
+    /// Chooses levels with which each pad peaks at -6 dBFS at velocity 1.
+    New {
+        /// Tables: .toml files with objects and strikers. Without -o, the first path is the kit to
+        /// write and the others are the tables
+        #[arg(required = true, value_name = "TABLE")]
+        tables: Vec<PathBuf>,
+        /// Kit to write, as text
+        #[arg(short, long, value_name = "KIT.toml")]
+        output: Option<PathBuf>,
+        /// MIDI note of the first pad; each further pad has the next note
+        #[arg(long, value_name = "NOTE", default_value_t = 36, value_parser = clap::value_parser!(u8).range(0..=127))]
+        first_note: u8,
+    },
+    /// Build the binary form of a kit, which a board reads
+    Build {
+        /// Kit: a .toml or .bin file, or the name of a shipped kit
+        kit: String,
+        /// Binary file to write
+        #[arg(short, long, value_name = "KIT.bin")]
+        output: PathBuf,
+    },
+    /// Check a kit: whether it is valid, what clips at velocity 1, and what boards leave out of it
+    Check {
+        /// Kit: a .toml or .bin file, or the name of a shipped kit
+        kit: String,
+        /// Sample rate at which its filters must be stable, in Hz, or as a ratio such as
+        /// 86000000/1792
+        #[arg(long, value_name = "HZ|N/D", default_value = "48000", value_parser = parse_rate)]
+        rate: SampleRate,
+        /// Check for that board alone and print its plan, memory and time: stm32f407g-disc1 or
+        /// blackpill-f411
+        #[arg(long, value_parser = parse_board)]
+        board: Option<virtual_board::Board>,
+        /// Print a machine-readable report on stdout (docs/json.md)
+        #[arg(long)]
+        json: bool,
+    },
+    /// Show a kit, text or binary, as text
+    Show {
+        /// Kit: a .toml or .bin file, or the name of a shipped kit
+        kit: String,
+        /// Draw the kit's modes and filters as a PNG file, too
+        #[arg(long, value_name = "FILE.png")]
+        plot: Option<PathBuf>,
+        /// Print a machine-readable report instead of the text (docs/json.md)
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+fn parse_rate(text: &str) -> Result<SampleRate, String> {
+    let (numerator, denominator) = text.split_once('/').unwrap_or((text, "1"));
+    let parse = |part: &str| {
+        part.parse::<u32>().map_err(|_| "must be a whole number of Hz, or a ratio such as 86000000/1792".to_owned())
+    };
+    SampleRate::new(parse(numerator)?, parse(denominator)?).ok_or("must be from 8000 to 192000 Hz".to_owned())
+}
+
+fn parse_budget(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|mhz: &f64| *mhz == 0.0 || (1.0..=10_000.0).contains(mhz)).ok_or_else(|| {
+        "must be a number of MHz from 1 to 10000, such as 134.4 for 80 % of 168 MHz, or 0 for no limit".to_owned()
+    })
+}
+
+fn parse_modes(text: &str) -> Result<usize, String> {
+    let modes = text.parse().ok().filter(|modes| (1..=1024).contains(modes));
+    modes.ok_or("must be from 1 to 1024 modes".to_owned())
+}
+
+fn parse_cycles(text: &str) -> Result<f64, String> {
+    let cycles = text.parse().ok().filter(|cycles| (10.0..=1e6).contains(cycles));
+    cycles.ok_or("must be from 10 to 1000000 cycles per sample".to_owned())
+}
+
+fn parse_tail(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| (0.0..=3600.0).contains(seconds));
+    seconds.ok_or("must be from 0 to 3600 seconds".to_owned())
+}

@@ -1,0 +1,67 @@
+//! Failures of the commands, as the user reads them.
+
+use std::io;
+use std::path::PathBuf;
+
+use malleus::events::EventsError;
+use malleus::plot::PlotError;
+use malleus::render::instrument::RenderError;
+use malleus::report::ReportError;
+use malleus::wave::WaveError;
+
+/// Failure of a command. Its message says what is wrong, where, and what to do.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum CommandError {
+    #[error(transparent)]
+    Kit(#[from] ::kit::KitError),
+    #[error("{kit}: {error}")]
+    Table { kit: String, error: dsp_core::table::TableError },
+    #[error(transparent)]
+    Events(#[from] EventsError),
+    #[error(transparent)]
+    Wave(#[from] WaveError),
+    #[error(transparent)]
+    File(#[from] ::kit::file::FileError),
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    #[error("{kit}: {error}")]
+    Render { kit: String, error: RenderError },
+    #[error("{kit}: object {object:?} at {rate}: {what}")]
+    Filters { kit: String, object: String, rate: dsp_core::SampleRate, what: String },
+    #[error("{kit}: the reference cannot play it: {error}")]
+    Law { kit: String, error: reference::Error },
+    #[error("{kit}: there is no pad {name:?}; the kit has {pads}")]
+    UnknownPad { kit: String, name: String, pads: String },
+    #[error(
+        "{kit}: the kit has no pads, so that nothing can be played; bind its objects to pads, such as by malleus kit new"
+    )]
+    NoPads { kit: String },
+    #[error(
+        "{file}: the file's rate is {file_rate}, but --rate or --board asks for {rate}; a force is not resampled: leave that option out, or convert the file"
+    )]
+    RateMismatch { file: String, file_rate: dsp_core::SampleRate, rate: dsp_core::SampleRate },
+    #[error(
+        "{file}: it would play for {seconds:.0} s, and at most {longest:.0} s are rendered at once; play a part of it, or give a shorter --tail"
+    )]
+    TooLong { file: String, seconds: f64, longest: f64 },
+    #[error(transparent)]
+    Board(#[from] virtual_board::BoardError),
+    #[error("{file}: cannot be read: {error}")]
+    Unreadable { file: String, error: io::Error },
+    #[error("the log cannot be written: {error}")]
+    Log { error: ::kit::file::FileError },
+    #[error("{}: one table cannot hold {inputs} recordings; give -o a folder", output.display())]
+    OneTable { output: PathBuf, inputs: usize },
+    #[error("--render takes one recording at a time, not {inputs}; fit them one by one")]
+    OneRendering { inputs: usize },
+    #[error("{failed} of {of} recordings could not be fitted; the tables of the others are written")]
+    FitsFailed { failed: usize, of: usize },
+    #[error("no worker threads can be started to fit recordings; close other programs and try again")]
+    Workers(#[source] rayon::ThreadPoolBuildError),
+    #[error("the report cannot be printed: {0}")]
+    Print(#[from] io::Error),
+    #[error("the report cannot be written as JSON; leave --json out, and tell the developers")]
+    Json(#[from] serde_json::Error),
+}

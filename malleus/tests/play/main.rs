@@ -1,0 +1,125 @@
+//! The program as its user meets it: files are read, messages and exit codes are right, files are
+//! written.
+
+mod budget;
+mod folder;
+mod levels;
+mod refusals;
+
+use std::fs;
+
+use folder::{Folder, KIT, midi, samples};
+
+#[test]
+fn strikes_are_written_as_a_24_bit_stereo_file() {
+    let folder = Folder::new();
+    folder.write("s.csv", b"sample,pad,velocity\n100,bar,1\n24000,bar,0.25\n");
+    let output = folder.malleus("play --kit kit.toml --strikes s.csv -o out.wav --json");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["work"]["strikes"], 2);
+    let spec = hound::WavReader::open(folder.path("out.wav")).unwrap().spec();
+    assert_eq!((spec.channels, spec.bits_per_sample, spec.sample_rate), (2, 24, 48_000));
+    // Format 1 at byte 20: the plain header, which every reader knows.
+    assert_eq!(fs::read(folder.path("out.wav")).unwrap()[20..22], [1, 0]);
+    let sound = samples(&folder.path("out.wav"));
+    assert!(sound[..200].iter().all(|&sample| sample == 0));
+    assert!(sound[200..].iter().any(|&sample| sample.abs() > 1 << 18));
+}
+
+#[test]
+fn instrument_is_within_two_24_bit_steps_of_the_reference() {
+    let folder = Folder::new();
+    folder.write(
+        "s.csv",
+        b"time_s,pad,velocity,position,striker,action\n0.01001,bar,0.9,,,\n0.1,bar,,,,choke\n0.15,bar,,,,release\n",
+    );
+    for (file, option) in [("a.wav", "--no-skip"), ("b.wav", "--reference")] {
+        let output = folder.malleus(&format!("play --kit kit.toml --strikes s.csv -o {file} {option}"));
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let (instrument, reference) = (samples(&folder.path("a.wav")), samples(&folder.path("b.wav")));
+    assert_eq!(instrument.len(), reference.len());
+    let worst = instrument.iter().zip(&reference).map(|(a, b)| a.abs_diff(*b)).max();
+    assert!(worst <= Some(2), "{worst:?} steps of 24 bits");
+}
+
+#[test]
+fn sound_is_the_same_in_any_block_and_from_the_binary_kit_as_from_the_text() {
+    let folder = Folder::new();
+    folder.write("s.csv", b"time_s,pad,velocity\n0.01001,bar,0.9\n0.0101,bar,1\n");
+    assert_eq!(folder.malleus("kit build kit.toml -o kit.bin").status.code(), Some(0));
+    folder.malleus("play --kit kit.toml --strikes s.csv -o first.wav --rate 86000000/1792");
+    for block in [8, 32, 33, 128] {
+        folder.malleus(&format!("play --kit kit.bin --strikes s.csv -o out.wav --block {block} --rate 86000000/1792"));
+        assert_eq!(fs::read(folder.path("first.wav")).unwrap(), fs::read(folder.path("out.wav")).unwrap(), "{block}");
+    }
+}
+
+#[test]
+fn midi_notes_strike_the_pads_that_the_kit_maps() {
+    let folder = Folder::new();
+    // Two notes a quarter apart at 120 quarter notes per minute; note 61 is not mapped.
+    folder.write("a.mid", &midi(&[0, 0x99, 60, 127, 0, 0x99, 61, 90, 0x60, 0x99, 60, 64, 0, 0x89, 60, 0]));
+    let output = folder.malleus("play --kit kit.toml --strikes a.mid -o out.wav --json");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{message}");
+    assert!(message.contains("61"), "{message}");
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["work"]["strikes"], 2);
+    let sound = samples(&folder.path("out.wav"));
+    let onset = |from: usize| (from..).find(|&frame| sound[2 * frame] != 0).unwrap();
+    assert!(onset(0) <= 2 && (23_000..=24_002).contains(&onset(23_900)));
+}
+
+#[test]
+fn direct_force_is_played_at_the_rate_of_its_file() {
+    let folder = Folder::new();
+    let spec = hound::WavSpec {
+        channels: 2,
+        sample_rate: 44_100,
+        bits_per_sample: 16,
+        sample_format: hound::SampleFormat::Int,
+    };
+    let mut writer = hound::WavWriter::create(folder.path("f.wav"), spec).unwrap();
+    for frame in 0..1000 {
+        writer.write_sample(0i16).unwrap();
+        writer.write_sample(if frame == 500 { 30_000i16 } else { 0 }).unwrap();
+    }
+    writer.finalize().unwrap();
+    assert_eq!(folder.malleus("play --kit kit.toml --direct f.wav:1 --pad bar -o out.wav").status.code(), Some(0));
+    assert_eq!(hound::WavReader::open(folder.path("out.wav")).unwrap().spec().sample_rate, 44_100);
+    let sound = samples(&folder.path("out.wav"));
+    assert_eq!(sound.iter().position(|&sample| sample != 0).map(|index| index / 2), Some(500));
+    folder.refuses("play --kit kit.toml --direct f.wav:2 --pad bar -o no.wav", &["channel 2", "counted from 0"]);
+    folder.refuses("play --kit kit.toml --direct f.wav --pad bra -o no.wav", &["bra", "bar"]);
+    folder.refuses("play --kit kit.toml --direct f.wav --pad bar --rate 48000 -o no.wav", &["44100", "48000"]);
+    folder.refuses("play --kit kit.toml --direct kit.toml --pad bar -o no.wav", &["kit.toml", "not a readable WAV"]);
+}
+
+#[test]
+fn help_of_play_names_every_shipped_kit() {
+    let help = String::from_utf8(Folder::new().malleus("play --help").stdout).unwrap();
+    for name in kit::shipped_names() {
+        assert!(help.contains(name), "{name}");
+    }
+}
+
+#[test]
+fn new_kit_goes_to_the_file_of_its_output_option_or_of_its_first_path() {
+    let folder = Folder::new();
+    folder.write("table.toml", KIT.split("[[pad]]").next().unwrap().as_bytes());
+    for (words, file) in [
+        ("kit new table.toml -o short.toml", "short.toml"),
+        ("kit new --output long.toml table.toml", "long.toml"),
+        ("kit new first.toml table.toml", "first.toml"),
+    ] {
+        let output = folder.malleus(words);
+        assert!(output.status.success(), "{words}: {}", String::from_utf8_lossy(&output.stderr));
+        let kit = fs::read_to_string(folder.path(file)).unwrap();
+        assert!(kit.contains("[[pad]]\nname = \"bar\"\nobject = \"bar\""), "{words}: {kit}");
+    }
+    let output = folder.malleus("kit new table.toml");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("malleus kit new TABLE... -o KIT.toml"));
+}
