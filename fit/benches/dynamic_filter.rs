@@ -1,6 +1,8 @@
-//! `cargo bench -p fit --bench dynamic_filter [-- NAME... [--ways PART]]`: how well damping laws of recordings survive in the dynamic filter, with at
-//! most ten modes beside it or loops round it. With names, only the recordings whose names contain one of them, band by band; with a part of their
-//! names, only those ways.
+//! Measures how well the damping laws of recordings are kept by the dynamic filter.
+//!
+//! `cargo bench -p fit --bench dynamic_filter [-- NAME... [--ways PART]]`. The filter has at most
+//! ten modes beside it or loops round it. With names, only recordings whose names contain one of
+//! them are measured, band by band; with PART, only methods whose names contain it.
 
 use std::io::Write;
 use std::path::Path as FilePath;
@@ -55,7 +57,7 @@ fn main() {
                 100.0 * quantile(&errors, 1.0),
                 model.modes.len() + model.loops.len()
             );
-            // A way takes its time: what is known is shown.
+            // A method takes long, so each result is shown at once.
             let _ = std::io::stdout().flush();
             sum.0 += within;
             sum.1 += errors.len();

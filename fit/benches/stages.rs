@@ -1,14 +1,17 @@
-//! What each stage earns: distances of dsp-core's renderings to the recordings, of the modes alone and of all that stands in the fitted table, at
-//! equal numbers of modes, averaged over 20 draws of the noise. As a Markdown table.
+//! Measures the improvement by each stage, as a Markdown table.
 //!
-//! `cargo bench -p fit --bench stages [-- MODES] [NAME ...]`: 64 modes unless said otherwise; recordings whose names hold one of the NAMEs.
+//! Shows distances of dsp-core's renderings from the recordings: of the modes alone, and of the
+//! whole fitted table, at equal numbers of modes, averaged over 20 noises.
+//!
+//! `cargo bench -p fit --bench stages [-- MODES] [NAME ...]`: 64 modes by default; recordings whose
+//! names contain one of the NAMEs.
 
 use std::path::{Path, PathBuf};
 
 use fit::FitError;
 use fit::recording::{Options, fit_file};
 use fit::score::quantile;
-use fit::stages::{Distances, Heard, Sounding};
+use fit::stages::{Distances, PlayedTable, RecordedStrike};
 use rayon::prelude::*;
 
 const DRAWS: u32 = 20;
@@ -85,9 +88,9 @@ fn row(file: &Path, modes: usize) -> Result<Row, FitError> {
     let fitted = fit_file(file, &options)?;
     let strike = &fitted.fit.strikes[fitted.fit.loudest];
     let samples = &fitted.recording.samples[strike.hit.onset..strike.hit.end];
-    let heard = Heard::new(samples, fitted.recording.rate_hz, strike.position);
+    let heard = RecordedStrike::new(samples, fitted.recording.rate_hz, strike.position);
     let alone = heard.distances(&fitted.rendering);
-    let Sounding { table, distances: whole, .. } = heard.play(fitted.table, DRAWS)?;
+    let PlayedTable { table, distances: whole, .. } = heard.play(fitted.table, DRAWS)?;
     let residual = table.objects.iter().find_map(|object| object.residual.as_ref());
     let mut stages = Vec::new();
     if let Some(residual) = residual {

@@ -1,4 +1,6 @@
-//! `cargo bench -p fit --bench synthetic`: the estimators on sounds of known modes, beside the Cramer-Rao bounds.
+//! Measures the estimators on sounds of known modes, beside the Cramer-Rao bounds.
+//!
+//! `cargo bench -p fit --bench synthetic`
 
 use std::time::Instant;
 

@@ -1,26 +1,30 @@
-//! One mode a bin of a spectrogram: the physical priors of physics-diffusion §3.1, as an estimator of its own.
+//! The bins estimator: one mode for each bin of a spectrogram (physical priors of physics-diffusion
+//! §3.1).
 //!
-//! It is plain and quick, and there to be compared with: a decay read off when a bin falls silent is that of its noise, its neighbours and its window
-//! as much as its own. docs/fit.md has the figures beside those of [`crate::modes`].
+//! It is simple and fast, and serves for comparison. A decay read off when a bin falls silent
+//! depends on the bin's noise, its neighbours and its window as much as on the mode. docs/fit.md
+//! has its figures beside those of [`crate::modes`].
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::modes::DampedSine;
 
-/// Window and hop of the spectrogram in samples (§4.1 of the paper).
+/// Window of the spectrogram in samples (§4.1 of the paper).
 pub const WINDOW: usize = 2048;
-/// Samples between two frames.
+/// Hop of the spectrogram in samples (§4.1 of the paper).
 pub const HOP: usize = 256;
-/// What counts as silence, dB below the loudest bin of the spectrogram.
+/// Level of silence in dB, relative to the loudest bin of the spectrogram.
 const SILENCE_DB: f64 = -80.0;
 
 /// One mode for each of the 1025 bins that is not silent at the strike, in order of frequency.
 ///
-/// The frequency is that of the highest peak within the bin of the whole sound's spectrum; the power the first frame's magnitude; the decay is that
-/// which takes the power to -80 dB (below the loudest bin) when the bin first gets there, or at the end of a sound that does not. Phases are those
-/// of sines that begin at zero: `amplitude e^{-dt} sin 2πft` (physics-diffusion eq. 3, 4).
+/// The frequency is that of the highest peak within the bin, in the spectrum of the whole sound.
+/// The amplitude follows from the first frame's magnitude. The decay takes the bin to -80 dB (below
+/// the loudest bin) when the bin first gets there, or at the end of a sound that does not. Phases
+/// are those of sines that begin at zero: `amplitude e^{-dt} sin 2πft` (physics-diffusion eq. 3,
+/// 4).
 ///
-/// `strike` at full scale 1 from its onset on, `rate_hz` its rate. Nothing for silence.
+/// `strike` has full scale 1 and begins at its onset; `rate_hz` is its rate. Silence has no modes.
 pub fn estimate(strike: &[f64], rate_hz: f64) -> Vec<DampedSine> {
     let bins = WINDOW / 2 + 1;
     let frames = levels(strike);
@@ -53,7 +57,8 @@ pub fn estimate(strike: &[f64], rate_hz: f64) -> Vec<DampedSine> {
             Some(DampedSine {
                 frequency_hz: peak as f64 * rate_hz / size as f64,
                 decay_per_s: decay_db_per_s * 10f64.ln() / 20.0,
-                // A sine of amplitude 1 has half the window's sum, which is half its length.
+                // A sine of amplitude 1 has the magnitude of half the window's sum, which is half
+                // its length.
                 amplitude: power * 4.0 / WINDOW as f64,
                 phase: -FRAC_PI_2,
             })
@@ -61,7 +66,7 @@ pub fn estimate(strike: &[f64], rate_hz: f64) -> Vec<DampedSine> {
         .collect()
 }
 
-/// The `most` modes of most energy, in order of frequency.
+/// The `most` modes of largest energy, in order of frequency.
 pub fn strongest(mut modes: Vec<DampedSine>, most: usize) -> Vec<DampedSine> {
     let energy = |mode: &DampedSine| mode.amplitude * mode.amplitude / mode.decay_per_s;
     modes.sort_by(|a, b| energy(b).total_cmp(&energy(a)));

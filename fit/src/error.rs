@@ -1,121 +1,125 @@
-//! Why a recording cannot be fitted.
+//! Errors of a fit.
 
 use std::path::PathBuf;
 
-/// Why a recording cannot be fitted: what, where, and what to do.
+/// Reason why a recording cannot be fitted. Its message says what is wrong, where, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum FitError {
     /// The file cannot be opened or read.
-    #[error("{}: cannot be read: {cause}", path.display())]
+    #[error("{}: the file cannot be read ({cause}): check its path and permissions", path.display())]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         cause: std::io::Error,
     },
-    /// The file is no audio file that is known here.
+    /// The file is no audio file of a known format.
     #[error("{}: not audio that can be decoded ({cause}): give WAV, FLAC, AIFF, Ogg Vorbis, MP3, AAC, ALAC or CAF", path.display())]
     NotAudio {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the decoder says.
-        cause: String,
+        /// Part of the file that is unknown or missing.
+        cause: &'static str,
     },
-    /// There are no samples.
-    #[error("{}: holds no samples", path.display())]
+    /// The file holds no samples.
+    #[error("{}: the file holds no samples: give a recording of a strike", path.display())]
     Empty {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// A channel that is not there.
-    #[error("{}: has no channel {channel}: it has {channels}, counted from 0", path.display())]
+    /// The channel asked for does not exist.
+    #[error("{}: there is no channel {channel}: the file has {channels}, counted from 0; name one of them", path.display())]
     Channel {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The channel asked for.
+        /// Index of the channel asked for.
         channel: usize,
-        /// How many there are.
+        /// Number of channels in the file.
         channels: usize,
     },
-    /// The only channel is the force: nothing to hear.
-    #[error("{}: its only channel is the force: a microphone's is needed beside it", path.display())]
+    /// The only channel is the force, so that there is no sound.
+    #[error("{}: its only channel is the force: give a recording with a microphone's channel too", path.display())]
     NoMicrophone {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// A sample rate that cannot be.
-    #[error("{}: sample rate {rate_hz} Hz: must be from 4000 to 768000", path.display())]
+    /// The sample rate is out of range.
+    #[error("{}: the sample rate is {rate_hz} Hz: give a recording at 4000 to 768000 Hz", path.display())]
     Rate {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Its rate.
+        /// Sample rate of the file in Hz.
         rate_hz: u32,
     },
-    /// Samples that are no numbers.
-    #[error("{}: sample {index} is not a finite number", path.display())]
+    /// A sample is not finite.
+    #[error("{}: sample {index} is not a finite number: export the recording anew", path.display())]
     NotFinite {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Which sample.
+        /// Index of the sample.
         index: usize,
     },
-    /// Nothing but silence.
-    #[error("silence: no sample exceeds -120 dBFS")]
+    /// The recording is silent.
+    #[error("the recording is silent, no sample exceeds -120 dBFS: record it at a higher level")]
     Silence,
-    /// Nothing rises and decays.
+    /// No part of the recording rises and decays.
     #[error(
-        "no strike: nothing rises by 12 dB above what was before it and dies away; give a recording with a strike and its decay"
+        "there is no strike: nothing rises by 12 dB above the sound before it and dies away; give a recording with a strike and its decay"
     )]
     NoOnset,
-    /// The strike is cut off at full scale.
+    /// A strike is clipped.
     #[error(
         "clipped: {percent:.0} % of the samples of the strike at {at_s:.3} s stand at its largest value; record it at a lower level"
     )]
     Clipped {
         /// Time of the strike in seconds.
         at_s: f64,
-        /// Share of samples.
+        /// Share of clipped samples in percent.
         percent: f64,
     },
-    /// A hit that is not there.
-    #[error("no hit {hit}: the recording has {found}, counted from 1")]
+    /// The hit asked for does not exist.
+    #[error("there is no hit {hit}: the recording has {found}, counted from 1; name one of them")]
     NoSuchHit {
-        /// The hit asked for.
+        /// Number of the hit asked for, from 1.
         hit: usize,
-        /// How many there are.
+        /// Number of hits in the recording.
         found: usize,
     },
-    /// What is left of a strike is too short.
+    /// A strike is too short.
     #[error(
-        "the strike at {at_s:.3} s is over after {length_ms:.1} ms (end of the file or the next strike): at least 15 ms are needed"
+        "the strike at {at_s:.3} s ends after {length_ms:.1} ms, at the end of the file or the next strike: choose one of at least 15 ms"
     )]
     TooShort {
         /// Time of the strike in seconds.
         at_s: f64,
-        /// How long it is.
+        /// Length of the strike in milliseconds.
         length_ms: f64,
     },
     /// No mode stands out of the noise.
-    #[error("no mode stands out of the noise after the strike at {at_s:.3} s")]
+    #[error(
+        "no mode stands out of the noise after the strike at {at_s:.3} s: give a recording with less noise or a longer decay"
+    )]
     NoModes {
         /// Time of the strike in seconds.
         at_s: f64,
     },
     /// The force channel shows no strike.
-    #[error("channel {channel} shows no force pulse that rises 20 dB above its noise: is it the force?")]
+    #[error(
+        "channel {channel} shows no force pulse that rises 20 dB above its noise: name the channel of the force, or leave it out"
+    )]
     NoForce {
-        /// The channel.
+        /// Index of the force channel.
         channel: usize,
     },
-    /// The bins estimator knows no force.
+    /// The bins estimator cannot use a force channel.
     #[error(
         "the bins estimator reads modes off the sound alone: leave the force channel out, or use the modal estimator"
     )]
     BinsWithForce,
-    /// The table that was fitted is none that a board plays.
+    /// The fitted table is invalid.
     #[error("the fitted table is refused: {0}")]
     Table(#[from] kit::KitError),
-    /// The instrument refuses the table.
+    /// The instrument or the reference refuses the table.
     #[error("the fitted table cannot be rendered: {0}")]
     Render(String),
 }

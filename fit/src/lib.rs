@@ -1,4 +1,4 @@
-//! From recordings to tables: what a board plays, out of what a microphone heard.
+//! Fit of tables to recordings: the modes, contact, residual noise and room that a board plays.
 
 pub mod audio;
 pub mod bark;
@@ -22,5 +22,6 @@ pub mod table;
 
 mod decay;
 mod error;
+mod random;
 
 pub use error::FitError;

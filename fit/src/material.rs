@@ -1,13 +1,14 @@
-//! What a thing may be made of, from how its modes die away.
+//! Guess at an object's material, from the damping of its modes.
 //!
-//! Modal sound synthesis describes damping by Rayleigh's law, `d(ω) = (α + β ω²)/2` with two numbers a material, given here as published for
-//! sounding objects. It says nothing of how the thing is held, or of the air round it: a guess, with what speaks for it.
+//! Modal sound synthesis describes damping by Rayleigh's law, `d(ω) = (α + β ω²)/2` with two
+//! numbers a material, given here as published for sounding objects. The law ignores how the object
+//! is held, and the air round it. So the result is a guess with a confidence.
 
 use serde::Serialize;
 
 use crate::strike::Fit;
 
-/// α (1/s) and β (s) of materials.
+/// Name, α in 1/s and β in s of each material.
 const MATERIALS: [(&str, f64, f64); 7] = [
     ("ceramic", 6.0, 1e-7),
     ("glass", 1.0, 1e-7),
@@ -17,27 +18,29 @@ const MATERIALS: [(&str, f64, f64); 7] = [
     ("steel", 5.0, 3e-8),
     ("tin", 2.0, 3e-8),
 ];
-/// Scatter of a thing's modes about its material's law, as a logarithm: a factor of 2.5.
+/// Standard deviation of ln decay of an object's modes about the material's law: a factor of 2.5.
 const SCATTER: f64 = 0.9;
-/// Modes so far below the strongest do not count, as a ratio of amplitudes: 40 dB.
+/// Amplitude, relative to the strongest mode, below which a mode does not count: 40 dB.
 const LEAST_AMPLITUDE: f64 = 0.01;
 
 /// A guess at a material.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Guess {
-    /// Its name.
+    /// Name of the material.
     pub name: &'static str,
-    /// Its share of the likelihood among the materials known here, 0 to 1.
+    /// Share of the likelihood among the materials known here, 0 to 1.
     pub confidence: f64,
 }
 
-/// The material whose damping law the modes of a fit follow best, strong and lasting modes first. `None` for a fit without modes.
+/// The material whose damping law the modes of a fit follow best; `None` for a fit without modes.
+///
+/// Strong and lasting modes weigh most.
 pub fn guess(fit: &Fit) -> Option<Guess> {
     let place = if fit.measured { 0 } else { fit.loudest };
     let amplitude = |gains: &[[f64; 2]]| gains.get(place).map_or(0.0, |[sine, cosine]| sine.hypot(*cosine));
     let modes: Vec<(f64, f64, f64)> =
         fit.modes.iter().map(|mode| (mode.frequency_hz, mode.decay_per_s, amplitude(&mode.gains))).collect();
-    // Strongest by energy: short modes are often no more than a rough attack.
+    // Strength is energy, because short modes are often no more than a rough attack.
     let energy = |mode: &(f64, f64, f64)| mode.2 * mode.2 / mode.1;
     let most = modes.iter().map(energy).fold(0.0, f64::max);
     let counted: Vec<_> = modes.iter().filter(|mode| energy(mode) > most * LEAST_AMPLITUDE * LEAST_AMPLITUDE).collect();
@@ -68,7 +71,7 @@ mod tests {
     use crate::strike::Mode;
 
     #[test]
-    fn a_thing_that_follows_a_material_s_law_is_of_it() {
+    fn modes_that_follow_a_materials_law_are_guessed_as_that_material() {
         for (name, alpha, beta) in MATERIALS {
             let modes = [300.0, 750.0, 1400.0, 2600.0, 5200.0, 9000.0].map(|frequency_hz| Mode {
                 frequency_hz,

@@ -1,4 +1,4 @@
-//! The whole way: a file in, a table and what is known of it out.
+//! The complete fit: from a file to a table and a report.
 
 use std::path::{Path, PathBuf};
 
@@ -7,18 +7,19 @@ use serde::Serialize;
 use crate::audio::{self, Recording};
 use crate::contact;
 use crate::distance::lsd_window;
+use crate::error::FitError;
 use crate::modes::DampedSine;
-use crate::stages::{Heard, MOST_RISE_DB, Sounding, is_worth_its_room};
+use crate::stages::{MOST_RISE_DB, PlayedTable, RecordedStrike, is_worth_its_room};
 use crate::strike::{self, Fit, fit_force, fit_sound};
 use crate::table::{self, Provenance};
-use crate::{FitError, bark, material, render, residual, room, segment};
+use crate::{bark, material, render, residual, room, segment};
 
-/// What to do with a recording.
+/// Options of a fit.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// How to fit.
+    /// Settings of the strikes' fit.
     pub strike: strike::Settings,
-    /// Channel of the measured force, from 0.
+    /// Channel of the measured force, from 0; `None` for a fit from sound alone.
     pub force_channel: Option<usize>,
     /// Hits to use, counted from 1; all if empty.
     pub hits: Vec<usize>,
@@ -29,89 +30,110 @@ pub struct Options {
 /// A fitted recording.
 #[derive(Clone, Debug)]
 pub struct Fitted {
-    /// What was heard.
+    /// The recording as it was read.
     pub recording: Recording,
-    /// The fit.
+    /// Fitted object and strikes.
     pub fit: Fit,
     /// The table.
     pub table: kit::Kit,
-    /// dsp-core's rendering of the modes in the loudest strike, from its onset.
+    /// Rendering by dsp-core of the modes in the loudest strike, from its onset.
     pub rendering: Vec<f64>,
-    /// dsp-core's rendering of the whole table, residual and room included.
+    /// Rendering by dsp-core of the whole table, residual and room included.
     pub whole: Vec<f64>,
-    /// The table's modes as they sound in the loudest strike, amplitudes and phases reckoned back to its onset; in the table's order.
+    /// Modes of the table in the loudest strike, with amplitudes and phases extrapolated to its
+    /// onset.
+    ///
+    /// They are in the table's order.
     pub sounding: Vec<DampedSine>,
-    /// Figures.
+    /// Figures of the fit.
     pub report: Report,
 }
 
-/// The figures of a fit, as `--json` prints them.
+/// Figures of a fit, as `--json` prints them.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    /// The file.
+    /// Path of the recording.
     pub input: PathBuf,
-    /// Rate at which it was fitted.
+    /// Sample rate in Hz at which the recording was fitted.
     pub rate_hz: f64,
-    /// What was decided without asking.
+    /// Decisions that were made without asking.
     pub notes: Vec<String>,
-    /// The strikes.
+    /// Strikes in order of time.
     pub strikes: Vec<StrikeReport>,
     /// Number of modes in the table.
     pub modes: usize,
-    /// Lowest and highest frequency in Hz.
+    /// Lowest and highest frequency of the modes in Hz.
     pub frequency_hz: [f64; 2],
-    /// Shortest and longest T60 in seconds.
+    /// Shortest and longest T60 of the modes in seconds.
     pub t60_s: [f64; 2],
-    /// What the object may be made of.
+    /// Guess at the object's material.
     pub material: Option<material::Guess>,
-    /// Log-spectral distance of dsp-core's rendering to the loudest strike, dB.
+    /// Log-spectral distance in dB of dsp-core's rendering of the modes from the loudest strike.
     pub lsd_db: f64,
-    /// The same of the `f64` reference's rendering.
+    /// Log-spectral distance in dB of the `f64` reference's rendering of the modes from the loudest
+    /// strike.
     pub lsd_reference_db: f64,
-    /// The same of dsp-core's rendering of modes and residual together, dB, averaged over three draws; `lsd_db` where a residual brings it no nearer.
+    /// Log-spectral distance in dB of dsp-core's rendering of modes and residual, averaged over
+    /// three noises.
+    ///
+    /// Equal to `lsd_db` if a residual brings the sound no nearer.
     pub lsd_with_residual_db: f64,
-    /// The same of modes in the room that is heard, with what they then leave as residual, dB; `None` where no room is heard.
+    /// Log-spectral distance in dB of modes in the estimated room, with the residual that they
+    /// leave there.
+    ///
+    /// `None` if no room is found.
     pub lsd_with_room_db: Option<f64>,
-    /// ERB distance of dsp-core's rendering of the modes to the loudest strike, all of it, dB.
+    /// ERB distance in dB of dsp-core's rendering of the modes from the whole loudest strike.
     pub erb_db: f64,
-    /// The same of modes and residual together, averaged over three draws of the noise; `erb_db` where a residual brings it no nearer.
+    /// ERB distance in dB of dsp-core's rendering of modes and residual, averaged over three
+    /// noises.
+    ///
+    /// Equal to `erb_db` if a residual brings the sound no nearer.
     pub erb_with_residual_db: f64,
-    /// The same of modes in the room that is heard, with what they then leave as residual; `None` where no room is heard.
+    /// ERB distance in dB of modes in the estimated room, with the residual that they leave there.
+    ///
+    /// `None` if no room is found.
     pub erb_with_room_db: Option<f64>,
-    /// By how much the table's room is weaker than what was heard, dB: the modes hold part of the tail; `None` where the table has no room.
+    /// Level of the table's room in dB relative to the estimated room: the modes hold part of the
+    /// tail.
+    ///
+    /// `None` if the table has no room.
     pub room_level_db: Option<f64>,
-    /// The residual bands of the table: what the modes leave of the loudest strike, in so far as it brings the sound nearer.
+    /// Residual bands of the table: what the modes lack of the loudest strike, if it brings the
+    /// sound nearer.
     pub residual_bands: Vec<residual::Band>,
-    /// The estimator of the modes.
+    /// Estimator of the modes.
     pub estimator: strike::Estimator,
-    /// Damping law and spectral centroids of the loudest strike on the Bark scale; `None` where no band decays.
+    /// Damping law and spectral centroids of the loudest strike on the Bark scale; `None` if no
+    /// band decays.
     pub damping_law: Option<bark::DampingLaw>,
-    /// By how much each mode of the table, in order of frequency, stands out of the smooth part of the spectrum, dB; `null` in JSON for one without
-    /// amplitude.
+    /// Level in dB by which each mode of the table stands out of the smooth part of the spectrum.
+    ///
+    /// The modes are in order of frequency. A mode without amplitude is `null` in JSON.
     pub emergence_db: Vec<f64>,
-    /// The room, where its tail is heard.
+    /// Estimated room; `None` if no tail is found.
     pub room: Option<room::Room>,
-    /// Seconds that the fit took.
+    /// Duration of the fit in seconds.
     pub seconds: f64,
 }
 
-/// One strike.
+/// Figures of one strike.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct StrikeReport {
-    /// When, in seconds of the recording.
+    /// Onset in seconds of the recording.
     pub at_s: f64,
     /// Contact time in seconds.
     pub contact_time_s: f64,
     /// Log-spectral distance of the model in dB.
     pub lsd_db: f64,
-    /// Energy that the model leaves, dB.
+    /// Energy that the model leaves, in dB.
     pub residual_db: f64,
 }
 
 /// Fits a file.
 ///
 /// # Errors
-/// [`FitError`].
+/// [`FitError`] if the file cannot be read or decoded, or holds no strike that can be fitted.
 pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let start = std::time::Instant::now();
     let mut recording = audio::read(path, options.force_channel)?;
@@ -147,12 +169,12 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let table = table::of_fit(&fit, &provenance);
     let heard = &recording.samples[strike.hit.onset..strike.hit.end];
     let rendering = render::by_instrument(&table, strike.position, recording.rate_hz, heard.len())?;
-    let stage = Heard::new(heard, recording.rate_hz, strike.position);
+    let stage = RecordedStrike::new(heard, recording.rate_hz, strike.position);
     let end = lsd_window(heard, recording.rate_hz).end;
     let by_reference = render::by_reference(&table, strike.position, recording.rate_hz, end)?;
     let modes_alone = stage.distances(&rendering);
     let most_lsd_db = modes_alone.lsd_db + MOST_RISE_DB;
-    let modes = Sounding { table, sound: rendering.clone(), distances: modes_alone };
+    let modes = PlayedTable { table, sound: rendering.clone(), distances: modes_alone };
     let dry = stage.with_residual(modes, most_lsd_db)?;
     let with_residual = dry.0.distances;
     let room = room::estimate(heard, recording.rate_hz);
@@ -168,7 +190,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
             (room_level_db, best) = (Some(level_db), wet);
         }
     }
-    let (Sounding { table, sound: whole, .. }, residual_bands) = best;
+    let (PlayedTable { table, sound: whole, .. }, residual_bands) = best;
     let range = |of: fn(&strike::Mode) -> f64| {
         let values = fit.modes.iter().map(of);
         [values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max)]
@@ -210,7 +232,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     Ok(Fitted { recording, fit, table, rendering, whole, sounding, report })
 }
 
-/// The loudest strike's modes as they sound behind its contact, reckoned back to its onset.
+/// Modes of the loudest strike as they sound after its contact, extrapolated to its onset.
 fn sounding(fit: &Fit) -> Vec<DampedSine> {
     let strike = fit.strikes.get(fit.loudest);
     let force = strike.map_or(Vec::new(), |strike| {
@@ -221,7 +243,7 @@ fn sounding(fit: &Fit) -> Vec<DampedSine> {
     let place = if fit.measured { position.round() as usize } else { fit.loudest };
     let modes = fit.modes.iter().map(|mode| {
         let [sine, cosine] = mode.gains.get(place).copied().unwrap_or([0.0; 2]);
-        // Σ F[m] e^{(d - jω) t_m}: what the contact does to the mode.
+        // Response of the mode to the contact: Σ F[m] e^{(d - jω) t_m}.
         let (mut re, mut im) = (0.0, 0.0);
         for (m, force) in force.iter().enumerate() {
             let time_s = m as f64 / fit.rate_hz;

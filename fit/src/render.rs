@@ -1,18 +1,13 @@
-//! A table as it sounds: by the instrument that a board runs, and by the reference.
+//! Rendering of a table by the instrument that a board runs, and by the reference.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Engine, Filters, Residuals, Skipping};
+use dsp_core::engine::{Engine, Plan, Setup};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::fixed::ONE_Q27;
-use dsp_core::room::Room;
-use dsp_core::table::range::{BREAKPOINTS, LOOPS};
+use dsp_core::memory::{Memory, Word};
 use kit::{Kit, Pad};
 
-use crate::FitError;
-
-/// Room for one table of the largest kind.
-type OnePad<'k> = Engine<'k, 1, 5, 8192, 2048, 8192, 4, Surroundings>;
-type Surroundings = (Residuals<1>, Room<i32, 49_152>, Filters<1, BREAKPOINTS, LOOPS, 8192, 1>);
+use crate::error::FitError;
 
 /// The table bound to one pad, in the middle, at a level of 0 dB for each channel.
 pub fn playable(table: &Kit) -> Kit {
@@ -22,7 +17,7 @@ pub fn playable(table: &Kit) -> Kit {
             name: object.clone(),
             object,
             strikers: table.strikers.first().map(|striker| striker.name.clone()).into_iter().collect(),
-            // Constant power puts the middle 3 dB down.
+            // Constant-power panning attenuates the middle by 3 dB.
             level_db: CENTRE_DB,
             pan: 0.0,
             striker_weight: 1.0,
@@ -34,22 +29,31 @@ pub fn playable(table: &Kit) -> Kit {
     }
 }
 
+/// Level in dB that makes up for the attenuation of the middle by constant-power panning.
 const CENTRE_DB: f32 = 3.010_3;
 
 fn rate_of(rate_hz: f64) -> Result<SampleRate, FitError> {
-    SampleRate::new(rate_hz.round() as u32, 1)
-        .ok_or_else(|| FitError::Render(format!("{rate_hz} Hz is no rate that the instrument plays (8000 to 192000)")))
+    SampleRate::new(rate_hz.round() as u32, 1).ok_or_else(|| {
+        FitError::Render(format!(
+            "the instrument cannot play a rate of {rate_hz} Hz: give a recording of 8000 to 192000 Hz"
+        ))
+    })
 }
 
-/// One strike at velocity 1, at a position from 0 to 1, from frame 0 on, by dsp-core, full scale 1, not clipped.
+/// Renders one strike at velocity 1 and a position from 0 to 1 by dsp-core, from frame 0 on.
+///
+/// Full scale is 1, without clipping.
 ///
 /// # Errors
-/// [`FitError::Table`] and [`FitError::Render`] for what a board would refuse.
+/// [`FitError::Table`] and [`FitError::Render`] if a board would refuse the table.
 pub fn by_instrument(table: &Kit, position: f64, rate_hz: f64, frames: usize) -> Result<Vec<f64>, FitError> {
     let binary = kit::binary::build(&playable(table))?;
     let view = dsp_core::table::Kit::parse(&binary).map_err(|error| FitError::Render(error.to_string()))?;
-    let mut engine = Box::new(OnePad::new());
-    engine.load(&view, rate_of(rate_hz)?, Skipping::On).map_err(|error| FitError::Render(error.to_string()))?;
+    let setup = Setup::new(rate_of(rate_hz)?);
+    let refused = |error: dsp_core::engine::LoadError| FitError::Render(error.to_string());
+    let words = Plan::of::<i32>(&view, setup).map_err(refused)?.words;
+    let (mut fast, mut bulk) = (vec![Word::uninit(); words.fast], vec![Word::uninit(); words.bulk]);
+    let mut engine = Engine::<i32>::new(&view, setup, Memory::new(&mut fast, &mut bulk)).map_err(refused)?;
     let strike = Event {
         time: Time::at_frame(0),
         pad: 0,
@@ -63,13 +67,14 @@ pub fn by_instrument(table: &Kit, position: f64, rate_hz: f64, frames: usize) ->
     Ok(out.iter().map(|frame| f64::from(frame[0]) / f64::from(ONE_Q27)).collect())
 }
 
-/// The same by the `f64` reference.
+/// Renders one strike at velocity 1 and a position from 0 to 1 by the `f64` reference, from frame 0
+/// on.
 ///
 /// # Errors
-/// As [`by_instrument`].
+/// [`FitError::Render`] if the table lacks an object or a striker, or the reference refuses it.
 pub fn by_reference(table: &Kit, position: f64, rate_hz: f64, frames: usize) -> Result<Vec<f64>, FitError> {
     let (Some(object), Some(striker)) = (table.objects.first(), table.strikers.first()) else {
-        return Err(FitError::Render("the table lacks an object or a striker".to_owned()));
+        return Err(FitError::Render("the table lacks an object or a striker: add one of each".to_owned()));
     };
     let modes = object.modes.iter().map(|mode| reference::Mode {
         frequency_hz: f64::from(mode.frequency_hz),

@@ -1,64 +1,76 @@
-//! The room that a recording has: a tail of noise that dies away more slowly than the struck thing, told from its modes.
+//! Estimation of a recording's room: a tail of noise that decays more slowly than the struck
+//! object.
 //!
-//! The room's response is `δ + IR_e`, IR_e noise that dies away in each band at a rate d_e (diffimpact eq. 1, §3.4). To a sound whose power in a band
-//! falls as `A e^{-2dt}` the room adds a tail that falls as `e^{-2 d_e t}`: two slopes. So do two modes of one thing; but a room's tail has many
-//! components where a thing has a few modes, and falls alike in neighbouring bands. A thing that rings longer than its room hides it; so does a hall that is
-//! louder than the direct sound from the start, for then there is but one slope; and a thing whose modes are as dense as a room's can be taken for one.
+//! The room's response is `δ + IR_e`, with noise IR_e that decays in each band at a rate d_e
+//! (diffimpact eq. 1, §3.4). To a sound whose power in a band falls as `A e^{-2dt}` the room adds a
+//! tail that falls as `e^{-2 d_e t}`: two slopes. Two modes of one object make two slopes as well.
+//! But a room's tail has many components where an object has a few modes, and it decays alike in
+//! neighbouring bands.
+//!
+//! An object that rings longer than its room hides it. So does a hall that is louder than the
+//! direct sound from the start, because there is only one slope then. An object whose modes are as
+//! dense as a room's can be taken for a room.
 
 use serde::Serialize;
 
 use crate::bark::{Spectrum, Subband, gaussian};
 use crate::decay::{self, Decay};
 
-/// One band of a room.
+/// One frequency band of an estimated room.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RoomBand {
-    /// Lower and upper edge in Hz: an octave.
+    /// Lower and upper edge in Hz, an octave apart.
     pub edges_hz: [f64; 2],
-    /// Energy of the room's response in the band over that of the direct sound, dB.
+    /// Energy of the room's response in the band, relative to that of the direct sound, in dB.
     pub gain_db: f64,
     /// T60 in seconds.
     pub t60_s: f64,
 }
 
-/// A room.
+/// An estimated room.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Room {
-    /// The bands in which a tail is heard, neighbours, in order of frequency; at least three.
+    /// Bands in which a tail is found: at least three neighbours, in order of frequency.
     pub bands: Vec<RoomBand>,
-    /// Energy of the room's response over that of the direct sound: mean over the bands' energy ratios, dB.
+    /// Energy of the room's response relative to that of the direct sound, in dB: mean of the
+    /// bands' energy ratios.
     pub gain_db: f64,
-    /// T60 in seconds: the bands' mean in its logarithm.
+    /// T60 in seconds: geometric mean over the bands.
     pub t60_s: f64,
 }
 
-/// Middles of the octaves that are looked at, in Hz.
+/// Centre frequencies in Hz of the octaves that are analysed.
 const OCTAVES_HZ: [f64; 7] = [125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0];
-/// Standard deviation of a band's Gaussian response, octaves.
+/// Standard deviation of a band's Gaussian response in octaves.
 const SPREAD_OCTAVES: f64 = 0.3;
-/// A band's filter smears the strike's beginning for so many of its standard deviations.
+/// Time after the strike that a band's filter smears, in standard deviations of its response in
+/// time.
 const SETTLED: f64 = 3.0;
-/// Shortest and longest T60 of what counts as a room, seconds.
+/// Shortest and longest T60 of a room in seconds.
 const T60_S: (f64, f64) = (0.1, 8.0);
-/// The thing's own power falls at least so many times faster than the room's.
+/// Least ratio of the object's decay to the room's.
 const FASTER: f64 = 2.0;
-/// By how much two slopes have to explain the band better than one, as the logarithm of a ratio of likelihoods.
+/// Least evidence for two slopes over one, as the logarithm of a likelihood ratio.
 const EVIDENCE: f64 = 15.0;
-/// The tail alone is what stands so far over the thing's own sound and over the floor, as a power ratio: 10 dB. It is heard for at least so long, as
-/// a share of its T60.
+/// Ratio of powers by which the tail must exceed the object's sound and the floor to be heard
+/// alone: 10 dB.
 const ALONE: f64 = 10.0;
+/// Least time for which the tail must be heard alone, as a share of its T60.
 const HEARD_T60: f64 = 0.2;
-/// Components that a tail has at least.
+/// Least number of components of a tail.
 const COMPONENTS: f64 = 5.0;
-/// T60s of neighbouring bands differ at most by this factor.
+/// Largest ratio of the T60s of neighbouring bands.
 const ALIKE: f64 = 1.8;
-/// Neighbouring bands that a room has at least.
+/// Least number of neighbouring bands of a room.
 const BANDS: usize = 3;
 
-/// The room of a strike heard alone: `strike` at full scale 1 from its onset on, `rate_hz` its rate. `None` for a dry recording, or where the thing
-/// rings longer than the room.
+/// Estimates the room of a strike heard alone.
 ///
-/// On synthetic rooms (`cargo test -p fit --test room -- --nocapture`) T60s of bands come out within 7 % (mean 2.4 %), gains within 4.5 dB (mean 1.5 dB).
+/// `strike` has full scale 1 and begins at its onset; `rate_hz` is its rate. `None` for a dry
+/// recording, or if the object rings longer than the room.
+///
+/// On synthetic rooms (`cargo test -p fit --test sounds room:: -- --nocapture`) T60s of bands are found
+/// within 7 % (mean 2.4 %), gains within 4.5 dB (mean 1.5 dB).
 pub fn estimate(strike: &[f64], rate_hz: f64) -> Option<Room> {
     let spectrum = Spectrum::of(strike, rate_hz)?;
     let length_s = strike.len() as f64 / rate_hz;
@@ -75,7 +87,7 @@ pub fn estimate(strike: &[f64], rate_hz: f64) -> Option<Room> {
                 t60_s,
             })
     });
-    // The longest run of neighbours that die away alike.
+    // The longest run of neighbours with similar decays is the room.
     let mut runs: Vec<Vec<RoomBand>> = vec![Vec::new()];
     for band in bands {
         let alike = |last: &RoomBand, band: &RoomBand| (last.t60_s / band.t60_s).ln().abs() < ALIKE.ln();
@@ -100,7 +112,7 @@ fn tail(strike: &[f64], rate_hz: f64, centre_hz: f64, band: &Subband, length_s: 
     let [(direct, fast), (late, slow)] = [*two.parts.first()?, *two.parts.get(1)?];
     let heard_s: f64 = blocks.iter().map(|block| block.length_s).sum();
     let evidence = (one.misfit - two.misfit) * heard_s * band.independent_per_s();
-    // Twice the amplitude's decay: 60 dB are 6 ln 10.
+    // The power decays at twice the amplitude's rate: 60 dB are 6 ln 10.
     let t60_s = 6.0 * 10f64.ln() / slow;
     if evidence < EVIDENCE || fast < FASTER * slow || !(T60_S.0..=T60_S.1).contains(&t60_s) {
         return None;
@@ -113,13 +125,13 @@ fn tail(strike: &[f64], rate_hz: f64, centre_hz: f64, band: &Subband, length_s: 
     if components(samples, rate_hz, centre_hz, 0.5 * slow) < COMPONENTS {
         return None;
     }
-    // The thing's own power A e^{-2dt} through noise of variance σ² gives R (e^{-2 d_e t} - e^{-2dt}) with R = σ² A / (2 (d - d_e)); the noise's
-    // energy is σ² / 2 d_e.
+    // The object's power A e^{-2dt} through noise of variance σ² gives R (e^{-2 d_e t} - e^{-2dt})
+    // with R = σ² A / (2 (d - d_e)); the noise's energy is σ² / 2 d_e.
     let gain = late * (fast - slow) / ((direct + late) * slow);
     Some((10.0 * gain.log10(), t60_s))
 }
 
-/// When the slower of two slopes is heard alone.
+/// Interval in seconds in which the slower of two slopes is heard alone.
 fn alone_s(two: &Decay, from_s: f64, to_s: f64) -> std::ops::Range<f64> {
     let (Some((direct, fast)), Some((late, slow))) = (two.parts.first(), two.parts.get(1)) else { return 0.0..0.0 };
     let start = (ALONE * direct / late).ln() / (fast - slow);
@@ -128,8 +140,11 @@ fn alone_s(two: &Decay, from_s: f64, to_s: f64) -> std::ops::Range<f64> {
     start..end.min(to_s).max(start)
 }
 
-/// How many damped sines of a decay (1/s) a sound consists of, in an octave: its spectrum's width (the squared integral of the power over the
-/// integral of its square) over that of a single one. Noise has as many as fit beside one another.
+/// Number of damped sines with a decay in 1/s that make up a sound in an octave.
+///
+/// It is the width of the sound's spectrum, relative to that of a single one; the width is the
+/// squared integral of the power over the integral of its square. Noise has as many components as
+/// fit beside one another.
 fn components(samples: &[f64], rate_hz: f64, centre_hz: f64, decay_per_s: f64) -> f64 {
     let Some(spectrum) = Spectrum::of(samples, rate_hz) else { return 0.0 };
     let (mut sum, mut squares) = (0.0, 0.0);
@@ -141,7 +156,7 @@ fn components(samples: &[f64], rate_hz: f64, centre_hz: f64, decay_per_s: f64) -
     if squares <= 0.0 {
         return 0.0;
     }
-    // Of a Lorentzian of half-width d/2π the ratio is d; cut off after a time T, it is wider.
+    // The ratio for a Lorentzian of half-width d/2π is d; one cut off after a time T is wider.
     let width_hz = sum * sum / squares * spectrum.bin_hz();
     let cut = samples.len() as f64 / rate_hz * decay_per_s;
     width_hz / (decay_per_s / cut.tanh())
@@ -154,7 +169,7 @@ mod tests {
     use crate::synthetic::of_these;
 
     #[test]
-    fn single_modes_are_counted_and_noise_is_many() {
+    fn three_modes_have_few_components_and_noise_has_many() {
         for decay_per_s in [3.0, 10.0] {
             let modes = [700.0, 900.0, 1150.0].map(|frequency_hz| DampedSine {
                 frequency_hz,

@@ -1,34 +1,36 @@
-//! How well an estimate meets a truth.
+//! Errors of estimated modes against true ones.
 
 use crate::modes::DampedSine;
 
 /// A true mode beside its estimate.
 #[derive(Clone, Copy, Debug)]
 pub struct Match {
-    /// What is true.
+    /// The true mode.
     pub truth: DampedSine,
-    /// What was estimated.
+    /// The estimated mode.
     pub estimate: DampedSine,
 }
 
 impl Match {
-    /// Distance in frequency, cents, without sign.
+    /// Error of the frequency in cents, without sign.
     pub fn cents(&self) -> f64 {
         1200.0 * (self.estimate.frequency_hz / self.truth.frequency_hz).log2().abs()
     }
 
-    /// Relative error of T60, percent, without sign.
+    /// Relative error of T60 in percent, without sign.
     pub fn t60_percent(&self) -> f64 {
         100.0 * (self.estimate.t60_s() / self.truth.t60_s() - 1.0).abs()
     }
 
-    /// Error of the amplitude at the first sample, dB, without sign.
+    /// Error of the amplitude at the first sample in dB, without sign.
     pub fn amplitude_db(&self) -> f64 {
         20.0 * (self.estimate.amplitude / self.truth.amplitude).log10().abs()
     }
 }
 
-/// Pairs true modes with estimates, the nearest first, each at most once, none further apart than `within_cents`.
+/// Pairs true modes with estimates, nearest first.
+///
+/// Each is used at most once, and no pair is further apart than `within_cents`.
 pub fn matches(truth: &[DampedSine], estimates: &[DampedSine], within_cents: f64) -> Vec<Match> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for (t, &truth) in truth.iter().enumerate() {
@@ -49,7 +51,7 @@ pub fn matches(truth: &[DampedSine], estimates: &[DampedSine], within_cents: f64
     found
 }
 
-/// The value below which a share of the values lies; NaN where there are none.
+/// Quantile of values: the value below which a `share` of them lies; NaN without values.
 pub fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

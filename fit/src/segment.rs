@@ -1,39 +1,41 @@
-//! Where strikes begin and how far each can be heard alone.
+//! Segmentation of a recording into strikes that are heard alone.
 
-use crate::FitError;
 use crate::audio::{Note, Recording};
+use crate::error::FitError;
 
 /// One strike in a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hit {
-    /// The sample at which it begins to be heard.
+    /// First sample of the strike.
     pub onset: usize,
-    /// The sample before which it is heard alone.
+    /// Sample before which the strike is heard alone.
     pub end: usize,
 }
 
-/// Frame of the level, in seconds.
+/// Length of a frame in which the level is measured, in seconds.
 const FRAME_S: f64 = 0.002;
-/// By how much a strike rises above the loudest of what was just before it, as a power ratio: 12 dB.
+/// Least rise of a strike over the loudest frame just before it, as a power ratio: 12 dB.
 const RISE: f64 = 16.0;
-/// What was just before: so many frames.
+/// Number of frames that count as just before.
 const BEFORE: usize = 10;
-/// A strike at least so far above the quietest tenth of the recording, as a power ratio: 20 dB ...
+/// Least level of a strike over the quietest tenth of the recording, as a power ratio: 20 dB.
 const ABOVE_NOISE: f64 = 100.0;
-/// ... and at most so far below the loudest, as a power ratio: 30 dB.
+/// Least level of a strike relative to the loudest frame, as a power ratio: -30 dB.
 const BELOW_LOUDEST: f64 = 1e-3;
-/// Closer than this, a strike is a bounce of the one before, in seconds.
+/// Time in seconds after a strike in which another is taken for its bounce.
 const BOUNCE_S: f64 = 0.06;
-/// What has to be left of a strike, in seconds.
+/// Least length of a strike in seconds.
 const SHORTEST_S: f64 = 0.015;
 
 /// Finds the strikes of a recording.
 ///
-/// A strike is a rise by 12 dB over the 20 ms before it; rises within 60 ms of a strike are its bounces, noted as such.
-/// A recording that begins at its loudest, and dies away, begins with a strike.
+/// A strike is a rise by 12 dB over the 20 ms before it. Rises within 60 ms of a strike are its
+/// bounces, which a note reports. A recording that begins at its loudest, and dies away, begins
+/// with a strike.
 ///
 /// # Errors
-/// [`FitError::Silence`], [`FitError::NoOnset`], [`FitError::Clipped`] (where a tenth of the samples of the loudest 20 ms stands at one value).
+/// [`FitError::Silence`], [`FitError::NoOnset`], or [`FitError::Clipped`] if more than a tenth of
+/// the samples of a strike's first 20 ms are equal.
 pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
     let samples = &recording.samples;
     let peak = samples.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
@@ -64,7 +66,8 @@ pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
         let onset = onset_sample(samples, index * size, size);
         match onsets.last() {
             Some(last) if ((onset - last) as f64) < BOUNCE_S * recording.rate_hz => {
-                // The frame after a rise often rises further; only a second rise after a fall is a bounce.
+                // The frame after a rise often rises further; only a second rise after a fall is a
+                // bounce.
                 if power[last / size..index].iter().any(|power| *power > now) || onset - last > 6 * size {
                     bounces.push(onset as f64 / recording.rate_hz);
                 }
@@ -84,7 +87,7 @@ pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
     let mut hits: Vec<Hit> = Vec::new();
     for (index, &onset) in onsets.iter().enumerate() {
         let end = onsets.get(index + 1).map_or(samples.len(), |next| next.saturating_sub(size));
-        // Noise that goes on as it began is no strike.
+        // Noise that does not decay is no strike.
         if end > onset && fades(onset, end) {
             hits.push(Hit { onset, end });
         }
@@ -100,10 +103,11 @@ pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
     Ok((hits, notes))
 }
 
-/// Picks hits, counted from 1; all if none is named.
+/// Selects hits, counted from 1; all if none is named.
 ///
 /// # Errors
-/// [`FitError::NoSuchHit`], and [`FitError::TooShort`] for one of which less than 15 ms are left.
+/// [`FitError::NoSuchHit`] for a hit that does not exist, [`FitError::TooShort`] for one shorter
+/// than 15 ms.
 pub fn select(hits: &[Hit], wanted: &[usize], rate_hz: f64) -> Result<Vec<Hit>, FitError> {
     let chosen = if wanted.is_empty() {
         hits.to_vec()
@@ -126,7 +130,8 @@ pub fn select(hits: &[Hit], wanted: &[usize], rate_hz: f64) -> Result<Vec<Hit>, 
     }
 }
 
-/// The first sample in or just before a frame that leaves what was before it, by a tenth of the peak that follows.
+/// First sample in or just before a frame that rises above the sound before it, by about a tenth of
+/// the following peak.
 fn onset_sample(samples: &[f64], frame: usize, size: usize) -> usize {
     let ahead = &samples[frame..samples.len().min(frame + 3 * size)];
     let peak = ahead.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
@@ -135,7 +140,7 @@ fn onset_sample(samples: &[f64], frame: usize, size: usize) -> usize {
     let noise = quiet.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
     let threshold = (0.08 * peak).max(1.5 * noise).min(0.5 * peak);
     let first = samples[start..].iter().position(|x| x.abs() > threshold).unwrap_or(0);
-    // Back to where the rise began.
+    // The rise began a little earlier.
     (start + first).saturating_sub(2)
 }
 

@@ -1,37 +1,41 @@
-//! What stands beside the modes: residual and room, each where it brings the sound nearer.
+//! Choice of the stages beside the modes: residual and room, each if it brings the sound nearer to
+//! the recording.
 //!
-//! Nearer by the ERB distance, what an ear hears, over the whole strike and over its first quarter of a second, averaged over draws of the noise; and not further
-//! by the log-spectral distance than [`MOST_RISE_DB`] above that of the modes alone.
+//! The ERB distance decides, which follows hearing: over the whole strike and over its first
+//! quarter of a second, averaged over several noises. The log-spectral distance may not exceed that
+//! of the modes alone by more than [`MOST_RISE_DB`].
 
 use crate::distance::{ErbLevels, log_spectral_distance_db, lsd_window};
-use crate::{FitError, render, residual, room, table};
+use crate::error::FitError;
+use crate::{render, residual, room, table};
 
-/// By how much noise may raise the log-spectral distance over that of the modes alone, dB.
+/// Maximum rise of the log-spectral distance by noise, over that of the modes alone, in dB.
 pub const MOST_RISE_DB: f64 = 0.2;
-/// The residual's noise in the table; the draws that are averaged over follow it.
+/// Seed of the residual's noise in the table; the other noises of an average have the seeds after
+/// it.
 const SEED: u32 = 1;
-/// Draws over which distances are averaged.
+/// Number of noises over which distances are averaged.
 const DRAWS: u32 = 3;
-/// Levels of all bands together that are tried.
+/// Factors on the weights of all residual bands that are tried.
 const LEVELS: [f64; 4] = [1.0, 0.7, 0.5, 0.3];
-/// Levels at which the room is tried, dB.
+/// Levels at which the room is tried, in dB.
 const ROOM_LEVELS_DB: [f64; 5] = [0.0, -3.0, -6.0, -10.0, -15.0];
-/// A stage brings the sound nearer by at least this share of the ERB distance, or it stays out.
+/// Least relative gain of the ERB distance for which a stage is kept.
 const LEAST_GAIN: f64 = 0.01;
 
-/// How far a sound is from a recording.
+/// Distances of a sound from a recording.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Distances {
-    /// Log-spectral distance, dB.
+    /// Log-spectral distance in dB.
     pub lsd_db: f64,
-    /// ERB distance over the whole strike, dB.
+    /// ERB distance over the whole strike in dB.
     pub erb_db: f64,
-    /// ERB distance over the stretch of the log-spectral distance, dB.
+    /// ERB distance in dB over the part of the strike that the log-spectral distance compares.
     pub early_erb_db: f64,
 }
 
-/// A recorded strike that tables are compared with.
-pub struct Heard<'a> {
+/// A recorded strike with which played tables are compared.
+pub struct RecordedStrike<'a> {
     samples: &'a [f64],
     rate_hz: f64,
     position: f64,
@@ -40,19 +44,21 @@ pub struct Heard<'a> {
     early_levels: ErbLevels,
 }
 
-/// A table, dsp-core's rendering of it with the table's own noise, and its distances, averaged over draws where there is noise.
+/// A table, its rendering by dsp-core with the table's own noise, and its distances from the
+/// recording.
 #[derive(Clone, Debug)]
-pub struct Sounding {
+pub struct PlayedTable {
     /// The table.
     pub table: kit::Kit,
-    /// What dsp-core makes of it.
+    /// Rendering of the table by dsp-core.
     pub sound: Vec<f64>,
-    /// How far that is from what was heard.
+    /// Distances of the rendering from the recording, averaged over several noises if the table has
+    /// noise.
     pub distances: Distances,
 }
 
-impl<'a> Heard<'a> {
-    /// Of a strike from its onset on, played at a position from 0 to 1.
+impl<'a> RecordedStrike<'a> {
+    /// A strike from its onset on, to be played at a position from 0 to 1.
     pub fn new(samples: &'a [f64], rate_hz: f64, position: f64) -> Self {
         let window = lsd_window(samples, rate_hz);
         Self {
@@ -65,7 +71,7 @@ impl<'a> Heard<'a> {
         }
     }
 
-    /// How far a sound is from the recording.
+    /// Distances of a sound from the recording.
     pub fn distances(&self, sound: &[f64]) -> Distances {
         let early = sound.get(self.window.clone()).unwrap_or(&[]);
         Distances {
@@ -75,18 +81,20 @@ impl<'a> Heard<'a> {
         }
     }
 
-    /// A table as dsp-core plays it; distances are averages over `draws` of its noise, where it has any.
+    /// Plays a table by dsp-core; the distances are averages over `draws` noises if the table has
+    /// noise.
     ///
     /// # Errors
-    /// [`FitError`] for what a board would refuse.
-    pub fn play(&self, table: kit::Kit, draws: u32) -> Result<Sounding, FitError> {
+    /// [`FitError`] if a board would refuse the table.
+    pub fn play(&self, table: kit::Kit, draws: u32) -> Result<PlayedTable, FitError> {
         let render = |table: &kit::Kit| render::by_instrument(table, self.position, self.rate_hz, self.samples.len());
         let sound = render(&table)?;
         let first = self.distances(&sound);
         let Some(residual) = table.objects.first().and_then(|object| object.residual.clone()) else {
-            return Ok(Sounding { distances: first, table, sound });
+            return Ok(PlayedTable { distances: first, table, sound });
         };
-        // Modes do not change with the seed: the noise alone is drawn anew and put in the place of the table's. In a room both are heard as one, and all is rendered.
+        // Modes do not depend on the seed, so only the noise is rendered again and replaces the
+        // table's. In a room both are heard as one, so all is rendered.
         let mut drawn = table.clone();
         let modes = if table.room.is_empty() && draws > 1 {
             drawn.objects.iter_mut().for_each(|object| object.modes.clear());
@@ -113,18 +121,21 @@ impl<'a> Heard<'a> {
             erb_db: sum.erb_db / count,
             early_erb_db: sum.early_erb_db / count,
         };
-        Ok(Sounding { table, sound, distances })
+        Ok(PlayedTable { table, sound, distances })
     }
 
-    /// With what the sound leaves as residual; as it was where that brings it no nearer. `most_lsd_db` bounds the log-spectral distance.
+    /// Adds the residual that brings the sound nearest to the recording; `plain` is returned if
+    /// none does.
+    ///
+    /// `most_lsd_db` bounds the log-spectral distance.
     ///
     /// # Errors
-    /// As [`play`](Self::play).
+    /// [`FitError`] if a board would refuse a table.
     pub fn with_residual(
         &self,
-        plain: Sounding,
+        plain: PlayedTable,
         most_lsd_db: f64,
-    ) -> Result<(Sounding, Vec<residual::Band>), FitError> {
+    ) -> Result<(PlayedTable, Vec<residual::Band>), FitError> {
         let rise_db = (most_lsd_db - plain.distances.lsd_db).max(0.0);
         let all = residual::fit_bands(self.samples, &plain.sound, self.rate_hz)?;
         let admitted = residual::admit(all.clone(), self.samples, &plain.sound, self.rate_hz, rise_db);
@@ -134,7 +145,7 @@ impl<'a> Heard<'a> {
                 bands.iter().map(|band| residual::Band { weight: band.weight * level, ..*band }).collect();
             let mut dry = best.0.table.clone();
             dry.objects.iter_mut().for_each(|object| object.residual = None);
-            let table = table::with_residual(dry, &bands, SEED);
+            let table = residual::with_residual(dry, &bands, SEED);
             if table.objects.iter().all(|object| object.residual.is_none()) {
                 break;
             }
@@ -146,14 +157,17 @@ impl<'a> Heard<'a> {
         Ok(best)
     }
 
-    /// The modes of a table in the room, at the level (dB over what was heard) that brings them nearest to what was heard.
+    /// The table's modes in the room, with the level in dB of the room that brings them nearest to
+    /// the recording.
+    ///
+    /// The level is relative to the room of the recording.
     ///
     /// # Errors
-    /// As [`play`](Self::play).
-    pub fn in_room(&self, table: &kit::Kit, room: &room::Room) -> Result<Option<(f64, Sounding)>, FitError> {
+    /// [`FitError`] if a board would refuse a table.
+    pub fn in_room(&self, table: &kit::Kit, room: &room::Room) -> Result<Option<(f64, PlayedTable)>, FitError> {
         let mut modes = table.clone();
         modes.objects.iter_mut().for_each(|object| object.residual = None);
-        let mut best: Option<(f64, Sounding)> = None;
+        let mut best: Option<(f64, PlayedTable)> = None;
         for level_db in ROOM_LEVELS_DB {
             let sounding = self.play(table::with_room(modes.clone(), room, level_db), 1)?;
             if best.as_ref().is_none_or(|(_, best)| is_worth(&sounding, best, f64::INFINITY)) {
@@ -164,9 +178,11 @@ impl<'a> Heard<'a> {
     }
 }
 
-/// Whether a sounding is so much nearer than another, over the whole strike and its beginning on the mean, that what it has more is worth it, and its
-/// log-spectral distance within the bound.
-pub fn is_worth(more: &Sounding, less: &Sounding, most_lsd_db: f64) -> bool {
+/// True if `more` is nearer to the recording than `less` by enough to justify its additional stage.
+///
+/// The ERB distance counts, as the mean over the whole strike and its beginning. The log-spectral
+/// distance must be at most `most_lsd_db`.
+pub fn is_worth(more: &PlayedTable, less: &PlayedTable, most_lsd_db: f64) -> bool {
     let (more, less) = (more.distances, less.distances);
     let ratio = |more: f64, less: f64| more / less.max(1e-9);
     let worse = more.erb_db > less.erb_db || more.early_erb_db > less.early_erb_db;
@@ -174,8 +190,10 @@ pub fn is_worth(more: &Sounding, less: &Sounding, most_lsd_db: f64) -> bool {
     !worse && nearer < 1.0 - LEAST_GAIN && more.lsd_db <= most_lsd_db
 }
 
-/// Whether a room is worth what it does to a sound: its log-spectral distance is nearer than the dry one's by a twentieth, and its ERB distance, which may be further
-/// than the dry one's with a residual, nearer than that of the modes alone by a tenth.
-pub fn is_worth_its_room(wet: &Sounding, dry: &Sounding, alone: Distances) -> bool {
+/// True if a room justifies its effect on the sound.
+///
+/// The log-spectral distance must be 5 % below that of the dry sound. The ERB distance must be 10 %
+/// below that of the modes alone; it may exceed that of the dry sound with a residual.
+pub fn is_worth_its_room(wet: &PlayedTable, dry: &PlayedTable, alone: Distances) -> bool {
     wet.distances.lsd_db < 0.95 * dry.distances.lsd_db && wet.distances.erb_db < 0.9 * alone.erb_db
 }

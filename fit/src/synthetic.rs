@@ -1,32 +1,34 @@
-//! Sounds of known modes, to measure estimators with.
+//! Synthetic sounds of known modes, to measure estimators with.
 
 use crate::audio::Recording;
 use crate::contact;
 use crate::modes::DampedSine;
+use crate::random::SplitMix64;
 
-/// A recording of which everything is known.
+/// A sound whose modes and noise are known.
 #[derive(Clone, Debug)]
 pub struct Synthetic {
-    /// The sound.
+    /// Samples, full scale 1.
     pub samples: Vec<f64>,
     /// Sample rate in Hz.
     pub rate_hz: f64,
-    /// The modes in it.
+    /// Modes of the sound.
     pub modes: Vec<DampedSine>,
-    /// Rms of the white noise in it.
+    /// Rms of the white noise in the sound.
     pub noise_rms: f64,
 }
 
-/// 44.1 kHz.
+/// Sample rate in Hz.
 const RATE_HZ: f64 = 44_100.0;
-/// 2 s.
+/// Number of samples: 2 s.
 const LENGTH: usize = 88_200;
 const PEAK: f64 = 0.9;
 
-/// Twenty damped sines that ring from sample 0, and white noise.
+/// Twenty damped sines that ring from sample 0, and white noise of `noise_dbfs` dBFS rms.
 ///
-/// Frequencies log-uniform from 120 Hz to 11 kHz, at least 1 % apart; T60 = clip(3 (f/200)^-0.6 e^{N(0, 0.3)}, 0.08, 4) s; amplitudes 0
-/// to -36 dB; random phases; 2 s at 44.1 kHz with a peak of 0.9 (before the noise); noise of `noise_dbfs` dBFS rms.
+/// Frequencies are log-uniform from 120 Hz to 11 kHz, at least 1 % apart. T60 = clip(3 (f/200)^-0.6
+/// e^{N(0, 0.3)}, 0.08, 4) s. Amplitudes are 0 to -36 dB, phases random. The sound is 2 s long at
+/// 44.1 kHz, with a peak of 0.9 before the noise.
 pub fn struck(seed: u64, noise_dbfs: f64) -> Synthetic {
     let mut random = SplitMix64(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0xD1B5_4A32_D192_ED03);
     let mut frequencies: Vec<f64> = Vec::new();
@@ -48,13 +50,15 @@ pub fn struck(seed: u64, noise_dbfs: f64) -> Synthetic {
     of_modes(modes.collect(), LENGTH, &mut random, noise_dbfs)
 }
 
-/// Given damped sines and white noise: `length` samples at 44.1 kHz with a peak of 0.9 before the noise; noise of `noise_dbfs` dBFS rms.
+/// Given damped sines, and white noise of `noise_dbfs` dBFS rms.
+///
+/// `length` samples at 44.1 kHz, with a peak of 0.9 before the noise.
 pub fn of_these(modes: Vec<DampedSine>, length: usize, seed: u64, noise_dbfs: f64) -> Synthetic {
     of_modes(modes, length, &mut SplitMix64(seed), noise_dbfs)
 }
 
 fn of_modes(mut modes: Vec<DampedSine>, length: usize, random: &mut SplitMix64, noise_dbfs: f64) -> Synthetic {
-    // Sample by sample from the formula, so that nothing is shared with what the estimators do.
+    // Computed sample by sample from the formula, so that no code is shared with the estimators.
     let mut samples: Vec<f64> = (0..length)
         .map(|n| {
             let t = n as f64 / RATE_HZ;
@@ -76,29 +80,31 @@ fn of_modes(mut modes: Vec<DampedSine>, length: usize, random: &mut SplitMix64, 
     Synthetic { samples, rate_hz: RATE_HZ, modes, noise_rms }
 }
 
-/// Strikes of an impact hammer on an object of known modes, as an instrumented hammer and a microphone record them.
+/// Strikes of an impact hammer on an object of known modes, recorded by an instrumented hammer and
+/// a microphone.
 #[derive(Clone, Debug)]
 pub struct Hammered {
     /// Microphone and force at 44.1 kHz, full scale 1.
     pub recording: Recording,
-    /// Contact time of each strike's half-sine force in seconds.
+    /// Contact time of each strike's force in seconds.
     pub contact_times_s: Vec<f64>,
 }
 
 /// Number of strikes of [`hammered`].
 pub const HAMMER_STRIKES: usize = 8;
-/// Seconds from one strike of [`hammered`] to the next.
+/// Time in seconds from one strike of [`hammered`] to the next.
 const HAMMER_SPACING_S: f64 = 0.5;
-/// Samples by which the microphone of [`hammered`] hears later than the force is measured: 15 cm.
+/// Delay in samples of the microphone of [`hammered`] behind the force: 15 cm.
 const HAMMER_DELAY: usize = 20;
-/// Rms of the white noise of microphone and force, dBFS.
+/// Rms of the white noise of microphone and force, in dBFS.
 const HAMMER_NOISE_DBFS: [f64; 2] = [-62.0, -66.0];
 
-/// Eight strikes on a thing of 20 modes like a mug's, rendered by the reference under each strike's own force.
+/// Eight strikes on an object of 20 modes like a mug's, rendered by the reference under each
+/// strike's force.
 ///
-/// Frequencies from 500 Hz to 11 kHz, T60 0.4 s at 500 Hz and falling; contact times 0.3 to 0.6 ms; peaks of
-/// force 0.15 to 0.9 of full scale. Strikes hit places along a line, each with gains of its own. Microphone
-/// and force have white noise of -62 and -66 dBFS rms.
+/// Frequencies are from 500 Hz to 11 kHz; T60 is 0.4 s at 500 Hz and falls. Contact times are 0.3
+/// to 0.6 ms, peaks of the force 0.15 to 0.9 of full scale. Strikes hit places along a line, each
+/// with gains of its own. Microphone and force have white noise of -62 and -66 dBFS rms.
 pub fn hammered(seed: u64) -> Hammered {
     let mut random = SplitMix64(seed);
     let place = |index: usize| index as f64 * 0.618_034 % 1.0;
@@ -118,7 +124,7 @@ pub fn hammered(seed: u64) -> Hammered {
         let peak = 0.15 * 6f64.powf(random.uniform());
         let contact_time_s = 0.35e-3 * peak.powf(-0.2) * (0.1 * random.normal()).exp();
         let pulse: Vec<f64> = contact::force(contact_time_s, RATE_HZ).iter().map(|x| peak * x).collect();
-        // Along the line each mode has nodes of its own.
+        // Each mode has nodes of its own along the line.
         let at = |(frequency_hz, decay_per_s, level, phase): (f64, f64, f64, f64)| reference::Mode {
             frequency_hz,
             decay_per_s,
@@ -141,7 +147,7 @@ pub fn hammered(seed: u64) -> Hammered {
     Hammered { recording, contact_times_s }
 }
 
-/// The reference's sound of `modes` under a force at 44.1 kHz.
+/// Sound of `modes` under a force at 44.1 kHz, rendered by the reference.
 fn under_force(modes: Vec<reference::Mode>, force: &[f64], length: usize) -> Vec<f64> {
     let pad = reference::Pad {
         object: reference::Object {
@@ -161,29 +167,4 @@ fn under_force(modes: Vec<reference::Mode>, force: &[f64], length: usize) -> Vec
     reference::render(&[pad], &[], Some(direct), rate, length)
         .map(|frames| frames.iter().map(|frame| frame[0]).collect())
         .unwrap_or_default()
-}
-
-/// Steele, Lea and Flood's SplitMix64.
-#[derive(Clone, Debug)]
-pub(crate) struct SplitMix64(pub(crate) u64);
-
-impl SplitMix64 {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// 0 to 1, 1 excluded.
-    pub(crate) fn uniform(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Mean 0, variance 1 (Box and Muller).
-    pub(crate) fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.uniform()).cos()
-    }
 }

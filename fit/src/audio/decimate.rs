@@ -1,13 +1,15 @@
-//! Decimation by a whole number.
+//! Decimation by an integer factor.
 
 use std::f64::consts::PI;
 
-/// Half the filter's length, in output samples.
+/// Half the length of the filter, in output samples.
 const HALF_LENGTH: usize = 32;
-/// Kaiser's parameter for 100 dB.
+/// Shape parameter β of the Kaiser window, for 100 dB.
 const BETA: f64 = 10.0;
 
-/// Every `factor`-th sample of the low-passed sound; the pass band ends at 0.9 of the new Nyquist frequency, images lie 100 dB down. Without delay.
+/// Every `factor`-th sample of the low-passed sound, without delay.
+///
+/// The pass band ends at 0.9 of the new Nyquist frequency; images lie 100 dB down.
 pub(super) fn decimate(samples: &[f32], factor: usize) -> Vec<f64> {
     if factor <= 1 {
         return samples.iter().map(|&x| f64::from(x)).collect();

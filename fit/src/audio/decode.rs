@@ -1,4 +1,4 @@
-//! From a file to samples.
+//! Decoding of audio files to samples.
 
 use std::fs::File;
 use std::path::Path;
@@ -11,16 +11,17 @@ use symphonia::core::io::MediaSourceStream;
 use symphonia::core::meta::MetadataOptions;
 
 use super::decimate::decimate;
-use super::{Note, Recording};
-use crate::FitError;
+use super::recording::{Note, Recording};
+use crate::error::FitError;
 
-/// Seconds read at most, so that memory stays bounded whatever the file.
+/// Maximum length in seconds that is read, so that memory stays bounded for every file.
 const LONGEST_S: f64 = 120.0;
-/// Rates above this are decimated.
+/// Highest sample rate in Hz that is not decimated.
 const HIGHEST_RATE_HZ: u32 = 48_000;
+/// Sample rates that are accepted, in Hz.
 const RATES_HZ: std::ops::RangeInclusive<u32> = 4_000..=768_000;
 
-/// All channels of a file as far as they were read.
+/// Samples of all channels, as far as the file was read.
 struct Decoded {
     interleaved: Vec<f32>,
     channels: usize,
@@ -28,10 +29,14 @@ struct Decoded {
     notes: Vec<Note>,
 }
 
-/// Reads the loudest channel of an audio file (other than the force), and its force channel (counted from 0) if one is named.
+/// Reads the loudest channel of an audio file, and the force channel (counted from 0) if one is
+/// named.
+///
+/// The force channel is never taken for the loudest.
 ///
 /// # Errors
-/// [`FitError`] for what cannot be read, is no audio, is empty, has no such channel, or holds samples that are no numbers.
+/// [`FitError`] if the file cannot be read, is no audio, is empty, lacks the channel, or holds
+/// samples that are not finite.
 pub fn read(path: &Path, force_channel: Option<usize>) -> Result<Recording, FitError> {
     let Decoded { interleaved, channels, rate_hz, mut notes } = decode(path)?;
     if interleaved.is_empty() || channels == 0 {
@@ -68,7 +73,7 @@ fn decode(path: &Path) -> Result<Decoded, FitError> {
     if file.metadata().is_ok_and(|metadata| metadata.len() == 0) {
         return Err(FitError::Empty { path: path.to_owned() });
     }
-    let not_audio = |cause: String| FitError::NotAudio { path: path.to_owned(), cause };
+    let not_audio = |cause: &'static str| FitError::NotAudio { path: path.to_owned(), cause };
     let stream = MediaSourceStream::new(Box::new(file), Default::default());
     let mut hint = Hint::new();
     if let Some(extension) = path.extension().and_then(|extension| extension.to_str()) {
@@ -76,17 +81,17 @@ fn decode(path: &Path) -> Result<Decoded, FitError> {
     }
     let mut format = symphonia::default::get_probe()
         .probe(&hint, stream, FormatOptions::default(), MetadataOptions::default())
-        .map_err(|error| not_audio(error.to_string()))?;
-    let track = format.default_track(TrackType::Audio).ok_or_else(|| not_audio("no audio track".to_owned()))?;
+        .map_err(|_| not_audio("its format is unknown"))?;
+    let track = format.default_track(TrackType::Audio).ok_or_else(|| not_audio("it has no audio track"))?;
     let track_id = track.id;
     let parameters = track
         .codec_params
         .as_ref()
         .and_then(|parameters| parameters.audio())
-        .ok_or_else(|| not_audio("the track has no audio codec".to_owned()))?;
+        .ok_or_else(|| not_audio("its track has no audio codec"))?;
     let mut decoder = symphonia::default::get_codecs()
         .make_audio_decoder(parameters, &AudioDecoderOptions::default())
-        .map_err(|error| not_audio(error.to_string()))?;
+        .map_err(|_| not_audio("its codec is unknown"))?;
     let mut decoded = Decoded { interleaved: Vec::new(), channels: 0, rate_hz: 0, notes: Vec::new() };
     let mut packet_samples: Vec<f32> = Vec::new();
     loop {
@@ -94,11 +99,11 @@ fn decode(path: &Path) -> Result<Decoded, FitError> {
             Ok(Some(packet)) => packet,
             Ok(None) => break,
             Err(Error::IoError(error)) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
-                decoded.notes.push(Note::Cut { cause: error.to_string() });
+                decoded.notes.push(Note::Cut { cause: "it ends in the middle of its data" });
                 break;
             }
-            Err(error) => {
-                decoded.notes.push(Note::Cut { cause: error.to_string() });
+            Err(_) => {
+                decoded.notes.push(Note::Cut { cause: "a part of it cannot be read" });
                 break;
             }
         };
@@ -107,8 +112,8 @@ fn decode(path: &Path) -> Result<Decoded, FitError> {
         }
         let buffer = match decoder.decode(&packet) {
             Ok(buffer) => buffer,
-            Err(error) => {
-                decoded.notes.push(Note::Cut { cause: error.to_string() });
+            Err(_) => {
+                decoded.notes.push(Note::Cut { cause: "a part of it cannot be decoded" });
                 break;
             }
         };
@@ -119,7 +124,7 @@ fn decode(path: &Path) -> Result<Decoded, FitError> {
                 return Err(FitError::Rate { path: path.to_owned(), rate_hz });
             }
         } else if (decoded.channels, decoded.rate_hz) != (channels, rate_hz) {
-            decoded.notes.push(Note::Cut { cause: "channels or rate change in the middle".to_owned() });
+            decoded.notes.push(Note::Cut { cause: "its channels or its rate change" });
             break;
         }
         buffer.copy_to_vec_interleaved(&mut packet_samples);

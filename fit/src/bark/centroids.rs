@@ -5,14 +5,16 @@ use serde::Serialize;
 use super::filter_bank::{Spectrum, gaussian};
 use super::scale::bark;
 
-/// The relevant part of a spectrum ends where its envelope has fallen by so much for good, as a power ratio: 60 dB.
+/// Power of the spectrum's envelope, relative to its maximum, below which the spectrum is not
+/// relevant: 60 dB.
 const RELEVANT: f64 = 1e-6;
-/// The envelope is the spectrum's power smoothed over so many Bark (standard deviation).
+/// Standard deviation in Bark over which the spectrum's power is smoothed to the envelope.
 const SMOOTH_BARK: f64 = 0.25;
-/// Places at which the envelope is looked at, a Bark.
+/// Number of points a Bark at which the envelope is computed.
 const PLACES_A_BARK: usize = 8;
 
-/// Spectral centroids in Hz (dynamic-filter eq. 18), of the whole relevant spectrum and of what lies on either side of that.
+/// Spectral centroids in Hz (dynamic-filter eq. 18): of the whole relevant spectrum, and of the
+/// parts below and above that.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Centroids {
     /// G1: centroid of the energy from 0 to `highest_hz`.
@@ -21,11 +23,11 @@ pub struct Centroids {
     pub below_hz: f64,
     /// G3: centroid of the energy from G1 to `highest_hz`.
     pub above_hz: f64,
-    /// ω_max/2π: beyond it the spectrum's envelope stays 60 dB below its maximum.
+    /// ω_max/2π: frequency beyond which the spectrum's envelope stays 60 dB below its maximum.
     pub highest_hz: f64,
 }
 
-/// The centroids of a sound's spectrum; `None` for silence.
+/// Centroids of a sound's spectrum; `None` for silence.
 pub(crate) fn centroids(spectrum: &Spectrum) -> Option<Centroids> {
     let power: Vec<f64> = spectrum.power().collect();
     let bin_hz = spectrum.bin_hz();

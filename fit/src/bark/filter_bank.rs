@@ -6,35 +6,43 @@ use fourier::Complex;
 
 use super::scale::{bark, width_hz};
 
-/// Standard deviation of a Gaussian response in Bark: neighbours cross at -4.3 dB, and all responses together are constant within 1.5 %.
+/// Standard deviation of a Gaussian response in Bark.
+///
+/// Neighbours cross at -4.3 dB, and the sum of all responses is constant within 1.5 %.
 pub(crate) const SPREAD_BARK: f64 = 0.5;
-/// So many standard deviations from its middle a response has ended (-87 dB).
+/// Number of standard deviations from its middle at which a response ends (-87 dB).
 const REACH: f64 = 4.5;
 
-/// Response of a band of the bank at a frequency, in an arbitrary scale of frequency: `exp(-(x - middle)²/2 spread²)`.
+/// Gaussian response at x of a band round `middle`: `exp(-(x - middle)²/2 spread²)`.
+///
+/// The scale of frequency is arbitrary.
 pub(crate) fn gaussian(x: f64, middle: f64, spread: f64) -> f64 {
     (-0.5 * ((x - middle) / spread).powi(2)).exp()
 }
 
-/// A Gaussian band of a sound: its analytic signal's power over time.
+/// A Gaussian band of a sound: the power of its analytic signal over time.
 #[derive(Clone, Debug)]
 pub(crate) struct Subband {
-    /// Squared envelope, from the sound's first sample on: A² for a sine of amplitude A in the middle of the band.
+    /// Squared envelope from the sound's first sample on: A² for a sine of amplitude A in the
+    /// middle of the band.
     pub(crate) power: Vec<f64>,
     /// Rate of `power` in Hz.
     pub(crate) rate_hz: f64,
-    /// Standard deviation of the band's response in time, seconds: what is nearer to an end of the sound is smeared.
+    /// Standard deviation of the band's response in time, in seconds: ends of the sound are smeared
+    /// by it.
     pub(crate) smear_s: f64,
 }
 
 impl Subband {
-    /// How many independent values a second of noise has in the band: `√(2π)` standard deviations of its response in Hz.
+    /// Number of independent values that a second of noise has in the band.
+    ///
+    /// It is `√(2π)` standard deviations of the band's response in Hz.
     pub(crate) fn independent_per_s(&self) -> f64 {
         TAU.sqrt() / (TAU * self.smear_s)
     }
 }
 
-/// A sound's spectrum, from which bands are cut.
+/// Spectrum of a sound, from which bands are cut.
 pub(crate) struct Spectrum {
     bins: Vec<Complex<f64>>,
     bin_hz: f64,
@@ -43,7 +51,9 @@ pub(crate) struct Spectrum {
 }
 
 impl Spectrum {
-    /// Of a sound with at least 50 ms of silence behind it, so that its end does not run into its beginning. `None` without samples.
+    /// Spectrum of a sound; `None` without samples.
+    ///
+    /// At least 50 ms of silence follow the sound, so that its end does not run into its beginning.
     pub(crate) fn of(samples: &[f64], rate_hz: f64) -> Option<Self> {
         if samples.is_empty() {
             return None;
@@ -59,12 +69,12 @@ impl Spectrum {
         Some(Self { bins, bin_hz: rate_hz / size as f64, size, length_s: samples.len() as f64 / rate_hz })
     }
 
-    /// `|X|²` of each bin, in units of the sum over samples.
+    /// Power `|X|²` of each bin, in units of the sum over samples.
     pub(crate) fn power(&self) -> impl Iterator<Item = f64> + '_ {
         self.bins.iter().map(Complex::norm_sqr)
     }
 
-    /// Distance of bins in Hz.
+    /// Distance between bins in Hz.
     pub(crate) fn bin_hz(&self) -> f64 {
         self.bin_hz
     }
@@ -75,14 +85,17 @@ impl Spectrum {
         self.band(|f| gaussian(bark(f), rate, SPREAD_BARK), smear_s)
     }
 
-    /// The band of a response that is one hump: its analytic signal at no higher a rate than its width asks for.
+    /// The band of a response with a single hump.
+    ///
+    /// The rate of its analytic signal is no higher than its width requires.
     pub(crate) fn band(&self, response: impl Fn(f64) -> f64, smear_s: f64) -> Option<Subband> {
         let least = gaussian(REACH, 0.0, 1.0);
         let weights: Vec<f64> = (0..self.bins.len()).map(|bin| response(bin as f64 * self.bin_hz)).collect();
         let first = weights.iter().position(|weight| *weight > least)?;
         let last = weights.iter().rposition(|weight| *weight > least)?;
-        // A real transform of twice the band's width gives the analytic signal's real part, shifted down in frequency; turned by a quarter, its
-        // imaginary part. The first bin has to be real, so the band begins at the second.
+        // A real transform of twice the band's width gives the real part of the analytic signal,
+        // shifted down in frequency. Turned by a quarter, it gives the imaginary part. The first
+        // bin has to be real, so the band begins at the second.
         let size = (2 * (last - first + 3)).next_power_of_two().max(64);
         let transform = fourier::inverse(size);
         let part = |turn: Complex<f64>| {
@@ -95,7 +108,8 @@ impl Spectrum {
             transform.process(&mut input, &mut output).ok().map(|()| output)
         };
         let (real, imaginary) = (part(Complex::new(1.0, 0.0))?, part(Complex::new(0.0, -1.0))?);
-        // A real sine has half its amplitude on each side of the spectrum; the inverse of a real transform takes both sides.
+        // A real sine has half its amplitude on each side of the spectrum; the inverse of a real
+        // transform takes both sides.
         let scale = (self.size as f64).recip().powi(2);
         let rate_hz = self.bin_hz * size as f64;
         let heard = (self.length_s * rate_hz) as usize;
@@ -110,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sine_in_the_middle_of_a_band_has_its_amplitude_as_envelope() {
+    fn envelope_of_a_sine_in_the_middle_of_a_band_is_its_amplitude() {
         let rate_hz = 44_100.0;
         for rate in [2.0, 9.0, 17.0, 22.0] {
             let centre_hz = frequency_hz(rate);

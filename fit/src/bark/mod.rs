@@ -1,12 +1,14 @@
-//! A strike on the Bark scale: damping law, gain, spectral centroids, emergent modes (dynamic-filter §IV).
+//! A strike on the Bark scale: damping law, gain, spectral centroids, emergent modes
+//! (dynamic-filter §IV).
 //!
 //! ```text
-//! strike ─► spectrum ─┬► Gaussian bands, one a Bark (Fig. 6) ─► analytic signal ─► Λ e^{-αt}: damping law α(f), gain Λ(f)
+//! strike ─► spectrum ─┬► Gaussian bands, one a Bark (Fig. 6) ─► analytic signal
+//!                     │                        ─► Λ e^{-αt}: damping law α(f), gain Λ(f)
 //!                     ├► centroids G1, G2, G3 (eq. 18)
-//!                     └► smooth part ─► which modes emerge
+//!                     └► smooth part ─► emergence of modes
 //! ```
 //!
-//! What the dynamic filter is estimated from (eq. 19 to 21): Λ and α at the three centroids.
+//! The dynamic filter is estimated from Λ and α at the three centroids (eq. 19 to 21).
 
 mod centroids;
 mod emergent;
@@ -22,28 +24,32 @@ use serde::Serialize;
 
 use crate::decay;
 
-/// The law is fitted to a band's first so many dB, as a power ratio: 40 dB.
+/// Fall of a band to which its decay is fitted, as a power ratio: 40 dB.
 const RELEVANT: f64 = 1e-4;
-/// A band counts if at its loudest it stands so far over its own floor, as a power ratio: 10 dB ...
+/// Least power of a band over its own floor, as a ratio: 10 dB.
 const OVER_FLOOR: f64 = 10.0;
-/// ... and is at most so far below the loudest band, as a power ratio: 50 dB.
+/// Least power of a band relative to the loudest band, as a ratio: 50 dB.
 const BELOW_LOUDEST: f64 = 1e-5;
-/// A band's filter smears the strike's beginning: what comes so many of its standard deviations later is the band's own.
+/// Time after the strike that a band's filter smears, in standard deviations of its response in
+/// time.
 const SETTLED: f64 = 3.0;
-/// Ratio of the amplitude's decay to the filter's own beyond which a band tells its filter's.
+/// Largest ratio of the amplitude's decay to the filter's own: a faster decay would be the
+/// filter's.
 const FASTEST: f64 = 1.0;
 
-/// By how much a decay has to explain the band better than a constant, as the logarithm of a ratio of likelihoods.
+/// Least evidence for a decay over a constant, as the logarithm of a likelihood ratio.
 const EVIDENCE: f64 = 10.0;
 
 /// One band of the damping law: `Λ e^{-αt}`, t from the strike.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DampingBand {
-    /// Critical-band rate of the middle, a whole number of Bark.
+    /// Critical-band rate of the band's middle, a whole number of Bark.
     pub bark: f64,
-    /// Middle in Hz.
+    /// Middle of the band in Hz.
     pub centre_hz: f64,
-    /// Λ: amplitude of the band's analytic signal at the strike, full scale = 1: that of a sine in the middle of the band; for noise √2 times its rms.
+    /// Λ: amplitude of the band's analytic signal at the strike, full scale 1.
+    ///
+    /// For a sine in the middle of the band it is the sine's amplitude, for noise √2 times the rms.
     pub gain: f64,
     /// α: decay of the amplitude in 1/s; T60 = ln(1000)/α.
     pub decay_per_s: f64,
@@ -56,23 +62,26 @@ impl DampingBand {
     }
 }
 
-/// A strike's damping law and centroids.
+/// Damping law and centroids of a strike.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DampingLaw {
-    /// Bands in which there is energy, in order of frequency; at least one.
+    /// Bands with energy, at least one, in order of frequency.
     pub bands: Vec<DampingBand>,
-    /// Where the energy lies.
+    /// Spectral centroids.
     pub centroids: Centroids,
 }
 
 impl DampingLaw {
-    /// α in 1/s at a frequency in Hz: between the middles of bands, interpolated in its logarithm along the Bark scale; beyond the first and the
-    /// last, theirs.
+    /// α in 1/s at a frequency in Hz, interpolated in its logarithm along the Bark scale.
+    ///
+    /// Beyond the first and the last band it is theirs.
     pub fn decay_per_s(&self, frequency_hz: f64) -> f64 {
         self.at(frequency_hz, |band| band.decay_per_s)
     }
 
-    /// Λ at a frequency in Hz, interpolated likewise.
+    /// Λ at a frequency in Hz, interpolated in its logarithm along the Bark scale.
+    ///
+    /// Beyond the first and the last band it is theirs.
     pub fn gain(&self, frequency_hz: f64) -> f64 {
         self.at(frequency_hz, |band| band.gain)
     }
@@ -92,14 +101,17 @@ impl DampingLaw {
     }
 }
 
-/// Estimates damping law and centroids of a strike: `strike` at full scale 1 from its onset on, `rate_hz` its rate.
+/// Estimates damping law and centroids of a strike.
 ///
-/// Each whole number of Bark below half the rate has a Gaussian band (standard deviation half a Bark); to its analytic signal's power
-/// `Λ² e^{-2αt}` and a floor are fitted by maximum likelihood over the band's first 40 dB. Bands without a decay that stands out of their floor are
-/// left out. `None` for silence, or where no band decays.
+/// `strike` has full scale 1 and begins at its onset; `rate_hz` is its rate. Each whole number of
+/// Bark below half the rate has a Gaussian band with a standard deviation of half a Bark.
+/// `Λ² e^{-2αt}` and a floor are fitted to its analytic signal's power, by maximum likelihood over
+/// the band's first 40 dB. Bands whose decay does not stand out of their floor are left out. `None`
+/// for silence, or if no band decays.
 ///
-/// A single mode's α is met within 1 % (a test's bound); noise that dies away, within 10 % on the mean over bands. Faster than the band's filter
-/// (α above 2π · half the band's width) no decay can be told.
+/// A single mode's α is found within 1 % (a test's bound), that of decaying noise within 10 % on
+/// average over bands. A decay faster than that of the band's filter cannot be measured (α above 2π
+/// · half the band's width).
 pub fn damping_law(strike: &[f64], rate_hz: f64) -> Option<DampingLaw> {
     let spectrum = Spectrum::of(strike, rate_hz)?;
     let centroids = centroids::centroids(&spectrum)?;
@@ -116,7 +128,7 @@ pub fn damping_law(strike: &[f64], rate_hz: f64) -> Option<DampingLaw> {
             let blocks = decay::blocks(&band.power, band.rate_hz, from_s, length_s - from_s);
             let loudest = blocks.iter().map(|block| block.power).fold(0.0, f64::max);
             let heard = blocks.iter().rposition(|block| block.power > loudest * RELEVANT)?;
-            // Some of what follows belongs to the fit, so that the floor is seen.
+            // A part of the sound after that is included, so that the fit sees the floor.
             let end = (heard + heard / 8 + 8).min(blocks.len());
             let fitted = decay::fit(blocks.get(..end)?, 1)?;
             let (power, rate_of_power) = *fitted.parts.first()?;

@@ -1,16 +1,20 @@
 //! The Bark scale (dynamic-filter eq. 16).
 
-/// Critical-band rate in Bark of a frequency in Hz, 0 and more: `13 arctan(0.76 f) + 3.5 arctan((f/7.5)²)`, f in kHz (dynamic-filter eq. 16 after
-/// Zwicker and Fastl; the paper prints the square outside the arctangent, which is not their scale).
+/// Critical-band rate in Bark of a frequency in Hz, 0 or above.
+///
+/// `13 arctan(0.76 f) + 3.5 arctan((f/7.5)²)`, f in kHz (dynamic-filter eq. 16 after Zwicker and
+/// Fastl). The paper prints the square outside the arctangent, which is not their scale.
 pub fn bark(frequency_hz: f64) -> f64 {
     let khz = frequency_hz / 1000.0;
     13.0 * (0.76 * khz).atan() + 3.5 * (khz / 7.5).powi(2).atan()
 }
 
-/// Frequency in Hz of a critical-band rate in Bark, from 0 up to [`HIGHEST_BARK`]; what lies outside is taken as the nearest end.
+/// Frequency in Hz of a critical-band rate in Bark, from 0 to [`HIGHEST_BARK`].
+///
+/// A rate outside is clamped to the nearest end.
 pub fn frequency_hz(bark_rate: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1e5);
-    // The scale rises steadily: halving 60 times leaves less than a millionth of a Hz.
+    // The scale rises steadily: after 60 bisections less than a millionth of a Hz is left.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if bark(middle) < bark_rate { low = middle } else { high = middle }
@@ -33,8 +37,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn critical_bands_end_where_zwicker_s_table_says() {
-        // Upper edges of critical bands in Hz and their rate, Zwicker and Fastl's table 6.1: the formula is theirs, good to 0.2 Bark.
+    fn edges_of_critical_bands_are_those_of_zwickers_table() {
+        // Upper edges of critical bands in Hz and their rates, from Zwicker and Fastl's table 6.1.
+        // Their formula is good to 0.2 Bark.
         for (edge_hz, rate) in
             [(100.0, 1.0), (510.0, 5.0), (1270.0, 10.0), (2700.0, 15.0), (6400.0, 20.0), (15_500.0, 24.0)]
         {
@@ -43,7 +48,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_back_leads_back() {
+    fn frequency_hz_inverts_bark_up_to_the_highest_rate() {
         for step in 0..=250 {
             let rate = f64::from(step) * 0.1;
             assert!((bark(frequency_hz(rate)) - rate).abs() < 1e-9);
@@ -52,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn the_width_is_the_slope() {
+    fn width_of_one_bark_is_the_inverse_slope_of_the_scale() {
         for f in [50.0, 440.0, 3000.0, 12_000.0] {
             let slope = (bark(f + 0.5) - bark(f - 0.5)).recip();
             assert!((width_hz(f) / slope - 1.0).abs() < 1e-5);

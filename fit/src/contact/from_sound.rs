@@ -1,31 +1,37 @@
 //! Contact time from the spectrum of a strike.
 //!
-//! What a microphone hears of a strike is the contact's spectrum times the object's response. The response has peaks at the modes, but between
-//! them rises steadily, by about 3 dB an octave (measured on the hits of an impact hammer on a mug and a wooden holder: the median over the
-//! bins of a third octave follows that line within some 8 dB from 0.5 to 12 kHz). The pulse falls by 12 dB an octave above
-//! its corner. So the contact time is that whose third-octave levels, tilted by 3 dB an octave, fit best.
+//! The spectrum of a strike is the contact's spectrum times the object's response. That response
+//! has peaks at the modes, but rises steadily between them, by about 3 dB an octave. (Measured on
+//! strikes of an impact hammer on a mug and a wooden holder: the median over the bins of a third
+//! octave follows that line within some 8 dB from 0.5 to 12 kHz.) The pulse falls by 12 dB an
+//! octave above its corner. So the estimate is the contact time whose third-octave levels, tilted
+//! by 3 dB an octave, fit best.
 
-use super::pulse_power;
+use super::pulse::pulse_power;
 
-/// Contact times that are tried, in seconds, and how many of them.
+/// Shortest and longest contact time that are tried, in seconds.
 const RANGE_S: (f64, f64) = (1e-4, 4e-3);
+/// Number of contact times that are tried.
 const TRIED: usize = 160;
-/// Bands, in Hz: third octaves from the first to the second, as far as the rate goes.
+/// Range of the third-octave bands in Hz, as far as the sample rate allows.
 const BANDS_HZ: (f64, f64) = (500.0, 12_000.0);
 /// Rise of an object's response between its modes, as a power of frequency: 3 dB an octave.
 const TILT: f64 = 1.0;
-/// Sound that is looked at, in seconds.
+/// Length of the sound that is analysed, in seconds.
 const LENGTH_S: f64 = 0.18;
 /// Scatter of a band's level about the line, in dB.
 const SCATTER_DB: f64 = 8.0;
-/// What lies below is not the contact's any more: 50 dB under its maximum.
+/// Power below which the spectrum is no longer the contact's: 50 dB under its maximum.
 const LEAST_POWER: f64 = 1e-5;
 
-/// The contact time of a force in seconds, from the sound of one strike from its onset on. `None` where there is too little sound or
-/// bandwidth for five bands.
+/// Contact time of a strike in seconds, from its sound alone, which begins at the onset.
 ///
-/// The force's width at half maximum is half of this time ([`super::PULSE_FWHM`]). On the 18 hits of the two impact-hammer recordings it is within 20 % of the measured one
-/// (`cargo test -p fit --test hammer -- --nocapture`); tilt, bands and scatter were chosen on those same hits, and other objects are untried.
+/// `None` if there is too little sound or bandwidth for five bands.
+///
+/// The force's width at half maximum is half of this time ([`super::pulse::PULSE_FWHM`]). On the 18
+/// strikes of the two impact-hammer recordings it is within 20 % of the measured width on 15 or
+/// more (`cargo test -p fit --test sounds hammer -- --nocapture`). Tilt, bands and scatter were chosen on
+/// those strikes; other objects are untried.
 pub fn contact_time_s(strike: &[f64], rate_hz: f64) -> Option<f64> {
     let length = strike.len().min((LENGTH_S * rate_hz) as usize);
     if length < 256 {
@@ -71,7 +77,8 @@ pub fn contact_time_s(strike: &[f64], rate_hz: f64) -> Option<f64> {
         let mean = differences.iter().sum::<f64>() / differences.len() as f64;
         differences.iter().map(|difference| (difference - mean).powi(2)).sum::<f64>()
     };
-    // The mean over all contact times, each weighed by its likelihood: two minima side by side give what lies between.
+    // The mean over all contact times, weighted by likelihood, lies between two minima side by
+    // side.
     let tried: Vec<(f64, f64)> = (0..TRIED)
         .map(|step| RANGE_S.0 * (RANGE_S.1 / RANGE_S.0).powf(step as f64 / (TRIED - 1) as f64))
         .map(|time_s| (misfit(time_s), time_s.ln()))

@@ -1,18 +1,20 @@
-//! Mean powers over stretches of time that grow with time.
+//! Mean powers over blocks whose length grows with time.
 
-/// Mean power over a stretch.
+/// Mean power over a block of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Block {
-    /// Middle in seconds from the strike.
+    /// Middle of the block in seconds from the strike.
     pub(crate) time_s: f64,
-    /// Length in seconds.
+    /// Length of the block in seconds.
     pub(crate) length_s: f64,
-    /// Mean power.
+    /// Mean power in the block.
     pub(crate) power: f64,
 }
 
-/// A block is no longer than this share of the time since the strike: then an exponential's mean over a block is its middle within 0.4 % down to
-/// 60 dB, and fast decays are resolved as well as slow ones.
+/// Largest length of a block, as a share of the time since the strike.
+///
+/// An exponential's mean over a block is then its middle within 0.4 % down to 60 dB, and fast
+/// decays are resolved as well as slow ones.
 const SHARE: f64 = 0.02;
 
 /// Blocks of `power`, sampled at `rate_hz` from the strike on, between two times.

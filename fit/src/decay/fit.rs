@@ -1,30 +1,33 @@
-//! The maximum-likelihood fit of exponentials and a floor.
+//! Maximum-likelihood fit of exponentials and a floor.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Block;
+use super::blocks::Block;
 
-/// `p(t) = Σ a_k e^{-r_k t} + floor`.
+/// A sum of exponentials and a floor: `p(t) = Σ a_k e^{-r_k t} + floor`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Decay {
-    /// Power at t = 0 and decay of the power in 1/s (twice the amplitude's), the fastest first.
+    /// Power at t = 0 and decay of the power in 1/s (twice the amplitude's) of each exponential,
+    /// fastest first.
     pub(crate) parts: Vec<(f64, f64)>,
-    /// Power of what does not decay.
+    /// Power that does not decay.
     pub(crate) floor: f64,
-    /// Mean of `ln m + p/m`, each second weighed alike: less is better.
+    /// Mean over time of `ln m + p/m`; less is better.
     pub(crate) misfit: f64,
 }
 
-/// What lies so far below the loudest block is nothing: 140 dB.
+/// Power, relative to the loudest block, that counts as nothing: -140 dB.
 const NOTHING: f64 = 1e-14;
-/// Decay rates of the power that can be told, 1/s: T60 from 138 s to 1.4 ms.
+/// Range of decay rates of the power in 1/s: T60 from 138 s to 1.4 ms.
 const RATES_PER_S: (f64, f64) = (0.1, 1e4);
-/// Rates at which the search starts.
+/// Number of rates at which the search starts.
 const STARTS: usize = 6;
-/// Steps at most.
+/// Maximum number of steps.
 const STEPS: usize = 60;
 
-/// Fits `parts` exponentials and a floor. `None` where there are fewer than three blocks a number that is sought, or no power.
+/// Fits `parts` exponentials and a floor.
+///
+/// `None` if there are fewer than three blocks for each number sought, or no power.
 pub(crate) fn fit(blocks: &[Block], parts: usize) -> Option<Decay> {
     let loudest = blocks.iter().map(|block| block.power).fold(0.0, f64::max);
     let span_s = blocks.last()?.time_s - blocks.first()?.time_s;
@@ -35,7 +38,8 @@ pub(crate) fn fit(blocks: &[Block], parts: usize) -> Option<Decay> {
     let last = blocks.len() - (blocks.len() / 10).max(1);
     let tail = blocks[last..].iter().map(|block| block.power * block.length_s).sum::<f64>()
         / blocks[last..].iter().map(|block| block.length_s).sum::<f64>();
-    // Rates that decay by between 1 dB and the whole range in the first fiftieth of the time.
+    // The slowest decays by about 1 dB over the whole time, the fastest over the whole range in a
+    // fiftieth of it.
     let slowest = (0.3 / span_s).max(RATES_PER_S.0);
     let fastest = (600.0 / span_s).clamp(2.0 * slowest, RATES_PER_S.1);
     let rates: Vec<f64> =
@@ -65,7 +69,7 @@ pub(crate) fn fit(blocks: &[Block], parts: usize) -> Option<Decay> {
     Some(Decay { parts: found, floor: numbers[2 * parts].exp(), misfit })
 }
 
-/// The misfit of the best constant, in the units of [`Decay::misfit`]; infinite for no blocks.
+/// Misfit of the best constant, in the units of [`Decay::misfit`]; infinite without blocks.
 pub(crate) fn constant_misfit(blocks: &[Block]) -> f64 {
     let length_s: f64 = blocks.iter().map(|block| block.length_s).sum();
     let mean = blocks.iter().map(|block| block.power * block.length_s).sum::<f64>() / length_s;
@@ -78,7 +82,10 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Logarithms of powers, rates and floor: the first part meets the first block, each slower one the power at a time that the rates share out.
+    /// Logarithms of powers, rates and floor from which the descent starts.
+    ///
+    /// The first part meets the first block. Each slower one meets the power at a time that follows
+    /// from the rates.
     fn start(&self, rates: &[f64], floor: f64, span_s: f64) -> DVector<f64> {
         let mut numbers = Vec::with_capacity(2 * rates.len() + 1);
         for (k, rate) in rates.iter().enumerate() {
@@ -93,7 +100,7 @@ impl Problem<'_> {
         DVector::from_vec(numbers)
     }
 
-    /// Misfit, and with it gradient and expected curvature in the logarithms.
+    /// Misfit, with gradient and expected curvature in the logarithms.
     fn look(&self, numbers: &DVector<f64>) -> (f64, DVector<f64>, DMatrix<f64>) {
         let count = numbers.len();
         let (mut misfit, mut weights) = (0.0, 0.0);
@@ -119,7 +126,7 @@ impl Problem<'_> {
         (misfit / weights, gradient / weights, curvature / weights)
     }
 
-    /// Fisher scoring with Levenberg's damping.
+    /// Fisher scoring with Levenberg's damping; returns the misfit and the numbers.
     fn descend(&self, start: &DVector<f64>) -> (f64, DVector<f64>) {
         let mut numbers = start.clone();
         let (mut misfit, mut gradient, mut curvature) = self.look(&numbers);
@@ -159,9 +166,9 @@ impl Problem<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::blocks;
+    use super::super::blocks::blocks;
     use super::*;
-    use crate::synthetic::SplitMix64;
+    use crate::random::SplitMix64;
 
     fn noise_power(length: usize, rate_hz: f64, seed: u64, mean: impl Fn(f64) -> f64) -> Vec<f64> {
         let mut random = SplitMix64(seed);

@@ -1,21 +1,24 @@
-//! Distance of band levels: what an ear that is no spectrum analyser compares.
+//! ERB distance: levels in bands as wide as an ear's, compared in dB.
 
-use super::Spectrogram;
 use super::lsd::FLOOR;
+use super::spectrogram::Spectrogram;
 
-/// Bands.
+/// Number of bands of the ERB distance.
 pub const ERB_BANDS: usize = 40;
 /// Lowest and highest edge in Hz.
 const RANGE_HZ: [f64; 2] = [50.0, 16_000.0];
-/// Samples of a frame; a quarter of it to the next.
+/// Number of samples in a frame; the hop is a quarter of it.
 const WINDOW: usize = 1024;
 
-/// ERB rate of a frequency in Hz, but for a factor (Glasberg and Moore).
+/// ERB rate of a frequency in Hz, up to a factor (Glasberg and Moore).
 fn erb_rate(hz: f64) -> f64 {
     (1.0 + 0.004_37 * hz).ln()
 }
 
-/// Edges in Hz of the ERB distance's bands and of as many more, as wide on that scale, as end at or below `highest_hz`; fewer where that lies lower.
+/// Edges in Hz of the ERB distance's bands, and of further ones as wide on that scale, up to
+/// `highest_hz`.
+///
+/// A lower `highest_hz` leaves bands out.
 pub(crate) fn erb_edges_up_to_hz(highest_hz: f64) -> Vec<f64> {
     let [low, high] = RANGE_HZ.map(erb_rate);
     let width = (high - low) / ERB_BANDS as f64;
@@ -23,15 +26,17 @@ pub(crate) fn erb_edges_up_to_hz(highest_hz: f64) -> Vec<f64> {
     (0..=count as usize).map(|edge| ((low + width * edge as f64).exp() - 1.0) / 0.004_37).collect()
 }
 
-/// Energies of 40 bands (ERB-spaced, 50 Hz to 16 kHz) in Hann frames of 1024 samples every 256: what the ERB distance compares.
+/// Energies of 40 bands (ERB-spaced, 50 Hz to 16 kHz) in Hann frames of 1024 samples every 256.
+///
+/// The ERB distance compares them.
 #[derive(Clone, Debug)]
 pub struct ErbLevels {
-    /// One array a frame; a band beyond half the rate is 0.
+    /// Energies of each frame; a band beyond half the rate is 0.
     pub frames: Vec<[f64; ERB_BANDS]>,
 }
 
 impl ErbLevels {
-    /// Of a sound.
+    /// Band energies of a sound.
     pub fn new(samples: &[f64], rate_hz: f64) -> Self {
         let spectrogram = Spectrogram::new(WINDOW);
         let edges: Vec<f64> = Self::edges_hz().iter().map(|edge| edge / rate_hz * WINDOW as f64).collect();
@@ -51,13 +56,15 @@ impl ErbLevels {
         erb_edges_up_to_hz(RANGE_HZ[1])
     }
 
-    /// What lies 60 dB below the loudest band of any frame.
+    /// Energy 60 dB below the loudest band of any frame.
     pub fn floor(&self) -> f64 {
         self.frames.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max) * FLOOR
     }
 
-    /// The ERB distance in dB of a rendering to this recording: mean over frames of the rms over bands of the difference in dB, both floored 60 dB below
-    /// the recording's maximum. Frames beyond the shorter one's end do not count.
+    /// ERB distance in dB of a rendering from this recording.
+    ///
+    /// It is the mean over frames of the rms over bands of the difference in dB, both floored 60 dB
+    /// below the recording's maximum. Frames beyond the end of the shorter sound do not count.
     pub fn distance_db(&self, rendering: &Self) -> f64 {
         let floor = self.floor();
         let frames = self.frames.iter().zip(&rendering.frames).map(|(wanted, given)| {
@@ -72,7 +79,7 @@ impl ErbLevels {
     }
 }
 
-/// Power between two places of a spectrum, given in bins with fractions.
+/// Power between two positions of a spectrum, in bins with fractions.
 pub(crate) fn band_power(frame: &[f64], from: f64, to: f64) -> f64 {
     let share = |bin: usize| (to.min(bin as f64 + 0.5) - from.max(bin as f64 - 0.5)).clamp(0.0, 1.0);
     let first = (from - 0.5).floor().max(0.0) as usize;
@@ -83,7 +90,7 @@ pub(crate) fn band_power(frame: &[f64], from: f64, to: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::synthetic::SplitMix64;
+    use crate::random::SplitMix64;
 
     fn noise(seed: u64, gain: f64) -> Vec<f64> {
         let mut random = SplitMix64(seed);
@@ -91,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_of_level_is_its_decibels_and_silence_the_way_to_the_floor() {
+    fn a_change_of_level_is_a_distance_of_as_many_decibels() {
         let (sound, louder) = (noise(1, 0.1), noise(1, 0.2));
         let levels = ErbLevels::new(&sound, 48_000.0);
         assert!((levels.distance_db(&ErbLevels::new(&louder, 48_000.0)) - 6.0206).abs() < 1e-3);
@@ -101,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn another_draw_of_the_same_noise_is_near() {
+    fn noises_of_equal_level_are_within_6_db() {
         let levels = ErbLevels::new(&noise(1, 0.1), 48_000.0);
         let distance = levels.distance_db(&ErbLevels::new(&noise(2, 0.1), 48_000.0));
         // Narrow bands hold few independent values in a frame.

@@ -1,16 +1,16 @@
-//! The log-spectral distance and its derivative by every sample of the rendering.
+//! Log-spectral distance and its derivative by every sample of the rendering.
 
 use std::sync::Arc;
 
 use fourier::{Complex, ComplexToReal};
 
-use super::Spectrogram;
 use super::lsd::{FLOOR, SIZES, of_unit_rms};
+use super::spectrogram::Spectrogram;
 
-/// A recording that renderings are compared with, its spectra kept.
+/// A recording with its spectra, with which renderings are compared.
 pub(crate) struct Target {
     scales: Vec<Scale>,
-    /// The recording's rms.
+    /// Rms of the recording.
     rms: f64,
 }
 
@@ -34,7 +34,7 @@ impl Target {
         Self { scales: scales.into(), rms }
     }
 
-    /// A stretch of the same recording, above the same floor.
+    /// A part of the recording, with the floor of the whole.
     pub(crate) fn part(&self, samples: &[f64]) -> Self {
         let samples: Vec<f64> = samples.iter().map(|x| x / self.rms).collect();
         let scale = |scale: &Scale| Scale {
@@ -46,13 +46,16 @@ impl Target {
         Self { scales: self.scales.iter().map(scale).collect(), rms: self.rms }
     }
 
-    /// The distance in dB with a soft floor (`P + floor` in place of `max(P, floor)`), and its derivative by each sample.
+    /// Distance in dB with a soft floor (`P + floor` in place of `max(P, floor)`), and its
+    /// derivative by each sample.
+    ///
+    /// The rendering is scaled to unit rms.
     pub(crate) fn distance_and_slope(&self, rendering: &[f64]) -> (f64, Vec<f64>) {
         let length = rendering.len();
         let rms = rms(rendering);
         let scaled: Vec<f64> = rendering.iter().map(|x| x / rms).collect();
         let (distance, mut slope) = self.of_scaled(&scaled);
-        // Through the division by the rms: what only changes the level changes nothing.
+        // The division by the rms removes the part of the slope that only changes the level.
         let along = slope.iter().zip(&scaled).map(|(slope, x)| slope * x).sum::<f64>() / length.max(1) as f64;
         for (slope, x) in slope.iter_mut().zip(&scaled) {
             *slope = (*slope - along * x) / rms;
@@ -60,7 +63,10 @@ impl Target {
         (distance, slope)
     }
 
-    /// The same at the recording's level: a rendering is as loud as it is.
+    /// Distance in dB with a soft floor, and its derivative by each sample, without scaling of the
+    /// rendering.
+    ///
+    /// The level of the rendering counts.
     pub(crate) fn distance_and_slope_at_level(&self, rendering: &[f64]) -> (f64, Vec<f64>) {
         let scaled: Vec<f64> = rendering.iter().map(|x| x / self.rms).collect();
         let (distance, mut slope) = self.of_scaled(&scaled);
@@ -100,7 +106,7 @@ impl Scale {
             let factor = share / (rms.max(1e-6) * bins as f64) * 20.0 / 10f64.ln();
             for (bin, ((adjoint, given), wanted)) in adjoint.iter_mut().zip(spectrum).zip(wanted).enumerate() {
                 *adjoint = given * (factor * difference(given, wanted) / (given.norm_sqr() + self.floor));
-                // The inverse transform takes the other half of the spectrum to be there too.
+                // The inverse transform adds the other half of the spectrum.
                 if bin == 0 || bin + 1 == bins { adjoint.im = 0.0 } else { *adjoint *= 0.5 }
             }
             if self.inverse.process(&mut adjoint, &mut wave).is_err() {
@@ -120,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_slope_is_that_of_the_distance() {
+    fn slope_of_the_distance_equals_its_numeric_derivative() {
         let tone =
             |f: f64, d: f64| (0..4000u32).map(f64::from).map(|n| (-d * n).exp() * (f * n).sin()).collect::<Vec<f64>>();
         let (wanted, given) = (tone(0.3, 1e-3), tone(0.31, 2e-3));

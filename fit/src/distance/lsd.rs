@@ -1,30 +1,33 @@
 //! Log-spectral distance.
 
-use super::Spectrogram;
+use super::spectrogram::Spectrogram;
 
 /// Window sizes in samples.
 pub(crate) const SIZES: [usize; 2] = [512, LONGEST_WINDOW];
-/// The longest of them.
+/// Longest window in samples.
 pub(crate) const LONGEST_WINDOW: usize = 2048;
-/// How far below the recording's maximum nothing counts any more, as a power ratio: 60 dB.
+/// Power relative to the recording's maximum below which nothing counts: 60 dB.
 pub(crate) const FLOOR: f64 = 1e-6;
-/// The stretch that is compared, in seconds.
+/// Length of the part that is compared, in seconds.
 pub const LSD_SECONDS: f64 = 0.25;
-/// Samples of it before the recording's peak.
+/// Number of samples before the recording's peak at which that part begins.
 const BEFORE_PEAK: usize = 20;
 
-/// The stretch of a recording that is compared: 0.25 s from 20 samples before the peak, as far as there is sound.
+/// Part of a recording that is compared: 0.25 s from 20 samples before the peak, as far as there is
+/// sound.
 pub fn lsd_window(recording: &[f64], rate_hz: f64) -> std::ops::Range<usize> {
     let peak = recording.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map_or(0, |(at, _)| at);
     let start = peak.saturating_sub(BEFORE_PEAK);
     start..recording.len().min(start + (LSD_SECONDS * rate_hz).round() as usize)
 }
 
-/// Log-spectral distance in dB between two sounds of the same length, aligned: the mean over Hann windows of 512 and 2048 samples (hop a
-/// quarter) of the mean over frames of the rms over bins of the difference of the two dB spectra, both floored 60 dB below
-/// the recording's maximum, both sounds of unit rms.
+/// Log-spectral distance in dB between two aligned sounds of equal length.
 ///
-/// Silence against a sound gives the distance to the floor; silence against silence 0.
+/// It is the mean over Hann windows of 512 and 2048 samples (hop a quarter) of the mean over frames
+/// of the rms over bins of the difference of the two dB spectra. Both spectra are floored 60 dB
+/// below the recording's maximum, and both sounds have unit rms.
+///
+/// Silence against a sound gives the distance to the floor, silence against silence 0.
 pub fn log_spectral_distance_db(recording: &[f64], rendering: &[f64]) -> f64 {
     let (recording, rendering) = (of_unit_rms(recording), of_unit_rms(rendering));
     let distances = SIZES.map(|size| {
@@ -34,8 +37,11 @@ pub fn log_spectral_distance_db(recording: &[f64], rendering: &[f64]) -> f64 {
     distances.iter().sum::<f64>() / distances.len() as f64
 }
 
-/// The frames of the distance: rms over bins of the difference of two dB spectra, both floored 60 dB below the recording's maximum, for each Hann
-/// window of `size` samples, hop a quarter. Levels are compared as they are.
+/// Log-spectral distance in dB of each frame, for Hann windows of `size` samples with a hop of a
+/// quarter.
+///
+/// It is the rms over bins of the difference of two dB spectra, both floored 60 dB below the
+/// recording's maximum. Levels are not normalised.
 pub fn frame_distances_db(recording: &[f64], rendering: &[f64], size: usize) -> Vec<f64> {
     let spectrogram = Spectrogram::new(size);
     let (wanted, given) = (spectrogram.power(recording), spectrogram.power(rendering));
@@ -51,7 +57,7 @@ pub fn frame_distances_db(recording: &[f64], rendering: &[f64], size: usize) -> 
     frames.collect()
 }
 
-/// The sound at unit rms; silence stays.
+/// The sound scaled to unit rms; silence stays silence.
 pub(crate) fn of_unit_rms(samples: &[f64]) -> Vec<f64> {
     let power = samples.iter().map(|x| x * x).sum::<f64>() / samples.len().max(1) as f64;
     let scale = if power > 0.0 { power.sqrt().recip() } else { 0.0 };

@@ -1,4 +1,4 @@
-//! How far one sound is from another.
+//! Distances between sounds.
 
 mod erb;
 mod gradient;

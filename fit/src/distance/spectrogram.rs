@@ -5,8 +5,10 @@ use std::sync::Arc;
 
 use fourier::{Complex, RealToComplex};
 
-/// Makes short-time spectra with a Hann window (periodic) of `size` samples, hop a quarter, frames that lie wholly in the sound; a
-/// sound shorter than one window is padded with zeros to one frame.
+/// Short-time spectra with a periodic Hann window and a hop of a quarter of it.
+///
+/// Frames lie wholly in the sound. A sound shorter than one window is padded with zeros to one
+/// frame.
 #[derive(Clone)]
 pub struct Spectrogram {
     window: Vec<f64>,
@@ -14,24 +16,24 @@ pub struct Spectrogram {
 }
 
 impl Spectrogram {
-    /// For windows of `size` samples, at least 4.
+    /// Spectra for windows of `size` samples, at least 4.
     pub fn new(size: usize) -> Self {
         let size = size.max(4);
         let window = (0..size).map(|n| 0.5 - 0.5 * (TAU * n as f64 / size as f64).cos()).collect();
         Self { window, transform: fourier::forward(size) }
     }
 
-    /// Samples between two frames.
+    /// Number of samples between two frames.
     pub fn hop(&self) -> usize {
         self.window.len() / 4
     }
 
-    /// Bins a frame.
+    /// Number of bins in a frame.
     pub fn bin_count(&self) -> usize {
         self.window.len() / 2 + 1
     }
 
-    /// How many frames `length` samples give.
+    /// Number of frames in `length` samples.
     pub fn frame_count(&self, length: usize) -> usize {
         1 + length.saturating_sub(self.window.len()) / self.hop()
     }
@@ -54,12 +56,12 @@ impl Spectrogram {
         spectra
     }
 
-    /// Power `|X|²`, frame after frame.
+    /// Power spectra `|X|²`, frame after frame.
     pub fn power(&self, samples: &[f64]) -> Vec<f64> {
         self.complex(samples).iter().map(Complex::norm_sqr).collect()
     }
 
-    /// The window.
+    /// Samples of the window.
     pub(crate) fn window(&self) -> &[f64] {
         &self.window
     }

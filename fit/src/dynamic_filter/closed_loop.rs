@@ -1,15 +1,18 @@
-//! The loops and the filter round which they run, frozen: gain round the loops, and where the closed loop's poles lie.
+//! The filter with its loops at one moment: the gain round the loops, and the poles of the closed
+//! loop.
 
 use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
-use super::{Coefficients, Loop, RATE_HZ};
+use super::model::{Coefficients, Loop, RATE_HZ};
 
-/// Delay and band-pass of a loop of gain 1 (eq. 8 to 11): `z^-D (a + c z^-1)/(1 - 2 real z^-1 + square z^-2)`, as the instrument plays it.
+/// Delay and band-pass of a loop of gain 1 (eq. 8 to 11), as the instrument plays it.
+///
+/// `z^-D (a + c z^-1)/(1 - 2 real z^-1 + square z^-2)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BandPass {
-    /// Whole samples of the delay.
+    /// Delay D in whole samples.
     frames: i32,
     real: f64,
     square: f64,
@@ -18,7 +21,9 @@ pub(crate) struct BandPass {
 }
 
 impl BandPass {
-    /// Of a centre and a width in Hz, and of a delay of so many whole samples; the numerator turns the wave at the centre until it comes back as `phase` radians behind.
+    /// The loop with a centre and a width in Hz and a delay of `frames` whole samples.
+    ///
+    /// Its numerator makes the wave at the centre come back `phase` radians late.
     pub(crate) fn new(frequency_hz: f64, bandwidth_hz: f64, frames: f64, phase: f64) -> Self {
         let centre = TAU * frequency_hz / RATE_HZ;
         let tau = centre.sin() * bandwidth_hz / (2.0 * frequency_hz);
@@ -30,14 +35,14 @@ impl BandPass {
         Self { frames: frames as i32, real, square, a: wanted.re - c * centre.cos(), c }
     }
 
-    /// That of a loop.
+    /// The band-pass and delay of a loop of the model.
     pub(crate) fn of(guide: &Loop) -> Self {
         let delay = guide.delay_s * RATE_HZ;
         let phase = TAU * guide.frequency_hz * guide.delay_s;
         Self::new(guide.frequency_hz, guide.bandwidth_hz, delay.floor(), phase)
     }
 
-    /// Its response at `w = z^-1`, and the derivative of the response's logarithm by w.
+    /// Response at `w = z^-1`, and the derivative of its logarithm by w.
     fn at(&self, w: Complex<f64>) -> (Complex<f64>, Complex<f64>) {
         let above = w * self.c + self.a;
         let below = w * (w * self.square - 2.0 * self.real) + 1.0;
@@ -46,31 +51,33 @@ impl BandPass {
         (above / below * w.powi(self.frames), slope)
     }
 
-    /// The magnitude of its response at ω in radians a sample.
+    /// Magnitude of the response at ω in radians a sample.
     pub(crate) fn magnitude(&self, angular: f64) -> f64 {
         let w = Complex::from_polar(1.0, -angular);
         ((w * self.c + self.a) / (w * (w * self.square - 2.0 * self.real) + 1.0)).norm()
     }
 
-    /// Its response at ω in radians a sample.
+    /// Response at ω in radians a sample.
     pub(crate) fn response(&self, angular: f64) -> Complex<f64> {
         self.at(Complex::from_polar(1.0, -angular)).0
     }
 }
 
-/// A resonance of the closed loop: `R/(s + α - jω)` beside the 1 that the noise itself is.
+/// A resonance of the closed loop: `R/(s + α - jω)`, added to the direct path of the noise, which
+/// is 1.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pole {
-    /// s in 1/s, for z = e^{s/rate}.
+    /// Pole s in 1/s, for z = e^{s/rate}.
     pub(crate) s: Complex<f64>,
-    /// R in 1/s.
+    /// Residue R in 1/s.
     pub(crate) residue: Complex<f64>,
 }
 
 impl Pole {
-    /// The pole of `1/(1 - L)` nearest to where Newton's method starts, after so many of its steps; L is `F Σ γ_s B_s`.
+    /// The pole of `1/(1 - L)`, `L = F Σ γ_s B_s`, after `steps` of Newton's method from `start`.
     ///
-    /// On `1/L - 1`: of a single narrow band-pass that is a straight line in s, so that one step is exact.
+    /// Newton's method runs on `1/L - 1`. For a single narrow band-pass that is a straight line in
+    /// s, so that one step is exact.
     pub(crate) fn near(
         start: Complex<f64>,
         steps: usize,
@@ -89,13 +96,13 @@ impl Pole {
         pole
     }
 
-    /// α in 1/s.
+    /// Decay rate α in 1/s.
     pub(crate) fn decay_per_s(&self) -> f64 {
         -self.s.re
     }
 }
 
-/// `L = F Σ γ_s B_s` at s, and dL/ds.
+/// Open-loop response `L = F Σ γ_s B_s` at s, and dL/ds.
 fn round(s: Complex<f64>, filter: &Coefficients, bands: &[BandPass], gains: &[f64]) -> (Complex<f64>, Complex<f64>) {
     let w = (s * (-1.0 / RATE_HZ)).exp();
     let ([b0, b1, b2], [a1, a2]) = (filter.b, filter.a);
@@ -113,7 +120,7 @@ fn round(s: Complex<f64>, filter: &Coefficients, bands: &[BandPass], gains: &[f6
 
 #[cfg(test)]
 mod tests {
-    use super::super::waveguide::delay_s;
+    use super::super::delay::delay_s;
     use super::*;
     use std::f64::consts::PI;
 
@@ -126,7 +133,7 @@ mod tests {
             let pole = Pole::near(Complex::new(0.0, TAU * frequency_hz), 5, &flat, &[band], &[gain]);
             let centre = TAU * frequency_hz / RATE_HZ;
             let beta = PI * bandwidth_hz * centre.sin() / centre;
-            // (β + s) = β γ e^{-s d} to first order in d.
+            // The pole solves (β + s) = β γ e^{-s d} to first order in d.
             let slowed = beta / (1.0 + beta * gain * delay_s);
             assert!((pole.decay_per_s() / (slowed * (1.0 - gain)) - 1.0).abs() < 0.02, "{frequency_hz}: {pole:?}");
             assert!((pole.residue.re / (slowed * gain) - 1.0).abs() < 0.04, "{frequency_hz}: {pole:?}");

@@ -1,42 +1,44 @@
-//! How well a resynthesis keeps a damping law.
+//! Comparison of damping laws: how well a resynthesis keeps that of a recording.
 
-use super::RATE_HZ;
+use super::model::RATE_HZ;
 use crate::bark::{DampingBand, DampingLaw, damping_law};
 
-/// Bands count whose gain is at most so far below the loudest's, as a ratio of amplitudes: 40 dB.
+/// Gain of a band relative to the loudest one from which the band counts, as a ratio of amplitudes:
+/// 40 dB.
 const COUNTED: f64 = 1e-2;
 
-/// One counted band.
+/// A counted band of a recording beside that of a resynthesis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
-    /// The band of the recording.
+    /// Band of the recording.
     pub recorded: DampingBand,
-    /// α of the resynthesis in 1/s; `None` where it shows no decay there.
+    /// Decay rate α of the resynthesis in 1/s; `None` if it shows no decay in that band.
     pub decay_per_s: Option<f64>,
 }
 
 impl Comparison {
-    /// By how much α is off, as a ratio less 1, without sign; 1 where the resynthesis shows no decay.
+    /// Relative error of α, without sign; 1 if the resynthesis shows no decay.
     pub fn error(&self) -> f64 {
         self.decay_per_s.map_or(1.0, |decay| (decay / self.recorded.decay_per_s - 1.0).abs())
     }
 }
 
-/// The bands that count: those of the law within 40 dB of the loudest.
+/// Bands that count: those of the law within 40 dB of the loudest.
 pub fn counted(law: &DampingLaw) -> impl Iterator<Item = &DampingBand> {
     let loudest = law.bands.iter().map(|band| band.gain).fold(0.0, f64::max);
     law.bands.iter().filter(move |band| band.gain >= COUNTED * loudest)
 }
 
-/// The laws of several resyntheses as one: in each band the geometric mean of those that show it, where at least half do.
+/// Mean damping law of several resyntheses `sounds`, at 48 kHz and from the strike on.
 ///
-/// `sounds` at 48 kHz, from the strike on. `None` where no band is left.
+/// Each band is the geometric mean over the sounds that show it. Bands that fewer than half of them
+/// show are left out. `None` if no band is left.
 pub fn mean_law(sounds: &[Vec<f64>]) -> Option<DampingLaw> {
     let laws: Vec<Option<DampingLaw>> = sounds.iter().map(|sound| damping_law(sound, RATE_HZ)).collect();
     mean_of(&laws)
 }
 
-/// The same of the sounds' laws.
+/// Mean of damping laws as in [`mean_law`]; `None` stands for a sound without a law.
 pub(crate) fn mean_of(all: &[Option<DampingLaw>]) -> Option<DampingLaw> {
     let laws: Vec<&DampingLaw> = all.iter().flatten().collect();
     let mut bands: Vec<DampingBand> = Vec::new();
@@ -61,7 +63,7 @@ pub(crate) fn mean_of(all: &[Option<DampingLaw>]) -> Option<DampingLaw> {
     (!bands.is_empty()).then_some(DampingLaw { bands, centroids })
 }
 
-/// The counted bands of a recording's law beside those of a resynthesis.
+/// Comparison of the counted bands of a recording's law with those of a resynthesis.
 pub fn compare(recorded: &DampingLaw, resynthesis: Option<&DampingLaw>) -> Vec<Comparison> {
     let found = |rate: f64| {
         let law = resynthesis?;

@@ -1,35 +1,37 @@
-//! What a loop adds to the noise that feeds it.
+//! Power that a loop adds to the noise that feeds it.
 
 use std::f64::consts::{PI, TAU};
 
-use super::RATE_HZ;
+use super::average_filter::average_of;
+use super::delay::delay_s;
 use super::lattice::Lattice;
+use super::model::RATE_HZ;
 use super::response::{NOISE_DENSITY, response};
-use super::waveguide::{average_of, delay_s};
 
-/// A loop as the descent sees it.
+/// A loop (banded waveguide) as the descent models it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Guide {
-    /// f_c in Hz.
+    /// Centre frequency f_c in Hz.
     pub(crate) frequency_hz: f64,
-    /// Δf in Hz.
+    /// Bandwidth Δf in Hz.
     pub(crate) bandwidth_hz: f64,
-    /// γ_s times the loudest `|F|` there: below 1.
+    /// Loop gain: γ_s times the largest `|F|` over time at f_c; below 1.
     pub(crate) loop_gain: f64,
 }
 
 impl Guide {
-    /// What the loop adds to the noise's power in a band that hears all of it, over `times_s`.
+    /// Power that the loop adds to the noise at each of `times_s`, in a band that passes all of it.
     ///
-    /// The band-pass's envelope y, in white noise e of density S: `y' = -β(1 - q) y + β q e` with β = πΔf and q = γ F(ω_s, t) D_s, so
-    /// `P = E|y|²` obeys `P' = -2β(1 - Re q) P + β²|q|² S`. The delay slows it by 1 + β Re q d. What is heard is `|F|²(P + β Re q S)`: the mode, and
-    /// what it has in common with the noise that feeds it.
+    /// The band-pass's envelope y, in white noise e of density S, obeys `y' = -β(1 - q) y + β q e`
+    /// with β = πΔf and q = γ F(ω_s, t) D_s. So `P = E|y|²` obeys
+    /// `P' = -2β(1 - Re q) P + β²|q|² S`. The delay slows it by 1 + β Re q d. The output has the
+    /// power `|F|²(P + β Re q S)`: the mode, and its correlation with the noise that feeds it.
     pub(crate) fn powers(&self, times_s: &[f64], filters: &[Lattice], end: Option<usize>) -> Vec<f64> {
         let angular = TAU * self.frequency_hz / RATE_HZ;
         let responses: Vec<_> = filters.iter().map(|filter| response(&filter.coefficients(), angular)).collect();
         let loudest = responses.iter().map(|response| response.norm()).fold(f64::MIN_POSITIVE, f64::max);
         let lasting = responses.windows(2).zip(times_s.windows(2)).map(|(pair, times)| (pair[0], times[1] - times[0]));
-        // The delay is tuned to the filter in which the mode rings freely, where there is one.
+        // If the noise ends, the delay is tuned to the filter round which the mode rings freely.
         let tuned = end.and_then(|end| responses.get(end).copied()).unwrap_or_else(|| average_of(lasting));
         let back = tuned.conj() / tuned.norm().max(f64::MIN_POSITIVE) * (self.loop_gain / loudest);
         // By eq. 10 and 11 the width shrinks by sin ω/ω towards half the rate.
@@ -51,7 +53,9 @@ impl Guide {
     }
 }
 
-/// `|F| Σ|B_s|` at the centre of each loop, its neighbours' skirts as those of a narrow band-pass: what has to stay below 1.
+/// Gain `|F| Σ|B_s|` at the centre of each loop, which must stay below 1.
+///
+/// The skirts of its neighbours are those of narrow band-passes.
 pub(crate) fn crowding(guides: &[Guide]) -> impl Iterator<Item = f64> + '_ {
     guides.iter().enumerate().map(|(index, guide)| {
         let skirt = |(other, neighbour): (usize, &Guide)| {

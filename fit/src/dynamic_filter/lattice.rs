@@ -1,23 +1,25 @@
-//! Filters that stay stable whatever a search does to their numbers.
+//! Filters as lattice parameters, which stay stable whatever values a search gives them.
 
-use super::{Coefficients, Form};
+use super::model::{Coefficients, Form};
 
-/// Numbers of a search stay within plus and minus this: reflection coefficients up to 0.9999.
+/// Bound on the magnitude of a search's lattice parameters: reflection coefficients up to 0.9999.
 pub(crate) const WIDEST: f64 = 5.0;
 
-/// A filter as free numbers: the logarithm of its gain, then the inverse hyperbolic tangents of the reflection coefficients of poles and of zeros.
+/// A filter as free numbers: ln of its gain, then artanh of the reflection coefficients.
 ///
-/// `A(z) = 1 + k1(1 + k2) z^-1 + k2 z^-2` has its poles inside the unit circle for |k1|, |k2| < 1, which is eq. 21 for the first order; likewise the
-/// numerator's zeros, which magnitude alone cannot tell from their mirror images.
+/// `A(z) = 1 + k1(1 + k2) z^-1 + k2 z^-2` has its poles inside the unit circle for |k1|, |k2| < 1,
+/// which is eq. 21 for the first order. The numerator is written in the same form; magnitude alone
+/// cannot tell its zeros from their mirror images.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Lattice {
     form: Form,
-    /// ln gain, then the numbers that the form leaves free.
+    /// Logarithm of the gain, then the lattice parameters of poles and zeros that the form leaves
+    /// free.
     pub(crate) free: Vec<f64>,
 }
 
 impl Lattice {
-    /// A flat filter of some gain, but for a zero at half the rate where the form has it.
+    /// A flat filter of a gain; a form with a fixed zero at half the rate keeps that zero.
     pub(crate) fn flat(form: Form, gain: f64) -> Self {
         let count = match form {
             Form::FirstOrder => 2,
@@ -29,12 +31,12 @@ impl Lattice {
         Self { form, free }
     }
 
-    /// With free numbers as they are.
+    /// A filter from its free numbers.
     pub(crate) fn of(form: Form, free: Vec<f64>) -> Self {
         Self { form, free }
     }
 
-    /// The same filter in a form that holds more; an exact one where the form has all numbers of the other.
+    /// This filter in another form; exact if that form contains this one's.
     pub(crate) fn within(&self, form: Form) -> Self {
         let at = |index: usize| self.free.get(index).copied().unwrap_or(0.0);
         let free = match (self.form, form) {
@@ -48,7 +50,7 @@ impl Lattice {
         Self { form, free }
     }
 
-    /// The form.
+    /// Form of the filter.
     pub(crate) fn form(&self) -> Form {
         self.form
     }
@@ -63,20 +65,20 @@ impl Lattice {
         }
     }
 
-    /// The filter's coefficients.
+    /// Coefficients of the filter.
     pub(crate) fn coefficients(&self) -> Coefficients {
         let ([k1, k2], [m1, m2]) = self.reflections();
         let gain = self.free.first().copied().unwrap_or(f64::NEG_INFINITY).exp();
         Coefficients { a: [k1 * (1.0 + k2), k2], b: [gain, gain * m1 * (1.0 + m2), gain * m2] }
     }
 
-    /// `|F|²` over ω in radians a sample.
+    /// Squared magnitude `|F|²` as a function of ω in radians a sample.
     pub(crate) fn squared(&self) -> impl Fn(f64) -> f64 + use<> {
         squared(&self.coefficients())
     }
 }
 
-/// `|F|²` over ω in radians a sample, without complex numbers.
+/// Squared magnitude `|F|²` as a function of ω in radians a sample, without complex numbers.
 pub(crate) fn squared(coefficients: &Coefficients) -> impl Fn(f64) -> f64 + use<> {
     let polynomial = |[c0, c1, c2]: [f64; 3]| [c0 * c0 + c1 * c1 + c2 * c2, 2.0 * c1 * (c0 + c2), 2.0 * c0 * c2];
     let [n0, n1, n2] = polynomial(coefficients.b);
@@ -94,8 +96,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn any_numbers_give_a_stable_filter_of_the_magnitude_that_they_say() {
-        let mut random = crate::synthetic::SplitMix64(3);
+    fn any_lattice_parameters_give_a_stable_filter_with_their_magnitude() {
+        let mut random = crate::random::SplitMix64(3);
         for form in [Form::FirstOrder, Form::OnePoleOneZero, Form::SecondOrder] {
             for _ in 0..200 {
                 let mut lattice = Lattice::flat(form, 0.3);

@@ -1,28 +1,29 @@
-//! A first path: at each time the filter whose band levels come nearest to the law.
+//! First path: at each time the filter whose band levels come nearest to the law.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Form;
 use super::lattice::{Lattice, WIDEST};
-use super::response::BandHearing;
+use super::model::Form;
+use super::response::NoiseBand;
 
-/// A band's level falls so far before it no longer matters, dB: a band's decay is read off its first 40 dB.
+/// Fall of a band in dB after which its level no longer matters: its decay is read off the first 40
+/// dB.
 const HEARD_DB: f64 = 45.0;
-/// What a band below that counts: only what exceeds it, and little.
+/// Weight of a band that has faded; only levels above the law's count then.
 const FADED_WEIGHT: f64 = 0.05;
-/// Pull of each free number towards its value a moment earlier, dB.
+/// Price of moving a free number away from its value at the time before, in dB a unit.
 const INERTIA_DB: f64 = 0.3;
-/// Steps of a search at most.
+/// Maximum number of steps of a search.
 const STEPS: usize = 40;
 
-/// One band's law in terms of the filter.
+/// Level that the law asks of one band, over time.
 #[derive(Clone, Debug)]
 pub(crate) struct Target {
-    /// What the band hears.
-    pub(crate) hearing: BandHearing,
-    /// Level of its envelope at the strike, dB.
+    /// Response of the band to the filter's noise.
+    pub(crate) noise_band: NoiseBand,
+    /// Level of the band's envelope at the strike, in dB.
     pub(crate) level_db: f64,
-    /// How fast that falls, dB/s.
+    /// Decay of that level in dB/s.
     pub(crate) decay_db_per_s: f64,
 }
 
@@ -32,8 +33,10 @@ impl Target {
     }
 }
 
-/// Filters at `times_s`, each nearest to the targets in the least-squares sense of decibels: what eq. 19 asks for three bands, in the units in which
-/// a decay is a straight line. The search at each time starts from the filter before.
+/// Filters at `times_s`, each nearest to the targets by least squares of decibels.
+///
+/// Eq. 19 is this criterion for three bands, in amplitudes; in decibels a decay is a straight line.
+/// The search at each time starts from the filter at the time before.
 pub(crate) fn follow(form: Form, targets: &[Target], times_s: &[f64]) -> Vec<Lattice> {
     let mut path: Vec<Lattice> = Vec::with_capacity(times_s.len());
     for &time_s in times_s {
@@ -52,10 +55,10 @@ pub(crate) fn follow(form: Form, targets: &[Target], times_s: &[f64]) -> Vec<Lat
 }
 
 fn level_db(target: &Target, filter: &Lattice) -> f64 {
-    10.0 * target.hearing.power(filter.squared()).max(1e-30).log10()
+    10.0 * target.noise_band.power(filter.squared()).max(1e-30).log10()
 }
 
-/// The search at one time.
+/// Search for the filter at one time.
 struct Moment<'a> {
     targets: &'a [Target],
     time_s: f64,
@@ -63,7 +66,8 @@ struct Moment<'a> {
 }
 
 impl Moment<'_> {
-    /// Where the search begins with nothing before it: flat, low-passes, high-passes and humps at the bands' mean level.
+    /// Starts of the first search: flat, low-passes, high-passes and humps at the bands' mean
+    /// level.
     fn starts(&self, form: Form) -> Vec<Lattice> {
         let flat = Lattice::flat(form, 1.0);
         let above: Vec<f64> =
@@ -88,7 +92,7 @@ impl Moment<'_> {
         shapes.iter().map(start).collect()
     }
 
-    /// Errors, weighed, in dB.
+    /// Weighted errors in dB.
     fn errors(&self, filter: &Lattice) -> DVector<f64> {
         let bands = self.targets.iter().map(|target| {
             let error = level_db(target, filter) - target.level_db_at(self.time_s);
@@ -102,7 +106,8 @@ impl Moment<'_> {
         DVector::from_iterator(count, bands.chain(inert))
     }
 
-    /// Gauss and Newton's descent with Levenberg's damping; the filter and its sum of squares.
+    /// Gauss-Newton descent with Levenberg's damping; returns the filter and its sum of squared
+    /// errors.
     fn descend(&self, start: Lattice) -> (Lattice, f64) {
         const NUDGE: f64 = 1e-4;
         let mut filter = start;

@@ -1,15 +1,16 @@
-//! A model as it sounds, in `f64` at 48 kHz.
+//! Rendering of a model in `f64` at 48 kHz.
 
 use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
-use super::{Coefficients, Loop, Model, RATE_HZ};
-use crate::synthetic::SplitMix64;
+use super::model::{Coefficients, Loop, Model, RATE_HZ};
+use crate::random::SplitMix64;
 
-/// Renders one strike of a model at a force of the reference: `length` samples at 48 kHz, the noise of a seed.
+/// Renders one strike of a model at the reference force: `length` samples at 48 kHz.
 ///
-/// Eq. 12 and 13, coefficients interpolated at each sample: noise and what the loops bring back go through the filter; modes stand beside it.
+/// Eq. 12 and 13 with coefficients interpolated at each sample. The noise of `seed` and the loops'
+/// outputs go through the filter; the modes are added to its output.
 pub fn render(model: &Model, length: usize, seed: u64) -> Vec<f64> {
     let mut random = SplitMix64(seed);
     let mut loops: Vec<Feedback> = model.loops.iter().map(Feedback::new).collect();
@@ -32,9 +33,11 @@ pub fn render(model: &Model, length: usize, seed: u64) -> Vec<f64> {
 
 /// Delay and band-pass of a loop (eq. 8 to 11).
 struct Feedback {
-    /// Whole samples of the delay.
+    /// Delay in whole samples.
     delay: usize,
-    /// The band-pass, its numerator such that gain and phase at the centre are those of the band-pass and of the delay's fraction.
+    /// Numerator of the band-pass.
+    ///
+    /// It gives the gain at the centre, and the phase of the delay's fraction.
     numerator: [f64; 2],
     denominator: [f64; 2],
     before: [f64; 2],
@@ -56,7 +59,7 @@ impl Feedback {
         Self { delay: whole as usize, numerator, denominator, before: [0.0; 2] }
     }
 
-    /// The loop's next sample, from the filter's output so far.
+    /// Next output of the loop, from the filter's output so far.
     fn next(&mut self, sound: &[f64]) -> f64 {
         let n = sound.len();
         let past = |ago: usize| n.checked_sub(ago).and_then(|at| sound.get(at)).copied().unwrap_or(0.0);
@@ -70,11 +73,11 @@ impl Feedback {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Breakpoint, Path};
+    use super::super::model::{Breakpoint, Path};
     use super::*;
 
     #[test]
-    fn noises_of_neighbouring_seeds_have_nothing_in_common() {
+    fn noises_of_neighbouring_seeds_are_uncorrelated() {
         let point =
             |time_s| Breakpoint { time_s, coefficients: Coefficients { a: [0.0; 2], b: [1.0, 0.0, 0.0] }, noise: 1.0 };
         let model = Model { path: Path { points: vec![point(0.0), point(1.0)] }, ..Model::default() };
@@ -83,7 +86,7 @@ mod tests {
             let product = |(a, b): (&f64, &f64)| a * b;
             let common = 3.0 * one.iter().skip(shift).zip(&other).map(product).sum::<f64>() / other.len() as f64;
             let back = 3.0 * other.iter().skip(shift).zip(&one).map(product).sum::<f64>() / one.len() as f64;
-            // Of independent noise: 0.007 is a standard deviation.
+            // Between independent noises 0.007 is one standard deviation.
             assert!(common.abs().max(back.abs()) < 0.035, "{shift}: {common:.3}, {back:.3}");
         }
     }

@@ -1,26 +1,30 @@
-//! The condition under which loops decay round each filter of a path, as the instrument checks it on load.
+//! Stability of the loops round each filter of a path, as the instrument checks it on load.
 
 use std::f64::consts::TAU;
 
 use super::closed_loop::BandPass;
 use super::lattice::squared;
+use super::model::{Coefficients, Loop, Path, RATE_HZ};
 use super::response::near_poles;
-use super::{Coefficients, Loop, Path, RATE_HZ};
 
-/// `|F| Σ|B_s|` stays below this at every frequency and time: less than 1 by what interpolation between breakpoints may add.
+/// Bound on `|F| Σ|B_s|` at every frequency and time.
+///
+/// It is below 1 by the amount that interpolation between breakpoints may add.
 pub const MOST_LOOP_GAIN: f64 = 0.998;
-/// Frequencies at which that is looked at ...
+/// Number of frequencies, over the whole spectrum, at which the loop gain is computed.
 const FREQUENCIES: usize = 512;
-/// ... and so many on either side of each loop's centre, in parts of its width.
+/// Number of frequencies on either side of a loop's centre at which the loop gain is computed.
 const NEAR: i32 = 64;
+/// Number of those frequencies in a width of the loop.
 const PARTS: f64 = 16.0;
 
-/// Largest `|F| Σ|B_s|` over frequencies and a path's breakpoints and the quarters between them.
+/// Largest `|F| Σ|B_s|` over frequencies, at a path's breakpoints and the quarters between them.
 pub fn loop_gain(path: &Path, loops: &[Loop]) -> f64 {
     largest_gain(&filters_of(path), loops)
 }
 
-/// The same for filters, with the band-passes that the instrument plays.
+/// Largest `|F| Σ|B_s|` over filters and frequencies, with the band-passes that the instrument
+/// plays.
 fn largest_gain(filters: &[Coefficients], loops: &[Loop]) -> f64 {
     let bands: Vec<(BandPass, f64)> = loops.iter().map(|guide| (BandPass::of(guide), guide.gain)).collect();
     let wide = frequencies(loops).map(|frequency| TAU * frequency / RATE_HZ);
@@ -32,7 +36,8 @@ fn largest_gain(filters: &[Coefficients], loops: &[Loop]) -> f64 {
     wide.chain(near_poles).map(gain_at).fold(0.0, f64::max)
 }
 
-/// Filters of a path where the instrument looks at it.
+/// Filters of a path at which the instrument checks stability: breakpoints, and quarters between
+/// them.
 pub(crate) fn filters_of(path: &Path) -> Vec<Coefficients> {
     let points = path.points.iter().map(|point| point.coefficients);
     let between = path.points.windows(2).flat_map(|pair| {
@@ -50,10 +55,9 @@ fn frequencies(loops: &[Loop]) -> impl Iterator<Item = f64> + '_ {
     wide.chain(near).filter(|frequency| (0.0..0.5 * RATE_HZ).contains(frequency))
 }
 
-/// Lowers gains until the loops are stable.
+/// Lowers the loops' gains until they are stable: each alone, then all together.
 pub(crate) fn stabilise(path: &Path, loops: &mut [Loop]) {
     let filters = filters_of(path);
-    // Each alone, then all together.
     for guide in loops.iter_mut() {
         let alone = std::slice::from_ref(guide);
         let gain = largest_gain(&filters, alone);

@@ -1,38 +1,43 @@
-//! The study: recordings, and what of their damping the ways of resynthesis keep.
+//! The study: how much of recordings' damping each method of resynthesis keeps.
 
 use std::path::Path as FilePath;
 
-use super::{
-    Criterion, Form, Model, RATE_HZ, USUAL_BANDWIDTH_HZ, additive, by_average_filter, noise_alone, render, waveguide,
-};
+use super::additive::additive;
+use super::average_filter::{USUAL_BANDWIDTH_HZ, by_average_filter};
+use super::model::{Form, Model, RATE_HZ};
+use super::path::{Criterion, noise_alone};
+use super::sound::render;
+use super::waveguide::waveguide;
 use crate::bark::{DampingLaw, damping_law, emergence_db};
+use crate::error::FitError;
 use crate::modes::{self, DampedSine};
-use crate::{FitError, audio, segment};
+use crate::{audio, segment};
 
-/// Resyntheses that are averaged over.
+/// Number of seeds over which a resynthesis is averaged.
 pub const SEEDS: u64 = 4;
-/// Behind its peak a strike rings freely, seconds.
+/// Time in seconds after its peak from which a strike rings freely.
 const CONTACT_S: f64 = 5e-4;
-/// Longest stretch of a strike that is looked at, seconds.
+/// Longest part of a strike that is analysed, in seconds.
 const LONGEST_S: f64 = 12.0;
 
-/// What is known of a recording's loudest strike.
+/// Analysis of a recording's loudest strike.
 #[derive(Clone, Debug)]
 pub struct Heard {
-    /// Its damping law.
+    /// Damping law of the strike.
     pub law: DampingLaw,
-    /// Its modes, amplitudes and phases at the onset.
+    /// Modes of the strike, with amplitudes and phases at the onset.
     pub modes: Vec<DampedSine>,
-    /// What each stands out of the smooth part of the spectrum, dB.
+    /// Level in dB by which each mode stands out of the smooth part of the spectrum.
     pub emergence_db: Vec<f64>,
-    /// Its length in seconds.
+    /// Length of the strike in seconds.
     pub length_s: f64,
 }
 
 /// Analyses the loudest strike of a recording.
 ///
 /// # Errors
-/// [`FitError`]; [`FitError::NoModes`] where no band decays.
+/// [`FitError`] if the recording cannot be read or has no strike; [`FitError::NoModes`] if no band
+/// decays.
 pub fn heard_in(path: &FilePath) -> Result<Heard, FitError> {
     let recording = audio::read(path, None)?;
     let rate_hz = recording.rate_hz;
@@ -56,14 +61,14 @@ pub fn heard_in(path: &FilePath) -> Result<Heard, FitError> {
     Ok(Heard { law, modes, emergence_db, length_s: strike.len() as f64 / rate_hz })
 }
 
-/// A way of resynthesis.
+/// A method of resynthesis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     /// Noise alone, first order, by the paper's three bands (eq. 17 to 21).
     ThreeBands,
-    /// Noise alone, by all bands.
+    /// Noise alone, fitted to all bands.
     Noise(Form),
-    /// Modes beside the filter.
+    /// Noise with modes beside the filter.
     Additive(Form),
     /// The noise alone of second order, with loops by eq. 22 to 24 round it.
     AverageFilter,
@@ -72,7 +77,7 @@ pub enum Way {
 }
 
 impl Way {
-    /// Those that the study compares.
+    /// Methods that the study compares.
     pub const ALL: [Self; 8] = [
         Self::ThreeBands,
         Self::Noise(Form::FirstOrder),
@@ -84,7 +89,7 @@ impl Way {
         Self::Waveguide(Form::SecondOrder),
     ];
 
-    /// Its name in a table.
+    /// Name of the method in a table.
     pub fn label(self) -> &'static str {
         match self {
             Self::ThreeBands => "three bands, 1st",
@@ -101,7 +106,7 @@ impl Way {
         }
     }
 
-    /// The model of a recording.
+    /// Fits a model to an analysed strike by this method.
     pub fn model(self, heard: &Heard) -> Model {
         let Heard { law, modes, emergence_db, .. } = heard;
         match self {
@@ -118,7 +123,7 @@ impl Way {
     }
 }
 
-/// The model with [`SEEDS`] seeds, as long as the recording: one sound a seed, at 48 kHz.
+/// Renders the model with [`SEEDS`] seeds, as long as the strike: one sound a seed, at 48 kHz.
 pub fn resynthesis(model: &Model, heard: &Heard) -> Vec<Vec<f64>> {
     let length = (heard.length_s * RATE_HZ) as usize;
     (1..=SEEDS).map(|seed| render(model, length, seed)).collect()

@@ -1,29 +1,33 @@
-//! A model as a table, and what of a recording's damping the instrument keeps when it plays that table.
+//! Tables of models, and how much of a recording's damping the instrument keeps when it plays them.
 
 use nalgebra::Complex;
 
+use super::damping::{Comparison, compare, mean_law};
+use super::model::{Breakpoint, Coefficients, Form, Loop, Model, RATE_HZ};
 use super::study::{Heard, Way};
-use super::{Comparison, Form, Model, RATE_HZ, compare, mean_law};
+use crate::error::FitError;
 use crate::modes::DampedSine;
 use crate::strike::Fit;
 use crate::table::{self, Provenance};
-use crate::{FitError, contact, render};
+use crate::{contact, render};
 
-/// Seeds of the noise that the instrument is heard with.
+/// Seeds of the noise with which the instrument plays a table.
 const SEEDS: std::ops::RangeInclusive<u32> = 1..=4;
-/// Shortest contact in seconds: three samples at 48 kHz. Longest, where no mode needs a shorter one.
+/// Shortest contact in seconds (three samples at 48 kHz), and longest, if no mode needs a shorter
+/// one.
 const CONTACT_S: [f64; 2] = [6.25e-5, 2e-4];
 
-/// Largest radius of a pole, and least real pole of a second order, that the instrument plays, with room for the table's rounding.
+/// Largest radius of a pole that the instrument plays, with room for the table's rounding.
 const MOST_POLE: f64 = 0.999_88;
+/// Least real pole of a second-order filter that the instrument plays.
 const LEAST_REAL_POLE: f64 = -0.89;
 
-/// Which ways of resynthesis a table is sought by.
+/// Companions of the filter in a fitted table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Beside {
     /// At most ten modes beside the filter.
     Modes,
-    /// At most ten loops round it.
+    /// At most ten loops round the filter.
     Loops,
 }
 
@@ -32,24 +36,28 @@ pub enum Beside {
 pub struct Fitted {
     /// The table.
     pub table: kit::Kit,
-    /// Its model.
+    /// Model from which the table is made.
     pub model: Model,
-    /// The recording's Bark bands beside the sound of the table, as the instrument plays it at 48 kHz, the mean of four seeds.
+    /// Bark bands of the recording beside those of the table.
+    ///
+    /// The table is played by the instrument at 48 kHz; the decays are the mean of four seeds.
     pub bands: Vec<Comparison>,
 }
 
 impl Fitted {
-    /// Bands whose α is within 15 %.
+    /// Number of bands whose α is within 15 %.
     pub fn bands_within(&self) -> usize {
         self.bands.iter().filter(|band| band.error() <= 0.15).count()
     }
 }
 
-/// Fits filters of second and of first order, plays their tables, and keeps the one that keeps more bands within 15 %. (The instrument refuses paths on which complex poles become real
-/// ones.)
+/// Fits filters of second and of first order, and keeps the one whose table keeps more bands within
+/// 15 %.
+///
+/// The instrument plays both tables. It refuses paths on which complex poles become real ones.
 ///
 /// # Errors
-/// [`FitError::Render`] where the instrument plays neither.
+/// [`FitError::Render`] if the instrument plays neither.
 pub fn fitted(heard: &Heard, beside: Beside, provenance: &Provenance) -> Result<Fitted, FitError> {
     let way = |form| match beside {
         Beside::Modes => Way::Additive(form),
@@ -79,7 +87,7 @@ fn heard_in_instrument(heard: &Heard, model: &Model, provenance: &Provenance) ->
     Ok(Fitted { table: of_model(model, provenance, *SEEDS.start()), model: model.clone(), bands })
 }
 
-/// The table of a model: at velocity 1 its sound, softer strikes by Hertz's law.
+/// The table of a model: the model's sound at velocity 1, and softer strikes by Hertz's law.
 pub fn of_model(model: &Model, provenance: &Provenance, seed: u32) -> kit::Kit {
     let silent = Fit { rate_hz: RATE_HZ, modes: vec![], strikes: vec![], measured: false, loudest: 0 };
     let mut table = table::of_fit(&silent, provenance);
@@ -95,8 +103,10 @@ pub fn of_model(model: &Model, provenance: &Provenance, seed: u32) -> kit::Kit {
     table
 }
 
-/// The mode that a contact of 1 N and so many seconds leaves as it is wanted: its residue over the force's transform, as
-/// the instrument plays it, at the mode's pole.
+/// The mode that a contact of 1 N and `contact_s` seconds excites as `mode`.
+///
+/// Its gain is the residue of `mode`, divided by the transform of the force as the instrument plays
+/// it, at the mode's pole.
 fn driven(mode: &DampedSine, contact_s: f64) -> kit::Mode {
     let pole = Complex::new(-mode.decay_per_s, std::f64::consts::TAU * mode.frequency_hz) / RATE_HZ;
     let force = contact::force(contact_s, RATE_HZ);
@@ -112,13 +122,13 @@ fn driven(mode: &DampedSine, contact_s: f64) -> kit::Mode {
 fn filter(model: &Model, seed: u32) -> kit::DynamicFilter {
     let points = &model.path.points;
     let second = points.iter().any(|point| point.coefficients.a[1] != 0.0 || point.coefficients.b[2] != 0.0);
-    let breakpoint = |point: &super::Breakpoint| {
-        let super::Coefficients { a, b: [b0, b1, b2] } = point.coefficients;
+    let breakpoint = |point: &Breakpoint| {
+        let Coefficients { a, b: [b0, b1, b2] } = point.coefficients;
         let [a1, a2] = played(a, if second { LEAST_REAL_POLE } else { -MOST_POLE });
         let [a1, a2, b0, b1, b2] = [a1, a2, b0, b1, b2].map(|value| value as f32);
         kit::Breakpoint { time_s: point.time_s as f32, noise: point.noise as f32, a1, a2, b0, b1, b2 }
     };
-    let round = |one: &super::Loop| kit::Loop {
+    let round = |one: &Loop| kit::Loop {
         frequency_hz: one.frequency_hz as f32,
         bandwidth_hz: one.bandwidth_hz as f32,
         gain: one.gain as f32,
@@ -135,7 +145,9 @@ fn filter(model: &Model, seed: u32) -> kit::DynamicFilter {
     }
 }
 
-/// a1, a2 with poles that the instrument plays: what rings for longer than T60 1.2 s rings that long.
+/// Coefficients a1, a2 with poles clamped to those that the instrument plays.
+///
+/// A pole that rings longer than a T60 of 1.2 s is moved to that T60.
 fn played([a1, a2]: [f64; 2], least: f64) -> [f64; 2] {
     let discriminant = a1 * a1 - 4.0 * a2;
     if discriminant < 0.0 {
@@ -143,6 +155,6 @@ fn played([a1, a2]: [f64; 2], least: f64) -> [f64; 2] {
         return [a1 * smaller, a2 * smaller * smaller];
     }
     let [p, q] = [1.0, -1.0].map(|sign| ((-a1 + sign * discriminant.sqrt()) / 2.0).clamp(least, MOST_POLE));
-    // Never -0.0: a table of the first order has no a2.
+    // The sum keeps -0.0 out: a table of the first order has no a2.
     [-(p + q), p * q + 0.0]
 }

@@ -1,18 +1,21 @@
-//! From a filter at many times to the few breakpoints of a table.
+//! Thinning: from a filter at many times to the few breakpoints of a table.
 
 use super::lattice::squared;
-use super::response::BandHearing;
-use super::{Breakpoint, Coefficients, Path};
+use super::model::{Breakpoint, Coefficients, Path};
+use super::response::NoiseBand;
 
-/// Most breakpoints of a table.
+/// Maximum number of breakpoints of a table.
 pub const MOST_BREAKPOINTS: usize = 32;
-/// Linear interpolation between breakpoints keeps each band's level this near to what it was, dB, as long as the number of breakpoints allows.
+/// Largest error in dB of a band's level between breakpoints, if their number allows.
 pub const THINNED_WITHIN_DB: f64 = 0.2;
-/// A band so far below its loudest is not looked at, dB.
+/// Distance in dB below a band's loudest level from which its errors are ignored.
 const HEARD_DB: f64 = 50.0;
 
-/// Breakpoints of filters at times, the first at 0: starts from both ends and adds the time at which a band is furthest off, until none is.
-pub(crate) fn thin(times_s: &[f64], filters: &[Coefficients], bands: &[BandHearing]) -> Path {
+/// Breakpoints of filters at times, of which the first is 0.
+///
+/// Starts from both ends, and adds the time with the largest error of a band's level until every
+/// error is small.
+pub(crate) fn thin(times_s: &[f64], filters: &[Coefficients], bands: &[NoiseBand]) -> Path {
     let level = |coefficients: &Coefficients| -> Vec<f64> {
         let squared = squared(coefficients);
         bands.iter().map(|band| 10.0 * band.power(&squared).max(1e-30).log10()).collect()

@@ -1,27 +1,29 @@
-//! The paper's own criterion: first order, the damping kept in the bands of three spectral centroids (dynamic-filter eq. 17 to 21).
+//! The paper's criterion: a first-order filter that keeps the damping in the bands of three
+//! spectral centroids (dynamic-filter eq. 17 to 21).
 
 use std::f64::consts::TAU;
 
-use super::response::{BandHearing, response};
-use super::{Coefficients, RATE_HZ};
+use super::model::{Coefficients, RATE_HZ};
+use super::response::{NoiseBand, response};
 use crate::bark::{DampingLaw, bark};
 
-/// Values of a1 that the search tries before it closes in.
+/// Number of values of a1 that are tried before the golden-section search.
 const TRIED: usize = 400;
-/// Bound on |a1| (eq. 21), short of 1.
+/// Bound on |a1| (eq. 21), just below 1.
 const MOST_A1: f64 = 0.99995;
 
 /// Coefficients {a1, b0} at each of `times_s`, the first of which is 0.
 ///
-/// Eq. 20 fixes differences of amplitudes only. At the strike, where there is nothing to differ from, `|F|` itself meets `Λ(G_k)` in the
-/// least-squares sense; from there on each step makes criterion 19 least. For a given a1 that is linear in b0, so a1 alone is searched: over
-/// -1 to 1 (eq. 21), then by golden section. Λ is taken in units of what a band hears of the filter's noise.
+/// Eq. 20 fixes differences of amplitudes only. At the strike, which has no predecessor, `|F|`
+/// itself meets `Λ(G_k)` by least squares; from there on each step minimises criterion 19. For a
+/// given a1 that is linear in b0, so a1 alone is searched: over -1 to 1 (eq. 21), then by golden
+/// section. Λ is divided by the band's response to the filter's white noise.
 pub(crate) fn keep_three(law: &DampingLaw, times_s: &[f64]) -> Vec<Coefficients> {
     let centroids = &law.centroids;
     let bands: Vec<Kept> = [centroids.whole_hz, centroids.below_hz, centroids.above_hz]
         .into_iter()
         .map(|frequency_hz| {
-            let heard = BandHearing::new(bark(frequency_hz)).power(|_| 1.0).max(1e-30).sqrt();
+            let heard = NoiseBand::new(bark(frequency_hz)).power(|_| 1.0).max(1e-30).sqrt();
             Kept {
                 angular: TAU * frequency_hz / RATE_HZ,
                 gain: law.gain(frequency_hz) / heard,
@@ -63,7 +65,8 @@ fn best(bands: &[Kept], wanted: &[f64]) -> Coefficients {
         let criterion: f64 = shapes.iter().zip(wanted).map(|(h, w)| 0.5 * (b0 * h - w).powi(2)).sum();
         (criterion, Coefficients { a: [a1, 0.0], b: [b0, b0, 0.0] })
     };
-    // Even steps of the pole's distance to the unit circle in its logarithm: that is what a low-pass's edge goes by.
+    // Even steps in the logarithm of the pole's distance to the unit circle, which sets a
+    // low-pass's edge.
     let a1_of = |place: f64| MOST_A1 * place.tanh();
     let widest = 5.0;
     let step = 2.0 * widest / TRIED as f64;
@@ -84,12 +87,12 @@ mod tests {
     use crate::bark::{Centroids, DampingBand, frequency_hz};
 
     #[test]
-    fn a_law_that_a_first_order_filter_can_hold_is_held_exactly() {
+    fn a_law_that_a_first_order_filter_can_follow_is_followed_within_2_percent() {
         let bands = (2..22).map(f64::from).map(|rate| DampingBand {
             bark: rate,
             centre_hz: frequency_hz(rate),
-            // White noise through a plain gain: the same decay everywhere.
-            gain: 0.1 * BandHearing::new(rate).power(|_| 1.0).sqrt(),
+            // White noise through a constant gain decays alike in all bands.
+            gain: 0.1 * NoiseBand::new(rate).power(|_| 1.0).sqrt(),
             decay_per_s: 20.0,
         });
         let centroids = Centroids { whole_hz: 1000.0, below_hz: 400.0, above_hz: 2500.0, highest_hz: 9000.0 };

@@ -1,7 +1,9 @@
-//! What one pole contributes to one stretch of sound: its response `u`, and the derivative `v = ∂u/∂(ln z)`.
+//! Contribution of one pole to one stretch of sound: its response `u`, and the derivative
+//! `v = ∂u/∂(ln z)`.
 //!
-//! Ringing freely, `u = zⁿ` and `v = n zⁿ`. Under a known force F of M samples, `u = F ⊗ zⁿ`: M samples that are kept as they are
-//! (the head), then a free decay, `u[M+i] = U zⁱ`, `v[M+i] = (V + i U) zⁱ` (the tail), whose inner products need no samples.
+//! Ringing freely, `u = zⁿ` and `v = n zⁿ`. Under a known force F of M samples, `u = F ⊗ zⁿ`. Its
+//! first M samples are stored (the head). A free decay follows, `u[M+i] = U zⁱ`,
+//! `v[M+i] = (V + i U) zⁱ` (the tail), whose inner products need no samples.
 
 use nalgebra::Complex;
 
@@ -11,9 +13,11 @@ use super::power_sums::power_sums;
 /// A stretch of sound in which modes ring.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stretch<'a> {
-    /// The sound.
+    /// Samples of the sound.
     pub(crate) samples: &'a [f64],
-    /// The force that drives the modes from the first sample on, at most as long as the sound; none if they ring freely.
+    /// Force that drives the modes from the first sample on, at most as long as the sound.
+    ///
+    /// `None` if the modes ring freely.
     pub(crate) force: Option<&'a [f64]>,
 }
 
@@ -31,7 +35,7 @@ impl<'a> Stretch<'a> {
     }
 }
 
-/// A pole's response within a stretch.
+/// Response of a pole within a stretch.
 #[derive(Clone, Debug)]
 pub(crate) struct Basis {
     pub(crate) pole: Pole,
@@ -42,7 +46,7 @@ pub(crate) struct Basis {
     tail_length: usize,
 }
 
-/// Inner products of the responses of two poles: `with` = Σ a b*, `without` = Σ a b.
+/// Inner products of the responses of two poles a and b: u with u, u with v, v with u, v with v.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Products {
     pub(crate) uu: Pair,
@@ -51,12 +55,12 @@ pub(crate) struct Products {
     pub(crate) vv: Pair,
 }
 
-/// `[Σ a b*, Σ a b]`.
+/// A pair of inner products, `[Σ a b*, Σ a b]`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pair(Complex<f64>, Complex<f64>);
 
 impl Pair {
-    /// `Σ Re(α a) Re(β b)`.
+    /// Real inner product `Σ Re(α a) Re(β b)`.
     pub(crate) fn real(self, alpha: Complex<f64>, beta: Complex<f64>) -> f64 {
         0.5 * (alpha * (beta.conj() * self.0 + beta * self.1)).re
     }
@@ -83,7 +87,7 @@ impl Basis {
         Self { pole, head_u, head_v, tail_u: z * u, tail_v: z * (v + u), tail_length }
     }
 
-    /// The response from a sample behind the force on.
+    /// The response from sample `from` on, which must lie after the force.
     pub(crate) fn later(&self, from: usize, length: usize) -> Self {
         let since = from.saturating_sub(self.head_u.len()) as f64;
         let power = self.pole.power(since);
@@ -97,7 +101,7 @@ impl Basis {
         }
     }
 
-    /// `[Σ x u, Σ x v]`.
+    /// Inner products `[Σ x u, Σ x v]` with samples x.
     pub(crate) fn project(&self, samples: &[f64]) -> [Complex<f64>; 2] {
         let (head, tail) = samples.split_at(self.head_u.len());
         let [plain, ramp] = project(self.pole, tail);
@@ -109,7 +113,7 @@ impl Basis {
         sums
     }
 
-    /// `Σ F u`, the inner product with the force itself.
+    /// Inner products `[Σ F u, Σ F v]` with the force F.
     pub(crate) fn along_force(&self, force: &[f64]) -> [Complex<f64>; 2] {
         let mut sums = [Complex::new(0.0, 0.0); 2];
         for ((force, u), v) in force.iter().zip(&self.head_u).zip(&self.head_v) {

@@ -1,24 +1,24 @@
-//! The noise floor under a recording, as a function of frequency.
+//! Noise floor of a recording as a function of frequency.
 
 use std::f64::consts::{LN_2, TAU};
 
-/// Noise power in bands: the variance that white noise of the same density would have.
+/// Noise power in bands, as the variance of white noise of equal density.
 #[derive(Clone, Debug)]
 pub(crate) struct NoiseFloor {
-    /// Upper edge of each band, rad/sample, and its variance.
+    /// Upper edge of each band in rad/sample, and its variance.
     bands: Vec<(f64, f64)>,
 }
 
-/// Bins a band at least: their median then is within 15 %.
+/// Minimum number of bins in a band: their median is then within 15 %.
 const LEAST_BINS: usize = 64;
-/// Frames shorter than this are not made.
+/// Minimum length of a frame in samples.
 const LEAST_FRAME: usize = 4096;
 
 impl NoiseFloor {
-    /// Estimates the floor of what a model leaves of a recording.
+    /// Estimates the noise floor from the residual of a model.
     ///
-    /// Per band the median over bins, which a few modes that are still in there do not move; of up to four frames one after the other the quietest, since
-    /// a recording ends in its noise.
+    /// In each band it is the median over bins, which a few remaining modes do not move. Of up to
+    /// four successive frames the quietest counts, because a recording ends in its noise.
     pub(crate) fn of_residual(residual: &[f64]) -> Self {
         let frames = (residual.len() / LEAST_FRAME).clamp(1, 4);
         let length = residual.len() / frames;
@@ -34,7 +34,7 @@ impl NoiseFloor {
             if transform.process(&mut windowed, &mut output).is_err() {
                 break;
             }
-            // The window's mean square is 3/2.
+            // The mean square of the window is 3/2.
             let power: Vec<f64> = output.iter().map(|bin| bin.norm_sqr() / (1.5 * length as f64)).collect();
             let bands = bands(&power);
             if quietest.is_empty() {
@@ -48,14 +48,15 @@ impl NoiseFloor {
         Self { bands: quietest }
     }
 
-    /// Noise variance at a frequency, rad/sample.
+    /// Noise variance at a frequency in rad/sample.
     pub(crate) fn variance(&self, angular: f64) -> f64 {
         let at = self.bands.partition_point(|(edge, _)| *edge < angular).min(self.bands.len().saturating_sub(1));
         self.bands.get(at).map_or(f64::MIN_POSITIVE, |band| band.1.max(f64::MIN_POSITIVE))
     }
 }
 
-/// Bands of a fifth of their frequency, at least 64 bins: edge and median-based variance.
+/// Upper edge and median-based variance of bands as wide as a fifth of their frequency, at least 64
+/// bins.
 fn bands(power: &[f64]) -> Vec<(f64, f64)> {
     let mut bands = Vec::new();
     let mut start = 1;

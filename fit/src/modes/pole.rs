@@ -1,13 +1,13 @@
-//! A mode's pole, in the estimators' unit of time: the sample.
+//! A mode's pole, with the sample as unit of time.
 
 use nalgebra::Complex;
 
-/// `z = e^{-decay + j angular}`, both per sample.
+/// A pole `z = e^{-decay + j angular}`, both per sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pole {
-    /// Decay, 1/sample, above 0.
+    /// Decay in 1/sample, above 0.
     pub(crate) decay: f64,
-    /// Angular frequency, rad/sample, 0 to π.
+    /// Angular frequency in rad/sample, 0 to π.
     pub(crate) angular: f64,
 }
 
@@ -24,21 +24,22 @@ impl Pole {
         self.decay * rate_hz
     }
 
-    /// `zⁿ`.
+    /// Power `zⁿ`.
     pub(crate) fn power(self, n: f64) -> Complex<f64> {
         Complex::from_polar((-self.decay * n).exp(), self.angular * n)
     }
 
-    /// How many of `length` samples it takes until what is left changes no digit (150 dB down).
+    /// Number of `length` samples after which the rest changes no digit (150 dB down).
     pub(crate) fn lasting(self, length: usize) -> usize {
         length.min((17.3 / self.decay).ceil() as usize + 1)
     }
 }
 
-/// Whole blocks of powers are made by one product each, as `z^(start + i) = z^start z^i`.
+/// Number of powers in a block: a whole block is made by one product, as
+/// `z^(start + i) = z^start z^i`.
 pub(crate) const BLOCK: usize = 64;
 
-/// `z^0 .. z^63`, real and imaginary parts apart.
+/// Powers `z^0 .. z^63`, with real and imaginary parts in separate arrays.
 pub(crate) struct PowerBlock {
     re: [f64; BLOCK],
     im: [f64; BLOCK],
@@ -53,7 +54,7 @@ impl PowerBlock {
         block
     }
 
-    /// `[Σ x zⁱ, Σ i x zⁱ]` over at most 64 samples.
+    /// Sums `[Σ x zⁱ, Σ i x zⁱ]` over at most 64 samples.
     fn weigh(&self, samples: &[f64]) -> [Complex<f64>; 2] {
         let (mut re, mut im, mut re_n, mut im_n) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
         let mut index = [0.0, 1.0, 2.0, 3.0];
@@ -78,7 +79,7 @@ impl PowerBlock {
     }
 }
 
-/// `[Σ x[n] zⁿ, Σ n x[n] zⁿ]`.
+/// Sums `[Σ x[n] zⁿ, Σ n x[n] zⁿ]`.
 pub(crate) fn project(pole: Pole, samples: &[f64]) -> [Complex<f64>; 2] {
     let block = PowerBlock::new(pole);
     let mut sums = [Complex::new(0.0, 0.0); 2];

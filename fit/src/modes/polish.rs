@@ -1,11 +1,13 @@
-//! From the most likely modes to those that sound most alike: a descent on the log-spectral distance.
+//! Descent on the log-spectral distance, from the most likely modes to those that sound most alike.
 //!
-//! Least squares care for energy: a mode 40 dB down counts a ten-thousandth of the strongest. An ear, and the log-spectral distance, do
-//! not. With fewer modes than the sound has, the two ask for different ones in the gaps. The descent (Adam) moves gains freely
-//! and poles within a fraction of their bandwidth, so that a mode stays the mode that was measured.
+//! Least squares weigh energy: a mode 40 dB down counts a ten-thousandth of the strongest. An ear,
+//! and the log-spectral distance, do not. With fewer modes than the sound has, the two criteria ask
+//! for different modes in the gaps. The descent (Adam) moves gains freely and poles within a
+//! fraction of their bandwidth, so that a mode stays the mode that was measured.
 //!
-//! The distance looks at the beginning of a strike, which hardly tells the decay of a mode that rings for seconds: with nothing else in
-//! the balance its tail would end up tens of decibels too loud. So short parts of what follows are compared too.
+//! The distance compares the beginning of a strike, which hardly shows the decay of a mode that
+//! rings for seconds. With nothing else to compare, the tail of such a mode would end up tens of
+//! decibels too loud. So short parts of the later sound are compared too.
 
 use nalgebra::Complex;
 
@@ -14,23 +16,28 @@ use super::pole::Pole;
 use super::refine::{Gains, MOST_DECAY};
 use crate::distance::{LONGEST_WINDOW, Target, log_spectral_distance_db};
 
+/// Number of steps.
 const STEPS: usize = 160;
-/// First step: of a gain, as a share of it; of a frequency, as a share of the decay; of the logarithm of the decay.
+/// First steps: two of a gain, relative to it, one of a frequency, relative to the decay, and one
+/// of ln decay.
 const FIRST_STEP: [f64; 4] = [0.05, 0.05, 0.03, 0.03];
-/// How far a frequency may move, as a share of the decay, and the logarithm of a decay.
+/// Largest change of a frequency, relative to the decay, and of ln decay.
 const REACH: [f64; 2] = [0.5, 0.5];
 
-/// Parts of what follows the beginning that are compared, each as long as the distance's longest window ...
+/// Number of later parts that are compared, each as long as the distance's longest window.
 const PARTS: usize = 12;
-/// ... the closer together the earlier: the place of each in the order, from 0 to 1, to this power.
+/// Exponent that moves the parts towards the beginning: it is applied to their order, from 0 to 1.
 const CROWDING: f64 = 1.5;
-/// What all of them count beside the beginning.
+/// Weight of all later parts together, relative to the beginning.
 const PARTS_WEIGHT: f64 = 0.5;
-/// What follows is heard until the last sample that is within so much of the strongest, as a ratio: 60 dB.
+/// Level, as a ratio of amplitudes to the strongest sample, down to which the later sound is
+/// compared: 60 dB.
 const HEARD: f64 = 1e-3;
 
-/// Moves poles and gains of one strike to come nearer to `wanted`, the beginning of the stretch, and to parts of what follows. Returns the best that
-/// was met, which may be what was given.
+/// Moves poles and gains of one strike nearer to `wanted`, the beginning of the stretch, and to
+/// later parts.
+///
+/// Returns the best poles and gains found, which may be those given.
 pub(crate) fn polish(stretch: &Stretch<'_>, wanted: &[f64], poles: &[Pole], gains: &Gains) -> (Vec<Pole>, Gains) {
     let target = Target::new(wanted);
     let length = wanted.len();
@@ -71,7 +78,7 @@ pub(crate) fn polish(stretch: &Stretch<'_>, wanted: &[f64], poles: &[Pole], gain
             let gain = now_gains.modes[k];
             let size = gain.norm().max(floor);
             let decay = now[k].decay;
-            // Slopes by the size-relative gain, by ω in units of the decay, by ln d.
+            // Derivatives by the relative gain, by ω in units of the decay, and by ln d.
             let slopes = [
                 plain.re * size,
                 -plain.im * size,
@@ -102,7 +109,7 @@ pub(crate) fn polish(stretch: &Stretch<'_>, wanted: &[f64], poles: &[Pole], gain
         }
     }
     let (poles, mut gains, _) = best;
-    // The distance knows no level: the recording's is put back.
+    // The distance ignores the level, so the recording's level is restored.
     let energy = |sound: &[f64]| sound.iter().map(|x| x * x).sum::<f64>();
     let (_, sound) = render(&poles, &gains);
     let level = (energy(wanted) / energy(&sound).max(f64::MIN_POSITIVE)).sqrt();
@@ -111,15 +118,15 @@ pub(crate) fn polish(stretch: &Stretch<'_>, wanted: &[f64], poles: &[Pole], gain
     (poles, gains)
 }
 
-/// A part of the strike behind its beginning.
+/// A part of the strike after its beginning.
 struct Part {
-    /// Its first sample.
+    /// First sample of the part.
     from: usize,
     target: Target,
     weight: f64,
 }
 
-/// What a part counts: its share of the distance, and the derivative by each of its samples.
+/// Share of a part in the distance, and its derivative by each sample of the part.
 struct Heard {
     distance_db: f64,
     slope: Vec<f64>,
@@ -137,7 +144,8 @@ impl Part {
     }
 }
 
-/// Parts between the beginning and the last that is heard of a strike; none where that is too short.
+/// Parts between the beginning and the last audible sample of a strike; none if that span is too
+/// short.
 fn parts(beginning: &Target, samples: &[f64], from: usize) -> Vec<Part> {
     let peak = samples.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
     let end = samples.iter().rposition(|x| x.abs() > HEARD * peak).unwrap_or(0);
@@ -154,11 +162,11 @@ fn parts(beginning: &Target, samples: &[f64], from: usize) -> Vec<Part> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::synthetic::SplitMix64;
+    use crate::random::SplitMix64;
 
     #[test]
-    fn a_tail_keeps_its_level_where_the_beginning_is_more_than_its_modes() {
-        // One mode of T60 3 s, and behind the strike for 0.25 s noise that no mode is there for.
+    fn a_polished_tail_keeps_its_level_under_noise_at_the_beginning() {
+        // One mode of T60 3 s, and noise for 0.25 s after the strike, for which there is no mode.
         let rate_hz = 44_100.0;
         let pole = Pole::new(700.0, 2.3, rate_hz);
         let mut random = SplitMix64(4);

@@ -1,11 +1,12 @@
-//! Sums of powers, from which all inner products of damped sines follow without touching a sample.
+//! Sums of powers, from which all inner products of damped sines follow without any samples.
 
 use nalgebra::Complex;
 
-/// `[Σ zⁿ, Σ n zⁿ, Σ n² zⁿ]` over `n = 0 .. length`, for |z| <= 1.
+/// Sums `[Σ zⁿ, Σ n zⁿ, Σ n² zⁿ]` over `n = 0 .. length`, for |z| <= 1.
 ///
-/// By doubling: the sums over `2L` terms are those over `L` terms, plus the same shifted by `L`. Unlike the closed form, whose
-/// `(1 - z)⁻³` cancels when a mode hardly decays over the recording, nothing is subtracted here.
+/// Computed by doubling: the sums over `2L` terms are those over `L` terms plus those shifted by
+/// `L`. The closed form has a factor `(1 - z)⁻³`, which cancels when a mode hardly decays over the
+/// recording; here nothing is subtracted.
 pub(crate) fn power_sums(z: Complex<f64>, length: usize) -> [Complex<f64>; 3] {
     let zero = Complex::new(0.0, 0.0);
     // Sums over the first `done` terms, and `z^done`.
@@ -27,10 +28,10 @@ pub(crate) fn power_sums(z: Complex<f64>, length: usize) -> [Complex<f64>; 3] {
     sums
 }
 
-/// Where |zⁿ|² has fallen below this, what follows changes no digit.
+/// Value of |zⁿ|² below which the following terms change no digit.
 const NEGLIGIBLE: f64 = 1e-60;
 
-/// Sums of two stretches of terms, the second behind `shift` terms of the first.
+/// Sums of two stretches of terms, the second of which starts `shift` terms after the first.
 fn appended(
     first: [Complex<f64>; 3],
     shift: f64,
@@ -50,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_the_plain_sums_whether_the_mode_decays_at_once_or_hardly_at_all() {
+    fn power_sums_equal_plain_sums_for_fast_and_slow_decays() {
         for (decay, turn) in [(0.5, 1.0), (1e-3, 0.1), (1e-9, 1e-7), (0.0, 0.0), (1e-4, 3.1)] {
             let z = Complex::new(-decay, turn).exp();
             for length in [0, 1, 2, 63, 64, 1000, 4097] {

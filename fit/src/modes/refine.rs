@@ -1,15 +1,17 @@
-//! Joint refinement of all modes by variable projection: the maximum-likelihood estimate under white noise.
+//! Joint refinement of all modes by variable projection: the maximum-likelihood estimate under
+//! white noise.
 //!
-//! Gains enter linearly: for given poles they are solved for exactly. What remains is a least-squares problem in the poles alone, solved by
-//! Gauss-Newton steps (Kaufman's form) with Levenberg's damping. Poles are shared by all groups; each group has its own
-//! gains, which hold for all stretches of the group.
+//! Gains enter linearly: for given poles they are solved for exactly. The remaining least-squares
+//! problem in the poles is solved by Gauss-Newton steps (Kaufman's form) with Levenberg's damping.
+//! All groups share the poles. Each group has its own gains, which hold for all stretches of the
+//! group.
 
 use nalgebra::{Cholesky, Complex, DMatrix, DVector, Dyn};
 
 use super::basis::{Basis, Stretch};
 use super::pole::Pole;
 
-/// Stretches of sound with the same gains.
+/// Stretches of sound with common gains.
 #[derive(Clone, Debug)]
 pub(crate) struct Group<'a> {
     pub(crate) stretches: Vec<Stretch<'a>>,
@@ -32,23 +34,23 @@ impl<'a> Group<'a> {
 /// Gains of one group.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Gains {
-    /// One a pole: the sound is `Σ Re(gain u)`.
+    /// Gain of each pole: the sound is `Σ Re(gain u)`.
     pub(crate) modes: Vec<Complex<f64>>,
-    /// Gain of the force itself (acceleration sound); 0 where modes ring freely.
+    /// Gain of the force itself (acceleration sound); 0 if the modes ring freely.
     pub(crate) force: f64,
 }
 
-/// Poles and gains.
+/// Poles, and the gains of each group.
 #[derive(Clone, Debug)]
 pub(crate) struct Model {
     pub(crate) poles: Vec<Pole>,
     pub(crate) gains: Vec<Gains>,
-    /// For each pole, by how much the energy that is left would grow without it, the gains of the others refitted.
+    /// Growth of the residual energy without each pole, with the gains of the others refitted.
     pub(crate) worth: Vec<f64>,
 }
 
 impl Model {
-    /// What the model leaves of one stretch.
+    /// Residual of the model in one stretch.
     pub(crate) fn residual(&self, group: usize, stretch: &Stretch<'_>) -> Vec<f64> {
         let mut left = stretch.samples.to_vec();
         let gains = &self.gains[group];
@@ -61,7 +63,7 @@ impl Model {
         left
     }
 
-    /// Takes the poles out whose index is listed; gains and worth have to be found anew.
+    /// Poles without those whose index is listed; gains and worth have to be found anew.
     pub(crate) fn without(&self, dropped: &[usize]) -> Vec<Pole> {
         let kept = self.poles.iter().enumerate().filter(|(index, _)| !dropped.contains(index));
         kept.map(|(_, pole)| *pole).collect()
@@ -71,17 +73,17 @@ impl Model {
 const ONE: Complex<f64> = Complex::new(1.0, 0.0);
 const TURN: Complex<f64> = Complex::new(0.0, 1.0);
 
-/// One group's normal equations at some poles.
+/// Normal equations of one group, solved for its gains at given poles.
 struct Solved {
     bases: Vec<Vec<Basis>>,
-    /// `Σ x v` of each stretch and pole.
+    /// Inner products `Σ x v` of each stretch and pole.
     ramps: Vec<Vec<Complex<f64>>>,
     gains: Gains,
     factor: Cholesky<f64, Dyn>,
     residual_energy: f64,
 }
 
-/// Solves for the gains of a group: modes as pairs of columns `Re u`, `-Im u`, then the force.
+/// Solves for the gains of a group: pairs of columns `Re u`, `-Im u` for the modes, then the force.
 fn solve(group: &Group<'_>, poles: &[Pole]) -> Option<Solved> {
     let bases: Vec<Vec<Basis>> =
         group.stretches.iter().map(|stretch| poles.iter().map(|&pole| Basis::new(pole, stretch)).collect()).collect();
@@ -123,7 +125,8 @@ fn solve(group: &Group<'_>, poles: &[Pole]) -> Option<Solved> {
             normal[(row, column)] = normal[(column, row)];
         }
     }
-    // Two poles in one place are a waste and not a fault: then a hair is added to the diagonal.
+    // Two poles in one place must not fail: the diagonal is raised slightly until the matrix is
+    // definite.
     let factor = [1e-13, 1e-10, 1e-7, 1e-4].into_iter().find_map(|hair| {
         let mut normal = normal.clone();
         (0..size).for_each(|row| normal[(row, row)] = normal[(row, row)] * (1.0 + hair) + f64::MIN_POSITIVE);
@@ -136,7 +139,8 @@ fn solve(group: &Group<'_>, poles: &[Pole]) -> Option<Solved> {
     Some(Solved { bases, ramps, gains: Gains { modes, force }, factor, residual_energy })
 }
 
-/// Adds a group's share to the normal equations in the poles: `d` and `ω` of each, gains projected out.
+/// Adds a group's share to the normal equations in `d` and `ω` of each pole, with gains projected
+/// out.
 fn add_pole_equations(group: &Group<'_>, solved: &Solved, normal: &mut DMatrix<f64>, right: &mut DVector<f64>) {
     let count = solved.gains.modes.len();
     let size = solved.factor.l_dirty().nrows();
@@ -193,23 +197,25 @@ fn add_pole_equations(group: &Group<'_>, solved: &Solved, normal: &mut DMatrix<f
     }
 }
 
-/// When a refinement ends.
+/// Condition under which a refinement ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ending {
-    /// Steps tried at most.
+    /// Maximum number of steps tried.
     pub(crate) steps: usize,
-    /// It is over when a step promises less than this share of one sample's noise power.
+    /// Least promised gain of a step, as a share of one sample's noise power.
     pub(crate) gain: f64,
 }
 
 impl Ending {
-    /// To the last digit that matters: a thousandth of the statistical error.
+    /// Refinement to a thousandth of the statistical error.
     pub(crate) const FINE: Self = Self { steps: 60, gain: 1e-6 };
-    /// Good enough to look for more modes in what is left.
+    /// Refinement good enough to search the residual for more modes.
     pub(crate) const COARSE: Self = Self { steps: 12, gain: 1e-2 };
 }
 
-/// Refines poles, and finds the gains of every group. `None` if not even the given poles can be solved for.
+/// Refines poles, and finds the gains of every group.
+///
+/// `None` if not even the given poles can be solved for.
 pub(crate) fn refine(groups: &[Group<'_>], poles: &[Pole], ending: Ending) -> Option<Model> {
     let sample_count: usize = groups.iter().map(Group::sample_count).sum();
     let solve_all = |poles: &[Pole]| groups.iter().map(|group| solve(group, poles)).collect::<Option<Vec<_>>>();
@@ -268,7 +274,9 @@ pub(crate) fn refine(groups: &[Group<'_>], poles: &[Pole], ending: Ending) -> Op
     Some(Model { poles, gains, worth })
 }
 
-/// The poles after a step, kept inside the unit circle and between 0 and Nyquist; no decay changes more than fourfold at once.
+/// Poles after a step, kept inside the unit circle and between 0 and Nyquist.
+///
+/// No decay changes more than fourfold in a step.
 fn moved(poles: &[Pole], step: &DVector<f64>) -> Vec<Pole> {
     let moved = poles.iter().enumerate().map(|(k, pole)| {
         let reach = 3.0 * pole.decay + 1e-4;
@@ -280,13 +288,17 @@ fn moved(poles: &[Pole], step: &DVector<f64>) -> Vec<Pole> {
     moved.collect()
 }
 
-/// T60 of 48 s at 48 kHz: slower than a recording of some seconds can tell from none.
+/// Slowest decay in 1/sample, a T60 of 48 s at 48 kHz: recordings of some seconds cannot show a
+/// slower one.
 const LEAST_DECAY: f64 = 3e-6;
-/// Just under the fastest decay that the instrument plays, 0.34 a sample.
+/// Fastest decay in 1/sample, just below the fastest that the instrument plays, 0.34.
 pub(crate) const MOST_DECAY: f64 = 0.3;
 
-/// Cramer-Rao bounds: standard deviations of `[decay, angular, ln amplitude]` of each mode, per sample, in white noise of variance
-/// `noise_variance`, all gains and poles unknown together; `None` where the modes cannot be told apart.
+/// Cramer-Rao bounds: standard deviations of `[decay, angular, ln amplitude]` of each mode, per
+/// sample.
+///
+/// The noise is white with variance `noise_variance`; all gains and poles are unknown. `None` if
+/// the modes cannot be told apart.
 pub(crate) fn standard_deviations(
     length: usize,
     modes: &[(Pole, Complex<f64>)],
@@ -315,7 +327,7 @@ pub(crate) fn standard_deviations(
             }
         }
     }
-    // Unit diagonal, so that the inverse is exact whatever the units.
+    // A unit diagonal makes the inverse exact in any units.
     let scale: Vec<f64> = (0..size).map(|index| information[(index, index)].sqrt()).collect();
     for row in 0..size {
         for column in 0..size {

@@ -1,7 +1,8 @@
-//! Search for modes that a model does not have yet: the likelihood ratio of one more damped sine, over all frequencies and a grid of decays.
+//! Search for modes that a model lacks: the likelihood ratio of one more damped sine, over all
+//! frequencies and a grid of decays.
 //!
-//! For a pole z the energy that the best such sine takes out of the residual r is `2 |Σ r z*ⁿ|² / Σ |z|²ⁿ`. For one decay, the sums at
-//! all frequencies are one Fourier transform of `r e^{-dn}`.
+//! For a pole z the best such sine explains the energy `2 |Σ r z*ⁿ|² / Σ |z|²ⁿ` of the residual r.
+//! For one decay, the sums at all frequencies are one Fourier transform of `r e^{-dn}`.
 
 use std::f64::consts::PI;
 
@@ -12,22 +13,23 @@ use super::pole::Pole;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate {
     pub(crate) pole: Pole,
-    /// Energy that it takes away, in units of the noise variance at its frequency.
+    /// Energy that the mode explains, in units of the noise variance at its frequency.
     pub(crate) significance: f64,
 }
 
-/// What is searched.
+/// Range of the search.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Range {
-    /// Slowest decay, 1/sample.
+    /// Slowest decay in 1/sample.
     pub(crate) slowest: f64,
-    /// Fastest decay, 1/sample.
+    /// Fastest decay in 1/sample.
     pub(crate) fastest: f64,
-    /// Lowest and highest frequency, rad/sample.
+    /// Lowest and highest frequency in rad/sample.
     pub(crate) angular: (f64, f64),
 }
 
-/// Finds the modes that stand out most, those in the skirt of a stronger one left for the next pass.
+/// Finds the most significant modes; those in the skirt of a stronger one are left to the next
+/// pass.
 pub(crate) fn search(
     residual: &[f64],
     noise: &NoiseFloor,
@@ -61,12 +63,14 @@ pub(crate) fn search(
     chosen
 }
 
-/// Factor between two decays of the grid; a mode half way between loses 3 % of its energy.
+/// Ratio of successive decays of the grid; a mode half way between loses 3 % of its energy.
 const GRID: f64 = 2.0;
-/// By how much a candidate has to exceed the skirt of a stronger one.
+/// Factor by which a candidate has to exceed the skirt of a stronger one.
 const OVER_SKIRT: f64 = 8.0;
 
-/// What is weaker than the strongest by more than this (20 dB) may be no more than what the strongest have left: it waits.
+/// Largest ratio of significance to the strongest (20 dB) in one pass.
+///
+/// A weaker peak may be a remainder of the strongest modes, so it waits for the next pass.
 const IN_ONE_PASS: f64 = 100.0;
 
 fn stands_out(candidate: &Candidate, stronger: &Candidate, length: usize) -> bool {
@@ -76,7 +80,8 @@ fn stands_out(candidate: &Candidate, stronger: &Candidate, length: usize) -> boo
     candidate.significance > OVER_SKIRT * skirt
 }
 
-/// Frequencies (rad/sample) at which one more sine of a decay takes most energy away, and how much.
+/// Frequencies in rad/sample at which one more sine of a decay explains most energy, and that
+/// energy.
 fn peaks(residual: &[f64], decay: f64) -> Vec<(f64, f64)> {
     let length = residual.len().min((6.0 / decay).ceil() as usize + 2);
     let size = (2 * length).next_power_of_two().max(64);

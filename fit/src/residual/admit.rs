@@ -1,17 +1,21 @@
-//! Which bands may sound: a few strong modes leave what is no noise, and noise in its place blurs the spectrum.
+//! Choice of the residual bands that sound: noise in place of a few strong modes would blur the
+//! spectrum.
 
-use super::{Band, render};
+use super::band::Band;
+use super::noise::render;
 use crate::distance::{ErbLevels, log_spectral_distance_db, lsd_window};
 
-/// Draws of the noise over which the distance is averaged.
+/// Number of noises over which the distance is averaged.
 const DRAWS: u64 = 2;
-/// Levels at which a band is tried.
+/// Factors on a band's weight that are tried.
 const LEVELS: [f64; 3] = [1.0, 0.7, 0.4];
-/// What counts as no rise, dB: draws differ.
+/// Rise of the distance in dB that counts as none, because noises differ.
 const SAME_DB: f64 = 0.003;
 
-/// Takes in one band after the other, those first that the recording misses most, as long as the log-spectral distance does not rise; then those that
-/// raise it while it stays within `most_rise_db` of the model's alone. The others lose their weight.
+/// Keeps residual bands as long as the log-spectral distance allows; the others get the weight 0.
+///
+/// Bands are tried in the order in which the model misses them most. First those are kept that do
+/// not raise the distance, then those that keep it within `most_rise_db` of the model's alone.
 pub fn admit(mut bands: Vec<Band>, recording: &[f64], model: &[f64], rate_hz: f64, most_rise_db: f64) -> Vec<Band> {
     let window = lsd_window(recording, rate_hz);
     let heard = recording.get(window.clone()).unwrap_or(&[]);
@@ -55,7 +59,9 @@ pub fn admit(mut bands: Vec<Band>, recording: &[f64], model: &[f64], rate_hz: f6
     bands
 }
 
-/// By how much the model misses a band, squared decibels over all frames; bands above those of the ERB distance come last.
+/// Error of the model in a band, in squared decibels summed over all frames.
+///
+/// Bands above those of the ERB distance have none and come last.
 fn missed_db2(recording: &[f64], model: &[f64], rate_hz: f64) -> impl Fn(usize) -> f64 {
     let (wanted, given) = (ErbLevels::new(recording, rate_hz), ErbLevels::new(model, rate_hz));
     let floor = wanted.floor();

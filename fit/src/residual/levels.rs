@@ -1,37 +1,47 @@
-//! Weight and decay of each band, from short-time levels.
+//! Weight and decay of each residual band, from short-time levels.
 //!
-//! Noise of a band in a frame is a draw: its level scatters by decibels where the band is narrow. So it is not the mean level that is matched but
-//! the squared error in dB that is to be expected over draws: noise that would have to be drawn just so costs what it scatters.
+//! The level of noise in a frame is random: in a narrow band it scatters by decibels. So the fit
+//! minimises the squared error in dB expected over all noises, not the error of the mean level.
+//! Noise that would fit only by chance is penalised by its scatter.
 
-use super::{Band, spread};
-use crate::FitError;
+use super::band::Band;
+use super::spread;
 use crate::distance::{Spectrogram, band_power, erb_edges_up_to_hz};
+use crate::error::FitError;
 
-/// Samples of a frame, as in the ERB distance.
+/// Number of samples in a frame, as in the ERB distance.
 const WINDOW: usize = 1024;
-/// Tables hold bands up to here: any rate of 44.1 kHz and more plays them.
+/// Upper limit of the bands in Hz: every rate of 44.1 kHz and more plays them.
 const HIGHEST_HZ: f64 = 20_000.0;
-/// Below the recording's loudest band and frame nothing counts any more by so much, as a power ratio: 60 dB.
+/// Level, as a power ratio to the loudest band and frame, below which nothing counts: -60 dB.
 const FLOOR: f64 = 1e-6;
-/// Frames of the beginning that are all looked at (0.25 s); of what follows, as many more, evenly spread.
+/// Number of frames of the beginning (0.25 s), which are all used.
 const FIRST_FRAMES: usize = 44;
+/// Number of later frames that are used, evenly spread.
 const LATER_FRAMES: usize = 150;
-/// What the beginning counts beside the whole.
+/// Weight of the beginning, relative to the whole.
 const BEGINNING: f64 = 0.3;
-/// Slowest and fastest decay, dB/s, and how many are tried on the way.
+/// Slowest and fastest decay in dB/s.
 const DECAYS_DB_PER_S: [f64; 2] = [1.0, 5000.0];
+/// Number of steps between the two in which decays are tried.
 const DECAY_STEPS: i32 = 12;
-/// Levels that are tried, from 6 dB below the floor on, 6 dB apart.
+/// Number of levels that are tried, from 6 dB below the floor on, 6 dB apart.
 const LEVEL_STEPS: i32 = 12;
-/// Quarters of a normal distribution by their medians.
+/// Medians of the four quarters of a normal distribution.
 const DRAWS: [f64; 4] = [-1.15, -0.32, 0.32, 1.15];
-/// Noise below this share of what is there anyway changes nothing.
+/// Share of the other sound below which noise changes nothing.
 const NEGLIGIBLE: f64 = 1e-3;
-/// Frames count less the further they are from the recording, since their distance is the root of a mean square: passes until that settles.
+/// Number of passes until the weights of the frames settle.
+///
+/// A frame counts less the further it is from the recording, because its distance is the root of a
+/// mean square.
 const PASSES: usize = 4;
 
-/// Fits bands to what `recording` has and `model` has not; both begin at the strike and are equally long. The 40 bands of the ERB distance and those above
-/// up to 20 kHz, as far as the rate reaches; bands in which noise would not help have no weight.
+/// Fits residual bands to the difference between `recording` and `model`, which begin at the strike
+/// and are equally long.
+///
+/// The bands are the 40 of the ERB distance and those above up to 20 kHz, as far as the rate
+/// reaches. Bands in which noise would not help get the weight 0.
 ///
 /// # Errors
 /// [`FitError::Render`] at a rate that the instrument does not play.
@@ -71,20 +81,21 @@ impl Noise {
     const NONE: Self = Self { power: 0.0, decay_db_per_s: DECAYS_DB_PER_S[0] };
 }
 
-/// Powers of bands in the frames that count.
+/// Powers of all bands in the frames that are compared.
 struct Levels {
-    /// When each frame begins, in seconds.
+    /// Start of each frame in seconds.
     frames: Vec<f64>,
-    /// For how many each stands.
+    /// Weight of each frame: the number of frames for which it stands.
     counts: Vec<f64>,
     rate_hz: f64,
-    /// Band by band: the recording in dB, the model as it is.
+    /// Level of the recording in dB, by band and frame.
     wanted_db: Vec<Vec<f64>>,
+    /// Power of the model, by band and frame.
     model: Vec<Vec<f64>>,
     floor: f64,
-    /// What noise of unit rms in one band (rows) has in each.
+    /// Power that noise of unit rms in one band (rows) has in each band.
     spread: spread::Spread,
-    /// Levels of a band's noise in the quarters of its draws, relative to their mean.
+    /// Levels of a band's noise in the four quarters of its distribution, relative to the mean.
     draws: Vec<[f64; 4]>,
     /// Share of a band's noise that falls on a mode in it.
     cells: Vec<f64>,
@@ -110,10 +121,11 @@ impl Levels {
         };
         let (wanted, model) = (powers(recording), powers(model));
         let floor = wanted.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max) * FLOOR;
-        // A Hann window smears 1.5 bins into one: so many independent complex values has a band.
+        // A Hann window smears 1.5 bins into one, which gives the number of independent complex
+        // values in a band.
         let cells: Vec<f64> = edges.windows(2).map(|edge| ((edge[1] - edge[0]) / 1.5).max(1.0)).collect();
         let draws = cells.iter().map(|cells| {
-            // Wilson and Hilferty's cube.
+            // Wilson and Hilferty's cube approximates the chi-squared distribution.
             let spread = 2.0 / (9.0 * 2.0 * cells);
             DRAWS.map(|z| (1.0 - spread + z * spread.sqrt()).max(0.05).powi(3))
         });
@@ -133,12 +145,12 @@ impl Levels {
         })
     }
 
-    /// What the other bands' noise spreads into a band.
+    /// Power that the other bands' noise adds to a band.
     fn leaked(&self, band: usize, noises: &[Noise]) -> Vec<f64> {
         let mut sum = vec![0.0; self.frames.len()];
         for (other, (noise, row)) in noises.iter().zip(self.spread.iter()).enumerate() {
             let share = row.get(band).copied().unwrap_or(0.0) * noise.power;
-            // 30 dB below the floor nothing adds up to it.
+            // Power 30 dB below the floor is ignored.
             if other != band && share > 1e-3 * self.floor {
                 for (sum, shape) in sum.iter_mut().zip(self.shape(noise.decay_db_per_s)) {
                     *sum += share * shape;
@@ -148,12 +160,12 @@ impl Levels {
         sum
     }
 
-    /// What noise of unit rms in a band has in that band.
+    /// Power that noise of unit rms in a band has in that band.
     fn own(&self, band: usize) -> f64 {
         self.spread.get(band).and_then(|row| row.get(band)).copied().unwrap_or(0.0).max(1e-9)
     }
 
-    /// Mean of `10^{-γt/10}` under the window's square, for each frame.
+    /// Mean of `10^{-γt/10}` under the squared window, for each frame.
     fn shape(&self, decay_db_per_s: f64) -> Vec<f64> {
         let fade = |seconds: f64| 10f64.powf(-decay_db_per_s * seconds / 10.0);
         let window = |n: usize| (std::f64::consts::PI * n as f64 / WINDOW as f64).sin().powi(4);
@@ -162,7 +174,7 @@ impl Levels {
         self.frames.iter().map(|&seconds| within * fade(seconds)).collect()
     }
 
-    /// Squared error in dB to be expected of a frame with so much noise.
+    /// Expected squared error in dB of a frame with noise of power `noise`.
     fn square(&self, band: usize, frame: usize, noise: f64) -> f64 {
         let at = |of: &[Vec<f64>]| of.get(band).and_then(|values| values.get(frame)).copied();
         let (Some(wanted_db), Some(model)) = (at(&self.wanted_db), at(&self.model)) else { return 0.0 };
@@ -171,7 +183,7 @@ impl Levels {
         if noise < NEGLIGIBLE * model.max(self.floor) {
             return square(model);
         }
-        // Noise that falls on a mode beats with it: by that much more or less.
+        // Noise on a mode beats with it, so the sum is larger or smaller by this much.
         let beat = (2.0 * model * noise * cell).sqrt();
         let both = |draw: &f64| {
             let sum = model + draw * noise;
@@ -180,7 +192,10 @@ impl Levels {
         draws.iter().map(both).sum::<f64>() / (2 * draws.len()) as f64
     }
 
-    /// `power` is that of the band's own noise in a frame, before it decays by `shape`; `leaked` what others add.
+    /// Weighted sum of expected squared errors over all frames.
+    ///
+    /// `power` is that of the band's own noise in a frame, before it decays by `shape`; `leaked` is
+    /// that of the other bands.
     fn cost(&self, band: usize, power: f64, shape: &[f64], leaked: &[f64], weights: &[f64]) -> f64 {
         let frames = shape.iter().zip(leaked).zip(weights).enumerate();
         frames.map(|(frame, ((shape, leaked), weight))| weight * self.square(band, frame, leaked + power * shape)).sum()
@@ -193,7 +208,9 @@ impl Levels {
         }
     }
 
-    /// The noise of the least cost: on a grid, or from what was found before on, then by halving steps round its best place.
+    /// The noise of least cost.
+    ///
+    /// Found on a grid, or from `before` on, then by halving steps round the best point.
     fn fit(&self, band: usize, before: Noise, leaked: &[f64], weights: &[f64]) -> Noise {
         let [slowest, fastest] = DECAYS_DB_PER_S;
         let octaves = (fastest / slowest).ln() / f64::from(DECAY_STEPS);
@@ -245,13 +262,14 @@ impl Levels {
 
 #[cfg(test)]
 mod tests {
+    use super::super::table::with_residual;
     use super::*;
     use crate::distance::ErbLevels;
-    use crate::synthetic::SplitMix64;
+    use crate::random::SplitMix64;
     use crate::table;
 
     #[test]
-    fn bands_of_decaying_noise_are_found_again() {
+    fn weights_and_decays_of_noise_bands_are_recovered() {
         let rate_hz = 44_100.0;
         let edges = ErbLevels::edges_hz();
         let truth: Vec<Band> = edges
@@ -263,7 +281,7 @@ mod tests {
                 decay_db_per_s: 60.0 + 6.0 * index as f64,
             })
             .collect();
-        // Noise scatters: single estimates do, the mean over the draws has no bias to speak of.
+        // Single estimates scatter; their mean over many noises has no significant bias.
         const DRAWS: u32 = 16;
         let silent = table::of_fit(
             &crate::strike::Fit { rate_hz, modes: vec![], strikes: vec![], measured: false, loudest: 0 },
@@ -271,7 +289,7 @@ mod tests {
         );
         let mut mean = vec![(0.0, 0.0); truth.len()];
         for seed in 0..DRAWS {
-            let table = table::with_residual(silent.clone(), &truth, seed);
+            let table = with_residual(silent.clone(), &truth, seed);
             let mut sound = crate::render::by_instrument(&table, 0.0, rate_hz, 44_100).expect("a right table");
             let mut random = SplitMix64(100 + u64::from(seed));
             sound.iter_mut().for_each(|x| *x += 1e-6 * random.normal());
@@ -289,7 +307,8 @@ mod tests {
         for ((level_db, decay), truth) in mean.iter().zip(&truth).filter(|(_, truth)| !is_narrow(truth)) {
             assert!(level_db.abs() < 1.5 && (decay - 1.0).abs() < 0.08, "{truth:?}: {level_db:+.2} dB, {decay:.3}");
         }
-        // Bands narrower than a frame resolves share their power with their neighbours: together they have it.
+        // Bands narrower than a frame resolves share their power with their neighbours; their sum
+        // is right.
         let power = |of: &dyn Fn(usize) -> f64| -> f64 {
             let narrow = truth.iter().enumerate().filter(|(_, band)| is_narrow(band));
             narrow.map(|(index, band)| (band.weight * 10f64.powf(of(index) / 20.0)).powi(2)).sum()
@@ -299,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn where_the_model_has_it_all_there_is_no_noise() {
+    fn a_model_equal_to_the_recording_leaves_no_noise() {
         let mut random = SplitMix64(5);
         let sound: Vec<f64> = (0..20_000).map(|n| random.normal() * (-1e-4 * f64::from(n)).exp()).collect();
         let bands = fit_bands(&sound, &sound, 48_000.0).expect("a usual rate");

@@ -1,65 +1,20 @@
-//! What the modes leave: noise in bands that die away each at its own rate (physics-diffusion eq. 5, 6).
+//! The residual of the modes: noise in bands that each decay at their own rate (physics-diffusion
+//! eq. 5, 6).
 //!
-//! `R(t) = Σ_m w_m 10^{-γ_m t/20} B_m(t)`, with B_m Gaussian noise of unit rms in band m. In place of the paper's trained encoder the weights
-//! and decays are fitted, band by band, so that modes and noise together are expected to be nearest to the recording's levels on the ERB scale (`levels`); then
-//! those bands are taken in that do not raise the log-spectral distance (`admit`).
+//! `R(t) = Σ_m w_m 10^{-γ_m t/20} B_m(t)`, with B_m Gaussian noise of unit rms in band m. The paper
+//! trains an encoder for weights and decays. Here they are fitted, band by band, so that modes and
+//! noise together are expected to be nearest to the recording's levels on the ERB scale (`levels`).
+//! Then those bands are kept that do not raise the log-spectral distance (`admit`).
 
 mod admit;
+mod band;
 mod levels;
+mod noise;
 mod spread;
+mod table;
 
 pub use admit::admit;
+pub use band::Band;
 pub use levels::fit_bands;
-
-use fourier::Complex;
-use serde::Serialize;
-
-use crate::synthetic::SplitMix64;
-
-/// A band of decaying noise.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Band {
-    /// Lower and upper edge in Hz.
-    pub edges_hz: [f64; 2],
-    /// Rms at t = 0, full scale 1; 0 for a band in which the modes leave nothing.
-    pub weight: f64,
-    /// Decay in dB/s, 0 and more.
-    pub decay_db_per_s: f64,
-}
-
-/// Renders bands, from the strike on; the noise is the same for the same seed.
-pub fn render(bands: &[Band], length: usize, rate_hz: f64, seed: u64) -> Vec<f64> {
-    let size = (length + 1).next_power_of_two().max(64);
-    let mut random = SplitMix64(seed);
-    let (forward, inverse) = (fourier::forward(size), fourier::inverse(size));
-    let mut noise: Vec<f64> = (0..size).map(|_| random.normal()).collect();
-    let mut spectrum = forward.make_output_vec();
-    let mut sound = vec![0.0; length];
-    if forward.process(&mut noise, &mut spectrum).is_err() {
-        return sound;
-    }
-    let bin_hz = rate_hz / size as f64;
-    for band in bands.iter().filter(|band| band.weight > 0.0) {
-        let inside = |bin: usize| (band.edges_hz[0]..band.edges_hz[1]).contains(&(bin as f64 * bin_hz));
-        let mut part: Vec<Complex<f64>> = spectrum
-            .iter()
-            .enumerate()
-            .map(|(bin, value)| if inside(bin) { *value } else { Complex::new(0.0, 0.0) })
-            .collect();
-        let mut wave = inverse.make_output_vec();
-        if inverse.process(&mut part, &mut wave).is_err() {
-            continue;
-        }
-        let rms = (wave.iter().map(|x| x * x).sum::<f64>() / size as f64).sqrt();
-        if rms <= 0.0 {
-            continue;
-        }
-        let fade = 10f64.powf(-band.decay_db_per_s / (20.0 * rate_hz));
-        let mut gain = band.weight / rms;
-        for (sound, wave) in sound.iter_mut().zip(&wave) {
-            *sound += gain * wave;
-            gain *= fade;
-        }
-    }
-    sound
-}
+pub use noise::render;
+pub use table::with_residual;

@@ -1,28 +1,33 @@
-//! What the instrument's noise of one band gives to all bands: short frames smear narrow bands, in the noise as in the measurement.
+//! Power that the instrument's noise of one band has in all bands: short frames smear narrow bands.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::Band;
+use super::band::Band;
+use super::table::with_residual;
 use crate::distance::{Spectrogram, band_power};
-use crate::{FitError, render, table};
+use crate::error::FitError;
+use crate::{render, table};
 
-/// Seconds of noise that are measured.
+/// Length of the noise that is measured, in seconds.
 const SECONDS: f64 = 2.0;
-/// What of it is left out: a strike's own frame.
+/// Beginning of the noise that is left out, in seconds: the strike's own frame.
 const SETTLING_S: f64 = 0.1;
-/// The slowest decay that a table holds.
+/// Slowest decay that a table holds, in dB/s.
 const DECAY_DB_PER_S: f64 = 1.0;
 
-/// Rows of powers, band by band.
+/// Powers by band of the noise (rows) and band of the measurement (columns).
 pub(super) type Spread = Arc<Vec<Vec<f64>>>;
 
-/// Mean power that noise of unit rms in each band (rows) has in each band (columns) of frames of `window` samples, as dsp-core plays it.
+/// Mean power that noise of unit rms in each band (rows) has in each band (columns), as dsp-core
+/// plays it.
+///
+/// Frames have `window` samples.
 ///
 /// # Errors
 /// [`FitError::Render`] at a rate that the instrument does not play.
 pub(super) fn measured(edges_hz: &[f64], rate_hz: f64, window: usize) -> Result<Spread, FitError> {
-    // A second of work, and the same for all recordings of a rate.
+    // Kept, because it takes a second and is equal for all recordings of one rate.
     static KNOWN: Mutex<BTreeMap<(u64, usize), Spread>> = Mutex::new(BTreeMap::new());
     let key = (rate_hz.to_bits(), edges_hz.len());
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -43,7 +48,8 @@ fn measure(edges_hz: &[f64], rate_hz: f64, window: usize) -> Result<Vec<Vec<f64>
     let places: Vec<f64> = edges_hz.iter().map(|edge| edge / rate_hz * window as f64).collect();
     let rows = edges_hz.windows(2).zip(1..).map(|(edges, seed)| {
         const WEIGHT: f64 = 0.05;
-        // The others are there, though silent beside it: a table's lowest band is played otherwise than those above it.
+        // The other bands are present but quiet: a table's lowest band is played differently from
+        // those above it.
         let bands: Vec<Band> = edges_hz
             .windows(2)
             .map(|its| Band {
@@ -52,7 +58,7 @@ fn measure(edges_hz: &[f64], rate_hz: f64, window: usize) -> Result<Vec<Vec<f64>
                 decay_db_per_s: DECAY_DB_PER_S,
             })
             .collect();
-        let table = table::with_residual(silent.clone(), &bands, seed);
+        let table = with_residual(silent.clone(), &bands, seed);
         let sound = render::by_instrument(&table, 0.0, rate_hz, (SECONDS * rate_hz) as usize)?;
         let power = spectrogram.power(sound.get((SETTLING_S * rate_hz) as usize..).unwrap_or(&[]));
         let frames = power.chunks_exact(spectrogram.bin_count());

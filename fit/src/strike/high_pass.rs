@@ -1,8 +1,10 @@
-//! A high-pass that force and sound go through alike.
+//! High-pass for both force and sound.
 
 use std::f64::consts::{PI, SQRT_2};
 
-/// Butterworth high-pass of order 2 (bilinear transform), applied to a copy. Through it on both sides, a linear system stays the same.
+/// Filters a copy of the samples by a Butterworth high-pass of order 2 (bilinear transform).
+///
+/// Applied to force and sound alike, it does not change the system between them.
 pub fn high_pass(samples: &[f64], cutoff_hz: f64, rate_hz: f64) -> Vec<f64> {
     let k = (PI * cutoff_hz / rate_hz).tan();
     let norm = 1.0 / (1.0 + SQRT_2 * k + k * k);

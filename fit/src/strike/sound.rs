@@ -1,28 +1,29 @@
-//! Strikes without a measured force.
+//! Fit of strikes from sound alone, without a measured force.
 
 use nalgebra::Complex;
 
-use super::{Estimator, Fit, Mode, Settings, Strike, table_acceleration, table_gain};
-use crate::FitError;
+use super::fit::{Estimator, Fit, Mode, Settings, Strike, table_acceleration, table_gain};
 use crate::bins;
 use crate::contact::{contact_time_s, force};
 use crate::distance::{log_spectral_distance_db, lsd_window};
+use crate::error::FitError;
 use crate::modes::{Ending, Gains, Group, Model, Pole, Stretch, estimate_poles, polish, refine};
 use crate::segment::Hit;
 
-/// What counts as the contact where the sound does not tell: half a millisecond.
+/// Contact time in seconds that is assumed if the sound does not tell.
 const USUAL_CONTACT_S: f64 = 5e-4;
-/// Seconds of a strike that are fitted at most.
+/// Maximum length of a strike that is fitted, in seconds.
 const LONGEST_S: f64 = 12.0;
 
 /// Fits the strikes of a recording from sound alone.
 ///
-/// The modes come from the loudest strike's free ringing, behind its contact; their poles are then refined over all strikes together, each
-/// driven by a force of peak 1 and the contact time that its sound shows, with gains of its own. So gains contain the
-/// force's size (diffimpact eq. 9 normalises likewise).
+/// The modes come from the loudest strike's free ringing after its contact. Their poles are then
+/// refined over all strikes together, each driven by a force of peak 1 with the contact time that
+/// its sound shows, and with gains of its own. So gains contain the size of the force, as with the
+/// normalisation of diffimpact eq. 9.
 ///
 /// # Errors
-/// [`FitError::NoModes`].
+/// [`FitError::NoModes`] if no mode is found.
 pub fn fit_sound(samples: &[f64], rate_hz: f64, hits: &[Hit], settings: Settings) -> Result<Fit, FitError> {
     let heard: Vec<&[f64]> = hits.iter().map(|hit| heard(samples, hit, rate_hz)).collect();
     let peak = |sound: &[f64]| sound.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
@@ -66,8 +67,10 @@ fn heard<'a>(samples: &'a [f64], hit: &Hit, rate_hz: f64) -> &'a [f64] {
     samples.get(hit.onset..end).unwrap_or(&[])
 }
 
-/// The strongest of one mode a bin, as the response to a force of the contact time: a mode rings as it was heard when its
-/// gain is divided by what the contact's spectrum, which has no zeros, does to it.
+/// The strongest modes of the bins estimator, as the response to a force of the contact time.
+///
+/// Each gain is divided by the contact's spectrum, which has no zeros, so that the mode rings as it
+/// was measured.
 fn of_bins(sound: &[f64], rate_hz: f64, hit: &Hit, contact_time_s: f64, settings: Settings) -> Option<Fit> {
     let sines = bins::strongest(bins::estimate(sound, rate_hz), settings.modes.most_modes);
     if sines.is_empty() {
@@ -90,7 +93,8 @@ fn of_bins(sound: &[f64], rate_hz: f64, hit: &Hit, contact_time_s: f64, settings
 /// Polishes the loudest strike; the gains of the others are then solved for anew.
 fn polished(model: &mut Model, groups: &[Group<'_>], loudest: usize, rate_hz: f64) {
     let stretch = groups[loudest].stretches[0];
-    // From the onset on, not only from the peak: else fast modes would go astray before it.
+    // The comparison begins at the onset, not at the peak: otherwise fast modes would go astray
+    // before it.
     let wanted = &stretch.samples[..lsd_window(stretch.samples, rate_hz).end];
     let (poles, gains) = polish(&stretch, wanted, &model.poles, &model.gains[loudest]);
     if let Some(solved) = refine(groups, &poles, Ending { steps: 0, ..Ending::COARSE }) {

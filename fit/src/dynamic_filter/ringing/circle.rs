@@ -1,30 +1,31 @@
-//! Where round the circle a loop's gain is looked at.
+//! Gain round the loops at sample points of the unit circle.
 
 use std::f64::consts::{PI, TAU};
 
-use super::super::closed_loop::BandPass;
-use super::super::lattice::squared;
-use super::super::response::near_poles;
-use super::super::{Coefficients, RATE_HZ};
+use crate::dynamic_filter::closed_loop::BandPass;
+use crate::dynamic_filter::lattice::squared;
+use crate::dynamic_filter::model::{Coefficients, RATE_HZ};
+use crate::dynamic_filter::response::near_poles;
 
-/// Angles all over the circle, closer together towards 0 Hz ...
+/// Number of steps of sample points over the half circle.
 const ALL_OVER: u32 = 48;
+/// Exponent that moves the sample points closer together towards 0 Hz.
 const TOWARDS_ZERO: f64 = 1.7;
-/// ... and so many on either side of a loop's centre, up to two of its widths away.
+/// Number of sample points on either side of a loop's centre, up to two of its widths away.
 const NEAR: i32 = 5;
 /// Sharpness of the smooth maximum.
 const SHARP: f64 = 200.0;
 
-/// The loops' sum of moduli, `Σ |γ_s B_s|`, at angles that any filter is looked at.
+/// Sum of the loops' magnitudes, `Σ |γ_s B_s|`, at sample points that serve every filter.
 pub(super) struct Circle<'a> {
     bands: &'a [BandPass],
     gains: &'a [f64],
-    /// ω in radians a sample, and the sum.
+    /// Sample points: ω in radians a sample, and the sum there.
     sums: Vec<(f64, f64)>,
 }
 
 impl<'a> Circle<'a> {
-    /// Of loops at centres of widths, both in Hz.
+    /// Sample points for loops with centres and widths in Hz.
     pub(super) fn new(bands: &'a [BandPass], gains: &'a [f64], centres_hz: &[f64], widths_hz: &[f64]) -> Self {
         let wide = (0..=ALL_OVER).map(|step| PI * (f64::from(step) / f64::from(ALL_OVER)).powf(TOWARDS_ZERO));
         let near = centres_hz.iter().zip(widths_hz).flat_map(|(centre_hz, width_hz)| {
@@ -42,14 +43,14 @@ impl<'a> Circle<'a> {
         self.bands.iter().zip(self.gains).map(|(band, gain)| (gain * band.magnitude(angular)).abs()).sum()
     }
 
-    /// `|F| Σ |γ_s B_s|` at all angles, those close by the filter's own poles last.
+    /// Gain `|F| Σ |γ_s B_s|` at all sample points, then near the filter's own poles.
     pub(super) fn gains_round(&self, filter: &Coefficients) -> Vec<f64> {
         let squared = squared(filter);
         let own = near_poles(filter).map(|angular| (angular, self.sum(angular)));
         self.sums.iter().copied().chain(own).map(|(angular, sum)| squared(angular).sqrt() * sum).collect()
     }
 
-    /// The largest of them, smoothed: at most a little more.
+    /// Smooth maximum of [`Self::gains_round`], at or a little above the maximum.
     pub(super) fn largest(&self, filter: &Coefficients) -> f64 {
         let all = self.gains_round(filter);
         let most = all.iter().copied().fold(f64::MIN_POSITIVE, f64::max);

@@ -1,71 +1,81 @@
-//! The free numbers, and the sound that they say.
+//! Free numbers of a model with ringing loops, and the model that they encode.
 
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::super::closed_loop::BandPass;
-use super::super::lattice::{Lattice, WIDEST};
-use super::super::response::response;
-use super::super::stability::{MOST_LOOP_GAIN, loop_gain};
-use super::super::{Breakpoint, Coefficients, Form, Loop, Model, Path, RATE_HZ};
 use super::circle::Circle;
+use crate::dynamic_filter::closed_loop::BandPass;
+use crate::dynamic_filter::lattice::{Lattice, WIDEST};
+use crate::dynamic_filter::model::{Breakpoint, Coefficients, Form, Loop, Model, Path, RATE_HZ};
+use crate::dynamic_filter::response::response;
+use crate::dynamic_filter::stability::{MOST_LOOP_GAIN, loop_gain};
 
-/// Most breakpoints: descents of more find little more.
+/// Maximum number of breakpoints: descents with more find little more.
 const KNOTS: usize = 17;
-/// Numbers that a loop leaves free.
+/// Number of free numbers of a loop.
 pub(super) const A_LOOP: usize = 2;
-/// ln of what is missing in a gain to 1: at least, and at most.
+/// Bounds on ln(1 - gain) for the gain round all loops at a loop's centre.
 const MISSING: [f64; 2] = [-8.0, -0.02];
+/// Bounds on ln(1 - gain) for the largest gain round the loops at a knot.
 const MISSING_AT_KNOT: [f64; 2] = [-7.0, -0.002];
-/// ln of the noise's level: at least, and at most before it is brought to 1.
+/// Bounds on ln of the noise's level, before the loudest knot is scaled to 1.
 const LEVELS: [f64; 2] = [-14.0, 6.0];
-/// A loop's least width in Hz, and its largest as a part of its frequency.
+/// Least width of a loop in Hz.
 const NARROWEST_HZ: f64 = 0.5;
+/// Largest width of a loop, as a part of its frequency.
 const WIDEST_PART: f64 = 0.25;
 
 /// Filter, level of the noise and loops as free numbers.
 ///
-/// A knot: ln of the noise's level, then the filter as a [`Lattice`], whose gain is free at the last knot only; at all others there stands in its place y, and the gain is such that
-/// `|F| Σ |γ_s B_s|` is `1 - e^y` where it is largest. A loop: x, such that the gain round all loops at its centre is `1 - e^x` at the last knot, and the logarithm of its width in Hz. Then each band's offset in dB.
+/// A knot has ln of the noise's level, then the filter as a [`Lattice`]. The filter's gain is free
+/// at the last knot only. At all others y stands in its place, and the gain makes the maximum of
+/// `|F| Σ |γ_s B_s|` equal to `1 - e^y`. A loop has x, which makes the gain round all loops at its
+/// centre `1 - e^x` at the last knot, and the logarithm of its width in Hz. Each band's offset in
+/// dB follows.
 #[derive(Clone)]
 pub(crate) struct Ringing {
     pub(super) form: Form,
-    /// The times, counted, of the knots; after the last there is no noise and the filter stands still.
+    /// Indices of the knots' times; after the last knot there is no noise and the filter stands
+    /// still.
     pub(super) knots: Vec<usize>,
-    /// The loops' centres in Hz and whole samples of delay.
+    /// Centre in Hz and delay in whole samples of each loop.
     pub(super) loops: Vec<(f64, f64)>,
     pub(super) free: Vec<f64>,
 }
 
-/// What the numbers say.
-pub(super) struct Spelled {
-    /// Filters and levels of the noise at the knots ...
+/// Filters, levels and loops that the free numbers encode.
+pub(super) struct Decoded {
+    /// Filter and level of the noise at each knot.
     pub(super) knots: Vec<(Coefficients, f64)>,
-    /// ... and at all times.
+    /// Filter at each time.
     pub(super) filters: Vec<Coefficients>,
+    /// Level of the noise at each time.
     pub(super) levels: Vec<f64>,
-    /// The loops at gain 1, their gains, widths in Hz and the filter's phases that they make good.
+    /// Each loop at gain 1.
     pub(super) bands: Vec<BandPass>,
+    /// Gain of each loop.
     pub(super) gains: Vec<f64>,
+    /// Width of each loop in Hz.
     pub(super) widths_hz: Vec<f64>,
+    /// Phase of the last knot's filter at each loop's centre, for which the loop compensates.
     phases: Vec<f64>,
 }
 
 impl Ringing {
-    /// Evenly counted knots up to a time.
+    /// Knots with evenly spaced indices up to a time.
     pub(super) fn knots_until(end: usize) -> Vec<usize> {
         let mut knots: Vec<usize> = (0..KNOTS).map(|knot| knot * end / (KNOTS - 1)).collect();
         knots.dedup();
         knots
     }
 
-    /// The last knot's time, counted.
+    /// Index of the last knot's time.
     pub(super) fn end(&self) -> usize {
         self.knots.last().copied().unwrap_or(0)
     }
 
-    /// Numbers a knot.
+    /// Number of free numbers of a knot.
     pub(super) fn a_knot(&self) -> usize {
         1 + Lattice::flat(self.form, 1.0).free.len()
     }
@@ -87,13 +97,13 @@ impl Ringing {
         std::array::from_fn(|number| self.free.get(from + number).copied().unwrap_or(0.0))
     }
 
-    /// The filter of a knot with another logarithm of its gain.
+    /// Filter of a knot with ln of its gain replaced by `ln_gain`.
     fn shape(&self, knot: usize, ln_gain: f64) -> Coefficients {
         let shape = self.knot(knot).iter().skip(2);
         Lattice::of(self.form, std::iter::once(ln_gain).chain(shape.copied()).collect()).coefficients()
     }
 
-    /// Keeps the numbers where they mean something.
+    /// Clamps the free numbers to their valid ranges.
     pub(super) fn bound(&mut self) {
         let (a_knot, loops, last) = (self.a_knot(), self.first_of_loops(), self.knots.len().saturating_sub(1));
         for (index, number) in self.free.iter_mut().enumerate().take(loops) {
@@ -112,8 +122,8 @@ impl Ringing {
         }
     }
 
-    /// Filters, levels and loops.
-    pub(super) fn spelled(&self, times_s: &[f64]) -> Spelled {
+    /// Filters, levels and loops at `times_s` in seconds.
+    pub(super) fn decoded(&self, times_s: &[f64]) -> Decoded {
         let last = self.knots.len().saturating_sub(1);
         let end = self.shape(last, self.knot(last).get(1).copied().unwrap_or(0.0));
         let references: Vec<_> = self.loops.iter().map(|(hz, _)| response(&end, TAU * hz / RATE_HZ)).collect();
@@ -134,7 +144,8 @@ impl Ringing {
             }
         };
         let wanted = DVector::from_fn(count, |index, _| 1.0 - self.of_loop(index)[0].exp());
-        let solved = DMatrix::from_fn(count, count, round).lu().solve(&wanted);
+        // nalgebra cannot solve a system of size 0.
+        let solved = (count > 0).then(|| DMatrix::from_fn(count, count, round).lu().solve(&wanted)).flatten();
         let gains: Vec<f64> = solved.map_or_else(|| vec![0.0; count], |gains| gains.iter().copied().collect());
         let centres_hz: Vec<f64> = self.loops.iter().map(|(hz, _)| *hz).collect();
         let circle = Circle::new(&bands, &gains, &centres_hz, &widths_hz);
@@ -163,28 +174,30 @@ impl Ringing {
         };
         let (filters, levels) = (0..times_s.len()).map(at_time).unzip();
         let phases = references.iter().map(|filter| filter.arg()).collect();
-        Spelled { knots, filters, levels, bands, gains, widths_hz, phases }
+        Decoded { knots, filters, levels, bands, gains, widths_hz, phases }
     }
 
-    /// The model: the noise's level at most 1, gains lowered where between knots they are too large after all.
+    /// The model: the noise's level is at most 1, and gains are lowered where they are too large
+    /// between knots.
     pub(crate) fn model(&self, times_s: &[f64]) -> Model {
-        let spelled = self.spelled(times_s);
-        let loudest = spelled.knots.iter().map(|knot| knot.1).fold(f64::MIN_POSITIVE, f64::max);
+        let decoded = self.decoded(times_s);
+        let loudest = decoded.knots.iter().map(|knot| knot.1).fold(f64::MIN_POSITIVE, f64::max);
         let point = |((filter, level), time): (&(Coefficients, f64), &usize)| {
             let coefficients = Coefficients { b: filter.b.map(|b| b * loudest), ..*filter };
             Some(Breakpoint { time_s: *times_s.get(*time)?, coefficients, noise: level / loudest })
         };
-        let path = Path { points: spelled.knots.iter().zip(&self.knots).filter_map(point).collect() };
+        let path = Path { points: decoded.knots.iter().zip(&self.knots).filter_map(point).collect() };
         let round = |(index, (frequency_hz, frames)): (usize, &(f64, f64))| {
             let of = |numbers: &[f64]| numbers.get(index).copied().unwrap_or(0.0);
-            // The delay that turns the wave as the descent had it, with a fraction that the numerator makes.
+            // The delay turns the wave as in the descent; the numerator makes its fraction of a
+            // sample.
             let period = RATE_HZ / frequency_hz;
-            let first = of(&spelled.phases) / TAU * period;
+            let first = of(&decoded.phases) / TAU * period;
             let turns = ((frames + 0.5 - first) / period).round();
             Loop {
                 frequency_hz: *frequency_hz,
-                bandwidth_hz: of(&spelled.widths_hz),
-                gain: of(&spelled.gains) / loudest,
+                bandwidth_hz: of(&decoded.widths_hz),
+                gain: of(&decoded.gains) / loudest,
                 delay_s: (first + turns * period) / RATE_HZ,
             }
         };

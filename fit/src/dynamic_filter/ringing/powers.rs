@@ -1,49 +1,57 @@
-//! The powers that the bands hear.
+//! Band powers of a model with ringing loops.
 
 use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
-use super::super::RATE_HZ;
-use super::super::closed_loop::Pole;
-use super::super::joint::Joint;
-use super::super::lattice::squared;
-use super::super::response::{NOISE_DENSITY, heard_in_band};
-use super::numbers::{Ringing, Spelled};
+use super::numbers::{Decoded, Ringing};
+use crate::dynamic_filter::closed_loop::Pole;
+use crate::dynamic_filter::lattice::squared;
+use crate::dynamic_filter::model::RATE_HZ;
+use crate::dynamic_filter::objective::Objective;
+use crate::dynamic_filter::response::{NOISE_DENSITY, sine_power_in_band};
 
-/// Poles are sought at every so many times; between, decay and residue run straight.
+/// Number of times between two at which poles are sought; decay and residue run straight between.
 const TIMES_A_POLE: usize = 3;
-/// Newton's steps from a loop's centre, and from the pole a moment before.
+/// Newton steps from a loop's centre to the first pole.
 const FIRST_STEPS: usize = 5;
+/// Newton steps from the pole at the time before.
 const STEPS: usize = 2;
-/// A pole decays at least so fast, 1/s: what a descent tries may not.
+/// Least decay of a pole in 1/s: an attempt of a descent may be unstable.
 const SLOWEST: f64 = 0.05;
 
-/// A loop's mode at a time, counted.
+/// A loop's pole at one time.
 pub(super) struct Place {
+    /// Index of the time.
     time: usize,
-    /// α in 1/s.
+    /// Decay rate α in 1/s.
     pub(super) decay_per_s: f64,
-    /// `|R|²`, and `Re R`.
+    /// Squared magnitude `|R|²` of the residue.
     square: f64,
+    /// Real part `Re R` of the residue.
     common: f64,
 }
 
 impl Ringing {
-    /// Powers that the bands hear, `[time][band]`: noise through the filter, and each loop's mode.
+    /// Band powers as `[time][band]`: noise through the filter, and each loop's mode.
     ///
-    /// With the residue R and the decay α of the closed loop's pole the mode's power P obeys `P' = -2αP + |R|² n² S`, n the noise's level and S its density; what is heard is
-    /// `|F|² (P + Re R n² S)`, the mode and what it has in common with the noise that feeds it.
-    pub(super) fn powers(&self, joint: &Joint, spelled: &Spelled) -> Vec<Vec<f64>> {
-        let noise = spelled.filters.iter().zip(&spelled.levels).map(|(filter, level)| {
+    /// With the residue R and the decay α of the closed loop's pole, the mode's power P obeys
+    /// `P' = -2αP + |R|² n² S`; n is the noise's level and S its density. The output has the power
+    /// `|F|² (P + Re R n² S)`: the mode, and its correlation with the noise that feeds it.
+    pub(super) fn powers(&self, objective: &Objective, decoded: &Decoded) -> Vec<Vec<f64>> {
+        let noise = decoded.filters.iter().zip(&decoded.levels).map(|(filter, level)| {
             let squared = squared(filter);
-            let heard = |band: &super::super::response::BandHearing| level * level * band.power(&squared);
-            if *level > 0.0 { joint.hearing.iter().map(heard).collect() } else { vec![0.0; joint.hearing.len()] }
+            let heard = |band: &super::super::response::NoiseBand| level * level * band.power(&squared);
+            if *level > 0.0 {
+                objective.noise_bands.iter().map(heard).collect()
+            } else {
+                vec![0.0; objective.noise_bands.len()]
+            }
         });
         let mut powers: Vec<Vec<f64>> = noise.collect();
         for (frequency_hz, _) in &self.loops {
-            let heard: Vec<f64> = joint.rates.iter().map(|rate| heard_in_band(*frequency_hz, *rate)).collect();
-            let own = self.powers_of_loop(&joint.times_s, spelled, *frequency_hz);
+            let heard: Vec<f64> = objective.rates.iter().map(|rate| sine_power_in_band(*frequency_hz, *rate)).collect();
+            let own = self.powers_of_loop(&objective.times_s, decoded, *frequency_hz);
             for (powers, own) in powers.iter_mut().zip(own) {
                 powers.iter_mut().zip(&heard).for_each(|(power, heard)| *power += heard * own);
             }
@@ -51,11 +59,11 @@ impl Ringing {
         powers
     }
 
-    fn powers_of_loop(&self, times_s: &[f64], spelled: &Spelled, frequency_hz: f64) -> Vec<f64> {
-        let places = self.places(spelled, frequency_hz);
+    fn powers_of_loop(&self, times_s: &[f64], decoded: &Decoded, frequency_hz: f64) -> Vec<f64> {
+        let places = self.places(decoded, frequency_hz);
         let angular = TAU * frequency_hz / RATE_HZ;
         let (mut power, mut before_s) = (0.0, 0.0);
-        let times = times_s.iter().zip(&spelled.filters).zip(&spelled.levels).enumerate();
+        let times = times_s.iter().zip(&decoded.filters).zip(&decoded.levels).enumerate();
         let own = times.map(|(time, ((time_s, filter), level))| {
             let [decay_per_s, square, common] = between(&places, time, times_s);
             let density = NOISE_DENSITY * level * level;
@@ -68,13 +76,13 @@ impl Ringing {
         own.collect()
     }
 
-    /// The loop's pole from time to time, each sought from that before.
-    pub(super) fn places(&self, spelled: &Spelled, frequency_hz: f64) -> Vec<Place> {
+    /// Poles of a loop over time, each sought from the one before.
+    pub(super) fn places(&self, decoded: &Decoded, frequency_hz: f64) -> Vec<Place> {
         let end = self.end();
         let times = (0..end).step_by(TIMES_A_POLE).chain([end]);
         let (mut s, mut steps) = (Complex::new(0.0, TAU * frequency_hz), FIRST_STEPS);
         let place = |time: usize| {
-            let pole = Pole::near(s, steps, spelled.filters.get(time)?, &spelled.bands, &spelled.gains);
+            let pole = Pole::near(s, steps, decoded.filters.get(time)?, &decoded.bands, &decoded.gains);
             (s, steps) = (pole.s, STEPS);
             let (square, common) = (pole.residue.norm_sqr(), pole.residue.re);
             Some(Place { time, decay_per_s: pole.decay_per_s(), square, common })
@@ -83,7 +91,7 @@ impl Ringing {
     }
 }
 
-/// Decay, `|R|²` and `Re R` at a time; after the last place, its own.
+/// Decay, `|R|²` and `Re R` at a time, linear between poles; after the last pole, its own.
 fn between(places: &[Place], time: usize, times_s: &[f64]) -> [f64; 3] {
     let numbers = |place: &Place| [place.decay_per_s, place.square, place.common];
     let above = places.partition_point(|place| place.time <= time);

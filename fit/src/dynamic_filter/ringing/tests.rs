@@ -1,17 +1,20 @@
 use std::f64::consts::PI;
 
-use super::super::joint::Joint;
-use super::super::lattice::{Lattice, WIDEST};
-use super::super::path::times_s;
-use super::super::stability::{MOST_LOOP_GAIN, loop_gain};
-use super::super::waveguide::SHORTEST_DELAY;
-use super::super::{Form, Loop, RATE_HZ, mean_law, render, table::of_model};
 use super::numbers::{A_LOOP, Ringing};
 use crate::bark::{Centroids, DampingBand, DampingLaw, frequency_hz};
-use crate::synthetic::SplitMix64;
+use crate::dynamic_filter::damping::mean_law;
+use crate::dynamic_filter::delay::SHORTEST_DELAY;
+use crate::dynamic_filter::lattice::{Lattice, WIDEST};
+use crate::dynamic_filter::model::{Form, Loop, RATE_HZ};
+use crate::dynamic_filter::objective::Objective;
+use crate::dynamic_filter::sound::render;
+use crate::dynamic_filter::stability::{MOST_LOOP_GAIN, loop_gain};
+use crate::dynamic_filter::table::of_model;
+use crate::dynamic_filter::times::times_s;
+use crate::random::SplitMix64;
 use crate::table::Provenance;
 
-/// A law of so many bands from 5 Bark on, all of one level, with a decay each.
+/// A law with one band for each decay, from 5 Bark on, all of one level.
 fn law(decays_per_s: &[f64]) -> DampingLaw {
     let band = |(index, decay_per_s): (usize, &f64)| {
         let bark = 5.0 + index as f64;
@@ -21,7 +24,9 @@ fn law(decays_per_s: &[f64]) -> DampingLaw {
     DampingLaw { bands: decays_per_s.iter().enumerate().map(band).collect(), centroids }
 }
 
-/// Loops at centres in Hz with `[x, ln width]`, noise that falls by a decay, round a filter that stands still.
+/// Loops round a filter that stands still, with noise that falls at a decay rate.
+///
+/// Each loop has its centre in Hz and its numbers `[x, ln width]`.
 fn still(
     times_s: &[f64],
     filter: &Lattice,
@@ -45,24 +50,24 @@ fn still(
 }
 
 #[test]
-fn loops_in_each_others_skirts_ring_as_the_poles_of_the_closed_loop_say() {
+fn loops_in_each_others_skirts_decay_as_the_closed_loops_poles_predict() {
     let law = law(&[20.0; 18]);
     let times_s = times_s(&law);
-    let joint = Joint::new(&law, &times_s);
+    let objective = Objective::new(&law, &times_s);
     let filter = Lattice::of(Form::FirstOrder, vec![(0.1f64).ln(), -0.5]);
     // Centre in Hz, decay and half-width in 1/s; the middle two are in each other's skirts.
     let wanted = [(1000.0, 12.0, 70.0), (2303.0, 20.0, 110.0), (3212.0, 25.0, 140.0), (6416.0, 40.0, 250.0)];
     let numbers = |(hz, decay, half): (f64, f64, f64)| (hz, [f64::ln(decay / half), (half / PI).ln()]);
-    let ringing = still(&times_s, &filter, 120.0, &wanted.map(numbers), joint.lawful());
+    let ringing = still(&times_s, &filter, 120.0, &wanted.map(numbers), objective.lawful());
     let model = ringing.model(&times_s);
-    // Behind the noise, which falls by 83 dB in 80 ms.
+    // The sound after the noise, which falls by 83 dB in 80 ms.
     let rung = |seed| render(&model, 96_000, seed).split_off(3_840);
     let heard = mean_law(&(1..=8).map(rung).collect::<Vec<_>>()).expect("it decays");
-    let spelled = ringing.spelled(&times_s);
+    let decoded = ringing.decoded(&times_s);
     let lowered = |(guide, gain): (&Loop, &f64)| guide.gain < 0.9999 * gain;
-    assert!(!model.loops.iter().zip(&spelled.gains).any(lowered), "too crowded for this test");
+    assert!(!model.loops.iter().zip(&decoded.gains).any(lowered), "too crowded for this test");
     for (frequency_hz, decay_per_s, _) in wanted {
-        let places = ringing.places(&spelled, frequency_hz);
+        let places = ringing.places(&decoded, frequency_hz);
         let predicted = places.last().expect("a pole").decay_per_s;
         let found = heard.decay_per_s(frequency_hz);
         println!("{frequency_hz} Hz, {decay_per_s} 1/s alone: predicted {predicted:.2}, heard {found:.2}");
@@ -71,7 +76,7 @@ fn loops_in_each_others_skirts_ring_as_the_poles_of_the_closed_loop_say() {
 }
 
 #[test]
-fn any_numbers_give_loops_that_the_instrument_takes_for_stable() {
+fn any_free_numbers_give_loops_that_the_instrument_accepts_as_stable() {
     let law = law(&[40.0, 20.0, 60.0, 30.0, 90.0]);
     let times_s = times_s(&law);
     let provenance = Provenance { name: "any".into(), source: "synthetic".into(), licence: "CC0".into() };
@@ -101,4 +106,13 @@ fn any_numbers_give_loops_that_the_instrument_takes_for_stable() {
         let played = crate::render::by_instrument(&table, 0.0, RATE_HZ, 4_800);
         assert!(played.is_ok(), "{round}: {:?}", played.err());
     }
+}
+
+#[test]
+fn free_numbers_without_loops_give_a_model_of_noise_alone() {
+    let law = law(&[40.0, 20.0, 60.0]);
+    let times_s = times_s(&law);
+    let model = still(&times_s, &Lattice::flat(Form::FirstOrder, 0.2), 80.0, &[], law.bands.len()).model(&times_s);
+    assert!(model.loops.is_empty());
+    assert!(model.path.points.iter().all(|point| (0.0..=1.0).contains(&point.noise)));
 }

@@ -1,4 +1,4 @@
-//! One mode a bin, as a fit.
+//! Fits by the bins estimator.
 
 use fit::FitError;
 use fit::recording::{Options, fit_file};
@@ -13,7 +13,7 @@ fn settings(estimator: Estimator, most_modes: usize) -> Settings {
 }
 
 #[test]
-fn the_strongest_bins_make_a_fit_that_resembles_the_sound_but_less_than_the_modal_one() {
+fn a_fit_by_the_bins_estimator_is_near_the_sound_but_the_modal_one_nearer() {
     for seed in [31, 32] {
         let sound = struck(seed, -70.0);
         let hits = [Hit { onset: 0, end: sound.samples.len() }];
@@ -31,7 +31,7 @@ fn the_strongest_bins_make_a_fit_that_resembles_the_sound_but_less_than_the_moda
 }
 
 #[test]
-fn the_bins_know_no_force() {
+fn the_bins_estimator_refuses_a_force_channel() {
     let folder = tempfile::TempDir::new().expect("a folder");
     let path = folder.path().join("two.wav");
     let spec = hound::WavSpec {

@@ -1,10 +1,11 @@
-//! Rooms as diffimpact's optimiser learns them, against its formulas worked by hand and against its own way of sounding.
+//! Rooms of diffimpact's optimiser, against its formulas worked by hand and against its own
+//! rendering.
 
 use fit::render::{by_instrument, playable};
 use fit::room_prior::{MOST_BANDS, MOST_ROOM_BANDS, Scalings, ScalingsError, room_of_scalings};
 use kit::{Kit, Object, Pulse, RoomBand, Striker};
 
-/// Something that answers a strike with the contact's pulse alone, in a room.
+/// A pad that answers a strike with the contact's pulse alone, in a room.
 fn click(room: Vec<RoomBand>) -> Kit {
     let (name, source, licence) = ("click".to_owned(), String::new(), String::new());
     Kit {
@@ -42,7 +43,7 @@ fn accepted(room: &[RoomBand]) -> bool {
     kit::binary::build(&playable(&click(room.to_vec()))).is_ok()
 }
 
-/// Even between -1 and 1, from a counter (SplitMix64).
+/// Uniform number between -1 and 1, from a counter (SplitMix64).
 fn even(seed: u64, n: u64) -> f64 {
     let mut bits = seed.wrapping_mul(0xd134_2543_de82_ef95).wrapping_add(n.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -56,10 +57,12 @@ fn energy(sound: &[f64]) -> f64 {
 
 #[test]
 fn bands_follow_the_papers_formulas_worked_by_hand() {
-    // sigmoid(-4)^2.302585 = 0.0179862^2.302585 = 9.5907e-5, twice that and 1e-7: 1.91914e-4; times √(88200/3) = 171.464: 0.0329064. 2 + e⁴ = 56.5982.
-    // sigmoid(-3) = 0.0474259: 1.788409e-3, 0.306648; 2 + e³ = 22.0855. sigmoid(-1) = 0.268941: 0.0972229, 16.67026; 2 + e = 4.71828.
+    // sigmoid(-4)^2.302585 = 0.0179862^2.302585 = 9.5907e-5, twice that and 1e-7: 1.91914e-4; times
+    // √(88200/3) = 171.464: 0.0329064. 2 + e⁴ = 56.5982. sigmoid(-3) = 0.0474259: 1.788409e-3,
+    // 0.306648; 2 + e³ = 22.0855. sigmoid(-1) = 0.268941: 0.0972229, 16.67026; 2 + e = 4.71828.
     let room = room_of_scalings(&[0.0, 1.0, 3.0], &[0.0, -1.0, -3.0], 88_200.0).expect("right values");
-    // A third of 44.1 kHz each; the third begins at 29.4 kHz, where no player of 44.1 kHz hears it.
+    // A third of 44.1 kHz each; the third band begins at 29.4 kHz, which no player at 44.1 kHz
+    // reproduces.
     let expected = [(0.0, 0.032_906_4, 56.598_15), (14_700.0, 0.306_648_3, 22.085_537)];
     assert_eq!(room.len(), expected.len());
     for (band, (from_hz, gain, decay_per_s)) in room.iter().zip(expected) {
@@ -81,8 +84,8 @@ fn other_hyperparameters_move_gain_and_decay_as_the_formulas_say() {
 }
 
 #[test]
-fn equal_neighbours_are_the_first_to_become_one_band() {
-    // Ten bands of 1 kHz; 3 to 6 kHz alike.
+fn equal_neighbours_are_merged_first() {
+    // Ten bands of 1 kHz, equal from 3 to 6 kHz.
     let raw_gain = [0.0, 0.4, 0.8, 2.0, 2.0, 2.0, 1.5, 1.1, 0.7, 0.3];
     let raw_decay = [-1.0, -1.1, -1.2, -1.3, -1.3, -1.3, -1.4, -1.5, -1.6, -1.7];
     let room = room_of_scalings(&raw_gain, &raw_decay, 20_000.0).expect("right values");
@@ -93,7 +96,7 @@ fn equal_neighbours_are_the_first_to_become_one_band() {
 }
 
 #[test]
-fn grouping_keeps_initial_power_and_energy_and_sets_the_loud_apart() {
+fn merging_keeps_power_and_energy_and_the_loud_bands_apart() {
     let (rate_hz, bands) = (32_000.0, 64);
     let raw_gain: Vec<f64> = (0..bands).map(|n| 1.5 * even(1, n) + if n == 20 { 4.0 } else { 0.0 }).collect();
     let raw_decay: Vec<f64> = (0..bands).map(|n| -1.5 + even(2, n)).collect();
@@ -115,13 +118,13 @@ fn grouping_keeps_initial_power_and_energy_and_sets_the_loud_apart() {
     }
     assert!((power / all_power - 1.0).abs() < 1e-5, "{power} {all_power}");
     assert!((held / all_held - 1.0).abs() < 1e-5, "{held} {all_held}");
-    // Band 20 of 250 Hz each has nearly all the energy.
+    // Band 20, of 250 Hz as all others, has nearly all the energy.
     let edges: Vec<f32> = room.iter().map(|band| band.from_hz).collect();
     assert!(edges.contains(&5_000.0) && edges.contains(&5_250.0), "{edges:?}");
 }
 
 #[test]
-fn a_learned_room_sounds_as_noise_that_is_shaped_the_papers_way() {
+fn a_learned_room_has_the_energy_and_t60_of_the_papers_noise() {
     const RATE_HZ: f64 = 44_100.0;
     let (raw_gain, raw_decay) = ([2.0; 16], [-1.5; 16]);
     let room = room_of_scalings(&raw_gain, &raw_decay, RATE_HZ).expect("right values");
@@ -130,7 +133,8 @@ fn a_learned_room_sounds_as_noise_that_is_shaped_the_papers_way() {
     let play = |room| by_instrument(&click(room), 0.5, RATE_HZ, frames).expect("a right table");
     let dry = play(vec![]);
     let ours: Vec<f64> = play(room).iter().zip(&dry).map(|(wet, dry)| wet - dry).collect();
-    // Eq. 19 with equal bands, which together are the noise itself, sample by sample; convolved with what was played.
+    // Eq. 19 with equal bands, which together are the noise itself, sample by sample; convolved
+    // with the dry sound.
     let pulse = dry.iter().rposition(|x| *x != 0.0).map_or(&dry[..0], |last| &dry[..=last]);
     let scalings = Scalings::default();
     let (gain, decay) = (scalings.gain(2.0), scalings.decay(-1.5));
@@ -143,7 +147,8 @@ fn a_learned_room_sounds_as_noise_that_is_shaped_the_papers_way() {
         sound
     };
     let draws: Vec<Vec<f64>> = (1..=8).map(theirs).collect();
-    // What a room is held to: its energy within 1 dB, its T60 within 5 %. Where in time the energy lies may differ by the network's first echoes.
+    // Bounds for a room: energy within 1 dB, T60 within 5 %. The network's first echoes may shift
+    // energy in time.
     let level_db = |sound: &[f64], from_s: f64, to_s: f64| {
         let part = sound.get((from_s * RATE_HZ) as usize..(to_s * RATE_HZ) as usize);
         10.0 * part.map_or(0.0, energy).log10()
@@ -180,8 +185,8 @@ fn any_finite_values_make_a_room_that_a_kit_accepts() {
 }
 
 #[test]
-fn a_decay_beyond_the_format_keeps_its_energy_and_a_gain_ends_at_100() {
-    // 2 + e^6 = 405.43 1/s, held at 150: gain² falls by their ratio.
+fn a_clamped_decay_keeps_its_energy_and_gains_are_at_most_100() {
+    // 2 + e^6 = 405.43 1/s, clamped to 150: gain² falls by their ratio.
     let fast = &room_of_scalings(&[3.0], &[2.0], 44_100.0).expect("right values")[0];
     let gain = 0.097_222_94 * (44_100f64 / 3.0).sqrt() * (150f64 / 405.428_79).sqrt();
     assert!(fast.decay_per_s == 150.0 && (f64::from(fast.gain) / gain - 1.0).abs() < 1e-5, "{fast:?}");
@@ -189,7 +194,7 @@ fn a_decay_beyond_the_format_keeps_its_energy_and_a_gain_ends_at_100() {
 }
 
 #[test]
-fn what_is_no_room_is_refused_by_name() {
+fn raw_values_that_make_no_room_are_refused_by_name() {
     let refusal = |gain: &[f64], decay: &[f64], rate_hz| room_of_scalings(gain, decay, rate_hz).expect_err("no room");
     assert_eq!(refusal(&[0.0, 1.0], &[0.0], 88_200.0), ScalingsError::Lengths { gains: 2, decays: 1 });
     assert_eq!(refusal(&[], &[], 88_200.0), ScalingsError::Bands { found: 0 });
@@ -197,7 +202,7 @@ fn what_is_no_room_is_refused_by_name() {
     assert_eq!(refusal(&many, &many, 88_200.0), ScalingsError::Bands { found: MOST_BANDS + 1 });
     assert_eq!(
         refusal(&[0.0, f64::INFINITY], &[0.0, 0.0], 88_200.0).to_string(),
-        "raw gain of band 1 (counted from 0) is inf: must be finite"
+        "raw gain of band 1 (counted from 0) is inf: give a finite number"
     );
     assert!(refusal(&[0.0], &[f64::NAN], 88_200.0).to_string().starts_with("raw decay of band 0"));
     assert_eq!(refusal(&[0.0], &[0.0], 0.0), ScalingsError::Rate { rate_hz: 0.0 });

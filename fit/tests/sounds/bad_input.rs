@@ -1,4 +1,4 @@
-//! What is no good recording of a strike: a named error or a stated fallback.
+//! Unsuitable recordings: each gives an error of its own, or a note on the fallback.
 
 use std::f64::consts::TAU;
 use std::fs;
@@ -47,7 +47,8 @@ fn noise(length: usize, level_dbfs: f64) -> Vec<f64> {
 
 fn fit(path: &std::path::Path) -> Result<Fitted, FitError> {
     let path = path.to_owned();
-    // The engine that renders the table is large: `malleus fit` gives its workers such a stack, too.
+    // The engine that renders the table is large: `malleus fit` gives its workers such a stack,
+    // too.
     let worker = std::thread::Builder::new().stack_size(64 << 20);
     let work = worker.spawn(move || fit_file(&path, &Options::default())).expect("a thread can be started");
     work.join().expect("it does not panic")
@@ -61,7 +62,7 @@ fn has_three_modes(fitted: &Fitted) {
 }
 
 #[test]
-fn what_is_no_audio_is_named() {
+fn a_file_without_audio_gives_an_error_of_its_kind() {
     let folder = TempDir::new().expect("a folder");
     let text = folder.path().join("text.wav");
     fs::write(&text, "this is no sound, however one listens to it, and goes on for a while").expect("written");
@@ -76,7 +77,7 @@ fn what_is_no_audio_is_named() {
 }
 
 #[test]
-fn silence_noise_and_steady_tones_are_no_strikes() {
+fn silence_noise_and_steady_tones_are_refused() {
     let folder = TempDir::new().expect("a folder");
     let silence = wave(&folder, "silence.wav", 44_100, &[vec![0.0; 44_100]]);
     assert!(matches!(fit(&silence), Err(FitError::Silence)));
@@ -106,7 +107,7 @@ fn every_rate_from_8_to_192_khz_gives_the_same_modes() {
 }
 
 #[test]
-fn of_eight_channels_the_loudest_is_taken_and_said() {
+fn the_loudest_of_eight_channels_is_taken_with_a_note() {
     let folder = TempDir::new().expect("a folder");
     let mut channels = vec![noise(44_100, -70.0); 8];
     channels[5] = strike(44_100.0, 0.1, 1.0);
@@ -116,7 +117,7 @@ fn of_eight_channels_the_loudest_is_taken_and_said() {
 }
 
 #[test]
-fn of_a_cut_file_what_is_there_is_used() {
+fn the_readable_part_of_a_cut_file_is_used() {
     let folder = TempDir::new().expect("a folder");
     let path = wave(&folder, "cut.wav", 44_100, &[strike(44_100.0, 0.1, 2.0)]);
     let bytes = fs::read(&path).expect("it was written");
@@ -125,7 +126,7 @@ fn of_a_cut_file_what_is_there_is_used() {
 }
 
 #[test]
-fn of_half_an_hour_two_minutes_are_read() {
+fn two_minutes_of_a_longer_file_are_read_with_a_note() {
     let folder = TempDir::new().expect("a folder");
     let mut sound = strike(8_000.0, 0.1, 2.0);
     sound.resize(8_000 * 60 * 30, 0.0);
@@ -136,7 +137,7 @@ fn of_half_an_hour_two_minutes_are_read() {
 }
 
 #[test]
-fn strikes_that_are_too_close_are_bounces_and_said_to_be() {
+fn strikes_that_are_too_close_are_taken_for_bounces() {
     let folder = TempDir::new().expect("a folder");
     let once = strike(44_100.0, 0.1, 1.0);
     let mut twice = once.clone();
@@ -150,7 +151,7 @@ fn strikes_that_are_too_close_are_bounces_and_said_to_be() {
 }
 
 #[test]
-fn hits_and_channels_that_are_not_there_are_named() {
+fn missing_hits_and_channels_are_refused_by_number() {
     let folder = TempDir::new().expect("a folder");
     let path = wave(&folder, "one.wav", 44_100, &[strike(44_100.0, 0.1, 1.0)]);
     let hit = Options { hits: vec![2], ..Options::default() };

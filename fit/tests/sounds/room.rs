@@ -1,4 +1,4 @@
-//! Rooms whose bands are known, and recordings without any.
+//! Rooms whose bands are known, and recordings without a room.
 
 use fit::modes::DampedSine;
 use fit::residual::{Band, render};
@@ -8,7 +8,7 @@ use fit::synthetic::of_these;
 const RATE_HZ: f64 = 44_100.0;
 const OCTAVES_HZ: [f64; 7] = [125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0];
 
-/// A thing of `count` modes between 110 Hz and 10 kHz with T60s of about `t60_s`, without noise.
+/// An object of `count` modes between 110 Hz and 10 kHz with T60s of about `t60_s`, without noise.
 fn thing(seed: u64, count: u64, t60_s: f64) -> Vec<f64> {
     let share = |k: u64, salt: u64| ((seed * 7919 + k * 104_729 + salt * 15_485_863) % 1009) as f64 / 1009.0;
     let modes: Vec<DampedSine> = (0..count)
@@ -22,12 +22,14 @@ fn thing(seed: u64, count: u64, t60_s: f64) -> Vec<f64> {
     of_these(modes, 66_150, seed, -180.0).samples
 }
 
-/// T60 of the room in an octave, by its index.
+/// T60 of the room in seconds in an octave, by its index.
 fn t60_s(octave: usize, longest_s: f64) -> f64 {
     longest_s * 0.9f64.powi(octave as i32)
 }
 
-/// The room's response, noise that dies away octave by octave, and its gain in each: energy over that of the direct sound, dB.
+/// Response of the room, noise that decays octave by octave, and its gain in each octave.
+///
+/// The gain is the energy relative to that of the direct sound, in dB.
 fn response(seed: u64, longest_s: f64, rms: f64) -> (Vec<f64>, Vec<f64>) {
     let bands: Vec<Band> = OCTAVES_HZ
         .iter()
@@ -50,12 +52,12 @@ fn response(seed: u64, longest_s: f64, rms: f64) -> (Vec<f64>, Vec<f64>) {
     (render(&bands, (longest_s * RATE_HZ) as usize, RATE_HZ, seed), gains)
 }
 
-/// `dry + dry ⊗ response + noise`.
+/// Sound in the room: `dry + dry ⊗ response + noise`.
 fn in_room(dry: &[f64], response: &[f64], noise_dbfs: f64) -> Vec<f64> {
     let mut sound = of_these(Vec::new(), dry.len() + response.len(), 77, noise_dbfs).samples;
     for (n, x) in dry.iter().enumerate() {
         sound[n] += x;
-        // What is 100 dB down adds nothing.
+        // A sample 100 dB down adds nothing.
         if x.abs() > 1e-5 {
             for (slot, h) in sound[n..].iter_mut().zip(response) {
                 *slot += x * h;
@@ -66,7 +68,7 @@ fn in_room(dry: &[f64], response: &[f64], noise_dbfs: f64) -> Vec<f64> {
 }
 
 #[test]
-fn the_t60_and_the_gain_of_a_room_s_bands_are_recovered() {
+fn t60_and_gain_of_a_rooms_bands_are_recovered() {
     let (mut t60_errors, mut gain_errors) = (Vec::new(), Vec::new());
     for (seed, longest_s, rms) in [(1, 1.6, 2e-5), (2, 0.9, 3e-5), (3, 1.2, 5e-5), (4, 2.0, 4e-5)] {
         let (response, gains) = response(seed, longest_s, rms);
@@ -114,7 +116,7 @@ fn a_dry_recording_has_no_room() {
 }
 
 #[test]
-fn a_thing_that_rings_longer_than_its_room_hides_it() {
+fn an_object_that_rings_longer_than_its_room_hides_it() {
     let (response, _) = response(5, 0.3, 3e-5);
     let sound = in_room(&thing(5, 25, 2.0), &response, -75.0);
     assert!(estimate(&sound, RATE_HZ).is_none());
@@ -128,7 +130,7 @@ fn silence_and_short_sounds_have_no_room() {
 }
 
 #[test]
-fn a_room_that_modes_and_residual_do_not_hold_stands_in_the_table() {
+fn a_room_that_modes_and_residual_do_not_explain_is_in_the_table() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("block.wav");
     let (response, _) = response(3, 1.2, 1.2e-4);
@@ -158,7 +160,7 @@ fn a_room_that_modes_and_residual_do_not_hold_stands_in_the_table() {
         report.erb_with_room_db
     );
     assert!(with_room_db < report.lsd_with_residual_db && report.lsd_with_residual_db < report.lsd_db);
-    // The figures of docs/fit.md.
+    // Figures of docs/fit.md.
     let page = [(report.lsd_db, 8.25), (report.lsd_with_residual_db, 7.42), (with_room_db, 5.48)];
     assert!(page.iter().all(|(measured, page)| (measured - page).abs() < 0.5), "{page:.2?}");
     // The octave round 1 kHz.

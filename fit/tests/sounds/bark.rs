@@ -1,4 +1,4 @@
-//! The damping law on the Bark scale, on sounds whose law is known.
+//! The damping law on the Bark scale, for sounds whose law is known.
 
 use std::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
 
@@ -9,7 +9,7 @@ use fit::synthetic::of_these;
 
 const RATE_HZ: f64 = 44_100.0;
 
-/// Damping of a thing: faster towards higher frequencies, as Rayleigh's law has it.
+/// Damping in 1/s of an object by Rayleigh's law: faster towards higher frequencies.
 fn law_per_s(frequency_hz: f64) -> f64 {
     6.0 + 6e-7 * frequency_hz * frequency_hz
 }
@@ -18,14 +18,14 @@ fn sine(frequency_hz: f64, decay_per_s: f64, amplitude: f64) -> DampedSine {
     DampedSine { frequency_hz, decay_per_s, amplitude, phase: 0.4 }
 }
 
-/// Noise whose bands die away by the law.
+/// Noise whose bands decay by that law.
 fn noise_of_the_law(seed: u64) -> Vec<f64> {
     let edges: Vec<f64> = (0..=120).map(|step| 60.0 * (16_000f64 / 60.0).powf(f64::from(step) / 120.0)).collect();
     let bands: Vec<Band> = edges
         .windows(2)
         .map(|edge| Band {
             edges_hz: [edge[0], edge[1]],
-            // Equal power a Hz.
+            // Equal power per Hz.
             weight: 1e-3 * (edge[1] - edge[0]).sqrt(),
             decay_db_per_s: 20.0 / 10f64.ln() * law_per_s((edge[0] * edge[1]).sqrt()),
         })
@@ -48,7 +48,7 @@ fn a_mode_in_each_third_band_gives_its_decay_and_amplitude() {
 }
 
 #[test]
-fn noise_that_dies_away_by_a_law_shows_that_law() {
+fn noise_that_decays_by_a_law_shows_that_law() {
     let (mut errors, mut sum, mut count) = (Vec::new(), 0.0, 0.0);
     for seed in 1..=4 {
         let law = damping_law(&noise_of_the_law(seed), RATE_HZ).expect("it decays");
@@ -77,7 +77,8 @@ fn the_gain_of_noise_is_its_rms_in_the_band_times_the_root_of_two() {
     let faded: Vec<f64> =
         sound.samples.iter().enumerate().map(|(n, x)| x * (-8.0 * n as f64 / RATE_HZ).exp()).collect();
     let law = damping_law(&faded, RATE_HZ).expect("it decays");
-    // White noise of rms r has r²/(fs/2) a Hz; the Gaussian band of σ = half a Bark passes √π σ of it.
+    // White noise of rms r has the power r²/(fs/2) per Hz; a Gaussian band of σ = half a Bark
+    // passes √π σ of it.
     for band in law.bands.iter().filter(|band| band.bark >= 6.0 && band.bark <= 22.0) {
         let width_hz = std::f64::consts::PI.sqrt() * 0.5 * fit::bark::width_hz(band.centre_hz);
         let expected = SQRT_2 * 0.1 * (width_hz / (RATE_HZ / 2.0)).sqrt();
@@ -88,8 +89,8 @@ fn the_gain_of_noise_is_its_rms_in_the_band_times_the_root_of_two() {
 
 #[test]
 fn the_centroids_lie_where_the_energy_is() {
-    // Energy A²/4α each: equal for these.
-    // They begin at a zero: a step would spread over the whole spectrum.
+    // Energy A²/4α each, equal for these. They begin at a zero, because a step would spread over
+    // the whole spectrum.
     let modes = [300.0, 900.0, 3000.0, 5400.0].map(|f| DampedSine { phase: -FRAC_PI_2, ..sine(f, 20.0, 0.2) });
     let sound = of_these(modes.to_vec(), 88_200, 5, -110.0);
     let centroids = damping_law(&sound.samples, RATE_HZ).expect("it decays").centroids;
@@ -101,7 +102,7 @@ fn the_centroids_lie_where_the_energy_is() {
 }
 
 #[test]
-fn modes_over_noise_emerge_and_those_in_it_do_not() {
+fn modes_above_noise_emerge_and_modes_within_it_do_not() {
     let loud = [420.0, 1500.0, 4100.0];
     let quiet = [700.0, 2300.0, 6200.0];
     let mut modes: Vec<DampedSine> = loud.map(|f| sine(f, law_per_s(f), 0.3)).to_vec();
@@ -125,7 +126,7 @@ fn modes_over_noise_emerge_and_those_in_it_do_not() {
 }
 
 #[test]
-fn silence_and_what_does_not_die_away_have_no_law() {
+fn silence_and_steady_sounds_have_no_damping_law() {
     assert!(damping_law(&vec![0.0; 44_100], RATE_HZ).is_none());
     assert!(damping_law(&[], RATE_HZ).is_none());
     let steady = of_these(Vec::new(), 44_100, 2, -20.0).samples;

@@ -1,7 +1,7 @@
-//! Strikes of an impact hammer: sound alone, and sound with its force.
+//! Strikes of an impact hammer: fits from sound alone, and from sound with its force.
 //!
-//! Strikes on known modes, rendered with noise, are made here. Those of a real hammer lie beside the project, in
-//! `../shared/data`: where they do not, their tests are ignored.
+//! Strikes on known modes, rendered with noise, are made here. Recordings of a real hammer lie
+//! beside the project, in `../shared/data`; without them their tests are ignored.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ fn recording(name: &str) -> (Recording, Vec<Hit>) {
     (recording, found)
 }
 
-/// The hammer's strikes that the reference renders, with the contact times that made them.
+/// Strikes that the reference renders, with the contact times that made them.
 fn synthetic() -> (Recording, Vec<Hit>, Vec<f64>) {
     let Hammered { recording, contact_times_s } = hammered(1);
     let (found, _) = hits(&recording).expect("it holds strikes");
@@ -31,7 +31,7 @@ fn synthetic() -> (Recording, Vec<Hit>, Vec<f64>) {
 
 #[cfg(not(has_shared_data))]
 #[test]
-fn recordings_are_absent_as_they_were_when_this_was_built() {
+fn recordings_are_still_absent_as_when_the_tests_were_built() {
     let data = Path::new(env!("SHARED_DATA"));
     assert!(!data.is_dir(), "{} is there now: run `touch build/shared_data.rs` and test again", data.display());
 }
@@ -82,7 +82,7 @@ fn measured_width_s(recording: &Recording, hit: &Hit) -> f64 {
 }
 
 #[test]
-fn widths_of_rendered_forces_are_those_of_their_half_sines() {
+fn measured_widths_of_rendered_forces_are_within_5_percent() {
     let (recording, found, contact_times_s) = synthetic();
     for (hit, contact_time_s) in found.iter().zip(contact_times_s) {
         let ratio = measured_width_s(&recording, hit) / (PULSE_FWHM * contact_time_s);
@@ -110,8 +110,10 @@ fn most_contact_times_from_sound_are_within_20_percent_of_the_measured_width() {
     assert!(near >= 15 && all == 18, "{near} of {all}");
 }
 
-/// What poles shared by all hits leave of each hit, in dB; and how hits 1 to 4 predict the others (median, in dB): plain
-/// joint least squares, one table, gains at four positions.
+/// Residual in dB of each strike with shared poles, and median errors in dB of predictions.
+///
+/// Strikes 1 to 4 predict the others: by plain joint least squares, by one table, and by gains at
+/// four positions.
 fn shared_poles(name: &str, recording: &Recording, found: &[Hit]) -> (Vec<f64>, [f64; 3]) {
     let force = recording.force.as_ref().expect("channel 1 was asked for");
     let rate_hz = recording.rate_hz;
@@ -134,18 +136,18 @@ fn shared_poles(name: &str, recording: &Recording, found: &[Hit]) -> (Vec<f64>, 
 }
 
 #[test]
-fn with_the_force_rendered_strikes_are_explained_down_to_their_noise() {
+fn a_fit_with_the_force_explains_rendered_strikes_down_to_their_noise() {
     let (recording, found, _) = synthetic();
     let (residual_db, [plain, _, along]) = shared_poles("rendered", &recording, &found);
     assert!(residual_db.iter().all(|residual| *residual <= -26.0), "{residual_db:.1?}");
-    // The strikes' places lie on a line: positions along it explain what one set of gains cannot.
+    // The places lie on a line: positions along it explain the strikes, one set of gains cannot.
     assert!((plain + 11.2).abs() < 1.0 && (along + 32.1).abs() < 2.0, "{plain:.2} dB, {along:.2} dB");
 }
 
-/// The figures of docs/fit.md.
+/// Checks the figures of docs/fit.md.
 #[test]
 #[cfg_attr(not(has_shared_data), ignore = "needs the recordings in ../shared/data")]
-fn with_the_force_shared_poles_leave_20_db_less_and_predict_other_strikes() {
+fn shared_poles_with_the_force_leave_and_predict_as_documented() {
     for (name, worst, good, predicted) in [
         ("hammer_ceramic.wav", -19.0, 7, [-11.60, -12.76, -17.29]),
         ("hammer_wood.wav", -24.4, 10, [-10.58, -10.64, -11.86]),
@@ -160,7 +162,10 @@ fn with_the_force_shared_poles_leave_20_db_less_and_predict_other_strikes() {
     }
 }
 
-/// A of `sin(πx) (1 + A cos(πx))`, 0 to 1, that comes nearest to a force round its peak, over onset, contact time and size.
+/// Skew A of the pulse `sin(πx) (1 + A cos(πx))`, 0 to 1, that comes nearest to a force round its
+/// peak.
+///
+/// Onset, contact time and size are fitted as well.
 fn skew(force: &[f64], peak: usize, rate_hz: f64) -> f64 {
     let around = &force[peak - 60..peak + 100];
     let energy: f64 = around.iter().map(|x| x * x).sum();
@@ -169,7 +174,7 @@ fn skew(force: &[f64], peak: usize, rate_hz: f64) -> f64 {
         let skew = f64::from(step) / 20.0;
         for time_s in (0..40).map(|n| 2.5e-4 + 2.5e-5 * f64::from(n)) {
             let time = time_s * rate_hz;
-            // The peak lies between 0.33 and 0.5 of the contact; a margin to either side.
+            // The peak lies between 0.33 and 0.5 of the contact, with a margin to either side.
             let (first, last) = (60.0 - 0.6 * time, 60.0 - 0.2 * time);
             let onsets = (0..).map(|n| first + 0.5 * f64::from(n)).take_while(|onset| *onset < last);
             for onset in onsets {

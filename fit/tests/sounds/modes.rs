@@ -12,7 +12,7 @@ fn estimate_of(sound: &Synthetic) -> Vec<DampedSine> {
     estimate(&sound.samples, sound.rate_hz, Settings::default())
 }
 
-/// All true modes within 20 cents and not one more.
+/// Matches of the true modes, all within 20 cents; asserts that no other mode is found.
 fn exactly_found(sound: &Synthetic) -> Vec<Match> {
     let estimates = estimate_of(sound);
     let found = matches(&sound.modes, &estimates, 20.0);
@@ -62,7 +62,8 @@ fn errors_scatter_by_the_cramer_rao_bounds() {
         for (mode, bound) in sound.modes.iter().zip(&bounds) {
             for found in matches(&[*mode], &estimates, 20.0) {
                 let error = (found.estimate.frequency_hz - mode.frequency_hz) / bound.frequency_hz;
-                // One in a million lies beyond 5: such a one was missed and stands for another.
+                // One in a million lies beyond 5 deviations: such a mode was missed, and another
+                // one matched.
                 if error.abs() < 5.0 {
                     squares += error * error;
                     count += 1.0;
@@ -106,7 +107,7 @@ fn a_mode_40_db_under_its_neighbour_at_5_percent_is_found() {
 fn noise_alone_has_no_modes() {
     for seed in 0..6 {
         let sound = of_these(vec![sine(1000.0, 0.1, 0.0, 0.0)], 44_100, seed, 20.0);
-        // The sine is 20 dB and more under the noise for all but a few cycles.
+        // The sine is 20 dB or more below the noise for all but a few cycles.
         let modes = estimate_of(&sound);
         assert!(modes.len() <= 1, "seed {seed}: {modes:?}");
     }

@@ -1,4 +1,5 @@
-//! The dynamic filter's estimation: stability, decays of loops, and the damping of recordings that survives in it.
+//! Estimation of the dynamic filter: stability, decays of loops, and the damping of recordings that
+//! it keeps.
 
 use std::f64::consts::PI;
 use std::path::Path as FilePath;
@@ -13,7 +14,7 @@ use fit::modes::DampedSine;
 use fit::score::quantile;
 use fit::synthetic::struck;
 
-/// Noise for 20 ms through a low-pass that stands still.
+/// Noise of 20 ms through a low-pass that stands still.
 fn burst() -> Path {
     let coefficients = Coefficients { a: [-0.3, 0.0], b: [0.2, 0.1, 0.0] };
     let point = |time_s| Breakpoint { time_s, coefficients, noise: 1.0 };
@@ -47,12 +48,12 @@ fn a_loop_left_to_itself_decays_by_its_width_and_gain() {
         let expected = beta * (1.0 - gain) / (1.0 + beta * gain * guide.delay_s);
         let ratio = law.decay_per_s(frequency) / expected;
         println!("{frequency} Hz: {:.2} for {expected:.2} 1/s", law.decay_per_s(frequency));
-        // The delay's share is taken to first order.
+        // The delay's effect is taken to first order.
         assert!((ratio - 1.0).abs() < 0.05, "{frequency} Hz: {ratio}");
     }
 }
 
-/// A law of 18 bands whose decays and gains scatter as recordings' do.
+/// A law of 18 bands whose decays and gains scatter like those of recordings.
 fn scattered_law(seed: u64) -> DampingLaw {
     let mut state = seed;
     let mut uniform = || {
@@ -70,7 +71,7 @@ fn scattered_law(seed: u64) -> DampingLaw {
 }
 
 #[test]
-fn any_law_gives_a_stable_path_of_few_breakpoints_and_loops_below_a_gain_of_one() {
+fn any_law_gives_a_stable_path_and_loops_below_a_gain_of_one() {
     for seed in 1..=2 {
         let law = scattered_law(seed);
         for criterion in
@@ -113,8 +114,9 @@ fn more_coefficients_and_more_bands_follow_a_law_better_than_three_bands_do() {
     assert!(first < three && second < 0.2 && first < 0.25);
 }
 
-/// Number of Bark bands that are within 15 % of the strike's damping, of how many, and the median error, of the resynthesis by at most ten modes beside
-/// the filter.
+/// Number of Bark bands within 15 % of the strike's damping, number of all bands, and median error.
+///
+/// The resynthesis has at most ten modes beside the filter.
 fn kept_damping(file: &FilePath) -> (usize, usize, f64) {
     let heard = heard_in(file).expect("a strike");
     let model = Way::Additive(Form::FirstOrder).model(&heard);

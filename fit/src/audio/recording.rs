@@ -1,0 +1,73 @@
+//! A recording as samples, and notes on how it was read.
+
+use std::fmt;
+
+/// A recording, ready to be fitted.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// Samples of the microphone, full scale 1.
+    pub samples: Vec<f64>,
+    /// Samples of the measured force, full scale 1; `None` without a force channel.
+    pub force: Option<Vec<f64>>,
+    /// Sample rate in Hz.
+    pub rate_hz: f64,
+    /// Notes on how the recording was read.
+    pub notes: Vec<Note>,
+}
+
+/// A decision about a recording that was made without asking.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Note {
+    /// One of several channels was taken.
+    Channel {
+        /// Index of the channel taken, from 0.
+        taken: usize,
+        /// Number of channels.
+        channels: usize,
+    },
+    /// The recording was decimated because its rate was too high.
+    Decimated {
+        /// Sample rate of the file in Hz.
+        from_hz: f64,
+        /// Sample rate after decimation in Hz.
+        to_hz: f64,
+    },
+    /// Only the beginning was read because the file was too long.
+    Truncated {
+        /// Seconds that were read.
+        seconds: f64,
+    },
+    /// The file can be read only up to a cut or a damaged part.
+    Cut {
+        /// Kind of the damage.
+        cause: &'static str,
+    },
+    /// Strikes follow one another too closely: those after the first are taken for its bounces.
+    Bounces {
+        /// Times of the bounces in seconds.
+        at_s: Vec<f64>,
+    },
+    /// The recording begins in the middle of a strike.
+    StartsRinging,
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Channel { taken, channels } => {
+                write!(f, "channel {taken} of {channels} is used, the loudest: a mix of microphones would have notches")
+            }
+            Self::Decimated { from_hz, to_hz } => write!(f, "decimated from {from_hz} Hz to {to_hz} Hz"),
+            Self::Truncated { seconds } => write!(f, "only the first {seconds} s were read"),
+            Self::Cut { cause } => write!(f, "the file is cut or damaged ({cause}): the part before that is used"),
+            Self::Bounces { at_s } => {
+                write!(f, "strikes too close to the one before them are taken for its bounces: ")?;
+                for (index, at_s) in at_s.iter().enumerate() {
+                    write!(f, "{}{at_s:.3}", if index == 0 { "" } else { ", " })?;
+                }
+                write!(f, " s")
+            }
+            Self::StartsRinging => write!(f, "the recording begins with the strike: its attack may be missing"),
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! The modal estimator: search, joint refinement and pruning until no more modes are found.
+
+use super::damped_sine::DampedSine;
+use super::noise::NoiseFloor;
+use super::pole::Pole;
+use super::refine::{Ending, Group, Model, refine};
+use super::search::{Range, search};
+
+/// Settings of the modal estimator.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Maximum number of modes.
+    pub most_modes: usize,
+    /// Fastest decay of a mode in 1/s.
+    pub fastest_decay_per_s: f64,
+    /// Lowest frequency of a mode in Hz.
+    pub lowest_hz: f64,
+}
+
+impl Default for Settings {
+    /// 64 modes, decays up to 1500/s (T60 4.6 ms), from 30 Hz.
+    fn default() -> Self {
+        Self { most_modes: 64, fastest_decay_per_s: 1500.0, lowest_hz: 30.0 }
+    }
+}
+
+/// Estimates the modes that ring freely from the first sample on, loudest energy first.
+///
+/// `samples` have full scale 1 and the rate `rate_hz`. The number of modes follows from the sound:
+/// each has to explain more energy than the Bayesian information criterion asks of its four
+/// numbers, at the noise floor round its frequency.
+pub fn estimate(samples: &[f64], rate_hz: f64, settings: Settings) -> Vec<DampedSine> {
+    let Some(model) = model(samples, rate_hz, settings) else { return Vec::new() };
+    let gains = model.gains.iter().flat_map(|gains| &gains.modes);
+    let mut modes: Vec<(f64, DampedSine)> = model
+        .poles
+        .iter()
+        .zip(gains)
+        .zip(&model.worth)
+        .map(|((pole, gain), worth)| {
+            let sine = DampedSine {
+                frequency_hz: pole.frequency_hz(rate_hz),
+                decay_per_s: pole.decay_per_s(rate_hz),
+                amplitude: gain.norm(),
+                phase: gain.arg(),
+            };
+            (*worth, sine)
+        })
+        .collect();
+    modes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    modes.into_iter().map(|(_, sine)| sine).collect()
+}
+
+/// Poles of the modes that [`estimate`] finds.
+pub(crate) fn estimate_poles(samples: &[f64], rate_hz: f64, settings: Settings) -> Vec<Pole> {
+    model(samples, rate_hz, settings).map_or(Vec::new(), |model| model.poles)
+}
+
+/// Maximum number of passes of search and refinement.
+const PASSES: usize = 24;
+
+fn model(samples: &[f64], rate_hz: f64, settings: Settings) -> Option<Model> {
+    let length = samples.len();
+    if length < 64 {
+        return None;
+    }
+    let groups = [Group::ringing(samples)];
+    let range = Range {
+        slowest: 0.5 / length as f64,
+        fastest: (settings.fastest_decay_per_s / rate_hz).min(0.3),
+        angular: (std::f64::consts::TAU * settings.lowest_hz / rate_hz, std::f64::consts::PI * 0.999),
+    };
+    // A mode has four numbers, each of which has to explain ln N times the noise.
+    let threshold = 4.0 * (length as f64).ln();
+    let mut model = Model { poles: Vec::new(), gains: Vec::new(), worth: Vec::new() };
+    let mut residual = samples.to_vec();
+    let mut noise = NoiseFloor::of_residual(&residual);
+    for _ in 0..PASSES {
+        let candidates = search(
+            &residual,
+            &noise,
+            range,
+            threshold,
+            settings.most_modes - model.poles.len().min(settings.most_modes),
+        );
+        if candidates.is_empty() {
+            break;
+        }
+        let mut poles = model.poles.clone();
+        poles.extend(candidates.iter().map(|candidate| candidate.pole));
+        let Some(more) = refine(&groups, &poles, Ending::COARSE)
+            .and_then(|more| within(&groups, more, range))
+            .and_then(|more| prune(&groups, more, &noise, threshold, Ending::COARSE))
+        else {
+            break;
+        };
+        model = more;
+        residual = model.residual(0, &groups[0].stretches[0]);
+        noise = NoiseFloor::of_residual(&residual);
+        if model.poles.len() >= settings.most_modes {
+            break;
+        }
+    }
+    let model = refine(&groups, &model.poles, Ending::FINE)?;
+    prune(&groups, within(&groups, model, range)?, &noise, threshold, Ending::FINE)
+}
+
+/// Removes poles that have left the range of the search: they are drifts and clicks, not modes.
+fn within(groups: &[Group<'_>], model: Model, range: Range) -> Option<Model> {
+    let (lowest, highest) = range.angular;
+    let strayed =
+        |pole: &Pole| pole.angular < 0.9 * lowest || pole.angular > highest || pole.decay > 1.5 * range.fastest;
+    let outside: Vec<usize> = (0..model.poles.len()).filter(|&k| strayed(&model.poles[k])).collect();
+    if outside.is_empty() { Some(model) } else { refine(groups, &model.without(&outside), Ending::COARSE) }
+}
+
+/// Removes modes that explain too little, the least worthy first, and refines the others.
+fn prune(groups: &[Group<'_>], model: Model, noise: &NoiseFloor, threshold: f64, ending: Ending) -> Option<Model> {
+    let mut model = model;
+    loop {
+        let unworthy: Vec<usize> = (0..model.poles.len())
+            .filter(|&k| model.worth[k] < threshold * noise.variance(model.poles[k].angular))
+            .collect();
+        if unworthy.is_empty() {
+            return Some(model);
+        }
+        // Two modes in one place are both worth nothing, so of neighbours only the less worthy is
+        // removed at a time.
+        let apart = |a: usize, b: usize| {
+            let (a, b) = (model.poles[a], model.poles[b]);
+            (a.angular - b.angular).abs() > 10.0 * (a.decay + b.decay)
+        };
+        let mut dropped: Vec<usize> = Vec::new();
+        let mut in_order = unworthy;
+        in_order.sort_by(|&a, &b| model.worth[a].total_cmp(&model.worth[b]));
+        for candidate in in_order {
+            if dropped.iter().all(|&other| apart(candidate, other)) {
+                dropped.push(candidate);
+            }
+        }
+        model = refine(groups, &model.without(&dropped), ending)?;
+    }
+}
