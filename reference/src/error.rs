@@ -1,13 +1,14 @@
-//! What can be wrong with the structure of a scene.
+//! Errors in the structure of a scene.
 //!
 //! Values (a negative frequency, a contact time of zero) are trusted: whoever reads tables checks
-//! them. Indices and lengths are checked here, because they would otherwise point at nothing.
+//! them. Indices and lengths are checked here, because rendering would otherwise index out of
+//! bounds.
 
 use std::fmt;
 
 use crate::resonator::GainsError;
 
-/// Which of a pad's modal banks is meant.
+/// One of a pad's modal banks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BankOwner {
     /// The struck object.
@@ -25,52 +26,52 @@ impl fmt::Display for BankOwner {
     }
 }
 
-/// Why a scene cannot be rendered. Every index counts from 0.
+/// Reason why a scene cannot be rendered. Every index counts from 0.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Error {
     /// An event names a pad that the scene does not have.
     EventPad {
         /// Index of the event in the list given.
         event: usize,
-        /// The pad it names.
+        /// Index of the pad that the event names.
         pad: usize,
-        /// How many pads there are.
+        /// Number of pads in the scene.
         pad_count: usize,
     },
     /// A strike names a striker that its pad does not have.
     EventStriker {
         /// Index of the event in the list given.
         event: usize,
-        /// The pad it plays.
+        /// Index of the pad that the event plays.
         pad: usize,
-        /// The striker it names.
+        /// Index of the striker that the event names.
         striker: usize,
-        /// How many strikers that pad has.
+        /// Number of strikers of that pad.
         striker_count: usize,
     },
     /// An event is earlier than the one before it, or its time is not a number.
     EventOrder {
         /// Index of the event in the list given.
         event: usize,
-        /// Its time in samples.
+        /// Time of the event in samples.
         time_samples: f64,
-        /// The time in samples of the event before it.
+        /// Time of the event before it, in samples.
         previous_samples: f64,
     },
-    /// The direct force, or the caller, asks for a pad that the scene does not have.
+    /// The direct force, or the caller, names a pad that the scene does not have.
     NoSuchPad {
-        /// The pad asked for.
+        /// Index of the pad named.
         pad: usize,
-        /// How many pads there are.
+        /// Number of pads in the scene.
         pad_count: usize,
     },
     /// A modal bank of a pad has gains at the wrong number of positions.
     Bank {
         /// Index of the pad.
         pad: usize,
-        /// Which of its banks.
+        /// The bank with the wrong gains.
         owner: BankOwner,
-        /// Which mode, and what was expected.
+        /// Index of the mode, and the number of positions found and expected.
         gains: GainsError,
     },
 }
@@ -85,19 +86,17 @@ impl fmt::Display for Error {
             ),
             Self::EventStriker { event, pad, striker, striker_count } => write!(
                 f,
-                "event {event} uses striker {striker} of pad {pad}, which has {striker_count} \
+                "event {event} uses striker {striker} of pad {pad}, which has {striker_count} strikers \
                  counted from 0: correct the event or add the striker"
             ),
             Self::EventOrder { event, time_samples, previous_samples } => write!(
                 f,
-                "event {event} is at sample {time_samples}, after one at {previous_samples}: \
-                 sort the events by time"
+                "event {event} is at sample {time_samples}, but the event before it is at \
+                 {previous_samples}: sort the events by time"
             ),
-            Self::NoSuchPad { pad, pad_count } => write!(
-                f,
-                "there is no pad {pad}: the scene has {pad_count} counted from 0; ask for one of \
-                 these"
-            ),
+            Self::NoSuchPad { pad, pad_count } => {
+                write!(f, "there is no pad {pad}: the scene has {pad_count} pads counted from 0; name one of them")
+            }
             Self::Bank { pad, owner, gains } => write!(f, "the {owner} bank of pad {pad}: {gains}"),
         }
     }

@@ -1,47 +1,50 @@
-//! What is played: strikes, chokes and releases, each at its time on its pad, and force from outside.
+//! Events: strikes, chokes and releases, each at its time on its pad, and direct force from
+//! outside.
 
 use crate::error::Error;
-use crate::pad::Pad;
 
-/// What an [`Event`] does to its pad.
+/// Effect of an [`Event`] on its pad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     /// A contact begins: its pulse starts at the event's exact time.
     Strike,
-    /// A hand is laid on the pad: from the first tick behind the event on every mode dies away at least
-    /// as fast as [`Pad::choke_t60_s`] says, new strikes included.
+    /// A hand is laid on the pad: every mode dies away at least as fast as
+    /// [`crate::Pad::choke_t60_s`] says.
+    ///
+    /// It acts from the first tick after the event on, on new strikes too.
     Choke,
-    /// The hand is lifted: from the first tick behind the event on the modes have their own decay rates
-    /// again.
+    /// The hand is lifted: the modes have their own decay rates again, from the first tick after
+    /// the event on.
     Release,
 }
 
-/// One thing that happens to one pad.
+/// An event on one pad, at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// When, in samples from the start of the scene, with a fraction; 0 or later.
+    /// Time in samples from the start of the scene, with a fraction; 0 or later.
     pub time_samples: f64,
     /// Index of the pad.
     pub pad: usize,
-    /// Strike velocity, 0 to 1; a strike at 0 does nothing at all. Not read for a choke or release.
+    /// Strike velocity, 0 to 1. A strike at 0 does nothing at all. Ignored for a choke or release.
     pub velocity: f64,
-    /// Where along the object the contact is, 0 to 1. Not read for a choke or release.
+    /// Position of the contact along the object, 0 to 1. Ignored for a choke or release.
     pub position: f64,
-    /// Index into the pad's strikers. Not read for a choke or release.
+    /// Index into the pad's strikers. Ignored for a choke or release.
     pub striker: usize,
-    /// What happens.
+    /// Effect on the pad.
     pub action: Action,
 }
 
 impl Event {
-    /// The first sample `n` with `n >= time_samples`.
+    /// First sample `n` with `n >= time_samples`.
     pub fn first_sample(&self) -> u64 {
-        // The cast saturates: what happened before the start is known at sample 0.
+        // The cast saturates: an event before the start acts at sample 0.
         self.time_samples.ceil() as u64
     }
 
-    /// The first sample that can hear of this event: of a strike [`Self::first_sample`], of a hand the
-    /// first tick behind it.
+    /// First sample that the event affects.
+    ///
+    /// For a strike it is [`Self::first_sample`], for a choke or release the first tick after it.
     pub fn acts_at(&self) -> u64 {
         match self.action {
             Action::Strike => self.first_sample(),
@@ -50,11 +53,14 @@ impl Event {
     }
 }
 
-/// A tick: at each, hands come and go and reach further modes, and the end of their fade is looked for.
+/// Length of a tick in samples. At each tick hands come, go and reach further modes, and finished
+/// fades end.
 pub(crate) const TICK_SAMPLES: u64 = 32;
 
-/// Events in the order in which they act, each with its sample. Of several hands that act at one tick
-/// the last counts, and only if it changes whether one lies there.
+/// Events in the order in which they act, each with its sample.
+///
+/// Of several chokes and releases that act at one tick the last counts, and only if it changes the
+/// state.
 pub(crate) fn in_effect(events: impl Iterator<Item = Event>) -> Vec<(u64, Event)> {
     let (hands, mut acting): (Vec<_>, Vec<_>) =
         events.map(|event| (event.acts_at(), event)).partition(|(_, event)| event.action != Action::Strike);
@@ -66,7 +72,7 @@ pub(crate) fn in_effect(events: impl Iterator<Item = Event>) -> Vec<(u64, Event)
             acting.push(last);
         }
     }
-    // Stable: at one sample hands before strikes.
+    // The sort is stable; at one sample chokes and releases come before strikes.
     acting.sort_by_key(|(sample, event)| (*sample, event.action == Action::Strike));
     acting
 }
@@ -74,34 +80,31 @@ pub(crate) fn in_effect(events: impl Iterator<Item = Event>) -> Vec<(u64, Event)
 /// A force that drives a pad sample by sample, such as the signal of a piezo under it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Direct<'a> {
-    /// Index of the pad. For its strikers' sound, striker 0 makes this force.
+    /// Index of the pad. The force counts as made by its striker 0 for the strikers' own sound.
     pub pad: usize,
-    /// The force in newtons, one value a sample from sample 0; none after its end.
+    /// Force in newtons, one value a sample from sample 0; 0 after its end.
     pub force: &'a [f64],
 }
 
-/// Checks that `events` come in order of time, and that they and `direct` name pads and strikers
-/// that exist.
-pub(crate) fn check(events: &[Event], direct: Option<Direct<'_>>, pads: &[Pad]) -> Result<(), Error> {
+/// Checks that `events` are sorted by time, and that they and `direct` name pads and strikers that
+/// exist.
+///
+/// `striker_counts` holds the number of strikers of each pad.
+pub(crate) fn check(events: &[Event], direct: Option<Direct<'_>>, striker_counts: &[usize]) -> Result<(), Error> {
     if let Some(Direct { pad, .. }) = direct
-        && pad >= pads.len()
+        && pad >= striker_counts.len()
     {
-        return Err(Error::NoSuchPad { pad, pad_count: pads.len() });
+        return Err(Error::NoSuchPad { pad, pad_count: striker_counts.len() });
     }
     let mut previous_samples = f64::NEG_INFINITY;
     for (index, event) in events.iter().enumerate() {
-        let Some(pad) = pads.get(event.pad) else {
-            return Err(Error::EventPad { event: index, pad: event.pad, pad_count: pads.len() });
+        let Some(&striker_count) = striker_counts.get(event.pad) else {
+            return Err(Error::EventPad { event: index, pad: event.pad, pad_count: striker_counts.len() });
         };
-        if event.action == Action::Strike && event.striker >= pad.strikers.len() {
-            return Err(Error::EventStriker {
-                event: index,
-                pad: event.pad,
-                striker: event.striker,
-                striker_count: pad.strikers.len(),
-            });
+        if event.action == Action::Strike && event.striker >= striker_count {
+            return Err(Error::EventStriker { event: index, pad: event.pad, striker: event.striker, striker_count });
         }
-        // The comparison is false for a time that is not a number, which has no place in an order.
+        // The comparison is false for a time that is not a number, which cannot be sorted.
         let in_order = previous_samples <= event.time_samples;
         if !in_order {
             return Err(Error::EventOrder { event: index, time_samples: event.time_samples, previous_samples });

@@ -1,9 +1,9 @@
-//! What a struck object sounds like: the model in `f64`, written from the papers.
+//! The sound of struck objects: the model in `f64`, written from the papers.
 //!
 //! This crate is to be read beside *DiffImpact: Differentiable Rendering and Identification of
-//! Impact Sounds* (Clarke et al., 2021), whose equation numbers stand in the comments ("eq. 2").
-//! It knows physical parameters only (hertz, newtons, seconds) and computes in double precision,
-//! with no thought for a microcontroller: the real-time instrument is measured against it.
+//! Impact Sounds* (Clarke et al., 2021), whose equation numbers stand in the comments ("eq. 2"). It
+//! knows physical parameters only (hertz, newtons, seconds) and computes in double precision, with
+//! no thought for a microcontroller: the real-time instrument is measured against it.
 //!
 //! # Signal flow, a module a stage
 //!
@@ -20,20 +20,23 @@
 //! | stage | what it computes | source |
 //! | --- | --- | --- |
 //! | [`trigger`] | piezos to strikes | this project |
-//! | [`event`] | who is struck when, how hard, where, with what; chokes, releases, direct force | this project |
+//! | [`event`] | strikes, chokes, releases and direct force, each at its time | this project |
 //! | [`contact`] | from velocity to a contact force over time; strikes sum | eq. 2, 3 |
 //! | [`resonator`] | the force drives a bank of decaying modes | §3.3 |
-//! | [`radiation`] | the click of the striker's deceleration, `α·F`, or what cancels the static response | eq. 1, §3.2 |
-//! | [`dynamic_filter`], [`waveguide`] | noise through a filter that moves, loops round it | dynamic filtering eq. 5 to 17 |
+//! | [`radiation`] | `α·F`: the striker's click, or the static response's opposite | eq. 1, §3.2 |
+//! | [`dynamic_filter`] | noise through a filter that changes | dynamic filtering eq. 5, 6, 17 |
+//! | [`waveguide`] | loops round the dynamic filter | dynamic filtering eq. 8 to 13 |
 //! | [`biquad`] | chains of biquads beside the modes | diffmodal eq. 2, 3 |
 //! | [`residual`] | noise in decaying bands beside the modes | physics-diffusion eq. 5, 6 |
-//! | [`pad`] | one object with its filters, its strikers, and the sum of all they radiate | eq. 1 |
+//! | [`pad`] | one object with its filters and strikers, and all they radiate | eq. 1 |
 //! | [`scene`] | several pads: level, pan, stereo, and 24-bit quantisation | this project |
 //!
-//! Of eq. 1, the background noise `N` is not part of this model, and the room `IR_e` (eq. 19) is in [`mod@room`], to be added to what a scene gives; so is the noise of
-//! [`residual`], which has a law but no bits of its own. Added
-//! to it are the striker's own bank with weight η (as §4.3 does for tools), a cosine gain for every mode,
-//! gains that depend on the position of the contact, and the choke.
+//! The background noise `N` of eq. 1 is not part of this model. The room `IR_e` (eq. 19) is in
+//! [`mod@room`], and the noise of the residual in [`residual`]; both are to be added to the sound
+//! of a scene. The residual is compared with the instrument's by its expected values only, because
+//! its random numbers differ. Beyond eq. 1 the model has the striker's own bank with weight η (as
+//! §4.3 does for tools), a cosine gain for every mode, gains that depend on the position of the
+//! contact, and the choke.
 //!
 //! # Conventions
 //!
@@ -45,7 +48,8 @@
 //! # Example
 //!
 //! ```
-//! use reference::{Acceleration, Action, Event, Gain, Mode, Object, Pad, Pulse, SampleRate, Striker};
+//! use reference::{Acceleration, Action, Event, Gain, Mode, Object, Pad, Pulse};
+//! use reference::{SampleRate, Striker};
 //!
 //! let bell = Pad {
 //!     object: Object {

@@ -1,14 +1,14 @@
-//! The sample rate as the clock tree makes it: a ratio.
+//! The sample rate as an exact ratio, as a clock tree makes it.
 
 /// A sample rate in hertz, `numerator / denominator`.
 ///
-/// A ratio, because hardware divides clocks: 86 000 000 / 1792 Hz is 47 991.071..., and a rate
+/// It is a ratio because hardware divides clocks: 86 000 000 / 1792 Hz is 47 991.071..., and a rate
 /// rounded to whole hertz would detune every mode. Both parts must be above zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SampleRate {
     /// Clock frequency in hertz.
     pub numerator: u32,
-    /// What the clock is divided by.
+    /// Divider of the clock.
     pub denominator: u32,
 }
 

@@ -1,4 +1,5 @@
-//! Latency at a thousand places of one waveform in a block, on both boards: `cargo bench -p virtual-board --bench jitter` (minutes).
+//! Latency of a waveform at a thousand places in a block, on both boards: `cargo bench -p
+//! virtual-board --bench jitter` (minutes).
 
 #[path = "../tests/boards/common.rs"]
 mod common;
@@ -9,7 +10,7 @@ use virtual_board::Board;
 
 fn main() {
     for board in Board::ALL {
-        // In runs, and each with its own places in a block: a little louder, a little earlier.
+        // Runs of slightly different peaks cross the threshold at different places in a block.
         let runs = [0.5, 0.501, 0.502, 0.503].map(|peak| timing::measure(board, 0, 250, peak, 0.001));
         let smallest = runs.iter().fold(f64::INFINITY, |least, run| least.min(run.0));
         let largest = runs.iter().fold(0.0, |most: f64, run| most.max(run.1));

@@ -1,8 +1,8 @@
-//! What the two microcontrollers differ in.
+//! Differences between the two microcontrollers.
 
 use crate::frequency::Frequency;
 
-/// A microcontroller of the STM32F4 family.
+/// Microcontroller of the STM32F4 family.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Chip {
     /// STM32F407VG (reference manual RM0090).
@@ -11,7 +11,7 @@ pub enum Chip {
     Stm32F411,
 }
 
-/// The highest frequencies of the buses, core first.
+/// Highest frequencies of the core's bus and of the two peripheral buses.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limits {
     pub(crate) hclk: Frequency,
@@ -20,7 +20,7 @@ pub(crate) struct Limits {
 }
 
 impl Chip {
-    /// Its name.
+    /// Returns the name of the chip.
     pub fn name(self) -> &'static str {
         match self {
             Chip::Stm32F407 => "STM32F407VG",
@@ -28,7 +28,7 @@ impl Chip {
         }
     }
 
-    /// The flash sector that is kept for a kit: its first address and its length (128 KB).
+    /// Returns the first address and the length in bytes of the flash sector for a kit, 128 KB.
     pub fn kit_sector(self) -> (u32, u32) {
         match self {
             Chip::Stm32F407 => (0x080e_0000, 128 << 10),
@@ -36,7 +36,7 @@ impl Chip {
         }
     }
 
-    /// Bytes of flash.
+    /// Returns the number of bytes of flash.
     pub fn flash_bytes(self) -> u32 {
         match self {
             Chip::Stm32F407 => 1 << 20,
@@ -44,12 +44,12 @@ impl Chip {
         }
     }
 
-    /// Bytes of RAM that DMA reaches.
+    /// Returns the number of bytes of RAM that DMA reaches.
     pub fn ram_bytes(self) -> u32 {
         128 << 10
     }
 
-    /// Bytes of core-coupled memory.
+    /// Returns the number of bytes of core-coupled memory.
     pub fn ccm_bytes(self) -> u32 {
         match self {
             Chip::Stm32F407 => 64 << 10,
@@ -57,7 +57,7 @@ impl Chip {
         }
     }
 
-    /// DBGMCU_IDCODE.
+    /// Returns the value of DBGMCU_IDCODE.
     pub(crate) fn identity(self) -> u32 {
         match self {
             Chip::Stm32F407 => 0x1007_6413,
@@ -65,6 +65,7 @@ impl Chip {
         }
     }
 
+    /// Returns the highest frequencies of the buses.
     pub(crate) fn limits(self) -> Limits {
         let mhz = |mhz: u64| Frequency::hz(mhz * 1_000_000);
         match self {
@@ -73,7 +74,8 @@ impl Chip {
         }
     }
 
-    /// The wait states that flash needs at that core clock, supply 2.7 to 3.6 V (RM0090 table 10, RM0383 table 5).
+    /// Returns the number of wait states that flash needs at a core clock, for a supply of 2.7 to
+    /// 3.6 V (RM0090 table 10, RM0383 table 5).
     pub(crate) fn wait_states(self, hclk: Frequency) -> u32 {
         let above = match self {
             Chip::Stm32F407 => &[30, 60, 90, 120, 150][..],
@@ -82,7 +84,7 @@ impl Chip {
         above.iter().filter(|&&mhz| hclk > Frequency::hz(mhz * 1_000_000)).count() as u32
     }
 
-    /// The highest core clock that the regulator's scale (PWR_CR.VOS) supports.
+    /// Returns the highest core clock that a scale of the regulator (PWR_CR.VOS) supports.
     pub(crate) fn hclk_at_scale(self, vos: u32) -> Frequency {
         let mhz = match (self, vos) {
             (Chip::Stm32F407, 0) => 144,

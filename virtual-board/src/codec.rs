@@ -1,7 +1,9 @@
-//! The codec CS43L22 of the STM32F407G-DISC1 at I2C address 0x4A, as far as a driver can be wrong about it: reset pin, identity, the
-//! start-up sequence of its data sheet (sections 4.9 and 4.11), interface format, clocks, power and mute bits.
+//! Codec CS43L22 of the STM32F407G-DISC1, as far as a driver can be wrong about it.
+//!
+//! It has the reset pin, the identity, the start-up sequence of the data sheet (sections 4.9 and
+//! 4.11), interface format, clocks, and power and mute bits.
 
-/// Its 7-bit address on the bus.
+/// Address of the codec on the I2C bus, 7 bits.
 pub(crate) const ADDRESS: u8 = 0x4a;
 
 const ID: u8 = 0x01;
@@ -10,26 +12,30 @@ const POWER_2: u8 = 0x04;
 const INTERFACE: u8 = 0x06;
 const REGISTERS: usize = 0x48;
 
-/// Powered up, for register 0x02.
+/// Value of register 0x02 that powers the codec up.
 const POWERED_UP: u8 = 0x9e;
 
-/// The writes that the data sheet asks for before power-up: register, mask, value.
+/// Writes that the data sheet requires before power-up: register, mask, value.
 const INITIALISATION: [(u8, u8, u8); 5] =
     [(0x00, 0xff, 0x99), (0x47, 0x80, 0x80), (0x32, 0x80, 0x80), (0x32, 0x80, 0x00), (0x00, 0xff, 0x00)];
 
-/// The codec behind its bus and its reset pin.
+/// Codec behind its bus and its reset pin.
 #[derive(Debug)]
 pub(crate) struct Codec {
     registers: [u8; REGISTERS],
     out_of_reset: bool,
+    /// True if the codec acknowledges anything.
     answering: bool,
+    /// Number of steps of [`INITIALISATION`] that have been done.
     initialised: usize,
+    /// Register that is accessed next, with the increment bit, or `None` before it is written.
     pointer: Option<u8>,
-    /// What the driver did wrong, in words.
+    /// Faults of the driver, as sentences.
     pub(crate) complaints: Vec<String>,
 }
 
 impl Codec {
+    /// Makes a codec in reset. A codec that is not `answering` acknowledges nothing.
     pub(crate) fn new(answering: bool) -> Codec {
         let mut codec = Codec {
             registers: [0; REGISTERS],
@@ -63,7 +69,7 @@ impl Codec {
         self.pointer = None;
     }
 
-    /// The level of its reset pin (active low).
+    /// Sets the level of the reset pin, which is active low.
     pub(crate) fn set_reset_pin(&mut self, high: bool) {
         if !high && self.out_of_reset {
             self.reset();
@@ -71,7 +77,7 @@ impl Codec {
         self.out_of_reset = high;
     }
 
-    /// A start condition with its address was seen; whether it acknowledges.
+    /// Takes a start condition with the codec's address; returns true if the codec acknowledges it.
     pub(crate) fn addressed(&mut self, reading: bool) -> bool {
         if !reading {
             self.pointer = None;
@@ -79,7 +85,9 @@ impl Codec {
         self.answering && self.out_of_reset
     }
 
-    /// A byte from the driver; whether it acknowledges. `master_clock_runs`: MCLK is on its pin.
+    /// Takes a byte from the driver; returns true if the codec acknowledges it.
+    ///
+    /// `master_clock_runs` is true if MCLK is on its pin.
     pub(crate) fn write(&mut self, byte: u8, master_clock_runs: bool) -> bool {
         if !self.answering || !self.out_of_reset {
             return false;
@@ -110,7 +118,7 @@ impl Codec {
         true
     }
 
-    /// The next byte for the driver.
+    /// Returns the next byte for the driver.
     pub(crate) fn read(&mut self) -> u8 {
         let pointer = self.pointer.unwrap_or(0);
         let value = self.registers.get(usize::from(pointer & 0x7f)).copied().unwrap_or(0);
@@ -148,7 +156,7 @@ impl Codec {
         }
     }
 
-    /// Whether it is powered up and some output is on.
+    /// Returns true if the codec is powered up and an output is on.
     pub(crate) fn sounds(&self) -> bool {
         let headphone_or_speaker_on = self.registers[usize::from(POWER_2)] != 0xff;
         self.out_of_reset && self.registers[usize::from(POWER_1)] == POWERED_UP && headphone_or_speaker_on
@@ -193,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reset_mutes_it_and_it_does_not_answer_while_it_lasts() {
+    fn a_codec_in_reset_is_mute_and_does_not_answer() {
         let mut codec = started(None, true);
         codec.set_reset_pin(false);
         assert!(!codec.sounds() && !codec.addressed(false) && !codec.write(2, true));
@@ -202,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn its_identity_can_be_read_in_a_row_of_registers() {
+    fn the_identity_can_be_read_in_a_row_of_registers() {
         let mut codec = Codec::new(true);
         codec.set_reset_pin(true);
         assert!(codec.addressed(false) && codec.write(0x80 | ID, true) && codec.addressed(true));

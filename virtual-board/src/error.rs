@@ -1,69 +1,69 @@
-//! What can go wrong, each error naming what, where, and what to do.
+//! Errors of boards and of accesses to their peripherals.
 
 use std::path::PathBuf;
 
 use thiserror::Error;
 use virtual_core::{ImageError, RunError};
 
-/// Why a program's access to a peripheral is wrong, or cannot be answered.
+/// Reason for which a program's access to a peripheral is wrong or cannot be answered.
 #[derive(Debug, Clone, Error, PartialEq, Eq)]
 pub enum Problem {
-    /// No such register.
+    /// The peripheral has no register at the offset.
     #[error("no register of that offset is modelled")]
     Register,
-    /// A feature of a peripheral that the virtual board does not have.
+    /// The virtual board does not have a feature of the peripheral.
     #[error("the virtual board does not model {what}")]
     Unmodelled {
-        /// The feature.
+        /// Name of the feature.
         what: String,
     },
-    /// The peripheral's clock is off.
+    /// The clock of the peripheral is off.
     #[error("its clock is off; set {enable} first")]
     ClockOff {
-        /// The register and its bit.
+        /// Register and bit that switch the clock on.
         enable: String,
     },
     /// The peripheral is held in reset.
     #[error("it is held in reset; clear its bit in {reset} first")]
     InReset {
-        /// The register and its bit.
+        /// Register and bit that hold it in reset.
         reset: String,
     },
-    /// The clocks that the registers ask for cannot be.
+    /// The clock tree that the registers make exceeds the limits of the chip.
     #[error("{reason}")]
     ClockTree {
-        /// What is wrong.
+        /// Sentence that names the fault and the limit.
         reason: String,
     },
-    /// The reference manual forbids it.
+    /// The reference manual forbids the access.
     #[error("{reason}")]
     Misuse {
-        /// What is wrong.
+        /// Sentence that names the fault and the rule.
         reason: String,
     },
 }
 
-/// Why a run on a virtual board ended early.
+/// Reason for which a run on a virtual board could not begin or ended early.
 #[derive(Debug, Error)]
 pub enum BoardError {
-    /// No board of that name.
+    /// There is no board of that name.
     #[error("there is no board {name}; there are stm32f407g-disc1 and blackpill-f411")]
     NoSuchBoard {
-        /// The name that was given.
+        /// Name that was given.
         name: String,
     },
-    /// The file is no image for the board.
+    /// The file is not an image.
     #[error(transparent)]
     Image(#[from] ImageError),
     /// The image does not fit the board's chip.
     #[error("the image puts bytes at {address:#010x}, which the {chip} does not have; was it built for another board?")]
     WrongChip {
-        /// The address.
+        /// Address at which the chip has no memory.
         address: u32,
-        /// The chip.
+        /// Name of the chip.
         chip: &'static str,
     },
-    /// The program did something that the core does not know.
+    /// The core cannot go on.
     #[error(transparent)]
     Run(#[from] RunError),
     /// An access to a peripheral was wrong.
@@ -71,73 +71,67 @@ pub enum BoardError {
         "{access} {register} ({address:#010x}) at {pc:#010x} in {function}, {time_s:.6} s after power-on: {problem}"
     )]
     Register {
-        /// "read from" or "write of 0x... to".
+        /// Kind of the access: "read from" or "write of 0x... to".
         access: String,
-        /// Peripheral and offset.
+        /// Peripheral and offset of the register.
         register: String,
-        /// Its address.
+        /// Address of the register.
         address: u32,
-        /// What is wrong.
+        /// Reason for which the access is wrong.
         problem: Problem,
-        /// The instruction's address.
+        /// Address of the instruction.
         pc: u32,
-        /// The function it is in.
+        /// Function of the instruction.
         function: String,
-        /// When.
+        /// Time of the access, in seconds from power-on.
         time_s: f64,
     },
-    /// Something went wrong in a peripheral between two accesses.
+    /// A peripheral failed between two accesses.
     #[error("{device}, {time_s:.6} s after power-on: {problem}")]
     Device {
-        /// The peripheral.
+        /// Name of the peripheral.
         device: &'static str,
-        /// What is wrong.
+        /// Reason for which it failed.
         problem: Problem,
-        /// When.
+        /// Time of the failure, in seconds from power-on.
         time_s: f64,
     },
     /// The program met a breakpoint.
     #[error("breakpoint #{number} {time_s:.6} s after power-on: on a board without a debugger that is a hard fault")]
     Breakpoint {
-        /// Its number.
+        /// Number of the breakpoint.
         number: u8,
-        /// When.
-        time_s: f64,
-    },
-    /// The core sleeps and nothing will wake it.
-    #[error("the core sleeps for ever from {time_s:.6} s after power-on on: no peripheral has anything to come")]
-    Asleep {
-        /// When.
+        /// Time of the breakpoint, in seconds from power-on.
         time_s: f64,
     },
     /// A WAV file cannot be read or written.
     #[error("{}: {reason}", path.display())]
     Wave {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Reason for which it cannot be read or written.
         reason: String,
     },
-    /// A piezo that the board does not have.
+    /// The board does not have the piezo.
     #[error("the board has no piezo {piezo}; they count from 0 to {last}")]
     NoSuchPiezo {
-        /// The number that was given.
+        /// Number that was given.
         piezo: usize,
-        /// The last one.
+        /// Number of the board's last piezo.
         last: usize,
     },
-    /// A kit that does not fit its flash sector.
-    #[error("the kit has {bytes} bytes; the kit sector has {room}")]
+    /// The kit does not fit its flash sector.
+    #[error("the kit has {bytes} bytes, and the kit sector has {sector_bytes}; take modes or stages out of the kit")]
     KitTooLong {
-        /// Its length.
+        /// Length of the kit in bytes.
         bytes: usize,
-        /// The sector's.
-        room: u32,
+        /// Length of the sector in bytes.
+        sector_bytes: u32,
     },
-    /// The image's log table cannot be read.
+    /// The log table of the image cannot be read.
     #[error("the image's defmt table cannot be read: {reason}")]
     LogTable {
-        /// Why.
+        /// Reason that the decoder gives.
         reason: String,
     },
 }

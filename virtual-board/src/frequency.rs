@@ -1,9 +1,10 @@
-//! Frequencies as exact ratios, and times of periodic events in core cycles without rounding that could add up.
+//! Frequencies as exact ratios, and times of periodic events in core cycles, whose rounding does
+//! not add up.
 
 use std::cmp::Ordering;
 use std::fmt;
 
-/// A frequency in Hz, as a reduced ratio, so that what dividers make of a crystal stays exact.
+/// Frequency in Hz as a reduced ratio, so that the division of a crystal stays exact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Frequency {
     numerator: u64,
@@ -11,34 +12,36 @@ pub struct Frequency {
 }
 
 impl Frequency {
-    /// A whole number of Hz.
+    /// Makes a frequency of a whole number of Hz.
     pub const fn hz(hz: u64) -> Frequency {
         Frequency { numerator: hz, denominator: 1 }
     }
 
-    /// `self * numerator / denominator`; a divider of 0, which no register can hold after its check, counts as 1.
+    /// Returns `self * numerator / denominator`.
+    ///
+    /// A denominator of 0, which no register can hold after its check, counts as 1.
     pub fn scaled(self, numerator: u64, denominator: u64) -> Frequency {
         let (numerator, denominator) = (self.numerator * numerator, self.denominator * denominator.max(1));
         let divisor = greatest_common_divisor(numerator, denominator).max(1);
         Frequency { numerator: numerator / divisor, denominator: denominator / divisor }
     }
 
-    /// Hz above the line of the reduced fraction.
+    /// Returns the numerator of the reduced ratio.
     pub fn numerator(self) -> u64 {
         self.numerator
     }
 
-    /// What stands below the line.
+    /// Returns the denominator of the reduced ratio.
     pub fn denominator(self) -> u64 {
         self.denominator
     }
 
-    /// The nearest float.
+    /// Returns the frequency in Hz as a float.
     pub fn as_f64(self) -> f64 {
         self.numerator as f64 / self.denominator as f64
     }
 
-    /// Events of this frequency for each period of `core`.
+    /// Returns the pace of events of this frequency in cycles of `core`.
     pub(crate) fn for_each(self, core: Frequency) -> Pace {
         let pace = self.scaled(core.denominator, core.numerator);
         Pace { events: pace.numerator, cycles: pace.denominator }
@@ -72,7 +75,7 @@ fn greatest_common_divisor(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
-/// How often something happens, as events in so many core cycles.
+/// Pace of periodic events: `events` in `cycles` core cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Pace {
     events: u64,
@@ -80,12 +83,13 @@ pub(crate) struct Pace {
 }
 
 impl Pace {
-    /// Events that have happened in the first so many cycles; one at cycle 0 is not counted.
+    /// Returns the number of events in the first `cycles` cycles. An event at cycle 0 is not
+    /// counted.
     pub(crate) fn events_in(self, cycles: u64) -> u64 {
         (u128::from(cycles) * u128::from(self.events) / u128::from(self.cycles)) as u64
     }
 
-    /// The first cycle at which so many events have happened.
+    /// Returns the first cycle at which `event` events have happened.
     pub(crate) fn cycle_of(self, event: u64) -> u64 {
         (u128::from(event) * u128::from(self.cycles)).div_ceil(u128::from(self.events)) as u64
     }

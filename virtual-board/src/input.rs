@@ -1,30 +1,31 @@
-//! What happens to the board from outside: signals at the piezos' pins, presses of the button, and faults on request.
+//! Input of a board: signals at the pins of the piezos, presses of the button, and faults on
+//! request.
 
 use std::path::Path;
 
 use crate::error::BoardError;
 
-/// A signal at a piezo's pin, behind its clamp and bias: -1 to 1 is 0 V to the supply, 0 the middle.
+/// Signal at a piezo's pin, behind its clamp and bias.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PiezoSignal {
-    /// The piezo it is at, counted from 0 in the order of [`crate::Wiring::piezos`].
+    /// Number of the piezo, from 0 in the order of [`crate::Wiring::piezos`].
     pub piezo: usize,
-    /// When its first sample stands at the pin, in seconds from power-on.
+    /// Time of the first sample, in seconds from power-on.
     pub start_s: f64,
-    /// Its sample rate in Hz.
+    /// Sample rate in Hz.
     pub rate_hz: f64,
-    /// Its samples; beyond -1 to 1 the clamp holds them.
+    /// Samples from -1 at 0 V to 1 at the supply. The clamp limits larger ones.
     pub samples: Vec<f32>,
 }
 
 impl PiezoSignal {
-    /// Reads a WAV file, of which the first channel counts.
+    /// Reads the first channel of a WAV file.
     ///
     /// # Errors
-    /// [`BoardError::Wave`] if it cannot be read.
+    /// [`BoardError::Wave`] if the file cannot be read, or holds a sample that is not finite.
     pub fn from_wav(piezo: usize, start_s: f64, path: &Path) -> Result<PiezoSignal, BoardError> {
         let wrong = |reason: String| BoardError::Wave { path: path.to_owned(), reason };
-        let mut reader = hound::WavReader::open(path).map_err(|error| wrong(error.to_string()))?;
+        let mut reader = hound::WavReader::open(path).map_err(|error| wrong(unreadable(&error)))?;
         let spec = reader.spec();
         let channels = usize::from(spec.channels);
         let samples: Result<Vec<f32>, hound::Error> = match spec.sample_format {
@@ -38,14 +39,16 @@ impl PiezoSignal {
                     .collect()
             }
         };
-        let samples = samples.map_err(|error| wrong(error.to_string()))?;
-        if samples.iter().any(|sample| !sample.is_finite()) {
-            return Err(wrong("a sample is not a finite number".to_owned()));
+        let samples = samples.map_err(|error| wrong(unreadable(&error)))?;
+        if let Some(index) = samples.iter().position(|sample| !sample.is_finite()) {
+            return Err(wrong(format!("sample {index} is not a finite number; write the file anew")));
         }
         Ok(PiezoSignal { piezo, start_s, rate_hz: f64::from(spec.sample_rate), samples })
     }
 
-    /// The signal at that time: between two samples a straight line, before and after them 0.
+    /// Returns the signal at a time in seconds from power-on.
+    ///
+    /// It is interpolated linearly, and 0 before the first sample and after the last.
     pub(crate) fn at(&self, seconds: f64) -> f32 {
         let position = (seconds - self.start_s) * self.rate_hz;
         if position < 0.0 {
@@ -58,20 +61,30 @@ impl PiezoSignal {
     }
 }
 
-/// A press of the board's button.
+/// Returns the reason for which a WAV file cannot be read.
+fn unreadable(error: &hound::Error) -> String {
+    match error {
+        hound::Error::IoError(error) => format!("cannot be read: {error}"),
+        _ => "is not a WAV file of PCM or floating-point samples; give one".to_owned(),
+    }
+}
+
+/// Press of the board's button.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Press {
-    /// When it is pressed, in seconds from power-on.
+    /// Time of pressing, in seconds from power-on.
     pub at_s: f64,
-    /// How long it is held.
+    /// Time for which the button is held, in seconds.
     pub for_s: f64,
-    /// For how long its contacts bounce, after pressing and after releasing.
+    /// Time for which the contacts bounce after pressing and after releasing, in seconds.
     pub bounce_s: f64,
 }
 
 impl Press {
-    /// The level changes that it makes: time and whether the contact is closed. Bouncing contacts open and close at irregular times
-    /// between 0.05 and 0.6 ms, the same in every run.
+    /// Returns the changes of the contact: a time in seconds, and true if the contact closes.
+    ///
+    /// Bouncing contacts open and close at irregular intervals from 0.05 to 0.6 ms, which do not
+    /// differ from run to run.
     pub(crate) fn changes(&self) -> Vec<(f64, bool)> {
         let mut changes = Vec::new();
         for (start, closed) in [(self.at_s, true), (self.at_s + self.for_s, false)] {
@@ -97,55 +110,58 @@ impl Press {
     }
 }
 
-/// Something that goes wrong on request.
+/// Fault that happens on request.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Fault {
     /// The DMA does not fetch one conversion of the ADC in time, which then overruns.
     AdcOverrun {
-        /// When, in seconds from power-on.
+        /// Time of the fault, in seconds from power-on.
         at_s: f64,
     },
     /// The DMA stream of the I2S ends with a transfer error at its next item.
     AudioDmaError {
-        /// When, in seconds from power-on.
+        /// Time of the fault, in seconds from power-on.
         at_s: f64,
     },
     /// The DMA stream of the ADC ends with a transfer error at its next item.
     AdcDmaError {
-        /// When, in seconds from power-on.
+        /// Time of the fault, in seconds from power-on.
         at_s: f64,
     },
     /// The codec does not acknowledge anything.
     CodecSilent,
-    /// The core executes nothing for a while, as when flash is erased; the peripherals go on.
+    /// The core executes nothing for a while, as when flash is erased. The peripherals go on.
     CoreStalled {
-        /// From when, in seconds from power-on.
+        /// Beginning of the fault, in seconds from power-on.
         at_s: f64,
-        /// For how long.
+        /// Length of the fault, in seconds.
         for_s: f64,
     },
     /// The interrupt of the audio DMA stream does not reach the core.
     AudioInterruptLost {
-        /// From when, in seconds from power-on.
+        /// Beginning of the fault, in seconds from power-on.
         at_s: f64,
-        /// For how long.
+        /// Length of the fault, in seconds.
         for_s: f64,
     },
-    /// The piezo's pin is at the supply.
+    /// The pin of a piezo is at the supply.
     PiezoAtRail {
-        /// The piezo, counted from 0.
+        /// Number of the piezo, from 0.
         piezo: usize,
-        /// From when, in seconds from power-on.
+        /// Beginning of the fault, in seconds from power-on.
         at_s: f64,
     },
-    /// The program panics: the core goes on at `core::panicking::panic` with the message "injected" at `virtual-board.rs:1:1`.
+    /// The program panics.
+    ///
+    /// The core goes on at `core::panicking::panic` with the message "injected" at
+    /// `virtual-board.rs:1:1`.
     Panic {
-        /// When, in seconds from power-on.
+        /// Time of the fault, in seconds from power-on.
         at_s: f64,
     },
     /// The core goes on at an undefined instruction, which makes a hard fault.
     HardFault {
-        /// When, in seconds from power-on.
+        /// Time of the fault, in seconds from power-on.
         at_s: f64,
     },
 }
@@ -167,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn a_signal_is_a_line_between_samples_and_nothing_outside() {
+    fn a_signal_is_a_line_between_samples_and_zero_outside() {
         let signal = PiezoSignal { piezo: 0, start_s: 0.5, rate_hz: 1000.0, samples: vec![1.0, 0.0, -0.5] };
         for (time, expected) in
             [(0.4999, 0.0), (0.5, 1.0), (0.50025, 0.75), (0.5015, -0.25), (0.5025, -0.25), (0.6, 0.0)]

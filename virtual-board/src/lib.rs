@@ -1,5 +1,7 @@
-//! The boards round the virtual core: runs an unmodified firmware image on a model of its chip and of what is wired to it, and shows what leaves
-//! the I2S, what the LEDs do, what the program logs, and where its cycles went.
+//! Boards round the virtual core, which run an unmodified firmware image.
+//!
+//! A board models the chip and what is wired to it. It reports what leaves the I2S, the LEDs, the
+//! program's log, and where its cycles went.
 //!
 //! ```text
 //!  piezo WAV -> ADC1 --.                .-- I2S2/3 -> WAV at the board's true rate
@@ -8,12 +10,14 @@
 //!                          '-- RTT -> defmt lines
 //! ```
 //!
-//! Time is the cycle model of [`virtual_core`] at the core's clock, which like every other rate derives from the clock-tree registers that
-//! the program writes. Peripherals act at the cycle at which their next event is due; a sleeping core skips to it. What a program does that the
-//! reference manuals (RM0090, RM0383) forbid, or that is not modelled, ends the run with an error that names peripheral, register, instruction and time.
+//! Time follows the cycle model of [`virtual_core`] at the core's clock. All rates, that of the
+//! core included, derive from the clock-tree registers that the program writes. Peripherals act at
+//! the cycle at which their next event is due, and a sleeping core skips to it. An access that the
+//! reference manuals (RM0090, RM0383) forbid, or that is not modelled, ends the run with an error
+//! that names peripheral, register, instruction and time.
 //!
-//! What it cannot prove: analog behaviour, bus contention between core and DMA, silicon errata, the oscillators' tolerances, and the
-//! cycle model itself, which has not been compared with a chip.
+//! The board cannot prove analog behaviour, bus contention between core and DMA, silicon errata,
+//! the tolerances of oscillators, or the cycle model, which has not been compared with a chip.
 
 mod chip;
 mod codec;

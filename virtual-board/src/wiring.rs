@@ -1,4 +1,4 @@
-//! The two boards: which chip, which crystal, and what is soldered or wired to which pin.
+//! The two boards: their chip, crystal and connections.
 
 use std::str::FromStr;
 
@@ -7,27 +7,28 @@ use crate::devices::gpio::Pin;
 use crate::error::BoardError;
 use crate::frequency::Frequency;
 
-/// A board.
+/// Board that can be run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Board {
     /// ST's STM32F407G-DISC1: 8 MHz crystal, CS43L22 codec on I2S3 and I2C1, four LEDs, a button.
     Stm32f407gDisc1,
-    /// WeAct's BlackPill with an STM32F411CE and a PCM5102A on I2S2: 25 MHz crystal, one LED, a button.
+    /// WeAct's BlackPill with an STM32F411CE and a PCM5102A on I2S2: 25 MHz crystal, one LED, a
+    /// button.
     BlackpillF411,
 }
 
-/// A LED: its colour, its pin, and whether a high level lights it.
+/// LED of a board.
 #[derive(Debug, Clone, Copy)]
 pub struct Led {
-    /// Its colour, which names it in reports.
+    /// Colour of the LED, which is its name in reports.
     pub colour: &'static str,
-    /// Its pin.
+    /// Pin that drives the LED.
     pub pin: Pin,
-    /// Whether a high level lights it.
+    /// True if a high level lights the LED.
     pub lit_by_high: bool,
 }
 
-/// The pins of a codec that is set up over I2C1.
+/// Pins of a codec that is set up over I2C1.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CodecPins {
     pub(crate) clock: Pin,
@@ -35,27 +36,28 @@ pub(crate) struct CodecPins {
     pub(crate) reset: Pin,
 }
 
-/// What is connected to the chip.
+/// Chip of a board and its connections.
 #[derive(Debug, Clone, Copy)]
 pub struct Wiring {
-    /// The chip.
+    /// Chip of the board.
     pub chip: Chip,
-    /// The crystal.
+    /// Frequency of the crystal.
     pub crystal: Frequency,
-    /// The LEDs.
+    /// LEDs of the board.
     pub leds: &'static [Led],
-    /// The button's pin.
+    /// Pin of the button.
     pub button: Pin,
-    /// Whether that pin is high while the button is pressed. It is pulled the other way.
+    /// True if the button's pin is high while the button is pressed, and pulled low otherwise.
     pub pressed_is_high: bool,
-    /// The piezos in their order: channel of ADC1 and pin.
+    /// Channel of ADC1 and pin of each piezo.
     pub piezos: &'static [(u8, Pin)],
-    /// SPI2 or SPI3, 2 or 3.
+    /// Number of the SPI that makes the I2S: 2 or 3.
     pub i2s: u8,
-    /// The I2S's signals, their pins and alternate functions.
+    /// Name, pin and alternate function of each I2S signal.
     pub i2s_pins: &'static [(&'static str, Pin, u8)],
+    /// Pins of the codec, or `None` if the converter is not set up by a bus.
     pub(crate) codec: Option<CodecPins>,
-    /// A pin that mutes the converter while it is low.
+    /// Pin that mutes the converter while it is low, if there is one.
     pub(crate) mute: Option<Pin>,
 }
 
@@ -99,10 +101,10 @@ const BLACKPILL: Wiring = Wiring {
 };
 
 impl Board {
-    /// All boards.
+    /// Boards that can be run.
     pub const ALL: [Board; 2] = [Board::Stm32f407gDisc1, Board::BlackpillF411];
 
-    /// Its name, as the firmware's feature has it.
+    /// Returns the name of the board, which is that of the firmware's feature.
     pub fn name(self) -> &'static str {
         match self {
             Board::Stm32f407gDisc1 => "stm32f407g-disc1",
@@ -110,7 +112,7 @@ impl Board {
         }
     }
 
-    /// What is connected to its chip.
+    /// Returns the chip of the board and its connections.
     pub fn wiring(self) -> &'static Wiring {
         match self {
             Board::Stm32f407gDisc1 => &DISC1,

@@ -1,4 +1,5 @@
-//! How many instructions a second the machine runs, cycles charged: `cargo bench -p virtual-core --bench speed`.
+//! Speed of the machine with cycles charged, in instructions per second: `cargo bench -p
+//! virtual-core --bench speed`.
 
 use std::path::Path;
 use std::time::Instant;
@@ -15,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let start = Instant::now();
         let cost = machine.call("mac_loop", &[PASSES, 3])?.cost;
         let per_second = cost.instructions as f64 / start.elapsed().as_secs_f64();
-        println!("mac_loop: {:.1} million instructions a second", per_second / 1e6);
+        println!("mac_loop: {:.1} million instructions per second", per_second / 1e6);
     }
     Ok(())
 }

@@ -1,30 +1,30 @@
-//! What can go wrong, each error naming what, where, and what to do.
+//! Errors of images, builds and runs.
 
 use std::path::PathBuf;
 
 use thiserror::Error;
 
-/// Why a file is not an image that this core can run.
+/// Reason for which a file is not an image that this core can run.
 #[derive(Debug, Error)]
 pub enum ImageError {
-    /// The bytes are not an ELF file, or a damaged one.
-    #[error("the image cannot be read as ELF: {0}; give the file that the linker wrote, not a .bin or .hex")]
+    /// The bytes are not an ELF file, or are a damaged one.
+    #[error("the image cannot be read as ELF; give the whole file that the linker wrote, not a .bin or .hex")]
     NotElf(#[from] object::Error),
-    /// An ELF file for another processor.
+    /// The ELF file is for another processor.
     #[error("the image is for {found}; build it with --target thumbv7em-none-eabihf (32-bit little-endian Arm)")]
     WrongProcessor {
-        /// What the file's header says.
+        /// Processor that the header of the file names.
         found: String,
     },
-    /// Nothing in it would be loaded.
+    /// No part of the file would be loaded.
     #[error("the image has no bytes to load; does its link script keep the wanted functions (KEEP, --undefined)?")]
     Empty,
     /// The file is shorter than its header says.
     #[error("the image ends before the {bytes} bytes for {address:#010x}; is the file complete?")]
     Truncated {
-        /// First byte of the segment.
+        /// Address of the segment's first byte.
         address: u32,
-        /// Its length.
+        /// Length of the segment in bytes.
         bytes: u32,
     },
     /// A segment lies outside the memory of the board.
@@ -33,51 +33,51 @@ pub enum ImageError {
          128 KB, CCM 0x10000000 64 KB); correct its link script"
     )]
     OutsideMemory {
-        /// First byte of the segment.
+        /// Address of the segment's first byte.
         address: u32,
-        /// Its length.
+        /// Length of the segment in bytes.
         bytes: u32,
     },
 }
 
-/// Why a thumb program could not be built.
+/// Reason for which a thumb program could not be built.
 #[derive(Debug, Error)]
 pub enum BuildError {
-    /// The manifest is not readable or names no package.
+    /// The manifest cannot be read or names no package.
     #[error("{manifest}: {reason}; give the Cargo.toml of a no_std binary crate")]
     Manifest {
-        /// The Cargo.toml.
+        /// Path of the Cargo.toml.
         manifest: PathBuf,
-        /// What is wrong with it.
+        /// Fault of the manifest.
         reason: String,
     },
     /// Cargo could not be started.
     #[error("cargo could not be started for {manifest}: {source}; is it in PATH, or named by the variable CARGO?")]
     Cargo {
-        /// The Cargo.toml.
+        /// Path of the Cargo.toml.
         manifest: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// Cargo ended with an error.
     #[error("{manifest} does not build for thumbv7em-none-eabihf:\n{output}")]
     Failed {
-        /// The Cargo.toml.
+        /// Path of the Cargo.toml.
         manifest: PathBuf,
-        /// What cargo printed.
+        /// Output of cargo.
         output: String,
     },
-    /// The ELF that cargo wrote cannot be read.
+    /// The folder of the build cannot be used, or the ELF file that cargo wrote cannot be read.
     #[error("the program {path} cannot be read: {source}")]
     Program {
-        /// Where the ELF was expected.
+        /// Path of the folder or the ELF file.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 }
 
-/// Whether an access read, wrote or fetched an instruction.
+/// Kind of an access to memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Access {
     /// A load.
@@ -98,82 +98,87 @@ impl std::fmt::Display for Access {
     }
 }
 
-/// Why a run ended without a result. Every variant that happened at an instruction says which one (`pc`) and in which
-/// function.
+/// Reason for which a run ended without a result.
+///
+/// Errors at an instruction name its address (`pc`) and its function.
 #[derive(Debug, Error)]
 pub enum RunError {
-    /// No symbol of that name.
+    /// The image has no function of that name.
     #[error("the image has no function {name}; is it #[unsafe(no_mangle)], and kept by the link script?")]
     NoFunction {
-        /// The name that was asked for.
+        /// Name of the function.
         name: String,
     },
     /// The vector table cannot start the image.
-    #[error("the image has no vector table at {address:#010x} (stack {stack:#010x}, reset {reset:#010x})")]
+    #[error(
+        "the image has no vector table at {address:#010x} (stack {stack:#010x}, reset {reset:#010x}); let its link script \
+         put one there"
+    )]
     NoVectorTable {
-        /// Where it was expected.
+        /// Address of the vector table.
         address: u32,
-        /// Its first word.
+        /// First word of the table, the stack pointer.
         stack: u32,
-        /// Its second word.
+        /// Second word of the table, the address of the reset handler.
         reset: u32,
     },
-    /// More arguments than the stack has room for.
+    /// The arguments do not fit on the stack.
     #[error("{count} argument words do not fit on the stack; pass a pointer to memory instead")]
     TooManyArguments {
-        /// How many were given.
+        /// Number of argument words.
         count: usize,
     },
-    /// An opcode that the Cortex-M4F does not define, or a permanently undefined one (`udf`: a panic or `unreachable`).
+    /// The Cortex-M4F does not define the opcode, or it is the permanently undefined `udf`, to
+    /// which a panic or `unreachable` compiles.
     #[error(
         "undefined instruction {opcode:#010x} at {pc:#010x} in {function}; a `udf` is a panic or an unreachable place"
     )]
     Undefined {
-        /// The instruction's address.
+        /// Address of the instruction.
         pc: u32,
-        /// Its 16 or 32 bits, first halfword high.
+        /// Bits of the instruction, 16 or 32, the first halfword high.
         opcode: u32,
-        /// The function it is in.
+        /// Function of the instruction.
         function: String,
     },
-    /// An access to an address where nothing answers (or which does not permit it: flash is not written by stores).
+    /// Nothing answers at the address, or it does not permit the access: stores do not write flash.
     #[error("{access} {address:#010x}, where nothing answers, by the instruction at {pc:#010x} in {function}")]
     Address {
-        /// Read, write or fetch.
+        /// Kind of the access.
         access: Access,
-        /// The address.
+        /// Address that was accessed.
         address: u32,
-        /// The instruction's address; for a fetch, the instruction that led there.
+        /// Address of the instruction; for a fetch, of the instruction that led there.
         pc: u32,
-        /// The function it is in.
+        /// Function of the instruction.
         function: String,
     },
-    /// Another fault of the processor.
+    /// The processor raised another fault.
     #[error("{fault} at {pc:#010x} in {function}")]
     Fault {
-        /// Its name in the architecture's terms.
+        /// Name of the fault in the terms of the architecture.
         fault: &'static str,
-        /// The instruction's address.
+        /// Address of the instruction.
         pc: u32,
-        /// The function it is in.
+        /// Function of the instruction.
         function: String,
     },
-    /// A breakpoint where a function was expected to return.
-    #[error("breakpoint #{number} at {pc:#010x} in {function}")]
+    /// A called function met a breakpoint before it returned.
+    #[error("breakpoint #{number} at {pc:#010x} in {function}; a called function must return without one")]
     Breakpoint {
-        /// The instruction's comment field.
+        /// Comment field of the instruction.
         number: u8,
-        /// The instruction's address.
+        /// Address of the instruction.
         pc: u32,
-        /// The function it is in.
+        /// Function of the instruction.
         function: String,
     },
-    /// The core sleeps (`wfi`, `wfe`) and nothing is there to wake it.
-    #[error("the core sleeps for ever since {pc:#010x} in {function}: no interrupt is enabled and pending")]
+    /// The core sleeps (`wfi`, `wfe`) and nothing can wake it.
+    #[error("the core sleeps for ever since {pc:#010x} in {function}; enable an interrupt that wakes it")]
     Asleep {
-        /// The address after the `wfi`.
+        /// Address after the `wfi`.
         pc: u32,
-        /// The function it is in.
+        /// Function of the `wfi`.
         function: String,
     },
     /// The limit of instructions was reached.
@@ -181,29 +186,32 @@ pub enum RunError {
         "still running after {limit} instructions, at {pc:#010x} in {function}; an endless loop, or raise the limit"
     )]
     Limit {
-        /// The limit.
+        /// Number of instructions allowed.
         limit: u64,
-        /// The next instruction's address.
+        /// Address of the next instruction.
         pc: u32,
-        /// The function it is in.
+        /// Function of the next instruction.
         function: String,
     },
-    /// Host access to an address outside memory.
-    #[error("{bytes} bytes at {address:#010x} are not in the memory of the board")]
+    /// The caller accessed an address outside memory.
+    #[error(
+        "{bytes} bytes at {address:#010x} are not in the memory of the board (flash 0x08000000 1 MB, RAM 0x20000000 128 KB, \
+         CCM 0x10000000 64 KB)"
+    )]
     NoMemory {
-        /// First byte.
+        /// Address of the first byte.
         address: u32,
-        /// How many.
+        /// Number of bytes.
         bytes: usize,
     },
-    /// A peripheral region that overlaps memory or another peripheral.
+    /// The region of a peripheral overlaps memory or another peripheral.
     #[error("{bytes} bytes at {address:#010x} cannot be mapped: {reason}")]
     Mapping {
-        /// First byte.
+        /// Address of the first byte.
         address: u32,
-        /// How many.
+        /// Number of bytes.
         bytes: u32,
-        /// What the address space said.
+        /// Reason that the address space gives.
         reason: String,
     },
 }

@@ -1,4 +1,4 @@
-//! An ELF file as the board sees it: what is flashed, what starts in RAM, and the names of its functions.
+//! ELF file as the board sees it: bytes in flash, bytes in RAM, and the names of functions.
 
 use object::read::elf::{ElfFile32, FileHeader, ProgramHeader};
 use object::{Endianness, Object, ObjectSymbol, SymbolKind};
@@ -6,35 +6,35 @@ use object::{Endianness, Object, ObjectSymbol, SymbolKind};
 use crate::error::ImageError;
 use crate::memory::{self, FLASH_ADDRESS, FLASH_BYTES};
 
-/// A stretch of bytes that the ELF loads.
+/// Segment of memory that the ELF file loads.
 #[derive(Debug, Clone)]
 pub(crate) struct Segment {
-    /// Where it is stored (flash for initialised data).
+    /// Address at which the bytes are stored, in flash for initialised data.
     pub(crate) load_address: u32,
-    /// Where the program finds it when it runs.
+    /// Address at which the program finds the bytes when it runs.
     pub(crate) run_address: u32,
-    /// The stored bytes.
+    /// Stored bytes.
     pub(crate) bytes: Vec<u8>,
-    /// Its length in memory; what is beyond `bytes` is zeroed (.bss).
+    /// Length in memory, in bytes. Memory beyond the stored bytes is zeroed (.bss).
     pub(crate) memory_bytes: u32,
 }
 
-/// A named address of the image.
+/// Named address of an image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Symbol {
-    /// Demangled, without the hash: `dsp_core::resonator::free`.
+    /// Demangled name without the hash, such as `dsp_core::resonator::free`.
     pub name: String,
-    /// As the linker knows it.
+    /// Name that the linker uses.
     pub linker_name: String,
-    /// The address, without the Thumb bit.
+    /// Address, without the Thumb bit.
     pub address: u32,
-    /// Length in bytes; for code whose source gave none (assembly), up to the next symbol.
+    /// Length in bytes. Code whose source gives no length (assembly) reaches to the next function.
     pub bytes: u32,
-    /// Whether it is code.
+    /// True if the symbol is code.
     pub is_function: bool,
 }
 
-/// A linked program for the thumbv7em-none-eabihf target, ready to be put into a [`crate::Machine`].
+/// Linked program for the target thumbv7em-none-eabihf, which a [`crate::Machine`] can run.
 #[derive(Debug, Clone)]
 pub struct Image {
     pub(crate) segments: Vec<Segment>,
@@ -46,7 +46,8 @@ impl Image {
     /// Reads an ELF file as a linker wrote it.
     ///
     /// # Errors
-    /// [`ImageError`] if it is no ELF, incomplete, for another processor, outside the board's memory, or has nothing to load.
+    /// [`ImageError`] if the file is no ELF file, incomplete or for another processor, if it lies
+    /// outside the board's memory, or has nothing to load.
     pub fn from_elf(bytes: &[u8]) -> Result<Image, ImageError> {
         if bytes.get(4) == Some(&object::elf::ELFCLASS64) {
             return Err(ImageError::WrongProcessor { found: "a 64-bit processor".to_owned() });
@@ -82,23 +83,25 @@ impl Image {
         Ok(Image { segments, symbols: symbols(&file), entry: header.e_entry(endian) & !1 })
     }
 
-    /// The symbols in the order of their addresses; code and data.
+    /// Returns the symbols of code and data in the order of their addresses.
     pub fn symbols(&self) -> &[Symbol] {
         &self.symbols
     }
 
-    /// The symbol of that demangled or linker name.
+    /// Returns the symbol with that linker name, or else with that demangled name.
     pub fn symbol(&self, name: &str) -> Option<&Symbol> {
         let by = |matches: &dyn Fn(&&Symbol) -> bool| self.symbols.iter().find(matches);
         by(&|symbol| symbol.linker_name == name).or_else(|| by(&|symbol| symbol.name == name))
     }
 
-    /// The entry point that the ELF header names, without the Thumb bit.
+    /// Returns the entry point that the ELF header names, without the Thumb bit.
     pub fn entry(&self) -> u32 {
         self.entry
     }
 
-    /// The stretches of memory that it uses, address and length: where its bytes are stored, and where they are when it runs.
+    /// Returns the ranges of memory that the image uses, as address and length in bytes.
+    ///
+    /// Each segment has two: that of its stored bytes, and that of its memory when it runs.
     pub fn ranges(&self) -> impl Iterator<Item = (u32, u32)> {
         let segments = self.segments.iter();
         segments.flat_map(|segment| {
@@ -106,12 +109,14 @@ impl Image {
         })
     }
 
-    /// Bytes that are written to flash: vector table, code, constants and the initial values of `.data`.
+    /// Returns the number of bytes that are written to flash: vector table, code, constants and the
+    /// initial values of `.data`.
     pub fn flash_bytes(&self) -> u32 {
         self.segments.iter().map(|segment| segment.bytes.len() as u32).sum()
     }
 
-    /// Bytes of RAM in use before the first call: `.data`, `.bss`, functions in RAM; no stack.
+    /// Returns the number of bytes of RAM in use before the first call: `.data`, `.bss` and
+    /// functions in RAM, without the stack.
     pub fn static_ram_bytes(&self) -> u32 {
         let in_ram = |segment: &&Segment| segment.run_address.wrapping_sub(FLASH_ADDRESS) >= FLASH_BYTES;
         self.segments.iter().filter(in_ram).map(|segment| segment.memory_bytes).sum()
@@ -137,7 +142,7 @@ fn symbols(file: &ElfFile32<'_, Endianness>) -> Vec<Symbol> {
         })
         .collect();
     found.sort_by(|a, b| (a.address, !a.is_function, &a.linker_name).cmp(&(b.address, !b.is_function, &b.linker_name)));
-    // Assembly without `.size`: a function lasts until the next one starts.
+    // Assembly without `.size` gives no length: a function lasts until the next one starts.
     let starts: Vec<u32> = found.iter().filter(|symbol| symbol.is_function).map(|symbol| symbol.address).collect();
     for symbol in found.iter_mut().filter(|symbol| symbol.is_function && symbol.bytes == 0) {
         let next = starts.partition_point(|&start| start <= symbol.address);

@@ -1,17 +1,22 @@
-//! A Cortex-M4F on the PC: runs code built for thumbv7em-none-eabihf, counts its instructions exactly and charges cycles by a
-//! published model ([`cycle`]), so that what a firmware costs can be measured, and tested, without a board.
+//! A Cortex-M4F on the PC, which measures and tests the cost of firmware without a board.
+//!
+//! It runs code built for thumbv7em-none-eabihf, counts its instructions exactly and charges cycles
+//! by a published model ([`cycle`]).
 //!
 //! ```text
 //! Cargo.toml of a no_std crate --build--> ELF --Image--> Machine --call / run_image--> value, Cost
-//!                                                          |  cpu: executes (rsemu behind a trait)
-//!                                                          |  decode: kind, registers, target of each instruction
-//!                                                          '  cycle: cost alone + hazards + flash waits
+//!                                                  |
+//!   cpu: executes (rsemu behind a trait) ----------|
+//!   decode: kind, registers, target ---------------|
+//!   cycle: cost alone + hazards + flash waits -----'
 //! ```
 //!
-//! It runs 9.0 million instructions a second with cycles charged (a loop of multiply-accumulates, optimised build;
-//! `cargo bench -p virtual-core --bench speed`), nearly all of it inside the emulator.
+//! It runs 9.0 million instructions per second with cycles charged (a loop of multiply-accumulates,
+//! optimised build; `cargo bench -p virtual-core --bench speed`). Nearly all of that time is spent
+//! inside the emulator.
 //!
-//! An instruction or address that the machine does not know ends the run with an error that names it.
+//! An instruction or address that the machine does not know ends the run with an error that names
+//! it.
 //!
 //! ```no_run
 //! use virtual_core::{Image, Machine};
@@ -20,7 +25,8 @@
 //! let elf = virtual_core::build("tests/kernels/Cargo.toml".as_ref())?;
 //! let mut machine = Machine::new(&Image::from_elf(&elf)?)?;
 //! let call = machine.call("sum", &[0x2000_4000, 48])?;
-//! println!("{} in {} cycles (best {}, worst {})", call.value, call.cost.nominal, call.cost.best, call.cost.worst);
+//! let cost = call.cost;
+//! println!("{} in {} cycles ({} to {})", call.value, cost.nominal, cost.best, cost.worst);
 //! # Ok(())
 //! # }
 //! ```
@@ -40,4 +46,4 @@ pub use error::{Access, BuildError, ImageError, RunError};
 pub use image::{Image, Symbol};
 pub use machine::{Call, Clock, CycleCase, ExceptionChange, FunctionCost, Loop, Machine, Pace, Run, Stop};
 pub use memory::{CCM_ADDRESS, CCM_BYTES, FLASH_ADDRESS, FLASH_BYTES, Peripheral, RAM_ADDRESS, RAM_BYTES};
-pub use program::{build, build_binary};
+pub use program::{build, build_binary, build_one_of};

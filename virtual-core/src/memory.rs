@@ -1,4 +1,4 @@
-//! The board's memory map as far as a core needs it: flash, RAM, CCM, and whatever peripherals a caller adds.
+//! Memory map of the board: flash, RAM, CCM, and the peripherals that a caller adds.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -8,20 +8,20 @@ use rsemu::core::space::{AddressSpace, MemAttrs, MemOps, MemResult, Perms, RamSt
 
 use crate::error::RunError;
 
-/// First address of the flash; also of the vector table. 1 MB as on the STM32F407.
+/// First address of the flash, and of the vector table.
 pub const FLASH_ADDRESS: u32 = 0x0800_0000;
-/// Length of the flash.
+/// Length of the flash in bytes: 1 MB, as on the STM32F407.
 pub const FLASH_BYTES: u32 = 1 << 20;
 /// First address of the RAM (SRAM1 and SRAM2).
 pub const RAM_ADDRESS: u32 = 0x2000_0000;
-/// Length of the RAM.
+/// Length of the RAM in bytes.
 pub const RAM_BYTES: u32 = 128 << 10;
-/// First address of the core-coupled memory: data only, no instructions.
+/// First address of the core-coupled memory, which holds data but no instructions.
 pub const CCM_ADDRESS: u32 = 0x1000_0000;
-/// Length of the core-coupled memory.
+/// Length of the core-coupled memory in bytes.
 pub const CCM_BYTES: u32 = 64 << 10;
 
-/// Whether all of those bytes lie in one of the board's memories.
+/// Returns true if all bytes lie in one of the board's memories.
 pub(crate) fn contains(address: u32, bytes: u32) -> bool {
     let within = |(start, length): (u32, u32)| {
         let offset = address.wrapping_sub(start);
@@ -30,15 +30,19 @@ pub(crate) fn contains(address: u32, bytes: u32) -> bool {
     [(FLASH_ADDRESS, FLASH_BYTES), (RAM_ADDRESS, RAM_BYTES), (CCM_ADDRESS, CCM_BYTES)].into_iter().any(within)
 }
 
-/// A device on the bus: called for every access to the region that it was mapped at ([`crate::Machine::map`]).
+/// Device on the bus, which is called for every access to its region ([`crate::Machine::map`]).
 pub trait Peripheral: Debug + Send + Sync {
-    /// Reads 1, 2 or 4 bytes at `offset` into the region. `None` refuses: the run ends with an error naming the address.
+    /// Reads 1, 2 or 4 bytes at `offset` into the region.
+    ///
+    /// `None` refuses the access: the run ends with an error that names the address.
     fn read(&self, offset: u32, bytes: u32) -> Option<u32>;
-    /// Writes 1, 2 or 4 bytes. `None` refuses.
+    /// Writes 1, 2 or 4 bytes at `offset` into the region.
+    ///
+    /// `None` refuses the access: the run ends with an error that names the address.
     fn write(&self, offset: u32, bytes: u32, value: u32) -> Option<()>;
 }
 
-/// A [`Peripheral`] in the form that the address space calls.
+/// [`Peripheral`] in the form that the address space calls.
 #[derive(Debug)]
 struct Mapped(Arc<dyn Peripheral>);
 
@@ -58,21 +62,21 @@ impl MemOps for Mapped {
     }
 }
 
-/// One stretch of memory and where it lies.
+/// One of the board's memories.
 #[derive(Debug, Clone)]
 struct Bank {
     address: u32,
     store: Arc<RamStore>,
 }
 
-/// The memory of the board, shared with the address space that the core executes from.
+/// Memories of the board, shared with the address space that the core executes from.
 #[derive(Debug)]
 pub(crate) struct Memory {
     banks: [Bank; 3],
 }
 
 impl Memory {
-    /// Zeroed RAM and CCM, erased flash, and the address space that shows them.
+    /// Makes zeroed RAM and CCM, erased flash, and the address space that contains them.
     pub(crate) fn new() -> Result<(Memory, AddressSpace), RunError> {
         let space = AddressSpace::new("cpu", 32);
         let bank = |address, bytes: u32| Bank { address, store: Arc::new(RamStore::new(u64::from(bytes))) };
@@ -91,6 +95,7 @@ impl Memory {
         Ok((memory, space))
     }
 
+    /// Returns the memory that contains all bytes, and the offset of the first byte in it.
     fn find(&self, address: u32, bytes: usize) -> Result<(&RamStore, u64), RunError> {
         let bank = self.banks.iter().find(|bank| {
             let offset = u64::from(address.wrapping_sub(bank.address));
@@ -100,14 +105,14 @@ impl Memory {
         Ok((&bank.store, u64::from(address - bank.address)))
     }
 
-    /// Copies memory out; flash, RAM or CCM, not across their ends.
+    /// Copies bytes out of one memory: flash, RAM or CCM.
     pub(crate) fn read(&self, address: u32, destination: &mut [u8]) -> Result<(), RunError> {
         let (store, offset) = self.find(address, destination.len())?;
         let bytes = destination.len();
         store.read_at(offset, destination).map_err(|_| RunError::NoMemory { address, bytes })
     }
 
-    /// Copies bytes into memory; flash too, as a programmer would.
+    /// Copies bytes into one memory: flash, as a programmer does, RAM or CCM.
     pub(crate) fn write(&self, address: u32, source: &[u8]) -> Result<(), RunError> {
         let (store, offset) = self.find(address, source.len())?;
         store.write_at(offset, source).map_err(|_| RunError::NoMemory { address, bytes: source.len() })

@@ -1,4 +1,4 @@
-//! Builds thumb programs from inside a test: one cargo call with a target folder of its own.
+//! Builds of thumb programs from inside a test: one cargo call with a target folder of its own.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -9,52 +9,83 @@ use crate::error::BuildError;
 
 const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// Builds a `no_std` binary crate, optimised, for thumbv7em-none-eabihf and gives the bytes of its ELF file.
+/// Builds a `no_std` binary crate, optimised, for thumbv7em-none-eabihf, and returns its ELF file.
 ///
-/// The crate is a workspace of its own (an empty `[workspace]` table, its own `Cargo.lock`), and brings its link script by a build
-/// script (`cargo:rustc-link-arg=-T...`), so that no flag has to come from outside. The objects go to
-/// `thumb/<package>` in the target folder of the caller (`CARGO_TARGET_DIR`, or else the `target` folder that the running
-/// program is in). Cargo's own lock serves when many test binaries ask at once; in one process each manifest is built once.
+/// The crate must have a `Cargo.lock` of its own (an empty `[workspace]` table makes it a workspace
+/// of its own). Its build script must name the link script (`cargo:rustc-link-arg=-T...`), so that
+/// no flag has to come from outside.
+///
+/// The objects go to `thumb/<folder>` in the target folder of the caller: `CARGO_TARGET_DIR`, or
+/// else the `target` folder that the running program is in. `<folder>` is the name of the package,
+/// or for a workspace the folder of the manifest. A process builds each program once. A lock on a
+/// file keeps processes apart that build in one folder.
 ///
 /// # Errors
-/// [`BuildError`], with what cargo printed.
+/// [`BuildError`] if the crate does not build; it holds the output of cargo.
 pub fn build(manifest: &Path) -> Result<Vec<u8>, BuildError> {
     let name = package_name(manifest)?;
     build_binary(manifest, &name, &[])
 }
 
-/// As [`build`], for one of the binaries of a crate, and with further arguments for cargo (`--features` and the like).
-///
-/// Programs of one crate share a target folder; a lock on a file in it keeps test binaries apart that build it with other arguments.
+/// Builds one of the binaries of a crate as [`build`] does, with further arguments for cargo such
+/// as `--features`, and returns its ELF file.
 ///
 /// # Errors
-/// As [`build`].
+/// [`BuildError`] if the crate does not build; it holds the output of cargo.
 pub fn build_binary(manifest: &Path, binary: &str, arguments: &[&str]) -> Result<Vec<u8>, BuildError> {
+    build_one_of(manifest, &[binary], binary, "release", arguments)
+}
+
+/// Builds several binaries of a crate or workspace in one call of cargo, by a profile of its
+/// manifest, and returns the ELF file of one of them, `binary`.
+///
+/// A later call that asks for another of the binaries does not build anew.
+///
+/// # Errors
+/// [`BuildError`] if the crate does not build, with the output of cargo, or if `binary` is not one
+/// of `binaries`.
+pub fn build_one_of(
+    manifest: &Path,
+    binaries: &[&str],
+    binary: &str,
+    profile: &str,
+    arguments: &[&str],
+) -> Result<Vec<u8>, BuildError> {
     type Key = (PathBuf, String, Vec<String>);
     static BUILT: OnceLock<Mutex<HashMap<Key, Vec<u8>>>> = OnceLock::new();
     let mut built = BUILT.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
-    let words = arguments.iter().map(|&word| word.to_owned()).collect();
-    let key = (manifest.to_owned(), binary.to_owned(), words);
-    if let Some(elf) = built.get(&key) {
+    let words: Vec<_> = ["--profile", profile].iter().chain(arguments).map(|&word| word.to_owned()).collect();
+    let key = |binary: &str| (manifest.to_owned(), binary.to_owned(), words.clone());
+    if let Some(elf) = built.get(&key(binary)) {
         return Ok(elf.clone());
     }
-    let elf = run_cargo(manifest, binary, arguments)?;
-    built.insert(key, elf.clone());
-    Ok(elf)
+    let elves = run_cargo(manifest, binaries, profile, &words)?;
+    built.extend(binaries.iter().map(|binary| key(binary)).zip(elves));
+    built.get(&key(binary)).cloned().ok_or_else(|| BuildError::Manifest {
+        manifest: manifest.to_owned(),
+        reason: format!("{binary:?} is none of the binaries to build, {binaries:?}"),
+    })
 }
 
-fn run_cargo(manifest: &Path, binary: &str, arguments: &[&str]) -> Result<Vec<u8>, BuildError> {
-    let folder = target_folder(manifest).join("thumb").join(package_name(manifest)?);
+/// Builds binaries by a call of cargo and returns their ELF files, in their order.
+fn run_cargo(
+    manifest: &Path,
+    binaries: &[&str],
+    profile: &str,
+    arguments: &[String],
+) -> Result<Vec<Vec<u8>>, BuildError> {
+    let folder = target_folder(manifest).join("thumb").join(folder_name(manifest)?);
     let unlockable = |source| BuildError::Program { path: folder.clone(), source };
     std::fs::create_dir_all(&folder).map_err(unlockable)?;
     let lock = std::fs::File::create(folder.join("build.lock")).map_err(unlockable)?;
     lock.lock().map_err(unlockable)?;
 
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.args(["build", "--release", "--locked", "--target", TARGET, "--manifest-path"]).arg(manifest);
-    cargo.arg("--target-dir").arg(&folder).args(["--bin", binary]).args(arguments);
+    cargo.args(["build", "--locked", "--target", TARGET, "--manifest-path"]).arg(manifest);
+    cargo.arg("--target-dir").arg(&folder).args(arguments);
+    cargo.args(binaries.iter().flat_map(|binary| ["--bin", binary]));
     cargo.args(["--config", &remapping(manifest)]);
-    // The flags, wrappers and profile of the outer cargo call are for the PC.
+    // Flags, wrappers and profile of the outer cargo call are for the PC and must not apply here.
     for (variable, _) in std::env::vars_os() {
         let variable = variable.to_string_lossy();
         let for_the_pc = ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "RUSTC_WORKSPACE_WRAPPER", "CARGO_BUILD_TARGET"];
@@ -68,12 +99,26 @@ fn run_cargo(manifest: &Path, binary: &str, arguments: &[&str]) -> Result<Vec<u8
         let output = String::from_utf8_lossy(&output.stderr).into_owned();
         return Err(BuildError::Failed { manifest: manifest.to_owned(), output });
     }
-    let path = folder.join(TARGET).join("release").join(binary);
-    std::fs::read(&path).map_err(|source| BuildError::Program { path, source })
+    let built = folder.join(TARGET).join(profile);
+    let read = |binary: &&str| {
+        let path = built.join(binary);
+        std::fs::read(&path).map_err(|source| BuildError::Program { path, source })
+    };
+    binaries.iter().map(read).collect()
 }
 
-/// A cargo setting that keeps the place of the sources out of the program: messages that name a file would otherwise be longer or shorter, and
-/// all that lies behind them in flash would move.
+/// Returns the name of the folder that a manifest's objects go to.
+fn folder_name(manifest: &Path) -> Result<String, BuildError> {
+    package_name(manifest).or_else(|error| {
+        let folder = manifest.parent().and_then(Path::file_name).filter(|_| manifest.is_file());
+        folder.map(|name| name.to_string_lossy().into_owned()).ok_or(error)
+    })
+}
+
+/// Returns a cargo setting that keeps the folders of the sources out of the program.
+///
+/// Messages that name a file would otherwise differ in length from folder to folder, and move all
+/// that lies after them in flash.
 fn remapping(manifest: &Path) -> String {
     let crates = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     let crates = crates.or_else(|| Some(std::env::home_dir()?.join(".cargo")));
@@ -87,7 +132,7 @@ fn remapping(manifest: &Path) -> String {
     format!("target.{TARGET}.rustflags=[{}]", flags.collect::<Vec<_>>().join(","))
 }
 
-/// The name of the package, which is also that of its only binary unless it says otherwise.
+/// Returns the name of the package, which is also that of its only binary unless it says otherwise.
 fn package_name(manifest: &Path) -> Result<String, BuildError> {
     let wrong = |reason: String| BuildError::Manifest { manifest: manifest.to_owned(), reason };
     let text = std::fs::read_to_string(manifest).map_err(|error| wrong(error.to_string()))?;
@@ -95,7 +140,7 @@ fn package_name(manifest: &Path) -> Result<String, BuildError> {
     Ok(name.to_owned())
 }
 
-/// The `name` of the `[package]` table.
+/// Returns the `name` of the `[package]` table.
 fn name_in(manifest: &str) -> Option<&str> {
     let package = manifest.split("[package]").nth(1)?;
     let line = package
@@ -105,11 +150,12 @@ fn name_in(manifest: &str) -> Option<&str> {
     line.split('"').nth(1)
 }
 
-/// The target folder of the outer build: test binaries stand in `<target>/<profile>/deps`.
+/// Returns the target folder of the outer build, in whose `<profile>/deps` the test binaries lie.
 fn target_folder(manifest: &Path) -> PathBuf {
     if let Some(folder) = std::env::var_os("CARGO_TARGET_DIR") {
         let folder = PathBuf::from(folder);
-        // Cargo reads a relative folder from where it was called; a test runs elsewhere and cannot know that place.
+        // Cargo takes a relative folder from the folder in which it was called, which a test cannot
+        // know.
         if folder.is_absolute() {
             return folder;
         }

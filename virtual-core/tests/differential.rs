@@ -1,5 +1,5 @@
-//! Every arithmetic, DSP and FPU instruction on the emulated core against its definition computed on the PC, on operands at the
-//! edges and at random.
+//! Every arithmetic, DSP and FPU instruction on the emulated core against its definition, computed
+//! on the PC, for operands at the edges and at random.
 
 mod common;
 mod reference;
@@ -8,7 +8,7 @@ use virtual_core::{Core, Image, Machine};
 
 use reference::{Floats, Integers};
 
-/// Where integer instructions change: signs, carries, halves, bytes.
+/// Operands at which integer instructions change: signs, carries, halves, bytes.
 const EDGES: [u32; 14] = [
     0,
     1,
@@ -26,7 +26,8 @@ const EDGES: [u32; 14] = [
     0xffff_ffff,
 ];
 
-/// Where floats change: zeros, subnormals, one, halves, the ends of the integers, infinities, NaN.
+/// Operands at which float instructions change: zeros, subnormals, one, halves, the ends of the
+/// integers, infinities, NaN.
 const FLOAT_EDGES: [f32; 18] = [
     0.0,
     -0.0,
@@ -50,7 +51,7 @@ const FLOAT_EDGES: [f32; 18] = [
 
 const RANDOM_OPERANDS: usize = 1000;
 
-/// A sequence that is the same in every run (xorshift).
+/// Random sequence of a fixed seed (xorshift).
 struct Random(u64);
 
 impl Random {
@@ -62,7 +63,7 @@ impl Random {
     }
 }
 
-/// Pairs of edges, then random words of random sizes.
+/// Returns pairs of edges, then random words of random sizes.
 fn operands(edges: &[u32]) -> Vec<[u32; 4]> {
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
     let mut all = Vec::new();
@@ -78,7 +79,8 @@ fn operands(edges: &[u32]) -> Vec<[u32; 4]> {
     all
 }
 
-/// Floats near one another, so that sums cancel and products stay in range.
+/// Returns floats at the edges, then random floats of similar size, whose sums cancel and whose
+/// products stay in range.
 fn float_operands() -> Vec<[u32; 4]> {
     let mut all = operands(&FLOAT_EDGES.map(f32::to_bits));
     let mut random = Random(0x0123_4567_89ab_cdef);
@@ -143,7 +145,7 @@ fn every_single_instruction_of_the_program_is_compared() {
         reference::INTEGERS.iter().any(|(known, _)| *known == name)
             || reference::FLOATS.iter().any(|(known, _)| *known == name)
     };
-    // These are compared one by one, below and in machine.rs.
+    // Tests of their own compare these, in this file and in machine.rs.
     let elsewhere = [
         "op_memory",
         "op_exclusive",
@@ -165,7 +167,8 @@ fn loads_and_stores_of_every_width_keep_their_bytes() {
     let mut machine = common::machine();
     for [a, b, c, d] in operands(&EDGES) {
         let value = machine.call("op_memory", &[a, b, c, d]).unwrap().value;
-        // strd r0, r1 is overwritten by stm r0-r3; r4 = b, r5 = c from ldrd at 4.
+        // The stm of r0 to r3 overwrites the strd of r0, r1. The ldrd at 4 loads b to r4 and c to
+        // r5.
         let byte = i32::from(b as u8 as i8).cast_unsigned();
         let half = i32::from(c as u16 as i16).cast_unsigned();
         assert_eq!(value, (byte.wrapping_add(half) ^ c).wrapping_add(b), "{a:#x} {b:#x} {c:#x} {d:#x}");

@@ -1,4 +1,4 @@
-//! What a machine does not know ends the run with an error that names it.
+//! Errors: an instruction, address or image that the machine does not know is named.
 
 mod common;
 
@@ -123,7 +123,8 @@ fn an_image_for_another_processor_is_refused() {
 #[test]
 fn an_image_outside_the_memory_is_refused() {
     let mut elf = common::elf();
-    // The first program header stands right after the 52 bytes of the file header; p_vaddr is its third word.
+    // The first program header follows the 52 bytes of the file header, and p_vaddr is its third
+    // word.
     elf[52 + 8..52 + 12].copy_from_slice(&0x0900_0000_u32.to_le_bytes());
     let error = Image::from_elf(&elf).unwrap_err();
     assert!(matches!(error, ImageError::OutsideMemory { address: 0x0900_0000, .. }), "{error:?}");

@@ -1,4 +1,4 @@
-//! Whatever instruction an interrupt comes before, what was interrupted does not notice.
+//! Interrupts before any instruction leave the interrupted program's state as it was.
 
 mod common;
 
@@ -6,10 +6,10 @@ use virtual_core::{Core, Machine, RunError, Stop};
 
 const SCRATCH: u32 = 0x2000_2000;
 const SCRATCH_BYTES: usize = 64;
-/// The breakpoint at the end of the routine.
+/// Number of the breakpoint at the end of the routine.
 const END: u8 = 9;
 
-/// Everything that the routine leaves behind.
+/// State that the routine leaves behind.
 #[derive(Debug, PartialEq, Eq)]
 struct Left {
     registers: Vec<u32>,
@@ -30,7 +30,7 @@ fn left(machine: &mut Machine) -> Left {
     }
 }
 
-/// A machine that takes interrupts 0 to 2, and has not begun.
+/// Returns a machine that takes interrupts 0 to 2 and has not begun the routine.
 fn machine() -> Machine {
     let mut machine = common::machine();
     machine.call("store", &[0xe000_e100, 7]).unwrap();
@@ -51,7 +51,8 @@ fn end(machine: &mut Machine) -> Left {
     left(machine)
 }
 
-/// The routine's instructions, and what it leaves without any interrupt.
+/// Returns the number of the routine's instructions, and the state that it leaves without an
+/// interrupt.
 fn quiet() -> (u64, Left) {
     let mut machine = machine();
     let before = machine.cost().instructions;
@@ -60,24 +61,25 @@ fn quiet() -> (u64, Left) {
 }
 
 #[test]
-fn the_routine_takes_each_branch_that_its_flags_say() {
+fn the_routine_takes_each_branch_that_its_flags_select() {
     let (instructions, left) = quiet();
     assert!(instructions > 70, "{instructions}");
-    // 1 + 10 + 20, and nothing of what must not be executed.
+    // 1 + 10 + 20: no other addition may have been executed.
     assert_eq!((left.registers[6], left.registers[7]), (31, 1));
     assert_eq!(left.registers[4], 0u32.wrapping_add(3 + 1).wrapping_sub(2));
     assert_eq!(f32::from_bits(left.float_registers[21]), 1.5 * 3.0 + 3.0);
 }
 
 #[test]
-fn an_interrupt_before_any_instruction_changes_nothing_whether_it_uses_the_fpu_or_not() {
+fn an_interrupt_before_any_instruction_leaves_registers_and_memory_unchanged() {
     let (instructions, quiet) = quiet();
     for lines in [[1].as_slice(), &[2], &[1, 2]] {
         for at in 1..instructions {
             let mut machine = machine();
             begin(&mut machine, at);
             lines.iter().for_each(|&line| machine.set_interrupt(line, true));
-            // The first handler begins; then the lines are let go, and what is pending stays so: the second follows without a return between.
+            // The first handler begins. Then the lines fall; the second interrupt stays pending,
+            // and follows without a return between.
             machine.resume(1).unwrap();
             lines.iter().for_each(|&line| machine.set_interrupt(line, false));
             assert_eq!(end(&mut machine), quiet, "lines {lines:?} before instruction {at}");
@@ -86,12 +88,12 @@ fn an_interrupt_before_any_instruction_changes_nothing_whether_it_uses_the_fpu_o
 }
 
 #[test]
-fn an_interrupt_inside_an_interrupt_changes_nothing_either() {
+fn an_interrupt_inside_an_interrupt_leaves_registers_and_memory_unchanged() {
     let (instructions, quiet) = quiet();
     for at in 1..instructions {
         for deep in 1..12 {
             let mut machine = machine();
-            // Line 2 before line 1: its priority number is smaller.
+            // Line 2 preempts line 1: its priority number is smaller.
             machine.call("store", &[0xe000_e400, 0x0020_4000]).unwrap();
             begin(&mut machine, at);
             machine.set_interrupt(1, true);

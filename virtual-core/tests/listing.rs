@@ -1,5 +1,5 @@
-//! The decoder against a disassembler: every line of llvm-objdump's listing of the test program, compiled code and single
-//! instructions alike, read as text and compared field by field.
+//! Decoder against a disassembler: every line of llvm-objdump's listing of the test program is read
+//! as text and compared field by field.
 
 mod assembly;
 
@@ -11,7 +11,7 @@ use virtual_core::decode::{Kind, decode};
 
 use assembly::Line;
 
-/// llvm-objdump of the toolchain's llvm-tools component.
+/// Returns the path of llvm-objdump in the toolchain's component llvm-tools.
 fn objdump() -> PathBuf {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let print = |what: &[&str]| {
@@ -49,6 +49,6 @@ fn every_instruction_is_decoded_as_the_disassembler_lists_it() {
     }
     let total: usize = seen.values().sum();
     assert!(total > 10_000, "only {total} instructions");
-    // Every kind, signed and unsigned division apart.
+    // The program has every kind; signed and unsigned division count as two.
     assert_eq!(seen.len(), 27, "{:?}", seen.keys());
 }

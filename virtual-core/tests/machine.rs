@@ -1,4 +1,4 @@
-//! Calls, whole images, interrupts, devices, and what is counted on the way.
+//! Calls, whole images, interrupts, devices, and the account of their cost.
 
 mod common;
 
@@ -15,7 +15,7 @@ fn write_words(machine: &mut virtual_core::Machine, address: u32, words: &[u32])
 }
 
 #[test]
-fn arguments_beyond_four_come_on_the_stack() {
+fn arguments_beyond_four_go_to_the_stack() {
     let value = common::machine().call("six", &[1, 2, 3, 4, 5, 6]).unwrap().value;
     let expected = (1..7_u32).zip(0..).fold(0, |all, (argument, turn)| all ^ argument.rotate_left(turn));
     assert_eq!(value, expected);
@@ -35,7 +35,7 @@ fn a_function_reads_and_writes_memory_and_returns_64_bits() {
 }
 
 #[test]
-fn compiled_code_gives_what_it_gives_on_the_pc() {
+fn compiled_code_returns_the_values_that_it_returns_on_the_pc() {
     let mut machine = common::machine();
     let mut values: Vec<u32> = (0..301_u32).map(|k| k.wrapping_mul(2_654_435_761)).collect();
     write_words(&mut machine, SCRATCH, &values);
@@ -98,7 +98,7 @@ fn code_in_ram_runs_and_may_change() {
 }
 
 #[test]
-fn flash_that_is_written_anew_is_decoded_anew() {
+fn flash_that_is_overwritten_is_decoded_again() {
     let mut machine = common::machine();
     let code = machine.symbol("breakpoint").unwrap().address;
     machine.call("breakpoint", &[]).unwrap_err();
@@ -114,7 +114,7 @@ fn a_whole_image_copies_its_data_and_ends_at_a_breakpoint() {
 }
 
 #[test]
-fn a_run_pauses_after_as_many_instructions_as_allowed() {
+fn a_run_pauses_after_the_allowed_number_of_instructions() {
     let mut machine = common::machine();
     machine.reset().unwrap();
     let mut pauses: u64 = 0;
@@ -134,12 +134,12 @@ fn timer_interrupts_wake_a_sleeping_core() {
 }
 
 #[test]
-fn a_supervisor_call_returns_behind_itself() {
+fn a_supervisor_call_returns_to_the_next_instruction() {
     let mut machine = common::machine();
     let call = machine.call("op_supervisor", &[40]).unwrap();
     assert_eq!(call.value, 42);
     assert_eq!(call.cost.instructions, 5);
-    // Entry 12, return 10 more than the branch itself.
+    // The entry costs 12, and the return 10 more than a branch.
     assert_eq!(call.cost.nominal, 1 + 1 + 12 + 3 + 10 + 1 + 3);
     assert_eq!(call.stack_bytes, 32);
 }
@@ -152,7 +152,7 @@ fn an_interrupt_line_enters_its_handler_between_instructions() {
     assert_eq!(enable_interrupt_0.cost.instructions, 2);
     machine.set_interrupt(0, true);
     machine.limit_calls(1000);
-    // Level-sensitive and never cleared: the handler runs again and again.
+    // The line is level-sensitive and never cleared, so the handler runs again and again.
     assert!(matches!(machine.call("mac_loop", &[100, 3]), Err(RunError::Limit { .. })));
     machine.set_interrupt(0, false);
     assert_eq!(machine.call("mac_loop", &[100, 3]).unwrap().value, quiet.value);
@@ -160,7 +160,7 @@ fn an_interrupt_line_enters_its_handler_between_instructions() {
 }
 
 #[test]
-fn time_is_a_column_of_the_cost_and_sleep_and_pauses_when_due() {
+fn time_follows_a_column_of_the_cost_and_sleep_and_pauses_when_due() {
     use virtual_core::{CycleCase, Pace};
     let mut machine = common::machine();
     machine.call("mac_loop", &[100, 3]).unwrap();
@@ -187,7 +187,7 @@ fn time_is_a_column_of_the_cost_and_sleep_and_pauses_when_due() {
 #[test]
 fn the_trace_unit_counts_the_cycles_of_the_model() {
     let mut machine = common::machine();
-    // DEMCR.TRCENA, DWT_CTRL.CYCCNTENA.
+    // DEMCR.TRCENA and DWT_CTRL.CYCCNTENA start the counter.
     machine.call("store", &[0xe000_edfc, 1 << 24]).unwrap();
     machine.call("store", &[0xe000_1000, 1]).unwrap();
     let first = machine.call("load", &[0xe000_1004]).unwrap().value;
@@ -202,7 +202,7 @@ fn the_trace_unit_counts_the_cycles_of_the_model() {
 }
 
 #[test]
-fn exceptions_are_recorded_when_they_are_asked_for() {
+fn exceptions_are_recorded_from_the_first_request_on() {
     let mut machine = common::machine();
     machine.call("op_supervisor", &[40]).unwrap();
     assert!(machine.take_exception_changes().is_empty(), "the first call starts the record");
@@ -213,7 +213,7 @@ fn exceptions_are_recorded_when_they_are_asked_for() {
     assert!(changes[0].cycle < changes[1].cycle);
 }
 
-/// Counts what is written to it; reads as that count.
+/// Device that adds up the values written to it, and reads as their sum.
 #[derive(Debug, Default)]
 struct Counter(AtomicU32);
 
@@ -283,7 +283,7 @@ fn loops_are_found_with_their_length_and_passes() {
     machine.call("mac_loop", &[500, 3]).unwrap();
     let loops = machine.loops();
     assert_eq!(loops.len(), 1, "{loops:?}");
-    // smlal, smmla, mla, add.w: 4 bytes each; subs, bne: 2.
+    // smlal, smmla, mla and add.w have 4 bytes each, subs and bne 2.
     assert_eq!(loops[0].start, machine.symbol("mac_loop").unwrap().address + 8);
     assert_eq!((loops[0].bytes, loops[0].iterations, loops[0].instructions), (20, 2 * 499, 2 * 500 * 6));
 }
@@ -291,7 +291,7 @@ fn loops_are_found_with_their_length_and_passes() {
 #[test]
 fn an_image_knows_its_sizes_and_symbols() {
     let image = Image::from_elf(&common::elf()).unwrap();
-    // The initialised word, a function in RAM with its literal, and the counter of ticks.
+    // The RAM holds an initialised word, a function with its literal, and the counter of ticks.
     assert_eq!(image.static_ram_bytes(), 4 + 8 + 4);
     assert!(image.flash_bytes() > 10_000, "{}", image.flash_bytes());
     let symbol = image.symbol("mac_loop").unwrap();
@@ -299,10 +299,10 @@ fn an_image_knows_its_sizes_and_symbols() {
     assert_eq!(image.entry(), image.symbol("reset").unwrap().address);
 }
 
-/// The machine follows the program counter by itself between computed jumps; stopping after every instruction makes it read the
-/// core's, so that a difference would show.
+/// Between computed jumps the machine follows the program counter by itself. A stop after every
+/// instruction makes it read that of the core, so that a difference shows.
 #[test]
-fn instruction_by_instruction_costs_the_same_as_in_one_go() {
+fn a_run_in_single_steps_costs_as_much_as_a_run_in_one_piece() {
     let cases: [(&str, [u32; 4]); 6] = [
         ("format", [0.1_f32.to_bits(), SCRATCH, 64, 0]),
         ("median", [SCRATCH, 90, 0, 0]),
@@ -319,7 +319,7 @@ fn instruction_by_instruction_costs_the_same_as_in_one_go() {
 
         let mut stepped = common::machine();
         write_words(&mut stepped, SCRATCH, &words);
-        // Leaves the stack and the FPU as a call finds them.
+        // A call leaves the stack and the FPU in the state in which the next call finds them.
         let before = stepped.call("nothing", &[]).unwrap().cost;
         stepped.clear_flash_cache();
         let [start, end] = [function, "breakpoint"].map(|name| stepped.symbol(name).unwrap().address);

@@ -1,16 +1,18 @@
-//! The examples of the cycle rules, run as code: what a function costs beyond one that only returns.
+//! Examples of the cycle rules, run as code: the cost of a function beyond one that only returns.
 
 mod common;
 
 use virtual_core::{Cost, Machine};
 
-/// Two words in RAM that code may read and write.
+/// Address of a word in RAM that code may read and write.
 const SCRATCH: u32 = 0x2000_2000;
+/// Address of another word in RAM that code may read and write.
 const OTHER: u32 = 0x2000_2040;
 
-/// (best, nominal, worst) of a function of `tests/program/src/rules.rs`, its return left out.
+/// Returns the best, nominal and worst cycles of a function of `tests/program/src/rules.rs` without
+/// its return.
 fn cost(machine: &mut Machine, function: &str) -> (u64, u64, u64) {
-    // A loaded value that is used as an address has to be one.
+    // The loaded value is used as an address, so it must be one.
     machine.write(SCRATCH, &SCRATCH.to_le_bytes()).unwrap();
     let arguments = [SCRATCH, OTHER, 0, 0];
     let whole = machine.call(function, &arguments).unwrap().cost;
@@ -93,7 +95,7 @@ fn a_loop_in_the_flash_cache_waits_only_for_its_first_pass() {
     let (at_168, at_96) = waits(often);
     assert!(at_168 >= 2 * 6 && at_168 % 6 == 0, "{at_168}");
     assert_eq!(at_96 * 6, at_168 * 4);
-    // And a third call finds everything there.
+    // A third call finds the whole loop in the cache.
     assert_eq!(waits(machine.call("mac_loop", &[10, 3]).unwrap().cost), (0, 0));
 }
 
@@ -101,7 +103,7 @@ fn a_loop_in_the_flash_cache_waits_only_for_its_first_pass() {
 fn a_branch_of_an_it_block_refills_only_when_its_condition_holds() {
     let mut machine = common::machine();
     let mut nominal = |a, b| machine.call("op_branch_in_block", &[a, b, 0, 0]).unwrap().cost.nominal;
-    // cmp, it, b, mov, bx
+    // The terms are cmp, it, b, mov and bx.
     assert_eq!(nominal(1, 2), 1 + 1 + 3 + 1 + 3);
     assert_eq!(nominal(2, 1), 1 + 1 + 1 + 1 + 3);
 }

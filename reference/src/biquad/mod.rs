@@ -1,18 +1,20 @@
-//! Parallel chains of biquads in `f64` (*Differentiable Modal Synthesis for Physical Modeling of Planar Objects*, "diffmodal", eq. 2 and 3).
+//! Parallel chains of biquads in `f64` (*Differentiable Modal Synthesis for Physical Modeling of
+//! Planar Objects*, "diffmodal", eq. 2 and 3).
 
 use std::f64::consts::PI;
 
-/// A section `(b0 + b1 z⁻¹ + b2 z⁻²) / (1 + a1 z⁻¹ + a2 z⁻²)`.
+/// A biquad section `(b0 + b1 z⁻¹ + b2 z⁻²) / (1 + a1 z⁻¹ + a2 z⁻²)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Biquad {
-    /// b0, b1, b2.
+    /// Coefficients b0, b1, b2.
     pub numerator: [f64; 3],
-    /// a1, a2: `-2 Re p` and `|p|²` of the conjugate poles.
+    /// Coefficients a1, a2: `-2 Re p` and `|p|²` of the conjugate poles.
     pub denominator: [f64; 2],
 }
 
 impl Biquad {
-    /// Eq. 2: poles `p = (re, im)` and zeros `q`, each with its conjugate, and a gain k.
+    /// The biquad of eq. 2: pole `p = (re, im)` and zero `q`, each with its conjugate, and a gain
+    /// k.
     pub fn from_roots(pole: (f64, f64), zero: (f64, f64), gain: f64) -> Self {
         let square = |(re, im): (f64, f64)| re * re + im * im;
         Self {
@@ -21,11 +23,14 @@ impl Biquad {
         }
     }
 
-    /// As [`from_roots`](Self::from_roots), carried from the rate at which the roots are given to one that is `1/ratio` times as high.
+    /// The biquad of [`from_roots`](Self::from_roots), carried to a sample rate `1/ratio` times as
+    /// high.
     ///
-    /// Each root r e^{±iα}, α from 0 to π, becomes `r^ratio e^{±i min(ratio α, π)}`: it keeps its frequency in hertz and its decay per second, up to
-    /// half the new rate. k is scaled such that |H| at the pole's angle stays; it stays itself where |H| nearly vanishes there before or after, the zeros' distances
-    /// from that point of the circle being below 1e-6 when multiplied.
+    /// Each root r e^{±iα}, α from 0 to π, becomes `r^ratio e^{±i min(ratio α, π)}`. It keeps its
+    /// frequency in hertz, up to half the new rate, and its decay per second. k is scaled so that
+    /// |H| at the pole's angle stays. k is left as it is where |H| nearly vanishes at that angle
+    /// before or after: where the product of the zeros' distances from that point of the unit
+    /// circle is below 1e-6.
     pub fn carried(pole: (f64, f64), zero: (f64, f64), gain: f64, ratio: f64) -> Self {
         if ratio == 1.0 {
             return Self::from_roots(pole, zero, gain);
@@ -35,7 +40,7 @@ impl Biquad {
         let cartesian = |(radius, angle): (f64, f64)| (radius * angle.cos(), radius * angle.sin());
         let (old_pole, old_zero) = (polar(pole), polar(zero));
         let (new_pole, new_zero) = (moved(old_pole), moved(old_zero));
-        // |1 - r e^{i(α - θ)}| |1 - r e^{i(α + θ)}|, seen from the circle at θ.
+        // |1 - r e^{i(α - θ)}| |1 - r e^{i(α + θ)}|: distances from the unit circle at θ.
         let distances = |(radius, angle): (f64, f64), theta: f64| -> f64 {
             let distance = |between: f64| (1.0 - radius).hypot(2.0 * radius.sqrt() * (between / 2.0).sin());
             distance(angle - theta) * distance(angle + theta)
@@ -46,7 +51,7 @@ impl Biquad {
         Self::from_roots(cartesian(new_pole), cartesian(new_zero), gain * same)
     }
 
-    /// The response to `input`, from rest, by the difference equation.
+    /// Filters `input` from rest, by the difference equation.
     pub fn filter(&self, input: &[f64]) -> Vec<f64> {
         let ([b0, b1, b2], [a1, a2]) = (self.numerator, self.denominator);
         let (mut x1, mut x2, mut y1, mut y2) = (0.0, 0.0, 0.0, 0.0);
@@ -62,11 +67,12 @@ impl Biquad {
     pub fn radius(&self) -> f64 {
         let [a1, a2] = self.denominator;
         let rest = a1 * a1 / 4.0 - a2;
-        // A conjugate pair's product is the square of its radius; rounding makes an even pair seem two.
+        // A conjugate pair's product is the square of its radius; rounding can split a double pole
+        // in two.
         if rest <= 1e-12 * a2.abs() { a2.max(0.0).sqrt() } else { a1.abs() / 2.0 + rest.sqrt() }
     }
 
-    /// `|H|` at an angle in radians a sample.
+    /// Magnitude `|H|` at an angle in radians a sample.
     pub fn magnitude(&self, angle: f64) -> f64 {
         let at = |[c0, c1, c2]: [f64; 3]| {
             let re = c0 + c1 * angle.cos() + c2 * (2.0 * angle).cos();
@@ -78,7 +84,7 @@ impl Biquad {
     }
 }
 
-/// Eq. 3: the sum of chains of sections, from rest.
+/// Sum of all chains' outputs for `input`, from rest (eq. 3).
 pub fn filter(chains: &[Vec<Biquad>], input: &[f64]) -> Vec<f64> {
     let mut sum = vec![0.0; input.len()];
     for chain in chains {

@@ -1,23 +1,23 @@
-//! One contact at its place in time.
+//! A single contact at its exact time.
 
-use crate::contact::Pulse;
+use super::pulse::Pulse;
 use crate::rate::SampleRate;
 
 /// One term of eq. 3: the force `m_i C(t - t_i; τ_i)` of a single contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
-    /// `t_i`: when the force starts, in samples with a fraction.
+    /// Start `t_i` of the force, in samples with a fraction.
     pub onset_samples: f64,
     /// Shape of the force.
     pub pulse: Pulse,
-    /// `m_i`: its peak in newtons.
+    /// Peak force `m_i` in newtons.
     pub peak_force: f64,
-    /// `τ_i`: its contact time in seconds, above 0.
+    /// Contact time `τ_i` in seconds, above 0.
     pub contact_time_s: f64,
 }
 
 impl Impact {
-    /// The force in newtons of `sample`, that is at time `sample / fs` ([`Pulse::sample`]).
+    /// Force in newtons of `sample`, at time `sample / fs` ([`Pulse::sample`]).
     pub fn force(&self, sample: u64, rate: SampleRate) -> f64 {
         self.peak_force * self.pulse.sample(self.since_onset_s(sample, rate), self.contact_time_s, rate)
     }

@@ -1,7 +1,7 @@
-//! Contact: how a strike of some velocity becomes a force over time.
+//! Contact: from the velocity of a strike to a force over time.
 //!
-//! A [`Striker`] turns the velocity into a peak force `m` and a contact time `τ`; a [`Pulse`] is
-//! the shape `C(t)` of the force between (eq. 2); an [`Impact`] is one such contact at its exact
+//! A [`Striker`] turns the velocity into a peak force `m` and a contact time `τ`. A [`Pulse`] is
+//! the shape `C(t)` of the force between (eq. 2). An [`Impact`] is one such contact at its exact
 //! time. The force on an object is the sum over all contacts (eq. 3),
 //!
 //! ```text

@@ -9,33 +9,35 @@ use crate::rate::SampleRate;
 /// Times are counted from the pulse's start, which is the time of the strike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pulse {
-    /// `N sin(πx) (1 + A cos(πx))`, x = t/τ in 0 to 1: the contact of two spheres that lose energy.
+    /// Contact of two spheres that lose energy: `N sin(πx) (1 + A cos(πx))`, x = t/τ in 0 to 1.
     ///
-    /// `A = (1-r)/(1+r)`; r is the ratio of the force's last slope to its first, `r = e^4.6`.
-    /// That follows Hunt and Crossley's contact `x'' = -x^1.5 (1 + μ x')`, whose ratio is
-    /// `e^1.5 (1-μe)/(1+μ)` with `μ (1+e) = ln((1+μ)/(1-μe))`, within 4 % for e of 0.45 to 1. At
-    /// e = 1 it is the half-sine of frictionless spheres (§3.2, the model that eq. 2 smooths); below,
-    /// its spectrum has no zeros.
+    /// `A = (1-r)/(1+r)`; r is the ratio of the force's last slope to its first, `r = e^4.6` with
+    /// the coefficient of restitution e. That follows Hunt and Crossley's contact
+    /// `x'' = -x^1.5 (1 + μ x')`, whose ratio is `e^1.5 (1-μe)/(1+μ)` with
+    /// `μ (1+e) = ln((1+μ)/(1-μe))`, within 4 % for e of 0.45 to 1. At e = 1 it is the half-sine of
+    /// frictionless spheres (§3.2, the model that eq. 2 smooths). Below, its spectrum has no zeros.
     Hertz {
         /// Coefficient of restitution e, 0.1 to 1: rebound speed over impact speed.
         restitution: f64,
     },
-    /// `exp(-6/τ² (t - c)²)` with its centre at `c = τ √(ln(10⁵)/6)`, about 1.385 τ (eq. 2).
+    /// Gaussian `exp(-6/τ² (t - c)²)` with its centre at `c = τ √(ln(10⁵)/6)`, about 1.385 τ (eq.
+    /// 2).
     ///
     /// A Gaussian has no beginning: it is cut where it is 100 dB (10⁻⁵) below its peak, at `t = 0`
     /// and `t = 2c`. Eq. 2 counts from the onset `t_i` of the unsmoothed contact and has its centre
-    /// at `t_i + τ/2`; here the time counts from where the pulse is first heard, so that no strike
-    /// sounds before it happens: `t_i` is `c - τ/2` after that. Its area is
-    /// `τ √(π/6) erf(√ln(10⁵))`.
+    /// at `t_i + τ/2`. Here the time counts from the first audible point, so that no strike sounds
+    /// before it happens: `t_i` is `c - τ/2` after that. Its area is `τ √(π/6) erf(√ln(10⁵))`.
     Gaussian,
 }
 
-/// Shortest Gaussian contact time in samples. A shorter one is played as long as this, with a peak
-/// smaller in that ratio: its samples would no longer tell its impulse.
+/// Shortest Gaussian contact time in samples.
+///
+/// The samples of a shorter pulse would not add up to its impulse. It is played at this length,
+/// with a peak lower in the ratio of the two lengths.
 const SHORTEST_GAUSSIAN_SAMPLES: f64 = 1.75;
 
 impl Pulse {
-    /// `C(t)`: the force at `since_start_s` seconds after the start, as a share of its peak.
+    /// Force `C(t)` at `since_start_s` seconds after the start, as a share of its peak.
     ///
     /// `contact_time_s` is τ, above 0. The result is 0 outside the pulse.
     pub fn shape(self, since_start_s: f64, contact_time_s: f64) -> f64 {
@@ -56,10 +58,10 @@ impl Pulse {
         }
     }
 
-    /// The force of the sample at `since_start_s`, as a share of the peak.
+    /// Force of the sample at `since_start_s`, as a share of the peak.
     ///
-    /// Hertz: the mean of `C` over the sample interval that ends there, so that the samples' sum
-    /// is the impulse whatever the onset and however short the contact. Gaussian: `C` itself.
+    /// Hertz: the mean of `C` over the sample interval that ends there, so that the samples' sum is
+    /// the impulse for every onset and every contact time. Gaussian: `C` itself.
     pub fn sample(self, since_start_s: f64, contact_time_s: f64, rate: SampleRate) -> f64 {
         match self {
             Self::Hertz { restitution } => {
@@ -67,7 +69,7 @@ impl Pulse {
                 let end = since_start_s / contact_time_s;
                 let (from, to) = ((end - interval).clamp(0.0, 1.0), end.clamp(0.0, 1.0));
                 let (skew, scale) = skew_and_scale(restitution);
-                // ∫ sin πx and ∫ sin 2πx between the two, each as a product of two sines.
+                // ∫ sin πx and ∫ sin 2πx from `from` to `to`, each as a product of two sines.
                 let (sum, difference) = (PI * (from + to) / 2.0, PI * (to - from) / 2.0);
                 let first = 2.0 / PI * sum.sin() * difference.sin();
                 let second = (2.0 * sum).sin() * (2.0 * difference).sin() / PI;
@@ -80,7 +82,7 @@ impl Pulse {
         }
     }
 
-    /// How long the force acts, in seconds, for a contact time τ of `contact_time_s` seconds.
+    /// Duration of the force in seconds, for a contact time τ of `contact_time_s` seconds.
     pub fn duration_s(self, contact_time_s: f64) -> f64 {
         match self {
             Self::Hertz { .. } => contact_time_s,
@@ -88,7 +90,7 @@ impl Pulse {
         }
     }
 
-    /// How long after the start a sample may still have force, in seconds.
+    /// Longest time after the start at which a sample may have force, in seconds.
     pub fn sampled_duration_s(self, contact_time_s: f64, rate: SampleRate) -> f64 {
         match self {
             Self::Hertz { .. } => contact_time_s + 1.0 / rate.hz(),
@@ -97,11 +99,11 @@ impl Pulse {
     }
 }
 
-/// A and N of the Hertz pulse: its skew, and the factor that makes its peak 1.
+/// Skew A of the Hertz pulse, and the factor N that makes its peak 1.
 fn skew_and_scale(restitution: f64) -> (f64, f64) {
     let slopes = restitution.powf(4.6);
     let skew = (1.0 - slopes) / (1.0 + slopes);
-    // Where the force is largest: 2A cos²(πx) + cos(πx) - A = 0.
+    // The force is largest where 2A cos²(πx) + cos(πx) - A = 0.
     let cosine = 2.0 * skew / (1.0 + (1.0 + 8.0 * skew * skew).sqrt());
     (skew, 1.0 / ((1.0 - cosine * cosine).sqrt() * (1.0 + skew * cosine)))
 }

@@ -1,41 +1,45 @@
-//! What strikes, and the law from velocity to force.
+//! Strikers, and Hertz's power laws from velocity to force and contact time.
 
-use crate::contact::{Impact, Pulse};
+use super::impact::Impact;
+use super::pulse::Pulse;
 use crate::resonator::Mode;
 
-/// A stick, mallet or finger: how it pushes, and how it rings itself.
+/// A stick, mallet or finger: its contact force, and its own modes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Striker {
     /// Shape of the contact force.
     pub pulse: Pulse,
-    /// `m1`: peak force in newtons at velocity 1.
+    /// Peak force `m1` in newtons at velocity 1.
     pub peak_force: f64,
-    /// `a` in `m = m1 v^a`; see [`Self::HERTZ_PEAK_EXPONENT`].
+    /// Exponent `a` in `m = m1 v^a`; see [`Self::HERTZ_PEAK_EXPONENT`].
     pub peak_exponent: f64,
-    /// `τ1`: contact time in seconds at velocity 1, above 0.
+    /// Contact time `τ1` in seconds at velocity 1, above 0.
     pub contact_time_s: f64,
-    /// `b` in `τ = τ1 v^b`; see [`Self::HERTZ_CONTACT_EXPONENT`].
+    /// Exponent `b` in `τ = τ1 v^b`; see [`Self::HERTZ_CONTACT_EXPONENT`].
     pub contact_exponent: f64,
-    /// The striker's own modes (§4.3, the tool's impulse response), with gains at one position
-    /// (of more, the first is used); empty if it does not ring.
+    /// The striker's own modes (§4.3, the tool's impulse response); empty if it does not ring.
+    ///
+    /// They have gains at one position. Of several, the first is used.
     pub modes: Vec<Mode>,
 }
 
 impl Striker {
-    /// Hertz's law for colliding spheres: the peak force grows as velocity to the 6/5.
+    /// Exponent of Hertz's law for colliding spheres: the peak force grows as velocity to the 6/5.
     pub const HERTZ_PEAK_EXPONENT: f64 = 1.2;
 
-    /// Hertz's law for colliding spheres: the contact time falls as velocity to the -1/5, which is
-    /// why a harder strike is also a brighter one.
+    /// Exponent of Hertz's law for colliding spheres: the contact time falls as velocity to the
+    /// -1/5.
+    ///
+    /// It makes a harder strike a brighter one.
     pub const HERTZ_CONTACT_EXPONENT: f64 = -0.2;
 
-    /// The shortest and the longest contact, in seconds: the law's τ is held between them.
+    /// Shortest and longest contact time τ in seconds, to which the power law is clamped.
     pub const CONTACT_TIME_RANGE_S: [f64; 2] = [1e-5, 0.25];
 
     /// The contact that a strike at `velocity` (0 to 1) makes, starting at `onset_samples`:
     ///
     /// ```text
-    /// m = m1 v^a,   τ = τ1 v^b, held between 10 µs and 0.25 s
+    /// m = m1 v^a,   τ = τ1 v^b, clamped to 10 µs .. 0.25 s
     /// ```
     ///
     /// `None` for a velocity of 0, which is no strike.

@@ -1,16 +1,22 @@
-//! The exciter's band-pass while strikes move it: two state-variable sections, whose state does not depend on where the band is.
+//! The exciter's band-pass, moved by each strike: two state-variable sections.
+//!
+//! Their state does not depend on the position of the band, so moving the band makes no click.
 
 use std::f64::consts::PI;
 
-use super::Exciter;
-use crate::SampleRate;
+use super::exciter::Exciter;
+use crate::rate::SampleRate;
 
-/// A section: `v1` its band-pass, `v2` its low-pass, `x - k v1 - v2` its high-pass (trapezoidal state-variable filter).
+/// A trapezoidal state-variable filter: `v1` is its band-pass output, `v2` its low-pass output.
+///
+/// Its high-pass output is `x - k v1 - v2`.
 #[derive(Clone, Copy, Debug, Default)]
 struct Section {
-    /// The pole's size, warped, and what it is damped by.
+    /// Magnitude of the pole, warped for the bilinear transformation.
     g: f64,
+    /// Damping of the pole.
     k: f64,
+    /// Factor on the input.
     input: f64,
     state: [f64; 2],
 }
@@ -26,7 +32,7 @@ impl Section {
     }
 }
 
-/// An exciter sounding, from rest; before the first strike it passes nothing.
+/// An exciter's band-pass in motion, from rest; before the first strike it passes nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct BandPass {
     exciter: Exciter,
@@ -37,14 +43,15 @@ pub struct BandPass {
 }
 
 impl BandPass {
-    /// At rest.
+    /// A band-pass at rest.
     pub fn new(exciter: Exciter, rate: SampleRate) -> Self {
         Self { exciter, rate, low: Section::default(), high: Section::default(), is_wide: false }
     }
 
-    /// Moves the band to where a strike of a level has it. What rings, rings on in it.
+    /// Moves the band to the edges for a strike of `level`; what rings goes on in the moved band.
     ///
-    /// A band narrower than its middle frequency is two band-passes, a wider one a high-pass at the low pole and a low-pass at the high one.
+    /// A band narrower than its middle frequency is made of two band-passes. A wider one is a
+    /// high-pass at the low pole and a low-pass at the high one.
     pub fn strike(&mut self, level: f64) {
         let [low, high] = self.exciter.edges_hz(level, self.rate).map(|hz| (PI * hz / self.rate.hz()).tan());
         let width = high - low;
@@ -60,7 +67,7 @@ impl BandPass {
         }
     }
 
-    /// One sample.
+    /// Filters one sample.
     pub fn step(&mut self, x: f64) -> f64 {
         let x = self.low.input * x;
         let [v1, v2] = self.low.step(x);
@@ -69,7 +76,7 @@ impl BandPass {
         if self.is_wide { v2 } else { v1 }
     }
 
-    /// Leaves so much of what rings.
+    /// Multiplies the state of both sections by `left`.
     pub fn attenuate(&mut self, left: f64) {
         for section in [&mut self.low, &mut self.high] {
             section.state = section.state.map(|c| left * c);

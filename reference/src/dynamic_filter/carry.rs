@@ -1,9 +1,11 @@
-//! Coefficients at another rate, by the bilinear transformation.
+//! Conversion of coefficients to another sample rate, by the bilinear transformation.
 
-use super::Breakpoint;
+use super::breakpoint::Breakpoint;
 
 impl Breakpoint {
-    /// For a rate `ratio` times as high: `z⁻¹` is replaced by `(1 - x) / (1 + x)`, `x = ratio (1 - z⁻¹) / (1 + z⁻¹)`.
+    /// The coefficients for a rate `ratio` times as high.
+    ///
+    /// `z⁻¹` is replaced by `(1 - x) / (1 + x)`, `x = ratio (1 - z⁻¹) / (1 + z⁻¹)`.
     pub fn at_ratio(&self, ratio: f64) -> Self {
         // (1 + x)(1 + v) and (1 - x)(1 + v), as polynomials of v = z⁻¹.
         let plus = [1.0 + ratio, 1.0 - ratio];
@@ -15,7 +17,7 @@ impl Breakpoint {
         };
         let above = of([self.b0, self.b1, self.b2]);
         let below = of([1.0, self.a1, self.a2]);
-        // Of the first order a common factor (1 + x)(1 + v) remains, whose root is taken out.
+        // A first-order filter keeps a common factor (1 + x)(1 + v), whose root is divided out.
         let divide = |c: [f64; 3]| {
             let first = c[0] / plus[0];
             [first, (c[1] - first * plus[1]) / plus[0], 0.0]

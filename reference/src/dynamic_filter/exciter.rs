@@ -1,20 +1,21 @@
-//! The exciter's band-pass: a fourth-order Butterworth whose edges follow the strike's level (§III-C, D).
+//! The exciter's band-pass: a fourth-order Butterworth whose edges follow the strike's level
+//! (§III-C, D).
 
-use crate::SampleRate;
+use crate::rate::SampleRate;
 
-/// A band of noise.
+/// Band of the noise that excites a dynamic filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exciter {
     /// Lower edge (-3 dB) in Hz at level 1.
     pub low_hz: f64,
     /// Upper edge (-3 dB) in Hz at level 1.
     pub high_hz: f64,
-    /// Both edges are multiplied by `level^exponent`.
+    /// Exponent of the level: both edges are multiplied by `level^exponent`.
     pub exponent: f64,
 }
 
 impl Exciter {
-    /// The edges in Hz for a level: 0.0001 fs to 0.49 fs, their ratio 1.05 at least.
+    /// Edges in Hz for a level: 0.0001 fs to 0.49 fs, with a ratio of at least 1.05.
     pub fn edges_hz(&self, level: f64, rate: SampleRate) -> [f64; 2] {
         let fs = rate.hz();
         let factor = level.max(2f64.powi(-31)).powf(self.exponent);
@@ -22,7 +23,10 @@ impl Exciter {
         [(self.low_hz * factor).clamp(1e-4 * fs, high / 1.05), high]
     }
 
-    /// An input through the band, from rest: the prototype's two poles, low-pass to band-pass, each a biquad by the bilinear transformation.
+    /// Filters `input` by the band for a strike of `level`, from rest.
+    ///
+    /// The prototype's two poles go from low-pass to band-pass, each a biquad by the bilinear
+    /// transformation.
     pub fn filter(&self, level: f64, input: &[f64], rate: SampleRate) -> Vec<f64> {
         let [low, high] = self.edges_hz(level, rate).map(|hz| (std::f64::consts::PI * hz / rate.hz()).tan());
         let width = high - low;
@@ -41,7 +45,9 @@ impl Exciter {
         })
     }
 
-    /// Both poles (of each conjugate pair the one above) between warped edges, the one with the larger imaginary part first.
+    /// Poles with positive imaginary part of the band-pass between two warped edges.
+    ///
+    /// The one with the larger imaginary part is first.
     pub(super) fn poles(low: f64, high: f64) -> [(f64, f64); 2] {
         let (width, middle_squared) = (high - low, low * high);
         // s² - p B s + ω0² = 0 for p = (-1 + i)/√2: s = h ± √(h² - ω0²), h = p B / 2.

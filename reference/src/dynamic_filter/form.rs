@@ -1,20 +1,23 @@
-//! The forms in which coefficients move: each is stable however its parameters change.
+//! Filter structures whose parameters are interpolated: each is stable however its parameters
+//! change.
 
-use super::Breakpoint;
+use super::breakpoint::Breakpoint;
 
-/// Parameters of a form.
+/// Parameters of a filter structure, in the notation `'` for the sample before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
-    /// `s = b0 e + b1 e' - a1 s'` (`'`: of the sample before): b0, b1, a1.
+    /// First order, `s = b0 e + b1 e' - a1 s'`: b0, b1, a1.
     First([f64; 3]),
-    /// `z = p z' + g e'`, complex, `s = Re z + d e`: Re p, Im p, Re g, Im g, d.
+    /// Conjugate poles, `z = p z' + g e'` (complex), `s = Re z + d e`: Re p, Im p, Re g, Im g, d.
     Conjugate([f64; 5]),
-    /// `z1 = p1 z1' + e'; z2 = p2 z2' + β z1'; s = d e + α z1 + z2`: p1, p2, α, β, d.
+    /// Real poles, `z1 = p1 z1' + e'; z2 = p2 z2' + β z1'; s = d e + α z1 + z2`: p1, p2, α, β, d.
     Real([f64; 5]),
 }
 
 impl Form {
-    /// A breakpoint's form: partial fractions for conjugate poles, one behind the other for real ones (the larger first).
+    /// The structure of a breakpoint: first order, or partial fractions for conjugate poles.
+    ///
+    /// Real poles follow one another, the larger first.
     pub fn of(order: u8, point: &Breakpoint) -> Self {
         let Breakpoint { a1, a2, b0, b1, b2, .. } = *point;
         if order == 1 {
@@ -31,7 +34,9 @@ impl Form {
         }
     }
 
-    /// A part of the way to another form of the same kind.
+    /// Parameters a part (0 to 1) of the way to those of another structure of the same kind.
+    ///
+    /// Structures of different kinds do not mix: the result is then `self`.
     pub fn toward(&self, other: &Self, part: f64) -> Self {
         fn mix<const N: usize>(a: &[f64; N], b: &[f64; N], part: f64) -> [f64; N] {
             std::array::from_fn(|i| a[i] + part * (b[i] - a[i]))
@@ -44,7 +49,7 @@ impl Form {
         }
     }
 
-    /// One sample.
+    /// Filters one sample `e`; `last` is the sample before it.
     pub fn step(&self, state: &mut [f64; 2], last: f64, e: f64) -> f64 {
         let [x, y] = *state;
         match *self {

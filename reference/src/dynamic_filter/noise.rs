@@ -1,11 +1,16 @@
-//! The filter's white noise: the same numbers as the instrument's, before it rounds them.
+//! White noise of the dynamic filter: the instrument's random numbers, before it rounds them.
 
-/// Uniform noise in -1 to 1 (deviation 1/√3): `x ← 0x93d765dd x` modulo 2^32, x odd, read as a signed fraction (Steele and Vigna 2021).
+/// Generator of uniform noise in -1 to 1 (deviation 1/√3).
+///
+/// `x ← 0x93d765dd x` modulo 2^32, x odd, read as a signed fraction (Steele and Vigna 2021).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct White(u32);
 
 impl White {
-    /// From a seed and the number of a stream: the first word of SFC32 (Doty-Humphrey's PractRand) after 16 steps from (seed, stream, 0x9e3779b9, counter 1), made odd.
+    /// The generator for a seed and a stream.
+    ///
+    /// Its state is the first word of SFC32 (Doty-Humphrey's PractRand) after 16 steps from (seed,
+    /// stream, 0x9e3779b9, counter 1), made odd.
     pub fn new(seed: u32, stream: u32) -> Self {
         let [mut a, mut b, mut c] = [seed, stream, 0x9e37_79b9u32];
         let mut word = 0;
@@ -16,7 +21,7 @@ impl White {
         Self(word | 1)
     }
 
-    /// The next number.
+    /// The next random number.
     pub fn draw(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(0x93d7_65dd);
         f64::from(self.0 as i32) / 2_147_483_648.0

@@ -1,9 +1,9 @@
-//! The object's biquad bank sounding (diffmodal eq. 2, 3), sample by sample.
+//! Biquad bank of a sounding object (diffmodal eq. 2, 3), sample by sample.
 
 use super::hand::Hand;
 use crate::biquad::Biquad;
 
-/// The state of a bank: of each biquad its last two inputs and outputs.
+/// A biquad bank in motion: each biquad with its last two inputs and last two outputs.
 pub(crate) struct Biquads<'a> {
     chains: Vec<Vec<(&'a Biquad, [f64; 4])>>,
 }
@@ -14,7 +14,7 @@ impl<'a> Biquads<'a> {
         Self { chains: chains.iter().map(at_rest).collect() }
     }
 
-    /// After a sample: a hand takes from each chain what is missing to the fall of its slowest pole.
+    /// Damps each chain after a sample, as far as its slowest pole falls short of the hand's decay.
     pub(crate) fn damp(&mut self, hand: &Hand) {
         for chain in &mut self.chains {
             let slowest = chain.iter().map(|(biquad, _)| biquad.radius()).fold(0.0, f64::max);
@@ -23,7 +23,7 @@ impl<'a> Biquads<'a> {
         }
     }
 
-    /// The answer to a force in newtons.
+    /// Response of the bank to one sample of force in newtons.
     pub(crate) fn step(&mut self, force: f64) -> f64 {
         let mut sum = 0.0;
         for chain in &mut self.chains {

@@ -1,4 +1,4 @@
-//! The object's dynamic filter sounding, with its noise and its loops, sample by sample.
+//! Dynamic filter of a sounding object, with its noise and its loops, sample by sample.
 
 use crate::dynamic_filter::{BandPass, Breakpoint, Exciter, Filter, White};
 use crate::rate::SampleRate;
@@ -7,39 +7,39 @@ use crate::waveguide::{Loop, Loops};
 /// A dynamic filter of an object, at the sample rate at which it is rendered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DynamicFilter {
-    /// 1 or 2.
+    /// Order of the filter, 1 or 2.
     pub order: u8,
     /// Coefficients and level of the noise over time.
     pub path: Vec<Breakpoint>,
-    /// Band of the noise, if it has one.
+    /// Band-pass of the noise, if it has one.
     pub exciter: Option<Exciter>,
-    /// Banded waveguides round it.
+    /// Banded waveguides round the filter.
     pub loops: Vec<Loop>,
-    /// Whether the object's modes go into it, rather than to the output.
+    /// True if the object's modes feed the filter; if false they go to the output.
     pub takes_modes: bool,
-    /// Its noise: seed and stream, and the largest value after a strike at the reference force.
+    /// Generator of the noise, and its largest value after a strike at the reference force.
     pub noise: (White, f64),
     /// Peak force of a strike of level 1, in newtons.
     pub reference_force: f64,
 }
 
-/// A dynamic filter and all that moves in it.
-pub(crate) struct Sounding<'a> {
+/// A dynamic filter in motion: its noise, band-pass, filter and loops.
+pub(crate) struct DynamicFilterVoice<'a> {
     table: &'a DynamicFilter,
     noise: White,
-    /// What the noise is multiplied by.
+    /// Factor on the generator's values.
     amplitude: f64,
-    /// Samples since the last strike; before the first, and after the end, past the path.
+    /// Samples since the last strike; [`PAST`] before the first strike and after the end.
     since: usize,
     band: Option<BandPass>,
     filter: Filter<'a>,
     loops: Loops,
 }
 
-/// Long after any path.
+/// Number of samples that stands for a time after the end of any path.
 const PAST: usize = usize::MAX / 2;
 
-impl<'a> Sounding<'a> {
+impl<'a> DynamicFilterVoice<'a> {
     pub(crate) fn new(table: &'a DynamicFilter, rate: SampleRate) -> Self {
         Self {
             table,
@@ -56,7 +56,7 @@ impl<'a> Sounding<'a> {
         self.table.takes_modes
     }
 
-    /// The path begins anew, with noise as loud as the force.
+    /// Starts the path anew, with noise proportional to the force in newtons.
     pub(crate) fn strike(&mut self, peak_force: f64) {
         let level = peak_force / self.table.reference_force;
         (self.amplitude, self.since) = (level * self.table.noise.1, 0);
@@ -65,7 +65,7 @@ impl<'a> Sounding<'a> {
         }
     }
 
-    /// Leaves so much of what rings, and of the noise to come until the next strike.
+    /// Multiplies what rings, and the noise until the next strike, by `left`.
     pub(crate) fn attenuate(&mut self, left: f64) {
         self.amplitude *= left;
         if let Some(band) = &mut self.band {
@@ -75,18 +75,20 @@ impl<'a> Sounding<'a> {
         self.loops.attenuate(left);
     }
 
-    /// Falls silent, for good but for a strike.
+    /// Silences the filter until the next strike.
     pub(crate) fn rest(&mut self) {
         self.attenuate(0.0);
         self.since = PAST;
     }
 
-    /// What of its sound is left by itself after the sample that was last rendered: no less than its slowest pole leaves, all of it where there are loops.
+    /// Factor by which the filter's sound falls by itself in the sample rendered last.
+    ///
+    /// No less than the radius of its slowest pole; 1 if there are loops.
     pub(crate) fn own_decay(&self) -> f64 {
         if self.table.loops.is_empty() { self.filter.own_decay(self.since.saturating_sub(1)) } else { 1.0 }
     }
 
-    /// One sample; `modes` is what goes in beside its noise.
+    /// Renders one sample; `modes` is added to the noise at the filter's input.
     pub(crate) fn step(&mut self, modes: f64) -> f64 {
         let noise = if self.filter.is_noisy(self.since) {
             self.amplitude * self.filter.noise(self.since) * self.noise.draw()

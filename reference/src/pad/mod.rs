@@ -1,4 +1,4 @@
-//! Pad: one object, the strikers that play it, and the sum of what they radiate.
+//! Pad: one object, the strikers that play it, and the sum of all that they radiate.
 //!
 //! Eq. 1 for one pad, without background noise and room, and with the striker's own sound:
 //!
@@ -6,65 +6,37 @@
 //! y = F ⊗ (IR_object + H) + s + η Σ_s F_s ⊗ IR_striker_s + α F,   F = Σ_s F_s + direct
 //! ```
 //!
-//! H is the object's biquads, where it has some; s is what its dynamic filter makes of the noise that each strike begins, and of `F ⊗ IR_object` where that goes through it. `F_s` is the part of the force that striker s makes; a direct force counts as made by striker 0.
-//! Each contact drives the object with the gains of its own position, however many positions are under
-//! force at a time. A direct force acts at that of the latest strike that has begun; before the first at 0.
+//! H is the response of the object's biquads, if it has any. s is the output of its dynamic filter,
+//! whose input is the noise that each strike begins and, if the modes feed the filter,
+//! `F ⊗ IR_object`. `F_s` is the part of the force that striker s makes; a direct force counts as
+//! made by striker 0. Each contact drives the object with the gains of its own position, however
+//! many positions are under force at a time. A direct force acts at the position of the latest
+//! strike that has begun, and at 0 before the first.
 
 mod biquads;
 mod dynamic_filter;
 mod hand;
+mod object;
 mod part;
 mod voice;
 
-use crate::biquad::Biquad;
-use crate::contact::Striker;
 use crate::error::Error;
 use crate::event::{self, Direct, Event};
-use crate::radiation::Acceleration;
 use crate::rate::SampleRate;
-use crate::resonator::Mode;
 
 pub use dynamic_filter::DynamicFilter;
+pub use object::{Object, Pad};
 pub(crate) use part::Part;
 
-/// What is struck.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Object {
-    /// Its modes (`IR_object`), with gains at one or more positions.
-    pub modes: Vec<Mode>,
-    /// The acceleration sound.
-    pub acceleration: Acceleration,
-    /// Chains of biquads beside the modes (diffmodal eq. 3), driven by the force in newtons; for the sample rate at which they are rendered.
-    pub biquads: Vec<Vec<Biquad>>,
-    /// Noise through a filter that moves, with loops round it; its modes may go through as well.
-    pub dynamic_filter: Option<DynamicFilter>,
-}
-
-/// An object with its strikers and its place in the mix.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Pad {
-    /// What is struck.
-    pub object: Object,
-    /// What strikes it; an [`Event`] names one by its index.
-    pub strikers: Vec<Striker>,
-    /// η: weight of the strikers' own sound.
-    pub striker_weight: f64,
-    /// Level in the mix in dB; 0 leaves the signal as it is.
-    pub level_db: f64,
-    /// Place in the mix, -1 left to 1 right.
-    pub pan: f64,
-    /// While choked, every mode of the object and of the strikers falls by 60 dB in at most this
-    /// many seconds; above 0.
-    pub choke_t60_s: f64,
-}
-
-/// The first `sample_count` samples of the pad with index `pad`, in mono, before level and pan.
+/// Renders the first `sample_count` samples of the pad with index `pad`, in mono, before level and
+/// pan.
 ///
-/// Arguments are those of [`crate::scene::render`]; events and direct force for other pads are
-/// passed over.
+/// The arguments are those of [`crate::scene::render`]. Events and direct force for other pads are
+/// ignored.
 ///
 /// # Errors
-/// [`Error`] if an index points at nothing, events are out of order, or a bank's gains are uneven.
+/// [`Error`] if an index is out of range, events are out of order, or the gains of a bank are
+/// uneven.
 pub fn render_mono(
     pads: &[Pad],
     pad: usize,
@@ -73,8 +45,13 @@ pub fn render_mono(
     rate: SampleRate,
     sample_count: usize,
 ) -> Result<Vec<f64>, Error> {
-    event::check(events, direct, pads)?;
+    event::check(events, direct, &striker_counts(pads))?;
     let mut sound = vec![0.0; sample_count];
     Part::new(pads, pad, events, direct, rate)?.render(&mut sound);
     Ok(sound)
+}
+
+/// Number of strikers of each pad.
+pub(crate) fn striker_counts(pads: &[Pad]) -> Vec<usize> {
+    pads.iter().map(|pad| pad.strikers.len()).collect()
 }

@@ -1,23 +1,24 @@
 //! A pad's part in the scene: its voice, and the events that play it, each at its sample.
 
+use super::object::Pad;
+use super::voice::Voice;
 use crate::error::Error;
 use crate::event::{Direct, Event, TICK_SAMPLES, in_effect};
-use crate::pad::Pad;
-use crate::pad::voice::Voice;
 use crate::rate::SampleRate;
 
-/// Forces are evaluated for at most so many samples at a time, so that memory stays small however
-/// long a block is asked for. It changes no bit of the result.
+/// Largest number of samples for which forces are evaluated at a time.
+///
+/// Memory stays small however long a block is. The number changes no bit of the result.
 const SPAN_SAMPLES: usize = 256;
 
 /// One pad playing its events.
 pub(crate) struct Part<'a> {
     voice: Voice<'a>,
-    /// The events yet to come and the samples at which they act, latest first.
+    /// Events yet to come with the samples at which they act, latest first.
     to_come: Vec<(u64, Event)>,
-    /// Direct force in newtons from sample 0; none after its end.
+    /// Direct force in newtons from sample 0; 0 after its end.
     direct_force: &'a [f64],
-    /// The sample to be computed next.
+    /// Sample to be computed next.
     next_sample: u64,
 }
 
@@ -59,11 +60,11 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// How far to go at once: not past the next event, nor past a tick that changes something.
+    /// Number of samples up to the next event, or to the next tick if that changes something.
     fn span_samples(&self) -> usize {
         let until_event = self.to_come.last().map(|(sample, _)| sample - self.next_sample);
         let until_event = until_event.and_then(|samples| usize::try_from(samples).ok()).unwrap_or(SPAN_SAMPLES);
-        // A hand reaches further modes at each tick.
+        // A choke or release reaches further modes at each tick.
         let until_tick = match self.voice.is_being_reached() {
             true => (TICK_SAMPLES - self.next_sample % TICK_SAMPLES) as usize,
             false => SPAN_SAMPLES,
@@ -71,7 +72,7 @@ impl<'a> Part<'a> {
         until_event.min(until_tick).min(SPAN_SAMPLES)
     }
 
-    /// The direct force over the next `length` samples.
+    /// Direct force in newtons over the next `length` samples.
     fn direct(&self, length: usize) -> Vec<f64> {
         let from = usize::try_from(self.next_sample).unwrap_or(usize::MAX);
         let ahead = self.direct_force.get(from..).unwrap_or(&[]);

@@ -1,39 +1,42 @@
-//! The pad sounding: forces in, eq. 1 out.
+//! The sounding pad: forces in, the sound of eq. 1 out.
 
+use super::biquads::Biquads;
+use super::dynamic_filter::DynamicFilterVoice;
+use super::hand::Hand;
+use super::object::Pad;
 use crate::contact::Impact;
 use crate::error::BankOwner;
 use crate::event::{Action, Event, TICK_SAMPLES};
-use crate::pad::Pad;
-use crate::pad::biquads::Biquads;
-use crate::pad::dynamic_filter::Sounding;
-use crate::pad::hand::Hand;
 use crate::radiation::{Acceleration, add_acceleration_sound};
 use crate::rate::SampleRate;
 use crate::resonator::{Bank, GainsError};
 
-/// Everything of a pad that moves: its banks and the contacts in flight.
+/// A pad in motion: its banks, its filters and the contacts in flight.
 pub(crate) struct Voice<'a> {
     pad: &'a Pad,
     rate: SampleRate,
     object: Bank<'a>,
-    /// That of the latest strike: where a direct force acts.
+    /// Position of the latest strike, at which a direct force acts.
     position: f64,
     strikers: Vec<StrikerVoice<'a>>,
     biquads: Biquads<'a>,
-    dynamic_filter: Option<Sounding<'a>>,
-    /// On the biquads and the dynamic filter; a bank damps its modes by itself.
+    dynamic_filter: Option<DynamicFilterVoice<'a>>,
+    /// Hand on the biquads and the dynamic filter; each bank damps its modes by itself.
     hand: Hand,
 }
 
-/// Everything of a striker that moves.
+/// A striker in motion.
 struct StrikerVoice<'a> {
-    /// Its contacts that have begun and are not over, each with its position.
+    /// Contacts that have begun and are not over, each with its position.
     impacts: Vec<(Impact, f64)>,
     bank: Bank<'a>,
 }
 
 impl<'a> Voice<'a> {
-    /// A pad at rest; refused if a bank has uneven gains.
+    /// A pad at rest.
+    ///
+    /// # Errors
+    /// A bank has uneven gains.
     pub(crate) fn new(pad: &'a Pad, rate: SampleRate) -> Result<Self, (BankOwner, GainsError)> {
         let bank = match pad.object.acceleration {
             Acceleration::Factor(_) => Bank::new,
@@ -53,12 +56,12 @@ impl<'a> Voice<'a> {
             position: 0.0,
             strikers: strikers.collect::<Result<_, _>>()?,
             biquads: Biquads::new(&pad.object.biquads),
-            dynamic_filter: pad.object.dynamic_filter.as_ref().map(|table| Sounding::new(table, rate)),
+            dynamic_filter: pad.object.dynamic_filter.as_ref().map(|table| DynamicFilterVoice::new(table, rate)),
             hand: Hand::AWAY,
         })
     }
 
-    /// Lets `event` happen before the next sample, which is to be its first.
+    /// Applies `event` before the next sample, which is the first one that it affects.
     pub(crate) fn play(&mut self, event: &Event) {
         match event.action {
             Action::Strike => {
@@ -84,8 +87,9 @@ impl<'a> Voice<'a> {
         }
     }
 
-    /// Adds the pad's sound from `first_sample` on to `sound`, under the contacts in flight and the
-    /// `direct` force (newtons, as long as `sound`).
+    /// Adds the pad's sound from `first_sample` on to `sound`.
+    ///
+    /// The contacts in flight drive it, and `direct`, a force in newtons as long as `sound`.
     pub(crate) fn add_sound(&mut self, first_sample: u64, direct: &[f64], sound: &mut [f64]) {
         let mut force = direct.to_vec(); // F of eq. 3, once every striker has added its part
         let mut at_positions = vec![(self.position, direct.to_vec())];
@@ -110,7 +114,7 @@ impl<'a> Voice<'a> {
             }
         }
         let at_positions: Vec<_> = at_positions.iter().map(|(position, force)| (*position, force.as_slice())).collect();
-        if self.dynamic_filter.as_ref().is_some_and(Sounding::takes_modes) {
+        if self.dynamic_filter.as_ref().is_some_and(DynamicFilterVoice::takes_modes) {
             let mut modes = vec![0.0; sound.len()];
             self.object.add_sound_at(&at_positions, &mut modes);
             self.add_filtered(first_sample, &force, Some(&modes), sound);
@@ -123,7 +127,8 @@ impl<'a> Voice<'a> {
         }
     }
 
-    /// Adds biquads and dynamic filter under the hand; `modes` go into the filter.
+    /// Adds the sound of biquads and dynamic filter under the hand; `modes` feed the dynamic
+    /// filter.
     fn add_filtered(&mut self, first_sample: u64, force: &[f64], modes: Option<&[f64]>, sound: &mut [f64]) {
         for (index, (sample, sound)) in (first_sample..).zip(sound).enumerate() {
             let modes = modes.map_or(0.0, |modes| modes[index]);
@@ -133,12 +138,12 @@ impl<'a> Voice<'a> {
                 self.damp();
             }
             if (sample + 1).is_multiple_of(TICK_SAMPLES) && self.hand.has_muted() {
-                self.dynamic_filter.iter_mut().for_each(Sounding::rest);
+                self.dynamic_filter.iter_mut().for_each(DynamicFilterVoice::rest);
             }
         }
     }
 
-    /// What the hand takes after a sample.
+    /// Damps the filters after a sample under the hand.
     fn damp(&mut self) {
         self.biquads.damp(&self.hand);
         if let Some(filter) = &mut self.dynamic_filter {
@@ -147,12 +152,12 @@ impl<'a> Voice<'a> {
         }
     }
 
-    /// At a tick: a hand that comes or goes reaches further modes.
+    /// Carries a choke or release on to further modes; called at each tick.
     pub(crate) fn reach(&mut self) {
         self.banks().filter(|bank| bank.is_being_reached()).for_each(Bank::reach);
     }
 
-    /// Whether a hand that comes or goes has modes left to reach.
+    /// True while a choke or release has modes left to reach.
     pub(crate) fn is_being_reached(&self) -> bool {
         self.object.is_being_reached() || self.strikers.iter().any(|striker| striker.bank.is_being_reached())
     }
@@ -163,7 +168,7 @@ impl<'a> Voice<'a> {
     }
 }
 
-/// The force at a position, 0 where there is none yet.
+/// Force at a position, added as 0 if the list has none there yet.
 fn at_position(forces: &mut Vec<(f64, Vec<f64>)>, position: f64, length: usize) -> &mut [f64] {
     let index = forces.iter().position(|(other, _)| *other == position).unwrap_or_else(|| {
         forces.push((position, vec![0.0; length]));
@@ -172,7 +177,7 @@ fn at_position(forces: &mut Vec<(f64, Vec<f64>)>, position: f64, length: usize) 
     &mut forces[index].1
 }
 
-/// `sum += terms`.
+/// Adds `terms` to `sum`, sample by sample.
 fn add(terms: &[f64], sum: &mut [f64]) {
     for (term, sum) in terms.iter().zip(sum) {
         *sum += term;

@@ -1,4 +1,4 @@
-//! Radiation: what is heard beside the modes.
+//! Radiation: sound that comes from the force itself, not from the modes.
 
 mod acceleration;
 

@@ -1,8 +1,8 @@
-//! The Fourier transform of a power of two of complex numbers, by the textbook's recursion.
+//! Fourier transform of a power-of-two length, by the textbook's recursion.
 
 use crate::resonator::Complex;
 
-/// `X_k = Σ_n x_n e^(sign 2πi kn/N)`; the length must be a power of two.
+/// Transform `X_k = Σ_n x_n e^(sign 2πi kn/N)`; the length must be a power of two.
 pub(super) fn transform(x: &[Complex], sign: f64) -> Vec<Complex> {
     let length = x.len();
     if length < 2 {

@@ -1,19 +1,20 @@
-//! The law carried out: white noise, cut into bands, each under its own envelope.
+//! One realisation of the residual: white noise, cut into bands, each under its own envelope.
 
+use super::band::{Band, Hold};
+use super::expectation::envelope;
 use super::fourier::transform;
-use super::law::envelope;
-use super::{Band, Hold};
 use crate::rate::SampleRate;
 use crate::resonator::Complex;
 
-/// The sound of one strike at the reference force, from the strike on, `length` samples; another seed, another noise.
+/// Sound of one strike at the reference force, `length` samples from the strike on.
 ///
-/// The bands are cut from one Gaussian noise in its spectrum, so that their edges are sharp; a band's rms is right on average over noises.
+/// Each seed gives another noise. The bands are cut from one Gaussian noise in its spectrum, so
+/// that their edges are sharp. A band's rms is right on average over seeds.
 pub fn render(bands: &[Band], length: usize, rate: SampleRate, seed: u64) -> Vec<f64> {
     render_held(bands, &[], length, rate, seed)
 }
 
-/// As [`render`], with hands on the object.
+/// Sound of [`render`] while hands lie on the object.
 pub fn render_held(bands: &[Band], holds: &[Hold], length: usize, rate: SampleRate, seed: u64) -> Vec<f64> {
     let size = length.next_power_of_two().max(2);
     let mut random = Random(seed);
@@ -26,7 +27,8 @@ pub fn render_held(bands: &[Band], holds: &[Hold], length: usize, rate: SampleRa
         let inside = |bin: usize| hertz(bin) >= low && hertz(bin) < high;
         let cut = spectrum.iter().enumerate().map(|(bin, x)| if inside(bin) { *x } else { Complex::ZERO });
         let wave = transform(&cut.collect::<Vec<_>>(), 1.0);
-        // White noise of variance 1 has the power 2 (f2 - f1)/fs in a band; the transform there and back multiplies by its size.
+        // White noise of variance 1 has the power 2 (f2 - f1)/fs in a band; the transform there and
+        // back multiplies by its size.
         let gain = band.weight / (2.0 * (high - low) / rate.hz()).sqrt() / size as f64;
         for (n, (sound, wave)) in sound.iter_mut().zip(&wave).enumerate() {
             *sound += gain * wave.re * envelope(band, holds, n as f64 / rate.hz());
@@ -35,11 +37,11 @@ pub fn render_held(bands: &[Band], holds: &[Hold], length: usize, rate: SampleRa
     sound
 }
 
-/// SplitMix64 (Steele, Lea, Flood 2014), and normal numbers by Box and Muller's way.
+/// SplitMix64 (Steele, Lea, Flood 2014), with normal numbers by the Box-Muller transform.
 struct Random(u64);
 
 impl Random {
-    /// Evenly spread in 0 to 1.
+    /// Next uniform number, 0 to 1.
     fn even(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;

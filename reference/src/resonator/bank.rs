@@ -2,9 +2,9 @@
 
 use std::fmt;
 
+use super::mode::Mode;
+use super::one_pole::OnePole;
 use crate::rate::SampleRate;
-use crate::resonator::mode::Mode;
-use crate::resonator::one_pole::OnePole;
 
 /// The modes of an object or striker, vibrating at one sample rate.
 ///
@@ -15,15 +15,15 @@ use crate::resonator::one_pole::OnePole;
 pub struct Bank<'a> {
     modes: &'a [Mode],
     rate: SampleRate,
-    /// One for each mode; `None` for a mode at or above Nyquist, which is never rendered.
+    /// One filter for each mode; `None` for a mode at or above Nyquist, which is never rendered.
     one_poles: Vec<Option<OnePole>>,
-    /// The least decay in 1/s that a hand imposes, or 0 where it goes.
+    /// Least decay in 1/s that the hand imposes; 0 without a hand.
     least_decay_per_s: f64,
     /// Number of modes below Nyquist that the latest choke or release has reached.
     reached: usize,
 }
 
-/// Modes below Nyquist that a choke or a release reaches at each tick.
+/// Number of modes below Nyquist that a choke or a release reaches at each tick.
 pub const MODES_PER_TICK: usize = 16;
 
 impl<'a> Bank<'a> {
@@ -35,13 +35,13 @@ impl<'a> Bank<'a> {
         Self::of(modes, rate, OnePole::new)
     }
 
-    /// As [`Bank::new`], with a share of the force beside each mode that cancels the mode's static response: a constant
-    /// force is not heard once it has lasted.
+    /// A bank at rest in which a constant force falls silent.
     ///
-    /// A hand leaves the share as it is.
+    /// Beside each mode it adds a share of the force that cancels the mode's static response. A
+    /// hand does not change that share.
     ///
     /// # Errors
-    /// As [`Bank::new`].
+    /// [`GainsError`] unless all `modes` have gains at the same number of positions, 1 or more.
     pub fn balanced(modes: &'a [Mode], rate: SampleRate) -> Result<Self, GainsError> {
         Self::of(modes, rate, OnePole::balanced)
     }
@@ -69,7 +69,9 @@ impl<'a> Bank<'a> {
     }
 
     /// Moves the contact to `position`, 0 to 1 along the object, for all force from now on
-    /// ([`Mode::gain_at`]). What already rings is not touched.
+    /// ([`Mode::gain_at`]).
+    ///
+    /// The sound that rings already is not changed.
     pub fn set_position(&mut self, position: f64) {
         for (mode, one_pole) in self.modes.iter().zip(&mut self.one_poles) {
             if let (Some(one_pole), Some(gain)) = (one_pole, mode.gain_at(position)) {
@@ -78,17 +80,18 @@ impl<'a> Bank<'a> {
         }
     }
 
-    /// A hand comes: every mode that it reaches has from then on a decay rate of at least that of a
-    /// T60 of `t60_s` seconds: `max(d, ln(1000)/T60)`.
+    /// Lays a hand on the modes: each decays from then on at least as fast as a T60 of `t60_s`
+    /// seconds.
     ///
-    /// Each [`Self::reach`] reaches [`MODES_PER_TICK`] modes, in the order of the modes; those at or
-    /// above Nyquist do not count. A choke or release before the last has been reached begins anew. What a mode has sounded at its
-    /// last two samples stays, and so do frequencies: `OnePole::set_decay`.
+    /// Its decay rate is `max(d, ln(1000)/T60)`. Each call of [`Self::reach`] changes
+    /// [`MODES_PER_TICK`] modes, in their order; those at or above Nyquist do not count. A choke or
+    /// release before all modes are reached begins anew. The last two samples of a mode stay as
+    /// they were, and so do frequencies: `OnePole::set_decay`.
     pub fn choke(&mut self, t60_s: f64) {
         self.set_least_decay(1000_f64.ln() / t60_s);
     }
 
-    /// The hand goes: the modes have their own decay rates again, reached as by [`Self::choke`].
+    /// Lifts the hand: [`Self::reach`] gives the modes their own decay rates back.
     pub fn release(&mut self) {
         self.set_least_decay(0.0);
     }
@@ -99,7 +102,9 @@ impl<'a> Bank<'a> {
         }
     }
 
-    /// The next modes are reached; at each tick, a sample whose number is a multiple of 32.
+    /// Carries a choke or release on to the next modes.
+    ///
+    /// To be called at each tick: at each sample whose number is a multiple of 32.
     pub fn reach(&mut self) {
         let rendered = self.modes.iter().zip(&mut self.one_poles);
         let rendered = rendered.filter_map(|(mode, one_pole)| Some((mode, one_pole.as_mut()?)));
@@ -109,19 +114,19 @@ impl<'a> Bank<'a> {
         self.reached = self.reached.saturating_add(MODES_PER_TICK);
     }
 
-    /// Whether a choke or release has modes left to reach.
+    /// True while a choke or release has modes left to reach.
     pub fn is_being_reached(&self) -> bool {
         self.reached < self.one_poles.iter().flatten().count()
     }
 
-    /// Adds the bank's sound (full scale) under `force` (newtons) to `sound`, sample by sample; the
-    /// shorter of the two slices says for how long.
+    /// Adds the bank's sound (full scale) under `force` (newtons) to `sound`, sample by sample.
     ///
-    /// Calls follow one another without a seam: any division into blocks gives the same bits.
+    /// The shorter of the two slices sets the length. Any division into blocks gives the same bits.
     pub fn add_sound(&mut self, force: &[f64], sound: &mut [f64]) {
         let length = force.len().min(sound.len());
         let mut start = 0;
-        // Runs with and without force, because without it the input needs no work.
+        // Runs with and without force are separate, because a mode without force needs fewer
+        // operations.
         for run in force[..length].chunk_by(|a, b| (*a == 0.0) == (*b == 0.0)) {
             let sound = &mut sound[start..start + run.len()];
             for one_pole in self.one_poles.iter_mut().flatten() {
@@ -135,8 +140,9 @@ impl<'a> Bank<'a> {
         }
     }
 
-    /// Adds the bank's sound under forces at several positions at a time, each as long as `sound`: every force drives the gains of
-    /// its own position. The bank stays at the last of them.
+    /// Adds the bank's sound under several forces at once, each as long as `sound`.
+    ///
+    /// Every force drives the gains of its own position. The bank stays at the last position.
     pub fn add_sound_at(&mut self, forces: &[(f64, &[f64])], sound: &mut [f64]) {
         if let [(position, force)] = forces {
             self.set_position(*position);
@@ -157,26 +163,27 @@ impl<'a> Bank<'a> {
         }
     }
 
-    /// `|z|` of every mode, in the order given: the amplitude (full scale) with which it vibrates
-    /// after the last sample computed. 0 for a mode that is never rendered.
+    /// Amplitude `|z|` (full scale) of every mode after the last sample computed, in their order.
+    ///
+    /// 0 for a mode that is never rendered.
     pub fn amplitudes(&self) -> impl Iterator<Item = f64> {
         self.one_poles.iter().map(|one_pole| one_pole.as_ref().map_or(0.0, OnePole::amplitude))
     }
 
-    /// Whether there is no mode at all.
+    /// True if the bank has no modes.
     pub fn is_empty(&self) -> bool {
         self.modes.is_empty()
     }
 }
 
-/// A mode has gains at another number of positions than its bank.
+/// Error: a mode has gains at another number of positions than the bank's first mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GainsError {
     /// Index of the mode in the bank, from 0.
     pub mode: usize,
-    /// At how many positions it has gains.
+    /// Number of positions at which the mode has gains.
     pub found: usize,
-    /// At how many the bank's first mode has them (1, if that one has none).
+    /// Number of positions at which the bank's first mode has gains; 1 if it has none.
     pub expected: usize,
 }
 

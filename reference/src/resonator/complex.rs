@@ -1,8 +1,8 @@
-//! The little of complex arithmetic that a one-pole resonator needs.
+//! Complex arithmetic for the one-pole resonator.
 
 use std::ops::{Add, Mul};
 
-/// `re + i im`.
+/// A complex number `re + i im`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Complex {
     pub(crate) re: f64,
@@ -12,13 +12,13 @@ pub(crate) struct Complex {
 impl Complex {
     pub(crate) const ZERO: Self = Self { re: 0.0, im: 0.0 };
 
-    /// `exp(re + i im)`.
+    /// Complex exponential `exp(re + i im)`.
     pub(crate) fn exp(re: f64, im: f64) -> Self {
         let (sin, cos) = im.sin_cos();
         Self { re: cos, im: sin } * re.exp()
     }
 
-    /// `|z|`.
+    /// Magnitude `|z|`.
     pub(crate) fn magnitude(self) -> f64 {
         self.re.hypot(self.im)
     }

@@ -7,8 +7,8 @@
 //! h(t) = Σ_k e^(-d_k t) (gs_k sin 2πf_k t + gc_k cos 2πf_k t),   t >= 0
 //! ```
 //!
-//! The paper has sines only, right for a displacement that starts from rest; the cosine lets a
-//! mode start in any phase, as a radiated pressure does. The sound of a force is their convolution,
+//! The paper has sines only, right for a displacement that starts from rest; the cosine lets a mode
+//! start in any phase, as a radiated pressure does. The sound of a force is their convolution,
 //! `y(t) = ∫ F(s) h(t-s) ds`, and at sample rate fs (impulse invariance)
 //!
 //! ```text
@@ -16,8 +16,8 @@
 //! ```
 //!
 //! Half weight, because the integral begins at the jump of h from 0 to h(0), where the mean of both
-//! sides is the value that a band-limited signal has; with the full weight a cosine mode would add a
-//! constant to the whole spectrum. The factor 1/fs makes the sum an integral, so that one set of
+//! sides is the value that a band-limited signal has; with the full weight a cosine mode would add
+//! a constant to the whole spectrum. The factor 1/fs makes the sum an integral, so that one set of
 //! modes sounds alike at every rate.
 //!
 //! [`Mode`] and [`Gain`] are the physical parameters; [`Bank`] computes the sum.

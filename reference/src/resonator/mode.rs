@@ -1,32 +1,34 @@
 //! The physical parameters of a mode.
 
-/// How strongly a mode answers an impulse, in full scale (1.0) per newton-second.
+/// Response of a mode to an impulse, in full scale (1.0) per newton-second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gain {
-    /// `gs`: amplitude of `e^(-d t) sin 2πf t`.
+    /// Amplitude `gs` of `e^(-d t) sin 2πf t`.
     pub sine: f64,
-    /// `gc`: amplitude of `e^(-d t) cos 2πf t`.
+    /// Amplitude `gc` of `e^(-d t) cos 2πf t`.
     pub cosine: f64,
 }
 
 /// One mode of vibration (§3.3).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mode {
-    /// `f` in hertz, 0 or above. At or above half the sample rate the mode is never rendered.
+    /// Frequency `f` in hertz, 0 or above. At or above half the sample rate the mode is never
+    /// rendered.
     pub frequency_hz: f64,
-    /// `d` in 1/s, 0 or above: the amplitude falls as `e^(-d t)`, by 60 dB in
+    /// Decay rate `d` in 1/s, 0 or above: the amplitude falls as `e^(-d t)`, by 60 dB in
     /// `T60 = ln(1000)/d` seconds.
     pub decay_per_s: f64,
-    /// One gain for each of P >= 1 positions, evenly spaced along the object from 0 to 1. All
-    /// modes of a bank have the same P.
+    /// One gain for each of P >= 1 positions, evenly spaced along the object from 0 to 1.
+    ///
+    /// All modes of a bank have the same P.
     pub gains: Vec<Gain>,
 }
 
 impl Mode {
-    /// The gain for a contact at `position`, 0 to 1: linear between the two nearest of the P
-    /// positions, at index `position (P-1)`. `None` if the mode has no gains.
+    /// Gain for a contact at `position`, 0 to 1; `None` if the mode has no gains.
     ///
-    /// Eq. 1 fixes a gain for the whole body; §3.3 names that a simplification.
+    /// Linear between the two nearest of the P positions, at index `position (P-1)`. Eq. 1 fixes a
+    /// gain for the whole body; §3.3 calls that a simplification.
     pub fn gain_at(&self, position: f64) -> Option<Gain> {
         let last = self.gains.len().checked_sub(1)?;
         let index = position.clamp(0.0, 1.0) * last as f64;

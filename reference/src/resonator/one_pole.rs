@@ -9,38 +9,40 @@
 //! `r^n (gs sin nθ + gc cos nθ) F/fs`: the impulse response. The term subtracted takes half of
 //! `h[0] = gc` away again.
 //!
-//! A constant force F leads to `z = (gc - i gs) F/fs/(1-p)`. Where that is to be silent, the term subtracted is
-//! `Re[(gc - i gs)/(1-p)] F/fs` instead.
+//! A constant force F leads to `z = (gc - i gs) F/fs/(1-p)`. For a balanced mode, which is to be
+//! silent then, the term subtracted is `Re[(gc - i gs)/(1-p)] F/fs` instead.
 
 use std::f64::consts::TAU;
 
+use super::complex::Complex;
+use super::mode::Gain;
 use crate::rate::SampleRate;
-use crate::resonator::complex::Complex;
-use crate::resonator::mode::Gain;
 
-/// Below this amplitude (-3000 dBFS) a mode that nothing drives is at rest. Without it, the state
-/// would end among the subnormal numbers, stay there for ever, and be slow to compute with.
+/// Amplitude (-3000 dBFS) below which a mode that nothing drives is at rest.
+///
+/// Without it, the state would end among the subnormal numbers and stay there, slow to compute
+/// with.
 const AT_REST: f64 = 1e-150;
 
 /// The filter of one mode, and the mode's vibration `z`.
 #[derive(Clone, Debug)]
 pub(crate) struct OnePole {
-    /// `p`.
+    /// Pole `p`.
     pole: Complex,
     frequency_hz: f64,
     /// The mode's own decay rate in 1/s.
     own_decay_per_s: f64,
-    /// The present one.
+    /// The mode's decay rate in 1/s at present, a hand's included.
     decay_per_s: f64,
-    /// `(gc - i gs)/fs`, for the mode's own decay.
+    /// Input `(gc - i gs)/fs` for the mode's own decay.
     own_input: Complex,
-    /// What a unit of force adds to `z`.
+    /// Amount that a newton adds to `z` in a sample.
     input: Complex,
-    /// What the force is multiplied by before it is subtracted: `Re[w (gc - i gs)]/fs`.
+    /// Factor on the force that is subtracted from the output: `Re[w (gc - i gs)]/fs`.
     at_once: f64,
-    /// w: 1/2, or `1/(1-p)` of the pole without a hand, where the mode is balanced.
+    /// Weight w: 1/2, or for a balanced mode `1/(1-p)` of the pole without a hand.
     weight: Complex,
-    /// `z`: both quadratures of the vibration, in full scale.
+    /// Vibration `z`: both quadratures, in full scale.
     state: Complex,
 }
 
@@ -60,7 +62,8 @@ impl OnePole {
         }
     }
 
-    /// As [`OnePole::new`], for a mode whose static response is cancelled.
+    /// A mode at rest whose static response is cancelled; no force reaches it until
+    /// [`Self::set_gain`].
     pub(crate) fn balanced(frequency_hz: f64, decay_per_s: f64, rate: SampleRate) -> Self {
         let one_pole = Self::new(frequency_hz, decay_per_s, rate);
         // 1 - p without the difference of two numbers near 1: (1 - r cos θ) - i r sin θ.
@@ -71,17 +74,17 @@ impl OnePole {
         Self { weight: Complex { re: re / squared, im: -im / squared }, ..one_pole }
     }
 
-    /// Changes how the force from now on drives the mode; what rings, rings on.
+    /// Changes the mode's response to the force from now on; its vibration goes on.
     pub(crate) fn set_gain(&mut self, gain: Gain, rate: SampleRate) {
         self.own_input = Complex { re: gain.cosine / rate.hz(), im: -gain.sine / rate.hz() };
         self.at_once = (self.weight * self.own_input).re;
         self.set_input(rate);
     }
 
-    /// Changes the decay from the next step on.
+    /// Changes the decay from the next sample on.
     ///
-    /// As displacement and velocity of a body go on when a hand is laid on it, the last two samples
-    /// of the mode stay what they were; and a force adds the same two samples as without the hand.
+    /// Displacement and velocity of a body go on when a hand is laid on it. So the last two samples
+    /// of the mode stay as they were, and a force adds the same two samples as without the hand.
     pub(crate) fn set_decay(&mut self, decay_per_s: f64, rate: SampleRate) {
         self.state = self.with_same_samples(self.state, self.decay_per_s, decay_per_s, rate);
         self.decay_per_s = decay_per_s;
@@ -93,8 +96,11 @@ impl OnePole {
         self.input = self.with_same_samples(self.own_input, self.own_decay_per_s, self.decay_per_s, rate);
     }
 
-    /// The vibration that has with a decay `to_per_s` the samples y[0] and y[-1] that `z` has with
-    /// `from_per_s`. With `z = C - i S`, `y[-1] = (C cos θ - S sin θ)/r`, and so `S' = ρ S + (1 - ρ) C cot θ`, ρ = r'/r.
+    /// The vibration that has with the decay `to_per_s` the samples y[0] and y[-1] that `z` has
+    /// with `from_per_s`.
+    ///
+    /// With `z = C - i S`, `y[-1] = (C cos θ - S sin θ)/r`, and so `S' = ρ S + (1 - ρ) C cot θ`, ρ
+    /// = r'/r.
     fn with_same_samples(&self, z: Complex, from_per_s: f64, to_per_s: f64, rate: SampleRate) -> Complex {
         let (sine, cosine) = (TAU * self.frequency_hz / rate.hz()).sin_cos();
         if from_per_s == to_per_s || sine == 0.0 {
@@ -116,12 +122,14 @@ impl OnePole {
         self.state = z;
     }
 
-    /// What the present gain makes of a newton: the addition to `z`, and what is subtracted at once.
+    /// Effect of a newton with the present gain: the addition to `z`, and the amount subtracted at
+    /// once.
     pub(crate) fn input(&self) -> (Complex, f64) {
         (self.input, self.at_once)
     }
 
-    /// Adds the mode's sound under several forces (newtons), each with an [`Self::input`] of its own.
+    /// Adds the mode's sound under several forces (newtons), each with an [`Self::input`] of its
+    /// own.
     pub(crate) fn drive_at(&mut self, forces: &[((Complex, f64), &[f64])], sound: &mut [f64]) {
         for (n, y) in sound.iter_mut().enumerate() {
             self.state = self.pole * self.state;
@@ -134,7 +142,7 @@ impl OnePole {
         }
     }
 
-    /// Adds the mode's sound under no force: [`Self::drive`] without the input.
+    /// Adds the mode's sound without force, as [`Self::drive`] would with a force of 0.
     pub(crate) fn ring(&mut self, sound: &mut [f64]) {
         let mut z = self.state;
         for y in sound {
@@ -148,13 +156,13 @@ impl OnePole {
         self.state = z;
     }
 
-    /// `|z|`, the amplitude of the vibration in full scale.
+    /// Amplitude `|z|` of the vibration in full scale.
     pub(crate) fn amplitude(&self) -> f64 {
         self.state.magnitude()
     }
 }
 
-/// `p = e^((-d + i 2πf)/fs)`.
+/// Pole `p = e^((-d + i 2πf)/fs)`.
 fn pole(frequency_hz: f64, decay_per_s: f64, rate: SampleRate) -> Complex {
     Complex::exp(-decay_per_s / rate.hz(), TAU * frequency_hz / rate.hz())
 }

@@ -1,46 +1,40 @@
-//! The room, `y + y ⊗ IR_e` (diffimpact eq. 19): noise that decays, band by band.
+//! Room reverberation, `y + y ⊗ IR_e` (diffimpact eq. 19): noise that decays, band by band.
 //!
-//! In a band from `from_hz` to the next one's, a unit impulse on one side is answered on each side by
-//! Gaussian noise of power `g²/2 · e^{-2 d t}`, cut out of the spectrum exactly. The noises of all four
-//! ways (left and right to left and right) are independent. So both sides get the same energy,
-//! `(L² + R²)/2` of what is played, for every constant-power pan; and they are uncorrelated.
+//! A band reaches from its `from_hz` to that of the next one. In it, a unit impulse on one side
+//! makes on each side Gaussian noise of power `g²/2 · e^{-2 d t}`, cut out of the spectrum exactly.
+//! The noises of the four paths (left and right to left and right) are independent. So both sides
+//! get the same energy, `(L² + R²)/2` of the input, for every constant-power pan, and they are
+//! uncorrelated.
 //!
-//! The answer begins with the sound. The instrument's begins 8 to 11 ms later (docs/room.md).
+//! The reverberation begins with the sound; the instrument's begins 8 to 11 ms later
+//! (docs/room.md).
 //!
-//! It is one of many rooms with the same table: the seed is the room's. The instrument's network is
-//! another. The two are compared by what they share: energy, T60, balance and correlation. What
-//! the network computes sample by sample is checked by [`network_twin()`].
+//! Each seed makes another room with the same table, and the instrument's network is one more.
+//! Reference and network are compared by their statistics: energy, T60, balance and correlation.
+//! The network's arithmetic, sample by sample, is checked by [`network_twin()`].
 
+mod band;
 mod network_twin;
 mod transform;
 
+pub use band::RoomBand;
 pub use network_twin::network_twin;
 
-use crate::SampleRate;
+use crate::rate::SampleRate;
 use transform::{Complex, forward, inverse};
 
-/// One band of a room; bands stand from the lowest up.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RoomBand {
-    /// Where the band begins, in Hz; 0 for the first. It ends where the next begins, the last at Nyquist.
-    pub from_hz: f64,
-    /// Initial gain g, 1/√s.
-    pub gain: f64,
-    /// Decay rate d in 1/s; T60 = ln(1000)/d.
-    pub decay_per_s: f64,
-}
-
-/// Nepers after which a band's noise is left out: 100 dB.
+/// Decay in nepers after which a band's noise is left out: 100 dB.
 const LAST_NEPERS: f64 = 11.512_925_464_970_229;
 
-/// The room's answer to both sides of a sound, without that sound: left and right.
+/// Reverberation of a stereo sound (left, right), without the sound itself.
 ///
-/// Bands are trusted: rising from 0, decays above 0. Another seed is another room with the same table.
+/// `seed` chooses among the rooms with this table. Bands are trusted: rising from 0, decays above
+/// 0.
 pub fn room(bands: &[RoomBand], dry: [&[f64]; 2], rate: SampleRate, seed: u64) -> [Vec<f64>; 2] {
     let frames = dry[0].len();
     let longest_s = bands.iter().map(|band| LAST_NEPERS / band.decay_per_s).fold(0.0, f64::max);
     let taps = ((longest_s * rate.hz()).ceil() as usize).clamp(1, frames.max(1));
-    // Overlap and add: so much of the sound at a time that its answer does not reach round.
+    // Overlap and add: a step is short enough for its response to fit without wrapping round.
     let length = (2 * taps).next_power_of_two();
     let responses = [0, 1].map(|to| [0, 1].map(|from| response(bands, rate, taps, length, [seed, to, from])));
     let mut wet = [vec![0.0; frames], vec![0.0; frames]];
@@ -58,7 +52,7 @@ pub fn room(bands: &[RoomBand], dry: [&[f64]; 2], rate: SampleRate, seed: u64) -
     wet
 }
 
-/// The spectrum of one way's impulse response, `taps` long.
+/// Spectrum of the impulse response of one path, `taps` long.
 fn response(bands: &[RoomBand], rate: SampleRate, taps: usize, length: usize, way: [u64; 3]) -> Vec<Complex> {
     let hz = rate.hz();
     let mut sum = vec![Complex::ZERO; length];
@@ -75,7 +69,7 @@ fn response(bands: &[RoomBand], rate: SampleRate, taps: usize, length: usize, wa
             }
         }
     }
-    // What the cut leaves before the beginning and behind the end is not part of the room.
+    // The band cuts smear noise to before the beginning and behind the end; it is removed.
     inverse(&mut sum);
     let taps: Vec<f64> = sum.iter().take(taps).map(|value| value.re).collect();
     spectrum(&taps, length)
@@ -88,7 +82,7 @@ fn spectrum(signal: &[f64], length: usize) -> Vec<Complex> {
     values
 }
 
-/// Gaussian noise of rms 1 (SplitMix64, Box and Muller), another for another way or band.
+/// Gaussian noise of rms 1 (SplitMix64, Box and Muller), independent for each path and band.
 fn normal(way: [u64; 3], band: u64) -> impl FnMut() -> f64 {
     let mix = |state: u64| {
         let x = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

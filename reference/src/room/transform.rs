@@ -1,4 +1,4 @@
-//! A plain Fourier transform of a power of two.
+//! Fourier transform of a power-of-two length.
 
 use std::f64::consts::TAU;
 use std::ops::{Add, Mul, Sub};
@@ -34,12 +34,12 @@ impl Mul for Complex {
     }
 }
 
-/// `X[k] = Σ x[n] e^{-2πi kn/N}`, in place; N is a power of two.
+/// Transform `X[k] = Σ x[n] e^{-2πi kn/N}`, in place; N is a power of two.
 pub(super) fn forward(values: &mut [Complex]) {
     transform(values, -1.0);
 }
 
-/// What [`forward`] was given.
+/// Inverse of [`forward`], in place.
 pub(super) fn inverse(values: &mut [Complex]) {
     transform(values, 1.0);
     let scale = 1.0 / values.len() as f64;

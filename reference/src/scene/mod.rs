@@ -4,14 +4,14 @@ mod output;
 
 use crate::error::Error;
 use crate::event::{self, Direct, Event};
-use crate::pad::{Pad, Part};
+use crate::pad::{Pad, Part, striker_counts};
 use crate::rate::SampleRate;
 
 pub use output::{level_gain, pan_gains, quantise_24};
 
 /// Pads being played.
 ///
-/// A pad that no event and no direct force ever reaches costs nothing.
+/// A pad that no event and no direct force reaches costs nothing.
 pub struct Scene<'a> {
     channels: Vec<Channel<'a>>,
 }
@@ -26,10 +26,10 @@ impl<'a> Scene<'a> {
     /// The scene at sample 0. `events` are sorted by time.
     ///
     /// # Errors
-    /// [`Error`] if an index points at nothing, events are out of order, or the gains of a bank that
+    /// [`Error`] if an index is out of range, events are out of order, or the gains of a bank that
     /// will sound are uneven.
     pub fn new(pads: &'a [Pad], events: &[Event], direct: Option<Direct<'a>>, rate: SampleRate) -> Result<Self, Error> {
-        event::check(events, direct, pads)?;
+        event::check(events, direct, &striker_counts(pads))?;
         let is_driven = |index: usize| {
             direct.is_some_and(|direct| direct.pad == index) || events.iter().any(|event| event.pad == index)
         };
@@ -60,13 +60,14 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// The first `frame_count` frames of a scene, `[left, right]`, 1.0 = 0 dBFS, not clipped.
+/// Renders the first `frame_count` frames of a scene, `[left, right]`, 1.0 = 0 dBFS, not clipped.
 ///
-/// `events` are sorted by time; `direct` is a force from outside for one pad. To see progress, use
-/// [`Scene`] block by block instead.
+/// `events` are sorted by time; `direct` is a force from outside for one pad. A caller that wants
+/// to see progress can use [`Scene`] block by block.
 ///
 /// # Errors
-/// As [`Scene::new`].
+/// [`Error`] if an index is out of range, events are out of order, or the gains of a bank that will
+/// sound are uneven.
 pub fn render(
     pads: &[Pad],
     events: &[Event],

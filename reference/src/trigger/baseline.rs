@@ -1,22 +1,24 @@
-//! Offset, drift and mains hum: an observer that is pulled by the mean of each tick.
+//! Baseline of a piezo channel (offset, drift, mains hum): an observer corrected by each tick's
+//! mean.
 
 use std::f64::consts::PI;
 
-use super::TICK_FRAMES;
+use super::adc::TICK_FRAMES;
 
 const MAINS_HZ: [f64; 2] = [50.0, 60.0];
-/// Errors beyond this many counts are strikes and not hum.
+/// Largest error in counts that corrects the observer: beyond it the signal is a strike, not hum.
 const CLIP_COUNTS: f64 = 16.0;
 const OFFSET_GAIN: f64 = 1.0 / 32.0;
 const HUM_GAIN: f64 = 1.0 / 16.0;
 
 pub(super) struct Baseline {
     offset: f64,
-    /// In-phase part at the middle of a tick, and quadrature half a tick later.
+    /// Each mains hum as (in-phase part at the middle of a tick, quadrature half a tick later).
     hum: [(f64, f64); 2],
     turn: [f64; 2],
-    /// At the next frame, in counts, and its change from frame to frame.
+    /// Baseline at the next frame, in counts.
     pub(super) level: f64,
+    /// Change of the baseline from frame to frame, in counts.
     slope: f64,
 }
 
@@ -36,7 +38,7 @@ impl Baseline {
         self.level += self.slope;
     }
 
-    /// By how much it moves from the beginning of a tick to its middle.
+    /// Change of the baseline from the beginning of a tick to its middle, in counts.
     pub(super) fn half_tick_ramp(&self) -> f64 {
         self.slope * TICK_FRAMES as f64 / 2.0
     }
@@ -57,7 +59,7 @@ impl Baseline {
     }
 }
 
-/// One step of the coupled form, which keeps the amplitude.
+/// One rotation step of the coupled form, which keeps the amplitude.
 fn turned((in_phase, quadrature): (f64, f64), turn: f64) -> (f64, f64) {
     let quadrature = quadrature - turn * in_phase;
     (in_phase + turn * quadrature, quadrature)

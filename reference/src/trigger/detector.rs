@@ -1,21 +1,21 @@
-//! All channels: whose strike it was, and how fast.
+//! Detection over all channels: which pad and striker a strike belongs to, and its velocity.
 
-use super::HALF_RANGE_COUNTS;
-use super::TICK_FRAMES;
+use super::adc::{HALF_RANGE_COUNTS, TICK_FRAMES};
 use super::piezo::Piezo;
 use super::settings::PiezoSettings;
-use crate::SampleRate;
+use crate::rate::SampleRate;
 
-/// A strike that was found.
+/// A detected strike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strike {
-    /// The ADC frame of its decision: its onset and the scan time.
+    /// ADC frame of the decision: onset plus scan time, and at least one tick after the onset is
+    /// noticed.
     pub frame: usize,
-    /// Which pad.
+    /// Index of the pad struck.
     pub pad: usize,
-    /// Which of the pad's strikers.
+    /// Index of the striker within the pad.
     pub striker: usize,
-    /// 0 to 1.
+    /// Velocity, 0 to 1.
     pub velocity: f64,
 }
 
@@ -27,7 +27,9 @@ struct Lane {
     rivalry: f64,
 }
 
-/// Finds the strikes in frames of ADC counts, one count a channel. Pads whose channel is not there are not heard.
+/// Finds the strikes in frames of ADC counts, one count a channel.
+///
+/// Ignores pads whose channel does not exist in the frames.
 pub fn detect(frames: &[Vec<u16>], pads: &[PiezoSettings], rate: SampleRate) -> Vec<Strike> {
     let Some(first) = frames.first() else { return Vec::new() };
     let mut lanes: Vec<Option<Lane>> = first.iter().map(|_| None).collect();

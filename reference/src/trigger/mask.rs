@@ -1,17 +1,17 @@
-//! What a strike's own ringing may do without being a strike.
+//! Mask of a channel: how far a strike's own ringing may rise without counting as a new strike.
 
-use super::TICK_FRAMES;
+use super::adc::TICK_FRAMES;
 
-/// Ticks that the follower lags, so that a rise does not mask itself; and how far back the crest looks.
+/// Delay of the mask behind the envelope in ticks, so that a rising strike does not mask itself.
 const LATE_TICKS: usize = 2;
 const PAST_TICKS: usize = 7;
-/// Ticks for which a loud envelope is remembered.
+/// Ticks for which a channel stays loud after its envelope has left the noise.
 const LOUD_TICKS: usize = 8;
 
 pub(super) struct Mask {
-    /// Peaks of the envelope, decaying.
+    /// Decaying peak of the envelope, in counts.
     pub(super) level: f64,
-    /// The largest envelope of 2 to 6 ticks ago.
+    /// Largest envelope of 2 to 6 ticks ago, in counts.
     pub(super) crest: f64,
     past: Vec<f64>,
     loud_ticks: usize,

@@ -1,29 +1,37 @@
-//! One channel: conditioning, envelope, onset, scan.
+//! One piezo channel: conditioning, envelope, onset and scan.
 
+use super::adc::{HALF_RANGE_COUNTS, LAST_COUNT, TICK_FRAMES};
 use super::baseline::Baseline;
 use super::mask::Mask;
 use super::settings::PiezoSettings;
-use super::{HALF_RANGE_COUNTS, LAST_COUNT, TICK_FRAMES};
 
-/// By how much the envelope must exceed the mask, the noise and their feet.
+/// Factor by which the envelope must exceed the mask's level to be an onset.
 const OVER_MASK: f64 = 1.4;
+/// Factor by which the envelope must exceed the mask's crest to leave the foot of a rise.
 const OVER_MASK_FOOT: f64 = 1.0625;
+/// Factor by which the envelope must exceed the noise to be an onset.
 const OVER_NOISE: f64 = 2.4;
+/// Factor by which the envelope must exceed the noise to leave the foot of a rise.
 const OVER_NOISE_FOOT: f64 = 1.5;
+/// Counts added to the foot level, half of the ADC's step.
 const FOOT_COUNTS: f64 = 0.5;
-/// While nothing happens, samples that stay this close to the baseline's middle of the tick move nothing: so many mean magnitudes of the noise and half a
-/// count, and what the baseline moves by in half a tick, in whole counts, but at most half the softest peak. Each so many frames' last is measured.
+/// Half width of the band in which a channel rests, in mean magnitudes of its noise.
+///
+/// To this are added half a count and the baseline's change in half a tick. The sum is rounded up
+/// to whole counts and limited to half the softest peak. While a channel rests, its samples are
+/// ignored but for every 16th, from which the noise is measured.
 const REST_NOISE: f64 = 4.5;
+/// Frames between two samples of a resting channel from which its noise is measured.
 const REST_TAP_FRAMES: usize = 16;
-/// An onset is at most so many frames before it is noticed.
+/// Longest time from an onset to the frame that notices it, in frames.
 const LONGEST_LAG: usize = 24;
 const WARM_UP_TICKS: usize = 47;
-/// Ticks after an onset before the noise may rise.
+/// Ticks after an onset before the noise estimate may rise.
 const QUIET_TICKS: usize = 225;
-/// What noise adds to a maximum, in mean envelopes.
+/// Amount that noise adds to a maximum, in mean envelopes.
 const NOISE_IN_PEAK: f64 = 1.5;
 
-/// A strike that is being scanned.
+/// A strike whose peak is being measured.
 pub(super) struct Scan {
     pub(super) decide_at: usize,
     pub(super) peak: f64,
@@ -41,16 +49,17 @@ pub(super) struct Piezo {
     pub(super) scan: Option<Scan>,
     envelope: f64,
     tick_envelope: f64,
-    /// Middle and half width of the band in which the channel rests, in counts; `None` while something happens.
+    /// Middle and half width in counts of the band in which the channel rests; `None` while it does
+    /// not.
     rest: Option<(f64, f64)>,
-    /// Magnitudes of the tick's samples that are measured.
+    /// Magnitudes of this tick's samples from which the resting channel's noise is measured.
     rest_magnitudes: Vec<f64>,
     noise: f64,
     quiet_ticks: usize,
     onset_level: f64,
     foot_level: f64,
     foot_frame: usize,
-    /// The largest magnitude since.
+    /// Largest magnitude since the foot.
     rise_peak: f64,
     masked_ticks: usize,
     warm_up_ticks: usize,
@@ -87,7 +96,7 @@ impl Piezo {
         (self.settings.scan_time_s * self.rate_hz + 0.5) as usize
     }
 
-    /// Takes one frame.
+    /// Takes one frame's ADC count.
     pub(super) fn push(&mut self, count: u16, frame: usize) {
         let x = f64::from(count) - self.baseline.level;
         self.baseline.step();
@@ -137,7 +146,7 @@ impl Piezo {
         }
     }
 
-    /// The end of a tick.
+    /// Updates baseline, noise, mask and levels at the end of a tick.
     pub(super) fn tick(&mut self) {
         let mean = std::mem::take(&mut self.sum) / TICK_FRAMES as f64;
         self.baseline.tick(mean, self.scan.is_none());
@@ -178,18 +187,20 @@ impl Piezo {
         }
     }
 
-    /// The peak of the scan in counts, less what noise adds to it.
+    /// Peak of the scan in counts, less the noise's contribution.
     pub(super) fn scanned_peak(&self) -> f64 {
         self.scan.as_ref().map_or(0.0, |scan| (scan.peak - NOISE_IN_PEAK * self.noise).max(0.0))
     }
 
-    /// What the other pads may have got of this one's loudness.
+    /// Loudness in counts from which other pads estimate their crosstalk.
     pub(super) fn recent_peak(&self) -> f64 {
         let scanned = self.scan.as_ref().map_or(0.0, |scan| scan.peak * if scan.saturated { 2.0 } else { 1.0 });
         self.hold.max(scanned).max(1.5 * self.envelope)
     }
 
-    /// Ends the scan and masks the channel: after a strike for the mask time, after anything else only as far as its level goes.
+    /// Ends the scan and masks the channel.
+    ///
+    /// After a strike the mask time applies. After anything else only the mask's level does.
     pub(super) fn end_scan(&mut self, was_strike: bool) {
         self.hold = self.recent_peak();
         let envelope = self.scan.take().map_or(self.envelope, |scan| scan.envelope);
@@ -203,7 +214,8 @@ impl Piezo {
     }
 }
 
-/// Magnitude of the extremum of the parabola through three samples, if the middle one is the largest.
+/// Magnitude of the extremum of the parabola through three samples, 0 unless the middle one is
+/// largest.
 fn vertex(before: f64, middle: f64, after: f64) -> f64 {
     let sign = middle.signum();
     let (before, middle, after) = (before * sign, middle * sign, after * sign);

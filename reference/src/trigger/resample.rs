@@ -1,7 +1,9 @@
-//! From one clock to another.
+//! Resampling from one clock to another.
 
-/// `count` samples of `signal` at positions `k · step - delay`, each from the polynomial through the six samples round it (Lagrange); silence
-/// before the beginning, and nothing where samples behind the end would be needed.
+/// Returns `count` samples of `signal` at positions `k · step - delay`, in samples.
+///
+/// Each comes from the polynomial through the six samples round it (Lagrange). Samples before the
+/// beginning and behind the end count as 0.
 pub fn resample(signal: &[f64], step: f64, delay: usize, count: usize) -> Vec<f64> {
     (0..count).map(|k| at(signal, k as f64 * step - delay as f64)).collect()
 }

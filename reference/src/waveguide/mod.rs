@@ -1,38 +1,43 @@
-//! Banded waveguides in `f64` (*Analysis-Synthesis of Impact Sounds by Real-Time Dynamic Filtering*, eq. 8 to 13).
+//! Banded waveguides in `f64` (*Analysis-Synthesis of Impact Sounds by Real-Time Dynamic
+//! Filtering*, eq. 8 to 13).
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use crate::SampleRate;
 use crate::dynamic_filter::Filter;
+use crate::rate::SampleRate;
 
-/// A feedback loop round a dynamic filter.
+/// A feedback loop round a dynamic filter: a delay and a band-pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loop {
-    /// f_c in Hz.
+    /// Centre frequency f_c in Hz.
     pub frequency_hz: f64,
-    /// Δf in Hz.
+    /// Bandwidth Δf in Hz.
     pub bandwidth_hz: f64,
-    /// γ: the gain at f_c.
+    /// Gain γ at f_c.
     pub gain: f64,
-    /// d in seconds, a sample at least.
+    /// Delay d in seconds, at least one sample.
     pub delay_s: f64,
 }
 
-/// A loop at a rate: `y(n) = c0 s(n-d) + c1 s(n-d-1) - c3 y(n-1) - c4 y(n-2)`.
+/// Coefficients of a loop at one sample rate.
+///
+/// `y(n) = c0 s(n-d) + c1 s(n-d-1) - c3 y(n-1) - c4 y(n-2)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuned {
-    /// Whole samples of delay.
+    /// Delay in whole samples.
     pub delay: usize,
-    /// c0, c1.
+    /// Coefficients c0, c1.
     pub numerator: [f64; 2],
-    /// c3, c4.
+    /// Coefficients c3, c4.
     pub denominator: [f64; 2],
 }
 
 impl Loop {
-    /// Eq. 10's denominator with `τ = sin(2πf_c) Δf / (2 f_c)`, and the numerator whose gain at f_c is γ, delayed by what the whole samples of the
-    /// delay leave.
+    /// Coefficients of the loop at a sample rate.
+    ///
+    /// The denominator is that of eq. 10 with `τ = sin(2πf_c) Δf / (2 f_c)`. The numerator has the
+    /// gain γ at f_c and delays by the fraction of a sample that is left of the delay.
     pub fn tuned(&self, rate: SampleRate) -> Tuned {
         let omega = TAU * self.frequency_hz / rate.hz();
         let tau = omega.sin() * self.bandwidth_hz / (2.0 * self.frequency_hz);
@@ -49,24 +54,24 @@ impl Loop {
     }
 }
 
-/// Loops round a filter, sample by sample, from rest.
+/// Loops round a filter in motion, sample by sample, from rest.
 #[derive(Clone, Debug)]
 pub struct Loops {
-    /// Each with y_s(n-1), y_s(n-2).
+    /// Each loop with its last outputs y_s(n-1), y_s(n-2).
     loops: Vec<(Tuned, [f64; 2])>,
-    /// s(n-1), s(n-2) ... as far back as the longest delay.
+    /// Past outputs s(n-1), s(n-2) ... as far back as the longest delay.
     past: VecDeque<f64>,
 }
 
 impl Loops {
-    /// Tuned for a rate.
+    /// Loops at rest, tuned for a sample rate.
     pub fn new(loops: &[Loop], rate: SampleRate) -> Self {
         let loops: Vec<_> = loops.iter().map(|one| (one.tuned(rate), [0.0; 2])).collect();
         let longest = loops.iter().map(|(tuned, _)| tuned.delay + 1).max().unwrap_or(0);
         Self { loops, past: vec![0.0; longest].into() }
     }
 
-    /// What all of them add to the filter's input now (eq. 12).
+    /// Sum of the loops' outputs for this sample, to be added to the filter's input (eq. 12).
     pub fn sum(&mut self) -> f64 {
         let mut sum = 0.0;
         for (tuned, y) in &mut self.loops {
@@ -78,21 +83,23 @@ impl Loops {
         sum
     }
 
-    /// Takes what the filter made of it.
+    /// Takes the filter's output of this sample.
     pub fn hear(&mut self, s: f64) {
         if self.past.pop_back().is_some() {
             self.past.push_front(s);
         }
     }
 
-    /// Leaves so much of what rings.
+    /// Multiplies the loops' states by `left`.
     pub fn attenuate(&mut self, left: f64) {
         let states = self.loops.iter_mut().flat_map(|(_, y)| y);
         states.chain(&mut self.past).for_each(|value| *value *= left);
     }
 }
 
-/// Eq. 12 and 13 from rest: s for an excitation `input` e; `strikes` are samples, in order.
+/// Filters the excitation `input` from rest by a filter with loops (eq. 12 and 13).
+///
+/// `strikes` are sample numbers, sorted.
 pub fn filter(filter: &mut Filter<'_>, loops: &[Loop], strikes: &[usize], input: &[f64], rate: SampleRate) -> Vec<f64> {
     let mut loops = Loops::new(loops, rate);
     let step = |(n, &e): (usize, &f64)| {

@@ -1,4 +1,4 @@
-//! Small objects, strikers and events to test with.
+//! Builders of small objects, strikers and events for the tests.
 
 use reference::{Acceleration, Action, Event, Gain, Mode, Object, Pad, Pulse, SampleRate, Striker};
 
@@ -8,7 +8,7 @@ pub(crate) fn mode(frequency_hz: f64, decay_per_s: f64, sine: f64, cosine: f64) 
     Mode { frequency_hz, decay_per_s, gains: vec![Gain { sine, cosine }] }
 }
 
-/// Modes low and high, long and short, of every phase.
+/// Modes of low and high frequency, long and short decay, and every phase.
 pub(crate) fn some_modes() -> Vec<Mode> {
     vec![
         mode(0.0, 40.0, 0.0, 3.0),
@@ -54,7 +54,7 @@ pub(crate) fn release(time_samples: f64) -> Event {
     Event { action: Action::Release, ..strike(time_samples, 0, 0.0) }
 }
 
-/// `length` numbers from -1 to 1 without pattern, the same every time.
+/// Returns `length` pseudo-random numbers from -1 to 1, equal in every call.
 pub(crate) fn noise(length: usize) -> Vec<f64> {
     let mut state = 1_u64;
     let next = || {
@@ -64,13 +64,13 @@ pub(crate) fn noise(length: usize) -> Vec<f64> {
     std::iter::repeat_with(next).take(length).collect()
 }
 
-/// The largest difference between two signals of the same length.
+/// Largest difference between two signals of equal length.
 pub(crate) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// The largest magnitude in a signal.
+/// Largest magnitude in a signal.
 pub(crate) fn peak(signal: &[f64]) -> f64 {
     signal.iter().fold(0.0, |peak, y| peak.max(y.abs()))
 }

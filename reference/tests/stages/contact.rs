@@ -1,4 +1,4 @@
-//! Contact: pulses, and the law from velocity to force (eq. 2, 3).
+//! Contact: pulses, and the power laws from velocity to force and contact time (eq. 2, 3).
 
 use std::f64::consts::PI;
 
@@ -15,7 +15,7 @@ fn impact(pulse: Pulse, onset_samples: f64) -> Impact {
     Impact { onset_samples, pulse, peak_force: PEAK_FORCE, contact_time_s: CONTACT_TIME_S }
 }
 
-/// `∫ F dt` in newton-seconds, sampled finely.
+/// Impulse `∫ F dt` in newton-seconds, from fine samples.
 fn area(pulse: Pulse) -> f64 {
     let fine = SampleRate { numerator: 48_000_000, denominator: 1 };
     let impact = impact(pulse, 0.0);
@@ -28,7 +28,7 @@ fn a_half_sine_has_the_area_of_a_half_sine() {
     assert!((area(HALF_SINE) / expected - 1.0).abs() < 1e-9);
 }
 
-/// N of the pulse, its peak found by search, and A.
+/// Scale N of the pulse, from a search for its peak, and skew A.
 fn scale_and_skew(restitution: f64) -> (f64, f64) {
     let slopes = restitution.powf(4.6);
     let skew = (1.0 - slopes) / (1.0 + slopes);
@@ -133,7 +133,7 @@ fn slopes_follow_hunt_and_crossley_within_4_percent_from_e_0_45_on() {
 fn a_gaussian_has_its_area_but_for_the_tails_below_100_db() {
     const ERF_OF_CUT: f64 = 0.999_998_401_623_680_6; // erf(√ln 10⁵)
     let expected = PEAK_FORCE * CONTACT_TIME_S * (PI / 6.0).sqrt() * ERF_OF_CUT;
-    // The cut leaves steps of 10⁻⁵ at both ends, which limit a sum in place of the integral.
+    // The cut leaves steps of 10⁻⁵ at both ends, which limit the accuracy of a sum as an integral.
     assert!((area(Pulse::Gaussian) / expected - 1.0).abs() < 1e-9);
 }
 
@@ -171,7 +171,7 @@ fn a_gaussian_is_equation_2_with_its_onset_half_a_contact_time_before_the_centre
 fn a_contact_starts_at_a_fraction_of_a_sample() {
     let impact = impact(HALF_SINE, 10.25);
     assert_eq!(impact.force(10, RATE), 0.0);
-    // The mean over the interval, of which the contact fills three quarters.
+    // Mean over the interval, of which the contact fills three quarters.
     let since_onset_s = 0.75 / 48_000.0;
     let area = CONTACT_TIME_S / PI * (1.0 - (PI * since_onset_s / CONTACT_TIME_S).cos());
     assert!((impact.force(11, RATE) - PEAK_FORCE * area * 48_000.0).abs() < 1e-9);
@@ -179,7 +179,7 @@ fn a_contact_starts_at_a_fraction_of_a_sample() {
 
 #[test]
 fn a_contact_is_over_once_its_force_stays_zero() {
-    // Its last force is that of the interval in which it ends, at 96.5 samples.
+    // The last force is that of the interval in which the contact ends, at 96.5 samples.
     let impact = impact(HALF_SINE, 0.5);
     assert!(!impact.is_over(97, RATE));
     assert!(impact.force(97, RATE) > 0.0);

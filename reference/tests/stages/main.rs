@@ -1,4 +1,4 @@
-//! What each stage of the model promises, a file a stage, in signal order.
+//! Properties of each stage of the model, one file a stage, in signal order.
 
 mod build;
 mod contact;

@@ -116,9 +116,9 @@ fn a_strike_at_velocity_0_does_nothing_not_even_move_the_contact() {
 }
 
 #[test]
-fn each_contact_drives_the_gains_of_its_position_and_a_direct_force_those_of_the_latest() {
+fn each_contact_drives_its_own_gains_and_a_direct_force_those_of_the_latest() {
     let gains = [1.0, 3.0].map(|cosine| Gain { sine: 0.0, cosine });
-    // A mode that forgets at once: its sound is the force of the moment times the gain.
+    // A mode that decays within a sample: its sound is the present force times the gain.
     let forgetful = Mode { frequency_hz: 0.0, decay_per_s: 1e9, gains: gains.to_vec() };
     let pad = pad(vec![forgetful], vec![hertz_striker()]);
     let events = [strike(5.0, 0, 1.0), Event { position: 0.5, ..strike(20.3, 0, 1.0) }];
@@ -136,7 +136,7 @@ fn each_contact_drives_the_gains_of_its_position_and_a_direct_force_those_of_the
 }
 
 #[test]
-fn a_choke_acts_from_the_first_tick_behind_it_on_and_is_continuous() {
+fn a_choke_acts_from_the_tick_after_it_on_and_is_continuous() {
     let pad = full_pad();
     let free = mono(&pad, &[strike(0.0, 0, 1.0)], 2_000);
     let choked = mono(&pad, &[strike(0.0, 0, 1.0), choke(699.2)], 2_000);
@@ -144,7 +144,7 @@ fn a_choke_acts_from_the_first_tick_behind_it_on_and_is_continuous() {
     assert_ne!(free[704], choked[704]);
     // One step of a decay of ln(1000)/0.05 = 138 per second takes 0.3 % from the amplitude.
     assert!((free[704] - choked[704]).abs() < 0.003 * peak(&free));
-    // An event on a tick acts at the next one; one that is undone before does nothing.
+    // An event on a tick acts at the next one; a choke that is released before that does nothing.
     assert_eq!(mono(&pad, &[strike(0.0, 0, 1.0), choke(672.0)], 2_000), choked);
     assert_eq!(mono(&pad, &[strike(0.0, 0, 1.0), choke(673.0), release(690.0)], 2_000), free);
 }
@@ -162,7 +162,8 @@ fn a_choked_pad_falls_by_60_db_in_the_choke_time() {
 fn a_strike_on_a_choked_pad_sounds_choked() {
     let choked = pad(vec![mode(1_000.0, 0.5, 1.0, 0.0)], vec![hertz_striker()]);
     let t60 = 1000_f64.ln() / choked.choke_t60_s;
-    // A force injects the two samples that it injects without the hand: the sine's gain is multiplied by the radii's ratio.
+    // A force injects the same two samples as without the hand: the sine's gain is multiplied by
+    // the radii's ratio.
     let ratio = (-(t60 - 0.5) / RATE.hz()).exp();
     let dull = pad(vec![mode(1_000.0, t60, ratio, 0.0)], vec![hertz_striker()]);
     let sound = mono(&choked, &[choke(0.0), strike(50.5, 0, 1.0)], 1_000);
@@ -208,7 +209,7 @@ fn a_direct_force_is_over_at_its_end() {
 }
 
 #[test]
-fn events_of_other_pads_are_passed_over() {
+fn events_of_other_pads_are_ignored() {
     let pads = [full_pad(), full_pad()];
     let for_pad_1 =
         [strike(0.0, 0, 1.0), strike(10.5, 1, 0.5), Event { action: Action::Choke, ..strike(50.0, 0, 0.0) }];

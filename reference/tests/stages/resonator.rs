@@ -6,7 +6,7 @@ use reference::{Bank, Gain, Mode, SampleRate};
 
 use crate::build::{RATE, largest_difference, mode, noise, peak, some_modes};
 
-/// `h(n/fs)` of §3.3, with a cosine gain beside the sine, written out.
+/// Impulse response `h(n/fs)` of §3.3, with a cosine gain beside the sine, written out.
 fn impulse_response(modes: &[Mode], n: usize, rate: SampleRate) -> f64 {
     let t = n as f64 / rate.hz();
     let of_mode = |mode: &Mode| {
@@ -44,7 +44,7 @@ fn an_impulse_gives_the_impulse_response_with_half_weight_at_its_start() {
 }
 
 #[test]
-fn the_recursion_is_the_convolution() {
+fn the_recursion_equals_the_convolution() {
     let modes = some_modes();
     let mut force = noise(2_000);
     force[700..1_100].fill(0.0);
@@ -95,9 +95,9 @@ fn the_energy_of_a_ringing_mode_is_that_of_the_damped_sine() {
 
 #[test]
 fn half_weight_at_the_start_keeps_a_cosine_mode_true_to_its_spectrum() {
-    // The spectrum of e^(pt), p = -d + i2πf, sampled with half weight at 0, is coth((iω - p)/2fs)/2fs:
-    // 1/(iω - p) but for terms in the square of frequency over rate. With full weight, the error
-    // would be 1/2fs at every frequency.
+    // The spectrum of e^(pt), p = -d + i2πf, sampled with half weight at 0, is coth((iω -
+    // p)/2fs)/2fs: 1/(iω - p) but for terms in the square of frequency over rate. With full weight,
+    // the error would be 1/2fs at every frequency.
     let (frequency_hz, decay_per_s) = (400.0, 60.0);
     let modes = [mode(frequency_hz, decay_per_s, 0.0, 1.0)];
     let sound = sound(&modes, &unit_impulse(48_000, RATE), RATE);
@@ -129,8 +129,8 @@ fn modes_sound_the_same_at_every_rate() {
     let scale = peak(&quadruple);
     let (under_force, ringing) = (..480, 480..);
     assert!(largest_difference(&single[ringing.clone()], &double[ringing]) < 1e-11 * scale);
-    // While the force acts, half weight at h[0] makes the sum a trapezoid rule: twice the rate has a
-    // quarter of the error.
+    // While the force acts, half weight at h[0] makes the sum a trapezoid rule: twice the rate has
+    // a quarter of the error.
     let error = largest_difference(&single[under_force], &double[under_force]);
     let error_at_double = largest_difference(&double[under_force], &quadruple[under_force]);
     assert!(error < 2e-5 * scale);
@@ -212,8 +212,8 @@ fn a_hand_keeps_the_last_two_samples_of_a_mode() {
     bank.release();
     bank.reach();
     bank.add_sound(&[0.0; 100], &mut sound[200..]);
-    // Each sample follows from the two before it by the pole that the mode has then: from 100 to 199 the choked one.
-    // The first one has half its weight.
+    // Each sample follows from the two before it by the pole that the mode has then: from 100 to
+    // 199 the choked one. The first one has half its weight.
     for n in 3..300 {
         let decay_per_s = if (100..200).contains(&n) { 1000_f64.ln() / 0.02 } else { 4.0 };
         let radius = (-decay_per_s / RATE.hz()).exp();
@@ -235,7 +235,7 @@ fn a_choke_leaves_a_mode_that_decays_faster_alone() {
 }
 
 #[test]
-fn a_bank_with_uneven_gains_is_refused_by_the_modes_number() {
+fn a_bank_with_uneven_gains_is_refused_and_names_the_mode() {
     let mut modes = some_modes();
     modes[2].gains.push(Gain { sine: 1.0, cosine: 1.0 });
     let error = Bank::new(&modes, RATE).expect_err("uneven gains");

@@ -1,4 +1,4 @@
-//! Scene: pads mixed to stereo, and what is wrong with a scene that cannot be.
+//! Scene: pads mixed to stereo, and the errors of invalid scenes.
 
 use reference::pad::render_mono;
 use reference::scene::{level_gain, pan_gains, quantise_24};
@@ -55,7 +55,7 @@ fn a_frame_is_the_sum_of_the_pads_at_their_level_and_pan() {
 }
 
 #[test]
-fn a_pad_that_nothing_plays_is_not_looked_at() {
+fn gains_of_a_pad_that_nothing_plays_are_not_checked() {
     let mut pads = two_pads();
     pads[1].object.modes[0].gains.clear();
     assert!(Scene::new(&pads, &[strike(0.0, 0, 1.0)], None, RATE).is_ok());
@@ -75,7 +75,7 @@ fn panning_keeps_the_power() {
 }
 
 #[test]
-fn twenty_db_are_a_factor_of_ten() {
+fn minus_twenty_db_is_a_gain_of_a_tenth() {
     assert_eq!(level_gain(0.0), 1.0);
     assert!((level_gain(-20.0) - 0.1).abs() < 1e-15);
 }

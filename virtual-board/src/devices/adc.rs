@@ -1,13 +1,16 @@
-//! ADC1: regular conversions, scan mode, external trigger, DMA, overrun (RM0090 section 13, RM0383 section 11).
+//! ADC1: regular conversions, scan mode, external trigger, DMA, overrun (RM0090 section 13, RM0383
+//! section 11).
 //!
-//! A conversion samples its channel at the end of its sampling time and is done 12 ADC clocks later (fewer at lower resolutions). Injected
-//! conversions, the analog watchdog and the internal channels are not modelled.
+//! A conversion samples its channel at the end of its sampling time and is done 12 ADC clocks later
+//! (fewer at lower resolutions). Injected conversions, the analog watchdog and the internal
+//! channels are not modelled.
 
 use super::timer::TimerOutput;
 use super::{Access, Context, Problem, Unmodelled};
 use crate::frequency::Frequency;
 
-/// AWDIE, JEOCIE, JAUTO, DISCEN, JDISCEN, JAWDEN, AWDEN.
+/// Bits of ADC_CR1 whose modes are not modelled: AWDIE, JEOCIE, JAUTO, DISCEN, JDISCEN, JAWDEN and
+/// AWDEN.
 const UNMODELLED_MODES: u32 = 1 << 6 | 1 << 7 | 1 << 10 | 1 << 11 | 1 << 12 | 1 << 22 | 1 << 23;
 const SCAN: u32 = 1 << 8;
 const ADON: u32 = 1 << 0;
@@ -21,13 +24,13 @@ const EOC: u32 = 1 << 1;
 const STRT: u32 = 1 << 4;
 const OVR: u32 = 1 << 5;
 
-/// Clocks of a sampling time, by the field of SMPR.
+/// Number of ADC clocks of a sampling time, by the field of ADC_SMPR.
 const SAMPLING: [u64; 8] = [3, 15, 28, 56, 84, 112, 144, 480];
 
-/// Seconds from ADON until conversions are right (datasheets: t_STAB, 3 µs).
+/// Time from ADON until conversions are right, in seconds (datasheets: t_STAB, 3 µs).
 const START_S: f64 = 3e-6;
 
-/// What triggers a conversion, by EXTSEL: a timer (2 to 5) and its output.
+/// Returns the timer (2 to 5) and the output that trigger a conversion, by the field EXTSEL.
 fn trigger(selection: u32) -> Option<(u8, TimerOutput)> {
     use TimerOutput::{Compare, Trigger};
     Some(match selection {
@@ -48,9 +51,11 @@ fn trigger(selection: u32) -> Option<(u8, TimerOutput)> {
 #[derive(Debug, Clone, Copy)]
 struct Conversion {
     index: usize,
-    /// In ADC clocks from the sequence's start: the end of sampling, and of the conversion.
+    /// End of sampling, in ADC clocks from the start of the sequence.
     sample: u64,
+    /// End of the conversion, in ADC clocks from the start of the sequence.
     done: u64,
+    /// Sampled code, or `None` before the end of sampling.
     value: Option<u16>,
 }
 
@@ -66,18 +71,19 @@ pub(crate) struct Adc {
     on_since: u64,
     started: u64,
     conversion: Option<Conversion>,
-    /// DMA asks for the data register.
+    /// True if the DMA is requested to fetch the data register.
     request: bool,
-    /// The DMA's last transfer was made and DDS is off: no request until DMA is switched on anew.
+    /// True if DMA must be switched on anew before the next request: after an overrun, or after the
+    /// last transfer of the DMA with DDS off.
     requests_ended: bool,
-    /// Triggers that came while a sequence ran.
+    /// Number of triggers that were lost because they came while a sequence ran.
     pub(crate) lost_triggers: u64,
-    /// Sequences that have begun.
+    /// Number of sequences that have begun.
     pub(crate) sequences: u64,
 }
 
 impl Adc {
-    /// After a reset: the registers anew; what was counted stays.
+    /// Resets the registers. The counts stay.
     pub(crate) fn reset(&mut self) {
         *self = Adc { lost_triggers: self.lost_triggers, sequences: self.sequences, ..Adc::default() };
     }
@@ -149,7 +155,7 @@ impl Adc {
         Ok(())
     }
 
-    /// An output of a timer has risen.
+    /// Starts a sequence if a timer's output, which has risen, is its trigger.
     pub(crate) fn triggered(&mut self, timer: u8, output: TimerOutput, context: &Context<'_>) -> Access<()> {
         let control = self.control[1];
         if control >> 28 & 3 != 1 || control & ADON == 0 || trigger(control >> 24 & 0xf) != Some((timer, output)) {
@@ -204,14 +210,14 @@ impl Adc {
         self.conversion = Some(Conversion { index, sample, done, value: None });
     }
 
-    /// When the next channel is sampled or its conversion ends.
+    /// Returns the cycle at which the next channel is sampled or its conversion ends.
     pub(crate) fn next_event(&self, context: &Context<'_>) -> u64 {
         let Some(conversion) = self.conversion else { return u64::MAX };
         let clocks = if conversion.value.is_none() { conversion.sample } else { conversion.done };
         self.started + self.clock(context).for_each(context.clocks.core).cycle_of(clocks)
     }
 
-    /// Takes that event. `level` gives the 12-bit code of a channel at this moment.
+    /// Samples a channel or ends its conversion. `level` returns the 12-bit code of a channel now.
     pub(crate) fn fire(&mut self, mut level: impl FnMut(u8) -> u16) {
         let Some(mut conversion) = self.conversion else { return };
         let Some(value) = conversion.value else {
@@ -240,7 +246,9 @@ impl Adc {
         }
     }
 
-    /// Data was not fetched in time: conversions and DMA requests end until the flag and the DMA bit are cleared.
+    /// Notes that data was not fetched in time.
+    ///
+    /// Conversions end until the flag is cleared, and DMA requests until the DMA bit is cleared.
     pub(crate) fn overrun(&mut self) {
         self.status |= OVR;
         self.conversion = None;
@@ -248,22 +256,24 @@ impl Adc {
         self.requests_ended = true;
     }
 
-    /// Whether DMA is asked for.
+    /// Returns true if the DMA is requested.
     pub(crate) fn requests_dma(&self) -> bool {
         self.request
     }
 
-    /// The DMA has made the last transfer of its buffer.
+    /// Notes that the DMA has made the last transfer of its buffer.
     pub(crate) fn dma_complete(&mut self) {
         if self.control[1] & DDS == 0 {
             self.requests_ended = true;
         }
     }
 
+    /// Returns true if a sequence runs or a trigger may start one.
     pub(crate) fn is_running(&self) -> bool {
         self.control[1] & ADON != 0 && (self.conversion.is_some() || self.control[1] >> 28 & 3 != 0)
     }
 
+    /// Returns true if the interrupt is asserted.
     pub(crate) fn is_asserted(&self) -> bool {
         let eoc = self.status & EOC != 0 && self.control[0] & 1 << 5 != 0;
         eoc || self.status & OVR != 0 && self.control[0] & 1 << 26 != 0

@@ -1,8 +1,9 @@
-//! DMA1 and DMA2: eight streams each, requests by channel, half, complete and error flags, circular and double buffers
-//! (RM0090 section 10, RM0383 section 9).
+//! DMA1 and DMA2: eight streams each, requests by channel, flags of half, end and errors, circular
+//! and double buffers (RM0090 section 10, RM0383 section 9).
 //!
-//! A transfer moves one item the moment it is requested. Not modelled: the FIFO's delay (with equal widths it changes nothing that a
-//! program can see but when), packing of unequal widths, bursts, arbitration, memory to memory.
+//! A transfer moves one item at the moment of its request. Packing of unequal widths, bursts,
+//! arbitration and transfers from memory to memory are not modelled, nor is the delay of the FIFO.
+//! With equal widths the FIFO changes only the time of a transfer.
 
 use super::{Access, Problem, Unmodelled};
 
@@ -12,17 +13,21 @@ const DOUBLE: u32 = 1 << 18;
 const TARGET: u32 = 1 << 19;
 const FLOW_CONTROL: u32 = 1 << 5;
 
-/// Flags of a stream, as they stand in LISR from bit 0.
+/// Flag of an error of the FIFO, as in LISR for stream 0.
 pub(crate) const FIFO_ERROR: u32 = 1 << 0;
+/// Flag of a transfer error, as in LISR for stream 0.
 pub(crate) const TRANSFER_ERROR: u32 = 1 << 3;
+/// Flag of the first half of a buffer, as in LISR for stream 0.
 pub(crate) const HALF: u32 = 1 << 4;
+/// Flag of the end of a buffer, as in LISR for stream 0.
 pub(crate) const COMPLETE: u32 = 1 << 5;
+/// All flags of a stream, as in LISR for stream 0.
 const ALL: u32 = 0x3d;
 
-/// Where flags of stream 0 to 3 start in LISR, of stream 4 to 7 in HISR.
+/// First bit of the flags of each stream, 0 to 3 in LISR and 4 to 7 in HISR.
 const SHIFT: [u32; 4] = [0, 6, 16, 22];
 
-/// One stream.
+/// Stream of a controller.
 #[derive(Debug, Default, Clone)]
 pub(crate) struct Stream {
     control: u32,
@@ -31,19 +36,20 @@ pub(crate) struct Stream {
     peripheral: u32,
     memory: [u32; 2],
     fifo: u32,
-    /// Flags, from bit 0.
+    /// Flags, as in LISR for stream 0.
     pub(crate) flags: u32,
-    /// Items that were moved since the stream was enabled or began its buffer anew.
+    /// Number of items that were moved since the start of the buffer.
     position: u32,
 }
 
-/// One item to move.
+/// Item that a transfer moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Item {
     pub(crate) peripheral: u32,
     pub(crate) memory: u32,
-    /// 1, 2 or 4.
+    /// Length in bytes: 1, 2 or 4.
     pub(crate) bytes: u32,
+    /// True if the item moves from memory to the peripheral.
     pub(crate) to_peripheral: bool,
 }
 
@@ -64,7 +70,7 @@ impl Stream {
         1 << (self.control >> 11 & 3)
     }
 
-    /// The item that the next request moves.
+    /// Returns the item that the next request moves.
     pub(crate) fn item(&self) -> Item {
         let bytes = self.bytes();
         let buffer = self.memory[usize::from(self.control & TARGET != 0)];
@@ -74,7 +80,7 @@ impl Stream {
         Item { peripheral, memory, bytes, to_peripheral: self.is_to_peripheral() }
     }
 
-    /// Counts the item that was moved. Returns the flags that this raised.
+    /// Counts an item that was moved; returns the flags that it raised.
     pub(crate) fn moved(&mut self) -> u32 {
         self.position += 1;
         self.count -= 1;
@@ -104,8 +110,10 @@ impl Stream {
         self.control &= !ENABLE;
     }
 
+    /// Returns true if the interrupt is asserted.
     pub(crate) fn is_asserted(&self) -> bool {
-        // DMEIE, TEIE, HTIE, TCIE are bits 1 to 4 of the control register, their flags bits 2 to 5.
+        // DMEIE, TEIE, HTIE and TCIE are bits 1 to 4 of the control register, and their flags are
+        // bits 2 to 5.
         self.flags & (self.control << 1 & 0x3c) != 0 || self.flags & FIFO_ERROR != 0 && self.fifo & 1 << 7 != 0
     }
 
@@ -130,7 +138,7 @@ impl Stream {
             return problem("an address is not aligned to the width of the items");
         }
         if self.count == 0 {
-            // Such a stream does not start.
+            // A stream without items does not start.
             self.control &= !ENABLE;
         }
         if self.flags & ALL != 0 {
@@ -150,7 +158,7 @@ impl Stream {
             0x08 => self.peripheral,
             0x0c => self.memory[0],
             0x10 => self.memory[1],
-            // FS: empty.
+            // The field FS tells that the FIFO is empty.
             _ => self.fifo & !0x38 | 4 << 3,
         }
     }
@@ -159,7 +167,7 @@ impl Stream {
         if offset == 0 {
             return self.write_control(value);
         }
-        // With double buffers the memory address that is not in use may be written while the stream runs.
+        // With double buffers the memory address that is not in use may be written at any time.
         let unused = self.control & DOUBLE != 0 && offset == if self.control & TARGET != 0 { 0x0c } else { 0x10 };
         if self.is_enabled() && !unused && self.read(offset) != value {
             return Err(Problem::Misuse {
@@ -177,7 +185,7 @@ impl Stream {
     }
 }
 
-/// One controller.
+/// Controller of eight streams.
 #[derive(Debug, Default)]
 pub(crate) struct Dma {
     pub(crate) streams: [Stream; 8],

@@ -1,4 +1,5 @@
-//! What happens when time passes: the devices' events in the order of their times, and the DMA transfers that they ask for.
+//! Passing of time: the events of the devices in the order of their times, and the DMA transfers
+//! that they request.
 
 use virtual_core::{CCM_ADDRESS, CCM_BYTES, Machine};
 
@@ -7,19 +8,22 @@ use super::gpio::Mode;
 use super::recording::AudioHalf;
 use super::{Context, Devices, Problem};
 
-/// Codes of the 12-bit ADC: the middle, and from there to full scale.
+/// Code of the 12-bit ADC at half the supply.
 const MIDDLE: f32 = 2048.0;
+/// Codes of the 12-bit ADC from the middle to full scale.
 const SCALE: f32 = 2047.0;
 
-/// A source of DMA requests and what serves it: controller, stream, channel (RM0090 tables 42 and 43).
+/// Source of DMA requests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Request {
     Adc,
-    /// SPI2 or SPI3, 0 or 1.
+    /// The I2S of SPI2 (0) or SPI3 (1).
     I2s(u8),
 }
 
 impl Request {
+    /// Returns the streams that can serve the source, as controller (0 is DMA1), stream and channel
+    /// (RM0090 tables 42 and 43).
     fn streams(self) -> &'static [(u8, u8, u32)] {
         match self {
             Request::Adc => &[(1, 0, 0), (1, 4, 0)],
@@ -30,7 +34,7 @@ impl Request {
 }
 
 impl Devices {
-    /// The cycle of the next event of any device.
+    /// Returns the cycle of the next event of any device.
     pub(crate) fn next_event(&self) -> u64 {
         let context = self.context(0);
         let timers = self.timers.iter().map(|timer| timer.next_event());
@@ -39,7 +43,7 @@ impl Devices {
         timers.chain(i2s).chain(others).min().unwrap_or(u64::MAX)
     }
 
-    /// The cycle at which the watchdog resets the chip.
+    /// Returns the cycle at which the watchdog resets the chip.
     pub(crate) fn watchdog_due(&self) -> u64 {
         self.watchdog.next_event()
     }
@@ -48,7 +52,7 @@ impl Devices {
         Context { now, seconds: self.seconds(now), clocks: &self.clocks }
     }
 
-    /// Takes all events up to `now` and serves the DMA.
+    /// Lets all events up to `now` happen and serves the DMA.
     pub(crate) fn advance(&mut self, now: u64, machine: &mut Machine) -> Result<(), (&'static str, Problem)> {
         self.serve_dma(now, machine)?;
         loop {
@@ -61,6 +65,7 @@ impl Devices {
         }
     }
 
+    /// Lets all events at the cycle `due` happen.
     fn fire(&mut self, due: u64) -> Result<(), (&'static str, Problem)> {
         let clocks = self.clocks;
         let context = Context { now: due, seconds: self.seconds(due), clocks: &clocks };
@@ -109,7 +114,9 @@ impl Devices {
         self.mute_changed(context.now);
     }
 
-    /// The 12-bit code of a channel of the ADC; 0 where no piezo is wired or its pin is not analog.
+    /// Returns the 12-bit code of a channel of the ADC.
+    ///
+    /// It is 0, with a warning, if no piezo is wired to the channel or its pin is not analog.
     fn code(&self, channel: u8, seconds: f64, warning: &mut Option<String>) -> u16 {
         let Some(piezo) = self.wiring.piezos.iter().position(|piezo| piezo.0 == channel) else {
             *warning = Some(format!("ADC1 converts channel {channel}, to which nothing is wired"));
@@ -130,11 +137,12 @@ impl Devices {
         (MIDDLE + level * SCALE).round().clamp(0.0, 4095.0) as u16
     }
 
-    /// The stream that serves the board's I2S, if one is enabled.
+    /// Returns the controller and stream that serve the board's I2S, if one is enabled.
     pub(crate) fn audio_stream(&self) -> Option<(u8, u8)> {
         self.stream(Request::I2s(self.wiring.i2s - 2))
     }
 
+    /// Returns the controller and stream that serve a source, if one is enabled.
     fn stream(&self, request: Request) -> Option<(u8, u8)> {
         let to_peripheral = request != Request::Adc;
         let serving = request.streams().iter().find(|&&(controller, stream, channel)| {
@@ -180,7 +188,7 @@ impl Devices {
             _ => is_audio && std::mem::take(&mut self.armed.audio_dma_error),
         };
         let item = self.dma[controller].streams[stream].item();
-        // No DMA reaches the core-coupled memory.
+        // DMA does not reach the core-coupled memory.
         let unreachable = item.memory.wrapping_sub(CCM_ADDRESS) < CCM_BYTES;
         if unreachable {
             self.recording.warn(&format!("a DMA stream reaches for {:#010x}, in the core-coupled memory", item.memory));
@@ -200,7 +208,7 @@ impl Devices {
         Ok(())
     }
 
-    /// Whether the item could be moved: memory answered.
+    /// Moves an item; returns false if no memory is at its address.
     fn move_item(&mut self, item: Item, machine: &mut Machine) -> Result<bool, Problem> {
         let mut bytes = [0; 4];
         let width = item.bytes as usize;
@@ -216,7 +224,7 @@ impl Devices {
         Ok(machine.write(item.memory, &bytes[..width]).is_ok())
     }
 
-    /// Looks at what the pins do outside: EXTI, LEDs, the codec's reset and the mute pin.
+    /// Passes the levels of the pins to EXTI, the LEDs, the codec's reset and the mute pin.
     pub(crate) fn pins_changed(&mut self, now: u64) {
         let at_s = self.seconds(now);
         let levels = self.exti_levels();
@@ -233,12 +241,13 @@ impl Devices {
         self.mute_changed(now);
     }
 
-    /// The levels of the pins that EXTI's lines watch.
+    /// Returns the levels of the pins that the lines of EXTI watch, as bits.
     pub(super) fn exti_levels(&self) -> u32 {
         let level = |line: u8| self.ports[usize::from(self.syscfg.port(line)).min(8)].levels() & 1 << line;
         (0..16).map(level).sum()
     }
 
+    /// Records if the converter is mute now.
     fn mute_changed(&mut self, now: u64) {
         let pin_is_low = |pin: super::Pin| !self.ports[usize::from(pin.port)].is_driven_high(pin.number);
         let mute = self.codec.as_ref().is_some_and(|codec| !codec.sounds()) || self.wiring.mute.is_some_and(pin_is_low);

@@ -1,8 +1,10 @@
-//! EXTI and SYSCFG: edges on pins become interrupts (RM0090 sections 9 and 12, RM0383 sections 7 and 10).
+//! EXTI and SYSCFG: edges on pins become interrupts (RM0090 sections 9 and 12, RM0383 sections 7
+//! and 10).
 
 use super::{Access, Problem};
 
-/// EXTI: lines 0 to 15 belong to pins of that number; the others have no source here.
+/// Interrupt lines of EXTI. Lines 0 to 15 watch the pins of their number; the others have no source
+/// on a virtual board.
 #[derive(Debug, Default)]
 pub(crate) struct Exti {
     interrupt_mask: u32,
@@ -41,20 +43,20 @@ impl Exti {
         Ok(())
     }
 
-    /// The levels of the pins that the lines watch have changed.
+    /// Takes a change of the levels of the pins that the lines watch.
     pub(crate) fn edges(&mut self, before: u32, after: u32) {
         let risen = after & !before & self.rising;
         let fallen = before & !after & self.falling;
         self.pending |= (risen | fallen) & self.interrupt_mask;
     }
 
-    /// Lines whose interrupt is asserted.
+    /// Returns the lines whose interrupt is asserted, as bits.
     pub(crate) fn asserted(&self) -> u32 {
         self.pending & self.interrupt_mask
     }
 }
 
-/// SYSCFG: which port each EXTI line watches.
+/// Registers of SYSCFG, which choose the port that each line of EXTI watches.
 #[derive(Debug, Default)]
 pub(crate) struct Syscfg {
     registers: [u32; 9],
@@ -74,7 +76,7 @@ impl Syscfg {
         Ok(())
     }
 
-    /// The port that EXTI line 0 to 15 watches.
+    /// Returns the port that a line of EXTI watches, 0 to 15.
     pub(crate) fn port(&self, line: u8) -> u8 {
         (self.registers[2 + usize::from(line / 4)] >> (4 * (line % 4)) & 0xf) as u8
     }

@@ -1,4 +1,5 @@
-//! FLASH: wait states and the accelerator's switches (RM0090 section 3, RM0383 section 3). Programming and erasing are not modelled.
+//! FLASH: wait states and the switches of the accelerator (RM0090 section 3, RM0383 section 3).
+//! Programming and erasing are not modelled.
 
 use super::{Access, Problem, Unmodelled};
 
@@ -42,12 +43,12 @@ impl Flash {
         }
     }
 
-    /// Wait states.
+    /// Returns the number of wait states.
     pub(crate) fn latency(&self) -> u32 {
         self.control & 7
     }
 
-    /// Whether the instruction and the data cache are on.
+    /// Returns two flags: true if the instruction cache is on, and true if the data cache is on.
     pub(crate) fn caches(&self) -> (bool, bool) {
         (self.control & INSTRUCTION_CACHE != 0, self.control & DATA_CACHE != 0)
     }

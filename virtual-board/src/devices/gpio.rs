@@ -2,17 +2,17 @@
 
 use super::{Access, Problem};
 
-/// A pin of the chip.
+/// Pin of the chip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Pin {
-    /// 0 is port A.
+    /// Port of the pin; 0 is port A.
     pub port: u8,
-    /// 0 to 15.
+    /// Number of the pin in its port, 0 to 15.
     pub number: u8,
 }
 
 impl Pin {
-    /// The pin of that port letter and number.
+    /// Returns the pin with a port letter and a number.
     pub const fn new(port: char, number: u8) -> Pin {
         Pin { port: port as u8 - b'A', number }
     }
@@ -24,12 +24,12 @@ impl std::fmt::Display for Pin {
     }
 }
 
-/// What MODER makes of a pin.
+/// Mode of a pin by the register MODER.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Mode {
     Input,
     Output,
-    /// With its alternate function, 0 to 15.
+    /// Alternate function of this number, 0 to 15.
     Alternate(u8),
     Analog,
 }
@@ -45,7 +45,7 @@ impl std::fmt::Display for Mode {
     }
 }
 
-/// One port of 16 pins.
+/// Port of 16 pins.
 #[derive(Debug, Clone)]
 pub(crate) struct Port {
     mode: u32,
@@ -55,14 +55,15 @@ pub(crate) struct Port {
     output: u32,
     lock: u32,
     function: [u32; 2],
-    /// Levels from outside, and which pins have one.
+    /// Levels from outside, as bits.
     external: u32,
+    /// Pins that are driven from outside, as bits.
     driven: u32,
 }
 
 impl Port {
     pub(crate) fn new(port: u8) -> Port {
-        // The debug port's pins.
+        // A reset leaves the pins of the debug port in their alternate function.
         let (mode, speed, pull) = match port {
             0 => (0xa800_0000, 0x0c00_0000, 0x6400_0000),
             1 => (0x0000_0280, 0x0000_00c0, 0x0000_0100),
@@ -72,12 +73,12 @@ impl Port {
         Port { mode, output_type, speed, pull, output, lock, function, external: 0, driven: 0 }
     }
 
-    /// After a reset: the registers anew, the levels from outside as they were.
+    /// Resets the registers. The levels from outside stay.
     pub(crate) fn reset(&mut self, port: u8) {
         *self = Port { external: self.external, driven: self.driven, ..Port::new(port) };
     }
 
-    /// The levels of all pins.
+    /// Returns the levels of all pins, as bits.
     pub(crate) fn levels(&self) -> u32 {
         (0..16).map(|number| u32::from(self.level(number)) << number).sum()
     }
@@ -101,7 +102,7 @@ impl Port {
         }
     }
 
-    /// Whether an output pin is high.
+    /// Returns true if a pin is an output and high.
     pub(crate) fn is_driven_high(&self, number: u8) -> bool {
         self.mode(number) == Mode::Output && self.output >> number & 1 != 0
     }

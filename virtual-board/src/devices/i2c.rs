@@ -1,4 +1,5 @@
-//! I2C1 as master, with the codec as the only device on the bus (RM0090 section 27, RM0383 section 18).
+//! I2C1 as master, with the codec as the only device on the bus (RM0090 section 27, RM0383 section
+//! 18).
 
 use super::{Access, Context, Problem, Unmodelled};
 use crate::codec::{self, Codec};
@@ -25,20 +26,22 @@ enum Phase {
     Idle,
     /// The start condition is being sent.
     Starting,
-    /// SB is set; the address is to be written.
+    /// SB is set, and the program must write the address.
     Started,
     /// The address is on the bus.
     Addressing {
         reading: bool,
         address: u8,
     },
-    /// Bytes go out; one is in the shift register while `shifting`.
+    /// Bytes are being sent.
     Sending {
+        /// Byte in the shift register, if there is one.
         shifting: Option<u8>,
     },
-    /// Bytes come in.
+    /// Bytes are being received.
     Receiving,
-    /// A byte was not acknowledged, or all is sent: waits for STOP or START.
+    /// A byte was not acknowledged, or the last byte was received: the program must set STOP or
+    /// START.
     Waiting,
 }
 
@@ -55,9 +58,9 @@ pub(crate) struct I2c {
     received: u8,
     phase: Phase,
     due: u64,
-    /// STOP was asked for while a byte comes in; it follows the byte.
+    /// True if STOP follows the byte that is being received.
     stopping: bool,
-    /// SR1 was read while ADDR was set: reading SR2 clears it.
+    /// True if SR1 was read while ADDR was set, so that reading SR2 clears ADDR.
     address_seen: bool,
 }
 
@@ -199,7 +202,7 @@ impl I2c {
         self.due = if byte.is_some() { context.now + self.byte_cycles(context) } else { u64::MAX };
     }
 
-    /// Core cycles of nine bits on the bus.
+    /// Returns the number of core cycles of nine bits on the bus.
     fn byte_cycles(&self, context: &Context<'_>) -> u64 {
         let count = u64::from(self.clock_control & 0xfff).max(1);
         let periods = match self.clock_control >> 14 & 3 {
@@ -214,7 +217,7 @@ impl I2c {
         self.due
     }
 
-    /// Takes what has become due. `codec` is what listens on the connected pins, if they are.
+    /// Ends the step that is due. `codec` is the codec, if the pins are connected to it.
     pub(crate) fn fire(&mut self, codec: Option<&mut Codec>, master_clock_runs: bool, context: &Context<'_>) {
         self.due = u64::MAX;
         match self.phase {
@@ -257,7 +260,8 @@ impl I2c {
         }
     }
 
-    /// Whether the event and the error interrupt are asserted.
+    /// Returns two flags: true if the event interrupt is asserted, and true if the error interrupt
+    /// is.
     pub(crate) fn asserted(&self) -> (bool, bool) {
         let buffer = if self.control[1] & 1 << 10 != 0 { TXE | RXNE } else { 0 };
         let events = self.control[1] & 1 << 9 != 0 && self.status & (SB | ADDR | BTF | buffer) != 0;

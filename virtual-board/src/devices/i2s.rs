@@ -1,8 +1,11 @@
-//! SPI2 and SPI3 as I2S master transmitters (RM0090 section 28, RM0383 section 20). SPI proper is not modelled.
+//! SPI2 and SPI3 as I2S master transmitters (RM0090 section 28, RM0383 section 20). The SPI mode is
+//! not modelled.
 //!
-//! Half-words leave a shift register that is refilled from the data register at each boundary; a stream begins with the first
-//! half-word after I2SE. If the data register is empty at a boundary, the last half-word is sent again and the slot goes on: the manuals name no
-//! flag for a master's underrun, and this is the reading that punishes a driver most (a late half-word arrives in the wrong slot).
+//! Half-words leave a shift register that is refilled from the data register at each boundary. A
+//! stream begins with the first half-word after I2SE. If the data register is empty at a boundary,
+//! the last half-word is sent again and the slot goes on. The manuals name no flag for the underrun
+//! of a master; this reading is the hardest on a driver, whose late half-word arrives in the wrong
+//! slot.
 
 use super::{Access, Context, Problem, Unmodelled};
 use crate::frequency::{Frequency, Pace};
@@ -14,30 +17,36 @@ const CHSIDE: u32 = 1 << 2;
 const BUSY: u32 = 1 << 7;
 const TXDMAEN: u32 = 1 << 1;
 
-/// One uninterrupted stretch of the I2S's output, as it stood on the data pin.
+/// Output of the I2S without interruption, as it stood on the data pin.
 #[derive(Debug, Clone)]
 pub struct Stream {
-    /// The core cycle at which the first bit of its first frame stood on the pin, counted since power-on.
+    /// Core cycle from power-on at which the first bit of the first frame stood on the pin.
     pub start_cycle: u64,
-    /// The same in seconds.
+    /// Time from power-on at which the first bit of the first frame stood on the pin, in seconds.
     pub start_s: f64,
-    /// Frames a second, exactly.
+    /// Exact sample rate.
     pub rate: Frequency,
-    /// Left and right, 32 bits left-justified whatever the width of the data.
+    /// Left and right sample of each frame, left-justified in 32 bits for all widths of the data.
     pub frames: Vec<[i32; 2]>,
-    /// Half-words that were sent twice because none had come.
+    /// Number of half-words that were sent twice because no new one had come.
     pub underruns: u64,
-    /// Frames that no pin carried, because its alternate function was another (they are recorded as zeros).
+    /// Number of frames that no pin carried, because its alternate function was another. They are
+    /// recorded as zeros.
     pub unconnected_frames: u64,
 }
 
+/// State of a stream that runs.
 #[derive(Debug)]
 struct Running {
+    /// Pace of the half-words.
     pace: Pace,
+    /// Cycle at which the stream began.
     since: u64,
-    /// Half-words that have begun to leave.
+    /// Number of half-words that have begun to leave.
     boundaries: u64,
+    /// Half-word in the shift register.
     shift: u16,
+    /// Half-words of the frame so far, the last one low.
     frame: u64,
 }
 
@@ -48,12 +57,12 @@ pub(crate) struct I2s {
     prescaler: u32,
     data: Option<u16>,
     running: Option<Running>,
-    /// All that has left the pins so far.
+    /// Streams so far, the present one last.
     pub(crate) streams: Vec<Stream>,
 }
 
 impl I2s {
-    /// After a reset: the registers anew; what was sent stays recorded.
+    /// Resets the registers. The recorded streams stay.
     pub(crate) fn reset(&mut self) {
         *self = I2s { streams: std::mem::take(&mut self.streams), ..I2s::default() };
     }
@@ -120,12 +129,12 @@ impl I2s {
         self.begin(context)
     }
 
-    /// Half-words a frame that the program writes.
+    /// Returns the number of half-words per frame that the program writes.
     fn half_words(&self) -> u64 {
         if self.configuration >> 1 & 3 == 0 { 2 } else { 4 }
     }
 
-    /// Frames a second.
+    /// Returns the sample rate at a clock of the I2S.
     pub(crate) fn rate(&self, clock: Frequency) -> Frequency {
         let divider = u64::from(2 * (self.prescaler & 0xff) + (self.prescaler >> 8 & 1));
         let bits = if self.configuration & 1 == 0 { 32 } else { 64 };
@@ -139,11 +148,12 @@ impl I2s {
         clock.scaled(1, bits * divider * slowdown)
     }
 
-    /// Whether MCLK is made (SPI_I2SPR.MCKOE).
+    /// Returns true if the I2S makes MCLK (SPI_I2SPR.MCKOE).
     pub(crate) fn makes_master_clock(&self) -> bool {
         self.prescaler & 1 << 9 != 0
     }
 
+    /// Begins a stream if the I2S is on and has data.
     fn begin(&mut self, context: &Context<'_>) -> Access<()> {
         if self.running.is_some() || self.configuration & I2SE == 0 || self.data.is_none() {
             return Ok(());
@@ -166,12 +176,12 @@ impl I2s {
         Ok(())
     }
 
-    /// When the next half-word begins to leave.
+    /// Returns the cycle at which the next half-word begins to leave.
     pub(crate) fn next_event(&self) -> u64 {
         self.running.as_ref().map_or(u64::MAX, |running| running.since + running.pace.cycle_of(running.boundaries))
     }
 
-    /// Takes that event. `connected` says whether the pins carry the signal.
+    /// Sends the next half-word. `connected` returns true if the pins carry the signal.
     pub(crate) fn fire(&mut self, connected: impl FnOnce() -> bool) {
         let half_words = self.half_words();
         let (Some(running), Some(stream)) = (&mut self.running, self.streams.last_mut()) else { return };
@@ -193,21 +203,22 @@ impl I2s {
         stream.frames.push(if connected { frame.map(u32::cast_signed) } else { [0; 2] });
     }
 
-    /// Whether DMA is asked for.
+    /// Returns true if the DMA is requested.
     pub(crate) fn requests_dma(&self) -> bool {
         self.control[1] & TXDMAEN != 0 && self.configuration & I2SE != 0 && self.data.is_none()
     }
 
+    /// Returns true if a stream runs.
     pub(crate) fn is_running(&self) -> bool {
         self.running.is_some()
     }
 
-    /// Whether it is switched on (I2SE), data or not.
+    /// Returns true if the I2S is switched on (I2SE), with or without data.
     pub(crate) fn is_on(&self) -> bool {
         self.configuration & I2SE != 0
     }
 
-    /// Whether the interrupt for an empty data register is asserted.
+    /// Returns true if the interrupt for an empty data register is asserted.
     pub(crate) fn is_asserted(&self) -> bool {
         self.control[1] & 1 << 7 != 0 && self.configuration & I2SE != 0 && self.data.is_none()
     }

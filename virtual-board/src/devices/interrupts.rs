@@ -1,10 +1,10 @@
-//! Which interrupt lines the peripherals assert.
+//! Interrupt lines of the peripherals.
 
 use super::Devices;
 use super::map::dma_line;
 
 impl Devices {
-    /// All asserted lines, as bits.
+    /// Returns all asserted lines, as bits.
     pub(crate) fn lines(&self) -> u128 {
         let mut lines = 0_u128;
         let mut assert = |line: u16, asserted: bool| lines |= u128::from(asserted) << line;

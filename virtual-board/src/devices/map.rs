@@ -1,58 +1,68 @@
-//! Where peripherals lie, what they are called, and which bit of the RCC clocks each (RM0090 tables 1 and 33, RM0383 table 1).
+//! Map of the peripherals: addresses, names, and the bits of the RCC that clock them (RM0090 tables
+//! 1 and 33, RM0383 table 1).
 
 use crate::chip::Chip;
 
-/// A peripheral that the virtual board models.
+/// Peripheral that the virtual board models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Device {
-    /// TIM2 to TIM5, 0 to 3.
+    /// TIM2 to TIM5, numbered 0 to 3.
     Timer(u8),
     Watchdog,
-    /// SPI2 and SPI3, 0 and 1.
+    /// SPI2 (0) or SPI3 (1).
     I2s(u8),
     I2c,
     Power,
     Adc,
     Syscfg,
     Exti,
-    /// Port A is 0.
+    /// GPIO port; 0 is port A.
     Gpio(u8),
     Rcc,
     Flash,
-    /// DMA1 and DMA2, 0 and 1.
+    /// DMA1 (0) or DMA2 (1).
     Dma(u8),
     Debug,
 }
 
-/// One peripheral of the chip.
+/// Peripheral of the chip.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Block {
+    /// First address.
     pub(crate) base: u32,
+    /// Name in the reference manual.
     pub(crate) name: &'static str,
-    /// `None` if it is not modelled.
+    /// Model of the peripheral, or `None` if it is not modelled.
     pub(crate) device: Option<Device>,
-    /// Offset in the RCC of the register with its enable bit, and that bit.
+    /// Offset in the RCC of the register with the enable bit, and the number of that bit.
     pub(crate) enable: Option<(u32, u32)>,
 }
 
+/// Offset of RCC_AHB1ENR.
 const AHB1: u32 = 0x30;
+/// Offset of RCC_AHB2ENR.
 const AHB2: u32 = 0x34;
+/// Offset of RCC_APB1ENR.
 const APB1: u32 = 0x40;
+/// Offset of RCC_APB2ENR.
 const APB2: u32 = 0x44;
 
+/// Returns a peripheral that is modelled.
 const fn block(base: u32, name: &'static str, register: u32, bit: u32, device: Device) -> Block {
     Block { base, name, device: Some(device), enable: Some((register, bit)) }
 }
 
+/// Returns a peripheral that is modelled and whose clock is always on.
 const fn always(base: u32, name: &'static str, device: Device) -> Block {
     Block { base, name, device: Some(device), enable: None }
 }
 
+/// Returns a peripheral that is not modelled.
 const fn unmodelled(base: u32, name: &'static str, register: u32, bit: u32) -> Block {
     Block { base, name, device: None, enable: Some((register, bit)) }
 }
 
-/// By address; a block reaches to the next one, at most 1 KB or what its bus gives it.
+/// Peripherals in the order of their addresses, of 1 KB each, and USB of 256 KB.
 const BLOCKS: [Block; 54] = [
     block(0x4000_0000, "TIM2", APB1, 0, Device::Timer(0)),
     block(0x4000_0400, "TIM3", APB1, 1, Device::Timer(1)),
@@ -110,15 +120,15 @@ const BLOCKS: [Block; 54] = [
     always(0xe004_2000, "DBGMCU", Device::Debug),
 ];
 
-/// Ports F, G and I of the F407, which its 100-pin package does not bring out.
+/// Ports F, G and I, which the F407 has but its 100-pin package does not bring out.
 const MORE_PORTS: [(u32, &str, u8); 3] =
     [(0x4002_1400, "GPIOF", 5), (0x4002_1800, "GPIOG", 6), (0x4002_2000, "GPIOI", 8)];
 
-/// Stretches of the bus that peripherals may lie in: first address and length.
+/// Ranges of the bus in which peripherals may lie, as first address and length in bytes.
 pub(crate) const REGIONS: [(u32, u32); 4] =
     [(0x4000_0000, 0x0001_8000), (0x4002_0000, 0x0006_0000), (0x5000_0000, 0x0008_0000), (0xe004_2000, 0x400)];
 
-/// The block that an address lies in, and the offset in it.
+/// Returns the peripheral that contains an address, and the offset in it.
 pub(crate) fn find(address: u32, chip: Chip) -> Option<(Block, u32)> {
     let index = BLOCKS.partition_point(|block| block.base <= address).checked_sub(1)?;
     let block = BLOCKS[index];
@@ -132,7 +142,8 @@ pub(crate) fn find(address: u32, chip: Chip) -> Option<(Block, u32)> {
     Some((Block { base: port.0, name: port.1, device, enable: Some((AHB1, u32::from(port.2))) }, address - port.0))
 }
 
-/// Names of the interrupts that the modelled peripherals raise, and of those that programs use for their own ends.
+/// Returns the name of an interrupt line that a modelled peripheral raises or that programs pend
+/// themselves.
 pub(crate) fn interrupt_name(line: u16) -> Option<&'static str> {
     Some(match line {
         6 => "EXTI0",
@@ -174,7 +185,7 @@ pub(crate) fn interrupt_name(line: u16) -> Option<&'static str> {
     })
 }
 
-/// The interrupt line of a stream of DMA1 (0) or DMA2 (1).
+/// Returns the interrupt line of a stream of DMA1 (0) or DMA2 (1).
 pub(crate) fn dma_line(controller: u8, stream: u8) -> u16 {
     match (controller, stream) {
         (0, 7) => 47,
@@ -189,12 +200,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn blocks_stand_in_the_order_of_their_addresses() {
+    fn peripherals_stand_in_the_order_of_their_addresses() {
         assert!(BLOCKS.is_sorted_by(|a, b| a.base < b.base));
     }
 
     #[test]
-    fn an_address_is_named_even_where_nothing_is_modelled() {
+    fn an_address_is_named_even_if_its_peripheral_is_not_modelled() {
         for (address, chip, name) in [
             (0x4001_204c, Chip::Stm32F407, Some("ADC1")),
             (0x4000_4404, Chip::Stm32F407, Some("USART2")),

@@ -1,9 +1,10 @@
-//! The peripherals of the chip and what is wired to them: registers in, events out.
+//! Peripherals of the chip and the parts that are wired to them: registers in, events out.
 //!
 //! ```text
-//! program --register access--> map -> one device        events.rs: what happens when time passes
-//!                                      |                 interrupts.rs: which lines are asserted
+//! program --register access--> map -> one device
 //!                                      '-> effects on others (clock tree, pins)
+//! time ---> events.rs -> events of all devices, DMA
+//!                           '-> interrupts.rs -> interrupt lines
 //! ```
 
 pub(crate) mod adc;
@@ -49,26 +50,28 @@ use watchdog::Watchdog;
 
 pub(crate) use recording::{AudioHalf, Recording};
 
-/// What an access gives.
+/// Result of an access to a register.
 pub(crate) type Access<T> = Result<T, Problem>;
 
-/// The moment and the clocks at which a device is asked.
+/// Time and clocks of an access or an event.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Context<'a> {
-    /// In core cycles from power-on.
+    /// Core cycles from power-on.
     pub(crate) now: u64,
-    /// The same in seconds.
+    /// Seconds from power-on.
     pub(crate) seconds: f64,
+    /// Clocks of the chip.
     pub(crate) clocks: &'a ClockTree,
 }
 
 impl Problem {
+    /// Returns the problem of a register that does not exist.
     pub(crate) fn register() -> Problem {
         Problem::Register
     }
 }
 
-/// A feature that is not modelled.
+/// Feature that is not modelled.
 pub(crate) struct Unmodelled(String);
 
 impl Unmodelled {
@@ -83,7 +86,7 @@ impl From<Unmodelled> for Problem {
     }
 }
 
-/// An access that went wrong, for the error message.
+/// Access that was refused, for the error message.
 #[derive(Debug, Clone)]
 pub(crate) struct Refused {
     pub(crate) access: String,
@@ -92,24 +95,28 @@ pub(crate) struct Refused {
     pub(crate) problem: Problem,
 }
 
-/// Faults that are waiting for their moment.
+/// Faults that happen at the next occasion, or that last.
 #[derive(Debug, Default, Clone, Copy)]
 pub(crate) struct Armed {
+    /// True if the DMA is to miss the next conversion of the ADC.
     pub(crate) adc_overrun: bool,
+    /// True if the next transfer to the I2S is to fail.
     pub(crate) audio_dma_error: bool,
+    /// True if the next transfer from the ADC is to fail.
     pub(crate) adc_dma_error: bool,
+    /// True while the audio interrupt does not reach the core.
     pub(crate) audio_interrupt_lost: bool,
-    /// One bit a piezo.
+    /// Piezos whose pin is at the supply, as bits.
     pub(crate) piezos_at_rail: u32,
 }
 
-/// Everything that is not the core.
+/// Board without its core.
 #[derive(Debug)]
 pub(crate) struct Devices {
     pub(crate) wiring: &'static Wiring,
     clock: Arc<Clock>,
     pub(crate) clocks: ClockTree,
-    /// Seconds and cycle at which the core's clock last changed.
+    /// Seconds and cycle from power-on at which the clock tree last changed.
     epoch: (f64, u64),
     rcc: Rcc,
     flash: Flash,
@@ -128,15 +135,17 @@ pub(crate) struct Devices {
     pub(crate) piezos: Vec<PiezoSignal>,
     pub(crate) armed: Armed,
     pub(crate) refused: Option<Refused>,
-    /// Levels of the pins that EXTI's lines watch.
+    /// Levels of the pins that the lines of EXTI watch, as bits.
     watched_levels: u32,
     pub(crate) recording: Recording,
 }
 
+/// Returns TIM2 to TIM5 after a reset. TIM2 and TIM5 have 32 bits.
 fn timers() -> [Timer; 4] {
     [Timer::new(true), Timer::new(false), Timer::new(false), Timer::new(true)]
 }
 
+/// Clocks after a reset: all from the HSI.
 const RESET_CLOCKS: ClockTree = ClockTree {
     core: Frequency::hz(16_000_000),
     apb1: Frequency::hz(16_000_000),
@@ -146,6 +155,7 @@ const RESET_CLOCKS: ClockTree = ClockTree {
 };
 
 impl Devices {
+    /// Makes the devices of a board at power-on.
     pub(crate) fn new(wiring: &'static Wiring, clock: Arc<Clock>) -> Devices {
         let mut devices = Devices {
             wiring,
@@ -176,28 +186,29 @@ impl Devices {
         devices
     }
 
-    /// Seconds from power-on at that cycle.
+    /// Returns the seconds from power-on at a cycle.
     pub(crate) fn seconds(&self, cycle: u64) -> f64 {
         self.epoch.0 + cycle.saturating_sub(self.epoch.1) as f64 / self.clocks.core.as_f64()
     }
 
-    /// The first cycle at or after that time, at the present clock.
+    /// Returns the first cycle at or after a time in seconds, at the present clock.
     pub(crate) fn cycle_at(&self, seconds: f64) -> u64 {
         self.epoch.1.saturating_add(((seconds - self.epoch.0).max(0.0) * self.clocks.core.as_f64()).ceil() as u64)
     }
 
-    /// Wait states of flash, and whether its instruction and data caches are on.
+    /// Returns the wait states of flash, and two flags: true if its instruction cache is on, and
+    /// true if its data cache is on.
     pub(crate) fn flash(&self) -> (u32, bool, bool) {
         let (instructions, data) = self.flash.caches();
         (self.flash.latency(), instructions, data)
     }
 
-    /// All that has left the I2S so far.
+    /// Returns the I2S of the board, with its streams so far.
     pub(crate) fn audio(&mut self) -> &mut I2s {
         &mut self.i2s[usize::from(self.wiring.i2s) - 2]
     }
 
-    /// Sequences of the ADC that have begun, and triggers that it lost.
+    /// Returns the number of sequences of the ADC, and the number of triggers that it lost.
     pub(crate) fn adc_counts(&self) -> (u64, u64) {
         (self.adc.sequences, self.adc.lost_triggers)
     }
@@ -208,7 +219,7 @@ impl Devices {
         self.ports[usize::from(port)].drive(number, Some(pressed == self.wiring.pressed_is_high));
     }
 
-    /// A register read by the program or the DMA.
+    /// Reads a register for the program or the DMA.
     pub(crate) fn read(&mut self, address: u32) -> Access<u32> {
         let now = self.clock.now();
         let (device, offset) = self.reach(address)?;
@@ -238,13 +249,13 @@ impl Devices {
         }
     }
 
-    /// A register write by the program or the DMA.
+    /// Writes a register for the program or the DMA.
     pub(crate) fn write(&mut self, address: u32, value: u32) -> Access<()> {
         let now = self.clock.now();
         let (device, offset) = self.reach(address)?;
         let clocks = self.clocks;
         let context = Context { now, seconds: self.seconds(now), clocks: &clocks };
-        // Whatever it changes, lines and next events are looked at anew after this instruction.
+        // The write may change lines and next events, which are looked at after this instruction.
         self.clock.pause_now();
         match device {
             Device::Timer(timer) => {
@@ -291,6 +302,7 @@ impl Devices {
         }
     }
 
+    /// Returns the device at an address and the offset in it, if its clock is on.
     fn reach(&self, address: u32) -> Access<(Device, u32)> {
         let (block, offset) = map::find(address, self.wiring.chip).ok_or_else(Problem::register)?;
         let device = block.device.ok_or_else(|| Unmodelled::new("this peripheral"))?;
@@ -311,6 +323,7 @@ impl Devices {
         Ok((device, offset))
     }
 
+    /// Checks the clock tree after a write and passes a change to the devices.
     fn clocks_changed(&mut self, now: u64) -> Access<()> {
         let tree = self.rcc.tree()?;
         let needed = self.wiring.chip.wait_states(tree.core);
@@ -345,17 +358,17 @@ impl Devices {
         Ok(())
     }
 
-    /// Whether a pin carries that alternate function.
+    /// Returns true if a pin has an alternate function.
     fn is_alternate(&self, pin: Pin, function: u8) -> bool {
         self.ports[usize::from(pin.port)].mode(pin.number) == Mode::Alternate(function)
     }
 
-    /// Whether the I2S's clock and data reach the converter.
+    /// Returns true if clock and data of the I2S reach the converter.
     fn audio_is_connected(&self) -> bool {
         self.wiring.i2s_pins.iter().all(|&(name, pin, function)| name == "MCK" || self.is_alternate(pin, function))
     }
 
-    /// Whether MCLK reaches the codec.
+    /// Returns true if MCLK reaches the codec.
     fn master_clock_runs(&self) -> bool {
         let pin = self.wiring.i2s_pins.iter().find(|pin| pin.0 == "MCK");
         let i2s = &self.i2s[usize::from(self.wiring.i2s) - 2];

@@ -1,4 +1,4 @@
-//! PWR: the regulator's scale (RM0090 section 5, RM0383 section 5), and DBGMCU's registers.
+//! PWR, with the scale of the regulator (RM0090 section 5, RM0383 section 5), and DBGMCU.
 
 use super::{Access, Problem};
 use crate::chip::Chip;
@@ -17,7 +17,7 @@ impl Power {
     pub(crate) fn read(&self, offset: u32) -> Access<u32> {
         match offset {
             0x00 => Ok(self.control),
-            // VOSRDY.
+            // The bit VOSRDY is always set.
             0x04 => Ok(1 << 14),
             _ => Err(Problem::register()),
         }
@@ -32,14 +32,14 @@ impl Power {
         Ok(())
     }
 
-    /// VOS: one bit on the F407, two on the F411.
+    /// Returns the field VOS, which has one bit on the F407 and two on the F411.
     pub(crate) fn scale(&self) -> u32 {
         let mask = if self.chip == Chip::Stm32F407 { 1 } else { 3 };
         self.control >> 14 & mask
     }
 }
 
-/// DBGMCU: identity, and what keeps running when a debugger halts the core, which nobody here does.
+/// DBGMCU: the identity, and registers for a core that a debugger halts, which have no effect.
 #[derive(Debug)]
 pub(crate) struct Debug {
     chip: Chip,

@@ -1,7 +1,9 @@
-//! RCC: oscillators, PLLs, bus prescalers, enable and reset bits (RM0090 section 7, RM0383 section 6).
+//! RCC: oscillators, PLLs, bus prescalers, enable and reset bits (RM0090 section 7, RM0383 section
+//! 6).
 //!
-//! Everything that has a rate on the board derives it from the [`ClockTree`] that these registers make. Oscillators become ready
-//! after their start-up time: HSE 2 ms, LSI and HSI at once, a PLL 0.2 ms (datasheets, typical and maximum).
+//! All rates on the board derive from the [`ClockTree`] that these registers make. Oscillators
+//! become ready after their start-up time: the HSE after 2 ms, a PLL after 0.2 ms (datasheets,
+//! typical and maximum), LSI and HSI at once.
 
 use super::{Access, Context, Problem, Unmodelled};
 use crate::chip::Chip;
@@ -16,34 +18,38 @@ const HSEON: u32 = 1 << 16;
 const PLLON: u32 = 1 << 24;
 const PLLI2SON: u32 = 1 << 26;
 
-/// CSR flags of what caused the last reset.
+/// Flag of RCC_CSR: the program reset the chip.
 const CSR_SOFTWARE: u32 = 1 << 28;
+/// Flag of RCC_CSR: the independent watchdog reset the chip.
 const CSR_WATCHDOG: u32 = 1 << 29;
+/// Flag of RCC_CSR: the reset pin was low, as in every reset.
 const CSR_PIN: u32 = 1 << 26;
+/// Flags of RCC_CSR after power-on.
 const CSR_POWER: u32 = 0b11 << 25 | 1 << 27;
+/// Bit of RCC_CSR that clears the flags.
 const CSR_REMOVE: u32 = 1 << 24;
 
-/// The frequencies that the registers make.
+/// Frequencies that the registers make.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct ClockTree {
-    /// The core and the AHB (HCLK).
+    /// Clock of the core and the AHB (HCLK).
     pub(crate) core: Frequency,
-    /// APB1 (PCLK1).
+    /// Clock of APB1 (PCLK1).
     pub(crate) apb1: Frequency,
-    /// The timers of APB1.
+    /// Clock of the timers on APB1.
     pub(crate) apb1_timers: Frequency,
-    /// APB2 (PCLK2).
+    /// Clock of APB2 (PCLK2).
     pub(crate) apb2: Frequency,
-    /// What clocks the I2S, if PLLI2S runs.
+    /// Clock of the I2S, if PLLI2S runs.
     pub(crate) i2s: Option<Frequency>,
 }
 
-/// Why the board was reset.
+/// Cause of a reset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum ResetCause {
     /// Power was switched on.
     Power,
-    /// The program asked for it (AIRCR.SYSRESETREQ).
+    /// The program requested the reset (AIRCR.SYSRESETREQ).
     Software,
     /// The independent watchdog ran out.
     Watchdog,
@@ -54,12 +60,15 @@ pub(crate) struct Rcc {
     chip: Chip,
     hse: Frequency,
     registers: [u32; 0x94 / 4],
+    /// Cycle at which the HSE is ready.
     hse_ready: u64,
+    /// Cycle at which the PLL is ready.
     pll_ready: u64,
+    /// Cycle at which PLLI2S is ready.
     plli2s_ready: u64,
 }
 
-/// Indices of registers: their offsets by 4.
+// Indices of registers are their offsets divided by 4.
 const CR: usize = 0;
 const PLLCFGR: usize = 1;
 const CFGR: usize = 2;
@@ -69,6 +78,7 @@ const PLLI2SCFGR: usize = 0x84 / 4;
 const DCKCFGR: usize = 0x8c / 4;
 
 impl Rcc {
+    /// Makes the RCC after a reset.
     pub(crate) fn new(chip: Chip, hse: Frequency, cause: ResetCause) -> Rcc {
         let mut registers = [0; 0x94 / 4];
         registers[CR] = HSION;
@@ -99,7 +109,7 @@ impl Rcc {
         })
     }
 
-    /// Writes a register. Returns which devices are being reset, as bits of (AHB1, APB1, APB2) reset registers.
+    /// Writes a register and checks that the selected clock runs.
     pub(crate) fn write(&mut self, offset: u32, value: u32, context: &Context<'_>) -> Access<()> {
         let index = self.index(offset)?;
         let before = self.registers[index];
@@ -167,21 +177,23 @@ impl Rcc {
         if known { Ok((offset / 4) as usize) } else { Err(Problem::register()) }
     }
 
-    /// Whether the enable bit of a device is set. `register` is the offset of RCC_AHB1ENR and its like.
+    /// Returns true if the enable bit of a device is set. `register` is the offset of the register
+    /// with the bit, such as RCC_AHB1ENR.
     pub(crate) fn is_enabled(&self, register: u32, bit: u32) -> bool {
         self.registers[(register / 4) as usize] & 1 << bit != 0
     }
 
-    /// Whether the reset bit that belongs to that enable bit is set.
+    /// Returns true if the reset bit that belongs to an enable bit is set.
     pub(crate) fn is_held_in_reset(&self, register: u32, bit: u32) -> bool {
         self.registers[((register - 0x20) / 4) as usize] & 1 << bit != 0
     }
 
-    /// Whether a reset register holds any bit.
+    /// Returns true if a device is held in reset.
     pub(crate) fn holds_resets(&self) -> bool {
         [0x10, 0x20, 0x24].into_iter().any(|offset: usize| self.registers[offset / 4] != 0)
     }
 
+    /// Checks that the selected system clock runs.
     fn check_running(&self, now: u64) -> Access<()> {
         let cr = self.registers[CR];
         let runs = match self.registers[CFGR] & 3 {
@@ -197,6 +209,7 @@ impl Rcc {
         Err(Problem::ClockTree { reason })
     }
 
+    /// Returns the input frequency of a PLL, if the PLL supports it.
     fn pll_input(&self, divider: u32) -> Access<Frequency> {
         let source = if self.registers[PLLCFGR] & 1 << 22 != 0 { self.hse } else { HSI };
         let input = source.scaled(1, u64::from(divider));
@@ -207,6 +220,7 @@ impl Rcc {
         Ok(input)
     }
 
+    /// Returns the frequency of a PLL's oscillator, if the PLL supports it.
     fn oscillator(input: Frequency, multiplier: u32) -> Access<Frequency> {
         let output = input.scaled(u64::from(multiplier), 1);
         if !(50..=432).contains(&multiplier)
@@ -219,7 +233,7 @@ impl Rcc {
         Ok(output)
     }
 
-    /// The frequencies that the registers make, checked against the chip's limits.
+    /// Returns the frequencies that the registers make, if the chip supports them.
     pub(crate) fn tree(&self) -> Access<ClockTree> {
         let pllcfgr = self.registers[PLLCFGR];
         let cfgr = self.registers[CFGR];
@@ -256,6 +270,7 @@ impl Rcc {
         Ok(tree)
     }
 
+    /// Returns the clock of the I2S, or `None` if PLLI2S is off.
     fn i2s_clock(&self) -> Access<Option<Frequency>> {
         if self.registers[CFGR] & 1 << 23 != 0 {
             return Err(Unmodelled::new("the external I2S clock (RCC_CFGR.I2SSRC)").into());

@@ -1,4 +1,4 @@
-//! Resets: of the whole chip, and of single peripherals through the RCC.
+//! Resets of the whole chip, and of single peripherals by the RCC.
 
 use super::dma::Dma;
 use super::exti::{Exti, Syscfg};
@@ -12,7 +12,7 @@ use super::watchdog::Watchdog;
 use super::{Devices, RESET_CLOCKS, map, timers};
 
 impl Devices {
-    /// The chip's reset: all registers anew; what is wired to it, and what was recorded, stays.
+    /// Resets all registers of the chip. The parts wired to it and the recording stay.
     pub(crate) fn reset(&mut self, cause: ResetCause, now: u64) {
         let seconds = self.seconds(now);
         self.epoch = (seconds, now);
@@ -35,7 +35,7 @@ impl Devices {
         self.pins_changed(now);
     }
 
-    /// Puts the devices whose reset bit is set back to their reset values.
+    /// Resets the registers of the devices whose reset bit is set.
     pub(super) fn reset_held(&mut self) {
         let held = |address| {
             let enable = map::find(address, self.wiring.chip).and_then(|(block, _)| block.enable);

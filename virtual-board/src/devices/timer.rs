@@ -1,4 +1,5 @@
-//! TIM2 to TIM5: up-counting, update and compare events, interrupts, trigger output (RM0090 section 18, RM0383 section 13).
+//! TIM2 to TIM5: up-counting, update and compare events, interrupts, trigger output (RM0090 section
+//! 18, RM0383 section 13).
 
 use super::{Access, Context, Problem, Unmodelled};
 use crate::frequency::Pace;
@@ -11,12 +12,12 @@ const UP_AND_DOWN: u32 = 0b111 << 4;
 const ARPE: u32 = 1 << 7;
 const UPDATE: u32 = 1 << 0;
 
-/// What a timer tells other devices.
+/// Output of a timer to other devices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum TimerOutput {
-    /// TRGO.
+    /// Trigger output TRGO.
     Trigger,
-    /// Compare match of channel 1 to 4, the rising edge of its output.
+    /// Compare match of this channel, 1 to 4, which is the rising edge of its output.
     Compare(u8),
 }
 
@@ -33,15 +34,18 @@ pub(crate) struct Timer {
     reload: u32,
     reload_in_use: u32,
     compare: [u32; 4],
-    /// The counter at `since`; it counts from there.
+    /// Value of the counter at the cycle `since`.
     counter: u32,
+    /// Cycle from which the timer counts.
     since: u64,
-    /// Ticks since then whose events have been taken.
+    /// Number of counts since then whose events have happened.
     taken: u64,
+    /// Pace of the counts, or `None` while the timer stands.
     pace: Option<Pace>,
 }
 
 impl Timer {
+    /// Makes a timer after a reset, of 32 bits if it is `wide`, else of 16.
     pub(crate) fn new(wide: bool) -> Timer {
         let reload = if wide { u32::MAX } else { 0xffff };
         Timer {
@@ -96,7 +100,7 @@ impl Timer {
         ((u64::from(self.counter) + ticks) % self.period()) as u32
     }
 
-    /// Counts from `counter` at `now` on.
+    /// Lets the timer count from `counter` from now on.
     fn anchor(&mut self, counter: u32, context: &Context<'_>) {
         self.counter = counter;
         self.since = context.now;
@@ -104,13 +108,14 @@ impl Timer {
         self.pace = self.runs().then(|| self.pace_at(context));
     }
 
-    /// The clock of the bus has changed; what was counted at the old one stays.
+    /// Takes a change of the bus clock. The counter keeps its value.
     pub(crate) fn clock_changed(&mut self, context: &Context<'_>) {
         let counter = self.count(context.now);
         self.anchor(counter, context);
     }
 
-    /// The next tick, counted from `since`, at which the counter has that value; `None` if it never has.
+    /// Returns the next count since `since` at which the counter has a value, or `None` if it never
+    /// has.
     fn next_tick(&self, value: u32) -> Option<u64> {
         let period = self.period();
         let after = (u64::from(self.counter) + self.taken) % period;
@@ -118,7 +123,7 @@ impl Timer {
         (u64::from(value) < period).then_some(self.taken + if ahead == 0 { period } else { ahead })
     }
 
-    /// The cycle of the next update or compare event.
+    /// Returns the cycle of the next update or compare event.
     pub(crate) fn next_event(&self) -> u64 {
         let Some(pace) = self.pace else { return u64::MAX };
         let ticks = self.watched().filter_map(|channel| self.next_tick(self.compare[channel]));
@@ -126,7 +131,10 @@ impl Timer {
         ticks.chain(update).min().map_or(u64::MAX, |tick| self.since.saturating_add(pace.cycle_of(tick)))
     }
 
-    /// Channels that something can follow from: a compare value, an interrupt (0 is a value, too), or an output.
+    /// Returns the channels whose compare event has an effect.
+    ///
+    /// A channel has one if its compare value is not 0, its interrupt is on, or its output is. With
+    /// an interrupt or an output 0 is a compare value too.
     fn watched(&self) -> impl Iterator<Item = usize> {
         (0..4).filter(|&channel| {
             let interrupts = self.interrupts & UPDATE << (channel + 1) != 0;
@@ -134,7 +142,7 @@ impl Timer {
         })
     }
 
-    /// Takes the event at `context.now`, and says what it tells other devices.
+    /// Lets the event at `context.now` happen; `output` gets each output to other devices.
     pub(crate) fn fire(&mut self, context: &Context<'_>, mut output: impl FnMut(TimerOutput)) {
         self.taken = self.ticks(context.now);
         let value = self.value_at(self.taken);
@@ -175,7 +183,7 @@ impl Timer {
         self.control[1] >> 4 & 7
     }
 
-    /// Whether the interrupt is asserted.
+    /// Returns true if the interrupt is asserted.
     pub(crate) fn is_asserted(&self) -> bool {
         self.status & self.interrupts & 0x5f != 0
     }
@@ -229,7 +237,7 @@ impl Timer {
                     if self.control[0] & URS == 0 {
                         self.status |= UPDATE;
                     }
-                    // MMS 000: the reset itself; 010: the update.
+                    // With MMS 000 the reset is the trigger, with 010 the update.
                     if matches!(self.trigger_source(), 0 | 2) {
                         output(TimerOutput::Trigger);
                     }
@@ -252,7 +260,7 @@ impl Timer {
                 }
             }
             0x34..=0x40 => {
-                // An instruction may end after the event at which it began: that is not lost.
+                // An event between the start and the end of the instruction must not be lost.
                 if self.next_event() <= context.now {
                     self.fire(context, &mut output);
                 }

@@ -1,9 +1,10 @@
-//! IWDG: counts down at 32 kHz and resets the machine at zero (RM0090 section 21, RM0383 section 15).
+//! IWDG, which counts down from 32 kHz and resets the chip at zero (RM0090 section 21, RM0383
+//! section 15).
 
 use super::{Access, Context, Problem};
 use crate::frequency::Frequency;
 
-/// The LSI's typical frequency; silicon spreads from 17 to 47 kHz.
+/// Typical frequency of the LSI. On silicon it is 17 to 47 kHz.
 const LSI: Frequency = Frequency::hz(32_000);
 
 #[derive(Debug)]
@@ -64,12 +65,12 @@ impl Watchdog {
         }
     }
 
-    /// When it resets the machine.
+    /// Returns the cycle at which the watchdog resets the chip.
     pub(crate) fn next_event(&self) -> u64 {
         self.deadline
     }
 
-    /// The core's clock has changed; the time that is left has not.
+    /// Takes a change of the core's clock. The time that is left stays.
     pub(crate) fn clock_changed(&mut self, now: u64, before: Frequency, after: Frequency) {
         if self.on {
             let left = self.deadline.saturating_sub(now) as f64 / before.as_f64();

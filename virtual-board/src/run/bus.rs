@@ -1,4 +1,4 @@
-//! The devices on the core's bus.
+//! Devices on the core's bus.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -7,7 +7,8 @@ use virtual_core::Peripheral;
 use crate::devices::{Devices, Refused, map};
 use crate::error::Problem;
 
-/// The devices, shared by the core, which accesses registers, and the board, which lets time pass.
+/// Devices that the core and the board share: the core accesses registers, and the board lets time
+/// pass.
 #[derive(Debug)]
 pub(super) struct Shared(Mutex<Devices>);
 
@@ -21,7 +22,7 @@ impl Shared {
     }
 }
 
-/// One stretch of the bus.
+/// Range of bus addresses in which peripherals lie.
 #[derive(Debug)]
 pub(super) struct Window {
     pub(super) base: u32,
@@ -29,6 +30,7 @@ pub(super) struct Window {
 }
 
 impl Window {
+    /// Keeps a refused access for the error that ends the run.
     fn refuse(devices: &mut Devices, access: String, address: u32, problem: Problem) {
         let register = match map::find(address, devices.wiring.chip) {
             Some((block, offset)) => format!("{}+{offset:#04x}", block.name),

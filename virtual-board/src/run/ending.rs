@@ -1,17 +1,18 @@
-//! Where a core is sent that is to panic or to fault.
+//! Code to which a core is sent that is to panic or to fault.
 
 use virtual_core::{FLASH_ADDRESS, Image, Machine, RunError};
 
 use crate::chip::Chip;
 
-/// A function and its words in r0 to r3.
+/// Address of a function, and its words in r0 to r3.
 pub(super) type Jump = (u32, [u32; 4]);
 
 const PANIC: &str = "core::panicking::panic";
 const MESSAGE: &[u8; 8] = b"injected";
 const FILE: &[u8; 16] = b"virtual-board.rs";
 
-/// The start of a panic, with its message and place in the flash just below the kit's sector, where no program has bytes.
+/// Returns the start of a panic. Its message and place are written to the flash just below the kit
+/// sector, where no program has bytes.
 pub(super) fn panic(machine: &mut Machine, chip: Chip) -> Result<Jump, RunError> {
     let symbol = machine.symbol(PANIC).filter(|symbol| symbol.is_function);
     let function = symbol.ok_or_else(|| RunError::NoFunction { name: PANIC.to_owned() })?.address;
@@ -25,7 +26,8 @@ pub(super) fn panic(machine: &mut Machine, chip: Chip) -> Result<Jump, RunError>
     Ok((function, [message, MESSAGE.len() as u32, location, 0]))
 }
 
-/// An undefined instruction of the image: compilers put `udf` behind calls that never return.
+/// Returns the address of an undefined instruction of the image. Compilers put `udf` after calls
+/// that never return.
 pub(super) fn hard_fault(machine: &Machine, image: &Image) -> Result<Jump, RunError> {
     let mut bytes = vec![0; image.flash_bytes() as usize];
     machine.read(FLASH_ADDRESS, &mut bytes)?;

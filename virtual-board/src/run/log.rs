@@ -1,4 +1,5 @@
-//! The program's log: defmt frames in an RTT channel, fetched as a debug probe does and decoded with the image's own table.
+//! Log of the program: defmt frames in an RTT channel, fetched as a debug probe does and decoded
+//! with the table in the image.
 
 use defmt_decoder::{DecodeError, Table};
 use serde::Serialize;
@@ -6,35 +7,43 @@ use virtual_core::Machine;
 
 use crate::error::BoardError;
 
-/// Where the first up-channel's words stand in the RTT control block.
+/// Offset of the buffer's address in the RTT control block, for the first up-channel.
 const BUFFER: u32 = 28;
+/// Offset of the buffer's size in the RTT control block, for the first up-channel.
 const SIZE: u32 = 32;
+/// Offset of the write index in the RTT control block, for the first up-channel.
 const WRITE: u32 = 36;
+/// Offset of the read index in the RTT control block, for the first up-channel.
 const READ: u32 = 40;
 
-/// A line of the log.
+/// Line of the log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LogLine {
-    /// When it was fetched, in seconds from power-on: at most a few instructions after it was complete.
+    /// Time at which the line was fetched, in seconds from power-on: at most a few instructions
+    /// after it was complete.
     pub at_s: f64,
-    /// How often the chip had been reset before.
+    /// Number of resets of the chip before.
     pub boot: usize,
-    /// `info`, `warn`, `error`, ...; empty where the program gave none.
+    /// Level, such as `info`, `warn` or `error`; empty if the program gave none.
     pub level: String,
-    /// The text.
+    /// Text of the line.
     pub message: String,
 }
 
-/// The bytes of the log, with when they came.
+/// Bytes of the log, with the times at which they came.
 #[derive(Debug)]
 pub(super) struct Log {
+    /// Image, which contains the table of the log.
     elf: Vec<u8>,
+    /// Address of the RTT control block, if the image has one.
     control: Option<u32>,
+    /// Bytes with their time in seconds and the number of resets before.
     chunks: Vec<(f64, usize, Vec<u8>)>,
-    /// The write index that was last seen.
+    /// Write index that was last seen.
     seen: u32,
 }
 
+/// Returns a word of memory, or 0 outside the memory.
 fn word(machine: &Machine, address: u32) -> u32 {
     let mut bytes = [0; 4];
     match machine.read(address, &mut bytes) {
@@ -44,12 +53,13 @@ fn word(machine: &Machine, address: u32) -> u32 {
 }
 
 impl Log {
+    /// Makes the empty log of an image.
     pub(super) fn new(elf: &[u8], machine: &Machine) -> Log {
         let control = machine.symbol("_SEGGER_RTT").map(|symbol| symbol.address);
         Log { elf: elf.to_vec(), control, chunks: Vec::new(), seen: 0 }
     }
 
-    /// Takes what the program has written since the last time.
+    /// Takes the bytes that the program has written since the last call.
     pub(super) fn fetch(&mut self, at_s: f64, boot: usize, machine: &mut Machine) {
         let Some(control) = self.control else { return };
         let write = word(machine, control + WRITE);
@@ -75,12 +85,12 @@ impl Log {
         }
     }
 
-    /// The program starts anew.
+    /// Notes that the program restarts, whose write index is then 0.
     pub(super) fn restart(&mut self) {
         self.seen = 0;
     }
 
-    /// All lines so far.
+    /// Returns all lines so far.
     pub(super) fn lines(&self) -> Result<Vec<LogLine>, BoardError> {
         let table = Table::parse(&self.elf).map_err(|error| BoardError::LogTable { reason: error.to_string() })?;
         let Some(table) = table else { return Ok(Vec::new()) };

@@ -1,4 +1,5 @@
-//! A board that runs: the core until something is due, then the devices, then the interrupt lines, and on.
+//! Run of a board: the core until an event is due, then the devices, then the interrupt lines, and
+//! so on.
 
 mod account;
 mod bus;
@@ -29,27 +30,27 @@ pub use report::{
     AdcReport, AudioReport, FunctionReport, InterruptReport, LedReport, MuteReport, Report, ResetReport, StreamReport,
 };
 
-/// How often the board looks whether the program has asked for a reset, at the longest, in cycles.
+/// Most cycles between two checks for a reset that the program has requested.
 const LONGEST_RUN_CYCLES: u64 = 100_000;
 
-/// What a board is given besides its image.
+/// Surroundings of a board and settings of its time.
 #[derive(Debug, Clone, Default)]
 pub struct Setup {
-    /// The column of the cycle model that is the board's time.
+    /// Column of the cycle model that the board's time follows.
     pub cycles: CycleCase,
-    /// Whether the waits of flash behind its accelerator are added.
+    /// True if the waits of flash behind its accelerator are added.
     pub flash_waits: bool,
     /// Signals at the piezos.
     pub piezos: Vec<PiezoSignal>,
     /// Presses of the button.
     pub presses: Vec<Press>,
-    /// What goes wrong.
+    /// Faults that happen.
     pub faults: Vec<Fault>,
-    /// What stands in the kit's flash sector; erased where empty.
+    /// Bytes of the kit in its flash sector; the sector is erased if there are none.
     pub kit: Vec<u8>,
 }
 
-/// A board with an image in its flash, from power-on.
+/// Board with an image in its flash, from power-on.
 ///
 /// ```no_run
 /// use virtual_board::{Board, Setup, VirtualBoard};
@@ -80,24 +81,25 @@ pub struct VirtualBoard {
     lines: u128,
     boots: usize,
     asleep: bool,
-    /// A function that the core is to go on at as soon as it is awake.
+    /// Function at which the core goes on as soon as it is awake, and its words in r0 to r3.
     jump: Option<(u32, [u32; 4])>,
     lowest_stack: u32,
 }
 
 impl VirtualBoard {
-    /// The board at power-on.
+    /// Makes a board at power-on.
     ///
     /// # Errors
-    /// [`BoardError`]: no image, or one for another chip; a piezo that the board does not have; a kit longer than its sector.
+    /// [`BoardError`] if `elf` is not an image for the board's chip, if the setup names a piezo
+    /// that the board does not have, or if the kit is longer than its sector.
     pub fn new(board: Board, elf: &[u8], setup: &Setup) -> Result<VirtualBoard, BoardError> {
         let wiring = board.wiring();
         let image = Image::from_elf(elf)?;
         check_memory(&image, wiring)?;
         let mut machine = Machine::new(&image)?;
-        let (sector, room) = wiring.chip.kit_sector();
-        if setup.kit.len() > room as usize {
-            return Err(BoardError::KitTooLong { bytes: setup.kit.len(), room });
+        let (sector, sector_bytes) = wiring.chip.kit_sector();
+        if setup.kit.len() > sector_bytes as usize {
+            return Err(BoardError::KitTooLong { bytes: setup.kit.len(), sector_bytes });
         }
         machine.write(sector, &setup.kit)?;
 
@@ -142,10 +144,11 @@ impl VirtualBoard {
         })
     }
 
-    /// Goes on until so many seconds after power-on.
+    /// Runs the board until `seconds` seconds after power-on.
     ///
     /// # Errors
-    /// [`BoardError`]: the program did what the chip or its manual does not allow, or what the virtual board does not model.
+    /// [`BoardError`] if the program does what the chip or its manual does not allow, or what the
+    /// virtual board does not model.
     pub fn run_until(&mut self, seconds: f64) -> Result<(), BoardError> {
         loop {
             let (due, lines_changed) = self.look_after_devices(seconds)?;
@@ -172,7 +175,10 @@ impl VirtualBoard {
         }
     }
 
-    /// Lets everything happen that is due. Returns when the next thing is, `None` at the end; and whether an interrupt line changed.
+    /// Lets all events happen that are due.
+    ///
+    /// Returns the cycle of the next event, `None` at the end, and true if an interrupt line
+    /// changed.
     fn look_after_devices(&mut self, end_s: f64) -> Result<(Option<u64>, bool), BoardError> {
         let shared = Arc::clone(&self.devices);
         let mut devices = shared.lock();
@@ -219,7 +225,7 @@ impl VirtualBoard {
         }
         let lines_changed = self.drive_lines(devices.lines(), now);
         if let Some(until) = stalled {
-            // The core stands still; the devices go on by themselves when they are looked after next.
+            // The core stands still. The next call lets the devices catch up.
             self.machine.sleep_until(until);
             return Ok((Some(until), true));
         }
@@ -232,6 +238,7 @@ impl VirtualBoard {
         Ok((Some(due.max(now + 1)), lines_changed))
     }
 
+    /// Drives the core's interrupt lines; returns true if one changed.
     fn drive_lines(&mut self, lines: u128, now: u64) -> bool {
         let mut changed = lines ^ self.lines;
         let any = changed != 0;
@@ -311,23 +318,23 @@ impl VirtualBoard {
         }
     }
 
-    /// Seconds since power-on.
+    /// Returns the seconds since power-on.
     pub fn now_s(&self) -> f64 {
         self.devices.lock().seconds(self.machine.now())
     }
 
-    /// The board's own core and memory, for a look inside.
+    /// Returns the core and memory of the board, for inspection.
     pub fn machine(&self) -> &Machine {
         &self.machine
     }
 
-    /// All that has left the I2S's data pin, one entry for each stretch without interruption.
+    /// Returns the sound that has left the I2S, one stream for each time without interruption.
     pub fn streams(&self) -> Vec<Stream> {
         self.devices.lock().audio().streams.clone()
     }
 }
 
-/// Whether the image lies in the memory that the board's chip has.
+/// Checks that the image lies in the memory of the board's chip.
 fn check_memory(image: &Image, wiring: &Wiring) -> Result<(), BoardError> {
     let chip = wiring.chip;
     let memories = [

@@ -1,4 +1,5 @@
-//! What a run shows, as a structure that serialises to the JSON of `malleus board run --report json` (docs/json.md).
+//! Report of a run, which serialises to the JSON of `malleus board run --report json`
+//! (docs/json.md).
 
 use std::path::Path;
 
@@ -11,165 +12,170 @@ use crate::devices::AudioHalf;
 use crate::devices::rcc::ResetCause;
 use crate::error::BoardError;
 
-/// Everything that a run shows but its sound. Cycles are those of the chosen column of the cycle model; times are seconds from power-on.
+/// Report of a run, without its sound.
+///
+/// Cycles are those of the chosen column of the cycle model. Times are seconds from power-on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// The board.
+    /// Name of the board.
     pub board: &'static str,
-    /// `best`, `nominal` or `worst`, and whether the waits of flash are added.
+    /// Column of the cycle model: `best`, `nominal` or `worst`.
     pub cycle_case: &'static str,
-    /// Whether the waits of flash are in the cycles.
+    /// True if the waits of flash are in the cycles.
     pub flash_waits: bool,
-    /// Bytes of the image in flash.
+    /// Number of bytes of the image in flash.
     pub flash_bytes: u32,
-    /// Bytes of RAM in use before the first call.
+    /// Number of bytes of RAM in use before the first call.
     pub static_ram_bytes: u32,
-    /// The most stack that was used.
+    /// Most bytes of stack that were used.
     pub stack_bytes: Option<u32>,
-    /// How much the memory map leaves it; `None` where the image has no such symbols.
+    /// Number of bytes that the memory map leaves to the stack; `None` if the image does not name
+    /// the end of the stack.
     pub stack_room_bytes: Option<u32>,
-    /// How long the board ran.
+    /// Time for which the board ran, in seconds.
     pub seconds: f64,
-    /// The core's clock at the end, in Hz.
+    /// Clock of the core at the end, in Hz.
     pub core_hz: f64,
-    /// Instructions executed.
+    /// Number of instructions executed.
     pub instructions: u64,
-    /// Cycles since power-on.
+    /// Number of cycles since power-on.
     pub cycles: u64,
-    /// Those of them in which the core slept: between two reports, the difference tells the load of that time.
+    /// Number of cycles in which the core slept. The differences between two reports tell the load
+    /// in the time between them.
     pub idle_cycles: u64,
-    /// The one by the other.
+    /// Share of the cycles in which the core slept.
     pub idle_share: f64,
-    /// Cycles in thread mode, awake.
+    /// Number of cycles in thread mode, awake.
     pub thread_cycles: u64,
-    /// Every interrupt and exception that ran, the dearest first.
+    /// Interrupts and exceptions that ran, the dearest first.
     pub interrupts: Vec<InterruptReport>,
-    /// The dearest functions, without what they called.
+    /// The 20 dearest functions, the dearest first.
     pub functions: Vec<FunctionReport>,
-    /// The sound.
+    /// Sound that left the board.
     pub audio: AudioReport,
-    /// The ADC.
+    /// Conversions of the ADC.
     pub adc: AdcReport,
-    /// LEDs that went on or off.
+    /// Changes of the LEDs.
     pub leds: Vec<LedReport>,
-    /// When the converter became audible or mute.
+    /// Changes of the converter between audible and mute.
     pub mutes: Vec<MuteReport>,
     /// Resets after power-on.
     pub resets: Vec<ResetReport>,
-    /// What the codec's driver did wrong.
+    /// Faults of the codec's driver, as sentences.
     pub codec_complaints: Vec<String>,
-    /// What is not an error, and yet wrong.
+    /// Faults of the program that a chip would let pass, as sentences.
     pub warnings: Vec<String>,
-    /// The log.
+    /// Lines of the log.
     pub log: Vec<LogLine>,
 }
 
-/// An interrupt or exception.
+/// Cycles of an interrupt or another exception.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct InterruptReport {
-    /// Its name in the vector table.
+    /// Name in the vector table.
     pub name: String,
-    /// How often it ran.
+    /// Number of runs of the handler.
     pub count: u64,
-    /// Cycles in all, without what preempted it.
+    /// Number of cycles of all runs, without those that preempted them.
     pub cycles: u64,
-    /// The most that one run took, without what preempted it.
+    /// Most cycles of a run, without those that preempted it.
     pub worst_cycles: u64,
-    /// The longest from entry to return, preemptions included.
+    /// Most cycles from entry to return, preemptions included.
     pub worst_span_cycles: u64,
-    /// From the line's assertion to the handler's first instruction, mean; absent where a program pends it itself.
+    /// Mean number of cycles from the assertion of the line to the handler's first instruction;
+    /// `None` if only the program itself pends the interrupt.
     pub mean_latency_cycles: Option<f64>,
-    /// The longest of these.
+    /// Most cycles from the assertion of the line to the handler's first instruction.
     pub worst_latency_cycles: Option<u64>,
 }
 
-/// A function.
+/// Cost of a function, without that of the functions it called.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FunctionReport {
-    /// Its demangled name.
+    /// Demangled name.
     pub name: String,
-    /// Nominal cycles, memory without waits.
+    /// Number of nominal cycles, without the waits of memory.
     pub nominal_cycles: u64,
-    /// Instructions.
+    /// Number of instructions.
     pub instructions: u64,
 }
 
-/// The sound that left the board.
+/// Sound that left the board.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AudioReport {
-    /// Frames a second of the last stream: exactly, as a ratio of whole Hz.
+    /// Exact sample rate of the last stream, as a ratio of whole Hz such as `86000000/1792`.
     pub rate: Option<String>,
-    /// The same as a number.
+    /// Sample rate of the last stream in Hz.
     pub rate_hz: Option<f64>,
-    /// Stretches without interruption.
+    /// Streams without interruption.
     pub streams: Vec<StreamReport>,
-    /// Halves of the DMA's buffer that began to play.
+    /// Number of halves of the DMA buffer that began to play.
     pub halves: u64,
-    /// How many of them the program had not finished with.
+    /// Number of halves that began to play before the program had finished with them.
     pub late_halves: u64,
-    /// The longest run of the audio interrupt, entry to return, as a share of a half's time.
+    /// Longest run of the audio interrupt, from entry to return, as a share of a half's time.
     pub worst_load: Option<f64>,
 }
 
-/// One stretch of sound without interruption.
+/// Stream of sound without interruption.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StreamReport {
-    /// When its first bit stood on the pin.
+    /// Time at which the first bit stood on the pin.
     pub start_s: f64,
-    /// Its length.
+    /// Number of frames.
     pub frames: usize,
-    /// Half-words that were sent twice because none had come.
+    /// Number of half-words that were sent twice because no new one had come.
     pub underruns: u64,
-    /// Frames that no pin carried.
+    /// Number of frames that no pin carried.
     pub unconnected_frames: u64,
 }
 
-/// The ADC.
+/// Conversions of the ADC.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AdcReport {
-    /// Sequences of conversions that began.
+    /// Number of sequences of conversions that began.
     pub sequences: u64,
-    /// Triggers that came while one ran, and were lost.
+    /// Number of triggers that were lost because they came while a sequence ran.
     pub lost_triggers: u64,
 }
 
-/// A LED that went on or off.
+/// Change of a LED.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LedReport {
-    /// When.
+    /// Time of the change.
     pub at_s: f64,
-    /// Its colour.
+    /// Colour of the LED.
     pub led: &'static str,
-    /// Whether it is lit from then on.
+    /// True if the LED is lit from then on.
     pub lit: bool,
 }
 
-/// The converter became audible or mute.
+/// Change of the converter between audible and mute.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MuteReport {
-    /// When.
+    /// Time of the change.
     pub at_s: f64,
-    /// Whether it is mute from then on.
+    /// True if the converter is mute from then on.
     pub mute: bool,
 }
 
-/// A reset of the chip.
+/// Reset of the chip.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResetReport {
-    /// When.
+    /// Time of the reset.
     pub at_s: f64,
-    /// `software` or `watchdog`.
+    /// Cause of the reset: `software` or `watchdog`.
     pub cause: &'static str,
 }
 
-/// Functions that a report names.
+/// Number of functions that a report names.
 const FUNCTIONS: usize = 20;
 
 impl VirtualBoard {
-    /// What the run has shown so far.
+    /// Returns a report of the run so far.
     ///
     /// # Errors
-    /// [`BoardError::LogTable`] if the image's log cannot be decoded.
+    /// [`BoardError::LogTable`] if the log of the image cannot be decoded.
     pub fn report(&self) -> Result<Report, BoardError> {
         let log = self.log.lines()?;
         let now = self.machine.now();
@@ -247,7 +253,7 @@ impl VirtualBoard {
         self.stack_top()?.checked_sub(self.lowest_stack.min(self.machine.lowest_stack()))
     }
 
-    /// The first word of the vector table is where the stack starts.
+    /// Returns the start of the stack: the first word of the vector table.
     fn stack_top(&self) -> Option<u32> {
         let mut top = [0; 4];
         self.machine.read(virtual_core::FLASH_ADDRESS, &mut top).ok()?;
@@ -255,7 +261,7 @@ impl VirtualBoard {
     }
 
     fn stack_room_bytes(&self) -> Option<u32> {
-        // cortex-m-rt's name: the stack may grow down to the last of the statics.
+        // cortex-m-rt gives this name to the end of the statics, to which the stack may grow down.
         self.stack_top()?.checked_sub(self.machine.symbol("_stack_end")?.address)
     }
 
@@ -276,7 +282,8 @@ impl VirtualBoard {
         interrupts
     }
 
-    /// Halves whose flag came up while the program still had the last one's, or was still handling it.
+    /// Returns the number of halves whose flag rose while that of the half before was still set, or
+    /// while the interrupt still handled it.
     fn late_halves(&self, halves: &[AudioHalf]) -> u64 {
         let spans = &self.account.audio_spans;
         let is_late = |half: &&AudioHalf| {
@@ -286,14 +293,17 @@ impl VirtualBoard {
         halves.iter().filter(is_late).count() as u64
     }
 
+    /// Returns the longest run of the audio interrupt as a share of the shortest half.
     fn worst_load(&self, halves: &[AudioHalf]) -> Option<f64> {
         let half_cycles = halves.windows(2).map(|pair| pair[1].cycle - pair[0].cycle).min()?;
         let worst = self.account.audio_spans.iter().map(|span| span.1 - span.0).max()?;
         Some(worst as f64 / half_cycles.max(1) as f64)
     }
 
-    /// Writes all that left the I2S as a 24-bit stereo WAV file. Its rate is rounded to whole Hz; the exact one is in the report. The file begins with
-    /// the first frame; pauses between two streams are silence.
+    /// Writes the sound that left the I2S as a 24-bit stereo WAV file.
+    ///
+    /// The rate in the file is rounded to whole Hz; the report has the exact one. The file begins
+    /// with the first frame, and pauses between two streams are silence.
     ///
     /// # Errors
     /// [`BoardError::Wave`] if nothing left the I2S, or the file cannot be written.
@@ -304,7 +314,8 @@ impl VirtualBoard {
         let sample_rate = first.rate.as_f64().round() as u32;
         let spec =
             hound::WavSpec { channels: 2, sample_rate, bits_per_sample: 24, sample_format: hound::SampleFormat::Int };
-        let mut writer = hound::WavWriter::create(path, spec).map_err(|error| wrong(error.to_string()))?;
+        let unwritable = |error: hound::Error| wrong(format!("cannot be written: {error}"));
+        let mut writer = hound::WavWriter::create(path, spec).map_err(unwritable)?;
         let mut written = 0_usize;
         for stream in &streams {
             let begins = ((stream.start_s - first.start_s) * first.rate.as_f64()).round() as usize;
@@ -312,11 +323,11 @@ impl VirtualBoard {
             for frame in silence.chain(stream.frames.iter().copied()) {
                 written += 1;
                 for sample in frame {
-                    writer.write_sample(sample >> 8).map_err(|error| wrong(error.to_string()))?;
+                    writer.write_sample(sample >> 8).map_err(unwritable)?;
                 }
             }
         }
-        writer.finalize().map_err(|error| wrong(error.to_string()))
+        writer.finalize().map_err(unwritable)
     }
 }
 

@@ -1,8 +1,8 @@
-//! What is to happen to the board from outside, in the order of time.
+//! Schedule of the events that come to the board from outside.
 
 use crate::input::{Fault, Press};
 
-/// One thing that happens.
+/// Event that comes to the board from outside.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Action {
     Button(bool),
@@ -16,11 +16,12 @@ pub(super) enum Action {
     HardFault,
 }
 
-/// Actions by time, the next one last.
+/// Actions with their times in seconds from power-on, the next one last.
 #[derive(Debug, Default)]
 pub(super) struct Schedule(Vec<(f64, Action)>);
 
 impl Schedule {
+    /// Makes the schedule of presses and faults.
     pub(super) fn new(presses: &[Press], faults: &[Fault]) -> Schedule {
         let mut actions: Vec<(f64, Action)> = Vec::new();
         for press in presses {
@@ -46,11 +47,12 @@ impl Schedule {
         Schedule(actions)
     }
 
-    /// When the next action is due.
+    /// Returns the time of the next action in seconds, infinity if there is none.
     pub(super) fn next_s(&self) -> f64 {
         self.0.last().map_or(f64::INFINITY, |action| action.0)
     }
 
+    /// Removes and returns the next action.
     pub(super) fn take(&mut self) -> Option<Action> {
         self.0.pop().map(|action| action.1)
     }

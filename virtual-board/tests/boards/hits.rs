@@ -5,14 +5,17 @@ use std::path::Path;
 use malleus::wave::read_force;
 use virtual_board::PiezoSignal;
 
-/// The rate of the signals, Hz.
+/// Sample rate of the signals in Hz.
 pub(crate) const SIGNAL_HZ: f64 = 48_000.0;
-/// The recorded force that gives hits their shape, where it is there.
+/// Path of the recorded force that gives hits their shape, if the file exists.
 const RECORDING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/hammer/hammer_ceramic.wav");
-/// A hit in it, in seconds.
+/// Time of a hit in the recording, in seconds.
 const HIT_S: f64 = 0.4047;
 
-/// What a piezo gives under a hit of peak 1: the shape of a hammer's force, as recorded or (said plainly) a half-sine, that makes the disc ring.
+/// Returns the signal of a piezo under a hit, of peak 1: a force that makes the disc ring.
+///
+/// The force is that of a recorded hammer. Without the recording it is a half-sine, and a printed
+/// line says so.
 pub(crate) fn hit() -> Vec<f32> {
     let force = match Path::new(RECORDING).exists() {
         true => {
@@ -25,7 +28,7 @@ pub(crate) fn hit() -> Vec<f32> {
             (0..24).map(|n| (std::f32::consts::PI * n as f32 / 24.0).sin()).collect::<Vec<f32>>()
         }
     };
-    // A disc on a pad: 1.1 kHz, gone after 30 ms.
+    // A disc on a pad rings at 1.1 kHz and is silent after 30 ms.
     let ring: Vec<f32> = (0..1500)
         .map(|n| (-(n as f32) / 280.0).exp() * (std::f32::consts::TAU * 1100.0 * n as f32 / SIGNAL_HZ as f32).sin())
         .collect();
@@ -37,7 +40,7 @@ pub(crate) fn hit() -> Vec<f32> {
     hit.iter().map(|x| x / peak).collect()
 }
 
-/// A piezo's signal of so many seconds: hits (time in seconds, peak).
+/// Returns a piezo's signal of `seconds` seconds. A hit is a time in seconds and a peak.
 pub(crate) fn signal(piezo: usize, seconds: f64, hits: &[(f64, f32)]) -> PiezoSignal {
     let shape = hit();
     let mut samples = vec![0.0f32; (seconds * SIGNAL_HZ) as usize];

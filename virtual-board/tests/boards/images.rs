@@ -1,9 +1,10 @@
-//! Both images build, start, and keep the board's resources within their limits.
+//! Images of both boards build, start, and play at the rate of their clock tree.
 
 use crate::common;
 use virtual_board::{Board, BoardError, Setup, VirtualBoard};
 
-/// The button is pressed after the start; the strike's sound must leave the I2S, and the LED or the log must tell.
+/// The button is pressed after the start. The sound of the strike must leave the I2S, and the log
+/// must tell the strike.
 #[test]
 fn each_image_starts_and_plays_its_button() {
     for board in Board::ALL {
@@ -28,13 +29,13 @@ fn each_image_starts_and_plays_its_button() {
 }
 
 #[test]
-fn the_sample_rates_are_those_of_the_clock_trees() {
+fn the_sample_rate_of_each_board_is_that_of_its_clock_tree() {
     for (board, ratio) in [(Board::Stm32f407gDisc1, (86_000_000, 1792)), (Board::BlackpillF411, (48_000, 1))] {
         let running = common::run(board, &Setup::default(), 0.25);
         let streams = running.streams();
         let rate = streams[0].rate;
         assert_eq!(rate.numerator() * ratio.1, ratio.0 * rate.denominator(), "{}: {rate}", board.name());
-        // Frames that have left in that time, to one.
+        // The number of frames that have left by then may differ by one.
         let expected = (0.25 - streams[0].start_s) * rate.as_f64();
         assert!(
             (streams[0].frames.len() as f64 - expected).abs() < 1.5,

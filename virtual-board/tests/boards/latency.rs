@@ -1,15 +1,15 @@
-//! How long a strike takes from the piezo to its sound, and how much that varies. `cargo bench -p virtual-board --bench jitter` does the same at a thousand
-//! places.
+//! Latency from a strike at a piezo to its sound, and its jitter. `cargo bench -p virtual-board
+//! --bench jitter` measures both at a thousand places in a block.
 
 use crate::common;
 use crate::hits::signal;
 use crate::timing::{kit, measure};
 use virtual_board::{Board, Setup};
 
-/// The contact time of most of these, s.
+/// Contact time of most strikes, in seconds.
 const CONTACT_S: f64 = 0.001;
 
-/// Each strike falls into the end of the last one's ring.
+/// Each strike falls into the end of the ring of the one before.
 #[test]
 fn strikes_sound_after_2_72_to_2_88_ms_and_within_0_05_ms_of_each_other() {
     for (board, count) in [(Board::Stm32f407gDisc1, 80), (Board::BlackpillF411, 40)] {
@@ -19,9 +19,9 @@ fn strikes_sound_after_2_72_to_2_88_ms_and_within_0_05_ms_of_each_other() {
     }
 }
 
-/// A yarn mallet's soft strike: the force has a tenth of its peak after 0.032 contact times.
+/// A soft strike of a yarn mallet has a tenth of its peak force after 0.032 contact times.
 #[test]
-fn a_contact_of_six_milliseconds_sounds_within_three_as_well() {
+fn a_contact_of_six_milliseconds_sounds_within_three_milliseconds() {
     for board in Board::ALL {
         let (_, largest) = measure(board, 0, 8, 0.5, 0.006);
         assert!(largest <= 3.0e-3, "{}: {largest}", board.name());
@@ -29,7 +29,7 @@ fn a_contact_of_six_milliseconds_sounds_within_three_as_well() {
 }
 
 #[test]
-fn forty_decibels_of_velocity_are_hardly_earlier_or_later() {
+fn strikes_over_a_range_of_33_decibels_sound_within_three_milliseconds() {
     let spread: Vec<(f64, f64)> =
         [0.9, 0.09, 0.02].map(|peak| measure(Board::BlackpillF411, 0, 8, peak, CONTACT_S)).to_vec();
     assert!(spread.iter().all(|&(_, largest)| largest <= 3.0e-3), "{spread:?}");
@@ -44,8 +44,8 @@ fn a_direct_force_is_on_the_pin_within_1_37_ms() {
 }
 
 #[test]
-fn the_sound_of_a_strike_is_the_contact_of_the_kit() {
-    // Half a sine of 1 ms, whatever the piezo rings.
+fn the_sound_of_a_strike_lasts_as_long_as_the_contact_of_the_kit() {
+    // The contact is half a sine of 1 ms, however long the piezo rings.
     let setup = Setup { piezos: vec![signal(0, 0.5, &[(0.3, 0.5)])], kit: kit(CONTACT_S), ..Setup::default() };
     let running = common::run(Board::BlackpillF411, &setup, 0.4);
     let streams = running.streams();

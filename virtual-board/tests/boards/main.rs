@@ -1,5 +1,7 @@
-//! The firmware's images on the virtual boards: one program, so that its long tests run side by side.
-//! `cargo test -p virtual-board --test boards latency` runs one part.
+//! Images of the firmware on the virtual boards.
+//!
+//! The tests are one program, so that the long ones run side by side. `cargo test -p virtual-board
+//! --test boards latency` runs one part.
 
 mod common;
 mod faults;

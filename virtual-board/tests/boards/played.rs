@@ -1,4 +1,4 @@
-//! What a board's log says was played, and what `malleus play` makes of it.
+//! Events that a board's log tells, and their rendering by `malleus play`.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Skipping, TickReport};
@@ -9,7 +9,7 @@ use malleus::render::instrument::{Output, Settings, render};
 use malleus::render::{Performance, board};
 use virtual_board::{Board, VirtualBoard};
 
-/// A board's true rate.
+/// Returns the exact sample rate of a board.
 pub(crate) fn rate(board: Board) -> SampleRate {
     match board {
         Board::Stm32f407gDisc1 => SampleRate::new(86_000_000, 1792).unwrap(),
@@ -17,7 +17,7 @@ pub(crate) fn rate(board: Board) -> SampleRate {
     }
 }
 
-/// The events that the log tells, as an events file's.
+/// Returns the events that the log tells, read as an events file.
 pub(crate) fn events(running: &VirtualBoard, kit: &Kit<'_>, rate: SampleRate) -> Vec<Event> {
     let mut file = String::from("sample,pad,velocity,position,striker,action\n");
     for line in running.report().unwrap().log {
@@ -29,8 +29,10 @@ pub(crate) fn events(running: &VirtualBoard, kit: &Kit<'_>, rate: SampleRate) ->
     csv::parse(file.as_bytes(), kit, rate).unwrap().events
 }
 
-/// What left the I2S in its only stream, and what `malleus play` renders for the log's events: both of 24 bits, and laid over each other at their first
-/// sound, since the stream begins before the engine does.
+/// Returns the frames that left the I2S in its only stream, and those that `malleus play` renders
+/// for the events of the log, both as samples of 24 bits.
+///
+/// Both begin with their first sound, since the stream begins before the engine does.
 pub(crate) fn heard_and_rendered(running: &VirtualBoard, board: Board, kit: &[u8]) -> [Vec<[i32; 2]>; 2] {
     let (kit, rate) = (Kit::parse(kit).unwrap(), rate(board));
     let heard = heard(running);
@@ -40,8 +42,11 @@ pub(crate) fn heard_and_rendered(running: &VirtualBoard, board: Board, kit: &[u8
     [heard, rendered].map(from_first_sound)
 }
 
-/// The same with what `malleus play --board` renders, and the sums of its ticks' reports: frames of residuals, dynamic filters, loops, biquads and the room, and
-/// stages that were refused.
+/// Returns the frames that left the I2S and those that `malleus play --board` renders for the
+/// events of the log, from their first sound on, with the work of the rendering.
+///
+/// The work is the number of frames of residuals, dynamic filters, loops, biquads and the room, and
+/// the number of stages that were refused.
 pub(crate) fn heard_and_rendered_as_board(
     running: &VirtualBoard,
     board: Board,
@@ -55,13 +60,15 @@ pub(crate) fn heard_and_rendered_as_board(
         work.iter_mut().zip(frames).for_each(|(sum, frames)| *sum += frames);
         work[5] += tick.refused_stages;
     };
-    // The log holds what the board's budget decided.
+    // The log holds the decisions of the board's budget, so the rendering has no budget.
     let rendered = board::render(board, &kit, &performance, None, Output::Samples24, observe, |_| {}).unwrap();
     ([heard, rendered].map(from_first_sound), work)
 }
 
-/// What left the I2S, and what `malleus play --board` renders for the log's strikes alone, within
-/// the board's budget. Both come with what was played: the board's log, and the PC's.
+/// Returns the frames that left the I2S, and those that `malleus play --board` renders within the
+/// board's budget for the strikes of the log alone, from their first sound on.
+///
+/// The played events come with them: those of the board's log, and the decisions of the PC.
 pub(crate) fn heard_and_decided_as_board(
     running: &VirtualBoard,
     board: Board,
@@ -77,7 +84,7 @@ pub(crate) fn heard_and_decided_as_board(
     ([heard, rendered].map(from_first_sound), [told, decided])
 }
 
-/// The frames that left the I2S in its only stream.
+/// Returns the frames that left the I2S in its only stream, as samples of 24 bits.
 fn heard(running: &VirtualBoard) -> Vec<[i32; 2]> {
     let streams = running.streams();
     let [stream] = streams.as_slice() else {
@@ -89,6 +96,7 @@ fn heard(running: &VirtualBoard) -> Vec<[i32; 2]> {
     stream.frames.iter().map(|frame| frame.map(|slot| slot >> 8)).collect()
 }
 
+/// Returns the frames from the first one on that is not silent.
 fn from_first_sound(frames: Vec<[i32; 2]>) -> Vec<[i32; 2]> {
     let first = frames.iter().position(|frame| *frame != [0; 2]).expect("no sound");
     frames[first..].to_vec()

@@ -1,4 +1,4 @@
-//! The self-test runs, finds a virtual board in order, and says what is not.
+//! Self-test image on the virtual boards: it passes on a good one and names what is wrong.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use virtual_board::{Board, LogLine, PiezoSignal, Setup, VirtualBoard};
 const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware/Cargo.toml");
 const SIGNAL_HZ: f64 = 48_000.0;
 
-/// The table, to its last line.
+/// Runs the self-test and returns its log up to the last line.
 fn table(board: Board, piezos: Vec<PiezoSignal>) -> Vec<LogLine> {
     let arguments = ["--no-default-features", "--features", board.name()];
     let elf = virtual_core::build_binary(Path::new(FIRMWARE), "self-test", &arguments).unwrap();
@@ -24,12 +24,13 @@ fn table(board: Board, piezos: Vec<PiezoSignal>) -> Vec<LogLine> {
     panic!("no end: {:#?}", running.report().unwrap().log);
 }
 
+/// Returns the first line that begins with `begin`.
 fn row<'a>(table: &'a [LogLine], begin: &str) -> &'a str {
     let row = table.iter().find(|line| line.message.starts_with(begin));
     &row.unwrap_or_else(|| panic!("no row {begin}")).message
 }
 
-/// The whole numbers of a row.
+/// Returns the whole numbers of a line.
 fn numbers(row: &str) -> Vec<f64> {
     row.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok()).collect()
 }
@@ -40,7 +41,7 @@ fn the_self_test_passes_on_the_disc1_and_its_kernels_agree_with_the_cycle_model(
     for begin in ["codec: ", "RAM, stack", "RAM, hot", "built-in kit", "I2S rate", "ADC rate", "piezo 0", "piezo 3"] {
         assert!(row(&table, begin).ends_with("good"), "{}", row(&table, begin));
     }
-    // By its dividers 47 991.071 Hz; two edges of the count, of a quarter of a second, are a frame each at most.
+    // The dividers make 47 991.071 Hz.
     let rate_mhz = numbers(row(&table, "I2S rate"))[1];
     assert!((rate_mhz / 86e9 * 1792.0 - 1.0).abs() < 1e-4, "{rate_mhz}");
     let kernels: Vec<&str> =
@@ -51,14 +52,14 @@ fn the_self_test_passes_on_the_disc1_and_its_kernels_agree_with_the_cycle_model(
         let [measured, _, model] = numbers(kernel.split_once(": ").unwrap().1)[..] else { panic!("{kernel}") };
         assert!((0.98..1.12).contains(&(measured / model)) && kernel.ends_with("good"), "{kernel}");
     }
-    // A virtual ADC has no noise of its own: what a board's has, only a board can tell.
+    // A virtual ADC has no noise of its own, unlike that of a board.
     assert!(row(&table, "piezo 1").contains("noise 0/100"));
     assert_eq!(row(&table, "self-test: "), "self-test: passed");
 }
 
 #[test]
-fn the_self_test_on_the_blackpill_measures_noise_and_says_which_bias_is_wrong() {
-    // 3 counts up and down: 3 counts rms; and a bias that is 400 counts too high.
+fn the_self_test_on_the_blackpill_measures_noise_and_names_the_wrong_bias() {
+    // A square wave of 3 counts has 3 counts rms, and the bias of piezo 3 is 400 counts too high.
     let square = (0..48_000 * 8).map(|n| if n / 7 % 2 == 0 { 3.0 / 2048.0 } else { -3.0 / 2048.0 });
     let shaken = PiezoSignal { piezo: 1, start_s: 0.0, rate_hz: SIGNAL_HZ, samples: square.collect() };
     let biased = PiezoSignal { piezo: 3, start_s: 0.0, rate_hz: 1.0, samples: vec![400.0 / 2048.0; 10] };

@@ -1,4 +1,5 @@
-//! The sound that leaves the I2S is the sound that `malleus play` makes of the board's own log, bit for bit.
+//! Sound that leaves the I2S against the sound that `malleus play` makes of the board's log, bit
+//! for bit.
 
 use crate::common;
 use crate::hits::signal;
@@ -8,7 +9,8 @@ use dsp_core::event::Action;
 use dsp_core::table::Kit;
 use virtual_board::{Board, Press, Setup};
 
-/// So many seconds of typical playing: four piezos, 20 dB of velocity, rolls, flams, and the button.
+/// Returns `seconds` seconds of typical playing: four piezos, 20 dB of velocity, rolls, flams, and
+/// the button.
 fn typical(seconds: f64) -> Setup {
     let mut hits = [const { Vec::new() }; 4];
     for beat in 0..(4.0 * seconds) as usize {
@@ -34,7 +36,7 @@ fn typical(seconds: f64) -> Setup {
     }
 }
 
-/// Five seconds, or as many as `SECONDS` says.
+/// Plays for five seconds, or as many as the environment variable `SECONDS` says.
 fn play(board: Board) {
     let seconds = std::env::var("SECONDS").ok().and_then(|seconds| seconds.parse().ok()).unwrap_or(5.0);
     let running = common::run(board, &typical(seconds), seconds + 0.4);
@@ -56,8 +58,8 @@ fn seconds_of_playing_on_the_blackpill_replay_to_the_same_bits() {
     play(Board::BlackpillF411);
 }
 
-/// Four pads of 40 modes each, spread over the spectrum: more than a board has time for while all
-/// are struck.
+/// Returns a kit of four pads with 40 modes each, spread over the spectrum. No board has time for
+/// all of them while all pads are struck.
 fn four_large_pads() -> Vec<u8> {
     let demo = kit::open("demo").unwrap().kit;
     let object = |pad: u8| {

@@ -1,4 +1,5 @@
-//! Residuals, filters and the room on the boards: the same bits as on the PC, no deadline missed, nothing spent in silence, and a start in time.
+//! Residuals, filters and the room on the boards: the bits of the PC, no missed deadline, no time
+//! spent in silence, and a start before the watchdog bites.
 
 use std::path::Path;
 
@@ -10,17 +11,21 @@ use crate::load::{STACK_RESERVE, busy, deadline};
 use crate::played::heard_and_rendered_as_board;
 use crate::replay::assert_same;
 
-/// A pad with a residual, one with loops round a dynamic filter, one with biquads, and a room.
+/// Returns a kit with a pad of a residual, one of loops round a dynamic filter, one of biquads, and
+/// a room.
 fn stages() -> kit::Kit {
     kit::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/boards/stages.toml"))).unwrap().kit
 }
 
-/// Strikes on all piezos, 35 ms apart and 3 ms from one to the next, with the worst cycles and the waits of flash; then all rings. Gives what the PC's
-/// engine of the board was busy with: frames of residuals, dynamic filters, loops, biquads and the room, and stages that were refused.
+/// Plays a storm of strikes with the worst cycles and the waits of flash, and asserts that no
+/// deadline is missed and that the bits are those of the PC.
+///
+/// Each piezo is struck every 35 ms, 3 ms after the piezo before it. Then all rings. Returns the
+/// work of the board's engine on the PC: frames of residuals, dynamic filters, loops, biquads and
+/// the room, and the number of stages that were refused.
 fn storm(board: Board, kit: &kit::Kit) -> [u32; 6] {
     let piezos = (0..4).map(|piezo| {
         let strokes = (0..12).map(|n| (0.4 + 0.035 * f64::from(n) + 0.003 * piezo as f64, 0.9));
-        // The last one hears less than the others.
         signal(piezo, 1.0, &strokes.collect::<Vec<_>>())
     });
     let kit = kit::binary::build(kit).unwrap();
@@ -58,7 +63,7 @@ fn says(report: &Report, words: &str) -> bool {
     report.log.iter().any(|line| line.message.contains(words))
 }
 
-/// When the kit of the sector was ready.
+/// Returns the time at which the kit of the sector was ready, in seconds.
 fn loaded_at_s(report: &Report) -> f64 {
     let line =
         report.log.iter().find(|line| line.message.starts_with("kit sector: ") && line.message.ends_with(" plays"));
@@ -66,15 +71,15 @@ fn loaded_at_s(report: &Report) -> f64 {
 }
 
 #[test]
-fn the_disc1_plays_residual_loops_and_room_in_a_storm_of_strikes_with_the_bits_of_the_pc() {
+fn the_disc1_plays_residual_loops_and_room_in_a_storm_with_the_bits_of_the_pc() {
     let [residual, filters, loops, biquads, room, _] = storm(Board::Stm32f407gDisc1, &stages());
     assert!(residual > 0 && filters > 0 && loops > 0 && room > 0);
-    // The biquads find no time beside all that.
+    // The board has no time for the biquads beside these stages.
     assert_eq!(biquads, 0);
 }
 
 #[test]
-fn the_disc1_plays_loops_and_biquads_in_a_storm_of_strikes_with_the_bits_of_the_pc() {
+fn the_disc1_plays_loops_and_biquads_in_a_storm_with_the_bits_of_the_pc() {
     let mut kit = stages();
     kit.pads.remove(0);
     kit.room.clear();
@@ -83,13 +88,13 @@ fn the_disc1_plays_loops_and_biquads_in_a_storm_of_strikes_with_the_bits_of_the_
 }
 
 #[test]
-fn the_blackpill_plays_a_residual_in_a_storm_of_strikes_with_the_bits_of_the_pc() {
+fn the_blackpill_plays_a_residual_in_a_storm_with_the_bits_of_the_pc() {
     let [residual, ..] = storm(Board::BlackpillF411, &stages());
     assert!(residual > 0);
 }
 
 #[test]
-fn the_blackpill_plays_loops_in_a_storm_of_strikes_with_the_bits_of_the_pc() {
+fn the_blackpill_plays_loops_in_a_storm_with_the_bits_of_the_pc() {
     let mut kit = stages();
     kit.pads.truncate(2);
     (kit.objects[0].residual, kit.room) = (None, Vec::new());
@@ -98,7 +103,7 @@ fn the_blackpill_plays_loops_in_a_storm_of_strikes_with_the_bits_of_the_pc() {
 }
 
 #[test]
-fn a_board_with_stages_spends_nothing_on_them_in_silence() {
+fn a_board_with_stages_is_busy_for_at_most_a_twentieth_of_time_in_silence() {
     let kit = kit::binary::build(&stages()).unwrap();
     for board in Board::ALL {
         let silent = busy(board, &Setup { kit: kit.clone(), ..Setup::default() });
@@ -107,7 +112,7 @@ fn a_board_with_stages_spends_nothing_on_them_in_silence() {
     }
 }
 
-/// As many loops and breakpoints as a fit writes, round a filter of the second order, on two pads.
+/// Two pads have as many loops and breakpoints as a fit writes, round a filter of the second order.
 #[test]
 fn the_longest_tables_are_derived_before_the_watchdog_bites() {
     let mut kit = stages();
@@ -115,7 +120,8 @@ fn the_longest_tables_are_derived_before_the_watchdog_bites() {
     let filter = looped.dynamic_filter.as_mut().unwrap();
     let point = |n: u8| {
         let t = f32::from(n) / 31.0;
-        // A conjugate pair that closes slowly; loops pass so little that it is stable.
+        // The poles are a conjugate pair that moves slowly. The loops pass so little that all is
+        // stable.
         kit::Breakpoint { time_s: 2.0 * t, noise: 1.0, a1: -1.2 - 0.2 * t, a2: 0.72, b0: 0.1, b1: 0.02, b2: 0.01 }
     };
     filter.order = kit::Order::Second;
@@ -134,7 +140,7 @@ fn the_longest_tables_are_derived_before_the_watchdog_bites() {
         let report = common::run(board, &setup, 3.0).report().unwrap();
         println!("{}: two pads with ten loops and 32 breakpoints each: {:.2} s", board.name(), loaded_at_s(&report));
         assert!(report.resets.is_empty(), "{:#?}", report.resets);
-        // The watchdog's shortest time on silicon, which five such pads must not take.
+        // Five such pads must load within the watchdog's shortest time on silicon, 5.6 s.
         assert!(loaded_at_s(&report) < 5.6 * 2.0 / 5.0, "{:.2} s", loaded_at_s(&report));
     }
 }

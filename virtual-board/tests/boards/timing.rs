@@ -1,15 +1,17 @@
-//! From a piezo's onset at the ADC's pin to 10 % of the contact force on the I2S pin.
+//! Time from a piezo's onset at the pin of the ADC to 10 % of the contact force on the I2S pin.
 //!
-//! The kit's one object has no modes, and an acceleration sound: what leaves the I2S is the contact force itself.
+//! The one object of the kit has an acceleration sound and no modes, so the I2S carries the contact
+//! force itself.
 
 use virtual_board::{Board, PiezoSignal, Setup, VirtualBoard};
 
 use crate::common;
 
-/// The rate of the signals, Hz.
+/// Sample rate of the signals in Hz.
 const SIGNAL_HZ: f64 = 48_000.0;
 
-/// A pad whose sound is the force of a contact of so many seconds, and a pad that its piezo drives directly.
+/// Returns a kit with a pad whose sound is the force of a contact of `contact_time_s` seconds, and
+/// a pad that its piezo drives directly.
 pub(crate) fn kit(contact_time_s: f64) -> Vec<u8> {
     let text = format!(
         r#"
@@ -46,7 +48,7 @@ trigger = {{ channel = 1, mode = "direct" }}
     kit
 }
 
-/// Seconds from each onset until the sound has 10 % of the peak that follows it.
+/// Returns the seconds from each onset until the sound has 10 % of the peak that follows it.
 fn latencies(running: &VirtualBoard, onsets: &[f64]) -> Vec<f64> {
     let streams = running.streams();
     let stream = &streams[0];
@@ -63,14 +65,16 @@ fn latencies(running: &VirtualBoard, onsets: &[f64]) -> Vec<f64> {
     onsets.iter().map(latency).collect()
 }
 
-/// Seconds between two hits.
+/// Time between two hits, in seconds.
 const SPACING_S: f64 = 0.05;
-/// The ring of a hit falls to 1/e in this time, s: the next one falls into what is left of it, 2 counts of a hit of 0.5.
+/// Time in which the ring of a hit falls to 1/e, in seconds. Of a hit of 0.5 it leaves 2 counts
+/// when the next hit comes.
 const RING_S: f64 = 0.008;
 
-/// Hits of one waveform that begin anywhere in a block, and within a sample, no place twice.
+/// Returns hits of one waveform and their onsets in seconds, each at another place in a block and
+/// within a sample.
 fn hits(piezo: usize, count: usize, peak: f32) -> (Vec<PiezoSignal>, Vec<f64>) {
-    // Between samples of the signal lies a straight line.
+    // The board interpolates a signal linearly, so it is sampled ten times as densely here.
     let rate_hz = 10.0 * SIGNAL_HZ;
     let wave = |n: usize| {
         let t = n as f64 / rate_hz;
@@ -84,7 +88,7 @@ fn hits(piezo: usize, count: usize, peak: f32) -> (Vec<PiezoSignal>, Vec<f64>) {
     (onsets.iter().map(signal).collect(), onsets)
 }
 
-/// The smallest and the largest latency, s.
+/// Returns the smallest and the largest latency in seconds.
 pub(crate) fn measure(board: Board, piezo: usize, count: usize, peak: f32, contact_time_s: f64) -> (f64, f64) {
     let (piezos, onsets) = hits(piezo, count, peak);
     let setup = Setup { piezos, kit: kit(contact_time_s), ..Setup::default() };

@@ -1,78 +1,85 @@
-//! The processor itself, as little of it as the machine needs: one trait round whichever emulator executes the
-//! instructions. It knows nothing of cycles; those are charged by [`crate::cycle`].
+//! Processor, as far as the machine needs it: one trait round the emulator that executes the
+//! instructions. It knows nothing of cycles, which [`crate::cycle`] charges.
 
 mod rsemu;
 
 pub use rsemu::Rsemu;
 
-/// A fault that the processor raised, with what its status registers say.
+/// Fault that the processor raised, as its status registers describe it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CpuFault {
-    /// An access that nothing answered.
+    /// Nothing answered an access.
     Bus {
-        /// The address.
+        /// Address that was accessed.
         address: u32,
-        /// Whether an instruction was being fetched.
+        /// True if the access was the fetch of an instruction.
         fetch: bool,
     },
-    /// An opcode that is not defined.
+    /// The opcode is not defined.
     Undefined,
-    /// Another fault, by its architectural name.
+    /// The processor raised another fault, of this architectural name.
     Other(&'static str),
 }
 
-/// What one step did.
+/// Result of one step of the core.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stepped {
-    /// Executed the instruction (or skipped it, when its condition failed), or slept on.
+    /// The core executed the instruction, skipped it because its condition failed, or slept on.
     Instruction,
-    /// Entered an exception before, or by, the instruction. Its number is that of the architecture: 3 is a hard fault, 16 the
-    /// first external interrupt.
+    /// The core entered the exception of this number, before the instruction or because of it.
+    ///
+    /// The architecture numbers exceptions: 3 is a hard fault, 16 the first external interrupt.
     Exception(u16),
-    /// Executed the instruction, which returned from an exception, or from one into the next.
+    /// The core executed the instruction, which returned from an exception, perhaps into the next.
     Return,
 }
 
-/// A Cortex-M4F that executes one instruction at a time.
+/// Cortex-M4F that executes one instruction at a time.
 pub trait Core {
-    /// Executes the instruction at the program counter, or enters a pending exception. `in_block` says whether the instruction may be inside an IT block.
+    /// Executes the instruction at the program counter, or enters a pending exception.
+    ///
+    /// `in_block` is true if the instruction may be inside an IT block.
     fn step(&mut self, in_block: bool) -> Stepped;
-    /// The program counter: the next instruction's address.
+    /// Returns the program counter: the address of the next instruction.
     fn pc(&self) -> u32;
     /// Sets the program counter, without the Thumb bit.
     fn set_pc(&mut self, address: u32);
-    /// Core register 0 to 15.
+    /// Returns core register 0 to 15.
     fn register(&self, index: u8) -> u32;
     /// Sets core register 0 to 14.
     fn set_register(&mut self, index: u8, value: u32);
-    /// FPU register s0 to s31, as bits.
+    /// Returns the bits of FPU register s0 to s31.
     fn float_register(&self, index: u8) -> u32;
-    /// Sets FPU register s0 to s31, as bits.
+    /// Sets the bits of FPU register s0 to s31.
     fn set_float_register(&mut self, index: u8, bits: u32);
-    /// The status word xPSR: flags N Z C V Q in bits 31 to 27, GE in 19 to 16, the IT state in 26, 25 and 15 to 10.
+    /// Returns the status word xPSR: flags N Z C V Q in bits 31 to 27, GE in 19 to 16, and the IT
+    /// state in 26, 25 and 15 to 10.
     fn status(&self) -> u32;
-    /// Whether the core waits in `wfi` or `wfe`.
+    /// Returns true if the core waits in `wfi` or `wfe`.
     fn is_asleep(&self) -> bool;
-    /// Whether SysTick counts, the only device that can wake a core by itself.
+    /// Returns true if SysTick counts, the only device that can wake a core by itself.
     fn is_timer_running(&self) -> bool;
-    /// Whether one of those core registers (a bit mask) points to the block of DWT's registers.
+    /// Returns true if one of the core registers in a bit mask points to the registers of the DWT.
     fn is_in_trace_block(&self, registers: u16) -> bool;
-    /// DWT's cycle counter, if the program has switched it on.
+    /// Returns the cycle counter of the DWT, or `None` if the program has not switched it on.
     fn cycle_counter(&self) -> Option<u32>;
-    /// Sets DWT's cycle counter.
+    /// Sets the cycle counter of the DWT.
     fn set_cycle_counter(&mut self, cycles: u32);
-    /// The number of the exception being handled, 0 for none, and how many are active.
+    /// Returns the number of the exception that is handled, 0 for none, and the number of active
+    /// exceptions, preempted ones included.
     fn exceptions(&self) -> (u16, u32);
-    /// Whether the program has asked for a system reset (AIRCR.SYSRESETREQ).
+    /// Returns true if the program has requested a system reset (AIRCR.SYSRESETREQ).
     fn is_reset_requested(&self) -> bool;
-    /// Whether the core is locked up by a fault inside a fault.
+    /// Returns true if the core is locked up by a fault inside a fault.
     fn is_locked_up(&self) -> bool;
-    /// What the fault status registers say about the last fault.
+    /// Returns the last fault, as the fault status registers describe it.
     fn fault(&self) -> CpuFault;
-    /// Puts the core into privileged thread mode with the FPU on, flags and floating-point status cleared, nothing pending.
+    /// Puts the core into privileged thread mode with the FPU on, flags and floating-point status
+    /// cleared, and nothing pending.
     fn prepare_call(&mut self);
-    /// Restarts from the vector table; all system registers as after power-on.
+    /// Restarts the core from the vector table, with all system registers as after power-on.
     fn reset(&mut self);
-    /// Drives an external interrupt line (0 is the first after the system exceptions); level-sensitive.
+    /// Drives an external interrupt line, which is level-sensitive. Line 0 is the first after the
+    /// system exceptions.
     fn set_interrupt(&mut self, line: u16, asserted: bool);
 }

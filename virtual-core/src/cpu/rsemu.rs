@@ -1,6 +1,11 @@
-//! The crate `rsemu` as our core. One known difference from silicon: the sign and payload of the NaNs that VSUB makes. Two more are made up for
-//! here (tests/interrupts.rs): its exception frames do not hold the IT state, so that the rest of an interrupted IT block would execute unconditionally;
-//! and it overwrites FPSCR before a lazy frame has kept it, so that a comparison's flags were lost. IT states are kept here, and frames are never lazy.
+//! Core that the crate `rsemu` emulates.
+//!
+//! It is known to differ from silicon in the sign and payload of the NaNs that VSUB makes. Two more
+//! differences are made up for here (tests/interrupts.rs):
+//! - Its exception frames do not hold the IT state, so that the rest of an interrupted IT block
+//!   would execute unconditionally. This module keeps the IT states.
+//! - It overwrites FPSCR before a lazy frame has kept it, so that the flags of a comparison would
+//!   be lost. This module never makes frames lazy.
 
 use std::sync::Arc;
 
@@ -10,49 +15,55 @@ use rsemu::cpu::arm::v7m::{ArmV7m, Config, Regs, xpsr};
 
 use super::{Core, CpuFault, Stepped};
 
-/// Entering or leaving an exception costs rsemu at least so many of its own cycles, and so marks itself. A long LDM or VLDM does as
-/// well, and is told apart by the exception number.
+/// Fewest cycles that rsemu itself counts for entering or leaving an exception.
+///
+/// Fewer cycles exclude a change of exception. A long LDM or VLDM reaches this number too, and is
+/// told apart by the exception number.
 const EXCEPTION_CYCLES: u64 = 7;
 
-/// Full access to coprocessors 10 and 11: the FPU.
+/// Bits of CPACR that give full access to coprocessors 10 and 11, the FPU.
 const CPACR_FPU: u32 = 0xf << 20;
 
-/// FPCCR's bit that lets the FPU's half of an exception frame be written when it is needed: what takes time on silicon takes none here.
+/// Bit of FPCCR that makes frames lazy: the FPU's half of an exception frame is written only when
+/// it is needed. That saves time on silicon, but none here.
 const FPCCR_LSPEN: u32 = 1 << 30;
 
-/// The block of DWT's registers.
+/// Address of the block of DWT registers.
 const DWT_ADDRESS: u32 = 0xe000_1000;
 
-/// The enable bit of SysTick's control register.
+/// Bit of SysTick's control register that enables it.
 const SYST_CSR_ENABLE: u32 = 1;
 
-/// [`ArmV7m`] behind [`Core`].
+/// Core that `rsemu` emulates.
 #[derive(Debug)]
 pub struct Rsemu {
     core: ArmV7m,
-    /// The number of the exception being handled, 0 for none.
+    /// Number of the exception that is handled, 0 for none.
     exception: u16,
-    /// How many are active, the preempted ones included.
+    /// Number of active exceptions, preempted ones included.
     active: u32,
-    /// For each of them the IT state of what it interrupted, as the bits of the status word.
+    /// IT state that each active exception interrupted, as bits of the status word.
     interrupted_blocks: Vec<u32>,
 }
 
-/// The number of the exception that SVC calls for.
+/// Number of the exception that SVC raises.
 const SUPERVISOR_CALL: u16 = 11;
 
 impl Rsemu {
-    /// A Cortex-M4F on that address space, which boots from the vector table at `vectors`; it has not executed anything yet.
+    /// Makes a core on an address space, which boots from the vector table at `vectors`. It has not
+    /// executed an instruction yet.
     pub fn new(space: Arc<AddressSpace>, vectors: u32) -> Rsemu {
         let core = ArmV7m::new(Config::CORTEX_M4F.with_reset_vtor(vectors).with_priority_bits(4));
         core.attach_space(space);
-        // The first step is the reset sequence.
+        // The first step is the reset sequence, which executes no instruction.
         core.step();
         core.with_sys(|sys| sys.fpccr &= !FPCCR_LSPEN);
         Rsemu { core, exception: 0, active: 0, interrupted_blocks: Vec::new() }
     }
 
-    /// Whether the step that was just made entered or left an exception; `block` is the IT state before it.
+    /// Finds out if the last step entered or left an exception, and keeps or restores the IT state.
+    ///
+    /// `block` is the IT state before the step.
     fn exception_changed(&mut self, block: u32) -> Stepped {
         let exception = (self.core.xpsr() & xpsr::EXCEPTION) as u16;
         if exception == self.exception {
@@ -61,7 +72,7 @@ impl Rsemu {
         let active = self.core.with_sys(|sys| sys.active_count());
         let entered = active > self.active;
         if entered {
-            // Returning, SVC is over: the state is that of the instruction behind it.
+            // The return goes to the instruction after SVC, so its IT state is kept.
             let block = if exception == SUPERVISOR_CALL { advanced(block) } else { block };
             self.interrupted_blocks.push(block);
         } else if active < self.active {
@@ -77,7 +88,8 @@ impl Rsemu {
     }
 }
 
-/// The IT state of the next instruction (ITAdvance, DDI 0403 A7.3.2), as the bits of the status word.
+/// Returns the IT state of the next instruction (ITAdvance, DDI 0403 A7.3.2), as bits of the status
+/// word.
 fn advanced(block: u32) -> u32 {
     let state = block >> 8 & 0xfc | block >> 25 & 3;
     let next = if state & 7 == 0 { 0 } else { state & 0xe0 | state << 1 & 0x1f };

@@ -1,39 +1,49 @@
-//! Wait states of the STM32F4's flash behind its accelerator (ST RM0090 section 3.5, "Adaptive real-time memory accelerator").
+//! Wait states of the STM32F4's flash behind its accelerator (ST RM0090 section 3.5, "Adaptive
+//! real-time memory accelerator").
 //!
-//! Modelled: the instruction cache of 64 lines of 16 bytes and the data cache of 8 such lines, each fully associative and evicting the
-//! line longest unused, empty when the machine is made. An instruction whose bytes lie in a line that is not there waits
-//! for a refill, one that straddles two lines for each of them; a literal load from flash likewise through the data lines.
-//! A refill is 6 cycles at 168 MHz (5 wait states) and 4 at 96 MHz (3 wait states), beyond the nominal cost.
+//! The model has an instruction cache of 64 lines of 16 bytes and a data cache of 8 lines of 16
+//! bytes. Both are fully associative, evict the line longest unused, and are empty when the machine
+//! is made. An instruction waits for a refill for each line that it needs and that is not cached:
+//! one line, or two if it straddles them. A literal load from flash waits for a line of the data
+//! cache. A refill takes 6 cycles at 168 MHz (5 wait states) and 4 at 96 MHz (3 wait states),
+//! beyond the nominal cost.
 //!
-//! Not modelled: the prefetch buffer (it hides part of the refills of straight code, so the columns are high for code that runs once),
-//! loads from flash through a pointer (they go through the same 8 data lines and are left out, so the columns are low for
-//! code that reads tables in flash), contention between both sides, and critical-word order inside a refill.
+//! The model leaves out:
+//! - the prefetch buffer, which hides a part of the refills of straight code: the columns are too
+//!   high for code that runs once;
+//! - loads from flash through a pointer, which also use the 8 data lines: the columns are too low
+//!   for code that reads tables in flash;
+//! - contention between instructions and data;
+//! - the order of words inside a refill.
 
 use crate::memory::{FLASH_ADDRESS, FLASH_BYTES};
 
-/// Cycles of a refill at 168 MHz, 5 wait states.
+/// Cycles of a refill at 168 MHz, with 5 wait states.
 pub const REFILL_CYCLES_168_MHZ: u64 = 6;
-/// Cycles of a refill at 96 MHz, 3 wait states.
+/// Cycles of a refill at 96 MHz, with 3 wait states.
 pub const REFILL_CYCLES_96_MHZ: u64 = 4;
-/// Lines of the instruction cache.
+/// Number of lines of the instruction cache.
 pub const INSTRUCTION_LINES: usize = 64;
-/// Lines of the data cache.
+/// Number of lines of the data cache.
 pub const DATA_LINES: usize = 8;
-/// Bytes of a line.
+/// Number of bytes of a line.
 pub const LINE_BYTES: u32 = 16;
 
+/// Slot of a line that is not cached.
 const ABSENT: u8 = u8::MAX;
 
-/// A fully associative cache that evicts the line longest unused.
+/// Fully associative cache that evicts the line longest unused.
 #[derive(Debug, Clone)]
 struct Cache {
-    /// For every line of flash the slot that holds it, or [`ABSENT`].
+    /// Slot that holds each line of flash, or [`ABSENT`].
     slot_of_line: Vec<u8>,
-    /// For every slot the line in it, if any.
+    /// Line in each slot, if any.
     line_of_slot: Vec<Option<u32>>,
-    /// Slots from the one used last to the one longest unused, as a ring of both neighbours; `newest` is its start.
+    /// Slot that was used next after each slot, in a ring that closes at `newest`.
     newer: Vec<u8>,
+    /// Slot that was used last before each slot, in a ring that closes at `newest`.
     older: Vec<u8>,
+    /// Slot that was used last. The slot longest unused is its newer neighbour.
     newest: u8,
 }
 
@@ -49,7 +59,7 @@ impl Cache {
         }
     }
 
-    /// Uses that line of flash; whether it had to be fetched.
+    /// Uses a line of flash; returns true if it had to be fetched.
     fn touch(&mut self, line: u32) -> bool {
         let held = self.slot_of_line[line as usize];
         let missed = held == ABSENT;
@@ -82,13 +92,16 @@ impl Cache {
     }
 }
 
-/// The flash accelerator: says how many refills an instruction waits for.
+/// Flash accelerator, which tells how many refills an instruction waits for.
 #[derive(Debug, Clone)]
 pub struct Accelerator {
     instructions: Cache,
     data: Cache,
+    /// Line of the last instruction.
     current: u32,
+    /// True if the instruction cache is on.
     instructions_on: bool,
+    /// True if the data cache is on.
     data_on: bool,
 }
 
@@ -99,7 +112,7 @@ impl Default for Accelerator {
 }
 
 impl Accelerator {
-    /// With empty caches.
+    /// Makes an accelerator with empty caches, both on.
     pub fn new() -> Accelerator {
         Accelerator {
             instructions: Cache::new(INSTRUCTION_LINES),
@@ -110,14 +123,18 @@ impl Accelerator {
         }
     }
 
-    /// Switches the instruction and the data cache. Without them every line that is not the one being executed waits, and every
-    /// literal. A cache keeps its lines while it is off.
+    /// Switches the instruction cache and the data cache on or off.
+    ///
+    /// Without the instruction cache every line waits that is not that of the last instruction;
+    /// without the data cache every literal waits. A cache keeps its lines while it is off.
     pub fn switch(&mut self, instructions: bool, data: bool) {
         self.instructions_on = instructions;
         self.data_on = data;
     }
 
-    /// Refills before the instruction of that length at `address` can run; none outside flash.
+    /// Returns the number of refills before the instruction of `bytes` bytes at `address` can run.
+    ///
+    /// It is 0 outside flash.
     #[inline]
     pub fn fetch(&mut self, address: u32, bytes: u8) -> u64 {
         let offset = address.wrapping_sub(FLASH_ADDRESS);
@@ -138,7 +155,7 @@ impl Accelerator {
         lines.filter(|&line| self.instructions.touch(line)).count() as u64
     }
 
-    /// Refills before a literal at `address` is there; none outside flash.
+    /// Returns the number of refills before a literal at `address` is read, 0 outside flash.
     pub fn load(&mut self, address: u32) -> u64 {
         let line = address.wrapping_sub(FLASH_ADDRESS) / LINE_BYTES;
         u64::from(line < FLASH_BYTES / LINE_BYTES && (!self.data_on || self.data.touch(line)))

@@ -1,23 +1,28 @@
-//! What an instruction pays, or saves, because of the one straight before it.
+//! Hazards: cycles that an instruction costs or saves because of the one straight before it.
 
 use super::Band;
 use crate::decode::{Instruction, Kind};
 
-/// What the previous instruction left behind.
+/// Properties of the previous instruction on which the cost of the next one depends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Previous {
+    /// Core registers that it wrote, other than an updated base.
     result: u16,
+    /// Base register that it updated.
     writeback: u16,
+    /// FPU registers whose value it computes late.
     float_result: u32,
+    /// True if it read memory.
     load: bool,
+    /// True if it read or wrote memory.
     memory: bool,
 }
 
 impl Previous {
-    /// Nothing to wait for: after a refilled pipeline that began elsewhere.
+    /// No previous instruction: the pipeline was refilled, and nothing can delay the next one.
     pub const NOTHING: Previous = Previous { result: 0, writeback: 0, float_result: 0, load: false, memory: false };
 
-    /// What that instruction leaves to the next one.
+    /// Returns the properties of an instruction.
     #[inline]
     pub fn of(instruction: &Instruction) -> Previous {
         use Kind::{Float, FloatDivide, FloatMultiplyAccumulate};
@@ -32,14 +37,17 @@ impl Previous {
         }
     }
 
-    /// The cost of `instruction`, `alone` by itself, after this one. The rules, in all three columns unless said:
+    /// Returns the cost of `instruction` after this one; `alone` is its cost by itself.
     ///
-    /// - a single load straight after a load whose result is not in its address saves 1 (the two are pipelined);
-    /// - a store with a register offset straight after another load or store saves 1 at best;
-    /// - an address made of the previous instruction's result costs 1 more; of a base that it updated, 1 more at worst (the address
-    ///   unit has it early);
-    /// - an operand that a floating-point instruction has just computed (VADD, VMUL, VCVT, VMLA, VDIV ...) costs 1 more, and
-    ///   nothing at best where it is the addend of a multiply-accumulate, which is taken up a cycle later.
+    /// The rules apply to all three columns unless a rule names one:
+    /// - A single load straight after a load saves 1, since the two are pipelined. Its address must
+    ///   not be made of the result of the first load.
+    /// - A store with a register offset straight after another load or store saves 1 at best.
+    /// - An address made of the result of the previous instruction costs 1 more. An address made of
+    ///   a base that it updated costs 1 more at worst, since the address unit has it early.
+    /// - An operand that a floating-point instruction has just computed (VADD, VMUL, VCVT, VMLA,
+    ///   VDIV ...) costs 1 more. The addend of a multiply-accumulate costs nothing more at best,
+    ///   since it is taken up a cycle later.
     #[inline]
     pub fn cost(&self, instruction: &Instruction, alone: Band) -> Band {
         let mut band = alone;

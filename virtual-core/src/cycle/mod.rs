@@ -1,12 +1,14 @@
-//! The cycle model: what each instruction costs, and why.
+//! Cycle model: the cost of each instruction.
 //!
-//! Three numbers, never one, because the model has not been compared with silicon: the *best* and the *worst* that Arm's tables
-//! permit, and a *nominal* one between them. The rules are those of Arm's Cortex-M4 timing tables, TI's SWCU185G and GCC's
-//! `cortex-m4-fpu` description: costs by kind in [`rules`], what an instruction pays for following another in [`hazard`],
-//! and the wait states of flash, as two further columns, in [`flash`].
+//! A cost has three numbers, because the model has not been compared with silicon: the *best* and
+//! the *worst* that Arm's tables permit, and a *nominal* one between them. The rules are those of
+//! Arm's Cortex-M4 timing tables, TI's SWCU185G and GCC's `cortex-m4-fpu` description. [`rules`]
+//! has the costs by kind, [`hazard`] those of following another instruction, and [`flash`] the wait
+//! states of flash, which make two further columns.
 //!
-//! Not modelled: contention on the bus (DMA, two masters in one RAM), the write buffer, alignment of 32-bit instructions in the
-//! prefetch queue, unaligned data, speculative fetches past a branch, and what [`flash`] lists.
+//! The model leaves out contention on the bus (DMA, two masters in one RAM), the write buffer,
+//! alignment of 32-bit instructions in the prefetch queue, unaligned data, speculative fetches past
+//! a branch, and the list in [`flash`].
 
 pub mod flash;
 pub mod hazard;
@@ -16,24 +18,24 @@ use std::ops::{Add, AddAssign, Sub};
 
 use flash::{REFILL_CYCLES_96_MHZ, REFILL_CYCLES_168_MHZ};
 
-/// The three-way cost of one instruction, in cycles.
+/// Best, nominal and worst cost of one instruction, in cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Band {
-    /// The least that the tables permit.
+    /// Fewest cycles that the tables permit.
     pub best: u8,
-    /// What the published figures of this project use.
+    /// Cycles that the published figures of this project use.
     pub nominal: u8,
-    /// The most that the tables permit.
+    /// Most cycles that the tables permit.
     pub worst: u8,
 }
 
 impl Band {
-    /// The same in all three columns.
+    /// Makes a cost of `cycles` in all three columns.
     pub const fn exactly(cycles: u8) -> Band {
         Band { best: cycles, nominal: cycles, worst: cycles }
     }
 
-    /// From the least to the most.
+    /// Makes a cost from its three columns.
     pub const fn new(best: u8, nominal: u8, worst: u8) -> Band {
         Band { best, nominal, worst }
     }
@@ -47,22 +49,23 @@ impl Add for Band {
     }
 }
 
-/// What a run cost. Instructions are exact; cycles are the model's.
+/// Cost of a run. The number of instructions is exact, and the cycles are those of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Cost {
-    /// Instructions executed, skipped conditional ones and IT included.
+    /// Number of instructions executed, skipped conditional ones and IT included.
     pub instructions: u64,
-    /// Cycles at best, memory without wait states.
+    /// Best cycles, with memory without wait states.
     pub best: u64,
-    /// Cycles, nominal, memory without wait states.
+    /// Nominal cycles, with memory without wait states.
     pub nominal: u64,
-    /// Cycles at worst, memory without wait states.
+    /// Worst cycles, with memory without wait states.
     pub worst: u64,
-    /// Refills of the flash accelerator; each waits as long as the flash's wait states say ([`flash`]).
+    /// Number of refills of the flash accelerator, whose waits depend on the core clock
+    /// ([`flash`]).
     pub refills: u64,
-    /// Nominal cycles and the waits of flash at 168 MHz.
+    /// Nominal cycles with the waits of flash at 168 MHz.
     pub flash_168: u64,
-    /// Nominal cycles and the waits of flash at 96 MHz.
+    /// Nominal cycles with the waits of flash at 96 MHz.
     pub flash_96: u64,
 }
 
@@ -111,7 +114,7 @@ impl AddAssign for Cost {
 impl Sub for Cost {
     type Output = Cost;
 
-    /// The difference of two readings, column by column; a column that would be negative is 0.
+    /// Returns the difference of two readings, column by column. No column falls below 0.
     fn sub(self, other: Cost) -> Cost {
         Cost {
             instructions: self.instructions.saturating_sub(other.instructions),

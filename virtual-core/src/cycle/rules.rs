@@ -1,24 +1,26 @@
-//! What each kind of instruction costs by itself.
+//! Cost of each kind of instruction by itself.
 
 use super::Band;
 use crate::decode::{Instruction, Kind};
 
-/// Refilling the pipeline after the program counter went elsewhere: P = 1 to 3, nominal 2.
+/// Cost of refilling the pipeline after a taken branch: Arm's P of 1 to 3, nominal 2.
 pub const REFILL: Band = Band::new(1, 2, 3);
 
-/// An instruction of an IT block whose condition failed.
+/// Cost of an instruction of an IT block whose condition failed.
 pub const SKIPPED: Band = Band::exactly(1);
 
-/// Entering an exception: eight registers stacked while the vector is fetched (Cortex-M4 manual: 12 cycles without waits).
+/// Cost of entering an exception: eight registers are stacked while the vector is fetched, which
+/// takes 12 cycles without waits (Cortex-M4 manual).
 pub const EXCEPTION_ENTRY: Band = Band::exactly(12);
 
-/// Returning from an exception, beyond the branch itself (10 to 12 in all).
+/// Cost of returning from an exception beyond that of the branch (10 to 12 in all).
 pub const EXCEPTION_RETURN: Band = Band::new(9, 10, 11);
 
-/// The cost of an instruction by itself: neither taken as a branch nor delayed by the one before it.
+/// Returns the cost of an instruction that is neither a taken branch nor delayed by the one before.
 ///
-/// VSTR is a store through the FPU: 1 like STR, 2 (Arm's table) at worst. Barriers wait for the bus, WFI for an interrupt: only their own
-/// cycles are here. A division is charged by [`division`].
+/// VSTR stores through the FPU: it costs 1 like STR, and 2 (Arm's table) at worst. Barriers wait
+/// for the bus, and WFI for an interrupt; these waits are not included. [`division`] has the cost
+/// of a division.
 pub const fn alone(instruction: &Instruction) -> Band {
     match instruction.kind {
         Kind::Alu | Kind::Branch | Kind::Hint | Kind::Wait | Kind::SupervisorCall => Band::exactly(1),
@@ -41,8 +43,11 @@ pub const fn alone(instruction: &Instruction) -> Band {
     }
 }
 
-/// SDIV and UDIV: 2 to 12 cycles. Arm says only that the divider ends early depending on the operands' sizes; the nominal
-/// figure is our estimate of that: 2, and 1 for each 4 bits of the quotient or part of them (at most 10 in all).
+/// Returns the cost of SDIV (`signed`) or UDIV, 2 to 12 cycles.
+///
+/// Arm says only that the divider ends early depending on the sizes of the operands. The nominal
+/// cost is this project's estimate: 2, and 1 for each 4 bits of the quotient or part of them, at
+/// most 10 in all.
 pub fn division(signed: bool, dividend: u32, divisor: u32) -> Band {
     let magnitude = |value: u32| if signed { value.cast_signed().unsigned_abs() } else { value };
     let bits = |value: u32| 32 - value.leading_zeros();

@@ -4,16 +4,18 @@ use rsemu::cpu::arm::v7m::fpisa::{DataOp, FpInsn, UnaryOp};
 
 use super::{Instruction, Kind, core, literal};
 
-/// `count` FPU registers from `first`.
+/// Returns the set of `count` FPU registers from `first` on.
 fn singles(first: u8, count: u8) -> u32 {
     let list = if count >= 32 { u32::MAX } else { (1 << count) - 1 };
     list.checked_shl(u32::from(first)).unwrap_or(0)
 }
 
+/// Returns the set of one FPU register.
 fn single(register: u8) -> u32 {
     singles(register, 1)
 }
 
+/// Returns the properties of an FPU instruction of `bytes` bytes at `address`.
 pub(super) fn decode(address: u32, bytes: u8, float: FpInsn) -> Instruction {
     if float.needs_v5() {
         return Instruction::new(Kind::Undefined, bytes);
@@ -81,7 +83,7 @@ pub(super) fn decode(address: u32, bytes: u8, float: FpInsn) -> Instruction {
     }
 }
 
-/// A load writes its registers, a store reads them.
+/// Adds a list of FPU registers to an instruction: a load writes them, a store reads them.
 fn moved(base: Instruction, load: bool, list: u32) -> Instruction {
     if load { Instruction { float_result: list, ..base } } else { Instruction { float_sources: list, ..base } }
 }

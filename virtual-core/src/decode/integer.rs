@@ -4,12 +4,13 @@ use rsemu::cpu::arm::v7m::isa::{DualMulOp, HalfMulOp, HintOp, Insn, MemOffset};
 
 use super::{Flow, Instruction, Kind, core, literal};
 
-/// An instruction that writes `rd`; writing the program counter is a jump.
+/// Returns an instruction that writes `rd`. Writing the program counter is a jump.
 fn writes(kind: Kind, bytes: u8, rd: u8) -> Instruction {
     let flow = if rd == 15 { Flow::Computed } else { Flow::Next };
     Instruction { flow, result: core(rd), ..Instruction::new(kind, bytes) }
 }
 
+/// Returns the properties of an instruction of `bytes` bytes at `address` that is not the FPU's.
 pub(super) fn decode(address: u32, bytes: u8, insn: Insn) -> Instruction {
     let of = |kind| Instruction::new(kind, bytes);
     let alu = |rd| writes(Kind::Alu, bytes, rd);
@@ -95,7 +96,7 @@ pub(super) fn decode(address: u32, bytes: u8, insn: Insn) -> Instruction {
         }
 
         Insn::Mrs { rd, .. } => Instruction { result: core(rd), ..of(Kind::Special) },
-        // MSR can move the stack pointer, by its value or by choosing the other one.
+        // MSR can move the stack pointer, by writing it or by choosing the other one.
         Insn::Msr { .. } => Instruction { result: core(13), ..of(Kind::Special) },
         Insn::Cps { .. } => of(Kind::ChangeState),
         Insn::Barrier { .. } => of(Kind::Barrier),

@@ -1,24 +1,27 @@
-//! What the cycle model has to know of an instruction: its kind, how it moves the program counter, and which registers its
-//! address, its result and its floating-point operands are. The opcode tables themselves are those of `rsemu`'s decoder.
+//! Properties of an instruction that the cycle model needs: its kind, how it moves the program
+//! counter, and the registers of its address, result and floating-point operands.
+//!
+//! The opcode tables are those of `rsemu`'s decoder.
 
 mod float;
 mod integer;
 
 use rsemu::cpu::arm::v7m::isa::{self, Insn};
 
-/// The kind of an instruction, as far as kinds differ in their cost.
+/// Kind of an instruction. Kinds are told apart if they differ in their cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
-    /// Integer arithmetic, logic, shifts, bit fields, saturation, SIMD, and every multiplication that is not MLA or MLS.
+    /// Integer arithmetic, logic, shifts, bit fields, saturation, SIMD, and multiplications other
+    /// than MLA and MLS.
     Alu,
     /// MLA, MLS.
     MultiplyAccumulate,
-    /// SDIV (`signed`), UDIV.
+    /// SDIV and UDIV.
     Divide {
-        /// SDIV.
+        /// True for SDIV.
         signed: bool,
     },
-    /// LDR in every width, also literal; VLDR of one word.
+    /// LDR of every width, from a literal too, and VLDR of one word.
     Load,
     /// STR with an immediate offset.
     StoreImmediate,
@@ -30,7 +33,7 @@ pub enum Kind {
     LoadMultiple,
     /// STRD, STM, PUSH, VSTM, VPUSH, and VSTR of two words.
     StoreMultiple,
-    /// STREX in every width.
+    /// STREX of every width.
     StoreExclusive,
     /// B, BL, BX, BLX, CBZ, CBNZ.
     Branch,
@@ -62,83 +65,87 @@ pub enum Kind {
     SupervisorCall,
     /// BKPT.
     Breakpoint,
-    /// Not an instruction of the Cortex-M4F, or UDF.
+    /// UDF, or an opcode that the Cortex-M4F does not define.
     Undefined,
 }
 
 impl Kind {
-    /// Whether it reads memory.
+    /// Returns true if the instruction reads memory.
     pub fn is_load(self) -> bool {
         matches!(self, Kind::Load | Kind::LoadMultiple)
     }
 
-    /// Whether it writes memory.
+    /// Returns true if the instruction writes memory.
     pub fn is_store(self) -> bool {
         use Kind::{StoreExclusive, StoreFloat, StoreImmediate, StoreMultiple, StoreRegister};
         matches!(self, StoreImmediate | StoreRegister | StoreFloat | StoreMultiple | StoreExclusive)
     }
 }
 
-/// How an instruction moves the program counter.
+/// Place to which an instruction moves the program counter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Flow {
-    /// To the next instruction.
+    /// The next instruction.
     Next,
-    /// To [`Instruction::target`].
+    /// [`Instruction::target`].
     Always,
-    /// To [`Instruction::target`] or to the next one.
+    /// [`Instruction::target`] or the next instruction.
     Conditional,
-    /// To an address from a register or from memory.
+    /// An address from a register or from memory.
     Computed,
 }
 
-/// One decoded instruction. Sets of core registers are bit masks (bit 13 is SP), sets of FPU registers too (bit n is s*n*).
+/// Decoded instruction.
+///
+/// A set of registers is a bit mask: bit 13 of a set of core registers is SP, and bit n of a set of
+/// FPU registers is s*n*.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Instruction {
-    /// Its kind.
+    /// Kind of the instruction.
     pub kind: Kind,
-    /// How it moves the program counter.
+    /// Place to which it moves the program counter.
     pub flow: Flow,
-    /// 2 or 4.
+    /// Length in bytes, 2 or 4.
     pub bytes: u8,
-    /// Words that a multiple load or store moves; else 0.
+    /// Number of words that a multiple load or store moves, 0 for other instructions.
     pub words: u8,
-    /// The comment of BKPT.
+    /// Comment field of BKPT or SVC, 0 for other instructions.
     pub comment: u8,
-    /// Dividend and divisor of SDIV and UDIV.
+    /// Numbers of the registers with dividend and divisor of SDIV or UDIV.
     pub operands: [u8; 2],
-    /// Core registers that its address is made of (base and index).
+    /// Core registers of its address, base and index.
     pub address: u16,
     /// Core registers that it writes, other than an updated base.
     pub result: u16,
-    /// The base register that it updates.
+    /// Base register that it updates.
     pub writeback: u16,
     /// FPU registers that it reads, other than an addend.
     pub float_sources: u32,
-    /// The FPU register that a multiply-accumulate adds to.
+    /// FPU register to which a multiply-accumulate adds.
     pub float_addend: u32,
     /// FPU registers that it writes.
     pub float_result: u32,
-    /// Where a branch goes, or where a literal load reads; else 0.
+    /// Address to which a branch goes or which a literal load reads, 0 for other instructions.
     pub target: u32,
 }
 
 impl Instruction {
-    /// Whether it may change the stack pointer.
+    /// Returns true if the instruction may change the stack pointer.
     pub fn moves_stack(&self) -> bool {
         (self.result | self.writeback) & (1 << 13) != 0
     }
 
-    /// Whether it is a branch to a fixed place that is not a call.
+    /// Returns true if the instruction is a branch to a fixed address, but not a call.
     pub fn jumps(&self) -> bool {
         matches!(self.flow, Flow::Always | Flow::Conditional) && self.result == 0
     }
 
-    /// Whether it reads a literal beside the code.
+    /// Returns true if the instruction reads a literal beside the code.
     pub fn is_literal_load(&self) -> bool {
         self.target != 0 && self.kind.is_load()
     }
 
+    /// Makes an instruction of a kind that uses no registers and goes to the next instruction.
     pub(crate) fn new(kind: Kind, bytes: u8) -> Instruction {
         Instruction {
             kind,
@@ -158,12 +165,13 @@ impl Instruction {
     }
 }
 
-/// Whether that halfword is the first of two.
+/// Returns true if a halfword is the first of an instruction of two.
 pub fn is_wide(first: u16) -> bool {
     isa::is_32bit(first)
 }
 
-/// Decodes the instruction at `address` from its first halfword and the one after it (ignored by a 16-bit instruction).
+/// Decodes the instruction at `address` from its first halfword and the one after it, which a
+/// 16-bit instruction ignores.
 pub fn decode(address: u32, first: u16, second: u16) -> Instruction {
     let bytes = if is_wide(first) { 4 } else { 2 };
     match isa::decode(first, second) {
@@ -172,12 +180,14 @@ pub fn decode(address: u32, first: u16, second: u16) -> Instruction {
     }
 }
 
-/// The set of one core register; the program counter is none that a later instruction could wait for.
+/// Returns the set of one core register.
+///
+/// The program counter gives the empty set, since no later instruction could wait for it.
 fn core(register: u8) -> u16 {
     if register == 15 { 0 } else { 1 << register }
 }
 
-/// The address of a literal: the program counter, aligned down to a word, and an offset.
+/// Returns the address of a literal: the program counter, aligned down to a word, and an offset.
 fn literal(address: u32, offset: u32, add: bool) -> u32 {
     let base = address.wrapping_add(4) & !3;
     if add { base.wrapping_add(offset) } else { base.wrapping_sub(offset) }

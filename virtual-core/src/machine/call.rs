@@ -1,4 +1,4 @@
-//! Calling one function, as compiled code would.
+//! Calls of one function, as compiled code makes them.
 
 use super::execute::Ended;
 use super::{Machine, RAM_END};
@@ -8,33 +8,39 @@ use crate::cycle::hazard::Previous;
 use crate::error::RunError;
 use crate::memory::{RAM_ADDRESS, RAM_BYTES};
 
-/// Where a called function returns to: no memory is there.
+/// Address to which a called function returns, where no memory is.
 const RETURN_ADDRESS: u32 = 0xf000_0000;
 
-/// What a call returned and cost.
+/// Result and cost of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Call {
-    /// What the function returned in r0.
+    /// Value of r0 at the return.
     pub value: u32,
-    /// What it left in r1: the high half of a 64-bit result.
+    /// Value of r1 at the return: the high half of a 64-bit result.
     pub high: u32,
-    /// What it left in s0: an `f32` result, as bits.
+    /// Bits of s0 at the return: an `f32` result.
     pub float: u32,
-    /// Its cost, from its first instruction to its return.
+    /// Cost from the first instruction of the function to its return.
     pub cost: Cost,
-    /// Bytes of stack that it and all it called used at most, below the stack pointer at its entry.
+    /// Most bytes of stack that the function and all it called used, below the stack pointer at its
+    /// entry.
     pub stack_bytes: u32,
 }
 
 impl Machine {
-    /// Calls a function by its demangled or linker name, by the rules of the AAPCS: argument words in r0 to r3, then on the stack. A 64-bit
-    /// argument is two words starting at an even one. Hard-float arguments are set beforehand through [`Machine::core`]
-    /// (s0 to s15); a call does not clear them. The FPU is on, interrupts are as their lines say.
+    /// Calls a function by its demangled or linker name, by the rules of the AAPCS.
     ///
-    /// The stack starts at the symbol `_stack_start` if the image has one (as cortex-m-rt's has), else at the end of RAM.
+    /// Argument words go to r0 to r3, and then to the stack. A 64-bit argument is two words, of
+    /// which the first has an even number. Hard-float arguments are set beforehand by
+    /// [`Machine::core`] (s0 to s15); a call does not clear them. The FPU is on, and interrupts are
+    /// as their lines say.
+    ///
+    /// The stack starts at the symbol `_stack_start` if the image has one, as that of cortex-m-rt
+    /// has, else at the end of RAM.
     ///
     /// # Errors
-    /// [`RunError`]: no such function, an unknown instruction or address, a fault, or no return within the limit.
+    /// [`RunError`] if there is no such function, at an unknown instruction or address or a fault,
+    /// or if the function does not return within the limit.
     pub fn call(&mut self, function: &str, arguments: &[u32]) -> Result<Call, RunError> {
         let address = match self.image.symbol(function) {
             Some(symbol) if symbol.is_function => symbol.address,
@@ -43,10 +49,11 @@ impl Machine {
         self.call_at(address, arguments)
     }
 
-    /// Calls the function at an address.
+    /// Calls the function at an address, by the rules of [`Machine::call`].
     ///
     /// # Errors
-    /// As [`Machine::call`].
+    /// [`RunError`] at an unknown instruction or address or a fault, or if the function does not
+    /// return within the limit.
     pub fn call_at(&mut self, address: u32, arguments: &[u32]) -> Result<Call, RunError> {
         self.core.prepare_call();
         let (in_registers, on_stack) = arguments.split_at(arguments.len().min(4));

@@ -1,32 +1,32 @@
-//! Time as a board needs it: which column of the cost it is, shared with the devices, and where to pause.
+//! Time of a machine: the column of the cost that it follows, and the time at which to pause.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::cycle::Cost;
 
-/// A column of [`Cost`], without the waits of flash.
+/// Column of [`Cost`] without the waits of flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum CycleCase {
-    /// The least that Arm's tables permit.
+    /// Fewest cycles that Arm's tables permit.
     Best,
-    /// What the published figures of this project use.
+    /// Cycles that the published figures of this project use.
     #[default]
     Nominal,
-    /// The most that the tables permit.
+    /// Most cycles that Arm's tables permit.
     Worst,
 }
 
-/// What a machine's time is: one column, and what a refill of the flash accelerator adds to it.
+/// Pace of a machine's time: a column of the cost, and the cycles of a refill of flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Pace {
-    /// The column.
+    /// Column of the cost.
     pub case: CycleCase,
-    /// Cycles of a refill; 0 leaves flash without waits.
+    /// Cycles of a refill of the flash accelerator; 0 leaves flash without waits.
     pub refill_cycles: u64,
 }
 
 impl Pace {
-    /// The cycles that this cost takes.
+    /// Returns the cycles that a cost takes at this pace.
     #[inline]
     pub fn cycles(&self, cost: &Cost) -> u64 {
         let column = match self.case {
@@ -38,8 +38,10 @@ impl Pace {
     }
 }
 
-/// The time of a machine, in cycles since it was made, for devices that are asked in the middle of an instruction; and the time at which
-/// the machine pauses ([`crate::Machine::resume_until_due`]). A device whose next event has moved calls [`Clock::pause_now`].
+/// Clock of a machine, in cycles since the machine was made, which it shares with its devices.
+///
+/// It also holds the time at which the machine pauses ([`crate::Machine::resume_until_due`]). A
+/// device whose next event has moved calls [`Clock::pause_now`].
 #[derive(Debug)]
 pub struct Clock {
     now: AtomicU64,
@@ -53,24 +55,24 @@ impl Default for Clock {
 }
 
 impl Clock {
-    /// Cycles at the start of the instruction that is being executed, or of the next one.
+    /// Returns the cycles at the start of the current instruction, or of the next one in a pause.
     #[inline]
     pub fn now(&self) -> u64 {
         self.now.load(Ordering::Relaxed)
     }
 
-    /// When the machine pauses next.
+    /// Returns the time at which the machine pauses next, in cycles.
     #[inline]
     pub fn due(&self) -> u64 {
         self.due.load(Ordering::Relaxed)
     }
 
-    /// Lets the machine pause before the first instruction that starts at or after that time.
+    /// Lets the machine pause before the first instruction that starts at `cycle` or later.
     pub fn set_due(&self, cycle: u64) {
         self.due.store(cycle, Ordering::Relaxed);
     }
 
-    /// Lets the machine pause after the instruction that is being executed.
+    /// Lets the machine pause after the current instruction.
     pub fn pause_now(&self) {
         self.set_due(0);
     }
@@ -81,15 +83,15 @@ impl Clock {
     }
 }
 
-/// A change of what the core executes: an exception entered, left, or followed by another without a return between.
+/// Entry of an exception, return from one, or return into another exception.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ExceptionChange {
-    /// The machine's time when the entry began, or the instruction that returned.
+    /// Time at which the entry, or the instruction that returned, began, in cycles.
     pub cycle: u64,
-    /// Instructions executed so far.
+    /// Number of instructions executed up to then.
     pub instructions: u64,
-    /// The number of the exception that is handled from here on, 0 for none.
+    /// Number of the exception that is handled from then on, 0 for none.
     pub running: u16,
-    /// How many exceptions are active, preempted ones included.
+    /// Number of active exceptions from then on, preempted ones included.
     pub depth: u32,
 }

@@ -1,4 +1,4 @@
-//! Every instruction of the program, decoded once, with how often it ran.
+//! Instructions of the program, each decoded once, with counts of how often they ran.
 
 use crate::cycle::{Band, rules};
 use crate::decode::{self, Instruction, Kind};
@@ -6,25 +6,30 @@ use crate::error::RunError;
 use crate::machine::profile::Functions;
 use crate::memory::{FLASH_ADDRESS, Memory, RAM_ADDRESS, RAM_BYTES};
 
-/// One place where an instruction can start.
+/// Address at which an instruction can start.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Slot {
     pub(super) instruction: Instruction,
+    /// Cost of the instruction by itself.
     pub(super) alone: Band,
-    /// Index of the function it is in.
+    /// Index of the function that contains the instruction.
     pub(super) function: u16,
+    /// True if the other fields are valid.
     decoded: bool,
+    /// Bits of the instruction when it was decoded.
     opcode: u32,
 }
 
-/// How often an instruction ran, and how often it jumped back.
+/// Counts of an instruction.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Count {
+    /// Number of times that it ran.
     pub(super) executed: u64,
+    /// Number of times that it jumped back.
     pub(super) jumped_back: u64,
 }
 
-/// A stretch of memory that instructions run from; entry `n` of each table belongs to the address `base + 2 n`.
+/// Memory from which instructions run. Entry `n` of each table belongs to address `base + 2 n`.
 #[derive(Debug)]
 pub(super) struct Region {
     pub(super) base: u32,
@@ -46,7 +51,7 @@ impl Region {
     }
 }
 
-/// The code in flash and, once something there runs, in RAM.
+/// Code in flash and, once an instruction has run there, in RAM.
 #[derive(Debug)]
 pub(super) struct Code {
     pub(super) flash: Region,
@@ -54,29 +59,30 @@ pub(super) struct Code {
 }
 
 impl Code {
-    /// For a program whose bytes in flash end at `flash_end`.
+    /// Makes the code of a program whose bytes in flash end at `flash_end`, not decoded yet.
     pub(super) fn new(flash_end: u32) -> Code {
         Code { flash: Region::new(FLASH_ADDRESS, flash_end.saturating_sub(FLASH_ADDRESS)), ram: None }
     }
 
-    /// The regions in use.
+    /// Returns the regions in use.
     pub(super) fn regions(&self) -> impl Iterator<Item = &Region> {
         std::iter::once(&self.flash).chain(&self.ram)
     }
 
-    /// Forgets how often instructions ran.
+    /// Sets all counts to 0.
     pub(super) fn clear_counts(&mut self) {
         for region in std::iter::once(&mut self.flash).chain(&mut self.ram) {
             region.counts.fill(Count::default());
         }
     }
 
-    /// Forgets what was decoded in flash, because its bytes have changed.
+    /// Forgets the decoded instructions in flash, because its bytes have changed.
     pub(super) fn flash_changed(&mut self) {
         self.flash.slots.iter_mut().for_each(|slot| slot.decoded = false);
     }
 
-    /// The instruction at `address` and its counts; `None` where no instruction can be.
+    /// Returns the instruction at `address` and its counts, or `None` if no instruction can be
+    /// there.
     #[inline]
     pub(super) fn at(&mut self, address: u32, memory: &Memory, functions: &Functions) -> Option<(&Slot, &mut Count)> {
         let index = (address.wrapping_sub(FLASH_ADDRESS) / 2) as usize;
@@ -96,7 +102,7 @@ impl Code {
         }
         let region = self.ram.get_or_insert_with(|| Region::new(RAM_ADDRESS, RAM_BYTES));
         let index = (offset / 2) as usize;
-        // Stores can have changed it since.
+        // Stores can have changed the instruction since it was decoded.
         if !region.slots[index].decoded || region.slots[index].opcode != opcode(address, memory).ok()? {
             fill(region, index, address, memory, functions);
         }
@@ -117,7 +123,8 @@ fn fill(region: &mut Region, index: usize, address: u32, memory: &Memory, functi
     };
 }
 
-/// The bits of the instruction at `address`, its first halfword high; the low half of a 16-bit one is 0.
+/// Returns the bits of the instruction at `address`, the first halfword high. The low half of a
+/// 16-bit instruction is 0.
 pub(super) fn opcode(address: u32, memory: &Memory) -> Result<u32, RunError> {
     let mut halves = [[0; 2]; 2];
     memory.read(address, &mut halves[0])?;
@@ -128,7 +135,7 @@ pub(super) fn opcode(address: u32, memory: &Memory) -> Result<u32, RunError> {
     Ok(u32::from(first) << 16 | u32::from(u16::from_le_bytes(halves[1])))
 }
 
-/// Whether the core may not be let execute it.
+/// Returns true if the machine stops at an instruction of this kind instead of executing it.
 #[inline]
 pub(super) fn stops(kind: Kind) -> bool {
     matches!(kind, Kind::Breakpoint | Kind::Undefined)

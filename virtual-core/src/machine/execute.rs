@@ -1,4 +1,4 @@
-//! The loop that executes instructions and charges them.
+//! Loop that executes instructions and charges their cost.
 
 use std::ops::RangeInclusive;
 
@@ -13,26 +13,26 @@ use crate::cycle::rules;
 use crate::decode::{Flow, Kind};
 use crate::error::{Access, RunError};
 
-/// The exceptions that are faults: hard fault, memory management, bus and usage fault.
+/// Numbers of the exceptions that are faults: hard fault, memory management, bus and usage fault.
 const FAULTS: RangeInclusive<u16> = 3..=6;
 
-/// Why [`Machine::execute`] ended.
+/// Reason for which [`Machine::execute`] ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ended {
     /// The program counter is the address that was to be reached.
     Arrived,
-    /// At that breakpoint, which is not executed.
+    /// The next instruction is the breakpoint of this number, which is not executed.
     Breakpoint(u8),
-    /// After WFI or WFE, asleep.
+    /// The core sleeps after WFI or WFE.
     Asleep,
     /// The limit of instructions is reached.
     Limit,
-    /// The time that the clock names is reached.
+    /// The time at which the clock lets the machine pause is reached.
     Due,
 }
 
 impl Machine {
-    /// Executes from the core's program counter until `arrival` or at most `limit` instructions.
+    /// Executes from the program counter to the address `arrival`, at most `limit` instructions.
     pub(super) fn execute(&mut self, arrival: u32, limit: u64) -> Result<Ended, RunError> {
         let mut pc = self.core.pc();
         let mut from = pc;
@@ -90,7 +90,8 @@ impl Machine {
                 if FAULTS.contains(&number) && !std::mem::take(&mut self.fault_expected) {
                     return Err(self.fault_error(instruction.kind, pc));
                 }
-                // Entered before the instruction, unless the instruction is what called for it.
+                // The exception was entered before the instruction, unless this is the SVC that
+                // raised it.
                 if instruction.kind == Kind::SupervisorCall {
                     count.executed += 1;
                     self.total.charge(alone, self.accelerator.fetch(pc, instruction.bytes));
@@ -127,7 +128,7 @@ impl Machine {
                 if stepped == Stepped::Return {
                     self.record_exceptions();
                     band = band + rules::EXCEPTION_RETURN;
-                    // What was interrupted may have been inside an IT block.
+                    // The interrupted code may have been inside an IT block.
                     self.in_block = true;
                 } else if pc <= from && instruction.jumps() && self.functions.index_at(pc) == function {
                     count.jumped_back += 1;
@@ -194,7 +195,9 @@ impl Machine {
     }
 }
 
-/// Whether the IT block that the core is in, if any, lets the next instruction execute. Ends `in_block` when there is none.
+/// Returns true if the IT block of the next instruction lets it execute, or if it is in none.
+///
+/// `in_block` becomes false if the instruction is in no IT block.
 fn in_block_passes(core: &impl Core, in_block: &mut bool) -> bool {
     let status = core.status();
     let state = (status >> 8 & 0xfc) | (status >> 25 & 3);

@@ -1,21 +1,25 @@
-//! The loops that ran, found from the branches that jumped back.
+//! Loops that ran, found by the branches that jumped back.
 
 use super::code::{Code, Region};
 
-/// A loop: from the target of a branch that jumps back, inside one function, to the end of that branch.
+/// Loop inside one function, from the target of a branch that jumps back to the end of the branch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Loop {
-    /// Address of its first instruction.
+    /// Address of the first instruction.
     pub start: u32,
-    /// Its length in bytes, the branch included. Above 1024 it does not fit the instruction cache of an STM32F4.
+    /// Length in bytes, the branch included.
+    ///
+    /// A loop above 1024 bytes does not fit the instruction cache of an STM32F4.
     pub bytes: u32,
-    /// How often the branch jumped back: the passes through the loop, less one for each time it was entered from above.
+    /// Number of times that the branch jumped back: the passes through the loop, less one for each
+    /// time that the loop was entered from above.
     pub iterations: u64,
-    /// Instructions that ran between its ends, those of inner loops included, those of called functions not.
+    /// Number of instructions that ran in the loop. Those of inner loops are included, those of
+    /// called functions are not.
     pub instructions: u64,
 }
 
-/// All loops that ran, the one with most instructions first.
+/// Returns all loops that ran, the one with most instructions first.
 pub(super) fn found(code: &Code) -> Vec<Loop> {
     let mut loops: Vec<Loop> = code.regions().flat_map(in_region).collect();
     loops.sort_by_key(|found| (std::cmp::Reverse(found.instructions), found.start));

@@ -1,4 +1,4 @@
-//! The machine: a core, its memory, the decoded program, and the account of what it has cost.
+//! Machine: a core, its memory, the decoded program, and the account of its cost.
 
 mod call;
 mod clock;
@@ -29,13 +29,15 @@ pub use run::{Run, Stop};
 use code::Code;
 use profile::Functions;
 
-/// Instructions after which [`Machine::call`] takes a call for an endless loop, unless told otherwise.
+/// Number of instructions after which [`Machine::call`] takes a call for an endless loop, unless
+/// [`Machine::limit_calls`] sets another.
 const DEFAULT_LIMIT_INSTRUCTIONS: u64 = 2_000_000_000;
 
-/// An emulated Cortex-M4F with a program in its memory: flash at 0x0800_0000, RAM at 0x2000_0000, CCM at 0x1000_0000.
+/// Emulated Cortex-M4F with a program in its memory: flash at 0x0800_0000, RAM at 0x2000_0000, CCM
+/// at 0x1000_0000.
 ///
-/// Memory keeps what calls write to it. Costs accumulate over calls ([`Machine::cost`], [`Machine::profile`], [`Machine::loops`]) until
-/// [`Machine::clear_counts`].
+/// Memory keeps what calls write to it. [`Machine::cost`] accumulates over all calls, and
+/// [`Machine::profile`] and [`Machine::loops`] since [`Machine::clear_counts`].
 #[derive(Debug)]
 pub struct Machine {
     core: Rsemu,
@@ -49,23 +51,26 @@ pub struct Machine {
     accelerator: Accelerator,
     limit_instructions: u64,
     lowest_stack: u32,
-    /// Whether instructions may be those of an IT block.
+    /// True if the next instruction may be in an IT block.
     in_block: bool,
     clock: Arc<Clock>,
     pace: Pace,
-    /// What the clock shows beyond the cost at that pace: sleep, and what was spent at other paces.
+    /// Difference between the clock and the cost at the present pace, in cycles: sleep, and time
+    /// that was spent at other paces.
     cycles_beyond_cost: i64,
-    /// The clock when DWT's counter was 0.
+    /// Time of the clock at which the counter of the DWT was 0.
     cycle_counter_origin: u64,
-    /// The next fault is the program's own to handle.
+    /// True if the program itself handles its next fault.
     fault_expected: bool,
-    /// Since it was last taken, if anyone takes it.
+    /// Changes of exceptions since they were last taken, or `None` before that.
     exception_changes: Option<Vec<ExceptionChange>>,
 }
 
 impl Machine {
-    /// A machine with that program loaded: its flash, and its initialised data already in RAM too, so that functions can be
-    /// called without the start-up code. The rest of RAM is zero, the rest of flash erased (0xff).
+    /// Makes a machine with a program in its flash.
+    ///
+    /// The initialised data is already in RAM too, so that functions can be called without the
+    /// start-up code. The rest of RAM is zero, and the rest of flash is erased (0xff).
     ///
     /// # Errors
     /// [`RunError::NoMemory`] if the image lies outside the board's memory.
@@ -98,23 +103,26 @@ impl Machine {
         })
     }
 
-    /// Changes after how many instructions [`Machine::call`] gives up (2 000 000 000 at first).
+    /// Sets the number of instructions after which [`Machine::call`] gives up, 2 000 000 000 at
+    /// first.
     pub fn limit_calls(&mut self, instructions: u64) {
         self.limit_instructions = instructions;
     }
 
-    /// Reads memory of the program (flash, RAM, CCM).
+    /// Reads memory of the program: flash, RAM or CCM.
     ///
     /// # Errors
-    /// [`RunError::NoMemory`] outside it.
+    /// [`RunError::NoMemory`] if a byte lies outside the memory.
     pub fn read(&self, address: u32, destination: &mut [u8]) -> Result<(), RunError> {
         self.memory.read(address, destination)
     }
 
-    /// Writes memory of the program; flash too, as a programmer would. Instructions are found only where the image has bytes.
+    /// Writes memory of the program: flash, as a programmer does, RAM or CCM.
+    ///
+    /// Flash beyond the image's bytes cannot be executed.
     ///
     /// # Errors
-    /// [`RunError::NoMemory`] outside it.
+    /// [`RunError::NoMemory`] if a byte lies outside the memory.
     pub fn write(&mut self, address: u32, source: &[u8]) -> Result<(), RunError> {
         self.memory.write(address, source)?;
         if address.wrapping_sub(FLASH_ADDRESS) < FLASH_BYTES {
@@ -123,48 +131,53 @@ impl Machine {
         Ok(())
     }
 
-    /// The symbol of that demangled or linker name.
+    /// Returns the symbol with that linker name, or else with that demangled name.
     pub fn symbol(&self, name: &str) -> Option<Symbol> {
         self.image.symbol(name).cloned()
     }
 
-    /// Adds a device to the bus. Accesses of the program to those addresses call it; it may share state with the caller.
+    /// Adds a device to the bus, which accesses of the program to its addresses call.
+    ///
+    /// The device may share state with the caller.
     ///
     /// # Errors
-    /// [`RunError::Mapping`] if the address space refuses it.
+    /// [`RunError::Mapping`] if the addresses are not free.
     pub fn map(&mut self, address: u32, bytes: u32, device: Arc<dyn Peripheral>) -> Result<(), RunError> {
         memory::map(&self.space, address, bytes, device)
     }
 
-    /// Drives an external interrupt line; level-sensitive, 0 is the first after the system exceptions.
+    /// Drives an external interrupt line, which is level-sensitive. Line 0 is the first after the
+    /// system exceptions.
     pub fn set_interrupt(&mut self, line: u16, asserted: bool) {
         self.core.set_interrupt(line, asserted);
     }
 
-    /// The core, for its registers.
+    /// Returns the core, for its registers.
     pub fn core(&mut self) -> &mut impl Core {
         &mut self.core
     }
 
-    /// The machine's time, shared with its devices.
+    /// Returns the clock of the machine, which devices may share.
     pub fn clock(&self) -> Arc<Clock> {
         Arc::clone(&self.clock)
     }
 
-    /// Cycles since the machine was made, at its pace, sleep included.
+    /// Returns the cycles since the machine was made, at its pace, sleep included.
     #[inline]
     pub fn now(&self) -> u64 {
         self.pace.cycles(&self.total).wrapping_add_signed(self.cycles_beyond_cost)
     }
 
-    /// Changes from here on which column of the cost is the machine's time (nominal cycles without waits of flash at first).
+    /// Sets the pace of the machine's time from now on. At first it is nominal cycles without waits
+    /// of flash.
     pub fn set_pace(&mut self, pace: Pace) {
         let now = self.now();
         self.pace = pace;
         self.move_to(now);
     }
 
-    /// Lets time pass in which the core executes nothing, up to that time. A time in the past changes nothing.
+    /// Lets time pass to `cycle` while the core executes nothing. A time in the past changes
+    /// nothing.
     pub fn sleep_until(&mut self, cycle: u64) {
         if cycle > self.now() {
             self.move_to(cycle);
@@ -176,55 +189,59 @@ impl Machine {
         self.clock.set_now(cycle);
     }
 
-    /// The exceptions that were entered and left since this was last called; the first call starts the record.
+    /// Returns the changes of exceptions since the last call. The first call starts the record.
     pub fn take_exception_changes(&mut self) -> Vec<ExceptionChange> {
         self.exception_changes.replace(Vec::new()).unwrap_or_default()
     }
 
-    /// Lets the program handle its next fault, an undefined instruction included, instead of ending the run: for tests of fault handlers.
+    /// Lets the program handle its next fault instead of ending the run, for tests of fault
+    /// handlers. An undefined instruction is such a fault too.
     pub fn expect_fault(&mut self) {
         self.fault_expected = true;
     }
 
-    /// The flash accelerator, for its switches.
+    /// Returns the flash accelerator, for its switches.
     pub fn accelerator(&mut self) -> &mut Accelerator {
         &mut self.accelerator
     }
 
-    /// Everything that has run so far.
+    /// Returns the cost of all that has run since the machine was made.
     pub fn cost(&self) -> Cost {
         self.total
     }
 
-    /// Everything that has run since [`Machine::clear_counts`], by function, the dearest first. A function's cost is without that of the
-    /// functions it called.
+    /// Returns the cost of each function that has run since [`Machine::clear_counts`], the dearest
+    /// first.
+    ///
+    /// The cost of a function does not include that of the functions it called.
     pub fn profile(&self) -> Vec<FunctionCost> {
         self.functions.profile(self.total)
     }
 
-    /// The loops that ran since [`Machine::clear_counts`], the one with most instructions first.
+    /// Returns the loops that have run since [`Machine::clear_counts`], the one with most
+    /// instructions first.
     pub fn loops(&self) -> Vec<Loop> {
         loops::found(&self.code)
     }
 
-    /// Starts [`Machine::profile`] and [`Machine::loops`] anew.
+    /// Sets the counts of [`Machine::profile`] and [`Machine::loops`] to 0.
     pub fn clear_counts(&mut self) {
         self.functions.clear(self.total);
         self.code.clear_counts();
     }
 
-    /// Empties the flash accelerator's caches, as after another program has run.
+    /// Empties the caches of the flash accelerator and switches them on.
     pub fn clear_flash_cache(&mut self) {
         self.accelerator = Accelerator::new();
     }
 }
 
-/// Where the bytes of the image in flash end.
+/// Returns the address at which the bytes of the image in flash end.
 fn flash_end(image: &Image) -> u32 {
     let in_flash = |address: &u32| address.wrapping_sub(FLASH_ADDRESS) <= FLASH_BYTES;
     let ends = image.segments.iter().map(|segment| segment.load_address.saturating_add(segment.bytes.len() as u32));
     ends.filter(in_flash).max().unwrap_or(FLASH_ADDRESS)
 }
 
-/// The end of RAM, where a stack starts unless the image says otherwise.
+/// End of RAM, at which a stack starts unless the image says otherwise.
 const RAM_END: u32 = RAM_ADDRESS + RAM_BYTES;

@@ -1,20 +1,20 @@
-//! Cycles by function.
+//! Cost by function.
 
 use crate::cycle::Cost;
 use crate::image::{Image, Symbol};
 
-/// What a function cost by itself, without the functions that it called.
+/// Cost of a function by itself, without the functions that it called.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FunctionCost {
-    /// Its demangled name; `(no symbol)` gathers all code without one.
+    /// Demangled name; `(no symbol)` gathers all code without a symbol.
     pub name: String,
-    /// Its first address; 0 for `(no symbol)`.
+    /// First address; 0 for `(no symbol)`.
     pub address: u32,
-    /// Its share of the cost.
+    /// Cost of the function's own instructions.
     pub cost: Cost,
 }
 
-/// A function's place; where two symbols share an address, the first of them.
+/// Addresses of a function. Of symbols that share an address the first one names it.
 #[derive(Debug)]
 struct Function {
     name: String,
@@ -22,18 +22,20 @@ struct Function {
     end: u32,
 }
 
-/// The functions of an image by address, and what each has cost so far.
+/// Functions of an image in the order of their addresses, and the cost of each.
 #[derive(Debug)]
 pub(super) struct Functions {
     sorted: Vec<Function>,
-    /// One entry more than there are functions: 0 is code without a symbol, `n + 1` is `sorted[n]`.
+    /// Costs by index: index 0 is code without a symbol, and index `n + 1` is `sorted[n]`.
     costs: Vec<Cost>,
+    /// Index of the function that is charged.
     current: u16,
-    /// The machine's total when `current` was entered.
+    /// Total cost of the machine when `current` was entered.
     since: Cost,
 }
 
 impl Functions {
+    /// Returns the functions of an image, without costs.
     pub(super) fn of(image: &Image) -> Functions {
         let mut sorted: Vec<Function> = Vec::new();
         for symbol in image.symbols().iter().filter(|symbol| symbol.is_function) {
@@ -46,14 +48,14 @@ impl Functions {
         Functions { sorted, costs, current: 0, since: Cost::default() }
     }
 
-    /// The index of the function that `address` is in; 0 if none.
+    /// Returns the index of the function that contains `address`, 0 if none does.
     pub(super) fn index_at(&self, address: u32) -> u16 {
         let next = self.sorted.partition_point(|function| function.start <= address);
         let inside = next.checked_sub(1).is_some_and(|index| address < self.sorted[index].end);
         if inside { next as u16 } else { 0 }
     }
 
-    /// The name of the function that `address` is in.
+    /// Returns the name of the function that contains `address`.
     pub(super) fn name_at(&self, address: u32) -> String {
         self.name(usize::from(self.index_at(address)))
     }
@@ -63,20 +65,20 @@ impl Functions {
         function.map_or_else(|| "(no symbol)".to_owned(), |function| function.name.clone())
     }
 
-    /// Whether `function` is the one being charged.
+    /// Returns true if the function of index `function` is charged.
     #[inline]
     pub(super) fn is_current(&self, function: u16) -> bool {
         self.current == function
     }
 
-    /// From here on, with `total` spent so far, charges that function.
+    /// Charges the function of index `function` from now on; `total` is the machine's total cost.
     pub(super) fn enter(&mut self, function: u16, total: Cost) {
         self.costs[usize::from(self.current)] += total - self.since;
         self.current = function;
         self.since = total;
     }
 
-    /// What every function that ran has cost, the dearest (nominal cycles) first.
+    /// Returns the cost of every function that ran, the dearest first, by nominal cycles.
     pub(super) fn profile(&self, total: Cost) -> Vec<FunctionCost> {
         let mut profile: Vec<FunctionCost> = (0..self.costs.len())
             .map(|index| {
@@ -90,7 +92,7 @@ impl Functions {
         profile
     }
 
-    /// Forgets all costs.
+    /// Sets all costs to 0; `total` is the machine's total cost.
     pub(super) fn clear(&mut self, total: Cost) {
         self.costs.fill(Cost::default());
         self.since = total;

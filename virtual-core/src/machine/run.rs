@@ -1,4 +1,4 @@
-//! Running a whole image from its vector table.
+//! Runs of a whole image from its vector table.
 
 use std::sync::Arc;
 
@@ -10,41 +10,43 @@ use crate::cycle::hazard::Previous;
 use crate::error::RunError;
 use crate::memory::FLASH_ADDRESS;
 
-/// No instruction is there, so that nothing arrives.
+/// Address to which no program comes, for runs that end otherwise.
 const NOWHERE: u32 = u32::MAX;
 
-/// Steps that a sleeping core is given to be woken by its own timer: one period of SysTick at its longest.
+/// Number of steps after which a sleeping core that its timer has not woken sleeps for ever: the
+/// longest period of SysTick.
 const LONGEST_SLEEP_STEPS: u32 = 1 << 24;
 
-/// Why a run paused.
+/// Reason for which a run paused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stop {
-    /// At `bkpt #n`, which is not executed.
+    /// The next instruction is `bkpt` of this number, which is not executed.
     Breakpoint(u8),
-    /// After `wfi` or `wfe`, with nothing pending.
+    /// The core sleeps after `wfi` or `wfe`, and no interrupt is pending.
     Asleep,
-    /// After as many instructions as were allowed.
+    /// The allowed number of instructions has been executed.
     Limit,
-    /// At the time that the clock names.
+    /// The time at which the clock lets the machine pause is reached.
     Due,
 }
 
-/// A whole run.
+/// Result and cost of a whole run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Run {
-    /// The number of the breakpoint that ended it.
+    /// Number of the breakpoint that ended the run.
     pub breakpoint: u8,
-    /// What r0 held then: a result, by convention.
+    /// Value of r0 at the breakpoint, which is a result by convention.
     pub value: u32,
-    /// Its cost from the reset on; sleep costs nothing.
+    /// Cost since the reset. Sleep costs nothing.
     pub cost: Cost,
 }
 
 impl Machine {
-    /// Starts the image anew from its vector table at the start of flash. RAM keeps what it holds.
+    /// Restarts the image from its vector table at the start of flash. RAM keeps its content.
     ///
     /// # Errors
-    /// [`RunError::NoVectorTable`] if the table's first two words cannot be a stack pointer and a Thumb address in the program.
+    /// [`RunError::NoVectorTable`] if the first two words of the table cannot be a stack pointer
+    /// and a Thumb address in the program.
     pub fn reset(&mut self) -> Result<(), RunError> {
         let mut words = [[0; 4]; 2];
         self.memory.read(FLASH_ADDRESS, &mut words[0])?;
@@ -55,7 +57,8 @@ impl Machine {
         {
             return Err(RunError::NoVectorTable { address: FLASH_ADDRESS, stack, reset });
         }
-        // A core of its own, because a reset leaves nothing of the NVIC's and the system control block's registers.
+        // A new core is made, because a reset clears all registers of the NVIC and of the system
+        // control block.
         self.core = Rsemu::new(Arc::clone(&self.space), FLASH_ADDRESS);
         self.core.reset();
         self.previous = Previous::NOTHING;
@@ -64,12 +67,14 @@ impl Machine {
         Ok(())
     }
 
-    /// Goes on from where the core is, for at most so many instructions. For boards that drive devices between pauses.
+    /// Executes at most `instructions` instructions from the program counter, for boards that drive
+    /// devices between pauses.
     ///
-    /// A core that sleeps and is not woken by a pending interrupt stays where it is and reports [`Stop::Asleep`] at once.
+    /// A core that sleeps and is not woken by a pending interrupt stays where it is and reports
+    /// [`Stop::Asleep`] at once.
     ///
     /// # Errors
-    /// [`RunError`]: an unknown instruction or address, or a fault.
+    /// [`RunError`] at an unknown instruction or address, or a fault.
     pub fn resume(&mut self, instructions: u64) -> Result<Stop, RunError> {
         Ok(match self.execute(NOWHERE, instructions)? {
             Ended::Breakpoint(number) => Stop::Breakpoint(number),
@@ -79,10 +84,10 @@ impl Machine {
         })
     }
 
-    /// As [`Machine::resume`], with no limit but the time that the machine's [`Clock`](super::Clock) names.
+    /// Executes from the program counter until the machine's [`Clock`](super::Clock) lets it pause.
     ///
     /// # Errors
-    /// As [`Machine::resume`].
+    /// [`RunError`] at an unknown instruction or address, or a fault.
     pub fn resume_until_due(&mut self) -> Result<Stop, RunError> {
         self.resume(u64::MAX)
     }
@@ -90,8 +95,8 @@ impl Machine {
     /// Runs the whole image from its vector table until it meets a breakpoint.
     ///
     /// # Errors
-    /// [`RunError`]: no vector table, an unknown instruction or address, a fault, sleep without end, or no breakpoint
-    /// within the limit.
+    /// [`RunError`] if there is no vector table, at an unknown instruction or address or a fault,
+    /// or if the core sleeps for ever or meets no breakpoint within the limit.
     pub fn run_image(&mut self, limit_instructions: u64) -> Result<Run, RunError> {
         self.reset()?;
         let before = self.total;
@@ -108,7 +113,9 @@ impl Machine {
         }
     }
 
-    /// [`Machine::execute`], with sleep passed over until an interrupt ends it or none has come for [`LONGEST_SLEEP_STEPS`].
+    /// Executes as [`Machine::execute`] does, and passes over sleep that an interrupt ends.
+    ///
+    /// Sleep of more than [`LONGEST_SLEEP_STEPS`] steps counts as endless.
     pub(super) fn execute_awake(&mut self, arrival: u32, limit: u64) -> Result<Ended, RunError> {
         let before = self.total.instructions;
         let mut asleep_steps = 0;
@@ -123,7 +130,8 @@ impl Machine {
         }
     }
 
-    /// The lowest stack pointer since the last reset or call: its distance from the top is the stack that was needed.
+    /// Returns the lowest stack pointer since the last reset or call. Its distance from the start
+    /// of the stack is the number of bytes that were needed.
     pub fn lowest_stack(&self) -> u32 {
         self.lowest_stack
     }

@@ -1,18 +1,18 @@
-//! The mnemonics of the Cortex-M4F and what their operands mean.
+//! Mnemonics of the Cortex-M4F and the meaning of their operands.
 
 use virtual_core::decode::Kind;
 
-/// How the operands of a mnemonic are to be read.
+/// Meaning of the operands of a mnemonic.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Shape {
-    /// Nothing is written that another instruction could wait for.
+    /// No register is written that another instruction could wait for.
     Plain(Kind),
-    /// A number that the decoder keeps.
+    /// The operand is a number that the decoder keeps.
     Commented(Kind),
     SupervisorCall,
     /// The first register is written.
     First(Kind),
-    /// The first two are.
+    /// The first two registers are written.
     FirstTwo,
     Divide {
         signed: bool,
@@ -45,7 +45,8 @@ pub(crate) enum Shape {
 const CONDITIONS: [&str; 15] =
     ["eq", "ne", "hs", "lo", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le", "al"];
 
-/// The shape of a mnemonic, the mnemonic without its suffixes, and whether it carried a condition.
+/// Returns the shape of a mnemonic, the mnemonic without its suffixes, and true if it has a
+/// condition.
 pub(crate) fn shape(mnemonic: &str) -> Option<(Shape, &str, bool)> {
     let name = mnemonic.split('.').next()?;
     if let Some(slots) = name.strip_prefix("it")

@@ -1,4 +1,5 @@
-//! Reads a line of a disassembler's listing, and says from its text alone what the decoder should find.
+//! Reader of a disassembler's listing, which derives from the text alone what the decoder should
+//! find.
 
 use virtual_core::decode::{Flow, Instruction, Kind};
 
@@ -6,7 +7,7 @@ mod mnemonics;
 
 use mnemonics::{Shape, shape};
 
-/// One instruction of the listing.
+/// Instruction of the listing.
 pub(crate) struct Line<'a> {
     pub(crate) text: &'a str,
     pub(crate) address: u32,
@@ -14,12 +15,14 @@ pub(crate) struct Line<'a> {
     bytes: u8,
     pub(crate) mnemonic: &'a str,
     operands: &'a str,
-    /// The address that the disassembler computed for a branch or a literal.
+    /// Address that the disassembler computed for a branch or a literal.
     target: Option<u32>,
 }
 
 impl<'a> Line<'a> {
-    /// ` 8000064: fb10 2011    \tsmlabt\tr0, r0, r1, r2`; `None` for data, labels and blank lines.
+    /// Reads a line such as ` 8000064: fb10 2011    \tsmlabt\tr0, r0, r1, r2`.
+    ///
+    /// Returns `None` for data, labels and blank lines.
     pub(crate) fn parse(text: &'a str) -> Option<Line<'a>> {
         let mut columns = text.split('\t');
         let (address, raw) = columns.next()?.split_once(": ")?;
@@ -49,7 +52,9 @@ impl<'a> Line<'a> {
         })
     }
 
-    /// What the decoder should say; `in_block` inside an IT block, where a branch's condition is not its own.
+    /// Returns the instruction that the decoder should find.
+    ///
+    /// `in_block` is true inside an IT block, where the condition of a branch is that of the block.
     pub(crate) fn expected(&self, in_block: bool) -> Instruction {
         let (shape, base, conditional) =
             shape(self.mnemonic).unwrap_or_else(|| panic!("unknown mnemonic: {}", self.text));
@@ -91,7 +96,8 @@ impl<'a> Line<'a> {
             }
             Shape::FirstTwo => Instruction { result: core(&all.core[..2]), ..of(Kind::Alu) },
             Shape::Divide { signed } => {
-                // `udiv r2, r2, r3`: the last two, whether or not the destination is written out.
+                // The last two registers of `udiv r2, r2, r3` and of `udiv r2, r3` are the
+                // operands.
                 let [.., dividend, divisor] = all.core[..] else { panic!("{}", self.text) };
                 Instruction {
                     result: core(&all.core[..1]),
@@ -170,7 +176,7 @@ impl<'a> Line<'a> {
             Shape::Float(kind) => {
                 let (result, rest) = all.float.split_at(1);
                 let addend = if kind == Kind::FloatMultiplyAccumulate { single(result) } else { 0 };
-                // A two-operand form (`vcvt.f32.s32 s0, s0, #27`) reads what it names last.
+                // A form of two registers (`vcvt.f32.s32 s0, s0, #27`) reads the last one.
                 Instruction {
                     float_result: single(result),
                     float_sources: single(rest),
@@ -187,7 +193,8 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// VMOV: between floats, to or from one or two core registers, or of a constant.
+    /// Returns the expected VMOV between floats, to or from one or two core registers, or of a
+    /// constant.
     fn expected_move(&self, all: &Registers, plain: Instruction) -> Instruction {
         let kind = if all.core.len() == 2 { Kind::FloatMovePair } else { Kind::FloatMove };
         let from_core = all.core.first().is_some_and(|_| self.operands.starts_with(['s', 'd']));
@@ -200,10 +207,10 @@ impl<'a> Line<'a> {
     }
 }
 
-/// The registers that a piece of text names, in order.
+/// Registers that a piece of text names, in order.
 struct Registers {
     core: Vec<u8>,
-    /// As singles; `d1` is `s2` and `s3`.
+    /// FPU registers as singles: `d1` is `s2` and `s3`.
     float: Vec<u8>,
     double: bool,
 }
@@ -231,12 +238,12 @@ impl Registers {
     }
 }
 
-/// A set of core registers, the program counter left out.
+/// Returns a set of core registers without the program counter.
 fn core(registers: &[u8]) -> u16 {
     registers.iter().filter(|&&register| register != 15).fold(0, |set, register| set | 1 << register)
 }
 
-/// A set of FPU registers.
+/// Returns a set of FPU registers.
 fn single(registers: &[u8]) -> u32 {
     registers.iter().fold(0, |set, register| set | 1 << register)
 }

@@ -1,4 +1,4 @@
-//! Hands the link script to the linker.
+//! Passes the link script to the linker.
 
 fn main() {
     let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap();

@@ -1,23 +1,23 @@
-//! What the instructions of `tests/program/src/instructions.rs` compute, written on the PC from their definitions in the
-//! architecture manual (Arm DDI 0403, A7.7), independently of the emulator.
+//! Definitions of the instructions of `tests/program/src/instructions.rs`, written for the PC from
+//! the architecture manual (Arm DDI 0403, A7.7), independently of the emulator.
 
 mod lanes;
 
 use lanes::{Keep, Sign, bytes, difference, each_byte, halves, pair};
 
-/// An integer instruction: three words to a word, or two words and a 64-bit one to a 64-bit one.
+/// Integer instruction: a function of three words, or of two words and a 64-bit number.
 pub(crate) enum Integers {
     One(fn(u32, u32, u32) -> u32),
     Long(fn(u32, u32, u64) -> u64),
 }
 
-/// A float instruction: of three floats, or of the bits of two.
+/// Float instruction: a function of three floats, or of the bits of two.
 pub(crate) enum Floats {
     Float(fn(f32, f32, f32) -> f32),
     Bits(fn(u32, u32) -> u32),
 }
 
-/// Half of the last bit that SMMUL and its like keep.
+/// Half of the last bit that SMMULR, SMMLAR and SMMLSR keep.
 const HALF: u64 = 1 << 31;
 
 const Q27: f64 = (1_u32 << 27) as f64;
@@ -42,7 +42,7 @@ fn signed(a: u32, b: u32) -> u64 {
     (i64::from(a.cast_signed()) * i64::from(b.cast_signed())).cast_unsigned()
 }
 
-/// Bits 47 to 16 of the product of a word and a half.
+/// Returns bits 47 to 16 of the product of a word and a half.
 fn wide(a: u32, half: i32) -> u32 {
     ((i64::from(a.cast_signed()) * i64::from(half)) >> 16) as u32
 }
@@ -59,12 +59,12 @@ fn sign_extend(value: u32, width: u32) -> u32 {
     bits((value << (32 - width)).cast_signed() >> (32 - width))
 }
 
-/// N Z C V as MRS shows them.
+/// Returns N Z C V as MRS shows them.
 fn flags(result: u32, carry: bool, overflow: bool) -> u32 {
     result & 0x8000_0000 | u32::from(result == 0) << 30 | u32::from(carry) << 29 | u32::from(overflow) << 28
 }
 
-/// N Z C V after VCMP and VMRS.
+/// Returns N Z C V after VCMP and VMRS.
 fn compared(x: f32, y: f32) -> u32 {
     match x.partial_cmp(&y) {
         Some(std::cmp::Ordering::Less) => 0x8000_0000,
@@ -85,7 +85,9 @@ fn float_of_half(half: u32) -> f32 {
     if sign == 1 { -magnitude } else { magnitude }
 }
 
-/// To nearest, ties to even; NaN becomes the half with the top bits of its payload, quiet.
+/// Rounds a float to the nearest half, ties to even.
+///
+/// A NaN becomes the quiet half NaN with the top bits of its payload.
 fn half_of_float(x: f32) -> u32 {
     let sign = x.to_bits() >> 16 & 0x8000;
     if x.is_nan() {
@@ -95,11 +97,11 @@ fn half_of_float(x: f32) -> u32 {
     if magnitude >= 65_536.0 {
         return sign | 0x7c00;
     }
-    // The distance of neighbouring halves, never below that of the subnormal ones.
+    // The distance of neighbouring halves is never below that of the subnormal ones.
     let exponent = (magnitude.log2().floor() as i32).max(-14);
     let step = 2.0_f64.powi(exponent - 10);
     let steps = (magnitude / step).round_ties_even();
-    // Counting from the subnormals upwards, a carry into the exponent, up to infinity, comes by itself.
+    // Counting upwards from the subnormals carries into the exponent by itself, up to infinity.
     let coded = (f64::from(exponent + 14) * 1024.0 + steps) as u32;
     sign | if magnitude == 0.0 { 0 } else { coded }
 }

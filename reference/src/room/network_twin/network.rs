@@ -2,19 +2,20 @@
 
 use std::f64::consts::TAU;
 
-use super::{BLOCK_FRAMES, LINES, Plan};
+use super::plan::{BLOCK_FRAMES, LINES, Plan};
 
-/// Both outputs of a network for an input at its own rate. `hz` is the full rate.
+/// Left and right output of a network for an input at the band's own rate. `hz` is the full rate.
 ///
-/// Four lines of pairs. What each gives is turned: lines 0 and 2 by an angle that moves, 1 and 3 by
-/// one that does not; 0 and 3 are reflected, 1 and 2 rotated; 2 and 3 change halves. Then it is mixed
-/// by four, and written a line further on.
+/// The four delay lines hold pairs. The pair that leaves lines 0 and 2 turns by an angle that
+/// moves, that of lines 1 and 3 by a fixed one. Pairs of lines 0 and 3 are reflected, those of 1
+/// and 2 rotated, and those of 2 and 3 swap their halves. A 4 x 4 Hadamard matrix then mixes the
+/// four pairs, and each result is written to the next line.
 pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
     let block = BLOCK_FRAMES / plan.division;
     let mut lines: Vec<Vec<[f64; 2]>> = plan.delays.iter().map(|&delay| vec![[0.0; 2]; delay]).collect();
     let mut out = [Vec::with_capacity(input.len()), Vec::with_capacity(input.len())];
     let fixed = (14_111f64 / 32_768.0).atan2(29_574.0 / 32_768.0).sin_cos();
-    // Where both sides are even in the mean, of the energy that a pair of equals (x/2) has.
+    // At this angle both sides are equal on average; the energy is that of a pair of equals (x/2).
     let (sine, cosine) = 25f64.to_radians().sin_cos();
     let input_at = (cosine * 0.5f64.sqrt(), sine * 0.5f64.sqrt());
     for (frame, &x) in input.iter().enumerate() {
@@ -43,8 +44,10 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
     out
 }
 
-/// Sine and cosine of the mix's angle in a block counted from 0: a swing of ±3 radians 1.9 times a second, on a straight line from half block to half
-/// block.
+/// Sine and cosine of the moving angle at a sample of block `index`, counted from 0.
+///
+/// The angle swings by ±3 radians 1.9 times a second; sine and cosine are interpolated between half
+/// blocks.
 fn turn(index: usize, sample: usize, block: usize, hz: f64) -> (f64, f64) {
     let at = |half: usize| {
         let t = half as f64 * BLOCK_FRAMES as f64 / 2.0 / hz;
@@ -52,7 +55,7 @@ fn turn(index: usize, sample: usize, block: usize, hz: f64) -> (f64, f64) {
     };
     let part = 2.0 * sample as f64 / block as f64;
     let half = part as usize;
-    // The first block's angle is that of half a block after the start.
+    // The first block begins with the angle of half a block after the start.
     let (from, to) = (at(2 * index + half + 1), at(2 * index + half + 2));
     let part = part - half as f64;
     (from.0 + part * (to.0 - from.0), from.1 + part * (to.1 - from.1))

@@ -1,9 +1,11 @@
-//! All-pass branches that make steep filters: the split at a band's edge, and the doubling of the rate.
+//! Steep filters from all-pass branches: the band split, and the doubling of the rate.
 
 use std::f64::consts::PI;
 
-/// An elliptic low-pass of odd order whose pass band ends at √k rad/s and whose stop band begins at 1/√k: a real pole at -σ and pairs `s² + b1 s + b0`, [b1, b0],
-/// from the real pole outwards (Antoniou: the series in the nome q).
+/// An elliptic low-pass of odd order whose pass band ends at √k rad/s and stop band begins at 1/√k.
+///
+/// It has a real pole at -σ and pole pairs `s² + b1 s + b0`, stored as [b1, b0] from the real pole
+/// outwards (Antoniou: series in the nome q).
 #[derive(Clone, Debug)]
 pub(super) struct Elliptic {
     sigma: f64,
@@ -11,8 +13,8 @@ pub(super) struct Elliptic {
 }
 
 impl Elliptic {
-    /// With so many pairs, and a complementary high-pass that is `high_db` down in the pass band.
-    pub(super) fn leaning(pairs: usize, k: f64, high_db: f64) -> Self {
+    /// The low-pass with `pairs` pole pairs whose complementary high-pass attenuates by `high_db`.
+    pub(super) fn with_high_pass(pairs: usize, k: f64, high_db: f64) -> Self {
         let q = nome(k);
         let lambda = 10f64.powf(high_db / 20.0).acosh() / (2 * pairs + 1) as f64;
         let odd: f64 = (0..8).map(|i| sign(i) * q.powi(i * (i + 1)) * (f64::from(2 * i + 1) * lambda).sinh()).sum();
@@ -35,7 +37,7 @@ impl Elliptic {
         Self { sigma, pairs: (0..pairs).map(pair).collect() }
     }
 
-    /// Power of the low-pass at so many rad/s: by how far the branches' phases are apart.
+    /// Power response of the low-pass at `w` rad/s, from the phase difference of its branches.
     pub(super) fn low_power(&self, w: f64) -> f64 {
         let mut phases = [0.0, 2.0 * (w / self.sigma).atan()];
         for (index, [b1, b0]) in self.pairs.iter().enumerate() {
@@ -45,7 +47,7 @@ impl Elliptic {
     }
 }
 
-/// Attenuations of low-pass and high-pass together, in dB.
+/// Sum of the stop-band attenuations of low-pass and complementary high-pass, in dB.
 pub(super) fn shared_db(pairs: usize, k: f64) -> f64 {
     -20.0 * (4.0 * nome(k).powf(pairs as f64 + 0.5)).log10()
 }
@@ -60,7 +62,7 @@ fn sign(i: i32) -> f64 {
     if i % 2 == 0 { 1.0 } else { -1.0 }
 }
 
-/// Filters a signal by `numerator(z)/denominator(z)`, powers of z^-1, the denominator's first being 1.
+/// Filters a signal by `numerator(z)/denominator(z)`, in powers of z^-1; `denominator[0]` is 1.
 fn filter(numerator: &[f64], denominator: &[f64], signal: &[f64]) -> Vec<f64> {
     let mut out = Vec::with_capacity(signal.len());
     for n in 0..signal.len() {
@@ -72,7 +74,10 @@ fn filter(numerator: &[f64], denominator: &[f64], signal: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Splits a signal by a low-pass whose 1 rad/s is `tan(π f)` = `tangent` (bilinear transform): what lies below, and what lies above.
+/// Splits a signal into the parts below and above an edge.
+///
+/// `tangent` is `tan(π f)` of the frequency that 1 rad/s of the low-pass maps to (bilinear
+/// transform).
 pub(super) fn split(signal: &[f64], low_pass: &Elliptic, tangent: f64) -> (Vec<f64>, Vec<f64>) {
     let real = low_pass.sigma * tangent;
     let alpha = (1.0 - real) / (1.0 + real);
@@ -87,7 +92,9 @@ pub(super) fn split(signal: &[f64], low_pass: &Elliptic, tangent: f64) -> (Vec<f
     (both().map(|(a, b)| (a + b) / 2.0).collect(), both().map(|(a, b)| (a - b) / 2.0).collect())
 }
 
-/// A signal at twice its rate: a half-band low-pass of fifth order, whose pass band ends at `to` of the lower rate.
+/// A signal at twice its rate, by a half-band low-pass of fifth order.
+///
+/// Its pass band ends at `to` of the lower rate.
 pub(super) fn double(signal: &[f64], to: f64) -> Vec<f64> {
     let half_band = Elliptic::new(2, (PI / 2.0 * to.max(0.25)).tan().powi(2), 1.0);
     let branch = |[b1, _]: [f64; 2]| {

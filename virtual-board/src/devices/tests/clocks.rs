@@ -1,4 +1,4 @@
-//! Clock tree, wait states, enable bits, and the names of what is not there.
+//! Tests of clock tree, wait states, enable bits and watchdog.
 
 use super::{Bench, FLASH, RCC, TIM3};
 use crate::error::Problem;
@@ -7,7 +7,7 @@ use crate::wiring::Board;
 
 const MS: u64 = 16_000;
 
-/// HSE and the PLL to 168 MHz (F407): M 8, N 336, P 2; APB1 /4, APB2 /2.
+/// Starts HSE and PLL for 168 MHz on the F407: M 8, N 336, P 2, APB1 /4, APB2 /2.
 fn start_pll(bench: &mut Bench) {
     bench.write(RCC, 1 | 1 << 16);
     bench.pass(3 * MS);
@@ -33,7 +33,7 @@ fn a_peripheral_whose_clock_is_off_refuses_and_names_its_bit() {
 }
 
 #[test]
-fn what_is_not_modelled_is_told_from_what_does_not_exist() {
+fn unmodelled_peripherals_and_unknown_registers_give_different_errors() {
     let mut bench = Bench::new(Board::Stm32f407gDisc1);
     assert!(matches!(bench.try_write(0x4000_4404, 1), Err(Problem::Unmodelled { .. })), "USART2");
     assert_eq!(bench.try_write(TIM3 + 0x3f0, 1), Err(Problem::Register));
@@ -91,7 +91,7 @@ fn caches_are_reset_only_while_they_are_off() {
 }
 
 #[test]
-fn the_watchdog_is_due_when_its_count_has_run_down() {
+fn the_watchdog_is_due_at_the_end_of_its_count() {
     let mut bench = Bench::new(Board::Stm32f407gDisc1);
     const IWDG: u32 = 0x4000_3000;
     assert!(bench.try_write(IWDG + 8, 99).is_err(), "locked");
@@ -100,7 +100,7 @@ fn the_watchdog_is_due_when_its_count_has_run_down() {
     bench.write(IWDG + 8, 399);
     assert_eq!(bench.devices.watchdog_due(), u64::MAX);
     bench.write(IWDG, 0xcccc);
-    // 400 counts of 8 periods of 32 kHz: 100 ms.
+    // 400 counts of 8 periods of 32 kHz last 100 ms.
     assert_eq!(bench.devices.watchdog_due(), 100 * MS);
     bench.pass(60 * MS);
     bench.write(IWDG, 0xaaaa);

@@ -1,4 +1,5 @@
-//! The peripherals as a program sees them: registers written, time passed, registers and signals looked at.
+//! Tests of the peripherals as a program sees them: registers are written, time passes, and
+//! registers and signals are looked at.
 
 mod clocks;
 mod signals;
@@ -31,7 +32,7 @@ pub(super) struct Bench {
 }
 
 impl Bench {
-    /// With the clocks of all modelled peripherals on, at 16 MHz from the HSI.
+    /// Makes devices with the clocks of all modelled peripherals on, at 16 MHz from the HSI.
     pub(super) fn new(board: Board) -> Bench {
         let mut bench = Bench::after_reset(board);
         for (offset, value) in [(0x30, 0x0060_009f), (0x40, 0x1020_c00f), (0x44, 0x4100)] {
@@ -64,10 +65,10 @@ impl Bench {
         self.machine.now()
     }
 
-    /// Lets so many core cycles pass.
+    /// Lets `cycles` core cycles pass.
     pub(super) fn pass(&mut self, cycles: u64) {
         let until = self.now() + cycles;
-        // What the last write asked for.
+        // The transfers that the last write requested come first.
         let now = self.now();
         self.devices.advance(now, &mut self.machine).unwrap();
         loop {

@@ -1,10 +1,12 @@
-//! I2S, I2C with the codec, pins and EXTI.
+//! Tests of I2S, I2C with the codec, pins and EXTI.
 
 use super::{Bench, DMA1, GPIO, I2C1, RAM, RCC, SPI2};
 use crate::frequency::Frequency;
 use crate::wiring::Board;
 
-/// PLLI2S of the F411: 25 MHz / 25 * 192 / 2 = 96 MHz, and I2S2 with 32-bit slots at 96 MHz / (64 * 31).
+/// Returns an F411 that plays by I2S2.
+///
+/// PLLI2S makes 25 MHz / 25 * 192 / 2 = 96 MHz, and I2S2 has 32-bit slots at 96 MHz / (64 * 31).
 fn playing(connected: bool) -> Bench {
     let mut bench = Bench::new(Board::BlackpillF411);
     bench.write(RCC, 1 | 1 << 16);
@@ -32,7 +34,7 @@ fn playing(connected: bool) -> Bench {
 #[test]
 fn the_i2s_sends_what_dma_brings_at_the_rate_of_its_registers() {
     let mut bench = playing(true);
-    // 16 MHz core: 8 frames in 8 * 64 * 31 / 96 of its 16 cycles.
+    // At 16 MHz 20 frames take 20 * 64 * 31 / 96 times 16 core cycles.
     bench.pass((20.0 * 64.0 * 31.0 / 96.0 * 16.0) as u64 + 2);
     let stream = &bench.devices.audio().streams[0];
     assert_eq!(stream.rate, Frequency::hz(96_000_000).scaled(1, 64 * 31));
@@ -42,7 +44,7 @@ fn the_i2s_sends_what_dma_brings_at_the_rate_of_its_registers() {
         assert_eq!(frame.map(|sample| sample as u32), [word(0) << 16 | word(1), word(2) << 16 | word(3)]);
     }
     assert!(bench.devices.recording.warnings.is_empty());
-    // Flags were never cleared: every half after the first is late.
+    // The flags were never cleared, so every half after the first is late.
     let late = bench.devices.recording.audio_halves.iter().filter(|half| half.late).count();
     assert_eq!((bench.devices.recording.audio_halves.len(), late), (5, 4));
 }
@@ -73,7 +75,7 @@ fn a_stream_that_stops_repeats_its_last_half_word_in_every_slot() {
 fn a_byte_for_the_codec_takes_nine_bits_and_is_acknowledged_only_out_of_reset() {
     for released in [true, false] {
         let mut bench = Bench::new(Board::Stm32f407gDisc1);
-        // PB6, PB9: alternate function 4; PD4: output.
+        // PB6 and PB9 have alternate function 4, and PD4 is an output.
         bench.write(GPIO + 0x400, 0x280 | 2 << 12 | 2 << 18);
         bench.write(GPIO + 0x420, 4 << 24);
         bench.write(GPIO + 0x424, 4 << 4);
@@ -86,7 +88,7 @@ fn a_byte_for_the_codec_takes_nine_bits_and_is_acknowledged_only_out_of_reset() 
         bench.pass(200);
         assert_ne!(bench.read(I2C1 + 0x14) & 1, 0, "SB");
         bench.write(I2C1 + 0x10, 0x94);
-        // 100 kHz at 16 MHz: 160 cycles a bit.
+        // At 100 kHz and 16 MHz a bit takes 160 cycles.
         bench.pass(9 * 160 - 1);
         assert_eq!(bench.read(I2C1 + 0x14) & 0x402, 0);
         bench.pass(1);

@@ -1,4 +1,4 @@
-//! Timers, the ADC that one triggers, and its DMA.
+//! Tests of timers, the ADC that one triggers, and its DMA.
 
 use super::{ADC, Bench, DMA2, GPIO, RAM, TIM3};
 use crate::input::PiezoSignal;
@@ -13,7 +13,7 @@ fn a_timer_counts_updates_and_interrupts_at_its_rate() {
     bench.write(TIM3 + 0x10, 0);
     bench.write(TIM3 + 0x0c, 1);
     bench.write(TIM3, 1);
-    // 16 MHz / 16 / 1000: 1 kHz.
+    // The rate is 16 MHz / 16 / 1000 = 1 kHz.
     bench.pass(15_999);
     assert_eq!((bench.read(TIM3 + 0x24), bench.read(TIM3 + 0x10)), (999, 0));
     bench.pass(1);
@@ -56,7 +56,7 @@ fn a_compare_value_of_zero_interrupts_as_others_do() {
     assert_eq!(bench.read(TIM3 + 0x10) & 4, 4);
 }
 
-/// PA1 and PA2 in a scan, 16 frames of DMA in a circle, a sequence each 1/8000 s.
+/// Returns a board that samples PA1 and PA2 in a scan every 1/8000 s, into a ring of 16 frames.
 fn sampling() -> Bench {
     let mut bench = Bench::new(Board::Stm32f407gDisc1);
     let ramp = |piezo, from: f32, by: f32| PiezoSignal {
@@ -77,7 +77,7 @@ fn sampling() -> Bench {
     bench.write(stream + 4, 32);
     bench.write(stream + 8, ADC + 0x4c);
     bench.write(stream + 0x0c, RAM);
-    // Half-words, memory counts up, circular, complete and half interrupts.
+    // The stream moves half-words to rising addresses, in a circle, with both interrupts.
     bench.write(stream, 1 << 13 | 1 << 11 | 1 << 10 | 1 << 8 | 0b11 << 3 | 1);
     bench.write(ADC + 8, 1 | 1 << 8 | 1 << 9 | 8 << 24 | 1 << 28);
     bench.write(TIM3 + 0x2c, 1999);
@@ -98,7 +98,7 @@ fn a_timer_samples_two_piezos_into_a_ring() {
     assert_eq!(bench.read(DMA2) & 0x3f, 1 << 5, "complete");
     let codes = bench.halves(RAM, 32);
     for (frame, pair) in codes.chunks(2).enumerate() {
-        // The first sequence begins one period after the start, and samples a few cycles later.
+        // The first sequence begins one period after the start and samples a few cycles later.
         let expected = 2048.0 + 2047.0 * (-0.5 + 0.001 * (frame + 1) as f32);
         assert!((f32::from(pair[0]) - expected).abs() < 1.0, "{frame}: {} {expected}", pair[0]);
         assert_eq!(pair[1], 2048 + 512);
@@ -109,7 +109,7 @@ fn a_timer_samples_two_piezos_into_a_ring() {
 }
 
 #[test]
-fn a_conversion_that_nobody_fetches_overruns_and_stops_the_adc() {
+fn a_conversion_that_is_not_fetched_overruns_and_stops_the_adc() {
     let mut bench = sampling();
     bench.pass(2000 * 3 + 200);
     bench.write(DMA2 + 0x10, 0);

@@ -1,26 +1,26 @@
-//! Functions as the compiler makes them: loops, recursion, division, formatting, floats.
+//! Compiled functions: loops, recursion, division, formatting, floats.
 
 use core::fmt::Write;
 
-/// Sum of products of two arrays of `count` words at `a` and `b`.
+/// Returns the sum of products of two arrays of `count` words at `a` and `b`.
 #[unsafe(no_mangle)]
 extern "C" fn dot(a: *const i32, b: *const i32, count: u32) -> i64 {
-    // SAFETY: the tests pass addresses of RAM that hold so many words.
+    // SAFETY: the tests pass addresses of `count` words in RAM.
     let (a, b) =
         unsafe { (core::slice::from_raw_parts(a, count as usize), core::slice::from_raw_parts(b, count as usize)) };
     a.iter().zip(b).map(|(&x, &y)| i64::from(x) * i64::from(y)).sum()
 }
 
-/// Sorts `count` words, then gives the one in the middle.
+/// Sorts `count` words and returns the one in the middle.
 #[unsafe(no_mangle)]
 extern "C" fn median(values: *mut u32, count: u32) -> u32 {
-    // SAFETY: as for `dot`.
+    // SAFETY: the tests pass an address of this many items in RAM.
     let values = unsafe { core::slice::from_raw_parts_mut(values, count as usize) };
     values.sort_unstable();
     values[values.len() / 2]
 }
 
-/// Writes a float as text into `text` and gives its length.
+/// Writes a float as text into `text` and returns the length of the text.
 #[unsafe(no_mangle)]
 extern "C" fn format(bits: u32, text: *mut u8, length: u32) -> u32 {
     struct Text<'a>(&'a mut [u8], usize);
@@ -32,13 +32,13 @@ extern "C" fn format(bits: u32, text: *mut u8, length: u32) -> u32 {
             Ok(())
         }
     }
-    // SAFETY: as for `dot`.
+    // SAFETY: the tests pass an address of this many items in RAM.
     let mut text = Text(unsafe { core::slice::from_raw_parts_mut(text, length as usize) }, 0);
     let _ = write!(text, "{:e}", f32::from_bits(bits));
     text.1 as u32
 }
 
-/// A recursion that needs stack: the Ackermann function.
+/// Computes the Ackermann function, a recursion that needs stack.
 #[unsafe(no_mangle)]
 extern "C" fn ackermann(m: u32, n: u32) -> u32 {
     match (m, n) {
@@ -48,7 +48,7 @@ extern "C" fn ackermann(m: u32, n: u32) -> u32 {
     }
 }
 
-/// A float polynomial and its root: compiled FPU code.
+/// Computes a float polynomial by FPU code.
 #[unsafe(no_mangle)]
 extern "C" fn polynomial(x: f32, y: f32) -> f32 {
     let mut sum = 1.0;
@@ -58,13 +58,13 @@ extern "C" fn polynomial(x: f32, y: f32) -> f32 {
     if sum > 0.0 { sum } else { -sum * 0.5 }
 }
 
-/// Six arguments, of which two come on the stack.
+/// Mixes six arguments, of which two come on the stack.
 #[unsafe(no_mangle)]
 extern "C" fn six(a: u32, b: u32, c: u32, d: u32, e: u32, f: u32) -> u32 {
     a ^ b.rotate_left(1) ^ c.rotate_left(2) ^ d.rotate_left(3) ^ e.rotate_left(4) ^ f.rotate_left(5)
 }
 
-/// A jump table.
+/// Computes one of eight functions, by a jump table.
 #[unsafe(no_mangle)]
 extern "C" fn choose(which: u32, a: u32, b: u32) -> u32 {
     match which {
@@ -79,14 +79,14 @@ extern "C" fn choose(which: u32, a: u32, b: u32) -> u32 {
     }
 }
 
-/// What a table of function pointers holds, whatever the signature.
+/// Pointer to a function of any signature.
 #[repr(transparent)]
 struct Kept(*const ());
 
-// SAFETY: an address of code, never written.
+// SAFETY: the pointer is an address of code, which is never written.
 unsafe impl Sync for Kept {}
 
-/// Keeps what the tests call by name.
+/// Functions that the tests call by name, so that the linker keeps them.
 #[used]
 #[unsafe(link_section = ".vectors")]
 static KEPT: [Kept; 7] = [

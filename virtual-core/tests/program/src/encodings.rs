@@ -1,4 +1,4 @@
-//! Forms of instructions that compilers seldom write; listed and decoded, never run.
+//! Forms of instructions that compilers seldom write. They are listed and decoded, but not run.
 
 use core::arch::global_asm;
 

@@ -1,5 +1,5 @@
-//! One instruction a function, for the comparison with the PC: operands in r0 to r3 (floats as bits), the result in r0,
-//! its high half in r1.
+//! Functions of one instruction each, for the comparison with the PC. Operands are in r0 to r3
+//! (floats as bits), the result is in r0 and its high half in r1.
 
 use core::arch::global_asm;
 

@@ -1,4 +1,5 @@
-//! A routine that is spoilt by anything an interrupt does not put back, and handlers that spoil all they may.
+//! Routine whose result shows any register that an interrupt does not restore, and handlers that
+//! overwrite all registers that they may.
 
 use core::arch::global_asm;
 
@@ -6,12 +7,13 @@ global_asm!(
     ".syntax unified",
     ".fpu fpv4-sp-d16",
     ".section .operations, \"ax\", %progbits",
-    // r0: 64 bytes of memory. Ends at a breakpoint, with the results in the registers and in the memory.
+    // r0 is the address of 64 bytes. The routine ends at a breakpoint, with its results in the
+    // registers and in this memory.
     ".global fragile",
     ".type fragile, %function",
     ".thumb_func",
     "fragile:",
-    // From here on the FPU's registers are part of what an interrupt must put back.
+    // From here on an interrupt must restore the FPU's registers too.
     "vmov s0, r0",
     "mov r4, #0",
     "movw r5, #0x7fff",
@@ -21,7 +23,7 @@ global_asm!(
     "vmov.f32 s1, #1.5",
     "vmov.f32 s20, #3.0",
     "vmov.f32 s31, #-2.0",
-    // Flags that three blocks look at, none of which may be set anew on the way.
+    // Three blocks use these flags, which must survive from the first to the last.
     "cmp r4, #5",
     "itete lt",
     "addlt r6, r6, #10",
@@ -35,12 +37,12 @@ global_asm!(
     "ite mi",
     "movmi r7, #1",
     "movpl r7, #2",
-    // Saturation and the lanes' flags.
+    // These set the flag of saturation and those of the lanes.
     "qadd r8, r5, r5",
     "usub16 r9, r5, r6",
     "sel r9, r5, r6",
     "mrs r10, apsr",
-    // A carry that is used late.
+    // The adcs uses the carry of the adds.
     "adds r1, r5, r5",
     "adcs r2, r5, r4",
     "strd r1, r2, [r0]",
@@ -49,7 +51,7 @@ global_asm!(
     "ldmdb r0!, {{r1, r2, r11, r12}}",
     "push {{r4, r5, r6, r7}}",
     "vpush {{s0, s1}}",
-    // Single precision, with a comparison whose flags lie in the FPU until they are fetched.
+    // The flags of the comparison lie in the FPU until vmrs fetches them.
     "vmul.f32 s2, s1, s20",
     "vmla.f32 s3, s2, s31",
     "vcmp.f32 s2, s1",
@@ -63,7 +65,7 @@ global_asm!(
     "vpop {{s6, s7}}",
     "pop {{r4, r5, r6, r7}}",
     "vmrs r3, fpscr",
-    // A loop whose condition comes out of a block.
+    // The branch of this loop is inside a block.
     "mov r12, #4",
     "0: tst r12, #1",
     "ite ne",
@@ -74,7 +76,8 @@ global_asm!(
     "bne 0b",
     "bkpt #9",
     ".size fragile, . - fragile",
-    // Spoils what the caller of a function must save, the FPU's half of it as well, and returns inside a block.
+    // This handler overwrites the registers that a caller must save, the FPU's too, and returns
+    // inside a block.
     ".global second_interrupt",
     ".type second_interrupt, %function",
     ".thumb_func",
@@ -95,7 +98,7 @@ global_asm!(
     "bxeq lr",
     "b .",
     ".size second_interrupt, . - second_interrupt",
-    // Leaves the FPU alone: its registers are never written to the stack.
+    // This handler does not use the FPU.
     ".global third_interrupt",
     ".type third_interrupt, %function",
     ".thumb_func",

@@ -1,4 +1,5 @@
-//! What the tests of virtual-core run: single instructions, loops, whole functions, and a start-up.
+//! Program that the tests of virtual-core run: single instructions, loops, whole functions, and a
+//! start-up.
 
 #![no_std]
 #![no_main]

@@ -1,4 +1,4 @@
-//! Functions in assembly, instruction by instruction, and those that end in an error.
+//! Macro for functions in assembly, simple functions, and functions that end in an error.
 
 use core::arch::global_asm;
 
@@ -44,6 +44,6 @@ unsafe extern "C" {
 
 /// Ends the program at an undefined instruction.
 pub(crate) fn undefined() -> ! {
-    // SAFETY: it faults and does not return.
+    // SAFETY: the function faults and does not return.
     unsafe { undefined_operation() }
 }

@@ -1,4 +1,5 @@
-//! The examples of the cycle rules, one a function: r0 and r1 hold an address in RAM, r2 and r3 zero, s0 to s3 zero.
+//! Examples of the cycle rules, one per function. r0 and r1 hold an address in RAM; r2, r3 and s0
+//! to s3 are zero.
 
 use core::arch::global_asm;
 

@@ -1,4 +1,4 @@
-//! The vector table, the copy of the initialised data, and an interrupt that counts.
+//! Vector table, copy of the initialised data, and interrupts that count.
 
 use core::arch::global_asm;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -50,17 +50,17 @@ global_asm!(
 
 #[unsafe(no_mangle)]
 extern "C" fn main() -> u32 {
-    // Written, so that it is data and not a constant.
+    // The write makes it initialised data instead of a constant.
     INITIALISED.fetch_add(1, Ordering::Relaxed) + 1
 }
 
-/// SysTick.
+/// Counts interrupts of SysTick.
 #[unsafe(no_mangle)]
 extern "C" fn tick() {
     TICKS.fetch_add(1, Ordering::Relaxed);
 }
 
-/// External interrupt 0.
+/// Counts external interrupts 0.
 #[unsafe(no_mangle)]
 extern "C" fn first_interrupt() {
     TICKS.fetch_add(1, Ordering::Relaxed);
@@ -70,22 +70,22 @@ extern "C" fn first_interrupt() {
 #[unsafe(no_mangle)]
 extern "C" fn sleep_for_ticks(period: u32, count: u32) -> u32 {
     TICKS.store(0, Ordering::Relaxed);
-    // SAFETY: the architecture's SysTick registers, which nothing else in this program uses.
+    // SAFETY: these are SysTick's registers, which nothing else in this program uses.
     unsafe {
         core::ptr::write_volatile(0xe000_e014 as *mut u32, period);
         core::ptr::write_volatile(0xe000_e018 as *mut u32, 0);
         core::ptr::write_volatile(0xe000_e010 as *mut u32, 7);
     }
     while TICKS.load(Ordering::Relaxed) < count {
-        // SAFETY: waits; touches nothing.
+        // SAFETY: the instruction waits and touches nothing.
         unsafe { core::arch::asm!("wfi", options(nomem, nostack)) };
     }
-    // SAFETY: as above.
+    // SAFETY: this is SysTick's register, which nothing else in this program uses.
     unsafe { core::ptr::write_volatile(0xe000_e010 as *mut u32, 0) };
     TICKS.load(Ordering::Relaxed)
 }
 
-/// Keeps what the tests call by name.
+/// Function that the tests call by name, so that the linker keeps it.
 #[used]
 #[unsafe(link_section = ".vectors")]
 static KEPT: extern "C" fn(u32, u32) -> u32 = sleep_for_ticks;

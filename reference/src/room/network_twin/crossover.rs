@@ -1,17 +1,19 @@
-//! Which side each split favours, and what bands lose and gain beyond and within their edges: see `dsp-core`'s room.
+//! Choice of the crossovers between bands, and corrections of the bands' energies.
+//!
+//! Each crossover favours the band that the other one would drown: see `dsp-core`'s room.
 
 use std::f64::consts::PI;
 
 use super::split::{Elliptic, shared_db};
-use crate::room::RoomBand;
+use crate::room::band::RoomBand;
 
-/// A split: its low-pass and where that lies.
-pub(super) struct Leaning {
+/// A crossover: its low-pass and where that lies.
+pub(super) struct Crossover {
     pub(super) low_pass: Elliptic,
     pub(super) tangent: f64,
 }
 
-/// Sections that a split between two bands is given where there are cycles for them.
+/// Number of all-pass sections wanted for the crossover between two bands.
 fn wanted(low: &RoomBand, high: &RoomBand) -> usize {
     let ratio = (low.decay_per_s / high.decay_per_s).max(high.decay_per_s / low.decay_per_s);
     if ratio >= 2.0 {
@@ -23,7 +25,10 @@ fn wanted(low: &RoomBand, high: &RoomBand) -> usize {
     }
 }
 
-/// Sections of all splits, from the lowest edge up, by what they cost on a Cortex-M4F in 32nds of a cycle.
+/// Number of all-pass sections of each crossover, from the lowest edge up.
+///
+/// Granted in turn as long as the cost fits the budget, counted on a Cortex-M4F in 32nds of a
+/// cycle.
 fn sections(bands: &[RoomBand], divisions: &[usize]) -> Vec<usize> {
     let rates: usize = divisions.iter().map(|division| 32 / division).sum();
     let splits: usize = divisions.iter().skip(1).map(|division| 32 / division).sum();
@@ -43,12 +48,14 @@ fn sections(bands: &[RoomBand], divisions: &[usize]) -> Vec<usize> {
     sections
 }
 
-/// All splits, from the lowest edge up, and the factors of the bands' energies that make up for what they lose and what neighbours add.
-pub(super) fn leanings(bands: &[RoomBand], divisions: &[usize], hz: f64) -> (Vec<Leaning>, Vec<f64>) {
+/// All crossovers, from the lowest edge up, and a factor on each band's energy.
+///
+/// The factors make up for what a band loses at its edges and what its neighbours add to it.
+pub(super) fn crossovers(bands: &[RoomBand], divisions: &[usize], hz: f64) -> (Vec<Crossover>, Vec<f64>) {
     let edge_hz = |band: usize| bands.get(band).map_or(hz / 2.0, |band| band.from_hz);
     let energy = |band: usize| bands[band].gain.max(1e-4).powi(2) / (2.0 * bands[band].decay_per_s);
     let width = |band: usize| edge_hz(band + 1) - edge_hz(band);
-    // By how much a band's skirt drowns another.
+    // Level in dB by which one band's skirt exceeds another band.
     let drowning_db = |skirt: usize, other: usize| {
         let longer = (bands[other].decay_per_s / bands[skirt].decay_per_s).log2().clamp(-1.0, 1.0);
         10.0 * (energy(skirt) / energy(other)).log10() + 20.0 * longer
@@ -62,7 +69,7 @@ pub(super) fn leanings(bands: &[RoomBand], divisions: &[usize], hz: f64) -> (Vec
         let by_high_db = (0..=low).map(|below| drowning_db(high, below)).fold(f64::MIN, f64::max);
         let lean_db = 0.5 * (drowning_db(low, high) - by_high_db);
         let all_db = shared_db(sections, k);
-        let low_pass = Elliptic::leaning(sections, k, (0.5 * (all_db - lean_db)).clamp(10.0, all_db - 10.0));
+        let low_pass = Elliptic::with_high_pass(sections, k, (0.5 * (all_db - lean_db)).clamp(10.0, all_db - 10.0));
         let own_hz = hz / divisions[high] as f64;
         let tangent = (PI * edge_hz(high) / own_hz).tan() * k.powf(0.2 * (lean_db / 20.0).clamp(-1.0, 1.0));
         let low_power = |hz: f64| low_pass.low_power((PI * hz / own_hz).tan() / tangent);
@@ -72,7 +79,7 @@ pub(super) fn leanings(bands: &[RoomBand], divisions: &[usize], hz: f64) -> (Vec
         own[high] -= lost_above;
         others[low] += lost_below * energy(high);
         others[high] += lost_above * energy(low);
-        splits.push(Leaning { low_pass, tangent });
+        splits.push(Crossover { low_pass, tangent });
     }
     let factor = |band: usize| {
         let wanted = width(band) - others[band] / energy(band);
@@ -81,7 +88,7 @@ pub(super) fn leanings(bands: &[RoomBand], divisions: &[usize], hz: f64) -> (Vec
     (splits, (0..bands.len()).map(factor).collect())
 }
 
-/// By midpoints, in 24 steps of one ratio.
+/// Integral by the midpoint rule, in 24 steps of equal ratio.
 fn integral(from: f64, to: f64, power: impl Fn(f64) -> f64) -> f64 {
     let step = (to / from).ln() / 24.0;
     (0..24).map(|index| from * ((f64::from(index) + 0.5) * step).exp()).map(|at| power(at) * at * step).sum()

@@ -1,16 +1,19 @@
-//! What the law expects of its noise: power over time, energy over frequency.
+//! Expected values of the residual's noise: power over time, energy over frequency.
 
 use std::f64::consts::PI;
 
-use super::{Band, Hold};
+use super::band::{Band, Hold};
 
-/// Expected power of a band a time (seconds, not negative) after a strike at the reference force: `w² 10^(-γ t/10)`.
+/// Expected power of a band at `time_s` (0 or above) after a strike at the reference force:
+/// `w² 10^(-γ t/10)`.
 pub fn power(band: &Band, time_s: f64) -> f64 {
     band.weight * band.weight * 10f64.powf(-band.decay_db_per_s * time_s / 10.0)
 }
 
-/// What is left of a band's amplitude a time (seconds, not negative) after a strike: it falls by its own decay, and by at least the hand's while one of
-/// `holds`, which do not overlap, lies on the object.
+/// Amplitude of a band at `time_s` (0 or above) after a strike, as a share of its amplitude at 0.
+///
+/// The band falls by its own decay, and by at least the hand's decay during each of `holds`, which
+/// do not overlap.
 pub fn envelope(band: &Band, holds: &[Hold], time_s: f64) -> f64 {
     let own = band.decay_per_s();
     let more = |hold: &Hold| {
@@ -20,11 +23,13 @@ pub fn envelope(band: &Band, holds: &[Hold], time_s: f64) -> f64 {
     (-own * time_s - holds.iter().map(more).sum::<f64>()).exp()
 }
 
-/// Expected one-sided energy density (full scale squared times seconds per hertz) of one strike at a frequency.
+/// Expected one-sided energy density of one strike at a frequency, in full scale squared times
+/// seconds per hertz.
 ///
-/// Noise of flat power `w²/(f2 - f1)` between a band's edges, times `e^(-σt)` from t = 0 on: its density is convolved with the envelope's
-/// spectrum `1/(σ² + 4π² Δ²)`, whose integral over the band is a difference of two arctangents. Negative frequencies count as well. Every decay must
-/// be above 0, or the energy has no bound.
+/// The noise of a band has the flat power `w²/(f2 - f1)` between its edges, times `e^(-σt)` from t
+/// = 0 on. Its density is convolved with the envelope's spectrum `1/(σ² + 4π² Δ²)`, whose integral
+/// over the band is a difference of two arctangents. Negative frequencies count as well. Every
+/// decay must be above 0; otherwise the energy has no bound.
 pub fn energy_density(bands: &[Band], frequency_hz: f64) -> f64 {
     let of_band = |band: &Band| {
         let (sigma, [low, high]) = (band.decay_per_s(), band.edges_hz);
