@@ -8,9 +8,9 @@ use dsp_core::engine::{CYCLES, Counts, Direct, PARTS, Part, Skipping};
 use dsp_core::event::Event;
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
+use host_tests::lent;
 use host_tests::on_chip::EngineOnChip;
 use host_tests::on_chip::budget_scenes::{BudgetScene, all};
-use host_tests::scene::TestEngine;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut rows = Vec::new();
@@ -34,8 +34,7 @@ fn play(scene: &BudgetScene) -> Result<Vec<(Counts, f64)>, Box<dyn Error>> {
     chip.load(&scene.kit, SampleRate::HZ_48000)?;
     chip.set_budget(scene.budget)?;
     let kit = Kit::parse(&scene.kit).map_err(|error| error.to_string())?;
-    let mut pc = Box::new(TestEngine::new());
-    pc.load(&kit, SampleRate::HZ_48000, Skipping::On)?;
+    let mut pc = lent::engine(&kit, SampleRate::HZ_48000, Skipping::On)?;
     pc.set_budget(Some(scene.budget));
     let mut rows = Vec::new();
     for tick in 0..scene.ticks {

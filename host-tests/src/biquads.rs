@@ -1,7 +1,8 @@
 //! Chains of biquads in both worlds, drawn at random.
 
-use dsp_core::biquad::{Biquad, Root};
+use dsp_core::biquad::{Bank, Biquad, BiquadError, Root};
 
+use crate::lent;
 use crate::snr::Random;
 
 /// 1.0 on the bus.
@@ -123,4 +124,13 @@ pub fn near(random: &mut Random, count: usize, depth: usize, nearness: f64) -> (
         }
     }
     (poles, zeros(random, count))
+}
+
+/// dsp-core's bank of chains of `depth` biquads, in memory for so many pairs of sections.
+///
+/// # Errors
+/// [`BiquadError`].
+pub fn bank(biquads: &[Biquad], depth: usize, pairs: usize) -> Result<Bank<'static>, BiquadError> {
+    let mut bank = lent!(lender => Bank::take(lender, pairs));
+    bank.load(biquads, depth).map(|()| bank)
 }

@@ -5,8 +5,10 @@ use dsp_core::dynamic_filter::noise::White;
 use dsp_core::dynamic_filter::{Breakpoint, DynamicFilter, DynamicFilterError, Exciter, Settings};
 use dsp_core::waveguide::Loop;
 
-/// Room for any table: 32 breakpoints, 16 loops, 4096 frames of delay.
-pub type Ours = DynamicFilter<32, 16, 4096>;
+use crate::lent;
+
+/// dsp-core's filter, in memory of its own.
+pub type Ours = DynamicFilter<'static>;
 
 /// Seed and stream of the noise.
 pub const SEED: (u32, u32) = (9, 4);
@@ -47,7 +49,6 @@ impl Table {
     /// # Errors
     /// [`DynamicFilterError`].
     pub fn with_seed(&self, seed: u32, rate: SampleRate) -> Result<Box<Ours>, DynamicFilterError> {
-        let mut filter = Box::new(Ours::EMPTY);
         let settings = Settings {
             seed,
             rate_hz: self.rate_hz,
@@ -57,6 +58,7 @@ impl Table {
             path: self.path.iter().copied(),
             loops: self.loops.iter().copied(),
         };
+        let mut filter = Box::new(lent_filter(&settings, rate)?);
         filter.load(settings, rate, SEED.1).map(|()| filter)
     }
 
@@ -102,6 +104,19 @@ impl Table {
         let loops: Vec<_> = self.loops.iter().map(one).collect();
         reference::waveguide::filter(&mut filter, &loops, &starts, &input, theirs)
     }
+}
+
+/// dsp-core's filter in memory of its own, not loaded yet.
+///
+/// # Errors
+/// [`DynamicFilterError`].
+pub fn lent_filter<P, L>(settings: &Settings<P, L>, rate: SampleRate) -> Result<Ours, DynamicFilterError>
+where
+    P: Iterator<Item = Breakpoint> + Clone,
+    L: Iterator<Item = Loop> + Clone,
+{
+    let size = DynamicFilter::size(settings, rate)?;
+    Ok(lent!(lender => DynamicFilter::take(lender, size)))
 }
 
 /// Our sound for strikes (sample, level) in order.

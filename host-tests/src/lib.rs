@@ -2,6 +2,7 @@
 
 pub mod biquads;
 pub mod dynamic_filter;
+pub mod lent;
 pub mod on_chip;
 pub mod performance;
 pub mod residual;
@@ -11,4 +12,5 @@ pub mod run_time;
 pub mod scene;
 pub mod single_mode;
 pub mod snr;
+pub mod sweeps;
 pub mod trigger;

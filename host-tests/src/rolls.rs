@@ -1,23 +1,19 @@
 //! Rolls without an end: every stage of the engine under strikes that overlap for as long as one likes.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Engine, Filters, Residuals, STANDARD_CONTACTS, Skipping};
+use dsp_core::engine::Skipping;
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::noise::Sfc32;
-use dsp_core::room::Room;
 use dsp_core::table::Kit as KitView;
 use kit::Loaded;
 use kit::text::SourceText;
 
+use crate::lent;
 use crate::scene::load;
 
 /// A kit of four pads that has every stage.
 const KIT: &str = include_str!("rolls.toml");
-
-/// The engine of the rolls, on PC and chip (`host-tests/images/engine`, feature `stages`).
-pub type RollEngine<'k> = Engine<'k, 4, 16, 128, 64, 128, STANDARD_CONTACTS, Stages>;
-type Stages = (Residuals<3>, Room<i16, 4_096>, Filters<2, 32, 16, 256, 8>);
 
 /// The kit of the rolls.
 ///
@@ -92,8 +88,7 @@ pub fn roll(seconds: f64, block: usize, mut progress: impl FnMut(f64)) -> Rolled
     let loaded = kit();
     let view = KitView::parse(&loaded.binary).expect("it was built just now");
     let rate = SampleRate::HZ_48000;
-    let mut engine: Box<RollEngine<'_>> = Box::new(Engine::new());
-    engine.load(&view, rate, Skipping::On).expect("it fits");
+    let mut engine = lent::engine(&view, rate, Skipping::On).expect("it can be played");
     let end = (seconds * rate.hz()) as u64;
     let mut hands = Hands::new();
     let mut rolled =

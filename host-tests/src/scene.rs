@@ -1,13 +1,12 @@
 //! Small kits made in code, and an engine that plays them.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Direct, Engine, STANDARD_CONTACTS, Skipping, TickReport};
+use dsp_core::engine::{Direct, Skipping, TickReport};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::table::Kit as KitView;
 use kit::{Gain, Kit, Loaded, Mode, Object, Pad, Pulse, Striker};
 
-/// The engine of these tests.
-pub type TestEngine<'k> = Engine<'k, 16, 80, 2048, 1024, 2048, STANDARD_CONTACTS>;
+use crate::lent;
 
 /// A mode with one position.
 pub fn mode(frequency_hz: f64, t60_s: f64, sine: f64, cosine: f64) -> Mode {
@@ -88,8 +87,7 @@ pub fn play(
     (frames, blocks): (usize, &[usize]),
 ) -> (Vec<[i32; 2]>, Vec<TickReport>) {
     let kit = KitView::parse(&loaded.binary).expect("the kit is valid");
-    let mut engine = Box::new(TestEngine::new());
-    engine.load(&kit, rate, skipping).expect("the kit fits");
+    let mut engine = lent::engine(&kit, rate, skipping).expect("the kit can be played");
     let (mut out, mut reports) = (vec![[0; 2]; frames], Vec::new());
     let mut lengths = blocks.iter().copied().cycle();
     let (mut rest, mut events) = (out.as_mut_slice(), events);

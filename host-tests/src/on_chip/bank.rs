@@ -5,7 +5,7 @@ use dsp_core::table::layout::{GainRecord, ModeRecord};
 use virtual_core::{Cost, Image, Machine};
 use zerocopy::IntoBytes;
 
-use super::{HOST_MEMORY, OnChipError, accept, bytes_of, manifest, words_of};
+use super::{HOST_MEMORY, OnChipError, accept, bytes_of, image, words_of};
 
 const MODES: u32 = HOST_MEMORY;
 const GAINS: u32 = HOST_MEMORY + 0x4000;
@@ -25,7 +25,7 @@ impl BankOnChip {
     /// # Errors
     /// [`OnChipError`].
     pub fn new() -> Result<Self, OnChipError> {
-        let image = Image::from_elf(&virtual_core::build(&manifest("kernels"))?)?;
+        let image = image("kernels-image")?;
         Ok(Self { machine: Machine::new(&image)?, image })
     }
 

@@ -1,9 +1,9 @@
 //! Banks of biquads on the virtual core.
 
 use dsp_core::biquad::Biquad;
-use virtual_core::{Cost, Image, Machine};
+use virtual_core::{Cost, Machine};
 
-use super::{HOST_MEMORY, OnChipError, accept, bytes_of, manifest, words_of};
+use super::{HOST_MEMORY, OnChipError, accept, bytes_of, image, words_of};
 
 const INPUT: u32 = HOST_MEMORY;
 const OUT: u32 = HOST_MEMORY + 0x4000;
@@ -20,7 +20,7 @@ impl BiquadsOnChip {
     /// # Errors
     /// [`OnChipError`].
     pub fn new() -> Result<Self, OnChipError> {
-        let image = Image::from_elf(&virtual_core::build(&manifest("biquads"))?)?;
+        let image = image("biquads-image")?;
         Ok(Self { machine: Machine::new(&image)? })
     }
 

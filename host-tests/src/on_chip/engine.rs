@@ -5,7 +5,7 @@ use dsp_core::engine::Direct;
 use dsp_core::event::{Action, Event, Time};
 use virtual_core::{Call, Image, Machine};
 
-use super::{HOST_MEMORY, KIT_FLASH, OnChipError, accept, bytes_of, manifest, words_of};
+use super::{HOST_MEMORY, KIT_FLASH, OnChipError, accept, bytes_of, image, words_of};
 
 const BLOCK: u32 = HOST_MEMORY;
 const EVENTS: u32 = HOST_MEMORY + 0x40;
@@ -20,10 +20,10 @@ pub const BLOCK_FRAMES: usize = 1024;
 pub struct Footprint {
     /// Code and constants, without a kit.
     pub flash: u32,
-    /// Static RAM of the image's engine (16 pads, 1024 modes).
+    /// Static RAM of the image, the memory that it lends included.
     pub static_ram: u32,
-    /// Static RAM of an engine for 512 modes on eight pads.
-    pub ram_of_512_modes: u32,
+    /// RAM of the engine that was loaded last, its memory included.
+    pub ram: u32,
 }
 
 /// What the engine told of its last block.
@@ -41,7 +41,7 @@ pub struct Told {
     pub decisions: Vec<Event>,
 }
 
-/// An engine on the virtual core (`host-tests/images/engine`): 16 pads, 1024 modes.
+/// An engine on the virtual core (`host-tests/images/engine`).
 #[derive(Debug)]
 pub struct EngineOnChip {
     machine: Machine,
@@ -54,17 +54,7 @@ impl EngineOnChip {
     /// # Errors
     /// [`OnChipError`].
     pub fn new() -> Result<Self, OnChipError> {
-        let image = Image::from_elf(&virtual_core::build(&manifest("engine"))?)?;
-        Ok(Self { machine: Machine::new(&image)?, image })
-    }
-
-    /// As [`new`](Self::new), with room for every stage of the kit of [`rolls`](crate::rolls).
-    ///
-    /// # Errors
-    /// [`OnChipError`].
-    pub fn with_every_stage() -> Result<Self, OnChipError> {
-        let elf = virtual_core::build_binary(&manifest("engine"), "engine-image", &["--features", "stages"])?;
-        let image = Image::from_elf(&elf)?;
+        let image = image("engine-image")?;
         Ok(Self { machine: Machine::new(&image)?, image })
     }
 
@@ -155,7 +145,7 @@ impl EngineOnChip {
         Ok(Footprint {
             flash: self.image.flash_bytes(),
             static_ram: self.image.static_ram_bytes(),
-            ram_of_512_modes: self.machine.call("engine_512_bytes", &[])?.value,
+            ram: self.machine.call("engine_bytes", &[])?.value,
         })
     }
 

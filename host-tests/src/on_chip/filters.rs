@@ -2,9 +2,9 @@
 
 use dsp_core::dynamic_filter::{Breakpoint, Exciter};
 use dsp_core::waveguide::Loop;
-use virtual_core::{Cost, Image, Machine};
+use virtual_core::{Cost, Machine};
 
-use super::{HOST_MEMORY, OnChipError, accept, bytes_of, manifest, words_of};
+use super::{HOST_MEMORY, OnChipError, accept, bytes_of, image, words_of};
 
 const INPUT: u32 = HOST_MEMORY;
 const OUT: u32 = HOST_MEMORY + 0x4000;
@@ -22,7 +22,7 @@ impl FiltersOnChip {
     /// # Errors
     /// [`OnChipError`].
     pub fn new() -> Result<Self, OnChipError> {
-        let image = Image::from_elf(&virtual_core::build(&manifest("filters"))?)?;
+        let image = image("filters-image")?;
         Ok(Self { machine: Machine::new(&image)? })
     }
 

@@ -16,9 +16,9 @@ pub use filters::FiltersOnChip;
 pub use residual::ResidualOnChip;
 pub use room::RoomOnChip;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use virtual_core::{BuildError, ImageError, RunError};
+use virtual_core::{BuildError, Image, ImageError, RunError};
 
 /// The first byte of the core-coupled memory, which the images leave to the host for what it hands over.
 const HOST_MEMORY: u32 = 0x1000_0000;
@@ -48,8 +48,16 @@ pub enum OnChipError {
     },
 }
 
-fn manifest(image: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("images").join(image).join("Cargo.toml")
+/// Images of the profile `release`, which are optimised for speed.
+const FAST: &[&str] = &["biquads-image", "filters-image", "kernels-image", "residual-image"];
+/// Images of the profile `small`, which are optimised for size.
+const SMALL: &[&str] = &["engine-image", "trigger-image"];
+
+/// Gives one of the images of `host-tests/images`; the first call builds all of its profile.
+pub(crate) fn image(name: &str) -> Result<Image, OnChipError> {
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("images/Cargo.toml");
+    let (profile, images) = if SMALL.contains(&name) { ("small", SMALL) } else { ("release", FAST) };
+    Ok(Image::from_elf(&virtual_core::build_one_of(&manifest, images, name, profile, &[])?)?)
 }
 
 fn accept(function: &'static str, code: u32) -> Result<(), OnChipError> {

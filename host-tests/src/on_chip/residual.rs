@@ -2,9 +2,9 @@
 
 use dsp_core::residual::BandLaw;
 use dsp_core::resonator::TICK_FRAMES;
-use virtual_core::{Cost, Image, Machine};
+use virtual_core::{Cost, Machine};
 
-use super::{HOST_MEMORY, OnChipError, accept, manifest, words_of};
+use super::{HOST_MEMORY, OnChipError, accept, image, words_of};
 
 const BANDS: u32 = HOST_MEMORY;
 const OUT: u32 = HOST_MEMORY + 0x1000;
@@ -21,7 +21,7 @@ impl ResidualOnChip {
     /// # Errors
     /// [`OnChipError`].
     pub fn new() -> Result<Self, OnChipError> {
-        let image = Image::from_elf(&virtual_core::build(&manifest("residual"))?)?;
+        let image = image("residual-image")?;
         Ok(Self { machine: Machine::new(&image)? })
     }
 

@@ -1,10 +1,10 @@
 //! The room alone.
 
 use dsp_core::resonator::TICK_FRAMES;
-use virtual_core::{Cost, Image, Machine};
+use virtual_core::{Cost, Machine};
 use zerocopy::IntoBytes;
 
-use super::{HOST_MEMORY, OnChipError, accept, bytes_of, manifest, words_of};
+use super::{HOST_MEMORY, OnChipError, accept, bytes_of, image, words_of};
 use crate::room::Table;
 
 const BANDS: u32 = HOST_MEMORY;
@@ -22,7 +22,7 @@ impl RoomOnChip {
     /// # Errors
     /// [`OnChipError`].
     pub fn new() -> Result<Self, OnChipError> {
-        let image = Image::from_elf(&virtual_core::build(&manifest("kernels"))?)?;
+        let image = image("kernels-image")?;
         Ok(Self { machine: Machine::new(&image)? })
     }
 

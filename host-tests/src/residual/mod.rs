@@ -8,6 +8,8 @@ use dsp_core::noise::Sfc32;
 use dsp_core::residual::{BandLaw, Shaper};
 use dsp_core::resonator::TICK_FRAMES;
 
+use crate::lent;
+
 /// Rms below which noise ends: -110 dBFS.
 pub const SILENCE: f32 = 3.162_277_7e-6;
 
@@ -43,14 +45,14 @@ pub fn reference_bands(bands: &[BandLaw]) -> Vec<reference::residual::Band> {
 }
 
 /// A stage with its bands, at 48 kHz.
-pub fn shaper(bands: &[BandLaw], seed: u32) -> Box<Shaper> {
-    let mut shaper = Box::new(Shaper::NONE);
+pub fn shaper(bands: &[BandLaw], seed: u32) -> Box<Shaper<'static>> {
+    let mut shaper = Box::new(lent!(lender => Shaper::take(lender, bands.len())));
     shaper.load(bands.iter().copied(), SampleRate::HZ_48000, Sfc32::new(seed, 0), SILENCE);
     shaper
 }
 
 /// The sound of strikes, given by frame and strength in order, as bus samples; full scale 2^27.
-pub fn play(shaper: &mut Shaper, strikes: &[(usize, f32)], frames: usize) -> Vec<i32> {
+pub fn play(shaper: &mut Shaper<'_>, strikes: &[(usize, f32)], frames: usize) -> Vec<i32> {
     let mut out = vec![0; frames];
     let mut strikes = strikes.iter().copied().peekable();
     for (tick, out) in out.chunks_mut(TICK_FRAMES).enumerate() {

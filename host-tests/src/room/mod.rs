@@ -16,6 +16,8 @@ use dsp_core::SampleRate;
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::room::{Room, RoomError, Sample};
 
+use crate::lent;
+
 /// Samples of delay in 48 KB of 16-bit samples.
 pub const LARGE: usize = 24_576;
 /// Samples of delay in 16 KB of 16-bit samples.
@@ -25,7 +27,7 @@ pub const SMALL: usize = 8_192;
 ///
 /// # Errors
 /// A [`RoomError`] for a table that cannot be played.
-pub fn impulse_response<T: Sample, const SAMPLES: usize>(
+pub fn impulse_response<T: Sample + 'static, const SAMPLES: usize>(
     table: &Table,
     rate: SampleRate,
     frames: usize,
@@ -39,7 +41,7 @@ pub fn impulse_response<T: Sample, const SAMPLES: usize>(
 ///
 /// # Errors
 /// A [`RoomError`] for a table that cannot be played.
-pub fn answer<T: Sample, const SAMPLES: usize>(
+pub fn answer<T: Sample + 'static, const SAMPLES: usize>(
     table: &Table,
     rate: SampleRate,
     dry: &[f64],
@@ -47,17 +49,31 @@ pub fn answer<T: Sample, const SAMPLES: usize>(
     answer_to_sides::<T, SAMPLES>(table, rate, [dry, dry])
 }
 
+/// dsp-core's room of a table, in memory of its own, with at most so many samples of delay.
+///
+/// # Errors
+/// A [`RoomError`] for a table that cannot be played.
+pub fn room<T: Sample + 'static>(
+    table: &Table,
+    rate: SampleRate,
+    samples: usize,
+) -> Result<Room<'static, T>, RoomError> {
+    let records = table.records();
+    let size = Room::<T>::size(&records, rate, samples)?;
+    let mut room = lent!(lender => Room::<T>::take(lender, size));
+    room.load(&records, rate, samples).map(|()| room)
+}
+
 /// A room's answer to both sides of a sound, without the sound itself.
 ///
 /// # Errors
 /// A [`RoomError`] for a table that cannot be played.
-pub fn answer_to_sides<T: Sample, const SAMPLES: usize>(
+pub fn answer_to_sides<T: Sample + 'static, const SAMPLES: usize>(
     table: &Table,
     rate: SampleRate,
     dry: [&[f64]; 2],
 ) -> Result<[Vec<f64>; 2], RoomError> {
-    let mut room = Box::new(Room::<T, SAMPLES>::new());
-    room.load(&table.records(), rate)?;
+    let mut room = room::<T>(table, rate, SAMPLES)?;
     let [left, right] = dry.map(|side| side.iter().map(|&x| dsp_core::fixed::q27_from(x)).collect::<Vec<i32>>());
     let dry: Vec<[i32; 2]> = left.into_iter().zip(right).map(|(left, right)| [left, right]).collect();
     let mut out = dry.clone();

@@ -4,19 +4,18 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use dsp_core::fixed::ONE_Q27;
-use dsp_core::resonator::float::{self, FloatMode};
-use dsp_core::resonator::{Bank, BankTable, Group, Memory, Mode, Origin, TICK_FRAMES, Used};
+use dsp_core::resonator::{Bank, BankTable, TICK_FRAMES};
+use float_forms::modal::{self, FloatMode};
 
 use super::chip::table;
 use super::rows::Driven;
+use crate::lent;
 use crate::single_mode::Case;
 
 /// A fixed-point bank with memory of its own.
 #[derive(Debug)]
 pub struct BankOnPc {
-    bank: Bank,
-    modes: Vec<Mode>,
-    groups: Vec<Group>,
+    bank: Bank<'static>,
 }
 
 impl BankOnPc {
@@ -32,20 +31,18 @@ impl BankOnPc {
             is_balanced: false,
             typical_contact: (1e-3, 1e-3),
         };
-        let mut modes = vec![Mode::SILENT; cases.len()];
-        let mut groups = vec![Group::EMPTY; cases.len()];
-        let mut memory = Memory { modes: &mut modes, groups: &mut groups, origins: &mut [] };
-        let bank = Bank::load(&table, cases.first()?.rate, &mut memory, &mut Used::default()).ok()?;
-        Some(Self { bank, modes, groups })
+        let rate = cases.first()?.rate;
+        let size = Bank::size(&table, rate).ok()?;
+        let mut bank = lent!(lender => Bank::take(lender, size));
+        bank.load(&table, rate).ok()?;
+        Some(Self { bank })
     }
 
     /// A tick: its bookkeeping, without retirement, and its sound.
     pub fn tick(&mut self, force: Option<&[i32]>) -> [i32; TICK_FRAMES] {
-        let mut origins: [Origin; 0] = [];
-        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut origins };
-        self.bank.tick(&mut memory, None);
+        self.bank.tick(None);
         let mut out = [0; TICK_FRAMES];
-        self.bank.render(&mut memory, force, false, true, &mut out);
+        self.bank.render(force, false, true, &mut out);
         out
     }
 }
@@ -68,13 +65,13 @@ pub fn float_ns(cases: &[Case], driven: Driven, ticks: usize) -> f64 {
     modes.iter_mut().for_each(|mode| mode.gain = 0.01);
     let force = [0.125; TICK_FRAMES];
     let mut out = [0.0; TICK_FRAMES];
-    float::driven(&mut modes, &force, &mut out);
+    modal::driven(&mut modes, &force, &mut out);
     quickest_ns(cases.len(), ticks, || {
         out.fill(0.0);
         if driven == Driven::Free {
-            float::free(&mut modes, &mut out);
+            modal::free(&mut modes, &mut out);
         } else {
-            float::driven(&mut modes, black_box(&force), &mut out);
+            modal::driven(&mut modes, black_box(&force), &mut out);
         }
         black_box(&mut out);
     })

@@ -47,7 +47,7 @@ impl Report {
     /// The page: verdict, table, scenes.
     pub fn markdown(&self) -> String {
         let mut page = format!(
-            "# Run time against error\n\nMade by `{COMMAND}`.\n\n![Signal-to-noise ratio over cycles](images/run_time_vs_error.png)\n\n"
+            "# Run time against error\n\n{OPENING}\n\n```\n{COMMAND}\n```\n\n![Signal-to-noise ratio over cycles](images/run_time_vs_error.png)\n\n"
         );
         if let Some(verdict) = Verdict::of(&self.kernels) {
             page += &format!("{verdict}\n");
@@ -129,6 +129,10 @@ impl Report {
         })
     }
 }
+
+const OPENING: &str = "\
+This page tells what a mode and what a whole scene take of a Cortex-M4F, and how exact a mode is, beside other crates. To measure
+all of it anew and write this page:";
 
 const NOTES: &str = "\
 Cycles, instructions and nanoseconds are for a mode and sample. Cycles are those of a published model of the Cortex-M4F (crate

@@ -1,6 +1,6 @@
 //! Single-precision forms that the field ships, for comparison.
 
-use dsp_core::resonator::float::FloatMode;
+use float_forms::modal::FloatMode;
 
 use super::Case;
 
@@ -11,7 +11,7 @@ pub enum FloatForm {
     Direct,
     /// Rotation of a complex state: four multiplies, two additions.
     Rotation,
-    /// Modified coupled, three multiplies, three additions: the one in dsp-core.
+    /// Modified coupled, three multiplies, three additions: [`float_forms::modal`].
     Coupled,
 }
 

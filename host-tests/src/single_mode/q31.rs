@@ -1,17 +1,16 @@
 //! The fixed-point bank with one mode, as the engine runs it: ticks, guards, block exponent.
 
 use dsp_core::fixed::ONE_Q27;
-use dsp_core::resonator::{Bank, BankTable, Group, Memory, Mode, Origin, TICK_FRAMES, Used};
+use dsp_core::resonator::{Bank, BankTable, TICK_FRAMES};
 use dsp_core::table::layout::{GainRecord, ModeRecord};
 
 use super::Case;
+use crate::lent;
 
 /// A bank of one mode that has taken a unit impulse, to be advanced tick by tick.
 #[derive(Debug)]
 pub struct StruckMode {
-    bank: Bank,
-    modes: [Mode; 1],
-    groups: [Group; 1],
+    bank: Bank<'static>,
     force: Vec<i32>,
 }
 
@@ -32,29 +31,25 @@ impl StruckMode {
             is_balanced: false,
             typical_contact: (1e-3, 1e-3),
         };
-        let (mut modes, mut groups) = ([Mode::SILENT], [Group::EMPTY]);
-        let mut origins: [Origin; 0] = [];
-        let mut memory = Memory { modes: &mut modes, groups: &mut groups, origins: &mut origins };
-        let bank = Bank::load(&table, case.rate, &mut memory, &mut Used::default()).expect("one mode fits");
-        Self { bank, modes, groups, force: vec![ONE_Q27] }
+        let size = Bank::size(&table, case.rate).expect("one mode can be played");
+        let mut bank = lent!(lender => Bank::take(lender, size));
+        bank.load(&table, case.rate).expect("one mode can be played");
+        Self { bank, force: vec![ONE_Q27] }
     }
 
     /// The next tick of bus samples, 1.0 = full scale.
     pub fn tick(&mut self) -> [f64; TICK_FRAMES] {
-        let mut origins: [Origin; 0] = [];
-        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut origins };
-        self.bank.tick(&mut memory, None);
+        self.bank.tick(None);
         let mut out = [0; TICK_FRAMES];
         self.force.resize(TICK_FRAMES, 0);
-        self.bank.render(&mut memory, Some(&self.force), false, true, &mut out);
+        self.bank.render(Some(&self.force), false, true, &mut out);
         self.force.clear();
         out.map(|sample| f64::from(sample) / f64::from(ONE_Q27))
     }
 
     /// The mode's amplitude now, 1.0 = full scale, from its state and block exponent: finer than the bus.
     pub fn amplitude(&self) -> f64 {
-        let [mode] = &self.modes;
-        let [group] = &self.groups;
+        let ([mode], [group]) = (self.bank.modes(), self.bank.groups()) else { return 0.0 };
         let orbit = dsp_core::resonator::coefficient::Orbit::new(group.form(), mode.coefficients);
         let (sine, cosine) = orbit.phases(mode.state.u as f32, mode.state.v as f32);
         f64::from(sine).hypot(f64::from(cosine)) * 2f64.powi(-group.exponent()) / f64::from(ONE_Q27)
@@ -62,7 +57,7 @@ impl StruckMode {
 
     /// Whether the state is exactly zero.
     pub fn is_zero(&self) -> bool {
-        self.modes.iter().all(|mode| mode.state == Default::default())
+        self.bank.modes().iter().all(|mode| mode.state == Default::default())
     }
 }
 

@@ -1,12 +1,10 @@
 //! The trigger on the virtual core (`host-tests/images/trigger`).
 
-use std::path::Path;
-
 use virtual_core::{CCM_ADDRESS, Call, Image, Machine};
 
 use super::Found;
 use super::set::CHANNELS;
-use crate::on_chip::OnChipError;
+use crate::on_chip::{OnChipError, image};
 
 /// Most frames of one call: they lie in the core-coupled memory.
 pub const CALL_FRAMES: usize = 1024;
@@ -24,8 +22,7 @@ impl TriggerOnChip {
     /// # Errors
     /// [`OnChipError`].
     pub fn new(direct: bool) -> Result<Self, OnChipError> {
-        let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("images/trigger/Cargo.toml");
-        let image = Image::from_elf(&virtual_core::build(&manifest)?)?;
+        let image = image("trigger-image")?;
         let mut machine = Machine::new(&image)?;
         let call = machine.call("trigger_new", &[direct.into()])?;
         match call.value as i32 {

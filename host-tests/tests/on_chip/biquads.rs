@@ -1,7 +1,8 @@
 //! Biquads on the virtual core: the bits of the PC, and their cycles.
 
-use dsp_core::biquad::float::FloatBank;
-use dsp_core::biquad::{Bank, Biquad, Root, TickKind};
+use dsp_core::biquad::{Biquad, Root, TickKind};
+use float_forms::biquads::FloatBank;
+use host_tests::biquads::bank;
 use host_tests::on_chip::BiquadsOnChip;
 use host_tests::snr::Random;
 
@@ -27,7 +28,7 @@ fn the_chip_has_the_bits_of_the_pc_in_blocks_of_any_size() {
             }
         }
         chip.load(&all, depth).unwrap();
-        let mut bank = Bank::<64>::new(&all, depth).unwrap();
+        let mut bank = bank(&all, depth, 64).unwrap();
         for block in 0..60 {
             let frames = [32, 1, 7, 48, 256, 16, 33][block % 7];
             let level = [0.0, 28.0, 24.0, 10.0, 30.0, 1.0][block % 6];
@@ -131,7 +132,7 @@ fn a_biquad_keeps_its_cycles_and_one_at_rest_costs_nothing() {
             at_rest.nominal,
             loading.nominal
         );
-        let mut bank = Bank::<64>::new(&all, depth).unwrap();
+        let mut bank = bank(&all, depth, 64).unwrap();
         assert_eq!(bank.cycles(TickKind::Free), 0, "at rest");
         bank.render(Some(&pulse), &mut [0; 96]);
         for (kind, cycles) in

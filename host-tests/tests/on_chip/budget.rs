@@ -5,10 +5,10 @@ use dsp_core::engine::{Direct, Skipping};
 use dsp_core::event::{Action, Event};
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
+use host_tests::lent;
 use host_tests::on_chip::EngineOnChip;
 use host_tests::on_chip::budget_scenes::{BudgetScene, STORM_BUDGET, playing_scene, storm_scene, unlimited};
 use host_tests::on_chip::scenes::{pads, strikes};
-use host_tests::scene::TestEngine;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
@@ -74,8 +74,8 @@ fn play(scene: &BudgetScene) -> Played {
 }
 
 fn replay(kit: &[u8], events: &[Event], frames: usize) -> Vec<[i32; 2]> {
-    let mut engine = Box::new(TestEngine::new());
-    engine.load(&Kit::parse(kit).unwrap(), RATE, Skipping::On).unwrap();
+    let view = Kit::parse(kit).unwrap();
+    let mut engine = lent::engine(&view, RATE, Skipping::On).unwrap();
     let mut out = vec![[0; 2]; frames];
     engine.render(events, None, &mut out).unwrap();
     out
@@ -119,8 +119,7 @@ fn what_is_quietest_goes_first() {
     let mut events = strikes(2, 0, 1.0);
     events[1].velocity = 0.012;
     let play = |budget: Option<u32>| {
-        let mut engine = Box::new(TestEngine::new());
-        engine.load(&view, RATE, Skipping::On).unwrap();
+        let mut engine = lent::engine(&view, RATE, Skipping::On).unwrap();
         let mut out = vec![[0; 2]; 300 * TICK_FRAMES];
         let (contact, ringing) = out.split_at_mut(8 * TICK_FRAMES);
         engine.render(&events, None, contact).unwrap();
@@ -146,8 +145,7 @@ fn strikes_anywhere_in_a_tick_replay_to_the_same_bits_under_any_budget() {
     for budget in (20_000..80_000).step_by(5_000) {
         let scene = playing_scene(budget);
         let kit = Kit::parse(&scene.kit).unwrap();
-        let mut engine = Box::new(TestEngine::new());
-        engine.load(&kit, RATE, Skipping::On).unwrap();
+        let mut engine = lent::engine(&kit, RATE, Skipping::On).unwrap();
         engine.set_budget(Some(budget));
         let (mut sound, mut played) = (Vec::new(), Vec::new());
         for tick in 0..scene.ticks {

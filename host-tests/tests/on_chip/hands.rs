@@ -5,10 +5,10 @@ use dsp_core::engine::Skipping;
 use dsp_core::event::Event;
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
+use host_tests::lent;
 use host_tests::on_chip::EngineOnChip;
 use host_tests::on_chip::budget_scenes::{at_two_places, hands_on};
 use host_tests::on_chip::scenes::{choked_pads, pads_with_positions};
-use host_tests::scene::TestEngine;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
@@ -17,8 +17,7 @@ fn spent(loaded: &kit::Loaded, events: &[Event], ticks: usize, words: &[&str]) -
     let mut chip = EngineOnChip::new().unwrap();
     chip.load(&loaded.binary, RATE).unwrap();
     let view = Kit::parse(&loaded.binary).unwrap();
-    let mut engine = Box::new(TestEngine::new());
-    engine.load(&view, RATE, Skipping::On).unwrap();
+    let mut engine = lent::engine(&view, RATE, Skipping::On).unwrap();
     chip.machine().clear_counts();
     for tick in 0..ticks {
         let frames = (tick * TICK_FRAMES) as u64..((tick + 1) * TICK_FRAMES) as u64;

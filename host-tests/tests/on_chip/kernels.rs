@@ -1,15 +1,14 @@
 //! The assembly kernels on the virtual core against their portable twins: every form, every group size, cut ticks, skipped groups.
 
 use dsp_core::SampleRate;
-use dsp_core::resonator::{Bank, BankTable, Group, Memory, Mode, Origin, Retirement, TICK_FRAMES, Used};
+use dsp_core::resonator::{Bank, BankTable, Retirement, TICK_FRAMES};
 use dsp_core::table::layout::{GainRecord, ModeRecord};
+use host_tests::lent;
 use host_tests::on_chip::BankOnChip;
 
 /// The same bank on the PC.
 struct OnPc {
-    bank: Bank,
-    modes: Vec<Mode>,
-    groups: Vec<Group>,
+    bank: Bank<'static>,
 }
 
 impl OnPc {
@@ -23,25 +22,21 @@ impl OnPc {
             is_balanced: false,
             typical_contact: (1e-3, 1e-3),
         };
-        let (mut modes, mut groups) = (vec![Mode::SILENT; 1024], vec![Group::EMPTY; 256]);
-        let mut memory = Memory { modes: &mut modes, groups: &mut groups, origins: &mut [] };
-        let bank = Bank::load(&table, SampleRate::HZ_48000, &mut memory, &mut Used::default()).expect("the modes fit");
-        Self { bank, modes, groups }
+        let size = Bank::size(&table, SampleRate::HZ_48000).expect("the modes can be played");
+        let mut bank = lent!(lender => Bank::take(lender, size));
+        bank.load(&table, SampleRate::HZ_48000).expect("the modes can be played");
+        Self { bank }
     }
 
     fn tick(&mut self, retire: bool) -> u32 {
-        let mut origins: [Origin; 0] = [];
-        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut origins };
         let mut retirement = Retirement::new(0.0, 1.0 / 134_217_728.0);
-        self.bank.tick(&mut memory, retire.then_some(&mut retirement));
+        self.bank.tick(retire.then_some(&mut retirement));
         self.bank.ringing_modes()
     }
 
     fn render(&mut self, force: Option<&[i32]>, frames: usize) -> Vec<i32> {
-        let mut origins: [Origin; 0] = [];
-        let mut memory = Memory { modes: &mut self.modes, groups: &mut self.groups, origins: &mut origins };
         let mut out = vec![0; frames];
-        self.bank.render(&mut memory, force, false, true, &mut out);
+        self.bank.render(force, false, true, &mut out);
         out
     }
 }

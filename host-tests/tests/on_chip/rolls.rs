@@ -3,19 +3,19 @@
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
 use dsp_core::table::Kit;
+use host_tests::lent;
 use host_tests::on_chip::EngineOnChip;
-use host_tests::rolls::{Hands, RollEngine, kit};
+use host_tests::rolls::{Hands, kit};
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
 #[test]
 fn a_roll_on_every_stage_has_the_same_bits_on_the_chip() {
     let loaded = kit();
-    let mut chip = EngineOnChip::with_every_stage().unwrap();
+    let mut chip = EngineOnChip::new().unwrap();
     chip.load(&loaded.binary, RATE).unwrap();
     let view = Kit::parse(&loaded.binary).unwrap();
-    let mut engine = Box::new(RollEngine::new());
-    engine.load(&view, RATE, Skipping::On).unwrap();
+    let mut engine = lent::engine(&view, RATE, Skipping::On).unwrap();
     let mut hands = Hands::new();
     let (mut loud, mut blocks) = (0, [32, 32, 17, 1, 64, 128, 3, 75].into_iter().cycle());
     // A quarter of a second of strikes and hands, and another of what rings.

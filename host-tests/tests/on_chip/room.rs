@@ -3,9 +3,8 @@
 use dsp_core::SampleRate;
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::resonator::TICK_FRAMES;
-use dsp_core::room::Room;
 use host_tests::on_chip::RoomOnChip;
-use host_tests::room::{LARGE, Table, octave_tables, random_tables};
+use host_tests::room::{LARGE, Table, octave_tables, random_tables, room};
 
 /// Noise of full scale.
 fn noise(seed: u32) -> impl FnMut() -> i32 {
@@ -82,8 +81,7 @@ fn the_chip_gives_the_bits_of_the_pc_for_any_run_length() {
     let mut chip = RoomOnChip::new().unwrap();
     for table in random_tables(4, 2, 4.0, 6.0, 5).into_iter().chain(random_tables(8, 1, 4.0, 6.0, 6)) {
         chip.load(&table, 48_000).unwrap();
-        let mut room = Box::new(Room::<i16, LARGE>::new());
-        room.load(&table.records(), SampleRate::HZ_48000).unwrap();
+        let mut room = room::<i16>(&table, SampleRate::HZ_48000, LARGE).unwrap();
         let mut noise = noise(7);
         for run in 0..800 {
             let frames = 1 + run % TICK_FRAMES;

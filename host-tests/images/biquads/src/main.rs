@@ -8,15 +8,18 @@
 use core::cell::UnsafeCell;
 use core::panic::PanicInfo;
 
-use dsp_core::biquad::float::FloatBank;
 use dsp_core::biquad::{Bank, Biquad, BiquadError, Root};
+use dsp_core::memory::{Memory, Word};
+use float_forms::biquads::FloatBank;
 
 struct Global<T>(UnsafeCell<T>);
 
 // SAFETY: the virtual core has one thread and calls one function at a time.
 unsafe impl<T> Sync for Global<T> {}
 
-static BANK: Global<Bank<64>> = Global(UnsafeCell::new(Bank::EMPTY));
+static BANK: Global<Bank<'static>> = Global(UnsafeCell::new(Bank::empty()));
+/// Memory of 64 pairs.
+static WORDS: Global<[Word; 2_200]> = Global(UnsafeCell::new([Word::uninit(); 2_200]));
 
 fn biquad(&[real, imaginary, b0, b1, b2]: &[f64; 5]) -> Result<Biquad, BiquadError> {
     Ok(Biquad { pole: Root { real, imaginary }, numerator: [b0, b1, b2] })
@@ -28,8 +31,10 @@ fn biquad(&[real, imaginary, b0, b1, b2]: &[f64; 5]) -> Result<Biquad, BiquadErr
 pub unsafe extern "C" fn biquads_load(numbers: *const [f64; 5], count: usize, depth: usize) -> i32 {
     // SAFETY: the host's word.
     let numbers = unsafe { core::slice::from_raw_parts(numbers, count) };
-    // SAFETY: as for `Sync`.
-    let bank = unsafe { &mut *BANK.0.get() };
+    // SAFETY: as for `Sync`; the bank that had the words before is replaced.
+    let (bank, words) = unsafe { (&mut *BANK.0.get(), &mut *WORDS.0.get()) };
+    let Ok(taken) = Bank::take(&mut Memory::new(&mut [], words), 64) else { return -1 };
+    *bank = taken;
     if bank.load_each(numbers.iter().map(biquad), depth, 1.0).is_ok() { 0 } else { -1 }
 }
 

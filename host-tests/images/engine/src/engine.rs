@@ -1,37 +1,39 @@
 //! The whole engine: load a kit, render blocks.
 
 use core::cell::UnsafeCell;
+use core::mem::MaybeUninit;
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Direct, Engine, STANDARD_CONTACTS, Skipping, TickReport};
-#[cfg(feature = "stages")]
-use dsp_core::engine::{Filters, Residuals};
+use dsp_core::engine::{Direct, Engine, Setup, TickReport};
 use dsp_core::event::Event;
-#[cfg(feature = "stages")]
-use dsp_core::room::Room;
+use dsp_core::memory::{Memory, WORD_BYTES, Word, Words};
 use dsp_core::table::Kit;
 
 use crate::wire::{WireEvent, slice, slice_mut};
 
-/// Room for the storm's kit: sixteen pads, 1024 modes.
-#[cfg(not(feature = "stages"))]
-type Instrument = Engine<'static, 16, 32, 1024, 256, 1024, STANDARD_CONTACTS>;
+/// Most samples in the delay lines of the room, as in `host-tests/src/lent.rs`.
+const ROOM_SAMPLES: usize = 4_096;
 
-/// Room for every stage of the kit of `host-tests/src/rolls.toml`; the same type as the engine of `host-tests/src/rolls.rs`.
-#[cfg(feature = "stages")]
-type Instrument = Engine<'static, 4, 16, 128, 64, 128, STANDARD_CONTACTS, Stages>;
-#[cfg(feature = "stages")]
-type Stages = (Residuals<3>, Room<i16, 4_096>, Filters<2, 32, 16, 256, 8>);
+/// Words of memory that the image lends: those of the kit of `host-tests/src/rolls.toml` and of 1024 modes on 16 pads.
+const WORDS: usize = 13_500;
 
-/// What a board for 512 modes needs: eight pads that cannot be choked.
-type Instrument512 = Engine<'static, 8, 8, 512, 96, 0, 16>;
+/// The engine, which is there from the first `engine_load` on, and the memory that it takes.
+struct Instrument {
+    engine: MaybeUninit<Engine<'static, 'static>>,
+    used: Words,
+    words: [Word; WORDS],
+}
 
 struct Global(UnsafeCell<Instrument>);
 
 // SAFETY: the virtual core has one thread and calls one function at a time.
 unsafe impl Sync for Global {}
 
-static ENGINE: Global = Global(UnsafeCell::new(Instrument::new()));
+static INSTRUMENT: Global = Global(UnsafeCell::new(Instrument {
+    engine: MaybeUninit::uninit(),
+    used: Words { fast: 0, bulk: 0 },
+    words: [Word::uninit(); WORDS],
+}));
 
 /// Most events of one block. They lie beside the engine: a board's queue is no part of the audio path's stack.
 const EVENTS: usize = 64;
@@ -42,9 +44,9 @@ struct Played(UnsafeCell<[Event; EVENTS]>);
 // SAFETY: the virtual core has one thread and calls one function at a time.
 unsafe impl Sync for Played {}
 
-fn engine() -> &'static mut Instrument {
-    // SAFETY: as for `Sync`: the one reference of the call that runs.
-    unsafe { &mut *ENGINE.0.get() }
+fn engine() -> &'static mut Engine<'static, 'static> {
+    // SAFETY: as for `Sync`: the one reference of the call that runs; the host loads a kit first.
+    unsafe { (*INSTRUMENT.0.get()).engine.assume_init_mut() }
 }
 
 /// Reads the kit at an address and derives it for a rate (a ratio). -1: not a kit, -2: does not fit, -3: not a rate.
@@ -55,8 +57,15 @@ pub unsafe extern "C" fn engine_load(kit: *const u8, bytes: usize, numerator: u3
     let bytes = unsafe { slice(kit, bytes) };
     let Some(rate) = SampleRate::new(numerator, denominator) else { return -3 };
     let Ok(kit) = Kit::parse(bytes) else { return -1 };
-    match engine().load(&kit, rate, Skipping::On) {
-        Ok(()) => 0,
+    // SAFETY: as for `Sync`; an engine that was there before is not used again.
+    let instrument = unsafe { &mut *INSTRUMENT.0.get() };
+    let setup = Setup { room_samples: ROOM_SAMPLES, ..Setup::new(rate) };
+    match Engine::new(&kit, setup, Memory::new(&mut instrument.words, &mut [])) {
+        Ok(engine) => {
+            instrument.used = engine.words();
+            instrument.engine.write(engine);
+            0
+        }
         Err(_) => -2,
     }
 }
@@ -142,9 +151,11 @@ pub extern "C" fn engine_budget(cycles_per_tick: u32) {
     engine().set_budget((cycles_per_tick > 0).then_some(cycles_per_tick));
 }
 
-/// Bytes of an engine with 512 modes on eight pads.
+/// Bytes of RAM of the engine that was loaded last: itself and the memory that it took.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
-pub extern "C" fn engine_512_bytes() -> u32 {
-    size_of::<Instrument512>() as u32
+pub extern "C" fn engine_bytes() -> u32 {
+    // SAFETY: as for `Sync`.
+    let instrument = unsafe { &*INSTRUMENT.0.get() };
+    ((instrument.used.fast + instrument.used.bulk) * WORD_BYTES + size_of::<Engine<'static, 'static>>()) as u32
 }

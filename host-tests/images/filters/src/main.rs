@@ -10,6 +10,7 @@ use core::panic::PanicInfo;
 
 use dsp_core::SampleRate;
 use dsp_core::dynamic_filter::{Breakpoint, DynamicFilter, Exciter, Settings};
+use dsp_core::memory::{Memory, Word};
 use dsp_core::waveguide::Loop;
 
 struct Global<T>(UnsafeCell<T>);
@@ -17,7 +18,9 @@ struct Global<T>(UnsafeCell<T>);
 // SAFETY: the virtual core has one thread and calls one function at a time.
 unsafe impl<T> Sync for Global<T> {}
 
-static FILTER: Global<DynamicFilter<16, 10, 2048>> = Global(UnsafeCell::new(DynamicFilter::EMPTY));
+static FILTER: Global<DynamicFilter<'static>> = Global(UnsafeCell::new(DynamicFilter::empty()));
+/// Memory of 16 breakpoints, 10 loops and 2048 frames of delay.
+static WORDS: Global<[Word; 1_500]> = Global(UnsafeCell::new([Word::uninit(); 1_500]));
 
 /// Loads a dynamic filter at 48 kHz: breakpoints of seven words (time, a1, a2, b0, b1, b2, noise), loops of four (frequency, bandwidth, gain,
 /// delay), order, and 1 where modes go through; seed and stream 9. -1: refused.
@@ -36,8 +39,7 @@ pub unsafe extern "C" fn filter_load(
         let exciter = (!exciter.is_null()).then(|| *exciter);
         (core::slice::from_raw_parts(points, count), core::slice::from_raw_parts(loops, bands), exciter)
     };
-    let point =
-        |&[time_s, a1, a2, b0, b1, b2, noise]: &[f64; 7]| Breakpoint { time_s, a1, a2, b0, b1, b2, noise };
+    let point = |&[time_s, a1, a2, b0, b1, b2, noise]: &[f64; 7]| Breakpoint { time_s, a1, a2, b0, b1, b2, noise };
     let one =
         |&[frequency_hz, bandwidth_hz, gain, delay_s]: &[f64; 4]| Loop { frequency_hz, bandwidth_hz, gain, delay_s };
     let settings = Settings {
@@ -49,8 +51,12 @@ pub unsafe extern "C" fn filter_load(
         path: points.iter().map(point),
         loops: loops.iter().map(one),
     };
-    // SAFETY: as for `Sync`.
-    match unsafe { &mut *FILTER.0.get() }.load(settings, SampleRate::HZ_48000, 9) {
+    // SAFETY: as for `Sync`; the filter that had the words before is replaced.
+    let (filter, words) = unsafe { (&mut *FILTER.0.get(), &mut *WORDS.0.get()) };
+    let Ok(size) = DynamicFilter::size(&settings, SampleRate::HZ_48000) else { return -1 };
+    let Ok(taken) = DynamicFilter::take(&mut Memory::new(&mut [], words), size) else { return -1 };
+    *filter = taken;
+    match filter.load(settings, SampleRate::HZ_48000, 9) {
         Ok(()) => 0,
         Err(_) => -1,
     }

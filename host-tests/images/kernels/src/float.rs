@@ -1,6 +1,6 @@
-//! The single-precision modified coupled form of dsp-core, for comparison.
+//! The modified coupled form in single precision, for comparison.
 
-use dsp_core::resonator::float::{self, FloatMode};
+use float_forms::modal::{self, FloatMode};
 
 use crate::wire::slice;
 
@@ -33,9 +33,9 @@ pub unsafe extern "C" fn render_float(
     let (modes, out) =
         unsafe { (core::slice::from_raw_parts_mut(modes, count), core::slice::from_raw_parts_mut(out, frames)) };
     if force.is_null() {
-        float::free(modes, out);
+        modal::free(modes, out);
     } else {
         // SAFETY: as above.
-        float::driven(modes, unsafe { slice(force, frames) }, out);
+        modal::driven(modes, unsafe { slice(force, frames) }, out);
     }
 }

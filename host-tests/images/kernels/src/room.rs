@@ -3,6 +3,7 @@
 use core::cell::UnsafeCell;
 
 use dsp_core::SampleRate;
+use dsp_core::memory::{Memory, Word};
 use dsp_core::room::Room;
 use dsp_core::table::layout::RoomBandRecord;
 
@@ -11,14 +12,19 @@ use crate::wire::slice;
 /// 48 KB.
 const SAMPLES: usize = 24_576;
 
-struct Global(UnsafeCell<Room<i16, SAMPLES>>);
+/// Words of the delay lines and of the room's state.
+const WORDS: usize = SAMPLES / 4 + 1_500;
+
+struct Global<T>(UnsafeCell<T>);
 
 // SAFETY: the virtual core has one thread and calls one function at a time.
-unsafe impl Sync for Global {}
+unsafe impl<T> Sync for Global<T> {}
 
-static ROOM: Global = Global(UnsafeCell::new(Room::new()));
+static ROOM: Global<Room<'static, i16>> = Global(UnsafeCell::new(Room::none()));
+static LENT: Global<[Word; WORDS]> = Global(UnsafeCell::new([Word::uninit(); WORDS]));
+static USED: Global<usize> = Global(UnsafeCell::new(0));
 
-fn room() -> &'static mut Room<i16, SAMPLES> {
+fn room() -> &'static mut Room<'static, i16> {
     // SAFETY: as for `Sync`: the one reference of the call that runs.
     unsafe { &mut *ROOM.0.get() }
 }
@@ -30,7 +36,14 @@ pub unsafe extern "C" fn room_load(bands: *const RoomBandRecord, count: usize, r
     // SAFETY: the host's word.
     let bands = unsafe { slice(bands, count) };
     let Some(rate) = SampleRate::new(rate_hz, 1) else { return -1 };
-    match room().load(bands, rate) {
+    // SAFETY: as for `Sync`; the room that had the words before is replaced.
+    let (words, used) = unsafe { (&mut *LENT.0.get(), &mut *USED.0.get()) };
+    let mut memory = Memory::new(words, &mut []);
+    let Ok(size) = Room::<i16>::size(bands, rate, SAMPLES) else { return -1 };
+    let Ok(taken) = Room::take(&mut memory, size) else { return -1 };
+    *room() = taken;
+    *used = memory.used().bytes();
+    match room().load(bands, rate, SAMPLES) {
         Ok(()) => 0,
         Err(_) => -1,
     }
@@ -46,9 +59,10 @@ pub unsafe extern "C" fn room_render(out: *mut [i32; 2], frames: usize) -> i32 {
     0
 }
 
-/// Bytes of the whole room.
+/// Bytes of the room that was loaded last, its memory included.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub extern "C" fn room_bytes() -> u32 {
-    size_of::<Room<i16, SAMPLES>>() as u32
+    // SAFETY: as for `Sync`.
+    (size_of::<Room<'static, i16>>() + unsafe { *USED.0.get() }) as u32
 }

@@ -9,18 +9,21 @@ use core::cell::UnsafeCell;
 use core::panic::PanicInfo;
 
 use dsp_core::SampleRate;
+use dsp_core::memory::{Memory, Word};
 use dsp_core::noise::Sfc32;
 use dsp_core::residual::{BandLaw, MAX_BANDS, Shaper};
 use dsp_core::resonator::TICK_FRAMES;
 
-struct Global(UnsafeCell<Shaper>);
+struct Global<T>(UnsafeCell<T>);
 
 // SAFETY: the virtual core has one thread and calls one function at a time.
-unsafe impl Sync for Global {}
+unsafe impl<T> Sync for Global<T> {}
 
-static SHAPER: Global = Global(UnsafeCell::new(Shaper::NONE));
+static SHAPER: Global<Shaper<'static>> = Global(UnsafeCell::new(Shaper::none()));
+/// Memory of [`MAX_BANDS`] bands.
+static WORDS: Global<[Word; 3_000]> = Global(UnsafeCell::new([Word::uninit(); 3_000]));
 
-fn shaper() -> &'static mut Shaper {
+fn shaper() -> &'static mut Shaper<'static> {
     // SAFETY: as for `Sync`: the one reference of the call that runs.
     unsafe { &mut *SHAPER.0.get() }
 }
@@ -39,6 +42,10 @@ pub unsafe extern "C" fn residual_load(bands: *const [f32; 4], count: usize, see
         weight,
         decay_db_per_s,
     });
+    // SAFETY: as for `Sync`; the stage that had the words before is replaced.
+    let words = unsafe { &mut *WORDS.0.get() };
+    let Ok(taken) = Shaper::take(&mut Memory::new(&mut [], words), count) else { return -1 };
+    *shaper() = taken;
     shaper().load(laws, SampleRate::HZ_48000, Sfc32::new(seed, 0), f32::from_bits(silence));
     0
 }

@@ -1,8 +1,0 @@
-//! Gives the linker its script.
-
-fn main() {
-    let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
-    println!("cargo::rustc-link-arg=-T{folder}/link.ld");
-    println!("cargo::rustc-link-arg=--nmagic");
-    println!("cargo::rerun-if-changed=link.ld");
-}

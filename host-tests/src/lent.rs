@@ -1,0 +1,48 @@
+//! Memory for the engines and stages of the tests, lent until the process ends.
+
+use dsp_core::SampleRate;
+use dsp_core::engine::{Engine, LoadError, Plan, Setup, Skipping};
+use dsp_core::memory::{Memory, Word, Words};
+use dsp_core::room::Sample;
+use dsp_core::table::Kit;
+
+/// Most samples in the delay lines of the room of [`engine`], on PC and chip (`host-tests/images/engine`).
+pub const ROOM_SAMPLES: usize = 4_096;
+
+/// Memory of so many words.
+pub fn memory(words: Words) -> Memory<'static> {
+    let lend = |words: usize| Box::leak(vec![Word::uninit(); words].into_boxed_slice());
+    Memory::new(lend(words.fast), lend(words.bulk))
+}
+
+/// The engine of a kit as the chip image has it: 16-bit delay lines, [`ROOM_SAMPLES`].
+///
+/// # Errors
+/// [`LoadError`].
+pub fn engine<'k>(kit: &Kit<'k>, rate: SampleRate, skipping: Skipping) -> Result<Engine<'k, 'k>, LoadError> {
+    engine_of(kit, Setup { skipping, room_samples: ROOM_SAMPLES, ..Setup::new(rate) })
+}
+
+/// The engine of a kit for a setup and a type of the room's samples, in just the memory that its plan says.
+///
+/// # Errors
+/// [`LoadError`].
+pub fn engine_of<'k, S: Sample>(kit: &Kit<'k>, setup: Setup) -> Result<Engine<'k, 'k, S>, LoadError> {
+    Engine::new(kit, setup, memory(Plan::of::<S>(kit, setup)?.words))
+}
+
+/// A stage in just the memory that it takes: `$take` is an expression of a `Lender` named `$lender`.
+#[macro_export]
+macro_rules! lent {
+    ($lender:ident => $take:expr) => {{
+        let mut account = dsp_core::memory::Account::new(dsp_core::memory::Words::MAX);
+        {
+            let $lender = &mut account;
+            // What an account gives has no memory, and is not used.
+            let _ = $take.expect("an account has room for everything");
+        }
+        let mut memory = $crate::lent::memory(account.used());
+        let $lender = &mut memory;
+        $take.expect("the account has counted it")
+    }};
+}

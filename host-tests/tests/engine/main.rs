@@ -1,0 +1,17 @@
+//! The whole engine against the `f64` reference: accuracy, skipped work, hands, blocks of any size, shipped kits.
+//! `cargo test -p host-tests --test engine hands::` runs one part.
+
+mod block_size;
+mod choke_residual;
+mod choke_stages;
+mod demo_kit;
+mod filters;
+mod hands;
+mod measured_force;
+mod positions;
+mod residual;
+mod rolls;
+mod room;
+mod skipping;
+mod static_response;
+mod velocity;

@@ -1,0 +1,87 @@
+//! Biquads of a table at any rate: instrument and reference follow one law, for poles and zeros up to half the rate.
+
+use dsp_core::SampleRate;
+use dsp_core::biquad::{Biquad, Root};
+use host_tests::biquads::{FULL_SCALE, bank, noise};
+use host_tests::snr::{Random, snr_db};
+use proptest::prelude::*;
+use std::f64::consts::PI;
+
+/// Pole, zero, and both rates in Hz.
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    pole: Root,
+    zero: Root,
+    table_hz: u32,
+    rate_hz: u32,
+}
+
+/// The slowest pole for which SNRs are claimed.
+const SLOWEST: f64 = 0.999_99;
+
+fn rates() -> impl Strategy<Value = u32> {
+    prop_oneof![Just(8_000), Just(22_050), Just(44_100), Just(48_000), Just(96_000), Just(192_000), 8_000u32..192_001]
+}
+
+/// Angles from 0 to π, both ends and their neighbourhood among them.
+fn angles() -> impl Strategy<Value = f64> {
+    prop_oneof![4 => 0.0..PI, 1 => Just(0.0), 1 => Just(PI), 1 => (1.0f64..8.0).prop_map(|near| PI - 10f64.powf(-near))]
+}
+
+fn cases() -> impl Strategy<Value = Case> {
+    let pole = (0.0f64..5.0, angles());
+    let outside = (0.0f64..3.0).prop_map(|decade| 10f64.powf(decade));
+    let radius = prop_oneof![3 => 0.0f64..1.0, 1 => Just(1.0), 1 => Just(0.0), 1 => outside];
+    (pole, (radius, angles()), rates(), rates()).prop_map(|((near, angle), (radius, at), table_hz, rate_hz)| {
+        let ratio = f64::from(table_hz) / f64::from(rate_hz);
+        // Not slower than the slowest at either rate, and not beyond half the rate.
+        let slowest = SLOWEST.min(SLOWEST.powf(1.0 / ratio));
+        let pole = Root::polar((1.0 - 10f64.powf(-near)).min(slowest), angle.min(PI / ratio));
+        // A root on the real axis is exactly there.
+        let real = |root: Root| if root.imaginary.abs() < 1e-12 { Root { imaginary: 0.0, ..root } } else { root };
+        Case { pole: real(pole), zero: real(Root::polar(radius, at)), table_hz, rate_hz }
+    })
+}
+
+fn both(case: Case, gain: f64) -> (Biquad, reference::biquad::Biquad) {
+    let Case { pole, zero, table_hz, rate_hz } = case;
+    let rate = SampleRate::new(rate_hz, 1).unwrap();
+    let ours = Biquad::from_roots_at(0, (pole, zero, gain), f64::from(table_hz), rate).unwrap();
+    let pair = |root: Root| (root.real, root.imaginary);
+    let ratio = f64::from(table_hz) / f64::from(rate_hz);
+    (ours, reference::biquad::Biquad::carried(pair(pole), pair(zero), gain, ratio))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn instrument_and_reference_carry_poles_and_zeros_by_one_law(case in cases()) {
+        let (ours, theirs) = both(case, 1.0);
+        let scale = theirs.numerator.iter().fold(0.0f64, |largest, b| largest.max(b.abs()));
+        for (ours, theirs) in ours.numerator.iter().zip(theirs.numerator) {
+            prop_assert!((ours - theirs).abs() <= 1e-7 * scale, "{:?} {:?}", ours, theirs);
+        }
+        let denominator = [-2.0 * ours.pole.real, ours.pole.square()];
+        for (ours, theirs) in denominator.iter().zip(theirs.denominator) {
+            prop_assert!((ours - theirs).abs() <= 1e-12, "{:?} {:?}", ours, theirs);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_biquad_at_any_rate_keeps_86_db_against_the_reference(case in cases(), seed in 1u64..1000) {
+        let input = noise(&mut Random::new(seed), 24_000);
+        let exact: Vec<f64> = input.iter().map(|&word| f64::from(word)).collect();
+        let peak = both(case, 1.0).1.filter(&exact).iter().fold(1e-300f64, |peak, y| peak.max(y.abs()));
+        let (ours, theirs) = both(case, 0.4 * FULL_SCALE / peak);
+        let Ok(mut bank) = bank(&[ours], 1, 1) else { return Ok(()) };
+        let mut out = vec![0; input.len()];
+        bank.render(Some(&input), &mut out);
+        let snr = snr_db(&theirs.filter(&exact), &out);
+        prop_assert!(snr >= 86.0, "{:.1} dB", snr);
+    }
+}

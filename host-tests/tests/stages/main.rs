@@ -1,0 +1,14 @@
+//! Single stages of dsp-core against their law in `f64`: accuracy, refusals, bounds, silence.
+//! `cargo test -p host-tests --test stages room::` runs one part.
+
+mod biquad_forms;
+mod biquad_rates;
+mod biquads;
+mod biquads_float;
+mod contact;
+mod dynamic_filter;
+mod dynamic_filter_noise;
+mod long_tails;
+mod residual;
+mod room;
+mod waveguides;
