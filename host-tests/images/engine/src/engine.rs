@@ -17,36 +17,27 @@ const ROOM_SAMPLES: usize = 4_096;
 /// Words of memory that the image lends: those of the kit of `host-tests/src/rolls.toml` and of 1024 modes on 16 pads.
 const WORDS: usize = 13_500;
 
-/// The engine, which is there from the first `engine_load` on, and the memory that it takes.
-struct Instrument {
-    engine: MaybeUninit<Engine<'static, 'static>>,
-    used: Words,
-    words: [Word; WORDS],
-}
-
-struct Global(UnsafeCell<Instrument>);
+/// A static that only the call that runs reads and writes.
+struct Global<T>(UnsafeCell<T>);
 
 // SAFETY: the virtual core has one thread and calls one function at a time.
-unsafe impl Sync for Global {}
+unsafe impl<T> Sync for Global<T> {}
 
-static INSTRUMENT: Global = Global(UnsafeCell::new(Instrument {
-    engine: MaybeUninit::uninit(),
-    used: Words { fast: 0, bulk: 0 },
-    words: [Word::uninit(); WORDS],
-}));
+/// The engine, from the first `engine_load` on. A static of its own: beside the words its fields would lie
+/// beyond what a load instruction reaches, which took a tick of silence 60 cycles.
+static ENGINE: Global<MaybeUninit<Engine<'static, 'static>>> = Global(UnsafeCell::new(MaybeUninit::uninit()));
+/// Words that the engine has taken.
+static USED: Global<Words> = Global(UnsafeCell::new(Words { fast: 0, bulk: 0 }));
+/// Memory that the image lends.
+static LENT: Global<[Word; WORDS]> = Global(UnsafeCell::new([Word::uninit(); WORDS]));
 
 /// Most events of one block. They lie beside the engine: a board's queue is no part of the audio path's stack.
 const EVENTS: usize = 64;
-static PLAYED: Played = Played(UnsafeCell::new([Event::NOTHING; EVENTS]));
-
-struct Played(UnsafeCell<[Event; EVENTS]>);
-
-// SAFETY: the virtual core has one thread and calls one function at a time.
-unsafe impl Sync for Played {}
+static PLAYED: Global<[Event; EVENTS]> = Global(UnsafeCell::new([Event::NOTHING; EVENTS]));
 
 fn engine() -> &'static mut Engine<'static, 'static> {
     // SAFETY: as for `Sync`: the one reference of the call that runs; the host loads a kit first.
-    unsafe { (*INSTRUMENT.0.get()).engine.assume_init_mut() }
+    unsafe { (*ENGINE.0.get()).assume_init_mut() }
 }
 
 /// Reads the kit at an address and derives it for a rate (a ratio). -1: not a kit, -2: does not fit, -3: not a rate.
@@ -58,12 +49,12 @@ pub unsafe extern "C" fn engine_load(kit: *const u8, bytes: usize, numerator: u3
     let Some(rate) = SampleRate::new(numerator, denominator) else { return -3 };
     let Ok(kit) = Kit::parse(bytes) else { return -1 };
     // SAFETY: as for `Sync`; an engine that was there before is not used again.
-    let instrument = unsafe { &mut *INSTRUMENT.0.get() };
+    let (slot, used, lent) = unsafe { (&mut *ENGINE.0.get(), &mut *USED.0.get(), &mut *LENT.0.get()) };
     let setup = Setup { room_samples: ROOM_SAMPLES, ..Setup::new(rate) };
-    match Engine::new(&kit, setup, Memory::new(&mut instrument.words, &mut [])) {
+    match Engine::new(&kit, setup, Memory::new(lent, &mut [])) {
         Ok(engine) => {
-            instrument.used = engine.words();
-            instrument.engine.write(engine);
+            *used = engine.words();
+            slot.write(engine);
             0
         }
         Err(_) => -2,
@@ -129,13 +120,8 @@ struct Told {
     decisions: [WireEvent; EVENTS],
 }
 
-struct GlobalTold(UnsafeCell<Told>);
-
-// SAFETY: the virtual core has one thread and calls one function at a time.
-unsafe impl Sync for GlobalTold {}
-
-static TOLD: GlobalTold =
-    GlobalTold(UnsafeCell::new(Told { report: [0; 4], decision_count: 0, decisions: [WireEvent::NOTHING; EVENTS] }));
+static TOLD: Global<Told> =
+    Global(UnsafeCell::new(Told { report: [0; 4], decision_count: 0, decisions: [WireEvent::NOTHING; EVENTS] }));
 
 /// Where the last call's report lies: four words, then the number of decisions, then (8-byte aligned) the decisions.
 #[unsafe(no_mangle)]
@@ -156,6 +142,6 @@ pub extern "C" fn engine_budget(cycles_per_tick: u32) {
 #[unsafe(link_section = ".text.exported")]
 pub extern "C" fn engine_bytes() -> u32 {
     // SAFETY: as for `Sync`.
-    let instrument = unsafe { &*INSTRUMENT.0.get() };
-    ((instrument.used.fast + instrument.used.bulk) * WORD_BYTES + size_of::<Engine<'static, 'static>>()) as u32
+    let used = unsafe { &*USED.0.get() };
+    ((used.fast + used.bulk) * WORD_BYTES + size_of::<Engine<'static, 'static>>()) as u32
 }
