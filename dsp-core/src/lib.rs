@@ -18,6 +18,7 @@ pub mod residual;
 pub mod resonator;
 pub mod room;
 pub mod table;
+pub mod time;
 pub mod trigger;
 pub mod voice;
 pub mod waveguide;

@@ -10,8 +10,9 @@
 use super::cost::{CYCLES, Counts, Part};
 use super::{Direct, Engine};
 use crate::event::{Action, Event, Time};
-use crate::resonator::{Audience, Bank, Selection, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
+use crate::resonator::{Audience, Bank, Selection, Shed, Survey, UpcomingRun, Use};
 use crate::room::Sample;
+use crate::time::TICK_FRAMES;
 use crate::voice::Voice;
 
 /// How a pad is heard and how it will run; `None` for one that will not.

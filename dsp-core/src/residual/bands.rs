@@ -5,7 +5,7 @@ use super::square_root::{exact_root, square_root};
 use crate::SampleRate;
 use crate::exponential;
 use crate::memory::{Lender, OutOfMemory, Region};
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 /// Bands that one stage may have.
 pub const MAX_BANDS: usize = 100;

@@ -50,7 +50,7 @@ use crate::SampleRate;
 use crate::fixed;
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::noise::Sfc32;
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 /// Waves in memory: two frames, one in the making, a strike's own, and new noise for the next.
 const REGIONS: usize = 5;

@@ -5,7 +5,7 @@ use super::fourier::{Complex, MAX_POINTS};
 use super::making::Making;
 use super::stream::SLOPE_FRAMES;
 use crate::noise::Sfc32;
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 /// What strikes at the reference force begin with.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use super::bands::FRAME_TICKS;
 use super::fourier::{self, Complex, MAX_POINTS, SLOPE, place};
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 /// Frames of a slope: a quarter of a wave.
 pub(super) const SLOPE_FRAMES: u32 = fourier::SLOPE_FRAMES as u32;

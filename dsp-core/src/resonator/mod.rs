@@ -37,5 +37,4 @@ pub use group::Group;
 pub use mode::Mode;
 pub use retirement::Retirement;
 
-/// Frames of a tick: 0.67 ms at 48 kHz.
-pub const TICK_FRAMES: usize = 32;
+pub use crate::time::TICK_FRAMES;

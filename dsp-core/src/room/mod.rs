@@ -56,8 +56,8 @@ pub use storage::Sample;
 
 use crate::SampleRate;
 use crate::memory::{Lender, OutOfMemory, Region};
-use crate::resonator::TICK_FRAMES;
 use crate::table::layout::RoomBandRecord;
+use crate::time::TICK_FRAMES;
 use crossover::{Split, SplitState};
 use feed::Feed;
 use network::{NetworkConfig, NetworkState, Sound, Turns};

@@ -6,7 +6,7 @@ use super::crossover;
 use super::network::Turns;
 use super::storage::Sample;
 use super::{BLOCK_FRAMES, RATES, Room, Scratch, TICKS, turned};
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 /// How far the work on a block is.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,5 @@
 //! A bank's sound over a run of frames.
 
-use super::super::TICK_FRAMES;
 use super::super::group::Group;
 use super::super::kernel::{self, Backward, Stereo};
 use super::super::mode::Mode;
@@ -8,6 +7,7 @@ use super::guard::MAX_ALLOWANCE;
 use super::{Bank, BankWork};
 use crate::fixed;
 use crate::output::Gains;
+use crate::time::TICK_FRAMES;
 
 impl Bank<'_> {
     /// The bank's sound for a run without force, of at most a tick's frames: replaces `mix`. Gives by how many bits it must be shifted left

@@ -8,6 +8,7 @@ use super::super::group::{GROUP_MODES, Group};
 use super::super::headroom::GROWTH_OF_V;
 use super::super::kernel::Plan;
 use super::Bank;
+use crate::time::TICK_FRAMES;
 
 /// Half octaves that stand for nothing.
 const NOTHING_TO_COME: i16 = -4000;
@@ -349,7 +350,7 @@ impl Costs {
 
     #[inline(always)]
     fn of(&self, plan: &Plan) -> u32 {
-        if self.frames != super::super::TICK_FRAMES as u32 {
+        if self.frames != TICK_FRAMES as u32 {
             return self.of_cut_tick(plan);
         }
         let table = if plan.has_phase() { self.phase } else { self.plain };

@@ -25,7 +25,7 @@ pub use cortex_m4::{driven, driven_stereo, free, free_stereo};
 #[cfg(not(cortex_m4f))]
 pub use portable::{driven, driven_stereo, free, free_stereo};
 
-use super::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 /// A tick of samples, backward in time: frame i at index 31 - i.
 pub type Backward = [i32; TICK_FRAMES];
