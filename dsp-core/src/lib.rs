@@ -26,5 +26,6 @@ pub mod waveguide;
 mod exponential;
 mod quarter_turn;
 mod rate;
+mod square_root;
 
 pub use rate::SampleRate;
