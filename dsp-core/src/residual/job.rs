@@ -1,9 +1,9 @@
 //! A frame in the making: its work is shared among the ticks before it sounds.
 
 use super::bands::{Bands, Common, Passage};
-use super::fourier::Complex;
 use super::making::Making;
 use super::stream::Stream;
+use super::twiddles::Complex;
 use crate::noise::Sfc32;
 use crate::square_root::square_root;
 

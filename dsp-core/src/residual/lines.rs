@@ -10,7 +10,7 @@
 //! neighbours: cheap, and each band may have its own.
 
 use super::bands::{Bands, Common, least};
-use super::fourier::Complex;
+use super::twiddles::Complex;
 use crate::noise::DEVIATION;
 use crate::square_root::square_root;
 

@@ -1,8 +1,9 @@
 //! Waves in the making: amplitudes of lines, random lines, inverse transform, a piece at a time.
 
 use super::bands::{Bands, Common};
-use super::fourier::{self, Complex, MAX_POINTS, Progress};
+use super::fourier::{self, Progress};
 use super::lines::{Cursor, amplitude_cycles, fill_amplitudes};
+use super::twiddles::{Complex, MAX_POINTS};
 use crate::noise::Sfc32;
 
 /// Next step in the making of a wave.

@@ -44,6 +44,7 @@ mod making;
 mod onset;
 mod shaper;
 mod stream;
+mod twiddles;
 
 pub use bands::{BandLaw, MAX_BANDS};
 pub use shaper::Shaper;

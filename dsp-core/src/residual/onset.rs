@@ -1,9 +1,9 @@
 //! The frame of a strike: noise that is ready before the strike comes.
 
 use super::bands::{Band, Bands, Common, FRAME_TICKS, least};
-use super::fourier::{Complex, MAX_POINTS};
 use super::making::Making;
 use super::stream::SLOPE_FRAMES;
+use super::twiddles::{Complex, MAX_POINTS};
 use crate::noise::Sfc32;
 use crate::time::TICK_FRAMES;
 

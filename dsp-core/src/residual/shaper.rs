@@ -1,11 +1,11 @@
 //! The noise of one pad: its strikes, its frames and the work of its ticks.
 
 use super::bands::{BandLaw, Bands, FRAME_TICKS, Passage, power_of};
-use super::fourier::{Complex, MAX_POINTS};
 use super::job::Job;
 use super::making::Making;
 use super::onset::Onset;
 use super::stream::Stream;
+use super::twiddles::{Complex, MAX_POINTS};
 use crate::SampleRate;
 use crate::fixed;
 use crate::memory::{Lender, OutOfMemory, Region};

@@ -2,11 +2,12 @@
 //! exponential decay.
 
 use super::bands::FRAME_TICKS;
-use super::fourier::{self, Complex, MAX_POINTS, SLOPE, place};
+use super::fourier::place;
+use super::twiddles::{self, Complex, MAX_POINTS, SLOPE};
 use crate::time::TICK_FRAMES;
 
 /// Frames of a slope: a quarter of a wave.
-pub(super) const SLOPE_FRAMES: u32 = fourier::SLOPE_FRAMES as u32;
+pub(super) const SLOPE_FRAMES: u32 = twiddles::SLOPE_FRAMES as u32;
 /// Position of an end that does not come.
 const NEVER: u32 = u32::MAX / 2;
 
