@@ -11,13 +11,11 @@
 //! States never wrap: [`super::headroom`] bounds them before a kernel is called, and in builds with debug assertions each
 //! addition is checked.
 
-mod plan;
 pub mod portable;
 
 #[cfg(cortex_m4f)]
 mod cortex_m4;
 
-pub use plan::Plan;
 pub use portable::driven_twice;
 
 #[cfg(cortex_m4f)]

@@ -4,9 +4,9 @@
 //! sample of it (it spills the 64-bit sums), which is why there is assembly.
 
 use super::super::coefficient::Form;
-use super::super::group::Group;
+use super::super::group::{Group, Plan};
 use super::super::mode::{InputGain, Mode};
-use super::{Backward, Plan, Run, Stereo, slot};
+use super::{Backward, Run, Stereo, slot};
 use crate::fixed;
 use crate::time::TICK_FRAMES;
 
