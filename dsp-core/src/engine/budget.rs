@@ -10,8 +10,9 @@
 use super::cost::{CYCLES, Counts, Part};
 use super::{Direct, Engine};
 use crate::event::{Action, Event, Time};
-use crate::resonator::{Audience, Bank, Selection, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
+use crate::resonator::{Audience, Bank, Shed, ShedChoice, ShedPlan, UpcomingRun, Use};
 use crate::room::Sample;
+use crate::time::TICK_FRAMES;
 use crate::voice::Voice;
 
 /// How a pad is heard and how it will run; `None` for one that will not.
@@ -105,7 +106,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     pub(super) fn leave_out(&mut self, what: LeaveOut, direct: Option<Direct<'_>>) -> Shed {
         self.listen(direct);
         let shed = match what {
-            LeaveOut::All => self.shed(Selection::ALL),
+            LeaveOut::All => self.shed(ShedChoice::ALL),
             _ => self.leave_out_quietest(what),
         };
         self.report.shed += shed;
@@ -116,36 +117,38 @@ impl<S: Sample> Engine<'_, '_, S> {
     #[inline(never)]
     fn leave_out_quietest(&mut self, what: LeaveOut) -> Shed {
         let levels = core::mem::take(&mut self.levels);
-        let mut survey = Survey::new(levels);
+        let mut plan = ShedPlan::new(levels);
         for (voice, listening) in self.voices.iter().zip(&*self.listening) {
             match listening {
-                Some((audience, run)) => voice.banks().iter().for_each(|bank| bank.survey(audience, *run, &mut survey)),
-                None => survey.pass_over(voice.group_count()),
+                Some((audience, run)) => {
+                    voice.banks().iter().for_each(|bank| bank.plan_shedding(audience, *run, &mut plan))
+                }
+                None => plan.pass_over(voice.group_count()),
             }
         }
         let count = match what {
             LeaveOut::All => u16::MAX,
             LeaveOut::Groups(count) => count,
-            LeaveOut::Cycles(excess) => survey.quietest_that_free(excess),
+            LeaveOut::Cycles(excess) => plan.quietest_that_free(excess),
         };
-        let (selection, cycles_below) = survey.quietest(count);
-        let mut shed = self.shed(selection);
+        let (choice, cycles_below) = plan.quietest(count);
+        let mut shed = self.shed(choice);
         shed.cycles += cycles_below;
-        self.levels = survey.into_levels();
+        self.levels = plan.into_levels();
         shed
     }
 
     #[inline(never)] // one for both
-    fn shed(&mut self, mut selection: Selection<'_>) -> Shed {
+    fn shed(&mut self, mut choice: ShedChoice<'_>) -> Shed {
         let mut shed = Shed::default();
         for (voice, listening) in self.voices.iter_mut().zip(&*self.listening) {
             let Some((audience, run)) = listening else {
-                selection.pass_over(voice.group_count());
+                choice.pass_over(voice.group_count());
                 continue;
             };
             voice.wake();
             for bank in &mut *voice.banks {
-                shed += bank.shed(audience, *run, &mut selection);
+                shed += bank.shed(audience, *run, &mut choice);
             }
         }
         shed

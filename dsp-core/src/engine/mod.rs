@@ -31,9 +31,10 @@ use crate::contact::ActiveContacts;
 use crate::event::{Event, EventError};
 use crate::memory::Words;
 use crate::output::{self, Panner};
-use crate::resonator::{Bank, TICK_FRAMES};
+use crate::resonator::Bank;
 use crate::room::{Room, Sample};
 use crate::table::Kit;
+use crate::time::TICK_FRAMES;
 use crate::voice::{Residual, Voice};
 use budget::Listening;
 

@@ -5,7 +5,7 @@ use core::fmt;
 use super::LoadError;
 use super::cost::{CYCLES, Part};
 use crate::SampleRate;
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 /// What an engine leaves out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,8 +4,8 @@ use super::Engine;
 use super::load::{ROOM_BAND_TICK, ROOM_TICK};
 use super::setup::Left;
 use crate::fixed::ONE_Q27;
-use crate::resonator::TICK_FRAMES;
 use crate::room::{Room, Sample};
+use crate::time::TICK_FRAMES;
 use crate::voice::{Filters, Residual, Voice};
 
 /// Nominal cycles of a tick of a room that is silent.

@@ -5,8 +5,8 @@ use super::cost::Part;
 use super::{Direct, Engine, Skipping};
 use crate::contact::Contact;
 use crate::event::{Action, Event};
-use crate::resonator::TICK_FRAMES;
 use crate::room::Sample;
+use crate::time::TICK_FRAMES;
 use crate::voice::{PadTables, Run, Voice};
 
 impl<S: Sample> Engine<'_, '_, S> {

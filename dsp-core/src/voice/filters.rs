@@ -17,9 +17,9 @@ use crate::dynamic_filter::level::Levels;
 use crate::dynamic_filter::{Breakpoint, DynamicFilter, DynamicFilterError, Exciter, FilterSize, Settings};
 use crate::fixed;
 use crate::memory::{Lender, OutOfMemory, Region};
-use crate::resonator::TICK_FRAMES;
 use crate::table;
 use crate::table::layout::{BiquadRecord, BreakpointRecord, LoopRecord};
+use crate::time::TICK_FRAMES;
 use crate::waveguide::Loop;
 
 /// Size of the filters of a voice.

@@ -4,7 +4,8 @@ use super::{FilterWork, PadWork, Run, Voice};
 use crate::contact::ActiveContacts;
 use crate::fixed;
 use crate::resonator::kernel;
-use crate::resonator::{Bank, BankWork, TICK_FRAMES};
+use crate::resonator::{Bank, BankWork};
+use crate::time::TICK_FRAMES;
 
 impl Voice<'_, '_> {
     /// Renders a run without force and adds it to the stereo sum; gives the mode-frames of the object's bank and of the strikers' banks. A
