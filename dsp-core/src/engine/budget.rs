@@ -8,15 +8,14 @@
 //! Events are looked at as far as the block holds them: with blocks of whole ticks nothing comes as a surprise within a tick.
 
 use super::cost::{CYCLES, Counts, Part};
-use super::{Direct, Engine};
+use super::render::next_news;
+use super::setup::Skipping;
+use super::state::{Direct, Engine};
 use crate::event::{Action, Event, Time};
 use crate::resonator::{Audience, Bank, Shed, ShedChoice, ShedPlan, UpcomingRun, Use};
 use crate::room::Sample;
 use crate::time::TICK_FRAMES;
 use crate::voice::Voice;
-
-/// How a pad is heard and how it will run; `None` for one that will not.
-pub(super) type Listening = Option<(Audience, UpcomingRun)>;
 
 /// How much to leave out.
 #[derive(Clone, Copy, Debug)]
@@ -46,11 +45,11 @@ impl<S: Sample> Engine<'_, '_, S> {
         direct: Option<Direct<'_>>,
         log: &mut impl FnMut(&Event),
     ) -> bool {
-        let Some(budget) = self.budget.filter(|_| self.skipping == super::Skipping::On) else { return false };
+        let Some(budget) = self.budget.filter(|_| self.skipping == Skipping::On) else { return false };
         let margin = budget / MARGIN + LAYOUT_CYCLES;
         let mut rest = self.rest_of_tick(upcoming, direct);
         let end = self.now + u64::from(self.frames_to_tick());
-        let surprised = super::next_news(upcoming).is_some_and(|event| event.time.first_frame() < end);
+        let surprised = next_news(upcoming).is_some_and(|event| event.time.first_frame() < end);
         if surprised {
             // The event will call for another look.
             for part in [Part::Look, Part::PredictedGroup] {

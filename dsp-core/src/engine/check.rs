@@ -1,6 +1,6 @@
 //! What a caller may ask of a block.
 
-use super::{Direct, Engine};
+use super::state::{Direct, Engine};
 use crate::event::{Event, EventError};
 use crate::room::Sample;
 use crate::voice::Voice;

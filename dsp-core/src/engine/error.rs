@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::setup::Stage;
+use super::stage::Stage;
 use crate::SampleRate;
 use crate::biquad::BiquadError;
 use crate::dynamic_filter::DynamicFilterError;

@@ -1,7 +1,10 @@
 //! From a kit to an engine: every slice is taken in one order, from memory or from an account.
 
-use super::setup::{Fitting, Setup, Stage};
-use super::{Engine, LoadError, STANDARD_CONTACTS, TickReport};
+use super::error::LoadError;
+use super::report::TickReport;
+use super::setup::{Fitting, Setup};
+use super::stage::Stage;
+use super::state::{Engine, STANDARD_CONTACTS};
 use crate::contact::ActiveContacts;
 use crate::memory::{Lender, Memory, OutOfMemory, Region, Words};
 use crate::noise::Sfc32;

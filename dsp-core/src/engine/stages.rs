@@ -1,8 +1,8 @@
 //! Stages beside the modes: who strikes and chokes them, what they cost, which of them sound.
 
-use super::Engine;
 use super::load::{ROOM_BAND_TICK, ROOM_TICK};
 use super::setup::Left;
+use super::state::Engine;
 use crate::fixed::ONE_Q27;
 use crate::room::{Room, Sample};
 use crate::time::TICK_FRAMES;

@@ -2,7 +2,8 @@
 
 use super::budget::LeaveOut;
 use super::cost::Part;
-use super::{Direct, Engine, Skipping};
+use super::setup::Skipping;
+use super::state::{Direct, Engine};
 use crate::contact::Contact;
 use crate::event::{Action, Event};
 use crate::room::Sample;

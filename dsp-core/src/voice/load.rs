@@ -1,6 +1,7 @@
 //! From a kit to the banks of a voice.
 
-use super::{PadTables, Voice};
+use super::state::Voice;
+use super::tables::PadTables;
 use crate::SampleRate;
 use crate::contact::law::typical_contact;
 use crate::memory::{Lender, OutOfMemory, Region};

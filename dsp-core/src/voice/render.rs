@@ -1,6 +1,7 @@
 //! A voice's sound over a run of frames.
 
-use super::{FilterWork, PadWork, Run, Voice};
+use super::filters::FilterWork;
+use super::state::{PadWork, Run, Voice};
 use crate::contact::ActiveContacts;
 use crate::fixed;
 use crate::resonator::kernel;
