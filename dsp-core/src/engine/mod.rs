@@ -1,14 +1,15 @@
-//! The engine: pads, events and time.
+//! The engine: plays the pads of a kit by events, in blocks of any length.
 //!
 //! ```text
 //! caller's block: |----------- 33 frames ------------|
 //! ticks:          |     |     every 32 frames, counted from the engine's start
 //! events:         |        |  at their frame
-//! runs:           [----][--][------][----------------]   what the stages render at once
+//! runs:           [----][--][------][----------------]   rendered by all stages at once
 //! ```
 //!
-//! A block is cut at ticks and at events, but for those of hands, which act on ticks; all bookkeeping happens on ticks, so that
-//! the block size cannot change a bit. What ran and what was skipped in each tick is told by a [`TickReport`].
+//! A block is cut into runs at ticks and at events. Chokes and releases cut nothing: they act at
+//! the tick behind them. All bookkeeping happens at ticks, so that the block size cannot change a
+//! bit. A [`TickReport`] tells what ran and what was skipped in each tick.
 
 mod budget;
 mod check;
@@ -23,7 +24,7 @@ mod stages;
 mod state;
 mod tick;
 
-pub use cost::{CYCLES, Counts, PARTS, Part};
+pub use cost::{COST_ITEMS, CYCLES, CostItem, Counts};
 pub use error::LoadError;
 pub use load::Plan;
 pub use report::TickReport;

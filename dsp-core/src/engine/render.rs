@@ -8,10 +8,12 @@ use crate::room::Sample;
 use crate::time::TICK_FRAMES;
 
 impl<S: Sample> Engine<'_, '_, S> {
-    /// Renders a block of 24-bit stereo samples. See [`render_observed`](Self::render_observed).
+    /// Renders a block of 24-bit stereo samples, as [`render_observed`](Self::render_observed)
+    /// does, without reports.
     ///
     /// # Errors
-    /// An [`EventError`] for the first event that cannot be; then nothing was rendered and time stands still.
+    /// An [`EventError`] for the first invalid event; then nothing is rendered and time stands
+    /// still.
     pub fn render(
         &mut self,
         events: &[Event],
@@ -21,12 +23,15 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.render_observed(events, direct, out, |_| {})
     }
 
-    /// Renders a block of signed 24-bit stereo samples (full scale 2^23), of any length, and shows each tick's report as it ends.
+    /// Renders a block of signed 24-bit stereo samples (full scale 2^23), of any length, and passes
+    /// each tick's report to `observe` as the tick ends.
     ///
-    /// `events` are those that take effect within the block, in order of time. A `direct` force excites its pad for the whole block.
+    /// `events` are those that take effect within the block, in order of time. A `direct` force
+    /// excites its pad for the whole block.
     ///
     /// # Errors
-    /// An [`EventError`] for the first event that cannot be; then nothing was rendered and time stands still.
+    /// An [`EventError`] for the first invalid event; then nothing is rendered and time stands
+    /// still.
     pub fn render_observed(
         &mut self,
         events: &[Event],
@@ -37,11 +42,14 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.render_blocks(events, direct, out, observe, |_| {}, output::to_24_bit)
     }
 
-    /// The same, and tells each decision to leave something out ([`Action::Shed`](crate::event::Action::Shed)) at the place in the list of events where it belongs: behind
-    /// the events of its frame.
+    /// Renders a block as [`render_observed`](Self::render_observed) does, and passes each decision
+    /// to shed ([`Action::Shed`](crate::event::Action::Shed)) to `log`.
+    ///
+    /// In a list of all events, a decision belongs behind the events of its frame.
     ///
     /// # Errors
-    /// As [`render_observed`](Self::render_observed).
+    /// An [`EventError`] for the first invalid event; then nothing is rendered and time stands
+    /// still.
     pub fn render_logged(
         &mut self,
         events: &[Event],
@@ -53,10 +61,12 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.render_blocks(events, direct, out, observe, log, output::to_24_bit)
     }
 
-    /// The same before the step to 24 bits: stereo bus samples, Q4.27. For measuring.
+    /// Renders a block as [`render_observed`](Self::render_observed) does, but of stereo bus
+    /// samples, Q4.27, before the step to 24 bits. For measuring.
     ///
     /// # Errors
-    /// As [`render_observed`](Self::render_observed).
+    /// An [`EventError`] for the first invalid event; then nothing is rendered and time stands
+    /// still.
     pub fn render_bus(
         &mut self,
         events: &[Event],
@@ -67,11 +77,12 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.render_bus_logged(events, direct, out, observe, |_| {})
     }
 
-    /// Renders stereo bus samples, Q4.27, and tells each decision to leave something out, as
-    /// [`render_logged`](Self::render_logged) does.
+    /// Renders a block as [`render_logged`](Self::render_logged) does, but of stereo bus samples,
+    /// Q4.27, before the step to 24 bits. For measuring.
     ///
     /// # Errors
-    /// As [`render_observed`](Self::render_observed).
+    /// An [`EventError`] for the first invalid event; then nothing is rendered and time stands
+    /// still.
     pub fn render_bus_logged(
         &mut self,
         events: &[Event],
@@ -83,7 +94,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.render_blocks(events, direct, out, observe, log, |_| {})
     }
 
-    /// `finish` takes each run of the bus that is not exact silence.
+    /// Renders a block; `finish` takes each run of the bus that is not exact silence.
     fn render_blocks(
         &mut self,
         events: &[Event],
@@ -108,7 +119,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             {
                 self.apply(event, direct);
                 events = later;
-                news |= !event.is_of_hand();
+                news |= !event.is_choke_or_release();
             }
             let mut counted = false;
             if news && !self.idle {
@@ -119,7 +130,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             }
             let to_tick = TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64;
             let to_event = next_news(events).map_or(u64::MAX, |event| event.time.first_frame() - self.now);
-            // At most a tick, hence it fits a usize.
+            // A run is at most a tick long, hence its length fits a usize.
             let length = to_tick.min(to_event).min(end - self.now) as usize;
             let Some((now, later)) = core::mem::take(&mut out).split_at_mut_checked(length) else { break };
             let direct_now =
@@ -138,8 +149,9 @@ impl<S: Sample> Engine<'_, '_, S> {
             direct = direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(length..)? }));
             out = later;
             self.now += length as u64;
-            while let Some((event, later)) =
-                events.split_first().filter(|(event, _)| event.is_of_hand() && event.time.first_frame() < self.now)
+            while let Some((event, later)) = events
+                .split_first()
+                .filter(|(event, _)| event.is_choke_or_release() && event.time.first_frame() < self.now)
             {
                 self.apply(event, direct);
                 events = later;
@@ -153,7 +165,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     }
 }
 
-/// The next event at which a run of frames ends.
+/// Next event at which a run of frames ends: a choke or a release ends none.
 pub(super) fn next_news(events: &[Event]) -> Option<&Event> {
-    events.iter().find(|event| !event.is_of_hand())
+    events.iter().find(|event| !event.is_choke_or_release())
 }

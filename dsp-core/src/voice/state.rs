@@ -1,4 +1,4 @@
-//! A voice's stages, and what happens to them between runs of frames.
+//! State of a voice, and what happens to it between runs of frames.
 
 use super::filters::Filters;
 use super::residual::Residual;
@@ -12,74 +12,76 @@ use crate::resonator::{Bank, BankWork, Place, Retirement};
 use crate::table::ContactTable;
 use crate::table::layout::STRIKERS_PER_PAD;
 
-/// All stages of one pad, and their state.
+/// Stages of one pad and their state.
 #[derive(Debug)]
 pub struct Voice<'k, 'm> {
-    /// The pad's number, counted from 0.
+    /// Number of the pad, counted from 0.
     pub(crate) number: u8,
-    /// The object's bank, and behind it those of the strikers up to the last one with modes.
+    /// Bank of the object, and behind it those of the strikers up to the last one with modes.
     pub(crate) banks: &'m mut [Bank<'m>],
-    /// Dynamic filter and biquads, where the object has any.
+    /// Dynamic filter and biquads; `None` if the object has neither.
     pub(crate) filters: Option<&'m mut Filters<'m>>,
-    /// The object's residual, where it has one.
+    /// Residual of the object; `None` if it has none.
     pub(crate) residual: Option<&'m mut Residual<'m>>,
-    /// The contacts of its strikers, in place.
+    /// Contacts of the strikers, as they lie in the kit.
     pub(super) contacts: [Option<ContactTable<'k>>; STRIKERS_PER_PAD],
     pub(super) reference_force: f32,
     pub(super) striker_count: u8,
     pub(super) mode_count: u16,
     pub(super) acceleration: Acceleration,
     pub(super) panner: Panner,
-    /// |force| that contacts which have just begun will bring, until the banks are guarded for it: in steps of [`EXPECTED_STEP`], rounded up.
+    /// Sum of |force| of contacts that have just begun, until the banks are guarded for it, in
+    /// units of [`EXPECTED_STEP`], rounded up.
     pub(super) expected: u32,
-    /// Whether a hand is to lie on the pad from the next tick on, and whether one does.
-    pub(super) is_hand_wanted: bool,
+    /// True if the pad is to be choked from the next tick on.
+    pub(super) is_choke_wanted: bool,
     pub(super) is_choked: bool,
     pub(super) struck: bool,
-    /// The slot of the latest strike.
+    /// Slot of the latest strike.
     pub(super) direct_slot: u8,
-    /// Coming ticks in which no bank has anything to do, and those of them that have passed without the banks' knowing.
+    /// Number of coming ticks in which no bank has anything to do.
     pub(super) rest_ticks: u8,
+    /// Number of ticks that have passed and that the banks have not been told of.
     pub(super) passed_ticks: u8,
     /// Sum of the banks' retired amplitudes at the last tick that had something to do.
     pub(super) retired_amplitude: f32,
 }
 
-/// Bus steps.
+/// Unit of the expected force, in bus steps.
 const EXPECTED_STEP: u64 = 256;
 
-/// What a pad did over a run of frames.
+/// Work of a pad over a run of frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PadWork {
-    /// The object's bank.
+    /// Work of the object's bank.
     pub object: BankWork,
-    /// All strikers' banks.
+    /// Work of all strikers' banks.
     pub strikers: BankWork,
     /// Frames for which the acceleration sound was computed.
     pub acceleration_frames: u32,
     /// Frames for which a direct force was taken in.
     pub direct_frames: u32,
-    /// Frames in which a force was made or taken in.
+    /// Frames in which contacts or a direct force drove the pad.
     pub force_frames: u32,
 }
 
-/// A run of frames of at most a tick, as a pad renders it.
+/// Run of frames, of at most a tick, as a pad renders it.
 #[derive(Clone, Copy, Debug)]
 pub struct Run<'a> {
     /// Number of frames.
     pub frames: usize,
-    /// Whether the first frame's absolute number is odd.
+    /// True if the first frame's number, counted from the engine's start, is odd.
     pub odd_start: bool,
-    /// Whether what is not needed may be left out.
+    /// True if work that cannot be heard may be skipped.
     pub skip: bool,
     /// True if a contact or a direct force acts on the pad.
     pub has_force: bool,
-    /// Direct force for this pad, Q4.27.
+    /// Direct force on this pad, Q4.27; `None` if there is none.
     pub direct: Option<&'a [i32]>,
 }
 
 impl Voice<'_, '_> {
-    /// A voice without object or strikers.
+    /// Voice without object and strikers.
     pub const fn empty() -> Self {
         Self {
             number: 0,
@@ -93,7 +95,7 @@ impl Voice<'_, '_> {
             acceleration: Acceleration::NONE,
             panner: Panner::SILENT,
             expected: 0,
-            is_hand_wanted: false,
+            is_choke_wanted: false,
             is_choked: false,
             struck: false,
             direct_slot: 0,
@@ -108,7 +110,7 @@ impl Voice<'_, '_> {
         usize::from(self.striker_count)
     }
 
-    /// The object's bank and those of its strikers, up to the last one that sounds.
+    /// Bank of the object, and behind it those of the strikers up to the last one with modes.
     #[inline(always)]
     pub fn banks(&self) -> &[Bank<'_>] {
         self.banks
@@ -130,35 +132,35 @@ impl Voice<'_, '_> {
         self.number = number;
     }
 
-    /// Gain of the louder side.
+    /// Gain from the pad's bus to the louder side.
     pub(crate) fn loudest(&self) -> f32 {
         self.panner.loudest()
     }
 
-    /// Output (1.0 = full scale) that a bus step of a bank makes on the louder side.
+    /// Output of a bus step of a bank on the louder side, 1.0 = full scale.
     pub fn unit(&self) -> f32 {
         self.panner.loudest() / fixed::ONE_Q27 as f32
     }
 
-    /// Modes of the object's bank and of all strikers' banks.
+    /// Number of modes of all banks.
     #[inline(always)]
     pub fn mode_count(&self) -> usize {
         usize::from(self.mode_count)
     }
 
-    /// Whether the pad has been struck, or driven, since it was loaded.
+    /// True if the pad has been struck or driven since the load.
     #[inline(always)]
     pub fn was_struck(&self) -> bool {
         self.struck
     }
 
-    /// Bound of the amplitude that retirement leaves out, output units (1.0 = full scale).
+    /// Bound of the amplitude that retired modes leave out, 1.0 = full scale.
     #[inline(always)]
     pub fn retired_amplitude(&self) -> f32 {
         self.retired_amplitude
     }
 
-    /// The impact of a strike. `None` where the strike does nothing.
+    /// Begins a strike and gives its impact; `None` if the strike does nothing.
     pub fn strike(&mut self, velocity: f32, striker: u8, rate: SampleRate) -> Option<Impact> {
         let contact = self.contacts.get(usize::from(striker))?.as_ref()?;
         let impact = StrikerLaw::new(contact, self.reference_force, rate).impact(velocity)?;
@@ -169,42 +171,44 @@ impl Voice<'_, '_> {
         Some(impact)
     }
 
-    /// A hand is laid on or lets go, at the next tick.
-    pub fn want_hand(&mut self, lies: bool) {
-        self.is_hand_wanted = lies;
+    /// Asks for the pad to be choked, or released, from the next tick on.
+    pub fn want_choke(&mut self, is_choked: bool) {
+        self.is_choke_wanted = is_choked;
     }
 
-    /// True if a hand has come or gone since the last tick.
-    pub fn wants_change(&self) -> bool {
-        self.is_hand_wanted != self.is_choked
+    /// True if the pad has been choked or released since the last tick.
+    pub fn is_choke_due(&self) -> bool {
+        self.is_choke_wanted != self.is_choked
     }
 
-    /// True if a hand lies on the pad.
+    /// True if the pad is choked.
     pub fn is_choked(&self) -> bool {
         self.is_choked
     }
 
-    /// Lays the hand on, or lets go: each [`Voice::tick`] that follows reaches some modes. Gives how many groups were guarded.
-    pub fn lay_hand(&mut self) -> u32 {
-        self.is_choked = self.is_hand_wanted;
+    /// Chokes or releases the pad as was asked for; each [`Voice::tick`] that follows reaches some
+    /// modes. Gives the number of groups that were guarded.
+    pub fn change_choke(&mut self) -> u32 {
+        self.is_choked = self.is_choke_wanted;
         self.wake();
         let is_choked = self.is_choked;
         self.banks.iter_mut().map(|bank| bank.lay_hand(is_choked)).sum()
     }
 
-    /// True if a hand comes or goes that has not reached all modes yet.
+    /// True if a choke or a release has not reached all modes yet.
     pub fn is_being_reached(&self) -> bool {
         self.banks.iter().any(Bank::is_being_reached)
     }
 
-    /// The slot of a strike at a position; `is_driven` says which slots contacts drive. A direct force acts there from now on.
+    /// Chooses the slot of a strike at a position, where a direct force acts from now on as well.
+    /// `is_driven` says of a slot if contacts drive it.
     pub fn place(&mut self, position: f32, is_driven: impl Fn(u8) -> bool) -> Place {
         let place = self.banks.first().map_or(Place::FIRST, |object| object.place(position, is_driven));
         self.direct_slot = place.slot;
         place
     }
 
-    /// The slot at whose position a direct force acts: that of the latest strike.
+    /// Slot at whose position a direct force acts: that of the latest strike.
     #[inline(always)]
     pub(crate) fn direct_slot(&self) -> u8 {
         self.direct_slot
@@ -217,13 +221,14 @@ impl Voice<'_, '_> {
         }
     }
 
-    /// True if [`Voice::ring`] goes straight to the stereo bus.
+    /// True if [`Voice::ring`] adds to the stereo bus without a bus of its own.
     pub fn rings_quickly(&self) -> bool {
         let Some((object, strikers)) = self.banks.split_first() else { return true };
         self.panner.gains(object.mix_shift().is_loud).is_some() && !strikers.iter().any(Bank::is_ringing)
     }
 
-    /// True if a run under a force, which may be loud, goes straight to the stereo bus.
+    /// True if [`Voice::drive`] adds to the stereo bus without a bus of its own, however loud the
+    /// expected force is.
     pub fn drives_quickly(&self) -> bool {
         let [object] = &*self.banks else { return false };
         let is_loud = object.mix_shift().is_loud || self.expects();
@@ -231,28 +236,28 @@ impl Voice<'_, '_> {
         !object.has_onset() || !self.expects() && object.can_add_onset(gains.shift)
     }
 
-    /// Whether a contact has begun that the banks are not guarded for yet.
+    /// True if a contact has begun that the banks are not guarded for yet.
     pub fn expects(&self) -> bool {
         self.expected > 0
     }
 
-    /// Whether a force would be heard: some group is not left out, or there is an acceleration sound.
+    /// True if a force would be heard: not all groups are shed, or there is an acceleration sound.
     pub fn responds(&self) -> bool {
         self.acceleration.is_built() || self.banks.iter().any(Bank::has_admitted)
     }
 
-    /// Lets input reach again what was left out.
+    /// Lets forces reach groups again that were shed.
     pub fn admit(&mut self) {
         self.wake();
         self.banks.iter_mut().for_each(Bank::admit);
     }
 
-    /// Guards the banks for the contacts that have just begun. Before the run in which they do.
+    /// Guards the banks for contacts that have just begun; call it before their first run.
     pub fn meet_expected(&mut self) {
         let expected = u64::from(core::mem::take(&mut self.expected)) * EXPECTED_STEP;
         if expected > 0 {
             self.wake();
-            // What is left out altogether needs no guard.
+            // A bank whose groups are all shed needs no guard.
             for bank in &mut *self.banks {
                 if bank.has_admitted() {
                     bank.expect(expected);
@@ -261,17 +266,18 @@ impl Voice<'_, '_> {
         }
     }
 
-    /// Whether the next tick guards any group, if no more force comes before it.
+    /// True if the next tick guards any group, even if no more force comes before it.
     pub fn is_guard_due(&self) -> bool {
         self.rest_ticks == 0 && self.banks.iter().any(|bank| bank.is_guard_due(self.passed_ticks))
     }
 
-    /// Whether no bank has anything to do at the coming tick.
+    /// True if no bank has anything to do at the coming tick.
     pub fn rests(&self) -> bool {
         self.rest_ticks > 0
     }
 
-    /// Lets a tick pass in which no bank has anything to do; false, and nothing happens, where one has: then [`Voice::tick`] must follow.
+    /// Lets a tick pass in which no bank has anything to do. False, with nothing done, if one has:
+    /// then [`Voice::tick`] must follow.
     #[inline(always)]
     pub fn pass_tick(&mut self) -> bool {
         let rests = self.rest_ticks > 0;
@@ -282,7 +288,7 @@ impl Voice<'_, '_> {
         rests
     }
 
-    /// Tells the banks of the ticks that have passed, before anything happens to them.
+    /// Tells the banks of the ticks that have passed; call it before anything happens to them.
     #[inline(always)]
     pub fn wake(&mut self) {
         self.rest_ticks = 0;
@@ -297,7 +303,8 @@ impl Voice<'_, '_> {
         self.banks.iter_mut().for_each(|bank| bank.pass(passed));
     }
 
-    /// The bookkeeping of a tick; gives how many modes retired. `retired_elsewhere` is what other pads leave out, output units.
+    /// Does the bookkeeping of a tick and gives the number of modes that retired.
+    /// `retired_elsewhere` is the retired amplitude of all other pads, 1.0 = full scale.
     #[inline(never)]
     pub fn tick(&mut self, skip: bool, retired_elsewhere: f32) -> u32 {
         self.wake();
