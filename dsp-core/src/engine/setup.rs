@@ -50,7 +50,7 @@ pub(super) struct Fitting<'f> {
 }
 
 impl<'f> Fitting<'f> {
-    /// Time without a limit; a stage that does not fit is an error.
+    /// Time without a limit. A stage that cannot be loaded is an error.
     pub(super) const ALL: Self = Self { cycles: None, tell: None };
 
     /// Time of `cycles` a tick, less those of `pads` pads.
@@ -74,7 +74,7 @@ impl<'f> Fitting<'f> {
 
     /// Worst cycles of a stage of `cycles` nominal ones a tick; 0 without a limit.
     ///
-    /// `None` if they are more than are left: the receiver is told.
+    /// `None` if fewer are left; the receiver is then told.
     pub(super) fn afford(&mut self, stage: Stage, cycles: u32) -> Option<u32> {
         let Some(left) = self.cycles else { return Some(0) };
         let cycles = stage.worst_cycles(cycles);
@@ -104,15 +104,15 @@ impl<'f> Fitting<'f> {
 
 /// Cycles a tick that are left for the stages that a strike begins.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Left {
+pub(super) struct CyclesLeft {
     /// Cycles a tick that are left; `None` without a limit.
     cycles: Option<u32>,
     /// Number of stages that found no time.
     pub(super) refused: u32,
 }
 
-impl Left {
-    /// Cycles that stages which sound leave of a maximum.
+impl CyclesLeft {
+    /// Cycles that are left of `most` beside those of the stages that sound.
     pub(super) fn new(most: Option<u32>, sounding: u32) -> Self {
         Self { cycles: most.map(|most| most.saturating_sub(sounding)), refused: 0 }
     }
@@ -137,11 +137,11 @@ mod tests {
 
     #[test]
     fn strike_takes_time_only_for_stages_that_do_not_sound_yet() {
-        let mut left = Left::new(Some(10_000), 4_000);
+        let mut left = CyclesLeft::new(Some(10_000), 4_000);
         assert!(left.admits(true, 9_000), "it sounds, and has its time");
         assert!(left.admits(false, 5_000) && !left.admits(false, 1_001) && left.admits(false, 1_000));
         assert_eq!(left.refused, 1);
-        let mut unlimited = Left::new(None, u32::MAX);
+        let mut unlimited = CyclesLeft::new(None, u32::MAX);
         assert!(unlimited.admits(false, u32::MAX) && unlimited.refused == 0);
     }
 

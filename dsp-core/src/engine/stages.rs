@@ -1,7 +1,7 @@
 //! Stages beside the modes: their strikes and chokes, their cost, and which of them sound.
 
 use super::load::{ROOM_BAND_TICK, ROOM_TICK};
-use super::setup::Left;
+use super::setup::CyclesLeft;
 use super::state::Engine;
 use crate::fixed::ONE_Q27;
 use crate::room::{Room, Sample};
@@ -17,7 +17,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     #[inline(never)] // must not weigh on kits without these stages
     pub(super) fn strike_stages(&mut self, pad: u8, peak: i32) {
         let sounding = if self.stage_cycles.is_some() { self.sounding_cycles() } else { 0 };
-        let mut left = Left::new(self.stage_cycles, sounding);
+        let mut left = CyclesLeft::new(self.stage_cycles, sounding);
         let frame = (self.now % TICK_FRAMES as u64) as usize;
         let level = peak as f32 / ONE_Q27 as f32;
         let Some(voice) = self.voices.get_mut(usize::from(pad)) else { return };

@@ -56,7 +56,7 @@ impl<'k, 'm> Voice<'k, 'm> {
     /// Takes the memory of a voice's banks.
     ///
     /// # Errors
-    /// [`OutOfMemory`].
+    /// [`OutOfMemory`] if too little is left.
     pub fn take(lender: &mut impl Lender<'m>, size: &VoiceSize) -> Result<Self, OutOfMemory> {
         let banks = lender.take(Region::Fast, size.banks().len(), Bank::empty)?;
         for (index, &size) in size.banks().iter().enumerate() {
@@ -72,7 +72,7 @@ impl<'k, 'm> Voice<'k, 'm> {
     /// Takes the memory of the object's second slot.
     ///
     /// # Errors
-    /// [`OutOfMemory`]; contacts at a second position are then merged.
+    /// [`OutOfMemory`] if too little is left; contacts at a second position are then merged.
     pub fn take_second(&mut self, lender: &mut impl Lender<'m>, modes: usize) -> Result<(), OutOfMemory> {
         match self.banks.first_mut() {
             Some(object) => object.take_second(lender, modes),

@@ -21,7 +21,7 @@ impl<'m> Residual<'m> {
     /// Takes the memory of noise in `bands` bands; `None` from an account.
     ///
     /// # Errors
-    /// [`OutOfMemory`].
+    /// [`OutOfMemory`] if too little is left.
     pub fn place(lender: &mut impl Lender<'m>, bands: usize) -> Result<Option<&'m mut Self>, OutOfMemory> {
         let shaper = Shaper::take(lender, bands)?;
         let place = lender.take(Region::Bulk, 1, Self::none)?.first_mut();

@@ -266,7 +266,7 @@ impl Voice<'_, '_> {
         }
     }
 
-    /// True if the next tick guards any group, even if no more force comes before it.
+    /// True if the next tick guards any group, provided that no more force comes before it.
     pub fn is_guard_due(&self) -> bool {
         self.rest_ticks == 0 && self.banks.iter().any(|bank| bank.is_guard_due(self.passed_ticks))
     }

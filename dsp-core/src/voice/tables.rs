@@ -12,8 +12,7 @@ pub struct PadTables<'a> {
     is_balanced: bool,
 }
 
-/// Typical contact for a bank that has been loaded: a contact decides the order of its modes, which
-/// is settled then.
+/// Typical contact for tables of a loaded bank, whose modes are in order already.
 pub(super) const NO_CONTACT: (f32, f32) = (0.0, 0.0);
 
 impl<'a> PadTables<'a> {
@@ -23,8 +22,7 @@ impl<'a> PadTables<'a> {
         Some(Self { kit, pad, object: kit.object_of(pad)?, is_balanced: kit.is_balanced(pad.object_index()) })
     }
 
-    /// True if the banks of object and strikers are balanced; the object then has no `α` of its
-    /// own.
+    /// True if the banks of the object and its strikers hold a balance instead of a number `α`.
     pub fn is_balanced(&self) -> bool {
         self.is_balanced
     }

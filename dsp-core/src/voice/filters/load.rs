@@ -13,7 +13,7 @@ impl Filters<'_> {
     /// Size of a dynamic filter at a rate.
     ///
     /// # Errors
-    /// [`DynamicFilterError`] for invalid loops.
+    /// A [`DynamicFilterError`] if its loops are invalid.
     pub fn size_of_dynamic(
         filter: &table::DynamicFilter<'_>,
         rate: SampleRate,
@@ -28,7 +28,7 @@ impl Filters<'_> {
     /// memory before, so that its loops are known to be stable.
     ///
     /// # Errors
-    /// [`DynamicFilterError`].
+    /// A [`DynamicFilterError`] if the filter cannot be built at this rate.
     #[inline(never)] // runs on load only: keeps its stack apart from the caller's
     pub fn load_dynamic(
         &mut self,
@@ -54,7 +54,7 @@ impl Filters<'_> {
     /// Checks a biquad bank for a rate, without memory for it.
     ///
     /// # Errors
-    /// [`BiquadError`].
+    /// A [`BiquadError`] for the first biquad that cannot be built at this rate.
     pub fn check_biquads(bank: &table::Biquads<'_>, rate: SampleRate, reference_force: f32) -> Result<(), BiquadError> {
         carried(bank, rate, reference_force).enumerate().try_for_each(|(index, biquad)| biquad?.check(index))
     }
@@ -63,7 +63,7 @@ impl Filters<'_> {
     /// for, `choke_t60_s` the T60 of a choke, 0 if the pad cannot be choked.
     ///
     /// # Errors
-    /// [`BiquadError`].
+    /// A [`BiquadError`] for the first biquad that cannot be built at this rate.
     #[inline(never)] // runs on load only: keeps its stack apart from the caller's
     pub fn load_biquads(
         &mut self,

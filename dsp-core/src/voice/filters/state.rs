@@ -67,7 +67,7 @@ impl<'m> Filters<'m> {
     /// Takes the memory of filters, which are silent until loaded; `None` from an account.
     ///
     /// # Errors
-    /// [`OutOfMemory`].
+    /// [`OutOfMemory`] if too little is left.
     pub fn place(lender: &mut impl Lender<'m>, size: FiltersSize) -> Result<Option<&'m mut Self>, OutOfMemory> {
         let mut filters = Self::empty();
         if let Some(size) = size.dynamic {
