@@ -1,4 +1,8 @@
 //! Stages beside the modes: their strikes and chokes, their cost, and which of them sound.
+//!
+//! A stage of a voice has six methods. `strike` and `set_choked` tell it of events, `render` adds a
+//! run to a bus, and `end_tick` works ahead if the stage needs to. `cycles` gives the cost of a
+//! tick, and `is_active` is true while the stage sounds.
 
 use super::load::{ROOM_BAND_TICK, ROOM_TICK};
 use super::setup::CyclesLeft;
