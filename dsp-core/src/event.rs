@@ -71,8 +71,8 @@ impl Event {
         action: Action::Strike,
     };
 
-    /// True for a hand that comes or goes. It acts on a tick, so that no run of frames ends at its event.
-    pub const fn is_of_hand(&self) -> bool {
+    /// True for a choke or a release. Both act on a tick, so that no run of frames ends at them.
+    pub const fn is_choke_or_release(&self) -> bool {
         matches!(self.action, Action::Choke | Action::Release)
     }
 }

@@ -18,6 +18,7 @@ pub mod residual;
 pub mod resonator;
 pub mod room;
 pub mod table;
+pub mod time;
 pub mod trigger;
 pub mod voice;
 pub mod waveguide;
@@ -25,5 +26,6 @@ pub mod waveguide;
 mod exponential;
 mod quarter_turn;
 mod rate;
+mod square_root;
 
 pub use rate::SampleRate;

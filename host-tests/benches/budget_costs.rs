@@ -1,10 +1,12 @@
-//! Fits the budget's constants: plays scenes on the virtual core and, for the counts, on the PC, and prints the cycles of each part that fit
-//! the modelled cost best (non-negative least squares, each tick weighed by its own cost).
+//! Fits the budget's constants: plays scenes on the virtual core and, for the counts, on the PC.
+//!
+//! Prints the cycles of each cost item that fit the modelled cost best (non-negative least squares,
+//! each tick weighed by its own cost).
 
 use std::error::Error;
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{CYCLES, Counts, Direct, PARTS, Part, Skipping};
+use dsp_core::engine::{COST_ITEMS, CYCLES, CostItem, Counts, Direct, Skipping};
 use dsp_core::event::Event;
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
@@ -50,38 +52,39 @@ fn play(scene: &BudgetScene) -> Result<Vec<(Counts, f64)>, Box<dyn Error>> {
     Ok(rows)
 }
 
-/// Parts that come with others in all scenes, so that no fit can tell them apart, or too seldom: their cycles are those of the profile. And a cycle is a cycle.
-const HELD: [Part; 9] = [
-    Part::GuardedRingingGroup,
-    Part::Strike,
-    Part::DrivenFrame,
-    Part::ContactFrame,
-    Part::Survey,
-    Part::SurveyedGroup,
-    Part::Look,
-    Part::PredictedGroup,
-    Part::KernelCycle,
+/// Items that no fit can tell apart, because they come with others in all scenes or too seldom: their
+/// cycles come from the profile. And a kernel's cycle is one cycle.
+const HELD: [CostItem; 9] = [
+    CostItem::GuardedRingingGroup,
+    CostItem::Strike,
+    CostItem::DrivenFrame,
+    CostItem::ContactFrame,
+    CostItem::Survey,
+    CostItem::SurveyedGroup,
+    CostItem::Look,
+    CostItem::PredictedGroup,
+    CostItem::KernelCycle,
 ];
 
-fn fit(rows: &[(Counts, f64)]) -> [f64; PARTS] {
+fn fit(rows: &[(Counts, f64)]) -> [f64; COST_ITEMS] {
     let mut cycles = CYCLES.map(f64::from);
     for _ in 0..4000 {
-        for part in 0..PARTS {
-            if HELD.iter().any(|&held| part == held as usize) {
+        for item in 0..COST_ITEMS {
+            if HELD.iter().any(|&held| item == held as usize) {
                 continue;
             }
             let (mut numerator, mut denominator) = (0.0, 0.0);
             for (counts, modelled) in rows {
-                let count = f64::from(counts.all()[part]);
+                let count = f64::from(counts.all()[item]);
                 if count > 0.0 {
                     let predicted: f64 = counts.all().iter().zip(cycles).map(|(&n, c)| f64::from(n) * c).sum();
                     let weight = 1.0 / modelled;
-                    numerator += weight * count * (modelled - predicted + count * cycles[part]);
+                    numerator += weight * count * (modelled - predicted + count * cycles[item]);
                     denominator += weight * count * count;
                 }
             }
             if denominator > 0.0 {
-                cycles[part] = f64::max(numerator / denominator, 0.0);
+                cycles[item] = f64::max(numerator / denominator, 0.0);
             }
         }
     }

@@ -6,7 +6,7 @@ use super::kernel::{self, ALLOWANCE, Run};
 use super::pair::{self, Gain, Level, Pair, Wiring, X_BITS};
 use super::pole::Pole;
 use crate::memory::{Lender, OutOfMemory, Region};
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 /// L parallel chains of M biquads, in pairs of sections.
 ///

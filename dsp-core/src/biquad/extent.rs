@@ -2,7 +2,7 @@
 
 use super::fractions::{Part, Realised};
 use super::pole::{Form, Pole};
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 /// Bounds of `max(|u| 2^k, |v|)` over a tick, intermediate results included, of all of a unit's parts.
 pub(super) struct Extent {

@@ -4,7 +4,7 @@
 //! suffice close by a pole, too.
 
 use super::path::{Form, Point};
-use crate::residual::square_root;
+use crate::square_root::square_root;
 use crate::waveguide::Tuned;
 
 /// An angle on the circle.

@@ -7,7 +7,7 @@ use super::noise::White;
 use super::path::{Form, MAX_INPUT_BITS, PARAMETERS, Path};
 use super::walk::{Line, Walk};
 use crate::fixed::{qadd, saturating_shift_left, smmulr, times_q31};
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 /// Noise and filter of one object; its input is Q(27 - q).
 #[derive(Debug)]

@@ -9,7 +9,7 @@ use super::settings::{Breakpoint, Exciter, Loop, Settings};
 use super::stability;
 use crate::SampleRate;
 use crate::memory::{Lender, OutOfMemory};
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 use crate::waveguide::Loops;
 
 /// Size of a [`DynamicFilter`].

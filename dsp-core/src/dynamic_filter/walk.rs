@@ -1,7 +1,7 @@
 //! Where a strike's path is: the parameters of each frame.
 
 use super::path::{PARAMETERS, Path};
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 /// A parameter over a run of frames: `value + n step`.
 #[derive(Clone, Copy, Debug, Default)]

@@ -4,7 +4,7 @@
 //! but where a state or the line has left the bounds of its scaling, at which the grant ends.
 
 use super::object::DynamicFilter;
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 impl DynamicFilter<'_> {
     /// Grants whole ticks, if a tick begins and is one, and begins it.

@@ -1,43 +1,49 @@
-//! The budget: what a tick will cost is known before it is computed, and what does not fit is left out, the quietest first.
+//! The budget: the cost of a tick is predicted, and what does not fit is shed, the quietest first.
 //!
-//! Before each run of a tick that brings something new (the tick itself, an event) the engine adds up what the rest of the tick will cost,
-//! from counts and from constants that were measured on the virtual core. Where that exceeds the budget it leaves out register
-//! groups until the rest fits, and says so as an event [`Action::Shed`], so that a recording of all events plays to the same bits without
+//! The engine predicts before each run that brings something new, at a tick or at an event. It adds
+//! up the cost of the rest of the tick, from counts and from constants that were measured on the
+//! virtual core. If the sum exceeds the budget, it sheds register groups until the rest fits, and
+//! logs this as an event [`Action::Shed`]: a recording of all events plays to the same bits without
 //! any budget.
 //!
-//! Events are looked at as far as the block holds them: with blocks of whole ticks nothing comes as a surprise within a tick.
+//! The prediction sees the events of the block: with blocks of whole ticks no event comes as a
+//! surprise within a tick.
 
-use super::cost::{CYCLES, Counts, Part};
-use super::{Direct, Engine};
+use super::cost::{CostItem, Counts};
+use super::render::next_news;
+use super::setup::Skipping;
+use super::state::{Direct, Engine};
 use crate::event::{Action, Event, Time};
-use crate::resonator::{Audience, Bank, Selection, Shed, Survey, TICK_FRAMES, UpcomingRun, Use};
+use crate::resonator::{Audience, Bank, Shed, ShedChoice, ShedPlan, UpcomingRun, Use};
 use crate::room::Sample;
+use crate::time::TICK_FRAMES;
 use crate::voice::Voice;
 
-/// How a pad is heard and how it will run; `None` for one that will not.
-pub(super) type Listening = Option<(Audience, UpcomingRun)>;
-
-/// How much to leave out.
+/// Amount of work to shed.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum LeaveOut {
-    /// Everything.
+pub(super) enum ShedAmount {
+    /// All register groups.
     All,
-    /// So many register groups, the quietest.
+    /// A number of register groups, the quietest.
     Groups(u16),
-    /// As many as free so many cycles.
+    /// The quietest register groups, as many as free a number of cycles.
     Cycles(u32),
 }
 
 impl<S: Sample> Engine<'_, '_, S> {
-    /// Sets how many cycles a tick of 32 frames may take, or takes the limit away. For 80 % of 168 MHz at 48 kHz: 89 600.
+    /// Sets the cycles that a tick of 32 frames may take, or takes the limit away. 80 % of 168 MHz
+    /// at 48 kHz are 89 600.
     ///
-    /// Nothing is left out while [`Skipping`](super::Skipping) is off. What the look-up itself costs is among [`CYCLES`], [`Part::PredictedGroup`].
+    /// Nothing is shed while [`Skipping`](super::Skipping) is off. The prediction's own cost is
+    /// part of the budget: [`CostItem::Look`] and [`CostItem::PredictedGroup`].
     pub fn set_budget(&mut self, cycles_per_tick: Option<u32>) {
         self.budget = cycles_per_tick;
     }
 
-    /// Leaves out what does not fit. `upcoming` are the events behind those that have been applied. Says whether it has counted the rest of
-    /// the tick, because no event is known to come in it.
+    /// Sheds register groups that do not fit. `upcoming` are the events behind those that have been
+    /// applied.
+    ///
+    /// True if it has counted the rest of the tick, because no event is known to come in it.
     #[inline(never)] // its tables must not weigh on ticks without a budget
     pub(super) fn keep_budget(
         &mut self,
@@ -45,45 +51,45 @@ impl<S: Sample> Engine<'_, '_, S> {
         direct: Option<Direct<'_>>,
         log: &mut impl FnMut(&Event),
     ) -> bool {
-        let Some(budget) = self.budget.filter(|_| self.skipping == super::Skipping::On) else { return false };
+        let Some(budget) = self.budget.filter(|_| self.skipping == Skipping::On) else { return false };
         let [idle, busy] = KEPT_FREE;
-        let margin = budget / MARGIN + if self.report.counts.of(Part::IdleTick) > 0 { idle } else { busy };
+        let margin = budget / MARGIN + if self.report.counts.of(CostItem::IdleTick) > 0 { idle } else { busy };
         let mut rest = self.rest_of_tick(upcoming, direct);
         let end = self.now + u64::from(self.frames_to_tick());
-        let surprised = super::next_news(upcoming).is_some_and(|event| event.time.first_frame() < end);
+        let surprised = next_news(upcoming).is_some_and(|event| event.time.first_frame() < end);
         if surprised {
-            // The event will call for another look.
-            for part in [Part::Look, Part::PredictedGroup] {
-                self.report.counts.add(part, rest.of(part));
+            // The event will call for another prediction.
+            for item in [CostItem::Look, CostItem::PredictedGroup] {
+                self.report.counts.add(item, rest.of(item));
             }
         }
-        // What a single tick may cost more than predicted is kept free, and pays for a hand: so that of one pad sheds nothing.
-        let modes = self.report.counts.of(Part::ChokedMode);
-        let hands = modes.min(HANDS) * cycles_of(Part::ChokedMode);
-        let hands = hands + self.report.counts.of(Part::Hand).min(1) * cycles_of(Part::Hand);
-        let budget = budget.saturating_sub(margin) + hands;
+        // One choke is paid from the time between the budget and the tick's end, and sheds nothing.
+        let modes = self.report.counts.of(CostItem::ChokedMode);
+        let choke = modes.min(FREE_CHOKED_MODES) * CostItem::ChokedMode.cycles();
+        let choke = choke + self.report.counts.of(CostItem::Choke).min(1) * CostItem::Choke.cycles();
+        let budget = budget.saturating_sub(margin) + choke;
         let predicted = self.report.predicted_cycles() + rest.cycles();
         if predicted > budget {
             let survey = self.survey_counts();
-            let survey_cycles: u32 = survey.iter().map(|&(part, count)| cycles_of(part) * count).sum();
-            let guards = rest.of(Part::GuardedGroup) * cycles_of(Part::GuardedGroup);
-            let sheddable = rest.of(Part::KernelCycle) + guards;
-            let leave_out = if predicted + survey_cycles - sheddable.min(predicted) > budget {
-                // Where nothing can be kept there is nothing to choose.
-                self.report.counts.add_all([(Part::Survey, 1), (Part::SurveyedGroup, self.groups_built / 3)]);
-                LeaveOut::All
+            let survey_cycles: u32 = survey.iter().map(|&(item, count)| item.cycles() * count).sum();
+            let guards = rest.of(CostItem::GuardedGroup) * CostItem::GuardedGroup.cycles();
+            let sheddable = rest.of(CostItem::KernelCycle) + guards;
+            let amount = if predicted + survey_cycles - sheddable.min(predicted) > budget {
+                // If no group can be kept, there is nothing to choose.
+                self.report.counts.add_all([(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.groups_built / 3)]);
+                ShedAmount::All
             } else {
                 self.report.counts.add_all(survey);
-                LeaveOut::Cycles(predicted + survey_cycles - budget)
+                ShedAmount::Cycles(predicted + survey_cycles - budget)
             };
-            let shed = self.leave_out(leave_out, direct);
-            // Pads of which nothing is left cost less still; the groups' own share is what was freed for certain.
-            let kernels = match leave_out {
-                LeaveOut::All => u32::MAX,
-                _ => shed.cycles.saturating_sub(shed.unguarded_groups * cycles_of(Part::GuardedGroup)),
+            let shed = self.shed(amount, direct);
+            // Pads without any group left cost less still; only the groups' own share is certain.
+            let kernels = match amount {
+                ShedAmount::All => u32::MAX,
+                _ => shed.cycles.saturating_sub(shed.unguarded_groups * CostItem::GuardedGroup.cycles()),
             };
-            rest.remove(Part::KernelCycle, kernels);
-            rest.remove(Part::GuardedGroup, shed.unguarded_groups);
+            rest.remove(CostItem::KernelCycle, kernels);
+            rest.remove(CostItem::GuardedGroup, shed.unguarded_groups);
             let chosen = shed.groups as u16;
             log(&Event { time: Time::at_frame(self.now), action: Action::Shed(chosen), ..Event::NOTHING });
         }
@@ -93,7 +99,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         !surprised
     }
 
-    /// Counts a run that [`keep_budget`](Self::keep_budget) has not.
+    /// Counts a run that [`keep_budget`](Self::keep_budget) has not counted.
     #[inline(never)]
     pub(super) fn count_run(&mut self, frames: u32, direct: Option<Direct<'_>>) {
         let mut counts = Counts::NONE;
@@ -101,58 +107,61 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.report.counts += &counts;
     }
 
-    /// Leaves out the quietest register groups of those that would run.
-    #[inline(never)] // its tables must not lie on the stack beside what looks ahead
-    pub(super) fn leave_out(&mut self, what: LeaveOut, direct: Option<Direct<'_>>) -> Shed {
+    /// Sheds the quietest of the register groups that would run.
+    #[inline(never)] // its tables must not lie on the stack beside those of the prediction
+    pub(super) fn shed(&mut self, amount: ShedAmount, direct: Option<Direct<'_>>) -> Shed {
         self.listen(direct);
-        let shed = match what {
-            LeaveOut::All => self.shed(Selection::ALL),
-            _ => self.leave_out_quietest(what),
+        let shed = match amount {
+            ShedAmount::All => self.shed_chosen(ShedChoice::ALL),
+            _ => self.shed_quietest(amount),
         };
         self.report.shed += shed;
         shed
     }
 
-    /// Surveys all groups first, which everything does without.
+    /// Surveys all groups and sheds the quietest; [`ShedAmount::All`] needs no survey.
     #[inline(never)]
-    fn leave_out_quietest(&mut self, what: LeaveOut) -> Shed {
+    fn shed_quietest(&mut self, amount: ShedAmount) -> Shed {
         let levels = core::mem::take(&mut self.levels);
-        let mut survey = Survey::new(levels);
+        let mut plan = ShedPlan::new(levels);
         for (voice, listening) in self.voices.iter().zip(&*self.listening) {
             match listening {
-                Some((audience, run)) => voice.banks().iter().for_each(|bank| bank.survey(audience, *run, &mut survey)),
-                None => survey.pass_over(voice.group_count()),
+                Some((audience, run)) => {
+                    voice.banks().iter().for_each(|bank| bank.plan_shedding(audience, *run, &mut plan))
+                }
+                None => plan.pass_over(voice.group_count()),
             }
         }
-        let count = match what {
-            LeaveOut::All => u16::MAX,
-            LeaveOut::Groups(count) => count,
-            LeaveOut::Cycles(excess) => survey.quietest_that_free(excess),
+        let count = match amount {
+            ShedAmount::All => u16::MAX,
+            ShedAmount::Groups(count) => count,
+            ShedAmount::Cycles(excess) => plan.quietest_that_free(excess),
         };
-        let (selection, cycles_below) = survey.quietest(count);
-        let mut shed = self.shed(selection);
+        let (choice, cycles_below) = plan.quietest(count);
+        let mut shed = self.shed_chosen(choice);
         shed.cycles += cycles_below;
-        self.levels = survey.into_levels();
+        self.levels = plan.into_levels();
         shed
     }
 
-    #[inline(never)] // one for both
-    fn shed(&mut self, mut selection: Selection<'_>) -> Shed {
+    /// Sheds the chosen register groups of all pads.
+    #[inline(never)] // one copy for both callers
+    fn shed_chosen(&mut self, mut choice: ShedChoice<'_>) -> Shed {
         let mut shed = Shed::default();
         for (voice, listening) in self.voices.iter_mut().zip(&*self.listening) {
             let Some((audience, run)) = listening else {
-                selection.pass_over(voice.group_count());
+                choice.pass_over(voice.group_count());
                 continue;
             };
             voice.wake();
             for bank in &mut *voice.banks {
-                shed += bank.shed(audience, *run, &mut selection);
+                shed += bank.shed(audience, *run, &mut choice);
             }
         }
         shed
     }
 
-    /// How each pad that sounds is heard, and how it will run.
+    /// Notes for each pad that sounds how it is heard and how it will run.
     #[inline(never)]
     fn listen(&mut self, direct: Option<Direct<'_>>) {
         let frames = self.frames_to_tick() as u8;
@@ -161,48 +170,48 @@ impl<S: Sample> Engine<'_, '_, S> {
             let input = input + direct_input(direct, number);
             let used = if input > 0.0 { Use::Driven } else { Use::Free };
             *listening = (used == Use::Driven || voice.is_ringing()).then(|| {
-                let guard = if voice.expects() { cycles_of(Part::GuardedGroup) as u16 } else { 0 };
+                let guard = if voice.expects() { CostItem::GuardedGroup.cycles() as u16 } else { 0 };
                 let audience = Audience::new(voice.unit(), input, contact_samples);
                 (audience, UpcomingRun { used, frames, guard })
             });
         }
     }
 
-    /// What a tick's beginning does.
+    /// Counts of a tick's beginning.
     #[inline(never)]
-    pub(super) fn beginning(&self) -> [(Part, u32); 5] {
+    pub(super) fn beginning(&self) -> [(CostItem, u32); 5] {
         if self.idle {
-            let nothing = (Part::WakingPad, 0);
-            return [(Part::IdleTick, 1), nothing, nothing, nothing, nothing];
+            let nothing = (CostItem::WakingPad, 0);
+            return [(CostItem::IdleTick, 1), nothing, nothing, nothing, nothing];
         }
         let due = self.voices.iter().filter(|voice| voice.is_guard_due());
         let groups = due.map(Voice::group_count).sum::<usize>() as u32;
         let pads = self.voices.iter().filter(|voice| !voice.rests()).count();
-        let noise = (Part::ResidualCycle, self.noise_cycles() + self.room_cycles() + self.filter_cycles());
+        let noise = (CostItem::ResidualCycle, self.noise_cycles() + self.room_cycles() + self.filter_cycles());
         let (modes, guards) = self.reached();
-        let hand = (Part::ChokedMode, modes);
-        [(Part::Tick, 1), (Part::WakingPad, pads as u32), (Part::DueGroup, groups + guards), noise, hand]
+        let choke = (CostItem::ChokedMode, modes);
+        [(CostItem::Tick, 1), (CostItem::WakingPad, pads as u32), (CostItem::DueGroup, groups + guards), noise, choke]
     }
 
-    /// What an event does.
-    pub(super) fn event_counts(&self, event: &Event) -> [(Part, u32); 4] {
-        let nothing = (Part::Hand, 0);
+    /// Counts of an event.
+    pub(super) fn event_counts(&self, event: &Event) -> [(CostItem, u32); 4] {
+        let nothing = (CostItem::Choke, 0);
         match event.action {
             Action::Strike => {
-                let filters = (Part::ResidualCycle, self.filter_strike_cycles(event.pad));
-                let noise = (Part::ResidualStrike, u32::from(self.has_noise(event.pad)));
-                [(Part::Strike, 1), noise, filters, (Part::MovedMode, self.moved_modes(event))]
+                let filters = (CostItem::ResidualCycle, self.filter_strike_cycles(event.pad));
+                let noise = (CostItem::ResidualStrike, u32::from(self.has_noise(event.pad)));
+                [(CostItem::Strike, 1), noise, filters, (CostItem::MovedMode, self.moved_modes(event))]
             }
             Action::Shed(_) => {
                 let [survey, groups] = self.survey_counts();
                 [survey, groups, nothing, nothing]
             }
-            // At the tick at which they act.
+            // Counted at the tick at which they act.
             Action::Choke | Action::Release => [nothing; 4],
         }
     }
 
-    /// Modes whose gains a strike has derived anew.
+    /// Number of modes whose gains a strike derives anew.
     fn moved_modes(&self, event: &Event) -> u32 {
         let object = self.voices.get(usize::from(event.pad)).and_then(|voice| voice.banks().first());
         let moves =
@@ -210,7 +219,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         object.filter(moves).map_or(0, |object| object.mode_count() as u32)
     }
 
-    /// Modes that hands reach in this tick, and groups that are guarded for them.
+    /// Number of modes that chokes and releases reach in this tick, and of groups guarded for them.
     fn reached(&self) -> (u32, u32) {
         self.voices.iter().flat_map(|voice| voice.banks()).filter(|bank| bank.is_being_reached()).fold(
             (0, 0),
@@ -221,22 +230,22 @@ impl<S: Sample> Engine<'_, '_, S> {
         )
     }
 
-    fn survey_counts(&self) -> [(Part, u32); 2] {
-        [(Part::Survey, 1), (Part::SurveyedGroup, self.groups_built)]
+    fn survey_counts(&self) -> [(CostItem, u32); 2] {
+        [(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.groups_built)]
     }
 
     fn frames_to_tick(&self) -> u32 {
         (TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64) as u32
     }
 
-    /// True if a force is, or by a known strike may be, in the second slot of a pad.
+    /// True if a force drives the second slot of a pad, or may by a known strike.
     fn has_second(&self, number: u8, is_direct: bool, struck: bool, bank: &Bank<'_>) -> bool {
         let is_driven = self.contacts.is_any_in(number, 1) || struck && self.contacts.is_any_in(number, 0);
         let direct_slot = self.voices.get(usize::from(number)).map_or(0, Voice::direct_slot);
         is_driven || bank.has_second_gains() && is_direct && direct_slot == 1
     }
 
-    /// From now to the end of the tick, with the events that are known.
+    /// Counts of the tick's rest, with the events that are known.
     #[inline(never)]
     fn rest_of_tick(&mut self, upcoming: &[Event], direct: Option<Direct<'_>>) -> Counts {
         let struck = core::mem::take(&mut self.struck);
@@ -249,7 +258,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     fn count_rest_of_tick(&self, upcoming: &[Event], direct: Option<Direct<'_>>, struck: &mut [bool]) -> Counts {
         let end = self.now + u64::from(self.frames_to_tick());
         let (mut now, mut total) = (self.now, Counts::NONE);
-        let news = upcoming.iter().filter(|event| !event.is_of_hand());
+        let news = upcoming.iter().filter(|event| !event.is_choke_or_release());
         let mut events = news.take_while(|event| event.time.first_frame() < end).peekable();
         while now < end {
             let next = events.peek().map_or(end, |event| event.time.first_frame());
@@ -265,18 +274,19 @@ impl<S: Sample> Engine<'_, '_, S> {
         total
     }
 
-    /// Adds what a run of frames does. `struck` are pads that a known event will have struck by then; empty: none.
+    /// Adds the counts of a run of frames. `struck` says for each pad that a known event will have
+    /// struck it by then; if empty, none will.
     fn add_run(&self, frames: u32, direct: Option<Direct<'_>>, struck: &[bool], counts: &mut Counts) {
         if frames == 0 || self.idle && direct.is_none() && !struck.contains(&true) {
             return;
         }
-        counts.add(Part::Look, 1);
-        counts.add(Part::Pad, self.voices.len() as u32);
+        counts.add(CostItem::Look, 1);
+        counts.add(CostItem::Pad, self.voices.len() as u32);
         if self.noisy {
             let begun = struck.iter().zip(0u8..).filter(|(is, pad)| **is && self.has_noise(*pad)).count();
             let noises = (self.noises() + begun) as u32;
-            counts.add(Part::ResidualRun, noises);
-            counts.add(Part::ResidualFrame, noises * frames);
+            counts.add(CostItem::ResidualRun, noises);
+            counts.add(CostItem::ResidualFrame, noises * frames);
         }
         for (voice, number) in self.voices.iter().zip(0u8..) {
             let struck = struck.get(usize::from(number)).copied().unwrap_or(false);
@@ -293,44 +303,44 @@ impl<S: Sample> Engine<'_, '_, S> {
             for bank in pad_banks.iter().filter(|bank| bank.mode_count() > 0) {
                 let (cycles, running) = bank.cycles(used, frames);
                 let has_second = bank.can_take_second() && self.has_second(number, is_direct, struck, bank);
-                counts.add(Part::KernelCycle, cycles);
-                counts.add(Part::SecondFrame, if has_second { running * frames } else { 0 });
+                counts.add(CostItem::KernelCycle, cycles);
+                counts.add(CostItem::SecondFrame, if has_second { running * frames } else { 0 });
                 on_bus |= has_second;
-                // Of a driven bank all are looked at closely.
-                counts.add(Part::PredictedGroup, bank.group_count() * (1 + u32::from(is_driven)));
+                // The prediction of a driven bank takes twice as long.
+                counts.add(CostItem::PredictedGroup, bank.group_count() * (1 + u32::from(is_driven)));
                 groups += running;
                 banks += u32::from(running > 0);
                 if is_driven && (voice.expects() || struck || bank.is_unguarded()) {
-                    let part = if bank.is_ringing() { Part::GuardedRingingGroup } else { Part::GuardedGroup };
-                    counts.add(part, running);
+                    let item = if bank.is_ringing() { CostItem::GuardedRingingGroup } else { CostItem::GuardedGroup };
+                    counts.add(item, running);
                 }
             }
-            counts.add(Part::StrikerBank, banks.max(1) - 1);
+            counts.add(CostItem::StrikerBank, banks.max(1) - 1);
             if is_driven && groups == 0 {
-                // Nobody hears the force, and nothing is done.
+                // Nothing answers the force.
                 continue;
             }
             on_bus |= voice.filters_join_in(is_driven);
             if is_driven {
                 let is_quick = voice.drives_quickly() && !on_bus;
-                counts.add(if is_quick { Part::DrivenPad } else { Part::BusDrivenPad }, 1);
+                counts.add(if is_quick { CostItem::DrivenPad } else { CostItem::BusDrivenPad }, 1);
                 if is_quick && pad_banks.iter().any(Bank::has_onset) {
-                    counts.add(Part::OnsetFrame, frames);
+                    counts.add(CostItem::OnsetFrame, frames);
                 }
-                counts.add(Part::DrivenFrame, frames);
-                counts.add(Part::ContactFrame, contact_frames);
-                counts.add(Part::DirectFrame, if is_direct { frames } else { 0 });
+                counts.add(CostItem::DrivenFrame, frames);
+                counts.add(CostItem::ContactFrame, contact_frames);
+                counts.add(CostItem::DirectFrame, if is_direct { frames } else { 0 });
             } else if voice.rings_quickly() && !on_bus {
-                counts.add(Part::RingingPad, 1);
+                counts.add(CostItem::RingingPad, 1);
             } else {
-                counts.add(Part::BusPad, 1);
-                counts.add(Part::BusFrame, frames);
+                counts.add(CostItem::BusPad, 1);
+                counts.add(CostItem::BusFrame, frames);
             }
         }
     }
 }
 
-/// A 32nd of the budget is kept free.
+/// Share of the budget that is kept free, as its inverse.
 const MARGIN: u32 = 32;
 
 /// Cycles kept free beyond [`MARGIN`], in a tick that begins idle and in another one. They cover the
@@ -338,15 +348,11 @@ const MARGIN: u32 = 32;
 /// at 96 % of its time (`cargo test -p virtual-board --test boards load`).
 const KEPT_FREE: [u32; 2] = [635, 1670];
 
-/// Largest number of modes a tick whose choke is paid from beyond the budget: those of one object's
+/// Maximum number of modes a tick whose choke is paid from beyond the budget: those of one object's
 /// bank and one striker's. A board's tick is at least twice as long as its budget.
-const HANDS: u32 = 32;
+const FREE_CHOKED_MODES: u32 = 32;
 
-fn cycles_of(part: Part) -> u32 {
-    CYCLES.get(part as usize).copied().unwrap_or(0)
-}
-
-/// Bound of what a direct force brings in the rest of the block, bus steps.
+/// Bound of the sum of a direct force over the coming tick, in bus steps; 0 for another pad.
 fn direct_input(direct: Option<Direct<'_>>, pad: u8) -> f32 {
     let Some(Direct { force, .. }) = direct.filter(|direct| direct.pad == pad) else { return 0.0 };
     force.iter().take(TICK_FRAMES).map(|x| x.unsigned_abs() as f32).sum()

@@ -1,12 +1,12 @@
-//! What a caller may ask of a block.
+//! Checks of a block's events and direct force.
 
-use super::{Direct, Engine};
+use super::state::{Direct, Engine};
 use crate::event::{Event, EventError};
 use crate::room::Sample;
 use crate::voice::Voice;
 
 impl<S: Sample> Engine<'_, '_, S> {
-    /// Refuses the first event, or the direct force, that cannot be.
+    /// Refuses the first invalid event, or else a direct force that does not fit the block.
     pub(super) fn check(&self, events: &[Event], direct: Option<Direct<'_>>, frames: usize) -> Result<(), EventError> {
         let mut earliest = self.now;
         let end = self.now.saturating_add(frames as u64);

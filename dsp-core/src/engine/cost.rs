@@ -1,113 +1,168 @@
-//! What the parts of a tick cost.
+//! Cost of a tick: the work that it is made of, and the cycles of each piece of work.
 
-/// What a tick is made of, as far as it costs time.
+/// Kind of work that a tick may contain. [`CYCLES`] says how long one piece of each kind takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(usize)]
-pub enum Part {
-    /// A tick in which something is to be done.
+pub enum CostItem {
+    /// Tick in which anything is to be done.
     Tick,
-    /// A pad, sounding or not, in a run.
+    /// Pad in a run of frames, sounding or not.
     Pad,
-    /// A pad with bookkeeping at a tick's beginning.
+    /// Pad with bookkeeping at a tick's beginning.
     WakingPad,
-    /// A register group whose bank is guarded at a tick's beginning.
+    /// Register group whose bank is guarded at a tick's beginning.
     DueGroup,
-    /// A pad that rings freely, in a run: straight to the stereo bus.
+    /// Pad that rings freely in a run, straight to the stereo bus.
     RingingPad,
-    /// The same, over the bus: loud, or with a striker's bank that rings.
+    /// Pad that rings freely in a run, by way of its own bus: it is loud, or a striker's bank
+    /// rings.
     BusPad,
-    /// A frame of it.
+    /// Frame of a [`BusPad`](Self::BusPad).
     BusFrame,
-    /// A bank, beside the object's, that rings or is driven.
+    /// Striker's bank that rings or is driven in a run.
     StrikerBank,
-    /// A pad under a force, in a run: straight to the stereo bus.
+    /// Pad under a force in a run, straight to the stereo bus.
     DrivenPad,
-    /// The same, over the bus: with an onset, an acceleration sound or a striker's bank, or too loud.
+    /// Pad under a force in a run, by way of its own bus: it has an onset, an acceleration sound or
+    /// a striker's bank, or is too loud.
     BusDrivenPad,
-    /// A frame of a pad under a force, either way.
+    /// Frame of a pad under a force, whichever way it takes.
     DrivenFrame,
-    /// A frame of a contact.
+    /// Frame of a contact.
     ContactFrame,
-    /// A frame of a direct force.
+    /// Frame of a direct force.
     DirectFrame,
-    /// A register group at rest that is guarded for a contact.
+    /// Register group at rest that is guarded for a contact.
     GuardedGroup,
-    /// The same of a group that rings.
+    /// Register group that rings and is guarded for a contact.
     GuardedRingingGroup,
-    /// A strike.
+    /// Strike.
     Strike,
-    /// A hand that comes or goes.
-    Hand,
-    /// A mode that it reaches.
+    /// Choke or release of a pad.
+    Choke,
+    /// Mode that a choke or a release reaches.
     ChokedMode,
-    /// A mode whose gains are derived for a strike at another position.
+    /// Mode whose gains are derived for a strike at another position.
     MovedMode,
-    /// A frame of a register group under a force in the second slot of its pad, beside its kernel's cycles.
+    /// Frame of a register group under a force in the second slot of its pad, beside its kernel's
+    /// cycles.
     SecondFrame,
-    /// A frame of a driven pad that goes straight to the stereo bus and adds a share of the force.
+    /// Frame of a driven pad that goes straight to the stereo bus and adds a share of the force.
     OnsetFrame,
-    /// A survey of all groups, to leave some out.
+    /// Survey of all groups, to shed some.
     Survey,
-    /// A group of it.
+    /// Register group that a survey looks at.
     SurveyedGroup,
-    /// A look ahead.
+    /// Prediction of a run's cost.
     Look,
-    /// A group whose cost is looked up in it.
+    /// Register group whose cost a prediction looks up.
     PredictedGroup,
-    /// A cycle of the kernels.
+    /// Cycle of the modes' kernels.
     KernelCycle,
-    /// A strike that begins a residual.
+    /// Strike that begins a residual.
     ResidualStrike,
-    /// A residual or the background, in a run.
+    /// Residual or background in a run.
     ResidualRun,
-    /// A frame of it.
+    /// Frame of a residual or of the background.
     ResidualFrame,
-    /// A cycle of the work on noise to come, of the room, and of filters.
+    /// Cycle of the work on noise to come, of the room, or of filters.
     ResidualCycle,
-    /// A tick in which nothing is.
+    /// Tick in which nothing is to be done.
     IdleTick,
 }
 
-/// Number of [`Part`]s.
-pub const PARTS: usize = Part::IdleTick as usize + 1;
+/// Number of [`CostItem`]s.
+pub const COST_ITEMS: usize = CostItem::IdleTick as usize + 1;
 
-/// Cycles of each [`Part`], nominal, without flash waits, from fits to the virtual core (`cargo bench -p host-tests --bench budget_costs` prints one) and from
-/// profiles where a fit cannot tell parts apart; `cargo test -p host-tests --test on_chip budget` holds them to 3 %.
-pub const CYCLES: [u32; PARTS] = [
-    900, 457, 462, 118, 1089, 1305, 49, 2394, 2900, 5380, 20, 131, 24, 430, 435, 2900, 640, 60, 1600, 205, 32, 5500,
-    125, 800, 30, 1, 700, 500, 40, 1, 963,
-];
+/// Nominal cycles of each [`CostItem`], without flash waits; the item is the index.
+///
+/// They come from fits to the virtual core (`cargo bench -p host-tests --bench budget_costs` prints
+/// one), and from profiles for items that a fit cannot tell apart.
+/// `cargo test -p host-tests --test on_chip budget` holds them to 3 %.
+pub const CYCLES: [u32; COST_ITEMS] = by_item([
+    (CostItem::Tick, 900),
+    (CostItem::Pad, 457),
+    (CostItem::WakingPad, 462),
+    (CostItem::DueGroup, 118),
+    (CostItem::RingingPad, 1089),
+    (CostItem::BusPad, 1305),
+    (CostItem::BusFrame, 49),
+    (CostItem::StrikerBank, 2394),
+    (CostItem::DrivenPad, 2900),
+    (CostItem::BusDrivenPad, 5380),
+    (CostItem::DrivenFrame, 20),
+    (CostItem::ContactFrame, 131),
+    (CostItem::DirectFrame, 24),
+    (CostItem::GuardedGroup, 430),
+    (CostItem::GuardedRingingGroup, 435),
+    (CostItem::Strike, 2900),
+    (CostItem::Choke, 640),
+    (CostItem::ChokedMode, 60),
+    (CostItem::MovedMode, 1600),
+    (CostItem::SecondFrame, 205),
+    (CostItem::OnsetFrame, 32),
+    (CostItem::Survey, 5500),
+    (CostItem::SurveyedGroup, 125),
+    (CostItem::Look, 800),
+    (CostItem::PredictedGroup, 30),
+    (CostItem::KernelCycle, 1),
+    (CostItem::ResidualStrike, 700),
+    (CostItem::ResidualRun, 500),
+    (CostItem::ResidualFrame, 40),
+    (CostItem::ResidualCycle, 1),
+    (CostItem::IdleTick, 963),
+]);
 
-/// Number of each part in a tick, and the cycles of all.
+/// Takes the cycles out of a list that must follow the order of [`CostItem`].
+const fn by_item(list: [(CostItem, u32); COST_ITEMS]) -> [u32; COST_ITEMS] {
+    let mut cycles = [0; COST_ITEMS];
+    let mut index = 0;
+    while index < COST_ITEMS {
+        assert!(list[index].0 as usize == index, "the list must follow the order of the items");
+        cycles[index] = list[index].1;
+        index += 1;
+    }
+    cycles
+}
+
+impl CostItem {
+    /// Nominal cycles of the item, from [`CYCLES`].
+    #[inline]
+    pub(super) fn cycles(self) -> u32 {
+        CYCLES.get(self as usize).copied().unwrap_or(0)
+    }
+}
+
+/// Number of pieces of each [`CostItem`] in a tick, and the cycles of all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counts {
-    parts: [u32; PARTS],
-    /// Kept up with each change: a sum over all parts would take some 300 cycles each time.
+    pieces: [u32; COST_ITEMS],
+    /// Kept up with each change: a sum over all items would take some 300 cycles each time.
     cycles: u32,
 }
 
 impl Counts {
-    /// Nothing.
-    pub const NONE: Self = Self { parts: [0; PARTS], cycles: 0 };
+    /// Counts of a tick without any work.
+    pub const NONE: Self = Self { pieces: [0; COST_ITEMS], cycles: 0 };
 
-    /// Adds a number of a part.
-    #[inline(always)] // a part is known where it is added, and so are its cycles
-    pub(super) fn add(&mut self, part: Part, count: u32) {
-        if let (Some(counted), Some(cycles)) = (self.parts.get_mut(part as usize), CYCLES.get(part as usize)) {
+    /// Adds pieces of one item.
+    #[inline(always)] // an item is known where it is added, and so are its cycles
+    pub(super) fn add(&mut self, item: CostItem, count: u32) {
+        if let (Some(counted), Some(cycles)) = (self.pieces.get_mut(item as usize), CYCLES.get(item as usize)) {
             *counted += count;
             self.cycles += count * cycles;
         }
     }
 
-    /// Adds several parts.
+    /// Adds pieces of several items.
     #[inline(always)]
-    pub(super) fn add_all<const N: usize>(&mut self, parts: [(Part, u32); N]) {
-        parts.into_iter().for_each(|(part, count)| self.add(part, count));
+    pub(super) fn add_all<const N: usize>(&mut self, items: [(CostItem, u32); N]) {
+        items.into_iter().for_each(|(item, count)| self.add(item, count));
     }
 
-    /// Takes a number of a part away, at most all.
-    pub(super) fn remove(&mut self, part: Part, count: u32) {
-        if let (Some(counted), Some(cycles)) = (self.parts.get_mut(part as usize), CYCLES.get(part as usize)) {
+    /// Takes pieces of one item away, at most all of them.
+    pub(super) fn remove(&mut self, item: CostItem, count: u32) {
+        if let (Some(counted), Some(cycles)) = (self.pieces.get_mut(item as usize), CYCLES.get(item as usize)) {
             let count = count.min(*counted);
             *counted -= count;
             self.cycles -= count * cycles;
@@ -119,17 +174,17 @@ impl Counts {
         self.cycles > 0
     }
 
-    /// Number of a part.
-    pub fn of(&self, part: Part) -> u32 {
-        self.parts.get(part as usize).copied().unwrap_or(0)
+    /// Number of pieces of one item.
+    pub fn of(&self, item: CostItem) -> u32 {
+        self.pieces.get(item as usize).copied().unwrap_or(0)
     }
 
-    /// Numbers of all parts, in the order of [`Part`].
-    pub fn all(&self) -> &[u32; PARTS] {
-        &self.parts
+    /// All counts, in the order of [`CostItem`].
+    pub fn all(&self) -> &[u32; COST_ITEMS] {
+        &self.pieces
     }
 
-    /// Cycles of all parts together.
+    /// Nominal cycles of all counted work.
     pub fn cycles(&self) -> u32 {
         self.cycles
     }
@@ -137,7 +192,7 @@ impl Counts {
 
 impl core::ops::AddAssign<&Self> for Counts {
     fn add_assign(&mut self, other: &Self) {
-        self.parts.iter_mut().zip(&other.parts).for_each(|(sum, &more)| *sum += more);
+        self.pieces.iter_mut().zip(&other.pieces).for_each(|(sum, &more)| *sum += more);
         self.cycles += other.cycles;
     }
 }

@@ -1,8 +1,8 @@
-//! Why a kit, or a stage of it, cannot be played.
+//! Errors of kits, and of stages of kits, that cannot be played.
 
 use core::fmt;
 
-use super::setup::Stage;
+use super::stage::Stage;
 use crate::SampleRate;
 use crate::biquad::BiquadError;
 use crate::dynamic_filter::DynamicFilterError;
@@ -11,7 +11,7 @@ use crate::resonator::{BankError, max_decay_per_s};
 use crate::room::RoomError;
 use crate::table::TableError;
 
-/// Why a kit, or a stage of it, cannot be played by this engine.
+/// Reason why an engine cannot play a kit, or a stage of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LoadError {
@@ -19,63 +19,64 @@ pub enum LoadError {
     NoPads,
     /// The kit has more pads than events can name.
     TooManyPads {
-        /// Pads of the kit.
+        /// Number of pads of the kit.
         pads: usize,
-        /// Pads that events can name.
+        /// Number of pads that events can name.
         capacity: usize,
     },
     /// The lent memory is too small.
     Memory {
-        /// The stage that does not fit.
+        /// Stage that does not fit.
         stage: Stage,
-        /// Words that are needed and left.
+        /// Words of memory that the stage needs, and those that are left.
         error: OutOfMemory,
     },
     /// A band of noise reaches beyond half the sample rate.
     BeyondNyquist {
-        /// The residual or the background.
+        /// Residual or background that has the band.
         stage: Stage,
-        /// The highest edge, in Hz.
+        /// Highest edge of its bands, in Hz.
         edge_hz: f32,
-        /// The rate at which it was loaded.
+        /// Sample rate of the engine.
         rate: SampleRate,
     },
     /// The kit's room cannot be built.
     Room(RoomError),
-    /// There is no time for a stage in a tick beside the pads, the room and the background.
+    /// A stage takes more time than pads, room and background leave in a tick.
     TooDear {
-        /// The stage that is left out.
+        /// Stage that is left out.
         stage: Stage,
-        /// Cycles of its dearest tick, with the cycle model's worst case and the waits of flash.
+        /// Cycles of the stage's dearest tick, with the cycle model's worst case and the waits of
+        /// flash.
         cycles: u32,
-        /// Cycles that are left.
+        /// Cycles a tick that are left for the stage.
         left: u32,
     },
     /// The kit's dynamic filter or biquad bank is invalid.
     FilterTable(TableError),
     /// The dynamic filter of a pad's object cannot be built at this rate.
     DynamicFilter {
-        /// The pad, counted from 0.
+        /// Pad, counted from 0.
         pad: u8,
-        /// Why not.
+        /// Reason why the dynamic filter cannot be built.
         error: DynamicFilterError,
     },
     /// The biquad bank of a pad's object cannot be built at this rate.
     Biquads {
-        /// The pad, counted from 0.
+        /// Pad, counted from 0.
         pad: u8,
-        /// Why not.
+        /// Reason why the biquad bank cannot be built.
         error: BiquadError,
     },
-    /// A bank of a pad cannot be built at this rate.
+    /// The bank of a pad's object, or of one of its strikers, cannot be built at this rate.
     Pad {
-        /// The pad, counted from 0.
+        /// Pad, counted from 0.
         pad: usize,
-        /// The striker whose bank it is, or `None` for the object's.
+        /// Striker whose bank it is, counted from 0; `None` for the object's bank.
         striker: Option<usize>,
-        /// Why not.
+        /// Reason why the bank cannot be built.
         error: BankError,
-        /// The rate at which it was loaded.
+        /// Sample rate of the engine.
         rate: SampleRate,
     },
 }
@@ -83,8 +84,10 @@ pub enum LoadError {
 impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::NoPads => write!(f, "the kit has no pads: there is nothing to play"),
-            Self::TooManyPads { pads, capacity } => write!(f, "pads: {pads}, a kit has at most {capacity}"),
+            Self::NoPads => write!(f, "the kit has no pads: it must have at least one"),
+            Self::TooManyPads { pads, capacity } => {
+                write!(f, "the kit has {pads} pads: it must have at most {capacity}")
+            }
             Self::Memory { stage, error } => write!(
                 f,
                 "{stage}: {} bytes of memory are missing: take a stage or modes out of the kit",
@@ -98,16 +101,15 @@ impl fmt::Display for LoadError {
             Self::Room(error) => error.fmt(f),
             Self::TooDear { stage, cycles, left } => write!(
                 f,
-                "{stage}: takes up to {cycles} cycles a tick, and {left} are left beside pads, room and background: fewer of those, or a smaller one"
+                "{stage}: takes up to {cycles} cycles a tick, but pads, room and background leave {left}: take some of them out of the kit, or make it smaller"
             ),
             Self::FilterTable(error) => error.fmt(f),
-            Self::DynamicFilter { pad, error } => write!(f, "pad {pad}, dynamic filter of its object: {error}"),
-            Self::Biquads { pad, error } => write!(f, "pad {pad}, biquads of its object: {error}"),
+            Self::DynamicFilter { pad, error } => write!(f, "{}: {error}", Stage::DynamicFilter(pad)),
+            Self::Biquads { pad, error } => write!(f, "{}: {error}", Stage::Biquads(pad)),
             Self::Pad { pad, striker, error, rate } => {
-                write!(f, "pad {pad}, ")?;
                 match striker {
-                    Some(striker) => write!(f, "striker {striker} of the pad: ")?,
-                    None => write!(f, "its object: ")?,
+                    Some(striker) => write!(f, "pad {pad}, striker {striker} of the pad: ")?,
+                    None => write!(f, "pad {pad}, its object: ")?,
                 }
                 match error {
                     BankError::DecayTooFast { mode, decay_per_s } => write!(

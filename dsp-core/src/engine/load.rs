@@ -1,7 +1,12 @@
-//! From a kit to an engine: every slice is taken in one order, from memory or from an account.
+//! Loading: from a kit to an engine.
+//!
+//! Every slice is taken in one order, from memory or from an account.
 
-use super::setup::{Fitting, Setup, Stage};
-use super::{Engine, LoadError, STANDARD_CONTACTS, TickReport};
+use super::error::LoadError;
+use super::report::TickReport;
+use super::setup::{Fitting, Setup};
+use super::stage::Stage;
+use super::state::{Engine, STANDARD_CONTACTS};
 use crate::contact::ActiveContacts;
 use crate::memory::{Lender, Memory, OutOfMemory, Region, Words};
 use crate::noise::Sfc32;
@@ -11,35 +16,45 @@ use crate::room::{Room, Sample};
 use crate::table::Kit;
 use crate::voice::{Filters, FiltersSize, PadTables, Residual, Voice, VoiceSize};
 
-/// Output below which noise ends, rms: -110 dBFS.
+/// Output below which noise ends, rms, 1.0 = full scale: -110 dBFS.
 const SILENCE: f32 = 3.162_277_7e-6;
 
-/// Nominal cycles of the dearest tick of a room that sounds, and of each band of it, with some to spare (`cargo test -p host-tests --test on_chip room -- --nocapture`:
-/// up to 430 a frame with 4 bands). Bands of octaves and more are meant; several bands near the full rate cost more.
+/// Nominal cycles of the dearest tick of a room that sounds, without its bands.
+///
+/// With [`ROOM_BAND_TICK`] they are a little more than is measured, up to 430 a frame with 4 bands
+/// (`cargo test -p host-tests --test on_chip room -- --nocapture`). They hold for bands of octaves
+/// and more; several bands near the full rate cost more.
 pub(super) const ROOM_TICK: u32 = 11_200;
+/// Nominal cycles that each band of a room adds to its dearest tick.
 pub(super) const ROOM_BAND_TICK: u32 = 950;
 
 impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
-    /// Derives all stages of a kit in lent memory, of which [`Plan::of`](super::Plan::of) says how much. Time begins at 0.
+    /// Derives all stages of a kit in lent memory, as many words as [`Plan::of`](super::Plan::of)
+    /// says. Time begins at 0.
     ///
-    /// Coefficients are derived in software `f64` on a Cortex-M4F: thousands of cycles a mode, not for the audio path.
+    /// Coefficients are derived in software `f64` on a Cortex-M4F: thousands of cycles a mode, not
+    /// for the audio path.
     ///
     /// # Errors
-    /// A [`LoadError`] for the first part of the kit that does not fit, or cannot be.
+    /// A [`LoadError`] for the first stage of the kit that does not fit or is invalid.
     pub fn new(kit: &Kit<'k>, setup: Setup, memory: Memory<'m>) -> Result<Self, LoadError> {
         let mut memory = memory;
         Self::build(kit, setup, &mut memory, Fitting::ALL)
     }
 
-    /// Derives all modes of a kit, and of the room, the background, residuals and filters, in this order and pad by pad, what there is memory for and what alone takes no
-    /// more than what is left of `stage_cycles` a tick by the pads, the room and the background. `tell` is told what is left out, and why; the kit plays
-    /// without it.
+    /// Derives all modes of a kit, and those of its other stages that there is memory and time for.
     ///
-    /// A filter that modes go through takes its time for good. Residuals and filters that sound at once take no more than what is left, either: where a strike finds no time for one, it goes without
-    /// ([`TickReport::refused_stages`]). The [budget](Self::set_budget) sheds modes, not stages. These cycles are the cycle model's worst, with the waits of flash.
+    /// The room comes first, then the background, then residuals and filters pad by pad. All stages
+    /// together have `stage_cycles` a tick, of which pads, room, background and filters that modes
+    /// go through take theirs for good. `tell` hears of each stage that is left out because it
+    /// alone would take more than the rest; the kit plays without it.
+    ///
+    /// Residuals and filters that sound at once share the rest: a strike that finds no time for one
+    /// does not begin it ([`TickReport::refused_stages`]). The [budget](Self::set_budget) sheds
+    /// modes, not stages. All these cycles are the cycle model's worst, with the waits of flash.
     ///
     /// # Errors
-    /// A [`LoadError`] for modes that do not fit, or cannot be.
+    /// A [`LoadError`] for modes that do not fit or are invalid.
     pub fn new_within(
         kit: &Kit<'k>,
         setup: Setup,
@@ -52,7 +67,7 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
         Self::build(kit, setup, &mut memory, fitting)
     }
 
-    /// The engine, from memory; from an account one that is not to be played.
+    /// Builds an engine from memory, or from an account one that cannot be played.
     pub(super) fn build<L: Lender<'m>>(
         kit: &Kit<'k>,
         setup: Setup,
@@ -61,7 +76,7 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
     ) -> Result<Self, LoadError> {
         let mut engine = Self::take(kit, setup, lender)?;
         engine.load_modes(lender)?;
-        // First what sounds on: what it takes is not there for what strikes begin.
+        // Stages that sound for good come first: strikes share the time that they leave.
         engine.load_room(lender, &mut fitting)?;
         engine.load_background(lender, &mut fitting)?;
         for number in 0..kit.pads().len() as u8 {
@@ -76,7 +91,7 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
         Ok(engine)
     }
 
-    /// Takes what the engine itself keeps.
+    /// Takes the memory of the engine's own state.
     fn take<L: Lender<'m>>(kit: &Kit<'k>, setup: Setup, lender: &mut L) -> Result<Self, LoadError> {
         let pads = kit.pads().len();
         // Events count pads in a byte.
@@ -112,13 +127,13 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
             modes_built: 0,
             groups_built: 0,
             expects: false,
-            hands_changed: false,
+            chokes_changed: false,
             unstruck_modes: 0,
             retired_amplitude: 0.0,
         })
     }
 
-    #[inline(never)] // its stack is not that of the stages that follow
+    #[inline(never)] // keeps its stack apart from that of the stages that follow
     fn load_modes<L: Lender<'m>>(&mut self, lender: &mut L) -> Result<(), LoadError> {
         let (kit, rate) = (self.kit, self.rate);
         for number in 0..kit.pads().len() as u8 {
@@ -150,7 +165,7 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
         Ok(())
     }
 
-    #[inline(never)] // only on load: its stack is not the program's
+    #[inline(never)] // runs on load only: keeps its stack apart from the program's
     fn load_room<L: Lender<'m>>(&mut self, lender: &mut L, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
         let (bands, rate, samples) = (self.kit.room(), self.rate, self.room_samples);
         if bands.is_empty() {
@@ -183,8 +198,8 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
         };
         self.noisy = true;
         if let Some(place) = place {
-            place.shaper.load(background.bands(), self.rate, Sfc32::new(background.seed(), u32::MAX), 0.0);
-            place.shaper.begin();
+            place.load(background.bands(), self.rate, Sfc32::new(background.seed(), u32::MAX), 0.0, 0.0);
+            place.begin();
             self.background = Some(place);
         }
         Ok(())
@@ -208,15 +223,17 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
         if let (Some(place), Some(voice)) = (place, self.voices.get_mut(usize::from(number))) {
             let noise = Sfc32::new(residual.seed(), u32::from(number));
             let choke_t60_s = f64::from(pad.choke_t60_s());
-            let hand_db_per_s = if choke_t60_s > 0.0 { 60.0 / choke_t60_s } else { 0.0 };
+            let choke_db_per_s = if choke_t60_s > 0.0 { 60.0 / choke_t60_s } else { 0.0 };
             let silence = SILENCE / voice.loudest();
-            place.shaper.load_choked(residual.bands(), self.rate, noise, silence, hand_db_per_s);
+            place.load(residual.bands(), self.rate, noise, silence, choke_db_per_s);
             voice.residual = Some(place);
         }
         Ok(())
     }
 
-    /// Takes the memory and the time of noise in a number of bands up to an edge in Hz: `None` where it is left out, and `Some(None)` from an account.
+    /// Takes the memory and the time of noise in a number of bands up to an edge in Hz.
+    ///
+    /// `None` if it is left out, `Some(None)` from an account.
     fn take_noise<L: Lender<'m>>(
         &self,
         stage: Stage,
@@ -236,11 +253,14 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
             _ => fitting.afford(stage, cycles),
         };
         let Some(cycles) = cycles else { return Ok(None) };
-        let place = Residual::place(lender, bands).map_err(|error| LoadError::Memory { stage, error })?;
-        Ok(Some(place.map(|place| place.with_cycles(cycles))))
+        let mut place = Residual::place(lender, bands).map_err(|error| LoadError::Memory { stage, error })?;
+        if let Some(place) = &mut place {
+            place.worst_cycles = cycles;
+        }
+        Ok(Some(place))
     }
 
-    #[inline(never)] // only on load: its stack is not the program's
+    #[inline(never)] // runs on load only: keeps its stack apart from the program's
     fn load_filters<L: Lender<'m>>(
         &mut self,
         number: u8,
@@ -255,7 +275,7 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
         let reference_force = kit.object_of(pad).map_or(1.0, |object| object.reference_force());
         let hardest = kit.strikers_of(pad).map(|striker| striker.contact().peak_force()).fold(0.0, f32::max);
         let (mut size, mut cycles) = (FiltersSize::default(), [0, 0]);
-        // Derived without memory: what they cost, and whether they can be.
+        // Without memory first, for their cost and their errors.
         if let Some(filter) = &filter {
             let stage = Stage::DynamicFilter(number);
             let mut tried = Filters::empty();
@@ -268,10 +288,10 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
                 Ok(dynamic) => {
                     let wanted = FiltersSize { dynamic: Some(dynamic), ..FiltersSize::default() };
                     if fits(lender, |account| Filters::place(account, wanted), stage, fitting)? {
-                        // What modes go through runs with them, whether a strike brings noise or not.
+                        // A filter that modes go through runs with them, with or without noise.
                         let afforded = match tried.takes_modes() {
-                            true => fitting.take(stage, tried.dearest_of_dynamic()).then_some(0),
-                            false => fitting.afford(stage, tried.dearest_of_dynamic()),
+                            true => fitting.take(stage, tried.dynamic_cycles()).then_some(0),
+                            false => fitting.afford(stage, tried.dynamic_cycles()),
                         };
                         if let Some(afforded) = afforded {
                             (size, cycles[0]) = (wanted, afforded);
@@ -286,7 +306,7 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
             if let Err(error) = Filters::check_biquads(biquads, rate, reference_force) {
                 fitting.leave_out(LoadError::Biquads { pad: number, error })?;
             } else if fits(lender, |account| Filters::place(account, wanted), stage, fitting)? {
-                let worst = Filters::dearest_of_biquads(wanted.biquads, biquads.depth());
+                let worst = Filters::max_biquad_cycles(wanted.biquads, biquads.depth());
                 if let Some(afforded) = fitting.afford(stage, worst) {
                     (size, cycles[1]) = (wanted, afforded);
                 }
@@ -299,7 +319,7 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
         let place = Filters::place(lender, size).map_err(|error| LoadError::Memory { stage, error })?;
         self.filtered = true;
         let (Some(place), Some(voice)) = (place, self.voices.get_mut(usize::from(number))) else { return Ok(()) };
-        place.cycles = cycles;
+        place.worst_cycles = cycles;
         if let (Some(filter), Some(_)) = (&filter, size.dynamic) {
             let loaded = place.load_dynamic(filter, rate, u32::from(number), hardest / reference_force, true);
             loaded.map_err(|error| LoadError::DynamicFilter { pad: number, error })?;
@@ -316,28 +336,31 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
     }
 }
 
-/// Memory and time that a kit takes, without either.
+/// Memory and time that a kit takes, counted without either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
     /// Words of memory that the engine takes.
     pub words: Words,
-    /// Worst cycles a tick that pads, room, background and filters of modes leave for stages that strikes begin; `None` without a limit.
+    /// Worst cycles a tick that pads, room, background and filters that modes go through leave for
+    /// stages that strikes begin; `None` without a limit.
     pub stage_cycles_left: Option<u32>,
 }
 
 impl Plan {
-    /// The plan of a whole kit; [`Engine::new`] then takes just these words. `S` is the sample type of the room.
+    /// Plans a whole kit; [`Engine::new`] takes exactly these words. `S` is the sample type of the
+    /// room.
     ///
     /// # Errors
-    /// A [`LoadError`], as [`Engine::new`] gives it.
+    /// A [`LoadError`] for the first stage that [`Engine::new`] would refuse.
     pub fn of<S: Sample>(kit: &Kit<'_>, setup: Setup) -> Result<Self, LoadError> {
         Self::build::<S>(kit, setup, Words::MAX, Fitting::ALL)
     }
 
-    /// The plan of what fits in so many words and cycles; [`Engine::new_within`] then takes just these words. `tell` is told what is left out.
+    /// Plans what fits into a number of words, and of cycles a tick; [`Engine::new_within`] takes
+    /// exactly these words. `tell` hears of each stage that is left out.
     ///
     /// # Errors
-    /// A [`LoadError`], as [`Engine::new_within`] gives it.
+    /// A [`LoadError`] for modes that [`Engine::new_within`] would refuse.
     pub fn within<S: Sample>(
         kit: &Kit<'_>,
         setup: Setup,
@@ -355,7 +378,8 @@ impl Plan {
     }
 }
 
-/// True if a stage finds memory, which is then still to be taken; else it is left out.
+/// True if there is memory for a stage, which is still to be taken; otherwise the stage is left
+/// out.
 fn fits<'m, T>(
     lender: &impl Lender<'m>,
     take: impl FnOnce(&mut crate::memory::Account) -> Result<T, OutOfMemory>,

@@ -1,122 +1,67 @@
-//! What an engine is set up for, and which stages of a kit there is time for.
+//! Setup of an engine, and the choice of stages that there is time for.
 
-use core::fmt;
-
-use super::LoadError;
-use super::cost::{CYCLES, Part};
+use super::error::LoadError;
+use super::stage::Stage;
 use crate::SampleRate;
-use crate::resonator::TICK_FRAMES;
 
-/// What an engine leaves out.
+/// Work that an engine skips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Skipping {
-    /// Everything that cannot be heard: pads at rest, input work without force, modes that have decayed.
+    /// Skips what cannot be heard: pads at rest, input work without force, modes that have decayed.
     On,
-    /// Nothing that was built: every mode runs with its input in every frame. For measuring.
+    /// Skips nothing: every mode runs with its input in every frame. For measuring.
     Off,
 }
 
-/// What an engine is set up for, beside its kit.
+/// Settings of an engine, beside its kit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup {
     /// Sample rate.
     pub rate: SampleRate,
-    /// What is left out while it plays.
+    /// Work that the engine skips while it plays.
     pub skipping: Skipping,
-    /// Most samples in the delay lines of the room. A room with fewer keeps its decay, with fewer resonances.
+    /// Maximum number of samples in the delay lines of the room. A room that would need more keeps
+    /// its decay, with fewer resonances.
     pub room_samples: usize,
 }
 
 impl Setup {
-    /// An engine that skips what cannot be heard, with a room as large as bands can use: 49 152 samples.
+    /// Settings that skip what cannot be heard and allow the largest room that bands can use:
+    /// 49 152 samples.
     pub const fn new(rate: SampleRate) -> Self {
         Self { rate, skipping: Skipping::On, room_samples: 49_152 }
     }
 }
 
-/// A part of a kit that takes memory or time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Stage {
-    /// The contacts, and what the engine itself keeps.
-    Engine,
-    /// The modes of a pad, its strikers' included.
-    Modes(u8),
-    /// The residual of a pad's object.
-    Residual(u8),
-    /// The background.
-    Background,
-    /// The dynamic filter of a pad's object, with its loops.
-    DynamicFilter(u8),
-    /// The biquads of a pad's object.
-    Biquads(u8),
-    /// The room.
-    Room,
-}
-
-impl fmt::Display for Stage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Engine => write!(f, "the engine"),
-            Self::Modes(pad) => write!(f, "pad {pad}, modes"),
-            Self::Residual(pad) => write!(f, "pad {pad}, residual of its object"),
-            Self::Background => write!(f, "background"),
-            Self::DynamicFilter(pad) => write!(f, "pad {pad}, dynamic filter of its object"),
-            Self::Biquads(pad) => write!(f, "pad {pad}, biquads of its object"),
-            Self::Room => write!(f, "the room"),
-        }
-    }
-}
-
-impl Stage {
-    /// Worst cycles of the stage in a tick with a strike, where `cycles` are its own nominal ones: with what its pad does for it, the cycle
-    /// model's worst case and the waits of flash, by measurements on the virtual boards (`cargo test -p virtual-board --test boards stages`).
-    fn worst_cycles(self, cycles: u32) -> u32 {
-        let frames = TICK_FRAMES as u32;
-        let (beside, percent) = match self {
-            Self::Residual(_) | Self::Background => (of(Part::ResidualStrike) + of(Part::ResidualRun), 150),
-            Self::DynamicFilter(_) => (2 * of(Part::BusPad) + frames * of(Part::BusFrame), 200),
-            Self::Biquads(_) => {
-                (of(Part::BusDrivenPad) + frames * (of(Part::DrivenFrame) + of(Part::ContactFrame)), 175)
-            }
-            Self::Room => (0, 115),
-            Self::Engine | Self::Modes(_) => (0, 100),
-        };
-        (cycles + beside) * percent / 100
-    }
-}
-
-/// Worst cycles of a pad in the two runs of a tick with a strike, sounding or not.
+/// Worst cycles of a pad, sounding or not, in the two runs of a tick with a strike.
 const PAD_CYCLES: u32 = 1_600;
 
-fn of(part: Part) -> u32 {
-    CYCLES.get(part as usize).copied().unwrap_or(0)
-}
-
-/// Time for the stages of a kit while it is loaded, and what becomes of a stage that does not fit.
+/// Time for the stages of a kit while it is loaded, and the fate of a stage that does not fit.
 ///
-/// The budget sheds modes, of which the quietest can go at any time. A stage is either there or not, and costs what it costs while it sounds. So a stage
-/// is begun by a strike only where there is time for it beside those that sound already: a rule of the events alone, which needs no log to play to the same bits.
+/// The budget sheds modes, of which the quietest can go at any time. A stage is either there or
+/// not, and has its full cost while it sounds. So a strike begins a stage only if there is time for
+/// it beside those that sound already. This rule depends on the events alone: a recording plays to
+/// the same bits without a log of refusals.
 pub(super) struct Fitting<'f> {
-    /// Cycles that are left; `None`: as many as it takes.
+    /// Cycles a tick that are left; `None` without a limit.
     cycles: Option<u32>,
-    /// Is told of each stage that is left out; `None`: such a stage is an error.
+    /// Receiver of an error for each stage that is left out; `None` if loading is to fail with it.
     tell: Option<&'f mut dyn FnMut(LoadError)>,
 }
 
 impl<'f> Fitting<'f> {
-    /// All stages, however long they take.
+    /// Time without a limit. A stage that cannot be loaded is an error.
     pub(super) const ALL: Self = Self { cycles: None, tell: None };
 
-    /// The stages for which there is time in so many cycles a tick, beside those of `pads` pads.
+    /// Time of `cycles` a tick, less those of `pads` pads.
     pub(super) fn within(cycles: u32, pads: usize, tell: &'f mut dyn FnMut(LoadError)) -> Self {
         Self { cycles: Some(cycles.saturating_sub(pads as u32 * PAD_CYCLES)), tell: Some(tell) }
     }
 
-    /// Leaves a stage out, which is told.
+    /// Leaves a stage out and tells the receiver why.
     ///
     /// # Errors
-    /// The error given, where nobody is told.
+    /// The given error if there is no receiver.
     pub(super) fn leave_out(&mut self, error: LoadError) -> Result<(), LoadError> {
         match &mut self.tell {
             Some(tell) => {
@@ -127,7 +72,9 @@ impl<'f> Fitting<'f> {
         }
     }
 
-    /// Worst cycles of a stage of so many nominal ones a tick, 0 without a limit. `None` where there is not even time for it alone, which is told.
+    /// Worst cycles of a stage of `cycles` nominal ones a tick; 0 without a limit.
+    ///
+    /// `None` if fewer are left; the receiver is then told.
     pub(super) fn afford(&mut self, stage: Stage, cycles: u32) -> Option<u32> {
         let Some(left) = self.cycles else { return Some(0) };
         let cycles = stage.worst_cycles(cycles);
@@ -140,7 +87,7 @@ impl<'f> Fitting<'f> {
         Some(cycles)
     }
 
-    /// Takes the time of a stage that sounds for good; false where there is none for it.
+    /// Takes the time of a stage for good; false if there is too little.
     pub(super) fn take(&mut self, stage: Stage, cycles: u32) -> bool {
         let afforded = self.afford(stage, cycles);
         if let Some(left) = &mut self.cycles {
@@ -149,28 +96,29 @@ impl<'f> Fitting<'f> {
         afforded.is_some()
     }
 
-    /// Cycles that are left for stages that strikes begin; `None`: as many as they take.
+    /// Cycles a tick that are left for stages that strikes begin; `None` without a limit.
     pub(super) fn left(&self) -> Option<u32> {
         self.cycles
     }
 }
 
-/// Cycles that are left for the stages that a strike begins.
+/// Cycles a tick that are left for the stages that a strike begins.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Left {
-    /// `None`: as many as it takes.
+pub(super) struct CyclesLeft {
+    /// Cycles a tick that are left; `None` without a limit.
     cycles: Option<u32>,
-    /// Number of stages that were not begun.
+    /// Number of stages that found no time.
     pub(super) refused: u32,
 }
 
-impl Left {
-    /// What `sounding` stages leave of `most` cycles.
+impl CyclesLeft {
+    /// Cycles that are left of `most` beside those of the stages that sound.
     pub(super) fn new(most: Option<u32>, sounding: u32) -> Self {
         Self { cycles: most.map(|most| most.saturating_sub(sounding)), refused: 0 }
     }
 
-    /// True if there is time for a stage of so many cycles, which are then taken. A stage that `sounds` already has its time.
+    /// True if there is time for a stage of `cycles`, which are then taken. A stage that sounds
+    /// already has its time.
     pub(super) fn admits(&mut self, sounds: bool, cycles: u32) -> bool {
         let Some(left) = self.cycles.as_mut().filter(|_| !sounds) else { return true };
         let admits = cycles <= *left;
@@ -188,17 +136,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_strike_takes_time_only_for_what_does_not_sound_yet() {
-        let mut left = Left::new(Some(10_000), 4_000);
+    fn strike_takes_time_only_for_stages_that_do_not_sound_yet() {
+        let mut left = CyclesLeft::new(Some(10_000), 4_000);
         assert!(left.admits(true, 9_000), "it sounds, and has its time");
         assert!(left.admits(false, 5_000) && !left.admits(false, 1_001) && left.admits(false, 1_000));
         assert_eq!(left.refused, 1);
-        let mut unlimited = Left::new(None, u32::MAX);
+        let mut unlimited = CyclesLeft::new(None, u32::MAX);
         assert!(unlimited.admits(false, u32::MAX) && unlimited.refused == 0);
     }
 
     #[test]
-    fn a_stage_that_sounds_on_takes_its_time_for_good_and_one_too_dear_is_told() {
+    fn taken_time_is_gone_for_good_and_a_stage_too_dear_is_told() {
         let mut told = std::vec::Vec::new();
         let mut tell = |error| told.push(error);
         let mut fitting = Fitting::within(40_000 + 2 * PAD_CYCLES, 2, &mut tell);

@@ -1,33 +1,38 @@
-//! Stages beside the modes: who strikes and chokes them, what they cost, which of them sound.
+//! Stages beside the modes: their strikes and chokes, their cost, and which of them sound.
+//!
+//! A stage of a voice has six methods. `strike` and `set_choked` tell it of events, `render` adds a
+//! run to a bus, and `end_tick` works ahead if the stage needs to. `cycles` gives the cost of a
+//! tick, and `is_active` is true while the stage sounds.
 
-use super::Engine;
 use super::load::{ROOM_BAND_TICK, ROOM_TICK};
-use super::setup::Left;
+use super::setup::CyclesLeft;
+use super::state::Engine;
 use crate::fixed::ONE_Q27;
-use crate::resonator::TICK_FRAMES;
 use crate::room::{Room, Sample};
-use crate::voice::{Filters, Residual, Voice};
+use crate::time::TICK_FRAMES;
+use crate::voice::{Filters, Residual, Voice, nepers_per_frame};
 
-/// Nominal cycles of a tick of a room that is silent.
+/// Nominal cycles of a tick of a silent room.
 const SILENT_ROOM_TICK: u32 = 520;
 
 impl<S: Sample> Engine<'_, '_, S> {
-    /// Strikes the residual and the filters of a pad, as far as there is time; `peak` is the peak force in bus steps.
-    #[inline(never)] // kits without have nothing of it
+    /// Strikes the residual and the filters of a pad, as far as there is time; `peak` is the peak
+    /// force in bus steps.
+    #[inline(never)] // must not weigh on kits without these stages
     pub(super) fn strike_stages(&mut self, pad: u8, peak: i32) {
         let sounding = if self.stage_cycles.is_some() { self.sounding_cycles() } else { 0 };
-        let mut left = Left::new(self.stage_cycles, sounding);
+        let mut left = CyclesLeft::new(self.stage_cycles, sounding);
         let frame = (self.now % TICK_FRAMES as u64) as usize;
         let level = peak as f32 / ONE_Q27 as f32;
         let Some(voice) = self.voices.get_mut(usize::from(pad)) else { return };
         if let Some(residual) = voice.residual.as_deref_mut()
-            && left.admits(residual.shaper.is_active(), residual.cycles)
+            && left.admits(residual.is_active(), residual.worst_cycles)
         {
-            residual.shaper.strike(level, frame);
+            residual.strike(level, frame);
         }
         if let Some(filters) = voice.filters.as_deref_mut() {
             let ([has_dynamic, has_biquads], [dynamic_sounds, biquads_sound]) = (filters.parts(), filters.sounding());
-            let [of_dynamic, of_biquads] = filters.cycles;
+            let [of_dynamic, of_biquads] = filters.worst_cycles;
             let dynamic = has_dynamic && left.admits(dynamic_sounds, of_dynamic);
             let biquads = has_biquads && left.admits(biquads_sound, of_biquads);
             filters.strike(level, frame, [dynamic, biquads]);
@@ -37,9 +42,9 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Worst cycles of the residuals and filters that sound.
     fn sounding_cycles(&self) -> u32 {
-        let of_residual = |residual: &Residual<'_>| if residual.shaper.is_active() { residual.cycles } else { 0 };
+        let of_residual = |residual: &Residual<'_>| if residual.is_active() { residual.worst_cycles } else { 0 };
         let of_filters = |filters: &Filters<'_>| {
-            let parts = filters.sounding().into_iter().zip(filters.cycles);
+            let parts = filters.sounding().into_iter().zip(filters.worst_cycles);
             parts.map(|(sounds, cycles)| if sounds { cycles } else { 0 }).sum()
         };
         let of_voice = |voice: &Voice<'_, '_>| -> u32 {
@@ -48,19 +53,19 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.voices.iter().map(of_voice).sum()
     }
 
-    /// Chokes the residual and the filters of a pad, or lets them go, on a tick.
-    #[inline(never)] // kits without have nothing of it
-    pub(super) fn lay_hand_on_stages(&mut self, number: u8, lies: bool) {
+    /// Chokes the residual and the filters of a pad, or releases them, on a tick.
+    #[inline(never)] // must not weigh on kits without these stages
+    pub(super) fn choke_stages(&mut self, number: u8, is_choked: bool) {
         let pad = self.kit.pads().nth(usize::from(number));
         let t60_s = pad.map_or(0.0, |pad| pad.choke_t60_s());
-        let lies = lies && t60_s > 0.0;
+        let is_choked = is_choked && t60_s > 0.0;
         let rate = self.rate;
         let Some(voice) = self.voices.get_mut(usize::from(number)) else { return };
         if let Some(residual) = voice.residual.as_deref_mut() {
-            residual.shaper.set_choked(lies);
+            residual.set_choked(is_choked);
         }
         if let Some(filters) = voice.filters.as_deref_mut() {
-            filters.set_choked(lies.then(|| crate::voice::nepers(t60_s, rate)));
+            filters.set_choked(is_choked.then(|| nepers_per_frame(t60_s, rate)));
         }
     }
 
@@ -72,12 +77,12 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
-    #[inline(never)] // its buffer and registers must not weigh on kits without
+    #[inline(never)] // its buffer and registers must not weigh on kits without noise
     fn add_noise(&mut self, out: &mut [[i32; 2]]) {
         if let Some(background) = self.background.as_deref_mut() {
             let mut sound = [0; TICK_FRAMES];
             if let Some(sound) = sound.get_mut(..out.len()) {
-                background.shaper.render(sound);
+                background.render(sound);
                 self.centre.render(sound, out);
                 self.report.background_frames += out.len() as u32;
             }
@@ -87,13 +92,13 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
-    /// All noise that has been loaded: the background and the residuals.
+    /// Background and residuals that have been loaded.
     fn noise(&self) -> impl Iterator<Item = &Residual<'_>> {
         let residuals = self.voices.iter().filter_map(|voice| voice.residual.as_deref());
         self.background.as_deref().into_iter().chain(residuals)
     }
 
-    /// Works on the noise to come, at a tick's end.
+    /// Works on noise to come, at a tick's end.
     #[inline(always)]
     pub(super) fn end_noise_tick(&mut self) {
         if self.noisy {
@@ -104,15 +109,15 @@ impl<S: Sample> Engine<'_, '_, S> {
     #[inline(never)]
     fn work_on_noise(&mut self) {
         if let Some(background) = self.background.as_deref_mut() {
-            background.shaper.end_tick();
+            background.end_tick();
         }
         for residual in self.voices.iter_mut().filter_map(|voice| voice.residual.as_deref_mut()) {
-            residual.shaper.end_tick();
+            residual.end_tick();
         }
         self.report.residuals = self.noises() as u32;
     }
 
-    /// Number of residuals that sound, and of backgrounds.
+    /// Number of residuals that sound, the background included.
     #[inline(always)]
     pub(super) fn noises(&self) -> usize {
         if self.noisy { self.count_noises() } else { 0 }
@@ -120,10 +125,10 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     #[inline(never)]
     fn count_noises(&self) -> usize {
-        self.noise().filter(|residual| residual.shaper.is_active()).count()
+        self.noise().filter(|residual| residual.is_active()).count()
     }
 
-    /// Nominal cycles of the work on noise to come in this tick.
+    /// Nominal cycles of this tick's work on noise to come.
     #[inline(always)]
     pub(super) fn noise_cycles(&self) -> u32 {
         if self.noisy { self.cycles_of_noise() } else { 0 }
@@ -131,7 +136,7 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     #[inline(never)]
     fn cycles_of_noise(&self) -> u32 {
-        self.noise().map(|residual| residual.shaper.cycles_ahead()).sum()
+        self.noise().map(|residual| residual.cycles()).sum()
     }
 
     /// True if a strike of a pad begins noise.
@@ -140,7 +145,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.noisy && self.voices.get(usize::from(pad)).is_some_and(|voice| voice.residual.is_some())
     }
 
-    /// The filters of a pad, where it has any.
+    /// Filters of a pad; `None` if it has none.
     #[inline(always)]
     fn filters_of(&self, pad: u8) -> Option<&Filters<'_>> {
         self.voices.get(usize::from(pad))?.filters.as_deref()
@@ -148,17 +153,17 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Number of pads whose filters sound.
     #[inline(always)]
-    pub(super) fn ringing_filters(&self) -> u32 {
-        if self.filtered { self.count_ringing_filters() } else { 0 }
+    pub(super) fn active_filters(&self) -> u32 {
+        if self.filtered { self.count_active_filters() } else { 0 }
     }
 
     #[inline(never)]
-    fn count_ringing_filters(&self) -> u32 {
+    fn count_active_filters(&self) -> u32 {
         let filters = self.voices.iter().filter_map(|voice| voice.filters.as_deref());
-        filters.filter(|filters| filters.is_ringing()).count() as u32
+        filters.filter(|filters| filters.is_active()).count() as u32
     }
 
-    /// Nominal cycles of the filters that sound, in this tick.
+    /// Nominal cycles of this tick of the filters that sound.
     #[inline(always)]
     pub(super) fn filter_cycles(&self) -> u32 {
         if self.filtered { self.cycles_of_filters() } else { 0 }
@@ -167,25 +172,25 @@ impl<S: Sample> Engine<'_, '_, S> {
     #[inline(never)]
     fn cycles_of_filters(&self) -> u32 {
         let filters = self.voices.iter().filter_map(|voice| voice.filters.as_deref());
-        filters.filter(|filters| filters.is_ringing()).map(|filters| filters.cycles_a_tick(false)).sum()
+        filters.filter(|filters| filters.is_active()).map(|filters| filters.cycles(false)).sum()
     }
 
-    /// Nominal cycles of the filters that a strike begins, in its tick.
+    /// Nominal cycles that a strike of a pad adds to the tick of the pad's filters.
     #[inline(always)]
     pub(super) fn filter_strike_cycles(&self, pad: u8) -> u32 {
         self.filters_of(pad).map_or(0, |filters| {
-            let ringing = if filters.is_ringing() { filters.cycles_a_tick(false) } else { 0 };
-            filters.cycles_a_tick(true).saturating_sub(ringing)
+            let active = if filters.is_active() { filters.cycles(false) } else { 0 };
+            filters.cycles(true).saturating_sub(active)
         })
     }
 
-    /// Nominal cycles of a pad's filters for a hand that comes or goes.
+    /// Nominal cycles that a choke or a release adds to the tick of a pad's filters.
     #[inline(always)]
-    pub(super) fn filter_hand_cycles(&self, pad: u8) -> u32 {
-        self.filters_of(pad).map_or(0, Filters::cycles_of_hand)
+    pub(super) fn filter_choke_cycles(&self, pad: u8) -> u32 {
+        self.filters_of(pad).map_or(0, Filters::choke_cycles)
     }
 
-    /// Lets the room answer a run of the stereo bus.
+    /// Adds the room's answer to a run of the stereo bus.
     #[inline(always)]
     pub(super) fn render_room(&mut self, out: &mut [[i32; 2]]) {
         if self.room.is_some() {
@@ -193,7 +198,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
-    #[inline(never)] // its registers must not weigh on kits without
+    #[inline(never)] // its registers must not weigh on kits without a room
     fn add_room(&mut self, out: &mut [[i32; 2]]) {
         if let Some(room) = self.room.as_deref_mut() {
             room.render(out);
@@ -201,13 +206,13 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
-    /// True if nothing goes out of the room until something comes in.
+    /// True if the room's output is silent until something comes in.
     #[inline(always)]
     pub(super) fn room_is_silent(&self) -> bool {
         self.room.as_deref().is_none_or(Room::is_silent)
     }
 
-    /// Lets frames of silence pass in a room that is silent.
+    /// Lets frames of silence pass in a silent room.
     #[inline(always)]
     pub(super) fn pass_room_silence(&mut self, frames: usize) {
         if self.room.is_some() {
@@ -215,14 +220,14 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
-    #[inline(never)] // its registers must not weigh on kits without
+    #[inline(never)] // its registers must not weigh on kits without a room
     fn pass_silence_of_room(&mut self, frames: usize) {
         if let Some(room) = self.room.as_deref_mut() {
             room.pass_silence(frames);
         }
     }
 
-    /// Nominal cycles of the room in this tick.
+    /// Nominal cycles of this tick of the room.
     #[inline(always)]
     pub(super) fn room_cycles(&self) -> u32 {
         match self.room.as_deref() {

@@ -1,17 +1,20 @@
-//! What happens within a tick: its beginning, events, runs of frames, its end.
+//! Work within a tick: its beginning, its events, its runs of frames, its end.
 
-use super::budget::LeaveOut;
-use super::cost::Part;
-use super::{Direct, Engine, Skipping};
+use super::budget::ShedAmount;
+use super::cost::CostItem;
+use super::setup::Skipping;
+use super::state::{Direct, Engine};
 use crate::contact::Contact;
 use crate::event::{Action, Event};
-use crate::resonator::TICK_FRAMES;
 use crate::room::Sample;
+use crate::time::TICK_FRAMES;
 use crate::voice::{PadTables, Run, Voice};
 
 impl<S: Sample> Engine<'_, '_, S> {
+    /// Begins a tick: chokes and releases take effect, and voices do their bookkeeping.
     pub(super) fn begin_tick(&mut self, direct: Option<Direct<'_>>) {
-        let hands = if core::mem::take(&mut self.hands_changed) { self.lay_hands() } else { [(Part::Hand, 0); 3] };
+        let chokes =
+            if core::mem::take(&mut self.chokes_changed) { self.change_chokes() } else { [(CostItem::Choke, 0); 3] };
         if self.idle && self.was_idle {
             self.report.begin_idle(self.now);
         } else {
@@ -21,12 +24,12 @@ impl<S: Sample> Engine<'_, '_, S> {
         if self.budget.is_some() {
             let counts = self.beginning();
             self.report.counts.add_all(counts);
-            self.report.counts.add_all(hands);
+            self.report.counts.add_all(chokes);
         }
         if self.idle {
             return;
         }
-        // A direct force has no strike that would be a new chance: each tick is.
+        // A direct force brings no strike that would admit its pad: each tick does.
         if let Some(direct) = direct {
             self.admit(direct.pad);
         }
@@ -48,19 +51,20 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.report.retired_amplitude = self.retired_amplitude;
     }
 
+    /// Applies an event.
     pub(super) fn apply(&mut self, event: &Event, direct: Option<Direct<'_>>) {
         if self.budget.is_some() {
             let counts = self.event_counts(event);
             self.report.counts.add_all(counts);
         }
         if let Action::Shed(count) = event.action {
-            self.leave_out(LeaveOut::Groups(count), direct);
+            self.shed(ShedAmount::Groups(count), direct);
             return;
         }
-        if event.is_of_hand() {
+        if event.is_choke_or_release() {
             let Some(voice) = self.voices.get_mut(usize::from(event.pad)) else { return };
-            voice.want_hand(event.action == Action::Choke);
-            self.hands_changed = true;
+            voice.want_choke(event.action == Action::Choke);
+            self.chokes_changed = true;
             return;
         }
         (self.idle, self.was_idle) = (false, false);
@@ -82,47 +86,49 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
-    /// Hands that have come or gone since the last tick take effect: pads reach their first modes in the bookkeeping that
-    /// follows. Gives what it costs.
+    /// Carries out the chokes and releases of the last tick; gives their cost. Pads reach their
+    /// first modes in the bookkeeping that follows.
     #[inline(never)] // rare
-    fn lay_hands(&mut self) -> [(Part, u32); 3] {
-        let (mut hands, mut guards, mut filter_cycles) = (0, 0, 0);
+    fn change_chokes(&mut self) -> [(CostItem, u32); 3] {
+        let (mut chokes, mut guards, mut filter_cycles) = (0, 0, 0);
         for number in 0..self.voices.len() as u8 {
-            let Some(voice) = self.voices.get_mut(usize::from(number)).filter(|voice| voice.wants_change()) else {
+            let Some(voice) = self.voices.get_mut(usize::from(number)).filter(|voice| voice.is_choke_due()) else {
                 continue;
             };
-            guards += voice.lay_hand();
-            hands += 1;
-            let lies = voice.is_choked();
+            guards += voice.change_choke();
+            chokes += 1;
+            let is_choked = voice.is_choked();
             let has_stages = voice.residual.is_some() || voice.filters.is_some();
             (self.idle, self.was_idle) = (false, false);
             if has_stages {
-                filter_cycles += self.filter_hand_cycles(number);
-                self.lay_hand_on_stages(number, lies);
+                filter_cycles += self.filter_choke_cycles(number);
+                self.choke_stages(number, is_choked);
             }
         }
-        [(Part::Hand, hands), (Part::DueGroup, guards), (Part::ResidualCycle, filter_cycles)]
+        [(CostItem::Choke, chokes), (CostItem::DueGroup, guards), (CostItem::ResidualCycle, filter_cycles)]
     }
 
-    /// A strike at another position moves a slot of the object.
-    #[inline(never)] // to look up the tables takes longer than a strike, and room on the stack
+    /// Moves a slot of a pad's object to the position of a strike.
+    #[inline(never)] // looking up the tables takes longer than a strike, and more of the stack
     fn set_position(&mut self, event: &Event, slot: u8) {
         let Some(tables) = PadTables::new(self.kit, usize::from(event.pad)) else { return };
         let Some(voice) = self.voices.get_mut(usize::from(event.pad)) else { return };
         voice.set_position(slot, event.position, &tables, self.rate);
     }
 
-    /// Lets input reach again what was left out of a pad.
+    /// Lets forces reach the shed groups of a pad again.
     fn admit(&mut self, pad: u8) {
         if let Some(voice) = self.voices.get_mut(usize::from(pad)) {
             voice.admit();
         }
     }
 
+    /// Guards all voices for the contacts that have just begun.
     pub(super) fn meet_expected(&mut self) {
         self.voices.iter_mut().for_each(Voice::meet_expected);
     }
 
+    /// Renders a run of frames and adds it to the stereo bus.
     pub(super) fn render_run(&mut self, direct: Option<Direct<'_>>, out: &mut [[i32; 2]]) {
         (self.idle, self.was_idle) = (false, false);
         let (skip, odd_start) = (self.skipping == Skipping::On, self.now % 2 == 1);
@@ -142,7 +148,7 @@ impl<S: Sample> Engine<'_, '_, S> {
                 continue;
             }
             if has_force && skip && !voice.responds() {
-                // Nobody would hear the force.
+                // Nothing would answer the force.
                 self.contacts.pass(number, out.len());
                 self.report.add_ringing(voice, (0, 0), out.len());
                 continue;
@@ -162,12 +168,13 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.render_room(out);
     }
 
+    /// Ends a tick: works on noise to come, completes the report, and looks whether all is silent.
     pub(super) fn end_tick(&mut self) {
         if self.idle {
             return;
         }
         self.end_noise_tick();
-        self.report.filters = self.ringing_filters();
+        self.report.filters = self.active_filters();
         self.report.contacts = self.contacts.count() as u32;
         self.report.ringing_pads = self.voices.iter().filter(|voice| voice.is_ringing()).count() as u32;
         self.idle = self.skipping == Skipping::On

@@ -1,13 +1,13 @@
-//! The bands: how much energy each has, how it decays, and what a frame needs of it.
+//! Bands: their energies, their decays, and what all of them share in a frame.
 
 use super::edges::retreats;
-use super::square_root::{exact_root, square_root};
 use crate::SampleRate;
 use crate::exponential;
 use crate::memory::{Lender, OutOfMemory, Region};
-use crate::resonator::TICK_FRAMES;
+use crate::square_root::{exact_root, square_root};
+use crate::time::TICK_FRAMES;
 
-/// Bands that one stage may have.
+/// Maximum number of bands of one stage.
 pub const MAX_BANDS: usize = 100;
 
 /// A band of noise as the table gives it.
@@ -24,18 +24,19 @@ pub struct BandLaw {
 /// One band. Densities are power per (cycle/sample).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Band {
-    /// Upper edge, cycles/sample; the lower one is the upper one of the band below.
+    /// Upper edge in cycles/sample; the lower edge is the upper one of the band below.
     pub(super) upper: f32,
-    /// Density at once after a strike at the reference force.
+    /// Density right after a strike at the reference force.
     pub(super) strike: f32,
-    /// Share of the energy that is left after a tick, and after an eighth of a frame.
+    /// Shares of the energy that are left after a tick and after an eighth of a frame.
     pub(super) per_tick: f32,
     pub(super) per_eighth: f32,
-    /// Energy in a strike's own frame at the reference force, per (cycle/sample): its density times ticks.
+    /// Energy in a strike's own frame at the reference force, as density times ticks.
     pub(super) in_onset: f32,
-    /// Density at the beginning of the last frame for which it was brought up to date.
+    /// Density at the beginning of the last frame that the band was brought up to.
     pub(super) density: f32,
-    /// How far it keeps away from its lower and its upper edge where there is nothing beyond, cycles/sample.
+    /// Distances that the band keeps from its lower and its upper edge if nothing lies beyond, in
+    /// cycles/sample.
     pub(super) retreats: [f32; 2],
 }
 
@@ -55,20 +56,23 @@ impl Band {
 pub(super) const EIGHTH_TICKS: u32 = 4;
 /// Ticks from one frame's beginning to the next one's: three quarters of a frame.
 pub(super) const FRAME_TICKS: u32 = 6 * EIGHTH_TICKS;
-/// Energy of strikes waits for the next frame by its distance from it, in eighths of a frame.
+/// Number of distances before the next frame, in eighths of a frame, at which energy of strikes
+/// waits for it.
 pub(super) const WAITING: usize = 7;
 
-/// The way to a frame's beginning from the time for which the bands' energies stand.
+/// The time from the bands' last update to a frame's beginning.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Passage {
     pub(super) ticks: u32,
-    /// Over how many of them, and of those that were reckoned wrongly before, a hand lies on the object; below 0 where it was expected in vain.
+    /// Ticks of this time, and of earlier ones that were predicted wrongly, in which a hand lies on
+    /// the object; below 0 after a hand was expected in vain.
     pub(super) choked_ticks: f32,
-    /// Whether the hand lies there at the frame's beginning, as far as is known.
+    /// True if a hand is expected at the frame's beginning.
     pub(super) is_choked: bool,
     /// Energy of strikes, by its distance before the frame.
     pub(super) waiting: [f32; WAITING],
-    /// Whether it is that before the frame for whose beginning the energies stand: of strikes that came too late for it.
+    /// True if the energy belongs before the frame that the bands stand for: from strikes that came
+    /// too late for it.
     pub(super) is_late: bool,
 }
 
@@ -77,13 +81,13 @@ impl Passage {
     pub(super) const NEXT: Self =
         Self { ticks: FRAME_TICKS, choked_ticks: 0.0, is_choked: false, waiting: [0.0; WAITING], is_late: false };
 
-    /// Whether a strike adds to the energies.
+    /// True if a strike adds to the energies.
     pub(super) fn is_struck(&self) -> bool {
         self.waiting.iter().any(|&energy| energy > 0.0)
     }
 
-    /// Adds a strike's energy so many ticks before the frame, shared between the two eighths beside that time: the line between two values of the
-    /// exponential.
+    /// Adds a strike's energy `ticks` before the frame, shared between the two eighths beside that
+    /// time: linear interpolation between two values of the exponential.
     pub(super) fn add(&mut self, energy: f32, ticks: f32) {
         let eighths = ticks / EIGHTH_TICKS as f32;
         let below = (eighths as usize).min(WAITING - 1);
@@ -96,20 +100,22 @@ impl Passage {
     }
 }
 
-/// What all bands of a frame share.
+/// The values that all bands of a frame share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Common {
     /// Power at the frame's beginning.
     pub(super) power: f32,
     /// Share of the power that is left after a quarter of the frame.
     pub(super) quarter: f32,
-    /// The same without a hand and with one.
+    /// Shares of the power that are left after a quarter of the frame, without a hand and with one.
     quarters: [f32; 2],
-    /// Share of the energy that the hand leaves of a band after an eighth of the frame, at most; 1 without one.
+    /// Largest share of its energy that a band keeps under the hand after an eighth of the frame; 1
+    /// without a hand.
     pub(super) eighth: f32,
-    /// Energy of the window under the common decay, times the zeroth, first and second power of the tilt: see [`Common::of`].
+    /// Energy of the window under the common decay, times the zeroth, first and second power of the
+    /// tilt (see [`Common::of`]).
     pub(super) moments: [f32; 3],
-    /// Whether the frame is a strike's own, which has no tilts: it may be read from anywhere.
+    /// True if the frame is a strike's own, which has no tilts: it may be read from any place on.
     pub(super) is_onset: bool,
 }
 
@@ -117,10 +123,12 @@ impl Common {
     pub(super) const NONE: Self =
         Self { power: 0.0, quarter: 1.0, quarters: [1.0; 2], eighth: 1.0, moments: [1.0, 0.0, 0.0], is_onset: false };
 
-    /// Of a power at a frame's beginning, what is left of it after a quarter without a hand and with one, and what the hand leaves after an eighth, if it
-    /// lies there.
+    /// Derives the values from the power at a frame's beginning and from the power that is left
+    /// after a quarter, without a hand and with one. `hand` is the share that the hand leaves after
+    /// an eighth, if it lies there.
     ///
-    /// The window's squares at the eighths of a frame are 0, 1/2, 1, 1, 1, 1, 1, 1/2; a tilt is `1 + c sin 2πt`, t from 0 to 1 over the frame.
+    /// The window's squares at the eighths of a frame are 0, 1/2, 1, 1, 1, 1, 1, 1/2; a tilt is `1
+    /// + c sin 2πt`, t from 0 to 1 over the frame.
     pub(super) fn of(power: f32, left: [f32; 2], hand: Option<f32>) -> Self {
         let quarters = left.map(|left| mean(left, power));
         let [free, choked] = quarters;
@@ -135,7 +143,8 @@ impl Common {
         Self { power, quarter, quarters, eighth: hand.unwrap_or(1.0), moments, is_onset: false }
     }
 
-    /// The same for a strike's own frame, whose window leaves so much energy, in ticks.
+    /// Turns the values into those of a strike's own frame, of which the window leaves an energy in
+    /// ticks.
     pub(super) fn of_onset(self, energy_ticks: f32) -> Self {
         Self { moments: [energy_ticks, 0.0, 0.0], is_onset: true, ..self }
     }
@@ -145,7 +154,7 @@ impl Common {
         if self.is_onset { band.in_onset } else { band.density * under_window(least(band.per_eighth, self.eighth)) }
     }
 
-    /// Share of the amplitude that is left after a sample, without a hand and with one.
+    /// Shares of the amplitude that are left after a sample, without a hand and with one.
     pub(super) fn per_frame(&self) -> [f32; 2] {
         // A quarter has 256 samples; the amplitude is the root of the power.
         let root = |quarter: f32| (0..9).fold(quarter, |share, _| exact_root(share)).min(1.0);
@@ -154,7 +163,8 @@ impl Common {
         [per_frame, if choked == free { per_frame } else { root(choked) }]
     }
 
-    /// What of the amplitude is left at the frame's beginning where a hand lay there for so many ticks more than was reckoned with, or fewer.
+    /// Share of the amplitude that is left at the frame's beginning after a hand lay there for
+    /// `choked_ticks` more ticks than predicted, or fewer if negative.
     pub(super) fn kept(&self, choked_ticks: f32) -> f32 {
         let [free, choked] = self.quarters;
         if choked_ticks == 0.0 || choked >= free {
@@ -166,7 +176,8 @@ impl Common {
     }
 }
 
-/// Energy under a frame's window, in eighths of the frame, of a band of which `e` is left after each: by the trapezoidal rule.
+/// Energy under a frame's window, in eighths of the frame, of a band of which `e` is left after
+/// each eighth: by the trapezoidal rule.
 #[inline(always)]
 fn under_window(e: f32) -> f32 {
     let square = e * e;
@@ -181,12 +192,13 @@ pub(super) struct Bands<'m> {
     lower: f32,
     /// Power of a strike at the reference force.
     strike_power: f32,
-    /// Share of the energy that a hand leaves at most, after a tick and after an eighth of a frame.
+    /// Largest shares of the energy that a hand leaves, after a tick and after an eighth of a
+    /// frame.
     hand: [f32; 2],
 }
 
 impl<'m> Bands<'m> {
-    /// No bands.
+    /// A stage without bands.
     pub(super) const fn none() -> Self {
         Self { bands: &mut [], lower: 0.0, strike_power: 0.0, hand: [1.0; 2] }
     }
@@ -196,7 +208,8 @@ impl<'m> Bands<'m> {
         Ok(Self { bands: lender.take(Region::Bulk, count, || Band::NONE)?, ..Self::none() })
     }
 
-    /// Derives the bands for a rate. A choke makes them fall by at least `hand_db_per_s`, 0 where none can.
+    /// Derives the bands for a rate. Under a hand they fall by at least `hand_db_per_s`; 0 if the
+    /// pad cannot be choked.
     pub(super) fn load(&mut self, laws: impl Iterator<Item = BandLaw>, hand_db_per_s: f64, rate: SampleRate) {
         (self.lower, self.strike_power) = (0.0, 0.0);
         let hand_bits = -hand_db_per_s * (TICK_FRAMES as f64 / rate.hz()) * (core::f64::consts::LOG2_10 / 10.0);
@@ -227,18 +240,18 @@ impl<'m> Bands<'m> {
         self.bands.len()
     }
 
-    /// Power at once after a strike at the reference force.
+    /// Power right after a strike at the reference force.
     pub(super) fn strike_power(&self) -> f32 {
         self.strike_power
     }
 
-    /// Share of the energy that a hand leaves at most after an eighth of a frame.
+    /// Largest share of the energy that a hand leaves after an eighth of a frame.
     pub(super) fn hand_eighth(&self) -> f32 {
         let [_, eighth] = self.hand;
         eighth
     }
 
-    /// The lowest band's lower edge, cycles/sample.
+    /// Lower edge of the lowest band, in cycles/sample.
     pub(super) fn lower(&self) -> f32 {
         self.lower
     }
@@ -253,8 +266,8 @@ impl<'m> Bands<'m> {
         self.bands.iter_mut().for_each(|band| band.density = 0.0);
     }
 
-    /// Brings the energies of some bands up to a frame's beginning; gives their power there, and what is left of it after a quarter of the frame
-    /// without a hand and with one.
+    /// Brings the energies of some bands up to a frame's beginning. Gives their power there, and
+    /// the power that is left after a quarter of the frame without a hand and with one.
     #[inline(never)]
     pub(super) fn advance(&mut self, bands: core::ops::Range<usize>, passage: &Passage) -> (f32, [f32; 2]) {
         let below = bands.start.checked_sub(1).and_then(|below| self.bands.get(below));
@@ -298,26 +311,27 @@ impl<'m> Bands<'m> {
     }
 }
 
-/// The smaller one: in a compare and a move, which the library's is not.
+/// Smaller of two numbers, by a compare and a move: the library's function takes more.
 #[inline(always)]
 pub(super) fn least(x: f32, y: f32) -> f32 {
     if x < y { x } else { y }
 }
 
-/// A share of energy to the power of a number of ticks, which may have a fraction (on a line between whole ones) or be below 0.
+/// Power of a share of energy for a number of ticks, which may have a fraction (interpolated
+/// between whole ticks) or be negative.
 fn choke(per_tick: f32, ticks: f32) -> f32 {
     let size = ticks.abs();
     let whole = size as u32;
     let part = size - whole as f32;
     let left = power_of(per_tick, whole) * (1.0 - part + part * per_tick);
-    // What has fallen so far comes back no more.
+    // A band that has fallen so far does not come back.
     if ticks < 0.0 { 1.0 / left.max(1e-20) } else { left }
 }
 
-/// Density that is no sound, long before denormals.
+/// Density below which a band is silent, long before denormals.
 const LEAST: f32 = 1e-24;
 
-/// A share of energy on average over so much of it; never 0.
+/// Mean share of energy, at least 1e-9.
 fn mean(left: f32, of: f32) -> f32 {
     let mean = if of > 0.0 { left / of } else { 1.0 };
     if mean > 1.0 {

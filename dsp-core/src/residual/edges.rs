@@ -1,39 +1,46 @@
-//! How far a band keeps away from an edge that it shares with a weaker one.
+//! Edges: the distance that a band keeps from an edge that it shares with a weaker one.
 //!
-//! By the law, noise that sets in at a strike and falls is heard a little beyond its band's edges: the faster it falls, the more. A frame's lines are blurred by its
-//! window, by as much whatever they carry. So a band's outermost line is made as strong as leaves beyond the edge what the law leaves there: that
-//! depends on where the edge lies between two lines, and is settled when the band is loaded.
+//! By the law, noise that sets in at a strike and falls is heard a little beyond its band's edges:
+//! the faster it falls, the more. A frame's lines are blurred by its window, always by as much. So
+//! a band's outermost line is made just strong enough to leave beyond the edge what the law leaves
+//! there. Its strength depends on the place of the edge between two lines, and is settled when the
+//! band is loaded.
 
-use super::fourier::MAX_POINTS;
+use super::twiddles::MAX_POINTS;
 
-/// Lines from 0 Hz up to half the rate are so many per (cycle/sample).
+/// Number of lines per (cycle/sample).
 const LINES: f64 = 2.0 * MAX_POINTS as f64;
-/// Share of a line's energy beyond a place so many quarters of a line's distance away from it: the power spectrum of a frame's window from there on.
+/// Share of a line's energy beyond a place, by the distance to it in quarters of a line: the power
+/// spectrum of a frame's window from there on.
 const BEYOND: [f32; 23] = [
     0.5, 0.2875, 0.1295, 0.0469, 0.0213, 0.0190, 0.0167, 0.0104, 0.0049, 0.0029, 0.0028, 0.0023, 0.0013, 0.0007,
     0.0005, 0.0005, 0.0004, 0.0003, 0.0002, 0.0002, 0.0002, 0.0001, 0.0001,
 ];
 const QUARTERS: f32 = 4.0;
-/// Of what the law has beyond an edge the frames bring so much; the rest comes by itself, as a strike's own frame begins as abruptly as the law does.
-/// (Found by random tables: host-tests/tests/stages/residual.rs.)
+/// Share of what the law has beyond an edge that the lines bring. The rest comes by itself, because
+/// a strike's own frame begins as abruptly as the law does. (Found with random tables:
+/// host-tests/tests/stages/residual.rs.)
 const BY_LINES: f64 = 0.5;
-/// Lines that are left of a band, at least, where it keeps away from both of its edges.
+/// Least number of lines that are left of a band that keeps away from both of its edges.
 const LEFT: f64 = 0.6;
-/// Lines that it keeps away at most: those further inside leave next to nothing beyond.
+/// Largest distance that a band keeps from an edge, in lines: those further inside leave next to
+/// nothing beyond.
 const MOST: f64 = 1.3;
 
-/// How far a band keeps away from its lower and from its upper edge if there is nothing beyond them. All in cycles/sample; the decay in dB a sample.
+/// Distances that a band keeps from its lower and its upper edge if nothing lies beyond them. All
+/// in cycles/sample; the decay in dB a sample.
 pub(super) fn retreats([lower, upper]: [f64; 2], decay_db: f64) -> [f32; 2] {
     let lines = (upper - lower) * LINES;
     let most = (0.5 * (lines - LEFT)).clamp(0.0, MOST);
     let leak = (BY_LINES * lines_beyond(lines, decay_db * LINES)) as f32;
-    // How far inside the first line lies, from -1/2 to 1/2: it has half a line's width on either side.
+    // Distance of the first line inside, from -1/2 to 1/2: it has half a line's width on either
+    // side.
     let first = |edge: f64| libm::ceil(edge - 0.5) - edge;
     [lower, -upper].map(|edge| (f64::from(retreat(first(edge * LINES) as f32, leak)).min(most) / LINES) as f32)
 }
 
-/// What the law has beyond an edge, as so many lines' energy: noise that falls by e^(-at) has the spectrum of a resonance of half-width a/2π about each
-/// frequency of its band, of which the band has so many lines.
+/// Energy that the law has beyond an edge, in lines: noise that falls by e^(-at) has the spectrum
+/// of a resonance of half-width a/2π about each frequency of its band.
 fn lines_beyond(lines: f64, decay_db: f64) -> f64 {
     let half_width = decay_db * (core::f64::consts::LN_10 / 20.0 / core::f64::consts::TAU);
     if half_width > 0.0 {
@@ -43,7 +50,8 @@ fn lines_beyond(lines: f64, decay_db: f64) -> f64 {
     }
 }
 
-/// In lines, for an edge with the first line `first` lines inside: what is beyond the edge is then as much as `leak` lines have, or less.
+/// Distance in lines to an edge whose first line lies `first` lines inside, such that at most
+/// `leak` lines' energy is beyond the edge.
 fn retreat(first: f32, leak: f32) -> f32 {
     let mut sum = 0.0;
     for line in [5.0, 4.0, 3.0, 2.0, 1.0, 0.0] {
@@ -57,7 +65,8 @@ fn retreat(first: f32, leak: f32) -> f32 {
     0.0
 }
 
-/// Share of a line's energy beyond a place that lies `x` lines away from it; on its other side if negative.
+/// Share of a line's energy beyond a place that lies `x` lines away from it; on its other side if
+/// negative.
 fn beyond(x: f32) -> f32 {
     let place = x.abs() * QUARTERS;
     let below = place as usize;

@@ -1,104 +1,19 @@
-//! From a spectrum to a real wave: an inverse real Fourier transform in `f32` that can be computed a piece at a time.
+//! Inverse real Fourier transform in `f32`, from a spectrum to a wave, that can be computed a piece
+//! at a time.
 //!
-//! A wave of `2 M` samples, `x[n] = Σ_{k=-M}^{M} X_k e^{2πi kn/2M}` with `X_{-k} = X_k*`, goes through one complex transform of M points: its even samples
-//! are the real parts, its odd samples the imaginary parts. Decimation in frequency, radix 4 (one radix-2 pass where M is no power of 4), in
-//! place: the result stands in bit-reversed order, and is read so.
+//! A wave of `2 M` samples, `x[n] = Σ_{k=-M}^{M} X_k e^{2πi kn/2M}` with `X_{-k} = X_k*`, goes
+//! through one complex transform of M points: its even samples are the real parts, its odd samples
+//! the imaginary parts. The transform is radix 4, decimation in frequency (one radix-2 pass where M
+//! is no power of 4), in place. The result stands in bit-reversed order and is read so.
 //!
 //! Error at most 120 dB below the wave (`waves_agree_with_the_plain_sum`).
 
-/// A complex number: real, imaginary.
-pub(super) type Complex = [f32; 2];
-
-/// The largest M.
-pub(super) const MAX_POINTS: usize = 512;
-/// Angles in the tables are multiples of a turn divided by this.
-const TURN: usize = 2 * MAX_POINTS;
-
-/// `e^{2πi k/1024}` for half a turn.
-static TWIDDLES: [Complex; TURN / 2] = {
-    let mut table = [[0.0; 2]; TURN / 2];
-    let mut index = 0;
-    while index < table.len() {
-        table[index] = twiddle(index);
-        index += 1;
-    }
-    table
+use super::twiddles::{
+    Complex, FACTORS_16, FACTORS_64, FACTORS_128, FACTORS_256, FACTORS_512, Factors, MAX_POINTS, TWIDDLES,
 };
 
-/// The three factors of each radix-4 butterfly of a block, w, w² and w³, in the order in which they are used.
-type Factors = [Complex; 3];
-static FACTORS_256: [Factors; 64] = factors();
-static FACTORS_64: [Factors; 16] = factors();
-static FACTORS_16: [Factors; 4] = factors();
-/// The factors of radix-2 blocks.
-static FACTORS_512: [Complex; 256] = single_factors();
-static FACTORS_128: [Complex; 64] = single_factors();
-
-const fn single_factors<const HALF: usize>() -> [Complex; HALF] {
-    let mut table = [[0.0; 2]; HALF];
-    let mut index = 0;
-    while index < HALF {
-        table[index] = twiddle(index * (TURN / (2 * HALF)));
-        index += 1;
-    }
-    table
-}
-
-const fn factors<const QUARTER: usize>() -> [Factors; QUARTER] {
-    let mut table = [[[0.0; 2]; 3]; QUARTER];
-    let mut index = 0;
-    while index < QUARTER {
-        let angle = index * (TURN / (4 * QUARTER));
-        table[index] = [twiddle(angle), twiddle(2 * angle), twiddle(3 * angle)];
-        index += 1;
-    }
-    table
-}
-
-const fn twiddle(index: usize) -> Complex {
-    [cosine(index) as f32, cosine(index + 3 * TURN / 4) as f32]
-}
-
-/// Samples of a window's slope: a quarter of the largest wave.
-pub(super) const SLOPE_FRAMES: usize = MAX_POINTS / 2;
-
-/// `sin(π/2 k/256)`: the slopes of windows. `sin² + cos² = 1` at every step.
-pub(super) static SLOPE: [f32; SLOPE_FRAMES + 1] = {
-    let mut table = [0.0; SLOPE_FRAMES + 1];
-    let mut index = 0;
-    while index < table.len() {
-        table[index] = quarter_sine(index as f64 / SLOPE_FRAMES as f64) as f32;
-        index += 1;
-    }
-    table
-};
-
-/// `cos(2π k/1024)`.
-const fn cosine(index: usize) -> f64 {
-    let index = index % TURN;
-    let quarter = TURN / 4;
-    let within = (index % quarter) as f64 / quarter as f64;
-    match index / quarter {
-        0 => quarter_sine(1.0 - within),
-        1 => -quarter_sine(within),
-        2 => -quarter_sine(1.0 - within),
-        _ => quarter_sine(within),
-    }
-}
-
-/// `sin(π/2 x)` for x from 0 to 1: its Taylor series to x^23, error below 1e-16.
-const fn quarter_sine(x: f64) -> f64 {
-    let angle = x * core::f64::consts::FRAC_PI_2;
-    let (mut term, mut sum, mut n) = (angle, angle, 1.0);
-    while n < 22.0 {
-        term *= -angle * angle / ((n + 1.0) * (n + 2.0));
-        sum += term;
-        n += 2.0;
-    }
-    sum
-}
-
-/// The spectral lines `k` and `M - k` (X_k, X_{M-k}) of the real wave as the complex transform's input at the same places.
+/// Input of the complex transform at the places `k` and `M - k`, from the lines X_k and X_{M-k} of
+/// the real wave.
 #[inline(always)]
 fn fold(low: Complex, high: Complex, [cos, sin]: Complex) -> (Complex, Complex) {
     let sum = [low[0] + high[0], low[1] - high[1]];
@@ -107,9 +22,10 @@ fn fold(low: Complex, high: Complex, [cos, sin]: Complex) -> (Complex, Complex) 
     ([sum[0] - turned[1], sum[1] + turned[0]], [sum[0] + turned[1], turned[0] - sum[1]])
 }
 
-/// Puts random lines into a spectrum: of `pairs`, the pairs of lines k and M - k in 1 to M/2 - 1, those of a range. The spectrum holds of each line its
-/// amplitude A, and A c/2, c its tilt: with `u_k` random the line is `A (u_k - i c/2 (u_{k-1} - u_{k+1}))`, in time the noise of the u times
-/// `1 + c sin 2πn/2M`. `draw` gives the real and imaginary parts of two `u`.
+/// Puts random lines into a spectrum, for a range of the pairs of lines k and M - k, k from 1 to
+/// M/2 - 1. The spectrum holds of each line its amplitude A, and A c/2 with its tilt c. With `u_k`
+/// random the line is `A (u_k - i c/2 (u_{k-1} - u_{k+1}))`: in time the noise of the u times `1 +
+/// c sin 2πn/2M`. `draw` gives the real and imaginary parts of two `u`.
 #[inline(always)]
 pub(super) fn fill_pairs(spectrum: &mut [Complex], pairs: core::ops::Range<usize>, mut draw: impl FnMut() -> [f32; 4]) {
     let points = spectrum.len().max(1);
@@ -121,7 +37,7 @@ pub(super) fn fill_pairs(spectrum: &mut [Complex], pairs: core::ops::Range<usize
     let line = |[amplitude, tilted]: Complex, below: Complex, own: Complex, above: Complex| {
         [amplitude * own[0] + tilted * (below[1] - above[1]), amplitude * own[1] - tilted * (below[0] - above[0])]
     };
-    // Low lines go up, high ones down; where a range begins, those before it are drawn anew.
+    // Low lines go up, high ones down; at the beginning of a range those before it are drawn anew.
     let ([mut a, mut b, mut c, mut d], mut own) = (draw(), draw());
     let mut fill = |low: &mut Complex, high: &mut Complex, twiddle: Complex| {
         let next = draw();
@@ -138,7 +54,7 @@ pub(super) fn fill_pairs(spectrum: &mut [Complex], pairs: core::ops::Range<usize
     }
 }
 
-/// The lines that are not in a pair: 0, which is real (there is none at Nyquist), and M/2.
+/// Fills the lines that are in no pair: 0, which is real (there is none at Nyquist), and M/2.
 pub(super) fn fill_middle(spectrum: &mut [Complex], draw: [f32; 4]) {
     let middle = spectrum.len() / 2;
     if let Some(line) = spectrum.first_mut() {
@@ -151,27 +67,28 @@ pub(super) fn fill_middle(spectrum: &mut [Complex], draw: [f32; 4]) {
     }
 }
 
-/// How far a transform has come.
+/// Progress of a transform.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Progress {
     /// Points of the blocks that the current pass transforms; 1 when all is done.
     block: usize,
-    /// Butterflies of the pass that are done.
+    /// Number of butterflies of the pass that are done.
     done: usize,
 }
 
 impl Progress {
-    /// Nothing done of so many points.
+    /// Start of a transform of `points` points.
     pub(super) const fn start(points: usize) -> Self {
         Self { block: points, done: 0 }
     }
 
-    /// Whether the whole transform is done.
+    /// True if the whole transform is done.
     pub(super) const fn is_over(self) -> bool {
         self.block <= 1
     }
 
-    /// Computes butterflies of one pass until they have cost about so many cycles, or until the pass is over; gives the cycles.
+    /// Computes butterflies of one pass until they have cost about `cycles`, or until the pass is
+    /// over. Gives their cycles.
     pub(super) fn advance(&mut self, data: &mut [Complex], cycles: u32) -> u32 {
         let (radix, cost) = butterfly_cycles(self.block);
         let (quarter, all) = (self.block / radix, data.len() / radix);
@@ -210,7 +127,8 @@ impl Progress {
     }
 }
 
-/// The radix of the pass over blocks of so many points, and the cycles of a butterfly, for sharing the work among ticks; measured on the virtual core.
+/// Radix of the pass over blocks of a size, and cycles of a butterfly, for sharing the work among
+/// ticks; measured on the virtual core.
 const fn butterfly_cycles(block: usize) -> (usize, u32) {
     match block {
         4 => (4, 52),
@@ -220,7 +138,7 @@ const fn butterfly_cycles(block: usize) -> (usize, u32) {
     }
 }
 
-/// Cycles of a transform by the same measure.
+/// Cycles of a transform, by the cycles of its butterflies.
 pub(super) const fn cycles(points: usize) -> u32 {
     let (mut block, mut sum) = (points, 0);
     while block > 1 {
@@ -298,7 +216,7 @@ fn last_pass(data: &mut [Complex], blocks: core::ops::Range<usize>) {
     }
 }
 
-/// Four points' inverse transform.
+/// Inverse transform of four points.
 #[inline(always)]
 fn butterfly([a, b, c, d]: [Complex; 4]) -> [Complex; 4] {
     let (even, odd) = ([a[0] + c[0], a[1] + c[1]], [a[0] - c[0], a[1] - c[1]]);
@@ -316,10 +234,10 @@ fn times(x: Complex, w: Complex) -> Complex {
     [x[0] * w[0] - x[1] * w[1], x[0] * w[1] + x[1] * w[0]]
 }
 
-/// Where the samples `n` and `n + 1`, n even (modulo the wave's length), stand.
+/// Place of the samples `n` and `n + 1` of a wave, n even (modulo the wave's length).
 #[inline(always)]
 pub(super) fn place(n: u32, points_log2: u32) -> usize {
-    // Reversed, what is beyond the wave's length comes out at the bottom and drops.
+    // Reversed, the bits beyond the wave's length come out at the bottom and drop.
     ((n >> 1).reverse_bits() >> (32 - points_log2)) as usize
 }
 
@@ -329,7 +247,7 @@ mod tests {
     use crate::noise::Sfc32;
     use std::vec::Vec;
 
-    /// Of random lines, tilted or not: the wave as computed in pieces, and the plain sum in `f64`.
+    /// Wave of random lines, tilted or not, as computed in pieces, and their plain sum in `f64`.
     fn both(points: usize, piece: u32) -> (Vec<f64>, Vec<f64>) {
         let mut noise = Sfc32::new(points as u32, 1);
         let mut drawn: Vec<[Complex; 2]> = Vec::new();

@@ -1,15 +1,16 @@
 //! A frame in the making: its work is shared among the ticks before it sounds.
 
 use super::bands::{Bands, Common, Passage};
-use super::fourier::Complex;
 use super::making::Making;
 use super::stream::Stream;
+use super::twiddles::Complex;
 use crate::noise::Sfc32;
+use crate::square_root::square_root;
 
-/// What comes next in the making of a frame.
+/// Next step in the making of a frame.
 #[derive(Clone, Copy, Debug)]
 enum Step {
-    /// Bands from here on are to be brought up to date.
+    /// Bands from this one on are to be brought up to date.
     Bands(usize),
     Wave(Making),
 }
@@ -17,21 +18,23 @@ enum Step {
 /// A frame in the making.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Job {
-    /// Where the wave is made.
+    /// Region of the stage's memory in which the wave is made.
     pub(super) region: usize,
     passage: Passage,
     step: Step,
-    /// Cycles that are left to do, about.
+    /// Approximate cycles that are left to do.
     left: u32,
-    /// Power of the bands that are up to date, and what is left of it after a quarter of the frame, without a hand and with one.
+    /// Power of the bands that are up to date, and the power that is left after a quarter of the
+    /// frame, without a hand and with one.
     sum: (f32, [f32; 2]),
     common: Common,
-    /// Energy of strikes that came too late for it, at its beginning; and by its distance before that.
+    /// Energy at the frame's beginning of strikes that came too late for it; and their energy by
+    /// distance before that.
     late: f32,
     missed: Passage,
 }
 
-/// Cycles of a band that is brought up to date, and more where a strike adds to it and where that comes at any distance from the frame before, for sharing the
+/// Cycles of bringing a band up to date, and extra cycles if a strike adds to it, for sharing the
 /// work; measured on the virtual core.
 const BAND_CYCLES: u32 = 60;
 const STRUCK_CYCLES: u32 = 90;
@@ -50,13 +53,14 @@ impl Job {
         }
     }
 
-    /// Cycles of all of it with so many bands, about.
+    /// Approximate cycles of the whole frame with a number of bands.
     pub(super) fn cycles(bands: usize, is_struck: bool) -> u32 {
         let of_band = BAND_CYCLES + if is_struck { STRUCK_CYCLES } else { 0 };
         bands as u32 * of_band + Making::cycles(bands)
     }
 
-    /// Adds the energy of a strike so many ticks before the frame: band by band where none has been brought up to date, else to the whole frame, as `late`.
+    /// Adds the energy of a strike `ticks` before the frame: band by band before any has been
+    /// brought up to date, else to the whole frame, as `late`.
     pub(super) fn add(&mut self, energy: f32, ticks: f32, late: f32) {
         if matches!(self.step, Step::Bands(0)) {
             self.passage.add(energy, ticks);
@@ -66,12 +70,13 @@ impl Job {
         }
     }
 
-    /// From its beginning to that of the frame after it.
+    /// Time from this frame's beginning to the next one's.
     pub(super) fn onward(&self) -> Passage {
         if self.missed.is_struck() { self.missed } else { Passage::NEXT }
     }
 
-    /// Gives the frame up. Where some bands have been brought up to its beginning, all are; gives whether they have.
+    /// Gives the frame up. If some bands have been brought up to its beginning, all are. True if
+    /// they stand for it.
     pub(super) fn give_up(&self, bands: &mut Bands<'_>) -> bool {
         match self.step {
             Step::Bands(0) if !self.passage.is_late => return false,
@@ -81,12 +86,13 @@ impl Job {
         true
     }
 
-    /// Whether it has been found to be below a power at its beginning, where a hand has left `kept` of its amplitude.
+    /// True if the frame is known to be below a power at its beginning, after a hand has left
+    /// `kept` of its amplitude.
     pub(super) fn is_below(&self, power: f32, kept: f32) -> bool {
         !matches!(self.step, Step::Bands(_)) && (self.common.power + self.late) * kept * kept < power
     }
 
-    /// Does what costs about so many cycles; gives what it has cost.
+    /// Does work that costs about `share` cycles. Gives the cycles that it has cost.
     pub(super) fn advance(
         &mut self,
         bands: &mut Bands<'_>,
@@ -121,20 +127,21 @@ impl Job {
         spent
     }
 
-    /// Cycles that are left to do, about.
+    /// Approximate cycles that are left to do.
     pub(super) fn left(&self) -> u32 {
         self.left
     }
 
-    /// What of its amplitude is left where a hand lay there for so many ticks more than it was made for.
+    /// Share of the amplitude that is left after a hand lay there for `choked_ticks` more ticks
+    /// than the frame was made for.
     pub(super) fn kept(&self, choked_ticks: f32) -> f32 {
         self.common.kept(choked_ticks)
     }
 
-    /// The frame as it sounds. `kept` is what a hand has left of its amplitude.
+    /// The frame as it sounds. `kept` is the share of its amplitude that a hand has left.
     pub(super) fn stream(&self, kept: f32) -> Stream {
         let has_late = self.late > 0.0 && self.common.power > 0.0;
-        let growth = if has_late { super::square_root(1.0 + self.late / self.common.power) } else { 1.0 };
+        let growth = if has_late { square_root(1.0 + self.late / self.common.power) } else { 1.0 };
         Stream::of_frame(self.region, kept * growth, self.common.per_frame())
     }
 }

@@ -1,17 +1,20 @@
-//! From the bands' energies to the lines of a frame's spectrum: how strong each is, and how it is tilted in time.
+//! From the bands' energies to the lines of a frame's spectrum: the strength of each line, and its
+//! tilt in time.
 //!
-//! A frame blurs a band's edges by about a line, so that a band that lasts would be heard, and measured, in a neighbour that is long over. Hence the stronger of
-//! two neighbours keeps away from their edge (`edges`), and carries its energy in what is left of its width.
+//! A frame blurs a band's edges by about a line, so that a band that lasts would be heard, and
+//! measured, in a neighbour that is long over. Hence the stronger of two neighbours keeps away from
+//! their edge (`edges`), and carries its energy in the rest of its width.
 //!
-//! Within a frame, a band falls faster or slower than all bands on average. A **tilt** `1 + c sin 2πt` (t from 0 to 1 over the frame) makes up for
-//! that. In frequency it is a line's sum with its two neighbours: cheap, and each band may have its own.
+//! Within a frame, a band falls faster or slower than the mean of all bands. A **tilt** `1 + c sin
+//! 2πt` (t from 0 to 1 over the frame) makes up for that. In frequency it adds to a line its two
+//! neighbours: cheap, and each band may have its own.
 
 use super::bands::{Bands, Common, least};
-use super::fourier::Complex;
-use super::square_root::square_root;
+use super::twiddles::Complex;
 use crate::noise::DEVIATION;
+use crate::square_root::square_root;
 
-/// How far the lines have come through the bands.
+/// Progress of the lines through the bands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cursor {
     line: usize,
@@ -19,10 +22,10 @@ pub(super) struct Cursor {
     next: Next,
 }
 
-/// A band as a frame carries it, without what is behind.
+/// The rest of a band that is still to be filled, as a frame carries it.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
-    /// Cycles/sample.
+    /// Edges in cycles/sample.
     low: f32,
     high: f32,
     /// Power per (cycle/sample) in the wave.
@@ -42,11 +45,11 @@ struct Next {
     band: usize,
     lower: f32,
     upper: f32,
-    /// What is left of it after a quarter of the frame.
+    /// Share of its energy that is left after a quarter of the frame.
     quarter: f32,
     /// Energy in the frame, per (cycle/sample).
     energy: f32,
-    /// How far it keeps away from its lower edge, and how far from its upper one if there is nothing beyond.
+    /// Distances that it keeps from its lower edge, and from its upper one if nothing lies beyond.
     retreats: [f32; 2],
 }
 
@@ -57,17 +60,20 @@ impl Next {
     }
 }
 
-/// The lowest band, where it is narrower than a line, loses to what is below it, and has nothing there that makes up for it: of its energy, so much more for
-/// each time that it fits a line beyond the first.
+/// Share of its energy that the lowest band gains for each time that it fits a line beyond the
+/// first. Narrower than a line, it loses to what lies below it, and no band there makes up for
+/// that.
 const OUTER: f32 = 0.28;
 const OUTER_OF_ONSET: f32 = 0.8;
-/// c is so many times `(q - p) / (q + p)`, p and q what is left after a quarter of a frame of the band and of all. Over the window that is the tilt that
-/// keeps the slope from frame to frame (fitted to decays of 20 to 400 dB/s beside each other).
+/// c over `(q - p) / (q + p)`, where p and q are left after a quarter of a frame of the band and of
+/// all. Over the window that is the tilt that keeps the slope from frame to frame (fitted to decays
+/// of 20 to 400 dB/s beside each other).
 const TILT: f32 = 1.15;
 const STEEPEST: f32 = 0.9;
 
 impl Cursor {
-    /// At the lowest line, for bands that are up to date. `spacing` is that of the lines, cycles/sample.
+    /// Begins at the lowest line, for bands that are up to date. `spacing` is the distance of lines
+    /// in cycles/sample.
     pub(super) fn new(bands: &Bands<'_>, common: &Common, spacing: f32) -> Self {
         let mut new = Self { line: 0, piece: Piece::END, next: Next::nothing(0, bands.lower()) };
         new.advance(bands, common);
@@ -80,12 +86,12 @@ impl Cursor {
         new
     }
 
-    /// Lines that are behind.
+    /// Number of lines that are done.
     pub(super) fn lines(&self) -> usize {
         self.line
     }
 
-    /// To the next band's piece.
+    /// Goes on to the next band's piece.
     #[inline(never)]
     fn advance(&mut self, bands: &Bands<'_>, common: &Common) {
         let Next { band, lower, upper, quarter, energy, retreats: [from_lower, from_upper] } = self.next;
@@ -118,9 +124,10 @@ impl Cursor {
     }
 }
 
-/// Puts the lines' amplitudes into the real parts of a spectrum (of a wave twice as long), and the amplitudes times half their tilt into the imaginary
-/// parts, from where `cursor` stands until they have cost about so many cycles: the bands' powers, shared among the lines by how much of a line's width
-/// is in the band. A line has the tilt of the uppermost band in it. Gives the cycles.
+/// Puts the lines' amplitudes into the real parts of a spectrum (of a wave twice as long), and the
+/// amplitudes times half their tilt into the imaginary parts, from `cursor` on until they have cost
+/// about `cycles`. The bands' powers are shared among the lines by the part of a line's width that
+/// lies in the band. A line has the tilt of the uppermost band in it. Gives the cycles.
 #[inline(never)]
 pub(super) fn fill_amplitudes(
     bands: &Bands<'_>,
@@ -156,7 +163,7 @@ pub(super) fn fill_amplitudes(
             spent += BAND_CYCLES;
         }
         *at_edge = line(power, half_tilt);
-        // Lines that a band, or nothing, fills are all alike.
+        // All lines within a band, or within nothing, are alike.
         let Piece { low, high, density, half_tilt } = cursor.piece;
         let (up_to, power) = if low <= end { (high, density * spacing) } else { (low, 0.0) };
         let beyond = (up_to * lines_per_cycle + 0.5) as usize;
@@ -175,8 +182,8 @@ pub(super) fn fill_amplitudes(
     spent
 }
 
-/// Of a line's power and half its tilt its amplitude in units of the noise, and that times half the tilt; half the root, because a line beside its mirror
-/// image has 4 times the power of each of its two parts.
+/// Amplitude of a line in units of the noise, and that times half its tilt. Half the root, because
+/// a line beside its mirror image has 4 times the power of each of its two parts.
 #[inline(always)]
 fn line(power: f32, half_tilt: f32) -> Complex {
     const SCALE: f32 = (0.5 / DEVIATION) as f32;
@@ -184,12 +191,13 @@ fn line(power: f32, half_tilt: f32) -> Complex {
     [amplitude, amplitude * half_tilt]
 }
 
-/// Cycles of a line with an edge, of a band, and of a line inside a band; measured on the virtual core.
+/// Cycles of a line with an edge, of a band, and of a line inside a band; measured on the virtual
+/// core.
 const LINE_CYCLES: u32 = 170;
 const BAND_CYCLES: u32 = 235;
 const ALIKE_CYCLES: u32 = 8;
 
-/// Cycles of all lines of a spectrum of so many, with so many bands.
+/// Cycles of all lines of a spectrum, with a number of bands.
 pub(super) fn amplitude_cycles(lines: usize, bands: usize) -> u32 {
     let edges = bands.min(lines) as u32;
     bands as u32 * BAND_CYCLES + edges * LINE_CYCLES + (lines as u32 - edges) * ALIKE_CYCLES

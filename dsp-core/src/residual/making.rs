@@ -1,11 +1,12 @@
-//! A wave in the making: amplitudes of its lines, random lines, inverse transform, a piece at a time.
+//! Waves in the making: amplitudes of lines, random lines, inverse transform, a piece at a time.
 
 use super::bands::{Bands, Common};
-use super::fourier::{self, Complex, MAX_POINTS, Progress};
+use super::fourier::{self, Progress};
 use super::lines::{Cursor, amplitude_cycles, fill_amplitudes};
+use super::twiddles::{Complex, MAX_POINTS};
 use crate::noise::Sfc32;
 
-/// What comes next.
+/// Next step in the making of a wave.
 #[derive(Clone, Copy, Debug)]
 enum Step {
     Amplitudes(Cursor),
@@ -13,10 +14,10 @@ enum Step {
     Transform(Progress),
 }
 
-/// A wave for bands that are up to date.
+/// A wave in the making, for bands that are up to date.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Making {
-    /// Where it is made.
+    /// Region of the stage's memory in which it is made.
     pub(super) region: usize,
     common: Common,
     step: Step,
@@ -26,13 +27,13 @@ pub(super) struct Making {
 const PAIR_CYCLES: u32 = 100;
 
 impl Making {
-    /// Not begun; `common` is what the bands share in it.
+    /// A wave that is not begun; `common` holds the values that its bands share.
     pub(super) fn new(region: usize, bands: &Bands<'_>, common: &Common) -> Self {
         let spacing = 0.5 / MAX_POINTS as f32;
         Self { region, common: *common, step: Step::Amplitudes(Cursor::new(bands, common, spacing)) }
     }
 
-    /// Cycles of all of it with so many bands, about.
+    /// Approximate cycles of the whole wave with a number of bands.
     pub(super) fn cycles(bands: usize) -> u32 {
         let pairs = MAX_POINTS as u32 / 2 * PAIR_CYCLES;
         amplitude_cycles(MAX_POINTS, bands) + pairs + fourier::cycles(MAX_POINTS)
@@ -42,7 +43,7 @@ impl Making {
         matches!(self.step, Step::Transform(progress) if progress.is_over())
     }
 
-    /// Does what costs about so many cycles in its region; gives what it has cost.
+    /// Does work that costs about `share` cycles in its region. Gives the cycles that it has cost.
     pub(super) fn advance(
         &mut self,
         bands: &Bands<'_>,
@@ -80,13 +81,13 @@ impl Making {
 }
 
 fn fill_pairs(spectrum: &mut [Complex], pairs: core::ops::Range<usize>, noise: &mut Sfc32) {
-    // A copy, which stays in registers.
+    // The copy stays in registers.
     let mut local = *noise;
     fourier::fill_pairs(spectrum, pairs, || random_lines(&mut local));
     *noise = local;
 }
 
-/// Two lines' random parts.
+/// Random parts of two lines.
 #[inline(always)]
 fn random_lines(noise: &mut Sfc32) -> [f32; 4] {
     noise.four().map(|part| part as f32)

@@ -1,28 +1,37 @@
-//! Residual: what an object sounds beside its modes, as bands of decaying noise (physics-diffusion eq. 5, 6), and stationary background.
+//! Residual: bands of decaying noise that an object sounds beside its modes (physics-diffusion eq.
+//! 5, 6), and the stationary background.
 //!
 //! ```text
 //! y(t) = Σ_m w_m 10^(-γ_m t/20) BPF_m(noise)      w rms at t = 0, γ in dB/s, up to 100 bands
 //!
-//! strike --> energy a band --> spectrum of a frame --> random lines --> inverse transform --> window --> Σ
-//!              ^      |         (1024 samples)          (SFC32)          (f32, in pieces)    (quarter sines)
-//!              +------+
-//!            10^(-γ/10 a second)
+//! strike --> energy a band --> spectrum of a frame --> random lines --+
+//!              ^      |         (1024 samples)           (SFC32)      |
+//!              +------+                                               |
+//!         10^(-γ/10 a second)       Σ <-- window <-- inverse transform+
+//!                                     (quarter sines) (f32, in pieces)
 //! ```
 //!
-//! A hundred filters would cost a hundred times a filter. Here one noise a pad is shaped frame by frame in frequency: each line of a frame's spectrum is a random
-//! number with the power of the bands at its place. Frames overlap by a quarter with power-complementary windows, so that the expected power is
-//! constant from frame to frame. Each frame's work is shared among the 24 ticks before it.
+//! A filter for each band would cost a hundred times as much as one filter. Here each pad has one
+//! noise, which is shaped in frequency frame by frame: a line of a frame's spectrum is a random
+//! number with the power of the bands at its place. Frames overlap by a quarter with
+//! power-complementary windows, so that the expected power stays constant from frame to frame. The
+//! work for a frame is shared among the 24 ticks before it.
 //!
-//! A strike begins a frame of its own, at its very sample and with nothing before it. What that needs does not depend on the strike but
-//! for its level: its noise is ready before, and new noise for the next strike is made little by little afterwards. The next frame begins 24 ticks later and carries
-//! what the strike has left and what rang before: energies add, band by band.
+//! A strike begins a frame of its own at its very sample, with nothing before it. Of that frame
+//! only the level depends on the strike: its noise is ready before the strike comes, and new noise
+//! for the next strike is made little by little afterwards. The next frame begins 24 ticks later.
+//! It carries what is left of the strike and of everything that rang before: energies add, band by
+//! band.
 //!
-//! A frame carries the mean decay of its energy sample by sample, and of each band the energy that its own decay leaves under the window, tilted in
-//! time as that decay differs from the mean (`lines`).
+//! Within a frame the amplitude falls sample by sample by the mean decay of its energy. Each band
+//! has the energy that its own decay leaves under the window, and a tilt in time where its decay
+//! differs from the mean (`lines`).
 //!
-//! Resolution: lines are fs/1024 apart (47 Hz at 48 kHz). Bands narrower than that share lines with their neighbours (`edges`).
+//! Resolution: lines are fs/1024 apart (47 Hz at 48 kHz). Narrower bands share lines with their
+//! neighbours (`edges`).
 //!
-//! Strikes within 24 ticks of another one raise its first frame as a whole; from the second on they count band by band.
+//! A strike within 24 ticks of another raises that one's first frame as a whole; from the second
+//! frame on it counts band by band.
 //!
 //! Amplitude is proportional to a strike's peak force, as that of the modes is.
 
@@ -33,374 +42,9 @@ mod job;
 mod lines;
 mod making;
 mod onset;
-mod square_root;
+mod shaper;
 mod stream;
+mod twiddles;
 
 pub use bands::{BandLaw, MAX_BANDS};
-
-use bands::{Bands, FRAME_TICKS, Passage, power_of};
-use fourier::{Complex, MAX_POINTS};
-use job::Job;
-use making::Making;
-use onset::Onset;
-pub(crate) use square_root::square_root;
-use stream::Stream;
-
-use crate::SampleRate;
-use crate::fixed;
-use crate::memory::{Lender, OutOfMemory, Region};
-use crate::noise::Sfc32;
-use crate::resonator::TICK_FRAMES;
-
-/// Waves in memory: two frames, one in the making, a strike's own, and new noise for the next.
-const REGIONS: usize = 5;
-/// Cycles a tick of making that new noise: some 200 ms with a hundred bands.
-const RENEWAL_CYCLES: u32 = 400;
-/// Cycles in a tick of a stream that fades out, and of what the other one's fading in costs beyond sounding; where dearest ticks are cheapest.
-const STREAM_CYCLES: u32 = 1_700;
-
-/// Noise in bands that decay, each at its own rate, after every strike.
-///
-/// 24 KB. Accuracy against the law and cycles: `docs/residual.md`.
-#[derive(Debug)]
-pub struct Shaper<'m> {
-    bands: Bands<'m>,
-    noise: Sfc32,
-    onset: Onset,
-    /// Power below which the sound ends.
-    silence: f32,
-    waves: &'m mut [[Complex; MAX_POINTS]],
-    /// What sounds: up to two frames, a strike's own, the end of another strike's.
-    streams: [Option<Stream>; 4],
-    job: Option<Job>,
-    renewal: Option<Making>,
-    /// Ticks to the next frame's beginning; 0: there will be none.
-    ticks_to_next: u32,
-    /// Whether the next frame is the first to carry a strike.
-    in_onset: bool,
-    /// Whether a strike came in this tick, which leaves no time for more.
-    just_struck: bool,
-    /// Ticks since the last frame's beginning.
-    ticks_since: u32,
-    active: bool,
-    /// Whether a hand lies on the object.
-    choked: bool,
-    /// Ticks for which it has lain there since the time for which the bands' energies stand, and those with which the frame in the making was reckoned.
-    choked_ticks: f32,
-    expected_ticks: f32,
-}
-
-impl<'m> Shaper<'m> {
-    /// Without bands, silent for ever.
-    pub const fn none() -> Self {
-        Self {
-            bands: Bands::none(),
-            noise: Sfc32::new(0, 0),
-            onset: Onset::NONE,
-            silence: 0.0,
-            waves: &mut [],
-            streams: [None; 4],
-            job: None,
-            renewal: None,
-            ticks_to_next: 0,
-            in_onset: false,
-            just_struck: false,
-            ticks_since: 0,
-            active: false,
-            choked: false,
-            choked_ticks: 0.0,
-            expected_ticks: 0.0,
-        }
-    }
-
-    /// Takes memory for `bands` bands, 20 KB and 32 bytes a band: silent until it is loaded.
-    ///
-    /// # Errors
-    /// [`OutOfMemory`].
-    pub fn take(lender: &mut impl Lender<'m>, bands: usize) -> Result<Self, OutOfMemory> {
-        let points = lender.take(Region::Bulk, REGIONS * MAX_POINTS, || [0.0; 2])?;
-        Ok(Self { bands: Bands::take(lender, bands)?, waves: points.as_chunks_mut().0, ..Self::none() })
-    }
-
-    /// Derives the stage for a rate in the memory that was taken for as many bands. `silence` is the rms (1.0 = full scale) below which the sound ends, `stream` tells
-    /// stages of one seed apart. Bands beyond [`MAX_BANDS`] are left out: a kit's check refuses them.
-    pub fn load(&mut self, laws: impl Iterator<Item = BandLaw>, rate: SampleRate, noise: Sfc32, silence: f32) {
-        self.load_choked(laws, rate, noise, silence, 0.0);
-    }
-
-    /// As [`load`](Self::load), with a hand that makes all bands fall by so many dB/s at least while it lies there ([`set_choked`](Self::set_choked)); 0 where there is
-    /// none.
-    pub fn load_choked(
-        &mut self,
-        laws: impl Iterator<Item = BandLaw>,
-        rate: SampleRate,
-        noise: Sfc32,
-        silence: f32,
-        hand_db_per_s: f64,
-    ) {
-        self.stop();
-        (self.onset, self.renewal, self.choked) = (Onset::NONE, None, false);
-        self.bands.load(laws, hand_db_per_s, rate);
-        self.noise = noise;
-        self.silence = silence * silence;
-        if let Some(wave) = self.waves.first_mut() {
-            self.onset.load(&self.bands, wave, &mut self.noise);
-        }
-    }
-
-    fn stop(&mut self) {
-        self.bands.clear();
-        (self.streams, self.job) = ([None; 4], None);
-        (self.ticks_to_next, self.in_onset, self.just_struck, self.active) = (0, false, false, false);
-        (self.ticks_since, self.choked_ticks, self.expected_ticks) = (0, 0.0, 0.0);
-    }
-
-    /// Whether the table has this stage at all.
-    pub fn is_built(&self) -> bool {
-        self.bands.count() > 0
-    }
-
-    /// Whether anything sounds; otherwise [`render`](Self::render) and [`end_tick`](Self::end_tick) do nothing.
-    #[inline(always)]
-    pub fn is_active(&self) -> bool {
-        self.active
-    }
-
-    /// Lays a hand on the object, or lifts it, on a tick. While it lies there each band falls at the faster of its own rate and the hand's.
-    ///
-    /// Frames that sound or are nearly made fall at once as a whole, by what is right for all bands together; the next one is right band by band.
-    pub fn set_choked(&mut self, choked: bool) {
-        self.choked = choked;
-    }
-
-    /// Whether a hand lies there, as the index of what is left without one and with one.
-    fn left_of(&self, [free, choked]: [f32; 2]) -> f32 {
-        if self.choked { choked } else { free }
-    }
-
-    /// A frame in the making, in place of none; `ticks` before it begins.
-    fn make(&mut self, passage: Passage, ticks: u32, is_struck: bool) {
-        let to_come = if self.choked { ticks as f32 } else { 0.0 };
-        self.expected_ticks = self.choked_ticks + to_come;
-        let passage = Passage { choked_ticks: self.expected_ticks, is_choked: self.choked, ..passage };
-        let region = self.free_region().unwrap_or(0);
-        self.job = Some(Job::new(region, passage, self.bands.count(), is_struck));
-    }
-
-    /// The bands' energies stand for the beginning of the frame that was in the making: gives the ticks by which a hand lay there longer than was expected.
-    fn settle_choke(&mut self) -> f32 {
-        self.choked_ticks -= core::mem::take(&mut self.expected_ticks);
-        self.choked_ticks
-    }
-
-    /// Begins the noise of a strike: `strength` is its peak force over the reference force, `offset` the frame within the tick.
-    #[inline(never)]
-    pub fn strike(&mut self, strength: f32, offset: usize) {
-        let energy = strength * strength;
-        if !self.is_built() || energy.is_nan() || energy <= 0.0 {
-            return;
-        }
-        self.active = true;
-        if self.in_onset {
-            self.join_onset(energy);
-        } else {
-            self.begin_onset(strength);
-        }
-        let onset_per_frame = self.left_of(self.onset.per_frame);
-        if let Some(job) = self.job.as_mut() {
-            // What of it is left at the frame's beginning, on average over the bands.
-            let left = power_of(onset_per_frame, 2 * TICK_FRAMES as u32 * self.ticks_to_next);
-            let ticks = self.ticks_to_next as f32 - offset as f32 / TICK_FRAMES as f32;
-            job.add(energy, ticks.max(0.0), energy * left * self.bands.strike_power());
-        }
-    }
-
-    /// Begins stationary noise: bands without decay, faded in.
-    pub fn begin(&mut self) {
-        if self.is_built() {
-            self.active = true;
-            self.plan_onset();
-            if let Some(job) = self.job.as_mut() {
-                job.add(1.0, 0.0, 0.0);
-            }
-        }
-    }
-
-    /// A second strike before the frame that carries the first: what there is already grows.
-    fn join_onset(&mut self, energy: f32) {
-        let is_own = |stream: &&mut Stream| stream.is_own() && stream.is_held();
-        if let Some(own) = self.streams.iter_mut().flatten().find(is_own) {
-            own.gain = square_root(own.gain * own.gain + energy);
-        }
-    }
-
-    fn begin_onset(&mut self, strength: f32) {
-        // A frame that was to be replaced now holds on.
-        self.streams.iter_mut().flatten().for_each(Stream::hold);
-        self.plan_onset();
-        self.onset.is_used = true;
-        let start = self.noise.draw();
-        self.add_stream(Stream::of_strike(self.onset.region, start, strength, self.onset.per_frame));
-    }
-
-    fn add_stream(&mut self, stream: Stream) {
-        if let Some(free) = self.streams.iter_mut().find(|stream| stream.is_none()) {
-            *free = Some(stream);
-        }
-    }
-
-    /// The first frame that carries all energy, in place of any other.
-    fn plan_onset(&mut self) {
-        // The bands' energies stand for the last frame's beginning, or, once they have been brought up to it, for the next one's.
-        let is_ahead = self.job.take().is_none_or(|job| job.give_up(&mut self.bands));
-        let ticks = self.ticks_since + if is_ahead { 0 } else { FRAME_TICKS };
-        (self.in_onset, self.just_struck, self.ticks_to_next) = (true, true, FRAME_TICKS);
-        if is_ahead {
-            self.settle_choke();
-        }
-        self.make(Passage { ticks, ..Passage::NEXT }, FRAME_TICKS, true);
-    }
-
-    fn free_region(&self) -> Option<usize> {
-        let is_used = |region: &usize| {
-            self.onset.region == *region
-                || self.renewal.is_some_and(|renewal| renewal.region == *region)
-                || self.job.is_some_and(|job| job.region == *region)
-                || self.streams.iter().flatten().any(|stream| stream.region == *region)
-        };
-        (0..self.waves.len()).find(|region| !is_used(region))
-    }
-
-    /// Adds a run of at most a tick to `out`, Q4.27.
-    #[inline(always)]
-    pub fn render(&mut self, out: &mut [i32]) {
-        if self.active {
-            self.add_sound(out);
-        }
-    }
-
-    #[inline(never)]
-    fn add_sound(&mut self, out: &mut [i32]) {
-        let mut sum = [0.0; TICK_FRAMES];
-        let Some(sum) = sum.get_mut(..out.len()) else { return };
-        for stream in self.streams.iter_mut().flatten() {
-            let memory: &[Complex] = self.waves.get(stream.region).map_or(&[], |wave| wave);
-            stream.add_to(memory, self.choked, sum);
-        }
-        for (out, &sum) in out.iter_mut().zip(&*sum) {
-            // `as` saturates.
-            *out = fixed::qadd(*out, (sum * fixed::ONE_Q27 as f32) as i32);
-        }
-    }
-
-    /// The work of a tick for the frames to come; after the tick's last run.
-    #[inline(always)]
-    pub fn end_tick(&mut self) {
-        if self.active {
-            self.end_sounding_tick();
-        }
-    }
-
-    #[inline(never)]
-    fn end_sounding_tick(&mut self) {
-        self.ticks_since += 1;
-        if self.choked {
-            self.choked_ticks += 1.0;
-        }
-        if self.ticks_to_next > 0 && !core::mem::take(&mut self.just_struck) {
-            self.work();
-        }
-        for stream in &mut self.streams {
-            if stream.as_ref().is_some_and(Stream::is_over) {
-                *stream = None;
-            }
-        }
-        if self.ticks_to_next > 0 {
-            self.ticks_to_next -= 1;
-            if self.ticks_to_next == 0 {
-                self.begin_next();
-            }
-        }
-        if self.ticks_to_next == 0 && self.streams.iter().all(Option::is_none) {
-            self.stop();
-        }
-    }
-
-    /// Cycles that this tick's work will take, about; without what strikes bring.
-    pub fn cycles_ahead(&self) -> u32 {
-        let renewal = if self.wants_renewal() { RENEWAL_CYCLES } else { 0 };
-        if self.job.is_some() && self.ticks_to_next > 0 { self.share() + renewal } else { 0 }
-    }
-
-    /// Nominal cycles of the dearest tick of so many bands: strikes on strikes, whose frames carry both, sounding four at once.
-    pub fn dearest_tick(bands: usize) -> u32 {
-        Job::cycles(bands, true) / FRAME_TICKS + RENEWAL_CYCLES + 2 * STREAM_CYCLES
-    }
-
-    /// Cycles of this tick's share of the next frame, less what streams cost that end before that frame begins.
-    fn share(&self) -> u32 {
-        let mut left = self.job.as_ref().map_or(0, Job::left);
-        let mut streams = 0;
-        for ticks in self.streams.iter().flatten().filter_map(Stream::ticks_to_end) {
-            (left, streams) = (left + ticks * STREAM_CYCLES, streams + STREAM_CYCLES);
-        }
-        (left / self.ticks_to_next.max(1)).saturating_sub(streams)
-    }
-
-    /// Whether the next strike has no new noise yet, and there is time to make it.
-    fn wants_renewal(&self) -> bool {
-        self.onset.is_used && !self.in_onset
-    }
-
-    /// This tick's share of the next frame.
-    fn work(&mut self) {
-        let share = if self.ticks_to_next > 1 { self.share() } else { u32::MAX };
-        if let Some(job) = self.job.as_mut()
-            && let Some(memory) = self.waves.get_mut(job.region)
-        {
-            job.advance(&mut self.bands, memory, &mut self.noise, share);
-            if !self.in_onset && job.is_below(self.silence, 1.0) {
-                self.job = None;
-            }
-        }
-        if self.wants_renewal() {
-            self.renew();
-        }
-    }
-
-    /// Makes some of the new noise for the next strike.
-    #[inline(never)]
-    fn renew(&mut self) {
-        if self.renewal.is_none() {
-            self.renewal = self.free_region().map(|region| self.onset.renewal(region, &self.bands));
-        }
-        if let Some(renewal) = self.renewal.as_mut()
-            && let Some(memory) = self.waves.get_mut(renewal.region)
-        {
-            renewal.advance(&self.bands, memory, &mut self.noise, RENEWAL_CYCLES);
-            if renewal.is_over() {
-                self.onset.renew(renewal);
-                self.renewal = None;
-            }
-        }
-    }
-
-    fn begin_next(&mut self) {
-        if core::mem::take(&mut self.in_onset) {
-            self.streams.iter_mut().flatten().for_each(Stream::end);
-        }
-        self.ticks_since = 0;
-        let more = self.settle_choke();
-        let silence = self.silence;
-        let job = self.job.take().map(|job| (job, job.kept(more)));
-        let Some((job, kept)) = job.filter(|(job, kept)| !job.is_below(silence, *kept)) else {
-            // Below what can be heard: what still sounds fades out.
-            self.bands.clear();
-            return;
-        };
-        self.add_stream(job.stream(kept));
-        self.ticks_to_next = FRAME_TICKS;
-        let passage = job.onward();
-        self.make(passage, FRAME_TICKS, passage.is_struck());
-    }
-}
+pub use shaper::Shaper;

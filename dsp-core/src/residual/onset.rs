@@ -1,28 +1,30 @@
-//! A strike's own frame: noise that is ready before the strike comes.
+//! The frame of a strike: noise that is ready before the strike comes.
 
 use super::bands::{Band, Bands, Common, FRAME_TICKS, least};
-use super::fourier::{Complex, MAX_POINTS};
 use super::making::Making;
 use super::stream::SLOPE_FRAMES;
+use super::twiddles::{Complex, MAX_POINTS};
 use crate::noise::Sfc32;
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
-/// What strikes at the reference force begin with.
+/// The noise with which strikes at the reference force begin.
 #[derive(Clone, Debug)]
 pub(super) struct Onset {
     common: Common,
-    /// Where the noise of the next strike stands.
+    /// Region in which the noise of the next strike stands.
     pub(super) region: usize,
-    /// Share of the amplitude that is left after a sample, without a hand and with one.
+    /// Shares of the amplitude that are left after a sample, without a hand and with one.
     pub(super) per_frame: [f32; 2],
-    /// Whether a strike has had the noise. Until there is new, another one has it from another place on.
+    /// True if a strike has had the noise. Until there is new noise, the next strike has it from
+    /// another place on.
     pub(super) is_used: bool,
 }
 
 impl Onset {
     pub(super) const NONE: Self = Self { common: Common::NONE, region: 0, per_frame: [1.0; 2], is_used: false };
 
-    /// Derives it in place, with noise for the first strike in `wave`, which is its region 0.
+    /// Derives the noise in place, with that of the first strike in `wave`, which is the stage's
+    /// region 0.
     pub(super) fn load(&mut self, bands: &Bands<'_>, wave: &mut [Complex; MAX_POINTS], noise: &mut Sfc32) {
         let (mut power, mut left, mut lower) = (0.0, [0.0; 2], bands.lower());
         for band in bands.all() {
@@ -42,28 +44,29 @@ impl Onset {
         self.renewal(0, bands).advance(bands, wave, noise, u32::MAX);
     }
 
-    /// New noise for the next strike.
+    /// Begins new noise for the next strike.
     pub(super) fn renewal(&self, region: usize, bands: &Bands<'_>) -> Making {
         Making::new(region, bands, &self.common)
     }
 
-    /// It has been made.
+    /// Takes over new noise that has been made.
     pub(super) fn renew(&mut self, renewal: &Making) {
         (self.region, self.is_used) = (renewal.region, false);
     }
 }
 
 impl Band {
-    /// Energy in a strike's own frame at the reference force, per (cycle/sample).
+    /// Derives the energy in a strike's own frame at the reference force, per (cycle/sample).
     pub(super) fn with_onset(self, per_tick: f64) -> Self {
         Self { in_onset: (f64::from(self.strike) * energy_in_onset(per_tick)) as f32, ..self }
     }
 }
 
-/// Energy under a strike's own frame, in ticks, of which so much is left after each: until the next frame fades in, and while it does.
+/// Energy under a strike's own frame, in ticks, of which `per_tick` is left after each: until the
+/// next frame fades in, and while it does.
 fn energy_in_onset(per_tick: f64) -> f64 {
     const FADE_TICKS: u32 = SLOPE_FRAMES / TICK_FRAMES as u32;
-    // On average over a tick: (1 - p) / -ln p.
+    // Mean over a tick: (1 - p) / -ln p.
     let within = if per_tick < 0.9999 { (1.0 - per_tick) / -libm::log(per_tick.max(1e-30)) } else { 1.0 };
     let (mut sum, mut left) = (0.0, within);
     for tick in 0..FRAME_TICKS + FADE_TICKS {

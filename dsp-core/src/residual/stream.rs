@@ -1,54 +1,58 @@
-//! A frame as it sounds: a wave under a window that fades in and out by quarter sines, times a common exponential decay.
+//! Streams: waves as they sound, under a window that fades in and out by quarter sines, times an
+//! exponential decay.
 
 use super::bands::FRAME_TICKS;
-use super::fourier::{self, Complex, MAX_POINTS, SLOPE, place};
-use crate::resonator::TICK_FRAMES;
+use super::fourier::place;
+use super::twiddles::{self, Complex, MAX_POINTS, SLOPE};
+use crate::time::TICK_FRAMES;
 
 /// Frames of a slope: a quarter of a wave.
-pub(super) const SLOPE_FRAMES: u32 = fourier::SLOPE_FRAMES as u32;
-/// No end.
+pub(super) const SLOPE_FRAMES: u32 = twiddles::SLOPE_FRAMES as u32;
+/// Position of an end that does not come.
 const NEVER: u32 = u32::MAX / 2;
 
 const POINTS_LOG2: u32 = MAX_POINTS.ilog2();
-/// Samples of a wave.
+/// Number of samples of a wave.
 const WAVE_FRAMES: u32 = 2 * MAX_POINTS as u32;
 
-/// A wave under way.
+/// A wave that sounds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stream {
-    /// The region of the stage's memory in which the wave stands.
+    /// Region of the stage's memory in which the wave stands.
     pub(super) region: usize,
-    /// Whether beyond the wave's end it is read backwards, then forwards again: noise turned round is noise of the same spectrum, and a wave that repeats
-    /// would be a tone. A strike's own is heard for a whole wave, from wherever it begins, and goes round.
+    /// True if the wave is read backwards beyond its end, then forwards again: noise turned round
+    /// has the same spectrum, and a wave that repeats would be a tone. False for a strike's own,
+    /// which is heard for one whole wave from wherever it begins, and goes round.
     turns: bool,
-    /// Frames since its beginning.
+    /// Frames since the stream began.
     position: u32,
-    /// Place in the wave at its beginning.
+    /// Place in the wave at which the stream began.
     start: u32,
-    /// Frames of the fade in; 0: at once there.
+    /// Frames of the fade in; 0 without one.
     fade_in: u32,
-    /// Where the fade out begins.
+    /// Position at which the fade out begins.
     fade_out_at: u32,
-    /// Amplitude now.
+    /// Present amplitude.
     pub(super) gain: f32,
-    /// What is left of it after a frame, without a hand and with one.
+    /// Shares of the amplitude that are left after a sample, without a hand and with one.
     per_frame: [f32; 2],
 }
 
 impl Stream {
-    /// A frame, which fades in, and out where the next one begins.
+    /// A frame, which fades in, and fades out where the next one begins.
     pub(super) fn of_frame(region: usize, gain: f32, per_frame: [f32; 2]) -> Self {
         let fade_out_at = FRAME_TICKS * TICK_FRAMES as u32;
         Self { region, turns: true, position: 0, start: 0, fade_in: SLOPE_FRAMES, fade_out_at, gain, per_frame }
     }
 
-    /// A strike's own, at once there and for as long as nothing else says, from an even place in its wave on.
+    /// A strike's own noise, without a fade in and with no end yet, from an even place in its wave
+    /// on.
     pub(super) fn of_strike(region: usize, start: u32, gain: f32, per_frame: [f32; 2]) -> Self {
         let start = start & !1;
         Self { region, turns: false, position: 0, start, fade_in: 0, fade_out_at: NEVER, gain, per_frame }
     }
 
-    /// Whether it is a strike's own.
+    /// True if it is a strike's own.
     pub(super) fn is_own(&self) -> bool {
         !self.turns
     }
@@ -57,7 +61,7 @@ impl Stream {
         self.position >= self.fade_out_at + SLOPE_FRAMES
     }
 
-    /// Whether it has not begun to fade out.
+    /// True if it has not begun to fade out.
     pub(super) fn is_held(&self) -> bool {
         self.position < self.fade_out_at
     }
@@ -74,18 +78,18 @@ impl Stream {
         }
     }
 
-    /// Where it fades out, ticks until that is over, the one just rendered among them.
+    /// Ticks until its fade out is over, the one just rendered among them; `None` before it begins.
     pub(super) fn ticks_to_end(&self) -> Option<u32> {
         let left = (self.fade_out_at + SLOPE_FRAMES).saturating_sub(self.position);
         (left < SLOPE_FRAMES).then_some(left / TICK_FRAMES as u32 + 1)
     }
 
-    /// Adds so many frames and moves on.
+    /// Adds its next frames to `out` and moves on.
     pub(super) fn add_to(&mut self, memory: &[Complex], is_choked: bool, mut out: &mut [f32]) {
         let [free, choked] = self.per_frame;
         let per_frame = if is_choked { choked } else { free };
         while !out.is_empty() {
-            // To the end of the window's part.
+            // To the end of the window's part or of the wave.
             let (length, part) = self.part();
             let length = length.min(WAVE_FRAMES - self.place() % WAVE_FRAMES) as usize;
             let length = length.min(out.len());
@@ -115,7 +119,7 @@ impl Stream {
         let (pairs, last) = out.as_chunks_mut::<2>();
         for [even, odd] in pairs {
             let [x, y] = at(position);
-            // One factor at a time, so that where a run is cut cannot change a bit.
+            // One factor at a time, so that no bit depends on the cut of runs.
             let next = gain * per_frame;
             *even += x * gain;
             *odd += y * next;
@@ -163,7 +167,7 @@ impl Stream {
         self.gain = gain;
     }
 
-    /// All ones where the wave is read backwards.
+    /// All ones while the wave is read backwards, else 0.
     #[inline(always)]
     fn turn(&self) -> u32 {
         let is_backwards = (self.place() >> (POINTS_LOG2 + 1)) & u32::from(self.turns);
@@ -176,7 +180,7 @@ impl Stream {
         self.position.wrapping_add(self.start)
     }
 
-    /// Frames left of the window's part.
+    /// Part of the window at the present position, and the frames that are left of it.
     fn part(&self) -> (u32, Part) {
         let position = self.position;
         let end = self.fade_out_at + SLOPE_FRAMES;
@@ -201,7 +205,8 @@ enum Part {
     Over,
 }
 
-/// The samples at an even position and the next one, or those of the pair that an odd position is in; `turn` as of [`Stream::turn`].
+/// Samples at an even position and the next one, or those of the pair that an odd position is in;
+/// `turn` as of [`Stream::turn`].
 #[inline(always)]
 fn sample_pair(memory: &[Complex], position: u32, turn: u32) -> [f32; 2] {
     let [even, odd] = memory.get(place(position ^ turn, POINTS_LOG2)).copied().unwrap_or([0.0; 2]);

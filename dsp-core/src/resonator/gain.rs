@@ -1,9 +1,9 @@
 //! From a table's gains to what a force injects into the states.
 
-use super::bank::{BankError, BankTable};
 use super::coefficient::{Coefficients, Orbit, Pole};
 use super::group::{Group, MAX_GAIN_EXPONENT};
 use super::mode::Mode;
+use super::table::{BankError, BankTable};
 use crate::SampleRate;
 use crate::fixed::Scale;
 use crate::table::layout::GainRecord;

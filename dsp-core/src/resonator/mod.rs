@@ -27,15 +27,16 @@ pub mod kernel;
 pub mod mode;
 mod order;
 pub mod retirement;
+mod table;
 
 pub use bank::{
-    Audience, Bank, BankError, BankSize, BankTable, BankWork, HAND_MODES_PER_TICK, Origin, Place, Selection, Shed,
-    Survey, UpcomingRun, Use,
+    Audience, Bank, BankSize, BankWork, HAND_MODES_PER_TICK, Origin, Place, Shed, ShedChoice, ShedPlan, UpcomingRun,
+    Use,
 };
 pub use coefficient::max_decay_per_s;
 pub use group::Group;
 pub use mode::Mode;
 pub use retirement::Retirement;
+pub use table::{BankError, BankTable};
 
-/// Frames of a tick: 0.67 ms at 48 kHz.
-pub const TICK_FRAMES: usize = 32;
+pub use crate::time::TICK_FRAMES;

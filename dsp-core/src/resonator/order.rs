@@ -1,9 +1,9 @@
 //! The order in which a bank's modes are grouped: by side and form, and within a form by how long a typical strike keeps them audible.
 
-use super::bank::{BankError, BankTable};
 use super::coefficient::{Pole, max_decay_per_s};
 use super::mode::Mode;
 use super::retirement::Retirement;
+use super::table::{BankError, BankTable};
 use crate::SampleRate;
 use crate::table::layout::ModeRecord;
 

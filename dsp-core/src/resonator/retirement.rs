@@ -1,8 +1,8 @@
 //! Decay: what has become inaudible stops costing.
 
-use super::TICK_FRAMES;
 use super::group::Group;
 use super::mode::Mode;
+use crate::time::TICK_FRAMES;
 
 /// The rule by which modes retire: a group retires when each of its modes is below -110 dBFS, and only while the sum of all retired
 /// amplitudes stays below -100 dBFS. So the output differs from the unskipped one by less than -100 dBFS at any time.

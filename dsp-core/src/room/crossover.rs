@@ -9,47 +9,14 @@
 //! `|low|² + |high|² = 1` whatever the coefficients' rounding: no energy is lost or counted twice at an edge. Which of both sides is attenuated by how much is
 //! chosen edge by edge, see [`lean`](super::lean).
 
-use super::elliptic::{Elliptic, MOST_PAIRS};
+use super::elliptic::Elliptic;
 use super::kernel;
-
-/// Fewest and most second-order sections of a split, every second one behind the first-order one.
-pub(super) const LEAST_SECTIONS: usize = 2;
-pub(super) const MOST_SECTIONS: usize = MOST_PAIRS;
-
-/// α (Q31) above which a section of first order carries on what it cuts off: 13/16. Below, plain rounding comes to rest within 4 steps, and the section is a fifth
-/// cheaper.
-pub(super) const SHAPED_FIRST: i32 = 13 << 27;
+use super::split::{Split, SplitState};
 
 /// Bits of what a chain of splits may come to rest at, -132 dBFS: a block no larger is silence.
 const RESTING_BITS: i32 = 5;
 
-/// A split's coefficients, Q31.
-#[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub(super) struct Split {
-    /// α of the first-order section `(z^-1 - α)/(1 - α z^-1)`.
-    pub(super) first: i32,
-    /// How many sections of second order there are.
-    pub(super) sections: u32,
-    /// c1/2 and c2/2 of `(c2 + c1 z^-1 + z^-2)/(1 + c1 z^-1 + c2 z^-2)`.
-    pub(super) second: [[i32; 2]; MOST_SECTIONS],
-}
-
-/// What a split remembers: inputs and outputs of its sections, the latest first, and the bits that they cut off.
-#[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub(super) struct SplitState {
-    pub(super) first: [i32; 3],
-    pub(super) second: [[i32; 5]; MOST_SECTIONS],
-}
-
-impl SplitState {
-    pub(super) const SILENT: Self = Self { first: [0; 3], second: [[0; 5]; MOST_SECTIONS] };
-}
-
 impl Split {
-    pub(super) const NONE: Self = Self { first: 0, sections: 0, second: [[0; 2]; MOST_SECTIONS] };
-
     /// Splits by a low-pass whose 1 rad/s lies where `tangent = tan(π f)`, f of the sample rate (bilinear transform).
     pub(super) fn new(filter: &Elliptic, tangent: f64) -> Self {
         let q31 = |value: f64| libm::rint(value * 2_147_483_648.0) as i32;
@@ -87,6 +54,7 @@ pub(super) fn bits(sizes: u32, band: &mut [i32]) -> i32 {
 mod tests {
     use super::super::kernel::portable::{first_order, section};
     use super::super::lean::{LEAST_DB, SELECTIVITIES};
+    use super::super::split::LEAST_SECTIONS;
     use super::*;
     use crate::room::elliptic::shared_db;
     use std::vec;

@@ -4,8 +4,8 @@
 //! loud, both get half. Where one rings longer, or is louder, its skirt is what is heard in the other's tail, while the other's is drowned or gone: the split then
 //! leans, and lies a little on the longer one's side, at no cycle's cost.
 
-use super::crossover::{LEAST_SECTIONS, Split};
 use super::elliptic::{Elliptic, shared_db};
+use super::split::{LEAST_SECTIONS, Split};
 use core::f64::consts::PI;
 
 /// Selectivity k of splits of two, three and four sections: where the pass band ends over where the stop band begins.

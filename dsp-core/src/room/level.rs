@@ -7,17 +7,15 @@
 //! **Bounds.** A raised level leaves `|x · 2^shift| < 2^31`, and the inverse below 2^31 to a block's end, however much it grows: the input of a line is below 2^14
 //! steps. Input is at most ±2.0 = 2^28.
 
-use super::network::SECOND_GAIN;
+use super::dimensions::MAX_BLOCKS;
+use super::lines::SECOND_GAIN;
 use super::plan::BandPlan;
-use super::storage::Sample;
+use super::storage::Stored;
 use crate::fixed;
 
 /// Blocks whose levels are remembered, a power of two.
 const HISTORY: usize = 64;
-const _: () = assert!(super::plan::MAX_BLOCKS + 2 < HISTORY && HISTORY.is_power_of_two());
-/// Bits of what is stored, sign included, beyond which the level is raised, and up to which it is lowered.
-pub(super) const LOUD_BITS: u32 = 15;
-pub(super) const QUIET_BITS: u32 = 14;
+const _: () = assert!(MAX_BLOCKS + 2 < HISTORY && HISTORY.is_power_of_two());
 const HALF_SECOND_GAIN: u32 = (SECOND_GAIN * 2_147_483_648.0) as u32;
 /// What is left out: outputs below 2^7 steps of the bus, -120 dBFS.
 const INAUDIBLE_BITS: i32 = 7;
@@ -170,7 +168,7 @@ impl Level {
     }
 
     /// Makes the level fit a block's input and what the outputs were.
-    pub(super) fn begin<T: Sample>(&self, state: &mut LevelState, input_bits: i32) {
+    pub(super) fn begin<T: Stored>(&self, state: &mut LevelState, input_bits: i32) {
         // The smallest exponent whose shift leaves the input its bits.
         let least = if input_bits > 0 { self.least_exponent(input_bits) } else { i32::MIN };
         if state.is_asleep() {

@@ -25,64 +25,16 @@
 //! **Nothing wraps.** A rotation's sum is at most `√2 · 2^15 · 2^15 < 2^30.5`; all other sums saturate. A full-scale impulse puts at most `2^13.6` into each value
 //! and cannot saturate any: each mix spreads what there is.
 
-use super::BLOCK_FRAMES;
+use super::dimensions::{BLOCK_FRAMES, LINES};
 use super::level::{Level, LevelState};
+use super::lines::{NetworkTick, Place, Radiation, Sound};
 use super::plan::BandPlan;
-use super::storage::Sample;
+use super::sample::Sample;
 use super::turn::{TURN_FRAMES, Turn};
 use crate::fixed;
 
-/// Lines of a network; each holds pairs.
-pub(super) const LINES: usize = 4;
-/// What of the input each of a line's values takes, in the mean of their squares.
-pub(super) const INPUT_GAIN: f64 = 0.25;
-/// The first value of a pair takes this part of what the second takes, in 15 bits: tan 25°.
-pub(super) const FIRST_OF_SECOND: i32 = 15_280;
-/// The second takes this times `INPUT_GAIN`, so that both keep their energy: `√2 cos 25°`.
-pub(super) const SECOND_GAIN: f64 = 1.281_720_7;
 /// Sine and cosine of the angle of lines 1 and 3: of all pairs near it the one whose squares sum up to 1 within 3e-8, in 15 bits.
 const ANGLE: [i32; 2] = [14_111, 29_574];
-
-/// Input and output of a network's block.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
-pub(super) struct Sound<T> {
-    /// In the network's units; the first of a pair is [`FIRST_OF_SECOND`] of the second.
-    pub(super) input: [[T; 2]; BLOCK_FRAMES],
-    /// Half the outputs, in the network's units.
-    pub(super) output: [[T; 2]; BLOCK_FRAMES],
-}
-
-/// All that a block of a network reads and writes.
-#[derive(Debug)]
-pub struct NetworkTick<'a, T: Sample> {
-    /// The lines, one behind another.
-    pub(super) memory: &'a mut [[T; 2]],
-    pub(super) lines: &'a [Place; LINES],
-    pub(super) places: &'a mut [Place; LINES],
-    pub(super) sound: &'a mut Sound<T>,
-    /// The moving angles, how many frames each is for (a power of two, at most 16), and the fixed one.
-    pub(super) turns: (&'a [T::Turn], usize, T::Turn),
-    /// Whether it is watched for loud values ([`Sample::watched`]), or for values that keep the level from being lowered.
-    pub(super) busy: bool,
-    pub(super) input: &'a [i32],
-    /// Input is taken times `2^shift · gain / 2^32`, in 2^-16 steps; the gain grows by a part of itself (Q32) a sample.
-    pub(super) input_shift: u32,
-    pub(super) input_gain: [i32; 2],
-    pub(super) out: &'a mut [[i32; 2]],
-    /// The gain of the outputs, as [`Sample::times`] has it, which loses a part of itself (Q32) a sample.
-    pub(super) output_gain: [i32; 2],
-    pub(super) radiation: Radiation,
-}
-
-/// What becomes of the outputs.
-#[derive(Clone, Copy, Debug)]
-#[repr(u32)]
-pub(super) enum Radiation {
-    Put = 0,
-    Add = 1,
-    Nothing = 2,
-}
 
 /// A network's fixed numbers.
 #[derive(Clone, Copy, Debug)]
@@ -94,14 +46,6 @@ pub(super) struct NetworkConfig {
     block: u8,
     /// Samples that are mixed by one angle.
     turn_samples: u8,
-}
-
-/// Where in the network's memory a line begins, or is read and written next, and how many pairs are left to its end.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(4))]
-pub(super) struct Place {
-    pub(super) at: u16,
-    pub(super) left: u16,
 }
 
 /// When what a block reads was stored.
@@ -237,16 +181,6 @@ impl NetworkConfig {
             let seam = u16::from(age.seam);
             settle(memory, line, *place, seam, earlier);
             settle(memory, line, place.after(seam, line), block - seam, later);
-        }
-    }
-}
-
-impl Place {
-    /// So many pairs (at most a line's length) further, from the line's end back to its beginning.
-    fn after(self, pairs: u16, line: &Place) -> Self {
-        match self.left.checked_sub(pairs) {
-            Some(left @ 1..) => Self { at: self.at + pairs, left },
-            _ => Self { at: line.at + (pairs - self.left), left: line.left - (pairs - self.left) },
         }
     }
 }

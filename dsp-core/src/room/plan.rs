@@ -1,24 +1,20 @@
 //! From a table of bands to rates, delays and gains.
 
-use super::RoomError;
-use super::crossover::{LEAST_SECTIONS, MOST_SECTIONS, Split};
+use super::dimensions::{BLOCK_FRAMES, LINES, MAX_BANDS, MAX_BLOCKS, SLOWEST, TICKS};
+use super::error::RoomError;
 use super::lean::{self, Edge, Leaning, Side};
-use super::network::{INPUT_GAIN, LINES};
+use super::lines::INPUT_GAIN;
+use super::split::{LEAST_SECTIONS, MOST_SECTIONS, Split};
 use super::turn::TURN_FRAMES;
-use super::{BLOCK_FRAMES, TICKS};
 use crate::SampleRate;
 use crate::table::layout::RoomBandRecord;
 
-/// Bands that a room may have.
-pub const MAX_BANDS: usize = 8;
 /// Highest edge of a band that may run at a rate, of that rate, of few bands and of more: the lower it is, the weaker are the images that doubling leaves.
 const FEW_BANDS_EDGE: f64 = 0.42;
 const EDGE: f64 = 0.35;
 /// Of so few bands none is slower than this: doublings cost more than it saves.
 const FEW_BANDS: usize = 4;
 const FEW_BANDS_DIVISION: usize = 8;
-/// Of more bands none is slower than this.
-pub(super) const SLOWEST: usize = 32;
 /// A network's delays add up to this part of its T60 ...
 const DELAY_OF_T60: f64 = 0.15;
 /// ... or to what makes this many resonances in its band, so that a narrow one does not beat, whichever is longer.
@@ -27,9 +23,6 @@ const RESONANCES: f64 = 100.0;
 const DENSE_S: f64 = 0.16;
 /// Ratio of neighbouring delays.
 const RATIO: f64 = 1.4;
-/// Longest delay of a line, in blocks.
-pub(super) const MAX_BLOCKS: usize = 47;
-
 /// One band's network.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BandPlan {

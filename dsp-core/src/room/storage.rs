@@ -1,11 +1,10 @@
 //! What the delay lines are kept in: 16 bits, or 32 bits. Both stand for the same: 32 bits are 16 with 16 more behind them.
 
-use super::kernel;
-use super::network::{LINES, NetworkTick};
+use super::dimensions::LINES;
 use crate::fixed;
 
 /// A stored sample of a delay line: a step of a 16-bit sample is what the network's level says, a 32-bit one is 2^16 times finer.
-pub trait Sample: Copy + sealed::Sealed {
+pub trait Stored: Copy {
     /// Silence.
     const ZERO: Self;
     /// Whether its lines' level is lowered where that leaves it more bits.
@@ -44,19 +43,6 @@ pub trait Sample: Copy + sealed::Sealed {
 
     /// What of that which is stored is watched, so that the level is raised before any of it saturates. The mix spreads what there is over all lines.
     fn watched(stored: &[[Self; 2]; LINES]) -> &[[Self; 2]];
-
-    /// Lets a tick pass through a network. Whether, where it is `busy`, something watched is beyond the bits that raise the level; otherwise whether something
-    /// that is stored is beyond those up to which it may be lowered.
-    fn network(tick: NetworkTick<'_, Self>) -> bool;
-
-    /// Doubles all, saturated, or halves all as often as `rise` is below 0.
-    fn scale(words: &mut [[Self; 2]], rise: i32);
-}
-
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for i16 {}
-    impl Sealed for i32 {}
 }
 
 /// Of the 16 bits that are cut off.
@@ -68,7 +54,7 @@ fn upper_half(sum: i64) -> i32 {
 }
 
 /// Half the memory, and what the assembly is for.
-impl Sample for i16 {
+impl Stored for i16 {
     const ZERO: Self = 0;
     const LOWERED: bool = true;
     type Turn = [i16; 2];
@@ -129,18 +115,10 @@ impl Sample for i16 {
     fn watched([_, stored, ..]: &[[i16; 2]; LINES]) -> &[[i16; 2]] {
         core::slice::from_ref(stored)
     }
-
-    fn network(tick: NetworkTick<'_, i16>) -> bool {
-        kernel::network(tick)
-    }
-
-    fn scale(words: &mut [[i16; 2]], rise: i32) {
-        kernel::scale(words, rise);
-    }
 }
 
 /// Twice the memory, for those who have it: rounding at what the bus and the splits have.
-impl Sample for i32 {
+impl Stored for i32 {
     const ZERO: Self = 0;
     const LOWERED: bool = false;
     type Turn = [i32; 2];
@@ -186,13 +164,5 @@ impl Sample for i32 {
 
     fn watched(stored: &[[i32; 2]; LINES]) -> &[[i32; 2]] {
         stored
-    }
-
-    fn network(tick: NetworkTick<'_, i32>) -> bool {
-        kernel::portable::network(tick)
-    }
-
-    fn scale(words: &mut [[i32; 2]], rise: i32) {
-        kernel::portable::scale(words, rise);
     }
 }

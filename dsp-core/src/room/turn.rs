@@ -1,6 +1,6 @@
 //! The angle that turns the networks' mixes: the same for all bands, a function of time alone.
 
-use super::BLOCK_FRAMES;
+use super::dimensions::BLOCK_FRAMES;
 use crate::SampleRate;
 use crate::fixed;
 

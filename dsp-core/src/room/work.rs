@@ -3,35 +3,59 @@
 use core::cell::Cell;
 
 use super::crossover;
+use super::dimensions::{BLOCK_FRAMES, TICKS};
 use super::network::Turns;
-use super::storage::Sample;
-use super::{BLOCK_FRAMES, RATES, Room, Scratch, TICKS, turned};
-use crate::resonator::TICK_FRAMES;
-
-/// How far the work on a block is.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Work {
-    /// What comes next: for each band from the highest down its split and its answer, and then the doublings.
-    pub(super) next: usize,
-    /// Bits of the largest size in what was parted last.
-    bits: i32,
-    /// What the input has been thinned to.
-    division: usize,
-    /// The rates at which there is an answer.
-    written: [bool; RATES],
-    /// Whether all bands were asleep.
-    asleep: bool,
-    begun: bool,
-}
-
-impl Work {
-    pub(super) const NONE: Self =
-        Self { next: 0, bits: 0, division: 1, written: [false; RATES], asleep: true, begun: false };
-}
+use super::sample::Sample;
+use super::state::{Room, Scratch, Work, turned};
+use crate::time::TICK_FRAMES;
 
 impl<T: Sample> Room<'_, T> {
+    /// Takes a run of the dry stereo sum (Q4.27) in and adds the room's answer to it.
+    pub fn render(&mut self, out: &mut [[i32; 2]]) {
+        if self.bands.is_empty() {
+            return;
+        }
+        let mut out = out;
+        while !out.is_empty() {
+            let left = TICK_FRAMES - self.passed % TICK_FRAMES;
+            let (now, later) = out.split_at_mut(left.min(out.len()));
+            self.pass(now);
+            out = later;
+            if self.passed == BLOCK_FRAMES {
+                self.begin();
+            }
+            if self.passed.is_multiple_of(TICK_FRAMES) {
+                self.work_on();
+            }
+        }
+    }
+
+    /// Lets frames of silence pass while the room [is silent](Self::is_silent): what rendering them would do.
+    pub fn pass_silence(&mut self, frames: usize) {
+        // While the room is silent its input is zeros throughout.
+        let passed = self.passed + frames;
+        self.passed = passed % BLOCK_FRAMES;
+        // 2^32 blocks are more than a month.
+        self.silent_blocks = self.silent_blocks.wrapping_add((passed / BLOCK_FRAMES) as u32);
+    }
+
+    #[inline(never)]
+    fn pass(&mut self, out: &mut [[i32; 2]]) {
+        let frames = self.passed..self.passed + out.len();
+        self.passed = frames.end;
+        // While the room is silent, its input is zeros already, and its chains rest.
+        if self.silent && out.iter().all(|sides| *sides == [0; 2]) {
+            return;
+        }
+        let ([input, _], [wet, _]) = (turned(&mut self.inputs, self.side), turned(&mut self.outputs, self.side));
+        let (Some(input), Some(wet)) = (input.get_mut(frames.clone()), wet.get(frames)) else { return };
+        self.dry |= self.feed.exchange(out, wet, input);
+        self.heard |= self.dry != 0;
+        self.silent &= !self.heard;
+    }
+
     /// At a block's end: what came in is worked on, what was worked on goes out.
-    pub(super) fn begin(&mut self) {
+    fn begin(&mut self) {
         self.passed = 0;
         if self.silent {
             self.silent_blocks = self.silent_blocks.wrapping_add(1);
@@ -49,7 +73,7 @@ impl<T: Sample> Room<'_, T> {
 
     /// At each tick's end: a part of the work on a block.
     #[inline(never)]
-    pub(super) fn work_on(&mut self) {
+    fn work_on(&mut self) {
         if !self.work.begun {
             return;
         }

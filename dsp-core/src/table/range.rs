@@ -57,6 +57,8 @@ pub const STRIKER_WEIGHT: Range = Range::new(-1e3, 1e3);
 pub const CHOKE_T60_S: Range = Range::new(0.001, 100.0);
 /// Modes of one object or striker.
 pub const MODES_PER_BANK: usize = 4096;
+/// Bands of a room.
+pub const ROOM_BANDS: usize = 8;
 /// Positions along an object.
 pub const POSITIONS: usize = 64;
 /// Softest peak that is a strike, of half the ADC's range.

@@ -7,7 +7,6 @@ use super::error::TableError;
 use super::layout::RoomBandRecord;
 use super::place::{Field, Place};
 use super::range::{self, Range};
-use crate::room::MAX_BANDS;
 
 /// The bands of a `room` section, from the lowest up, checked as far as that can be done without a sample rate.
 pub(super) fn read(body: &[u8]) -> Result<&[RoomBandRecord], TableError> {
@@ -15,7 +14,7 @@ pub(super) fn read(body: &[u8]) -> Result<&[RoomBandRecord], TableError> {
     let expected = bands * size_of::<RoomBandRecord>();
     let mismatch = TableError::LengthMismatch { place: Place::Room, expected, found: body.len() };
     let bands = <[RoomBandRecord]>::ref_from_bytes(body).map_err(|_| mismatch)?;
-    check_count(Place::Room, Field::FromHz, bands.len(), 1, MAX_BANDS)?;
+    check_count(Place::Room, Field::FromHz, bands.len(), 1, range::ROOM_BANDS)?;
     let mut below = 0.0;
     for (band, record) in bands.iter().enumerate() {
         let (place, from_hz) = (Place::RoomBand(band), record.from_hz.get());

@@ -1,6 +1,7 @@
-//! From a kit to the banks of a voice.
+//! Loading of a voice: from a kit's tables to its banks.
 
-use super::{PadTables, Voice};
+use super::state::Voice;
+use super::tables::PadTables;
 use crate::SampleRate;
 use crate::contact::law::typical_contact;
 use crate::memory::{Lender, OutOfMemory, Region};
@@ -9,7 +10,7 @@ use crate::radiation::Acceleration;
 use crate::resonator::{Bank, BankError, BankSize, BankTable};
 use crate::table::layout::STRIKERS_PER_PAD;
 
-/// Sizes of a voice's banks: the object's, and behind it those of the strikers up to the last one with modes.
+/// Sizes of a voice's banks: of the object's, and of the strikers' up to the last one with modes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct VoiceSize {
     banks: [BankSize; 1 + STRIKERS_PER_PAD],
@@ -20,7 +21,7 @@ impl VoiceSize {
     /// Sizes of the banks of a pad at a sample rate.
     ///
     /// # Errors
-    /// A [`BankError`], and the striker that it concerns, or `None` for the object.
+    /// A [`BankError`] with the striker that it concerns, or `None` for the object.
     pub fn new(tables: &PadTables<'_>, rate: SampleRate) -> Result<Self, (BankError, Option<usize>)> {
         let mut size = Self::default();
         for (slot, (which, table)) in size.banks.iter_mut().zip(tables.banks()) {
@@ -30,7 +31,7 @@ impl VoiceSize {
         Ok(size)
     }
 
-    /// Sizes of the banks.
+    /// Sizes of the banks, the object's first.
     pub fn banks(&self) -> &[BankSize] {
         self.banks.get(..self.count).unwrap_or(&[])
     }
@@ -45,7 +46,7 @@ impl VoiceSize {
         self.banks().iter().map(|bank| bank.groups).sum()
     }
 
-    /// Number of modes that a second slot of the object has gains for; 0 where the object has one position.
+    /// Number of modes that the object's second slot has gains for; 0 if it has one position only.
     pub fn second_modes(&self, tables: &PadTables<'_>) -> usize {
         if tables.object().position_count() > 1 { self.banks().first().map_or(0, |bank| bank.modes) } else { 0 }
     }
@@ -55,7 +56,7 @@ impl<'k, 'm> Voice<'k, 'm> {
     /// Takes the memory of a voice's banks.
     ///
     /// # Errors
-    /// [`OutOfMemory`].
+    /// [`OutOfMemory`] if too little is left.
     pub fn take(lender: &mut impl Lender<'m>, size: &VoiceSize) -> Result<Self, OutOfMemory> {
         let banks = lender.take(Region::Fast, size.banks().len(), Bank::empty)?;
         for (index, &size) in size.banks().iter().enumerate() {
@@ -71,7 +72,7 @@ impl<'k, 'm> Voice<'k, 'm> {
     /// Takes the memory of the object's second slot.
     ///
     /// # Errors
-    /// [`OutOfMemory`]: contacts at a second position merge then.
+    /// [`OutOfMemory`] if too little is left; contacts at a second position are then merged.
     pub fn take_second(&mut self, lender: &mut impl Lender<'m>, modes: usize) -> Result<(), OutOfMemory> {
         match self.banks.first_mut() {
             Some(object) => object.take_second(lender, modes),
@@ -79,15 +80,15 @@ impl<'k, 'm> Voice<'k, 'm> {
         }
     }
 
-    /// Derives the banks and all that belongs to the pad from its tables, in the memory that was taken for their size.
+    /// Derives the banks and the rest of the pad from its tables, in memory taken for their size.
     ///
     /// # Errors
-    /// A [`BankError`], and the striker that it concerns, or `None` for the object.
+    /// A [`BankError`] with the striker that it concerns, or `None` for the object.
     pub fn load(&mut self, tables: &PadTables<'k>, rate: SampleRate) -> Result<(), (BankError, Option<usize>)> {
         let (pad, object) = (tables.pad(), tables.object());
         self.reference_force = object.reference_force();
         self.acceleration = match tables.is_balanced() {
-            // It is in the banks.
+            // The banks hold it.
             true => Acceleration::NONE,
             false => Acceleration::new(object.acceleration(), object.reference_force()),
         };
@@ -105,8 +106,8 @@ impl<'k, 'm> Voice<'k, 'm> {
 }
 
 impl<'a> PadTables<'a> {
-    /// The tables of the pad's banks, the object's first, with the number of the striker of each of the others; up to the last
-    /// striker that sounds.
+    /// Tables of the pad's banks, each with the number of its striker, or `None` for the object:
+    /// the object's first, then those of the strikers up to the last one with modes that sound.
     fn banks(&self) -> impl Iterator<Item = (Option<usize>, BankTable<'_>)> + use<'_, 'a> {
         let reference_force = self.object().reference_force();
         let typical = move |contact| typical_contact(&contact, reference_force);

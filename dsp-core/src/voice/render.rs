@@ -1,21 +1,23 @@
-//! A voice's sound over a run of frames.
+//! Sound of a voice over a run of frames.
 
-use super::{FilterWork, PadWork, Run, Voice};
+use super::filters::FilterWork;
+use super::state::{PadWork, Run, Voice};
 use crate::contact::ActiveContacts;
 use crate::fixed;
 use crate::resonator::kernel;
-use crate::resonator::{Bank, BankWork, TICK_FRAMES};
+use crate::resonator::{Bank, BankWork};
+use crate::time::TICK_FRAMES;
 
 impl Voice<'_, '_> {
-    /// Renders a run without force and adds it to the stereo sum; gives the mode-frames of the object's bank and of the strikers' banks. A
-    /// striker's bank that rings sounds on the same bus as the object's.
+    /// Adds a run without force to the stereo bus; gives the mode-frames of the object's bank and
+    /// of the strikers' banks.
     #[inline(never)]
     pub fn ring(&mut self, frames: usize, odd_start: bool, out: &mut [[i32; 2]]) -> (u32, u32) {
         let Some((object, strikers)) = self.banks.split_first_mut() else { return (0, 0) };
         let object_modes = object.running_modes(true);
         let striker_modes = strikers.iter().map(|bank| bank.running_modes(true)).sum::<u32>();
         match self.panner.gains(object.mix_shift().is_loud).filter(|_| striker_modes == 0) {
-            // The usual case, in one pass: the same bits.
+            // The usual case, in one pass, with the bits of the other.
             Some(gains) => {
                 let run = kernel::Run { frames, skip: true, add: false };
                 object.ring_stereo(run, odd_start, gains, out);
@@ -25,11 +27,12 @@ impl Voice<'_, '_> {
         (object_modes * frames as u32, striker_modes * frames as u32)
     }
 
+    /// Adds a run without force to the stereo bus, by way of the pad's own bus.
     #[inline(never)]
     fn ring_on_bus(&mut self, frames: usize, odd_start: bool, out: &mut [[i32; 2]]) {
         let mut sound = [0; TICK_FRAMES];
         let Some(sound) = sound.get_mut(..frames) else { return };
-        // The object's last, as under a force: a sum that is clipped depends on the order.
+        // The object's bank is last, as under a force: a sum that is clipped depends on the order.
         let Some((object, strikers)) = self.banks.split_first_mut() else { return };
         strikers.iter_mut().chain([object]).for_each(|bank| {
             bank.render(None, odd_start, true, sound);
@@ -37,7 +40,7 @@ impl Voice<'_, '_> {
         self.panner.render(sound, out);
     }
 
-    /// Renders a run with force, or one that leaves nothing out, and adds it to the stereo sum.
+    /// Adds a run under a force, or one that skips nothing, to the stereo bus.
     #[inline(never)] // its buffers must not weigh on runs without force
     pub fn drive(&mut self, run: Run<'_>, contacts: &mut ActiveContacts<'_>, out: &mut [[i32; 2]]) -> PadWork {
         self.wake();
@@ -55,7 +58,7 @@ impl Voice<'_, '_> {
             && !has_second
         {
             take_force(self.number, run.direct, contacts, force);
-            // The usual case, in one pass: the same bits.
+            // The usual case, in one pass, with the bits of the others.
             let gains = self.panner.gains(object.mix_shift().is_loud);
             if let Some(gains) = gains.filter(|_| run.skip && !self.acceleration.is_built())
                 && let Some(object) = object.render_stereo(force, run.odd_start, gains, out)
@@ -79,7 +82,8 @@ impl Voice<'_, '_> {
             && (contacts.is_any_in(self.number, 1) || direct.is_some() && self.direct_slot() == 1)
     }
 
-    /// The rest of [`Voice::drive`] by way of a mono bus; `force` holds the force already where no striker has a bank.
+    /// Completes [`Voice::drive`] by way of the pad's own bus. `force` holds the force already if
+    /// no striker has a bank.
     #[inline(never)] // its buffer must not weigh on pads that do without
     fn drive_on_bus(
         &mut self,
@@ -95,7 +99,7 @@ impl Voice<'_, '_> {
         self.panner.render(sound, out);
     }
 
-    /// [`Voice::drive_on_bus`] with a force in slot 1 as well, for which there is another buffer.
+    /// Completes [`Voice::drive`] by way of the pad's own bus, with forces in both slots.
     #[inline(never)]
     fn drive_both_on_bus(
         &mut self,
@@ -112,9 +116,13 @@ impl Voice<'_, '_> {
         self.panner.render(sound, out);
     }
 
-    /// Adds, under a force, all of the voice to a bus, the object's modes to another one where there is one. The first force is that of slot 0, and
-    /// holds it already where no striker has a bank and there is no second; behind, it is that of both.
-    #[inline(always)] // one of two callers is not built where there are no filters
+    /// Adds a run of all banks under a force to a bus; the object's modes go to a bus of their own
+    /// if there is one.
+    ///
+    /// The first force is that of slot 0, the second one that of slot 1. If there is no second one
+    /// and no striker has a bank, the first holds the force already. On return it is the sum of
+    /// both.
+    #[inline(always)] // kits without filters need one of the two callers only
     fn add_driven(
         &mut self,
         run: Run<'_>,
@@ -128,7 +136,7 @@ impl Voice<'_, '_> {
         if !strikers.is_empty() || second.is_some() {
             let (mut direct, mut strikers) = (run.direct, strikers.iter_mut());
             for index in 0..striker_count {
-                // Where there is no second force, a direct one acts in slot 0.
+                // Without a second force a direct one acts in slot 0.
                 let (run, striker) = (Run { direct: direct.take(), ..run }, (number, index));
                 let forces = (&mut *force, second.as_deref_mut(), direct_slot);
                 match strikers.next().filter(|bank| bank.mode_count() > 0) {
@@ -140,7 +148,7 @@ impl Voice<'_, '_> {
         let forces = (Some(&*force), second.as_deref());
         work.object = object.render_slots(forces, run.odd_start, run.skip, modes.unwrap_or(sound));
         if let Some(second) = second {
-            // What does not depend on the position hears both.
+            // Stages that do not depend on the position hear both.
             add(force, second);
         }
         if self.acceleration.is_built() {
@@ -149,8 +157,10 @@ impl Voice<'_, '_> {
         }
     }
 
-    /// Under a force, adds the voice to a mono bus of at most a tick, before level and pan: what its filters are put beside. Leaves the force in `force`,
-    /// which is to be silent before. The object's modes go to `modes` where there is such a bus.
+    /// Adds a run of all banks under a force to the pad's own bus, which filters join.
+    ///
+    /// The second bus takes the object's modes if there is one. `force` must be 0 and holds the
+    /// force on return.
     #[inline(never)]
     fn drive_mono(
         &mut self,
@@ -175,7 +185,7 @@ impl Voice<'_, '_> {
         work
     }
 
-    /// [`Voice::drive_mono`] with a force in slot 1 as well.
+    /// Completes [`Voice::drive_mono`] with forces in both slots.
     #[inline(never)] // its buffer must not weigh on pads that do without
     fn drive_both_mono(
         &mut self,
@@ -190,7 +200,8 @@ impl Voice<'_, '_> {
         self.add_driven(run, contacts, (force, Some(second)), buses, work);
     }
 
-    /// [`Voice::drive_mono`] without a force; gives the mode-frames of the object's bank and of the strikers' banks.
+    /// Adds a run of all banks without a force to the pad's own bus, as [`Voice::drive_mono`] does.
+    /// Gives the mode-frames of the object's bank and of the strikers' banks.
     #[inline(never)]
     fn ring_mono(&mut self, odd_start: bool, (sound, modes): (&mut [i32], Option<&mut [i32]>)) -> (u32, u32) {
         let Some((object, strikers)) = self.banks.split_first_mut() else { return (0, 0) };
@@ -205,18 +216,18 @@ impl Voice<'_, '_> {
         (object_modes * frames, striker_modes * frames)
     }
 
-    /// True if the filters have a part in the next run: they sound, or take its force or its modes.
+    /// True if the filters take part in the next run: they sound, or take its force or its modes.
     #[inline(always)]
     pub fn filters_join_in(&self, has_force: bool) -> bool {
         self.filters.as_ref().is_some_and(|filters| {
-            filters.is_ringing()
+            filters.is_active()
                 || has_force && filters.takes_force()
                 || filters.takes_modes() && (has_force || self.is_ringing())
         })
     }
 
-    /// Renders a run, in which the filters [join in](Self::filters_join_in), on a mono bus and adds it to the stereo sum. `frame` is
-    /// the run's first frame within the tick.
+    /// Adds a run in which the filters [join in](Self::filters_join_in) to the stereo bus. `frame`
+    /// is the run's first frame within the tick.
     #[inline(never)] // its buffers must not weigh on pads that do without
     pub fn render_filtered(
         &mut self,
@@ -258,36 +269,37 @@ impl Voice<'_, '_> {
         (ran, work)
     }
 
-    /// Adds a run of the residual to the stereo sum; gives its frames.
-    #[inline(never)] // its buffer and registers must not weigh on kits without
+    /// Adds a run of the residual to the stereo bus; gives its frames.
+    #[inline(never)] // its buffer and registers must not weigh on kits without residuals
     pub fn render_residual(&mut self, out: &mut [[i32; 2]]) -> u32 {
-        let Some(residual) = self.residual.as_deref_mut().filter(|residual| residual.shaper.is_active()) else {
+        let Some(residual) = self.residual.as_deref_mut().filter(|residual| residual.is_active()) else {
             return 0;
         };
         let mut sound = [0; TICK_FRAMES];
         let Some(sound) = sound.get_mut(..out.len()) else { return 0 };
-        residual.shaper.render(sound);
+        residual.render(sound);
         self.panner.render(sound, out);
         out.len() as u32
     }
 }
 
-/// What the banks of a voice did over a run.
+/// Work of a voice's banks over a run of frames.
 #[derive(Clone, Copy, Debug)]
 pub enum Ran {
-    /// They ran under a force.
+    /// Run under a force.
     Driven(PadWork),
-    /// They rang freely: mode-frames of the object's bank and of the strikers' banks.
+    /// Free run: mode-frames of the object's bank and of the strikers' banks.
     Ringing(u32, u32),
 }
 
-/// Adds the force of all contacts, and a direct one: where no striker has a bank and slot 1 no force.
+/// Adds the forces of all contacts and a direct one, for a pad without strikers' banks and without
+/// a force in slot 1.
 fn take_force(number: u8, direct: Option<&[i32]>, contacts: &mut ActiveContacts<'_>, force: &mut [i32]) {
     direct.into_iter().for_each(|direct| add(force, direct));
     contacts.add_force_of_pad(number, force);
 }
 
-/// Runs the bank of a striker, and adds its force to the object's.
+/// Runs the bank of a striker and adds the striker's force to the object's.
 #[inline(never)] // most strikers have no modes, and its buffer would weigh on them
 fn drive_striker(
     bank: &mut Bank<'_>,
@@ -305,7 +317,7 @@ fn drive_striker(
         direct.into_iter().filter(|_| direct_slot == 1).for_each(|direct| add(force, direct));
         add(second, force);
     }
-    // What is added to the first slot is added up apart.
+    // The force of slot 0 is summed apart, for its bank hears both slots.
     let mut own = [0; TICK_FRAMES];
     let Some(own) = own.get_mut(..first.len()) else { return BankWork::default() };
     direct.into_iter().filter(|_| !has_second || direct_slot == 0).for_each(|direct| add(own, direct));
@@ -315,10 +327,11 @@ fn drive_striker(
     bank.render(Some(force), run.odd_start, run.skip, sound)
 }
 
-/// The forces of slot 0 and, where there is one, of slot 1; and the slot in which a direct force acts where there are both.
+/// Force of slot 0, that of slot 1 if there is one, and the slot in which a direct force acts if
+/// there are both.
 type Forces<'f> = (&'f mut [i32], Option<&'f mut [i32]>, u8);
 
-/// Adds the force of a striker without a bank.
+/// Adds the force of a striker without a bank to the object's.
 fn add_forces(
     (pad, index): (u8, u8),
     direct: Option<&[i32]>,

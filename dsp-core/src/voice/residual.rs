@@ -1,25 +1,27 @@
-//! The noise of a voice or of the background, with the time that it takes.
+//! Noise of a voice or of the background, with the time that it takes.
 
+use crate::SampleRate;
 use crate::memory::{Lender, OutOfMemory, Region};
-use crate::residual::Shaper;
+use crate::noise::Sfc32;
+use crate::residual::{BandLaw, Shaper};
 
-/// A residual, or the background.
+/// Residual of a pad's object, or the background.
 #[derive(Debug)]
 pub struct Residual<'m> {
     /// Worst cycles of a tick in which it sounds.
-    pub(crate) cycles: u32,
-    pub(crate) shaper: Shaper<'m>,
+    pub(crate) worst_cycles: u32,
+    shaper: Shaper<'m>,
 }
 
 impl<'m> Residual<'m> {
     const fn none() -> Self {
-        Self { cycles: 0, shaper: Shaper::none() }
+        Self { worst_cycles: 0, shaper: Shaper::none() }
     }
 
     /// Takes the memory of noise in `bands` bands; `None` from an account.
     ///
     /// # Errors
-    /// [`OutOfMemory`].
+    /// [`OutOfMemory`] if too little is left.
     pub fn place(lender: &mut impl Lender<'m>, bands: usize) -> Result<Option<&'m mut Self>, OutOfMemory> {
         let shaper = Shaper::take(lender, bands)?;
         let place = lender.take(Region::Bulk, 1, Self::none)?.first_mut();
@@ -28,9 +30,57 @@ impl<'m> Residual<'m> {
         Ok(Some(place))
     }
 
-    /// Sets the worst cycles of a tick in which it sounds.
-    pub(crate) fn with_cycles(&mut self, cycles: u32) -> &mut Self {
-        self.cycles = cycles;
-        self
+    /// Derives the noise for a rate, as [`Shaper::load_choked`] does.
+    pub(crate) fn load(
+        &mut self,
+        laws: impl Iterator<Item = BandLaw>,
+        rate: SampleRate,
+        noise: Sfc32,
+        silence: f32,
+        choke_db_per_s: f64,
+    ) {
+        self.shaper.load_choked(laws, rate, noise, silence, choke_db_per_s);
+    }
+
+    /// Begins stationary noise.
+    pub(crate) fn begin(&mut self) {
+        self.shaper.begin();
+    }
+
+    /// True if it sounds; otherwise rendering and ending a tick do nothing.
+    #[inline(always)]
+    pub(crate) fn is_active(&self) -> bool {
+        self.shaper.is_active()
+    }
+
+    /// Begins the noise of a strike at a frame of the tick; `level` is its peak force over the
+    /// reference force.
+    #[inline(always)]
+    pub(crate) fn strike(&mut self, level: f32, frame: usize) {
+        self.shaper.strike(level, frame);
+    }
+
+    /// Chokes the noise, or releases it, on a tick.
+    #[inline(always)]
+    pub(crate) fn set_choked(&mut self, is_choked: bool) {
+        self.shaper.set_choked(is_choked);
+    }
+
+    /// Adds a run of at most a tick to a bus.
+    #[inline(always)]
+    pub(crate) fn render(&mut self, bus: &mut [i32]) {
+        self.shaper.render(bus);
+    }
+
+    /// Works on noise to come, behind the last run of a tick.
+    #[inline(always)]
+    pub(crate) fn end_tick(&mut self) {
+        self.shaper.end_tick();
+    }
+
+    /// Nominal cycles of this tick's work on noise to come.
+    #[inline(always)]
+    pub(crate) fn cycles(&self) -> u32 {
+        self.shaper.cycles_ahead()
     }
 }

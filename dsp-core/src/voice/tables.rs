@@ -1,9 +1,9 @@
-//! From a kit's tables to those of a pad's banks.
+//! Tables of a pad's banks, from those of a kit.
 
 use crate::resonator::BankTable;
 use crate::table::{Kit, Object, Pad as PadTable, Striker};
 
-/// The tables behind a pad: for the load, and for what is derived anew while it plays.
+/// Tables of a pad: for the load, and for gains that are derived anew while it plays.
 #[derive(Clone, Copy, Debug)]
 pub struct PadTables<'a> {
     kit: Kit<'a>,
@@ -12,27 +12,27 @@ pub struct PadTables<'a> {
     is_balanced: bool,
 }
 
-/// Where a bank's order, which a typical contact decides, is settled already.
+/// Typical contact for tables of a loaded bank, whose modes are in order already.
 pub(super) const NO_CONTACT: (f32, f32) = (0.0, 0.0);
 
 impl<'a> PadTables<'a> {
-    /// The tables of a kit's pad, counted from 0. `None` where the kit has no such pad.
+    /// Tables of a kit's pad, counted from 0; `None` if the kit has no such pad.
     pub fn new(kit: Kit<'a>, pad: usize) -> Option<Self> {
         let pad = kit.pads().nth(pad)?;
         Some(Self { kit, pad, object: kit.object_of(pad)?, is_balanced: kit.is_balanced(pad.object_index()) })
     }
 
-    /// True if the banks of object and strikers are balanced, and the object's α is not a number.
+    /// True if the banks of the object and its strikers hold a balance instead of a number `α`.
     pub fn is_balanced(&self) -> bool {
         self.is_balanced
     }
 
-    /// The pad's object.
+    /// Object of the pad.
     pub fn object(&self) -> Object<'a> {
         self.object
     }
 
-    /// The pad's record.
+    /// Record of the pad.
     pub fn pad(&self) -> PadTable<'a> {
         self.pad
     }

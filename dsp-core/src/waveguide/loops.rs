@@ -10,8 +10,8 @@ use crate::dynamic_filter;
 use crate::dynamic_filter::noise::White;
 use crate::fixed::times_q31;
 use crate::memory::{Lender, OutOfMemory, Region};
-use crate::resonator::TICK_FRAMES;
 use crate::table::range::LOOPS as MOST_LOOPS;
+use crate::time::TICK_FRAMES;
 
 /// Up to this sum of what may come out of the loops a fine sum has room.
 const LARGEST_FINE: f64 = 1.0 / 16.0;

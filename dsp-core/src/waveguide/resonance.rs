@@ -18,7 +18,7 @@
 use super::tuning::Tuned;
 use crate::dynamic_filter::kernel::COARSE_BITS;
 use crate::fixed::{rounding_shift_right, saturating_shift_left, smmlar, smmlsr, times_q31};
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 /// Bits of a line's words: `|x| < 2^30`.
 pub(super) const LINE_BITS: i32 = 30;

@@ -1,7 +1,7 @@
 //! Sweep of hands: chokes and releases of every shipped pad, under the budgets of the boards.
 
 use boards::{BlackpillF411, Board, Stm32f407gDisc1};
-use dsp_core::engine::Part;
+use dsp_core::engine::{CYCLES, CostItem};
 use dsp_core::event::{Action, Event};
 use dsp_core::table::Kit as KitView;
 
@@ -40,7 +40,7 @@ pub fn play_from<B: Board>(view: &KitView<'_>, events: &[Event], limited_from: u
         engine
             .render_observed(&rest[..due], None, &mut block, |report| {
                 shed_groups += report.shed.groups;
-                let hands = report.counts.of(Part::ChokedMode) * dsp_core::engine::CYCLES[Part::ChokedMode as usize];
+                let hands = report.counts.of(CostItem::ChokedMode) * CYCLES[CostItem::ChokedMode as usize];
                 if hands > 0 {
                     dearest = dearest.max((report.predicted_cycles(), hands));
                 }

@@ -2,7 +2,7 @@
 
 use boards::{BlackpillF411, Board, Stm32f407gDisc1};
 use dsp_core::SampleRate;
-use dsp_core::engine::{Part, Skipping};
+use dsp_core::engine::{CostItem, Skipping};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::table::Kit as KitView;
 use host_tests::performance::{self, law, snr_db};
@@ -122,7 +122,7 @@ fn no_tick_of_the_demo_piece_with_a_hand_is_planned_beyond_its_budget() {
     let (mut dearest, mut held, mut shed_groups) = ((0, 0), 0, 0);
     instrument::render(&view, &performance, settings, Output::Samples24, |report| {
         dearest = dearest.max((report.predicted_cycles(), report.frame));
-        if report.counts.of(Part::ChokedMode) > 0 {
+        if report.counts.of(CostItem::ChokedMode) > 0 {
             held = held.max(report.predicted_cycles());
             shed_groups += report.shed.groups;
         }

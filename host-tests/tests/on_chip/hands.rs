@@ -38,7 +38,12 @@ fn spent(loaded: &kit::Loaded, events: &[Event], ticks: usize, words: &[&str]) -
 
 #[test]
 fn a_hand_takes_at_most_60_cycles_a_mode_and_has_the_same_bits_on_the_chip() {
-    let spent = spent(&choked_pads(4), &hands_on(4), 100, &["reach", "lay_hand", "settle", "make_room"]);
+    let spent = spent(
+        &choked_pads(4),
+        &hands_on(4),
+        100,
+        &["reach", "lay_hand", "change_choke", "choke_stages", "settle", "make_room"],
+    );
     // Four pads of 64 modes from 80 Hz, choked and released.
     let modes = 2.0 * 4.0 * 64.0;
     let per_mode = spent.iter().sum::<u64>() as f64 / modes;

@@ -5,7 +5,7 @@ use core::mem::offset_of;
 
 use super::super::pair::{Cell, Pair};
 use super::{Outcome, Run};
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 core::arch::global_asm!(".equ BQ_PAIR, {pair}", pair = const size_of::<Pair>());
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));

@@ -4,7 +4,7 @@ use super::super::pair::{Cell, Pair};
 use super::super::pole::Form;
 use super::{Outcome, Run};
 use crate::fixed::{qadd, saturating_shift_left, smmlar, smmlsr, smmulr};
-use crate::resonator::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 /// Runs all pairs in their order, mirrored ones last, over `out`, at most a tick, and adds their sound to it. An input is as long as `out`.
 pub fn run(pairs: &mut [Pair], run: Run, input: Option<&[i32]>, out: &mut [i32]) -> Outcome {

@@ -13,7 +13,8 @@
 
 use super::super::group::{Group, MAX_GUARD_TICKS};
 use super::super::retirement::Retirement;
-use super::{Bank, MixShift, for_each_group};
+use super::mix::MixShift;
+use super::state::{Bank, for_each_group};
 
 /// The most that can come in a tick: 32 frames of 2^31.
 pub(super) const MAX_ALLOWANCE: u64 = 32 << 31;
@@ -45,7 +46,7 @@ impl Bank<'_> {
         let all = core::mem::take(&mut self.allowance) > 0 && self.mix_shift.bits > 0;
         self.clock = self.clock.wrapping_add(1);
         self.due_ticks = self.due_ticks.saturating_sub(1);
-        self.hand.pass(1);
+        self.choke.pass(1);
         if self.due_ticks == 0 {
             self.guard_due(retirement, if all { u8::MAX } else { self.most_guards() });
         }
@@ -54,8 +55,8 @@ impl Bank<'_> {
     /// Most groups that a tick guards: under a hand they are due more often.
     fn most_guards(&self) -> u8 {
         let groups = self.groups.len();
-        let longest = usize::from(self.hand.longest_guard_ticks().max(1));
-        let held = if self.hand.lies { groups / longest + groups / 16 + 3 } else { 0 };
+        let longest = usize::from(self.choke.longest_guard_ticks().max(1));
+        let held = if self.choke.lies { groups / longest + groups / 16 + 3 } else { 0 };
         self.guards_per_tick.max(held.min(usize::from(u8::MAX)) as u8)
     }
 
@@ -94,7 +95,7 @@ impl Bank<'_> {
         if self.ringing_modes > 0 {
             self.clock = self.clock.wrapping_add(ticks);
             self.due_ticks = self.due_ticks.saturating_sub(ticks);
-            self.hand.pass(ticks);
+            self.choke.pass(ticks);
         }
     }
 
@@ -113,14 +114,14 @@ impl Bank<'_> {
     pub(super) fn guard(&mut self, allowance: u64, all: bool) {
         // No single force can exceed the allowance for their sum.
         let force_shift = allowance.leading_zeros().saturating_sub(33);
-        let (clock, longest) = (self.clock, self.hand.longest_guard_ticks());
+        let (clock, longest) = (self.clock, self.choke.longest_guard_ticks());
         for_each_group(self.modes, self.groups, |group, modes| {
             if group.ringing() || all && !group.is_shed() {
                 group.guard(modes, allowance, force_shift);
                 group.schedule(clock, allowance > 0, longest);
             }
         });
-        self.hand.meet_guard(self.is_being_reached());
+        self.choke.meet_guard(self.is_being_reached());
         self.force_shift = force_shift as u8; // at most 31
         self.allowance = allowance;
         self.prepare();
@@ -129,7 +130,7 @@ impl Bank<'_> {
     /// Guards groups whose time has come, at most so many.
     #[inline(never)]
     fn guard_due(&mut self, mut retirement: Option<&mut Retirement>, at_most: u8) {
-        let (clock, mix, longest) = (self.clock, self.mix_shift, self.hand.longest_guard_ticks());
+        let (clock, mix, longest) = (self.clock, self.mix_shift, self.choke.longest_guard_ticks());
         let (mut left, mut due_ticks) = (at_most, i8::MAX);
         // While the sum of the groups' bounds leaves room, what one of them decides does not concern the others.
         let mut is_settled = mix.bits == 0 && !mix.is_loud;
@@ -161,14 +162,14 @@ impl Bank<'_> {
 
     /// Guards all ringing groups, where there is no input.
     pub(super) fn guard_all_at_rest(&mut self) {
-        let (clock, longest) = (self.clock, self.hand.longest_guard_ticks());
+        let (clock, longest) = (self.clock, self.choke.longest_guard_ticks());
         for_each_group(self.modes, self.groups, |group, modes| {
             if group.ringing() {
                 group.follow(modes);
                 group.schedule(clock, false, longest);
             }
         });
-        self.hand.meet_guard(self.is_being_reached());
+        self.choke.meet_guard(self.is_being_reached());
         self.prepare();
     }
 

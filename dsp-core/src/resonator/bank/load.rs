@@ -4,10 +4,23 @@ use super::super::gain::{check_gains, gain_law, onset, orbit_gains, taken_at_onc
 use super::super::group::{GROUP_MODES, Group};
 use super::super::mode::Mode;
 use super::super::order::{order_key, order_modes, pole_of, rendered};
-use super::hand::{Hand, set_order};
-use super::{Bank, BankError, BankSize, BankTable, Origin};
+use super::super::table::{BankError, BankTable};
+use super::choke::Choke;
+use super::origin::{Origin, set_order};
+use super::state::Bank;
 use crate::SampleRate;
 use crate::memory::{Lender, OutOfMemory, Region};
+
+/// Number of slices' items that a bank takes from lent memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BankSize {
+    /// Modes below Nyquist.
+    pub modes: usize,
+    /// Register groups: a sixth of the modes, and up to six more.
+    pub groups: usize,
+    /// Modes with an [`Origin`]: all of a bank that can be choked or has several positions, or none.
+    pub origins: usize,
+}
 
 impl<'m> Bank<'m> {
     /// Size of the bank of a table at a sample rate. Modes at or above Nyquist are left out.
@@ -55,7 +68,7 @@ impl<'m> Bank<'m> {
         check_gains(table, rate)?;
         order_modes(table, rate, self.modes)?;
         let mut taken = 0.0;
-        let hand = Hand::new(table, rate);
+        let choke = Choke::new(table, rate);
         let mut start = 0;
         let mut group_slots = self.groups.iter_mut();
         while let Some(first) = self.modes.get(start) {
@@ -78,18 +91,18 @@ impl<'m> Bank<'m> {
                     }
                 }
                 if let Some(origin) = self.origins.get_mut(start + slot) {
-                    *origin = hand.origin(&pole, *index as u16);
+                    *origin = choke.origin(&pole, *index as u16);
                 }
             }
             let gain = gain_law(table, rate, 0.0);
             let gains = orbit_gains(group_slot, |slot| gain(indices.get(slot).copied()), |_, mode| mode.coefficients);
-            group_slot.set_gains(group_modes, hand.gain_room(), gains);
+            group_slot.set_gains(group_modes, choke.gain_room(), gains);
             group_slot.schedule_guards(group_modes);
             start += count;
         }
         self.count_guards();
         self.second.has_positions = table.positions > 1;
-        self.hand = hand.of(table, self.origins, self.modes);
+        self.choke = choke.of(table, self.origins, self.modes);
         set_order(self.origins);
         self.onset = onset(taken, table, rate);
         Ok(())

@@ -13,48 +13,13 @@ use super::super::coefficient::Pole;
 use super::super::gain::{gain_law, onset, orbit_gains, taken_at_once};
 use super::super::group::{GROUP_MODES, Group};
 use super::super::mode::{InputGain, Mode};
-use super::hand::Hand;
-use super::{Bank, BankTable, Origin, for_each_group};
+use super::super::table::BankTable;
+use super::choke::Choke;
+use super::origin::Origin;
+use super::slot::Place;
+use super::state::{Bank, for_each_group};
 use crate::SampleRate;
-use crate::fixed::Scale;
 use crate::memory::{Lender, OutOfMemory, Region};
-
-/// Slot 1 of a bank.
-#[derive(Debug)]
-pub(super) struct Second<'m> {
-    /// True if the bank's table has several positions.
-    pub(super) has_positions: bool,
-    /// True once gains have been derived for the slot.
-    pub(super) is_set: bool,
-    position: f32,
-    /// Gains of all modes; empty where the bank has one slot only.
-    pub(super) gains: &'m mut [InputGain],
-    /// As [`Bank::onset`], for force in this slot.
-    pub(super) onset: Scale,
-}
-
-impl Second<'_> {
-    /// No gains, and none to come.
-    pub(super) const fn none() -> Self {
-        Self { has_positions: false, is_set: false, position: 0.0, gains: &mut [], onset: Scale::ZERO }
-    }
-}
-
-/// Which slot a strike drives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
-    /// The slot.
-    pub slot: u8,
-    /// True if its gains must be derived for the strike's position: [`Bank::set_position`].
-    pub moves: bool,
-    /// True if both slots are taken by other positions, of which it gets the nearer.
-    pub is_merged: bool,
-}
-
-impl Place {
-    /// Slot 0 as it is.
-    pub const FIRST: Self = Self { slot: 0, moves: false, is_merged: false };
-}
 
 impl<'m> Bank<'m> {
     /// Takes memory for the gains of a second position.
@@ -118,7 +83,7 @@ impl<'m> Bank<'m> {
         }
         let mut seconds = if self.second.is_set { &mut *self.second.gains } else { &mut [] };
         let gain = gain_law(table, rate, position);
-        let gain_room = Hand::new(table, rate).gain_room();
+        let gain_room = Choke::new(table, rate).gain_room();
         let (mut rest, mut taken) = (&*self.origins, 0.0);
         for_each_group(self.modes, self.groups, |group, modes| {
             let (origins, later) = rest.split_at_checked(modes.len()).unwrap_or((rest, &[]));

@@ -1,13 +1,15 @@
 //! A bank's sound over a run of frames.
 
-use super::super::TICK_FRAMES;
 use super::super::group::Group;
 use super::super::kernel::{self, Backward, Stereo};
 use super::super::mode::Mode;
 use super::guard::MAX_ALLOWANCE;
-use super::{Bank, BankWork};
+use super::mix::MixShift;
+use super::state::Bank;
+use super::work::BankWork;
 use crate::fixed;
 use crate::output::Gains;
+use crate::time::TICK_FRAMES;
 
 impl Bank<'_> {
     /// The bank's sound for a run without force, of at most a tick's frames: replaces `mix`. Gives by how many bits it must be shifted left
@@ -312,26 +314,6 @@ impl Bank<'_> {
                 }
             }
             None => frames.for_each(|(out, &sum)| *out = fixed::qadd(*out, shift.to_bus(sum))),
-        }
-    }
-}
-
-/// How a bank's mix becomes bus samples: a shift left, which undoes the mix exponent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct MixShift {
-    /// By how many bits.
-    pub bits: u8,
-    /// Whether the sum of the modes' bounds exceeds half the bus (+18 dBFS), so that a sample, or its double, may have to be clipped.
-    pub is_loud: bool,
-}
-
-impl MixShift {
-    /// A sample of the mix on the bus.
-    #[inline(always)]
-    pub fn to_bus(self, sample: i32) -> i32 {
-        match self.is_loud {
-            true => fixed::saturating_shift_left(sample, u32::from(self.bits)),
-            false => sample.wrapping_shl(u32::from(self.bits)),
         }
     }
 }

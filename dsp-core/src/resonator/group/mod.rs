@@ -1,16 +1,14 @@
 //! A register group: modes of one form that share a block exponent.
 
 mod guard;
+mod plan;
 
-use super::bank::half_octaves;
+pub use plan::{GROUP_MODES, Plan};
+
 use super::coefficient::{Form, Orbit};
 use super::headroom::GROWTH_OF_V;
-use super::kernel::Plan;
 use super::mode::{InputGain, Mode};
 use crate::fixed;
-
-/// Modes in a full group: two register sets of three (free) or three of two (driven).
-pub const GROUP_MODES: usize = 6;
 
 /// Smallest block exponent: a state of `LIMIT` then stands for 2^26 times full scale.
 const MIN_EXPONENT: i32 = -24;
@@ -329,4 +327,11 @@ fn mix_scale(shift: i32) -> i32 {
         2..=32 => 1 << (32 - shift),
         _ => 0,
     }
+}
+
+/// `2 log2(x)`, rounded down; 0 for 0.
+fn half_octaves(x: u32) -> i32 {
+    let zeros = x.leading_zeros().min(31);
+    let normal = x << zeros;
+    2 * (31 - zeros as i32) + (normal >> 30 & 1) as i32
 }

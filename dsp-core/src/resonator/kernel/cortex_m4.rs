@@ -3,10 +3,10 @@
 
 use core::mem::offset_of;
 
-use super::super::TICK_FRAMES;
-use super::super::group::{GROUP_MODES, Group};
+use super::super::group::{GROUP_MODES, Group, Plan};
 use super::super::mode::Mode;
-use super::{Backward, Plan, Run, Stereo};
+use super::{Backward, Run, Stereo};
+use crate::time::TICK_FRAMES;
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 

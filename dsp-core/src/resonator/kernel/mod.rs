@@ -11,13 +11,11 @@
 //! States never wrap: [`super::headroom`] bounds them before a kernel is called, and in builds with debug assertions each
 //! addition is checked.
 
-mod plan;
 pub mod portable;
 
 #[cfg(cortex_m4f)]
 mod cortex_m4;
 
-pub use plan::Plan;
 pub use portable::driven_twice;
 
 #[cfg(cortex_m4f)]
@@ -25,7 +23,7 @@ pub use cortex_m4::{driven, driven_stereo, free, free_stereo};
 #[cfg(not(cortex_m4f))]
 pub use portable::{driven, driven_stereo, free, free_stereo};
 
-use super::TICK_FRAMES;
+use crate::time::TICK_FRAMES;
 
 /// A tick of samples, backward in time: frame i at index 31 - i.
 pub type Backward = [i32; TICK_FRAMES];

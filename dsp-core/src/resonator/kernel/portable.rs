@@ -4,10 +4,11 @@
 //! sample of it (it spills the 64-bit sums), which is why there is assembly.
 
 use super::super::coefficient::Form;
-use super::super::group::Group;
+use super::super::group::{Group, Plan};
 use super::super::mode::{InputGain, Mode};
-use super::{Backward, Plan, Run, Stereo, TICK_FRAMES, slot};
+use super::{Backward, Run, Stereo, slot};
 use crate::fixed;
+use crate::time::TICK_FRAMES;
 
 /// Modes that ring on without input, `step; mix`: writes, or adds, the sum of their sound; a mix that is written is 0
 /// beyond the run's frames.

@@ -1,16 +1,16 @@
 //! The kernels in plain Rust: the definition of the bits.
 
 #[cfg(not(cortex_m4f))]
-use super::super::crossover::{SHAPED_FIRST, Split, SplitState};
+use super::super::chain::{CHAINS, Chain, ChainState};
+use super::super::dimensions::LINES;
+use super::super::lines::{FIRST_OF_SECOND, LOUD_BITS, NetworkTick, Place, QUIET_BITS, Radiation, Sound};
 #[cfg(not(cortex_m4f))]
-use super::super::feed::{CHAINS, Chain, ChainState};
-use super::super::level::{LOUD_BITS, QUIET_BITS};
-use super::super::network::{FIRST_OF_SECOND, LINES, NetworkTick, Place, Radiation, Sound};
-use super::super::storage::Sample;
+use super::super::split::{SHAPED_FIRST, Split, SplitState};
+use super::super::storage::Stored;
 use crate::fixed;
 
 /// As [`Sample::network`].
-pub(in crate::room) fn network<T: Sample>(tick: NetworkTick<'_, T>) -> bool {
+pub(in crate::room) fn network<T: Stored>(tick: NetworkTick<'_, T>) -> bool {
     let NetworkTick { memory, lines, places, sound, turns, busy, input, out, .. } = tick;
     prepare(input, &mut sound.input, tick.input_shift, tick.input_gain);
     let exceeded = pass(memory, lines, places, sound, turns, input.len(), busy);
@@ -24,7 +24,7 @@ pub(in crate::room) fn network<T: Sample>(tick: NetworkTick<'_, T>) -> bool {
 
 /// Gives the second values of pairs input times `2^shift · gain / 2^32`, in 2^-16 steps, and the first
 /// ones [`FIRST_OF_SECOND`] of that; the gain grows by a part of itself (Q32) a sample.
-fn prepare<T: Sample>(input: &[i32], prepared: &mut [[T; 2]], shift: u32, [gain, growth]: [i32; 2]) {
+fn prepare<T: Stored>(input: &[i32], prepared: &mut [[T; 2]], shift: u32, [gain, growth]: [i32; 2]) {
     let mut gain = gain;
     for (prepared, &x) in prepared.iter_mut().zip(input) {
         let second = fixed::smmulr(x << shift, gain);
@@ -34,7 +34,7 @@ fn prepare<T: Sample>(input: &[i32], prepared: &mut [[T; 2]], shift: u32, [gain,
 }
 
 /// Adds outputs times a gain, that loses a part of itself (Q32) a frame, to `out`, or puts them there.
-fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], add: bool) {
+fn radiate<T: Stored>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], add: bool) {
     let mut gain = gain;
     for ([left, right], &[y_left, y_right]) in out.iter_mut().zip(output) {
         let [before_left, before_right] = if add { [*left, *right] } else { [0; 2] };
@@ -44,9 +44,9 @@ fn radiate<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32
     }
 }
 
-/// Lets a tick pass through the lines. Whether, where it is `busy`, something [watched](Sample::watched) is beyond the bits that raise the level; otherwise whether something
+/// Lets a tick pass through the lines. Whether, where it is `busy`, something [watched](Stored::watched) is beyond the bits that raise the level; otherwise whether something
 /// that is stored is beyond those up to which it may be lowered.
-fn pass<T: Sample>(
+fn pass<T: Stored>(
     memory: &mut [[T; 2]],
     lines: &[Place; LINES],
     places: &mut [Place; LINES],
@@ -83,7 +83,7 @@ fn at_each<T: Copy>(memory: &[[T; 2]], [a, b, c, d]: [usize; LINES]) -> Option<[
 }
 
 /// As [`Sample::scale`].
-pub(in crate::room) fn scale<T: Sample>(words: &mut [[T; 2]], rise: i32) {
+pub(in crate::room) fn scale<T: Stored>(words: &mut [[T; 2]], rise: i32) {
     for value in words.as_flattened_mut() {
         *value = match rise {
             0.. => T::add(*value, *value),
@@ -94,7 +94,7 @@ pub(in crate::room) fn scale<T: Sample>(words: &mut [[T; 2]], rise: i32) {
 
 /// One frame: what the lines gave is turned and mixed; what they are to hold, and half the outputs.
 #[inline(always)]
-fn mix<T: Sample>(
+fn mix<T: Stored>(
     [w0, w1, w2, w3]: [[T; 2]; LINES],
     x: [T; 2],
     [moving, fixed]: [&T::Turn; 2],
@@ -109,12 +109,12 @@ fn mix<T: Sample>(
 }
 
 #[inline(always)]
-fn sum<T: Sample>([a, b]: [T; 2], [c, d]: [T; 2]) -> [T; 2] {
+fn sum<T: Stored>([a, b]: [T; 2], [c, d]: [T; 2]) -> [T; 2] {
     [T::add(a, c), T::add(b, d)]
 }
 
 #[inline(always)]
-fn difference<T: Sample>([a, b]: [T; 2], [c, d]: [T; 2]) -> [T; 2] {
+fn difference<T: Stored>([a, b]: [T; 2], [c, d]: [T; 2]) -> [T; 2] {
     [T::subtract(a, c), T::subtract(b, d)]
 }
 

@@ -3,10 +3,10 @@
 
 use core::mem::offset_of;
 
-use super::super::BLOCK_FRAMES;
-use super::super::crossover::{MOST_SECTIONS, SHAPED_FIRST, Split, SplitState};
-use super::super::feed::{CHAINS, Chain, ChainState};
-use super::super::network::{FIRST_OF_SECOND, LINES, NetworkTick, Place, Sound};
+use super::super::chain::{CHAINS, Chain, ChainState};
+use super::super::dimensions::{BLOCK_FRAMES, LINES};
+use super::super::lines::{FIRST_OF_SECOND, NetworkTick, Place, Sound};
+use super::super::split::{MOST_SECTIONS, SHAPED_FIRST, Split, SplitState};
 
 core::arch::global_asm!(include_str!("network.s"), options(raw));
 core::arch::global_asm!(include_str!("levels.s"), options(raw));

@@ -1,8 +1,9 @@
-//! Square roots in `f32` without the library's: the same bits on every machine, about 15 cycles on a Cortex-M4.
+//! Square roots in `f32` without the library: the same bits on every machine, about 15 cycles on a
+//! Cortex-M4.
 
-/// The square root of a number from 1e-37 to 1e37, within 5e-6 of itself; 0 of 0 and below.
+/// Square root of a number from 1e-37 to 1e37, with a relative error below 5e-6; 0 for 0 and below.
 ///
-/// Two steps of Newton's method for `1/sqrt(x)` from the well-known first guess by the bits.
+/// Two steps of Newton's method for `1/sqrt(x)` follow the well-known first guess from the bits.
 #[inline(always)]
 pub(crate) fn square_root(x: f32) -> f32 {
     let half = 0.5 * x;
@@ -12,8 +13,9 @@ pub(crate) fn square_root(x: f32) -> f32 {
     if x > 0.0 { x * best } else { 0.0 }
 }
 
-/// The square root of a number from 1e-30 to 1, within two roundings: of what is applied sample after sample no error may add up.
-pub(super) fn exact_root(x: f32) -> f32 {
+/// Square root of a number from 1e-30 to 1, within two roundings: a factor that is applied sample
+/// after sample must not add up errors.
+pub(crate) fn exact_root(x: f32) -> f32 {
     let root = square_root(x);
     0.5 * (root + x / root)
 }

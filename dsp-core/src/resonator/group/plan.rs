@@ -1,7 +1,9 @@
 //! What a kernel needs to know of a register group.
 
 use super::super::coefficient::Form;
-use super::super::group::GROUP_MODES;
+
+/// Modes in a full group: two register sets of three (free) or three of two (driven).
+pub const GROUP_MODES: usize = 6;
 
 /// A group as a kernel meets it: which loop, how many modes, which shifts. Eight bytes, laid out as the assembly reads them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

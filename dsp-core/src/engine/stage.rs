@@ -1,0 +1,64 @@
+//! Stages of a kit, by name.
+
+use core::fmt;
+
+use super::cost::CostItem;
+use crate::time::TICK_FRAMES;
+
+/// Stage of a kit that takes memory or time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Stage {
+    /// The engine's own state, with all contacts.
+    Engine,
+    /// Modes of a pad, its strikers' included.
+    Modes(u8),
+    /// Residual of a pad's object.
+    Residual(u8),
+    /// Background behind all pads.
+    Background,
+    /// Dynamic filter of a pad's object, with its loops.
+    DynamicFilter(u8),
+    /// Biquads of a pad's object.
+    Biquads(u8),
+    /// Room round all pads.
+    Room,
+}
+
+impl fmt::Display for Stage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Engine => write!(f, "the engine"),
+            Self::Modes(pad) => write!(f, "pad {pad}, modes"),
+            Self::Residual(pad) => write!(f, "pad {pad}, residual of its object"),
+            Self::Background => write!(f, "background"),
+            Self::DynamicFilter(pad) => write!(f, "pad {pad}, dynamic filter of its object"),
+            Self::Biquads(pad) => write!(f, "pad {pad}, biquads of its object"),
+            Self::Room => write!(f, "the room"),
+        }
+    }
+}
+
+impl Stage {
+    /// Worst cycles of the stage in a tick with a strike; `cycles` are its own nominal ones.
+    ///
+    /// They include the work of its pad for it, the cycle model's worst case and the waits of
+    /// flash, by measurements on the virtual boards
+    /// (`cargo test -p virtual-board --test boards stages`).
+    pub(super) fn worst_cycles(self, cycles: u32) -> u32 {
+        let frames = TICK_FRAMES as u32;
+        let (beside, percent) = match self {
+            Self::Residual(_) | Self::Background => {
+                (CostItem::ResidualStrike.cycles() + CostItem::ResidualRun.cycles(), 150)
+            }
+            Self::DynamicFilter(_) => (2 * CostItem::BusPad.cycles() + frames * CostItem::BusFrame.cycles(), 200),
+            Self::Biquads(_) => {
+                let frame = CostItem::DrivenFrame.cycles() + CostItem::ContactFrame.cycles();
+                (CostItem::BusDrivenPad.cycles() + frames * frame, 175)
+            }
+            Self::Room => (0, 115),
+            Self::Engine | Self::Modes(_) => (0, 100),
+        };
+        (cycles + beside) * percent / 100
+    }
+}

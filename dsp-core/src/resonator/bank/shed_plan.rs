@@ -1,0 +1,146 @@
+//! Loudness of the groups of an engine, and the choice of those that are left out.
+
+use super::super::group::Group;
+
+/// Half octaves that stand for nothing.
+const NOTHING_TO_COME: i16 = -4000;
+
+/// Steps of loudness that are told apart: 3 dB each, from -180 dBFS.
+const LEVELS: usize = 64;
+
+/// Who listens, and what is still to come.
+#[derive(Clone, Copy, Debug)]
+pub struct Audience {
+    /// Output (1.0 = full scale) that a bus step of the bank makes.
+    pub(super) unit: f32,
+    unit_half_octaves: i16,
+    /// Far below all where nothing is to come.
+    input_half_octaves: i16,
+    contact_half_octaves: i16,
+}
+
+impl Audience {
+    /// `unit` is the output (1.0 = full scale) that a bus step makes; `input` bounds the sum of |force| still to come, bus steps;
+    /// `contact_samples` is the length of the longest contact under way: modes far above its corner frequency get less of it (0: count them in
+    /// full).
+    pub fn new(unit: f32, input: f32, contact_samples: f32) -> Self {
+        // A float's exponent and the first bit of its fraction count half octaves.
+        let half_octaves = |x: f32| (x.to_bits() >> 22) as i16 - (127 << 1);
+        Self {
+            unit,
+            unit_half_octaves: half_octaves(unit),
+            input_half_octaves: if input > 0.0 { half_octaves(input) } else { NOTHING_TO_COME },
+            contact_half_octaves: half_octaves(contact_samples).max(0),
+        }
+    }
+}
+
+/// All groups of an engine by loudness.
+#[derive(Debug)]
+pub struct ShedPlan<'l> {
+    /// The level of each group in the order in which the banks are surveyed, or [`SILENT`].
+    pub(super) levels: &'l mut [u8],
+    /// Number of groups that have been surveyed.
+    pub(super) surveyed: usize,
+    /// What each level has and costs: groups, cycles.
+    pub(super) groups: [u16; LEVELS],
+    pub(super) cycles: [u32; LEVELS],
+}
+
+impl<'l> ShedPlan<'l> {
+    /// A survey of no group yet; `levels` has a byte for each group of the engine.
+    pub fn new(levels: &'l mut [u8]) -> Self {
+        levels.fill(SILENT);
+        Self { levels, surveyed: 0, groups: [0; LEVELS], cycles: [0; LEVELS] }
+    }
+
+    /// Gives the levels' memory back.
+    pub fn into_levels(self) -> &'l mut [u8] {
+        self.levels
+    }
+
+    /// Passes over groups that will not run.
+    pub fn pass_over(&mut self, groups: usize) {
+        self.surveyed += groups;
+    }
+
+    /// How many of the quietest groups have to go to free so many cycles.
+    pub fn quietest_that_free(&self, excess: u32) -> u16 {
+        let (mut total, mut chosen) = (0, 0u16);
+        for (&cycles, &groups) in self.cycles.iter().zip(&self.groups) {
+            if total + cycles >= excess {
+                // Of the level in which the excess ends, as many as are needed if the cheapest go first: a single mode costs a third of a
+                // full group's share.
+                let share = (excess - total).div_ceil((cycles / u32::from(groups.max(1))).max(1));
+                return chosen + (share + share / 2 + 1).min(u32::from(groups)) as u16;
+            }
+            (total, chosen) = (total + cycles, chosen + groups);
+        }
+        chosen
+    }
+
+    /// The `count` quietest groups, and what those of them cost that lie below the level of the last.
+    pub fn quietest(&self, count: u16) -> (ShedChoice<'_>, u32) {
+        let (mut left, mut cycles_below) = (count, 0);
+        for ((&groups, &cycles), threshold) in self.groups.iter().zip(&self.cycles).zip(0u8..) {
+            if groups > left {
+                let at_threshold = u32::from(left);
+                return (ShedChoice { levels: Some(self.levels), threshold, at_threshold }, cycles_below);
+            }
+            (left, cycles_below) = (left - groups, cycles_below + cycles);
+        }
+        (ShedChoice { levels: Some(self.levels), threshold: LEVELS as u8, at_threshold: 0 }, cycles_below)
+    }
+}
+
+/// Which groups are left out.
+#[derive(Debug)]
+pub struct ShedChoice<'a> {
+    /// The level of each group of the engine that has not been passed yet; `None`: all are equally quiet.
+    pub(super) levels: Option<&'a [u8]>,
+    /// What is below this level goes.
+    pub(super) threshold: u8,
+    /// Of those at it so many more go, in the order of the banks.
+    pub(super) at_threshold: u32,
+}
+
+impl ShedChoice<'static> {
+    /// Everything.
+    pub const ALL: Self = Self { levels: None, threshold: LEVELS as u8, at_threshold: 0 };
+}
+
+impl ShedChoice<'_> {
+    /// Passes over groups that will not run, in the order of the survey.
+    pub fn pass_over(&mut self, groups: usize) {
+        self.levels = self.levels.and_then(|levels| levels.get(groups..));
+    }
+}
+
+/// The level of a group that would not run.
+const SILENT: u8 = u8::MAX;
+
+/// Half a bound of what a mode of the group rings with and of what may still come, bus steps.
+#[inline(always)]
+pub(super) fn bound(group: &Group, audience: &Audience) -> f32 {
+    // Powers of two within a factor of two of the truth, which `shed` makes up for.
+    let of_half_octaves = |half_octaves: i32| f32::from_bits((((half_octaves >> 1) + 127).max(0) as u32) << 23);
+    // One more for what both factors lose when they are rounded down.
+    let coming = of_half_octaves(group.gain_half_octaves() + i32::from(audience.input_half_octaves) + 2);
+    if group.ringing() { coming + of_half_octaves(group.ringing_half_octaves()) } else { coming }
+}
+
+/// Loudness in steps of 3 dB: the louder of what rings and what may come.
+#[inline(always)]
+pub(super) fn level(group: &Group, audience: &Audience) -> u8 {
+    let lost = lost_to_the_contact(group, audience.contact_half_octaves.into());
+    let coming = group.gain_half_octaves() + i32::from(audience.input_half_octaves) - lost;
+    let loudest = if group.ringing() { coming.max(group.ringing_half_octaves()) } else { coming };
+    (loudest + i32::from(audience.unit_half_octaves) + 60).clamp(0, LEVELS as i32 - 1) as u8
+}
+
+/// How much of a contact's impulse does not reach the group's first mode, in half octaves: the spectrum of a pulse of N samples falls as
+/// 1/(1 + (2 f N/fs)²), and (2 f N/fs)² = θ² N²/π².
+#[inline(always)]
+fn lost_to_the_contact(group: &Group, contact_half_octaves: i32) -> i32 {
+    (group.angle_quarter_octaves() + 2 * contact_half_octaves - 7).max(0)
+}
