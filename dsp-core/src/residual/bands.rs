@@ -127,8 +127,8 @@ impl Common {
     /// after a quarter, without a hand and with one. `hand` is the share that the hand leaves after
     /// an eighth, if it lies there.
     ///
-    /// The window's squares at the eighths of a frame are 0, 1/2, 1, 1, 1, 1, 1, 1/2; a tilt is `1
-    /// + c sin 2πt`, t from 0 to 1 over the frame.
+    /// The window's squares at the eighths of a frame are 0, 1/2, 1, 1, 1, 1, 1, 1/2; a tilt is
+    /// `1 + c sin 2πt`, t from 0 to 1 over the frame.
     pub(super) fn of(power: f32, left: [f32; 2], hand: Option<f32>) -> Self {
         let quarters = left.map(|left| mean(left, power));
         let [free, choked] = quarters;

@@ -50,8 +50,8 @@ pub fn max_decay_per_s(rate: SampleRate) -> f64 {
 }
 
 impl Pole {
-    /// Chooses the form and derives its coefficients in `f64`, with the pole radius `r =
-    /// e^{-d/fs}`, its angle `θ = 2πf/fs` and the step `e² = (1-r)² + 4r sin²(θ/2)`:
+    /// Chooses the form and derives its coefficients in `f64`, with the pole radius
+    /// `r = e^{-d/fs}`, its angle `θ = 2πf/fs` and the step `e² = (1-r)² + 4r sin²(θ/2)`:
     ///
     /// | | f (for r near 1) | form |
     /// | --- | --- | --- |
@@ -142,9 +142,9 @@ impl Turn {
 
 /// Pole in single precision, to turn gains into injections and states into amplitudes.
 ///
-/// In the coupled form a mode that starts with `v = C` and `u = cs S + cc C` rings as `v[n] = r^n
-/// (S sin nθ + C cos nθ)`, with `cs = r sin θ / (e r²)` and `cc = (e² - δ) / (2 e r²)`; the shifted
-/// form's u is e/2^k of that.
+/// In the coupled form a mode that starts with `v = C` and `u = cs S + cc C` rings as
+/// `v[n] = r^n (S sin nθ + C cos nθ)`, with `cs = r sin θ / (e r²)` and `cc = (e² - δ) / (2 e r²)`;
+/// the shifted form's u is e/2^k of that.
 #[derive(Clone, Copy, Debug)]
 pub struct Orbit {
     /// `cs` of the form.
@@ -207,8 +207,8 @@ impl Coefficients {
     }
 }
 
-/// Share of itself by which a coupled form's u grows when its step goes from `from` to `to`: `e/e'
-/// - 1`.
+/// Share of itself by which a coupled form's u grows when its step goes from `from` to `to`:
+/// `e/e' - 1`.
 ///
 /// The form adds `e u` to v, so that u times e is the last movement of v: the sample before stays
 /// as it was. A share, unlike a factor, keeps a small change exact: the sum that it goes into keeps

@@ -69,7 +69,7 @@ pub(super) fn orbit_gains<G: Fn(usize) -> (f32, f32), P: Fn(usize, &Mode) -> Coe
 }
 
 /// Part of a mode's response at a position that the force itself takes away, times the rate. It is
-/// half of h[0], or with [`BankTable::is_balanced`] the whole static response, so that a constant
+/// half of `h[0]`, or with [`BankTable::is_balanced`] the whole static response, so that a constant
 /// force is not heard ([`crate::radiation`]).
 pub(super) fn taken_at_once(table: &BankTable<'_>, pole: Pole, index: usize, position: f32) -> f64 {
     let (sine, cosine) = gain_at(table.gains, table.positions, index, position);

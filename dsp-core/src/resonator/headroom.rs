@@ -6,17 +6,17 @@
 //! **Growth.** Without input a mode's exact orbit is `v[n] = r^n (S sin nθ + C cos nθ)`, an ellipse
 //! that shrinks by r a sample. From a state of size s neither `|v|`, `|u|` nor the intermediate
 //! `|u| · 2^k` ever exceeds [`GROWTH`] · s along it, for every r, θ and form that
-//! [`super::coefficient::Pole::new`] can choose. The bound follows from the ellipse's axes: with `δ
-//! = 0` the form `u² + v² - e u v` is invariant, so that `v² <= (u² + v² + e|u v|) / (1 - e²/4)`.
-//! That is 2.67 s² for the coupled form at e = 1/2 and, with `|u| <= s/e` in coupled units, at most
-//! 6.4 s² for the shifted ones; decay only shrinks the orbit. The test
-//! `an_orbit_never_grows_beyond_its_bound` walks the whole range of coefficients from the four
-//! corners of the square `s = 1`, which are the extreme points of all starts.
+//! [`super::coefficient::Pole::new`] can choose. The bound follows from the ellipse's axes: with
+//! `δ = 0` the form `u² + v² - e u v` is invariant, so that
+//! `v² <= (u² + v² + e|u v|) / (1 - e²/4)`. That is 2.67 s² for the coupled form at e = 1/2 and,
+//! with `|u| <= s/e` in coupled units, at most 6.4 s² for the shifted ones; decay only shrinks the
+//! orbit. The test `an_orbit_never_grows_beyond_its_bound` walks the whole range of coefficients
+//! from the four corners of the square `s = 1`, which are the extreme points of all starts.
 //!
 //! **Input.** The map is linear: the injection of a force sample x begins an orbit of its own, of
 //! size at most `G |x| 2^-32`, G the largest gain of the group. So over a run of frames in which
-//! the sum of |x| is at most an allowance X, every state stays below `GROWTH · (s + G X 2^-32 +
-//! rounding)`.
+//! the sum of |x| is at most an allowance X, every state stays below
+//! `GROWTH · (s + G X 2^-32 + rounding)`.
 //!
 //! **Guard.** At every tick, and whenever a force has used up its allowance, the guard of
 //! [`super::group::Group`] shifts the group's states so that the bracket is below [`LIMIT`].
@@ -35,8 +35,8 @@
 /// State size to which a group is normalised: it lies in `[LIMIT/2, LIMIT)` while it rings freely.
 pub const LIMIT: u64 = 1 << 29;
 
-/// Bound of the growth of a state along its orbit. Measured over all coefficients: 3.31 (`cargo
-/// test -p dsp-core orbit -- --nocapture`).
+/// Bound of the growth of a state along its orbit. Measured over all coefficients: 3.31
+/// (`cargo test -p dsp-core orbit -- --nocapture`).
 pub const GROWTH: u64 = 4;
 
 /// Bound of the growth of v alone, which the mix adds. Measured: 2.54.

@@ -1,11 +1,12 @@
 //! Choke and release: a hand comes to lie on a bank and goes again.
 //!
-//! **Law.** A hand changes the recursion alone. A mode that it reaches decays by `max(d,
-//! ln(1000)/T60)`. A ringing mode keeps its last two samples, as a body keeps its displacement and
-//! velocity, and the injection of a force has the same two samples as without a hand. So nothing of
-//! `v` changes, and with the radius r going to r' a mode's sine becomes `ρ S + (1 - ρ) C cot θ`, ρ
-//! = r'/r. The coupled form's u is `(v[n] - v[n-1]) / e`: it, and the gain into it, are multiplied
-//! by `e/e'`. The shifted forms' u is the difference itself, and stays.
+//! **Law.** A hand changes the recursion alone. A mode that it reaches decays by
+//! `max(d, ln(1000)/T60)`. A ringing mode keeps its last two samples, as a body keeps its
+//! displacement and velocity, and the injection of a force has the same two samples as without a
+//! hand. So nothing of `v` changes, and with the radius r going to r' a mode's sine becomes
+//! `ρ S + (1 - ρ) C cot θ`, ρ = r'/r. The coupled form's u is `(v[n] - v[n-1]) / e`: it, and the
+//! gain into it, are multiplied by `e/e'`. The shifted forms' u is the difference itself, and
+//! stays.
 //!
 //! **Spread.** A hand reaches [`MODES_PER_TICK`](super::HAND_MODES_PER_TICK) modes of a bank at
 //! each tick after its event, in the order of the table, counted without modes at or above Nyquist.

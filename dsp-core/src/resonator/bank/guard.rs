@@ -3,8 +3,8 @@
 //! | when | guarded |
 //! | --- | --- |
 //! | a contact begins | all groups, for the whole contact |
-//! | a tick after other input X, unless 2X to 64X is left of the allowance | all that ring, for 16X |
-//! | the first tick after one without input, or the second after a contact | all that ring fall due |
+//! | a tick after other input X, unless 2X to 64X of the allowance is left | all ringing, for 16X |
+//! | the first tick after one without input, or the second after a contact | all ringing fall due |
 //! | then | each when its fastest mode has lost half a bit, at the latest after 64 ticks |
 //!
 //! A free orbit never outgrows its guard ([`super::super::headroom`]), so that guards without input

@@ -23,8 +23,8 @@ pub struct UpcomingRun {
     pub guard: u16,
 }
 
-/// Cycles of groups over a run, from the assembly's treatment of their modes (nominal model; `cargo
-/// test -p host-tests --test on_chip budget` holds the sums to 3 %).
+/// Cycles of groups over a run, from the assembly's treatment of their modes (nominal model;
+/// `cargo test -p host-tests --test on_chip budget` holds the sums to 3 %).
 pub(super) struct Costs {
     used: Use,
     frames: u32,

@@ -11,8 +11,8 @@ use crate::fixed::Scale;
 
 /// A bank of modes in fixed point.
 ///
-/// Accuracy of a mode against the `f64` reference: 100 dB and better (`cargo test -p host-tests
-/// --test stages long_tails`).
+/// Accuracy of a mode against the `f64` reference: 100 dB and better
+/// (`cargo test -p host-tests --test stages long_tails`).
 #[derive(Debug)]
 pub struct Bank<'m> {
     pub(super) modes: &'m mut [Mode],
@@ -21,9 +21,9 @@ pub struct Bank<'m> {
     /// Numbers of modes and groups that run plain; the others, mirrored, come behind.
     pub(super) plain_modes: u16,
     pub(super) plain_groups: u16,
-    /// Factor of the force that is added to the sound: minus the half of h[0] that does not belong
-    /// to the integral, and in a balanced bank minus the static response. Derived from the free
-    /// modes, under a hand too.
+    /// Factor of the force that is added to the sound: minus the half of `h[0]` that does not
+    /// belong to the integral, and in a balanced bank minus the static response. Derived from the
+    /// free modes, under a hand too.
     pub(super) onset: Scale,
     pub(super) choke: ChokeState,
     /// True if the allowance suffices for all contacts under way.

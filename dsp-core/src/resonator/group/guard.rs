@@ -74,7 +74,8 @@ impl Group {
         self.exponent -= bits;
     }
 
-    /// Largest size of the modes' states, less at most 4; at most 2^31 ([`super::headroom`]).
+    /// Largest size of the modes' states, less at most 4; at most 2^31
+    /// ([`super::super::headroom`]).
     #[inline(always)]
     fn size(&self, modes: &[Mode]) -> u32 {
         let shift = self.form().shift();
@@ -86,7 +87,7 @@ impl Group {
     /// Shifts the states so that nothing can wrap while the sum of |force| stays within `allowance`
     /// (bus steps), and so that they use the rest of the headroom. If no exponent holds the input,
     /// it is refused. The force will come shifted left by `force_shift` bits. See
-    /// [`super::headroom`].
+    /// [`super::super::headroom`].
     #[inline(never)]
     pub(in crate::resonator) fn guard(&mut self, modes: &mut [Mode], allowance: u64, force_shift: u32) {
         self.status &= !REFUSING;

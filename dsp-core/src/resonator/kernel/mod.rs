@@ -3,8 +3,8 @@
 //! Each sample of each mode is: step, inject, mix. A kernel takes groups in their order with their
 //! modes behind one another, runs those that ring, and writes the sum of their sound. [`portable`]
 //! is the definition of the bits. On a Cortex-M4F assembly replaces it (`cortex_m4.s`), chosen at
-//! compile time, which tests compare with it bit for bit on the virtual core (`cargo test -p
-//! host-tests --test on_chip kernels`).
+//! compile time, which tests compare with it bit for bit on the virtual core
+//! (`cargo test -p host-tests --test on_chip kernels`).
 //!
 //! **Buffers run backward in time**: frame i of a run lies at index 31 - i of mix and force. On the
 //! chip a moving stack pointer addresses them, which may only move down.
@@ -45,8 +45,8 @@ pub struct Run {
     pub add: bool,
 }
 
-/// Destination and loudness of a bank's mix on the stereo bus: `side += mantissa · (mix ·
-/// 2^doublings << shift)`, saturating.
+/// Destination and loudness of a bank's mix on the stereo bus:
+/// `side += mantissa · (mix · 2^doublings << shift)`, saturating.
 #[derive(Debug)]
 pub struct Stereo<'a> {
     /// Frames of the stereo bus, at least as many as the run's.
