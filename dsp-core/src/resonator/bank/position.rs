@@ -32,10 +32,6 @@ impl<'m> Bank<'m> {
         Ok(())
     }
 
-    fn has_second(&self) -> bool {
-        !self.second.gains.is_empty()
-    }
-
     /// True if slot 1 may have a force.
     #[inline(always)]
     pub fn has_second_gains(&self) -> bool {
@@ -44,7 +40,7 @@ impl<'m> Bank<'m> {
 
     /// True if contacts of a second position need not merge.
     pub fn can_take_second(&self) -> bool {
-        self.has_second()
+        !self.second.gains.is_empty()
     }
 
     /// Slot for a strike at a position; `is_driven` says which slots contacts drive.
@@ -59,7 +55,7 @@ impl<'m> Bank<'m> {
         if !is_driven(0) {
             return Place { moves: true, ..Place::FIRST };
         }
-        if self.has_second() && !is_driven(1) {
+        if self.can_take_second() && !is_driven(1) {
             return Place { slot: 1, moves: true, is_merged: false };
         }
         let distance = |slot_position: f32| (slot_position - position).abs();
@@ -72,7 +68,7 @@ impl<'m> Bank<'m> {
     ///
     /// It costs [`crate::engine::Part::MovedMode`] a mode.
     pub fn set_position(&mut self, slot: u8, position: f32, table: &BankTable<'_>, rate: SampleRate) {
-        if !self.second.has_positions || slot == 1 && !self.has_second() {
+        if !self.second.has_positions || slot == 1 && !self.can_take_second() {
             return;
         }
         let is_second = slot == 1;
