@@ -68,6 +68,7 @@ impl<T: Sample> Scratch<T> {
     };
 }
 
+/// A band: the split at its lower edge, and its network.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Band {
     pub(super) config: NetworkConfig,

@@ -123,7 +123,7 @@ impl Choke {
     }
 
     /// Initial state of the hand of a table's bank; `origins` are those of its modes.
-    pub(super) fn of(&self, table: &BankTable<'_>, origins: &[Origin], modes: &[Mode]) -> ChokeState {
+    pub(super) fn state(&self, table: &BankTable<'_>, origins: &[Origin], modes: &[Mode]) -> ChokeState {
         if self.delta == 0 {
             return ChokeState::NONE;
         }

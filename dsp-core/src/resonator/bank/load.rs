@@ -103,7 +103,7 @@ impl<'m> Bank<'m> {
         }
         self.count_guards();
         self.second.has_positions = table.positions > 1;
-        self.choke = choke.of(table, self.origins, self.modes);
+        self.choke = choke.state(table, self.origins, self.modes);
         set_order(self.origins);
         self.onset = onset(taken, table, rate);
         Ok(())

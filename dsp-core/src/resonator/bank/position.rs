@@ -72,7 +72,6 @@ impl<'m> Bank<'m> {
             return;
         }
         let is_second = slot == 1;
-        let has_other = self.second.is_set;
         if is_second {
             (self.second.position, self.second.is_set) = (position, true);
         } else {
@@ -115,12 +114,8 @@ impl<'m> Bank<'m> {
             }
             // Gains of the other slot, which stay; slot 1 has none before it is set.
             for (slot, gain) in kept.iter_mut().enumerate().take(modes.len()) {
-                let first = modes.get(slot).map_or(InputGain::default(), |mode| mode.gain);
-                *gain = match is_second {
-                    true => first,
-                    false if has_other => second.get(slot).copied().unwrap_or_default(),
-                    false => InputGain::default(),
-                };
+                let other = if is_second { modes.get(slot).map(|mode| mode.gain) } else { second.get(slot).copied() };
+                *gain = other.unwrap_or_default();
             }
             group.share_gains(scale, &mut moved, &mut kept, gain_growth);
             let (of_first, of_second) = if is_second { (kept, moved) } else { (moved, kept) };
