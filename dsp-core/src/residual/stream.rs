@@ -7,7 +7,7 @@ use super::twiddles::{self, Complex, MAX_POINTS, SLOPE};
 use crate::time::TICK_FRAMES;
 
 /// Frames of a slope: a quarter of a wave.
-pub(super) const SLOPE_FRAMES: u32 = twiddles::SLOPE_FRAMES as u32;
+const SLOPE_FRAMES: u32 = twiddles::SLOPE_FRAMES as u32;
 /// Position of an end that does not come.
 const NEVER: u32 = u32::MAX / 2;
 
