@@ -1,6 +1,7 @@
 //! Bands: their energies, their decays, and what all of them share in a frame.
 
 use super::edges::retreats;
+use super::twiddles::SLOPE_FRAMES;
 use crate::SampleRate;
 use crate::exponential;
 use crate::memory::{Lender, OutOfMemory, Region};
@@ -127,8 +128,8 @@ impl Common {
     /// after a quarter, without a hand and with one. `hand` is the share that the hand leaves after
     /// an eighth, if it lies there.
     ///
-    /// The window's squares at the eighths of a frame are 0, 1/2, 1, 1, 1, 1, 1, 1/2; a tilt is `1
-    /// + c sin 2πt`, t from 0 to 1 over the frame.
+    /// The window's squares at the eighths of a frame are 0, 1/2, 1, 1, 1, 1, 1, 1/2; a tilt is
+    /// `1 + c sin 2πt`, t from 0 to 1 over the frame.
     pub(super) fn of(power: f32, left: [f32; 2], hand: Option<f32>) -> Self {
         let quarters = left.map(|left| mean(left, power));
         let [free, choked] = quarters;
@@ -223,15 +224,16 @@ impl<'m> Bands<'m> {
             let power = f64::from(law.weight) * f64::from(law.weight);
             let bits = -f64::from(law.decay_db_per_s) * tick_s * (core::f64::consts::LOG2_10 / 10.0);
             let per_tick = exponential::power_of_two(bits);
+            let strike = (power / (upper - lower).max(1e-9)) as f32;
             *band = Band {
                 upper: upper as f32,
-                strike: (power / (upper - lower).max(1e-9)) as f32,
+                strike,
                 per_tick: per_tick as f32,
                 per_eighth: exponential::power_of_two(bits * f64::from(EIGHTH_TICKS)) as f32,
                 retreats: retreats([lower, upper], f64::from(law.decay_db_per_s) / rate.hz()),
+                in_onset: (f64::from(strike) * energy_in_onset(per_tick)) as f32,
                 ..Band::NONE
-            }
-            .with_onset(per_tick);
+            };
             self.strike_power += power as f32;
         }
     }
@@ -309,6 +311,22 @@ impl<'m> Bands<'m> {
         }
         (power, left)
     }
+}
+
+/// Energy under a strike's own frame, in ticks, of which `per_tick` is left after each: until the
+/// next frame fades in, and while it does.
+pub(super) fn energy_in_onset(per_tick: f64) -> f64 {
+    const FADE_TICKS: u32 = (SLOPE_FRAMES / TICK_FRAMES) as u32;
+    // Mean over a tick: (1 - p) / -ln p.
+    let within = if per_tick < 0.9999 { (1.0 - per_tick) / -libm::log(per_tick.max(1e-30)) } else { 1.0 };
+    let (mut sum, mut left) = (0.0, within);
+    for tick in 0..FRAME_TICKS + FADE_TICKS {
+        let into = (f64::from(tick) + 0.5 - f64::from(FRAME_TICKS)) / f64::from(FADE_TICKS);
+        let cosine = libm::cos(core::f64::consts::FRAC_PI_2 * into.max(0.0));
+        sum += left * cosine * cosine;
+        left *= per_tick;
+    }
+    sum
 }
 
 /// Smaller of two numbers, by a compare and a move: the library's function takes more.

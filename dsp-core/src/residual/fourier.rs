@@ -24,8 +24,8 @@ fn fold(low: Complex, high: Complex, [cos, sin]: Complex) -> (Complex, Complex) 
 
 /// Puts random lines into a spectrum, for a range of the pairs of lines k and M - k, k from 1 to
 /// M/2 - 1. The spectrum holds of each line its amplitude A, and A c/2 with its tilt c. With `u_k`
-/// random the line is `A (u_k - i c/2 (u_{k-1} - u_{k+1}))`: in time the noise of the u times `1 +
-/// c sin 2πn/2M`. `draw` gives the real and imaginary parts of two `u`.
+/// random the line is `A (u_k - i c/2 (u_{k-1} - u_{k+1}))`: in time the noise of the u times
+/// `1 + c sin 2πn/2M`. `draw` gives the real and imaginary parts of two `u`.
 #[inline(always)]
 pub(super) fn fill_pairs(spectrum: &mut [Complex], pairs: core::ops::Range<usize>, mut draw: impl FnMut() -> [f32; 4]) {
     let points = spectrum.len().max(1);

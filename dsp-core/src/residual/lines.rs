@@ -5,9 +5,9 @@
 //! measured, in a neighbour that is long over. Hence the stronger of two neighbours keeps away from
 //! their edge (`edges`), and carries its energy in the rest of its width.
 //!
-//! Within a frame, a band falls faster or slower than the mean of all bands. A **tilt** `1 + c sin
-//! 2πt` (t from 0 to 1 over the frame) makes up for that. In frequency it adds to a line its two
-//! neighbours: cheap, and each band may have its own.
+//! Within a frame, a band falls faster or slower than the mean of all bands. A **tilt**
+//! `1 + c sin 2πt` (t from 0 to 1 over the frame) makes up for that. In frequency it adds to a line
+//! its two neighbours: cheap, and each band may have its own.
 
 use super::bands::{Bands, Common, least};
 use super::twiddles::Complex;

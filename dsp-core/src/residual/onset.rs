@@ -1,11 +1,9 @@
 //! The frame of a strike: noise that is ready before the strike comes.
 
-use super::bands::{Band, Bands, Common, FRAME_TICKS, least};
+use super::bands::{Bands, Common, energy_in_onset, least};
 use super::making::Making;
-use super::stream::SLOPE_FRAMES;
 use super::twiddles::{Complex, MAX_POINTS};
 use crate::noise::Sfc32;
-use crate::time::TICK_FRAMES;
 
 /// The noise with which strikes at the reference force begin.
 #[derive(Clone, Debug)]
@@ -53,27 +51,4 @@ impl Onset {
     pub(super) fn renew(&mut self, renewal: &Making) {
         (self.region, self.is_used) = (renewal.region, false);
     }
-}
-
-impl Band {
-    /// Derives the energy in a strike's own frame at the reference force, per (cycle/sample).
-    pub(super) fn with_onset(self, per_tick: f64) -> Self {
-        Self { in_onset: (f64::from(self.strike) * energy_in_onset(per_tick)) as f32, ..self }
-    }
-}
-
-/// Energy under a strike's own frame, in ticks, of which `per_tick` is left after each: until the
-/// next frame fades in, and while it does.
-fn energy_in_onset(per_tick: f64) -> f64 {
-    const FADE_TICKS: u32 = SLOPE_FRAMES / TICK_FRAMES as u32;
-    // Mean over a tick: (1 - p) / -ln p.
-    let within = if per_tick < 0.9999 { (1.0 - per_tick) / -libm::log(per_tick.max(1e-30)) } else { 1.0 };
-    let (mut sum, mut left) = (0.0, within);
-    for tick in 0..FRAME_TICKS + FADE_TICKS {
-        let into = (f64::from(tick) + 0.5 - f64::from(FRAME_TICKS)) / f64::from(FADE_TICKS);
-        let cosine = libm::cos(core::f64::consts::FRAC_PI_2 * into.max(0.0));
-        sum += left * cosine * cosine;
-        left *= per_tick;
-    }
-    sum
 }

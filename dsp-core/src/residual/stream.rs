@@ -7,7 +7,7 @@ use super::twiddles::{self, Complex, MAX_POINTS, SLOPE};
 use crate::time::TICK_FRAMES;
 
 /// Frames of a slope: a quarter of a wave.
-pub(super) const SLOPE_FRAMES: u32 = twiddles::SLOPE_FRAMES as u32;
+const SLOPE_FRAMES: u32 = twiddles::SLOPE_FRAMES as u32;
 /// Position of an end that does not come.
 const NEVER: u32 = u32::MAX / 2;
 
@@ -106,30 +106,8 @@ impl Stream {
     }
 
     #[inline(never)]
-    fn add_flat(&mut self, memory: &[Complex], per_frame: f32, mut out: &mut [f32]) {
-        let (mut position, mut gain) = (self.place(), self.gain);
-        let turn = self.turn();
-        let at = |position: u32| sample_pair(memory, position, turn);
-        if position % 2 == 1
-            && let Some(first) = out.split_off_first_mut()
-        {
-            *first += at(position)[1] * gain;
-            (position, gain) = (position + 1, gain * per_frame);
-        }
-        let (pairs, last) = out.as_chunks_mut::<2>();
-        for [even, odd] in pairs {
-            let [x, y] = at(position);
-            // One factor at a time, so that no bit depends on the cut of runs.
-            let next = gain * per_frame;
-            *even += x * gain;
-            *odd += y * next;
-            (position, gain) = (position.wrapping_add(2), next * per_frame);
-        }
-        if let Some(last) = last.first_mut() {
-            *last += at(position)[0] * gain;
-            gain *= per_frame;
-        }
-        self.gain = gain;
+    fn add_flat(&mut self, memory: &[Complex], per_frame: f32, out: &mut [f32]) {
+        self.add(memory, per_frame, || 1.0, out);
     }
 
     #[inline(never)]
@@ -138,13 +116,17 @@ impl Stream {
         memory: &[Complex],
         per_frame: f32,
         slope: impl Iterator<Item = &'s f32>,
-        mut out: &mut [f32],
+        out: &mut [f32],
     ) {
+        let mut slope = slope.copied();
+        self.add(memory, per_frame, || slope.next().unwrap_or(0.0), out);
+    }
+
+    #[inline(always)]
+    fn add(&mut self, memory: &[Complex], per_frame: f32, mut window: impl FnMut() -> f32, mut out: &mut [f32]) {
         let (mut position, mut gain) = (self.place(), self.gain);
         let turn = self.turn();
         let at = |position: u32| sample_pair(memory, position, turn);
-        let mut slope = slope.copied();
-        let mut window = || slope.next().unwrap_or(0.0);
         if position % 2 == 1
             && let Some(first) = out.split_off_first_mut()
         {
@@ -154,11 +136,11 @@ impl Stream {
         let (pairs, last) = out.as_chunks_mut::<2>();
         for [even, odd] in pairs {
             let [x, y] = at(position);
+            // One factor at a time, so that no bit depends on the cut of runs.
             let next = gain * per_frame;
             *even += x * (gain * window());
             *odd += y * (next * window());
-            position = position.wrapping_add(2);
-            gain = next * per_frame;
+            (position, gain) = (position.wrapping_add(2), next * per_frame);
         }
         if let Some(last) = last.first_mut() {
             *last += at(position)[0] * (gain * window());

@@ -1,9 +1,9 @@
-//! From a mode's frequency and decay to the coefficients of a form.
+//! From a mode's frequency and decay to the coefficients of its form.
 
 use crate::SampleRate;
 use crate::{exponential, quarter_turn};
 
-/// The arithmetic of one mode; which one is chosen by the mode's step `e` (see [`Pole::new`]).
+/// Arithmetic of a mode, chosen by the mode's step `e` (see [`Pole::new`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Form {
@@ -16,13 +16,13 @@ pub enum Form {
 }
 
 impl Form {
-    /// The shift k of the shifted forms; 0 for the coupled one.
+    /// Shift k of the shifted forms; 0 for the coupled one.
     pub const fn shift(self) -> u32 {
         self as u32
     }
 }
 
-/// The two multipliers of a form as Q32: `value · 2^-32`, both in [0, 1/2).
+/// Two multipliers of a form as Q32: `value · 2^-32`, both in [0, 1/2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct Coefficients {
@@ -32,25 +32,26 @@ pub struct Coefficients {
     pub epsilon: i32,
 }
 
-/// A mode's place in the z-plane, as one of the forms realises it.
+/// Place of a mode in the z-plane, as one of the forms realises it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pole {
-    /// The arithmetic.
+    /// Arithmetic.
     pub form: Form,
-    /// Whether the bank runs the mode at fs/2 - f, on input and output of alternating sign: above fs/4.
+    /// True if the bank runs the mode, which is above fs/4, at fs/2 - f with input and output of
+    /// alternating sign.
     pub mirrored: bool,
-    /// The multipliers.
+    /// Multipliers.
     pub coefficients: Coefficients,
 }
 
-/// The fastest decay in 1/s that the forms can hold at a rate (δ < 1/2): T60 of 0.42 ms at 48 kHz.
+/// Fastest decay in 1/s that the forms can hold at a rate (δ < 1/2): T60 of 0.42 ms at 48 kHz.
 pub fn max_decay_per_s(rate: SampleRate) -> f64 {
     0.34 * rate.hz()
 }
 
 impl Pole {
-    /// Chooses the form and derives its coefficients in `f64`, with the pole radius `r = e^{-d/fs}`, its angle `θ = 2πf/fs` and
-    /// the step `e² = (1-r)² + 4r sin²(θ/2)`:
+    /// Chooses the form and derives its coefficients in `f64`, with the pole radius
+    /// `r = e^{-d/fs}`, its angle `θ = 2πf/fs` and the step `e² = (1-r)² + 4r sin²(θ/2)`:
     ///
     /// | | f (for r near 1) | form |
     /// | --- | --- | --- |
@@ -58,13 +59,15 @@ impl Pole {
     /// | otherwise | up to fs/4 | shifted by k = 1 or 2, the smaller with e²/2^k < 1/2 |
     /// | above fs/4 | | mirrored: the mode fs/2 - f, by the same rule |
     ///
-    /// `None` for a mode at or above Nyquist, which is never rendered, and for a decay above [`max_decay_per_s`].
+    /// `None` for a mode at or above Nyquist, which is never rendered, and for a decay above
+    /// [`max_decay_per_s`].
     ///
-    /// A third shifted form, k = 0 for e² < 1/2, would have its modes' median SNR 0.6 dB better and no worst one, for 4 KB of kernels; k = 2 for all
-    /// would cost 8 dB of the worst.
+    /// A third shifted form, k = 0 for e² < 1/2, would improve its modes' median SNR by 0.6 dB but
+    /// not the worst one, for 4 KB of kernels. k = 2 for all would cost 8 dB of the worst.
     ///
-    /// Accuracy over 1 Hz to 0.499 fs and T60 1 ms to 120 s: frequency within 0.004 cent, decay within 0.01 %
-    /// (`cargo test -p dsp-core quantised_poles`). Cost: two series in software `f64`: on load only.
+    /// Accuracy over 1 Hz to 0.499 fs and T60 1 ms to 120 s: frequency within 0.004 cent, decay
+    /// within 0.01 % (`cargo test -p dsp-core quantised_poles`). Cost: two series in software
+    /// `f64`: on load only.
     pub fn new(frequency_hz: f64, decay_per_s: f64, rate: SampleRate) -> Option<Self> {
         let fs = rate.hz();
         if frequency_hz >= fs / 2.0 || decay_per_s > max_decay_per_s(rate) {
@@ -94,11 +97,12 @@ fn q32_from(value: f64) -> i32 {
 }
 
 impl Pole {
-    /// Sums over the mode's free vibration, `Σ_{n>=0} r^n sin nθ` and `Σ_{n>=0} r^n cos nθ`: what a constant force
-    /// makes of each phase in the end.
+    /// Sums over the mode's free vibration, `Σ_{n>=0} r^n sin nθ` and `Σ_{n>=0} r^n cos nθ`: the
+    /// final responses of both phases to a constant force.
     ///
-    /// With p = r e^{iθ} they are `r sin θ / |1-p|²` and `(1 - r cos θ) / |1-p|²`, and |1-p|² is the e² of the form
-    /// (`4 - 2δ - e²` where the mode is mirrored). From the quantised coefficients, relative error 1e-6.
+    /// With p = r e^{iθ} they are `r sin θ / |1-p|²` and `(1 - r cos θ) / |1-p|²`, and |1-p|² is
+    /// the e² of the form (`4 - 2δ - e²` if the mode is mirrored). From the quantised coefficients;
+    /// relative error 1e-6.
     pub fn sums(self) -> (f32, f32) {
         let Turn { delta, e_squared, gap_cosine, radius_sine, .. } = Turn::new(self.form, self.coefficients);
         let (gap_cosine, distance) = match self.mirrored {
@@ -111,7 +115,7 @@ impl Pole {
     }
 }
 
-/// A pole's geometry after quantisation.
+/// Geometry of a pole after quantisation.
 struct Turn {
     delta: f32,
     e: f32,
@@ -136,10 +140,11 @@ impl Turn {
     }
 }
 
-/// A pole in single precision: what is needed to turn gains into injections and states into amplitudes.
+/// Pole in single precision, to turn gains into injections and states into amplitudes.
 ///
-/// In the coupled form a mode that starts with `v = C` and `u = cs S + cc C` rings as `v[n] = r^n (S sin nθ + C cos nθ)`, with
-/// `cs = r sin θ / (e r²)` and `cc = (e² - δ) / (2 e r²)`; the shifted form's u is e/2^k of that.
+/// In the coupled form a mode that starts with `v = C` and `u = cs S + cc C` rings as
+/// `v[n] = r^n (S sin nθ + C cos nθ)`, with `cs = r sin θ / (e r²)` and `cc = (e² - δ) / (2 e r²)`;
+/// the shifted form's u is e/2^k of that.
 #[derive(Clone, Copy, Debug)]
 pub struct Orbit {
     /// `cs` of the form.
@@ -149,7 +154,7 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// From the quantised coefficients. Relative error 1e-6.
+    /// Derives the orbit of quantised coefficients. Relative error 1e-6.
     pub fn new(form: Form, coefficients: Coefficients) -> Self {
         let Turn { delta, e, e_squared, radius_sine, .. } = Turn::new(form, coefficients);
         let unit = match form {
@@ -159,19 +164,19 @@ impl Orbit {
         Self { sine_to_u: radius_sine * unit, cosine_to_u: (e_squared - delta) / 2.0 * unit }
     }
 
-    /// The state (u, v) that rings as `sine · sin nθ + cosine · cos nθ`.
+    /// State (u, v) that rings as `sine · sin nθ + cosine · cos nθ`.
     pub fn state(self, sine: f32, cosine: f32) -> (f32, f32) {
         (self.sine_to_u * sine + self.cosine_to_u * cosine, cosine)
     }
 
-    /// The (sine, cosine) as which a state rings.
+    /// The (sine, cosine) with which a state rings.
     pub fn phases(self, u: f32, v: f32) -> (f32, f32) {
         ((u - self.cosine_to_u * v) / self.sine_to_u, v)
     }
 }
 
-/// `e - (δ + e²)/2` of the coupled form, exact in Q64 before it is rounded: where a decay is much faster than the mode's own turn, almost
-/// nothing is left of the two.
+/// `e - (δ + e²)/2` of the coupled form, exact in Q64 before it is rounded. If a decay is much
+/// faster than the mode's turn, almost nothing is left of the two.
 fn coupled_difference(coefficients: Coefficients) -> f32 {
     let (delta, e) = (i64::from(coefficients.delta), i64::from(coefficients.epsilon));
     // Both are below 2^31, so that neither term reaches 2^63.
@@ -179,10 +184,11 @@ fn coupled_difference(coefficients: Coefficients) -> f32 {
 }
 
 impl Coefficients {
-    /// The same frequency with a faster decay: δ is raised to `choke_delta` (Q32) and the step follows,
-    /// `e'² = (1-r')² + (r'/r) (e² - (1-r)²)`. Unchanged where the mode already decays faster.
+    /// Coefficients of the same frequency with a faster decay: δ is raised to `choke_delta` (Q32)
+    /// and the step follows, `e'² = (1-r')² + (r'/r) (e² - (1-r)²)`. Unchanged if the mode already
+    /// decays faster.
     ///
-    /// In single precision, on load only: frequency within 0.001 cent.
+    /// In single precision, for loading only: frequency within 0.001 cent.
     pub fn choked(self, form: Form, choke_delta: i32) -> Self {
         if choke_delta <= self.delta {
             return self;
@@ -201,10 +207,12 @@ impl Coefficients {
     }
 }
 
-/// By which share of itself a coupled form's u grows when its step goes from `from` to `to`: `e/e' - 1`.
+/// Share of itself by which a coupled form's u grows when its step goes from `from` to `to`:
+/// `e/e' - 1`.
 ///
-/// The form adds `e u` to v, so that u times e is what v has moved by: the sample before stays what it was. A share instead of
-/// a factor keeps a small change exact: the sum that it goes into keeps all its bits.
+/// The form adds `e u` to v, so that u times e is the last movement of v: the sample before stays
+/// as it was. A share, unlike a factor, keeps a small change exact: the sum that it goes into keeps
+/// all its bits.
 pub fn change_of_u(from: Coefficients, to: Coefficients) -> f32 {
     match to.epsilon {
         0 => 0.0,
@@ -213,14 +221,15 @@ pub fn change_of_u(from: Coefficients, to: Coefficients) -> f32 {
     }
 }
 
-/// [`change_of_u`] in Q32; `None` above `largest` either way.
+/// [`change_of_u`] in Q32; `None` above `largest` in either direction.
 pub fn q32_change_of_u(from: Coefficients, to: Coefficients, largest: u32) -> Option<i32> {
     let change = (change_of_u(from, to) * TWO_POW_32 as f32) as i32; // `as` saturates
     (change.unsigned_abs() <= largest).then_some(change)
 }
 
-/// Bound of what a change between two decays makes of a mode's amplitude, at least 1, either way:
-/// `(1 + (1 - ρ) / θ) / ρ`, ρ the smaller radius over the larger, because the sine becomes `ρ S + (1 - ρ) C cot θ`.
+/// Largest factor, at least 1, by which a change between two decays changes a mode's amplitude in
+/// either direction: `(1 + (1 - ρ) / θ) / ρ`, ρ the smaller radius over the larger, because the
+/// sine becomes `ρ S + (1 - ρ) C cot θ`.
 pub fn growth_of_change(frequency_hz: f64, rest_decay_per_s: f64, choked_decay_per_s: f64, rate: SampleRate) -> f64 {
     let fs = rate.hz();
     let folded_hz = if frequency_hz > fs / 4.0 { fs / 2.0 - frequency_hz } else { frequency_hz };
@@ -229,17 +238,17 @@ pub fn growth_of_change(frequency_hz: f64, rest_decay_per_s: f64, choked_decay_p
     (1.0 + lost / angle) / (1.0 - lost)
 }
 
-/// The decay in 1/s that a hand of a T60 imposes.
+/// Decay in 1/s of modes under a hand of a T60.
 pub fn decay_of_t60(t60_s: f64, rate: SampleRate) -> f64 {
     (core::f64::consts::LN_10 * 3.0 / t60_s).min(max_decay_per_s(rate))
 }
 
-/// The Q32 δ of a T60, for chokes.
+/// Q32 δ of modes under a hand of a T60.
 pub fn delta_of_t60(t60_s: f64, rate: SampleRate) -> i32 {
     q32_from(exponential::loss(2.0 * decay_of_t60(t60_s, rate) / rate.hz()))
 }
 
-/// δ, e and e² as they are after quantisation.
+/// δ, e and e² after quantisation.
 fn steps(form: Form, coefficients: Coefficients) -> (f32, f32, f32) {
     let unit = TWO_POW_32 as f32;
     let (delta, epsilon) = (coefficients.delta as f32 / unit, coefficients.epsilon as f32 / unit);

@@ -1,4 +1,4 @@
-//! From a table's gains to what a force injects into the states.
+//! From a table's gains to the injections of a force into the states.
 
 use super::coefficient::{Coefficients, Orbit, Pole};
 use super::group::{Group, MAX_GAIN_EXPONENT};
@@ -24,8 +24,8 @@ pub(super) fn gain_at(gains: &[GainRecord], positions: usize, index: usize, posi
     }
 }
 
-/// Gains beyond this, in bus steps of state a bus step of force and sample, are refused. An [`Orbit`] makes at most four times as much
-/// of them, which the smallest block exponent still holds.
+/// Least gain, in bus steps of state a bus step of force and sample, that is refused. An [`Orbit`]
+/// makes at most four times as much of a gain, which the smallest block exponent still holds.
 pub(super) const MAX_GAIN: f64 = (1u32 << (MAX_GAIN_EXPONENT - 2)) as f64;
 
 pub(super) fn check_gains(table: &BankTable<'_>, rate: SampleRate) -> Result<(), BankError> {
@@ -37,7 +37,8 @@ pub(super) fn check_gains(table: &BankTable<'_>, rate: SampleRate) -> Result<(),
     if gain < MAX_GAIN { Ok(()) } else { Err(BankError::GainTooLarge) }
 }
 
-/// The law that gives a table mode's gains as bus steps of state a bus step of force and sample.
+/// Law of a table's gains at a position, by mode, in bus steps of state a bus step of force and
+/// sample.
 pub(super) fn gain_law<'a>(
     table: &'a BankTable<'_>,
     rate: SampleRate,
@@ -51,8 +52,8 @@ pub(super) fn gain_law<'a>(
     }
 }
 
-/// Turns phase gains into injections of a group's form: `gain` gives a mode's (sine, cosine), `pole` its coefficients without a
-/// hand.
+/// Turns phase gains into injections of a group's form: `gain` gives a mode's (sine, cosine),
+/// `pole` its coefficients without a hand.
 pub(super) fn orbit_gains<G: Fn(usize) -> (f32, f32), P: Fn(usize, &Mode) -> Coefficients>(
     group: &Group,
     gain: G,
@@ -67,20 +68,22 @@ pub(super) fn orbit_gains<G: Fn(usize) -> (f32, f32), P: Fn(usize, &Mode) -> Coe
     }
 }
 
-/// What of a mode's gains at a position the force itself takes away, times the rate: half of h[0], or with
-/// [`BankTable::is_balanced`] the whole static response, so that a constant force is not heard ([`crate::radiation`]).
+/// Part of a mode's response at a position that the force itself takes away, times the rate. It is
+/// half of `h[0]`, or with [`BankTable::is_balanced`] the whole static response, so that a constant
+/// force is not heard ([`crate::radiation`]).
 pub(super) fn taken_at_once(table: &BankTable<'_>, pole: Pole, index: usize, position: f32) -> f64 {
     let (sine, cosine) = gain_at(table.gains, table.positions, index, position);
     if !table.is_balanced {
         return f64::from(cosine) / 2.0;
     }
-    // Half of h[0] that the sum over all n counts too much is just the half that an unbalanced bank takes away.
-    // In single precision, as the gains' injections are: a strike at another position derives it while sound plays.
+    // The sum over all n counts half of h[0] too much: just the half that an unbalanced bank takes
+    // away. Single precision suffices, as for the injections: a strike at another position derives
+    // it while sound plays.
     let (of_sine, of_cosine) = pole.sums();
     f64::from(sine * of_sine + cosine * of_cosine)
 }
 
-/// The factor of the force for a sum of [`taken_at_once`].
+/// Factor of the force for a sum of [`taken_at_once`].
 pub(super) fn onset(taken: f64, table: &BankTable<'_>, rate: SampleRate) -> Scale {
     Scale::new(-taken * table.weight / rate.hz())
 }

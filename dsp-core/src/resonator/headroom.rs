@@ -1,41 +1,49 @@
-//! Why no state can wrap.
+//! Headroom: the proof that no state can wrap.
 //!
-//! **Measure.** The size of a mode's state is `s = max(|u| · 2^k, |v|)`, k the shift of its form (0 for the coupled one).
+//! **Measure.** The size of a mode's state is `s = max(|u| · 2^k, |v|)`, k the shift of its form (0
+//! for the coupled one).
 //!
-//! **Growth.** Without input a mode's exact orbit is `v[n] = r^n (S sin nθ + C cos nθ)`, an ellipse shrinking by r a sample; from
-//! a state of size s neither `|v|`, `|u|` nor the intermediate `|u| · 2^k` ever exceeds [`GROWTH`] · s along it, for every r,
-//! θ and form that [`super::coefficient::Pole::new`] can choose. (Bounding it by the ellipse's axes: with `δ = 0` the form
-//! `u² + v² - e u v` is invariant, so that `v² <= (u² + v² + e|u v|) / (1 - e²/4)`, which is 2.67 s² for the coupled form at e = 1/2 and,
-//! with `|u| <= s/e` in coupled units, at most 6.4 s² for the shifted ones; decay only shrinks the orbit. The test
-//! `an_orbit_never_grows_beyond_its_bound` walks the whole range of coefficients from the four corners of the square `s = 1`, which are
-//! the extreme points of all starts.)
+//! **Growth.** Without input a mode's exact orbit is `v[n] = r^n (S sin nθ + C cos nθ)`, an ellipse
+//! that shrinks by r a sample. From a state of size s neither `|v|`, `|u|` nor the intermediate
+//! `|u| · 2^k` ever exceeds [`GROWTH`] · s along it, for every r, θ and form that
+//! [`super::coefficient::Pole::new`] can choose. The bound follows from the ellipse's axes: with
+//! `δ = 0` the form `u² + v² - e u v` is invariant, so that
+//! `v² <= (u² + v² + e|u v|) / (1 - e²/4)`. That is 2.67 s² for the coupled form at e = 1/2 and,
+//! with `|u| <= s/e` in coupled units, at most 6.4 s² for the shifted ones; decay only shrinks the
+//! orbit. The test `an_orbit_never_grows_beyond_its_bound` walks the whole range of coefficients
+//! from the four corners of the square `s = 1`, which are the extreme points of all starts.
 //!
-//! **Input.** The map is linear: what a sample of force x injects is itself the start of an orbit, of size at most
-//! `G |x| 2^-32`, G the largest gain of the group. So over a run of frames in which the sum of |x| is at most an allowance X, every
-//! state stays below `GROWTH · (s + G X 2^-32 + rounding)`.
+//! **Input.** The map is linear: the injection of a force sample x begins an orbit of its own, of
+//! size at most `G |x| 2^-32`, G the largest gain of the group. So over a run of frames in which
+//! the sum of |x| is at most an allowance X, every state stays below
+//! `GROWTH · (s + G X 2^-32 + rounding)`.
 //!
-//! **Guard.** At every tick, and whenever a force has used up its allowance, the guard of [`super::group::Group`] shifts the group's states so that the
-//! bracket is below [`LIMIT`]. `GROWTH · LIMIT = 2^31` exactly, hence nothing wraps before the next guard. Where even the
-//! smallest exponent has no room, the input is refused for that run: an amplitude of +160 dBFS, where only a fault can
-//! arrive.
+//! **Guard.** At every tick, and whenever a force has used up its allowance, the guard of
+//! [`super::group::Group`] shifts the group's states so that the bracket is below [`LIMIT`].
+//! `GROWTH · LIMIT = 2^31` exactly, hence nothing wraps before the next guard. If even the smallest
+//! exponent cannot hold the input, the input is refused for that run: an amplitude of +160 dBFS,
+//! which only a fault can bring.
 //!
-//! **Weak forces.** A gain multiplier must stay below 1/2, which would keep the states of a weak force small and its rounding
-//! noise large. So the bank shifts the force left, by as much as its allowance leaves room for, and the gains right.
+//! **Weak forces.** A gain multiplier must stay below 1/2, which would keep the states of a weak
+//! force small and its rounding noise large. So the bank shifts the force left, as far as its
+//! allowance permits, and the gains right.
 //!
-//! **Mix.** The bank adds `v · 2^-(exponent + m)` of all modes with a plain add. Its mix exponent m is chosen at every guard such that
-//! the sum of the modes' bounds stays below 2^31, and is undone by one saturating shift a frame.
+//! **Mix.** The bank adds `v · 2^-(exponent + m)` of all modes with a plain add. Its mix exponent m
+//! is chosen at every guard such that the sum of the modes' bounds stays below 2^31, and is undone
+//! by one saturating shift a frame.
 
-/// The state size to which a group is normalised: it lies in `[LIMIT/2, LIMIT)` while it rings freely.
+/// State size to which a group is normalised: it lies in `[LIMIT/2, LIMIT)` while it rings freely.
 pub const LIMIT: u64 = 1 << 29;
 
-/// Bound of the growth of a state along its orbit. Measured over all coefficients: 3.31 (`cargo test -p dsp-core orbit -- --nocapture`).
+/// Bound of the growth of a state along its orbit. Measured over all coefficients: 3.31
+/// (`cargo test -p dsp-core orbit -- --nocapture`).
 pub const GROWTH: u64 = 4;
 
-/// The same for v alone, which is what the mix adds. Measured: 2.54.
+/// Bound of the growth of v alone, which the mix adds. Measured: 2.54.
 pub const GROWTH_OF_V: u64 = 3;
 
-/// Size that rounding may add to a state between two guards: half a step for each of five roundings a sample, over 32 samples, with
-/// the growth of each; and the rounding of the gain itself.
+/// Size that rounding may add to a state between two guards: half a step for each of five roundings
+/// a sample, over 32 samples, with the growth of each; and the rounding of the gain itself.
 pub const ROUNDING: u64 = 128;
 
 #[cfg(test)]

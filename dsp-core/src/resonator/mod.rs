@@ -9,14 +9,17 @@
 //!         +------------------ onset (half of h[0]) -----------------------+
 //! ```
 //!
-//! A mode is one of two second-order forms whose coefficients are small numbers ([`coefficient`]), so that Q32 multipliers keep poles within
-//! 1e-5 of the unit circle exact to a few parts in 10^8. Modes of the same form are taken in groups of up to six that share a
-//! **block exponent** ([`group`]): as the sound decays, the states are shifted up, so that they always use 28 to 29 bits. Without it a
-//! mode of T60 20 s would ring on for ever at -78 dB, because its damping term rounds to nothing. [`headroom`] proves that nothing
-//! wraps; [`retirement`] says when a mode has become inaudible and stops costing; [`kernel`] is the hot loop.
+//! A mode is one of two second-order forms whose coefficients are small numbers ([`coefficient`]),
+//! so that Q32 multipliers keep poles within 1e-5 of the unit circle exact to a few parts in 10^8.
+//! Up to six modes of the same form share a group with one **block exponent** ([`group`]): as the
+//! sound decays, the states are shifted up, so that they always use 28 to 29 bits. Without it a
+//! mode of T60 20 s would ring on for ever at -78 dB, because its damping term rounds to nothing.
+//! [`headroom`] proves that nothing wraps, [`retirement`] decides when an inaudible mode stops
+//! costing time, and [`kernel`] is the hot loop.
 //!
-//! Bookkeeping happens on ticks of [`TICK_FRAMES`] frames counted from the engine's start, and where a force outgrows what the
-//! groups were guarded for, which depends on the force alone: so a caller's block size cannot change a bit.
+//! Bookkeeping happens at ticks of [`TICK_FRAMES`] frames counted from the engine's start, and
+//! where a force outgrows the groups' allowance, which depends on the force alone. So no bit
+//! depends on the caller's block size.
 
 pub mod bank;
 pub mod coefficient;

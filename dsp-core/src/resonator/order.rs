@@ -1,4 +1,5 @@
-//! The order in which a bank's modes are grouped: by side and form, and within a form by how long a typical strike keeps them audible.
+//! Order of a bank's modes in groups: by side and form, and within a form by the time for which a
+//! typical strike keeps them audible.
 
 use super::coefficient::{Pole, max_decay_per_s};
 use super::mode::Mode;
@@ -24,7 +25,7 @@ impl Rendered {
     }
 }
 
-/// The table's modes below Nyquist.
+/// Modes of a table below Nyquist.
 pub(super) fn rendered<'t>(
     table: &'t BankTable<'_>,
     rate: SampleRate,
@@ -42,8 +43,9 @@ pub(super) fn rendered<'t>(
     })
 }
 
-/// Fills `modes` with the table's rendered modes in the order in which they are grouped. Until they are derived, a mode
-/// holds its table index in `state.u`, its lifetime in `state.v` and its side and form in `gain.u`.
+/// Fills `modes` with the table's rendered modes in the order of their groups. Until they are
+/// derived, a mode holds its table index in `state.u`, its lifetime in `state.v` and its side and
+/// form in `gain.u`.
 pub(super) fn order_modes(table: &BankTable<'_>, rate: SampleRate, modes: &mut [Mode]) -> Result<(), BankError> {
     for (slot, mode) in modes.iter_mut().zip(rendered(table, rate)) {
         let mode = mode?;
@@ -56,8 +58,8 @@ pub(super) fn order_modes(table: &BankTable<'_>, rate: SampleRate, modes: &mut [
     Ok(())
 }
 
-/// By side and form, lifetime (longest first), index. Insertion: the library's sort would be 4 KB of flash, and this is less than a tenth of
-/// what deriving the coefficients costs.
+/// Sorts by side and form, lifetime (longest first) and index. By insertion: the library's sort
+/// would be 4 KB of flash, and this is less than a tenth of the cost of deriving the coefficients.
 fn sort(modes: &mut [Mode]) {
     let is_before = |a: &Mode, b: &Mode| {
         let key = |mode: &Mode| (order_key(mode), core::cmp::Reverse(mode.state.v), mode.state.u);
@@ -77,7 +79,8 @@ pub(super) fn order_key(mode: &Mode) -> i32 {
     mode.gain.u
 }
 
-/// How long a typical strike keeps a mode above the retirement threshold: the order of groups, so that only its order of size matters.
+/// Time for which a typical strike keeps a mode above the retirement threshold. It decides the
+/// order of groups, so that only its order of magnitude matters.
 fn lifetime_ms(table: &BankTable<'_>, index: usize) -> i32 {
     let Some(record) = table.modes.get(index) else { return 0 };
     let (frequency_hz, decay_per_s) = (record.frequency_hz.get(), record.decay_per_s.get());
@@ -91,7 +94,8 @@ fn lifetime_ms(table: &BankTable<'_>, index: usize) -> i32 {
     (1000.0 * periods / decay_per_s) as i32
 }
 
-/// The natural logarithm to 6 %: a float's bits are its exponent and, behind the point, nearly its fraction's logarithm.
+/// Natural logarithm to 6 %: a float's bits are its exponent followed by nearly its fraction's
+/// logarithm.
 fn logarithm(number: f32) -> f32 {
     const LN_2_OF_BITS: f32 = core::f32::consts::LN_2 / 8_388_608.0;
     (number.to_bits() as i32 - (127 << 23)) as f32 * LN_2_OF_BITS

@@ -1,37 +1,39 @@
-//! Decay: what has become inaudible stops costing.
+//! Retirement: inaudible modes stop costing time.
 
 use super::group::Group;
 use super::mode::Mode;
 use crate::time::TICK_FRAMES;
 
-/// The rule by which modes retire: a group retires when each of its modes is below -110 dBFS, and only while the sum of all retired
-/// amplitudes stays below -100 dBFS. So the output differs from the unskipped one by less than -100 dBFS at any time.
+/// Rule by which modes retire: a group retires when each of its modes is below -110 dBFS, and only
+/// while the sum of all retired amplitudes stays below -100 dBFS. So the output differs from the
+/// unskipped one by less than -100 dBFS at any time.
 #[derive(Clone, Copy, Debug)]
 pub struct Retirement {
-    /// What the retired amplitudes may still grow by, output units.
-    room: f32,
+    /// Amplitude that may still retire, in output units.
+    left: f32,
     /// Output units a bus step of this pad: level and pan of its louder side.
     unit: f32,
     retired_modes: u32,
 }
 
 impl Retirement {
-    /// -110 dBFS: the amplitude below which a mode may retire.
+    /// Amplitude below which a mode may retire: -110 dBFS.
     pub const THRESHOLD: f32 = 3.162_277_7e-6;
-    /// -100 dBFS: what the retired amplitudes may sum up to.
+    /// Largest sum of the retired amplitudes: -100 dBFS.
     pub const SUM: f32 = 1e-5;
 
-    /// With amplitudes of `already` missing; `unit` is the output (1.0 = full scale) that a bus step of the pad makes.
+    /// A rule for a tick in which amplitudes of `already` are missing; `unit` is the output (1.0 =
+    /// full scale) that a bus step of the pad makes.
     pub fn new(already: f32, unit: f32) -> Self {
-        Self { room: Self::SUM - already, unit, retired_modes: 0 }
+        Self { left: Self::SUM - already, unit, retired_modes: 0 }
     }
 
-    /// Modes that retired under this rule so far.
+    /// Number of modes that have retired under this rule.
     pub fn retired_modes(&self) -> u32 {
         self.retired_modes
     }
 
-    /// Whether an amplitude in bus steps is below the threshold.
+    /// True if an amplitude in bus steps is below the threshold.
     pub(super) fn is_below(&self, amplitude: f32) -> bool {
         amplitude * self.unit <= Self::THRESHOLD
     }
@@ -40,13 +42,13 @@ impl Retirement {
     #[cold]
     #[inline(never)]
     pub(super) fn consider(&mut self, group: &mut Group, modes: &mut [Mode], retired: &mut Retired) {
-        if !group.ringing() || self.room <= 0.0 {
+        if !group.ringing() || self.left <= 0.0 {
             return;
         }
         let Some(sum) = group.amplitudes_below(modes, Self::THRESHOLD / self.unit) else { return };
         let sum = sum * self.unit;
-        if sum < self.room {
-            self.room -= sum;
+        if sum < self.left {
+            self.left -= sum;
             self.retired_modes += modes.len() as u32;
             retired.add(sum, slowest_decay_per_tick(modes));
             group.silence(modes);
@@ -54,7 +56,8 @@ impl Retirement {
     }
 }
 
-/// What a bank has retired and may still be missing from its sound: a bound that decays with the slowest of it.
+/// Sound of a bank that has retired and may still be missing: a bound that decays with its slowest
+/// mode.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Retired {
     amplitude: f32,
@@ -63,7 +66,7 @@ pub(super) struct Retired {
 
 impl Retired {
     pub(super) const NOTHING: Self = Self { amplitude: 0.0, decay_per_tick: 0.0 };
-    /// -200 dBFS, below which the bound is dropped.
+    /// Bound below which nothing counts as missing: -200 dBFS.
     const NEGLIGIBLE: f32 = 1e-10;
 
     #[inline(always)]

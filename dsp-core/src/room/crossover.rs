@@ -1,4 +1,5 @@
-//! Splitting the input at a band edge: an elliptic low-pass and high-pass of fifth to ninth order from one pair of all-pass branches.
+//! Splitting the input at a band edge: an elliptic low-pass and high-pass of fifth to ninth order
+//! from one pair of all-pass branches.
 //!
 //! ```text
 //!            ┌─ A0 = S(c0) (· S(c2)) ──────┬─(+)─► low  = (A0 + A1)/2
@@ -6,18 +7,20 @@
 //!            └─ A1 = F · S(c1) (· S(c3)) ──┴─(-)─► high = (A0 - A1)/2
 //! ```
 //!
-//! `|low|² + |high|² = 1` whatever the coefficients' rounding: no energy is lost or counted twice at an edge. Which of both sides is attenuated by how much is
-//! chosen edge by edge, see [`lean`](super::lean).
+//! `|low|² + |high|² = 1` whatever the coefficients' rounding: no energy is lost or counted twice
+//! at an edge. The attenuations of both sides are chosen edge by edge, see [`lean`](super::lean).
 
 use super::elliptic::Elliptic;
 use super::kernel;
 use super::split::{Split, SplitState};
 
-/// Bits of what a chain of splits may come to rest at, -132 dBFS: a block no larger is silence.
+/// Bits of the largest size at which a chain of splits may come to rest, -132 dBFS: a block no
+/// larger is silence.
 const RESTING_BITS: i32 = 5;
 
 impl Split {
-    /// Splits by a low-pass whose 1 rad/s lies where `tangent = tan(π f)`, f of the sample rate (bilinear transform).
+    /// Splits by a low-pass whose 1 rad/s lies where `tangent = tan(π f)`, f of the sample rate
+    /// (bilinear transform).
     pub(super) fn new(filter: &Elliptic, tangent: f64) -> Self {
         let q31 = |value: f64| libm::rint(value * 2_147_483_648.0) as i32;
         let real = filter.sigma * tangent;
@@ -29,18 +32,21 @@ impl Split {
         Self { first: q31((1.0 - real) / (1.0 + real)), sections: filter.count as u32, second }
     }
 
-    /// Splits `low`, which holds half the signal (at most ±1.0 in Q4.27), in place into half the low part, at most ±1.0, of which every second sample is kept
-    /// where it is to be `thin`; `high` is as long, and whole. Gives the bits of the largest size in `high`.
+    /// Splits `low`, which holds half the signal (at most ±1.0 in Q4.27), in place into half the
+    /// low part, at most ±1.0, of which only every second sample is kept if it is to be `thin`.
+    /// `high` is as long, and whole. Gives the bits of the largest size in `high`.
     ///
-    /// Nothing wraps: no branch's impulse response sums up to more than 7.5 (measured over edges, orders and leanings, see this file's
-    /// tests): every value stays below 2^29.91, every difference of two below 2^30.91.
+    /// Nothing wraps: no branch's impulse response sums up to more than 7.5 (measured over edges,
+    /// orders and leanings, see this file's tests). So every value stays below 2^29.91, every
+    /// difference of two below 2^30.91.
     pub(super) fn render(&self, state: &mut SplitState, low: &mut [i32], high: &mut [i32], thin: bool) -> i32 {
         let sizes = kernel::split(self, state, low, high, thin);
         bits(sizes, high)
     }
 }
 
-/// Bits of the largest size in a band's input, from the or of all sizes. Where splits are at rest, it becomes silence.
+/// Bits of the largest size in a band's input, from the or of all sizes. If the splits are at rest,
+/// the input becomes silence.
 pub(super) fn bits(sizes: u32, band: &mut [i32]) -> i32 {
     let bits = 32 - sizes.leading_zeros() as i32;
     if (1..=RESTING_BITS).contains(&bits) {
@@ -60,7 +66,7 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    /// Sum of the sizes of a response (of 2^24).
+    /// Sum of the sizes of a response to 2^24.
     fn gain(response: &[i32]) -> f64 {
         response.iter().map(|x| f64::from(x.abs())).sum::<f64>() / f64::from(1 << 24)
     }

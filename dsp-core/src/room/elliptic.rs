@@ -1,28 +1,30 @@
-//! Elliptic low-passes of odd order as poles: what splits and doublings are made of.
+//! Elliptic low-passes of odd order as poles, for splits and doublings.
 //!
-//! Pass band and stop band lie as far, as ratios, on either side of 1 rad/s: the pass band ends at √k, the stop band begins at 1/√k. Poles by the
-//! series in the nome q (Antoniou, Digital Filters, elliptic approximation; for σ = 1 the half-band filters of Valenzuela and Constantinides, 1983). An all-pass of every
-//! second pair, and one of the others with the real pole, add up to the low-pass, and differ by the high-pass of the same order.
+//! Pass band and stop band lie at equal ratios on either side of 1 rad/s: the pass band ends at √k,
+//! the stop band begins at 1/√k. Poles by the series in the nome q (Antoniou, Digital Filters,
+//! elliptic approximation; for σ = 1 the half-band filters of Valenzuela and Constantinides, 1983).
+//! An all-pass of every second pair, and one of the others with the real pole, add up to the
+//! low-pass, and differ by the high-pass of the same order.
 
-/// Most pole pairs.
+/// Maximum number of pole pairs.
 pub(super) const MOST_PAIRS: usize = 4;
 
-/// The poles of a low-pass of order `2 count + 1`: a real one at -σ, and pairs `s² + b1 s + b0`.
+/// Poles of a low-pass of order `2 count + 1`: a real one at -σ, and pairs `s² + b1 s + b0`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Elliptic {
     pub(super) count: usize,
     pub(super) sigma: f64,
-    /// [b1, b0], from the real pole outwards.
+    /// `[b1, b0]`, from the real pole outwards.
     pub(super) pairs: [[f64; 2]; MOST_PAIRS],
 }
 
 impl Elliptic {
-    /// Of the low-pass and the high-pass alike.
+    /// A low-pass whose attenuation is also that of the high-pass.
     pub(super) fn even(count: usize, k: f64) -> Self {
         Self::new(count, k, 1.0)
     }
 
-    /// With a high-pass that is `high_db` down in the low-pass's pass band.
+    /// A low-pass with a high-pass that is `high_db` down in the low-pass's pass band.
     pub(super) fn leaning(count: usize, k: f64, high_db: f64) -> Self {
         let (q, order) = (nome(k), (2 * count + 1) as f64);
         // cosh(order · Λ) is the high-pass's attenuation.
@@ -64,9 +66,10 @@ impl Elliptic {
         Self { count, sigma, pairs }
     }
 
-    /// Power of the low-pass at so many rad/s; that of the high-pass is what is missing to 1.
+    /// Power of the low-pass at `w` rad/s; that of the high-pass is the rest to 1.
     pub(super) fn low_power(&self, w: f64) -> f64 {
-        // Both all-passes' halved phases as complex numbers: the low-pass is the cosine of what they differ by.
+        // Halved phases of both all-passes as complex numbers: the low-pass is the cosine of their
+        // difference.
         let mut branches = [[1.0, 0.0], [self.sigma, w]];
         for (index, &[b1, b0]) in self.pairs.iter().take(self.count).enumerate() {
             if let Some([re, im]) = branches.get_mut(index % 2) {
@@ -80,12 +83,13 @@ impl Elliptic {
     }
 }
 
-/// Attenuations of low-pass and high-pass, each in the other's pass band, together (dB): what one gains the other loses.
+/// Sum of the attenuations of low-pass and high-pass, each in the other's pass band, in dB: the
+/// one's gain is the other's loss.
 pub(super) fn shared_db(count: usize, k: f64) -> f64 {
     -20.0 * libm::log10(4.0 * libm::pow(nome(k), count as f64 + 0.5))
 }
 
-/// Terms of the series: with q below 0.1 the last is below 1e-40.
+/// Number of terms of the series: with q below 0.1 the last is below 1e-40.
 const TERMS: i32 = 8;
 
 fn nome(k: f64) -> f64 {

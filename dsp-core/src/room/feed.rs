@@ -6,45 +6,46 @@
 //!  right ─► all-pass chain 1 ─┘
 //! ```
 //!
-//! Both chains pass all frequencies alike. Their phases differ by 90° ± 7.7° from 1/1200 to 1/2.4 of
-//! the rate (40 Hz to 20 kHz at 48 kHz). What stands on both sides, as a pad does, then adds up by
-//! energy: `cos² + sin² = 1` by the constant-power law, whatever the pan. A plain sum gives a pad in
-//! the middle 3 dB more than one at a side. The ripple of the phases leaves at most 0.63 dB at one
-//! frequency, and 0.4 dB over all.
+//! Both chains pass all frequencies alike. Their phases differ by 90° ± 7.7° from 1/1200 to 1/2.4
+//! of the rate (40 Hz to 20 kHz at 48 kHz). A sound on both sides, such as a pad's, then adds up by
+//! energy: `cos² + sin² = 1` by the constant-power law, whatever the pan. A plain sum gives a pad
+//! in the middle 3 dB more than one at a side. The ripple of the phases leaves at most 0.63 dB at
+//! one frequency, and 0.4 dB over all.
 //!
 //! Two chains cost 33 cycles a frame more than a plain sum. Splitting and feeding both sides on
 //! their own costs 65 and more; a third bus beside the stereo sum costs every pad that rings.
 //!
-//! **Form.** `(z^-1 - α)/(1 - α z^-1)` with one state: `d = x - s`, `y = s - α d`, `s' = x - α d`. Where
-//! α is near 1 it is `s' = s + (1 - α) d`, `y = s' - d`. The slowest section keeps 32 bits behind its
-//! state's last step: rounding there would be raised by 1/(1 - α), 242.
+//! **Form.** `(z^-1 - α)/(1 - α z^-1)` with one state: `d = x - s`, `y = s - α d`, `s' = x - α d`.
+//! Where α is near 1 it is `s' = s + (1 - α) d`, `y = s' - d`. The slowest section keeps 32 bits
+//! behind its state's last step: rounding there would be raised by 1/(1 - α), 242.
 //!
-//! **Bounds.** Inputs are clipped to ±2^27. The impulse responses of a chain's sections sum up to at
-//! most 2.99, 4.43 and 4.45 (this file's test), a state is at most as large as its section's input,
-//! and so no difference is beyond 2 · 4.43 · 2^27 < 2^30.2, the sum of both chains below 2^30.1.
+//! **Bounds.** Inputs are clipped to ±2^27. The impulse responses of a chain's sections sum up to
+//! at most 2.99, 4.43 and 4.45 (this file's test), a state is at most as large as its section's
+//! input, and so no difference is beyond 2 · 4.43 · 2^27 < 2^30.2, the sum of both chains below
+//! 2^30.1.
 
 use super::chain::ChainState;
 use super::kernel;
 
-/// The chains' memory.
+/// Memory of both chains.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Feed {
     sides: [ChainState; 2],
 }
 
-/// States of no more steps than this are what rounding leaves: -133 dBFS.
+/// Size of the states, in steps, that rounding leaves: -133 dBFS.
 const RESTING_STEPS: u32 = 32;
 
 impl Feed {
     pub(super) const SILENT: Self = Self { sides: [ChainState { slow: 0, second: 0, last: 0 }; 2] };
 
-    /// Adds `wet` to `out` and makes the room's input of what `out` was; gives 0 only where that was
+    /// Adds `wet` to `out` and makes the room's input of the former `out`. Gives 0 only if that was
     /// silent.
     pub(super) fn exchange(&mut self, out: &mut [[i32; 2]], wet: &[[i32; 2]], input: &mut [i32]) -> u32 {
         kernel::exchange(out, wet, input, &mut self.sides)
     }
 
-    /// Silences what rounding leaves after a block of silence. True if the chains still ring.
+    /// Silences the remains of rounding after a block of silence. True if the chains still ring.
     pub(super) fn settle(&mut self, was_silent: bool) -> bool {
         let rests = |side: &ChainState| {
             [(side.slow >> 32) as i32, side.second, side.last].iter().all(|x| x.unsigned_abs() <= RESTING_STEPS)
@@ -62,7 +63,7 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    /// What a chain answers to 2^24 steps on one side.
+    /// Answer of a chain to 2^24 steps on one side.
     fn response(side: usize, frames: usize) -> Vec<f64> {
         let mut out = vec![[0; 2]; frames];
         out[0][side] = 1 << 26;

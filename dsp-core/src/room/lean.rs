@@ -1,29 +1,32 @@
-//! Which of its two sides a split favours, and what each then loses to the other.
+//! Leaning of a split to one of its sides, and the loss of each side to the other.
 //!
-//! A low-pass and a high-pass from one pair of all-passes share a sum of attenuations: what the one gains the other loses. Where neighbours decay alike and are as
-//! loud, both get half. Where one rings longer, or is louder, its skirt is what is heard in the other's tail, while the other's is drowned or gone: the split then
-//! leans, and lies a little on the longer one's side, at no cycle's cost.
+//! A low-pass and a high-pass from one pair of all-passes share a sum of attenuations: the one's
+//! gain is the other's loss. Neighbours that decay alike and are as loud get half each. If one
+//! rings longer, or is louder, its skirt is heard in the other's tail, while the other's is drowned
+//! or gone. The split then leans, and lies a little on the longer one's side, at no cost in cycles.
 
 use super::elliptic::{Elliptic, shared_db};
 use super::split::{LEAST_SECTIONS, Split};
 use core::f64::consts::PI;
 
-/// Selectivity k of splits of two, three and four sections: where the pass band ends over where the stop band begins.
+/// Selectivity k of splits of two, three and four sections: the end of the pass band over the
+/// beginning of the stop band.
 pub(super) const SELECTIVITIES: [f64; 3] = [0.65, 0.72, 0.8];
-/// What each side has at least, in dB.
+/// Least attenuation of each side, in dB.
 pub(super) const LEAST_DB: f64 = 10.0;
-/// What a band that rings twice as long or longer is given more than the other, and by how much of the distance between the bands' ends the edge then moves.
+/// Attenuation in dB that a band which rings twice as long or longer gets beyond the other's, and
+/// the part of the distance between the bands' ends by which the edge then moves.
 const LONGER_DB: f64 = 20.0;
 const SHIFT: f64 = 0.4;
-/// Ratios of T60 from which a split is given three sections, and four.
+/// Ratios of T60 from which a split gets three sections, and four.
 const UNLIKE: f64 = 1.25;
 const FAR_APART: f64 = 2.0;
-/// Steps of an integral.
+/// Number of steps of an integral.
 const STEPS: i32 = 24;
-/// How far below an edge a lowest band is looked at, as a part of it.
+/// Lower end of the range in which a lowest band is looked at, as a part of its edge.
 const LOWEST_PART: f64 = 1.0 / 16.0;
 
-/// One side of an edge.
+/// The band on one side of an edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
     /// Decay in nepers a second.
@@ -32,7 +35,7 @@ pub(super) struct Side {
     pub(super) energy: f64,
 }
 
-/// Where a split is, of the sample rate at which it runs: both bands' outer ends, and the edge.
+/// Place of a split, of the sample rate at which it runs: both bands' outer ends, and the edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Edge {
     pub(super) from: f64,
@@ -40,31 +43,33 @@ pub(super) struct Edge {
     pub(super) to: f64,
 }
 
-/// A split, and what of the table's bands goes astray: widths as parts of the rate.
+/// A split, and the energy of the table's bands that goes astray, as widths in parts of the rate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leaning {
     pub(super) split: Split,
-    /// What the low side loses to the high one.
+    /// Loss of the low side to the high one.
     pub(super) lost_below: f64,
-    /// What the high side loses to the low one.
+    /// Loss of the high side to the low one.
     pub(super) lost_above: f64,
 }
 
-/// Sections that a split between such bands is given where there are cycles for them.
+/// Number of sections that a split between two bands should have if there are cycles for them.
 pub(super) fn sections_wanted(low: &Side, high: &Side) -> usize {
     let ratio = libm::exp(libm::fabs(libm::log(low.decay_per_s / high.decay_per_s)));
     LEAST_SECTIONS + usize::from(ratio >= UNLIKE) + usize::from(ratio >= FAR_APART)
 }
 
-/// How much (dB) a band's skirt drowns another, beyond what bands alike do.
+/// Level in dB by which a band's skirt drowns another band, beyond that of bands alike.
 pub(super) fn drowning_db(skirt: &Side, other: &Side) -> f64 {
     let louder_db = 10.0 * libm::log10(skirt.energy / other.energy);
     louder_db + LONGER_DB * libm::log2(other.decay_per_s / skirt.decay_per_s).clamp(-1.0, 1.0)
 }
 
-/// The split of so many sections between two bands, where the low side's skirt and the high side's drown what they reach by so much (dB).
+/// Split of `sections` sections between two bands, of which the low side's skirt drowns the other
+/// by `by_low_db`, and the high side's by `by_high_db`.
 ///
-/// What lies above the next band is behind that one's split too; but all that lies below is reached by the high side.
+/// Sound above the next band is behind that one's split too; but the high side reaches everything
+/// below.
 pub(super) fn leaning(by_low_db: f64, by_high_db: f64, at: &Edge, sections: usize) -> Leaning {
     let k = SELECTIVITIES.get(sections - LEAST_SECTIONS).copied().unwrap_or(0.8);
     let lean_db = 0.5 * (by_low_db - by_high_db);
@@ -81,7 +86,7 @@ pub(super) fn leaning(by_low_db: f64, by_high_db: f64, at: &Edge, sections: usiz
     }
 }
 
-/// Midpoints in steps of one ratio.
+/// Integral by midpoints, in steps of one ratio.
 fn integral(from: f64, to: f64, power: impl Fn(f64) -> f64) -> f64 {
     let step = libm::log(to / from) / f64::from(STEPS);
     let at = |index: i32| from * libm::exp((f64::from(index) + 0.5) * step);

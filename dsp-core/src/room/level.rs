@@ -1,11 +1,14 @@
-//! A network's level: what one step of its lines stands for, falling as the band decays.
+//! Level of a network: the size of a step of its lines, which falls as the band decays.
 //!
-//! `scale = mantissa · 2^(exponent - 32)` bus steps (Q4.27) a step of a 16-bit pair, mantissa from 2^31 to 2^32. It falls by `e^{-d t}`, sample by sample. Input too loud
-//! for it raises it by powers of two, and so does what is stored of half its range and more; where all that was stored has been below a quarter of the range for as long as the
-//! longest line, it is lowered by one. What was stored before such a step is read times that power of two.
+//! `scale = mantissa · 2^(exponent - 32)` bus steps (Q4.27) a step of a 16-bit pair, mantissa from
+//! 2^31 to 2^32. It falls by `e^{-d t}`, sample by sample. Too loud an input raises it by powers of
+//! two, and so does a stored value of half the range and more. Once all stored values have been
+//! below a quarter of the range for as long as the longest line, it is lowered by one power. Values
+//! that were stored before such a step are read times that power of two.
 //!
-//! **Bounds.** A raised level leaves `|x · 2^shift| < 2^31`, and the inverse below 2^31 to a block's end, however much it grows: the input of a line is below 2^14
-//! steps. Input is at most ±2.0 = 2^28.
+//! **Bounds.** A raised level leaves `|x · 2^shift| < 2^31`, and the inverse below 2^31 to a
+//! block's end, however much it grows: the input of a line is below 2^14 steps. Input is at most
+//! ±2.0 = 2^28.
 
 use super::dimensions::MAX_BLOCKS;
 use super::lines::SECOND_GAIN;
@@ -13,58 +16,61 @@ use super::plan::BandPlan;
 use super::storage::Stored;
 use crate::fixed;
 
-/// Blocks whose levels are remembered, a power of two.
+/// Number of blocks whose levels are remembered, a power of two.
 const HISTORY: usize = 64;
 const _: () = assert!(MAX_BLOCKS + 2 < HISTORY && HISTORY.is_power_of_two());
 const HALF_SECOND_GAIN: u32 = (SECOND_GAIN * 2_147_483_648.0) as u32;
-/// What is left out: outputs below 2^7 steps of the bus, -120 dBFS.
+/// Bits of inaudible outputs: below 2^7 steps of the bus, -120 dBFS.
 const INAUDIBLE_BITS: i32 = 7;
 /// Bits of the loudest input, ±2.0.
 const MOST_INPUT_BITS: i32 = 28;
 
-/// A level's fixed numbers.
+/// Constants of a level.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Level {
     /// `e^{-d}` (Q32) and `e^d - 1` (Q28) over a block.
     decay: u32,
     growth: u32,
-    /// The same over a sample: `1 - e^{-d}`, `e^d - 1`, Q32 and below 1/2.
+    /// `1 - e^{-d}` and `e^d - 1` over a sample, Q32 and below 1/2.
     sample_loss: i32,
     sample_growth: i32,
-    /// The output's gain: mantissa below 2^31, times 2^(exponent - 31).
+    /// Gain of the output: mantissa below 2^31, times 2^(exponent - 31).
     output: u32,
     output_exponent: i32,
-    /// Bits by which a steady input's answers, gathered over the decay, are above one sample's.
+    /// Number of bits by which a steady input's answers, gathered over the decay, are above one
+    /// sample's.
     gathered_bits: i32,
-    /// Bits that the inverse, times [`SECOND_GAIN`], needs above 2^30 to grow in a block.
+    /// Number of bits above 2^30 that the inverse, times [`SECOND_GAIN`], needs to grow in a block.
     room: i32,
-    /// Blocks of the longest line.
+    /// Number of blocks of the longest line.
     longest: u8,
 }
 
-/// What it remembers.
+/// State of a level.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LevelState {
     mantissa: u32,
     /// `2^63 / mantissa`.
     inverse: u32,
     exponent: i32,
-    /// Steps up less steps down, counted round; of the last blocks, and now.
+    /// Steps up less steps down, modulo 256: those of the last blocks, and now.
     history: [u8; HISTORY],
     steps: u8,
     now: u8,
-    /// Blocks since the last step, at most 255.
+    /// Number of blocks since the last step, at most 255.
     steady: u8,
-    /// Blocks since it woke, at most 255: what had been stored before is zeros.
+    /// Number of blocks since it woke, at most 255: the lines hold zeros from before.
     age: u8,
-    /// Blocks for which nothing has been audible; [`ASLEEP`] when the lines hold zeros.
+    /// Number of blocks for which the output has been inaudible; [`ASLEEP`] when the lines hold
+    /// zeros.
     quiet: u8,
-    /// Blocks until it may be lowered, and whether something since the last such look was beyond [`QUIET_BITS`].
+    /// Number of blocks until it may be lowered, and true if a value since the last such look was
+    /// beyond [`QUIET_BITS`](super::lines::QUIET_BITS).
     watch: u8,
     busy: bool,
     /// Bits of the loudest input since the last such look.
     input_bits: i32,
-    /// Whether something in the last block was beyond [`LOUD_BITS`].
+    /// True if a value in the last block was beyond [`LOUD_BITS`](super::lines::LOUD_BITS).
     loud: bool,
 }
 
@@ -85,7 +91,8 @@ impl LevelState {
         loud: false,
     };
 
-    /// By how many bits what was stored so many blocks ago must be raised: at most 1.
+    /// Number of bits, at most 1, by which values that were stored `ticks` blocks ago must be
+    /// raised.
     pub(super) fn rise(&self, ticks: u8) -> i32 {
         if ticks > self.age {
             return 0;
@@ -94,17 +101,17 @@ impl LevelState {
         i32::from(then.wrapping_sub(self.steps) as i8)
     }
 
-    /// Whether the lines hold zeros.
+    /// True if the lines hold zeros.
     pub(super) fn is_asleep(&self) -> bool {
         self.quiet == ASLEEP
     }
 
-    /// Whether what the lines hold is not heard any more.
+    /// True if the content of the lines is inaudible.
     pub(super) fn is_inaudible(&self) -> bool {
         self.quiet > 0
     }
 
-    /// Whether the level cannot be lowered at the end of this watch.
+    /// True if the level cannot be lowered at the end of this watch.
     pub(super) fn is_busy(&self) -> bool {
         self.busy
     }
@@ -116,7 +123,7 @@ impl LevelState {
     }
 }
 
-/// All that was stored has been cleared.
+/// Mark of lines that have been cleared.
 const ASLEEP: u8 = u8::MAX;
 
 impl Level {
@@ -152,22 +159,23 @@ impl Level {
         }
     }
 
-    /// The exponent that leaves an input of so many bits 31.
+    /// Exponent that leaves an input of `input_bits` 31 bits.
     fn least_exponent(&self, input_bits: i32) -> i32 {
         input_bits + self.room - 14
     }
 
-    /// Whether an input of so many bits would be heard if it went on: a sample's answer is at most half of it times the gain.
+    /// True if an input of `input_bits` would be audible if it went on: a sample's answer is at
+    /// most half of it times the gain.
     pub(super) fn is_audible(&self, input_bits: i32) -> bool {
         input_bits > 0 && input_bits + self.output_exponent - 1 + self.gathered_bits > INAUDIBLE_BITS
     }
 
-    /// Whether all that a block reads was stored at today's level.
+    /// True if all values that a block reads were stored at the present level.
     pub(super) fn is_steady(&self, state: &LevelState) -> bool {
         state.steady > self.longest
     }
 
-    /// Makes the level fit a block's input and what the outputs were.
+    /// Fits the level to a block's input and to the last outputs.
     pub(super) fn begin<T: Stored>(&self, state: &mut LevelState, input_bits: i32) {
         // The smallest exponent whose shift leaves the input its bits.
         let least = if input_bits > 0 { self.least_exponent(input_bits) } else { i32::MIN };
@@ -184,13 +192,13 @@ impl Level {
             };
         }
         if state.exponent < least {
-            // One bit more, where there is one: steady sound is brought to another level half as often.
+            // One bit more, if possible: steady sound then changes levels half as often.
             let raised = (least + 1).min(self.least_exponent(MOST_INPUT_BITS));
             state.step(raised - state.exponent);
         }
         state.input_bits = state.input_bits.max(input_bits);
         if state.loud && state.exponent < self.least_exponent(MOST_INPUT_BITS) - 1 {
-            // By two bits, and not lowered soon: the same.
+            // Two bits, and a long watch, so that steady sound changes levels less often.
             state.step(2);
             (state.busy, state.watch) = (true, u8::MAX);
         } else if state.watch == 0 {
@@ -207,7 +215,7 @@ impl Level {
         }
     }
 
-    /// The shift and gain of the input, and the gain's growth.
+    /// Shift and gain of the input, and the gain's growth.
     pub(super) fn input(&self, state: &LevelState) -> (u32, [i32; 2]) {
         let shift = 17 + self.room - state.exponent;
         // Half of [`SECOND_GAIN`], twice.
@@ -216,7 +224,8 @@ impl Level {
         (shift.clamp(0, 31).unsigned_abs(), [gain, self.sample_growth])
     }
 
-    /// The gain of the outputs and its loss; and, where that is too loud for its format, by how many bits.
+    /// Gain of the outputs and its loss; and the number of bits by which the gain exceeds its
+    /// format.
     pub(super) fn output(&self, state: &LevelState) -> ([i32; 2], u32) {
         let product = high_word(state.mantissa, self.output) as i32;
         let shift = state.exponent + self.output_exponent - 15;
@@ -224,16 +233,16 @@ impl Level {
         ([gain, self.sample_loss], shift.max(0).unsigned_abs())
     }
 
-    /// A block later.
+    /// Ends a block. `exceeded` is true if a watched value was beyond its bits.
     pub(super) fn end(&self, state: &mut LevelState, exceeded: bool) {
         state.loud = state.busy && exceeded;
         state.busy |= exceeded;
         self.decay(state);
-        // What is left is at most 2^14 steps.
+        // The rest is at most 2^14 steps.
         state.quiet = u8::from(state.exponent + self.output_exponent + 14 <= INAUDIBLE_BITS);
     }
 
-    /// A block later, of which nothing was heard and which cleared what it read.
+    /// Ends an inaudible block, which cleared all that it read.
     pub(super) fn drain(&self, state: &mut LevelState) {
         if let Some(entry) = state.history.get_mut(usize::from(state.now) % HISTORY) {
             *entry = state.steps;
@@ -245,7 +254,8 @@ impl Level {
     fn decay(&self, state: &mut LevelState) {
         state.now = state.now.wrapping_add(1);
         (state.steady, state.age) = (state.steady.saturating_add(1), state.age.saturating_add(1));
-        // The mantissa goes back above 2^31, the inverse with it below 2^32. A block's growth is below 16 (150/s, 128 frames at 8 kHz).
+        // The mantissa goes back above 2^31, the inverse with it below 2^32. A block's growth is
+        // below 16 (150/s, 128 frames at 8 kHz).
         let mantissa = high_word(state.mantissa, self.decay);
         let low = mantissa.leading_zeros();
         state.mantissa = mantissa << low;
@@ -253,7 +263,8 @@ impl Level {
         let inverse = state.inverse >> low;
         let growth = (u64::from(inverse) * u64::from(self.growth)) >> 28;
         let inverse = inverse.saturating_add(growth as u32).max(1 << 31);
-        // One step of Newton's method keeps the inverse from drifting: 2^63 - mantissa · inverse is small.
+        // One step of Newton's method keeps the inverse from drifting: 2^63 - mantissa · inverse is
+        // small.
         let error = ((1u64 << 63).wrapping_sub(u64::from(state.mantissa) * u64::from(inverse)) >> 31) as i32;
         let correction = fixed::smmul(error << 8, (inverse >> 8) as i32);
         state.inverse = inverse.saturating_add_signed(correction).max(1 << 31);

@@ -1,19 +1,21 @@
-//! A network's lines as the kernels meet them.
+//! Lines of a network as the kernels meet them.
 
 use super::dimensions::{BLOCK_FRAMES, LINES};
 use super::storage::Stored;
 
-/// What of the input each of a line's values takes, in the mean of their squares.
+/// Share of the input that each of a line's values takes, in the mean of their squares.
 pub(super) const INPUT_GAIN: f64 = 0.25;
-/// The first value of a pair takes this part of what the second takes, in 15 bits: tan 25°.
+/// Input of a pair's first value over that of the second, in 15 bits: tan 25°.
 pub(super) const FIRST_OF_SECOND: i32 = 15_280;
-/// The second takes this times `INPUT_GAIN`, so that both keep their energy: `√2 cos 25°`.
+/// Input of the second value over `INPUT_GAIN`, so that both keep their energy: `√2 cos 25°`.
 pub(super) const SECOND_GAIN: f64 = 1.281_720_7;
-/// Bits of what is stored, sign included, beyond which the level is raised, and up to which it is lowered.
+/// Bits of a stored value, sign included, beyond which the level is raised, and up to which it is
+/// lowered.
 pub(super) const LOUD_BITS: u32 = 15;
 pub(super) const QUIET_BITS: u32 = 14;
 
-/// Where in the network's memory a line begins, or is read and written next, and how many pairs are left to its end.
+/// Place in the network's memory at which a line begins, or is read and written next, and the
+/// number of pairs to its end.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(4))]
 pub(super) struct Place {
@@ -22,7 +24,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// So many pairs (at most a line's length) further, from the line's end back to its beginning.
+    /// Place `pairs` further, at most a line's length, from the line's end back to its beginning.
     pub(super) fn after(self, pairs: u16, line: &Place) -> Self {
         match self.left.checked_sub(pairs) {
             Some(left @ 1..) => Self { at: self.at + pairs, left },
@@ -41,7 +43,7 @@ pub(super) struct Sound<T> {
     pub(super) output: [[T; 2]; BLOCK_FRAMES],
 }
 
-/// All that a block of a network reads and writes.
+/// Everything that a block of a network reads and writes.
 #[derive(Debug)]
 pub struct NetworkTick<'a, T: Stored> {
     /// The lines, one behind another.
@@ -49,21 +51,24 @@ pub struct NetworkTick<'a, T: Stored> {
     pub(super) lines: &'a [Place; LINES],
     pub(super) places: &'a mut [Place; LINES],
     pub(super) sound: &'a mut Sound<T>,
-    /// The moving angles, how many frames each is for (a power of two, at most 16), and the fixed one.
+    /// Moving angles, the number of frames for each (a power of two, at most 16), and the fixed
+    /// angle.
     pub(super) turns: (&'a [T::Turn], usize, T::Turn),
-    /// Whether it is watched for loud values ([`Stored::watched`]), or for values that keep the level from being lowered.
+    /// True if loud values are watched for ([`Stored::watched`]); if false, values that keep the
+    /// level from being lowered.
     pub(super) busy: bool,
     pub(super) input: &'a [i32],
-    /// Input is taken times `2^shift · gain / 2^32`, in 2^-16 steps; the gain grows by a part of itself (Q32) a sample.
+    /// Factor `2^shift · gain / 2^32` of the input, in 2^-16 steps; the gain grows by a part of
+    /// itself (Q32) a sample.
     pub(super) input_shift: u32,
     pub(super) input_gain: [i32; 2],
     pub(super) out: &'a mut [[i32; 2]],
-    /// The gain of the outputs, as [`Stored::times`] has it, which loses a part of itself (Q32) a sample.
+    /// Gain of the outputs for [`Stored::times`], which loses a part of itself (Q32) a sample.
     pub(super) output_gain: [i32; 2],
     pub(super) radiation: Radiation,
 }
 
-/// What becomes of the outputs.
+/// Treatment of the outputs.
 #[derive(Clone, Copy, Debug)]
 #[repr(u32)]
 pub(super) enum Radiation {

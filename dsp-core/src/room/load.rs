@@ -50,7 +50,7 @@ impl<'m, T: Sample> Room<'m, T> {
         })
     }
 
-    /// Takes the memory of a room and of what it is made of; `None` from an account.
+    /// Takes the memory of a room and of its structure; `None` from an account.
     ///
     /// # Errors
     /// [`OutOfMemory`].
@@ -61,8 +61,8 @@ impl<'m, T: Sample> Room<'m, T> {
         Ok(Some(place))
     }
 
-    /// Derives the room of bands, from the lowest up, in the memory that was taken for its [`size`](Self::size) with as many
-    /// `samples`, and begins in silence.
+    /// Derives the room of bands, from the lowest up, in the memory that was taken for its
+    /// [`size`](Self::size) with as many `samples`, and begins in silence.
     ///
     /// # Errors
     /// A [`RoomError`]; the room is then not to be played.

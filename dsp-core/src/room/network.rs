@@ -1,4 +1,5 @@
-//! One band's feedback delay network: four lines of pairs, an orthogonal mix that slowly turns, and a level that decays beside it.
+//! Feedback delay network of a band: four lines of pairs, an orthogonal mix that slowly turns, and
+//! a level that decays beside it.
 //!
 //! ```text
 //!        ┌────────────────────────────────────────────────────────────────┐
@@ -7,23 +8,29 @@
 //!                                        └─► difference · level ─► left, right
 //! ```
 //!
-//! **The decay.** All lines lose the same decibels a second, so that every resonance of the band has exactly the table's T60. That loss is the same for all
-//! that the network holds, whenever it came in: the lines lose nothing, and a [`Level`](super::level) falls by `e^{-d t}` instead. What comes in is divided by it, what goes
-//! out is multiplied by it. A tail so keeps all its 16 bits however quiet it is.
+//! **The decay.** All lines lose the same decibels a second, so that every resonance of the band
+//! has exactly the table's T60. That loss is the same for the whole content of the network,
+//! whenever it came in. So the lines lose nothing, and a [`Level`](super::level) falls by
+//! `e^{-d t}` instead: inputs are divided by it, outputs multiplied. A tail so keeps all its 16
+//! bits however quiet it is.
 //!
-//! **The mix.** A line holds pairs (a, b), which on a Cortex-M4F are two halves of a word: `(c a + s b, s a - c b)` is two instructions, and a mix of four words by
-//! saturating additions is eight. Lines 0 and 3 reflect their pairs as above, 1 and 2 rotate them, `(c a - s b, s a + c b)`; 2 and 3 then swap halves. So the four spread what the halves differ
-//! in: were all alike, one side would keep more than its part for a while, and its T60 would be off by 5 % in narrow bands. The angles of lines 0 and 2 turn
-//! with time, which moves the resonances before one can stand out; lines 1 and 3 have one angle. The mix is orthogonal at each moment, hence never adds energy.
+//! **The mix.** A line holds pairs (a, b), which on a Cortex-M4F are two halves of a word:
+//! `(c a + s b, s a - c b)` is two instructions, and a mix of four words by saturating additions is
+//! eight. Lines 0 and 3 reflect their pairs so, 1 and 2 rotate them, `(c a - s b, s a + c b)`; 2
+//! and 3 then swap halves. So the four spread the difference of the halves: if all were alike, one
+//! side would keep more than its part for a while, and its T60 would be off by 5 % in narrow bands.
+//! The angles of lines 0 and 2 turn with time, which moves the resonances before one can stand out;
+//! lines 1 and 3 have one angle. The mix is orthogonal at each moment, hence never adds energy.
 //!
-//! **Both sides.** Line 3's fixed angle, 25.5°, turns the first echo of a pair of equals to the right: its
-//! right half has 9 dB more. What follows is even, so that left was 0.5 to 1.3 dB below right over
-//! all. So the input is no pair of equals: it is 20° from that, where first echoes of all lines
-//! together are even in the mean over delays, decays and the swing's angles. What rings late is
-//! the same whatever the input's direction.
+//! **Both sides.** Line 3's fixed angle, 25.5°, turns the first echo of a pair of equals to the
+//! right: its right half has 9 dB more. Later echoes are even, so that left was 0.5 to 1.3 dB below
+//! right over all. So the input is no pair of equals: it is 20° from that, where first echoes of
+//! all lines together are even in the mean over delays, decays and the swing's angles. The late
+//! sound is the same whatever the input's direction.
 //!
-//! **Nothing wraps.** A rotation's sum is at most `√2 · 2^15 · 2^15 < 2^30.5`; all other sums saturate. A full-scale impulse puts at most `2^13.6` into each value
-//! and cannot saturate any: each mix spreads what there is.
+//! **Nothing wraps.** A rotation's sum is at most `√2 · 2^15 · 2^15 < 2^30.5`; all other sums
+//! saturate. A full-scale impulse puts at most `2^13.6` into each value and cannot saturate any:
+//! each mix spreads the energy.
 
 use super::dimensions::{BLOCK_FRAMES, LINES};
 use super::level::{Level, LevelState};
@@ -33,27 +40,29 @@ use super::sample::Sample;
 use super::turn::{TURN_FRAMES, Turn};
 use crate::fixed;
 
-/// Sine and cosine of the angle of lines 1 and 3: of all pairs near it the one whose squares sum up to 1 within 3e-8, in 15 bits.
+/// Sine and cosine of the angle of lines 1 and 3 in 15 bits: of all pairs near it the one whose
+/// squares sum up to 1 within 3e-8.
 const ANGLE: [i32; 2] = [14_111, 29_574];
 
-/// A network's fixed numbers.
+/// Constants of a network.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NetworkConfig {
-    /// The lines' beginnings and lengths.
+    /// Beginnings and lengths of the lines.
     lines: [Place; LINES],
     ages: [Age; LINES],
     level: Level,
     block: u8,
-    /// Samples that are mixed by one angle.
+    /// Number of samples that are mixed by one angle.
     turn_samples: u8,
 }
 
-/// When what a block reads was stored.
+/// Age of a line's pairs when a block reads them.
 #[derive(Clone, Copy, Debug)]
 struct Age {
-    /// Blocks since the first pair that a block reads was stored.
+    /// Number of blocks since the first pair that a block reads was stored.
     blocks: u8,
-    /// Pairs that the block reads before it comes to those that were stored a block later; a whole block where it does not.
+    /// Number of pairs that the block reads before those that were stored a block later; a whole
+    /// block if there are none.
     seam: u8,
 }
 
@@ -65,10 +74,10 @@ impl Age {
     }
 }
 
-/// What a network remembers besides its lines.
+/// State of a network besides its lines.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NetworkState {
-    /// Where each line is read and written next.
+    /// Places at which the lines are read and written next.
     places: [Place; LINES],
     level: LevelState,
 }
@@ -104,18 +113,19 @@ impl NetworkConfig {
         }
     }
 
-    /// All lines at their beginnings, and silent.
+    /// Silent state, with all lines at their beginnings.
     pub(super) fn silent(&self) -> NetworkState {
         NetworkState { places: self.lines, ..NetworkState::SILENT }
     }
 
-    /// Whether a block can be left out: all is silent, and so is what would be heard of the input.
+    /// True if a block can be left out: all is silent, and the input would be inaudible.
     #[inline(always)]
     pub(super) fn sleeps(&self, state: &NetworkState, input_bits: i32) -> bool {
         state.level.is_asleep() && !self.level.is_audible(input_bits)
     }
 
-    /// A block: `input` in Q4.27, at most ±2.0, its block long and of `input_bits`; the output is added to `out`, or put there. Whether there was one.
+    /// Renders a block: `input` in Q4.27, at most ±2.0, with sizes of `input_bits`. The output is
+    /// added to `out`, or put there. True if there was one.
     pub(super) fn render<T: Sample>(
         &self,
         state: &mut NetworkState,
@@ -161,7 +171,7 @@ impl NetworkConfig {
         true
     }
 
-    /// A block that nothing is heard of: what it would read is cleared.
+    /// Lets an inaudible block pass, which clears all that it would read.
     #[cold]
     fn drain<T: Sample>(&self, state: &mut NetworkState, memory: &mut [[T; 2]]) {
         let block = u16::from(self.block);
@@ -172,7 +182,7 @@ impl NetworkConfig {
         self.level.drain(&mut state.level);
     }
 
-    /// Brings what this block will read to today's level, where it was stored at another.
+    /// Brings the values that this block will read to the present level.
     #[inline(never)]
     fn settle<T: Sample>(&self, state: &NetworkState, memory: &mut [[T; 2]]) {
         let block = u16::from(self.block);
@@ -193,7 +203,7 @@ fn settle<T: Sample>(memory: &mut [[T; 2]], line: &Place, place: Place, count: u
     let to_end = count.min(place.left);
     for (at, count) in [(place.at, to_end), (line.at, count - to_end)] {
         let Some(words) = memory.get_mut(usize::from(at)..usize::from(at) + usize::from(count)) else { return };
-        // Below -16 bits, nothing is left of 16; of 32, nothing that is heard.
+        // Below -16 bits, no bit of 16 is left; of 32, no audible one.
         match rise {
             ..-16 => words.fill([T::ZERO; 2]),
             _ => T::scale(words, rise),
@@ -201,13 +211,14 @@ fn settle<T: Sample>(memory: &mut [[T; 2]], line: &Place, place: Place, count: u
     }
 }
 
-/// A block's angles as the lines' samples are multiplied by them.
+/// Angles of a block, as the lines' samples are multiplied by them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turns<T: Sample> {
-    /// Of each sixteenth frame.
+    /// Angles of each sixteenth frame.
     moving: [T::Turn; BLOCK_FRAMES / TURN_FRAMES],
-    /// Of each 32nd, for some slower bands. Were they held for longer, their steps would spread what rings in one band over its neighbours, 31 dB down at an
-    /// eighth of the rate and sixteen samples a step.
+    /// Angles of each 32nd frame, for some slower bands. Held for longer, their steps would spread
+    /// a band's sound over its neighbours, 31 dB down at an eighth of the rate and sixteen samples
+    /// a step.
     half: [T::Turn; BLOCK_FRAMES / TURN_FRAMES / 2],
     fixed: T::Turn,
 }
@@ -219,21 +230,23 @@ impl<T: Sample> Turns<T> {
         fixed: T::NO_TURN,
     };
 
-    /// Those of a block.
+    /// Angles of a block.
     pub(super) fn new(turn: &Turn) -> Self {
         let moving = turn.steps().map(T::turn);
         let [a, _, b, _, c, _, d, _] = moving;
         Self { moving, half: [a, b, c, d], fixed: T::turn(ANGLE.map(|value| value << 16)) }
     }
 
-    /// Those of a band whose block is so many samples: moving, samples that each is for, fixed.
+    /// Angles of a band whose block has `block` samples: moving ones, the number of samples for
+    /// each, and the fixed one.
     fn of(&self, block: usize, samples: usize) -> (&[T::Turn], usize, T::Turn) {
         let moving: &[T::Turn] = if samples * self.moving.len() == block { &self.moving } else { &self.half };
         (moving, samples, self.fixed)
     }
 }
 
-/// Adds outputs times a gain above what [`Sample::times`] holds, by so many bits, or puts them there.
+/// Adds outputs to `out`, or puts them there, times a gain that exceeds
+/// [`Stored::times`](super::storage::Stored::times) by `shift` bits.
 #[cold]
 fn radiate_loud<T: Sample>(output: &[[T; 2]], [gain, loss]: [i32; 2], shift: u32, out: &mut [[i32; 2]], add: bool) {
     let mut gain = gain;

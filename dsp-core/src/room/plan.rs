@@ -9,34 +9,39 @@ use super::turn::TURN_FRAMES;
 use crate::SampleRate;
 use crate::table::layout::RoomBandRecord;
 
-/// Highest edge of a band that may run at a rate, of that rate, of few bands and of more: the lower it is, the weaker are the images that doubling leaves.
+/// Highest edge of a band that may run at a rate, of that rate, of few bands and of more. The lower
+/// it is, the weaker are the images that doubling leaves.
 const FEW_BANDS_EDGE: f64 = 0.42;
 const EDGE: f64 = 0.35;
-/// Of so few bands none is slower than this: doublings cost more than it saves.
+/// Number of bands up to which none is slower than [`FEW_BANDS_DIVISION`]: doublings cost more than
+/// that saves.
 const FEW_BANDS: usize = 4;
 const FEW_BANDS_DIVISION: usize = 8;
-/// A network's delays add up to this part of its T60 ...
+/// Sum of a network's delays over its T60 ...
 const DELAY_OF_T60: f64 = 0.15;
-/// ... or to what makes this many resonances in its band, so that a narrow one does not beat, whichever is longer.
+/// ... or number of resonances in its band, so that a narrow one does not beat, whichever takes
+/// longer delays.
 const RESONANCES: f64 = 100.0;
-/// Longest delays of the highest band, in seconds: short enough for a thousand echoes a second within 100 ms.
+/// Longest delays of the highest band, in seconds: short enough for a thousand echoes a second
+/// within 100 ms.
 const DENSE_S: f64 = 0.16;
 /// Ratio of neighbouring delays.
 const RATIO: f64 = 1.4;
-/// One band's network.
+/// Plan of a band's network.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BandPlan {
-    /// It runs at the rate divided by this: 1, 2, 4 ... 32.
+    /// Division of the rate at which it runs: 1, 2, 4 ... 32.
     pub division: usize,
     /// Its upper edge, of its own rate.
     pub to: f64,
-    /// The split at its lower edge; none for the lowest band.
+    /// Split at its lower edge; none for the lowest band.
     pub split: Split,
-    /// Delays of its lines of pairs at its own rate, distinct primes, rising: what sounds is read from the two longest. Read from the
-    /// two shortest, it would begin 10 ms earlier, but late spectra would stand 2.5 dB further above
-    /// their mean (16 KB), and 16-bit lines would keep 7 dB less of a tail of 20 s.
+    /// Delays of its lines of pairs at its own rate, distinct primes, rising. The sound is read
+    /// from the two longest. Read from the two shortest, it would begin 10 ms earlier, but late
+    /// spectra would stand 2.5 dB further above their mean (16 KB), and 16-bit lines would keep 7
+    /// dB less of a tail of 20 s.
     pub delays: [usize; LINES],
-    /// Samples that are mixed by one angle.
+    /// Number of samples that are mixed by one angle.
     pub turn_samples: usize,
     /// Decay in nepers a sample at its own rate.
     pub decay_per_sample: f64,
@@ -55,7 +60,7 @@ impl BandPlan {
         output: 0.0,
     };
 
-    /// Samples of a block.
+    /// Number of samples of a block.
     pub(super) fn block(&self) -> usize {
         BLOCK_FRAMES / self.division
     }
@@ -113,7 +118,7 @@ pub(super) fn plan(
         let own_rate = hz / plan.division as f64;
         let decay_per_s = f64::from(record.decay_per_s.get());
         plan.delays = delays(0.5 * delay_s * own_rate, plan.block());
-        // Of few bands the slower ones have no cycles for finer steps.
+        // The slower ones of few bands have no cycles for finer steps.
         let coarse = bands.len() <= FEW_BANDS && plan.division > 1;
         plan.turn_samples = (if coarse { 2 * TURN_FRAMES } else { TURN_FRAMES } / plan.division).max(1);
         plan.decay_per_sample = decay_per_s / own_rate;
@@ -136,7 +141,8 @@ fn edges_hz(bands: &[RoomBandRecord], band: usize, hz: f64) -> (f64, f64) {
     (edge(band), edge(band + 1))
 }
 
-/// Where the highest of the bands that run at the rate over `division`, or slower, ends: of that rate. 0 where none does.
+/// Upper end of the highest of the bands that run at the rate over `division`, or slower, of that
+/// rate. 0 if there is none.
 pub(super) fn highest_end(plans: &[BandPlan; MAX_BANDS], division: usize) -> f64 {
     let slow = plans.iter().filter(|plan| plan.division >= division);
     slow.map(|plan| plan.to * division as f64 / plan.division as f64).fold(0.0, f64::max)
@@ -148,10 +154,11 @@ fn side(record: &RoomBandRecord) -> Side {
     Side { decay_per_s, energy: gain * gain / (2.0 * decay_per_s) }
 }
 
-/// Plans the splits. Gives the factors of the bands' energies that make up for what they lose beyond their edges, and for what their neighbours add within them.
+/// Plans the splits. Gives the factors of the bands' energies that make up for their losses beyond
+/// their edges, and for their neighbours' additions within them.
 fn split(plans: &mut [BandPlan; MAX_BANDS], bands: &[RoomBandRecord], hz: f64) -> [f64; MAX_BANDS] {
     let sections = sections(plans, bands);
-    // What is in a band from `from_hz` to the next one: its own, and its neighbours', times hertz.
+    // Energy between a band's edges: its own, and its neighbours', times hertz.
     let (mut own, mut others) = ([0.0; MAX_BANDS], [0.0; MAX_BANDS]);
     for (band, own) in own.iter_mut().enumerate().take(bands.len()) {
         let (from_hz, to_hz) = edges_hz(bands, band, hz);
@@ -188,7 +195,8 @@ fn split(plans: &mut [BandPlan; MAX_BANDS], bands: &[RoomBandRecord], hz: f64) -
     factors
 }
 
-/// Sections of the splits, from the lowest edge up: those that are wanted, as far as the cycles reach; the lowest edges first, where a section costs least.
+/// Numbers of sections of the splits, from the lowest edge up: as wanted, as far as the cycles
+/// reach; the lowest edges first, where a section costs least.
 fn sections(plans: &[BandPlan; MAX_BANDS], bands: &[RoomBandRecord]) -> [usize; MAX_BANDS] {
     let mut sections = [LEAST_SECTIONS; MAX_BANDS];
     let limit = if bands.len() <= FEW_BANDS { FEW_BANDS_CYCLES } else { CYCLES };
@@ -214,7 +222,8 @@ fn cycles(plans: &[BandPlan; MAX_BANDS], bands: usize) -> usize {
     networks.chain(splits).sum::<usize>() + ends + if slow { DOUBLING_CYCLES[0] * PARTS } else { 0 }
 }
 
-/// Cuts the wishes (seconds of delay, all lines of a band together) to what the memory holds: the same limit for all.
+/// Cuts the wishes (seconds of delay, all lines of a band together) to the memory: the same limit
+/// for all.
 fn share(delays_s: &mut [f64; MAX_BANDS], plans: &[BandPlan; MAX_BANDS], hz: f64, words: usize) {
     let needed = |limit: f64| {
         let each = delays_s.iter().zip(plans).map(|(delay_s, plan)| delay_s.min(limit) * hz / plan.division as f64);
@@ -266,37 +275,44 @@ fn is_prime(n: usize) -> bool {
     n > 1 && (2..).take_while(|d| d * d <= n).all(|d| !n.is_multiple_of(d))
 }
 
-/// What makes the impulse response's energy the law's, `g²/(2 d)` for g = 1.
+/// Gain that makes the impulse response's energy the law's, `g²/(2 d)` for g = 1.
 ///
-/// Energy flows as through a network of pipes: each value's output is spread evenly over all. With an input that puts `INPUT²` into each value in the mean, each
-/// is given `P = INPUT² / (1 - Σ 2 G_j / 8)` in all (G the lines' squared gains), and an output, the difference of a value of line 2 and one of line 3, is
-/// `(G_2 + G_3) P`. The feed gives half the energy of both sides together, the law is what one side gets of `(L² + R²)/2`: a quarter of
-/// left and right, added up by [chains](super::feed), is `√(L² + R²)/4`, where splits take half of `√((L² + R²)/2)`: less by √2.
+/// Energy flows as through a network of pipes: each value's output is spread evenly over all. With
+/// an input that puts `INPUT²` into each value in the mean, each gets
+/// `P = INPUT² / (1 - Σ 2 G_j / 8)` in all (G the lines' squared gains), and an output, the
+/// difference of a value of line 2 and one of line 3, is `(G_2 + G_3) P`. The feed gives half the
+/// energy of both sides together, the law the share of one side of `(L² + R²)/2`. A quarter of left
+/// and right, added up by [chains](super::feed), is `√(L² + R²)/4`, where splits take half of
+/// `√((L² + R²)/2)`: less by √2.
 fn output_gain(plan: &BandPlan, decay_per_s: f64) -> f64 {
     let [a, b, c, d] = plan.delays.map(|delay| libm::exp(-2.0 * plan.decay_per_sample * delay as f64));
     let given = INPUT_GAIN * INPUT_GAIN / (1.0 - (a + b + c + d) / LINES as f64);
     libm::sqrt(2.0 / (2.0 * decay_per_s * (c + d) * given))
 }
 
-/// Cycles of a split of two sections, of a network, and of doubling to the full rate: a sample, and beginnings and ends.
+/// Cycles of a split of two sections, of a network, and of doubling to the full rate: a sample, and
+/// beginnings and ends.
 const SPLIT_CYCLES: [usize; 2] = [34, 300];
 const NETWORK_CYCLES: [usize; 2] = [56, 900];
 const DOUBLING_CYCLES: [usize; 2] = [28, 500];
-/// Of a further section a sample; of the exchange with the bus a frame, and of all that is done once a block, a band and frame.
+/// Cycles of a further section a sample; of the exchange with the bus a frame; and of all work that
+/// is done once a block, a band and frame.
 const SECTION_CYCLES: usize = 10;
 const FRAME_CYCLES: usize = 61;
 const BAND_CYCLES: usize = 12;
-/// Parts that a cycle is counted in: a slow band's share is not whole.
+/// Parts of a cycle that are counted: a slow band's share is not whole.
 const PARTS: usize = SLOWEST;
-/// What splits may bring a room of few bands to, and of more.
+/// Largest cycles of a room of few bands with its splits, and of more bands.
 const FEW_BANDS_CYCLES: usize = 285 * PARTS;
 const CYCLES: usize = 715 * PARTS;
-/// Gain of a band that says 0, as splits see it.
+/// Gain, as splits see it, of a band whose gain is 0.
 const LEAST_GAIN: f64 = 1e-4;
-/// Least factor of a band's energy: within its edges by a sixth of an octave, a band is as loud as the table says.
+/// Least factor of a band's energy: within its edges by a sixth of an octave, a band is as loud as
+/// the table says.
 const LEAST_FACTOR: f64 = 0.9;
 
-/// Where each tick's part of the work on a block is best cut: for each band from the highest down its split and its answer, and then the doublings.
+/// Best cuts of the work on a block into a part a tick: for each band from the highest down its
+/// split and its answer, and then the doublings.
 pub(super) fn part_ends(plans: &[BandPlan; MAX_BANDS], count: usize) -> [u8; TICKS] {
     let cost = |item: usize| {
         let plan = plans.get(count.wrapping_sub(1 + item / 2));
@@ -324,7 +340,7 @@ pub(super) fn part_ends(plans: &[BandPlan; MAX_BANDS], count: usize) -> [u8; TIC
         }
         (item == items).then_some(ends)
     };
-    // The least that every part keeps within, in steps of a few cycles a frame.
+    // The least cost that every part keeps within, in steps of a few cycles a frame.
     let all = (0..items).map(cost).sum::<usize>();
     (0..=all / 64).find_map(|step| cut(step * 64 + 64)).unwrap_or([items as u8; TICKS])
 }

@@ -6,8 +6,9 @@ use super::storage::Stored;
 
 /// A sample of a room's delay lines: `i16` or `i32`.
 pub trait Sample: Stored + sealed::Sealed {
-    /// Lets a tick pass through a network. Whether, where it is `busy`, something watched is beyond the bits that raise the level; otherwise whether something
-    /// that is stored is beyond those up to which it may be lowered.
+    /// Lets a tick pass through a network. If the tick is `busy`, true if a watched value is beyond
+    /// the bits that raise the level; otherwise true if a stored value is beyond those up to which
+    /// it may be lowered.
     fn network(tick: NetworkTick<'_, Self>) -> bool;
 
     /// Doubles all, saturated, or halves all as often as `rise` is below 0.

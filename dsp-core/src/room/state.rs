@@ -1,4 +1,4 @@
-//! A room: its memory and its state.
+//! A room's memory and state.
 
 use super::dimensions::{BLOCK_FRAMES, RATES, TICKS};
 use super::feed::Feed;
@@ -14,47 +14,49 @@ use super::upsample::{Upsampler, UpsamplerState};
 pub struct Room<'m, T: Sample> {
     /// The table's bands, from the lowest up.
     pub(super) bands: &'m mut [Band],
-    /// From a rate to twice it, each by the number of halvings; the first is not used.
+    /// Doublings from a rate to twice it, each by the number of halvings; the first is not used.
     pub(super) upsamplers: [Upsampler; RATES],
     pub(super) upsampler_states: [UpsamplerState; RATES],
-    /// Doublings from the lowest band's rate.
+    /// Number of doublings from the lowest band's rate.
     pub(super) levels: usize,
     pub(super) turn: Turn,
-    /// Makes one signal of both sides.
+    /// Maker of one signal of both sides.
     pub(super) feed: Feed,
-    /// Half of what comes in during this block, and of what is worked on: by turns.
+    /// Half of the input of this block, and of the block that is worked on: by turns.
     pub(super) inputs: [&'m mut [i32]; 2],
-    /// What goes out in this block, and what is worked on: by turns.
+    /// Output of this block, and of the block that is worked on: by turns.
     pub(super) outputs: [&'m mut [[i32; 2]]; 2],
-    /// Which of both comes in and goes out.
+    /// True if the second ones are those of this block.
     pub(super) side: bool,
-    /// Outputs of the lower rates: the upper half at half the rate, below it a quarter, and so on; at 1/32 from the fifth element on.
+    /// Outputs of the lower rates: the upper half at half the rate, below it a quarter, and so on;
+    /// at 1/32 from the fifth element on.
     pub(super) rates: &'m mut [[i32; 2]],
-    /// Or of what this block's sides have been.
+    /// Or of this block's samples of both sides.
     pub(super) dry: u32,
-    /// True if this block's input, or that of the block which is worked on, may be other than zeros.
+    /// True if this block's input, or that of the block which is worked on, may be other than
+    /// zeros.
     pub(super) heard: bool,
     pub(super) worked: bool,
-    /// How far the work is, and where each tick's part of it ends.
+    /// Progress of the work, and the ends of each tick's part of it.
     pub(super) work: Work,
     pub(super) part_ends: [u8; TICKS],
-    /// Frames of this block that have passed.
+    /// Number of frames of this block that have passed.
     pub(super) passed: usize,
-    /// Whether nothing sounds and nothing has come in since.
+    /// True if nothing sounds and no input has come since.
     pub(super) silent: bool,
-    /// Blocks by which the turn is late.
+    /// Number of blocks by which the turn is late.
     pub(super) silent_blocks: u32,
     pub(super) scratch: Option<&'m mut Scratch<T>>,
     /// Pairs of samples of all delay lines.
     pub(super) lines: &'m mut [[T; 2]],
 }
 
-/// What a tick needs for itself; here, so that it is neither on the stack nor cleared each time.
+/// Scratch memory of a tick; here, so that it is neither on the stack nor cleared each time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scratch<T: Sample> {
     pub(super) high: [i32; BLOCK_FRAMES],
     pub(super) sound: Sound<T>,
-    /// The angles of the block that is worked on.
+    /// Angles of the block that is worked on.
     pub(super) turns: Turns<T>,
 }
 
@@ -66,6 +68,7 @@ impl<T: Sample> Scratch<T> {
     };
 }
 
+/// A band: the split at its lower edge, and its network.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Band {
     pub(super) config: NetworkConfig,
@@ -73,9 +76,9 @@ pub(super) struct Band {
     pub(super) split: Split,
     pub(super) split_state: SplitState,
     pub(super) division: u8,
-    /// Whether the next lower band runs at a lower rate.
+    /// True if the next lower band runs at a lower rate.
     pub(super) thins: bool,
-    /// Pairs of delay, all lines together, and where they begin.
+    /// Number of pairs of delay, all lines together, and the place at which they begin.
     pub(super) pairs: u16,
     pub(super) start: u16,
 }
@@ -120,17 +123,17 @@ impl<T: Sample> Room<'_, T> {
         }
     }
 
-    /// Whether nothing sounds: until something comes in, nothing goes out.
+    /// True if nothing sounds: until input comes, nothing goes out.
     pub fn is_silent(&self) -> bool {
         self.silent
     }
 
-    /// Number of bands; 0 where there is no room.
+    /// Number of bands; 0 without a room.
     pub fn band_count(&self) -> usize {
         self.bands.len()
     }
 
-    /// Back to silence, where a network that sleeps has cleared its lines.
+    /// Goes back to silence. A network that sleeps has cleared its lines.
     pub(super) fn clear(&mut self) {
         for band in &mut *self.bands {
             (band.state, band.split_state) = (band.config.silent(), SplitState::SILENT);
@@ -144,18 +147,19 @@ impl<T: Sample> Room<'_, T> {
     }
 }
 
-/// How far the work on a block is.
+/// Progress of the work on a block.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Work {
-    /// What comes next: for each band from the highest down its split and its answer, and then the doublings.
+    /// Next item: for each band from the highest down its split and its answer, and then the
+    /// doublings.
     pub(super) next: usize,
-    /// Bits of the largest size in what was parted last.
+    /// Bits of the largest size in the last split's output.
     pub(super) bits: i32,
-    /// What the input has been thinned to.
+    /// Division of the rate to which the input has been thinned.
     pub(super) division: usize,
-    /// The rates at which there is an answer.
+    /// True for the rates at which there is an answer.
     pub(super) written: [bool; RATES],
-    /// Whether all bands were asleep.
+    /// True if all bands were asleep.
     pub(super) asleep: bool,
     pub(super) begun: bool,
 }
@@ -165,7 +169,7 @@ impl Work {
         Self { next: 0, bits: 0, division: 1, written: [false; RATES], asleep: true, begun: false };
 }
 
-/// What comes in or goes out, and what is worked on.
+/// The buffer of this block, and the one of the block that is worked on.
 pub(super) fn turned<'b, B>([a, b]: &'b mut [&mut [B]; 2], side: bool) -> [&'b mut [B]; 2] {
     if side { [b, a] } else { [a, b] }
 }

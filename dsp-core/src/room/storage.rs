@@ -1,23 +1,24 @@
-//! What the delay lines are kept in: 16 bits, or 32 bits. Both stand for the same: 32 bits are 16 with 16 more behind them.
+//! Storage of delay lines: 16 bits, or 32 bits, which are 16 with 16 finer ones behind them.
 
 use super::dimensions::LINES;
 use crate::fixed;
 
-/// A stored sample of a delay line: a step of a 16-bit sample is what the network's level says, a 32-bit one is 2^16 times finer.
+/// A stored sample of a delay line: the network's level says the size of a step of a 16-bit sample;
+/// a 32-bit one is 2^16 times finer.
 pub trait Stored: Copy {
     /// Silence.
     const ZERO: Self;
-    /// Whether its lines' level is lowered where that leaves it more bits.
+    /// True if its lines' level is lowered when that leaves it more bits.
     const LOWERED: bool;
     /// Sine and cosine of an angle as samples are multiplied by them.
     type Turn: Copy + core::fmt::Debug;
     /// No angle yet.
     const NO_TURN: Self::Turn;
 
-    /// From sine and cosine, Q31.
+    /// Angle from sine and cosine, Q31.
     fn turn(turn: [i32; 2]) -> Self::Turn;
 
-    /// From 2^-16 steps.
+    /// Sample from 2^-16 steps.
     fn input(value: i32) -> Self;
 
     /// `(c a + s b, s a - c b) / 2` of a pair (a, b).
@@ -26,7 +27,7 @@ pub trait Stored: Copy {
     /// `(c a - s b, s a + c b) / 2` of a pair (a, b).
     fn rotate(pair: [Self; 2], turn: &Self::Turn) -> [Self; 2];
 
-    /// Half of it, rounded half up.
+    /// Half the sample, rounded half up.
     fn halve(self) -> Self;
 
     /// `a + b`, saturated.
@@ -35,25 +36,28 @@ pub trait Stored: Copy {
     /// `a - b`, saturated.
     fn subtract(a: Self, b: Self) -> Self;
 
-    /// Times a gain whose 2^16 stands for one bus step (Q4.27) a step of a 16-bit sample.
+    /// The sample times a gain whose 2^16 stands for one bus step (Q4.27) a step of a 16-bit
+    /// sample.
     fn times(self, gain: i32) -> i32;
 
-    /// Whether it is beyond so many bits (sign included, of 16).
+    /// True if the sample is beyond a number of bits (sign included, of 16).
     fn exceeds(self, bits: u32) -> bool;
 
-    /// What of that which is stored is watched, so that the level is raised before any of it saturates. The mix spreads what there is over all lines.
+    /// Stored values that are watched, so that the level is raised before any value saturates. The
+    /// mix spreads the energy over all lines.
     fn watched(stored: &[[Self; 2]; LINES]) -> &[[Self; 2]];
 }
 
-/// Of the 16 bits that are cut off.
+/// Half a step of the 16 bits that are cut off.
 const HALF_STEP: i32 = 1 << 15;
 
-/// The upper 32 bits, rounded half up. A turned pair's sum is below √2 · 2^62: it does not leave 64 bits.
+/// Upper 32 bits, rounded half up. A turned pair's sum is below √2 · 2^62: it does not leave 64
+/// bits.
 fn upper_half(sum: i64) -> i32 {
     ((sum + (1 << 31)) >> 32) as i32
 }
 
-/// Half the memory, and what the assembly is for.
+/// 16 bits: half the memory, and the form of the assembly.
 impl Stored for i16 {
     const ZERO: Self = 0;
     const LOWERED: bool = true;
@@ -66,7 +70,7 @@ impl Stored for i16 {
 
     #[inline(always)]
     fn input(value: i32) -> i16 {
-        // At most 2^30 by what prepares.
+        // `prepare` gives at most 2^30.
         ((value + (1 << 15)) >> 16) as i16
     }
 
@@ -110,14 +114,14 @@ impl Stored for i16 {
         (self ^ (self >> 15)) >> (bits - 1) != 0
     }
 
-    /// One line: what there is a cycle for.
+    /// One line: more would cost more cycles.
     #[inline(always)]
     fn watched([_, stored, ..]: &[[i16; 2]; LINES]) -> &[[i16; 2]] {
         core::slice::from_ref(stored)
     }
 }
 
-/// Twice the memory, for those who have it: rounding at what the bus and the splits have.
+/// 32 bits: twice the memory, and the rounding of the bus and the splits.
 impl Stored for i32 {
     const ZERO: Self = 0;
     const LOWERED: bool = false;

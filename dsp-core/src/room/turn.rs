@@ -1,23 +1,24 @@
-//! The angle that turns the networks' mixes: the same for all bands, a function of time alone.
+//! Turn: the angle of the networks' mixes, the same for all bands and a function of time alone.
 
 use super::dimensions::BLOCK_FRAMES;
 use crate::SampleRate;
 use crate::fixed;
 
-/// Frames that are mixed by the same angle at the full rate.
+/// Number of frames that are mixed by the same angle at the full rate.
 pub(super) const TURN_FRAMES: usize = 16;
-/// The angle swings by this many radians to either side ...
+/// Swing of the angle to either side, in radians.
 const SWING: f64 = 3.0;
-/// ... this many times a second: that moves the resonances by up to 6 Hz, and spreads a steady tone by as much. A wider swing makes a short band's decay uneven.
+/// Swings a second: they move the resonances by up to 6 Hz, and spread a steady tone by as much. A
+/// wider swing makes a short band's decay uneven.
 const SWINGS_HZ: f64 = 1.9;
 
-/// The phase of the swing as a part of a turn, 2^32 = one turn; sine and cosine of the angle as Q31, at the beginning of a block and at its end.
+/// Phase of the swing as a part of a turn, 2^32 = one turn; sine and cosine of the angle as Q31.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
     phase: u32,
-    /// In half a block.
+    /// Phase of half a block.
     speed: u32,
-    /// At the block's beginning, its middle and its end.
+    /// Sine and cosine at the block's beginning, its middle and its end.
     at: [[i32; 2]; 3],
 }
 
@@ -31,7 +32,7 @@ impl Turn {
         turn
     }
 
-    /// A block later, after so many that were silent.
+    /// Goes on by a block, after `silent_blocks` that were silent.
     pub(super) fn advance(&mut self, silent_blocks: u32) {
         if silent_blocks > 0 {
             self.phase = self.phase.wrapping_add(self.speed.wrapping_mul(2).wrapping_mul(silent_blocks));
@@ -41,7 +42,7 @@ impl Turn {
         self.at = [end, self.next(), self.next()];
     }
 
-    /// Half a block further.
+    /// Goes on by half a block.
     fn next(&mut self) -> [i32; 2] {
         self.phase = self.phase.wrapping_add(self.speed);
         self.now()
@@ -53,7 +54,8 @@ impl Turn {
         [sine(angle), sine(angle.wrapping_add(1 << 30))]
     }
 
-    /// Sines and cosines of each sixteenth frame of a block, on the straight lines between those at its beginning, its middle and its end.
+    /// Sines and cosines of each sixteenth frame of a block, on the straight lines between those at
+    /// its beginning, its middle and its end.
     pub(super) fn steps(&self) -> [[i32; 2]; BLOCK_FRAMES / TURN_FRAMES] {
         let [begin, middle, end] = self.at;
         let mut steps = [[0; 2]; BLOCK_FRAMES / TURN_FRAMES];
@@ -74,7 +76,8 @@ impl Turn {
 /// `SWING / 2π` as Q30.
 const SWING_PER_TURN_Q30: i64 = (SWING / (2.0 * core::f64::consts::PI) * 1_073_741_824.0) as i64;
 
-/// Sine of a part of a turn, Q31, a little (2^-22) below what it is, so that a rotation by it never adds energy. Within 4e-7.
+/// Sine of a part of a turn, Q31, a little (2^-22) low, so that a rotation by it never adds energy.
+/// Within 4e-7.
 fn sine(angle: u32) -> i32 {
     // Quarters 1 and 2 mirrored: an angle from -1/4 to 1/4 turn, as Q31 of a quarter.
     let folded = if (angle.wrapping_add(1 << 30) as i32) < 0 { (1u32 << 31).wrapping_sub(angle) } else { angle } as i32;

@@ -1,4 +1,4 @@
-//! The work on a block: cut into a part for each of its ticks.
+//! Rendering, and the work on a block: cut into a part for each of its ticks.
 
 use core::cell::Cell;
 
@@ -30,7 +30,8 @@ impl<T: Sample> Room<'_, T> {
         }
     }
 
-    /// Lets frames of silence pass while the room [is silent](Self::is_silent): what rendering them would do.
+    /// Lets frames of silence pass while the room [is silent](Self::is_silent), with the effect of
+    /// rendering them.
     pub fn pass_silence(&mut self, frames: usize) {
         // While the room is silent its input is zeros throughout.
         let passed = self.passed + frames;
@@ -54,7 +55,7 @@ impl<T: Sample> Room<'_, T> {
         self.silent &= !self.heard;
     }
 
-    /// At a block's end: what came in is worked on, what was worked on goes out.
+    /// Ends a block: its input is worked on, the finished output goes out.
     fn begin(&mut self) {
         self.passed = 0;
         if self.silent {
@@ -71,7 +72,7 @@ impl<T: Sample> Room<'_, T> {
         self.work = Work { begun: true, ..Work::NONE };
     }
 
-    /// At each tick's end: a part of the work on a block.
+    /// Does a tick's part of the work on a block.
     #[inline(never)]
     fn work_on(&mut self) {
         if !self.work.begun {
@@ -95,7 +96,7 @@ impl<T: Sample> Room<'_, T> {
         }
     }
 
-    /// Brings what sounds at lower rates to the full one.
+    /// Brings the sound at lower rates to the full one.
     fn double(&mut self) {
         let [_, full_rate] = turned(&mut self.outputs, self.side);
         let [at_full_rate, written @ ..] = &mut self.work.written;
@@ -123,7 +124,7 @@ impl<T: Sample> Room<'_, T> {
         }
     }
 
-    /// Parts a band from what came in; what lies below it stays.
+    /// Splits a band from the input; the sound below it stays.
     fn split(&mut self, index: usize) {
         let Work { division, bits, .. } = &mut self.work;
         let [_, low] = turned(&mut self.inputs, self.side);
@@ -151,7 +152,7 @@ impl<T: Sample> Room<'_, T> {
         };
     }
 
-    /// Lets a band answer to what was parted for it.
+    /// Lets a band answer to its part of the input.
     fn answer(&mut self, index: usize) {
         let Some(Scratch { high, sound, turns }) = self.scratch.as_deref_mut() else { return };
         let Work { written, asleep, bits, .. } = &mut self.work;
@@ -174,7 +175,7 @@ impl<T: Sample> Room<'_, T> {
     }
 }
 
-/// Without a panic: a division is never 0.
+/// A division without a panic: the divisor is never 0.
 fn quotient(dividend: usize, divisor: usize) -> usize {
     dividend.checked_div(divisor).unwrap_or(0)
 }

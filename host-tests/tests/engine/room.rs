@@ -109,7 +109,10 @@ fn a_room_that_the_rate_or_the_memory_does_not_hold_is_refused_by_name() {
     let high = Kit { room: vec![RoomBand::new(0.0, 0.3, -6.0), RoomBand::new(23_900.0, 0.2, -9.0)], ..dry() };
     let error = refusal(high, setup());
     assert!(matches!(error, LoadError::Room(RoomError::EdgeAboveNyquist { band: 1, .. })), "{error}");
-    assert!(error.to_string().starts_with("the room's band 1: from_hz = 23900: must be below 23520.0"), "{error}");
+    assert!(
+        error.to_string().starts_with("the room's band 1 begins at from_hz = 23900; it must begin below 23520.0"),
+        "{error}"
+    );
     let error = refusal(wet(), Setup { room_samples: 100, ..setup() });
     assert!(matches!(error, LoadError::Room(RoomError::TooFewSamples { capacity: 100, .. })), "{error}");
 }

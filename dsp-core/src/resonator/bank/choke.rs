@@ -1,20 +1,25 @@
-//! A hand on a bank: choke and release.
+//! Choke and release: a hand comes to lie on a bank and goes again.
 //!
-//! **Law.** A hand changes the recursion alone. A mode that it reaches decays by `max(d, ln(1000)/T60)`; what rings keeps its last
-//! two samples, as displacement and velocity of a body do, and what a force injects has the two samples that it has without
-//! a hand. So of `v` nothing changes, and with the radius r going to r' a mode's sine becomes `ρ S + (1 - ρ) C cot θ`, ρ = r'/r.
-//! The coupled form's u is `(v[n] - v[n-1]) / e`: it, and the gain into it, are multiplied by `e/e'`. The shifted forms' u is the
-//! difference itself, and stays.
+//! **Law.** A hand changes the recursion alone. A mode that it reaches decays by
+//! `max(d, ln(1000)/T60)`. A ringing mode keeps its last two samples, as a body keeps its
+//! displacement and velocity, and the injection of a force has the same two samples as without a
+//! hand. So nothing of `v` changes, and with the radius r going to r' a mode's sine becomes
+//! `ρ S + (1 - ρ) C cot θ`, ρ = r'/r. The coupled form's u is `(v[n] - v[n-1]) / e`: it, and the
+//! gain into it, are multiplied by `e/e'`. The shifted forms' u is the difference itself, and
+//! stays.
 //!
-//! **Spread.** A hand reaches [`MODES_PER_TICK`] modes of a bank at each tick behind its event, in the order of the table, counted
-//! without modes at or above Nyquist. An event that comes meanwhile begins anew with the first mode.
+//! **Spread.** A hand reaches [`MODES_PER_TICK`](super::HAND_MODES_PER_TICK) modes of a bank at
+//! each tick after its event, in the order of the table, counted without modes at or above Nyquist.
+//! An event that comes meanwhile begins anew with the first mode.
 //!
-//! **Headroom.** A guard bounds the orbits of the poles that it finds ([`super::super::headroom`]), and the bounds have a
-//! reserve. For the shifted forms it is 4 over the 3.31 that is measured, for v 3 over 2.54. A coupled form's orbit grows by
-//! at most sqrt(2.67) = 1.63, so that its reserve is 3 over 1.63. A change makes at most [`growth_of_change`] of an amplitude:
-//! a bank takes as many passes of a hand between two guards as the reserves of all its modes hold, and must be guarded before
-//! the next. A change is large for low modes, which are of the coupled form: a hand of 100 ms reaches one of 20 Hz.
-//! A bank with a mode so low that not even one pass fits is guarded around each step, with room for the u that grows.
+//! **Headroom.** A guard bounds the orbits of the present poles ([`super::super::headroom`]), and
+//! the bounds have a reserve. For the shifted forms it is 4 over the 3.31 that is measured, for v 3
+//! over 2.54. A coupled form's orbit grows by at most sqrt(2.67) = 1.63, so that its reserve is 3
+//! over 1.63. A change multiplies an amplitude by at most [`growth_of_change`]: a bank takes as
+//! many passes of a hand between two guards as the reserves of all its modes hold, and must be
+//! guarded before the next. A change is large for low modes, which are of the coupled form: a hand
+//! of 100 ms reaches one of 20 Hz. A bank with a mode so low that not even one pass fits is guarded
+//! around each step, with exponents lowered for the u that grows.
 
 use super::super::coefficient::{Pole, change_of_u, decay_of_t60, delta_of_t60, growth_of_change, q32_change_of_u};
 use super::super::group::{MAX_GUARD_TICKS, ticks_to_half_a_bit};
@@ -24,16 +29,18 @@ use super::exchange::LARGEST_SHARE;
 use super::origin::Origin;
 use crate::SampleRate;
 
-/// What the changes between two guards may make of an amplitude of this form. The reserves are 1.18, and 1.83 of the coupled
-/// form; a gain may be [`GAIN_ROOM`] times as large as the guard believes.
+/// Factor by which the changes between two guards may multiply an amplitude of a form. The reserves
+/// are 1.18, and 1.83 of the coupled form; a gain may be [`GAIN_GROWTH`] times as large as the
+/// guard believes.
 const fn reserve(is_coupled: bool) -> f64 {
     if is_coupled { 1.76 } else { 1.13 }
 }
 
-/// What a gain may grow by under a hand: `e/e'` is at most 1.033, where e = 1/2 and 1 - r' = 1/8.
-const GAIN_ROOM: f32 = 1.04;
+/// Factor by which a gain may grow under a hand: `e/e'` is at most 1.033, where e = 1/2 and 1 - r'
+/// = 1/8.
+const GAIN_GROWTH: f32 = 1.04;
 
-/// What a bank knows of its hand.
+/// State of a bank's hand.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChokeState {
     /// True from a choke to its release.
@@ -46,16 +53,16 @@ pub(super) struct ChokeState {
     pub(super) passes: u8,
     /// Ticks without input that are left until all groups have been guarded.
     pub(super) calm_ticks: u8,
-    /// Most bits by which a release may make a u larger.
-    pub(super) room_bits: u8,
+    /// Maximum number of bits by which a release may make a u larger.
+    pub(super) growth_bits: u8,
     /// Ticks in which a mode under the hand decays by half a bit; 0 if the pad cannot be choked.
     pub(super) guard_ticks: u8,
 }
 
 impl ChokeState {
-    /// No hand, and none that can come.
+    /// No hand, on a bank that cannot be choked.
     pub(super) const NONE: Self =
-        Self { lies: false, reached: 0, passes_per_guard: 0, passes: 0, calm_ticks: 0, room_bits: 0, guard_ticks: 0 };
+        Self { lies: false, reached: 0, passes_per_guard: 0, passes: 0, calm_ticks: 0, growth_bits: 0, guard_ticks: 0 };
 
     /// True if the pad can be choked.
     #[inline(always)]
@@ -69,13 +76,13 @@ impl ChokeState {
         if self.lies { self.guard_ticks } else { MAX_GUARD_TICKS as u8 }
     }
 
-    /// All groups have been guarded; a pass that goes on counts from now on.
+    /// Notes a guard of all groups; a pass that goes on counts from now on.
     #[inline(always)]
     pub(super) fn meet_guard(&mut self, is_passing: bool) {
         self.passes = u8::from(is_passing);
     }
 
-    /// Ticks without input have passed.
+    /// Lets ticks without input pass.
     #[inline(always)]
     pub(super) fn pass(&mut self, ticks: u8) {
         if self.passes > 0 {
@@ -87,7 +94,7 @@ impl ChokeState {
     }
 }
 
-/// The hand of a table, while its bank is loaded.
+/// Decay under the hand of a table, while its bank is loaded.
 pub(super) struct Choke {
     delta: i32,
     decay_per_s: f64,
@@ -103,20 +110,20 @@ impl Choke {
         Self { delta: delta_of_t60(table.choke_t60_s, rate), decay_per_s, rate }
     }
 
-    /// What a bank keeps of a pole.
+    /// Origin that a bank keeps for a mode of the table.
     pub(super) fn origin(&self, pole: &Pole, index: u16) -> Origin {
         let choked = pole.coefficients.choked(pole.form, self.delta);
         let share = q32_change_of_u(pole.coefficients, choked, LARGEST_SHARE);
         Origin { share: share.unwrap_or(0), ..Origin::new(pole.form, choked, index) }
     }
 
-    /// What the largest gain may grow by.
-    pub(super) fn gain_room(&self) -> f32 {
-        if self.delta > 0 { GAIN_ROOM } else { 1.0 }
+    /// Factor by which the largest gain may grow.
+    pub(super) fn gain_growth(&self) -> f32 {
+        if self.delta > 0 { GAIN_GROWTH } else { 1.0 }
     }
 
-    /// What the bank of a table knows of it; `origins` are those of its modes.
-    pub(super) fn of(&self, table: &BankTable<'_>, origins: &[Origin], modes: &[Mode]) -> ChokeState {
+    /// Initial state of the hand of a table's bank; `origins` are those of its modes.
+    pub(super) fn state(&self, table: &BankTable<'_>, origins: &[Origin], modes: &[Mode]) -> ChokeState {
         if self.delta == 0 {
             return ChokeState::NONE;
         }
@@ -130,18 +137,19 @@ impl Choke {
         let released = coupled.map(|(origin, mode)| 1.0 + change_of_u(origin.other, mode.coefficients));
         let largest = released.fold(1.0f32, f32::max);
         ChokeState {
-            // Nothing is left to reach before the first hand.
+            // All modes are reached before the first hand.
             reached: u16::MAX,
             passes_per_guard: passes.min().unwrap_or(u8::MAX),
-            // One for the fraction of the logarithm, and two as the states' orbits may stand four times above their guard.
-            room_bits: (libm::frexpf(largest).1 + 2).clamp(2, 30) as u8,
+            // One for the fraction of the logarithm, and two because the states' orbits may stand
+            // four times above their guard.
+            growth_bits: (libm::frexpf(largest).1 + 2).clamp(2, 30) as u8,
             guard_ticks: ticks_to_half_a_bit(self.delta),
             ..ChokeState::NONE
         }
     }
 }
 
-/// Number of changes that a mode's reserve holds, each of which makes at most so much of its amplitude.
+/// Number of changes of a factor `growth` each that the reserve of a mode's form holds.
 fn passes_per_guard(growth: f64, is_coupled: bool) -> u8 {
     let (mut passes, mut product) = (0, growth);
     while product <= reserve(is_coupled) && passes < u8::MAX {
@@ -156,7 +164,7 @@ mod tests {
     use super::super::super::headroom::{GROWTH, GROWTH_OF_V};
     use super::*;
 
-    /// Steps a state of a form without rounding; gives the size of what it comes by.
+    /// Steps a state of a form without rounding; gives the size of the largest state on the way.
     fn step(form: Form, (delta, epsilon): (f64, f64), (u, v): &mut (f64, f64)) -> f64 {
         let scale = f64::from(1 << form.shift());
         *u -= delta * *u;
@@ -210,8 +218,8 @@ mod tests {
             }
         }
         std::println!("{flips} changes: growth {worst:.3} of the state, {worst_v:.3} of v");
-        // A gain that the guard does not know of is larger by its room.
-        let (worst, worst_v) = (worst * f64::from(GAIN_ROOM), worst_v * f64::from(GAIN_ROOM));
+        // A gain may be larger by its growth without the guard knowing.
+        let (worst, worst_v) = (worst * f64::from(GAIN_GROWTH), worst_v * f64::from(GAIN_GROWTH));
         assert!(flips > 100_000 && worst < GROWTH as f64 && worst_v < GROWTH_OF_V as f64, "{worst} {worst_v}");
     }
 
@@ -226,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gain_under_a_hand_grows_by_less_than_its_room() {
+    fn a_gain_under_a_hand_grows_by_less_than_its_bound() {
         let rate = SampleRate::HZ_44100;
         let mut largest = 0.0f32;
         for frequency in (1..=355).map(|n| f64::from(n) * 10.0) {
@@ -238,6 +246,6 @@ mod tests {
                 largest = largest.max(1.0 + change_of_u(pole.coefficients, choked));
             }
         }
-        assert!((1.02..GAIN_ROOM).contains(&largest), "{largest}");
+        assert!((1.02..GAIN_GROWTH).contains(&largest), "{largest}");
     }
 }

@@ -7,17 +7,18 @@ use super::super::mode::Mode;
 use super::origin::{Origin, grown};
 use crate::fixed;
 
-/// Largest share of itself by which a u grows or shrinks for which [`inverse`] holds.
+/// Largest share by which a u grows or shrinks for which [`inverse`] holds.
 pub(super) const LARGEST_SHARE: u32 = 1 << 24;
 
-/// Both numbers of a mode that belong to u grow by a share of themselves.
+/// Grows both numbers of a mode that belong to u by a share of themselves.
 pub(super) fn grow(mode: &mut Mode, share: f32) {
     mode.gain.u = grown(mode.gain.u, share);
     mode.state.u = grown(mode.state.u, share);
 }
 
-/// Gives the modes at these places of the table's order the coefficients that they have with a hand (`LIES`) or without, and calls
-/// `scale` with the slot of each of the coupled form, the mode, its share and the coefficients that it had.
+/// Gives the modes at places of the table's order the coefficients that they have with a hand
+/// (`LIES`) or without. Calls `scale` with the slot of each mode of the coupled form, the mode, its
+/// share and its former coefficients.
 #[inline(always)]
 pub(super) fn exchange<const LIES: bool>(
     modes: &mut [Mode],
@@ -25,7 +26,7 @@ pub(super) fn exchange<const LIES: bool>(
     places: Range<usize>,
     mut scale: impl FnMut(usize, &mut Mode, i32, Coefficients),
 ) {
-    // One length for both: one check a mode.
+    // Both have one length: one check a mode.
     let count = modes.len().min(origins.len());
     let (Some(modes), Some(origins)) = (modes.get_mut(..count), origins.get_mut(..count)) else { return };
     for place in places {
@@ -44,7 +45,7 @@ pub(super) fn exchange<const LIES: bool>(
     }
 }
 
-/// What the hand makes of a mode's u and of the gain into it, both of which its share is of.
+/// Exchanges coefficients, and grows a mode's u and the gain into it by the mode's share.
 #[inline(always)]
 pub(super) fn exchange_quickly<const LIES: bool>(modes: &mut [Mode], origins: &mut [Origin], places: Range<usize>) {
     exchange::<LIES>(modes, origins, places, |_, mode, share, from| {
@@ -52,20 +53,20 @@ pub(super) fn exchange_quickly<const LIES: bool>(modes: &mut [Mode], origins: &m
             return grow_much(mode, from);
         }
         let share = if LIES { share } else { inverse(share) };
-        // A gain has room, and a state stays within the headroom.
+        // A gain has headroom, and a state stays within its own.
         mode.gain.u = mode.gain.u.wrapping_add(fixed::smmulr(mode.gain.u, share));
         mode.state.u = mode.state.u.wrapping_add(fixed::smmulr(mode.state.u, share));
     });
 }
 
-/// A change of a low mode, for which [`inverse`] is not precise enough.
+/// Grows u of a low mode, for which [`inverse`] is not precise enough.
 #[cold]
 #[inline(never)]
 fn grow_much(mode: &mut Mode, from: Coefficients) {
     grow(mode, change_of_u(from, mode.coefficients));
 }
 
-/// `1/(1 + s) - 1` in Q32 for an s below [`LARGEST_SHARE`]: what s makes larger becomes what it was. Within 2^-31.
+/// `1/(1 + s) - 1` in Q32 for an s below [`LARGEST_SHARE`], within 2^-31: undoes the growth by s.
 #[inline(always)]
 fn inverse(share: i32) -> i32 {
     let square = fixed::smmulr(share, share);

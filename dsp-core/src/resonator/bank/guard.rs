@@ -1,31 +1,33 @@
-//! The bookkeeping of a bank: guards, retirement, the mix exponent.
+//! Bookkeeping of a bank: guards, retirement, the mix exponent.
 //!
-//! | when | what |
+//! | when | guarded |
 //! | --- | --- |
-//! | a contact begins | all groups are guarded for the whole of it |
-//! | a tick after other input, if what is left of the allowance is less than twice that input, or 32 times more | all ringing groups are guarded for sixteen times that input |
-//! | the first tick after a tick without, or the second after a contact | all ringing groups fall due |
-//! | then | each group when its fastest mode has decayed by half a bit, at the latest after 64 ticks |
+//! | a contact begins | all groups, for the whole contact |
+//! | a tick after other input X, unless 2X to 64X of the allowance is left | all ringing, for 16X |
+//! | the first tick after one without input, or the second after a contact | all ringing fall due |
+//! | then | each when its fastest mode has lost half a bit, at the latest after 64 ticks |
 //!
-//! A free orbit never outgrows its guard ([`super::super::headroom`]), so that guards without input serve precision and retirement
-//! alone: an exponent that lags by half a bit costs nothing that can be measured. So they are spread over ticks: no tick guards
-//! more groups than [`Bank::guards_per_tick`], about three more than fall due in it on average.
+//! A free orbit never outgrows its guard ([`super::super::headroom`]), so that guards without input
+//! serve precision and retirement alone: an exponent that lags by half a bit costs nothing that can
+//! be measured. So they are spread over ticks: no tick guards more groups than
+//! [`Bank::guards_per_tick`], about three more than fall due in it on average.
 
 use super::super::group::{Group, MAX_GUARD_TICKS};
 use super::super::retirement::Retirement;
 use super::mix::MixShift;
 use super::state::{Bank, for_each_group};
 
-/// The most that can come in a tick: 32 frames of 2^31.
+/// Largest sum of |force| of a tick: 32 frames of 2^31.
 pub(super) const MAX_ALLOWANCE: u64 = 32 << 31;
 
 impl Bank<'_> {
-    /// The bookkeeping of a tick: exponents follow the sound down, modes that have become inaudible retire.
+    /// Does a tick's bookkeeping: exponents follow the sound down, and inaudible modes retire.
     ///
-    /// `retirement` is `None` where nothing may be skipped.
+    /// `retirement` is `None` if nothing may be skipped.
     pub fn tick(&mut self, retirement: Option<&mut Retirement>) {
         self.retired.decay();
-        // What comes is expected to be at most twice what came; if it is more, `render` guards again.
+        // The next input is expected to be at most twice the last one; if it is more, `render`
+        // guards again.
         let expected = core::mem::take(&mut self.spent).saturating_mul(2);
         if self.ringing_modes == 0 {
             self.allowance = 0;
@@ -42,7 +44,8 @@ impl Bank<'_> {
             self.is_covered = false;
             return;
         }
-        // Room that was kept for a loud input costs the mix its last bits: it is given back at once.
+        // Exponents that were lowered for a loud input cost the mix its last bits: they are raised
+        // at once.
         let all = core::mem::take(&mut self.allowance) > 0 && self.mix_shift.bits > 0;
         self.clock = self.clock.wrapping_add(1);
         self.due_ticks = self.due_ticks.saturating_sub(1);
@@ -52,7 +55,7 @@ impl Bank<'_> {
         }
     }
 
-    /// Most groups that a tick guards: under a hand they are due more often.
+    /// Maximum number of groups that a tick guards: under a hand they fall due more often.
     fn most_guards(&self) -> u8 {
         let groups = self.groups.len();
         let longest = usize::from(self.choke.longest_guard_ticks().max(1));
@@ -60,34 +63,36 @@ impl Bank<'_> {
         self.guards_per_tick.max(held.min(usize::from(u8::MAX)) as u8)
     }
 
-    /// Guards all groups for the whole contact that begins, which brings a sum of |force| of `input`. So its force, however it rises, is not
-    /// cut into runs, and the ticks in between have nothing to do.
+    /// Guards all groups for the whole contact that begins, whose |force| sums up to `input`. So
+    /// its force, however it rises, is not cut into runs, and the ticks in between have no work.
     pub fn expect(&mut self, input: u64) {
         let wanted = self.allowance.saturating_add(input);
         self.guard(wanted.min(MAX_ALLOWANCE), true);
         self.is_covered = wanted <= MAX_ALLOWANCE;
     }
 
-    /// Whether the allowance left is enough for an input, and not so much that precision would be wasted.
+    /// True if the rest of the allowance suffices for an input, without being so large that
+    /// precision is wasted.
     #[inline(always)]
     fn allows(&self, expected: u64) -> bool {
         (expected..=32 * expected).contains(&self.allowance)
     }
 
-    /// How many of the coming ticks have nothing to do for the bank, if nothing but time passes: they can be told to it later, by [`Bank::pass`].
+    /// Number of coming ticks in which the bank has no work if it gets no input. The caller may
+    /// count them and call [`Bank::pass`] later.
     pub fn rest_ticks(&self) -> u8 {
         if self.spent > 0 || self.allowance > 0 || self.is_covered || self.is_being_reached() {
             return 0;
         }
         match self.ringing_modes {
             0 if self.retired.amplitude() == 0.0 => u8::MAX,
-            // What may be missing decays, which whoever waits for silence wants to know.
+            // The missing sound decays, which a caller that waits for silence wants to know.
             0 => MAX_GUARD_TICKS as u8,
             _ => self.due_ticks.saturating_sub(1),
         }
     }
 
-    /// So many ticks, at most [`Bank::rest_ticks`], have passed.
+    /// Lets ticks pass, at most [`Bank::rest_ticks`].
     pub fn pass(&mut self, ticks: u8) {
         if self.retired.amplitude() > 0.0 {
             (0..ticks).for_each(|_| self.retired.decay());
@@ -99,7 +104,8 @@ impl Bank<'_> {
         }
     }
 
-    /// Whether the next tick guards any group, if no more input comes before it. `passed` are ticks that the bank has not been told of.
+    /// True if the next tick guards any group, without more input before it. `passed` are ticks
+    /// that the bank has not been told of.
     pub fn is_guard_due(&self, passed: u8) -> bool {
         self.ringing_modes > 0
             && match (self.spent, self.allowance) {
@@ -109,7 +115,7 @@ impl Bank<'_> {
             }
     }
 
-    /// Guards all groups for an allowance of |force|. `all` includes groups at rest.
+    /// Guards all groups for an allowance of |force|, or without `all` only the groups that ring.
     #[inline(never)]
     pub(super) fn guard(&mut self, allowance: u64, all: bool) {
         // No single force can exceed the allowance for their sum.
@@ -127,12 +133,13 @@ impl Bank<'_> {
         self.prepare();
     }
 
-    /// Guards groups whose time has come, at most so many.
+    /// Guards groups that are due, at most `at_most`.
     #[inline(never)]
     fn guard_due(&mut self, mut retirement: Option<&mut Retirement>, at_most: u8) {
         let (clock, mix, longest) = (self.clock, self.mix_shift, self.choke.longest_guard_ticks());
         let (mut left, mut due_ticks) = (at_most, i8::MAX);
-        // While the sum of the groups' bounds leaves room, what one of them decides does not concern the others.
+        // While the sum of the groups' bounds is small enough, the exponent of one group does not
+        // concern the others.
         let mut is_settled = mix.bits == 0 && !mix.is_loud;
         let retired = &mut self.retired;
         for_each_group(self.modes, self.groups, |group, modes| {
@@ -147,7 +154,8 @@ impl Bank<'_> {
                 if let Some(retirement) = retirement.as_mut().filter(|retirement| retirement.is_below(largest_v)) {
                     retirement.consider(group, modes, retired);
                 }
-                // A bound of a free orbit holds for ever: only one that was found anew, or none, changes the sum.
+                // The bound of a free orbit holds for ever: only a new bound, or its end, changes
+                // the sum.
                 is_settled &= group.ringing() && group.exponent() >= exponent;
                 group.scale_mix(0);
                 group.schedule(clock, false, longest);
@@ -173,11 +181,13 @@ impl Bank<'_> {
         self.prepare();
     }
 
-    /// Derives how many groups a tick may guard, from how often each needs it. After load.
+    /// Derives the number of groups that a tick may guard, from the intervals that they need. After
+    /// load.
     pub(super) fn count_guards(&mut self) {
         let groups = &self.groups;
         let due: u32 = groups.iter().map(Group::guards_in_longest_interval).sum();
-        // What falls due on average, one sixteenth of all, so that none is late by more than 16 ticks, and two: each call looks at all.
+        // Guards that fall due on average, one sixteenth of all groups, so that none is late by
+        // more than 16 ticks, and two, because each call looks at all groups.
         let guards = (due + groups.len() as u32 * MAX_GUARD_TICKS / 16) / MAX_GUARD_TICKS + 2;
         self.guards_per_tick = guards.min(u32::from(u8::MAX)) as u8;
     }

@@ -11,22 +11,23 @@ use super::state::Bank;
 use crate::SampleRate;
 use crate::memory::{Lender, OutOfMemory, Region};
 
-/// Number of slices' items that a bank takes from lent memory.
+/// Sizes of the slices that a bank takes from lent memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BankSize {
-    /// Modes below Nyquist.
+    /// Number of modes below Nyquist.
     pub modes: usize,
-    /// Register groups: a sixth of the modes, and up to six more.
+    /// Number of register groups: a sixth of the modes, and up to six more.
     pub groups: usize,
-    /// Modes with an [`Origin`]: all of a bank that can be choked or has several positions, or none.
+    /// Number of modes with an [`Origin`]: all modes of a bank that can be choked or has several
+    /// positions, else 0.
     pub origins: usize,
 }
 
 impl<'m> Bank<'m> {
-    /// Size of the bank of a table at a sample rate. Modes at or above Nyquist are left out.
+    /// Size of the bank of a table at a sample rate, without modes at or above Nyquist.
     ///
     /// # Errors
-    /// A [`BankError`] for a table that no memory has room for.
+    /// A [`BankError`] for a table that no bank can hold.
     pub fn size(table: &BankTable<'_>, rate: SampleRate) -> Result<BankSize, BankError> {
         check_gains(table, rate)?;
         let mut of_form = [0usize; 8];
@@ -59,8 +60,8 @@ impl<'m> Bank<'m> {
 
     /// Derives the bank of a table in the memory that was taken for its [`size`](Self::size).
     ///
-    /// Modes are ordered by side (mirrored or not) and form and, within a form, by how long a typical
-    /// strike keeps them audible, so that modes that end together share a group.
+    /// Modes are ordered by side (mirrored or not) and form and, within a form, by the time for
+    /// which a typical strike keeps them audible, so that modes that end together share a group.
     ///
     /// # Errors
     /// A [`BankError`]; the bank is then not to be played.
@@ -96,13 +97,13 @@ impl<'m> Bank<'m> {
             }
             let gain = gain_law(table, rate, 0.0);
             let gains = orbit_gains(group_slot, |slot| gain(indices.get(slot).copied()), |_, mode| mode.coefficients);
-            group_slot.set_gains(group_modes, choke.gain_room(), gains);
+            group_slot.set_gains(group_modes, choke.gain_growth(), gains);
             group_slot.schedule_guards(group_modes);
             start += count;
         }
         self.count_guards();
         self.second.has_positions = table.positions > 1;
-        self.choke = choke.of(table, self.origins, self.modes);
+        self.choke = choke.state(table, self.origins, self.modes);
         set_order(self.origins);
         self.onset = onset(taken, table, rate);
         Ok(())

@@ -2,17 +2,18 @@
 
 use crate::fixed;
 
-/// How a bank's mix becomes bus samples: a shift left, which undoes the mix exponent.
+/// Shift of a bank's mix to bus samples: a shift left, which undoes the mix exponent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MixShift {
-    /// By how many bits.
+    /// Number of bits.
     pub bits: u8,
-    /// Whether the sum of the modes' bounds exceeds half the bus (+18 dBFS), so that a sample, or its double, may have to be clipped.
+    /// True if the sum of the modes' bounds exceeds half the bus (+18 dBFS), so that a sample, or
+    /// its double, may have to be clipped.
     pub is_loud: bool,
 }
 
 impl MixShift {
-    /// A sample of the mix on the bus.
+    /// Sample of the mix on the bus.
     #[inline(always)]
     pub fn to_bus(self, sample: i32) -> i32 {
         match self.is_loud {

@@ -1,4 +1,5 @@
-//! The modal bank: `y[n] = (1/fs) Σ F[m] h[n-m]`, `h[n] = r^n (gs sin nθ + gc cos nθ)`, the first sample of h at half weight.
+//! Modal bank: `y[n] = (1/fs) Σ F[m] h[n-m]`, `h[n] = r^n (gs sin nθ + gc cos nθ)`, the first
+//! sample of h at half weight.
 
 mod choke;
 mod exchange;

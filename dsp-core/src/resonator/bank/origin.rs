@@ -1,29 +1,30 @@
-//! Origins: the poles of a bank's modes as the table has them.
+//! Origins: a bank's memory of its modes' poles and table places.
 
 use super::super::coefficient::{Coefficients, Form, change_of_u};
 
-/// What a bank needs for a hand and for new positions; only banks that can be choked or have several positions keep it.
+/// Data of a mode for a hand and for new positions; only banks that can be choked or have several
+/// positions keep it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Origin {
-    /// The mode's coefficients that are not in use: those under a hand, or, while one lies there, those without.
+    /// Coefficients of the mode that are not in use: those under a hand, or, while one lies there,
+    /// those without.
     pub(super) other: Coefficients,
-    /// By which share of itself the hand makes a coupled form's u larger, Q32; 0 where it is too large for its inverse to be quick.
+    /// Share of itself by which the hand makes a coupled form's u larger, Q32; 0 if it is too large
+    /// for its quick inverse.
     pub(super) share: i32,
-    /// The mode's index in the table, [`Origin::HELD`] and [`Origin::COUPLED`].
+    /// Index of the mode in the table, with [`Origin::HELD`] and [`Origin::COUPLED`].
     pub(super) index_and_flags: u16,
-    /// Where among the bank's modes that mode lies which has this origin's place in the order of the table.
+    /// Place among the bank's modes of the mode that is at this origin's place in the order of the
+    /// table.
     pub(super) slot: u16,
 }
 
 impl Origin {
-    /// Fills memory before a kit is loaded.
+    /// Origin that fills memory before a kit is loaded.
     pub const NONE: Self = Self { other: Coefficients { delta: 0, epsilon: 0 }, share: 0, index_and_flags: 0, slot: 0 };
-}
-
-impl Origin {
-    /// The mode is under a hand.
+    /// Flag of a mode under a hand.
     pub(super) const HELD: u16 = 1 << 15;
-    /// The mode is of the coupled form.
+    /// Flag of a mode of the coupled form.
     pub(super) const COUPLED: u16 = 1 << 14;
 
     pub(super) fn new(form: Form, choked: Coefficients, index: u16) -> Self {
@@ -32,7 +33,7 @@ impl Origin {
         Self { other: choked, share: 0, index_and_flags: index | coupled, slot: 0 }
     }
 
-    /// The mode's index in the table.
+    /// Index of the mode in the table.
     pub(super) fn index(&self) -> usize {
         usize::from(self.index_and_flags & (Self::COUPLED - 1))
     }
@@ -45,19 +46,19 @@ impl Origin {
         self.index_and_flags & Self::HELD != 0
     }
 
-    /// The coefficients without a hand of a mode that has `present` ones.
+    /// Coefficients without a hand of a mode with `present` ones.
     pub(super) fn at_rest(&self, present: Coefficients) -> Coefficients {
         if self.is_held() { self.other } else { present }
     }
 
-    /// What the hand makes of a gain into u that was derived without it.
+    /// Gain into u under the present hand, from one that was derived without a hand.
     pub(super) fn held_gain(&self, present: Coefficients, gain: i32) -> i32 {
         let change = if self.is_held() && self.is_coupled() { change_of_u(self.other, present) } else { 0.0 };
         grown(gain, change)
     }
 }
 
-/// A number that grows by a share of itself, rounded towards what it was.
+/// Number that has grown by a share of itself, rounded towards its former value.
 #[inline(always)]
 pub(super) fn grown(number: i32, share: f32) -> i32 {
     number.saturating_add((number as f32 * share) as i32)

@@ -1,13 +1,14 @@
 //! Positions: each contact drives the gains of the place that it strikes.
 //!
-//! A bank plays force at two positions at a time, its **slots**. The modes hold the gains of slot 0. Those of slot 1 lie in a
-//! slice of their own where there is memory for it: [`Bank::take_second`]. The force in slot 1 is
-//! injected behind that in slot 0, in each frame ([`kernel::driven_twice`](super::super::kernel::driven_twice)): a copy of the modes
-//! that is driven over a run and added at its end would round otherwise wherever a caller cuts a block. While slot 1 has no
-//! force nothing of this takes any time.
+//! A bank plays force at two positions at a time, its **slots**. The modes hold the gains of slot
+//! 0. Those of slot 1 lie in a slice of their own, if there is memory for it:
+//! [`Bank::take_second`]. In each frame the force in slot 1 is injected behind that in slot 0
+//! ([`kernel::driven_twice`](super::super::kernel::driven_twice)). A copy of the modes, driven over
+//! a run and added at its end, would round differently wherever a caller cuts a block. While slot 1
+//! has no force, none of this takes any time.
 //!
-//! A strike takes the slot that has its position; else one that no contact drives, slot 0 first; else, merged, the slot whose
-//! position is nearer.
+//! A strike takes the slot of its position; else one that no contact drives, slot 0 first; else,
+//! merged, the slot whose position is nearer.
 
 use super::super::coefficient::Pole;
 use super::super::gain::{gain_law, onset, orbit_gains, taken_at_once};
@@ -31,22 +32,18 @@ impl<'m> Bank<'m> {
         Ok(())
     }
 
-    fn has_second(&self) -> bool {
-        !self.second.gains.is_empty()
-    }
-
     /// True if slot 1 may have a force.
     #[inline(always)]
     pub fn has_second_gains(&self) -> bool {
         self.second.is_set
     }
 
-    /// True if contacts of a second position do not have to merge.
+    /// True if contacts of a second position need not merge.
     pub fn can_take_second(&self) -> bool {
-        self.has_second()
+        !self.second.gains.is_empty()
     }
 
-    /// The slot for a strike at a position; `is_driven` says which of them contacts drive.
+    /// Slot for a strike at a position; `is_driven` says which slots contacts drive.
     pub fn place(&self, position: f32, is_driven: impl Fn(u8) -> bool) -> Place {
         let has = |slot_position: f32| slot_position == position;
         if !self.second.has_positions || has(self.position) {
@@ -58,7 +55,7 @@ impl<'m> Bank<'m> {
         if !is_driven(0) {
             return Place { moves: true, ..Place::FIRST };
         }
-        if self.has_second() && !is_driven(1) {
+        if self.can_take_second() && !is_driven(1) {
             return Place { slot: 1, moves: true, is_merged: false };
         }
         let distance = |slot_position: f32| (slot_position - position).abs();
@@ -66,16 +63,15 @@ impl<'m> Bank<'m> {
         Place { slot: u8::from(is_nearer), moves: false, is_merged: true }
     }
 
-    /// Moves a slot for the contacts that follow: gains are interpolated between the table's positions. [`Bank::expect`] must
-    /// follow before any force.
+    /// Moves a slot for the contacts that follow: gains are interpolated between the table's
+    /// positions. [`Bank::expect`] must follow before any force.
     ///
     /// It costs [`crate::engine::Part::MovedMode`] a mode.
     pub fn set_position(&mut self, slot: u8, position: f32, table: &BankTable<'_>, rate: SampleRate) {
-        if !self.second.has_positions || slot == 1 && !self.has_second() {
+        if !self.second.has_positions || slot == 1 && !self.can_take_second() {
             return;
         }
         let is_second = slot == 1;
-        let has_other = self.second.is_set;
         if is_second {
             (self.second.position, self.second.is_set) = (position, true);
         } else {
@@ -83,7 +79,7 @@ impl<'m> Bank<'m> {
         }
         let mut seconds = if self.second.is_set { &mut *self.second.gains } else { &mut [] };
         let gain = gain_law(table, rate, position);
-        let gain_room = Choke::new(table, rate).gain_room();
+        let gain_growth = Choke::new(table, rate).gain_growth();
         let (mut rest, mut taken) = (&*self.origins, 0.0);
         for_each_group(self.modes, self.groups, |group, modes| {
             let (origins, later) = rest.split_at_checked(modes.len()).unwrap_or((rest, &[]));
@@ -109,23 +105,19 @@ impl<'m> Bank<'m> {
                 *injection = derived(slot, mode);
             }
             let injected = |slot: usize| injections.get(slot).copied().unwrap_or((0.0, 0.0));
-            let scale = Group::gain_scale(group.form(), modes.len(), gain_room, injected);
+            let scale = Group::gain_scale(group.form(), modes.len(), gain_growth, injected);
             for (slot, gain) in moved.iter_mut().enumerate().take(modes.len()) {
                 *gain = scale.mantissas(injected(slot));
                 if let (Some(mode), Some(origin)) = (modes.get(slot), origins.get(slot)) {
                     gain.u = origin.held_gain(mode.coefficients, gain.u);
                 }
             }
-            // The other slot's gains as they are; none of slot 1 before it is set.
+            // Gains of the other slot, which stay; slot 1 has none before it is set.
             for (slot, gain) in kept.iter_mut().enumerate().take(modes.len()) {
-                let first = modes.get(slot).map_or(InputGain::default(), |mode| mode.gain);
-                *gain = match is_second {
-                    true => first,
-                    false if has_other => second.get(slot).copied().unwrap_or_default(),
-                    false => InputGain::default(),
-                };
+                let other = if is_second { modes.get(slot).map(|mode| mode.gain) } else { second.get(slot).copied() };
+                *gain = other.unwrap_or_default();
             }
-            group.share_gains(scale, &mut moved, &mut kept, gain_room);
+            group.share_gains(scale, &mut moved, &mut kept, gain_growth);
             let (of_first, of_second) = if is_second { (kept, moved) } else { (moved, kept) };
             modes.iter_mut().zip(of_first).for_each(|(mode, gain)| mode.gain = gain);
             second.iter_mut().zip(of_second).for_each(|(second, gain)| *second = gain);

@@ -9,15 +9,17 @@ use super::exchange::{exchange, exchange_quickly, grow};
 use super::origin::grown;
 use super::state::{Bank, for_each_group};
 
-/// Modes of a bank that a hand reaches at each tick: what fits the margin of the smaller board's budget
-/// (`cargo test -p host-tests --test on_chip hand`).
+/// Number of modes of a bank that a hand reaches at each tick: as many as fit the smaller board's
+/// budget (`cargo test -p host-tests --test on_chip hand`).
 pub const MODES_PER_TICK: usize = 16;
 
-/// Ticks without input after which all groups have been guarded: the longest interval, and what one may be late.
+/// Ticks without input after which all groups have been guarded: the longest interval, and the
+/// largest delay.
 const CALM_TICKS: u8 = 96;
 
 impl Bank<'_> {
-    /// A hand comes or goes: it reaches the modes by [`Bank::reach`]. Gives how many groups were guarded before.
+    /// Begins a hand's coming or going; [`Bank::reach`] then takes it to the modes. Gives the
+    /// number of groups that were guarded before.
     pub fn lay_hand(&mut self, lies: bool) -> u32 {
         if !self.choke.is_possible() || lies == self.choke.lies {
             return 0;
@@ -52,7 +54,8 @@ impl Bank<'_> {
         (self.modes.len() - usize::from(self.choke.reached)).min(MODES_PER_TICK)
     }
 
-    /// A hand that comes or goes reaches the next modes, at each tick. It costs [`crate::engine::Part::ChokedMode`] a mode.
+    /// Takes a hand that comes or goes to the next modes; called at each tick. It costs
+    /// [`crate::engine::Part::ChokedMode`] a mode.
     #[inline(never)]
     pub fn reach(&mut self) {
         let first = usize::from(self.choke.reached);
@@ -70,14 +73,14 @@ impl Bank<'_> {
         }
     }
 
-    /// [`Bank::reach`] where there are gains of a second position, or states that may be clipped.
+    /// Reaches modes of a bank with gains of a second position, or with states that may be clipped.
     #[inline(never)] // few banks need it
     fn reach_with_care(&mut self, places: Range<usize>) {
         let is_guarded = self.hand_is_guarded();
         if is_guarded {
-            let bits = self.choke.room_bits;
+            let bits = self.choke.growth_bits;
             for_each_group(self.modes, self.groups, |group, modes| {
-                group.make_room(modes, bits);
+                group.lower_for_growth(modes, bits);
             });
         }
         let (modes, origins) = (&mut *self.modes, &mut *self.origins);
@@ -89,7 +92,7 @@ impl Bank<'_> {
                 second.u = grown(second.u, share);
             }
             if is_guarded {
-                // Where no exponent is small enough for the room, which only a fault can bring about.
+                // Only a fault can make states so large that no exponent is small enough.
                 mode.state.u = mode.state.u.clamp(-(LIMIT as i32), LIMIT as i32);
             }
         };
@@ -103,7 +106,7 @@ impl Bank<'_> {
         }
     }
 
-    /// Guards all ringing groups for what their input may still bring.
+    /// Guards all ringing groups for the rest of their allowance.
     fn settle(&mut self) {
         if self.allowance == 0 {
             self.guard_all_at_rest();

@@ -1,4 +1,4 @@
-//! A bank's sound over a run of frames.
+//! Sound of a bank over a run of frames.
 
 use super::super::group::Group;
 use super::super::kernel::{self, Backward, Stereo};
@@ -12,11 +12,11 @@ use crate::output::Gains;
 use crate::time::TICK_FRAMES;
 
 impl Bank<'_> {
-    /// The bank's sound for a run without force, of at most a tick's frames: replaces `mix`. Gives by how many bits it must be shifted left
-    /// to be bus samples, and whether that can saturate.
+    /// Renders the bank's sound for a run without force, of at most a tick's frames: replaces
+    /// `mix`. Gives the shift of the mix to bus samples.
     ///
-    /// Costs 5.4 cycles a ringing mode and sample on a Cortex-M4F, and 250 a call, twice if it has modes above fs/4
-    /// (nominal, `cargo bench -p host-tests --bench run_time_vs_error`).
+    /// Costs 5.4 cycles a ringing mode and sample on a Cortex-M4F, and 250 a call, twice if it has
+    /// modes above fs/4 (nominal, `cargo bench -p host-tests --bench run_time_vs_error`).
     pub fn ring(&mut self, run: kernel::Run, odd_start: bool, mix: &mut Backward) -> MixShift {
         let add = self.has_mirrored() && self.ring_mirrored(run, odd_start, mix);
         if let Some((groups, modes)) = self.plain() {
@@ -25,7 +25,8 @@ impl Bank<'_> {
         self.mix_shift
     }
 
-    /// The same straight to the stereo bus, by gains for the loudness of [`Bank::mix_shift`].
+    /// Adds the bank's sound for a run without force straight to the stereo bus, by gains for the
+    /// loudness of [`Bank::mix_shift`].
     #[inline(always)]
     pub fn ring_stereo(&mut self, run: kernel::Run, odd_start: bool, gains: Gains, out: &mut [[i32; 2]]) {
         let stereo = self.stereo(gains, out);
@@ -45,13 +46,13 @@ impl Bank<'_> {
         }
     }
 
-    /// Whether any groups are mirrored.
+    /// True if any groups are mirrored.
     #[inline(always)]
     fn has_mirrored(&self) -> bool {
         usize::from(self.plain_groups) < self.groups.len()
     }
 
-    /// The sound of the mirrored modes; whether there are any.
+    /// Renders the sound of the mirrored modes. True if there are any.
     #[inline(never)]
     fn ring_mirrored(&mut self, run: kernel::Run, odd_start: bool, mix: &mut Backward) -> bool {
         let Some((groups, modes)) = self.mirrored() else { return false };
@@ -60,12 +61,13 @@ impl Bank<'_> {
         true
     }
 
-    /// Whether a part of the force itself is added to the sound: gains into v have a half of `h[0]` that does not belong to the integral.
+    /// True if a part of the force itself is added to the sound: gains into v have a half of `h[0]`
+    /// that does not belong to the integral.
     pub fn has_onset(&self) -> bool {
         !self.onset.is_zero()
     }
 
-    /// How the bank's mix becomes bus samples until the next guard.
+    /// Shift of the bank's mix to bus samples until the next guard.
     #[inline(always)]
     pub fn mix_shift(&self) -> MixShift {
         self.mix_shift
@@ -73,13 +75,15 @@ impl Bank<'_> {
 
     /// Adds the bank's sound for a run of at most a tick's frames to `out`.
     ///
-    /// `force` is the input in bus steps, `None` where there is none; `odd_start` says whether the first frame's absolute number is odd;
-    /// `skip` leaves out groups at rest and the input work of a zero force. The bits do not depend on how a caller cuts time into runs.
+    /// `force` is the input in bus steps, `None` without input. `odd_start` is true if the absolute
+    /// number of the first frame is odd. `skip` leaves out groups at rest and the input work of a
+    /// zero force. No bit depends on the cut of time into runs.
     pub fn render(&mut self, force: Option<&[i32]>, odd_start: bool, skip: bool, out: &mut [i32]) -> BankWork {
         self.render_slots((force, None), odd_start, skip, out)
     }
 
-    /// [`Bank::render`] under a force at the position of slot 0 and, where there is one, another at that of slot 1, as long.
+    /// Renders as [`Bank::render`] does, under a force at the position of slot 0 and an optional
+    /// one, as long, at that of slot 1.
     #[inline(never)] // one for both
     pub fn render_slots(
         &mut self,
@@ -103,7 +107,8 @@ impl Bank<'_> {
             let (count, spent) = affordable(force, second, sum, self.allowance);
             if count == 0 {
                 let next = magnitude(force.first()) + magnitude(second.first());
-                // Room for a tick of twice this force, or four times what this tick has brought already, at most for what can come at all.
+                // For a tick of twice this force, or four times the force of this tick so far, at
+                // most the largest possible force.
                 let wanted = (next * 2 * TICK_FRAMES as u64).max(self.spent.saturating_mul(4));
                 self.guard(wanted.min(MAX_ALLOWANCE), true);
                 self.is_covered = false;
@@ -130,7 +135,7 @@ impl Bank<'_> {
         work
     }
 
-    /// A run without force.
+    /// Adds a run without force to the bus.
     #[inline(never)] // its buffer must not weigh on runs with force
     fn ring_on_bus(&mut self, odd_start: bool, skip: bool, out: &mut [i32]) {
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
@@ -139,13 +144,13 @@ impl Bank<'_> {
         self.add_to_bus(&mix, shift, None, out);
     }
 
-    /// Modes that a run takes: those that ring, or all.
+    /// Number of modes that a run takes: those that ring, or all.
     #[inline(always)]
     pub fn running_modes(&self, skip: bool) -> u32 {
         if skip { u32::from(self.ringing_modes) } else { self.modes.len() as u32 }
     }
 
-    /// Where the mix goes, and how.
+    /// Destination of the mix.
     #[inline(always)]
     fn stereo<'o>(&self, gains: Gains, out: &'o mut [[i32; 2]]) -> Stereo<'o> {
         let Gains { left, right, shift } = gains;
@@ -156,8 +161,9 @@ impl Bank<'_> {
         }
     }
 
-    /// Adds the bank's sound for a run under a force straight to the stereo bus, by gains for the loudness of [`Bank::mix_shift`]. `None`, and
-    /// nothing happens, where that is not possible: the bank is too loud to add its onset without a clip, or not guarded for so much force.
+    /// Adds the bank's sound for a run under a force straight to the stereo bus, by gains for the
+    /// loudness of [`Bank::mix_shift`]. `None`, and nothing happens, if the bank is too loud to add
+    /// its onset without a clip, or not guarded for so much force.
     pub fn render_stereo(
         &mut self,
         force: &[i32],
@@ -184,13 +190,14 @@ impl Bank<'_> {
         Some(BankWork { driven_mode_frames, refused: u32::from(self.refusing), ..BankWork::default() })
     }
 
-    /// True if modes and onset together need no clip on the stereo bus, and have the bus's unit.
+    /// True if modes and onset together need no clip on the stereo bus, and have its unit.
     pub fn can_add_onset(&self, pan_shift: u32) -> bool {
-        // Half of the room that a bus sample has there is the modes', the other half the onset's.
+        // Half of the range of a bus sample is for the modes, the other half for the onset.
         self.mix_shift.bits == 0 && u32::from(self.mix_bits) + pan_shift <= 30
     }
 
-    /// What the force adds to the sound at once, where [`Bank::can_add_onset`] and its half of the room suffices.
+    /// Direct addition of the force to the sound, if [`Bank::can_add_onset`] and its half of the
+    /// range suffices.
     #[inline(never)] // its buffer must not weigh on banks without
     fn onset_mix(&self, force: &[i32], pan_shift: u32) -> Option<Backward> {
         if !self.can_add_onset(pan_shift) {
@@ -202,9 +209,9 @@ impl Bank<'_> {
             *sum = undoubled.wrapping_shl(onset.doublings());
             signs |= undoubled ^ (undoubled >> 31);
         }
-        // What is lost by the shift is beyond the room.
-        let room_bits = 30u32.checked_sub(pan_shift + onset.doublings())?;
-        (signs < 1 << room_bits).then_some(mix)
+        // Only samples beyond the range lose bits by the shift.
+        let range_bits = 30u32.checked_sub(pan_shift + onset.doublings())?;
+        (signs < 1 << range_bits).then_some(mix)
     }
 
     #[inline(never)] // its buffer must not weigh on banks without mirrored modes
@@ -218,7 +225,7 @@ impl Bank<'_> {
         let mut mix = [0; TICK_FRAMES];
         self.drive_mirrored(run, shifted, odd_start, &mut mix);
         if let Some(onset) = onset {
-            // Within the bank's room and the onset's.
+            // Within the ranges of the bank and of the onset.
             mix.iter_mut().zip(onset).for_each(|(sum, x)| *sum = sum.wrapping_add(*x));
         }
         if let Some((groups, modes)) = self.plain() {
@@ -226,7 +233,7 @@ impl Bank<'_> {
         }
     }
 
-    /// A force as the gains expect it.
+    /// Force as the gains expect it.
     #[inline(always)]
     fn shifted(&self, force: &[i32]) -> Backward {
         let force_shift = u32::from(self.force_shift);
@@ -238,7 +245,7 @@ impl Bank<'_> {
         shifted
     }
 
-    /// The sound of the mirrored modes under a force; whether there are any.
+    /// Renders the sound of the mirrored modes under a force. True if there are any.
     #[inline(never)]
     fn drive_mirrored(
         &mut self,
@@ -255,7 +262,7 @@ impl Bank<'_> {
         true
     }
 
-    /// A run with a force for which the groups are guarded.
+    /// Adds a run under a force for which the groups are guarded.
     fn drive(&mut self, force: &[i32], odd_start: bool, skip: bool, out: &mut [i32]) {
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
         let (mut mix, mut shifted) = ([0; TICK_FRAMES], self.shifted(force));
@@ -266,7 +273,7 @@ impl Bank<'_> {
         self.add_to_bus(&mix, self.mix_shift, Some(force), out);
     }
 
-    /// A run with a force in either slot.
+    /// Adds a run with a force in both slots.
     #[inline(never)] // it must not weigh on runs with one
     fn drive_both(&mut self, (force, second): (&[i32], &[i32]), odd_start: bool, skip: bool, out: &mut [i32]) {
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: true };
@@ -296,13 +303,14 @@ impl Bank<'_> {
         Some((self.groups.get(..usize::from(self.plain_groups))?, self.modes))
     }
 
-    /// Groups of the mirrored side, and their modes; `None` where there are none.
+    /// Groups of the mirrored side, and their modes; `None` if there are none.
     fn mirrored(&mut self) -> Option<(&[Group], &mut [Mode])> {
         let groups = self.groups.get(usize::from(self.plain_groups)..).filter(|groups| !groups.is_empty())?;
         Some((groups, self.modes.get_mut(usize::from(self.plain_modes)..)?))
     }
 
-    /// Brings the mix to the bus. Modes and onset cancel where the force rises, so that only their sum may saturate.
+    /// Adds the mix to the bus. Modes and onset cancel where the force rises, so that only their
+    /// sum may saturate.
     fn add_to_bus(&self, mix: &Backward, shift: MixShift, force: Option<&[i32]>, out: &mut [i32]) {
         let Some(mix) = mix.get(TICK_FRAMES.saturating_sub(out.len())..) else { return };
         let frames = out.iter_mut().zip(mix.iter().rev());
@@ -318,8 +326,8 @@ impl Bank<'_> {
     }
 }
 
-/// Changes the sign of every other frame, so that the absolute number of the others is odd where the first's is `odd_start`; what is
-/// beyond a run is 0 or unused.
+/// Changes the sign of every other frame, so that the absolute number of the others is odd if the
+/// first frame's is (`odd_start`). Frames beyond a run are 0 or unused.
 #[inline(never)] // a call's registers weigh less on the stack than the loop's
 fn alternate(samples: &mut Backward, odd_start: bool) {
     for [odd, even] in samples.as_chunks_mut::<2>().0 {
@@ -337,8 +345,8 @@ fn magnitude(x: Option<&i32>) -> u64 {
     x.map_or(0, |x| u64::from(x.unsigned_abs()))
 }
 
-/// The longest beginning of a force whose sum of magnitudes, with those of a second one, is within the allowance, and that sum; `at_most` is a bound
-/// of the whole sum.
+/// Longest beginning of a force whose sum of magnitudes, with those of a second one, is within the
+/// allowance, and that sum; `at_most` is a bound of the whole sum.
 fn affordable(force: &[i32], second: &[i32], at_most: u64, allowance: u64) -> (usize, u64) {
     if at_most <= allowance {
         return (force.len(), at_most);

@@ -3,32 +3,32 @@
 use super::super::group::{GROUP_MODES, Plan};
 use crate::time::TICK_FRAMES;
 
-/// How a bank will run.
+/// Use of a bank in its next run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Use {
-    /// Ringing on.
+    /// Rings without a force.
     Free,
-    /// Under a force.
+    /// Runs under a force.
     Driven,
 }
 
-/// How a bank will run until the tick's end.
+/// A bank's run until the tick's end.
 #[derive(Clone, Copy, Debug)]
 pub struct UpcomingRun {
-    /// Under a force or not.
+    /// Use of the bank.
     pub used: Use,
-    /// Frames, at most a tick.
+    /// Number of frames, at most a tick.
     pub frames: u8,
-    /// Cycles that a group's guard will take on top, 0 where none is due.
+    /// Extra cycles of a group's guard, 0 if none is due.
     pub guard: u16,
 }
 
-/// Cycles of groups over a run, from what the assembly does with their modes (nominal model; `cargo test -p host-tests --test on_chip budget`
-/// holds the sums to 3 %).
+/// Cycles of groups over a run, from the assembly's treatment of their modes (nominal model;
+/// `cargo test -p host-tests --test on_chip budget` holds the sums to 3 %).
 pub(super) struct Costs {
     used: Use,
     frames: u32,
-    /// Of a whole tick: groups with one gain, and with gain and phase.
+    /// Cycles of a whole tick, for groups with one gain, and with gain and phase.
     plain: &'static [u32; GROUP_MODES + 1],
     phase: &'static [u32; GROUP_MODES + 1],
 }
@@ -85,6 +85,6 @@ const FREE_ONE: u32 = 230;
 const GAIN_TWO: u32 = 483;
 const PHASE_TWO: u32 = 581;
 const DRIVEN_ONE: u32 = 340;
-/// The walk to a full group of the form before, and to any other.
+/// Cycles of the walk to a full group of the form before, and to any other group.
 const FULL_GROUP: u32 = 14;
 const OTHER_GROUP: u32 = 50;

@@ -1,8 +1,9 @@
-//! Overload: what each group will cost, how loud it is, and leaving out the quietest.
+//! Shedding: the cycles and the loudness of each group, and leaving out the quietest groups.
 //!
-//! Groups are compared by a bound of their loudest mode's amplitude at the output, in steps of 3 dB: what rings, and what the contacts under
-//! way may still bring. Among groups of one step the order is that of the bank. The choice depends on the state alone, so that "leave out the
-//! n quietest" means the same groups wherever the same events are played.
+//! Groups are compared by a bound of their loudest mode's amplitude at the output, in steps of 3
+//! dB: its ringing, and the input that the contacts under way may still bring. Groups of one step
+//! are ordered as in the bank. The choice depends on the state alone, so that "leave out the n
+//! quietest" means the same groups wherever the same events are played.
 
 use super::super::group::Group;
 use super::super::headroom::GROWTH_OF_V;
@@ -10,23 +11,24 @@ use super::run_cost::{Costs, UpcomingRun, Use};
 use super::shed_plan::{Audience, ShedChoice, ShedPlan, bound, level};
 use super::state::Bank;
 
-/// What was left out.
+/// Sum of what was left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shed {
-    /// Register groups.
+    /// Number of register groups.
     pub groups: u32,
-    /// Modes.
+    /// Number of modes.
     pub modes: u32,
-    /// Bound of the amplitude that is missing by it, 1.0 = full scale, summed over the modes.
+    /// Bound of the amplitude that is missing because of it, 1.0 = full scale, summed over the
+    /// modes.
     pub amplitude: f32,
-    /// Cycles that it saves until the tick's end, guards included, where there was a choice.
+    /// Cycles saved until the tick's end, guards included, as far as there was a choice.
     pub cycles: u32,
-    /// Groups among them that needed a guard in this tick.
+    /// Number of groups among them that needed a guard in this tick.
     pub unguarded_groups: u32,
 }
 
 impl Shed {
-    /// Nothing.
+    /// Nothing left out.
     pub const NOTHING: Self = Self { groups: 0, modes: 0, amplitude: 0.0, cycles: 0, unguarded_groups: 0 };
 }
 
@@ -41,8 +43,9 @@ impl core::ops::AddAssign for Shed {
 }
 
 impl Bank<'_> {
-    /// Puts the loudness of each of its groups at the group's place in the survey, `SILENT` for those that would not run, and adds up
-    /// what each step of loudness costs. Under a force all would run that are not left out already, else those that ring.
+    /// Adds the bank's groups to a shed plan: the loudness of each, `SILENT` for those that would
+    /// not run, and the cycles of each step of loudness. Under a force all groups would run that
+    /// are not left out already, else those that ring.
     #[inline(never)]
     pub fn plan_shedding(
         &self,
@@ -66,7 +69,8 @@ impl Bank<'_> {
         plan.pass_over(self.groups.len());
     }
 
-    /// What the bank will cost over a run of frames, without what comes once a call; and how many groups will run.
+    /// Cycles of the bank over a run of frames, without those of the call; and the number of groups
+    /// that will run.
     pub fn cycles(&self, used: Use, frames: u32) -> (u32, u32) {
         let costs = Costs::new(used, frames);
         self.groups
@@ -75,12 +79,12 @@ impl Bank<'_> {
             .fold((0, 0), |(total, count), group| (total + costs.of(group.plan()), count + 1))
     }
 
-    /// Groups of the bank, at rest or not.
+    /// Number of groups of the bank, at rest or not.
     pub fn group_count(&self) -> u32 {
         self.groups.len() as u32
     }
 
-    /// Whether any group would run under a force.
+    /// True if any group would run under a force.
     pub fn has_admitted(&self) -> bool {
         self.groups.iter().any(|group| !group.is_shed())
     }
@@ -90,13 +94,13 @@ impl Bank<'_> {
         self.groups.iter().filter(|group| group.is_shed()).map(Group::count).sum()
     }
 
-    /// Whether a force now would find the groups unguarded, so that all of them must be guarded at once.
+    /// True if the groups are unguarded, so that a force would have all of them guarded at once.
     pub fn is_unguarded(&self) -> bool {
         self.allowance == 0
     }
 
-    /// Leaves out those of the selected groups that would run. The cycles in what it gives are those of the choice's last level: of the
-    /// others the survey knows ([`ShedPlan::quietest`]).
+    /// Leaves out those of the chosen groups that would run. The cycles of the result are those of
+    /// the choice's last level; the plan knows those of the others ([`ShedPlan::quietest`]).
     pub fn shed(
         &mut self,
         audience: &Audience,
@@ -128,7 +132,7 @@ impl Bank<'_> {
             group.shed(self.modes.get_mut(first..start).unwrap_or(&mut []));
         }
         choice.pass_over(self.groups.len());
-        // Groups at rest are no part of the plan.
+        // Groups at rest are no part of the mix.
         if rang {
             self.prepare();
         }
@@ -141,7 +145,7 @@ impl Bank<'_> {
         }
     }
 
-    /// Lets input reach all groups again: a new strike is a new chance.
+    /// Lets input reach all groups again, for a new strike.
     pub fn admit(&mut self) {
         let mut admitted = false;
         for group in self.groups.iter_mut().filter(|group| group.is_shed()) {
@@ -149,7 +153,7 @@ impl Bank<'_> {
             admitted = true;
         }
         if admitted {
-            // They are not guarded for the input that the others are.
+            // They are not guarded for the input of the others.
             self.allowance = 0;
         }
     }

@@ -2,27 +2,27 @@
 
 use super::super::group::Group;
 
-/// Half octaves that stand for nothing.
+/// Half octaves that stand for no input at all.
 const NOTHING_TO_COME: i16 = -4000;
 
-/// Steps of loudness that are told apart: 3 dB each, from -180 dBFS.
+/// Number of steps of loudness: 3 dB each, from -180 dBFS.
 const LEVELS: usize = 64;
 
-/// Who listens, and what is still to come.
+/// Scale of the output, and the input that is still to come.
 #[derive(Clone, Copy, Debug)]
 pub struct Audience {
     /// Output (1.0 = full scale) that a bus step of the bank makes.
     pub(super) unit: f32,
     unit_half_octaves: i16,
-    /// Far below all where nothing is to come.
+    /// Input in half octaves, [`NOTHING_TO_COME`] if none is to come.
     input_half_octaves: i16,
     contact_half_octaves: i16,
 }
 
 impl Audience {
-    /// `unit` is the output (1.0 = full scale) that a bus step makes; `input` bounds the sum of |force| still to come, bus steps;
-    /// `contact_samples` is the length of the longest contact under way: modes far above its corner frequency get less of it (0: count them in
-    /// full).
+    /// `unit` is the output (1.0 = full scale) that a bus step makes. `input` bounds the sum of
+    /// |force| still to come, in bus steps. `contact_samples` is the length of the longest contact
+    /// under way, of which modes far above its corner frequency get less; 0 counts them in full.
     pub fn new(unit: f32, input: f32, contact_samples: f32) -> Self {
         // A float's exponent and the first bit of its fraction count half octaves.
         let half_octaves = |x: f32| (x.to_bits() >> 22) as i16 - (127 << 1);
@@ -35,20 +35,20 @@ impl Audience {
     }
 }
 
-/// All groups of an engine by loudness.
+/// All groups of an engine by loudness, and their cycles.
 #[derive(Debug)]
 pub struct ShedPlan<'l> {
-    /// The level of each group in the order in which the banks are surveyed, or [`SILENT`].
+    /// Level of each group in the order of the banks, or [`SILENT`].
     pub(super) levels: &'l mut [u8],
-    /// Number of groups that have been surveyed.
+    /// Number of groups that have been added.
     pub(super) surveyed: usize,
-    /// What each level has and costs: groups, cycles.
+    /// Groups and cycles of each level.
     pub(super) groups: [u16; LEVELS],
     pub(super) cycles: [u32; LEVELS],
 }
 
 impl<'l> ShedPlan<'l> {
-    /// A survey of no group yet; `levels` has a byte for each group of the engine.
+    /// A plan of no group yet; `levels` has a byte for each group of the engine.
     pub fn new(levels: &'l mut [u8]) -> Self {
         levels.fill(SILENT);
         Self { levels, surveyed: 0, groups: [0; LEVELS], cycles: [0; LEVELS] }
@@ -64,13 +64,13 @@ impl<'l> ShedPlan<'l> {
         self.surveyed += groups;
     }
 
-    /// How many of the quietest groups have to go to free so many cycles.
+    /// Number of the quietest groups that must go to free `excess` cycles.
     pub fn quietest_that_free(&self, excess: u32) -> u16 {
         let (mut total, mut chosen) = (0, 0u16);
         for (&cycles, &groups) in self.cycles.iter().zip(&self.groups) {
             if total + cycles >= excess {
-                // Of the level in which the excess ends, as many as are needed if the cheapest go first: a single mode costs a third of a
-                // full group's share.
+                // Of the level in which the excess ends, as many as suffice if the cheapest go
+                // first: a single mode costs a third of a full group's share.
                 let share = (excess - total).div_ceil((cycles / u32::from(groups.max(1))).max(1));
                 return chosen + (share + share / 2 + 1).min(u32::from(groups)) as u16;
             }
@@ -79,7 +79,8 @@ impl<'l> ShedPlan<'l> {
         chosen
     }
 
-    /// The `count` quietest groups, and what those of them cost that lie below the level of the last.
+    /// Choice of the `count` quietest groups, and the cycles of those that lie below the level of
+    /// the last.
     pub fn quietest(&self, count: u16) -> (ShedChoice<'_>, u32) {
         let (mut left, mut cycles_below) = (count, 0);
         for ((&groups, &cycles), threshold) in self.groups.iter().zip(&self.cycles).zip(0u8..) {
@@ -93,43 +94,45 @@ impl<'l> ShedPlan<'l> {
     }
 }
 
-/// Which groups are left out.
+/// Choice of the groups that are left out.
 #[derive(Debug)]
 pub struct ShedChoice<'a> {
-    /// The level of each group of the engine that has not been passed yet; `None`: all are equally quiet.
+    /// Level of each group of the engine that has not been passed yet; `None` if all are equally
+    /// quiet.
     pub(super) levels: Option<&'a [u8]>,
-    /// What is below this level goes.
+    /// Level below which all groups go.
     pub(super) threshold: u8,
-    /// Of those at it so many more go, in the order of the banks.
+    /// Number of groups at that level that still go, in the order of the banks.
     pub(super) at_threshold: u32,
 }
 
 impl ShedChoice<'static> {
-    /// Everything.
+    /// Choice of all groups.
     pub const ALL: Self = Self { levels: None, threshold: LEVELS as u8, at_threshold: 0 };
 }
 
 impl ShedChoice<'_> {
-    /// Passes over groups that will not run, in the order of the survey.
+    /// Passes over groups that will not run, in the order of the plan.
     pub fn pass_over(&mut self, groups: usize) {
         self.levels = self.levels.and_then(|levels| levels.get(groups..));
     }
 }
 
-/// The level of a group that would not run.
+/// Level of a group that would not run.
 const SILENT: u8 = u8::MAX;
 
-/// Half a bound of what a mode of the group rings with and of what may still come, bus steps.
+/// Half a bound of the amplitude of a mode of the group, ringing and input still to come, in bus
+/// steps.
 #[inline(always)]
 pub(super) fn bound(group: &Group, audience: &Audience) -> f32 {
     // Powers of two within a factor of two of the truth, which `shed` makes up for.
     let of_half_octaves = |half_octaves: i32| f32::from_bits((((half_octaves >> 1) + 127).max(0) as u32) << 23);
-    // One more for what both factors lose when they are rounded down.
+    // One more for the loss of both factors when they are rounded down.
     let coming = of_half_octaves(group.gain_half_octaves() + i32::from(audience.input_half_octaves) + 2);
     if group.ringing() { coming + of_half_octaves(group.ringing_half_octaves()) } else { coming }
 }
 
-/// Loudness in steps of 3 dB: the louder of what rings and what may come.
+/// Loudness in steps of 3 dB: that of the ringing or of the input to come, whichever is louder.
 #[inline(always)]
 pub(super) fn level(group: &Group, audience: &Audience) -> u8 {
     let lost = lost_to_the_contact(group, audience.contact_half_octaves.into());
@@ -138,8 +141,8 @@ pub(super) fn level(group: &Group, audience: &Audience) -> u8 {
     (loudest + i32::from(audience.unit_half_octaves) + 60).clamp(0, LEVELS as i32 - 1) as u8
 }
 
-/// How much of a contact's impulse does not reach the group's first mode, in half octaves: the spectrum of a pulse of N samples falls as
-/// 1/(1 + (2 f N/fs)²), and (2 f N/fs)² = θ² N²/π².
+/// Part of a contact's impulse that does not reach the group's first mode, in half octaves: the
+/// spectrum of a pulse of N samples falls as 1/(1 + (2 f N/fs)²), and (2 f N/fs)² = θ² N²/π².
 #[inline(always)]
 fn lost_to_the_contact(group: &Group, contact_half_octaves: i32) -> i32 {
     (group.angle_quarter_octaves() + 2 * contact_half_octaves - 7).max(0)

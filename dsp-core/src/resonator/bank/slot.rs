@@ -11,31 +11,31 @@ pub(super) struct SecondSlot<'m> {
     /// True once gains have been derived for the slot.
     pub(super) is_set: bool,
     pub(super) position: f32,
-    /// Gains of all modes; empty where the bank has one slot only.
+    /// Gains of all modes; empty if the bank has one slot only.
     pub(super) gains: &'m mut [InputGain],
-    /// As [`Bank::onset`], for force in this slot.
+    /// Factor of the force in this slot that is added to the sound ([`Bank::onset`](super::Bank)).
     pub(super) onset: Scale,
 }
 
 impl SecondSlot<'_> {
-    /// No gains, and none to come.
+    /// A slot without gains, which no position can take.
     pub(super) const fn none() -> Self {
         Self { has_positions: false, is_set: false, position: 0.0, gains: &mut [], onset: Scale::ZERO }
     }
 }
 
-/// Which slot a strike drives.
+/// Slot that a strike drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The slot.
+    /// Number of the slot.
     pub slot: u8,
-    /// True if its gains must be derived for the strike's position: [`Bank::set_position`].
+    /// True if its gains must be derived for the strike's position: [`super::Bank::set_position`].
     pub moves: bool,
-    /// True if both slots are taken by other positions, of which it gets the nearer.
+    /// True if other positions take both slots, so that the strike drives the nearer one.
     pub is_merged: bool,
 }
 
 impl Place {
-    /// Slot 0 as it is.
+    /// Slot 0 with its present gains.
     pub const FIRST: Self = Self { slot: 0, moves: false, is_merged: false };
 }

@@ -1,4 +1,4 @@
-//! A bank: its memory, its state, and what can be read of it.
+//! A bank's memory and state.
 
 use super::super::group::Group;
 use super::super::mode::Mode;
@@ -11,41 +11,44 @@ use crate::fixed::Scale;
 
 /// A bank of modes in fixed point.
 ///
-/// Accuracy of a mode against the `f64` reference: 100 dB and better (`cargo test -p host-tests --test stages long_tails`).
+/// Accuracy of a mode against the `f64` reference: 100 dB and better
+/// (`cargo test -p host-tests --test stages long_tails`).
 #[derive(Debug)]
 pub struct Bank<'m> {
     pub(super) modes: &'m mut [Mode],
     pub(super) groups: &'m mut [Group],
     pub(super) origins: &'m mut [Origin],
-    /// How many of its modes and of its groups run plain; the others, mirrored, come behind.
+    /// Numbers of modes and groups that run plain; the others, mirrored, come behind.
     pub(super) plain_modes: u16,
     pub(super) plain_groups: u16,
-    /// Factor of the force that is added to the sound: minus the half of h[0] that does not belong to the integral, or in
-    /// a balanced bank minus the static response as well. That of the free modes, choked or not.
+    /// Factor of the force that is added to the sound: minus the half of `h[0]` that does not
+    /// belong to the integral, and in a balanced bank minus the static response. Derived from the
+    /// free modes, under a hand too.
     pub(super) onset: Scale,
     pub(super) choke: ChokeState,
-    /// Whether the allowance is enough for all contacts under way.
+    /// True if the allowance suffices for all contacts under way.
     pub(super) is_covered: bool,
-    /// The position of slot 0, whose gains are the modes' own; and slot 1.
+    /// Position of slot 0, whose gains are the modes' own; and slot 1.
     pub(super) position: f32,
     pub(super) second: SecondSlot<'m>,
-    /// |force| that the groups are still guarded for.
+    /// Sum of |force| that the groups are still guarded for.
     pub(super) allowance: u64,
-    /// The |force| since the last tick.
+    /// Sum of |force| since the last tick.
     pub(super) spent: u64,
-    /// Bits by which the force is shifted left before it drives the modes, so that a weak one keeps its precision.
+    /// Number of bits by which the force is shifted left before it drives the modes, so that a weak
+    /// one keeps its precision.
     pub(super) force_shift: u8,
     pub(super) mix_shift: MixShift,
-    /// The sum of the modes' bounds stays below 2^this on the bus.
+    /// Bits of the sum of the modes' bounds on the bus: it stays below 2^this.
     pub(super) mix_bits: u8,
-    /// Groups that refused the input they were last guarded for.
+    /// Number of groups that refused the input of their last guard.
     pub(super) refusing: u16,
     pub(super) ringing_modes: u16,
-    /// Ticks without input, modulo 256: what groups are due by.
+    /// Ticks without input, modulo 256: the clock of the groups' guards.
     pub(super) clock: u8,
-    /// Such ticks until some group's next guard.
+    /// Ticks without input until some group's next guard.
     pub(super) due_ticks: u8,
-    /// Most groups that a tick without input guards.
+    /// Maximum number of groups that a tick without input guards.
     pub(super) guards_per_tick: u8,
     pub(super) retired: Retired,
 }
@@ -78,33 +81,34 @@ impl Bank<'_> {
         }
     }
 
-    /// The modes, in groups.
+    /// Modes, group by group.
     pub fn modes(&self) -> &[Mode] {
         self.modes
     }
 
-    /// The register groups.
+    /// Register groups.
     pub fn groups(&self) -> &[Group] {
         self.groups
     }
 
-    /// Number of modes that it renders.
+    /// Number of modes, those at or above Nyquist left out.
     pub fn mode_count(&self) -> usize {
         self.modes.len()
     }
 
-    /// Whether anything rings.
+    /// True if any mode rings.
     #[inline(always)]
     pub fn is_ringing(&self) -> bool {
         self.ringing_modes > 0
     }
 
-    /// Modes that ring, those that share a group with one included.
+    /// Number of modes that ring, those that share a group with one included.
     pub fn ringing_modes(&self) -> u32 {
         u32::from(self.ringing_modes)
     }
 
-    /// Sum of the amplitudes that have been retired and may still be missing, in output units (1.0 = full scale).
+    /// Sum of the amplitudes that have been retired and may still be missing, in output units (1.0
+    /// = full scale).
     #[inline(always)]
     pub fn retired_amplitude(&self) -> f32 {
         self.retired.amplitude()

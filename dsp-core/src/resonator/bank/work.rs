@@ -1,15 +1,15 @@
 //! Counts of a bank's work.
 
-/// What a bank did over a run of frames, in modes (times the frames of the run for the work).
+/// Work of a bank over a run of frames, in modes (times the frames of the run for the first two).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BankWork {
     /// Modes that ran with input, times frames.
     pub driven_mode_frames: u32,
     /// Modes that rang freely, times frames.
     pub free_mode_frames: u32,
-    /// Guards beyond the one a tick, because a force outgrew its allowance.
+    /// Number of guards beyond the one a tick, because a force outgrew its allowance.
     pub extra_guards: u32,
-    /// Runs of a group whose input was refused for want of room.
+    /// Number of runs of a group whose input was refused for want of headroom.
     pub refused: u32,
 }
 

@@ -1,4 +1,4 @@
-//! The guard: exponents follow the sound, so that nothing wraps and nothing falls into a dead band.
+//! Guards: exponents follow the sound, so that nothing wraps and nothing falls into a dead band.
 
 use super::super::headroom::{LIMIT, ROUNDING};
 use super::super::mode::{Mode, State};
@@ -7,38 +7,41 @@ use crate::fixed;
 
 /// Largest block exponent: a state of `LIMIT` then stands for 2^-2 of a bus step.
 const MAX_EXPONENT: i32 = 31;
-/// What is added to a size that was found: what rounding may add to it, and the 4 that [`Group::size`] may lack.
+/// Addition to a size that was found: the largest effect of rounding, and the 4 that
+/// [`Group::size`] may lack.
 const MARGIN: u32 = ROUNDING as u32 + 4;
-/// Below this size at the largest exponent a mode is less than 1/8 of a bus step, which the mix rounds to nothing.
+/// Size at the largest exponent below which a mode is less than 1/8 of a bus step, which the mix
+/// rounds to nothing.
 const SILENCE: u64 = 1 << 27;
 
 impl Group {
-    /// Shifts the states down by so many bits, for a hand that may make them larger; at the end of the exponents by two. A guard
-    /// must follow.
-    pub(in crate::resonator) fn make_room(&mut self, modes: &mut [Mode], bits: u8) {
+    /// Shifts the states down by `bits`, for a hand that may make them larger; at the end of the
+    /// exponents by two. A guard must follow.
+    pub(in crate::resonator) fn lower_for_growth(&mut self, modes: &mut [Mode], bits: u8) {
         if self.ringing() {
             let most = (self.exponent() - MIN_EXPONENT + 2).clamp(0, 30) as i8;
             self.lower(modes, (bits as i8).min(most));
         }
     }
 
-    /// A guard of a group at rest, which need not look at states. False, and nothing is decided, where the input is beyond
-    /// the usual.
+    /// Guards a group at rest, without a look at its states. False, and nothing is decided, if the
+    /// input is unusually large.
     #[inline(always)]
     fn prepare_rest(&mut self, allowance: u64, force_shift: u32) -> bool {
         if allowance == 0 || self.gain_peak == 0 {
             self.bound = 0;
             return true;
         }
-        // The finest exponent that the gains allow, so that small inputs keep all their bits, or what holds the input.
+        // The finest exponent that the gains allow, so that small inputs keep all their bits, or
+        // the one that holds the input.
         let finest = self.largest_exponent(Some(force_shift));
-        // As in `input_size`: its product has at most 62 bits.
+        // The product has at most 62 bits, as in `input_size`.
         let allowance = ((allowance >> 8) + 1).min(1 << 30) as u32;
         let product = u64::from(allowance) * u64::from(self.gain_peak);
         let (high, low) = ((product >> 32) as u32, product as u32);
         let bits = if high > 0 { 64 - high.leading_zeros() as i32 } else { 32 - low.leading_zeros() as i32 };
         let scale = i32::from(self.gain_exponent) - 23;
-        // What makes the input end below 2^29.
+        // Exponent with which the input ends below 2^29.
         let exponent = finest.min(29 - bits - scale);
         let shift = scale + exponent;
         if exponent < MIN_EXPONENT || shift <= -64 {
@@ -71,7 +74,8 @@ impl Group {
         self.exponent -= bits;
     }
 
-    /// The largest size of the modes' states, less at most 4; at most 2^31, as [`super::headroom`] proves.
+    /// Largest size of the modes' states, less at most 4; at most 2^31
+    /// ([`super::super::headroom`]).
     #[inline(always)]
     fn size(&self, modes: &[Mode]) -> u32 {
         let shift = self.form().shift();
@@ -80,16 +84,17 @@ impl Group {
         largest_u.wrapping_shl(shift).max(largest_v)
     }
 
-    /// Shifts the states so that nothing can wrap while the sum of |force| stays within `allowance` (bus steps), and so that they
-    /// use all the room that leaves; where no exponent holds the input, it is refused. The force will come shifted left by `force_shift` bits.
-    /// See [`super::headroom`].
+    /// Shifts the states so that nothing can wrap while the sum of |force| stays within `allowance`
+    /// (bus steps), and so that they use the rest of the headroom. If no exponent holds the input,
+    /// it is refused. The force will come shifted left by `force_shift` bits. See
+    /// [`super::super::headroom`].
     #[inline(never)]
     pub(in crate::resonator) fn guard(&mut self, modes: &mut [Mode], allowance: u64, force_shift: u32) {
         self.status &= !REFUSING;
         if !self.ringing() && self.prepare_rest(allowance, force_shift) {
             return;
         }
-        // At rest there is nothing to look at, and nothing to shift.
+        // At rest there are no states to look at or to shift.
         let modes = if self.ringing() { modes } else { &mut [] };
         let mut size = self.size(modes);
         if size == 0 && modes.iter().all(|mode| mode.state == State::default()) {
@@ -98,13 +103,15 @@ impl Group {
                 self.bound = 0;
                 return;
             }
-            // Nothing rings: start from the finest exponent that the gains allow, so that small inputs keep all their bits.
+            // Nothing rings: start from the finest exponent that the gains allow, so that small
+            // inputs keep all their bits.
             self.exponent = self.largest_exponent(Some(force_shift)) as i8;
         }
         let input = loop {
             match self.input_size(allowance) {
                 Some(input) => break input,
-                // A faint tail meets a force that is not even countable in its units. Ends at the latest where exponents do.
+                // A faint tail meets a force beyond the range of its units. The loop ends at the
+                // smallest exponent at the latest.
                 None => size = self.lowered(modes),
             }
         };
@@ -118,12 +125,12 @@ impl Group {
         }
     }
 
-    /// Shifts the states up as far as they have decayed: what a guard without input is, at a third of its cost. Gives the largest |v|, in
-    /// states of the exponent before, less at most 1.
+    /// Shifts the states up as far as they have decayed: a guard without input, at a third of its
+    /// cost. Gives the largest |v|, in states of the exponent before, less at most 1.
     #[inline(always)]
     pub(in crate::resonator) fn follow(&mut self, modes: &mut [Mode]) -> u32 {
         let (largest_u, largest_v) = largest(modes);
-        // At most 2^31 each, as `size` says. A total below 2^29 is what a guard aims at.
+        // At most 2^31 each, as `size` says. A guard aims at a total below 2^29.
         let total = largest_u.wrapping_shl(self.form().shift()).max(largest_v).saturating_add(MARGIN);
         let up = total.leading_zeros() as i32 - 3;
         if up < 0 || self.exponent() + up >= MAX_EXPONENT || total == MARGIN {
@@ -148,7 +155,8 @@ impl Group {
         self.bound = 0;
     }
 
-    /// Whether there is an exponent that holds states of this size and input; then the states have it.
+    /// Brings the states to the exponent that holds their size and an input. False if there is
+    /// none.
     #[inline(never)]
     fn normalise(&mut self, modes: &mut [Mode], size: u32, input: u64, force_shift: Option<u32>) -> bool {
         let total = u64::from(size).saturating_add(input).saturating_add(u64::from(MARGIN));
@@ -158,7 +166,7 @@ impl Group {
             Err(_) => 64 - total.leading_zeros() as i32,
         };
         let wanted = self.exponent() + 29 - bits;
-        // Room that was made below the smallest exponent stays.
+        // An exponent that was lowered below the smallest one stays.
         let smallest = MIN_EXPONENT.min(self.exponent());
         let exponent = wanted.min(self.largest_exponent(force_shift)).max(smallest);
         let shift = exponent - self.exponent();
@@ -185,25 +193,27 @@ impl Group {
         true
     }
 
-    /// Gains become multipliers of 2^(gain_exponent + 1 + exponent - force_shift), which must not exceed 1.
+    /// Largest exponent with which the gains' multipliers, 2^(gain_exponent + 1 + exponent -
+    /// force_shift), do not exceed 1.
     fn largest_exponent(&self, force_shift: Option<u32>) -> i32 {
         let driven = |shift: u32| (shift as i32 - i32::from(self.gain_exponent) - 1).max(MIN_EXPONENT);
         force_shift.map_or(MAX_EXPONENT, driven).min(MAX_EXPONENT)
     }
 
-    /// Size of what an input with a sum of |force| of `allowance` can inject, in units of the present exponent, rounded up; `None`
-    /// where it exceeds 2^62.
+    /// Size of the largest injection of an input with a sum of |force| of `allowance`, in units of
+    /// the present exponent, rounded up; `None` if it exceeds 2^62.
     fn input_size(&self, allowance: u64) -> Option<u64> {
         if allowance == 0 || self.gain_peak == 0 {
             return Some(0);
         }
-        // 32 frames of at most 2^31, expected twice: the allowance has at most 37 bits, so that this product has at most 61.
+        // 32 frames of at most 2^31, expected twice: the allowance has at most 37 bits, so that
+        // this product has at most 61.
         let allowance = ((allowance >> 8) + 1).min(1 << 30) as u32;
         let product = u64::from(allowance) * u64::from(self.gain_peak);
         let shift = i32::from(self.gain_exponent) + self.exponent() - 23;
         match shift {
             ..=-64 => Some(1),
-            // The same of the high word, at a third of the cost.
+            // The high word suffices, at a third of the cost.
             -63..=-32 => Some(u64::from(((product >> 32) as u32 >> (-shift - 32)) + 1)),
             -31..0 => Some((product >> -shift) + 1),
             _ => (product.leading_zeros() as i32 > shift + 1).then(|| product << shift),
@@ -218,7 +228,7 @@ fn wide_bound(total: u64, shift: i32) -> u32 {
     u32::try_from(bound).unwrap_or(u32::MAX)
 }
 
-/// The largest |u| and the largest |v|, where negative ones count one less: an operation less each.
+/// Largest |u| and largest |v|; negative numbers count one less, which saves an operation each.
 #[inline(always)]
 fn largest(modes: &[Mode]) -> (u32, u32) {
     modes.iter().fold((0, 0), |(u, v), mode| {

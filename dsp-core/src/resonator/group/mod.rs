@@ -1,4 +1,4 @@
-//! A register group: modes of one form that share a block exponent.
+//! Register groups: modes of one form that share a block exponent.
 
 mod guard;
 mod plan;
@@ -12,46 +12,50 @@ use crate::fixed;
 
 /// Smallest block exponent: a state of `LIMIT` then stands for 2^26 times full scale.
 const MIN_EXPONENT: i32 = -24;
-/// Largest interval between two guards of a group that rings freely: 43 ms at 48 kHz.
+/// Largest interval in ticks between two guards of a group that rings freely: 43 ms at 48 kHz.
 pub(super) const MAX_GUARD_TICKS: u32 = 64;
-/// Largest exponent of a gain mantissa: from rest, the smallest block exponent then holds a tick of the largest force (2^36 bus steps).
+/// Largest exponent of a gain mantissa: from rest, the smallest block exponent then holds a tick of
+/// the largest force (2^36 bus steps).
 pub(super) const MAX_GAIN_EXPONENT: i32 = 29 - MIN_EXPONENT - 36 - 1;
 
-/// What a group of modes shares: its form, its block exponent and the bounds that go with it.
+/// A group of modes: their form, their block exponent and the bounds that go with it.
 ///
-/// A state of value x stands for `x · 2^-exponent` bus steps. The states are kept just below [`LIMIT`](super::headroom::LIMIT) by shifting them at
-/// guards, so that the damping term `δu` never falls into its dead band, however far the sound has decayed.
+/// A state of value x stands for `x · 2^-exponent` bus steps. The states are kept just below
+/// [`LIMIT`](super::headroom::LIMIT) by shifting them at guards, so that the damping term `δu`
+/// never falls into its dead band, however far the sound has decayed.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Group {
-    /// What a kernel needs to know; kept up to date by [`Group::prepare`].
+    /// Data for the kernels; kept up to date by [`Group::prepare`].
     plan: Plan,
     /// Size of the largest injection: max(|gain.u| · 2^k, |gain.v|) over the modes.
     gain_peak: u32,
-    /// What the state's size, input included, stays below until the next guard.
+    /// Bound of the state's size, input included, until the next guard.
     bound: u32,
     /// A gain mantissa g stands for `g · 2^(gain_exponent - 31)` bus steps a bus step of force.
     gain_exponent: i16,
     exponent: i8,
     /// [`MIRRORED`], [`RINGING`], [`REFUSING`].
     status: u8,
-    /// `2 log2` of the bus steps of state that a bus step of force makes at most.
+    /// `2 log2` of the largest state, in bus steps, that a bus step of force makes.
     gain_half_octaves: i8,
-    /// `4 log2` of its first mode's 2π f/fs: how little of a long contact reaches it.
+    /// `4 log2` of the first mode's 2π f/fs: the larger, the less of a long contact reaches it.
     angle_quarter_octaves: i8,
-    /// Ticks between two guards while nothing drives the group: in that time its fastest mode decays by half a bit.
+    /// Ticks between two guards while nothing drives the group: in that time its fastest mode
+    /// decays by half a bit.
     guard_ticks: u8,
-    /// The bank's clock (ticks without input, modulo 256) at the next one.
+    /// Time of the next guard by the bank's clock (ticks without input, modulo 256).
     due_at: u8,
 }
 
-/// Bits of a status: its modes run at fs/2 - f; one of them may have a state other than zero; input must be kept out until the next guard.
+/// Bits of a status: the modes run at fs/2 - f; a mode may have a state other than zero; input must
+/// be kept out until the next guard.
 const MIRRORED: u8 = 1;
 const RINGING: u8 = 2;
 const REFUSING: u8 = 4;
 
 impl Group {
-    /// A group of no modes, to fill memory before a kit is loaded.
+    /// A group of no modes, which fills memory before a kit is loaded.
     pub const EMPTY: Self = Self {
         plan: Plan::EMPTY,
         gain_peak: 0,
@@ -74,7 +78,7 @@ impl Group {
         self.plan.count()
     }
 
-    /// The arithmetic of its modes.
+    /// Arithmetic of its modes.
     pub fn form(&self) -> Form {
         self.plan.form()
     }
@@ -83,7 +87,7 @@ impl Group {
         &self.plan
     }
 
-    /// Whether its modes run at fs/2 - f.
+    /// True if its modes run at fs/2 - f.
     pub fn mirrored(&self) -> bool {
         self.status & MIRRORED != 0
     }
@@ -96,22 +100,24 @@ impl Group {
         self.plan.set_shed(true);
     }
 
-    /// Lets input reach it again.
+    /// Lets input reach the group again.
     pub(super) fn admit(&mut self) {
         self.plan.set_shed(false);
     }
 
-    /// Whether it is left out for want of time.
+    /// True if the group is left out for want of time.
     pub(super) fn is_shed(&self) -> bool {
         self.plan.is_shed()
     }
 
-    /// `2 log2` of a bound of a mode's amplitude until the next guard, bus steps: what rings and what the guard has allowed for.
+    /// `2 log2` of a bound of a mode's amplitude until the next guard, in bus steps: its ringing
+    /// and the guard's allowance.
     pub(super) fn ringing_half_octaves(&self) -> i32 {
         half_octaves(self.bound) - 2 * self.exponent()
     }
 
-    /// `2 log2` of the bus steps of state that a bus step of force makes at most, rounded down; -64 octaves at least.
+    /// `2 log2` of the largest state, in bus steps, that a bus step of force makes, rounded down;
+    /// -64 octaves at least.
     pub(super) fn gain_half_octaves(&self) -> i32 {
         i32::from(self.gain_half_octaves)
     }
@@ -121,61 +127,63 @@ impl Group {
         i32::from(self.angle_quarter_octaves)
     }
 
-    /// Whether its input is kept out at present.
+    /// True if its input is kept out at present.
     pub(super) fn refusing(&self) -> bool {
         self.status & REFUSING != 0
     }
 
-    /// Whether any of its modes may have a state other than zero.
+    /// True if any of its modes may have a state other than zero.
     pub fn ringing(&self) -> bool {
         self.status & RINGING != 0
     }
 
-    /// The block exponent: states count 2^-exponent bus steps.
+    /// Block exponent: states count 2^-exponent bus steps.
     pub fn exponent(&self) -> i32 {
         i32::from(self.exponent)
     }
 
-    /// Sets the input gains, in bus steps of state a bus step of force: `gains` gives (into u, into v) for each mode, below
-    /// 2^[`MAX_GAIN_EXPONENT`]. The mantissas leave room for gains that grow by the factor `room`, at most 2.
-    pub(super) fn set_gains(&mut self, modes: &mut [Mode], room: f32, gains: impl Fn(usize, &Mode) -> (f32, f32)) {
+    /// Sets the input gains, in bus steps of state a bus step of force: `gains` gives (into u, into
+    /// v) for each mode, below 2^[`MAX_GAIN_EXPONENT`]. The mantissas may still grow by the factor
+    /// `growth`, at most 2.
+    pub(super) fn set_gains(&mut self, modes: &mut [Mode], growth: f32, gains: impl Fn(usize, &Mode) -> (f32, f32)) {
         let gain = |index: usize| modes.get(index).map_or((0.0, 0.0), |mode| gains(index, mode));
-        let scale = Self::gain_scale(self.form(), modes.len(), room, gain);
+        let scale = Self::gain_scale(self.form(), modes.len(), growth, gain);
         let mut own = [InputGain::default(); GROUP_MODES];
         own.iter_mut().enumerate().take(modes.len()).for_each(|(index, own)| *own = scale.mantissas(gain(index)));
-        self.share_gains(scale, &mut own, &mut [InputGain::default(); GROUP_MODES], room);
+        self.share_gains(scale, &mut own, &mut [InputGain::default(); GROUP_MODES], growth);
         modes.iter_mut().zip(own).for_each(|(mode, own)| mode.gain = own);
     }
 
-    /// The scale on which the largest of `count` injections, times the room, is nearly 1.
+    /// Scale on which the largest of `count` injections, times `growth`, is nearly 1.
     pub(super) fn gain_scale(
         form: Form,
         count: usize,
-        room: f32,
+        growth: f32,
         injection: impl Fn(usize) -> (f32, f32),
     ) -> GainScale {
         let weight = (1u32 << form.shift()) as f32;
         let injections = (0..count).map(injection);
         let peak = injections.fold(0.0f32, |peak, (u, v)| peak.max((u * weight).abs()).max(v.abs()));
-        GainScale { exponent: libm::frexpf(peak * room).1 }
+        GainScale { exponent: libm::frexpf(peak * growth).1 }
     }
 
-    /// Takes gains on a scale, and others on the present one, to one scale that holds both; the group's force may come by either.
+    /// Brings `new` gains on a scale, and `kept` ones on the present scale, to one that holds both.
+    /// Either may drive the group then.
     pub(super) fn share_gains(
         &mut self,
         scale: GainScale,
         new: &mut [InputGain; GROUP_MODES],
         kept: &mut [InputGain; GROUP_MODES],
-        room: f32,
+        growth: f32,
     ) {
         let form = self.form();
         let peak = |gains: &[InputGain]| gains.iter().map(|gain| size_of(form, gain.u, gain.v)).max().unwrap_or(0);
         let kept_peak = peak(kept);
         let mut exponent = scale.exponent;
         if kept_peak > 0 {
-            let with_room = kept_peak + if room > 1.0 { kept_peak / 16 } else { 0 };
-            // Bits of the peak's mantissa, beyond 31 for one that has no room yet.
-            let bits = 64 - with_room.leading_zeros() as i32;
+            let grown = kept_peak + if growth > 1.0 { kept_peak / 16 } else { 0 };
+            // Bits of the peak's mantissa, beyond 31 if it may not grow yet.
+            let bits = 64 - grown.leading_zeros() as i32;
             exponent = exponent.max(i32::from(self.gain_exponent) + bits - 31);
         }
         shift_gains(new, exponent - scale.exponent);
@@ -188,17 +196,18 @@ impl Group {
         self.gain_half_octaves = half_octaves.max(i8::MIN.into()) as i8; // gains are below 2^16
     }
 
-    /// Brings the kernel's plan up to date, after the group's guard and once the bank's mix exponent is known.
+    /// Brings the kernel's plan up to date, after the group's guard and once the bank's mix
+    /// exponent is known.
     pub(super) fn prepare(&mut self, mix_exponent: i32, force_shift: u32) {
         let gain_shift = match self.refusing() {
-            // Nothing is left of a gain: the input is kept out.
+            // No bit of a gain is left: the input is kept out.
             true => 31,
             false => (force_shift as i32 - (i32::from(self.gain_exponent) + 1 + self.exponent())).clamp(0, 31),
         };
         self.plan.set(self.ringing(), gain_shift as u32, mix_scale(self.exponent() + mix_exponent));
     }
 
-    /// Derives from its poles how often it needs a guard while nothing drives it. After load.
+    /// Derives from the poles the interval of guards while nothing drives the group. After load.
     pub(super) fn schedule_guards(&mut self, modes: &[Mode]) {
         let fastest = modes.iter().fold(0, |fastest, mode| mode.coefficients.delta.max(fastest));
         self.guard_ticks = ticks_to_half_a_bit(fastest);
@@ -212,37 +221,38 @@ impl Group {
         self.angle_quarter_octaves = angle.max(i8::MIN.into()) as i8; // at most 4
     }
 
-    /// Guards that it needs in [`MAX_GUARD_TICKS`] without input, rounded up.
+    /// Number of guards in [`MAX_GUARD_TICKS`] without input, rounded up.
     pub(super) fn guards_in_longest_interval(&self) -> u32 {
         MAX_GUARD_TICKS.div_ceil(u32::from(self.guard_ticks.max(1)))
     }
 
-    /// Sets the multiplier that brings its states to a mix of this exponent, after the group's guard.
+    /// Sets the multiplier that brings its states to a mix of this exponent, after the group's
+    /// guard.
     pub(super) fn scale_mix(&mut self, mix_exponent: i32) {
         self.plan.set_mix_scale(mix_scale(self.exponent() + mix_exponent));
     }
 
-    /// Sets the time of its next guard after one for no input, or, where that may still come, at once when it ends.
-    /// The guard comes after `longest` ticks at the latest.
+    /// Sets the time of the next guard: the group's interval later, at most `longest` ticks, or, if
+    /// input may still come, at once when it ends.
     pub(super) fn schedule(&mut self, clock: u8, has_input: bool, longest: u8) {
         self.due_at = clock.wrapping_add(if has_input { 0 } else { self.guard_ticks.min(longest) });
     }
 
-    /// Brings the time of its next guard forward to at most `longest` ticks from now.
+    /// Brings the time of the next guard forward to at most `longest` ticks from now.
     pub(super) fn hasten(&mut self, clock: u8, longest: u8) {
         if self.due_ticks(clock) > longest as i8 {
             self.due_at = clock.wrapping_add(longest);
         }
     }
 
-    /// Ticks until the next guard without input; below 0 where it is late.
+    /// Ticks until the next guard without input; below 0 if it is late.
     pub(super) fn due_ticks(&self, clock: u8) -> i8 {
         self.due_at.wrapping_sub(clock) as i8
     }
 
     /// Bound of the sum of the group's modes in bus steps, rounded up, saturating.
     pub(super) fn mix_bound(&self) -> u64 {
-        // In eighths, so that it fits 32 bits: 2^29 states of growth 4 times six modes, bound by an exponent that leaves room.
+        // In eighths, so that it fits 32 bits: 2^29 states of growth 4 times six modes.
         let eighths = u64::from(self.bound / 8 + 1) * GROWTH_OF_V * self.count() as u64;
         match self.exponent() - 3 {
             shift @ 0..=31 => u64::from((eighths.min(u64::from(u32::MAX)) as u32) >> shift) + 1,
@@ -251,18 +261,18 @@ impl Group {
         }
     }
 
-    /// The smallest mix exponent with which this group's mix scale fits.
+    /// Smallest mix exponent with which this group's mix scale fits.
     pub(super) fn smallest_mix_exponent(&self) -> i32 {
         2 - self.exponent()
     }
 
-    /// Bus steps that a state of 1 stands for, 2^-exponent; exponents are small enough to be a float's.
+    /// Bus steps for a state of 1, 2^-exponent; exponents are small enough to be a float's.
     pub(super) fn unit(&self) -> f32 {
         f32::from_bits(((127 - self.exponent()) as u32) << 23)
     }
 
-    /// The largest and the summed amplitude of the group's modes in bus steps, exact to 1e-5; `None` while some state alone shows that one
-    /// is louder than `threshold`, which is the usual case and quick to see.
+    /// Sum of the amplitudes of the group's modes in bus steps, exact to 1e-5. `None` if one is
+    /// louder than `threshold`, which a state alone usually shows at once.
     pub(super) fn amplitudes_below(&self, modes: &[Mode], threshold: f32) -> Option<f32> {
         let unit = self.unit();
         let mut sum = 0.0;
@@ -289,21 +299,22 @@ pub(super) fn ticks_to_half_a_bit(delta: i32) -> u8 {
     (HALF_BIT / delta.unsigned_abs().max(1)).clamp(1, MAX_GUARD_TICKS) as u8
 }
 
-/// The exponent of gain mantissas: a mantissa g stands for `g · 2^(exponent - 31)`.
+/// Exponent of gain mantissas: a mantissa g stands for `g · 2^(exponent - 31)`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GainScale {
     exponent: i32,
 }
 
 impl GainScale {
-    /// An injection (into u, into v) on this scale.
+    /// Mantissas of an injection (into u, into v) on this scale.
     pub(super) fn mantissas(self, (u, v): (f32, f32)) -> InputGain {
         let mantissa = |gain: f32| libm::rintf(libm::scalbnf(gain, 31 - self.exponent)) as i32;
         InputGain { u: mantissa(u), v: mantissa(v) }
     }
 }
 
-/// Shifts mantissas right by so many bits, left where they are below 0, which the new exponent has room for.
+/// Shifts mantissas right by `bits`, or left if negative, for which the new exponent leaves
+/// headroom.
 fn shift_gains(gains: &mut [InputGain], bits: i32) {
     let shifted = |x: i32| match bits {
         0 => x,
@@ -321,7 +332,8 @@ fn size_of(form: Form, u: i32, v: i32) -> u64 {
     (u64::from(u.unsigned_abs()) << form.shift()).max(u64::from(v.unsigned_abs()))
 }
 
-/// 2^-(shift) as a Q32 multiplier: what brings a state to the mix. Nothing above 2^-1 can occur, nothing below 2^-32 is heard.
+/// 2^-(shift) as a Q32 multiplier, which brings a state to the mix. Nothing above 2^-1 can occur,
+/// nothing below 2^-32 is heard.
 fn mix_scale(shift: i32) -> i32 {
     match shift {
         2..=32 => 1 << (32 - shift),

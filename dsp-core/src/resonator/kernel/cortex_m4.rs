@@ -1,4 +1,4 @@
-//! The kernels for a Cortex-M4F: `cortex_m4.s`, bit for bit what [`super::portable`] does.
+//! The kernels for a Cortex-M4F: `cortex_m4.s`, with the bits of [`super::portable`].
 #![allow(unsafe_code)] // assembly; the only place of this crate
 
 use core::mem::offset_of;
@@ -10,7 +10,7 @@ use crate::time::TICK_FRAMES;
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 
-/// What the assembly takes.
+/// Arguments of the assembly.
 #[repr(C)]
 struct Call {
     modes: *mut Mode,
@@ -48,24 +48,26 @@ unsafe extern "C" {
     fn malleus_kernel_driven(call: *const Call);
 }
 
-/// As [`super::portable::free`]. 5.45 cycles a mode and sample (nominal, 240 modes: `cargo test -p host-tests --test on_chip costs -- --nocapture`).
+/// Rings modes as [`super::portable::free`] does. 5.45 cycles a mode and sample (nominal, 240
+/// modes: `cargo test -p host-tests --test on_chip costs -- --nocapture`).
 pub fn free(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward) {
     render(groups, modes, run, Sound { mix, ..Sound::NOWHERE }, malleus_kernel_free);
 }
 
-/// As [`super::portable::free_stereo`].
+/// Rings modes to the stereo bus as [`super::portable::free_stereo`] does.
 #[inline(always)]
 pub fn free_stereo(groups: &[Group], modes: &mut [Mode], run: Run, more: Option<&Backward>, stereo: Stereo<'_>) {
     let Some(sound) = Sound::stereo(run, more, stereo) else { return };
     render(groups, modes, Run { add: more.is_some(), ..run }, sound, malleus_kernel_free);
 }
 
-/// As [`super::portable::driven`]. 7.65 cycles a mode and sample with one gain, 9.21 with gain and phase (nominal, as above).
+/// Drives modes as [`super::portable::driven`] does. 7.65 cycles a mode and sample with one gain,
+/// 9.21 with gain and phase (nominal, 240 modes).
 pub fn driven(groups: &[Group], modes: &mut [Mode], run: Run, force: &Backward, mix: &mut Backward) {
     render(groups, modes, run, Sound { mix, force, ..Sound::NOWHERE }, malleus_kernel_driven);
 }
 
-/// As [`super::portable::driven_stereo`].
+/// Drives modes to the stereo bus as [`super::portable::driven_stereo`] does.
 pub fn driven_stereo(
     groups: &[Group],
     modes: &mut [Mode],
@@ -78,7 +80,8 @@ pub fn driven_stereo(
     render(groups, modes, Run { add: more.is_some(), ..run }, Sound { force, ..sound }, malleus_kernel_driven);
 }
 
-/// Where the force is and where the sound goes; the assembly reads `mix` where the run adds to it, and writes it where `stereo` is null.
+/// Source of the force and destination of the sound. The assembly reads `mix` if the run adds to
+/// it, and writes it if `stereo` is null.
 struct Sound {
     mix: *mut Backward,
     force: *const Backward,
@@ -100,7 +103,7 @@ impl Sound {
         doublings: 0,
     };
 
-    /// `None` where the run does not fit.
+    /// A sound on the stereo bus; `None` if the run does not fit.
     #[inline(always)]
     fn stereo(run: Run, more: Option<&Backward>, stereo: Stereo<'_>) -> Option<Self> {
         let fits = stereo.out.len() >= run.frames;
@@ -132,14 +135,18 @@ fn render(groups: &[Group], modes: &mut [Mode], run: Run, sound: Sound, kernel: 
         shift: sound.shift,
         doublings: sound.doublings,
     };
-    // SAFETY: the groups' modes lie within `modes`, borrowed mutably for the call. Without stereo, `mix` is borrowed mutably for the
-    // call; with it, the stereo frames are, which are at least as many as the run's, and `mix` is only read, where the run adds to it, and then
-    // borrowed. `force` is null for the free kernel, which does not read it, and borrowed for the driven one. Frames are 1 to 32, so that
-    // the assembly stays within its buffers; it keeps the procedure call standard and uses 320 bytes of stack.
+    // SAFETY: the groups' modes lie within `modes`, borrowed mutably for the call. Without stereo,
+    // `mix` is borrowed mutably for the call; with it, the stereo frames are, which are at least as
+    // many as the run's, and `mix` is only read, where the run adds to it, and then borrowed.
+    // `force` is null for the free kernel, which does not read it, and borrowed for the driven one.
+    // Frames are 1 to 32, so that the assembly stays within its buffers; it keeps the procedure
+    // call standard and uses 320 bytes of stack.
     unsafe { kernel(&call) }
 }
 
-/// The banks of this crate see to it; here it is what makes the call sound. Where many modes lie behind the groups' own there is nothing to add up.
+/// True if there are enough modes for the groups. The banks of this crate always have them; the
+/// check here makes the call sound. If the modes suffice for full groups there is nothing to add
+/// up.
 #[inline(always)]
 fn modes_suffice(groups: &[Group], modes: &[Mode]) -> bool {
     groups.len() * GROUP_MODES <= modes.len() || counted_modes(groups) <= modes.len()

@@ -4,23 +4,28 @@
 @ malleus_kernel_driven(call)   modes under a force: step, inject, mix
 @
 @ The bits are those of portable.rs. Layouts (checked at compile time in cortex_m4.rs):
-@   call    modes 0, groups 4, groups_end 8, mix 12, force 16, frames 20, skip 24, add 28, stereo 32 (null: the mix is
-@           written to `mix`), left 36, right 40, shift 44, doublings 48
+@   call    modes 0, groups 4, groups_end 8, mix 12, force 16, frames 20, skip 24, add 28, stereo 32
+@           (null: the mix is written to `mix`), left 36, right 40, shift 44, doublings 48
 @   mode    u 0, v 4, delta 8, epsilon 12, gain_u 16, gain_v 20; 24 bytes
-@   group   free kind 0, driven kind 1, gain shift 2, count 3, mix scale 4; 24 bytes, of which eight are read
+@   group   free kind 0, driven kind 1, gain shift 2, count 3, mix scale 4; 24 bytes, of which eight
+@           are read
 @   kind    bits 0-1 form, bit 2 gain and phase, bit 5 shed, bit 6 not full, bit 7 ringing
 @
 @ Where things are while a kernel runs:
-@   sp      the mix of 32 frames at 0..127, the force at 128..255, both backward in time: frame i at 124 - 4i
-@   s0      the set's modes          s1 next group       s2 end of the groups    s3 where the group's last set begins, + 1
-@   s4      mix scale                s5 gain shift       s6 sp at rest           s7 sp behind the last frame of a short run
+@   sp      the mix of 32 frames at 0..127, the force at 128..255, both backward in time: frame i at
+@           124 - 4i
+@   s0, s1  the set's modes, the next group
+@   s2, s3  end of the groups, place where the group's last set begins, + 1
+@   s4, s5  mix scale, gain shift
+@   s6, s7  sp at rest, sp behind the last frame of a short run
 @   s8      sets of a group that follow its leftover modes (0 or 1)
 @
-@ Why the buffers are addressed off sp: three modes take twelve registers, the sum and the mix scale two; no register is left for a
-@ pointer. sp only ever moves down from the buffers, so that an interrupt, which pushes below sp, never touches them.
+@ Why the buffers are addressed off sp: three modes take twelve registers, the sum and the mix scale
+@ two; no register is left for a pointer. sp only ever moves down from the buffers, so that an
+@ interrupt, which pushes below sp, never touches them.
 @ Why backward in time: then moving on in time is moving sp down.
-@ Why the carry flag: the multiplies leave flags alone, so the flag carries "first half of the tick" (clear) through 16 frames for nothing;
-@ the instruction that moves sp sets it.
+@ Why the carry flag: the multiplies leave flags alone, so the flag carries "first half of the tick"
+@ (clear) through 16 frames for nothing; the instruction that moves sp sets it.
 
     .syntax unified
     .thumb
@@ -47,15 +52,19 @@
     .endif
     .endm
 
-@ ---------------------------------------------------------------------------------------------------------------------------------
-@ Free, three modes in registers. Per frame 9 step + 3 mix + 2 load + 1 store = 15 cycles, 5.0 a mode.
+@ --------------------------------------------------------------------------------------------------
+@ Free, three modes in registers. Per frame 9 step + 3 mix + 2 load + 1 store = 15 cycles, 5.0 a
+@ mode.
 @
-@ Optimisation log (nominal cycles a mode and sample of a bank of 240 modes, this file alone: cargo test -p host-tests --test virtual_costs
-@ -- --nocapture; whole blocks: cargo bench -p host-tests --bench run_time_vs_error):
+@ Optimisation log (nominal cycles a mode and sample of a bank of 240 modes, this file alone: cargo
+@ test -p host-tests --test virtual_costs -- --nocapture; whole blocks: cargo bench -p host-tests
+@ --bench run_time_vs_error):
 @   18.6   plain Rust with i64: LLVM spills the rounded 64-bit sums
-@    5.45  three modes in registers, all groups of a bank in one call; the next group is looked up here, and only a change of form leaves the loop
-@    Tried: sums in s-registers (14 cycles a frame instead of 15), but the registers are named in the code, so that the loop must hold 32
-@    frames (1.8 KB, beyond the flash cache) or halve its runs, which costs more in loads than it saves.
+@    5.45  three modes in registers, all groups of a bank in one call; the next group is looked up
+@          here, and only a change of form leaves the loop
+@    Tried: sums in s-registers (14 cycles a frame instead of 15), but the registers are named in
+@    the code, so that the loop must hold 32 frames (1.8 KB, beyond the flash cache) or halve its
+@    runs, which costs more in loads than it saves.
 @ Registers: r0 sum, r1-r4, r5-r8, r9-r12 three modes (u, v, delta, epsilon), lr mix scale.
     .macro load_three
     vmov    s0, r0
@@ -129,9 +138,10 @@ free_three_\form:                       @ r0 modes, lr scale, s3 limit, carry cl
     .size   free_three_\form, . - free_three_\form
     .endm
 
-@ ---------------------------------------------------------------------------------------------------------------------------------
+@ --------------------------------------------------------------------------------------------------
 @ Free, the one or two modes by which a group's count exceeds a multiple of three.
-@ Two modes leave room for two sums at once (10.5 cycles a frame, 5.25 a mode), one mode for four (6.25).
+@ Two modes leave room for two sums at once (10.5 cycles a frame, 5.25 a mode), one mode for four
+@ (6.25).
 @ Registers: r1-r4, r5-r8 modes; sums r9, r10 or r5-r8; r12 passes of eight frames; lr mix scale.
     .macro free_two_frames form at
     ldr     r9, [sp, #\at]
@@ -213,7 +223,8 @@ free_one_\form:
     .size   free_one_\form, . - free_one_\form
     .endm
 
-@ Free, runs that an event or a block's end cuts short of a tick: a frame at a time, three modes or one in registers.
+@ Free, runs that an event or a block's end cuts short of a tick: a frame at a time, three modes or
+@ one in registers.
     .macro short_free form
     .p2align 2
     .type   short_free_three_\form, %function
@@ -251,13 +262,16 @@ short_free_one_\form:
     .size   short_free_one_\form, . - short_free_one_\form
     .endm
 
-@ ---------------------------------------------------------------------------------------------------------------------------------
-@ Driven with one gain, two modes in registers. Per frame 6 step + 2 inject + 2 mix + 3 for two loads + 1 store = 14 cycles, 7.0 a mode.
+@ --------------------------------------------------------------------------------------------------
+@ Driven with one gain, two modes in registers. Per frame 6 step + 2 inject + 2 mix + 3 for two
+@ loads + 1 store = 14 cycles, 7.0 a mode.
 @
 @ Optimisation log (nominal cycles a mode and sample, a bank of 240 modes):
 @    9.2   the same loop with gain and phase, phase 0
-@    7.65  the gain into v left out: the register that it frees holds the sum, whose load then pairs with the force's
-@ Registers: r0 force, r6 sum, r1-r5, r7-r11 two modes (u, v, delta, epsilon, gain), r12 gain shift, lr mix scale.
+@    7.65  the gain into v left out: the register that it frees holds the sum, whose load then pairs
+@          with the force's
+@ Registers: r0 force, r6 sum, r1-r5, r7-r11 two modes (u, v, delta, epsilon, gain), r12 gain shift,
+@ lr mix scale.
     .macro driven_gain_frame form at
     step    \form, r1, r2, r3, r4
     step    \form, r7, r8, r9, r10
@@ -278,15 +292,17 @@ short_free_one_\form:
     asr.w   r11, r11, r12
     .endm
 
-@ ---------------------------------------------------------------------------------------------------------------------------------
-@ Driven with gain and phase, two modes in registers. Per frame 6 step + 4 inject + 2 mix + 4 for two loads + 1 store = 17 cycles, 8.5 a mode.
+@ --------------------------------------------------------------------------------------------------
+@ Driven with gain and phase, two modes in registers. Per frame 6 step + 4 inject + 2 mix + 4 for
+@ two loads + 1 store = 17 cycles, 8.5 a mode.
 @
 @ Optimisation log (nominal cycles a mode and sample, a bank of 240 modes):
 @    9.2   twelve registers of modes; force and sum share r0, one after the other
-@    Tried: force and sum apart, the mix scale from an s-register in each frame: the same 17 cycles. Every word that does not stay
-@    in a core register costs one cycle a frame, wherever it is.
+@    Tried: force and sum apart, the mix scale from an s-register in each frame: the same 17 cycles.
+@    Every word that does not stay in a core register costs one cycle a frame, wherever it is.
 @    Tried: force and sums in s-registers: 15 cycles a frame, but 960 bytes for 16 frames.
-@ Registers: r0 force, then sum; r1-r6, r7-r12 two modes (u, v, delta, epsilon, gain u, gain v); lr gain shift while loading, then mix scale.
+@ Registers: r0 force, then sum; r1-r6, r7-r12 two modes (u, v, delta, epsilon, gain u, gain v); lr
+@ gain shift while loading, then mix scale.
     .macro driven_phase_frame form at
     step    \form, r1, r2, r3, r4
     step    \form, r7, r8, r9, r10
@@ -358,7 +374,8 @@ driven_\name\()_\form:                  @ r0 modes, lr scale, s3 limit, s4 scale
     .size   driven_\name\()_\form, . - driven_\name\()_\form
     .endm
 
-@ Driven, the one mode by which a group's count is odd; with gain and phase, which is right for both. Two frames at once: 9.5 cycles.
+@ Driven, the one mode by which a group's count is odd; with gain and phase, which is right for
+@ both. Two frames at once: 9.5 cycles.
 @ Registers: r1-r6 mode; r7, r8 forces; r9, r10 sums; r12 passes of eight frames; lr mix scale.
     .macro driven_one_frame form force sum
     step    \form, r1, r2, r3, r4
@@ -443,9 +460,9 @@ short_driven_one_\form:
     .size   short_driven_one_\form, . - short_driven_one_\form
     .endm
 
-@ ---------------------------------------------------------------------------------------------------------------------------------
-@ The walk: which kernel a group needs. r0 is the group's first mode. Leftover modes of a group go first, so that a set loop ends where the
-@ group ends.
+@ --------------------------------------------------------------------------------------------------
+@ The walk: which kernel a group needs. r0 is the group's first mode. Leftover modes of a group go
+@ first, so that a set loop ends where the group ends.
     .macro next_group name kind_byte set leftovers
     .p2align 2
     .type   next_\name, %function
@@ -521,7 +538,8 @@ after_leftover_\name:
     .endr
     .endm
 
-@ Saves the call's fields, makes room for the buffers, and clears the mix or takes over what the caller's holds.
+@ Saves the call's fields, makes room for the buffers, and clears the mix or takes over what the
+@ caller's holds.
     .macro enter
     push    {r4-r11, lr}
     mov     r8, r0
@@ -563,7 +581,7 @@ after_leftover_\name:
 2:
     .endm
 
-@ ---------------------------------------------------------------------------------------------------------------------------------
+@ --------------------------------------------------------------------------------------------------
     .p2align 2
     .global malleus_kernel_free
     .type   malleus_kernel_free, %function
@@ -593,7 +611,8 @@ leftover_short_free:
     short_free \form
     .endr
 
-@ Two frames of the mix to stereo: r7 stereo, r8 and r9 mantissas, r10 shift, lr behind the first frame's slot.
+@ Two frames of the mix to stereo: r7 stereo, r8 and r9 mantissas, r10 shift, lr behind the first
+@ frame's slot.
     .macro pan_two is_shifted
     ldm     r7, {r0-r3}
     ldr     r5, [lr, #-4]

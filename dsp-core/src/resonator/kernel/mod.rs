@@ -1,15 +1,16 @@
 //! The hot loops: all register groups of a bank over a run of frames.
 //!
-//! Each sample of each mode is: step, inject, mix. A kernel takes groups in their order with their modes behind one another, runs those that
-//! ring, and writes the sum of their sound. [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by
-//! assembly (`cortex_m4.s`), chosen at compile time, which tests compare bit for bit on the virtual core
+//! Each sample of each mode is: step, inject, mix. A kernel takes groups in their order with their
+//! modes behind one another, runs those that ring, and writes the sum of their sound. [`portable`]
+//! is the definition of the bits. On a Cortex-M4F assembly replaces it (`cortex_m4.s`), chosen at
+//! compile time, which tests compare with it bit for bit on the virtual core
 //! (`cargo test -p host-tests --test on_chip kernels`).
 //!
-//! **Buffers run backward in time**: frame i of a run lies at index 31 - i of mix and force. On the chip a moving stack pointer
-//! addresses them, which may only move down.
+//! **Buffers run backward in time**: frame i of a run lies at index 31 - i of mix and force. On the
+//! chip a moving stack pointer addresses them, which may only move down.
 //!
-//! States never wrap: [`super::headroom`] bounds them before a kernel is called, and in builds with debug assertions each
-//! addition is checked.
+//! States never wrap: [`super::headroom`] bounds them before a kernel is called, and in builds with
+//! debug assertions each addition is checked.
 
 pub mod portable;
 
@@ -28,33 +29,34 @@ use crate::time::TICK_FRAMES;
 /// A tick of samples, backward in time: frame i at index 31 - i.
 pub type Backward = [i32; TICK_FRAMES];
 
-/// Where a frame of a run lies in a [`Backward`] buffer.
+/// Place of a frame of a run in a [`Backward`] buffer.
 pub const fn slot(frame: usize) -> usize {
     TICK_FRAMES - 1 - frame % TICK_FRAMES
 }
 
-/// How much of a tick to run, and of which groups.
+/// Part of a tick to run, and its groups.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Run {
-    /// Frames, 1 to 32.
+    /// Number of frames, 1 to 32.
     pub frames: usize,
-    /// Whether groups at rest are left out.
+    /// True if groups at rest are left out.
     pub skip: bool,
-    /// Whether the sound is added to what the mix holds, or replaces it.
+    /// True if the sound is added to the mix; if false it replaces the mix.
     pub add: bool,
 }
 
-/// Where and how loud a bank's mix goes to the stereo bus: `side += mantissa · (mix · 2^doublings << shift)`, saturating.
+/// Destination and loudness of a bank's mix on the stereo bus:
+/// `side += mantissa · (mix · 2^doublings << shift)`, saturating.
 #[derive(Debug)]
 pub struct Stereo<'a> {
-    /// At least as many frames as the run's.
+    /// Frames of the stereo bus, at least as many as the run's.
     pub out: &'a mut [[i32; 2]],
     /// Q32 gain of the left side.
     pub left: i32,
-    /// The same of the right side.
+    /// Q32 gain of the right side.
     pub right: i32,
-    /// How many times the mix is doubled before, saturating.
+    /// Number of times that the mix is doubled first, saturating.
     pub doublings: u32,
-    /// By how many bits it is shifted left then; nothing is lost by it.
+    /// Number of bits of the shift left that follows, which loses no bit.
     pub shift: u32,
 }

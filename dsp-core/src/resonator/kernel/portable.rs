@@ -1,7 +1,8 @@
 //! The kernels in plain Rust: the definition of the bits.
 //!
-//! A mode at a time, because the sum of rounded integers does not depend on the order. On a Cortex-M4 LLVM makes 18.6 cycles a mode and
-//! sample of it (it spills the 64-bit sums), which is why there is assembly.
+//! The loop takes a mode at a time, because the sum of rounded integers does not depend on the
+//! order. On a Cortex-M4 LLVM makes 18.6 cycles a mode and sample of it (it spills the 64-bit
+//! sums), which is why there is assembly.
 
 use super::super::coefficient::Form;
 use super::super::group::{Group, Plan};
@@ -10,8 +11,8 @@ use super::{Backward, Run, Stereo, slot};
 use crate::fixed;
 use crate::time::TICK_FRAMES;
 
-/// Modes that ring on without input, `step; mix`: writes, or adds, the sum of their sound; a mix that is written is 0
-/// beyond the run's frames.
+/// Rings modes without input, `step; mix`: writes, or adds, the sum of their sound. A mix that is
+/// written is 0 beyond the run's frames.
 ///
 /// `modes` begins with those of all `groups`, one group behind the other.
 pub fn free(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward) {
@@ -22,14 +23,14 @@ pub fn free(groups: &[Group], modes: &mut [Mode], run: Run, mix: &mut Backward) 
     });
 }
 
-/// As [`free`], but the mix, with `more` added, goes to the stereo bus.
+/// Rings modes as [`free`] does; the mix, with `more` added, goes to the stereo bus.
 pub fn free_stereo(groups: &[Group], modes: &mut [Mode], run: Run, more: Option<&Backward>, stereo: Stereo<'_>) {
     let mut mix = more.map_or([0; TICK_FRAMES], |more| *more);
     free(groups, modes, Run { add: true, ..run }, &mut mix);
     pan(&mix, run.frames, stereo);
 }
 
-/// As [`driven`], but the mix, with `more` added, goes to the stereo bus.
+/// Drives modes as [`driven`] does; the mix, with `more` added, goes to the stereo bus.
 pub fn driven_stereo(
     groups: &[Group],
     modes: &mut [Mode],
@@ -51,7 +52,8 @@ fn pan(mix: &Backward, frames: usize, stereo: Stereo<'_>) {
     }
 }
 
-/// Modes under a force, `step; inject; mix`: as [`free`]. The force is shifted as the groups' gains expect it.
+/// Drives modes by a force, `step; inject; mix`, with groups, modes and mix as in [`free`]. The
+/// force is shifted as the groups' gains expect it.
 pub fn driven(groups: &[Group], modes: &mut [Mode], run: Run, force: &Backward, mix: &mut Backward) {
     let force = force.get(slot(run.frames.saturating_sub(1))..).unwrap_or(&[]);
     each(groups, modes, run, mix, |plan, mode, mix| match plan.form() {
@@ -61,8 +63,8 @@ pub fn driven(groups: &[Group], modes: &mut [Mode], run: Run, force: &Backward, 
     });
 }
 
-/// As [`driven`], under two forces: that of the modes' own gains, and one of the gains of a second position, one for each mode. It is
-/// added to the mix.
+/// Drives modes by two forces, and adds their sound to the mix: one by the modes' own gains, one by
+/// those of a second position.
 ///
 /// Not in assembly: strikes at two places of a pad within a contact time are rare
 /// (`cargo test -p host-tests --test on_chip at_two_places` prints the cycles).
@@ -165,14 +167,14 @@ fn step_shifted<const SHIFT: u32>(mode: &mut Mode) {
     state.v = state.v.wrapping_add(step);
 }
 
-/// SMMLAR, with a check in debug builds that the headroom proof holds.
+/// SMMLAR, with a check of the headroom in debug builds.
 #[inline(always)]
 fn accumulate(sum: i32, a: i32, b: i32) -> i32 {
     debug_assert!(sum.checked_add(fixed::smmulr(a, b)).is_some(), "headroom: {sum} + {a} x {b} wraps");
     fixed::smmlar(sum, a, b)
 }
 
-/// SMMLSR, with the same check.
+/// SMMLSR, with a check of the headroom in debug builds.
 #[inline(always)]
 fn diminish(sum: i32, a: i32, b: i32) -> i32 {
     debug_assert!(sum.checked_sub(fixed::smmulr(a, b)).is_some(), "headroom: {sum} - {a} x {b} wraps");

@@ -1,5 +1,7 @@
-//! The room's hot loops: splits, networks of 16-bit lines, doubled rates. [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly
-//! (`cortex_m4/*.s`), which tests compare bit for bit on the virtual core (`cargo test -p host-tests --test on_chip room`).
+//! The room's hot loops: splits, networks of 16-bit lines, doubled rates. [`portable`] is the
+//! definition of the bits. On a Cortex-M4F assembly replaces it (`cortex_m4/*.s`), which tests
+//! compare with it bit for bit on the virtual core
+//! (`cargo test -p host-tests --test on_chip room`).
 
 pub(super) mod portable;
 

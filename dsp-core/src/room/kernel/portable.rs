@@ -9,7 +9,7 @@ use super::super::split::{SHAPED_FIRST, Split, SplitState};
 use super::super::storage::Stored;
 use crate::fixed;
 
-/// As [`Sample::network`].
+/// Lets a tick pass through a network, as `Sample::network` says.
 pub(in crate::room) fn network<T: Stored>(tick: NetworkTick<'_, T>) -> bool {
     let NetworkTick { memory, lines, places, sound, turns, busy, input, out, .. } = tick;
     prepare(input, &mut sound.input, tick.input_shift, tick.input_gain);
@@ -22,8 +22,8 @@ pub(in crate::room) fn network<T: Stored>(tick: NetworkTick<'_, T>) -> bool {
     exceeded
 }
 
-/// Gives the second values of pairs input times `2^shift · gain / 2^32`, in 2^-16 steps, and the first
-/// ones [`FIRST_OF_SECOND`] of that; the gain grows by a part of itself (Q32) a sample.
+/// Gives the second values of pairs input times `2^shift · gain / 2^32`, in 2^-16 steps, and the
+/// first ones [`FIRST_OF_SECOND`] of that; the gain grows by a part of itself (Q32) a sample.
 fn prepare<T: Stored>(input: &[i32], prepared: &mut [[T; 2]], shift: u32, [gain, growth]: [i32; 2]) {
     let mut gain = gain;
     for (prepared, &x) in prepared.iter_mut().zip(input) {
@@ -33,7 +33,8 @@ fn prepare<T: Stored>(input: &[i32], prepared: &mut [[T; 2]], shift: u32, [gain,
     }
 }
 
-/// Adds outputs times a gain, that loses a part of itself (Q32) a frame, to `out`, or puts them there.
+/// Adds outputs to `out`, or puts them there, times a gain that loses a part of itself (Q32) a
+/// frame.
 fn radiate<T: Stored>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32; 2]], add: bool) {
     let mut gain = gain;
     for ([left, right], &[y_left, y_right]) in out.iter_mut().zip(output) {
@@ -44,8 +45,9 @@ fn radiate<T: Stored>(output: &[[T; 2]], [gain, loss]: [i32; 2], out: &mut [[i32
     }
 }
 
-/// Lets a tick pass through the lines. Whether, where it is `busy`, something [watched](Stored::watched) is beyond the bits that raise the level; otherwise whether something
-/// that is stored is beyond those up to which it may be lowered.
+/// Lets a tick pass through the lines. If it is `busy`, true if a [watched](Stored::watched) value
+/// is beyond the bits that raise the level; otherwise true if a stored value is beyond those up to
+/// which it may be lowered.
 fn pass<T: Stored>(
     memory: &mut [[T; 2]],
     lines: &[Place; LINES],
@@ -82,7 +84,7 @@ fn at_each<T: Copy>(memory: &[[T; 2]], [a, b, c, d]: [usize; LINES]) -> Option<[
     Some([at(a)?, at(b)?, at(c)?, at(d)?])
 }
 
-/// As [`Sample::scale`].
+/// Doubles or halves all, as `Sample::scale` says.
 pub(in crate::room) fn scale<T: Stored>(words: &mut [[T; 2]], rise: i32) {
     for value in words.as_flattened_mut() {
         *value = match rise {
@@ -92,7 +94,8 @@ pub(in crate::room) fn scale<T: Stored>(words: &mut [[T; 2]], rise: i32) {
     }
 }
 
-/// One frame: what the lines gave is turned and mixed; what they are to hold, and half the outputs.
+/// Mixes one frame of the lines, turned. Gives the values that they are to hold, and half the
+/// outputs.
 #[inline(always)]
 fn mix<T: Stored>(
     [w0, w1, w2, w3]: [[T; 2]; LINES],
@@ -118,7 +121,7 @@ fn difference<T: Stored>([a, b]: [T; 2], [c, d]: [T; 2]) -> [T; 2] {
     [T::subtract(a, c), T::subtract(b, d)]
 }
 
-/// As [`Split::render`], but gives the or of the sizes.
+/// Splits as [`Split::render`] does, but gives the or of the sizes.
 #[cfg(not(cortex_m4f))]
 pub(in crate::room) fn split(
     split: &Split,
@@ -150,8 +153,9 @@ pub(in crate::room) fn split(
     sizes
 }
 
-/// `y = x2 + c2 (x - y2) + c1 (x1 - y1)`. What is cut off is added to the next sum: a pole pair near 0 Hz would raise plain rounding noise by the square of what it
-/// raises this.
+/// Section of second order, `y = x2 + c2 (x - y2) + c1 (x1 - y1)`. The cut off bits are added to
+/// the next sum: a pole pair near 0 Hz would raise plain rounding noise by the square of its gain
+/// for these.
 #[cfg(not(cortex_m4f))]
 pub(in crate::room) fn section(&[half_c1, half_c2]: &[i32; 2], state: &mut [i32; 5], block: &mut [i32]) {
     let [mut x1, mut x2, mut y1, mut y2, mut rest] = *state;
@@ -167,7 +171,8 @@ pub(in crate::room) fn section(&[half_c1, half_c2]: &[i32; 2], state: &mut [i32;
     *state = [x1, x2, y1, y2, rest];
 }
 
-/// `y = x1 - α (x - y1)`, with what is cut off carried on in the same way where α is above [`SHAPED_FIRST`].
+/// Section of first order, `y = x1 - α (x - y1)`, which carries the cut off bits on if α is above
+/// [`SHAPED_FIRST`].
 #[cfg(not(cortex_m4f))]
 pub(in crate::room) fn first_order(alpha: i32, state: &mut [i32; 3], block: &mut [i32]) {
     let [mut x1, mut y1, mut rest] = *state;
@@ -186,7 +191,8 @@ pub(in crate::room) fn first_order(alpha: i32, state: &mut [i32; 3], block: &mut
     *state = [x1, y1, rest];
 }
 
-/// Adds `slow` at twice its rate to `fast`, or puts it there, side by side: see [`Upsampler`](super::super::upsample::Upsampler).
+/// Adds `slow` at twice its rate to `fast`, or puts it there, side by side: see
+/// [`Upsampler`](super::super::upsample::Upsampler).
 #[cfg(not(cortex_m4f))]
 pub(in crate::room) fn double(
     &[a0, a1]: &[i32; 2],
@@ -213,8 +219,8 @@ pub(in crate::room) fn double(
     }
 }
 
-/// Makes `input`, at most ±1.0, of both sides of `out` by their [chains](super::super::feed) and adds
-/// `wet` to `out`; gives the or of what the chains were given.
+/// Makes `input`, at most ±1.0, of both sides of `out` by their [chains](super::super::chain) and
+/// adds `wet` to `out`. Gives the or of the chains' inputs.
 #[cfg(not(cortex_m4f))]
 pub(in crate::room) fn exchange(
     out: &mut [[i32; 2]],
@@ -236,7 +242,7 @@ pub(in crate::room) fn exchange(
     heard
 }
 
-/// One side's sample through its three sections.
+/// Sample of one side through its three sections.
 #[cfg(not(cortex_m4f))]
 #[inline(always)]
 fn chain(chain: &Chain, state: &mut ChainState, x: i32, right: bool) -> i32 {
@@ -254,7 +260,7 @@ fn chain(chain: &Chain, state: &mut ChainState, x: i32, right: bool) -> i32 {
     y
 }
 
-/// To ±2.0, for the next split.
+/// Clips to ±2.0, for the next split.
 #[cfg(not(cortex_m4f))]
 #[inline(always)]
 fn clip(value: i32) -> i32 {

@@ -4,7 +4,8 @@
     .thumb
     .section .text.malleus_room,"ax",%progbits
 
-@ malleus_room_double(a, state, slow, fast, count, add): both sides (every second word) at twice their rate; a side's state is x, even, odd.
+@ malleus_room_double(a, state, slow, fast, count, add): both sides (every second word) at twice
+@ their rate; a side's state is x, even, odd.
 @ r0 slow, r1 fast, r2 count, r3 a0, r4 a1, r5 last x, r6 even, r7 odd, r8 x, r9 free, r10, r11 sums
     .macro doubled x x1 add at
     ssat    \x, #30, \x

@@ -4,9 +4,11 @@
     .thumb
     .section .text.malleus_room,"ax",%progbits
 
-@ malleus_room_exchange(out, wet, input, count, chains, states) -> or of what the chains are given: both sides of `out` go through their chains to `input`, `wet` is
-@ added to `out`. One side after the other: both sides' states and coefficients do not fit the registers.
-@ r0 out, r1 wet, r2 input, r3 count, r4 the or, r5 and r6 the slow state, r7 the second, r8 the last, r9, r10, lr coefficients, r11 x, r12 d
+@ malleus_room_exchange(out, wet, input, count, chains, states) -> or of what the chains are given:
+@ both sides of `out` go through their chains to `input`, `wet` is added to `out`. One side after
+@ the other: both sides' states and coefficients do not fit the registers.
+@ r0 out, r1 wet, r2 input, r3 count, r4 the or, r5 and r6 the slow state, r7 the second, r8 the
+@ last, r9, r10, lr coefficients, r11 x, r12 d
     .macro exchanged right at
     ldr     r11, [r0, #\at]
     ssat    r11, #28, r11, asr #2
@@ -58,7 +60,8 @@
 4:
     .endm
 
-@ A chain is two complements and the last coefficient, 12 bytes; a state is 16 bytes. sp: out, wet, input, count; chains 52, states 56.
+@ A chain is two complements and the last coefficient, 12 bytes; a state is 16 bytes.
+@ sp: out, wet, input, count; chains 52, states 56.
     .global malleus_room_exchange
     .type malleus_room_exchange, %function
     .thumb_func

@@ -12,7 +12,8 @@
     shadd16 r7, r7, r12
 .endm
 
-@ malleus_room_scale(words, count, rise): both halves of so many words doubled, saturated, or halved as often as it says, each time rounded half up.
+@ malleus_room_scale(words, count, rise): both halves of so many words doubled, saturated, or halved
+@ as often as it says, each time rounded half up.
 @ Levels mostly rise by one bit or two.
     .global malleus_room_scale
     .type malleus_room_scale, %function

@@ -1,4 +1,5 @@
-//! The kernels for a Cortex-M4F: the assembly beside this file, bit for bit what [`super::portable`] does.
+//! The kernels for a Cortex-M4F: the assembly beside this file, with the bits of
+//! [`super::portable`].
 #![allow(unsafe_code)] // assembly
 
 use core::mem::offset_of;
@@ -14,7 +15,7 @@ core::arch::global_asm!(include_str!("split.s"), options(raw));
 core::arch::global_asm!(include_str!("double.s"), options(raw));
 core::arch::global_asm!(include_str!("exchange.s"), options(raw));
 
-/// What a network's tick is told.
+/// Arguments of a network's tick.
 #[repr(C)]
 struct Call<'a> {
     memory: *mut [i16; 2],
@@ -23,7 +24,7 @@ struct Call<'a> {
     /// Input; output lies 512 bytes behind.
     sound: *mut Sound<i16>,
     frames: usize,
-    /// Each for so many frames.
+    /// Each for a number of frames.
     turns: *const [i16; 2],
     fixed: [i16; 2],
     busy: u32,
@@ -32,13 +33,13 @@ struct Call<'a> {
     input_gain: [i32; 2],
     out: *mut [i32; 2],
     output_gain: [i32; 2],
-    /// A [`Radiation`].
+    /// A [`Radiation`](super::super::lines::Radiation).
     radiation: u32,
-    /// Bits of the bytes of input that an angle is for.
+    /// Base-2 logarithm of the bytes of input for an angle.
     turn_bits: u32,
 }
 
-// What the assembly counts on.
+// Sizes and places that the assembly counts on.
 const _: () = assert!(BLOCK_FRAMES == 128 && LINES == 4 && offset_of!(Sound<i16>, output) == 512);
 const _: () = assert!(align_of::<Sound<i16>>() == 64 && offset_of!(Sound<i16>, input) == 0);
 const _: () = assert!(size_of::<Place>() == 4 && offset_of!(Place, left) == 2 && size_of::<Call<'_>>() == 68);
@@ -81,7 +82,7 @@ unsafe extern "C" {
     ) -> u32;
 }
 
-/// As [`super::portable::split`].
+/// Splits as [`super::portable::split`] does.
 pub(in crate::room) fn split(
     split: &Split,
     state: &mut SplitState,
@@ -97,7 +98,7 @@ pub(in crate::room) fn split(
     unsafe { malleus_room_split(split, state, low.as_mut_ptr(), high.as_mut_ptr(), count, thin) }
 }
 
-/// As [`super::portable::double`].
+/// Doubles the rate as [`super::portable::double`] does.
 pub(in crate::room) fn double(
     a: &[i32; 2],
     sides: &mut [[i32; 3]; 2],
@@ -107,14 +108,15 @@ pub(in crate::room) fn double(
 ) {
     let count = slow.len().min(fast.len() / 2);
     if count > 0 {
-        // SAFETY: there are `count` pairs of `slow` and twice as many of `fast`; sides lie behind one another.
+        // SAFETY: there are `count` pairs of `slow` and twice as many of `fast`; sides lie behind
+        // one another.
         unsafe {
             malleus_room_double(a, sides.as_mut_ptr(), slow.as_ptr().cast(), fast.as_mut_ptr().cast(), count, add);
         }
     }
 }
 
-/// As [`super::portable::exchange`].
+/// Exchanges with the bus as [`super::portable::exchange`] does.
 pub(in crate::room) fn exchange(
     out: &mut [[i32; 2]],
     wet: &[[i32; 2]],
@@ -126,7 +128,7 @@ pub(in crate::room) fn exchange(
     unsafe { malleus_room_exchange(out.as_mut_ptr(), wet.as_ptr(), input.as_mut_ptr(), count, &CHAINS, states) }
 }
 
-/// As [`super::portable::network`].
+/// Lets a tick pass through a network as [`super::portable::network`] does.
 #[inline(always)]
 pub(in crate::room) fn network(tick: NetworkTick<'_, i16>) -> bool {
     let NetworkTick { memory, lines, places, sound, turns: (turns, turn_frames, fixed), .. } = tick;
@@ -159,13 +161,14 @@ pub(in crate::room) fn network(tick: NetworkTick<'_, i16>) -> bool {
         radiation: tick.radiation as u32,
         turn_bits: (4 * turn_frames).trailing_zeros(),
     };
-    // SAFETY: the lines lie within the memory, places within the lines (they begin there and only a block moves them, back to there at a line's end; a line is
-    // at least a block long); there are an input, an output and a frame of `out` a frame, and an angle for each `turn_frames`, which
+    // SAFETY: the lines lie within the memory, places within the lines (they begin there and only a
+    // block moves them, back to there at a line's end; a line is at least a block long); there are
+    // an input, an output and a frame of `out` a frame, and an angle for each `turn_frames`, which
     // are at most the 64 bytes on which sound lies.
     unsafe { malleus_room_network(&mut call) != 0 }
 }
 
-/// As [`super::portable::scale`].
+/// Doubles or halves all as [`super::portable::scale`] does.
 pub(in crate::room) fn scale(words: &mut [[i16; 2]], rise: i32) {
     if !words.is_empty() {
         // SAFETY: there are as many words as it says.

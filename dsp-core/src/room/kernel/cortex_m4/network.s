@@ -6,8 +6,9 @@
 
 @ A network's tick, malleus_room_network(call), is three loops: prepare, pass, radiate.
 
-@ Prepare: r0 input, r1 prepared, r2 count, r3 shift, r4 gain, r5 growth, r6 half a step, lr the first values' part of the second ones, r12 half a step less that part of
-@ one: the second ones have theirs already
+@ Prepare: r0 input, r1 prepared, r2 count, r3 shift, r4 gain, r5 growth, r6 half a step, lr the
+@ first values' part of the second ones, r12 half a step less that part of one: the second ones have
+@ theirs already
     .macro prepared x
     lsl     \x, \x, r3
     smmlar  \x, \x, r4, r6
@@ -87,8 +88,10 @@
 4:
     .endm
 
-@ One frame of all lines. r0-r3 lines, r4 sound (outputs lie 512 bytes behind), r5 turning sine and cosine, r6 fixed ones, r7-r10 the lines' words, r11 half a step, r12 free,
-@ lr count. The sticky flag Q tells of stored values beyond 14 bits, sign included, or of those of line 1 beyond 15: nothing else here sets it.
+@ One frame of all lines. r0-r3 lines, r4 sound (outputs lie 512 bytes behind), r5 turning sine and
+@ cosine, r6 fixed ones, r7-r10 the lines' words, r11 half a step, r12 free, lr count. The sticky
+@ flag Q tells of stored values beyond 14 bits, sign included, or of those of line 1 beyond 15:
+@ nothing else here sets it.
     .macro reflected word angle
     smladx  r12, \word, \angle, r11
     smlsd   \word, \word, \angle, r11
@@ -166,12 +169,14 @@
 4:
     .endm
 
-@ Pass: a block, cut where a line ends and where the angle changes.
-@ Layouts: call is memory 0, lines 4, positions 8, sound 12, frames 16, angles 20, fixed angle 24, busy 28, input 32, shift 36, gain 40, growth 44, out 48,
-@ gain 52, loss 56, what to do with `out` 60 (0 put, 1 add, 2 nothing), bits of an angle's bytes of input 64; a line is where it begins and its length, halfwords in pairs; a position is
-@ where it is and what is left to the line's end, alike.
-@ sp: memory, lines, positions, sound, frames left, angles, fixed angle, busy; this cut's frames left 32, angles less what of them
-@ the sound's address counts for 36 (sound lies on 64 bytes: sixteen inputs), call 40, bits of an angle's bytes 44.
+@ Pass: a block, cut where a line ends and where the angle changes. Layouts: call is memory 0, lines
+@ 4, positions 8, sound 12, frames 16, angles 20, fixed angle 24, busy 28, input 32, shift 36, gain
+@ 40, growth 44, out 48, gain 52, loss 56, what to do with `out` 60 (0 put, 1 add, 2 nothing), bits
+@ of an angle's bytes of input 64; a line is where it begins and its length, halfwords in pairs; a
+@ position is where it is and what is left to the line's end, alike.
+@ sp: memory, lines, positions, sound, frames left, angles, fixed angle, busy; this cut's frames
+@ left 32, angles less what of them the sound's address counts for 36 (sound lies on 64 bytes:
+@ sixteen inputs), call 40, bits of an angle's bytes 44.
     .macro begun line word
     uxth    r\line, \word
     add     r\line, r6, r\line, lsl #2

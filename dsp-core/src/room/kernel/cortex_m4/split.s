@@ -4,11 +4,14 @@
     .thumb
     .section .text.malleus_room,"ax",%progbits
 
-@ malleus_room_split(split, state, low, high, count, thin) -> or of the sizes in high: portable.rs, split.
-@ Layouts: split is α, the number of sections, then c1/2 and c2/2 of each; state is x1, y1, rest, then x1, x2, y1, y2, rest of each section.
+@ malleus_room_split(split, state, low, high, count, thin) -> or of the sizes in high: portable.rs,
+@ split.
+@ Layouts: split is α, the number of sections, then c1/2 and c2/2 of each; state is x1, y1, rest,
+@ then x1, x2, y1, y2, rest of each section.
 @ sp: coefficients and state of the next section, low, high; split 16, count 56, thin 60.
 
-@ One sample of a second-order section: r7, r8 new inputs, r9 rest, r10, r11 free, r12 c1/2, lr c2/2. y takes the place of y2.
+@ One sample of a second-order section: r7, r8 new inputs, r9 rest, r10, r11 free, r12 c1/2, lr
+@ c2/2. y takes the place of y2.
     .macro second_order x x1 x2 y1 y2 at
     sub     r11, \x, \y2
     mov     r10, #0
