@@ -74,61 +74,70 @@ pub const PARTS: usize = Part::IdleTick as usize + 1;
 /// Cycles of each [`Part`], nominal, without flash waits, from fits to the virtual core (`cargo bench -p host-tests --bench budget_costs` prints one) and from
 /// profiles where a fit cannot tell parts apart; `cargo test -p host-tests --test on_chip budget` holds them to 3 %.
 pub const CYCLES: [u32; PARTS] = [
-    2050, 457, 462, 118, 1089, 1305, 49, 2394, 2900, 5380, 20, 131, 24, 430, 435, 2900, 640, 60, 1600, 205, 32, 5500,
-    125, 800, 30, 1, 700, 500, 40, 1, 1250,
+    900, 457, 462, 118, 1089, 1305, 49, 2394, 2900, 5380, 20, 131, 24, 430, 435, 2900, 640, 60, 1600, 205, 32, 5500,
+    125, 800, 30, 1, 700, 500, 40, 1, 963,
 ];
 
-/// How much of each part a tick has.
+/// Number of each part in a tick, and the cycles of all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Counts([u32; PARTS]);
+pub struct Counts {
+    parts: [u32; PARTS],
+    /// Kept up with each change: a sum over all parts would take some 300 cycles each time.
+    cycles: u32,
+}
 
 impl Counts {
     /// Nothing.
-    pub const NONE: Self = Self([0; PARTS]);
+    pub const NONE: Self = Self { parts: [0; PARTS], cycles: 0 };
 
-    /// Adds parts.
+    /// Adds a number of a part.
+    #[inline(always)] // a part is known where it is added, and so are its cycles
     pub(super) fn add(&mut self, part: Part, count: u32) {
-        if let Some(counted) = self.0.get_mut(part as usize) {
+        if let (Some(counted), Some(cycles)) = (self.parts.get_mut(part as usize), CYCLES.get(part as usize)) {
             *counted += count;
+            self.cycles += count * cycles;
         }
     }
 
     /// Adds several parts.
+    #[inline(always)]
     pub(super) fn add_all<const N: usize>(&mut self, parts: [(Part, u32); N]) {
         parts.into_iter().for_each(|(part, count)| self.add(part, count));
     }
 
-    /// Takes parts away, at most all.
+    /// Takes a number of a part away, at most all.
     pub(super) fn remove(&mut self, part: Part, count: u32) {
-        if let Some(counted) = self.0.get_mut(part as usize) {
-            *counted = counted.saturating_sub(count);
+        if let (Some(counted), Some(cycles)) = (self.parts.get_mut(part as usize), CYCLES.get(part as usize)) {
+            let count = count.min(*counted);
+            *counted -= count;
+            self.cycles -= count * cycles;
         }
     }
 
-    /// Whether a tick has been counted.
+    /// True if a tick has been counted.
     pub fn is_any(&self) -> bool {
-        self.of(Part::Tick) + self.of(Part::IdleTick) > 0
+        self.cycles > 0
     }
 
-    /// How many of a part.
+    /// Number of a part.
     pub fn of(&self, part: Part) -> u32 {
-        self.0.get(part as usize).copied().unwrap_or(0)
+        self.parts.get(part as usize).copied().unwrap_or(0)
     }
 
-    /// All counts, in the order of [`Part`].
+    /// Numbers of all parts, in the order of [`Part`].
     pub fn all(&self) -> &[u32; PARTS] {
-        &self.0
+        &self.parts
     }
 
-    /// What they cost together.
-    #[inline(never)] // one for all; by reference, or the constants are copied to the stack first
+    /// Cycles of all parts together.
     pub fn cycles(&self) -> u32 {
-        self.0.iter().zip(&CYCLES).map(|(&count, &cycles)| count * cycles).sum()
+        self.cycles
     }
 }
 
-impl core::ops::AddAssign for Counts {
-    fn add_assign(&mut self, other: Self) {
-        self.0.iter_mut().zip(&other.0).for_each(|(sum, &more)| *sum += more);
+impl core::ops::AddAssign<&Self> for Counts {
+    fn add_assign(&mut self, other: &Self) {
+        self.parts.iter_mut().zip(&other.parts).for_each(|(sum, &more)| *sum += more);
+        self.cycles += other.cycles;
     }
 }
