@@ -180,7 +180,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         let due = self.voices.iter().filter(|voice| voice.is_guard_due());
         let groups = due.map(Voice::group_count).sum::<usize>() as u32;
         let pads = self.voices.iter().filter(|voice| !voice.rests()).count();
-        let noise = (Part::ResidualCycle, self.noise_cycles() + self.room_cycles() + self.filter_cycles());
+        let noise = (Part::ResidualCycle, self.stage_cycles_ahead());
         let (modes, guards) = self.reached();
         let hand = (Part::ChokedMode, modes);
         [(Part::Tick, 1), (Part::WakingPad, pads as u32), (Part::DueGroup, groups + guards), noise, hand]

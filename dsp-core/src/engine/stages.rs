@@ -64,9 +64,28 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
+    /// Renders a run of the stages that work on the stereo bus: background, residuals, room.
+    #[inline(always)]
+    pub(super) fn render_bus_stages(&mut self, out: &mut [[i32; 2]]) {
+        self.render_noise(out);
+        self.render_room(out);
+    }
+
+    /// True if no stage on the stereo bus gives any sound until something goes in.
+    #[inline(always)]
+    pub(super) fn bus_stages_are_silent(&self) -> bool {
+        self.room_is_silent()
+    }
+
+    /// Nominal cycles of noise, room and filters in this tick.
+    #[inline(always)]
+    pub(super) fn stage_cycles_ahead(&self) -> u32 {
+        self.noise_cycles() + self.room_cycles() + self.filter_cycles()
+    }
+
     /// Adds background and residuals to a run of the stereo bus.
     #[inline(always)]
-    pub(super) fn render_noise(&mut self, out: &mut [[i32; 2]]) {
+    fn render_noise(&mut self, out: &mut [[i32; 2]]) {
         if self.noisy {
             self.add_noise(out);
         }
@@ -125,7 +144,7 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Nominal cycles of the work on noise to come in this tick.
     #[inline(always)]
-    pub(super) fn noise_cycles(&self) -> u32 {
+    fn noise_cycles(&self) -> u32 {
         if self.noisy { self.cycles_of_noise() } else { 0 }
     }
 
@@ -160,7 +179,7 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Nominal cycles of the filters that sound, in this tick.
     #[inline(always)]
-    pub(super) fn filter_cycles(&self) -> u32 {
+    fn filter_cycles(&self) -> u32 {
         if self.filtered { self.cycles_of_filters() } else { 0 }
     }
 
@@ -187,7 +206,7 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Lets the room answer a run of the stereo bus.
     #[inline(always)]
-    pub(super) fn render_room(&mut self, out: &mut [[i32; 2]]) {
+    fn render_room(&mut self, out: &mut [[i32; 2]]) {
         if self.room.is_some() {
             self.add_room(out);
         }
@@ -203,7 +222,7 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// True if nothing goes out of the room until something comes in.
     #[inline(always)]
-    pub(super) fn room_is_silent(&self) -> bool {
+    fn room_is_silent(&self) -> bool {
         self.room.as_deref().is_none_or(Room::is_silent)
     }
 
@@ -224,7 +243,7 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Nominal cycles of the room in this tick.
     #[inline(always)]
-    pub(super) fn room_cycles(&self) -> u32 {
+    fn room_cycles(&self) -> u32 {
         match self.room.as_deref() {
             None => 0,
             Some(room) if room.is_silent() && self.is_silent() => SILENT_ROOM_TICK,

@@ -113,7 +113,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             && !self.voices.iter().any(Voice::is_ringing)
             && self.noises() == 0
             && self.ringing_filters() == 0
-            && self.room_is_silent()
+            && self.bus_stages_are_silent()
     }
 
     /// Lets a tick of silence pass without a block to write to: what rendering it without events and direct force would do, but for the report.
