@@ -22,12 +22,14 @@ pub struct Setup {
     pub skipping: Skipping,
     /// Most samples in the delay lines of the room. A room with fewer keeps its decay, with fewer resonances.
     pub room_samples: usize,
+    /// Ceiling of the limiter on the stereo sum in dB of full scale, -40 to 0; `None` for no limiter.
+    pub ceiling_db: Option<f32>,
 }
 
 impl Setup {
     /// An engine that skips what cannot be heard, with a room as large as bands can use: 49 152 samples.
     pub const fn new(rate: SampleRate) -> Self {
-        Self { rate, skipping: Skipping::On, room_samples: 49_152 }
+        Self { rate, skipping: Skipping::On, room_samples: 49_152, ceiling_db: None }
     }
 }
 

@@ -4,6 +4,7 @@ use super::load::{ROOM_BAND_TICK, ROOM_TICK};
 use super::setup::Left;
 use super::state::Engine;
 use crate::fixed::ONE_Q27;
+use crate::limiter;
 use crate::room::{Room, Sample};
 use crate::time::TICK_FRAMES;
 use crate::voice::{Filters, Residual, Voice};
@@ -64,23 +65,27 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
-    /// Renders a run of the stages that work on the stereo bus: background, residuals, room.
+    /// Renders a run of the stages that work on the stereo bus: background, residuals, room, limiter.
     #[inline(always)]
     pub(super) fn render_bus_stages(&mut self, out: &mut [[i32; 2]]) {
         self.render_noise(out);
         self.render_room(out);
+        if let Some(limiter) = &mut self.limiter {
+            limiter.render((self.now % TICK_FRAMES as u64) as usize, out);
+        }
     }
 
     /// True if no stage on the stereo bus gives any sound until something goes in.
     #[inline(always)]
     pub(super) fn bus_stages_are_silent(&self) -> bool {
-        self.room_is_silent()
+        self.room_is_silent() && self.limiter.as_ref().is_none_or(|limiter| limiter.is_silent())
     }
 
-    /// Nominal cycles of noise, room and filters in this tick.
+    /// Nominal cycles of noise, room, filters and limiter in this tick.
     #[inline(always)]
     pub(super) fn stage_cycles_ahead(&self) -> u32 {
-        self.noise_cycles() + self.room_cycles() + self.filter_cycles()
+        let limiter = if self.limiter.is_some() { limiter::TICK_CYCLES } else { 0 };
+        self.noise_cycles() + self.room_cycles() + self.filter_cycles() + limiter
     }
 
     /// Adds background and residuals to a run of the stereo bus.

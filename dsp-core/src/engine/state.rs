@@ -4,6 +4,7 @@ use super::report::TickReport;
 use super::setup::Skipping;
 use crate::SampleRate;
 use crate::contact::ActiveContacts;
+use crate::limiter::Limiter;
 use crate::memory::Words;
 use crate::output::Panner;
 use crate::resonator::{Audience, Bank, UpcomingRun};
@@ -40,6 +41,7 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     /// Level and pan of the background.
     pub(super) centre: Panner,
     pub(super) room: Option<&'m mut Room<'m, S>>,
+    pub(super) limiter: Option<&'m mut Limiter>,
     /// Scratch of the budget: how each pad is heard, pads that known events will have struck, the level of each register group.
     pub(super) listening: &'m mut [Listening],
     pub(super) struck: &'m mut [bool],

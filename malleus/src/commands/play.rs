@@ -56,7 +56,11 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         // end.
         let block = arguments.block as usize;
         let block = if budget_cycles.is_some() { block.next_multiple_of(TICK_FRAMES) } else { block };
-        let settings = Settings { setup: Setup { skipping, ..Setup::new(rate) }, block, budget_cycles };
+        let settings = Settings {
+            setup: Setup { skipping, ceiling_db: arguments.limit, ..Setup::new(rate) },
+            block,
+            budget_cycles,
+        };
         if let Some(on) = arguments.board {
             left_out(name, on, &table).iter().for_each(|line| eprintln!("malleus: {line}"));
         }
