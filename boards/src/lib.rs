@@ -58,6 +58,8 @@ pub trait Board {
     const WORDS: Words;
     /// Maximum number of samples in the delay lines of the reverberation, 2 bytes each.
     const ROOM_SAMPLES: usize;
+    /// Ceiling of the limiter on the stereo sum in dB of full scale; `None` for no limiter.
+    const CEILING_DB: Option<f32> = None;
 
     /// Sample rate on the I2S pins: [`RATE`](Self::RATE).
     fn rate() -> SampleRate {
@@ -67,7 +69,7 @@ pub trait Board {
 
     /// Setup of the board's engine.
     fn setup() -> Setup {
-        Setup { room_samples: Self::ROOM_SAMPLES, ..Setup::new(Self::rate()) }
+        Setup { room_samples: Self::ROOM_SAMPLES, ceiling_db: Self::CEILING_DB, ..Setup::new(Self::rate()) }
     }
 
     /// Makes the engine of a kit as the board does; `tell` gets the reason for each stage that is

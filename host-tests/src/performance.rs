@@ -1,7 +1,7 @@
 //! A kit played by the instrument and by the law, and the difference.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Skipping, TickReport};
+use dsp_core::engine::{Setup, Skipping, TickReport};
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::table::Kit;
 use malleus::render::instrument::{Output, Settings};
@@ -16,7 +16,7 @@ pub fn instrument(
 ) -> (Vec<[f64; 2]>, Vec<TickReport>) {
     let kit = Kit::parse(&loaded.binary).expect("a loaded kit is valid");
     let mut reports = Vec::new();
-    let settings = Settings { rate, block: 128, skipping, budget_cycles: None };
+    let settings = Settings { setup: Setup { skipping, ..Setup::new(rate) }, block: 128, budget_cycles: None };
     let bus = instrument::render(&kit, performance, settings, Output::Bus, |report| reports.push(*report))
         .expect("the kit fits and the events are valid");
     (bus.into_iter().map(|frame| frame.map(|x| f64::from(x) / f64::from(ONE_Q27))).collect(), reports)

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use dsp_core::SampleRate;
+use dsp_core::limiter::LOWEST_CEILING_DB;
 use virtual_board::Board;
 
 use crate::commands::board::{BoardCommand, parse_board};
@@ -87,6 +88,11 @@ pub(crate) struct PlayArguments {
     /// Run every mode in every frame, also those that cannot be heard
     #[arg(long)]
     pub(crate) no_skip: bool,
+    /// Keep the sound at or below this level by a limiter, in dB of full scale from -40 to 0; the
+    /// sound comes 64 frames later
+    #[arg(long, value_name = "DB", value_parser = parse_ceiling, allow_hyphen_values = true)]
+    #[arg(conflicts_with_all = ["reference", "board"])]
+    pub(crate) limit: Option<f32>,
     /// Million cycles of a Cortex-M4 that may be spent per second; what does not fit is left out,
     /// the quietest modes first. 0 means no limit [default: the limit of --board, unless the events
     /// are a log that says what was left out; without --board no limit]
@@ -230,6 +236,11 @@ fn parse_budget(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|mhz: &f64| *mhz == 0.0 || (1.0..=10_000.0).contains(mhz)).ok_or_else(|| {
         "must be a number of MHz from 1 to 10000, such as 134.4 for 80 % of 168 MHz, or 0 for no limit".to_owned()
     })
+}
+
+fn parse_ceiling(text: &str) -> Result<f32, String> {
+    let ceiling = text.parse().ok().filter(|db| (LOWEST_CEILING_DB..=0.0).contains(db));
+    ceiling.ok_or_else(|| format!("must be from {LOWEST_CEILING_DB} to 0 dB of full scale, such as -1"))
 }
 
 fn parse_modes(text: &str) -> Result<usize, String> {

@@ -155,7 +155,7 @@ fn q31_ratio(part: u64, whole: u64) -> u32 {
 impl Means {
     /// The mean about a middle (2^32 = 1), Q29, 0 to below 1. Error at most 1e-8 of the peak.
     ///
-    /// With its contact it costs [`crate::engine::Part::ContactFrame`].
+    /// With its contact it costs [`crate::engine::CostItem::ContactFrame`].
     #[inline(always)]
     pub(super) fn about(self, middle: u32) -> i32 {
         let from_middle = (middle ^ 0x8000_0000) as i32; // y = 2m - 1, Q31

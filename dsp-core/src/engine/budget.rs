@@ -187,7 +187,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         let due = self.voices.iter().filter(|voice| voice.is_guard_due());
         let groups = due.map(Voice::group_count).sum::<usize>() as u32;
         let pads = self.voices.iter().filter(|voice| !voice.rests()).count();
-        let noise = (CostItem::ResidualCycle, self.noise_cycles() + self.room_cycles() + self.filter_cycles());
+        let noise = (CostItem::ResidualCycle, self.stage_cycles_ahead());
         let (modes, guards) = self.reached();
         let choke = (CostItem::ChokedMode, modes);
         [(CostItem::Tick, 1), (CostItem::WakingPad, pads as u32), (CostItem::DueGroup, groups + guards), noise, choke]

@@ -8,6 +8,7 @@ use super::setup::{Fitting, Setup};
 use super::stage::Stage;
 use super::state::{Engine, STANDARD_CONTACTS};
 use crate::contact::ActiveContacts;
+use crate::limiter::Limiter;
 use crate::memory::{Lender, Memory, OutOfMemory, Region, Words};
 use crate::noise::Sfc32;
 use crate::output::Panner;
@@ -109,6 +110,10 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
             background: None,
             centre: Panner::new(0.0, 0.0),
             room: None,
+            limiter: match setup.ceiling_db {
+                Some(ceiling_db) => Limiter::place(lender, ceiling_db, setup.rate).map_err(missing)?,
+                None => None,
+            },
             listening: lender.take(Region::Fast, pads, || None).map_err(missing)?,
             struck: lender.take(Region::Fast, pads, || false).map_err(missing)?,
             levels: &mut [],

@@ -23,13 +23,15 @@ pub struct Setup {
     /// Maximum number of samples in the delay lines of the room. A room that would need more keeps
     /// its decay, with fewer resonances.
     pub room_samples: usize,
+    /// Ceiling of the limiter on the stereo sum in dB of full scale, -40 to 0; `None` for no limiter.
+    pub ceiling_db: Option<f32>,
 }
 
 impl Setup {
     /// Settings that skip what cannot be heard and allow the largest room that bands can use:
     /// 49 152 samples.
     pub const fn new(rate: SampleRate) -> Self {
-        Self { rate, skipping: Skipping::On, room_samples: 49_152 }
+        Self { rate, skipping: Skipping::On, room_samples: 49_152, ceiling_db: None }
     }
 }
 

@@ -8,6 +8,7 @@ use super::load::{ROOM_BAND_TICK, ROOM_TICK};
 use super::setup::CyclesLeft;
 use super::state::Engine;
 use crate::fixed::ONE_Q27;
+use crate::limiter;
 use crate::room::{Room, Sample};
 use crate::time::TICK_FRAMES;
 use crate::voice::{Filters, Residual, Voice, nepers_per_frame};
@@ -69,9 +70,32 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
+    /// Renders a run of the stages that work on the stereo bus: background, residuals, room, limiter.
+    #[inline(always)]
+    pub(super) fn render_bus_stages(&mut self, out: &mut [[i32; 2]]) {
+        self.render_noise(out);
+        self.render_room(out);
+        if let Some(limiter) = &mut self.limiter {
+            limiter.render((self.now % TICK_FRAMES as u64) as usize, out);
+        }
+    }
+
+    /// True if no stage on the stereo bus gives any sound until something goes in.
+    #[inline(always)]
+    pub(super) fn bus_stages_are_silent(&self) -> bool {
+        self.room_is_silent() && self.limiter.as_ref().is_none_or(|limiter| limiter.is_silent())
+    }
+
+    /// Nominal cycles of noise, room, filters and limiter in this tick.
+    #[inline(always)]
+    pub(super) fn stage_cycles_ahead(&self) -> u32 {
+        let limiter = if self.limiter.is_some() { limiter::TICK_CYCLES } else { 0 };
+        self.noise_cycles() + self.room_cycles() + self.filter_cycles() + limiter
+    }
+
     /// Adds background and residuals to a run of the stereo bus.
     #[inline(always)]
-    pub(super) fn render_noise(&mut self, out: &mut [[i32; 2]]) {
+    fn render_noise(&mut self, out: &mut [[i32; 2]]) {
         if self.noisy {
             self.add_noise(out);
         }
@@ -130,7 +154,7 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Nominal cycles of this tick's work on noise to come.
     #[inline(always)]
-    pub(super) fn noise_cycles(&self) -> u32 {
+    fn noise_cycles(&self) -> u32 {
         if self.noisy { self.cycles_of_noise() } else { 0 }
     }
 
@@ -165,7 +189,7 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Nominal cycles of this tick of the filters that sound.
     #[inline(always)]
-    pub(super) fn filter_cycles(&self) -> u32 {
+    fn filter_cycles(&self) -> u32 {
         if self.filtered { self.cycles_of_filters() } else { 0 }
     }
 
@@ -192,7 +216,7 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Adds the room's answer to a run of the stereo bus.
     #[inline(always)]
-    pub(super) fn render_room(&mut self, out: &mut [[i32; 2]]) {
+    fn render_room(&mut self, out: &mut [[i32; 2]]) {
         if self.room.is_some() {
             self.add_room(out);
         }
@@ -208,7 +232,7 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// True if the room's output is silent until something comes in.
     #[inline(always)]
-    pub(super) fn room_is_silent(&self) -> bool {
+    fn room_is_silent(&self) -> bool {
         self.room.as_deref().is_none_or(Room::is_silent)
     }
 
@@ -229,7 +253,7 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Nominal cycles of this tick of the room.
     #[inline(always)]
-    pub(super) fn room_cycles(&self) -> u32 {
+    fn room_cycles(&self) -> u32 {
         match self.room.as_deref() {
             None => 0,
             Some(room) if room.is_silent() && self.is_silent() => SILENT_ROOM_TICK,

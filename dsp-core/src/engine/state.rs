@@ -4,6 +4,7 @@ use super::report::TickReport;
 use super::setup::Skipping;
 use crate::SampleRate;
 use crate::contact::ActiveContacts;
+use crate::limiter::Limiter;
 use crate::memory::Words;
 use crate::output::Panner;
 use crate::resonator::{Audience, Bank, UpcomingRun};
@@ -41,6 +42,7 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     /// Level and pan of the background.
     pub(super) centre: Panner,
     pub(super) room: Option<&'m mut Room<'m, S>>,
+    pub(super) limiter: Option<&'m mut Limiter>,
     /// Scratch of the budget: how each pad is heard and will run, pads that known events will have
     /// struck, the level of each register group.
     pub(super) listening: &'m mut [Listening],
@@ -116,7 +118,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             && !self.voices.iter().any(Voice::is_ringing)
             && self.noises() == 0
             && self.active_filters() == 0
-            && self.room_is_silent()
+            && self.bus_stages_are_silent()
     }
 
     /// Lets a tick of silence pass without a block to write to.

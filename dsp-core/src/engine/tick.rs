@@ -164,8 +164,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         if has_contacts {
             self.contacts.clear_finished();
         }
-        self.render_noise(out);
-        self.render_room(out);
+        self.render_bus_stages(out);
     }
 
     /// Ends a tick: works on noise to come, completes the report, and looks whether all is silent.
@@ -182,7 +181,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             && self.report.ringing_pads == 0
             && self.report.residuals == 0
             && self.report.filters == 0
-            && self.room_is_silent()
+            && self.bus_stages_are_silent()
             && self.voices.iter().all(|voice| voice.retired_amplitude() == 0.0 && !voice.is_being_reached());
         if self.idle {
             let unstruck = self.voices.iter().filter(|voice| !voice.was_struck());

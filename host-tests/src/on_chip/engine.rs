@@ -102,6 +102,15 @@ impl EngineOnChip {
         Ok((samples, call))
     }
 
+    /// Sets the ceiling of the limiter, in dB of full scale, of kits that are loaded from now on.
+    ///
+    /// # Errors
+    /// [`OnChipError::Run`].
+    pub fn set_ceiling(&mut self, ceiling_db: f32) -> Result<(), OnChipError> {
+        self.machine.call("engine_limit", &[ceiling_db.to_bits()])?;
+        Ok(())
+    }
+
     /// Sets the budget, cycles a tick.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use boards::{BlackpillF411, Board, Stm32f407gDisc1};
 use dsp_core::SampleRate;
-use dsp_core::engine::{CostItem, Skipping};
+use dsp_core::engine::{CostItem, Setup, Skipping};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::table::Kit as KitView;
 use host_tests::performance::{self, law, snr_db};
@@ -118,7 +118,7 @@ fn no_tick_of_the_demo_piece_with_a_hand_is_planned_beyond_its_budget() {
     let events = malleus::events::read(&path, &view, RATE).expect("the piece is valid").events;
     let hands = events.iter().filter(|event| matches!(event.action, Action::Choke | Action::Release)).count();
     let performance = Performance::new(events, None, &loaded.kit, RATE, Some(1.0));
-    let settings = Settings { rate: RATE, block: 32, skipping: Skipping::On, budget_cycles: Some(BUDGET) };
+    let settings = Settings { setup: Setup::new(RATE), block: 32, budget_cycles: Some(BUDGET) };
     let (mut dearest, mut held, mut shed_groups) = ((0, 0), 0, 0);
     instrument::render(&view, &performance, settings, Output::Samples24, |report| {
         dearest = dearest.max((report.predicted_cycles(), report.frame));

@@ -7,6 +7,7 @@ mod costs;
 mod filters;
 mod hands;
 mod kernels;
+mod limiter;
 mod page;
 mod residual;
 mod rolls;

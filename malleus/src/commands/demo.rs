@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use dsp_core::engine::{Skipping, TickReport};
+use dsp_core::engine::{Setup, Skipping, TickReport};
 use dsp_core::fixed::{FULL_SCALE_24_BIT, ONE_Q27};
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
@@ -21,7 +21,7 @@ use super::error::CommandError;
 use super::output::{peak_dbfs, print, print_json, progress};
 use crate::arguments::DemoArguments;
 
-const SETTINGS: Settings = Settings { rate: RATE, block: 128, skipping: Skipping::On, budget_cycles: None };
+const SETTINGS: Settings = Settings { setup: Setup::new(RATE), block: 128, budget_cycles: None };
 
 pub(crate) fn run(arguments: &DemoArguments) -> Result<(), CommandError> {
     let loaded = kit::open(demo::KIT)?;
@@ -133,7 +133,7 @@ fn row(loaded: &Loaded, table: &Kit<'_>, performance: &Performance, pad: u8) -> 
     let solo = demo::solo(performance, pad);
     let render = |skipping, output| {
         let mut work = (0u64, 0u64);
-        let settings = Settings { skipping, ..SETTINGS };
+        let settings = Settings { setup: Setup { skipping, ..SETTINGS.setup }, ..SETTINGS };
         let frames = instrument::render(table, &solo, settings, output, |report| {
             let run = u64::from(report.run_mode_frames());
             work.0 += run;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Skipping, TickReport};
+use dsp_core::engine::{Setup, Skipping, TickReport};
 use dsp_core::event::{Action, Event};
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
@@ -56,7 +56,11 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         // end.
         let block = arguments.block as usize;
         let block = if budget_cycles.is_some() { block.next_multiple_of(TICK_FRAMES) } else { block };
-        let settings = Settings { rate, block, skipping, budget_cycles };
+        let settings = Settings {
+            setup: Setup { skipping, ceiling_db: arguments.limit, ..Setup::new(rate) },
+            block,
+            budget_cycles,
+        };
         if let Some(on) = arguments.board {
             left_out(name, on, &table).iter().for_each(|line| eprintln!("malleus: {line}"));
         }

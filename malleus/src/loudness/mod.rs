@@ -3,7 +3,7 @@
 mod k_weighting;
 
 use dsp_core::SampleRate;
-use dsp_core::engine::Skipping;
+use dsp_core::engine::Setup;
 use dsp_core::event::{Event, Time};
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::table::{Kit, TableError};
@@ -100,7 +100,7 @@ impl<'a> Meter<'a> {
 
     fn play(&self, events: Vec<Event>) -> Result<Sound, RenderError> {
         let performance = Performance::new(events, None, self.kit, self.rate, Some(TAIL_S));
-        let settings = Settings { rate: self.rate, block: 128, skipping: Skipping::On, budget_cycles: None };
+        let settings = Settings { setup: Setup::new(self.rate), block: 128, budget_cycles: None };
         let bus = instrument::render(&self.table, &performance, settings, Output::Bus, |_| {})?;
         Ok(bus.into_iter().map(|frame| frame.map(|x| f64::from(x) / f64::from(ONE_Q27))).collect())
     }

@@ -6,7 +6,7 @@
 //! to make up for it. The background is left out; the kit's room is rendered.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Skipping, TickReport};
+use dsp_core::engine::{Setup, TickReport};
 use dsp_core::table::Kit;
 use dsp_core::table::range::PEAK_FORCE;
 use rayon::prelude::*;
@@ -205,7 +205,7 @@ fn unclipped_peak(kit: &kit::Kit, performance: &Performance, rate: SampleRate) -
         let quiet = quietened(kit, halvings);
         let binary = kit::binary::build(&quiet)?;
         let table = Kit::parse(&binary).map_err(HeadroomError::Table)?;
-        let settings = Settings { rate, block: 128, skipping: Skipping::On, budget_cycles: None };
+        let settings = Settings { setup: Setup::new(rate), block: 128, budget_cycles: None };
         let mut refused = 0;
         let observe = |report: &TickReport| refused += report.refused_inputs;
         let bus = render(&table, performance, settings, Output::Bus, observe)?;

@@ -1,7 +1,7 @@
 //! Rendering by `dsp-core`, the instrument that a board runs.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Direct, Engine, LoadError, Plan, Setup, Skipping, TickReport};
+use dsp_core::engine::{Direct, Engine, LoadError, Plan, Setup, TickReport};
 use dsp_core::event::{Event, EventError};
 use dsp_core::memory::{Memory, Word};
 use dsp_core::room::Sample;
@@ -33,12 +33,10 @@ pub enum RenderError {
 /// Settings of a rendering.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    /// Sample rate of the sound.
-    pub rate: SampleRate,
+    /// Sample rate, skipping of modes that cannot be heard, and stages beside the kit's.
+    pub setup: Setup,
     /// Frames per block, 1 or more; every number gives the same bits.
     pub block: usize,
-    /// Skipping of modes that cannot be heard, on or off.
-    pub skipping: Skipping,
     /// Cycles of a Cortex-M4 that a tick may take; modes that do not fit are left out. `None` means
     /// no limit.
     pub budget_cycles: Option<u32>,
@@ -90,7 +88,7 @@ pub fn render_logged(
     observe: impl FnMut(&TickReport),
     log: impl FnMut(&Event),
 ) -> Result<Vec<[i32; 2]>, RenderError> {
-    let setup = Setup { skipping: settings.skipping, ..Setup::new(settings.rate) };
+    let setup = settings.setup;
     let words = Plan::of::<RoomSample>(kit, setup)?.words;
     let (mut fast, mut bulk) = (vec![Word::uninit(); words.fast], vec![Word::uninit(); words.bulk]);
     let mut engine = Engine::<RoomSample>::new(kit, setup, Memory::new(&mut fast, &mut bulk))?;

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use dsp_core::SampleRate;
-use dsp_core::engine::Skipping;
+use dsp_core::engine::Setup;
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::table::Kit;
@@ -72,7 +72,7 @@ fn strike(pad: u8, position: f32, striker: u8) -> Event {
 fn both(kit: &kit::Kit, events: &[Event]) -> [Vec<[f64; 2]>; 2] {
     let (rate, frames) = (SampleRate::HZ_48000, 24_000);
     let performance = Performance { events: events.to_vec(), direct: None, frames };
-    let settings = Settings { rate, block: 128, skipping: Skipping::On, budget_cycles: None };
+    let settings = Settings { setup: Setup::new(rate), block: 128, budget_cycles: None };
     let binary = kit::binary::build(kit).unwrap();
     let table = Kit::parse(&binary).unwrap();
     let bus = instrument::render(&table, &performance, settings, Samples::Bus, |_| {}).unwrap();

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use dsp_core::SampleRate;
-use dsp_core::engine::Skipping;
+use dsp_core::engine::{Setup, Skipping};
 use dsp_core::event::{Event, Time};
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::table::Kit;
@@ -31,7 +31,7 @@ fn strike(pad: usize, frame: u64, velocity: f32) -> Event {
 /// Stereo bus of a performance by the instrument, 1.0 = full scale.
 fn play(loaded: &kit::Loaded, performance: &Performance, skipping: Skipping) -> Vec<[f64; 2]> {
     let table = Kit::parse(&loaded.binary).expect("a loaded kit is valid");
-    let settings = Settings { rate: RATE, block: 128, skipping, budget_cycles: None };
+    let settings = Settings { setup: Setup { skipping, ..Setup::new(RATE) }, block: 128, budget_cycles: None };
     let bus = instrument::render(&table, performance, settings, Output::Bus, |_| {}).expect("the kit fits");
     bus.into_iter().map(|frame| frame.map(|x| f64::from(x) / f64::from(ONE_Q27))).collect()
 }

@@ -2,7 +2,7 @@
 //! `f64` reference. A room is compared with its arithmetic twin.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::Skipping;
+use dsp_core::engine::{Setup, Skipping};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::table::Kit;
@@ -19,7 +19,8 @@ fn heard_and_error_dbfs(kit: kit::Kit, events: Vec<Event>, rate: SampleRate, sec
     // twin.
     let expected = law::render_in(law::Room::NetworkTwin, &kit, &performance, rate, |_| {}).expect("right events");
     let table = Kit::parse(&binary).expect("a loaded kit is valid");
-    let settings = Settings { rate, block: 128, skipping: Skipping::Off, budget_cycles: None };
+    let settings =
+        Settings { setup: Setup { skipping: Skipping::Off, ..Setup::new(rate) }, block: 128, budget_cycles: None };
     let bus = instrument::render(&table, &performance, settings, Output::Bus, |_| {}).expect("the kit fits");
     let (mut signal, mut noise) = (0.0, 0.0);
     for (expected, &got) in expected.iter().flatten().zip(bus.iter().flatten()) {

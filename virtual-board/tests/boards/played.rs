@@ -1,7 +1,7 @@
 //! Events that a board's log tells, and their rendering by `malleus play`.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::{Skipping, TickReport};
+use dsp_core::engine::{Setup, TickReport};
 use dsp_core::event::{Action, Event};
 use dsp_core::table::Kit;
 use malleus::events::csv;
@@ -37,7 +37,7 @@ pub(crate) fn heard_and_rendered(running: &VirtualBoard, board: Board, kit: &[u8
     let (kit, rate) = (Kit::parse(kit).unwrap(), rate(board));
     let heard = heard(running);
     let performance = Performance { events: events(running, &kit, rate), direct: None, frames: heard.len() };
-    let settings = Settings { rate, block: 32, skipping: Skipping::On, budget_cycles: None };
+    let settings = Settings { setup: Setup::new(rate), block: 32, budget_cycles: None };
     let rendered = render(&kit, &performance, settings, Output::Samples24, |_| {}).unwrap();
     [heard, rendered].map(from_first_sound)
 }

@@ -66,7 +66,7 @@ impl<'m> Bank<'m> {
     /// Moves a slot for the contacts that follow: gains are interpolated between the table's
     /// positions. [`Bank::expect`] must follow before any force.
     ///
-    /// It costs [`crate::engine::Part::MovedMode`] a mode.
+    /// It costs [`crate::engine::CostItem::MovedMode`] a mode.
     pub fn set_position(&mut self, slot: u8, position: f32, table: &BankTable<'_>, rate: SampleRate) {
         if !self.second.has_positions || slot == 1 && !self.can_take_second() {
             return;

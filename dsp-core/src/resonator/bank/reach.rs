@@ -55,7 +55,7 @@ impl Bank<'_> {
     }
 
     /// Takes a hand that comes or goes to the next modes; called at each tick. It costs
-    /// [`crate::engine::Part::ChokedMode`] a mode.
+    /// [`crate::engine::CostItem::ChokedMode`] a mode.
     #[inline(never)]
     pub fn reach(&mut self) {
         let first = usize::from(self.choke.reached);

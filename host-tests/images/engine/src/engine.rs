@@ -31,6 +31,18 @@ static USED: Global<Words> = Global(UnsafeCell::new(Words { fast: 0, bulk: 0 }))
 /// Memory that the image lends.
 static LENT: Global<[Word; WORDS]> = Global(UnsafeCell::new([Word::uninit(); WORDS]));
 
+/// Ceiling of the limiter of engines loaded from now on, in dB of full scale.
+static CEILING_DB: Global<Option<f32>> = Global(UnsafeCell::new(None));
+
+/// Sets the ceiling of engines loaded from now on, as the bits of an f32; a NaN for no limiter.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub extern "C" fn engine_limit(ceiling_db_bits: u32) {
+    let ceiling_db = f32::from_bits(ceiling_db_bits);
+    // SAFETY: as for `Sync`.
+    unsafe { *CEILING_DB.0.get() = (!ceiling_db.is_nan()).then_some(ceiling_db) };
+}
+
 /// Most events of one block. They lie beside the engine: a board's queue is no part of the audio path's stack.
 const EVENTS: usize = 64;
 static PLAYED: Global<[Event; EVENTS]> = Global(UnsafeCell::new([Event::NOTHING; EVENTS]));
@@ -50,7 +62,9 @@ pub unsafe extern "C" fn engine_load(kit: *const u8, bytes: usize, numerator: u3
     let Ok(kit) = Kit::parse(bytes) else { return -1 };
     // SAFETY: as for `Sync`; an engine that was there before is not used again.
     let (slot, used, lent) = unsafe { (&mut *ENGINE.0.get(), &mut *USED.0.get(), &mut *LENT.0.get()) };
-    let setup = Setup { room_samples: ROOM_SAMPLES, ..Setup::new(rate) };
+    // SAFETY: as for `Sync`.
+    let ceiling_db = unsafe { *CEILING_DB.0.get() };
+    let setup = Setup { room_samples: ROOM_SAMPLES, ceiling_db, ..Setup::new(rate) };
     match Engine::new(&kit, setup, Memory::new(lent, &mut [])) {
         Ok(engine) => {
             *used = engine.words();
