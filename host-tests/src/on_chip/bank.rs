@@ -5,6 +5,7 @@ use dsp_core::table::layout::{GainRecord, ModeRecord};
 use virtual_core::{Cost, Image, Machine};
 use zerocopy::IntoBytes;
 
+use super::loaded::load_once;
 use super::{HOST_MEMORY, OnChipError, accept, bytes_of, image, words_of};
 
 const MODES: u32 = HOST_MEMORY;
@@ -34,10 +35,15 @@ impl BankOnChip {
     /// # Errors
     /// [`OnChipError::Refused`] where it does not fit.
     pub fn load(&mut self, modes: &[ModeRecord], gains: &[GainRecord], rate_hz: u32) -> Result<(), OnChipError> {
-        self.machine.write(MODES, modes.as_bytes())?;
-        self.machine.write(GAINS, gains.as_bytes())?;
-        let call = self.machine.call("bank_load", &[MODES, GAINS, modes.len() as u32, rate_hz])?;
-        accept("bank_load", call.value)
+        let key = [b"bank", &rate_hz.to_le_bytes()[..], modes.as_bytes(), gains.as_bytes()].concat();
+        load_once(&mut self.machine, key, |machine| {
+            machine.write(MODES, modes.as_bytes())?;
+            machine.write(GAINS, gains.as_bytes())?;
+            let call = machine.call("bank_load", &[MODES, GAINS, modes.len() as u32, rate_hz])?;
+            accept("bank_load", call.value)?;
+            Ok(call)
+        })?;
+        Ok(())
     }
 
     /// The bookkeeping of a tick: modes that still ring, and what it cost.

@@ -5,6 +5,7 @@ use dsp_core::engine::Direct;
 use dsp_core::event::{Action, Event, Time};
 use virtual_core::{Call, Image, Machine};
 
+use super::loaded::load_once;
 use super::{HOST_MEMORY, KIT_FLASH, OnChipError, accept, bytes_of, image, words_of};
 
 const BLOCK: u32 = HOST_MEMORY;
@@ -46,6 +47,8 @@ pub struct Told {
 pub struct EngineOnChip {
     machine: Machine,
     image: Image,
+    /// Bits of the limiter's ceiling; those of a NaN for none.
+    ceiling_db_bits: u32,
 }
 
 impl EngineOnChip {
@@ -55,7 +58,7 @@ impl EngineOnChip {
     /// [`OnChipError`].
     pub fn new() -> Result<Self, OnChipError> {
         let image = image("engine-image")?;
-        Ok(Self { machine: Machine::new(&image)?, image })
+        Ok(Self { machine: Machine::new(&image)?, image, ceiling_db_bits: f32::NAN.to_bits() })
     }
 
     /// Loads a kit in its binary form.
@@ -63,11 +66,16 @@ impl EngineOnChip {
     /// # Errors
     /// [`OnChipError::Refused`] where it is none, or does not fit.
     pub fn load(&mut self, kit: &[u8], rate: SampleRate) -> Result<Call, OnChipError> {
+        // The engine reads its kit in place.
         self.machine.write(KIT_FLASH, kit)?;
         let (numerator, denominator) = rate.ratio();
-        let call = self.machine.call("engine_load", &[KIT_FLASH, kit.len() as u32, numerator, denominator])?;
-        accept("engine_load", call.value)?;
-        Ok(call)
+        let numbers = [numerator, denominator, self.ceiling_db_bits].map(u32::to_le_bytes);
+        let key = [b"engine", numbers.as_flattened(), kit].concat();
+        load_once(&mut self.machine, key, |machine| {
+            let call = machine.call("engine_load", &[KIT_FLASH, kit.len() as u32, numerator, denominator])?;
+            accept("engine_load", call.value)?;
+            Ok(call)
+        })
     }
 
     /// Renders a block of at most [`BLOCK_FRAMES`]: its samples, and the call with its cost and peak stack.
@@ -107,7 +115,8 @@ impl EngineOnChip {
     /// # Errors
     /// [`OnChipError::Run`].
     pub fn set_ceiling(&mut self, ceiling_db: f32) -> Result<(), OnChipError> {
-        self.machine.call("engine_limit", &[ceiling_db.to_bits()])?;
+        self.ceiling_db_bits = ceiling_db.to_bits();
+        self.machine.call("engine_limit", &[self.ceiling_db_bits])?;
         Ok(())
     }
 

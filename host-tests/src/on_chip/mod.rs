@@ -5,6 +5,7 @@ mod biquads;
 pub mod budget_scenes;
 mod engine;
 mod filters;
+mod loaded;
 mod residual;
 mod room;
 pub mod scenes;
