@@ -3,7 +3,7 @@
 use super::units::{COUNT, LAST_COUNT};
 use crate::time::TICK_FRAMES;
 
-/// Number of frames for each that is measured for the noise of a channel at rest; it divides a
+/// Number of frames of which the last is measured for the noise of a channel at rest; it divides a
 /// tick.
 pub(super) const TAP_FRAMES: u32 = 16;
 /// Largest width of a band in counts; [`sums_inside`](super::rest) relies on it.
