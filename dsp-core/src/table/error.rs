@@ -223,11 +223,14 @@ impl fmt::Display for TableError {
                 "CRC mismatch: the header says {stored:08x}, the bytes give {computed:08x}: damaged or half written; build or copy the kit again"
             ),
             Self::TrailingBytes { offset } => {
-                write!(f, "bytes other than 0xFF follow the kit's end, at offset {offset}")
+                write!(
+                    f,
+                    "bytes other than 0xFF follow the kit's end, at offset {offset}; erase what lies behind the kit"
+                )
             }
             Self::SectionBounds { section, tag, offset, length, expected_offset, kit_length } => write!(
                 f,
-                "section {section} ({}) at offset {offset}, {length} bytes: it must begin at {expected_offset}, be a multiple of 4 bytes long and end within the kit's {kit_length}, and the last section must end there",
+                "section {section} ({}) at offset {offset}, {length} bytes: it must begin at {expected_offset}, be a multiple of 4 bytes long and end within the kit's {kit_length} bytes, the last section at their end; build the kit again",
                 Tag(tag)
             ),
             Self::UnknownSection { tag } => {
@@ -241,10 +244,10 @@ impl fmt::Display for TableError {
                 )
             }
             Self::SectionCount { tag, found } => {
-                write!(f, "{found} sections {}: there must be exactly one", Tag(tag))
+                write!(f, "the kit has {found} sections {} instead of one; build it again", Tag(tag))
             }
             Self::LengthMismatch { place, expected, found } => {
-                write!(f, "{place}: its head announces {expected} bytes, the section has {found}")
+                write!(f, "{place}: its head announces {expected} bytes, the section has {found}; build the kit again")
             }
             Self::OutOfRange { place, field, value, allowed } => {
                 write!(f, "{place}: {} = {value}: must be from {} to {}", field.key(), allowed.min, allowed.max)
@@ -286,7 +289,7 @@ impl fmt::Display for TableError {
                 f,
                 "{place}: restitution = {value}: a gaussian pulse has none; leave the key out, or take pulse = \"hertz\""
             ),
-            Self::BadText { place } => write!(f, "{place}: source or licence is not UTF-8"),
+            Self::BadText { place } => write!(f, "{place}: source or licence is not UTF-8; save the text as UTF-8"),
             Self::NotZero { place, field } => write!(f, "{place}: {} must be zero", field.key()),
         }
     }
