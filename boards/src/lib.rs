@@ -86,8 +86,8 @@ pub trait Board {
         Engine::new_within(kit, Self::setup(), memory, Self::STAGE_CYCLES, tell)
     }
 
-    /// Plans the memory and time of a kit on the board; `tell` gets the reason for each stage that is
-    /// left out.
+    /// Plans the memory and time of a kit on the board; `tell` gets the reason for each stage that
+    /// is left out.
     ///
     /// # Errors
     /// [`LoadError`] if the board refuses the kit as a whole.

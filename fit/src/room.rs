@@ -69,8 +69,8 @@ const BANDS: usize = 3;
 /// `strike` has full scale 1 and begins at its onset; `rate_hz` is its rate. `None` for a dry
 /// recording, or if the object rings longer than the room.
 ///
-/// On synthetic rooms (`cargo test -p fit --test sounds room:: -- --nocapture`) T60s of bands are found
-/// within 7 % (mean 2.4 %), gains within 4.5 dB (mean 1.5 dB).
+/// On synthetic rooms (`cargo test -p fit --test sounds room:: -- --nocapture`) T60s of bands are
+/// found within 7 % (mean 2.4 %), gains within 4.5 dB (mean 1.5 dB).
 pub fn estimate(strike: &[f64], rate_hz: f64) -> Option<Room> {
     let spectrum = Spectrum::of(strike, rate_hz)?;
     let length_s = strike.len() as f64 / rate_hz;

@@ -1,7 +1,8 @@
 //! Fourier transforms of real signals in `f64`, by the crate `realfft`.
 //!
-//! Its transforms are generic, so that every crate that plans one compiles all of them again, for 20 to 60 seconds. Here they are made for
-//! `f64` once; the others call them through their traits.
+//! The transforms of `realfft` are generic: every crate that plans one compiles all of them again,
+//! for 20 to 60 seconds. This crate compiles them for `f64` once, and the other crates call them
+//! through their traits.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -11,20 +12,24 @@ pub use realfft::num_complex::Complex;
 pub use realfft::{ComplexToReal, RealToComplex};
 
 thread_local! {
-    /// Keeps what it has planned: a length costs its tables once a thread.
+    /// Planner that keeps its plans, so that each thread makes the tables of a length once.
     static PLANNER: RefCell<RealFftPlanner<f64>> = RefCell::new(RealFftPlanner::new());
 }
 
-/// From `length` samples to `length/2 + 1` bins, `X[k] = Σ x[n] exp(−2πi·kn/length)`.
+/// Plans the transform of `length` samples to `length/2 + 1` bins,
+/// `X[k] = Σ x[n] exp(−2πi·kn/length)`.
 ///
-/// Quickest where `length` has small prime factors only. Processing fails for slices of other lengths than the plan's, and for those only.
+/// It is fastest if `length` has small prime factors only. Processing fails only for slices of
+/// other lengths than the plan's.
 pub fn forward(length: usize) -> Arc<dyn RealToComplex<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
 }
 
-/// From `length/2 + 1` bins to `length` samples, without a scale: what [`forward`] gave comes back times `length`.
+/// Plans the transform of `length/2 + 1` bins to `length` samples, without a scale: the output of
+/// [`forward`] becomes the samples times `length`.
 ///
-/// Processing fails besides where the first bin, or of an even length the last, is not real; the samples are computed all the same.
+/// Processing fails for slices of other lengths than the plan's. It also fails if the first bin is
+/// not real, or for an even length the last, but computes the samples all the same.
 pub fn inverse(length: usize) -> Arc<dyn ComplexToReal<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length))
 }

@@ -6,21 +6,11 @@ use crate::SampleRate;
 use crate::exponential;
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::square_root::{exact_root, square_root};
+use crate::table::{BandLaw, range};
 use crate::time::TICK_FRAMES;
 
 /// Maximum number of bands of one stage.
-pub const MAX_BANDS: usize = 100;
-
-/// A band of noise as the table gives it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BandLaw {
-    /// Lower and upper edge in Hz.
-    pub edges_hz: [f32; 2],
-    /// Rms w at t = 0 (1.0 = full scale) of a strike whose peak force is the reference force.
-    pub weight: f32,
-    /// Decay γ in dB/s.
-    pub decay_db_per_s: f32,
-}
+pub const MAX_BANDS: usize = range::NOISE_BANDS;
 
 /// One band. Densities are power per (cycle/sample).
 #[derive(Clone, Copy, Debug)]

@@ -46,5 +46,6 @@ mod shaper;
 mod stream;
 mod twiddles;
 
-pub use bands::{BandLaw, MAX_BANDS};
+pub use crate::table::BandLaw;
+pub use bands::MAX_BANDS;
 pub use shaper::Shaper;

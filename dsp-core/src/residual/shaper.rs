@@ -1,6 +1,6 @@
 //! The noise of one pad: its strikes, its frames and the work of its ticks.
 
-use super::bands::{BandLaw, Bands, FRAME_TICKS, Passage, power_of};
+use super::bands::{Bands, FRAME_TICKS, Passage, power_of};
 use super::job::Job;
 use super::making::Making;
 use super::onset::Onset;
@@ -11,6 +11,7 @@ use crate::fixed;
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::noise::Sfc32;
 use crate::square_root::square_root;
+use crate::table::BandLaw;
 use crate::time::TICK_FRAMES;
 
 /// Number of waves in memory: two frames, one in the making, a strike's own, and new noise for the

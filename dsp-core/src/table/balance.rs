@@ -3,12 +3,13 @@
 use zerocopy::FromBytes;
 use zerocopy::byteorder::little_endian::U16;
 
-use super::check::check_count;
+use super::check::{check_count, check_object};
 use super::error::TableError;
 use super::frame::head;
 use super::place::{Field, Place};
 
-/// The numbers of the objects, in rising order. Checks what concerns the section alone.
+/// Numbers of the objects, as the section holds them. [`check`] compares them with the objects of
+/// the kit.
 pub(super) fn read(body: &[u8]) -> Result<&[U16], TableError> {
     let (count, rest) = head::<U16>(body, Place::Kit)?;
     let count = usize::from(count.get());
@@ -25,15 +26,12 @@ pub(super) fn read(body: &[u8]) -> Result<&[U16], TableError> {
     Ok(objects)
 }
 
-/// Checks that each number is that of an object of the kit, and above the one before it.
+/// Checks that each number names an object of the kit and is above the number before it.
 pub(super) fn check(numbers: &[U16], objects: usize) -> Result<(), TableError> {
     let mut next = 0;
     for number in numbers {
         let index = usize::from(number.get());
-        if index >= objects {
-            return Err(TableError::Dangling { place: Place::Kit, field: Field::Object, index, count: objects });
-        }
-        check_count(Place::Object(index), Field::Object, index, next, objects.saturating_sub(1))?;
+        check_object(index, objects, next, Place::Object(index))?;
         next = index + 1;
     }
     Ok(())

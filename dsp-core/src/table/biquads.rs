@@ -2,16 +2,16 @@
 
 use zerocopy::FromBytes;
 
-use super::check::{check_count, check_range, check_ranges};
-use super::dynamic_filter::check_object;
+use super::check::{check_count, check_object, check_range, check_ranges};
 use super::error::TableError;
 use super::frame::{head, sections};
+use super::kit::Kit;
 use super::layout::{BiquadRecord, BiquadsHeader, tag};
 use super::place::{Field, Place};
 use super::range::{self, Range};
-use super::read::Kit;
 
-/// The biquad bank of one object of a [`Kit`]: chains side by side, each of the same number of biquads.
+/// Biquad bank of one object of a [`Kit`]: chains side by side, each with the same number of
+/// biquads.
 #[derive(Clone, Copy, Debug)]
 pub struct Biquads<'a> {
     header: &'a BiquadsHeader,
@@ -19,10 +19,12 @@ pub struct Biquads<'a> {
 }
 
 impl<'a> Kit<'a> {
-    /// The biquad banks in the order of their objects, each checked as it is read: [`Kit::parse`] leaves that to those who play them.
+    /// Biquad banks in the order of their objects, each checked as it is read.
+    ///
+    /// [`Kit::parse`] leaves the banks unchecked, because few engines play them.
     ///
     /// # Errors
-    /// Of each section, the first [`TableError`] in it.
+    /// The first [`TableError`] of each section.
     pub fn biquads(&self) -> impl Iterator<Item = Result<Biquads<'a>, TableError>> + use<'a> {
         let (objects, mut next_object) = (self.objects().count(), 0);
         sections(self.directory, self.bytes, tag::BIQUADS).map(move |body| {
@@ -33,10 +35,10 @@ impl<'a> Kit<'a> {
         })
     }
 
-    /// The biquad bank of the object of an index, where it has one.
+    /// Biquad bank of the object of an index; `None` if the object has no bank.
     ///
     /// # Errors
-    /// The first [`TableError`] of all biquad banks up to that one.
+    /// The first [`TableError`] of the biquad banks up to that of the object.
     pub fn biquads_of(&self, object: usize) -> Result<Option<Biquads<'a>>, TableError> {
         let mut banks = self.biquads();
         banks.find(|bank| bank.as_ref().map_or(true, |bank| bank.object_index() == object)).transpose()
@@ -78,12 +80,12 @@ impl<'a> Biquads<'a> {
         Ok(())
     }
 
-    /// Which object, counted from 0.
+    /// Number of the object, counted from 0.
     pub fn object_index(&self) -> usize {
         usize::from(self.header.object.get())
     }
 
-    /// The rate in Hz that poles and zeros are for.
+    /// Sample rate in Hz that poles and zeros are for.
     pub fn rate_hz(&self) -> f32 {
         self.header.rate_hz.get()
     }
@@ -93,12 +95,12 @@ impl<'a> Biquads<'a> {
         usize::from(self.header.depth.get())
     }
 
-    /// All biquads, chain by chain.
+    /// Biquads of all chains, chain by chain.
     pub fn records(&self) -> &'a [BiquadRecord] {
         self.biquads
     }
 
-    /// The chains.
+    /// Chains, each a slice of [`Self::depth`] biquads.
     pub fn chains(&self) -> impl ExactSizeIterator<Item = &'a [BiquadRecord]> + use<'a> {
         self.biquads.chunks_exact(self.depth().max(1))
     }

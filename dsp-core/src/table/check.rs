@@ -1,4 +1,4 @@
-//! Checks of single fields and of a bank's records.
+//! Checks of single fields, and of the records that objects and strikers have in common.
 
 use zerocopy::FromBytes;
 
@@ -9,7 +9,8 @@ use super::range::{self, Range};
 
 pub(super) type BankView<'a> = (&'a [ModeRecord], &'a [GainRecord], &'a str, &'a str);
 
-/// Modes, gains and texts behind a section's head; the section must be exactly as long as its head says.
+/// Modes, gains, source and licence behind a section's head. The section must be exactly as long as
+/// its head says.
 pub(super) fn read_bank<'a>(
     section_bytes: usize,
     rest: &'a [u8],
@@ -18,7 +19,7 @@ pub(super) fn read_bank<'a>(
     (source_bytes, licence_bytes): (usize, usize),
     place: Place,
 ) -> Result<BankView<'a>, TableError> {
-    // Counts come from 16-bit fields and are bounded by `range`, so that none of this can overflow 32 bits.
+    // The counts are 16-bit fields that `range` bounds, so that the sum cannot overflow 32 bits.
     let gains = modes * positions;
     let announced = modes * size_of::<ModeRecord>() + gains * size_of::<GainRecord>() + source_bytes + licence_bytes;
     let padded = announced.next_multiple_of(4);
@@ -64,8 +65,8 @@ pub(super) fn check_range(place: Place, field: Field, value: f32, allowed: Range
     if allowed.holds(value) { Ok(()) } else { Err(TableError::OutOfRange { place, field, value, allowed }) }
 }
 
-/// Checks the numbers of a place in the order of `fields`.
-#[inline(never)] // a list costs less flash than a call for each
+/// Checks the numbers of a place against `fields`, in their order.
+#[inline(never)] // a list takes less flash than a call for each number
 pub(super) fn check_ranges(place: Place, fields: &'static [(Field, Range)], values: &[f32]) -> Result<(), TableError> {
     fields.iter().zip(values).try_for_each(|(&(field, allowed), &value)| check_range(place, field, value, allowed))
 }
@@ -74,7 +75,16 @@ pub(super) fn check_count(place: Place, field: Field, value: usize, min: usize, 
     if (min..=max).contains(&value) { Ok(()) } else { Err(TableError::Count { place, field, value, min, max }) }
 }
 
-/// The text of a zero-padded name; empty where it is not ASCII.
+/// Checks the number of a section's object: sections of one kind stand in the order of their
+/// objects, at most one for each. `next` is the lowest number that may follow the section before.
+pub(super) fn check_object(object: usize, objects: usize, next: usize, place: Place) -> Result<(), TableError> {
+    if object >= objects {
+        return Err(TableError::Dangling { place: Place::Kit, field: Field::Object, index: object, count: objects });
+    }
+    check_count(place, Field::Object, object, next, objects.saturating_sub(1))
+}
+
+/// Text of a zero-padded name; empty if it is not UTF-8.
 pub(super) fn name_str(name: &[u8]) -> &str {
     let end = name.iter().position(|&byte| byte == 0).unwrap_or(name.len());
     name.get(..end).and_then(|name| core::str::from_utf8(name).ok()).unwrap_or("")

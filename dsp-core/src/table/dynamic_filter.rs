@@ -1,43 +1,46 @@
-//! The `dynf` sections: the dynamic filter of an object, with its exciter and its loops.
+//! The `dynf` sections: the dynamic filter of an object, with the exciter and the loops.
 
 use zerocopy::FromBytes;
 use zerocopy::byteorder::little_endian::F32;
 
-use super::check::{check_count, check_range, check_ranges};
+use super::check::{check_count, check_object, check_range, check_ranges};
 use super::error::TableError;
 use super::frame::{head, sections};
+use super::kit::Kit;
 use super::layout::{BreakpointRecord, DynamicFilterHeader, HAS_EXCITER, HAS_LEVELS, LoopRecord, MODES_THROUGH, tag};
 use super::place::{Field, Place};
 use super::range::{self, Range};
-use super::read::Kit;
 
-/// The dynamic filter of one object of a [`Kit`].
+/// Dynamic filter of one object of a [`Kit`].
 #[derive(Clone, Copy, Debug)]
 pub struct DynamicFilter<'a> {
     header: &'a DynamicFilterHeader,
     path: &'a [BreakpointRecord],
     loops: &'a [LoopRecord],
-    /// One a breakpoint, or none.
+    /// One level for each breakpoint; empty if all levels are 1.
     levels: &'a [F32],
 }
 
-/// The exciter's band, whose edges are times `(peak force / reference force)^exponent`.
+/// Band of the exciter's noise. A strike multiplies both edges by `(peak force / reference
+/// force)^exponent`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExciterBand {
-    /// Lower edge in Hz at the reference force.
+    /// Lower edge in Hz of a strike at the reference force.
     pub low_hz: f32,
-    /// Upper edge in Hz at the reference force.
+    /// Upper edge in Hz of a strike at the reference force.
     pub high_hz: f32,
-    /// By which power of the peak force both edges move.
+    /// Power of the peak force that both edges follow.
     pub exponent: f32,
 }
 
 impl<'a> Kit<'a> {
-    /// The dynamic filters in the order of their objects, each checked as it is read: [`Kit::parse`] leaves that to those who play them. What
-    /// depends on the sample rate, the gain round the loops above all, is checked on load.
+    /// Dynamic filters in the order of their objects, each checked as it is read.
+    ///
+    /// [`Kit::parse`] leaves the filters unchecked, because few engines play them. The engine
+    /// checks on load what depends on the sample rate, such as the gain round the loops.
     ///
     /// # Errors
-    /// Of each section, the first [`TableError`] in it.
+    /// The first [`TableError`] of each section.
     pub fn dynamic_filters(&self) -> impl Iterator<Item = Result<DynamicFilter<'a>, TableError>> + use<'a> {
         let (objects, mut next_object) = (self.objects().count(), 0);
         sections(self.directory, self.bytes, tag::DYNAMIC_FILTER).map(move |body| {
@@ -48,10 +51,10 @@ impl<'a> Kit<'a> {
         })
     }
 
-    /// The dynamic filter of the object of an index, where it has one.
+    /// Dynamic filter of the object of an index; `None` if the object has no filter.
     ///
     /// # Errors
-    /// The first [`TableError`] of all dynamic filters up to that one.
+    /// The first [`TableError`] of the dynamic filters up to that of the object.
     pub fn dynamic_filter_of(&self, object: usize) -> Result<Option<DynamicFilter<'a>>, TableError> {
         let mut filters = self.dynamic_filters();
         filters.find(|filter| filter.as_ref().map_or(true, |filter| filter.object_index() == object)).transpose()
@@ -147,7 +150,7 @@ impl<'a> DynamicFilter<'a> {
         ExciterBand { low_hz: low_hz.get(), high_hz: high_hz.get(), exponent: exponent.get() }
     }
 
-    /// Which object, counted from 0.
+    /// Number of the object, counted from 0.
     pub fn object_index(&self) -> usize {
         usize::from(self.header.object.get())
     }
@@ -157,7 +160,7 @@ impl<'a> DynamicFilter<'a> {
         self.header.order
     }
 
-    /// Whether the object's modes are added to the filter's input instead of to the output.
+    /// True if the object's modes are added to the filter's input; if false, to the output.
     pub fn takes_modes(&self) -> bool {
         self.header.flags & MODES_THROUGH != 0
     }
@@ -167,39 +170,32 @@ impl<'a> DynamicFilter<'a> {
         self.header.seed.get()
     }
 
-    /// The rate in Hz that the coefficients are for.
+    /// Sample rate in Hz that the coefficients are for.
     pub fn rate_hz(&self) -> f32 {
         self.header.rate_hz.get()
     }
 
-    /// The exciter's band, where there is an exciter.
+    /// Band of the exciter; `None` if the filter has no exciter.
     pub fn exciter(&self) -> Option<ExciterBand> {
         (self.header.flags & HAS_EXCITER != 0).then(|| self.band())
     }
 
-    /// The coefficients' path, 1 to [`range::BREAKPOINTS`] breakpoints.
+    /// Path of the coefficients, 1 to [`range::BREAKPOINTS`] breakpoints.
     pub fn path(&self) -> &'a [BreakpointRecord] {
         self.path
     }
 
-    /// Levels of the noise at the breakpoints of [`Self::path`], 0 to 1: 1 each where the table says nothing.
+    /// Levels of the noise at the breakpoints of [`Self::path`], 0 to 1. They are 1 if the table
+    /// gives no levels.
     pub fn levels(&self) -> impl Iterator<Item = f32> + Clone + use<'a> {
         let levels = self.levels;
         (0..self.path.len()).map(move |index| levels.get(index).map_or(1.0, |level| level.get()))
     }
 
-    /// The loops round the filter, at most [`range::LOOPS`].
+    /// Loops round the filter, at most [`range::LOOPS`].
     pub fn loops(&self) -> &'a [LoopRecord] {
         self.loops
     }
-}
-
-/// Sections of one kind stand in the order of their objects, one an object.
-pub(super) fn check_object(object: usize, objects: usize, next: usize, place: Place) -> Result<(), TableError> {
-    if object >= objects {
-        return Err(TableError::Dangling { place: Place::Kit, field: Field::Object, index: object, count: objects });
-    }
-    check_count(place, Field::Object, object, next, objects.saturating_sub(1))
 }
 
 fn check_loop(place: Place, record: &LoopRecord) -> Result<(), TableError> {
@@ -212,7 +208,7 @@ fn check_loop(place: Place, record: &LoopRecord) -> Result<(), TableError> {
     Ok(())
 }
 
-/// The largest radius of the roots of `z² + a1 z + a2`.
+/// Largest radius of the roots of `z² + a1 z + a2`.
 fn largest_radius(a1: f64, a2: f64) -> f64 {
     let discriminant = a1 * a1 - 4.0 * a2;
     if discriminant < 0.0 { libm::sqrt(a2) } else { (libm::fabs(a1) + libm::sqrt(discriminant)) / 2.0 }

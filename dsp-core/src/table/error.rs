@@ -1,12 +1,12 @@
-//! Why a kit's bytes are refused.
+//! The errors of a kit's bytes.
 
 use core::fmt;
 
 use super::layout::{FORMAT_VERSION, SECTION_VERSION};
 use super::place::{Field, Place};
-use super::range::Range;
+use super::range::{BAND_WIDTH_HZ, Range};
 
-/// What is wrong with a kit's bytes: which field, where, what it holds and what is allowed.
+/// Error in a kit's bytes. It tells the field, its place, its value and what is allowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TableError {
@@ -19,176 +19,178 @@ pub enum TableError {
     },
     /// The first four bytes are not a kit's.
     WrongMagic {
-        /// What stands there.
+        /// Bytes that stand there.
         found: [u8; 4],
     },
-    /// The kit is of a version that this reader does not know.
+    /// The kit has a format version that this reader does not know.
     NewerVersion {
-        /// The kit's version.
+        /// Format version of the kit.
         found: u32,
     },
     /// The checksum does not fit the bytes: the kit was damaged or half written.
     WrongCrc {
-        /// The checksum in the header.
+        /// Checksum in the header.
         stored: u32,
-        /// The checksum of the bytes.
+        /// Checksum of the bytes.
         computed: u32,
     },
     /// Something other than erased flash follows the kit's end.
     TrailingBytes {
-        /// Where the first such byte lies.
+        /// Offset of the first such byte from the kit's beginning.
         offset: usize,
     },
-    /// A section does not lie where the directory and its neighbours say.
+    /// The sections do not tile the kit without gaps.
     SectionBounds {
-        /// Its place in the directory.
+        /// Number of the section in the directory, counted from 0.
         section: usize,
-        /// Its tag.
+        /// Tag of the section.
         tag: [u8; 4],
-        /// Its offset in bytes.
+        /// Offset of the section in bytes.
         offset: usize,
-        /// Its length in bytes.
+        /// Length of the section in bytes.
         length: usize,
-        /// The offset at which it must begin.
+        /// Offset in bytes at which the section must begin.
         expected_offset: usize,
-        /// The bytes of the whole kit.
+        /// Length of the whole kit in bytes.
         kit_length: usize,
     },
-    /// A section of a kind that this reader does not know and may not skip.
+    /// A section has a tag that this reader does not know and may not skip.
     UnknownSection {
-        /// Its tag.
+        /// Tag of the section.
         tag: [u8; 4],
     },
-    /// A section of a version that this reader does not know.
+    /// A section has a version that this reader does not know.
     NewerSection {
-        /// Its tag.
+        /// Tag of the section.
         tag: [u8; 4],
-        /// Its version.
+        /// Version of the section.
         found: u32,
     },
-    /// A section that a kit must have is missing, or there twice.
+    /// A section that a kit must have once is missing, or a section stands twice that may stand
+    /// only once.
     SectionCount {
-        /// Its tag.
+        /// Tag of the section.
         tag: [u8; 4],
-        /// How many there are.
+        /// Number of sections with this tag.
         found: usize,
     },
-    /// A section's length does not fit what its head announces.
+    /// A section is longer or shorter than its head announces.
     LengthMismatch {
-        /// Which section.
+        /// Place of the section.
         place: Place,
-        /// Bytes that the head announces.
+        /// Length in bytes that the head announces.
         expected: usize,
-        /// Bytes of the section.
+        /// Length of the section in bytes.
         found: usize,
     },
-    /// A number outside its range, infinite, or not a number.
+    /// A number is outside its range, infinite, or not a number.
     OutOfRange {
-        /// Where it stands.
+        /// Place of the field.
         place: Place,
-        /// Which field.
+        /// Key of the field.
         field: Field,
-        /// Its value.
+        /// Value of the field.
         value: f32,
-        /// What is allowed.
+        /// Range that is allowed.
         allowed: Range,
     },
-    /// A count outside what is allowed.
+    /// A count or a number of a thing is outside its range.
     Count {
-        /// Where it stands.
+        /// Place of the field.
         place: Place,
-        /// Which field.
+        /// Key of the field.
         field: Field,
-        /// Its value.
+        /// Value of the field.
         value: usize,
-        /// The smallest allowed.
+        /// Smallest value that is allowed.
         min: usize,
-        /// The largest allowed.
+        /// Largest value that is allowed.
         max: usize,
     },
-    /// A reference to an object or striker that the kit does not have.
+    /// A field names an object, a striker or a pad that the kit does not have.
     Dangling {
-        /// Where it stands.
+        /// Place of the field.
         place: Place,
-        /// Which field.
+        /// Key of the field.
         field: Field,
-        /// The index that it names.
+        /// Index that the field names.
         index: usize,
-        /// How many there are.
+        /// Number of such things in the kit.
         count: usize,
     },
-    /// A name that is empty, has other characters than printable ASCII without `,` and `"`, or begins or ends with a space.
+    /// A name is empty, begins or ends with a space, or has a character other than printable ASCII
+    /// without `,` and `"`.
     BadName {
-        /// Whose name.
+        /// Place of the thing with that name.
         place: Place,
     },
-    /// Two things of one kind with the same name.
+    /// Two things of one kind have the same name.
     DuplicateName {
-        /// The second of the two.
+        /// Place of the second of the two.
         place: Place,
     },
-    /// A MIDI note above 127, or one that two pads claim.
+    /// A MIDI note is above 127, or two pads claim it.
     BadNote {
-        /// Which pad.
+        /// Place of the pad.
         place: Place,
-        /// The note.
+        /// MIDI note.
         note: u8,
     },
-    /// An input that two pads, or two sensors of one, claim.
+    /// Two pads, or two sensors of one pad, claim the same input.
     SharedInput {
-        /// The second pad.
+        /// Place of the second pad.
         place: Place,
-        /// Which field.
+        /// Key of the field.
         field: Field,
-        /// The channel or the button.
+        /// Number of the channel or the button.
         input: u8,
     },
-    /// An edge of a noise band that is not above the one before it.
+    /// An edge of a noise band is less than [`BAND_WIDTH_HZ`] above the edge before it.
     EdgeOrder {
-        /// Which edge.
+        /// Place of the edge.
         place: Place,
-        /// Its key.
+        /// Key of the edge.
         field: Field,
-        /// The one before, in Hz.
+        /// Edge before it, in Hz.
         below: f32,
-        /// The edge, in Hz.
+        /// Edge, in Hz.
         above: f32,
     },
-    /// A filter whose poles lie on or outside the unit circle.
+    /// A filter has a pole on or outside the unit circle.
     UnstablePole {
-        /// Which breakpoint or biquad.
+        /// Place of the breakpoint or the biquad.
         place: Place,
-        /// The key that decides it.
+        /// Key that decides the radius.
         field: Field,
-        /// The largest radius of its poles.
+        /// Largest radius of the poles.
         radius: f32,
     },
-    /// A breakpoint that is not later than the one before it.
+    /// A breakpoint is not later than the breakpoint before it.
     TimeOrder {
-        /// Which breakpoint.
+        /// Place of the breakpoint.
         place: Place,
-        /// The one before, in seconds.
+        /// Time of the breakpoint before it, in seconds.
         before_s: f32,
-        /// The breakpoint, in seconds.
+        /// Time of the breakpoint, in seconds.
         time_s: f32,
     },
-    /// A Gaussian striker with a restitution other than the default: its pulse has none.
+    /// A striker with a Gaussian pulse, which has no restitution, has one other than the default.
     GaussianRestitution {
-        /// Which striker.
+        /// Place of the striker.
         place: Place,
-        /// Its restitution.
+        /// Restitution in the kit.
         value: f32,
     },
-    /// A text that is not UTF-8.
+    /// A text is not UTF-8.
     BadText {
-        /// Whose text.
+        /// Place of the thing with that text.
         place: Place,
     },
-    /// Bytes that must be zero are not.
+    /// Bytes or bits that must be zero are not zero.
     NotZero {
-        /// Where.
+        /// Place of the field.
         place: Place,
-        /// Which field.
+        /// Key of the field.
         field: Field,
     },
 }
@@ -221,11 +223,14 @@ impl fmt::Display for TableError {
                 "CRC mismatch: the header says {stored:08x}, the bytes give {computed:08x}: damaged or half written; build or copy the kit again"
             ),
             Self::TrailingBytes { offset } => {
-                write!(f, "bytes other than 0xFF follow the kit's end, at offset {offset}")
+                write!(
+                    f,
+                    "bytes other than 0xFF follow the kit's end, at offset {offset}; erase what lies behind the kit"
+                )
             }
             Self::SectionBounds { section, tag, offset, length, expected_offset, kit_length } => write!(
                 f,
-                "section {section} ({}) at offset {offset}, {length} bytes: it must begin at {expected_offset}, be a multiple of 4 bytes long and end within the kit's {kit_length}, and the last section must end there",
+                "section {section} ({}) at offset {offset}, {length} bytes: it must begin at {expected_offset}, be a multiple of 4 bytes long and end within the kit's {kit_length} bytes, the last section at their end; build the kit again",
                 Tag(tag)
             ),
             Self::UnknownSection { tag } => {
@@ -239,10 +244,10 @@ impl fmt::Display for TableError {
                 )
             }
             Self::SectionCount { tag, found } => {
-                write!(f, "{found} sections {}: there must be exactly one", Tag(tag))
+                write!(f, "the kit has {found} sections {} instead of one; build it again", Tag(tag))
             }
             Self::LengthMismatch { place, expected, found } => {
-                write!(f, "{place}: its head announces {expected} bytes, the section has {found}")
+                write!(f, "{place}: its head announces {expected} bytes, the section has {found}; build the kit again")
             }
             Self::OutOfRange { place, field, value, allowed } => {
                 write!(f, "{place}: {} = {value}: must be from {} to {}", field.key(), allowed.min, allowed.max)
@@ -270,7 +275,7 @@ impl fmt::Display for TableError {
                 f,
                 "{place}: {} = {above}: must be at least {} Hz above the edge before it, {below}",
                 field.key(),
-                super::range::BAND_WIDTH_HZ
+                BAND_WIDTH_HZ
             ),
             Self::UnstablePole { place, field, radius } => write!(
                 f,
@@ -284,7 +289,7 @@ impl fmt::Display for TableError {
                 f,
                 "{place}: restitution = {value}: a gaussian pulse has none; leave the key out, or take pulse = \"hertz\""
             ),
-            Self::BadText { place } => write!(f, "{place}: source or licence is not UTF-8"),
+            Self::BadText { place } => write!(f, "{place}: source or licence is not UTF-8; save the text as UTF-8"),
             Self::NotZero { place, field } => write!(f, "{place}: {} must be zero", field.key()),
         }
     }

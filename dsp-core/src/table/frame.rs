@@ -3,15 +3,15 @@
 use zerocopy::byteorder::little_endian::U32;
 use zerocopy::{FromBytes, Immutable, KnownLayout, Unaligned};
 
-use super::checksum;
+use super::checksum::checksum;
 use super::error::TableError;
 use super::layout::{FORMAT_VERSION, FileHeader, MAGIC, SECTION_VERSION, SectionEntry, tag};
 use super::place::Place;
 
-/// Header, checksum and directory; gives the directory and the kit's own bytes.
+/// Checks header and checksum, and gives the directory and the kit's own bytes.
 pub(super) fn read_frame(bytes: &[u8]) -> Result<(&[SectionEntry], &[u8]), TableError> {
     let truncated = |needed| TableError::Truncated { needed, found: bytes.len() };
-    // The magic first: of a short file of another kind it says more than its length.
+    // The magic first: it tells more about a short file of another kind than its length does.
     let found = *bytes.first_chunk().ok_or(truncated(size_of::<FileHeader>()))?;
     if found != MAGIC {
         return Err(TableError::WrongMagic { found });
@@ -45,11 +45,13 @@ pub(super) fn read_frame(bytes: &[u8]) -> Result<(&[SectionEntry], &[u8]), Table
     Ok((directory, kit))
 }
 
+/// True if this reader knows the tag.
 pub(super) fn is_known(tag: [u8; 4]) -> bool {
     tag::KNOWN.contains(&tag)
 }
 
-/// Sections tile the kit from the directory's end to the kit's, and are of known kinds and versions.
+/// Checks that the sections tile the kit from the directory's end to the kit's end, and that their
+/// tags and versions are known.
 pub(super) fn check_sections(directory: &[SectionEntry], kit: &[u8]) -> Result<(), TableError> {
     let mut expected_offset = size_of::<FileHeader>() + 4 + size_of_val(directory);
     for (section, entry) in directory.iter().enumerate() {
@@ -82,6 +84,7 @@ pub(super) fn check_sections(directory: &[SectionEntry], kit: &[u8]) -> Result<(
     Ok(())
 }
 
+/// Bodies of all sections with a tag, in the order of the directory.
 pub(super) fn sections<'a>(
     directory: &'a [SectionEntry],
     kit: &'a [u8],
@@ -93,6 +96,7 @@ pub(super) fn sections<'a>(
     })
 }
 
+/// Body of a section that a kit must have exactly once.
 pub(super) fn only_section<'a>(
     directory: &'a [SectionEntry],
     kit: &'a [u8],
@@ -105,7 +109,7 @@ pub(super) fn only_section<'a>(
     }
 }
 
-/// A section that may be missing, but not be there twice.
+/// Body of a section that a kit may have at most once.
 pub(super) fn optional_section<'a>(
     directory: &'a [SectionEntry],
     kit: &'a [u8],
@@ -118,6 +122,7 @@ pub(super) fn optional_section<'a>(
     }
 }
 
+/// Record that is all of a body.
 pub(super) fn whole<T: FromBytes + KnownLayout + Immutable + Unaligned>(
     body: &[u8],
     place: Place,
@@ -129,6 +134,7 @@ pub(super) fn whole<T: FromBytes + KnownLayout + Immutable + Unaligned>(
     })
 }
 
+/// Record at the beginning of a body, and the bytes behind it.
 pub(super) fn head<T: FromBytes + KnownLayout + Immutable + Unaligned>(
     body: &[u8],
     place: Place,

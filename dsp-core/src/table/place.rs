@@ -1,10 +1,10 @@
-//! Where in a kit something stands, and which field it is.
+//! Places and fields of a kit, for error messages.
 
 use core::fmt;
 
 use super::range::CHAIN_DEPTH;
 
-/// Where in a kit a field stands; indices count from 0 in the order of the file.
+/// Place in a kit at which a field stands. Indices count from 0 in the order of the kit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Place {
@@ -28,29 +28,30 @@ pub enum Place {
     ObjectBand(usize, usize),
     /// The dynamic filter of the object of this index.
     ObjectFilter(usize),
-    /// A breakpoint of its path: (object, breakpoint).
+    /// A breakpoint of the path of an object's dynamic filter: (object, breakpoint).
     ObjectBreakpoint(usize, usize),
-    /// A loop round it: (object, loop).
+    /// A loop round an object's dynamic filter: (object, loop).
     ObjectLoop(usize, usize),
     /// The biquad bank of the object of this index.
     ObjectBiquads(usize),
-    /// A chain of it: (object, chain).
+    /// A chain of an object's biquad bank: (object, chain).
     ObjectChain(usize, usize),
-    /// A biquad of it: (object, [`CHAIN_DEPTH`] times the chain plus the biquad in it).
+    /// A biquad of an object's biquad bank: (object, [`CHAIN_DEPTH`] times the chain plus the
+    /// biquad in the chain).
     ObjectBiquad(usize, usize),
     /// The background.
     Background,
-    /// An edge of its bands.
+    /// The edge of this index of the background's bands.
     BackgroundEdge(usize),
-    /// A band of it.
+    /// The band of this index of the background.
     BackgroundBand(usize),
     /// The room.
     Room,
-    /// A band of it.
+    /// The band of this index of the room.
     RoomBand(usize),
 }
 
-/// A field of a kit, by its key in the text form.
+/// Field of a kit, named by its key in the text form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[expect(missing_docs, reason = "each variant is the key of the same name in the text form")]
@@ -61,7 +62,6 @@ pub enum Field {
     B0,
     B1,
     B2,
-    /// `noise`
     Noise,
     BandwidthHz,
     Biquads,
@@ -124,7 +124,7 @@ pub enum Field {
 }
 
 impl Field {
-    /// The key in the text form.
+    /// Key of the field in the text form.
     pub const fn key(self) -> &'static str {
         match self {
             Self::A1 => "a1",

@@ -1,15 +1,16 @@
-//! The valid range of every number in a kit; outside it a kit is refused.
+//! The valid range of every number in a kit; a kit with a number outside its range is refused.
 //!
-//! Ranges are those of the physics with room to spare, and those within which the fixed-point engine keeps its stated accuracy.
-//! Two further limits depend on the sample rate and are checked on load ([`crate::engine::LoadError`]).
+//! The ranges hold the values of physics with a margin, and the fixed-point engine keeps its stated
+//! accuracy within them. Two further limits depend on the sample rate and are checked on load
+//! ([`crate::engine::LoadError`]).
 
 /// A closed interval of allowed values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Range {
-    /// The smallest allowed value.
+    /// Smallest allowed value.
     pub min: f32,
-    /// The largest allowed value.
+    /// Largest allowed value.
     pub max: f32,
 }
 
@@ -18,17 +19,18 @@ impl Range {
         Self { min, max }
     }
 
-    /// Whether the value lies in the interval; NaN never does.
+    /// True if the value lies in the interval; false for NaN.
     pub fn holds(self, value: f32) -> bool {
         value >= self.min && value <= self.max
     }
 }
 
-/// Mode frequency in Hz. Modes at or above Nyquist are legal and not rendered.
+/// Frequency of a mode in Hz. Modes at or above Nyquist are valid but not rendered.
 pub const FREQUENCY_HZ: Range = Range::new(0.1, 1e6);
-/// Mode decay in 1/s: T60 from 0.35 ms to 690 s. At low sample rates the upper limit is lower, see [`crate::resonator::max_decay_per_s`].
+/// Decay of a mode in 1/s: T60 from 0.35 ms to 690 s. At low sample rates the upper limit is
+/// [`crate::resonator::max_decay_per_s`].
 pub const DECAY_PER_S: Range = Range::new(0.01, 20_000.0);
-/// Modal gains, either sign.
+/// Gain of a mode or a biquad, of either sign.
 pub const GAIN: Range = Range::new(-1e9, 1e9);
 /// Reference force in newtons.
 pub const REFERENCE_FORCE: Range = Range::new(1e-6, 1e6);
@@ -44,36 +46,38 @@ pub const CONTACT_TIME_S: Range = Range::new(2e-5, 0.1);
 pub const CONTACT_EXPONENT: Range = Range::new(-1.0, 1.0);
 /// Coefficient of restitution of a Hertz pulse.
 pub const RESTITUTION: Range = Range::new(0.1, 1.0);
-/// Restitution of strikers that do not say theirs: at or above the median of the measured hammer
-/// forces, and no ripple of the spectrum above 0.5 dB.
+/// Coefficient of restitution of strikers without one in the kit.
+///
+/// It is at or above the median of the measured hammer forces, and its spectrum has no ripple above
+/// 0.5 dB.
 pub const DEFAULT_RESTITUTION: f32 = 0.45;
 /// Level of a pad in dB.
 pub const LEVEL_DB: Range = Range::new(-120.0, 40.0);
-/// Pan of a pad.
+/// Constant-power pan of a pad, -1 (left) to 1 (right).
 pub const PAN: Range = Range::new(-1.0, 1.0);
-/// Weight of a pad's strikers.
+/// Weight of the own modes of a pad's strikers.
 pub const STRIKER_WEIGHT: Range = Range::new(-1e3, 1e3);
-/// T60 of a choke in seconds (0 stands for "cannot be choked").
+/// T60 of a choke in seconds. A kit may also hold 0 for a pad that cannot be choked.
 pub const CHOKE_T60_S: Range = Range::new(0.001, 100.0);
-/// Modes of one object or striker.
+/// Maximum number of modes of one object or striker.
 pub const MODES_PER_BANK: usize = 4096;
-/// Bands of a room.
+/// Maximum number of bands of a room.
 pub const ROOM_BANDS: usize = 8;
-/// Positions along an object.
+/// Maximum number of positions along an object.
 pub const POSITIONS: usize = 64;
-/// Softest peak that is a strike, of half the ADC's range.
+/// Softest peak that is a strike, as a fraction of half the ADC's range.
 pub const THRESHOLD: Range = Range::new(0.001, 0.5);
 /// Scan time in seconds.
 pub const SCAN_TIME_S: Range = Range::new(0.001, 0.01);
 /// Mask time in seconds.
 pub const MASK_TIME_S: Range = Range::new(0.001, 0.5);
-/// Decay of the mask in 1/s.
+/// Decay of the mask's amplitude in 1/s.
 pub const MASK_DECAY_PER_S: Range = Range::new(1.0, 1000.0);
-/// Peak of velocity 1, of half the ADC's range.
+/// Peak of a strike of velocity 1, as a fraction of half the ADC's range.
 pub const FULL_SCALE: Range = Range::new(0.01, 1.0);
 /// Exponent of the velocity curve.
 pub const VELOCITY_EXPONENT: Range = Range::new(0.1, 8.0);
-/// Crosstalk between pads in dB.
+/// Ratio of a peak to the sum of the other pads' peaks below which it is crosstalk, in dB.
 pub const CROSSTALK_DB: Range = Range::new(-60.0, 0.0);
 /// Gain of the second sensor in dB.
 pub const RIM_DB: Range = Range::new(-40.0, 40.0);
@@ -81,11 +85,13 @@ pub const RIM_DB: Range = Range::new(-40.0, 40.0);
 pub const DIRECT_GAIN: Range = Range::new(0.001, 8.0);
 /// Velocity of a button's strikes.
 pub const BUTTON_VELOCITY: Range = Range::new(0.0, 1.0);
-/// Edge of a noise band in Hz; on load it must also be below half the sample rate.
+/// Edge of a noise band in Hz. On load it must also be below half the sample rate.
 pub const EDGE_HZ: Range = Range::new(1.0, 96_000.0);
 /// Least width of a noise band in Hz.
 pub const BAND_WIDTH_HZ: f32 = 1.0;
-/// Rms of a noise band at t = 0, 1.0 = full scale.
+/// Maximum number of bands of a residual or of the background.
+pub const NOISE_BANDS: usize = 100;
+/// Rms of a noise band at t = 0; 1.0 is full scale.
 pub const WEIGHT: Range = Range::new(0.0, 16.0);
 /// Decay of a noise band in dB/s: T60 from 3 ms to 60 s.
 pub const DECAY_DB_PER_S: Range = Range::new(1.0, 20_000.0);
@@ -93,39 +99,40 @@ pub const DECAY_DB_PER_S: Range = Range::new(1.0, 20_000.0);
 pub const LAST_CHANNEL: usize = 15;
 /// Largest number of a button that a kit may name.
 pub const LAST_BUTTON: usize = 15;
-/// Initial gain of a room's band, 1/√s: the answer's energy is gain²/(2 decay).
+/// Initial gain of a room's band in 1/√s; the reverberation's energy is gain²/(2 decay).
 pub const ROOM_GAIN: Range = Range::new(0.0, 100.0);
 /// Decay of a room's band in 1/s: T60 from 46 ms to 23 s.
 pub const ROOM_DECAY_PER_S: Range = Range::new(0.3, 150.0);
-/// The rate in Hz that a filter's coefficients are for: the rates that the engine is made for.
+/// Sample rate in Hz that a filter's coefficients are for: the rates that the engine supports.
 pub const RATE_HZ: Range = Range::new(8_000.0, 192_000.0);
-/// Breakpoints of a dynamic filter.
+/// Maximum number of breakpoints of a dynamic filter.
 pub const BREAKPOINTS: usize = 32;
-/// Loops round a dynamic filter.
+/// Maximum number of loops round a dynamic filter.
 pub const LOOPS: usize = 16;
-/// Time of a breakpoint after the first, in seconds after the strike.
+/// Time of each breakpoint but the first, in seconds after the strike. The first is at 0.
 pub const TIME_S: Range = Range::new(0.0, 3_600.0);
-/// Coefficients of a dynamic filter beside a1 and a2, either sign; on load the filter's gain is bounded too.
+/// Coefficients b0, b1 and b2 of a dynamic filter, of either sign. On load the filter's gain is
+/// checked too.
 pub const COEFFICIENT: Range = Range::new(-1e6, 1e6);
 /// Level of the noise at a breakpoint.
 pub const NOISE_LEVEL: Range = Range::new(0.0, 1.0);
-/// a1 of a dynamic filter; its poles must lie within the unit circle.
+/// Coefficient a1 of a dynamic filter. The poles must also lie within the unit circle.
 pub const A1: Range = Range::new(-2.0, 2.0);
-/// a2 of a dynamic filter; its poles must lie within the unit circle.
+/// Coefficient a2 of a dynamic filter. The poles must also lie within the unit circle.
 pub const A2: Range = Range::new(-1.0, 1.0);
-/// Exponent by which the exciter's edges follow the strike's peak force.
+/// Exponent with which the exciter's edges follow the strike's peak force.
 pub const EXCITER_EXPONENT: Range = Range::new(-4.0, 4.0);
-/// Bandwidth of a loop in Hz; it must also be below the loop's frequency.
+/// Bandwidth of a loop in Hz. It must also be below the loop's frequency.
 pub const BANDWIDTH_HZ: Range = Range::new(0.01, 48_000.0);
-/// Gain of a loop at its frequency; on load the loops must be stable round the filter.
+/// Gain of a loop at its frequency. On load the loops must also be stable round the filter.
 pub const LOOP_GAIN: Range = Range::new(-1e6, 1e6);
-/// Delay of a loop in seconds; on load it must fit the engine's delay line.
+/// Delay of a loop in seconds. On load it must also fit the engine's delay line.
 pub const DELAY_S: Range = Range::new(5e-6, 1.0);
-/// Chains of a biquad bank.
+/// Maximum number of chains of a biquad bank.
 pub const CHAINS: usize = 64;
-/// Biquads of a chain.
+/// Maximum number of biquads of a chain.
 pub const CHAIN_DEPTH: usize = 4;
-/// Real and imaginary part of a pole; it must lie within the unit circle.
+/// Real and imaginary part of a pole. The pole must also lie within the unit circle.
 pub const POLE: Range = Range::new(-1.0, 1.0);
 /// Real and imaginary part of a zero.
 pub const ZERO: Range = Range::new(-1e3, 1e3);

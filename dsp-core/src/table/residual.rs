@@ -1,41 +1,51 @@
-//! The `resi` sections (what an object sounds beside its modes) and the `bgnd` section (stationary background).
+//! The `resi` sections (bands of decaying noise that an object sounds beside its modes) and the
+//! `bgnd` section (stationary noise behind all pads).
 
 use zerocopy::FromBytes;
 use zerocopy::byteorder::little_endian::F32;
 
-use super::check::{check_count, check_range};
+use super::check::{check_count, check_object, check_range};
 use super::error::TableError;
 use super::frame::head;
 use super::layout::{BackgroundHeader, ResidualBandRecord, ResidualHeader};
 use super::place::{Field, Place};
 use super::range;
-use crate::residual::BandLaw;
 
-/// The residual of one object of a [`Kit`](super::Kit).
+/// Band of noise of a [`Residual`] or a [`Background`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BandLaw {
+    /// Lower and upper edge in Hz.
+    pub edges_hz: [f32; 2],
+    /// Rms w at t = 0 (1.0 = full scale) of a strike whose peak force is the reference force.
+    pub weight: f32,
+    /// Decay γ in dB/s.
+    pub decay_db_per_s: f32,
+}
+
+/// Residual of one object of a [`Kit`](super::Kit).
 #[derive(Clone, Copy, Debug)]
 pub struct Residual<'a> {
     header: &'a ResidualHeader,
-    /// One more than bands.
+    /// Edges in Hz, one more than there are bands.
     edges: &'a [F32],
     bands: &'a [ResidualBandRecord],
 }
 
-/// The background of a [`Kit`](super::Kit).
+/// Background of a [`Kit`](super::Kit).
 #[derive(Clone, Copy, Debug)]
 pub struct Background<'a> {
     header: &'a BackgroundHeader,
-    /// One more than bands.
+    /// Edges in Hz, one more than there are bands.
     edges: &'a [F32],
     weights: &'a [F32],
 }
 
 impl<'a> Residual<'a> {
-    /// `index` counts the sections, for errors before the object is known.
     pub(super) fn read(body: &'a [u8]) -> Result<Self, TableError> {
         let (header, rest) = head::<ResidualHeader>(body, Place::Kit)?;
         let place = Place::ObjectResidual(usize::from(header.object.get()));
         let count = usize::from(header.band_count.get());
-        check_count(place, Field::Weight, count, 1, crate::residual::MAX_BANDS)?;
+        check_count(place, Field::Weight, count, 1, range::NOISE_BANDS)?;
         let expected = size_of::<ResidualHeader>() + 4 * (count + 1) + size_of::<ResidualBandRecord>() * count;
         let mismatch = TableError::LengthMismatch { place, expected, found: body.len() };
         let (edges, rest) = <[F32]>::ref_from_prefix_with_elems(rest, count + 1).map_err(|_| mismatch)?;
@@ -48,10 +58,7 @@ impl<'a> Residual<'a> {
 
     pub(super) fn check(&self, objects: usize, next_object: usize) -> Result<(), TableError> {
         let index = self.object_index();
-        if index >= objects {
-            return Err(TableError::Dangling { place: Place::Kit, field: Field::Object, index, count: objects });
-        }
-        check_count(Place::ObjectResidual(index), Field::Object, index, next_object, objects.saturating_sub(1))?;
+        check_object(index, objects, next_object, Place::ObjectResidual(index))?;
         check_edges(self.edges, |edge| Place::ObjectEdge(index, edge))?;
         for (band, record) in self.bands.iter().enumerate() {
             let place = Place::ObjectBand(index, band);
@@ -61,7 +68,7 @@ impl<'a> Residual<'a> {
         Ok(())
     }
 
-    /// Which object, counted from 0.
+    /// Number of the object, counted from 0.
     pub fn object_index(&self) -> usize {
         usize::from(self.header.object.get())
     }
@@ -71,7 +78,7 @@ impl<'a> Residual<'a> {
         self.header.seed.get()
     }
 
-    /// The bands, lowest first.
+    /// Bands, lowest first.
     pub fn bands(&self) -> impl ExactSizeIterator<Item = BandLaw> + Clone + use<'a> {
         self.bands.iter().zip(self.edges.windows(2)).map(|(band, edges)| BandLaw {
             edges_hz: [edge(edges, 0), edge(edges, 1)],
@@ -86,7 +93,7 @@ impl<'a> Background<'a> {
         let place = Place::Background;
         let (header, rest) = head::<BackgroundHeader>(body, place)?;
         let count = usize::from(header.band_count.get());
-        check_count(place, Field::Weight, count, 1, crate::residual::MAX_BANDS)?;
+        check_count(place, Field::Weight, count, 1, range::NOISE_BANDS)?;
         let expected = size_of::<BackgroundHeader>() + 4 * (2 * count + 1);
         let mismatch = TableError::LengthMismatch { place, expected, found: body.len() };
         let (edges, rest) = <[F32]>::ref_from_prefix_with_elems(rest, count + 1).map_err(|_| mismatch)?;
@@ -113,7 +120,7 @@ impl<'a> Background<'a> {
         self.header.seed.get()
     }
 
-    /// The bands, lowest first, without decay.
+    /// Bands, lowest first; their decay is 0.
     pub fn bands(&self) -> impl ExactSizeIterator<Item = BandLaw> + Clone + use<'a> {
         self.weights.iter().zip(self.edges.windows(2)).map(|(weight, edges)| BandLaw {
             edges_hz: [edge(edges, 0), edge(edges, 1)],
@@ -127,7 +134,8 @@ fn edge(edges: &[F32], index: usize) -> f32 {
     edges.get(index).map_or(0.0, |edge| edge.get())
 }
 
-/// Each edge in its range, and at least as far above the one before as [`range::BAND_WIDTH_HZ`] says.
+/// Checks that each edge is in its range and at least [`range::BAND_WIDTH_HZ`] above the edge
+/// before it.
 fn check_edges(edges: &[F32], place: impl Fn(usize) -> Place) -> Result<(), TableError> {
     for (index, value) in edges.iter().enumerate() {
         check_range(place(index), Field::EdgesHz, value.get(), range::EDGE_HZ)?;

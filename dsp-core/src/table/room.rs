@@ -8,7 +8,8 @@ use super::layout::RoomBandRecord;
 use super::place::{Field, Place};
 use super::range::{self, Range};
 
-/// The bands of a `room` section, from the lowest up, checked as far as that can be done without a sample rate.
+/// Bands of a `room` section, from the lowest up. What depends on the sample rate is left
+/// unchecked.
 pub(super) fn read(body: &[u8]) -> Result<&[RoomBandRecord], TableError> {
     let bands = body.len() / size_of::<RoomBandRecord>();
     let expected = bands * size_of::<RoomBandRecord>();
@@ -28,8 +29,9 @@ pub(super) fn read(body: &[u8]) -> Result<&[RoomBandRecord], TableError> {
     Ok(bands)
 }
 
-/// What the lowest band begins at, and what the others may.
+/// Ranges of the lowest band, which begins at 0 Hz.
 const LOWEST: [(Field, Range); 3] = ranges(Range::new(0.0, 0.0));
+/// Ranges of the bands above the lowest.
 const HIGHER: [(Field, Range); 3] = ranges(range::EDGE_HZ);
 
 const fn ranges(from_hz: Range) -> [(Field, Range); 3] {

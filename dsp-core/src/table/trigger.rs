@@ -1,4 +1,4 @@
-//! The `trig` section: how pads are triggered.
+//! The `trig` section: the trigger settings of pads.
 
 use zerocopy::FromBytes;
 
@@ -8,7 +8,7 @@ use super::layout::{NO_INPUT, NO_STRIKER, PadRecord, TriggerRecord};
 use super::place::{Field, Place};
 use super::range::{self, Range};
 
-/// How one pad of a [`Kit`](super::Kit) is triggered.
+/// Trigger settings of one pad of a [`Kit`](super::Kit).
 #[derive(Clone, Copy, Debug)]
 pub struct Trigger<'a> {
     record: &'a TriggerRecord,
@@ -23,7 +23,7 @@ pub(super) fn read(body: Option<&[u8]>) -> Result<&[TriggerRecord], TableError> 
     })
 }
 
-/// Every record by itself, pads in rising order, and no input of two masters.
+/// Checks every record by itself, the order of the pads, and that no two pads claim one input.
 pub(super) fn check(records: &[TriggerRecord], pads: &[PadRecord]) -> Result<(), TableError> {
     let mut next_pad = 0;
     let mut channels = [false; range::LAST_CHANNEL + 1];
@@ -109,17 +109,17 @@ impl<'a> Trigger<'a> {
         check_ranges(place, &RANGES, &values)
     }
 
-    /// Which pad, counted from 0.
+    /// Number of the pad, counted from 0.
     pub fn pad_index(&self) -> usize {
         usize::from(self.record.pad.get())
     }
 
-    /// Whether the piezo's signal itself is the force.
+    /// True if the piezo's signal itself is the force.
     pub fn is_direct(&self) -> bool {
         self.record.mode == 1
     }
 
-    /// Whether the pad has no piezo.
+    /// True if the pad has no piezo.
     pub fn is_off(&self) -> bool {
         self.record.mode == 2
     }
@@ -129,27 +129,27 @@ impl<'a> Trigger<'a> {
         self.record.channel
     }
 
-    /// ADC channel of the second sensor.
+    /// ADC channel of the second sensor; `None` if the pad has only one.
     pub fn rim_channel(&self) -> Option<u8> {
         present(self.record.rim_channel)
     }
 
-    /// Which of the pad's strikers the second sensor plays.
+    /// Number of the striker that the second sensor plays, counted from 0 in the pad's list.
     pub fn rim_striker(&self) -> u8 {
         self.record.rim_striker
     }
 
-    /// Button that strikes the pad.
+    /// Button that strikes the pad; `None` if no button does.
     pub fn button(&self) -> Option<u8> {
         present(self.record.button)
     }
 
-    /// Button that chokes the pad while it is held.
+    /// Button that chokes the pad while it is held; `None` if no button does.
     pub fn choke_button(&self) -> Option<u8> {
         present(self.record.choke_button)
     }
 
-    /// Softest peak that is a strike, of half the ADC's range.
+    /// Softest peak that is a strike, as a fraction of half the ADC's range.
     pub fn threshold(&self) -> f32 {
         self.record.threshold.get()
     }
@@ -164,12 +164,12 @@ impl<'a> Trigger<'a> {
         self.record.mask_time_s.get()
     }
 
-    /// Decay of the mask in 1/s.
+    /// Decay of the mask's amplitude in 1/s.
     pub fn mask_decay_per_s(&self) -> f32 {
         self.record.mask_decay_per_s.get()
     }
 
-    /// Peak of velocity 1, of half the ADC's range.
+    /// Peak of a strike of velocity 1, as a fraction of half the ADC's range.
     pub fn full_scale(&self) -> f32 {
         self.record.full_scale.get()
     }
@@ -179,7 +179,7 @@ impl<'a> Trigger<'a> {
         self.record.velocity_exponent.get()
     }
 
-    /// What is taken for crosstalk, in dB.
+    /// Ratio of a peak to the sum of the other pads' peaks below which it is crosstalk, in dB.
     pub fn crosstalk_db(&self) -> f32 {
         self.record.crosstalk_db.get()
     }

@@ -1,24 +1,28 @@
-//! Buttons: strikes of one velocity, and chokes that last as long as the button is held.
+//! Buttons: strikes of one velocity, and chokes that last while the button is held.
 
+use super::error::TriggerError;
+use super::report::Detection;
 use super::settings::Settings;
-use super::{Detection, TriggerError};
 use crate::SampleRate;
 use crate::event::Action;
 use crate::table::Kit;
 
-/// How long a button is not listened to after an edge, in seconds.
+/// Time after an edge in which a button is not listened to, in seconds.
 const DEBOUNCE_S: f64 = 0.01;
 
-/// What a button did.
+/// Edge of a button's level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Edge {
-    /// It went down.
+    /// The button went down.
     Pressed,
-    /// It came up.
+    /// The button came up.
     Released,
 }
 
-/// One debounced button: its first contact counts at once, and what follows within 10 ms (twice what a bad one bounces) not at all.
+/// Debounced button: its first contact counts at once, and its level in the 10 ms after that does
+/// not count.
+///
+/// A bad button bounces for half that time.
 ///
 /// ```
 /// use dsp_core::{SampleRate, trigger::{Button, Edge}};
@@ -36,13 +40,16 @@ pub struct Button {
 }
 
 impl Button {
-    /// A button that is up, whose times are frames of `rate`.
+    /// Makes a button that is up, with times in frames of `rate`.
     pub fn new(rate: SampleRate) -> Self {
         Self { is_down: false, deaf_frames: (DEBOUNCE_S * rate.hz()) as u64, deaf_until: 0 }
     }
 
-    /// Takes the button's level at a frame no earlier than the last one. To be called on every edge, and once a block, so that an
-    /// edge that was ignored is made up for.
+    /// Takes the button's level at a frame no earlier than the last one, and gives the edge if the
+    /// level counts.
+    ///
+    /// Call it on every edge and once a block, so that the block makes up for an edge that was
+    /// ignored.
     pub fn sample(&mut self, frame: u64, is_down: bool) -> Option<Edge> {
         if frame < self.deaf_until || is_down == self.is_down {
             return None;
@@ -53,27 +60,27 @@ impl Button {
     }
 }
 
-/// What one button does.
+/// Button and the pads that it plays.
 #[derive(Clone, Copy, Debug)]
 struct Duty {
     button: Button,
-    /// Pad and velocity.
+    /// Pad that the button strikes, and the strike's velocity.
     strikes: Option<(u8, f32)>,
-    /// A bit for each pad.
+    /// Bit for each pad, set if the button chokes it.
     chokes: [u32; 8],
 }
 
-/// `BUTTONS` buttons and the pads that they play.
+/// Set of `BUTTONS` buttons and the pads that they play.
 #[derive(Clone, Debug)]
 pub struct Buttons<const BUTTONS: usize> {
     duties: [Duty; BUTTONS],
 }
 
 impl<const BUTTONS: usize> Buttons<BUTTONS> {
-    /// Buttons for pads of the given settings (the first is pad 0's); times are frames of `rate`.
+    /// Makes the buttons for pads of the given settings, pad 0 first. Times are frames of `rate`.
     ///
     /// # Errors
-    /// [`TriggerError::SharedButton`] where two pads are struck by one button.
+    /// [`TriggerError::SharedButton`] if one button strikes two pads.
     pub fn new(pads: impl IntoIterator<Item = Settings>, rate: SampleRate) -> Result<Self, TriggerError> {
         let mut duties = [Duty { button: Button::new(rate), strikes: None, chokes: [0; 8] }; BUTTONS];
         for (pad, settings) in (0..=u8::MAX).zip(pads) {
@@ -94,16 +101,18 @@ impl<const BUTTONS: usize> Buttons<BUTTONS> {
         Ok(Self { duties })
     }
 
-    /// Buttons for the pads of a kit.
+    /// Makes the buttons for the pads of a kit.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// [`TriggerError::SharedButton`] if one button strikes two pads.
     pub fn from_kit(kit: &Kit<'_>, rate: SampleRate) -> Result<Self, TriggerError> {
         Self::new(Settings::of_kit(kit), rate)
     }
 
-    /// Takes the level of one button at a frame, see [`Button::sample`], and reports what follows from it. A button that no pad knows
-    /// does nothing.
+    /// Takes the level of one button at a frame, and reports the strike and the chokes or releases
+    /// that follow.
+    ///
+    /// Call it as often as [`Button::sample`]. A button that no pad names does nothing.
     pub fn sample(&mut self, button: usize, frame: u64, is_down: bool, mut report: impl FnMut(Detection)) {
         let Some(duty) = self.duties.get_mut(button) else { return };
         let Some(edge) = duty.button.sample(frame, is_down) else { return };

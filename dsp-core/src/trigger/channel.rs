@@ -1,4 +1,4 @@
-//! One piezo: conditioning, envelope, onset, and the scan of a strike.
+//! One piezo: conditioning, envelope, onset, and the scan of a strike. All of a channel's state.
 //!
 //! ```text
 //!  ADC ──(-)──► |x| ──► envelope ──► > level? ──► scan: peak of |x| ──► decision
@@ -6,74 +6,67 @@
 //!      baseline                         └── threshold, noise floor, mask
 //! ```
 
+use super::band::{Band, TAP_FRAMES};
 use super::baseline::{Baseline, MainsTurn};
 use super::config::ChannelConfig;
-use super::mask::{Mask, OVER_Q8};
+use super::mask::Mask;
 use super::noise::NoiseFloor;
-use super::report::Fault;
-use super::rest::{Band, TAP_FRAMES};
+use super::rails::{self, Change, Rails};
 use super::scan::Scan;
-use super::{COUNT, TICK_FRAMES};
+use crate::time::TICK_FRAMES;
 
-/// The envelope moves by 1/8 of its error a frame: 0.17 ms at 48 kHz, one half period of 3 kHz.
+/// Shift by which the envelope follows: 1/8 of its error a frame, 0.17 ms at 48 kHz, which is half
+/// a period of 3 kHz.
 const ENVELOPE_SHIFT: u32 = 3;
-/// A level that no envelope reaches.
+/// Level that no envelope reaches.
 const DEAF: i32 = i32::MAX;
-/// An onset is looked for at most so many frames before the envelope crosses its level.
+/// Maximum number of frames by which an onset is dated back from the frame in which the envelope
+/// crosses its level.
 const LONGEST_LAG: u32 = 24;
 /// Ticks after a start in which offset, hum and noise are learnt: 31 ms at 48 kHz.
 const WARM_UP_TICKS: u16 = 47;
-/// Ticks at a rail until a channel counts as stuck, and away from it until it counts as well: 20 and 100 ms at 48 kHz.
-const STUCK_TICKS: u16 = 30;
-const WELL_TICKS: u16 = 150;
-/// Sums of a tick's samples beyond which all of it was at a rail.
-const LOW_RAIL: i32 = 32 * 15;
-const HIGH_RAIL: i32 = 32 * 4080;
-/// Noise stays below so many times its mean, in 1/256 (2.4: 6 standard deviations of the envelope of white noise), and an onset is
-/// where the envelope leaves 1.5 times the mean.
-const NOISE_LEVEL_Q8: i32 = 614;
-const NOISE_FOOT_Q8: i32 = 384;
-/// A resting channel's samples are no farther from the baseline than so many times the noise's mean, in 1/256 (4.5), and half a count.
-const REST_NOISE_Q8: i32 = 1152;
-/// Samples of a resting tick that are measured.
+/// Number of samples of a resting tick that are measured.
 const TAPS: i32 = TICK_FRAMES as i32 / TAP_FRAMES as i32;
-/// By how much an onset must leave the mask's level, in 1/256.
-const MASK_FOOT_Q8: i32 = 272;
-/// What peaks are remembered for crosstalk: decays by 1/32 a tick, 21 ms.
+/// Shift by which the memory of peaks for crosstalk decays: 1/32 a tick, 21 ms.
 const HOLD_SHIFT: u32 = 5;
 
-/// The state of one channel. Signals are in 1/256 of an ADC count.
+/// State of one channel. Signals are in 1/256 of an ADC count.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Channel {
     baseline: Baseline,
     noise: NoiseFloor,
     mask: Mask,
-    /// Smoothed magnitude.
+    /// Smoothed magnitude of the conditioned signal.
     pub(super) envelope: i32,
-    /// The envelope above which a strike begins, and at which its onset is put.
+    /// Envelope above which a strike is noticed.
     onset_level: i32,
+    /// Envelope to which the onset of a noticed strike is dated back.
     foot_level: i32,
+    /// Last frame whose envelope was not above the foot (low 32 bits).
     foot_frame: u32,
-    /// The largest magnitude since: some strikes are loudest in their first sample, before they are noticed.
+    /// Largest magnitude since `foot_frame`: some strikes are loudest in their first sample, before
+    /// they are noticed.
     rise_peak: i32,
-    /// The largest envelope of the tick so far.
+    /// Largest envelope of the tick so far.
     tick_envelope: i32,
-    /// Whether samples within the band move nothing.
+    /// True if samples within the band change no state but sums.
     pub(super) is_resting: bool,
+    /// Counts between which the channel rests.
     pub(super) band: Band,
-    /// Sum of the magnitudes of a resting tick's samples that are measured.
+    /// Sum of the magnitudes of the measured samples of a resting tick.
     rest_magnitude: i32,
     /// Sum of the tick's samples so far, in counts.
     sum: i32,
-    /// The strike that is being scanned.
+    /// Scan of the present strike.
     pub(super) scan: Scan,
+    /// True if a strike is being scanned.
     pub(super) is_scanning: bool,
+    /// Ticks until the mask time of the last strike ends.
     masked_ticks: u16,
+    /// Ticks until offset, hum and noise are learnt.
     warm_up_ticks: u16,
-    rail_ticks: u16,
-    /// What is wrong with the channel.
-    pub(super) fault: Option<Fault>,
-    /// Decaying memory of the last peak.
+    pub(super) rails: Rails,
+    /// Decaying memory of the last peak, for the judgement of crosstalk.
     hold: i32,
 }
 
@@ -96,12 +89,12 @@ impl Channel {
         is_scanning: false,
         masked_ticks: 0,
         warm_up_ticks: WARM_UP_TICKS,
-        rail_ticks: 0,
-        fault: None,
+        rails: Rails::UNSET,
         hold: 0,
     };
 
-    /// Takes samples `index` of up to one tick of frames, the first of which is number `now`.
+    /// Takes the samples of channel `index` from up to one tick of frames; the first frame is
+    /// number `now`.
     pub(super) fn run<const CHANNELS: usize>(
         &mut self,
         frames: &[[u16; CHANNELS]],
@@ -115,9 +108,9 @@ impl Channel {
         }
     }
 
-    /// Takes frames while they lie in the band, and gives their number; the first that leaves it is not taken.
+    /// Takes frames up to the first that leaves the band, without it, and gives their number.
     ///
-    /// One sample after the other: [`rest::pass`](super::rest::pass) does the same for all at once.
+    /// It takes one sample after the other, [`rest::pass`](super::rest::pass) all at once.
     #[inline(never)]
     fn rest<const CHANNELS: usize>(&mut self, frames: &[[u16; CHANNELS]], index: usize, now: u32) -> usize {
         let band = self.band;
@@ -132,7 +125,8 @@ impl Channel {
         count
     }
 
-    /// Takes frames that are all in the band, with their sum; the first is number `now`.
+    /// Takes frames whose samples are all in the band and add up to `sum`; the first frame is
+    /// number `now`.
     #[inline(always)]
     pub(super) fn rest_through<const CHANNELS: usize>(
         &mut self,
@@ -153,7 +147,7 @@ impl Channel {
         self.baseline.level = level.wrapping_add(slope.wrapping_mul(frames.len() as i32));
     }
 
-    /// Takes frames of a tick in which something happens or rings.
+    /// Takes frames of a tick in which the channel does not rest.
     #[inline(never)]
     fn follow<const CHANNELS: usize>(
         &mut self,
@@ -169,9 +163,10 @@ impl Channel {
         }
     }
 
-    /// Takes frames up to the one in which a strike is noticed, and begins its scan; gives their number.
+    /// Takes frames up to the one in which a strike is noticed, begins its scan, and gives the
+    /// number of frames taken.
     ///
-    /// The hot loop of a channel that rings: its state is held in registers.
+    /// This is the hot loop of a channel that rings: its state is held in registers.
     #[inline(never)]
     fn listen<const CHANNELS: usize>(
         &mut self,
@@ -182,11 +177,11 @@ impl Channel {
     ) -> usize {
         let Self { mut envelope, mut tick_envelope, mut sum, mut rise_peak, foot_level, onset_level, .. } = *self;
         let Baseline { mut level, slope, .. } = self.baseline;
-        // Frames taken up to the last that was not above the foot.
+        // Number of frames up to the last whose envelope was not above the foot.
         let mut to_foot = 0;
         let mut onset = None;
         let mut taken = frames.len();
-        // Known here, the compiler need not ask at every sample.
+        // Asked here, so that the compiler need not ask at every sample.
         if index < CHANNELS {
             for (at, frame) in (1..).zip(frames) {
                 let raw = frame.get(index).copied().unwrap_or(0);
@@ -218,11 +213,11 @@ impl Channel {
         taken
     }
 
-    /// A strike was noticed in the frame before `now`.
+    /// Begins the scan of a strike that was noticed in the frame before `now`.
     fn begin_scan(&mut self, now: u32, config: &ChannelConfig) {
         let onset = now.wrapping_sub(now.wrapping_sub(self.foot_frame).min(LONGEST_LAG));
         let decide_at = onset.wrapping_add(config.scan_frames);
-        // A decision falls behind the tick in which it was announced.
+        // A decision falls behind the tick in which the strike was noticed.
         let nearest = now.wrapping_add(TICK_FRAMES as u32);
         let decide_at = if decide_at.wrapping_sub(nearest) < config.scan_frames { decide_at } else { nearest };
         self.scan = Scan::begin(decide_at, self.rise_peak);
@@ -230,7 +225,7 @@ impl Channel {
         self.noise.struck();
     }
 
-    /// The next sample without its baseline, and the envelope behind it.
+    /// Takes a sample; gives it without its baseline, and the envelope after it.
     #[inline(always)]
     pub(super) fn take(&mut self, raw: u16) -> (i32, i32) {
         let x = condition(raw, self.baseline.level);
@@ -241,19 +236,15 @@ impl Channel {
         (x, self.envelope)
     }
 
-    /// Where the baseline starts, before the very first frame.
+    /// Starts the baseline at the first frame's sample.
     pub(super) fn start(&mut self, raw: u16) {
         self.baseline.start(raw);
     }
 
-    /// The end of an absolute tick. `Some` where a fault was found (inner `Some`) or is over.
+    /// Does the bookkeeping at the end of an absolute tick.
     #[inline(never)]
-    pub(super) fn tick(&mut self, config: &ChannelConfig, turn: &MainsTurn) -> Option<Option<Fault>> {
-        if self.is_resting
-            && self.mask.is_gone()
-            && self.masked_ticks == 0
-            && (LOW_RAIL + 1..HIGH_RAIL).contains(&self.sum)
-        {
+    pub(super) fn tick(&mut self, config: &ChannelConfig, turn: &MainsTurn) -> Option<Change> {
+        if self.is_resting && self.mask.is_gone() && self.masked_ticks == 0 && rails::are_far(self.sum) {
             self.rest_on(config, turn);
             None
         } else {
@@ -261,28 +252,34 @@ impl Channel {
         }
     }
 
-    /// What [`tick_at_large`](Self::tick_at_large) does for a channel that has rested for the whole tick, is far from a rail, and has no mask left.
+    /// Does the work of [`tick_at_large`](Self::tick_at_large) for a channel that has rested for
+    /// the whole tick, is away from the rails, and has no mask left.
     #[inline(always)]
     fn rest_on(&mut self, config: &ChannelConfig, turn: &MainsTurn) {
-        self.rail_ticks = 0;
+        self.rails.clear();
         self.baseline.tick(core::mem::take(&mut self.sum), true, turn);
         self.hold = self.hold.wrapping_sub(self.hold >> HOLD_SHIFT);
         let noise = self.noise.mean();
         self.noise.rest(core::mem::take(&mut self.rest_magnitude) / TAPS);
         if self.noise.mean() != noise {
             let noise = self.noise.mean();
-            self.onset_level = config.threshold_envelope.max(scale_q8(noise, NOISE_LEVEL_Q8));
-            self.foot_level = scale_q8(noise, NOISE_FOOT_Q8) + COUNT / 2;
+            self.onset_level = config.threshold_envelope.max(self.noise.onset_level());
+            self.foot_level = self.noise.foot_level();
             (self.envelope, self.tick_envelope) = (noise, noise);
         }
         self.set_band(config);
     }
 
+    /// Does the bookkeeping at the end of a tick for any channel.
     #[inline(never)]
-    fn tick_at_large(&mut self, config: &ChannelConfig, turn: &MainsTurn) -> Option<Option<Fault>> {
+    fn tick_at_large(&mut self, config: &ChannelConfig, turn: &MainsTurn) -> Option<Change> {
         let sum = core::mem::take(&mut self.sum);
-        let changed = self.watch_rails(sum);
-        self.baseline.tick(sum, !self.is_scanning && self.fault.is_none(), turn);
+        let changed = self.rails.watch(sum);
+        if changed == Some(Change::Recovered) {
+            *self = Self::UNSET;
+            self.start(u16::try_from(sum >> 5).unwrap_or(0));
+        }
+        self.baseline.tick(sum, !self.is_scanning && self.rails.fault.is_none(), turn);
         self.warm_up_ticks = self.warm_up_ticks.saturating_sub(1);
         self.masked_ticks = self.masked_ticks.saturating_sub(1);
         self.hold = self.hold.wrapping_sub(self.hold >> HOLD_SHIFT);
@@ -293,18 +290,18 @@ impl Channel {
             self.noise.tick(self.envelope, self.warm_up_ticks > 0);
         }
         let noise = self.noise.mean();
-        let quiet = config.threshold_envelope.max(scale_q8(noise, NOISE_LEVEL_Q8));
-        let noise_foot = scale_q8(noise, NOISE_FOOT_Q8) + COUNT / 2;
+        let quiet = config.threshold_envelope.max(self.noise.onset_level());
+        let noise_foot = self.noise.foot_level();
         let envelope = core::mem::replace(&mut self.tick_envelope, self.envelope).max(self.envelope);
         self.mask.tick(envelope, noise_foot, config.mask_decay);
-        let deaf = self.masked_ticks > 0 || self.warm_up_ticks > 0 || self.fault.is_some();
+        let deaf = self.masked_ticks > 0 || self.warm_up_ticks > 0 || self.rails.fault.is_some();
         if deaf {
             self.rise_peak = 0;
         }
-        self.onset_level = if deaf { DEAF } else { quiet.max(scale_q8(self.mask.level(), OVER_Q8)) };
-        self.foot_level = noise_foot.max(scale_q8(self.mask.crest(), MASK_FOOT_Q8));
+        self.onset_level = if deaf { DEAF } else { quiet.max(self.mask.onset_level()) };
+        self.foot_level = noise_foot.max(self.mask.foot_level());
         let is_calm = !self.is_scanning && !self.mask.is_loud() && self.envelope <= self.foot_level;
-        let may_rest = self.warm_up_ticks == 0 && self.fault.is_none() && config.direct_gain_q16.is_none();
+        let may_rest = self.warm_up_ticks == 0 && self.rails.fault.is_none() && config.direct_gain_q16.is_none();
         self.is_resting = is_calm && may_rest;
         if self.is_resting {
             (self.envelope, self.tick_envelope) = (noise, noise);
@@ -313,65 +310,44 @@ impl Channel {
         changed
     }
 
-    /// The band of the tick that begins.
+    /// Sets the band for the tick that begins.
     #[inline(always)]
     fn set_band(&mut self, config: &ChannelConfig) {
         let Baseline { level, slope, .. } = self.baseline;
-        let noise = scale_q8(self.noise.mean(), REST_NOISE_Q8) + COUNT / 2;
-        self.band = Band::of_tick(level, slope, noise, config.threshold_peak >> 9);
+        self.band = Band::of_tick(level, slope, self.noise.rest_level(), config.threshold_peak >> 9);
     }
 
-    fn watch_rails(&mut self, sum: i32) -> Option<Option<Fault>> {
-        let rail = match sum {
-            ..=LOW_RAIL => Some(Fault::StuckLow),
-            HIGH_RAIL.. => Some(Fault::StuckHigh),
-            _ => None,
-        };
-        // Counts ticks that speak against the present state.
-        self.rail_ticks = if rail.is_some() == self.fault.is_some() { 0 } else { self.rail_ticks.saturating_add(1) };
-        match (self.fault, rail) {
-            (None, Some(_)) if self.rail_ticks >= STUCK_TICKS => {
-                self.rail_ticks = 0;
-                self.fault = rail;
-                Some(rail)
-            }
-            (Some(_), None) if self.rail_ticks >= WELL_TICKS => {
-                *self = Self::UNSET;
-                self.start(u16::try_from(sum >> 5).unwrap_or(0));
-                Some(None)
-            }
-            _ => None,
-        }
-    }
-
-    /// The peak of the strike that is being scanned less what noise adds to a maximum, in signal units.
+    /// Peak of the strike that is being scanned, in signal units, less what noise adds to a
+    /// maximum.
     pub(super) fn scanned_peak(&self) -> i32 {
         let noise = self.noise.mean();
         self.scan.peak.wrapping_sub(noise + (noise >> 1)).max(0)
     }
 
-    /// The largest magnitude of late, for the judgement of crosstalk.
+    /// Largest magnitude of the last 20 ms or so, for the judgement of crosstalk.
     pub(super) fn recent_peak(&self) -> i32 {
-        if self.fault.is_some() {
+        if self.rails.fault.is_some() {
             return 0;
         }
         let scanned = match (self.is_scanning, self.scan.saturated) {
             (false, _) => 0,
             (true, false) => self.scan.peak,
-            // How far above the rail it was, nobody knows.
+            // Beyond the rail the peak is unknown: it is taken for 6 dB higher.
             (true, true) => self.scan.peak.saturating_mul(2),
         };
-        // A strike that hid in its own pad's ringing shakes the others all the same.
+        // A strike that hides in its own pad's ring shakes the other pads all the same.
         self.hold.max(scanned).max(self.envelope.saturating_add(self.envelope >> 1))
     }
 
-    /// Remembers a direct pad's loudness for the judgement of crosstalk.
+    /// Remembers a direct pad's envelope for the judgement of crosstalk.
     pub(super) fn hold_envelope(&mut self) {
         self.hold = self.hold.max(self.envelope);
     }
 
-    /// Ends the scan and masks the channel: after a strike for the mask time, after anything else (crosstalk above all) only as far as its
-    /// level goes, since the pad's own strike may be close behind.
+    /// Ends the scan and masks the channel.
+    ///
+    /// The mask time follows a strike only. After anything else, such as crosstalk, only the mask's
+    /// level counts, since the pad's own strike may be close behind.
     pub(super) fn end_scan(&mut self, was_strike: bool, config: &ChannelConfig) {
         self.hold = self.recent_peak();
         let envelope = if self.is_scanning { self.scan.envelope } else { self.envelope };
@@ -382,39 +358,35 @@ impl Channel {
         self.onset_level = DEAF;
     }
 
-    /// The envelope above which a direct pad's gate opens: threshold or noise.
+    /// Envelope above which a direct pad's gate opens: threshold or noise.
     pub(super) fn gate_level(&self, config: &ChannelConfig) -> i32 {
-        if self.warm_up_ticks > 0 || self.fault.is_some() {
+        if self.warm_up_ticks > 0 || self.rails.fault.is_some() {
             DEAF
         } else {
-            config.threshold_envelope.max(scale_q8(self.noise.mean(), NOISE_LEVEL_Q8))
+            config.threshold_envelope.max(self.noise.onset_level())
         }
     }
 
-    /// A direct pad's gate is open: what it lets through is no noise.
+    /// Keeps the noise floor from rising while a direct pad's gate is open.
     pub(super) fn ring(&mut self) {
         self.noise.struck();
     }
 }
 
-/// One channel of frames.
+/// Samples of one channel of frames.
 #[inline(always)]
 pub(super) fn samples<const CHANNELS: usize>(frames: &[[u16; CHANNELS]], index: usize) -> impl Iterator<Item = u16> {
     frames.iter().map(move |frame| frame.get(index).copied().unwrap_or(0))
 }
 
-/// The next sample without its baseline.
+/// Sample in signal units without its baseline.
 #[inline(always)]
 fn condition(raw: u16, level: i32) -> i32 {
     (i32::from(raw) << 8).wrapping_sub(level)
 }
 
+/// Envelope after a sample.
 #[inline(always)]
 fn follow(envelope: i32, x: i32) -> i32 {
     envelope.wrapping_add(x.wrapping_abs().wrapping_sub(envelope) >> ENVELOPE_SHIFT)
-}
-
-/// `value · factor / 256`: levels have 24 bits at most, so the product is taken in 64.
-fn scale_q8(value: i32, factor_q8: i32) -> i32 {
-    ((i64::from(value) * i64::from(factor_q8)) >> 8) as i32
 }

@@ -1,10 +1,12 @@
-//! From the ADC's frames to the output's: two clocks whose ratio is known exactly.
+//! The map from the ADC's frames to the output's: two clocks whose ratio is known exactly.
 
-use super::TriggerError;
+use super::error::TriggerError;
 use crate::SampleRate;
 
-/// The map `output = floor(adc · Q / P)` with the reduced ratio `P/Q` of the ADC's rate to the output's; exact for every frame of 64 bits
-/// whose result fits, so that nothing drifts.
+/// Map `output = floor(adc · Q / P)`, where `P/Q` is the reduced ratio of the ADC's rate to the
+/// output's.
+///
+/// It is exact for every 64-bit frame whose result fits 64 bits, so that nothing drifts.
 ///
 /// ```
 /// use dsp_core::{SampleRate, trigger::FrameMap};
@@ -22,10 +24,10 @@ pub struct FrameMap {
 }
 
 impl FrameMap {
-    /// The map between two rates.
+    /// Makes the map between two rates.
     ///
     /// # Errors
-    /// [`TriggerError::Ratio`] where the reduced ratio does not fit two numbers of 31 bits.
+    /// [`TriggerError::Ratio`] if the reduced ratio does not fit two numbers of 31 bits.
     pub fn new(adc: SampleRate, output: SampleRate) -> Result<Self, TriggerError> {
         let ((adc_numerator, adc_denominator), (out_numerator, out_denominator)) = (adc.ratio(), output.ratio());
         // Products of two 32-bit numbers fit 64 bits.
@@ -42,23 +44,26 @@ impl FrameMap {
         }
     }
 
-    /// The reduced ratio (P, Q): in the time of P frames of the ADC, Q of the output pass.
+    /// Reduced ratio (P, Q): the output takes Q frames in the time of P frames of the ADC.
     pub const fn ratio(self) -> (u32, u32) {
         (self.adc, self.output)
     }
 
-    /// The output frame that is on when the ADC takes frame `adc_frame`, both counted from a common start; rounded down, saturating.
+    /// Output frame that plays when the ADC takes frame `adc_frame`, rounded down and saturating.
+    /// Both count from a common start.
     pub fn output_frame(self, adc_frame: u64) -> u64 {
         scale(adc_frame, self.output, self.adc)
     }
 
-    /// The ADC frame that is taken when output frame `output_frame` is on, rounded down, saturating.
+    /// ADC frame that is taken when output frame `output_frame` plays, rounded down and saturating.
+    /// Both count from a common start.
     pub fn adc_frame(self, output_frame: u64) -> u64 {
         scale(output_frame, self.adc, self.output)
     }
 }
 
-/// `floor(value · numerator / denominator)`, in two parts so that only the result can overflow.
+/// Quotient `floor(value · numerator / denominator)`, in two parts so that only the result can
+/// overflow.
 fn scale(value: u64, numerator: u32, denominator: u32) -> u64 {
     let (numerator, denominator) = (u64::from(numerator), u64::from(denominator));
     let whole = value.checked_div(denominator).unwrap_or(0);

@@ -1,35 +1,42 @@
-//! What a channel needs to know, derived on load from seconds and decibels at the ADC's actual rate.
+//! The configuration of a channel, derived on load from seconds and decibels at the ADC's actual
+//! rate.
 
 use super::curve::Curve;
+use super::error::TriggerError;
 use super::mask::MaskDecay;
 use super::settings::{Mode, Settings};
-use super::{FULL_UNITS, TICK_FRAMES, TriggerError};
+use super::units::FULL_UNITS;
 use crate::SampleRate;
 use crate::table::range::{self, Range};
+use crate::time::TICK_FRAMES;
 
-/// One channel's part in one pad.
+/// Part that one channel plays in one pad.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChannelConfig {
     pub(super) pad: u8,
     pub(super) striker: u8,
-    /// The pad's other sensor.
+    /// Channel of the pad's other sensor; `None` if the pad has only one.
     pub(super) partner: Option<u8>,
-    /// What the signal is multiplied by before it is compared with the partner's.
+    /// Factor of the signal before it is compared with the partner's.
     pub(super) rivalry: f32,
-    /// The envelope of the softest strike: half its peak, since the envelope of a sine is 0.64 of it and rises slowly.
+    /// Envelope of the softest strike in signal units: half of its peak, since the envelope of a
+    /// sine is 0.64 of the peak and rises slowly.
     pub(super) threshold_envelope: i32,
+    /// Peak of the softest strike in signal units.
     pub(super) threshold_peak: i32,
+    /// Number of frames from an onset to the decision.
     pub(super) scan_frames: u32,
     /// Ticks from the decision to the end of the mask time.
     pub(super) masked_ticks: u16,
     pub(super) mask_decay: MaskDecay,
     pub(super) curve: Curve,
+    /// Ratio of a peak to the sum of the other pads' peaks below which it is crosstalk.
     pub(super) crosstalk: f32,
-    /// For direct mode: Q16 factor from signal units to Q4.27.
+    /// Q16 factor from signal units to the force in Q4.27; `None` if the pad is not in direct mode.
     pub(super) direct_gain_q16: Option<i32>,
 }
 
-/// Both channels of a pad: its piezo, and its second sensor where it has one.
+/// Derives the channels of a pad: its piezo, and its second sensor if it has one.
 pub(super) fn derive(
     pad: u8,
     settings: &Settings,

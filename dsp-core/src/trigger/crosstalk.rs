@@ -1,7 +1,8 @@
-//! Crosstalk: a blow on one pad shakes its neighbours.
+//! Crosstalk: a strike on one pad shakes its neighbours.
 
-/// Whether a peak may be no more than what the others' peaks of the last 20 ms or so cause: all of them may shake a pad at once, so
-/// their sum counts, times the pad's `ratio`.
+/// True if a peak is below `ratio` times the sum of the other pads' peaks of the last 20 ms or so.
+///
+/// The sum counts because all pads may shake one at once.
 pub(super) fn explains(peak: i32, elsewhere: impl Iterator<Item = i32>, ratio: f32) -> bool {
     let sum = elsewhere.fold(0i32, i32::saturating_add);
     (peak as f32) < sum as f32 * ratio

@@ -1,11 +1,11 @@
-//! The decision at the end of a scan: which sensor of the pad, crosstalk or strike, and how fast.
+//! The decision at the end of a scan: which sensor of the pad plays, whether the peak is a strike
+//! or crosstalk, and its velocity.
 
-use super::channel::Channel;
-use super::config::ChannelConfig;
 use super::crosstalk;
-use super::{COUNT, Lane};
+use super::lane::Lane;
+use super::units::COUNT;
 
-/// What a scan amounted to.
+/// Strike that a scan has found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Verdict {
     pub(super) pad: u8,
@@ -13,7 +13,8 @@ pub(super) struct Verdict {
     pub(super) velocity: f32,
 }
 
-/// Decides the scan of channel `index`, ends it, and that of the pad's other sensor with it.
+/// Decides the scan of channel `index`, and ends it together with that of the pad's other sensor.
+/// `None` if the scan found no strike.
 pub(super) fn decide(lanes: &mut [Option<Lane>], index: usize) -> Option<Verdict> {
     let lane = lanes.get(index)?.as_ref()?;
     let partner = lane.config.partner.map(usize::from);
@@ -37,22 +38,17 @@ pub(super) fn decide(lanes: &mut [Option<Lane>], index: usize) -> Option<Verdict
     (is_strike && velocity > 0.0).then_some(verdict)
 }
 
+/// Peak of a lane's scan, weighed against that of the pad's other sensor.
 fn loudness(lane: &Lane) -> f32 {
     lane.channel.scanned_peak() as f32 * lane.config.rivalry
 }
 
-/// Frames until the channel's scan is decided, if one is on.
+/// Number of frames until the channel's scan is decided; `None` if no scan is on.
 pub(super) fn frames_left(lane: &Lane, now: u32) -> Option<u32> {
     lane.channel.is_scanning.then(|| lane.channel.scan.decide_at.wrapping_sub(now))
 }
 
-/// Whether a channel's scan is decided at `now`.
+/// True if the channel's scan is decided at frame `now`.
 pub(super) fn is_due(lane: &Lane, now: u32) -> bool {
     frames_left(lane, now) == Some(0)
-}
-
-impl Lane {
-    pub(super) const fn new(config: ChannelConfig) -> Self {
-        Self { channel: Channel::UNSET, config, gate: super::direct::Gate::SHUT }
-    }
 }

@@ -4,27 +4,29 @@ use super::channel::Channel;
 use super::config::ChannelConfig;
 use crate::fixed::ONE_Q27;
 
-/// Frames for which the gate stays open after the envelope fell below half its opening level: 10 ms at 48 kHz, so that a ring's own
-/// zero crossings never close it.
+/// Frames for which the gate stays open once the envelope has fallen below half of its opening
+/// level: 10 ms at 48 kHz, so that a ring's own zero crossings never close it.
 const OPEN_FRAMES: u16 = 480;
-/// Frames over which a closing gate fades out.
+/// Logarithm to base 2 of the number of frames over which a closing gate fades out.
 const FADE_SHIFT: u32 = 6;
-/// Louder than this (12 dB over full scale) no force becomes.
+/// Largest force: 12 dB over full scale.
 const LIMIT: i32 = 4 * (ONE_Q27 - 1);
 
-/// The noise gate of a direct pad: opens on the very sample at which the envelope exceeds threshold and noise, and fades out over 64
-/// frames once it has stayed below half of that.
+/// Noise gate of a direct pad.
+///
+/// It opens on the very sample at which the envelope exceeds threshold and noise. It fades out over
+/// 64 frames once the envelope has stayed below half of that level.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gate {
     frames_left: u16,
-    /// 0 to 64.
+    /// Weight of the signal, 0 to 64.
     weight: i32,
 }
 
 impl Gate {
     pub(super) const SHUT: Self = Self { frames_left: 0, weight: 0 };
 
-    /// The force of up to one tick of samples; gives the number of samples written.
+    /// Writes the force of up to one tick of samples, and gives the number of samples written.
     pub(super) fn run(
         &mut self,
         channel: &mut Channel,

@@ -1,59 +1,59 @@
-//! Why a trigger cannot be set up.
+//! The errors of a trigger's settings and rates.
 
 use core::fmt;
 
-use super::{MAX_RATE_HZ, MIN_RATE_HZ};
+use super::limits::{MAX_RATE_HZ, MIN_RATE_HZ};
 use crate::SampleRate;
 use crate::table::range::Range;
 
-/// Why settings or rates are refused.
+/// Error in a trigger's settings or rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TriggerError {
     /// The ADC's rate is not between [`MIN_RATE_HZ`] and [`MAX_RATE_HZ`].
     Rate {
-        /// The rate.
+        /// Rate of the ADC.
         rate: SampleRate,
     },
-    /// The two rates have no ratio of two 31-bit numbers.
+    /// The reduced ratio of the two rates does not fit two numbers of 31 bits.
     Ratio {
-        /// The ADC's rate.
+        /// Rate of the ADC.
         adc: SampleRate,
-        /// The output's rate.
+        /// Rate of the output.
         output: SampleRate,
     },
     /// A resampler's delay is shorter than its filter, or longer than its buffer.
     Delay {
-        /// The delay in frames.
+        /// Delay in frames.
         frames: u32,
-        /// The shortest.
+        /// Shortest delay in frames.
         min: u32,
-        /// The longest.
+        /// Longest delay in frames.
         max: u32,
     },
-    /// Two sensors on one ADC channel.
+    /// Two sensors are on one ADC channel.
     SharedChannel {
-        /// The second pad that names it.
+        /// Second pad that names the channel.
         pad: u8,
-        /// The channel.
+        /// Number of the channel, counted from 0.
         channel: u8,
     },
-    /// Two pads struck by one button.
+    /// One button strikes two pads.
     SharedButton {
-        /// The second pad that names it.
+        /// Second pad that names the button.
         pad: u8,
-        /// The button.
+        /// Number of the button, counted from 0.
         button: u8,
     },
-    /// A number outside its range.
+    /// A number is outside its range.
     OutOfRange {
-        /// Which pad.
+        /// Number of the pad, counted from 0.
         pad: u8,
-        /// The key in the text form.
+        /// Key of the number in the text form.
         key: &'static str,
-        /// Its value.
+        /// Value of the number.
         value: f32,
-        /// What is allowed.
+        /// Range that is allowed.
         allowed: Range,
     },
 }

@@ -1,27 +1,28 @@
-//! What a trigger has to say.
+//! The reports of a trigger.
 
 use core::fmt;
 
 use crate::event::{Action, Event, Time};
 
-/// A strike, a choke or a release that was found in the inputs.
+/// Strike, choke or release that was found in the inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detection {
-    /// The ADC frame at which it was decided, counted from the trigger's start: the strike's onset plus the pad's scan time, whatever
-    /// the block size; for buttons the frame at which the edge was seen.
+    /// ADC frame of the decision, counted from the trigger's start. For a piezo's strike it is the
+    /// onset plus the pad's scan time, for any block size; for a button it is the frame of the
+    /// edge.
     pub frame: u64,
-    /// Which pad, counted from 0.
+    /// Number of the pad, counted from 0.
     pub pad: u8,
-    /// Which of the pad's strikers, counted from 0.
+    /// Number of the striker in the pad's list, counted from 0.
     pub striker: u8,
     /// Velocity, 0 to 1; 0 for a choke and a release.
     pub velocity: f32,
-    /// What.
+    /// Strike, choke or release.
     pub action: Action,
 }
 
 impl Detection {
-    /// The event that plays it at the output frame `frame`.
+    /// Event that plays the detection at the output frame `frame`.
     pub const fn event(&self, frame: u64) -> Event {
         Event {
             time: Time::at_frame(frame),
@@ -34,12 +35,14 @@ impl Detection {
     }
 }
 
-/// What is wrong with a piezo's channel.
+/// Fault of a piezo's channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// It has been at the lower rail for [`STUCK_S`](super::STUCK_S): short to ground, or no bias.
+    /// The channel has been at the lower rail for [`STUCK_S`](super::STUCK_S): short to ground, or
+    /// no bias.
     StuckLow,
-    /// It has been at the upper rail for [`STUCK_S`](super::STUCK_S): short to the supply, or the bias is open.
+    /// The channel has been at the upper rail for [`STUCK_S`](super::STUCK_S): short to the supply,
+    /// or open bias.
     StuckHigh,
 }
 
@@ -52,33 +55,33 @@ impl fmt::Display for Fault {
     }
 }
 
-/// One report of a trigger, in the order of the ADC's frames for each channel.
+/// Report of a trigger. The reports of a channel come in the order of the ADC's frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Report<'a> {
     /// A pad is struck.
     Strike(Detection),
-    /// The next samples of a direct pad's force, Q4.27, one an ADC frame without gaps; all zero while the gate is shut. To be pushed
-    /// into the pad's [`Resampler`](super::Resampler).
+    /// The next samples of a direct pad's force, Q4.27, one for each ADC frame without gaps. They
+    /// are zero while the gate is shut. Push them into the pad's [`Resampler`](super::Resampler).
     Force {
-        /// Which pad, counted from 0.
+        /// Number of the pad, counted from 0.
         pad: u8,
-        /// Up to 32 samples.
+        /// Samples of the force, up to 32.
         samples: &'a [i32],
     },
-    /// A channel fails; it is not listened to until it recovers. Said once.
+    /// A channel fails, and is not listened to until it recovers. Reported once for each failure.
     Fault {
-        /// The ADC frame at which it was found out.
+        /// ADC frame at the end of the tick that decided it.
         frame: u64,
-        /// Which channel, counted from 0.
+        /// Number of the channel, counted from 0.
         channel: u8,
-        /// What is wrong.
+        /// Fault of the channel.
         fault: Fault,
     },
     /// A channel that failed is well again.
     Recovered {
-        /// The ADC frame at which it was found out.
+        /// ADC frame at the end of the tick that decided it.
         frame: u64,
-        /// Which channel, counted from 0.
+        /// Number of the channel, counted from 0.
         channel: u8,
     },
 }

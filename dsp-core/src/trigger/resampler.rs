@@ -1,27 +1,31 @@
-//! From the ADC's clock to the output's, for direct drive.
+//! The resampler from the ADC's clock to the output's, for direct drive.
 
-use super::{FrameMap, TriggerError};
+use super::clock::FrameMap;
+use super::error::TriggerError;
 use crate::SampleRate;
 
-/// Samples that a resampler holds.
+/// Number of samples that a resampler holds.
 const BUFFER: usize = 256;
-/// Samples in front of a position that its interpolation needs, and behind it.
+/// Number of later samples that the interpolation at a position needs.
 const AHEAD: u32 = 3;
+/// Number of earlier samples that the interpolation needs, beside the sample at the position.
 const BEHIND: u64 = 2;
-/// Fractions and weights are Q28.
+/// 1.0 of fractions and weights, in Q28.
 const ONE: i32 = 1 << 28;
 
-/// A stream of samples at the ADC's rate, read at the output's.
+/// Stream of samples that is written at the ADC's rate and read at the output's.
 ///
-/// Output frame `k` is the signal at the ADC frame `k·P/Q - delay` with the exact ratio of both rates, so that nothing ever drifts;
-/// between samples it is interpolated by a polynomial of degree 5 through six of them (Lagrange). The shortest delay is 3 frames.
+/// Output frame `k` is the signal at the ADC frame `k·P/Q - delay` with the exact ratio of both
+/// rates, so that nothing ever drifts. Between samples the signal is interpolated by a polynomial
+/// of degree 5 through six samples (Lagrange). The shortest delay is 3 frames.
 ///
-/// Late or lost samples do not shift time: a position whose samples are not there (not yet pushed, or pushed over 256 frames ago) sounds
-/// as 0 and is counted, see [`missed`](Self::missed).
+/// Late or lost samples do not shift time. A position without samples (not yet pushed, or pushed
+/// over 256 frames ago) sounds as 0, and [`missed`](Self::missed) counts it.
 ///
 /// ```
 /// use dsp_core::{SampleRate, trigger::Resampler};
-/// let mut resampler = Resampler::new(SampleRate::HZ_48000, SampleRate::new(86_000_000, 1792).unwrap(), 3)?;
+/// let output = SampleRate::new(86_000_000, 1792).unwrap();
+/// let mut resampler = Resampler::new(SampleRate::HZ_48000, output, 3)?;
 /// let mut force = [0; 32];
 /// for _ in 0..100 {
 ///     resampler.push(&[1 << 20; 32]);
@@ -34,34 +38,36 @@ const ONE: i32 = 1 << 28;
 #[derive(Clone, Debug)]
 pub struct Resampler {
     ring: [i32; BUFFER],
-    /// Samples pushed so far.
+    /// Number of samples pushed so far.
     pushed: u64,
-    /// The number behind the last pushed sample that is not 0.
+    /// Number of samples pushed up to the last that is not 0.
     quiet_from: u64,
-    /// The position of the next output frame, shifted by the delay: whole frames, and a remainder over Q.
+    /// Position of the next output frame plus the delay, in whole ADC frames.
     whole: u64,
+    /// Remainder of that position, in ADC frames over Q.
     remainder: u32,
     delay: u64,
-    /// `P = step_whole·Q + step_rest`.
+    /// Step of the position from one output frame to the next: `P = step_whole·Q + step_rest`.
     step_whole: u32,
     step_rest: u32,
     q: u32,
-    /// `2^60 / Q`.
+    /// Quotient `2^60 / Q`.
     reciprocal: u64,
     missed: u64,
 }
 
 impl Resampler {
-    /// The shortest delay in frames.
+    /// Shortest delay in ADC frames.
     pub const MIN_DELAY: u32 = AHEAD;
-    /// The longest delay in frames.
+    /// Longest delay in ADC frames.
     pub const MAX_DELAY: u32 = BUFFER as u32 - 8;
 
-    /// A resampler from the ADC's rate to the output's whose output is `delay_frames` ADC frames late: at least 3, and as much more as
-    /// blocks come later than they are asked for.
+    /// Makes a resampler whose output is `delay_frames` ADC frames late. The delay is at least 3
+    /// frames, and longer by the time that blocks come after they are asked for.
     ///
     /// # Errors
-    /// [`TriggerError::Delay`], and [`TriggerError::Ratio`] as for [`FrameMap::new`].
+    /// [`TriggerError::Delay`] for a delay outside its range. [`TriggerError::Ratio`] if the
+    /// reduced ratio of the rates does not fit two numbers of 31 bits.
     pub fn new(adc: SampleRate, output: SampleRate, delay_frames: u32) -> Result<Self, TriggerError> {
         let (min, max) = (Self::MIN_DELAY, Self::MAX_DELAY);
         if !(min..=max).contains(&delay_frames) {
@@ -96,19 +102,19 @@ impl Resampler {
         }
     }
 
-    /// Gives the next samples at the output's rate.
+    /// Writes the next samples at the output's rate.
     pub fn pull(&mut self, output: &mut [i32]) {
         for slot in output {
             *slot = self.sample();
             let remainder = self.remainder.wrapping_add(self.step_rest);
             let carry = remainder >= self.q;
-            // Q is below 2^31, so that the sum of two remainders fits.
+            // Q is below 2^31, so that the sum of two remainders fits 32 bits.
             self.remainder = if carry { remainder.wrapping_sub(self.q) } else { remainder };
             self.whole = self.whole.wrapping_add(u64::from(self.step_whole) + u64::from(carry));
         }
     }
 
-    /// Output samples so far for which input was missing.
+    /// Number of output samples so far for which input was missing.
     pub fn missed(&self) -> u64 {
         self.missed
     }
@@ -138,9 +144,9 @@ impl Resampler {
     }
 }
 
-/// Weights of the samples at -2 ... 3 for the polynomial through them at `d`, 0 to 1, in Q28.
+/// Weights of the samples at -2 to 3 for the polynomial through them at `d`, 0 to 1, all in Q28.
 fn lagrange_weights(d: i32) -> [i32; 6] {
-    // Sixths early: every product stays below 6, and 8 is what fits.
+    // Sixths are taken early, so that every product stays below 6; less than 8 fits.
     let product = |x: i32, y: i32| ((i64::from(x) * i64::from(y)) >> 28) as i32;
     let [a, b, c, e, f, g] = [2, 1, 0, -1, -2, -3].map(|node: i32| d.wrapping_add(node.wrapping_mul(ONE)));
     let ab = product(a, b);

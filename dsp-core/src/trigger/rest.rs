@@ -1,54 +1,24 @@
 //! A channel at rest: silence in a few cycles a sample.
 //!
-//! While nothing has happened for a while, what a sample does is known before it comes: as long as it stays within a band round the
-//! baseline, the envelope is the noise's mean by definition and only sums go on. So all that a silent channel needs is the proof that its samples are in
-//! the band, and that is two additions and two logical operations for two channels at once. The first sample outside the band ends
-//! the rest: from it on the envelope is followed.
+//! A channel rests once nothing has happened for a while. As long as its samples stay within a band
+//! round the baseline, the envelope is the noise's mean by definition, and only sums go on. All
+//! that a silent channel needs is the proof that its samples are in the band. That proof takes two
+//! additions and two logical operations for two channels at once. The first sample outside the band
+//! ends the rest: from there on the envelope is followed.
 //!
-//! The band stands still for a tick, so that it is a pair of whole counts. Its half width is 4.5 times the noise's mean (3.6 standard deviations of
-//! white noise) and half a count, and what the baseline moves by in half a tick, but never more than half of the softest strike's peak.
+//! The band stands still for a tick, so that it is a pair of whole counts. Its half width adds up
+//! 4.5 times the noise's mean (3.6 standard deviations of white noise), half a count, and the
+//! baseline's motion in half a tick. It is never more than half of the softest strike's peak.
 
+use super::band::Band;
 use super::channel::Channel;
-use super::{COUNT, LAST_COUNT, Lane, TICK_FRAMES};
+use super::lane::Lane;
 
-/// The noise of a channel at rest is measured in every so many frames' last; a divisor of a tick.
-pub(super) const TAP_FRAMES: u32 = 16;
-/// How far apart a band's counts may be: what [`sums_inside`] relies on.
-const WIDEST: i32 = 1023;
-
-/// The counts between which a channel rests, both among them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Band {
-    /// The lowest, 0 to 4095.
-    low: i32,
-    /// The highest less the lowest, 0 to 1023.
-    width: i32,
-}
-
-impl Band {
-    pub(super) const NONE: Self = Self { low: 0, width: 0 };
-
-    /// For a tick that begins at `level` and moves by `slope` a frame, both in signal units; no wider than twice `noise` units and the ramp round its
-    /// middle, nor than `widest` counts to both sides.
-    pub(super) fn of_tick(level: i32, slope: i32, noise: i32, widest: i32) -> Self {
-        let ramp = slope.wrapping_mul(TICK_FRAMES as i32 / 2);
-        let middle = level.wrapping_add(ramp).wrapping_add(COUNT / 2) >> 8;
-        // Rounded up to whole counts, and one at least.
-        let half = noise.wrapping_add(ramp.wrapping_abs()).wrapping_add(COUNT - 1) >> 8;
-        let half = half.min(widest).clamp(1, WIDEST / 2);
-        let bound = |count: i32| count.clamp(0, LAST_COUNT.into());
-        let low = bound(middle.wrapping_sub(half));
-        Self { low, width: bound(middle.wrapping_add(half)) - low }
-    }
-
-    /// Whether a sample lies in it.
-    pub(super) fn holds(self, raw: u16) -> bool {
-        (self.low..=self.low + self.width).contains(&i32::from(raw))
-    }
-}
-
-/// Lets the channels that rest take the frames of a tick, or of its part, that are all in their bands; a bit for each that has. The first frame is number
-/// `now`. Neighbours are looked at in pairs: where one of two leaves its band neither is taken further, the proof is of both.
+/// Lets each resting channel take the frames if all of its samples are in its band, and gives a bit
+/// for each channel that took them.
+///
+/// The frames are at most a tick; the first is number `now`. The proof is for two neighbours at
+/// once: if one of them leaves its band, neither takes the frames.
 #[inline(never)] // the hot loop, all that silence costs: it has all registers to itself
 pub(super) fn pass<const CHANNELS: usize>(
     lanes: &mut [Option<Lane>; CHANNELS],
@@ -86,6 +56,7 @@ pub(super) fn pass<const CHANNELS: usize>(
     passed
 }
 
+/// State of the first lane's channel if it rests.
 fn resting(lane: &mut [Option<Lane>]) -> Option<&mut Channel> {
     let channel = &mut lane.first_mut()?.as_mut()?.channel;
     channel.is_resting.then_some(channel)
@@ -100,11 +71,14 @@ fn columns<const CHANNELS: usize>(frame: &[u16; CHANNELS], pair: usize) -> u32 {
     u32::from(first) | u32::from(second) << 16
 }
 
-/// The sums of up to 32 samples of two channels, one in each half of a word, where all of them are inside their bands.
+/// Sums of up to 32 samples of two channels, or `None` if a sample is outside its band. Each word
+/// of `samples` holds one channel's sample in each half.
 ///
-/// In each half, `raw - low` of a sample inside is 0 to `width`; its bit 15 is clear, and so is that of `raw - low + 0x7FFF - width`. Outside, one of them is
-/// set: below the band by the borrow, above it by the second sum, or by the first where that goes beyond 0x7FFF. What the first half then carries into the
-/// second does not matter: the answer is no. Inside, 32 times 1023 stay in their half.
+/// In each half, `raw - low` of a sample inside is 0 to `width`. Its bit 15 is clear, and so is
+/// that of `raw - low + 0x7FFF - width`. Outside, one of the two is set: below the band by the
+/// borrow, above it by the second sum, or by the first if that goes beyond 0x7FFF. A carry from the
+/// first half into the second does not matter then, as the answer is `None` already. Inside, 32
+/// times 1023 stay in their half.
 #[inline(always)]
 fn sums_inside<const CHANNELS: usize>(
     frames: &[[u16; CHANNELS]],
@@ -139,9 +113,11 @@ mod tests {
     use std::format;
     use std::vec::Vec;
 
+    use super::super::band::WIDEST;
     use super::super::{Report, Settings, Trigger};
     use super::*;
     use crate::SampleRate;
+    use crate::time::TICK_FRAMES;
 
     fn band(low: i32, width: i32) -> Band {
         Band { low, width }
@@ -152,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sample_at_the_edge_of_its_band_is_inside_and_the_next_outside_whatever_the_other_channel_does() {
+    fn samples_at_the_edge_of_a_band_are_inside_whatever_the_other_channel_does() {
         for low in [0, 1, 3, 2048, 4000, 4095] {
             for width in [0, 2, 22, WIDEST - 1, WIDEST] {
                 let here = band(low, width);
@@ -180,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn the_sums_of_a_tick_at_the_edges_of_the_widest_bands_are_exact() {
+    fn sums_of_a_tick_at_the_edges_of_the_widest_bands_are_exact() {
         let bands = [band(0, WIDEST), band(3072, WIDEST)];
         assert_eq!(both(&[[0, 4095]; 32], bands), Some([0, 32 * 4095]));
         assert_eq!(both(&[[0, 3072]; 31], bands), Some([0, 31 * 3072]));
@@ -189,14 +165,14 @@ mod tests {
     }
 
     #[test]
-    fn an_odd_channel_stands_alone() {
+    fn odd_channel_is_summed_alone() {
         let frames = [[7u16, 7, 100]; 9];
         assert_eq!(sums_inside(&frames, |frame| column(frame, 2), [band(98, 2), Band::NONE]), Some([900, 0]));
         assert_eq!(sums_inside(&frames, |frame| column(frame, 2), [band(97, 2), Band::NONE]), None);
         assert_eq!(sums_inside(&frames, |frame| column(frame, 1), [band(7, 0), Band::NONE]), Some([63, 0]));
     }
 
-    /// Three piezos: noise with rare peaks on a slow drift, a ring every 0.1 s, and hum; counts.
+    /// Counts of three piezos: noise with rare peaks on a slow drift, a ring every 0.1 s, and hum.
     fn counts(frame: usize, random: &mut u32) -> [u16; 3] {
         let mut noise = || {
             *random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -211,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn many_samples_at_once_leave_the_state_that_one_after_the_other_leaves_tick_by_tick() {
+    fn samples_taken_at_once_leave_the_state_that_samples_taken_one_by_one_leave() {
         let pads = [0, 1, 2].map(Settings::of_unset_pad);
         let mut quick = Trigger::<3>::new(pads, SampleRate::HZ_48000).unwrap();
         let mut plain = quick.clone();
@@ -235,7 +211,7 @@ mod tests {
     }
 
     impl Trigger<3> {
-        /// What [`Trigger::process`] does, frame by frame, without proofs.
+        /// Takes one frame as [`Trigger::process`] does, but lets no channel pass at rest.
         fn process_plainly(&mut self, frame: &[u16; 3], mut report: impl FnMut(Report<'_>)) {
             if self.now == 0 {
                 for (lane, &raw) in self.lanes.iter_mut().flatten().zip(frame) {

@@ -1,58 +1,64 @@
-//! What a kit says about how a pad is triggered, in physical units.
+//! The trigger settings of a pad in physical units.
 
 use crate::table::{self, Kit};
 
-/// How a pad's piezo plays it.
+/// Way in which a piezo plays its pad.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
-    /// Each strike is found, its peak is searched for over the scan time, and its velocity starts a contact.
+    /// Each strike is found, and its peak in the scan time decides the velocity of a contact.
     #[default]
     Velocity,
-    /// The conditioned signal itself is the contact force, sample by sample, with no scan time.
+    /// The conditioned signal itself is the contact force, sample by sample, without a scan time.
     Direct,
     /// The pad has no piezo; buttons and MIDI may still play it.
     Off,
 }
 
-/// Trigger settings of one pad. Valid ranges are those of [`crate::table::range`]; the text form is in `docs/kit-format.md`.
+/// Trigger settings of one pad. The valid ranges stand in [`crate::table::range`], the text form in
+/// `docs/kit-format.md`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// How the piezo plays the pad.
+    /// Way in which the piezo plays the pad.
     pub mode: Mode,
-    /// The ADC channel of the pad's piezo, counted from 0.
+    /// ADC channel of the pad's piezo, counted from 0.
     pub channel: u8,
-    /// The ADC channel of a second sensor, such as a rim's, that plays another striker. Not heard in direct mode.
+    /// ADC channel of a second sensor, such as a rim's, that plays another striker. It is not heard
+    /// in direct mode.
     pub rim_channel: Option<u8>,
-    /// Which of the pad's strikers the second sensor plays, counted from 0.
+    /// Number of the striker that the second sensor plays, counted from 0 in the pad's list.
     pub rim_striker: u8,
-    /// The softest peak that is a strike, as a fraction of half the ADC's range (2048 counts).
+    /// Softest peak that is a strike, as a fraction of half the ADC's range (2048 counts).
     pub threshold: f32,
-    /// How long a strike's peak is searched for, in seconds from its onset; the strike is decided then.
+    /// Scan time in seconds: the peak is sought from the onset to its end, at which the strike is
+    /// decided.
     pub scan_time_s: f32,
-    /// How long after an onset the same pad cannot be struck again, in seconds.
+    /// Mask time in seconds: the time after an onset in which the pad cannot be struck again.
     pub mask_time_s: f32,
-    /// How fast the mask that a strike leaves behind decays, in 1/s of amplitude.
+    /// Decay of the mask's amplitude after a strike, in 1/s.
     pub mask_decay_per_s: f32,
-    /// The peak of velocity 1, as a fraction of half the ADC's range.
+    /// Peak of a strike of velocity 1, as a fraction of half the ADC's range.
     pub full_scale: f32,
     /// Exponent of the velocity curve, `velocity = (peak / full_scale)^exponent`.
     pub velocity_exponent: f32,
-    /// A peak this far below the sum of the other pads' is taken for crosstalk, in dB (negative).
+    /// Ratio of a peak to the sum of the other pads' peaks below which it is crosstalk, in dB
+    /// (negative).
     pub crosstalk_db: f32,
-    /// How much the second sensor's signal is amplified before it is compared with the first's, in dB: the louder one plays.
+    /// Gain of the second sensor in dB before it is compared with the piezo: the louder of the two
+    /// plays.
     pub rim_db: f32,
-    /// Force of a full-scale signal in direct mode (2048 counts), on the force bus' scale.
+    /// Force of a full-scale signal (2048 counts) in direct mode, on the force bus' scale.
     pub direct_gain: f32,
-    /// The button that strikes the pad, counted from 0.
+    /// Button that strikes the pad, counted from 0.
     pub button: Option<u8>,
-    /// The velocity of a strike by the button.
+    /// Velocity of a strike by the button, 0 to 1.
     pub button_velocity: f32,
-    /// The button that chokes the pad while it is held, counted from 0.
+    /// Button that chokes the pad while it is held, counted from 0.
     pub choke_button: Option<u8>,
 }
 
 impl Settings {
-    /// The settings of a pad whose kit says nothing: velocity mode on the channel of the pad's number; button 0 strikes pad 0.
+    /// Settings of a pad of a kit without trigger settings: velocity mode on the channel of the
+    /// pad's number. Button 0 strikes pad 0.
     pub const fn of_unset_pad(pad: u8) -> Self {
         Self {
             mode: Mode::Velocity,
@@ -74,14 +80,16 @@ impl Settings {
         }
     }
 
-    /// The settings of every pad of a kit. In a kit without trigger settings each pad is [unset](Self::of_unset_pad); in one with some,
-    /// the pads without have neither piezo nor button.
+    /// Settings of every pad of a kit, pad 0 first.
+    ///
+    /// In a kit without trigger settings each pad is [unset](Self::of_unset_pad). In a kit with
+    /// some, the pads without settings have neither piezo nor button.
     pub fn of_kit<'k>(kit: &Kit<'k>) -> impl Iterator<Item = Self> + Clone + use<'k> {
         let kit = *kit;
         (0..=u8::MAX).zip(kit.pads()).map(move |(pad, _)| Self::of_pad(&kit, pad))
     }
 
-    /// The settings of one pad of a kit, as [`of_kit`](Self::of_kit) gives them.
+    /// Settings of one pad of a kit, as [`of_kit`](Self::of_kit) gives them.
     pub fn of_pad(kit: &Kit<'_>, pad: u8) -> Self {
         match kit.triggers().find(|trigger| trigger.pad_index() == usize::from(pad)) {
             Some(trigger) => Self::of_table(&trigger),
@@ -90,7 +98,7 @@ impl Settings {
         }
     }
 
-    /// The settings that a kit gives a pad.
+    /// Settings that a kit's `trig` section gives a pad.
     pub fn of_table(trigger: &table::Trigger<'_>) -> Self {
         Self {
             mode: match (trigger.is_direct(), trigger.is_off()) {

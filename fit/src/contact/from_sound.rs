@@ -30,8 +30,8 @@ const LEAST_POWER: f64 = 1e-5;
 ///
 /// The force's width at half maximum is half of this time ([`super::pulse::PULSE_FWHM`]). On the 18
 /// strikes of the two impact-hammer recordings it is within 20 % of the measured width on 15 or
-/// more (`cargo test -p fit --test sounds hammer -- --nocapture`). Tilt, bands and scatter were chosen on
-/// those strikes; other objects are untried.
+/// more (`cargo test -p fit --test sounds hammer -- --nocapture`). Tilt, bands and scatter were
+/// chosen on those strikes; other objects are untried.
 pub fn contact_time_s(strike: &[f64], rate_hz: f64) -> Option<f64> {
     let length = strike.len().min((LENGTH_S * rate_hz) as usize);
     if length < 256 {

@@ -1,5 +1,5 @@
-//! Kits as the user of the program meets them: levels, balance, filters, whole sounds, the recorded kit.
-//! `cargo test -p malleus --test kits levels::` runs one part.
+//! Kits as the user of the program meets them: levels, balance, filters, whole sounds, the recorded
+//! kit. `cargo test -p malleus --test kits levels::` runs one part.
 
 mod balance;
 mod filters;
