@@ -2,9 +2,13 @@
 
 use super::design::{Biquad, BiquadError};
 use super::fractions::parts;
+use super::gain::Gain;
 use super::kernel::{self, ALLOWANCE, Run};
-use super::pair::{self, Gain, Level, Pair, Wiring, X_BITS};
+use super::pair::{Pair, Wiring};
+use super::placement::Placement;
 use super::pole::Pole;
+use super::settle::{self, Level, X_BITS};
+use super::unit::{rings_on, units};
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::time::TICK_FRAMES;
 
@@ -144,8 +148,8 @@ impl<'m> Bank<'m> {
         hand: f64,
     ) -> Result<(), E> {
         let mut direct = 0.0;
-        // Mirrored pairs gather at the far end first: they run last, so that signs change once.
-        let (mut plain, mut mirrored, mut sections) = (0, 0, 0);
+        let mut sections = 0;
+        let mut placement = Placement::new(&mut *self.pairs);
         let mut biquads = biquads.into_iter();
         if !(1..=4).contains(&depth) {
             return Err(BiquadError::Depth { depth, sections: biquads.count() }.into());
@@ -174,38 +178,13 @@ impl<'m> Bank<'m> {
             let all = parts::<Pole>(chain);
             for cluster in all.get(..depth).unwrap_or(&[]).chunk_by(|_, next| next.handed != 0.0) {
                 let (head, tail) = Pair::of(cluster, kept, start)?;
-                let full = BiquadError::Full { sections, room: self.pairs.len() };
-                self.place(head, tail, &mut plain, &mut mirrored).ok_or(full)?;
+                let full = BiquadError::Full { sections, room: placement.room() };
+                placement.place(head, tail).ok_or(full)?;
             }
         }
-        let gap = self.pairs.len() - plain - mirrored;
-        if let Some(behind) = self.pairs.get_mut(plain..) {
-            behind.rotate_left(gap);
-        }
-        (self.count, self.sections, self.depth) = (plain + mirrored, sections, depth);
+        (self.count, self.sections, self.depth) = (placement.finish(), sections, depth);
         (self.direct, self.direct_size) = (Gain::new(direct), direct.abs() as f32);
         Ok(())
-    }
-
-    /// `None` where there is no room.
-    fn place(&mut self, head: Pair, tail: Option<Pair>, plain: &mut usize, mirrored: &mut usize) -> Option<()> {
-        let room = self.pairs.len();
-        let used = |index: usize| index < *plain || index >= room - *mirrored;
-        let mut open = self.pairs.iter_mut().enumerate().filter(|(index, _)| used(*index));
-        if let Some((_, pair)) = open.find(|(_, pair)| pair.takes(&head)) {
-            pair.join(&head);
-            return Some(());
-        }
-        let needed = 1 + usize::from(tail.is_some());
-        if *plain + *mirrored + needed > room {
-            return None;
-        }
-        let at = if head.is_mirrored() { room - *mirrored - needed } else { *plain };
-        *if head.is_mirrored() { mirrored } else { plain } += needed;
-        for (slot, pair) in self.pairs.iter_mut().skip(at).zip([Some(head), tail].into_iter().flatten()) {
-            *slot = pair;
-        }
-        Some(())
     }
 
     /// Sections, how many of them a chain has, and in how many pairs they run.
@@ -226,7 +205,7 @@ impl<'m> Bank<'m> {
             return;
         }
         self.choked = choked;
-        units(self.pairs.get_mut(..self.count)).for_each(pair::exchange);
+        units(self.pairs.get_mut(..self.count)).for_each(settle::exchange);
         if self.ringing {
             self.settle(true);
         }
@@ -374,7 +353,7 @@ impl<'m> Bank<'m> {
         let has_input = self.input_bits.is_some();
         let input = Level { exponent: has_input.then_some(exponent) };
         // No input is larger than all of them together.
-        let direct = self.direct_size * pair::power_of_two(self.input_bits.map_or(-126, |bits| bits.min(31) as i32));
+        let direct = self.direct_size * settle::power_of_two(self.input_bits.map_or(-126, |bits| bits.min(31) as i32));
         let (mut loudness, mut lowest) = (direct, 1000);
         for unit in units(self.pairs.get_mut(..self.count)) {
             if all && has_input {
@@ -385,8 +364,8 @@ impl<'m> Bank<'m> {
             }
             if all || unit.iter().any(|pair| pair.asks != 0) {
                 unit.iter_mut().for_each(|pair| pair.asks = 0);
-                pair::settle(unit, input);
-                pair::set_mix(unit, self.room);
+                settle::settle(unit, input);
+                settle::set_mix(unit, self.room);
             }
             if let Some(last) = unit.last() {
                 loudness += last.loudness();
@@ -395,23 +374,13 @@ impl<'m> Bank<'m> {
         }
         // The sum of all has 30 bits, and the scale of each, and of what goes straight through, is below 1/2.
         let direct = if has_input { self.direct.exponent() + 1 - exponent } else { 0 };
-        let room = (pair::bits_above(loudness) - 30).max(2 - lowest).max(direct).clamp(0, 31);
+        let room = (settle::bits_above(loudness) - 30).max(2 - lowest).max(direct).clamp(0, 31);
         if room != self.room {
             self.room = room;
-            units(self.pairs.get_mut(..self.count)).for_each(|unit| pair::set_mix(unit, room));
+            units(self.pairs.get_mut(..self.count)).for_each(|unit| settle::set_mix(unit, room));
         }
         self.direct_q32 = if has_input { self.direct.q32(-room - exponent) } else { 0 };
     }
-}
-
-/// What stands side by side: pairs, and twos of pairs whose sections stand behind one another.
-fn units(pairs: Option<&mut [Pair]>) -> impl Iterator<Item = &mut [Pair]> {
-    let mut rest = pairs.unwrap_or(&mut []);
-    core::iter::from_fn(move || {
-        let tails = rest.iter().skip(1).take_while(|pair| pair.is_tail()).count();
-        let unit = rest.split_off_mut(..rest.len().min(1 + tails))?;
-        (!unit.is_empty()).then_some(unit)
-    })
 }
 
 fn folded(word: i32) -> u32 {
@@ -421,13 +390,4 @@ fn folded(word: i32) -> u32 {
 /// Bits below which all of or'ed sizes are.
 fn bits_of(peak: u32) -> u32 {
     32 - peak.leading_zeros()
-}
-
-/// Whether a unit without input will still be heard; else it is cleared, and left out until there is input again.
-fn rings_on(unit: &mut [Pair]) -> bool {
-    let is_heard = unit.iter().any(|pair| !pair.is_skipped() && pair.sound_bits() > 0);
-    if !is_heard {
-        unit.iter_mut().for_each(Pair::rest);
-    }
-    is_heard
 }

@@ -48,6 +48,10 @@ pub mod rate;
 
 mod choke;
 mod extent;
+mod gain;
+mod placement;
+mod settle;
+mod unit;
 
 pub use bank::{Bank, TickKind};
 pub use design::{Biquad, BiquadError, Root};

@@ -1,75 +1,14 @@
-//! Two sections side by side, or one behind the other: what a kernel takes at a time, and the power of two by which both are scaled.
-//!
-//! # Why nothing can wrap
-//!
-//! The size of a state is `s = max(|u| 2^k, |v|)`. Between two calls of `settle` (a tick at most) everything is linear, so that each intermediate
-//! result is at most
-//!
-//! ```text
-//! G s + M X         G: the largest growth of states of size 1 over a tick's frames; M: the largest size that a single input of 1 leaves (both
-//!                      found on load by stepping the very sections in `f64`: `extent`);  X: the bound of the sum of all inputs' sizes
-//! ```
-//!
-//! With whole powers of two above each, settle chooses E such that `G s < 2^30` and `M X < 2^29`: states stay below `2^30 + 2^29`, and
-//! rounding (at most five halves of a step a frame, each growing by G) adds less than 2^9.
+//! Two sections side by side or in a row: what a kernel runs at a time.
 
 use super::choke::{Choked, Turn};
 use super::design::{Biquad, BiquadError};
 use super::extent::Extent;
 use super::fractions::Part;
+use super::gain::Gain;
 use super::pole::{Form, Pole};
 
-/// What bounds the input: for the words that the kernels make of it, `word = value · 2^exponent`, `Σ |word| <= 2^X_BITS` over a tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Level {
-    /// Power of two by which the words are larger than the values, which count steps of the bus. `None`: nothing comes in.
-    pub(super) exponent: Option<i32>,
-}
-
-/// Bits of the input's words, added up: enough for 130 dB each, few enough to leave their multipliers 20 bits beside a resonance of 90 dB.
-pub(super) const X_BITS: i32 = super::kernel::ALLOWANCE.ilog2() as i32;
 /// The largest exponent of a state: beyond it all is far below any bus.
-const MAX_EXPONENT: i32 = 200;
-/// Bits of growth of states.
-const STATE_BITS: i32 = 30;
-/// Bits of what an input adds.
-const INPUT_BITS: i32 = 29;
-
-/// A gain as `mantissa · 2^(exponent - 31)`, mantissa normalised.
-#[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub(super) struct Gain {
-    mantissa: i32,
-    exponent: i32,
-}
-
-impl Gain {
-    pub(super) const ZERO: Self = Self { mantissa: 0, exponent: -1000 };
-
-    pub(super) fn new(value: f64) -> Self {
-        let (fraction, exponent) = libm::frexp(value);
-        match value == 0.0 {
-            true => Self::ZERO,
-            false => Self { mantissa: libm::rint(fraction * 2_147_483_648.0) as i32, exponent },
-        }
-    }
-
-    /// It is below 2^this.
-    pub(super) fn exponent(self) -> i32 {
-        self.exponent
-    }
-
-    /// The product with a word, to the nearest; below 2^62.
-    fn times(self, word: i32) -> i64 {
-        let right = (31 - self.exponent).clamp(1, 63);
-        (i64::from(self.mantissa) * i64::from(word) + (1 << (right - 1))) >> right
-    }
-
-    /// The multiplier `gain · 2^shift` as Q32; the caller sees to it that it is below 1/2.
-    pub(super) fn q32(self, shift: i32) -> i32 {
-        crate::fixed::rounding_shift_right(self.mantissa, (-1 - shift - self.exponent).clamp(0, 40) as u32)
-    }
-}
+pub(super) const MAX_EXPONENT: i32 = 200;
 
 /// A section as the kernels have it.
 #[derive(Clone, Copy, Debug)]
@@ -121,24 +60,24 @@ pub struct Pair {
     /// Whether it asks to be settled.
     pub(super) asks: u8,
     /// Whether it belongs to the pair before, whose exponent is its own.
-    is_tail: bool,
-    exponent: i32,
-    gains: [[Gain; 2]; 2],
+    pub(super) is_tail: bool,
+    pub(super) exponent: i32,
+    pub(super) gains: [[Gain; 2]; 2],
     /// Bound of what it sounds like until it is settled anew, in steps of the bus.
-    loudness: f32,
-    growth: f32,
-    of_input: f32,
+    pub(super) loudness: f32,
+    pub(super) growth: f32,
+    pub(super) of_input: f32,
     /// Bits of the largest gain, and of the sum of its impulse response's sizes.
-    gain_bits: i16,
+    pub(super) gain_bits: i16,
     reach_bits: i16,
     /// What a hand's coming or going puts in its place.
-    other: Other,
+    pub(super) other: Other,
 }
 
 /// What a pair is under the hand, or without it: what changes when the hand comes or goes.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-struct Other {
+pub(super) struct Other {
     /// Turn and damp of each cell.
     poles: [[i32; 2]; 2],
     gains: [[Gain; 2]; 2],
@@ -149,7 +88,7 @@ struct Other {
     gain_bits: i16,
     form: u8,
     /// What each u becomes on the way there, and on the way back.
-    there: [[Gain; 2]; 2],
+    pub(super) there: [[Gain; 2]; 2],
     back: [[Gain; 2]; 2],
 }
 
@@ -322,7 +261,7 @@ impl Pair {
     }
 
     /// What a hand's coming or going makes of its sections, but for their states.
-    fn exchange(&mut self) {
+    pub(super) fn exchange(&mut self) {
         let other = &mut self.other;
         for (cell, pole) in self.cells.iter_mut().zip(&mut other.poles) {
             let [turn, damp] = pole;
@@ -427,7 +366,7 @@ impl Pair {
         }
     }
 
-    fn set_mix(&mut self, room: i32, is_last: bool) {
+    pub(super) fn set_mix(&mut self, room: i32, is_last: bool) {
         // 2^32 · 2^-(E + room).
         let shift = 32 - self.exponent - room;
         let scale = if (0..31).contains(&shift) { 1 << shift } else { 0 };
@@ -440,92 +379,6 @@ impl Pair {
             Wiring::Chain => [0, scale],
         };
     }
-}
-
-/// Lets a hand come to a unit, or go: what rings goes on without a step. To be settled afterwards.
-pub(super) fn exchange(unit: &mut [Pair]) {
-    // Two to a pair, two pairs at most: what each u becomes, with 31 bits more than a word has.
-    let mut wide = [[0i64; 2]; 2];
-    let mut largest = 0;
-    for (pair, wide) in unit.iter_mut().zip(&mut wide) {
-        let there = pair.other.there;
-        pair.exchange();
-        for ((wide, cell), [of_u, of_v]) in wide.iter_mut().zip(&pair.cells).zip(there) {
-            *wide = of_u.times(cell.u).saturating_add(of_v.times(cell.v));
-            largest = largest.max(wide.unsigned_abs().saturating_mul(1 << pair.shift));
-        }
-    }
-    // States stay below 2^30.
-    let down = (64 - largest.leading_zeros()).saturating_sub(30);
-    for (pair, wide) in unit.iter_mut().zip(wide) {
-        pair.exponent -= down as i32;
-        for (cell, wide) in pair.cells.iter_mut().zip(wide) {
-            cell.u = (wide >> down) as i32;
-            cell.v = shifted(cell.v, -(down as i32));
-        }
-    }
-}
-
-/// Chooses a unit's exponent (a pair's, or that of two behind one another) for an input, shifts the states and derives the multipliers.
-pub(super) fn settle(unit: &mut [Pair], input: Level) {
-    let Some(head) = unit.first() else { return };
-    let (growth, of_input, before) = (head.growth, head.of_input, head.exponent);
-    let growth_bits = bits_above(growth);
-    let size = unit.iter().fold(0, |size, pair| size | pair.size());
-    let bits = 32 - size.leading_zeros() as i32;
-    // The multipliers of the input must stay below 1/2, and what it adds below 2^28.
-    let for_input = input.exponent.map_or(MAX_EXPONENT, |exponent| {
-        let room = (-1 - i32::from(head.gain_bits)).min(INPUT_BITS - X_BITS - bits_above(of_input));
-        (exponent + room).min(MAX_EXPONENT)
-    });
-    // A bit is left for the state to grow before it asks again.
-    let for_state = if size == 0 { MAX_EXPONENT } else { before + STATE_BITS - growth_bits - bits - 1 };
-    let exponent = for_input.min(for_state);
-    let moved = exponent - before;
-    let bits = if size == 0 { -1000 } else { bits + moved };
-    let shift = input.exponent.map(|from| exponent - from);
-    let added = shift.map_or(0.0, |shift| of_input * power_of_two(shift + X_BITS));
-    let high = (bits + 1).max(bits_above(added) + 1).max(1).min(STATE_BITS - growth_bits);
-    let may_grow = size != 0 && for_input > exponent + 2 && exponent < MAX_EXPONENT && high > 4;
-    let low = if may_grow { 1 << (high - 4) } else { 0 };
-    let bound = (power_of_two(high) * growth + added + 512.0) * power_of_two(-exponent);
-    for pair in unit {
-        for (cell, gains) in pair.cells.iter_mut().zip(&pair.gains) {
-            (cell.u, cell.v) = (shifted(cell.u, moved), shifted(cell.v, moved));
-            let [u, v] = gains.map(|gain| shift.map_or(0, |shift| gain.q32(shift)));
-            (cell.gain_u, cell.gain_v) = (u, v);
-        }
-        pair.exponent = exponent;
-        // Of two behind one another the first says when both have fallen.
-        pair.low = if pair.is_tail { 0 } else { low };
-        pair.span = (1u32 << high) - pair.low;
-        pair.loudness = if pair.wiring() == Wiring::Parallel { 2.0 * bound } else { bound };
-    }
-}
-
-/// Sets the multipliers into a mix of `value · 2^-room`.
-pub(super) fn set_mix(unit: &mut [Pair], room: i32) {
-    let last = unit.len().saturating_sub(1);
-    unit.iter_mut().enumerate().for_each(|(index, pair)| pair.set_mix(room, index == last));
-}
-
-/// A state moved by powers of two; settle sees to it that nothing is lost at the top.
-fn shifted(word: i32, shift: i32) -> i32 {
-    match shift {
-        0.. => word.wrapping_shl(shift.min(31) as u32),
-        right => crate::fixed::rounding_shift_right(word, right.unsigned_abs()),
-    }
-}
-
-/// 2^exponent, for bounds: at least 2^-126, at most 2^127.
-pub(super) fn power_of_two(exponent: i32) -> f32 {
-    f32::from_bits(((exponent.clamp(-126, 127) + 127) as u32) << 23)
-}
-
-/// The power of two above a bound.
-pub(super) fn bits_above(bound: f32) -> i32 {
-    // The exponent of a float, biased by 127, is that of the power of two below.
-    ((bound.to_bits() >> 23) & 255) as i32 - 126
 }
 
 /// A bound in single precision, with a little to spare for the rounding of multipliers.

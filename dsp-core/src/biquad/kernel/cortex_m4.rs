@@ -4,7 +4,7 @@
 use core::mem::offset_of;
 
 use super::super::pair::{Cell, Pair};
-use super::{Outcome, Run};
+use super::parameters::{Outcome, Run};
 use crate::time::TICK_FRAMES;
 
 core::arch::global_asm!(".equ BQ_PAIR, {pair}", pair = const size_of::<Pair>());

@@ -2,7 +2,7 @@
 
 use super::super::pair::{Cell, Pair};
 use super::super::pole::Form;
-use super::{Outcome, Run};
+use super::parameters::{Outcome, Run};
 use crate::fixed::{qadd, saturating_shift_left, smmlar, smmlsr, smmulr};
 use crate::time::TICK_FRAMES;
 
