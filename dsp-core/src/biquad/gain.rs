@@ -1,6 +1,6 @@
 //! A gain with an exponent of its own, from which multipliers of any scale are made.
 
-/// A gain as `mantissa · 2^(exponent - 31)`, mantissa normalised.
+/// A gain as `mantissa · 2^(exponent - 31)` with a normalised mantissa.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct Gain {
@@ -19,18 +19,18 @@ impl Gain {
         }
     }
 
-    /// It is below 2^this.
+    /// Exponent of a power of two that is larger than the gain.
     pub(super) fn exponent(self) -> i32 {
         self.exponent
     }
 
-    /// The product with a word, to the nearest; below 2^62.
+    /// Multiplies a word by the gain, to the nearest; the product is below 2^62.
     pub(super) fn times(self, word: i32) -> i64 {
         let right = (31 - self.exponent).clamp(1, 63);
         (i64::from(self.mantissa) * i64::from(word) + (1 << (right - 1))) >> right
     }
 
-    /// The multiplier `gain · 2^shift` as Q32; the caller sees to it that it is below 1/2.
+    /// Gives the multiplier `gain · 2^shift` as Q32; the caller must keep it below 1/2.
     pub(super) fn q32(self, shift: i32) -> i32 {
         crate::fixed::rounding_shift_right(self.mantissa, (-1 - shift - self.exponent).clamp(0, 40) as u32)
     }

@@ -4,37 +4,45 @@
 //!
 //! # Why nothing can wrap
 //!
-//! The size of a state is `s = max(|u| 2^k, |v|)`. Between two calls of `settle` (a tick at most) everything is linear, so that each intermediate
-//! result is at most
+//! The size of a state is `s = max(|u| 2^k, |v|)`. Between two calls of `settle` (a tick at most) all
+//! steps are linear, so that each intermediate result is at most
 //!
 //! ```text
-//! G s + M X         G: the largest growth of states of size 1 over a tick's frames; M: the largest size that a single input of 1 leaves (both
-//!                      found on load by stepping the very sections in `f64`: `extent`);  X: the bound of the sum of all inputs' sizes
+//! G s + M X    G: the largest growth of states of size 1 over a tick's frames
+//!              M: the largest size that a single input of 1 leaves
+//!              X: the bound of the sum of all inputs' sizes
 //! ```
 //!
-//! With whole powers of two above each, settle chooses E such that `G s < 2^30` and `M X < 2^29`: states stay below `2^30 + 2^29`, and
-//! rounding (at most five halves of a step a frame, each growing by G) adds less than 2^9.
+//! Loading finds G and M by stepping the very sections in `f64` (`extent`). With whole powers of two
+//! above each, settle chooses E such that `G s < 2^30` and `M X < 2^29`. So states stay below
+//! `2^30 + 2^29`. Rounding, at most five halves of a step a frame, each growing by G, adds less than
+//! 2^9.
 
 use super::kernel::ALLOWANCE;
 use super::pair::{MAX_EXPONENT, Pair, Wiring};
 
-/// What bounds the input: for the words that the kernels make of it, `word = value · 2^exponent`, `Σ |word| <= 2^X_BITS` over a tick.
+/// Level of the input, by which the kernels scale it.
+///
+/// Words are `value · 2^exponent`, and `Σ |word| <= 2^X_BITS` over a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Level {
-    /// Power of two by which the words are larger than the values, which count steps of the bus. `None`: nothing comes in.
+    /// Exponent of words from values, which count steps of the bus. `None` without input.
     pub(super) exponent: Option<i32>,
 }
 
-/// Bits of the input's words, added up: enough for 130 dB each, few enough to leave their multipliers 20 bits beside a resonance of 90 dB.
+/// Bits of the sum of the input's words over a tick.
+///
+/// They are enough for 130 dB of each word, and few enough to leave the multipliers 20 bits beside a
+/// resonance of 90 dB.
 pub(super) const X_BITS: i32 = ALLOWANCE.ilog2() as i32;
-/// Bits of growth of states.
+/// Bits that states may grow to within a tick.
 const STATE_BITS: i32 = 30;
-/// Bits of what an input adds.
+/// Bits that the input may add to states within a tick.
 const INPUT_BITS: i32 = 29;
 
-/// Lets a hand come to a unit, or go: what rings goes on without a step. To be settled afterwards.
+/// Lays a hand on a unit or takes it away, without a step of the sound. The unit must then be settled.
 pub(super) fn exchange(unit: &mut [Pair]) {
-    // Two to a pair, two pairs at most: what each u becomes, with 31 bits more than a word has.
+    // The new u of each section, with 31 bits more than a word has.
     let mut wide = [[0i64; 2]; 2];
     let mut largest = 0;
     for (pair, wide) in unit.iter_mut().zip(&mut wide) {
@@ -56,7 +64,7 @@ pub(super) fn exchange(unit: &mut [Pair]) {
     }
 }
 
-/// Chooses a unit's exponent (a pair's, or that of two behind one another) for an input, shifts the states and derives the multipliers.
+/// Chooses a unit's exponent for an input, shifts its states and derives its multipliers.
 pub(super) fn settle(unit: &mut [Pair], input: Level) {
     let Some(head) = unit.first() else { return };
     let (growth, of_input, before) = (head.growth, head.of_input, head.exponent);
@@ -86,7 +94,7 @@ pub(super) fn settle(unit: &mut [Pair], input: Level) {
             (cell.gain_u, cell.gain_v) = (u, v);
         }
         pair.exponent = exponent;
-        // Of two behind one another the first says when both have fallen.
+        // Of two pairs in a row the first tells when both have decayed.
         pair.low = if pair.is_tail { 0 } else { low };
         pair.span = (1u32 << high) - pair.low;
         pair.loudness = if pair.wiring() == Wiring::Parallel { 2.0 * bound } else { bound };
@@ -99,7 +107,7 @@ pub(super) fn set_mix(unit: &mut [Pair], room: i32) {
     unit.iter_mut().enumerate().for_each(|(index, pair)| pair.set_mix(room, index == last));
 }
 
-/// A state moved by powers of two; settle sees to it that nothing is lost at the top.
+/// Shifts a state by a power of two; `settle` makes sure that no high bit is lost.
 fn shifted(word: i32, shift: i32) -> i32 {
     match shift {
         0.. => word.wrapping_shl(shift.min(31) as u32),
@@ -112,7 +120,7 @@ pub(super) fn power_of_two(exponent: i32) -> f32 {
     f32::from_bits(((exponent.clamp(-126, 127) + 127) as u32) << 23)
 }
 
-/// The power of two above a bound.
+/// Exponent of the power of two above a bound.
 pub(super) fn bits_above(bound: f32) -> i32 {
     // The exponent of a float, biased by 127, is that of the power of two below.
     ((bound.to_bits() >> 23) & 255) as i32 - 126
