@@ -1,19 +1,25 @@
-//! The bank in Q31: pairs of sections, the level of their input, and when they are at rest.
+//! The bank in Q31: its pairs of sections, the level of their input, and their rest.
 
 use super::design::{Biquad, BiquadError};
 use super::fractions::parts;
+use super::gain::Gain;
 use super::kernel::{self, ALLOWANCE, Run};
-use super::pair::{self, Gain, Level, Pair, Wiring, X_BITS};
+use super::pair::{Pair, Wiring};
+use super::placement::Placement;
 use super::pole::Pole;
+use super::settle::{self, Level, X_BITS};
+use super::unit::{rings_on, units};
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::time::TICK_FRAMES;
 
-/// L parallel chains of M biquads, in pairs of sections.
+/// L parallel chains of M biquads, run in pairs of sections.
 ///
-/// Input and output are Q4.27 blocks. Ticks of 32 frames are counted from the first frame: what a block's caller does with sizes changes no bit.
-/// Sections whose output would stay below a step of the bus, with no input left, are cleared and not run; a bank at rest costs a comparison a block.
+/// Input and output are Q4.27 blocks. Ticks of 32 frames are counted from the first frame, so that the
+/// sizes of blocks change no bit. Without input, sections whose output would stay below a step of the
+/// bus are cleared and not run. A bank at rest costs a comparison a block.
 ///
-/// A pair for every section suffices, half of that and four usually (`Bank::size`): sections of alike arithmetic go in twos.
+/// One pair for each section always suffices. Half as many and four usually do, because sections of
+/// the same arithmetic share a pair (`Bank::size`).
 ///
 /// Worst SNR against `f64`, and cycles: `docs/biquads.md`.
 #[derive(Debug)]
@@ -22,49 +28,52 @@ pub struct Bank<'m> {
     count: usize,
     sections: usize,
     depth: usize,
-    /// Of all chains, what goes straight through.
+    /// Gain from the input straight to the output, summed over all chains.
     direct: Gain,
     direct_size: f32,
-    /// The same as a multiplier of the shifted input into the mix.
+    /// Multiplier of the shifted input into the mix, Q32, that realises `direct`.
     direct_q32: i32,
     /// Frame within the tick; ticks begin on even frames.
     frame: usize,
-    /// The sizes of this tick's inputs add up to less than 2^bits; `None`: there are none.
+    /// Level of the input: the sizes of a tick's inputs add up to less than 2^bits. `None` without input.
     input_bits: Option<u32>,
-    /// What they have added up to, as words; the most of the last ticks, and how many those are.
+    /// Sum of the sizes of this tick's inputs, as words.
     used: u32,
+    /// Largest `used` of the last ticks.
     recent: u32,
+    /// Number of ticks that `recent` looks back on.
     recent_ticks: u8,
-    /// By how many bits the mix is smaller than the bus.
+    /// Number of bits by which the mix is smaller than the bus.
     room: i32,
     asks: bool,
     ringing: bool,
     choked: bool,
 }
 
-/// What happens to a bank in a tick.
+/// Work of a bank in a tick, on which its cycles depend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TickKind {
-    /// A force sets in: all sections are scaled anew, up to three times.
+    /// A force begins: all sections are scaled anew, up to three times.
     Struck,
-    /// There is input, about as loud as before.
+    /// The input goes on about as loud as before.
     Driven,
-    /// It rings, or is at rest.
+    /// Nothing comes in: the bank rings, or is at rest.
     Free,
 }
 
-/// Inputs that are too large for their level are expected to add up to this many bits more: a contact force sets in over 17 bits, and each
-/// rise costs as much as a tick's loops.
+/// Number of bits by which the level rises above an input that is too large for it.
+///
+/// A contact force begins over 17 bits, and each rise costs as much as a tick's loops.
 const RISE_BITS: u32 = 5;
-/// The same for the first after silence.
+/// Number of bits by which the level rises above the first input after silence.
 const ONSET_BITS: u32 = 7;
-/// Ticks after which a level that was never reached is lowered.
+/// Number of ticks after which a level that was never reached is lowered.
 const PATIENCE_TICKS: u8 = 16;
-/// Ticks without input after which it is asked what still rings.
+/// Number of ticks without input between two searches for pairs that have decayed.
 const REST_TICKS: u8 = 8;
 
 impl<'m> Bank<'m> {
-    /// A bank of no chains.
+    /// Makes a bank without chains or memory.
     pub const fn empty() -> Self {
         Self {
             pairs: &mut [],
@@ -86,7 +95,7 @@ impl<'m> Bank<'m> {
         }
     }
 
-    /// Takes memory for the pairs of so many sections: a pair for each suffices.
+    /// Takes memory for `sections` pairs, which suffice for that number of sections.
     ///
     /// # Errors
     /// [`OutOfMemory`].
@@ -94,8 +103,9 @@ impl<'m> Bank<'m> {
         Ok(Self { pairs: lender.take(Region::Bulk, sections, || Pair::EMPTY)?, ..Self::empty() })
     }
 
-    /// Derives a bank at rest from chains of `depth` sections, one behind the other. What rang is cleared; after an error the
-    /// bank is empty.
+    /// Loads chains of `depth` sections in a row, and leaves the bank at rest.
+    ///
+    /// After an error the bank is empty.
     ///
     /// # Errors
     /// [`BiquadError`].
@@ -103,11 +113,13 @@ impl<'m> Bank<'m> {
         self.load_each(biquads.iter().map(|&biquad| Ok(biquad)), depth, 1.0)
     }
 
-    /// As [`load`](Self::load), from biquads that are read, or carried to another rate, one at a time. `hand` is what a hand leaves of the amplitude
-    /// after a frame ([`set_choked`](Self::set_choked)), above 0; 1 where there is none.
+    /// Loads chains of `depth` sections from biquads that come one at a time, each with its own error.
+    ///
+    /// `hand` is the factor by which a hand lowers the amplitude in each frame
+    /// ([`set_choked`](Self::set_choked)): above 0, and 1 without a hand.
     ///
     /// # Errors
-    /// [`BiquadError`], those of the biquads too.
+    /// [`BiquadError`], and the errors of the biquads.
     pub fn load_each<E: From<BiquadError>>(
         &mut self,
         biquads: impl IntoIterator<Item = Result<Biquad, E>>,
@@ -122,12 +134,12 @@ impl<'m> Bank<'m> {
         result
     }
 
-    /// Makes it a bank of no chains, in place.
+    /// Removes all chains and keeps the memory.
     pub fn unload(&mut self) {
         self.clear();
     }
 
-    /// Field by field: a bank is too large for a small stack.
+    /// Clears field by field, because a bank is too large for a small stack.
     fn clear(&mut self) {
         self.pairs.fill(Pair::EMPTY);
         (self.count, self.sections, self.depth) = (0, 0, 1);
@@ -144,8 +156,8 @@ impl<'m> Bank<'m> {
         hand: f64,
     ) -> Result<(), E> {
         let mut direct = 0.0;
-        // Mirrored pairs gather at the far end first: they run last, so that signs change once.
-        let (mut plain, mut mirrored, mut sections) = (0, 0, 0);
+        let mut sections = 0;
+        let mut placement = Placement::new(&mut *self.pairs);
         let mut biquads = biquads.into_iter();
         if !(1..=4).contains(&depth) {
             return Err(BiquadError::Depth { depth, sections: biquads.count() }.into());
@@ -167,77 +179,56 @@ impl<'m> Bank<'m> {
                 biquad.check(start + index)?;
             }
             direct += chain.iter().map(|biquad| biquad.numerator[0]).product::<f64>();
-            // So that the slowest pole falls as the hand wants; a chain that falls faster than the hand is left alone.
+            // The slowest pole then decays as the hand wants. The hand changes no chain that decays faster.
             let slowest = chain.iter().map(|biquad| biquad.pole.square()).fold(0.0, f64::max);
             let slowest = libm::sqrt(slowest);
             let kept = if hand < slowest { hand / slowest } else { 1.0 };
             let all = parts::<Pole>(chain);
             for cluster in all.get(..depth).unwrap_or(&[]).chunk_by(|_, next| next.handed != 0.0) {
                 let (head, tail) = Pair::of(cluster, kept, start)?;
-                let full = BiquadError::Full { sections, room: self.pairs.len() };
-                self.place(head, tail, &mut plain, &mut mirrored).ok_or(full)?;
+                let full = BiquadError::Full { sections, room: placement.room() };
+                placement.place(head, tail).ok_or(full)?;
             }
         }
-        let gap = self.pairs.len() - plain - mirrored;
-        if let Some(behind) = self.pairs.get_mut(plain..) {
-            behind.rotate_left(gap);
-        }
-        (self.count, self.sections, self.depth) = (plain + mirrored, sections, depth);
+        (self.count, self.sections, self.depth) = (placement.finish(), sections, depth);
         (self.direct, self.direct_size) = (Gain::new(direct), direct.abs() as f32);
         Ok(())
     }
 
-    /// `None` where there is no room.
-    fn place(&mut self, head: Pair, tail: Option<Pair>, plain: &mut usize, mirrored: &mut usize) -> Option<()> {
-        let room = self.pairs.len();
-        let used = |index: usize| index < *plain || index >= room - *mirrored;
-        let mut open = self.pairs.iter_mut().enumerate().filter(|(index, _)| used(*index));
-        if let Some((_, pair)) = open.find(|(_, pair)| pair.takes(&head)) {
-            pair.join(&head);
-            return Some(());
-        }
-        let needed = 1 + usize::from(tail.is_some());
-        if *plain + *mirrored + needed > room {
-            return None;
-        }
-        let at = if head.is_mirrored() { room - *mirrored - needed } else { *plain };
-        *if head.is_mirrored() { mirrored } else { plain } += needed;
-        for (slot, pair) in self.pairs.iter_mut().skip(at).zip([Some(head), tail].into_iter().flatten()) {
-            *slot = pair;
-        }
-        Some(())
-    }
-
-    /// Sections, how many of them a chain has, and in how many pairs they run.
+    /// Number of sections, of sections in a chain, and of pairs in which they run.
     pub fn size(&self) -> (usize, usize, usize) {
         (self.sections, self.depth, self.count)
     }
 
-    /// Clears what rings.
+    /// Clears all states, so that nothing rings.
     pub fn rest(&mut self) {
         self.pairs.iter_mut().take(self.count).for_each(Pair::rest);
         (self.ringing, self.input_bits, self.used, self.asks) = (false, None, 0, false);
     }
 
-    /// Lets the hand come or go. While it lies there a chain whose slowest pole has the radius r is multiplied by `min(1, hand / r)` after each frame: all that
-    /// rings, and all that is struck, falls at the faster of both rates. The sound goes on without a step, either way.
+    /// Lays a hand on the bank or takes it away; the sound goes on without a step.
+    ///
+    /// Under the hand a chain whose slowest pole has the radius r is multiplied by `min(1, hand / r)`
+    /// after each frame. It then decays at the faster of both rates, strikes under the hand included.
     pub fn set_choked(&mut self, choked: bool) {
         if choked == self.choked {
             return;
         }
         self.choked = choked;
-        units(self.pairs.get_mut(..self.count)).for_each(pair::exchange);
+        units(self.pairs.get_mut(..self.count)).for_each(settle::exchange);
         if self.ringing {
             self.settle(true);
         }
     }
 
-    /// Whether anything sounds or may: false means that a block without input costs nothing.
+    /// True if the bank may sound without input; if false, a block without input costs nothing.
     pub fn is_ringing(&self) -> bool {
         self.ringing
     }
 
-    /// Nominal cycles of a whole tick on a Cortex-M4F, rounded up by at most a half: what a budget reckons with before the tick is rendered.
+    /// Nominal cycles of a whole tick on a Cortex-M4F, for the budget before the tick is rendered.
+    ///
+    /// They are rounded up by at most a half.
     pub fn cycles(&self, tick: TickKind) -> u32 {
         let each = |pair: &Pair| match (tick, pair.wiring()) {
             (TickKind::Struck, Wiring::Chain) => 3000,
@@ -250,7 +241,7 @@ impl<'m> Bank<'m> {
         if self.count == 0 || tick == TickKind::Free && !self.ringing { 0 } else { pairs + 1500 }
     }
 
-    /// Adds the bank's sound to `out`, saturating. Without an input, or behind its end, it rings on.
+    /// Adds the bank's sound to `out`, saturating. The bank rings on without input, and behind its end.
     pub fn render(&mut self, input: Option<&[i32]>, out: &mut [i32]) {
         let input = input.unwrap_or(&[]);
         if self.count == 0 || !self.ringing && input.iter().all(|&word| word == 0) {
@@ -276,7 +267,7 @@ impl<'m> Bank<'m> {
         }
     }
 
-    /// What is decided on a tick: whether the input's level fell, which pairs are at rest, which are to be scaled anew.
+    /// Lowers the level of the input, puts pairs to rest and scales pairs anew, at the start of a tick.
     fn tick(&mut self) {
         if !self.ringing {
             return;
@@ -285,7 +276,7 @@ impl<'m> Bank<'m> {
         self.recent_ticks += 1;
         let before = self.input_bits;
         self.input_bits = before.and_then(|level| {
-            // By how many bits the inputs stayed below their level, in this tick and in the last ones.
+            // Number of bits by which the inputs stayed below their level.
             let below = |used: u32| ALLOWANCE.ilog2().saturating_sub(bits_of(used)).min(level);
             match (self.used, below(self.used)) {
                 (0, _) => None,
@@ -299,7 +290,7 @@ impl<'m> Bank<'m> {
             (self.recent, self.recent_ticks) = (0, 0);
         }
         if self.input_bits.is_none() && (before.is_some() || self.recent_ticks.is_multiple_of(REST_TICKS)) {
-            // All are asked: those that are done are cleared.
+            // No short circuit: each unit that has decayed must be cleared.
             self.ringing = units(self.pairs.get_mut(..self.count)).map(rings_on).filter(|&rings| rings).count() > 0;
         }
         if before != self.input_bits {
@@ -309,7 +300,7 @@ impl<'m> Bank<'m> {
         }
     }
 
-    /// Frames within a tick; an input of as many, or none.
+    /// Renders frames within a tick, for an input of their number or none.
     fn run(&mut self, x: Option<&[i32]>, out: &mut [i32]) {
         let exponent = self.input_exponent();
         let run = Run {
@@ -330,7 +321,8 @@ impl<'m> Bank<'m> {
                 return;
             }
         }
-        // As far as the level holds; the frame at which it does not is where all is scaled anew, whatever the blocks are.
+        // Runs as far as the level holds, and scales all pairs anew at the first frame beyond it: the
+        // sizes of blocks do not matter.
         let Some(x) = x else {
             self.frame = (self.frame + out.len()) % TICK_FRAMES;
             return;
@@ -351,7 +343,7 @@ impl<'m> Bank<'m> {
             self.frame = (self.frame + good) % TICK_FRAMES;
         }
         if let Some(&loud) = more.first() {
-            // At most 36, for 32 frames of the largest; a level that held so far has been used up.
+            // 36 bits suffice for 32 frames of the largest input. A level that held so far is used up.
             let rise = if self.input_bits.is_some() { RISE_BITS } else { ONSET_BITS };
             let level = (bits_of(folded(loud)) + rise).max(self.input_bits.map_or(0, |level| level + 1));
             self.input_bits = Some(level.min(37));
@@ -362,19 +354,19 @@ impl<'m> Bank<'m> {
         }
     }
 
-    /// Inputs times two to this add up to [`X_BITS`] bits.
+    /// Exponent of the words: inputs times two to this power add up to [`X_BITS`] bits.
     fn input_exponent(&self) -> i32 {
         self.input_bits.map_or(0, |bits| X_BITS - bits as i32)
     }
 
-    /// Scales units for the level of their input, all or those that ask, and the mix for all.
+    /// Scales units for the level of their input, all or those that ask, and then the mix.
     fn settle(&mut self, all: bool) {
         self.asks = false;
         let exponent = self.input_exponent();
         let has_input = self.input_bits.is_some();
         let input = Level { exponent: has_input.then_some(exponent) };
-        // No input is larger than all of them together.
-        let direct = self.direct_size * pair::power_of_two(self.input_bits.map_or(-126, |bits| bits.min(31) as i32));
+        // No single input is larger than the bound of their sum.
+        let direct = self.direct_size * settle::power_of_two(self.input_bits.map_or(-126, |bits| bits.min(31) as i32));
         let (mut loudness, mut lowest) = (direct, 1000);
         for unit in units(self.pairs.get_mut(..self.count)) {
             if all && has_input {
@@ -385,49 +377,30 @@ impl<'m> Bank<'m> {
             }
             if all || unit.iter().any(|pair| pair.asks != 0) {
                 unit.iter_mut().for_each(|pair| pair.asks = 0);
-                pair::settle(unit, input);
-                pair::set_mix(unit, self.room);
+                settle::settle(unit, input);
+                settle::set_mix(unit, self.room);
             }
             if let Some(last) = unit.last() {
                 loudness += last.loudness();
                 lowest = lowest.min(last.exponent());
             }
         }
-        // The sum of all has 30 bits, and the scale of each, and of what goes straight through, is below 1/2.
+        // The sum keeps to 30 bits. The multipliers of units and of the direct gain stay below 1/2.
         let direct = if has_input { self.direct.exponent() + 1 - exponent } else { 0 };
-        let room = (pair::bits_above(loudness) - 30).max(2 - lowest).max(direct).clamp(0, 31);
+        let room = (settle::bits_above(loudness) - 30).max(2 - lowest).max(direct).clamp(0, 31);
         if room != self.room {
             self.room = room;
-            units(self.pairs.get_mut(..self.count)).for_each(|unit| pair::set_mix(unit, room));
+            units(self.pairs.get_mut(..self.count)).for_each(|unit| settle::set_mix(unit, room));
         }
         self.direct_q32 = if has_input { self.direct.q32(-room - exponent) } else { 0 };
     }
-}
-
-/// What stands side by side: pairs, and twos of pairs whose sections stand behind one another.
-fn units(pairs: Option<&mut [Pair]>) -> impl Iterator<Item = &mut [Pair]> {
-    let mut rest = pairs.unwrap_or(&mut []);
-    core::iter::from_fn(move || {
-        let tails = rest.iter().skip(1).take_while(|pair| pair.is_tail()).count();
-        let unit = rest.split_off_mut(..rest.len().min(1 + tails))?;
-        (!unit.is_empty()).then_some(unit)
-    })
 }
 
 fn folded(word: i32) -> u32 {
     (word ^ (word >> 31)) as u32
 }
 
-/// Bits below which all of or'ed sizes are.
+/// Number of bits of the largest of sizes that were combined by OR.
 fn bits_of(peak: u32) -> u32 {
     32 - peak.leading_zeros()
-}
-
-/// Whether a unit without input will still be heard; else it is cleared, and left out until there is input again.
-fn rings_on(unit: &mut [Pair]) -> bool {
-    let is_heard = unit.iter().any(|pair| !pair.is_skipped() && pair.sound_bits() > 0);
-    if !is_heard {
-        unit.iter_mut().for_each(Pair::rest);
-    }
-    is_heard
 }

@@ -1,22 +1,25 @@
-//! The exciter's band-pass: a fourth-order Butterworth whose band follows the strike's strength (dynamic-filter §III-C, D).
+//! The exciter's band-pass: a fourth-order Butterworth filter whose band follows the strike's strength
+//! (dynamic-filter §III-C, D).
 
 use core::fmt;
 
 use super::design::{Biquad, Root};
 use crate::SampleRate;
 
-/// A band whose edges follow the strike's level (peak force over reference force): both are multiplied by `level^exponent`.
+/// A band whose edges follow the strike's level, its peak force over the reference force.
+///
+/// Both edges are multiplied by `level^exponent`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exciter {
     /// Lower edge (-3 dB) in Hz at level 1.
     pub low_hz: f64,
     /// Upper edge (-3 dB) in Hz at level 1.
     pub high_hz: f64,
-    /// Exponent of the level, 0 for a band that stays.
+    /// Exponent of the level, 0 for a constant band.
     pub exponent: f64,
 }
 
-/// Band edges that are none: `0 < low`, `1.05 low < high` and `high < fs/2` do not all hold.
+/// Invalid band edges: `0 < low`, `1.05 low < high` and `high < fs/2` do not all hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BandError {
@@ -33,7 +36,8 @@ impl fmt::Display for BandError {
         let Self { low_hz, high_hz, nyquist_hz } = self;
         write!(
             f,
-            "a band from {low_hz} Hz to {high_hz} Hz: give {} Hz or more, then at least {} times that, below {nyquist_hz} Hz",
+            "a band from {low_hz} Hz to {high_hz} Hz: give a lower edge of {} Hz or more, \
+             and an upper edge of at least {} times that, below {nyquist_hz} Hz",
             2.0 * nyquist_hz * Exciter::LEAST_EDGE,
             Exciter::LEAST_RATIO
         )
@@ -43,16 +47,16 @@ impl fmt::Display for BandError {
 impl core::error::Error for BandError {}
 
 impl Exciter {
-    /// The lowest edge, over fs.
+    /// Lowest edge of a band, over fs.
     pub const LEAST_EDGE: f64 = 1e-4;
-    /// The highest edge that a strike moves the band to, over fs.
+    /// Highest edge to which a strike moves the band, over fs.
     pub const LARGEST_EDGE: f64 = 0.49;
-    /// The least ratio of both edges.
+    /// Least ratio of the upper edge to the lower one.
     pub const LEAST_RATIO: f64 = 1.05;
-    /// The largest size of the exponent.
+    /// Largest size of the exponent.
     pub const LARGEST_EXPONENT: f64 = 4.0;
 
-    /// Whether its edges are in order at a rate.
+    /// Checks that the edges are valid at a rate.
     ///
     /// # Errors
     /// [`BandError`].
@@ -64,7 +68,7 @@ impl Exciter {
         if good { Ok(()) } else { Err(BandError { low_hz, high_hz, nyquist_hz }) }
     }
 
-    /// The edges in Hz for a strike of a level (0 to 1): moved together, at most to 0.49 fs.
+    /// Edges in Hz for a strike of a level (0 to 1): moved together, at most to 0.49 fs.
     pub fn edges_hz(&self, level: f64, rate: SampleRate) -> [f64; 2] {
         let factor = libm::pow(level.clamp(libm::exp2(-31.0), 1.0), self.exponent) / rate.hz();
         let high = (self.high_hz * factor).clamp(2.0 * Self::LEAST_EDGE, Self::LARGEST_EDGE);
@@ -72,7 +76,7 @@ impl Exciter {
         [low, high].map(|edge| edge * rate.hz())
     }
 
-    /// The two sections for a strike of a level.
+    /// Derives the two sections for a strike of a level (0 to 1).
     ///
     /// # Errors
     /// [`BandError`].
@@ -83,7 +87,9 @@ impl Exciter {
     }
 }
 
-/// A fourth-order Butterworth band-pass, 0 dB at the geometric middle of its warped edges, -3.01 dB at the edges (bilinear transform).
+/// Derives a fourth-order Butterworth band-pass by the bilinear transform.
+///
+/// Its gain is 0 dB at the geometric middle of its warped edges, and -3.01 dB at the edges.
 ///
 /// # Errors
 /// [`BandError`].

@@ -1,34 +1,39 @@
-//! Sections under a hand: after each frame a chain's states are multiplied by κ, and so is what an input has put into them.
+//! Sections under a hand: after each frame a chain's states are multiplied by κ, input included.
 //!
-//! That moves all its poles p to κp, whatever form the states have; the sound goes on without a step, when the hand comes and when it goes. No kernel
-//! knows of it: a section has a second pole with the same v, and its u is turned into the other's on the way there and back.
+//! That moves all poles p of the chain to κp, in every form of the states. The sound goes on without a
+//! step when the hand comes and when it goes. No kernel knows of the hand: a section has a second pole
+//! with the same v, and its u is converted whenever the poles are exchanged.
 //!
 //! ```text
 //! free:   v' = (1 - e²) v + t u                  t: what of u reaches v (the form's `entry`)
-//! choked: v' = (1 - e_c²) v + t_c u_c            e_c² = |1 - κp|²;  the next output is to be κ times the free one:
+//! choked: v' = (1 - e_c²) v + t_c u_c            e_c² = |1 - κp|²
 //!
-//! u_c = (κ t / t_c) u + (κ (1 - e²) - (1 - e_c²)) / t_c v,   gains: κ times the same of g_u and g_v,   handed on: κ² as much
+//! The next choked output must be κ times the next free one:
+//!
+//! u_c = (κ t / t_c) u + (κ (1 - e²) - (1 - e_c²)) / t_c v
 //! ```
+//!
+//! The gains g_u and g_v are converted like u and v, times κ. A section hands on κ² times as much.
 
 use super::design::Root;
 use super::fractions::{Part, Realised};
 use super::pole::Pole;
 
-/// What a cell's u becomes: so much of u and so much of v.
+/// Gains of u and of v into a section's new u.
 pub(super) type Turn = [f64; 2];
 
-/// A unit's parts under the hand, and of each what its u becomes there and back.
+/// Parts of a unit under the hand, with the conversions of u: `there` as it comes, `back` as it goes.
 pub(super) struct Choked {
     pub(super) parts: [Part<Pole>; 4],
     pub(super) there: [Turn; 4],
     pub(super) back: [Turn; 4],
 }
 
-/// As it is.
+/// Conversion that leaves u unchanged.
 const SAME: Turn = [1.0, 0.0];
 
 impl Choked {
-    /// `kept` is κ, above 0 to 1. As many parts are in use as are given, at most four.
+    /// Derives the choked parts of at most four parts; `kept` is κ, above 0 and at most 1.
     pub(super) fn of(parts: &[Part<Pole>], kept: f64) -> Self {
         let mut new = Self { parts: [Part::EMPTY; 4], there: [SAME; 4], back: [SAME; 4] };
         for (slot, &part) in new.parts.iter_mut().zip(parts) {
@@ -38,7 +43,7 @@ impl Choked {
             return new;
         }
         let root = |part: &Part<Pole>| moved(part.pole, kept);
-        // One form that serves all of a unit.
+        // All parts of a unit share a form.
         let form_of = |part: &Part<Pole>| Pole::form_of(root(part), part.pole.mirrored);
         let Some(form) = parts.iter().map(form_of).max() else { return new };
         for (((slot, part), there), back) in new.parts.iter_mut().zip(parts).zip(&mut new.there).zip(&mut new.back) {
@@ -55,7 +60,7 @@ impl Choked {
     }
 }
 
-/// κp of a pole as it is realised, without cancellation where it is slow.
+/// Pole κp of a realised pole p, without cancellation for slow poles.
 fn moved(pole: Pole, kept: f64) -> Root {
     let (delta, step) = (pole.delta(), pole.step_squared());
     let half = 0.5 * (delta + step);

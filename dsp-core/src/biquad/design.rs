@@ -1,4 +1,4 @@
-//! A biquad as poles and zeros, what is refused, and modes as biquads.
+//! A biquad as poles and zeros, and the reasons to refuse one.
 
 use core::fmt;
 
@@ -12,40 +12,42 @@ pub struct Root {
 }
 
 impl Root {
-    /// From magnitude and angle in radians.
+    /// Makes a root from magnitude and angle in radians.
     pub fn polar(radius: f64, angle: f64) -> Self {
         Self { real: radius * libm::cos(angle), imaginary: radius * libm::sin(angle) }
     }
 
-    /// `|z|²`.
+    /// Square of the magnitude, `|z|²`.
     pub fn square(self) -> f64 {
         self.real * self.real + self.imaginary * self.imaginary
     }
 }
 
-/// A section `(b0 + b1 z⁻¹ + b2 z⁻²) / (1 - 2 Re p z⁻¹ + |p|² z⁻²)`: diffmodal's eq. 2, with any numerator ([`Biquad::from_roots`] is the paper's).
+/// A section `(b0 + b1 z⁻¹ + b2 z⁻²) / (1 - 2 Re p z⁻¹ + |p|² z⁻²)`.
+///
+/// It is diffmodal's eq. 2 with any numerator; [`Biquad::from_roots`] gives the paper's numerator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Biquad {
-    /// p, within the unit circle.
+    /// Pole p, within the unit circle.
     pub pole: Root,
-    /// b0, b1, b2.
+    /// Coefficients b0, b1 and b2.
     pub numerator: [f64; 3],
 }
 
-/// Why biquads are refused.
+/// Reason to refuse biquads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BiquadError {
-    /// A number that is not finite.
+    /// A pole, zero or gain that is not finite.
     NotFinite {
         /// The biquad, counted from 0.
         biquad: usize,
     },
-    /// A pole on or outside the unit circle (or so near that Q32 cannot tell): it would ring for ever.
+    /// A pole that would ring for ever: on or outside the unit circle, or too near to it for Q32.
     UnstablePole {
         /// The biquad, counted from 0.
         biquad: usize,
-        /// `|p|`.
+        /// Radius of the pole, `|p|`.
         radius: f64,
     },
     /// A section whose gain, summed over its impulse response, is too large for the arithmetic.
@@ -64,21 +66,21 @@ pub enum BiquadError {
     BeyondNyquist {
         /// The biquad, counted from 0.
         biquad: usize,
-        /// Its angle there in half turns: 1 is half the rate.
+        /// Angle of the pole at the new rate in half turns: 1 is half the rate.
         angle: f64,
     },
-    /// Not 1 to 4 sections a chain, or the sections are no whole chains.
+    /// Chains that are not of 1 to 4 sections, or a last chain that is not complete.
     Depth {
-        /// Sections a chain.
+        /// Number of sections in a chain.
         depth: usize,
-        /// Sections in all.
+        /// Number of sections in all.
         sections: usize,
     },
     /// More sections than the bank has room for.
     Full {
-        /// Sections given.
+        /// Number of sections given.
         sections: usize,
-        /// Sections that fit.
+        /// Number of sections that fit.
         room: usize,
     },
 }
@@ -96,20 +98,20 @@ impl fmt::Display for BiquadError {
             ),
             Self::UnboundedGain { biquad, gain } => write!(
                 f,
-                "biquad {biquad}: a gain of up to {gain}: at most {} is possible; lower k or move the zeros to the poles",
+                "biquad {biquad}: its gain may reach {gain}, but at most {} is possible: lower k or move the zeros to the poles",
                 Biquad::MAX_GAIN
             ),
             Self::NoMode { biquad } => {
-                write!(f, "biquad {biquad}: its pole is real, or another's too: play it as a biquad, or move the pole")
+                write!(f, "biquad {biquad}: its pole is real or coincides with another: play it as a biquad or move the pole")
             }
             Self::BeyondNyquist { biquad, angle } => write!(
                 f,
-                "biquad {biquad}: at this rate its pole would stand at {angle} of half the rate: leave it out, or play at the rate of the table"
+                "biquad {biquad}: its pole would stand at {angle} of half this rate: leave it out or play at the table's rate"
             ),
             Self::Depth { depth, sections } => {
                 write!(f, "{sections} sections in chains of {depth}: give whole chains of 1 to 4 sections")
             }
-            Self::Full { sections, room } => write!(f, "{sections} sections where {room} fit: give fewer"),
+            Self::Full { sections, room } => write!(f, "{sections} sections are given, but {room} fit: give fewer"),
         }
     }
 }
@@ -117,17 +119,21 @@ impl fmt::Display for BiquadError {
 impl core::error::Error for BiquadError {}
 
 impl Biquad {
-    /// The largest pole radius: beyond it δ would be less than 43 steps of Q32, and a decay would be off by more than 1 %.
+    /// Largest pole radius.
+    ///
+    /// With a larger one δ would be less than 43 steps of Q32, and a decay off by more than 1 %.
     pub const MAX_POLE_RADIUS: f64 = 1.0 - 5e-9;
-    /// The largest sum of an impulse response's sizes, 2^30.
+    /// Largest sum of the sizes of an impulse response, 2^30.
     pub const MAX_GAIN: f64 = 1_073_741_824.0;
 
-    /// `k (1 - 2 Re q z⁻¹ + |q|² z⁻²) / (1 - 2 Re p z⁻¹ + |p|² z⁻²)`, diffmodal eq. 2.
+    /// Makes the section of diffmodal's eq. 2 from pole p, zero q and gain k.
+    ///
+    /// `H(z) = k (1 - 2 Re q z⁻¹ + |q|² z⁻²) / (1 - 2 Re p z⁻¹ + |p|² z⁻²)`.
     pub fn from_roots(pole: Root, zero: Root, gain: f64) -> Self {
         Self { pole, numerator: [gain, -2.0 * gain * zero.real, gain * zero.square()] }
     }
 
-    /// k and the zeros q as a conjugate pair, or as two real ones (larger first). `None` without b0.
+    /// Gain k and both zeros, a conjugate pair or two real ones (larger first). `None` if b0 is 0.
     pub fn roots(&self) -> Option<(f64, [Root; 2])> {
         let [b0, b1, b2] = self.numerator;
         let (half, square) = (-b1 / b0 / 2.0, b2 / b0);
@@ -141,7 +147,9 @@ impl Biquad {
         (b0 != 0.0).then_some((b0, pair))
     }
 
-    /// Whether its numbers are numbers and its poles within the unit circle; `index` is for the message.
+    /// Checks that all numbers are finite and the poles within the unit circle.
+    ///
+    /// `index` is the number of the biquad, for the message.
     ///
     /// # Errors
     /// [`BiquadError::NotFinite`], [`BiquadError::UnstablePole`].

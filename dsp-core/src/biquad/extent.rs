@@ -1,23 +1,23 @@
-//! How large the states of coupled parts can become within a tick.
+//! Bounds of the states of coupled parts within a tick.
 
 use super::fractions::{Part, Realised};
 use super::pole::{Form, Pole};
 use crate::time::TICK_FRAMES;
 
-/// Bounds of `max(|u| 2^k, |v|)` over a tick, intermediate results included, of all of a unit's parts.
+/// Bounds of `max(|u| 2^k, |v|)` of all parts of a unit over a tick, intermediate results included.
 pub(super) struct Extent {
-    /// For states of size 1 at its start.
+    /// Bound for states of size 1 at the tick's start.
     pub(super) growth: f64,
-    /// For inputs whose sizes add up to 1.
+    /// Bound for inputs whose sizes add up to 1.
     pub(super) of_input: f64,
-    /// For an input of size 1 that never ends.
+    /// Bound for an input of size 1 that never ends.
     pub(super) reach: f64,
 }
 
 impl Extent {
-    /// By stepping the parts, one behind the other, in `f64`.
+    /// Finds the bounds by stepping the parts of a row in `f64`.
     pub(super) fn of(parts: &[Part<Pole>]) -> Self {
-        // All starts lie between the corners of a cube; what grows from its edges, added up, bounds them all.
+        // Growth is linear: the sum of the growths from the unit vectors bounds all starts in the unit cube.
         let mut growths = [0.0; 4];
         for start in 0..parts.len() {
             for on_u in [true, false] {
@@ -42,7 +42,7 @@ impl Extent {
     }
 }
 
-/// The largest size of each part over a tick that begins with these states.
+/// Largest size of each part over a tick that begins with these states.
 fn walk(parts: &[Part<Pole>], mut states: [[f64; 2]; 4]) -> [f64; 4] {
     let mut sizes = [0.0f64; 4];
     for frame in 0..=TICK_FRAMES {

@@ -1,24 +1,24 @@
 //! A chain of sections as sections side by side: the partial fractions of eq. 3's product.
 //!
-//! Bounds of states multiply along a chain, and each costs bits; side by side each section has its
-//! own. Where poles (nearly) coincide, parts of opposite sign would cancel: those stay behind one
-//! another, as a *cluster*, in Newton's form instead of Lagrange's,
+//! Bounds of states multiply along a chain, and each costs bits. Side by side each section has a bound
+//! of its own. Parts of opposite sign would cancel if poles (nearly) coincide: such sections stay in a
+//! row, as a *cluster*, in Newton's form instead of Lagrange's,
 //!
 //! ```text
 //! H = b0 + Σ_clusters  A_1 / (D_1 D_2 ... D_n) + A_2 / (D_2 ... D_n) + ... + A_n / D_n
 //!     A_k linear in z
 //! ```
 //!
-//! which is a chain whose every section has the input with two gains of its own, and of which the
-//! last sounds. Nothing in it grows when D_1 = D_2.
+//! which is a chain that feeds the input into every section with two gains of its own, and whose last
+//! section sounds. No term grows when D_1 = D_2.
 //!
 //! # Arithmetic
 //!
 //! Polynomials are in `ζ = z - 1` (`-z - 1` for mirrored sections), in which a slow pole pair is
-//! `ζ² + (δ + e²) ζ + e²`: no digit is lost however near it is to 1. What is known of the numerator
-//! is its residue modulo D_1 ... D_n in Newton's coordinates, `A_1 + D_1 A_2 + D_1 D_2 A_3 + ...`;
-//! multiplying that by a section's numerator, and dividing it by the denominator of a section
-//! outside the cluster, needs no difference of near poles as a divisor.
+//! `ζ² + (δ + e²) ζ + e²`: no digit is lost however near it is to 1. The numerator is kept as its
+//! residue modulo D_1 ... D_n in Newton's coordinates, `A_1 + D_1 A_2 + D_1 D_2 A_3 + ...`. The residue
+//! is multiplied by each section's numerator, and divided by the denominators outside the cluster.
+//! Neither needs a difference of near poles as a divisor.
 
 use super::design::{Biquad, Root};
 
@@ -28,17 +28,17 @@ pub trait Realised: Copy {
     /// Arithmetic that all sections of a cluster must share.
     type Form: Ord;
 
-    /// A section that does nothing.
+    /// Pole of an empty section.
     const EMPTY: Self;
 
-    /// The mean real part of a cluster's poles below which they run mirrored.
+    /// Bound of the mean real part of a cluster's poles, below which they run mirrored.
     const MIRROR_BELOW: f64;
 
-    /// The first form in which a pole is exact.
+    /// First form in which a pole is exact.
     fn form_of(root: Root, mirrored: bool) -> Self::Form;
-    /// The nearest pole that a form can hold.
+    /// Nearest pole that a form can hold.
     fn new(root: Root, mirrored: bool, form: &Self::Form) -> Self;
-    /// True if it stands for -p, on input and output of alternating sign.
+    /// True if the pole stands for -p, on input and output of alternating sign.
     fn is_mirrored(self) -> bool;
     /// δ, after rounding.
     fn delta(self) -> f64;
@@ -46,15 +46,15 @@ pub trait Realised: Copy {
     fn step_squared(self) -> f64;
     /// Share of u that goes into v in each sample.
     fn entry(self) -> f64;
-    /// The possible multiplier from another section's v into this one's, by way of u, that is
-    /// nearest to a wanted one; not 0.
+    /// Nearest possible multiplier to a wanted one, from another section's v into this section's v by
+    /// way of u; not 0.
     fn handed(self, wanted: f64) -> f64;
 }
 
 /// One section of a chain's partial fractions.
 #[derive(Clone, Copy, Debug)]
 pub struct Part<P> {
-    /// Its poles.
+    /// Pair of conjugate poles.
     pub pole: P,
     /// Gains of the input into u and into v.
     pub gains: [f64; 2],
@@ -64,15 +64,16 @@ pub struct Part<P> {
 }
 
 impl<P: Realised> Part<P> {
-    /// Silence.
+    /// An empty part, which is silent.
     pub const EMPTY: Self = Self { pole: P::EMPTY, gains: [0.0; 2], handed: 0.0 };
 }
 
-/// `a0 + a1 ζ`.
+/// Linear polynomial `a0 + a1 ζ`.
 type Line = [f64; 2];
 
-/// The parts of a chain of at most four sections, cluster by cluster; as many as it has sections
-/// are in use.
+/// Derives the parts of a chain of at most four sections, cluster by cluster, one for each section.
+///
+/// Further parts of the result are empty.
 pub fn parts<P: Realised>(chain: &[Biquad]) -> [Part<P>; 4] {
     let clusters = clusters(chain);
     let mut parts = [Part::EMPTY; 4];
@@ -117,7 +118,7 @@ pub fn parts<P: Realised>(chain: &[Biquad]) -> [Part<P>; 4] {
     parts
 }
 
-/// Which sections stay behind one another: a label each, that of the first of them.
+/// Labels the sections by cluster: each has the number of the first section of its cluster.
 fn clusters(chain: &[Biquad]) -> [u8; 4] {
     let mut labels = [0, 1, 2, 3];
     for (i, one) in chain.iter().enumerate() {
@@ -133,26 +134,28 @@ fn clusters(chain: &[Biquad]) -> [u8; 4] {
     labels
 }
 
-/// True if two poles are so near that their parts would cancel: parts are `width / distance` times
-/// too large for each near neighbour. Further apart, sections in a row would lose more than that:
-/// one rings to another's rounding.
+/// True if two poles are so near that their parts would cancel.
+///
+/// Each near neighbour makes a part `width / distance` times too large. Further apart, sections in a
+/// row would lose more than that, because one rings to another's rounding.
 fn are_near(one: Root, other: Root) -> bool {
     let width = |pole: Root| 1.0 - libm::sqrt(pole.square());
     let distance = libm::hypot(one.real - other.real, one.imaginary.abs() - other.imaginary.abs());
     width(one).min(width(other)) > 0.6 * distance
 }
 
-/// Side (true: mirrored) and form of a cluster, a form that serves all its sections; `None` if
-/// there is no such cluster.
+/// Side (true: mirrored) and form that all sections of a cluster share; `None` if there is no such
+/// cluster.
 fn in_common<P: Realised>(chain: &[Biquad], clusters: &[u8; 4], label: u8) -> Option<(bool, P::Form)> {
     let members = || chain.iter().zip(clusters).filter(|(_, its)| **its == label).map(|(biquad, _)| biquad.pole);
     let mirrored = members().map(|pole| pole.real - P::MIRROR_BELOW).sum::<f64>() < 0.0;
     members().map(|pole| P::form_of(pole, mirrored)).max().map(|form| (mirrored, form))
 }
 
-/// The multiplier between two parts of a cluster: one with which the second sounds as loud as the
-/// first where it is loudest, at its angle or at 0; four times louder where they are so narrow that
-/// strikes are over long before a chain has built up its level.
+/// Multiplier between two parts of a cluster that makes the second as loud as the first.
+///
+/// Both are compared at the loudest point, at the pole's angle or at 0. Very narrow parts get four
+/// times as much: strikes are over long before such a chain has built up its level.
 fn coupling<P: Realised>(pole: P, root: Root) -> f64 {
     let radius = libm::sqrt(root.square());
     let width = 1.0 - radius;
@@ -161,13 +164,13 @@ fn coupling<P: Realised>(pole: P, root: Root) -> f64 {
     pole.handed(louder * there.min(pole.step_squared()))
 }
 
-/// c0 and c1 of `z² - 2 Re p z + |p|² = ζ² + c1 ζ + c0`, where ζ is mirrored or not.
+/// Coefficients c0 and c1 of `z² - 2 Re p z + |p|² = ζ² + c1 ζ + c0`, with ζ mirrored or not.
 fn monic<P: Realised>(pole: P, mirrored: bool) -> Line {
     let (delta, step) = (pole.delta(), pole.step_squared());
     if pole.is_mirrored() == mirrored { [step, delta + step] } else { [4.0 - 2.0 * delta - step, 4.0 - delta - step] }
 }
 
-/// `b0 z² + b1 z + b2` in powers of ζ.
+/// Coefficients of `b0 z² + b1 z + b2` in powers of ζ.
 fn numerator(biquad: &Biquad, mirrored: bool) -> [f64; 3] {
     let [b0, b1, b2] = biquad.numerator;
     let b1 = if mirrored { -b1 } else { b1 };
@@ -185,7 +188,7 @@ impl Newton {
         Self { denominators, lines: [[1.0, 0.0], [0.0; 2], [0.0; 2], [0.0; 2]] }
     }
 
-    /// By `n0 + n1 ζ + n2 ζ²`, which is `n2 D_k` and a line, for each k.
+    /// Multiplies by `n0 + n1 ζ + n2 ζ²`, which is `n2 D_k` plus a linear polynomial for each k.
     fn multiply(&mut self, [n0, n1, n2]: [f64; 3]) {
         let (mut before, mut carry) = ([0.0; 2], 0.0);
         for (line, denominator) in self.lines.iter_mut().zip(self.denominators) {
@@ -214,13 +217,13 @@ impl Newton {
     }
 }
 
-/// A product modulo `ζ² + c1 ζ + c0`, and how many times that it has beside.
+/// Product modulo `ζ² + c1 ζ + c0`, and the multiple of the modulus that was removed.
 fn times([a0, a1]: Line, [b0, b1]: Line, [c0, c1]: Line) -> (Line, f64) {
     let square = a1 * b1;
     ([a0 * b0 - square * c0, a0 * b1 + a1 * b0 - square * c1], square)
 }
 
-/// One over a line modulo `ζ² + c1 ζ + c0`: its conjugate over its norm.
+/// Reciprocal of a linear polynomial modulo `ζ² + c1 ζ + c0`: its conjugate over its norm.
 fn inverse([a0, a1]: Line, [c0, c1]: Line) -> Line {
     let norm = a0 * a0 - a0 * a1 * c1 + a1 * a1 * c0;
     [(a0 - a1 * c1) / norm, -a1 / norm]

@@ -8,31 +8,36 @@
 //!
 //! # The form
 //!
-//! A direct form in Q31 keeps 51 dB of a low pole. A section is the modified coupled form of [`crate::resonator`] instead, with the input going into
-//! both states; what goes straight through is added once for all chains:
+//! A direct form in Q31 keeps 51 dB of a low pole. A section is the modified coupled form of
+//! [`crate::resonator`] instead, with the input going into both states. The direct gain is added once
+//! for all chains:
 //!
 //! ```text
 //! y = v;   u -= e v;   v += e u;   u -= δ u;   u += g_u x;   v += g_v x
 //! δ = 1 - |p|²,  e² = |1 - p|²;   n1 z⁻¹ + n2 z⁻² over the denominator:  g_v = n1,  e g_u = n2 + |p|² n1
 //! ```
 //!
-//! Two multipliers realise any numerator, δ and e any pair of conjugate poles. Poles of Re p < 0 run mirrored (on input and output of
-//! alternating sign); poles of e >= 1/2 or |p|² < 1/2 have their own scaling ([`pole::Form`]).
+//! Two multipliers realise any numerator, δ and e any pair of conjugate poles. Poles of Re p < 0 run
+//! mirrored (on input and output of alternating sign). Poles of e >= 1/2 or |p|² < 1/2 have scalings
+//! of their own ([`pole::Form`]).
 //!
 //! # Chains
 //!
-//! The product of a chain is run as the sum of its partial fractions, a section each and as many as before; sections whose poles (nearly) coincide stay
-//! behind one another, each with its own share of the input ([`fractions`] says why and how).
+//! The product of a chain runs as the sum of its partial fractions: one section each, so that their
+//! number stays. Sections whose poles (nearly) coincide stay in a row, each with a share of the input
+//! of its own. [`fractions`] says why, and derives the shares.
 //!
 //! # Scaling
 //!
-//! A pair of sections has a power of two of its own, `state = value · 2^E`, kept between ticks by `pair::settle`: from its states and the
-//! level of the input the largest E is chosen for which nothing can wrap. So a resonance that takes 50 dB off a noise input still has all its bits.
-//! The proof stands there.
+//! A pair of sections has a power of two of its own, `state = value · 2^E`. The private module `settle`
+//! chooses it between ticks, from the states and the level of the input: the largest E for which
+//! nothing can wrap, with the proof. So a resonance that takes 50 dB off a noise input still has all
+//! its bits.
 //!
 //! # Hand
 //!
-//! Under a hand a chain's states are multiplied by κ after each frame, so that it falls no slower than the hand wants: the private module `choke`.
+//! Under a hand a chain's states are multiplied by κ after each frame, so that the chain decays at least
+//! as fast as the hand wants (private module `choke`).
 //!
 //! Worst SNR against `f64`, and cycles: `docs/biquads.md`.
 
@@ -48,6 +53,10 @@ pub mod rate;
 
 mod choke;
 mod extent;
+mod gain;
+mod placement;
+mod settle;
+mod unit;
 
 pub use bank::{Bank, TickKind};
 pub use design::{Biquad, BiquadError, Root};

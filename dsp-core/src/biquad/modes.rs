@@ -1,12 +1,13 @@
 //! Modes as biquads and chains of biquads as modes.
 //!
-//! A mode at a rate is one biquad: impulse invariance gives `h[n] = r^n (gs sin nθ + gc cos nθ) / fs` with half of `h[0]`, so that (eq. 2)
+//! A mode at a rate is one biquad. Impulse invariance gives
+//! `h[n] = r^n (gs sin nθ + gc cos nθ) / fs` with half of `h[0]`, so that (eq. 2)
 //!
 //! ```text
 //! b0 = gc / 2 fs,   b1 = gs r sin θ / fs,   b2 = -gc r² / 2 fs
 //! ```
 //!
-//! A chain is a sum of modes, its partial fractions, and of what goes straight through.
+//! A chain is the sum of its partial fractions, which are modes, and a direct gain.
 
 use super::design::{Biquad, BiquadError, Root};
 use crate::SampleRate;
@@ -14,29 +15,29 @@ use crate::SampleRate;
 /// A mode: `h(t) = e^{-d t} (gs sin 2πft + gc cos 2πft)`, a force of 1 for 1 s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Partial {
-    /// f in Hz.
+    /// Frequency f in Hz.
     pub frequency_hz: f64,
-    /// d in 1/s.
+    /// Decay rate d in 1/s.
     pub decay_per_s: f64,
-    /// gs.
+    /// Sine gain gs.
     pub sine: f64,
-    /// gc.
+    /// Cosine gain gc.
     pub cosine: f64,
 }
 
 /// A chain of biquads as modes side by side and a direct term.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModalForm {
-    /// As many modes as the chain has biquads, in its order.
+    /// Modes in the order of the chain's biquads; the first `count` are valid.
     pub modes: [Partial; 4],
-    /// How many that are.
+    /// Number of modes.
     pub count: usize,
-    /// What of an input goes straight through, beside the halves of `h[0]` that the modes have.
+    /// Direct gain from input to output, beside the halves of `h[0]` that the modes have.
     pub direct: f64,
 }
 
 impl Partial {
-    /// The biquad of the mode at a rate. Frequencies below half the rate.
+    /// Derives the biquad of the mode at a rate; the frequency must be below half the rate.
     pub fn to_biquad(self, rate: SampleRate) -> Biquad {
         let radius = libm::exp(-self.decay_per_s / rate.hz());
         let pole = Root::polar(radius, core::f64::consts::TAU * self.frequency_hz / rate.hz());
@@ -46,11 +47,13 @@ impl Partial {
 }
 
 impl ModalForm {
-    /// The modes of a chain of 1 to 4 biquads at a rate. Exact to 1e-9 of the response where poles are apart by their widths.
+    /// Derives the modes of a chain of 1 to 4 biquads at a rate.
+    ///
+    /// They are exact to 1e-9 of the response if the poles are apart by their widths.
     ///
     /// # Errors
-    /// [`BiquadError::NotFinite`], [`BiquadError::UnstablePole`]; [`BiquadError::NoMode`] for a pole at 0, real poles, and poles that coincide;
-    /// [`BiquadError::Depth`].
+    /// [`BiquadError::NotFinite`], [`BiquadError::UnstablePole`], [`BiquadError::Depth`];
+    /// [`BiquadError::NoMode`] for a pole at 0, real poles, and poles that coincide.
     pub fn of(chain: &[Biquad], rate: SampleRate) -> Result<Self, BiquadError> {
         if !(1..=4).contains(&chain.len()) {
             return Err(BiquadError::Depth { depth: chain.len(), sections: chain.len() });
@@ -66,7 +69,7 @@ impl ModalForm {
             if pole.imaginary == 0.0 {
                 return Err(BiquadError::NoMode { biquad: index });
             }
-            // At z = p: Π N(p) / ((p - p*) Π_others D(p)), times p: what p^n begins with at n = 0.
+            // At z = p: Π N(p) / ((p - p*) Π_others D(p)), times p: the factor of p^n from n = 0 on.
             let pole = Root { imaginary: pole.imaginary.abs(), ..pole };
             let mut residue = Root { real: 1.0, imaginary: 0.0 };
             for (other, section) in chain.iter().enumerate() {

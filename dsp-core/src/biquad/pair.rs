@@ -1,145 +1,85 @@
-//! Two sections side by side, or one behind the other: what a kernel takes at a time, and the power of two by which both are scaled.
-//!
-//! # Why nothing can wrap
-//!
-//! The size of a state is `s = max(|u| 2^k, |v|)`. Between two calls of `settle` (a tick at most) everything is linear, so that each intermediate
-//! result is at most
-//!
-//! ```text
-//! G s + M X         G: the largest growth of states of size 1 over a tick's frames; M: the largest size that a single input of 1 leaves (both
-//!                      found on load by stepping the very sections in `f64`: `extent`);  X: the bound of the sum of all inputs' sizes
-//! ```
-//!
-//! With whole powers of two above each, settle chooses E such that `G s < 2^30` and `M X < 2^29`: states stay below `2^30 + 2^29`, and
-//! rounding (at most five halves of a step a frame, each growing by G) adds less than 2^9.
+//! Two sections side by side or in a row: what a kernel runs at a time.
 
 use super::choke::{Choked, Turn};
 use super::design::{Biquad, BiquadError};
 use super::extent::Extent;
 use super::fractions::Part;
+use super::gain::Gain;
 use super::pole::{Form, Pole};
 
-/// What bounds the input: for the words that the kernels make of it, `word = value · 2^exponent`, `Σ |word| <= 2^X_BITS` over a tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Level {
-    /// Power of two by which the words are larger than the values, which count steps of the bus. `None`: nothing comes in.
-    pub(super) exponent: Option<i32>,
-}
+/// Largest exponent of a state: with a larger one a state is far below any step of the bus.
+pub(super) const MAX_EXPONENT: i32 = 200;
 
-/// Bits of the input's words, added up: enough for 130 dB each, few enough to leave their multipliers 20 bits beside a resonance of 90 dB.
-pub(super) const X_BITS: i32 = super::kernel::ALLOWANCE.ilog2() as i32;
-/// The largest exponent of a state: beyond it all is far below any bus.
-const MAX_EXPONENT: i32 = 200;
-/// Bits of growth of states.
-const STATE_BITS: i32 = 30;
-/// Bits of what an input adds.
-const INPUT_BITS: i32 = 29;
-
-/// A gain as `mantissa · 2^(exponent - 31)`, mantissa normalised.
-#[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub(super) struct Gain {
-    mantissa: i32,
-    exponent: i32,
-}
-
-impl Gain {
-    pub(super) const ZERO: Self = Self { mantissa: 0, exponent: -1000 };
-
-    pub(super) fn new(value: f64) -> Self {
-        let (fraction, exponent) = libm::frexp(value);
-        match value == 0.0 {
-            true => Self::ZERO,
-            false => Self { mantissa: libm::rint(fraction * 2_147_483_648.0) as i32, exponent },
-        }
-    }
-
-    /// It is below 2^this.
-    pub(super) fn exponent(self) -> i32 {
-        self.exponent
-    }
-
-    /// The product with a word, to the nearest; below 2^62.
-    fn times(self, word: i32) -> i64 {
-        let right = (31 - self.exponent).clamp(1, 63);
-        (i64::from(self.mantissa) * i64::from(word) + (1 << (right - 1))) >> right
-    }
-
-    /// The multiplier `gain · 2^shift` as Q32; the caller sees to it that it is below 1/2.
-    pub(super) fn q32(self, shift: i32) -> i32 {
-        crate::fixed::rounding_shift_right(self.mantissa, (-1 - shift - self.exponent).clamp(0, 40) as u32)
-    }
-}
-
-/// A section as the kernels have it.
+/// A section as the kernels run it.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Cell {
-    /// The component that does not sound.
+    /// State that does not sound.
     pub(super) u: i32,
-    /// The component that sounds.
+    /// State that sounds.
     pub(super) v: i32,
-    /// e or e²/2^k, Q32.
+    /// Multiplier e or e²/2^k, Q32.
     pub(super) turn: i32,
-    /// δ as Q32; 1 - δ as Q31 for [`Form::Damped`].
+    /// Multiplier δ as Q32; for [`Form::Damped`] 1 - δ as Q31.
     pub(super) damp: i32,
-    /// Q32 of the input into u.
+    /// Multiplier of the input into u, Q32.
     pub(super) gain_u: i32,
-    /// Q32 of the input into v.
+    /// Multiplier of the input into v, Q32.
     pub(super) gain_v: i32,
 }
 
 impl Cell {
     const EMPTY: Self = Self { u: 0, v: 0, turn: 0, damp: 0, gain_u: 0, gain_v: 0 };
 
-    /// A part at rest, without input.
+    /// Makes a section at rest that has no input yet.
     fn new(pole: Pole) -> Self {
         Self { turn: pole.turn, damp: pole.damp, ..Self::EMPTY }
     }
 }
 
-/// Two sections. The first words are what the kernels read.
+/// Two sections; the kernels read the words up to `asks`.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Pair {
     /// The sections.
     pub(super) cells: [Cell; 2],
-    /// Q32 of each v into the mix.
+    /// Multiplier of each v into the mix, Q32.
     pub(super) scales: [i32; 2],
-    /// Q32 of the first's v into the second's u.
+    /// Multiplier of the first section's v into the second section's u, Q32.
     pub(super) couple: i32,
-    /// Q32 of what the pair before hands on, into the first's u.
+    /// Multiplier of the pair before's second v into the first section's u, Q32.
     pub(super) chain: i32,
-    /// States smaller than this ask to be settled.
+    /// Lower bound of the size of states: smaller states ask to be settled.
     pub(super) low: u32,
-    /// So do those that are as large as this above `low`.
+    /// Distance from `low` to the upper bound of states: larger states ask to be settled too.
     pub(super) span: u32,
-    /// Form, [`Wiring`] times 4, and the bits below.
+    /// Form, plus [`Wiring`] times 4, plus [`SKIPPED`] and [`MIRRORED`].
     pub(super) kind: u8,
-    /// k of the form.
+    /// Shift k of the form.
     pub(super) shift: u8,
-    /// Whether it asks to be settled.
+    /// Not 0 if the pair asks to be settled.
     pub(super) asks: u8,
-    /// Whether it belongs to the pair before, whose exponent is its own.
-    is_tail: bool,
-    exponent: i32,
-    gains: [[Gain; 2]; 2],
-    /// Bound of what it sounds like until it is settled anew, in steps of the bus.
-    loudness: f32,
-    growth: f32,
-    of_input: f32,
-    /// Bits of the largest gain, and of the sum of its impulse response's sizes.
-    gain_bits: i16,
+    /// True if the pair belongs to the pair before and shares its exponent.
+    pub(super) is_tail: bool,
+    pub(super) exponent: i32,
+    pub(super) gains: [[Gain; 2]; 2],
+    /// Bound of the pair's sound until it is settled anew, in steps of the bus.
+    pub(super) loudness: f32,
+    pub(super) growth: f32,
+    pub(super) of_input: f32,
+    /// Bits of the largest gain.
+    pub(super) gain_bits: i16,
+    /// Bits of the sum of the sizes of the impulse response.
     reach_bits: i16,
-    /// What a hand's coming or going puts in its place.
-    other: Other,
+    /// Values that replace the pair's own when a hand comes or goes.
+    pub(super) other: Other,
 }
 
-/// What a pair is under the hand, or without it: what changes when the hand comes or goes.
+/// Values of a pair for the other state of the hand: laid on if it is away, away if it is laid on.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-struct Other {
-    /// Turn and damp of each cell.
+pub(super) struct Other {
+    /// Multipliers `turn` and `damp` of each cell.
     poles: [[i32; 2]; 2],
     gains: [[Gain; 2]; 2],
     couple: i32,
@@ -148,8 +88,9 @@ struct Other {
     of_input: f32,
     gain_bits: i16,
     form: u8,
-    /// What each u becomes on the way there, and on the way back.
-    there: [[Gain; 2]; 2],
+    /// Gains of u and v into the new u of each cell when these values are taken.
+    pub(super) there: [[Gain; 2]; 2],
+    /// Gains of u and v into the new u of each cell when these values are left.
     back: [[Gain; 2]; 2],
 }
 
@@ -167,7 +108,7 @@ impl Other {
         back: [[Gain::ZERO; 2]; 2],
     };
 
-    /// Of a pair made of the parts under the hand.
+    /// Takes the values of a pair that was made for the other state of the hand.
     fn of(pair: &Pair, there: &[Turn], back: &[Turn]) -> Self {
         let ways = |turns: &[Turn]| {
             let mut ways = [[Gain::ZERO; 2]; 2];
@@ -189,29 +130,29 @@ impl Other {
     }
 }
 
-/// How the sections of a pair stand to one another.
+/// Connection of the sections of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Wiring {
-    /// There is no second.
+    /// One section only.
     Single = 0,
-    /// Side by side; both sound.
+    /// Two sections side by side; both sound.
     Parallel = 1,
-    /// One behind the other; the second sounds.
+    /// Two sections in a row; the second sounds.
     Coupled = 2,
-    /// A half of three or four, one behind the other.
+    /// One half of three or four sections in a row.
     Chain = 3,
 }
 
-/// In a kind: the form.
+/// Bits of a kind that hold the form.
 const FORM: u8 = 3;
-/// In a kind: it is not run.
+/// Bit of a kind: the pair is not run.
 pub const SKIPPED: u8 = 16;
-/// In a kind: on input and output of alternating sign.
+/// Bit of a kind: the pair runs on input and output of alternating sign.
 pub const MIRRORED: u8 = 32;
 
 impl Pair {
-    /// No sections.
+    /// A pair without sections.
     pub const EMPTY: Self = Self {
         cells: [Cell::EMPTY; 2],
         scales: [0; 2],
@@ -233,8 +174,10 @@ impl Pair {
         other: Other::EMPTY,
     };
 
-    /// The pairs, one or two, of a part that stands alone, or of two to four that stand behind one another. `index` is that of the chain's first
-    /// biquad, for the message. `kept` is what a hand leaves of their states after a frame.
+    /// Makes the one or two pairs of one part alone, or of two to four parts in a row.
+    ///
+    /// `kept` is the factor by which a hand lowers their states in each frame. `index` is the number of
+    /// the chain's first biquad, for the message.
     ///
     /// # Errors
     /// [`BiquadError::UnboundedGain`].
@@ -263,7 +206,7 @@ impl Pair {
         Ok((head, tail.is_tail.then_some(tail)))
     }
 
-    /// The pairs of parts, without a hand; the second is a tail, or empty.
+    /// Makes the pairs of parts without a hand; the second is a tail, or empty.
     fn free(parts: &[Part<Pole>], extent: &Extent) -> [Self; 2] {
         let mut pairs = [Self::EMPTY; 2];
         for (number, (pair, parts)) in pairs.iter_mut().zip(parts.chunks(2)).enumerate() {
@@ -296,14 +239,14 @@ impl Pair {
         [head, tail]
     }
 
-    /// Whether another single section may stand beside this one's.
+    /// True if the single section of `other` can be joined to this one.
     pub(super) fn takes(&self, other: &Self) -> bool {
         self.wiring() == Wiring::Single
             && other.wiring() == Wiring::Single
             && (self.kind, self.other.form) == (other.kind, other.other.form)
     }
 
-    /// Takes a single section beside its own.
+    /// Adds the single section of `other` beside the pair's own.
     pub(super) fn join(&mut self, other: &Self) {
         let ([first, _], [its_gains, _]) = (other.cells, other.gains);
         let ([cells, _], [gains, _]) = (self.cells, self.gains);
@@ -321,8 +264,8 @@ impl Pair {
         own.gain_bits = own.gain_bits.max(its.gain_bits);
     }
 
-    /// What a hand's coming or going makes of its sections, but for their states.
-    fn exchange(&mut self) {
+    /// Exchanges all values that depend on the hand, except the states.
+    pub(super) fn exchange(&mut self) {
         let other = &mut self.other;
         for (cell, pole) in self.cells.iter_mut().zip(&mut other.poles) {
             let [turn, damp] = pole;
@@ -342,7 +285,7 @@ impl Pair {
         self.shift = self.form().shift() as u8;
     }
 
-    /// How its sections stand.
+    /// Connection of the sections.
     pub(super) fn wiring(&self) -> Wiring {
         match (self.kind >> 2) & 3 {
             0 => Wiring::Single,
@@ -352,22 +295,22 @@ impl Pair {
         }
     }
 
-    /// Whether it runs on input and output of alternating sign.
+    /// True if the pair runs on input and output of alternating sign.
     pub(super) fn is_mirrored(&self) -> bool {
         self.kind & MIRRORED != 0
     }
 
-    /// Whether it is not run.
+    /// True if the pair is not run.
     pub(super) fn is_skipped(&self) -> bool {
         self.kind & SKIPPED != 0
     }
 
-    /// Whether it belongs to the pair before.
+    /// True if the pair belongs to the pair before.
     pub(super) fn is_tail(&self) -> bool {
         self.is_tail
     }
 
-    /// Its form.
+    /// Form of both sections.
     pub(super) fn form(&self) -> Form {
         match self.kind & 3 {
             0 => Form::Coupled,
@@ -377,22 +320,22 @@ impl Pair {
         }
     }
 
-    /// Bound of its sound until it is settled anew, in steps of the bus.
+    /// Bound of the pair's sound until it is settled anew, in steps of the bus.
     pub(super) fn loudness(&self) -> f32 {
         if self.is_skipped() { 0.0 } else { self.loudness }
     }
 
-    /// Words of its states are values times two to this.
+    /// Exponent of the states: words are values times two to this power.
     pub(super) fn exponent(&self) -> i32 {
         self.exponent
     }
 
-    /// Runs it from now on.
+    /// Lets the pair run from now on.
     pub(super) fn wake(&mut self) {
         self.kind &= !SKIPPED;
     }
 
-    /// Clears the states and leaves it out.
+    /// Clears the states and lets the pair run no more.
     pub(super) fn rest(&mut self) {
         for cell in &mut self.cells {
             (cell.u, cell.v) = (0, 0);
@@ -401,20 +344,22 @@ impl Pair {
         self.asks = 0;
     }
 
-    /// `max(|u| 2^k, |v|)` of both, rounded up to the next power of two less one.
+    /// Bound of `max(|u| 2^k, |v|)` of both sections: below twice the maximum.
     pub(super) fn size(&self) -> u32 {
         let folded = |word: i32| word ^ (word >> 31);
         let [a, b] = &self.cells;
         ((folded(a.v) | folded(b.v)) | ((folded(a.u) | folded(b.u)) << self.shift)) as u32
     }
 
-    /// Whether its states have left the bounds that `settle` chose.
+    /// True if the states have left the bounds that `settle` chose.
     pub(super) fn has_left_bounds(&self) -> bool {
         self.size().wrapping_sub(self.low) >= self.span
     }
 
-    /// Bits of what the states may still sound like, in steps of the bus: a slow mode's u becomes its v, at most four times as large, and
-    /// what a section hands on makes at most eight times as much of the next.
+    /// Bits of the loudest sound that the states may still make, in steps of the bus.
+    ///
+    /// A slow mode's u becomes its v, at most four times as large. A section's output makes the next
+    /// section at most eight times as large.
     pub(super) fn sound_bits(&self) -> i32 {
         let to_come = match self.wiring() {
             Wiring::Single | Wiring::Parallel => 2,
@@ -427,7 +372,7 @@ impl Pair {
         }
     }
 
-    fn set_mix(&mut self, room: i32, is_last: bool) {
+    pub(super) fn set_mix(&mut self, room: i32, is_last: bool) {
         // 2^32 · 2^-(E + room).
         let shift = 32 - self.exponent - room;
         let scale = if (0..31).contains(&shift) { 1 << shift } else { 0 };
@@ -442,93 +387,7 @@ impl Pair {
     }
 }
 
-/// Lets a hand come to a unit, or go: what rings goes on without a step. To be settled afterwards.
-pub(super) fn exchange(unit: &mut [Pair]) {
-    // Two to a pair, two pairs at most: what each u becomes, with 31 bits more than a word has.
-    let mut wide = [[0i64; 2]; 2];
-    let mut largest = 0;
-    for (pair, wide) in unit.iter_mut().zip(&mut wide) {
-        let there = pair.other.there;
-        pair.exchange();
-        for ((wide, cell), [of_u, of_v]) in wide.iter_mut().zip(&pair.cells).zip(there) {
-            *wide = of_u.times(cell.u).saturating_add(of_v.times(cell.v));
-            largest = largest.max(wide.unsigned_abs().saturating_mul(1 << pair.shift));
-        }
-    }
-    // States stay below 2^30.
-    let down = (64 - largest.leading_zeros()).saturating_sub(30);
-    for (pair, wide) in unit.iter_mut().zip(wide) {
-        pair.exponent -= down as i32;
-        for (cell, wide) in pair.cells.iter_mut().zip(wide) {
-            cell.u = (wide >> down) as i32;
-            cell.v = shifted(cell.v, -(down as i32));
-        }
-    }
-}
-
-/// Chooses a unit's exponent (a pair's, or that of two behind one another) for an input, shifts the states and derives the multipliers.
-pub(super) fn settle(unit: &mut [Pair], input: Level) {
-    let Some(head) = unit.first() else { return };
-    let (growth, of_input, before) = (head.growth, head.of_input, head.exponent);
-    let growth_bits = bits_above(growth);
-    let size = unit.iter().fold(0, |size, pair| size | pair.size());
-    let bits = 32 - size.leading_zeros() as i32;
-    // The multipliers of the input must stay below 1/2, and what it adds below 2^28.
-    let for_input = input.exponent.map_or(MAX_EXPONENT, |exponent| {
-        let room = (-1 - i32::from(head.gain_bits)).min(INPUT_BITS - X_BITS - bits_above(of_input));
-        (exponent + room).min(MAX_EXPONENT)
-    });
-    // A bit is left for the state to grow before it asks again.
-    let for_state = if size == 0 { MAX_EXPONENT } else { before + STATE_BITS - growth_bits - bits - 1 };
-    let exponent = for_input.min(for_state);
-    let moved = exponent - before;
-    let bits = if size == 0 { -1000 } else { bits + moved };
-    let shift = input.exponent.map(|from| exponent - from);
-    let added = shift.map_or(0.0, |shift| of_input * power_of_two(shift + X_BITS));
-    let high = (bits + 1).max(bits_above(added) + 1).max(1).min(STATE_BITS - growth_bits);
-    let may_grow = size != 0 && for_input > exponent + 2 && exponent < MAX_EXPONENT && high > 4;
-    let low = if may_grow { 1 << (high - 4) } else { 0 };
-    let bound = (power_of_two(high) * growth + added + 512.0) * power_of_two(-exponent);
-    for pair in unit {
-        for (cell, gains) in pair.cells.iter_mut().zip(&pair.gains) {
-            (cell.u, cell.v) = (shifted(cell.u, moved), shifted(cell.v, moved));
-            let [u, v] = gains.map(|gain| shift.map_or(0, |shift| gain.q32(shift)));
-            (cell.gain_u, cell.gain_v) = (u, v);
-        }
-        pair.exponent = exponent;
-        // Of two behind one another the first says when both have fallen.
-        pair.low = if pair.is_tail { 0 } else { low };
-        pair.span = (1u32 << high) - pair.low;
-        pair.loudness = if pair.wiring() == Wiring::Parallel { 2.0 * bound } else { bound };
-    }
-}
-
-/// Sets the multipliers into a mix of `value · 2^-room`.
-pub(super) fn set_mix(unit: &mut [Pair], room: i32) {
-    let last = unit.len().saturating_sub(1);
-    unit.iter_mut().enumerate().for_each(|(index, pair)| pair.set_mix(room, index == last));
-}
-
-/// A state moved by powers of two; settle sees to it that nothing is lost at the top.
-fn shifted(word: i32, shift: i32) -> i32 {
-    match shift {
-        0.. => word.wrapping_shl(shift.min(31) as u32),
-        right => crate::fixed::rounding_shift_right(word, right.unsigned_abs()),
-    }
-}
-
-/// 2^exponent, for bounds: at least 2^-126, at most 2^127.
-pub(super) fn power_of_two(exponent: i32) -> f32 {
-    f32::from_bits(((exponent.clamp(-126, 127) + 127) as u32) << 23)
-}
-
-/// The power of two above a bound.
-pub(super) fn bits_above(bound: f32) -> i32 {
-    // The exponent of a float, biased by 127, is that of the power of two below.
-    ((bound.to_bits() >> 23) & 255) as i32 - 126
-}
-
-/// A bound in single precision, with a little to spare for the rounding of multipliers.
+/// Rounds a bound up to single precision, with 1e-5 to spare for the rounding of multipliers.
 fn above(bound: f64) -> f32 {
     (bound * (1.0 + 1e-5)) as f32
 }

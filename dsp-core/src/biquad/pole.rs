@@ -18,7 +18,7 @@ pub enum Form {
 }
 
 impl Form {
-    /// By how many bits u is smaller than v.
+    /// Number of bits by which u is smaller than v.
     pub const fn shift(self) -> u32 {
         match self {
             Self::Coupled => 0,
@@ -30,28 +30,27 @@ impl Form {
 
 /// The two multipliers of a pair of conjugate poles: `|p|² = 1 - δ`, `|1 - p|² = e²`.
 ///
-/// They are numbers of their own, not roundings of something better: the partial fractions of a
-/// chain are derived from them, so that what rounding moves is a pole, and never the balance
-/// between parts that cancel.
+/// The partial fractions of a chain are derived from the rounded multipliers. So rounding moves a
+/// pole, and never the balance between parts that cancel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pole {
-    /// The arithmetic.
+    /// Arithmetic of the section.
     pub form: Form,
-    /// True if it stands for -p, on input and output of alternating sign.
+    /// True if the pole stands for -p, on input and output of alternating sign.
     pub mirrored: bool,
-    /// e or e²/2^k, Q32.
+    /// Multiplier e or e²/2^k, Q32.
     pub turn: i32,
-    /// δ as Q32; 1 - δ as Q31 for [`Form::Damped`].
+    /// Multiplier δ as Q32; for [`Form::Damped`] 1 - δ as Q31.
     pub damp: i32,
 }
 
 impl Pole {
-    /// e or e²/2^k as it is after rounding.
+    /// Multiplier e or e²/2^k after rounding.
     pub fn turn(self) -> f64 {
         f64::from(self.turn) / TWO_POW_32
     }
 
-    /// Q32 of another section's v into u, for what [`Realised::handed`] says.
+    /// Multiplier of another section's v into u, Q32, that realises a result of [`Realised::handed`].
     pub(super) fn couple(self, handed: f64) -> i32 {
         libm::rint(handed / self.entry() * TWO_POW_32) as i32
     }
@@ -60,10 +59,10 @@ impl Pole {
 impl Realised for Pole {
     type Form = Form;
 
-    /// At 1, without decay: nothing moves.
+    /// A pole at 1, without decay, at which no state changes.
     const EMPTY: Self = Self { form: Form::Coupled, mirrored: false, turn: 0, damp: 0 };
 
-    /// So that e² <= 2.
+    /// Bound 0, so that e² <= 2.
     const MIRROR_BELOW: f64 = 0.0;
 
     fn form_of(root: Root, mirrored: bool) -> Form {
@@ -122,15 +121,16 @@ impl Realised for Pole {
 
 const TWO_POW_32: f64 = 4_294_967_296.0;
 
-/// δ and e² of a pole, or of -p if mirrored: `|1 - p|²` without cancellation, `1 - |p|²` from the
-/// radius, exact where it is near 1.
+/// Values δ = `1 - |p|²` and e² = `|1 - p|²` of a pole p, or of -p if mirrored.
+///
+/// Neither loses digits to cancellation, and δ is exact for a radius near 1.
 pub fn steps(root: Root, mirrored: bool) -> (f64, f64) {
     let real = if mirrored { -root.real } else { root.real };
     let radius = libm::sqrt(root.square());
     ((1.0 - radius) * (1.0 + radius), (1.0 - real) * (1.0 - real) + root.imaginary * root.imaginary)
 }
 
-/// Nearest Q32, the largest below a half for more.
+/// Rounds to the nearest Q32; values of a half or more give the largest Q32.
 fn q32(value: f64) -> i32 {
     libm::rint(value * TWO_POW_32) as i32
 }

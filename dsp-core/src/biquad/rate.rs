@@ -4,28 +4,35 @@ use super::design::{Biquad, BiquadError, Root};
 use crate::SampleRate;
 use core::f64::consts::PI;
 
-/// How far beyond half the rate a pole may stand and still be put there: the codec's clock is 186 ppm off.
+/// Largest ratio of a pole's frequency to half the rate at which the pole is moved to half the rate.
+///
+/// A pole at half the nominal rate must stay playable: the codec's clock is 186 ppm off.
 const TOLERANCE: f64 = 1.001;
 
-/// Product of two zeros' distances from a point of the circle below which |H| there is no level to keep.
+/// Product of two zeros' distances from a point of the circle, below which |H| there is not kept.
 const VANISHING: f64 = 1e-6;
 
 impl Biquad {
-    /// The biquad for `rate` of a table's pole pair, zero pair and gain, which are given for `rate_hz`.
+    /// Makes the biquad for `rate` from a table's pole pair, zero pair and gain for `rate_hz`.
     ///
-    /// The law, with ρ = `rate_hz` / rate and `arg` from 0 to π:
+    /// Frequencies in Hz and decays in 1/s stay, and so does the level of the resonance. The law, with
+    /// ρ = `rate_hz` / rate and `arg` from 0 to π:
     ///
     /// ```text
     /// p' = |p|^ρ at the angle min(ρ arg p, π),   q' = |q|^ρ at the angle min(ρ arg q, π)
     /// k' = k |H(e^iθ)| / |H'(e^iθ')|,   θ = arg p,  θ' = arg p'
     /// ```
     ///
-    /// Where the zeros' distances from `e^iθ`, multiplied, are below 1e-6, or from `e^iθ'`, k' = k: a level that nearly vanishes is none to keep.
-    /// So frequencies in Hz and decays in 1/s stay, and the level of the resonance. It holds for every root: a real one below 0 is a pair at half
-    /// the table's rate, and stands at that frequency at any other rate too. At the table's own rate nothing changes. `index` is for the message.
+    /// k' = k if the product of the zeros' distances from `e^iθ` or from `e^iθ'` is below 1e-6: a level
+    /// that nearly vanishes cannot be kept.
+    ///
+    /// The law holds for every root. A real root below 0 is a pair at half the table's rate, and keeps
+    /// that frequency at any other rate. At the table's own rate nothing changes.
+    ///
+    /// `index` is the number of the biquad, for the message.
     ///
     /// # Errors
-    /// [`BiquadError`]: what [`Biquad::check`] refuses, and [`BiquadError::BeyondNyquist`].
+    /// [`BiquadError`]: those of [`Biquad::check`], and [`BiquadError::BeyondNyquist`].
     pub fn from_roots_at(
         index: usize,
         (pole, zero, gain): (Root, Root, f64),
@@ -46,13 +53,16 @@ impl Biquad {
         Ok(Self::from_roots(new_pole, new_zero, gain * same))
     }
 
-    /// The biquad for `rate` of one of any numerator given at `rate_hz`: the law of [`from_roots_at`](Self::from_roots_at) for poles and pairs of
-    /// zeros. Zeros that are real and differ, which a mode may have and a table has not, keep their signs.
+    /// Converts a biquad for `rate_hz`, with any numerator, to `rate`.
     ///
-    /// An impulse-invariant mode comes out within 0.1 dB of the mode derived for that rate, near its resonance. `index` is for the message.
+    /// Poles and pairs of zeros follow the law of [`from_roots_at`](Self::from_roots_at). Real zeros that
+    /// differ keep their signs; a mode may have such zeros, a table has none.
+    ///
+    /// Near its resonance, a converted impulse-invariant mode is within 0.1 dB of the mode derived for
+    /// that rate. `index` is the number of the biquad, for the message.
     ///
     /// # Errors
-    /// [`BiquadError`]: what [`Biquad::check`] refuses, and [`BiquadError::BeyondNyquist`].
+    /// [`BiquadError`]: those of [`Biquad::check`], and [`BiquadError::BeyondNyquist`].
     pub fn carried(&self, index: usize, rate_hz: f64, rate: SampleRate) -> Result<Self, BiquadError> {
         self.check(index)?;
         let ratio = rate_hz / rate.hz();
@@ -84,19 +94,19 @@ fn check_angle(biquad: usize, pole: Root, ratio: f64) -> Result<(), BiquadError>
     if half_turns > TOLERANCE { Err(BiquadError::BeyondNyquist { biquad, angle: half_turns }) } else { Ok(()) }
 }
 
-/// From 0 to π.
+/// Angle of a root, from 0 to π.
 fn angle(root: Root) -> f64 {
     libm::atan2(root.imaginary.abs(), root.real)
 }
 
-/// `root^ratio`, its angle at most half a turn.
+/// Raises a root to the power `ratio`; its angle becomes at most half a turn.
 fn raised(root: Root, ratio: f64) -> Root {
     let turned = angle(root) * ratio;
     let radius = power(libm::sqrt(root.square()), ratio);
     if turned >= PI { Root { real: -radius, imaginary: 0.0 } } else { Root::polar(radius, turned) }
 }
 
-/// The size of a real number to the power of `ratio`, with its sign.
+/// Raises the size of a real number to the power `ratio`, and keeps its sign.
 fn raised_real(real: f64, ratio: f64) -> f64 {
     libm::copysign(power(real.abs(), ratio), real)
 }
@@ -105,9 +115,9 @@ fn power(radius: f64, ratio: f64) -> f64 {
     if radius > 0.0 { libm::exp(ratio * libm::log(radius)) } else { 0.0 }
 }
 
-/// `|1 - r e^{i(α-θ)}| |1 - r e^{i(α+θ)}|` of a pair of roots `r e^{±iα}` seen from the circle at the angle θ.
+/// Product `|1 - r e^{i(α-θ)}| |1 - r e^{i(α+θ)}|` of the distances of roots `r e^{±iα}` from `e^{iθ}`.
 ///
-/// From the distances themselves: near the circle the sum of a polynomial's terms has lost their digits.
+/// It uses the distances themselves: near the circle a polynomial's sum loses the digits of its terms.
 fn distances(root: Root, theta: f64) -> f64 {
     let (radius, alpha) = (libm::sqrt(root.square()), angle(root));
     let distance = |between: f64| {
@@ -118,7 +128,7 @@ fn distances(root: Root, theta: f64) -> f64 {
     distance(alpha - theta) * distance(alpha + theta)
 }
 
-/// `|b0 + b1 z⁻¹ + b2 z⁻²|` on the circle.
+/// Size `|b0 + b1 z⁻¹ + b2 z⁻²|` on the circle at the angle θ.
 fn size([b0, b1, b2]: [f64; 3], theta: f64) -> f64 {
     libm::hypot(
         b0 + b1 * libm::cos(theta) + b2 * libm::cos(2.0 * theta),

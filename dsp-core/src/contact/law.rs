@@ -1,7 +1,6 @@
 //! The striker's law: what a velocity does.
 
-use super::Pulse;
-use super::pulse::WHOLE;
+use super::pulse::{Pulse, WHOLE};
 use crate::fixed::{self, Log2};
 use crate::table::ContactTable;
 use crate::{SampleRate, exponential};

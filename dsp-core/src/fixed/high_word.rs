@@ -1,8 +1,9 @@
 //! High-word multiplies: `(acc·2^32 ± a·b) / 2^32`, truncated or rounded to nearest (half up).
 //!
-//! Each function is the instruction of the same name (ARMv7-M Architecture Reference Manual, DSP extension), bit for bit: the sum is
-//! formed in 64 bits and wraps there, as on the chip. One cycle each on a Cortex-M4. Keeping the sum from wrapping is the
-//! caller's business ([`crate::resonator`] proves it for its states).
+//! Each function is the instruction of the same name (ARMv7-M Architecture Reference Manual, DSP
+//! extension), bit for bit, and takes one cycle on a Cortex-M4. The sum is formed in 64 bits and wraps
+//! there, as on the chip. The caller must keep it from wrapping; [`crate::resonator`] proves it for
+//! its states.
 
 const HALF: i64 = 1 << 31;
 
@@ -60,7 +61,9 @@ pub const fn smmlsr(acc: i32, a: i32, b: i32) -> i32 {
     (high_half(acc).wrapping_sub(product(a, b)).wrapping_add(HALF) >> 32) as i32
 }
 
-/// `x` times a gain from 0 to below 1 as Q31, rounded to an even step: never larger than x, and 0 of a single step.
+/// `x` times a gain from 0 to below 1 as Q31, rounded to an even step.
+///
+/// The result is never larger than x; a single step becomes 0.
 #[inline(always)]
 pub const fn times_q31(x: i32, gain: i32) -> i32 {
     // At most 2^30 in size before the shift.

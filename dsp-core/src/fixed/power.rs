@@ -1,4 +1,4 @@
-//! Powers of a fraction, in integers: what a velocity does to force and contact time.
+//! Powers of a fraction in integers: they turn a velocity into force and contact time.
 
 /// Base-2 logarithm of a number in (0, 1], Q26: 0 down to -31.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,9 +14,10 @@ pub struct Power {
 }
 
 impl Log2 {
-    /// Of a number above 0; numbers below 2^-31 count as that, numbers above 1 as 1. Exact to 2^-27 (half a step).
+    /// Takes the logarithm of a number above 0, exact to 2^-27 (half a step).
     ///
-    /// A table of 16 reciprocals and `ln(1 + z) = z - z²/2 + ... - z⁶/6` for |z| < 1/32.
+    /// Numbers below 2^-31 count as 2^-31, numbers above 1 as 1. The method is
+    /// a table of 16 reciprocals and `ln(1 + z) = z - z²/2 + ... - z⁶/6` for |z| < 1/32.
     pub fn new(number: f32) -> Self {
         if number >= 1.0 {
             return Self(0);
@@ -38,9 +39,10 @@ impl Log2 {
         Self(((i64::from(exponent) << 26) + ((fraction + 32) >> 6)).min(0) as i32)
     }
 
-    /// The number to the power `exponent`, given as Q27 (-16 to 16). Within 2e-8 for exponents to 2, in proportion beyond.
+    /// Raises the number to the power `exponent`, given as Q27 (-16 to 16).
     ///
-    /// A table of 16 and `e^y - 1 = y + y²/2 + ... + y⁵/120` for y < 0.044.
+    /// The error is below 2e-8 for exponents up to 2 in size, and in proportion for larger ones. The
+    /// method is a table of 16 powers and `e^y - 1 = y + y²/2 + ... + y⁵/120` for y < 0.044.
     pub fn power(self, exponent_q27: i32) -> Power {
         // Q26 by Q27 to Q32: at most 31 · 2^26 · 2^31 < 2^63.
         let q32 = (i64::from(self.0) * i64::from(exponent_q27) + (1 << 20)) >> 21;
@@ -56,7 +58,7 @@ impl Log2 {
 }
 
 impl Power {
-    /// `value` times the power, rounded down; saturates at `u64::MAX`.
+    /// Multiplies `value` by the power, rounded down; saturates at `u64::MAX`.
     pub fn of(self, value: u64) -> u64 {
         let product = (u128::from(value) * u128::from(self.mantissa)) >> 31;
         let scaled = match self.exponent {

@@ -1,6 +1,7 @@
 //! Saturating arithmetic: the bus clips, it never wraps.
 
-use super::{FULL_SCALE_24_BIT, rounding_shift_right};
+use super::format::FULL_SCALE_24_BIT;
+use super::high_word::rounding_shift_right;
 
 /// `a + b`, saturated to 32 bits (QADD, one cycle).
 #[inline(always)]
@@ -31,7 +32,7 @@ pub const fn saturate(wide: i64) -> i32 {
 pub const fn saturating_shift_left(value: i32, shift: u32) -> i32 {
     let shift = if shift > 31 { 31 } else { shift };
     let shifted = value << shift;
-    // What does not come back was too large; 0 and -1 << 31 do, all others saturate by then.
+    // A value that does not come back was too large. By a shift of 31 only 0 and -1 come back.
     if shifted >> shift == value { shifted } else { (value >> 31) ^ i32::MAX }
 }
 

@@ -1,11 +1,11 @@
 //! A real gain as a mantissa and a number of doublings.
 
-use super::smmulr;
+use super::high_word::smmulr;
 
-/// A real gain as a Q32 mantissa and a number of doublings: a high word and a shift, 2 cycles on a Cortex-M4 and a clip.
+/// A real gain as a Q32 mantissa and a number of doublings.
 ///
-/// A result is exact to one step for gains below 1/2, and to two steps of the value times the gain
-/// for larger ones.
+/// It is applied as a high word and a shift: 2 cycles on a Cortex-M4 and a clip. A result is exact to
+/// one step for gains below 1/2, and to two steps of the value times the gain for larger ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scale {
     mantissa: i32,
@@ -16,7 +16,7 @@ impl Scale {
     /// The gain 0.
     pub const ZERO: Self = Self { mantissa: 0, doublings: 0 };
 
-    /// The nearest to a real gain; NaN becomes 0, gains beyond ±2^28 become those.
+    /// Gives the nearest scale to a real gain; NaN becomes 0, gains beyond ±2^28 are clipped to that.
     pub fn new(gain: f64) -> Self {
         const LARGEST: f64 = (1u32 << 28) as f64;
         let gain = if gain.is_nan() { 0.0 } else { gain.clamp(-LARGEST, LARGEST) };
@@ -30,7 +30,7 @@ impl Scale {
         self.mantissa == 0
     }
 
-    /// By how many bits [`Scale::undoubled`] is to be shifted left, at most 30.
+    /// Number of bits by which [`Scale::undoubled`] is to be shifted left, at most 30.
     pub const fn doublings(self) -> u32 {
         self.doublings
     }

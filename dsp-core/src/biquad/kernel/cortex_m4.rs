@@ -1,16 +1,16 @@
-//! The kernel for a Cortex-M4F: `cortex_m4.s`, bit for bit what [`super::portable`] does.
+//! The kernel for a Cortex-M4F: `cortex_m4.s`, with the same bits as the portable kernel.
 #![allow(unsafe_code)] // assembly
 
 use core::mem::offset_of;
 
 use super::super::pair::{Cell, Pair};
-use super::{Outcome, Run};
+use super::parameters::{Outcome, Run};
 use crate::time::TICK_FRAMES;
 
 core::arch::global_asm!(".equ BQ_PAIR, {pair}", pair = const size_of::<Pair>());
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 
-/// What the assembly takes, and what it leaves in `used`.
+/// Arguments of the assembly, which writes its result to `used`.
 #[repr(C)]
 struct Call {
     pairs: *mut Pair,
@@ -43,7 +43,7 @@ unsafe extern "C" {
     fn malleus_biquads(call: *mut Call) -> u32;
 }
 
-/// As [`super::portable::run`].
+/// Runs all pairs over `out`, with the same bits as `run` of the portable kernel.
 pub fn run(pairs: &mut [Pair], run: Run, input: Option<&[i32]>, out: &mut [i32]) -> Outcome {
     let frames = out.len();
     if frames == 0 || frames > TICK_FRAMES || input.is_some_and(|input| input.len() != frames) {
@@ -65,8 +65,9 @@ pub fn run(pairs: &mut [Pair], run: Run, input: Option<&[i32]>, out: &mut [i32])
         used: 0,
         allowance: run.allowance,
     };
-    // SAFETY: the pairs and `out` are borrowed mutably for the call, the input, as long as `out`, is borrowed; frames are 1 to 32, so that the
-    // assembly stays within its buffers; it keeps the procedure call standard and uses 500 bytes of stack.
+    // SAFETY: the pairs and `out` are borrowed mutably for the call. The input is borrowed and as long
+    // as `out`. Frames are 1 to 32, so that the assembly stays within its buffers. The assembly keeps
+    // the procedure call standard and uses 500 bytes of stack.
     let answer = unsafe { malleus_biquads(&raw mut call) };
     Outcome { used: call.used, asks: answer == 1, refused: answer == 2 }
 }

@@ -2,11 +2,13 @@
 
 use super::super::pair::{Cell, Pair};
 use super::super::pole::Form;
-use super::{Outcome, Run};
+use super::parameters::{Outcome, Run};
 use crate::fixed::{qadd, saturating_shift_left, smmlar, smmlsr, smmulr};
 use crate::time::TICK_FRAMES;
 
-/// Runs all pairs in their order, mirrored ones last, over `out`, at most a tick, and adds their sound to it. An input is as long as `out`.
+/// Runs all pairs in their order and adds their sound to `out`, which is at most a tick.
+///
+/// Mirrored pairs must come last. An input is as long as `out`.
 pub fn run(pairs: &mut [Pair], run: Run, input: Option<&[i32]>, out: &mut [i32]) -> Outcome {
     let given = input.unwrap_or(&[]);
     let frames = out.len().min(TICK_FRAMES);
@@ -15,7 +17,7 @@ pub fn run(pairs: &mut [Pair], run: Run, input: Option<&[i32]>, out: &mut [i32])
     for ((x, mix), &word) in x.iter_mut().zip(&mut mix).zip(given) {
         peak |= folded(word);
         *x = (word << run.left) >> run.right;
-        // Far above any allowance.
+        // The cap is far above any allowance.
         used = used.saturating_add(folded(*x)).min(i32::MAX as u32);
         *mix = smmulr(*x, run.direct);
     }
@@ -52,7 +54,7 @@ fn flip(words: &mut [i32; TICK_FRAMES], odd: bool) {
 }
 
 impl Pair {
-    /// One frame. What the multipliers that a wiring has no use for would add is nothing, since they are 0.
+    /// Runs a frame. Multipliers that a wiring does not use are 0 and add nothing.
     #[inline(always)]
     fn step(&mut self, x: i32, mix: &mut i32, chain: &mut i32) {
         let form = self.form();

@@ -1,0 +1,34 @@
+//! Parameters of a run, and its outcome.
+
+/// Largest sum of the sizes of a tick's inputs, as words.
+pub const ALLOWANCE: u32 = 1 << 30;
+
+/// Scales of a run's input and of its mix, and the bounds that the input must keep.
+#[derive(Clone, Copy, Debug)]
+pub struct Run {
+    /// Exponent of the bound of each input, 0 to 31: a run with an input of 2^bits or more is refused.
+    pub bits: u32,
+    /// Words left of [`ALLOWANCE`]: a run whose inputs add up to more is refused.
+    pub allowance: u32,
+    /// Number of bits by which inputs are shifted left to become words.
+    pub left: u32,
+    /// Number of bits by which they are then shifted right, rounding down.
+    pub right: u32,
+    /// Multiplier of the shifted input into the mix, Q32.
+    pub direct: i32,
+    /// Number of bits by which the mix is shifted left to the bus, saturating.
+    pub room: u32,
+    /// True if the first frame is an odd one.
+    pub odd: bool,
+}
+
+/// Outcome of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outcome {
+    /// Sum of the sizes of all inputs, as words; an input below 0 counts 1 less.
+    pub used: u32,
+    /// True if a pair asks to be settled.
+    pub asks: bool,
+    /// True if an input was too large; nothing has been done then.
+    pub refused: bool,
+}
