@@ -52,8 +52,8 @@ fn play(scene: &BudgetScene) -> Result<Vec<(Counts, f64)>, Box<dyn Error>> {
     Ok(rows)
 }
 
-/// Items that no fit can tell apart, because they come with others in all scenes or too seldom: their
-/// cycles come from the profile. And a kernel's cycle is one cycle.
+/// Items that no fit can tell apart, because they come with others in all scenes or too seldom:
+/// their cycles come from the profile. And a kernel's cycle is one cycle.
 const HELD: [CostItem; 9] = [
     CostItem::GuardedRingingGroup,
     CostItem::Strike,

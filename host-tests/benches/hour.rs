@@ -1,5 +1,6 @@
-//! An hour of rolls on every stage: `cargo bench -p host-tests --bench hour [-- SECONDS]`. Prints strikes, the peak, the level of the loudest and the softest
-//! minute, how long it took to fall silent, and whether blocks of 32 and of 480 frames gave the same bits.
+//! An hour of rolls on every stage: `cargo bench -p host-tests --bench hour [-- SECONDS]`. Prints
+//! strikes, the peak, the level of the loudest and the softest minute, how long it took to fall
+//! silent, and whether blocks of 32 and of 480 frames gave the same bits.
 
 use std::thread;
 

@@ -1,6 +1,8 @@
-//! All sweeps as a whole: `cargo bench -p host-tests --bench nightly [-- WORDS]`, WORDS a part of the names to run.
+//! All sweeps as a whole: `cargo bench -p host-tests --bench nightly [-- WORDS]`, WORDS a part of
+//! the names to run.
 //!
-//! Prints the figures of each and its time, and at the end what broke a limit. The exit code is then 1.
+//! Prints the figures of each and its time, and at the end what broke a limit. The exit code is
+//! then 1.
 
 use std::panic::catch_unwind;
 use std::process::ExitCode;

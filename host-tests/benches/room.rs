@@ -13,7 +13,8 @@ const RATE: SampleRate = SampleRate::HZ_48000;
 /// Ideal rooms that each table is compared with.
 const SEEDS: u64 = 4;
 
-/// Bands within the limits of the issue, ours and the ideal's, and ours of those where the ideal keeps to them with every seed.
+/// Bands within the limits of the issue, ours and the ideal's, and ours of those where the ideal
+/// keeps to them with every seed.
 fn follow(tables: &[Table], what: &str) {
     let hz = RATE.hz();
     println!("{what}");

@@ -1,5 +1,5 @@
-//! Prints run time against error of all kernels and rivals, and writes the page, the picture and the JSON: see
-//! [`host_tests::run_time`].
+//! Prints run time against error of all kernels and rivals, and writes the page, the picture and
+//! the JSON: see [`host_tests::run_time`].
 
 use std::error::Error;
 use std::path::Path;
@@ -12,7 +12,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 /// Frequencies of the grid.
 const FREQUENCIES: u32 = 40;
-/// Every so many cases of the grid are compared bit for bit: 20 of them, of all decays and both rates.
+/// Every so many cases of the grid are compared bit for bit: 20 of them, of all decays and both
+/// rates.
 const SAMPLED: usize = 21;
 /// Ticks that are compared.
 const COMPARED_TICKS: usize = 200;

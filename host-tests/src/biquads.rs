@@ -22,7 +22,8 @@ pub struct Chains {
     pub depth: usize,
 }
 
-/// A radius from 0 to `1 - 10^-largest`, evenly in the logarithm of its distance from 1, and an angle of 20 Hz to 23 kHz.
+/// A radius from 0 to `1 - 10^-largest`, evenly in the logarithm of its distance from 1, and an
+/// angle of 20 Hz to 23 kHz.
 pub fn root(random: &mut Random, largest: f64) -> (f64, f64) {
     let radius = 1.0 - 10f64.powf(-random.between(0.0, largest));
     let hz = 20.0 * 1150f64.powf(random.between(0.0, 1.0));
@@ -39,7 +40,8 @@ fn section(pole: Root, zero: Root, gain: f64) -> reference::biquad::Biquad {
 }
 
 impl Chains {
-    /// From poles and zeros, each chain's gain 1 at the pole, 0 or half the rate where it is largest.
+    /// From poles and zeros, each chain's gain 1 at the pole, 0 or half the rate where it is
+    /// largest.
     pub fn bounded(poles: &[(f64, f64)], zeros: &[(f64, f64)], depth: usize) -> Self {
         let (mut ours, mut theirs) = (Vec::new(), Vec::new());
         for (poles, zeros) in poles.chunks(depth).zip(zeros.chunks(depth)) {
@@ -55,8 +57,8 @@ impl Chains {
         Self { ours, theirs, depth }
     }
 
-    /// From poles and zeros, with gains such that what each section hands on has its peaks at -8 dBFS for `input`: far poles and zeros in a chain leave
-    /// next to nothing otherwise.
+    /// From poles and zeros, with gains such that what each section hands on has its peaks at -8
+    /// dBFS for `input`: far poles and zeros in a chain leave next to nothing otherwise.
     pub fn loud(poles: &[(f64, f64)], zeros: &[(f64, f64)], depth: usize, input: &[i32]) -> Self {
         let input: Vec<f64> = input.iter().map(|&x| f64::from(x)).collect();
         let (mut ours, mut theirs) = (Vec::new(), Vec::new());
@@ -82,7 +84,8 @@ impl Chains {
     }
 }
 
-/// Worst of `snr` over 50 banks of a depth under noise, whose poles and zeros `place` chooses for a number of sections.
+/// Worst of `snr` over 50 banks of a depth under noise, whose poles and zeros `place` chooses for a
+/// number of sections.
 pub fn worst_of_depth(
     depth: usize,
     seed: u64,

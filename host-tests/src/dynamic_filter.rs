@@ -62,7 +62,8 @@ impl Table {
         filter.load(settings, rate, SEED.1).map(|()| filter)
     }
 
-    /// The reference's sound for strikes (sample, level) in order, in steps of the bus; `input_shift` is that of [`Ours`].
+    /// The reference's sound for strikes (sample, level) in order, in steps of the bus;
+    /// `input_shift` is that of [`Ours`].
     pub fn exact(&self, strikes: &[(usize, f32)], input_shift: i32, frames: usize, rate: SampleRate) -> Vec<f64> {
         let theirs = reference::SampleRate { numerator: (rate.hz() * 64.0) as u32, denominator: 64 };
         let ratio = rate.hz() / self.rate_hz;

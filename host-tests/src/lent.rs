@@ -6,7 +6,8 @@ use dsp_core::memory::{Memory, Word, Words};
 use dsp_core::room::Sample;
 use dsp_core::table::Kit;
 
-/// Most samples in the delay lines of the room of [`engine`], on PC and chip (`host-tests/images/engine`).
+/// Most samples in the delay lines of the room of [`engine`], on PC and chip
+/// (`host-tests/images/engine`).
 pub const ROOM_SAMPLES: usize = 4_096;
 
 /// Memory of so many words.
@@ -23,7 +24,8 @@ pub fn engine<'k>(kit: &Kit<'k>, rate: SampleRate, skipping: Skipping) -> Result
     engine_of(kit, Setup { skipping, room_samples: ROOM_SAMPLES, ..Setup::new(rate) })
 }
 
-/// The engine of a kit for a setup and a type of the room's samples, in just the memory that its plan says.
+/// The engine of a kit for a setup and a type of the room's samples, in just the memory that its
+/// plan says.
 ///
 /// # Errors
 /// [`LoadError`].
@@ -31,7 +33,8 @@ pub fn engine_of<'k, S: Sample>(kit: &Kit<'k>, setup: Setup) -> Result<Engine<'k
     Engine::new(kit, setup, memory(Plan::of::<S>(kit, setup)?.words))
 }
 
-/// A stage in just the memory that it takes: `$take` is an expression of a `Lender` named `$lender`.
+/// A stage in just the memory that it takes: `$take` is an expression of a `Lender` named
+/// `$lender`.
 #[macro_export]
 macro_rules! lent {
     ($lender:ident => $take:expr) => {{

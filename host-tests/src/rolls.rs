@@ -1,4 +1,5 @@
-//! Rolls without an end: every stage of the engine under strikes that overlap for as long as one likes.
+//! Rolls without an end: every stage of the engine under strikes that overlap for as long as one
+//! likes.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
@@ -24,7 +25,8 @@ pub fn kit() -> Loaded {
     load(kit::text::parse(&source, |_| Ok(source.clone())).expect("the kit beside this file is right"))
 }
 
-/// Hands on all pads: strikes of every strength 8 to 120 ms apart, at any position, and sometimes a palm.
+/// Hands on all pads: strikes of every strength 8 to 120 ms apart, at any position, and sometimes a
+/// palm.
 #[derive(Debug)]
 pub struct Hands {
     random: Sfc32,
@@ -74,13 +76,15 @@ pub struct Rolled {
     pub minute_rms: Vec<f64>,
     /// Largest sample, 1.0 = full scale.
     pub peak: f64,
-    /// Seconds from the last strike to exact silence, or `None` where it did not come within a minute.
+    /// Seconds from the last strike to exact silence, or `None` where it did not come within a
+    /// minute.
     pub silent_after_s: Option<f64>,
     /// Hash of all samples but zeros, and of their places.
     pub hash: u64,
 }
 
-/// Rolls on all pads for `seconds`, strikes of every strength 8 to 120 ms apart, positions and hands included, then waits for silence; in blocks of `block` frames.
+/// Rolls on all pads for `seconds`, strikes of every strength 8 to 120 ms apart, positions and
+/// hands included, then waits for silence; in blocks of `block` frames.
 ///
 /// # Panics
 /// If the kit beside this file is wrong.

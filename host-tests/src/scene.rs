@@ -77,7 +77,8 @@ pub fn hand(frame: u64, action: Action) -> Event {
     Event { time: Time::at_frame(frame), action, ..Event::default() }
 }
 
-/// Plays events, and a force for pad 0, for some frames in blocks whose lengths repeat; gives the bus and all ticks' reports.
+/// Plays events, and a force for pad 0, for some frames in blocks whose lengths repeat; gives the
+/// bus and all ticks' reports.
 pub fn play(
     loaded: &Loaded,
     rate: SampleRate,

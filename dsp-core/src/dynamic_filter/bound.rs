@@ -1,7 +1,8 @@
-//! Bounds from above, in `f32`, of what loops and filter pass: within 1e-4 of a bound that holds, and mostly within some percent of what they pass.
+//! Bounds from above, in `f32`, of what loops and filter pass: within 1e-4 of a bound that holds,
+//! and mostly within some percent of what they pass.
 //!
-//! `|a + b w|²` is `(a + b)² - 4 a b sin²(ω/2)`, or `(a - b)² + 4 a b cos²(ω/2)`: one of both is a sum of two squares, of which nothing cancels, so that few bits
-//! suffice close by a pole, too.
+//! `|a + b w|²` is `(a + b)² - 4 a b sin²(ω/2)`, or `(a - b)² + 4 a b cos²(ω/2)`: one of both is a
+//! sum of two squares, of which nothing cancels, so that few bits suffice close by a pole, too.
 
 use super::path::{Form, Point};
 use crate::square_root::square_root;
@@ -164,7 +165,8 @@ mod tests {
     use crate::SampleRate;
     use crate::dynamic_filter::Breakpoint;
 
-    /// What [`super::super::stability`] takes for certain must be: a bound is below the truth by less than it allows for.
+    /// What [`super::super::stability`] takes for certain must be: a bound is below the truth by
+    /// less than it allows for.
     fn is_bound(bound: f32, truth: f64) -> bool {
         bound.is_nan() || f64::from(bound) >= truth * (1.0 - 3e-4) - 1e-12
     }

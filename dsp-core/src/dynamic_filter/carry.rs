@@ -1,12 +1,14 @@
 //! Coefficients at another sample rate: the bilinear transformation there and back.
 //!
-//! `w = z⁻¹` at the table's rate f0 is `w = ((1 - κ) + (1 + κ) v) / ((1 + κ) + (1 - κ) v)` with v at the rate fs, `κ = fs/f0`. The inside of the unit
-//! circle is mapped onto itself, so that what is stable stays so.
+//! `w = z⁻¹` at the table's rate f0 is `w = ((1 - κ) + (1 + κ) v) / ((1 + κ) + (1 - κ) v)` with v
+//! at the rate fs, `κ = fs/f0`. The inside of the unit circle is mapped onto itself, so that what
+//! is stable stays so.
 
 use super::settings::Breakpoint;
 
 impl Breakpoint {
-    /// The breakpoint for a rate that is `ratio` times the one it was made for, of order 1 or 2. Exactly itself at ratio 1.
+    /// The breakpoint for a rate that is `ratio` times the one it was made for, of order 1 or 2.
+    /// Exactly itself at ratio 1.
     pub fn carried(self, order: u8, ratio: f64) -> Self {
         if ratio == 1.0 {
             return self;

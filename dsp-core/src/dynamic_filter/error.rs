@@ -32,7 +32,8 @@ pub enum PathError {
         /// The pole's magnitude, with its sign where it is real.
         pole: f64,
     },
-    /// A coefficient of e is not finite, or the gain summed over the impulse response above the largest one possible.
+    /// A coefficient of e is not finite, or the gain summed over the impulse response above the
+    /// largest one possible.
     Gain {
         /// The breakpoint, counted from 0.
         breakpoint: usize,

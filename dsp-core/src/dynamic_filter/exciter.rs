@@ -1,4 +1,5 @@
-//! The exciter at work: the noise's band, a fourth-order Butterworth band-pass whose edges follow the strike's level.
+//! The exciter at work: the noise's band, a fourth-order Butterworth band-pass whose edges follow
+//! the strike's level.
 //!
 //! Two state-variable sections ([`super::kernel::section`]) with `g = ω_i` warped and `k = 1/Q_i`:
 //!
@@ -6,16 +7,20 @@
 //! m = g (g + k) / D,   p = g / D,   n = g² / D,   D = 1 + g (g + k)
 //! ```
 //!
-//! v1 is the section's band-pass, v2 its low-pass, `x - k v1 - v2` its high-pass. A band narrower than its middle frequency is made of two band-passes, a
-//! wider one of a high-pass and a low-pass: so each section's gain stays near 1. Everything is stable at any g and k, so that edges may move while it
-//! rings.
+//! v1 is the section's band-pass, v2 its low-pass, `x - k v1 - v2` its high-pass. A band narrower
+//! than its middle frequency is made of two band-passes, a wider one of a high-pass and a low-pass:
+//! so each section's gain stays near 1. Everything is stable at any g and k, so that edges may move
+//! while it rings.
 //!
 //! # Why nothing can wrap
 //!
-//! With words up to X, what comes out of either section is at most 3.3 X, and states are at most 3.1 X in narrow bands, 35 X in wide ones up to 0.49 fs (sums over
-//! impulse responses). So X is 2^27 where no strike can make the band a wide one, 2^25 elsewhere, where more of the noise goes through.
+//! With words up to X, what comes out of either section is at most 3.3 X, and states are at most
+//! 3.1 X in narrow bands, 35 X in wide ones up to 0.49 fs (sums over impulse responses). So X is
+//! 2^27 where no strike can make the band a wide one, 2^25 elsewhere, where more of the noise goes
+//! through.
 //!
-//! A strike derives the multipliers in `f32` by the FPU, relative errors some 2^-22: no library function, the same bits everywhere.
+//! A strike derives the multipliers in `f32` by the FPU, relative errors some 2^-22: no library
+//! function, the same bits everywhere.
 
 use super::kernel;
 use super::kernel::section::{Response, Section};
@@ -84,7 +89,8 @@ impl BandPass {
         self.sections.iter().all(|section| section.c == [0; 2])
     }
 
-    /// Moves the edges to where a strike of a level has them: `level^exponent` times, up to 0.49 fs.
+    /// Moves the edges to where a strike of a level has them: `level^exponent` times, up to 0.49
+    /// fs.
     pub(super) fn strike(&mut self, level: f32) {
         if !self.loaded {
             return;
@@ -112,7 +118,8 @@ impl BandPass {
         let (re, im) = root(-square, -2.0 * half * half);
         for (section, sign) in self.sections.iter_mut().zip([-1.0, 1.0]) {
             let (re, im) = (-half + sign * re, half + sign * im);
-            // The high section's real part is a sum of likes; the low one's is found from the product of both poles, ω0².
+            // The high section's real part is a sum of likes; the low one's is found from the
+            // product of both poles, ω0².
             let (re, im) =
                 if sign > 0.0 { low_pole(square, half, root(-square, -2.0 * half * half)) } else { (re, im) };
             let g = square_root(re * re + im * im);
@@ -147,7 +154,8 @@ impl BandPass {
     }
 }
 
-/// Bits of 2.0: fewer where a strike may make the band a wide one. That is likeliest at its highest, unless level and noise are then so small that all fits anyway.
+/// Bits of 2.0: fewer where a strike may make the band a wide one. That is likeliest at its
+/// highest, unless level and noise are then so small that all fits anyway.
 fn input_bits(exciter: &Exciter, rate: SampleRate) -> i32 {
     let [low, high] = [exciter.low_hz, exciter.high_hz].map(|hz| hz / rate.hz());
     let [loudest, softest] = [2.0, 0.4].map(|level| libm::pow(level, exciter.exponent));

@@ -60,7 +60,8 @@ impl Filter<'_> {
         self.walk.start(&self.path);
     }
 
-    /// Begins a segment of at most so many frames: gives its frames, and whether there is noise in it.
+    /// Begins a segment of at most so many frames: gives its frames, and whether there is noise in
+    /// it.
     #[inline(always)]
     pub(super) fn segment(&mut self, most: usize) -> (usize, bool) {
         // Nothing new behind the path's end.
@@ -88,8 +89,9 @@ impl Filter<'_> {
         if self.path.form.parameters() == PARAMETERS {
             return self.two_poles.settle();
         }
-        // Damping takes the high word, rounded: a positive pole ends where that is 0, a negative one, where twice the rounding's half step alternates,
-        // within 1/(1 - |p|); where it takes all bits, a step below it.
+        // Damping takes the high word, rounded: a positive pole ends where that is 0, a negative
+        // one, where twice the rounding's half step alternates, within 1/(1 - |p|); where it takes
+        // all bits, a step below it.
         let nothing = self.one_pole.rest();
         let bits = if self.one_pole.is_far() { 30 } else { 32 };
         let OnePole { state, last, lines: [damp, ..], .. } = &mut self.one_pole;
@@ -124,8 +126,9 @@ impl Filter<'_> {
         self.two_poles.attenuate(left);
     }
 
-    /// How many whole ticks may be run by [`run_tick`](Self::run_tick), or begun by [`tick`](Self::tick): within the path's piece, or, where this is
-    /// asked for, behind the path's end.
+    /// How many whole ticks may be run by [`run_tick`](Self::run_tick), or begun by
+    /// [`tick`](Self::tick): within the path's piece, or, where this is asked for, behind the
+    /// path's end.
     pub(super) fn whole_ticks(&self, after_end: bool) -> u32 {
         match (self.walk.is_over(), after_end) {
             (true, true) => u32::MAX,
@@ -165,7 +168,8 @@ impl Filter<'_> {
         (&mut self.one_pole.noise, level)
     }
 
-    /// A whole tick of noise through the filter, added to `out`: as [`segment`](Self::segment) and [`run_noise`](Self::run_noise), for less.
+    /// A whole tick of noise through the filter, added to `out`: as [`segment`](Self::segment) and
+    /// [`run_noise`](Self::run_noise), for less.
     #[inline(always)]
     pub(super) fn run_tick(&mut self, out: &mut [i32; TICK_FRAMES]) {
         if self.path.form == Form::EqualZeros {
@@ -193,7 +197,8 @@ impl Filter<'_> {
         self.draw(self.one_pole.level >> self.grain(), input);
     }
 
-    /// Bits by which the input's words are smaller than the filter takes them: those of sums ([`run_sums`](Self::run_sums)).
+    /// Bits by which the input's words are smaller than the filter takes them: those of sums
+    /// ([`run_sums`](Self::run_sums)).
     fn grain(&self) -> u32 {
         if self.sums.is_coarse() { kernel::COARSE_BITS } else { 0 }
     }
@@ -219,7 +224,8 @@ impl Filter<'_> {
         (self.one_pole.noise, self.level) = (noise, part);
     }
 
-    /// The next frames of noise through the exciter's band, which works on words below 2^27; or what it gives without noise.
+    /// The next frames of noise through the exciter's band, which works on words below 2^27; or
+    /// what it gives without noise.
     pub(super) fn excite(&mut self, band: &mut BandPass, noisy: bool, input: &mut [i32]) {
         let down = (MAX_INPUT_BITS - self.path.input_shift - band.bits()).max(0) as u32;
         if noisy {
@@ -228,7 +234,8 @@ impl Filter<'_> {
             input.fill(0);
         }
         band.run(input);
-        // 2.0 in the band's format, in nearly all tables one of two powers, to which a single instruction clips.
+        // 2.0 in the band's format, in nearly all tables one of two powers, to which a single
+        // instruction clips.
         let (bits, grain) = (MAX_INPUT_BITS - self.path.input_shift - down as i32, self.grain());
         match bits {
             27 => input.iter_mut().for_each(|word| *word = clipped(*word, 27) << down >> grain),
@@ -283,7 +290,8 @@ impl Filter<'_> {
         ((1i64 << (28 - self.path.input_shift)) - 1) as i32
     }
 
-    /// An input through the filter, added to `out`. In the buffer s is left, larger than the bus by 2^[`line_scale`](Self::line_scale).
+    /// An input through the filter, added to `out`. In the buffer s is left, larger than the bus by
+    /// 2^[`line_scale`](Self::line_scale).
     pub(super) fn run(&mut self, buffer: &mut [i32], out: &mut [i32]) {
         match self.path.form {
             Form::EqualZeros => kernel::from_buffer::<true>(&mut self.one_pole, buffer, out),
@@ -294,7 +302,8 @@ impl Filter<'_> {
         }
     }
 
-    /// Sums of noise and loops, clipped to 2.0, through the filter, added to `out`, and s left in their place; gives its sizes, or'ed.
+    /// Sums of noise and loops, clipped to 2.0, through the filter, added to `out`, and s left in
+    /// their place; gives its sizes, or'ed.
     #[inline(always)]
     pub(super) fn run_sums(&mut self, sums: &mut [i32], out: &mut [i32]) -> u32 {
         match self.path.form {

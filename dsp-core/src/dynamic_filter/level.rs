@@ -1,7 +1,9 @@
-//! The level of what a path makes of its noise: how fast the sound falls by itself, for a hand that is to make it fall no slower than it wants.
+//! The level of what a path makes of its noise: how fast the sound falls by itself, for a hand that
+//! is to make it fall no slower than it wants.
 //!
-//! The level at a breakpoint is the noise's there times the filter's gain for white noise, `sqrt(Σ h²)`; it is taken as linear between two breakpoints and is 0
-//! after the last. What rings in the filter falls no faster than its slowest pole, whose radius is taken as linear as well.
+//! The level at a breakpoint is the noise's there times the filter's gain for white noise, `sqrt(Σ
+//! h²)`; it is taken as linear between two breakpoints and is 0 after the last. What rings in the
+//! filter falls no faster than its slowest pole, whose radius is taken as linear as well.
 
 use super::settings::Breakpoint;
 use crate::SampleRate;
@@ -66,7 +68,8 @@ impl<'m> Levels<'m> {
         Ok(Self { pieces: lender.take(Region::Bulk, count, || Piece::NOTHING)?, ..Self::none() })
     }
 
-    /// Derives the levels of a path whose coefficients are for a rate that is `1/ratio` times this one.
+    /// Derives the levels of a path whose coefficients are for a rate that is `1/ratio` times this
+    /// one.
     #[inline(never)] // only on load: its stack is not the caller's
     pub fn load(
         &mut self,
@@ -97,13 +100,14 @@ impl<'m> Levels<'m> {
         }
     }
 
-    /// How fast the sound falls by itself at a frame after the strike: the number of frames, at most
-    /// `most`, for which one rate is precise enough, and that rate in nepers a frame. It is infinite
-    /// where nothing is left.
+    /// How fast the sound falls by itself at a frame after the strike: the number of frames, at
+    /// most `most`, for which one rate is precise enough, and that rate in nepers a frame. It is
+    /// infinite where nothing is left.
     ///
     /// From n to n + 1 the amplitude is multiplied by the larger of two factors, at most 1: the
     /// level at n + 1 over the level at n (0 where both are 0), and the radius of the slowest pole.
-    /// Kits under hands are 98 dB from the law with it (`cargo test -p malleus --test kits whole_sound`).
+    /// Kits under hands are 98 dB from the law with it (`cargo test -p malleus --test kits
+    /// whole_sound`).
     pub fn falls(&self, frame: u32, most: u32) -> (u32, f32) {
         let pieces = self.pieces.get(..self.count).unwrap_or(&[]);
         let at = pieces.iter().rposition(|piece| piece.start <= frame).unwrap_or(0);
@@ -128,7 +132,8 @@ impl<'m> Levels<'m> {
         if at_pole {
             return (frames, piece.falls_of_pole(frame, frames));
         }
-        // Until the level has lost a 64th: a constant rate is then within (1/64)²/8 of the line. `as` saturates.
+        // Until the level has lost a 64th: a constant rate is then within (1/64)²/8 of the line.
+        // `as` saturates.
         let frames = frames.min((before / (64.0 * lost)) as u32).max(1);
         (frames, falls_of(before, piece.level(frame + frames), frames).min(piece.falls_of_pole(frame, frames)))
     }

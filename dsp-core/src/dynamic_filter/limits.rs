@@ -2,12 +2,13 @@
 
 /// The largest real pole, and the largest magnitude of a conjugate one.
 pub const MAX_POLE: f64 = 0.9999;
-/// The smallest pole of the first order. What rounding leaves grows with 1/(1 - |p|), and faster at this end, so that below [`MIN_REAL_POLE`] it takes all bits
-/// of its state.
+/// The smallest pole of the first order. What rounding leaves grows with 1/(1 - |p|), and faster at
+/// this end, so that below [`MIN_REAL_POLE`] it takes all bits of its state.
 pub const MIN_POLE: f64 = -0.9999;
 /// The smallest real pole of the second order. Eq. 17's low-pass is at 0.48 fs there.
 pub const MIN_REAL_POLE: f64 = -0.9;
-/// The largest gain, summed over the impulse response: `(|b0| + |b1|) / (1 - |a1|)` in the first order.
+/// The largest gain, summed over the impulse response: `(|b0| + |b1|) / (1 - |a1|)` in the first
+/// order.
 pub const MAX_GAIN: f64 = 4096.0;
 /// The longest path.
 pub const MAX_TIME_S: f64 = 3600.0;

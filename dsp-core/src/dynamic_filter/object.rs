@@ -25,10 +25,12 @@ pub struct FilterSize {
 
 /// The dynamic filter of one object, with the loops round it.
 ///
-/// Blocks of Q4.27 in and out. Ticks of 32 frames are counted from the first frame: a caller's blocks change no bit.
+/// Blocks of Q4.27 in and out. Ticks of 32 frames are counted from the first frame: a caller's
+/// blocks change no bit.
 ///
-/// Worst SNR against `f64` fed the same noise: `cargo test -p host-tests --test stages -- --nocapture dynamic_filter waveguides`; cycles: `cargo test -p
-/// host-tests --test on_chip filters -- --nocapture`.
+/// Worst SNR against `f64` fed the same noise: `cargo test -p host-tests --test stages --
+/// --nocapture dynamic_filter waveguides`; cycles: `cargo test -p host-tests --test on_chip filters
+/// -- --nocapture`.
 ///
 /// ```
 /// use dsp_core::SampleRate;
@@ -54,7 +56,8 @@ pub struct FilterSize {
 /// filter.render(None, &mut out);
 /// assert!(out.iter().any(|&sample| sample != 0));
 /// ```
-// In this order: what a tick asks for is near the start, where the chip reaches it by a short address.
+// In this order: what a tick asks for is near the start, where the chip reaches it by a short
+// address.
 #[derive(Debug)]
 #[repr(C)]
 pub struct DynamicFilter<'m> {
@@ -69,7 +72,8 @@ pub struct DynamicFilter<'m> {
     /// Frame within the tick, and frames that are left of the segment.
     pub(super) frame: usize,
     pub(super) left: usize,
-    /// Whole ticks in which nothing begins or ends, and no modes come: so many were granted, so many are left.
+    /// Whole ticks in which nothing begins or ends, and no modes come: so many were granted, so
+    /// many are left.
     pub(super) granted: u32,
     pub(super) whole_ticks: u32,
     /// Whether the segment has noise.
@@ -135,8 +139,9 @@ impl<'m> DynamicFilter<'m> {
         Ok(taken)
     }
 
-    /// Derives all for a rate, at rest, in the memory that was taken for the settings' [`size`](Self::size). `stream` is the
-    /// number of the noise's stream, such as the pad's. After an error it gives nothing.
+    /// Derives all for a rate, at rest, in the memory that was taken for the settings'
+    /// [`size`](Self::size). `stream` is the number of the noise's stream, such as the pad's. After
+    /// an error it gives nothing.
     ///
     /// # Errors
     /// [`DynamicFilterError`].
@@ -154,8 +159,8 @@ impl<'m> DynamicFilter<'m> {
         self.derive(settings, rate, stream, true)
     }
 
-    /// As [`load`](Self::load) for settings that have been loaded without memory, so that the loops are known to be stable: to
-    /// check that takes most of a load's time.
+    /// As [`load`](Self::load) for settings that have been loaded without memory, so that the loops
+    /// are known to be stable: to check that takes most of a load's time.
     ///
     /// # Errors
     /// [`DynamicFilterError`].
@@ -221,18 +226,21 @@ impl<'m> DynamicFilter<'m> {
         Ok(())
     }
 
-    /// Whether the object's modes are to be given to [`render`](Self::render), rather than added to the output beside it.
+    /// Whether the object's modes are to be given to [`render`](Self::render), rather than added to
+    /// the output beside it.
     pub fn takes_modes(&self) -> bool {
         self.modes_through
     }
 
-    /// q of the noise's format, Q(27 - q), chosen on load: what a test must know to draw the same noise.
+    /// q of the noise's format, Q(27 - q), chosen on load: what a test must know to draw the same
+    /// noise.
     pub fn input_shift(&self) -> i32 {
         self.filter.path.input_shift
     }
 
-    /// Starts the path anew with noise of a level (peak force over reference force) from 0 to [`MAX_LEVEL`](Self::MAX_LEVEL); what rings rings on. It holds from the
-    /// next frame that is rendered. The filter itself is as the table says at any level, so that loops stay stable.
+    /// Starts the path anew with noise of a level (peak force over reference force) from 0 to
+    /// [`MAX_LEVEL`](Self::MAX_LEVEL); what rings rings on. It holds from the next frame that is
+    /// rendered. The filter itself is as the table says at any level, so that loops stay stable.
     pub fn strike(&mut self, level: f32) {
         if !self.loaded {
             return;
@@ -246,13 +254,14 @@ impl<'m> DynamicFilter<'m> {
         (self.left, self.ringing) = (0, true);
     }
 
-    /// Whether anything sounds or may: false means that [`pass`](Self::pass) does for a block into which no modes come.
+    /// Whether anything sounds or may: false means that [`pass`](Self::pass) does for a block into
+    /// which no modes come.
     pub fn is_ringing(&self) -> bool {
         self.ringing
     }
 
-    /// Adds a block of any length to `out`: Q4.27, saturating. `modes` (as many frames, where the table says that they go through the
-    /// filter) are added to its input.
+    /// Adds a block of any length to `out`: Q4.27, saturating. `modes` (as many frames, where the
+    /// table says that they go through the filter) are added to its input.
     #[inline(never)] // its kernels are called through a pointer, from here alone
     pub fn render(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
         // What a tick mostly is.
@@ -334,7 +343,8 @@ impl<'m> DynamicFilter<'m> {
         (self.left, self.noisy) = self.filter.segment(TICK_FRAMES - self.frame);
     }
 
-    /// On a tick: states are scaled, and after the path's end what is at rest ends, with loops at the end of their windows.
+    /// On a tick: states are scaled, and after the path's end what is at rest ends, with loops at
+    /// the end of their windows.
     #[inline(always)]
     pub(super) fn settle(&mut self) {
         let (due, silent) = if self.loops.count() > 0 { self.loops.settle() } else { (true, true) };
@@ -343,7 +353,8 @@ impl<'m> DynamicFilter<'m> {
         }
     }
 
-    /// Whether it is at rest, on a tick after the path's end; `silent` says that nothing lies in the loops' line, even of what they have still to read.
+    /// Whether it is at rest, on a tick after the path's end; `silent` says that nothing lies in
+    /// the loops' line, even of what they have still to read.
     #[inline(never)]
     fn end(&mut self, silent: bool) {
         let excited = !self.exciter.settle();
@@ -363,7 +374,8 @@ impl<'m> DynamicFilter<'m> {
         self.loops.advance(frames, sizes);
     }
 
-    /// Frames within a segment, by way of the loops' line: what comes in at once, loops and filter by blocks of the shortest delay.
+    /// Frames within a segment, by way of the loops' line: what comes in at once, loops and filter
+    /// by blocks of the shortest delay.
     #[inline(never)]
     pub(super) fn run_looped(&mut self, modes: &[i32], out: &mut [i32]) {
         let sums = self.loops.slot(out.len());
@@ -420,7 +432,8 @@ impl<'m> DynamicFilter<'m> {
         (self.left, self.noisy, self.ringing) = (0, false, false);
     }
 
-    /// Leaves so much (Q31) of what rings and of the noise to come, until a strike brings noise of its own.
+    /// Leaves so much (Q31) of what rings and of the noise to come, until a strike brings noise of
+    /// its own.
     pub fn attenuate(&mut self, left: i32) {
         self.settle_whole_ticks();
         self.filter.attenuate(left);
@@ -428,7 +441,8 @@ impl<'m> DynamicFilter<'m> {
         self.exciter.attenuate(left);
     }
 
-    /// Nominal cycles of a tick while it sounds, at most, for the engine's budget; 0 where none is loaded.
+    /// Nominal cycles of a tick while it sounds, at most, for the engine's budget; 0 where none is
+    /// loaded.
     pub fn cycles_a_tick(&self) -> u32 {
         if !self.loaded {
             return 0;

@@ -1,4 +1,5 @@
-//! The coefficients over time: pieces between breakpoints, what is refused, and which arithmetic serves.
+//! The coefficients over time: pieces between breakpoints, what is refused, and which arithmetic
+//! serves.
 //!
 //! | order, poles | arithmetic | parameters, interpolated linearly |
 //! | --- | --- | --- |
@@ -6,8 +7,8 @@
 //! | 2, conjugate | `z = p z + g e'` (complex), `s = Re z + d e` | Re p, Im p, Re g, Im g, d |
 //! | 2, real | `z1 = p1 z1 + e'; z2 = p2 z2 + β z1'; s = d e + α z1 + z2` | p1, p2, α, β, d |
 //!
-//! (`'`: of the frame before.) All three contract, whatever the parameters do, as long as each pole is inside the unit circle; a straight
-//! line between two points inside it is inside it.
+//! (`'`: of the frame before.) All three contract, whatever the parameters do, as long as each pole
+//! is inside the unit circle; a straight line between two points inside it is inside it.
 
 use super::error::PathError;
 use super::limits::{CARRIED, Limits, MAX_TIME_S, MIN_REAL_POLE, OF_TABLE};
@@ -107,8 +108,8 @@ pub struct Path<'m> {
     pub(super) gain: f64,
 }
 
-/// Parameters of a form, and what bounds its states: past the filter, round it for an input of 1, and z1 of real poles (1 for all others), by which
-/// that round it is to be multiplied.
+/// Parameters of a form, and what bounds its states: past the filter, round it for an input of 1,
+/// and z1 of real poles (1 for all others), by which that round it is to be multiplied.
 #[derive(Clone, Copy)]
 struct Derived {
     form: Form,
@@ -155,8 +156,9 @@ impl<'m> Path<'m> {
         Ok(Self { pieces: lender.take(Region::Bulk, count, || Piece::NOTHING)?, ..Self::empty() })
     }
 
-    /// Derives the path of a filter of order 1 or 2 for a rate, which is `ratio` times the one that the coefficients are
-    /// for. Breakpoints keep their time to a fraction of a frame. Without memory all is derived but the pieces.
+    /// Derives the path of a filter of order 1 or 2 for a rate, which is `ratio` times the one that
+    /// the coefficients are for. Breakpoints keep their time to a fraction of a frame. Without
+    /// memory all is derived but the pieces.
     ///
     /// # Errors
     /// [`PathError`].
@@ -231,7 +233,8 @@ impl<'m> Path<'m> {
         let room = self.form.state_bits() - MAX_INPUT_BITS;
         self.scale = (room - exponent(most.gain())).clamp(-14, 12);
         if from != Input::Words && self.form.parameters() < PARAMETERS {
-            // The bus' own format, where the state fits it, saves the shift; what is below a step of the bus is not heard.
+            // The bus' own format, where the state fits it, saves the shift; what is below a step
+            // of the bus is not heard.
             self.scale = match self.scale {
                 0.. => 0,
                 -2..0 if from == Input::Noise => -2,
@@ -353,7 +356,8 @@ pub(super) struct Point {
 }
 
 impl Point {
-    /// A part of the way from one breakpoint to the next, between which parameters are interpolated; `None` where either is none.
+    /// A part of the way from one breakpoint to the next, between which parameters are
+    /// interpolated; `None` where either is none.
     pub(super) fn between(order: u8, here: &Breakpoint, next: &Breakpoint, part: f64) -> Option<Self> {
         let (Ok(from), Ok(to)) = (derive(order, here, 0, CARRIED), derive(order, next, 0, CARRIED)) else {
             return None;

@@ -20,7 +20,8 @@ pub struct Breakpoint {
     pub b1: f64,
     /// Coefficient of e(n-2): second order only.
     pub b2: f64,
-    /// Level of the noise, 0 to 1, times the strike's; it scales what goes into the filter, never the filter.
+    /// Level of the noise, 0 to 1, times the strike's; it scales what goes into the filter, never
+    /// the filter.
     pub noise: f64,
 }
 
@@ -31,13 +32,15 @@ impl Default for Breakpoint {
     }
 }
 
-/// All of an object's dynamic filter. `P` and `L` are iterators that may be run several times, such as `slice.iter().copied()`.
+/// All of an object's dynamic filter. `P` and `L` are iterators that may be run several times, such
+/// as `slice.iter().copied()`.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings<P, L> {
     /// Seed of the noise; the stream is given to [`super::DynamicFilter::load`].
     pub seed: u32,
-    /// The rate in Hz that the path's coefficients are for, 8000 to 192 000. At another rate the bilinear transformation carries them over, and noise
-    /// grows by `sqrt(rate/rate_hz)`, so that its density stays.
+    /// The rate in Hz that the path's coefficients are for, 8000 to 192 000. At another rate the
+    /// bilinear transformation carries them over, and noise grows by `sqrt(rate/rate_hz)`, so that
+    /// its density stays.
     pub rate_hz: f64,
     /// 1, or 2: then a2 and b2 count.
     pub order: u8,

@@ -1,7 +1,8 @@
 //! Whether the loops round a path decay.
 //!
-//! In software `f64` a Cortex-M4 would take seconds for ten loops round a long path. So each angle is judged by bounds in `f32` first ([`bound`]), which the
-//! FPU finds, and only where these leave it open in `f64`. What is refused does not depend on the bounds.
+//! In software `f64` a Cortex-M4 would take seconds for ten loops round a long path. So each angle
+//! is judged by bounds in `f32` first ([`bound`]), which the FPU finds, and only where these leave
+//! it open in `f64`. What is refused does not depend on the bounds.
 
 use core::f64::consts::{PI, TAU};
 
@@ -34,8 +35,10 @@ struct Suspect {
     filter: f64,
 }
 
-/// `|F(ω)| Σ |B_s(ω)| < 1` at four points of each piece: at angles all over the circle, close by each band, and close by the pole of each point of the path.
-/// `largest_gain` is what |F| nowhere exceeds: where the loops pass too little even for that, as at most angles, the path need not be walked.
+/// `|F(ω)| Σ |B_s(ω)| < 1` at four points of each piece: at angles all over the circle, close by
+/// each band, and close by the pole of each point of the path. `largest_gain` is what |F| nowhere
+/// exceeds: where the loops pass too little even for that, as at most angles, the path need not be
+/// walked.
 pub(super) fn check(
     order: u8,
     largest_gain: f64,

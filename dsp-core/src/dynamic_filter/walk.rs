@@ -34,7 +34,8 @@ pub(super) struct Walk {
     /// The piece, and where the next one begins.
     piece: usize,
     next: u32,
-    /// Up to here [`tick`](Self::tick) may go: 0 until a segment of the piece has set the lines' steps, and after the path's last breakpoint.
+    /// Up to here [`tick`](Self::tick) may go: 0 until a segment of the piece has set the lines'
+    /// steps, and after the path's last breakpoint.
     whole: u32,
     over: bool,
     ramps: [Ramp; PARAMETERS],
@@ -44,7 +45,8 @@ pub(super) struct Walk {
 /// A parameter on the way through a piece.
 #[derive(Clone, Copy, Debug)]
 struct Ramp {
-    /// At the next segment's start, with 32 bits more, and with what makes the middle of a tick right ([`Walk::segment`]).
+    /// At the next segment's start, with 32 bits more, and with what makes the middle of a tick
+    /// right ([`Walk::segment`]).
     wide: i64,
     /// Its change in a tick.
     of_tick: i64,
@@ -109,11 +111,12 @@ impl Walk {
         self.next != u32::MAX
     }
 
-    /// Begins a segment, which lasts to the next breakpoint or to `most` frames: gives its frames, and sets the lines. Segments begin and end at ticks,
-    /// strikes and breakpoints only, so that a caller's blocks change nothing.
+    /// Begins a segment, which lasts to the next breakpoint or to `most` frames: gives its frames,
+    /// and sets the lines. Segments begin and end at ticks, strikes and breakpoints only, so that a
+    /// caller's blocks change nothing.
     ///
-    /// A step has 32 bits only. So that what it leaves out cannot add up, a line is right in the middle of its segment, and each segment begins anew from
-    /// the 64-bit parameters.
+    /// A step has 32 bits only. So that what it leaves out cannot add up, a line is right in the
+    /// middle of its segment, and each segment begins anew from the 64-bit parameters.
     pub(super) fn segment(
         &mut self,
         path: &Path<'_>,
@@ -181,7 +184,8 @@ fn step(slope: i64) -> i32 {
     (slope.wrapping_add(1 << 31) >> 32) as i32
 }
 
-/// Half a segment's frames of what the step leaves out, which is within half a step, and half a step for rounding.
+/// Half a segment's frames of what the step leaves out, which is within half a step, and half a
+/// step for rounding.
 fn middle(slope: i64, frames: u32) -> i64 {
     i64::from(slope as i32) * i64::from(frames >> 1) + (1 << 31)
 }

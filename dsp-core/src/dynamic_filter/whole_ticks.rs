@@ -1,7 +1,9 @@
-//! Ticks in which nothing begins or ends, and no modes come: granted several at a time, so that each asks for next to nothing.
+//! Ticks in which nothing begins or ends, and no modes come: granted several at a time, so that
+//! each asks for next to nothing.
 //!
-//! The bits are those of [`DynamicFilter::render_any`]'s way, which settles the loops on each tick: between the ends of their windows that changes nothing
-//! but where a state or the line has left the bounds of its scaling, at which the grant ends.
+//! The bits are those of [`DynamicFilter::render_any`]'s way, which settles the loops on each tick:
+//! between the ends of their windows that changes nothing but where a state or the line has left
+//! the bounds of its scaling, at which the grant ends.
 
 use super::object::DynamicFilter;
 use crate::time::TICK_FRAMES;

@@ -6,8 +6,8 @@ use core::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LoopError {
-    /// A frequency not between fs/10 000 and 0.499 fs, a bandwidth not between fs/10^7 and the frequency (or above some fs/10), a gain that is no
-    /// number, or a delay below a frame.
+    /// A frequency not between fs/10 000 and 0.499 fs, a bandwidth not between fs/10^7 and the
+    /// frequency (or above some fs/10), a gain that is no number, or a delay below a frame.
     Band {
         /// The loop, counted from 0.
         index: usize,

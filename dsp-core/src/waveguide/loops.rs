@@ -15,14 +15,17 @@ use crate::time::TICK_FRAMES;
 
 /// Up to this sum of what may come out of the loops a fine sum has room.
 const LARGEST_FINE: f64 = 1.0 / 16.0;
-/// What s may be then: 12 dB above full scale. (If it is louder after all, sums saturate for a while.)
+/// What s may be then: 12 dB above full scale. (If it is louder after all, sums saturate for a
+/// while.)
 const LOUDEST: f64 = 4.0;
 
-/// The shortest time over which the largest word of the line is sought: ticks in which nothing is to be settled cost less.
+/// The shortest time over which the largest word of the line is sought: ticks in which nothing is
+/// to be settled cost less.
 const SHORTEST_WINDOW: usize = 8 * TICK_FRAMES;
 
 /// Loops on one delay line of s.
-// In this order: what a tick asks for is near the start, where the chip reaches it by a short address.
+// In this order: what a tick asks for is near the start, where the chip reaches it by a short
+// address.
 #[derive(Debug)]
 #[repr(C)]
 pub(crate) struct Loops<'m> {
@@ -44,13 +47,15 @@ pub(crate) struct Loops<'m> {
     /// Sizes written since it was last settled, or'ed, and frames since then beyond a tick.
     sizes: u32,
     passed: usize,
-    /// Sizes in a window that is longer than the longest delay, so far, and in that before; frames of the former.
+    /// Sizes in a window that is longer than the longest delay, so far, and in that before; frames
+    /// of the former.
     sizes_of: [u32; 2],
     frames_of_first: usize,
     window: usize,
     line_bits: i32,
     longest: usize,
-    /// Bits of the sizes of such a time, for how many frames these have been the same or one more, and after how many no tail would be.
+    /// Bits of the sizes of such a time, for how many frames these have been the same or one more,
+    /// and after how many no tail would be.
     tail_bits: i32,
     still_frames: usize,
     most_still_frames: usize,
@@ -87,7 +92,8 @@ impl<'m> Loops<'m> {
         }
     }
 
-    /// Frames of the delay line of loops at a rate: the longest delay and a tick, in whole ticks; 0 without loops.
+    /// Frames of the delay line of loops at a rate: the longest delay and a tick, in whole ticks; 0
+    /// without loops.
     ///
     /// # Errors
     /// A [`LoopError`] for a loop that cannot be, or whose delay is longer than any line.
@@ -106,8 +112,8 @@ impl<'m> Loops<'m> {
         Ok(Self { bands, line: lender.take(Region::Bulk, frames, || 0)?, ..Self::empty() })
     }
 
-    /// Derives loops at rest for a line of s larger than the bus by 2^`line_scale`; `stable` checks the sum of the loops. Without
-    /// memory all is derived but the loops themselves.
+    /// Derives loops at rest for a line of s larger than the bus by 2^`line_scale`; `stable` checks
+    /// the sum of the loops. Without memory all is derived but the loops themselves.
     pub(crate) fn load(
         &mut self,
         loops: impl Iterator<Item = Loop> + Clone,
@@ -126,7 +132,8 @@ impl<'m> Loops<'m> {
             *tuned = Tuned::new(&one, index, LONGEST_LINE, rate)?;
         }
         let all = all.get(..given).unwrap_or(&[]);
-        // What memory was taken for: the kernels read within the line for delays below its length alone.
+        // What memory was taken for: the kernels read within the line for delays below its length
+        // alone.
         if !self.bands.is_empty() {
             let room = self.line.len();
             if given != self.bands.len() {
@@ -137,7 +144,8 @@ impl<'m> Loops<'m> {
             }
         }
         stable(all)?;
-        // Loops of little gain round a filter of much: there a step of the sum is loudest, and there is room for it to be small.
+        // Loops of little gain round a filter of much: there a step of the sum is loudest, and
+        // there is room for it to be small.
         let largest: f64 = all.iter().map(|tuned| Resonance::largest(tuned, line_scale)).sum();
         let largest = largest * (LOUDEST / libm::scalbn(1.0, LINE_BITS - 27 - line_scale)).min(1.0);
         self.sum_scale = if largest < LARGEST_FINE { FINE } else { COARSE };
@@ -161,8 +169,8 @@ impl<'m> Loops<'m> {
         self.count
     }
 
-    /// Nominal cycles of a tick, with what the filter takes more for them: for a block of a whole tick, each loop, and what further blocks cost;
-    /// `of_block` are those of the filter itself.
+    /// Nominal cycles of a tick, with what the filter takes more for them: for a block of a whole
+    /// tick, each loop, and what further blocks cost; `of_block` are those of the filter itself.
     pub(crate) fn cycles_a_tick(&self, of_block: u32) -> u32 {
         let (loops, blocks) = (self.count as u32, TICK_FRAMES.div_ceil(self.shortest.max(1)) as u32);
         let further = (blocks - 1) * (310 + 84 * loops);
@@ -197,7 +205,8 @@ impl<'m> Loops<'m> {
         self.line.iter_mut().for_each(|s| *s = times_q31(*s, left));
     }
 
-    /// How many of so many frames have a slot that no loop is still to read and in which the ring does not turn.
+    /// How many of so many frames have a slot that no loop is still to read and in which the ring
+    /// does not turn.
     pub(crate) fn slot_length(&self, frames: usize) -> usize {
         frames.min(self.line.len() - self.longest).min(self.line.len() - self.place)
     }
@@ -207,7 +216,8 @@ impl<'m> Loops<'m> {
         frames.min(self.shortest)
     }
 
-    /// Adds what the loops give over so many frames to what lies in [`slot`](Self::slot), Q29 or less ([`COARSE`]).
+    /// Adds what the loops give over so many frames to what lies in [`slot`](Self::slot), Q29 or
+    /// less ([`COARSE`]).
     pub(crate) fn add(&mut self, frames: usize) {
         self.unsettled = if self.loud {
             kernel::portable::run_loud(self.bands, self.line, self.place, frames)
@@ -216,7 +226,8 @@ impl<'m> Loops<'m> {
         };
     }
 
-    /// As [`add`](Self::add) to noise of a level, of which a whole tick is drawn, for one of the [`whole_ticks`](Self::whole_ticks).
+    /// As [`add`](Self::add) to noise of a level, of which a whole tick is drawn, for one of the
+    /// [`whole_ticks`](Self::whole_ticks).
     #[inline(always)]
     pub(crate) fn add_to_noise(&mut self, noise: &mut White, level: i32) {
         if self.loud {
@@ -229,7 +240,8 @@ impl<'m> Loops<'m> {
         }
     }
 
-    /// Where the next frames of s are to be written: what goes into the filter is summed there, and s left.
+    /// Where the next frames of s are to be written: what goes into the filter is summed there, and
+    /// s left.
     pub(crate) fn slot(&mut self, frames: usize) -> &mut [i32] {
         self.line.get_mut(self.place..self.place + frames).unwrap_or(&mut [])
     }
@@ -243,8 +255,8 @@ impl<'m> Loops<'m> {
         }
     }
 
-    /// How many ticks may be run, each in one slot and followed by [`pass`](Self::pass), before the next [`settle`](Self::settle), as long as
-    /// [`is_settled`](Self::is_settled).
+    /// How many ticks may be run, each in one slot and followed by [`pass`](Self::pass), before the
+    /// next [`settle`](Self::settle), as long as [`is_settled`](Self::is_settled).
     pub(crate) fn whole_ticks(&self) -> u32 {
         if self.line.len() < self.longest + TICK_FRAMES {
             return 0;
@@ -264,10 +276,11 @@ impl<'m> Loops<'m> {
         self.passed += (whole_ticks as usize).saturating_sub(1) * TICK_FRAMES;
     }
 
-    /// On a tick: scales states anew. Gives whether a window ended, and whether what was written in it is no sound.
+    /// On a tick: scales states anew. Gives whether a window ended, and whether what was written in
+    /// it is no sound.
     ///
-    /// Where states and line are settled, nothing is to be done but at a window's end: so it is the same bits that follow, on whichever of the ticks
-    /// between this is called.
+    /// Where states and line are settled, nothing is to be done but at a window's end: so it is the
+    /// same bits that follow, on whichever of the ticks between this is called.
     pub(crate) fn settle(&mut self) -> (bool, bool) {
         self.sizes_of[0] |= core::mem::take(&mut self.sizes);
         self.frames_of_first += core::mem::take(&mut self.passed) + TICK_FRAMES;

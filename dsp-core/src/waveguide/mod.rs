@@ -1,4 +1,5 @@
-//! Banded waveguides: feedback loops round the dynamic filter, each a delay and a narrow band-pass (dynamic-filter eq. 8 to 13, 22 to 24).
+//! Banded waveguides: feedback loops round the dynamic filter, each a delay and a narrow band-pass
+//! (dynamic-filter eq. 8 to 13, 22 to 24).
 //!
 //! ```text
 //!  noise e ─►(+)─► clip ─► dynamic filter F ─┬─► s
@@ -6,14 +7,19 @@
 //!             └───── Σ B_s ◄──── z^-D_s ◄────┘
 //! ```
 //!
-//! All loops read one line of s, and are summed, with the noise, where s will be written. Where every delay is at least a tick (p in eq. 22 chosen so), they
-//! work in blocks of a tick; otherwise in blocks of the shortest delay. The fraction of a delay is in the numerator of its band-pass ([`tuning`]), which turns the phase at the band's frequency by it.
+//! All loops read one line of s, and are summed, with the noise, where s will be written. Where
+//! every delay is at least a tick (p in eq. 22 chosen so), they work in blocks of a tick; otherwise
+//! in blocks of the shortest delay. The fraction of a delay is in the numerator of its band-pass
+//! ([`tuning`]), which turns the phase at the band's frequency by it.
 //!
-//! **Stability.** On load `|F(ω)| Σ |B_s(ω)| < 1` is required all along the path, on a grid that is dense about each band: frozen at any
-//! point, the loops decay. While coefficients move, and for any strikes, the filter clips its input to 2.0, so that s stays within the bound of
-//! [`crate::dynamic_filter`], the line's words below 2^30, and each loop within that of [`resonance`]; when the path is over, the loops are the frozen
-//! ones of its last point and decay. Rounding can keep up to 2^10 steps of the bus for ever. So, after the path's end, what has stayed below 2^[`SILENCE`] for
-//! [`STILL_S`] without losing a bit is cleared; and what is at most 2^[`NOTHING`] for a longest delay: a filter that ends closed so ends its loops.
+//! **Stability.** On load `|F(ω)| Σ |B_s(ω)| < 1` is required all along the path, on a grid that is
+//! dense about each band: frozen at any point, the loops decay. While coefficients move, and for
+//! any strikes, the filter clips its input to 2.0, so that s stays within the bound of
+//! [`crate::dynamic_filter`], the line's words below 2^30, and each loop within that of
+//! [`resonance`]; when the path is over, the loops are the frozen ones of its last point and decay.
+//! Rounding can keep up to 2^10 steps of the bus for ever. So, after the path's end, what has
+//! stayed below 2^[`SILENCE`] for [`STILL_S`] without losing a bit is cleared; and what is at most
+//! 2^[`NOTHING`] for a longest delay: a filter that ends closed so ends its loops.
 
 pub mod error;
 pub mod resonance;

@@ -5,15 +5,18 @@
 //! δ = 1 - |p|²,   e² = |1 - p|²,   g_v = a,   g_u = (c / (1 - δ) + a) / e
 //! ```
 //!
-//! Bands of e >= 1/2 shift instead, as the bank's modes do: `u -= (e²/2^k) v; v += 2^k u`, k = 1 to 3.
+//! Bands of e >= 1/2 shift instead, as the bank's modes do: `u -= (e²/2^k) v; v += 2^k u`, k = 1 to
+//! 3.
 //!
 //! # Why nothing can wrap
 //!
-//! `v = y 2^(27 + E)`. The size of a state is `s = max(|u| 2^k, |v|)`. Within a tick everything is linear, so that each intermediate result is at most
-//! `G s + N X`: G the largest growth of a state of size 1, N the sum over the frames of the sizes that an input of 1 leaves, both found on load by stepping the very
-//! section in `f64`; X the line's words, which a tick before they are read are known where the delay is a tick or more, and below 2^30 always.
-//! `Resonance::settle` keeps E, on ticks, such that `G s < 2^30` and `N X < 2^28`: because a narrow band's N is small, that leaves the state
-//! nearly all its bits, and E rises while line and state decay.
+//! `v = y 2^(27 + E)`. The size of a state is `s = max(|u| 2^k, |v|)`. Within a tick everything is
+//! linear, so that each intermediate result is at most `G s + N X`: G the largest growth of a state
+//! of size 1, N the sum over the frames of the sizes that an input of 1 leaves, both found on load
+//! by stepping the very section in `f64`; X the line's words, which a tick before they are read are
+//! known where the delay is a tick or more, and below 2^30 always. `Resonance::settle` keeps E, on
+//! ticks, such that `G s < 2^30` and `N X < 2^28`: because a narrow band's N is small, that leaves
+//! the state nearly all its bits, and E rises while line and state decay.
 
 use super::tuning::Tuned;
 use crate::dynamic_filter::kernel::COARSE_BITS;
@@ -83,7 +86,8 @@ pub struct Resonance {
     pub(super) most_zeros: i32,
     /// E.
     exponent: i32,
-    /// The largest E for the sum and the multipliers of the input, and with words of the line below 1.
+    /// The largest E for the sum and the multipliers of the input, and with words of the line below
+    /// 1.
     largest_exponent: i32,
     for_input: i32,
     /// The largest E for the line as it is.
@@ -119,7 +123,8 @@ impl Resonance {
         delay: 0,
     };
 
-    /// Derives it at rest, for words of the line of `s 2^(27 + line_scale)`, and a sum of `y 2^(27 + sum_scale)`.
+    /// Derives it at rest, for words of the line of `s 2^(27 + line_scale)`, and a sum of `y 2^(27
+    /// + sum_scale)`.
     pub(super) fn new(tuned: &Tuned, line_scale: i32, sum_scale: i32) -> Self {
         let (_, distance) = tuned.pole();
         let delta = distance * (2.0 - distance);
@@ -173,7 +178,8 @@ impl Resonance {
         resonance
     }
 
-    /// What bounds |y| for a line of 2^30: over all frames, the amplitude of the impulse response over the distance from the circle.
+    /// What bounds |y| for a line of 2^30: over all frames, the amplitude of the impulse response
+    /// over the distance from the circle.
     pub(super) fn largest(tuned: &Tuned, line_scale: i32) -> f64 {
         let (angle, distance) = tuned.pole();
         let radius = 1.0 - distance;
@@ -189,7 +195,8 @@ impl Resonance {
         self.set(self.limit);
     }
 
-    /// What it reads from now on is below 2^`line_bits`; to be followed by [`settle`](Self::settle).
+    /// What it reads from now on is below 2^`line_bits`; to be followed by
+    /// [`settle`](Self::settle).
     pub(super) fn expect(&mut self, line_bits: i32) {
         self.limit = self.largest_exponent.min(self.for_input - line_bits);
         self.bound();
@@ -226,7 +233,8 @@ impl Resonance {
         32 - STATE_BITS + self.growth_bits
     }
 
-    /// Bounds of a size outside of which the state is to be scaled anew: it is moved up by three bits at least.
+    /// Bounds of a size outside of which the state is to be scaled anew: it is moved up by three
+    /// bits at least.
     fn bound(&mut self) {
         let none = self.no_zeros_free();
         self.least_zeros = if self.exponent > self.limit { 33 } else { none };
@@ -252,8 +260,9 @@ impl Resonance {
         self.bound();
     }
 
-    /// The largest sum of [`weight`](Self::weight)s for which sums of all bands cannot wrap: their states, below 1.25 · 2^30, then give less than 2^30 together, and
-    /// noise or an exciter at most 2^30.
+    /// The largest sum of [`weight`](Self::weight)s for which sums of all bands cannot wrap: their
+    /// states, below 1.25 · 2^30, then give less than 2^30 together, and noise or an exciter at
+    /// most 2^30.
     pub(super) const LARGEST_WEIGHT: u64 = 3 << 30;
 
     /// What it takes of a sum's room: its multiplier, if there is one.

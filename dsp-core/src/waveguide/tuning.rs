@@ -33,8 +33,9 @@ pub(crate) struct Tuned {
 }
 
 impl Tuned {
-    /// Poles as in eq. 9 to 11 with `τ = sin ω / 2Q`, `Q = f_c / Δf` (the paper prints the inverse), the whole frames of the delay, and the numerator that
-    /// makes the gain at f_c `γ e^{-iωφ}`, φ being what is left of the delay: over a band of a few hertz that is the delay.
+    /// Poles as in eq. 9 to 11 with `τ = sin ω / 2Q`, `Q = f_c / Δf` (the paper prints the
+    /// inverse), the whole frames of the delay, and the numerator that makes the gain at f_c `γ
+    /// e^{-iωφ}`, φ being what is left of the delay: over a band of a few hertz that is the delay.
     pub(crate) fn new(of: &Loop, index: usize, room: usize, rate: SampleRate) -> Result<Self, LoopError> {
         let Loop { frequency_hz, bandwidth_hz, gain, delay_s } = *of;
         let delay = delay_s * rate.hz();
@@ -64,7 +65,8 @@ impl Tuned {
 
     /// The same gain at f_c with another pole: `a + c w = γ e^{-iωφ} D(w)`, w = e^{-iω}.
     ///
-    /// A loop of gain G close to 1 rings at f_c less (1 - G) times what its pole is off: so a pole that was rounded hardly matters.
+    /// A loop of gain G close to 1 rings at f_c less (1 - G) times what its pole is off: so a pole
+    /// that was rounded hardly matters.
     pub(super) fn with_pole(self, real: f64, square: f64) -> Self {
         let (cosine, sine) = (libm::cos(self.omega), libm::sin(self.omega));
         let (double_cosine, double_sine) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);

@@ -55,7 +55,8 @@ impl BankOnChip {
         Ok((call.value, call.cost))
     }
 
-    /// A run of at most a tick's frames from a bus of zeros: its sound, and what it cost. `force` as long as the run.
+    /// A run of at most a tick's frames from a bus of zeros: its sound, and what it cost. `force`
+    /// as long as the run.
     ///
     /// # Errors
     /// [`OnChipError::Run`].

@@ -109,7 +109,8 @@ pub fn storm_scene(pads: usize) -> BudgetScene {
     }
 }
 
-/// Four pads of the demo kit, struck 28 times a second each wherever in a tick it falls, at so many cycles a tick.
+/// Four pads of the demo kit, struck 28 times a second each wherever in a tick it falls, at so many
+/// cycles a tick.
 ///
 /// # Panics
 /// Where the demo kit that ships with the project is broken.

@@ -78,7 +78,8 @@ impl EngineOnChip {
         })
     }
 
-    /// Renders a block of at most [`BLOCK_FRAMES`]: its samples, and the call with its cost and peak stack.
+    /// Renders a block of at most [`BLOCK_FRAMES`]: its samples, and the call with its cost and
+    /// peak stack.
     ///
     /// # Errors
     /// [`OnChipError::Refused`] for events that cannot be.
@@ -129,7 +130,8 @@ impl EngineOnChip {
         Ok(())
     }
 
-    /// What the last block's last tick was expected to cost and left out, and all decisions of the block.
+    /// What the last block's last tick was expected to cost and left out, and all decisions of the
+    /// block.
     ///
     /// # Errors
     /// [`OnChipError::Run`].

@@ -10,7 +10,8 @@ const INPUT: u32 = HOST_MEMORY;
 const OUT: u32 = HOST_MEMORY + 0x4000;
 const BAND: u32 = HOST_MEMORY + 0x8000;
 
-/// `host-tests/images/filters`: a dynamic filter of 16 breakpoints and 10 loops of up to 2048 frames.
+/// `host-tests/images/filters`: a dynamic filter of 16 breakpoints and 10 loops of up to 2048
+/// frames.
 #[derive(Debug)]
 pub struct FiltersOnChip {
     machine: Machine,

@@ -21,7 +21,8 @@ use std::path::Path;
 
 use virtual_core::{BuildError, Image, ImageError, RunError};
 
-/// The first byte of the core-coupled memory, which the images leave to the host for what it hands over.
+/// The first byte of the core-coupled memory, which the images leave to the host for what it hands
+/// over.
 const HOST_MEMORY: u32 = 0x1000_0000;
 
 /// The kit's place in flash: behind every image.

@@ -38,7 +38,8 @@ impl ResidualOnChip {
         accept("residual_load", self.machine.call("residual_load", &arguments)?.value)
     }
 
-    /// A tick from a bus of zeros, with a strike (frame, strength) or none: its sound, and what it cost.
+    /// A tick from a bus of zeros, with a strike (frame, strength) or none: its sound, and what it
+    /// cost.
     ///
     /// # Errors
     /// [`OnChipError::Run`].

@@ -15,8 +15,8 @@ use crate::scene::{load, mode, one_pad};
 /// Modes of a pad of [`pads`].
 pub const MODES_PER_PAD: usize = 64;
 
-/// A kit of equal pads with 64 modes each: three quarters from 80 Hz to 3.8 kHz, a quarter from 3.9 to 11.5 kHz, T60 3 s falling to 0.6 s,
-/// sine gains.
+/// A kit of equal pads with 64 modes each: three quarters from 80 Hz to 3.8 kHz, a quarter from 3.9
+/// to 11.5 kHz, T60 3 s falling to 0.6 s, sine gains.
 pub fn pads(count: usize) -> Loaded {
     pads_of(count, 1)
 }
@@ -107,7 +107,8 @@ impl SceneCost {
     }
 }
 
-/// Plays events on the chip, a tick a call, and counts the ticks from `from` to `to`; `direct` is a force for pad 0.
+/// Plays events on the chip, a tick a call, and counts the ticks from `from` to `to`; `direct` is a
+/// force for pad 0.
 ///
 /// # Errors
 /// [`OnChipError`].

@@ -24,8 +24,8 @@ pub fn sounds(bands: &[BandLaw], seeds: u32, frames: usize) -> Vec<Vec<f64>> {
     (0..seeds).map(sound).collect()
 }
 
-/// The law carried out: white noise cut sharply into bands, each under its own envelope. (As `reference::residual::render`, whose transforms are a
-/// textbook's and slow.)
+/// The law carried out: white noise cut sharply into bands, each under its own envelope. (As
+/// `reference::residual::render`, whose transforms are a textbook's and slow.)
 pub fn ideal_sound(bands: &[BandLaw], seed: u32, frames: usize) -> Vec<f64> {
     let mut random = Sfc32::new(seed, 99);
     // The sum of twelve even numbers: nearly normal, of variance 1.
@@ -43,7 +43,8 @@ pub fn ideal_sound(bands: &[BandLaw], seed: u32, frames: usize) -> Vec<f64> {
     sound
 }
 
-/// Of each band: the energy between its edges, in dB over what the law expects there, on average over all sounds.
+/// Of each band: the energy between its edges, in dB over what the law expects there, on average
+/// over all sounds.
 pub fn energies(bands: &[BandLaw], sounds: &[Vec<f64>]) -> Vec<Measured> {
     let law = reference_bands(bands);
     let frames = sounds[0].len();
@@ -64,8 +65,9 @@ pub fn energies(bands: &[BandLaw], sounds: &[Vec<f64>]) -> Vec<Measured> {
         .collect()
 }
 
-/// Of each band: its decay over the law's, from the mean power of all sounds between its edges, from `from_s` after the strike to where the law has
-/// fallen by `fall_db`. The standard error is that of ten groups of sounds.
+/// Of each band: its decay over the law's, from the mean power of all sounds between its edges,
+/// from `from_s` after the strike to where the law has fallen by `fall_db`. The standard error is
+/// that of ten groups of sounds.
 pub fn decays(bands: &[BandLaw], sounds: &[Vec<f64>], from_s: f64, fall_db: f64) -> Vec<Measured> {
     const STEP: usize = 48;
     let of_band = |band: &BandLaw| {

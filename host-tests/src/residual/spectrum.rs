@@ -5,7 +5,8 @@ use fourier::Complex;
 /// Rate of these sounds.
 pub const RATE_HZ: f64 = 48_000.0;
 
-/// The one-sided energy spectrum of a sound whose length is even: full scale squared times seconds, a bin of `RATE_HZ/length` each.
+/// The one-sided energy spectrum of a sound whose length is even: full scale squared times seconds,
+/// a bin of `RATE_HZ/length` each.
 pub fn energy_spectrum(sound: &[f64]) -> Vec<f64> {
     let spectrum = transform(sound);
     let scale = 2.0 / (RATE_HZ * sound.len() as f64);

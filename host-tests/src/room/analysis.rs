@@ -10,7 +10,8 @@ pub struct Band {
 }
 
 impl Band {
-    /// The band without a sixth of an octave at each of its edges (but for the ends of the spectrum), where neighbours' slopes reach.
+    /// The band without a sixth of an octave at each of its edges (but for the ends of the
+    /// spectrum), where neighbours' slopes reach.
     pub fn inside(self, rate_hz: f64) -> Self {
         let from_hz = if self.from_hz > 0.0 { self.from_hz * 2f64.powf(1.0 / 6.0) } else { 0.0 };
         let to_hz = if self.to_hz < rate_hz / 2.0 { self.to_hz / 2f64.powf(1.0 / 6.0) } else { self.to_hz };
@@ -25,7 +26,8 @@ pub enum Look {
     Inside,
     /// Everything else of the spectrum set to 0, exactly at the edges.
     Whole,
-    /// A high-pass and a low-pass at the edges, Butterworth of fourth order, forwards and backwards.
+    /// A high-pass and a low-pass at the edges, Butterworth of fourth order, forwards and
+    /// backwards.
     Butterworth,
 }
 
@@ -88,7 +90,8 @@ pub fn energy(response: &[f64]) -> f64 {
     response.iter().map(|x| x * x).sum()
 }
 
-/// T60 from Schroeder's backward integral, by the line that fits it best between two levels (dB below the beginning).
+/// T60 from Schroeder's backward integral, by the line that fits it best between two levels (dB
+/// below the beginning).
 pub fn t60_s(response: &[f64], from_db: f64, to_db: f64, rate_hz: f64) -> f64 {
     let mut left = energy(response);
     let all = left;
@@ -107,7 +110,8 @@ pub fn t60_s(response: &[f64], from_db: f64, to_db: f64, rate_hz: f64) -> f64 {
     -60.0 * (n * sum_xx - sum_x * sum_x) / (n * sum_xy - sum_x * sum_y)
 }
 
-/// Largest power of a spectrum above its mean, in dB: of a Hann window over the whole of `window`, from `from_hz` to `to_hz`.
+/// Largest power of a spectrum above its mean, in dB: of a Hann window over the whole of `window`,
+/// from `from_hz` to `to_hz`.
 pub fn crest_db(window: &[f64], from_hz: f64, to_hz: f64, rate_hz: f64) -> f64 {
     let forward = fourier::forward(window.len());
     let turn = std::f64::consts::TAU / window.len() as f64;
@@ -122,7 +126,8 @@ pub fn crest_db(window: &[f64], from_hz: f64, to_hz: f64, rate_hz: f64) -> f64 {
     10.0 * (power.iter().fold(0.0, |most: f64, &x| most.max(x)) / mean).log10()
 }
 
-/// Echoes a second in a stretch of a response: local maxima of its size that stand within 20 dB of the stretch's rms or above it.
+/// Echoes a second in a stretch of a response: local maxima of its size that stand within 20 dB of
+/// the stretch's rms or above it.
 pub fn echo_density_per_s(stretch: &[f64], rate_hz: f64) -> f64 {
     let floor = (energy(stretch) / stretch.len() as f64).sqrt() * 0.1;
     let peaks = stretch.windows(3).filter(|at| {

@@ -4,7 +4,8 @@ use super::{Band, Look, Spectrum, Table, tables::random};
 
 /// What an ideal room answers to a unit impulse: each side, another noise for another seed.
 ///
-/// It has no skirts, no resonances and no rounding: where a checker finds its T60 wrong, the checker's own filter or the noise's own scatter is why.
+/// It has no skirts, no resonances and no rounding: where a checker finds its T60 wrong, the
+/// checker's own filter or the noise's own scatter is why.
 pub fn ideal_response(table: &Table, rate_hz: f64, frames: usize, seed: u64) -> [Vec<f64>; 2] {
     let mut random = random(seed);
     // The first numbers of neighbouring seeds are alike.
@@ -12,7 +13,8 @@ pub fn ideal_response(table: &Table, rate_hz: f64, frames: usize, seed: u64) -> 
     [(); 2].map(|()| {
         let mut sum = vec![0.0; frames];
         for (index, band) in table.bands.iter().enumerate() {
-            // White noise of power g²/rate a sample: of its energy g²/(2 d), the band gets its part of the spectrum.
+            // White noise of power g²/rate a sample: of its energy g²/(2 d), the band gets its part
+            // of the spectrum.
             let rms = band.gain / rate_hz.sqrt();
             let decay = -1000f64.ln() / (band.t60_s * rate_hz);
             let noise: Vec<f64> =

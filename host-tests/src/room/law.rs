@@ -9,7 +9,8 @@ pub struct BandError {
     pub t60: f64,
     /// Energy over the table's, in dB.
     pub energy_db: f64,
-    /// Independent samples of the band's noise, its width times its T60: of fewer than 300, noise itself scatters by more than 3 %.
+    /// Independent samples of the band's noise, its width times its T60: of fewer than 300, noise
+    /// itself scatters by more than 3 %.
     pub samples: f64,
 }
 
@@ -19,7 +20,8 @@ pub fn frames_needed(table: &Table, rate_hz: f64) -> usize {
     ((0.7 * longest + 0.3) * rate_hz) as usize
 }
 
-/// All bands of a unit impulse's response, T60 by the line through Schroeder's integral from -5 dB to `to_db` below.
+/// All bands of a unit impulse's response, T60 by the line through Schroeder's integral from -5 dB
+/// to `to_db` below.
 pub fn band_errors(table: &Table, sides: &[Vec<f64>; 2], look: Look, to_db: f64, rate_hz: f64) -> Vec<BandError> {
     let spectra = sides.each_ref().map(|side| Spectrum::new(side, rate_hz));
     let error = |(index, band): (usize, &super::TableBand)| {

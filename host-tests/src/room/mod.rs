@@ -23,7 +23,8 @@ pub const LARGE: usize = 24_576;
 /// Samples of delay in 16 KB of 16-bit samples.
 pub const SMALL: usize = 8_192;
 
-/// A room's answer to a unit impulse on both sides, without the impulse: each side, 1.0 = full scale.
+/// A room's answer to a unit impulse on both sides, without the impulse: each side, 1.0 = full
+/// scale.
 ///
 /// # Errors
 /// A [`RoomError`] for a table that cannot be played.

@@ -11,8 +11,8 @@ pub struct Answer {
     pub sides: [Vec<f64>; 2],
 }
 
-/// Both sides of an impulse at a frame: `√2 cos` and `√2 sin` of the pan's angle, so that the mean of
-/// both sides' energies is 1.
+/// Both sides of an impulse at a frame: `√2 cos` and `√2 sin` of the pan's angle, so that the mean
+/// of both sides' energies is 1.
 fn impulse(pan: f64, at: usize, frames: usize) -> [Vec<f64>; 2] {
     let (right, left) = ((pan + 1.0) * std::f64::consts::FRAC_PI_4).sin_cos();
     [left, right].map(|gain| {

@@ -43,8 +43,9 @@ impl Table {
     }
 }
 
-/// Tables of `bands` bands: edges two octaves apart for four, one for eight, each moved by up to a third of an octave; T60s from 0.2 to 6 s, neighbours
-/// within a factor of `neighbours`; gains within ±`gains_db`.
+/// Tables of `bands` bands: edges two octaves apart for four, one for eight, each moved by up to a
+/// third of an octave; T60s from 0.2 to 6 s, neighbours within a factor of `neighbours`; gains
+/// within ±`gains_db`.
 pub fn random_tables(bands: usize, count: usize, neighbours: f64, gains_db: f64, seed: u64) -> Vec<Table> {
     let mut random = random(seed);
     let (lowest_hz, step) = if bands <= 4 { (500.0, 2.0) } else { (125.0, 1.0) };

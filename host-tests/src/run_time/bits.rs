@@ -1,4 +1,5 @@
-//! Whether the virtual core gives the PC's bits: then the accuracy that the PC measures is the chip's.
+//! Whether the virtual core gives the PC's bits: then the accuracy that the PC measures is the
+//! chip's.
 
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::resonator::TICK_FRAMES;

@@ -78,7 +78,8 @@ fn run_bank(
     Ok(Measured { cost, mode_samples, loop_bytes: hottest_loop_bytes(chip.machine()) })
 }
 
-/// The records of modes that an impulse of 1.0 makes ring at their cases' level, with a cosine part or without.
+/// The records of modes that an impulse of 1.0 makes ring at their cases' level, with a cosine part
+/// or without.
 pub fn table(cases: &[Case], phase: bool) -> (Vec<ModeRecord>, Vec<GainRecord>) {
     let mode = |case: &Case| ModeRecord {
         frequency_hz: (case.frequency_hz as f32).into(),
@@ -120,7 +121,8 @@ impl Resonators<'_> {
         Ok(())
     }
 
-    /// A block of at most a tick: the sound from silence, as words, and what it cost. `force` as long as the block.
+    /// A block of at most a tick: the sound from silence, as words, and what it cost. `force` as
+    /// long as the block.
     ///
     /// # Errors
     /// [`OnChipError`].
@@ -171,14 +173,16 @@ fn bytes_of<'a>(words: impl IntoIterator<Item = &'a u32>) -> Vec<u8> {
     words.into_iter().flat_map(|word| word.to_le_bytes()).collect()
 }
 
-/// The innermost loop that runs most: the shortest of those in which at least half as many instructions ran as in the one with most.
+/// The innermost loop that runs most: the shortest of those in which at least half as many
+/// instructions ran as in the one with most.
 fn hottest_loop_bytes(machine: &Machine) -> u32 {
     let loops = machine.loops();
     let most = loops.first().map_or(0, |most| most.instructions);
     loops.iter().filter(|one| 2 * one.instructions >= most).map(|one| one.bytes).min().unwrap_or(0)
 }
 
-/// White noise from -1 to 1, always the same (a linear congruential generator; Numerical Recipes, `ranqd1`).
+/// White noise from -1 to 1, always the same (a linear congruential generator; Numerical Recipes,
+/// `ranqd1`).
 struct Noise(u32);
 
 impl Iterator for Noise {

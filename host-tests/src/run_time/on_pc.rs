@@ -19,7 +19,8 @@ pub struct BankOnPc {
 }
 
 impl BankOnPc {
-    /// A bank of cases at one rate, with sine gains or sine and cosine gains, at rest. `None` where a case cannot be played.
+    /// A bank of cases at one rate, with sine gains or sine and cosine gains, at rest. `None` where
+    /// a case cannot be played.
     pub fn new(cases: &[Case], phase: bool) -> Option<Self> {
         let (modes, gains) = table(cases, phase);
         let table = BankTable {
@@ -77,7 +78,8 @@ pub fn float_ns(cases: &[Case], driven: Driven, ticks: usize) -> f64 {
     })
 }
 
-/// The quickest of five runs of `ticks` ticks, ns a mode and sample: other programs only ever make it slower.
+/// The quickest of five runs of `ticks` ticks, ns a mode and sample: other programs only ever make
+/// it slower.
 pub fn quickest_ns(modes: usize, ticks: usize, mut tick: impl FnMut()) -> f64 {
     let mut run = || {
         let begin = Instant::now();

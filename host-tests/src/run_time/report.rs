@@ -85,8 +85,8 @@ impl Report {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 
-    /// Writes `docs/run_time_vs_error.md`, `docs/images/run_time_vs_error.png` and `target/run_time_vs_error.json` of a workspace; gives their
-    /// paths.
+    /// Writes `docs/run_time_vs_error.md`, `docs/images/run_time_vs_error.png` and
+    /// `target/run_time_vs_error.json` of a workspace; gives their paths.
     ///
     /// # Errors
     /// [`ReportError`].

@@ -1,4 +1,5 @@
-//! Resonators of `idsp` and `biquad`, and a plain loop: from the same source on the PC and in the image.
+//! Resonators of `idsp` and `biquad`, and a plain loop: from the same source on the PC and in the
+//! image.
 
 #[path = "../../images/kernels/src/rivals/forms.rs"]
 pub mod forms;
@@ -24,7 +25,8 @@ pub struct Rival {
     pub words: Words,
     /// A force as the image takes it; an impulse of 1.0 makes a mode ring at full scale.
     pub force_word: fn(f64) -> u32,
-    /// Frames by which an impulse has to come late for the output to be `r^n sin nθ` from frame 0: 1 where an input is heard at once.
+    /// Frames by which an impulse has to come late for the output to be `r^n sin nθ` from frame 0:
+    /// 1 where an input is heard at once.
     pub delay: usize,
     render: fn(&[[u32; 5]], usize, usize) -> Vec<u32>,
     to_full_scale: fn(u32) -> f64,
@@ -81,7 +83,8 @@ impl Rival {
         (self.render)(&[self.words.of(case)], frames, self.delay)
     }
 
-    /// Time on this PC for a mode and sample, ns: the whole set of cases at once, over a number of ticks.
+    /// Time on this PC for a mode and sample, ns: the whole set of cases at once, over a number of
+    /// ticks.
     pub fn time_ns(&self, cases: &[Case], driven: bool, ticks: usize) -> f64 {
         let words: Vec<[u32; 5]> = cases.iter().map(|case| self.words.of(case)).collect();
         (self.time)(&words, driven, ticks) / (cases.len() * ticks * TICK_FRAMES) as f64

@@ -27,7 +27,8 @@ impl Driven {
     }
 }
 
-/// One kernel in one use. Cycles and instructions are for a mode and sample, on the virtual Cortex-M4F.
+/// One kernel in one use. Cycles and instructions are for a mode and sample, on the virtual
+/// Cortex-M4F.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct KernelRow {
     /// Whose: `Q31 bank`, `f32 bank`, `plain loop`, or a crate.
@@ -48,13 +49,16 @@ pub struct KernelRow {
     pub cycles_with_flash: f64,
     /// Instructions.
     pub instructions: f64,
-    /// Length of the hottest loop, bytes. Above 1024 it does not fit the instruction cache of an STM32F4.
+    /// Length of the hottest loop, bytes. Above 1024 it does not fit the instruction cache of an
+    /// STM32F4.
     pub loop_bytes: u32,
-    /// Signal-to-noise ratio against the `f64` law over the cases of the grid that the form plays: the worst, dB. None for bookkeeping.
+    /// Signal-to-noise ratio against the `f64` law over the cases of the grid that the form plays:
+    /// the worst, dB. None for bookkeeping.
     pub snr_worst_db: Option<f64>,
     /// The median, dB.
     pub snr_median_db: Option<f64>,
-    /// The same work on the PC that ran the bench, ns a mode and sample: only its ratios mean anything.
+    /// The same work on the PC that ran the bench, ns a mode and sample: only its ratios mean
+    /// anything.
     pub pc_ns: Option<f64>,
 }
 

@@ -29,9 +29,11 @@ pub struct Comparison {
 pub struct Verdict {
     /// Nominal cycles of the bank, ringing freely, and its worst SNR over the whole grid, dB.
     pub bank: (f64, f64),
-    /// The rival with fewest cycles when it is used as a filter: every sample goes through it with an input.
+    /// The rival with fewest cycles when it is used as a filter: every sample goes through it with
+    /// an input.
     pub quickest_filter: Comparison,
-    /// The rival with fewest cycles when its input is a constant 0, so that the compiler drops the numerator.
+    /// The rival with fewest cycles when its input is a constant 0, so that the compiler drops the
+    /// numerator.
     pub quickest_without_input: Comparison,
     /// The rival with the best worst SNR, its input a constant 0.
     pub most_accurate: Comparison,

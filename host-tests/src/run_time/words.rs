@@ -1,8 +1,10 @@
-//! The rivals' coefficients, in `f64` from the case and rounded once: the impulse response of each is `r^n sin nθ` at the case's level.
+//! The rivals' coefficients, in `f64` from the case and rounded once: the impulse response of each
+//! is `r^n sin nθ` at the case's level.
 
 use crate::single_mode::Case;
 
-/// Peak of a fixed-point rival's mode at full scale: two bits of headroom, as a state of this project's bank has at its largest.
+/// Peak of a fixed-point rival's mode at full scale: two bits of headroom, as a state of this
+/// project's bank has at its largest.
 pub const FIXED_PEAK: f64 = (1u32 << 29) as f64;
 
 /// Which coefficients, in which format.
@@ -16,7 +18,8 @@ pub enum Words {
     NormalFloat,
     /// The same with 31 bits behind the point.
     Normal31,
-    /// Input gain, frequency in cycles a sample and quality of a state-variable filter, as `f32`, such that its poles are the case's.
+    /// Input gain, frequency in cycles a sample and quality of a state-variable filter, as `f32`,
+    /// such that its poles are the case's.
     StateVariable,
 }
 
@@ -36,7 +39,8 @@ impl Words {
             Self::Direct30 => direct.map(fixed::<30>),
             Self::Normal31 => normal.map(fixed::<31>),
             Self::StateVariable => {
-                // The loop's poles: f² = 1 - 2 r cos θ + r², f/Q = 1 - r²; its low-pass output answers with f² r^n sin nθ / (r sin θ).
+                // The loop's poles: f² = 1 - 2 r cos θ + r², f/Q = 1 - r²; its low-pass output
+                // answers with f² r^n sin nθ / (r sin θ).
                 let loop_gain = ((1.0 - radius).powi(2) + 4.0 * radius * (angle / 2.0).sin().powi(2)).sqrt();
                 let damping = -(-2.0 * case.decay_per_s() / fs).exp_m1();
                 let frequency = (loop_gain / 2.0).asin() / std::f64::consts::PI;

@@ -1,4 +1,5 @@
-//! One mode, struck by a unit impulse and left alone: each form against the law `e^{-dt} sin 2πft` in `f64`.
+//! One mode, struck by a unit impulse and left alone: each form against the law `e^{-dt} sin 2πft`
+//! in `f64`.
 
 pub mod float_forms;
 pub mod q31;
@@ -24,7 +25,8 @@ impl Case {
         1000f64.ln() / self.t60_s
     }
 
-    /// The case with parameters that a table's `f32` holds exactly, so that only the arithmetic is measured.
+    /// The case with parameters that a table's `f32` holds exactly, so that only the arithmetic is
+    /// measured.
     pub fn exact(&self) -> Self {
         let decay = f64::from(self.decay_per_s() as f32);
         Self { frequency_hz: f64::from(self.frequency_hz as f32), t60_s: 1000f64.ln() / decay, ..*self }
@@ -46,7 +48,8 @@ impl Case {
     }
 }
 
-/// The grid of 20 Hz to 20 kHz (`frequencies` log-spaced) x T60 {0.05, 0.2, 1, 5, 20} s x fs {44.1, 48} kHz at one level.
+/// The grid of 20 Hz to 20 kHz (`frequencies` log-spaced) x T60 {0.05, 0.2, 1, 5, 20} s x fs {44.1,
+/// 48} kHz at one level.
 pub fn grid(frequencies: u32, level: f64) -> Vec<Case> {
     let mut cases = Vec::new();
     for rate in [SampleRate::HZ_44100, SampleRate::HZ_48000] {

@@ -47,7 +47,8 @@ impl StruckMode {
         out.map(|sample| f64::from(sample) / f64::from(ONE_Q27))
     }
 
-    /// The mode's amplitude now, 1.0 = full scale, from its state and block exponent: finer than the bus.
+    /// The mode's amplitude now, 1.0 = full scale, from its state and block exponent: finer than
+    /// the bus.
     pub fn amplitude(&self) -> f64 {
         let ([mode], [group]) = (self.bank.modes(), self.bank.groups()) else { return 0.0 };
         let orbit = dsp_core::resonator::coefficient::Orbit::new(group.form(), mode.coefficients);
@@ -61,7 +62,8 @@ impl StruckMode {
     }
 }
 
-/// The case's sound over its frames. Parameters pass through the table's `f32` exactly as a kit's do; give cases that `f32` holds.
+/// The case's sound over its frames. Parameters pass through the table's `f32` exactly as a kit's
+/// do; give cases that `f32` holds.
 pub fn render(case: &Case) -> Vec<f64> {
     let mut mode = StruckMode::new(case);
     let mut sound = Vec::with_capacity(case.frames() + TICK_FRAMES);

@@ -35,7 +35,8 @@ fn sounds(table: &Table, seeds: u32, frames: usize) -> impl Iterator<Item = Vec<
     })
 }
 
-/// Powers of a spectrum's bins, of a frame of 2^n samples through a Hann window whose squares sum to 1.
+/// Powers of a spectrum's bins, of a frame of 2^n samples through a Hann window whose squares sum
+/// to 1.
 fn powers(frame: &[f64]) -> Vec<f64> {
     let length = frame.len() as f64;
     let window =
@@ -62,7 +63,8 @@ fn response(point: &Breakpoint, hz: f64) -> f64 {
     square(point.b0, point.b1) / square(1.0, point.a1)
 }
 
-/// Energies of bands of noise through four standing filters, within 0.5 dB and three standard errors of the response.
+/// Energies of bands of noise through four standing filters, within 0.5 dB and three standard
+/// errors of the response.
 ///
 /// # Panics
 /// If the limit is broken.

@@ -65,7 +65,8 @@ fn largest_step(sound: &[[f64; 2]], frame: u64) -> f64 {
     steps.fold(0.0, |largest, step| largest.max(step.abs()))
 }
 
-/// Chokes and releases every pad of a kit while all others ring, at `phases` within a tick. Steps are not judged if `has_noise` is true.
+/// Chokes and releases every pad of a kit while all others ring, at `phases` within a tick. Steps
+/// are not judged if `has_noise` is true.
 fn choke_every_pad<B: Board>(name: &str, has_noise: bool, phases: &[u64]) {
     let (mut loudest_step, mut dearest_share) = (f64::NEG_INFINITY, 0.0f64);
     let loaded = kit::open(name).expect("the kit ships with the project");
@@ -98,7 +99,8 @@ fn choke_every_pad<B: Board>(name: &str, has_noise: bool, phases: &[u64]) {
     );
 }
 
-/// Chokes and releases of every pad of every shipped kit on both boards: no click, no shedding, no budget missed.
+/// Chokes and releases of every pad of every shipped kit on both boards: no click, no shedding, no
+/// budget missed.
 ///
 /// # Panics
 /// If a limit is broken.

@@ -1,6 +1,8 @@
-//! Sweeps over many seeds, tables and strikes: the tests run a tenth of each, the bench `nightly` the whole.
+//! Sweeps over many seeds, tables and strikes: the tests run a tenth of each, the bench `nightly`
+//! the whole.
 //!
-//! A sweep prints its figures, and panics where a limit is broken. Limits do not depend on the extent.
+//! A sweep prints its figures, and panics where a limit is broken. Limits do not depend on the
+//! extent.
 
 pub mod dynamic_filter;
 pub mod hands;

@@ -41,7 +41,8 @@ fn misses(measured: &[Measured]) -> usize {
     measured.iter().filter(|m| m.error.abs() - 3.0 * m.standard_error > 0.5).count()
 }
 
-/// Energies of a hundred smooth bands in either spacing, within 0.5 dB beyond three standard errors.
+/// Energies of a hundred smooth bands in either spacing, within 0.5 dB beyond three standard
+/// errors.
 ///
 /// # Panics
 /// If the limit is broken.
@@ -64,7 +65,8 @@ pub fn energies_beside_longer_ones(extent: Extent) {
     let tables = extent.pick(1, 6);
     // Lines of a frame are 48 000/1024 Hz apart.
     const WIDE_HZ: f32 = 2.0 * 48_000.0 / 1_024.0;
-    // One of these that lies between two lines beside one of 2.5 lines that lasts ten times as long may be 0.6 dB off.
+    // One of these that lies between two lines beside one of 2.5 lines that lasts ten times as long
+    // may be 0.6 dB off.
     for (spacing, most_misses) in [(Spacing::Linear, 0), (Spacing::Erb, 1)] {
         let mut missed = 0;
         for seed in 0..tables {
@@ -94,7 +96,8 @@ pub fn energies_beside_longer_ones(extent: Extent) {
 /// If the limit is broken.
 pub fn energies_beside_louder_ones(extent: Extent) {
     let tables = extent.pick(1, 12);
-    // Of 50, 16 and 5 lines each. A band of five may be one of 20 dB less beside one that lasts ten times as long: there it is a dB off.
+    // Of 50, 16 and 5 lines each. A band of five may be one of 20 dB less beside one that lasts ten
+    // times as long: there it is a dB off.
     for (count, most_misses) in [(10, 0), (30, 0), (100, 1)] {
         let mut missed = 0;
         for seed in 0..tables {
@@ -216,7 +219,8 @@ pub fn strikes_add(extent: Extent) {
     }
 }
 
-/// Strikes of an hour of rolls at ten a second, each over eight ticks: bounded, and silent in the end.
+/// Strikes of an hour of rolls at ten a second, each over eight ticks: bounded, and silent in the
+/// end.
 ///
 /// # Panics
 /// If the limit is broken.

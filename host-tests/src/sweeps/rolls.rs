@@ -5,7 +5,8 @@ use std::thread;
 use super::Extent;
 use crate::rolls::roll;
 
-/// An hour of rolls on every stage: bounded, silent within 45 s of the last strike, equal bits in blocks of 32 and 480 frames.
+/// An hour of rolls on every stage: bounded, silent within 45 s of the last strike, equal bits in
+/// blocks of 32 and 480 frames.
 ///
 /// # Panics
 /// If a limit is broken.

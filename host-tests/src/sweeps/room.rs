@@ -39,7 +39,8 @@ const SETS: &[Set] = &[
 /// # Panics
 /// If a limit is broken.
 pub fn decays_and_energies(extent: Extent) {
-    // Of bands of 300 and more independent samples in which two ideal rooms both hold T60: what is narrower or shorter scatters as noise itself does.
+    // Of bands of 300 and more independent samples in which two ideal rooms both hold T60: what is
+    // narrower or shorter scatters as noise itself does.
     let hz = RATE.hz();
     for set in extent.pick(&SETS[1..2], SETS) {
         let (mut within, mut all, mut worst_db) = (0, 0, 0.0f64);

@@ -23,7 +23,8 @@ pub fn performance(events: Vec<Event>, force: Option<Vec<i32>>, frames: usize) -
     Performance { events, direct: force.map(|force| (0, force)), frames }
 }
 
-/// Full-scale sines in resonance with a mode of T60 60 s, for 30 s: clean saturation, then the decay of the law.
+/// Full-scale sines in resonance with a mode of T60 60 s, for 30 s: clean saturation, then the
+/// decay of the law.
 ///
 /// # Panics
 /// If the limit is broken.
@@ -43,7 +44,8 @@ pub fn resonance(extent: Extent) {
         let (bus, reports) = play(&loaded, RATE, Skipping::On, &[], Some(&force), (frames, &[128]));
         assert!(reports.iter().all(|report| report.refused_inputs == 0));
         let expected = law(&loaded, &performance(Vec::new(), Some(force), frames), RATE);
-        // The bus clips at 16; the law does not. Differences count relative to the amplitude, which grows for half a minute.
+        // The bus clips at 16; the law does not. Differences count relative to the amplitude, which
+        // grows for half a minute.
         let mut amplitude = 1.0f64;
         for (index, ([got, _], [expected, _])) in real(&bus).iter().zip(&expected).enumerate() {
             let clipped = expected.clamp(-16.0, 16.0);
@@ -54,7 +56,8 @@ pub fn resonance(extent: Extent) {
     }
 }
 
-/// A thousand strikes a second on every pad of the demo kit, for a minute: bounded, and silent in the end.
+/// A thousand strikes a second on every pad of the demo kit, for a minute: bounded, and silent in
+/// the end.
 ///
 /// # Panics
 /// If the limit is broken.
@@ -75,13 +78,15 @@ pub fn strikes(extent: Extent) {
     let (bus, reports) = play(&loaded, RATE, Skipping::On, &events, None, (48_000 * (seconds as usize + 40), &[128]));
     reports.iter().for_each(|report| driven += u64::from(report.driven_mode_frames));
     assert!(driven > 1_000_000 && reports.iter().all(|report| report.refused_inputs == 0));
-    // Clipping is clean: full scale of the bus is reached without a jump from end to end within a frame.
+    // Clipping is clean: full scale of the bus is reached without a jump from end to end within a
+    // frame.
     let wraps = bus.windows(2).filter(|pair| pair[0][0].abs_diff(pair[1][0]) > 3 << 30).count();
     assert_eq!(wraps, 0);
     assert!(bus.last() == Some(&[0, 0]) && reports.last().is_some_and(|report| report.ringing_pads == 0));
 }
 
-/// A thousand million samples of modes of T60 60 s: level and phase of one that is heard, against the law.
+/// A thousand million samples of modes of T60 60 s: level and phase of one that is heard, against
+/// the law.
 ///
 /// # Panics
 /// If the limit is broken.

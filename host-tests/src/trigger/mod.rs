@@ -1,7 +1,8 @@
 //! Strikes whose truth is known, and how well a trigger finds them.
 //!
-//! [`set`] lists scenes (singles over 40 dB, rolls, flams, ringing and noisy piezos, crosstalk, hum), [`piezo`] turns each into ADC
-//! counts, [`score()`] compares what a trigger reports with what was played. Everything comes from a seed.
+//! [`set`] lists scenes (singles over 40 dB, rolls, flams, ringing and noisy piezos, crosstalk,
+//! hum), [`piezo`] turns each into ADC counts, [`score()`] compares what a trigger reports with
+//! what was played. Everything comes from a seed.
 
 pub mod listen;
 pub mod on_chip;

@@ -17,7 +17,8 @@ pub struct TriggerOnChip {
 }
 
 impl TriggerOnChip {
-    /// Builds the image (once a process) and sets up four pads, the last of them in direct mode if so wished.
+    /// Builds the image (once a process) and sets up four pads, the last of them in direct mode if
+    /// so wished.
     ///
     /// # Errors
     /// [`OnChipError`].
@@ -31,7 +32,8 @@ impl TriggerOnChip {
         }
     }
 
-    /// Takes at most [`CALL_FRAMES`] frames: the strikes that are found, and the call with its cost.
+    /// Takes at most [`CALL_FRAMES`] frames: the strikes that are found, and the call with its
+    /// cost.
     ///
     /// # Errors
     /// [`OnChipError`].

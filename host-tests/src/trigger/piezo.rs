@@ -29,7 +29,8 @@ pub enum Attack {
     Sine,
     /// At once, as a cosine.
     Cosine,
-    /// As the contact's half-sine of so many seconds, with a sine ring of half its height behind it.
+    /// As the contact's half-sine of so many seconds, with a sine ring of half its height behind
+    /// it.
     Contact(f64),
     /// As a sine under an envelope that rises with this time constant in seconds.
     Soft(f64),

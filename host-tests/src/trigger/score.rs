@@ -62,7 +62,8 @@ impl Score {
     }
 }
 
-/// Each strike takes the first report on its pad within 4 ms of its onset that no other strike has; what remains is false or double.
+/// Each strike takes the first report on its pad within 4 ms of its onset that no other strike has;
+/// what remains is false or double.
 pub fn score(played: &[Strike], reported: &[Found]) -> Score {
     let mut taken = vec![false; reported.len()];
     let mut score = Score { played: played.len(), ..Score::default() };

@@ -104,7 +104,8 @@ fn rolls(random: &mut Random) -> Vec<Strike> {
     strikes
 }
 
-/// Two strikes on one pad 20 ms apart, the second up to 6 dB softer and 12 dB louder than the first.
+/// Two strikes on one pad 20 ms apart, the second up to 6 dB softer and 12 dB louder than the
+/// first.
 fn flams(random: &mut Random) -> Vec<Strike> {
     let mut strikes = Vec::new();
     let mut time_s = START_S;

@@ -6,7 +6,8 @@ use dsp_core::event::{Action, Event, Time};
 use dsp_core::resonator::TICK_FRAMES;
 use host_tests::scene::{load, play};
 
-/// Strikes between samples, chokes, releases, at all positions and velocities; and a force that comes and goes.
+/// Strikes between samples, chokes, releases, at all positions and velocities; and a force that
+/// comes and goes.
 fn busy_piece(kit: &kit::Kit) -> (Vec<Event>, Vec<i32>) {
     let mut random = 1u64;
     let mut next = |below: u64| {

@@ -1,4 +1,5 @@
-//! A hand on a residual: each band falls at the faster of its own rate and the hand's, from the hand's coming to its going.
+//! A hand on a residual: each band falls at the faster of its own rate and the hand's, from the
+//! hand's coming to its going.
 
 use dsp_core::SampleRate;
 use dsp_core::noise::Sfc32;
@@ -146,7 +147,8 @@ fn a_residual_under_hands_has_the_powers_of_the_reference() {
     let found = levels(&bands, 48_000, 0.15, &acts, windows, window);
     for (index, (found, power)) in found.iter().zip(powers).enumerate() {
         let wanted = 10.0 * f64::log10(power);
-        // 60 seeds of some 100 degrees of freedom each: 0.1 dB; what a frame's tick rounds, and its smeared edges, the rest.
+        // 60 seeds of some 100 degrees of freedom each: 0.1 dB; what a frame's tick rounds, and its
+        // smeared edges, the rest.
         assert!((found - wanted).abs() < 0.8, "window {index}: {found:.2} dB, by the law {wanted:.2}");
     }
 }

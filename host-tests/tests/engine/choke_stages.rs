@@ -1,5 +1,5 @@
-//! A hand on biquads and dynamic filters: what falls slower than the hand falls at the hand's T60, what falls faster at its own, without a click, in
-//! instrument and reference alike.
+//! A hand on biquads and dynamic filters: what falls slower than the hand falls at the hand's T60,
+//! what falls faster at its own, without a click, in instrument and reference alike.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Direct, Skipping};
@@ -211,7 +211,8 @@ fn a_choked_dynamic_filter_falls_at_the_faster_of_both_rates() {
             let (from, to) = (start, start + (wanted * f64::from(hz) * 0.7) as usize);
             let events = [strike(0, 1.0), hand(start as u64, Action::Choke)];
             let window = hz as usize / 100;
-            // The noise's own level scatters: measured against the same noise without a hand, whose fall is known.
+            // The noise's own level scatters: measured against the same noise without a hand, whose
+            // fall is known.
             let free = instrument(&kit, hz, &events[..1], None, hz as usize / 2, 128);
             let choked = instrument(&kit, hz, &events, None, hz as usize / 2, 128);
             let law = reference(&kit, hz, &events, hz as usize / 2);
@@ -321,14 +322,16 @@ fn a_hand_comes_and_goes_without_a_click() {
                 assert!(free.iter().all(|x| x.abs() < 2 * ONE_Q27), "it clips");
                 let loudest = free[comes - 600..comes + 600].iter().map(|x| x.abs()).max();
                 assert!(loudest > Some(ONE_Q27 / 10_000), "hand {choke} s: {loudest:?}");
-                // What a fast hand takes of a sample is a step by law: of the loudest, at most this.
+                // What a fast hand takes of a sample is a step by law: of the loudest, at most
+                // this.
                 let taken = 1.0 - (-1000f64.ln() / (f64::from(choke) * 48e3)).exp();
                 let of_hand = if choke < 0.05 { (f64::from(loudest.unwrap_or(0)) * taken) as i32 } else { 0 };
                 assert!(choke > 0.3 || held[goes - 300..goes] != free[goes - 300..goes]);
                 let (before, at) =
                     (largest_step(&free[comes - 600..comes]), largest_step(&held[comes - 2..comes + 40]));
                 assert!(at <= before + of_hand + STEP, "hand {choke} s comes: {at} after {before}");
-                // The law only multiplies states: it has no step. The instrument is where it is, before the hand goes and after.
+                // The law only multiplies states: it has no step. The instrument is where it is,
+                // before the hand goes and after.
                 let exact = reference(&kit, 48_000, &events, goes + 600);
                 for (n, exact) in exact.iter().enumerate().skip(comes - 100) {
                     let off = (f64::from(held[n]) - exact).abs();

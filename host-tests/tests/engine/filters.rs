@@ -1,4 +1,5 @@
-//! The engine with dynamic filters and biquads: what they cost when they do not sound, strikes, hands, block sizes, stress, refusals.
+//! The engine with dynamic filters and biquads: what they cost when they do not sound, strikes,
+//! hands, block sizes, stress, refusals.
 
 use dsp_core::SampleRate;
 use dsp_core::dynamic_filter::limits::{MAX_GAIN, MAX_POLE, MIN_POLE};
@@ -107,7 +108,8 @@ fn nothing_is_computed_before_the_first_strike_nor_after_the_last_tail() {
 
 #[test]
 fn the_parts_of_a_pad_add_up() {
-    // Pads of the dynamic filter alone, of the biquads alone, of the mode alone, and of all of them.
+    // Pads of the dynamic filter alone, of the biquads alone, of the mode alone, and of all of
+    // them.
     let sound = |modes: bool, filter: Option<DynamicFilter>, biquads: Option<Biquads>| {
         let mut kit = filtered(filter, biquads);
         if !modes {
@@ -177,7 +179,8 @@ fn the_noise_follows_the_strikes_peak_force() {
 
 #[test]
 fn the_exciters_band_moves_with_the_force_whatever_the_reference_is() {
-    // Of the same exponent and peak force over reference force, the same bits but for the bits that a louder filter takes.
+    // Of the same exponent and peak force over reference force, the same bits but for the bits that
+    // a louder filter takes.
     let sound = |peak_force: f32, velocity: f32| {
         let exciter = Some(Exciter { low_hz: 500.0, high_hz: 4_000.0, exponent: 0.5 });
         let mut kit = filtered(Some(DynamicFilter { exciter, ..filter(ModesGo::Beside) }), None);
@@ -379,7 +382,8 @@ fn any_path() -> impl Strategy<Value = Vec<Breakpoint>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Any path, jumps included, any strikes, hands and levels: bounded by the bus, silent in the end, the same bits for any block.
+    /// Any path, jumps included, any strikes, hands and levels: bounded by the bus, silent in the
+    /// end, the same bits for any block.
     #[test]
     fn any_path_under_any_strikes_is_silent_in_the_end(
         path in any_path(), through: bool, gain in -1.0f32..1.0, level_db in -40.0f32..12.0,

@@ -1,4 +1,5 @@
-//! Hands: chokes and releases against the law, under the boards' budgets, and their cost to what else rings.
+//! Hands: chokes and releases against the law, under the boards' budgets, and their cost to what
+//! else rings.
 
 use boards::{BlackpillF411, Board, Stm32f407gDisc1};
 use dsp_core::SampleRate;
@@ -78,7 +79,8 @@ fn any_shipped_pad_is_choked_and_released_without_click_and_shedding() {
     sweeps::hands::every_pad(Extent::Tenth);
 }
 
-/// The fall of the demo kit's bell within 60 ms of a choke, dB, and the groups that a budget left out.
+/// The fall of the demo kit's bell within 60 ms of a choke, dB, and the groups that a budget left
+/// out.
 fn choked_bell<B: Board>() -> (f64, u32) {
     let loaded = kit::open("demo").expect("the kit ships with the project");
     let view = KitView::parse(&loaded.binary).expect("it is valid");

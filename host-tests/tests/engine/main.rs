@@ -1,5 +1,5 @@
-//! The whole engine against the `f64` reference: accuracy, skipped work, hands, blocks of any size, shipped kits.
-//! `cargo test -p host-tests --test engine hands::` runs one part.
+//! The whole engine against the `f64` reference: accuracy, skipped work, hands, blocks of any size,
+//! shipped kits. `cargo test -p host-tests --test engine hands::` runs one part.
 
 mod block_size;
 mod choke_residual;

@@ -1,7 +1,9 @@
-//! The force of an impact hammer: every pad against the reference, and the mug against its microphone.
+//! The force of an impact hammer: every pad against the reference, and the mug against its
+//! microphone.
 //!
-//! The recording lies beside the project, in `../shared/data`: where it does not, its tests are ignored. A hammer's
-//! strikes that are made here, with the noise of a force channel, drive every pad as well.
+//! The recording lies beside the project, in `../shared/data`: where it does not, its tests are
+//! ignored. A hammer's strikes that are made here, with the noise of a force channel, drive every
+//! pad as well.
 
 use std::path::Path;
 
@@ -15,8 +17,8 @@ use malleus::wave::{Force, read_force};
 
 /// Strikes on a mug: channel 0 is the microphone, channel 1 the force.
 const RECORDING: &str = "hammer/hammer_ceramic.wav";
-/// Time of the force's peak of each strike in seconds, and what the mug's table leaves of it in dB. The table was fitted
-/// to the second strike.
+/// Time of the force's peak of each strike in seconds, and what the mug's table leaves of it in dB.
+/// The table was fitted to the second strike.
 const STRIKES: [(f64, f64); 8] = [
     (0.0598, -17.4),
     (0.4047, -27.0),
@@ -51,8 +53,8 @@ fn rendered_force() -> Force {
     Force { rate, samples: force.iter().map(|x| (x * f64::from(ONE_Q27)).round() as i32).collect() }
 }
 
-/// Every pad of the demo kit under the force, in mono: at least `snr_db` to the reference, and what skipping changes at
-/// most `skipped_dbfs`.
+/// Every pad of the demo kit under the force, in mono: at least `snr_db` to the reference, and what
+/// skipping changes at most `skipped_dbfs`.
 fn every_pad_is_within(force: &Force, least_snr_db: f64, most_skipped_dbfs: f64) {
     let loaded = demo();
     for (index, pad) in (0u8..).zip(&loaded.kit.pads) {
@@ -99,7 +101,8 @@ fn residual_db(microphone: &[f64], sound: &[f64], longest_delay: usize) -> (f64,
 /// Longest way from the force to the microphone, in samples.
 const LONGEST_DELAY: usize = 64;
 
-/// The demo kit's mug under a force, in mono behind silence of the longest delay: reference, dsp-core.
+/// The demo kit's mug under a force, in mono behind silence of the longest delay: reference,
+/// dsp-core.
 fn mug_under(force: &Force) -> [Vec<f64>; 2] {
     let loaded = demo();
     let mug = (0u8..).zip(&loaded.kit.pads).find(|(_, pad)| pad.name == "mug").expect("the kit has a mug").0;
@@ -135,7 +138,8 @@ fn residual_of_a_rendered_microphone_is_its_noise_at_its_delay() {
     }
 }
 
-/// What the demo kit's mug under the measured force of one strike leaves of the microphone, in dB: reference, dsp-core.
+/// What the demo kit's mug under the measured force of one strike leaves of the microphone, in dB:
+/// reference, dsp-core.
 fn mug_residuals_db(microphone: &Force, force: &Force, hit_s: f64) -> [f64; 2] {
     let frame = |seconds: f64| (seconds * force.rate.hz()).round() as usize;
     // The strike alone: its force from 3 ms before the peak, and 0.3 s of sound.
@@ -150,7 +154,8 @@ fn mug_residuals_db(microphone: &Force, force: &Force, hit_s: f64) -> [f64; 2] {
     residuals.map(|(residual_db, _)| residual_db)
 }
 
-/// The README's figures: -27.0 dB on the strike that the table was fitted to, -17.4 to -2.0 dB on the others.
+/// The README's figures: -27.0 dB on the strike that the table was fitted to, -17.4 to -2.0 dB on
+/// the others.
 #[test]
 #[cfg_attr(not(has_shared_data), ignore = "needs the recordings in ../shared/data")]
 fn the_mug_explains_the_strike_it_was_fitted_to_and_less_of_the_others() {

@@ -1,4 +1,5 @@
-//! The engine with residuals and background: what they cost when they do not sound, chokes, block sizes, refusals.
+//! The engine with residuals and background: what they cost when they do not sound, chokes, block
+//! sizes, refusals.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Engine, LoadError, Plan, Setup, Skipping, Stage, TickReport};
@@ -85,7 +86,8 @@ fn the_block_size_cannot_change_a_bit() {
     let (whole, reports) = play(&loaded, &events, 12_000, 12_000);
     for block in [1, 7, 32, 100, 1_024] {
         let (sound, same) = play(&loaded, &events, 12_000, block);
-        // The bits, and what sounds; how many frames of a tick a contact drives is a matter of where it is cut.
+        // The bits, and what sounds; how many frames of a tick a contact drives is a matter of
+        // where it is cut.
         let noise = |reports: &[TickReport]| -> Vec<[u32; 3]> {
             reports.iter().map(|tick| [tick.residual_frames, tick.background_frames, tick.residuals]).collect()
         };

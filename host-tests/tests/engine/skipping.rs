@@ -103,14 +103,16 @@ fn the_loudest_pad_level_decides_when_a_mode_retires() {
         let (_, reports) = play(&load(kit), RATE, Skipping::On, &[strike(0, 1.0)], None, (96_000, &[128]));
         reports.iter().filter(|report| report.run_mode_frames() > 0).count()
     };
-    // 20 dB are a third of a T60 of 0.1 s: 50 ticks. A group is looked at when it has decayed by half a bit, here every 7 ticks.
+    // 20 dB are a third of a T60 of 0.1 s: 50 ticks. A group is looked at when it has decayed by
+    // half a bit, here every 7 ticks.
     let ticks = lifetime(20.0) - lifetime(0.0);
     assert!((43..=57).contains(&ticks), "{ticks}");
 }
 
 #[test]
 fn balanced_pads_have_the_same_bits_by_the_quick_path_and_by_the_whole_one() {
-    // With skipping off no run takes the quick path to the stereo bus, and nothing retires: from the sixth tick on bits may differ.
+    // With skipping off no run takes the quick path to the stereo bus, and nothing retires: from
+    // the sixth tick on bits may differ.
     let loaded = kit::open("demo").unwrap();
     let view = Kit::parse(&loaded.binary).unwrap();
     let force: Vec<i32> = (0..4 * 32).map(|n| ((f64::from(n) * 0.37).sin() * 2e6) as i32).collect();

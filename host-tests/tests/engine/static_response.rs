@@ -1,4 +1,5 @@
-//! The static response of modes: `acceleration = "balance"` takes it away, and no shipped pad thumps.
+//! The static response of modes: `acceleration = "balance"` takes it away, and no shipped pad
+//! thumps.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
@@ -42,7 +43,8 @@ fn with(modes: &[Mode], acceleration: Acceleration) -> Loaded {
     load(kit)
 }
 
-/// Mean of the left channel over the last 20 ms of 0.4 s of a constant force, by the instrument and by the law.
+/// Mean of the left channel over the last 20 ms of 0.4 s of a constant force, by the instrument and
+/// by the law.
 fn under_constant_force(loaded: &Loaded, rate: SampleRate) -> [f64; 2] {
     let frames = (0.4 * rate.hz()) as usize;
     let force = vec![q27_from(0.05); frames];
@@ -85,7 +87,8 @@ proptest! {
             let (bus, _) = instrument(&loaded, &performance, rate, Skipping::Off);
             let balanced = law(&loaded, &performance, rate);
             let plain = law(&with(&modes, Acceleration::NONE), &performance, rate);
-            // What is left of a soft strike is a difference: the error is that of what was subtracted.
+            // What is left of a soft strike is a difference: the error is that of what was
+            // subtracted.
             let energy = |sound: &[[f64; 2]]| sound.iter().flatten().map(|x| x * x).sum::<f64>();
             let difference = (energy(&plain) / energy(&balanced)).log10().max(0.0) * 10.0;
             let snr = snr_db(&balanced, &bus) + difference;
@@ -114,7 +117,8 @@ fn lowest_hz(kit: &Kit, pad: usize, striker: usize) -> f64 {
     modes.chain(loops).chain(biquads).fold(f64::INFINITY, f64::min)
 }
 
-/// Share of a sound's energy below a frequency. The last quarter is faded out, so that its cut does not spread.
+/// Share of a sound's energy below a frequency. The last quarter is faded out, so that its cut does
+/// not spread.
 fn share_below(sound: &[[f64; 2]], hz: f64, rate: SampleRate) -> f64 {
     let frames = sound.len();
     let (mut below, mut all) = (0.0, 0.0);

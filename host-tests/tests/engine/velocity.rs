@@ -22,7 +22,8 @@ fn velocities(count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |step| 0.05f64.powf(1.0 - step as f64 / (count - 1) as f64))
 }
 
-/// Energy of a mode, over all phases of its gain, under a force: of the complex `Σ F[m] e^{p (n-m)}`.
+/// Energy of a mode, over all phases of its gain, under a force: of the complex `Σ F[m] e^{p
+/// (n-m)}`.
 fn energy(frequency_hz: f64, decay_per_s: f64, force: &[f64]) -> f64 {
     let (radius, angle) = ((-decay_per_s / RATE.hz()).exp(), TAU * frequency_hz / RATE.hz());
     let (pole_re, pole_im) = (radius * angle.cos(), radius * angle.sin());

@@ -1,4 +1,5 @@
-//! The budget on the virtual core: what a tick is expected to cost, and what happens where that is too much.
+//! The budget on the virtual core: what a tick is expected to cost, and what happens where that is
+//! too much.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Direct, Skipping};
@@ -129,7 +130,8 @@ fn what_is_quietest_goes_first() {
         (out, shed_modes)
     };
     let (whole, none) = play(None);
-    // Both pads cost some 27 000 cycles a tick; the choice itself takes 5000 of the one in which it is made.
+    // Both pads cost some 27 000 cycles a tick; the choice itself takes 5000 of the one in which it
+    // is made.
     let (got, shed_modes) = play(Some(28_400));
     assert!(none == 0 && (30..128).contains(&shed_modes), "{shed_modes} of 128 modes");
     let peak = |frames: &[[i32; 2]]| frames.iter().flatten().map(|x| x.abs()).max().unwrap_or(0);

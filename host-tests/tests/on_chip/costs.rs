@@ -1,4 +1,5 @@
-//! What the code costs on the virtual core: exact instruction counts of the kernels, their cycles, and the engine's footprint.
+//! What the code costs on the virtual core: exact instruction counts of the kernels, their cycles,
+//! and the engine's footprint.
 
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::layout::{GainRecord, ModeRecord};
@@ -38,7 +39,8 @@ fn run(chip: &mut BankOnChip, hz: f32, cosine: f32, driven: bool, frames: usize)
 
 #[test]
 fn the_kernels_execute_exactly_as_many_instructions_as_written_here() {
-    // (what, Hz, gain into v, driven, frames, instructions of 240 modes). A change of a loop is a change of this table, on purpose.
+    // (what, Hz, gain into v, driven, frames, instructions of 240 modes). A change of a loop is a
+    // change of this table, on purpose.
     let table = [
         ("free, coupled", 1000.0, 0.0, false, 32, 38_631),
         ("free, shifted by 1", 6700.0, 0.0, false, 32, 38_631),
@@ -74,7 +76,8 @@ fn the_kernels_keep_their_cycles_and_their_loops_fit_the_flash_cache() {
         let cost = run(&mut chip, 1000.0, cosine, driven, TICK_FRAMES);
         let per = cost.nominal as f64 / f64::from(240 * 32);
         let with_flash = cost.flash_168 as f64 / cost.nominal as f64;
-        // The loop in which most instructions run, without the outer one that brings the next modes.
+        // The loop in which most instructions run, without the outer one that brings the next
+        // modes.
         let inner = chip.machine().loops().into_iter().filter(|found| found.iterations > 1).map(|found| found.bytes);
         let inner = inner.filter(|&bytes| bytes > 600).min().unwrap_or(0);
         println!("{what}: {per:.3} cycles, with flash x {with_flash:.3}, inner loop {inner} bytes");
@@ -96,7 +99,8 @@ fn a_silent_engine_and_its_memory_stay_small() {
     );
     assert!(per_frame <= 20.5, "0.6 % of 168 MHz at 48 kHz are 20.5 cycles a frame: {per_frame}");
     assert!(ringing.stack_bytes <= 2048, "{} bytes of stack", ringing.stack_bytes);
-    // With every stage: an engine without noise, filters and room took 78 582 bytes while it had type parameters for them.
+    // With every stage: an engine without noise, filters and room took 78 582 bytes while it had
+    // type parameters for them.
     assert!(footprint.flash <= 256 * 1024, "the engine without its kit: {} bytes", footprint.flash);
     // 2 KB of them are 64 contacts, as all engines have.
     assert!(footprint.ram <= 19 * 1024, "{} bytes", footprint.ram);

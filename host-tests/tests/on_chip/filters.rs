@@ -168,19 +168,22 @@ fn filter_and_loops_keep_their_cycles_and_cost_nothing_at_rest() {
         (four - plain) / 4.0
     };
     let short = [16.0, 8.0].map(&mut of_short);
-    // The goal is 20 for any first order, 16 for a loop, and 30 for one of a short delay. A single loop, and one of 16 frames, take
-    // a cycle more than before loops lay in lent memory: their lengths are read, where they were constants.
+    // The goal is 20 for any first order, 16 for a loop, and 30 for one of a short delay. A single
+    // loop, and one of 16 frames, take a cycle more than before loops lay in lent memory: their
+    // lengths are read, where they were constants.
     assert!(plain <= 20.0 && loud <= 20.0 && two <= 20.0, "{plain} {loud} {two}");
     assert!((four - one) / 3.0 <= 13.0 && (four - plain) / 4.0 <= 16.0 && one - plain <= 27.0, "{four} {one}");
     assert!(short[0] <= 21.0 && short[1] <= 30.5, "{short:?}");
 }
 
-/// What the engine sheds by: at least what it costs, and not much more, for everything that a filter may have beside the cases above.
+/// What the engine sheds by: at least what it costs, and not much more, for everything that a
+/// filter may have beside the cases above.
 #[test]
 fn the_budget_counts_levels_exciters_and_second_orders() {
     let mut chip = FiltersOnChip::new().unwrap();
     let wide = Some(Exciter { low_hz: 80.0, high_hz: 5000.0, exponent: 0.3 });
-    // Order, a2 over a1², b1 over b0, gain, whether the noise has levels, exciter, loops and their frames.
+    // Order, a2 over a1², b1 over b0, gain, whether the noise has levels, exciter, loops and their
+    // frames.
     let cases = [
         (1, 0.0, 1.0, 1.0, true, None, 0, 34.3),
         (1, 0.0, 0.4, 1.0, true, None, 0, 34.3),

@@ -12,7 +12,8 @@ use host_tests::on_chip::scenes::{choked_pads, pads_with_positions};
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// Cycles of the functions of an engine whose names have a word in them, by word, over a scene, which must have the PC's bits.
+/// Cycles of the functions of an engine whose names have a word in them, by word, over a scene,
+/// which must have the PC's bits.
 fn spent(loaded: &kit::Loaded, events: &[Event], ticks: usize, words: &[&str]) -> Vec<u64> {
     let mut chip = EngineOnChip::new().unwrap();
     chip.load(&loaded.binary, RATE).unwrap();

@@ -1,4 +1,5 @@
-//! The assembly kernels on the virtual core against their portable twins: every form, every group size, cut ticks, skipped groups.
+//! The assembly kernels on the virtual core against their portable twins: every form, every group
+//! size, cut ticks, skipped groups.
 
 use dsp_core::SampleRate;
 use dsp_core::resonator::{Bank, BankTable, Retirement, TICK_FRAMES};

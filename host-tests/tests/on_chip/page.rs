@@ -1,4 +1,5 @@
-//! docs/run_time_vs_error.md and the README's "How fast", figure by figure. The bench `run_time_vs_error` makes the page.
+//! docs/run_time_vs_error.md and the README's "How fast", figure by figure. The bench
+//! `run_time_vs_error` makes the page.
 
 use host_tests::on_chip::{BankOnChip, scenes};
 use host_tests::run_time::rows::KernelRow;
@@ -33,7 +34,8 @@ fn near(measured: f64, page: f64, rounding: f64) -> bool {
 #[test]
 fn kernels_take_the_cycles_and_keep_the_snr_that_the_page_says() {
     let mut chip = BankOnChip::new().expect("the image builds");
-    // The eight lowest frequencies of the page's grid, where single precision loses most, and every third of the others.
+    // The eight lowest frequencies of the page's grid, where single precision loses most, and every
+    // third of the others.
     let kept = |index: &usize| index % 40 < 8 || (index % 40).is_multiple_of(3);
     let cases: Vec<Case> =
         grid(40, 1.0).into_iter().enumerate().filter(|(index, _)| kept(index)).map(|(_, case)| case).collect();

@@ -58,7 +58,8 @@ fn a_hundred_bands_cost_less_than_250_cycles_a_frame_and_give_the_same_bits() {
     }
 }
 
-/// Cycles a frame of the dearest tick of strikes on strikes, 3 % above the figure of docs/residual.md.
+/// Cycles a frame of the dearest tick of strikes on strikes, 3 % above the figure of
+/// docs/residual.md.
 const WORST_OF_STRIKES: f64 = 347.0;
 
 #[test]

@@ -15,8 +15,8 @@ fn noise(seed: u32) -> impl FnMut() -> i32 {
     }
 }
 
-/// Nominal cycles a frame: mean and worst tick, while the room is played by noise so many bits below full scale. Long enough for its level to be raised now and
-/// then.
+/// Nominal cycles a frame: mean and worst tick, while the room is played by noise so many bits
+/// below full scale. Long enough for its level to be raised now and then.
 fn cycles(chip: &mut RoomOnChip, table: &Table, quieter_bits: u32) -> (f64, f64) {
     chip.load(table, 48_000).unwrap();
     let mut noise = noise(1);

@@ -1,5 +1,5 @@
-//! The trigger on the virtual Cortex-M4F: the same strikes as on the PC, its cost, and no way to panic.
-//! `cargo test -p host-tests --test on_chip trigger -- --nocapture` prints the cycles.
+//! The trigger on the virtual Cortex-M4F: the same strikes as on the PC, its cost, and no way to
+//! panic. `cargo test -p host-tests --test on_chip trigger -- --nocapture` prints the cycles.
 
 use dsp_core::SampleRate;
 use dsp_core::trigger::{Report, Settings, Trigger};

@@ -20,7 +20,8 @@ const ROOTS: [(&str, &str); 6] = [
 /// A use of one part of a room by another: file, line and path.
 type Evidence = (String, usize, String);
 
-/// Parts of a room, by name, with the parts that each uses. The file of the room itself is a part without a name.
+/// Parts of a room, by name, with the parts that each uses. The file of the room itself is a part
+/// without a name.
 type Graph = BTreeMap<String, BTreeMap<String, Evidence>>;
 
 /// All uses of modules by modules.

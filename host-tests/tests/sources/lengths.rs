@@ -6,7 +6,8 @@ use crate::pending::{self, Fault};
 const MOST_LINES: usize = 400;
 const MOST_CHARACTERS: usize = 80;
 
-/// Names of tests with their lines, counted from 1. Read line by line: tests stand in macros of proptest as well.
+/// Names of tests with their lines, counted from 1. Read line by line: tests stand in macros of
+/// proptest as well.
 fn tests(text: &str) -> Vec<(usize, &str)> {
     let mut found = Vec::new();
     let mut is_test = false;

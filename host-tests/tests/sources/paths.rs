@@ -13,7 +13,8 @@ pub(crate) enum End {
 /// Re-exports that are followed before a path is given up.
 const MOST_STEPS: usize = 32;
 
-/// Follows a path that stands in a module. `None` leads out of the crate, or to a name of the prelude.
+/// Follows a path that stands in a module. `None` leads out of the crate, or to a name of the
+/// prelude.
 pub(crate) fn follow(modules: &Modules, from: &[String], path: &[String]) -> Option<End> {
     resolve(modules, from, path, MOST_STEPS)
 }
@@ -64,7 +65,8 @@ fn walk(modules: &Modules, here: &[String], path: &[String], steps: usize) -> Op
 
 /// Modules whose items a module uses, and where it first does.
 ///
-/// A re-export alone is no use. A module that is imported as a whole counts where an item of it is named.
+/// A re-export alone is no use. A module that is imported as a whole counts where an item of it is
+/// named.
 pub(crate) fn uses(modules: &Modules, place: &[String], module: &Module) -> Vec<(Place, Mention)> {
     let imports = module.imports.iter().filter(|import| !import.is_public).map(|import| &import.from);
     let mut found: Vec<(Place, Mention)> = Vec::new();

@@ -1,6 +1,7 @@
 //! Crates whose sources are still to be mended, rule by rule.
 //!
-//! Take a crate off a list once the test says that nothing is left to mend in it. No crate may be put on.
+//! Take a crate off a list once the test says that nothing is left to mend in it. No crate may be
+//! put on.
 
 use crate::files::Source;
 
@@ -40,7 +41,8 @@ impl Fault {
     }
 }
 
-/// Prints the number of faults in crates that are still to be mended, and fails with the faults of all others.
+/// Prints the number of faults in crates that are still to be mended, and fails with the faults of
+/// all others.
 pub(crate) fn check(rule: &str, pending: &[&str], faults: &[Fault]) {
     for &krate in pending {
         match faults.iter().filter(|fault| fault.krate == krate).count() {

@@ -17,7 +17,8 @@ fn a_sine_on_a_mode_of_60_s_for_30_s_saturates_cleanly_and_decays_by_its_law() {
 
 #[test]
 fn an_amplitude_beyond_all_headroom_is_refused_without_a_wrap() {
-    // The largest gain, and a force of 16 times the reference force in resonance, would reach +220 dBFS.
+    // The largest gain, and a force of 16 times the reference force in resonance, would reach +220
+    // dBFS.
     let kit = one_pad(vec![mode(1_000.0, 600.0, 7e8, 0.0)]);
     let force: Vec<i32> = (0..20 * 48_000).map(|n| if n % 48 < 24 { i32::MAX } else { i32::MIN }).collect();
     let (bus, reports) = play(&load(kit), RATE, Skipping::On, &[], Some(&force), (20 * 48_000, &[128]));
@@ -55,9 +56,10 @@ fn the_edges_of_frequency_and_decay_follow_the_law() {
             let expected = law(&loaded, &performance(events, None, 48_000), RATE);
             let snr = snr_db(&expected, &real(&bus));
             println!("{frequency_hz} Hz, {t60_s} s: {snr:.1} dB");
-            // At exactly fs/4 the orbit repeats every four samples, and so do its roundings: they add up
-            // instead of averaging. At 0.499 fs a smooth pulse excites next to nothing, and what is left
-            // of the cancellation is compared: 54.8 dB at worst, with samples that are means.
+            // At exactly fs/4 the orbit repeats every four samples, and so do its roundings: they
+            // add up instead of averaging. At 0.499 fs a smooth pulse excites next to nothing, and
+            // what is left of the cancellation is compared: 54.8 dB at worst, with samples that are
+            // means.
             let least = if frequency_hz > 0.49 * 48_000.0 { 52.0 } else { 70.0 };
             assert!(snr > least, "{frequency_hz} Hz, {t60_s} s: {snr:.1} dB");
         }

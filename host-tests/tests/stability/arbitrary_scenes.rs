@@ -1,5 +1,5 @@
-//! Arbitrary valid tables, events and forces: no panic, bounded output, silence in the end. Overflow checks and the kernels' headroom
-//! assertions are on.
+//! Arbitrary valid tables, events and forces: no panic, bounded output, silence in the end.
+//! Overflow checks and the kernels' headroom assertions are on.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Direct, Skipping};
@@ -130,7 +130,8 @@ proptest! {
         };
         let all_events = events(&loaded.kit, &raw);
         let mut rest = all_events.as_slice();
-        // 80 ms of T60 are 160 dB after 0.22 s; +250 dB of gain may lie above; contacts last up to 0.25 s, chokes only shorten.
+        // 80 ms of T60 are 160 dB after 0.22 s; +250 dB of gain may lie above; contacts last up to
+        // 0.25 s, chokes only shorten.
         let frames = 8_000 + (rate.hz() * 1.2) as usize;
         let mut last = [[0; 2]; 32];
         let mut out = vec![[0; 2]; block];

@@ -1,4 +1,5 @@
-//! Biquads of a table at any rate: instrument and reference follow one law, for poles and zeros up to half the rate.
+//! Biquads of a table at any rate: instrument and reference follow one law, for poles and zeros up
+//! to half the rate.
 
 use dsp_core::SampleRate;
 use dsp_core::biquad::{Biquad, Root};

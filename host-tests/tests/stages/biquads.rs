@@ -80,7 +80,8 @@ fn poles_on_or_outside_the_circle_and_other_bad_tables_are_refused_by_name() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any sections, inputs of any size with jumps and gaps, any blocks: the same bits, and silence in the end.
+    /// Any sections, inputs of any size with jumps and gaps, any blocks: the same bits, and silence
+    /// in the end.
     #[test]
     fn blocks_change_no_bit_and_all_falls_silent(
         sections in prop::collection::vec((0.0f64..4.5, 0.0f64..3.1, -2.0f64..2.0, -2.0f64..2.0, -30.0f64..20.0), 4),

@@ -1,6 +1,8 @@
-//! Contact forces of the instrument against the law: impulse, shape, and the limits of the contact time.
+//! Contact forces of the instrument against the law: impulse, shape, and the limits of the contact
+//! time.
 //!
-//! An object that only radiates its acceleration sound makes the force itself heard: output = force.
+//! An object that only radiates its acceleration sound makes the force itself heard: output =
+//! force.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;

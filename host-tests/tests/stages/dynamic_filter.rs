@@ -1,4 +1,5 @@
-//! The dynamic filter against `f64` fed the same noise: slow and fast paths, both orders, the exciter, other rates, strikes, refusals, silence.
+//! The dynamic filter against `f64` fed the same noise: slow and fast paths, both orders, the
+//! exciter, other rates, strikes, refusals, silence.
 
 use dsp_core::SampleRate;
 use dsp_core::dynamic_filter::{Breakpoint, DynamicFilterError, Exciter, PathError};
@@ -8,7 +9,8 @@ use proptest::prelude::*;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// Breakpoints with random corners: poles from mild to the edge of the range, decaying gains, steps from `shortest` seconds.
+/// Breakpoints with random corners: poles from mild to the edge of the range, decaying gains, steps
+/// from `shortest` seconds.
 fn random_path(random: &mut Random, count: usize, shortest: f64, longest: f64) -> Vec<Breakpoint> {
     let (mut time_s, equal) = (0.0, random.between(0.0, 1.0) < 0.5);
     // Half of the paths come near -1.
@@ -183,7 +185,8 @@ fn noise_is_white_and_a_strikes_level_is_its_rms() {
     let samples: Vec<f64> = out.iter().map(|&s| f64::from(s) / 134_217_728.0).collect();
     let power = samples.iter().map(|s| s * s).sum::<f64>() / samples.len() as f64;
     assert!((power.sqrt() - 0.5 / 3f64.sqrt()).abs() < 1e-3, "{}", power.sqrt());
-    // Correlations at lags up to and beyond ticks: 1/sqrt(2^20) each, five deviations for the largest of 5000.
+    // Correlations at lags up to and beyond ticks: 1/sqrt(2^20) each, five deviations for the
+    // largest of 5000.
     let correlations = autocorrelation(&samples);
     let largest = correlations[1..5000].iter().fold(0.0, |most: f64, r| most.max((r / correlations[0]).abs()));
     println!("largest correlation {largest:.2e}");
@@ -236,7 +239,8 @@ fn bad_tables_are_refused_by_name() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any path with any jumps, any strikes, modes of any size: bounded, the same bits in any blocks, and silence in the end.
+    /// Any path with any jumps, any strikes, modes of any size: bounded, the same bits in any
+    /// blocks, and silence in the end.
     #[test]
     fn blocks_change_no_bit_and_all_falls_silent(
         order in 1u8..=2,

@@ -1,4 +1,5 @@
-//! The dynamic filter's noise: its level along the path, and over 200 seeds its bands, decays and onset against what `f64` expects.
+//! The dynamic filter's noise: its level along the path, and over 200 seeds its bands, decays and
+//! onset against what `f64` expects.
 
 use dsp_core::SampleRate;
 use dsp_core::dynamic_filter::{Breakpoint, DynamicFilterError, PathError};

@@ -39,7 +39,8 @@ fn single_precision_forms_lose_what_the_readme_says() {
     }
 }
 
-/// Phase (in turns) and logarithm of the amplitude of a decaying sine about a time, by least squares on the law's own two phases.
+/// Phase (in turns) and logarithm of the amplitude of a decaying sine about a time, by least
+/// squares on the law's own two phases.
 fn analyse(case: &Case, sound: &[f64], from: usize, length: usize) -> (f64, f64) {
     let (fs, d, f) = (case.rate.hz(), case.decay_per_s(), case.frequency_hz);
     let (mut ss, mut cc, mut sc, mut sy, mut cy) = (0.0, 0.0, 0.0, 0.0, 0.0);

@@ -1,4 +1,5 @@
-//! The residual against the law: energies, decays, flatness and onset over many seeds; what strikes add; silence.
+//! The residual against the law: energies, decays, flatness and onset over many seeds; what strikes
+//! add; silence.
 
 use dsp_core::SampleRate;
 use dsp_core::noise::Sfc32;

@@ -35,7 +35,8 @@ fn path() -> Vec<Breakpoint> {
     vec![point(0.0, 0.25, -0.5), point(0.02, 0.25, -0.5)]
 }
 
-/// Loops at frequencies in Hz that ring with a T60: per pass of d seconds, `γ |F| = 10^(-3 d / T60)`, the band's own delay counted.
+/// Loops at frequencies in Hz that ring with a T60: per pass of d seconds, `γ |F| = 10^(-3 d /
+/// T60)`, the band's own delay counted.
 fn loops(hz: &[f64], t60_s: f64, frames: f64) -> Vec<Loop> {
     let last = path()[1];
     hz.iter()
@@ -80,7 +81,8 @@ fn loops_that_ring_for_twenty_seconds_keep_ninety_db() {
     }
 }
 
-/// The table of docs/kit-format.md: what a loop's numerator of two terms lets through far from its middle, of what it has there.
+/// The table of docs/kit-format.md: what a loop's numerator of two terms lets through far from its
+/// middle, of what it has there.
 #[test]
 fn loops_pass_far_from_their_middle_what_the_page_says() {
     let rate = reference::SampleRate { numerator: 48_000, denominator: 1 };
@@ -222,7 +224,8 @@ fn loops_round_a_filter_of_much_gain_fall_silent() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 30, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any stable loops round any path, jumps included, modes of any size: bounded (debug assertions are on) and the same bits in any blocks.
+    /// Any stable loops round any path, jumps included, modes of any size: bounded (debug
+    /// assertions are on) and the same bits in any blocks.
     #[test]
     fn blocks_change_no_bit(
         raw in prop::collection::vec((1e-6f64..0.02, 0.01f64..1.0, -1.0f64..1.0, -0.9999f64..0.9999), 1..8),
@@ -272,8 +275,8 @@ proptest! {
         }
     }
 
-    /// Whole ticks on the tick, which are done in a shorter way while nothing begins or ends, against odd blocks: with strikes and a hand wherever they come, until the
-    /// loops are cleared.
+    /// Whole ticks on the tick, which are done in a shorter way while nothing begins or ends,
+    /// against odd blocks: with strikes and a hand wherever they come, until the loops are cleared.
     #[test]
     fn whole_ticks_change_no_bit(
         corners in prop::collection::vec((1e-5f64..0.05, -0.99f64..0.99, 0.0f64..1.0), 1..5),

@@ -1,4 +1,5 @@
-//! What a board's inputs do to pads: faults, second sensors, crosstalk, buttons, and inputs that no piezo makes.
+//! What a board's inputs do to pads: faults, second sensors, crosstalk, buttons, and inputs that no
+//! piezo makes.
 
 use dsp_core::SampleRate;
 use dsp_core::event::Action;
@@ -152,7 +153,8 @@ fn settings_that_cannot_be_are_refused_by_name() {
     assert!(matches!(buttons, Err(TriggerError::SharedButton { pad: 1, button: 0 })));
 }
 
-/// All that a button causes that goes down and up at the given frames and bounces for 5 ms after each.
+/// All that a button causes that goes down and up at the given frames and bounces for 5 ms after
+/// each.
 fn press(pads: &[Settings], edges: &[(u64, bool)]) -> Vec<Detection> {
     let mut buttons = Buttons::<1>::new(pads.iter().copied(), RATE).expect("valid");
     let mut found = Vec::new();

@@ -1,5 +1,5 @@
-//! How well strikes are found in the generated set, and that the double-precision twin finds the same.
-//! `cargo test -p host-tests --test trigger quality -- --nocapture` prints the tables.
+//! How well strikes are found in the generated set, and that the double-precision twin finds the
+//! same. `cargo test -p host-tests --test trigger quality -- --nocapture` prints the tables.
 
 use host_tests::trigger::listen::{on_pc, reference};
 use host_tests::trigger::set::{KINDS, scenes};

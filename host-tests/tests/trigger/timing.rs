@@ -1,5 +1,6 @@
-//! When strikes are decided: the same whatever the blocks, a fixed time after the onset, and at the right frame of another clock.
-//! `cargo test -p host-tests --test trigger timing -- --nocapture` prints the figures.
+//! When strikes are decided: the same whatever the blocks, a fixed time after the onset, and at the
+//! right frame of another clock. `cargo test -p host-tests --test trigger timing -- --nocapture`
+//! prints the figures.
 
 use dsp_core::SampleRate;
 use dsp_core::trigger::{FrameMap, Report, Resampler, Settings, Trigger};
@@ -127,7 +128,8 @@ fn the_resampler_is_its_twin_and_keeps_its_place_for_ten_minutes() {
     let mut reference_in = Vec::new();
     let mut worst_twin = 0.0f64;
     while pulled < 48_000 * 600 {
-        // Only the first and the last second are rendered with waves, as far as the ring goes silence lies between.
+        // Only the first and the last second are rendered with waves, as far as the ring goes
+        // silence lies between.
         let sounding = !(40_000..48_000 * 599).contains(&pulled);
         let input: Vec<i32> =
             (pushed..pushed + 32).map(|n| if sounding { wave(n as f64, 1000.0).round() as i32 } else { 0 }).collect();

@@ -1,4 +1,5 @@
-//! The kernels for a Cortex-M4F: `cortex_m4*.s`, bit for bit what [`super::portable`], [`super::two_poles`] and [`super::section`] do.
+//! The kernels for a Cortex-M4F: `cortex_m4*.s`, bit for bit what [`super::portable`],
+//! [`super::two_poles`] and [`super::section`] do.
 #![allow(unsafe_code)] // assembly
 
 use core::mem::offset_of;
@@ -77,7 +78,8 @@ pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
         // No path's scale where noise goes straight in.
         _ => return portable::from_noise::<EQUAL>(filter, out),
     };
-    // SAFETY: `out` is borrowed mutably and holds as many words as are given; the assembly keeps the procedure call standard.
+    // SAFETY: `out` is borrowed mutably and holds as many words as are given; the assembly keeps
+    // the procedure call standard.
     unsafe { kernel(filter, out.as_mut_ptr(), out.len()) }
 }
 
@@ -93,13 +95,15 @@ pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], 
         (false, true) => malleus_from_buffer_two_asr,
         (false, false) => malleus_from_buffer_two_lsl,
     };
-    // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps the procedure call standard.
+    // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps the
+    // procedure call standard.
     unsafe { kernel(filter, buffer.as_mut_ptr(), out.as_mut_ptr(), frames) }
 }
 
 /// As [`portable::noise`].
 pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
-    // SAFETY: `words` is borrowed mutably and holds as many words as are given; the assembly keeps the procedure call standard.
+    // SAFETY: `words` is borrowed mutably and holds as many words as are given; the assembly keeps
+    // the procedure call standard.
     *noise = White::from_word(unsafe { malleus_noise(noise.word(), level, words.as_mut_ptr(), words.len()) });
 }
 
@@ -118,7 +122,8 @@ pub fn two_poles(
         (true, false) => malleus_real_near,
         (true, true) => malleus_real_loud,
     };
-    // SAFETY: all are borrowed mutably, buffer and out hold at least `frames` words; the assembly keeps the procedure call standard.
+    // SAFETY: all are borrowed mutably, buffer and out hold at least `frames` words; the assembly
+    // keeps the procedure call standard.
     unsafe { kernel(poles, lines.as_mut_ptr(), buffer.as_mut_ptr(), out.as_mut_ptr(), frames) }
 }
 
@@ -129,7 +134,8 @@ pub fn section(section: &mut Section, response: Response, words: &mut [i32]) {
         Response::Low => malleus_section_low,
         Response::High => malleus_section_high,
     };
-    // SAFETY: both are borrowed mutably, and as many words are given as there are; the assembly keeps the procedure call standard.
+    // SAFETY: both are borrowed mutably, and as many words are given as there are; the assembly
+    // keeps the procedure call standard.
     unsafe { kernel(section, words.as_mut_ptr(), words.len()) }
 }
 
@@ -156,7 +162,8 @@ static FROM_SUMS: [FromSums; 12] = [
 pub fn from_sums(filter: &mut OnePole, kind: SumsKind, sums: &mut [i32], out: &mut [i32]) -> u32 {
     let frames = sums.len().min(out.len());
     match FROM_SUMS.get(usize::from(kind.0)) {
-        // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps the procedure call standard.
+        // SAFETY: both are borrowed mutably and hold at least `frames` words; the assembly keeps
+        // the procedure call standard.
         Some(kernel) if fits::<1>(filter, frames) => unsafe {
             kernel(filter, sums.as_mut_ptr(), out.as_mut_ptr(), frames)
         },
@@ -164,8 +171,9 @@ pub fn from_sums(filter: &mut OnePole, kind: SumsKind, sums: &mut [i32], out: &m
     }
 }
 
-/// Whether shifting to the bus cannot lose a bit at the top, and leaves as many, so that it need not saturate: the high word is below 2^29 always, and within these
-/// frames it changes by no more than `growth` each.
+/// Whether shifting to the bus cannot lose a bit at the top, and leaves as many, so that it need
+/// not saturate: the high word is below 2^29 always, and within these frames it changes by no more
+/// than `growth` each.
 #[inline(always)]
 fn fits<const BITS_LEFT: i32>(filter: &OnePole, frames: usize) -> bool {
     filter.shift >= -2 || {

@@ -1,8 +1,9 @@
-//! The hot loops: of the first order, noise and filter at once, noise alone, or a filter of what lies in a buffer or of a sum of noise and loops; the
-//! second order; and the exciter's sections.
+//! The hot loops: of the first order, noise and filter at once, noise alone, or a filter of what
+//! lies in a buffer or of a sum of noise and loops; the second order; and the exciter's sections.
 //!
-//! [`portable`], [`mod@two_poles`] and [`mod@section`] are the definition of the bits; on a Cortex-M4F the same is done by assembly (`cortex_m4*.s`), compared bit for bit on the
-//! virtual core (`cargo test -p host-tests --test on_chip filters`).
+//! [`portable`], [`mod@two_poles`] and [`mod@section`] are the definition of the bits; on a
+//! Cortex-M4F the same is done by assembly (`cortex_m4*.s`), compared bit for bit on the virtual
+//! core (`cargo test -p host-tests --test on_chip filters`).
 
 pub mod portable;
 pub mod section;
@@ -24,7 +25,8 @@ use super::noise::White;
 use super::path::PARAMETERS;
 use super::walk::Line;
 
-/// Bits by which a sum of [`from_sums`]' coarse kind is smaller than the filter's input, Q29: it holds 128 instead of 4.
+/// Bits by which a sum of [`from_sums`]' coarse kind is smaller than the filter's input, Q29: it
+/// holds 128 instead of 4.
 pub const COARSE_BITS: u32 = 5;
 
 /// How [`from_sums`] works: chosen on load.
@@ -53,8 +55,8 @@ impl SumsKind {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct OnePole {
-    /// S, 2^(59 + h) times s, and half a step of what damping takes of it ([`rest`](Self::rest)), so that taking it rounds to nearest. Its high word is larger than the
-    /// bus by 2^h.
+    /// S, 2^(59 + h) times s, and half a step of what damping takes of it ([`rest`](Self::rest)),
+    /// so that taking it rounds to nearest. Its high word is larger than the bus by 2^h.
     pub state: i64,
     /// e of the frame before, Q(27 - q).
     pub last: i32,
@@ -68,12 +70,14 @@ pub struct OnePole {
     pub lines: [Line; PARAMETERS],
     /// The most by which an input changes the state's high word in a frame.
     pub growth: u32,
-    /// Whether damping takes all bits of the state: what rounding leaves would grow too much near -1.
+    /// Whether damping takes all bits of the state: what rounding leaves would grow too much near
+    /// -1.
     pub whole: bool,
 }
 
 impl OnePole {
-    /// Whether a step of the state's high word would be 8 steps of the bus or more: then two bits below it count too, for a cycle a frame.
+    /// Whether a step of the state's high word would be 8 steps of the bus or more: then two bits
+    /// below it count too, for a cycle a frame.
     #[inline(always)]
     pub const fn is_far(&self) -> bool {
         self.shift <= -3

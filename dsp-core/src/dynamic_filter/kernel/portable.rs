@@ -16,7 +16,8 @@ pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
     }
 }
 
-/// What lies in `buffer` through the filter, added to `out`, as many frames as both have; in the buffer the state is left, 4 times the high word.
+/// What lies in `buffer` through the filter, added to `out`, as many frames as both have; in the
+/// buffer the state is left, 4 times the high word.
 pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], out: &mut [i32]) {
     for (word, out) in buffer.iter_mut().zip(out) {
         filter.step::<EQUAL>(*word);
@@ -30,9 +31,9 @@ pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
     words.iter_mut().for_each(|word| *word = noise.draw(level));
 }
 
-/// Sums, clipped at 2.0, through the filter, added to `out`, as many frames as both have; the state is left in their place, 4 times the high word, or, where
-/// the bus is far larger, its word. Gives the
-/// sizes of these, or'ed. A sum's format is Q29, [`COARSE_BITS`] less of a coarse kind.
+/// Sums, clipped at 2.0, through the filter, added to `out`, as many frames as both have; the state
+/// is left in their place, 4 times the high word, or, where the bus is far larger, its word. Gives
+/// the sizes of these, or'ed. A sum's format is Q29, [`COARSE_BITS`] less of a coarse kind.
 #[inline(never)]
 pub fn from_sums(filter: &mut OnePole, kind: SumsKind, sums: &mut [i32], out: &mut [i32]) -> u32 {
     let clip = if kind.is_coarse() { clipped::<true> } else { clipped::<false> };
@@ -59,7 +60,8 @@ pub fn clipped<const COARSE: bool>(sum: i32) -> i32 {
 }
 
 impl OnePole {
-    /// What damping takes of the state: 4 times its high word, which is below 2^29; where the bus is much larger, with two bits more below.
+    /// What damping takes of the state: 4 times its high word, which is below 2^29; where the bus
+    /// is much larger, with two bits more below.
     #[inline(always)]
     fn truncated(&self) -> i32 {
         if self.is_far() { (self.state >> 30) as i32 } else { ((self.state >> 32) as i32) << 2 }
@@ -86,7 +88,8 @@ impl OnePole {
         b0.advance();
     }
 
-    /// The state as loops read it: 4 times the high word; where the bus is far larger, its word, at most 8.0, so that small loops have all bits of it.
+    /// The state as loops read it: 4 times the high word; where the bus is far larger, its word, at
+    /// most 8.0, so that small loops have all bits of it.
     #[inline(always)]
     fn line_word(&self) -> i32 {
         if !self.is_far() {

@@ -1,4 +1,5 @@
-//! A trapezoidal state-variable section (Zavalishin), what the exciter's band is made of, in plain Rust: the definition of the bits.
+//! A trapezoidal state-variable section (Zavalishin), what the exciter's band is made of, in plain
+//! Rust: the definition of the bits.
 //!
 //! ```text
 //! v1 = c1 - m c1 + p (g x - c2);   v2 = c2 + p c1 + n (g x - c2);   c1 = 2 v1 - c1;   c2 = 2 v2 - c2
@@ -8,7 +9,8 @@
 
 use crate::fixed::smmulr;
 
-/// A section at work: what changes with each frame, and its multipliers. The assembly reads it in this order.
+/// A section at work: what changes with each frame, and its multipliers. The assembly reads it in
+/// this order.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Section {
@@ -41,7 +43,8 @@ pub enum Response {
     High,
 }
 
-/// Words through a section, in place. They are to be so small that neither a state nor what comes out reaches 2^31.
+/// Words through a section, in place. They are to be so small that neither a state nor what comes
+/// out reaches 2^31.
 pub fn section(section: &mut Section, response: Response, words: &mut [i32]) {
     for word in words {
         let x = *word;

@@ -1,4 +1,5 @@
-//! The second order at work, in plain Rust: the definition of the bits. A complex pole, or two real ones one behind the other, with parameters that move.
+//! The second order at work, in plain Rust: the definition of the bits. A complex pole, or two real
+//! ones one behind the other, with parameters that move.
 //!
 //! ```text
 //! conjugate poles:  z = p z + g e'              s = Re z + d e
@@ -6,12 +7,16 @@
 //!                   z2 = p2 z2 + β z1'
 //! ```
 //!
-//! A direct form with moving coefficients can grow although each of them is stable. These forms cannot: see [`super::super::path`]. States have 32 bits below
-//! their words and are multiplied whole, so that slow poles neither gather noise nor stop short of silence: the word, rounded to nearest, by an exact product, the
-//! rest, which then has a sign, by a high word. As a factor of Q31 halves what it multiplies, all sums are half of what they make.
+//! A direct form with moving coefficients can grow although each of them is stable. These forms
+//! cannot: see [`super::super::path`]. States have 32 bits below their words and are multiplied
+//! whole, so that slow poles neither gather noise nor stop short of silence: the word, rounded to
+//! nearest, by an exact product, the rest, which then has a sign, by a high word. As a factor of
+//! Q31 halves what it multiplies, all sums are half of what they make.
 //!
-//! **Nothing can wrap**: words of states are below 2^30 (conjugate) and 2^29 (real), as the path's scales see to, e is below 2^30, and p, g, d are below 1 as Q31, α and β as
-//! Q30; sums may wrap on their way to results that do not. A rest is at most 2^31, so that a real pole or β makes at most 2^30 of it, a complex one 2^31/√2 of two.
+//! **Nothing can wrap**: words of states are below 2^30 (conjugate) and 2^29 (real), as the path's
+//! scales see to, e is below 2^30, and p, g, d are below 1 as Q31, α and β as Q30; sums may wrap on
+//! their way to results that do not. A rest is at most 2^31, so that a real pole or β makes at most
+//! 2^30 of it, a complex one 2^31/√2 of two.
 
 use super::super::path::{PARAMETERS, Path};
 use super::super::walk::Line;
@@ -41,7 +46,8 @@ const _: () = {
     assert!(offset_of!(TwoPoles, inner) == 24 && offset_of!(TwoPoles, input_bits) == 28);
 };
 
-/// What lies in `buffer` through the filter, added to `out`, as many frames as both have; in the buffer s is left, larger than the bus by 2^h. `real`: of real poles.
+/// What lies in `buffer` through the filter, added to `out`, as many frames as both have; in the
+/// buffer s is left, larger than the bus by 2^h. `real`: of real poles.
 pub fn two_poles(
     poles: &mut TwoPoles,
     real: bool,

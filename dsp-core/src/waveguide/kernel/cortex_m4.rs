@@ -49,8 +49,9 @@ pub(crate) fn run(bands: &mut [Resonance], line: &mut [i32], place: usize, frame
         return false;
     }
     let range = line.as_mut_ptr_range();
-    // SAFETY: bands and line are borrowed mutably, and the sums lie on the line. A band's delay is below the line's length, as `Tuned::new` and `Loops` see to, so
-    // that it reads within the line. The assembly keeps the procedure call standard.
+    // SAFETY: bands and line are borrowed mutably, and the sums lie on the line. A band's delay is
+    // below the line's length, as `Tuned::new` and `Loops` see to, so that it reads within the
+    // line. The assembly keeps the procedure call standard.
     unsafe {
         malleus_loops(bands.as_mut_ptr(), bands.len(), range.start, range.end, range.start.add(place), frames) != 0
     }

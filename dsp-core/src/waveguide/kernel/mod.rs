@@ -1,7 +1,8 @@
 //! The hot loops: all band-passes over a run of frames.
 //!
-//! [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly (`cortex_m4.s`), compared bit for bit on the
-//! virtual core (`cargo test -p host-tests --test on_chip filters`).
+//! [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly
+//! (`cortex_m4.s`), compared bit for bit on the virtual core (`cargo test -p host-tests --test
+//! on_chip filters`).
 
 pub(super) mod portable;
 

@@ -7,9 +7,10 @@ use crate::fixed::qadd;
 #[cfg(not(cortex_m4f))]
 use crate::fixed::smmlar;
 
-/// Adds what comes out of the bands to `frames` sums that lie on the line from `place` on, where s will be written. A band reads its delay before them, and from
-/// the line's end on at its start; a delay is at least as many frames, and that many less than the line's at most. Gives whether a state is to be
-/// scaled anew.
+/// Adds what comes out of the bands to `frames` sums that lie on the line from `place` on, where s
+/// will be written. A band reads its delay before them, and from the line's end on at its start; a
+/// delay is at least as many frames, and that many less than the line's at most. Gives whether a
+/// state is to be scaled anew.
 #[cfg(not(cortex_m4f))]
 pub(crate) fn run(bands: &mut [Resonance], line: &mut [i32], place: usize, frames: usize) -> bool {
     through(bands, line, place, frames, |band, sum, v| smmlar(sum, v, band.scale))

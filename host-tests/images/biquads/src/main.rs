@@ -1,7 +1,8 @@
 //! Banks of biquads on a bare Cortex-M4F, without a board.
 //!
-//! Nothing starts by itself: the virtual core writes numbers into memory and calls the exported functions, which return 0 or a
-//! negative number that says why not. The host's side of it is `host-tests/src/on_chip/biquads.rs`.
+//! Nothing starts by itself: the virtual core writes numbers into memory and calls the exported
+//! functions, which return 0 or a negative number that says why not. The host's side of it is
+//! `host-tests/src/on_chip/biquads.rs`.
 #![no_std]
 #![no_main]
 

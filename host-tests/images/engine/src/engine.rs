@@ -14,7 +14,8 @@ use crate::wire::{WireEvent, slice, slice_mut};
 /// Most samples in the delay lines of the room, as in `host-tests/src/lent.rs`.
 const ROOM_SAMPLES: usize = 4_096;
 
-/// Words of memory that the image lends: those of the kit of `host-tests/src/rolls.toml` and of 1024 modes on 16 pads.
+/// Words of memory that the image lends: those of the kit of `host-tests/src/rolls.toml` and of
+/// 1024 modes on 16 pads.
 const WORDS: usize = 13_500;
 
 /// A static that only the call that runs reads and writes.
@@ -23,8 +24,8 @@ struct Global<T>(UnsafeCell<T>);
 // SAFETY: the virtual core has one thread and calls one function at a time.
 unsafe impl<T> Sync for Global<T> {}
 
-/// The engine, from the first `engine_load` on. A static of its own: beside the words its fields would lie
-/// beyond what a load instruction reaches, which took a tick of silence 60 cycles.
+/// The engine, from the first `engine_load` on. A static of its own: beside the words its fields
+/// would lie beyond what a load instruction reaches, which took a tick of silence 60 cycles.
 static ENGINE: Global<MaybeUninit<Engine<'static, 'static>>> = Global(UnsafeCell::new(MaybeUninit::uninit()));
 /// Words that the engine has taken.
 static USED: Global<Words> = Global(UnsafeCell::new(Words { fast: 0, bulk: 0 }));
@@ -43,7 +44,8 @@ pub extern "C" fn engine_limit(ceiling_db_bits: u32) {
     unsafe { *CEILING_DB.0.get() = (!ceiling_db.is_nan()).then_some(ceiling_db) };
 }
 
-/// Most events of one block. They lie beside the engine: a board's queue is no part of the audio path's stack.
+/// Most events of one block. They lie beside the engine: a board's queue is no part of the audio
+/// path's stack.
 const EVENTS: usize = 64;
 static PLAYED: Global<[Event; EVENTS]> = Global(UnsafeCell::new([Event::NOTHING; EVENTS]));
 
@@ -52,7 +54,8 @@ fn engine() -> &'static mut Engine<'static, 'static> {
     unsafe { (*ENGINE.0.get()).assume_init_mut() }
 }
 
-/// Reads the kit at an address and derives it for a rate (a ratio). -1: not a kit, -2: does not fit, -3: not a rate.
+/// Reads the kit at an address and derives it for a rate (a ratio). -1: not a kit, -2: does not
+/// fit, -3: not a rate.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn engine_load(kit: *const u8, bytes: usize, numerator: u32, denominator: u32) -> i32 {
@@ -87,7 +90,8 @@ pub struct Block {
     frames: usize,
 }
 
-/// Renders a block of 24-bit stereo samples. -1: an event cannot be, -2: too many events; the host says -3 for too many frames.
+/// Renders a block of 24-bit stereo samples. -1: an event cannot be, -2: too many events; the host
+/// says -3 for too many frames.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn engine_render(block: *const Block) -> i32 {
@@ -125,8 +129,8 @@ pub unsafe extern "C" fn engine_render(block: *const Block) -> i32 {
     }
 }
 
-/// What the last call told: the last tick's predicted cycles, groups and modes that were shed and the bits of the amplitude that is missing by
-/// it; and all decisions.
+/// What the last call told: the last tick's predicted cycles, groups and modes that were shed and
+/// the bits of the amplitude that is missing by it; and all decisions.
 #[repr(C)]
 struct Told {
     report: [u32; 4],
@@ -137,7 +141,8 @@ struct Told {
 static TOLD: Global<Told> =
     Global(UnsafeCell::new(Told { report: [0; 4], decision_count: 0, decisions: [WireEvent::NOTHING; EVENTS] }));
 
-/// Where the last call's report lies: four words, then the number of decisions, then (8-byte aligned) the decisions.
+/// Where the last call's report lies: four words, then the number of decisions, then (8-byte
+/// aligned) the decisions.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub extern "C" fn engine_told() -> u32 {

@@ -1,7 +1,8 @@
 //! The instrument on a bare Cortex-M4F, without a board.
 //!
-//! Nothing starts by itself: the virtual core writes kits, events and forces into memory and calls the exported functions, which return 0
-//! or a negative number that says why not. The host's side of it is `host-tests/src/on_chip`.
+//! Nothing starts by itself: the virtual core writes kits, events and forces into memory and calls
+//! the exported functions, which return 0 or a negative number that says why not. The host's side
+//! of it is `host-tests/src/on_chip`.
 #![no_std]
 #![no_main]
 

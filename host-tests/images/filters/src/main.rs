@@ -1,7 +1,8 @@
 //! The dynamic filter and waveguides on a bare Cortex-M4F, without a board.
 //!
-//! Nothing starts by itself: the virtual core writes numbers into memory and calls the exported functions, which return 0 or a
-//! negative number that says why not. The host's side of it is `host-tests/src/on_chip/filters.rs`.
+//! Nothing starts by itself: the virtual core writes numbers into memory and calls the exported
+//! functions, which return 0 or a negative number that says why not. The host's side of it is
+//! `host-tests/src/on_chip/filters.rs`.
 #![no_std]
 #![no_main]
 
@@ -22,8 +23,9 @@ static FILTER: Global<DynamicFilter<'static>> = Global(UnsafeCell::new(DynamicFi
 /// Memory of 16 breakpoints, 10 loops and 2048 frames of delay.
 static WORDS: Global<[Word; 1_500]> = Global(UnsafeCell::new([Word::uninit(); 1_500]));
 
-/// Loads a dynamic filter at 48 kHz: breakpoints of seven words (time, a1, a2, b0, b1, b2, noise), loops of four (frequency, bandwidth, gain,
-/// delay), order, and 1 where modes go through; seed and stream 9. -1: refused.
+/// Loads a dynamic filter at 48 kHz: breakpoints of seven words (time, a1, a2, b0, b1, b2, noise),
+/// loops of four (frequency, bandwidth, gain, delay), order, and 1 where modes go through; seed and
+/// stream 9. -1: refused.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn filter_load(

@@ -4,7 +4,8 @@ use float_forms::modal::{self, FloatMode};
 
 use crate::wire::slice;
 
-/// Makes `count` modes from three words each: frequency in Hz, decay in 1/s (both `f32`, at 48 kHz) and gain. Gives the bytes of one.
+/// Makes `count` modes from three words each: frequency in Hz, decay in 1/s (both `f32`, at 48 kHz)
+/// and gain. Gives the bytes of one.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn load_float(modes: *mut FloatMode, words: *const [f32; 3], count: usize) -> usize {

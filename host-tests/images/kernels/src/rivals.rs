@@ -1,4 +1,5 @@
-//! Other crates' resonators and a plain loop, one pair of functions each: `load_...` makes resonators of words, `render_...` adds a block.
+//! Other crates' resonators and a plain loop, one pair of functions each: `load_...` makes
+//! resonators of words, `render_...` adds a block.
 
 pub mod forms;
 

@@ -1,7 +1,7 @@
 //! The residual stage alone on a bare Cortex-M4F, without a board.
 //!
-//! Nothing starts by itself: the virtual core writes bands into memory and calls the exported functions. The host's side of it is
-//! `host-tests/src/on_chip/residual.rs`.
+//! Nothing starts by itself: the virtual core writes bands into memory and calls the exported
+//! functions. The host's side of it is `host-tests/src/on_chip/residual.rs`.
 #![no_std]
 #![no_main]
 
@@ -50,7 +50,8 @@ pub unsafe extern "C" fn residual_load(bands: *const [f32; 4], count: usize, see
     0
 }
 
-/// Adds a tick to `out`; where `strength` (the bits of an f32) is above 0 with a strike at frame `offset`.
+/// Adds a tick to `out`; where `strength` (the bits of an f32) is above 0 with a strike at frame
+/// `offset`.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn residual_tick(strength: u32, offset: usize, out: *mut [i32; TICK_FRAMES]) -> i32 {

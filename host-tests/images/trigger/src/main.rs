@@ -1,7 +1,7 @@
 //! The trigger on a bare Cortex-M4F, without a board.
 //!
-//! Nothing starts by itself: the virtual core writes ADC frames into memory and calls the exported functions. The host's side of it is
-//! `host-tests/src/trigger/on_chip.rs`.
+//! Nothing starts by itself: the virtual core writes ADC frames into memory and calls the exported
+//! functions. The host's side of it is `host-tests/src/trigger/on_chip.rs`.
 #![no_std]
 #![no_main]
 
@@ -47,7 +47,8 @@ fn state() -> &'static mut State {
     unsafe { &mut *STATE.0.get() }
 }
 
-/// Sets up four pads at 48 kHz with their defaults, the last of them in direct mode where `direct` is not 0. -1: refused.
+/// Sets up four pads at 48 kHz with their defaults, the last of them in direct mode where `direct`
+/// is not 0. -1: refused.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub extern "C" fn trigger_new(direct: u32) -> i32 {

@@ -1,8 +1,9 @@
-//! Resonators as others offer them, and the plain loop that anyone would write first. Compiled twice: into the image, to be counted, and into
-//! `host-tests`, to be measured against `f64`.
+//! Resonators as others offer them, and the plain loop that anyone would write first. Compiled
+//! twice: into the image, to be counted, and into `host-tests`, to be measured against `f64`.
 //!
-//! Each is used as its crate's documentation shows, a sample at a time in a loop, with its memory in local variables during a block and its
-//! output added to the mix in the same loop: the fastest use that the crates allow.
+//! Each is used as its crate's documentation shows, a sample at a time in a loop, with its memory
+//! in local variables during a block and its output added to the mix in the same loop: the fastest
+//! use that the crates allow.
 
 use biquad::Biquad as _;
 use dsp_fixedpoint::Q32;
@@ -49,8 +50,8 @@ pub fn render<R: Resonator>(resonators: &mut [R], force: Option<&[R::Sample]>, o
     }
 }
 
-/// Bits that a fixed-point rival's sample is shifted right into the mix: a mode at full scale peaks at 2^29 in it, which leaves two bits of
-/// headroom, and at 2^27 on the bus.
+/// Bits that a fixed-point rival's sample is shifted right into the mix: a mode at full scale peaks
+/// at 2^29 in it, which leaves two bits of headroom, and at 2^27 on the bus.
 pub const MIX_SHIFT: u32 = 2;
 
 macro_rules! float_mix {
@@ -79,7 +80,8 @@ fn float_words(words: [u32; 5]) -> [f32; 5] {
     words.map(f32::from_bits)
 }
 
-/// `y = b x + a1 y1 + a2 y2` in single precision: unlike the others' inputs, which come in through b1, its is heard at once.
+/// `y = b x + a1 y1 + a2 y2` in single precision: unlike the others' inputs, which come in through
+/// b1, its is heard at once.
 #[derive(Clone)]
 pub struct PlainDirect {
     b: f32,
@@ -155,7 +157,8 @@ pub struct Idsp<C, S> {
 pub type IdspFloatDirect1 = Idsp<iir::Biquad<f32>, iir::DirectForm1<f32>>;
 /// `idsp::iir::Biquad<f32>`, direct form 2 transposed.
 pub type IdspFloatDirect2 = Idsp<iir::Biquad<f32>, iir::DirectForm2Transposed<f32>>;
-/// `idsp::iir::Biquad<Q32<30>>`, direct form 1 (a1 reaches 2, so that coefficients have 30 bits behind the point).
+/// `idsp::iir::Biquad<Q32<30>>`, direct form 1 (a1 reaches 2, so that coefficients have 30 bits
+/// behind the point).
 pub type IdspFixedDirect1 = Idsp<iir::Biquad<Q32<30>>, iir::DirectForm1<i32>>;
 /// The same with first-order error feedback.
 pub type IdspFixedDither = Idsp<iir::Biquad<Q32<30>>, iir::DirectForm1Dither>;
@@ -163,7 +166,8 @@ pub type IdspFixedDither = Idsp<iir::Biquad<Q32<30>>, iir::DirectForm1Dither>;
 pub type IdspFixedWide = Idsp<iir::Biquad<Q32<30>>, iir::DirectForm1Wide>;
 /// `idsp::iir::normal::Normal<f32>`: rotation of two components.
 pub type IdspFloatNormal = Idsp<iir::normal::Normal<f32>, iir::DirectForm1<f32>>;
-/// `idsp::iir::normal::Normal<Q32<31>>`: the same; poles are inside the unit circle, so that coefficients have 31 bits behind the point.
+/// `idsp::iir::normal::Normal<Q32<31>>`: the same; poles are inside the unit circle, so that
+/// coefficients have 31 bits behind the point.
 pub type IdspFixedNormal = Idsp<iir::normal::Normal<Q32<31>>, iir::DirectForm1<i32>>;
 
 macro_rules! idsp_resonator {
