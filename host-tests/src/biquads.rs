@@ -78,7 +78,7 @@ impl Chains {
         Self { ours, theirs, depth }
     }
 
-    /// What `f64` makes of an input.
+    /// Output of `f64` biquads for an input.
     pub fn exact(&self, input: &[i32]) -> Vec<f64> {
         reference::biquad::filter(&self.theirs, &input.iter().map(|&x| f64::from(x)).collect::<Vec<_>>())
     }

@@ -24,7 +24,7 @@ pub struct Table {
     pub loops: Vec<Loop>,
     /// The noise's band.
     pub exciter: Option<Exciter>,
-    /// Whether modes go through.
+    /// True if modes go through.
     pub modes_through: bool,
     /// The rate of the coefficients.
     pub rate_hz: f64,

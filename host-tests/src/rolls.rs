@@ -43,7 +43,7 @@ impl Hands {
         f64::from(self.random.draw()) / 4_294_967_296.0
     }
 
-    /// What they do before a frame, in an order that blocks do not change: the earliest pad first.
+    /// Strikes before a frame, in an order that blocks do not change: the earliest pad first.
     pub fn until(&mut self, frame: u64) -> Vec<Event> {
         let mut events = Vec::new();
         while let Some((pad, at)) = (0..4u8).zip(self.next).min_by_key(|(_, at)| *at).filter(|(_, at)| *at < frame) {
@@ -67,7 +67,7 @@ impl Default for Hands {
     }
 }
 
-/// What a roll came to.
+/// Result of a roll.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rolled {
     /// Strikes in all.

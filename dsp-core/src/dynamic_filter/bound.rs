@@ -111,7 +111,7 @@ pub(super) fn of_filter(point: &Point, angle: &Angle) -> f32 {
     }
 }
 
-/// What rounding does to a number near 1 here, at most.
+/// Largest rounding error of a number near 1.
 const ROUNDING: f32 = 1e-6;
 
 /// In `f32` as it is in `f64`, and what rounding may have taken from it.
@@ -165,7 +165,7 @@ mod tests {
     use crate::SampleRate;
     use crate::dynamic_filter::Breakpoint;
 
-    /// What [`super::super::stability`] takes for certain must be: a bound is below the truth by
+    /// Bounds that [`super::super::stability`] relies on must hold: a bound is below the truth by
     /// less than it allows for.
     fn is_bound(bound: f32, truth: f64) -> bool {
         bound.is_nan() || f64::from(bound) >= truth * (1.0 - 3e-4) - 1e-12

@@ -54,7 +54,7 @@ pub enum PathError {
     },
     /// The filter's order is neither 1 nor 2.
     FilterOrder {
-        /// What was given.
+        /// Given value.
         order: u8,
     },
 }
@@ -101,7 +101,7 @@ pub enum DynamicFilterError {
     Exciter(BandError),
     /// The exponent by which its exciter follows strikes.
     Exponent {
-        /// What was given.
+        /// Given value.
         exponent: f64,
     },
     /// The rate that its coefficients are for is none.

@@ -59,7 +59,7 @@ impl BandPass {
         Ok(())
     }
 
-    /// What comes in and goes out is a level of 2.0 at two to the power of this.
+    /// Exponent of two at which input and output have a level of 2.0.
     pub(super) fn bits(&self) -> i32 {
         self.bits
     }

@@ -16,7 +16,7 @@ pub(super) struct Filter<'m> {
     walk: Walk,
     one_pole: OnePole,
     two_poles: TwoPoles,
-    /// How the sums that come in are taken.
+    /// Format of the sums that come in.
     sums: SumsKind,
     /// The path's level of the noise, Q30.
     level: Line,
@@ -48,7 +48,7 @@ impl Filter<'_> {
         self.walk.end(&self.path);
     }
 
-    /// What comes in are sums, `coarse` where they are smaller than it by [`kernel::COARSE_BITS`].
+    /// Input of sums, `coarse` if they are smaller than noise by [`kernel::COARSE_BITS`].
     pub(super) fn expect_sums(&mut self, coarse: bool) {
         self.sums = SumsKind::new(&self.one_pole, self.path.form == Form::EqualZeros, coarse);
     }
@@ -79,7 +79,7 @@ impl Filter<'_> {
         (frames, self.walk.is_under_way() && !silent)
     }
 
-    /// Whether noise is still to come.
+    /// True if noise is still to come.
     pub(super) fn is_under_way(&self) -> bool {
         self.walk.is_under_way()
     }
@@ -126,7 +126,7 @@ impl Filter<'_> {
         self.two_poles.attenuate(left);
     }
 
-    /// How many whole ticks may be run by [`run_tick`](Self::run_tick), or begun by
+    /// Number of whole ticks that may be run by [`run_tick`](Self::run_tick), or begun by
     /// [`tick`](Self::tick): within the path's piece, or, where this is asked for, behind the
     /// path's end.
     pub(super) fn whole_ticks(&self, after_end: bool) -> u32 {
@@ -151,7 +151,7 @@ impl Filter<'_> {
         }
     }
 
-    /// The same where the noise has no levels.
+    /// Walks as [`walk`](Self::walk) does, for noise without levels.
     #[inline(always)]
     pub(super) fn tick_lines(&mut self) {
         match self.path.form {
@@ -161,7 +161,7 @@ impl Filter<'_> {
         }
     }
 
-    /// Where noise for sums comes from, and its level.
+    /// Generator of the noise for sums, and its level.
     #[inline(always)]
     pub(super) fn noise_of_sums(&mut self) -> (&mut White, i32) {
         let level = self.one_pole.level >> self.grain();
@@ -260,7 +260,7 @@ impl Filter<'_> {
         first + levels + loud + if self.path.whole { 32 * 90 } else { 0 }
     }
 
-    /// The same of a block of sums, beyond what the first order takes.
+    /// Filters a block of sums that the first order does not take.
     pub(super) fn cycles_a_block(&self) -> u32 {
         if self.path.form.parameters() == PARAMETERS { 150 } else { 0 }
     }

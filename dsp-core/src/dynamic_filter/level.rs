@@ -16,7 +16,7 @@ struct Piece {
     /// At its first frame, and its change a frame.
     level: f32,
     level_step: f32,
-    /// How far inside the unit circle the slowest pole stands, and its change a frame.
+    /// Distance of the slowest pole from the unit circle, and its change a frame.
     gap: f32,
     gap_step: f32,
 }
@@ -50,7 +50,7 @@ impl Piece {
 pub struct Levels<'m> {
     pieces: &'m mut [Piece],
     count: usize,
-    /// Whether loops ring on by themselves.
+    /// True if loops ring on by themselves.
     looped: bool,
 }
 
@@ -100,7 +100,7 @@ impl<'m> Levels<'m> {
         }
     }
 
-    /// How fast the sound falls by itself at a frame after the strike: the number of frames, at
+    /// Decay of the sound by itself at a frame after the strike: the number of frames, at
     /// most `most`, for which one rate is precise enough, and that rate in nepers a frame. It is
     /// infinite where nothing is left.
     ///

@@ -13,7 +13,7 @@ pub const MAX_GAIN: f64 = 4096.0;
 /// The longest path.
 pub const MAX_TIME_S: f64 = 3600.0;
 
-/// What a table says at its own rate, and what may become of it at another.
+/// Ranges of a table at its own rate, and at another.
 #[derive(Clone, Copy)]
 pub(super) struct Limits {
     pub(super) poles: [f64; 2],

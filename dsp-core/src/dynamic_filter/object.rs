@@ -63,9 +63,9 @@ pub struct FilterSize {
 pub struct DynamicFilter<'m> {
     pub(super) modes_through: bool,
     loaded: bool,
-    /// Whether noise goes straight into a filter of the first order, and nothing else does.
+    /// True if noise goes straight into a filter of the first order, and nothing else does.
     pub(super) plain: bool,
-    /// Whether loops work in blocks of a tick, on noise that has one level and no band.
+    /// True if loops work in blocks of a tick, on noise that has one level and no band.
     pub(super) looped: bool,
     /// 1.0 of the noise's level, 2^28 and more at a higher rate than the table's.
     level_unit: f32,
@@ -76,9 +76,9 @@ pub struct DynamicFilter<'m> {
     /// many are left.
     pub(super) granted: u32,
     pub(super) whole_ticks: u32,
-    /// Whether the segment has noise.
+    /// True if the segment has noise.
     pub(super) noisy: bool,
-    /// Whether modes have come in since it was last asked whether all is at rest.
+    /// True if modes have come in since it was last asked whether all is at rest.
     fed: bool,
     pub(super) ringing: bool,
     pub(super) exciter: BandPass,
@@ -226,7 +226,7 @@ impl<'m> DynamicFilter<'m> {
         Ok(())
     }
 
-    /// Whether the object's modes are to be given to [`render`](Self::render), rather than added to
+    /// True if the object's modes are to be given to [`render`](Self::render), rather than added to
     /// the output beside it.
     pub fn takes_modes(&self) -> bool {
         self.modes_through
@@ -254,7 +254,7 @@ impl<'m> DynamicFilter<'m> {
         (self.left, self.ringing) = (0, true);
     }
 
-    /// Whether anything sounds or may: false means that [`pass`](Self::pass) does for a block into
+    /// True if anything sounds or may: false means that [`pass`](Self::pass) does for a block into
     /// which no modes come.
     pub fn is_ringing(&self) -> bool {
         self.ringing
@@ -353,7 +353,7 @@ impl<'m> DynamicFilter<'m> {
         }
     }
 
-    /// Whether it is at rest, on a tick after the path's end; `silent` says that nothing lies in
+    /// True if it is at rest, on a tick after the path's end; `silent` says that nothing lies in
     /// the loops' line, even of what they have still to read.
     #[inline(never)]
     fn end(&mut self, silent: bool) {
@@ -366,7 +366,7 @@ impl<'m> DynamicFilter<'m> {
         self.ringing = !self.filter.settle() || comes || !silent;
     }
 
-    /// What was summed through the filter.
+    /// Runs the sums through the filter.
     #[inline(always)]
     pub(super) fn filter_sums(&mut self, out: &mut [i32]) {
         let frames = out.len();

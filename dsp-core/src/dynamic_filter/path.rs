@@ -20,7 +20,7 @@ use crate::table::range::BREAKPOINTS;
 /// |e| is clipped to this: 2.0.
 pub(super) const MAX_INPUT_BITS: i32 = 28;
 
-/// What comes into a filter: its words' formats follow from it.
+/// Kind of input of a filter, from which the formats of its words follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Input {
     /// Noise alone, straight from the generator.
@@ -92,9 +92,9 @@ pub struct Path<'m> {
     pieces: &'m mut [Piece],
     count: usize,
     pub(super) form: Form,
-    /// Whether the noise has levels of its own.
+    /// True if the noise has levels of its own.
     pub(super) has_levels: bool,
-    /// Whether damping takes all bits of a first-order state.
+    /// True if damping takes all bits of a first-order state.
     pub(super) whole: bool,
     /// h: the state's word is larger than the bus by 2^h.
     pub(super) scale: i32,
@@ -124,7 +124,7 @@ impl Derived {
         self.direct + self.inner * self.ring
     }
 
-    /// What bounds both, and any path that jumps between them.
+    /// Bound of both, and of any path that jumps between them.
     fn or(self, other: Self) -> Self {
         let mut both = self;
         both.parameters.iter_mut().zip(other.parameters).for_each(|(most, value)| *most = most.abs().max(value.abs()));
@@ -276,7 +276,7 @@ impl<'m> Path<'m> {
     }
 }
 
-/// What can be said before anything is derived; gives the form.
+/// Checks a path before anything is derived, and gives its form.
 fn check(order: u8, breakpoints: impl Iterator<Item = Breakpoint> + Clone) -> Result<Form, PathError> {
     let mut before = -1.0;
     let mut form = None;

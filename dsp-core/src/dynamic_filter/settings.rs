@@ -44,7 +44,7 @@ pub struct Settings<P, L> {
     pub rate_hz: f64,
     /// 1, or 2: then a2 and b2 count.
     pub order: u8,
-    /// Whether the object's modes go into the filter, rather than beside it.
+    /// True if the object's modes go into the filter, rather than beside it.
     pub modes_through: bool,
     /// The band of the noise, if it has any.
     pub exciter: Option<Exciter>,

@@ -14,7 +14,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// Whether it is 0 in all frames.
+    /// True if it is 0 in all frames.
     pub fn is_zero(&self) -> bool {
         (self.value, self.step) == (0, 0)
     }
@@ -106,7 +106,7 @@ impl Walk {
         self.noise = Ramp::new(piece.noise, piece.noise_slope);
     }
 
-    /// Whether the path's last breakpoint is still to come.
+    /// True if the path's last breakpoint is still to come.
     pub(super) fn is_under_way(&self) -> bool {
         self.next != u32::MAX
     }
@@ -145,7 +145,7 @@ impl Walk {
         frames
     }
 
-    /// How many whole ticks lie within the piece, whose steps are in the lines already.
+    /// Number of whole ticks within the piece, whose steps are in the lines already.
     pub(super) fn whole_ticks(&self) -> u32 {
         self.whole.saturating_sub(self.time) / TICK_FRAMES as u32
     }
@@ -166,14 +166,14 @@ impl Walk {
         }
     }
 
-    /// The same for the noise's level.
+    /// Steps the line of the noise's level.
     #[inline(always)]
     pub(super) fn tick_level(&mut self, level: &mut Line) {
         level.value = (self.noise.wide >> 32) as i32;
         self.noise.wide = self.noise.wide.wrapping_add(self.noise.of_tick);
     }
 
-    /// Whether the lines hold what stays after the path's end.
+    /// True if the lines hold what stays after the path's end.
     pub(super) fn is_over(&self) -> bool {
         self.over
     }

@@ -30,7 +30,7 @@ pub enum LoopError {
     },
     /// The gain round the loops reaches 1.
     Unstable {
-        /// Where, in Hz.
+        /// Frequency in Hz.
         frequency_hz: f64,
         /// The gain.
         gain: f64,

@@ -15,7 +15,7 @@ use crate::time::TICK_FRAMES;
 
 /// Up to this sum of what may come out of the loops a fine sum has room.
 const LARGEST_FINE: f64 = 1.0 / 16.0;
-/// What s may be then: 12 dB above full scale. (If it is louder after all, sums saturate for a
+/// Largest s at that scale: 12 dB above full scale. (If it is louder after all, sums saturate for a
 /// while.)
 const LOUDEST: f64 = 4.0;
 
@@ -36,13 +36,13 @@ pub(crate) struct Loops<'m> {
     line: &'m mut [i32],
     /// The shortest delay, at most a tick.
     shortest: usize,
-    /// Where s is written next.
+    /// Index at which s is written next.
     place: usize,
     line_scale: i32,
     sum_scale: i32,
-    /// Whether sums might not have room, so that they are to saturate.
+    /// True if sums might not have room, so that they are to saturate.
     loud: bool,
-    /// Whether a state has left the bounds of its scaling.
+    /// True if a state has left the bounds of its scaling.
     unsettled: bool,
     /// Sizes written since it was last settled, or'ed, and frames since then beyond a tick.
     sizes: u32,
@@ -164,7 +164,7 @@ impl<'m> Loops<'m> {
         Ok(())
     }
 
-    /// How many there are.
+    /// Number of loops.
     pub(crate) fn count(&self) -> usize {
         self.count
     }
@@ -177,7 +177,7 @@ impl<'m> Loops<'m> {
         if loops == 0 { 0 } else { 250 + 376 * loops + further + blocks * of_block }
     }
 
-    /// Whether a step of the sums is large ([`COARSE`]).
+    /// True if a step of the sums is large ([`COARSE`]).
     pub(crate) fn is_coarse(&self) -> bool {
         self.sum_scale == COARSE
     }
@@ -205,13 +205,13 @@ impl<'m> Loops<'m> {
         self.line.iter_mut().for_each(|s| *s = times_q31(*s, left));
     }
 
-    /// How many of so many frames have a slot that no loop is still to read and in which the ring
+    /// Number of `frames` with a slot that no loop is still to read and in which the ring
     /// does not turn.
     pub(crate) fn slot_length(&self, frames: usize) -> usize {
         frames.min(self.line.len() - self.longest).min(self.line.len() - self.place)
     }
 
-    /// How many of them can be run at once: as long as no loop reads what is not written.
+    /// Number of `frames` that can be run at once: no loop reads a frame that is not written.
     pub(crate) fn run_length(&self, frames: usize) -> usize {
         frames.min(self.shortest)
     }
@@ -240,7 +240,7 @@ impl<'m> Loops<'m> {
         }
     }
 
-    /// Where the next frames of s are to be written: what goes into the filter is summed there, and
+    /// Slot for the next frames of s: what goes into the filter is summed there, and
     /// s left.
     pub(crate) fn slot(&mut self, frames: usize) -> &mut [i32] {
         self.line.get_mut(self.place..self.place + frames).unwrap_or(&mut [])
@@ -255,8 +255,8 @@ impl<'m> Loops<'m> {
         }
     }
 
-    /// How many ticks may be run, each in one slot and followed by [`pass`](Self::pass), before the
-    /// next [`settle`](Self::settle), as long as [`is_settled`](Self::is_settled).
+    /// Number of ticks that may be run, each in one slot and followed by [`pass`](Self::pass),
+    /// before the next [`settle`](Self::settle), as long as [`is_settled`](Self::is_settled).
     pub(crate) fn whole_ticks(&self) -> u32 {
         if self.line.len() < self.longest + TICK_FRAMES {
             return 0;
@@ -265,13 +265,13 @@ impl<'m> Loops<'m> {
         (of_window.min(self.line.len() - self.place) / TICK_FRAMES) as u32
     }
 
-    /// Whether all states, and what is on the line, are within the bounds of their scaling.
+    /// True if all states, and what is on the line, are within the bounds of their scaling.
     #[inline(always)]
     pub(crate) fn is_settled(&self) -> bool {
         !self.unsettled && self.sizes >> self.line_bits == 0
     }
 
-    /// So many ticks have passed since it was settled.
+    /// Counts ticks that have passed since the last [`settle`](Self::settle).
     pub(crate) fn pass(&mut self, whole_ticks: u32) {
         self.passed += (whole_ticks as usize).saturating_sub(1) * TICK_FRAMES;
     }
@@ -279,7 +279,7 @@ impl<'m> Loops<'m> {
     /// On a tick: scales states anew. Gives whether a window ended, and whether what was written in
     /// it is no sound.
     ///
-    /// Where states and line are settled, nothing is to be done but at a window's end: so it is the
+    /// If states and line are settled, nothing is to be done but at a window's end: so it is the
     /// same bits that follow, on whichever of the ticks between this is called.
     pub(crate) fn settle(&mut self) -> (bool, bool) {
         self.sizes_of[0] |= core::mem::take(&mut self.sizes);

@@ -178,7 +178,7 @@ impl Resonance {
         resonance
     }
 
-    /// What bounds |y| for a line of 2^30: over all frames, the amplitude of the impulse response
+    /// Bound of |y| for a line of 2^30: over all frames, the amplitude of the impulse response
     /// over the distance from the circle.
     pub(super) fn largest(tuned: &Tuned, line_scale: i32) -> f64 {
         let (angle, distance) = tuned.pole();
@@ -195,7 +195,7 @@ impl Resonance {
         self.set(self.limit);
     }
 
-    /// What it reads from now on is below 2^`line_bits`; to be followed by
+    /// Scales for a line that is below 2^`line_bits` from now on; to be followed by
     /// [`settle`](Self::settle).
     pub(super) fn expect(&mut self, line_bits: i32) {
         self.limit = self.largest_exponent.min(self.for_input - line_bits);
@@ -213,7 +213,7 @@ impl Resonance {
         size.leading_zeros() as i32
     }
 
-    /// Whether the state has left the bounds of its scaling.
+    /// True if the state has left the bounds of its scaling.
     #[inline(always)]
     pub(super) fn changes(&self) -> bool {
         !(self.least_zeros..=self.most_zeros).contains(&self.zeros())
@@ -265,7 +265,7 @@ impl Resonance {
     /// most 2^30.
     pub(super) const LARGEST_WEIGHT: u64 = 3 << 30;
 
-    /// What it takes of a sum's room: its multiplier, if there is one.
+    /// Share of a sum's headroom that the loop takes: its multiplier, if there is one.
     pub(super) fn weight(&self) -> u64 {
         if self.exponent < self.sum_scale + 2 { 1 << 32 } else { self.scale as u64 }
     }
@@ -284,7 +284,7 @@ impl Resonance {
         self.v
     }
 
-    /// What a state that sounds is in a sum, saturating, at any E.
+    /// Contribution of a sounding state to a sum, saturating, at any E.
     pub(super) fn of_sum(&self, v: i32) -> i32 {
         match self.exponent - self.sum_scale {
             right @ 0.. => rounding_shift_right(v, right.unsigned_abs()),

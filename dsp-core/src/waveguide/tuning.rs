@@ -63,7 +63,8 @@ impl Tuned {
         Ok(Self { delay, omega, gain, ..nothing }.with_pole(real, square))
     }
 
-    /// The same gain at f_c with another pole: `a + c w = γ e^{-iωφ} D(w)`, w = e^{-iω}.
+    /// Numerator for an equal gain at f_c with another pole: `a + c w = γ e^{-iωφ} D(w)`, w =
+    /// e^{-iω}.
     ///
     /// A loop of gain G close to 1 rings at f_c less (1 - G) times what its pole is off: so a pole
     /// that was rounded hardly matters.

@@ -32,7 +32,7 @@ impl BiquadsOnChip {
         self.load_as("biquads_load", biquads, depth)
     }
 
-    /// The same in single precision.
+    /// Loads a bank in single precision.
     ///
     /// # Errors
     /// [`OnChipError::Refused`] where it is no bank.
@@ -61,7 +61,7 @@ impl BiquadsOnChip {
         Ok((words_of(&out), cost))
     }
 
-    /// The same in single precision.
+    /// Renders a block of at most 4096 frames in single precision: its sound, and what it cost.
     ///
     /// # Errors
     /// [`OnChipError::Run`].

@@ -12,11 +12,11 @@ pub struct BudgetScene {
     pub name: &'static str,
     /// A kit, binary.
     pub kit: Vec<u8>,
-    /// What is played.
+    /// Events and forces of the scene.
     pub events: Vec<Event>,
     /// A force for pad 0, as long as the scene.
     pub direct: Option<Vec<i32>>,
-    /// How long.
+    /// Length in ticks.
     pub ticks: usize,
     /// Cycles a tick.
     pub budget: u32,
@@ -64,7 +64,7 @@ pub fn at_two_places(pads: u8) -> Vec<Event> {
 /// The bench's scenes, without a limit: what they cost is to be predicted.
 ///
 /// # Panics
-/// Where the demo kit that ships with the project is broken.
+/// If the demo kit that ships with the project is broken.
 pub fn unlimited() -> Vec<BudgetScene> {
     let demo = kit::open("demo").expect("the demo kit ships with the project");
     let all = demo.kit.pads.len();
@@ -113,7 +113,7 @@ pub fn storm_scene(pads: usize) -> BudgetScene {
 /// cycles a tick.
 ///
 /// # Panics
-/// Where the demo kit that ships with the project is broken.
+/// If the demo kit that ships with the project is broken.
 pub fn playing_scene(budget: u32) -> BudgetScene {
     let demo = kit::open("demo").expect("the demo kit ships with the project");
     let strike = |n: u64, pad: u64| Event {

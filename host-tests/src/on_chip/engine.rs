@@ -16,7 +16,7 @@ const OUT: u32 = HOST_MEMORY + 0x3000;
 /// Most frames of one block.
 pub const BLOCK_FRAMES: usize = 1024;
 
-/// What the engine takes on a chip, bytes.
+/// Memory of the engine on a chip, in bytes.
 #[derive(Clone, Copy, Debug)]
 pub struct Footprint {
     /// Code and constants, without a kit.
@@ -27,7 +27,7 @@ pub struct Footprint {
     pub ram: u32,
 }
 
-/// What the engine told of its last block.
+/// Report of the engine's last block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Told {
     /// Cycles that the block's last tick was expected to take.
@@ -130,7 +130,7 @@ impl EngineOnChip {
         Ok(())
     }
 
-    /// What the last block's last tick was expected to cost and left out, and all decisions of the
+    /// Predicted cycles and omissions of the last block's last tick, and all decisions of the
     /// block.
     ///
     /// # Errors
@@ -157,7 +157,7 @@ impl EngineOnChip {
         })
     }
 
-    /// What it takes on a chip.
+    /// Memory of the engine on a chip.
     ///
     /// # Errors
     /// [`OnChipError::Run`].

@@ -45,7 +45,7 @@ pub enum OnChipError {
     Refused {
         /// The function.
         function: &'static str,
-        /// What it returned.
+        /// Code that the function returned.
         code: i32,
     },
 }

@@ -21,7 +21,7 @@ pub fn pads(count: usize) -> Loaded {
     pads_of(count, 1)
 }
 
-/// The same with `turns` times 64 modes a pad, each turn a little higher.
+/// Kit of equal pads with `turns` times 64 modes each, each turn a little higher.
 pub fn pads_of(count: usize, turns: usize) -> Loaded {
     let Kit { objects, strikers, pads, .. } = one_pad(Vec::new());
     let (objects, pads) = (0..count)
@@ -70,7 +70,7 @@ pub fn strikes(pads: usize, frame: u64, velocity: f32) -> Vec<Event> {
     (0..pads).map(|pad| Event { pad: pad as u8, ..event }).collect()
 }
 
-/// What a scene cost: the whole of its measured ticks, and the dearest of them.
+/// Cost of a scene: the whole of its measured ticks, and the dearest of them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SceneCost {
     /// Measured ticks.

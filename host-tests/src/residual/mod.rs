@@ -13,7 +13,7 @@ use crate::lent;
 /// Rms below which noise ends: -110 dBFS.
 pub const SILENCE: f32 = 3.162_277_7e-6;
 
-/// How the edges of bands are spaced.
+/// Spacing of the edges of bands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spacing {
     /// All equally wide in Hz.
@@ -34,7 +34,7 @@ pub fn edges_hz(spacing: Spacing, count: usize, [low_hz, high_hz]: [f64; 2]) -> 
         .collect()
 }
 
-/// The same bands for the reference.
+/// Bands in the reference's type.
 pub fn reference_bands(bands: &[BandLaw]) -> Vec<reference::residual::Band> {
     let band = |band: &BandLaw| reference::residual::Band {
         edges_hz: band.edges_hz.map(f64::from),

@@ -19,7 +19,7 @@ impl Band {
     }
 }
 
-/// How a checker cuts a band out of a response.
+/// Filter by which a checker cuts a band out of a response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Look {
     /// Everything else of the spectrum set to 0, and a sixth of an octave at each edge with it.
@@ -32,7 +32,7 @@ pub enum Look {
 }
 
 impl Look {
-    /// What it lets through at a frequency.
+    /// Magnitude at a frequency.
     fn gain(self, band: Band, rate_hz: f64, hz: f64) -> f64 {
         let within = |band: Band| f64::from((band.from_hz..=band.to_hz).contains(&hz));
         match self {

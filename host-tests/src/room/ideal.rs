@@ -2,7 +2,7 @@
 
 use super::{Band, Look, Spectrum, Table, tables::random};
 
-/// What an ideal room answers to a unit impulse: each side, another noise for another seed.
+/// Answer of an ideal room to a unit impulse: each side, another noise for another seed.
 ///
 /// It has no skirts, no resonances and no rounding: where a checker finds its T60 wrong, the
 /// checker's own filter or the noise's own scatter is why.

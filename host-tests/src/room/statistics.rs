@@ -26,7 +26,7 @@ impl Answer {
     /// Of the instrument with 48 KB of 16-bit lines to an impulse at a frame.
     ///
     /// # Panics
-    /// Where the table cannot be played.
+    /// If the table cannot be played.
     pub fn of_instrument(table: &Table, rate: SampleRate, pan: f64, at: usize, frames: usize) -> Self {
         let dry = impulse(pan, at, frames);
         let dry = dry.each_ref().map(Vec::as_slice);

@@ -37,7 +37,7 @@ impl Table {
         self.bands.iter().map(record).collect()
     }
 
-    /// Where a band ends.
+    /// Upper edge of a band.
     pub fn to_hz(&self, band: usize, rate_hz: f64) -> f64 {
         self.bands.get(band + 1).map_or(rate_hz / 2.0, |next| next.from_hz)
     }

@@ -4,7 +4,7 @@ use super::fixed_forms::FixedForm;
 use super::rivals::{self, Rival};
 use crate::single_mode::{Case, float_forms::FloatForm, q31, snr_db, worst_and_median};
 
-/// What is measured.
+/// Subject of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub enum Subject {
     /// The bank, over the cases that it plays in a form, or all.

@@ -10,7 +10,7 @@ use super::rivals::Rival;
 use crate::on_chip::{BankOnChip, OnChipError};
 use crate::single_mode::Case;
 
-/// What was compared.
+/// Compared outputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Compared {
     /// Samples.

@@ -13,7 +13,7 @@ const TICKS: usize = 64;
 /// Ticks in which the caches fill and the guards settle.
 const WARM_TICKS: usize = 8;
 
-/// What a kernel cost.
+/// Cost of a kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured {
     /// Over all modes and samples.
@@ -98,7 +98,7 @@ pub fn table(cases: &[Case], phase: bool) -> (Vec<ModeRecord>, Vec<GainRecord>) 
 pub struct Resonators<'a> {
     /// Their functions are `load_` and `render_` with this name.
     pub function: &'a str,
-    /// What each is made of.
+    /// Words of each resonator.
     pub words: Vec<Vec<u32>>,
     /// A force as the image takes it.
     pub force_word: fn(f64) -> u32,

@@ -5,7 +5,7 @@ use dsp_core::resonator::coefficient::{Form, Pole};
 
 use crate::single_mode::Case;
 
-/// How the bank plays a mode.
+/// Form in which the bank plays a mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FixedForm {
     /// Modified coupled, up to fs/12.4.

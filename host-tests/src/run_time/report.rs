@@ -38,7 +38,7 @@ pub struct Report {
     /// The bank on the virtual core against the bank on the PC.
     #[serde(skip)]
     pub bank_bits: Compared,
-    /// The same for the rivals.
+    /// Notes on the rivals.
     #[serde(skip)]
     pub rival_bits: Compared,
 }

@@ -12,7 +12,7 @@ use super::words::{FIXED_PEAK, Words};
 use crate::single_mode::Case;
 use forms::{MIX_SHIFT, Resonator};
 
-/// What two compiled copies of a rival have in common.
+/// Facts that two compiled copies of a rival share.
 #[derive(Clone, Copy, Debug)]
 pub struct Rival {
     /// The crate, or `plain loop`.
@@ -21,7 +21,7 @@ pub struct Rival {
     pub form: &'static str,
     /// Its functions in the image are `load_` and `render_` with this name.
     pub function: &'static str,
-    /// How its coefficients are made.
+    /// Source of its coefficients.
     pub words: Words,
     /// A force as the image takes it; an impulse of 1.0 makes a mode ring at full scale.
     pub force_word: fn(f64) -> u32,
@@ -78,7 +78,7 @@ impl Rival {
         sound.into_iter().map(self.to_full_scale).collect()
     }
 
-    /// The same, at least `frames` long, as the words that the image gives.
+    /// Sound of at least `frames` frames, as the words that the image gives.
     pub fn render_words(&self, case: &Case, frames: usize) -> Vec<u32> {
         (self.render)(&[self.words.of(case)], frames, self.delay)
     }

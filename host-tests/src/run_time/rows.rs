@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// What works while a kernel runs.
+/// Input of a kernel while it runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Driven {
     /// Modes ring on without input.
@@ -57,13 +57,13 @@ pub struct KernelRow {
     pub snr_worst_db: Option<f64>,
     /// The median, dB.
     pub snr_median_db: Option<f64>,
-    /// The same work on the PC that ran the bench, ns a mode and sample: only its ratios mean
+    /// Time of equal work on the PC that ran the bench, ns a mode and sample: only its ratios mean
     /// anything.
     pub pc_ns: Option<f64>,
 }
 
 impl KernelRow {
-    /// Whether it is one of this project's kernels rather than somebody else's.
+    /// True if it is one of this project's kernels rather than somebody else's.
     pub fn is_ours(&self) -> bool {
         self.kernel == OURS_FIXED || self.kernel == OURS_FLOAT
     }

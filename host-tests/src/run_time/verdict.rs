@@ -24,7 +24,7 @@ pub struct Comparison {
     pub gap_db: f64,
 }
 
-/// What the rows say about `biquad` and `idsp`.
+/// Verdict of the rows on `biquad` and `idsp`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
     /// Nominal cycles of the bank, ringing freely, and its worst SNR over the whole grid, dB.

@@ -12,11 +12,11 @@ pub const FIXED_PEAK: f64 = (1u32 << 29) as f64;
 pub enum Words {
     /// `b0 b1 b2 a1 a2` of `y = b0 x + b1 x1 + b2 x2 + a1 y1 + a2 y2`, as `f32`.
     DirectFloat,
-    /// The same with 30 bits behind the point: a1 reaches 2.
+    /// Fixed-point words with 30 bits behind the point: a1 reaches 2.
     Direct30,
     /// Three output weights and the pole's real and imaginary part, as `f32`.
     NormalFloat,
-    /// The same with 31 bits behind the point.
+    /// Fixed-point words with 31 bits behind the point.
     Normal31,
     /// Input gain, frequency in cycles a sample and quality of a state-variable filter, as `f32`,
     /// such that its poles are the case's.

@@ -56,7 +56,7 @@ impl StruckMode {
         f64::from(sine).hypot(f64::from(cosine)) * 2f64.powi(-group.exponent()) / f64::from(ONE_Q27)
     }
 
-    /// Whether the state is exactly zero.
+    /// True if the state is exactly zero.
     pub fn is_zero(&self) -> bool {
         self.bank.modes().iter().all(|mode| mode.state == Default::default())
     }

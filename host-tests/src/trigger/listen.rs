@@ -15,7 +15,7 @@ pub fn usual_trigger() -> Result<Trigger<CHANNELS>, TriggerError> {
     Trigger::new((0..CHANNELS as u8).map(Settings::of_unset_pad), SampleRate::HZ_48000)
 }
 
-/// What `dsp-core` finds.
+/// Strikes that `dsp-core` finds.
 pub fn on_pc(counts: &[[u16; CHANNELS]]) -> Vec<Found> {
     let mut found = Vec::new();
     if let Ok(mut trigger) = usual_trigger() {
@@ -51,7 +51,7 @@ pub fn twin_of(settings: &Settings) -> PiezoSettings {
     }
 }
 
-/// What the twin finds.
+/// Strikes that the twin finds.
 pub fn reference(counts: &[[u16; CHANNELS]]) -> Vec<Found> {
     let pads: Vec<_> = (0..CHANNELS as u8).map(|pad| twin_of(&Settings::of_unset_pad(pad))).collect();
     let frames: Vec<_> = counts.iter().map(|frame| frame.to_vec()).collect();

@@ -9,20 +9,20 @@ pub const RATE_HZ: f64 = 48_000.0;
 /// Half the ADC's range in counts.
 const HALF_RANGE: f64 = 2048.0;
 
-/// How a piezo answers a strike: normalised to a largest magnitude of 1.
+/// Response of a piezo to a strike, normalised to a largest magnitude of 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Ring {
     /// Frequency in Hz.
     pub frequency_hz: f64,
     /// Time in which it falls to 1/e, in seconds.
     pub decay_s: f64,
-    /// How it begins.
+    /// Onset of the response.
     pub attack: Attack,
     /// A second mode: its frequency as a multiple of the first, and its share.
     pub second: (f64, f64),
 }
 
-/// How a ring begins.
+/// Onset of a ring.
 #[derive(Clone, Copy, Debug)]
 pub enum Attack {
     /// From zero, as a sine.
@@ -87,7 +87,7 @@ pub struct Scene<const CHANNELS: usize> {
     pub name: &'static str,
     /// In order of time.
     pub strikes: Vec<Strike>,
-    /// How each channel's piezo rings; its sign is its polarity.
+    /// Ring of each channel's piezo; its sign is its polarity.
     pub rings: [(Ring, f64); CHANNELS],
     /// Standard deviation of white noise, in counts.
     pub noise_counts: f64,
@@ -95,7 +95,7 @@ pub struct Scene<const CHANNELS: usize> {
     pub hum: (f64, f64),
     /// Offset from 2048, and how far it drifts in 5 s, both in counts.
     pub offset: (f64, f64),
-    /// How much of each pad's signal the others get, and how much later in seconds.
+    /// Share of each pad's signal that the others get, and its delay in seconds.
     pub crosstalk: (f64, f64),
     /// Length in seconds.
     pub length_s: f64,

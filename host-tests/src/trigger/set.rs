@@ -5,7 +5,7 @@ use super::random::Random;
 
 /// Channels of each scene.
 pub const CHANNELS: usize = 4;
-/// Where strikes may begin: after the time in which a trigger learns offset, hum and noise.
+/// Start of the strikes: after the time in which a trigger learns offset, hum and noise.
 const START_S: f64 = 0.25;
 
 /// The kinds of scenes, by name.

@@ -13,7 +13,7 @@ fn band(edges_hz: [f32; 2], decay_db_per_s: f32) -> BandLaw {
     BandLaw { edges_hz, weight: 0.1, decay_db_per_s }
 }
 
-/// What happens at a frame.
+/// Event at a frame.
 #[derive(Clone, Copy)]
 enum Act {
     Strike,

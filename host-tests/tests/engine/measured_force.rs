@@ -83,7 +83,7 @@ fn the_measured_force_on_every_pad_leaves_at_least_100_db() {
     every_pad_is_within(&channel(1), 100.0, -101.0);
 }
 
-/// What is left of `microphone` without the best fit of `sound` at the best delay, in dB.
+/// Remainder of `microphone` without the best fit of `sound` at the best delay, in dB.
 fn residual_db(microphone: &[f64], sound: &[f64], longest_delay: usize) -> (f64, usize) {
     let frames = microphone.len().min(sound.len() - longest_delay);
     let energy: f64 = microphone[..frames].iter().map(|x| x * x).sum();
@@ -138,8 +138,8 @@ fn residual_of_a_rendered_microphone_is_its_noise_at_its_delay() {
     }
 }
 
-/// What the demo kit's mug under the measured force of one strike leaves of the microphone, in dB:
-/// reference, dsp-core.
+/// Remainder of the microphone without the demo kit's mug under the measured force of one strike,
+/// in dB: reference, dsp-core.
 fn mug_residuals_db(microphone: &Force, force: &Force, hit_s: f64) -> [f64; 2] {
     let frame = |seconds: f64| (seconds * force.rate.hz()).round() as usize;
     // The strike alone: its force from 3 ms before the peak, and 0.3 s of sound.

@@ -36,7 +36,7 @@ fn energy(frequency_hz: f64, decay_per_s: f64, force: &[f64]) -> f64 {
     energy + (re * re + im * im) * radius * radius / (1.0 - radius * radius)
 }
 
-/// How far a series falls below its largest value so far, as the largest ratio of the two.
+/// Largest ratio by which a series falls below its largest value so far.
 fn largest_fall(values: impl Iterator<Item = f64>) -> f64 {
     values.fold((0.0f64, 1.0f64), |(most, fall), value| (most.max(value), fall.max(most / value))).1
 }

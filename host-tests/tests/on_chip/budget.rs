@@ -38,7 +38,7 @@ fn the_cost_of_the_scenes_is_predicted_within_three_percent() {
     assert!(within, "see the list: cargo bench -p host-tests --bench budget_costs fits the constants anew");
 }
 
-/// What the chip made of a scene under its budget.
+/// Sound and costs of a scene on the chip under its budget.
 struct Played {
     sound: Vec<[i32; 2]>,
     /// With the engine's decisions at their places.

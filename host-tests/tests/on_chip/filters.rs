@@ -176,8 +176,8 @@ fn filter_and_loops_keep_their_cycles_and_cost_nothing_at_rest() {
     assert!(short[0] <= 21.0 && short[1] <= 30.5, "{short:?}");
 }
 
-/// What the engine sheds by: at least what it costs, and not much more, for everything that a
-/// filter may have beside the cases above.
+/// Cycles by which the engine sheds: at least what a filter costs, and not much more, for
+/// everything that a filter may have beside the cases above.
 #[test]
 fn the_budget_counts_levels_exciters_and_second_orders() {
     let mut chip = FiltersOnChip::new().unwrap();

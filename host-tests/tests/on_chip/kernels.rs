@@ -7,7 +7,7 @@ use dsp_core::table::layout::{GainRecord, ModeRecord};
 use host_tests::lent;
 use host_tests::on_chip::BankOnChip;
 
-/// The same bank on the PC.
+/// Bank on the PC.
 struct OnPc {
     bank: Bank<'static>,
 }

@@ -32,7 +32,7 @@ fn random_path(random: &mut Random, count: usize, shortest: f64, longest: f64) -
         .collect()
 }
 
-/// The same of the second order: conjugate or real poles, gains such that the bus does not clip.
+/// Path of the second order: conjugate or real poles, gains such that the bus does not clip.
 fn random_second_order(random: &mut Random, count: usize, shortest: f64, longest: f64) -> Vec<Breakpoint> {
     let (mut time_s, conjugate) = (0.0, random.between(0.0, 1.0) < 0.5);
     (0..count)

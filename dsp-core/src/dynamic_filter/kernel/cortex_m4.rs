@@ -171,7 +171,7 @@ pub fn from_sums(filter: &mut OnePole, kind: SumsKind, sums: &mut [i32], out: &m
     }
 }
 
-/// Whether shifting to the bus cannot lose a bit at the top, and leaves as many, so that it need
+/// True if shifting to the bus cannot lose a bit at the top, and leaves as many, so that it need
 /// not saturate: the high word is below 2^29 always, and within these frames it changes by no more
 /// than `growth` each.
 #[inline(always)]

@@ -29,7 +29,7 @@ use super::walk::Line;
 /// holds 128 instead of 4.
 pub const COARSE_BITS: u32 = 5;
 
-/// How [`from_sums`] works: chosen on load.
+/// Variant of [`from_sums`], chosen on load.
 #[derive(Clone, Copy, Debug)]
 pub struct SumsKind(u8);
 
@@ -44,7 +44,7 @@ impl SumsKind {
         self.0 % 12 < 6
     }
 
-    /// Whether a sum's steps are large.
+    /// True if a sum's steps are large.
     #[inline(always)]
     pub const fn is_coarse(self) -> bool {
         self.0 % 6 >= 3
@@ -60,7 +60,7 @@ pub struct OnePole {
     pub state: i64,
     /// e of the frame before, Q(27 - q).
     pub last: i32,
-    /// Where noise comes from.
+    /// Generator of the noise.
     pub noise: White,
     /// Its level: e is Q(27 - q), and 2^(28 - q) is 1.0.
     pub level: i32,
@@ -70,13 +70,13 @@ pub struct OnePole {
     pub lines: [Line; PARAMETERS],
     /// The most by which an input changes the state's high word in a frame.
     pub growth: u32,
-    /// Whether damping takes all bits of the state: what rounding leaves would grow too much near
+    /// True if damping takes all bits of the state: what rounding leaves would grow too much near
     /// -1.
     pub whole: bool,
 }
 
 impl OnePole {
-    /// Whether a step of the state's high word would be 8 steps of the bus or more: then two bits
+    /// True if a step of the state's high word would be 8 steps of the bus or more: then two bits
     /// below it count too, for a cycle a frame.
     #[inline(always)]
     pub const fn is_far(&self) -> bool {

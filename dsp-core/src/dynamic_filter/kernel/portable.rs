@@ -16,7 +16,7 @@ pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
     }
 }
 
-/// What lies in `buffer` through the filter, added to `out`, as many frames as both have; in the
+/// Adds `buffer` through the filter to `out`, as many frames as both have; in the
 /// buffer the state is left, 4 times the high word.
 pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], out: &mut [i32]) {
     for (word, out) in buffer.iter_mut().zip(out) {
@@ -60,7 +60,7 @@ pub fn clipped<const COARSE: bool>(sum: i32) -> i32 {
 }
 
 impl OnePole {
-    /// What damping takes of the state: 4 times its high word, which is below 2^29; where the bus
+    /// Factor of damping: 4 times the state's high word, which is below 2^29; where the bus
     /// is much larger, with two bits more below.
     #[inline(always)]
     fn truncated(&self) -> i32 {

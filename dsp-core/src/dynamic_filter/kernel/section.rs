@@ -16,7 +16,7 @@ use crate::fixed::smmulr;
 pub struct Section {
     /// c1 and c2.
     pub c: [i32; 2],
-    /// What was left of v1 and v2, Q31 of a step.
+    /// Remainders of v1 and v2, Q31 of a step.
     pub left: [i32; 2],
     /// -m, Q31.
     pub less_m: i32,

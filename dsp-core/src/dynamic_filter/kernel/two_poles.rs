@@ -46,7 +46,7 @@ const _: () = {
     assert!(offset_of!(TwoPoles, inner) == 24 && offset_of!(TwoPoles, input_bits) == 28);
 };
 
-/// What lies in `buffer` through the filter, added to `out`, as many frames as both have; in the
+/// Adds `buffer` through the filter to `out`, as many frames as both have; in the
 /// buffer s is left, larger than the bus by 2^h. `real`: of real poles.
 pub fn two_poles(
     poles: &mut TwoPoles,
@@ -67,7 +67,7 @@ pub fn two_poles(
 impl TwoPoles {
     pub(in super::super) const REST: Self = Self { z: [0; 2], last: 0, shift: 0, inner: 0, input_bits: 0 };
 
-    /// Whether s is smaller than the bus.
+    /// True if s is smaller than the bus.
     #[cfg(cortex_m4f)]
     pub(super) const fn is_loud(&self) -> bool {
         self.shift < 0
@@ -113,7 +113,7 @@ impl TwoPoles {
         half_re.wrapping_add(product(d, e))
     }
 
-    /// The same; α and β are Q30.
+    /// Renders a frame of two real poles; α and β are Q30.
     #[inline(always)]
     fn real(&mut self, [p1, p2, alpha, beta, d]: [i32; PARAMETERS], e: i32) -> i64 {
         let [(z1, rest1), (z2, rest2)] = self.z.map(split);

@@ -16,7 +16,7 @@ pub(crate) fn run(bands: &mut [Resonance], line: &mut [i32], place: usize, frame
     through(bands, line, place, frames, |band, sum, v| smmlar(sum, v, band.scale))
 }
 
-/// The same, adding to noise of a level instead of to what lies there.
+/// Runs loops as [`run`] does, adding to noise of a level instead of to the line's content.
 #[cfg(not(cortex_m4f))]
 pub(crate) fn run_on_noise(
     noise: &mut White,

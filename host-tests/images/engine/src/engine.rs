@@ -78,7 +78,7 @@ pub unsafe extern "C" fn engine_load(kit: *const u8, bytes: usize, numerator: u3
     }
 }
 
-/// What a block is made of.
+/// Arguments of a block.
 #[repr(C)]
 pub struct Block {
     events: *const WireEvent,
@@ -129,7 +129,7 @@ pub unsafe extern "C" fn engine_render(block: *const Block) -> i32 {
     }
 }
 
-/// What the last call told: the last tick's predicted cycles, groups and modes that were shed and
+/// Report of the last call: the last tick's predicted cycles, groups and modes that were shed and
 /// the bits of the amplitude that is missing by it; and all decisions.
 #[repr(C)]
 struct Told {
@@ -141,7 +141,7 @@ struct Told {
 static TOLD: Global<Told> =
     Global(UnsafeCell::new(Told { report: [0; 4], decision_count: 0, decisions: [WireEvent::NOTHING; EVENTS] }));
 
-/// Where the last call's report lies: four words, then the number of decisions, then (8-byte
+/// Address of the last call's report: four words, then the number of decisions, then (8-byte
 /// aligned) the decisions.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]

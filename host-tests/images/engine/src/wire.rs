@@ -67,7 +67,7 @@ pub unsafe fn slice<'a, T>(address: *const T, count: usize) -> &'a [T] {
     unsafe { core::slice::from_raw_parts(address, count) }
 }
 
-/// The same to be written.
+/// Mutable slice at an address.
 ///
 /// # Safety
 /// As [`slice`].

@@ -84,7 +84,7 @@ pub unsafe extern "C" fn trigger_process(frames: *const [u16; CHANNELS], count: 
     found as i32
 }
 
-/// Where the strikes of the last call lie, 16 bytes each.
+/// Address of the strikes of the last call, 16 bytes each.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub extern "C" fn trigger_strikes() -> u32 {

@@ -12,7 +12,7 @@ use idsp::iir;
 
 /// One resonator of some kind.
 pub trait Resonator: Clone {
-    /// What goes in and comes out.
+    /// Type of a sample.
     type Sample: Copy;
     /// No input.
     const SILENCE: Self::Sample;
@@ -160,9 +160,9 @@ pub type IdspFloatDirect2 = Idsp<iir::Biquad<f32>, iir::DirectForm2Transposed<f3
 /// `idsp::iir::Biquad<Q32<30>>`, direct form 1 (a1 reaches 2, so that coefficients have 30 bits
 /// behind the point).
 pub type IdspFixedDirect1 = Idsp<iir::Biquad<Q32<30>>, iir::DirectForm1<i32>>;
-/// The same with first-order error feedback.
+/// Direct form 1 with first-order error feedback.
 pub type IdspFixedDither = Idsp<iir::Biquad<Q32<30>>, iir::DirectForm1Dither>;
-/// The same with 64-bit outputs in its memory.
+/// Direct form 1 with 64-bit outputs in its memory.
 pub type IdspFixedWide = Idsp<iir::Biquad<Q32<30>>, iir::DirectForm1Wide>;
 /// `idsp::iir::normal::Normal<f32>`: rotation of two components.
 pub type IdspFloatNormal = Idsp<iir::normal::Normal<f32>, iir::DirectForm1<f32>>;
