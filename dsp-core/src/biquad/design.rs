@@ -102,7 +102,10 @@ impl fmt::Display for BiquadError {
                 Biquad::MAX_GAIN
             ),
             Self::NoMode { biquad } => {
-                write!(f, "biquad {biquad}: its pole is real or coincides with another: play it as a biquad or move the pole")
+                write!(
+                    f,
+                    "biquad {biquad}: its pole is real or coincides with another: play it as a biquad or move the pole"
+                )
             }
             Self::BeyondNyquist { biquad, angle } => write!(
                 f,
