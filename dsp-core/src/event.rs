@@ -42,8 +42,8 @@ pub enum Action {
     Release,
     /// The given number of quietest register groups is left out until their pad is struck again.
     ///
-    /// An engine with a budget decides this itself when time is short, and reports the decision. Played
-    /// back, the decision gives the same bits. The event's pad does not matter.
+    /// An engine with a budget decides this itself when time is short, and reports the decision.
+    /// Played back, the decision gives the same bits. The event's pad does not matter.
     Shed(u16),
 }
 

@@ -2,7 +2,8 @@
 //!
 //! A Taylor series gives the same bits on every machine.
 
-/// Loss `1 - e^-x` of a decay of x nepers, for x in -0.35 to 0.7. The relative error is below 4e-16.
+/// Loss `1 - e^-x` of a decay of x nepers, for x in -0.35 to 0.7. The relative error is below
+/// 4e-16.
 pub(crate) fn loss(x: f64) -> f64 {
     // x - x²/2! + x³/3! - ..., by Horner's rule.
     let mut sum = 1.0;

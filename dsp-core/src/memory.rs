@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Both go through [`Lender::take`], so that a plan's words are those that the engine then takes.
-//! Slices lie in one of two memories ([`Region`]): a chip has a fast one beside the core and a large
-//! one, a PC has one of both.
+//! Slices lie in one of two memories ([`Region`]): a chip has a fast one beside the core and a
+//! large one, a PC has one of both.
 
 use core::fmt;
 use core::mem::MaybeUninit;
@@ -189,9 +189,9 @@ fn typed<T>(words: &mut [Word], count: usize, make: impl Fn() -> T) -> &mut [T] 
         return &mut [];
     };
     let items = words.as_mut_ptr().cast::<MaybeUninit<T>>();
-    // SAFETY: the words begin at an address that is aligned for T and are as long as `count` items, by
-    // the check above; they are borrowed for 'm by nobody else, and an item that is not set yet may
-    // hold anything.
+    // SAFETY: the words begin at an address that is aligned for T and are as long as `count` items,
+    // by the check above; they are borrowed for 'm by nobody else, and an item that is not set yet
+    // may hold anything.
     let items = unsafe { core::slice::from_raw_parts_mut(items, count) };
     for item in &mut *items {
         item.write(make());

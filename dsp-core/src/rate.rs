@@ -40,7 +40,8 @@ impl SampleRate {
         f64::from(self.numerator) / f64::from(self.denominator.get())
     }
 
-    /// The rate in Hz within 2^-22, for values derived while sound plays: `f64` is slow software there.
+    /// The rate in Hz within 2^-22, for values derived while sound plays: `f64` is slow software
+    /// there.
     pub(crate) fn hz_f32(self) -> f32 {
         self.numerator as f32 / self.denominator.get() as f32
     }

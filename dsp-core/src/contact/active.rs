@@ -69,8 +69,8 @@ impl Contact {
 
     /// Adds to each frame the pulse's mean over the interval that ends at the frame.
     ///
-    /// The pulse fills only a part of the first and of the last interval, which have coefficients of
-    /// their own. The intervals between share theirs.
+    /// The pulse fills only a part of the first and of the last interval, which have coefficients
+    /// of their own. The intervals between share theirs.
     #[inline(always)]
     fn add_means(&mut self, force: &mut [i32], asymmetry: Asymmetry) {
         let (step, peak) = (self.step, i64::from(self.peak));
@@ -154,7 +154,8 @@ impl<'m> ActiveContacts<'m> {
 
     /// Bounds of the force that the contacts on a pad still bring.
     ///
-    /// Returns the bound of the sum of their force in bus steps, and the longest contact in samples.
+    /// Returns the bound of the sum of their force in bus steps, and the longest contact in
+    /// samples.
     pub fn ahead(&self, pad: u8) -> (f32, f32) {
         let contacts = self.under_way().iter().filter(|contact| contact.pad == pad);
         contacts.fold((0.0, 0.0), |(input, longest), contact| {
@@ -199,7 +200,8 @@ impl<'m> ActiveContacts<'m> {
         own.for_each(|contact| contact.add_to(force));
     }
 
-    /// Adds the force of a pad's contacts with a striker in a position slot to a run, and advances them.
+    /// Adds the force of a pad's contacts with a striker in a position slot to a run, and advances
+    /// them.
     pub fn add_force(&mut self, pad: u8, striker: u8, slot: u8, force: &mut [i32]) {
         let own = |contact: &&mut Contact| contact.pad == pad && contact.striker == striker && contact.slot == slot;
         self.contacts.iter_mut().take(self.count).filter(own).for_each(|contact| contact.add_to(force));

@@ -54,8 +54,8 @@ pub const MIN_CONTACT_TIME_S: f64 = 1e-5;
 impl StrikerLaw {
     /// Derives the law of a table for an object whose force bus has 1.0 = `reference_force`.
     ///
-    /// Each strike derives it anew from a table that is read in place. It is computed in `f32`, within
-    /// 2^-21 of the exact law (0.000004 dB), in about 150 cycles of a Cortex-M4F.
+    /// Each strike derives it anew from a table that is read in place. It is computed in `f32`,
+    /// within 2^-21 of the exact law (0.000004 dB), in about 150 cycles of a Cortex-M4F.
     pub fn new(contact: &ContactTable<'_>, reference_force: f32, rate: SampleRate) -> Self {
         let pulse = pulse_of(contact);
         let samples_a_second = pulse.length() as f32 * rate.hz_f32();
@@ -75,8 +75,8 @@ impl StrikerLaw {
 
     /// Derives the impact of a velocity in 0 to 1, once a strike.
     ///
-    /// Returns `None` for an impact too weak to move the force bus, and so for velocity 0. It is computed
-    /// in integers, within 2e-8 of the law ([`Log2`]).
+    /// Returns `None` for an impact too weak to move the force bus, and so for velocity 0. It is
+    /// computed in integers, within 2e-8 of the law ([`Log2`]).
     pub fn impact(&self, velocity: f32) -> Option<Impact> {
         if velocity.is_nan() || velocity <= 0.0 {
             return None;

@@ -12,7 +12,8 @@ const MAX_SHAPE: i32 = (1 << SHAPE_BITS) - 1;
 
 /// Phase at the end of a contact, 1.0.
 ///
-/// A contact may be as short as a 16th of a sample: the phase and a step beyond it still fit 64 bits.
+/// A contact may be as short as a 16th of a sample: the phase and a step beyond it still fit 64
+/// bits.
 pub const WHOLE: u64 = 1 << 58;
 
 /// Shape of the contact force over time.
@@ -28,10 +29,11 @@ pub enum Pulse {
 
 /// Parameters A and N of a [`Pulse::Hertz`], from the coefficient of restitution e.
 ///
-/// `A = (1-r)/(1+r)`, where r is the ratio of the force's last slope to its first, `r = e^4.6`: that
-/// follows Hunt and Crossley's contact `x'' = -x^1.5 (1 + μ x')` within 4 % for e of 0.45 to 1. N
-/// makes the peak 1. At e = 1 the pulse is the half-sine of diffimpact §3.2; below, its spectrum
-/// `N² (2/π)² [c²/(1-4x²)² + (A/4)² s²/(1-x²)²]`, x = fτ, c = cos πx, s = sin πx, has no zeros.
+/// `A = (1-r)/(1+r)`, where r is the ratio of the force's last slope to its first, `r = e^4.6`:
+/// that follows Hunt and Crossley's contact `x'' = -x^1.5 (1 + μ x')` within 4 % for e from
+/// 0.45 to 1; N makes the peak 1. At e = 1 the pulse is the half-sine of diffimpact §3.2; below, its
+/// spectrum `N² (2/π)² [c²/(1-4x²)² + (A/4)² s²/(1-x²)²]`, x = fτ, c = cos πx, s = sin πx, has no
+/// zeros.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Asymmetry {
     /// Skew A, Q31, from 0 to below 1.
@@ -65,8 +67,8 @@ impl Pulse {
         // At most 1, and 2^-16 at e = 0.1: `Log2` holds numbers at 1, shifts are held at 31.
         let slopes = Log2::new(restitution).power(SLOPE_EXPONENT_Q27).of(1 << 31) as f32 / (1u32 << 31) as f32;
         let skew = (1.0 - slopes) / (1.0 + slopes);
-        // The force is largest at 2A cos²(πx) + cos(πx) - A = 0. The product of both factors below is
-        // 1 to 1.3.
+        // The force is largest at 2A cos²(πx) + cos(πx) - A = 0. The product of both factors below
+        // is 1 to 1.3.
         let cosine = 2.0 * skew / (1.0 + libm::sqrtf(1.0 + 8.0 * skew * skew));
         let scale = 1.0 / (libm::sqrtf(1.0 - cosine * cosine) * (1.0 + skew * cosine));
         let q31 = |value: f32| (value * (1u32 << 31) as f32) as u32;
@@ -95,8 +97,8 @@ impl Pulse {
 
     /// Limits the step of a contact, and returns step and peak as played.
     ///
-    /// A Gaussian too fast for its samples to add up to its impulse is played slower and weaker, with
-    /// that impulse.
+    /// A Gaussian too fast for its samples to add up to its impulse is played slower and weaker,
+    /// with that impulse.
     pub(super) fn played(self, step: u64, peak: i32) -> (u64, i32) {
         const FASTEST_GAUSSIAN: u64 = (WHOLE as f64 / (SHORTEST_GAUSSIAN_SAMPLES * GAUSSIAN_LENGTH)) as u64;
         match self {
@@ -116,10 +118,10 @@ impl Asymmetry {
     /// `width` is a fraction of the pulse, at most 1 = [`WHOLE`]. `share` is the part of a sample's
     /// interval that the pulse fills, Q31, 0 to 1.
     ///
-    /// Let the pulse fill the width w about the middle m of a sample, with `share = w τ fs`. The mean is
-    /// `share N [sinc(w/2) sin(πm) + A/2 sinc(w) sin(2πm)]`. With P(w) = `sin(πw/2)/w` that is
-    /// `share (2N/π) P(w) sin(πm) [1 + A cos(πw/2) cos(πm)]`: no difference of nearly equal numbers,
-    /// however long or short the contact.
+    /// Let the pulse fill the width w about the middle m of a sample, with `share = w τ fs`. The
+    /// mean is `share N [sinc(w/2) sin(πm) + A/2 sinc(w) sin(2πm)]`. With P(w) = `sin(πw/2)/w` that
+    /// is `share (2N/π) P(w) sin(πm) [1 + A cos(πw/2) cos(πm)]`: no difference of nearly equal
+    /// numbers, however long or short the contact.
     pub(super) fn means(self, width: u64, share: u32) -> Means {
         // Q31; 1.0 itself lies a step above.
         let width = i64::from((width >> 27).min(i32::MAX as u64) as i32);
@@ -144,7 +146,8 @@ impl Asymmetry {
     }
 }
 
-/// Ratio `part / whole` in Q31, within 2^-28, for a part of at most the whole and a whole below 2^63.
+/// Ratio `part / whole` in Q31, within 2^-28, for a part of at most the whole and a whole below
+/// 2^63.
 ///
 /// Two divisions in single precision; the second divides the remainder of the first. A division of
 /// 64-bit integers takes 864 bytes of flash.
@@ -185,8 +188,8 @@ pub(super) fn gaussian(fraction: u32) -> i32 {
 
 /// Negated square, Q31 from -2^31 to 0, of a distance from the middle, Q31 from -1 to 1.
 ///
-/// It is negated because LLVM makes an unsigned product of a factor that it knows to be positive: four
-/// instructions instead of one SMMLAR.
+/// It is negated because LLVM makes an unsigned product of a factor that it knows to be positive:
+/// four instructions instead of one SMMLAR.
 #[inline(always)]
 fn negated_square(from_middle: i32) -> i32 {
     let square = ((i64::from(from_middle) * i64::from(from_middle)) >> 31) as u32;
@@ -197,9 +200,9 @@ fn negated_square(from_middle: i32) -> i32 {
 ///
 /// Each term takes one SMMLAR. As a high word z counts half, for which the coefficients make up
 /// ([`terms`]). The series' terms alternate and fall, so that partial sums alternate too and stay
-/// within ±4 (Q29: ±2^31). Their sizes are carried, all negated: `-|c| + (-|sum|)(-z)`. So no factor is
-/// known to be positive and each product is one instruction. With sums of both signs every other
-/// product took four (ContactFrame: 104 cycles).
+/// within ±4 (Q29: ±2^31). Their sizes are carried, all negated: `-|c| + (-|sum|)(-z)`. So no
+/// factor is known to be positive and each product is one instruction. With sums of both signs
+/// every other product took four (ContactFrame: 104 cycles).
 #[inline(always)]
 fn polynomial<const N: usize>(minus_z: i32, terms: &[i32; N]) -> i32 {
     terms.iter().fold(0, |sum, &term| fixed::smmlar(term, sum, minus_z)).wrapping_neg()

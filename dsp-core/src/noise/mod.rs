@@ -1,8 +1,8 @@
 //! Noise: the same numbers from the same seed on every machine.
 //!
 //! The generator is SFC32 (Chris Doty-Humphrey, PractRand): three words and a counter, about eight
-//! cycles a draw, a period of at least 2^32 from every seed. Each stage has a generator of its own, and
-//! draws only while it sounds, so that other stages cannot change its noise.
+//! cycles a draw, a period of at least 2^32 from every seed. Each stage has a generator of its own,
+//! and draws only while it sounds, so that other stages cannot change its noise.
 
 /// Random generator SFC32: small, fast, chaotic, with a counter.
 ///
@@ -65,8 +65,8 @@ impl Sfc32 {
 
     /// Draws four independent odd numbers from -255 to 255 of mean 0 and deviation [`DEVIATION`].
     ///
-    /// They are the real and imaginary parts of two lines of a noise spectrum. A band of several lines
-    /// is Gaussian by the central limit theorem.
+    /// They are the real and imaginary parts of two lines of a noise spectrum. A band of several
+    /// lines is Gaussian by the central limit theorem.
     #[inline(always)]
     pub fn four(&mut self) -> [i32; 4] {
         self.draw().to_le_bytes().map(|byte| 2 * i32::from(byte as i8) + 1)

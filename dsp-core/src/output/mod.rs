@@ -3,11 +3,12 @@
 use crate::fixed;
 use crate::{exponential, quarter_turn};
 
-/// Level and constant-power pan of a pad: left `g cos((p+1) π/4)`, right `g sin((p+1) π/4)`, g = 10^(dB/20).
+/// Level and constant-power pan of a pad: left `g cos((p+1) π/4)`, right `g sin((p+1) π/4)`, g =
+/// 10^(dB/20).
 ///
-/// A side is `x 2^k M / 2^32`, one rounded multiply by a Q32 mantissa M. The smallest k is chosen for
-/// which the louder side's mantissa fits: 0 below -6 dB. The result is exact to half a bus step, with
-/// k above 0 only up to +18 dBFS.
+/// A side is `x 2^k M / 2^32`, one rounded multiply by a Q32 mantissa M. The smallest k is chosen
+/// for which the louder side's mantissa fits: 0 below -6 dB. The result is exact to half a bus
+/// step, with k above 0 only up to +18 dBFS.
 #[derive(Clone, Copy, Debug)]
 pub struct Panner {
     left: i32,
@@ -74,7 +75,8 @@ const TWO_POW_32: f64 = 4294967296.0;
 
 /// Turns the stereo bus (Q4.27) into signed 24-bit samples, in place.
 pub fn to_24_bit(out: &mut [[i32; 2]]) {
-    // Two frames at a time: built for size, the loop around each sample costs as much as the sample.
+    // Two frames at a time: built for size, the loop around each sample costs as much as the
+    // sample.
     let (pairs, last) = out.as_chunks_mut::<2>();
     for [[a, b], [c, d]] in pairs {
         (*a, *b) = (fixed::to_24_bit(*a), fixed::to_24_bit(*b));
