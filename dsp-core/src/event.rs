@@ -1,8 +1,8 @@
-//! Events: who is struck when, how hard, where and with what.
+//! Events: strikes, chokes, releases and shed decisions with their times.
 
 use core::fmt;
 
-/// A point in time: a frame counted from the engine's start and a fraction of the following one (2^-32 of a frame).
+/// Point in time: a frame counted from the engine's start, and a fraction of that frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Time {
     /// Whole frames.
@@ -12,56 +12,60 @@ pub struct Time {
 }
 
 impl Time {
-    /// The beginning of a frame.
+    /// Time at the beginning of a frame.
     pub const fn at_frame(frame: u64) -> Self {
         Self { frame, fraction: 0 }
     }
 
-    /// The first frame at or after this time: where an event takes effect.
+    /// First frame at or after this time, at which an event takes effect.
     pub const fn first_frame(self) -> u64 {
         if self.fraction == 0 { self.frame } else { self.frame.saturating_add(1) }
     }
 
-    /// How much of a frame lies between this time and [`first_frame`](Self::first_frame), 1.0 = 2^32.
+    /// Fraction of a frame from this time to [`first_frame`](Self::first_frame), 1.0 = 2^32.
     pub fn early(self) -> u32 {
         self.fraction.wrapping_neg()
     }
 }
 
-/// What happens.
+/// Action of an event.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Action {
     /// A contact begins.
     #[default]
     Strike,
-    /// A hand is laid on: from the first tick behind the event on, decays rise to the pad's choke T60, until a release.
+    /// A hand is laid on the pad until a release.
+    ///
+    /// From the first tick after the event, the pad decays at least as fast as its choke T60.
     Choke,
-    /// The hand lets go: from the first tick behind the event on, decays are the object's own again.
+    /// The hand lets go: from the first tick after the event, decays are the object's own again.
     Release,
-    /// Time is short: the so many quietest register groups of all pads are left out, until their pad is struck again. An engine with a
-    /// budget decides this itself and tells it; played back, the same decision gives the same bits. The event's pad does not matter.
+    /// The given number of quietest register groups is left out until their pad is struck again.
+    ///
+    /// An engine with a budget decides this itself when time is short, and reports the decision.
+    /// Played back, the decision gives the same bits. The event's pad does not matter.
     Shed(u16),
 }
 
 /// One event on one pad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Event {
-    /// When.
+    /// Time of the event.
     pub time: Time,
-    /// Which pad, counted from 0.
+    /// Number of the pad, counted from 0.
     pub pad: u8,
     /// Velocity, 0 to 1. A strike of velocity 0 does nothing.
     pub velocity: f32,
-    /// Where along the object, 0 to 1.
+    /// Position along the object, 0 to 1.
     pub position: f32,
-    /// Which of the pad's strikers, counted from 0.
+    /// Number of the pad's striker, counted from 0.
     pub striker: u8,
-    /// What.
+    /// Action at that time.
     pub action: Action,
 }
 
 impl Event {
-    /// A strike of velocity 0 on pad 0 at the start: nothing.
+    /// A strike of velocity 0 on pad 0 at the start, which does nothing.
     pub const NOTHING: Self = Self {
         time: Time { frame: 0, fraction: 0 },
         pad: 0,
@@ -77,66 +81,66 @@ impl Event {
     }
 }
 
-/// Why an engine refuses the events of a block. Nothing of the block has been rendered then.
+/// Reason to refuse the events of a block, of which nothing has been rendered then.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EventError {
     /// The event is earlier than the one before it, or than the block.
     OutOfOrder {
-        /// Which event of the slice.
+        /// Index of the event in the slice.
         index: usize,
-        /// Where it takes effect.
+        /// Frame at which the event takes effect.
         frame: u64,
-        /// The earliest frame that it may have.
+        /// Earliest frame that is allowed.
         earliest: u64,
     },
-    /// The event lies behind the block's end.
+    /// The event takes effect after the block's end.
     BehindBlock {
-        /// Which event of the slice.
+        /// Index of the event in the slice.
         index: usize,
-        /// Where it takes effect.
+        /// Frame at which the event takes effect.
         frame: u64,
-        /// The first frame behind the block.
+        /// First frame after the block.
         end: u64,
     },
     /// The kit has no such pad.
     UnknownPad {
-        /// Which event of the slice.
+        /// Index of the event in the slice.
         index: usize,
-        /// The pad that it names.
+        /// Pad that the event names.
         pad: u8,
-        /// How many there are.
+        /// Number of pads of the kit.
         pads: usize,
     },
     /// The pad has no such striker.
     UnknownStriker {
-        /// Which event of the slice.
+        /// Index of the event in the slice.
         index: usize,
-        /// The striker that it names.
+        /// Striker that the event names.
         striker: u8,
-        /// How many the pad has.
+        /// Number of strikers of the pad.
         strikers: usize,
     },
     /// The velocity is not in 0 to 1.
     Velocity {
-        /// Which event of the slice.
+        /// Index of the event in the slice.
         index: usize,
-        /// Its velocity.
+        /// Velocity of the event.
         value: f32,
     },
     /// The position is not in 0 to 1.
     Position {
-        /// Which event of the slice.
+        /// Index of the event in the slice.
         index: usize,
-        /// Its position.
+        /// Position of the event.
         value: f32,
     },
-    /// The direct force is for a pad that the kit does not have, or not as long as the block.
+    /// The direct force names a pad that the kit does not have, or is not as long as the block.
     Direct {
-        /// The pad that it names.
+        /// Pad of the direct force.
         pad: u8,
-        /// Its length in frames.
+        /// Length of the direct force in frames.
         frames: usize,
-        /// The block's length in frames.
+        /// Length of the block in frames.
         block: usize,
     },
 }

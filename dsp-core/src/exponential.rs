@@ -1,8 +1,9 @@
-//! The exponential in `f64`: all that the engine needs, a fifth of the code of a general `exp` and `expm1`.
+//! The exponential in `f64`, in a fifth of the code of a general `exp` and `expm1`.
 //!
-//! Taylor series, the same bits on every machine.
+//! A Taylor series gives the same bits on every machine.
 
-/// `1 - e^-x` for x in -0.35 to 0.7, relative error below 4e-16: what a decay of x nepers leaves out.
+/// Loss `1 - e^-x` of a decay of x nepers, for x in -0.35 to 0.7. The relative error is below
+/// 4e-16.
 pub(crate) fn loss(x: f64) -> f64 {
     // x - x²/2! + x³/3! - ..., by Horner's rule.
     let mut sum = 1.0;
@@ -12,7 +13,7 @@ pub(crate) fn loss(x: f64) -> f64 {
     x * sum
 }
 
-/// `2^x` for x in -1000 to 1000. Relative error below 1e-15.
+/// Power `2^x` for x in -1000 to 1000. The relative error is below 1e-15.
 pub(crate) fn power_of_two(x: f64) -> f64 {
     let whole = libm::rint(x.clamp(-1000.0, 1000.0));
     let power = f64::from_bits(((whole as i64 + 1023) as u64) << 52);

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Both go through [`Lender::take`], so that a plan's words are those that the engine then takes.
-//! Slices lie in one of two memories ([`Region`]): a chip has a fast one beside the core and a large
-//! one, a PC has one of both.
+//! Slices lie in one of two memories ([`Region`]): a chip has a fast one beside the core and a
+//! large one, a PC has one of both.
 
 use core::fmt;
 use core::mem::MaybeUninit;
@@ -39,7 +39,7 @@ pub struct Words {
 }
 
 impl Words {
-    /// As many words as there can be.
+    /// Largest possible number of words.
     pub const MAX: Self = Self { fast: usize::MAX / WORD_BYTES, bulk: usize::MAX / WORD_BYTES };
 
     /// Bytes of both memories together.
@@ -82,18 +82,21 @@ impl core::error::Error for OutOfMemory {}
 
 /// A source of slices: [`Memory`], or an [`Account`] that only counts.
 pub trait Lender<'m> {
-    /// Takes a slice of `count` items, each as `make` gives it, from the memory of `region`, or from
-    /// the other one where that is full. An [`Account`] gives an empty slice.
+    /// Takes a slice of `count` items, each made by `make`, from the memory of `region`.
+    ///
+    /// The other memory serves if that one is full. An [`Account`] gives an empty slice.
     ///
     /// # Errors
     /// [`OutOfMemory`]; nothing is taken then.
     fn take<T>(&mut self, region: Region, count: usize, make: impl Fn() -> T) -> Result<&'m mut [T], OutOfMemory>;
 
-    /// The account so far, to try whether something fits before it is taken.
+    /// Copy of the account so far, to try if slices fit before they are taken.
     fn account(&self) -> Account;
 }
 
-/// Words of a slice, wherever it begins; at least enough for every memory to refuse where a product overflows.
+/// Number of words of a slice, wherever it begins.
+///
+/// If the product overflows it is `usize::MAX`, so that every memory refuses.
 fn words_of<T>(count: usize) -> usize {
     let to_align = align_of::<T>().saturating_sub(align_of::<Word>());
     let bytes = count.checked_mul(size_of::<T>()).and_then(|bytes| bytes.checked_add(to_align));
@@ -113,12 +116,12 @@ impl Account {
         Self { left: limit, used: Words { fast: 0, bulk: 0 } }
     }
 
-    /// Words that have been taken.
+    /// Number of words that have been taken.
     pub const fn used(&self) -> Words {
         self.used
     }
 
-    /// Books words; gives the memory that has them.
+    /// Books words, and returns the memory that has them.
     fn book(&mut self, region: Region, words: usize) -> Result<Region, OutOfMemory> {
         let other = if region == Region::Fast { Region::Bulk } else { Region::Fast };
         let fits = |region: &Region| *self.left.clone().of(*region) >= words;
@@ -150,13 +153,13 @@ pub struct Memory<'m> {
 }
 
 impl<'m> Memory<'m> {
-    /// The memory of these words, whatever they hold. One of both may be empty.
+    /// Makes a memory of words that may hold anything. Either slice may be empty.
     pub fn new(fast: &'m mut [Word], bulk: &'m mut [Word]) -> Self {
         let account = Account::new(Words { fast: fast.len(), bulk: bulk.len() });
         Self { fast, bulk, account }
     }
 
-    /// Words that have been taken.
+    /// Number of words that have been taken.
     pub const fn used(&self) -> Words {
         self.account.used()
     }
@@ -186,9 +189,9 @@ fn typed<T>(words: &mut [Word], count: usize, make: impl Fn() -> T) -> &mut [T] 
         return &mut [];
     };
     let items = words.as_mut_ptr().cast::<MaybeUninit<T>>();
-    // SAFETY: the words begin at an address that is aligned for T and are as long as `count` items, by
-    // the check above; they are borrowed for 'm by nobody else, and an item that is not set yet may
-    // hold anything.
+    // SAFETY: the words begin at an address that is aligned for T and are as long as `count` items,
+    // by the check above; they are borrowed for 'm by nobody else, and an item that is not set yet
+    // may hold anything.
     let items = unsafe { core::slice::from_raw_parts_mut(items, count) };
     for item in &mut *items {
         item.write(make());

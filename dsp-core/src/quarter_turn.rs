@@ -1,6 +1,7 @@
-//! Sine and cosine of angles in the first quarter turn, in `f64`: all that the engine needs, a tenth of the code of a general `sin`.
+//! Sine and cosine in the first quarter turn, in `f64`, in a tenth of the code of a general `sin`.
 //!
-//! Taylor series to x^17 about 0, on 0 to π/4; the other half by the complement. Error below 3e-16, the same bits on every machine.
+//! Taylor series to x^17 about 0 serve 0 to π/4, the complement serves the other half. The error is
+//! below 3e-16, with the same bits on every machine.
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -22,7 +23,9 @@ fn cos_series(x: f64) -> f64 {
     series(x, 1.0, 0.0)
 }
 
-/// `first (1 - x²/((n+1)(n+2)) + ...)`, n the power that `first` is of x, by Horner's rule: relative precision where x is small.
+/// Series `first (1 - x²/((n+1)(n+2)) + ...)` by Horner's rule, n being the power of x in `first`.
+///
+/// Its precision is relative for small x.
 fn series(x: f64, first: f64, power: f64) -> f64 {
     let square = x * x;
     let (mut sum, mut n) = (1.0, power + 18.0);

@@ -1,4 +1,4 @@
-//! The sample rate, exactly.
+//! The exact sample rate.
 
 use core::fmt;
 use core::num::NonZeroU32;
@@ -17,20 +17,22 @@ pub struct SampleRate {
 }
 
 impl SampleRate {
-    /// The lowest rate that the engine is made for, in Hz.
+    /// Lowest rate of the engine, in Hz.
     pub const MIN_HZ: f64 = 8_000.0;
-    /// The highest rate that the engine is made for, in Hz.
+    /// Highest rate of the engine, in Hz.
     pub const MAX_HZ: f64 = 192_000.0;
 
-    /// A rate of `numerator / denominator` Hz, or `None` where it is not between [`MIN_HZ`](Self::MIN_HZ) and [`MAX_HZ`](Self::MAX_HZ).
+    /// Makes a rate of `numerator / denominator` Hz.
+    ///
+    /// Returns `None` if it is not from [`MIN_HZ`](Self::MIN_HZ) to [`MAX_HZ`](Self::MAX_HZ).
     pub fn new(numerator: u32, denominator: u32) -> Option<Self> {
         let rate = Self { numerator, denominator: NonZeroU32::new(denominator)? };
         (Self::MIN_HZ..=Self::MAX_HZ).contains(&rate.hz()).then_some(rate)
     }
 
-    /// 48 kHz.
+    /// Rate of 48 kHz.
     pub const HZ_48000: Self = Self { numerator: 48_000, denominator: NonZeroU32::MIN };
-    /// 44.1 kHz.
+    /// Rate of 44.1 kHz.
     pub const HZ_44100: Self = Self { numerator: 44_100, denominator: NonZeroU32::MIN };
 
     /// The rate in Hz.
@@ -38,7 +40,8 @@ impl SampleRate {
         f64::from(self.numerator) / f64::from(self.denominator.get())
     }
 
-    /// The rate in Hz, within 2^-22 of it: for what is derived while sound plays, where `f64` is software.
+    /// The rate in Hz within 2^-22, for values derived while sound plays: `f64` is slow software
+    /// there.
     pub(crate) fn hz_f32(self) -> f32 {
         self.numerator as f32 / self.denominator.get() as f32
     }

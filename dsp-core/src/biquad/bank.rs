@@ -14,9 +14,9 @@ use crate::time::TICK_FRAMES;
 
 /// L parallel chains of M biquads, run in pairs of sections.
 ///
-/// Input and output are Q4.27 blocks. Ticks of 32 frames are counted from the first frame, so that the
-/// sizes of blocks change no bit. Without input, sections whose output would stay below a step of the
-/// bus are cleared and not run. A bank at rest costs a comparison a block.
+/// Input and output are Q4.27 blocks. Ticks of 32 frames are counted from the first frame, so that
+/// the sizes of blocks change no bit. Without input, sections whose output would stay below a step
+/// of the bus are cleared and not run. A bank at rest costs a comparison a block.
 ///
 /// One pair for each section always suffices. Half as many and four usually do, because sections of
 /// the same arithmetic share a pair (`Bank::size`).
@@ -35,7 +35,8 @@ pub struct Bank<'m> {
     direct_q32: i32,
     /// Frame within the tick; ticks begin on even frames.
     frame: usize,
-    /// Level of the input: the sizes of a tick's inputs add up to less than 2^bits. `None` without input.
+    /// Level of the input: the sizes of a tick's inputs add up to less than 2^bits. `None` without
+    /// input.
     input_bits: Option<u32>,
     /// Sum of the sizes of this tick's inputs, as words.
     used: u32,
@@ -113,7 +114,8 @@ impl<'m> Bank<'m> {
         self.load_each(biquads.iter().map(|&biquad| Ok(biquad)), depth, 1.0)
     }
 
-    /// Loads chains of `depth` sections from biquads that come one at a time, each with its own error.
+    /// Loads chains of `depth` sections from biquads that come one at a time, each with its own
+    /// error.
     ///
     /// `hand` is the factor by which a hand lowers the amplitude in each frame
     /// ([`set_choked`](Self::set_choked)): above 0, and 1 without a hand.
@@ -179,7 +181,8 @@ impl<'m> Bank<'m> {
                 biquad.check(start + index)?;
             }
             direct += chain.iter().map(|biquad| biquad.numerator[0]).product::<f64>();
-            // The slowest pole then decays as the hand wants. The hand changes no chain that decays faster.
+            // The slowest pole then decays as the hand wants. The hand changes no chain that decays
+            // faster.
             let slowest = chain.iter().map(|biquad| biquad.pole.square()).fold(0.0, f64::max);
             let slowest = libm::sqrt(slowest);
             let kept = if hand < slowest { hand / slowest } else { 1.0 };
@@ -208,8 +211,9 @@ impl<'m> Bank<'m> {
 
     /// Lays a hand on the bank or takes it away; the sound goes on without a step.
     ///
-    /// Under the hand a chain whose slowest pole has the radius r is multiplied by `min(1, hand / r)`
-    /// after each frame. It then decays at the faster of both rates, strikes under the hand included.
+    /// Under the hand a chain whose slowest pole has the radius r is multiplied by
+    /// `min(1, hand / r)` after each frame. It then decays at the faster of both rates, strikes
+    /// under the hand included.
     pub fn set_choked(&mut self, choked: bool) {
         if choked == self.choked {
             return;
@@ -241,7 +245,8 @@ impl<'m> Bank<'m> {
         if self.count == 0 || tick == TickKind::Free && !self.ringing { 0 } else { pairs + 1500 }
     }
 
-    /// Adds the bank's sound to `out`, saturating. The bank rings on without input, and behind its end.
+    /// Adds the bank's sound to `out`, saturating. The bank rings on without input, and behind its
+    /// end.
     pub fn render(&mut self, input: Option<&[i32]>, out: &mut [i32]) {
         let input = input.unwrap_or(&[]);
         if self.count == 0 || !self.ringing && input.iter().all(|&word| word == 0) {
@@ -267,7 +272,8 @@ impl<'m> Bank<'m> {
         }
     }
 
-    /// Lowers the level of the input, puts pairs to rest and scales pairs anew, at the start of a tick.
+    /// Lowers the level of the input, puts pairs to rest and scales pairs anew, at the start of a
+    /// tick.
     fn tick(&mut self) {
         if !self.ringing {
             return;
@@ -321,8 +327,8 @@ impl<'m> Bank<'m> {
                 return;
             }
         }
-        // Runs as far as the level holds, and scales all pairs anew at the first frame beyond it: the
-        // sizes of blocks do not matter.
+        // Runs as far as the level holds, and scales all pairs anew at the first frame beyond it:
+        // the sizes of blocks do not matter.
         let Some(x) = x else {
             self.frame = (self.frame + out.len()) % TICK_FRAMES;
             return;
@@ -343,7 +349,8 @@ impl<'m> Bank<'m> {
             self.frame = (self.frame + good) % TICK_FRAMES;
         }
         if let Some(&loud) = more.first() {
-            // 36 bits suffice for 32 frames of the largest input. A level that held so far is used up.
+            // 36 bits suffice for 32 frames of the largest input. A level that held so far is used
+            // up.
             let rise = if self.input_bits.is_some() { RISE_BITS } else { ONSET_BITS };
             let level = (bits_of(folded(loud)) + rise).max(self.input_bits.map_or(0, |level| level + 1));
             self.input_bits = Some(level.min(37));

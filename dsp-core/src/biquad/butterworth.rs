@@ -1,5 +1,5 @@
-//! The exciter's band-pass: a fourth-order Butterworth filter whose band follows the strike's strength
-//! (dynamic-filter §III-C, D).
+//! The exciter's band-pass: a fourth-order Butterworth filter whose band follows the strike's
+//! strength (dynamic-filter §III-C, D).
 
 use core::fmt;
 

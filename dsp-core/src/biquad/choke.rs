@@ -1,8 +1,8 @@
 //! Sections under a hand: after each frame a chain's states are multiplied by κ, input included.
 //!
-//! That moves all poles p of the chain to κp, in every form of the states. The sound goes on without a
-//! step when the hand comes and when it goes. No kernel knows of the hand: a section has a second pole
-//! with the same v, and its u is converted whenever the poles are exchanged.
+//! That moves all poles p of the chain to κp, in every form of the states. The sound goes on
+//! without a step when the hand comes and when it goes. No kernel knows of the hand: a section has
+//! a second pole with the same v, and its u is converted whenever the poles are exchanged.
 //!
 //! ```text
 //! free:   v' = (1 - e²) v + t u                  t: what of u reaches v (the form's `entry`)
@@ -22,7 +22,8 @@ use super::pole::Pole;
 /// Gains of u and of v into a section's new u.
 pub(super) type Turn = [f64; 2];
 
-/// Parts of a unit under the hand, with the conversions of u: `there` as it comes, `back` as it goes.
+/// Parts of a unit under the hand, with the conversions of u: `there` as it comes, `back` as it
+/// goes.
 pub(super) struct Choked {
     pub(super) parts: [Part<Pole>; 4],
     pub(super) there: [Turn; 4],

@@ -57,7 +57,8 @@ pub enum BiquadError {
         /// Bound of the sum of the sizes of its impulse response.
         gain: f64,
     },
-    /// A real pole, one at 0, or one that coincides with another of its chain: no mode rings like that.
+    /// A real pole, one at 0, or one that coincides with another of its chain: no mode rings like
+    /// that.
     NoMode {
         /// The biquad, counted from 0.
         biquad: usize,

@@ -17,7 +17,8 @@ pub(super) struct Extent {
 impl Extent {
     /// Finds the bounds by stepping the parts of a row in `f64`.
     pub(super) fn of(parts: &[Part<Pole>]) -> Self {
-        // Growth is linear: the sum of the growths from the unit vectors bounds all starts in the unit cube.
+        // Growth is linear: the sum of the growths from the unit vectors bounds all starts in the
+        // unit cube.
         let mut growths = [0.0; 4];
         for start in 0..parts.len() {
             for on_u in [true, false] {

@@ -1,24 +1,24 @@
 //! A chain of sections as sections side by side: the partial fractions of eq. 3's product.
 //!
-//! Bounds of states multiply along a chain, and each costs bits. Side by side each section has a bound
-//! of its own. Parts of opposite sign would cancel if poles (nearly) coincide: such sections stay in a
-//! row, as a *cluster*, in Newton's form instead of Lagrange's,
+//! Bounds of states multiply along a chain, and each costs bits. Side by side each section has a
+//! bound of its own. Parts of opposite sign would cancel if poles (nearly) coincide: such sections
+//! stay in a row, as a *cluster*, in Newton's form instead of Lagrange's,
 //!
 //! ```text
 //! H = b0 + Σ_clusters  A_1 / (D_1 D_2 ... D_n) + A_2 / (D_2 ... D_n) + ... + A_n / D_n
 //!     A_k linear in z
 //! ```
 //!
-//! which is a chain that feeds the input into every section with two gains of its own, and whose last
-//! section sounds. No term grows when D_1 = D_2.
+//! which is a chain that feeds the input into every section with two gains of its own, and whose
+//! last section sounds. No term grows when D_1 = D_2.
 //!
 //! # Arithmetic
 //!
 //! Polynomials are in `ζ = z - 1` (`-z - 1` for mirrored sections), in which a slow pole pair is
 //! `ζ² + (δ + e²) ζ + e²`: no digit is lost however near it is to 1. The numerator is kept as its
-//! residue modulo D_1 ... D_n in Newton's coordinates, `A_1 + D_1 A_2 + D_1 D_2 A_3 + ...`. The residue
-//! is multiplied by each section's numerator, and divided by the denominators outside the cluster.
-//! Neither needs a difference of near poles as a divisor.
+//! residue modulo D_1 ... D_n in Newton's coordinates, `A_1 + D_1 A_2 + D_1 D_2 A_3 + ...`. The
+//! residue is multiplied by each section's numerator, and divided by the denominators outside the
+//! cluster. Neither needs a difference of near poles as a divisor.
 
 use super::design::{Biquad, Root};
 
@@ -46,8 +46,8 @@ pub trait Realised: Copy {
     fn step_squared(self) -> f64;
     /// Share of u that goes into v in each sample.
     fn entry(self) -> f64;
-    /// Nearest possible multiplier to a wanted one, from another section's v into this section's v by
-    /// way of u; not 0.
+    /// Nearest possible multiplier to a wanted one, from another section's v into this section's v
+    /// by way of u; not 0.
     fn handed(self, wanted: f64) -> f64;
 }
 
@@ -136,8 +136,8 @@ fn clusters(chain: &[Biquad]) -> [u8; 4] {
 
 /// True if two poles are so near that their parts would cancel.
 ///
-/// Each near neighbour makes a part `width / distance` times too large. Further apart, sections in a
-/// row would lose more than that, because one rings to another's rounding.
+/// Each near neighbour makes a part `width / distance` times too large. Further apart, sections in
+/// a row would lose more than that, because one rings to another's rounding.
 fn are_near(one: Root, other: Root) -> bool {
     let width = |pole: Root| 1.0 - libm::sqrt(pole.square());
     let distance = libm::hypot(one.real - other.real, one.imaginary.abs() - other.imaginary.abs());

@@ -1,4 +1,6 @@
-//! Parallel chains of biquads: `H(z) = Σ_l Π_m k (1 - 2 Re q z⁻¹ + |q|² z⁻²) / (1 - 2 Re p z⁻¹ + |p|² z⁻²)` (diffmodal eq. 2, 3).
+//! Parallel chains of biquads:
+//! `H(z) = Σ_l Π_m k (1 - 2 Re q z⁻¹ + |q|² z⁻²) / (1 - 2 Re p z⁻¹ + |p|² z⁻²)` (diffmodal
+//! eq. 2, 3).
 //!
 //! ```text
 //!          ┌─► section ─► section ─► ... ─► section ─┐
@@ -9,35 +11,36 @@
 //! # The form
 //!
 //! A direct form in Q31 keeps 51 dB of a low pole. A section is the modified coupled form of
-//! [`crate::resonator`] instead, with the input going into both states. The direct gain is added once
-//! for all chains:
+//! [`crate::resonator`] instead, with the input going into both states. The direct gain is added
+//! once for all chains:
 //!
 //! ```text
 //! y = v;   u -= e v;   v += e u;   u -= δ u;   u += g_u x;   v += g_v x
-//! δ = 1 - |p|²,  e² = |1 - p|²;   n1 z⁻¹ + n2 z⁻² over the denominator:  g_v = n1,  e g_u = n2 + |p|² n1
+//! δ = 1 - |p|²,  e² = |1 - p|²
+//! n1 z⁻¹ + n2 z⁻² over the denominator:  g_v = n1,  e g_u = n2 + |p|² n1
 //! ```
 //!
-//! Two multipliers realise any numerator, δ and e any pair of conjugate poles. Poles of Re p < 0 run
-//! mirrored (on input and output of alternating sign). Poles of e >= 1/2 or |p|² < 1/2 have scalings
-//! of their own ([`pole::Form`]).
+//! Two multipliers realise any numerator, δ and e any pair of conjugate poles. Poles of Re p < 0
+//! run mirrored (on input and output of alternating sign). Poles of e >= 1/2 or |p|² < 1/2 have
+//! scalings of their own ([`pole::Form`]).
 //!
 //! # Chains
 //!
 //! The product of a chain runs as the sum of its partial fractions: one section each, so that their
-//! number stays. Sections whose poles (nearly) coincide stay in a row, each with a share of the input
-//! of its own. [`fractions`] says why, and derives the shares.
+//! number stays. Sections whose poles (nearly) coincide stay in a row, each with a share of the
+//! input of its own. [`fractions`] says why, and derives the shares.
 //!
 //! # Scaling
 //!
-//! A pair of sections has a power of two of its own, `state = value · 2^E`. The private module `settle`
-//! chooses it between ticks, from the states and the level of the input: the largest E for which
-//! nothing can wrap, with the proof. So a resonance that takes 50 dB off a noise input still has all
-//! its bits.
+//! A pair of sections has a power of two of its own, `state = value · 2^E`. The private module
+//! `settle` chooses it between ticks, from the states and the level of the input: the largest E for
+//! which nothing can wrap, with the proof. So a resonance that takes 50 dB off a noise input still
+//! has all its bits.
 //!
 //! # Hand
 //!
-//! Under a hand a chain's states are multiplied by κ after each frame, so that the chain decays at least
-//! as fast as the hand wants (private module `choke`).
+//! Under a hand a chain's states are multiplied by κ after each frame, so that the chain decays at
+//! least as fast as the hand wants (private module `choke`).
 //!
 //! Worst SNR against `f64`, and cycles: `docs/biquads.md`.
 

@@ -69,7 +69,8 @@ impl ModalForm {
             if pole.imaginary == 0.0 {
                 return Err(BiquadError::NoMode { biquad: index });
             }
-            // At z = p: Π N(p) / ((p - p*) Π_others D(p)), times p: the factor of p^n from n = 0 on.
+            // At z = p: Π N(p) / ((p - p*) Π_others D(p)), times p: the factor of p^n from n = 0
+            // on.
             let pole = Root { imaginary: pole.imaginary.abs(), ..pole };
             let mut residue = Root { real: 1.0, imaginary: 0.0 };
             for (other, section) in chain.iter().enumerate() {

@@ -176,8 +176,8 @@ impl Pair {
 
     /// Makes the one or two pairs of one part alone, or of two to four parts in a row.
     ///
-    /// `kept` is the factor by which a hand lowers their states in each frame. `index` is the number of
-    /// the chain's first biquad, for the message.
+    /// `kept` is the factor by which a hand lowers their states in each frame. `index` is the
+    /// number of the chain's first biquad, for the message.
     ///
     /// # Errors
     /// [`BiquadError::UnboundedGain`].
@@ -358,8 +358,8 @@ impl Pair {
 
     /// Bits of the loudest sound that the states may still make, in steps of the bus.
     ///
-    /// A slow mode's u becomes its v, at most four times as large. A section's output makes the next
-    /// section at most eight times as large.
+    /// A slow mode's u becomes its v, at most four times as large. A section's output makes the
+    /// next section at most eight times as large.
     pub(super) fn sound_bits(&self) -> i32 {
         let to_come = match self.wiring() {
             Wiring::Single | Wiring::Parallel => 2,

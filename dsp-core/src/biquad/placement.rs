@@ -22,8 +22,8 @@ impl<'a> Placement<'a> {
         self.pairs.len()
     }
 
-    /// Places a unit: beside a lone section of the same arithmetic if there is one, else in pairs of its
-    /// own. Returns `None` if they do not fit.
+    /// Places a unit: beside a lone section of the same arithmetic if there is one, else in pairs
+    /// of its own. Returns `None` if they do not fit.
     pub(super) fn place(&mut self, head: Pair, tail: Option<Pair>) -> Option<()> {
         let room = self.pairs.len();
         let (plain, mirrored) = (self.plain, self.mirrored);

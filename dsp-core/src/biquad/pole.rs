@@ -50,7 +50,8 @@ impl Pole {
         f64::from(self.turn) / TWO_POW_32
     }
 
-    /// Multiplier of another section's v into u, Q32, that realises a result of [`Realised::handed`].
+    /// Multiplier of another section's v into u, Q32, that realises a result of
+    /// [`Realised::handed`].
     pub(super) fn couple(self, handed: f64) -> i32 {
         libm::rint(handed / self.entry() * TWO_POW_32) as i32
     }

@@ -4,7 +4,8 @@ use super::design::{Biquad, BiquadError, Root};
 use crate::SampleRate;
 use core::f64::consts::PI;
 
-/// Largest ratio of a pole's frequency to half the rate at which the pole is moved to half the rate.
+/// Largest ratio of a pole's frequency to half the rate at which the pole is moved to half the
+/// rate.
 ///
 /// A pole at half the nominal rate must stay playable: the codec's clock is 186 ppm off.
 const TOLERANCE: f64 = 1.001;
@@ -15,19 +16,19 @@ const VANISHING: f64 = 1e-6;
 impl Biquad {
     /// Makes the biquad for `rate` from a table's pole pair, zero pair and gain for `rate_hz`.
     ///
-    /// Frequencies in Hz and decays in 1/s stay, and so does the level of the resonance. The law, with
-    /// ρ = `rate_hz` / rate and `arg` from 0 to π:
+    /// Frequencies in Hz and decays in 1/s stay, and so does the level of the resonance. The law,
+    /// with ρ = `rate_hz` / rate and `arg` from 0 to π:
     ///
     /// ```text
     /// p' = |p|^ρ at the angle min(ρ arg p, π),   q' = |q|^ρ at the angle min(ρ arg q, π)
     /// k' = k |H(e^iθ)| / |H'(e^iθ')|,   θ = arg p,  θ' = arg p'
     /// ```
     ///
-    /// k' = k if the product of the zeros' distances from `e^iθ` or from `e^iθ'` is below 1e-6: a level
-    /// that nearly vanishes cannot be kept.
+    /// k' = k if the product of the zeros' distances from `e^iθ` or from `e^iθ'` is below 1e-6: a
+    /// level that nearly vanishes cannot be kept.
     ///
-    /// The law holds for every root. A real root below 0 is a pair at half the table's rate, and keeps
-    /// that frequency at any other rate. At the table's own rate nothing changes.
+    /// The law holds for every root. A real root below 0 is a pair at half the table's rate, and
+    /// keeps that frequency at any other rate. At the table's own rate nothing changes.
     ///
     /// `index` is the number of the biquad, for the message.
     ///
@@ -55,11 +56,11 @@ impl Biquad {
 
     /// Converts a biquad for `rate_hz`, with any numerator, to `rate`.
     ///
-    /// Poles and pairs of zeros follow the law of [`from_roots_at`](Self::from_roots_at). Real zeros that
-    /// differ keep their signs; a mode may have such zeros, a table has none.
+    /// Poles and pairs of zeros follow the law of [`from_roots_at`](Self::from_roots_at). Real
+    /// zeros that differ keep their signs; a mode may have such zeros, a table has none.
     ///
-    /// Near its resonance, a converted impulse-invariant mode is within 0.1 dB of the mode derived for
-    /// that rate. `index` is the number of the biquad, for the message.
+    /// Near its resonance, a converted impulse-invariant mode is within 0.1 dB of the mode derived
+    /// for that rate. `index` is the number of the biquad, for the message.
     ///
     /// # Errors
     /// [`BiquadError`]: those of [`Biquad::check`], and [`BiquadError::BeyondNyquist`].
@@ -115,9 +116,11 @@ fn power(radius: f64, ratio: f64) -> f64 {
     if radius > 0.0 { libm::exp(ratio * libm::log(radius)) } else { 0.0 }
 }
 
-/// Product `|1 - r e^{i(α-θ)}| |1 - r e^{i(α+θ)}|` of the distances of roots `r e^{±iα}` from `e^{iθ}`.
+/// Product `|1 - r e^{i(α-θ)}| |1 - r e^{i(α+θ)}|` of the distances of roots `r e^{±iα}` from
+/// `e^{iθ}`.
 ///
-/// It uses the distances themselves: near the circle a polynomial's sum loses the digits of its terms.
+/// It uses the distances themselves: near the circle a polynomial's sum loses the digits of its
+/// terms.
 fn distances(root: Root, theta: f64) -> f64 {
     let (radius, alpha) = (libm::sqrt(root.square()), angle(root));
     let distance = |between: f64| {

@@ -4,8 +4,8 @@
 //!
 //! # Why nothing can wrap
 //!
-//! The size of a state is `s = max(|u| 2^k, |v|)`. Between two calls of `settle` (a tick at most) all
-//! steps are linear, so that each intermediate result is at most
+//! The size of a state is `s = max(|u| 2^k, |v|)`. Between two calls of `settle` (a tick at most)
+//! all steps are linear, so that each intermediate result is at most
 //!
 //! ```text
 //! G s + M X    G: the largest growth of states of size 1 over a tick's frames
@@ -13,10 +13,10 @@
 //!              X: the bound of the sum of all inputs' sizes
 //! ```
 //!
-//! Loading finds G and M by stepping the very sections in `f64` (`extent`). With whole powers of two
-//! above each, settle chooses E such that `G s < 2^30` and `M X < 2^29`. So states stay below
-//! `2^30 + 2^29`. Rounding, at most five halves of a step a frame, each growing by G, adds less than
-//! 2^9.
+//! Loading finds G and M by stepping the very sections in `f64` (`extent`). With whole powers of
+//! two above each, settle chooses E such that `G s < 2^30` and `M X < 2^29`. So states stay below
+//! `2^30 + 2^29`. Rounding, at most five halves of a step a frame, each growing by G, adds less
+//! than 2^9.
 
 use super::kernel::ALLOWANCE;
 use super::pair::{MAX_EXPONENT, Pair, Wiring};
@@ -32,15 +32,16 @@ pub(super) struct Level {
 
 /// Bits of the sum of the input's words over a tick.
 ///
-/// They are enough for 130 dB of each word, and few enough to leave the multipliers 20 bits beside a
-/// resonance of 90 dB.
+/// They are enough for 130 dB of each word, and few enough to leave the multipliers 20 bits beside
+/// a resonance of 90 dB.
 pub(super) const X_BITS: i32 = ALLOWANCE.ilog2() as i32;
 /// Bits that states may grow to within a tick.
 const STATE_BITS: i32 = 30;
 /// Bits that the input may add to states within a tick.
 const INPUT_BITS: i32 = 29;
 
-/// Lays a hand on a unit or takes it away, without a step of the sound. The unit must then be settled.
+/// Lays a hand on a unit or takes it away, without a step of the sound. The unit must then be
+/// settled.
 pub(super) fn exchange(unit: &mut [Pair]) {
     // The new u of each section, with 31 bits more than a word has.
     let mut wide = [[0i64; 2]; 2];

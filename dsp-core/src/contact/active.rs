@@ -1,4 +1,4 @@
-//! The contacts that are under way.
+//! The contacts that are under way in an engine.
 
 use super::law::Impact;
 use super::pulse::{self, Asymmetry, Pulse, SHAPE_BITS, WHOLE};
@@ -10,12 +10,12 @@ use crate::memory::{Lender, OutOfMemory, Region};
 pub struct Contact {
     pad: u8,
     striker: u8,
-    /// Which of the pad's position slots it drives.
+    /// Position slot of the pad that the contact drives.
     slot: u8,
     pulse: Pulse,
     /// Peak force, Q4.27.
     peak: i32,
-    /// Fraction of the pulse at the next frame, 1.0 = [`WHOLE`]: where that frame's interval ends.
+    /// Fraction of the pulse at the end of the next frame's interval, 1.0 = [`WHOLE`].
     phase: u64,
     /// Fraction of the pulse in one frame, at most 16.
     step: u64,
@@ -25,21 +25,23 @@ impl Contact {
     /// A contact that is over.
     const OVER: Self = Self { pad: 0, striker: 0, slot: 0, pulse: Pulse::Gaussian, peak: 0, phase: 0, step: 0 };
 
-    /// A contact whose pulse began `early` (a fraction of a sample, 1.0 = 2^32) before the next frame: onsets fall between samples.
+    /// Begins a contact between samples: its pulse began `early` before the next frame.
+    ///
+    /// `early` is a fraction of a sample, 1.0 = 2^32.
     pub fn new(pad: u8, striker: u8, impact: Impact, early: u32) -> Self {
         let (step, peak) = impact.pulse.played(impact.step, impact.peak);
-        // The step in halves, so that nothing overflows.
+        // The upper and lower halves apart, so that nothing overflows.
         let (upper, lower) = (step >> 32, step & 0xffff_ffff);
         let phase = upper * u64::from(early) + ((lower * u64::from(early)) >> 32);
         Self { pad, striker, slot: 0, pulse: impact.pulse, peak, phase, step: step.max(1) }
     }
 
-    /// The same contact at the position of one of the pad's slots.
+    /// Moves the contact to the position of one of the pad's slots.
     pub fn in_slot(self, slot: u8) -> Self {
         Self { slot, ..self }
     }
 
-    /// The phase from which on no frame has force. Below 2^63.
+    /// Phase from which on no frame has force; below 2^63.
     fn end(&self) -> u64 {
         match self.pulse {
             // The last frame is the one in whose interval the pulse ends.
@@ -52,12 +54,12 @@ impl Contact {
         self.phase >= self.end() || self.step == 0
     }
 
-    /// Bound of the frames that still have force; the upper words are precise enough.
+    /// Upper bound of the number of frames that still have force.
     fn frames_left(&self) -> u32 {
         (self.end().saturating_sub(self.phase) >> 32) as u32 / ((self.step >> 32) as u32).max(1) + 1
     }
 
-    /// Adds the pulse to a run of force and moves on.
+    /// Adds the pulse to a run of force and advances the phase.
     fn add_to(&mut self, force: &mut [i32]) {
         match self.pulse {
             Pulse::Hertz(asymmetry) => self.add_means(force, asymmetry),
@@ -65,8 +67,10 @@ impl Contact {
         }
     }
 
-    /// Each frame the mean over the interval that ends at it. The first and the last one, of which the
-    /// pulse fills a part, have coefficients of their own; those between share theirs.
+    /// Adds to each frame the pulse's mean over the interval that ends at the frame.
+    ///
+    /// The pulse fills only a part of the first and of the last interval, which have coefficients
+    /// of their own. The intervals between share theirs.
     #[inline(always)]
     fn add_means(&mut self, force: &mut [i32], asymmetry: Asymmetry) {
         let (step, peak) = (self.step, i64::from(self.peak));
@@ -120,12 +124,12 @@ pub struct ActiveContacts<'m> {
 }
 
 impl<'m> ActiveContacts<'m> {
-    /// No contact under way, and no memory for any.
+    /// Makes a set without memory for any contact.
     pub const fn none() -> Self {
         Self { contacts: &mut [], count: 0 }
     }
 
-    /// Takes memory for at most `capacity` contacts at a time.
+    /// Takes memory for at most `capacity` contacts under way.
     ///
     /// # Errors
     /// [`OutOfMemory`].
@@ -133,22 +137,25 @@ impl<'m> ActiveContacts<'m> {
         Ok(Self { contacts: lender.take(Region::Fast, capacity, || Contact::OVER)?, count: 0 })
     }
 
-    /// Contacts under way.
+    /// Number of contacts under way.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Contacts under way on a pad.
+    /// Number of contacts under way on a pad.
     pub fn count_on(&self, pad: u8) -> usize {
         self.under_way().iter().filter(|contact| contact.pad == pad).count()
     }
 
-    /// Whether any contact under way on a pad drives a position slot.
+    /// True if a contact under way on a pad drives the position slot.
     pub fn is_any_in(&self, pad: u8, slot: u8) -> bool {
         self.under_way().iter().any(|contact| contact.pad == pad && contact.slot == slot)
     }
 
-    /// What the contacts on a pad may still bring: a bound of the sum of their force, bus steps, and the length in samples of the longest.
+    /// Bounds of the force that the contacts on a pad still bring.
+    ///
+    /// Returns the bound of the sum of their force in bus steps, and the longest contact in
+    /// samples.
     pub fn ahead(&self, pad: u8) -> (f32, f32) {
         let contacts = self.under_way().iter().filter(|contact| contact.pad == pad);
         contacts.fold((0.0, 0.0), |(input, longest), contact| {
@@ -160,20 +167,20 @@ impl<'m> ActiveContacts<'m> {
         })
     }
 
-    /// Frames times contacts of a pad within a run.
+    /// Number of frames with force within a run, added up over the contacts of a pad.
     pub fn frames_ahead(&self, pad: u8, frames: u32) -> u32 {
         let contacts = self.under_way().iter().filter(|contact| contact.pad == pad);
         contacts.map(|contact| contact.frames_left().min(frames)).sum()
     }
 
-    /// Moves a pad's contacts on without anybody hearing them.
+    /// Advances a pad's contacts without adding their force anywhere.
     pub fn pass(&mut self, pad: u8, frames: usize) {
         for contact in self.contacts.iter_mut().take(self.count).filter(|contact| contact.pad == pad) {
             contact.phase = contact.phase.saturating_add(contact.step.saturating_mul(frames as u64));
         }
     }
 
-    /// Adds a contact. When all places are taken it takes the place of the one nearest to its end, and says so.
+    /// Adds a contact. Returns true if it took the place of the contact nearest to its end.
     pub fn begin(&mut self, contact: Contact) -> bool {
         if let Some(place) = self.contacts.get_mut(self.count) {
             *place = contact;
@@ -187,19 +194,20 @@ impl<'m> ActiveContacts<'m> {
         true
     }
 
-    /// Adds the force of all contacts of a pad to a run, and moves them on.
+    /// Adds the force of all contacts of a pad to a run, and advances them.
     pub fn add_force_of_pad(&mut self, pad: u8, force: &mut [i32]) {
         let own = self.contacts.iter_mut().take(self.count).filter(|contact| contact.pad == pad);
         own.for_each(|contact| contact.add_to(force));
     }
 
-    /// Adds the force of the contacts of one of a pad's strikers in a position slot to a run, and moves these contacts on.
+    /// Adds the force of a pad's contacts with a striker in a position slot to a run, and advances
+    /// them.
     pub fn add_force(&mut self, pad: u8, striker: u8, slot: u8, force: &mut [i32]) {
         let own = |contact: &&mut Contact| contact.pad == pad && contact.striker == striker && contact.slot == slot;
         self.contacts.iter_mut().take(self.count).filter(own).for_each(|contact| contact.add_to(force));
     }
 
-    /// Forgets contacts that are over; the others keep their order.
+    /// Removes contacts that are over; the others keep their order.
     pub fn clear_finished(&mut self) {
         let mut kept = 0;
         for index in 0..self.count {

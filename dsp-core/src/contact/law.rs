@@ -1,55 +1,61 @@
-//! The striker's law: what a velocity does.
+//! The striker's law: peak force and contact time from a velocity.
 
 use super::pulse::{Pulse, WHOLE};
 use crate::fixed::{self, Log2};
 use crate::table::ContactTable;
 use crate::{SampleRate, exponential};
 
-/// Peak force `m = m1 v^a` and contact time `τ = τ1 v^b` of a striker (diffimpact §3.2; Hertz's law has a = 6/5, b = -1/5).
+/// Peak force `m = m1 v^a` and contact time `τ = τ1 v^b` of a striker (diffimpact §3.2).
+///
+/// Hertz's law has a = 6/5, b = -1/5.
 #[derive(Clone, Copy, Debug)]
 pub struct StrikerLaw {
     pulse: Pulse,
-    /// m1, Q4.27 of the force bus.
+    /// Peak force m1 at velocity 1, Q4.27 of the force bus.
     peak: u64,
     /// Fraction of the pulse in a sample at velocity 1, 1.0 = [`WHOLE`].
     step: u64,
-    /// a and -b, Q27.
+    /// Exponent a of the peak, Q27.
     peak_exponent_q27: i32,
+    /// Exponent -b of the step, Q27.
     step_exponent_q27: i32,
-    /// The steps of the longest and of the shortest contact.
+    /// Steps of the longest and of the shortest contact.
     step_range: (u64, u64),
 }
 
 /// A strike as the contact stage plays it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
-    /// The shape.
+    /// Shape of the force over time.
     pub pulse: Pulse,
     /// Peak force, Q4.27 of the force bus.
     pub peak: i32,
-    /// Fraction of the pulse in a sample, 1.0 = [`WHOLE`]; more than that where it is shorter.
+    /// Fraction of the pulse in a sample, 1.0 = [`WHOLE`]; above 1.0 if the pulse is shorter.
     pub step: u64,
 }
 
 impl Impact {
-    /// Bound of the sum of its force, bus steps.
+    /// Bound of the sum of the strike's force over all samples, in bus steps.
     pub fn sum(&self) -> u64 {
-        // A sample more than its length on either side: the first and the last are filled in part.
-        // The upper words are as good as all 64 bits.
+        // A sample more on either side, because the pulse fills the first and the last in part. The
+        // upper words are precise enough.
         let samples = (WHOLE >> 32) as u32 / ((self.step >> 32) as u32).max(1);
         u64::from(self.peak.unsigned_abs()) * (u64::from(samples) + 2)
     }
 }
 
-/// The longest contact, in seconds: a law that asks for more (b < 0 at the softest velocities) is held here.
+/// Longest contact in seconds: longer ones (b < 0 at the softest velocities) are limited to it.
 pub const MAX_CONTACT_TIME_S: f64 = 0.25;
-/// The shortest contact, in seconds: a law that asks for less (b > 0 at the softest velocities) is
-/// held here. At 8 kHz it is a 12th of a sample.
+/// Shortest contact in seconds: shorter ones (b > 0 at the softest velocities) are limited to it.
+///
+/// At 8 kHz it is a 12th of a sample.
 pub const MIN_CONTACT_TIME_S: f64 = 1e-5;
 
 impl StrikerLaw {
-    /// The law of a table, for an object whose force bus has 1.0 = `reference_force`. Derived anew for each strike, from a table that is read in
-    /// place: in `f32`, within 2^-21 of the exact one (0.000004 dB), which a Cortex-M4F does in about 150 cycles.
+    /// Derives the law of a table for an object whose force bus has 1.0 = `reference_force`.
+    ///
+    /// Each strike derives it anew from a table that is read in place. It is computed in `f32`,
+    /// within 2^-21 of the exact law (0.000004 dB), in about 150 cycles of a Cortex-M4F.
     pub fn new(contact: &ContactTable<'_>, reference_force: f32, rate: SampleRate) -> Self {
         let pulse = pulse_of(contact);
         let samples_a_second = pulse.length() as f32 * rate.hz_f32();
@@ -67,9 +73,10 @@ impl StrikerLaw {
         }
     }
 
-    /// The impact of a velocity in 0 to 1. `None` where it is too weak to move the force bus, velocity 0 among them.
+    /// Derives the impact of a velocity in 0 to 1, once a strike.
     ///
-    /// In integers, within 2e-8 of the law ([`Log2`]), once a strike.
+    /// Returns `None` for an impact too weak to move the force bus, and so for velocity 0. It is
+    /// computed in integers, within 2e-8 of the law ([`Log2`]).
     pub fn impact(&self, velocity: f32) -> Option<Impact> {
         if velocity.is_nan() || velocity <= 0.0 {
             return None;
@@ -77,7 +84,7 @@ impl StrikerLaw {
         let logarithm = Log2::new(velocity);
         let peak = logarithm.power(self.peak_exponent_q27).of(self.peak).min(i32::MAX as u64) as i32;
         let (slowest, fastest) = self.step_range;
-        // Not `clamp`, which panics on a range the wrong way round: nothing here can.
+        // Not `clamp`, whose panic on a reversed range would be linked.
         let step = logarithm.power(self.step_exponent_q27).of(self.step).max(slowest).min(fastest);
         (peak > 0).then_some(Impact { pulse: self.pulse, peak, step })
     }
@@ -91,7 +98,7 @@ fn half_to_the(exponent: f32) -> f32 {
     exponential::power_of_two(f64::from(-exponent)) as f32
 }
 
-/// Impulse in force units times seconds, and contact time in seconds, of a middling strike (velocity 0.5).
+/// Impulse in force units times seconds and contact time in seconds of a strike of velocity 0.5.
 pub fn typical_contact(contact: &ContactTable<'_>, reference_force: f32) -> (f32, f32) {
     let pulse = pulse_of(contact);
     let contact_time_s = contact.contact_time_s() * half_to_the(contact.contact_exponent());

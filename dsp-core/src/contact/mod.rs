@@ -6,12 +6,12 @@
 //! direct signal ----------------------------------------------------+
 //! ```
 //!
-//! [`law`] turns a velocity into peak and contact time, [`pulse`] is the shape over the contact, [`active`] keeps the contacts that are
-//! under way, for all pads of an engine.
+//! [`law`] turns a velocity into peak and contact time. [`pulse`] is the shape over the contact.
+//! [`active`] keeps the contacts that are under way, for all pads of an engine.
 //!
-//! A Hertz pulse is asymmetric by the striker's restitution, so that its spectrum has no zeros for a
-//! harder strike to sweep through a mode. Each sample of its force is the mean over the interval that
-//! ends there, so that the impulse is exact at any onset; highest frequencies droop by sinc(f/fs).
+//! A Hertz pulse is asymmetric by the striker's restitution, so that its spectrum has no zeros for
+//! a harder strike to sweep through a mode. Each sample of its force is the mean over the interval
+//! that ends there. So the impulse is exact at any onset; highest frequencies droop by sinc(f/fs).
 
 pub mod active;
 pub mod law;

@@ -10,60 +10,65 @@ pub const SHAPE_BITS: u32 = 29;
 /// Largest value of a shape: 1.0 less a step, so that a product with any peak force fits.
 const MAX_SHAPE: i32 = (1 << SHAPE_BITS) - 1;
 
-/// 1.0 of a contact's phase: a contact may be as short as a 16th of a sample before its phase, and
-/// a step beyond, would no longer fit 64 bits.
+/// Phase at the end of a contact, 1.0.
+///
+/// A contact may be as short as a 16th of a sample: the phase and a step beyond it still fit 64
+/// bits.
 pub const WHOLE: u64 = 1 << 58;
 
-/// How the contact force rises and falls.
+/// Shape of the contact force over time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pulse {
     /// Contact of spheres that lose energy, `N sin(πx) (1 + A cos(πx))`, x = t/τ in 0 to 1.
     Hertz(Asymmetry),
-    /// Gaussian, `exp(-6/τ² (t - t_i - τ/2)²)` (diffimpact eq. 2), cut where it is 100 dB down on
-    /// either side; it begins there.
+    /// Gaussian, `exp(-6/τ² (t - t_i - τ/2)²)` (diffimpact eq. 2).
+    ///
+    /// It begins where it is 100 dB below its peak, and ends at that level.
     Gaussian,
 }
 
-/// A and N of a [`Pulse::Hertz`], from the coefficient of restitution e.
+/// Parameters A and N of a [`Pulse::Hertz`], from the coefficient of restitution e.
 ///
-/// `A = (1-r)/(1+r)`, where r is the ratio of the force's last slope to its first, `r = e^4.6`: that
-/// follows Hunt and Crossley's contact `x'' = -x^1.5 (1 + μ x')` within 4 % for e of 0.45 to 1. N
-/// makes the peak 1. At e = 1 the pulse is the half-sine of diffimpact §3.2; below, its spectrum
-/// `N² (2/π)² [c²/(1-4x²)² + (A/4)² s²/(1-x²)²]`, x = fτ, c = cos πx, s = sin πx, has no zeros.
+/// `A = (1-r)/(1+r)`, where r is the ratio of the force's last slope to its first, `r = e^4.6`:
+/// that follows Hunt and Crossley's contact `x'' = -x^1.5 (1 + μ x')` within 4 % for e from
+/// 0.45 to 1; N makes the peak 1. At e = 1 the pulse is the half-sine of diffimpact §3.2; below, its
+/// spectrum `N² (2/π)² [c²/(1-4x²)² + (A/4)² s²/(1-x²)²]`, x = fτ, c = cos πx, s = sin πx, has no
+/// zeros.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Asymmetry {
-    /// A, Q31, from 0 to below 1.
+    /// Skew A, Q31, from 0 to below 1.
     skew: i32,
-    /// `2N/π`: mean of the pulse over τ, Q31, 0.49 to 0.64.
+    /// Mean of the pulse over τ, `2N/π`, Q31, 0.49 to 0.64.
     area: NonZeroU32,
 }
 
-/// Coefficients of a Hertz pulse's means over intervals of one width: `sin(πm) (even + odd cos(πm))`
-/// about the middle m.
+/// Coefficients of a Hertz pulse's means over intervals of one width.
+///
+/// The mean about the middle m is `sin(πm) (even + odd cos(πm))`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Means {
-    /// Q29, 0 to 1.
+    /// Coefficient of `sin(πm)`, Q29, 0 to 1.
     even: i32,
-    /// Q31, 0 to 0.77.
+    /// Coefficient of `sin(πm) cos(πm)`, Q31, 0 to 0.77.
     odd: i32,
 }
 
 /// Length of the Gaussian in contact times τ: `2 sqrt(ln(10^5)/6)`.
 const GAUSSIAN_LENGTH: f64 = 2.770_430_227_115_183;
-/// Shortest Gaussian contact time in samples: below it, samples no longer tell the impulse.
+/// Shortest Gaussian contact time in samples: with fewer the sum of the samples misses the impulse.
 const SHORTEST_GAUSSIAN_SAMPLES: f64 = 1.75;
 
 impl Pulse {
-    /// The Hertz pulse of a coefficient of restitution, 0.1 to 1.
+    /// Derives the Hertz pulse of a coefficient of restitution, 0.1 to 1, once a strike.
     ///
-    /// A and N are within 2^-21, by `f32`; once a strike, within what `Part::Strike` counts.
+    /// It is computed in `f32`: A and N are within 2^-21. `Part::Strike` counts its cycles.
     pub fn hertz(restitution: f32) -> Self {
         const SLOPE_EXPONENT_Q27: i32 = (4.6 * ONE_Q27 as f64) as i32;
         // At most 1, and 2^-16 at e = 0.1: `Log2` holds numbers at 1, shifts are held at 31.
         let slopes = Log2::new(restitution).power(SLOPE_EXPONENT_Q27).of(1 << 31) as f32 / (1u32 << 31) as f32;
         let skew = (1.0 - slopes) / (1.0 + slopes);
-        // Where the force is largest: 2A cos²(πx) + cos(πx) - A = 0. The product of both factors
-        // below is 1 to 1.3.
+        // The force is largest at 2A cos²(πx) + cos(πx) - A = 0. The product of both factors below
+        // is 1 to 1.3.
         let cosine = 2.0 * skew / (1.0 + libm::sqrtf(1.0 + 8.0 * skew * skew));
         let scale = 1.0 / (libm::sqrtf(1.0 - cosine * cosine) * (1.0 + skew * cosine));
         let q31 = |value: f32| (value * (1u32 << 31) as f32) as u32;
@@ -81,7 +86,7 @@ impl Pulse {
         }
     }
 
-    /// Mean of the pulse over τ, relative to its peak: the impulse is `m τ` times this.
+    /// Mean of the pulse over τ, relative to its peak: the impulse is `m τ` times this mean.
     pub fn area(self) -> f32 {
         match self {
             Self::Hertz(Asymmetry { area, .. }) => area.get() as f32 / (1u32 << 31) as f32,
@@ -90,8 +95,10 @@ impl Pulse {
         }
     }
 
-    /// Step and peak that a contact is played with. A pulse too fast for its samples to tell its
-    /// impulse is played slower and weaker, with that impulse.
+    /// Limits the step of a contact, and returns step and peak as played.
+    ///
+    /// A Gaussian too fast for its samples to add up to its impulse is played slower and weaker,
+    /// with that impulse.
     pub(super) fn played(self, step: u64, peak: i32) -> (u64, i32) {
         const FASTEST_GAUSSIAN: u64 = (WHOLE as f64 / (SHORTEST_GAUSSIAN_SAMPLES * GAUSSIAN_LENGTH)) as u64;
         match self {
@@ -106,13 +113,15 @@ impl Pulse {
 }
 
 impl Asymmetry {
-    /// Coefficients of the means over intervals of the pulse of `width` (of [`WHOLE`], at most 1),
-    /// which are `share` (Q31, 0 to 1) of a sample's interval.
+    /// Coefficients of the means over intervals of a width, of which the pulse fills a share.
     ///
-    /// The mean over a sample of which the pulse fills the width w about the middle m, `share = w τ fs`
-    /// being its part, is `share N [sinc(w/2) sin(πm) + A/2 sinc(w) sin(2πm)]`. With P(w) =
-    /// `sin(πw/2)/w` that is `share (2N/π) P(w) sin(πm) [1 + A cos(πw/2) cos(πm)]`: no difference of
-    /// nearly equal numbers, however long or short the contact.
+    /// `width` is a fraction of the pulse, at most 1 = [`WHOLE`]. `share` is the part of a sample's
+    /// interval that the pulse fills, Q31, 0 to 1.
+    ///
+    /// Let the pulse fill the width w about the middle m of a sample, with `share = w τ fs`. The
+    /// mean is `share N [sinc(w/2) sin(πm) + A/2 sinc(w) sin(2πm)]`. With P(w) = `sin(πw/2)/w` that
+    /// is `share (2N/π) P(w) sin(πm) [1 + A cos(πw/2) cos(πm)]`: no difference of nearly equal
+    /// numbers, however long or short the contact.
     pub(super) fn means(self, width: u64, share: u32) -> Means {
         // Q31; 1.0 itself lies a step above.
         let width = i64::from((width >> 27).min(i32::MAX as u64) as i32);
@@ -125,8 +134,9 @@ impl Asymmetry {
         Means { even: even as i32, odd: odd.min(i32::MAX.into()) as i32 }
     }
 
-    /// The mean of the sample interval of `step` that ends at `end`, Q29, for any part of it that the
-    /// pulse fills. For the first and the last sample of a contact.
+    /// Mean over the first or last sample's interval, Q29, of which the pulse may fill any part.
+    ///
+    /// The interval ends at the phase `end` and is `step` long.
     #[inline(never)] // twice a contact, and its registers would be the inner loop's
     pub(super) fn edge(self, end: u64, step: u64) -> i32 {
         let (from, to) = (end.saturating_sub(step).min(WHOLE), end.min(WHOLE));
@@ -136,7 +146,8 @@ impl Asymmetry {
     }
 }
 
-/// `part / whole` in Q31, for a part of at most the whole and a whole below 2^63: within 2^-28.
+/// Ratio `part / whole` in Q31, within 2^-28, for a part of at most the whole and a whole below
+/// 2^63.
 ///
 /// Two divisions in single precision; the second divides the remainder of the first. A division of
 /// 64-bit integers takes 864 bytes of flash.
@@ -153,9 +164,9 @@ fn q31_ratio(part: u64, whole: u64) -> u32 {
 }
 
 impl Means {
-    /// The mean about a middle (2^32 = 1), Q29, 0 to below 1. Error at most 1e-8 of the peak.
+    /// Mean about a middle (2^32 = 1), Q29, 0 to below 1. The error is at most 1e-8 of the peak.
     ///
-    /// With its contact it costs [`crate::engine::CostItem::ContactFrame`].
+    /// [`crate::engine::CostItem::ContactFrame`] counts its cycles.
     #[inline(always)]
     pub(super) fn about(self, middle: u32) -> i32 {
         let from_middle = (middle ^ 0x8000_0000) as i32; // y = 2m - 1, Q31
@@ -169,31 +180,35 @@ impl Means {
     }
 }
 
-/// The Gaussian in Q2.29 at a fraction of its length (2^32 = 1). Error at most 7e-9 of the peak.
+/// Gaussian in Q2.29 at a fraction of its length (2^32 = 1). The error is at most 7e-9 of the peak.
 #[inline(always)]
 pub(super) fn gaussian(fraction: u32) -> i32 {
     gaussian_100_db(negated_square((fraction ^ 0x8000_0000) as i32))
 }
 
-/// Square of a distance from the middle, -1 to 1 as Q31: Q31, negated, -2^31 to 0.
+/// Negated square, Q31 from -2^31 to 0, of a distance from the middle, Q31 from -1 to 1.
 ///
-/// Negated, because of a factor that it knows to be positive LLVM makes an unsigned product of four instructions instead of one SMMLAR.
+/// It is negated because LLVM makes an unsigned product of a factor that it knows to be positive:
+/// four instructions instead of one SMMLAR.
 #[inline(always)]
 fn negated_square(from_middle: i32) -> i32 {
     let square = ((i64::from(from_middle) * i64::from(from_middle)) >> 31) as u32;
     square.wrapping_neg() as i32
 }
 
-/// Horner's scheme in Q29 on a Q31 argument z in 0 to 1, given as -z, one SMMLAR a term: as a high word z counts half, for which the
-/// coefficients make up ([`terms`]). The series' terms alternate and fall, so that partial sums alternate as well and stay within ±4
-/// (Q29: ±2^31). Their sizes are carried, all negated: `-|c| + (-|sum|)(-z)`. With no factor known to be positive each product is one
-/// instruction; with sums of both signs every other one took four (ContactFrame: 104 cycles).
+/// Evaluates a polynomial in Q29 by Horner's scheme, for z in 0 to 1 as Q31, given as -z.
+///
+/// Each term takes one SMMLAR. As a high word z counts half, for which the coefficients make up
+/// ([`terms`]). The series' terms alternate and fall, so that partial sums alternate too and stay
+/// within ±4 (Q29: ±2^31). Their sizes are carried, all negated: `-|c| + (-|sum|)(-z)`. So no
+/// factor is known to be positive and each product is one instruction. With sums of both signs
+/// every other product took four (ContactFrame: 104 cycles).
 #[inline(always)]
 fn polynomial<const N: usize>(minus_z: i32, terms: &[i32; N]) -> i32 {
     terms.iter().fold(0, |sum, &term| fixed::smmlar(term, sum, minus_z)).wrapping_neg()
 }
 
-/// Sizes of the coefficients of z^k, highest first, negated, as Q29 of `c 2^k`.
+/// Negated sizes of the coefficients c of z^k, highest first, as Q29 of `c 2^k`.
 const fn terms<const N: usize>(coefficients: [f64; N]) -> [i32; N] {
     let mut terms = [0; N];
     let mut index = 0;
@@ -207,7 +222,9 @@ const fn terms<const N: usize>(coefficients: [f64; N]) -> [i32; N] {
     terms
 }
 
-/// `cos(π/2 · sqrt(z))`, z in 0 to 1 as Q31, given as -z: the polynomial of least error, 2.2e-10.
+/// Value of `cos(π/2 · sqrt(z))` for z in 0 to 1 as Q31, given as -z.
+///
+/// The polynomial is the one of least error, 2.2e-10.
 #[inline(always)]
 fn cos_half_pi_sqrt(minus_z: i32) -> i32 {
     const TERMS: [i32; 6] = terms([
@@ -221,8 +238,9 @@ fn cos_half_pi_sqrt(minus_z: i32) -> i32 {
     six(minus_z, TERMS).max(0)
 }
 
-/// `sin(π/2 · sqrt(z)) / sqrt(z)`, z in 0 to 1 as Q31, given as -z, from π/2 to 1: the polynomial of
-/// least error, 2.7e-11.
+/// Value of `sin(π/2 · sqrt(z)) / sqrt(z)`, π/2 to 1, for z in 0 to 1 as Q31, given as -z.
+///
+/// The polynomial is the one of least error, 2.7e-11.
 #[inline(always)]
 fn sinc_half_pi_sqrt(minus_z: i32) -> i32 {
     const TERMS: [i32; 6] = terms([
@@ -236,14 +254,18 @@ fn sinc_half_pi_sqrt(minus_z: i32) -> i32 {
     six(minus_z, TERMS)
 }
 
-/// [`polynomial`] written out: built for size, a loop would load its terms and count them.
+/// Evaluates [`polynomial`] of six terms without a loop.
+///
+/// Built for size, a loop would load its terms and count them.
 #[inline(always)]
 fn six(minus_z: i32, [t5, t4, t3, t2, t1, t0]: [i32; 6]) -> i32 {
     let next = |sum: i32, term: i32| fixed::smmlar(term, sum, minus_z);
     next(next(next(next(next(t5, t4), t3), t2), t1), t0).wrapping_neg()
 }
 
-/// `10^(-5 z)`, z in 0 to 1 as Q31, given as -z, as a power of two: integer part by shift, fraction by the Taylor series of `2^-f`.
+/// Value of `10^(-5 z)` for z in 0 to 1 as Q31, given as -z.
+///
+/// It is a power of two: the integer part is a shift, the fraction the Taylor series of `2^-f`.
 #[inline(always)]
 fn gaussian_100_db(minus_z: i32) -> i32 {
     // 5 log2(10) in Q27, so that the product is Q58: the exponent has five integer bits.

@@ -1,9 +1,9 @@
 //! High-word multiplies: `(acc·2^32 ± a·b) / 2^32`, truncated or rounded to nearest (half up).
 //!
 //! Each function is the instruction of the same name (ARMv7-M Architecture Reference Manual, DSP
-//! extension), bit for bit, and takes one cycle on a Cortex-M4. The sum is formed in 64 bits and wraps
-//! there, as on the chip. The caller must keep it from wrapping; [`crate::resonator`] proves it for
-//! its states.
+//! extension), bit for bit, and takes one cycle on a Cortex-M4. The sum is formed in 64 bits and
+//! wraps there, as on the chip. The caller must keep it from wrapping; [`crate::resonator`] proves
+//! it for its states.
 
 const HALF: i64 = 1 << 31;
 

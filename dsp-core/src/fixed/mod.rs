@@ -1,9 +1,9 @@
 //! Fixed-point arithmetic: the operations of the Cortex-M4, portable and exact.
 //!
-//! Formats are named after their fraction. Q27 is an `i32` whose 1.0 is 2^27: the bus between stages
-//! is Q4.27, with 1.0 = 0 dBFS. Q32 is an `i32` whose 1.0 would be 2^32, so that it spans -0.5 to 0.5.
-//! A Q32 coefficient multiplies by taking the high word of a 64-bit product, which the Cortex-M4 does
-//! in one cycle (`smmulr` and its kin).
+//! Formats are named after their fraction. Q27 is an `i32` whose 1.0 is 2^27: the bus between
+//! stages is Q4.27, with 1.0 = 0 dBFS. Q32 is an `i32` whose 1.0 would be 2^32, so that it spans
+//! -0.5 to 0.5. A Q32 coefficient multiplies by taking the high word of a 64-bit product, which the
+//! Cortex-M4 does in one cycle (`smmulr` and its kin).
 //!
 //! No arithmetic here depends on the build: every machine gives the same bits.
 

@@ -41,8 +41,8 @@ impl Log2 {
 
     /// Raises the number to the power `exponent`, given as Q27 (-16 to 16).
     ///
-    /// The error is below 2e-8 for exponents up to 2 in size, and in proportion for larger ones. The
-    /// method is a table of 16 powers and `e^y - 1 = y + y²/2 + ... + y⁵/120` for y < 0.044.
+    /// The error is below 2e-8 for exponents up to 2 in size, and in proportion for larger ones.
+    /// The method is a table of 16 powers and `e^y - 1 = y + y²/2 + ... + y⁵/120` for y < 0.044.
     pub fn power(self, exponent_q27: i32) -> Power {
         // Q26 by Q27 to Q32: at most 31 · 2^26 · 2^31 < 2^63.
         let q32 = (i64::from(self.0) * i64::from(exponent_q27) + (1 << 20)) >> 21;

@@ -4,8 +4,8 @@ use super::high_word::smmulr;
 
 /// A real gain as a Q32 mantissa and a number of doublings.
 ///
-/// It is applied as a high word and a shift: 2 cycles on a Cortex-M4 and a clip. A result is exact to
-/// one step for gains below 1/2, and to two steps of the value times the gain for larger ones.
+/// It is applied as a high word and a shift: 2 cycles on a Cortex-M4 and a clip. A result is exact
+/// to one step for gains below 1/2, and to two steps of the value times the gain for larger ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scale {
     mantissa: i32,
@@ -16,7 +16,8 @@ impl Scale {
     /// The gain 0.
     pub const ZERO: Self = Self { mantissa: 0, doublings: 0 };
 
-    /// Gives the nearest scale to a real gain; NaN becomes 0, gains beyond ±2^28 are clipped to that.
+    /// Gives the nearest scale to a real gain; NaN becomes 0, gains beyond ±2^28 are clipped to
+    /// that.
     pub fn new(gain: f64) -> Self {
         const LARGEST: f64 = (1u32 << 28) as f64;
         let gain = if gain.is_nan() { 0.0 } else { gain.clamp(-LARGEST, LARGEST) };

@@ -1,9 +1,10 @@
 //! Noise: the same numbers from the same seed on every machine.
 //!
-//! The generator is SFC32 (Chris Doty-Humphrey, PractRand): three words and a counter, about eight cycles a draw, a period of at least 2^32 from
-//! every seed. Each stage has a generator of its own, and draws only while it sounds: what other stages do cannot change its noise.
+//! The generator is SFC32 (Chris Doty-Humphrey, PractRand): three words and a counter, about eight
+//! cycles a draw, a period of at least 2^32 from every seed. Each stage has a generator of its own,
+//! and draws only while it sounds, so that other stages cannot change its noise.
 
-/// SFC32: small, fast, chaotic, with a counter.
+/// Random generator SFC32: small, fast, chaotic, with a counter.
 ///
 /// ```
 /// use dsp_core::noise::Sfc32;
@@ -20,15 +21,17 @@ pub struct Sfc32 {
     counter: u32,
 }
 
-/// Standard deviation of the numbers of [`Sfc32::four`]: odd numbers from -255 to 255, all alike, `sqrt((256² - 1) / 3)`.
+/// Standard deviation of the numbers of [`Sfc32::four`], `sqrt((256² - 1) / 3)`.
+///
+/// These are odd numbers from -255 to 255, all equally likely.
 pub const DEVIATION: f64 = 147.800_541_270_555_32;
 
 impl Sfc32 {
-    /// A generator from a seed and the number of the stream that it serves (such as a pad's).
+    /// Makes a generator from a seed and the number of the stream that it serves, such as a pad's.
     pub const fn new(seed: u32, stream: u32) -> Self {
         let mut new = Self { a: seed, b: stream, c: 0x9e37_79b9, counter: 1 };
         let mut step = 0;
-        // So many until all bits of the seed have reached all words.
+        // After 16 steps all bits of the seed have reached all words.
         while step < 16 {
             (new, _) = new.step();
             step += 1;
@@ -47,12 +50,12 @@ impl Sfc32 {
         (next, out)
     }
 
-    /// The bits that the next [`draw`](Self::draw) gives.
+    /// Bits that the next [`draw`](Self::draw) will give.
     pub const fn first(self) -> u32 {
         self.step().1
     }
 
-    /// The next 32 random bits.
+    /// Draws the next 32 random bits.
     #[inline(always)]
     pub fn draw(&mut self) -> u32 {
         let (next, out) = self.step();
@@ -60,8 +63,10 @@ impl Sfc32 {
         out
     }
 
-    /// Four independent odd numbers from -255 to 255, mean 0, deviation [`DEVIATION`], of one draw: the real and imaginary parts of two lines
-    /// of a noise spectrum. A band of several lines is Gaussian by the central limit theorem.
+    /// Draws four independent odd numbers from -255 to 255 of mean 0 and deviation [`DEVIATION`].
+    ///
+    /// They are the real and imaginary parts of two lines of a noise spectrum. A band of several
+    /// lines is Gaussian by the central limit theorem.
     #[inline(always)]
     pub fn four(&mut self) -> [i32; 4] {
         self.draw().to_le_bytes().map(|byte| 2 * i32::from(byte as i8) + 1)

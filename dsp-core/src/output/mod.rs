@@ -3,10 +3,12 @@
 use crate::fixed;
 use crate::{exponential, quarter_turn};
 
-/// Level and constant-power pan of a pad: left `g cos((p+1) π/4)`, right `g sin((p+1) π/4)`, g = 10^(dB/20).
+/// Level and constant-power pan of a pad: left `g cos((p+1) π/4)`, right `g sin((p+1) π/4)`, g =
+/// 10^(dB/20).
 ///
-/// A side is `x 2^k M / 2^32`, one rounded multiply by a Q32 mantissa M, k smallest for which the louder side's mantissa fits: 0 below -6 dB. Exact to
-/// half a bus step, with k above 0 up to +18 dBFS.
+/// A side is `x 2^k M / 2^32`, one rounded multiply by a Q32 mantissa M. The smallest k is chosen
+/// for which the louder side's mantissa fits: 0 below -6 dB. The result is exact to half a bus
+/// step, with k above 0 only up to +18 dBFS.
 #[derive(Clone, Copy, Debug)]
 pub struct Panner {
     left: i32,
@@ -14,41 +16,41 @@ pub struct Panner {
     shift: u32,
 }
 
-/// Both sides' gains as Q32 mantissas of a sample times 2^shift.
+/// Gains of both sides as Q32 mantissas, for a sample times 2^shift.
 #[derive(Clone, Copy, Debug)]
 pub struct Gains {
-    /// Left.
+    /// Mantissa of the left side, Q32.
     pub left: i32,
-    /// Right.
+    /// Mantissa of the right side, Q32.
     pub right: i32,
-    /// 0 or 1.
+    /// Number of doublings of the sample, 0 or 1.
     pub shift: u32,
 }
 
 impl Panner {
-    /// Lets nothing through.
+    /// A panner whose output is silent.
     pub const SILENT: Self = Self { left: 0, right: 0, shift: 0 };
 
-    /// `level_db` in dB, `pan` from -1 (left) to 1 (right).
+    /// Makes a panner from a level in dB and a pan from -1 (left) to 1 (right).
     pub fn new(level_db: f32, pan: f32) -> Self {
         let level = exponential::power_of_two(f64::from(level_db) * (core::f64::consts::LOG2_10 / 20.0));
         let angle = (f64::from(pan) + 1.0) * core::f64::consts::FRAC_PI_4;
         let (left, right) = (level * quarter_turn::cos(angle), level * quarter_turn::sin(angle));
         let loudest = left.max(right);
-        // Mantissas below 1/2; just 1/2 is 2^-32 less, which `as` sees to.
+        // Mantissas stay below 1/2: `as` saturates 1/2 itself to a step less.
         let shift = (0..30).find(|&shift| loudest <= f64::from(1u32 << shift) / 2.0).unwrap_or(30);
         let mantissa = |gain: f64| libm::rint(gain * TWO_POW_32 / f64::from(1u32 << shift)) as i32;
         Self { left: mantissa(left), right: mantissa(right), shift }
     }
 
-    /// The mantissas of both sides and k, where a bus of that loudness needs no clipping after the multiply.
+    /// Mantissas of both sides and k, or `None` if a bus of that loudness needs clipping.
     #[inline(always)]
     pub fn gains(&self, is_loud: bool) -> Option<Gains> {
         let Self { left, right, shift, .. } = *self;
         (shift <= u32::from(!is_loud)).then_some(Gains { left, right, shift })
     }
 
-    /// The gain of the louder side.
+    /// Gain of the louder side.
     pub fn loudest(&self) -> f32 {
         let mantissa = self.left.max(self.right) as f32;
         mantissa * ((1u32 << self.shift) as f32 / TWO_POW_32 as f32)
@@ -73,7 +75,8 @@ const TWO_POW_32: f64 = 4294967296.0;
 
 /// Turns the stereo bus (Q4.27) into signed 24-bit samples, in place.
 pub fn to_24_bit(out: &mut [[i32; 2]]) {
-    // Two frames at a time: built for size, the loop around each sample costs as much as the sample.
+    // Two frames at a time: built for size, the loop around each sample costs as much as the
+    // sample.
     let (pairs, last) = out.as_chunks_mut::<2>();
     for [[a, b], [c, d]] in pairs {
         (*a, *b) = (fixed::to_24_bit(*a), fixed::to_24_bit(*b));

@@ -65,9 +65,9 @@ pub fn run(pairs: &mut [Pair], run: Run, input: Option<&[i32]>, out: &mut [i32])
         used: 0,
         allowance: run.allowance,
     };
-    // SAFETY: the pairs and `out` are borrowed mutably for the call. The input is borrowed and as long
-    // as `out`. Frames are 1 to 32, so that the assembly stays within its buffers. The assembly keeps
-    // the procedure call standard and uses 500 bytes of stack.
+    // SAFETY: the pairs and `out` are borrowed mutably for the call. The input is borrowed and as
+    // long as `out`. Frames are 1 to 32, so that the assembly stays within its buffers. The
+    // assembly keeps the procedure call standard and uses 500 bytes of stack.
     let answer = unsafe { malleus_biquads(&raw mut call) };
     Outcome { used: call.used, asks: answer == 1, refused: answer == 2 }
 }

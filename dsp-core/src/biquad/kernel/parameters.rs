@@ -6,7 +6,8 @@ pub const ALLOWANCE: u32 = 1 << 30;
 /// Scales of a run's input and of its mix, and the bounds that the input must keep.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
-    /// Exponent of the bound of each input, 0 to 31: a run with an input of 2^bits or more is refused.
+    /// Exponent of the bound of each input, 0 to 31: a run with an input of 2^bits or more is
+    /// refused.
     pub bits: u32,
     /// Words left of [`ALLOWANCE`]: a run whose inputs add up to more is refused.
     pub allowance: u32,
