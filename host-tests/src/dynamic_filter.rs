@@ -1,8 +1,8 @@
 //! Dynamic filters by both crates: the same table, the same noise.
 
 use dsp_core::SampleRate;
-use dsp_core::dynamic_filter::noise::White;
 use dsp_core::dynamic_filter::{Breakpoint, DynamicFilter, DynamicFilterError, Exciter, Settings};
+use dsp_core::noise::White;
 use dsp_core::waveguide::Loop;
 
 use crate::lent;

@@ -1,15 +1,10 @@
 //! The bank in Q31: its pairs of sections, the level of their input, and their rest.
 
-use super::design::{Biquad, BiquadError};
-use super::fractions::parts;
 use super::gain::Gain;
 use super::kernel::{self, ALLOWANCE, Run};
 use super::pair::{Pair, Wiring};
-use super::placement::Placement;
-use super::pole::Pole;
 use super::settle::{self, Level, X_BITS};
 use super::unit::{rings_on, units};
-use crate::memory::{Lender, OutOfMemory, Region};
 use crate::time::TICK_FRAMES;
 
 /// L parallel chains of M biquads, run in pairs of sections.
@@ -24,31 +19,31 @@ use crate::time::TICK_FRAMES;
 /// Worst SNR against `f64`, and cycles: `docs/biquads.md`.
 #[derive(Debug)]
 pub struct Bank<'m> {
-    pairs: &'m mut [Pair],
-    count: usize,
-    sections: usize,
-    depth: usize,
+    pub(super) pairs: &'m mut [Pair],
+    pub(super) count: usize,
+    pub(super) sections: usize,
+    pub(super) depth: usize,
     /// Gain from the input straight to the output, summed over all chains.
-    direct: Gain,
-    direct_size: f32,
+    pub(super) direct: Gain,
+    pub(super) direct_size: f32,
     /// Multiplier of the shifted input into the mix, Q32, that realises `direct`.
-    direct_q32: i32,
+    pub(super) direct_q32: i32,
     /// Frame within the tick; ticks begin on even frames.
-    frame: usize,
+    pub(super) frame: usize,
     /// Level of the input: the sizes of a tick's inputs add up to less than 2^bits. `None` without
     /// input.
-    input_bits: Option<u32>,
+    pub(super) input_bits: Option<u32>,
     /// Sum of the sizes of this tick's inputs, as words.
-    used: u32,
+    pub(super) used: u32,
     /// Largest `used` of the last ticks.
-    recent: u32,
+    pub(super) recent: u32,
     /// Number of ticks that `recent` looks back on.
-    recent_ticks: u8,
+    pub(super) recent_ticks: u8,
     /// Number of bits by which the mix is smaller than the bus.
-    room: i32,
-    asks: bool,
-    ringing: bool,
-    choked: bool,
+    pub(super) room: i32,
+    pub(super) asks: bool,
+    pub(super) ringing: bool,
+    pub(super) choked: bool,
 }
 
 /// Work of a bank in a tick, on which its cycles depend.
@@ -94,108 +89,6 @@ impl<'m> Bank<'m> {
             ringing: false,
             choked: false,
         }
-    }
-
-    /// Takes memory for `sections` pairs, which suffice for that number of sections.
-    ///
-    /// # Errors
-    /// [`OutOfMemory`].
-    pub fn take(lender: &mut impl Lender<'m>, sections: usize) -> Result<Self, OutOfMemory> {
-        Ok(Self { pairs: lender.take(Region::Bulk, sections, || Pair::EMPTY)?, ..Self::empty() })
-    }
-
-    /// Loads chains of `depth` sections in a row, and leaves the bank at rest.
-    ///
-    /// After an error the bank is empty.
-    ///
-    /// # Errors
-    /// [`BiquadError`].
-    pub fn load(&mut self, biquads: &[Biquad], depth: usize) -> Result<(), BiquadError> {
-        self.load_each(biquads.iter().map(|&biquad| Ok(biquad)), depth, 1.0)
-    }
-
-    /// Loads chains of `depth` sections from biquads that come one at a time, each with its own
-    /// error.
-    ///
-    /// `hand` is the factor by which a hand lowers the amplitude in each frame
-    /// ([`set_choked`](Self::set_choked)): above 0, and 1 without a hand.
-    ///
-    /// # Errors
-    /// [`BiquadError`], and the errors of the biquads.
-    pub fn load_each<E: From<BiquadError>>(
-        &mut self,
-        biquads: impl IntoIterator<Item = Result<Biquad, E>>,
-        depth: usize,
-        hand: f64,
-    ) -> Result<(), E> {
-        self.clear();
-        let result = self.place_all(biquads, depth, hand);
-        if result.is_err() {
-            self.clear();
-        }
-        result
-    }
-
-    /// Removes all chains and keeps the memory.
-    pub fn unload(&mut self) {
-        self.clear();
-    }
-
-    /// Clears field by field, because a bank is too large for a small stack.
-    fn clear(&mut self) {
-        self.pairs.fill(Pair::EMPTY);
-        (self.count, self.sections, self.depth) = (0, 0, 1);
-        (self.direct, self.direct_size) = (Gain::ZERO, 0.0);
-        (self.recent, self.recent_ticks, self.room) = (0, 0, 0);
-        self.choked = false;
-        self.rest();
-    }
-
-    fn place_all<E: From<BiquadError>>(
-        &mut self,
-        biquads: impl IntoIterator<Item = Result<Biquad, E>>,
-        depth: usize,
-        hand: f64,
-    ) -> Result<(), E> {
-        let mut direct = 0.0;
-        let mut sections = 0;
-        let mut placement = Placement::new(&mut *self.pairs);
-        let mut biquads = biquads.into_iter();
-        if !(1..=4).contains(&depth) {
-            return Err(BiquadError::Depth { depth, sections: biquads.count() }.into());
-        }
-        while let Some(first) = biquads.next() {
-            let mut chain = [first?; 4];
-            let mut length = 1;
-            for slot in chain.iter_mut().take(depth).skip(1) {
-                let Some(next) = biquads.next() else { break };
-                (*slot, length) = (next?, length + 1);
-            }
-            sections += length;
-            if length != depth {
-                return Err(BiquadError::Depth { depth, sections }.into());
-            }
-            let chain = chain.get(..depth).unwrap_or(&[]);
-            let start = sections - depth;
-            for (index, biquad) in chain.iter().enumerate() {
-                biquad.check(start + index)?;
-            }
-            direct += chain.iter().map(|biquad| biquad.numerator[0]).product::<f64>();
-            // The slowest pole then decays as the hand wants. The hand changes no chain that decays
-            // faster.
-            let slowest = chain.iter().map(|biquad| biquad.pole.square()).fold(0.0, f64::max);
-            let slowest = libm::sqrt(slowest);
-            let kept = if hand < slowest { hand / slowest } else { 1.0 };
-            let all = parts::<Pole>(chain);
-            for cluster in all.get(..depth).unwrap_or(&[]).chunk_by(|_, next| next.handed != 0.0) {
-                let (head, tail) = Pair::of(cluster, kept, start)?;
-                let full = BiquadError::Full { sections, room: placement.room() };
-                placement.place(head, tail).ok_or(full)?;
-            }
-        }
-        (self.count, self.sections, self.depth) = (placement.finish(), sections, depth);
-        (self.direct, self.direct_size) = (Gain::new(direct), direct.abs() as f32);
-        Ok(())
     }
 
     /// Number of sections, of sections in a chain, and of pairs in which they run.

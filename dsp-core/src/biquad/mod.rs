@@ -57,6 +57,7 @@ pub mod rate;
 mod choke;
 mod extent;
 mod gain;
+mod load;
 mod placement;
 mod settle;
 mod unit;

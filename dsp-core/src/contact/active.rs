@@ -1,7 +1,8 @@
 //! The contacts that are under way in an engine.
 
 use super::law::Impact;
-use super::pulse::{self, Asymmetry, Pulse, SHAPE_BITS, WHOLE};
+use super::pulse::{Asymmetry, Pulse, WHOLE};
+use super::shape::{self, SHAPE_BITS};
 use crate::fixed;
 use crate::memory::{Lender, OutOfMemory, Region};
 
@@ -108,7 +109,7 @@ impl Contact {
                 break;
             }
             // Below 1.0: the upper 32 bits of the fraction.
-            let value = (i64::from(pulse::gaussian((phase >> 26) as u32)) * peak) >> SHAPE_BITS;
+            let value = (i64::from(shape::gaussian((phase >> 26) as u32)) * peak) >> SHAPE_BITS;
             *force = fixed::qadd(*force, value as i32);
             phase += step;
         }

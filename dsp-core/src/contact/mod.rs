@@ -16,6 +16,7 @@
 pub mod active;
 pub mod law;
 pub mod pulse;
+mod shape;
 
 pub use active::{ActiveContacts, Contact};
 pub use law::StrikerLaw;

@@ -4,7 +4,8 @@
 //! `|a + b w|²` is `(a + b)² - 4 a b sin²(ω/2)`, or `(a - b)² + 4 a b cos²(ω/2)`: one of both is a
 //! sum of two squares, of which nothing cancels, so that few bits suffice close by a pole, too.
 
-use super::path::{Form, Point};
+use super::path::Form;
+use super::point::Point;
 use crate::square_root::square_root;
 use crate::waveguide::Tuned;
 

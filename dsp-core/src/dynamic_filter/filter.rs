@@ -3,11 +3,12 @@
 use super::exciter::BandPass;
 use super::kernel::two_poles::TwoPoles;
 use super::kernel::{self, OnePole, SumsKind};
-use super::noise::White;
 use super::path::{Form, MAX_INPUT_BITS, PARAMETERS, Path};
 use super::walk::{Line, Walk};
 use crate::fixed::{qadd, saturating_shift_left, smmulr, times_q31};
+use crate::noise::White;
 use crate::time::TICK_FRAMES;
+use crate::waveguide::COARSE_BITS;
 
 /// Noise and filter of one object; its input is Q(27 - q).
 #[derive(Debug)]
@@ -48,7 +49,7 @@ impl Filter<'_> {
         self.walk.end(&self.path);
     }
 
-    /// Input of sums, `coarse` if they are smaller than noise by [`kernel::COARSE_BITS`].
+    /// Input of sums, `coarse` if they are smaller than noise by [`COARSE_BITS`].
     pub(super) fn expect_sums(&mut self, coarse: bool) {
         self.sums = SumsKind::new(&self.one_pole, self.path.form == Form::EqualZeros, coarse);
     }
@@ -200,7 +201,7 @@ impl Filter<'_> {
     /// Bits by which the input's words are smaller than the filter takes them: those of sums
     /// ([`run_sums`](Self::run_sums)).
     fn grain(&self) -> u32 {
-        if self.sums.is_coarse() { kernel::COARSE_BITS } else { 0 }
+        if self.sums.is_coarse() { COARSE_BITS } else { 0 }
     }
 
     /// The next frames of noise at a strike's level, and at the path's.

@@ -27,7 +27,6 @@ pub mod error;
 pub mod kernel;
 pub mod level;
 pub mod limits;
-pub mod noise;
 pub mod object;
 pub mod path;
 pub mod settings;
@@ -37,6 +36,8 @@ mod bound;
 mod carry;
 mod exciter;
 mod filter;
+mod load;
+mod point;
 mod stability;
 mod whole_ticks;
 

@@ -111,12 +111,12 @@ pub struct Path<'m> {
 /// Parameters of a form, and what bounds its states: past the filter, round it for an input of 1,
 /// and z1 of real poles (1 for all others), by which that round it is to be multiplied.
 #[derive(Clone, Copy)]
-struct Derived {
-    form: Form,
-    parameters: [f64; PARAMETERS],
-    direct: f64,
-    ring: f64,
-    inner: f64,
+pub(super) struct Derived {
+    pub(super) form: Form,
+    pub(super) parameters: [f64; PARAMETERS],
+    pub(super) direct: f64,
+    pub(super) ring: f64,
+    pub(super) inner: f64,
 }
 
 impl Derived {
@@ -303,7 +303,7 @@ fn check(order: u8, breakpoints: impl Iterator<Item = Breakpoint> + Clone) -> Re
 }
 
 /// Parameters of a breakpoint.
-fn derive(order: u8, point: &Breakpoint, breakpoint: usize, limits: Limits) -> Result<Derived, PathError> {
+pub(super) fn derive(order: u8, point: &Breakpoint, breakpoint: usize, limits: Limits) -> Result<Derived, PathError> {
     let Breakpoint { a1, a2, b0, b1, b2, .. } = *point;
     let Limits { poles: [min_pole, max_pole], least_real, .. } = limits;
     let stable = |pole: f64, least: f64| {
@@ -346,74 +346,4 @@ fn derive(order: u8, point: &Breakpoint, breakpoint: usize, limits: Limits) -> R
         gain if (0.0..=limits.gain).contains(&gain) => Ok(derived),
         gain => Err(PathError::Gain { breakpoint, gain }),
     }
-}
-
-/// The filter at a point of the path.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
-    pub(super) form: Form,
-    pub(super) at: [f64; PARAMETERS],
-}
-
-impl Point {
-    /// A part of the way from one breakpoint to the next, between which parameters are
-    /// interpolated; `None` where either is none.
-    pub(super) fn between(order: u8, here: &Breakpoint, next: &Breakpoint, part: f64) -> Option<Self> {
-        let (Ok(from), Ok(to)) = (derive(order, here, 0, CARRIED), derive(order, next, 0, CARRIED)) else {
-            return None;
-        };
-        let mut at = from.parameters;
-        at.iter_mut().zip(to.parameters).for_each(|(value, to)| *value += part * (to - *value));
-        Some(Self { form: from.form, at })
-    }
-
-    /// Angles of the poles there, and their distances from the circle.
-    pub(super) fn poles(&self) -> [(f64, f64); 2] {
-        let real = |pole: f64| (if pole < 0.0 { core::f64::consts::PI } else { 0.0 }, 1.0 - pole.abs());
-        let [p0, p1, ..] = self.at;
-        match self.form {
-            Form::EqualZeros | Form::OnePole => [real(1.0 + p0); 2],
-            Form::Conjugate => [(libm::atan2(p1.abs(), p0), 1.0 - libm::hypot(p0, p1)); 2],
-            Form::Real => [real(p0), real(p1)],
-        }
-    }
-
-    /// `|F|` there at `w = cos - i sin`.
-    pub(super) fn magnitude(&self, (cosine, sine): (f64, f64)) -> f64 {
-        let w = (cosine, -sine);
-        let one_less = |p: (f64, f64)| {
-            let turned = times(p, w);
-            (1.0 - turned.0, -turned.1)
-        };
-        let sum = |a: (f64, f64), b: (f64, f64)| (a.0 + b.0, a.1 + b.1);
-        let [p0, p1, p2, p3, p4] = self.at;
-        let response = match self.form {
-            Form::EqualZeros | Form::OnePole => {
-                // The other breakpoint may be of the other kind: both have b1 as third parameter.
-                over(sum((p1, 0.0), times((p2, 0.0), w)), one_less((1.0 + p0, 0.0)))
-            }
-            Form::Conjugate => {
-                let half = |im: f64| {
-                    let ring = over(times((p2 / 2.0, im * p3 / 2.0), w), one_less((p0, im * p1)));
-                    sum(ring, (p4 / 2.0, 0.0))
-                };
-                sum(half(1.0), half(-1.0))
-            }
-            Form::Real => {
-                let second = over(times((p3, 0.0), w), one_less((p1, 0.0)));
-                let ring = times(over(w, one_less((p0, 0.0))), sum((p2, 0.0), second));
-                sum(ring, (p4, 0.0))
-            }
-        };
-        libm::hypot(response.0, response.1)
-    }
-}
-
-fn times(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
-    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
-}
-
-fn over(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
-    let square = b.0 * b.0 + b.1 * b.1;
-    times(a, (b.0 / square, -b.1 / square))
 }

@@ -7,7 +7,7 @@
 use core::f64::consts::{PI, TAU};
 
 use super::bound::{self, Angle};
-use super::path::Point;
+use super::point::Point;
 use super::settings::Breakpoint;
 use crate::SampleRate;
 use crate::table::range;

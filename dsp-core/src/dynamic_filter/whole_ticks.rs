@@ -5,6 +5,7 @@
 //! between the ends of their windows that changes nothing but where a state or the line has left
 //! the bounds of its scaling, at which the grant ends.
 
+use super::kernel;
 use super::object::DynamicFilter;
 use crate::time::TICK_FRAMES;
 
@@ -46,7 +47,7 @@ impl DynamicFilter<'_> {
         if self.looped && self.noisy {
             self.filter.tick_lines();
             let (noise, level) = self.filter.noise_of_sums();
-            self.loops.add_to_noise(noise, level);
+            self.loops.add_to_noise(noise, level, kernel::noise);
             self.filter_sums(out);
         } else {
             if self.filter.is_under_way() {

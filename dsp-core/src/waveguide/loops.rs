@@ -6,10 +6,9 @@ use super::resonance::{COARSE, FINE, LINE_BITS, Resonance};
 use super::tuning::{Loop, Tuned};
 use super::{NOTHING, SILENCE, STILL_S};
 use crate::SampleRate;
-use crate::dynamic_filter;
-use crate::dynamic_filter::noise::White;
 use crate::fixed::times_q31;
 use crate::memory::{Lender, OutOfMemory, Region};
+use crate::noise::White;
 use crate::table::range::LOOPS as MOST_LOOPS;
 use crate::time::TICK_FRAMES;
 
@@ -226,16 +225,16 @@ impl<'m> Loops<'m> {
         };
     }
 
-    /// As [`add`](Self::add) to noise of a level, of which a whole tick is drawn, for one of the
+    /// As [`add`](Self::add) to noise of a level, of which `draw` draws a whole tick, for one of the
     /// [`whole_ticks`](Self::whole_ticks).
     #[inline(always)]
-    pub(crate) fn add_to_noise(&mut self, noise: &mut White, level: i32) {
+    pub(crate) fn add_to_noise(&mut self, noise: &mut White, level: i32, draw: impl Fn(&mut White, i32, &mut [i32])) {
         if self.loud {
-            dynamic_filter::kernel::noise(noise, level, self.slot(TICK_FRAMES));
+            draw(noise, level, self.slot(TICK_FRAMES));
             return self.add(TICK_FRAMES);
         }
         // It was settled.
-        if kernel::run_on_noise(noise, level, self.bands, self.line, self.place, TICK_FRAMES) {
+        if kernel::run_on_noise(noise, level, self.bands, self.line, self.place, TICK_FRAMES, draw) {
             self.unsettled = true;
         }
     }

@@ -29,6 +29,7 @@ mod kernel;
 mod loops;
 
 pub use error::LoopError;
+pub use resonance::COARSE_BITS;
 pub use tuning::Loop;
 
 pub(crate) use loops::Loops;

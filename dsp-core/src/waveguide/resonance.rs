@@ -19,7 +19,6 @@
 //! the state nearly all its bits, and E rises while line and state decay.
 
 use super::tuning::Tuned;
-use crate::dynamic_filter::kernel::COARSE_BITS;
 use crate::fixed::{rounding_shift_right, saturating_shift_left, smmlar, smmlsr, times_q31};
 use crate::time::TICK_FRAMES;
 
@@ -31,6 +30,10 @@ const STATE_BITS: i32 = 30;
 const INPUT_BITS: i32 = 28;
 /// The largest E above the sum's scale, so that the sum's multiplier is one.
 const LARGEST_ABOVE_SUM: i32 = 31;
+
+/// Bits by which a coarse sum of loops is smaller than the filter's input, Q29: it holds 128
+/// instead of 4.
+pub const COARSE_BITS: u32 = 5;
 
 /// E of a sum in the filter's input format, Q29, which has room for 4.
 pub(super) const FINE: i32 = 2;

@@ -20,7 +20,7 @@ fn breakpoint(time_s: f32, a1: f32, b: f32) -> Breakpoint {
 }
 
 /// Noise that falls within a quarter of a second.
-fn filter(modes: ModesGo) -> DynamicFilter {
+pub(crate) fn filter(modes: ModesGo) -> DynamicFilter {
     DynamicFilter {
         seed: 3,
         modes,
@@ -33,18 +33,18 @@ fn filter(modes: ModesGo) -> DynamicFilter {
 }
 
 /// A band-pass loop round it whose frequency is that of its delay.
-fn round(gain: f32) -> Loop {
+pub(crate) fn round(gain: f32) -> Loop {
     Loop { frequency_hz: 500.0, bandwidth_hz: 5.0, gain, delay_s: 0.004 }
 }
 
-fn biquads() -> Biquads {
+pub(crate) fn biquads() -> Biquads {
     let biquad = |pole, gain| Biquad { pole, zero: [0.9, 0.0], gain };
     let chain = |re, im| vec![biquad([re, im], 0.01), biquad([re, -0.9 * im], 0.1)];
     Biquads { rate_hz: 48_000.0, chains: vec![chain(0.995, 0.06), chain(0.9, 0.4)] }
 }
 
 /// One pad with a mode, and filters.
-fn filtered(filter: Option<DynamicFilter>, biquads: Option<Biquads>) -> Kit {
+pub(crate) fn filtered(filter: Option<DynamicFilter>, biquads: Option<Biquads>) -> Kit {
     let mut kit = one_pad(vec![mode(440.0, 0.05, 300.0, 0.0)]);
     (kit.objects[0].dynamic_filter, kit.objects[0].biquads) = (filter, biquads);
     kit
@@ -76,7 +76,7 @@ fn play_force(
     (out, reports)
 }
 
-fn play(loaded: &Loaded, events: &[Event], frames: usize, block: usize) -> (Vec<[i32; 2]>, Vec<TickReport>) {
+pub(crate) fn play(loaded: &Loaded, events: &[Event], frames: usize, block: usize) -> (Vec<[i32; 2]>, Vec<TickReport>) {
     play_force(loaded, events, None, frames, block)
 }
 
@@ -88,7 +88,7 @@ fn db(power: f64) -> f64 {
     10.0 * power.log10()
 }
 
-fn is_idle(report: &TickReport) -> bool {
+pub(crate) fn is_idle(report: &TickReport) -> bool {
     (report.filter_frames, report.loop_frames, report.biquad_frames, report.filters, report.ringing_pads)
         == (0, 0, 0, 0, 0)
 }
@@ -354,63 +354,4 @@ fn a_kit_without_filters_takes_no_memory_for_them() {
     let (dynamic, looped) = (bytes(filtered(Some(filter(ModesGo::Beside)), None)) - without, bytes(all()) - without);
     println!("a dynamic filter takes {dynamic} bytes, with a loop and biquads {looped}");
     assert!((1..4_096).contains(&dynamic) && (dynamic..8_192).contains(&looped), "{dynamic} {looped}");
-}
-
-/// The gain, summed over the impulse response, up to which a filter has loops round it here.
-const LOUDEST_LOOPED: f32 = 64.0;
-
-fn any_path() -> impl Strategy<Value = Vec<Breakpoint>> {
-    // a1 = -p, within what the filter takes.
-    let (lowest, highest) = (-0.9999 * MAX_POLE as f32, -0.9999 * MIN_POLE as f32);
-    let a1 = prop_oneof![lowest..highest, Just(lowest), Just(highest), Just(0.0)];
-    let b = prop_oneof![-1.0f32..1.0, -1e3f32..1e3, Just(0.0), Just(1e-30)];
-    let step = prop_oneof![1e-6f32..1e-4, 1e-4f32..0.05];
-    prop::collection::vec((step, a1, b.clone(), b), 1..8).prop_map(|points| {
-        let mut time_s = 0.0;
-        let mut path = Vec::new();
-        for (step, a1, b0, b1) in points {
-            // So near the pole only as loud as the arithmetic allows.
-            let limit = 0.97 * MAX_GAIN as f32 * (1.0 - a1.abs());
-            let [b0, b1] = [b0, b1].map(|b: f32| b.clamp(-limit / 2.0, limit / 2.0));
-            path.push(Breakpoint { time_s, noise: 1.0, a1, a2: 0.0, b0, b1, b2: 0.0 });
-            time_s += step;
-        }
-        path
-    })
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
-
-    /// Any path, jumps included, any strikes, hands and levels: bounded by the bus, silent in the
-    /// end, the same bits for any block.
-    #[test]
-    fn any_path_under_any_strikes_is_silent_in_the_end(
-        path in any_path(), through: bool, gain in -1.0f32..1.0, level_db in -40.0f32..12.0,
-        times in prop::collection::vec((0u64..9_600, 0.0f32..=1.0, 0usize..8), 1..12), block in 1usize..300,
-    ) {
-        let modes = if through { ModesGo::Through } else { ModesGo::Beside };
-        // A loop that is stable round the loudest point of the path.
-        let loudest = path.iter().map(|p| (p.b0.abs() + p.b1.abs()) / (1.0 - p.a1.abs())).fold(1e-6, f32::max);
-        let loops = if loudest <= LOUDEST_LOOPED { vec![round(0.5 * gain / loudest)] } else { vec![] };
-        let mut kit = filtered(Some(DynamicFilter { path, loops, ..filter(modes) }), Some(biquads()));
-        (kit.pads[0].level_db, kit.pads[0].choke_t60_s) = (level_db, 0.02);
-        let loaded = load(kit);
-        let mut events: Vec<Event> = times
-            .iter()
-            .map(|&(frame, velocity, what)| match what {
-                0 => hand(frame, Action::Choke),
-                1 => hand(frame, Action::Release),
-                _ => strike(frame, velocity),
-            })
-            .collect();
-        events.sort_by_key(|event| event.time.first_frame());
-        // The slowest pole, of radius 0.9999, falls 120 dB in 3 s.
-        let frames = 48_000 * 12;
-        let (sound, reports) = play(&loaded, &events, frames, 4_800);
-        prop_assert!(sound[frames - 320..].iter().all(|frame| *frame == [0, 0]));
-        prop_assert!(reports.last().is_some_and(is_idle));
-        let (same, _) = play(&loaded, &events, 24_000, block);
-        prop_assert!(sound[..24_000] == same[..]);
-    }
 }

@@ -6,6 +6,7 @@ mod choke_residual;
 mod choke_stages;
 mod demo_kit;
 mod filters;
+mod filters_any;
 mod hands;
 mod measured_force;
 mod positions;

@@ -136,7 +136,7 @@ fn at_another_rate_frequency_decay_and_level_of_a_resonance_stay() {
 }
 
 #[test]
-fn a_pole_beyond_half_the_rate_is_refused_by_name_and_one_just_below_it_is_kept_there() {
+fn a_pole_beyond_half_the_rate_is_refused_and_one_just_below_it_is_kept() {
     let high = Biquad::from_roots(Root::polar(0.99, 3.0), Root::default(), 1.0);
     let error = high.carried(3, 48_000.0, SampleRate::new(44_100, 1).unwrap()).unwrap_err();
     assert!(matches!(error, BiquadError::BeyondNyquist { biquad: 3, .. }), "{error:?}");

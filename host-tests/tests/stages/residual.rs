@@ -16,7 +16,7 @@ fn energies_of_a_hundred_bands_follow_the_law_in_either_spacing() {
 }
 
 #[test]
-fn bands_of_two_lines_and_more_keep_their_energy_beside_others_that_last_longer_or_shorter() {
+fn bands_of_two_lines_keep_their_energy_beside_others_that_last_longer_or_shorter() {
     sweeps::residual::energies_beside_longer_ones(Extent::Tenth);
 }
 

@@ -34,7 +34,7 @@ fn snr_db(table: &Table, answers: [Vec<f64>; 2], dry: &[f64], samples: usize) ->
 }
 
 #[test]
-fn the_32_bit_room_follows_its_twin_to_90_db_and_the_16_bit_one_to_what_its_storage_allows() {
+fn room_follows_its_twin_to_90_db_in_32_bits_and_to_its_storage_in_16() {
     const FRAMES: usize = 48_000;
     let at = |frame: usize| frame as f64 / RATE.hz();
     let mut seed = 1u32;

@@ -33,7 +33,7 @@ fn count(x: f64) -> u16 {
 }
 
 #[test]
-fn a_piezo_at_the_rail_is_named_strikes_at_most_once_and_is_heard_again_when_it_is_well() {
+fn a_piezo_at_the_rail_is_named_strikes_at_most_once_and_is_heard_again_later() {
     for (rail, fault) in [(4095u16, Fault::StuckHigh), (0, Fault::StuckLow)] {
         let counts: Vec<[u16; 2]> = (0..480_000)
             .map(|n| {
@@ -168,7 +168,7 @@ fn press(pads: &[Settings], edges: &[(u64, bool)]) -> Vec<Detection> {
 }
 
 #[test]
-fn a_button_that_bounces_for_5_ms_strikes_once_at_its_first_contact_with_its_velocity() {
+fn a_button_that_bounces_for_5_ms_strikes_once_at_first_contact_with_its_velocity() {
     let pad = Settings { button_velocity: 0.6, ..Settings::of_unset_pad(0) };
     let found = press(&[pad], &[(1000, true), (9000, false), (20_000, true), (30_000, false)]);
     let strike = |frame| Detection { frame, pad: 0, striker: 0, velocity: 0.6, action: Action::Strike };

@@ -20,7 +20,7 @@ fn print_row(name: &str, score: &Score) {
 }
 
 #[test]
-fn of_the_generated_strikes_99_4_percent_are_found_none_false_and_95_percent_within_1_db() {
+fn of_generated_strikes_99_4_percent_are_found_none_false_and_95_within_1_db() {
     println!("| scene | strikes | found % | false or double % | within 1 dB % | decided after ms |");
     println!("| --- | --- | --- | --- | --- | --- |");
     let mut all = Score::default();

@@ -4,12 +4,12 @@
 
 use core::mem::offset_of;
 
-use super::super::noise::{MULTIPLIER, White};
 use super::super::path::PARAMETERS;
 use super::super::walk::Line;
 use super::section::{Response, Section};
 use super::two_poles::TwoPoles;
 use super::{OnePole, SumsKind, portable};
+use crate::noise::{MULTIPLIER, White};
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 core::arch::global_asm!(include_str!("cortex_m4_input.s"), options(raw));

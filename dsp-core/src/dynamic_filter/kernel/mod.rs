@@ -21,13 +21,10 @@ pub use section::section;
 #[cfg(not(cortex_m4f))]
 pub use two_poles::two_poles;
 
-use super::noise::White;
 use super::path::PARAMETERS;
 use super::walk::Line;
-
-/// Bits by which a sum of [`from_sums`]' coarse kind is smaller than the filter's input, Q29: it
-/// holds 128 instead of 4.
-pub const COARSE_BITS: u32 = 5;
+use crate::noise::White;
+use crate::waveguide::COARSE_BITS;
 
 /// Variant of [`from_sums`], chosen on load.
 #[derive(Clone, Copy, Debug)]

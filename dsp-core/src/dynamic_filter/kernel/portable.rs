@@ -1,8 +1,8 @@
 //! The loops in plain Rust: the definition of the bits.
 
-use super::super::noise::White;
 use super::{COARSE_BITS, OnePole, SumsKind};
 use crate::fixed::{qadd, saturate, saturating_shift_left};
+use crate::noise::White;
 
 /// Of words of the bus on the loops' line.
 const LARGEST_LINE_WORD: i32 = (1 << 30) - 1;

@@ -4,8 +4,7 @@
 use core::mem::offset_of;
 
 use super::super::resonance::Resonance;
-use crate::dynamic_filter::kernel;
-use crate::dynamic_filter::noise::White;
+use crate::noise::White;
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 
@@ -65,10 +64,11 @@ pub(crate) fn run_on_noise(
     line: &mut [i32],
     place: usize,
     frames: usize,
+    draw: impl Fn(&mut White, i32, &mut [i32]),
 ) -> bool {
     if bands.first().is_none_or(|first| first.shift > 0) || frames == 0 || place + frames > line.len() {
         let sums = line.get_mut(place..place + frames).unwrap_or(&mut []);
-        kernel::noise(noise, level, sums);
+        draw(noise, level, sums);
         return run(bands, line, place, frames);
     }
     let range = line.as_mut_ptr_range();

@@ -1,11 +1,11 @@
 //! The loops in plain Rust: the definition of the bits.
 
 use super::super::resonance::Resonance;
-#[cfg(not(cortex_m4f))]
-use crate::dynamic_filter::{kernel, noise::White};
 use crate::fixed::qadd;
 #[cfg(not(cortex_m4f))]
 use crate::fixed::smmlar;
+#[cfg(not(cortex_m4f))]
+use crate::noise::White;
 
 /// Adds what comes out of the bands to `frames` sums that lie on the line from `place` on, where s
 /// will be written. A band reads its delay before them, and from the line's end on at its start; a
@@ -16,7 +16,8 @@ pub(crate) fn run(bands: &mut [Resonance], line: &mut [i32], place: usize, frame
     through(bands, line, place, frames, |band, sum, v| smmlar(sum, v, band.scale))
 }
 
-/// Runs loops as [`run`] does, adding to noise of a level instead of to the line's content.
+/// Runs loops as [`run`] does, adding to noise of a level, which `draw` draws, instead of to the
+/// line's content.
 #[cfg(not(cortex_m4f))]
 pub(crate) fn run_on_noise(
     noise: &mut White,
@@ -25,8 +26,9 @@ pub(crate) fn run_on_noise(
     line: &mut [i32],
     place: usize,
     frames: usize,
+    draw: impl Fn(&mut White, i32, &mut [i32]),
 ) -> bool {
-    kernel::noise(noise, level, line.get_mut(place..place + frames).unwrap_or(&mut []));
+    draw(noise, level, line.get_mut(place..place + frames).unwrap_or(&mut []));
     run(bands, line, place, frames)
 }
 

@@ -3,7 +3,7 @@
 //! A multiplicative congruential generator modulo 2^32, `x ← A x`, x odd, with A = 0x93d765dd
 //! (Steele and Vigna, "Computationally easy, spectrally good multipliers for congruential
 //! pseudorandom number generators", 2021). Its period is 2^30, more than six hours at 48 kHz.
-//! [`crate::noise::Sfc32`], which gives it its start, would cost three cycles a sample and, in one
+//! [`Sfc32`], which gives it its start, would cost three cycles a sample and, in one
 //! loop with the filter, four registers, of which there are none left: this takes one cycle and
 //! two. Its low bits are poor; a sample is the whole word times a level, so that they weigh
 //! nothing.
@@ -11,8 +11,8 @@
 //! Samples are uniform, of deviation 1/√3. That is as white as Gaussian noise, and the filter's
 //! output is nearly Gaussian by itself.
 
+use super::sfc32::Sfc32;
 use crate::fixed::smmul;
-use crate::noise::Sfc32;
 
 /// A.
 pub const MULTIPLIER: u32 = 0x93d7_65dd;
