@@ -1,4 +1,5 @@
-//! Says `cortex_m4f` for the target whose kernels are assembly: target features are no stable configuration on Arm.
+//! Says `cortex_m4f` for the target whose kernels are assembly: target features are no stable
+//! configuration on Arm.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -23,7 +23,8 @@ pub struct Setup {
     /// Maximum number of samples in the delay lines of the room. A room that would need more keeps
     /// its decay, with fewer resonances.
     pub room_samples: usize,
-    /// Ceiling of the limiter on the stereo sum in dB of full scale, -40 to 0; `None` for no limiter.
+    /// Ceiling of the limiter on the stereo sum in dB of full scale, -40 to 0; `None` for no
+    /// limiter.
     pub ceiling_db: Option<f32>,
 }
 

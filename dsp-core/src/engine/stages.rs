@@ -70,7 +70,8 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
-    /// Renders a run of the stages that work on the stereo bus: background, residuals, room, limiter.
+    /// Renders a run of the stages that work on the stereo bus: background, residuals, room,
+    /// limiter.
     #[inline(always)]
     pub(super) fn render_bus_stages(&mut self, out: &mut [[i32; 2]]) {
         self.render_noise(out);

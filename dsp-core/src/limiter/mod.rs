@@ -6,17 +6,17 @@
 //! ```
 //!
 //! Sound leaves two ticks (64 frames) after it came in, so that the peaks of a tick and of the next
-//! one are known before the first sample leaves. In each tick the gain runs in a straight line to the
-//! largest value that keeps both below the ceiling. A line between two such gains is below both
-//! bounds in all of the tick, so that no sample exceeds the ceiling. Without peaks above the ceiling
-//! the gain returns to 1 with a time constant of [`RELEASE_S`] and is then exactly 1: the samples
-//! that come out are those that went in.
+//! one are known before the first sample leaves. In each tick the gain runs in a straight line to
+//! the largest value that keeps both below the ceiling. A line between two such gains is below both
+//! bounds in all of the tick, so that no sample exceeds the ceiling. Without peaks above the
+//! ceiling the gain returns to 1 with a time constant of [`RELEASE_S`] and is then exactly 1: the
+//! samples that come out are those that went in.
 //!
-//! Samples and gains are in 32-bit fixed point. Blocks of the caller change nothing, since the line of
-//! the gain begins and ends at ticks.
+//! Samples and gains are in 32-bit fixed point. Blocks of the caller change nothing, since the line
+//! of the gain begins and ends at ticks.
 //!
-//! **Measured** (`cargo test -p host-tests --test stages limiter -- --nocapture`, and `--test on_chip
-//! limiter` for cycles):
+//! **Measured** (`cargo test -p host-tests --test stages limiter -- --nocapture`, and `--test
+//! on_chip limiter` for cycles):
 //!
 //! | what | figure |
 //! | --- | --- |
@@ -69,8 +69,8 @@ pub struct Limiter {
 }
 
 impl Limiter {
-    /// A limiter at rest with a ceiling in dB of full scale, from [`LOWEST_CEILING_DB`] to 0; a value
-    /// beyond is taken as the nearer end, and one that is no number as 0.
+    /// A limiter at rest with a ceiling in dB of full scale, from [`LOWEST_CEILING_DB`] to 0; a
+    /// value beyond is taken as the nearer end, and one that is no number as 0.
     pub fn new(ceiling_db: f32, rate: SampleRate) -> Self {
         let db = if ceiling_db.is_nan() { 0.0 } else { f64::from(ceiling_db.clamp(LOWEST_CEILING_DB, 0.0)) };
         let ceiling = power_of_two(db * (core::f64::consts::LOG2_10 / 20.0)) * f64::from(ONE_Q27);
@@ -156,8 +156,8 @@ impl Limiter {
     }
 }
 
-/// A sample times a gain below 1, Q31, to within two bus steps: no product exceeds the ceiling by more
-/// than [`ROUNDING`].
+/// A sample times a gain below 1, Q31, to within two bus steps: no product exceeds the ceiling by
+/// more than [`ROUNDING`].
 #[inline(always)]
 fn scaled(x: i32, gain: i32) -> i32 {
     fixed::smmulr(x, gain) << 1

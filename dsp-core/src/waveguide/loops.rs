@@ -225,8 +225,8 @@ impl<'m> Loops<'m> {
         };
     }
 
-    /// As [`add`](Self::add) to noise of a level, of which `draw` draws a whole tick, for one of the
-    /// [`whole_ticks`](Self::whole_ticks).
+    /// As [`add`](Self::add) to noise of a level, of which `draw` draws a whole tick, for one of
+    /// the [`whole_ticks`](Self::whole_ticks).
     #[inline(always)]
     pub(crate) fn add_to_noise(&mut self, noise: &mut White, level: i32, draw: impl Fn(&mut White, i32, &mut [i32])) {
         if self.loud {

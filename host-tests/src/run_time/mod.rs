@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! grid of single modes --accuracy (PC)--------------------+
-//!      a sample of it  --bits (PC against virtual core)   +--measure--> rows --report--> table, picture, JSON
+//!      a sample of it  --bits (PC against virtual core)   +--measure--> rows --report--> page
 //! many modes together  --chip (virtual core), on_pc-------+
 //! ```
 //!

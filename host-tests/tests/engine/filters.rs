@@ -2,7 +2,6 @@
 //! hands, block sizes, stress, refusals.
 
 use dsp_core::SampleRate;
-use dsp_core::dynamic_filter::limits::{MAX_GAIN, MAX_POLE, MIN_POLE};
 use dsp_core::engine::{Direct, LoadError, Plan, Setup, Skipping, TickReport};
 use dsp_core::event::{Action, Event};
 use dsp_core::fixed::ONE_Q27;
@@ -11,7 +10,6 @@ use dsp_core::table::Kit as KitView;
 use host_tests::lent;
 use host_tests::scene::{hand, load, mode, one_pad, strike};
 use kit::{Biquad, Biquads, Breakpoint, DynamicFilter, Exciter, Kit, Loaded, Loop, ModesGo, Order};
-use proptest::prelude::*;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 

@@ -1,7 +1,7 @@
 //! Comments: their first words and their widths.
 
+use crate::fault::{self, Fault};
 use crate::files;
-use crate::pending::{self, Fault};
 
 /// Beginnings of riddles: a doc line begins with a noun or a verb.
 const FIRST_WORDS: [&str; 6] = ["What", "Whether", "The same", "Where", "How", "So many"];
@@ -32,7 +32,7 @@ fn doc_lines_begin_with_a_noun_or_a_verb() {
             }
         }
     }
-    pending::check("first words of doc lines", pending::FIRST_WORDS, &faults);
+    fault::check("first words of doc lines", &faults);
 }
 
 #[test]
@@ -46,7 +46,7 @@ fn comment_lines_have_at_most_100_columns() {
             }
         }
     }
-    pending::check("columns of comment lines", pending::COLUMNS, &faults);
+    fault::check("columns of comment lines", &faults);
 }
 
 #[test]

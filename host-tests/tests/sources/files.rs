@@ -7,8 +7,6 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Source {
     /// Path from the repository's folder.
     pub(crate) path: String,
-    /// Folder of the crate that it belongs to, from the repository's folder.
-    pub(crate) krate: String,
     pub(crate) text: String,
 }
 
@@ -20,14 +18,13 @@ pub(crate) fn repository() -> PathBuf {
 /// All Rust files of all crates, by path. What cargo builds into is left out.
 pub(crate) fn all() -> Vec<Source> {
     let mut found = Vec::new();
-    collect(&repository(), "", "", &mut found);
+    collect(&repository(), "", &mut found);
     found.sort_by(|a, b| a.path.cmp(&b.path));
     assert!(found.len() > 100, "{} Rust files in the repository", found.len());
     found
 }
 
-fn collect(folder: &Path, place: &str, krate: &str, found: &mut Vec<Source>) {
-    let krate = if folder.join("Cargo.toml").is_file() { place } else { krate };
+fn collect(folder: &Path, place: &str, found: &mut Vec<Source>) {
     for entry in fs::read_dir(folder).expect("a folder of the repository can be read") {
         let entry = entry.expect("an entry of a folder can be read");
         let name = entry.file_name().to_string_lossy().into_owned();
@@ -35,14 +32,11 @@ fn collect(folder: &Path, place: &str, krate: &str, found: &mut Vec<Source>) {
         let place = if place.is_empty() { name.clone() } else { format!("{place}/{name}") };
         if path.is_dir() {
             if !name.starts_with('.') && !path.join("CACHEDIR.TAG").exists() {
-                collect(&path, &place, krate, found);
+                collect(&path, &place, found);
             }
         } else if name.ends_with(".rs") {
             let text = fs::read_to_string(&path).expect("a Rust file is text");
-            // What lies in no crate counts by its folder.
-            let outside = place.split('/').next().unwrap_or_default();
-            let krate = if krate.is_empty() { outside } else { krate }.to_owned();
-            found.push(Source { path: place, krate, text });
+            found.push(Source { path: place, text });
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Lengths of files, of argument lists and of the names of tests.
 
+use crate::fault::{self, Fault};
 use crate::files;
-use crate::pending::{self, Fault};
 
 const MOST_LINES: usize = 400;
 const MOST_CHARACTERS: usize = 80;
@@ -32,7 +32,7 @@ fn rust_files_have_at_most_400_lines() {
             faults.push(Fault::at(&source, lines, &what));
         }
     }
-    pending::check("lines of files", pending::FILE_LINES, &faults);
+    fault::check("lines of files", &faults);
 }
 
 #[test]
@@ -46,7 +46,7 @@ fn no_lint_of_many_arguments_is_allowed_anywhere() {
             faults.push(Fault::at(&source, index + 1, what));
         }
     }
-    pending::check("many arguments", pending::ARGUMENTS, &faults);
+    fault::check("many arguments", &faults);
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn names_of_tests_have_at_most_80_characters() {
             }
         }
     }
-    pending::check("names of tests", pending::TEST_NAMES, &faults);
+    fault::check("names of tests", &faults);
 }
 
 #[test]

@@ -3,8 +3,8 @@
 
 mod circles;
 mod comments;
+mod fault;
 mod files;
 mod lengths;
 mod modules;
 mod paths;
-mod pending;

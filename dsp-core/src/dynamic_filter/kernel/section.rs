@@ -2,7 +2,7 @@
 //! Rust: the definition of the bits.
 //!
 //! ```text
-//! v1 = c1 - m c1 + p (g x - c2);   v2 = c2 + p c1 + n (g x - c2);   c1 = 2 v1 - c1;   c2 = 2 v2 - c2
+//! v1 = c1 - m c1 + p (g x - c2);  v2 = c2 + p c1 + n (g x - c2);  c1 = 2 v1 - c1;  c2 = 2 v2 - c2
 //! ```
 //!
 //! What rounding down leaves of v1 and v2 is given to the next frame.
