@@ -155,6 +155,7 @@ impl Counts {
     }
 
     /// Adds pieces of several items.
+    #[inline(always)]
     pub(super) fn add_all<const N: usize>(&mut self, items: [(CostItem, u32); N]) {
         items.into_iter().for_each(|(item, count)| self.add(item, count));
     }

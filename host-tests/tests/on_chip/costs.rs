@@ -101,7 +101,7 @@ fn a_silent_engine_and_its_memory_stay_small() {
     assert!(ringing.stack_bytes <= 2048, "{} bytes of stack", ringing.stack_bytes);
     // With every stage: an engine without noise, filters and room took 78 582 bytes while it had
     // type parameters for them.
-    // The path of the build stands in the messages of panics, and counts with up to a hundred bytes.
+    // The path of the build stands in the messages of panics, and counts with some bytes.
     assert!(footprint.flash <= 257 * 1024, "the engine without its kit: {} bytes", footprint.flash);
     // 2 KB of them are 64 contacts, as all engines have.
     assert!(footprint.ram <= 19 * 1024, "{} bytes", footprint.ram);
