@@ -13,8 +13,8 @@ use crate::time::TICK_FRAMES;
 /// the sizes of blocks change no bit. Without input, sections whose output would stay below a step
 /// of the bus are cleared and not run. A bank at rest costs a comparison a block.
 ///
-/// One pair for each section always suffices. Half as many and four usually do, because sections of
-/// the same arithmetic share a pair (`Bank::size`).
+/// The memory of a bank holds one pair for each section, which always suffices. Sections of equal
+/// arithmetic share a pair, so that about half of the pairs usually run (`Bank::size`).
 ///
 /// Worst SNR against `f64`, and cycles: `docs/biquads.md`.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use super::fractions::{Part, Realised};
 use super::pole::{Form, Pole};
 use crate::time::TICK_FRAMES;
 
-/// Bounds of `max(|u| 2^k, |v|)` of all parts of a unit over a tick, intermediate results included.
+/// Bounds of `max(|u| 2^k, |v|)` over a tick, for all parts of a unit and all intermediate results.
 pub(super) struct Extent {
     /// Bound for states of size 1 at the tick's start.
     pub(super) growth: f64,

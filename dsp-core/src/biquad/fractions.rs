@@ -71,9 +71,9 @@ impl<P: Realised> Part<P> {
 /// Linear polynomial `a0 + a1 ζ`.
 type Line = [f64; 2];
 
-/// Derives the parts of a chain of at most four sections, cluster by cluster, one for each section.
+/// Derives the parts of a chain of at most four sections, one part for each section.
 ///
-/// Further parts of the result are empty.
+/// Parts of one cluster follow each other. Parts beyond the number of sections are empty.
 pub fn parts<P: Realised>(chain: &[Biquad]) -> [Part<P>; 4] {
     let clusters = clusters(chain);
     let mut parts = [Part::EMPTY; 4];

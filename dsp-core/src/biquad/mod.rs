@@ -26,21 +26,21 @@
 //!
 //! # Chains
 //!
-//! The product of a chain runs as the sum of its partial fractions: one section each, so that their
-//! number stays. Sections whose poles (nearly) coincide stay in a row, each with a share of the
-//! input of its own. [`fractions`] says why, and derives the shares.
+//! A chain is a product of sections and runs as the sum of its partial fractions, which has as many
+//! sections. Sections whose poles (nearly) coincide stay in a row, and each gets a share of the
+//! input. [`fractions`] says why, and derives the shares.
 //!
 //! # Scaling
 //!
-//! A pair of sections has a power of two of its own, `state = value · 2^E`. The private module
-//! `settle` chooses it between ticks, from the states and the level of the input: the largest E for
-//! which nothing can wrap, with the proof. So a resonance that takes 50 dB off a noise input still
+//! A pair of sections has a power of two of its own, `state = value · 2^E`. Between ticks the
+//! private module `settle` chooses the largest E for which nothing can wrap, from the states and the
+//! level of the input. The proof stands there. So a resonance that takes 50 dB off a noise input still
 //! has all its bits.
 //!
-//! # Hand
+//! # Choke
 //!
-//! Under a hand a chain's states are multiplied by κ after each frame, so that the chain decays at
-//! least as fast as the hand wants (private module `choke`).
+//! Under a choke a chain's states are multiplied by κ after each frame, so that the chain decays at
+//! least as fast as the choke wants (private module `choke`).
 //!
 //! Worst SNR against `f64`, and cycles: `docs/biquads.md`.
 

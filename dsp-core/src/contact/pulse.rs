@@ -24,9 +24,9 @@ pub enum Pulse {
 
 /// Parameters A and N of a [`Pulse::Hertz`], from the coefficient of restitution e.
 ///
-/// `A = (1-r)/(1+r)`, where r is the ratio of the force's last slope to its first, `r = e^4.6`:
-/// that follows Hunt and Crossley's contact `x'' = -x^1.5 (1 + μ x')` within 4 % for e from 0.45 to
-/// 1; N makes the peak 1. At e = 1 the pulse is the half-sine of diffimpact §3.2; below, its
+/// `A = (1-r)/(1+r)`, where r is the ratio of the force's last slope to its first. `r = e^4.6` is
+/// within 4 % of Hunt and Crossley's contact `x'' = -x^1.5 (1 + μ x')` for e from 0.45 to 1. N
+/// makes the peak 1. At e = 1 the pulse is the half-sine of diffimpact §3.2; below, its
 /// spectrum `N² (2/π)² [c²/(1-4x²)² + (A/4)² s²/(1-x²)²]`, x = fτ, c = cos πx, s = sin πx, has no
 /// zeros.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

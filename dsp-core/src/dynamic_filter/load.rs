@@ -56,40 +56,26 @@ impl<'m> DynamicFilter<'m> {
         P: Iterator<Item = Breakpoint> + Clone,
         L: Iterator<Item = Loop> + Clone,
     {
-        self.loaded = false;
-        self.derive(settings, rate, stream, true)
-    }
-
-    /// As [`load`](Self::load) for settings that have been loaded without memory, so that the loops
-    /// are known to be stable: to check that takes most of a load's time.
-    ///
-    /// # Errors
-    /// [`DynamicFilterError`].
-    pub(crate) fn load_again<P, L>(
-        &mut self,
-        settings: Settings<P, L>,
-        rate: SampleRate,
-        stream: u32,
-    ) -> Result<(), DynamicFilterError>
-    where
-        P: Iterator<Item = Breakpoint> + Clone,
-        L: Iterator<Item = Loop> + Clone,
-    {
-        self.loaded = false;
         self.derive(settings, rate, stream, false)
     }
 
-    fn derive<P, L>(
+    /// Derives as [`load`](Self::load) does. If `is_known`, the settings have been loaded without
+    /// memory, and the stability of their loops is not checked again: that takes most of a load.
+    ///
+    /// # Errors
+    /// [`DynamicFilterError`].
+    pub(crate) fn derive<P, L>(
         &mut self,
         settings: Settings<P, L>,
         rate: SampleRate,
         stream: u32,
-        is_unknown: bool,
+        is_known: bool,
     ) -> Result<(), DynamicFilterError>
     where
         P: Iterator<Item = Breakpoint> + Clone,
         L: Iterator<Item = Loop> + Clone,
     {
+        self.loaded = false;
         let Settings { seed, rate_hz, order, modes_through, exciter, path, loops } = settings;
         if !(SampleRate::MIN_HZ..=SampleRate::MAX_HZ).contains(&rate_hz) {
             return Err(DynamicFilterError::Rate { rate_hz });
@@ -107,9 +93,9 @@ impl<'m> DynamicFilter<'m> {
         let path = path.map(move |point| point.carried(order, ratio));
         self.filter.start(White::new(seed, stream));
         let largest_gain = self.filter.path.gain;
-        let stable = |all: &[_]| match is_unknown {
-            true => stability::check(order, largest_gain, path, all, rate),
-            false => Ok(()),
+        let stable = |all: &[_]| match is_known {
+            true => Ok(()),
+            false => stability::check(order, largest_gain, path, all, rate),
         };
         self.loops.load(loops, self.filter.line_scale(), rate, stable)?;
         self.filter.expect_sums(self.loops.is_coarse());

@@ -41,10 +41,7 @@ impl Filters<'_> {
         self.louder = louder_bits(peak);
         let settings = settings(filter, self.louder);
         let path = settings.path.clone();
-        match is_known {
-            true => self.dynamic.load_again(settings, rate, stream)?,
-            false => self.dynamic.load(settings, rate, stream)?,
-        }
+        self.dynamic.derive(settings, rate, stream, is_known)?;
         let at = (rate, rate.hz() / f64::from(filter.rate_hz()));
         self.levels.load(filter.order(), path, at, !filter.loops().is_empty());
         (self.has_dynamic, self.loop_count) = (true, filter.loops().len() as u32); // at most 16
