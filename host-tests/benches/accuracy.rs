@@ -17,7 +17,7 @@ fn main() {
 fn row(name: &str, render: impl Fn(&Case) -> Vec<f64>) {
     let [full, quiet] = [1.0, 0.01].map(|level| {
         worst_and_median(
-            grid(40, level).iter().map(Case::exact).map(|case| snr_db(case.law(), render(&case))).collect(),
+            grid(40, level).iter().map(Case::exact).map(|case| snr_db(case.reference(), render(&case))).collect(),
         )
     });
     println!("| {name} | {:.1} | {:.1} | {:.1} | {:.1} |", full.0, full.1, quiet.0, quiet.1);

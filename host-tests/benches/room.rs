@@ -1,4 +1,4 @@
-//! The room against its law: decay, energy, echo density and spectral crest.
+//! The room against its reference: decay, energy, echo density and spectral crest.
 //!
 //! `cargo bench -p host-tests --bench room`
 

@@ -1,4 +1,4 @@
-//! What the tests and benches of this crate share: signals measured against the `f64` law.
+//! What the tests and benches of this crate share: signals measured against the `f64` reference.
 
 pub mod biquads;
 pub mod dynamic_filter;

@@ -1,11 +1,11 @@
-//! A kit played by the instrument and by the law, and the difference.
+//! A kit played by the instrument and by the reference, and the difference.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Setup, Skipping, TickReport};
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::table::Kit;
 use malleus::render::instrument::{Output, Settings};
-use malleus::render::{Performance, instrument, law};
+use malleus::render::{Performance, instrument, reference};
 
 /// The stereo bus of the instrument, 1.0 = full scale, and the reports of all ticks.
 pub fn instrument(
@@ -22,9 +22,9 @@ pub fn instrument(
     (bus.into_iter().map(|frame| frame.map(|x| f64::from(x) / f64::from(ONE_Q27))).collect(), reports)
 }
 
-/// The law's stereo sound, 1.0 = full scale.
-pub fn law(loaded: &kit::Loaded, performance: &Performance, rate: SampleRate) -> Vec<[f64; 2]> {
-    law::render(&loaded.kit, performance, rate, |_| {}).expect("the events are valid")
+/// The reference's stereo sound, 1.0 = full scale.
+pub fn reference(loaded: &kit::Loaded, performance: &Performance, rate: SampleRate) -> Vec<[f64; 2]> {
+    reference::render(&loaded.kit, performance, rate, |_| {}).expect("the events are valid")
 }
 
 /// SNR in dB over both channels.

@@ -6,7 +6,7 @@ use crate::SampleRate;
 use crate::exponential;
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::square_root::{exact_root, square_root};
-use crate::table::{BandLaw, range};
+use crate::table::{ResidualBand, range};
 use crate::time::TICK_FRAMES;
 
 /// Maximum number of bands of one stage.
@@ -201,7 +201,7 @@ impl<'m> Bands<'m> {
 
     /// Derives the bands for a rate. Under a hand they fall by at least `hand_db_per_s`; 0 if the
     /// pad cannot be choked.
-    pub(super) fn load(&mut self, laws: impl Iterator<Item = BandLaw>, hand_db_per_s: f64, rate: SampleRate) {
+    pub(super) fn load(&mut self, laws: impl Iterator<Item = ResidualBand>, hand_db_per_s: f64, rate: SampleRate) {
         (self.lower, self.strike_power) = (0.0, 0.0);
         let hand_bits = -hand_db_per_s * (TICK_FRAMES as f64 / rate.hz()) * (core::f64::consts::LOG2_10 / 10.0);
         self.hand = [1.0, f64::from(EIGHTH_TICKS)].map(|ticks| exponential::power_of_two(hand_bits * ticks) as f32);

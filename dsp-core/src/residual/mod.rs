@@ -46,6 +46,6 @@ mod shaper;
 mod stream;
 mod twiddles;
 
-pub use crate::table::BandLaw;
+pub use crate::table::ResidualBand;
 pub use bands::MAX_BANDS;
 pub use shaper::Shaper;

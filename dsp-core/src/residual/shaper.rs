@@ -11,7 +11,7 @@ use crate::fixed;
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::noise::Sfc32;
 use crate::square_root::square_root;
-use crate::table::BandLaw;
+use crate::table::ResidualBand;
 use crate::time::TICK_FRAMES;
 
 /// Number of waves in memory: two frames, one in the making, a strike's own, and new noise for the
@@ -93,7 +93,7 @@ impl<'m> Shaper<'m> {
     /// be choked. `silence` is the rms (1.0 = full scale) below which the sound ends, `noise` tells
     /// stages of one seed apart. Bands beyond [`MAX_BANDS`](super::MAX_BANDS) are left out: a kit's
     /// check refuses them.
-    pub fn load(&mut self, laws: impl Iterator<Item = BandLaw>, rate: SampleRate, noise: Sfc32, silence: f32) {
+    pub fn load(&mut self, laws: impl Iterator<Item = ResidualBand>, rate: SampleRate, noise: Sfc32, silence: f32) {
         self.load_choked(laws, rate, noise, silence, 0.0);
     }
 
@@ -102,7 +102,7 @@ impl<'m> Shaper<'m> {
     /// cannot be choked.
     pub fn load_choked(
         &mut self,
-        laws: impl Iterator<Item = BandLaw>,
+        laws: impl Iterator<Item = ResidualBand>,
         rate: SampleRate,
         noise: Sfc32,
         silence: f32,

@@ -50,6 +50,6 @@ pub use kit::Kit;
 pub use object::Object;
 pub use pad::Pad;
 pub use place::{Field, Place};
-pub use residual::{Background, BandLaw, Residual};
+pub use residual::{Background, Residual, ResidualBand};
 pub use striker::{ContactTable, Striker};
 pub use trigger::Trigger;

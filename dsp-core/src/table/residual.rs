@@ -13,7 +13,7 @@ use super::range;
 
 /// Band of noise of a [`Residual`] or a [`Background`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BandLaw {
+pub struct ResidualBand {
     /// Lower and upper edge in Hz.
     pub edges_hz: [f32; 2],
     /// Rms w at t = 0 (1.0 = full scale) of a strike whose peak force is the reference force.
@@ -79,8 +79,8 @@ impl<'a> Residual<'a> {
     }
 
     /// Bands, lowest first.
-    pub fn bands(&self) -> impl ExactSizeIterator<Item = BandLaw> + Clone + use<'a> {
-        self.bands.iter().zip(self.edges.windows(2)).map(|(band, edges)| BandLaw {
+    pub fn bands(&self) -> impl ExactSizeIterator<Item = ResidualBand> + Clone + use<'a> {
+        self.bands.iter().zip(self.edges.windows(2)).map(|(band, edges)| ResidualBand {
             edges_hz: [edge(edges, 0), edge(edges, 1)],
             weight: band.weight.get(),
             decay_db_per_s: band.decay_db_per_s.get(),
@@ -121,8 +121,8 @@ impl<'a> Background<'a> {
     }
 
     /// Bands, lowest first; their decay is 0.
-    pub fn bands(&self) -> impl ExactSizeIterator<Item = BandLaw> + Clone + use<'a> {
-        self.weights.iter().zip(self.edges.windows(2)).map(|(weight, edges)| BandLaw {
+    pub fn bands(&self) -> impl ExactSizeIterator<Item = ResidualBand> + Clone + use<'a> {
+        self.weights.iter().zip(self.edges.windows(2)).map(|(weight, edges)| ResidualBand {
             edges_hz: [edge(edges, 0), edge(edges, 1)],
             weight: weight.get(),
             decay_db_per_s: 0.0,

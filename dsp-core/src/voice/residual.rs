@@ -3,7 +3,7 @@
 use crate::SampleRate;
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::noise::Sfc32;
-use crate::residual::{BandLaw, Shaper};
+use crate::residual::{ResidualBand, Shaper};
 
 /// Residual of a pad's object, or the background.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ impl<'m> Residual<'m> {
     /// Derives the noise for a rate, as [`Shaper::load_choked`] does.
     pub(crate) fn load(
         &mut self,
-        laws: impl Iterator<Item = BandLaw>,
+        laws: impl Iterator<Item = ResidualBand>,
         rate: SampleRate,
         noise: Sfc32,
         silence: f32,

@@ -1,6 +1,6 @@
 //! The residual stage alone.
 
-use dsp_core::residual::BandLaw;
+use dsp_core::residual::ResidualBand;
 use dsp_core::resonator::TICK_FRAMES;
 use virtual_core::{Cost, Machine};
 
@@ -29,7 +29,7 @@ impl ResidualOnChip {
     ///
     /// # Errors
     /// [`OnChipError::Refused`] where there are too many bands.
-    pub fn load(&mut self, bands: &[BandLaw], seed: u32, silence: f32) -> Result<(), OnChipError> {
+    pub fn load(&mut self, bands: &[ResidualBand], seed: u32, silence: f32) -> Result<(), OnChipError> {
         let numbers =
             bands.iter().flat_map(|band| [band.edges_hz[0], band.edges_hz[1], band.weight, band.decay_db_per_s]);
         let bytes: Vec<u8> = numbers.flat_map(f32::to_le_bytes).collect();

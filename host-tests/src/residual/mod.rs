@@ -1,11 +1,11 @@
-//! The residual measured: whole sounds over many seeds against the law's expectations.
+//! The residual measured: whole sounds over many seeds against the reference's expectations.
 
-pub mod law;
+pub mod reference;
 pub mod spectrum;
 
 use dsp_core::SampleRate;
 use dsp_core::noise::Sfc32;
-use dsp_core::residual::{BandLaw, Shaper};
+use dsp_core::residual::{ResidualBand, Shaper};
 use dsp_core::resonator::TICK_FRAMES;
 
 use crate::lent;
@@ -35,8 +35,8 @@ pub fn edges_hz(spacing: Spacing, count: usize, [low_hz, high_hz]: [f64; 2]) -> 
 }
 
 /// Bands in the reference's type.
-pub fn reference_bands(bands: &[BandLaw]) -> Vec<reference::residual::Band> {
-    let band = |band: &BandLaw| reference::residual::Band {
+pub fn reference_bands(bands: &[ResidualBand]) -> Vec<reference::residual::Band> {
+    let band = |band: &ResidualBand| reference::residual::Band {
         edges_hz: band.edges_hz.map(f64::from),
         weight: f64::from(band.weight),
         decay_db_per_s: f64::from(band.decay_db_per_s),
@@ -45,7 +45,7 @@ pub fn reference_bands(bands: &[BandLaw]) -> Vec<reference::residual::Band> {
 }
 
 /// A stage with its bands, at 48 kHz.
-pub fn shaper(bands: &[BandLaw], seed: u32) -> Box<Shaper<'static>> {
+pub fn shaper(bands: &[ResidualBand], seed: u32) -> Box<Shaper<'static>> {
     let mut shaper = Box::new(lent!(lender => Shaper::take(lender, bands.len())));
     shaper.load(bands.iter().copied(), SampleRate::HZ_48000, Sfc32::new(seed, 0), SILENCE);
     shaper

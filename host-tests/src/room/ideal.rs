@@ -1,4 +1,4 @@
-//! The law itself: independent decaying noise, cut out of each band exactly.
+//! The reference itself: independent decaying noise, cut out of each band exactly.
 
 use super::{Band, Look, Spectrum, Table, tables::random};
 

@@ -2,13 +2,13 @@
 
 mod analysis;
 mod ideal;
-mod law;
+mod reference;
 mod statistics;
 mod tables;
 
 pub use analysis::{Band, Look, Spectrum, crest_db, echo_density_per_s, energy, t60_s};
 pub use ideal::ideal_response;
-pub use law::{BandError, band_errors, frames_needed};
+pub use reference::{BandError, band_errors, frames_needed};
 pub use statistics::{Answer, mean_and_rms};
 pub use tables::{Table, TableBand, octave_tables, random_tables};
 

@@ -1,4 +1,4 @@
-//! What the instrument's room and the law's have in common: energy, decay, balance, correlation.
+//! What the instrument's room and the reference's have in common: energy, decay, balance, correlation.
 
 use super::{BandError, LARGE, Look, Table, answer_to_sides, band_errors, energy};
 use dsp_core::SampleRate;
@@ -34,8 +34,8 @@ impl Answer {
         Self { sides: sides.map(|side| side[at..].to_vec()) }
     }
 
-    /// Of the law, [`reference::room()`], by the noise of a seed.
-    pub fn of_law(table: &Table, rate: SampleRate, pan: f64, frames: usize, seed: u64) -> Self {
+    /// Of the reference, [`reference::room()`], by the noise of a seed.
+    pub fn of_reference(table: &Table, rate: SampleRate, pan: f64, frames: usize, seed: u64) -> Self {
         let bands: Vec<RoomBand> = table
             .bands
             .iter()

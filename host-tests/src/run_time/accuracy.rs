@@ -39,8 +39,8 @@ pub fn measure(grid: &[Case], mut advance: impl FnMut()) -> Vec<Accuracy> {
         .map(|subject| Accuracy { subject, snr_db: Vec::new() })
         .collect();
     for case in grid.iter().map(Case::exact) {
-        let law: Vec<f64> = case.law().take(case.frames()).collect();
-        let snr = |sound: Vec<f64>| snr_db(law.iter().copied(), sound);
+        let reference: Vec<f64> = case.reference().take(case.frames()).collect();
+        let snr = |sound: Vec<f64>| snr_db(reference.iter().copied(), sound);
         fixed.push((FixedForm::of(&case), snr(q31::render(&case))));
         for other in &mut others {
             let sound = match &other.subject {

@@ -106,7 +106,8 @@ impl Report {
     fn picture(&self) -> RunTimePicture {
         RunTimePicture {
             title: "Run time against error".to_owned(),
-            remark: "one mode against the f64 law, 20 Hz to 20 kHz, T60 0.05 to 20 s; blocks of 32 frames".to_owned(),
+            remark: "one mode against the f64 reference, 20 Hz to 20 kHz, T60 0.05 to 20 s; blocks of 32 frames"
+                .to_owned(),
             kernels: self.kernels.iter().filter_map(|row| self.mark(row)).collect(),
         }
     }

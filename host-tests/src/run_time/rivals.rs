@@ -173,7 +173,7 @@ mod tests {
         for (frequency_hz, t60_s) in [(997.0, 0.2), (5_000.0, 0.05), (15_000.0, 0.2)] {
             let case = Case { frequency_hz, t60_s, rate: SampleRate::HZ_48000, level: 1.0 }.exact();
             for rival in all() {
-                let snr_db = snr_db(case.law(), rival.render(&case));
+                let snr_db = snr_db(case.reference(), rival.render(&case));
                 assert!(snr_db > 55.0, "{}: {}, {frequency_hz} Hz: {snr_db} dB", rival.kernel, rival.form);
             }
         }

@@ -52,7 +52,7 @@ pub struct KernelRow {
     /// Length of the hottest loop, bytes. Above 1024 it does not fit the instruction cache of an
     /// STM32F4.
     pub loop_bytes: u32,
-    /// Signal-to-noise ratio against the `f64` law over the cases of the grid that the form plays:
+    /// Signal-to-noise ratio against the `f64` reference over the cases of the grid that the form plays:
     /// the worst, dB. None for bookkeeping.
     pub snr_worst_db: Option<f64>,
     /// The median, dB.

@@ -60,7 +60,7 @@ impl FloatForm {
             }
             Self::Coupled => {
                 let mut mode = FloatMode::new(case.frequency_hz, case.decay_per_s(), fs);
-                // The first step makes v = e r² u: u is chosen such that this is the law's first
+                // The first step makes v = e r² u: u is chosen such that this is the reference's first
                 // sample.
                 let step_squared = (1.0 - radius).powi(2) + 4.0 * radius * (angle / 2.0).sin().powi(2);
                 mode.u = (f64::from(first) / (step_squared.sqrt() * radius * radius)) as f32;

@@ -1,4 +1,4 @@
-//! One mode, struck by a unit impulse and left alone: each form against the law `e^{-dt} sin 2πft`
+//! One mode, struck by a unit impulse and left alone: each form against the reference `e^{-dt} sin 2πft`
 //! in `f64`.
 
 pub mod float_forms;
@@ -37,8 +37,8 @@ impl Case {
         (self.t60_s.min(2.0) * self.rate.hz()) as usize
     }
 
-    /// The law, sample by sample, 1.0 = full scale.
-    pub fn law(&self) -> impl Iterator<Item = f64> + use<> {
+    /// The reference, sample by sample, 1.0 = full scale.
+    pub fn reference(&self) -> impl Iterator<Item = f64> + use<> {
         let (fs, d, f, level) = (self.rate.hz(), self.decay_per_s(), self.frequency_hz, self.level);
         (0..).map(move |n| {
             let t = f64::from(n) / fs;

@@ -1,11 +1,11 @@
 //! Sweeps of the residual stage: energies, decays, flatness, sums of strikes, long rolls.
 
 use dsp_core::noise::Sfc32;
-use dsp_core::residual::BandLaw;
+use dsp_core::residual::ResidualBand;
 use dsp_core::resonator::TICK_FRAMES;
 
 use super::Extent;
-use crate::residual::law::{Measured, decays, energies as energies_of, ideal_sound, mean_and_error, sounds};
+use crate::residual::reference::{Measured, decays, energies as energies_of, ideal_sound, mean_and_error, sounds};
 use crate::residual::spectrum::{between, energy_spectrum};
 use crate::residual::{Spacing, edges_hz, play, shaper};
 
@@ -15,9 +15,14 @@ pub const SEEDS: u32 = 200;
 const FRAMES: usize = 65_536;
 
 /// Bands of equal density; `decay` gives the decay of each, in dB/s, by its number.
-pub fn bands(spacing: Spacing, count: usize, range_hz: [f64; 2], mut decay: impl FnMut(usize) -> f64) -> Vec<BandLaw> {
+pub fn bands(
+    spacing: Spacing,
+    count: usize,
+    range_hz: [f64; 2],
+    mut decay: impl FnMut(usize) -> f64,
+) -> Vec<ResidualBand> {
     let edges = edges_hz(spacing, count, range_hz);
-    let mut band = |(index, edges): (usize, &[f64])| BandLaw {
+    let mut band = |(index, edges): (usize, &[f64])| ResidualBand {
         edges_hz: [edges[0] as f32, edges[1] as f32],
         weight: (0.003 * ((edges[1] - edges[0]) / 100.0).sqrt()) as f32,
         decay_db_per_s: decay(index) as f32,
@@ -74,7 +79,8 @@ pub fn energies_beside_longer_ones(extent: Extent) {
             let measured = energies_of(&bands, &sounds(&bands, SEEDS, FRAMES));
             let (wide, narrow): (Vec<_>, Vec<_>) =
                 bands.iter().zip(measured).partition(|(band, _)| band.edges_hz[1] - band.edges_hz[0] > WIDE_HZ);
-            let only = |part: &[(&BandLaw, Measured)]| part.iter().map(|(_, measured)| *measured).collect::<Vec<_>>();
+            let only =
+                |part: &[(&ResidualBand, Measured)]| part.iter().map(|(_, measured)| *measured).collect::<Vec<_>>();
             let (wide, narrow) = (only(&wide), only(&narrow));
             println!(
                 "{spacing:?}, seed {seed}: {} bands of 94 Hz and more, worst {:.2} dB beyond 3 s.e.; of {} narrower ones {} miss, worst {:.2}",
@@ -150,13 +156,13 @@ pub fn decays_of_equal_bands(extent: Extent) {
     }
 }
 
-/// Decays of a hundred bands, within 3 % of those of the law's own noise.
+/// Decays of a hundred bands, within 3 % of those of the reference's own noise.
 ///
 /// # Panics
 /// If the limit is broken.
 pub fn decays_of_a_hundred_bands(extent: Extent) {
     let seeds = extent.pick(20, SEEDS);
-    // A sharp cut of a narrow band smears its beginning, in the law's noise as in ours.
+    // A sharp cut of a narrow band smears its beginning, in the reference's noise as in ours.
     const FRAMES: usize = 32_768;
     let (tables, ideal_seeds) = extent.pick((1, 8), (2, 30));
     let smooth = |index: usize| 120.0 + 2.0 * index as f64;
@@ -173,7 +179,7 @@ pub fn decays_of_a_hundred_bands(extent: Extent) {
             (ours.error / ideal.error - 1.0).abs() - 3.0 * standard_error
         });
         let worst = beyond.fold(0.0, f64::max);
-        println!("decays of a hundred bands, {name}: worst {:.1} % beyond 3 s.e. of the law's", 100.0 * worst);
+        println!("decays of a hundred bands, {name}: worst {:.1} % beyond 3 s.e. of the reference's", 100.0 * worst);
         assert!(worst < 0.03, "{name}: {worst}");
     }
 }

@@ -8,7 +8,7 @@ use dsp_core::resonator::TICK_FRAMES;
 use malleus::render::Performance;
 
 use super::Extent;
-use crate::performance::{law, snr_db};
+use crate::performance::{reference, snr_db};
 use crate::scene::{load, mode, one_pad, play, strike};
 
 const RATE: SampleRate = SampleRate::HZ_48000;
@@ -24,7 +24,7 @@ pub fn performance(events: Vec<Event>, force: Option<Vec<i32>>, frames: usize) -
 }
 
 /// Full-scale sines in resonance with a mode of T60 60 s, for 30 s: clean saturation, then the
-/// decay of the law.
+/// decay of the reference.
 ///
 /// # Panics
 /// If the limit is broken.
@@ -43,8 +43,8 @@ pub fn resonance(extent: Extent) {
         let frames = (driven + 10 * 48_000) as usize;
         let (bus, reports) = play(&loaded, RATE, Skipping::On, &[], Some(&force), (frames, &[128]));
         assert!(reports.iter().all(|report| report.refused_inputs == 0));
-        let expected = law(&loaded, &performance(Vec::new(), Some(force), frames), RATE);
-        // The bus clips at 16; the law does not. Differences count relative to the amplitude, which
+        let expected = reference(&loaded, &performance(Vec::new(), Some(force), frames), RATE);
+        // The bus clips at 16; the reference does not. Differences count relative to the amplitude, which
         // grows for half a minute.
         let mut amplitude = 1.0f64;
         for (index, ([got, _], [expected, _])) in real(&bus).iter().zip(&expected).enumerate() {
@@ -86,7 +86,7 @@ pub fn strikes(extent: Extent) {
 }
 
 /// A thousand million samples of modes of T60 60 s: level and phase of one that is heard, against
-/// the law.
+/// the reference.
 ///
 /// # Panics
 /// If the limit is broken.
@@ -100,7 +100,7 @@ pub fn drift(extent: Extent) {
     let (bus, reports) = play(&loaded, RATE, Skipping::Off, &[strike(0, 1.0)], None, (frames, &[128]));
     let run: u64 = reports.iter().map(|report: &TickReport| u64::from(report.run_mode_frames())).sum();
     assert!(run >= 999 * frames as u64 / 2, "{run}");
-    let expected = law(&loaded, &performance(vec![strike(0, 1.0)], None, frames), RATE);
+    let expected = reference(&loaded, &performance(vec![strike(0, 1.0)], None, frames), RATE);
     let bus = real(&bus);
     for &second in seconds {
         let window = second * 48_000..(second + 1) * 48_000;

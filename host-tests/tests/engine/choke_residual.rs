@@ -3,14 +3,14 @@
 
 use dsp_core::SampleRate;
 use dsp_core::noise::Sfc32;
-use dsp_core::residual::{BandLaw, Shaper};
+use dsp_core::residual::{ResidualBand, Shaper};
 use dsp_core::resonator::TICK_FRAMES;
 use host_tests::lent;
 
 const SEEDS: u32 = 60;
 
-fn band(edges_hz: [f32; 2], decay_db_per_s: f32) -> BandLaw {
-    BandLaw { edges_hz, weight: 0.1, decay_db_per_s }
+fn band(edges_hz: [f32; 2], decay_db_per_s: f32) -> ResidualBand {
+    ResidualBand { edges_hz, weight: 0.1, decay_db_per_s }
 }
 
 /// Event at a frame.
@@ -28,7 +28,7 @@ fn acts_at(frame: usize, act: Act) -> usize {
 
 /// Power a window, averaged over seeds, in dB.
 fn levels(
-    bands: &[BandLaw],
+    bands: &[ResidualBand],
     hz: u32,
     choke_t60_s: f64,
     acts: &[(usize, Act)],
@@ -104,7 +104,7 @@ fn each_band_of_a_choked_residual_has_the_faster_of_both_rates() {
         let db_per_s = (found[5] - found[13]) / (8.0 * 0.005);
         assert!((db_per_s / wanted - 1.0).abs() < 0.05, "band {index}: {db_per_s:.1} dB/s");
     }
-    // Both at once: once the fast one has gone, the slow one is where its own law has it.
+    // Both at once: once the fast one has gone, the slow one is where it would be alone.
     let bands = [band([500.0, 4_000.0], 30.0), band([6_000.0, 12_000.0], 900.0)];
     let acts = [(0, Act::Strike), (2_000, Act::Choke), (6_000, Act::Release)];
     let (both, slow) = (levels(&bands, 48_000, 0.2, &acts, 60, 240), levels(&bands[..1], 48_000, 0.2, &acts, 60, 240));
@@ -115,7 +115,7 @@ fn each_band_of_a_choked_residual_has_the_faster_of_both_rates() {
     // Free for all but the hand's time.
     let wanted = 30.0 * (50.0 * 0.005 - seconds) + 300.0 * seconds;
     let fallen = slow[0] - slow[50];
-    assert!((fallen - wanted).abs() < 1.0, "{fallen:.2} dB, {wanted:.2} by the law");
+    assert!((fallen - wanted).abs() < 1.0, "{fallen:.2} dB, {wanted:.2} by the reference");
 }
 
 #[test]
@@ -129,7 +129,7 @@ fn a_residual_under_hands_has_the_powers_of_the_reference() {
         to_s: acts_at(to, Act::Release) as f64 / 48e3,
         t60_s: 0.15,
     });
-    let of = |band: &BandLaw| reference::residual::Band {
+    let of = |band: &ResidualBand| reference::residual::Band {
         edges_hz: band.edges_hz.map(f64::from),
         weight: f64::from(band.weight),
         decay_db_per_s: f64::from(band.decay_db_per_s),
@@ -149,24 +149,24 @@ fn a_residual_under_hands_has_the_powers_of_the_reference() {
         let wanted = 10.0 * f64::log10(power);
         // 60 seeds of some 100 degrees of freedom each: 0.1 dB; what a frame's tick rounds, and its
         // smeared edges, the rest.
-        assert!((found - wanted).abs() < 0.8, "window {index}: {found:.2} dB, by the law {wanted:.2}");
+        assert!((found - wanted).abs() < 0.8, "window {index}: {found:.2} dB, by the reference {wanted:.2}");
     }
 }
 
 #[test]
 fn a_hand_comes_to_a_residual_and_goes_without_a_click() {
     let bands = [band([100.0, 300.0], 20.0)];
-    let law = |acts: &[(usize, Act)]| {
+    let reference = |acts: &[(usize, Act)]| {
         let mut shaper = lent!(lender => Shaper::take(lender, bands.len()));
         shaper.load_choked(bands.iter().copied(), SampleRate::HZ_48000, Sfc32::new(1, 0), 1e-7, 600.0);
         play(&mut shaper, acts, 20_000)
     };
-    let free = law(&[(0, Act::Strike)]);
+    let free = reference(&[(0, Act::Strike)]);
     let step = |sound: &[i32]| sound.windows(2).map(|pair| pair[0].abs_diff(pair[1])).max().unwrap_or(0);
     let largest = step(&free[1..]);
     for phase in 0..70 {
         let (comes, goes) = (5_000 + 11 * phase, 7_001 + 13 * phase);
-        let held = law(&[(0, Act::Strike), (comes, Act::Choke), (goes, Act::Release)]);
+        let held = reference(&[(0, Act::Strike), (comes, Act::Choke), (goes, Act::Release)]);
         assert!(held[..=comes] == free[..=comes]);
         // -90 dBFS.
         assert!(

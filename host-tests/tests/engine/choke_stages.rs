@@ -39,7 +39,7 @@ fn play(
 
 /// The left channel of the reference, in steps of the bus.
 fn reference(kit: &Kit, hz: u32, events: &[Event], frames: usize) -> Vec<f64> {
-    let pads = malleus::render::law::pads(kit, SampleRate::new(hz, 1).unwrap());
+    let pads = malleus::render::reference::pads(kit, SampleRate::new(hz, 1).unwrap());
     let action = |action| match action {
         Action::Choke => reference::Action::Choke,
         Action::Release => reference::Action::Release,
@@ -132,8 +132,8 @@ fn a_choked_biquad_falls_at_the_faster_of_both_rates() {
             let events = [strike(0, 1.0), hand(start as u64, Action::Choke)];
             let got = t60_s(&instrument(&kit, hz, &events, None, frames, 128), hz, [from, to], hz as usize / 100);
             assert!((got / wanted - 1.0).abs() < 0.02, "{hz} Hz, own {own} s, hand {choke} s: {got:.4} s");
-            let law: Vec<i32> = reference(&kit, hz, &events, frames).iter().map(|&x| x as i32).collect();
-            let got = t60_s(&law, hz, [from, to], hz as usize / 100);
+            let expected: Vec<i32> = reference(&kit, hz, &events, frames).iter().map(|&x| x as i32).collect();
+            let got = t60_s(&expected, hz, [from, to], hz as usize / 100);
             assert!((got / wanted - 1.0).abs() < 0.02, "reference, {hz} Hz, own {own} s, hand {choke} s: {got:.4} s");
             // Struck under the hand, it falls as fast.
             let under = [hand(0, Action::Choke), strike(start as u64, 1.0)];
@@ -215,13 +215,13 @@ fn a_choked_dynamic_filter_falls_at_the_faster_of_both_rates() {
             // fall is known.
             let free = instrument(&kit, hz, &events[..1], None, hz as usize / 2, 128);
             let choked = instrument(&kit, hz, &events, None, hz as usize / 2, 128);
-            let law = reference(&kit, hz, &events, hz as usize / 2);
+            let expected = reference(&kit, hz, &events, hz as usize / 2);
             let seconds = (to - from) as f64 / f64::from(hz);
             let extra = |sound: &[i32]| {
                 let under = |at: usize| level(&free, at, window) - level(sound, at, window);
                 (under(to) - under(from)) / seconds
             };
-            for (name, sound) in [("instrument", choked), ("reference", law.iter().map(|&x| x as i32).collect())] {
+            for (name, sound) in [("instrument", choked), ("reference", expected.iter().map(|&x| x as i32).collect())] {
                 let got = 60.0 / (60.0 / f64::from(own) + extra(&sound));
                 // A piece of the path falls by 2.5 dB, at first more slowly than at its end.
                 assert!((got / wanted - 1.0).abs() < 0.05, "{name}, {hz} Hz, own {own} s, hand {choke} s: {got:.4} s");
@@ -322,7 +322,7 @@ fn a_hand_comes_and_goes_without_a_click() {
                 assert!(free.iter().all(|x| x.abs() < 2 * ONE_Q27), "it clips");
                 let loudest = free[comes - 600..comes + 600].iter().map(|x| x.abs()).max();
                 assert!(loudest > Some(ONE_Q27 / 10_000), "hand {choke} s: {loudest:?}");
-                // What a fast hand takes of a sample is a step by law: of the loudest, at most
+                // What a fast hand takes of a sample is a step in the reference too: of the loudest, at most
                 // this.
                 let taken = 1.0 - (-1000f64.ln() / (f64::from(choke) * 48e3)).exp();
                 let of_hand = if choke < 0.05 { (f64::from(loudest.unwrap_or(0)) * taken) as i32 } else { 0 };
@@ -330,7 +330,7 @@ fn a_hand_comes_and_goes_without_a_click() {
                 let (before, at) =
                     (largest_step(&free[comes - 600..comes]), largest_step(&held[comes - 2..comes + 40]));
                 assert!(at <= before + of_hand + STEP, "hand {choke} s comes: {at} after {before}");
-                // The law only multiplies states: it has no step. The instrument is where it is,
+                // The reference only multiplies states: it has no step. The instrument is where it is,
                 // before the hand goes and after.
                 let exact = reference(&kit, 48_000, &events, goes + 600);
                 for (n, exact) in exact.iter().enumerate().skip(comes - 100) {

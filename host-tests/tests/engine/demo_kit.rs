@@ -1,9 +1,9 @@
-//! Every pad of the demo kit against the law.
+//! Every pad of the demo kit against the reference.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
 use dsp_core::event::{Event, Time};
-use host_tests::performance::{instrument, largest_difference, law, snr_db};
+use host_tests::performance::{instrument, largest_difference, reference, snr_db};
 use malleus::render::Performance;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
@@ -35,7 +35,7 @@ fn impacts_on_every_pad_leave_at_least_103_db_to_the_reference_on_the_bus() {
     for (index, pad) in loaded.kit.pads.iter().enumerate() {
         let performance = Performance::new(strikes(&loaded.kit, index), None, &loaded.kit, RATE, Some(3.0));
         let (bus, reports) = instrument(&loaded, &performance, RATE, Skipping::Off);
-        let expected = law(&loaded, &performance, RATE);
+        let expected = reference(&loaded, &performance, RATE);
         let snr = snr_db(&expected, &bus);
         println!("{}: {snr:.1} dB", pad.name);
         assert!(snr >= 103.0, "{}: {snr:.1} dB", pad.name);

@@ -1,4 +1,4 @@
-//! Hands: chokes and releases against the law, under the boards' budgets, and their cost to what
+//! Hands: chokes and releases against the reference, under the boards' budgets, and their cost to what
 //! else rings.
 
 use boards::{BlackpillF411, Board, Stm32f407gDisc1};
@@ -6,7 +6,7 @@ use dsp_core::SampleRate;
 use dsp_core::engine::{CostItem, Setup, Skipping};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::table::Kit as KitView;
-use host_tests::performance::{self, law, snr_db};
+use host_tests::performance::{self, reference, snr_db};
 use host_tests::scene::{hand, load, mode, one_pad, strike};
 use host_tests::sweeps::hands::{CHOKE, play_from};
 use host_tests::sweeps::{self, Extent};
@@ -17,20 +17,20 @@ use proptest::prelude::*;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-fn snr_to_the_law(loaded: &kit::Loaded, events: Vec<Event>) -> f64 {
+fn snr_to_the_reference(loaded: &kit::Loaded, events: Vec<Event>) -> f64 {
     let performance = Performance::new(events, None, &loaded.kit, RATE, Some(0.4));
     let (bus, _) = performance::instrument(loaded, &performance, RATE, Skipping::Off);
-    snr_db(&law(loaded, &performance, RATE), &bus)
+    snr_db(&reference(loaded, &performance, RATE), &bus)
 }
 
 #[test]
 fn a_choke_and_its_release_keep_the_last_two_samples_of_each_mode() {
-    // One mode below fs/12, choked so fast that its phase would show any other law.
+    // One mode below fs/12, choked so fast that its phase would show any other decay.
     let mut kit = one_pad(vec![mode(120.0, 2.0, 300.0, 200.0)]);
     kit.pads[0].choke_t60_s = 0.02;
     let loaded = load(kit);
     let events = vec![strike(0, 1.0), hand(1_500, Action::Choke), strike(1_700, 1.0), hand(1_900, Action::Release)];
-    let snr = snr_to_the_law(&loaded, events);
+    let snr = snr_to_the_reference(&loaded, events);
     println!("{snr:.1} dB");
     assert!(snr >= 120.0, "{snr:.1} dB");
 }
@@ -69,7 +69,7 @@ proptest! {
                 _ => hand(frame, Action::Release),
             });
         }
-        let snr = snr_to_the_law(&loaded, events);
+        let snr = snr_to_the_reference(&loaded, events);
         prop_assert!(snr >= 96.0, "{snr:.1} dB");
     }
 }

@@ -11,7 +11,7 @@ use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
 use dsp_core::fixed::ONE_Q27;
 use fit::synthetic::hammered;
-use host_tests::performance::{instrument, largest_difference, law, snr_db};
+use host_tests::performance::{instrument, largest_difference, reference, snr_db};
 use malleus::render::Performance;
 use malleus::wave::{Force, read_force};
 
@@ -61,7 +61,7 @@ fn every_pad_is_within(force: &Force, least_snr_db: f64, most_skipped_dbfs: f64)
         let direct = Some((index, force.samples.clone()));
         let performance = Performance::new(Vec::new(), direct, &loaded.kit, force.rate, Some(2.0));
         let (bus, _) = instrument(&loaded, &performance, force.rate, Skipping::Off);
-        let expected = law(&loaded, &performance, force.rate);
+        let expected = reference(&loaded, &performance, force.rate);
         let snr = snr_db(&expected, &bus);
         let (skipped, reports) = instrument(&loaded, &performance, force.rate, Skipping::On);
         let difference_dbfs = 20.0 * largest_difference(&bus, &skipped).log10();
@@ -109,7 +109,7 @@ fn mug_under(force: &Force) -> [Vec<f64>; 2] {
     let direct = Some((mug, force.samples.clone()));
     let performance = Performance::new(Vec::new(), direct, &loaded.kit, force.rate, Some(0.1));
     let (bus, _) = instrument(&loaded, &performance, force.rate, Skipping::On);
-    [law(&loaded, &performance, force.rate), bus].map(|sound| {
+    [reference(&loaded, &performance, force.rate), bus].map(|sound| {
         let mut mono = vec![0.0; LONGEST_DELAY];
         mono.extend(sound.iter().map(|frame| frame[0] + frame[1]));
         mono

@@ -3,7 +3,7 @@
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
 use dsp_core::event::{Action, Event, Time};
-use host_tests::performance::{instrument, law, snr_db};
+use host_tests::performance::{instrument, reference, snr_db};
 use host_tests::scene::{load, one_pad, play};
 use kit::{Gain, Loaded, Mode};
 use malleus::render::Performance;
@@ -17,11 +17,11 @@ fn strike_at(time_samples: f64, position: f32, velocity: f32) -> Event {
     Event { time: Time { frame: frame as u64, fraction }, position, velocity, ..Event::default() }
 }
 
-fn snr_to_the_law(loaded: &Loaded, events: Vec<Event>) -> (f64, u32) {
+fn snr_to_the_reference(loaded: &Loaded, events: Vec<Event>) -> (f64, u32) {
     let performance = Performance::new(events, None, &loaded.kit, RATE, Some(0.3));
     let (bus, reports) = instrument(loaded, &performance, RATE, Skipping::Off);
     let merged = reports.iter().map(|report| report.merged_positions).sum();
-    (snr_db(&law(loaded, &performance, RATE), &bus), merged)
+    (snr_db(&reference(loaded, &performance, RATE), &bus), merged)
 }
 
 /// Modes from 100 Hz to 20 kHz with gains at `positions` places, every other with a cosine too.
@@ -48,11 +48,11 @@ fn table() -> Loaded {
 }
 
 #[test]
-fn two_strikes_at_two_places_within_a_contact_agree_with_the_law() {
+fn two_strikes_at_two_places_within_a_contact_agree_with_the_reference() {
     let loaded = table();
     for apart_ms in [0.1, 0.5, 1.0, 2.0] {
         let events = vec![strike_at(100.0, 0.0, 0.9), strike_at(100.0 + 48.0 * apart_ms, 0.7, 0.8)];
-        let (snr, merged) = snr_to_the_law(&loaded, events);
+        let (snr, merged) = snr_to_the_reference(&loaded, events);
         println!("{apart_ms} ms apart: {snr:.1} dB");
         assert!(snr >= 100.0 && merged == 0, "{apart_ms} ms: {snr:.1} dB, {merged} merged");
     }
@@ -68,8 +68,8 @@ fn a_strike_at_a_third_place_is_merged_into_the_nearer_and_counted() {
     // It is played at 0.7.
     let mut nearer = performance;
     nearer.events[2].position = 0.7;
-    let snr = snr_db(&law(&loaded, &nearer, RATE), &bus);
-    println!("{snr:.1} dB to the law with the third at the nearer place");
+    let snr = snr_db(&reference(&loaded, &nearer, RATE), &bus);
+    println!("{snr:.1} dB to the reference with the third at the nearer place");
     assert!(snr >= 100.0, "{snr:.1} dB");
 }
 
@@ -77,7 +77,7 @@ fn a_strike_at_a_third_place_is_merged_into_the_nearer_and_counted() {
 fn a_pad_with_one_position_is_struck_in_one_slot_whatever_its_strikes_say() {
     let loaded = load(one_pad(modes(&[(40.0, 0.0); 12], 1)));
     let events = vec![strike_at(10.0, 0.0, 0.9), strike_at(20.0, 0.7, 0.8), strike_at(25.0, 1.0, 0.8)];
-    let (snr, merged) = snr_to_the_law(&loaded, events);
+    let (snr, merged) = snr_to_the_reference(&loaded, events);
     assert!(snr >= 100.0 && merged == 0, "{snr:.1} dB, {merged} merged");
 }
 
@@ -110,7 +110,7 @@ proptest! {
         }
         let blocks = |size: usize| play(&loaded, RATE, Skipping::On, &events, None, (6_000, &[size])).0;
         prop_assert!(blocks(block) == blocks(32), "blocks of {block} change the bits");
-        let (snr, merged) = snr_to_the_law(&loaded, events);
+        let (snr, merged) = snr_to_the_reference(&loaded, events);
         prop_assert!(merged > 0 || snr >= 96.0, "{snr:.1} dB");
     }
 }

@@ -5,7 +5,7 @@ use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
 use dsp_core::event::{Event, Time};
 use dsp_core::fixed::q27_from;
-use host_tests::performance::{instrument, largest_difference, law, snr_db};
+use host_tests::performance::{instrument, largest_difference, reference, snr_db};
 use host_tests::scene::{load, one_pad};
 use kit::{Acceleration, Gain, Kit, Loaded, Mode};
 use malleus::render::Performance;
@@ -44,13 +44,13 @@ fn with(modes: &[Mode], acceleration: Acceleration) -> Loaded {
 }
 
 /// Mean of the left channel over the last 20 ms of 0.4 s of a constant force, by the instrument and
-/// by the law.
+/// by the reference.
 fn under_constant_force(loaded: &Loaded, rate: SampleRate) -> [f64; 2] {
     let frames = (0.4 * rate.hz()) as usize;
     let force = vec![q27_from(0.05); frames];
     let performance = Performance { events: Vec::new(), direct: Some((0, force)), frames };
     let (bus, _) = instrument(loaded, &performance, rate, Skipping::On);
-    [bus, law(loaded, &performance, rate)].map(|sound| {
+    [bus, reference(loaded, &performance, rate)].map(|sound| {
         let last = &sound[frames - (0.02 * rate.hz()) as usize..];
         last.iter().map(|frame| frame[0]).sum::<f64>() / last.len() as f64
     })
@@ -72,7 +72,7 @@ proptest! {
     }
 
     #[test]
-    fn strikes_on_balanced_modes_at_any_position_leave_90_db_to_the_law(
+    fn strikes_on_balanced_modes_at_any_position_leave_90_db_to_the_reference(
         modes in modes(), places in prop::collection::vec((0.0f32..=1.0, 0.1f32..=1.0), 1..4),
     ) {
         let loaded = with(&modes, Acceleration::Balance);
@@ -85,8 +85,8 @@ proptest! {
             });
             let performance = Performance::new(events.collect(), None, &loaded.kit, rate, Some(0.15));
             let (bus, _) = instrument(&loaded, &performance, rate, Skipping::Off);
-            let balanced = law(&loaded, &performance, rate);
-            let plain = law(&with(&modes, Acceleration::NONE), &performance, rate);
+            let balanced = reference(&loaded, &performance, rate);
+            let plain = reference(&with(&modes, Acceleration::NONE), &performance, rate);
             // What is left of a soft strike is a difference: the error is that of what was
             // subtracted.
             let energy = |sound: &[[f64; 2]]| sound.iter().flatten().map(|x| x * x).sum::<f64>();

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
 use dsp_core::event::{Event, Time};
-use host_tests::performance::{instrument, law};
+use host_tests::performance::{instrument, reference};
 use malleus::render::Performance;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
@@ -45,9 +45,9 @@ fn largest_fall(values: impl Iterator<Item = f64>) -> f64 {
 fn every_mode_of_every_shipped_pad_gets_louder_with_velocity() {
     for name in KITS {
         let loaded = open(name);
-        let pads = malleus::render::law::pads(&loaded.kit, RATE);
-        for (pad, law) in loaded.kit.pads.iter().zip(&pads) {
-            for (striker, striker_name) in law.strikers.iter().zip(&pad.strikers) {
+        let pads = malleus::render::reference::pads(&loaded.kit, RATE);
+        for (pad, prepared) in loaded.kit.pads.iter().zip(&pads) {
+            for (striker, striker_name) in prepared.strikers.iter().zip(&pad.strikers) {
                 let mut worst_db = 0.0f64;
                 for onset in [0.0, 0.37, 0.71] {
                     let forces: Vec<Vec<f64>> = velocities(80)
@@ -60,7 +60,7 @@ fn every_mode_of_every_shipped_pad_gets_louder_with_velocity() {
                                 .collect()
                         })
                         .collect();
-                    let audible = law.object.modes.iter().filter(|mode| mode.frequency_hz < RATE.hz() / 2.0);
+                    let audible = prepared.object.modes.iter().filter(|mode| mode.frequency_hz < RATE.hz() / 2.0);
                     for mode in audible {
                         let fall =
                             largest_fall(forces.iter().map(|force| energy(mode.frequency_hz, mode.decay_per_s, force)));
@@ -109,19 +109,19 @@ fn no_shipped_pad_gets_duller_or_softer_under_a_harder_strike() {
         for (index, pad) in loaded.kit.pads.iter().enumerate() {
             for striker in 0..pad.strikers.len() {
                 // The instrument plays every third velocity too.
-                let (mut by_law, mut by_instrument) = (Vec::new(), Vec::new());
+                let (mut by_reference, mut by_instrument) = (Vec::new(), Vec::new());
                 for (step, velocity) in velocities(16).enumerate() {
                     let events = vec![one_strike(index, striker, velocity, 0.3)];
                     let seconds = FRAMES as f64 / RATE.hz();
                     let performance = Performance::new(events, None, &loaded.kit, RATE, Some(seconds));
-                    by_law.push(energy_and_centroid_hz(&law(&loaded, &performance, RATE)));
+                    by_reference.push(energy_and_centroid_hz(&reference(&loaded, &performance, RATE)));
                     if step % 3 == 0 {
                         let (bus, _) = instrument(&loaded, &performance, RATE, Skipping::On);
                         by_instrument.push(energy_and_centroid_hz(&bus));
                     }
                 }
                 let struck = format!("{name}, {} with {}", pad.name, pad.strikers[striker]);
-                for (player, series) in [("law", by_law), ("instrument", by_instrument)] {
+                for (player, series) in [("reference", by_reference), ("instrument", by_instrument)] {
                     let softer = largest_fall(series.iter().map(|(energy, _)| *energy));
                     let duller = largest_fall(series.iter().map(|(_, centroid)| *centroid));
                     println!(

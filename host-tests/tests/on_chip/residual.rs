@@ -1,6 +1,6 @@
 //! The residual on the virtual core: the same bits as on the PC, and its cycles.
 
-use dsp_core::residual::BandLaw;
+use dsp_core::residual::ResidualBand;
 use dsp_core::resonator::TICK_FRAMES;
 use host_tests::on_chip::ResidualOnChip;
 use host_tests::residual::{SILENCE, Spacing, edges_hz, play, shaper};
@@ -8,9 +8,9 @@ use host_tests::residual::{SILENCE, Spacing, edges_hz, play, shaper};
 /// A fifth of a second of new noise for the next strike in the making, and what is steady.
 const TICKS: usize = 420;
 
-fn bands(spacing: Spacing) -> Vec<BandLaw> {
+fn bands(spacing: Spacing) -> Vec<ResidualBand> {
     let edges = edges_hz(spacing, 100, [50.0, 23_500.0]);
-    let band = |(index, edges): (usize, &[f64])| BandLaw {
+    let band = |(index, edges): (usize, &[f64])| ResidualBand {
         edges_hz: [edges[0] as f32, edges[1] as f32],
         weight: 0.003,
         decay_db_per_s: 100.0 + 3.0 * index as f32,
@@ -19,7 +19,7 @@ fn bands(spacing: Spacing) -> Vec<BandLaw> {
 }
 
 /// Cycles of each tick; the sound must be the PC's.
-fn run(bands: &[BandLaw], strikes: &[(usize, f32)]) -> Vec<u64> {
+fn run(bands: &[ResidualBand], strikes: &[(usize, f32)]) -> Vec<u64> {
     let mut chip = ResidualOnChip::new().expect("the image builds");
     chip.load(bands, 1, SILENCE).expect("the bands fit");
     let pc = play(&mut shaper(bands, 1), strikes, TICKS * TICK_FRAMES);

@@ -3,7 +3,7 @@
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
 use dsp_core::event::Action;
-use host_tests::performance::{law, snr_db};
+use host_tests::performance::{reference, snr_db};
 use host_tests::scene::{hand, load, mode, one_pad, play, strike};
 use host_tests::sweeps::stability::{performance, real};
 use host_tests::sweeps::{self, Extent};
@@ -11,7 +11,7 @@ use host_tests::sweeps::{self, Extent};
 const RATE: SampleRate = SampleRate::HZ_48000;
 
 #[test]
-fn a_sine_on_a_mode_of_60_s_for_30_s_saturates_cleanly_and_decays_by_its_law() {
+fn a_sine_on_a_mode_of_60_s_for_30_s_saturates_cleanly_and_decays_as_its_table_says() {
     sweeps::stability::resonance(Extent::Tenth);
 }
 
@@ -38,7 +38,7 @@ fn a_thousand_strikes_a_second_on_every_pad_stay_bounded_and_end_in_silence() {
 fn modes_in_phase_by_the_hundred_sum_up_without_a_wrap() {
     let loaded = load(one_pad(vec![mode(300.0, 1.0, 0.0, 4_000.0); 512]));
     let (bus, _) = play(&loaded, RATE, Skipping::On, &[strike(0, 1.0)], None, (24_000, &[128]));
-    let expected = law(&loaded, &performance(vec![strike(0, 1.0)], None, 24_000), RATE);
+    let expected = reference(&loaded, &performance(vec![strike(0, 1.0)], None, 24_000), RATE);
     assert!(expected.iter().any(|frame| frame[0].abs() > 100.0));
     for ([got, _], [expected, _]) in real(&bus).iter().zip(&expected) {
         // 512 amplitudes of 1.27 sum up to 650.
@@ -47,13 +47,13 @@ fn modes_in_phase_by_the_hundred_sum_up_without_a_wrap() {
 }
 
 #[test]
-fn the_edges_of_frequency_and_decay_follow_the_law() {
+fn the_edges_of_frequency_and_decay_follow_the_reference() {
     for frequency_hz in [1.0, 5.0, 0.25 * 48_000.0, 0.499 * 48_000.0] {
         for t60_s in [0.001, 0.01, 1.0, 120.0] {
             let loaded = load(one_pad(vec![mode(frequency_hz, t60_s, 200.0, 100.0)]));
             let events = vec![strike(3, 1.0), strike(20_000, 0.3)];
             let (bus, _) = play(&loaded, RATE, Skipping::Off, &events, None, (48_000, &[128]));
-            let expected = law(&loaded, &performance(events, None, 48_000), RATE);
+            let expected = reference(&loaded, &performance(events, None, 48_000), RATE);
             let snr = snr_db(&expected, &real(&bus));
             println!("{frequency_hz} Hz, {t60_s} s: {snr:.1} dB");
             // At exactly fs/4 the orbit repeats every four samples, and so do its roundings: they
@@ -87,7 +87,7 @@ fn choke_and_release_while_ringing_follow_the_law_without_a_step() {
             strike(20_000, 0.5),
         ]);
         let (bus, _) = play(&loaded, RATE, Skipping::Off, &events, None, (48_000, &[33]));
-        let expected = law(&loaded, &performance(events, None, 48_000), RATE);
+        let expected = reference(&loaded, &performance(events, None, 48_000), RATE);
         let snr = snr_db(&expected, &real(&bus));
         println!("choke T60 {choke_t60_s} s: {snr:.1} dB");
         assert!(snr > 90.0, "{choke_t60_s}: {snr:.1} dB");

@@ -10,7 +10,7 @@ use host_tests::single_mode::{Case, grid, snr_db, worst_and_median};
 #[test]
 fn every_mode_keeps_the_snr_of_the_readme_at_full_scale_and_40_db_below() {
     for (level, worst, median) in [(1.0, 101.8, 120.2), (0.01, 100.6, 116.7)] {
-        let snr = |case: Case| snr_db(case.law(), q31::render(&case));
+        let snr = |case: Case| snr_db(case.reference(), q31::render(&case));
         let measured = worst_and_median(grid(40, level).iter().map(Case::exact).map(snr).collect());
         println!("{level}: worst {:.1} dB, median {:.1} dB", measured.0, measured.1);
         assert!(measured.0 >= worst - 1.0 && (measured.1 - median).abs() <= 1.0, "{level}: {measured:.1?}");
@@ -25,9 +25,9 @@ fn single_precision_forms_lose_what_the_readme_says() {
     for (level, readme) in readme {
         let mut snr: [Vec<f64>; 3] = Default::default();
         for case in grid(40, level).iter().map(Case::exact) {
-            let law: Vec<f64> = case.law().take(case.frames()).collect();
+            let reference: Vec<f64> = case.reference().take(case.frames()).collect();
             for (snr, form) in snr.iter_mut().zip(FloatForm::ALL) {
-                snr.push(snr_db(law.iter().copied(), form.render(&case)));
+                snr.push(snr_db(reference.iter().copied(), form.render(&case)));
             }
         }
         for ((form, snr), (worst, median)) in FloatForm::ALL.into_iter().zip(snr).zip(readme) {
@@ -40,7 +40,7 @@ fn single_precision_forms_lose_what_the_readme_says() {
 }
 
 /// Phase (in turns) and logarithm of the amplitude of a decaying sine about a time, by least
-/// squares on the law's own two phases.
+/// squares on the reference's own two phases.
 fn analyse(case: &Case, sound: &[f64], from: usize, length: usize) -> (f64, f64) {
     let (fs, d, f) = (case.rate.hz(), case.decay_per_s(), case.frequency_hz);
     let (mut ss, mut cc, mut sc, mut sy, mut cy) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -91,8 +91,8 @@ fn tails_of_up_to_120_s_follow_the_law_for_90_db_and_end_in_exact_zero() {
                     let t = (frames - 1) as f64 / case.rate.hz();
                     let down_db = 60.0 * t / case.t60_s;
                     if down_db <= 90.0 {
-                        let law = level * (-case.decay_per_s() * t).exp();
-                        let error_db = 20.0 * (mode.amplitude() / law).log10();
+                        let reference = level * (-case.decay_per_s() * t).exp();
+                        let error_db = 20.0 * (mode.amplitude() / reference).log10();
                         worst = worst.max(error_db.abs());
                         assert!(error_db.abs() < 0.01, "{error_db} dB, {down_db:.1} dB down: {case:?}");
                     }

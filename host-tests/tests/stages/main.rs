@@ -1,4 +1,4 @@
-//! Single stages of dsp-core against their law in `f64`: accuracy, refusals, bounds, silence.
+//! Single stages of dsp-core against their reference in `f64`: accuracy, refusals, bounds, silence.
 //! `cargo test -p host-tests --test stages room::` runs one part.
 
 mod biquad_forms;

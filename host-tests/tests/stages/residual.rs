@@ -1,9 +1,9 @@
-//! The residual against the law: energies, decays, flatness and onset over many seeds; what strikes
+//! The residual against the reference: energies, decays, flatness and onset over many seeds; what strikes
 //! add; silence.
 
 use dsp_core::SampleRate;
 use dsp_core::noise::Sfc32;
-use dsp_core::residual::{BandLaw, Shaper};
+use dsp_core::residual::{ResidualBand, Shaper};
 use dsp_core::resonator::TICK_FRAMES;
 use host_tests::residual::{Spacing, play, shaper};
 use host_tests::sweeps::residual::{SEEDS, bands};
@@ -63,7 +63,7 @@ fn a_strike_sounds_from_its_own_frame_on_and_not_before() {
         let first = sound.iter().position(|&x| x != 0).unwrap_or(usize::MAX);
         assert!((start..=start + 1).contains(&first), "struck at {start}, sounds at {first}");
     }
-    // At its full level at once: the first millisecond has the power of the law.
+    // At its full level at once: the first millisecond has the power of the reference.
     let power = |from: usize| {
         let of = |seed| play(&mut shaper(&bands, seed), &[(0, 1.0)], 2_048);
         (0..SEEDS).flat_map(|seed| of(seed)[from..from + 48].to_vec()).map(|x| f64::from(x).powi(2)).sum::<f64>()
@@ -109,11 +109,11 @@ proptest! {
         seed: u32,
     ) {
         let mut edge = 1.0;
-        let bands: Vec<BandLaw> = edges.iter().zip(&raw).map(|(width, (weight, decay))| {
+        let bands: Vec<ResidualBand> = edges.iter().zip(&raw).map(|(width, (weight, decay))| {
             let below = edge;
             edge = (edge + width).min(23_900.0);
             // 100 to 20 000 dB/s, so that the end comes soon.
-            BandLaw { edges_hz: [below, edge.max(below + 1.0)], weight: *weight, decay_db_per_s: 100.0 * 200f32.powf(*decay) }
+            ResidualBand { edges_hz: [below, edge.max(below + 1.0)], weight: *weight, decay_db_per_s: 100.0 * 200f32.powf(*decay) }
         }).collect();
         let mut strikes = strikes;
         strikes.sort_by_key(|strike| strike.0);

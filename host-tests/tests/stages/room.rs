@@ -1,4 +1,4 @@
-//! The room against its law, against its arithmetic twin in f64, and under stress.
+//! The room against its reference, against its arithmetic twin in f64, and under stress.
 
 use dsp_core::SampleRate;
 use dsp_core::room::RoomError;
@@ -270,13 +270,13 @@ fn wet_sound_begins_when_the_docs_say() {
 #[test]
 fn instrument_and_law_agree_in_decay_energy_balance_and_correlation() {
     let hz = RATE.hz();
-    // Instrument and law: errors of T60 and of energy, balances, correlations.
+    // Instrument and reference: errors of T60 and of energy, balances, correlations.
     let mut all = [(); 2].map(|()| [(); 4].map(|()| Vec::new()));
     for (index, table) in random_tables(4, 4, 2.0, 6.0, 10).into_iter().enumerate() {
         let frames = frames_needed(&table, hz);
         let answers = [
             Answer::of_instrument(&table, RATE, 0.4, STARTS[index % 4], frames),
-            Answer::of_law(&table, RATE, 0.4, frames, index as u64),
+            Answer::of_reference(&table, RATE, 0.4, frames, index as u64),
         ];
         for (answer, [t60s, energies, balances, correlations]) in answers.iter().zip(&mut all) {
             for error in answer.band_errors(&table, hz).iter().filter(|error| error.samples >= 300.0) {
@@ -287,7 +287,7 @@ fn instrument_and_law_agree_in_decay_energy_balance_and_correlation() {
             correlations.push(answer.correlation());
         }
     }
-    for (who, figures) in ["instrument", "law"].iter().zip(&all) {
+    for (who, figures) in ["instrument", "reference"].iter().zip(&all) {
         let [t60, energy, balance, correlation] = figures.each_ref().map(|values| mean_and_rms(values));
         println!(
             "{who}: T60 {:+.1} %, rms {:.1} %; energy {:+.2} dB, rms {:.2}; balance {:+.2} dB, rms {:.2}; correlation {:+.3}, rms {:.3}",

@@ -1,6 +1,6 @@
 //! Conversion of the binary form to a kit.
 
-use dsp_core::residual::BandLaw;
+use dsp_core::residual::ResidualBand;
 use dsp_core::table::layout::{GainRecord, ModeRecord};
 use dsp_core::table::{
     Background as BackgroundView, Object as ObjectView, Pad as PadView, Residual as ResidualView,
@@ -80,7 +80,7 @@ fn read_background(view: BackgroundView<'_>) -> Background {
     }
 }
 
-fn edges_hz(mut bands: impl Iterator<Item = BandLaw> + Clone) -> Vec<f32> {
+fn edges_hz(mut bands: impl Iterator<Item = ResidualBand> + Clone) -> Vec<f32> {
     let uppers = bands.clone().map(|band| band.edges_hz[1]);
     bands.next().map(|band| band.edges_hz[0]).into_iter().chain(uppers).collect()
 }

@@ -13,7 +13,7 @@ use malleus::demo::{self, RATE};
 use malleus::events::EventsError;
 use malleus::plot::{self, StrikeMark, TickRow};
 use malleus::render::instrument::{Output, RenderError, Settings};
-use malleus::render::{Performance, instrument, law};
+use malleus::render::{Performance, instrument, reference};
 use malleus::wave;
 use serde::Serialize;
 
@@ -144,8 +144,8 @@ fn row(loaded: &Loaded, table: &Kit<'_>, performance: &Performance, pad: u8) -> 
     let (skipped, (run, _)) = render(Skipping::On, Output::Bus)?;
     let (whole, _) = render(Skipping::Off, Output::Bus)?;
     let (samples, _) = render(Skipping::On, Output::Samples24)?;
-    let expected = law::render(&loaded.kit, &solo, RATE, |_| {})
-        .map_err(|error| CommandError::Law { kit: demo::KIT.to_owned(), error })?;
+    let expected = reference::render(&loaded.kit, &solo, RATE, |_| {})
+        .map_err(|error| CommandError::Reference { kit: demo::KIT.to_owned(), error })?;
 
     let modes = PadTables::new(*table, usize::from(pad))
         .and_then(|tables| VoiceSize::new(&tables, RATE).ok())

@@ -31,7 +31,7 @@ pub(crate) enum CommandError {
     #[error("{kit}: object {object:?} at {rate}: {what}")]
     Filters { kit: String, object: String, rate: dsp_core::SampleRate, what: String },
     #[error("{kit}: the reference cannot play it: {error}")]
-    Law { kit: String, error: reference::Error },
+    Reference { kit: String, error: reference::Error },
     #[error("{kit}: there is no pad {name:?}; the kit has {pads}")]
     UnknownPad { kit: String, name: String, pads: String },
     #[error(

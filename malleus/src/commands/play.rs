@@ -10,7 +10,7 @@ use dsp_core::table::Kit;
 use malleus::render::force::{self, ForceLoad};
 use malleus::render::instrument::{Output, Settings};
 use malleus::render::level::Level;
-use malleus::render::{Performance, board, instrument, law};
+use malleus::render::{Performance, board, instrument, reference};
 use malleus::{events, wave};
 use serde::Serialize;
 use virtual_board::Board;
@@ -40,15 +40,15 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
     let mut work = Work::default();
     let budget_cycles = budget_cycles(arguments, &performance, rate);
     let (frames, level) = if arguments.reference {
-        let left_out = law::leaves_out(&loaded.kit);
+        let left_out = reference::leaves_out(&loaded.kit);
         if !left_out.is_empty() {
             eprintln!("malleus: {name}: the reference leaves out {}", left_out.join(", "));
         }
         let bar = progress(performance.frames as u64, "reference");
-        let sound = law::render(&loaded.kit, &performance, rate, |done| bar.set_position(done as u64))
-            .map_err(|error| CommandError::Law { kit: name.clone(), error })?;
+        let sound = reference::render(&loaded.kit, &performance, rate, |done| bar.set_position(done as u64))
+            .map_err(|error| CommandError::Reference { kit: name.clone(), error })?;
         bar.finish_and_clear();
-        let level = Level::of_law(&sound);
+        let level = Level::of_reference(&sound);
         (sound.into_iter().map(|frame| frame.map(reference::scene::quantise_24)).collect(), level)
     } else {
         let skipping = if arguments.no_skip { Skipping::Off } else { Skipping::On };

@@ -26,7 +26,7 @@ impl Level {
     }
 
     /// Level of stereo samples of the reference, 1.0 = full scale.
-    pub fn of_law(frames: &[[f64; 2]]) -> Self {
+    pub fn of_reference(frames: &[[f64; 2]]) -> Self {
         frames.iter().flatten().fold(Self::default(), |level, &sample| {
             // `as` saturates only far beyond 24 bits.
             let steps = (sample * f64::from(FULL_SCALE_24_BIT) + 0.5).floor() as i64;
@@ -65,8 +65,8 @@ mod tests {
             let clips = i64::from(stepped[0][0]) != (i64::from(bus) + 8) >> 4;
             assert_eq!(level.clipped_samples, u64::from(clips), "{bus}");
             assert_eq!(level.saturated_samples, u64::from(bus == i32::MAX || bus == i32::MIN), "{bus}");
-            let law = Level::of_law(&[[f64::from(bus) / f64::from(ONE_Q27), 0.0]]);
-            assert_eq!((law.clipped_samples, law.peak), (level.clipped_samples, level.peak), "{bus}");
+            let reference = Level::of_reference(&[[f64::from(bus) / f64::from(ONE_Q27), 0.0]]);
+            assert_eq!((reference.clipped_samples, reference.peak), (level.clipped_samples, level.peak), "{bus}");
         }
         assert_eq!(Level::of_bus(&[[i32::MIN, 0]]).peak_dbfs(), Some(20.0 * 16f64.log10()));
         assert_eq!(Level::of_bus(&[[0, 0]]).peak_dbfs(), None);

@@ -4,8 +4,8 @@ pub mod board;
 pub mod force;
 pub mod headroom;
 pub mod instrument;
-pub mod law;
 pub mod level;
+pub mod reference;
 
 mod performance;
 

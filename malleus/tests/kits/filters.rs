@@ -106,10 +106,10 @@ fn reference_plays_filters_and_says_what_it_leaves_out() {
         };
         for rate in [48_000, 44_100, 96_000, 22_050] {
             let own = sound(&format!("play --kit kit.toml --strikes s.csv -o a.wav --no-skip --rate {rate}"), "a.wav");
-            let law =
+            let reference =
                 sound(&format!("play --kit kit.toml --strikes s.csv -o b.wav --reference --rate {rate}"), "b.wav");
-            let worst = own.iter().zip(&law).map(|(a, b)| a.abs_diff(*b)).max();
-            assert!(own.len() == law.len() && worst <= Some(steps), "{rate} Hz: {worst:?} steps of 24 bits");
+            let worst = own.iter().zip(&reference).map(|(a, b)| a.abs_diff(*b)).max();
+            assert!(own.len() == reference.len() && worst <= Some(steps), "{rate} Hz: {worst:?} steps of 24 bits");
             assert!(own.iter().any(|x| x.abs() > 1 << 17));
         }
     }

@@ -12,7 +12,7 @@ use dsp_core::fixed::ONE_Q27;
 use dsp_core::table::Kit;
 use malleus::render::instrument::{self, Output as Samples, Settings};
 use malleus::render::level::Level;
-use malleus::render::{Performance, law};
+use malleus::render::{Performance, reference};
 use tempfile::TempDir;
 
 /// Kit with a force beyond the force bus, 20 N where the bus ends at 16, and a sound beyond full
@@ -77,18 +77,18 @@ fn both(kit: &kit::Kit, events: &[Event]) -> [Vec<[f64; 2]>; 2] {
     let table = Kit::parse(&binary).unwrap();
     let bus = instrument::render(&table, &performance, settings, Samples::Bus, |_| {}).unwrap();
     let bus = bus.iter().map(|frame| frame.map(|x| f64::from(x) / f64::from(ONE_Q27))).collect();
-    [bus, law::render(kit, &performance, rate, |_| {}).unwrap()]
+    [bus, reference::render(kit, &performance, rate, |_| {}).unwrap()]
 }
 
-fn snr_db([bus, law]: &[Vec<[f64; 2]>; 2]) -> f64 {
+fn snr_db([bus, reference]: &[Vec<[f64; 2]>; 2]) -> f64 {
     let power = |x: f64| x * x;
-    let signal: f64 = law.iter().flatten().copied().map(power).sum();
-    let error: f64 = bus.iter().flatten().zip(law.iter().flatten()).map(|(a, b)| power(a - b)).sum();
+    let signal: f64 = reference.iter().flatten().copied().map(power).sum();
+    let error: f64 = bus.iter().flatten().zip(reference.iter().flatten()).map(|(a, b)| power(a - b)).sum();
     10.0 * (signal / error).log10()
 }
 
 fn peak_dbfs(sound: &[[f64; 2]]) -> f64 {
-    Level::of_law(sound).peak_dbfs().unwrap()
+    Level::of_reference(sound).peak_dbfs().unwrap()
 }
 
 #[test]
@@ -102,11 +102,11 @@ fn kit_check_names_what_clips_at_velocity_1_and_its_numbers_fit() {
     // The reference clips nowhere, and so gives the peak that the check must find. The other end of
     // the bar is softer.
     let loud = kit::load(&folder.path().join("kit.toml")).unwrap().kit;
-    let [_, law] = both(&loud, &[strike(0, 0.0, 1)]);
+    let [_, reference] = both(&loud, &[strike(0, 0.0, 1)]);
     let [_, far] = both(&loud, &[strike(0, 1.0, 1)]);
     let peak = mallet["peak_dbfs"].as_f64().unwrap();
-    println!("{} and {} dBFS, the check says {peak}", peak_dbfs(&law), peak_dbfs(&far));
-    assert!((peak - peak_dbfs(&law).max(peak_dbfs(&far))).abs() < 0.1 && peak > 12.0);
+    println!("{} and {} dBFS, the check says {peak}", peak_dbfs(&reference), peak_dbfs(&far));
+    assert!((peak - peak_dbfs(&reference).max(peak_dbfs(&far))).abs() < 0.1 && peak > 12.0);
 
     let text = stdout(folder.path(), "kit check kit.toml");
     let level_db = mallet["fitting_level_db"].as_f64().unwrap();

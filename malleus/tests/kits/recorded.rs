@@ -16,7 +16,7 @@ use dsp_core::table::Kit;
 use fit::audio::Recording;
 use fit::distance::{log_spectral_distance_db, lsd_window};
 use malleus::render::instrument::{Output, Settings};
-use malleus::render::{Performance, instrument, law};
+use malleus::render::{Performance, instrument, reference};
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
@@ -92,7 +92,7 @@ fn each_pad_has_90_db_of_snr_to_the_reference() {
         let strikes = [0.02, 0.9, 1.0, 0.4, 0.15, 0.7];
         let events = strikes.into_iter().enumerate().map(|(at, v)| strike(index, 100 + at as u64 * 7_001, v)).collect();
         let performance = Performance::new(events, None, &loaded.kit, RATE, Some(2.0));
-        let expected = law::render(&loaded.kit, &performance, RATE, |_| {}).expect("the events are valid");
+        let expected = reference::render(&loaded.kit, &performance, RATE, |_| {}).expect("the events are valid");
         let got = play(&loaded, &performance, Skipping::Off);
         let power: f64 = expected.iter().flatten().map(|x| x * x).sum();
         let error: f64 = expected.iter().flatten().zip(got.iter().flatten()).map(|(a, b)| (a - b).powi(2)).sum();

@@ -8,7 +8,7 @@ use dsp_core::fixed::ONE_Q27;
 use dsp_core::table::Kit;
 use kit::{Breakpoint, DynamicFilter, Exciter, Loop, ModesGo, Order};
 use malleus::render::instrument::{Output, Settings};
-use malleus::render::{Performance, instrument, law};
+use malleus::render::{Performance, instrument, reference};
 use proptest::prelude::*;
 
 /// Rms levels in dBFS of the reference's sound, and of the instrument's difference from it.
@@ -17,7 +17,8 @@ fn heard_and_error_dbfs(kit: kit::Kit, events: Vec<Event>, rate: SampleRate, sec
     let performance = Performance::new(events, None, &kit, rate, Some(seconds));
     // The reference's own room is another noise, so that samples are compared with the network's
     // twin.
-    let expected = law::render_in(law::Room::NetworkTwin, &kit, &performance, rate, |_| {}).expect("right events");
+    let expected =
+        reference::render_in(reference::Room::NetworkTwin, &kit, &performance, rate, |_| {}).expect("right events");
     let table = Kit::parse(&binary).expect("a loaded kit is valid");
     let settings =
         Settings { setup: Setup { skipping: Skipping::Off, ..Setup::new(rate) }, block: 128, budget_cycles: None };

@@ -11,7 +11,7 @@ use core::panic::PanicInfo;
 use dsp_core::SampleRate;
 use dsp_core::memory::{Memory, Word};
 use dsp_core::noise::Sfc32;
-use dsp_core::residual::{BandLaw, MAX_BANDS, Shaper};
+use dsp_core::residual::{ResidualBand, MAX_BANDS, Shaper};
 use dsp_core::resonator::TICK_FRAMES;
 
 struct Global<T>(UnsafeCell<T>);
@@ -37,7 +37,7 @@ pub unsafe extern "C" fn residual_load(bands: *const [f32; 4], count: usize, see
     }
     // SAFETY: the host's word: so many lie there, and nothing else uses them during the call.
     let bands = unsafe { core::slice::from_raw_parts(bands, count) };
-    let laws = bands.iter().map(|&[low, high, weight, decay_db_per_s]| BandLaw {
+    let bands = bands.iter().map(|&[low, high, weight, decay_db_per_s]| ResidualBand {
         edges_hz: [low, high],
         weight,
         decay_db_per_s,
@@ -46,7 +46,7 @@ pub unsafe extern "C" fn residual_load(bands: *const [f32; 4], count: usize, see
     let words = unsafe { &mut *WORDS.0.get() };
     let Ok(taken) = Shaper::take(&mut Memory::new(&mut [], words), count) else { return -1 };
     *shaper() = taken;
-    shaper().load(laws, SampleRate::HZ_48000, Sfc32::new(seed, 0), f32::from_bits(silence));
+    shaper().load(bands, SampleRate::HZ_48000, Sfc32::new(seed, 0), f32::from_bits(silence));
     0
 }
 

@@ -1,12 +1,12 @@
-//! Energies and decays of many seeds against the law.
+//! Energies and decays of many seeds against the reference.
 
 use dsp_core::noise::Sfc32;
-use dsp_core::residual::BandLaw;
+use dsp_core::residual::ResidualBand;
 
 use super::spectrum::{RATE_HZ, between, cut, energy_spectrum};
 use super::{play, reference_bands, shaper};
 
-/// A measured number beside what the law expects, and its standard error.
+/// A measured number beside what the reference expects, and its standard error.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured {
     /// Measured over expected: dB for energies, a ratio for decays.
@@ -16,7 +16,7 @@ pub struct Measured {
 }
 
 /// Sounds of single strikes of strength 1 in so many frames, one a seed.
-pub fn sounds(bands: &[BandLaw], seeds: u32, frames: usize) -> Vec<Vec<f64>> {
+pub fn sounds(bands: &[ResidualBand], seeds: u32, frames: usize) -> Vec<Vec<f64>> {
     let sound = |seed| {
         let out = play(&mut shaper(bands, seed), &[(0, 1.0)], frames);
         out.iter().map(|&x| f64::from(x) / 2f64.powi(27)).collect()
@@ -24,9 +24,9 @@ pub fn sounds(bands: &[BandLaw], seeds: u32, frames: usize) -> Vec<Vec<f64>> {
     (0..seeds).map(sound).collect()
 }
 
-/// The law carried out: white noise cut sharply into bands, each under its own envelope. (As
+/// The reference carried out: white noise cut sharply into bands, each under its own envelope. (As
 /// `reference::residual::render`, whose transforms are a textbook's and slow.)
-pub fn ideal_sound(bands: &[BandLaw], seed: u32, frames: usize) -> Vec<f64> {
+pub fn ideal_sound(bands: &[ResidualBand], seed: u32, frames: usize) -> Vec<f64> {
     let mut random = Sfc32::new(seed, 99);
     // The sum of twelve even numbers: nearly normal, of variance 1.
     let mut normal = || (0..12).map(|_| f64::from(random.draw()) / 2f64.powi(32)).sum::<f64>() - 6.0;
@@ -43,16 +43,18 @@ pub fn ideal_sound(bands: &[BandLaw], seed: u32, frames: usize) -> Vec<f64> {
     sound
 }
 
-/// Of each band: the energy between its edges, in dB over what the law expects there, on average
+/// Of each band: the energy between its edges, in dB over what the reference expects there, on average
 /// over all sounds.
-pub fn energies(bands: &[BandLaw], sounds: &[Vec<f64>]) -> Vec<Measured> {
-    let law = reference_bands(bands);
+pub fn energies(bands: &[ResidualBand], sounds: &[Vec<f64>]) -> Vec<Measured> {
+    let reference = reference_bands(bands);
     let frames = sounds[0].len();
     let bin_hz = RATE_HZ / frames as f64;
-    let expected: Vec<f64> =
-        (0..=frames / 2).map(|bin| reference::residual::energy_density(&law, bin as f64 * bin_hz) * bin_hz).collect();
+    let expected: Vec<f64> = (0..=frames / 2)
+        .map(|bin| reference::residual::energy_density(&reference, bin as f64 * bin_hz) * bin_hz)
+        .collect();
     let spectra: Vec<Vec<f64>> = sounds.iter().map(|sound| energy_spectrum(sound)).collect();
-    law.iter()
+    reference
+        .iter()
         .map(|band| {
             let each: Vec<f64> = spectra.iter().map(|spectrum| between(spectrum, band.edges_hz)).collect();
             let (mean, error) = mean_and_error(&each);
@@ -65,12 +67,12 @@ pub fn energies(bands: &[BandLaw], sounds: &[Vec<f64>]) -> Vec<Measured> {
         .collect()
 }
 
-/// Of each band: its decay over the law's, from the mean power of all sounds between its edges,
-/// from `from_s` after the strike to where the law has fallen by `fall_db`. The standard error is
+/// Of each band: its decay over the reference's, from the mean power of all sounds between its edges,
+/// from `from_s` after the strike to where the reference has fallen by `fall_db`. The standard error is
 /// that of ten groups of sounds.
-pub fn decays(bands: &[BandLaw], sounds: &[Vec<f64>], from_s: f64, fall_db: f64) -> Vec<Measured> {
+pub fn decays(bands: &[ResidualBand], sounds: &[Vec<f64>], from_s: f64, fall_db: f64) -> Vec<Measured> {
     const STEP: usize = 48;
-    let of_band = |band: &BandLaw| {
+    let of_band = |band: &ResidualBand| {
         let powers: Vec<Vec<f64>> = sounds
             .iter()
             .map(|sound| {

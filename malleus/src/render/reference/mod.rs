@@ -19,7 +19,7 @@ use super::performance::Performance;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Room {
     /// Noise that decays band by band: the model that the instrument's network approximates.
-    Law,
+    Reference,
     /// Delay network of the instrument in double precision, for comparisons sample by sample.
     NetworkTwin,
 }
@@ -49,7 +49,7 @@ pub fn render(
     rate: SampleRate,
     progress: impl FnMut(usize),
 ) -> Result<Vec<[f64; 2]>, reference::Error> {
-    render_in(Room::Law, kit, performance, rate, progress)
+    render_in(Room::Reference, kit, performance, rate, progress)
 }
 
 /// Renders a performance as [`render`] does, with a choice of the room's model.
@@ -125,7 +125,7 @@ fn add_room(kit: &kit::Kit, room: Room, rate: reference::SampleRate, frames: &mu
     let sides = [0, 1].map(|side| frames.iter().map(|frame| frame[side]).collect::<Vec<f64>>());
     let dry = sides.each_ref().map(Vec::as_slice);
     let [left, right] = match room {
-        Room::Law => reference::room(&bands, dry, rate, ROOM_SEED),
+        Room::Reference => reference::room(&bands, dry, rate, ROOM_SEED),
         Room::NetworkTwin => reference::network_twin(&bands, dry, rate, ROOM_SAMPLES),
     };
     for (frame, (left, right)) in frames.iter_mut().zip(left.into_iter().zip(right)) {

@@ -30,11 +30,11 @@ pub fn band_errors(table: &Table, sides: &[Vec<f64>; 2], look: Look, to_db: f64,
         let parts = spectra.each_ref().map(|spectrum| spectrum.band(look, whole));
         let t60 = parts.each_ref().map(|part| t60_s(part, 5.0, to_db, rate_hz)).iter().sum::<f64>() / 2.0;
         let width_hz = seen.to_hz - seen.from_hz;
-        let law = band.gain * band.gain * band.t60_s / (2.0 * 1000f64.ln()) * width_hz * 2.0 / rate_hz;
+        let reference = band.gain * band.gain * band.t60_s / (2.0 * 1000f64.ln()) * width_hz * 2.0 / rate_hz;
         let energy = parts.iter().map(|part| energy(part)).sum::<f64>() / 2.0;
         BandError {
             t60: t60 / band.t60_s - 1.0,
-            energy_db: 10.0 * (energy / law).log10(),
+            energy_db: 10.0 * (energy / reference).log10(),
             samples: width_hz * band.t60_s,
         }
     };
