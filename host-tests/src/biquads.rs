@@ -1,4 +1,4 @@
-//! Chains of biquads in both worlds, drawn at random.
+//! Random chains of biquads, as `dsp-core` and as the `f64` reference take them.
 
 use dsp_core::biquad::{Bank, Biquad, BiquadError, Root};
 
@@ -8,29 +8,31 @@ use crate::snr::Random;
 /// 1.0 on the bus.
 pub const FULL_SCALE: f64 = 134_217_728.0;
 
-/// Radius and angle, one for each section.
+/// Roots of a bank, each as (radius, angle): one for each section.
 pub type Roots = Vec<(f64, f64)>;
 
-/// A bank in both worlds.
+/// A bank, as both crates take it.
 #[derive(Clone, Debug)]
 pub struct Chains {
-    /// dsp-core's, one chain behind the other.
+    /// Sections for `dsp-core`, chain by chain.
     pub ours: Vec<Biquad>,
-    /// The reference's.
+    /// Chains for the reference.
     pub theirs: Vec<Vec<reference::biquad::Biquad>>,
-    /// Sections a chain.
+    /// Number of sections in a chain.
     pub depth: usize,
 }
 
-/// A radius from 0 to `1 - 10^-largest`, evenly in the logarithm of its distance from 1, and an
-/// angle of 20 Hz to 23 kHz.
+/// Draws a root: its radius, then its angle in radians.
+///
+/// The radius is from 0 to `1 - 10^-largest`, evenly in the logarithm of its distance from 1. The
+/// angle is that of 20 Hz to 23 kHz at 48 kHz, evenly in the logarithm.
 pub fn root(random: &mut Random, largest: f64) -> (f64, f64) {
     let radius = 1.0 - 10f64.powf(-random.between(0.0, largest));
     let hz = 20.0 * 1150f64.powf(random.between(0.0, 1.0));
     (radius, hz * std::f64::consts::TAU / 48_000.0)
 }
 
-/// Noise of -0.9 to 0.9 of full scale.
+/// Draws white noise from -0.9 to 0.9 of full scale.
 pub fn noise(random: &mut Random, frames: usize) -> Vec<i32> {
     (0..frames).map(|_| (random.between(-0.9, 0.9) * FULL_SCALE) as i32).collect()
 }
@@ -40,8 +42,9 @@ fn section(pole: Root, zero: Root, gain: f64) -> reference::biquad::Biquad {
 }
 
 impl Chains {
-    /// From poles and zeros, each chain's gain 1 at the pole, 0 or half the rate where it is
-    /// largest.
+    /// Builds chains from poles and zeros, each chain with a gain of 1 at its loudest place.
+    ///
+    /// The loudest place is the angle of one of its poles, 0, or half the rate.
     pub fn bounded(poles: &[(f64, f64)], zeros: &[(f64, f64)], depth: usize) -> Self {
         let (mut ours, mut theirs) = (Vec::new(), Vec::new());
         for (poles, zeros) in poles.chunks(depth).zip(zeros.chunks(depth)) {
@@ -57,8 +60,11 @@ impl Chains {
         Self { ours, theirs, depth }
     }
 
-    /// From poles and zeros, with gains such that what each section hands on has its peaks at -8
-    /// dBFS for `input`: far poles and zeros in a chain leave next to nothing otherwise.
+    /// Builds chains from poles and zeros, in which every section's output peaks at -8 dBFS for
+    /// `input`.
+    ///
+    /// Without such gains, poles and zeros that are far apart would leave next to nothing at the
+    /// end of a chain.
     pub fn loud(poles: &[(f64, f64)], zeros: &[(f64, f64)], depth: usize, input: &[i32]) -> Self {
         let input: Vec<f64> = input.iter().map(|&x| f64::from(x)).collect();
         let (mut ours, mut theirs) = (Vec::new(), Vec::new());
@@ -78,14 +84,15 @@ impl Chains {
         Self { ours, theirs, depth }
     }
 
-    /// Output of `f64` biquads for an input.
+    /// Output of the `f64` reference for an input.
     pub fn exact(&self, input: &[i32]) -> Vec<f64> {
         reference::biquad::filter(&self.theirs, &input.iter().map(|&x| f64::from(x)).collect::<Vec<_>>())
     }
 }
 
-/// Worst of `snr` over 50 banks of a depth under noise, whose poles and zeros `place` chooses for a
-/// number of sections.
+/// Smallest SNR in dB of 50 random banks of chains of `depth` sections, under noise.
+///
+/// `place` draws poles and zeros for a number of sections. `snr` measures one bank for one input.
 pub fn worst_of_depth(
     depth: usize,
     seed: u64,
@@ -101,7 +108,7 @@ pub fn worst_of_depth(
     (0..50).map(&mut one).fold(f64::INFINITY, f64::min)
 }
 
-/// Zeros anywhere, every fourth on the circle itself.
+/// Draws zeros anywhere inside the unit circle, and every fourth on the circle itself.
 fn zeros(random: &mut Random, count: usize) -> Roots {
     let zero = |index: usize| {
         let (radius, angle) = root(random, 5.0);
@@ -110,12 +117,12 @@ fn zeros(random: &mut Random, count: usize) -> Roots {
     (0..count).map(zero).collect()
 }
 
-/// Poles anywhere, to a radius of 0.99999, and zeros anywhere, the circle among it.
+/// Draws poles anywhere up to a radius of 0.99999, and zeros anywhere, some on the unit circle.
 pub fn anywhere(random: &mut Random, count: usize) -> (Roots, Roots) {
     ((0..count).map(|_| root(random, 5.0)).collect(), zeros(random, count))
 }
 
-/// Chains of `depth` poles within `nearness` of their own widths.
+/// Draws chains whose `depth` poles lie within `nearness` of their own widths of each other.
 pub fn near(random: &mut Random, count: usize, depth: usize, nearness: f64) -> (Roots, Roots) {
     let mut poles = Vec::new();
     for _ in 0..count / depth {
@@ -129,7 +136,7 @@ pub fn near(random: &mut Random, count: usize, depth: usize, nearness: f64) -> (
     (poles, zeros(random, count))
 }
 
-/// dsp-core's bank of chains of `depth` biquads, in memory for so many pairs of sections.
+/// Bank of `dsp-core` for chains of `depth` biquads, in memory for `pairs` pairs of sections.
 ///
 /// # Errors
 /// [`BiquadError`].

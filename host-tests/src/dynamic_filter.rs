@@ -1,4 +1,4 @@
-//! Dynamic filters by both crates: the same table, the same noise.
+//! Dynamic filters of both crates, from one table and one noise.
 
 use dsp_core::SampleRate;
 use dsp_core::dynamic_filter::{Breakpoint, DynamicFilter, DynamicFilterError, Exciter, Settings};
@@ -7,36 +7,36 @@ use dsp_core::waveguide::Loop;
 
 use crate::lent;
 
-/// dsp-core's filter, in memory of its own.
+/// Filter of `dsp-core`, in memory of its own.
 pub type Ours = DynamicFilter<'static>;
 
 /// Seed and stream of the noise.
 pub const SEED: (u32, u32) = (9, 4);
 
-/// A table.
+/// Table of a dynamic filter.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// 1 or 2.
+    /// Order of the filter, 1 or 2.
     pub order: u8,
-    /// Breakpoints.
+    /// Breakpoints of the filter's path.
     pub path: Vec<Breakpoint>,
-    /// Loops.
+    /// Loops behind the filter.
     pub loops: Vec<Loop>,
-    /// The noise's band.
+    /// Band of the noise; `None` for white noise.
     pub exciter: Option<Exciter>,
-    /// True if modes go through.
+    /// True if the object's modes go through the filter.
     pub modes_through: bool,
-    /// The rate of the coefficients.
+    /// Sample rate in Hz for which the coefficients are given.
     pub rate_hz: f64,
 }
 
 impl Table {
-    /// Of order 1, at 48 kHz, with nothing but a path.
+    /// Table of order 1 at 48 kHz with a path and nothing else.
     pub fn of_path(path: Vec<Breakpoint>) -> Self {
         Self { order: 1, path, loops: Vec::new(), exciter: None, modes_through: false, rate_hz: 48_000.0 }
     }
 
-    /// dsp-core's.
+    /// Filter of `dsp-core` for this table, with the seed [`SEED`].
     ///
     /// # Errors
     /// [`DynamicFilterError`].
@@ -44,7 +44,7 @@ impl Table {
         self.with_seed(SEED.0, rate)
     }
 
-    /// dsp-core's, with another seed.
+    /// Filter of `dsp-core` for this table, with another seed.
     ///
     /// # Errors
     /// [`DynamicFilterError`].
@@ -62,8 +62,9 @@ impl Table {
         filter.load(settings, rate, SEED.1).map(|()| filter)
     }
 
-    /// The reference's sound for strikes (sample, level) in order, in steps of the bus;
-    /// `input_shift` is that of [`Ours`].
+    /// Sound of the reference for strikes (sample, level) in order, in bus steps.
+    ///
+    /// `input_shift` is that of the filter of `dsp-core`, so that both draw one noise.
     pub fn exact(&self, strikes: &[(usize, f32)], input_shift: i32, frames: usize, rate: SampleRate) -> Vec<f64> {
         let theirs = reference::SampleRate { numerator: (rate.hz() * 64.0) as u32, denominator: 64 };
         let ratio = rate.hz() / self.rate_hz;
@@ -78,7 +79,7 @@ impl Table {
         let unit = 268_435_456.0 * ratio.sqrt();
         let mut noise = |n: usize| {
             let Some(&(start, level)) = strikes.iter().rev().find(|(start, _)| *start <= n) else { return 0.0 };
-            // What is silent all through a piece is not drawn.
+            // Pieces of the path that are silent throughout draw no noise.
             let time_s = (n - start) as f64 / rate.hz();
             let within = |pair: &&[Breakpoint]| (pair[0].time_s..pair[1].time_s).contains(&time_s);
             let silent = |pair: &[Breakpoint]| pair[0].noise == 0.0 && pair[1].noise == 0.0;
@@ -107,7 +108,7 @@ impl Table {
     }
 }
 
-/// dsp-core's filter in memory of its own, not loaded yet.
+/// Filter of `dsp-core` in memory of its own, not loaded yet.
 ///
 /// # Errors
 /// [`DynamicFilterError`].
@@ -120,7 +121,7 @@ where
     Ok(lent!(lender => DynamicFilter::take(lender, size)))
 }
 
-/// Our sound for strikes (sample, level) in order.
+/// Sound of the filter of `dsp-core` for strikes (sample, level) in order, in bus steps.
 pub fn play(filter: &mut Ours, strikes: &[(usize, f32)], frames: usize) -> Vec<i32> {
     let mut out = vec![0; frames];
     let mut at = 0;

@@ -6,17 +6,17 @@ use dsp_core::memory::{Memory, Word, Words};
 use dsp_core::room::Sample;
 use dsp_core::table::Kit;
 
-/// Most samples in the delay lines of the room of [`engine`], on PC and chip
+/// Maximum number of samples in the delay lines of the room of [`engine`], on PC and chip
 /// (`host-tests/images/engine`).
 pub const ROOM_SAMPLES: usize = 4_096;
 
-/// Memory of so many words.
+/// Memory of a given number of words.
 pub fn memory(words: Words) -> Memory<'static> {
     let lend = |words: usize| Box::leak(vec![Word::uninit(); words].into_boxed_slice());
     Memory::new(lend(words.fast), lend(words.bulk))
 }
 
-/// The engine of a kit as the chip image has it: 16-bit delay lines, [`ROOM_SAMPLES`].
+/// Engine of a kit as the chip image builds it: 16-bit delay lines of [`ROOM_SAMPLES`] samples.
 ///
 /// # Errors
 /// [`LoadError`].
@@ -24,8 +24,7 @@ pub fn engine<'k>(kit: &Kit<'k>, rate: SampleRate, skipping: Skipping) -> Result
     engine_of(kit, Setup { skipping, room_samples: ROOM_SAMPLES, ..Setup::new(rate) })
 }
 
-/// The engine of a kit for a setup and a type of the room's samples, in just the memory that its
-/// plan says.
+/// Engine of a kit for a setup and a type of room samples, in exactly the memory of its plan.
 ///
 /// # Errors
 /// [`LoadError`].
@@ -33,15 +32,15 @@ pub fn engine_of<'k, S: Sample>(kit: &Kit<'k>, setup: Setup) -> Result<Engine<'k
     Engine::new(kit, setup, memory(Plan::of::<S>(kit, setup)?.words))
 }
 
-/// A stage in just the memory that it takes: `$take` is an expression of a `Lender` named
-/// `$lender`.
+/// Takes a stage from exactly the memory that it needs. `$take` is an expression that takes it from
+/// a `Lender` named `$lender`.
 #[macro_export]
 macro_rules! lent {
     ($lender:ident => $take:expr) => {{
         let mut account = dsp_core::memory::Account::new(dsp_core::memory::Words::MAX);
         {
             let $lender = &mut account;
-            // What an account gives has no memory, and is not used.
+            // An account only counts, so the stage taken from it has no memory and is dropped.
             let _ = $take.expect("an account has room for everything");
         }
         let mut memory = $crate::lent::memory(account.used());

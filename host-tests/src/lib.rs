@@ -1,4 +1,5 @@
-//! What the tests and benches of this crate share: signals measured against the `f64` reference.
+//! Code that the tests and benches of this crate share: signals measured against the `f64`
+//! reference.
 
 pub mod biquads;
 pub mod dynamic_filter;

@@ -1,5 +1,4 @@
-//! Rolls without an end: every stage of the engine under strikes that overlap for as long as one
-//! likes.
+//! Endless rolls: every stage of the engine under overlapping strikes, for any length of time.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
@@ -25,8 +24,10 @@ pub fn kit() -> Loaded {
     load(kit::text::parse(&source, |_| Ok(source.clone())).expect("the kit beside this file is right"))
 }
 
-/// Hands on all pads: strikes of every strength 8 to 120 ms apart, at any position, and sometimes a
-/// palm.
+/// Source of the strikes on all four pads.
+///
+/// Strikes of every strength fall 8 to 120 ms apart on each pad, at any position. Some are replaced
+/// by a choke or a release.
 #[derive(Debug)]
 pub struct Hands {
     random: Sfc32,
@@ -34,7 +35,7 @@ pub struct Hands {
 }
 
 impl Hands {
-    /// About to strike.
+    /// Source at the first frame, before any strike.
     pub fn new() -> Self {
         Self { random: Sfc32::new(11, 0), next: [0; 4] }
     }
@@ -43,7 +44,7 @@ impl Hands {
         f64::from(self.random.draw()) / 4_294_967_296.0
     }
 
-    /// Strikes before a frame, in an order that blocks do not change: the earliest pad first.
+    /// Events before a frame, the earliest first. Their order does not depend on the block size.
     pub fn until(&mut self, frame: u64) -> Vec<Event> {
         let mut events = Vec::new();
         while let Some((pad, at)) = (0..4u8).zip(self.next).min_by_key(|(_, at)| *at).filter(|(_, at)| *at < frame) {
@@ -67,25 +68,24 @@ impl Default for Hands {
     }
 }
 
-/// Result of a roll.
+/// Figures of a roll.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rolled {
-    /// Strikes in all.
+    /// Number of strikes.
     pub strikes: u64,
-    /// Rms of each minute begun, 1.0 = full scale.
+    /// Rms of each minute, and of a last part of a minute, 1.0 = full scale.
     pub minute_rms: Vec<f64>,
     /// Largest sample, 1.0 = full scale.
     pub peak: f64,
-    /// Seconds from the last strike to exact silence, or `None` where it did not come within a
-    /// minute.
+    /// Seconds from the end of the roll to exact silence; `None` if it takes more than a minute.
     pub silent_after_s: Option<f64>,
     /// Hash of all samples but zeros, and of their places.
     pub hash: u64,
 }
 
-/// Rolls on all pads for `seconds`, strikes of every strength 8 to 120 ms apart, positions and
-/// hands included, then waits for silence; in blocks of `block` frames.
+/// Rolls on all pads for `seconds` in blocks of `block` frames, then waits for silence.
 ///
+/// [`Hands`] gives the strikes, chokes and releases.
 /// # Panics
 /// If the kit beside this file is wrong.
 pub fn roll(seconds: f64, block: usize, mut progress: impl FnMut(f64)) -> Rolled {

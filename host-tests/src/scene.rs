@@ -8,7 +8,7 @@ use kit::{Gain, Kit, Loaded, Mode, Object, Pad, Pulse, Striker};
 
 use crate::lent;
 
-/// A mode with one position.
+/// Mode with gains at one position.
 pub fn mode(frequency_hz: f64, t60_s: f64, sine: f64, cosine: f64) -> Mode {
     Mode {
         frequency_hz: frequency_hz as f32,
@@ -17,7 +17,7 @@ pub fn mode(frequency_hz: f64, t60_s: f64, sine: f64, cosine: f64) -> Mode {
     }
 }
 
-/// A kit of one pad `pad` with one striker; change its parts and [`load`] it.
+/// Kit of one pad `pad` with one striker; change its parts, then [`load`] it.
 pub fn one_pad(modes: Vec<Mode>) -> Kit {
     let nothing = String::new;
     Kit {
@@ -61,24 +61,26 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
     }
 }
 
-/// A kit with its binary form.
+/// Kit together with its binary form.
 pub fn load(kit: Kit) -> Loaded {
     let binary = kit::binary::build(&kit).expect("the kit is valid");
     Loaded { kit, binary, skipped_sections: Vec::new() }
 }
 
-/// A strike at the beginning of a frame.
+/// Strike on pad 0 at the beginning of a frame.
 pub fn strike(frame: u64, velocity: f32) -> Event {
     Event { time: Time::at_frame(frame), velocity, ..Event::default() }
 }
 
-/// A choke or a release.
+/// Choke or release of pad 0 at the beginning of a frame.
 pub fn hand(frame: u64, action: Action) -> Event {
     Event { time: Time::at_frame(frame), action, ..Event::default() }
 }
 
-/// Plays events, and a force for pad 0, for some frames in blocks whose lengths repeat; gives the
-/// bus and all ticks' reports.
+/// Plays events for some frames, and optionally a force on pad 0. Gives the bus and the reports of
+/// all ticks.
+///
+/// The block lengths are those of `blocks`, over and over.
 pub fn play(
     loaded: &Loaded,
     rate: SampleRate,

@@ -1,4 +1,4 @@
-//! The bank alone.
+//! The bank of modes alone on the virtual core.
 
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::layout::{GainRecord, ModeRecord};
@@ -33,7 +33,7 @@ impl BankOnChip {
     /// Derives the bank from a table of one position at a rate in whole Hz.
     ///
     /// # Errors
-    /// [`OnChipError::Refused`] where it does not fit.
+    /// [`OnChipError::Refused`] if it does not fit.
     pub fn load(&mut self, modes: &[ModeRecord], gains: &[GainRecord], rate_hz: u32) -> Result<(), OnChipError> {
         let key = [b"bank", &rate_hz.to_le_bytes()[..], modes.as_bytes(), gains.as_bytes()].concat();
         load_once(&mut self.machine, key, |machine| {
@@ -46,7 +46,7 @@ impl BankOnChip {
         Ok(())
     }
 
-    /// The bookkeeping of a tick: modes that still ring, and what it cost.
+    /// Does the bookkeeping of a tick; gives the number of modes that still ring, and the cost.
     ///
     /// # Errors
     /// [`OnChipError::Run`].
@@ -55,8 +55,9 @@ impl BankOnChip {
         Ok((call.value, call.cost))
     }
 
-    /// A run of at most a tick's frames from a bus of zeros: its sound, and what it cost. `force`
-    /// as long as the run.
+    /// Renders a run of at most a tick's frames from a bus of zeros; gives its sound and cost.
+    ///
+    /// `force` has the length of the run.
     ///
     /// # Errors
     /// [`OnChipError::Run`].
@@ -76,12 +77,12 @@ impl BankOnChip {
         Ok((words_of(&out), call.cost))
     }
 
-    /// The machine, for its profile and its loops, and for the other functions of the image.
+    /// Machine of the image: its profile, its loops, and the other functions of the image.
     pub fn machine(&mut self) -> &mut Machine {
         &mut self.machine
     }
 
-    /// The image.
+    /// Image that the machine runs.
     pub fn image(&self) -> &Image {
         &self.image
     }

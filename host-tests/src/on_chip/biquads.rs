@@ -8,7 +8,7 @@ use super::{HOST_MEMORY, OnChipError, accept, bytes_of, image, words_of};
 const INPUT: u32 = HOST_MEMORY;
 const OUT: u32 = HOST_MEMORY + 0x4000;
 
-/// `host-tests/images/biquads`: a bank of at most 64 pairs.
+/// Bank of at most 64 pairs of biquads on the virtual core (`host-tests/images/biquads`).
 #[derive(Debug)]
 pub struct BiquadsOnChip {
     machine: Machine,
@@ -24,18 +24,18 @@ impl BiquadsOnChip {
         Ok(Self { machine: Machine::new(&image)? })
     }
 
-    /// Loads a bank, and says what that cost.
+    /// Loads a bank; gives the cost of the load.
     ///
     /// # Errors
-    /// [`OnChipError::Refused`] where it is no bank.
+    /// [`OnChipError::Refused`] if the bank is invalid.
     pub fn load(&mut self, biquads: &[Biquad], depth: usize) -> Result<Cost, OnChipError> {
         self.load_as("biquads_load", biquads, depth)
     }
 
-    /// Loads a bank in single precision.
+    /// Loads a bank in single precision; gives the cost of the load.
     ///
     /// # Errors
-    /// [`OnChipError::Refused`] where it is no bank.
+    /// [`OnChipError::Refused`] if the bank is invalid.
     pub fn load_float(&mut self, biquads: &[Biquad], depth: usize) -> Result<Cost, OnChipError> {
         self.load_as("float_biquads_load", biquads, depth)
     }
@@ -52,7 +52,7 @@ impl BiquadsOnChip {
         Ok(call.cost)
     }
 
-    /// A block of at most 4096 frames from a bus of zeros: its sound, and what it cost.
+    /// Renders a block of at most 4096 frames from a bus of zeros; gives its sound and cost.
     ///
     /// # Errors
     /// [`OnChipError::Run`].
@@ -61,7 +61,7 @@ impl BiquadsOnChip {
         Ok((words_of(&out), cost))
     }
 
-    /// Renders a block of at most 4096 frames in single precision: its sound, and what it cost.
+    /// Renders a block of at most 4096 frames in single precision; gives its sound and cost.
     ///
     /// # Errors
     /// [`OnChipError::Run`].
@@ -88,7 +88,7 @@ impl BiquadsOnChip {
         Ok((out, call.cost))
     }
 
-    /// The machine, for its profile and its loops.
+    /// Machine of the image, for its profile and its loops.
     pub fn machine(&mut self) -> &mut Machine {
         &mut self.machine
     }

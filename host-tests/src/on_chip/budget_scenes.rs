@@ -1,24 +1,24 @@
-//! Scenes by which the budget's prediction is fitted and judged.
+//! Scenes to which the budget's prediction is fitted, and by which it is judged.
 
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::resonator::TICK_FRAMES;
 
 use super::scenes::{choked_pads, pads, pads_of, pads_with_positions, strikes};
 
-/// A scene, played a tick a call.
+/// Scene that is played one tick at a time.
 #[derive(Clone, Debug)]
 pub struct BudgetScene {
-    /// Its name.
+    /// Name of the scene.
     pub name: &'static str,
-    /// A kit, binary.
+    /// Kit of the scene in its binary form.
     pub kit: Vec<u8>,
-    /// Events and forces of the scene.
+    /// Events of the scene.
     pub events: Vec<Event>,
-    /// A force for pad 0, as long as the scene.
+    /// Force on pad 0, as long as the scene.
     pub direct: Option<Vec<i32>>,
     /// Length in ticks.
     pub ticks: usize,
-    /// Cycles a tick.
+    /// Budget in cycles a tick.
     pub budget: u32,
 }
 
@@ -31,12 +31,12 @@ impl BudgetScene {
     }
 }
 
-/// Every pad at full velocity, again every 5 ms.
+/// Strikes on every pad at full velocity, every 5 ms, `times` times.
 pub fn storm(pads: usize, times: u64) -> Vec<Event> {
     (0..times).flat_map(|n| strikes(pads, n * 240, 1.0)).collect()
 }
 
-/// Every pad struck, choked and released, one after the other, some of them in one tick.
+/// Strikes, then chokes, then releases of every pad, 13 frames apart, so that some share a tick.
 pub fn hands_on(pads: u8) -> Vec<Event> {
     let mut events = strikes(pads.into(), 5, 0.8);
     for (frame, action) in [(1_000, Action::Choke), (1_900, Action::Release)] {
@@ -46,7 +46,7 @@ pub fn hands_on(pads: u8) -> Vec<Event> {
     events
 }
 
-/// Every pad struck at two places within a contact, four times.
+/// Two strikes on every pad at two positions within one contact, four times.
 pub fn at_two_places(pads: u8) -> Vec<Event> {
     let strike = |frame: u64, position: f32, pad: u8| Event {
         time: Time::at_frame(frame),
@@ -61,7 +61,7 @@ pub fn at_two_places(pads: u8) -> Vec<Event> {
     events
 }
 
-/// The bench's scenes, without a limit: what they cost is to be predicted.
+/// Scenes without a limit, by which the predicted costs are compared with the modelled ones.
 ///
 /// # Panics
 /// If the demo kit that ships with the project is broken.
@@ -94,10 +94,10 @@ pub fn unlimited() -> Vec<BudgetScene> {
     ]
 }
 
-/// 80 % of 168 MHz at 48 kHz, cycles a tick.
+/// Budget of 80 % of 168 MHz at 48 kHz, in cycles a tick.
 pub const STORM_BUDGET: u32 = 89_600;
 
-/// Every pad struck at full velocity, again every 5 ms, 1024 modes, 80 % of 168 MHz.
+/// Scene in which every pad is struck at full velocity every 5 ms: 1024 modes, 80 % of 168 MHz.
 pub fn storm_scene(pads: usize) -> BudgetScene {
     BudgetScene {
         name: "storm",
@@ -109,8 +109,9 @@ pub fn storm_scene(pads: usize) -> BudgetScene {
     }
 }
 
-/// Four pads of the demo kit, struck 28 times a second each wherever in a tick it falls, at so many
-/// cycles a tick.
+/// Scene of four pads of the demo kit, each struck 28 times a second at any frame of a tick.
+///
+/// `budget` is in cycles a tick.
 ///
 /// # Panics
 /// If the demo kit that ships with the project is broken.
@@ -132,7 +133,7 @@ pub fn playing_scene(budget: u32) -> BudgetScene {
     }
 }
 
-/// All of them.
+/// All scenes: those of [`unlimited`], two storms, and two played scenes.
 pub fn all() -> Vec<BudgetScene> {
     let mut scenes = unlimited();
     scenes.extend([storm_scene(8), storm_scene(4), playing_scene(33_000), playing_scene(50_000)]);

@@ -1,4 +1,4 @@
-//! The whole engine.
+//! The whole engine on the virtual core.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Direct;
@@ -13,7 +13,7 @@ const EVENTS: u32 = HOST_MEMORY + 0x40;
 const FORCE: u32 = HOST_MEMORY + 0x1000;
 const OUT: u32 = HOST_MEMORY + 0x3000;
 
-/// Most frames of one block.
+/// Maximum number of frames in a block.
 pub const BLOCK_FRAMES: usize = 1024;
 
 /// Memory of the engine on a chip, in bytes.
@@ -30,15 +30,15 @@ pub struct Footprint {
 /// Report of the engine's last block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Told {
-    /// Cycles that the block's last tick was expected to take.
+    /// Predicted cycles of the block's last tick.
     pub predicted_cycles: u32,
-    /// Register groups that it left out.
+    /// Number of register groups that the last tick left out.
     pub shed_groups: u32,
-    /// Their modes.
+    /// Number of modes in the groups that were left out.
     pub shed_modes: u32,
-    /// Bound of the amplitude that is missing by it.
+    /// Bound of the amplitude of all modes that were left out.
     pub shed_amplitude: f32,
-    /// All decisions of the block, as events.
+    /// Shed decisions of the whole block, as events.
     pub decisions: Vec<Event>,
 }
 
@@ -47,7 +47,7 @@ pub struct Told {
 pub struct EngineOnChip {
     machine: Machine,
     image: Image,
-    /// Bits of the limiter's ceiling; those of a NaN for none.
+    /// Bits of the limiter's ceiling in dB; bits of a NaN if there is no limiter.
     ceiling_db_bits: u32,
 }
 
@@ -61,10 +61,10 @@ impl EngineOnChip {
         Ok(Self { machine: Machine::new(&image)?, image, ceiling_db_bits: f32::NAN.to_bits() })
     }
 
-    /// Loads a kit in its binary form.
+    /// Loads a kit in its binary form; gives the call with its cost.
     ///
     /// # Errors
-    /// [`OnChipError::Refused`] where it is none, or does not fit.
+    /// [`OnChipError::Refused`] if the bytes are no kit, or if the kit does not fit.
     pub fn load(&mut self, kit: &[u8], rate: SampleRate) -> Result<Call, OnChipError> {
         // The engine reads its kit in place.
         self.machine.write(KIT_FLASH, kit)?;
@@ -78,11 +78,11 @@ impl EngineOnChip {
         })
     }
 
-    /// Renders a block of at most [`BLOCK_FRAMES`]: its samples, and the call with its cost and
-    /// peak stack.
+    /// Renders a block of at most [`BLOCK_FRAMES`]; gives its samples, and the call with its cost
+    /// and peak stack.
     ///
     /// # Errors
-    /// [`OnChipError::Refused`] for events that cannot be.
+    /// [`OnChipError::Refused`] for too many frames or an invalid event.
     pub fn render(
         &mut self,
         events: &[Event],
@@ -111,7 +111,7 @@ impl EngineOnChip {
         Ok((samples, call))
     }
 
-    /// Sets the ceiling of the limiter, in dB of full scale, of kits that are loaded from now on.
+    /// Sets the limiter's ceiling in dB of full scale, for kits that are loaded from now on.
     ///
     /// # Errors
     /// [`OnChipError::Run`].
@@ -121,7 +121,7 @@ impl EngineOnChip {
         Ok(())
     }
 
-    /// Sets the budget, cycles a tick.
+    /// Sets the budget in cycles a tick.
     ///
     /// # Errors
     /// [`OnChipError::Run`].
@@ -130,8 +130,7 @@ impl EngineOnChip {
         Ok(())
     }
 
-    /// Predicted cycles and omissions of the last block's last tick, and all decisions of the
-    /// block.
+    /// Report of the last block: prediction and omissions of its last tick, decisions of all ticks.
     ///
     /// # Errors
     /// [`OnChipError::Run`].
@@ -169,13 +168,13 @@ impl EngineOnChip {
         })
     }
 
-    /// The machine, for its profile.
+    /// Machine of the image, for its profile.
     pub fn machine(&mut self) -> &mut Machine {
         &mut self.machine
     }
 }
 
-/// `WireEvent` of the image: 32 bytes.
+/// Bytes of an event as the image's `WireEvent` has them.
 fn wire(event: &Event) -> [u8; 32] {
     let mut bytes = [0; 32];
     bytes[..8].copy_from_slice(&event.time.frame.to_le_bytes());

@@ -10,8 +10,8 @@ const INPUT: u32 = HOST_MEMORY;
 const OUT: u32 = HOST_MEMORY + 0x4000;
 const BAND: u32 = HOST_MEMORY + 0x8000;
 
-/// `host-tests/images/filters`: a dynamic filter of 16 breakpoints and 10 loops of up to 2048
-/// frames.
+/// Dynamic filter of at most 16 breakpoints and 10 loops of up to 2048 frames, on the virtual core
+/// (`host-tests/images/filters`).
 #[derive(Debug)]
 pub struct FiltersOnChip {
     machine: Machine,
@@ -27,10 +27,10 @@ impl FiltersOnChip {
         Ok(Self { machine: Machine::new(&image)? })
     }
 
-    /// Loads a dynamic filter at 48 kHz, seed and stream 9; what that cost.
+    /// Loads a dynamic filter at 48 kHz with seed and stream 9; gives the cost of the load.
     ///
     /// # Errors
-    /// [`OnChipError::Refused`] where it is none.
+    /// [`OnChipError::Refused`] if the filter is invalid.
     pub fn load_filter(
         &mut self,
         order: u8,
@@ -53,7 +53,7 @@ impl FiltersOnChip {
         Ok(call.cost)
     }
 
-    /// Strikes the filter.
+    /// Strikes the filter; gives the cost.
     ///
     /// # Errors
     /// [`OnChipError::Run`].
@@ -61,7 +61,9 @@ impl FiltersOnChip {
         Ok(self.machine.call("filter_strike", &[level.to_bits()])?.cost)
     }
 
-    /// A block of at most 4096 frames of the filter from a bus of zeros, and what it cost.
+    /// Renders a block of at most 4096 frames from a bus of zeros; gives its sound and cost.
+    ///
+    /// `modes` is the sound of the modes that go through the filter.
     ///
     /// # Errors
     /// [`OnChipError::Run`].
@@ -77,7 +79,7 @@ impl FiltersOnChip {
         Ok((words_of(&out), call.cost))
     }
 
-    /// The machine, for its profile and its loops.
+    /// Machine of the image, for its profile and its loops.
     pub fn machine(&mut self) -> &mut Machine {
         &mut self.machine
     }

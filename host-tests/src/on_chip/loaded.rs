@@ -1,7 +1,7 @@
 //! Memory of the virtual core after a load, kept for the process.
 //!
-//! A load derives coefficients in software `f64`: hundreds of millions of instructions for the kits
-//! of the tests, which load the same ones again and again.
+//! A load derives coefficients in software `f64`, which takes hundreds of millions of instructions
+//! for the kits of the tests. The tests load few kits many times.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,7 +10,7 @@ use virtual_core::{Call, Machine, RAM_ADDRESS, RAM_BYTES};
 
 use super::OnChipError;
 
-/// A load's call, and the RAM that it left.
+/// Call of a load, and the RAM after it.
 struct Loaded {
     call: Call,
     ram: Vec<u8>,

@@ -1,4 +1,5 @@
-//! The same code on the virtual Cortex-M4F: the bank alone and the whole engine, called from here.
+//! The code under test on the virtual Cortex-M4F: single stages and the whole engine, called from
+//! the PC.
 
 mod bank;
 mod biquads;
@@ -21,29 +22,29 @@ use std::path::Path;
 
 use virtual_core::{BuildError, Image, ImageError, RunError};
 
-/// The first byte of the core-coupled memory, which the images leave to the host for what it hands
-/// over.
+/// First byte of the core-coupled memory. The images leave it to the host, which writes arguments
+/// there and reads results.
 const HOST_MEMORY: u32 = 0x1000_0000;
 
-/// The kit's place in flash: behind every image.
+/// Address of the kit in flash, behind every image.
 const KIT_FLASH: u32 = 0x080e_0000;
 
-/// Why something could not run on the virtual core.
+/// Reason for which something could not run on the virtual core.
 #[derive(Debug, thiserror::Error)]
 pub enum OnChipError {
     /// The image could not be built.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// The image is no image.
+    /// The file that was built is no valid image.
     #[error(transparent)]
     Image(#[from] ImageError),
-    /// The program stopped.
+    /// The virtual core stopped before the function returned.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// A function of the image said no.
+    /// A function of the image returned an error code.
     #[error("{function} returned {code}: see its documentation in host-tests/images")]
     Refused {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
         /// Code that the function returned.
         code: i32,
@@ -55,7 +56,7 @@ const FAST: &[&str] = &["biquads-image", "filters-image", "kernels-image", "resi
 /// Images of the profile `small`, which are optimised for size.
 const SMALL: &[&str] = &["engine-image", "trigger-image"];
 
-/// Gives one of the images of `host-tests/images`; the first call builds all of its profile.
+/// Gives one of the images of `host-tests/images`. The first call builds all images of its profile.
 pub(crate) fn image(name: &str) -> Result<Image, OnChipError> {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("images/Cargo.toml");
     let (profile, images) = if SMALL.contains(&name) { ("small", SMALL) } else { ("release", FAST) };

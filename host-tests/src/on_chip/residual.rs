@@ -1,4 +1,4 @@
-//! The residual stage alone.
+//! The residual stage alone on the virtual core.
 
 use dsp_core::residual::ResidualBand;
 use dsp_core::resonator::TICK_FRAMES;
@@ -25,10 +25,10 @@ impl ResidualOnChip {
         Ok(Self { machine: Machine::new(&image)? })
     }
 
-    /// Derives the stage, silent.
+    /// Derives the stage from bands; it is silent until the first strike.
     ///
     /// # Errors
-    /// [`OnChipError::Refused`] where there are too many bands.
+    /// [`OnChipError::Refused`] if there are too many bands.
     pub fn load(&mut self, bands: &[ResidualBand], seed: u32, silence: f32) -> Result<(), OnChipError> {
         let numbers =
             bands.iter().flat_map(|band| [band.edges_hz[0], band.edges_hz[1], band.weight, band.decay_db_per_s]);
@@ -38,8 +38,9 @@ impl ResidualOnChip {
         accept("residual_load", self.machine.call("residual_load", &arguments)?.value)
     }
 
-    /// A tick from a bus of zeros, with a strike (frame, strength) or none: its sound, and what it
-    /// cost.
+    /// Renders a tick from a bus of zeros; gives its sound and cost.
+    ///
+    /// `strike` is a strike (frame within the tick, strength) or none.
     ///
     /// # Errors
     /// [`OnChipError::Run`].
@@ -53,7 +54,7 @@ impl ResidualOnChip {
         Ok((words_of(&out), call.cost))
     }
 
-    /// The machine, for its profile.
+    /// Machine of the image, for its profile.
     pub fn machine(&mut self) -> &mut Machine {
         &mut self.machine
     }

@@ -1,4 +1,4 @@
-//! The room alone.
+//! The room alone on the virtual core.
 
 use dsp_core::resonator::TICK_FRAMES;
 use virtual_core::{Cost, Machine};
@@ -26,10 +26,10 @@ impl RoomOnChip {
         Ok(Self { machine: Machine::new(&image)? })
     }
 
-    /// Loads a table at a rate in whole Hz; what loading cost.
+    /// Loads a table at a rate in whole Hz; gives the cost of the load.
     ///
     /// # Errors
-    /// [`OnChipError::Refused`] where it cannot be played.
+    /// [`OnChipError::Refused`] if the table cannot be played.
     pub fn load(&mut self, table: &Table, rate_hz: u32) -> Result<Cost, OnChipError> {
         let records = table.records();
         self.machine.write(BANDS, records.as_bytes())?;
@@ -38,7 +38,7 @@ impl RoomOnChip {
         Ok(call.cost)
     }
 
-    /// Adds the room's answer to a run of at most a tick's frames; what it cost.
+    /// Adds the room's answer to a run of at most a tick's frames; gives the cost.
     ///
     /// # Errors
     /// [`OnChipError::Run`].
@@ -61,7 +61,7 @@ impl RoomOnChip {
         Ok(self.machine.call("room_bytes", &[])?.value)
     }
 
-    /// The machine, for its profile.
+    /// Machine of the image, for its profile.
     pub fn machine(&mut self) -> &mut Machine {
         &mut self.machine
     }

@@ -1,4 +1,4 @@
-//! Scenes of the whole engine and of the bank alone, and what they cost on the chip.
+//! Scenes of the whole engine and of the bank alone, and their cost on the chip.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Direct;
@@ -12,16 +12,16 @@ use super::{BankOnChip, EngineOnChip, OnChipError};
 use crate::run_time::rows::SceneRow;
 use crate::scene::{load, mode, one_pad};
 
-/// Modes of a pad of [`pads`].
+/// Number of modes of a pad of [`pads`].
 pub const MODES_PER_PAD: usize = 64;
 
-/// A kit of equal pads with 64 modes each: three quarters from 80 Hz to 3.8 kHz, a quarter from 3.9
+/// Kit of equal pads with 64 modes each: three quarters from 80 Hz to 3.8 kHz, a quarter from 3.9
 /// to 11.5 kHz, T60 3 s falling to 0.6 s, sine gains.
 pub fn pads(count: usize) -> Loaded {
     pads_of(count, 1)
 }
 
-/// Kit of equal pads with `turns` times 64 modes each, each turn a little higher.
+/// Kit of equal pads with `turns` times 64 modes each. Turn n lies 1.3 n % above the first.
 pub fn pads_of(count: usize, turns: usize) -> Loaded {
     let Kit { objects, strikers, pads, .. } = one_pad(Vec::new());
     let (objects, pads) = (0..count)
@@ -40,14 +40,14 @@ pub fn pads_of(count: usize, turns: usize) -> Loaded {
     load(Kit { name: format!("{count} pads"), objects, strikers, pads, background: None, room: vec![] })
 }
 
-/// The kit of [`pads`] with hands, of T60 0.1 s.
+/// Kit of [`pads`] that can be choked, with a choke T60 of 0.1 s.
 pub fn choked_pads(count: usize) -> Loaded {
     let mut kit = pads(count).kit;
     kit.pads.iter_mut().for_each(|pad| pad.choke_t60_s = 0.1);
     load(kit)
 }
 
-/// The kit of [`choked_pads`] with gains at three positions, and contacts of 3 ms.
+/// Kit of [`choked_pads`] with gains at three positions and contacts of 3 ms.
 pub fn pads_with_positions(count: usize) -> Loaded {
     let mut kit = choked_pads(count).kit;
     for mode in kit.objects.iter_mut().flat_map(|object| &mut object.modes) {
@@ -64,22 +64,22 @@ fn frequencies() -> impl Iterator<Item = f64> {
     low.chain((0..16).map(|n| 3900.0 * (11_500.0f64 / 3900.0).powf(f64::from(n) / 15.0)))
 }
 
-/// A strike on every pad of a kit at a frame.
+/// Strikes on every pad of a kit at one frame.
 pub fn strikes(pads: usize, frame: u64, velocity: f32) -> Vec<Event> {
     let event = Event { time: Time::at_frame(frame), velocity, ..Event::default() };
     (0..pads).map(|pad| Event { pad: pad as u8, ..event }).collect()
 }
 
-/// Cost of a scene: the whole of its measured ticks, and the dearest of them.
+/// Cost of a scene: all its measured ticks together, and the dearest of them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SceneCost {
-    /// Measured ticks.
+    /// Number of measured ticks.
     pub ticks: usize,
-    /// All of them.
+    /// Cost of all measured ticks together.
     pub total: Cost,
-    /// The one with most nominal cycles.
+    /// Cost of the tick with the most nominal cycles.
     pub dearest_tick: Cost,
-    /// Peak stack of a render call, bytes.
+    /// Peak stack of a render call in bytes.
     pub stack_bytes: u32,
 }
 
@@ -107,8 +107,9 @@ impl SceneCost {
     }
 }
 
-/// Plays events on the chip, a tick a call, and counts the ticks from `from` to `to`; `direct` is a
-/// force for pad 0.
+/// Plays events on the chip tick by tick, and measures the ticks from `from` to `to`.
+///
+/// `direct` is a force on pad 0, repeated if it is shorter than the scene.
 ///
 /// # Errors
 /// [`OnChipError`].
@@ -136,7 +137,7 @@ pub fn measure(
     Ok(cost)
 }
 
-/// The bank alone, ringing freely, with guards and retirement.
+/// Measures the bank alone, ringing freely, with guards and retirement.
 ///
 /// # Errors
 /// [`OnChipError`].
@@ -164,7 +165,7 @@ pub fn bank_alone(chip: &mut BankOnChip, modes: usize) -> Result<SceneRow, OnChi
     Ok(cost.row(&format!("bank alone, {modes} modes"), modes))
 }
 
-/// All scenes of the table.
+/// Measures all scenes of the table.
 ///
 /// # Errors
 /// [`OnChipError`].

@@ -1,4 +1,4 @@
-//! The residual measured: whole sounds over many seeds against the reference's expectations.
+//! Measurements of the residual: whole sounds over many seeds against the reference's expectations.
 
 pub mod reference;
 pub mod spectrum;
@@ -16,13 +16,13 @@ pub const SILENCE: f32 = 3.162_277_7e-6;
 /// Spacing of the edges of bands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spacing {
-    /// All equally wide in Hz.
+    /// All bands are equally wide in Hz.
     Linear,
-    /// All equally wide on the ERB-rate scale (Glasberg and Moore).
+    /// All bands are equally wide on the ERB-rate scale (Glasberg and Moore).
     Erb,
 }
 
-/// Edges of `count` bands from `low_hz` to `high_hz`.
+/// Edges of `count` adjacent bands from `low_hz` to `high_hz`.
 pub fn edges_hz(spacing: Spacing, count: usize, [low_hz, high_hz]: [f64; 2]) -> Vec<f64> {
     let share = |edge: usize| edge as f64 / count as f64;
     let erb = |hz: f64| (1.0 + 0.004_37 * hz).ln();
@@ -34,7 +34,7 @@ pub fn edges_hz(spacing: Spacing, count: usize, [low_hz, high_hz]: [f64; 2]) -> 
         .collect()
 }
 
-/// Bands in the reference's type.
+/// Bands as the reference takes them.
 pub fn reference_bands(bands: &[ResidualBand]) -> Vec<reference::residual::Band> {
     let band = |band: &ResidualBand| reference::residual::Band {
         edges_hz: band.edges_hz.map(f64::from),
@@ -44,14 +44,14 @@ pub fn reference_bands(bands: &[ResidualBand]) -> Vec<reference::residual::Band>
     bands.iter().map(band).collect()
 }
 
-/// A stage with its bands, at 48 kHz.
+/// Residual stage of `dsp-core` with its bands, at 48 kHz.
 pub fn shaper(bands: &[ResidualBand], seed: u32) -> Box<Shaper<'static>> {
     let mut shaper = Box::new(lent!(lender => Shaper::take(lender, bands.len())));
     shaper.load(bands.iter().copied(), SampleRate::HZ_48000, Sfc32::new(seed, 0), SILENCE);
     shaper
 }
 
-/// The sound of strikes, given by frame and strength in order, as bus samples; full scale 2^27.
+/// Sound of strikes (frame, strength) in order, as bus samples; full scale is 2^27.
 pub fn play(shaper: &mut Shaper<'_>, strikes: &[(usize, f32)], frames: usize) -> Vec<i32> {
     let mut out = vec![0; frames];
     let mut strikes = strikes.iter().copied().peekable();

@@ -1,4 +1,4 @@
-//! Energies and decays of many seeds against the reference.
+//! Energies and decays, averaged over many seeds, against the reference.
 
 use dsp_core::noise::Sfc32;
 use dsp_core::residual::ResidualBand;
@@ -6,16 +6,16 @@ use dsp_core::residual::ResidualBand;
 use super::spectrum::{RATE_HZ, between, cut, energy_spectrum};
 use super::{play, reference_bands, shaper};
 
-/// A measured number beside what the reference expects, and its standard error.
+/// Ratio of a measured figure to the reference's expectation, and its standard error.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured {
-    /// Measured over expected: dB for energies, a ratio for decays.
+    /// Measured over expected: in dB for energies, as a ratio for decays.
     pub error: f64,
-    /// Standard error of it.
+    /// Standard error of `error`, in its unit.
     pub standard_error: f64,
 }
 
-/// Sounds of single strikes of strength 1 in so many frames, one a seed.
+/// Sounds of one strike of strength 1, each of `frames` frames, one for each seed.
 pub fn sounds(bands: &[ResidualBand], seeds: u32, frames: usize) -> Vec<Vec<f64>> {
     let sound = |seed| {
         let out = play(&mut shaper(bands, seed), &[(0, 1.0)], frames);
@@ -24,11 +24,13 @@ pub fn sounds(bands: &[ResidualBand], seeds: u32, frames: usize) -> Vec<Vec<f64>
     (0..seeds).map(sound).collect()
 }
 
-/// The reference carried out: white noise cut sharply into bands, each under its own envelope. (As
-/// `reference::residual::render`, whose transforms are a textbook's and slow.)
+/// Sound that the reference describes: white noise cut sharply into bands, each under its own
+/// envelope.
+///
+/// It does as `reference::residual::render`, whose plain textbook transforms are slow.
 pub fn ideal_sound(bands: &[ResidualBand], seed: u32, frames: usize) -> Vec<f64> {
     let mut random = Sfc32::new(seed, 99);
-    // The sum of twelve even numbers: nearly normal, of variance 1.
+    // The sum of twelve uniform numbers is nearly normal with variance 1.
     let mut normal = || (0..12).map(|_| f64::from(random.draw()) / 2f64.powi(32)).sum::<f64>() - 6.0;
     let noise: Vec<f64> = (0..frames).map(|_| normal()).collect();
     let mut sound = vec![0.0; frames];
@@ -43,7 +45,7 @@ pub fn ideal_sound(bands: &[ResidualBand], seed: u32, frames: usize) -> Vec<f64>
     sound
 }
 
-/// Of each band: the energy between its edges, in dB over what the reference expects there, on average
+/// Energy between the edges of each band, in dB over the reference's expectation. It is the mean
 /// over all sounds.
 pub fn energies(bands: &[ResidualBand], sounds: &[Vec<f64>]) -> Vec<Measured> {
     let reference = reference_bands(bands);
@@ -67,9 +69,10 @@ pub fn energies(bands: &[ResidualBand], sounds: &[Vec<f64>]) -> Vec<Measured> {
         .collect()
 }
 
-/// Of each band: its decay over the reference's, from the mean power of all sounds between its edges,
-/// from `from_s` after the strike to where the reference has fallen by `fall_db`. The standard error is
-/// that of ten groups of sounds.
+/// Decay of each band over the reference's, from the mean power of all sounds between its edges.
+///
+/// A line is fitted from `from_s` after the strike to the time at which the reference has fallen by
+/// `fall_db`. The standard error comes from ten groups of sounds.
 pub fn decays(bands: &[ResidualBand], sounds: &[Vec<f64>], from_s: f64, fall_db: f64) -> Vec<Measured> {
     const STEP: usize = 48;
     let of_band = |band: &ResidualBand| {
@@ -109,7 +112,7 @@ fn line_slope(points: impl Iterator<Item = (f64, f64)>) -> f64 {
     points.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum::<f64>() / spread
 }
 
-/// Mean, and its standard error.
+/// Mean of values, and the standard error of the mean.
 pub fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;

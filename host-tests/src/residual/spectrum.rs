@@ -2,18 +2,19 @@
 
 use fourier::Complex;
 
-/// Rate of these sounds.
+/// Sample rate in Hz of the measured sounds.
 pub const RATE_HZ: f64 = 48_000.0;
 
-/// The one-sided energy spectrum of a sound whose length is even: full scale squared times seconds,
-/// a bin of `RATE_HZ/length` each.
+/// One-sided energy spectrum of a sound of even length, in full scale squared times seconds.
+///
+/// A bin is `RATE_HZ/length` wide.
 pub fn energy_spectrum(sound: &[f64]) -> Vec<f64> {
     let spectrum = transform(sound);
     let scale = 2.0 / (RATE_HZ * sound.len() as f64);
     spectrum.iter().map(|x| x.norm_sqr() * scale).collect()
 }
 
-/// Sum of a spectrum between two frequencies, bins shared by how much of them is inside.
+/// Sum of a spectrum between two frequencies. Bins at the edges count by the share that is inside.
 pub fn between(spectrum: &[f64], [low_hz, high_hz]: [f64; 2]) -> f64 {
     let bin_hz = RATE_HZ / 2.0 / (spectrum.len() - 1) as f64;
     let (from, to) = (low_hz / bin_hz, high_hz / bin_hz);
@@ -22,7 +23,7 @@ pub fn between(spectrum: &[f64], [low_hz, high_hz]: [f64; 2]) -> f64 {
     (from.floor() as usize..=last).map(|bin| spectrum[bin] * share(bin)).sum()
 }
 
-/// The part of a sound between two frequencies, sharply cut.
+/// Part of a sound between two frequencies, cut sharply.
 pub fn cut(sound: &[f64], [low_hz, high_hz]: [f64; 2]) -> Vec<f64> {
     let mut spectrum = transform(sound);
     let bin_hz = RATE_HZ / sound.len() as f64;

@@ -1,17 +1,18 @@
-//! What an impulse response is made of, in f64.
+//! Measures of an impulse response in `f64`: energy, T60, crest, echo density.
 
-/// A band to look at, in Hz.
+/// Band of frequencies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
-    /// Lower edge.
+    /// Lower edge in Hz.
     pub from_hz: f64,
-    /// Upper edge.
+    /// Upper edge in Hz.
     pub to_hz: f64,
 }
 
 impl Band {
-    /// The band without a sixth of an octave at each of its edges (but for the ends of the
-    /// spectrum), where neighbours' slopes reach.
+    /// The band less a sixth of an octave at each edge, where the slopes of neighbours reach.
+    ///
+    /// An edge at 0 or at half the rate stays.
     pub fn inside(self, rate_hz: f64) -> Self {
         let from_hz = if self.from_hz > 0.0 { self.from_hz * 2f64.powf(1.0 / 6.0) } else { 0.0 };
         let to_hz = if self.to_hz < rate_hz / 2.0 { self.to_hz / 2f64.powf(1.0 / 6.0) } else { self.to_hz };
@@ -22,17 +23,17 @@ impl Band {
 /// Filter by which a checker cuts a band out of a response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Look {
-    /// Everything else of the spectrum set to 0, and a sixth of an octave at each edge with it.
+    /// Sets the spectrum to 0 outside the band and within a sixth of an octave of its edges.
     Inside,
-    /// Everything else of the spectrum set to 0, exactly at the edges.
+    /// Sets the spectrum to 0 outside the band, exactly at its edges.
     Whole,
-    /// A high-pass and a low-pass at the edges, Butterworth of fourth order, forwards and
+    /// High-pass and low-pass at the edges: Butterworth of fourth order, run forwards and
     /// backwards.
     Butterworth,
 }
 
 impl Look {
-    /// Magnitude at a frequency.
+    /// Magnitude of the filter at a frequency.
     fn gain(self, band: Band, rate_hz: f64, hz: f64) -> f64 {
         let within = |band: Band| f64::from((band.from_hz..=band.to_hz).contains(&hz));
         match self {
@@ -48,7 +49,7 @@ impl Look {
     }
 }
 
-/// A response's spectrum, with as many zeros behind it.
+/// Spectrum of a response, padded with at least as many zeros as it has frames.
 pub struct Spectrum {
     bins: Vec<fourier::Complex<f64>>,
     rate_hz: f64,
@@ -56,7 +57,7 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// Of a response.
+    /// Transforms a response.
     pub fn new(response: &[f64], rate_hz: f64) -> Self {
         let length = (2 * response.len()).next_power_of_two();
         let forward = fourier::forward(length);
@@ -67,14 +68,14 @@ impl Spectrum {
         Self { bins, rate_hz, frames: response.len() }
     }
 
-    /// The response in a band.
+    /// Part of the response in a band.
     pub fn band(&self, look: Look, band: Band) -> Vec<f64> {
         let length = 2 * (self.bins.len() - 1);
         let mut bins = self.bins.clone();
         for (bin, value) in bins.iter_mut().enumerate() {
             *value *= look.gain(band, self.rate_hz, bin as f64 * self.rate_hz / length as f64) / length as f64;
         }
-        // The ends of a real signal's spectrum are real.
+        // The first and the last bin of a real signal's spectrum are real.
         bins[0].im = 0.0;
         bins[length / 2].im = 0.0;
         let inverse = fourier::inverse(length);
@@ -90,8 +91,9 @@ pub fn energy(response: &[f64]) -> f64 {
     response.iter().map(|x| x * x).sum()
 }
 
-/// T60 from Schroeder's backward integral, by the line that fits it best between two levels (dB
-/// below the beginning).
+/// T60 in seconds from Schroeder's backward integral.
+///
+/// It is that of the best line between two levels, in dB below the beginning.
 pub fn t60_s(response: &[f64], from_db: f64, to_db: f64, rate_hz: f64) -> f64 {
     let mut left = energy(response);
     let all = left;
@@ -110,8 +112,9 @@ pub fn t60_s(response: &[f64], from_db: f64, to_db: f64, rate_hz: f64) -> f64 {
     -60.0 * (n * sum_xx - sum_x * sum_x) / (n * sum_xy - sum_x * sum_y)
 }
 
-/// Largest power of a spectrum above its mean, in dB: of a Hann window over the whole of `window`,
-/// from `from_hz` to `to_hz`.
+/// Largest power of a spectrum over its mean, in dB, between `from_hz` and `to_hz`.
+///
+/// The spectrum is that of the whole of `window` under a Hann window.
 pub fn crest_db(window: &[f64], from_hz: f64, to_hz: f64, rate_hz: f64) -> f64 {
     let forward = fourier::forward(window.len());
     let turn = std::f64::consts::TAU / window.len() as f64;
@@ -126,8 +129,9 @@ pub fn crest_db(window: &[f64], from_hz: f64, to_hz: f64, rate_hz: f64) -> f64 {
     10.0 * (power.iter().fold(0.0, |most: f64, &x| most.max(x)) / mean).log10()
 }
 
-/// Echoes a second in a stretch of a response: local maxima of its size that stand within 20 dB of
-/// the stretch's rms or above it.
+/// Echoes a second in a stretch of a response.
+///
+/// An echo is a local maximum of the magnitude that is at most 20 dB below the stretch's rms.
 pub fn echo_density_per_s(stretch: &[f64], rate_hz: f64) -> f64 {
     let floor = (energy(stretch) / stretch.len() as f64).sqrt() * 0.1;
     let peaks = stretch.windows(3).filter(|at| {

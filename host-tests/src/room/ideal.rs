@@ -1,20 +1,21 @@
-//! The reference itself: independent decaying noise, cut out of each band exactly.
+//! The ideal room: independent decaying noise on both sides, cut exactly into its bands.
 
 use super::{Band, Look, Spectrum, Table, tables::random};
 
-/// Answer of an ideal room to a unit impulse: each side, another noise for another seed.
+/// Answer of an ideal room to a unit impulse, for each side. Each side and each seed has its own
+/// noise.
 ///
-/// It has no skirts, no resonances and no rounding: where a checker finds its T60 wrong, the
-/// checker's own filter or the noise's own scatter is why.
+/// It has no skirts, no resonances and no rounding. If a checker finds its T60 wrong, the reason is
+/// the checker's filter or the scatter of noise.
 pub fn ideal_response(table: &Table, rate_hz: f64, frames: usize, seed: u64) -> [Vec<f64>; 2] {
     let mut random = random(seed);
-    // The first numbers of neighbouring seeds are alike.
+    // Neighbouring seeds begin with similar numbers, which are skipped.
     (0..20).for_each(|_| _ = random());
     [(); 2].map(|()| {
         let mut sum = vec![0.0; frames];
         for (index, band) in table.bands.iter().enumerate() {
-            // White noise of power g²/rate a sample: of its energy g²/(2 d), the band gets its part
-            // of the spectrum.
+            // White noise of power g²/rate a sample has the energy g²/(2 d). The band gets its
+            // share of the spectrum.
             let rms = band.gain / rate_hz.sqrt();
             let decay = -1000f64.ln() / (band.t60_s * rate_hz);
             let noise: Vec<f64> =

@@ -1,4 +1,4 @@
-//! The room measured: impulse responses, and what their decay, energy, density and spectrum are.
+//! Measurements of the room: impulse responses, with their decay, energy, density and spectrum.
 
 mod analysis;
 mod ideal;
@@ -18,13 +18,13 @@ use dsp_core::room::{Room, RoomError, Sample};
 
 use crate::lent;
 
-/// Samples of delay in 48 KB of 16-bit samples.
+/// Number of delay samples in 48 KB of 16-bit samples.
 pub const LARGE: usize = 24_576;
-/// Samples of delay in 16 KB of 16-bit samples.
+/// Number of delay samples in 16 KB of 16-bit samples.
 pub const SMALL: usize = 8_192;
 
-/// A room's answer to a unit impulse on both sides, without the impulse: each side, 1.0 = full
-/// scale.
+/// Answer of a room, left and right, to a unit impulse on both sides, without the impulse; 1.0 =
+/// full scale.
 ///
 /// # Errors
 /// A [`RoomError`] for a table that cannot be played.
@@ -38,7 +38,7 @@ pub fn impulse_response<T: Sample + 'static, const SAMPLES: usize>(
     answer::<T, SAMPLES>(table, rate, &dry)
 }
 
-/// A room's answer to a sound on both sides, without the sound itself.
+/// Answer of a room, left and right, to one sound on both sides, without the sound itself.
 ///
 /// # Errors
 /// A [`RoomError`] for a table that cannot be played.
@@ -50,7 +50,7 @@ pub fn answer<T: Sample + 'static, const SAMPLES: usize>(
     answer_to_sides::<T, SAMPLES>(table, rate, [dry, dry])
 }
 
-/// dsp-core's room of a table, in memory of its own, with at most so many samples of delay.
+/// Room of `dsp-core` for a table, in memory of its own, with at most `samples` samples of delay.
 ///
 /// # Errors
 /// A [`RoomError`] for a table that cannot be played.
@@ -65,7 +65,7 @@ pub fn room<T: Sample + 'static>(
     room.load(&records, rate, samples).map(|()| room)
 }
 
-/// A room's answer to both sides of a sound, without the sound itself.
+/// Answer of a room, left and right, to a stereo sound, without the sound itself.
 ///
 /// # Errors
 /// A [`RoomError`] for a table that cannot be played.

@@ -1,27 +1,28 @@
-//! How far a response is from its table, band by band.
+//! Error of a response against its table, band by band.
 
 use super::{Band, Look, Spectrum, Table, energy, t60_s};
 
-/// A band's decay and energy against the table, both sides' mean.
+/// Error of a band's decay and energy against the table, each the mean of both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandError {
     /// T60 over the table's, less 1.
     pub t60: f64,
     /// Energy over the table's, in dB.
     pub energy_db: f64,
-    /// Independent samples of the band's noise, its width times its T60: of fewer than 300, noise
+    /// Number of independent samples of the band's noise: its width times its T60. Below 300, noise
     /// itself scatters by more than 3 %.
     pub samples: f64,
 }
 
-/// Frames of a response that hold what the fits look at.
+/// Number of frames of a response that the fits need.
 pub fn frames_needed(table: &Table, rate_hz: f64) -> usize {
     let longest = table.bands.iter().fold(0.0, |longest: f64, band| longest.max(band.t60_s));
     ((0.7 * longest + 0.3) * rate_hz) as usize
 }
 
-/// All bands of a unit impulse's response, T60 by the line through Schroeder's integral from -5 dB
-/// to `to_db` below.
+/// Errors of all bands of a response to a unit impulse.
+///
+/// T60 is that of the line through Schroeder's integral from -5 dB to `to_db` below the beginning.
 pub fn band_errors(table: &Table, sides: &[Vec<f64>; 2], look: Look, to_db: f64, rate_hz: f64) -> Vec<BandError> {
     let spectra = sides.each_ref().map(|side| Spectrum::new(side, rate_hz));
     let error = |(index, band): (usize, &super::TableBand)| {

@@ -1,18 +1,21 @@
-//! What the instrument's room and the reference's have in common: energy, decay, balance, correlation.
+//! Figures that the instrument's room shares with the reference's: energy, decay, balance,
+//! correlation.
 
 use super::{BandError, LARGE, Look, Table, answer_to_sides, band_errors, energy};
 use dsp_core::SampleRate;
 use reference::RoomBand;
 
-/// A room's answer to an impulse of energy 2 at a constant-power pan, without the impulse.
+/// Answer of a room to an impulse of energy 2 at a constant-power pan, without the impulse.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// Left and right from the impulse on, 1.0 = full scale.
+    /// Left and right side from the impulse on, 1.0 = full scale.
     pub sides: [Vec<f64>; 2],
 }
 
-/// Both sides of an impulse at a frame: `√2 cos` and `√2 sin` of the pan's angle, so that the mean
-/// of both sides' energies is 1.
+/// Left and right side of an impulse at frame `at`.
+///
+/// Their heights are `√2 cos` and `√2 sin` of the pan's angle, so that the mean energy of the sides
+/// is 1.
 fn impulse(pan: f64, at: usize, frames: usize) -> [Vec<f64>; 2] {
     let (right, left) = ((pan + 1.0) * std::f64::consts::FRAC_PI_4).sin_cos();
     [left, right].map(|gain| {
@@ -23,7 +26,7 @@ fn impulse(pan: f64, at: usize, frames: usize) -> [Vec<f64>; 2] {
 }
 
 impl Answer {
-    /// Of the instrument with 48 KB of 16-bit lines to an impulse at a frame.
+    /// Answer of the instrument, with 48 KB of 16-bit delay lines, to an impulse at frame `at`.
     ///
     /// # Panics
     /// If the table cannot be played.
@@ -34,7 +37,7 @@ impl Answer {
         Self { sides: sides.map(|side| side[at..].to_vec()) }
     }
 
-    /// Of the reference, [`reference::room()`], by the noise of a seed.
+    /// Answer of the reference, [`reference::room()`], with the noise of a seed.
     pub fn of_reference(table: &Table, rate: SampleRate, pan: f64, frames: usize, seed: u64) -> Self {
         let bands: Vec<RoomBand> = table
             .bands
@@ -47,7 +50,7 @@ impl Answer {
         Self { sides: reference::room(&bands, dry, reference::SampleRate { numerator, denominator }, seed) }
     }
 
-    /// Energy of both sides.
+    /// Energy of both sides together.
     pub fn energy(&self) -> f64 {
         self.sides.iter().map(|side| energy(side)).sum()
     }
@@ -72,13 +75,13 @@ impl Answer {
         self.sides.iter().map(first).fold(usize::MAX, usize::min) as f64 / rate_hz
     }
 
-    /// Decay and energy of all bands against the table.
+    /// Errors of decay and energy of all bands against the table.
     pub fn band_errors(&self, table: &Table, rate_hz: f64) -> Vec<BandError> {
         band_errors(table, &self.sides, Look::Inside, 25.0, rate_hz)
     }
 }
 
-/// Mean and root mean square.
+/// Mean and root mean square of values.
 pub fn mean_and_rms(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     (values.iter().sum::<f64>() / count, (values.iter().map(|x| x * x).sum::<f64>() / count).sqrt())

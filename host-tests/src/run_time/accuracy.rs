@@ -1,31 +1,31 @@
-//! Error: each form over the grid of one mode, on the PC.
+//! Error of each form over the grid of one mode, measured on the PC.
 
 use super::fixed_forms::FixedForm;
 use super::rivals::{self, Rival};
 use crate::single_mode::{Case, float_forms::FloatForm, q31, snr_db, worst_and_median};
 
-/// Subject of a measurement.
+/// Kernel that is measured.
 #[derive(Clone, Copy, Debug)]
 pub enum Subject {
-    /// The bank, over the cases that it plays in a form, or all.
+    /// The fixed-point bank, over the cases that it plays in one form, or over all.
     Fixed(Option<FixedForm>),
     /// The single-precision modes.
     Float,
-    /// Somebody else's.
+    /// A resonator of another crate, or the plain loop.
     Rival(Rival),
 }
 
-/// The signal-to-noise ratios of a subject over a grid, dB.
+/// Signal-to-noise ratios of a subject over a grid.
 #[derive(Clone, Debug)]
 pub struct Accuracy {
-    /// Whose.
+    /// Kernel that was measured.
     pub subject: Subject,
-    /// A figure for each case that it plays.
+    /// SNR in dB of each case that the subject plays.
     pub snr_db: Vec<f64>,
 }
 
 impl Accuracy {
-    /// Worst and median, dB.
+    /// Worst and median SNR in dB.
     pub fn worst_and_median(&self) -> (f64, f64) {
         worst_and_median(self.snr_db.clone())
     }

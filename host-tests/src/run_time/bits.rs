@@ -1,5 +1,6 @@
-//! Whether the virtual core gives the PC's bits: then the accuracy that the PC measures is the
-//! chip's.
+//! Comparison of the virtual core's bits with the PC's.
+//!
+//! If they are equal, the accuracy measured on the PC is the chip's too.
 
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::resonator::TICK_FRAMES;
@@ -10,12 +11,12 @@ use super::rivals::Rival;
 use crate::on_chip::{BankOnChip, OnChipError};
 use crate::single_mode::Case;
 
-/// Compared outputs.
+/// Counts of compared samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Compared {
-    /// Samples.
+    /// Number of samples that were compared.
     pub samples: usize,
-    /// Those whose bits differ.
+    /// Number of samples whose bits differ.
     pub different: usize,
 }
 
@@ -28,10 +29,12 @@ impl Compared {
     }
 }
 
-/// Struck modes of the bank, each alone, over a number of ticks. Cases at whole rates.
+/// Compares struck modes of the bank, each alone, over a number of ticks.
+///
+/// The rates of all cases are whole numbers of Hz.
 ///
 /// # Errors
-/// [`OnChipError`]; [`OnChipError::Refused`] too for a case that cannot be played.
+/// [`OnChipError`]. It is [`OnChipError::Refused`] too for a case that cannot be played.
 pub fn compare_bank(chip: &mut BankOnChip, cases: &[Case], ticks: usize) -> Result<Compared, OnChipError> {
     let mut compared = Compared::default();
     for (index, case) in cases.iter().enumerate() {
@@ -52,7 +55,7 @@ pub fn compare_bank(chip: &mut BankOnChip, cases: &[Case], ticks: usize) -> Resu
     Ok(compared)
 }
 
-/// Struck modes of a rival, each alone, over a number of ticks.
+/// Compares struck modes of a rival, each alone, over a number of ticks.
 ///
 /// # Errors
 /// [`OnChipError`].

@@ -1,4 +1,4 @@
-//! Kernels on the virtual core: what they cost, and what they give.
+//! Kernels on the virtual core: their cost and their output.
 
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::layout::{GainRecord, ModeRecord};
@@ -8,34 +8,34 @@ use super::rows::Driven;
 use crate::on_chip::{BankOnChip, OnChipError};
 use crate::single_mode::Case;
 
-/// Ticks that are measured, after [`WARM_TICKS`].
+/// Number of measured ticks, after [`WARM_TICKS`].
 const TICKS: usize = 64;
-/// Ticks in which the caches fill and the guards settle.
+/// Number of ticks in which the caches fill and the guards settle.
 const WARM_TICKS: usize = 8;
 
 /// Cost of a kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured {
-    /// Over all modes and samples.
+    /// Cost of all modes and samples together.
     pub cost: Cost,
-    /// Modes times samples.
+    /// Number of modes times number of samples.
     pub mode_samples: f64,
-    /// Length of the hottest loop, bytes; 0 where none ran.
+    /// Length of the hottest loop in bytes; 0 if no loop ran.
     pub loop_bytes: u32,
 }
 
 /// Modes that ring together in a bank on the virtual core.
 #[derive(Clone, Debug)]
 pub struct BankUse<'a> {
-    /// The modes; all at one rate in whole Hz.
+    /// Modes of the bank, all at one rate in whole Hz.
     pub cases: &'a [Case],
-    /// The input.
+    /// Input of the modes.
     pub driven: Driven,
-    /// Frames a call, 32 or a divisor of it.
+    /// Frames of a call: 32 or a divisor of it.
     pub block: usize,
 }
 
-/// Cost of a bank's sound: calls of `bank_render`, without the bookkeeping between them.
+/// Measures a bank's sound: the calls of `bank_render`, without the bookkeeping between them.
 ///
 /// # Errors
 /// [`OnChipError`].
@@ -43,7 +43,7 @@ pub fn measure_bank(chip: &mut BankOnChip, used: &BankUse<'_>) -> Result<Measure
     run_bank(chip, used, |_, render| render)
 }
 
-/// Cost of a bank's bookkeeping: calls of `bank_tick`, with retirement.
+/// Measures a bank's bookkeeping: the calls of `bank_tick`, with retirement.
 ///
 /// # Errors
 /// [`OnChipError`].
@@ -78,8 +78,9 @@ fn run_bank(
     Ok(Measured { cost, mode_samples, loop_bytes: hottest_loop_bytes(chip.machine()) })
 }
 
-/// The records of modes that an impulse of 1.0 makes ring at their cases' level, with a cosine part
-/// or without.
+/// Records of modes that an impulse of 1.0 makes ring at their cases' levels.
+///
+/// If `phase`, they have a cosine gain too.
 pub fn table(cases: &[Case], phase: bool) -> (Vec<ModeRecord>, Vec<GainRecord>) {
     let mode = |case: &Case| ModeRecord {
         frequency_hz: (case.frequency_hz as f32).into(),
@@ -93,14 +94,15 @@ pub fn table(cases: &[Case], phase: bool) -> (Vec<ModeRecord>, Vec<GainRecord>) 
     (cases.iter().map(mode).collect(), cases.iter().map(gain).collect())
 }
 
-/// Resonators of the image that are loaded from words and rendered in blocks: f32 modes and rivals.
+/// Resonators of the image that are loaded from words and rendered in blocks: `f32` modes and
+/// rivals.
 #[derive(Clone, Debug)]
 pub struct Resonators<'a> {
-    /// Their functions are `load_` and `render_` with this name.
+    /// Name of the kind: its functions are `load_` and `render_` with this name.
     pub function: &'a str,
     /// Words of each resonator.
     pub words: Vec<Vec<u32>>,
-    /// A force as the image takes it.
+    /// Converts a force to the word that the image takes.
     pub force_word: fn(f64) -> u32,
 }
 
@@ -110,7 +112,7 @@ const FORCE: u32 = CCM_ADDRESS + 0xa000;
 const OUT: u32 = CCM_ADDRESS + 0xa100;
 
 impl Resonators<'_> {
-    /// Makes them, at rest.
+    /// Loads the resonators, at rest.
     ///
     /// # Errors
     /// [`OnChipError`].
@@ -121,8 +123,9 @@ impl Resonators<'_> {
         Ok(())
     }
 
-    /// A block of at most a tick: the sound from silence, as words, and what it cost. `force` as
-    /// long as the block.
+    /// Renders a block of at most a tick from silence; gives its sound as words, and its cost.
+    ///
+    /// `force` has the length of the block.
     ///
     /// # Errors
     /// [`OnChipError`].
@@ -144,7 +147,7 @@ impl Resonators<'_> {
         Ok((out.as_chunks().0.iter().map(|&word| u32::from_le_bytes(word)).collect(), call.cost))
     }
 
-    /// Cost of blocks of `block` frames.
+    /// Measures blocks of `block` frames.
     ///
     /// # Errors
     /// [`OnChipError`].
@@ -173,16 +176,17 @@ fn bytes_of<'a>(words: impl IntoIterator<Item = &'a u32>) -> Vec<u8> {
     words.into_iter().flat_map(|word| word.to_le_bytes()).collect()
 }
 
-/// The innermost loop that runs most: the shortest of those in which at least half as many
-/// instructions ran as in the one with most.
+/// Length in bytes of the innermost loop that runs most.
+///
+/// It is the shortest of the loops that ran at least half as many instructions as the busiest one.
 fn hottest_loop_bytes(machine: &Machine) -> u32 {
     let loops = machine.loops();
     let most = loops.first().map_or(0, |most| most.instructions);
     loops.iter().filter(|one| 2 * one.instructions >= most).map(|one| one.bytes).min().unwrap_or(0)
 }
 
-/// White noise from -1 to 1, always the same (a linear congruential generator; Numerical Recipes,
-/// `ranqd1`).
+/// White noise from -1 to 1, equal in every run: the linear congruential generator `ranqd1` of
+/// Numerical Recipes.
 struct Noise(u32);
 
 impl Iterator for Noise {

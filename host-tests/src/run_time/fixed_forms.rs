@@ -8,21 +8,21 @@ use crate::single_mode::Case;
 /// Form in which the bank plays a mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FixedForm {
-    /// Modified coupled, up to fs/12.4.
+    /// Modified coupled form, up to fs/12.4.
     Coupled,
-    /// Shifted by 1 bit, up to about fs/6.
+    /// Form shifted by 1 bit, up to about fs/6.
     Shifted1,
-    /// Shifted by 2 bits, up to fs/4.
+    /// Form shifted by 2 bits, up to fs/4.
     Shifted2,
-    /// One of these at fs/2 - f with alternating sign, above fs/4.
+    /// One of the other forms at fs/2 - f with alternating sign, for modes above fs/4.
     Mirrored,
 }
 
 impl FixedForm {
-    /// All of them.
+    /// All forms.
     pub const ALL: [Self; 4] = [Self::Coupled, Self::Shifted1, Self::Shifted2, Self::Mirrored];
 
-    /// Its name in tables.
+    /// Name of the form in tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Coupled => "coupled",
@@ -32,7 +32,7 @@ impl FixedForm {
         }
     }
 
-    /// The form in which the bank plays a case; `None` at or above Nyquist.
+    /// Form in which the bank plays a case; `None` at or above Nyquist.
     pub fn of(case: &Case) -> Option<Self> {
         let pole = Pole::new(case.frequency_hz, case.decay_per_s(), case.rate)?;
         Some(match (pole.mirrored, pole.form) {
@@ -43,7 +43,8 @@ impl FixedForm {
         })
     }
 
-    /// Modes of that form only, spread evenly over its frequencies, at 48 kHz and -40 dB each.
+    /// Modes that are all played in this form, spread evenly over its frequencies, at 48 kHz and
+    /// -40 dB each.
     pub fn modes(self, count: u32, t60_s: f64) -> Vec<Case> {
         let (low, high) = match self {
             Self::Coupled => (60.0, 3_700.0),

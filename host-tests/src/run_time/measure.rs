@@ -1,4 +1,4 @@
-//! All rows of the table.
+//! Measurement of all rows of the table.
 
 use super::accuracy::{Accuracy, Subject};
 use super::bits::{self, Compared};
@@ -10,24 +10,24 @@ use super::rows::{Driven, KernelRow, OURS_FIXED, OURS_FLOAT};
 use crate::on_chip::{BankOnChip, OnChipError};
 use crate::single_mode::Case;
 
-/// Modes of a bank whose cycles are counted.
+/// Number of modes of a bank whose cycles are counted.
 const BANK_MODES: u32 = 480;
-/// Modes of a set of rivals whose cycles are counted.
+/// Number of modes of a set of rivals whose cycles are counted.
 const RIVAL_MODES: u32 = 64;
-/// T60 of modes that are to ring on, seconds.
+/// T60 of modes that ring on throughout a measurement, in seconds.
 const LONG_T60_S: f64 = 5.0;
-/// T60 of modes whose bookkeeping is counted, seconds.
+/// T60 of modes whose bookkeeping is counted, in seconds.
 const BOOKKEEPING_T60_S: f64 = 1.0;
-/// Ticks that the PC is timed over.
+/// Number of ticks over which the PC is timed.
 const PC_TICKS: usize = 200;
 /// [`KernelRow::form`] of the bank's accuracy over the whole grid.
 pub const ALL_FORMS: &str = "all";
-/// [`KernelRow::form`] of what a bank does between blocks.
+/// [`KernelRow::form`] of the bank's work between blocks.
 pub const BOOKKEEPING: &str = "guard, retirement and renormalisation";
 
 const WHOLE_TICK: usize = 32;
 
-/// Measures run time on the virtual core and on the PC, and puts it beside the accuracies.
+/// Measures run time on the virtual core and on the PC, and joins it with the accuracies.
 ///
 /// # Errors
 /// [`OnChipError`].
@@ -138,7 +138,7 @@ fn row(
     }
 }
 
-/// Compares the virtual core's bits with the PC's: of the bank, and of all rivals together.
+/// Compares the virtual core's bits with the PC's: first of the bank, then of all rivals together.
 ///
 /// # Errors
 /// [`OnChipError`].

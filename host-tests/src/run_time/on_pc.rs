@@ -1,4 +1,4 @@
-//! The same kernels on the PC.
+//! The kernels of the virtual core, run and timed on the PC.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -12,15 +12,16 @@ use super::rows::Driven;
 use crate::lent;
 use crate::single_mode::Case;
 
-/// A fixed-point bank with memory of its own.
+/// Fixed-point bank with memory of its own.
 #[derive(Debug)]
 pub struct BankOnPc {
     bank: Bank<'static>,
 }
 
 impl BankOnPc {
-    /// A bank of cases at one rate, with sine gains or sine and cosine gains, at rest. `None` where
-    /// a case cannot be played.
+    /// Bank of cases at one rate, at rest; `None` if a case cannot be played.
+    ///
+    /// Modes have sine gains, and if `phase` cosine gains too.
     pub fn new(cases: &[Case], phase: bool) -> Option<Self> {
         let (modes, gains) = table(cases, phase);
         let table = BankTable {
@@ -39,7 +40,7 @@ impl BankOnPc {
         Some(Self { bank })
     }
 
-    /// A tick: its bookkeeping, without retirement, and its sound.
+    /// Does the bookkeeping of a tick without retirement, and renders its sound.
     pub fn tick(&mut self, force: Option<&[i32]>) -> [i32; TICK_FRAMES] {
         self.bank.tick(None);
         let mut out = [0; TICK_FRAMES];
@@ -48,7 +49,7 @@ impl BankOnPc {
     }
 }
 
-/// Time of a bank's ticks, bookkeeping included, ns a mode and sample.
+/// Time of a bank's ticks, bookkeeping included, in ns a mode and sample.
 pub fn bank_ns(cases: &[Case], driven: Driven, ticks: usize) -> Option<f64> {
     let mut bank = BankOnPc::new(cases, driven == Driven::GainAndPhase)?;
     let force = [ONE_Q27 / 8; TICK_FRAMES];
@@ -59,7 +60,7 @@ pub fn bank_ns(cases: &[Case], driven: Driven, ticks: usize) -> Option<f64> {
     }))
 }
 
-/// Time of the single-precision modes, ns a mode and sample.
+/// Time of the single-precision modes, in ns a mode and sample.
 pub fn float_ns(cases: &[Case], driven: Driven, ticks: usize) -> f64 {
     let mut modes: Vec<FloatMode> =
         cases.iter().map(|case| FloatMode::new(case.frequency_hz, case.decay_per_s(), case.rate.hz())).collect();
@@ -78,8 +79,9 @@ pub fn float_ns(cases: &[Case], driven: Driven, ticks: usize) -> f64 {
     })
 }
 
-/// The quickest of five runs of `ticks` ticks, ns a mode and sample: other programs only ever make
-/// it slower.
+/// Time of the quickest of five runs of `ticks` ticks, in ns a mode and sample.
+///
+/// Other programs can only make a run slower.
 pub fn quickest_ns(modes: usize, ticks: usize, mut tick: impl FnMut()) -> f64 {
     let mut run = || {
         let begin = Instant::now();

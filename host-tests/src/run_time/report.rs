@@ -1,4 +1,4 @@
-//! The table, the JSON and the picture.
+//! Output of the measurements: page, JSON and picture.
 
 use std::path::{Path, PathBuf};
 
@@ -11,40 +11,40 @@ use super::measure::ALL_FORMS;
 use super::rows::{Driven, KernelRow, OURS_FIXED, SceneRow};
 use super::verdict::Verdict;
 
-/// The command that makes all of it.
+/// Command that makes page, JSON and picture.
 pub const COMMAND: &str = "cargo bench -p host-tests --bench run_time_vs_error";
 
-/// Why a report cannot be written.
+/// Reason for which a report cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// A file.
+    /// A file could not be written.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The picture.
+    /// The picture could not be drawn.
     #[error(transparent)]
     Plot(#[from] PlotError),
-    /// The JSON.
+    /// The rows could not be written as JSON.
     #[error("the rows cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
 }
 
-/// All that was measured.
+/// All measurements.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// Kernels alone.
     pub kernels: Vec<KernelRow>,
     /// Whole scenes.
     pub scenes: Vec<SceneRow>,
-    /// The bank on the virtual core against the bank on the PC.
+    /// Comparison of the bank on the virtual core with the bank on the PC.
     #[serde(skip)]
     pub bank_bits: Compared,
-    /// Notes on the rivals.
+    /// Comparison of the rivals on the virtual core with the rivals on the PC.
     #[serde(skip)]
     pub rival_bits: Compared,
 }
 
 impl Report {
-    /// The page: verdict, table, scenes.
+    /// Markdown of the page: verdict, table, scenes.
     pub fn markdown(&self) -> String {
         let mut page = format!(
             "# Run time against error\n\n{OPENING}\n\n```\n{COMMAND}\n```\n\n![Signal-to-noise ratio over cycles](images/run_time_vs_error.png)\n\n"
@@ -77,7 +77,7 @@ impl Report {
         format!("{bank}; {rivals}.\n\n")
     }
 
-    /// Rows for programs.
+    /// JSON of all rows, for programs.
     ///
     /// # Errors
     /// [`ReportError::Json`].
@@ -112,7 +112,7 @@ impl Report {
         }
     }
 
-    /// The mark of a kernel, made from its row without input and the one with.
+    /// Mark of a kernel in the picture, made from its row without input and its row with input.
     fn mark(&self, row: &KernelRow) -> Option<KernelMark> {
         let part_of_bank = row.kernel == OURS_FIXED && row.form != ALL_FORMS;
         if part_of_bank || row.driven != Driven::Free || row.block != 32 {
@@ -171,7 +171,7 @@ fn kernel_line(row: &KernelRow) -> String {
     )
 }
 
-/// A form for Markdown, which takes `<` for HTML.
+/// Text of a form in Markdown, where a plain `<` would begin HTML.
 pub(super) fn typed(form: &str) -> String {
     if form.contains('<') { format!("`{form}`") } else { form.to_owned() }
 }

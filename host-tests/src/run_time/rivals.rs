@@ -1,5 +1,4 @@
-//! Resonators of `idsp` and `biquad`, and a plain loop: from the same source on the PC and in the
-//! image.
+//! Resonators of `idsp` and `biquad`, and a plain loop. PC and image compile one source.
 
 #[path = "../../images/kernels/src/rivals/forms.rs"]
 pub mod forms;
@@ -12,28 +11,29 @@ use super::words::{FIXED_PEAK, Words};
 use crate::single_mode::Case;
 use forms::{MIX_SHIFT, Resonator};
 
-/// Facts that two compiled copies of a rival share.
+/// Facts of a rival that hold for both compiled copies.
 #[derive(Clone, Copy, Debug)]
 pub struct Rival {
-    /// The crate, or `plain loop`.
+    /// Name of the crate, or `plain loop`.
     pub kernel: &'static str,
-    /// Its type, or the recurrence.
+    /// Type of the crate, or the recurrence.
     pub form: &'static str,
-    /// Its functions in the image are `load_` and `render_` with this name.
+    /// Name of the kind in the image: its functions are `load_` and `render_` with this name.
     pub function: &'static str,
-    /// Source of its coefficients.
+    /// Source of the rival's coefficients.
     pub words: Words,
-    /// A force as the image takes it; an impulse of 1.0 makes a mode ring at full scale.
+    /// Converts a force to the word that the image takes. An impulse of 1.0 rings at full scale.
     pub force_word: fn(f64) -> u32,
-    /// Frames by which an impulse has to come late for the output to be `r^n sin nθ` from frame 0:
-    /// 1 where an input is heard at once.
+    /// Frames by which an impulse is delayed, so that the output is `r^n sin nθ` from frame 0.
+    ///
+    /// It is 1 if the output contains an input at once.
     pub delay: usize,
     render: fn(&[[u32; 5]], usize, usize) -> Vec<u32>,
     to_full_scale: fn(u32) -> f64,
     time: fn(&[[u32; 5]], bool, usize) -> f64,
 }
 
-/// All of them.
+/// All rivals.
 pub fn all() -> [Rival; 11] {
     use Words::{Direct30, DirectFloat, Normal31, NormalFloat, StateVariable};
     use forms::*;
@@ -72,28 +72,27 @@ fn rival<R: Resonator<Sample: Word>>(
 }
 
 impl Rival {
-    /// The case's sound over its frames, 1.0 = full scale.
+    /// Sound of a case over its frames, 1.0 = full scale.
     pub fn render(&self, case: &Case) -> Vec<f64> {
         let sound = (self.render)(&[self.words.of(case)], case.frames(), self.delay);
         sound.into_iter().map(self.to_full_scale).collect()
     }
 
-    /// Sound of at least `frames` frames, as the words that the image gives.
+    /// Sound of `frames` frames, as the words that the image gives.
     pub fn render_words(&self, case: &Case, frames: usize) -> Vec<u32> {
         (self.render)(&[self.words.of(case)], frames, self.delay)
     }
 
-    /// Time on this PC for a mode and sample, ns: the whole set of cases at once, over a number of
-    /// ticks.
+    /// Time of a mode and sample on this PC in ns: all cases together, over a number of ticks.
     pub fn time_ns(&self, cases: &[Case], driven: bool, ticks: usize) -> f64 {
         let words: Vec<[u32; 5]> = cases.iter().map(|case| self.words.of(case)).collect();
         (self.time)(&words, driven, ticks) / (cases.len() * ticks * TICK_FRAMES) as f64
     }
 }
 
-/// A sample as the wire carries it.
+/// Sample that can be carried as a word between host and image.
 trait Word: Copy + Default {
-    /// A force whose impulse of 1.0 makes a mode ring at full scale.
+    /// Converts a force; an impulse of 1.0 makes a mode ring at full scale.
     fn from_force(force: f64) -> Self;
     fn to_word(self) -> u32;
     fn from_word(word: u32) -> Self;
@@ -130,7 +129,7 @@ impl Word for i32 {
     }
 }
 
-/// Struck modes, tick by tick: driven in the first, free behind it.
+/// Sound of modes struck in the first tick and ringing freely after it, as words.
 fn render<R: Resonator<Sample: Word>>(words: &[[u32; 5]], frames: usize, delay: usize) -> Vec<u32> {
     let mut modes: Vec<R> = words.iter().map(|&words| R::new(words)).collect();
     let mut force = [R::Sample::default(); TICK_FRAMES];

@@ -1,23 +1,23 @@
-//! The rows of the table and of `target/run_time_vs_error.json`.
+//! Rows of the table and of `target/run_time_vs_error.json`.
 
 use serde::Serialize;
 
 /// Input of a kernel while it runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Driven {
-    /// Modes ring on without input.
+    /// No input: modes ring on.
     #[serde(rename = "free")]
     Free,
-    /// A force with one gain a mode.
+    /// Force with one gain a mode.
     #[serde(rename = "gain")]
     Gain,
-    /// A force with a sine and a cosine gain a mode.
+    /// Force with a sine and a cosine gain a mode.
     #[serde(rename = "gain and phase")]
     GainAndPhase,
 }
 
 impl Driven {
-    /// As in the table.
+    /// Name of the input in the table.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Free => "free",
@@ -27,43 +27,43 @@ impl Driven {
     }
 }
 
-/// One kernel in one use. Cycles and instructions are for a mode and sample, on the virtual
-/// Cortex-M4F.
+/// Kernel in one use. Cycles and instructions are for a mode and sample on the virtual Cortex-M4F.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct KernelRow {
-    /// Whose: `Q31 bank`, `f32 bank`, `plain loop`, or a crate.
+    /// Name of the kernel: `Q31 bank`, `f32 modes`, `plain loop`, or a crate.
     pub kernel: String,
-    /// Which form of recurrence, or type of the crate.
+    /// Form of the recurrence, or type of the crate.
     pub form: String,
-    /// The input.
+    /// Input of the kernel.
     pub driven: Driven,
-    /// Frames a call.
+    /// Frames of a call.
     pub block: u32,
-    /// The least that Arm's timing tables permit, memory without wait states.
+    /// Fewest cycles that Arm's timing tables permit, with memory without wait states.
     pub cycles_best: f64,
-    /// Between best and worst: the figure to quote.
+    /// Cycles between best and worst: the figure to quote.
     pub cycles_nominal: f64,
-    /// The most that the tables permit.
+    /// Most cycles that Arm's timing tables permit.
     pub cycles_worst: f64,
-    /// Nominal, with the waits of flash at 168 MHz behind its accelerator.
+    /// Nominal cycles, with the waits of flash at 168 MHz behind its accelerator.
     pub cycles_with_flash: f64,
-    /// Instructions.
+    /// Number of instructions.
     pub instructions: f64,
-    /// Length of the hottest loop, bytes. Above 1024 it does not fit the instruction cache of an
+    /// Length of the hottest loop in bytes. Above 1024 it does not fit the instruction cache of an
     /// STM32F4.
     pub loop_bytes: u32,
-    /// Signal-to-noise ratio against the `f64` reference over the cases of the grid that the form plays:
-    /// the worst, dB. None for bookkeeping.
+    /// Worst SNR in dB against the `f64` reference, over the cases of the grid that the form plays.
+    ///
+    /// `None` for bookkeeping.
     pub snr_worst_db: Option<f64>,
-    /// The median, dB.
+    /// Median SNR in dB over these cases.
     pub snr_median_db: Option<f64>,
-    /// Time of equal work on the PC that ran the bench, ns a mode and sample: only its ratios mean
-    /// anything.
+    /// Time of equal work on the PC that ran the bench, in ns a mode and sample. Only ratios of
+    /// such times mean anything.
     pub pc_ns: Option<f64>,
 }
 
 impl KernelRow {
-    /// True if it is one of this project's kernels rather than somebody else's.
+    /// True if the kernel belongs to this project, false if it is a rival.
     pub fn is_ours(&self) -> bool {
         self.kernel == OURS_FIXED || self.kernel == OURS_FLOAT
     }
@@ -77,16 +77,16 @@ pub const OURS_FLOAT: &str = "f32 modes";
 /// A whole scene on the virtual core.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SceneRow {
-    /// Its name.
+    /// Name of the scene.
     pub scene: String,
-    /// Modes of its kit, or of those that sound in it.
+    /// Number of modes of the scene's kit, or of those that sound in the scene.
     pub modes: u32,
-    /// Cycles a frame, nominal.
+    /// Nominal cycles a frame.
     pub cycles_per_frame_nominal: f64,
     /// Cycles a frame with the waits of flash at 168 MHz.
     pub cycles_per_frame_with_flash: f64,
-    /// Share of a core of 168 MHz at its rate, 0 to 1.
+    /// Share of a core at 168 MHz that the scene takes in real time, 0 to 1.
     pub share_of_168_mhz: f64,
-    /// Share of a core of 96 MHz at its rate, 0 to 1.
+    /// Share of a core at 96 MHz that the scene takes in real time, 0 to 1.
     pub share_of_96_mhz: f64,
 }

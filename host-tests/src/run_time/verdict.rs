@@ -6,17 +6,17 @@ use super::measure::ALL_FORMS;
 use super::report::typed;
 use super::rows::{Driven, KernelRow, OURS_FIXED};
 
-/// Blocks whose cycles are compared, frames.
+/// Length in frames of the blocks whose cycles are compared.
 const BLOCK: u32 = 32;
 
 /// A rival beside the freely ringing fixed-point bank.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// Crate and type.
+    /// Crate and type of the rival.
     pub rival: String,
     /// Nominal cycles of the rival.
     pub cycles: f64,
-    /// Cycles of the rival by those of the bank.
+    /// Cycles of the rival over those of the bank.
     pub cycle_ratio: f64,
     /// Worst SNR of the rival, dB.
     pub snr_worst_db: f64,
@@ -24,23 +24,22 @@ pub struct Comparison {
     pub gap_db: f64,
 }
 
-/// Verdict of the rows on `biquad` and `idsp`.
+/// Comparison of the bank with the crates `biquad` and `idsp`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    /// Nominal cycles of the bank, ringing freely, and its worst SNR over the whole grid, dB.
+    /// Nominal cycles of the freely ringing bank, and its worst SNR over the whole grid in dB.
     pub bank: (f64, f64),
-    /// The rival with fewest cycles when it is used as a filter: every sample goes through it with
-    /// an input.
+    /// Rival with the fewest cycles as a filter, when every sample goes through it with an input.
     pub quickest_filter: Comparison,
-    /// The rival with fewest cycles when its input is a constant 0, so that the compiler drops the
+    /// Rival with the fewest cycles when its input is a constant 0. The compiler then drops the
     /// numerator.
     pub quickest_without_input: Comparison,
-    /// The rival with the best worst SNR, its input a constant 0.
+    /// Rival with the best worst SNR, when its input is a constant 0.
     pub most_accurate: Comparison,
 }
 
 impl Verdict {
-    /// `None` where the rows lack the bank or the rivals.
+    /// Verdict of the rows; `None` if they lack the bank or the rivals.
     pub fn of(rows: &[KernelRow]) -> Option<Self> {
         let free = |row: &&KernelRow| row.driven == Driven::Free && row.block == BLOCK;
         let bank = rows.iter().filter(free).find(|row| row.kernel == OURS_FIXED && row.form == ALL_FORMS)?;

@@ -1,30 +1,31 @@
-//! The rivals' coefficients, in `f64` from the case and rounded once: the impulse response of each
-//! is `r^n sin nθ` at the case's level.
+//! Coefficients of the rivals, computed in `f64` from a case and rounded once.
+//!
+//! The impulse response of each rival is `r^n sin nθ` at the case's level.
 
 use crate::single_mode::Case;
 
-/// Peak of a fixed-point rival's mode at full scale: two bits of headroom, as a state of this
-/// project's bank has at its largest.
+/// Peak of a fixed-point rival's mode at full scale. It leaves two bits of headroom, as the largest
+/// state of this project's bank does.
 pub const FIXED_PEAK: f64 = (1u32 << 29) as f64;
 
-/// Which coefficients, in which format.
+/// Kind of coefficients, and their number format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Words {
     /// `b0 b1 b2 a1 a2` of `y = b0 x + b1 x1 + b2 x2 + a1 y1 + a2 y2`, as `f32`.
     DirectFloat,
-    /// Fixed-point words with 30 bits behind the point: a1 reaches 2.
+    /// `b0 b1 b2 a1 a2` in fixed point with 30 bits behind the point, because a1 reaches 2.
     Direct30,
     /// Three output weights and the pole's real and imaginary part, as `f32`.
     NormalFloat,
-    /// Fixed-point words with 31 bits behind the point.
+    /// Three output weights and the pole's two parts, in fixed point with 31 bits behind the point.
     Normal31,
-    /// Input gain, frequency in cycles a sample and quality of a state-variable filter, as `f32`,
-    /// such that its poles are the case's.
+    /// Input gain, frequency in cycles a sample and quality of a state-variable filter, as `f32`.
+    /// Its poles are those of the case.
     StateVariable,
 }
 
 impl Words {
-    /// The five words for a case.
+    /// Five words for a case.
     pub fn of(self, case: &Case) -> [u32; 5] {
         let fs = case.rate.hz();
         let radius = (-case.decay_per_s() / fs).exp();
@@ -54,7 +55,7 @@ fn float(value: f64) -> u32 {
     (value as f32).to_bits()
 }
 
-/// Nearest, saturating.
+/// Nearest fixed-point word, saturated.
 fn fixed<const BITS: i32>(value: f64) -> u32 {
     ((value * 2f64.powi(BITS)).round() as i32).cast_unsigned()
 }

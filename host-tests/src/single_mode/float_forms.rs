@@ -1,4 +1,4 @@
-//! Single-precision forms that the field ships, for comparison.
+//! Common single-precision forms of a mode, for comparison.
 
 use float_forms::modal::FloatMode;
 
@@ -7,19 +7,19 @@ use super::Case;
 /// A single-precision form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FloatForm {
-    /// `y = a1 y1 + a2 y2`: two multiplies, one addition.
+    /// Recurrence `y = a1 y1 + a2 y2`: two multiplies, one addition.
     Direct,
     /// Rotation of a complex state: four multiplies, two additions.
     Rotation,
-    /// Modified coupled, three multiplies, three additions: [`float_forms::modal`].
+    /// Modified coupled form of [`float_forms::modal`]: three multiplies, three additions.
     Coupled,
 }
 
 impl FloatForm {
-    /// All of them.
+    /// All forms.
     pub const ALL: [Self; 3] = [Self::Direct, Self::Rotation, Self::Coupled];
 
-    /// Its name in tables.
+    /// Name of the form in tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Direct => "f32 direct form",
@@ -28,7 +28,7 @@ impl FloatForm {
         }
     }
 
-    /// The case's sound over its frames; the start is exact.
+    /// Sound of a case over its frames; the starting state is exact.
     pub fn render(self, case: &Case) -> Vec<f64> {
         let fs = case.rate.hz();
         let radius = (-case.decay_per_s() / fs).exp();
@@ -60,8 +60,8 @@ impl FloatForm {
             }
             Self::Coupled => {
                 let mut mode = FloatMode::new(case.frequency_hz, case.decay_per_s(), fs);
-                // The first step makes v = e r² u: u is chosen such that this is the reference's first
-                // sample.
+                // The first step makes v = e r² u. This u makes the first sample that of the
+                // reference.
                 let step_squared = (1.0 - radius).powi(2) + 4.0 * radius * (angle / 2.0).sin().powi(2);
                 mode.u = (f64::from(first) / (step_squared.sqrt() * radius * radius)) as f32;
                 std::iter::once(0.0).chain(std::iter::repeat_with(|| f64::from(mode.step()))).take(frames).collect()

@@ -1,12 +1,12 @@
-//! One mode, struck by a unit impulse and left alone: each form against the reference `e^{-dt} sin 2πft`
-//! in `f64`.
+//! One mode that a unit impulse strikes once, in each form, against the reference
+//! `e^{-dt} sin 2πft` in `f64`.
 
 pub mod float_forms;
 pub mod q31;
 
 use dsp_core::SampleRate;
 
-/// One point of the grid.
+/// Point of the grid.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     /// Frequency in Hz.
@@ -37,7 +37,7 @@ impl Case {
         (self.t60_s.min(2.0) * self.rate.hz()) as usize
     }
 
-    /// The reference, sample by sample, 1.0 = full scale.
+    /// Samples of the reference, without an end, 1.0 = full scale.
     pub fn reference(&self) -> impl Iterator<Item = f64> + use<> {
         let (fs, d, f, level) = (self.rate.hz(), self.decay_per_s(), self.frequency_hz, self.level);
         (0..).map(move |n| {
@@ -48,8 +48,8 @@ impl Case {
     }
 }
 
-/// The grid of 20 Hz to 20 kHz (`frequencies` log-spaced) x T60 {0.05, 0.2, 1, 5, 20} s x fs {44.1,
-/// 48} kHz at one level.
+/// Grid of 20 Hz to 20 kHz (`frequencies` log-spaced) x T60 {0.05, 0.2, 1, 5, 20} s x fs {44.1, 48}
+/// kHz, at one level.
 pub fn grid(frequencies: u32, level: f64) -> Vec<Case> {
     let mut cases = Vec::new();
     for rate in [SampleRate::HZ_44100, SampleRate::HZ_48000] {
@@ -63,7 +63,7 @@ pub fn grid(frequencies: u32, level: f64) -> Vec<Case> {
     cases
 }
 
-/// Signal-to-noise ratio in dB of a signal against what it should be.
+/// SNR in dB of a signal against the expected one.
 pub fn snr_db(expected: impl IntoIterator<Item = f64>, got: impl IntoIterator<Item = f64>) -> f64 {
     let (mut signal, mut noise) = (0.0, 0.0);
     for (expected, got) in expected.into_iter().zip(got) {
@@ -73,7 +73,7 @@ pub fn snr_db(expected: impl IntoIterator<Item = f64>, got: impl IntoIterator<It
     10.0 * (signal / noise).log10()
 }
 
-/// Smallest and median of a set of figures.
+/// Smallest and median of figures.
 pub fn worst_and_median(mut figures: Vec<f64>) -> (f64, f64) {
     figures.sort_by(f64::total_cmp);
     (figures.first().copied().unwrap_or(f64::NAN), figures.get(figures.len() / 2).copied().unwrap_or(f64::NAN))

@@ -1,4 +1,4 @@
-//! The fixed-point bank with one mode, as the engine runs it: ticks, guards, block exponent.
+//! The fixed-point bank with one mode, run as the engine runs it: ticks, guards, block exponent.
 
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::resonator::{Bank, BankTable, TICK_FRAMES};
@@ -7,7 +7,7 @@ use dsp_core::table::layout::{GainRecord, ModeRecord};
 use super::Case;
 use crate::lent;
 
-/// A bank of one mode that has taken a unit impulse, to be advanced tick by tick.
+/// Bank of one mode that a unit impulse strikes in the first tick.
 #[derive(Debug)]
 pub struct StruckMode {
     bank: Bank<'static>,
@@ -15,7 +15,7 @@ pub struct StruckMode {
 }
 
 impl StruckMode {
-    /// The mode of a case; its gain makes an impulse of 1.0 ring at the case's level.
+    /// Bank with the mode of a case. An impulse of 1.0 makes it ring at the case's level.
     pub fn new(case: &Case) -> Self {
         let modes = [ModeRecord {
             frequency_hz: (case.frequency_hz as f32).into(),
@@ -37,7 +37,7 @@ impl StruckMode {
         Self { bank, force: vec![ONE_Q27] }
     }
 
-    /// The next tick of bus samples, 1.0 = full scale.
+    /// Bus samples of the next tick, 1.0 = full scale.
     pub fn tick(&mut self) -> [f64; TICK_FRAMES] {
         self.bank.tick(None);
         let mut out = [0; TICK_FRAMES];
@@ -47,8 +47,8 @@ impl StruckMode {
         out.map(|sample| f64::from(sample) / f64::from(ONE_Q27))
     }
 
-    /// The mode's amplitude now, 1.0 = full scale, from its state and block exponent: finer than
-    /// the bus.
+    /// Present amplitude of the mode, 1.0 = full scale. It comes from state and block exponent,
+    /// which are finer than the bus.
     pub fn amplitude(&self) -> f64 {
         let ([mode], [group]) = (self.bank.modes(), self.bank.groups()) else { return 0.0 };
         let orbit = dsp_core::resonator::coefficient::Orbit::new(group.form(), mode.coefficients);
@@ -62,8 +62,10 @@ impl StruckMode {
     }
 }
 
-/// The case's sound over its frames. Parameters pass through the table's `f32` exactly as a kit's
-/// do; give cases that `f32` holds.
+/// Sound of a case over its frames.
+///
+/// Parameters pass through the `f32` of a table as a kit's do, so only cases that `f32` holds are
+/// exact.
 pub fn render(case: &Case) -> Vec<f64> {
     let mut mode = StruckMode::new(case);
     let mut sound = Vec::with_capacity(case.frames() + TICK_FRAMES);

@@ -1,4 +1,4 @@
-//! Sweeps of the dynamic filter's noise: bands, decays, lines at the tick rate.
+//! Sweeps of the dynamic filter's noise: bands, decays, spectral lines at the tick rate.
 
 use dsp_core::SampleRate;
 use dsp_core::dynamic_filter::Breakpoint;
@@ -11,7 +11,7 @@ use crate::snr::Random;
 const RATE: SampleRate = SampleRate::HZ_48000;
 /// Number of seeds over which figures are averaged.
 pub const SEEDS: u32 = 200;
-/// Word of the bus for 1.0.
+/// Bus value of 1.0.
 const ONE: f64 = 134_217_728.0;
 
 /// Breakpoint of the first order with b1 = b0.
@@ -19,7 +19,7 @@ pub fn point(time_s: f64, b0: f64, a1: f64) -> Breakpoint {
     Breakpoint { time_s, b0, b1: b0, a1, ..Breakpoint::default() }
 }
 
-/// Filter of a table with another seed.
+/// Filter of a table with another seed than the table's own.
 ///
 /// # Panics
 /// If the table is refused.
@@ -27,7 +27,7 @@ pub fn of_seed(table: &Table, seed: u32) -> Box<Ours> {
     table.with_seed(seed, RATE).expect("a valid table")
 }
 
-/// Sounds of a table under its first seeds, struck at the first frame.
+/// Sounds of a table under the seeds from 0 on, struck at the first frame.
 fn sounds(table: &Table, seeds: u32, frames: usize) -> impl Iterator<Item = Vec<f64>> {
     (0..seeds).map(move |seed| {
         let out = play(&mut of_seed(table, seed), &[(0, 1.0)], frames);
@@ -35,8 +35,7 @@ fn sounds(table: &Table, seeds: u32, frames: usize) -> impl Iterator<Item = Vec<
     })
 }
 
-/// Powers of a spectrum's bins, of a frame of 2^n samples through a Hann window whose squares sum
-/// to 1.
+/// Powers of the bins of a frame of 2^n samples, through a Hann window whose squares sum to 1.
 fn powers(frame: &[f64]) -> Vec<f64> {
     let length = frame.len() as f64;
     let window =
@@ -48,7 +47,7 @@ fn powers(frame: &[f64]) -> Vec<f64> {
     spectrum.iter().map(|bin| bin.norm_sqr()).collect()
 }
 
-/// Mean and standard error of values.
+/// Mean of values, and the standard error of the mean.
 fn mean(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
@@ -56,15 +55,16 @@ fn mean(values: &[f64]) -> (f64, f64) {
     (mean, (square / count).sqrt())
 }
 
-/// `|F|²` of a first-order breakpoint.
+/// Squared magnitude `|F|²` of a first-order breakpoint at a frequency.
 fn response(point: &Breakpoint, hz: f64) -> f64 {
     let (sine, cosine) = (std::f64::consts::TAU * hz / 48_000.0).sin_cos();
     let square = |c0: f64, c1: f64| (c0 + c1 * cosine).powi(2) + (c1 * sine).powi(2);
     square(point.b0, point.b1) / square(1.0, point.a1)
 }
 
-/// Energies of bands of noise through four standing filters, within 0.5 dB and three standard
-/// errors of the response.
+/// Compares energies of bands of noise through four standing filters with their responses.
+///
+/// The limit is 0.5 dB and three standard errors.
 ///
 /// # Panics
 /// If the limit is broken.
@@ -74,7 +74,7 @@ pub fn standing_bands(extent: Extent) {
     for (b0, b1, a1) in [(1.0, 0.0, 0.0), (0.1, 0.1, -0.8), (0.3, -0.25, 0.4), (0.02, 0.02, -0.99)] {
         let standing = |time_s| Breakpoint { b1, ..point(time_s, b0, a1) };
         let table = Table::of_path(vec![standing(0.0), standing(1.0)]);
-        // A third of an octave each, and the same in equal parts of 600 Hz.
+        // Bands an octave wide whose edges rise by 1/3.4 octave, then adjacent bands of 600 Hz.
         let thirds = (0..24).map(|n| [100.0, 200.0].map(|hz: f64| hz * 2f64.powf(f64::from(n) / 3.4)));
         let equal = (0..40).map(|n| [0.0, 600.0].map(|hz: f64| hz + 600.0 * f64::from(n)));
         let bands: Vec<[f64; 2]> = thirds.chain(equal).filter(|band| band[1] <= 24_000.0).collect();
@@ -91,7 +91,7 @@ pub fn standing_bands(extent: Extent) {
         }
         let mut worst = 0.0f64;
         for (energies, &band) in energies.iter().zip(&bands) {
-            // Uniform noise of deviation 1/√3.
+            // The input is uniform noise with a standard deviation of 1/√3.
             let expected: f64 =
                 bins(band).map(|bin| response(&standing(0.0), bin as f64 * 48_000.0 / length as f64) / 3.0).sum();
             let (mean, error) = mean(energies);
@@ -104,12 +104,12 @@ pub fn standing_bands(extent: Extent) {
     }
 }
 
-/// Decays of noise through a moving filter, within 3 % of the reference's.
+/// Compares decays of noise through a moving filter with the reference's, within 3 %.
 ///
 /// # Panics
 /// If the limit is broken.
 pub fn decays(extent: Extent) {
-    // The scatter of fewer than 120 is more than the test allows.
+    // Fewer than 120 seeds scatter more than the test allows.
     let seeds = extent.pick(120, SEEDS);
     let path: Vec<_> = (0..=8)
         .map(|n| point(0.05 * f64::from(n), 0.3 * 10f64.powf(-0.3 * f64::from(n)), -0.3 - 0.07 * f64::from(n)))
@@ -117,7 +117,7 @@ pub fn decays(extent: Extent) {
     let table = Table::of_path(path.clone());
     let (length, hop) = (1024, 1024);
     let frames: usize = 18_432;
-    // dB a second of each seed's band energies, by a line through frames.
+    // Slope in dB a second of three bands' energies, by a line through the frames' levels.
     let slopes = |sounds: &mut dyn Iterator<Item = Vec<f64>>| {
         let bands = [20..60, 60..160, 160..400usize];
         let mut energies = vec![vec![0.0; frames / hop]; bands.len()];
@@ -164,7 +164,7 @@ pub fn decays(extent: Extent) {
     }
 }
 
-/// Lines at multiples of the tick rate in the power of four tables' noise, below -50 dB.
+/// Checks the power of four tables' noise for lines at multiples of the tick rate; -50 dB at most.
 ///
 /// # Panics
 /// If the limit is broken.
@@ -189,7 +189,7 @@ pub fn tick_lines(extent: Extent) {
             envelope.iter_mut().zip(&sound).for_each(|(power, x)| *power += x * x);
         }
         let all: f64 = envelope.iter().sum();
-        // A window that takes the edges' own spectrum far below.
+        // This window keeps the spectrum of the sound's two ends far below the lines.
         let window = |n: usize| (std::f64::consts::PI * (n as f64 + 0.5) / frames as f64).sin().powi(4);
         let line_db = |hz: f64| {
             let (mut re, mut im, mut whole) = (0.0, 0.0, 0.0);

@@ -9,14 +9,14 @@ use super::Extent;
 use crate::lent;
 use crate::scene::{hand, strike};
 
-/// Sound of a board's engine in 24 bits, and what its budget left out.
+/// Sound of a board's engine in 24 bits, and the omissions of its budget.
 #[derive(Clone, Debug)]
 pub struct Played {
     /// Samples, 1.0 = full scale.
     pub sound: Vec<[f64; 2]>,
-    /// Number of register groups that budgets left out.
+    /// Number of register groups that the budget left out.
     pub shed_groups: u32,
-    /// Cycles of hands, and of all, in the tick that was predicted to cost the most with any hand.
+    /// Predicted cycles of the dearest tick with a hand on a pad, and the part that hands take.
     dearest: (u32, u32),
 }
 
@@ -24,7 +24,7 @@ fn play<B: Board>(view: &KitView<'_>, events: &[Event]) -> Played {
     play_from::<B>(view, events, 0)
 }
 
-/// Plays events on the engine of a board, whose budget holds from a frame on.
+/// Plays events on the engine of a board, whose budget holds from frame `limited_from` on.
 ///
 /// # Panics
 /// If the board refuses the kit or an event.
@@ -53,9 +53,9 @@ pub fn play_from<B: Board>(view: &KitView<'_>, events: &[Event], limited_from: u
 }
 
 const FRAMES: usize = 9_600;
-/// Frame at which the hand comes: contacts are over by then.
+/// Frame of the choke: contacts are over by then.
 pub const CHOKE: u64 = 3_200;
-/// Frame at which the hand goes.
+/// Frame of the release.
 const RELEASE: u64 = 6_400;
 
 /// Largest difference of neighbouring samples around a frame.
@@ -65,8 +65,9 @@ fn largest_step(sound: &[[f64; 2]], frame: u64) -> f64 {
     steps.fold(0.0, |largest, step| largest.max(step.abs()))
 }
 
-/// Chokes and releases every pad of a kit while all others ring, at `phases` within a tick. Steps
-/// are not judged if `has_noise` is true.
+/// Chokes and releases every pad of a kit while all others ring, at `phases` within a tick.
+///
+/// Steps are not judged if `has_noise` is true.
 fn choke_every_pad<B: Board>(name: &str, has_noise: bool, phases: &[u64]) {
     let (mut loudest_step, mut dearest_share) = (f64::NEG_INFINITY, 0.0f64);
     let loaded = kit::open(name).expect("the kit ships with the project");
@@ -99,15 +100,16 @@ fn choke_every_pad<B: Board>(name: &str, has_noise: bool, phases: &[u64]) {
     );
 }
 
-/// Chokes and releases of every pad of every shipped kit on both boards: no click, no shedding, no
-/// budget missed.
+/// Chokes and releases every pad of every shipped kit on both boards.
+///
+/// No hand may click, shed modes or exceed the budget.
 ///
 /// # Panics
 /// If a limit is broken.
 pub fn every_pad(extent: Extent) {
     let every: Vec<u64> = (0..32).collect();
     let phases = extent.pick(&[0, 13][..], &every[..]);
-    // The third kit's filters are full of noise.
+    // The filters of the third kit are full of noise, which has steps of its own.
     for (name, has_noise) in [("demo", false), ("recorded", false), ("filters", true)] {
         choke_every_pad::<Stm32f407gDisc1>(name, has_noise, phases);
         choke_every_pad::<BlackpillF411>(name, has_noise, phases);

@@ -1,8 +1,7 @@
-//! Sweeps over many seeds, tables and strikes: the tests run a tenth of each, the bench `nightly`
-//! the whole.
+//! Sweeps over many seeds, tables and strikes. The tests run a tenth of each, the bench `nightly`
+//! runs all.
 //!
-//! A sweep prints its figures, and panics where a limit is broken. Limits do not depend on the
-//! extent.
+//! A sweep prints its figures, and panics if a limit is broken. Limits do not depend on the extent.
 
 pub mod dynamic_filter;
 pub mod hands;
@@ -21,7 +20,7 @@ pub enum Extent {
 }
 
 impl Extent {
-    /// Picks the grid of this extent.
+    /// Picks a value by the extent.
     pub fn pick<T>(self, tenth: T, whole: T) -> T {
         match self {
             Extent::Tenth => tenth,
@@ -30,7 +29,7 @@ impl Extent {
     }
 }
 
-/// A sweep with its name.
+/// Name of a sweep, and its function.
 pub type Sweep = (&'static str, fn(Extent));
 
 /// All sweeps, in the order in which `nightly` runs them.

@@ -11,10 +11,10 @@ use crate::residual::{Spacing, edges_hz, play, shaper};
 
 /// Number of seeds over which figures are averaged.
 pub const SEEDS: u32 = 200;
-/// Frames of a sound: 1.4 s.
+/// Number of frames of a sound: 1.4 s.
 const FRAMES: usize = 65_536;
 
-/// Bands of equal density; `decay` gives the decay of each, in dB/s, by its number.
+/// Bands of equal density. `decay` gives the decay in dB/s of the band with a number.
 pub fn bands(
     spacing: Spacing,
     count: usize,
@@ -30,24 +30,25 @@ pub fn bands(
     edges.windows(2).enumerate().map(&mut band).collect()
 }
 
-/// Worst error beyond three standard errors, in dB.
+/// Largest error less three standard errors, in dB.
 fn worst(measured: &[Measured]) -> f64 {
     measured.iter().map(|m| m.error.abs() - 3.0 * m.standard_error).fold(0.0, f64::max)
 }
 
-/// Decays between 20 and 400 dB/s, evenly distributed; each call gives another one.
+/// Source of random decays between 20 and 400 dB/s, evenly distributed.
 fn random_decays(seed: u32) -> impl FnMut(usize) -> f64 {
     let mut random = Sfc32::new(seed, 77);
     move |_| 20.0 + 380.0 * f64::from(random.draw()) / 2f64.powi(32)
 }
 
-/// Number of bands that are off by more than half a dB beyond three standard errors.
+/// Number of bands whose error less three standard errors is above half a dB.
 fn misses(measured: &[Measured]) -> usize {
     measured.iter().filter(|m| m.error.abs() - 3.0 * m.standard_error > 0.5).count()
 }
 
-/// Energies of a hundred smooth bands in either spacing, within 0.5 dB beyond three standard
-/// errors.
+/// Measures energies of a hundred smooth bands in either spacing.
+///
+/// The limit is 0.5 dB beyond three standard errors.
 ///
 /// # Panics
 /// If the limit is broken.
@@ -62,16 +63,16 @@ pub fn energies(extent: Extent) {
     }
 }
 
-/// Energies of a hundred bands of random decays, for several tables in either spacing.
+/// Measures energies of a hundred bands of random decays, for several tables in either spacing.
 ///
 /// # Panics
 /// If the limit is broken.
 pub fn energies_beside_longer_ones(extent: Extent) {
     let tables = extent.pick(1, 6);
-    // Lines of a frame are 48 000/1024 Hz apart.
+    // Spectral lines of a frame are 48 000/1024 Hz apart.
     const WIDE_HZ: f32 = 2.0 * 48_000.0 / 1_024.0;
-    // One of these that lies between two lines beside one of 2.5 lines that lasts ten times as long
-    // may be 0.6 dB off.
+    // A wide band between two lines may be 0.6 dB off, if a neighbour of 2.5 lines lasts ten times
+    // as long.
     for (spacing, most_misses) in [(Spacing::Linear, 0), (Spacing::Erb, 1)] {
         let mut missed = 0;
         for seed in 0..tables {
@@ -96,20 +97,20 @@ pub fn energies_beside_longer_ones(extent: Extent) {
     }
 }
 
-/// Energies of 10, 30 and 100 bands of random decays and densities, for several tables each.
+/// Measures energies of 10, 30 and 100 bands of random decays and densities, for several tables.
 ///
 /// # Panics
 /// If the limit is broken.
 pub fn energies_beside_louder_ones(extent: Extent) {
     let tables = extent.pick(1, 12);
-    // Of 50, 16 and 5 lines each. A band of five may be one of 20 dB less beside one that lasts ten
-    // times as long: there it is a dB off.
+    // The bands are 50, 16 and 5 lines wide. A band of five lines is a dB off if it has 20 dB less
+    // than its neighbour and the neighbour lasts ten times as long.
     for (count, most_misses) in [(10, 0), (30, 0), (100, 1)] {
         let mut missed = 0;
         for seed in 0..tables {
             let mut random = Sfc32::new(seed, 78);
             let mut bands = bands(Spacing::Linear, count, [100.0, 23_500.0], random_decays(seed));
-            // Densities within 20 dB.
+            // Densities lie within 20 dB of each other.
             for band in &mut bands {
                 band.weight *= 10f64.powf(f64::from(random.draw()) / 2f64.powi(32) - 0.5) as f32;
             }
@@ -121,7 +122,7 @@ pub fn energies_beside_louder_ones(extent: Extent) {
     }
 }
 
-/// Decays of eight bands beside faster and slower ones, within 3 %.
+/// Measures decays of eight bands beside faster and slower ones; they hold within 3 %.
 ///
 /// # Panics
 /// If the limit is broken.
@@ -136,7 +137,7 @@ pub fn decays_beside_others(extent: Extent) {
     }
 }
 
-/// Decays of eight bands of 60, 200 and 600 dB/s, within 3 %.
+/// Measures decays of eight equal bands at 60, 200 and 600 dB/s; they hold within 3 %.
 ///
 /// # Panics
 /// If the limit is broken.
@@ -156,13 +157,14 @@ pub fn decays_of_equal_bands(extent: Extent) {
     }
 }
 
-/// Decays of a hundred bands, within 3 % of those of the reference's own noise.
+/// Compares decays of a hundred bands with those of the reference's own noise, within 3 %.
 ///
 /// # Panics
 /// If the limit is broken.
 pub fn decays_of_a_hundred_bands(extent: Extent) {
     let seeds = extent.pick(20, SEEDS);
-    // A sharp cut of a narrow band smears its beginning, in the reference's noise as in ours.
+    // A sharp cut of a narrow band smears its beginning, in the reference's noise as in
+    // `dsp-core`'s.
     const FRAMES: usize = 32_768;
     let (tables, ideal_seeds) = extent.pick((1, 8), (2, 30));
     let smooth = |index: usize| 120.0 + 2.0 * index as f64;
@@ -184,7 +186,7 @@ pub fn decays_of_a_hundred_bands(extent: Extent) {
     }
 }
 
-/// Flatness of a band of 10 kHz in twenty parts, within 1 dB.
+/// Measures the flatness of a band of 10 kHz in twenty parts; it holds within 1 dB.
 ///
 /// # Panics
 /// If the limit is broken.
@@ -192,7 +194,7 @@ pub fn flatness(extent: Extent) {
     let seeds = extent.pick(20, SEEDS);
     let bands = bands(Spacing::Linear, 1, [2_000.0, 12_000.0], |_| 100.0);
     let spectra: Vec<Vec<f64>> = sounds(&bands, seeds, FRAMES).iter().map(|sound| energy_spectrum(sound)).collect();
-    // Twenty parts of the inner nine tenths; the edges are blurred by 70 Hz.
+    // The twenty parts cover the inner nine tenths, because the edges are blurred by 70 Hz.
     let parts: Vec<f64> = (0..20)
         .map(|part| {
             let from = 2_500.0 + 450.0 * f64::from(part);
@@ -206,7 +208,7 @@ pub fn flatness(extent: Extent) {
     assert!(worst < 1.0, "{parts:?}");
 }
 
-/// Energies of three strikes at several gaps, within 0.04 dB of their sum.
+/// Compares the energy of three strikes at several gaps with their sum, within 0.04 dB.
 ///
 /// # Panics
 /// If the limit is broken.
@@ -225,14 +227,15 @@ pub fn strikes_add(extent: Extent) {
     }
 }
 
-/// Strikes of an hour of rolls at ten a second, each over eight ticks: bounded, and silent in the
-/// end.
+/// Plays as many strikes as an hour of rolls at ten a second, but only eight ticks apart.
+///
+/// The sound is bounded, and silent in the end.
 ///
 /// # Panics
 /// If the limit is broken.
 pub fn rolls(extent: Extent) {
     let strikes = extent.pick(3_600, 36_000);
-    // As many strikes as an hour of ten a second, each over eight ticks.
+    // Number of strikes: an hour at ten a second, or a tenth of it.
     let bands = bands(Spacing::Erb, 20, [50.0, 23_500.0], |index| 5.0 + 40.0 * index as f64);
     let mut shaper = shaper(&bands, 1);
     let (mut loudest, mut random) = (0, Sfc32::new(5, 5));
@@ -246,7 +249,7 @@ pub fn rolls(extent: Extent) {
         }
     }
     assert!(loudest < 1 << 30, "{loudest}");
-    // 5 dB/s: half a minute to -110 dBFS.
+    // At 5 dB/s the slowest band takes half a minute to -110 dBFS.
     let end = play(&mut shaper, &[], 40 * 48_000);
     assert!(!shaper.is_active() && end[39 * 48_000..].iter().all(|&x| x == 0));
 }

@@ -5,8 +5,9 @@ use std::thread;
 use super::Extent;
 use crate::rolls::roll;
 
-/// An hour of rolls on every stage: bounded, silent within 45 s of the last strike, equal bits in
-/// blocks of 32 and 480 frames.
+/// Rolls on every stage for an hour, in blocks of 32 and of 480 frames.
+///
+/// The sound is bounded, silent within 45 s of the roll's end, and bit-equal for both block sizes.
 ///
 /// # Panics
 /// If a limit is broken.

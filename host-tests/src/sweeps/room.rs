@@ -18,13 +18,13 @@ struct Set {
     /// Largest gain of a band, up or down, in dB.
     gains_db: f64,
     seed: u64,
-    /// Least part of the bands that hold their T60 within 5 %.
+    /// Smallest part of the bands that must hold their T60 within 5 %.
     least: f64,
-    /// Largest error of a band's energy, in dB.
+    /// Largest allowed error of a band's energy, in dB.
     most_db: f64,
 }
 
-/// All sets. The tests run the second.
+/// All sets. The tests run only the second.
 const SETS: &[Set] = &[
     Set { bands: 4, tables: 6, neighbours: 2.0, gains_db: 0.0, seed: 1, least: 1.0, most_db: 1.15 },
     Set { bands: 4, tables: 6, neighbours: 4.0, gains_db: 6.0, seed: 2, least: 0.9, most_db: 0.9 },
@@ -34,13 +34,13 @@ const SETS: &[Set] = &[
     Set { bands: 8, tables: 4, neighbours: 30.0, gains_db: 6.0, seed: 6, least: 0.9, most_db: 1.35 },
 ];
 
-/// Decays and energies of random tables: as near to the table as those of an ideal room.
+/// Compares decays and energies of random tables with the table, and with an ideal room.
 ///
 /// # Panics
 /// If a limit is broken.
 pub fn decays_and_energies(extent: Extent) {
-    // Of bands of 300 and more independent samples in which two ideal rooms both hold T60: what is
-    // narrower or shorter scatters as noise itself does.
+    // Only bands of at least 300 independent samples count, and only if two ideal rooms both hold
+    // their T60. Narrower or shorter bands scatter as noise itself does.
     let hz = RATE.hz();
     for set in extent.pick(&SETS[1..2], SETS) {
         let (mut within, mut all, mut worst_db) = (0, 0, 0.0f64);

@@ -13,18 +13,19 @@ use crate::scene::{load, mode, one_pad, play, strike};
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// Samples of the bus, 1.0 = full scale of an input.
+/// Samples of the bus, 1.0 = full scale.
 pub fn real(bus: &[[i32; 2]]) -> Vec<[f64; 2]> {
     bus.iter().map(|frame| frame.map(|x| f64::from(x) / f64::from(ONE_Q27))).collect()
 }
 
-/// A performance of events and of a force on the first pad.
+/// Performance of events, and optionally of a force on the first pad.
 pub fn performance(events: Vec<Event>, force: Option<Vec<i32>>, frames: usize) -> Performance {
     Performance { events, direct: force.map(|force| (0, force)), frames }
 }
 
-/// Full-scale sines in resonance with a mode of T60 60 s, for 30 s: clean saturation, then the
-/// decay of the reference.
+/// Drives modes of T60 60 s with a full-scale sine at resonance for 30 s.
+///
+/// The bus saturates without wrapping, then decays as the reference does.
 ///
 /// # Panics
 /// If the limit is broken.
@@ -44,8 +45,8 @@ pub fn resonance(extent: Extent) {
         let (bus, reports) = play(&loaded, RATE, Skipping::On, &[], Some(&force), (frames, &[128]));
         assert!(reports.iter().all(|report| report.refused_inputs == 0));
         let expected = reference(&loaded, &performance(Vec::new(), Some(force), frames), RATE);
-        // The bus clips at 16; the reference does not. Differences count relative to the amplitude, which
-        // grows for half a minute.
+        // The bus clips at 16, the reference does not. The allowed difference is relative to the
+        // amplitude, which grows for half a minute.
         let mut amplitude = 1.0f64;
         for (index, ([got, _], [expected, _])) in real(&bus).iter().zip(&expected).enumerate() {
             let clipped = expected.clamp(-16.0, 16.0);
@@ -56,8 +57,9 @@ pub fn resonance(extent: Extent) {
     }
 }
 
-/// A thousand strikes a second on every pad of the demo kit, for a minute: bounded, and silent in
-/// the end.
+/// Strikes every pad of the demo kit a thousand times a second, for a minute.
+///
+/// The sound is bounded, and silent in the end.
 ///
 /// # Panics
 /// If the limit is broken.
@@ -78,21 +80,20 @@ pub fn strikes(extent: Extent) {
     let (bus, reports) = play(&loaded, RATE, Skipping::On, &events, None, (48_000 * (seconds as usize + 40), &[128]));
     reports.iter().for_each(|report| driven += u64::from(report.driven_mode_frames));
     assert!(driven > 1_000_000 && reports.iter().all(|report| report.refused_inputs == 0));
-    // Clipping is clean: full scale of the bus is reached without a jump from end to end within a
-    // frame.
+    // Clipping must not wrap: the bus must not jump from end to end within a frame.
     let wraps = bus.windows(2).filter(|pair| pair[0][0].abs_diff(pair[1][0]) > 3 << 30).count();
     assert_eq!(wraps, 0);
     assert!(bus.last() == Some(&[0, 0]) && reports.last().is_some_and(|report| report.ringing_pads == 0));
 }
 
-/// A thousand million samples of modes of T60 60 s: level and phase of one that is heard, against
-/// the reference.
+/// Runs a thousand million samples of modes of T60 60 s. Level and phase of the one loud mode
+/// follow the reference.
 ///
 /// # Panics
 /// If the limit is broken.
 pub fn drift(extent: Extent) {
     let (frames, seconds): (usize, &[usize]) = extent.pick((200_000, &[0, 3]), (2_000_000, &[0, 10, 20, 30, 40]));
-    // 500 modes of T60 60 s; one of them is heard, the others weigh in at -60 dB of it.
+    // One of the 500 modes of T60 60 s is heard; the others together stay below -60 dB of it.
     let mut modes: Vec<_> = (0..499).map(|n| mode(100.0 + 40.0 * f64::from(n), 60.0, 0.05, 0.0)).collect();
     modes.push(mode(333.0, 60.0, 2_000.0, 0.0));
     let loaded = load(one_pad(modes));
@@ -108,7 +109,7 @@ pub fn drift(extent: Extent) {
         let level = |sound: &[[f64; 2]]| sound.iter().map(|frame| frame[0] * frame[0]).sum::<f64>();
         let drift_db = 10.0 * (level(&bus[window.clone()]) / level(&expected[window])).log10();
         println!("after {second} s: {snr:.1} dB, envelope {drift_db:+.5} dB");
-        // The phase drifts apart within 0.01 cent; the envelope does not.
+        // The phase may drift by 0.01 cent, which limits the SNR. The envelope may not drift.
         assert!(drift_db.abs() < 0.01 && snr > 60.0, "after {second} s: {snr:.1} dB, {drift_db} dB");
     }
 }

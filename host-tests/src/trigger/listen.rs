@@ -1,4 +1,4 @@
-//! The trigger and its twin, with their defaults, on frames of ADC counts.
+//! The trigger of `dsp-core` and that of the reference, with their defaults, on ADC counts.
 
 use dsp_core::SampleRate;
 use dsp_core::trigger::{Report, Settings, Trigger, TriggerError};
@@ -7,7 +7,7 @@ use reference::trigger::{PiezoSettings, detect};
 use super::Found;
 use super::set::CHANNELS;
 
-/// A trigger for as many pads as there are channels, all with their defaults, at 48 kHz.
+/// Trigger for as many pads as there are channels, all with their defaults, at 48 kHz.
 ///
 /// # Errors
 /// None: the defaults are valid.
@@ -26,7 +26,7 @@ pub fn on_pc(counts: &[[u16; CHANNELS]]) -> Vec<Found> {
     found
 }
 
-/// The strike of a report.
+/// Strike of a report; `None` for a report of another kind.
 pub fn strike(report: &Report<'_>) -> Option<Found> {
     match report {
         Report::Strike(strike) => {
@@ -36,7 +36,7 @@ pub fn strike(report: &Report<'_>) -> Option<Found> {
     }
 }
 
-/// The twin's settings for those of a pad.
+/// Settings of the reference for those of a pad.
 pub fn twin_of(settings: &Settings) -> PiezoSettings {
     PiezoSettings {
         channel: settings.channel.into(),
@@ -51,7 +51,7 @@ pub fn twin_of(settings: &Settings) -> PiezoSettings {
     }
 }
 
-/// Strikes that the twin finds.
+/// Strikes that the reference finds.
 pub fn reference(counts: &[[u16; CHANNELS]]) -> Vec<Found> {
     let pads: Vec<_> = (0..CHANNELS as u8).map(|pad| twin_of(&Settings::of_unset_pad(pad))).collect();
     let frames: Vec<_> = counts.iter().map(|frame| frame.to_vec()).collect();

@@ -1,4 +1,4 @@
-//! Strikes whose truth is known, and how well a trigger finds them.
+//! Strikes that are known exactly, and a score of how well a trigger finds them.
 //!
 //! [`set`] lists scenes (singles over 40 dB, rolls, flams, ringing and noisy piezos, crosstalk,
 //! hum), [`piezo`] turns each into ADC counts, [`score()`] compares what a trigger reports with

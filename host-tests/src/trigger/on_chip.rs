@@ -6,10 +6,10 @@ use super::Found;
 use super::set::CHANNELS;
 use crate::on_chip::{OnChipError, image};
 
-/// Most frames of one call: they lie in the core-coupled memory.
+/// Maximum number of frames in a call: they lie in the core-coupled memory.
 pub const CALL_FRAMES: usize = 1024;
 
-/// Four pads with their defaults on a Cortex-M4F.
+/// Trigger of four pads with their defaults on a Cortex-M4F.
 #[derive(Debug)]
 pub struct TriggerOnChip {
     machine: Machine,
@@ -17,8 +17,8 @@ pub struct TriggerOnChip {
 }
 
 impl TriggerOnChip {
-    /// Builds the image (once a process) and sets up four pads, the last of them in direct mode if
-    /// so wished.
+    /// Builds the image (once a process) and sets up four pads. If `direct`, the last of them is in
+    /// direct mode.
     ///
     /// # Errors
     /// [`OnChipError`].
@@ -32,8 +32,8 @@ impl TriggerOnChip {
         }
     }
 
-    /// Takes at most [`CALL_FRAMES`] frames: the strikes that are found, and the call with its
-    /// cost.
+    /// Takes at most [`CALL_FRAMES`] frames; gives the strikes that are found, and the call with
+    /// its cost.
     ///
     /// # Errors
     /// [`OnChipError`].
@@ -56,7 +56,8 @@ impl TriggerOnChip {
         Ok((found.collect(), call))
     }
 
-    /// The direct pad's next samples at the output's rate, at most [`CALL_FRAMES`], and the call.
+    /// Gives the direct pad's next samples at the output's rate, at most [`CALL_FRAMES`], and the
+    /// call.
     ///
     /// # Errors
     /// [`OnChipError`].
@@ -76,7 +77,7 @@ impl TriggerOnChip {
         Ok(self.machine.call("trigger_bytes", &[])?.value)
     }
 
-    /// The machine, for its profile.
+    /// Machine of the image, for its profile.
     pub fn machine(&mut self) -> &mut Machine {
         &mut self.machine
     }

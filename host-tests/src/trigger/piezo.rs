@@ -1,4 +1,4 @@
-//! What a piezo puts on the ADC's pin when it is struck, and what else is there.
+//! Signal of a struck piezo on the ADC's pin, with its disturbances.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,25 +14,25 @@ const HALF_RANGE: f64 = 2048.0;
 pub struct Ring {
     /// Frequency in Hz.
     pub frequency_hz: f64,
-    /// Time in which it falls to 1/e, in seconds.
+    /// Time in seconds in which the response falls to 1/e.
     pub decay_s: f64,
     /// Onset of the response.
     pub attack: Attack,
-    /// A second mode: its frequency as a multiple of the first, and its share.
+    /// Second mode: its frequency as a multiple of the first, and its share.
     pub second: (f64, f64),
 }
 
 /// Onset of a ring.
 #[derive(Clone, Copy, Debug)]
 pub enum Attack {
-    /// From zero, as a sine.
+    /// Begins at zero, as a sine.
     Sine,
-    /// At once, as a cosine.
+    /// Begins at its peak, as a cosine.
     Cosine,
-    /// As the contact's half-sine of so many seconds, with a sine ring of half its height behind
-    /// it.
+    /// Begins as the half-sine of a contact of this length in seconds, under a sine ring of half
+    /// its height.
     Contact(f64),
-    /// As a sine under an envelope that rises with this time constant in seconds.
+    /// Begins as a sine under an envelope that rises with this time constant in seconds.
     Soft(f64),
 }
 
@@ -61,7 +61,7 @@ impl Ring {
         (0..16 * 480).map(|n| self.raw(f64::from(n) / 16.0 / RATE_HZ).abs()).fold(0.0, f64::max)
     }
 
-    /// When the largest magnitude is reached, in seconds.
+    /// Time of the largest magnitude in seconds.
     pub fn rise_s(&self) -> f64 {
         let peak = self.peak();
         let at = (0..16 * 480).find(|&n| self.raw(f64::from(n) / 16.0 / RATE_HZ).abs() >= peak);
@@ -72,30 +72,30 @@ impl Ring {
 /// A strike of a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Strike {
-    /// When it begins, in seconds.
+    /// Time of the onset in seconds.
     pub time_s: f64,
-    /// Which pad; its channel has the same number.
+    /// Index of the pad; its channel has the same number.
     pub pad: usize,
-    /// Its peak, as a fraction of half the ADC's range: the velocity that is to be found.
+    /// Peak as a fraction of half the ADC's range: the velocity that a trigger should find.
     pub velocity: f64,
 }
 
-/// A scene: strikes on piezos, and what disturbs them.
+/// Strikes on piezos, and the disturbances of their signals.
 #[derive(Clone, Debug)]
 pub struct Scene<const CHANNELS: usize> {
-    /// Which kind of scene.
+    /// Name of the scene's kind.
     pub name: &'static str,
-    /// In order of time.
+    /// Strikes in order of time.
     pub strikes: Vec<Strike>,
-    /// Ring of each channel's piezo; its sign is its polarity.
+    /// Ring of each channel's piezo, and its polarity: 1 or -1.
     pub rings: [(Ring, f64); CHANNELS],
     /// Standard deviation of white noise, in counts.
     pub noise_counts: f64,
-    /// Amplitude of mains hum in counts, and its frequency.
+    /// Amplitude of mains hum in counts, and its frequency in Hz.
     pub hum: (f64, f64),
-    /// Offset from 2048, and how far it drifts in 5 s, both in counts.
+    /// Offset from 2048, and the amplitude of its drift over 5 s, both in counts.
     pub offset: (f64, f64),
-    /// Share of each pad's signal that the others get, and its delay in seconds.
+    /// Share of each pad's signal that reaches the others, and its delay in seconds.
     pub crosstalk: (f64, f64),
     /// Length in seconds.
     pub length_s: f64,
@@ -104,7 +104,7 @@ pub struct Scene<const CHANNELS: usize> {
 }
 
 impl<const CHANNELS: usize> Scene<CHANNELS> {
-    /// The counts that the ADC gives.
+    /// Counts that the ADC gives.
     pub fn counts(&self) -> Vec<[u16; CHANNELS]> {
         let frames = (self.length_s * RATE_HZ) as usize;
         let mut own = vec![[0.0; CHANNELS]; frames];
@@ -112,7 +112,7 @@ impl<const CHANNELS: usize> Scene<CHANNELS> {
             let (ring, sign) = &self.rings[strike.pad];
             let height = strike.velocity * HALF_RANGE * sign / ring.peak();
             let first = (strike.time_s * RATE_HZ).ceil() as usize;
-            // 18 time constants: -156 dB.
+            // After 18 time constants a ring is at -156 dB.
             let last = frames.min(first + (ring.decay_s * 18.0 * RATE_HZ) as usize);
             for (n, frame) in own.iter_mut().enumerate().take(last).skip(first) {
                 frame[strike.pad] += height * ring.raw(n as f64 / RATE_HZ - strike.time_s);

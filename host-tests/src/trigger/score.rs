@@ -1,30 +1,30 @@
-//! What was found against what was played.
+//! Score of the strikes that were found against those that were played.
 
 use super::piezo::{RATE_HZ, Strike};
 
 /// A strike that a trigger reported.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
-    /// The ADC frame of its decision.
+    /// ADC frame of the decision.
     pub frame: u64,
-    /// Which pad.
+    /// Index of the pad.
     pub pad: usize,
-    /// Its velocity.
+    /// Velocity of the strike.
     pub velocity: f64,
 }
 
-/// The outcome of one or more scenes.
+/// Score of one or more scenes.
 #[derive(Clone, Debug, Default)]
 pub struct Score {
-    /// Strikes played.
+    /// Number of strikes played.
     pub played: usize,
-    /// Strikes found.
+    /// Number of strikes found.
     pub found: usize,
-    /// Reports without a strike, or a second one of the same.
+    /// Number of reports without a strike, and of second reports of a strike.
     pub false_or_double: usize,
     /// Velocity error of each found strike in dB.
     pub errors_db: Vec<f64>,
-    /// From onset to decision of each found strike, in frames.
+    /// Frames from the onset to the decision, of each found strike.
     pub latencies: Vec<f64>,
 }
 
@@ -45,7 +45,7 @@ impl Score {
         100.0 * good as f64 / self.errors_db.len().max(1) as f64
     }
 
-    /// The smallest and the largest latency, in milliseconds.
+    /// Smallest and largest latency in milliseconds.
     pub fn latency_ms(&self) -> (f64, f64) {
         let ms = |frames: f64| frames / RATE_HZ * 1e3;
         let least = self.latencies.iter().copied().fold(f64::INFINITY, f64::min);
@@ -62,8 +62,9 @@ impl Score {
     }
 }
 
-/// Each strike takes the first report on its pad within 4 ms of its onset that no other strike has;
-/// what remains is false or double.
+/// Matches reports with strikes, and counts the rest as false or double.
+///
+/// Each strike takes the first free report on its pad within 4 ms of its onset.
 pub fn score(played: &[Strike], reported: &[Found]) -> Score {
     let mut taken = vec![false; reported.len()];
     let mut score = Score { played: played.len(), ..Score::default() };

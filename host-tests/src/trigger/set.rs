@@ -1,14 +1,14 @@
-//! The scenes.
+//! Random scenes of each kind.
 
 use super::piezo::{Attack, Ring, Scene, Strike};
 use super::random::Random;
 
-/// Channels of each scene.
+/// Number of channels of each scene.
 pub const CHANNELS: usize = 4;
-/// Start of the strikes: after the time in which a trigger learns offset, hum and noise.
+/// Start of the strikes in seconds: a trigger has learnt offset, hum and noise by then.
 const START_S: f64 = 0.25;
 
-/// The kinds of scenes, by name.
+/// Names of the kinds of scenes.
 pub const KINDS: [&str; 9] = [
     "singles over 40 dB",
     "rolls to 25 Hz",
@@ -21,7 +21,7 @@ pub const KINDS: [&str; 9] = [
     "all at once",
 ];
 
-/// `scenes` scenes of each kind.
+/// Scenes of each kind, `scenes` of each.
 pub fn scenes(seed: u64, scenes: usize) -> Vec<Scene<CHANNELS>> {
     (0..scenes * KINDS.len())
         .map(|index| scene(index % KINDS.len(), seed.wrapping_mul(1_000_003) + index as u64))
@@ -49,7 +49,7 @@ fn scene(kind: usize, seed: u64) -> Scene<CHANNELS> {
     let random = &mut random;
     let name = KINDS[kind];
     let longest_s = if matches!(kind, 3 | 8) { 0.06 } else { 0.02 };
-    // The loudest frequency may miss its place by the ADC's clock: so may that of the mains.
+    // An inexact ADC clock moves the mains, too: its frequency may be off by 0.1 Hz.
     let mains_hz = [50.0, 60.0][random.choice(2)] + random.between(-0.1, 0.1);
     let noise_counts = match kind {
         4 => 3.0,
@@ -76,7 +76,8 @@ fn scene(kind: usize, seed: u64) -> Scene<CHANNELS> {
     }
 }
 
-/// Strikes at least `apart_s` apart, each on any pad and of any velocity over 40 dB.
+/// Strikes at least `apart_s` apart, each on any pad, evenly in the logarithm from `softest` to
+/// 0.99.
 fn singles(random: &mut Random, apart_s: f64, softest: f64) -> Vec<Strike> {
     let mut time_s = START_S;
     (0..20)
