@@ -1,4 +1,4 @@
-//! Prints each form's accuracy over the grid of one mode: the table of the README.
+//! Prints the accuracy of each form over the grid of one mode: the table of the README.
 
 use host_tests::single_mode::{Case, float_forms::FloatForm, grid, q31, snr_db, worst_and_median};
 

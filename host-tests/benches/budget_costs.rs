@@ -1,7 +1,7 @@
-//! Fits the budget's constants: plays scenes on the virtual core and, for the counts, on the PC.
+//! Fits the budget's constants to scenes that the virtual core plays. The PC counts the cost items.
 //!
-//! Prints the cycles of each cost item that fit the modelled cost best (non-negative least squares,
-//! each tick weighed by its own cost).
+//! Prints the cycles of each cost item that fit the modelled cost best. The fit is a non-negative
+//! least-squares fit in which each tick is weighed by its own cost.
 
 use std::error::Error;
 
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Counts and modelled cycles of each tick.
+/// Counts and modelled cycles of each tick of a scene.
 fn play(scene: &BudgetScene) -> Result<Vec<(Counts, f64)>, Box<dyn Error>> {
     let mut chip = EngineOnChip::new()?;
     chip.load(&scene.kit, SampleRate::HZ_48000)?;
@@ -52,8 +52,8 @@ fn play(scene: &BudgetScene) -> Result<Vec<(Counts, f64)>, Box<dyn Error>> {
     Ok(rows)
 }
 
-/// Items that no fit can tell apart, because they come with others in all scenes or too seldom:
-/// their cycles come from the profile. And a kernel's cycle is one cycle.
+/// Cost items that no fit can tell apart, because they are rare or always come with others. Their
+/// cycles come from the profile. A kernel's cycle is one cycle by definition.
 const HELD: [CostItem; 9] = [
     CostItem::GuardedRingingGroup,
     CostItem::Strike,

@@ -1,6 +1,7 @@
-//! An hour of rolls on every stage: `cargo bench -p host-tests --bench hour [-- SECONDS]`. Prints
-//! strikes, the peak, the level of the loudest and the softest minute, how long it took to fall
-//! silent, and whether blocks of 32 and of 480 frames gave the same bits.
+//! Rolls on every stage for an hour: `cargo bench -p host-tests --bench hour [-- SECONDS]`.
+//!
+//! Prints the strikes, the peak, the levels of the loudest and the softest minute, and the time to
+//! silence. Also prints if blocks of 32 and of 480 frames gave equal bits.
 
 use std::thread;
 

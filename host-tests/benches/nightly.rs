@@ -1,8 +1,9 @@
-//! All sweeps as a whole: `cargo bench -p host-tests --bench nightly [-- WORDS]`, WORDS a part of
-//! the names to run.
+//! Runs all sweeps as a whole: `cargo bench -p host-tests --bench nightly [-- WORDS]`.
 //!
-//! Prints the figures of each and its time, and at the end what broke a limit. The exit code is
-//! then 1.
+//! If WORDS is given, only sweeps run whose names contain it.
+//!
+//! Prints the figures and the time of each sweep, and in the end the sweeps that broke a limit. The
+//! exit code is 1 if there are any.
 
 use std::panic::catch_unwind;
 use std::process::ExitCode;

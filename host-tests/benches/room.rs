@@ -1,4 +1,4 @@
-//! The room against its reference: decay, energy, echo density and spectral crest.
+//! The room compared with its reference: decay, energy, echo density and spectral crest.
 //!
 //! `cargo bench -p host-tests --bench room`
 
@@ -10,11 +10,13 @@ use host_tests::room::{
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// Ideal rooms that each table is compared with.
+/// Number of ideal rooms with which each table is compared.
 const SEEDS: u64 = 4;
 
-/// Bands within the limits of the issue, ours and the ideal's, and ours of those where the ideal
-/// keeps to them with every seed.
+/// Counts bands whose T60 is within 5 % and whose energy is within 1 dB, and prints the counts.
+///
+/// It counts bands of `dsp-core`'s room, bands of ideal rooms, and bands of `dsp-core`'s room where
+/// the T60 of every ideal room is within 5 %.
 fn follow(tables: &[Table], what: &str) {
     let hz = RATE.hz();
     println!("{what}");

@@ -10,12 +10,12 @@ use host_tests::run_time::{accuracy, measure, rivals};
 use host_tests::single_mode::{Case, grid};
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Frequencies of the grid.
+/// Number of frequencies of the grid.
 const FREQUENCIES: u32 = 40;
-/// Every so many cases of the grid are compared bit for bit: 20 of them, of all decays and both
-/// rates.
+/// Step between the cases of the grid that are compared bit for bit: 20 cases, of all decays and
+/// both rates.
 const SAMPLED: usize = 21;
-/// Ticks that are compared.
+/// Number of ticks that are compared.
 const COMPARED_TICKS: usize = 200;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A bar on stderr, shown where that is a terminal; a line where it is not.
+/// Progress bar on stderr; if stderr is no terminal, prints one line instead.
 fn progress(length: u64, what: &'static str) -> Result<ProgressBar, Box<dyn Error>> {
     let bar = ProgressBar::new(length)
         .with_style(ProgressStyle::with_template("{msg:32} {wide_bar} {percent:>3} % {eta}")?)

@@ -1,4 +1,4 @@
-//! The modal bank playing fitted chains.
+//! The modal bank that plays fitted chains.
 
 use dsp_core::SampleRate;
 use dsp_core::radiation::Acceleration;
@@ -9,10 +9,10 @@ use host_tests::lent;
 use super::fit::Fit;
 use super::plan::parameters;
 
-/// Plays the modes of all fits in one modal bank, and the sum of their direct terms as acceleration
-/// sound, at 48 kHz.
+/// Plays the modes of all fits in one modal bank at 48 kHz. The sum of their direct terms plays as
+/// acceleration sound.
 ///
-/// Modes retire as they do on a pad at 0 dB. The bank rings on behind the input's end.
+/// Modes retire as they do on a pad at 0 dB. The bank rings on after the end of the input.
 pub(crate) fn render(fits: &[Fit], input: &[i32], frames: usize) -> Vec<i32> {
     let rate = SampleRate::HZ_48000;
     let (mut poles, mut gains, mut alpha) = (Vec::new(), Vec::new(), 0.0);

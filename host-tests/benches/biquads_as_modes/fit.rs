@@ -3,9 +3,9 @@
 //!
 //! With λ_j = (-d_j + iω_j)/fs for mode j, the modes ring as
 //! `h'[n] = Σ_j 2 Re(c_j e^{λ_j n}) + c_0 [n = 0]`. The fit minimises
-//! `Σ (h - h')² + ρ² Σ_j Σ_n (2 Re(c_j e^{λ_j n}))²`: the second term is the noise of a bank whose
-//! modes have an SNR of 1/ρ each. So modes that would cancel one another are paid for. Inner
-//! products of exponentials are geometric series, and those with h are values of H.
+//! `Σ (h - h')² + ρ² Σ_j Σ_n (2 Re(c_j e^{λ_j n}))²`. The second term is the noise of a bank whose
+//! modes have an SNR of 1/ρ each, so modes that cancel one another cost something. Inner products
+//! of exponentials are geometric series. Inner products of exponentials with h are values of H.
 
 use std::f64::consts::{PI, TAU};
 
@@ -15,26 +15,26 @@ use fourier::Complex;
 
 type Number = Complex<f64>;
 
-/// Root or pole as a complex logarithm; `None` for one at 0.
+/// Complex logarithm of a root; `None` for a root at 0.
 type Log = Option<Number>;
 
-/// A chain of biquads by the logarithms of its roots.
+/// Chain of biquads, given by the logarithms of its roots.
 #[derive(Clone, Debug)]
 pub(crate) struct Chain {
     /// Poles, one of each conjugate pair.
     pub(crate) poles: Vec<Log>,
     /// Zeros, one of each conjugate pair.
     pub(crate) zeros: Vec<Log>,
-    /// Product of all gains.
+    /// Product of the gains of all sections.
     pub(crate) gain: f64,
 }
 
-/// The logarithm of a root of a magnitude and an angle.
+/// Logarithm of a root with a magnitude and an angle.
 pub(crate) fn log_of(radius: f64, angle: f64) -> Log {
     (radius > 0.0).then(|| Complex::new(radius.ln(), angle))
 }
 
-/// `1 - e^z`, exact to the last digits for small z too.
+/// Value of `1 - e^z`, exact to the last digits for small z too.
 fn one_minus_exp(z: Number) -> Number {
     let half = (z.im / 2.0).sin();
     let re = z.re.exp_m1() * z.im.cos() - 2.0 * half * half;
@@ -42,7 +42,7 @@ fn one_minus_exp(z: Number) -> Number {
 }
 
 impl Chain {
-    /// H at `z = e^log`, outside the poles' circle.
+    /// Value of H at `z = e^log`, outside the circle on which the poles lie.
     fn at(&self, log: Number) -> Number {
         let factors = |roots: &[Log]| {
             roots.iter().flatten().fold(Complex::new(1.0, 0.0), |product, &root| {
@@ -52,8 +52,9 @@ impl Chain {
         Complex::new(self.gain, 0.0) * factors(&self.zeros) / factors(&self.poles)
     }
 
-    /// Angles and weights of a quadrature over the upper half circle: Gauss-Legendre on panels that
-    /// halve towards each pole.
+    /// Angles and weights of a quadrature over the upper half circle.
+    ///
+    /// It is Gauss-Legendre quadrature on panels that halve towards each pole.
     pub(crate) fn grid(&self) -> Vec<(f64, f64)> {
         let mut edges = vec![0.0, PI];
         for pole in self.poles.iter().flatten() {
@@ -90,22 +91,22 @@ const GAUSS: [(f64, f64); 4] = [
 pub(crate) struct Fit {
     /// λ and c of each mode.
     pub(crate) modes: Vec<(Number, Number)>,
-    /// c_0.
+    /// Direct term c_0.
     pub(crate) direct: f64,
-    /// Energy of what the modes miss, over the energy of h.
+    /// Energy of h - h' over the energy of h.
     pub(crate) missed: f64,
     /// Energy of the noise of a bank whose modes have an SNR of 1/ρ each, over the energy of h.
     pub(crate) noise: f64,
 }
 
 impl Fit {
-    /// SNR in dB that a bank of such modes can be expected to have.
+    /// SNR in dB to be expected of a bank that plays these modes.
     pub(crate) fn expected_db(&self) -> f64 {
         -10.0 * (self.missed + self.noise).log10()
     }
 }
 
-/// Fits modes of given poles.
+/// Fits modes with given poles to a chain.
 pub(crate) fn fit(chain: &Chain, grid: &[(f64, f64)], poles: &[Number], rho: f64) -> Fit {
     let all: Vec<Log> =
         poles.iter().map(|&pole| Some(pole)).chain(poles.iter().map(|p| Some(p.conj()))).chain([None]).collect();
@@ -121,7 +122,7 @@ pub(crate) fn fit(chain: &Chain, grid: &[(f64, f64)], poles: &[Number], rho: f64
         for (column, other) in all.iter().enumerate() {
             matrix[row][column] = product(log, other) * Complex::new(scale[row] * scale[column], 0.0);
         }
-        // A mode's noise follows the energy of what it sounds like: both conjugates together.
+        // A mode's noise follows the energy of its sound, which both conjugates make together.
         if row + 1 < count {
             for at in [row, (row + poles.len()) % (count - 1)] {
                 matrix[row][at] *= 1.0 + rho * rho;
@@ -159,7 +160,7 @@ pub(crate) fn fit(chain: &Chain, grid: &[(f64, f64)], poles: &[Number], rho: f64
     }
 }
 
-/// Solves a Hermitian system whose right side is the last column, by elimination with pivots.
+/// Solves a Hermitian system by elimination with pivots. Its right side is the last column.
 fn solve(mut rows: Vec<Vec<Number>>) -> Vec<Number> {
     let count = rows.len();
     for column in 0..count {
@@ -182,13 +183,15 @@ fn solve(mut rows: Vec<Vec<Number>>) -> Vec<Number> {
     solution
 }
 
-/// The fastest decay in 1/s of a mode at 48 kHz: what the modal bank and a kit's range allow.
+/// Fastest decay in 1/s of a mode at 48 kHz that both the modal bank and a kit allow.
 pub(crate) fn fastest_decay_per_s() -> f64 {
     dsp_core::resonator::max_decay_per_s(SampleRate::HZ_48000).min(f64::from(DECAY_PER_S.max))
 }
 
-/// The nearest pole that a table of modes can hold: rounded to `f32` in Hz and 1/s, within the
-/// frequencies and decays that a kit and the modal bank allow.
+/// Nearest pole that a table of modes can hold.
+///
+/// It is rounded to `f32` in Hz and 1/s, within the frequencies and decays that a kit and the modal
+/// bank allow.
 pub(crate) fn on_grid(pole: Number, fs: f64) -> Number {
     let decay = (-pole.re * fs).clamp(0.01, fastest_decay_per_s()) as f32;
     let hz = (pole.im.abs() * fs / TAU).clamp(0.1, fs / 2.0 - 0.1) as f32;

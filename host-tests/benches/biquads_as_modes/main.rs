@@ -1,4 +1,4 @@
-//! Chains of biquads played as modes and a direct term in the modal bank, against the bank of
+//! Chains of biquads played as modes and a direct term in the modal bank, compared with the bank of
 //! biquads.
 //!
 //! Prints the table of `docs/biquads.md`, "Why a chain is not played as modes":
@@ -16,13 +16,13 @@ use host_tests::biquads::{Chains, Roots, anywhere, near, noise, root};
 use host_tests::snr::{Random, snr_db};
 use std::f64::consts::PI;
 
-/// Frames of noise, and of what rings behind it.
+/// Number of frames of noise, and of frames without input after it.
 const FRAMES: usize = 24_000;
 
-/// Draws poles and zeros of a number of sections, in chains of a depth.
+/// Draws poles and zeros of a number of sections, in chains of a given depth.
 type Place = fn(&mut Random, usize, usize) -> (Roots, Roots);
 
-/// Rows of the table. "Held" poles are those that a table of modes, with its `f32`, can hold.
+/// Rows of the table. "Held" poles are those that a table of modes can hold in its `f32`.
 const CLASSES: [(&str, Place); 9] = [
     ("radius above 0.72, held", |random, count, _| held(above(random, count, 0.72))),
     ("radius above 0.72", |random, count, _| above(random, count, 0.72)),
@@ -42,12 +42,12 @@ fn with_poles(random: &mut Random, count: usize, pole: impl Fn(&mut Random) -> (
     ((0..count).map(|_| pole(random)).collect(), zeros)
 }
 
-/// A radius of 0 to 0.9999, evenly in the logarithm of its distance from 1.
+/// Draws a radius of 0 to 0.9999, evenly in the logarithm of its distance from 1.
 fn near_circle(random: &mut Random) -> f64 {
     1.0 - 10f64.powf(-random.between(0.0, 4.0))
 }
 
-/// Poles of at least a radius, drawn as [`anywhere`] does.
+/// Draws poles of more than a given radius, as [`anywhere`] draws them.
 fn above(random: &mut Random, count: usize, radius: f64) -> (Roots, Roots) {
     with_poles(random, count, |random| {
         loop {
@@ -59,8 +59,8 @@ fn above(random: &mut Random, count: usize, radius: f64) -> (Roots, Roots) {
     })
 }
 
-/// Moves poles to the nearest that a table of modes can hold. Poles that decay too fast for the
-/// modal bank stay.
+/// Moves poles to the nearest ones that a table of modes can hold. Poles that decay too fast for
+/// the modal bank stay.
 fn held((poles, zeros): (Roots, Roots)) -> (Roots, Roots) {
     let hold = |(radius, angle): (f64, f64)| {
         let Some(log) = log_of(radius, angle) else { return (radius, angle) };
@@ -71,7 +71,7 @@ fn held((poles, zeros): (Roots, Roots)) -> (Roots, Roots) {
     (poles.into_iter().map(hold).collect(), zeros)
 }
 
-/// The chains of a bank by the logarithms of their roots.
+/// Chains of a bank, given by the logarithms of their roots.
 fn chains_of((poles, zeros): &(Roots, Roots), bank: &Chains) -> Vec<Chain> {
     let log = |roots: &[(f64, f64)]| -> Vec<Option<Complex<f64>>> {
         roots.iter().map(|&(radius, angle)| log_of(radius, angle)).collect()

@@ -1,5 +1,7 @@
-//! The modes that stand for a chain: those of its poles, and fans of modes where poles (nearly)
-//! coincide or decay too fast for the modal bank.
+//! Choice of the modes that stand for a chain.
+//!
+//! They are the modes of its poles. Poles that (nearly) coincide or decay too fast for the modal
+//! bank get a fan of modes instead.
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,16 +10,16 @@ use fourier::Complex;
 
 use super::fit::{Chain, Fit, fastest_decay_per_s, fit, on_grid};
 
-/// Reciprocal SNR that a mode of the bank is reckoned with: 110 dB.
+/// Reciprocal of the SNR, 110 dB, that a mode of the bank is assumed to have.
 pub(crate) const RHO: f64 = 3.162_277_660_168_379e-6;
-/// SNR in dB at which no more modes are tried.
+/// Expected SNR in dB at which no more modes are tried.
 const ENOUGH_DB: f64 = 92.0;
-/// Largest number of modes that a fan may have beside one for each of its poles, plus 1.
+/// Number of modes that a fan has beyond one for each of its poles stays below this.
 const MOST: usize = 12;
-/// Least angle of a mode, and least distance of its angle from half a turn, in its widths.
+/// Smallest distance of a mode's angle from 0 and from half a turn, in widths of the mode.
 const LEAST_TURN: f64 = 0.3;
 
-/// Poles of a chain that stand so near to one another that their partial fractions would cancel.
+/// Poles of a chain that are so close to one another that their partial fractions would cancel.
 struct Cluster {
     poles: Vec<Complex<f64>>,
 }
@@ -27,8 +29,10 @@ impl Cluster {
         self.poles.iter().sum::<Complex<f64>>() / self.poles.len() as f64
     }
 
-    /// A fan of modes round the mean pole: frequencies spread by `spread` widths either way, decays
-    /// multiplied by `decay`, and by another `1 + bend` at the edges.
+    /// Fan of modes round the mean pole.
+    ///
+    /// Frequencies spread by `spread` widths either way. Decays are multiplied by `decay`, and at
+    /// the edges by a further `1 + bend`.
     fn fan(&self, count: usize, [spread, decay, bend]: [f64; 3], fs: f64) -> Vec<Complex<f64>> {
         let mean = self.mean();
         let fastest = fastest_decay_per_s() / fs;
@@ -36,7 +40,7 @@ impl Cluster {
         let at = |index: usize| {
             let u = if count == 1 { 0.0 } else { 2.0 * index as f64 / (count - 1) as f64 - 1.0 };
             let re = (-width * decay * (1.0 + bend * u * u)).max(-fastest);
-            // A mode that turns much less than it decays is not what the bank is exact for.
+            // The bank is not exact for a mode that turns much less than it decays.
             let im = (mean.im + u * spread * width).abs().clamp(-LEAST_TURN * re, PI + LEAST_TURN * re);
             on_grid(Complex::new(re, im), fs)
         };
@@ -44,12 +48,12 @@ impl Cluster {
     }
 }
 
-/// True if the bank is exact for a mode of this pole.
+/// True if the bank is exact for a mode with this pole.
 fn is_turning(pole: Complex<f64>) -> bool {
     pole.im.min(PI - pole.im) >= -LEAST_TURN * pole.re
 }
 
-/// Groups poles that are nearer to one another than `widths` of the narrower.
+/// Groups poles that are closer to one another than `widths` widths of the narrower one.
 fn clusters(chain: &Chain, widths: f64) -> Vec<Cluster> {
     let mut clusters: Vec<Cluster> = Vec::new();
     for &pole in chain.poles.iter().flatten() {
@@ -67,8 +71,8 @@ fn clusters(chain: &Chain, widths: f64) -> Vec<Cluster> {
     clusters
 }
 
-/// Finds the fewest modes that are expected to reach 92 dB at 48 kHz, or else the best of all that
-/// were tried.
+/// Finds the fewest modes that are expected to reach 92 dB at 48 kHz. If none do, finds the best of
+/// all that were tried.
 pub(crate) fn modes_of(chain: &Chain) -> Fit {
     let fs = SampleRate::HZ_48000.hz();
     let grid = chain.grid();
@@ -107,7 +111,7 @@ pub(crate) fn modes_of(chain: &Chain) -> Fit {
     best
 }
 
-/// Finds the best shape of the fans: the best of a coarse grid, then steps that halve.
+/// Finds the best shape of the fans, on a coarse grid first, then in steps that halve.
 fn search(try_one: impl Fn([f64; 3]) -> Fit) -> Fit {
     let mut shape = [0.3, 1.0, 0.0];
     let mut best = try_one(shape);
@@ -144,7 +148,7 @@ fn search(try_one: impl Fn([f64; 3]) -> Fit) -> Fit {
     best
 }
 
-/// f in Hz, d in 1/s, gs and gc of a fitted mode, for a force of 1 over 1 s.
+/// Frequency in Hz, decay in 1/s, gs and gc of a fitted mode, for a force of 1 over 1 s.
 pub(crate) fn parameters(pole: Complex<f64>, c: Complex<f64>, fs: f64) -> [f64; 4] {
     [pole.im * fs / TAU, -pole.re * fs, -2.0 * c.im * fs, 2.0 * c.re * fs]
 }
