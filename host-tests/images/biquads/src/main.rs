@@ -1,8 +1,8 @@
 //! Banks of biquads on a bare Cortex-M4F, without a board.
 //!
 //! Nothing starts by itself: the virtual core writes numbers into memory and calls the exported
-//! functions, which return 0 or a negative number that says why not. The host's side of it is
-//! `host-tests/src/on_chip/biquads.rs`.
+//! functions. They return 0, or a negative number that gives the reason for a failure. The code on
+//! the host is `host-tests/src/on_chip/biquads.rs`.
 #![no_std]
 #![no_main]
 
@@ -26,45 +26,45 @@ fn biquad(&[real, imaginary, b0, b1, b2]: &[f64; 5]) -> Result<Biquad, BiquadErr
     Ok(Biquad { pole: Root { real, imaginary }, numerator: [b0, b1, b2] })
 }
 
-/// Loads `count` biquads of five words (pole, numerator) in chains of `depth`. -1: refused.
+/// Loads `count` biquads of five numbers each (pole, numerator) in chains of `depth`. -1: refused.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn biquads_load(numbers: *const [f64; 5], count: usize, depth: usize) -> i32 {
-    // SAFETY: the host's word.
+    // SAFETY: the host has written `count` biquads there.
     let numbers = unsafe { core::slice::from_raw_parts(numbers, count) };
-    // SAFETY: as for `Sync`; the bank that had the words before is replaced.
+    // SAFETY: see `Sync` for `Global`; the bank that had the words before is replaced.
     let (bank, words) = unsafe { (&mut *BANK.0.get(), &mut *WORDS.0.get()) };
     let Ok(taken) = Bank::take(&mut Memory::new(&mut [], words), 64) else { return -1 };
     *bank = taken;
     if bank.load_each(numbers.iter().map(biquad), depth, 1.0).is_ok() { 0 } else { -1 }
 }
 
-/// Adds a block to `out`. `input` may be null.
+/// Adds the sound of a block to `out`. `input` may be null.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn biquads_render(input: *const i32, out: *mut i32, frames: usize) {
-    // SAFETY: the host's word.
+    // SAFETY: the host leaves `frames` samples at each address that is not null.
     let (input, out) = unsafe {
         let input = (!input.is_null()).then(|| core::slice::from_raw_parts(input, frames));
         (input, core::slice::from_raw_parts_mut(out, frames))
     };
-    // SAFETY: as for `Sync`.
+    // SAFETY: see `Sync` for `Global`.
     unsafe { &mut *BANK.0.get() }.render(input, out);
 }
 
 static FLOATS: Global<FloatBank<20>> = Global(UnsafeCell::new(FloatBank::EMPTY));
 
-/// As `biquads_load`, in single precision.
+/// Loads biquads as `biquads_load` does, into a bank in single precision. -1: refused.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn float_biquads_load(numbers: *const [f64; 5], count: usize, depth: usize) -> i32 {
-    // SAFETY: the host's word.
+    // SAFETY: the host has written `count` biquads there.
     let numbers = unsafe { core::slice::from_raw_parts(numbers, count) };
     let mut biquads = [Biquad { pole: Root { real: 0.0, imaginary: 0.0 }, numerator: [0.0; 3] }; 64];
     for (slot, &[real, imaginary, b0, b1, b2]) in biquads.iter_mut().zip(numbers) {
         *slot = Biquad { pole: Root { real, imaginary }, numerator: [b0, b1, b2] };
     }
-    // SAFETY: as for `Sync`.
+    // SAFETY: see `Sync` for `Global`.
     let bank = unsafe { &mut *FLOATS.0.get() };
     match biquads.get(..count).map(|biquads| bank.load(biquads, depth)) {
         Some(Ok(())) => 0,
@@ -72,20 +72,20 @@ pub unsafe extern "C" fn float_biquads_load(numbers: *const [f64; 5], count: usi
     }
 }
 
-/// As `biquads_render`, in single precision.
+/// Adds a block as `biquads_render` does, from the bank in single precision.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn float_biquads_render(input: *const f32, out: *mut f32, frames: usize) {
-    // SAFETY: the host's word.
+    // SAFETY: the host leaves `frames` samples at each address that is not null.
     let (input, out) = unsafe {
         let input = (!input.is_null()).then(|| core::slice::from_raw_parts(input, frames));
         (input, core::slice::from_raw_parts_mut(out, frames))
     };
-    // SAFETY: as for `Sync`.
+    // SAFETY: see `Sync` for `Global`.
     unsafe { &mut *FLOATS.0.get() }.render(input, out);
 }
 
-/// The virtual core never starts here; a linker needs an entry.
+/// Entry that a linker needs; the virtual core never starts here.
 #[unsafe(no_mangle)]
 pub extern "C" fn _start() -> ! {
     loop {}

@@ -1,8 +1,8 @@
 //! The instrument on a bare Cortex-M4F, without a board.
 //!
 //! Nothing starts by itself: the virtual core writes kits, events and forces into memory and calls
-//! the exported functions, which return 0 or a negative number that says why not. The host's side
-//! of it is `host-tests/src/on_chip`.
+//! the exported functions. They return 0, or a negative number that gives the reason for a failure.
+//! The code on the host is in `host-tests/src/on_chip`.
 #![no_std]
 #![no_main]
 
@@ -11,7 +11,7 @@ mod wire;
 
 use core::panic::PanicInfo;
 
-/// The virtual core never starts here; a linker needs an entry.
+/// Entry that a linker needs; the virtual core never starts here.
 #[unsafe(no_mangle)]
 pub extern "C" fn _start() -> ! {
     loop {}

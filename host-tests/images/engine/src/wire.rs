@@ -1,8 +1,8 @@
-//! How the host hands things over: plain memory with a fixed layout, little-endian.
+//! Format in which the host hands over data: plain memory with a fixed layout, little-endian.
 
 use dsp_core::event::{Action, Event, Time};
 
-/// An event: 32 bytes.
+/// Event as the host writes and reads it: 32 bytes.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct WireEvent {
@@ -14,7 +14,7 @@ pub struct WireEvent {
     reserved: u8,
     velocity: f32,
     position: f32,
-    /// Of a shedding: how many register groups.
+    /// Number of register groups that a shed decision leaves out; 0 for other events.
     groups: u32,
     reserved_end: u32,
 }
@@ -36,13 +36,13 @@ impl WireEvent {
         }
     }
 
-    /// A decision of the engine: always a shedding.
+    /// Decision of the engine as an event; all its decisions are to shed.
     pub fn shedding(event: &Event) -> Self {
         let groups = if let Action::Shed(groups) = event.action { u32::from(groups) } else { 0 };
         Self { frame: event.time.frame, action: 3, groups, ..Self::NOTHING }
     }
 
-    /// No event.
+    /// Event of zeros.
     pub const NOTHING: Self = Self {
         frame: 0,
         fraction: 0,
@@ -57,21 +57,21 @@ impl WireEvent {
     };
 }
 
-/// A slice that the host has laid at an address.
+/// Slice that the host has laid at an address.
 ///
 /// # Safety
-/// `count` valid values lie there, aligned, and nothing else uses them during the call: the host
-/// writes them before it, to memory that the image leaves alone.
+/// `count` valid and aligned values lie there, and nothing else uses them during the call. The host
+/// writes them before the call, to memory that the image leaves alone.
 pub unsafe fn slice<'a, T>(address: *const T, count: usize) -> &'a [T] {
-    // SAFETY: the caller's.
+    // SAFETY: the caller keeps the rule above.
     unsafe { core::slice::from_raw_parts(address, count) }
 }
 
-/// Mutable slice at an address.
+/// Mutable slice that the host has laid at an address.
 ///
 /// # Safety
-/// As [`slice`].
+/// The rule of [`slice`] holds.
 pub unsafe fn slice_mut<'a, T>(address: *mut T, count: usize) -> &'a mut [T] {
-    // SAFETY: the caller's.
+    // SAFETY: the caller keeps the rule above.
     unsafe { core::slice::from_raw_parts_mut(address, count) }
 }

@@ -1,8 +1,8 @@
 //! The dynamic filter and waveguides on a bare Cortex-M4F, without a board.
 //!
 //! Nothing starts by itself: the virtual core writes numbers into memory and calls the exported
-//! functions, which return 0 or a negative number that says why not. The host's side of it is
-//! `host-tests/src/on_chip/filters.rs`.
+//! functions. They return 0, or a negative number that gives the reason for a failure. The code on
+//! the host is `host-tests/src/on_chip/filters.rs`.
 #![no_std]
 #![no_main]
 
@@ -23,9 +23,10 @@ static FILTER: Global<DynamicFilter<'static>> = Global(UnsafeCell::new(DynamicFi
 /// Memory of 16 breakpoints, 10 loops and 2048 frames of delay.
 static WORDS: Global<[Word; 1_500]> = Global(UnsafeCell::new([Word::uninit(); 1_500]));
 
-/// Loads a dynamic filter at 48 kHz: breakpoints of seven words (time, a1, a2, b0, b1, b2, noise),
-/// loops of four (frequency, bandwidth, gain, delay), order, and 1 where modes go through; seed and
-/// stream 9. -1: refused.
+/// Loads a dynamic filter at 48 kHz with seed and stream 9. -1: refused.
+///
+/// A breakpoint has seven numbers (time, a1, a2, b0, b1, b2, noise), a loop four (frequency,
+/// bandwidth, gain, delay). `exciter` has three (low edge, high edge, exponent) or is null.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn filter_load(
@@ -36,7 +37,7 @@ pub unsafe extern "C" fn filter_load(
     order: u8,
     exciter: *const [f64; 3],
 ) -> i32 {
-    // SAFETY: the host's word.
+    // SAFETY: the host has written as many numbers there.
     let (points, loops, exciter) = unsafe {
         let exciter = (!exciter.is_null()).then(|| *exciter);
         (core::slice::from_raw_parts(points, count), core::slice::from_raw_parts(loops, bands), exciter)
@@ -53,7 +54,7 @@ pub unsafe extern "C" fn filter_load(
         path: points.iter().map(point),
         loops: loops.iter().map(one),
     };
-    // SAFETY: as for `Sync`; the filter that had the words before is replaced.
+    // SAFETY: see `Sync` for `Global`; the filter that had the words before is replaced.
     let (filter, words) = unsafe { (&mut *FILTER.0.get(), &mut *WORDS.0.get()) };
     let Ok(size) = DynamicFilter::size(&settings, SampleRate::HZ_48000) else { return -1 };
     let Ok(taken) = DynamicFilter::take(&mut Memory::new(&mut [], words), size) else { return -1 };
@@ -68,24 +69,24 @@ pub unsafe extern "C" fn filter_load(
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub extern "C" fn filter_strike(level_bits: u32) {
-    // SAFETY: as for `Sync`.
+    // SAFETY: see `Sync` for `Global`.
     unsafe { &mut *FILTER.0.get() }.strike(f32::from_bits(level_bits));
 }
 
-/// Adds a block to `out`. `modes` may be null.
+/// Adds the sound of a block to `out`. `modes` may be null.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn filter_render(modes: *const i32, out: *mut i32, frames: usize) {
-    // SAFETY: the host's word.
+    // SAFETY: the host leaves `frames` samples at each address that is not null.
     let (modes, out) = unsafe {
         let modes = (!modes.is_null()).then(|| core::slice::from_raw_parts(modes, frames));
         (modes, core::slice::from_raw_parts_mut(out, frames))
     };
-    // SAFETY: as for `Sync`.
+    // SAFETY: see `Sync` for `Global`.
     unsafe { &mut *FILTER.0.get() }.render(modes, out);
 }
 
-/// The virtual core never starts here; a linker needs an entry.
+/// Entry that a linker needs; the virtual core never starts here.
 #[unsafe(no_mangle)]
 pub extern "C" fn _start() -> ! {
     loop {}

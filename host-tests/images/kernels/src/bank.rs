@@ -1,4 +1,4 @@
-//! The bank alone: modes, guards and kernels without pads or output.
+//! The bank of modes alone: modes, guards and kernels, without pads or output.
 
 use core::cell::UnsafeCell;
 
@@ -21,11 +21,11 @@ static BANK: Global<Bank<'static>> = Global(UnsafeCell::new(Bank::empty()));
 static WORDS: Global<[Word; MODES * 15 / 4]> = Global(UnsafeCell::new([Word::uninit(); MODES * 15 / 4]));
 
 fn bank() -> &'static mut Bank<'static> {
-    // SAFETY: as for `Sync`: the one reference of the call that runs.
+    // SAFETY: see `Sync` for `Global`: this is the running call's only reference.
     unsafe { &mut *BANK.0.get() }
 }
 
-/// Loads modes at 48 kHz, or at the rate given in Hz. -1: they do not fit.
+/// Loads modes at a rate in whole Hz. -1: they do not fit.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn bank_load(
@@ -34,7 +34,7 @@ pub unsafe extern "C" fn bank_load(
     count: usize,
     rate_hz: u32,
 ) -> i32 {
-    // SAFETY: the host's word.
+    // SAFETY: the host has written `count` modes and gains there.
     let (modes, gains) = unsafe { (slice(modes, count), slice(gains, count)) };
     let Some(rate) = SampleRate::new(rate_hz, 1) else { return -1 };
     let table = BankTable {
@@ -46,7 +46,7 @@ pub unsafe extern "C" fn bank_load(
         is_balanced: false,
         typical_contact: (1e-3, 1e-3),
     };
-    // SAFETY: as for `Sync`; the bank that had the words before is replaced.
+    // SAFETY: see `Sync` for `Global`; the bank that had the words before is replaced.
     let words = unsafe { &mut *WORDS.0.get() };
     let Ok(size) = Bank::size(&table, rate) else { return -1 };
     let Ok(taken) = Bank::take(&mut Memory::new(words, &mut []), size) else { return -1 };
@@ -54,7 +54,8 @@ pub unsafe extern "C" fn bank_load(
     if bank().load(&table, rate).is_ok() { 0 } else { -1 }
 }
 
-/// The bookkeeping of a tick, with retirement where asked. Gives the modes that still ring.
+/// Does the bookkeeping of a tick, with retirement unless `retire` is 0. Gives the number of modes
+/// that still ring.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub extern "C" fn bank_tick(retire: u32) -> u32 {
@@ -64,11 +65,11 @@ pub extern "C" fn bank_tick(retire: u32) -> u32 {
     bank.ringing_modes()
 }
 
-/// Adds a tick, or a part of one, to `out`. `force` may be null.
+/// Adds the sound of a tick or of a part of one to `out`. `force` may be null.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn bank_render(force: *const i32, out: *mut [i32; TICK_FRAMES], frames: usize) -> i32 {
-    // SAFETY: the host's word.
+    // SAFETY: the host leaves `frames` samples of force, if any, and a tick of output there.
     let (force, out) = unsafe { ((!force.is_null()).then(|| slice(force, frames)), &mut *out) };
     let Some(out) = out.get_mut(..frames) else { return -1 };
     bank().render(force, false, true, out);

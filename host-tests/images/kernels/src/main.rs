@@ -1,8 +1,8 @@
 //! The bank alone and its rivals on a bare Cortex-M4F, without a board.
 //!
 //! Nothing starts by itself: the virtual core writes modes and forces into memory and calls the
-//! exported functions, which return 0 or a negative number that says why not. The host's side of it
-//! is `host-tests/src/on_chip`.
+//! exported functions. Their documentation says what they return. The code on the host is in
+//! `host-tests/src/on_chip` and `host-tests/src/run_time`.
 #![no_std]
 #![no_main]
 
@@ -14,7 +14,7 @@ mod wire;
 
 use core::panic::PanicInfo;
 
-/// The virtual core never starts here; a linker needs an entry.
+/// Entry that a linker needs; the virtual core never starts here.
 #[unsafe(no_mangle)]
 pub extern "C" fn _start() -> ! {
     loop {}

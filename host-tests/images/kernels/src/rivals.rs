@@ -1,5 +1,6 @@
-//! Other crates' resonators and a plain loop, one pair of functions each: `load_...` makes
-//! resonators of words, `render_...` adds a block.
+//! Resonators of other crates and a plain loop, with a pair of functions for each kind.
+//!
+//! `load_...` makes resonators from words, `render_...` adds a block.
 
 pub mod forms;
 
@@ -9,20 +10,20 @@ use crate::wire::slice;
 
 macro_rules! rival {
     ($form:ident, $load:ident, $render:ident) => {
-        /// Makes `count` resonators from five words each. Gives the bytes of one.
+        /// Makes `count` resonators from five words each. Gives the bytes of one resonator.
         #[unsafe(no_mangle)]
         #[unsafe(link_section = ".text.exported")]
         pub unsafe extern "C" fn $load(resonators: *mut forms::$form, words: *const [u32; 5], count: usize) -> usize {
-            // SAFETY: the host's word.
+            // SAFETY: the host has written `count` groups of words there.
             let words = unsafe { slice(words, count) };
             for (index, &words) in words.iter().enumerate() {
-                // SAFETY: the host leaves room for `count` of them.
+                // SAFETY: the host leaves room for `count` resonators.
                 unsafe { resonators.add(index).write(forms::$form::new(words)) }
             }
             size_of::<forms::$form>()
         }
 
-        /// Adds a block to `out`. `force` may be null.
+        /// Adds the sound of a block to `out`. `force` may be null.
         #[unsafe(no_mangle)]
         #[unsafe(link_section = ".text.exported")]
         pub unsafe extern "C" fn $render(
@@ -32,7 +33,7 @@ macro_rules! rival {
             out: *mut <forms::$form as Resonator>::Sample,
             frames: usize,
         ) {
-            // SAFETY: the host's word; the three do not overlap.
+            // SAFETY: the host has written the arguments, and the three slices do not overlap.
             let (resonators, force, out) = unsafe {
                 (
                     core::slice::from_raw_parts_mut(resonators, count),

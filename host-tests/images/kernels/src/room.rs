@@ -9,10 +9,10 @@ use dsp_core::table::layout::RoomBandRecord;
 
 use crate::wire::slice;
 
-/// 48 KB.
+/// Number of samples in the delay lines: 48 KB.
 const SAMPLES: usize = 24_576;
 
-/// Words of the delay lines and of the room's state.
+/// Number of words of the delay lines and of the room's state.
 const WORDS: usize = SAMPLES / 4 + 1_500;
 
 struct Global<T>(UnsafeCell<T>);
@@ -25,7 +25,7 @@ static LENT: Global<[Word; WORDS]> = Global(UnsafeCell::new([Word::uninit(); WOR
 static USED: Global<usize> = Global(UnsafeCell::new(0));
 
 fn room() -> &'static mut Room<'static, i16> {
-    // SAFETY: as for `Sync`: the one reference of the call that runs.
+    // SAFETY: see `Sync` for `Global`: this is the running call's only reference.
     unsafe { &mut *ROOM.0.get() }
 }
 
@@ -33,10 +33,10 @@ fn room() -> &'static mut Room<'static, i16> {
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn room_load(bands: *const RoomBandRecord, count: usize, rate_hz: u32) -> i32 {
-    // SAFETY: the host's word.
+    // SAFETY: the host has written `count` bands there.
     let bands = unsafe { slice(bands, count) };
     let Some(rate) = SampleRate::new(rate_hz, 1) else { return -1 };
-    // SAFETY: as for `Sync`; the room that had the words before is replaced.
+    // SAFETY: see `Sync` for `Global`; the room that had the words before is replaced.
     let (words, used) = unsafe { (&mut *LENT.0.get(), &mut *USED.0.get()) };
     let mut memory = Memory::new(words, &mut []);
     let Ok(size) = Room::<i16>::size(bands, rate, SAMPLES) else { return -1 };
@@ -53,7 +53,7 @@ pub unsafe extern "C" fn room_load(bands: *const RoomBandRecord, count: usize, r
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn room_render(out: *mut [i32; 2], frames: usize) -> i32 {
-    // SAFETY: the host's word.
+    // SAFETY: the host has written `frames` frames there.
     let out = unsafe { core::slice::from_raw_parts_mut(out, frames) };
     room().render(out);
     0
@@ -63,6 +63,6 @@ pub unsafe extern "C" fn room_render(out: *mut [i32; 2], frames: usize) -> i32 {
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub extern "C" fn room_bytes() -> u32 {
-    // SAFETY: as for `Sync`.
+    // SAFETY: see `Sync` for `Global`.
     (size_of::<Room<'static, i16>>() + unsafe { *USED.0.get() }) as u32
 }

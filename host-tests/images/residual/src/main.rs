@@ -1,7 +1,7 @@
 //! The residual stage alone on a bare Cortex-M4F, without a board.
 //!
 //! Nothing starts by itself: the virtual core writes bands into memory and calls the exported
-//! functions. The host's side of it is `host-tests/src/on_chip/residual.rs`.
+//! functions. The code on the host is `host-tests/src/on_chip/residual.rs`.
 #![no_std]
 #![no_main]
 
@@ -24,25 +24,27 @@ static SHAPER: Global<Shaper<'static>> = Global(UnsafeCell::new(Shaper::none()))
 static WORDS: Global<[Word; 3_000]> = Global(UnsafeCell::new([Word::uninit(); 3_000]));
 
 fn shaper() -> &'static mut Shaper<'static> {
-    // SAFETY: as for `Sync`: the one reference of the call that runs.
+    // SAFETY: see `Sync` for `Global`: this is the running call's only reference.
     unsafe { &mut *SHAPER.0.get() }
 }
 
-/// Derives the stage at 48 kHz from bands as lower edge, upper edge, weight, decay. -1: too many.
+/// Derives the stage at 48 kHz. -1: too many bands.
+///
+/// A band has four numbers: lower edge, upper edge, weight, decay.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn residual_load(bands: *const [f32; 4], count: usize, seed: u32, silence: u32) -> i32 {
     if count > MAX_BANDS {
         return -1;
     }
-    // SAFETY: the host's word: so many lie there, and nothing else uses them during the call.
+    // SAFETY: the host has written `count` bands there, and nothing else uses them during the call.
     let bands = unsafe { core::slice::from_raw_parts(bands, count) };
     let bands = bands.iter().map(|&[low, high, weight, decay_db_per_s]| ResidualBand {
         edges_hz: [low, high],
         weight,
         decay_db_per_s,
     });
-    // SAFETY: as for `Sync`; the stage that had the words before is replaced.
+    // SAFETY: see `Sync` for `Global`; the stage that had the words before is replaced.
     let words = unsafe { &mut *WORDS.0.get() };
     let Ok(taken) = Shaper::take(&mut Memory::new(&mut [], words), count) else { return -1 };
     *shaper() = taken;
@@ -50,12 +52,13 @@ pub unsafe extern "C" fn residual_load(bands: *const [f32; 4], count: usize, see
     0
 }
 
-/// Adds a tick to `out`; where `strength` (the bits of an f32) is above 0 with a strike at frame
-/// `offset`.
+/// Adds the sound of a tick to `out`. -1: `offset` is beyond the tick.
+///
+/// If `strength` (the bits of an `f32`) is above 0, a strike falls at frame `offset`.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn residual_tick(strength: u32, offset: usize, out: *mut [i32; TICK_FRAMES]) -> i32 {
-    // SAFETY: the host's word.
+    // SAFETY: the host leaves a tick of output there.
     let out = unsafe { &mut *out };
     let strength = f32::from_bits(strength);
     let Some((before, after)) = out.split_at_mut_checked(offset) else { return -1 };
@@ -70,7 +73,7 @@ pub unsafe extern "C" fn residual_tick(strength: u32, offset: usize, out: *mut [
     0
 }
 
-/// The virtual core never starts here; a linker needs an entry.
+/// Entry that a linker needs; the virtual core never starts here.
 #[unsafe(no_mangle)]
 pub extern "C" fn _start() -> ! {
     loop {}

@@ -1,7 +1,7 @@
 //! The trigger on a bare Cortex-M4F, without a board.
 //!
 //! Nothing starts by itself: the virtual core writes ADC frames into memory and calls the exported
-//! functions. The host's side of it is `host-tests/src/trigger/on_chip.rs`.
+//! functions. The code on the host is `host-tests/src/trigger/on_chip.rs`.
 #![no_std]
 #![no_main]
 
@@ -11,12 +11,12 @@ use core::panic::PanicInfo;
 use dsp_core::SampleRate;
 use dsp_core::trigger::{Mode, Report, Resampler, Settings, Trigger};
 
-/// Channels, as on a board.
+/// Number of channels, that of a board.
 const CHANNELS: usize = 4;
-/// Most strikes of one call.
+/// Maximum number of strikes that one call reports.
 const STRIKES: usize = 64;
 
-/// One strike as the host reads it.
+/// Strike as the host reads it.
 #[derive(Clone, Copy)]
 #[repr(C)]
 struct Strike {
@@ -43,12 +43,13 @@ static STATE: Global = Global(UnsafeCell::new(State {
 }));
 
 fn state() -> &'static mut State {
-    // SAFETY: as for `Sync`: the one reference of the call that runs.
+    // SAFETY: see `Sync` for `Global`: this is the running call's only reference.
     unsafe { &mut *STATE.0.get() }
 }
 
-/// Sets up four pads at 48 kHz with their defaults, the last of them in direct mode where `direct`
-/// is not 0. -1: refused.
+/// Sets up four pads at 48 kHz with their defaults. -1: refused.
+///
+/// The last pad is in direct mode unless `direct` is 0.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub extern "C" fn trigger_new(direct: u32) -> i32 {
@@ -62,11 +63,11 @@ pub extern "C" fn trigger_new(direct: u32) -> i32 {
     if state().trigger.is_some() && state().resampler.is_some() { 0 } else { -1 }
 }
 
-/// Takes frames; gives the number of strikes, or -1 where nothing was set up.
+/// Takes ADC frames. Gives the number of strikes, or -1 if nothing was set up.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn trigger_process(frames: *const [u16; CHANNELS], count: usize) -> i32 {
-    // SAFETY: the host's word.
+    // SAFETY: the host has written `count` frames there.
     let frames = unsafe { core::slice::from_raw_parts(frames, count) };
     let State { trigger: Some(trigger), resampler: Some(resampler), strikes } = state() else { return -1 };
     let mut found = 0;
@@ -95,7 +96,7 @@ pub extern "C" fn trigger_strikes() -> u32 {
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub unsafe extern "C" fn trigger_force(out: *mut i32, count: usize) -> i32 {
-    // SAFETY: the host's word.
+    // SAFETY: the host leaves room for `count` samples there.
     let out = unsafe { core::slice::from_raw_parts_mut(out, count) };
     match &mut state().resampler {
         Some(resampler) => {

@@ -1,35 +1,37 @@
-//! Resonators as others offer them, and the plain loop that anyone would write first. Compiled
-//! twice: into the image, to be counted, and into `host-tests`, to be measured against `f64`.
+//! Resonators of other crates, and the plain loop that one would write first.
 //!
-//! Each is used as its crate's documentation shows, a sample at a time in a loop, with its memory
-//! in local variables during a block and its output added to the mix in the same loop: the fastest
-//! use that the crates allow.
+//! They are compiled twice: into the image, to count cycles, and into `host-tests`, to compare them
+//! with `f64`.
+//!
+//! Each is used as its crate's documentation shows: a sample at a time, in a loop. Its memory is in
+//! local variables during a block, and its output is added to the mix in that loop. No use that the
+//! crates allow is faster.
 
 use biquad::Biquad as _;
 use dsp_fixedpoint::Q32;
 use dsp_process::SplitProcess;
 use idsp::iir;
 
-/// One resonator of some kind.
+/// Resonator of one kind.
 pub trait Resonator: Clone {
     /// Type of a sample.
     type Sample: Copy;
-    /// No input.
+    /// Sample that stands for no input.
     const SILENCE: Self::Sample;
-    /// From the words that the kind takes: five coefficients, as bits of `f32` or as integers.
+    /// Makes a resonator from five words: bits of `f32` or integers. Each kind says what they mean.
     fn new(words: [u32; 5]) -> Self;
-    /// The next sample.
+    /// Computes the next sample.
     fn step(&mut self, input: Self::Sample) -> Self::Sample;
-    /// The next sample without input.
+    /// Computes the next sample without input.
     #[inline(always)]
     fn ring(&mut self) -> Self::Sample {
         self.step(Self::SILENCE)
     }
-    /// The sum of a mix and a sample of this kind.
+    /// Adds a sample of this kind to a mix.
     fn mix(sum: Self::Sample, sample: Self::Sample) -> Self::Sample;
 }
 
-/// Adds a block of all resonators, each driven by `force` or ringing freely, to `out`.
+/// Adds a block of all resonators to `out`. Each is driven by `force`, or rings freely.
 #[inline(always)]
 pub fn render<R: Resonator>(resonators: &mut [R], force: Option<&[R::Sample]>, out: &mut [R::Sample]) {
     for resonator in resonators {
@@ -50,8 +52,10 @@ pub fn render<R: Resonator>(resonators: &mut [R], force: Option<&[R::Sample]>, o
     }
 }
 
-/// Bits that a fixed-point rival's sample is shifted right into the mix: a mode at full scale peaks
-/// at 2^29 in it, which leaves two bits of headroom, and at 2^27 on the bus.
+/// Number of bits by which a fixed-point rival's sample is shifted right into the mix.
+///
+/// A mode at full scale peaks at 2^29 in the rival, which leaves two bits of headroom, and at 2^27
+/// on the bus.
 pub const MIX_SHIFT: u32 = 2;
 
 macro_rules! float_mix {
@@ -80,8 +84,10 @@ fn float_words(words: [u32; 5]) -> [f32; 5] {
     words.map(f32::from_bits)
 }
 
-/// `y = b x + a1 y1 + a2 y2` in single precision: unlike the others' inputs, which come in through
-/// b1, its is heard at once.
+/// Recurrence `y = b x + a1 y1 + a2 y2` in single precision.
+///
+/// An input is heard in its own sample. The other resonators take inputs through b1, a sample
+/// later.
 #[derive(Clone)]
 pub struct PlainDirect {
     b: f32,
@@ -110,7 +116,7 @@ impl Resonator for PlainDirect {
     }
 }
 
-/// `biquad::DirectForm1<f32>`; the crate brings no fixed-point type.
+/// `biquad::DirectForm1<f32>`. The crate has no fixed-point type.
 #[derive(Clone)]
 pub struct BiquadDirect1(biquad::DirectForm1<f32>);
 
@@ -118,7 +124,7 @@ pub struct BiquadDirect1(biquad::DirectForm1<f32>);
 #[derive(Clone)]
 pub struct BiquadDirect2(biquad::DirectForm2Transposed<f32>);
 
-/// The crate's sign of a1 and a2 is that of the denominator.
+/// Coefficients for `biquad`, whose a1 and a2 have the signs of the denominator.
 fn biquad_coefficients(words: [u32; 5]) -> biquad::Coefficients<f32> {
     let [b0, b1, b2, a1, a2] = float_words(words);
     biquad::Coefficients { b0, b1, b2, a1: -a1, a2: -a2 }
@@ -146,7 +152,7 @@ impl Resonator for BiquadDirect2 {
     }
 }
 
-/// A configuration of `idsp` with its state.
+/// Configuration of `idsp` with its state.
 #[derive(Clone)]
 pub struct Idsp<C, S> {
     configuration: C,
@@ -157,17 +163,17 @@ pub struct Idsp<C, S> {
 pub type IdspFloatDirect1 = Idsp<iir::Biquad<f32>, iir::DirectForm1<f32>>;
 /// `idsp::iir::Biquad<f32>`, direct form 2 transposed.
 pub type IdspFloatDirect2 = Idsp<iir::Biquad<f32>, iir::DirectForm2Transposed<f32>>;
-/// `idsp::iir::Biquad<Q32<30>>`, direct form 1 (a1 reaches 2, so that coefficients have 30 bits
-/// behind the point).
+/// `idsp::iir::Biquad<Q32<30>>`, direct form 1. Coefficients have 30 bits behind the point, because
+/// a1 reaches 2.
 pub type IdspFixedDirect1 = Idsp<iir::Biquad<Q32<30>>, iir::DirectForm1<i32>>;
-/// Direct form 1 with first-order error feedback.
+/// `idsp::iir::Biquad<Q32<30>>`, direct form 1 with first-order error feedback.
 pub type IdspFixedDither = Idsp<iir::Biquad<Q32<30>>, iir::DirectForm1Dither>;
-/// Direct form 1 with 64-bit outputs in its memory.
+/// `idsp::iir::Biquad<Q32<30>>`, direct form 1 with 64-bit outputs in its memory.
 pub type IdspFixedWide = Idsp<iir::Biquad<Q32<30>>, iir::DirectForm1Wide>;
 /// `idsp::iir::normal::Normal<f32>`: rotation of two components.
 pub type IdspFloatNormal = Idsp<iir::normal::Normal<f32>, iir::DirectForm1<f32>>;
-/// `idsp::iir::normal::Normal<Q32<31>>`: the same; poles are inside the unit circle, so that
-/// coefficients have 31 bits behind the point.
+/// `idsp::iir::normal::Normal<Q32<31>>`: rotation of two components. Coefficients have 31 bits
+/// behind the point, because poles are inside the unit circle.
 pub type IdspFixedNormal = Idsp<iir::normal::Normal<Q32<31>>, iir::DirectForm1<i32>>;
 
 macro_rules! idsp_resonator {
@@ -197,12 +203,12 @@ fn fixed_words<const F: i8>(words: [u32; 5]) -> [Q32<F>; 5] {
     words.map(|word| Q32::from_bits(word.cast_signed()))
 }
 
-/// Three output weights, then the pole.
+/// Makes a rotation from three output weights and the pole.
 fn normal<C: Copy>([b0, b1, b2, re, im]: [C; 5]) -> iir::normal::Normal<C> {
     iir::normal::Normal { b: [b0, b1, b2], p: idsp::Complex::new(re, im) }
 }
 
-/// `idsp::iir::svf::Svf<f32>`, its low-pass output: two integrators in a loop.
+/// Low-pass output of `idsp::iir::svf::Svf<f32>`: two integrators in a loop.
 #[derive(Clone)]
 pub struct IdspVariable {
     configuration: iir::svf::Svf<f32>,
@@ -212,7 +218,8 @@ pub struct IdspVariable {
 
 impl Resonator for IdspVariable {
     float_mix!();
-    /// Frequency in cycles a sample, quality, and the gain of the input.
+    /// Makes a filter from the gain of the input, the frequency in cycles a sample, and the
+    /// quality.
     fn new(words: [u32; 5]) -> Self {
         let [gain, frequency, quality, ..] = float_words(words);
         Self { configuration: iir::svf::Svf::new(frequency, quality), state: Default::default(), gain }
