@@ -1,6 +1,6 @@
 //! Errors in the structure of a scene.
 //!
-//! Values (a negative frequency, a contact time of zero) are trusted: whoever reads tables checks
+//! Values (a negative frequency, a contact time of zero) are trusted: the reader of a table checks
 //! them. Indices and lengths are checked here, because rendering would otherwise index out of
 //! bounds.
 

@@ -8,10 +8,10 @@ use crate::error::Error;
 pub enum Action {
     /// A contact begins: its pulse starts at the event's exact time.
     Strike,
-    /// A hand is laid on the pad: every mode dies away at least as fast as
-    /// [`crate::Pad::choke_t60_s`] says.
+    /// A hand is laid on the pad: every mode decays at least as fast as [`crate::Pad::choke_t60_s`]
+    /// says.
     ///
-    /// It acts from the first tick after the event on, on new strikes too.
+    /// It acts from the first tick after the event on, and on new strikes too.
     Choke,
     /// The hand is lifted: the modes have their own decay rates again, from the first tick after
     /// the event on.
@@ -53,13 +53,14 @@ impl Event {
     }
 }
 
-/// Length of a tick in samples. At each tick hands come, go and reach further modes, and finished
-/// fades end.
+/// Length of a tick in samples.
+///
+/// At each tick hands come and go, chokes and releases reach further modes, and finished fades end.
 pub(crate) const TICK_SAMPLES: u64 = 32;
 
 /// Events in the order in which they act, each with its sample.
 ///
-/// Of several chokes and releases that act at one tick the last counts, and only if it changes the
+/// If several chokes and releases act at one tick, the last one counts, and only if it changes the
 /// state.
 pub(crate) fn in_effect(events: impl Iterator<Item = Event>) -> Vec<(u64, Event)> {
     let (hands, mut acting): (Vec<_>, Vec<_>) =
@@ -80,7 +81,8 @@ pub(crate) fn in_effect(events: impl Iterator<Item = Event>) -> Vec<(u64, Event)
 /// A force that drives a pad sample by sample, such as the signal of a piezo under it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Direct<'a> {
-    /// Index of the pad. The force counts as made by its striker 0 for the strikers' own sound.
+    /// Index of the pad. For the strikers' own sound, its striker 0 counts as the source of the
+    /// force.
     pub pad: usize,
     /// Force in newtons, one value a sample from sample 0; 0 after its end.
     pub force: &'a [f64],

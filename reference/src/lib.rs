@@ -2,10 +2,11 @@
 //!
 //! This crate is to be read beside *DiffImpact: Differentiable Rendering and Identification of
 //! Impact Sounds* (Clarke et al., 2021), whose equation numbers stand in the comments ("eq. 2"). It
-//! knows physical parameters only (hertz, newtons, seconds) and computes in double precision, with
-//! no thought for a microcontroller: the real-time instrument is measured against it.
+//! knows physical parameters only (hertz, newtons, seconds) and computes in double precision. It
+//! makes no concession to a microcontroller, because the real-time instrument is measured against
+//! it.
 //!
-//! # Signal flow, a module a stage
+//! # Signal flow, one module for each stage
 //!
 //! ```text
 //!  event          contact             resonator                   pad               scene
@@ -34,16 +35,16 @@
 //! The background noise `N` of eq. 1 is not part of this model. The room `IR_e` (eq. 19) is in
 //! [`mod@room`], and the noise of the residual in [`residual`]; both are to be added to the sound
 //! of a scene. The residual is compared with the instrument's by its expected values only, because
-//! its random numbers differ. Beyond eq. 1 the model has the striker's own bank with weight η (as
-//! §4.3 does for tools), a cosine gain for every mode, gains that depend on the position of the
-//! contact, and the choke.
+//! the two use different random numbers. Beyond eq. 1 the model has the striker's own bank with
+//! weight η (as §4.3 does for tools), a cosine gain for every mode, gains that depend on the
+//! position of the contact, and the choke.
 //!
 //! # Conventions
 //!
-//! Sample `n` stands for time `n/fs`. Events carry times in samples with a fraction, which is never
-//! rounded for a strike: its pulse is evaluated at `n/fs`. Pulses are not band-limited. A signal of
-//! 1.0 is 0 dBFS; gains turn newton-seconds into that scale, so that a set of parameters sounds the
-//! same at every sample rate.
+//! Sample `n` stands for time `n/fs`. Events carry times in samples with a fraction. A strike's
+//! fraction is never rounded: its pulse is evaluated at `n/fs`. Pulses are not band-limited. A
+//! signal of 1.0 is 0 dBFS. Gains turn newton-seconds into that scale, so that one set of
+//! parameters sounds alike at every sample rate.
 //!
 //! # Example
 //!

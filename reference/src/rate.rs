@@ -1,8 +1,8 @@
 //! The sample rate as an exact ratio, as a clock tree makes it.
 
-/// A sample rate in hertz, `numerator / denominator`.
+/// Sample rate in hertz, `numerator / denominator`.
 ///
-/// It is a ratio because hardware divides clocks: 86 000 000 / 1792 Hz is 47 991.071..., and a rate
+/// It is a ratio because hardware divides clocks: 86 000 000 / 1792 Hz is 47 991.071... A rate
 /// rounded to whole hertz would detune every mode. Both parts must be above zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SampleRate {

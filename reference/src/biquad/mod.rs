@@ -13,8 +13,7 @@ pub struct Biquad {
 }
 
 impl Biquad {
-    /// The biquad of eq. 2: pole `p = (re, im)` and zero `q`, each with its conjugate, and a gain
-    /// k.
+    /// Biquad of eq. 2: pole `p = (re, im)` and zero `q`, each with its conjugate, and gain k.
     pub fn from_roots(pole: (f64, f64), zero: (f64, f64), gain: f64) -> Self {
         let square = |(re, im): (f64, f64)| re * re + im * im;
         Self {
@@ -23,14 +22,14 @@ impl Biquad {
         }
     }
 
-    /// The biquad of [`from_roots`](Self::from_roots), carried to a sample rate `1/ratio` times as
+    /// Biquad of [`from_roots`](Self::from_roots), carried to a sample rate `1/ratio` times as
     /// high.
     ///
     /// Each root r e^{±iα}, α from 0 to π, becomes `r^ratio e^{±i min(ratio α, π)}`. It keeps its
     /// frequency in hertz, up to half the new rate, and its decay per second. k is scaled so that
-    /// |H| at the pole's angle stays. k is left as it is where |H| nearly vanishes at that angle
-    /// before or after: where the product of the zeros' distances from that point of the unit
-    /// circle is below 1e-6.
+    /// |H| at the pole's angle stays. If |H| nearly vanishes at that angle before or after, k is
+    /// left as it is. That is the case if the product of the zeros' distances from that point of
+    /// the unit circle is below 1e-6.
     pub fn carried(pole: (f64, f64), zero: (f64, f64), gain: f64, ratio: f64) -> Self {
         if ratio == 1.0 {
             return Self::from_roots(pole, zero, gain);
@@ -67,8 +66,8 @@ impl Biquad {
     pub fn radius(&self) -> f64 {
         let [a1, a2] = self.denominator;
         let rest = a1 * a1 / 4.0 - a2;
-        // A conjugate pair's product is the square of its radius; rounding can split a double pole
-        // in two.
+        // The product of a conjugate pair is the square of its radius. Rounding can split a double
+        // pole in two.
         if rest <= 1e-12 * a2.abs() { a2.max(0.0).sqrt() } else { a1.abs() / 2.0 + rest.sqrt() }
     }
 
@@ -84,7 +83,7 @@ impl Biquad {
     }
 }
 
-/// Sum of all chains' outputs for `input`, from rest (eq. 3).
+/// Sum of the outputs of all chains for `input`, from rest (eq. 3).
 pub fn filter(chains: &[Vec<Biquad>], input: &[f64]) -> Vec<f64> {
     let mut sum = vec![0.0; input.len()];
     for chain in chains {

@@ -29,7 +29,7 @@ impl Impact {
         }
     }
 
-    /// True if no force is left at `sample` and after it.
+    /// True if no force is left from `sample` on.
     pub fn is_over(&self, sample: u64, rate: SampleRate) -> bool {
         self.since_onset_s(sample, rate) > self.pulse.sampled_duration_s(self.contact_time_s, rate)
     }

@@ -8,7 +8,7 @@
 //! F(t) = Σ_i m_i C(t - t_i; τ_i)
 //! ```
 //!
-//! so a second strike while the first still pushes adds to it and cuts nothing off.
+//! so a second strike adds to a first one that still pushes, and cuts nothing off.
 
 mod impact;
 mod pulse;

@@ -1,10 +1,10 @@
-//! The shape of one contact force.
+//! Shape of one contact force.
 
 use std::f64::consts::PI;
 
 use crate::rate::SampleRate;
 
-/// The shape `C(t)` of a contact force, with its peak at 1.
+/// Shape `C(t)` of a contact force, with its peak at 1.
 ///
 /// Times are counted from the pulse's start, which is the time of the strike.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,10 +12,10 @@ pub enum Pulse {
     /// Contact of two spheres that lose energy: `N sin(πx) (1 + A cos(πx))`, x = t/τ in 0 to 1.
     ///
     /// `A = (1-r)/(1+r)`; r is the ratio of the force's last slope to its first, `r = e^4.6` with
-    /// the coefficient of restitution e. That follows Hunt and Crossley's contact
-    /// `x'' = -x^1.5 (1 + μ x')`, whose ratio is `e^1.5 (1-μe)/(1+μ)` with
-    /// `μ (1+e) = ln((1+μ)/(1-μe))`, within 4 % for e of 0.45 to 1. At e = 1 it is the half-sine of
-    /// frictionless spheres (§3.2, the model that eq. 2 smooths). Below, its spectrum has no zeros.
+    /// the coefficient of restitution e. For e of 0.45 to 1 this r is within 4 % of that of Hunt
+    /// and Crossley's contact `x'' = -x^1.5 (1 + μ x')`, which is `e^1.5 (1-μe)/(1+μ)` with
+    /// `μ (1+e) = ln((1+μ)/(1-μe))`. At e = 1 the pulse is the half-sine of frictionless spheres
+    /// (§3.2, the model that eq. 2 smooths). At e below 1 its spectrum has no zeros.
     Hertz {
         /// Coefficient of restitution e, 0.1 to 1: rebound speed over impact speed.
         restitution: f64,
@@ -26,14 +26,15 @@ pub enum Pulse {
     /// A Gaussian has no beginning: it is cut where it is 100 dB (10⁻⁵) below its peak, at `t = 0`
     /// and `t = 2c`. Eq. 2 counts from the onset `t_i` of the unsmoothed contact and has its centre
     /// at `t_i + τ/2`. Here the time counts from the first audible point, so that no strike sounds
-    /// before it happens: `t_i` is `c - τ/2` after that. Its area is `τ √(π/6) erf(√ln(10⁵))`.
+    /// before it happens. `t_i` is `c - τ/2` later. The area of the pulse is
+    /// `τ √(π/6) erf(√ln(10⁵))`.
     Gaussian,
 }
 
 /// Shortest Gaussian contact time in samples.
 ///
-/// The samples of a shorter pulse would not add up to its impulse. It is played at this length,
-/// with a peak lower in the ratio of the two lengths.
+/// The samples of a shorter pulse would not add up to its impulse. Such a pulse is played at this
+/// length, with its peak lowered in the ratio of the two lengths.
 const SHORTEST_GAUSSIAN_SAMPLES: f64 = 1.75;
 
 impl Pulse {
@@ -60,8 +61,8 @@ impl Pulse {
 
     /// Force of the sample at `since_start_s`, as a share of the peak.
     ///
-    /// Hertz: the mean of `C` over the sample interval that ends there, so that the samples' sum is
-    /// the impulse for every onset and every contact time. Gaussian: `C` itself.
+    /// Hertz: the mean of `C` over the sample interval that ends there. The samples' sum is then
+    /// the impulse, for every onset and every contact time. Gaussian: `C` itself.
     pub fn sample(self, since_start_s: f64, contact_time_s: f64, rate: SampleRate) -> f64 {
         match self {
             Self::Hertz { restitution } => {
@@ -90,7 +91,7 @@ impl Pulse {
         }
     }
 
-    /// Longest time after the start at which a sample may have force, in seconds.
+    /// Longest time in seconds after the start at which a sample may have force.
     pub fn sampled_duration_s(self, contact_time_s: f64, rate: SampleRate) -> f64 {
         match self {
             Self::Hertz { .. } => contact_time_s + 1.0 / rate.hz(),
@@ -108,7 +109,7 @@ fn skew_and_scale(restitution: f64) -> (f64, f64) {
     (skew, 1.0 / ((1.0 - cosine * cosine).sqrt() * (1.0 + skew * cosine)))
 }
 
-/// Time from where eq. 2 has risen to 10⁻⁵ of its peak to that peak: `exp(-6 c²/τ²) = 10⁻⁵`.
+/// Time in which eq. 2 rises from 10⁻⁵ of its peak to the peak: `exp(-6 c²/τ²) = 10⁻⁵`.
 fn gaussian_centre_s(contact_time_s: f64) -> f64 {
     contact_time_s * (1e5_f64.ln() / 6.0).sqrt()
 }

@@ -19,7 +19,7 @@ pub struct Striker {
     pub contact_exponent: f64,
     /// The striker's own modes (§4.3, the tool's impulse response); empty if it does not ring.
     ///
-    /// They have gains at one position. Of several, the first is used.
+    /// The modes have gains at one position. If they have several, the first is used.
     pub modes: Vec<Mode>,
 }
 
@@ -36,7 +36,7 @@ impl Striker {
     /// Shortest and longest contact time τ in seconds, to which the power law is clamped.
     pub const CONTACT_TIME_RANGE_S: [f64; 2] = [1e-5, 0.25];
 
-    /// The contact that a strike at `velocity` (0 to 1) makes, starting at `onset_samples`:
+    /// Contact that a strike at `velocity` (0 to 1) makes, starting at `onset_samples`:
     ///
     /// ```text
     /// m = m1 v^a,   τ = τ1 v^b, clamped to 10 µs .. 0.25 s

@@ -1,4 +1,4 @@
-//! The exciter's band-pass, moved by each strike: two state-variable sections.
+//! The exciter's band-pass, which each strike moves: two state-variable sections.
 //!
 //! Their state does not depend on the position of the band, so moving the band makes no click.
 
@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use super::exciter::Exciter;
 use crate::rate::SampleRate;
 
-/// A trapezoidal state-variable filter: `v1` is its band-pass output, `v2` its low-pass output.
+/// Trapezoidal state-variable filter: `v1` is its band-pass output, `v2` its low-pass output.
 ///
 /// Its high-pass output is `x - k v1 - v2`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,7 +32,7 @@ impl Section {
     }
 }
 
-/// An exciter's band-pass in motion, from rest; before the first strike it passes nothing.
+/// Band-pass of an exciter in motion, from rest. It passes nothing before the first strike.
 #[derive(Clone, Copy, Debug)]
 pub struct BandPass {
     exciter: Exciter,
@@ -43,12 +43,13 @@ pub struct BandPass {
 }
 
 impl BandPass {
-    /// A band-pass at rest.
+    /// Band-pass at rest.
     pub fn new(exciter: Exciter, rate: SampleRate) -> Self {
         Self { exciter, rate, low: Section::default(), high: Section::default(), is_wide: false }
     }
 
-    /// Moves the band to the edges for a strike of `level`; what rings goes on in the moved band.
+    /// Moves the band to the edges for a strike of `level`. The present sound rings on in the moved
+    /// band.
     ///
     /// A band narrower than its middle frequency is made of two band-passes. A wider one is a
     /// high-pass at the low pole and a low-pass at the high one.

@@ -3,7 +3,7 @@
 use super::breakpoint::Breakpoint;
 
 impl Breakpoint {
-    /// The coefficients for a rate `ratio` times as high.
+    /// Coefficients for a rate `ratio` times as high.
     ///
     /// `z⁻¹` is replaced by `(1 - x) / (1 + x)`, `x = ratio (1 - z⁻¹) / (1 + z⁻¹)`.
     pub fn at_ratio(&self, ratio: f64) -> Self {

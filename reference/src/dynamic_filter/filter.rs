@@ -1,10 +1,10 @@
-//! The filter along its path of breakpoints.
+//! The dynamic filter along its path of breakpoints.
 
 use super::breakpoint::Breakpoint;
 use super::form::Form;
 use crate::rate::SampleRate;
 
-/// A filter that moves along a path of breakpoints, from rest.
+/// Filter that moves along a path of breakpoints, from rest.
 #[derive(Clone, Debug)]
 pub struct Filter<'a> {
     path: &'a [Breakpoint],
@@ -15,13 +15,13 @@ pub struct Filter<'a> {
 }
 
 impl<'a> Filter<'a> {
-    /// A filter of order 1 or 2 at rest.
+    /// Filter of order 1 or 2, at rest.
     pub fn new(order: u8, path: &'a [Breakpoint], rate: SampleRate) -> Self {
         Self { path, order, rate, state: [0.0; 2], last: 0.0 }
     }
 
-    /// Parameters `samples` after the strike: linear between breakpoints, the last one's
-    /// afterwards.
+    /// Parameters `samples` after the strike: linear between breakpoints, and those of the last one
+    /// after it.
     pub fn form(&self, samples: usize) -> Form {
         let time_s = samples as f64 / self.rate.hz();
         for pair in self.path.windows(2) {
@@ -33,8 +33,8 @@ impl<'a> Filter<'a> {
         Form::of(self.order, &self.path.last().copied().unwrap_or_default())
     }
 
-    /// Level of the noise `samples` after the strike: linear between breakpoints, 0 from the last
-    /// one on.
+    /// Level of the noise `samples` after the strike: linear between breakpoints, and 0 from the
+    /// last one on.
     pub fn noise(&self, samples: usize) -> f64 {
         let time_s = samples as f64 / self.rate.hz();
         let within = |pair: &&[Breakpoint]| (pair[0].time_s..pair[1].time_s).contains(&time_s);
@@ -47,10 +47,11 @@ impl<'a> Filter<'a> {
     /// Factor, 0 to 1, by which the sound falls by itself from `samples` after the strike to the
     /// next sample.
     ///
-    /// It is the larger of two factors. The first is the fall of the level: the noise's level times
-    /// the filter's gain for white noise at each breakpoint, linear between them, 0 from the last
-    /// one on. The second is the radius of the slowest pole, linear between breakpoints. The factor
-    /// is 1 where the level grows.
+    /// It is the larger of two factors, and 1 if the level grows.
+    ///
+    /// The first factor is the fall of the level. The level is the noise's level times the filter's
+    /// gain for white noise at each breakpoint, linear between them, and 0 from the last one on.
+    /// The second factor is the radius of the slowest pole, linear between breakpoints.
     pub fn own_decay(&self, samples: usize) -> f64 {
         let at = |samples: usize| -> (f64, f64) {
             let time_s = samples as f64 / self.rate.hz();
@@ -83,7 +84,7 @@ impl<'a> Filter<'a> {
 
     /// True if there is noise `samples` after the strike.
     ///
-    /// False after the path's end, and between two breakpoints whose noise is 0.
+    /// It is false after the path's end, and between two breakpoints whose noise is 0.
     pub fn is_noisy(&self, samples: usize) -> bool {
         let last_s = self.path.last().map_or(0.0, |point| point.time_s);
         let time_s = samples as f64 / self.rate.hz();
@@ -99,8 +100,8 @@ impl<'a> Filter<'a> {
         self.last *= left;
     }
 
-    /// Filters all of `input`, with strikes at the sorted sample numbers `strikes`; silent before
-    /// the first.
+    /// Filters all of `input`, with strikes at the sorted sample numbers `strikes`. The output is 0
+    /// before the first strike.
     pub fn run(&mut self, strikes: &[usize], input: &[f64]) -> Vec<f64> {
         let step = |(n, &e): (usize, &f64)| match strikes.iter().rev().find(|start| **start <= n) {
             Some(start) => self.step(n - start, e),

@@ -1,9 +1,9 @@
-//! Filter structures whose parameters are interpolated: each is stable however its parameters
+//! Filter structures whose parameters are interpolated. Each is stable however its parameters
 //! change.
 
 use super::breakpoint::Breakpoint;
 
-/// Parameters of a filter structure, in the notation `'` for the sample before.
+/// Parameters of a filter structure. In its equations `'` marks the sample before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
     /// First order, `s = b0 e + b1 e' - a1 s'`: b0, b1, a1.
@@ -15,7 +15,7 @@ pub enum Form {
 }
 
 impl Form {
-    /// The structure of a breakpoint: first order, or partial fractions for conjugate poles.
+    /// Structure of a breakpoint: first order, or partial fractions for conjugate poles.
     ///
     /// Real poles follow one another, the larger first.
     pub fn of(order: u8, point: &Breakpoint) -> Self {
@@ -34,9 +34,9 @@ impl Form {
         }
     }
 
-    /// Parameters a part (0 to 1) of the way to those of another structure of the same kind.
+    /// Parameters a part (0 to 1) of the way to those of another structure of one kind.
     ///
-    /// Structures of different kinds do not mix: the result is then `self`.
+    /// The result is `self` if the structures are of different kinds.
     pub fn toward(&self, other: &Self, part: f64) -> Self {
         fn mix<const N: usize>(a: &[f64; N], b: &[f64; N], part: f64) -> [f64; N] {
             std::array::from_fn(|i| a[i] + part * (b[i] - a[i]))

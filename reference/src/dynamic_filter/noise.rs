@@ -1,4 +1,4 @@
-//! White noise of the dynamic filter: the instrument's random numbers, before it rounds them.
+//! White noise of the dynamic filter: the random numbers of the instrument before it rounds them.
 
 /// Generator of uniform noise in -1 to 1 (deviation 1/√3).
 ///
@@ -7,7 +7,7 @@
 pub struct White(u32);
 
 impl White {
-    /// The generator for a seed and a stream.
+    /// Generator for a seed and a stream.
     ///
     /// Its state is the first word of SFC32 (Doty-Humphrey's PractRand) after 16 steps from (seed,
     /// stream, 0x9e3779b9, counter 1), made odd.
@@ -21,7 +21,7 @@ impl White {
         Self(word | 1)
     }
 
-    /// The next random number.
+    /// Draws the next random number.
     pub fn draw(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(0x93d7_65dd);
         f64::from(self.0 as i32) / 2_147_483_648.0

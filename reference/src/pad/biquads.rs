@@ -1,9 +1,9 @@
-//! Biquad bank of a sounding object (diffmodal eq. 2, 3), sample by sample.
+//! Biquad bank of a sounding object (diffmodal eq. 2, 3), rendered sample by sample.
 
 use super::hand::Hand;
 use crate::biquad::Biquad;
 
-/// A biquad bank in motion: each biquad with its last two inputs and last two outputs.
+/// Biquad bank in motion: each biquad with its last two inputs and last two outputs.
 pub(crate) struct Biquads<'a> {
     chains: Vec<Vec<(&'a Biquad, [f64; 4])>>,
 }
@@ -14,7 +14,7 @@ impl<'a> Biquads<'a> {
         Self { chains: chains.iter().map(at_rest).collect() }
     }
 
-    /// Damps each chain after a sample, as far as its slowest pole falls short of the hand's decay.
+    /// Damps each chain after a sample by the part of the hand's decay that its slowest pole lacks.
     pub(crate) fn damp(&mut self, hand: &Hand) {
         for chain in &mut self.chains {
             let slowest = chain.iter().map(|(biquad, _)| biquad.radius()).fold(0.0, f64::max);

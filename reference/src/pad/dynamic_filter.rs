@@ -1,17 +1,17 @@
-//! Dynamic filter of a sounding object, with its noise and its loops, sample by sample.
+//! Dynamic filter of a sounding object, with its noise and its loops, rendered sample by sample.
 
 use crate::dynamic_filter::{BandPass, Breakpoint, Exciter, Filter, White};
 use crate::rate::SampleRate;
 use crate::waveguide::{Loop, Loops};
 
-/// A dynamic filter of an object, at the sample rate at which it is rendered.
+/// Dynamic filter of an object, at the sample rate at which it is rendered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DynamicFilter {
     /// Order of the filter, 1 or 2.
     pub order: u8,
     /// Coefficients and level of the noise over time.
     pub path: Vec<Breakpoint>,
-    /// Band-pass of the noise, if it has one.
+    /// Band-pass of the noise; `None` for white noise.
     pub exciter: Option<Exciter>,
     /// Banded waveguides round the filter.
     pub loops: Vec<Loop>,
@@ -23,7 +23,7 @@ pub struct DynamicFilter {
     pub reference_force: f64,
 }
 
-/// A dynamic filter in motion: its noise, band-pass, filter and loops.
+/// Dynamic filter in motion: its noise, band-pass, filter and loops.
 pub(crate) struct DynamicFilterVoice<'a> {
     table: &'a DynamicFilter,
     noise: White,
@@ -56,7 +56,7 @@ impl<'a> DynamicFilterVoice<'a> {
         self.table.takes_modes
     }
 
-    /// Starts the path anew, with noise proportional to the force in newtons.
+    /// Starts the path anew, with noise in proportion to the force in newtons.
     pub(crate) fn strike(&mut self, peak_force: f64) {
         let level = peak_force / self.table.reference_force;
         (self.amplitude, self.since) = (level * self.table.noise.1, 0);
@@ -65,7 +65,7 @@ impl<'a> DynamicFilterVoice<'a> {
         }
     }
 
-    /// Multiplies what rings, and the noise until the next strike, by `left`.
+    /// Multiplies the present sound, and the noise until the next strike, by `left`.
     pub(crate) fn attenuate(&mut self, left: f64) {
         self.amplitude *= left;
         if let Some(band) = &mut self.band {
@@ -83,7 +83,7 @@ impl<'a> DynamicFilterVoice<'a> {
 
     /// Factor by which the filter's sound falls by itself in the sample rendered last.
     ///
-    /// No less than the radius of its slowest pole; 1 if there are loops.
+    /// It is never below the radius of the slowest pole, and 1 if there are loops.
     pub(crate) fn own_decay(&self) -> f64 {
         if self.table.loops.is_empty() { self.filter.own_decay(self.since.saturating_sub(1)) } else { 1.0 }
     }

@@ -1,27 +1,28 @@
 //! A hand that chokes a pad's filters (biquads, dynamic filter): it damps their states after each
 //! sample.
 //!
-//! A filter that falls by d nepers a second by itself keeps `e^{-max(0, d_c - d)/fs}` of its state,
-//! `d_c = ln(1000)/choke_t60_s`. So the faster of the two decays is heard, a ringing filter goes on
-//! without a step, and a strike under the hand decays like the sound that rings already.
+//! A filter that falls by d nepers a second by itself keeps `e^{-max(0, d_c - d)/fs}` of its state
+//! at each sample, with `d_c = ln(1000)/choke_t60_s`. So the faster of the two decays is heard, and
+//! a ringing filter goes on without a step. A strike under the hand decays like the sound that
+//! rings already.
 
 use crate::rate::SampleRate;
 
 /// Share of a dynamic filter's sound below which a hand ends it for good: -120 dB.
 const MUTE: f64 = 1.0 / 1_048_576.0;
 
-/// A hand's decay, and its effect so far on the dynamic filter.
+/// Decay that a hand imposes, and its effect so far on the dynamic filter.
 pub(crate) struct Hand {
     per_sample: f64,
     left: f64,
-    /// True once the dynamic filter has been silenced, until the next strike.
+    /// True from the time at which the dynamic filter was silenced to the next strike.
     spent: bool,
 }
 
 impl Hand {
     pub(crate) const AWAY: Self = Self { per_sample: 1.0, left: 1.0, spent: false };
 
-    /// Lays the hand on: sound falls by 60 dB in `t60_s` seconds, strikes to come included.
+    /// Lays the hand on: sound falls by 60 dB in `t60_s` seconds. Strikes to come do so as well.
     pub(crate) fn choke(&mut self, t60_s: f64, rate: SampleRate) {
         self.per_sample = (-1000f64.ln() / (t60_s * rate.hz())).exp();
     }
@@ -46,8 +47,8 @@ impl Hand {
         if own > self.per_sample { self.per_sample / own } else { 1.0 }
     }
 
-    /// Factor of [`Self::keeps`] for the dynamic filter, counted towards its end; 1 once it is
-    /// silent.
+    /// Factor of [`Self::keeps`] for the dynamic filter, which is also added to its decay so far.
+    /// The factor is 1 once the filter is silent.
     pub(crate) fn take(&mut self, own: f64) -> f64 {
         let kept = if self.spent { 1.0 } else { self.keeps(own) };
         self.left *= kept;

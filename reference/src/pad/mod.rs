@@ -6,8 +6,8 @@
 //! y = F ⊗ (IR_object + H) + s + η Σ_s F_s ⊗ IR_striker_s + α F,   F = Σ_s F_s + direct
 //! ```
 //!
-//! H is the response of the object's biquads, if it has any. s is the output of its dynamic filter,
-//! whose input is the noise that each strike begins and, if the modes feed the filter,
+//! H is the response of the object's biquads, if it has any. s is the output of its dynamic filter.
+//! The filter's input is the noise that each strike begins and, if the modes feed the filter,
 //! `F ⊗ IR_object`. `F_s` is the part of the force that striker s makes; a direct force counts as
 //! made by striker 0. Each contact drives the object with the gains of its own position, however
 //! many positions are under force at a time. A direct force acts at the position of the latest

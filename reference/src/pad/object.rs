@@ -17,8 +17,8 @@ pub struct Object {
     ///
     /// Their coefficients are for the sample rate at which they are rendered.
     pub biquads: Vec<Vec<Biquad>>,
-    /// Noise through a filter that changes over time, with loops round it; the modes may feed it as
-    /// well.
+    /// Noise through a filter that changes over time, with loops round it. The modes may feed it
+    /// too.
     pub dynamic_filter: Option<DynamicFilter>,
 }
 
@@ -29,13 +29,13 @@ pub struct Pad {
     pub object: Object,
     /// Strikers that play the object; an event names one by its index.
     pub strikers: Vec<Striker>,
-    /// η: weight of the strikers' own sound.
+    /// Weight η of the strikers' own sound.
     pub striker_weight: f64,
     /// Level in the mix in dB; 0 leaves the signal as it is.
     pub level_db: f64,
     /// Place in the mix, -1 left to 1 right.
     pub pan: f64,
-    /// Longest T60 in seconds of every mode of object and strikers while the pad is choked; above
-    /// 0.
+    /// Longest T60 in seconds, above 0, of every mode of object and strikers while the pad is
+    /// choked.
     pub choke_t60_s: f64,
 }

@@ -8,13 +8,13 @@ use crate::rate::SampleRate;
 
 /// Largest number of samples for which forces are evaluated at a time.
 ///
-/// Memory stays small however long a block is. The number changes no bit of the result.
+/// It keeps memory small for blocks of any length, and changes no bit of the result.
 const SPAN_SAMPLES: usize = 256;
 
 /// One pad playing its events.
 pub(crate) struct Part<'a> {
     voice: Voice<'a>,
-    /// Events yet to come with the samples at which they act, latest first.
+    /// Events yet to come, with the samples at which they act, the latest first.
     to_come: Vec<(u64, Event)>,
     /// Direct force in newtons from sample 0; 0 after its end.
     direct_force: &'a [f64],
@@ -23,7 +23,7 @@ pub(crate) struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// The part of the pad with index `pad`, at sample 0. `events` have been checked.
+    /// Part of the pad with index `pad`, at sample 0. `events` have been checked.
     pub(crate) fn new(
         pads: &'a [Pad],
         pad: usize,
@@ -60,7 +60,8 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Number of samples up to the next event, or to the next tick if that changes something.
+    /// Number of samples up to the next event, or up to the next tick if a choke or release still
+    /// spreads.
     fn span_samples(&self) -> usize {
         let until_event = self.to_come.last().map(|(sample, _)| sample - self.next_sample);
         let until_event = until_event.and_then(|samples| usize::try_from(samples).ok()).unwrap_or(SPAN_SAMPLES);

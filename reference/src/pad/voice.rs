@@ -1,4 +1,4 @@
-//! The sounding pad: forces in, the sound of eq. 1 out.
+//! The sounding pad: its input is force, its output the sound of eq. 1.
 
 use super::biquads::Biquads;
 use super::dynamic_filter::DynamicFilterVoice;
@@ -11,7 +11,7 @@ use crate::radiation::{Acceleration, add_acceleration_sound};
 use crate::rate::SampleRate;
 use crate::resonator::{Bank, GainsError};
 
-/// A pad in motion: its banks, its filters and the contacts in flight.
+/// Pad in motion: its banks, its filters and the contacts in flight.
 pub(crate) struct Voice<'a> {
     pad: &'a Pad,
     rate: SampleRate,
@@ -21,11 +21,11 @@ pub(crate) struct Voice<'a> {
     strikers: Vec<StrikerVoice<'a>>,
     biquads: Biquads<'a>,
     dynamic_filter: Option<DynamicFilterVoice<'a>>,
-    /// Hand on the biquads and the dynamic filter; each bank damps its modes by itself.
+    /// Hand on the biquads and the dynamic filter; each bank damps its own modes.
     hand: Hand,
 }
 
-/// A striker in motion.
+/// Striker in motion.
 struct StrikerVoice<'a> {
     /// Contacts that have begun and are not over, each with its position.
     impacts: Vec<(Impact, f64)>,
@@ -33,7 +33,7 @@ struct StrikerVoice<'a> {
 }
 
 impl<'a> Voice<'a> {
-    /// A pad at rest.
+    /// Pad at rest.
     ///
     /// # Errors
     /// A bank has uneven gains.
@@ -89,7 +89,8 @@ impl<'a> Voice<'a> {
 
     /// Adds the pad's sound from `first_sample` on to `sound`.
     ///
-    /// The contacts in flight drive it, and `direct`, a force in newtons as long as `sound`.
+    /// The contacts in flight drive it, and so does `direct`, a force in newtons as long as
+    /// `sound`.
     pub(crate) fn add_sound(&mut self, first_sample: u64, direct: &[f64], sound: &mut [f64]) {
         let mut force = direct.to_vec(); // F of eq. 3, once every striker has added its part
         let mut at_positions = vec![(self.position, direct.to_vec())];
@@ -127,7 +128,7 @@ impl<'a> Voice<'a> {
         }
     }
 
-    /// Adds the sound of biquads and dynamic filter under the hand; `modes` feed the dynamic
+    /// Adds the sound of biquads and dynamic filter under the hand. `modes` feed the dynamic
     /// filter.
     fn add_filtered(&mut self, first_sample: u64, force: &[f64], modes: Option<&[f64]>, sound: &mut [f64]) {
         for (index, (sample, sound)) in (first_sample..).zip(sound).enumerate() {
@@ -168,7 +169,7 @@ impl<'a> Voice<'a> {
     }
 }
 
-/// Force at a position, added as 0 if the list has none there yet.
+/// Force at a position; a force of 0 is added to the list if it has none there yet.
 fn at_position(forces: &mut Vec<(f64, Vec<f64>)>, position: f64, length: usize) -> &mut [f64] {
     let index = forces.iter().position(|(other, _)| *other == position).unwrap_or_else(|| {
         forces.push((position, vec![0.0; length]));

@@ -1,20 +1,20 @@
-//! Bands of decaying noise, and hands that damp them.
+//! Bands of decaying noise, and the hands that damp them.
 
-/// A band of decaying noise.
+/// Band of decaying noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
     /// Lower and upper edge in hertz.
     pub edges_hz: [f64; 2],
-    /// Rms w at t = 0 (full scale 1).
+    /// Rms w at t = 0, 1.0 = full scale.
     pub weight: f64,
     /// Decay γ in dB/s.
     pub decay_db_per_s: f64,
 }
 
-/// An interval in which a hand lies on the object, in times counted from the strike.
+/// Interval in which a hand lies on the object, in times counted from the strike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold {
-    /// Start in seconds after the strike; below 0 if the hand lay there before.
+    /// Start in seconds after the strike; below 0 if the hand lay there before the strike.
     pub from_s: f64,
     /// End in seconds after the strike.
     pub to_s: f64,

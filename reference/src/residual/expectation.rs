@@ -12,8 +12,8 @@ pub fn power(band: &Band, time_s: f64) -> f64 {
 
 /// Amplitude of a band at `time_s` (0 or above) after a strike, as a share of its amplitude at 0.
 ///
-/// The band falls by its own decay, and by at least the hand's decay during each of `holds`, which
-/// do not overlap.
+/// The band falls by its own decay. During each of `holds`, which do not overlap, it falls at least
+/// by the hand's decay.
 pub fn envelope(band: &Band, holds: &[Hold], time_s: f64) -> f64 {
     let own = band.decay_per_s();
     let more = |hold: &Hold| {
@@ -26,10 +26,10 @@ pub fn envelope(band: &Band, holds: &[Hold], time_s: f64) -> f64 {
 /// Expected one-sided energy density of one strike at a frequency, in full scale squared times
 /// seconds per hertz.
 ///
-/// The noise of a band has the flat power `w²/(f2 - f1)` between its edges, times `e^(-σt)` from t
-/// = 0 on. Its density is convolved with the envelope's spectrum `1/(σ² + 4π² Δ²)`, whose integral
-/// over the band is a difference of two arctangents. Negative frequencies count as well. Every
-/// decay must be above 0; otherwise the energy has no bound.
+/// The noise of a band has the flat power `w²/(f2 - f1)` between its edges, times `e^(-σt)` from
+/// `t = 0` on. Its density is convolved with the envelope's spectrum `1/(σ² + 4π² Δ²)`. The
+/// integral of that spectrum over the band is a difference of two arctangents. Negative frequencies
+/// count as well. Every decay must be above 0; otherwise the energy has no bound.
 pub fn energy_density(bands: &[Band], frequency_hz: f64) -> f64 {
     let of_band = |band: &Band| {
         let (sigma, [low, high]) = (band.decay_per_s(), band.edges_hz);

@@ -1,4 +1,4 @@
-//! Fourier transform of a power-of-two length, by the textbook's recursion.
+//! Fourier transform of a power-of-two length, by the recursion of textbooks.
 
 use crate::resonator::Complex;
 

@@ -2,8 +2,7 @@
 //!
 //! *Physics-Driven Diffusion Models for Impact Sound Synthesis from Videos* (Su et al., 2023), eq.
 //! 5 and 6: `R(t) = Σ_m w_m 10^(-γ_m t/20) BPF_m(noise)`. Each strike starts such a sum of its own,
-//! scaled by its peak force over the object's reference force. Sums of independent noises add in
-//! energy.
+//! scaled by its peak force over the object's reference force. Independent noises add in energy.
 
 mod band;
 mod expectation;

@@ -8,7 +8,7 @@ use crate::resonator::Complex;
 
 /// Sound of one strike at the reference force, `length` samples from the strike on.
 ///
-/// Each seed gives another noise. The bands are cut from one Gaussian noise in its spectrum, so
+/// Each seed gives another noise. The bands are cut from the spectrum of one Gaussian noise, so
 /// that their edges are sharp. A band's rms is right on average over seeds.
 pub fn render(bands: &[Band], length: usize, rate: SampleRate, seed: u64) -> Vec<f64> {
     render_held(bands, &[], length, rate, seed)
@@ -27,7 +27,7 @@ pub fn render_held(bands: &[Band], holds: &[Hold], length: usize, rate: SampleRa
         let inside = |bin: usize| hertz(bin) >= low && hertz(bin) < high;
         let cut = spectrum.iter().enumerate().map(|(bin, x)| if inside(bin) { *x } else { Complex::ZERO });
         let wave = transform(&cut.collect::<Vec<_>>(), 1.0);
-        // White noise of variance 1 has the power 2 (f2 - f1)/fs in a band; the transform there and
+        // White noise of variance 1 has the power 2 (f2 - f1)/fs in a band. The transform there and
         // back multiplies by its size.
         let gain = band.weight / (2.0 * (high - low) / rate.hz()).sqrt() / size as f64;
         for (n, (sound, wave)) in sound.iter_mut().zip(&wave).enumerate() {
@@ -37,11 +37,11 @@ pub fn render_held(bands: &[Band], holds: &[Hold], length: usize, rate: SampleRa
     sound
 }
 
-/// SplitMix64 (Steele, Lea, Flood 2014), with normal numbers by the Box-Muller transform.
+/// Generator SplitMix64 (Steele, Lea, Flood 2014), with normal numbers by the Box-Muller transform.
 struct Random(u64);
 
 impl Random {
-    /// Next uniform number, 0 to 1.
+    /// Draws the next uniform number, 0 to 1.
     fn even(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;

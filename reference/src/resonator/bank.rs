@@ -6,11 +6,11 @@ use super::mode::Mode;
 use super::one_pole::OnePole;
 use crate::rate::SampleRate;
 
-/// The modes of an object or striker, vibrating at one sample rate.
+/// Bank of the modes of an object or striker, vibrating at one sample rate.
 ///
-/// Costs 3.4 ns a mode and sample while ringing and 3.6 ns while driven: 60 modes over 10 s at
-/// 48 kHz took 0.10 s (one core of a server's Xeon, optimisation level 2). Modes at rest cost next
-/// to nothing.
+/// A mode and sample costs 3.4 ns while ringing and 3.6 ns while driven: 60 modes over 10 s at 48
+/// kHz took 0.10 s (one core of a server's Xeon, optimisation level 2). Modes at rest cost next to
+/// nothing.
 #[derive(Clone, Debug)]
 pub struct Bank<'a> {
     modes: &'a [Mode],
@@ -27,7 +27,7 @@ pub struct Bank<'a> {
 pub const MODES_PER_TICK: usize = 16;
 
 impl<'a> Bank<'a> {
-    /// A bank at rest, to be struck at position 0.
+    /// Bank at rest, to be struck at position 0.
     ///
     /// # Errors
     /// [`GainsError`] unless all `modes` have gains at the same number of positions, 1 or more.
@@ -35,7 +35,7 @@ impl<'a> Bank<'a> {
         Self::of(modes, rate, OnePole::new)
     }
 
-    /// A bank at rest in which a constant force falls silent.
+    /// Bank at rest in which a constant force falls silent.
     ///
     /// Beside each mode it adds a share of the force that cancels the mode's static response. A
     /// hand does not change that share.
@@ -71,7 +71,7 @@ impl<'a> Bank<'a> {
     /// Moves the contact to `position`, 0 to 1 along the object, for all force from now on
     /// ([`Mode::gain_at`]).
     ///
-    /// The sound that rings already is not changed.
+    /// The sound that rings already does not change.
     pub fn set_position(&mut self, position: f64) {
         for (mode, one_pole) in self.modes.iter().zip(&mut self.one_poles) {
             if let (Some(one_pole), Some(gain)) = (one_pole, mode.gain_at(position)) {
@@ -84,9 +84,9 @@ impl<'a> Bank<'a> {
     /// seconds.
     ///
     /// Its decay rate is `max(d, ln(1000)/T60)`. Each call of [`Self::reach`] changes
-    /// [`MODES_PER_TICK`] modes, in their order; those at or above Nyquist do not count. A choke or
-    /// release before all modes are reached begins anew. The last two samples of a mode stay as
-    /// they were, and so do frequencies: `OnePole::set_decay`.
+    /// [`MODES_PER_TICK`] modes, in their order; modes at or above Nyquist do not count. A choke or
+    /// release before all modes are reached begins anew. The last two samples and the frequency of
+    /// a mode stay as they were: `OnePole::set_decay`.
     pub fn choke(&mut self, t60_s: f64) {
         self.set_least_decay(1000_f64.ln() / t60_s);
     }
@@ -104,7 +104,7 @@ impl<'a> Bank<'a> {
 
     /// Carries a choke or release on to the next modes.
     ///
-    /// To be called at each tick: at each sample whose number is a multiple of 32.
+    /// Must be called at each tick, which is each sample whose number is a multiple of 32.
     pub fn reach(&mut self) {
         let rendered = self.modes.iter().zip(&mut self.one_poles);
         let rendered = rendered.filter_map(|(mode, one_pole)| Some((mode, one_pole.as_mut()?)));
@@ -140,7 +140,7 @@ impl<'a> Bank<'a> {
         }
     }
 
-    /// Adds the bank's sound under several forces at once, each as long as `sound`.
+    /// Adds the bank's sound under several forces at a time, each as long as `sound`.
     ///
     /// Every force drives the gains of its own position. The bank stays at the last position.
     pub fn add_sound_at(&mut self, forces: &[(f64, &[f64])], sound: &mut [f64]) {
@@ -165,7 +165,7 @@ impl<'a> Bank<'a> {
 
     /// Amplitude `|z|` (full scale) of every mode after the last sample computed, in their order.
     ///
-    /// 0 for a mode that is never rendered.
+    /// It is 0 for a mode that is never rendered.
     pub fn amplitudes(&self) -> impl Iterator<Item = f64> {
         self.one_poles.iter().map(|one_pole| one_pole.as_ref().map_or(0.0, OnePole::amplitude))
     }

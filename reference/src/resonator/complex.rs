@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul};
 
-/// A complex number `re + i im`.
+/// Complex number `re + i im`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Complex {
     pub(crate) re: f64,

@@ -1,4 +1,4 @@
-//! The physical parameters of a mode.
+//! Physical parameters of a mode.
 
 /// Response of a mode to an impulse, in full scale (1.0) per newton-second.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,7 +12,7 @@ pub struct Gain {
 /// One mode of vibration (§3.3).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mode {
-    /// Frequency `f` in hertz, 0 or above. At or above half the sample rate the mode is never
+    /// Frequency `f` in hertz, 0 or above. A mode at or above half the sample rate is never
     /// rendered.
     pub frequency_hz: f64,
     /// Decay rate `d` in 1/s, 0 or above: the amplitude falls as `e^(-d t)`, by 60 dB in
@@ -27,8 +27,8 @@ pub struct Mode {
 impl Mode {
     /// Gain for a contact at `position`, 0 to 1; `None` if the mode has no gains.
     ///
-    /// Linear between the two nearest of the P positions, at index `position (P-1)`. Eq. 1 fixes a
-    /// gain for the whole body; §3.3 calls that a simplification.
+    /// It is linear between the two nearest of the P positions, at index `position (P-1)`. Eq. 1
+    /// fixes a gain for the whole body; §3.3 calls that a simplification.
     pub fn gain_at(&self, position: f64) -> Option<Gain> {
         let last = self.gains.len().checked_sub(1)?;
         let index = position.clamp(0.0, 1.0) * last as f64;

@@ -5,12 +5,12 @@
 //! y[n] = Re z[n] - gc F[n]/(2 fs)
 //! ```
 //!
-//! A force of F newtons at sample 0 alone leaves `z[n] = p^n (gc - i gs) F/fs`, whose real part is
-//! `r^n (gs sin nθ + gc cos nθ) F/fs`: the impulse response. The term subtracted takes half of
+//! A single force of F newtons at sample 0 leaves `z[n] = p^n (gc - i gs) F/fs`. Its real part is
+//! the impulse response, `r^n (gs sin nθ + gc cos nθ) F/fs`. The term subtracted takes half of
 //! `h[0] = gc` away again.
 //!
-//! A constant force F leads to `z = (gc - i gs) F/fs/(1-p)`. For a balanced mode, which is to be
-//! silent then, the term subtracted is `Re[(gc - i gs)/(1-p)] F/fs` instead.
+//! A constant force F leads to `z = (gc - i gs) F/fs/(1-p)`. A balanced mode is to be silent then:
+//! its term subtracted is `Re[(gc - i gs)/(1-p)] F/fs` instead.
 
 use std::f64::consts::TAU;
 
@@ -20,21 +20,21 @@ use crate::rate::SampleRate;
 
 /// Amplitude (-3000 dBFS) below which a mode that nothing drives is at rest.
 ///
-/// Without it, the state would end among the subnormal numbers and stay there, slow to compute
-/// with.
+/// Without this limit the state would end among the subnormal numbers, which are slow to compute
+/// with, and stay there.
 const AT_REST: f64 = 1e-150;
 
-/// The filter of one mode, and the mode's vibration `z`.
+/// Filter of one mode, and the mode's vibration `z`.
 #[derive(Clone, Debug)]
 pub(crate) struct OnePole {
     /// Pole `p`.
     pole: Complex,
     frequency_hz: f64,
-    /// The mode's own decay rate in 1/s.
+    /// Decay rate of the mode without a hand, in 1/s.
     own_decay_per_s: f64,
-    /// The mode's decay rate in 1/s at present, a hand's included.
+    /// Present decay rate of the mode in 1/s, a hand's included.
     decay_per_s: f64,
-    /// Input `(gc - i gs)/fs` for the mode's own decay.
+    /// Input `(gc - i gs)/fs` for the decay without a hand.
     own_input: Complex,
     /// Amount that a newton adds to `z` in a sample.
     input: Complex,
@@ -47,7 +47,7 @@ pub(crate) struct OnePole {
 }
 
 impl OnePole {
-    /// A mode at rest that no force reaches until [`Self::set_gain`].
+    /// Mode at rest that no force reaches until [`Self::set_gain`].
     pub(crate) fn new(frequency_hz: f64, decay_per_s: f64, rate: SampleRate) -> Self {
         Self {
             pole: pole(frequency_hz, decay_per_s, rate),
@@ -62,7 +62,7 @@ impl OnePole {
         }
     }
 
-    /// A mode at rest whose static response is cancelled; no force reaches it until
+    /// Mode at rest whose static response is cancelled. No force reaches it until
     /// [`Self::set_gain`].
     pub(crate) fn balanced(frequency_hz: f64, decay_per_s: f64, rate: SampleRate) -> Self {
         let one_pole = Self::new(frequency_hz, decay_per_s, rate);
@@ -84,7 +84,7 @@ impl OnePole {
     /// Changes the decay from the next sample on.
     ///
     /// Displacement and velocity of a body go on when a hand is laid on it. So the last two samples
-    /// of the mode stay as they were, and a force adds the same two samples as without the hand.
+    /// of the mode stay as they were, and a force adds two samples as it would without the hand.
     pub(crate) fn set_decay(&mut self, decay_per_s: f64, rate: SampleRate) {
         self.state = self.with_same_samples(self.state, self.decay_per_s, decay_per_s, rate);
         self.decay_per_s = decay_per_s;
@@ -96,11 +96,11 @@ impl OnePole {
         self.input = self.with_same_samples(self.own_input, self.own_decay_per_s, self.decay_per_s, rate);
     }
 
-    /// The vibration that has with the decay `to_per_s` the samples y[0] and y[-1] that `z` has
-    /// with `from_per_s`.
+    /// Vibration with the decay `to_per_s` whose samples y[0] and y[-1] are those of `z` with
+    /// `from_per_s`.
     ///
-    /// With `z = C - i S`, `y[-1] = (C cos θ - S sin θ)/r`, and so `S' = ρ S + (1 - ρ) C cot θ`, ρ
-    /// = r'/r.
+    /// With `z = C - i S`, `y[-1] = (C cos θ - S sin θ)/r`. So `S' = ρ S + (1 - ρ) C cot θ` with
+    /// `ρ = r'/r`.
     fn with_same_samples(&self, z: Complex, from_per_s: f64, to_per_s: f64, rate: SampleRate) -> Complex {
         let (sine, cosine) = (TAU * self.frequency_hz / rate.hz()).sin_cos();
         if from_per_s == to_per_s || sine == 0.0 {
@@ -122,8 +122,8 @@ impl OnePole {
         self.state = z;
     }
 
-    /// Effect of a newton with the present gain: the addition to `z`, and the amount subtracted at
-    /// once.
+    /// Effect of a newton with the present gain: the addition to `z`, and the amount subtracted
+    /// from the output at once.
     pub(crate) fn input(&self) -> (Complex, f64) {
         (self.input, self.at_once)
     }

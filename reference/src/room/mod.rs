@@ -1,15 +1,15 @@
 //! Room reverberation, `y + y ⊗ IR_e` (diffimpact eq. 19): noise that decays, band by band.
 //!
 //! A band reaches from its `from_hz` to that of the next one. In it, a unit impulse on one side
-//! makes on each side Gaussian noise of power `g²/2 · e^{-2 d t}`, cut out of the spectrum exactly.
-//! The noises of the four paths (left and right to left and right) are independent. So both sides
-//! get the same energy, `(L² + R²)/2` of the input, for every constant-power pan, and they are
-//! uncorrelated.
+//! makes Gaussian noise on each side, of power `g²/2 · e^{-2 d t}` and cut out of the spectrum
+//! exactly. The noises of the four paths (left and right to left and right) are independent. So
+//! both sides are uncorrelated, and for every constant-power pan they get equal energy,
+//! `(L² + R²)/2` of the input.
 //!
-//! The reverberation begins with the sound; the instrument's begins 8 to 11 ms later
+//! The reverberation begins with the sound. The instrument's begins 8 to 11 ms later
 //! (docs/room.md).
 //!
-//! Each seed makes another room with the same table, and the instrument's network is one more.
+//! Each seed makes another room of one table, and the instrument's network is one more.
 //! Reference and network are compared by their statistics: energy, T60, balance and correlation.
 //! The network's arithmetic, sample by sample, is checked by [`network_twin()`].
 
@@ -28,13 +28,13 @@ const LAST_NEPERS: f64 = 11.512_925_464_970_229;
 
 /// Reverberation of a stereo sound (left, right), without the sound itself.
 ///
-/// `seed` chooses among the rooms with this table. Bands are trusted: rising from 0, decays above
-/// 0.
+/// `seed` chooses among the rooms with this table. Bands are trusted to rise from 0, with decays
+/// above 0.
 pub fn room(bands: &[RoomBand], dry: [&[f64]; 2], rate: SampleRate, seed: u64) -> [Vec<f64>; 2] {
     let frames = dry[0].len();
     let longest_s = bands.iter().map(|band| LAST_NEPERS / band.decay_per_s).fold(0.0, f64::max);
     let taps = ((longest_s * rate.hz()).ceil() as usize).clamp(1, frames.max(1));
-    // Overlap and add: a step is short enough for its response to fit without wrapping round.
+    // Overlap and add: a step is so short that its response fits without wrapping round.
     let length = (2 * taps).next_power_of_two();
     let responses = [0, 1].map(|to| [0, 1].map(|from| response(bands, rate, taps, length, [seed, to, from])));
     let mut wet = [vec![0.0; frames], vec![0.0; frames]];

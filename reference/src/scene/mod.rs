@@ -16,14 +16,14 @@ pub struct Scene<'a> {
     channels: Vec<Channel<'a>>,
 }
 
-/// A pad's part, and its gains to left and right.
+/// Part of a pad in the scene, and its gains to left and right.
 struct Channel<'a> {
     part: Part<'a>,
     gains: [f64; 2],
 }
 
 impl<'a> Scene<'a> {
-    /// The scene at sample 0. `events` are sorted by time.
+    /// Scene at sample 0. `events` are sorted by time.
     ///
     /// # Errors
     /// [`Error`] if an index is out of range, events are out of order, or the gains of a bank that
@@ -62,8 +62,8 @@ impl<'a> Scene<'a> {
 
 /// Renders the first `frame_count` frames of a scene, `[left, right]`, 1.0 = 0 dBFS, not clipped.
 ///
-/// `events` are sorted by time; `direct` is a force from outside for one pad. A caller that wants
-/// to see progress can use [`Scene`] block by block.
+/// `events` are sorted by time, and `direct` is a force from outside on one pad. A caller that
+/// wants to see progress can use [`Scene`] block by block.
 ///
 /// # Errors
 /// [`Error`] if an index is out of range, events are out of order, or the gains of a bank that will

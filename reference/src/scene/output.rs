@@ -1,4 +1,4 @@
-//! Output: from a pad's signal to stereo, and to 24 bits.
+//! Output: the way of a pad's signal to stereo and to 24 bits.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -15,7 +15,7 @@ pub fn pan_gains(pan: f64) -> [f64; 2] {
     [angle.cos(), angle.sin()]
 }
 
-/// A sample as a 24-bit integer: `⌊x 2^23 + 1/2⌋`, clamped to -2^23 .. 2^23 - 1.
+/// Sample as a 24-bit integer: `⌊x 2^23 + 1/2⌋`, clamped to -2^23 .. 2^23 - 1.
 ///
 /// Halves round up, as in an integer that adds one half and shifts right. NaN becomes 0.
 pub fn quantise_24(x: f64) -> i32 {

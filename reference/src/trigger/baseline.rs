@@ -1,5 +1,5 @@
-//! Baseline of a piezo channel (offset, drift, mains hum): an observer corrected by each tick's
-//! mean.
+//! Baseline of a piezo channel (offset, drift, mains hum), by an observer that each tick's mean
+//! corrects.
 
 use std::f64::consts::PI;
 
@@ -13,7 +13,8 @@ const HUM_GAIN: f64 = 1.0 / 16.0;
 
 pub(super) struct Baseline {
     offset: f64,
-    /// Each mains hum as (in-phase part at the middle of a tick, quadrature half a tick later).
+    /// Hum at each mains frequency: (in-phase part at the middle of a tick, quadrature half a tick
+    /// later).
     hum: [(f64, f64); 2],
     turn: [f64; 2],
     /// Baseline at the next frame, in counts.

@@ -1,17 +1,17 @@
-//! Detection over all channels: which pad and striker a strike belongs to, and its velocity.
+//! Detection over all channels: finds the pad and striker of a strike, and its velocity.
 
 use super::adc::{HALF_RANGE_COUNTS, TICK_FRAMES};
 use super::piezo::Piezo;
 use super::settings::PiezoSettings;
 use crate::rate::SampleRate;
 
-/// A detected strike.
+/// Strike that was detected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strike {
-    /// ADC frame of the decision: onset plus scan time, and at least one tick after the onset is
-    /// noticed.
+    /// ADC frame of the decision. It is onset plus scan time, and at least one tick after the onset
+    /// is noticed.
     pub frame: usize,
-    /// Index of the pad struck.
+    /// Index of the pad that was struck.
     pub pad: usize,
     /// Index of the striker within the pad.
     pub striker: usize,

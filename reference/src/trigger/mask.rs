@@ -1,11 +1,12 @@
-//! Mask of a channel: how far a strike's own ringing may rise without counting as a new strike.
+//! Mask of a channel: the level to which a strike's own ringing may rise without counting as a
+//! strike.
 
 use super::adc::TICK_FRAMES;
 
 /// Delay of the mask behind the envelope in ticks, so that a rising strike does not mask itself.
 const LATE_TICKS: usize = 2;
 const PAST_TICKS: usize = 7;
-/// Ticks for which a channel stays loud after its envelope has left the noise.
+/// Number of ticks for which a channel stays loud after its envelope has fallen into the noise.
 const LOUD_TICKS: usize = 8;
 
 pub(super) struct Mask {

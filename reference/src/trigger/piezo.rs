@@ -17,9 +17,9 @@ const OVER_NOISE_FOOT: f64 = 1.5;
 const FOOT_COUNTS: f64 = 0.5;
 /// Half width of the band in which a channel rests, in mean magnitudes of its noise.
 ///
-/// To this are added half a count and the baseline's change in half a tick. The sum is rounded up
-/// to whole counts and limited to half the softest peak. While a channel rests, its samples are
-/// ignored but for every 16th, from which the noise is measured.
+/// Half a count and the baseline's change in half a tick are added to it. The sum is rounded up to
+/// whole counts and limited to half the softest peak. While a channel rests, only every 16th of its
+/// samples is used, to measure the noise.
 const REST_NOISE: f64 = 4.5;
 /// Frames between two samples of a resting channel from which its noise is measured.
 const REST_TAP_FRAMES: usize = 16;
@@ -31,7 +31,7 @@ const QUIET_TICKS: usize = 225;
 /// Amount that noise adds to a maximum, in mean envelopes.
 const NOISE_IN_PEAK: f64 = 1.5;
 
-/// A strike whose peak is being measured.
+/// Strike whose peak is being measured.
 pub(super) struct Scan {
     pub(super) decide_at: usize,
     pub(super) peak: f64,
@@ -187,7 +187,7 @@ impl Piezo {
         }
     }
 
-    /// Peak of the scan in counts, less the noise's contribution.
+    /// Peak of the scan in counts, less the contribution of noise.
     pub(super) fn scanned_peak(&self) -> f64 {
         self.scan.as_ref().map_or(0.0, |scan| (scan.peak - NOISE_IN_PEAK * self.noise).max(0.0))
     }
@@ -200,7 +200,7 @@ impl Piezo {
 
     /// Ends the scan and masks the channel.
     ///
-    /// After a strike the mask time applies. After anything else only the mask's level does.
+    /// After a strike the mask time applies. After anything else only the mask's level applies.
     pub(super) fn end_scan(&mut self, was_strike: bool) {
         self.hold = self.recent_peak();
         let envelope = self.scan.take().map_or(self.envelope, |scan| scan.envelope);
@@ -214,7 +214,7 @@ impl Piezo {
     }
 }
 
-/// Magnitude of the extremum of the parabola through three samples, 0 unless the middle one is
+/// Magnitude of the extremum of the parabola through three samples; 0 unless the middle sample is
 /// largest.
 fn vertex(before: f64, middle: f64, after: f64) -> f64 {
     let sign = middle.signum();

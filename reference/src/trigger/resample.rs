@@ -2,8 +2,8 @@
 
 /// Returns `count` samples of `signal` at positions `k · step - delay`, in samples.
 ///
-/// Each comes from the polynomial through the six samples round it (Lagrange). Samples before the
-/// beginning and behind the end count as 0.
+/// Each sample comes from the polynomial through the six samples round it (Lagrange). Samples
+/// before the beginning and behind the end count as 0.
 pub fn resample(signal: &[f64], step: f64, delay: usize, count: usize) -> Vec<f64> {
     (0..count).map(|k| at(signal, k as f64 * step - delay as f64)).collect()
 }

@@ -1,6 +1,6 @@
 //! Settings of a pad's piezos.
 
-/// A second sensor of a pad, such as a rim's.
+/// Second sensor of a pad, such as that of a rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rim {
     /// ADC channel of the sensor.
@@ -11,7 +11,7 @@ pub struct Rim {
     pub gain_db: f64,
 }
 
-/// Settings of one pad with a piezo; values are trusted.
+/// Settings of one pad with a piezo. Values are trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PiezoSettings {
     /// ADC channel of the pad's first sensor.
@@ -22,7 +22,7 @@ pub struct PiezoSettings {
     pub threshold: f64,
     /// Time from onset to decision, in seconds.
     pub scan_time_s: f64,
-    /// Time from an onset until the next may be found, in seconds.
+    /// Time in seconds from an onset until the next may be found.
     pub mask_time_s: f64,
     /// Decay of the mask in 1/s.
     pub mask_decay_per_s: f64,
@@ -30,7 +30,7 @@ pub struct PiezoSettings {
     pub full_scale: f64,
     /// Exponent of the velocity curve.
     pub velocity_exponent: f64,
-    /// Crosstalk limit in dB: a peak lower than this, relative to the sum of the other channels'
-    /// peaks, is no strike.
+    /// Crosstalk limit in dB, relative to the sum of the other channels' peaks. A lower peak is no
+    /// strike.
     pub crosstalk_db: f64,
 }

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use crate::dynamic_filter::Filter;
 use crate::rate::SampleRate;
 
-/// A feedback loop round a dynamic filter: a delay and a band-pass.
+/// Feedback loop round a dynamic filter: a delay and a band-pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loop {
     /// Centre frequency f_c in Hz.
@@ -37,7 +37,7 @@ impl Loop {
     /// Coefficients of the loop at a sample rate.
     ///
     /// The denominator is that of eq. 10 with `τ = sin(2πf_c) Δf / (2 f_c)`. The numerator has the
-    /// gain γ at f_c and delays by the fraction of a sample that is left of the delay.
+    /// gain γ at f_c, and delays by the fraction of a sample that is left of the delay.
     pub fn tuned(&self, rate: SampleRate) -> Tuned {
         let omega = TAU * self.frequency_hz / rate.hz();
         let tau = omega.sin() * self.bandwidth_hz / (2.0 * self.frequency_hz);
@@ -54,7 +54,7 @@ impl Loop {
     }
 }
 
-/// Loops round a filter in motion, sample by sample, from rest.
+/// Loops round a filter, at work sample by sample, from rest.
 #[derive(Clone, Debug)]
 pub struct Loops {
     /// Each loop with its last outputs y_s(n-1), y_s(n-2).
@@ -99,7 +99,7 @@ impl Loops {
 
 /// Filters the excitation `input` from rest by a filter with loops (eq. 12 and 13).
 ///
-/// `strikes` are sample numbers, sorted.
+/// `strikes` are sorted sample numbers.
 pub fn filter(filter: &mut Filter<'_>, loops: &[Loop], strikes: &[usize], input: &[f64], rate: SampleRate) -> Vec<f64> {
     let mut loops = Loops::new(loops, rate);
     let step = |(n, &e): (usize, &f64)| {

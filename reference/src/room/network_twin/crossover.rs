@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use super::split::{Elliptic, shared_db};
 use crate::room::band::RoomBand;
 
-/// A crossover: its low-pass and where that lies.
+/// Crossover: its low-pass, and the `tan(π f)` at which it lies.
 pub(super) struct Crossover {
     pub(super) low_pass: Elliptic,
     pub(super) tangent: f64,
@@ -27,8 +27,8 @@ fn wanted(low: &RoomBand, high: &RoomBand) -> usize {
 
 /// Number of all-pass sections of each crossover, from the lowest edge up.
 ///
-/// Granted in turn as long as the cost fits the budget, counted on a Cortex-M4F in 32nds of a
-/// cycle.
+/// Crossovers get further sections in turn as long as the cost fits the budget. The cost is counted
+/// on a Cortex-M4F in 32nds of a cycle.
 fn sections(bands: &[RoomBand], divisions: &[usize]) -> Vec<usize> {
     let rates: usize = divisions.iter().map(|division| 32 / division).sum();
     let splits: usize = divisions.iter().skip(1).map(|division| 32 / division).sum();
@@ -50,7 +50,7 @@ fn sections(bands: &[RoomBand], divisions: &[usize]) -> Vec<usize> {
 
 /// All crossovers, from the lowest edge up, and a factor on each band's energy.
 ///
-/// The factors make up for what a band loses at its edges and what its neighbours add to it.
+/// The factors make up for the energy that a band loses at its edges and gets from its neighbours.
 pub(super) fn crossovers(bands: &[RoomBand], divisions: &[usize], hz: f64) -> (Vec<Crossover>, Vec<f64>) {
     let edge_hz = |band: usize| bands.get(band).map_or(hz / 2.0, |band| band.from_hz);
     let energy = |band: usize| bands[band].gain.max(1e-4).powi(2) / (2.0 * bands[band].decay_per_s);

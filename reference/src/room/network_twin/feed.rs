@@ -1,6 +1,6 @@
 //! Mono feed of the network, whose energy is the mean of both sides' at every constant-power pan.
 
-/// α of the all-passes `(z^-1 - α)/(1 - α z^-1)` of each side.
+/// Coefficients α of the all-passes `(z^-1 - α)/(1 - α z^-1)` of each side.
 ///
 /// The two chains are 90° apart within 7.7° from 40 Hz to 20 kHz at 48 kHz.
 const ALPHAS: [[f64; 3]; 2] = [[0.995_873, 0.908_579, 0.075_641], [0.977_746, 0.664_43, -0.648_582]];

@@ -2,8 +2,8 @@
 //!
 //! It shares everything with `dsp-core`'s room but rounding and bounds: the feed's all-passes, the
 //! crossovers, the delays, the angles, and the cycle counts from which the number of sections
-//! follows. So it shows sample by sample that the instrument computes the network it is meant to
-//! compute. That this network is a good room is shown by comparing it with [`super::room`].
+//! follows. So it shows sample by sample that the instrument computes the intended network. A
+//! comparison with [`super::room`] shows that this network is a good room.
 
 mod crossover;
 mod feed;
@@ -15,10 +15,10 @@ use self::plan::{BLOCK_FRAMES, plans};
 use crate::rate::SampleRate;
 use crate::room::band::RoomBand;
 
-/// The network's reverberation of a stereo sound (left, right), without the sound itself.
+/// Reverberation of a stereo sound (left, right) by the network, without the sound itself.
 ///
-/// All delays together hold at most `samples` values. Bands are trusted: rising from 0, below 0.49
-/// of the sample rate.
+/// All delays together hold at most `samples` values. Bands are trusted to rise from 0 and to stay
+/// below 0.49 of the sample rate.
 pub fn network_twin(bands: &[RoomBand], dry: [&[f64]; 2], rate: SampleRate, samples: usize) -> [Vec<f64>; 2] {
     let hz = rate.hz();
     let plans = plans(bands, hz, samples);

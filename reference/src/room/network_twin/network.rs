@@ -1,4 +1,4 @@
-//! One band's feedback delay network.
+//! Feedback delay network of one band.
 
 use std::f64::consts::TAU;
 
@@ -6,8 +6,8 @@ use super::plan::{BLOCK_FRAMES, LINES, Plan};
 
 /// Left and right output of a network for an input at the band's own rate. `hz` is the full rate.
 ///
-/// The four delay lines hold pairs. The pair that leaves lines 0 and 2 turns by an angle that
-/// moves, that of lines 1 and 3 by a fixed one. Pairs of lines 0 and 3 are reflected, those of 1
+/// The four delay lines hold pairs. The pairs that leave lines 0 and 2 turn by an angle that moves,
+/// those that leave lines 1 and 3 by a fixed one. Pairs of lines 0 and 3 are reflected, those of 1
 /// and 2 rotated, and those of 2 and 3 swap their halves. A 4 x 4 Hadamard matrix then mixes the
 /// four pairs, and each result is written to the next line.
 pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
@@ -15,7 +15,7 @@ pub(super) fn render(plan: &Plan, input: &[f64], hz: f64) -> [Vec<f64>; 2] {
     let mut lines: Vec<Vec<[f64; 2]>> = plan.delays.iter().map(|&delay| vec![[0.0; 2]; delay]).collect();
     let mut out = [Vec::with_capacity(input.len()), Vec::with_capacity(input.len())];
     let fixed = (14_111f64 / 32_768.0).atan2(29_574.0 / 32_768.0).sin_cos();
-    // At this angle both sides are equal on average; the energy is that of a pair of equals (x/2).
+    // At this angle both sides are equal on average. The energy is that of a pair of equals (x/2).
     let (sine, cosine) = 25f64.to_radians().sin_cos();
     let input_at = (cosine * 0.5f64.sqrt(), sine * 0.5f64.sqrt());
     for (frame, &x) in input.iter().enumerate() {

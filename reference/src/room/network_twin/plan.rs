@@ -8,7 +8,7 @@ pub(super) const BLOCK_FRAMES: usize = 128;
 /// Number of delay lines in a network; each holds pairs of values.
 pub(super) const LINES: usize = 4;
 
-/// The network of one band.
+/// Network of one band.
 pub(super) struct Plan {
     /// Divider of the full sample rate.
     pub(super) division: usize,
@@ -38,8 +38,8 @@ pub(super) fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
             [32, 16, 8, 4, 2].into_iter().find(|&division| division <= slowest && fits(division)).unwrap_or(1)
         })
         .collect();
-    // Delay in seconds: 0.15 of T60, or a hundred resonances in the band if that is longer. Memory
-    // limits it, and the longest line to 47 blocks.
+    // The delay in seconds is 0.15 of T60, or a hundred resonances in the band if that is longer.
+    // Memory limits it, and the longest line is limited to 47 blocks.
     let wishes: Vec<f64> = bands
         .iter()
         .enumerate()
@@ -71,8 +71,8 @@ pub(super) fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
         let delays = delays(0.5 * wishes[band].min(limit) * own_hz, BLOCK_FRAMES / divisions[band], &parts);
         let table = bands[band];
         let gains: Vec<f64> = delays.iter().map(|&delay| (-table.decay_per_s * delay as f64 / own_hz).exp()).collect();
-        // The energy follows from the assumption that each line's output spreads evenly over all
-        // lines. Outputs are differences of lines 2 and 3.
+        // The energy assumes that each line's output spreads evenly over all lines. Outputs are
+        // differences of lines 2 and 3.
         let passed: Vec<f64> = gains.iter().map(|gain| gain * gain).collect();
         let given = 1.0 / 16.0 / (1.0 - passed.iter().sum::<f64>() / LINES as f64);
         let output = table.gain * (factors[band] / (2.0 * table.decay_per_s * given * (passed[2] + passed[3]))).sqrt();
@@ -83,7 +83,7 @@ pub(super) fn plans(bands: &[RoomBand], hz: f64, samples: usize) -> Vec<Plan> {
     (0..bands.len()).zip(crossovers).map(band).collect()
 }
 
-/// Distinct primes, each at most its part of `total` unless the block is longer.
+/// Distinct primes. Each is at most its part of `total`, unless the block is longer.
 fn delays(total: f64, block: usize, parts: &[f64]) -> Vec<usize> {
     let is_prime = |n: usize| n > 1 && (2..).take_while(|d| d * d <= n).all(|d| !n.is_multiple_of(d));
     let mut delays = Vec::new();

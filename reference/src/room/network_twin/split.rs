@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-/// An elliptic low-pass of odd order whose pass band ends at √k rad/s and stop band begins at 1/√k.
+/// Elliptic low-pass of odd order whose pass band ends at √k rad/s and stop band begins at 1/√k.
 ///
 /// It has a real pole at -σ and pole pairs `s² + b1 s + b0`, stored as [b1, b0] from the real pole
 /// outwards (Antoniou: series in the nome q).
@@ -13,7 +13,7 @@ pub(super) struct Elliptic {
 }
 
 impl Elliptic {
-    /// The low-pass with `pairs` pole pairs whose complementary high-pass attenuates by `high_db`.
+    /// Low-pass with `pairs` pole pairs whose complementary high-pass attenuates by `high_db`.
     pub(super) fn with_high_pass(pairs: usize, k: f64, high_db: f64) -> Self {
         let q = nome(k);
         let lambda = 10f64.powf(high_db / 20.0).acosh() / (2 * pairs + 1) as f64;
@@ -92,9 +92,9 @@ pub(super) fn split(signal: &[f64], low_pass: &Elliptic, tangent: f64) -> (Vec<f
     (both().map(|(a, b)| (a + b) / 2.0).collect(), both().map(|(a, b)| (a - b) / 2.0).collect())
 }
 
-/// A signal at twice its rate, by a half-band low-pass of fifth order.
+/// Signal at twice its rate, by a half-band low-pass of fifth order.
 ///
-/// Its pass band ends at `to` of the lower rate.
+/// The pass band of the low-pass ends at `to` of the lower rate.
 pub(super) fn double(signal: &[f64], to: f64) -> Vec<f64> {
     let half_band = Elliptic::new(2, (PI / 2.0 * to.max(0.25)).tan().powi(2), 1.0);
     let branch = |[b1, _]: [f64; 2]| {
