@@ -1,4 +1,4 @@
-//! The caller's block size cannot change a bit.
+//! Independence of the sound from the caller's block size, bit for bit.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
@@ -6,7 +6,7 @@ use dsp_core::event::{Action, Event, Time};
 use dsp_core::resonator::TICK_FRAMES;
 use host_tests::scene::{load, play};
 
-/// Strikes between samples, chokes, releases, at all positions and velocities; and a force that
+/// Strikes between samples, chokes and releases, at all positions and velocities, and a force that
 /// comes and goes.
 fn busy_piece(kit: &kit::Kit) -> (Vec<Event>, Vec<i32>) {
     let mut random = 1u64;

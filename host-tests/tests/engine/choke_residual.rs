@@ -1,5 +1,5 @@
-//! A hand on a residual: each band falls at the faster of its own rate and the hand's, from the
-//! hand's coming to its going.
+//! A hand on a residual: while it lies there, each band falls at its own rate or the hand's,
+//! whichever is faster.
 
 use dsp_core::SampleRate;
 use dsp_core::noise::Sfc32;
@@ -13,7 +13,7 @@ fn band(edges_hz: [f32; 2], decay_db_per_s: f32) -> ResidualBand {
     ResidualBand { edges_hz, weight: 0.1, decay_db_per_s }
 }
 
-/// Event at a frame.
+/// Action at a frame.
 #[derive(Clone, Copy)]
 enum Act {
     Strike,
@@ -21,12 +21,12 @@ enum Act {
     Release,
 }
 
-/// A hand acts at the first tick behind its event.
+/// Frame at which an action takes effect. A hand acts at the first tick after its event.
 fn acts_at(frame: usize, act: Act) -> usize {
     if matches!(act, Act::Strike) { frame } else { (frame / TICK_FRAMES + 1) * TICK_FRAMES }
 }
 
-/// Power a window, averaged over seeds, in dB.
+/// Power of each window in dB, averaged over seeds.
 fn levels(
     bands: &[ResidualBand],
     hz: u32,
@@ -79,7 +79,7 @@ fn a_choked_residual_falls_at_the_faster_of_both_rates() {
         for (own_db, choke_t60_s) in [(60.0f32, 0.1), (400.0, 0.1), (600.0, 0.1), (1_200.0, 0.1), (100.0, 0.4)] {
             let window = hz / 200;
             let bands = [band([500.0, 4_000.0], own_db), band([4_000.0, 9_000.0], own_db)];
-            // Struck before the hand comes, and under it.
+            // The pad is struck before the hand comes, or under the hand.
             for acts in [[(3, Act::Strike), (4 * window + 13, Act::Choke)], [(3, Act::Choke), (17, Act::Strike)]] {
                 let found = levels(&bands, hz as u32, choke_t60_s, &acts, 20, window);
                 let (from, to) = (5, if own_db > 1_000.0 { 11 } else { 17 });
@@ -96,7 +96,8 @@ fn a_choked_residual_falls_at_the_faster_of_both_rates() {
 
 #[test]
 fn each_band_of_a_choked_residual_has_the_faster_of_both_rates() {
-    // A slow band and a fast one; each is heard alone by giving the other no weight.
+    // The table has a slow band and a fast one. Each is heard alone, because the other has no
+    // weight.
     for (index, wanted) in [(0, 300.0), (1, 900.0)] {
         let mut bands = [band([500.0, 4_000.0], 30.0), band([6_000.0, 12_000.0], 900.0)];
         bands[1 - index].weight = 0.0;
@@ -104,7 +105,7 @@ fn each_band_of_a_choked_residual_has_the_faster_of_both_rates() {
         let db_per_s = (found[5] - found[13]) / (8.0 * 0.005);
         assert!((db_per_s / wanted - 1.0).abs() < 0.05, "band {index}: {db_per_s:.1} dB/s");
     }
-    // Both at once: once the fast one has gone, the slow one is where it would be alone.
+    // Both bands sound. Once the fast one has gone, the slow one must be where it would be alone.
     let bands = [band([500.0, 4_000.0], 30.0), band([6_000.0, 12_000.0], 900.0)];
     let acts = [(0, Act::Strike), (2_000, Act::Choke), (6_000, Act::Release)];
     let (both, slow) = (levels(&bands, 48_000, 0.2, &acts, 60, 240), levels(&bands[..1], 48_000, 0.2, &acts, 60, 240));
@@ -112,7 +113,7 @@ fn each_band_of_a_choked_residual_has_the_faster_of_both_rates() {
         assert!((both[window] - slow[window]).abs() < 0.8, "window {window}: {:.2} {:.2}", both[window], slow[window]);
     }
     let seconds = (6_000.0 - 2_000.0) / 48_000.0;
-    // Free for all but the hand's time.
+    // The band falls at its own rate but for the time of the hand.
     let wanted = 30.0 * (50.0 * 0.005 - seconds) + 300.0 * seconds;
     let fallen = slow[0] - slow[50];
     assert!((fallen - wanted).abs() < 1.0, "{fallen:.2} dB, {wanted:.2} by the reference");
@@ -120,7 +121,8 @@ fn each_band_of_a_choked_residual_has_the_faster_of_both_rates() {
 
 #[test]
 fn a_residual_under_hands_has_the_powers_of_the_reference() {
-    // Alike, so that no frame that is nearly made has to follow as a whole.
+    // The bands have equal decays. Otherwise a frame that is nearly made would follow the hand only
+    // on average over the bands.
     let bands = [band([300.0, 2_000.0], 80.0), band([2_000.0, 10_000.0], 80.0)];
     let acts =
         [(0, Act::Strike), (3_000, Act::Choke), (6_010, Act::Release), (9_000, Act::Choke), (10_007, Act::Release)];
@@ -147,8 +149,8 @@ fn a_residual_under_hands_has_the_powers_of_the_reference() {
     let found = levels(&bands, 48_000, 0.15, &acts, windows, window);
     for (index, (found, power)) in found.iter().zip(powers).enumerate() {
         let wanted = 10.0 * f64::log10(power);
-        // 60 seeds of some 100 degrees of freedom each: 0.1 dB; what a frame's tick rounds, and its
-        // smeared edges, the rest.
+        // The scatter of 60 seeds of some 100 degrees of freedom each is 0.1 dB. The rest is for
+        // frames that are rounded to ticks and have smeared edges.
         assert!((found - wanted).abs() < 0.8, "window {index}: {found:.2} dB, by the reference {wanted:.2}");
     }
 }
@@ -168,7 +170,7 @@ fn a_hand_comes_to_a_residual_and_goes_without_a_click() {
         let (comes, goes) = (5_000 + 11 * phase, 7_001 + 13 * phase);
         let held = reference(&[(0, Act::Strike), (comes, Act::Choke), (goes, Act::Release)]);
         assert!(held[..=comes] == free[..=comes]);
-        // -90 dBFS.
+        // The allowance is -90 dBFS.
         assert!(
             step(&held[1..]) <= largest + (1 << 27) / 31_623,
             "phase {phase}: {} after {largest}",

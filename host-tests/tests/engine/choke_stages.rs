@@ -1,5 +1,5 @@
-//! A hand on biquads and dynamic filters: what falls slower than the hand falls at the hand's T60,
-//! what falls faster at its own, without a click, in instrument and reference alike.
+//! A hand on biquads and dynamic filters, in instrument and reference alike. Sounds slower than the
+//! hand fall at the hand's T60, faster ones at their own, and nothing clicks.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Direct, Skipping};
@@ -11,7 +11,7 @@ use host_tests::scene::{hand, load, mode, one_pad, strike};
 use host_tests::snr::snr_db;
 use kit::{Biquad, Biquads, Breakpoint, DynamicFilter, Exciter, Kit, Loop, ModesGo, Order};
 
-/// The left channel of the instrument, in steps of the bus.
+/// Left channel of the instrument, in bus steps.
 fn instrument(kit: &Kit, hz: u32, events: &[Event], force: Option<&[i32]>, frames: usize, block: usize) -> Vec<i32> {
     play(kit, hz, events, force, (frames, block, Skipping::Off))
 }
@@ -37,7 +37,7 @@ fn play(
     out.iter().map(|frame| frame[0]).collect()
 }
 
-/// The left channel of the reference, in steps of the bus.
+/// Left channel of the reference, in bus steps.
 fn reference(kit: &Kit, hz: u32, events: &[Event], frames: usize) -> Vec<f64> {
     let pads = malleus::render::reference::pads(kit, SampleRate::new(hz, 1).unwrap());
     let action = |action| match action {
@@ -59,7 +59,7 @@ fn reference(kit: &Kit, hz: u32, events: &[Event], frames: usize) -> Vec<f64> {
     sound.iter().map(|[left, _]| left * f64::from(ONE_Q27)).collect()
 }
 
-/// A pad whose hand imposes a T60.
+/// Kit of one pad with a choke T60.
 fn kit(choke_t60_s: f32, filter: Option<DynamicFilter>, biquads: Option<Biquads>) -> Kit {
     let mut kit = one_pad(Vec::new());
     kit.objects[0].dynamic_filter = filter;
@@ -68,7 +68,7 @@ fn kit(choke_t60_s: f32, filter: Option<DynamicFilter>, biquads: Option<Biquads>
     kit
 }
 
-/// A pole pair of a frequency and a T60 at 48 kHz, and a gain that makes a strike well audible.
+/// Pole pair with a frequency and a T60 at 48 kHz, and a gain that makes a strike well audible.
 fn pole(frequency_hz: f64, t60_s: f64, gain: f32) -> Biquad {
     let (radius, angle) = ((-1000f64.ln() / (t60_s * 48e3)).exp(), frequency_hz / 48e3 * std::f64::consts::TAU);
     Biquad { pole: [(radius * angle.cos()) as f32, (radius * angle.sin()) as f32], zero: [0.0, 0.0], gain }
@@ -94,7 +94,7 @@ fn path(path: Vec<Breakpoint>) -> DynamicFilter {
     }
 }
 
-/// A path of exponential decay, in 31 pieces.
+/// Path of an exponential decay, in 31 pieces.
 fn falling(t60_s: f32, length_s: f32) -> DynamicFilter {
     let at = |index: usize| {
         let time_s = length_s * index as f32 / 31.0;
@@ -108,7 +108,7 @@ fn level(sound: &[i32], at: usize, frames: usize) -> f64 {
     10.0 * sound[at..at + frames].iter().map(|&x| (f64::from(x)).powi(2)).sum::<f64>().log10()
 }
 
-/// Seconds in which it falls by 60 dB, from its fall between two windows of `window` frames.
+/// T60 in seconds, from the fall of a sound between two windows of `window` frames.
 fn t60_s(sound: &[i32], hz: u32, [from, to]: [usize; 2], window: usize) -> f64 {
     60.0 * (to - from) as f64 / f64::from(hz) / (level(sound, from, window) - level(sound, to, window))
 }
@@ -117,7 +117,7 @@ fn largest_step(sound: &[i32]) -> i32 {
     sound.windows(2).map(|pair| pair[0].abs_diff(pair[1]) as i32).max().unwrap_or(0)
 }
 
-/// -90 dBFS.
+/// Largest step of a hand that is no click: -90 dBFS.
 const STEP: i32 = ONE_Q27 / 31_623;
 
 #[test]
@@ -135,7 +135,7 @@ fn a_choked_biquad_falls_at_the_faster_of_both_rates() {
             let expected: Vec<i32> = reference(&kit, hz, &events, frames).iter().map(|&x| x as i32).collect();
             let got = t60_s(&expected, hz, [from, to], hz as usize / 100);
             assert!((got / wanted - 1.0).abs() < 0.02, "reference, {hz} Hz, own {own} s, hand {choke} s: {got:.4} s");
-            // Struck under the hand, it falls as fast.
+            // A sound that is struck under the hand falls as fast.
             let under = [hand(0, Action::Choke), strike(start as u64, 1.0)];
             let got = t60_s(&instrument(&kit, hz, &under, None, frames, 128), hz, [from, to], hz as usize / 100);
             assert!((got / wanted - 1.0).abs() < 0.02, "struck under it, own {own} s, hand {choke} s: {got:.4} s");
@@ -143,7 +143,7 @@ fn a_choked_biquad_falls_at_the_faster_of_both_rates() {
     }
 }
 
-/// Hands, strikes under them and after them, at odd frames.
+/// Hands, with strikes under them and after them, at odd frames.
 fn events(hz: u32) -> Vec<Event> {
     let at = |s: f64| (s * f64::from(hz)) as u64;
     vec![
@@ -165,7 +165,7 @@ fn choked_biquads_of_every_depth_keep_86_db_against_the_reference() {
             vec![pole(300.0, 1.0, 0.1), pole(900.0, 0.05, 0.1)],
             vec![pole(9_000.0, 0.5, 0.1), pole(20_000.0, 0.2, 0.5)],
         ]),
-        // Coincident and nearly coincident poles.
+        // These poles coincide or nearly coincide.
         bank(vec![
             vec![pole(500.0, 0.2, 0.02), pole(500.0, 0.2, 0.02)],
             vec![pole(4_000.0, 0.1, 0.3), pole(4_001.0, 0.12, 0.3)],
@@ -186,7 +186,7 @@ fn choked_biquads_of_every_depth_keep_86_db_against_the_reference() {
                 let mut kit = kit(choke, None, Some(bank.clone()));
                 let frames = hz as usize / 4;
                 let exact = reference(&kit, hz, &events(hz), frames);
-                // As loud as it may be.
+                // The bank plays as loud as it may.
                 let peak = exact.iter().fold(0.0f64, |peak, x| peak.max(x.abs())) / f64::from(ONE_Q27);
                 for chain in &mut kit.objects[0].biquads.as_mut().unwrap().chains {
                     chain[0].gain *= (0.5 / peak) as f32;
@@ -211,8 +211,8 @@ fn a_choked_dynamic_filter_falls_at_the_faster_of_both_rates() {
             let (from, to) = (start, start + (wanted * f64::from(hz) * 0.7) as usize);
             let events = [strike(0, 1.0), hand(start as u64, Action::Choke)];
             let window = hz as usize / 100;
-            // The noise's own level scatters: measured against the same noise without a hand, whose
-            // fall is known.
+            // The level of noise scatters. So it is measured against the level of equal noise
+            // without a hand, whose fall is known.
             let free = instrument(&kit, hz, &events[..1], None, hz as usize / 2, 128);
             let choked = instrument(&kit, hz, &events, None, hz as usize / 2, 128);
             let expected = reference(&kit, hz, &events, hz as usize / 2);
@@ -223,7 +223,8 @@ fn a_choked_dynamic_filter_falls_at_the_faster_of_both_rates() {
             };
             for (name, sound) in [("instrument", choked), ("reference", expected.iter().map(|&x| x as i32).collect())] {
                 let got = 60.0 / (60.0 / f64::from(own) + extra(&sound));
-                // A piece of the path falls by 2.5 dB, at first more slowly than at its end.
+                // A piece of the path falls by 2.5 dB, more slowly at its beginning than at its
+                // end.
                 assert!((got / wanted - 1.0).abs() < 0.05, "{name}, {hz} Hz, own {own} s, hand {choke} s: {got:.4} s");
             }
         }
@@ -270,7 +271,7 @@ fn choked_dynamic_filters_keep_80_db_against_the_reference() {
                 let own = instrument(&kit, hz, &events(hz), None, frames, 128);
                 let snr = snr_db(&exact, &own);
                 println!("{name}, {hz} Hz, hand {choke} s: {snr:.1} dB");
-                // A choked mode's bank is right to some 60 dB of its own.
+                // The bank of modes follows a choke to within some 60 dB of its own sound.
                 let floor = if filter.modes == ModesGo::Through { 55.0 } else { 80.0 };
                 assert!(snr >= floor, "{name}, {hz} Hz, hand {choke} s: {snr:.1} dB");
             }
@@ -291,7 +292,7 @@ fn a_hand_comes_and_goes_without_a_click() {
         ],
         ..path(vec![])
     };
-    // The chains as loud as half of full scale.
+    // The chains play at half of full scale.
     let loud = |mut kit: Kit| {
         let exact = reference(&kit, 48_000, &[strike(0, 1.0)], 7_000);
         let peak = exact.iter().fold(0.0f64, |peak, x| peak.max(x.abs())) / f64::from(ONE_Q27);
@@ -300,7 +301,7 @@ fn a_hand_comes_and_goes_without_a_click() {
         }
         kit
     };
-    // A resonance at 200 Hz of a T60 of 0.3 s, rung by 10 ms of noise.
+    // This is a resonance at 200 Hz with a T60 of 0.3 s, rung by 10 ms of noise.
     let at = |time_s, noise| Breakpoint { time_s, noise, a1: -1.998_315, a2: 0.999_0, b0: 2e-4, b1: 0.0, b2: 0.0 };
     let ring = DynamicFilter { order: Order::Second, ..path(vec![at(0.0, 1.0), at(0.01, 0.0), at(1.0, 0.0)]) };
     for kit_of in [
@@ -317,21 +318,21 @@ fn a_hand_comes_and_goes_without_a_click() {
                 let events = [strike(0, 1.0), hand(comes, Action::Choke), hand(goes, Action::Release)];
                 let held = instrument(&kit, 48_000, &events, None, 12_000, 128);
                 let [comes, goes] = [comes as usize, goes as usize];
-                // All the same up to the hand, and its first sample but for rounding.
+                // Both are equal up to the hand, and at its first sample but for rounding.
                 assert!(held[..comes] == free[..comes] && held[comes].abs_diff(free[comes]) <= 16);
                 assert!(free.iter().all(|x| x.abs() < 2 * ONE_Q27), "it clips");
                 let loudest = free[comes - 600..comes + 600].iter().map(|x| x.abs()).max();
                 assert!(loudest > Some(ONE_Q27 / 10_000), "hand {choke} s: {loudest:?}");
-                // What a fast hand takes of a sample is a step in the reference too: of the loudest, at most
-                // this.
+                // The reference steps too when a fast hand takes its part of a sample. That step is
+                // at most this part of the loudest sample.
                 let taken = 1.0 - (-1000f64.ln() / (f64::from(choke) * 48e3)).exp();
                 let of_hand = if choke < 0.05 { (f64::from(loudest.unwrap_or(0)) * taken) as i32 } else { 0 };
                 assert!(choke > 0.3 || held[goes - 300..goes] != free[goes - 300..goes]);
                 let (before, at) =
                     (largest_step(&free[comes - 600..comes]), largest_step(&held[comes - 2..comes + 40]));
                 assert!(at <= before + of_hand + STEP, "hand {choke} s comes: {at} after {before}");
-                // The reference only multiplies states: it has no step. The instrument is where it is,
-                // before the hand goes and after.
+                // The reference only multiplies states, so it has no other step. The instrument
+                // must be where the reference is, before the hand goes and after.
                 let exact = reference(&kit, 48_000, &events, goes + 600);
                 for (n, exact) in exact.iter().enumerate().skip(comes - 100) {
                     let off = (f64::from(held[n]) - exact).abs();
@@ -381,7 +382,7 @@ fn zeros_that_another_rate_moves_sound_alike_in_instrument_and_reference() {
             let exact = reference(&kit, hz, &events(hz), 9_600);
             let own = instrument(&kit, hz, &events(hz), None, 9_600, 128);
             let worst = own.iter().zip(&exact).map(|(own, exact)| (f64::from(*own) - exact).abs()).fold(0.0, f64::max);
-            // Steps of 24 bits.
+            // A step of 24 bits is 16 bus steps.
             println!("zero {zero:?}, {hz} Hz: {:.2} steps", worst / 16.0);
             assert!(snr_db(&exact, &own) >= 86.0, "zero {zero:?}, {hz} Hz");
         }

@@ -1,4 +1,4 @@
-//! Every pad of the demo kit against the reference.
+//! Every pad of the demo kit, compared with the reference.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
@@ -12,7 +12,7 @@ fn demo() -> kit::Loaded {
     kit::open("demo").expect("the shipped kit is valid")
 }
 
-/// Strikes from soft to hard at several positions, between samples, with every striker of the pad.
+/// Strikes from soft to hard, at several positions, between samples, with every striker of the pad.
 fn strikes(kit: &kit::Kit, pad: usize) -> Vec<Event> {
     let strikers = kit.pads[pad].strikers.len();
     [(0.02, 0.0), (0.9, 0.3), (1.0, 1.0), (0.4, 0.77), (0.15, 0.5), (0.7, 0.1)]

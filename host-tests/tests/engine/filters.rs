@@ -1,5 +1,5 @@
-//! The engine with dynamic filters and biquads: what they cost when they do not sound, strikes,
-//! hands, block sizes, stress, refusals.
+//! The engine with dynamic filters and biquads: idle cost, strikes, hands, block sizes, stress,
+//! refusals.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Direct, LoadError, Plan, Setup, Skipping, TickReport};
@@ -17,7 +17,7 @@ fn breakpoint(time_s: f32, a1: f32, b: f32) -> Breakpoint {
     Breakpoint { time_s, noise: 1.0, a1, a2: 0.0, b0: b, b1: b, b2: 0.0 }
 }
 
-/// Noise that falls within a quarter of a second.
+/// Dynamic filter whose noise falls within a quarter of a second.
 pub(crate) fn filter(modes: ModesGo) -> DynamicFilter {
     DynamicFilter {
         seed: 3,
@@ -30,7 +30,7 @@ pub(crate) fn filter(modes: ModesGo) -> DynamicFilter {
     }
 }
 
-/// A band-pass loop round it whose frequency is that of its delay.
+/// Band-pass loop round the filter, with the frequency of its delay.
 pub(crate) fn round(gain: f32) -> Loop {
     Loop { frequency_hz: 500.0, bandwidth_hz: 5.0, gain, delay_s: 0.004 }
 }
@@ -41,7 +41,7 @@ pub(crate) fn biquads() -> Biquads {
     Biquads { rate_hz: 48_000.0, chains: vec![chain(0.995, 0.06), chain(0.9, 0.4)] }
 }
 
-/// One pad with a mode, and filters.
+/// Kit of one pad with a mode and filters.
 pub(crate) fn filtered(filter: Option<DynamicFilter>, biquads: Option<Biquads>) -> Kit {
     let mut kit = one_pad(vec![mode(440.0, 0.05, 300.0, 0.0)]);
     (kit.objects[0].dynamic_filter, kit.objects[0].biquads) = (filter, biquads);
@@ -52,7 +52,7 @@ fn all() -> Kit {
     filtered(Some(DynamicFilter { loops: vec![round(0.2)], ..filter(ModesGo::Through) }), Some(biquads()))
 }
 
-/// Sound and reports in blocks of a length, under events and a force.
+/// Sound and reports in blocks of `block` frames, under events and a force.
 fn play_force(
     loaded: &Loaded,
     events: &[Event],
@@ -106,8 +106,7 @@ fn nothing_is_computed_before_the_first_strike_nor_after_the_last_tail() {
 
 #[test]
 fn the_parts_of_a_pad_add_up() {
-    // Pads of the dynamic filter alone, of the biquads alone, of the mode alone, and of all of
-    // them.
+    // The pads have the dynamic filter alone, the biquads alone, the mode alone, and all of them.
     let sound = |modes: bool, filter: Option<DynamicFilter>, biquads: Option<Biquads>| {
         let mut kit = filtered(filter, biquads);
         if !modes {
@@ -131,7 +130,7 @@ fn the_parts_of_a_pad_add_up() {
 
 #[test]
 fn modes_go_through_the_filter_where_the_table_says_so() {
-    // A filter without noise that only halves: b0 = 0.5, no pole.
+    // This filter has no noise and no pole, and only halves: b0 = 0.5.
     let half = |modes| DynamicFilter { path: vec![Breakpoint { b0: 0.5, ..Breakpoint::default() }], ..filter(modes) };
     let events = [strike(5, 1.0)];
     let plain = play(&load(filtered(None, None)), &events, 9_600, 128).0;
@@ -145,7 +144,7 @@ fn modes_go_through_the_filter_where_the_table_says_so() {
 
 #[test]
 fn the_noise_follows_the_strikes_peak_force() {
-    // Harder than the reference force, too: v^1.2 of 5 N over 2 N.
+    // A strike may exceed the reference force, too: v^1.2 of 5 N over 2 N.
     let rms = |velocity: f32, reference_force: f32| {
         let mut kit = filtered(Some(filter(ModesGo::Beside)), None);
         kit.objects[0].modes.clear();
@@ -159,7 +158,7 @@ fn the_noise_follows_the_strikes_peak_force() {
         let found = db(power(&rms(velocity, reference_force)) / loud) - 20.0 * level.log10();
         assert!(found.abs() < 0.05, "velocity {velocity}, reference {reference_force} N: {found:.3} dB");
     }
-    // Uniform, rms 1/√3, through b0 = 1: the filter alone.
+    // Uniform noise of rms 1/√3 goes through b0 = 1, which is the filter alone.
     let mut kit = filtered(
         Some(DynamicFilter {
             path: vec![
@@ -177,8 +176,8 @@ fn the_noise_follows_the_strikes_peak_force() {
 
 #[test]
 fn the_exciters_band_moves_with_the_force_whatever_the_reference_is() {
-    // Of the same exponent and peak force over reference force, the same bits but for the bits that
-    // a louder filter takes.
+    // Equal peak force over reference force gives equal bits, but for the bits that a louder filter
+    // takes.
     let sound = |peak_force: f32, velocity: f32| {
         let exciter = Some(Exciter { low_hz: 500.0, high_hz: 4_000.0, exponent: 0.5 });
         let mut kit = filtered(Some(DynamicFilter { exciter, ..filter(ModesGo::Beside) }), None);
@@ -199,7 +198,7 @@ fn a_strike_starts_the_path_anew_and_what_rings_rings_on() {
     let (once, _) = play(&loaded, &[strike(0, 1.0)], 24_000, 128);
     let (twice, reports) = play(&loaded, &[strike(0, 1.0), strike(6_000, 1.0)], 24_000, 128);
     assert!(once[..6_000] == twice[..6_000] && once[6_000..] != twice[6_000..]);
-    // As loud again as after the first one.
+    // The second strike is as loud as the first.
     let again = db(power(&twice[6_000..7_200]) / power(&once[..1_200]));
     assert!(again.abs() < 1.0, "{again:.2} dB");
     assert_eq!(reports.iter().map(|report| report.strikes).sum::<u32>(), 2);
@@ -221,13 +220,13 @@ fn a_hand_takes_60_db_in_its_t60_and_a_strike_after_it_sounds_as_ever() {
     let fallen = |from: usize| db(power(&choked[from..from + 480]) / power(&ringing[from..from + 480]));
     let (early, late) = (fallen(9_600 + 2_160), fallen(9_600 + 4_560));
     assert!((early + 30.0).abs() < 0.5 && (late + 60.0).abs() < 0.5, "{early:.2} dB, {late:.2} dB");
-    // 120 dB down it is over, though the path is not.
+    // After 120 dB the filter rests, though its path goes on.
     assert!(reports[(9_600 + 9_700) / 32..].iter().all(is_idle));
     let events = [strike(0, 1.0), hand(9_599, Action::Choke), hand(23_999, Action::Release), strike(24_000, 1.0)];
     let again = play(&loaded, &events, 48_000, 128).0;
     let found = db(power(&again[24_000..28_800]) / power(&ringing[..4_800]));
     assert!(found.abs() < 0.5, "{found:.2} dB");
-    // Struck under the hand it falls from the strike on.
+    // A sound that is struck under the hand falls from the strike on.
     let under = play(&loaded, &[hand(0, Action::Choke), strike(9_600, 1.0)], 24_000, 128).0;
     let (start, end) = (power(&under[9_600..9_648]), power(&under[14_376..14_424]));
     assert!((db(end / start) + 60.0).abs() < 3.0, "{:.2} dB", db(end / start));
@@ -269,7 +268,7 @@ fn biquads_answer_a_direct_force_and_sleep_without_one() {
     let (sound, reports) = play_force(&loaded, &[], Some(&force), 48_000, 128);
     assert!(sound[..3_210].iter().all(|frame| *frame == [0, 0]) && power(&sound[3_210..6_000]) > 1e-9);
     assert!(reports[..100].iter().all(is_idle) && reports[1_000..].iter().all(is_idle));
-    // Only a strike has noise.
+    // Only a strike makes noise.
     assert!(reports.iter().all(|report| report.filter_frames == 0));
 }
 
@@ -312,7 +311,7 @@ fn an_engine_counts_what_filters_cost_before_it_runs_them() {
         cycles
     };
     let with = predicted(&[strike(64, 1.0)]);
-    // The strike's own tick, and one that rings.
+    // Tick 2 has the strike, tick 40 only rings.
     for tick in [2, 40] {
         assert!(with[tick] > without[tick] + 1_000, "tick {tick}: {} and {}", with[tick], without[tick]);
     }

@@ -1,5 +1,5 @@
-//! Hands: chokes and releases against the reference, under the boards' budgets, and their cost to what
-//! else rings.
+//! Hands: chokes and releases against the reference, under the budgets of the boards, and their
+//! effect on other sounds.
 
 use boards::{BlackpillF411, Board, Stm32f407gDisc1};
 use dsp_core::SampleRate;
@@ -25,7 +25,7 @@ fn snr_to_the_reference(loaded: &kit::Loaded, events: Vec<Event>) -> f64 {
 
 #[test]
 fn a_choke_and_its_release_keep_the_last_two_samples_of_each_mode() {
-    // One mode below fs/12, choked so fast that its phase would show any other decay.
+    // The mode lies below fs/12. It is choked so fast that its phase would show any other decay.
     let mut kit = one_pad(vec![mode(120.0, 2.0, 300.0, 200.0)]);
     kit.pads[0].choke_t60_s = 0.02;
     let loaded = load(kit);
@@ -41,7 +41,7 @@ fn ringing_modes() -> impl Strategy<Value = Vec<Mode>> {
         let of = |(place, t60_s, sine, cosine): (f64, f64, f64, f64)| {
             mode(40.0 * 590f64.powf(place), t60_s, 100.0 * sine, 100.0 * cosine)
         };
-        // One that is never silent.
+        // The last mode is never silent.
         modes.into_iter().map(of).chain([mode(700.0, 0.5, 100.0, 0.0)]).collect()
     })
 }
@@ -79,8 +79,8 @@ fn any_shipped_pad_is_choked_and_released_without_click_and_shedding() {
     sweeps::hands::every_pad(Extent::Tenth);
 }
 
-/// The fall of the demo kit's bell within 60 ms of a choke, dB, and the groups that a budget left
-/// out.
+/// Fall in dB of the demo kit's bell within 60 ms of a choke, and the number of groups that a
+/// budget left out.
 fn choked_bell<B: Board>() -> (f64, u32) {
     let loaded = kit::open("demo").expect("the kit ships with the project");
     let view = KitView::parse(&loaded.binary).expect("it is valid");
@@ -105,14 +105,14 @@ fn a_choked_bell_of_the_demo_kit_falls_by_its_t60_under_a_boards_budget() {
         (BlackpillF411::NAME, choked_bell::<BlackpillF411>()),
     ] {
         println!("{board}: {fall_db:.1} dB in 60 ms, {shed_groups} groups shed");
-        // 60 dB in 0.25 s are 12 dB between the middles of the two parts, 50 to 60 ms apart.
+        // The middles of the two parts are 50 to 60 ms apart, in which 60 dB in 0.25 s make 12 dB.
         assert!(shed_groups == 0 && (9.0..18.0).contains(&fall_db), "{board}: {fall_db:.1} dB, {shed_groups} groups");
     }
 }
 
 #[test]
 fn no_tick_of_the_demo_piece_with_a_hand_is_planned_beyond_its_budget() {
-    // 80 % of 168 MHz; the piece chokes pads while others ring.
+    // The budget is 80 % of 168 MHz. The piece chokes pads while others ring.
     const BUDGET: u32 = 89_600;
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tables/demo-piece.csv");
     let loaded = kit::open("demo").expect("the kit ships with the project");

@@ -1,4 +1,4 @@
-//! The whole engine against the `f64` reference: accuracy, skipped work, hands, blocks of any size,
+//! The whole engine against the `f64` reference: accuracy, skipped work, hands, any block size,
 //! shipped kits. `cargo test -p host-tests --test engine hands::` runs one part.
 
 mod block_size;

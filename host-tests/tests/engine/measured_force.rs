@@ -1,9 +1,9 @@
-//! The force of an impact hammer: every pad against the reference, and the mug against its
-//! microphone.
+//! The force of an impact hammer on every pad, compared with the reference, and on the mug,
+//! compared with its microphone.
 //!
-//! The recording lies beside the project, in `../shared/data`: where it does not, its tests are
-//! ignored. A hammer's strikes that are made here, with the noise of a force channel, drive every
-//! pad as well.
+//! The recording lies beside the project, in `../shared/data`. If it is missing, its tests are
+//! ignored. The rendered force of a hammer, with the noise of a force channel, drives every pad as
+//! well.
 
 use std::path::Path;
 
@@ -15,10 +15,10 @@ use host_tests::performance::{instrument, largest_difference, reference, snr_db}
 use malleus::render::Performance;
 use malleus::wave::{Force, read_force};
 
-/// Strikes on a mug: channel 0 is the microphone, channel 1 the force.
+/// Recording of strikes on a mug: channel 0 is the microphone, channel 1 the force.
 const RECORDING: &str = "hammer/hammer_ceramic.wav";
-/// Time of the force's peak of each strike in seconds, and what the mug's table leaves of it in dB.
-/// The table was fitted to the second strike.
+/// Strikes of the recording: time of the force's peak in seconds, and remainder in dB after the
+/// mug's table. The table was fitted to the second strike.
 const STRIKES: [(f64, f64); 8] = [
     (0.0598, -17.4),
     (0.4047, -27.0),
@@ -45,7 +45,7 @@ fn recordings_are_absent_as_they_were_when_this_was_built() {
     assert!(!data.is_dir(), "{} is there now: run `touch build/shared_data.rs` and test again", data.display());
 }
 
-/// The force of a hammer whose strikes are made here.
+/// Force of a hammer whose strikes are rendered here.
 fn rendered_force() -> Force {
     let recording = hammered(1).recording;
     let rate = SampleRate::new(recording.rate_hz as u32, 1).expect("44.1 kHz is a rate");
@@ -53,8 +53,10 @@ fn rendered_force() -> Force {
     Force { rate, samples: force.iter().map(|x| (x * f64::from(ONE_Q27)).round() as i32).collect() }
 }
 
-/// Every pad of the demo kit under the force, in mono: at least `snr_db` to the reference, and what
-/// skipping changes at most `skipped_dbfs`.
+/// Plays every pad of the demo kit under the force, in mono.
+///
+/// The SNR to the reference is at least `least_snr_db`. Skipping changes at most
+/// `most_skipped_dbfs`.
 fn every_pad_is_within(force: &Force, least_snr_db: f64, most_skipped_dbfs: f64) {
     let loaded = demo();
     for (index, pad) in (0u8..).zip(&loaded.kit.pads) {
@@ -83,7 +85,7 @@ fn the_measured_force_on_every_pad_leaves_at_least_100_db() {
     every_pad_is_within(&channel(1), 100.0, -101.0);
 }
 
-/// Remainder of `microphone` without the best fit of `sound` at the best delay, in dB.
+/// Remainder in dB of `microphone` less the best fit of `sound`, and the best delay in samples.
 fn residual_db(microphone: &[f64], sound: &[f64], longest_delay: usize) -> (f64, usize) {
     let frames = microphone.len().min(sound.len() - longest_delay);
     let energy: f64 = microphone[..frames].iter().map(|x| x * x).sum();
@@ -98,11 +100,11 @@ fn residual_db(microphone: &[f64], sound: &[f64], longest_delay: usize) -> (f64,
         .expect("there is a delay")
 }
 
-/// Longest way from the force to the microphone, in samples.
+/// Longest delay from the force to the microphone in samples.
 const LONGEST_DELAY: usize = 64;
 
-/// The demo kit's mug under a force, in mono behind silence of the longest delay: reference,
-/// dsp-core.
+/// Sound of the demo kit's mug under a force, in mono, behind silence of the longest delay: by the
+/// reference, then by `dsp-core`.
 fn mug_under(force: &Force) -> [Vec<f64>; 2] {
     let loaded = demo();
     let mug = (0u8..).zip(&loaded.kit.pads).find(|(_, pad)| pad.name == "mug").expect("the kit has a mug").0;
@@ -125,7 +127,7 @@ fn residual_of_a_rendered_microphone_is_its_noise_at_its_delay() {
     let mut state = 1u64;
     let noise = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        // Uniform, rms 1.
+        // The noise is uniform with rms 1.
         ((state >> 33) as f64 / (1u64 << 31) as f64 - 0.5) * 12f64.sqrt()
     };
     let noise = std::iter::repeat_with(noise).map(|x| x * rms * 10f64.powf(-27.0 / 20.0));
@@ -138,11 +140,11 @@ fn residual_of_a_rendered_microphone_is_its_noise_at_its_delay() {
     }
 }
 
-/// Remainder of the microphone without the demo kit's mug under the measured force of one strike,
-/// in dB: reference, dsp-core.
+/// Remainder in dB of the microphone, less the demo kit's mug under the measured force of one
+/// strike: by the reference, then by `dsp-core`.
 fn mug_residuals_db(microphone: &Force, force: &Force, hit_s: f64) -> [f64; 2] {
     let frame = |seconds: f64| (seconds * force.rate.hz()).round() as usize;
-    // The strike alone: its force from 3 ms before the peak, and 0.3 s of sound.
+    // The strike is cut out: its force from 3 ms before the peak, and 0.3 s of sound.
     let (begin, length) = (frame(hit_s - 0.003), frame(0.3));
     let alone = Force { samples: force.samples[begin..begin + length].to_vec(), ..*force };
     let microphone: Vec<f64> = microphone.samples[begin..begin + length].iter().map(|&x| f64::from(x)).collect();
@@ -154,8 +156,8 @@ fn mug_residuals_db(microphone: &Force, force: &Force, hit_s: f64) -> [f64; 2] {
     residuals.map(|(residual_db, _)| residual_db)
 }
 
-/// The README's figures: -27.0 dB on the strike that the table was fitted to, -17.4 to -2.0 dB on
-/// the others.
+/// The figures are those of the README: -27.0 dB on the strike to which the table was fitted, -17.4
+/// to -2.0 dB on the others.
 #[test]
 #[cfg_attr(not(has_shared_data), ignore = "needs the recordings in ../shared/data")]
 fn the_mug_explains_the_strike_it_was_fitted_to_and_less_of_the_others() {

@@ -1,4 +1,4 @@
-//! Positions: each contact drives the gains of the place that it strikes.
+//! Positions: each contact drives the gains of the place where it strikes.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
@@ -24,7 +24,7 @@ fn snr_to_the_reference(loaded: &Loaded, events: Vec<Event>) -> (f64, u32) {
     (snr_db(&reference(loaded, &performance, RATE), &bus), merged)
 }
 
-/// Modes from 100 Hz to 20 kHz with gains at `positions` places, every other with a cosine too.
+/// Modes from 100 Hz to 20 kHz with gains at `positions` places. Every other mode has cosine gains.
 fn modes(gains: &[(f32, f32)], positions: usize) -> Vec<Mode> {
     let count = gains.len() / positions;
     let of_mode = |(index, gains): (usize, &[(f32, f32)])| Mode {
@@ -38,7 +38,7 @@ fn modes(gains: &[(f32, f32)], positions: usize) -> Vec<Mode> {
     gains.chunks_exact(positions).enumerate().map(of_mode).collect()
 }
 
-/// A table of 24 modes whose gains differ from place to place.
+/// Kit whose object has 24 modes, with gains that differ from place to place.
 fn table() -> Loaded {
     let gains: Vec<(f32, f32)> =
         (0..72).map(|n| ((n as f32 * 1.7).sin() * 40.0, (n as f32 * 2.3).cos() * 10.0)).collect();
@@ -65,7 +65,7 @@ fn a_strike_at_a_third_place_is_merged_into_the_nearer_and_counted() {
     let performance = Performance::new(events.clone(), None, &loaded.kit, RATE, Some(0.1));
     let (bus, reports) = instrument(&loaded, &performance, RATE, Skipping::Off);
     assert_eq!(reports.iter().map(|report| report.merged_positions).sum::<u32>(), 1);
-    // It is played at 0.7.
+    // The third strike is played at 0.7.
     let mut nearer = performance;
     nearer.events[2].position = 0.7;
     let snr = snr_db(&reference(&loaded, &nearer, RATE), &bus);

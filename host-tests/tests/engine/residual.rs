@@ -1,5 +1,4 @@
-//! The engine with residuals and background: what they cost when they do not sound, chokes, block
-//! sizes, refusals.
+//! The engine with residuals and background: idle cost, chokes, block sizes, refusals.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Engine, LoadError, Plan, Setup, Skipping, Stage, TickReport};
@@ -25,7 +24,7 @@ fn noisy(decay_db_per_s: f32) -> Kit {
     kit
 }
 
-/// Sound and reports in blocks of a length.
+/// Sound and reports in blocks of `block` frames.
 fn play(loaded: &Loaded, events: &[Event], frames: usize, block: usize) -> (Vec<[i32; 2]>, Vec<TickReport>) {
     let kit = KitView::parse(&loaded.binary).expect("a right kit");
     let mut engine = lent::engine(&kit, SampleRate::HZ_48000, Skipping::On).expect("it can be played");
@@ -51,7 +50,7 @@ fn nothing_is_computed_before_the_first_strike_nor_after_the_last_tail() {
     };
     assert!(reports[..150].iter().all(is_idle) && sound[..4_800].iter().all(|frame| *frame == [0, 0]));
     assert!(reports[150..300].iter().all(|report| report.residual_frames == TICK_FRAMES as u32));
-    // 300 dB/s: 80 dB in a quarter of a second, and the last frames.
+    // At 300 dB/s, 80 dB take a quarter of a second; the last noise frames come after that.
     let end = 1_200;
     assert!(reports[end..].iter().all(is_idle) && sound[end * 32..].iter().all(|frame| *frame == [0, 0]));
 }
@@ -64,7 +63,7 @@ fn a_kit_without_background_costs_none_and_one_with_it_sounds_from_the_start_on(
     kit.background = Some(background());
     let (sound, reports) = play(&load(kit), &[], 96_000, 128);
     assert!(reports.iter().all(|report| report.background_frames == 32 && report.residual_frames == 0));
-    // In the middle both sides have half the power; they are alike.
+    // A background in the middle has half its power on each side, and equal sides.
     let db = 10.0 * (power(&sound[9_600..]) / (0.003f64.powi(2) + 0.001f64.powi(2))).log10();
     assert!(db.abs() < 0.5, "{db:.2} dB");
     assert!(sound.iter().all(|[left, right]| (left - right).abs() <= 1));
@@ -86,8 +85,8 @@ fn the_block_size_cannot_change_a_bit() {
     let (whole, reports) = play(&loaded, &events, 12_000, 12_000);
     for block in [1, 7, 32, 100, 1_024] {
         let (sound, same) = play(&loaded, &events, 12_000, block);
-        // The bits, and what sounds; how many frames of a tick a contact drives is a matter of
-        // where it is cut.
+        // The bits and the sounding stages must be equal. The number of driven frames may differ,
+        // because it depends on the cuts of a tick.
         let noise = |reports: &[TickReport]| -> Vec<[u32; 3]> {
             reports.iter().map(|tick| [tick.residual_frames, tick.background_frames, tick.residuals]).collect()
         };
@@ -104,10 +103,10 @@ fn a_hand_on_the_pad_takes_its_residual_away() {
     let choked = play(&loaded, &[strike(0, 1.0), hand(9_600, Action::Choke)], 48_000, 128).0;
     assert!(ringing[..9_600] == choked[..9_600]);
     let fallen_db = |from: usize| 10.0 * (power(&choked[from..from + 480]) / power(&ringing[from..from + 480])).log10();
-    // 600 dB/s while the hand lies there.
+    // The hand takes 600 dB/s.
     let (early, late) = (fallen_db(9_600 + 2_160), fallen_db(9_600 + 4_560));
     assert!((early + 30.0).abs() < 4.0 && (late + 60.0).abs() < 4.0, "{early:.1} dB, {late:.1} dB");
-    // Let go and struck again it is as before.
+    // After a release the next strike sounds as before.
     let events = [strike(0, 1.0), hand(9_600, Action::Choke), hand(24_000, Action::Release), strike(24_000, 1.0)];
     let again = play(&loaded, &events, 48_000, 128).0;
     let db = 10.0 * (power(&again[24_000..28_800]) / power(&ringing[..4_800])).log10();

@@ -1,4 +1,4 @@
-//! Rolls on every stage at once. The hour itself: `cargo bench -p host-tests --bench hour`.
+//! Rolls on every stage at once. `cargo bench -p host-tests --bench hour` plays the whole hour.
 
 use host_tests::rolls::roll;
 use host_tests::sweeps::{self, Extent};

@@ -1,4 +1,4 @@
-//! The engine with a room: what it adds, when it sleeps, block sizes, refusals.
+//! The engine with a room: its answer, its rest, block sizes, refusals.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{LoadError, Plan, Setup, TickReport};
@@ -11,7 +11,7 @@ use host_tests::room::{SMALL, Table, TableBand, answer_to_sides};
 use host_tests::scene::{hand, load, mode, one_pad, strike};
 use kit::{Kit, Loaded, RoomBand};
 
-/// Most samples of delay are [`SMALL`].
+/// Setup with at most [`SMALL`] samples of delay.
 fn setup() -> Setup {
     Setup { room_samples: SMALL, ..Setup::new(SampleRate::HZ_48000) }
 }
@@ -20,12 +20,12 @@ fn dry() -> Kit {
     one_pad(vec![mode(440.0, 0.05, 500.0, 0.0), mode(2_510.0, 0.03, 500.0, 0.0)])
 }
 
-/// With a room of 0.3 s below 1 kHz and 0.2 s above.
+/// Kit with a room of 0.3 s below 1 kHz and 0.2 s above.
 fn wet() -> Kit {
     Kit { room: vec![RoomBand::new(0.0, 0.3, -6.0), RoomBand::new(1_000.0, 0.2, -9.0)], ..dry() }
 }
 
-/// Sound and reports in blocks of a length.
+/// Sound and reports in blocks of `block` frames.
 fn play(loaded: &Loaded, events: &[Event], frames: usize, block: usize) -> (Vec<[i32; 2]>, Vec<TickReport>) {
     let kit = KitView::parse(&loaded.binary).expect("a right kit");
     let mut engine = lent::engine_of::<i32>(&kit, setup()).expect("it can be played");
@@ -79,7 +79,7 @@ fn a_room_sleeps_before_the_first_strike_and_after_the_last_tail() {
 #[test]
 fn the_block_size_cannot_change_a_bit_of_the_room() {
     let loaded = load(wet());
-    // The last one falls into the silence after the room's tail, off the tick.
+    // The last strike falls into the silence after the room's tail, between two ticks.
     let events = [
         strike(3, 1.0),
         strike(40, 0.3),
@@ -92,7 +92,7 @@ fn the_block_size_cannot_change_a_bit_of_the_room() {
     for block in [1, 7, 32, 100, 1_024] {
         assert!(play(&loaded, &events, 96_000, block).0 == whole, "blocks of {block}");
     }
-    // It answers there as it would have from the start on.
+    // The room then answers as it would have from the start on.
     let (alone, _) = play(&loaded, &[strike(88_011, 0.7)], 96_000, 100);
     let energy = |sound: &[[i32; 2]]| sound.iter().map(|frame| f64::from(frame[0]).powi(2)).sum::<f64>();
     let db = 10.0 * (energy(&whole[88_000..]) / energy(&alone[88_000..])).log10();

@@ -1,4 +1,4 @@
-//! What a scene does not need is not computed: asserted from the engine's report.
+//! Work that a scene does not need is not done. The engine's reports prove it.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Direct, Skipping, TickReport};
@@ -62,7 +62,7 @@ fn a_striker_with_weight_zero_is_not_built() {
 fn when_the_contact_is_over_the_bank_drops_its_input_work() {
     let loaded = load(one_pad(vec![mode(440.0, 2.0, 300.0, 0.0)]));
     let (_, reports) = play(&loaded, RATE, Skipping::On, &[strike(0, 1.0)], None, (9_600, &[128]));
-    // 0.5 ms are 24 frames: the first tick is driven, all later ones ring freely.
+    // The contact of 0.5 ms takes 24 frames. The first tick is driven, all later ones ring freely.
     assert!(reports[0].driven_mode_frames > 0);
     assert!(reports[1..].iter().all(|report| report.driven_mode_frames == 0 && report.free_mode_frames == 32));
     let (_, reports) = play(&loaded, RATE, Skipping::Off, &[strike(0, 1.0)], None, (9_600, &[128]));
@@ -103,15 +103,15 @@ fn the_loudest_pad_level_decides_when_a_mode_retires() {
         let (_, reports) = play(&load(kit), RATE, Skipping::On, &[strike(0, 1.0)], None, (96_000, &[128]));
         reports.iter().filter(|report| report.run_mode_frames() > 0).count()
     };
-    // 20 dB are a third of a T60 of 0.1 s: 50 ticks. A group is looked at when it has decayed by
-    // half a bit, here every 7 ticks.
+    // A level of 20 dB is worth a third of a T60 of 0.1 s: 50 ticks. A group is looked at when it
+    // has decayed by half a bit, here every 7 ticks.
     let ticks = lifetime(20.0) - lifetime(0.0);
     assert!((43..=57).contains(&ticks), "{ticks}");
 }
 
 #[test]
 fn balanced_pads_have_the_same_bits_by_the_quick_path_and_by_the_whole_one() {
-    // With skipping off no run takes the quick path to the stereo bus, and nothing retires: from
+    // With skipping off no run takes the quick path to the stereo bus, and nothing retires. From
     // the sixth tick on bits may differ.
     let loaded = kit::open("demo").unwrap();
     let view = Kit::parse(&loaded.binary).unwrap();

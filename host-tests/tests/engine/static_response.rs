@@ -1,5 +1,4 @@
-//! The static response of modes: `acceleration = "balance"` takes it away, and no shipped pad
-//! thumps.
+//! The static response of modes: `acceleration = "balance"` removes it, and no shipped pad thumps.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
@@ -17,7 +16,8 @@ fn rates() -> [SampleRate; 5] {
 }
 
 fn modes() -> impl Strategy<Value = Vec<Mode>> {
-    // In both phases, with the size of a mode of amplitude 0.1; some above half of each rate.
+    // Gains are in both phases, of the size of a mode of amplitude 0.1. Some modes lie above half
+    // of each rate.
     let mode = (4.0f64..10.5, 0.02f64..0.1, prop::array::uniform6(-0.1f64..0.1)).prop_map(|(octave, t60_s, gains)| {
         let frequency_hz = 2f64.powf(octave + 4.0);
         let gain = |sine: f64, cosine: f64| Gain {
@@ -33,7 +33,7 @@ fn modes() -> impl Strategy<Value = Vec<Mode>> {
     prop::collection::vec(mode, 1..12)
 }
 
-/// A kit whose object has these modes, and whose striker one of its own.
+/// Kit whose object has the modes, and whose striker has one mode of its own.
 fn with(modes: &[Mode], acceleration: Acceleration) -> Loaded {
     let mut kit = one_pad(modes.to_vec());
     kit.objects[0].acceleration = acceleration;
@@ -43,7 +43,7 @@ fn with(modes: &[Mode], acceleration: Acceleration) -> Loaded {
     load(kit)
 }
 
-/// Mean of the left channel over the last 20 ms of 0.4 s of a constant force, by the instrument and
+/// Mean of the left channel over the last 20 ms of 0.4 s of constant force, by the instrument, then
 /// by the reference.
 fn under_constant_force(loaded: &Loaded, rate: SampleRate) -> [f64; 2] {
     let frames = (0.4 * rate.hz()) as usize;
@@ -65,7 +65,7 @@ proptest! {
             let balanced = under_constant_force(&with(&modes, Acceleration::Balance), rate);
             let plain = under_constant_force(&with(&modes, Acceleration::NONE), rate);
             for (balanced, plain) in balanced.into_iter().zip(plain) {
-                // -100 dB of full scale for what fixed point leaves, -90 dB of what was there.
+                // Fixed point may leave -100 dB of full scale and -90 dB of the static response.
                 prop_assert!(balanced.abs() < 1e-5 + 3e-5 * plain.abs(), "{rate}: {balanced:e}, without {plain:e}");
             }
         }
@@ -87,19 +87,19 @@ proptest! {
             let (bus, _) = instrument(&loaded, &performance, rate, Skipping::Off);
             let balanced = reference(&loaded, &performance, rate);
             let plain = reference(&with(&modes, Acceleration::NONE), &performance, rate);
-            // What is left of a soft strike is a difference: the error is that of what was
-            // subtracted.
+            // The rest of a soft strike is a difference. Its error is that of the two larger
+            // sounds.
             let energy = |sound: &[[f64; 2]]| sound.iter().flatten().map(|x| x * x).sum::<f64>();
             let difference = (energy(&plain) / energy(&balanced)).log10().max(0.0) * 10.0;
             let snr = snr_db(&balanced, &bus) + difference;
-            // A soft strike on a high mode is as small as the last of 24 bits.
+            // A soft strike on a high mode can be as small as the last of 24 bits.
             let error = largest_difference(&balanced, &bus);
             prop_assert!(snr >= 90.0 || error < 2f64.powi(-24), "{rate}: {snr:.1} dB, error up to {error:e}");
         }
     }
 }
 
-/// Frequency of the lowest thing that rings of a pad under one of its strikers.
+/// Lowest frequency in Hz of a pad's modes, loops and biquads, under one of its strikers.
 fn lowest_hz(kit: &Kit, pad: usize, striker: usize) -> f64 {
     let pad = &kit.pads[pad];
     let object = kit.objects.iter().find(|object| object.name == pad.object).expect("the pad's object");
@@ -117,8 +117,8 @@ fn lowest_hz(kit: &Kit, pad: usize, striker: usize) -> f64 {
     modes.chain(loops).chain(biquads).fold(f64::INFINITY, f64::min)
 }
 
-/// Share of a sound's energy below a frequency. The last quarter is faded out, so that its cut does
-/// not spread.
+/// Share of a sound's energy below a frequency. The last quarter is faded out, so that its end does
+/// not spread over the spectrum.
 fn share_below(sound: &[[f64; 2]], hz: f64, rate: SampleRate) -> f64 {
     let frames = sound.len();
     let (mut below, mut all) = (0.0, 0.0);
@@ -140,7 +140,7 @@ fn share_below(sound: &[[f64; 2]], hz: f64, rate: SampleRate) -> f64 {
     below / all
 }
 
-/// Largest share of a strike's energy below 0.7 times the lowest mode.
+/// Limit of the share of a strike's energy below 0.7 times the lowest frequency of the pad.
 const MOST: f64 = 0.03;
 
 #[test]

@@ -1,4 +1,4 @@
-//! What a harder strike does on every shipped pad: each mode gets louder, and no sound gets duller.
+//! A harder strike on every shipped pad: each mode gets louder, and no sound gets duller.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ use malleus::render::Performance;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 const KITS: [&str; 3] = ["demo", "recorded", "filters"];
-/// Sound whose centroid is looked at, frames: 50 ms.
+/// Number of frames whose centroid is measured: 50 ms.
 const FRAMES: usize = 2_400;
 
 fn open(name: &str) -> kit::Loaded {
@@ -22,8 +22,8 @@ fn velocities(count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |step| 0.05f64.powf(1.0 - step as f64 / (count - 1) as f64))
 }
 
-/// Energy of a mode, over all phases of its gain, under a force: of the complex `Σ F[m] e^{p
-/// (n-m)}`.
+/// Energy of a mode under a force, over all phases of its gain: the energy of the complex
+/// `Σ F[m] e^{p (n-m)}`.
 fn energy(frequency_hz: f64, decay_per_s: f64, force: &[f64]) -> f64 {
     let (radius, angle) = ((-decay_per_s / RATE.hz()).exp(), TAU * frequency_hz / RATE.hz());
     let (pole_re, pole_im) = (radius * angle.cos(), radius * angle.sin());
@@ -32,7 +32,7 @@ fn energy(frequency_hz: f64, decay_per_s: f64, force: &[f64]) -> f64 {
         (re, im) = (re * pole_re - im * pole_im + force, re * pole_im + im * pole_re);
         energy += re * re + im * im;
     }
-    // What rings on after the contact.
+    // The second term is the energy that rings after the contact.
     energy + (re * re + im * im) * radius * radius / (1.0 - radius * radius)
 }
 
@@ -74,7 +74,7 @@ fn every_mode_of_every_shipped_pad_gets_louder_with_velocity() {
     }
 }
 
-/// Left and right together: energy, and the centroid of the power spectrum in Hz.
+/// Energy of left and right together, and the centroid of their power spectrum in Hz.
 fn energy_and_centroid_hz(sound: &[[f64; 2]]) -> (f64, f64) {
     let size = 8_192;
     let transform = fourier::forward(size);
@@ -108,7 +108,7 @@ fn no_shipped_pad_gets_duller_or_softer_under_a_harder_strike() {
         let loaded = open(name);
         for (index, pad) in loaded.kit.pads.iter().enumerate() {
             for striker in 0..pad.strikers.len() {
-                // The instrument plays every third velocity too.
+                // The reference plays every velocity, the instrument every third.
                 let (mut by_reference, mut by_instrument) = (Vec::new(), Vec::new());
                 for (step, velocity) in velocities(16).enumerate() {
                     let events = vec![one_strike(index, striker, velocity, 0.3)];
