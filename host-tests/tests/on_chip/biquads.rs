@@ -1,4 +1,4 @@
-//! Biquads on the virtual core: the bits of the PC, and their cycles.
+//! Biquads on the virtual core: bits equal to the PC's, and their cycles.
 
 use dsp_core::biquad::{Biquad, Root, TickKind};
 use float_forms::biquads::FloatBank;
@@ -22,7 +22,7 @@ fn the_chip_has_the_bits_of_the_pc_in_blocks_of_any_size() {
     for (depth, coincident) in [(1, false), (2, false), (3, false), (4, false), (2, true), (3, true), (4, true)] {
         let mut all = biquads(12, &mut random);
         if coincident {
-            // Chains that cannot be parted.
+            // The poles of each chain are equal, so that its sections cannot be parted.
             for at in 0..12 {
                 all[at].pole = all[at / depth * depth].pole;
             }
@@ -91,7 +91,7 @@ fn a_biquad_in_single_precision_keeps_its_cycles() {
     }
 }
 
-/// Modes as they come: radii of T60 20 ms to 10 s, angles of 50 Hz to 18 kHz.
+/// Biquads of typical modes: radii of T60 20 ms to 10 s, angles of 50 Hz to 18 kHz.
 fn modes(count: usize, random: &mut Random) -> Vec<Biquad> {
     let mut biquad = || {
         let radius = (-6.9 / (48_000.0 * 10f64.powf(random.between(-1.7, 1.0)))).exp();
@@ -107,7 +107,7 @@ fn a_biquad_keeps_its_cycles_and_one_at_rest_costs_nothing() {
     let mut chip = BiquadsOnChip::new().unwrap();
     let mut random = Random::new(7);
     let noise: Vec<i32> = (0..4096).map(|_| (random.between(-0.5, 0.5) * f64::exp2(27.0)) as i32).collect();
-    // Half a sine of 2 ms, as a contact has it.
+    // The pulse is half a sine of 2 ms, like that of a contact.
     let pulse: Vec<i32> =
         (0..96).map(|n| ((f64::from(n) / 96.0 * std::f64::consts::PI).sin() * f64::exp2(27.0)) as i32).collect();
     for (count, depth) in [(64, 1), (64, 2), (64, 4), (32, 2), (16, 1), (16, 2), (16, 4)] {

@@ -1,5 +1,5 @@
-//! The budget on the virtual core: what a tick is expected to cost, and what happens where that is
-//! too much.
+//! The budget on the virtual core: predicted costs of ticks, and ticks that would exceed the
+//! budget.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Direct, Skipping};
@@ -41,9 +41,9 @@ fn the_cost_of_the_scenes_is_predicted_within_three_percent() {
 /// Sound and costs of a scene on the chip under its budget.
 struct Played {
     sound: Vec<[i32; 2]>,
-    /// With the engine's decisions at their places.
+    /// Events of the scene, with the engine's decisions at their places.
     events: Vec<Event>,
-    /// Reported as missing, by tick.
+    /// Amplitude that each tick reports as missing, 1.0 = full scale.
     lost: Vec<f64>,
     dearest_tick: u64,
     stack_bytes: u32,
@@ -69,7 +69,7 @@ fn play(scene: &BudgetScene) -> Played {
             println!("{tick}: {} {} {}", call.cost.nominal, told.predicted_cycles, told.shed_groups);
         }
     }
-    // A decision stands behind the events of its frame.
+    // A decision takes effect after the events of its frame.
     played.events.sort_by_key(|event| (event.time.first_frame(), matches!(event.action, Action::Shed(_))));
     played
 }
@@ -95,10 +95,10 @@ fn a_storm_never_exceeds_its_budget_and_replays_to_the_same_bits() {
         assert!(played.dearest_tick <= u64::from(STORM_BUDGET), "dearest tick: {}", played.dearest_tick);
         assert!(decisions > 0 && played.stack_bytes <= 2048, "{} bytes of stack", played.stack_bytes);
 
-        // The same bits on the PC, without a budget, in one block.
+        // The PC gives equal bits from the logged decisions, without a budget, in one block.
         assert!(replay(&scene.kit, &played.events, played.sound.len()) == played.sound, "the replay differs");
 
-        // At most what was reported is missing.
+        // The sound lacks at most the reported amplitude.
         let whole = replay(&scene.kit, &scene.events, played.sound.len());
         let mut reported = 0.0;
         let ticks = played.sound.chunks(TICK_FRAMES).zip(whole.chunks(TICK_FRAMES)).zip(played.lost);
@@ -114,7 +114,8 @@ fn a_storm_never_exceeds_its_budget_and_replays_to_the_same_bits() {
 
 #[test]
 fn what_is_quietest_goes_first() {
-    // A loud pad and one 46 dB below it, on the PC: the engine decides alike everywhere.
+    // One pad is loud, the other 46 dB below it. The PC plays them, because the engine decides
+    // alike everywhere.
     let kit = pads(2).binary;
     let view = Kit::parse(&kit).unwrap();
     let mut events = strikes(2, 0, 1.0);
@@ -130,8 +131,8 @@ fn what_is_quietest_goes_first() {
         (out, shed_modes)
     };
     let (whole, none) = play(None);
-    // Both pads cost some 27 000 cycles a tick; the choice itself takes 5000 of the one in which it
-    // is made.
+    // Both pads cost some 27 000 cycles a tick. The choice itself takes 5000 in the tick in which
+    // it is made.
     let (got, shed_modes) = play(Some(28_400));
     assert!(none == 0 && (30..128).contains(&shed_modes), "{shed_modes} of 128 modes");
     let peak = |frames: &[[i32; 2]]| frames.iter().flatten().map(|x| x.abs()).max().unwrap_or(0);
@@ -143,7 +144,7 @@ fn what_is_quietest_goes_first() {
 
 #[test]
 fn strikes_anywhere_in_a_tick_replay_to_the_same_bits_under_any_budget() {
-    // On the PC: the engine decides alike everywhere.
+    // The PC plays the scenes, because the engine decides alike everywhere.
     for budget in (20_000..80_000).step_by(5_000) {
         let scene = playing_scene(budget);
         let kit = Kit::parse(&scene.kit).unwrap();

@@ -1,4 +1,4 @@
-//! What the code costs on the virtual core: exact instruction counts of the kernels, their cycles,
+//! Costs of the code on the virtual core: exact instruction counts of the kernels, their cycles,
 //! and the engine's footprint.
 
 use dsp_core::resonator::TICK_FRAMES;
@@ -8,7 +8,8 @@ use host_tests::on_chip::scenes::{measure, pads, strikes};
 use host_tests::on_chip::{BankOnChip, EngineOnChip};
 use virtual_core::Cost;
 
-/// The assembly of a call: the kernels and the walk between them, without the Rust around.
+/// Cost of the assembly in a call: the kernels and the walk between them, without the Rust around
+/// it.
 fn kernels(chip: &mut BankOnChip) -> Cost {
     let assembly = ["free_", "driven_", "short_", "next_", "after_", "leftover_", "finish", "malleus_kernel_"];
     let own = |name: &str| assembly.iter().any(|start| name.starts_with(start));
@@ -16,7 +17,7 @@ fn kernels(chip: &mut BankOnChip) -> Cost {
     profile.iter().filter(|function| own(&function.name)).fold(Cost::default(), |sum, function| sum + function.cost)
 }
 
-/// A bank of 240 modes of one form, driven or ringing, over one run.
+/// Cost of the assembly for one run of a bank of 240 modes of one form, driven or ringing.
 fn run(chip: &mut BankOnChip, hz: f32, cosine: f32, driven: bool, frames: usize) -> Cost {
     let (modes, gains): (Vec<_>, Vec<_>) = (0..240)
         .map(|n| {
@@ -39,8 +40,8 @@ fn run(chip: &mut BankOnChip, hz: f32, cosine: f32, driven: bool, frames: usize)
 
 #[test]
 fn the_kernels_execute_exactly_as_many_instructions_as_written_here() {
-    // (what, Hz, gain into v, driven, frames, instructions of 240 modes). A change of a loop is a
-    // change of this table, on purpose.
+    // Columns: name, Hz, gain into v, driven, frames, instructions of 240 modes. A loop that
+    // changes must change this table, on purpose.
     let table = [
         ("free, coupled", 1000.0, 0.0, false, 32, 38_631),
         ("free, shifted by 1", 6700.0, 0.0, false, 32, 38_631),
@@ -69,15 +70,15 @@ fn the_kernels_execute_exactly_as_many_instructions_as_written_here() {
 #[test]
 fn the_kernels_keep_their_cycles_and_their_loops_fit_the_flash_cache() {
     let mut chip = BankOnChip::new().unwrap();
-    // The bank alone with all that Rust adds; nominal cycles a mode and sample.
+    // These are limits of the bank alone with all its Rust, in nominal cycles a mode and sample.
     for (what, cosine, driven, at_most) in
         [("free", 0.0, false, 5.5), ("one gain", 0.0, true, 7.8), ("gain and phase", 1.0, true, 9.3)]
     {
         let cost = run(&mut chip, 1000.0, cosine, driven, TICK_FRAMES);
         let per = cost.nominal as f64 / f64::from(240 * 32);
         let with_flash = cost.flash_168 as f64 / cost.nominal as f64;
-        // The loop in which most instructions run, without the outer one that brings the next
-        // modes.
+        // The inner loop runs most instructions. The outer one, which brings the next modes, is
+        // left out.
         let inner = chip.machine().loops().into_iter().filter(|found| found.iterations > 1).map(|found| found.bytes);
         let inner = inner.filter(|&bytes| bytes > 600).min().unwrap_or(0);
         println!("{what}: {per:.3} cycles, with flash x {with_flash:.3}, inner loop {inner} bytes");
@@ -99,15 +100,15 @@ fn a_silent_engine_and_its_memory_stay_small() {
     );
     assert!(per_frame <= 20.5, "0.6 % of 168 MHz at 48 kHz are 20.5 cycles a frame: {per_frame}");
     assert!(ringing.stack_bytes <= 2048, "{} bytes of stack", ringing.stack_bytes);
-    // With every stage: an engine without noise, filters and room took 78 582 bytes while it had
-    // type parameters for them.
-    // The path of the build stands in the messages of panics, and counts with some bytes.
+    // The engine has every stage. Without noise, filters and room an engine took 78 582 bytes while
+    // it had type parameters for them. The path of the build stands in the messages of panics, and
+    // adds some bytes.
     assert!(footprint.flash <= 257 * 1024, "the engine without its kit: {} bytes", footprint.flash);
-    // 2 KB of them are 64 contacts, as all engines have.
+    // 64 contacts, as all engines have, take 2 KB of it.
     assert!(footprint.ram <= 19 * 1024, "{} bytes", footprint.ram);
 }
 
-/// The kit whose engine's memory is told above has 512 modes, on eight pads.
+/// This is the kit for whose engine the limit of memory above holds: 512 modes on eight pads.
 #[test]
 fn the_kit_of_eight_pads_has_512_modes() {
     let binary = pads(8).binary;

@@ -1,4 +1,4 @@
-//! The dynamic filter and its loops on the virtual core: the bits of the PC, and their cycles.
+//! The dynamic filter and its loops on the virtual core: bits equal to the PC's, and their cycles.
 
 use dsp_core::SampleRate;
 use dsp_core::dynamic_filter::{Breakpoint, Exciter, Settings};
@@ -39,7 +39,7 @@ fn settings(
     }
 }
 
-/// The filter on the PC.
+/// Dynamic filter on the PC.
 fn ours<P: Iterator<Item = Breakpoint> + Clone, L: Iterator<Item = Loop> + Clone>(settings: Settings<P, L>) -> Ours {
     let mut filter = lent_filter(&settings, SampleRate::HZ_48000).unwrap();
     filter.load(settings, SampleRate::HZ_48000, 9).unwrap();
@@ -52,7 +52,7 @@ fn the_chip_has_the_bits_of_the_pc() {
     let (mut random, mut played) = (Random::new(5), 0);
     let band = Some(Exciter { low_hz: 80.0, high_hz: 5000.0, exponent: 0.3 });
     let narrow = Some(Exciter { low_hz: 900.0, high_hz: 1300.0, exponent: -0.4 });
-    // Loud, quiet and steep paths take all loops of the assembly.
+    // Loud, quiet and steep paths together take all loops of the assembly.
     let cases = [
         (1, 1.0, 1.0, 0, None),
         (1, 0.4, 1.0, 0, None),
@@ -69,10 +69,10 @@ fn the_chip_has_the_bits_of_the_pc() {
         (2, 1.0, 1.0, 2, None),
         (2, 0.4, 1.0, 0, None),
         (2, 0.4, 30.0, 0, None),
-        // Real poles.
+        // The next two filters have real poles.
         (2, -0.2, 1.0, 0, None),
         (2, -0.2, 30.0, 0, narrow),
-        // A pole near -1.
+        // The next two filters have a pole near -1.
         (1, 0.9, 0.5, 0, None),
         (1, 0.9, 0.5, 2, None),
     ];
@@ -86,14 +86,14 @@ fn the_chip_has_the_bits_of_the_pc() {
         if b1 == 0.9 {
             path[0].a1 = 0.99;
         }
-        // High ones too: every shift; short ones too.
+        // High frequencies need every shift, and one delay is short.
         let mut loops = loops(count);
         loops.iter_mut().zip([400.0, 5000.0, 9000.0, 15_000.0]).for_each(|(one, hz)| one.frequency_hz = hz);
         loops.iter_mut().for_each(|one| one.gain /= 2.0 * count as f64 * gain.max(1.0));
         if count == 4 {
             loops[2].delay_s = 11.5 / 48_000.0;
         }
-        // Both begin on a tick.
+        // Chip and PC both begin on a tick.
         chip.render(None, 32 - played % 32).unwrap();
         played = 0;
         chip.load_filter(order, &path, &loops, exciter).unwrap();
@@ -134,7 +134,7 @@ fn filter_and_loops_keep_their_cycles_and_cost_nothing_at_rest() {
         let strike = chip.strike(1.0).unwrap().nominal;
         let ours = ours(settings(order, &path, loops, exciter));
         let told = f64::from(ours.cycles_a_tick()) / 32.0;
-        // Tick by tick, as the engine does.
+        // The engine renders tick by tick, too.
         let ticks = 64;
         let all: u64 = (0..ticks).map(|_| chip.render(None, 32).unwrap().1.nominal).sum();
         let measured = all as f64 / f64::from(ticks) / 32.0;
@@ -155,7 +155,7 @@ fn filter_and_loops_keep_their_cycles_and_cost_nothing_at_rest() {
     println!("with an exciter: {excited:.1}, a strike {strike}");
     assert!(excited <= 95.0, "{excited}");
     let (one, _) = cost(1, 1.0, 1.0, &loops(1), None);
-    // More would take the chip minutes: it checks their stability in software f64.
+    // More loops would take the chip minutes, because it checks their stability in software f64.
     let (four, _) = cost(1, 1.0, 1.0, &loops(4), None);
     println!("1 loop: {one:.1}, {:.1} with what it costs the filter", one - plain);
     println!("4 loops: {four:.1}, a loop beyond the first: {:.1}", (four - one) / 3.0);
@@ -168,22 +168,22 @@ fn filter_and_loops_keep_their_cycles_and_cost_nothing_at_rest() {
         (four - plain) / 4.0
     };
     let short = [16.0, 8.0].map(&mut of_short);
-    // The goal is 20 for any first order, 16 for a loop, and 30 for one of a short delay. A single
-    // loop, and one of 16 frames, take a cycle more than before loops lay in lent memory: their
-    // lengths are read, where they were constants.
+    // The goal is 20 for any first order, 16 for a loop, and 30 for a loop of a short delay. A
+    // single loop, and one of 16 frames, take a cycle more than before loops lay in lent memory:
+    // their lengths are read, where they were constants.
     assert!(plain <= 20.0 && loud <= 20.0 && two <= 20.0, "{plain} {loud} {two}");
     assert!((four - one) / 3.0 <= 13.0 && (four - plain) / 4.0 <= 16.0 && one - plain <= 27.0, "{four} {one}");
     assert!(short[0] <= 21.0 && short[1] <= 30.5, "{short:?}");
 }
 
-/// Cycles by which the engine sheds: at least what a filter costs, and not much more, for
-/// everything that a filter may have beside the cases above.
+/// The cycles by which the engine sheds must be at least the cost of a filter, and not much more.
+/// This holds for all parts of a filter that the cases above do not have.
 #[test]
 fn the_budget_counts_levels_exciters_and_second_orders() {
     let mut chip = FiltersOnChip::new().unwrap();
     let wide = Some(Exciter { low_hz: 80.0, high_hz: 5000.0, exponent: 0.3 });
-    // Order, a2 over a1², b1 over b0, gain, whether the noise has levels, exciter, loops and their
-    // frames.
+    // Columns: order, a2 over a1², b1 over b0, gain, true if the noise has levels, exciter, number
+    // of loops, frames of each.
     let cases = [
         (1, 0.0, 1.0, 1.0, true, None, 0, 34.3),
         (1, 0.0, 0.4, 1.0, true, None, 0, 34.3),

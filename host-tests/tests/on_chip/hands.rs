@@ -1,4 +1,4 @@
-//! Hands and positions on the virtual core: their cycles, and their bits.
+//! Hands and positions on the virtual core: their cycles, and bits equal to the PC's.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
@@ -12,8 +12,8 @@ use host_tests::on_chip::scenes::{choked_pads, pads_with_positions};
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// Cycles of the functions of an engine whose names have a word in them, by word, over a scene,
-/// which must have the PC's bits.
+/// Cycles that an engine spends over a scene in functions whose names contain a word, for each
+/// word. The sound must have the PC's bits.
 fn spent(loaded: &kit::Loaded, events: &[Event], ticks: usize, words: &[&str]) -> Vec<u64> {
     let mut chip = EngineOnChip::new().unwrap();
     chip.load(&loaded.binary, RATE).unwrap();
@@ -45,7 +45,7 @@ fn a_hand_takes_at_most_60_cycles_a_mode_and_has_the_same_bits_on_the_chip() {
         100,
         &["reach", "lay_hand", "change_choke", "choke_stages", "settle", "make_room"],
     );
-    // Four pads of 64 modes from 80 Hz, choked and released.
+    // The scene chokes and releases four pads of 64 modes from 80 Hz.
     let modes = 2.0 * 4.0 * 64.0;
     let per_mode = spent.iter().sum::<u64>() as f64 / modes;
     println!("{per_mode:.1} cycles a mode: {spent:?} of {modes} modes");

@@ -42,7 +42,7 @@ impl OnPc {
     }
 }
 
-/// Deterministic numbers in 0 to 1.
+/// Generator of deterministic numbers from 0 to 1.
 fn numbers() -> impl FnMut() -> f64 {
     let mut state = 0x2545_f491_4f6c_dd1du64;
     move || {
@@ -64,7 +64,7 @@ fn table(hz: impl Iterator<Item = f64>, t60_s: f64, cosine: bool) -> (Vec<ModeRe
     .unzip()
 }
 
-/// Plays the same strikes on both, in whole and cut ticks, and compares every sample.
+/// Plays one list of strikes on chip and PC, in whole and cut ticks, and compares every sample.
 fn play_on_both(chip: &mut BankOnChip, modes: &[ModeRecord], gains: &[GainRecord], cuts: &[usize]) {
     chip.load(modes, gains, 48_000).unwrap();
     let mut pc = OnPc::new(modes, gains);
@@ -86,7 +86,8 @@ fn play_on_both(chip: &mut BankOnChip, modes: &[ModeRecord], gains: &[GainRecord
     }
 }
 
-/// Middles of the ranges of frequency of: coupled, shifted by 1, 2, and the same mirrored.
+/// Middles of the frequency ranges of the forms: coupled, shifted by 1, shifted by 2, then each of
+/// them mirrored.
 const FORMS_HZ: [f64; 6] = [1000.0, 5600.0, 10_000.0, 14_000.0, 18_400.0, 22_000.0];
 
 #[test]

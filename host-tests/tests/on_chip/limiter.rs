@@ -1,4 +1,4 @@
-//! The limiter on the virtual core: its bits and its cycles.
+//! The limiter on the virtual core: bits equal to the PC's, and its cycles.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Engine, Plan, Setup};
@@ -12,7 +12,7 @@ use host_tests::on_chip::scenes::{pads, strikes};
 const RATE: SampleRate = SampleRate::HZ_48000;
 const CEILING_DB: f32 = -30.0;
 
-/// Sound of 40 ticks of a chip, and nominal cycles of each.
+/// Sound of 40 ticks on the chip, and nominal cycles of each tick.
 fn play(ceiling_db: Option<f32>) -> (Vec<[i32; 2]>, Vec<u64>) {
     let mut chip = EngineOnChip::new().unwrap();
     if let Some(ceiling_db) = ceiling_db {

@@ -1,5 +1,5 @@
-//! dsp-core on the virtual Cortex-M4F: bits, cycles, budget. One program, so that its long tests
-//! run side by side; `cargo test -p host-tests --test on_chip costs` runs one part.
+//! `dsp-core` on the virtual Cortex-M4F: bits, cycles, budget. It is one program, so that its long
+//! tests run side by side. `cargo test -p host-tests --test on_chip costs` runs one part.
 
 mod biquads;
 mod budget;

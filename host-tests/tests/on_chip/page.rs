@@ -1,4 +1,4 @@
-//! docs/run_time_vs_error.md and the README's "How fast", figure by figure. The bench
+//! Figures of docs/run_time_vs_error.md and of the README's "How fast", one by one. The bench
 //! `run_time_vs_error` makes the page.
 
 use host_tests::on_chip::{BankOnChip, scenes};
@@ -26,7 +26,7 @@ fn number(cell: &str) -> f64 {
     cell.trim_end_matches([' ', '%', 'd', 'B']).parse().unwrap_or_else(|_| panic!("{cell:?} is no number"))
 }
 
-/// Within 3 %, and the rounding of the last place that is printed.
+/// True if a figure is within 3 % of the page's, plus the rounding of its last printed place.
 fn near(measured: f64, page: f64, rounding: f64) -> bool {
     (measured - page).abs() <= 0.03 * page + rounding
 }
@@ -34,8 +34,8 @@ fn near(measured: f64, page: f64, rounding: f64) -> bool {
 #[test]
 fn kernels_take_the_cycles_and_keep_the_snr_that_the_page_says() {
     let mut chip = BankOnChip::new().expect("the image builds");
-    // The eight lowest frequencies of the page's grid, where single precision loses most, and every
-    // third of the others.
+    // The eight lowest frequencies of the page's grid are where single precision loses most. Every
+    // third of the others is added.
     let kept = |index: &usize| index % 40 < 8 || (index % 40).is_multiple_of(3);
     let cases: Vec<Case> =
         grid(40, 1.0).into_iter().enumerate().filter(|(index, _)| kept(index)).map(|(_, case)| case).collect();

@@ -1,11 +1,12 @@
-//! The residual on the virtual core: the same bits as on the PC, and its cycles.
+//! The residual on the virtual core: bits equal to the PC's, and its cycles.
 
 use dsp_core::residual::ResidualBand;
 use dsp_core::resonator::TICK_FRAMES;
 use host_tests::on_chip::ResidualOnChip;
 use host_tests::residual::{SILENCE, Spacing, edges_hz, play, shaper};
 
-/// A fifth of a second of new noise for the next strike in the making, and what is steady.
+/// Number of ticks: a fifth of a second, in which noise for the next strike is made, and a steady
+/// part.
 const TICKS: usize = 420;
 
 fn bands(spacing: Spacing) -> Vec<ResidualBand> {
@@ -18,7 +19,7 @@ fn bands(spacing: Spacing) -> Vec<ResidualBand> {
     edges.windows(2).enumerate().map(band).collect()
 }
 
-/// Cycles of each tick; the sound must be the PC's.
+/// Cycles of each tick. The sound must have the PC's bits.
 fn run(bands: &[ResidualBand], strikes: &[(usize, f32)]) -> Vec<u64> {
     let mut chip = ResidualOnChip::new().expect("the image builds");
     chip.load(bands, 1, SILENCE).expect("the bands fit");
@@ -36,7 +37,8 @@ fn run(bands: &[ResidualBand], strikes: &[(usize, f32)]) -> Vec<u64> {
 
 #[test]
 fn a_hundred_bands_cost_less_than_250_cycles_a_frame_and_give_the_same_bits() {
-    // The figures of docs/residual.md: mean, steady mean, dearest steady tick, dearest tick.
+    // These are the figures of docs/residual.md: mean, steady mean, dearest steady tick, dearest
+    // tick.
     for (spacing, page) in
         [(Spacing::Erb, [234.0, 221.0, 252.0, 298.0]), (Spacing::Linear, [239.0, 225.0, 263.0, 307.0])]
     {
@@ -58,7 +60,7 @@ fn a_hundred_bands_cost_less_than_250_cycles_a_frame_and_give_the_same_bits() {
     }
 }
 
-/// Cycles a frame of the dearest tick of strikes on strikes, 3 % above the figure of
+/// Limit of the cycles a frame of the dearest tick of strikes on strikes, 3 % above the figure of
 /// docs/residual.md.
 const WORST_OF_STRIKES: f64 = 347.0;
 
@@ -66,7 +68,8 @@ const WORST_OF_STRIKES: f64 = 347.0;
 fn strikes_on_strikes_give_the_same_bits() {
     let bands = bands(Spacing::Erb);
     let strikes = [(0, 1.0), (40, 0.2), (100, 3.0), (800, 0.5), (811, 0.0), (1_500, 0.9), (2_999, 0.4), (4_000, 1e-4)];
-    // A roll at the dearest distance: every strike comes when the last one's own frame ends.
+    // The strikes of this roll have the dearest distance: each comes when the last one's own frame
+    // ends.
     let roll: Vec<(usize, f32)> = (0..8).map(|strike| (strike * 770, 0.5)).collect();
     for strikes in [&strikes[..], &roll] {
         let worst = run(&bands, strikes).iter().max().copied().unwrap_or(0) as f64 / TICK_FRAMES as f64;

@@ -1,4 +1,4 @@
-//! The whole engine with every stage: the same bits on PC and chip.
+//! The whole engine with every stage: bits equal on PC and chip.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
@@ -18,7 +18,7 @@ fn a_roll_on_every_stage_has_the_same_bits_on_the_chip() {
     let mut engine = lent::engine(&view, RATE, Skipping::On).unwrap();
     let mut hands = Hands::new();
     let (mut loud, mut blocks) = (0, [32, 32, 17, 1, 64, 128, 3, 75].into_iter().cycle());
-    // A quarter of a second of strikes and hands, and another of what rings.
+    // A quarter of a second has strikes and hands, another quarter only rings.
     while engine.now() < 24_000 {
         let frames = blocks.next().unwrap_or(32);
         let events = hands.until((engine.now() + frames as u64).min(12_000));

@@ -1,4 +1,4 @@
-//! The room on the virtual core: the bits of the PC, and what it costs.
+//! The room on the virtual core: bits equal to the PC's, and its cost.
 
 use dsp_core::SampleRate;
 use dsp_core::fixed::ONE_Q27;
@@ -6,7 +6,7 @@ use dsp_core::resonator::TICK_FRAMES;
 use host_tests::on_chip::RoomOnChip;
 use host_tests::room::{LARGE, Table, octave_tables, random_tables, room};
 
-/// Noise of full scale.
+/// Generator of noise at full scale.
 fn noise(seed: u32) -> impl FnMut() -> i32 {
     let mut state = seed | 1;
     move || {
@@ -15,8 +15,9 @@ fn noise(seed: u32) -> impl FnMut() -> i32 {
     }
 }
 
-/// Nominal cycles a frame: mean and worst tick, while the room is played by noise so many bits
-/// below full scale. Long enough for its level to be raised now and then.
+/// Nominal cycles a frame, as (mean, worst tick), under noise `quieter_bits` bits below full scale.
+///
+/// The noise lasts long enough for the room to raise its level now and then.
 fn cycles(chip: &mut RoomOnChip, table: &Table, quieter_bits: u32) -> (f64, f64) {
     chip.load(table, 48_000).unwrap();
     let mut noise = noise(1);
@@ -56,7 +57,7 @@ fn four_bands_cost_at_most_289_cycles_a_frame_and_eight_at_most_366() {
 #[test]
 fn edges_anywhere_keep_to_the_cycles_that_are_stated() {
     let mut chip = RoomOnChip::new().unwrap();
-    // T60s far apart, for which splits are given all the sections that there are cycles for.
+    // The T60s are far apart. The splits then get as many sections as there are cycles for.
     let far_apart = |edges_hz: &[f64]| {
         let mut table = Table::even(edges_hz, 0.4, 1.0);
         table.bands.iter_mut().step_by(2).for_each(|band| band.t60_s = 3.0);

@@ -1,5 +1,5 @@
-//! The trigger on the virtual Cortex-M4F: the same strikes as on the PC, its cost, and no way to
-//! panic. `cargo test -p host-tests --test on_chip trigger -- --nocapture` prints the cycles.
+//! The trigger on the virtual Cortex-M4F: strikes equal to the PC's, its cost, and no way to panic.
+//! `cargo test -p host-tests --test on_chip trigger -- --nocapture` prints the cycles.
 
 use dsp_core::SampleRate;
 use dsp_core::trigger::{Report, Settings, Trigger};
@@ -32,15 +32,15 @@ fn the_chip_finds_the_same_strikes_as_the_pc_bit_for_bit() {
 #[test]
 fn a_channel_costs_17_cycles_a_sample_in_silence_and_41_under_strikes() {
     let mut chip = TriggerOnChip::new(false).unwrap();
-    // The figures of dsp-core/src/trigger/mod.rs, with a slack of 3 %.
+    // The figures are those of dsp-core/src/trigger/mod.rs, with a slack of 3 %.
     println!("state of {CHANNELS} channels: {} bytes", chip.state_bytes().unwrap());
     assert!(chip.state_bytes().unwrap() <= 920);
     let block = 32;
-    // Offset, hum and noise are learnt first.
+    // The trigger first learns offset, hum and noise.
     let silence = vec![[2048u16, 2047, 2049, 2050]; 4800];
     chip.process(&silence[..768]).unwrap();
     chip.process(&silence[..768]).unwrap();
-    // Half a second of the crosstalk scene, loud and quiet.
+    // The struck part is half a second of the crosstalk scene, loud and quiet.
     let scene = scenes(3, 1).into_iter().find(|scene| scene.name == "crosstalk at -20 dB").expect("a scene");
     let counts = scene.counts();
     for (what, counts, mean, limit) in
