@@ -1,4 +1,4 @@
-//! Circles of imports: inside a room (a folder of modules), and between rooms.
+//! Circles of imports between the parts of a folder of modules, which the code calls a room.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -17,14 +17,14 @@ const ROOTS: [(&str, &str); 6] = [
     ("firmware", "firmware/src/bin/self_test/main.rs"),
 ];
 
-/// A use of one part of a room by another: file, line and path.
+/// Use of one part of a folder by another: file, line and path.
 type Evidence = (String, usize, String);
 
-/// Parts of a room, by name, with the parts that each uses. The file of the room itself is a part
-/// without a name.
+/// Parts of a folder by name, with the parts that each uses. The file of the folder itself is a
+/// part without a name.
 type Graph = BTreeMap<String, BTreeMap<String, Evidence>>;
 
-/// All uses of modules by modules.
+/// Uses of modules by modules, in all modules.
 fn all_uses(modules: &Modules) -> Vec<(Place, Place, Evidence)> {
     let mut all = Vec::new();
     for (place, module) in modules {
@@ -36,7 +36,7 @@ fn all_uses(modules: &Modules) -> Vec<(Place, Place, Evidence)> {
     all
 }
 
-/// The parts of a room and their uses of each other; modules below a part count as the part.
+/// Parts of a folder and their uses of each other. Modules below a part count as the part.
 fn graph(room: &[String], uses: &[(Place, Place, Evidence)]) -> Graph {
     let part = |place: &Place| Some(place.strip_prefix(room)?.first().cloned().unwrap_or_default());
     let mut graph = Graph::new();
@@ -50,7 +50,7 @@ fn graph(room: &[String], uses: &[(Place, Place, Evidence)]) -> Graph {
     graph
 }
 
-/// The shortest way from a part back to it, as the parts on the way.
+/// Shortest way from a part back to itself, as the parts on the way.
 fn shortest_circle(graph: &Graph, start: &str) -> Option<Vec<String>> {
     let mut before: BTreeMap<&str, &str> = BTreeMap::new();
     let mut next = VecDeque::from([start]);
@@ -73,7 +73,7 @@ fn shortest_circle(graph: &Graph, start: &str) -> Option<Vec<String>> {
     None
 }
 
-/// The shortest circle through each part of a room, each circle once.
+/// Shortest circle through each part of a folder, each circle once.
 fn circles(graph: &Graph) -> Vec<Vec<String>> {
     let mut known = BTreeSet::new();
     let found = graph.keys().filter_map(|part| shortest_circle(graph, part));

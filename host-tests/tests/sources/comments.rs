@@ -1,20 +1,20 @@
-//! Comments: their first words and their widths.
+//! Rules for comments: their first words and their widths.
 
 use crate::fault::{self, Fault};
 use crate::files;
 
-/// Beginnings of riddles: a doc line begins with a noun or a verb.
+/// Words with which no doc line may begin, because a doc line begins with a noun or a verb.
 const FIRST_WORDS: [&str; 6] = ["What", "Whether", "The same", "Where", "How", "So many"];
 const MOST_COLUMNS: usize = 100;
 
-/// The forbidden words that a doc line begins with.
+/// Forbidden words with which a doc line begins, if any.
 fn first_words(line: &str) -> Option<&'static str> {
     let doc = line.trim_start().strip_prefix("///")?.trim_start();
     let begins = |words: &&str| doc.strip_prefix(*words).is_some_and(|rest| !rest.starts_with(char::is_alphanumeric));
     FIRST_WORDS.into_iter().find(begins)
 }
 
-/// Columns of a line that holds nothing but a comment.
+/// Number of columns of a line that holds nothing but a comment.
 fn comment_columns(line: &str) -> Option<usize> {
     line.trim_start().starts_with("//").then(|| line.chars().count())
 }

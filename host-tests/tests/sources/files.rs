@@ -3,19 +3,19 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A Rust file.
+/// Rust file of the repository.
 pub(crate) struct Source {
-    /// Path from the repository's folder.
+    /// Path of the file from the repository's folder.
     pub(crate) path: String,
     pub(crate) text: String,
 }
 
-/// The repository's folder.
+/// Folder of the repository.
 pub(crate) fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// All Rust files of all crates, by path. What cargo builds into is left out.
+/// Reads all Rust files of all crates, sorted by path. Cargo's build folders are left out.
 pub(crate) fn all() -> Vec<Source> {
     let mut found = Vec::new();
     collect(&repository(), "", &mut found);

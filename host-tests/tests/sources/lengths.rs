@@ -1,4 +1,4 @@
-//! Lengths of files, of argument lists and of the names of tests.
+//! Rules for lengths: of files, of argument lists, and of the names of tests.
 
 use crate::fault::{self, Fault};
 use crate::files;
@@ -6,8 +6,8 @@ use crate::files;
 const MOST_LINES: usize = 400;
 const MOST_CHARACTERS: usize = 80;
 
-/// Names of tests with their lines, counted from 1. Read line by line: tests stand in macros of
-/// proptest as well.
+/// Names of tests with their lines, counted from 1. Lines are searched, not syntax, because tests
+/// stand in macros of proptest as well.
 fn tests(text: &str) -> Vec<(usize, &str)> {
     let mut found = Vec::new();
     let mut is_test = false;
@@ -37,7 +37,7 @@ fn rust_files_have_at_most_400_lines() {
 
 #[test]
 fn no_lint_of_many_arguments_is_allowed_anywhere() {
-    // In two parts, or this file would break its own rule.
+    // The word is put together here, or this file would break its own rule.
     let lint = ["too_many", "arguments"].join("_");
     let mut faults = Vec::new();
     for source in files::all() {

@@ -1,5 +1,6 @@
-//! Rules that the sources of all crates keep: comments, lengths, names, and no circles of imports.
-//! `cargo test -p host-tests --test sources -- --nocapture` prints what is still to be mended, too.
+//! Rules for the sources of all crates: comments, lengths, names, and no circles of imports.
+//! `cargo test -p host-tests --test sources -- --nocapture` also prints the places still to be
+//! mended.
 
 mod circles;
 mod comments;

@@ -1,4 +1,4 @@
-//! The modules of a crate, as `syn` reads them: what each defines, imports and mentions.
+//! Modules of a crate, as `syn` reads them: the items that each defines, its imports and its paths.
 
 use std::collections::{BTreeMap, HashSet};
 use std::fs;
@@ -11,38 +11,38 @@ use syn::{Attribute, Item, UseTree};
 /// Place of a module below its crate's root, name by name.
 pub(crate) type Place = Vec<String>;
 
-/// A path in the sources, with its line.
+/// Path that stands in the sources, with its line.
 #[derive(Clone, Debug)]
 pub(crate) struct Mention {
     pub(crate) path: Vec<String>,
     pub(crate) line: usize,
 }
 
-/// A `use` of one name, or of all names of a module (`name` is `*`).
+/// Import by `use` of one name, or of all names of a module (`name` is `*`).
 #[derive(Clone, Debug)]
 pub(crate) struct Import {
     pub(crate) name: String,
     pub(crate) from: Mention,
-    /// True if others may take the name from here.
+    /// True if other modules may take the name from here.
     pub(crate) is_public: bool,
 }
 
-/// A module.
+/// Module of a crate.
 #[derive(Debug, Default)]
 pub(crate) struct Module {
-    /// Its file, from the repository's folder.
+    /// File of the module, from the repository's folder.
     pub(crate) file: String,
-    /// Names of items, modules aside.
+    /// Names of the module's items, modules left out.
     pub(crate) items: HashSet<String>,
     pub(crate) imports: Vec<Import>,
-    /// Paths in its items, macros included.
+    /// Paths in the module's items, macros included.
     pub(crate) mentions: Vec<Mention>,
 }
 
-/// Modules by their places; the root has an empty one.
+/// Modules by their places. The root's place is empty.
 pub(crate) type Modules = BTreeMap<Place, Module>;
 
-/// Reads a crate from its root file, tests aside.
+/// Reads a crate from its root file. Modules for tests are left out.
 pub(crate) fn read(repository: &Path, root: &str) -> Modules {
     let mut modules = Modules::new();
     let folder = Path::new(root).parent().unwrap_or(Path::new("")).to_owned();
@@ -93,7 +93,7 @@ fn add(modules: &mut Modules, reader: &Reader<'_>, place: Place, items: &[Item])
     modules.insert(place, module);
 }
 
-/// The file of a child module, and the folder of that one's children.
+/// File of a child module, and the folder of that module's children.
 fn file_of(reader: &Reader<'_>, name: &str) -> (PathBuf, PathBuf) {
     let folder = reader.folder.join(name);
     let beside = reader.folder.join(format!("{name}.rs"));
@@ -190,7 +190,7 @@ impl<'ast> Visit<'ast> for Mentions<'_> {
     }
 
     fn visit_item_use(&mut self, import: &'ast syn::ItemUse) {
-        // A `use` inside a function: its path counts as a path that is mentioned.
+        // The path of a `use` inside a function counts as a mentioned path.
         let mut imports = Vec::new();
         flatten(&import.tree, &mut Vec::new(), false, &mut imports);
         self.0.extend(imports.into_iter().map(|import| import.from));

@@ -1,20 +1,20 @@
-//! The module that a path leads to: re-exports are followed to where the item is defined.
+//! Resolution of paths to modules. Re-exports are followed to the module that defines the item.
 
 use crate::modules::{Mention, Module, Modules, Place};
 
-/// The end of a path.
+/// Target of a path.
 #[derive(Debug, PartialEq)]
 pub(crate) enum End {
-    /// The module that defines an item.
+    /// Module that defines the item.
     Item(Place),
     Module(Place),
 }
 
-/// Re-exports that are followed before a path is given up.
+/// Maximum number of names and re-exports that are followed before a path is given up.
 const MOST_STEPS: usize = 32;
 
-/// Follows a path that stands in a module. `None` leads out of the crate, or to a name of the
-/// prelude.
+/// Follows a path that stands in a module. Gives `None` if it leads out of the crate, or to a name
+/// of the prelude.
 pub(crate) fn follow(modules: &Modules, from: &[String], path: &[String]) -> Option<End> {
     resolve(modules, from, path, MOST_STEPS)
 }
@@ -30,7 +30,7 @@ fn resolve(modules: &Modules, from: &[String], path: &[String], steps: usize) ->
     while let Some(after) = rest.strip_prefix(&["super".to_owned()][..]) {
         (here, rest) = (parent(&here)?, after);
     }
-    // What a macro makes, no item shows: it belongs to the module in which it is looked for.
+    // No item shows what a macro makes. It counts as the module in which it is looked for.
     Some(walk(modules, &here, rest, steps).unwrap_or(End::Item(here)))
 }
 
@@ -51,7 +51,7 @@ fn walk(modules: &Modules, here: &[String], path: &[String], steps: usize) -> Op
         return Some(End::Item(here.to_vec()));
     }
     if let Some(import) = module.imports.iter().find(|import| import.name == *name) {
-        // `use libm;` names a crate, which no path of this crate leads to.
+        // `use libm;` names a crate, to which no path of this crate leads.
         let is_itself = import.from.path.len() == 1 && import.from.path[0] == *name;
         let whole = [import.from.path.as_slice(), rest].concat();
         return if is_itself { None } else { resolve(modules, here, &whole, steps) };
@@ -63,10 +63,10 @@ fn walk(modules: &Modules, here: &[String], path: &[String], steps: usize) -> Op
     })
 }
 
-/// Modules whose items a module uses, and where it first does.
+/// Modules whose items a module uses, each with the first place of use.
 ///
-/// A re-export alone is no use. A module that is imported as a whole counts where an item of it is
-/// named.
+/// A re-export alone is no use. A module that is imported as a whole counts where one of its items
+/// is named.
 pub(crate) fn uses(modules: &Modules, place: &[String], module: &Module) -> Vec<(Place, Mention)> {
     let imports = module.imports.iter().filter(|import| !import.is_public).map(|import| &import.from);
     let mut found: Vec<(Place, Mention)> = Vec::new();
