@@ -1,4 +1,4 @@
-//! Abuse: resonance, storms, extremes, a very long run.
+//! Abuse of the engine: resonance, storms, extremes, a very long run.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
@@ -17,13 +17,14 @@ fn a_sine_on_a_mode_of_60_s_for_30_s_saturates_cleanly_and_decays_as_its_table_s
 
 #[test]
 fn an_amplitude_beyond_all_headroom_is_refused_without_a_wrap() {
-    // The largest gain, and a force of 16 times the reference force in resonance, would reach +220
+    // The largest gain, in resonance with a force of 16 times the reference force, would reach +220
     // dBFS.
     let kit = one_pad(vec![mode(1_000.0, 600.0, 7e8, 0.0)]);
     let force: Vec<i32> = (0..20 * 48_000).map(|n| if n % 48 < 24 { i32::MAX } else { i32::MIN }).collect();
     let (bus, reports) = play(&load(kit), RATE, Skipping::On, &[], Some(&force), (20 * 48_000, &[128]));
     assert!(reports.iter().any(|report| report.refused_inputs > 0));
-    // Clipped hard, the sign still follows the mode: half the frames of each period either way.
+    // The sound is clipped hard, but its sign follows the mode: half the frames of each period are
+    // positive.
     let last = &bus[19 * 48_000..];
     let positive = last.iter().filter(|frame| frame[0] > 0).count();
     assert!((23_000..25_000).contains(&positive), "{positive}");
@@ -41,7 +42,7 @@ fn modes_in_phase_by_the_hundred_sum_up_without_a_wrap() {
     let expected = reference(&loaded, &performance(vec![strike(0, 1.0)], None, 24_000), RATE);
     assert!(expected.iter().any(|frame| frame[0].abs() > 100.0));
     for ([got, _], [expected, _]) in real(&bus).iter().zip(&expected) {
-        // 512 amplitudes of 1.27 sum up to 650.
+        // The 512 amplitudes of 1.27 sum up to 650.
         assert!((got - expected.clamp(-16.0, 16.0)).abs() <= 650.0 * 1e-6, "{got} {expected}");
     }
 }
@@ -58,8 +59,8 @@ fn the_edges_of_frequency_and_decay_follow_the_reference() {
             println!("{frequency_hz} Hz, {t60_s} s: {snr:.1} dB");
             // At exactly fs/4 the orbit repeats every four samples, and so do its roundings: they
             // add up instead of averaging. At 0.499 fs a smooth pulse excites next to nothing, and
-            // what is left of the cancellation is compared: 54.8 dB at worst, with samples that are
-            // means.
+            // only the remainder of the cancellation is compared. That is 54.8 dB at worst, with
+            // samples that are means.
             let least = if frequency_hz > 0.49 * 48_000.0 { 52.0 } else { 70.0 };
             assert!(snr > least, "{frequency_hz} Hz, {t60_s} s: {snr:.1} dB");
         }

@@ -9,7 +9,7 @@ use host_tests::lent;
 use kit::{Acceleration, Gain, Kit, Loaded, Mode, Object, Pad, Pulse, Striker};
 use proptest::prelude::*;
 
-/// Any magnitude from tiny to `max`, either sign, or 0.
+/// Magnitudes from tiny to `max` with either sign, and 0.
 fn magnitude(max: f32) -> impl Strategy<Value = f32> {
     prop_oneof![1 => Just(0.0), 6 => (-30.0f32..0.0, any::<bool>()).prop_map(move |(log2, negative)| {
         let value = max * log2.exp2();
@@ -18,7 +18,8 @@ fn magnitude(max: f32) -> impl Strategy<Value = f32> {
 }
 
 fn modes(positions: usize, most: usize) -> impl Strategy<Value = Vec<Mode>> {
-    // Short enough to be silent within the test, T60 1 to 80 ms; frequencies to beyond Nyquist.
+    // T60s of 1 to 80 ms are short enough for silence within the test. Frequencies go beyond
+    // Nyquist.
     let mode = (0.0f32..1.0, 80.0f32..7_000.0, prop::collection::vec((magnitude(1e6), magnitude(1e6)), positions));
     prop::collection::vec(mode, 0..most).prop_map(|modes| {
         modes
@@ -124,14 +125,14 @@ proptest! {
         };
         let view = KitView::parse(&loaded.binary).expect("it was built");
         let rate = SampleRate::new(rate.0, rate.1).expect("a rate");
-        // A kit that the rate cannot hold is refused by name, and that is all.
+        // A kit that the rate cannot hold must be refused, and no more.
         let Ok(mut engine) = lent::engine(&view, rate, if skip { Skipping::On } else { Skipping::Off }) else {
             return Ok(());
         };
         let all_events = events(&loaded.kit, &raw);
         let mut rest = all_events.as_slice();
-        // 80 ms of T60 are 160 dB after 0.22 s; +250 dB of gain may lie above; contacts last up to
-        // 0.25 s, chokes only shorten.
+        // A T60 of 80 ms falls by 160 dB in 0.22 s. Gains may add 250 dB, and contacts last up to
+        // 0.25 s. Chokes only shorten the sound.
         let frames = 8_000 + (rate.hz() * 1.2) as usize;
         let mut last = [[0; 2]; 32];
         let mut out = vec![[0; 2]; block];
