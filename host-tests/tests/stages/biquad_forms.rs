@@ -1,4 +1,4 @@
-//! Biquads as modes and back, and at another rate.
+//! Conversion of biquads to modes and back, and to another rate.
 
 use dsp_core::SampleRate;
 use dsp_core::biquad::{Biquad, BiquadError, ModalForm, Partial, Root};
@@ -11,7 +11,7 @@ fn impulse(frames: usize) -> Vec<f64> {
     impulse
 }
 
-/// The impulse response in `f64`.
+/// Impulse response of a chain in `f64`.
 fn response(chain: &[Biquad], frames: usize) -> Vec<f64> {
     let plain = |biquad: &Biquad| reference::biquad::Biquad {
         numerator: biquad.numerator,
@@ -35,7 +35,7 @@ fn a_mode_is_a_biquad_and_comes_back() {
         assert!((got.decay_per_s / decay_per_s - 1.0).abs() < 1e-9, "{got:?}");
         assert!((got.sine - sine).abs() < 1e-9 * largest && (got.cosine - cosine).abs() < 1e-9 * largest, "{got:?}");
         assert!(form.direct.abs() < 1e-9 * largest, "{}", form.direct);
-        // And it rings as the mode does: an impulse through the bank.
+        // An impulse through the bank must ring as the mode does.
         let mut force = vec![0; 9600];
         force[0] = 1 << 27;
         let mut out = vec![0; force.len()];
@@ -120,7 +120,8 @@ fn at_another_rate_frequency_decay_and_level_of_a_resonance_stay() {
         let level = |mode: &Partial| 20.0 * mode.sine.hypot(mode.cosine).log10();
         assert!((level(&got) - level(&mode)).abs() < 0.1, "{got:?}");
     }
-    // A chain's zeros and poles go with it: the response at each resonance keeps its level.
+    // The chain's zeros and poles move with the rate: the response at each resonance keeps its
+    // level.
     let section = Biquad::from_roots(Root::polar(0.995, 0.8), Root::polar(1.0, 2.4), 0.3);
     let rate = SampleRate::new(96_000, 1).unwrap();
     let carried = section.carried(0, 48_000.0, rate).unwrap();

@@ -1,5 +1,5 @@
-//! Biquads of a table at any rate: instrument and reference follow one law, for poles and zeros up
-//! to half the rate.
+//! Biquads of a table at any rate: instrument and reference carry poles and zeros alike, up to half
+//! the rate.
 
 use dsp_core::SampleRate;
 use dsp_core::biquad::{Biquad, Root};
@@ -8,7 +8,7 @@ use host_tests::snr::{Random, snr_db};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
-/// Pole, zero, and both rates in Hz.
+/// Biquad with its pole, its zero, and the rates in Hz of the table and of the engine.
 #[derive(Clone, Copy, Debug)]
 struct Case {
     pole: Root,
@@ -17,14 +17,14 @@ struct Case {
     rate_hz: u32,
 }
 
-/// The slowest pole for which SNRs are claimed.
+/// Radius of the slowest pole for which an SNR is claimed.
 const SLOWEST: f64 = 0.999_99;
 
 fn rates() -> impl Strategy<Value = u32> {
     prop_oneof![Just(8_000), Just(22_050), Just(44_100), Just(48_000), Just(96_000), Just(192_000), 8_000u32..192_001]
 }
 
-/// Angles from 0 to π, both ends and their neighbourhood among them.
+/// Angles from 0 to π, with both ends and their neighbourhood.
 fn angles() -> impl Strategy<Value = f64> {
     prop_oneof![4 => 0.0..PI, 1 => Just(0.0), 1 => Just(PI), 1 => (1.0f64..8.0).prop_map(|near| PI - 10f64.powf(-near))]
 }
@@ -35,10 +35,10 @@ fn cases() -> impl Strategy<Value = Case> {
     let radius = prop_oneof![3 => 0.0f64..1.0, 1 => Just(1.0), 1 => Just(0.0), 1 => outside];
     (pole, (radius, angles()), rates(), rates()).prop_map(|((near, angle), (radius, at), table_hz, rate_hz)| {
         let ratio = f64::from(table_hz) / f64::from(rate_hz);
-        // Not slower than the slowest at either rate, and not beyond half the rate.
+        // The pole is no slower than the slowest at either rate, and not beyond half the rate.
         let slowest = SLOWEST.min(SLOWEST.powf(1.0 / ratio));
         let pole = Root::polar((1.0 - 10f64.powf(-near)).min(slowest), angle.min(PI / ratio));
-        // A root on the real axis is exactly there.
+        // A root near the real axis is moved onto it exactly.
         let real = |root: Root| if root.imaginary.abs() < 1e-12 { Root { imaginary: 0.0, ..root } } else { root };
         Case { pole: real(pole), zero: real(Root::polar(radius, at)), table_hz, rate_hz }
     })

@@ -1,4 +1,4 @@
-//! The bank of biquads in Q31 against `f64`: accuracy, refusals, bounds, and blocks of any size.
+//! The bank of biquads in Q31 against `f64`: accuracy, refusals, bounds, and any block size.
 
 use dsp_core::biquad::{Biquad, BiquadError, Root};
 use host_tests::biquads::{Chains, FULL_SCALE, anywhere, bank, near, worst_of_depth};
@@ -29,14 +29,14 @@ fn chains_whose_poles_nearly_coincide_keep_ninety_db_too() {
             let seed = 77 + depth as u64;
             let worst = worst_of_depth(depth, seed, |random, count| near(random, count, depth, nearness), accuracy);
             println!("worst SNR, chains of {depth} within {nearness} widths: {worst:.1} dB");
-            // Four poles behind one another whose zeros leave little of what each hands on.
+            // The zeros of four poles behind one another leave little of each section's output.
             let floor = if depth == 4 { 86.0 } else { 90.0 };
             assert!(worst >= floor, "{worst}");
         }
     }
 }
 
-/// Half a sine of 1 ms, and what rings behind it; each chain's gain is 1 where it is largest.
+/// The strike is half a sine of 1 ms, and then rings. Each chain's gain is 1 at its loudest place.
 #[test]
 fn a_strike_and_its_ringing_keep_ninety_db() {
     let mut random = Random::new(3);
@@ -80,8 +80,8 @@ fn poles_on_or_outside_the_circle_and_other_bad_tables_are_refused_by_name() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any sections, inputs of any size with jumps and gaps, any blocks: the same bits, and silence
-    /// in the end.
+    /// Plays any sections, and inputs of any size with jumps and gaps. Bits are equal for any
+    /// blocks, and the end is silent.
     #[test]
     fn blocks_change_no_bit_and_all_falls_silent(
         sections in prop::collection::vec((0.0f64..4.5, 0.0f64..3.1, -2.0f64..2.0, -2.0f64..2.0, -30.0f64..20.0), 4),
@@ -98,7 +98,7 @@ proptest! {
             .collect();
         let (Ok(mut whole), Ok(mut cut)) = (bank(&biquads, depth, 4), bank(&biquads, depth, 4)) else { return Ok(()) };
         let mut random = Random::new(seed);
-        // Each level for 50 frames: all of i32 at 31, at 0 nothing.
+        // Each level lasts for 50 frames. Level 31 is all of i32, level 0 is nothing.
         let input: Vec<i32> = levels
             .iter()
             .flat_map(|&level| std::iter::repeat_n(level, 50))

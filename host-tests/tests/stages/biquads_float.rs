@@ -1,5 +1,5 @@
-//! The bank of biquads in single precision against `f64`: accuracy, blocks of any size, and silence
-//! in the end.
+//! The bank of biquads in single precision against `f64`: accuracy, any block size, and silence in
+//! the end.
 
 use dsp_core::biquad::{Biquad, BiquadError, Root};
 use float_forms::biquads::FloatBank;
@@ -57,8 +57,8 @@ fn bad_tables_are_refused_by_name() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any sections, inputs with jumps and gaps, any blocks: the same bits, finite, and silence in
-    /// the end.
+    /// Plays any sections, and inputs with jumps and gaps. The sound is finite, its bits are equal
+    /// for any blocks, and the end is silent.
     #[test]
     fn blocks_change_no_bit_and_all_falls_silent(
         sections in prop::collection::vec((0.0f64..4.5, 0.0f64..3.1, -2.0f64..2.0, -2.0f64..2.0, -30.0f64..20.0), 4),

@@ -1,8 +1,8 @@
-//! Contact forces of the instrument against the law: impulse, shape, and the limits of the contact
-//! time.
+//! Contact forces of the instrument against the reference: impulse, shape, and the limits of the
+//! contact time.
 //!
-//! An object that only radiates its acceleration sound makes the force itself heard: output =
-//! force.
+//! An object that radiates only its acceleration sound makes the force itself heard: the output is
+//! the force.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
@@ -15,7 +15,7 @@ use malleus::render::Performance;
 
 /// Frames from one strike to the next.
 const APART: usize = 64;
-/// Onsets between two frames.
+/// Number of onsets between two frames.
 const ONSETS: usize = 16;
 
 fn striker(pulse: Pulse, restitution: f32, contact_time_s: f32) -> Striker {
@@ -33,7 +33,7 @@ fn striker(pulse: Pulse, restitution: f32, contact_time_s: f32) -> Striker {
     }
 }
 
-/// A pad that sounds its force, 1.0 a newton, on the left.
+/// Kit of one pad that sounds its force on the left, 1.0 for a newton.
 fn force_alone(striker: Striker) -> Loaded {
     let object = Object {
         name: "force".into(),
@@ -75,7 +75,7 @@ fn strike(frame: u64, fraction: u32, velocity: f32) -> Event {
     Event { time: Time { frame, fraction }, velocity, ..Event::default() }
 }
 
-/// Area of the pulse over m τ, by summing the law finely.
+/// Area of the pulse over m τ, by summing the pulse's equation finely.
 fn area(pulse: Pulse, restitution: f64) -> f64 {
     let shape: Box<dyn Fn(f64) -> f64> = match pulse {
         Pulse::Gaussian => return (std::f64::consts::PI / 6.0).sqrt(),
@@ -159,7 +159,7 @@ fn forces_of_any_striker_leave_100_db_to_the_law() {
 
 #[test]
 fn contact_times_are_held_between_10_us_and_a_quarter_of_a_second() {
-    // (τ1, b, velocity): by the law alone 2 µs and 20 s.
+    // Columns: τ1, b, velocity. Without the limits the contact times would be 2 µs and 20 s.
     for (contact_time_s, contact_exponent, velocity, held_s) in
         [(2e-5f32, 1.0f32, 0.1f32, 1e-5), (0.1, -1.0, 0.005, 0.25)]
     {

@@ -1,4 +1,4 @@
-//! The dynamic filter against `f64` fed the same noise: slow and fast paths, both orders, the
+//! The dynamic filter against `f64` with equal noise: slow and fast paths, both orders, the
 //! exciter, other rates, strikes, refusals, silence.
 
 use dsp_core::SampleRate;
@@ -9,8 +9,8 @@ use proptest::prelude::*;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// Breakpoints with random corners: poles from mild to the edge of the range, decaying gains, steps
-/// from `shortest` seconds.
+/// Random path of the first order: poles from mild to the edge of the range, decaying gains, steps
+/// from `shortest` to `longest` seconds.
 fn random_path(random: &mut Random, count: usize, shortest: f64, longest: f64) -> Vec<Breakpoint> {
     let (mut time_s, equal) = (0.0, random.between(0.0, 1.0) < 0.5);
     // Half of the paths come near -1.
@@ -32,7 +32,7 @@ fn random_path(random: &mut Random, count: usize, shortest: f64, longest: f64) -
         .collect()
 }
 
-/// Path of the second order: conjugate or real poles, gains such that the bus does not clip.
+/// Random path of the second order: conjugate or real poles, gains such that the bus does not clip.
 fn random_second_order(random: &mut Random, count: usize, shortest: f64, longest: f64) -> Vec<Breakpoint> {
     let (mut time_s, conjugate) = (0.0, random.between(0.0, 1.0) < 0.5);
     (0..count)
@@ -54,7 +54,7 @@ fn random_second_order(random: &mut Random, count: usize, shortest: f64, longest
         .collect()
 }
 
-/// The SNR of two strikes, the second in the middle of the path.
+/// SNR in dB of two strikes, the second within the path.
 fn snr(table: &Table, levels: [f32; 2], rate: SampleRate) -> f64 {
     let mut filter = table.ours(rate).unwrap_or_else(|error| panic!("{error}: {table:?}"));
     let end = (table.path.last().unwrap().time_s * rate.hz()).ceil() as usize;
@@ -116,7 +116,7 @@ fn coefficients_are_carried_to_other_rates() {
         for (from, to) in [(48_000.0, 96_000), (96_000.0, 48_000), (44_100.0, 48_000)] {
             let make = if order == 1 { random_path } else { random_second_order };
             let path = make(&mut random, 4, 0.01, 0.1);
-            // Poles near the edge may move beyond it.
+            // Poles near the edge may move beyond it at another rate, so they are made tamer.
             let tame = |p: Breakpoint| Breakpoint { a1: p.a1 * 0.99, a2: p.a2 * 0.9801, ..p };
             let path = path.into_iter().map(tame).collect();
             let table = Table { order, rate_hz: from, ..Table::of_path(path) };
@@ -136,7 +136,7 @@ fn at_twice_the_rate_noise_has_the_same_density() {
         let out = play(&mut table.ours(SampleRate::new(hz, 1).unwrap()).unwrap(), &[(0, 0.9)], 4 * hz as usize);
         out.iter().map(|&s| f64::from(s).powi(2)).sum::<f64>() / out.len() as f64
     };
-    // The pole lies far below both Nyquists, so that the same density is the same power.
+    // The pole lies far below both Nyquist frequencies, so equal density is equal power.
     let change_db = 10.0 * (power(96_000) / power(48_000)).log10();
     assert!(change_db.abs() < 0.3, "{change_db} dB");
 }
@@ -162,9 +162,9 @@ fn the_exciters_band_is_a_fourth_order_butterworths_and_follows_the_strike() {
     assert!(worst >= 90.0, "{worst:.1} dB at full level");
 }
 
-/// Sums of products of samples with those a lag later, for all lags, by way of the power spectrum.
+/// Sums of products of samples with later ones, for all lags, by way of the power spectrum.
 fn autocorrelation(samples: &[f64]) -> Vec<f64> {
-    // As many zeros behind them: the end does not meet the beginning.
+    // As many zeros follow, so that the end does not meet the beginning.
     let length = 2 * samples.len();
     let (forward, inverse) = (fourier::forward(length), fourier::inverse(length));
     let mut padded = samples.to_vec();
@@ -185,8 +185,8 @@ fn noise_is_white_and_a_strikes_level_is_its_rms() {
     let samples: Vec<f64> = out.iter().map(|&s| f64::from(s) / 134_217_728.0).collect();
     let power = samples.iter().map(|s| s * s).sum::<f64>() / samples.len() as f64;
     assert!((power.sqrt() - 0.5 / 3f64.sqrt()).abs() < 1e-3, "{}", power.sqrt());
-    // Correlations at lags up to and beyond ticks: 1/sqrt(2^20) each, five deviations for the
-    // largest of 5000.
+    // Correlations at lags up to and beyond ticks are 1/sqrt(2^20) each. The largest of 5000 may be
+    // five deviations.
     let correlations = autocorrelation(&samples);
     let largest = correlations[1..5000].iter().fold(0.0, |most: f64, r| most.max((r / correlations[0]).abs()));
     println!("largest correlation {largest:.2e}");
@@ -239,8 +239,8 @@ fn bad_tables_are_refused_by_name() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any path with any jumps, any strikes, modes of any size: bounded, the same bits in any
-    /// blocks, and silence in the end.
+    /// Plays any path with any jumps, under any strikes and modes of any size. The sound is
+    /// bounded, its bits are equal for any blocks, and the end is silent.
     #[test]
     fn blocks_change_no_bit_and_all_falls_silent(
         order in 1u8..=2,
@@ -275,7 +275,7 @@ proptest! {
         let exciter = excited.then_some(Exciter { low_hz: 100.0, high_hz: 3000.0, exponent: 0.5 });
         let table = Table { order, exciter, modes_through: loud, ..Table::of_path(path) };
         let filter = table.ours(RATE);
-        // What lies between two breakpoints may be louder than both.
+        // A filter between two breakpoints may be louder than at both.
         let is_refused = |error: &DynamicFilterError| {
             matches!(error, DynamicFilterError::Path(PathError::PolesMeet { .. } | PathError::Gain { .. }))
         };

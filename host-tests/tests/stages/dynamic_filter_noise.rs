@@ -1,5 +1,5 @@
-//! The dynamic filter's noise: its level along the path, and over 200 seeds its bands, decays and
-//! onset against what `f64` expects.
+//! Noise of the dynamic filter: its level along the path. Its bands, decays and onset over 200
+//! seeds are compared with the expectation in `f64`.
 
 use dsp_core::SampleRate;
 use dsp_core::dynamic_filter::{Breakpoint, DynamicFilterError, PathError};
@@ -42,9 +42,9 @@ fn levels_of_the_noise_keep_ninety_db_with_everything_round_them() {
             let table = Table { order, loops: loops.clone(), exciter, ..Table::of_path(path) };
             let mut ours = table.ours(RATE).unwrap();
             let strikes = [(0, 1.0), (900, 0.6)];
-            // The exciter's reference has one level only.
+            // The exciter of the reference has only one level, so it gets only one strike.
             let strikes = if exciter.is_some() { &strikes[..1] } else { &strikes[..] };
-            // Later on, what falls below -96 dBFS is cleared.
+            // After these frames, sound below -96 dBFS would be cleared.
             let out = play(&mut ours, strikes, 12_000);
             let exact = table.exact(strikes, ours.input_shift(), out.len(), RATE);
             if exact.iter().all(|x| *x == 0.0) {
@@ -107,7 +107,8 @@ fn the_tick_rate_is_not_heard() {
 
 #[test]
 fn a_zero_nearly_cancelled_at_nyquist_keeps_ninety_db() {
-    // As the first milliseconds of metal are estimated: all frequencies pass, through a1 near 1.
+    // The path is that of metal as it is estimated in its first milliseconds: all frequencies pass,
+    // through a1 near 1.
     let path = vec![point(0.0, 0.999, 0.998), point(0.01, 0.95, 0.9), point(0.05, 0.3, -0.3), point(0.4, 0.02, -0.95)];
     for loops in
         [Vec::new(), vec![Loop { frequency_hz: 700.0, bandwidth_hz: 4.0, gain: 0.5, delay_s: 41.3 / 48_000.0 }]]

@@ -1,4 +1,4 @@
-//! The limiter: its ceiling, its silence, and its freedom from the caller's blocks.
+//! The limiter: its ceiling, its silence, and its independence of the caller's blocks.
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Engine, Plan, Setup};
@@ -13,7 +13,7 @@ use proptest::prelude::*;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// Sound of a limiter for whole ticks that are cut into runs of at most `run` frames.
+/// Sound of a limiter for whole ticks, cut into runs of at most `run` frames.
 fn limited(sound: &[[i32; 2]], ceiling_db: f32, run: usize) -> Vec<[i32; 2]> {
     let mut limiter = Limiter::new(ceiling_db, RATE);
     let mut out = sound.to_vec();
@@ -70,7 +70,7 @@ fn the_gain_returns_to_one_within_two_seconds_of_a_peak() {
     let back = out.iter().rposition(|frame| *frame != sound[0]).unwrap();
     println!("the gain is 1 again {:.2} s after the peak", (back - 100) as f64 / 48_000.0);
     assert!(back < 96_000 - 1, "the gain is not back at the end");
-    // The largest step between frames: 1/32 of the way of the gain.
+    // The largest step between frames is 1/32 of the gain's way.
     let step = out[64..].windows(2).filter(|pair| pair[0][0].abs() < 2_000_000 && pair[1][0].abs() < 2_000_000);
     let step = step.map(|pair| (pair[1][0] - pair[0][0]).abs()).max().unwrap();
     assert!(f64::from(step) <= 1_000_001.0 / 32.0 + 1.0, "{step}");

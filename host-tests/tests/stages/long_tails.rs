@@ -6,7 +6,8 @@ use host_tests::single_mode::float_forms::FloatForm;
 use host_tests::single_mode::q31::{self, StruckMode};
 use host_tests::single_mode::{Case, grid, snr_db, worst_and_median};
 
-/// The README's table: worst and median SNR in dB, at full scale and 40 dB below.
+/// The figures are those of the README's table: worst and median SNR in dB, at full scale and 40 dB
+/// below.
 #[test]
 fn every_mode_keeps_the_snr_of_the_readme_at_full_scale_and_40_db_below() {
     for (level, worst, median) in [(1.0, 101.8, 120.2), (0.01, 100.6, 116.7)] {
@@ -17,7 +18,7 @@ fn every_mode_keeps_the_snr_of_the_readme_at_full_scale_and_40_db_below() {
     }
 }
 
-/// The other forms of the README's table.
+/// The figures are those of the other forms in the README's table.
 #[test]
 fn single_precision_forms_lose_what_the_readme_says() {
     let readme =
@@ -39,8 +40,9 @@ fn single_precision_forms_lose_what_the_readme_says() {
     }
 }
 
-/// Phase (in turns) and logarithm of the amplitude of a decaying sine about a time, by least
-/// squares on the reference's own two phases.
+/// Phase in turns, and logarithm of the amplitude, of a decaying sine about a time.
+///
+/// They come from least squares on the two phases of the reference.
 fn analyse(case: &Case, sound: &[f64], from: usize, length: usize) -> (f64, f64) {
     let (fs, d, f) = (case.rate.hz(), case.decay_per_s(), case.frequency_hz);
     let (mut ss, mut cc, mut sc, mut sy, mut cy) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -59,7 +61,7 @@ fn analyse(case: &Case, sound: &[f64], from: usize, length: usize) -> (f64, f64)
 fn frequency_stays_within_0_0004_cent_and_t60_within_a_hundred_thousandth() {
     let (mut worst_cent, mut worst_t60) = (0.0f64, 0.0f64);
     for case in grid(12, 1.0).iter().map(Case::exact) {
-        // Two windows of a fifth of the sound, three fifths apart.
+        // The two windows are a fifth of the sound each, three fifths apart.
         let sound = q31::render(&case);
         let (length, gap) = (sound.len() / 5, sound.len() * 3 / 5);
         let (early, late) = (analyse(&case, &sound, 1, length), analyse(&case, &sound, 1 + gap, length));
@@ -87,7 +89,7 @@ fn tails_of_up_to_120_s_follow_the_law_for_90_db_and_end_in_exact_zero() {
                 while !mode.is_zero() || frames == 0 {
                     mode.tick();
                     frames += TICK_FRAMES as u64;
-                    // The state is the mode at the last frame of the tick.
+                    // The state is that of the mode at the last frame of the tick.
                     let t = (frames - 1) as f64 / case.rate.hz();
                     let down_db = 60.0 * t / case.t60_s;
                     if down_db <= 90.0 {

@@ -1,5 +1,5 @@
-//! Single stages of dsp-core against their reference in `f64`: accuracy, refusals, bounds, silence.
-//! `cargo test -p host-tests --test stages room::` runs one part.
+//! Single stages of `dsp-core` against their reference in `f64`: accuracy, refusals, bounds,
+//! silence. `cargo test -p host-tests --test stages room::` runs one part.
 
 mod biquad_forms;
 mod biquad_rates;

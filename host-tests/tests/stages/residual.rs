@@ -1,5 +1,5 @@
-//! The residual against the reference: energies, decays, flatness and onset over many seeds; what strikes
-//! add; silence.
+//! The residual against the reference: energies, decays, flatness and onset over many seeds, sums
+//! of strikes, silence.
 
 use dsp_core::SampleRate;
 use dsp_core::noise::Sfc32;
@@ -63,7 +63,7 @@ fn a_strike_sounds_from_its_own_frame_on_and_not_before() {
         let first = sound.iter().position(|&x| x != 0).unwrap_or(usize::MAX);
         assert!((start..=start + 1).contains(&first), "struck at {start}, sounds at {first}");
     }
-    // At its full level at once: the first millisecond has the power of the reference.
+    // The level is full at once: the first millisecond has the power of the reference.
     let power = |from: usize| {
         let of = |seed| play(&mut shaper(&bands, seed), &[(0, 1.0)], 2_048);
         (0..SEEDS).flat_map(|seed| of(seed)[from..from + 48].to_vec()).map(|x| f64::from(x).powi(2)).sum::<f64>()
@@ -76,7 +76,7 @@ fn a_strike_sounds_from_its_own_frame_on_and_not_before() {
 #[test]
 fn the_power_has_no_line_at_the_rate_of_ticks_or_frames() {
     let stationary = bands(Spacing::Linear, 1, [1_000.0, 20_000.0], |_| 0.0);
-    // A period of both: 24 ticks, one steady frame.
+    // 24 ticks are one steady frame, and so a period of both.
     const PERIOD: usize = 24 * TICK_FRAMES;
     let mut profile = vec![0.0; PERIOD];
     for seed in 0..4 {
@@ -112,13 +112,13 @@ proptest! {
         let bands: Vec<ResidualBand> = edges.iter().zip(&raw).map(|(width, (weight, decay))| {
             let below = edge;
             edge = (edge + width).min(23_900.0);
-            // 100 to 20 000 dB/s, so that the end comes soon.
+            // Decays are from 100 to 20 000 dB/s, so that the end comes soon.
             ResidualBand { edges_hz: [below, edge.max(below + 1.0)], weight: *weight, decay_db_per_s: 100.0 * 200f32.powf(*decay) }
         }).collect();
         let mut strikes = strikes;
         strikes.sort_by_key(|strike| strike.0);
         let whole = play(&mut shaper(&bands, seed), &strikes, 120_000);
-        // The same in runs that are cut anywhere: strikes of strength 0 do nothing but cut.
+        // The second play has runs that are cut anywhere: strikes of strength 0 only cut.
         let mut cut: Vec<(usize, f32)> = strikes.clone();
         cut.extend((0..4_000 / split).map(|n| (n * split, 0.0)));
         cut.sort_by_key(|strike| strike.0);

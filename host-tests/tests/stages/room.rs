@@ -1,4 +1,4 @@
-//! The room against its reference, against its arithmetic twin in f64, and under stress.
+//! The room against its reference, against its arithmetic twin in `f64`, and under stress.
 
 use dsp_core::SampleRate;
 use dsp_core::room::RoomError;
@@ -12,7 +12,7 @@ use reference::RoomBand;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// Signal to noise of a room against its arithmetic twin in f64, both sides together.
+/// SNR in dB of a room against its arithmetic twin in `f64`, both sides together.
 fn snr_db(table: &Table, answers: [Vec<f64>; 2], dry: &[f64], samples: usize) -> f64 {
     let bands: Vec<RoomBand> = table
         .records()
@@ -42,7 +42,7 @@ fn room_follows_its_twin_to_90_db_in_32_bits_and_to_its_storage_in_16() {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         f64::from(seed as i32) / 2_147_483_648.0
     };
-    // Tones that outlast the room keep its lines full while its level falls.
+    // The tones outlast the room, so they keep its delay lines full while its level falls.
     let tones = |hz: &[f64], frame: usize| {
         let sum: f64 = hz.iter().map(|hz| (std::f64::consts::TAU * hz * at(frame)).sin()).sum();
         0.4 / hz.len() as f64 * (-0.7 * at(frame)).exp() * sum
@@ -91,7 +91,8 @@ fn echoes_are_dense_within_100_ms_and_late_spectra_near_noise() {
                 .sum();
             sum / 4.0
         };
-        // Noise of this length has 10.4 dB: 3 dB more with 48 KB, 6 dB more with 16 KB.
+        // Noise of this length has 10.4 dB. The limit is 3 dB more with 48 KB, and 6 dB more with
+        // 16 KB.
         println!(
             "{} bands: {density:.0} echoes a second; crest {:.1} and {:.1} dB",
             table.bands.len(),
@@ -127,7 +128,7 @@ fn bad_tables_are_refused_by_name() {
     ));
 }
 
-/// Any table that a kit may hold, at the edges of its ranges too.
+/// Tables of all kinds that a kit may hold, also at the edges of its ranges.
 fn any_table() -> impl Strategy<Value = Table> {
     let value = |low: f64, high: f64| prop_oneof![2 => (0.0..1.0f64).prop_map(move |part| low * (high / low).powf(part)), 1 => Just(low), 1 => Just(high)];
     let band = (1.02..6.0f64, value(0.0461, 22.9), value(1e-3, 99.0));
@@ -155,7 +156,7 @@ proptest! {
         table in any_table(), level in 0u32..=31, block in 1usize..200, seed: u32,
     ) {
         let mut state = seed | 1;
-        // Up to the whole range of the bus: debug builds check every addition.
+        // The noise is up to the whole range of the bus. Debug builds check every addition.
         let dry: Vec<[i32; 2]> = (0..6000).map(|frame| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let x = (state as i32) >> (31 - level);
@@ -182,7 +183,7 @@ fn loud_and_long_input_is_bounded_and_its_tail_ends_in_exact_silence() {
         let mut wide = room::<i32>(&table, RATE, SMALL).unwrap();
         let mut room = room::<i16>(&table, RATE, SMALL).unwrap();
         for frame in 0..48_000 {
-            // A square wave at the very edge of the bus.
+            // The input is a square wave at the very edge of the bus.
             let x = if frame / 100 % 2 == 0 { i32::MAX } else { i32::MIN };
             room.render(&mut [[x; 2]]);
             wide.render(&mut [[x; 2]]);
@@ -198,7 +199,7 @@ fn loud_and_long_input_is_bounded_and_its_tail_ends_in_exact_silence() {
 
 #[test]
 fn an_impulse_of_full_scale_does_not_clip() {
-    // Twice the impulse, twice the answer: what clips would not.
+    // Twice the impulse gives twice the answer, unless it clips.
     for table in octave_tables(6.0) {
         let mut dry = vec![0.0; 24_000];
         dry[0] = 0.5;
@@ -212,7 +213,7 @@ fn an_impulse_of_full_scale_does_not_clip() {
     }
 }
 
-/// Frames at which impulses meet the mix's swing at other angles.
+/// Frames of impulses that meet the network's moving angle at different places.
 const STARTS: [usize; 4] = [0, 3000, 13_000, 21_000];
 
 #[test]
@@ -253,7 +254,7 @@ fn left_and_right_are_within_0_3_db_in_the_mean_over_random_tables() {
 
 #[test]
 fn wet_sound_begins_when_the_docs_say() {
-    // At so many hertz: after so many ms for T60s of 0.3, 1 and 3 s.
+    // Columns: rate in Hz, onsets in ms for T60s of 0.3, 1 and 3 s.
     for (numerator, ms) in [(44_100, [11.9, 26.3, 27.8]), (48_000, [11.2, 24.7, 27.2]), (96_000, [8.6, 22.7, 24.7])] {
         let rate = SampleRate::new(numerator, 1).unwrap();
         for (t60_s, expected_ms) in [0.3, 1.0, 3.0].into_iter().zip(ms) {
@@ -270,7 +271,7 @@ fn wet_sound_begins_when_the_docs_say() {
 #[test]
 fn instrument_and_law_agree_in_decay_energy_balance_and_correlation() {
     let hz = RATE.hz();
-    // Instrument and reference: errors of T60 and of energy, balances, correlations.
+    // For instrument and reference: errors of T60, errors of energy, balances, correlations.
     let mut all = [(); 2].map(|()| [(); 4].map(|()| Vec::new()));
     for (index, table) in random_tables(4, 4, 2.0, 6.0, 10).into_iter().enumerate() {
         let frames = frames_needed(&table, hz);

@@ -1,4 +1,4 @@
-//! Banded waveguides against `f64`: long loops, stability, blocks of any size, silence.
+//! Banded waveguides against `f64`: long loops, stability, any block size, silence.
 
 use dsp_core::SampleRate;
 use dsp_core::dynamic_filter::{Breakpoint, DynamicFilterError, Exciter};
@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// `|F|` and its phase, first order.
+/// Magnitude `|F|` and phase of a first-order breakpoint at a frequency.
 fn response(point: &Breakpoint, hz: f64) -> (f64, f64) {
     let omega = std::f64::consts::TAU * hz / 48_000.0;
     let of = |c0: f64, c1: f64| {
@@ -21,7 +21,7 @@ fn response(point: &Breakpoint, hz: f64) -> (f64, f64) {
     (above.0 / below.0, above.1 - below.1)
 }
 
-/// Eq. 22 with the smallest p for a delay of so many frames at least.
+/// Delay in seconds by eq. 22, with the smallest p for which it has at least `frames` frames.
 fn delay_s(point: &Breakpoint, hz: f64, frames: f64) -> f64 {
     let omega = std::f64::consts::TAU * hz / 48_000.0;
     let phase = response(point, hz).1;
@@ -29,14 +29,15 @@ fn delay_s(point: &Breakpoint, hz: f64, frames: f64) -> f64 {
     (phase + std::f64::consts::TAU * turns) / omega / 48_000.0
 }
 
-/// A short burst of noise, then a filter that stays.
+/// Path of a short burst of noise, after which the filter stays.
 fn path() -> Vec<Breakpoint> {
     let point = |time_s, b0: f64, a1| Breakpoint { time_s, b0, b1: b0, a1, ..Breakpoint::default() };
     vec![point(0.0, 0.25, -0.5), point(0.02, 0.25, -0.5)]
 }
 
-/// Loops at frequencies in Hz that ring with a T60: per pass of d seconds, `γ |F| = 10^(-3 d /
-/// T60)`, the band's own delay counted.
+/// Loops at frequencies in Hz that ring with a T60.
+///
+/// A pass of d seconds, the band's own delay included, has `γ |F| = 10^(-3 d / T60)`.
 fn loops(hz: &[f64], t60_s: f64, frames: f64) -> Vec<Loop> {
     let last = path()[1];
     hz.iter()
@@ -67,7 +68,7 @@ fn loops_that_ring_for_twenty_seconds_keep_ninety_db() {
         let mut ours = table.ours(RATE).unwrap();
         let out = play(&mut ours, &[(0, 1.0)], 48_000 * 5);
         let exact = table.exact(&[(0, 1.0)], ours.input_shift(), out.len(), RATE);
-        // From the end of the burst on, the loops are alone.
+        // After the burst the loops are alone.
         let (whole, ringing) = (snr_db(&exact, &out), snr_db(&exact[4800..], &out[4800..]));
         let level = |s: &[f64]| 20.0 * (s.iter().fold(0.0f64, |peak, x| peak.max(x.abs())) / 134_217_728.0).log10();
         println!(
@@ -76,13 +77,13 @@ fn loops_that_ring_for_twenty_seconds_keep_ninety_db() {
             level(&exact[216_000..])
         );
         assert!(whole >= 90.0, "{what}: {whole}");
-        // They do ring: 60 dB in some 20 s.
+        // The loops must ring: 60 dB in some 20 s.
         assert!(level(&exact[216_000..]) > level(&exact[24_000..36_000]) - 20.0, "{what}");
     }
 }
 
-/// The table of docs/kit-format.md: what a loop's numerator of two terms lets through far from its
-/// middle, of what it has there.
+/// The figures are those of the table in docs/kit-format.md: gain of a loop far from its middle,
+/// over that at its middle, for a numerator of two terms.
 #[test]
 fn loops_pass_far_from_their_middle_what_the_page_says() {
     let rate = reference::SampleRate { numerator: 48_000, denominator: 1 };
@@ -167,7 +168,7 @@ fn unstable_and_impossible_loops_are_refused_by_name() {
 
 #[test]
 fn loops_that_only_a_narrow_pole_of_the_filter_makes_grow_are_refused_too() {
-    // A filter of a pole 0.8 Hz wide, and a loop whose band lies elsewhere.
+    // The filter's pole is 0.8 Hz wide, and the loop's band lies elsewhere.
     let around = |hz: f64, gain: f64| {
         let angle = std::f64::consts::TAU * hz / 48_000.0;
         let point =
@@ -180,7 +181,7 @@ fn loops_that_only_a_narrow_pole_of_the_filter_makes_grow_are_refused_too() {
         let refused = around(hz, 8.0).map(|_| ());
         assert!(matches!(refused, Err(DynamicFilterError::Loop(LoopError::Unstable { .. }))), "{hz}: {refused:?}");
     }
-    // And one at 0 Hz, in first order.
+    // This pole lies at 0 Hz, in first order.
     let point = Breakpoint { a1: -0.9999, b0: 0.05, ..Breakpoint::default() };
     let loops = vec![Loop { frequency_hz: 900.0, bandwidth_hz: 40.0, gain: 0.9, delay_s: 0.002 }];
     let refused =
@@ -224,8 +225,8 @@ fn loops_round_a_filter_of_much_gain_fall_silent() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 30, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any stable loops round any path, jumps included, modes of any size: bounded (debug
-    /// assertions are on) and the same bits in any blocks.
+    /// Plays any stable loops round any path, jumps included, under modes of any size. The sound is
+    /// bounded (debug assertions are on), and its bits are equal for any blocks.
     #[test]
     fn blocks_change_no_bit(
         raw in prop::collection::vec((1e-6f64..0.02, 0.01f64..1.0, -1.0f64..1.0, -0.9999f64..0.9999), 1..8),
@@ -275,8 +276,10 @@ proptest! {
         }
     }
 
-    /// Whole ticks on the tick, which are done in a shorter way while nothing begins or ends,
-    /// against odd blocks: with strikes and a hand wherever they come, until the loops are cleared.
+    /// Compares whole ticks, which are done in a shorter way while nothing begins or ends, with odd
+    /// blocks.
+    ///
+    /// Strikes and a hand come at any time, until the loops are cleared.
     #[test]
     fn whole_ticks_change_no_bit(
         corners in prop::collection::vec((1e-5f64..0.05, -0.99f64..0.99, 0.0f64..1.0), 1..5),
