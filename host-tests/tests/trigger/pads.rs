@@ -1,5 +1,5 @@
-//! What a board's inputs do to pads: faults, second sensors, crosstalk, buttons, and inputs that no
-//! piezo makes.
+//! Pads on a board's inputs: faults, second sensors, crosstalk, buttons, and inputs that no piezo
+//! makes.
 
 use dsp_core::SampleRate;
 use dsp_core::event::Action;
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// All reports but forces, over blocks of 48 frames.
+/// All reports but forces, in blocks of 48 frames.
 fn reports<const CHANNELS: usize>(trigger: &mut Trigger<CHANNELS>, counts: &[[u16; CHANNELS]]) -> Vec<String> {
     let mut told = Vec::new();
     for block in counts.chunks(48) {
@@ -22,7 +22,7 @@ fn reports<const CHANNELS: usize>(trigger: &mut Trigger<CHANNELS>, counts: &[[u1
     told
 }
 
-/// A ring of 1 kHz that begins at `onset`, in counts.
+/// Value in counts of a ring of 1 kHz that begins at frame `onset`.
 fn ring(n: usize, onset: usize, height: f64) -> f64 {
     let t = (n as f64 - onset as f64) / 48_000.0;
     if t < 0.0 { 0.0 } else { height * (-t / 0.008).exp() * (std::f64::consts::TAU * 1000.0 * t).sin() }
@@ -47,7 +47,7 @@ fn a_piezo_at_the_rail_is_named_strikes_at_most_once_and_is_heard_again_later() 
         let told = reports(&mut trigger, &counts[..336_000]);
         assert_eq!(trigger.fault(0), Some(fault));
         let on_pad_0 = told.iter().filter(|report| *report == "strike 0 0").count();
-        // The strike before, and at most one by the step to the rail.
+        // These are the strike before, and at most one by the step to the rail.
         assert!((1..=2).contains(&on_pad_0), "{told:?}");
         assert_eq!(told.iter().filter(|report| report.contains("Stuck")).count(), 1, "{told:?}");
         assert!(told.contains(&format!("channel 0: {fault:?}")), "{told:?}");
@@ -95,7 +95,7 @@ fn the_louder_of_two_sensors_plays_its_striker_and_the_other_is_silent() {
         let mut trigger = Trigger::<2>::new([pad], RATE).expect("valid");
         assert_eq!(reports(&mut trigger, &counts), [expected], "{head} {rim} {late}");
     }
-    // Twice as much weight for the rim.
+    // The rim gets more weight: 12 dB.
     let pad = Settings { rim_db: 12.0, ..pad };
     let counts: Vec<[u16; 2]> =
         (0..24_000).map(|n| [count(ring(n, 12_000, 800.0)), count(ring(n, 12_000, 300.0))]).collect();
@@ -153,8 +153,7 @@ fn settings_that_cannot_be_are_refused_by_name() {
     assert!(matches!(buttons, Err(TriggerError::SharedButton { pad: 1, button: 0 })));
 }
 
-/// All that a button causes that goes down and up at the given frames and bounces for 5 ms after
-/// each.
+/// Detections of a button with the given edges (frame, down). It bounces for 5 ms after each.
 fn press(pads: &[Settings], edges: &[(u64, bool)]) -> Vec<Detection> {
     let mut buttons = Buttons::<1>::new(pads.iter().copied(), RATE).expect("valid");
     let mut found = Vec::new();
@@ -196,7 +195,7 @@ fn a_press_shorter_than_the_bouncing_is_let_go_all_the_same() {
     assert!(found[1].frame <= 1000 + 480);
 }
 
-/// Anything within its range.
+/// Settings within their ranges.
 fn settings(pad: u8) -> impl Strategy<Value = Settings> {
     let modes = prop::sample::select(vec![Mode::Velocity, Mode::Direct, Mode::Off]);
     (modes, 0.001f32..0.5, 0.001f32..0.01, 0.001f32..0.5, 1.0f32..1000.0, 0.01f32..1.0, -60.0f32..0.0).prop_map(
@@ -219,7 +218,7 @@ proptest! {
     #[test]
     fn no_input_breaks_the_arithmetic_or_gives_a_velocity_that_is_none(
         pads in (settings(0), settings(1)),
-        // Pieces of constants, alternations and noise, over all of 16 bits.
+        // The input has pieces of constants, alternations and noise, over all of 16 bits.
         pieces in prop::collection::vec((1..400usize, any::<u16>(), any::<u16>(), 1..50usize), 1..60),
     ) {
         let mut counts = Vec::new();

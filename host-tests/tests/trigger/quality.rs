@@ -1,11 +1,13 @@
-//! How well strikes are found in the generated set, and that the double-precision twin finds the
-//! same. `cargo test -p host-tests --test trigger quality -- --nocapture` prints the tables.
+//! Quality of detection: the share of strikes that are found in the generated set. The reference in
+//! double precision finds nearly all of them, too.
+//!
+//! `cargo test -p host-tests --test trigger quality -- --nocapture` prints the tables.
 
 use host_tests::trigger::listen::{on_pc, reference};
 use host_tests::trigger::set::{KINDS, scenes};
 use host_tests::trigger::{Score, score};
 
-/// Scenes of each kind: 1200 strikes.
+/// Number of scenes of each kind. All kinds together have 1200 strikes.
 const SCENES: usize = 5;
 
 fn print_row(name: &str, score: &Score) {

@@ -1,6 +1,7 @@
-//! When strikes are decided: the same whatever the blocks, a fixed time after the onset, and at the
-//! right frame of another clock. `cargo test -p host-tests --test trigger timing -- --nocapture`
-//! prints the figures.
+//! Times of decisions: independent of the blocks, a fixed time after the onset, and at the right
+//! frame of another clock.
+//!
+//! `cargo test -p host-tests --test trigger timing -- --nocapture` prints the figures.
 
 use dsp_core::SampleRate;
 use dsp_core::trigger::{FrameMap, Report, Resampler, Settings, Trigger};
@@ -11,7 +12,7 @@ use host_tests::trigger::set::{CHANNELS, scenes};
 use host_tests::trigger::{Ring, Scene, Strike};
 use proptest::prelude::*;
 
-/// One strike on pad 0 of an otherwise quiet board.
+/// Scene of one strike on pad 0 of an otherwise quiet board.
 fn one_strike(time_s: f64, velocity: f64, ring: Ring, noise_counts: f64) -> Scene<CHANNELS> {
     Scene {
         name: "one strike",
@@ -111,7 +112,7 @@ fn frames_map_to_the_other_clock_without_drift() {
         let exact = u128::from(frame) * 5375 / 5376;
         assert_eq!(u128::from(map.output_frame(frame)), exact, "{frame}");
     }
-    // A day later, the frame that is on is still the right one.
+    // After a day the mapped frame is still the right one.
     let day = 86_400 * 48_000;
     assert_eq!(map.output_frame(day), (86_400.0 * i2s.hz()).floor() as u64);
     assert!(map.adc_frame(map.output_frame(day)) <= day && day - map.adc_frame(map.output_frame(day)) <= 2);
@@ -128,15 +129,15 @@ fn the_resampler_is_its_twin_and_keeps_its_place_for_ten_minutes() {
     let mut reference_in = Vec::new();
     let mut worst_twin = 0.0f64;
     while pulled < 48_000 * 600 {
-        // Only the first and the last second are rendered with waves, as far as the ring goes
-        // silence lies between.
+        // Only about the first and the last second have waves. Silence lies between, which takes
+        // less time to make.
         let sounding = !(40_000..48_000 * 599).contains(&pulled);
         let input: Vec<i32> =
             (pushed..pushed + 32).map(|n| if sounding { wave(n as f64, 1000.0).round() as i32 } else { 0 }).collect();
         resampler.push(&input);
         pushed += 32;
         let mut out = [0; 32];
-        // As many as the other clock takes.
+        // The other clock takes `due` frames by now.
         let due = (pushed as f64 / step) as u64;
         let out = &mut out[..(due - pulled).min(32) as usize];
         resampler.pull(out);
@@ -172,17 +173,17 @@ fn a_resampler_without_input_is_silent_and_counts_and_then_goes_on_in_time() {
     resampler.push(&[1000; 32]);
     resampler.pull(&mut out);
     assert_eq!(resampler.missed(), 0);
-    // A block does not come.
+    // One block does not come.
     resampler.pull(&mut out);
     assert!(resampler.missed() > 0);
     let missed = resampler.missed();
-    // It comes late, with the next one: time has not shifted.
+    // The block comes late, with the next one: time has not shifted.
     let ramp: Vec<i32> = (32..128).map(|n| n * 1000).collect();
     resampler.push(&ramp[..64]);
     resampler.pull(&mut out);
     assert_eq!(resampler.missed(), missed);
     assert_eq!(out[10], (64 + 10 - 3) * 1000);
-    // So much at once that the oldest is overwritten before it is read.
+    // So many samples come at once that the oldest are overwritten before they are read.
     resampler.push(&vec![7; 1000]);
     resampler.pull(&mut out);
     assert_eq!((out[10], resampler.missed()), (0, missed + 32));
