@@ -104,7 +104,7 @@ fn a_silent_engine_and_its_memory_stay_small() {
     // it had type parameters for them. The path of the build stands in the messages of panics, and
     // adds some bytes.
     assert!(footprint.flash <= 257 * 1024, "the engine without its kit: {} bytes", footprint.flash);
-    // 64 contacts, as all engines have, take 2 KB of it.
+    // 64 contacts, as all engines have, take 2 KB of the RAM.
     assert!(footprint.ram <= 19 * 1024, "{} bytes", footprint.ram);
 }
 

@@ -183,7 +183,7 @@ fn a_resampler_without_input_is_silent_and_counts_and_then_goes_on_in_time() {
     resampler.pull(&mut out);
     assert_eq!(resampler.missed(), missed);
     assert_eq!(out[10], (64 + 10 - 3) * 1000);
-    // So many samples come at once that the oldest are overwritten before they are read.
+    // More samples come at once than fit, so the oldest are overwritten before they are read.
     resampler.push(&vec![7; 1000]);
     resampler.pull(&mut out);
     assert_eq!((out[10], resampler.missed()), (0, missed + 32));
