@@ -60,7 +60,7 @@ pub struct DynamicFilter<'m> {
     pub(super) plain: bool,
     /// True if loops work in blocks of a tick, on noise without a band or levels of its own.
     pub(super) looped: bool,
-    /// Noise level 1.0 as a word: 2^28 times the root of the rate over the table's rate.
+    /// Noise level 1.0 as a word: 2^28 times the square root of the rate over the table's rate.
     pub(super) level_unit: f32,
     /// Frame within the tick.
     pub(super) frame: usize,

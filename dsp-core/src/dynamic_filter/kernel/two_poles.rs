@@ -12,8 +12,8 @@
 //!
 //! A state has 32 bits below its word, and all its bits are multiplied. So slow poles neither
 //! gather noise nor stop short of silence. The word is rounded to nearest and multiplied exactly.
-//! The rest, which then has a sign, is multiplied by the high word of a product. A factor in Q31
-//! gives half of the product, so every sum holds half of its result.
+//! The rest, which then has a sign, is multiplied too, and the high word of that product is added.
+//! A factor in Q31 gives half of the product, so every sum holds half of its result.
 //!
 //! **Nothing can wrap.** The path's scales keep words of states below 2^30 (conjugate) and 2^29
 //! (real). e is below 2^30; p, g, d are below 1 as Q31, α and β as Q30. Sums may wrap on their way
