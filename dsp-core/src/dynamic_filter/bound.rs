@@ -1,22 +1,24 @@
-//! Bounds from above, in `f32`, of what loops and filter pass: within 1e-4 of a bound that holds,
-//! and mostly within some percent of what they pass.
+//! Upper bounds, in `f32`, of the gains of loops and filter. Each is within 1e-4 of a bound that
+//! holds, and mostly within some percent of the gain.
 //!
-//! `|a + b w|²` is `(a + b)² - 4 a b sin²(ω/2)`, or `(a - b)² + 4 a b cos²(ω/2)`: one of both is a
-//! sum of two squares, of which nothing cancels, so that few bits suffice close by a pole, too.
+//! `|a + b w|²` is `(a + b)² - 4 a b sin²(ω/2)`, or `(a - b)² + 4 a b cos²(ω/2)`. One of the two is
+//! a sum of two squares, in which nothing cancels. So few bits suffice, even close to a pole.
 
 use super::path::Form;
 use super::point::Point;
 use crate::square_root::square_root;
 use crate::waveguide::Tuned;
 
-/// An angle on the circle.
+/// An angle on the unit circle, at `w = cos - i sin`.
 #[derive(Clone, Copy)]
 pub(super) struct Angle {
-    /// Of w = cos - i sin.
+    /// Cosine of the angle.
     cosine: f32,
+    /// Sine of the angle.
     sine: f32,
-    /// Of half the angle.
+    /// Square of the sine of half the angle.
     sine_square: f32,
+    /// Square of the cosine of half the angle.
     cosine_square: f32,
 }
 
@@ -32,12 +34,14 @@ impl Angle {
     }
 }
 
-/// `a + b w` as a sum of squares.
+/// `|a + b w|²` as a sum of two squares.
 #[derive(Clone, Copy)]
 struct Pair {
+    /// The square that does not depend on the angle.
     square: f32,
-    /// Of the square of half the angle's sine, or of its cosine.
+    /// Factor of the squared sine, or cosine, of half the angle.
     rest: f32,
+    /// True if `rest` is the cosine's factor, false if it is the sine's.
     of_cosine: bool,
 }
 
@@ -49,19 +53,22 @@ impl Pair {
         Self { square: (sum * sum) as f32, rest: (4.0 * product.abs()) as f32, of_cosine }
     }
 
-    /// `|a + b w|²`.
+    /// `|a + b w|²` at an angle.
     fn at(&self, sine_square: f32, cosine_square: f32) -> f32 {
         self.square + self.rest * if self.of_cosine { cosine_square } else { sine_square }
     }
 }
 
-/// A loop, of which a bound is to be found at many angles.
+/// A loop whose gain is to be bounded at many angles.
 #[derive(Clone, Copy)]
 pub(super) struct Loop {
+    /// Numerator of the band-pass.
     above: Pair,
-    /// Of the pole: its angle, the square of its distance from the circle, and 4 times its radius.
+    /// Angle of the pole.
     angle: f64,
+    /// Square of the pole's distance from the unit circle.
     distance_square: f32,
+    /// 4 times the pole's radius.
     radius_4: f32,
 }
 
@@ -73,7 +80,7 @@ impl Loop {
         Self { above: Pair::new(a, c), angle, distance_square: (distance * distance) as f32, radius_4 }
     }
 
-    /// Of |B|.
+    /// Upper bound of |B| at an angle.
     pub(super) fn at_most(&self, omega: f64) -> f32 {
         let [least, most] = sine_bounds((0.5 * omega) as f32);
         let above = self.above.at(most * most, 1.0 - least * least);
@@ -81,7 +88,7 @@ impl Loop {
         square_root(above) / square_root(below)
     }
 
-    /// The square of the distance from the pole, at least, at so large an angle from it.
+    /// Lower bound of the squared distance from the pole, seen at `angle` from the pole's own.
     fn pole_distance_square(&self, angle: f64) -> f32 {
         let half = (0.5 * angle.abs()) as f32;
         let [least, _] = sine_bounds(if half > FRAC_PI_2 { 2.0 * FRAC_PI_2 - half } else { half });
@@ -91,14 +98,14 @@ impl Loop {
 
 const FRAC_PI_2: f32 = core::f32::consts::FRAC_PI_2;
 
-/// Of the sine of 0 to half of π.
+/// Lower and upper bound of sin x, for x from 0 to half of π.
 fn sine_bounds(x: f32) -> [f32; 2] {
     let square = x * x;
     let least = x * (1.0 - square * (1.0 / 6.0));
     [least, least + x * square * square * (1.0 / 120.0)]
 }
 
-/// Of |F| at a point of the path.
+/// Upper bound of |F| at a point of the path.
 pub(super) fn of_filter(point: &Point, angle: &Angle) -> f32 {
     let Angle { sine_square, cosine_square, .. } = *angle;
     let [p0, p1, p2, ..] = point.at;
@@ -115,18 +122,18 @@ pub(super) fn of_filter(point: &Point, angle: &Angle) -> f32 {
 /// Largest rounding error of a number near 1.
 const ROUNDING: f32 = 1e-6;
 
-/// In `f32` as it is in `f64`, and what rounding may have taken from it.
+/// |F| of a second-order filter in `f32`, plus a bound of its rounding error.
 fn of_two_poles(point: &Point, angle: &Angle) -> f32 {
     let w = (angle.cosine, -angle.sine);
     let [p0, p1, p2, p3, p4] = point.at.map(|parameter| parameter as f32);
-    // w g / (1 - p w), and the bound of what it is off by, in units of rounding.
+    // Gives w g / (1 - p w), and a bound of its error in units of ROUNDING.
     let ring = |p: (f32, f32), g: (f32, f32)| {
         let (turned, gained) = (times(p, w), times(g, w));
         let below = (1.0 - turned.0, -turned.1);
         let square = below.0 * below.0 + below.1 * below.1;
         let ratio = times(gained, (below.0 / square, -below.1 / square));
         let (distance, gain) = (square_root(square), size(g));
-        // So near that rounding counts.
+        // Close to the pole rounding may decide the distance: then the bound is infinite.
         let distance = if distance > 10.0 * ROUNDING { distance } else { 0.0 };
         (ratio, gain / distance * (2.0 + 2.0 / distance))
     };
@@ -166,8 +173,7 @@ mod tests {
     use crate::SampleRate;
     use crate::dynamic_filter::Breakpoint;
 
-    /// Bounds that [`super::super::stability`] relies on must hold: a bound is below the truth by
-    /// less than it allows for.
+    /// True if the bound is below the truth by less than [`super::super::stability`] allows for.
     fn is_bound(bound: f32, truth: f64) -> bool {
         bound.is_nan() || f64::from(bound) >= truth * (1.0 - 3e-4) - 1e-12
     }

@@ -1,19 +1,20 @@
-//! Coefficients at another sample rate: the bilinear transformation there and back.
+//! Coefficients at another sample rate, by the bilinear transformation there and back.
 //!
-//! `w = z⁻¹` at the table's rate f0 is `w = ((1 - κ) + (1 + κ) v) / ((1 + κ) + (1 - κ) v)` with v
-//! at the rate fs, `κ = fs/f0`. The inside of the unit circle is mapped onto itself, so that what
-//! is stable stays so.
+//! Let `w = z⁻¹` at the table's rate f0, `v = z⁻¹` at the rate fs, and `κ = fs/f0`. Then
+//! `w = ((1 - κ) + (1 + κ) v) / ((1 + κ) + (1 - κ) v)`. This maps the inside of the unit circle
+//! onto itself, so that a stable filter stays stable.
 
 use super::settings::Breakpoint;
 
 impl Breakpoint {
-    /// The breakpoint for a rate that is `ratio` times the one it was made for, of order 1 or 2.
-    /// Exactly itself at ratio 1.
+    /// Returns the breakpoint for a rate that is `ratio` times the rate it was made for.
+    ///
+    /// `order` is 1 or 2. At ratio 1 the breakpoint is returned unchanged.
     pub fn carried(self, order: u8, ratio: f64) -> Self {
         if ratio == 1.0 {
             return self;
         }
-        // den(w) and num(w) times (A + B v)^order, A = 1 + κ, B = 1 - κ.
+        // Denominator and numerator in w, times (A + B v)^order with A = 1 + κ, B = 1 - κ.
         let (a, b) = (1.0 + ratio, 1.0 - ratio);
         let terms = |c0: f64, c1: f64, c2: f64| match order {
             1 => [c0 * a + c1 * b, c0 * b + c1 * a, 0.0],
@@ -25,7 +26,7 @@ impl Breakpoint {
         };
         let [d0, d1, d2] = terms(1.0, self.a1, self.a2);
         let [n0, n1, n2] = terms(self.b0, self.b1, self.b2);
-        // A zero at -1 stays there: exactly, so that eq. 17 is still known as such.
+        // A zero at -1 stays at -1. It does so exactly, so that eq. 17 is still recognised.
         let n1 = if order == 1 && self.b1 == self.b0 { n0 } else { n1 };
         Self { a1: d1 / d0, a2: d2 / d0, b0: n0 / d0, b1: n1 / d0, b2: n2 / d0, ..self }
     }

@@ -1,4 +1,4 @@
-//! Why a dynamic filter is refused.
+//! Reasons to refuse a dynamic filter.
 
 use core::fmt;
 
@@ -7,54 +7,55 @@ use crate::SampleRate;
 use crate::biquad::butterworth::{BandError, Exciter};
 use crate::waveguide::LoopError;
 
-/// Why breakpoints are refused.
+/// Reason to refuse the breakpoints of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PathError {
-    /// None, or more than fit.
+    /// No breakpoint is given, or more than fit.
     Count {
-        /// Breakpoints given.
+        /// Number of breakpoints given.
         given: usize,
-        /// Breakpoints that fit.
+        /// Number of breakpoints that fit.
         room: usize,
     },
-    /// The first is not at 0, or one is not behind the one before it, or beyond an hour.
+    /// A breakpoint's time is invalid: the first must be at 0 s, each other one later than the one
+    /// before it, and none later than an hour.
     Order {
-        /// The breakpoint, counted from 0.
+        /// Index of the breakpoint, counted from 0.
         breakpoint: usize,
-        /// Its time in seconds.
+        /// Time of the breakpoint in seconds.
         time_s: f64,
     },
-    /// A pole on or outside the unit circle (eq. 21), or so near that the state would not fit.
+    /// A pole is on or outside the unit circle (eq. 21), or so near that the state would not fit.
     Unstable {
-        /// The breakpoint, counted from 0.
+        /// Index of the breakpoint, counted from 0.
         breakpoint: usize,
-        /// The pole's magnitude, with its sign where it is real.
+        /// Magnitude of a conjugate pole, or a real pole with its sign.
         pole: f64,
     },
-    /// A coefficient of e is not finite, or the gain summed over the impulse response above the
-    /// largest one possible.
+    /// A coefficient of e is not finite, or the gain summed over the impulse response is above the
+    /// largest one allowed.
     Gain {
-        /// The breakpoint, counted from 0.
+        /// Index of the breakpoint, counted from 0.
         breakpoint: usize,
-        /// That gain.
+        /// Gain summed over the impulse response.
         gain: f64,
     },
-    /// A level of the noise that is not between 0 and 1.
+    /// A level of the noise is not between 0 and 1.
     Noise {
-        /// The breakpoint, counted from 0.
+        /// Index of the breakpoint, counted from 0.
         breakpoint: usize,
-        /// That level.
+        /// Level of the noise.
         noise: f64,
     },
-    /// A second-order filter whose poles are conjugate at some breakpoints and real at others.
+    /// The poles of a second-order filter are conjugate at some breakpoints and real at others.
     PolesMeet {
-        /// The first breakpoint that is unlike the one before.
+        /// Index of the first breakpoint whose poles differ in this from the one before.
         breakpoint: usize,
     },
     /// The filter's order is neither 1 nor 2.
     FilterOrder {
-        /// Given value.
+        /// Order that was given.
         order: u8,
     },
 }
@@ -89,24 +90,24 @@ impl fmt::Display for PathError {
 
 impl core::error::Error for PathError {}
 
-/// Why a dynamic filter is refused.
+/// Reason to refuse a dynamic filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DynamicFilterError {
-    /// Its path.
+    /// The path is invalid.
     Path(PathError),
-    /// Its loops.
+    /// The loops are invalid.
     Loop(LoopError),
-    /// Its exciter's band.
+    /// The exciter's band is invalid.
     Exciter(BandError),
-    /// The exponent by which its exciter follows strikes.
+    /// The exponent by which the exciter's band follows a strike's level is out of range.
     Exponent {
-        /// Given value.
+        /// Exponent that was given.
         exponent: f64,
     },
-    /// The rate that its coefficients are for is none.
+    /// The rate that the coefficients are for is out of range.
     Rate {
-        /// That rate in Hz.
+        /// Rate that was given, in Hz.
         rate_hz: f64,
     },
 }

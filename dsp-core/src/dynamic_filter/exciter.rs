@@ -1,26 +1,28 @@
-//! The exciter at work: the noise's band, a fourth-order Butterworth band-pass whose edges follow
-//! the strike's level.
+//! The exciter at work: a fourth-order Butterworth band-pass of the noise, whose edges follow the
+//! strike's level.
 //!
-//! Two state-variable sections ([`super::kernel::section`]) with `g = ω_i` warped and `k = 1/Q_i`:
+//! It has two state-variable sections ([`super::kernel::section`]) with `g = ω_i`, warped, and
+//! `k = 1/Q_i`:
 //!
 //! ```text
 //! m = g (g + k) / D,   p = g / D,   n = g² / D,   D = 1 + g (g + k)
 //! ```
 //!
 //! v1 is the section's band-pass, v2 its low-pass, `x - k v1 - v2` its high-pass. A band narrower
-//! than its middle frequency is made of two band-passes, a wider one of a high-pass and a low-pass:
-//! so each section's gain stays near 1. Everything is stable at any g and k, so that edges may move
-//! while it rings.
+//! than its middle frequency is made of two band-passes, a wider one of a high-pass and a low-pass.
+//! So each section's gain stays near 1. The sections are stable at any g and k, so that the edges
+//! may move while they ring.
 //!
 //! # Why nothing can wrap
 //!
-//! With words up to X, what comes out of either section is at most 3.3 X, and states are at most
-//! 3.1 X in narrow bands, 35 X in wide ones up to 0.49 fs (sums over impulse responses). So X is
-//! 2^27 where no strike can make the band a wide one, 2^25 elsewhere, where more of the noise goes
-//! through.
+//! With words up to X, the output of either section is at most 3.3 X. States are at most 3.1 X in
+//! narrow bands, and 35 X in wide ones up to 0.49 fs (sums over impulse responses). So X is 2^27 if
+//! no strike can make the band a wide one. Otherwise X is 2^25; such a band passes more of the
+//! noise.
 //!
-//! A strike derives the multipliers in `f32` by the FPU, relative errors some 2^-22: no library
-//! function, the same bits everywhere.
+//! A strike derives the multipliers in `f32` on the FPU, with relative errors of some 2^-22. It
+//! calls no library function but the exact square root, so that the bits are equal on every
+//! machine.
 
 use super::kernel;
 use super::kernel::section::{Response, Section};
@@ -28,17 +30,19 @@ use crate::SampleRate;
 use crate::biquad::butterworth::{BandError, Exciter};
 use crate::fixed::{Log2, times_q31};
 
-/// The two sections.
+/// Band-pass of the exciter: two sections.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BandPass {
     /// Edges over fs at level 1.
     edges: [f32; 2],
+    /// Exponent of the level, Q27.
     exponent_q27: i32,
-    /// Of the lower pole and of the higher one.
+    /// Sections of the higher pole and of the lower one.
     sections: [Section; 2],
+    /// True if the band is wider than its middle frequency.
     wide: bool,
     loaded: bool,
-    /// 2.0 is two to the power of this.
+    /// Exponent of two at which input and output have a level of 2.0.
     bits: i32,
 }
 
@@ -46,7 +50,7 @@ impl BandPass {
     pub(super) const NONE: Self =
         Self { edges: [0.0; 2], exponent_q27: 0, sections: [Section::NONE; 2], wide: false, loaded: false, bits: 27 };
 
-    /// Takes a band for a rate.
+    /// Loads a band at a rate.
     pub(super) fn load(&mut self, exciter: &Exciter, rate: SampleRate) -> Result<(), BandError> {
         exciter.check(rate)?;
         *self = Self {
@@ -74,14 +78,15 @@ impl BandPass {
         }
     }
 
-    /// Leaves so much (Q31) of what rings.
+    /// Multiplies the sound in the sections by `left` (Q31).
     pub(super) fn attenuate(&mut self, left: i32) {
         for section in &mut self.sections {
             section.c = section.c.map(|c| times_q31(c, left));
         }
     }
 
-    /// At a tick without noise: clears what is below a few steps; gives whether all is.
+    /// Clears the states on a tick without noise, if all are below a few steps. Gives true if all
+    /// are 0.
     pub(super) fn settle(&mut self) -> bool {
         if self.sections.iter().all(|section| section.c.iter().all(|c| c.unsigned_abs() < 16)) {
             self.rest();
@@ -89,20 +94,20 @@ impl BandPass {
         self.sections.iter().all(|section| section.c == [0; 2])
     }
 
-    /// Moves the edges to where a strike of a level has them: `level^exponent` times, up to 0.49
-    /// fs.
+    /// Moves the edges for a strike of a level: to `level^exponent` times the edges at level 1, up
+    /// to 0.49 fs.
     pub(super) fn strike(&mut self, level: f32) {
         if !self.loaded {
             return;
         }
         let power = Log2::new(level).power(self.exponent_q27);
-        // 2^-31 · 2^exponent, put together from its bits.
+        // 2^-31 · 2^exponent is put together from its bits.
         let factor = power.mantissa as f32 * f32::from_bits(((power.exponent - 31 + 127).clamp(1, 254) as u32) << 23);
         let [low, high] = self.edges;
         let high = (high * factor).clamp(2.0 * Exciter::LEAST_EDGE as f32, Exciter::LARGEST_EDGE as f32);
-        // The ratio stays within what the table's check allows.
+        // The ratio of the edges stays at least as large as the table's check demands.
         let (low, lowest, highest) = (low * factor, Exciter::LEAST_EDGE as f32, high / Exciter::LEAST_RATIO as f32);
-        // Not `clamp`, which asks whether the bounds are in order, and would panic.
+        // `clamp` would check the order of its bounds, and could panic.
         let low = if low < lowest {
             lowest
         } else if low > highest {
@@ -118,8 +123,8 @@ impl BandPass {
         let (re, im) = root(-square, -2.0 * half * half);
         for (section, sign) in self.sections.iter_mut().zip([-1.0, 1.0]) {
             let (re, im) = (-half + sign * re, half + sign * im);
-            // The high section's real part is a sum of likes; the low one's is found from the
-            // product of both poles, ω0².
+            // The high pole's real part is a sum of numbers of equal sign, in which nothing
+            // cancels. The low pole is found from the product of both poles, ω0².
             let (re, im) =
                 if sign > 0.0 { low_pole(square, half, root(-square, -2.0 * half * half)) } else { (re, im) };
             let g = square_root(re * re + im * im);
@@ -127,7 +132,7 @@ impl BandPass {
             let below = 1.0 + g * (g + k);
             let gain = match (self.wide, sign > 0.0) {
                 (false, _) => width / square_root(square),
-                // The high-pass comes first; the low-pass' 1 becomes width²/ω².
+                // The high-pass comes first, with gain 1. The low-pass' gain becomes width²/ω².
                 (true, true) => 1.0,
                 (true, false) => width * width / (g * g),
             };
@@ -144,7 +149,7 @@ impl BandPass {
         }
     }
 
-    /// Noise below 2.0 through the band.
+    /// Runs noise below 2.0 through the band, in place.
     pub(super) fn run(&mut self, buffer: &mut [i32]) {
         let [high, low] = &mut self.sections;
         let [first, second] =
@@ -154,8 +159,10 @@ impl BandPass {
     }
 }
 
-/// Bits of 2.0: fewer where a strike may make the band a wide one. That is likeliest at its
-/// highest, unless level and noise are then so small that all fits anyway.
+/// Exponent of two that stands for 2.0. It is smaller if a strike may make the band a wide one.
+///
+/// The band is likeliest to be wide at its highest, unless level and noise are then so small that
+/// everything fits anyway.
 fn input_bits(exciter: &Exciter, rate: SampleRate) -> i32 {
     let [low, high] = [exciter.low_hz, exciter.high_hz].map(|hz| hz / rate.hz());
     let [loudest, softest] = [2.0, 0.4].map(|level| libm::pow(level, exciter.exponent));
@@ -164,14 +171,14 @@ fn input_bits(exciter: &Exciter, rate: SampleRate) -> i32 {
     if (high - low) * (high - low) > 0.99 * low * high { 25 } else { 27 }
 }
 
-/// `value · 2^bits`, rounded to zero, saturating: 24 bits of it are the value's own.
+/// `value · 2^bits`, rounded to zero, saturating. Only its 24 leading bits come from the value.
 fn fixed(value: f32, bits: u32) -> i32 {
     (value * (1u32 << bits) as f32) as i32
 }
 
 /// `tan π x` for x in 0 to 0.49.
 fn tangent(x: f32) -> f32 {
-    // About the nearer end, by sine and cosine of less than a quarter turn.
+    // Sine and cosine of an angle of less than a quarter turn, measured from the nearer end.
     let near = if x <= 0.25 { x } else { 0.5 - x };
     let angle = core::f32::consts::PI * near;
     let square = angle * angle;
@@ -180,16 +187,16 @@ fn tangent(x: f32) -> f32 {
     if x <= 0.25 { sine / cosine } else { cosine / sine }
 }
 
-/// The square root of a complex number with a positive real part.
+/// Square root of a complex number: the root whose real part is positive.
 fn root(re: f32, im: f32) -> (f32, f32) {
     let size = square_root(re * re + im * im);
-    // The larger of both parts without cancellation, the other from the product.
+    // The larger part is found without cancellation, the other one from the product of both.
     let larger = square_root((size + re.abs()) / 2.0);
     let other = im / (2.0 * larger);
     if re >= 0.0 { (larger, other) } else { (other.abs(), if im < 0.0 { -larger } else { larger }) }
 }
 
-/// ω0² over the other pole, conjugate: `s_low = ω0² / s_high` for `s_high = p - r`.
+/// Low pole, found from the high one: `s_low = ω0² / s_high` for `s_high = p - r`.
 fn low_pole(square: f32, half: f32, (re, im): (f32, f32)) -> (f32, f32) {
     let (re, im) = (-half - re, half - im);
     let size = re * re + im * im;
@@ -206,7 +213,7 @@ mod tests {
 
     use super::*;
 
-    /// Noise that a state, or what comes out, answers with all that it ever can.
+    /// The test feeds each state, and the output, with the noise that drives it furthest.
     #[test]
     fn the_worst_noise_wraps_nothing() {
         let rate = SampleRate::HZ_48000;

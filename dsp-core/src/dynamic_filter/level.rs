@@ -1,23 +1,26 @@
-//! The level of what a path makes of its noise: how fast the sound falls by itself, for a hand that
-//! is to make it fall no slower than it wants.
+//! The level of a dynamic filter's sound along its path, and how fast it falls by itself. A hand on
+//! the pad adds only the decay that is then missing.
 //!
-//! The level at a breakpoint is the noise's there times the filter's gain for white noise, `sqrt(Σ
-//! h²)`; it is taken as linear between two breakpoints and is 0 after the last. What rings in the
-//! filter falls no faster than its slowest pole, whose radius is taken as linear as well.
+//! The level at a breakpoint is the noise's level there times the filter's gain for white noise,
+//! `sqrt(Σ h²)`. It is taken as linear between two breakpoints, and is 0 after the last. Sound that
+//! rings in the filter falls no faster than the slowest pole, whose radius is taken as linear too.
 
 use super::settings::Breakpoint;
 use crate::SampleRate;
 use crate::memory::{Lender, OutOfMemory, Region};
 
-/// From one breakpoint to the next, in frames after the strike.
+/// Levels from one breakpoint to the next, in frames after the strike.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
+    /// First frame of the piece.
     start: u32,
-    /// At its first frame, and its change a frame.
+    /// Level at the first frame.
     level: f32,
+    /// Change of the level per frame.
     level_step: f32,
-    /// Distance of the slowest pole from the unit circle, and its change a frame.
+    /// Distance of the slowest pole from the unit circle at the first frame.
     gap: f32,
+    /// Change of that distance per frame.
     gap_step: f32,
 }
 
@@ -33,19 +36,19 @@ impl Piece {
     }
 
     fn gap_at(&self, since: f32) -> f32 {
-        // After the last breakpoint, for ever: no product with it.
+        // After the last breakpoint the distance stays for ever, so no time multiplies the step.
         let change = if self.gap_step == 0.0 { 0.0 } else { self.gap_step * since };
         (self.gap + change).clamp(0.0, 1.0)
     }
 
-    /// By how many nepers a frame the slowest pole falls over so many frames.
+    /// Mean decay of the slowest pole over the next frames, in nepers per frame.
     fn falls_of_pole(&self, frame: u32, frames: u32) -> f32 {
         let gap = self.gap_at(frame.saturating_sub(self.start) as f32 + 0.5 * (frames - 1) as f32);
         if gap < 1.0 { -libm::log1pf(-gap) } else { f32::INFINITY }
     }
 }
 
-/// The levels along a path.
+/// Levels along a path.
 #[derive(Debug)]
 pub struct Levels<'m> {
     pieces: &'m mut [Piece],
@@ -55,7 +58,7 @@ pub struct Levels<'m> {
 }
 
 impl<'m> Levels<'m> {
-    /// The levels of no path.
+    /// Makes levels without a path.
     pub const fn none() -> Self {
         Self { pieces: &mut [], count: 0, looped: false }
     }
@@ -68,8 +71,7 @@ impl<'m> Levels<'m> {
         Ok(Self { pieces: lender.take(Region::Bulk, count, || Piece::NOTHING)?, ..Self::none() })
     }
 
-    /// Derives the levels of a path whose coefficients are for a rate that is `1/ratio` times this
-    /// one.
+    /// Derives the levels of a path whose coefficients are for a rate of `1/ratio` times `rate`.
     #[inline(never)] // only on load: its stack is not the caller's
     pub fn load(
         &mut self,
@@ -87,7 +89,7 @@ impl<'m> Levels<'m> {
             let start = libm::ceil(from);
             let of = |point: &Breakpoint| (point.noise * noise_gain(point), 1.0 - slowest(order, point));
             let ((level, gap), (next_level, next_gap)) = (of(&here), of(&next.unwrap_or(here)));
-            // After the last there is no noise, and the filter stays.
+            // After the last breakpoint there is no noise, and the filter stays as it is.
             let level = if next.is_some() { level } else { 0.0 };
             let next_level = if next.is_some() { next_level } else { 0.0 };
             let line = |from_value: f64, to_value: f64| {
@@ -100,14 +102,15 @@ impl<'m> Levels<'m> {
         }
     }
 
-    /// Decay of the sound by itself at a frame after the strike: the number of frames, at
-    /// most `most`, for which one rate is precise enough, and that rate in nepers a frame. It is
-    /// infinite where nothing is left.
+    /// Decay of the sound by itself, at a frame after the strike.
     ///
-    /// From n to n + 1 the amplitude is multiplied by the larger of two factors, at most 1: the
-    /// level at n + 1 over the level at n (0 where both are 0), and the radius of the slowest pole.
-    /// Kits under hands are 98 dB from the law with it (`cargo test -p malleus --test kits
-    /// whole_sound`).
+    /// Gives the number of frames, at most `most`, for which one rate of decay is precise enough,
+    /// and that rate in nepers per frame. The rate is infinite if no sound is left.
+    ///
+    /// From n to n + 1 the amplitude is multiplied by the larger of two factors, at most 1. One is
+    /// the level at n + 1 over the level at n (0 if both are 0), the other is the radius of the
+    /// slowest pole. With this rule kits under hands are 98 dB from the reference
+    /// (`cargo test -p malleus --test kits whole_sound`).
     pub fn falls(&self, frame: u32, most: u32) -> (u32, f32) {
         let pieces = self.pieces.get(..self.count).unwrap_or(&[]);
         let at = pieces.iter().rposition(|piece| piece.start <= frame).unwrap_or(0);
@@ -119,7 +122,7 @@ impl<'m> Levels<'m> {
         }
         let before = piece.level(frame);
         if let Some(next) = next.filter(|_| to_next == 1) {
-            // Over a breakpoint, where the level may jump.
+            // The next frame lies behind a breakpoint, at which the level may jump.
             let of_level = if next.level > 0.0 { falls_of(before, next.level, 1) } else { f32::INFINITY };
             return (1, of_level.min(piece.falls_of_pole(frame, 1)));
         }
@@ -132,14 +135,14 @@ impl<'m> Levels<'m> {
         if at_pole {
             return (frames, piece.falls_of_pole(frame, frames));
         }
-        // Until the level has lost a 64th: a constant rate is then within (1/64)²/8 of the line.
-        // `as` saturates.
+        // One rate serves until the level has lost a 64th. Until then it is within (1/64)²/8 of the
+        // line. `as` saturates.
         let frames = frames.min((before / (64.0 * lost)) as u32).max(1);
         (frames, falls_of(before, piece.level(frame + frames), frames).min(piece.falls_of_pole(frame, frames)))
     }
 }
 
-/// Nepers a frame from one level to another, 0 where it rises.
+/// Decay from one level to another, in nepers per frame; 0 if the level rises.
 fn falls_of(before: f32, after: f32, frames: u32) -> f32 {
     if before > 0.0 && after > 0.0 {
         (-libm::log1pf((after - before) / before) / frames as f32).max(0.0)
@@ -150,7 +153,7 @@ fn falls_of(before: f32, after: f32, frames: u32) -> f32 {
     }
 }
 
-/// `sqrt(Σ h²)`: the rms of what white noise of rms 1 becomes.
+/// Gain for white noise, `sqrt(Σ h²)`: the rms of the output for noise of rms 1.
 fn noise_gain(point: &Breakpoint) -> f64 {
     let Breakpoint { a1, a2, b0, b1, b2, .. } = *point;
     let squares = b0 * b0 + b1 * b1 + b2 * b2;
@@ -159,7 +162,7 @@ fn noise_gain(point: &Breakpoint) -> f64 {
     libm::sqrt((above / below).max(0.0))
 }
 
-/// The largest radius of a pole.
+/// Radius of the slowest pole.
 fn slowest(order: u8, point: &Breakpoint) -> f64 {
     let Breakpoint { a1, a2, .. } = *point;
     let rest = a1 * a1 - 4.0 * a2;

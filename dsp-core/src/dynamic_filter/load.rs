@@ -1,4 +1,4 @@
-//! A dynamic filter's size, memory and derivation.
+//! Size, memory and derivation of a dynamic filter.
 
 use super::error::DynamicFilterError;
 use super::object::{DynamicFilter, FilterSize};
@@ -12,10 +12,10 @@ use crate::time::TICK_FRAMES;
 use crate::waveguide::Loops;
 
 impl<'m> DynamicFilter<'m> {
-    /// Size of the filter of these settings at a rate.
+    /// Size of the filter that these settings describe, at a rate.
     ///
     /// # Errors
-    /// [`DynamicFilterError`] for loops that cannot be.
+    /// [`DynamicFilterError`] for invalid loops.
     pub fn size<P, L>(settings: &Settings<P, L>, rate: SampleRate) -> Result<FilterSize, DynamicFilterError>
     where
         P: Iterator<Item = Breakpoint> + Clone,
@@ -28,7 +28,7 @@ impl<'m> DynamicFilter<'m> {
         })
     }
 
-    /// Takes the memory of a filter, which gives nothing until it is loaded.
+    /// Takes the memory of a filter, which is silent until it is loaded.
     ///
     /// # Errors
     /// [`OutOfMemory`].
@@ -40,9 +40,11 @@ impl<'m> DynamicFilter<'m> {
         Ok(taken)
     }
 
-    /// Derives all for a rate, at rest, in the memory that was taken for the settings'
-    /// [`size`](Self::size). `stream` is the number of the noise's stream, such as the pad's. After
-    /// an error it gives nothing.
+    /// Derives the filter for a rate, at rest, in memory that was taken for the settings'
+    /// [`size`](Self::size).
+    ///
+    /// `stream` is the number of the noise's stream, such as the pad's. After an error the filter
+    /// is not loaded, and strikes do nothing.
     ///
     /// # Errors
     /// [`DynamicFilterError`].
@@ -59,8 +61,10 @@ impl<'m> DynamicFilter<'m> {
         self.derive(settings, rate, stream, false)
     }
 
-    /// Derives as [`load`](Self::load) does. If `is_known`, the settings have been loaded without
-    /// memory, and the stability of their loops is not checked again: that takes most of a load.
+    /// Derives the filter as [`load`](Self::load) does.
+    ///
+    /// `is_known` is true if the settings have been loaded without memory before. The stability of
+    /// their loops is then not checked again, because that takes most of a load.
     ///
     /// # Errors
     /// [`DynamicFilterError`].

@@ -1,14 +1,14 @@
-//! All of an object's dynamic filter: noise, exciter, filter, and the loops round it.
+//! An object's dynamic filter as a whole: noise, exciter, filter, and the loops round it.
 
 use super::exciter::BandPass;
 use super::filter::Filter;
 use crate::time::TICK_FRAMES;
 use crate::waveguide::Loops;
 
-/// Size of a [`DynamicFilter`].
+/// Size of a [`DynamicFilter`], from which its memory follows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FilterSize {
-    /// Number of breakpoints of its path.
+    /// Number of breakpoints of the path.
     pub breakpoints: usize,
     /// Number of loops round the filter.
     pub loops: usize,
@@ -18,12 +18,12 @@ pub struct FilterSize {
 
 /// The dynamic filter of one object, with the loops round it.
 ///
-/// Blocks of Q4.27 in and out. Ticks of 32 frames are counted from the first frame: a caller's
-/// blocks change no bit.
+/// Input and output are blocks of Q4.27. Ticks of 32 frames are counted from the first frame, so
+/// that the caller's block size changes no bit.
 ///
-/// Worst SNR against `f64` fed the same noise: `cargo test -p host-tests --test stages --
-/// --nocapture dynamic_filter waveguides`; cycles: `cargo test -p host-tests --test on_chip filters
-/// -- --nocapture`.
+/// `cargo test -p host-tests --test stages -- --nocapture dynamic_filter waveguides` prints the
+/// worst SNR against `f64` that is fed with this filter's noise. Cycles are printed by
+/// `cargo test -p host-tests --test on_chip filters -- --nocapture`.
 ///
 /// ```
 /// use dsp_core::SampleRate;
@@ -49,8 +49,8 @@ pub struct FilterSize {
 /// filter.render(None, &mut out);
 /// assert!(out.iter().any(|&sample| sample != 0));
 /// ```
-// In this order: what a tick asks for is near the start, where the chip reaches it by a short
-// address.
+// Fields that every tick reads stand near the start, where the core's short instructions reach
+// them.
 #[derive(Debug)]
 #[repr(C)]
 pub struct DynamicFilter<'m> {
@@ -58,21 +58,23 @@ pub struct DynamicFilter<'m> {
     pub(super) loaded: bool,
     /// True if noise goes straight into a filter of the first order, and nothing else does.
     pub(super) plain: bool,
-    /// True if loops work in blocks of a tick, on noise that has one level and no band.
+    /// True if loops work in blocks of a tick, on noise without a band or levels of its own.
     pub(super) looped: bool,
-    /// 1.0 of the noise's level, 2^28 and more at a higher rate than the table's.
+    /// Noise level 1.0 as a word: 2^28 times the square root of the rate over the table's rate.
     pub(super) level_unit: f32,
-    /// Frame within the tick, and frames that are left of the segment.
+    /// Frame within the tick.
     pub(super) frame: usize,
+    /// Number of frames that are left of the segment.
     pub(super) left: usize,
-    /// Whole ticks in which nothing begins or ends, and no modes come: so many were granted, so
-    /// many are left.
+    /// Number of whole ticks granted, in which nothing begins or ends and no modes come.
     pub(super) granted: u32,
+    /// Number of granted ticks that are left.
     pub(super) whole_ticks: u32,
     /// True if the segment has noise.
     pub(super) noisy: bool,
-    /// True if modes have come in since it was last asked whether all is at rest.
+    /// True if modes have come in since the last check for rest.
     pub(super) fed: bool,
+    /// True if anything sounds or may sound.
     pub(super) ringing: bool,
     pub(super) exciter: BandPass,
     pub(super) filter: Filter<'m>,
@@ -80,7 +82,7 @@ pub struct DynamicFilter<'m> {
 }
 
 impl<'m> DynamicFilter<'m> {
-    /// No filter: gives nothing, costs nothing.
+    /// Makes a filter that is not loaded: it adds nothing to the output and takes no time.
     pub const fn empty() -> Self {
         Self {
             filter: Filter::empty(),
@@ -101,30 +103,32 @@ impl<'m> DynamicFilter<'m> {
         }
     }
 
-    /// The largest level of a strike; what is louder counts as this.
+    /// Largest level of a strike. Louder strikes are played at this level.
     pub const MAX_LEVEL: f32 = 1.99;
 
-    /// True if the object's modes are to be given to [`render`](Self::render), rather than added to
-    /// the output beside it.
+    /// True if the caller gives the object's modes to [`render`](Self::render); false if it adds
+    /// them to the output itself.
     pub fn takes_modes(&self) -> bool {
         self.modes_through
     }
 
-    /// q of the noise's format, Q(27 - q), chosen on load: what a test must know to draw the same
-    /// noise.
+    /// Returns q of the noise's format Q(27 - q), which is chosen on load. A test must know it to
+    /// draw equal noise.
     pub fn input_shift(&self) -> i32 {
         self.filter.path.input_shift
     }
 
-    /// Starts the path anew with noise of a level (peak force over reference force) from 0 to
-    /// [`MAX_LEVEL`](Self::MAX_LEVEL); what rings rings on. It holds from the next frame that is
-    /// rendered. The filter itself is as the table says at any level, so that loops stay stable.
+    /// Starts the path anew, from the next frame that is rendered. Earlier sound rings on.
+    ///
+    /// `level` is the strike's peak force over the reference force, from 0 to
+    /// [`MAX_LEVEL`](Self::MAX_LEVEL). It scales the noise and moves the exciter's band, but never
+    /// changes the filter, so that loops stay stable.
     pub fn strike(&mut self, level: f32) {
         if !self.loaded {
             return;
         }
         let level = level.clamp(0.0, Self::MAX_LEVEL);
-        // 1.99 of 2^28 is the most that the input's format holds.
+        // The input's format holds at most 1.99 times 2^28.
         let words = (level * self.level_unit).min(Self::MAX_LEVEL * 268_435_456.0);
         self.settle_whole_ticks();
         self.filter.strike(words as i32);
@@ -132,17 +136,19 @@ impl<'m> DynamicFilter<'m> {
         (self.left, self.ringing) = (0, true);
     }
 
-    /// True if anything sounds or may: false means that [`pass`](Self::pass) does for a block into
-    /// which no modes come.
+    /// True if anything sounds or may sound. If false, [`pass`](Self::pass) suffices for a block
+    /// without modes.
     pub fn is_ringing(&self) -> bool {
         self.ringing
     }
 
-    /// Adds a block of any length to `out`: Q4.27, saturating. `modes` (as many frames, where the
-    /// table says that they go through the filter) are added to its input.
+    /// Adds a block of any length to `out`, Q4.27, saturating.
+    ///
+    /// `modes` has as many frames as `out`, and is added to the filter's input. It is ignored if
+    /// the table does not send the modes through the filter.
     #[inline(never)] // its kernels are called through a pointer, from here alone
     pub fn render(&mut self, modes: Option<&[i32]>, out: &mut [i32]) {
-        // What a tick mostly is.
+        // The usual case: a granted whole tick.
         if let Some(tick) = out.as_mut_array()
             && (self.whole_ticks > 0 || self.renew())
         {
@@ -162,7 +168,7 @@ impl<'m> DynamicFilter<'m> {
         if !self.ringing && modes.is_none() {
             return self.pass(out.len());
         }
-        // Whole ticks cost less.
+        // Whole ticks cost less, so a longer block is cut into them.
         if modes.is_none()
             && out.len() > TICK_FRAMES
             && let Some((rest_of_tick, ticks)) = out.split_at_mut_checked((TICK_FRAMES - self.frame) % TICK_FRAMES)
@@ -177,7 +183,7 @@ impl<'m> DynamicFilter<'m> {
                 self.begin();
             }
             if !self.ringing {
-                // Nothing happens before the first mode that sounds; without one, nothing at all.
+                // The filter rests until the first frame of modes that is not 0.
                 let given = if self.modes_through { modes } else { &[] };
                 let waits = given.iter().position(|&mode| mode != 0).unwrap_or(out.len()).min(out.len());
                 self.pass(waits);
@@ -208,7 +214,7 @@ impl<'m> DynamicFilter<'m> {
         }
     }
 
-    /// A tick, a strike or a breakpoint.
+    /// Begins a segment at a tick, a strike or a breakpoint.
     #[inline(always)]
     fn begin(&mut self) {
         if self.frame == 0 {
@@ -221,8 +227,8 @@ impl<'m> DynamicFilter<'m> {
         (self.left, self.noisy) = self.filter.segment(TICK_FRAMES - self.frame);
     }
 
-    /// On a tick: states are scaled, and after the path's end what is at rest ends, with loops at
-    /// the end of their windows.
+    /// Scales the loops' states on a tick, and looks for rest after the path's end. If there are
+    /// loops, it looks for rest only at the end of their windows.
     #[inline(always)]
     pub(super) fn settle(&mut self) {
         let (due, silent) = if self.loops.count() > 0 { self.loops.settle() } else { (true, true) };
@@ -231,8 +237,8 @@ impl<'m> DynamicFilter<'m> {
         }
     }
 
-    /// True if it is at rest, on a tick after the path's end; `silent` says that nothing lies in
-    /// the loops' line, even of what they have still to read.
+    /// Ends the sound if all is at rest, on a tick after the path's end. `silent` is true if the
+    /// loops' line holds no sound, not even in frames that they have still to read.
     #[inline(never)]
     fn end(&mut self, silent: bool) {
         let excited = !self.exciter.settle();
@@ -244,7 +250,7 @@ impl<'m> DynamicFilter<'m> {
         self.ringing = !self.filter.settle() || comes || !silent;
     }
 
-    /// Runs the sums through the filter.
+    /// Adds the sums in the loops' line, filtered, to `out`.
     #[inline(always)]
     pub(super) fn filter_sums(&mut self, out: &mut [i32]) {
         let frames = out.len();
@@ -252,8 +258,8 @@ impl<'m> DynamicFilter<'m> {
         self.loops.advance(frames, sizes);
     }
 
-    /// Frames within a segment, by way of the loops' line: what comes in at once, loops and filter
-    /// by blocks of the shortest delay.
+    /// Renders frames within a segment through the loops' line. Noise is drawn for all of them at
+    /// once; modes, loops and filter work in blocks of the shortest delay.
     #[inline(never)]
     pub(super) fn run_looped(&mut self, modes: &[i32], out: &mut [i32]) {
         let sums = self.loops.slot(out.len());
@@ -280,7 +286,7 @@ impl<'m> DynamicFilter<'m> {
         }
     }
 
-    /// Frames within a segment without loops, by way of a buffer.
+    /// Renders frames within a segment without loops, through a buffer.
     #[inline(never)]
     pub(super) fn run(&mut self, modes: &[i32], out: &mut [i32]) {
         let mut own = [0; TICK_FRAMES];
@@ -296,12 +302,12 @@ impl<'m> DynamicFilter<'m> {
         self.filter.run(input, out);
     }
 
-    /// Lets frames pass where nothing rings and no modes come: as a block, for nothing.
+    /// Counts frames in which nothing rings and no modes come, instead of rendering them.
     pub fn pass(&mut self, frames: usize) {
         self.frame = (self.frame + frames) % TICK_FRAMES;
     }
 
-    /// Clears what rings and ends the path; the noise stays where it is.
+    /// Clears all sound and ends the path. The noise's generator keeps its state.
     pub fn rest(&mut self) {
         self.settle_whole_ticks();
         self.filter.rest();
@@ -310,8 +316,8 @@ impl<'m> DynamicFilter<'m> {
         (self.left, self.noisy, self.ringing) = (0, false, false);
     }
 
-    /// Leaves so much (Q31) of what rings and of the noise to come, until a strike brings noise of
-    /// its own.
+    /// Multiplies all sound, and the noise to come, by `left` (Q31). The next strike sets the
+    /// noise's level anew.
     pub fn attenuate(&mut self, left: i32) {
         self.settle_whole_ticks();
         self.filter.attenuate(left);
@@ -319,8 +325,8 @@ impl<'m> DynamicFilter<'m> {
         self.exciter.attenuate(left);
     }
 
-    /// Nominal cycles of a tick while it sounds, at most, for the engine's budget; 0 where none is
-    /// loaded.
+    /// Largest number of nominal cycles of a tick in which the filter sounds, for the engine's
+    /// budget; 0 if no filter is loaded.
     pub fn cycles_a_tick(&self) -> u32 {
         if !self.loaded {
             return 0;

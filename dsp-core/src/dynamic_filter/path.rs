@@ -1,5 +1,5 @@
-//! The coefficients over time: pieces between breakpoints, what is refused, and which arithmetic
-//! serves.
+//! The coefficients over time: the pieces between breakpoints, the checks of a path, and the choice
+//! of the arithmetic.
 //!
 //! | order, poles | arithmetic | parameters, interpolated linearly |
 //! | --- | --- | --- |
@@ -7,8 +7,9 @@
 //! | 2, conjugate | `z = p z + g e'` (complex), `s = Re z + d e` | Re p, Im p, Re g, Im g, d |
 //! | 2, real | `z1 = p1 z1 + e'; z2 = p2 z2 + β z1'; s = d e + α z1 + z2` | p1, p2, α, β, d |
 //!
-//! (`'`: of the frame before.) All three contract, whatever the parameters do, as long as each pole
-//! is inside the unit circle; a straight line between two points inside it is inside it.
+//! A `'` marks a value of the frame before. All three forms contract, however the parameters move,
+//! as long as each pole is inside the unit circle. A straight line between two points inside the
+//! circle stays inside it.
 
 use super::error::PathError;
 use super::limits::{CARRIED, Limits, MAX_TIME_S, MIN_REAL_POLE, OF_TABLE};
@@ -17,24 +18,24 @@ use crate::SampleRate;
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::table::range::BREAKPOINTS;
 
-/// |e| is clipped to this: 2.0.
+/// Exponent of two to which |e| is clipped: 2.0 in Q27.
 pub(super) const MAX_INPUT_BITS: i32 = 28;
 
-/// Kind of input of a filter, from which the formats of its words follow.
+/// Kind of a filter's input, which decides the formats of its words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Input {
     /// Noise alone, straight from the generator.
     Noise,
-    /// Words that are clipped to 2.0.
+    /// Words in a buffer, clipped to 2.0.
     Words,
-    /// Sums with loops, in Q29.
+    /// Sums of noise and loops, in Q29.
     Sums,
 }
 
-/// Parameters of the largest form.
+/// Number of parameters of the largest form.
 pub const PARAMETERS: usize = 5;
 
-/// The arithmetic.
+/// Arithmetic of a filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
     /// First order with b1 = b0 (eq. 17): two parameters.
@@ -56,7 +57,7 @@ impl Form {
         }
     }
 
-    /// Bits of the state's word that is handed on: `|s| 2^(27 + h) < 2^bits`.
+    /// Number of bits of s as the state's format holds it: `|s| 2^(27 + h) < 2^bits`.
     const fn state_bits(self) -> i32 {
         match self {
             Self::EqualZeros | Self::OnePole | Self::Real => 29,
@@ -65,17 +66,18 @@ impl Form {
     }
 }
 
-/// A piece of the path: parameters at its first frame and their change a frame.
+/// A piece of the path: parameters at its first frame, and their change per frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
-    /// First frame after the strike.
+    /// First frame of the piece, counted from the strike.
     pub(super) start: u32,
-    /// As the form takes them.
+    /// Parameters at the first frame, in the formats of the form.
     pub(super) value: [i32; PARAMETERS],
-    /// With 32 bits more.
+    /// Change of each parameter per frame, with 32 bits more.
     pub(super) slope: [i64; PARAMETERS],
-    /// The noise's level, Q30, and its change a frame with 32 bits more.
+    /// Level of the noise at the first frame, Q30.
     pub(super) noise: i32,
+    /// Change of the noise's level per frame, with 32 bits more.
     pub(super) noise_slope: i64,
 }
 
@@ -83,48 +85,51 @@ impl Piece {
     const NOTHING: Self = Self { start: 0, value: [0; PARAMETERS], slope: [0; PARAMETERS], noise: 0, noise_slope: 0 };
 }
 
-/// A level of 1 in [`Piece::noise`].
+/// Level 1 in the format of [`Piece::noise`].
 const NOISE_UNIT: f64 = 1073741824.0;
 
-/// Coefficients over time for a sample rate.
+/// Coefficients over time at a sample rate.
 #[derive(Debug)]
 pub struct Path<'m> {
     pieces: &'m mut [Piece],
     count: usize,
     pub(super) form: Form,
-    /// True if the noise has levels of its own.
+    /// True if a breakpoint gives the noise a level other than 1.
     pub(super) has_levels: bool,
-    /// True if damping takes all bits of a first-order state.
+    /// True if damping multiplies all bits of a first-order state.
     pub(super) whole: bool,
-    /// h: the state's word is larger than the bus by 2^h.
+    /// Scale h: the state's word is larger than the bus by 2^h.
     pub(super) scale: i32,
-    /// q: the input's words are Q(27 - q).
+    /// Shift q: words of the input are Q(27 - q).
     pub(super) input_shift: i32,
-    /// For real poles, h of z1.
+    /// Scale h of the state z1, for real poles.
     pub(super) inner_scale: i32,
-    /// The most by which an input changes a first-order state's word in a frame.
+    /// Largest change of a first-order state's word by the input in a frame.
     pub(super) growth: u32,
-    /// The largest gain, summed over the impulse response.
+    /// Largest gain on the path, summed over the impulse response.
     pub(super) gain: f64,
 }
 
-/// Parameters of a form, and what bounds its states: past the filter, round it for an input of 1,
-/// and z1 of real poles (1 for all others), by which that round it is to be multiplied.
+/// Parameters of a form, and bounds of its states for an input of 1.
 #[derive(Clone, Copy)]
 pub(super) struct Derived {
     pub(super) form: Form,
     pub(super) parameters: [f64; PARAMETERS],
+    /// Gain from the input straight to s, past the states.
     pub(super) direct: f64,
+    /// Bound of the states' part of s; for real poles it is to be multiplied by `inner`.
     pub(super) ring: f64,
+    /// Bound of z1 for real poles; 1 in all other forms.
     pub(super) inner: f64,
 }
 
 impl Derived {
+    /// Gain, summed over the impulse response.
     fn gain(&self) -> f64 {
         self.direct + self.inner * self.ring
     }
 
-    /// Bound of both, and of any path that jumps between them.
+    /// Joins two bounds. The result bounds both, and any path that jumps between them.
     fn or(self, other: Self) -> Self {
         let mut both = self;
         both.parameters.iter_mut().zip(other.parameters).for_each(|(most, value)| *most = most.abs().max(value.abs()));
@@ -135,7 +140,7 @@ impl Derived {
 }
 
 impl<'m> Path<'m> {
-    /// A path that gives nothing.
+    /// Makes a path without pieces.
     pub const fn empty() -> Self {
         Self {
             pieces: &mut [],
@@ -156,9 +161,11 @@ impl<'m> Path<'m> {
         Ok(Self { pieces: lender.take(Region::Bulk, count, || Piece::NOTHING)?, ..Self::empty() })
     }
 
-    /// Derives the path of a filter of order 1 or 2 for a rate, which is `ratio` times the one that
-    /// the coefficients are for. Breakpoints keep their time to a fraction of a frame. Without
-    /// memory all is derived but the pieces.
+    /// Derives the path of a filter of order 1 or 2 for a rate. `ratio` is this rate over the rate
+    /// that the coefficients are for.
+    ///
+    /// Breakpoints keep their time to a fraction of a frame. Without memory everything but the
+    /// pieces is derived.
     ///
     /// # Errors
     /// [`PathError`].
@@ -198,7 +205,7 @@ impl<'m> Path<'m> {
             let frame = here.time_s * rate.hz();
             let start = libm::ceil(frame);
             let end = next.map_or(f64::INFINITY, |next| next.time_s * rate.hz());
-            // No frame lies within: it would never be heard.
+            // A piece without a frame would never be heard.
             if libm::ceil(end) <= start {
                 continue;
             }
@@ -209,7 +216,8 @@ impl<'m> Path<'m> {
             let between = |from: f64, to: f64, unit: f64| {
                 let change = (to - from) / (end - frame);
                 let value = libm::rint((from + change * (start - frame)) * unit) as i32;
-                // Of a single frame the change is never used; any other is at most the whole range.
+                // A piece of one frame never uses its change, which might not fit. In a longer
+                // piece the change is at most the whole range.
                 let slope = if end - start > 1.0 { libm::rint(change * unit * 4294967296.0) as i64 } else { 0 };
                 (value, slope)
             };
@@ -224,7 +232,7 @@ impl<'m> Path<'m> {
         Ok(())
     }
 
-    /// h and q; gives what 1 is in each parameter's format.
+    /// Chooses h and q. Gives the number that stands for 1 in each parameter's format.
     fn choose_scales(&mut self, most: &Derived, from: Input) -> [f64; PARAMETERS] {
         let largest = most.parameters;
         let exponent = |value: f64| libm::frexp(value * 1.001).1;
@@ -233,8 +241,8 @@ impl<'m> Path<'m> {
         let room = self.form.state_bits() - MAX_INPUT_BITS;
         self.scale = (room - exponent(most.gain())).clamp(-14, 12);
         if from != Input::Words && self.form.parameters() < PARAMETERS {
-            // The bus' own format, where the state fits it, saves the shift; what is below a step
-            // of the bus is not heard.
+            // If the state fits the bus' own format, that format saves a shift. Bits below a step
+            // of the bus are not heard.
             self.scale = match self.scale {
                 0.. => 0,
                 -2..0 if from == Input::Noise => -2,
@@ -246,9 +254,9 @@ impl<'m> Path<'m> {
             Form::Conjugate => largest[2].max(largest[3]).max(largest[4]),
             Form::Real => largest[4],
         };
-        // b · 2^(bits + q) < 2^31, bits being 32 + h in the first order and 31 + h in the second.
+        // b · 2^(bits + q) < 2^31, with bits = 32 + h in the first order and 31 + h in the second.
         let bits = if self.form.parameters() < PARAMETERS { 32 } else { 31 } + self.scale;
-        // Sums are Q29: b fits, because in the state's format the gain is below 2.
+        // Sums are Q29. Then b fits, because in the state's format the gain is below 2.
         let finest = if from == Input::Sums { -2 } else { 4 };
         self.input_shift = (31 - bits - exponent(of_input)).clamp(-2, finest);
         self.inner_scale = room - exponent(most.inner);
@@ -266,7 +274,7 @@ impl<'m> Path<'m> {
         }
     }
 
-    /// The frame at which the last breakpoint is reached: noise ends there.
+    /// Frame at which the last breakpoint is reached and noise ends.
     pub fn last_frame(&self) -> u32 {
         self.pieces().last().map_or(0, |piece| piece.start)
     }
@@ -294,7 +302,7 @@ fn check(order: u8, breakpoints: impl Iterator<Item = Breakpoint> + Clone) -> Re
         if form.is_some_and(|form| form != here) && order == 2 {
             return Err(PathError::PolesMeet { breakpoint });
         }
-        // Eq. 17 is one only where all breakpoints are.
+        // The form is eq. 17's only if all breakpoints have b1 = b0.
         if form != Some(Form::OnePole) {
             form = Some(here);
         }
@@ -302,7 +310,7 @@ fn check(order: u8, breakpoints: impl Iterator<Item = Breakpoint> + Clone) -> Re
     form.ok_or(PathError::Count { given: 0, room: BREAKPOINTS })
 }
 
-/// Parameters of a breakpoint.
+/// Derives the parameters and bounds of a breakpoint.
 pub(super) fn derive(order: u8, point: &Breakpoint, breakpoint: usize, limits: Limits) -> Result<Derived, PathError> {
     let Breakpoint { a1, a2, b0, b1, b2, .. } = *point;
     let Limits { poles: [min_pole, max_pole], least_real, .. } = limits;
@@ -324,7 +332,7 @@ pub(super) fn derive(order: u8, point: &Breakpoint, breakpoint: usize, limits: L
                 let size = libm::sqrt(a2);
                 stable(size, 0.0)?;
                 let imaginary = libm::sqrt(-rest);
-                // n1 = 2 Re r, n2 = -2 Re r p*; g = 2 r.
+                // With the residue r: n1 = 2 Re r, n2 = -2 Re r p*, g = 2 r.
                 let g = [n1, -(n2 + n1 * middle) / imaginary];
                 let ring = libm::hypot(g[0], g[1]) / (1.0 - size);
                 let parameters = [middle, imaginary, g[0], g[1], b0];

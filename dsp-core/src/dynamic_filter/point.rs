@@ -1,4 +1,4 @@
-//! The filter at a point of its path: poles and magnitude.
+//! The poles and the magnitude response of the filter at a point of its path.
 
 use super::limits::CARRIED;
 use super::path::{Form, PARAMETERS, derive};
@@ -12,8 +12,9 @@ pub(super) struct Point {
 }
 
 impl Point {
-    /// A part of the way from one breakpoint to the next, between which parameters are
-    /// interpolated; `None` where either is none.
+    /// Interpolates the parameters at the fraction `part` of the way between two breakpoints.
+    ///
+    /// Gives `None` if either breakpoint is invalid.
     pub(super) fn between(order: u8, here: &Breakpoint, next: &Breakpoint, part: f64) -> Option<Self> {
         let (Ok(from), Ok(to)) = (derive(order, here, 0, CARRIED), derive(order, next, 0, CARRIED)) else {
             return None;
@@ -23,7 +24,7 @@ impl Point {
         Some(Self { form: from.form, at })
     }
 
-    /// Angles of the poles there, and their distances from the circle.
+    /// Angles of the poles, and their distances from the unit circle.
     pub(super) fn poles(&self) -> [(f64, f64); 2] {
         let real = |pole: f64| (if pole < 0.0 { core::f64::consts::PI } else { 0.0 }, 1.0 - pole.abs());
         let [p0, p1, ..] = self.at;
@@ -34,7 +35,7 @@ impl Point {
         }
     }
 
-    /// `|F|` there at `w = cos - i sin`.
+    /// Magnitude `|F|` of the filter's response at `w = cos - i sin`.
     pub(super) fn magnitude(&self, (cosine, sine): (f64, f64)) -> f64 {
         let w = (cosine, -sine);
         let one_less = |p: (f64, f64)| {
@@ -45,7 +46,8 @@ impl Point {
         let [p0, p1, p2, p3, p4] = self.at;
         let response = match self.form {
             Form::EqualZeros | Form::OnePole => {
-                // The other breakpoint may be of the other kind: both have b1 as third parameter.
+                // The next breakpoint may be of the other of these forms. Both have b1 as their
+                // third parameter.
                 over(sum((p1, 0.0), times((p2, 0.0), w)), one_less((1.0 + p0, 0.0)))
             }
             Form::Conjugate => {

@@ -1,8 +1,8 @@
-//! Whether the loops round a path decay.
+//! The check on load that the loops round a path decay.
 //!
 //! In software `f64` a Cortex-M4 would take seconds for ten loops round a long path. So each angle
-//! is judged by bounds in `f32` first ([`bound`]), which the FPU finds, and only where these leave
-//! it open in `f64`. What is refused does not depend on the bounds.
+//! is first judged by bounds in `f32` ([`bound`]), which the FPU computes. Only an angle that the
+//! bounds leave open is judged in `f64`. The bounds do not change which loops are refused.
 
 use core::f64::consts::{PI, TAU};
 
@@ -13,32 +13,34 @@ use crate::SampleRate;
 use crate::table::range;
 use crate::waveguide::{LoopError, Tuned};
 
-/// Points of each piece at which the loops are looked at.
+/// Number of points of each piece at which the loops are checked.
 const PARTS: u32 = 4;
-/// Angles all over the circle.
+/// Number of angles in the grid from 0 to π.
 const GRID: u32 = 256;
-/// A little below 1 for what rounding does to multipliers.
+/// Gain at which loops are refused: a little below 1, because multipliers are rounded.
 const BELOW_ONE: f64 = 1.0 - 1e-7;
-/// A bound below this is certain: in `f32` each is within 1e-4 of what it is to be above.
+/// Limit below which a product of bounds is certain to be stable. In `f32` each bound is within
+/// 1e-4 of one that holds.
 const CERTAIN: f32 = 0.9995;
-/// Angles that are judged in one walk along the path.
+/// Number of angles that are judged in one walk along the path.
 const TOGETHER: usize = 16;
 
-/// An angle at which the loops pass too much for the filter's largest gain.
+/// An angle at which the loops would be unstable if the filter had its largest gain there.
 #[derive(Clone, Copy)]
 struct Suspect {
     omega: f64,
     angle: Angle,
-    /// Bound of `Σ |B_s|` there.
+    /// Upper bound of `Σ |B_s|` at the angle.
     loops: f32,
-    /// Largest |F| of the points of the path at which bounds leave it open.
+    /// Largest |F| over the points of the path that the bounds leave open.
     filter: f64,
 }
 
-/// `|F(ω)| Σ |B_s(ω)| < 1` at four points of each piece: at angles all over the circle, close by
-/// each band, and close by the pole of each point of the path. `largest_gain` is what |F| nowhere
-/// exceeds: where the loops pass too little even for that, as at most angles, the path need not be
-/// walked.
+/// Checks that `|F(ω)| Σ |B_s(ω)| < 1` holds at four points of each piece.
+///
+/// It is checked at angles all over the circle, close to each band, and close to the poles of each
+/// point. |F| nowhere exceeds `largest_gain`. If the loops are stable even with that gain, as at
+/// most angles, the path is not walked.
 pub(super) fn check(
     order: u8,
     largest_gain: f64,
@@ -111,12 +113,13 @@ pub(super) fn check(
     })
 }
 
-/// Angles close by a pole, given by its own angle and its distance from the circle.
+/// Angles close to a pole, which is given by its own angle and its distance from the circle.
 fn around((angle, distance): (f64, f64)) -> impl Iterator<Item = f64> {
     (-8i32..=8).map(move |step| (angle + f64::from(step) / 4.0 * distance).clamp(0.0, PI))
 }
 
-/// Visits points of each piece, given by its ends and how far along they are.
+/// Visits points of each piece. A point is given by the breakpoints at both ends of its piece, and
+/// by the fraction of the way between them.
 fn walk(
     breakpoints: impl Iterator<Item = Breakpoint> + Clone,
     mut visit: impl FnMut(&Breakpoint, &Breakpoint, f64) -> Result<(), LoopError>,

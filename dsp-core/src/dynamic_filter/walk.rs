@@ -1,42 +1,45 @@
-//! Where a strike's path is: the parameters of each frame.
+//! The place on a strike's path, and the parameters of each frame.
 
 use super::path::{PARAMETERS, Path};
 use crate::time::TICK_FRAMES;
 
-/// A parameter over a run of frames: `value + n step`.
+/// A parameter that changes linearly over a run of frames: `value + n step`.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 pub struct Line {
-    /// At the next frame.
+    /// Value at the next frame.
     pub value: i32,
-    /// Change a frame.
+    /// Change per frame.
     pub step: i32,
 }
 
 impl Line {
-    /// True if it is 0 in all frames.
+    /// True if the parameter is 0 in all frames.
     pub fn is_zero(&self) -> bool {
         (self.value, self.step) == (0, 0)
     }
 
-    /// A frame on. After a segment's last frame the value is used no more, so that it may wrap.
+    /// Moves on by a frame. The value may wrap after a segment's last frame, where it is no longer
+    /// used.
     #[inline(always)]
     pub fn advance(&mut self) {
         self.value = self.value.wrapping_add(self.step);
     }
 }
 
-/// The place on the path.
+/// Place on the path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Walk {
-    /// Frames since the strike, up to the path's last.
+    /// Number of frames since the strike; it stops at the path's last breakpoint.
     time: u32,
-    /// The piece, and where the next one begins.
+    /// Index of the piece.
     piece: usize,
+    /// First frame of the next piece; `u32::MAX` in the last piece.
     next: u32,
-    /// Up to here [`tick`](Self::tick) may go: 0 until a segment of the piece has set the lines'
-    /// steps, and after the path's last breakpoint.
+    /// Frame up to which [`tick`](Self::tick) may go. It is 0 until a segment of the piece has set
+    /// the lines' steps, and after the path's last breakpoint.
     whole: u32,
+    /// True if the lines hold the parameters that stay after the path's end.
     over: bool,
     ramps: [Ramp; PARAMETERS],
     noise: Ramp,
@@ -45,10 +48,10 @@ pub(super) struct Walk {
 /// A parameter on the way through a piece.
 #[derive(Clone, Copy, Debug)]
 struct Ramp {
-    /// At the next segment's start, with 32 bits more, and with what makes the middle of a tick
-    /// right ([`Walk::segment`]).
+    /// Value at the next segment's start, with 32 bits more. It includes the correction by which
+    /// the middle of a tick is right ([`Walk::segment`]).
     wide: i64,
-    /// Its change in a tick.
+    /// Change in a tick.
     of_tick: i64,
 }
 
@@ -62,7 +65,7 @@ impl Ramp {
         }
     }
 
-    /// The line over so many frames, after which the ramp is behind them.
+    /// Gives the line over the next frames, and moves the ramp to their end.
     fn segment(&mut self, slope: i64, frames: u32) -> Line {
         let shorter = middle(slope, frames).wrapping_sub(middle(slope, TICK_FRAMES as u32));
         let value = (self.wide.wrapping_add(shorter) >> 32) as i32;
@@ -72,7 +75,7 @@ impl Ramp {
 }
 
 impl Walk {
-    /// On an empty path.
+    /// Place on an empty path.
     pub(super) const NOWHERE: Self = Self {
         time: 0,
         piece: 0,
@@ -83,13 +86,13 @@ impl Walk {
         noise: Ramp::NOTHING,
     };
 
-    /// To the path's start.
+    /// Goes to the path's start.
     pub(super) fn start(&mut self, path: &Path<'_>) {
         self.time = 0;
         self.enter(path, 0);
     }
 
-    /// To the path's last piece, where parameters stay.
+    /// Goes to the path's last piece, where parameters stay.
     pub(super) fn end(&mut self, path: &Path<'_>) {
         self.time = path.last_frame();
         self.enter(path, path.pieces().len().saturating_sub(1));
@@ -111,12 +114,12 @@ impl Walk {
         self.next != u32::MAX
     }
 
-    /// Begins a segment, which lasts to the next breakpoint or to `most` frames: gives its frames,
-    /// and sets the lines. Segments begin and end at ticks, strikes and breakpoints only, so that a
-    /// caller's blocks change nothing.
+    /// Begins a segment, which lasts to the next breakpoint, or for `most` frames if that is
+    /// sooner. Sets the lines, and gives the segment's number of frames.
     ///
-    /// A step has 32 bits only. So that what it leaves out cannot add up, a line is right in the
-    /// middle of its segment, and each segment begins anew from the 64-bit parameters.
+    /// Segments begin and end only at ticks, strikes and breakpoints, so that a caller's blocks
+    /// change nothing. A step has only 32 bits. To keep its rounding errors from adding up, a line
+    /// is right in the middle of its segment, and each segment begins from the 64-bit parameters.
     pub(super) fn segment(
         &mut self,
         path: &Path<'_>,
@@ -145,19 +148,20 @@ impl Walk {
         frames
     }
 
-    /// Number of whole ticks within the piece, whose steps are in the lines already.
+    /// Number of whole ticks that are left of the piece. The lines hold its steps already.
     pub(super) fn whole_ticks(&self) -> u32 {
         self.whole.saturating_sub(self.time) / TICK_FRAMES as u32
     }
 
-    /// Goes on by so many of them.
+    /// Moves the time on by whole ticks.
     pub(super) fn pass(&mut self, whole_ticks: u32) {
         if self.is_under_way() {
             self.time += whole_ticks * TICK_FRAMES as u32;
         }
     }
 
-    /// As [`segment`](Self::segment) for the next whole tick, but for [`pass`](Self::pass).
+    /// Sets the lines' values for the next whole tick, as [`segment`](Self::segment) would. The
+    /// time moves on only by [`pass`](Self::pass).
     #[inline(always)]
     pub(super) fn tick(&mut self, lines: &mut [Line; PARAMETERS], parameters: usize) {
         for (ramp, line) in self.ramps.iter_mut().zip(lines).take(parameters) {
@@ -166,26 +170,27 @@ impl Walk {
         }
     }
 
-    /// Steps the line of the noise's level.
+    /// Sets the value of the noise's level for the next whole tick.
     #[inline(always)]
     pub(super) fn tick_level(&mut self, level: &mut Line) {
         level.value = (self.noise.wide >> 32) as i32;
         self.noise.wide = self.noise.wide.wrapping_add(self.noise.of_tick);
     }
 
-    /// True if the lines hold what stays after the path's end.
+    /// True if the lines hold the parameters that stay after the path's end.
     pub(super) fn is_over(&self) -> bool {
         self.over
     }
 }
 
-/// A slope's step of 32 bits, nearest.
+/// Step of 32 bits that is nearest to a slope.
 fn step(slope: i64) -> i32 {
     (slope.wrapping_add(1 << 31) >> 32) as i32
 }
 
-/// Half a segment's frames of what the step leaves out, which is within half a step, and half a
-/// step for rounding.
+/// Correction by which a line is right in the middle of a segment: half the segment's frames times
+/// the part of the slope that [`step`] leaves out, plus half a step for rounding. That part is
+/// within half a step.
 fn middle(slope: i64, frames: u32) -> i64 {
     i64::from(slope as i32) * i64::from(frames >> 1) + (1 << 31)
 }

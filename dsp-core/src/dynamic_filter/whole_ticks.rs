@@ -1,16 +1,17 @@
-//! Ticks in which nothing begins or ends, and no modes come: granted several at a time, so that
-//! each asks for next to nothing.
+//! Ticks in which nothing begins or ends, and no modes come. Several of them are granted at a time,
+//! so that each tick takes hardly any bookkeeping.
 //!
-//! The bits are those of [`DynamicFilter::render_any`]'s way, which settles the loops on each tick:
-//! between the ends of their windows that changes nothing but where a state or the line has left
-//! the bounds of its scaling, at which the grant ends.
+//! The bits are those of [`DynamicFilter::render_any`], which settles the loops on each tick.
+//! Between the ends of the loops' windows, settling changes nothing as long as the states and the
+//! line keep within the bounds of their scaling. The grant ends when one of them does not.
 
 use super::kernel;
 use super::object::DynamicFilter;
 use crate::time::TICK_FRAMES;
 
 impl DynamicFilter<'_> {
-    /// Grants whole ticks, if a tick begins and is one, and begins it.
+    /// Grants whole ticks and begins the first of them. Returns false if no tick begins, or if
+    /// something begins or ends in it.
     #[inline(always)]
     pub(super) fn renew(&mut self) -> bool {
         let begins = self.ringing && self.frame == 0 && self.left == 0;
@@ -33,7 +34,7 @@ impl DynamicFilter<'_> {
         self.ringing
     }
 
-    /// Takes back what is left of the whole ticks that were granted.
+    /// Counts the granted ticks that have passed, and takes back those that are left.
     pub(super) fn settle_whole_ticks(&mut self) {
         let passed = self.granted - self.whole_ticks;
         self.filter.pass(passed);
@@ -41,7 +42,7 @@ impl DynamicFilter<'_> {
         (self.granted, self.whole_ticks) = (0, 0);
     }
 
-    /// One of the whole ticks.
+    /// Renders one of the granted whole ticks.
     #[inline(never)]
     pub(super) fn run_tick(&mut self, out: &mut [i32; TICK_FRAMES]) {
         if self.looped && self.noisy {

@@ -19,7 +19,7 @@ pub struct Sfc32 {
 
 /// Standard deviation of the numbers of [`Sfc32::four`], `sqrt((256² - 1) / 3)`.
 ///
-/// These are odd numbers from -255 to 255, all equally likely.
+/// The numbers are odd, from -255 to 255, and all equally likely.
 pub const DEVIATION: f64 = 147.800_541_270_555_32;
 
 impl Sfc32 {
@@ -46,7 +46,7 @@ impl Sfc32 {
         (next, out)
     }
 
-    /// Bits that the next [`draw`](Self::draw) will give.
+    /// Returns the bits that the next [`draw`](Self::draw) will give.
     pub const fn first(self) -> u32 {
         self.step().1
     }

@@ -1,38 +1,41 @@
-//! Why loops are refused.
+//! Reasons to refuse loops.
 
 use core::fmt;
 
-/// Why loops are refused.
+/// Reason to refuse loops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LoopError {
-    /// A frequency not between fs/10 000 and 0.499 fs, a bandwidth not between fs/10^7 and the
-    /// frequency (or above some fs/10), a gain that is no number, or a delay below a frame.
+    /// A number of a loop is out of range.
+    ///
+    /// The frequency must be between fs/10 000 and 0.499 fs. The bandwidth must be between fs/10^7
+    /// and the frequency, and not above some fs/10. The gain must be finite, and the delay at least
+    /// a frame.
     Band {
-        /// The loop, counted from 0.
+        /// Index of the loop, counted from 0.
         index: usize,
     },
-    /// A delay longer than the line.
+    /// A loop's delay is longer than the line.
     Delay {
-        /// The loop, counted from 0.
+        /// Index of the loop, counted from 0.
         index: usize,
-        /// Its delay in frames.
+        /// Delay of the loop in frames.
         frames: f64,
-        /// Frames of the line.
+        /// Length of the line in frames.
         room: usize,
     },
-    /// More loops than fit.
+    /// More loops are given than fit.
     Count {
-        /// Loops given.
+        /// Number of loops given.
         given: usize,
-        /// Loops that fit.
+        /// Number of loops that fit.
         room: usize,
     },
     /// The gain round the loops reaches 1.
     Unstable {
-        /// Frequency in Hz.
+        /// Frequency in Hz at which the gain reaches 1.
         frequency_hz: f64,
-        /// The gain.
+        /// Gain round the loops at that frequency.
         gain: f64,
     },
 }

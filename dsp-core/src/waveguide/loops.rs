@@ -12,61 +12,70 @@ use crate::noise::White;
 use crate::table::range::LOOPS as MOST_LOOPS;
 use crate::time::TICK_FRAMES;
 
-/// Up to this sum of what may come out of the loops a fine sum has room.
+/// Bound of the loops' output below which sums are fine ([`FINE`]).
 const LARGEST_FINE: f64 = 1.0 / 16.0;
-/// Largest s at that scale: 12 dB above full scale. (If it is louder after all, sums saturate for a
-/// while.)
+/// Largest s for which that output is bounded: 12 dB above full scale. If s is louder after all,
+/// sums saturate for a while.
 const LOUDEST: f64 = 4.0;
 
-/// The shortest time over which the largest word of the line is sought: ticks in which nothing is
-/// to be settled cost less.
+/// Shortest time in frames over which the largest word of the line is sought. A longer time has
+/// more ticks in which nothing is settled, and these cost less.
 const SHORTEST_WINDOW: usize = 8 * TICK_FRAMES;
 
-/// Loops on one delay line of s.
-// In this order: what a tick asks for is near the start, where the chip reaches it by a short
-// address.
+/// Loops that read one delay line of s.
+// Fields that every tick reads stand near the start, where the core's short instructions reach
+// them.
 #[derive(Debug)]
 #[repr(C)]
 pub(crate) struct Loops<'m> {
     /// Number of loops.
     count: usize,
+    /// Band-pass of each loop.
     bands: &'m mut [Resonance],
-    /// The delay line, a ring, larger than the bus by 2^line_scale.
+    /// Delay line, a ring. Its words are larger than the bus by 2^line_scale.
     line: &'m mut [i32],
-    /// The shortest delay, at most a tick.
+    /// Shortest delay in frames, at most a tick.
     shortest: usize,
     /// Index at which s is written next.
     place: usize,
+    /// E of the line's words.
     line_scale: i32,
+    /// E of the sums.
     sum_scale: i32,
-    /// True if sums might not have room, so that they are to saturate.
+    /// True if sums might overflow, so that they are computed with saturation.
     loud: bool,
     /// True if a state has left the bounds of its scaling.
     unsettled: bool,
-    /// Sizes written since it was last settled, or'ed, and frames since then beyond a tick.
+    /// Sizes of the words written since the last call of `settle`, or'ed.
     sizes: u32,
+    /// Number of frames since then, less a tick.
     passed: usize,
-    /// Sizes in a window that is longer than the longest delay, so far, and in that before; frames
-    /// of the former.
+    /// Sizes of the words in this window so far and in the window before, each or'ed. A window is
+    /// longer than the longest delay.
     sizes_of: [u32; 2],
+    /// Number of frames in this window so far.
     frames_of_first: usize,
+    /// Number of frames that a window exceeds when it ends.
     window: usize,
+    /// Number of bits of the line's words for which the states are scaled.
     line_bits: i32,
+    /// Longest delay in frames.
     longest: usize,
-    /// Bits of the sizes of such a time, for how many frames these have been the same or one more,
-    /// and after how many no tail would be.
+    /// Number of bits of the largest word in the window with which `still_frames` began.
     tail_bits: i32,
+    /// Number of frames in which the largest word has kept these bits, or had one more.
     still_frames: usize,
+    /// Number of still frames that a decaying sound cannot have.
     most_still_frames: usize,
 }
 
 /// Longest delay line in frames: 43 ms at 192 kHz.
 pub(crate) const LONGEST_LINE: usize = 8192;
-/// Shortest delay line in frames: a ring that turns less often costs less.
+/// Shortest delay line in frames. A longer ring turns less often, which costs less.
 const SHORTEST_LINE: usize = 512;
 
 impl<'m> Loops<'m> {
-    /// No loops.
+    /// Makes an empty set of loops.
     pub(crate) const fn empty() -> Self {
         Self {
             count: 0,
@@ -91,11 +100,11 @@ impl<'m> Loops<'m> {
         }
     }
 
-    /// Frames of the delay line of loops at a rate: the longest delay and a tick, in whole ticks; 0
-    /// without loops.
+    /// Number of frames of the delay line that loops need at a rate: the longest delay and a tick,
+    /// in whole ticks, and at least [`SHORTEST_LINE`]. It is 0 without loops.
     ///
     /// # Errors
-    /// A [`LoopError`] for a loop that cannot be, or whose delay is longer than any line.
+    /// A [`LoopError`] for a loop that is invalid, or whose delay is longer than any line.
     pub(crate) fn line_frames(loops: impl Iterator<Item = Loop>, rate: SampleRate) -> Result<usize, LoopError> {
         let mut longest = None;
         for (index, one) in loops.enumerate() {
@@ -105,14 +114,14 @@ impl<'m> Loops<'m> {
         Ok(if frames > 0 { frames.max(SHORTEST_LINE) } else { 0 })
     }
 
-    /// Takes memory for `count` loops on a line of so many frames.
+    /// Takes memory for `count` loops on a line of `frames` frames.
     pub(crate) fn take(lender: &mut impl Lender<'m>, count: usize, frames: usize) -> Result<Self, OutOfMemory> {
         let bands = lender.take(Region::Bulk, count, || Resonance::EMPTY)?;
         Ok(Self { bands, line: lender.take(Region::Bulk, frames, || 0)?, ..Self::empty() })
     }
 
-    /// Derives loops at rest for a line of s larger than the bus by 2^`line_scale`; `stable` checks
-    /// the sum of the loops. Without memory all is derived but the loops themselves.
+    /// Derives loops at rest, for a line whose s is larger than the bus by 2^`line_scale`. `stable`
+    /// checks the loops together. Without memory everything but the band-passes is derived.
     pub(crate) fn load(
         &mut self,
         loops: impl Iterator<Item = Loop> + Clone,
@@ -131,8 +140,8 @@ impl<'m> Loops<'m> {
             *tuned = Tuned::new(&one, index, LONGEST_LINE, rate)?;
         }
         let all = all.get(..given).unwrap_or(&[]);
-        // What memory was taken for: the kernels read within the line for delays below its length
-        // alone.
+        // The memory must have been taken for these loops: the kernels read within the line only if
+        // delays are below its length.
         if !self.bands.is_empty() {
             let room = self.line.len();
             if given != self.bands.len() {
@@ -143,8 +152,8 @@ impl<'m> Loops<'m> {
             }
         }
         stable(all)?;
-        // Loops of little gain round a filter of much: there a step of the sum is loudest, and
-        // there is room for it to be small.
+        // Loops of little gain round a filter of much gain make a step of the sum loudest. They
+        // also leave room for a finer step.
         let largest: f64 = all.iter().map(|tuned| Resonance::largest(tuned, line_scale)).sum();
         let largest = largest * (LOUDEST / libm::scalbn(1.0, LINE_BITS - 27 - line_scale)).min(1.0);
         self.sum_scale = if largest < LARGEST_FINE { FINE } else { COARSE };
@@ -168,8 +177,10 @@ impl<'m> Loops<'m> {
         self.count
     }
 
-    /// Nominal cycles of a tick, with what the filter takes more for them: for a block of a whole
-    /// tick, each loop, and what further blocks cost; `of_block` are those of the filter itself.
+    /// Nominal cycles of a tick, with those that the loops cost the filter.
+    ///
+    /// They are counted for a block of a whole tick, for each loop, and for each further block. The
+    /// filter itself takes `of_block` more cycles for each block.
     pub(crate) fn cycles_a_tick(&self, of_block: u32) -> u32 {
         let (loops, blocks) = (self.count as u32, TICK_FRAMES.div_ceil(self.shortest.max(1)) as u32);
         let further = (blocks - 1) * (310 + 84 * loops);
@@ -185,7 +196,7 @@ impl<'m> Loops<'m> {
         self.bands.iter().map(Resonance::weight).sum::<u64>() > Resonance::LARGEST_WEIGHT
     }
 
-    /// Clears what rings.
+    /// Clears all sound.
     pub(crate) fn rest(&mut self) {
         self.bands.iter_mut().for_each(Resonance::rest);
         self.line.fill(0);
@@ -195,7 +206,7 @@ impl<'m> Loops<'m> {
         self.loud = self.is_loud();
     }
 
-    /// Leaves so much (Q31) of what rings.
+    /// Multiplies all sound by `left` (Q31).
     pub(crate) fn attenuate(&mut self, left: i32) {
         for band in self.bands.iter_mut() {
             band.attenuate(left);
@@ -204,19 +215,20 @@ impl<'m> Loops<'m> {
         self.line.iter_mut().for_each(|s| *s = times_q31(*s, left));
     }
 
-    /// Number of `frames` with a slot that no loop is still to read and in which the ring
-    /// does not turn.
+    /// Number of frames, at most `frames`, that have a slot. No loop is still to read words in the
+    /// slot, and the ring does not turn in it.
     pub(crate) fn slot_length(&self, frames: usize) -> usize {
         frames.min(self.line.len() - self.longest).min(self.line.len() - self.place)
     }
 
-    /// Number of `frames` that can be run at once: no loop reads a frame that is not written.
+    /// Number of frames, at most `frames`, that can be run at once. No loop reads a frame in them
+    /// that is not written yet.
     pub(crate) fn run_length(&self, frames: usize) -> usize {
         frames.min(self.shortest)
     }
 
-    /// Adds what the loops give over so many frames to what lies in [`slot`](Self::slot), Q29 or
-    /// less ([`COARSE`]).
+    /// Adds the loops' output over `frames` frames to the sums in [`slot`](Self::slot), which are
+    /// Q29 or less ([`COARSE`]).
     pub(crate) fn add(&mut self, frames: usize) {
         self.unsettled = if self.loud {
             kernel::portable::run_loud(self.bands, self.line, self.place, frames)
@@ -225,27 +237,27 @@ impl<'m> Loops<'m> {
         };
     }
 
-    /// As [`add`](Self::add) to noise of a level, of which `draw` draws a whole tick, for one of
-    /// the [`whole_ticks`](Self::whole_ticks).
+    /// Writes noise of a level to the slot and adds the loops' output, as [`add`](Self::add) does,
+    /// for one of the [`whole_ticks`](Self::whole_ticks). `draw` draws noise.
     #[inline(always)]
     pub(crate) fn add_to_noise(&mut self, noise: &mut White, level: i32, draw: impl Fn(&mut White, i32, &mut [i32])) {
         if self.loud {
             draw(noise, level, self.slot(TICK_FRAMES));
             return self.add(TICK_FRAMES);
         }
-        // It was settled.
+        // The loops were settled before this tick, so the flag need not be cleared.
         if kernel::run_on_noise(noise, level, self.bands, self.line, self.place, TICK_FRAMES, draw) {
             self.unsettled = true;
         }
     }
 
-    /// Slot for the next frames of s: what goes into the filter is summed there, and
-    /// s left.
+    /// Slot for the next frames of s. The filter's input is summed in it, and the filter leaves s
+    /// in it.
     pub(crate) fn slot(&mut self, frames: usize) -> &mut [i32] {
         self.line.get_mut(self.place..self.place + frames).unwrap_or(&mut [])
     }
 
-    /// Moves on behind a slot in which s was left, its sizes or'ed.
+    /// Moves on behind a slot in which s was left. `sizes` are the sizes of s, or'ed.
     pub(crate) fn advance(&mut self, frames: usize, sizes: u32) {
         self.sizes |= sizes;
         self.place += frames;
@@ -254,8 +266,8 @@ impl<'m> Loops<'m> {
         }
     }
 
-    /// Number of ticks that may be run, each in one slot and followed by [`pass`](Self::pass),
-    /// before the next [`settle`](Self::settle), as long as [`is_settled`](Self::is_settled).
+    /// Number of ticks that may be run, each in one slot, before the next [`settle`](Self::settle),
+    /// as long as [`is_settled`](Self::is_settled). Count them by [`pass`](Self::pass).
     pub(crate) fn whole_ticks(&self) -> u32 {
         if self.line.len() < self.longest + TICK_FRAMES {
             return 0;
@@ -264,7 +276,7 @@ impl<'m> Loops<'m> {
         (of_window.min(self.line.len() - self.place) / TICK_FRAMES) as u32
     }
 
-    /// True if all states, and what is on the line, are within the bounds of their scaling.
+    /// True if all states, and the words on the line, are within the bounds of their scaling.
     #[inline(always)]
     pub(crate) fn is_settled(&self) -> bool {
         !self.unsettled && self.sizes >> self.line_bits == 0
@@ -275,18 +287,18 @@ impl<'m> Loops<'m> {
         self.passed += (whole_ticks as usize).saturating_sub(1) * TICK_FRAMES;
     }
 
-    /// On a tick: scales states anew. Gives whether a window ended, and whether what was written in
-    /// it is no sound.
+    /// Scales states anew on a tick. Gives two flags: the first is true if a window ended, the
+    /// second if the words written in it are no sound.
     ///
-    /// If states and line are settled, nothing is to be done but at a window's end: so it is the
-    /// same bits that follow, on whichever of the ticks between this is called.
+    /// If states and line are settled, there is nothing to do except at a window's end. So the bits
+    /// do not depend on the ticks between at which this is called.
     pub(crate) fn settle(&mut self) -> (bool, bool) {
         self.sizes_of[0] |= core::mem::take(&mut self.sizes);
         self.frames_of_first += core::mem::take(&mut self.passed) + TICK_FRAMES;
         let ended = self.frames_of_first > self.window;
         let silent = ended && self.is_over();
         let line_bits = bits(self.sizes_of[0] | self.sizes_of[1]);
-        // What bounds the words bounds smaller ones; two bits more are not worth the time.
+        // A bound holds for smaller words too. Up to two bits to spare are not worth the time.
         let known = line_bits <= self.line_bits && line_bits + 3 > self.line_bits;
         if !known || self.unsettled {
             self.scale_anew(if known { self.line_bits } else { line_bits });
@@ -294,7 +306,8 @@ impl<'m> Loops<'m> {
         (ended, silent)
     }
 
-    /// At a window's end, where the next one begins: whether what was written in it is no sound.
+    /// Ends a window and begins the next one. Gives true if the words written in the old window are
+    /// no sound.
     #[inline(never)]
     fn is_over(&mut self) -> bool {
         let bits = bits(self.sizes_of[0]);
@@ -306,7 +319,7 @@ impl<'m> Loops<'m> {
         is_below(NOTHING) || is_below(SILENCE) && self.still_frames > self.most_still_frames
     }
 
-    /// States, for a line of words below 2^`line_bits`.
+    /// Scales the states for a line of words below 2^`line_bits`.
     #[inline(never)]
     fn scale_anew(&mut self, line_bits: i32) {
         let known = line_bits == self.line_bits;
@@ -322,7 +335,7 @@ impl<'m> Loops<'m> {
     }
 }
 
-/// Bits of the largest of sizes that were or'ed.
+/// Number of bits of the largest of sizes that were or'ed.
 fn bits(sizes: u32) -> i32 {
     32 - sizes.leading_zeros() as i32
 }

@@ -5,42 +5,43 @@
 //! δ = 1 - |p|²,   e² = |1 - p|²,   g_v = a,   g_u = (c / (1 - δ) + a) / e
 //! ```
 //!
-//! Bands of e >= 1/2 shift instead, as the bank's modes do: `u -= (e²/2^k) v; v += 2^k u`, k = 1 to
-//! 3.
+//! If e >= 1/2, the band-pass shifts by k bits instead, as the bank's modes do:
+//! `u -= (e²/2^k) v; v += 2^k u`, k = 1 to 3.
 //!
 //! # Why nothing can wrap
 //!
 //! `v = y 2^(27 + E)`. The size of a state is `s = max(|u| 2^k, |v|)`. Within a tick everything is
-//! linear, so that each intermediate result is at most `G s + N X`: G the largest growth of a state
-//! of size 1, N the sum over the frames of the sizes that an input of 1 leaves, both found on load
-//! by stepping the very section in `f64`; X the line's words, which a tick before they are read are
-//! known where the delay is a tick or more, and below 2^30 always. `Resonance::settle` keeps E, on
-//! ticks, such that `G s < 2^30` and `N X < 2^28`: because a narrow band's N is small, that leaves
-//! the state nearly all its bits, and E rises while line and state decay.
+//! linear, so that each intermediate result is at most `G s + N X`. G is the largest growth of a
+//! state of size 1. N is the sum over the frames of the sizes that an input of 1 leaves. Both are
+//! found on load, by stepping this very section in `f64`. X stands for the line's words, which are
+//! always below 2^30. If the delay is a tick or more, they are known a tick before they are read.
+//!
+//! On ticks `Resonance::settle` keeps E such that `G s < 2^30` and `N X < 2^28`. A narrow band's N
+//! is small, so that this leaves the state nearly all its bits. E rises while line and state decay.
 
 use super::tuning::Tuned;
 use crate::fixed::{rounding_shift_right, saturating_shift_left, smmlar, smmlsr, times_q31};
 use crate::time::TICK_FRAMES;
 
-/// Bits of a line's words: `|x| < 2^30`.
+/// Number of bits of the line's words: `|x| < 2^30`.
 pub(super) const LINE_BITS: i32 = 30;
-/// Bits of growth of states.
+/// Number of bits to which states may grow in a tick: `G s < 2^30`.
 const STATE_BITS: i32 = 30;
-/// Bits of what an input adds.
+/// Number of bits that the input may add in a tick: `N X < 2^28`.
 const INPUT_BITS: i32 = 28;
-/// The largest E above the sum's scale, so that the sum's multiplier is one.
+/// Largest difference of E and the sum's scale, at which the sum's multiplier is still above 0.
 const LARGEST_ABOVE_SUM: i32 = 31;
 
-/// Bits by which a coarse sum of loops is smaller than the filter's input, Q29: it holds 128
-/// instead of 4.
+/// Number of bits by which a coarse sum of loops is smaller than the filter's input, Q29. A coarse
+/// sum has room for 128 instead of 4.
 pub const COARSE_BITS: u32 = 5;
 
-/// E of a sum in the filter's input format, Q29, which has room for 4.
+/// E of a fine sum, in the filter's input format Q29, which has room for 4.
 pub(super) const FINE: i32 = 2;
-/// E of a sum that has room for 128.
+/// E of a coarse sum, which has room for 128.
 pub(super) const COARSE: i32 = FINE - COARSE_BITS as i32;
 
-/// A gain as `mantissa · 2^(exponent - 31)`, mantissa normalised.
+/// A gain as `mantissa · 2^(exponent - 31)`, with a normalised mantissa.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 struct Gain {
@@ -56,54 +57,58 @@ impl Gain {
         Self { mantissa: libm::rint(fraction * 2147483648.0) as i32, exponent }
     }
 
-    /// The multiplier `gain · 2^shift` as Q32; settle sees to it that it is below 1/2.
+    /// Multiplier `gain · 2^shift` as Q32. The limits of E keep it below 1/2.
     fn q32(self, shift: i32) -> i32 {
         rounding_shift_right(self.mantissa, (-1 - shift - self.exponent).clamp(0, 40) as u32)
     }
 }
 
-/// A band-pass. The first words are what the kernels read.
+/// A loop's band-pass. The kernels read the first words, up to `most_zeros`.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Resonance {
-    /// The component that does not sound.
+    /// Component that does not sound.
     pub(super) u: i32,
-    /// The component that sounds.
+    /// Component that sounds.
     pub(super) v: i32,
-    /// e or e²/2^k, Q32.
+    /// Multiplier e, or e²/2^k if k is above 0, Q32.
     pub(super) turn: i32,
-    /// δ, Q32.
+    /// Multiplier δ, Q32.
     pub(super) damp: i32,
-    /// Q32 of the input into u.
+    /// Multiplier of the input into u, Q32.
     pub(super) gain_u: i32,
-    /// Q32 of the input into v.
+    /// Multiplier of the input into v, Q32.
     pub(super) gain_v: i32,
-    /// Q32 of v into the sum.
+    /// Multiplier of v into the sum, Q32.
     pub(super) scale: i32,
-    /// k.
+    /// Shift k in bits; 0 if e multiplies.
     pub(super) shift: u32,
-    /// Whole frames of delay.
+    /// Delay in whole frames.
     pub(super) delay: usize,
-    /// Leading zeros that a state's size must have for it to stay as it is scaled.
+    /// Fewest leading zeros of the state's size at which its scaling stays.
     pub(super) least_zeros: i32,
+    /// Most leading zeros of the state's size at which its scaling stays.
     pub(super) most_zeros: i32,
-    /// E.
+    /// Exponent E of the state.
     exponent: i32,
-    /// The largest E for the sum and the multipliers of the input, and with words of the line below
-    /// 1.
+    /// Largest E for which the multipliers of the input and of the sum fit.
     largest_exponent: i32,
+    /// Largest E for words of the line below 1.
     for_input: i32,
-    /// The largest E for the line as it is.
+    /// Largest E for the line's present words.
     limit: i32,
-    /// E of the line's and of the sum's words.
+    /// E of the line's words.
     line_scale: i32,
+    /// E of the sum's words.
     sum_scale: i32,
+    /// Number of bits by which a state may grow in a tick.
     growth_bits: i32,
+    /// Gains of the input into u and v.
     gains: [Gain; 2],
 }
 
 impl Resonance {
-    /// None.
+    /// A band-pass that is not loaded.
     pub(super) const EMPTY: Self = Self {
         u: 0,
         v: 0,
@@ -126,8 +131,8 @@ impl Resonance {
         delay: 0,
     };
 
-    /// Derives it at rest, for words of the line of `s 2^(27 + line_scale)`, and a sum of `y 2^(27
-    /// + sum_scale)`.
+    /// Derives a band-pass at rest. Words of the line are `s 2^(27 + line_scale)`, and words of the
+    /// sum are `y 2^(27 + sum_scale)`.
     pub(super) fn new(tuned: &Tuned, line_scale: i32, sum_scale: i32) -> Self {
         let (_, distance) = tuned.pole();
         let delta = distance * (2.0 - distance);
@@ -141,12 +146,13 @@ impl Resonance {
         let unit = f64::from(1u32 << shift);
         let q32 = |value: f64| libm::rint(value * 4294967296.0) as i32;
         let (damp_q32, turn_q32) = (q32(delta), q32(turn));
-        // From here on with the pole as it was rounded.
+        // From here on the pole is that of the rounded multipliers.
         let (delta, turn) = (f64::from(damp_q32) / 4294967296.0, f64::from(turn_q32) / 4294967296.0);
         let step = if shift == 0 { turn } else { unit };
         let tuned = tuned.with_pole(1.0 - (delta + turn * step) / 2.0, 1.0 - delta);
         let gains = [(tuned.c / (1.0 - delta) + tuned.a) / step, tuned.a];
-        // The largest size of an orbit over a tick, and the sum over its frames.
+        // Gives the largest size that a state without input reaches in a tick, and the sum of its
+        // sizes.
         let walk = |mut u: f64, mut v: f64| {
             let size = |u: f64, v: f64| (u.abs() * unit).max(v.abs());
             let (mut largest, mut sum) = (size(u, v), size(u, v));
@@ -181,8 +187,8 @@ impl Resonance {
         resonance
     }
 
-    /// Bound of |y| for a line of 2^30: over all frames, the amplitude of the impulse response
-    /// over the distance from the circle.
+    /// Upper bound of |y| for a line of 2^30. The impulse response's envelope, summed over all
+    /// frames, is its amplitude over the pole's distance from the circle.
     pub(super) fn largest(tuned: &Tuned, line_scale: i32) -> f64 {
         let (angle, distance) = tuned.pole();
         let radius = 1.0 - distance;
@@ -191,21 +197,21 @@ impl Resonance {
         libm::hypot(tuned.a, sine) / distance * libm::scalbn(1.0, LINE_BITS - 27 - line_scale)
     }
 
-    /// Clears it.
+    /// Clears the state.
     pub(super) fn rest(&mut self) {
         (self.u, self.v) = (0, 0);
         self.expect(LINE_BITS);
         self.set(self.limit);
     }
 
-    /// Scales for a line that is below 2^`line_bits` from now on; to be followed by
-    /// [`settle`](Self::settle).
+    /// Sets the largest E for a line that is below 2^`line_bits` from now on. Call
+    /// [`settle`](Self::settle) next.
     pub(super) fn expect(&mut self, line_bits: i32) {
         self.limit = self.largest_exponent.min(self.for_input - line_bits);
         self.bound();
     }
 
-    /// Leaves so much (Q31) of it.
+    /// Multiplies the state by `left` (Q31).
     pub(super) fn attenuate(&mut self, left: i32) {
         (self.u, self.v) = (times_q31(self.u, left), times_q31(self.v, left));
     }
@@ -222,22 +228,22 @@ impl Resonance {
         !(self.least_zeros..=self.most_zeros).contains(&self.zeros())
     }
 
-    /// On a tick: scales the state anew where it has left its bounds.
+    /// Scales the state anew on a tick, if it has left the bounds of its scaling.
     pub(super) fn settle(&mut self) {
         if self.changes() {
-            // A bit is left for it to grow before it is looked at again.
+            // One bit is left free, so that the state may grow before it is scaled again.
             let free = self.zeros() - self.no_zeros_free();
             self.rescale((self.exponent + free - 1).min(self.limit));
         }
     }
 
-    /// Leading zeros of a size that leaves no bit free.
+    /// Number of leading zeros of a size that leaves no bit free.
     const fn no_zeros_free(&self) -> i32 {
         32 - STATE_BITS + self.growth_bits
     }
 
-    /// Bounds of a size outside of which the state is to be scaled anew: it is moved up by three
-    /// bits at least.
+    /// Sets the bounds of the state's size, outside of which it is scaled anew. It is moved up by
+    /// at least three bits.
     fn bound(&mut self) {
         let none = self.no_zeros_free();
         self.least_zeros = if self.exponent > self.limit { 33 } else { none };
@@ -263,17 +269,18 @@ impl Resonance {
         self.bound();
     }
 
-    /// The largest sum of [`weight`](Self::weight)s for which sums of all bands cannot wrap: their
-    /// states, below 1.25 · 2^30, then give less than 2^30 together, and noise or an exciter at
+    /// Largest total of [`weight`](Self::weight)s at which sums of all bands cannot wrap. The
+    /// states, below 1.25 · 2^30, then give less than 2^30 together. Noise or an exciter gives at
     /// most 2^30.
     pub(super) const LARGEST_WEIGHT: u64 = 3 << 30;
 
-    /// Share of a sum's headroom that the loop takes: its multiplier, if there is one.
+    /// Share of a sum's headroom that the loop takes: its multiplier, or 2^32 if the state is too
+    /// large for a multiplier.
     pub(super) fn weight(&self) -> u64 {
         if self.exponent < self.sum_scale + 2 { 1 << 32 } else { self.scale as u64 }
     }
 
-    /// A frame for a word x of the line; gives the state that sounds.
+    /// Renders a frame with a word x of the line as input. Gives the state that sounds.
     #[inline(always)]
     pub(super) fn step(&mut self, x: i32) -> i32 {
         self.u = smmlsr(self.u, self.damp, self.u);
@@ -287,7 +294,7 @@ impl Resonance {
         self.v
     }
 
-    /// Contribution of a sounding state to a sum, saturating, at any E.
+    /// Contribution of a sounding state v to a sum, saturating, at any E.
     pub(super) fn of_sum(&self, v: i32) -> i32 {
         match self.exponent - self.sum_scale {
             right @ 0.. => rounding_shift_right(v, right.unsigned_abs()),

@@ -1,4 +1,4 @@
-//! One loop from physical parameters: its delay and its band-pass.
+//! Derivation of a loop's delay and band-pass from physical parameters.
 
 use core::f64::consts::TAU;
 
@@ -8,40 +8,47 @@ use crate::SampleRate;
 /// A loop: one resonance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Loop {
-    /// f_c in Hz.
+    /// Frequency f_c of the resonance in Hz.
     pub frequency_hz: f64,
-    /// Δf at -3 dB in Hz, 1 to 5 in the paper.
+    /// Bandwidth Δf at -3 dB in Hz, 1 to 5 in the paper.
     pub bandwidth_hz: f64,
-    /// γ_s, the band-pass' gain at f_c: `γ |F(f_c)|` just below 1 rings long.
+    /// Gain γ_s of the band-pass at f_c. With `γ |F(f_c)|` just below 1 the loop rings long.
     pub gain: f64,
-    /// d_s in seconds, at least a frame; from 32 frames on a loop costs least.
+    /// Delay d_s in seconds, at least a frame. From 32 frames on a loop costs least.
     pub delay_s: f64,
 }
 
 /// A loop at a rate: `z^-delay (a + c z⁻¹) / (1 - 2 real z⁻¹ + square z⁻²)`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tuned {
+    /// Delay in whole frames.
     pub(super) delay: usize,
-    /// θ-independent pole: its real part and the square of its magnitude.
+    /// Real part of the pole. The pole does not depend on the delay.
     pub(super) real: f64,
+    /// Square of the pole's magnitude.
     pub(super) square: f64,
+    /// Coefficient of 1 in the numerator.
     pub(super) a: f64,
+    /// Coefficient of z⁻¹ in the numerator.
     pub(super) c: f64,
-    /// ω of f_c, and the gain there, `γ e^{-iωφ}`.
+    /// Angular frequency ω of f_c, in radians per frame.
     omega: f64,
+    /// Gain at f_c, `γ e^{-iωφ}`, as real and imaginary part.
     gain: (f64, f64),
 }
 
 impl Tuned {
-    /// Poles as in eq. 9 to 11 with `τ = sin ω / 2Q`, `Q = f_c / Δf` (the paper prints the
-    /// inverse), the whole frames of the delay, and the numerator that makes the gain at f_c `γ
-    /// e^{-iωφ}`, φ being what is left of the delay: over a band of a few hertz that is the delay.
+    /// Derives a loop at a rate. `index` is its index for errors, `room` the length of the line.
+    ///
+    /// Poles are as in eq. 9 to 11 with `τ = sin ω / 2Q`, `Q = f_c / Δf` (the paper prints the
+    /// inverse). The delay is split into whole frames and a fraction φ. The numerator makes the
+    /// gain at f_c `γ e^{-iωφ}`, which delays a band of a few hertz by φ.
     pub(crate) fn new(of: &Loop, index: usize, room: usize, rate: SampleRate) -> Result<Self, LoopError> {
         let Loop { frequency_hz, bandwidth_hz, gain, delay_s } = *of;
         let delay = delay_s * rate.hz();
-        // sin ω in the numerator's derivation: not within a thousandth of Nyquist.
+        // The numerator is divided by sin ω, so f_c must stay a thousandth of fs below Nyquist.
         let good = 0.0 < bandwidth_hz && bandwidth_hz < frequency_hz && frequency_hz < 0.499 * rate.hz();
-        // δ as Q32 would be off by 1 %.
+        // With lower values δ as Q32 would be off by 1 %.
         let good = good && frequency_hz >= 1e-4 * rate.hz() && bandwidth_hz >= 1e-7 * rate.hz();
         if !(good && gain.is_finite() && delay >= 1.0) {
             return Err(LoopError::Band { index });
@@ -63,11 +70,11 @@ impl Tuned {
         Ok(Self { delay, omega, gain, ..nothing }.with_pole(real, square))
     }
 
-    /// Numerator for an equal gain at f_c with another pole: `a + c w = γ e^{-iωφ} D(w)`, w =
-    /// e^{-iω}.
+    /// Returns the loop with another pole, and with the numerator for an equal gain at f_c:
+    /// `a + c w = γ e^{-iωφ} D(w)`, w = e^{-iω}.
     ///
-    /// A loop of gain G close to 1 rings at f_c less (1 - G) times what its pole is off: so a pole
-    /// that was rounded hardly matters.
+    /// A loop of gain G close to 1 rings off f_c by only (1 - G) times the error of its pole. So
+    /// the rounding of the pole hardly matters.
     pub(super) fn with_pole(self, real: f64, square: f64) -> Self {
         let (cosine, sine) = (libm::cos(self.omega), libm::sin(self.omega));
         let (double_cosine, double_sine) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);
@@ -78,7 +85,7 @@ impl Tuned {
         Self { real, square, a: wanted.0 - c * cosine, c, ..self }
     }
 
-    /// `|B|` at `w = cos - i sin`.
+    /// Magnitude `|B|` of the band-pass at `w = cos - i sin`.
     pub(crate) fn magnitude(&self, (cosine, sine): (f64, f64)) -> f64 {
         let above = libm::hypot(self.a + self.c * cosine, self.c * sine);
         let (double_cosine, double_sine) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);
@@ -86,12 +93,12 @@ impl Tuned {
         above / libm::hypot(real, 2.0 * self.real * sine - self.square * double_sine)
     }
 
-    /// a and c.
+    /// Coefficients a and c of the numerator.
     pub(crate) fn zero(&self) -> (f64, f64) {
         (self.a, self.c)
     }
 
-    /// The angle of its pole, and the pole's distance from the unit circle.
+    /// Angle of the pole, and the pole's distance from the unit circle.
     pub(crate) fn pole(&self) -> (f64, f64) {
         let imaginary = libm::sqrt((self.square - self.real * self.real).max(0.0));
         (libm::atan2(imaginary, self.real), 1.0 - libm::sqrt(self.square))

@@ -1,5 +1,5 @@
-//! The kernels for a Cortex-M4F: `cortex_m4*.s`, bit for bit what [`super::portable`],
-//! [`super::two_poles`] and [`super::section`] do.
+//! The kernels for a Cortex-M4F, in `cortex_m4*.s`. Their bits equal those of [`super::portable`],
+//! [`super::two_poles`] and [`super::section`].
 #![allow(unsafe_code)] // assembly
 
 use core::mem::offset_of;
@@ -16,7 +16,7 @@ core::arch::global_asm!(include_str!("cortex_m4_input.s"), options(raw));
 core::arch::global_asm!(include_str!("cortex_m4_section.s"), options(raw));
 core::arch::global_asm!(include_str!("cortex_m4_two_poles.s"), options(raw));
 
-// What the assembly counts on.
+// The assembly relies on these offsets and numbers.
 const _: () = {
     assert!(offset_of!(OnePole, state) == 0 && offset_of!(OnePole, last) == 8 && offset_of!(OnePole, noise) == 12);
     assert!(offset_of!(OnePole, level) == 16 && offset_of!(OnePole, shift) == 20 && offset_of!(OnePole, lines) == 24);
@@ -60,14 +60,14 @@ unsafe extern "C" {
     fn malleus_from_sums_two_coarse_far(filter: *mut OnePole, sums: *mut i32, out: *mut i32, frames: usize) -> u32;
 }
 
-/// As [`portable::from_noise`].
+/// Does what [`portable::from_noise`] does.
 #[inline(always)]
 pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
     if out.is_empty() || filter.whole {
         return portable::from_noise::<EQUAL>(filter, out);
     }
     let kernel = match (EQUAL, filter.shift) {
-        // The usual case first, which always fits.
+        // The usual case comes first, and always fits.
         (true, 0) => malleus_from_noise_equal_near,
         (false, 0) => malleus_from_noise_two_near,
         _ if !fits::<0>(filter, out.len()) => return portable::from_noise::<EQUAL>(filter, out),
@@ -75,7 +75,7 @@ pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
         (false, -2) => malleus_from_noise_two_loud,
         (true, ..=-3) => malleus_from_noise_equal_far,
         (false, ..=-3) => malleus_from_noise_two_far,
-        // No path's scale where noise goes straight in.
+        // No path has another scale if noise goes straight into its filter.
         _ => return portable::from_noise::<EQUAL>(filter, out),
     };
     // SAFETY: `out` is borrowed mutably and holds as many words as are given; the assembly keeps
@@ -83,7 +83,7 @@ pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
     unsafe { kernel(filter, out.as_mut_ptr(), out.len()) }
 }
 
-/// As [`portable::from_buffer`].
+/// Does what [`portable::from_buffer`] does.
 pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], out: &mut [i32]) {
     let frames = buffer.len().min(out.len());
     if frames == 0 || filter.whole || filter.is_far() {
@@ -100,14 +100,14 @@ pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], 
     unsafe { kernel(filter, buffer.as_mut_ptr(), out.as_mut_ptr(), frames) }
 }
 
-/// As [`portable::noise`].
+/// Does what [`portable::noise`] does.
 pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
     // SAFETY: `words` is borrowed mutably and holds as many words as are given; the assembly keeps
     // the procedure call standard.
     *noise = White::from_word(unsafe { malleus_noise(noise.word(), level, words.as_mut_ptr(), words.len()) });
 }
 
-/// As [`super::two_poles::two_poles`].
+/// Does what [`super::two_poles::two_poles`] does.
 pub fn two_poles(
     poles: &mut TwoPoles,
     real: bool,
@@ -127,7 +127,7 @@ pub fn two_poles(
     unsafe { kernel(poles, lines.as_mut_ptr(), buffer.as_mut_ptr(), out.as_mut_ptr(), frames) }
 }
 
-/// As [`super::section::section`].
+/// Does what [`super::section::section`] does.
 pub fn section(section: &mut Section, response: Response, words: &mut [i32]) {
     let kernel = match response {
         Response::Band => malleus_section_band,
@@ -141,7 +141,7 @@ pub fn section(section: &mut Section, response: Response, words: &mut [i32]) {
 
 type FromSums = unsafe extern "C" fn(*mut OnePole, *mut i32, *mut i32, usize) -> u32;
 
-/// By [`SumsKind`]; a state that is damped whole has none.
+/// Kernels by [`SumsKind`]. There is none for a filter whose damping multiplies all bits.
 static FROM_SUMS: [FromSums; 12] = [
     malleus_from_sums_equal_fine_near,
     malleus_from_sums_equal_fine_lsl,
@@ -157,7 +157,7 @@ static FROM_SUMS: [FromSums; 12] = [
     malleus_from_sums_two_coarse_far,
 ];
 
-/// As [`portable::from_sums`].
+/// Does what [`portable::from_sums`] does.
 #[inline(always)]
 pub fn from_sums(filter: &mut OnePole, kind: SumsKind, sums: &mut [i32], out: &mut [i32]) -> u32 {
     let frames = sums.len().min(out.len());
@@ -171,14 +171,16 @@ pub fn from_sums(filter: &mut OnePole, kind: SumsKind, sums: &mut [i32], out: &m
     }
 }
 
-/// True if shifting to the bus cannot lose a bit at the top, and leaves as many, so that it need
-/// not saturate: the high word is below 2^29 always, and within these frames it changes by no more
-/// than `growth` each.
+/// True if the shift to the bus needs no saturation, because it keeps the high word's leading bits
+/// and leaves `BITS_LEFT` bits free.
+///
+/// The high word is always below 2^29, and in each of these frames it changes by no more than
+/// `growth`.
 #[inline(always)]
 fn fits<const BITS_LEFT: i32>(filter: &OnePole, frames: usize) -> bool {
     filter.shift >= -2 || {
         let high = ((filter.state >> 32) as i32).unsigned_abs();
-        // The shift is below 32, so that what saturates does not fit.
+        // The shift is below 32, so that a saturated number does not fit.
         let most = high.saturating_add(filter.growth.saturating_mul(frames as u32));
         most >> (31 - BITS_LEFT + filter.shift.max(-30)) == 0
     }

@@ -1,24 +1,31 @@
 @ The first order's hot loops of noise for a Cortex-M4F. The bits are those of portable.rs.
 @
-@ malleus_from_noise_{equal,two}_{near,loud,far}(filter, out, frames)     noise and filter, added to out
+@ malleus_from_noise_{equal,two}_{near,loud,far}(filter, out, frames)
+@ draws noise and adds it, filtered, to out.
 @
-@ `equal`: b1 = b0, one product for both. `near`: the state's high word is the bus' word; `loud`: the bus is 4 times as large; `far`: 8 times or more.
-@ filter (checked at compile time in cortex_m4.rs): state 0, last 8, noise 12, level 16, shift 20, then value and step of damping 24, b0 32, b1 40.
+@ `equal`: b1 = b0, so that one product serves both. `two`: b1 has a product of its own.
+@ `near`: the state's high word is the word on the bus. `loud`: the bus is 4 times as large.
+@ `far`: the bus is 8 times as large or more.
+@ Offsets in filter (checked at compile time in cortex_m4.rs): state 0, last 8, noise 12, level 16,
+@ shift 20, then value and step of damping 24, b0 32, b1 40.
 @
 @ Optimisation log (nominal cycles a frame, this file alone):
 @   104    plain Rust, noise from SFC32, state in 64 bits
-@    18.1  noise as packed halves of SFC32 in a buffer of its own (4.1), filter (14): too many loads and stores
+@    18.1  noise as packed halves of SFC32 in a buffer of its own (4.1), filter (14): too many loads
+@          and stores
 @    17.1  both in one loop, SFC32: three registers too many, steps fetched from s-registers
 @    13.6  a multiplicative generator needs one register and a cycle
-@    11.8  a state in the bus' own format needs no shift and no register for it, so that two frames of the output are fetched at once
+@    11.8  a state in the bus' own format needs no shift and no register for it, so that two frames
+@          of the output are fetched at once
 
     .syntax unified
     .thumb
     .fpu fpv4-sp-d16
     .section .text.malleus_dynamic_filter,"ax",%progbits
 
-@ r0 multiplier, r1 out, r2:r3 state, r5 noise, r6 level, r8 damping, r9 its step, r10 b0, r11 its step; r4, r12 and lr take turns as the e before, e, and
-@ the next one; an e before becomes the sum of two, then the sound.
+@ Two frames. r0 multiplier of the generator, r1 out, r2:r3 state, r5 noise, r6 level, r8 damping,
+@ r9 step of damping, r10 b0, r11 step of b0. r4, r12 and lr take turns to hold the e before, this e
+@ and the next e. The register of the e before then holds the sum of two, and then the sound.
     .macro noise_equal_near before now next
     mul     r5, r5, r0
     lsl     r7, r3, #2
@@ -58,7 +65,7 @@
     str     lr, [r1], #4
     .endm
 
-@ r7 four times the high word, which is what damping takes next, and this frame's sound.
+@ r7 holds four times the state's high word: this frame's sound, which damping multiplies next.
     .macro noise_equal_one_loud before now
     mul     r5, r5, r0
     smlal   r2, r3, r8, r7
@@ -73,7 +80,8 @@
     str     lr, [r1], #4
     .endm
 
-@ r0 b1, r6 its step, r7 multiplier, s2 level; the others as above.
+@ r0 b1, r6 step of b1, r7 multiplier of the generator, s2 level. The other registers are those of
+@ noise_equal_near.
     .macro noise_two_one_near before now
     mul     r5, r5, r7
     lsl     lr, r3, #2
@@ -170,8 +178,8 @@ malleus_from_noise_\kind\()_\loudness:
     .size   malleus_from_noise_\kind\()_\loudness, . - malleus_from_noise_\kind\()_\loudness
     .endm
 
-@ Where the bus is 8 times the high word or more: what damping takes, with two bits of the low word, is the sound of the frame before, so that a frame begins by
-@ adding that.
+@ The bus is 8 times the high word or more. Damping multiplies a word with two bits of the low word,
+@ and that word is also the sound of the frame before. So a frame begins by adding that sound.
     .macro far_sound now
     lsl     lr, r3, #2
     orr     lr, lr, r2, lsr #30

@@ -1,16 +1,20 @@
-@ The first order's hot loops of an input for a Cortex-M4F. The bits are those of portable.rs.
+@ The first order's hot loops with an input for a Cortex-M4F. The bits are those of portable.rs.
 @
-@ malleus_from_buffer_{equal,two}_{asr,lsl}(filter, buffer, out, frames)  buffer through the filter, added to out; the state stays in the buffer
+@ malleus_from_buffer_{equal,two}_{asr,lsl}(filter, buffer, out, frames)
+@ adds the buffer, filtered, to out, and leaves the state in the buffer.
 @
-@ `equal`: b1 = b0, one product for both. `asr`, `lsl`: where the state's high word is larger or smaller than the bus.
-@ filter (checked at compile time in cortex_m4.rs): state 0, last 8, noise 12, level 16, shift 20, then value and step of damping 24, b0 32, b1 40.
+@ `equal`: b1 = b0, so that one product serves both. `two`: b1 has a product of its own.
+@ `asr`: the state's high word is as large as the bus or larger. `lsl`: it is smaller.
+@ Offsets in filter (checked at compile time in cortex_m4.rs): state 0, last 8, noise 12, level 16,
+@ shift 20, then value and step of damping 24, b0 32, b1 40.
 
     .syntax unified
     .thumb
     .fpu fpv4-sp-d16
     .section .text.malleus_dynamic_filter_input,"ax",%progbits
 
-@ r0 buffer, r1 out, r2:r3 state, r5 what damping takes of it, r7 shift, r8-r11 damping and b0 with their steps; r4 and r12 take turns.
+@ r0 buffer, r1 out, r2:r3 state, r5 the word that damping multiplies, r7 shift, r8-r11 damping and
+@ b0, each with its step. r4 and r12 take turns to hold the input before and this input.
     .macro buffer_equal direction before now
     ldr     \now, [r0]
     ldr     r6, [r1]
@@ -26,7 +30,7 @@
     str     r6, [r1], #4
     .endm
 
-@ r12 b1, lr its step; r4 and r6 take turns.
+@ r12 b1, lr step of b1. r4 and r6 take turns to hold the input before and this input.
     .macro buffer_two direction before now
     ldr     \now, [r0]
     lsl     r5, r3, #2
@@ -109,7 +113,8 @@ malleus_from_buffer_\kind\()_\direction:
     from_buffer two, asr
     from_buffer two, lsl
 
-@ malleus_noise(noise, level, words, frames): words of noise; gives the generator's word.
+@ malleus_noise(noise, level, words, frames): fills words with noise, and returns the generator's
+@ word.
     .p2align 2
     .global malleus_noise
     .type   malleus_noise, %function
@@ -138,14 +143,19 @@ malleus_noise:
 4:  pop     {r4, pc}
     .size   malleus_noise, . - malleus_noise
 
-@ malleus_from_sums_{equal,two}_{fine,coarse}_{near,lsl,far}(filter, sums, out, frames): sums of noise and loops, clipped at 2.0, through the filter, added to out; the
-@ state stays in their place; gives all sizes of these, or'ed. `coarse`: a step of a sum is 32 of the input. `near`: the state's high word is the bus' word;
-@ `far`: the bus is 8 times as large or more, damping takes
-@ two bits below the high word, and what stays are words of the bus.
+@ malleus_from_sums_{equal,two}_{fine,coarse}_{near,lsl,far}(filter, sums, out, frames)
+@ clips sums of noise and loops at 2.0 and adds them, filtered, to out. It leaves the state in the
+@ place of the sums, and returns the sizes of the words that it leaves, or'ed.
 @
-@ r0 sums, r1 out, r2:r3 state, r5 what damping takes of it, r6 sound, r7 shift, r8-r11 damping and b0 with their steps, lr sizes; r4 and r12 take turns as the
-@ input before and now.
-@ What damping takes of the state.
+@ `fine`: a step of a sum is one of the input. `coarse`: a step of a sum is 32 of the input.
+@ `near`: the state's high word is the word on the bus. `lsl`: the bus is up to 4 times as large.
+@ `far`: the bus is 8 times as large or more. Damping then multiplies two bits below the high word
+@ too, and the words that stay are words of the bus.
+@
+@ r0 sums, r1 out, r2:r3 state, r5 the word that damping multiplies, r6 sound, r7 shift, r8-r11
+@ damping and b0, each with its step, lr sizes. r4 and r12 take turns to hold the input before and
+@ this input.
+@ The macro `taken` computes the word of the state that damping multiplies.
     .macro taken direction word
     lsl     \word, r3, #2
     .ifc \direction, far
@@ -153,7 +163,8 @@ malleus_noise:
     .endif
     .endm
 
-@ Where the bus is far larger: the state's word of the bus, r7 bits above the high word. It fits the line.
+@ The state's word on a bus that is far larger: the high word shifted left by r7 bits, with bits of
+@ the low word below. It fits the line.
     .macro word_of_bus word spare
     vmov    \spare, s5
     lsr     \spare, r2, \spare
@@ -204,7 +215,7 @@ malleus_noise:
     orr     lr, lr, \before
     .endm
 
-@ r12 b1, lr its step, s4 sizes; r4 and r6 take turns.
+@ r12 b1, lr step of b1, s4 sizes. r4 and r6 take turns to hold the input before and this input.
     .macro sums_two grain direction before now
     ldr     \now, [r0]
     taken   \direction, r5

@@ -1,18 +1,21 @@
 @ The exciter's sections for a Cortex-M4F. The bits are those of section.rs.
 @
-@ malleus_section_{band,low,high}(section, words, frames): words through a section, in place.
-@ section (checked at compile time in cortex_m4.rs): c1 0, c2 4, what is left of v1 and v2 8, 12, -m 16, p 20, -p 24, -n 28, input of v1 and v2 32, 36, k 40.
+@ malleus_section_{band,low,high}(section, words, frames): runs words through a section, in place.
+@ Offsets in section (checked at compile time in cortex_m4.rs): c1 0, c2 4, remainders of v1 and v2
+@ 8, 12, -m 16, p 20, -p 24, -n 28, input multipliers of v1 and v2 32, 36, k 40.
 @
 @ Optimisation log (nominal cycles a frame, first-order filter and noise with both sections):
 @   155    plain Rust, both sections in one loop
-@    89    assembly, a pass a section, all states and multipliers in registers: 21.9 each, the high-pass 23.9
+@    89    assembly, one pass for each section, all states and multipliers in registers: 21.9 each,
+@          the high-pass 23.9
 
     .syntax unified
     .thumb
     .fpu fpv4-sp-d16
     .section .text.malleus_section,"ax",%progbits
 
-@ v = c + sum / 2^31, what that leaves, and c = 2 v - c; the sum's high word is `high`, its low word what will be left.
+@ v = c + sum / 2^31, then c = 2 v - c. `high` is the sum's high word. `left` is its low word, and
+@ becomes the remainder of the division.
     .macro section_state c left high v
     add     \v, \c, \high, lsl #1
     add     \v, \v, \left, lsr #31
@@ -20,7 +23,8 @@
     rsb     \c, \c, \v, lsl #1
     .endm
 
-@ r0 words, r1 c1, r2 c2, r3 and r4 what was left, r5 -m, r6 p, r7 -p, r8 -n; r9 and r10 input, or c2 - x and k; r11 x, lr and r12 high words
+@ r0 words, r1 c1, r2 c2, r3 and r4 remainders, r5 -m, r6 p, r7 -p, r8 -n, r11 x, lr and r12 high
+@ words. r9 and r10 hold the input multipliers; for the high-pass they hold c2 - x and k.
     .macro section_frame response
     ldr     r11, [r0]
     mov     r12, #0

@@ -1,26 +1,32 @@
 @ The second order's hot loops for a Cortex-M4F. The bits are those of two_poles.rs.
 @
-@ malleus_{conjugate,real}_{near,loud}(poles, lines, buffer, out, frames): buffer through the filter, added to out; s stays in the buffer. The last argument lies on the
-@ stack. `near`: s is as large as the bus or larger; `loud`: smaller.
-@ poles (checked at compile time in cortex_m4.rs): two states 0, 8, last 16, shift 20, inner 24, input_bits 28. lines: five times value and step.
+@ malleus_{conjugate,real}_{near,loud}(poles, lines, buffer, out, frames)
+@ adds the buffer, filtered, to out, and leaves s in the buffer. The last argument lies on the
+@ stack.
+@
+@ `near`: s is as large as the bus or larger. `loud`: s is smaller than the bus.
+@ Offsets in poles (checked at compile time in two_poles.rs): two states 0, 8, last 16, shift 20,
+@ inner 24, input_bits 28. lines holds five pairs of value and step.
 @
 @ Optimisation log (nominal cycles a frame, this file alone):
 @   162    plain Rust
 @    64.1  assembly: values and steps on the stack, everything else in registers
-@    61.6  two frames a pass (real poles 69.6; 10 more where loud)
+@    61.6  two frames in one pass (real poles 69.6; 10 more if loud)
 
     .syntax unified
     .thumb
     .fpu fpv4-sp-d16
     .section .text.malleus_two_poles,"ax",%progbits
 
-@ Values and steps of the lines stand at sp, then shift (to the left where loud), what clips, inner, input_bits.
+@ The stack holds the lines' values and steps from sp on, then shift (to the left if loud), the
+@ clip, inner and input_bits.
     .equ    two_poles_shift, 40
     .equ    two_poles_clip, 44
     .equ    two_poles_inner, 48
     .equ    two_poles_bits, 52
 
-@ A sum of half a state and a signed rest; a state from half of it, its word rounded.
+@ add_rest adds a signed rest to half a state, add_two_rests adds twice a signed rest. state_of
+@ makes a state from half of it, with a rounded word.
     .macro add_rest low high rest
     adds    \low, \low, \rest
     adc     \high, \high, \rest, asr #31
@@ -37,7 +43,7 @@
     add     \word, \word, \rest, lsr #31
     .endm
 
-@ From half of s: s stays at r0, its sound is added to `out`, which was fetched from r1.
+@ Makes s from half of s, stores it at r0, and adds its sound to `out`, which was fetched from r1.
     .macro put loudness low high shift out spare
     lsl     \high, \high, #1
     orr     \high, \high, \low, lsr #31
@@ -60,7 +66,7 @@
     str     \out, [r1], #4
     .endm
 
-@ r0 buffer, r1 out, r2 and r3 rest and word of Re z, r4 and r5 of Im z, r6 e before
+@ r0 buffer, r1 out, r2 and r3 rest and word of Re z, r4 and r5 rest and word of Im z, r6 e before
     .macro conjugate_frame loudness
     ldr     r12, [sp, #0]
     ldr     lr, [sp, #8]
@@ -106,7 +112,8 @@
     state_of r4, r5, r10, r11
     .endm
 
-@ r0 buffer, r1 out, r2 and r3 rest and word of z1, r4 and r5 of z2, r6 e before, shifted
+@ r0 buffer, r1 out, r2 and r3 rest and word of z1, r4 and r5 rest and word of z2, r6 e before,
+@ shifted by input_bits
     .macro real_frame loudness
     ldr     r12, [sp, #0]
     ldr     lr, [sp, #4]
@@ -174,7 +181,8 @@ malleus_\kind\()_\loudness:
     stm     sp, {r2-r11}
     ldm     r0, {r2-r9}
     .ifc \loudness, loud
-    @ All that stays within a word shifted to the left: 2^31 - 2^(31 - left) is added, and taken off again, saturating.
+    @ The clip keeps a word small enough to be shifted to the left: 2^31 - 2^(31 - left) is added
+    @ and subtracted, then subtracted and added, saturating.
     rsb     r7, r7, #0
     mov     r10, #0x80000000
     lsr     r11, r10, r7
@@ -191,7 +199,7 @@ malleus_\kind\()_\loudness:
     vmov    r7, s0
     subs    r7, r7, r1
     beq     2f
-    @ An odd one first.
+    @ If the number of frames is odd, begin with a single one.
     tst     r7, #4
     bne     3f
 1:  \kind\()_frame \loudness

@@ -1,9 +1,11 @@
-//! The hot loops: of the first order, noise and filter at once, noise alone, or a filter of what
-//! lies in a buffer or of a sum of noise and loops; the second order; and the exciter's sections.
+//! The hot loops of the dynamic filter.
 //!
-//! [`portable`], [`mod@two_poles`] and [`mod@section`] are the definition of the bits; on a
-//! Cortex-M4F the same is done by assembly (`cortex_m4*.s`), compared bit for bit on the virtual
-//! core (`cargo test -p host-tests --test on_chip filters`).
+//! The first order has four: noise and filter at once, noise alone, a filter of a buffer, and a
+//! filter of sums of noise and loops. The second order and the exciter's section have one each.
+//!
+//! [`portable`], [`mod@two_poles`] and [`mod@section`] define the bits. A Cortex-M4F runs assembly
+//! instead (`cortex_m4*.s`). A test on the virtual core compares the two bit for bit
+//! (`cargo test -p host-tests --test on_chip filters`).
 
 pub mod portable;
 pub mod section;
@@ -26,12 +28,13 @@ use super::walk::Line;
 use crate::noise::White;
 use crate::waveguide::COARSE_BITS;
 
-/// Variant of [`from_sums`], chosen on load.
+/// Variant of [`from_sums`], which is chosen on load.
 #[derive(Clone, Copy, Debug)]
 pub struct SumsKind(u8);
 
 impl SumsKind {
-    /// For a filter: `equal` where b1 = b0, `coarse` where a sum's steps are large.
+    /// Chooses the variant for a filter. `equal` is true if b1 = b0, `coarse` if a sum's steps are
+    /// large ([`COARSE_BITS`]).
     pub const fn new(filter: &OnePole, equal: bool, coarse: bool) -> Self {
         let distance = (filter.shift < 0) as u8 + filter.is_far() as u8;
         Self(distance + 3 * coarse as u8 + 6 * !equal as u8 + 12 * filter.whole as u8)
@@ -41,46 +44,48 @@ impl SumsKind {
         self.0 % 12 < 6
     }
 
-    /// True if a sum's steps are large.
+    /// True if a sum's steps are large ([`COARSE_BITS`]).
     #[inline(always)]
     pub const fn is_coarse(self) -> bool {
         self.0 % 6 >= 3
     }
 }
 
-/// A first-order filter at work: what changes with each frame. The assembly reads it in this order.
+/// A first-order filter at work, with all that changes in each frame. The assembly reads the fields
+/// in this order.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct OnePole {
-    /// S, 2^(59 + h) times s, and half a step of what damping takes of it ([`rest`](Self::rest)),
-    /// so that taking it rounds to nearest. Its high word is larger than the bus by 2^h.
+    /// State S: 2^(59 + h) times s, plus half a step of the word that damping multiplies
+    /// ([`rest`](Self::rest)), so that this word is rounded to nearest. The state's high word is
+    /// larger than the bus by 2^h.
     pub state: i64,
-    /// e of the frame before, Q(27 - q).
+    /// Input e of the frame before, Q(27 - q).
     pub last: i32,
     /// Generator of the noise.
     pub noise: White,
-    /// Its level: e is Q(27 - q), and 2^(28 - q) is 1.0.
+    /// Level of the noise, of which 2^(28 - q) is 1.0. The noise e is Q(27 - q).
     pub level: i32,
-    /// h.
+    /// Scale h of the state.
     pub shift: i32,
-    /// -(1 + a1) as Q30, b0 and b1 as Q(32 + h + q); the others serve the second order.
+    /// Parameters: -(1 + a1) as Q30, b0 and b1 as Q(32 + h + q). The others serve the second order.
     pub lines: [Line; PARAMETERS],
-    /// The most by which an input changes the state's high word in a frame.
+    /// Largest change of the state's high word by the input in a frame.
     pub growth: u32,
-    /// True if damping takes all bits of the state: what rounding leaves would grow too much near
-    /// -1.
+    /// True if damping multiplies all bits of the state, because rounding errors would grow too
+    /// much with a pole near -1.
     pub whole: bool,
 }
 
 impl OnePole {
-    /// True if a step of the state's high word would be 8 steps of the bus or more: then two bits
-    /// below it count too, for a cycle a frame.
+    /// True if a step of the state's high word is 8 steps of the bus or more. Damping then
+    /// multiplies two bits below that word too, which costs a cycle a frame.
     #[inline(always)]
     pub const fn is_far(&self) -> bool {
         self.shift <= -3
     }
 
-    /// The state of nothing.
+    /// State at rest: half a step for rounding, or 0 if damping multiplies all bits.
     pub const fn rest(&self) -> i64 {
         match (self.whole, self.is_far()) {
             (true, _) => 0,
@@ -89,7 +94,7 @@ impl OnePole {
         }
     }
 
-    /// At rest.
+    /// A filter at rest.
     pub const REST: Self = Self {
         state: 1 << 31,
         last: 0,

@@ -1,13 +1,13 @@
-//! The loops in plain Rust: the definition of the bits.
+//! The first order's hot loops in plain Rust: the definition of the bits.
 
 use super::{COARSE_BITS, OnePole, SumsKind};
 use crate::fixed::{qadd, saturate, saturating_shift_left};
 use crate::noise::White;
 
-/// Of words of the bus on the loops' line.
+/// Largest word in the bus' format that is written to the loops' line.
 const LARGEST_LINE_WORD: i32 = (1 << 30) - 1;
 
-/// Noise through the filter, added to `out`.
+/// Adds noise, filtered, to `out`.
 pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
     for out in out {
         let e = filter.noise.draw(filter.level);
@@ -16,8 +16,10 @@ pub fn from_noise<const EQUAL: bool>(filter: &mut OnePole, out: &mut [i32]) {
     }
 }
 
-/// Adds `buffer` through the filter to `out`, as many frames as both have; in the
-/// buffer the state is left, 4 times the high word.
+/// Adds `buffer`, filtered, to `out`, for as many frames as both have.
+///
+/// Leaves 4 times the state's high word in the buffer, with two bits more from below if the filter
+/// [is far](OnePole::is_far).
 pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], out: &mut [i32]) {
     for (word, out) in buffer.iter_mut().zip(out) {
         filter.step::<EQUAL>(*word);
@@ -26,14 +28,16 @@ pub fn from_buffer<const EQUAL: bool>(filter: &mut OnePole, buffer: &mut [i32], 
     }
 }
 
-/// Noise of a level.
+/// Fills `words` with noise of a level.
 pub fn noise(noise: &mut White, level: i32, words: &mut [i32]) {
     words.iter_mut().for_each(|word| *word = noise.draw(level));
 }
 
-/// Sums, clipped at 2.0, through the filter, added to `out`, as many frames as both have; the state
-/// is left in their place, 4 times the high word, or, where the bus is far larger, its word. Gives
-/// the sizes of these, or'ed. A sum's format is Q29, [`COARSE_BITS`] less of a coarse kind.
+/// Clips sums at 2.0 and adds them, filtered, to `out`, for as many frames as both have.
+///
+/// Leaves the state in the place of the sums: 4 times its high word, or, if the filter
+/// [is far](OnePole::is_far), its word on the bus. Gives the sizes of the words that it leaves,
+/// or'ed. A sum's format is Q29, [`COARSE_BITS`] less of a coarse kind.
 #[inline(never)]
 pub fn from_sums(filter: &mut OnePole, kind: SumsKind, sums: &mut [i32], out: &mut [i32]) -> u32 {
     let clip = if kind.is_coarse() { clipped::<true> } else { clipped::<false> };
@@ -52,7 +56,7 @@ pub fn from_sums(filter: &mut OnePole, kind: SumsKind, sums: &mut [i32], out: &m
     sizes
 }
 
-/// A sum as an input of Q29: at most 2.0.
+/// Converts a sum to an input in Q29, clipped at 2.0.
 #[inline(always)]
 pub fn clipped<const COARSE: bool>(sum: i32) -> i32 {
     let bits = if COARSE { COARSE_BITS } else { 0 };
@@ -60,8 +64,8 @@ pub fn clipped<const COARSE: bool>(sum: i32) -> i32 {
 }
 
 impl OnePole {
-    /// Factor of damping: 4 times the state's high word, which is below 2^29; where the bus
-    /// is much larger, with two bits more below.
+    /// Word that damping multiplies: 4 times the state's high word, which is below 2^29. If the
+    /// filter [is far](Self::is_far), it has two bits more from below.
     #[inline(always)]
     fn truncated(&self) -> i32 {
         if self.is_far() { (self.state >> 30) as i32 } else { ((self.state >> 32) as i32) << 2 }
@@ -88,8 +92,8 @@ impl OnePole {
         b0.advance();
     }
 
-    /// The state as loops read it: 4 times the high word; where the bus is far larger, its word, at
-    /// most 8.0, so that small loops have all bits of it.
+    /// State as loops read it: 4 times the high word. If the filter [is far](Self::is_far), it is
+    /// the word on the bus, at most 8.0, so that loops of small gain have all bits.
     #[inline(always)]
     fn line_word(&self) -> i32 {
         if !self.is_far() {
@@ -98,13 +102,13 @@ impl OnePole {
         self.word_of_bus().clamp(-LARGEST_LINE_WORD, LARGEST_LINE_WORD)
     }
 
-    /// The whole state on the bus.
+    /// State on the bus, from all its bits.
     #[inline(always)]
     fn word_of_bus(&self) -> i32 {
         saturate(self.state >> (32 + self.shift).clamp(0, 63))
     }
 
-    /// The state on the bus.
+    /// State on the bus, from the bits that the kernels use for sound.
     #[inline(always)]
     fn sound(&self) -> i32 {
         if self.whole {
@@ -117,7 +121,7 @@ impl OnePole {
     }
 }
 
-/// A state's word on the bus: shifted right, rounding down, or left, saturating.
+/// Converts a state's word to the bus: shifted right, rounding down, or left, saturating.
 #[inline(always)]
 pub fn scaled(word: i32, shift: i32) -> i32 {
     if shift >= 0 { word >> shift.min(31) } else { saturating_shift_left(word, shift.unsigned_abs()) }

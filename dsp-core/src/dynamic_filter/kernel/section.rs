@@ -1,50 +1,50 @@
-//! A trapezoidal state-variable section (Zavalishin), what the exciter's band is made of, in plain
-//! Rust: the definition of the bits.
+//! A trapezoidal state-variable section (Zavalishin) in plain Rust: the definition of the bits. The
+//! exciter's band consists of two.
 //!
 //! ```text
 //! v1 = c1 - m c1 + p (g x - c2);  v2 = c2 + p c1 + n (g x - c2);  c1 = 2 v1 - c1;  c2 = 2 v2 - c2
 //! ```
 //!
-//! What rounding down leaves of v1 and v2 is given to the next frame.
+//! v1 and v2 are rounded down, and their remainders are added in the next frame.
 
 use crate::fixed::smmulr;
 
-/// A section at work: what changes with each frame, and its multipliers. The assembly reads it in
-/// this order.
+/// A section at work: states that change with each frame, and multipliers. The assembly reads the
+/// fields in this order.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Section {
-    /// c1 and c2.
+    /// States c1 and c2.
     pub c: [i32; 2],
     /// Remainders of v1 and v2, Q31 of a step.
     pub left: [i32; 2],
-    /// -m, Q31.
+    /// Multiplier -m, Q31.
     pub less_m: i32,
-    /// p, Q31.
+    /// Multiplier p, Q31.
     pub p: i32,
-    /// -p, Q31.
+    /// Multiplier -p, Q31.
     pub less_p: i32,
-    /// -n, Q31.
+    /// Multiplier -n, Q31.
     pub less_n: i32,
-    /// p g and n g, Q31; g is 1 where the high-pass is wanted.
+    /// Multipliers p g and n g of the input, Q31. The gain g is 1 for the high-pass.
     pub input: [i32; 2],
-    /// k of the high-pass, Q30.
+    /// Multiplier k of the high-pass, Q30.
     pub k: i32,
 }
 
-/// Which of a section's responses is wanted.
+/// Response of a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Response {
-    /// v1.
+    /// Band-pass: v1.
     Band,
-    /// v2.
+    /// Low-pass: v2.
     Low,
-    /// `x - k v1 - v2`.
+    /// High-pass: `x - k v1 - v2`.
     High,
 }
 
-/// Words through a section, in place. They are to be so small that neither a state nor what comes
-/// out reaches 2^31.
+/// Runs words through a section, in place. The words must be so small that neither the states nor
+/// the output reach 2^31.
 pub fn section(section: &mut Section, response: Response, words: &mut [i32]) {
     for word in words {
         let x = *word;
@@ -52,17 +52,17 @@ pub fn section(section: &mut Section, response: Response, words: &mut [i32]) {
         *word = match response {
             Response::Band => v1,
             Response::Low => v2,
-            // To every fourth step.
+            // The product k v1 is rounded to a multiple of four steps.
             Response::High => x.wrapping_sub(v2).wrapping_sub(smmulr(v1, section.k).wrapping_mul(4)),
         };
     }
 }
 
 impl Section {
-    /// One that gives nothing.
+    /// A section that is silent.
     pub const NONE: Self = Self { c: [0; 2], left: [0; 2], less_m: 0, p: 0, less_p: 0, less_n: 0, input: [0; 2], k: 0 };
 
-    /// v1 and v2.
+    /// Computes v1 and v2 of a frame.
     #[inline(always)]
     fn step(&mut self, x: i32) -> (i32, i32) {
         let [c1, c2] = self.c;

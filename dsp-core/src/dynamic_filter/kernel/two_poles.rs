@@ -1,5 +1,5 @@
-//! The second order at work, in plain Rust: the definition of the bits. A complex pole, or two real
-//! ones one behind the other, with parameters that move.
+//! The second order at work, in plain Rust: the definition of the bits. It has a complex pole, or
+//! two real poles one behind the other, with parameters that move.
 //!
 //! ```text
 //! conjugate poles:  z = p z + g e'              s = Re z + d e
@@ -7,38 +7,41 @@
 //!                   z2 = p2 z2 + β z1'
 //! ```
 //!
-//! A direct form with moving coefficients can grow although each of them is stable. These forms
-//! cannot: see [`super::super::path`]. States have 32 bits below their words and are multiplied
-//! whole, so that slow poles neither gather noise nor stop short of silence: the word, rounded to
-//! nearest, by an exact product, the rest, which then has a sign, by a high word. As a factor of
-//! Q31 halves what it multiplies, all sums are half of what they make.
+//! A direct form whose coefficients move can grow, even if it is stable at each point. These forms
+//! cannot: see [`super::super::path`].
 //!
-//! **Nothing can wrap**: words of states are below 2^30 (conjugate) and 2^29 (real), as the path's
-//! scales see to, e is below 2^30, and p, g, d are below 1 as Q31, α and β as Q30; sums may wrap on
-//! their way to results that do not. A rest is at most 2^31, so that a real pole or β makes at most
-//! 2^30 of it, a complex one 2^31/√2 of two.
+//! A state has 32 bits below its word, and all its bits are multiplied. So slow poles neither
+//! gather noise nor stop short of silence. The word is rounded to nearest and multiplied exactly.
+//! The rest, which then has a sign, is multiplied too, and the high word of that product is added.
+//! A factor in Q31 gives half of the product, so every sum holds half of its result.
+//!
+//! **Nothing can wrap.** The path's scales keep words of states below 2^30 (conjugate) and 2^29
+//! (real). e is below 2^30; p, g, d are below 1 as Q31, α and β as Q30. Sums may wrap on their way
+//! to results that do not. A rest is at most 2^31. So its product with a real pole or β is at most
+//! 2^30, and a complex pole makes at most 2^31/√2 of two rests.
 
 use super::super::path::{PARAMETERS, Path};
 use super::super::walk::Line;
 use crate::fixed::{qadd, smmla, smmls, smmul, times_q31};
 
-/// The states, and what is chosen for them on load. The assembly reads it in this order.
+/// States of the two poles, and scales that are chosen on load. The assembly reads the fields in
+/// this order.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct TwoPoles {
     /// Re z and Im z, or z1 and z2, times 2^32.
     z: [i64; 2],
-    /// e of the frame before; for real poles shifted by `input_bits`.
+    /// Input e of the frame before; for real poles it is shifted by `input_bits`.
     last: i32,
-    /// h: a word of s is larger than the bus by 2^h.
+    /// Scale h: a word of s is larger than the bus by 2^h.
     shift: i32,
-    /// For real poles: half of what takes `last` to z1.
+    /// Half of the factor that takes `last` to z1, for real poles.
     inner: i32,
-    /// See `last`.
+    /// Number of bits by which `last` is shifted to the left, for real poles.
     input_bits: u32,
 }
 
-// What the assembly counts on.
+// The assembly relies on these offsets.
 #[cfg(cortex_m4f)]
 const _: () = {
     use core::mem::offset_of;
@@ -46,8 +49,9 @@ const _: () = {
     assert!(offset_of!(TwoPoles, inner) == 24 && offset_of!(TwoPoles, input_bits) == 28);
 };
 
-/// Adds `buffer` through the filter to `out`, as many frames as both have; in the
-/// buffer s is left, larger than the bus by 2^h. `real`: of real poles.
+/// Adds `buffer`, filtered, to `out`, for as many frames as both have.
+///
+/// Leaves s in the buffer, larger than the bus by 2^h. `real` is true for real poles.
 pub fn two_poles(
     poles: &mut TwoPoles,
     real: bool,
@@ -73,7 +77,7 @@ impl TwoPoles {
         self.shift < 0
     }
 
-    /// At rest, for a path.
+    /// Makes the states at rest, for a loaded path.
     pub(in super::super) fn new(path: &Path<'_>) -> Self {
         // e is at most 2^(28 - q).
         let input_bits = (path.input_shift + 2).clamp(0, 6);
@@ -81,12 +85,12 @@ impl TwoPoles {
         Self { shift: path.scale, inner, input_bits: input_bits as u32, ..Self::REST }
     }
 
-    /// Clears it.
+    /// Clears the states.
     pub(in super::super) fn rest(&mut self) {
         (self.z, self.last) = ([0; 2], 0);
     }
 
-    /// At a tick into which nothing came: clears what is below a step; gives whether all is.
+    /// Clears the states on a tick without input, if all are below a step. Gives true if all are 0.
     pub(in super::super) fn settle(&mut self) -> bool {
         if self.last == 0 && self.z.iter().all(|z| z.unsigned_abs() < 1 << 31) {
             self.z = [0; 2];
@@ -94,13 +98,13 @@ impl TwoPoles {
         self.last == 0 && self.z == [0; 2]
     }
 
-    /// Leaves so much (Q31) of what rings.
+    /// Multiplies the states by `left` (Q31).
     pub(in super::super) fn attenuate(&mut self, left: i32) {
         self.z = self.z.map(|z| (z >> 31) * i64::from(left));
         self.last = times_q31(self.last, left);
     }
 
-    /// A frame; gives half of s.
+    /// Renders a frame of a complex pole. Gives half of s.
     #[inline(always)]
     fn conjugate(&mut self, [p_re, p_im, g_re, g_im, d]: [i32; PARAMETERS], e: i32) -> i64 {
         let [(re, re_rest), (im, im_rest)] = self.z.map(split);
@@ -113,7 +117,7 @@ impl TwoPoles {
         half_re.wrapping_add(product(d, e))
     }
 
-    /// Renders a frame of two real poles; α and β are Q30.
+    /// Renders a frame of two real poles. Gives half of s. α and β are Q30.
     #[inline(always)]
     fn real(&mut self, [p1, p2, alpha, beta, d]: [i32; PARAMETERS], e: i32) -> i64 {
         let [(z1, rest1), (z2, rest2)] = self.z.map(split);
@@ -126,7 +130,7 @@ impl TwoPoles {
         product(d, e).wrapping_add(twice(alpha, z1, rest1)).wrapping_add(half2)
     }
 
-    /// s on the bus: shifted right, rounding down, or left, clipped.
+    /// Converts half of s to the bus' format: shifted right, rounding down, or left, clipped.
     #[inline(always)]
     fn sound(&self, half: i64) -> i32 {
         let word = (half >> 31) as i32;
@@ -140,7 +144,7 @@ impl TwoPoles {
     }
 }
 
-/// A state's word, rounded to nearest, and its rest.
+/// Splits a state into its word, rounded to nearest, and its signed rest.
 #[inline(always)]
 fn split(z: i64) -> (i32, i32) {
     ((z.wrapping_add(1 << 31) >> 32) as i32, z as i32)
@@ -151,7 +155,7 @@ fn product(a: i32, b: i32) -> i64 {
     i64::from(a) * i64::from(b)
 }
 
-/// Half of a state times a factor of Q30.
+/// Half of the product of a state with a factor in Q30.
 #[inline(always)]
 fn twice(factor: i32, word: i32, rest: i32) -> i64 {
     product(factor, word).wrapping_add(i64::from(smmul(factor, rest))).wrapping_mul(2)

@@ -1,4 +1,4 @@
-//! The kernel for a Cortex-M4F: `cortex_m4.s`, bit for bit what [`super::portable`] does.
+//! The kernel for a Cortex-M4F, in `cortex_m4.s`. Its bits equal those of [`super::portable`].
 #![allow(unsafe_code)] // assembly
 
 use core::mem::offset_of;
@@ -8,7 +8,7 @@ use crate::noise::White;
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 
-// What cortex_m4.s counts on.
+// The assembly relies on these offsets.
 const _: () = {
     assert!(offset_of!(Resonance, u) == 0 && offset_of!(Resonance, v) == 4 && offset_of!(Resonance, turn) == 8);
     assert!(offset_of!(Resonance, damp) == 12 && offset_of!(Resonance, gain_u) == 16);
@@ -42,7 +42,7 @@ unsafe extern "C" {
     ) -> u64;
 }
 
-/// As [`super::portable::run`].
+/// Does what [`super::portable::run`] does.
 pub(crate) fn run(bands: &mut [Resonance], line: &mut [i32], place: usize, frames: usize) -> bool {
     if bands.is_empty() || frames == 0 || place + frames > line.len() {
         return false;
@@ -56,7 +56,7 @@ pub(crate) fn run(bands: &mut [Resonance], line: &mut [i32], place: usize, frame
     }
 }
 
-/// As [`super::portable::run_on_noise`].
+/// Does what [`super::portable::run_on_noise`] does.
 pub(crate) fn run_on_noise(
     noise: &mut White,
     level: i32,

@@ -1,23 +1,31 @@
 @ The loops' band-passes for a Cortex-M4F. The bits are those of portable.rs.
 @
-@ malleus_loops(bands, count, line, line_end, sums, frames): adds what each band makes of the line to the sums; a band reads the line its delay before them, and
-@ from the line's end on at its start. Gives 1 where a state is to be scaled anew. The last two arguments lie on the stack.
-@ malleus_loops_on_noise(..., noise, level): the same, to noise that is drawn here instead of to what lies there, the first band's k being 0; gives the generator's word
-@ besides, in r1. These two lie on the stack too.
-@ band (checked at compile time in cortex_m4.rs): u 0, v 4, turn 8, damp 12, gain_u 16, gain_v 20, scale 24, shift k 28, delay 32, least and most zeros 36, 40; 88 bytes.
+@ malleus_loops(bands, count, line, line_end, sums, frames)
+@ adds each band's output to the sums. A band reads the line as many frames before the sums as its
+@ delay has. Behind the line's end it goes on at the start. Returns 1 if a state is to be scaled
+@ anew, else 0. The last two arguments lie on the stack.
+@
+@ malleus_loops_on_noise(..., noise, level)
+@ draws noise into the sums, and adds each band's output to it. The first band's k must be 0.
+@ Returns the generator's word too, in r1. noise and level lie on the stack too.
+@
+@ Offsets in a band (checked at compile time in cortex_m4.rs): u 0, v 4, turn 8, damp 12, gain_u 16,
+@ gain_v 20, scale 24, shift k 28, delay 32, least and most zeros 36, 40; 88 bytes in all.
 @
 @ Optimisation log (nominal cycles a frame and band, this file alone):
 @   167    plain Rust, a bank of its own
 @    11.1  assembly, a call a band, the sum saturating
 @     9.9  the sum has room for all bands, so that the multiplication adds to it
-@    14.5  the first band with the noise that it adds to, instead of 16.6 for both, what begins and ends a call included
+@    14.5  the first band with the noise that it adds to, instead of 16.6 for both, including the
+@          beginning and the end of a call
 
     .syntax unified
     .thumb
     .fpu fpv4-sp-d16
     .section .text.malleus_loop,"ax",%progbits
 
-@ r1 line, r2 sums, r3 bytes left; r4 u, r5 v, r6 turn, r7 damp, r8 gain_u, r9 gain_v, r10 scale
+@ A frame of a band. r1 line, r2 sums, r3 bytes left, r4 u, r5 v, r6 turn, r7 damp, r8 gain_u,
+@ r9 gain_v, r10 scale.
     .macro loop_frame k x sum
     smmlsr  r4, r7, r4, r4
     smmlsr  r4, r6, r5, r4
@@ -63,7 +71,8 @@
     str     lr, [r2], #4
     subs    r3, #4
     beq     5f
-    @ Less than 8 pairs, each of 72 bytes: in at the right one.
+    @ Fewer than 8 pairs of frames are left. The code of a pair has 72 bytes: jump to the pair from
+    @ which the right number follows.
 4:  rsb     r0, r3, #64
     adr     r12, 2b
     add     r0, r0, r0, lsl #3
@@ -74,7 +83,7 @@
 5:  vmov    r3, s6
     vmov    r0, s0
     cbz     r3, 6f
-    @ The line goes on at its start.
+    @ The band reads on at the line's start.
     vmov    r1, s2
     mov     r12, #0
     vmov    s6, r12
@@ -97,7 +106,8 @@
     vmov    s5, r5
     .endm
 
-@ Where the band at r0 reads (r1), the sums (r2), and the bytes that it may go on for (r3), with what is left for the line's start in s6.
+@ Loads the band at r0, and finds the address that it reads (r1), the sums (r2), and the number of
+@ bytes that it can read from there (r3). s6 holds the number of bytes to read at the line's start.
     .macro loop_begin
     ldr     r1, [r0, #32]
     ldm     r0, {r4-r11}
@@ -108,7 +118,8 @@
     sub     r1, r2, r1, lsl #2
     cmp     r1, r12
     bhs     6f
-    @ Before the line's start, so from its end on; what is left of it may be less than is asked for. (Anything else ends before the sums.)
+    @ The address is before the line's start, so the band reads near the line's end. Fewer words may
+    @ be left there than it needs. (In all other cases it reads only words before the sums.)
     vmov    r0, s3
     sub     r12, r0, r12
     add     r1, r1, r12
@@ -120,7 +131,8 @@
 6:
     .endm
 
-@ r0 the generator's word, r3 its multiplier, lr level, r11 word of the line, r12 sum
+@ A frame of noise and the first band. r0 the generator's word, r3 multiplier of the generator,
+@ lr level, r11 word of the line, r12 sum.
     .macro noise_frame
     ldr     r11, [r1], #4
     mul     r0, r0, r3
@@ -162,7 +174,7 @@ malleus_loops_on_noise:
 5:  vmov    r12, s6
     cmp     r12, #0
     beq     6f
-    @ The line goes on at its start.
+    @ The band reads on at the line's start.
     vmov    r1, s2
     add     r12, r12, r1
     mov     r11, #0

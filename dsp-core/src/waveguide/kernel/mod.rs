@@ -1,8 +1,7 @@
 //! The hot loops: all band-passes over a run of frames.
 //!
-//! [`portable`] is the definition of the bits; on a Cortex-M4F the same is done by assembly
-//! (`cortex_m4.s`), compared bit for bit on the virtual core (`cargo test -p host-tests --test
-//! on_chip filters`).
+//! [`portable`] defines the bits. A Cortex-M4F runs assembly instead (`cortex_m4.s`). A test on the
+//! virtual core compares the two bit for bit (`cargo test -p host-tests --test on_chip filters`).
 
 pub(super) mod portable;
 

@@ -1,4 +1,4 @@
-//! The loops in plain Rust: the definition of the bits.
+//! The loops' band-passes in plain Rust: the definition of the bits.
 
 use super::super::resonance::Resonance;
 use crate::fixed::qadd;
@@ -7,17 +7,19 @@ use crate::fixed::smmlar;
 #[cfg(not(cortex_m4f))]
 use crate::noise::White;
 
-/// Adds what comes out of the bands to `frames` sums that lie on the line from `place` on, where s
-/// will be written. A band reads its delay before them, and from the line's end on at its start; a
-/// delay is at least as many frames, and that many less than the line's at most. Gives whether a
-/// state is to be scaled anew.
+/// Adds the output of the bands to `frames` sums, which lie on the line from `place` on, where s
+/// will be written.
+///
+/// A band reads the line as many frames before the sums as its delay has. Behind the line's end it
+/// goes on at the start. A delay has at least `frames` frames, and at most `frames` less than the
+/// line. Gives true if a state is to be scaled anew.
 #[cfg(not(cortex_m4f))]
 pub(crate) fn run(bands: &mut [Resonance], line: &mut [i32], place: usize, frames: usize) -> bool {
     through(bands, line, place, frames, |band, sum, v| smmlar(sum, v, band.scale))
 }
 
-/// Runs loops as [`run`] does, adding to noise of a level, which `draw` draws, instead of to the
-/// line's content.
+/// Fills the sums with noise of a level, which `draw` draws, and adds the bands' output as [`run`]
+/// does.
 #[cfg(not(cortex_m4f))]
 pub(crate) fn run_on_noise(
     noise: &mut White,
@@ -32,7 +34,7 @@ pub(crate) fn run_on_noise(
     run(bands, line, place, frames)
 }
 
-/// As `run`, saturating.
+/// Does what `run` does, with saturating sums.
 pub(crate) fn run_loud(bands: &mut [Resonance], line: &mut [i32], place: usize, frames: usize) -> bool {
     through(bands, line, place, frames, |band, sum, v| qadd(sum, band.of_sum(v)))
 }
