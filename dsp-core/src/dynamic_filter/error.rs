@@ -70,14 +70,14 @@ impl fmt::Display for PathError {
             ),
             Self::Unstable { breakpoint, pole } => write!(
                 f,
-                "breakpoint {breakpoint}: a pole at {pole} does not decay: keep poles between {MIN_POLE} and {MAX_POLE} (first order: -a1), real ones of the second order above {MIN_REAL_POLE}"
+                "breakpoint {breakpoint}: a pole at {pole} is outside the unit circle or too near to it: keep poles between {MIN_POLE} and {MAX_POLE} (first order: -a1), real ones of the second order above {MIN_REAL_POLE}"
             ),
             Self::Gain { breakpoint, gain } => write!(
                 f,
-                "breakpoint {breakpoint}: a gain of {gain}: lower its b to at most {MAX_GAIN}, or move poles apart that are nearly the same"
+                "breakpoint {breakpoint}: a gain of {gain}, summed over the impulse response: lower its b until the sum is at most {MAX_GAIN}, or move poles apart that are nearly the same"
             ),
             Self::Noise { breakpoint, noise } => {
-                write!(f, "breakpoint {breakpoint}: a level of the noise of {noise}: give 0 to 1")
+                write!(f, "breakpoint {breakpoint}: a noise level of {noise}: give 0 to 1")
             }
             Self::PolesMeet { breakpoint } => write!(
                 f,

@@ -45,10 +45,13 @@ impl fmt::Display for LoopError {
         match *self {
             Self::Band { index } => write!(
                 f,
-                "loop {index}: give 0 < bandwidth < frequency < Nyquist, a finite gain, and a delay of a frame or more"
+                "loop {index}: give a frequency below 0.499 of the sample rate, a bandwidth below the frequency and a tenth of the sample rate, a finite gain, and a delay of a frame or more"
             ),
             Self::Delay { index, frames, room } => {
-                write!(f, "loop {index}: a delay of {frames} frames where {room} fit: give fewer turns (p in eq. 22)")
+                write!(
+                    f,
+                    "loop {index}: a delay of {frames} frames where {room} fit: give fewer turns, or a higher frequency"
+                )
             }
             Self::Count { given, room } => write!(f, "{given} loops where {room} fit: give fewer"),
             Self::Unstable { frequency_hz, gain } => write!(

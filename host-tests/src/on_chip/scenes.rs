@@ -16,7 +16,7 @@ use crate::scene::{load, mode, one_pad};
 pub const MODES_PER_PAD: usize = 64;
 
 /// Kit of equal pads with 64 modes each: three quarters from 80 Hz to 3.8 kHz, a quarter from 3.9
-/// to 11.5 kHz, T60 3 s falling to 0.6 s, sine gains.
+/// to 11.5 kHz, T60 3 s falling to 0.8 s, sine gains.
 pub fn pads(count: usize) -> Loaded {
     pads_of(count, 1)
 }

@@ -1,7 +1,7 @@
 //! Measurements of the residual: whole sounds over many seeds against the reference's expectations.
 
-pub mod reference;
 pub mod spectrum;
+pub mod statistics;
 
 use dsp_core::SampleRate;
 use dsp_core::noise::Sfc32;

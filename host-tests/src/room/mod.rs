@@ -1,14 +1,14 @@
 //! Measurements of the room: impulse responses, with their decay, energy, density and spectrum.
 
 mod analysis;
+mod band_errors;
 mod ideal;
-mod reference;
 mod statistics;
 mod tables;
 
 pub use analysis::{Band, Look, Spectrum, crest_db, echo_density_per_s, energy, t60_s};
+pub use band_errors::{BandError, band_errors, frames_needed};
 pub use ideal::ideal_response;
-pub use reference::{BandError, band_errors, frames_needed};
 pub use statistics::{Answer, mean_and_rms};
 pub use tables::{Table, TableBand, octave_tables, random_tables};
 

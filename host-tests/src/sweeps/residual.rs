@@ -5,8 +5,8 @@ use dsp_core::residual::ResidualBand;
 use dsp_core::resonator::TICK_FRAMES;
 
 use super::Extent;
-use crate::residual::reference::{Measured, decays, energies as energies_of, ideal_sound, mean_and_error, sounds};
 use crate::residual::spectrum::{between, energy_spectrum};
+use crate::residual::statistics::{Measured, decays, energies as energies_of, ideal_sound, mean_and_error, sounds};
 use crate::residual::{Spacing, edges_hz, play, shaper};
 
 /// Number of seeds over which figures are averaged.

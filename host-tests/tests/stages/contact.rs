@@ -7,7 +7,7 @@
 use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
 use dsp_core::event::{Event, Time};
-use host_tests::performance::{instrument, law, snr_db};
+use host_tests::performance::{instrument, reference, snr_db};
 use host_tests::scene::load;
 use host_tests::snr::Random;
 use kit::{Kit, Loaded, Object, Pad, Pulse, Striker};
@@ -113,7 +113,7 @@ fn impulses_of_20_to_160_us_contacts_stay_within_0_2_db_at_any_onset() {
                 let frames = ((ONSETS + 1) * APART) as f64 / f64::from(hz);
                 let performance = Performance::new(events.collect(), None, &loaded.kit, rate(hz), Some(frames));
                 let (bus, _) = instrument(&loaded, &performance, rate(hz), Skipping::Off);
-                let expected = law(&loaded, &performance, rate(hz));
+                let expected = reference(&loaded, &performance, rate(hz));
                 let impulse = f64::from(contact_us) * 1e-6 * f64::from(hz) * area(pulse, restitution.into());
                 for (sound, worst) in [bus, expected].iter().zip(&mut worst) {
                     for strike in sound.chunks_exact(APART).take(ONSETS) {
@@ -123,14 +123,14 @@ fn impulses_of_20_to_160_us_contacts_stay_within_0_2_db_at_any_onset() {
                 }
             }
         }
-        println!("{pulse:?} {restitution}: instrument {:.4} dB, law {:.4} dB", worst[0], worst[1]);
+        println!("{pulse:?} {restitution}: instrument {:.4} dB, reference {:.4} dB", worst[0], worst[1]);
         let limit = if pulse == Pulse::Hertz { 1e-3 } else { 0.2 };
         assert!(worst.iter().all(|worst| *worst < limit), "{pulse:?} {restitution}: {worst:?} dB");
     }
 }
 
 #[test]
-fn forces_of_any_striker_leave_100_db_to_the_law() {
+fn forces_of_any_striker_leave_100_db_to_the_reference() {
     let mut random = Random::new(5);
     let mut least = f64::INFINITY;
     for number in 0..60 {
@@ -150,7 +150,7 @@ fn forces_of_any_striker_leave_100_db_to_the_law() {
         let performance =
             Performance::new(events.collect(), None, &loaded.kit, rate(hz), Some(7_000.0 / f64::from(hz)));
         let (bus, _) = instrument(&loaded, &performance, rate(hz), Skipping::Off);
-        let snr = snr_db(&law(&loaded, &performance, rate(hz)), &bus);
+        let snr = snr_db(&reference(&loaded, &performance, rate(hz)), &bus);
         least = least.min(snr);
         assert!(snr > 100.0, "{striker:?} at {hz} Hz: {snr:.1} dB");
     }
@@ -175,7 +175,7 @@ fn contact_times_are_held_between_10_us_and_a_quarter_of_a_second() {
                     Performance::new(vec![strike(3, 1 << 30, velocity)], None, &loaded.kit, rate(hz), Some(0.8));
                 let (bus, _) = instrument(&loaded, &performance, rate(hz), Skipping::Off);
                 let impulse = held_s * f64::from(hz) * area(pulse, 0.45);
-                for sound in [bus, law(&loaded, &performance, rate(hz))] {
+                for sound in [bus, reference(&loaded, &performance, rate(hz))] {
                     let sum: f64 = sound.iter().map(|frame| frame[0]).sum();
                     let error_db = decibels(sum / impulse);
                     assert!(error_db.abs() < 0.2, "{pulse:?}, {held_s} s at {hz} Hz: {error_db:.3} dB");

@@ -49,7 +49,7 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
             .map_err(|error| CommandError::Reference { kit: name.clone(), error })?;
         bar.finish_and_clear();
         let level = Level::of_reference(&sound);
-        (sound.into_iter().map(|frame| frame.map(reference::scene::quantise_24)).collect(), level)
+        (sound.into_iter().map(|frame| frame.map(::reference::scene::quantise_24)).collect(), level)
     } else {
         let skipping = if arguments.no_skip { Skipping::Off } else { Skipping::On };
         // A budget needs blocks of whole ticks, because its decisions look ahead to the block's

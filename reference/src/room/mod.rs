@@ -6,7 +6,7 @@
 //! both sides are uncorrelated, and for every constant-power pan they get equal energy,
 //! `(L² + R²)/2` of the input.
 //!
-//! The reverberation begins with the sound. The instrument's begins 8 to 11 ms later
+//! The reverberation begins with the sound. The instrument's begins 9 to 28 ms later
 //! (docs/room.md).
 //!
 //! Each seed makes another room of one table, and the instrument's network is one more.

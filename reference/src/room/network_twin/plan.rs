@@ -3,7 +3,8 @@
 use super::crossover::{Crossover, crossovers};
 use crate::room::band::RoomBand;
 
-/// Number of frames in a block: the wet sound begins two blocks after the dry one.
+/// Number of frames in a block. The wet sound begins two blocks, and one delay line more, after the
+/// dry one.
 pub(super) const BLOCK_FRAMES: usize = 128;
 /// Number of delay lines in a network; each holds pairs of values.
 pub(super) const LINES: usize = 4;
