@@ -77,14 +77,21 @@ fn run_cargo(
     let folder = target_folder(manifest).join("thumb").join(folder_name(manifest)?);
     let unlockable = |source| BuildError::Program { path: folder.clone(), source };
     std::fs::create_dir_all(&folder).map_err(unlockable)?;
+    let folder = folder.canonicalize().map_err(unlockable)?;
+    let manifest =
+        manifest.canonicalize().map_err(|source| BuildError::Cargo { manifest: manifest.to_owned(), source })?;
     let lock = std::fs::File::create(folder.join("build.lock")).map_err(unlockable)?;
     lock.lock().map_err(unlockable)?;
 
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.args(["build", "--locked", "--target", TARGET, "--manifest-path"]).arg(manifest);
+    cargo.args(["build", "--locked", "--target", TARGET, "--manifest-path"]).arg(&manifest);
     cargo.arg("--target-dir").arg(&folder).args(arguments);
+    // The program's own `.cargo/config.toml` applies, as it does to one who builds it there.
+    if let Some(package) = manifest.parent() {
+        cargo.current_dir(package);
+    }
     cargo.args(binaries.iter().flat_map(|binary| ["--bin", binary]));
-    cargo.args(["--config", &remapping(manifest)]);
+    cargo.args(["--config", &remapping(&manifest)]);
     // Flags, wrappers and profile of the outer cargo call are for the PC and must not apply here.
     for (variable, _) in std::env::vars_os() {
         let variable = variable.to_string_lossy();
@@ -97,7 +104,7 @@ fn run_cargo(
     let output = cargo.output().map_err(|source| BuildError::Cargo { manifest: manifest.to_owned(), source })?;
     if !output.status.success() {
         let output = String::from_utf8_lossy(&output.stderr).into_owned();
-        return Err(BuildError::Failed { manifest: manifest.to_owned(), output });
+        return Err(BuildError::Failed { manifest, output });
     }
     let built = folder.join(TARGET).join(profile);
     let read = |binary: &&str| {

@@ -23,10 +23,9 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
             100.0 * load,
             100.0 * report.idle_share
         );
-        // The limit leaves a margin before a half is missed. The BlackPill's dearest half takes
-        // 95.6 to 96.4 %, by the order in which the linker lays out the code; it took 92 % before
-        // the engine's memory was lent.
-        assert!(load <= 0.98, "{}: {load:.3} of the time to the deadline", board.name());
+        // The limit leaves a margin before a half is missed. The BlackPill takes 95.1 %; it took
+        // 92 % before the engine's memory was lent.
+        assert!(load <= 0.97, "{}: {load:.3} of the time to the deadline", board.name());
         assert!(
             !report.log.iter().any(|line| line.message.contains("missed") && line.level == "warn"),
             "{:#?}",
