@@ -2,8 +2,8 @@
 //! repository.
 //!
 //! Sets `has_shared_data` if the recordings lie in `../shared/data` beside the workspace. If the
-//! folder is missing, cargo counts these tests as ignored and gives the reason. `SHARED_DATA` is the
-//! path of the folder.
+//! folder is missing, cargo counts these tests as ignored and gives the reason. `SHARED_DATA` is
+//! the path of the folder.
 
 use std::path::{Path, PathBuf};
 
@@ -21,8 +21,8 @@ pub(crate) fn main() {
 
 /// Looks again when the folder comes or goes.
 ///
-/// Cargo builds a crate anew in every run if a path that it watches is missing. So cargo watches the
-/// folder if it exists, and otherwise the folder above it. If both are missing, the test
+/// Cargo builds a crate anew in every run if a path that it watches is missing. So cargo watches
+/// the folder if it exists, and otherwise the folder above it. If both are missing, the test
 /// `recordings_are_absent_as_they_were_when_this_was_built` says what to do once they are there.
 fn watch(data: &Path) {
     let above = data.parent().filter(|above| above.is_dir());

@@ -33,9 +33,9 @@
 //! # Scaling
 //!
 //! A pair of sections has a power of two of its own, `state = value · 2^E`. Between ticks the
-//! private module `settle` chooses the largest E for which nothing can wrap, from the states and the
-//! level of the input. The proof stands there. So a resonance that takes 50 dB off a noise input still
-//! has all its bits.
+//! private module `settle` chooses the largest E for which nothing can wrap, from the states and
+//! the level of the input. The proof stands there. So a resonance that takes 50 dB off a noise
+//! input still has all its bits.
 //!
 //! # Choke
 //!
