@@ -23,9 +23,9 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
             100.0 * load,
             100.0 * report.idle_share
         );
-        // The limit leaves a margin before a half is missed. The BlackPill takes 95.1 %; it took
-        // 92 % before the engine's memory was lent.
-        assert!(load <= 0.97, "{}: {load:.3} of the time to the deadline", board.name());
+        // The limit leaves a margin before a half is missed. The F407 board takes 76.1 %, the
+        // BlackPill 90.4 %.
+        assert!(load <= 0.93, "{}: {load:.3} of the time to the deadline", board.name());
         assert!(
             !report.log.iter().any(|line| line.message.contains("missed") && line.level == "warn"),
             "{:#?}",
@@ -109,10 +109,8 @@ fn images_leave_flash_and_stack_free() {
             report.static_ram_bytes
         );
         assert!(used + STACK_RESERVE <= room, "{}: {used} of {room} bytes of stack", board.name());
-        // At least a twelfth of the program's flash is left free, and half of it on the larger
-        // chip.
-        let flash = if board == Board::BlackpillF411 { 352 } else { 448 };
-        assert!(report.flash_bytes <= flash * 1024, "{}: {} bytes of flash", board.name(), report.flash_bytes);
+        // The images take 320 872 and 318 332 bytes.
+        assert!(report.flash_bytes <= 320 << 10, "{}: {} bytes of flash", board.name(), report.flash_bytes);
     }
 }
 
