@@ -1,25 +1,31 @@
 @ The hot loops of a bank of biquads for a Cortex-M4F: all pairs of sections over one run of frames.
 @
-@ malleus_biquads(call) -> 0; 1: a pair asks to be settled; 2: an input was too large, and nothing has been done
+@ malleus_biquads(call) -> 0; 1: a pair asks to be settled; 2: an input was too large, and nothing
+@ has been done
 @
 @ The bits are those of portable.rs. Layouts (checked at compile time in cortex_m4.rs):
-@   call    pairs 0, end 4, frames 8, input 12 (null: none), left 16, right 20, bits 24, direct 28, out 32, room 36, odd 40, used 44,
-@           allowance 48
-@   pair    two sections (u 0, v 4, turn 8, damp 12, gain u 16, gain v 20; 24 bytes each), scales 48, 52, couple 56, chain 60, low 64, span 68,
-@           kind 72, shift 73, asks 74; BQ_PAIR bytes
-@   kind    bits 0-1 form, bits 2-3 wiring (single, parallel, coupled, chain), bit 4 skipped, bit 5 mirrored
+@   call    pairs 0, end 4, frames 8, input 12 (null: none), left 16, right 20, bits 24, direct 28,
+@           out 32, room 36, odd 40, used 44, allowance 48
+@   pair    two sections (u 0, v 4, turn 8, damp 12, gain u 16, gain v 20; 24 bytes each), scales
+@           48, 52, couple 56, chain 60, low 64, span 68, kind 72, shift 73, asks 74; BQ_PAIR bytes
+@   kind    bits 0-1 form, bits 2-3 wiring (single, parallel, coupled, chain), bit 4 skipped, bit 5
+@           mirrored
 @
 @ Where things are while a loop runs:
-@   sp      the mix of 32 frames at 0..127, the input at 128..255, what a pair hands on at 256..383, all backward in time (frame i at 124 - 4i), as
-@           the modal bank's kernel has it, and for its reason: twelve registers are the two sections', and none is left for a pointer
+@   sp      the mix of 32 frames at 0..127, the input at 128..255, what a pair hands on at 256..383,
+@           all backward in time (frame i at 124 - 4i), as in
+@           the modal bank's kernel. The reason is the same: twelve registers hold the two
+@           sections, and none is left for a pointer
 @   r1-r6, r7-r12 the sections; r0 a word of the buffers; lr the scale
-@   s0      pair    s1 end    s2 answer    s3 frames    s4, s5 scales    s6 couple    s7 chain    s8 sp behind a short run    s9 sp at rest
+@   s0      pair    s1 end    s2 answer    s3 frames    s4, s5 scales    s6 couple    s7 chain
+@   s8      sp behind a short run    s9 sp at rest
 @   s10     whether signs have been changed    s11 which loops: 0 driven, 16 free, 32 short
 @
-@ Optimisation log (nominal cycles a section and frame, 64 and 16 sections, all included: cargo test -p host-tests --test on_chip biquads --
-@ --nocapture):
+@ Optimisation log (nominal cycles a section and frame, 64 and 16 sections, all included: cargo test
+@ -p host-tests --test on_chip biquads -- --nocapture):
 @   14.4   26       a section at a time; input, level and mix in Rust
-@   10.7   13.0     two sections at a time, as the modal bank does; a pair shares its exponent, so that one scale stays in a register
+@   10.7   13.0     two sections at a time, as the modal bank does; a pair shares its exponent, so
+@                   that one scale stays in a register
 @   10.4   12.6     signs changed in place, unrolled; what goes straight through begins the mix
     .syntax unified
     .thumb
@@ -31,7 +37,8 @@
     .equ BQ_CALL, 384
     .equ BQ_LOCALS, 392
 
-@ u -= e v; v += e u (form 0) or v += u << k (1: k = 1; 2 and 3: k = 2); u -= delta u, or u = (1 - delta) u (form 3)
+@ u -= e v; v += e u (form 0) or v += u << k (1: k = 1; 2 and 3: k = 2); u -= delta u, or
+@ u = (1 - delta) u (form 3)
     .macro bq_step form u v turn damp
     smmlsr  \u, \turn, \v, \u
     .if \form == 0
@@ -56,8 +63,9 @@
     smmlar  r8, r12, r0, r8
     .endm
 
-@ ---------------------------------------------------------------------------------------------------------------------------------
-@ Driven, side by side: 2 load + 2 mix + 1 store + 6 step + 2 load + 4 inject = 17 cycles a frame, 8.5 a section.
+@ --------------------------------------------------------------------------------------------------
+@ Driven, side by side: 2 load + 2 mix + 1 store + 6 step + 2 load + 4 inject = 17 cycles a frame,
+@ 8.5 a section.
     .macro bq_driven_parallel_frame form at
     ldr     r0, [sp, #\at]
     smmlar  r0, r2, lr, r0
@@ -98,7 +106,7 @@ bq_driven_\wiring\()_\form:
     b       bq_after
     .endm
 
-@ ---------------------------------------------------------------------------------------------------------------------------------
+@ --------------------------------------------------------------------------------------------------
 @ Driven, alone, two frames at once: 9.5 cycles a frame.
 @ Registers: r1-r6 section; r7, r8 inputs; r9, r10 sums; r12 passes of eight frames; lr scale.
     .macro bq_driven_single_frames form at
@@ -133,8 +141,9 @@ bq_driven_single_\form:
     b       bq_after_single
     .endm
 
-@ ---------------------------------------------------------------------------------------------------------------------------------
-@ Free: nothing comes in. Two sections and two sums: 10.5 cycles a frame. Registers: r5, r6 sums; r11 couple; r12 passes of eight frames; lr scale.
+@ --------------------------------------------------------------------------------------------------
+@ Free: nothing comes in. Two sections and two sums: 10.5 cycles a frame. Registers: r5, r6 sums;
+@ r11 couple; r12 passes of eight frames; lr scale.
     .macro bq_free_parallel_frame form sum
     smmlar  \sum, r2, lr, \sum
     smmlar  \sum, r8, lr, \sum
@@ -209,9 +218,10 @@ bq_free_single_\form:
     b       bq_after_single
     .endm
 
-@ ---------------------------------------------------------------------------------------------------------------------------------
-@ Runs that an event, a block's end or a rise of the input cuts short of a tick: two side by side or one alone, driven or not (the input is 0
-@ then), a frame at a time: 23 cycles a frame.
+@ --------------------------------------------------------------------------------------------------
+@ Runs that an event, a block's end or a rise of the input cuts short of a tick: two side by side or
+@ one alone, driven or not (the input is 0 then), a frame at
+@ a time: 23 cycles a frame.
     .macro bq_short form
     .p2align 2
 bq_short_\form:
@@ -227,8 +237,9 @@ bq_short_\form:
     b       bq_after
     .endm
 
-@ ---------------------------------------------------------------------------------------------------------------------------------
-@ Any wiring, any number of frames, driven or not: 33 cycles a frame. For three or four sections behind one another, and for short runs of two.
+@ --------------------------------------------------------------------------------------------------
+@ Any wiring, any number of frames, driven or not: 33 cycles a frame. For three or four sections
+@ behind one another, and for short runs of two.
     .macro bq_any form
     .p2align 2
 bq_any_\form:
@@ -258,7 +269,7 @@ bq_any_\form:
     b       bq_after
     .endm
 
-@ ---------------------------------------------------------------------------------------------------------------------------------
+@ --------------------------------------------------------------------------------------------------
 @ Changes the sign of every other word of a tick from \base on. Registers: r3-r7.
     .macro bq_flip base
     add     r3, sp, #\base
@@ -281,7 +292,8 @@ bq_any_\form:
     .endr
     .endm
 
-@ The input, four frames a pass: r4-r7 from the last to the first; r8 what they have or'ed, r2 their words' sizes, r0 what goes straight through.
+@ The input, four frames a pass: r4-r7 from the last to the first; r8 what they have or'ed, r2 their
+@ words' sizes, r0 what goes straight through.
     .macro bq_four_inputs shift by
 1:  ldr     r7, [r3]
     ldr     r6, [r3, #4]

@@ -1,4 +1,5 @@
-@ The hot loop of the bank of biquads in single precision for a Cortex-M4F: four sections in registers over one run of frames.
+@ The hot loop of the bank of biquads in single precision for a Cortex-M4F: four sections in
+@ registers over one run of frames.
 @
 @ malleus_float_biquads(call)
 @
@@ -6,10 +7,13 @@
 @   call    quads 0, end 4, frames 8 (1 or more), input 12 (null: none), out 16, direct 20
 @   quad    u 0, v 16, kept 32, turn 48, entry 64, gain 80 (four of each), awake 96; BF_QUAD bytes
 @
-@ Registers: s0-s3 u, s4-s7 v, s8-s11 kept, s12-s15 turn, s16-s19 entry, s20-s23 gain; s24, s30 inputs, s25, s31 sums, s26-s29 products.
-@ r0 input, r1 quad, r2 end, r3 frames, r4 input, r5 out, r6 where what goes straight through is (once), r7 out, r8 frames.
+@ Registers: s0-s3 u, s4-s7 v, s8-s11 kept, s12-s15 turn, s16-s19 entry, s20-s23 gain; s24, s30
+@ inputs, s25, s31 sums, s26-s29 products.
+@ r0 input, r1 quad, r2 end, r3 frames, r4 input, r5 out, r6 where what goes straight through is
+@ (once), r7 out, r8 frames.
 @
-@ A result that the next instruction takes costs a cycle more, so that four sections go side by side. VMLA would be one instruction for two, and
+@ A result that the next instruction takes costs a cycle more, so that four sections go side by
+@ side. VMLA would be one instruction for two, and
 @ takes as many cycles; it rounds once less on no machine but this.
     .syntax unified
     .thumb
