@@ -14,9 +14,10 @@ fn first_words(line: &str) -> Option<&'static str> {
     FIRST_WORDS.into_iter().find(begins)
 }
 
-/// Number of columns of a line that holds nothing but a comment.
+/// Number of columns of a line that holds nothing but a comment, of Rust or of assembly.
 fn comment_columns(line: &str) -> Option<usize> {
-    line.trim_start().starts_with("//").then(|| line.chars().count())
+    let begins = line.trim_start();
+    (begins.starts_with("//") || begins.starts_with('@')).then(|| line.chars().count())
 }
 
 #[test]
@@ -38,7 +39,7 @@ fn doc_lines_begin_with_a_noun_or_a_verb() {
 #[test]
 fn comment_lines_have_at_most_100_columns() {
     let mut faults = Vec::new();
-    for source in files::all() {
+    for source in files::all().into_iter().chain(files::assembly()) {
         for (index, line) in source.text.lines().enumerate() {
             if let Some(columns) = comment_columns(line).filter(|&columns| columns > MOST_COLUMNS) {
                 let what = format!("a comment line of {columns} columns; break it at {MOST_COLUMNS}");
@@ -57,5 +58,6 @@ fn first_words_are_found_at_word_boundaries_only() {
         assert_eq!(first_words(fine), None, "{fine}");
     }
     assert_eq!(comment_columns("  // ä"), Some(6));
+    assert_eq!(comment_columns("@ r0"), Some(4));
     assert_eq!(comment_columns("let a = 1; // b"), None);
 }
