@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Failure to read or write a file, or to make a folder.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: cannot be {action}: {}", path.display(), plain(cause))]
+#[error("{}: {}", path.display(), self.reason())]
 pub struct FileError {
     /// The failed action: `read`, `written` or `made`.
     pub action: &'static str,
@@ -18,10 +18,23 @@ pub struct FileError {
     pub cause: io::Error,
 }
 
-/// The operating system's reason in words, without the number that the standard library adds.
-fn plain(cause: &io::Error) -> String {
-    let message = cause.to_string();
-    message.split(" (os error").next().unwrap_or_default().to_owned()
+impl FileError {
+    /// Failed action and the operating system's reason in words, and what to do about it, without
+    /// the path.
+    ///
+    /// The number that the standard library adds to a reason is left out.
+    pub fn reason(&self) -> String {
+        let Self { action, cause, .. } = self;
+        let cause_text = cause.to_string();
+        let reason = cause_text.split(" (os error").next().unwrap_or_default();
+        let advice = match (*action, cause.kind()) {
+            ("read", io::ErrorKind::NotFound) => "; check its name and folder",
+            ("read", io::ErrorKind::IsADirectory) => "; give a file in it",
+            ("written", io::ErrorKind::NotFound) => "; make its folder first",
+            _ => "",
+        };
+        format!("cannot be {action}: {reason}{advice}")
+    }
 }
 
 /// Reads a whole file into memory.

@@ -87,7 +87,7 @@ fn includes_are_found_beside_the_file_that_names_them() -> Outcome {
 #[test]
 fn missing_file_is_refused_with_path_and_reason() {
     let message = kit::load(std::path::Path::new("no/such.toml")).expect_err("there is none").to_string();
-    assert_eq!(message, "no/such.toml: cannot be read: No such file or directory");
+    assert_eq!(message, "no/such.toml: cannot be read: No such file or directory; check its name and folder");
 }
 
 #[test]

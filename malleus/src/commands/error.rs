@@ -48,6 +48,13 @@ pub(crate) enum CommandError {
     TooLong { file: String, seconds: f64, longest: f64 },
     #[error(transparent)]
     Board(#[from] virtual_board::BoardError),
+    #[error("{}: is read by this command and would be lost; write to another file", output.display())]
+    OutputIsInput { output: PathBuf },
+    #[error(
+        "{}: exists already, and without -o the first path is the kit to write; give the kit to write behind -o",
+        output.display()
+    )]
+    KitExists { output: PathBuf },
     #[error("{file}: cannot be read: {error}")]
     Unreadable { file: String, error: io::Error },
     #[error("the log cannot be written: {error}")]

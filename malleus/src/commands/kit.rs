@@ -10,7 +10,7 @@ use virtual_board::Board;
 use super::error::CommandError;
 use super::kit_report::{KitReport, counts, open};
 use super::left_out::left_out;
-use super::output::{print, print_json};
+use super::output::{print, print_json, refuse_input};
 use super::{kit_check, kit_new};
 use crate::arguments::KitCommand;
 
@@ -24,6 +24,7 @@ pub(crate) fn run(command: &KitCommand) -> Result<(), CommandError> {
 }
 
 fn build(name: &str, output: &Path) -> Result<(), CommandError> {
+    refuse_input(output, [Path::new(name)])?;
     let loaded = open(name)?;
     let boards = on_boards(name, &loaded)?;
     kit::file::write_whole(output, &loaded.binary)?;
@@ -45,6 +46,7 @@ fn on_boards(name: &str, loaded: &Loaded) -> Result<String, CommandError> {
 fn show(name: &str, picture: Option<&Path>, json: bool) -> Result<(), CommandError> {
     let loaded = open(name)?;
     if let Some(path) = picture {
+        refuse_input(path, [Path::new(name)])?;
         plot::kit(path, &picture_of(&loaded))?;
         eprintln!("malleus: {} drawn", path.display());
     }

@@ -9,7 +9,7 @@ use malleus::render::headroom::{self, LARGEST_FORCE};
 
 use super::error::CommandError;
 use super::kit_report::open;
-use super::output::{print, progress};
+use super::output::{print, progress, refuse_input};
 use crate::arguments::Arguments;
 
 /// Sample rate at which levels are measured.
@@ -21,6 +21,10 @@ const RATE: SampleRate = SampleRate::HZ_48000;
 pub(super) fn run(tables: &[PathBuf], output: Option<&Path>, first_note: u8) -> Result<(), CommandError> {
     let (output, tables) = match (output, tables) {
         (Some(output), tables) => (output, tables),
+        // Without -o the first path may be a table that was meant to be read.
+        (None, [output, _, ..]) if output.exists() => {
+            return Err(CommandError::KitExists { output: output.clone() });
+        }
         (None, [output, tables @ ..]) if !tables.is_empty() => (output.as_path(), tables),
         (None, _) => Arguments::command()
             .error(
@@ -29,6 +33,7 @@ pub(super) fn run(tables: &[PathBuf], output: Option<&Path>, first_note: u8) -> 
             )
             .exit(),
     };
+    refuse_input(output, tables.iter().map(PathBuf::as_path))?;
     let mut kit = bound(output, tables, first_note)?;
     set_reference_forces(&mut kit);
     // Refuses what a board would refuse, before anything is rendered or written.

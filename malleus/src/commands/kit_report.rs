@@ -15,24 +15,35 @@ pub(super) fn open(name: &str) -> Result<Loaded, CommandError> {
     Ok(loaded)
 }
 
-/// Numbers of the kit's pads, objects, strikers, modes and filters, in words.
+/// Numbers of the kit's pads, objects, strikers, modes, filters and residuals, in words.
 pub(super) fn counts(loaded: &Loaded) -> String {
     let statistics = loaded.statistics();
     let modes: usize = statistics.objects.iter().chain(&statistics.strikers).map(|bank| bank.modes).sum();
     let kit = &loaded.kit;
     let (pads, objects, strikers) = (kit.pads.len(), kit.objects.len(), kit.strikers.len());
-    let mut counts = format!("{pads} pads, {objects} objects, {strikers} strikers, {modes} modes");
+    let mut counts = [(pads, "pads"), (objects, "objects"), (strikers, "strikers"), (modes, "modes")]
+        .map(|(count, what)| counted(count, what))
+        .join(", ");
     let all = |count: fn(&BankStatistics) -> usize| statistics.objects.iter().map(count).sum::<usize>();
     for (count, what) in [
         (all(|object| usize::from(object.breakpoints > 0)), "dynamic filters"),
         (all(|object| object.loops), "loops"),
         (all(|object| object.biquads), "biquads"),
+        (kit.objects.iter().filter(|object| object.residual.is_some()).count(), "residuals"),
     ] {
         if count > 0 {
-            counts += &format!(", {count} {what}");
+            counts += &format!(", {}", counted(count, what));
         }
     }
     counts
+}
+
+/// A number of things, which a plural in -s names.
+fn counted(count: usize, things: &str) -> String {
+    match count {
+        1 => format!("1 {}", things.trim_end_matches('s')),
+        _ => format!("{count} {things}"),
+    }
 }
 
 /// Report on a kit that `--json` prints (docs/json.md).

@@ -1,6 +1,7 @@
 //! Output that the commands share: progress on stderr, text and JSON on stdout.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use dsp_core::fixed::FULL_SCALE_24_BIT;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -13,6 +14,19 @@ pub(super) fn progress(length: u64, what: &'static str) -> ProgressBar {
     // then.
     let style = ProgressStyle::with_template("{msg:28} {wide_bar} {percent:>3} % {eta}");
     ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())).with_message(what)
+}
+
+/// Refuses to write over a file that the command reads.
+///
+/// # Errors
+/// [`CommandError::OutputIsInput`] if both paths lead to one file.
+pub(super) fn refuse_input<'p>(output: &Path, inputs: impl IntoIterator<Item = &'p Path>) -> Result<(), CommandError> {
+    // A path that leads nowhere is no file yet.
+    let Ok(written) = output.canonicalize() else { return Ok(()) };
+    match inputs.into_iter().any(|input| input.canonicalize().is_ok_and(|read| read == written)) {
+        true => Err(CommandError::OutputIsInput { output: output.to_owned() }),
+        false => Ok(()),
+    }
 }
 
 /// Prints text to stdout. A reader that has closed its end, such as `| head`, is no failure.

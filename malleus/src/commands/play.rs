@@ -17,13 +17,14 @@ use virtual_board::Board;
 
 use super::error::CommandError;
 use super::left_out::left_out;
-use super::output::{peak_dbfs, print, print_json, progress};
+use super::output::{peak_dbfs, print, print_json, progress, refuse_input};
 use crate::arguments::PlayArguments;
 
 /// Longest sound that is rendered at once, in seconds: an hour is 1.4 GB of frames.
 const LONGEST_S: f64 = 3_600.0;
 
 pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
+    refuse_inputs(arguments)?;
     let loaded = kit::open(&arguments.kit)?;
     let name = &arguments.kit;
     let table = Kit::parse(&loaded.binary).map_err(|error| CommandError::Table { kit: name.clone(), error })?;
@@ -174,6 +175,16 @@ fn read_performance(
         eprintln!("malleus: {}: {remark}", path.display());
     }
     Ok((rate, Performance::new(list.events, None, kit, rate, arguments.tail)))
+}
+
+/// Refuses to write sound or log over the kit, the events or the force that are played.
+fn refuse_inputs(arguments: &PlayArguments) -> Result<(), CommandError> {
+    let direct = arguments.direct.as_deref().map(|direct| split_channel(direct).0);
+    let inputs = [Some(Path::new(&arguments.kit)), arguments.strikes.as_deref(), direct.as_deref()];
+    for output in [Some(&arguments.output), arguments.log.as_ref()].into_iter().flatten() {
+        refuse_input(output, inputs.into_iter().flatten())?;
+    }
+    Ok(())
 }
 
 /// Splits `FILE:2` into the path FILE and channel 2. Without a number behind the last colon the

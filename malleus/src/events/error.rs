@@ -16,7 +16,7 @@ pub struct EventsError {
 #[derive(Debug, thiserror::Error)]
 pub enum EventsFault {
     /// The file cannot be read from disk.
-    #[error(transparent)]
+    #[error("{}", .0.reason())]
     File(#[from] kit::file::FileError),
     /// The file is binary, or text in another encoding than UTF-8.
     #[error(

@@ -29,8 +29,9 @@ pub enum WaveError {
     },
     /// The file has fewer channels than the one asked for.
     #[error(
-        "{}: there is no channel {channel}: the file has {channels}, counted from 0",
-        path.display()
+        "{}: there is no channel {channel}; channels are counted from 0, and the file's last one is {}",
+        path.display(),
+        channels.saturating_sub(1)
     )]
     Channel {
         /// Path of the refused file.

@@ -21,7 +21,29 @@ fn wrong_events_are_refused_with_line_field_value_and_what_is_allowed() {
     folder.refuses_strikes("pad,velocity\nbar,1\n", &["line 1", "time_s"]);
     folder.refuses_strikes("sample,pad,velocity\n9007199254740000,bar,1\n", &["strikes.csv", "at most 3600"]);
     folder.refuses_strikes("sample,pad,velocity\n0,bar\n", &["line 2", "fields is 2", "has 3"]);
-    folder.refuses("play --kit kit.toml --strikes none.csv -o out.wav", &["none.csv"]);
+    folder
+        .refuses("play --kit kit.toml --strikes none.csv -o out.wav", &["malleus: none.csv: cannot be read", "check"]);
+}
+
+#[test]
+fn commands_refuse_to_write_over_what_they_read() {
+    let folder = Folder::new();
+    folder.write("s.csv", b"sample,pad,velocity\n0,bar,1\n");
+    let before = [fs::read(folder.path("kit.toml")).unwrap(), fs::read(folder.path("s.csv")).unwrap()];
+    for (words, file) in [
+        ("play --kit kit.toml --strikes s.csv -o s.csv", "s.csv"),
+        ("play --kit kit.toml --strikes s.csv -o kit.toml", "kit.toml"),
+        ("play --kit kit.toml --strikes s.csv -o ./s.csv", "s.csv"),
+        ("play --kit kit.toml --strikes s.csv --log s.csv -o out.wav", "s.csv"),
+        ("kit build kit.toml -o kit.toml", "kit.toml"),
+        ("kit show kit.toml --plot kit.toml", "kit.toml"),
+        ("kit new kit.toml -o kit.toml", "kit.toml"),
+    ] {
+        folder.refuses(words, &[file, "is read by this command"]);
+    }
+    folder.refuses("kit new kit.toml kit.toml", &["kit.toml", "exists already", "-o"]);
+    assert_eq!(before, [fs::read(folder.path("kit.toml")).unwrap(), fs::read(folder.path("s.csv")).unwrap()]);
+    assert!(!folder.path("out.wav").exists());
 }
 
 #[test]
