@@ -180,7 +180,7 @@ fn each_stage_that_a_board_leaves_out_of_a_kit_is_logged() {
     demo.room = vec![kit::RoomBand::new(0.0, 0.6, -12.0)];
     demo.objects[2].dynamic_filter = kit::open("filters").unwrap().kit.objects[2].dynamic_filter.clone();
     let kit = kit::binary::build(&demo).unwrap();
-    let running = common::run(Board::BlackpillF411, &Setup { kit, ..Setup::default() }, 0.3);
+    let running = common::run(Board::BlackpillF411, &Setup { kit, ..Setup::default() }, 0.4);
     let report = running.report().unwrap();
     assert!(says(&report, "kit sector: demo plays"), "{:#?}", report.log);
     for stage in ["Room", "DynamicFilter(2)"] {
