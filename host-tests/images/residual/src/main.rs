@@ -11,7 +11,7 @@ use core::panic::PanicInfo;
 use dsp_core::SampleRate;
 use dsp_core::memory::{Memory, Word};
 use dsp_core::noise::Sfc32;
-use dsp_core::residual::{ResidualBand, MAX_BANDS, Shaper};
+use dsp_core::residual::{MAX_BANDS, ResidualBand, Shaper};
 use dsp_core::resonator::TICK_FRAMES;
 
 struct Global<T>(UnsafeCell<T>);
