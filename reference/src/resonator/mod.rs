@@ -14,8 +14,8 @@
 //! y[n] = (1/fs) Σ_{m<=n} F[m] h[n-m],   with h[0] at half weight
 //! ```
 //!
-//! h[0] has half weight because the integral begins at the jump of h from 0 to h(0). A band-limited
-//! signal has the mean of both sides there. With the full weight a cosine mode would add a constant
+//! `h[0]` has half weight because the integral begins at the jump of h from 0 to h(0). A
+//! band-limited signal has the mean of both sides there. With the full weight a cosine mode would add a constant
 //! to the whole spectrum. The factor 1/fs makes the sum an integral, so that one set of modes
 //! sounds alike at every rate.
 //!
