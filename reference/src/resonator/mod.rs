@@ -15,9 +15,9 @@
 //! ```
 //!
 //! `h[0]` has half weight because the integral begins at the jump of h from 0 to h(0). A
-//! band-limited signal has the mean of both sides there. With the full weight a cosine mode would add a constant
-//! to the whole spectrum. The factor 1/fs makes the sum an integral, so that one set of modes
-//! sounds alike at every rate.
+//! band-limited signal has the mean of both sides there. With the full weight a cosine mode would
+//! add a constant to the whole spectrum. The factor 1/fs makes the sum an integral, so that one set
+//! of modes sounds alike at every rate.
 //!
 //! [`Mode`] and [`Gain`] are the physical parameters; [`Bank`] computes the sum.
 
