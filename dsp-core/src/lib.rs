@@ -25,6 +25,7 @@ pub mod voice;
 pub mod waveguide;
 
 mod exponential;
+mod fourier;
 mod quarter_turn;
 mod rate;
 mod square_root;

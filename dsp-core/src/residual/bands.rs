@@ -1,7 +1,7 @@
 //! Bands: their energies, their decays, and what all of them share in a frame.
 
 use super::edges::retreats;
-use super::twiddles::SLOPE_FRAMES;
+use super::slope::SLOPE_FRAMES;
 use crate::SampleRate;
 use crate::exponential;
 use crate::memory::{Lender, OutOfMemory, Region};

@@ -6,7 +6,7 @@
 //! there. Its strength depends on the place of the edge between two lines, and is settled when the
 //! band is loaded.
 
-use super::twiddles::MAX_POINTS;
+use crate::fourier::MAX_POINTS;
 
 /// Number of lines per (cycle/sample).
 const LINES: f64 = 2.0 * MAX_POINTS as f64;

@@ -3,7 +3,7 @@
 use super::bands::{Bands, Common, Passage};
 use super::making::Making;
 use super::stream::Stream;
-use super::twiddles::Complex;
+use crate::fourier::Complex;
 use crate::noise::Sfc32;
 use crate::square_root::square_root;
 

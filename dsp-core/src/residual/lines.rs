@@ -10,7 +10,7 @@
 //! its two neighbours: cheap, and each band may have its own.
 
 use super::bands::{Bands, Common, least};
-use super::twiddles::Complex;
+use crate::fourier::Complex;
 use crate::noise::DEVIATION;
 use crate::square_root::square_root;
 

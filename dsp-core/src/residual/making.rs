@@ -1,9 +1,9 @@
 //! Waves in the making: amplitudes of lines, random lines, inverse transform, a piece at a time.
 
 use super::bands::{Bands, Common};
-use super::fourier::{self, Progress};
+use super::fill;
 use super::lines::{Cursor, amplitude_cycles, fill_amplitudes};
-use super::twiddles::{Complex, MAX_POINTS};
+use crate::fourier::{self, Complex, MAX_POINTS, Progress};
 use crate::noise::Sfc32;
 
 /// Next step in the making of a wave.
@@ -59,7 +59,7 @@ impl Making {
                 Step::Amplitudes(cursor) => {
                     spent += fill_amplitudes(bands, &self.common, spectrum, cursor, room);
                     if cursor.lines() == points {
-                        fourier::fill_middle(spectrum, random_lines(noise));
+                        fill::fill_middle(spectrum, random_lines(noise));
                         self.step = Step::Lines(1);
                     }
                 }
@@ -83,7 +83,7 @@ impl Making {
 fn fill_pairs(spectrum: &mut [Complex], pairs: core::ops::Range<usize>, noise: &mut Sfc32) {
     // The copy stays in registers.
     let mut local = *noise;
-    fourier::fill_pairs(spectrum, pairs, || random_lines(&mut local));
+    fill::fill_pairs(spectrum, pairs, || random_lines(&mut local));
     *noise = local;
 }
 

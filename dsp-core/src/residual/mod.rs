@@ -37,14 +37,14 @@
 
 mod bands;
 mod edges;
-mod fourier;
+mod fill;
 mod job;
 mod lines;
 mod making;
 mod onset;
 mod shaper;
+mod slope;
 mod stream;
-mod twiddles;
 
 pub use crate::table::ResidualBand;
 pub use bands::MAX_BANDS;

@@ -2,7 +2,7 @@
 
 use super::bands::{Bands, Common, energy_in_onset, least};
 use super::making::Making;
-use super::twiddles::{Complex, MAX_POINTS};
+use crate::fourier::{Complex, MAX_POINTS};
 use crate::noise::Sfc32;
 
 /// The noise with which strikes at the reference force begin.

@@ -2,12 +2,13 @@
 //! exponential decay.
 
 use super::bands::FRAME_TICKS;
-use super::fourier::place;
-use super::twiddles::{self, Complex, MAX_POINTS, SLOPE};
+use super::fill::place;
+use super::slope::{self, SLOPE};
+use crate::fourier::{Complex, MAX_POINTS};
 use crate::time::TICK_FRAMES;
 
 /// Frames of a slope: a quarter of a wave.
-const SLOPE_FRAMES: u32 = twiddles::SLOPE_FRAMES as u32;
+const SLOPE_FRAMES: u32 = slope::SLOPE_FRAMES as u32;
 /// Position of an end that does not come.
 const NEVER: u32 = u32::MAX / 2;
 

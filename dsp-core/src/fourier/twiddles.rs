@@ -1,15 +1,15 @@
-//! Tables of the transform and of its windows: sines, computed by the compiler.
+//! Sines of the transform, computed by the compiler.
 
 /// Complex number: real, imaginary.
-pub(super) type Complex = [f32; 2];
+pub(crate) type Complex = [f32; 2];
 
 /// Largest number of points M of a complex transform; a wave has twice as many samples.
-pub(super) const MAX_POINTS: usize = 512;
+pub(crate) const MAX_POINTS: usize = 512;
 /// Divisor of a turn: angles in the tables are multiples of that part.
 const TURN: usize = 2 * MAX_POINTS;
 
 /// `e^{2πi k/1024}` for half a turn.
-pub(super) static TWIDDLES: [Complex; TURN / 2] = {
+pub(crate) static TWIDDLES: [Complex; TURN / 2] = {
     let mut table = [[0.0; 2]; TURN / 2];
     let mut index = 0;
     while index < table.len() {
@@ -20,13 +20,13 @@ pub(super) static TWIDDLES: [Complex; TURN / 2] = {
 };
 
 /// Factors w, w² and w³ of a radix-4 butterfly, in the order in which a block uses them.
-pub(super) type Factors = [Complex; 3];
-pub(super) static FACTORS_256: [Factors; 64] = factors();
-pub(super) static FACTORS_64: [Factors; 16] = factors();
-pub(super) static FACTORS_16: [Factors; 4] = factors();
+pub(crate) type Factors = [Complex; 3];
+pub(crate) static FACTORS_256: [Factors; 64] = factors();
+pub(crate) static FACTORS_64: [Factors; 16] = factors();
+pub(crate) static FACTORS_16: [Factors; 4] = factors();
 /// Factors of radix-2 blocks.
-pub(super) static FACTORS_512: [Complex; 256] = single_factors();
-pub(super) static FACTORS_128: [Complex; 64] = single_factors();
+pub(crate) static FACTORS_512: [Complex; 256] = single_factors();
+pub(crate) static FACTORS_128: [Complex; 64] = single_factors();
 
 const fn single_factors<const HALF: usize>() -> [Complex; HALF] {
     let mut table = [[0.0; 2]; HALF];
@@ -53,20 +53,6 @@ const fn twiddle(index: usize) -> Complex {
     [cosine(index) as f32, cosine(index + 3 * TURN / 4) as f32]
 }
 
-/// Number of samples of a window's slope: a quarter of the largest wave.
-pub(super) const SLOPE_FRAMES: usize = MAX_POINTS / 2;
-
-/// `sin(π/2 k/256)`, the slope of windows: `sin² + cos² = 1` at every step.
-pub(super) static SLOPE: [f32; SLOPE_FRAMES + 1] = {
-    let mut table = [0.0; SLOPE_FRAMES + 1];
-    let mut index = 0;
-    while index < table.len() {
-        table[index] = quarter_sine(index as f64 / SLOPE_FRAMES as f64) as f32;
-        index += 1;
-    }
-    table
-};
-
 /// `cos(2π k/1024)`.
 const fn cosine(index: usize) -> f64 {
     let index = index % TURN;
@@ -81,7 +67,7 @@ const fn cosine(index: usize) -> f64 {
 }
 
 /// `sin(π/2 x)` for x from 0 to 1: its Taylor series to x^23, error below 1e-16.
-const fn quarter_sine(x: f64) -> f64 {
+pub(crate) const fn quarter_sine(x: f64) -> f64 {
     let angle = x * core::f64::consts::FRAC_PI_2;
     let (mut term, mut sum, mut n) = (angle, angle, 1.0);
     while n < 22.0 {
