@@ -10,6 +10,7 @@ pub mod dynamic_filter;
 pub mod engine;
 pub mod event;
 pub mod fixed;
+pub mod frames;
 pub mod limiter;
 pub mod memory;
 pub mod noise;

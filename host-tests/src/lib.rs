@@ -3,6 +3,7 @@
 
 pub mod biquads;
 pub mod dynamic_filter;
+pub mod frames;
 pub mod lent;
 pub mod on_chip;
 pub mod performance;

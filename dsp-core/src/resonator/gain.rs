@@ -9,7 +9,7 @@ use crate::fixed::Scale;
 use crate::table::layout::GainRecord;
 
 /// Gains (sine, cosine) of a table's mode at a position, linear between the table's positions.
-pub(super) fn gain_at(gains: &[GainRecord], positions: usize, index: usize, position: f32) -> (f32, f32) {
+pub(crate) fn gain_at(gains: &[GainRecord], positions: usize, index: usize, position: f32) -> (f32, f32) {
     let place = position * (positions.saturating_sub(1)) as f32;
     let below = (place as usize).min(positions.saturating_sub(1));
     let fraction = place - below as f32;

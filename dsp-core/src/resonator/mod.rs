@@ -37,8 +37,10 @@ pub use bank::{
     Use,
 };
 pub use coefficient::max_decay_per_s;
+pub(crate) use gain::gain_at;
 pub use group::Group;
 pub use mode::Mode;
+pub(crate) use order::check_bank;
 pub use retirement::Retirement;
 pub use table::{BankError, BankTable};
 

@@ -2,6 +2,7 @@
 //! typical strike keeps them audible.
 
 use super::coefficient::{Pole, max_decay_per_s};
+use super::gain::check_gains;
 use super::mode::Mode;
 use super::retirement::Retirement;
 use super::table::{BankError, BankTable};
@@ -23,6 +24,12 @@ impl Rendered {
     pub(super) fn key(&self) -> i32 {
         i32::from(self.pole.mirrored) << 2 | self.pole.form as i32
     }
+}
+
+/// Checks the gains of a table, and the decays of its modes below Nyquist.
+pub(crate) fn check_bank(table: &BankTable<'_>, rate: SampleRate) -> Result<(), BankError> {
+    check_gains(table, rate)?;
+    rendered(table, rate).try_for_each(|mode| mode.map(|_| ()))
 }
 
 /// Modes of a table below Nyquist.

@@ -8,6 +8,7 @@ mod biquads_float;
 mod contact;
 mod dynamic_filter;
 mod dynamic_filter_noise;
+mod frames;
 mod limiter;
 mod long_tails;
 mod residual;

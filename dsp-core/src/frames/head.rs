@@ -1,0 +1,125 @@
+//! The head: what a force of this block and the last one makes of the first 2N samples of a
+//! response.
+
+use super::kernel::{self, OUTPUTS};
+use super::{BLOCK_FRAMES, POINTS};
+use crate::fixed;
+use crate::memory::{Lender, OutOfMemory, Region};
+
+/// Number of taps with the zeros at both ends that [`kernel::convolve`] may reach.
+const TAPS: usize = POINTS + 2 * (OUTPUTS - 1);
+
+/// Bits of the largest tap: with 2N taps and any force, sums stay below 2^62.
+const TAP_BITS: i32 = 22;
+
+/// Beginning of a response and the force of two blocks.
+#[derive(Debug)]
+pub struct Head<'m> {
+    /// Taps `h[lag] 2^exponent`, the longest lag first, between zeros.
+    taps: &'m mut [i32],
+    exponent: i32,
+    /// Force of the last block, and of this one.
+    history: &'m mut [i32],
+    /// Range of the history outside which all is 0.
+    forced: (u16, u16),
+}
+
+impl<'m> Head<'m> {
+    /// A head without taps, whose output is silent.
+    pub(super) const fn empty() -> Self {
+        Self { taps: &mut [], exponent: 0, history: &mut [], forced: (0, 0) }
+    }
+
+    /// Takes the memory of a head: 4 KB.
+    pub(super) fn take(lender: &mut impl Lender<'m>) -> Result<Self, OutOfMemory> {
+        let taps = lender.take(Region::Fast, TAPS, || 0)?;
+        Ok(Self { taps, history: lender.take(Region::Fast, POINTS, || 0)?, ..Self::empty() })
+    }
+
+    /// Taps as floats by lag, for the load; [`Head::fix`] must follow.
+    pub(super) fn floats(&mut self) -> impl Iterator<Item = &mut i32> {
+        let ends = OUTPUTS - 1;
+        self.taps.get_mut(ends..ends + POINTS).unwrap_or(&mut []).iter_mut().rev()
+    }
+
+    /// Turns taps that hold the bits of floats into integers with one exponent.
+    pub(super) fn fix(&mut self) {
+        let largest = self.floats().fold(0.0f32, |largest, tap| largest.max(f32::from_bits(*tap as u32).abs()));
+        self.exponent = if largest > 0.0 { (TAP_BITS - libm::frexpf(largest).1).min(62) } else { 0 };
+        let exponent = self.exponent;
+        for tap in self.floats() {
+            let exact = libm::scalbn(f64::from(f32::from_bits(*tap as u32)), exponent);
+            *tap = libm::rint(exact) as i32;
+        }
+    }
+
+    /// True if the force of this block or the last one sounds.
+    #[inline(always)]
+    pub fn is_active(&self) -> bool {
+        self.forced.0 < self.forced.1
+    }
+
+    /// Force of the last block; `None` if there was none.
+    pub(super) fn last_block(&self) -> Option<&[i32; BLOCK_FRAMES]> {
+        let was_forced = self.is_active() && usize::from(self.forced.0) < BLOCK_FRAMES;
+        self.history.first_chunk().filter(|_| was_forced)
+    }
+
+    /// Begins a block.
+    pub(super) fn begin_block(&mut self) {
+        if !self.is_active() {
+            return;
+        }
+        if let Some((last, this)) = self.history.split_at_mut_checked(BLOCK_FRAMES) {
+            last.copy_from_slice(this);
+            this.fill(0);
+        }
+        let back = |place: u16| place.saturating_sub(BLOCK_FRAMES as u16);
+        self.forced = (back(self.forced.0), back(self.forced.1));
+    }
+
+    /// Adds the head's sound for a run of frames that begins at `frame` of the block to `out`.
+    ///
+    /// `force` is in bus steps, `None` without any. Cost: 2.2 cycles for each frame and each sample
+    /// of the force in this block and the last, and 20 a frame (`cargo test -p host-tests --test
+    /// on_chip frames`).
+    pub fn render(&mut self, frame: usize, force: Option<&[i32]>, out: &mut [i32]) {
+        let start = BLOCK_FRAMES + frame;
+        if let Some(force) = force {
+            self.hear(start, force);
+        }
+        if !self.is_active() {
+            return;
+        }
+        let (first, end) = (usize::from(self.forced.0), usize::from(self.forced.1));
+        for (outputs, frame) in out.chunks_mut(OUTPUTS).zip((start..).step_by(OUTPUTS)) {
+            // Lags below 0 meet zeros.
+            let force = self.history.get(first..end.min(frame + OUTPUTS)).unwrap_or(&[]);
+            let taps = (POINTS - 1 + first).checked_sub(frame).and_then(|at| self.taps.get(at..)).unwrap_or(&[]);
+            let sums = kernel::convolve(force, taps);
+            for (out, sum) in outputs.iter_mut().zip(sums) {
+                *out = fixed::qadd(*out, scaled(sum, self.exponent));
+            }
+        }
+    }
+
+    /// Notes a force that begins at a place of the history.
+    fn hear(&mut self, start: usize, force: &[i32]) {
+        let Some(place) = self.history.get_mut(start..start + force.len()) else { return };
+        let is_any = |x: &i32| *x != 0;
+        let (Some(first), Some(last)) = (force.iter().position(is_any), force.iter().rposition(is_any)) else { return };
+        place.copy_from_slice(force);
+        let (first, end) = ((start + first) as u16, (start + last + 1) as u16); // a history has 2N samples
+        self.forced = if self.is_active() { (self.forced.0.min(first), self.forced.1.max(end)) } else { (first, end) };
+    }
+}
+
+/// Sum of taps and force on the bus, rounded, saturating.
+#[inline(always)]
+fn scaled(sum: i64, exponent: i32) -> i32 {
+    if exponent <= 0 {
+        // Only gains of 2^22 and more come here.
+        return fixed::saturate(sum.saturating_mul(1i64 << exponent.unsigned_abs().min(30)));
+    }
+    fixed::saturate((sum + (1i64 << (exponent - 1))) >> exponent)
+}

@@ -1,0 +1,13 @@
+//! The hot loops of frames: lines of a spectrum from modes, modes from lines, and the head.
+
+#[cfg(cortex_m4f)]
+mod cortex_m4;
+pub mod portable;
+
+#[cfg(cortex_m4f)]
+pub use cortex_m4::{convolve, gather, synthesize};
+#[cfg(not(cortex_m4f))]
+pub use portable::{convolve, gather, synthesize};
+
+/// Number of outputs that [`convolve`] computes at once.
+pub const OUTPUTS: usize = 3;

@@ -1,0 +1,64 @@
+//! The hot loops in plain Rust.
+
+use super::super::mode::{FrameMode, Line};
+use super::super::{PADDED_LINES, WIDTH};
+use super::OUTPUTS;
+use crate::fourier::Complex;
+
+/// Adds the ringing modes of some lines to a spectrum, and steps them to the next block.
+///
+/// `modes` begins with the first mode of `lines`; `first` is the number of the first line.
+pub fn synthesize(modes: &mut [FrameMode], lines: &[Line], first: usize, spectrum: &mut [Complex; PADDED_LINES]) {
+    let mut rest = modes;
+    for (line, number) in lines.iter().zip(first..) {
+        let Some((modes, behind)) = rest.split_at_mut_checked(line.count.into()) else { return };
+        rest = behind;
+        let Some(sums) = spectrum.get_mut(number..number + WIDTH) else { return };
+        for mode in modes.iter_mut().take(line.ringing.into()) {
+            let [re, im] = mode.state;
+            for (sum, number) in sums.iter_mut().zip(&mode.numbers) {
+                sum[0] = sum[0] + number[0] * re - number[1] * im;
+                sum[1] = sum[1] + number[0] * im + number[1] * re;
+            }
+            let ([x, y], word) = (mode.step, mode.step_rest);
+            let (rest_x, rest_y) = (f32::from_bits(word & 0xffff_0000), f32::from_bits(word << 16));
+            mode.state =
+                [(re * x - im * y) + (re * rest_x - im * rest_y), (re * y + im * x) + (re * rest_y + im * rest_x)];
+        }
+    }
+}
+
+/// Adds a force to the states of all modes of some lines: `s += G Σ_l c_l Φ_l`, Φ the force's
+/// spectrum.
+pub fn gather(modes: &mut [FrameMode], lines: &[Line], first: usize, spectrum: &[Complex; PADDED_LINES]) {
+    let mut rest = modes;
+    for (line, number) in lines.iter().zip(first..) {
+        let Some((modes, behind)) = rest.split_at_mut_checked(line.count.into()) else { return };
+        rest = behind;
+        let Some(force) = spectrum.get(number..number + WIDTH) else { return };
+        for mode in modes {
+            let mut sum = [0.0f32; 2];
+            for (force, number) in force.iter().zip(&mode.numbers) {
+                sum[0] = sum[0] + number[0] * force[0] - number[1] * force[1];
+                sum[1] = sum[1] + number[0] * force[1] + number[1] * force[0];
+            }
+            let [x, y] = mode.gain;
+            mode.state[0] += sum[0] * x - sum[1] * y;
+            mode.state[1] += sum[0] * y + sum[1] * x;
+        }
+    }
+}
+
+/// Sums `Σ_m force[m] · taps[m - j]`, `taps[m - j]` counted from `taps[OUTPUTS - 1]`, of the outputs
+/// j = 0 to 2.
+///
+/// `taps` is longer than the force by [`OUTPUTS`] - 1.
+pub fn convolve(force: &[i32], taps: &[i32]) -> [i64; OUTPUTS] {
+    let mut sums = [0; OUTPUTS];
+    for (&force, taps) in force.iter().zip(taps.array_windows::<OUTPUTS>()) {
+        for (sum, &tap) in sums.iter_mut().zip(taps.iter().rev()) {
+            *sum += i64::from(force) * i64::from(tap);
+        }
+    }
+    sums
+}

@@ -1,0 +1,290 @@
+//! Work of all banks in frames, a block ahead, in pieces; and their sum, as it plays.
+
+use super::bank::FrameBank;
+use super::kernel;
+use super::mode::Line;
+use super::spectrum::{self, Lines};
+use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, TICKS};
+use crate::fixed;
+use crate::fourier::{self, Complex, Progress};
+use crate::memory::{Lender, OutOfMemory, Region};
+
+/// Spectra of all banks in frames, and the work on the next block.
+#[derive(Debug)]
+pub struct FrameMixer<'m> {
+    buffers: &'m mut [Buffers],
+    /// Number of the buffer that plays.
+    front: bool,
+    /// True if modes that no longer sound retire.
+    retires: bool,
+    /// True if the block that plays, and the block that is being made, hold any sound.
+    sounds: [bool; 2],
+    step: Step,
+    /// Number of the bank that is being worked on.
+    bank: usize,
+    /// Cycles of this block's work that are done, and all of them.
+    done: u32,
+    all: u32,
+}
+
+/// Memory of a mixer: 12.5 KB.
+#[derive(Debug)]
+struct Buffers {
+    /// Spectra or transforms of `left + i right`: of the block that plays, and of the next one.
+    stereo: [[Complex; POINTS]; 2],
+    /// Lines of one bank: of its force, then of its modes.
+    lines: Lines,
+    /// Transform of one bank's force.
+    force: [Complex; BLOCK_FRAMES],
+}
+
+/// Piece of the work that comes next.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    /// Look at the next bank.
+    Bank,
+    /// Transform of the bank's force.
+    Force(Progress),
+    /// States from the force's lines: next line and its first mode.
+    Gather(usize, usize),
+    /// Lines from the states: next line and its first mode.
+    Synthesis(usize, usize),
+    /// Both sides from the bank's lines.
+    Pan,
+    /// Transform of both sides.
+    Sum(Progress),
+    /// Nothing left to do in this block.
+    Rest,
+}
+
+/// Sound of the block that plays.
+#[derive(Debug)]
+pub struct Playing<'a> {
+    stereo: &'a [Complex; POINTS],
+}
+
+impl Playing<'_> {
+    /// Adds a run of frames from `frame` of the block on to the stereo bus.
+    pub fn render(&self, frame: usize, out: &mut [[i32; 2]]) {
+        for (out, frame) in out.iter_mut().zip(frame..) {
+            let [left, right] = spectrum::sample(self.stereo, frame);
+            // Rounded to nearest: `as` alone rounds to 0.
+            let step = |x: f32| (x + 0.5f32.copysign(x)) as i32;
+            *out = [fixed::qadd(out[0], step(left)), fixed::qadd(out[1], step(right))];
+        }
+    }
+}
+
+impl<'m> FrameMixer<'m> {
+    /// Takes the memory of a mixer. Modes that no longer sound retire if `retires`.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn take(lender: &mut impl Lender<'m>, retires: bool) -> Result<Self, OutOfMemory> {
+        let silent = || Buffers {
+            stereo: [[[0.0; 2]; POINTS]; 2],
+            lines: [[0.0; 2]; PADDED_LINES],
+            force: [[0.0; 2]; BLOCK_FRAMES],
+        };
+        Ok(Self {
+            buffers: lender.take(Region::Fast, 1, silent)?,
+            front: false,
+            retires,
+            sounds: [false; 2],
+            step: Step::Rest,
+            bank: 0,
+            done: 0,
+            all: 0,
+        })
+    }
+
+    /// Sound of the block that plays; `None` if it is silent.
+    pub fn playing(&self) -> Option<Playing<'_>> {
+        let [buffers] = &*self.buffers else { return None };
+        let stereo = buffers.stereo.get(usize::from(self.front))?;
+        self.sounds[0].then_some(Playing { stereo })
+    }
+
+    /// True if neither this block nor the next one has any sound from frames.
+    pub fn is_silent(&self) -> bool {
+        !self.sounds[0] && !self.sounds[1]
+    }
+
+    /// Begins a block: the one that was made plays, and the work on the next one begins.
+    pub fn begin_block(&mut self, banks: &mut [FrameBank<'_>]) {
+        while !matches!(self.step, Step::Rest) {
+            self.advance(banks, u32::MAX);
+        }
+        self.front = !self.front;
+        self.sounds = [self.sounds[1], false];
+        banks.iter_mut().for_each(|bank| bank.head.begin_block());
+        let works = |bank: &FrameBank<'_>| bank.ringing > 0 || bank.head.last_block().is_some();
+        (self.done, self.all, self.bank) = (0, banks.iter().map(bank_cycles).sum(), 0);
+        self.step = Step::Rest;
+        if banks.iter().any(works) {
+            self.all += fourier::cycles(POINTS) + CLEAR;
+            self.sounds[1] = true;
+            self.step = Step::Bank;
+            let back = usize::from(!self.front);
+            if let Some(stereo) = self.buffers.first_mut().and_then(|buffers| buffers.stereo.get_mut(back)) {
+                stereo.fill([0.0; 2]);
+            }
+        }
+    }
+
+    /// Works on the next block at the end of a tick of this one, counted from 0: by then the share
+    /// of the ticks that have passed is done.
+    pub fn end_tick(&mut self, tick: usize, banks: &mut [FrameBank<'_>]) {
+        let due = if tick + 1 < TICKS { (self.all / TICKS as u32) * (tick as u32 + 1) } else { u32::MAX };
+        while self.done < due && !matches!(self.step, Step::Rest) {
+            self.advance(banks, due - self.done);
+        }
+    }
+
+    /// Cycles of a tick's share of the work on the next block.
+    pub fn cycles(&self) -> u32 {
+        self.all / TICKS as u32
+    }
+
+    /// Works for about a number of cycles, or until the end of a step.
+    fn advance(&mut self, banks: &mut [FrameBank<'_>], cycles: u32) {
+        let [buffers] = &mut *self.buffers else {
+            self.step = Step::Rest;
+            return;
+        };
+        let stereo = &mut buffers.stereo[usize::from(!self.front)];
+        let (lines, force) = (&mut buffers.lines, &mut buffers.force);
+        if let Step::Sum(mut progress) = self.step {
+            self.done += progress.advance(stereo, cycles);
+            self.step = if progress.is_over() { Step::Rest } else { Step::Sum(progress) };
+            return;
+        }
+        let Some(bank) = banks.get_mut(self.bank) else {
+            self.step = Step::Sum(Progress::start(POINTS));
+            return;
+        };
+        let (spent, next) = match self.step {
+            Step::Bank => match bank.head.last_block() {
+                Some(last) => {
+                    spectrum::fill(last, force);
+                    (FILL, Step::Force(Progress::start(BLOCK_FRAMES)))
+                }
+                None if bank.ringing > 0 => {
+                    lines.fill([0.0; 2]);
+                    (CLEAR, Step::Synthesis(0, 0))
+                }
+                None => {
+                    self.bank += 1;
+                    (0, Step::Bank)
+                }
+            },
+            Step::Force(mut progress) => {
+                let spent = progress.advance(force, cycles);
+                if progress.is_over() {
+                    spectrum::unfold(force, lines);
+                    bank.wake();
+                    (spent + UNFOLD, Step::Gather(0, 0))
+                } else {
+                    (spent, Step::Force(progress))
+                }
+            }
+            Step::Gather(line, mode) => {
+                let (end, count, spent) = piece(bank, line, cycles, |line| line.count, GATHER_MODE);
+                let modes = bank.modes.get_mut(mode..).unwrap_or(&mut []);
+                kernel::gather(modes, bank.lines.get(line..end).unwrap_or(&[]), line, lines);
+                if end < LINES {
+                    (spent, Step::Gather(end, mode + count))
+                } else {
+                    lines.fill([0.0; 2]);
+                    (spent + CLEAR, Step::Synthesis(0, 0))
+                }
+            }
+            Step::Synthesis(line, mode) => {
+                let (end, count, spent) = piece(bank, line, cycles, |line| line.ringing, SYNTHESIS_MODE);
+                if self.retires {
+                    bank.retire(line..end, mode);
+                }
+                let modes = bank.modes.get_mut(mode..).unwrap_or(&mut []);
+                kernel::synthesize(modes, bank.lines.get(line..end).unwrap_or(&[]), line, lines);
+                (spent, if end < LINES { Step::Synthesis(end, mode + count) } else { Step::Pan })
+            }
+            Step::Pan => {
+                spectrum::fold(lines);
+                spectrum::pan(lines, bank.gains, stereo);
+                bank.decay_retired();
+                self.bank += 1;
+                (PAN, Step::Bank)
+            }
+            Step::Sum(_) | Step::Rest => (0, Step::Rest),
+        };
+        self.done += spent;
+        self.step = next;
+    }
+
+    /// Makes a block of a bank from its states, for its head.
+    pub(super) fn make_block(&mut self, bank: &mut FrameBank<'_>) {
+        let [buffers] = &mut *self.buffers else { return };
+        let stereo = &mut buffers.stereo[0];
+        buffers.lines.fill([0.0; 2]);
+        stereo.fill([0.0; 2]);
+        kernel::synthesize(bank.modes, bank.lines, 0, &mut buffers.lines);
+        spectrum::fold(&mut buffers.lines);
+        spectrum::pan(&buffers.lines, [1.0, 0.0], stereo);
+        let mut progress = Progress::start(POINTS);
+        while !progress.is_over() {
+            progress.advance(stereo, u32::MAX);
+        }
+    }
+
+    /// Sample of the block that [`FrameMixer::make_block`] made.
+    pub(super) fn made(&self, frame: usize) -> f32 {
+        self.buffers.first().map_or(0.0, |buffers| spectrum::sample(&buffers.stereo[0], frame)[0])
+    }
+}
+
+/// Lines from `line` on whose modes take about a number of cycles: their end, all their modes, and
+/// the cycles of those that `running` gives.
+fn piece(
+    bank: &FrameBank<'_>,
+    line: usize,
+    cycles: u32,
+    running: impl Fn(&Line) -> u16,
+    of_mode: u32,
+) -> (usize, usize, u32) {
+    let (mut end, mut count, mut spent) = (line, 0, 0);
+    for line in bank.lines.get(line..).unwrap_or(&[]) {
+        (end, count) = (end + 1, count + usize::from(line.count));
+        spent += LINE + of_mode * u32::from(running(line));
+        if spent >= cycles {
+            return (end, count, spent);
+        }
+    }
+    (LINES, count, spent)
+}
+
+/// Cycles of a bank's work on the next block.
+fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
+    let lines = LINES as u32 * LINE;
+    let modes = bank.modes.len() as u32;
+    match (bank.head.last_block(), bank.ringing) {
+        (Some(_), _) => {
+            FILL + fourier::cycles(BLOCK_FRAMES)
+                + UNFOLD
+                + 2 * lines
+                + modes * (GATHER_MODE + SYNTHESIS_MODE)
+                + CLEAR
+                + PAN
+        }
+        (None, 1..) => CLEAR + lines + SYNTHESIS_MODE * u32::from(bank.ringing) + PAN,
+        (None, 0) => 0,
+    }
+}
+
+/// Nominal cycles of pieces of the work (`cargo test -p host-tests --test on_chip frames`).
+const LINE: u32 = 20;
+const GATHER_MODE: u32 = 92;
+const SYNTHESIS_MODE: u32 = 105;
+const FILL: u32 = 5_000;
+const UNFOLD: u32 = 9_000;
+const CLEAR: u32 = 1_000;
+const PAN: u32 = 9_000;

@@ -1,0 +1,87 @@
+//! Place of a mode among the lines, and its turns and decays over blocks.
+
+use super::numbers::HALF;
+use super::{BLOCK_FRAMES, POINTS};
+use crate::SampleRate;
+use crate::{exponential, quarter_turn};
+
+/// Complex number in `f64`, for the load.
+pub(super) type Complex64 = [f64; 2];
+
+/// Product of two complex numbers.
+pub(super) fn times(x: Complex64, y: Complex64) -> Complex64 {
+    [x[0] * y[0] - x[1] * y[1], x[0] * y[1] + x[1] * y[0]]
+}
+
+/// A mode's pole `z = e^{(-d + 2πi f)/fs}`, as frames use it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FramePole {
+    /// Line nearest to the frequency, 0 to N.
+    pub(super) line: usize,
+    /// Distance from the line in lines, -1/2 to 1/2.
+    pub(super) distance: f64,
+    /// Damping in lines: `d 2N/(2π fs)`.
+    pub(super) damping: f64,
+    /// Frequency and decay a sample: turn of z in quarter turns, and its decay in nepers.
+    quarters: f64,
+    nepers: f64,
+}
+
+/// Largest damping of a mode in the lines. A faster one has lost 115 dB when the head ends, and
+/// lives in the head alone.
+pub(super) const MAX_DAMPING: f64 = 4.2;
+
+/// Largest damping of a mode whose head the lines make. Above, a recursion in `f32` does.
+pub(super) const MAX_DAMPING_OF_HEAD: f64 = 0.25;
+
+impl FramePole {
+    /// Pole of a mode below Nyquist at a rate.
+    pub(super) fn new(frequency_hz: f64, decay_per_s: f64, rate: SampleRate) -> Self {
+        let fs = rate.hz();
+        let place = frequency_hz * POINTS as f64 / fs;
+        let line = libm::rint(place);
+        let nepers = decay_per_s / fs;
+        Self {
+            line: line as usize,
+            distance: place - line,
+            damping: nepers * POINTS as f64 / core::f64::consts::TAU,
+            quarters: 4.0 * frequency_hz / fs,
+            nepers,
+        }
+    }
+
+    /// Power `z^n`.
+    pub(super) fn power(&self, n: usize) -> Complex64 {
+        let (turn, n) = (self.quarters * n as f64, n as f64);
+        let quarter = libm::floor(turn);
+        let angle = (turn - quarter) * core::f64::consts::FRAC_PI_2;
+        let size = exponential::power_of_two(-self.nepers * n * core::f64::consts::LOG2_E);
+        let (cos, sin) = (size * quarter_turn::cos(angle), size * quarter_turn::sin(angle));
+        match quarter as u64 % 4 {
+            0 => [cos, sin],
+            1 => [-sin, cos],
+            2 => [-cos, -sin],
+            _ => [sin, -cos],
+        }
+    }
+
+    /// Powers `z^(N/2)`, `z^N`, `z^2N`.
+    pub(super) fn powers(&self) -> [Complex64; 3] {
+        let half = self.power(HALF);
+        const { assert!(HALF * 2 == BLOCK_FRAMES) };
+        let whole = times(half, half);
+        [half, whole, times(whole, whole)]
+    }
+
+    /// Sum `Σ_{n>=0} z^n = 1/(1 - z)`: the response to a constant force.
+    pub(super) fn sum(&self) -> Complex64 {
+        // 1 - z without cancellation: 1 - r cos θ = (1 - r) + 2 r sin²(θ/2).
+        let gap = exponential::loss(self.nepers);
+        let half_angle = self.quarters * core::f64::consts::FRAC_PI_4;
+        let (sin, cos) = (quarter_turn::sin(half_angle), quarter_turn::cos(half_angle));
+        let radius = 1.0 - gap;
+        let [re, im] = [gap + 2.0 * radius * sin * sin, -2.0 * radius * sin * cos];
+        let size = re * re + im * im;
+        [re / size, -im / size]
+    }
+}
