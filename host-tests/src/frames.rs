@@ -2,10 +2,12 @@
 
 use dsp_core::SampleRate;
 use dsp_core::frames::{BLOCK_FRAMES, FrameBank, FrameMixer};
+use dsp_core::output::Panner;
 use dsp_core::resonator::{BankTable, TICK_FRAMES};
 use dsp_core::table::layout::{GainRecord, ModeRecord};
 
 use crate::lent;
+use crate::snr::Random;
 
 /// A mode by what is heard of it: `r^n (sine sin nθ + cosine cos nθ)`.
 #[derive(Clone, Copy, Debug)]
@@ -69,6 +71,26 @@ impl HeardMode {
     }
 }
 
+/// Modes at even distances up to 20 kHz with random T60s between bounds and random phases, as a
+/// prior has them.
+pub fn prior(count: usize, t60_s: [f64; 2]) -> Vec<HeardMode> {
+    let mut random = Random::new(count as u64);
+    let mode = |index: usize| {
+        let phase = random.between(0.0, std::f64::consts::TAU);
+        let t60_s = t60_s[0] * (t60_s[1] / t60_s[0]).powf(random.between(0.0, 1.0));
+        let frequency_hz = 20.0 + 20_000.0 * index as f64 / count as f64;
+        let size = 0.5 / (count as f64).sqrt();
+        HeardMode { frequency_hz, t60_s, sine: size * phase.sin(), cosine: size * phase.cos() }
+    };
+    (0..count).map(mode).collect()
+}
+
+/// A contact of a number of samples: a half sine of 0.3 times full scale.
+pub fn contact(samples: usize) -> Vec<i32> {
+    let place = |n: usize| std::f64::consts::PI * (n as f64 + 0.5) / samples as f64;
+    (0..samples).map(|n| (place(n).sin() * 0.3 * f64::from(1 << 27)) as i32).collect()
+}
+
 /// A bank in frames, with its mixer.
 #[derive(Debug)]
 pub struct FramesOnPc {
@@ -124,7 +146,8 @@ impl FramesOnPc {
             rest = later;
             let mut head = vec![0; count];
             self.banks[0].render(frame, run.iter().any(|&x| x != 0).then_some(run), &mut head);
-            let mut stereo: Vec<[i32; 2]> = head.into_iter().map(|x| [x, 0]).collect();
+            let mut stereo = vec![[0; 2]; count];
+            Panner::new(0.0, -1.0).render(&head, &mut stereo);
             if let Some(playing) = self.mixer.playing() {
                 playing.render(frame, &mut stereo);
             }

@@ -3,6 +3,7 @@
 use super::head::Head;
 use super::mode::{FrameMode, Line};
 use crate::resonator::Retirement;
+use crate::square_root::square_root;
 
 /// A bank of modes in frames.
 ///
@@ -45,6 +46,12 @@ impl FrameBank<'_> {
         u32::from(self.ringing)
     }
 
+    /// True if [`FrameBank::render`] makes a sound without a force.
+    #[inline(always)]
+    pub fn is_head_active(&self) -> bool {
+        self.head.is_active()
+    }
+
     /// True if the bank sounds or will.
     pub fn is_active(&self) -> bool {
         self.ringing > 0 || self.head.is_active()
@@ -71,18 +78,16 @@ impl FrameBank<'_> {
         for line in lines {
             while let Some(last) = line.ringing.checked_sub(1) {
                 let Some(mode) = self.modes.get_mut(first + usize::from(last)) else { break };
-                // |s| is at most |re| + |im|, and |z^(N/2)| at least |z^N|, which is at least half
-                // of |re| + |im|.
-                let size = 2.0 * (mode.state[0].abs() + mode.state[1].abs());
-                let decay = mode.step[0].abs() + mode.step[1].abs();
-                let output = size * loudest;
+                let size = square_root(mode.state[0] * mode.state[0] + mode.state[1] * mode.state[1]);
+                // From the block's middle to its beginning the amplitude falls by less than |z^N|.
+                let decay = square_root(mode.step[0] * mode.step[0] + mode.step[1] * mode.step[1]);
                 let sum = (size + self.retired * decay) * loudest;
-                if output > Retirement::THRESHOLD * decay || sum > Retirement::SUM * decay {
+                if size * loudest > Retirement::THRESHOLD * decay || sum > Retirement::SUM * decay {
                     break;
                 }
                 if size > 0.0 {
                     self.retired += size / decay;
-                    self.retired_decay = self.retired_decay.max(decay.min(1.0));
+                    self.retired_decay = self.retired_decay.max(decay);
                 }
                 mode.state = [0.0; 2];
                 line.ringing = last;
@@ -92,8 +97,9 @@ impl FrameBank<'_> {
         }
     }
 
-    /// Lets a block pass for the sum of retired amplitudes.
-    pub(super) fn decay_retired(&mut self) {
+    /// Begins a block for the head and for the sum of retired amplitudes.
+    pub(super) fn begin_block(&mut self) {
+        self.head.begin_block();
         self.retired *= self.retired_decay;
         let loudest = self.gains[0].max(self.gains[1]) / crate::fixed::ONE_Q27 as f32;
         if self.retired * loudest < 1e-10 {

@@ -117,7 +117,7 @@ impl<'m> FrameMixer<'m> {
         }
         self.front = !self.front;
         self.sounds = [self.sounds[1], false];
-        banks.iter_mut().for_each(|bank| bank.head.begin_block());
+        banks.iter_mut().for_each(FrameBank::begin_block);
         let works = |bank: &FrameBank<'_>| bank.ringing > 0 || bank.head.last_block().is_some();
         (self.done, self.all, self.bank) = (0, banks.iter().map(bank_cycles).sum(), 0);
         self.step = Step::Rest;
@@ -211,7 +211,6 @@ impl<'m> FrameMixer<'m> {
             Step::Pan => {
                 spectrum::fold(lines);
                 spectrum::pan(lines, bank.gains, stereo);
-                bank.decay_retired();
                 self.bank += 1;
                 (PAN, Step::Bank)
             }

@@ -6,6 +6,7 @@ mod biquads;
 pub mod budget_scenes;
 mod engine;
 mod filters;
+mod frames;
 mod loaded;
 mod residual;
 mod room;
@@ -15,6 +16,7 @@ pub use bank::BankOnChip;
 pub use biquads::BiquadsOnChip;
 pub use engine::{BLOCK_FRAMES, EngineOnChip, Footprint, Told};
 pub use filters::FiltersOnChip;
+pub use frames::FramesOnChip;
 pub use residual::ResidualOnChip;
 pub use room::RoomOnChip;
 
@@ -52,7 +54,7 @@ pub enum OnChipError {
 }
 
 /// Images of the profile `release`, which are optimised for speed.
-const FAST: &[&str] = &["biquads-image", "filters-image", "kernels-image", "residual-image"];
+const FAST: &[&str] = &["biquads-image", "filters-image", "frames-image", "kernels-image", "residual-image"];
 /// Images of the profile `small`, which are optimised for size.
 const SMALL: &[&str] = &["engine-image", "trigger-image"];
 

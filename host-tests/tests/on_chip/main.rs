@@ -5,6 +5,7 @@ mod biquads;
 mod budget;
 mod costs;
 mod filters;
+mod frames;
 mod hands;
 mod kernels;
 mod limiter;

@@ -1,0 +1,199 @@
+@ The hot loops of frames for a Cortex-M4F.
+@
+@ malleus_frames_synthesize(modes, lines, line count, spectrum)   lines from modes; steps the modes
+@ malleus_frames_gather(modes, lines, line count, spectrum)       modes from the lines of a force
+@ malleus_frames_convolve(force, taps, count, sums)               three outputs of a head
+@
+@ The bits are those of portable.rs. Layouts (checked at compile time in cortex_m4.rs):
+@   mode    state 0, seven numbers 8, step 64, rest of the step 72, gain 76; 84 bytes
+@   line    count 0, ringing 2; 4 bytes
+@
+@ Products are rounded before they are added: a VMUL and a VADD take 2 cycles, a VMLA 3.
+
+    .syntax unified
+    .thumb
+    .fpu fpv4-sp-d16
+    .section .text.malleus_frames,"ax",%progbits
+
+    .equ MODE, 84
+
+@ --------------------------------------------------------------------------------------------------
+@ Lines from modes. 102 cycles a mode: 17 to load it, 56 for seven complex products and sums, 22 for
+@ the step, 7 for the loop and the store. 44 a line with ringing modes, 9 one without.
+@
+@ Optimisation log (nominal cycles a mode of 1025 modes, cargo test -p host-tests --test on_chip
+@ frames -- --nocapture): see docs/frames.md.
+@ Registers: r0 mode, r1 line, r2 end of the lines, r3 spectrum, r4 modes that ring, r5 modes behind
+@ them, lr MODE; s0-s1 state, s2-s15 numbers, s16-s29 seven lines, s30-s31 products.
+    .macro line_of_mode re im sum_re sum_im x y
+    vmul.f32 s30, s\re, s\x
+    vmul.f32 s31, s\re, s\y
+    vmul.f32 s\re, s\im, s\y
+    vmul.f32 s\im, s\im, s\x
+    vadd.f32 s\sum_re, s\sum_re, s30
+    vadd.f32 s\sum_im, s\sum_im, s31
+    vsub.f32 s\sum_re, s\sum_re, s\re
+    vadd.f32 s\sum_im, s\sum_im, s\im
+    .endm
+
+    .p2align 4
+    .global malleus_frames_synthesize
+    .type   malleus_frames_synthesize, %function
+malleus_frames_synthesize:
+    push    {r4-r7, lr}
+    vpush   {s16-s31}
+    add     r2, r1, r2, lsl #2
+    mov     lr, #MODE
+    b       4f
+1:  vldm    r3, {s16-s29}
+2:  vldm    r0, {s0-s15}
+    line_of_mode 2, 3, 16, 17, 0, 1
+    line_of_mode 4, 5, 18, 19, 0, 1
+    line_of_mode 6, 7, 20, 21, 0, 1
+    line_of_mode 8, 9, 22, 23, 0, 1
+    line_of_mode 10, 11, 24, 25, 0, 1
+    line_of_mode 12, 13, 26, 27, 0, 1
+    line_of_mode 14, 15, 28, 29, 0, 1
+    vldr    s2, [r0, #64]
+    vldr    s3, [r0, #68]
+    ldr     r6, [r0, #72]
+    lsl     r7, r6, #16
+    bfc     r6, #0, #16
+    vmov    s4, r6
+    vmov    s5, r7
+    vmul.f32 s6, s0, s2                 @ re x
+    vmul.f32 s7, s1, s3                 @ im y
+    vmul.f32 s8, s0, s4                 @ re rest_x
+    vmul.f32 s9, s1, s5                 @ im rest_y
+    vmul.f32 s10, s0, s3                @ re y
+    vmul.f32 s11, s1, s2                @ im x
+    vmul.f32 s12, s0, s5                @ re rest_y
+    vmul.f32 s13, s1, s4                @ im rest_x
+    vsub.f32 s6, s6, s7
+    vsub.f32 s8, s8, s9
+    vadd.f32 s10, s10, s11
+    vadd.f32 s12, s12, s13
+    vadd.f32 s0, s6, s8
+    vadd.f32 s1, s10, s12
+    subs    r4, r4, #1
+    vstr    s0, [r0]
+    vstr    s1, [r0, #4]
+    add     r0, r0, lr
+    bne     2b
+    vstm    r3, {s16-s29}
+3:  mla     r0, r5, lr, r0
+    add     r3, r3, #8
+4:  cmp     r1, r2
+    bhs     5f
+    ldrh    r5, [r1]
+    ldrh    r4, [r1, #2]
+    add     r1, r1, #4
+    subs    r5, r5, r4
+    cmp     r4, #0
+    bne     1b
+    b       3b
+5:  vpop    {s16-s31}
+    pop     {r4-r7, pc}
+    .size   malleus_frames_synthesize, . - malleus_frames_synthesize
+
+@ --------------------------------------------------------------------------------------------------
+@ Modes from the lines of a force. 94 cycles a mode, 44 a line with modes.
+@ Registers: r0 numbers of the mode, r1 line, r2 end of the lines, r3 spectrum, r4 modes left, r5
+@ zero; s0-s1 sum, s2-s15 numbers, s16-s29 seven lines, s30-s31 products.
+    .p2align 4
+    .global malleus_frames_gather
+    .type   malleus_frames_gather, %function
+malleus_frames_gather:
+    push    {r4-r5, lr}
+    vpush   {s16-s31}
+    add     r2, r1, r2, lsl #2
+    add     r0, r0, #8
+    mov     r5, #0
+    b       3f
+1:  vldm    r3, {s16-s29}
+2:  vldm    r0, {s2-s15}
+    vmov    s0, r5
+    vmov    s1, r5
+    line_of_mode 2, 3, 0, 1, 16, 17
+    line_of_mode 4, 5, 0, 1, 18, 19
+    line_of_mode 6, 7, 0, 1, 20, 21
+    line_of_mode 8, 9, 0, 1, 22, 23
+    line_of_mode 10, 11, 0, 1, 24, 25
+    line_of_mode 12, 13, 0, 1, 26, 27
+    line_of_mode 14, 15, 0, 1, 28, 29
+    vldr    s2, [r0, #68]
+    vldr    s3, [r0, #72]
+    vldr    s4, [r0, #-8]
+    vldr    s5, [r0, #-4]
+    vmul.f32 s6, s0, s2
+    vmul.f32 s7, s1, s3
+    vmul.f32 s8, s0, s3
+    vmul.f32 s9, s1, s2
+    vsub.f32 s6, s6, s7
+    vadd.f32 s8, s8, s9
+    subs    r4, r4, #1
+    vadd.f32 s4, s4, s6
+    vadd.f32 s5, s5, s8
+    vstr    s4, [r0, #-8]
+    vstr    s5, [r0, #-4]
+    add     r0, r0, #MODE
+    bne     2b
+    add     r3, r3, #8
+3:  cmp     r1, r2
+    bhs     4f
+    ldrh    r4, [r1]
+    add     r1, r1, #4
+    cmp     r4, #0
+    bne     1b
+    add     r3, r3, #8
+    b       3b
+4:  vpop    {s16-s31}
+    pop     {r4-r5, pc}
+    .size   malleus_frames_gather, . - malleus_frames_gather
+
+@ --------------------------------------------------------------------------------------------------
+@ Three outputs of a head. 6 cycles a sample of force, 2.0 a tap, and 4 for six samples' loop.
+@ Registers: r0 force, r1 taps, r2 samples left, r4-r9 sums of the outputs 0 to 2, r10-r12 window of
+@ taps, lr force.
+    .macro convolve_step a b c
+    ldr     lr, [r0], #4
+    ldr     \c, [r1], #4
+    smlal   r4, r5, lr, \c
+    smlal   r6, r7, lr, \b
+    smlal   r8, r9, lr, \a
+    .endm
+
+    .p2align 4
+    .global malleus_frames_convolve
+    .type   malleus_frames_convolve, %function
+malleus_frames_convolve:
+    push    {r3-r11, lr}
+    movs    r4, #0
+    movs    r5, #0
+    movs    r6, #0
+    movs    r7, #0
+    mov     r8, #0
+    mov     r9, #0
+    ldr     r10, [r1], #4
+    ldr     r11, [r1], #4
+    subs    r2, r2, #6
+    blo     2f
+1:  convolve_step r10, r11, r12
+    convolve_step r11, r12, r10
+    convolve_step r12, r10, r11
+    convolve_step r10, r11, r12
+    convolve_step r11, r12, r10
+    convolve_step r12, r10, r11
+    subs    r2, r2, #6
+    bhs     1b
+2:  adds    r2, r2, #6
+    beq     4f
+3:  convolve_step r10, r11, r12
+    mov     r10, r11
+    mov     r11, r12
+    subs    r2, r2, #1
+    bne     3b
+4:  pop     {r3}
+    stm     r3, {r4-r9}
+    pop     {r4-r11, pc}
+    .size   malleus_frames_convolve, . - malleus_frames_convolve
