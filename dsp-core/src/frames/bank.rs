@@ -73,16 +73,21 @@ impl FrameBank<'_> {
     /// beginning is below the threshold, while the sum of retired amplitudes allows it.
     pub(super) fn retire(&mut self, lines: core::ops::Range<usize>, first_mode: usize) {
         let loudest = self.gains[0].max(self.gains[1]) / crate::fixed::ONE_Q27 as f32;
+        let audible = Retirement::THRESHOLD / loudest.max(f32::MIN_POSITIVE);
+        let audible = audible * audible;
         let Some(lines) = self.lines.get_mut(lines) else { return };
         let mut first = first_mode;
         for line in lines {
             while let Some(last) = line.ringing.checked_sub(1) {
                 let Some(mode) = self.modes.get_mut(first + usize::from(last)) else { break };
-                let size = square_root(mode.state[0] * mode.state[0] + mode.state[1] * mode.state[1]);
+                let squared = |[x, y]: [f32; 2]| x * x + y * y;
                 // From the block's middle to its beginning the amplitude falls by less than |z^N|.
-                let decay = square_root(mode.step[0] * mode.step[0] + mode.step[1] * mode.step[1]);
-                let sum = (size + self.retired * decay) * loudest;
-                if size * loudest > Retirement::THRESHOLD * decay || sum > Retirement::SUM * decay {
+                let (size, decay) = (squared(mode.state), squared(mode.step));
+                if size > audible * decay {
+                    break;
+                }
+                let (size, decay) = (square_root(size), square_root(decay));
+                if (size + self.retired * decay) * loudest > Retirement::SUM * decay {
                     break;
                 }
                 if size > 0.0 {
