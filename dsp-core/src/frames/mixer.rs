@@ -22,6 +22,8 @@ pub struct FrameMixer<'m> {
     step: Step,
     /// Number of the bank that is being worked on.
     bank: usize,
+    /// True if no bank has added to the next block yet.
+    is_first: bool,
     /// Cycles of this block's work that are done, and all of them.
     done: u32,
     all: u32,
@@ -45,12 +47,14 @@ enum Step {
     Bank,
     /// Transform of the bank's force.
     Force(Progress),
+    /// Lines of the force: next pair.
+    Unfold(usize),
     /// States from the force's lines: next line and its first mode.
     Gather(usize, usize),
     /// Lines from the states: next line and its first mode.
     Synthesis(usize, usize),
-    /// Both sides from the bank's lines.
-    Pan,
+    /// Both sides from the bank's lines: next line.
+    Pan(usize),
     /// Transform of both sides.
     Sum(Progress),
     /// Nothing left to do in this block.
@@ -93,6 +97,7 @@ impl<'m> FrameMixer<'m> {
             sounds: [false; 2],
             step: Step::Rest,
             bank: 0,
+            is_first: true,
             done: 0,
             all: 0,
         })
@@ -122,13 +127,9 @@ impl<'m> FrameMixer<'m> {
         (self.done, self.all, self.bank) = (0, banks.iter().map(bank_cycles).sum(), 0);
         self.step = Step::Rest;
         if banks.iter().any(works) {
-            self.all += fourier::cycles(POINTS) + CLEAR;
+            self.all += fourier::cycles(POINTS);
             self.sounds[1] = true;
-            self.step = Step::Bank;
-            let back = usize::from(!self.front);
-            if let Some(stereo) = self.buffers.first_mut().and_then(|buffers| buffers.stereo.get_mut(back)) {
-                stereo.fill([0.0; 2]);
-            }
+            (self.step, self.is_first) = (Step::Bank, true);
         }
     }
 
@@ -180,16 +181,21 @@ impl<'m> FrameMixer<'m> {
             },
             Step::Force(mut progress) => {
                 let spent = progress.advance(force, cycles);
-                if progress.is_over() {
-                    spectrum::unfold(force, lines);
-                    bank.wake();
-                    (spent + UNFOLD, Step::Gather(0, 0))
+                (spent, if progress.is_over() { Step::Unfold(0) } else { Step::Force(progress) })
+            }
+            Step::Unfold(pair) => {
+                let end = spectrum::PAIRS.min(pair + PAIRS_AT_ONCE);
+                spectrum::unfold(force, pair..end, lines);
+                if end < spectrum::PAIRS {
+                    (UNFOLD * PAIRS_AT_ONCE as u32, Step::Unfold(end))
                 } else {
-                    (spent, Step::Force(progress))
+                    bank.wake();
+                    (UNFOLD * (end - pair) as u32, Step::Gather(0, 0))
                 }
             }
             Step::Gather(line, mode) => {
-                let (end, count, spent) = piece(bank, line, cycles, |line| line.count, GATHER_MODE);
+                let (end, count, spent) =
+                    piece(bank, line, cycles, |line| GATHER_LINE + GATHER_MODE * u32::from(line.count));
                 let modes = bank.modes.get_mut(mode..).unwrap_or(&mut []);
                 kernel::gather(modes, bank.lines.get(line..end).unwrap_or(&[]), line, lines);
                 if end < LINES {
@@ -200,19 +206,32 @@ impl<'m> FrameMixer<'m> {
                 }
             }
             Step::Synthesis(line, mode) => {
-                let (end, count, spent) = piece(bank, line, cycles, |line| line.ringing, SYNTHESIS_MODE);
+                let (end, count, spent) =
+                    piece(bank, line, cycles, |line| SYNTHESIS_LINE + SYNTHESIS_MODE * u32::from(line.ringing));
                 if self.retires {
                     bank.retire(line..end, mode);
                 }
                 let modes = bank.modes.get_mut(mode..).unwrap_or(&mut []);
                 kernel::synthesize(modes, bank.lines.get(line..end).unwrap_or(&[]), line, lines);
-                (spent, if end < LINES { Step::Synthesis(end, mode + count) } else { Step::Pan })
+                if end < LINES {
+                    (spent, Step::Synthesis(end, mode + count))
+                } else {
+                    spectrum::fold(lines);
+                    (spent, Step::Pan(0))
+                }
             }
-            Step::Pan => {
-                spectrum::fold(lines);
-                spectrum::pan(lines, bank.gains, stereo);
-                self.bank += 1;
-                (PAN, Step::Bank)
+            Step::Pan(line) => {
+                let end = LINES.min(line + LINES_AT_ONCE);
+                match self.is_first {
+                    true => spectrum::pan::<false>(lines, line..end, bank.gains, stereo),
+                    false => spectrum::pan::<true>(lines, line..end, bank.gains, stereo),
+                }
+                if end < LINES {
+                    (PAN * LINES_AT_ONCE as u32, Step::Pan(end))
+                } else {
+                    (self.bank, self.is_first) = (self.bank + 1, false);
+                    (PAN * (end - line) as u32, Step::Bank)
+                }
             }
             Step::Sum(_) | Step::Rest => (0, Step::Rest),
         };
@@ -225,10 +244,9 @@ impl<'m> FrameMixer<'m> {
         let [buffers] = &mut *self.buffers else { return };
         let stereo = &mut buffers.stereo[0];
         buffers.lines.fill([0.0; 2]);
-        stereo.fill([0.0; 2]);
         kernel::synthesize(bank.modes, bank.lines, 0, &mut buffers.lines);
         spectrum::fold(&mut buffers.lines);
-        spectrum::pan(&buffers.lines, [1.0, 0.0], stereo);
+        spectrum::pan::<false>(&buffers.lines, 0..LINES, [1.0, 0.0], stereo);
         let mut progress = Progress::start(POINTS);
         while !progress.is_over() {
             progress.advance(stereo, u32::MAX);
@@ -241,19 +259,13 @@ impl<'m> FrameMixer<'m> {
     }
 }
 
-/// Lines from `line` on whose modes take about a number of cycles: their end, all their modes, and
-/// the cycles of those that `running` gives.
-fn piece(
-    bank: &FrameBank<'_>,
-    line: usize,
-    cycles: u32,
-    running: impl Fn(&Line) -> u16,
-    of_mode: u32,
-) -> (usize, usize, u32) {
+/// Lines from `line` on that take about a number of cycles: their end, the number of all their
+/// modes, and the cycles that `cost` says.
+fn piece(bank: &FrameBank<'_>, line: usize, cycles: u32, cost: impl Fn(&Line) -> u32) -> (usize, usize, u32) {
     let (mut end, mut count, mut spent) = (line, 0, 0);
     for line in bank.lines.get(line..).unwrap_or(&[]) {
         (end, count) = (end + 1, count + usize::from(line.count));
-        spent += LINE + of_mode * u32::from(running(line));
+        spent += cost(line);
         if spent >= cycles {
             return (end, count, spent);
         }
@@ -263,27 +275,29 @@ fn piece(
 
 /// Cycles of a bank's work on the next block.
 fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
-    let lines = LINES as u32 * LINE;
-    let modes = bank.modes.len() as u32;
+    let (modes, lines) = (bank.modes.len() as u32, LINES as u32);
+    let synthesis = |modes: u32| CLEAR + lines * SYNTHESIS_LINE + modes * SYNTHESIS_MODE + lines * PAN;
+    let gather = lines * GATHER_LINE + modes * GATHER_MODE;
+    let transform = FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD;
     match (bank.head.last_block(), bank.ringing) {
-        (Some(_), _) => {
-            FILL + fourier::cycles(BLOCK_FRAMES)
-                + UNFOLD
-                + 2 * lines
-                + modes * (GATHER_MODE + SYNTHESIS_MODE)
-                + CLEAR
-                + PAN
-        }
-        (None, 1..) => CLEAR + lines + SYNTHESIS_MODE * u32::from(bank.ringing) + PAN,
+        (Some(_), _) => transform + gather + synthesis(modes),
+        (None, 1..) => synthesis(bank.ringing.into()),
         (None, 0) => 0,
     }
 }
 
-/// Nominal cycles of pieces of the work (`cargo test -p host-tests --test on_chip frames`).
-const LINE: u32 = 20;
-const GATHER_MODE: u32 = 92;
-const SYNTHESIS_MODE: u32 = 105;
-const FILL: u32 = 5_000;
-const UNFOLD: u32 = 9_000;
-const CLEAR: u32 = 1_000;
-const PAN: u32 = 9_000;
+/// Nominal cycles of pieces of the work: a line and a mode of the kernels, a pair of lines of a
+/// force, a line that is panned (`cargo test -p host-tests --test on_chip frames`).
+const GATHER_LINE: u32 = 25;
+const SYNTHESIS_LINE: u32 = 60;
+const GATHER_MODE: u32 = 94;
+const SYNTHESIS_MODE: u32 = 102;
+const UNFOLD: u32 = 55;
+const PAN: u32 = 28;
+/// Nominal cycles of the preparation of a force, and of the clearing of lines.
+const FILL: u32 = 6_000;
+const CLEAR: u32 = 1_800;
+
+/// Number of pairs of lines that are unfolded, and of lines that are panned, in one piece.
+const PAIRS_AT_ONCE: usize = 32;
+const LINES_AT_ONCE: usize = 64;

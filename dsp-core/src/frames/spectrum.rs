@@ -1,5 +1,7 @@
 //! Spectra: of a block of force, and from the modes' lines to both sides of the output.
 
+use core::ops::Range;
+
 use super::numbers::{HALF, window_at};
 use super::{BLOCK_FRAMES, PADDED_LINES, POINTS, WIDTH};
 use crate::fourier::{self, Complex, MAX_POINTS, TWIDDLES};
@@ -22,39 +24,41 @@ pub(super) fn fill(force: &[i32; BLOCK_FRAMES], transform: &mut [Complex; BLOCK_
     }
 }
 
-/// Lines `Σ_μ F[μ] w[μ] e^{-2πi kμ/2N}` of a force, from its transform.
-pub(super) fn unfold(transform: &[Complex; BLOCK_FRAMES], lines: &mut Lines) {
+/// Number of pairs of lines k and N - k.
+pub(super) const PAIRS: usize = HALF + 1;
+
+/// Lines `Σ_μ F[μ] w[μ] e^{-2πi kμ/2N}` of a force, from its transform, for a range of the pairs k
+/// and N - k. With the last pair come the lines beyond the ends.
+pub(super) fn unfold(transform: &[Complex; BLOCK_FRAMES], pairs: Range<usize>, lines: &mut Lines) {
+    let is_last = pairs.end == PAIRS;
     let at =
         |k: usize| transform.get(fourier::place(k as u32, BLOCK_FRAMES.trailing_zeros())).copied().unwrap_or([0.0; 2]);
-    for k in 0..=BLOCK_FRAMES {
+    let twiddles = TWIDDLES.get(pairs.start * (MAX_POINTS / BLOCK_FRAMES)..).unwrap_or(&[]);
+    for (k, &[cos, sin]) in pairs.zip(twiddles.iter().step_by(MAX_POINTS / BLOCK_FRAMES)) {
         let ([a, b], [c, d]) = (at(k), at(BLOCK_FRAMES - k));
-        let [cos, sin] = match TWIDDLES.get(k * (MAX_POINTS / BLOCK_FRAMES)) {
-            Some(&twiddle) => twiddle,
-            // The table ends before half a turn.
-            None => [-1.0, 0.0],
-        };
-        // Even frames' transform, odd frames' times i.
+        // Transforms of the even frames, and of the odd ones times a turn.
         let (even, odd) = ([0.5 * (a + c), 0.5 * (b - d)], [0.5 * (b + d), 0.5 * (c - a)]);
-        let line = [even[0] + (cos * odd[0] - sin * odd[1]), even[1] + (cos * odd[1] + sin * odd[0])];
-        if let Some(slot) = lines.get_mut(k + BEYOND) {
-            *slot = conjugate(line);
+        let turned = [cos * odd[0] - sin * odd[1], cos * odd[1] + sin * odd[0]];
+        if let Some(slot) = lines.get_mut(BEYOND + k) {
+            *slot = [even[0] + turned[0], -(even[1] + turned[1])];
+        }
+        if let Some(slot) = lines.get_mut(BEYOND + BLOCK_FRAMES - k) {
+            *slot = [even[0] - turned[0], even[1] - turned[1]];
         }
     }
-    for k in 1..=BEYOND {
-        mirror(lines, BEYOND + k, BEYOND - k);
-        let end = BEYOND + BLOCK_FRAMES;
-        mirror(lines, end - k, end + k);
+    if is_last {
+        for k in 1..=BEYOND {
+            mirror(lines, BEYOND + k, BEYOND - k);
+            let end = BEYOND + BLOCK_FRAMES;
+            mirror(lines, end - k, end + k);
+        }
     }
-}
-
-fn conjugate([re, im]: Complex) -> Complex {
-    [re, -im]
 }
 
 fn mirror(lines: &mut Lines, from: usize, to: usize) {
-    let line = lines.get(from).copied().unwrap_or([0.0; 2]);
+    let [re, im] = lines.get(from).copied().unwrap_or([0.0; 2]);
     if let Some(slot) = lines.get_mut(to) {
-        *slot = conjugate(line);
+        *slot = [re, -im];
     }
 }
 
@@ -73,19 +77,35 @@ pub(super) fn fold(lines: &mut Lines) {
     }
 }
 
-/// Adds folded lines, by the gains of both sides, to the spectrum of `left + i right`.
-pub(super) fn pan(lines: &Lines, [left, right]: [f32; 2], stereo: &mut [Complex; POINTS]) {
-    let Some(lines) = lines.get(BEYOND..=BEYOND + BLOCK_FRAMES) else { return };
-    let Some(([first, low @ ..], [middle, high @ ..])) = stereo.split_at_mut_checked(BLOCK_FRAMES) else { return };
-    let [start, inner @ .., end] = lines else { return };
-    for (ends, slot) in [(start, first), (end, middle)] {
-        *slot = [slot[0] + left * ends[0], slot[1] + right * ends[0]];
+/// Puts a range of folded lines, by the gains of both sides, into the spectrum of `left + i right`,
+/// or adds them (`ADDS`).
+pub(super) fn pan<const ADDS: bool>(
+    lines: &Lines,
+    range: Range<usize>,
+    [left, right]: [f32; 2],
+    stereo: &mut [Complex; POINTS],
+) {
+    let put = |slot: Option<&mut Complex>, [re, im]: Complex| {
+        if let Some(slot) = slot {
+            *slot = if ADDS { [slot[0] + re, slot[1] + im] } else { [re, im] };
+        }
+    };
+    let ends = [0, BLOCK_FRAMES];
+    for end in ends.into_iter().filter(|end| range.contains(end)) {
+        // Each is its own mirror image.
+        let re = lines.get(BEYOND + end).map_or(0.0, |line| line[0]);
+        put(stereo.get_mut(end), [left * re, right * re]);
     }
     let (left, right) = (0.5 * left, 0.5 * right);
-    for (([re, im], low), high) in inner.iter().zip(low).zip(high.iter_mut().rev()) {
+    let inner = range.start.max(1)..range.end.min(BLOCK_FRAMES);
+    let (low, high) = stereo.split_at_mut(BLOCK_FRAMES);
+    let high = high.get_mut(BLOCK_FRAMES - (inner.end - 1)..=BLOCK_FRAMES - inner.start).unwrap_or(&mut []);
+    let places = (low.get_mut(inner.clone()).unwrap_or(&mut []).iter_mut()).zip(high.iter_mut().rev());
+    let lines = lines.get(BEYOND + inner.start..BEYOND + inner.end).unwrap_or(&[]);
+    for ([re, im], (low, high)) in lines.iter().zip(places) {
         let ([a, b], [c, d]) = ([left * re, left * im], [right * re, right * im]);
-        *low = [low[0] + (a - d), low[1] + (b + c)];
-        *high = [high[0] + (a + d), high[1] + (c - b)];
+        put(Some(low), [a - d, b + c]);
+        put(Some(high), [a + d, c - b]);
     }
 }
 

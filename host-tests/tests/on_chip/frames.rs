@@ -55,7 +55,7 @@ fn thousand_modes_ring_and_are_struck_within_the_cycles_of_the_page() {
     let mut chip = FramesOnChip::new().unwrap();
     // Number of modes; cycles a frame ringing, of the dearest tick of a strike, under a direct
     // force in the mean and at most.
-    let page = [(64, [371.0, 1331.0, 1610.0, 2135.0]), (1025, [795.0, 1758.0, 2394.0, 2604.0])];
+    let page = [(64, [369.0, 801.0, 1588.0, 1760.0]), (1025, [792.0, 1606.0, 2372.0, 2552.0])];
     let mut ringing = Vec::new();
     for (count, stated) in page {
         let modes = prior(count, [3.0, 20.0]);

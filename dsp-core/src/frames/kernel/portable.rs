@@ -49,8 +49,7 @@ pub fn gather(modes: &mut [FrameMode], lines: &[Line], first: usize, spectrum: &
     }
 }
 
-/// Sums `Σ_m force[m] · taps[m - j]`, `taps[m - j]` counted from `taps[OUTPUTS - 1]`, of the outputs
-/// j = 0 to 2.
+/// Sums three outputs of a head: `Σ_m force[m] · taps[m + 2 - j]` for j = 0 to 2.
 ///
 /// `taps` is longer than the force by [`OUTPUTS`] - 1.
 pub fn convolve(force: &[i32], taps: &[i32]) -> [i64; OUTPUTS] {
