@@ -94,7 +94,7 @@ pub fn contact(samples: usize) -> Vec<i32> {
 /// A bank in frames, with its mixer.
 #[derive(Debug)]
 pub struct FramesOnPc {
-    banks: [FrameBank<'static>; 1],
+    banks: [FrameBank<'static, 'static>; 1],
     mixer: FrameMixer<'static>,
     now: usize,
 }
@@ -102,11 +102,19 @@ pub struct FramesOnPc {
 impl FramesOnPc {
     /// Bank of modes at a rate, on the left side. Modes that no longer sound retire if `retires`.
     pub fn new(modes: &[HeardMode], rate: SampleRate, retires: bool) -> Self {
-        let (modes, gains): (Vec<_>, Vec<_>) = modes.iter().map(|mode| mode.records(rate)).unzip();
+        Self::with_positions(&[modes.to_vec()], rate, retires)
+    }
+
+    /// Bank whose modes have the frequencies and decays of the first position, and the gains of
+    /// each.
+    pub fn with_positions(positions: &[Vec<HeardMode>], rate: SampleRate, retires: bool) -> Self {
+        let modes: Vec<_> = positions[0].iter().map(|mode| mode.records(rate).0).collect();
+        let of_mode = |index: usize| positions.iter().map(move |modes| modes[index].records(rate).1);
+        let gains: Vec<_> = (0..modes.len()).flat_map(of_mode).collect();
         let table = BankTable {
-            modes: &modes,
-            gains: &gains,
-            positions: 1,
+            modes: Vec::leak(modes),
+            gains: Vec::leak(gains),
+            positions: positions.len(),
             weight: 1.0,
             choke_t60_s: 0.0,
             is_balanced: false,
@@ -119,12 +127,13 @@ impl FramesOnPc {
         Self { banks: [bank], mixer, now: 0 }
     }
 
-    /// Moves the clock to a frame before anything has sounded.
-    pub fn begin_at(&mut self, frame: usize) {
-        self.now = frame;
-        if !frame.is_multiple_of(BLOCK_FRAMES) {
-            self.mixer.begin_block(&mut self.banks);
+    /// Slot for a strike at a position, moved there; `None` if both slots sound elsewhere.
+    pub fn strike_at(&mut self, position: f32) -> Option<usize> {
+        let place = self.banks[0].place(position, |_| false);
+        if place.moves {
+            self.banks[0].set_position(place.slot, position);
         }
+        (!place.is_merged).then_some(place.slot.into())
     }
 
     /// True if nothing sounds and nothing will.
@@ -132,8 +141,13 @@ impl FramesOnPc {
         self.mixer.is_silent() && !self.banks[0].is_active()
     }
 
-    /// Left side under a force, rendered in runs of at most `most` frames.
+    /// Left side under a force in slot 0, rendered in runs of at most `most` frames.
     pub fn render(&mut self, force: &[i32], most: usize) -> Vec<i32> {
+        self.render_in(0, force, most)
+    }
+
+    /// Left side under a force in a slot.
+    pub fn render_in(&mut self, slot: usize, force: &[i32], most: usize) -> Vec<i32> {
         let mut out = Vec::with_capacity(force.len());
         let mut rest = force;
         while !rest.is_empty() {
@@ -145,7 +159,10 @@ impl FramesOnPc {
             let (run, later) = rest.split_at(count);
             rest = later;
             let mut head = vec![0; count];
-            self.banks[0].render(frame, run.iter().any(|&x| x != 0).then_some(run), &mut head);
+            let force = run.iter().any(|&x| x != 0).then_some(run);
+            let mut forces = [None; 2];
+            forces[slot] = force;
+            self.banks[0].render(frame, forces, &mut head);
             let mut stereo = vec![[0; 2]; count];
             Panner::new(0.0, -1.0).render(&head, &mut stereo);
             if let Some(playing) = self.mixer.playing() {

@@ -1,19 +1,24 @@
 //! A bank of modes in frames, and its head.
 
+use super::POINTS;
 use super::head::Head;
 use super::mode::{FrameMode, Line};
-use crate::resonator::Retirement;
+use crate::resonator::{Place, Retirement, gain_at};
 use crate::square_root::square_root;
+use crate::table::layout::GainRecord;
 
 /// A bank of modes in frames.
 ///
 /// Accuracy of a mode against the `f64` reference: 100 dB and better (`cargo test -p host-tests
 /// --test stages frames -- --nocapture`).
 #[derive(Debug)]
-pub struct FrameBank<'m> {
+pub struct FrameBank<'k, 'm> {
     pub(super) modes: &'m mut [FrameMode],
     pub(super) lines: &'m mut [Line],
-    pub(super) head: Head<'m>,
+    /// Two heads, each at the position of a slot; the second has memory only if the table has
+    /// several positions.
+    pub(super) heads: [Head<'m>; SLOTS],
+    pub(super) positions: Positions<'k, 'm>,
     /// Gains from the bank's bus to both sides.
     pub(super) gains: [f32; 2],
     pub(super) ringing: u16,
@@ -22,13 +27,42 @@ pub struct FrameBank<'m> {
     pub(super) retired_decay: f32,
 }
 
-impl FrameBank<'_> {
+/// Number of positions at which a bank plays force at a time.
+pub(super) const SLOTS: usize = 2;
+
+/// Gains and heads of a table with several positions; empty for one with a single position.
+#[derive(Debug)]
+pub(super) struct Positions<'k, 'm> {
+    /// Number of positions.
+    pub(super) count: usize,
+    /// Heads of all positions by lag, and their exponent.
+    pub(super) heads: &'m mut [i32],
+    pub(super) exponent: i32,
+    /// Index of each mode in the table.
+    pub(super) indices: &'m mut [u16],
+    /// Gains of the table, and their factor.
+    pub(super) gains: &'k [GainRecord],
+    pub(super) scale: f32,
+    /// Position whose gains the modes hold.
+    pub(super) held: f32,
+}
+
+impl FrameBank<'_, '_> {
     /// A bank without modes.
     pub const fn empty() -> Self {
         Self {
             modes: &mut [],
             lines: &mut [],
-            head: Head::empty(),
+            heads: [const { Head::empty() }; SLOTS],
+            positions: Positions {
+                count: 1,
+                heads: &mut [],
+                exponent: 0,
+                indices: &mut [],
+                gains: &[],
+                scale: 0.0,
+                held: 0.0,
+            },
             gains: [0.0; 2],
             ringing: 0,
             retired: 0.0,
@@ -49,18 +83,77 @@ impl FrameBank<'_> {
     /// True if [`FrameBank::render`] makes a sound without a force.
     #[inline(always)]
     pub fn is_head_active(&self) -> bool {
-        self.head.is_active()
+        self.heads.iter().any(Head::is_active)
     }
 
     /// True if the bank sounds or will.
     pub fn is_active(&self) -> bool {
-        self.ringing > 0 || self.head.is_active()
+        self.ringing > 0 || self.is_head_active()
     }
 
-    /// Adds the head's sound for a run of at most a tick's frames to the pad's bus; `frame` is the
-    /// run's first frame in its block ([`Head::render`]).
-    pub fn render(&mut self, frame: usize, force: Option<&[i32]>, out: &mut [i32]) {
-        self.head.render(frame, force, out);
+    /// Adds the heads' sound for a run of at most a tick's frames to the pad's bus, under the forces
+    /// of both slots; `frame` is the run's first frame in its block ([`Head::render`]).
+    pub fn render(&mut self, frame: usize, forces: [Option<&[i32]>; SLOTS], out: &mut [i32]) {
+        for (head, force) in self.heads.iter_mut().zip(forces) {
+            head.render(frame, force, out);
+        }
+    }
+
+    /// Slot for a strike at a position. `is_driven` says which slots contacts drive; a slot is also
+    /// taken while its head sounds, up to 2N frames longer.
+    pub fn place(&self, position: f32, is_driven: impl Fn(u8) -> bool) -> Place {
+        let [first, second] = &self.heads;
+        let is_taken = |slot: u8, head: &Head<'_>| is_driven(slot) || head.is_active();
+        if self.positions.count < 2 || first.position == position {
+            return Place::FIRST;
+        }
+        if second.position == position {
+            return Place { slot: 1, ..Place::FIRST };
+        }
+        if !is_taken(0, first) {
+            return Place { moves: true, ..Place::FIRST };
+        }
+        if !is_taken(1, second) {
+            return Place { slot: 1, moves: true, is_merged: false };
+        }
+        let distance = |head: &Head<'_>| (head.position - position).abs();
+        Place { slot: u8::from(distance(second) < distance(first)), moves: false, is_merged: true }
+    }
+
+    /// Moves a slot that is not taken to a position, 0 to 1: its head lies between those of the
+    /// table's positions, as the gains do. Cost: 6000 cycles.
+    pub fn set_position(&mut self, slot: u8, position: f32) {
+        let Positions { count, heads, exponent, .. } = &self.positions;
+        let Some(head) = self.heads.get_mut(usize::from(slot)).filter(|_| *count > 1) else { return };
+        head.position = position;
+        let place = position * (count - 1) as f32;
+        let below = (place as usize).min(count - 1);
+        let at = |position: usize| heads.get(position.min(count - 1) * POINTS..).unwrap_or(&[]);
+        head.set([at(below), at(below + 1)], place - below as f32, *exponent);
+    }
+
+    /// True if the modes do not hold the gains of a slot's position.
+    pub(super) fn is_to_derive(&self, slot: usize) -> bool {
+        self.positions.count > 1 && self.heads.get(slot).is_some_and(|head| head.position != self.positions.held)
+    }
+
+    /// Gives modes the gains of a slot's position.
+    pub(super) fn derive(&mut self, slot: usize, modes: core::ops::Range<usize>) {
+        let Positions { count, indices, gains, scale, .. } = &self.positions;
+        let Some(position) = self.heads.get(slot).map(|head| head.position) else { return };
+        let indices = indices.get(modes.clone()).unwrap_or(&[]);
+        for (mode, &index) in self.modes.get_mut(modes).unwrap_or(&mut []).iter_mut().zip(indices) {
+            let (sine, cosine) = gain_at(gains, *count, index.into(), position);
+            let (re, im) = (cosine * scale, -sine * scale);
+            let [x, y] = mode.step;
+            let twice = [x * x - y * y, 2.0 * x * y];
+            mode.gain = [re * twice[0] - im * twice[1], re * twice[1] + im * twice[0]];
+        }
+    }
+
+    /// Notes that the modes hold the gains of a slot's position.
+    pub(super) fn hold(&mut self, slot: usize) {
+        self.positions.held = self.heads.get(slot).map_or(0.0, |head| head.position);
     }
 
     /// Lets all modes ring, for a force that reaches them.
@@ -104,7 +197,7 @@ impl FrameBank<'_> {
 
     /// Begins a block for the head and for the sum of retired amplitudes.
     pub(super) fn begin_block(&mut self) {
-        self.head.begin_block();
+        self.heads.iter_mut().for_each(Head::begin_block);
         self.retired *= self.retired_decay;
         let loudest = self.gains[0].max(self.gains[1]) / crate::fixed::ONE_Q27 as f32;
         if self.retired * loudest < 1e-10 {

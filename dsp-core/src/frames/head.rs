@@ -12,12 +12,14 @@ const TAPS: usize = POINTS + 2 * (OUTPUTS - 1);
 /// Bits of the largest tap: with 2N taps and any force, sums stay below 2^62.
 const TAP_BITS: i32 = 22;
 
-/// Beginning of a response and the force of two blocks.
+/// Beginning of the response at one position, and the force of two blocks there.
 #[derive(Debug)]
 pub struct Head<'m> {
     /// Taps `h[lag] 2^exponent`, the longest lag first, between zeros.
     taps: &'m mut [i32],
     exponent: i32,
+    /// Position along the object, 0 to 1.
+    pub(super) position: f32,
     /// Force of the last block, and of this one.
     history: &'m mut [i32],
     /// Range of the history outside which all is 0.
@@ -27,7 +29,7 @@ pub struct Head<'m> {
 impl<'m> Head<'m> {
     /// A head without taps, whose output is silent.
     pub(super) const fn empty() -> Self {
-        Self { taps: &mut [], exponent: 0, history: &mut [], forced: (0, 0) }
+        Self { taps: &mut [], exponent: 0, position: 0.0, history: &mut [], forced: (0, 0) }
     }
 
     /// Takes the memory of a head: 4 KB.
@@ -36,20 +38,22 @@ impl<'m> Head<'m> {
         Ok(Self { taps, history: lender.take(Region::Fast, POINTS, || 0)?, ..Self::empty() })
     }
 
-    /// Taps as floats by lag, for the load; [`Head::fix`] must follow.
-    pub(super) fn floats(&mut self) -> impl Iterator<Item = &mut i32> {
+    /// Taps by lag, for the load: floats by their bits until they are [fixed](fix).
+    pub(super) fn by_lag(&mut self) -> impl Iterator<Item = &mut i32> {
         let ends = OUTPUTS - 1;
         self.taps.get_mut(ends..ends + POINTS).unwrap_or(&mut []).iter_mut().rev()
     }
 
-    /// Turns taps that hold the bits of floats into integers with one exponent.
+    /// Turns taps that are floats into integers.
     pub(super) fn fix(&mut self) {
-        let largest = self.floats().fold(0.0f32, |largest, tap| largest.max(f32::from_bits(*tap as u32).abs()));
-        self.exponent = if largest > 0.0 { (TAP_BITS - libm::frexpf(largest).1).min(62) } else { 0 };
-        let exponent = self.exponent;
-        for tap in self.floats() {
-            let exact = libm::scalbn(f64::from(f32::from_bits(*tap as u32)), exponent);
-            *tap = libm::rint(exact) as i32;
+        self.exponent = fix(self.taps);
+    }
+
+    /// Takes the taps between two heads by lag, all fixed with one exponent.
+    pub(super) fn set(&mut self, [low, high]: [&[i32]; 2], fraction: f32, exponent: i32) {
+        self.exponent = exponent;
+        for ((tap, &low), &high) in self.by_lag().zip(low).zip(high) {
+            *tap = low + ((high - low) as f32 * fraction) as i32;
         }
     }
 
@@ -112,6 +116,17 @@ impl<'m> Head<'m> {
         let (first, end) = ((start + first) as u16, (start + last + 1) as u16); // a history has 2N samples
         self.forced = if self.is_active() { (self.forced.0.min(first), self.forced.1.max(end)) } else { (first, end) };
     }
+}
+
+/// Turns heads that hold the bits of floats into integers with one exponent, and gives it.
+pub(super) fn fix(taps: &mut [i32]) -> i32 {
+    let float = |tap: i32| f32::from_bits(tap as u32);
+    let largest = taps.iter().fold(0.0f32, |largest, &tap| largest.max(float(tap).abs()));
+    let exponent = if largest > 0.0 { (TAP_BITS - libm::frexpf(largest).1).min(62) } else { 0 };
+    for tap in taps {
+        *tap = libm::rint(libm::scalbn(f64::from(float(*tap)), exponent)) as i32;
+    }
+    exponent
 }
 
 /// Sum of taps and force on the bus, rounded, saturating.

@@ -1,12 +1,12 @@
 //! From a table to a bank in frames.
 
-use super::bank::FrameBank;
-use super::head::Head;
+use super::bank::{FrameBank, Positions};
+use super::head::{Head, fix};
 use super::mixer::FrameMixer;
 use super::mode::{FrameMode, Line};
 use super::numbers::numbers;
 use super::pole::{Complex64, FramePole, MAX_DAMPING, MAX_DAMPING_OF_HEAD, times};
-use super::{BLOCK_FRAMES, LINES};
+use super::{BLOCK_FRAMES, LINES, POINTS};
 use crate::SampleRate;
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::resonator::{BankError, BankTable, check_bank, gain_at};
@@ -16,6 +16,8 @@ use crate::resonator::{BankError, BankTable, check_bank, gain_at};
 pub struct FrameBankSize {
     /// Number of modes below Nyquist that outlast the head.
     pub modes: usize,
+    /// Number of positions of the table.
+    pub positions: usize,
 }
 
 /// Modes of a table that are rendered: index and pole.
@@ -33,27 +35,39 @@ fn outlasts_head(pole: &FramePole) -> bool {
     pole.damping <= MAX_DAMPING
 }
 
-impl<'m> FrameBank<'m> {
+impl<'k, 'm> FrameBank<'k, 'm> {
     /// Size of the bank of a table at a sample rate.
     ///
     /// # Errors
     /// A [`BankError`] for a table that no bank can hold.
     pub fn size(table: &BankTable<'_>, rate: SampleRate) -> Result<FrameBankSize, BankError> {
         check_bank(table, rate)?;
-        Ok(FrameBankSize { modes: rendered(table, rate).filter(|(_, pole)| outlasts_head(pole)).count() })
+        let modes = rendered(table, rate).filter(|(_, pole)| outlasts_head(pole)).count();
+        Ok(FrameBankSize { modes, positions: table.positions })
     }
 
-    /// Takes the memory of a bank, at rest and without modes: 84 bytes a mode, and 5.2 KB.
+    /// Takes the memory of a bank, at rest and without modes: 84 bytes a mode, and 5.2 KB. A bank of
+    /// P positions, P above 1, takes 2 bytes a mode, 2 KB a position and 4.1 KB more.
     ///
     /// # Errors
     /// [`OutOfMemory`].
     pub fn take(lender: &mut impl Lender<'m>, size: FrameBankSize) -> Result<Self, OutOfMemory> {
-        Ok(Self {
+        let mut bank = Self {
             modes: lender.take(Region::Fast, size.modes, || FrameMode::SILENT)?,
             lines: lender.take(Region::Fast, LINES, Line::default)?,
-            head: Head::take(lender)?,
+            heads: [Head::take(lender)?, Head::empty()],
             ..Self::empty()
-        })
+        };
+        if size.positions > 1 {
+            bank.heads[1] = Head::take(lender)?;
+            bank.positions = Positions {
+                count: size.positions,
+                heads: lender.take(Region::Bulk, size.positions * POINTS, || 0)?,
+                indices: lender.take(Region::Fast, size.modes, || 0)?,
+                ..bank.positions
+            };
+        }
+        Ok(bank)
     }
 
     /// Derives the bank of a table in the memory that was taken for its [`size`](Self::size), with
@@ -63,41 +77,43 @@ impl<'m> FrameBank<'m> {
     /// A [`BankError`]; the bank is then not to be played.
     pub fn load(
         &mut self,
-        table: &BankTable<'_>,
+        table: &BankTable<'k>,
         rate: SampleRate,
         gains: [f32; 2],
         mixer: &mut FrameMixer<'_>,
     ) -> Result<(), BankError> {
         check_bank(table, rate)?;
         self.gains = gains;
-        self.place(table, rate);
-        // Modes' states are their amplitudes for a force of one bus step at the first frame.
-        for block in 0..2 {
-            mixer.make_block(self);
-            for (tap, frame) in self.head.floats().skip(block * BLOCK_FRAMES).zip(0..BLOCK_FRAMES) {
-                *tap = mixer.made(frame).to_bits() as i32;
-            }
+        self.place_modes(table, rate);
+        for (index, mode) in self.positions.indices.iter_mut().zip(&*self.modes) {
+            *index = mode.state[0].to_bits() as u16; // 12 bits and a flag
+        }
+        for index in 0..table.positions {
+            let position = index as f32 / (table.positions - 1).max(1) as f32;
+            // Where the table has several positions the first head is scratch.
+            self.make_head(table, rate, position, mixer);
+            let taps = self.positions.heads.get_mut(index * POINTS..).unwrap_or(&mut []);
+            taps.iter_mut().zip(self.heads[0].by_lag()).for_each(|(to, from)| *to = *from);
         }
         self.modes.iter_mut().for_each(|mode| mode.state = [0.0; 2]);
         self.lines.iter_mut().for_each(|line| line.ringing = 0);
-        let scale = table.weight / rate.hz();
-        let mut taken = 0.0;
-        for (index, pole) in rendered(table, rate) {
-            let gain = complex_gain(table, index, scale);
-            taken += if table.is_balanced { times(gain, pole.sum())[0] } else { gain[0] / 2.0 };
-            if pole.damping > MAX_DAMPING_OF_HEAD {
-                self.add_to_head(gain, pole.power(1));
-            }
+        if table.positions == 1 {
+            self.heads[0].fix();
+            return Ok(());
         }
-        if let Some(tap) = self.head.floats().next() {
-            *tap = (f32::from_bits(*tap as u32) - taken as f32).to_bits() as i32;
-        }
-        self.head.fix();
+        self.positions.indices.iter_mut().for_each(|index| *index &= !BY_RECURSION);
+        self.positions.exponent = fix(self.positions.heads);
+        (self.positions.gains, self.positions.scale) = (table.gains, (table.weight / rate.hz()) as f32);
+        self.set_position(0, 0.0);
+        self.set_position(1, 0.0);
+        self.derive(0, 0..self.modes.len());
         Ok(())
     }
 
-    /// Puts the modes in the order of their lines, and derives them.
-    fn place(&mut self, table: &BankTable<'_>, rate: SampleRate) {
+    /// Puts the modes in the order of their lines, and derives them but for their gains. Until they
+    /// have some, `gain` holds z^(N/2), and the bits of `state[0]` the index in the table, with
+    /// [`BY_RECURSION`].
+    fn place_modes(&mut self, table: &BankTable<'_>, rate: SampleRate) {
         let held = || rendered(table, rate).filter(|(_, pole)| outlasts_head(pole));
         self.lines.fill(Line::default());
         for (_, pole) in held() {
@@ -105,14 +121,13 @@ impl<'m> FrameBank<'m> {
                 line.count += 1; // banks count in 16 bits
             }
         }
-        let scale = table.weight / rate.hz();
         for (index, pole) in held() {
             let (before, from) = self.lines.split_at_checked(pole.line).unwrap_or((&[], &[]));
             let first: usize = before.iter().map(|line| usize::from(line.count)).sum();
             let placed = from.first().map_or(0, |line| usize::from(line.ringing));
             let Some(modes) = self.modes.get_mut(first..=first + placed) else { continue };
             if let Some(mode) = modes.last_mut() {
-                *mode = derived(&pole, complex_gain(table, index, scale));
+                *mode = derived(&pole, index);
             }
             // By insertion, the slowest first.
             for at in (1..modes.len()).rev() {
@@ -127,39 +142,87 @@ impl<'m> FrameBank<'m> {
         }
     }
 
-    /// Adds a fast mode to the head by recursion in `f32`, its factor to 48 bits.
-    fn add_to_head(&mut self, gain: Complex64, factor: Complex64) {
+    /// Makes the first head hold the response at a position, as floats. Modes whose table has one
+    /// position get their gains.
+    fn make_head(&mut self, table: &BankTable<'_>, rate: SampleRate, position: f32, mixer: &mut FrameMixer<'_>) {
+        let scale = table.weight / rate.hz();
+        let mut indices = self.positions.indices.iter();
+        for mode in &mut *self.modes {
+            let index = indices.next().copied().unwrap_or(mode.state[0].to_bits() as u16);
+            let gain = complex_gain(table, usize::from(index & !BY_RECURSION), position, scale).map(|x| x as f32);
+            let half = mode.gain;
+            // What a force of one bus step at the first frame of a block makes.
+            mode.state = if index & BY_RECURSION == 0 { product(gain, half) } else { [0.0; 2] };
+            if table.positions == 1 {
+                let whole = product(half, half);
+                mode.gain = product(gain, product(whole, whole));
+            }
+        }
+        for block in 0..2 {
+            mixer.make_block(self);
+            for (tap, frame) in self.heads[0].by_lag().skip(block * BLOCK_FRAMES).zip(0..BLOCK_FRAMES) {
+                *tap = mixer.made(frame).to_bits() as i32;
+            }
+        }
+        let mut taken = 0.0;
+        for (index, pole) in rendered(table, rate) {
+            let gain = complex_gain(table, index, position, scale);
+            taken += if table.is_balanced { times(gain, pole.sum())[0] } else { gain[0] / 2.0 };
+            if is_by_recursion(&pole) {
+                self.heads[0].add(gain, pole.power(1));
+            }
+        }
+        if let Some(tap) = self.heads[0].by_lag().next() {
+            *tap = (f32::from_bits(*tap as u32) - taken as f32).to_bits() as i32;
+        }
+    }
+}
+
+impl Head<'_> {
+    /// Adds a fast mode to taps that are floats by recursion in `f32`, its factor to 48 bits.
+    fn add(&mut self, gain: Complex64, factor: Complex64) {
         let mut state = gain.map(|x| x as f32);
         let main = factor.map(|x| x as f32);
         let rest = [factor[0] - f64::from(main[0]), factor[1] - f64::from(main[1])].map(|x| x as f32);
-        for tap in self.head.floats() {
+        for tap in self.by_lag() {
             *tap = (f32::from_bits(*tap as u32) + state[0]).to_bits() as i32;
-            let product = |[x, y]: [f32; 2]| [state[0] * x - state[1] * y, state[0] * y + state[1] * x];
-            let (of_main, of_rest) = (product(main), product(rest));
+            let (of_main, of_rest) = (product(state, main), product(state, rest));
             state = [of_main[0] + of_rest[0], of_main[1] + of_rest[1]];
         }
     }
 }
 
-/// Gain g of `h[n] = Re(g z^n)`, in bus steps a bus step of force.
-fn complex_gain(table: &BankTable<'_>, index: usize, scale: f64) -> Complex64 {
-    let (sine, cosine) = gain_at(table.gains, table.positions, index, 0.0);
+/// Flag of a mode whose head a recursion makes.
+const BY_RECURSION: u16 = 1 << 15;
+
+/// True if a recursion makes the head of a mode, because it decays too fast for the lines.
+fn is_by_recursion(pole: &FramePole) -> bool {
+    pole.damping > MAX_DAMPING_OF_HEAD
+}
+
+/// Gain g of `h[n] = Re(g z^n)` at a position, in bus steps a bus step of force.
+fn complex_gain(table: &BankTable<'_>, index: usize, position: f32, scale: f64) -> Complex64 {
+    let (sine, cosine) = gain_at(table.gains, table.positions, index, position);
     [f64::from(cosine) * scale, -f64::from(sine) * scale]
 }
 
-/// Mode of a pole and a gain. Its state is what a force of one bus step at the first frame of a
-/// block makes, if the lines make its head, else 0.
-fn derived(pole: &FramePole, gain: Complex64) -> FrameMode {
-    let [half, whole, twice] = pole.powers();
-    let by_lines = pole.damping <= MAX_DAMPING_OF_HEAD;
+/// Mode of a pole with its index, before it has gains.
+fn derived(pole: &FramePole, index: usize) -> FrameMode {
+    let [half, whole] = pole.powers();
+    let flag = if is_by_recursion(pole) { BY_RECURSION } else { 0 };
     let mut mode = FrameMode {
-        state: if by_lines { times(gain, half).map(|x| x as f32) } else { [0.0; 2] },
+        state: [f32::from_bits(u32::from(index as u16 | flag)), 0.0],
         numbers: numbers([pole.distance as f32, pole.damping as f32]),
-        gain: times(gain, twice).map(|x| x as f32),
+        gain: half.map(|x| x as f32),
         ..FrameMode::SILENT
     };
     mode.set_step(whole);
     mode
+}
+
+/// Product of two complex numbers.
+fn product(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
+    [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
 }
 
 /// Square of a complex number's size.

@@ -1,6 +1,7 @@
 //! Work of all banks in frames, a block ahead, in pieces; and their sum, as it plays.
 
 use super::bank::FrameBank;
+use super::head::Head;
 use super::kernel;
 use super::mode::Line;
 use super::spectrum::{self, Lines};
@@ -22,6 +23,8 @@ pub struct FrameMixer<'m> {
     step: Step,
     /// Number of the bank that is being worked on.
     bank: usize,
+    /// Number of the slot whose force is being worked on.
+    slot: usize,
     /// True if no bank has added to the next block yet.
     is_first: bool,
     /// Cycles of this block's work that are done, and all of them.
@@ -97,6 +100,7 @@ impl<'m> FrameMixer<'m> {
             sounds: [false; 2],
             step: Step::Rest,
             bank: 0,
+            slot: 0,
             is_first: true,
             done: 0,
             all: 0,
@@ -116,15 +120,17 @@ impl<'m> FrameMixer<'m> {
     }
 
     /// Begins a block: the one that was made plays, and the work on the next one begins.
-    pub fn begin_block(&mut self, banks: &mut [FrameBank<'_>]) {
+    pub fn begin_block(&mut self, banks: &mut [FrameBank<'_, '_>]) {
         while !matches!(self.step, Step::Rest) {
             self.advance(banks, u32::MAX);
         }
         self.front = !self.front;
         self.sounds = [self.sounds[1], false];
         banks.iter_mut().for_each(FrameBank::begin_block);
-        let works = |bank: &FrameBank<'_>| bank.ringing > 0 || bank.head.last_block().is_some();
-        (self.done, self.all, self.bank) = (0, banks.iter().map(bank_cycles).sum(), 0);
+        let works =
+            |bank: &FrameBank<'_, '_>| bank.ringing > 0 || bank.heads.iter().any(|head| head.last_block().is_some());
+        (self.done, self.all) = (0, banks.iter().map(bank_cycles).sum());
+        (self.bank, self.slot) = (0, 0);
         self.step = Step::Rest;
         if banks.iter().any(works) {
             self.all += fourier::cycles(POINTS);
@@ -135,7 +141,7 @@ impl<'m> FrameMixer<'m> {
 
     /// Works on the next block at the end of a tick of this one, counted from 0: by then the share
     /// of the ticks that have passed is done.
-    pub fn end_tick(&mut self, tick: usize, banks: &mut [FrameBank<'_>]) {
+    pub fn end_tick(&mut self, tick: usize, banks: &mut [FrameBank<'_, '_>]) {
         let due = if tick + 1 < TICKS { (self.all / TICKS as u32) * (tick as u32 + 1) } else { u32::MAX };
         while self.done < due && !matches!(self.step, Step::Rest) {
             self.advance(banks, due - self.done);
@@ -148,7 +154,7 @@ impl<'m> FrameMixer<'m> {
     }
 
     /// Works for about a number of cycles, or until the end of a step.
-    fn advance(&mut self, banks: &mut [FrameBank<'_>], cycles: u32) {
+    fn advance(&mut self, banks: &mut [FrameBank<'_, '_>], cycles: u32) {
         let [buffers] = &mut *self.buffers else {
             self.step = Step::Rest;
             return;
@@ -165,17 +171,21 @@ impl<'m> FrameMixer<'m> {
             return;
         };
         let (spent, next) = match self.step {
-            Step::Bank => match bank.head.last_block() {
-                Some(last) => {
+            Step::Bank => match bank.heads.get(self.slot).map(Head::last_block) {
+                Some(Some(last)) => {
                     spectrum::fill(last, force);
                     (FILL, Step::Force(Progress::start(BLOCK_FRAMES)))
+                }
+                Some(None) => {
+                    self.slot += 1;
+                    (0, Step::Bank)
                 }
                 None if bank.ringing > 0 => {
                     lines.fill([0.0; 2]);
                     (CLEAR, Step::Synthesis(0, 0))
                 }
                 None => {
-                    self.bank += 1;
+                    (self.bank, self.slot) = (self.bank + 1, 0);
                     (0, Step::Bank)
                 }
             },
@@ -194,15 +204,21 @@ impl<'m> FrameMixer<'m> {
                 }
             }
             Step::Gather(line, mode) => {
-                let (end, count, spent) =
-                    piece(bank, line, cycles, |line| GATHER_LINE + GATHER_MODE * u32::from(line.count));
+                let derives = bank.is_to_derive(self.slot);
+                let of_mode = GATHER_MODE + if derives { DERIVED_MODE } else { 0 };
+                let cost = |line: &Line| GATHER_LINE + of_mode * u32::from(line.count);
+                let (end, count, spent) = piece(bank, line, cycles, cost);
+                if derives {
+                    bank.derive(self.slot, mode..mode + count);
+                }
                 let modes = bank.modes.get_mut(mode..).unwrap_or(&mut []);
                 kernel::gather(modes, bank.lines.get(line..end).unwrap_or(&[]), line, lines);
                 if end < LINES {
                     (spent, Step::Gather(end, mode + count))
                 } else {
-                    lines.fill([0.0; 2]);
-                    (spent + CLEAR, Step::Synthesis(0, 0))
+                    bank.hold(self.slot);
+                    self.slot += 1;
+                    (spent, Step::Bank)
                 }
             }
             Step::Synthesis(line, mode) => {
@@ -229,7 +245,7 @@ impl<'m> FrameMixer<'m> {
                 if end < LINES {
                     (PAN * LINES_AT_ONCE as u32, Step::Pan(end))
                 } else {
-                    (self.bank, self.is_first) = (self.bank + 1, false);
+                    (self.bank, self.slot, self.is_first) = (self.bank + 1, 0, false);
                     (PAN * (end - line) as u32, Step::Bank)
                 }
             }
@@ -240,7 +256,7 @@ impl<'m> FrameMixer<'m> {
     }
 
     /// Makes a block of a bank from its states, for its head.
-    pub(super) fn make_block(&mut self, bank: &mut FrameBank<'_>) {
+    pub(super) fn make_block(&mut self, bank: &mut FrameBank<'_, '_>) {
         let [buffers] = &mut *self.buffers else { return };
         let stereo = &mut buffers.stereo[0];
         buffers.lines.fill([0.0; 2]);
@@ -261,7 +277,7 @@ impl<'m> FrameMixer<'m> {
 
 /// Lines from `line` on that take about a number of cycles: their end, the number of all their
 /// modes, and the cycles that `cost` says.
-fn piece(bank: &FrameBank<'_>, line: usize, cycles: u32, cost: impl Fn(&Line) -> u32) -> (usize, usize, u32) {
+fn piece(bank: &FrameBank<'_, '_>, line: usize, cycles: u32, cost: impl Fn(&Line) -> u32) -> (usize, usize, u32) {
     let (mut end, mut count, mut spent) = (line, 0, 0);
     for line in bank.lines.get(line..).unwrap_or(&[]) {
         (end, count) = (end + 1, count + usize::from(line.count));
@@ -274,15 +290,21 @@ fn piece(bank: &FrameBank<'_>, line: usize, cycles: u32, cost: impl Fn(&Line) ->
 }
 
 /// Cycles of a bank's work on the next block.
-fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
+fn bank_cycles(bank: &FrameBank<'_, '_>) -> u32 {
     let (modes, lines) = (bank.modes.len() as u32, LINES as u32);
     let synthesis = |modes: u32| CLEAR + lines * SYNTHESIS_LINE + modes * SYNTHESIS_MODE + lines * PAN;
-    let gather = lines * GATHER_LINE + modes * GATHER_MODE;
     let transform = FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD;
-    match (bank.head.last_block(), bank.ringing) {
-        (Some(_), _) => transform + gather + synthesis(modes),
-        (None, 1..) => synthesis(bank.ringing.into()),
-        (None, 0) => 0,
+    let forced = bank.heads.iter().enumerate().filter(|(_, head)| head.last_block().is_some());
+    let of_forces: u32 = forced
+        .map(|(slot, _)| {
+            let of_mode = GATHER_MODE + if bank.is_to_derive(slot) { DERIVED_MODE } else { 0 };
+            transform + lines * GATHER_LINE + modes * of_mode
+        })
+        .sum();
+    match (of_forces, bank.ringing) {
+        (0, 0) => 0,
+        (0, ringing) => synthesis(ringing.into()),
+        _ => of_forces + synthesis(modes),
     }
 }
 
@@ -292,6 +314,8 @@ const GATHER_LINE: u32 = 25;
 const SYNTHESIS_LINE: u32 = 60;
 const GATHER_MODE: u32 = 94;
 const SYNTHESIS_MODE: u32 = 102;
+/// Nominal cycles of a mode whose gain is derived for another position.
+const DERIVED_MODE: u32 = 90;
 const UNFOLD: u32 = 55;
 const PAN: u32 = 28;
 /// Nominal cycles of the preparation of a force, and of the clearing of lines.

@@ -65,12 +65,11 @@ impl FramePole {
         }
     }
 
-    /// Powers `z^(N/2)`, `z^N`, `z^2N`.
-    pub(super) fn powers(&self) -> [Complex64; 3] {
+    /// Powers `z^(N/2)` and `z^N`.
+    pub(super) fn powers(&self) -> [Complex64; 2] {
         let half = self.power(HALF);
         const { assert!(HALF * 2 == BLOCK_FRAMES) };
-        let whole = times(half, half);
-        [half, whole, times(whole, whole)]
+        [half, times(half, half)]
     }
 
     /// Sum `Σ_{n>=0} z^n = 1/(1 - z)`: the response to a constant force.

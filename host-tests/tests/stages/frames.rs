@@ -113,3 +113,33 @@ fn long_tail_follows_the_law_for_ninety_decibels() {
         assert!(worst < 0.05, "T60 {t60_s} s: {worst:.3} dB");
     }
 }
+
+#[test]
+fn strikes_at_two_positions_sound_as_their_gains_say() {
+    let first = prior(200, [0.01, 1.0]);
+    let mut second = prior(201, [0.01, 1.0]);
+    second.truncate(200);
+    let between = |fraction: f64| -> Vec<HeardMode> {
+        let mix = |a: f64, b: f64| a + (b - a) * fraction;
+        let modes = first.iter().zip(&second);
+        modes.map(|(a, b)| HeardMode { sine: mix(a.sine, b.sine), cosine: mix(a.cosine, b.cosine), ..*a }).collect()
+    };
+    let mut frames = FramesOnPc::with_positions(&[first.clone(), second.clone()], RATE, false);
+    let (mut sound, length, hits) = (Vec::new(), 12_000, [(0.0, 0), (0.3, 100), (0.0, 400), (1.0, 3000), (0.55, 3200)]);
+    let mut exact = vec![0.0; length];
+    let force = contact(60);
+    for (index, (position, start)) in hits.into_iter().enumerate() {
+        let end = hits.get(index + 1).map_or(length, |next| next.1);
+        let slot = frames.strike_at(position as f32).expect("a free slot");
+        let mut run = vec![0; end - start];
+        run[..60].copy_from_slice(&force);
+        sound.extend(frames.render_in(slot, &run, 32));
+        let mut whole = vec![0.0; length];
+        whole.iter_mut().skip(start).zip(&force).for_each(|(x, &force)| *x = f64::from(force));
+        between(position).iter().for_each(|mode| mode.add_response(RATE, &whole, &mut exact));
+    }
+    let snr_db = snr_db(&exact, &sound);
+    println!("strikes at four positions: {snr_db:.1} dB");
+    assert!(snr_db > 112.0, "{snr_db:.1} dB");
+    assert_eq!(frames.strike_at(0.8), Some(0), "both are free again");
+}

@@ -38,7 +38,7 @@ static WORDS: Global<[Word; 14_500]> = Global(UnsafeCell::new([Word::uninit(); 1
 static STAGE: Global<Option<Stage>> = Global(UnsafeCell::new(None));
 
 struct Stage {
-    banks: [FrameBank<'static>; 1],
+    banks: [FrameBank<'static, 'static>; 1],
     mixer: FrameMixer<'static>,
     panner: Panner,
     now: usize,
@@ -59,7 +59,7 @@ unsafe fn slice<'a, T>(address: *const T, count: usize) -> &'a [T] {
     unsafe { core::slice::from_raw_parts(address, count) }
 }
 
-fn loaded(table: &BankTable<'_>, rate: SampleRate, retires: bool) -> Option<Stage> {
+fn loaded(table: &BankTable<'static>, rate: SampleRate, retires: bool) -> Option<Stage> {
     // SAFETY: see `Sync` for `Global`; the bank that had the words before is replaced.
     let words = unsafe { &mut *WORDS.0.get() };
     let mut memory = Memory::new(words, &mut []);
@@ -116,7 +116,7 @@ pub unsafe extern "C" fn frames_render(force: *const i32, out: *mut [i32; 2], fr
     if force.is_some() || bank.is_head_active() {
         let mut sound = [0; TICK_FRAMES];
         let Some(sound) = sound.get_mut(..frames) else { return -1 };
-        bank.render(frame, force, sound);
+        bank.render(frame, [force, None], sound);
         stage.panner.render(sound, out);
     }
     if let Some(playing) = stage.mixer.playing() {
