@@ -91,8 +91,8 @@ impl FrameBank<'_, '_> {
         self.ringing > 0 || self.is_head_active()
     }
 
-    /// Adds the heads' sound for a run of at most a tick's frames to the pad's bus, under the forces
-    /// of both slots; `frame` is the run's first frame in its block ([`Head::render`]).
+    /// Adds the heads' sound for a run of at most a tick's frames to the pad's bus, under the
+    /// forces of both slots. `frame` is the run's first frame in its block ([`Head::render`]).
     pub fn render(&mut self, frame: usize, forces: [Option<&[i32]>; SLOTS], out: &mut [i32]) {
         for (head, force) in self.heads.iter_mut().zip(forces) {
             head.render(frame, force, out);

@@ -9,9 +9,6 @@ use crate::memory::{Lender, OutOfMemory, Region};
 /// Number of taps with the zeros at both ends that [`kernel::convolve`] may reach.
 const TAPS: usize = POINTS + 2 * (OUTPUTS - 1);
 
-/// Bits of the largest tap: with 2N taps and any force, sums stay below 2^62.
-const TAP_BITS: i32 = 22;
-
 /// Beginning of the response at one position, and the force of two blocks there.
 #[derive(Debug)]
 pub struct Head<'m> {
@@ -46,7 +43,8 @@ impl<'m> Head<'m> {
 
     /// Turns taps that are floats into integers.
     pub(super) fn fix(&mut self) {
-        self.exponent = fix(self.taps);
+        let ends = OUTPUTS - 1;
+        self.exponent = self.taps.get_mut(ends..ends + POINTS).map_or(0, fix);
     }
 
     /// Takes the taps between two heads by lag, all fixed with one exponent.
@@ -119,10 +117,21 @@ impl<'m> Head<'m> {
 }
 
 /// Turns heads that hold the bits of floats into integers with one exponent, and gives it.
+///
+/// The magnitudes of a head's taps add up to less than 2^32, so that with any force the sums stay
+/// below 2^63. Heads between two of them have no larger sums.
 pub(super) fn fix(taps: &mut [i32]) -> i32 {
     let float = |tap: i32| f32::from_bits(tap as u32);
-    let largest = taps.iter().fold(0.0f32, |largest, &tap| largest.max(float(tap).abs()));
-    let exponent = if largest > 0.0 { (TAP_BITS - libm::frexpf(largest).1).min(62) } else { 0 };
+    let bits = |x: f32| libm::frexpf(x).1;
+    let mut exponent = 62;
+    for head in taps.chunks(POINTS) {
+        let (sum, largest) = head.iter().fold((0.0f32, 0.0f32), |(sum, largest), &tap| {
+            let size = float(tap).abs();
+            (sum + size, largest.max(size))
+        });
+        // A little more, for what the taps are rounded up.
+        exponent = exponent.min(32 - bits(1.001 * sum)).min(30 - bits(largest));
+    }
     for tap in taps {
         *tap = libm::rint(libm::scalbn(f64::from(float(*tap)), exponent)) as i32;
     }
@@ -136,5 +145,5 @@ fn scaled(sum: i64, exponent: i32) -> i32 {
         // Only gains of 2^22 and more come here.
         return fixed::saturate(sum.saturating_mul(1i64 << exponent.unsigned_abs().min(30)));
     }
-    fixed::saturate((sum + (1i64 << (exponent - 1))) >> exponent)
+    fixed::saturate(sum.saturating_add(1i64 << (exponent - 1)) >> exponent)
 }

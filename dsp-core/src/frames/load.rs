@@ -46,8 +46,9 @@ impl<'k, 'm> FrameBank<'k, 'm> {
         Ok(FrameBankSize { modes, positions: table.positions })
     }
 
-    /// Takes the memory of a bank, at rest and without modes: 84 bytes a mode, and 5.2 KB. A bank of
-    /// P positions, P above 1, takes 2 bytes a mode, 2 KB a position and 4.1 KB more.
+    /// Takes the memory of a bank, at rest and without modes: 84 bytes a mode, and 5.2 KB.
+    ///
+    /// A bank of several positions takes 2 bytes a mode, 2 KB a position and 4.1 KB more.
     ///
     /// # Errors
     /// [`OutOfMemory`].

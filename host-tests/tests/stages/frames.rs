@@ -1,7 +1,13 @@
 //! Banks in frames against the exact responses of their modes.
 
+use std::path::{Path, PathBuf};
+
 use dsp_core::SampleRate;
 use dsp_core::frames::BLOCK_FRAMES;
+use fit::audio::read;
+use fit::bins;
+use fit::modes::DampedSine;
+use fit::segment::hits;
 use host_tests::frames::{FramesOnPc, HeardMode, contact, prior};
 use host_tests::snr::{Random, snr_db};
 
@@ -33,13 +39,13 @@ fn modes_in_frames_keep_the_snr_of_the_page() {
     let page = [
         (0.002, 124.1, 91.2),
         (0.005, 116.2, 101.0),
-        (0.01, 110.9, 105.1),
-        (0.02, 109.5, 104.7),
-        (0.05, 105.3, 101.3),
-        (0.2, 119.4, 115.5),
-        (1.0, 117.4, 112.8),
-        (5.0, 110.4, 110.4),
-        (20.0, 105.3, 105.8),
+        (0.01, 108.4, 104.9),
+        (0.02, 109.3, 104.2),
+        (0.05, 105.2, 101.3),
+        (0.2, 122.3, 116.9),
+        (1.0, 119.4, 115.9),
+        (5.0, 110.5, 111.3),
+        (20.0, 105.8, 105.8),
     ];
     let mut off = Vec::new();
     for (t60_s, full_db, quieter_db) in page {
@@ -74,7 +80,7 @@ fn thousand_modes_sound_alike_at_every_frame_of_two_blocks() {
     }
     let worst_db = 20.0 * (worst / peak).log10();
     println!("largest error over all starts: {worst_db:.1} dB of the peak");
-    assert!(worst_db < -115.0, "{worst_db:.1} dB");
+    assert!(worst_db < -119.0, "{worst_db:.1} dB");
 }
 
 #[test]
@@ -140,6 +146,87 @@ fn strikes_at_two_positions_sound_as_their_gains_say() {
     }
     let snr_db = snr_db(&exact, &sound);
     println!("strikes at four positions: {snr_db:.1} dB");
-    assert!(snr_db > 112.0, "{snr_db:.1} dB");
+    assert!(snr_db > 116.0, "{snr_db:.1} dB");
     assert_eq!(frames.strike_at(0.8), Some(0), "both are free again");
+}
+
+/// Modes of a recording's first strike over 0.25 s, as the bins estimator has them, and their exact
+/// response to a force. They are so loud that it peaks between a quarter and a half of full scale.
+fn bins_under(path: &Path, force: &[i32]) -> (Vec<HeardMode>, Vec<f64>) {
+    let recording = read(path, None).expect("the recording is readable");
+    assert_eq!(recording.rate_hz, RATE.hz());
+    let (found, _) = hits(&recording).expect("it holds a strike");
+    let end = (found[0].onset + 11_025).min(recording.samples.len());
+    let modes = bins::estimate(&recording.samples[found[0].onset..end], recording.rate_hz);
+    let heard = |mode: &DampedSine| {
+        let t60_s = 1000f64.ln() / mode.decay_per_s;
+        HeardMode { frequency_hz: mode.frequency_hz, t60_s, sine: mode.amplitude, cosine: 0.0 }
+    };
+    let mut modes: Vec<HeardMode> = modes.iter().map(heard).collect();
+    let force: Vec<f64> = force.iter().map(|&x| f64::from(x)).collect();
+    let mut exact = vec![0.0; force.len()];
+    modes.iter().for_each(|mode| mode.add_response(RATE, &force, &mut exact));
+    // A power of two changes no rounding of the gains.
+    let scale = 2f64.powf((0.5 * ONE / peak(&exact)).log2().floor());
+    modes.iter_mut().for_each(|mode| mode.sine *= scale);
+    exact.iter_mut().for_each(|y| *y *= scale);
+    (modes, exact)
+}
+
+/// Five strikes within half a second: contacts of 0.3 to 6 ms, two of them 1.2 ms apart across the
+/// edge of a block.
+fn strikes() -> Vec<i32> {
+    let mut force = vec![0; 22_050];
+    let edge = 9 * BLOCK_FRAMES;
+    for (start, samples) in [(0, 44), (edge - 20, 13), (edge + 33, 100), (6000, 265), (13_000, 30)] {
+        force[start..].iter_mut().zip(contact(samples)).for_each(|(force, x)| *force += x);
+    }
+    force
+}
+
+/// Largest error in dB of the peak, and worst SNR of 10 ms that are louder than -60 dB.
+fn errors_db(exact: &[f64], sound: &[i32]) -> (f64, f64) {
+    let peak = peak(exact);
+    let largest = exact.iter().zip(sound).fold(0.0f64, |largest, (x, &y)| largest.max((x - f64::from(y)).abs()));
+    let loud = exact.chunks(441).zip(sound.chunks(441)).filter(|(exact, _)| {
+        let rms = (exact.iter().map(|x| x * x).sum::<f64>() / exact.len() as f64).sqrt();
+        rms > peak * 1e-3
+    });
+    let worst = loud.map(|(exact, sound)| snr_db(exact, sound)).fold(f64::INFINITY, f64::min);
+    (20.0 * (largest / peak).log10(), worst)
+}
+
+#[test]
+#[cfg_attr(not(has_shared_data), ignore = "needs the recordings in ../shared/data")]
+fn priors_of_all_recordings_stay_within_the_errors_of_the_page() {
+    let data = Path::new(env!("SHARED_DATA"));
+    let mut paths: Vec<PathBuf> = std::fs::read_dir(data.join("recordings"))
+        .expect("the folder of the recordings")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "wav"))
+        .collect();
+    paths.sort();
+    assert!(paths.len() >= 28, "{} recordings", paths.len());
+    let hammer = read(&data.join("hammer/hammer_ceramic.wav"), Some(1)).expect("the recording is readable");
+    let measured = hammer.force.expect("channel 1 holds the force");
+    let measured: Vec<i32> = measured.iter().take(22_050).map(|x| (x * ONE) as i32).collect();
+    let mut worst = [(f64::NEG_INFINITY, f64::INFINITY); 2];
+    let mut most_modes = 0;
+    for (index, path) in paths.iter().enumerate() {
+        // The measured force on every fourth: it is the milder case by 12 dB.
+        let forces = [Some(strikes()), index.is_multiple_of(4).then(|| measured.clone())];
+        for (force, worst) in forces.into_iter().zip(&mut worst) {
+            let Some(force) = force else { continue };
+            let (modes, exact) = bins_under(path, &force);
+            most_modes = most_modes.max(modes.len());
+            let sound = FramesOnPc::new(&modes, RATE, false).render(&force, 32);
+            let (largest_db, window_db) = errors_db(&exact, &sound);
+            assert!(largest_db < -112.0 && window_db > 85.0, "{}: {largest_db:.1}, {window_db:.1}", path.display());
+            *worst = (worst.0.max(largest_db), worst.1.min(window_db));
+        }
+    }
+    let [struck, driven] = worst;
+    println!("{} recordings, up to {most_modes} modes", paths.len());
+    println!("five strikes: error {:.1} dB of the peak, 10 ms at least {:.1} dB", struck.0, struck.1);
+    println!("measured force: error {:.1} dB of the peak, 10 ms at least {:.1} dB", driven.0, driven.1);
 }
