@@ -230,3 +230,38 @@ fn priors_of_all_recordings_stay_within_the_errors_of_the_page() {
     println!("five strikes: error {:.1} dB of the peak, 10 ms at least {:.1} dB", struck.0, struck.1);
     println!("measured force: error {:.1} dB of the peak, 10 ms at least {:.1} dB", driven.0, driven.1);
 }
+
+#[test]
+fn any_table_under_any_force_ends_in_exact_silence_with_the_bits_of_any_run() {
+    let mut random = Random::new(3);
+    for case in 0..24 {
+        let mode = |random: &mut Random| {
+            let between = |random: &mut Random, low: f64, high: f64| low * (high / low).powf(random.between(0.0, 1.0));
+            let edges = [1.0, 0.4999 * RATE.hz(), 5000.0, 5000.0, between(random, 1.0, 22_000.0)];
+            let gain = between(random, 1e-6, 16_000.0);
+            let phase = random.between(0.0, std::f64::consts::TAU);
+            HeardMode {
+                frequency_hz: edges[random.between(0.0, 5.0) as usize],
+                t60_s: between(random, 0.0008, 0.2),
+                sine: gain * phase.sin(),
+                cosine: gain * phase.cos(),
+            }
+        };
+        let modes: Vec<HeardMode> = (0..1 + case * 3).map(|_| mode(&mut random)).collect();
+        let mut force = vec![0; 2 * 44_100];
+        let start = random.between(0.0, 600.0) as usize;
+        for x in &mut force[start..start + 1000] {
+            *x = match random.between(0.0, 4.0) as u8 {
+                0 => i32::MIN,
+                1 => i32::MAX,
+                2 => random.between(-1e9, 1e9) as i32,
+                _ => 0,
+            };
+        }
+        let mut ticks = FramesOnPc::new(&modes, RATE, true);
+        let sound = ticks.render(&force, 32);
+        assert!(ticks.is_silent() && sound.iter().rev().take(100).all(|&y| y == 0), "case {case} rings on");
+        let run = random.between(1.0, 31.0) as usize;
+        assert_eq!(FramesOnPc::new(&modes, RATE, true).render(&force, run), sound, "case {case}, runs of {run}");
+    }
+}
