@@ -1,8 +1,8 @@
 //! A bank of modes in frames, and its head.
 
-use super::POINTS;
 use super::head::Head;
 use super::mode::{FrameMode, Line};
+use super::{BLOCK_FRAMES, POINTS, RETIREMENT_BLOCKS};
 use crate::resonator::{Place, Retirement, gain_at};
 use crate::square_root::square_root;
 use crate::table::layout::GainRecord;
@@ -132,6 +132,16 @@ impl FrameBank<'_, '_> {
         head.set([at(below), at(below + 1)], place - below as f32, *exponent);
     }
 
+    /// Force of the last block in a slot that frames have to gather; `None` if there is none.
+    pub(super) fn to_gather(&self, slot: usize) -> Option<&[i32; BLOCK_FRAMES]> {
+        self.heads.get(slot).filter(|_| !self.modes.is_empty())?.last_block()
+    }
+
+    /// True if the bank has work to do for the next block.
+    pub(super) fn works(&self) -> bool {
+        self.ringing > 0 || (0..SLOTS).any(|slot| self.to_gather(slot).is_some())
+    }
+
     /// True if the modes do not hold the gains of a slot's position.
     pub(super) fn is_to_derive(&self, slot: usize) -> bool {
         self.positions.count > 1 && self.heads.get(slot).is_some_and(|head| head.position != self.positions.held)
@@ -164,14 +174,17 @@ impl FrameBank<'_, '_> {
 
     /// Retires modes of some lines that no longer sound: those whose amplitude at the block's
     /// beginning is below the threshold, while the sum of retired amplitudes allows it.
-    pub(super) fn retire(&mut self, lines: core::ops::Range<usize>, first_mode: usize) {
+    ///
+    /// Looks at the lines whose turn `block` is.
+    pub(super) fn retire(&mut self, lines: core::ops::Range<usize>, first_mode: usize, block: usize) {
         let loudest = self.gains[0].max(self.gains[1]) / crate::fixed::ONE_Q27 as f32;
         let audible = Retirement::THRESHOLD / loudest.max(f32::MIN_POSITIVE);
         let audible = audible * audible;
-        let Some(lines) = self.lines.get_mut(lines) else { return };
-        let mut first = first_mode;
-        for line in lines {
-            while let Some(last) = line.ringing.checked_sub(1) {
+        let (mut first, first_line) = (first_mode, lines.start);
+        for (line, number) in self.lines.get_mut(lines).unwrap_or(&mut []).iter_mut().zip(first_line..) {
+            while number % RETIREMENT_BLOCKS == block
+                && let Some(last) = line.ringing.checked_sub(1)
+            {
                 let Some(mode) = self.modes.get_mut(first + usize::from(last)) else { break };
                 let squared = |[x, y]: [f32; 2]| x * x + y * y;
                 // From the block's middle to its beginning the amplitude falls by less than |z^N|.

@@ -1,11 +1,10 @@
 //! Work of all banks in frames, a block ahead, in pieces; and their sum, as it plays.
 
-use super::bank::FrameBank;
-use super::head::Head;
+use super::bank::{FrameBank, SLOTS};
 use super::kernel;
 use super::mode::Line;
 use super::spectrum::{self, Lines};
-use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, TICKS};
+use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, RETIREMENT_BLOCKS, TICKS};
 use crate::fixed;
 use crate::fourier::{self, Complex, Progress};
 use crate::memory::{Lender, OutOfMemory, Region};
@@ -18,6 +17,8 @@ pub struct FrameMixer<'m> {
     front: bool,
     /// True if modes that no longer sound retire.
     retires: bool,
+    /// Number of blocks that have begun, modulo [`RETIREMENT_BLOCKS`](super::RETIREMENT_BLOCKS).
+    block: usize,
     /// True if the block that plays, and the block that is being made, hold any sound.
     sounds: [bool; 2],
     step: Step,
@@ -97,6 +98,7 @@ impl<'m> FrameMixer<'m> {
             buffers: lender.take(Region::Fast, 1, silent)?,
             front: false,
             retires,
+            block: 0,
             sounds: [false; 2],
             step: Step::Rest,
             bank: 0,
@@ -125,14 +127,13 @@ impl<'m> FrameMixer<'m> {
             self.advance(banks, u32::MAX);
         }
         self.front = !self.front;
+        self.block = (self.block + 1) % RETIREMENT_BLOCKS;
         self.sounds = [self.sounds[1], false];
         banks.iter_mut().for_each(FrameBank::begin_block);
-        let works =
-            |bank: &FrameBank<'_, '_>| bank.ringing > 0 || bank.heads.iter().any(|head| head.last_block().is_some());
         (self.done, self.all) = (0, banks.iter().map(bank_cycles).sum());
         (self.bank, self.slot) = (0, 0);
         self.step = Step::Rest;
-        if banks.iter().any(works) {
+        if banks.iter().any(FrameBank::works) {
             self.all += fourier::cycles(POINTS);
             self.sounds[1] = true;
             (self.step, self.is_first) = (Step::Bank, true);
@@ -171,24 +172,21 @@ impl<'m> FrameMixer<'m> {
             return;
         };
         let (spent, next) = match self.step {
-            Step::Bank => match bank.heads.get(self.slot).map(Head::last_block) {
-                Some(Some(last)) => {
+            Step::Bank => {
+                if let Some(last) = bank.to_gather(self.slot) {
                     spectrum::fill(last, force);
                     (FILL, Step::Force(Progress::start(BLOCK_FRAMES)))
-                }
-                Some(None) => {
+                } else if self.slot < SLOTS {
                     self.slot += 1;
                     (0, Step::Bank)
-                }
-                None if bank.ringing > 0 => {
+                } else if bank.ringing > 0 {
                     lines.fill([0.0; 2]);
                     (CLEAR, Step::Synthesis(0, 0))
-                }
-                None => {
+                } else {
                     (self.bank, self.slot) = (self.bank + 1, 0);
                     (0, Step::Bank)
                 }
-            },
+            }
             Step::Force(mut progress) => {
                 let spent = progress.advance(force, cycles);
                 (spent, if progress.is_over() { Step::Unfold(0) } else { Step::Force(progress) })
@@ -225,7 +223,7 @@ impl<'m> FrameMixer<'m> {
                 let (end, count, spent) =
                     piece(bank, line, cycles, |line| SYNTHESIS_LINE + SYNTHESIS_MODE * u32::from(line.ringing));
                 if self.retires {
-                    bank.retire(line..end, mode);
+                    bank.retire(line..end, mode, self.block);
                 }
                 let modes = bank.modes.get_mut(mode..).unwrap_or(&mut []);
                 kernel::synthesize(modes, bank.lines.get(line..end).unwrap_or(&[]), line, lines);
@@ -294,9 +292,9 @@ fn bank_cycles(bank: &FrameBank<'_, '_>) -> u32 {
     let (modes, lines) = (bank.modes.len() as u32, LINES as u32);
     let synthesis = |modes: u32| CLEAR + lines * SYNTHESIS_LINE + modes * SYNTHESIS_MODE + lines * PAN;
     let transform = FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD;
-    let forced = bank.heads.iter().enumerate().filter(|(_, head)| head.last_block().is_some());
+    let forced = (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some());
     let of_forces: u32 = forced
-        .map(|(slot, _)| {
+        .map(|slot| {
             let of_mode = GATHER_MODE + if bank.is_to_derive(slot) { DERIVED_MODE } else { 0 };
             transform + lines * GATHER_LINE + modes * of_mode
         })

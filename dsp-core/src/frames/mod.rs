@@ -61,5 +61,9 @@ pub const WIDTH: usize = 7;
 /// Number of lines of a spectrum with those below 0 and above N that modes at its ends add to.
 pub const PADDED_LINES: usize = LINES + WIDTH - 1;
 
+/// Number of blocks within which each line is looked at for modes that no longer sound: every block
+/// would take 40 cycles a frame more.
+const RETIREMENT_BLOCKS: usize = 8;
+
 /// Number of ticks of a block.
 const TICKS: usize = BLOCK_FRAMES / TICK_FRAMES;

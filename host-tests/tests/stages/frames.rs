@@ -265,3 +265,17 @@ fn any_table_under_any_force_ends_in_exact_silence_with_the_bits_of_any_run() {
         assert_eq!(FramesOnPc::new(&modes, RATE, true).render(&force, run), sound, "case {case}, runs of {run}");
     }
 }
+
+#[test]
+fn mode_that_lives_in_the_head_alone_leaves_nothing_in_the_frames() {
+    let mode = HeardMode { frequency_hz: 3000.0, t60_s: 0.002, sine: 0.7, cosine: 0.7 };
+    let mut force = vec![0; 4000];
+    force[200..260].copy_from_slice(&contact(60));
+    let mut frames = FramesOnPc::new(&[mode], RATE, true);
+    let sound = frames.render(&force, 32);
+    let mut exact = vec![0.0; force.len()];
+    mode.add_response(RATE, &force.iter().map(|&x| f64::from(x)).collect::<Vec<_>>(), &mut exact);
+    let snr_db = snr_db(&exact, &sound);
+    println!("in the head alone: {snr_db:.1} dB");
+    assert!(snr_db > 115.0 && frames.is_silent(), "{snr_db:.1} dB");
+}

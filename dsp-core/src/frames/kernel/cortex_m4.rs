@@ -30,7 +30,7 @@ fn fits(modes: &[FrameMode], lines: &[Line], first: usize) -> bool {
     count <= modes.len() && first + lines.len() <= LINES && lines.iter().all(|line| line.ringing <= line.count)
 }
 
-/// Adds modes to a spectrum as [`super::portable::synthesize`] does. 102 cycles a mode and 44 a
+/// Adds modes to a spectrum as [`super::portable::synthesize`] does. 102 cycles a mode and 31 a
 /// line (nominal, `cargo test -p host-tests --test on_chip frames -- --nocapture`).
 pub fn synthesize(modes: &mut [FrameMode], lines: &[Line], first: usize, spectrum: &mut [Complex; PADDED_LINES]) {
     if !fits(modes, lines, first) {
