@@ -165,9 +165,7 @@ impl FramesOnPc {
             self.banks[0].render(frame, forces, &mut head);
             let mut stereo = vec![[0; 2]; count];
             Panner::new(0.0, -1.0).render(&head, &mut stereo);
-            if let Some(playing) = self.mixer.playing() {
-                playing.render(frame, &mut stereo);
-            }
+            self.mixer.render(frame, &mut stereo);
             out.extend(stereo.iter().map(|side| side[0]));
             self.now += count;
             if self.now.is_multiple_of(TICK_FRAMES) {

@@ -6,7 +6,7 @@ pub(crate) type Complex = [f32; 2];
 /// Largest number of points M of a complex transform; a wave has twice as many samples.
 pub(crate) const MAX_POINTS: usize = 512;
 /// Divisor of a turn: angles in the tables are multiples of that part.
-const TURN: usize = 2 * MAX_POINTS;
+pub(crate) const TURN: usize = 2 * MAX_POINTS;
 
 /// `e^{2πi k/1024}` for half a turn.
 pub(crate) static TWIDDLES: [Complex; TURN / 2] = {
@@ -54,7 +54,7 @@ const fn twiddle(index: usize) -> Complex {
 }
 
 /// `cos(2π k/1024)`.
-const fn cosine(index: usize) -> f64 {
+pub(crate) const fn cosine(index: usize) -> f64 {
     let index = index % TURN;
     let quarter = TURN / 4;
     let within = (index % quarter) as f64 / quarter as f64;

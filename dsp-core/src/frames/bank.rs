@@ -3,13 +3,15 @@
 use super::head::Head;
 use super::mode::{FrameMode, Line};
 use super::{BLOCK_FRAMES, POINTS, RETIREMENT_BLOCKS};
+use crate::fixed;
+use crate::resonator::retirement::Retired;
 use crate::resonator::{Place, Retirement, gain_at};
 use crate::square_root::square_root;
 use crate::table::layout::GainRecord;
 
 /// A bank of modes in frames.
 ///
-/// Accuracy of a mode against the `f64` reference: 100 dB and better (`cargo test -p host-tests
+/// Accuracy of a mode at full scale against `f64`: 105 dB and better (`cargo test -p host-tests
 /// --test stages frames -- --nocapture`).
 #[derive(Debug)]
 pub struct FrameBank<'k, 'm> {
@@ -22,9 +24,8 @@ pub struct FrameBank<'k, 'm> {
     /// Gains from the bank's bus to both sides.
     pub(super) gains: [f32; 2],
     pub(super) ringing: u16,
-    /// Bound of the amplitude that retired modes leave out, in bus steps, and its decay a block.
-    pub(super) retired: f32,
-    pub(super) retired_decay: f32,
+    /// Amplitude that retired modes leave out; it decays from block to block.
+    pub(super) retired: Retired,
 }
 
 /// Number of positions at which a bank plays force at a time.
@@ -65,14 +66,8 @@ impl FrameBank<'_, '_> {
             },
             gains: [0.0; 2],
             ringing: 0,
-            retired: 0.0,
-            retired_decay: 0.0,
+            retired: Retired::NOTHING,
         }
-    }
-
-    /// Number of modes that frames hold; those that only the head holds are not among them.
-    pub fn mode_count(&self) -> usize {
-        self.modes.len()
     }
 
     /// Number of modes that ring in frames.
@@ -121,7 +116,7 @@ impl FrameBank<'_, '_> {
     }
 
     /// Moves a slot that is not taken to a position, 0 to 1: its head lies between those of the
-    /// table's positions, as the gains do. Cost: 6000 cycles.
+    /// table's positions, as the gains do. It interpolates 2N taps.
     pub fn set_position(&mut self, slot: u8, position: f32) {
         let Positions { count, heads, exponent, .. } = &self.positions;
         let Some(head) = self.heads.get_mut(usize::from(slot)).filter(|_| *count > 1) else { return };
@@ -177,8 +172,8 @@ impl FrameBank<'_, '_> {
     ///
     /// Looks at the lines whose turn `block` is.
     pub(super) fn retire(&mut self, lines: core::ops::Range<usize>, first_mode: usize, block: usize) {
-        let loudest = self.gains[0].max(self.gains[1]) / crate::fixed::ONE_Q27 as f32;
-        let audible = Retirement::THRESHOLD / loudest.max(f32::MIN_POSITIVE);
+        let unit = self.gains[0].max(self.gains[1]) / fixed::ONE_Q27 as f32;
+        let audible = Retirement::THRESHOLD / unit.max(f32::MIN_POSITIVE);
         let audible = audible * audible;
         let (mut first, first_line) = (first_mode, lines.start);
         for (line, number) in self.lines.get_mut(lines).unwrap_or(&mut []).iter_mut().zip(first_line..) {
@@ -187,18 +182,18 @@ impl FrameBank<'_, '_> {
             {
                 let Some(mode) = self.modes.get_mut(first + usize::from(last)) else { break };
                 let squared = |[x, y]: [f32; 2]| x * x + y * y;
-                // From the block's middle to its beginning the amplitude falls by less than |z^N|.
+                // At the block's beginning the amplitude is below |s|/|z^N|.
                 let (size, decay) = (squared(mode.state), squared(mode.step));
                 if size > audible * decay {
                     break;
                 }
-                let (size, decay) = (square_root(size), square_root(decay));
-                if (size + self.retired * decay) * loudest > Retirement::SUM * decay {
+                let decay = square_root(decay);
+                let amplitude = square_root(size) / decay * unit;
+                if self.retired.amplitude() + amplitude > Retirement::SUM {
                     break;
                 }
                 if size > 0.0 {
-                    self.retired += size / decay;
-                    self.retired_decay = self.retired_decay.max(decay);
+                    self.retired.add(amplitude, decay);
                 }
                 mode.state = [0.0; 2];
                 line.ringing = last;
@@ -208,13 +203,9 @@ impl FrameBank<'_, '_> {
         }
     }
 
-    /// Begins a block for the head and for the sum of retired amplitudes.
+    /// Begins a block for the heads and for the sum of retired amplitudes.
     pub(super) fn begin_block(&mut self) {
         self.heads.iter_mut().for_each(Head::begin_block);
-        self.retired *= self.retired_decay;
-        let loudest = self.gains[0].max(self.gains[1]) / crate::fixed::ONE_Q27 as f32;
-        if self.retired * loudest < 1e-10 {
-            (self.retired, self.retired_decay) = (0.0, 0.0);
-        }
+        self.retired.decay();
     }
 }

@@ -82,9 +82,9 @@ impl<'m> Head<'m> {
 
     /// Adds the head's sound for a run of frames that begins at `frame` of the block to `out`.
     ///
-    /// `force` is in bus steps, `None` without any. Cost: 2.2 cycles for each frame and each sample
-    /// of the force in this block and the last, and 20 a frame (`cargo test -p host-tests --test
-    /// on_chip frames`).
+    /// `force` is in bus steps, `None` without any. Each frame takes one product for each sample
+    /// from the first to the last of the force in this block and the last one: 2.2 cycles each
+    /// ([`kernel::convolve`]).
     pub fn render(&mut self, frame: usize, force: Option<&[i32]>, out: &mut [i32]) {
         let start = BLOCK_FRAMES + frame;
         if let Some(force) = force {
@@ -142,7 +142,7 @@ pub(super) fn fix(taps: &mut [i32]) -> i32 {
 #[inline(always)]
 fn scaled(sum: i64, exponent: i32) -> i32 {
     if exponent <= 0 {
-        // Only gains of 2^22 and more come here.
+        // Only heads whose taps add up to 2^31 and more come here.
         return fixed::saturate(sum.saturating_mul(1i64 << exponent.unsigned_abs().min(30)));
     }
     fixed::saturate(sum.saturating_add(1i64 << (exponent - 1)) >> exponent)

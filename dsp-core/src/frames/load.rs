@@ -9,7 +9,7 @@ use super::pole::{Complex64, FramePole, MAX_DAMPING, MAX_DAMPING_OF_HEAD, times}
 use super::{BLOCK_FRAMES, LINES, POINTS};
 use crate::SampleRate;
 use crate::memory::{Lender, OutOfMemory, Region};
-use crate::resonator::{BankError, BankTable, check_bank, gain_at};
+use crate::resonator::{BankError, BankTable, below_nyquist, check_bank, gain_at};
 
 /// Size of a bank in frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,13 +20,11 @@ pub struct FrameBankSize {
     pub positions: usize,
 }
 
-/// Modes of a table that are rendered: index and pole.
+/// Modes of a checked table below Nyquist: index and pole.
 fn rendered<'t>(table: &'t BankTable<'_>, rate: SampleRate) -> impl Iterator<Item = (usize, FramePole)> + use<'t> {
-    let below_nyquist = move |hz: f64| hz < rate.hz() / 2.0;
-    table.modes.iter().enumerate().filter_map(move |(index, record)| {
-        let frequency_hz = f64::from(record.frequency_hz.get());
-        let pole = || FramePole::new(frequency_hz, f64::from(record.decay_per_s.get()), rate);
-        below_nyquist(frequency_hz).then(|| (index, pole()))
+    below_nyquist(table, rate).filter_map(Result::ok).map(move |(index, record)| {
+        let (frequency_hz, decay_per_s) = (record.frequency_hz.get(), record.decay_per_s.get());
+        (index, FramePole::new(frequency_hz.into(), decay_per_s.into(), rate))
     })
 }
 
@@ -54,7 +52,7 @@ impl<'k, 'm> FrameBank<'k, 'm> {
     /// [`OutOfMemory`].
     pub fn take(lender: &mut impl Lender<'m>, size: FrameBankSize) -> Result<Self, OutOfMemory> {
         let mut bank = Self {
-            modes: lender.take(Region::Fast, size.modes, || FrameMode::SILENT)?,
+            modes: lender.take(Region::Fast, size.modes, FrameMode::default)?,
             lines: lender.take(Region::Fast, LINES, Line::default)?,
             heads: [Head::take(lender)?, Head::empty()],
             ..Self::empty()
@@ -91,7 +89,7 @@ impl<'k, 'm> FrameBank<'k, 'm> {
         }
         for index in 0..table.positions {
             let position = index as f32 / (table.positions - 1).max(1) as f32;
-            // Where the table has several positions the first head is scratch.
+            // With several positions the first slot only holds each head until it is copied.
             self.make_head(table, rate, position, mixer);
             let taps = self.positions.heads.get_mut(index * POINTS..).unwrap_or(&mut []);
             taps.iter_mut().zip(self.heads[0].by_lag()).for_each(|(to, from)| *to = *from);
@@ -152,7 +150,7 @@ impl<'k, 'm> FrameBank<'k, 'm> {
             let index = indices.next().copied().unwrap_or(mode.state[0].to_bits() as u16);
             let gain = complex_gain(table, usize::from(index & !BY_RECURSION), position, scale).map(|x| x as f32);
             let half = mode.gain;
-            // What a force of one bus step at the first frame of a block makes.
+            // The state after a force of one bus step at the first frame of a block.
             mode.state = if index & BY_RECURSION == 0 { product(gain, half) } else { [0.0; 2] };
             if table.positions == 1 {
                 let whole = product(half, half);
@@ -215,7 +213,7 @@ fn derived(pole: &FramePole, index: usize) -> FrameMode {
         state: [f32::from_bits(u32::from(index as u16 | flag)), 0.0],
         numbers: numbers([pole.distance as f32, pole.damping as f32]),
         gain: half.map(|x| x as f32),
-        ..FrameMode::SILENT
+        ..FrameMode::default()
     };
     mode.set_step(whole);
     mode

@@ -33,7 +33,7 @@ pub struct FrameMixer<'m> {
     all: u32,
 }
 
-/// Memory of a mixer: 12.5 KB.
+/// Memory of a mixer: 12.3 KB.
 #[derive(Debug)]
 struct Buffers {
     /// Spectra or transforms of `left + i right`: of the block that plays, and of the next one.
@@ -65,24 +65,6 @@ enum Step {
     Rest,
 }
 
-/// Sound of the block that plays.
-#[derive(Debug)]
-pub struct Playing<'a> {
-    stereo: &'a [Complex; POINTS],
-}
-
-impl Playing<'_> {
-    /// Adds a run of frames from `frame` of the block on to the stereo bus.
-    pub fn render(&self, frame: usize, out: &mut [[i32; 2]]) {
-        for (out, frame) in out.iter_mut().zip(frame..) {
-            let [left, right] = spectrum::sample(self.stereo, frame);
-            // Rounded to nearest: `as` alone rounds to 0.
-            let step = |x: f32| (x + 0.5f32.copysign(x)) as i32;
-            *out = [fixed::qadd(out[0], step(left)), fixed::qadd(out[1], step(right))];
-        }
-    }
-}
-
 impl<'m> FrameMixer<'m> {
     /// Takes the memory of a mixer. Modes that no longer sound retire if `retires`.
     ///
@@ -109,11 +91,16 @@ impl<'m> FrameMixer<'m> {
         })
     }
 
-    /// Sound of the block that plays; `None` if it is silent.
-    pub fn playing(&self) -> Option<Playing<'_>> {
-        let [buffers] = &*self.buffers else { return None };
-        let stereo = buffers.stereo.get(usize::from(self.front))?;
-        self.sounds[0].then_some(Playing { stereo })
+    /// Adds a run of frames from `frame` of the block on to the stereo bus.
+    pub fn render(&self, frame: usize, out: &mut [[i32; 2]]) {
+        let (true, [buffers]) = (self.sounds[0], &*self.buffers) else { return };
+        let stereo = &buffers.stereo[usize::from(self.front)];
+        for (out, frame) in out.iter_mut().zip(frame..) {
+            let [left, right] = spectrum::sample(stereo, frame);
+            // Rounded to nearest: `as` alone rounds to 0.
+            let step = |x: f32| (x + 0.5f32.copysign(x)) as i32;
+            *out = [fixed::qadd(out[0], step(left)), fixed::qadd(out[1], step(right))];
+        }
     }
 
     /// True if neither this block nor the next one has any sound from frames.
@@ -147,11 +134,6 @@ impl<'m> FrameMixer<'m> {
         while self.done < due && !matches!(self.step, Step::Rest) {
             self.advance(banks, due - self.done);
         }
-    }
-
-    /// Cycles of a tick's share of the work on the next block.
-    pub fn cycles(&self) -> u32 {
-        self.all / TICKS as u32
     }
 
     /// Works for about a number of cycles, or until the end of a step.

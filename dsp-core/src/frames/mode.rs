@@ -14,27 +14,21 @@ pub struct FrameMode {
     /// Step of the state from block to block: z^N, rounded.
     pub step: Complex,
     /// Rest of the step to 8 bits each: the upper half of the real part's bits, then that of the
-    /// imaginary part's. Without it a mode of T60 20 s would end 90 dB off.
+    /// imaginary part's. With 0 here the worst mode of T60 20 s has an SNR of 103.0 dB, not 105.8
+    /// (`cargo test -p host-tests --test stages frames -- --nocapture`).
     pub step_rest: u32,
     /// Gain of the gathered force: `g z^2N`.
     pub gain: Complex,
 }
 
 impl FrameMode {
-    /// A silent mode without gains, which fills memory before a kit is loaded.
-    pub const SILENT: Self =
-        Self { state: [0.0; 2], numbers: [[0.0; 2]; WIDTH], step: [0.0; 2], step_rest: 0, gain: [0.0; 2] };
-
     /// Sets the step to a number and its rest.
-    pub(super) fn set_step(&mut self, step: [f64; 2]) {
-        self.step = step.map(|x| x as f32);
-        let rest = |index: usize| {
-            let (exact, rounded) = (step.get(index).copied(), self.step.get(index).copied());
-            let rest = exact.unwrap_or(0.0) - f64::from(rounded.unwrap_or(0.0));
-            // To the nearest: half a step of the last bit that stays.
-            ((rest as f32).to_bits().wrapping_add(1 << 15)) & 0xffff_0000
-        };
-        self.step_rest = rest(0) | rest(1) >> 16;
+    pub(super) fn set_step(&mut self, [re, im]: [f64; 2]) {
+        self.step = [re as f32, im as f32];
+        // To the nearest: half a step of the last bit that stays.
+        let upper = |rest: f64| (rest as f32).to_bits().wrapping_add(1 << 15) & 0xffff_0000;
+        let [x, y] = self.step.map(f64::from);
+        self.step_rest = upper(re - x) | upper(im - y) >> 16;
     }
 }
 

@@ -22,13 +22,14 @@ pub(super) struct FramePole {
     pub(super) distance: f64,
     /// Damping in lines: `d 2N/(2π fs)`.
     pub(super) damping: f64,
-    /// Frequency and decay a sample: turn of z in quarter turns, and its decay in nepers.
+    /// Angle of z in quarter turns.
     quarters: f64,
+    /// Decay a frame, in nepers.
     nepers: f64,
 }
 
-/// Largest damping of a mode in the lines. A faster one has lost 115 dB when the head ends, and
-/// lives in the head alone.
+/// Largest damping of a mode in the lines. A faster one loses 115 dB within N frames, and only the
+/// head plays it.
 pub(super) const MAX_DAMPING: f64 = 4.2;
 
 /// Largest damping of a mode whose head the lines make. Above, a recursion in `f32` does.

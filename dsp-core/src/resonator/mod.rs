@@ -40,7 +40,7 @@ pub use coefficient::max_decay_per_s;
 pub(crate) use gain::gain_at;
 pub use group::Group;
 pub use mode::Mode;
-pub(crate) use order::check_bank;
+pub(crate) use order::{below_nyquist, check_bank};
 pub use retirement::Retirement;
 pub use table::{BankError, BankTable};
 

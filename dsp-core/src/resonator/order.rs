@@ -26,27 +26,36 @@ impl Rendered {
     }
 }
 
+/// Modes of a table below Nyquist with their indices; an error for one that decays too fast.
+pub(crate) fn below_nyquist<'t>(
+    table: &'t BankTable<'_>,
+    rate: SampleRate,
+) -> impl Iterator<Item = Result<(usize, &'t ModeRecord), BankError>> + use<'t> {
+    let modes = table.modes;
+    let sounds = move |record: &ModeRecord| f64::from(record.frequency_hz.get()) < rate.hz() / 2.0;
+    modes.iter().enumerate().filter(move |(_, record)| sounds(record)).map(move |(index, record)| {
+        let decay_per_s = record.decay_per_s.get();
+        match f64::from(decay_per_s) > max_decay_per_s(rate) {
+            true => Err(BankError::DecayTooFast { mode: index, decay_per_s }),
+            false => Ok((index, record)),
+        }
+    })
+}
+
 /// Checks the gains of a table, and the decays of its modes below Nyquist.
 pub(crate) fn check_bank(table: &BankTable<'_>, rate: SampleRate) -> Result<(), BankError> {
     check_gains(table, rate)?;
-    rendered(table, rate).try_for_each(|mode| mode.map(|_| ()))
+    below_nyquist(table, rate).try_for_each(|mode| mode.map(|_| ()))
 }
 
-/// Modes of a table below Nyquist.
+/// Modes of a table below Nyquist, with their poles.
 pub(super) fn rendered<'t>(
     table: &'t BankTable<'_>,
     rate: SampleRate,
 ) -> impl Iterator<Item = Result<Rendered, BankError>> + use<'t> {
-    let modes = table.modes;
-    modes.iter().enumerate().filter_map(move |(index, record)| {
-        let (frequency_hz, decay_per_s) = (record.frequency_hz.get(), record.decay_per_s.get());
-        if f64::from(frequency_hz) >= rate.hz() / 2.0 {
-            return None;
-        }
-        if f64::from(decay_per_s) > max_decay_per_s(rate) {
-            return Some(Err(BankError::DecayTooFast { mode: index, decay_per_s }));
-        }
-        pole_of(record, rate).map(|pole| Ok(Rendered { index, pole }))
+    below_nyquist(table, rate).filter_map(move |mode| match mode {
+        Ok((index, record)) => pole_of(record, rate).map(|pole| Ok(Rendered { index, pole })),
+        Err(error) => Some(Err(error)),
     })
 }
 

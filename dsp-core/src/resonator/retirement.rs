@@ -57,34 +57,34 @@ impl Retirement {
 }
 
 /// Sound of a bank that has retired and may still be missing: a bound that decays with its slowest
-/// mode.
+/// mode, from tick to tick, or in frames from block to block.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Retired {
+pub(crate) struct Retired {
     amplitude: f32,
-    decay_per_tick: f32,
+    decay_per_step: f32,
 }
 
 impl Retired {
-    pub(super) const NOTHING: Self = Self { amplitude: 0.0, decay_per_tick: 0.0 };
+    pub(crate) const NOTHING: Self = Self { amplitude: 0.0, decay_per_step: 0.0 };
     /// Bound below which nothing counts as missing: -200 dBFS.
     const NEGLIGIBLE: f32 = 1e-10;
 
     #[inline(always)]
-    pub(super) fn amplitude(&self) -> f32 {
+    pub(crate) fn amplitude(&self) -> f32 {
         self.amplitude
     }
 
-    fn add(&mut self, amplitude: f32, decay_per_tick: f32) {
+    pub(crate) fn add(&mut self, amplitude: f32, decay_per_step: f32) {
         self.amplitude += amplitude;
-        self.decay_per_tick = self.decay_per_tick.max(decay_per_tick);
+        self.decay_per_step = self.decay_per_step.max(decay_per_step);
     }
 
     #[inline(always)]
-    pub(super) fn decay(&mut self) {
+    pub(crate) fn decay(&mut self) {
         if self.amplitude == 0.0 {
             return;
         }
-        self.amplitude *= self.decay_per_tick;
+        self.amplitude *= self.decay_per_step;
         if self.amplitude < Self::NEGLIGIBLE {
             *self = Self::NOTHING;
         }

@@ -6,6 +6,7 @@ use dsp_core::resonator::TICK_FRAMES;
 use host_tests::frames::{FramesOnPc, contact, prior};
 use host_tests::on_chip::FramesOnChip;
 use host_tests::snr::Random;
+use virtual_core::FunctionCost;
 
 const RATE: SampleRate = SampleRate::HZ_44100;
 
@@ -50,6 +51,16 @@ fn cycles(
     (sum / ticks.len() as f64, dearest)
 }
 
+/// Prints the functions that take most of a number of ticks.
+fn print_functions(profile: &[FunctionCost], ticks: usize) {
+    for FunctionCost { name, cost, .. } in profile {
+        let cycles = cost.nominal as f64 / (ticks * TICK_FRAMES) as f64;
+        if cycles >= 5.0 {
+            println!("{cycles:7.1} cycles a frame in {name}");
+        }
+    }
+}
+
 #[test]
 fn thousand_modes_ring_and_are_struck_within_the_cycles_of_the_page() {
     let mut chip = FramesOnChip::new().unwrap();
@@ -70,13 +81,18 @@ fn thousand_modes_ring_and_are_struck_within_the_cycles_of_the_page() {
             force.resize(TICK_FRAMES, 0);
             (tick < 2).then_some(force)
         };
-        let (free, _) = cycles(&mut chip, once, 40..56);
+        cycles(&mut chip, once, 0..40);
+        chip.machine().clear_counts();
+        let (free, _) = cycles(&mut chip, |_| None, 0..16);
+        print_functions(&chip.machine().profile(), 16);
         assert!(chip.ringing().unwrap() as usize >= count * 99 / 100, "too few modes ring for the figure");
         chip.load(&modes, RATE).unwrap();
         let (_, struck) = cycles(&mut chip, once, 0..40);
         chip.load(&modes, RATE).unwrap();
         let direct = |tick: usize| Some((0..TICK_FRAMES).map(|n| (n * 9999 + tick * 77) as i32 * 50 + 1).collect());
+        chip.machine().clear_counts();
         let (driven, dearest) = cycles(&mut chip, direct, 24..56);
+        print_functions(&chip.machine().profile(), 56);
         println!(
             "{count} modes: ringing {free:.0} cycles a frame, dearest tick of a strike {struck:.0}, direct force \
              {driven:.0}, dearest {dearest:.0}; {} bytes; load {} cycles a mode",

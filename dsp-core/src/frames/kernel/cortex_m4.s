@@ -127,7 +127,7 @@ malleus_frames_synthesize:
     .size   malleus_frames_synthesize, . - malleus_frames_synthesize
 
 @ --------------------------------------------------------------------------------------------------
-@ Modes from the lines of a force. 94 cycles a mode, 44 a line with modes.
+@ Modes from the lines of a force. 94 cycles a mode, 25 a line with modes.
 @ Registers: r0 numbers of the mode, r1 line, r2 end of the lines, r3 spectrum, r4 modes left, r5
 @ zero; s0-s1 sum, s2-s15 numbers, s16-s29 seven lines, s30-s31 products.
     .p2align 4

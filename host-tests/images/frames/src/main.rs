@@ -119,9 +119,7 @@ pub unsafe extern "C" fn frames_render(force: *const i32, out: *mut [i32; 2], fr
         bank.render(frame, [force, None], sound);
         stage.panner.render(sound, out);
     }
-    if let Some(playing) = stage.mixer.playing() {
-        playing.render(frame, out);
-    }
+    stage.mixer.render(frame, out);
     stage.now += frames;
     if stage.now.is_multiple_of(TICK_FRAMES) {
         stage.mixer.end_tick((stage.now - 1) % BLOCK_FRAMES / TICK_FRAMES, &mut stage.banks);
