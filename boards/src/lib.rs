@@ -17,6 +17,7 @@ use dsp_core::SampleRate;
 use dsp_core::engine::{Engine, LoadError, Plan, Setup};
 use dsp_core::memory::{Memory, Words};
 use dsp_core::table::Kit;
+use dsp_core::time::TICK_FRAMES;
 
 /// Maximum number of pads of a kit on a board: the firmware has counters for so many.
 pub const PADS: usize = 16;
@@ -29,6 +30,10 @@ const INPUT_CYCLES: u32 = 9_000;
 /// worst case with those waits, and a reserve for code that a change elsewhere moves in flash
 /// (virtual-board/tests/boards/load.rs).
 const WORST_PERCENT: u32 = 180;
+
+/// Most cycles that frames take, in percent of their nominal ones: with the cycle model's worst case
+/// and the waits of flash.
+const FRAMES_WORST_PERCENT: u32 = 108;
 
 /// Board as far as its sound depends on it.
 pub trait Board {
@@ -54,6 +59,9 @@ pub trait Board {
     /// With these no half of the DMA buffer is late when all piezos are struck at once (`cargo test
     /// -p virtual-board --test boards stages`).
     const STAGE_CYCLES: u32;
+    /// Cycles a frame that pads in frames may take: the time to the deadline, less that of the
+    /// inputs, divided by [`FRAMES_WORST_PERCENT`].
+    const FRAME_CYCLES: u32 = (Self::LEAD_CYCLES - INPUT_CYCLES) / FRAMES_WORST_PERCENT * 100 / TICK_FRAMES as u32;
     /// Words of memory that the board lends its engine.
     const WORDS: Words;
     /// Maximum number of samples in the delay lines of the reverberation, 2 bytes each.
@@ -69,7 +77,7 @@ pub trait Board {
 
     /// Setup of the board's engine.
     fn setup() -> Setup {
-        Setup { room_samples: Self::ROOM_SAMPLES, ceiling_db: Self::CEILING_DB, ..Setup::new(Self::rate()) }
+        Setup { room_samples: Self::ROOM_SAMPLES, frame_cycles: Self::FRAME_CYCLES, ceiling_db: Self::CEILING_DB, ..Setup::new(Self::rate()) }
     }
 
     /// Makes the engine of a kit as the board does; `tell` gets the reason for each stage that is

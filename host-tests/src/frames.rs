@@ -94,7 +94,7 @@ pub fn contact(samples: usize) -> Vec<i32> {
 /// A bank in frames, with its mixer.
 #[derive(Debug)]
 pub struct FramesOnPc {
-    banks: [FrameBank<'static, 'static>; 1],
+    banks: [FrameBank<'static>; 1],
     mixer: FrameMixer<'static>,
     now: usize,
 }
@@ -162,14 +162,15 @@ impl FramesOnPc {
             let force = run.iter().any(|&x| x != 0).then_some(run);
             let mut forces = [None; 2];
             forces[slot] = force;
-            self.banks[0].render(frame, forces, &mut head);
+            self.banks[0].begin_run(frame);
+            self.banks[0].render(forces, &mut head);
             let mut stereo = vec![[0; 2]; count];
             Panner::new(0.0, -1.0).render(&head, &mut stereo);
             self.mixer.render(frame, &mut stereo);
             out.extend(stereo.iter().map(|side| side[0]));
             self.now += count;
             if self.now.is_multiple_of(TICK_FRAMES) {
-                self.mixer.end_tick((self.now - 1) % BLOCK_FRAMES / TICK_FRAMES, &mut self.banks);
+                self.mixer.end_tick((self.now - 1) % BLOCK_FRAMES / TICK_FRAMES, 0.0, &mut self.banks);
             }
         }
         out

@@ -14,6 +14,7 @@ use super::render::next_news;
 use super::setup::Skipping;
 use super::state::{Direct, Engine};
 use crate::event::{Action, Event, Time};
+use crate::frames::InFrames;
 use crate::resonator::{Audience, Bank, Shed, ShedChoice, ShedPlan, UpcomingRun, Use};
 use crate::room::Sample;
 use crate::time::TICK_FRAMES;
@@ -69,7 +70,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         let choke = choke + self.report.counts.of(CostItem::Choke).min(1) * CostItem::Choke.cycles();
         let budget = budget.saturating_sub(margin) + choke;
         let predicted = self.report.predicted_cycles() + rest.cycles();
-        if predicted > budget {
+        if predicted > budget && self.groups_built > 0 {
             let survey = self.survey_counts();
             let survey_cycles: u32 = survey.iter().map(|&(item, count)| item.cycles() * count).sum();
             let guards = rest.of(CostItem::GuardedGroup) * CostItem::GuardedGroup.cycles();
@@ -213,10 +214,14 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Number of modes whose gains a strike derives anew.
     fn moved_modes(&self, event: &Event) -> u32 {
-        let object = self.voices.get(usize::from(event.pad)).and_then(|voice| voice.banks().first());
-        let moves =
-            |object: &&Bank<'_>| object.place(event.position, |slot| self.contacts.is_any_in(event.pad, slot)).moves;
-        object.filter(moves).map_or(0, |object| object.mode_count() as u32)
+        let Some(voice) = self.voices.get(usize::from(event.pad)) else { return 0 };
+        let place = voice.place_of(event.position, |slot| self.contacts.is_any_in(event.pad, slot));
+        match (place.moves, voice.frames()) {
+            (false, _) => 0,
+            // A head between two others takes as long as the gains of eight modes.
+            (true, Some(_)) => 8,
+            (true, None) => voice.banks().first().map_or(0, |object| object.mode_count() as u32),
+        }
     }
 
     /// Number of modes that chokes and releases reach in this tick, and of groups guarded for them.
@@ -295,9 +300,11 @@ impl<S: Sample> Engine<'_, '_, S> {
             let is_direct = direct_input(direct, number) > 0.0;
             let is_driven = contact_frames > 0 || is_direct;
             let used = if is_driven { Use::Driven } else { Use::Free };
-            if !is_driven && !voice.is_ringing() {
+            let in_frames = self.frames.is_some() && voice.frames().is_some();
+            if !is_driven && !voice.is_ringing() && !(in_frames && voice.sounds_in_frames()) {
                 continue;
             }
+            let head = if in_frames { self.add_head(voice, (frames, is_driven), counts) } else { 0 };
             let (mut groups, mut banks) = (0, 0);
             let mut on_bus = false;
             for bank in pad_banks.iter().filter(|bank| bank.mode_count() > 0) {
@@ -316,7 +323,7 @@ impl<S: Sample> Engine<'_, '_, S> {
                 }
             }
             counts.add(CostItem::StrikerBank, banks.max(1) - 1);
-            if is_driven && groups == 0 {
+            if is_driven && groups == 0 && !in_frames {
                 // Nothing answers the force.
                 continue;
             }
@@ -330,6 +337,8 @@ impl<S: Sample> Engine<'_, '_, S> {
                 counts.add(CostItem::DrivenFrame, frames);
                 counts.add(CostItem::ContactFrame, contact_frames);
                 counts.add(CostItem::DirectFrame, if is_direct { frames } else { 0 });
+            } else if in_frames && head == 0 && groups == 0 {
+                // Its block is no work of the run.
             } else if voice.rings_quickly() && !on_bus {
                 counts.add(CostItem::RingingPad, 1);
             } else {
@@ -337,6 +346,14 @@ impl<S: Sample> Engine<'_, '_, S> {
                 counts.add(CostItem::BusFrame, frames);
             }
         }
+    }
+
+    /// Adds the heads of a pad in frames over a run; gives their cycles.
+    #[inline(never)] // must not weigh on kits without frames
+    fn add_head(&self, voice: &Voice<'_, '_>, (frames, is_driven): (u32, bool), counts: &mut Counts) -> u32 {
+        let cycles = voice.frames().map_or(0, |object| object.head_cycles(frames, is_driven));
+        counts.add(CostItem::ResidualCycle, cycles);
+        cycles
     }
 }
 

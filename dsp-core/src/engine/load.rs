@@ -4,10 +4,11 @@
 
 use super::error::LoadError;
 use super::report::TickReport;
-use super::setup::{Fitting, Setup};
+use super::setup::{Fitting, STRUCK_PAD_FRAME, Setup, Skipping};
 use super::stage::Stage;
 use super::state::{Engine, STANDARD_CONTACTS};
 use crate::contact::ActiveContacts;
+use crate::frames::FrameMixer;
 use crate::limiter::Limiter;
 use crate::memory::{Lender, Memory, OutOfMemory, Region, Words};
 use crate::noise::Sfc32;
@@ -29,7 +30,7 @@ pub(super) const ROOM_TICK: u32 = 11_200;
 /// Nominal cycles that each band of a room adds to its dearest tick.
 pub(super) const ROOM_BAND_TICK: u32 = 950;
 
-impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
+impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
     /// Derives all stages of a kit in lent memory, as many words as [`Plan::of`](super::Plan::of)
     /// says. Time begins at 0.
     ///
@@ -107,6 +108,7 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
             kit: *kit,
             voices: lender.take(Region::Fast, pads, Voice::empty).map_err(missing)?,
             contacts: ActiveContacts::take(lender, STANDARD_CONTACTS).map_err(missing)?,
+            frames: None,
             background: None,
             centre: Panner::new(0.0, 0.0),
             room: None,
@@ -120,6 +122,7 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
             rate: setup.rate,
             skipping: setup.skipping,
             room_samples: setup.room_samples,
+            frame_cycles: setup.frame_cycles.saturating_sub(STRUCK_PAD_FRAME * (pads - 1) as u32),
             words: Words::default(),
             now: 0,
             budget: None,
@@ -141,18 +144,34 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
     #[inline(never)] // keeps its stack apart from that of the stages that follow
     fn load_modes<L: Lender<'m>>(&mut self, lender: &mut L) -> Result<(), LoadError> {
         let (kit, rate) = (self.kit, self.rate);
+        let mut has_mixer = false;
         for number in 0..kit.pads().len() as u8 {
             let Some(tables) = PadTables::new(kit, usize::from(number)) else { continue };
             let refused = |(error, striker)| LoadError::Pad { pad: usize::from(number), striker, error, rate };
             let size = VoiceSize::new(&tables, rate).map_err(refused)?;
+            let size = match size.in_frames(&tables, rate).map_err(|error| refused((error, None)))? {
+                Some(framed)
+                    if framed.frame_cycles() <= self.frame_cycles
+                        && self.has_memory_for_frames((number, &framed), has_mixer, lender) =>
+                {
+                    self.frame_cycles -= framed.frame_cycles();
+                    framed
+                }
+                _ => size,
+            };
             let missing = |error| LoadError::Memory { stage: Stage::Modes(number), error };
+            if size.is_in_frames() && !has_mixer {
+                let retires = self.skipping == Skipping::On;
+                self.frames = FrameMixer::place(lender, retires).map_err(missing)?;
+                has_mixer = true;
+            }
             let voice = Voice::take(lender, &size).map_err(missing)?;
             self.groups_built += size.groups() as u32;
             // An account gives no slices.
             if let Some(slot) = self.voices.get_mut(usize::from(number)) {
                 *slot = voice;
                 slot.set_number(number);
-                slot.load(&tables, rate).map_err(refused)?;
+                slot.load(&tables, rate, self.frames.as_deref_mut()).map_err(refused)?;
             }
         }
         let missing = |error| LoadError::Memory { stage: Stage::Engine, error };
@@ -163,11 +182,34 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
             let modes = VoiceSize::new(&tables, rate).map_or(0, |size| size.second_modes(&tables));
             let mut none = Voice::empty();
             let voice = self.voices.get_mut(number).unwrap_or(&mut none);
-            if modes > 0 && voice.take_second(lender, modes).is_err() {
+            if modes > 0 && voice.frames.is_none() && voice.take_second(lender, modes).is_err() {
                 break;
             }
         }
         Ok(())
+    }
+
+    /// True if there is memory for a pad in frames beside the banks of the pads behind it.
+    #[inline(never)]
+    fn has_memory_for_frames<L: Lender<'m>>(
+        &self,
+        (number, size): (u8, &VoiceSize),
+        has_mixer: bool,
+        lender: &L,
+    ) -> bool {
+        let mut account = lender.account();
+        let mut groups = self.groups_built as usize;
+        let mut take = |size: &VoiceSize| {
+            groups += size.groups();
+            Voice::take(&mut account, size).is_ok()
+        };
+        let mut fits = take(size);
+        for later in usize::from(number) + 1..self.kit.pads().len() {
+            let tables = PadTables::new(self.kit, later);
+            fits &= tables.and_then(|tables| VoiceSize::new(&tables, self.rate).ok()).is_none_or(|size| take(&size));
+        }
+        fits && account.take(Region::Fast, groups, || 0u8).is_ok()
+            && (has_mixer || FrameMixer::place(&mut account, true).is_ok())
     }
 
     #[inline(never)] // runs on load only: keeps its stack apart from the program's
@@ -336,7 +378,7 @@ impl<'k, 'm, S: Sample> Engine<'k, 'm, S> {
                 fitting.leave_out(LoadError::Biquads { pad: number, error })?;
             }
         }
-        voice.filters = Some(place);
+        (voice.filters, voice.is_plain) = (Some(place), false);
         Ok(())
     }
 }

@@ -153,12 +153,17 @@ impl TickReport {
         self.striker_mode_frames += strikers;
     }
 
-    /// Adds a run of a pad whose filters took part in it.
-    pub(super) fn add_filtered(&mut self, voice: &Voice<'_, '_>, (ran, work): (Ran, FilterWork), frames: usize) {
+    /// Adds a run of a pad that may have been under a force.
+    pub(super) fn add_ran(&mut self, voice: &Voice<'_, '_>, ran: Ran, frames: usize) {
         match ran {
             Ran::Driven(work) => self.add(voice, &work, frames),
             Ran::Ringing(object, strikers) => self.add_ringing(voice, (object, strikers), frames),
         }
+    }
+
+    /// Adds a run of a pad whose filters took part in it.
+    pub(super) fn add_filtered(&mut self, voice: &Voice<'_, '_>, (ran, work): (Ran, FilterWork), frames: usize) {
+        self.add_ran(voice, ran, frames);
         self.filter_frames += work.filter_frames;
         self.loop_frames += work.loop_frames;
         self.biquad_frames += work.biquad_frames;

@@ -23,6 +23,11 @@ pub struct Setup {
     /// Maximum number of samples in the delay lines of the room. A room that would need more keeps
     /// its decay, with fewer resonances.
     pub room_samples: usize,
+    /// Maximum number of nominal cycles a frame for all pads in frames, each under a force that never
+    /// rests, with 375 for each other pad of the kit. Pads that find no room stay in the fixed-point
+    /// bank, whose modes the [budget](crate::engine::Engine::set_budget) can shed; it cannot shed
+    /// modes in frames.
+    pub frame_cycles: u32,
     /// Ceiling of the limiter on the stereo sum in dB of full scale, -40 to 0; `None` for no
     /// limiter.
     pub ceiling_db: Option<f32>,
@@ -30,11 +35,16 @@ pub struct Setup {
 
 impl Setup {
     /// Settings that skip what cannot be heard and allow the largest room that bands can use:
-    /// 49 152 samples.
+    /// 49 152 samples. Pads in frames may take 80 % of 168 MHz at 48
+    /// kHz.
     pub const fn new(rate: SampleRate) -> Self {
-        Self { rate, skipping: Skipping::On, room_samples: 49_152, ceiling_db: None }
+        Self { rate, skipping: Skipping::On, room_samples: 49_152, frame_cycles: 2_800, ceiling_db: None }
     }
 }
+
+/// Nominal cycles a frame of a pad in the tick of its strike, beside its modes: 12 000 a tick
+/// (`cargo test -p host-tests --test on_chip storm -- --nocapture`, all modes shed).
+pub(super) const STRUCK_PAD_FRAME: u32 = 375;
 
 /// Worst cycles of a pad, sounding or not, in the two runs of a tick with a strike.
 const PAD_CYCLES: u32 = 1_600;

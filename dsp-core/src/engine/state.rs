@@ -4,6 +4,7 @@ use super::report::TickReport;
 use super::setup::Skipping;
 use crate::SampleRate;
 use crate::contact::ActiveContacts;
+use crate::frames::FrameMixer;
 use crate::limiter::Limiter;
 use crate::memory::Words;
 use crate::output::Panner;
@@ -38,6 +39,8 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     /// Voices of the kit's pads.
     pub(super) voices: &'m mut [Voice<'k, 'm>],
     pub(super) contacts: ActiveContacts<'m>,
+    /// Work and sound of all pads in frames; `None` if there is none.
+    pub(super) frames: Option<&'m mut FrameMixer<'m>>,
     pub(super) background: Option<&'m mut Residual<'m>>,
     /// Level and pan of the background.
     pub(super) centre: Panner,
@@ -51,6 +54,8 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) rate: SampleRate,
     pub(super) skipping: Skipping,
     pub(super) room_samples: usize,
+    /// Nominal cycles a frame that are left for further pads in frames.
+    pub(super) frame_cycles: u32,
     pub(super) words: Words,
     pub(super) now: u64,
     /// Cycles that a tick may take; `None` without a limit.
@@ -105,6 +110,11 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.voices.get(pad).map_or(0, Voice::mode_count)
     }
 
+    /// True if the modes of a pad's object are in frames; else they are in the fixed-point bank.
+    pub fn plays_in_frames(&self, pad: usize) -> bool {
+        self.voices.get(pad).is_some_and(|voice| voice.frames.is_some())
+    }
+
     /// Number of a pad's modes that are shed until the pad's next strike.
     pub fn shed_mode_count(&self, pad: usize) -> usize {
         let banks = self.voices.get(pad).map_or(&[] as &[Bank<'_>], Voice::banks);
@@ -115,7 +125,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// the output is exact silence and a core may sleep.
     pub fn is_silent(&self) -> bool {
         self.contacts.count() == 0
-            && !self.voices.iter().any(Voice::is_ringing)
+            && !self.voices.iter().any(|voice| voice.is_ringing() || voice.sounds_in_frames())
             && self.noises() == 0
             && self.active_filters() == 0
             && self.bus_stages_are_silent()

@@ -3,9 +3,11 @@
 use super::budget::ShedAmount;
 use super::cost::CostItem;
 use super::setup::Skipping;
+use super::report::TickReport;
 use super::state::{Direct, Engine};
-use crate::contact::Contact;
+use crate::contact::{ActiveContacts, Contact};
 use crate::event::{Action, Event};
+use crate::frames::{BLOCK_FRAMES, InFrames};
 use crate::room::Sample;
 use crate::time::TICK_FRAMES;
 use crate::voice::{PadTables, Run, Voice};
@@ -21,6 +23,9 @@ impl<S: Sample> Engine<'_, '_, S> {
             self.report.begin(self.now);
         }
         self.was_idle = self.idle;
+        if !self.idle {
+            self.begin_frames();
+        }
         if self.budget.is_some() {
             let counts = self.beginning();
             self.report.counts.add_all(counts);
@@ -34,7 +39,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             self.admit(direct.pad);
         }
         let skip = self.skipping == Skipping::On;
-        let mut retired = None;
+        let (in_frames, mut retired) = (self.retired_in_frames(), None);
         for index in 0..self.voices.len() {
             if self.voices.get_mut(index).is_none_or(Voice::pass_tick) {
                 continue;
@@ -44,11 +49,11 @@ impl<S: Sample> Engine<'_, '_, S> {
             let Some(voice) = self.voices.get_mut(index) else { break };
             let elsewhere = all - voice.retired_amplitude();
             let elsewhere = if elsewhere > 0.0 { elsewhere } else { 0.0 };
-            self.report.retired_modes += voice.tick(skip, elsewhere);
+            self.report.retired_modes += voice.tick(skip, elsewhere + in_frames);
             retired = Some(elsewhere + voice.retired_amplitude());
         }
         self.retired_amplitude = retired.unwrap_or(self.retired_amplitude);
-        self.report.retired_amplitude = self.retired_amplitude;
+        self.report.retired_amplitude = self.retired_amplitude + in_frames;
     }
 
     /// Applies an event.
@@ -141,10 +146,7 @@ impl<S: Sample> Engine<'_, '_, S> {
                 .map(|direct| direct.force);
             let has_force = direct.is_some() || (has_contacts && self.contacts.count_on(number) > 0);
             let run = Run { frames: out.len(), odd_start, skip, has_force, direct };
-            if voice.filters_join_in(has_force) {
-                let frame = (self.now % TICK_FRAMES as u64) as usize;
-                let work = voice.render_filtered(frame, run, &mut self.contacts, out);
-                self.report.add_filtered(voice, work, out.len());
+            if !voice.is_plain && render_joined(voice, self.now, run, &mut self.contacts, &mut self.report, out) {
                 continue;
             }
             if has_force && skip && !voice.responds() {
@@ -172,20 +174,52 @@ impl<S: Sample> Engine<'_, '_, S> {
         if self.idle {
             return;
         }
+        self.end_frames_tick();
         self.end_noise_tick();
         self.report.filters = self.active_filters();
         self.report.contacts = self.contacts.count() as u32;
         self.report.ringing_pads = self.voices.iter().filter(|voice| voice.is_ringing()).count() as u32;
+        if self.frames.is_some() {
+            self.count_pads_in_frames();
+        }
         self.idle = self.skipping == Skipping::On
             && self.report.contacts == 0
             && self.report.ringing_pads == 0
             && self.report.residuals == 0
             && self.report.filters == 0
             && self.bus_stages_are_silent()
+            && self.retired_in_frames() == 0.0
             && self.voices.iter().all(|voice| voice.retired_amplitude() == 0.0 && !voice.is_being_reached());
         if self.idle {
             let unstruck = self.voices.iter().filter(|voice| !voice.was_struck());
             self.unstruck_modes = unstruck.map(|voice| voice.mode_count() as u32).sum();
         }
     }
+}
+
+/// Renders a run of a pad with filters or with modes in frames. False, with nothing done, if the pad
+/// has filters alone and they do not take part in the run.
+#[inline(never)] // its registers must not weigh on other pads
+fn render_joined(
+    voice: &mut Voice<'_, '_>,
+    now: u64,
+    run: Run<'_>,
+    contacts: &mut ActiveContacts<'_>,
+    report: &mut TickReport,
+    out: &mut [[i32; 2]],
+) -> bool {
+    if let Some(object) = voice.frames_mut() {
+        object.begin_run((now % BLOCK_FRAMES as u64) as usize);
+    }
+    if voice.filters_join_in(run.has_force) {
+        let work = voice.render_filtered((now % TICK_FRAMES as u64) as usize, run, contacts, out);
+        report.add_filtered(voice, work, out.len());
+        return true;
+    }
+    if voice.frames().is_none() {
+        return false;
+    }
+    let ran = voice.render_beside_frames(run, contacts, out);
+    report.add_ran(voice, ran, out.len());
+    true
 }

@@ -14,16 +14,20 @@ use crate::table::layout::GainRecord;
 /// Accuracy of a mode at full scale against `f64`: 105 dB and better (`cargo test -p host-tests
 /// --test stages frames -- --nocapture`).
 #[derive(Debug)]
-pub struct FrameBank<'k, 'm> {
+pub struct FrameBank<'m> {
     pub(super) modes: &'m mut [FrameMode],
     pub(super) lines: &'m mut [Line],
     /// Two heads, each at the position of a slot; the second has memory only if the table has
     /// several positions.
     pub(super) heads: [Head<'m>; SLOTS],
-    pub(super) positions: Positions<'k, 'm>,
+    pub(super) positions: Positions<'m>,
     /// Gains from the bank's bus to both sides.
     pub(super) gains: [f32; 2],
+    /// Number of modes of the table below Nyquist, those that live in the head alone included.
+    pub(super) mode_count: u16,
     pub(super) ringing: u16,
+    /// First frame of the coming run in its block.
+    pub(super) frame: u16,
     /// Amplitude that retired modes leave out; it decays from block to block.
     pub(super) retired: Retired,
 }
@@ -33,7 +37,7 @@ pub(super) const SLOTS: usize = 2;
 
 /// Gains and heads of a table with several positions; empty for one with a single position.
 #[derive(Debug)]
-pub(super) struct Positions<'k, 'm> {
+pub(super) struct Positions<'m> {
     /// Number of positions.
     pub(super) count: usize,
     /// Heads of all positions by lag, and their exponent.
@@ -42,13 +46,13 @@ pub(super) struct Positions<'k, 'm> {
     /// Index of each mode in the table.
     pub(super) indices: &'m mut [u16],
     /// Gains of the table, and their factor.
-    pub(super) gains: &'k [GainRecord],
+    pub(super) gains: &'m [GainRecord],
     pub(super) scale: f32,
     /// Position whose gains the modes hold.
     pub(super) held: f32,
 }
 
-impl FrameBank<'_, '_> {
+impl FrameBank<'_> {
     /// A bank without modes.
     pub const fn empty() -> Self {
         Self {
@@ -65,14 +69,36 @@ impl FrameBank<'_, '_> {
                 held: 0.0,
             },
             gains: [0.0; 2],
+            mode_count: 0,
             ringing: 0,
+            frame: 0,
             retired: Retired::NOTHING,
         }
     }
 
-    /// Number of modes that ring in frames.
-    pub fn ringing_modes(&self) -> u32 {
-        u32::from(self.ringing)
+    /// Number of modes of the table below Nyquist.
+    pub fn mode_count(&self) -> usize {
+        usize::from(self.mode_count)
+    }
+
+    /// Number of modes that a run takes: all while the head sounds, else those that ring.
+    pub fn running_modes(&self) -> u32 {
+        u32::from(if self.is_head_active() { self.mode_count } else { self.ringing })
+    }
+
+    /// True if a force at a second position need not merge with one at the first.
+    pub fn has_positions(&self) -> bool {
+        self.positions.count > 1
+    }
+
+    /// Sum of the amplitudes that have been retired and may still be missing, 1.0 = full scale.
+    pub fn retired_amplitude(&self) -> f32 {
+        self.retired.amplitude()
+    }
+
+    /// Begins a run of at most a tick's frames; `frame` is its first frame in the block.
+    pub fn begin_run(&mut self, frame: usize) {
+        self.frame = (frame % BLOCK_FRAMES) as u16;
     }
 
     /// True if [`FrameBank::render`] makes a sound without a force.
@@ -81,16 +107,22 @@ impl FrameBank<'_, '_> {
         self.heads.iter().any(Head::is_active)
     }
 
+    /// Nominal cycles of the heads over a run of frames, under a force or not.
+    pub fn head_cycles(&self, frames: u32, force: bool) -> u32 {
+        let [first, second] = &self.heads;
+        first.cycles(frames, force) + second.cycles(frames, false)
+    }
+
     /// True if the bank sounds or will.
     pub fn is_active(&self) -> bool {
         self.ringing > 0 || self.is_head_active()
     }
 
-    /// Adds the heads' sound for a run of at most a tick's frames to the pad's bus, under the
-    /// forces of both slots. `frame` is the run's first frame in its block ([`Head::render`]).
-    pub fn render(&mut self, frame: usize, forces: [Option<&[i32]>; SLOTS], out: &mut [i32]) {
+    /// Adds the heads' sound for the run that [began](Self::begin_run) to the pad's bus, under the
+    /// forces of both slots ([`Head::render`]).
+    pub fn render(&mut self, forces: [Option<&[i32]>; SLOTS], out: &mut [i32]) {
         for (head, force) in self.heads.iter_mut().zip(forces) {
-            head.render(frame, force, out);
+            head.render(self.frame.into(), force, out);
         }
     }
 
@@ -168,10 +200,19 @@ impl FrameBank<'_, '_> {
     }
 
     /// Retires modes of some lines that no longer sound: those whose amplitude at the block's
-    /// beginning is below the threshold, while the sum of retired amplitudes allows it.
+    /// beginning is below the threshold, while the sum of retired amplitudes allows it. Gives their
+    /// number.
     ///
-    /// Looks at the lines whose turn `block` is.
-    pub(super) fn retire(&mut self, lines: core::ops::Range<usize>, first_mode: usize, block: usize) {
+    /// Looks at the lines whose turn `block` is. `elsewhere` is the retired amplitude of all that
+    /// is not in this bank, 1.0 = full scale.
+    pub(super) fn retire(
+        &mut self,
+        lines: core::ops::Range<usize>,
+        first_mode: usize,
+        block: usize,
+        elsewhere: f32,
+    ) -> u32 {
+        let rang = self.ringing;
         let unit = self.gains[0].max(self.gains[1]) / fixed::ONE_Q27 as f32;
         let audible = Retirement::THRESHOLD / unit.max(f32::MIN_POSITIVE);
         let audible = audible * audible;
@@ -189,7 +230,7 @@ impl FrameBank<'_, '_> {
                 }
                 let decay = square_root(decay);
                 let amplitude = square_root(size) / decay * unit;
-                if self.retired.amplitude() + amplitude > Retirement::SUM {
+                if elsewhere + self.retired.amplitude() + amplitude > Retirement::SUM {
                     break;
                 }
                 if size > 0.0 {
@@ -201,6 +242,7 @@ impl FrameBank<'_, '_> {
             }
             first += usize::from(line.count);
         }
+        u32::from(rang - self.ringing)
     }
 
     /// Begins a block for the heads and for the sum of retired amplitudes.

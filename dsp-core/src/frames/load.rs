@@ -20,6 +20,13 @@ pub struct FrameBankSize {
     pub positions: usize,
 }
 
+/// Nominal cycles a frame under a direct force, and those of each mode
+/// (`cargo test -p host-tests --test on_chip frames -- --nocapture`).
+const DRIVEN_FRAME: f32 = 1545.0;
+const DRIVEN_MODE: f32 = 0.784;
+/// Nominal cycles of a mode under a force in the fixed-point bank (docs/performance.md).
+const DRIVEN_MODE_IN_BANK: f32 = 7.74;
+
 /// Modes of a checked table below Nyquist: index and pole.
 fn rendered<'t>(table: &'t BankTable<'_>, rate: SampleRate) -> impl Iterator<Item = (usize, FramePole)> + use<'t> {
     below_nyquist(table, rate).filter_map(Result::ok).map(move |(index, record)| {
@@ -33,7 +40,7 @@ fn outlasts_head(pole: &FramePole) -> bool {
     pole.damping <= MAX_DAMPING
 }
 
-impl<'k, 'm> FrameBank<'k, 'm> {
+impl<'m> FrameBank<'m> {
     /// Size of the bank of a table at a sample rate.
     ///
     /// # Errors
@@ -42,6 +49,21 @@ impl<'k, 'm> FrameBank<'k, 'm> {
         check_bank(table, rate)?;
         let modes = rendered(table, rate).filter(|(_, pole)| outlasts_head(pole)).count();
         Ok(FrameBankSize { modes, positions: table.positions })
+    }
+
+    /// True if frames render a table's modes in fewer cycles than the fixed-point bank does, even
+    /// under a force that never rests: from 223 modes on. A pad that can be choked stays in the
+    /// bank, because frames have no choke.
+    ///
+    /// A lone ringing pad is cheaper in frames from 65 modes on.
+    pub fn is_cheaper(table: &BankTable<'_>, rate: SampleRate) -> bool {
+        let modes = rendered(table, rate).count();
+        table.choke_t60_s == 0.0 && (Self::driven_cycles(modes) as f32) < DRIVEN_MODE_IN_BANK * modes as f32
+    }
+
+    /// Nominal cycles a frame of a lone pad in frames, under a force that never rests.
+    pub fn driven_cycles(modes: usize) -> u32 {
+        (DRIVEN_FRAME + DRIVEN_MODE * modes as f32) as u32
     }
 
     /// Takes the memory of a bank, at rest and without modes: 84 bytes a mode, and 5.2 KB.
@@ -76,13 +98,14 @@ impl<'k, 'm> FrameBank<'k, 'm> {
     /// A [`BankError`]; the bank is then not to be played.
     pub fn load(
         &mut self,
-        table: &BankTable<'k>,
+        table: &BankTable<'m>,
         rate: SampleRate,
         gains: [f32; 2],
         mixer: &mut FrameMixer<'_>,
     ) -> Result<(), BankError> {
         check_bank(table, rate)?;
         self.gains = gains;
+        self.mode_count = rendered(table, rate).count() as u16; // banks count in 16 bits
         self.place_modes(table, rate);
         for (index, mode) in self.positions.indices.iter_mut().zip(&*self.modes) {
             *index = mode.state[0].to_bits() as u16; // 12 bits and a flag

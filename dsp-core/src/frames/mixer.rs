@@ -8,6 +8,7 @@ use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, RETIREMENT_BLOCKS, TICKS}
 use crate::fixed;
 use crate::fourier::{self, Complex, Progress};
 use crate::memory::{Lender, OutOfMemory, Region};
+use crate::time::TICK_FRAMES;
 
 /// Spectra of all banks in frames, and the work on the next block.
 #[derive(Debug)]
@@ -17,6 +18,10 @@ pub struct FrameMixer<'m> {
     front: bool,
     /// True if modes that no longer sound retire.
     retires: bool,
+    /// Retired amplitude of the modes that are not in frames, 1.0 = full scale.
+    retired_beside: f32,
+    /// Number of modes that have retired in this tick.
+    retired_modes: u32,
     /// Number of blocks that have begun, modulo [`RETIREMENT_BLOCKS`](super::RETIREMENT_BLOCKS).
     block: usize,
     /// True if the block that plays, and the block that is being made, hold any sound.
@@ -44,6 +49,24 @@ struct Buffers {
     force: [Complex; BLOCK_FRAMES],
 }
 
+/// A pad, with a bank in frames or without.
+pub trait InFrames<'b> {
+    /// Bank in frames of the pad.
+    fn frames(&self) -> Option<&FrameBank<'b>>;
+    /// Bank in frames of the pad, to work on.
+    fn frames_mut(&mut self) -> Option<&mut FrameBank<'b>>;
+}
+
+impl<'b> InFrames<'b> for FrameBank<'b> {
+    fn frames(&self) -> Option<&Self> {
+        Some(self)
+    }
+
+    fn frames_mut(&mut self) -> Option<&mut Self> {
+        Some(self)
+    }
+}
+
 /// Piece of the work that comes next.
 #[derive(Clone, Copy, Debug)]
 enum Step {
@@ -66,6 +89,25 @@ enum Step {
 }
 
 impl<'m> FrameMixer<'m> {
+    /// A mixer without memory.
+    const fn empty() -> Self {
+        Self {
+            buffers: &mut [],
+            front: false,
+            retires: false,
+            retired_beside: 0.0,
+            retired_modes: 0,
+            block: 0,
+            sounds: [false; 2],
+            step: Step::Rest,
+            bank: 0,
+            slot: 0,
+            is_first: true,
+            done: 0,
+            all: 0,
+        }
+    }
+
     /// Takes the memory of a mixer. Modes that no longer sound retire if `retires`.
     ///
     /// # Errors
@@ -76,25 +118,27 @@ impl<'m> FrameMixer<'m> {
             lines: [[0.0; 2]; PADDED_LINES],
             force: [[0.0; 2]; BLOCK_FRAMES],
         };
-        Ok(Self {
-            buffers: lender.take(Region::Fast, 1, silent)?,
-            front: false,
-            retires,
-            block: 0,
-            sounds: [false; 2],
-            step: Step::Rest,
-            bank: 0,
-            slot: 0,
-            is_first: true,
-            done: 0,
-            all: 0,
-        })
+        Ok(Self { buffers: lender.take(Region::Fast, 1, silent)?, retires, ..Self::empty() })
+    }
+
+    /// Takes the memory of a mixer and a place for it; `None` from an account.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn place(lender: &mut impl Lender<'m>, retires: bool) -> Result<Option<&'m mut Self>, OutOfMemory> {
+        let mixer = Self::take(lender, retires)?;
+        let place = lender.take(Region::Fast, 1, Self::empty)?.first_mut();
+        Ok(place.map(|place| {
+            *place = mixer;
+            place
+        }))
     }
 
     /// Adds a run of frames from `frame` of the block on to the stereo bus.
     pub fn render(&self, frame: usize, out: &mut [[i32; 2]]) {
         let (true, [buffers]) = (self.sounds[0], &*self.buffers) else { return };
-        let stereo = &buffers.stereo[usize::from(self.front)];
+        let [first, second] = &buffers.stereo;
+        let stereo = if self.front { second } else { first };
         for (out, frame) in out.iter_mut().zip(frame..) {
             let [left, right] = spectrum::sample(stereo, frame);
             // Rounded to nearest: `as` alone rounds to 0.
@@ -103,24 +147,34 @@ impl<'m> FrameMixer<'m> {
         }
     }
 
+    /// Nominal cycles of a tick's work on the next block, and of playing the present one.
+    ///
+    /// A piece of the work may end up to 3000 cycles behind its share.
+    pub fn tick_cycles(&self) -> u32 {
+        let plays = if self.sounds[0] { TICK_FRAMES as u32 * PLAY_FRAME } else { 0 };
+        let works = !matches!(self.step, Step::Rest);
+        plays + if works { self.all / TICKS as u32 + TICK } else { 0 }
+    }
+
     /// True if neither this block nor the next one has any sound from frames.
     pub fn is_silent(&self) -> bool {
         !self.sounds[0] && !self.sounds[1]
     }
 
     /// Begins a block: the one that was made plays, and the work on the next one begins.
-    pub fn begin_block(&mut self, banks: &mut [FrameBank<'_, '_>]) {
+    pub fn begin_block<'b>(&mut self, banks: &mut [impl InFrames<'b>]) {
         while !matches!(self.step, Step::Rest) {
             self.advance(banks, u32::MAX);
         }
         self.front = !self.front;
         self.block = (self.block + 1) % RETIREMENT_BLOCKS;
         self.sounds = [self.sounds[1], false];
-        banks.iter_mut().for_each(FrameBank::begin_block);
-        (self.done, self.all) = (0, banks.iter().map(bank_cycles).sum());
+        banks.iter_mut().filter_map(InFrames::frames_mut).for_each(FrameBank::begin_block);
+        let works = |bank: &FrameBank<'_>| bank.works();
+        (self.done, self.all) = (0, banks.iter().filter_map(InFrames::frames).map(bank_cycles).sum());
         (self.bank, self.slot) = (0, 0);
         self.step = Step::Rest;
-        if banks.iter().any(FrameBank::works) {
+        if banks.iter().filter_map(InFrames::frames).any(works) {
             self.all += fourier::cycles(POINTS);
             self.sounds[1] = true;
             (self.step, self.is_first) = (Step::Bank, true);
@@ -128,29 +182,38 @@ impl<'m> FrameMixer<'m> {
     }
 
     /// Works on the next block at the end of a tick of this one, counted from 0: by then the share
-    /// of the ticks that have passed is done.
-    pub fn end_tick(&mut self, tick: usize, banks: &mut [FrameBank<'_, '_>]) {
+    /// of the ticks that have passed is done. `retired_beside` is the retired amplitude of all modes
+    /// that are not in frames, 1.0 = full scale. Gives the number of modes that have retired.
+    pub fn end_tick<'b>(&mut self, tick: usize, retired_beside: f32, banks: &mut [impl InFrames<'b>]) -> u32 {
+        self.retired_beside = retired_beside;
         let due = if tick + 1 < TICKS { (self.all / TICKS as u32) * (tick as u32 + 1) } else { u32::MAX };
         while self.done < due && !matches!(self.step, Step::Rest) {
             self.advance(banks, due - self.done);
         }
+        core::mem::take(&mut self.retired_modes)
     }
 
     /// Works for about a number of cycles, or until the end of a step.
-    fn advance(&mut self, banks: &mut [FrameBank<'_, '_>], cycles: u32) {
+    fn advance<'b>(&mut self, banks: &mut [impl InFrames<'b>], cycles: u32) {
         let [buffers] = &mut *self.buffers else {
             self.step = Step::Rest;
             return;
         };
-        let stereo = &mut buffers.stereo[usize::from(!self.front)];
+        let [first, second] = &mut buffers.stereo;
+        let stereo = if self.front { first } else { second };
         let (lines, force) = (&mut buffers.lines, &mut buffers.force);
         if let Step::Sum(mut progress) = self.step {
             self.done += progress.advance(stereo, cycles);
             self.step = if progress.is_over() { Step::Rest } else { Step::Sum(progress) };
             return;
         }
-        let Some(bank) = banks.get_mut(self.bank) else {
+        let retired: f32 = banks.iter().filter_map(InFrames::frames).map(FrameBank::retired_amplitude).sum();
+        let Some(pad) = banks.get_mut(self.bank) else {
             self.step = Step::Sum(Progress::start(POINTS));
+            return;
+        };
+        let Some(bank) = pad.frames_mut() else {
+            self.bank += 1;
             return;
         };
         let (spent, next) = match self.step {
@@ -205,7 +268,8 @@ impl<'m> FrameMixer<'m> {
                 let (end, count, spent) =
                     piece(bank, line, cycles, |line| SYNTHESIS_LINE + SYNTHESIS_MODE * u32::from(line.ringing));
                 if self.retires {
-                    bank.retire(line..end, mode, self.block);
+                    let elsewhere = self.retired_beside + retired - bank.retired_amplitude();
+                    self.retired_modes += bank.retire(line..end, mode, self.block, elsewhere);
                 }
                 let modes = bank.modes.get_mut(mode..).unwrap_or(&mut []);
                 kernel::synthesize(modes, bank.lines.get(line..end).unwrap_or(&[]), line, lines);
@@ -236,7 +300,7 @@ impl<'m> FrameMixer<'m> {
     }
 
     /// Makes a block of a bank from its states, for its head.
-    pub(super) fn make_block(&mut self, bank: &mut FrameBank<'_, '_>) {
+    pub(super) fn make_block(&mut self, bank: &mut FrameBank<'_>) {
         let [buffers] = &mut *self.buffers else { return };
         let stereo = &mut buffers.stereo[0];
         buffers.lines.fill([0.0; 2]);
@@ -257,7 +321,7 @@ impl<'m> FrameMixer<'m> {
 
 /// Lines from `line` on that take about a number of cycles: their end, the number of all their
 /// modes, and the cycles that `cost` says.
-fn piece(bank: &FrameBank<'_, '_>, line: usize, cycles: u32, cost: impl Fn(&Line) -> u32) -> (usize, usize, u32) {
+fn piece(bank: &FrameBank<'_>, line: usize, cycles: u32, cost: impl Fn(&Line) -> u32) -> (usize, usize, u32) {
     let (mut end, mut count, mut spent) = (line, 0, 0);
     for line in bank.lines.get(line..).unwrap_or(&[]) {
         (end, count) = (end + 1, count + usize::from(line.count));
@@ -270,7 +334,7 @@ fn piece(bank: &FrameBank<'_, '_>, line: usize, cycles: u32, cost: impl Fn(&Line
 }
 
 /// Cycles of a bank's work on the next block.
-fn bank_cycles(bank: &FrameBank<'_, '_>) -> u32 {
+fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
     let (modes, lines) = (bank.modes.len() as u32, LINES as u32);
     let synthesis = |modes: u32| CLEAR + lines * SYNTHESIS_LINE + modes * SYNTHESIS_MODE + lines * PAN;
     let transform = FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD;
@@ -291,11 +355,14 @@ fn bank_cycles(bank: &FrameBank<'_, '_>) -> u32 {
 /// Nominal cycles of pieces of the work: a line and a mode of the kernels, a pair of lines of a
 /// force, a line that is panned (`cargo test -p host-tests --test on_chip frames`).
 const GATHER_LINE: u32 = 25;
-const SYNTHESIS_LINE: u32 = 60;
+const SYNTHESIS_LINE: u32 = 90;
 const GATHER_MODE: u32 = 94;
-const SYNTHESIS_MODE: u32 = 102;
+const SYNTHESIS_MODE: u32 = 112;
 /// Nominal cycles of a mode whose gain is derived for another position.
 const DERIVED_MODE: u32 = 90;
+/// Nominal cycles of a frame that plays, and of a tick beside its share of the work.
+const PLAY_FRAME: u32 = 78;
+const TICK: u32 = 3_100;
 const UNFOLD: u32 = 55;
 const PAN: u32 = 28;
 /// Nominal cycles of the preparation of a force, and of the clearing of lines.

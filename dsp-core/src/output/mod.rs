@@ -52,8 +52,14 @@ impl Panner {
 
     /// Gain of the louder side.
     pub fn loudest(&self) -> f32 {
-        let mantissa = self.left.max(self.right) as f32;
-        mantissa * ((1u32 << self.shift) as f32 / TWO_POW_32 as f32)
+        let [left, right] = self.factors();
+        left.max(right)
+    }
+
+    /// Gains of the left and the right side.
+    pub fn factors(&self) -> [f32; 2] {
+        let unit = (1u32 << self.shift) as f32 / TWO_POW_32 as f32;
+        [self.left as f32 * unit, self.right as f32 * unit]
     }
 
     /// Adds a pad's run to the stereo sum, saturating.

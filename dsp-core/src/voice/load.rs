@@ -1,9 +1,10 @@
 //! Loading of a voice: from a kit's tables to its banks.
 
 use super::state::Voice;
-use super::tables::PadTables;
+use super::tables::{NO_CONTACT, PadTables};
 use crate::SampleRate;
 use crate::contact::law::typical_contact;
+use crate::frames::{FrameBank, FrameBankSize, FrameMixer};
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::output::Panner;
 use crate::radiation::Acceleration;
@@ -15,6 +16,8 @@ use crate::table::layout::STRIKERS_PER_PAD;
 pub struct VoiceSize {
     banks: [BankSize; 1 + STRIKERS_PER_PAD],
     count: usize,
+    /// Size of the object's bank if its modes are in frames.
+    frames: Option<FrameBankSize>,
 }
 
 impl VoiceSize {
@@ -31,6 +34,23 @@ impl VoiceSize {
         Ok(size)
     }
 
+    /// Sizes with the object's modes in frames; `None` if frames cannot have them or would take more
+    /// cycles ([`FrameBank::is_cheaper`]).
+    ///
+    /// # Errors
+    /// A [`BankError`] for a table that no bank can hold.
+    pub fn in_frames(mut self, tables: &PadTables<'_>, rate: SampleRate) -> Result<Option<Self>, BankError> {
+        let table = tables.object_table(NO_CONTACT);
+        if tables.filter_takes_modes() || !FrameBank::is_cheaper(&table, rate) {
+            return Ok(None);
+        }
+        self.frames = Some(FrameBank::size(&table, rate)?);
+        if let Some(object) = self.banks.first_mut() {
+            *object = BankSize::default();
+        }
+        Ok(Some(self))
+    }
+
     /// Sizes of the banks, the object's first.
     pub fn banks(&self) -> &[BankSize] {
         self.banks.get(..self.count).unwrap_or(&[])
@@ -38,7 +58,17 @@ impl VoiceSize {
 
     /// Number of modes of all banks.
     pub fn modes(&self) -> usize {
-        self.banks().iter().map(|bank| bank.modes).sum()
+        self.banks().iter().map(|bank| bank.modes).sum::<usize>() + self.frames.map_or(0, |frames| frames.modes)
+    }
+
+    /// True if the object's modes are in frames.
+    pub fn is_in_frames(&self) -> bool {
+        self.frames.is_some()
+    }
+
+    /// Nominal cycles a frame of the modes in frames, under a force that never rests.
+    pub fn frame_cycles(&self) -> u32 {
+        self.frames.map_or(0, |size| FrameBank::driven_cycles(size.modes))
     }
 
     /// Number of register groups of all banks.
@@ -52,7 +82,7 @@ impl VoiceSize {
     }
 }
 
-impl<'k, 'm> Voice<'k, 'm> {
+impl<'k: 'm, 'm> Voice<'k, 'm> {
     /// Takes the memory of a voice's banks.
     ///
     /// # Errors
@@ -66,7 +96,16 @@ impl<'k, 'm> Voice<'k, 'm> {
                 *slot = bank;
             }
         }
-        Ok(Self { banks, ..Self::empty() })
+        let mut frames = None;
+        if let Some(size) = size.frames {
+            let bank = FrameBank::take(lender, size)?;
+            let place = lender.take(Region::Fast, 1, FrameBank::empty)?;
+            frames = place.first_mut();
+            if let Some(slot) = &mut frames {
+                **slot = bank;
+            }
+        }
+        Ok(Self { banks, is_plain: frames.is_none(), frames, ..Self::empty() })
     }
 
     /// Takes the memory of the object's second slot.
@@ -81,10 +120,16 @@ impl<'k, 'm> Voice<'k, 'm> {
     }
 
     /// Derives the banks and the rest of the pad from its tables, in memory taken for their size.
+    /// Modes in frames need the engine's `mixer`.
     ///
     /// # Errors
     /// A [`BankError`] with the striker that it concerns, or `None` for the object.
-    pub fn load(&mut self, tables: &PadTables<'k>, rate: SampleRate) -> Result<(), (BankError, Option<usize>)> {
+    pub fn load(
+        &mut self,
+        tables: &PadTables<'k>,
+        rate: SampleRate,
+        mixer: Option<&mut FrameMixer<'m>>,
+    ) -> Result<(), (BankError, Option<usize>)> {
         let (pad, object) = (tables.pad(), tables.object());
         self.reference_force = object.reference_force();
         self.acceleration = match tables.is_balanced() {
@@ -97,7 +142,13 @@ impl<'k, 'm> Voice<'k, 'm> {
             *slot = Some(striker.contact());
             self.striker_count += 1;
         }
-        for (bank, (which, table)) in self.banks.iter_mut().zip(tables.banks()) {
+        let in_frames = usize::from(self.frames.is_some());
+        if let (Some(frames), Some(mixer)) = (self.frames.as_deref_mut(), mixer) {
+            let table = tables.object_table(NO_CONTACT);
+            frames.load(&table, rate, self.panner.factors(), mixer).map_err(|error| (error, None))?;
+            self.mode_count += frames.mode_count() as u16;
+        }
+        for (bank, (which, table)) in self.banks.iter_mut().zip(tables.banks()).skip(in_frames) {
             bank.load(&table, rate).map_err(|error| (error, which))?;
             self.mode_count += bank.mode_count() as u16; // all banks count in 16 bits
         }

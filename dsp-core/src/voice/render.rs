@@ -4,6 +4,7 @@ use super::filters::FilterWork;
 use super::state::{PadWork, Run, Voice};
 use crate::contact::ActiveContacts;
 use crate::fixed;
+use crate::frames::FrameBank;
 use crate::resonator::kernel;
 use crate::resonator::{Bank, BankWork};
 use crate::time::TICK_FRAMES;
@@ -27,6 +28,71 @@ impl Voice<'_, '_> {
         (object_modes * frames as u32, striker_modes * frames as u32)
     }
 
+    /// Adds a run of a pad whose object's modes are in frames to the stereo bus: its heads, and its
+    /// strikers' banks.
+    #[inline(never)] // most kits have none
+    pub fn render_beside_frames(
+        &mut self,
+        run: Run<'_>,
+        contacts: &mut ActiveContacts<'_>,
+        out: &mut [[i32; 2]],
+    ) -> Ran {
+        match run.has_force || !run.skip {
+            true => Ran::Driven(self.drive_beside_frames(run, contacts, out)),
+            false => {
+                let (object, strikers) = self.ring_beside_frames(run.frames, run.odd_start, out);
+                Ran::Ringing(object, strikers)
+            }
+        }
+    }
+
+    /// Adds a run of a pad whose object's modes are in frames to the stereo bus, as
+    /// [`Voice::drive`] does.
+    fn drive_beside_frames(
+        &mut self,
+        run: Run<'_>,
+        contacts: &mut ActiveContacts<'_>,
+        out: &mut [[i32; 2]],
+    ) -> PadWork {
+        self.wake();
+        let mut work = PadWork::default();
+        let frames = run.frames.min(TICK_FRAMES);
+        let mut force = [0; TICK_FRAMES];
+        let Some(force) = force.get_mut(..frames) else { return work };
+        if run.has_force {
+            self.struck = true;
+            work.force_frames = frames as u32;
+            work.direct_frames = if run.direct.is_some() { frames as u32 } else { 0 };
+        }
+        if self.has_second_in_frames(run.direct, contacts) {
+            self.drive_both_on_bus(run, contacts, force, out, &mut work);
+            return work;
+        }
+        if self.banks.len() == 1 {
+            take_force(self.number, run.direct, contacts, force);
+        }
+        self.drive_on_bus(run, contacts, force, out, &mut work);
+        work
+    }
+
+    /// True if a force acts at the position of slot 1 of an object in frames.
+    fn has_second_in_frames(&self, direct: Option<&[i32]>, contacts: &ActiveContacts<'_>) -> bool {
+        self.frames.as_deref().is_some_and(FrameBank::has_positions)
+            && (contacts.is_any_in(self.number, 1) || direct.is_some() && self.direct_slot() == 1)
+    }
+
+    /// Adds a run without force of a pad whose object's modes are in frames to the stereo bus; gives
+    /// its mode-frames as [`Voice::ring`] does.
+    fn ring_beside_frames(&mut self, frames: usize, odd_start: bool, out: &mut [[i32; 2]]) -> (u32, u32) {
+        let striker_modes = self.banks.iter().map(|bank| bank.running_modes(true)).sum::<u32>();
+        let Some(object) = self.frames.as_deref() else { return (0, 0) };
+        let (object_modes, is_head_active) = (object.running_modes(), object.is_head_active());
+        if is_head_active || striker_modes > 0 {
+            self.ring_on_bus(frames, odd_start, out);
+        }
+        (object_modes * frames as u32, striker_modes * frames as u32)
+    }
+
     /// Adds a run without force to the stereo bus, by way of the pad's own bus.
     #[inline(never)]
     fn ring_on_bus(&mut self, frames: usize, odd_start: bool, out: &mut [[i32; 2]]) {
@@ -37,6 +103,9 @@ impl Voice<'_, '_> {
         strikers.iter_mut().chain([object]).for_each(|bank| {
             bank.render(None, odd_start, true, sound);
         });
+        if let Some(object) = self.frames.as_deref_mut() {
+            object.render([None; 2], sound);
+        }
         self.panner.render(sound, out);
     }
 
@@ -146,7 +215,13 @@ impl Voice<'_, '_> {
             }
         }
         let forces = (Some(&*force), second.as_deref());
-        work.object = object.render_slots(forces, run.odd_start, run.skip, modes.unwrap_or(sound));
+        work.object = match self.frames.as_deref_mut() {
+            Some(object) => {
+                object.render([forces.0, forces.1], modes.unwrap_or(sound));
+                BankWork { driven_mode_frames: (object.mode_count() * force.len()) as u32, ..BankWork::default() }
+            }
+            None => object.render_slots(forces, run.odd_start, run.skip, modes.unwrap_or(sound)),
+        };
         if let Some(second) = second {
             // Stages that do not depend on the position hear both.
             add(force, second);
@@ -174,7 +249,7 @@ impl Voice<'_, '_> {
         let frames = force.len() as u32;
         let direct_frames = if run.direct.is_some() { frames } else { 0 };
         let mut work = PadWork { force_frames: frames, direct_frames, ..PadWork::default() };
-        if self.has_second(run.direct, contacts) {
+        if self.has_second(run.direct, contacts) || self.has_second_in_frames(run.direct, contacts) {
             self.drive_both_mono(run, contacts, force, buses, &mut work);
             return work;
         }
@@ -211,8 +286,12 @@ impl Voice<'_, '_> {
             striker_modes += bank.running_modes(true);
             bank.render(None, odd_start, true, sound);
         }
-        let object_modes = object.running_modes(true);
+        let mut object_modes = object.running_modes(true);
         object.render(None, odd_start, true, modes.unwrap_or(sound));
+        if let Some(object) = self.frames.as_deref_mut() {
+            object_modes = object.running_modes();
+            object.render([None; 2], sound);
+        }
         (object_modes * frames, striker_modes * frames)
     }
 
@@ -249,7 +328,8 @@ impl Voice<'_, '_> {
             return nothing;
         };
         let has_force = run.has_force;
-        let is_heard = has_force && (!run.skip || self.responds() || takes_force);
+        let in_frames = self.frames.is_some();
+        let is_heard = has_force && (!run.skip || self.responds() || takes_force || in_frames);
         let mut brings_modes = takes_modes && (is_heard || self.is_ringing());
         if has_force && !is_heard {
             contacts.pass(self.number, run.frames);
@@ -259,7 +339,8 @@ impl Voice<'_, '_> {
             brings_modes |= takes_modes;
             Ran::Driven(self.drive_mono(run, contacts, force, buses))
         } else {
-            let (object, strikers) = if self.is_ringing() { self.ring_mono(run.odd_start, buses) } else { (0, 0) };
+            let sounds = self.is_ringing() || self.sounds_in_frames();
+            let (object, strikers) = if sounds { self.ring_mono(run.odd_start, buses) } else { (0, 0) };
             Ran::Ringing(object, strikers)
         };
         let force = is_heard.then_some(&*force);

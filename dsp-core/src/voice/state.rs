@@ -6,6 +6,7 @@ use super::tables::{NO_CONTACT, PadTables};
 use crate::SampleRate;
 use crate::contact::law::{Impact, StrikerLaw};
 use crate::fixed;
+use crate::frames::{FrameBank, InFrames};
 use crate::output::Panner;
 use crate::radiation::Acceleration;
 use crate::resonator::{Bank, BankWork, Place, Retirement};
@@ -19,6 +20,10 @@ pub struct Voice<'k, 'm> {
     pub(crate) number: u8,
     /// Bank of the object, and behind it those of the strikers up to the last one with modes.
     pub(crate) banks: &'m mut [Bank<'m>],
+    /// Object's modes in frames; its bank among `banks` is empty then. `None` if they are there.
+    pub(crate) frames: Option<&'m mut FrameBank<'m>>,
+    /// True if the pad has neither modes in frames nor filters.
+    pub(crate) is_plain: bool,
     /// Dynamic filter and biquads; `None` if the object has neither.
     pub(crate) filters: Option<&'m mut Filters<'m>>,
     /// Residual of the object; `None` if it has none.
@@ -86,6 +91,8 @@ impl Voice<'_, '_> {
         Self {
             number: 0,
             banks: &mut [],
+            frames: None,
+            is_plain: true,
             filters: None,
             residual: None,
             contacts: [None; STRIKERS_PER_PAD],
@@ -116,10 +123,16 @@ impl Voice<'_, '_> {
         self.banks
     }
 
-    /// True if any mode of the banks rings.
+    /// True if any mode of the fixed-point banks rings.
     #[inline(always)]
     pub fn is_ringing(&self) -> bool {
         self.banks.iter().any(Bank::is_ringing)
+    }
+
+    /// True if the object's modes are in frames and sound.
+    #[inline(always)]
+    pub(crate) fn sounds_in_frames(&self) -> bool {
+        self.frames.as_deref().is_some_and(FrameBank::is_active)
     }
 
     /// Number of register groups of all banks.
@@ -154,10 +167,16 @@ impl Voice<'_, '_> {
         self.struck
     }
 
-    /// Bound of the amplitude that retired modes leave out, 1.0 = full scale.
+    /// Bound of the amplitude that retired modes of the fixed-point banks leave out, 1.0 = full
+    /// scale.
     #[inline(always)]
     pub fn retired_amplitude(&self) -> f32 {
         self.retired_amplitude
+    }
+
+    /// Bound of the amplitude that retired modes in frames leave out, 1.0 = full scale.
+    pub(crate) fn retired_in_frames(&self) -> f32 {
+        self.frames.as_deref().map_or(0.0, FrameBank::retired_amplitude)
     }
 
     /// Begins a strike and gives its impact; `None` if the strike does nothing.
@@ -203,9 +222,17 @@ impl Voice<'_, '_> {
     /// Chooses the slot of a strike at a position, where a direct force acts from now on as well.
     /// `is_driven` says of a slot if contacts drive it.
     pub fn place(&mut self, position: f32, is_driven: impl Fn(u8) -> bool) -> Place {
-        let place = self.banks.first().map_or(Place::FIRST, |object| object.place(position, is_driven));
+        let place = self.place_of(position, is_driven);
         self.direct_slot = place.slot;
         place
+    }
+
+    /// Slot that a strike at a position would take.
+    pub(crate) fn place_of(&self, position: f32, is_driven: impl Fn(u8) -> bool) -> Place {
+        match self.frames.as_deref() {
+            Some(frames) => frames.place(position, is_driven),
+            None => self.banks.first().map_or(Place::FIRST, |object| object.place(position, is_driven)),
+        }
     }
 
     /// Slot at whose position a direct force acts: that of the latest strike.
@@ -216,7 +243,9 @@ impl Voice<'_, '_> {
 
     /// Moves a slot of the object to the position of a strike.
     pub fn set_position(&mut self, slot: u8, position: f32, tables: &PadTables<'_>, rate: SampleRate) {
-        if let Some(object) = self.banks.first_mut() {
+        if let Some(frames) = self.frames.as_deref_mut() {
+            frames.set_position(slot, position);
+        } else if let Some(object) = self.banks.first_mut() {
             object.set_position(slot, position, &tables.object_table(NO_CONTACT), rate);
         }
     }
@@ -224,13 +253,13 @@ impl Voice<'_, '_> {
     /// True if [`Voice::ring`] adds to the stereo bus without a bus of its own.
     pub fn rings_quickly(&self) -> bool {
         let Some((object, strikers)) = self.banks.split_first() else { return true };
-        self.panner.gains(object.mix_shift().is_loud).is_some() && !strikers.iter().any(Bank::is_ringing)
+        self.frames.is_none() && self.panner.gains(object.mix_shift().is_loud).is_some() && !strikers.iter().any(Bank::is_ringing)
     }
 
     /// True if [`Voice::drive`] adds to the stereo bus without a bus of its own, however loud the
     /// expected force is.
     pub fn drives_quickly(&self) -> bool {
-        let [object] = &*self.banks else { return false };
+        let ([object], None) = (&*self.banks, &self.frames) else { return false };
         let is_loud = object.mix_shift().is_loud || self.expects();
         let Some(gains) = self.panner.gains(is_loud).filter(|_| !self.acceleration.is_built()) else { return false };
         !object.has_onset() || !self.expects() && object.can_add_onset(gains.shift)
@@ -323,5 +352,15 @@ impl Voice<'_, '_> {
         }
         (self.rest_ticks, self.retired_amplitude) = (rest_ticks, retired_amplitude);
         retirement.retired_modes()
+    }
+}
+
+impl<'m> InFrames<'m> for Voice<'_, 'm> {
+    fn frames(&self) -> Option<&FrameBank<'m>> {
+        self.frames.as_deref()
+    }
+
+    fn frames_mut(&mut self) -> Option<&mut FrameBank<'m>> {
+        self.frames.as_deref_mut()
     }
 }

@@ -37,6 +37,13 @@ impl<'a> PadTables<'a> {
         self.pad
     }
 
+    /// True if the object's dynamic filter takes its modes, which then have to come sample by
+    /// sample.
+    pub(super) fn filter_takes_modes(&self) -> bool {
+        let filter = self.kit.dynamic_filter_of(self.pad.object_index());
+        filter.is_ok_and(|filter| filter.is_some_and(|filter| filter.takes_modes()))
+    }
+
     pub(super) fn strikers(&self) -> impl Iterator<Item = Striker<'a>> + use<'a> {
         self.kit.strikers_of(self.pad)
     }

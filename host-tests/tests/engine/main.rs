@@ -7,6 +7,7 @@ mod choke_stages;
 mod demo_kit;
 mod filters;
 mod filters_any;
+mod frames;
 mod hands;
 mod measured_force;
 mod positions;

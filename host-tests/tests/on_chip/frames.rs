@@ -4,7 +4,10 @@ use dsp_core::SampleRate;
 use dsp_core::frames::BLOCK_FRAMES;
 use dsp_core::resonator::TICK_FRAMES;
 use host_tests::frames::{FramesOnPc, contact, prior};
-use host_tests::on_chip::FramesOnChip;
+use dsp_core::engine::Direct;
+use dsp_core::event::{Event, Time};
+use host_tests::on_chip::{EngineOnChip, FramesOnChip};
+use host_tests::scene::{load, one_pad};
 use host_tests::snr::Random;
 use virtual_core::FunctionCost;
 
@@ -108,4 +111,91 @@ fn thousand_modes_ring_and_are_struck_within_the_cycles_of_the_page() {
     let off = ringing[1] / (ringing[0] + of_mode * (256.0 - 64.0)) - 1.0;
     println!("{of_mode:.3} cycles a mode and frame; 256 modes {:+.1} % off the line", 100.0 * off);
     assert!(of_mode <= 0.42 && off.abs() <= 0.03);
+}
+
+/// Kit of one pad with a prior's modes, and with noise in bands if there are any.
+fn thing(modes: usize, bands: usize) -> Vec<u8> {
+    let records = prior(modes, [3.0, 20.0]);
+    let mode = |heard: &host_tests::frames::HeardMode| {
+        host_tests::scene::mode(heard.frequency_hz, heard.t60_s, RATE.hz() * heard.sine, RATE.hz() * heard.cosine)
+    };
+    let mut kit = one_pad(records.iter().map(mode).collect());
+    kit.objects[0].reference_force = 1.0;
+    kit.pads[0].level_db = -20.0;
+    let edge = |band: usize| (40.0 * (20_000f64 / 40.0).powf(band as f64 / bands as f64)) as f32;
+    if bands > 0 {
+        kit.objects[0].residual = Some(kit::Residual {
+            seed: 1,
+            edges_hz: (0..=bands).map(edge).collect(),
+            weight: vec![0.001; bands],
+            decay_db_per_s: vec![30.0; bands],
+        });
+    }
+    load(kit).binary
+}
+
+/// Mean and dearest tick in cycles a frame, nominal and with the waits of flash, over a range of
+/// ticks of a kit.
+fn played(
+    chip: &mut EngineOnChip,
+    kit: &[u8],
+    every: Option<u64>,
+    (direct, budget): (bool, bool),
+    ticks: std::ops::Range<usize>,
+) -> [f64; 4] {
+    chip.load(kit, RATE).unwrap();
+    if budget {
+        chip.set_budget(u32::MAX).unwrap();
+    }
+    let mut predicted = 0.0;
+    let mut played = [0.0, 0.0f64, 0.0, 0.0f64];
+    let end = (ticks.end * TICK_FRAMES) as u64;
+    let strikes: Vec<u64> = every.map_or(vec![300], |every| (300..end).step_by(every as usize).collect());
+    for tick in 0..ticks.end {
+        if tick == ticks.start {
+            chip.machine().clear_counts();
+        }
+        let frames = (tick * TICK_FRAMES) as u64..((tick + 1) * TICK_FRAMES) as u64;
+        let events: Vec<Event> = strikes
+            .iter()
+            .filter(|&at| frames.contains(at))
+            .map(|&frame| Event { time: Time::at_frame(frame), velocity: 0.8, ..Event::default() })
+            .collect();
+        let force: Vec<i32> = (0..TICK_FRAMES).map(|n| (n * 9999 + tick * 77) as i32 * 50 + 1).collect();
+        let direct = direct.then_some(Direct { pad: 0, force: &force });
+        let (_, call) = chip.render(&events, direct, TICK_FRAMES).unwrap();
+        if ticks.contains(&tick) {
+            predicted += f64::from(chip.told().unwrap().predicted_cycles) / (ticks.len() * TICK_FRAMES) as f64;
+            let [nominal, with_flash] =
+                [call.cost.nominal, call.cost.flash_168].map(|cycles| cycles as f64 / TICK_FRAMES as f64);
+            played = [
+                played[0] + nominal / ticks.len() as f64,
+                played[1].max(nominal),
+                played[2] + with_flash / ticks.len() as f64,
+                played[3].max(with_flash),
+            ];
+        }
+    }
+    if budget {
+        println!("predicted {predicted:.0}, modelled {:.0}", played[0]);
+    }
+    played
+}
+
+#[test]
+fn the_engine_plays_a_thousand_modes_and_a_hundred_bands_within_the_cycles_of_the_page() {
+    let mut chip = EngineOnChip::new().unwrap();
+    for (modes, bands) in [(256, 0), (1025, 0), (1025, 100)] {
+        let kit = thing(modes, bands);
+        let ringing = played(&mut chip, &kit, None, (false, false), 60..92);
+        print_functions(&chip.machine().profile(), 32);
+        let struck = played(&mut chip, &kit, None, (false, false), 0..60);
+        let each_ms = played(&mut chip, &kit, Some(44), (false, false), 24..88);
+        let direct = played(&mut chip, &kit, None, (true, false), 24..56);
+        played(&mut chip, &kit, Some(44), (false, true), 24..88);
+        print_functions(&chip.machine().profile(), 64);
+        played(&mut chip, &kit, None, (false, true), 24..88);
+        played(&mut chip, &kit, None, (true, true), 24..88);
+        println!("{modes} modes, {bands} bands: ringing {ringing:.0?}, struck {struck:.0?}, each ms {each_ms:.0?}, direct {direct:.0?}");
+    }
 }

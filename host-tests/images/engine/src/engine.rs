@@ -14,9 +14,10 @@ use crate::wire::{WireEvent, slice, slice_mut};
 /// Maximum number of samples in the room's delay lines, as in `host-tests/src/lent.rs`.
 const ROOM_SAMPLES: usize = 4_096;
 
-/// Number of words that the image lends: enough for the kit of `host-tests/src/rolls.toml`, and for
+/// Number of words that the image lends: enough for the kit of `host-tests/src/rolls.toml`, for 1025
+/// modes in frames with 100 bands of noise, and for
 /// 1024 modes on 16 pads.
-const WORDS: usize = 13_500;
+const WORDS: usize = 17_500;
 
 /// Static that only the running call reads and writes.
 struct Global<T>(UnsafeCell<T>);

@@ -38,7 +38,7 @@ static WORDS: Global<[Word; 14_500]> = Global(UnsafeCell::new([Word::uninit(); 1
 static STAGE: Global<Option<Stage>> = Global(UnsafeCell::new(None));
 
 struct Stage {
-    banks: [FrameBank<'static, 'static>; 1],
+    banks: [FrameBank<'static>; 1],
     mixer: FrameMixer<'static>,
     panner: Panner,
     now: usize,
@@ -116,13 +116,14 @@ pub unsafe extern "C" fn frames_render(force: *const i32, out: *mut [i32; 2], fr
     if force.is_some() || bank.is_head_active() {
         let mut sound = [0; TICK_FRAMES];
         let Some(sound) = sound.get_mut(..frames) else { return -1 };
-        bank.render(frame, [force, None], sound);
+        bank.begin_run(frame);
+        bank.render([force, None], sound);
         stage.panner.render(sound, out);
     }
     stage.mixer.render(frame, out);
     stage.now += frames;
     if stage.now.is_multiple_of(TICK_FRAMES) {
-        stage.mixer.end_tick((stage.now - 1) % BLOCK_FRAMES / TICK_FRAMES, &mut stage.banks);
+        stage.mixer.end_tick((stage.now - 1) % BLOCK_FRAMES / TICK_FRAMES, 0.0, &mut stage.banks);
     }
     0
 }
@@ -131,7 +132,7 @@ pub unsafe extern "C" fn frames_render(force: *const i32, out: *mut [i32; 2], fr
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]
 pub extern "C" fn frames_ringing() -> u32 {
-    stage().map_or(0, |stage| stage.banks[0].ringing_modes())
+    stage().map_or(0, |stage| stage.banks[0].running_modes())
 }
 
 /// Bytes of the memory that bank and mixer have taken.
