@@ -105,6 +105,9 @@ impl<S: Sample> Engine<'_, '_, S> {
     pub(super) fn count_run(&mut self, frames: u32, direct: Option<Direct<'_>>) {
         let mut counts = Counts::NONE;
         self.add_run(frames, direct, &[], &mut counts);
+        if self.frames.is_some() {
+            self.add_heads(frames, direct, &[], &mut counts);
+        }
         self.report.counts += &counts;
     }
 
@@ -268,6 +271,9 @@ impl<S: Sample> Engine<'_, '_, S> {
         while now < end {
             let next = events.peek().map_or(end, |event| event.time.first_frame());
             self.add_run((next - now) as u32, direct, struck, &mut total);
+            if self.frames.is_some() {
+                self.add_heads((next - now) as u32, direct, struck, &mut total);
+            }
             while let Some(event) = events.next_if(|event| event.time.first_frame() == next) {
                 total.add_all(self.event_counts(event));
                 if let (Action::Strike, Some(struck)) = (event.action, struck.get_mut(usize::from(event.pad))) {
@@ -300,11 +306,9 @@ impl<S: Sample> Engine<'_, '_, S> {
             let is_direct = direct_input(direct, number) > 0.0;
             let is_driven = contact_frames > 0 || is_direct;
             let used = if is_driven { Use::Driven } else { Use::Free };
-            let in_frames = self.frames.is_some() && voice.frames().is_some();
-            if !is_driven && !voice.is_ringing() && !(in_frames && voice.sounds_in_frames()) {
+            if !is_driven && !voice.is_ringing() {
                 continue;
             }
-            let head = if in_frames { self.add_head(voice, (frames, is_driven), counts) } else { 0 };
             let (mut groups, mut banks) = (0, 0);
             let mut on_bus = false;
             for bank in pad_banks.iter().filter(|bank| bank.mode_count() > 0) {
@@ -323,7 +327,7 @@ impl<S: Sample> Engine<'_, '_, S> {
                 }
             }
             counts.add(CostItem::StrikerBank, banks.max(1) - 1);
-            if is_driven && groups == 0 && !in_frames {
+            if is_driven && groups == 0 {
                 // Nothing answers the force.
                 continue;
             }
@@ -337,8 +341,6 @@ impl<S: Sample> Engine<'_, '_, S> {
                 counts.add(CostItem::DrivenFrame, frames);
                 counts.add(CostItem::ContactFrame, contact_frames);
                 counts.add(CostItem::DirectFrame, if is_direct { frames } else { 0 });
-            } else if in_frames && head == 0 && groups == 0 {
-                // Its block is no work of the run.
             } else if voice.rings_quickly() && !on_bus {
                 counts.add(CostItem::RingingPad, 1);
             } else {
@@ -348,12 +350,28 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
-    /// Adds the heads of a pad in frames over a run; gives their cycles.
+    /// Adds what pads in frames take of a run: their heads, and the buses of those whose strikers
+    /// have no modes that sound.
     #[inline(never)] // must not weigh on kits without frames
-    fn add_head(&self, voice: &Voice<'_, '_>, (frames, is_driven): (u32, bool), counts: &mut Counts) -> u32 {
-        let cycles = voice.frames().map_or(0, |object| object.head_cycles(frames, is_driven));
-        counts.add(CostItem::ResidualCycle, cycles);
-        cycles
+    fn add_heads(&self, frames: u32, direct: Option<Direct<'_>>, struck: &[bool], counts: &mut Counts) {
+        for (voice, number) in self.voices.iter().zip(0u8..) {
+            let Some(object) = voice.frames() else { continue };
+            let struck = struck.get(usize::from(number)).copied().unwrap_or(false);
+            let contact_frames = self.contacts.frames_ahead(number, frames) + if struck { frames } else { 0 };
+            let is_direct = direct_input(direct, number) > 0.0;
+            let is_driven = contact_frames > 0 || is_direct;
+            let cycles = object.head_cycles(frames, is_driven);
+            counts.add(CostItem::ResidualCycle, cycles);
+            if is_driven {
+                counts.add(CostItem::BusDrivenPad, 1);
+                counts.add(CostItem::DrivenFrame, frames);
+                counts.add(CostItem::ContactFrame, contact_frames);
+                counts.add(CostItem::DirectFrame, if is_direct { frames } else { 0 });
+            } else if cycles > 0 {
+                counts.add(CostItem::BusPad, 1);
+                counts.add(CostItem::BusFrame, frames);
+            }
+        }
     }
 }
 

@@ -122,6 +122,8 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             rate: setup.rate,
             skipping: setup.skipping,
             room_samples: setup.room_samples,
+            retired_in_frames: 0.0,
+            frames_tick_cycles: 0,
             frame_cycles: setup.frame_cycles.saturating_sub(STRUCK_PAD_FRAME * (pads - 1) as u32),
             words: Words::default(),
             now: 0,

@@ -75,7 +75,9 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// limiter.
     #[inline(always)]
     pub(super) fn render_bus_stages(&mut self, out: &mut [[i32; 2]]) {
-        self.render_frames(out);
+        if self.frames.is_some() {
+            self.render_frames(out);
+        }
         self.render_noise(out);
         self.render_room(out);
         if let Some(limiter) = &mut self.limiter {
@@ -83,66 +85,35 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
-    /// Begins a block of the pads in frames.
-    #[inline(always)]
-    pub(super) fn begin_frames(&mut self) {
-        if self.frames.is_some() && self.now.is_multiple_of(BLOCK_FRAMES as u64) {
-            self.begin_block_of_frames();
-        }
-    }
-
+    /// Begins a block of the pads in frames, where one begins.
     #[inline(never)] // must not weigh on kits without frames
-    fn begin_block_of_frames(&mut self) {
-        if let Some(mixer) = &mut self.frames {
+    pub(super) fn begin_frames_tick(&mut self) {
+        if let Some(mixer) = self.frames.as_deref_mut().filter(|_| !self.idle && self.now.is_multiple_of(BLOCK_FRAMES as u64)) {
             mixer.begin_block(self.voices);
         }
-    }
-
-    /// Bound of the amplitude that retired modes in frames leave out, 1.0 = full scale.
-    #[inline(always)]
-    pub(super) fn retired_in_frames(&self) -> f32 {
-        if self.frames.is_some() { self.voices.iter().map(Voice::retired_in_frames).sum() } else { 0.0 }
-    }
-
-    /// Counts the pads in frames that sound.
-    #[inline(never)]
-    pub(super) fn count_pads_in_frames(&mut self) {
-        // A pad whose striker's bank rings has been counted.
-        let sound = |voice: &&Voice<'_, '_>| voice.sounds_in_frames() && !voice.is_ringing();
-        self.report.ringing_pads += self.voices.iter().filter(sound).count() as u32;
+        self.frames_tick_cycles = self.frames.as_deref().map_or(0, FrameMixer::tick_cycles);
     }
 
     /// Adds the block of the pads in frames that plays to a run of the stereo bus.
-    #[inline(always)]
-    fn render_frames(&mut self, out: &mut [[i32; 2]]) {
-        if self.frames.is_some() {
-            self.add_frames(out);
-        }
-    }
-
     #[inline(never)] // its registers must not weigh on kits without frames
-    fn add_frames(&mut self, out: &mut [[i32; 2]]) {
+    fn render_frames(&mut self, out: &mut [[i32; 2]]) {
         if let Some(mixer) = &self.frames {
             mixer.render((self.now % BLOCK_FRAMES as u64) as usize, out);
         }
     }
 
-    /// Works on the next block of the pads in frames, at a tick's end; `now` is the frame behind
-    /// it.
-    #[inline(always)]
-    pub(super) fn end_frames_tick(&mut self) {
-        if self.frames.is_some() {
-            self.work_on_frames();
-        }
-    }
-
+    /// Works on the next block of the pads in frames, and counts the pads that sound; `now` is the
+    /// frame behind the tick.
     #[inline(never)]
-    fn work_on_frames(&mut self) {
-        if let Some(mixer) = &mut self.frames {
-            let tick = (self.now.wrapping_sub(1) % BLOCK_FRAMES as u64) as usize / TICK_FRAMES;
-            let retired_beside = self.voices.iter().map(Voice::retired_amplitude).sum();
-            self.report.retired_modes += mixer.end_tick(tick, retired_beside, self.voices);
-        }
+    pub(super) fn end_frames_tick(&mut self) {
+        let Some(mixer) = &mut self.frames else { return };
+        let tick = (self.now.wrapping_sub(1) % BLOCK_FRAMES as u64) as usize / TICK_FRAMES;
+        let retired_beside = self.voices.iter().map(Voice::retired_amplitude).sum();
+        self.report.retired_modes += mixer.end_tick(tick, retired_beside, self.voices);
+        self.retired_in_frames = self.voices.iter().map(Voice::retired_in_frames).sum();
+        // A pad whose striker's bank rings has been counted.
+        let sound = |voice: &&Voice<'_, '_>| voice.sounds_in_frames() && !voice.is_ringing();
+        self.report.ringing_pads += self.voices.iter().filter(sound).count() as u32;
     }
 
     /// True if no block in frames has any sound.
@@ -162,8 +133,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     #[inline(always)]
     pub(super) fn stage_cycles_ahead(&self) -> u32 {
         let limiter = if self.limiter.is_some() { limiter::TICK_CYCLES } else { 0 };
-        let frames = self.frames.as_deref().map_or(0, FrameMixer::tick_cycles);
-        frames + self.noise_cycles() + self.room_cycles() + self.filter_cycles() + limiter
+        self.frames_tick_cycles + self.noise_cycles() + self.room_cycles() + self.filter_cycles() + limiter
     }
 
     /// Adds background and residuals to a run of the stereo bus.

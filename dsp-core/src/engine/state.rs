@@ -54,6 +54,10 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) rate: SampleRate,
     pub(super) skipping: Skipping,
     pub(super) room_samples: usize,
+    /// Bound of the amplitude that retired modes in frames leave out, 1.0 = full scale.
+    pub(super) retired_in_frames: f32,
+    /// Nominal cycles of the pads in frames in this tick, their heads aside.
+    pub(super) frames_tick_cycles: u32,
     /// Nominal cycles a frame that are left for further pads in frames.
     pub(super) frame_cycles: u32,
     pub(super) words: Words,

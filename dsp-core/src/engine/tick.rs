@@ -23,8 +23,8 @@ impl<S: Sample> Engine<'_, '_, S> {
             self.report.begin(self.now);
         }
         self.was_idle = self.idle;
-        if !self.idle {
-            self.begin_frames();
+        if self.frames.is_some() {
+            self.begin_frames_tick();
         }
         if self.budget.is_some() {
             let counts = self.beginning();
@@ -39,7 +39,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             self.admit(direct.pad);
         }
         let skip = self.skipping == Skipping::On;
-        let (in_frames, mut retired) = (self.retired_in_frames(), None);
+        let mut retired = None;
         for index in 0..self.voices.len() {
             if self.voices.get_mut(index).is_none_or(Voice::pass_tick) {
                 continue;
@@ -49,11 +49,11 @@ impl<S: Sample> Engine<'_, '_, S> {
             let Some(voice) = self.voices.get_mut(index) else { break };
             let elsewhere = all - voice.retired_amplitude();
             let elsewhere = if elsewhere > 0.0 { elsewhere } else { 0.0 };
-            self.report.retired_modes += voice.tick(skip, elsewhere + in_frames);
+            self.report.retired_modes += voice.tick(skip, elsewhere + self.retired_in_frames);
             retired = Some(elsewhere + voice.retired_amplitude());
         }
         self.retired_amplitude = retired.unwrap_or(self.retired_amplitude);
-        self.report.retired_amplitude = self.retired_amplitude + in_frames;
+        self.report.retired_amplitude = self.retired_amplitude + self.retired_in_frames;
     }
 
     /// Applies an event.
@@ -174,13 +174,12 @@ impl<S: Sample> Engine<'_, '_, S> {
         if self.idle {
             return;
         }
-        self.end_frames_tick();
         self.end_noise_tick();
         self.report.filters = self.active_filters();
         self.report.contacts = self.contacts.count() as u32;
         self.report.ringing_pads = self.voices.iter().filter(|voice| voice.is_ringing()).count() as u32;
         if self.frames.is_some() {
-            self.count_pads_in_frames();
+            self.end_frames_tick();
         }
         self.idle = self.skipping == Skipping::On
             && self.report.contacts == 0
@@ -188,7 +187,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             && self.report.residuals == 0
             && self.report.filters == 0
             && self.bus_stages_are_silent()
-            && self.retired_in_frames() == 0.0
+            && self.retired_in_frames == 0.0
             && self.voices.iter().all(|voice| voice.retired_amplitude() == 0.0 && !voice.is_being_reached());
         if self.idle {
             let unstruck = self.voices.iter().filter(|voice| !voice.was_struck());

@@ -253,13 +253,13 @@ impl Voice<'_, '_> {
     /// True if [`Voice::ring`] adds to the stereo bus without a bus of its own.
     pub fn rings_quickly(&self) -> bool {
         let Some((object, strikers)) = self.banks.split_first() else { return true };
-        self.frames.is_none() && self.panner.gains(object.mix_shift().is_loud).is_some() && !strikers.iter().any(Bank::is_ringing)
+        self.panner.gains(object.mix_shift().is_loud).is_some() && !strikers.iter().any(Bank::is_ringing)
     }
 
     /// True if [`Voice::drive`] adds to the stereo bus without a bus of its own, however loud the
     /// expected force is.
     pub fn drives_quickly(&self) -> bool {
-        let ([object], None) = (&*self.banks, &self.frames) else { return false };
+        let [object] = &*self.banks else { return false };
         let is_loud = object.mix_shift().is_loud || self.expects();
         let Some(gains) = self.panner.gains(is_loud).filter(|_| !self.acceleration.is_built()) else { return false };
         !object.has_onset() || !self.expects() && object.can_add_onset(gains.shift)

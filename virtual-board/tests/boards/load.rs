@@ -23,6 +23,9 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
             100.0 * load,
             100.0 * report.idle_share
         );
+        let mut functions: Vec<_> = report.functions.iter().map(|f| (f.nominal_cycles, f.name.clone())).collect();
+        functions.sort();
+        for (c, n) in functions.iter().rev().take(70) { println!("PROF {} {c} {n}", board.name()); }
         // The limit leaves a margin before a half is missed. The F407 board takes 76.1 %, the
         // BlackPill 90.4 %.
         assert!(load <= 0.93, "{}: {load:.3} of the time to the deadline", board.name());

@@ -17,7 +17,7 @@ const ROOM_SAMPLES: usize = 4_096;
 /// Number of words that the image lends: enough for the kit of `host-tests/src/rolls.toml`, for 1025
 /// modes in frames with 100 bands of noise, and for
 /// 1024 modes on 16 pads.
-const WORDS: usize = 17_500;
+const WORDS: usize = 15_600;
 
 /// Static that only the running call reads and writes.
 struct Global<T>(UnsafeCell<T>);
