@@ -77,7 +77,12 @@ pub trait Board {
 
     /// Setup of the board's engine.
     fn setup() -> Setup {
-        Setup { room_samples: Self::ROOM_SAMPLES, frame_cycles: Self::FRAME_CYCLES, ceiling_db: Self::CEILING_DB, ..Setup::new(Self::rate()) }
+        Setup {
+            room_samples: Self::ROOM_SAMPLES,
+            frame_cycles: Self::FRAME_CYCLES,
+            ceiling_db: Self::CEILING_DB,
+            ..Setup::new(Self::rate())
+        }
     }
 
     /// Makes the engine of a kit as the board does; `tell` gets the reason for each stage that is

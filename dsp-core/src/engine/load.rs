@@ -4,11 +4,10 @@
 
 use super::error::LoadError;
 use super::report::TickReport;
-use super::setup::{Fitting, STRUCK_PAD_FRAME, Setup, Skipping};
+use super::setup::{Fitting, STRUCK_PAD_FRAME, Setup};
 use super::stage::Stage;
 use super::state::{Engine, STANDARD_CONTACTS};
 use crate::contact::ActiveContacts;
-use crate::frames::FrameMixer;
 use crate::limiter::Limiter;
 use crate::memory::{Lender, Memory, OutOfMemory, Region, Words};
 use crate::noise::Sfc32;
@@ -16,7 +15,7 @@ use crate::output::Panner;
 use crate::residual::Shaper;
 use crate::room::{Room, Sample};
 use crate::table::Kit;
-use crate::voice::{Filters, FiltersSize, PadTables, Residual, Voice, VoiceSize};
+use crate::voice::{Filters, FiltersSize, Residual, Voice};
 
 /// Output below which noise ends, rms, 1.0 = full scale: -110 dBFS.
 const SILENCE: f32 = 3.162_277_7e-6;
@@ -122,6 +121,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             rate: setup.rate,
             skipping: setup.skipping,
             room_samples: setup.room_samples,
+            has_mixer: false,
             retired_in_frames: 0.0,
             frames_tick_cycles: 0,
             frame_cycles: setup.frame_cycles.saturating_sub(STRUCK_PAD_FRAME * (pads - 1) as u32),
@@ -141,77 +141,6 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             unstruck_modes: 0,
             retired_amplitude: 0.0,
         })
-    }
-
-    #[inline(never)] // keeps its stack apart from that of the stages that follow
-    fn load_modes<L: Lender<'m>>(&mut self, lender: &mut L) -> Result<(), LoadError> {
-        let (kit, rate) = (self.kit, self.rate);
-        let mut has_mixer = false;
-        for number in 0..kit.pads().len() as u8 {
-            let Some(tables) = PadTables::new(kit, usize::from(number)) else { continue };
-            let refused = |(error, striker)| LoadError::Pad { pad: usize::from(number), striker, error, rate };
-            let size = VoiceSize::new(&tables, rate).map_err(refused)?;
-            let size = match size.in_frames(&tables, rate).map_err(|error| refused((error, None)))? {
-                Some(framed)
-                    if framed.frame_cycles() <= self.frame_cycles
-                        && self.has_memory_for_frames((number, &framed), has_mixer, lender) =>
-                {
-                    self.frame_cycles -= framed.frame_cycles();
-                    framed
-                }
-                _ => size,
-            };
-            let missing = |error| LoadError::Memory { stage: Stage::Modes(number), error };
-            if size.is_in_frames() && !has_mixer {
-                let retires = self.skipping == Skipping::On;
-                self.frames = FrameMixer::place(lender, retires).map_err(missing)?;
-                has_mixer = true;
-            }
-            let voice = Voice::take(lender, &size).map_err(missing)?;
-            self.groups_built += size.groups() as u32;
-            // An account gives no slices.
-            if let Some(slot) = self.voices.get_mut(usize::from(number)) {
-                *slot = voice;
-                slot.set_number(number);
-                slot.load(&tables, rate, self.frames.as_deref_mut()).map_err(refused)?;
-            }
-        }
-        let missing = |error| LoadError::Memory { stage: Stage::Engine, error };
-        self.levels = lender.take(Region::Fast, self.groups_built as usize, || 0).map_err(missing)?;
-        // Memory that is left then serves second positions.
-        for number in 0..kit.pads().len() {
-            let Some(tables) = PadTables::new(kit, number) else { continue };
-            let modes = VoiceSize::new(&tables, rate).map_or(0, |size| size.second_modes(&tables));
-            let mut none = Voice::empty();
-            let voice = self.voices.get_mut(number).unwrap_or(&mut none);
-            if modes > 0 && voice.frames.is_none() && voice.take_second(lender, modes).is_err() {
-                break;
-            }
-        }
-        Ok(())
-    }
-
-    /// True if there is memory for a pad in frames beside the banks of the pads behind it.
-    #[inline(never)]
-    fn has_memory_for_frames<L: Lender<'m>>(
-        &self,
-        (number, size): (u8, &VoiceSize),
-        has_mixer: bool,
-        lender: &L,
-    ) -> bool {
-        let mut account = lender.account();
-        let mut groups = self.groups_built as usize;
-        let mut take = |size: &VoiceSize| {
-            groups += size.groups();
-            Voice::take(&mut account, size).is_ok()
-        };
-        let mut fits = take(size);
-        for later in usize::from(number) + 1..self.kit.pads().len() {
-            let tables = PadTables::new(self.kit, later);
-            fits &= tables.and_then(|tables| VoiceSize::new(&tables, self.rate).ok()).is_none_or(|size| take(&size));
-        }
-        fits && account.take(Region::Fast, groups, || 0u8).is_ok()
-            && (has_mixer || FrameMixer::place(&mut account, true).is_ok())
     }
 
     #[inline(never)] // runs on load only: keeps its stack apart from the program's
@@ -382,48 +311,6 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         }
         (voice.filters, voice.is_plain) = (Some(place), false);
         Ok(())
-    }
-}
-
-/// Memory and time that a kit takes, counted without either.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plan {
-    /// Words of memory that the engine takes.
-    pub words: Words,
-    /// Worst cycles a tick that pads, room, background and filters that modes go through leave for
-    /// stages that strikes begin; `None` without a limit.
-    pub stage_cycles_left: Option<u32>,
-}
-
-impl Plan {
-    /// Plans a whole kit; [`Engine::new`] takes exactly these words. `S` is the sample type of the
-    /// room.
-    ///
-    /// # Errors
-    /// A [`LoadError`] for the first stage that [`Engine::new`] would refuse.
-    pub fn of<S: Sample>(kit: &Kit<'_>, setup: Setup) -> Result<Self, LoadError> {
-        Self::build::<S>(kit, setup, Words::MAX, Fitting::ALL)
-    }
-
-    /// Plans what fits into a number of words, and of cycles a tick; [`Engine::new_within`] takes
-    /// exactly these words. `tell` hears of each stage that is left out.
-    ///
-    /// # Errors
-    /// A [`LoadError`] for modes that [`Engine::new_within`] would refuse.
-    pub fn within<S: Sample>(
-        kit: &Kit<'_>,
-        setup: Setup,
-        words: Words,
-        stage_cycles: u32,
-        tell: &mut dyn FnMut(LoadError),
-    ) -> Result<Self, LoadError> {
-        Self::build::<S>(kit, setup, words, Fitting::within(stage_cycles, kit.pads().len(), tell))
-    }
-
-    fn build<S: Sample>(kit: &Kit<'_>, setup: Setup, words: Words, fitting: Fitting<'_>) -> Result<Self, LoadError> {
-        let mut account = crate::memory::Account::new(words);
-        let engine = Engine::<S>::build(kit, setup, &mut account, fitting)?;
-        Ok(Self { words: account.used(), stage_cycles_left: engine.stage_cycles })
     }
 }
 

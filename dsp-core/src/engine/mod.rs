@@ -16,6 +16,8 @@ mod check;
 mod cost;
 mod error;
 mod load;
+mod load_modes;
+mod plan;
 mod render;
 mod report;
 mod setup;
@@ -26,7 +28,7 @@ mod tick;
 
 pub use cost::{COST_ITEMS, CYCLES, CostItem, Counts};
 pub use error::LoadError;
-pub use load::Plan;
+pub use plan::Plan;
 pub use report::TickReport;
 pub use setup::{Setup, Skipping};
 pub use stage::Stage;

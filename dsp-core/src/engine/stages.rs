@@ -88,7 +88,9 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// Begins a block of the pads in frames, where one begins.
     #[inline(never)] // must not weigh on kits without frames
     pub(super) fn begin_frames_tick(&mut self) {
-        if let Some(mixer) = self.frames.as_deref_mut().filter(|_| !self.idle && self.now.is_multiple_of(BLOCK_FRAMES as u64)) {
+        if let Some(mixer) =
+            self.frames.as_deref_mut().filter(|_| !self.idle && self.now.is_multiple_of(BLOCK_FRAMES as u64))
+        {
             mixer.begin_block(self.voices);
         }
         self.frames_tick_cycles = self.frames.as_deref().map_or(0, FrameMixer::tick_cycles);
@@ -126,7 +128,8 @@ impl<S: Sample> Engine<'_, '_, S> {
     #[inline(always)]
     pub(super) fn bus_stages_are_silent(&self) -> bool {
         self.frames_are_silent()
-            && self.room_is_silent() && self.limiter.as_ref().is_none_or(|limiter| limiter.is_silent())
+            && self.room_is_silent()
+            && self.limiter.as_ref().is_none_or(|limiter| limiter.is_silent())
     }
 
     /// Nominal cycles of noise, room, filters and limiter in this tick.

@@ -12,7 +12,7 @@ use crate::resonator::{Audience, Bank, UpcomingRun};
 use crate::room::{Room, Sample};
 use crate::table::Kit;
 use crate::time::TICK_FRAMES;
-use crate::voice::{Residual, Voice};
+use crate::voice::{Form, Residual, Voice};
 
 /// Audience of a pad and its coming run, for the budget; `None` for a pad that does not run.
 pub(super) type Listening = Option<(Audience, UpcomingRun)>;
@@ -54,6 +54,8 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) rate: SampleRate,
     pub(super) skipping: Skipping,
     pub(super) room_samples: usize,
+    /// True if memory for the mixer of the pads in frames has been taken.
+    pub(super) has_mixer: bool,
     /// Bound of the amplitude that retired modes in frames leave out, 1.0 = full scale.
     pub(super) retired_in_frames: f32,
     /// Nominal cycles of the pads in frames in this tick, their heads aside.
@@ -114,9 +116,10 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.voices.get(pad).map_or(0, Voice::mode_count)
     }
 
-    /// True if the modes of a pad's object are in frames; else they are in the fixed-point bank.
-    pub fn plays_in_frames(&self, pad: usize) -> bool {
-        self.voices.get(pad).is_some_and(|voice| voice.frames.is_some())
+    /// Form in which the modes of a pad's object are played; `None` for a pad that the kit does not
+    /// have.
+    pub fn form(&self, pad: usize) -> Option<Form> {
+        self.voices.get(pad).map(|voice| voice.form)
     }
 
     /// Number of a pad's modes that are shed until the pad's next strike.

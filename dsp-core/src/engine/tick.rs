@@ -2,8 +2,8 @@
 
 use super::budget::ShedAmount;
 use super::cost::CostItem;
-use super::setup::Skipping;
 use super::report::TickReport;
+use super::setup::Skipping;
 use super::state::{Direct, Engine};
 use crate::contact::{ActiveContacts, Contact};
 use crate::event::{Action, Event};

@@ -52,13 +52,17 @@ impl<'m> FrameBank<'m> {
     }
 
     /// True if frames render a table's modes in fewer cycles than the fixed-point bank does, even
-    /// under a force that never rests: from 223 modes on. A pad that can be choked stays in the
-    /// bank, because frames have no choke.
+    /// under a force that never rests: from 223 modes on.
     ///
     /// A lone ringing pad is cheaper in frames from 65 modes on.
     pub fn is_cheaper(table: &BankTable<'_>, rate: SampleRate) -> bool {
         let modes = rendered(table, rate).count();
-        table.choke_t60_s == 0.0 && (Self::driven_cycles(modes) as f32) < DRIVEN_MODE_IN_BANK * modes as f32
+        (Self::driven_cycles(modes) as f32) < DRIVEN_MODE_IN_BANK * modes as f32
+    }
+
+    /// True if frames can choke a pad as its table says: not at all.
+    pub fn can_choke(table: &BankTable<'_>) -> bool {
+        table.choke_t60_s == 0.0
     }
 
     /// Nominal cycles a frame of a lone pad in frames, under a force that never rests.

@@ -1,5 +1,6 @@
 //! Loading of a voice: from a kit's tables to its banks.
 
+use super::form::Form;
 use super::state::Voice;
 use super::tables::{NO_CONTACT, PadTables};
 use crate::SampleRate;
@@ -34,21 +35,26 @@ impl VoiceSize {
         Ok(size)
     }
 
-    /// Sizes with the object's modes in frames; `None` if frames cannot have them or would take more
-    /// cycles ([`FrameBank::is_cheaper`]).
+    /// Sizes with the object's modes in frames, or the reason why they stay in the bank.
     ///
     /// # Errors
     /// A [`BankError`] for a table that no bank can hold.
-    pub fn in_frames(mut self, tables: &PadTables<'_>, rate: SampleRate) -> Result<Option<Self>, BankError> {
+    pub fn in_frames(mut self, tables: &PadTables<'_>, rate: SampleRate) -> Result<Result<Self, Form>, BankError> {
         let table = tables.object_table(NO_CONTACT);
-        if tables.filter_takes_modes() || !FrameBank::is_cheaper(&table, rate) {
-            return Ok(None);
+        if !FrameBank::is_cheaper(&table, rate) {
+            return Ok(Err(Form::FewModes));
+        }
+        if tables.filter_takes_modes() {
+            return Ok(Err(Form::Filtered));
+        }
+        if !FrameBank::can_choke(&table) {
+            return Ok(Err(Form::Choked));
         }
         self.frames = Some(FrameBank::size(&table, rate)?);
         if let Some(object) = self.banks.first_mut() {
             *object = BankSize::default();
         }
-        Ok(Some(self))
+        Ok(Ok(self))
     }
 
     /// Sizes of the banks, the object's first.

@@ -13,6 +13,7 @@
 
 mod choke;
 mod filters;
+mod form;
 mod load;
 mod render;
 mod residual;
@@ -21,6 +22,7 @@ mod tables;
 
 pub(crate) use choke::nepers_per_frame;
 pub use filters::{FilterWork, Filters, FiltersSize};
+pub use form::Form;
 pub use load::VoiceSize;
 pub use render::Ran;
 pub use residual::Residual;

@@ -1,6 +1,7 @@
 //! State of a voice, and what happens to it between runs of frames.
 
 use super::filters::Filters;
+use super::form::Form;
 use super::residual::Residual;
 use super::tables::{NO_CONTACT, PadTables};
 use crate::SampleRate;
@@ -22,6 +23,7 @@ pub struct Voice<'k, 'm> {
     pub(crate) banks: &'m mut [Bank<'m>],
     /// Object's modes in frames; its bank among `banks` is empty then. `None` if they are there.
     pub(crate) frames: Option<&'m mut FrameBank<'m>>,
+    pub(crate) form: Form,
     /// True if the pad has neither modes in frames nor filters.
     pub(crate) is_plain: bool,
     /// Dynamic filter and biquads; `None` if the object has neither.
@@ -92,6 +94,7 @@ impl Voice<'_, '_> {
             number: 0,
             banks: &mut [],
             frames: None,
+            form: Form::FewModes,
             is_plain: true,
             filters: None,
             residual: None,

@@ -4,6 +4,7 @@ use dsp_core::SampleRate;
 use dsp_core::engine::Skipping;
 use dsp_core::event::{Event, Time};
 use dsp_core::table::Kit as KitView;
+use dsp_core::voice::Form;
 use host_tests::lent;
 use host_tests::performance::{instrument, reference, snr_db};
 use host_tests::scene::{load, one_pad, play, strike};
@@ -44,7 +45,7 @@ fn strikes() -> Vec<Event> {
 
 fn is_in_frames(loaded: &Loaded) -> bool {
     let kit = KitView::parse(&loaded.binary).expect("the kit is valid");
-    lent::engine(&kit, RATE, Skipping::On).expect("the kit can be played").plays_in_frames(0)
+    lent::engine(&kit, RATE, Skipping::On).expect("the kit can be played").form(0) == Some(Form::Frames)
 }
 
 #[test]
@@ -73,7 +74,11 @@ fn strikes_and_a_direct_force_on_a_thousand_modes_agree_with_the_reference() {
 fn the_callers_blocks_change_no_bit_of_a_pad_in_frames() {
     let mut kit = thing(230, 2);
     // A pad in the bank beside it.
-    kit.objects.push(kit::Object { name: "small".into(), modes: thing(12, 1).objects.remove(0).modes, ..kit.objects[0].clone() });
+    kit.objects.push(kit::Object {
+        name: "small".into(),
+        modes: thing(12, 1).objects.remove(0).modes,
+        ..kit.objects[0].clone()
+    });
     kit.pads.push(kit::Pad { name: "small".into(), object: "small".into(), choke_t60_s: 0.1, ..kit.pads[0].clone() });
     let loaded = load(kit);
     let mut events = strikes();

@@ -1,11 +1,11 @@
 //! Banks in frames on the virtual core: bits equal to the PC's, and their cost.
 
 use dsp_core::SampleRate;
+use dsp_core::engine::Direct;
+use dsp_core::event::{Event, Time};
 use dsp_core::frames::BLOCK_FRAMES;
 use dsp_core::resonator::TICK_FRAMES;
 use host_tests::frames::{FramesOnPc, contact, prior};
-use dsp_core::engine::Direct;
-use dsp_core::event::{Event, Time};
 use host_tests::on_chip::{EngineOnChip, FramesOnChip};
 use host_tests::scene::{load, one_pad};
 use host_tests::snr::Random;
@@ -196,6 +196,8 @@ fn the_engine_plays_a_thousand_modes_and_a_hundred_bands_within_the_cycles_of_th
         print_functions(&chip.machine().profile(), 64);
         played(&mut chip, &kit, None, (false, true), 24..88);
         played(&mut chip, &kit, None, (true, true), 24..88);
-        println!("{modes} modes, {bands} bands: ringing {ringing:.0?}, struck {struck:.0?}, each ms {each_ms:.0?}, direct {direct:.0?}");
+        println!(
+            "{modes} modes, {bands} bands: ringing {ringing:.0?}, struck {struck:.0?}, each ms {each_ms:.0?}, direct {direct:.0?}"
+        );
     }
 }

@@ -5,6 +5,7 @@ use dsp_core::SampleRate;
 use dsp_core::engine::LoadError;
 use dsp_core::memory::WORD_BYTES;
 use dsp_core::table::Kit;
+use dsp_core::voice::Form;
 use kit::Loaded;
 use malleus::render::headroom::{self, Loudness};
 use malleus::render::{board, force, instrument};
@@ -54,6 +55,8 @@ struct BoardFinding {
     /// Modes that the board's budget leaves out of all pads struck at once at velocity 1.
     chord_shed: Vec<ShedFinding>,
     chord_refused_stages: u32,
+    /// Form in which each pad's modes are played.
+    forms: Vec<FormFinding>,
     /// Number of modes of all pads together.
     #[serde(skip)]
     modes: usize,
@@ -70,6 +73,17 @@ struct PlanFinding {
     /// Cycles per tick for stages that strikes begin.
     stage_cycles_left: u32,
     of_stage_cycles: u32,
+}
+
+/// Form in which a pad's modes are played: `frames`, or `bank` with a reason.
+#[derive(Debug, Serialize)]
+struct FormFinding {
+    pad: String,
+    modes: usize,
+    form: &'static str,
+    reason: Option<&'static str>,
+    #[serde(skip)]
+    has_few_modes: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -157,6 +171,8 @@ fn of_board(name: &str, on: Board, kit: &kit::Kit, table: &Kit<'_>) -> BoardFind
         modes,
         of_modes,
     };
+    let forms = kit.pads.iter().zip(&shed.modes).zip(&shed.forms);
+    let forms = forms.map(|((pad, &(_, modes)), &form)| FormFinding::of(pad, modes, form)).collect();
     BoardFinding {
         board: on.name(),
         budget_cycles: board::budget_cycles(on),
@@ -164,6 +180,7 @@ fn of_board(name: &str, on: Board, kit: &kit::Kit, table: &Kit<'_>) -> BoardFind
         left_out: left_out(name, on, table),
         chord_shed: of_pads.map(finding).collect(),
         chord_refused_stages: shed.refused_stages,
+        forms,
         modes,
         is_refused,
     }
@@ -212,6 +229,9 @@ impl Findings {
                 lines.push(format!("{name}: {} {}", board.board, plan.as_text()));
             }
             lines.extend(board.left_out.iter().cloned());
+            lines.extend(
+                board.forms.iter().filter_map(|form| Some(format!("{name}: {} {}", board.board, form.as_text()?))),
+            );
             if !board.is_refused {
                 lines.push(format!("{name}: {} {}", board.board, board.of_chord()));
             }
@@ -242,6 +262,31 @@ impl PlanFinding {
             "takes {} of {} bytes of fast memory{bulk}; {} of {} cycles a tick are left for stages that strikes begin",
             self.fast_bytes, self.of_fast_bytes, self.stage_cycles_left, self.of_stage_cycles
         )
+    }
+}
+
+impl FormFinding {
+    fn of(pad: &kit::Pad, modes: usize, form: Form) -> Self {
+        let reason = match form {
+            Form::Frames => None,
+            Form::FewModes => Some("it has few"),
+            Form::Filtered => Some("its dynamic filter takes them"),
+            Form::Choked => Some("it can be choked; choke_t60_s = 0 allows frames"),
+            Form::TooDear => Some("frames would take too many cycles under a lasting force"),
+            Form::NoMemory => Some("there is no memory for frames"),
+        };
+        let name = if form == Form::Frames { "frames" } else { "bank" };
+        Self { pad: pad.name.clone(), modes, form: name, reason, has_few_modes: form == Form::FewModes }
+    }
+
+    /// The form in words; `None` for a pad of few modes, which has no choice.
+    fn as_text(&self) -> Option<String> {
+        let Self { pad, modes, .. } = self;
+        let place = match self.reason {
+            None => "in frames".to_owned(),
+            Some(reason) => format!("in the fixed-point bank: {reason}"),
+        };
+        (!self.has_few_modes).then(|| format!("plays the {modes} modes of {pad:?} {place}"))
     }
 }
 

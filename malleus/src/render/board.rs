@@ -9,6 +9,7 @@ use dsp_core::event::Event;
 use dsp_core::memory::{Memory, Word, Words};
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
+use dsp_core::voice::Form;
 use virtual_board::Board;
 
 use super::instrument::{Output, RenderError, play};
@@ -109,6 +110,8 @@ pub struct Shed {
     /// Number of residuals, dynamic filters and biquad banks that the budget does not allow to
     /// start.
     pub refused_stages: u32,
+    /// Form in which each pad's object is played.
+    pub forms: Vec<Form>,
 }
 
 /// Modes and stages that a board with its budget leaves out of a kit's loudest
@@ -131,6 +134,7 @@ fn shed_by<B: boards::Board>(kit: &Kit<'_>) -> Result<Shed, RenderError> {
     let mut shed = Shed::default();
     let observe = |report: &TickReport| shed.refused_stages += report.refused_stages;
     play(&mut engine, &chord, TICK_FRAMES, Output::Bus, observe, |_| {})?;
+    shed.forms = (0..engine.pad_count()).filter_map(|pad| engine.form(pad)).collect();
     shed.modes = (0..engine.pad_count()).map(|pad| (engine.shed_mode_count(pad), engine.mode_count(pad))).collect();
     Ok(shed)
 }

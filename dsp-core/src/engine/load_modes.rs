@@ -1,0 +1,84 @@
+//! Loading of the pads' modes: each pad's form, its memory and its banks.
+
+use super::error::LoadError;
+use super::setup::Skipping;
+use super::stage::Stage;
+use super::state::Engine;
+use crate::frames::FrameMixer;
+use crate::memory::{Lender, Region};
+use crate::room::Sample;
+use crate::voice::{Form, PadTables, Voice, VoiceSize};
+
+/// Maximum number of pads: events name them by a byte.
+const PADS: usize = 1 << u8::BITS;
+
+impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
+    #[inline(never)] // keeps its stack apart from that of the stages that follow
+    pub(super) fn load_modes<L: Lender<'m>>(&mut self, lender: &mut L) -> Result<(), LoadError> {
+        let (kit, rate) = (self.kit, self.rate);
+        let mut in_frames = [false; PADS];
+        for (number, in_frames) in (0..kit.pads().len() as u8).zip(&mut in_frames) {
+            let Some(tables) = PadTables::new(kit, usize::from(number)) else { continue };
+            let refused = |(error, striker)| LoadError::Pad { pad: usize::from(number), striker, error, rate };
+            let size = VoiceSize::new(&tables, rate).map_err(refused)?;
+            let framed = size.in_frames(&tables, rate).map_err(|error| refused((error, None)))?;
+            let framed = framed.and_then(|framed| self.admit_to_frames(number, framed, lender));
+            let (size, form) = framed.map_or_else(|reason| (size, reason), |framed| (framed, Form::Frames));
+            let missing = |error| LoadError::Memory { stage: Stage::Modes(number), error };
+            if form == Form::Frames {
+                *in_frames = true;
+                self.frame_cycles -= size.frame_cycles();
+                if !self.has_mixer {
+                    let retires = self.skipping == Skipping::On;
+                    self.frames = FrameMixer::place(lender, retires).map_err(missing)?;
+                    self.has_mixer = true;
+                }
+            }
+            let voice = Voice::take(lender, &size).map_err(missing)?;
+            self.groups_built += size.groups() as u32;
+            // An account gives no slices.
+            if let Some(slot) = self.voices.get_mut(usize::from(number)) {
+                *slot = voice;
+                slot.form = form;
+                slot.set_number(number);
+                slot.load(&tables, rate, self.frames.as_deref_mut()).map_err(refused)?;
+            }
+        }
+        let missing = |error| LoadError::Memory { stage: Stage::Engine, error };
+        self.levels = lender.take(Region::Fast, self.groups_built as usize, || 0).map_err(missing)?;
+        // Memory that is left then serves second positions.
+        for (number, in_frames) in (0..kit.pads().len()).zip(in_frames) {
+            let Some(tables) = PadTables::new(kit, number).filter(|_| !in_frames) else { continue };
+            let modes = VoiceSize::new(&tables, rate).map_or(0, |size| size.second_modes(&tables));
+            let mut none = Voice::empty();
+            let voice = self.voices.get_mut(number).unwrap_or(&mut none);
+            if modes > 0 && voice.take_second(lender, modes).is_err() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives back the size of a pad in frames, or the reason why its modes stay in the bank: cycles,
+    /// or memory beside the banks of the pads behind it.
+    #[inline(never)]
+    fn admit_to_frames<L: Lender<'m>>(&self, number: u8, framed: VoiceSize, lender: &L) -> Result<VoiceSize, Form> {
+        if framed.frame_cycles() > self.frame_cycles {
+            return Err(Form::TooDear);
+        }
+        let mut account = lender.account();
+        let mut groups = self.groups_built as usize;
+        let mut take = |size: &VoiceSize| {
+            groups += size.groups();
+            Voice::take(&mut account, size).is_ok()
+        };
+        let mut fits = take(&framed);
+        for later in usize::from(number) + 1..self.kit.pads().len() {
+            let tables = PadTables::new(self.kit, later);
+            fits &= tables.and_then(|tables| VoiceSize::new(&tables, self.rate).ok()).is_none_or(|size| take(&size));
+        }
+        fits &= account.take(Region::Fast, groups, || 0u8).is_ok();
+        fits &= self.has_mixer || FrameMixer::place(&mut account, true).is_ok();
+        if fits { Ok(framed) } else { Err(Form::NoMemory) }
+    }
+}
