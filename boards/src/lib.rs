@@ -80,6 +80,7 @@ pub trait Board {
         Setup {
             room_samples: Self::ROOM_SAMPLES,
             frame_cycles: Self::FRAME_CYCLES,
+            frame_percent: 100 * FRAMES_WORST_PERCENT / WORST_PERCENT,
             ceiling_db: Self::CEILING_DB,
             ..Setup::new(Self::rate())
         }

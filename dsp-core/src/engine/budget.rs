@@ -36,9 +36,10 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// at 48 kHz are 89 600.
     ///
     /// Nothing is shed while [`Skipping`](super::Skipping) is off. The prediction's own cost is
-    /// part of the budget: [`CostItem::Look`] and [`CostItem::PredictedGroup`].
+    /// part of the budget: [`CostItem::Look`] and [`CostItem::PredictedGroup`]. A kit whose modes
+    /// are all in frames has nothing to shed: nothing is predicted then.
     pub fn set_budget(&mut self, cycles_per_tick: Option<u32>) {
-        self.budget = cycles_per_tick;
+        self.budget = cycles_per_tick.filter(|_| self.groups_built > 0);
     }
 
     /// Sheds register groups that do not fit. `upcoming` are the events behind those that have been
@@ -70,7 +71,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         let choke = choke + self.report.counts.of(CostItem::Choke).min(1) * CostItem::Choke.cycles();
         let budget = budget.saturating_sub(margin) + choke;
         let predicted = self.report.predicted_cycles() + rest.cycles();
-        if predicted > budget && self.groups_built > 0 {
+        if predicted > budget {
             let survey = self.survey_counts();
             let survey_cycles: u32 = survey.iter().map(|&(item, count)| item.cycles() * count).sum();
             let guards = rest.of(CostItem::GuardedGroup) * CostItem::GuardedGroup.cycles();
@@ -360,7 +361,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             let contact_frames = self.contacts.frames_ahead(number, frames) + if struck { frames } else { 0 };
             let is_direct = direct_input(direct, number) > 0.0;
             let is_driven = contact_frames > 0 || is_direct;
-            let cycles = object.head_cycles(frames, is_driven);
+            let cycles = object.head_cycles(frames, is_driven) * self.frame_percent / 100;
             counts.add(CostItem::ResidualCycle, cycles);
             if is_driven {
                 counts.add(CostItem::BusDrivenPad, 1);

@@ -28,6 +28,9 @@ pub struct Setup {
     /// bank, whose modes the [budget](crate::engine::Engine::set_budget) can shed; it cannot shed
     /// modes in frames.
     pub frame_cycles: u32,
+    /// Percent of their cycles that frames count for in the [budget](crate::engine::Engine::set_budget).
+    /// A budget that holds a reserve for the worst case of other parts holds more than frames need.
+    pub frame_percent: u32,
     /// Ceiling of the limiter on the stereo sum in dB of full scale, -40 to 0; `None` for no
     /// limiter.
     pub ceiling_db: Option<f32>,
@@ -38,7 +41,7 @@ impl Setup {
     /// 49 152 samples. Pads in frames may take 80 % of 168 MHz at 48
     /// kHz.
     pub const fn new(rate: SampleRate) -> Self {
-        Self { rate, skipping: Skipping::On, room_samples: 49_152, frame_cycles: 2_800, ceiling_db: None }
+        Self { rate, skipping: Skipping::On, room_samples: 49_152, frame_cycles: 2_800, frame_percent: 100, ceiling_db: None }
     }
 }
 

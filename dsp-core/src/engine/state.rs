@@ -58,8 +58,10 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) has_mixer: bool,
     /// Bound of the amplitude that retired modes in frames leave out, 1.0 = full scale.
     pub(super) retired_in_frames: f32,
-    /// Nominal cycles of the pads in frames in this tick, their heads aside.
+    /// Cycles that the pads in frames count for in this tick, their heads aside.
     pub(super) frames_tick_cycles: u32,
+    /// Percent of their cycles that frames count for in the budget.
+    pub(super) frame_percent: u32,
     /// Nominal cycles a frame that are left for further pads in frames.
     pub(super) frame_cycles: u32,
     pub(super) words: Words,

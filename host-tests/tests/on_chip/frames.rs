@@ -113,7 +113,8 @@ fn thousand_modes_ring_and_are_struck_within_the_cycles_of_the_page() {
     assert!(of_mode <= 0.42 && off.abs() <= 0.03);
 }
 
-/// Kit of one pad with a prior's modes, and with noise in bands if there are any.
+/// Kit of a pad with a prior's modes, and with noise in bands if there are any; its striker has a
+/// mode too soft to hear, in the bank, which a budget could shed.
 fn thing(modes: usize, bands: usize) -> Vec<u8> {
     let records = prior(modes, [3.0, 20.0]);
     let mode = |heard: &host_tests::frames::HeardMode| {

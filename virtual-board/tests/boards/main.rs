@@ -5,6 +5,7 @@
 
 mod common;
 mod faults;
+mod frames;
 mod hits;
 mod images;
 mod latency;

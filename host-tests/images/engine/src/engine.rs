@@ -17,7 +17,9 @@ const ROOM_SAMPLES: usize = 4_096;
 /// Number of words that the image lends: enough for the kit of `host-tests/src/rolls.toml`, for 1025
 /// modes in frames with 100 bands of noise, and for
 /// 1024 modes on 16 pads.
-const WORDS: usize = 15_600;
+const WORDS: usize = 13_500;
+/// Number of words of large memory, beside the core.
+const BULK_WORDS: usize = 4_096;
 
 /// Static that only the running call reads and writes.
 struct Global<T>(UnsafeCell<T>);
@@ -34,6 +36,10 @@ static ENGINE: Global<MaybeUninit<Engine<'static, 'static>>> = Global(UnsafeCell
 static USED: Global<Words> = Global(UnsafeCell::new(Words { fast: 0, bulk: 0 }));
 /// Memory that the image lends to the engine.
 static LENT: Global<[Word; WORDS]> = Global(UnsafeCell::new([Word::uninit(); WORDS]));
+
+/// Large memory that the image lends to the engine.
+#[unsafe(link_section = ".ccm.lent")]
+static BULK: Global<[Word; BULK_WORDS]> = Global(UnsafeCell::new([Word::uninit(); BULK_WORDS]));
 
 /// Limiter ceiling in dB of full scale, for engines loaded from now on; `None` for no limiter.
 static CEILING_DB: Global<Option<f32>> = Global(UnsafeCell::new(None));
@@ -69,11 +75,13 @@ pub unsafe extern "C" fn engine_load(kit: *const u8, bytes: usize, numerator: u3
     let Some(rate) = SampleRate::new(numerator, denominator) else { return -3 };
     let Ok(kit) = Kit::parse(bytes) else { return -1 };
     // SAFETY: see `Sync` for `Global`; an engine that was there before is not used again.
-    let (slot, used, lent) = unsafe { (&mut *ENGINE.0.get(), &mut *USED.0.get(), &mut *LENT.0.get()) };
+    let (slot, used) = unsafe { (&mut *ENGINE.0.get(), &mut *USED.0.get()) };
+    // SAFETY: as above.
+    let (lent, bulk) = unsafe { (&mut *LENT.0.get(), &mut *BULK.0.get()) };
     // SAFETY: see `Sync` for `Global`.
     let ceiling_db = unsafe { *CEILING_DB.0.get() };
     let setup = Setup { room_samples: ROOM_SAMPLES, ceiling_db, ..Setup::new(rate) };
-    match Engine::new(&kit, setup, Memory::new(lent, &mut [])) {
+    match Engine::new(&kit, setup, Memory::new(lent, bulk)) {
         Ok(engine) => {
             *used = engine.words();
             slot.write(engine);

@@ -1,0 +1,69 @@
+//! A thousand modes in frames and a hundred bands of noise on the F407 board.
+
+use virtual_board::{Board, CycleCase, Setup};
+
+use crate::common;
+use crate::hits::signal;
+use crate::load::{STACK_RESERVE, deadline};
+use crate::played::heard_and_rendered_as_board;
+use crate::replay::assert_same;
+
+/// Returns a kit of one pad with modes at even distances, T60 0.2 to 2 s, and bands of noise.
+fn prior(modes: u32, bands: u32) -> kit::Kit {
+    let share = |n: u32| f64::from(n.wrapping_mul(2_654_435_761)) / f64::from(u32::MAX);
+    let modes = (0..modes).map(|n| {
+        let turn = std::f64::consts::TAU * share(n + 77);
+        kit::Mode {
+            frequency_hz: (21.0 + f64::from(n) * 21.4 + 9.0 * share(n)) as f32,
+            decay_per_s: (1000f64.ln() / (0.2 + 1.8 * share(n + 999))) as f32,
+            gains: vec![kit::Gain { sine: (2_000.0 * turn.sin()) as f32, cosine: (2_000.0 * turn.cos()) as f32 }],
+        }
+    });
+    let edge = |band: u32| (40.0 * 500f64.powf(f64::from(band) / f64::from(bands))) as f32;
+    let mut kit = kit::load(std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/boards/stages.toml"))).unwrap().kit;
+    kit.room.clear();
+    kit.background = None;
+    kit.pads.truncate(1);
+    let name = kit.pads[0].object.clone();
+    kit.objects.retain(|object| object.name == name);
+    let object = &mut kit.objects[0];
+    object.modes = modes.collect();
+    object.dynamic_filter = None;
+    object.biquads = None;
+    object.residual = Some(kit::Residual {
+        seed: 1,
+        edges_hz: (0..=bands).map(edge).collect(),
+        weight: vec![0.001; bands as usize],
+        decay_db_per_s: vec![30.0; bands as usize],
+    });
+    kit.pads[0].choke_t60_s = 0.0;
+    kit
+}
+
+#[test]
+fn the_disc1_plays_a_thousand_modes_and_a_hundred_bands_whole() {
+    let board = Board::Stm32f407gDisc1;
+    let strokes = [(0.9, 0.9), (1.3, 0.5), (1.7013, 0.2)];
+    let kit = kit::binary::build(&prior(1025, 100)).unwrap();
+    let setup = Setup {
+        cycles: CycleCase::Worst,
+        flash_waits: true,
+        piezos: vec![signal(0, 2.0, &strokes)],
+        kit: kit.clone(),
+        ..Setup::default()
+    };
+    let running = common::run(board, &setup, 2.0);
+    let report = running.report().unwrap();
+    for line in &report.log {
+        println!("{:.3} {} {}", line.at_s, line.level, line.message);
+    }
+    let load = report.audio.worst_load.unwrap() / deadline(board);
+    let (used, room) = (report.stack_bytes.unwrap(), report.stack_room_bytes.unwrap());
+    println!("the dearest half took {:.1} % of the time to its deadline; {used} of {room} bytes of stack", 100.0 * load);
+    let (sound, work) = heard_and_rendered_as_board(&running, board, &kit);
+    let same = assert_same(board, sound);
+    println!("{same} frames with the same bits, {work:?}");
+    assert!(load <= 0.95, "{load:.3} of the time to the deadline");
+    assert_eq!((report.audio.late_halves, report.resets.len()), (0, 0));
+    assert!(used + STACK_RESERVE <= room, "{used} of {room} bytes of stack");
+}
