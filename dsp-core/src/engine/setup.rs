@@ -41,7 +41,14 @@ impl Setup {
     /// 49 152 samples. Pads in frames may take 80 % of 168 MHz at 48
     /// kHz.
     pub const fn new(rate: SampleRate) -> Self {
-        Self { rate, skipping: Skipping::On, room_samples: 49_152, frame_cycles: 2_800, frame_percent: 100, ceiling_db: None }
+        Self {
+            rate,
+            skipping: Skipping::On,
+            room_samples: 49_152,
+            frame_cycles: 2_800,
+            frame_percent: 100,
+            ceiling_db: None,
+        }
     }
 }
 

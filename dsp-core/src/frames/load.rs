@@ -24,8 +24,15 @@ pub struct FrameBankSize {
 /// (`cargo test -p host-tests --test on_chip frames -- --nocapture`).
 const DRIVEN_FRAME: f32 = 1545.0;
 const DRIVEN_MODE: f32 = 0.784;
-/// Nominal cycles of a mode under a force in the fixed-point bank (docs/performance.md).
+/// Nominal cycles of a mode under a force in the fixed-point bank
+/// (`cargo bench -p host-tests --bench run_time_vs_error`).
 const DRIVEN_MODE_IN_BANK: f32 = 7.74;
+
+/// Fewest modes of a bank that takes fewer cycles in frames than in the fixed-point bank, both
+/// under a force that never rests: 223.
+///
+/// A lone ringing pad is cheaper in frames from 65 modes on.
+pub const FEWEST_MODES: usize = (DRIVEN_FRAME / (DRIVEN_MODE_IN_BANK - DRIVEN_MODE)) as usize + 1;
 
 /// Modes of a checked table below Nyquist: index and pole.
 fn rendered<'t>(table: &'t BankTable<'_>, rate: SampleRate) -> impl Iterator<Item = (usize, FramePole)> + use<'t> {
@@ -52,12 +59,9 @@ impl<'m> FrameBank<'m> {
     }
 
     /// True if frames render a table's modes in fewer cycles than the fixed-point bank does, even
-    /// under a force that never rests: from 223 modes on.
-    ///
-    /// A lone ringing pad is cheaper in frames from 65 modes on.
+    /// under a force that never rests: from [`FEWEST_MODES`] below Nyquist on.
     pub fn is_cheaper(table: &BankTable<'_>, rate: SampleRate) -> bool {
-        let modes = rendered(table, rate).count();
-        (Self::driven_cycles(modes) as f32) < DRIVEN_MODE_IN_BANK * modes as f32
+        rendered(table, rate).count() >= FEWEST_MODES
     }
 
     /// True if frames can choke a pad as its table says: not at all.

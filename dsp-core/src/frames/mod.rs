@@ -37,7 +37,7 @@ mod spectrum;
 
 pub use bank::FrameBank;
 pub use head::Head;
-pub use load::FrameBankSize;
+pub use load::{FEWEST_MODES, FrameBankSize};
 pub use mixer::{FrameMixer, InFrames};
 pub use mode::{FrameMode, Line};
 pub use numbers::numbers;

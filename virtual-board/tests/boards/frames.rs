@@ -20,7 +20,8 @@ fn prior(modes: u32, bands: u32) -> kit::Kit {
         }
     });
     let edge = |band: u32| (40.0 * 500f64.powf(f64::from(band) / f64::from(bands))) as f32;
-    let mut kit = kit::load(std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/boards/stages.toml"))).unwrap().kit;
+    let mut kit =
+        kit::load(std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/boards/stages.toml"))).unwrap().kit;
     kit.room.clear();
     kit.background = None;
     kit.pads.truncate(1);
@@ -59,7 +60,10 @@ fn the_disc1_plays_a_thousand_modes_and_a_hundred_bands_whole() {
     }
     let load = report.audio.worst_load.unwrap() / deadline(board);
     let (used, room) = (report.stack_bytes.unwrap(), report.stack_room_bytes.unwrap());
-    println!("the dearest half took {:.1} % of the time to its deadline; {used} of {room} bytes of stack", 100.0 * load);
+    println!(
+        "the dearest half took {:.1} % of the time to its deadline; {used} of {room} bytes of stack",
+        100.0 * load
+    );
     let (sound, work) = heard_and_rendered_as_board(&running, board, &kit);
     let same = assert_same(board, sound);
     println!("{same} frames with the same bits, {work:?}");
