@@ -31,8 +31,8 @@ const INPUT_CYCLES: u32 = 9_000;
 /// (virtual-board/tests/boards/load.rs).
 const WORST_PERCENT: u32 = 180;
 
-/// Most cycles that frames take, in percent of their nominal ones: with the cycle model's worst case
-/// and the waits of flash.
+/// Most cycles that frames take, in percent of their nominal ones: with the cycle model's worst
+/// case and the waits of flash.
 const FRAMES_WORST_PERCENT: u32 = 108;
 
 /// Board as far as its sound depends on it.

@@ -27,7 +27,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             let missing = |error| LoadError::Memory { stage: Stage::Modes(number), error };
             if form == Form::Frames {
                 *in_frames = true;
-                self.frame_cycles -= size.frame_cycles();
+                self.frame_cycles -= size.frame_cycles(self.is_direct(number));
                 if !self.has_mixer {
                     let retires = self.skipping == Skipping::On;
                     self.frames = FrameMixer::place(lender, retires).map_err(missing)?;
@@ -59,11 +59,16 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         Ok(())
     }
 
-    /// Gives back the size of a pad in frames, or the reason why its modes stay in the bank: cycles,
-    /// or memory beside the banks of the pads behind it.
+    /// True if a sensor's signal itself is the force on a pad.
+    fn is_direct(&self, number: u8) -> bool {
+        self.kit.triggers().any(|trigger| trigger.pad_index() == usize::from(number) && trigger.is_direct())
+    }
+
+    /// Gives back the size of a pad in frames, or the reason why its modes stay in the bank:
+    /// cycles, or memory beside the banks of the pads behind it.
     #[inline(never)]
     fn admit_to_frames<L: Lender<'m>>(&self, number: u8, framed: VoiceSize, lender: &L) -> Result<VoiceSize, Form> {
-        if framed.frame_cycles() > self.frame_cycles {
+        if framed.frame_cycles(self.is_direct(number)) > self.frame_cycles {
             return Err(Form::TooDear);
         }
         let mut account = lender.account();

@@ -23,13 +23,14 @@ pub struct Setup {
     /// Maximum number of samples in the delay lines of the room. A room that would need more keeps
     /// its decay, with fewer resonances.
     pub room_samples: usize,
-    /// Maximum number of nominal cycles a frame for all pads in frames, each under a force that never
-    /// rests, with 375 for each other pad of the kit. Pads that find no room stay in the fixed-point
-    /// bank, whose modes the [budget](crate::engine::Engine::set_budget) can shed; it cannot shed
-    /// modes in frames.
+    /// Maximum number of nominal cycles a frame for all pads in frames, each in the dearest tick of
+    /// a strike, with 375 for each other pad of the kit. A pad whose trigger is direct counts with
+    /// a force that never rests. Pads that find no room stay in the fixed-point bank, whose modes
+    /// the [budget](crate::engine::Engine::set_budget) can shed; it cannot shed modes in frames.
     pub frame_cycles: u32,
-    /// Percent of their cycles that frames count for in the [budget](crate::engine::Engine::set_budget).
-    /// A budget that holds a reserve for the worst case of other parts holds more than frames need.
+    /// Percent of their cycles that frames count for in the
+    /// [budget](crate::engine::Engine::set_budget), whose reserve for the worst case of other parts
+    /// is more than frames need.
     pub frame_percent: u32,
     /// Ceiling of the limiter on the stereo sum in dB of full scale, -40 to 0; `None` for no
     /// limiter.

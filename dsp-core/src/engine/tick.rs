@@ -196,8 +196,8 @@ impl<S: Sample> Engine<'_, '_, S> {
     }
 }
 
-/// Renders a run of a pad with filters or with modes in frames. False, with nothing done, if the pad
-/// has filters alone and they do not take part in the run.
+/// Renders a run of a pad with filters or with modes in frames. False, with nothing done, if the
+/// pad has filters alone and they do not take part in the run.
 #[inline(never)] // its registers must not weigh on other pads
 fn render_joined(
     voice: &mut Voice<'_, '_>,

@@ -24,6 +24,9 @@ pub struct FrameBankSize {
 /// (`cargo test -p host-tests --test on_chip frames -- --nocapture`).
 const DRIVEN_FRAME: f32 = 1545.0;
 const DRIVEN_MODE: f32 = 0.784;
+/// Nominal cycles a frame in the dearest tick of a strike, and those of each mode (the same).
+const STRUCK_FRAME: f32 = 968.0;
+const STRUCK_MODE: f32 = 0.962;
 /// Nominal cycles of a mode under a force in the fixed-point bank
 /// (`cargo bench -p host-tests --bench run_time_vs_error`).
 const DRIVEN_MODE_IN_BANK: f32 = 7.74;
@@ -67,6 +70,11 @@ impl<'m> FrameBank<'m> {
     /// True if frames can choke a pad as its table says: not at all.
     pub fn can_choke(table: &BankTable<'_>) -> bool {
         table.choke_t60_s == 0.0
+    }
+
+    /// Nominal cycles a frame of a lone pad in frames, in the dearest tick of a strike.
+    pub fn struck_cycles(modes: usize) -> u32 {
+        (STRUCK_FRAME + STRUCK_MODE * modes as f32) as u32
     }
 
     /// Nominal cycles a frame of a lone pad in frames, under a force that never rests.

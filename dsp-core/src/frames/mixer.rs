@@ -182,8 +182,9 @@ impl<'m> FrameMixer<'m> {
     }
 
     /// Works on the next block at the end of a tick of this one, counted from 0: by then the share
-    /// of the ticks that have passed is done. `retired_beside` is the retired amplitude of all modes
-    /// that are not in frames, 1.0 = full scale. Gives the number of modes that have retired.
+    /// of the ticks that have passed is done. `retired_beside` is the retired amplitude of all
+    /// modes that are not in frames, 1.0 = full scale. Gives the number of modes that have
+    /// retired.
     pub fn end_tick<'b>(&mut self, tick: usize, retired_beside: f32, banks: &mut [impl InFrames<'b>]) -> u32 {
         self.retired_beside = retired_beside;
         let due = if tick + 1 < TICKS { (self.all / TICKS as u32) * (tick as u32 + 1) } else { u32::MAX };

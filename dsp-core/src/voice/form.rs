@@ -12,7 +12,7 @@ pub enum Form {
     Filtered,
     /// In the bank: frames have no choke.
     Choked,
-    /// In the bank: frames under a force that never rests would take too many cycles.
+    /// In the bank: a strike would take too many cycles in frames.
     TooDear,
     /// In the bank: there is no memory for frames.
     NoMemory,

@@ -72,9 +72,11 @@ impl VoiceSize {
         self.frames.is_some()
     }
 
-    /// Nominal cycles a frame of the modes in frames, under a force that never rests.
-    pub fn frame_cycles(&self) -> u32 {
-        self.frames.map_or(0, |size| FrameBank::driven_cycles(size.modes))
+    /// Nominal cycles a frame of the modes in frames: in the dearest tick of a strike, or under a
+    /// force that never rests if a sensor's signal itself is the force (`is_direct`).
+    pub fn frame_cycles(&self, is_direct: bool) -> u32 {
+        let cycles = if is_direct { FrameBank::driven_cycles } else { FrameBank::struck_cycles };
+        self.frames.map_or(0, |size| cycles(size.modes))
     }
 
     /// Number of register groups of all banks.

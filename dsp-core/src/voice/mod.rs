@@ -11,6 +11,7 @@
 //!
 //! A second strike adds energy to the same ringing banks.
 
+mod beside_frames;
 mod choke;
 mod filters;
 mod form;

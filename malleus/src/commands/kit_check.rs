@@ -272,7 +272,7 @@ impl FormFinding {
             Form::FewModes => Some("it has few"),
             Form::Filtered => Some("its dynamic filter takes them"),
             Form::Choked => Some("it can be choked; choke_t60_s = 0 allows frames"),
-            Form::TooDear => Some("frames would take too many cycles under a lasting force"),
+            Form::TooDear => Some("frames would take too many cycles when it is struck"),
             Form::NoMemory => Some("there is no memory for frames"),
         };
         let name = if form == Form::Frames { "frames" } else { "bank" };

@@ -14,9 +14,8 @@ use crate::wire::{WireEvent, slice, slice_mut};
 /// Maximum number of samples in the room's delay lines, as in `host-tests/src/lent.rs`.
 const ROOM_SAMPLES: usize = 4_096;
 
-/// Number of words that the image lends: enough for the kit of `host-tests/src/rolls.toml`, for 1025
-/// modes in frames with 100 bands of noise, and for
-/// 1024 modes on 16 pads.
+/// Number of words that the image lends: enough for the kit of `host-tests/src/rolls.toml`, for
+/// 1024 modes on 16 pads, and with the large memory for 1025 modes in frames with 100 bands.
 const WORDS: usize = 13_500;
 /// Number of words of large memory, beside the core.
 const BULK_WORDS: usize = 4_096;
