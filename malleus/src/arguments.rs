@@ -50,7 +50,7 @@ pub(crate) struct DemoArguments {
 /// Arguments of `malleus play`.
 #[derive(Debug, Args)]
 pub(crate) struct PlayArguments {
-    /// Kit: a .toml or .bin file, or the name of a shipped kit (demo, recorded, filters)
+    /// Kit: a .toml or .bin file, or the name of a shipped kit (demo, recorded, filters, priors)
     #[arg(long)]
     pub(crate) kit: String,
     /// Events: a Standard MIDI File, or CSV in UTF-8 with the columns
