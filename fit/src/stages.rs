@@ -155,9 +155,9 @@ impl<'a> RecordedStrike<'a> {
 
     /// Adds the residual of a physical prior: 100 bands, fitted to what the modes leave.
     ///
-    /// Of all weights that are tried, those are taken that bring the ERB distance nearest within
-    /// the log-spectral distance `most_lsd_db`, though the modes alone may be nearer: a prior has
-    /// its residual. `plain` is returned if the modes leave nothing within that bound.
+    /// Of all weights that are tried, those are taken whose ERB distance is least. The modes alone
+    /// may be nearer, since a prior always has its bands. `plain` is returned if the modes leave
+    /// nothing. Among the residuals that are tried are those that `most_lsd_db` admits.
     ///
     /// # Errors
     /// [`FitError`] if a board would refuse a table.
@@ -171,7 +171,7 @@ impl<'a> RecordedStrike<'a> {
         for bands in tried.into_iter().filter(|bands| bands.iter().any(|band| band.weight > 0.0)) {
             let noisy = self.play(residual::with_bands(plain.table.clone(), &bands, SEED), DRAWS)?;
             let ratio = nearness(&noisy, &plain);
-            if noisy.distances.lsd_db <= most_lsd_db && ratio < nearest {
+            if ratio < nearest {
                 (nearest, best) = (ratio, Some((noisy, bands)));
             }
         }
