@@ -7,10 +7,14 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use dsp_core::table::range::FREQUENCY_HZ;
+
 use crate::modes::DampedSine;
 
 /// Window of the spectrogram in samples (§4.1 of the paper).
 pub const WINDOW: usize = 2048;
+/// Number of bins of the spectrogram, and most modes of a sound.
+pub const BINS: usize = WINDOW / 2 + 1;
 /// Hop of the spectrogram in samples (§4.1 of the paper).
 pub const HOP: usize = 256;
 /// Level of silence in dB, relative to the loudest bin of the spectrogram.
@@ -19,6 +23,8 @@ const SILENCE_DB: f64 = -80.0;
 /// One mode for each of the 1025 bins that is not silent at the strike, in order of frequency.
 ///
 /// The frequency is that of the highest peak within the bin, in the spectrum of the whole sound.
+/// The bins at 0 Hz and at half the rate reach half as far, and their peaks lie beside these two
+/// frequencies, at which nothing rings.
 /// The amplitude follows from the first frame's magnitude. The decay takes the bin to -80 dB (below
 /// the loudest bin) when the bin first gets there, or at the end of a sound that does not. Phases
 /// are those of sines that begin at zero: `amplitude e^{-dt} sin 2πft` (physics-diffusion eq. 3,
@@ -26,7 +32,6 @@ const SILENCE_DB: f64 = -80.0;
 ///
 /// `strike` has full scale 1 and begins at its onset; `rate_hz` is its rate. Silence has no modes.
 pub fn estimate(strike: &[f64], rate_hz: f64) -> Vec<DampedSine> {
-    let bins = WINDOW / 2 + 1;
     let frames = levels(strike);
     let loudest = frames.iter().flatten().copied().fold(0.0, f64::max);
     if loudest <= 0.0 {
@@ -37,7 +42,8 @@ pub fn estimate(strike: &[f64], rate_hz: f64) -> Vec<DampedSine> {
     let size = 2 * (whole.len() - 1);
     let fine = size / WINDOW;
     let Some(first) = frames.first() else { return Vec::new() };
-    (1..bins - 1)
+    let lowest = ((f64::from(FREQUENCY_HZ.min) * size as f64 / rate_hz).ceil() as usize).max(1);
+    (0..BINS)
         .filter_map(|bin| {
             let power = *first.get(bin)?;
             let power_db = level_db(power);
@@ -49,17 +55,20 @@ pub fn estimate(strike: &[f64], rate_hz: f64) -> Vec<DampedSine> {
                 .unwrap_or(frames.len());
             let silent_s = (silent * HOP) as f64 / rate_hz;
             let decay_db_per_s = (power_db - SILENCE_DB) / silent_s;
-            let from = (bin * fine).saturating_sub(fine / 2);
-            let peak = (from..from + fine.max(1)).max_by(|&a, &b| {
+            let from = (bin * fine).saturating_sub(fine / 2).max(lowest);
+            let to = (bin * fine + fine.div_ceil(2)).min(size / 2);
+            let peak = (from..to).max_by(|&a, &b| {
                 let at = |place: usize| whole.get(place).copied().unwrap_or(0.0);
                 at(a).total_cmp(&at(b))
             })?;
+            // Both lines of a sine fall into the bin at 0 Hz, and into that at half the rate.
+            let lines = if bin == 0 || bin == BINS - 1 { 2.0 } else { 1.0 };
             Some(DampedSine {
                 frequency_hz: peak as f64 * rate_hz / size as f64,
                 decay_per_s: decay_db_per_s * 10f64.ln() / 20.0,
                 // A sine of amplitude 1 has the magnitude of half the window's sum, which is half
                 // its length.
-                amplitude: power * 4.0 / WINDOW as f64,
+                amplitude: power * 4.0 / (lines * WINDOW as f64),
                 phase: -FRAC_PI_2,
             })
         })
@@ -109,6 +118,20 @@ mod tests {
             let found = strongest(estimate(&sound.samples, sound.rate_hz), 1);
             assert!((found[0].frequency_hz / frequency_hz - 1.0).abs() < 2e-3, "{found:?}");
             assert!((found[0].t60_s() / t60_s - 1.0).abs() < 0.1, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn each_bin_of_a_noisy_strike_is_one_mode_between_0_hz_and_half_the_rate() {
+        let mode = DampedSine { frequency_hz: 440.0, decay_per_s: 7.0, amplitude: 0.5, phase: -FRAC_PI_2 };
+        let sound = of_these(vec![mode], 44_100, 1, -20.0);
+        let modes = estimate(&sound.samples, sound.rate_hz);
+        assert_eq!(modes.len(), BINS);
+        let half_bin_hz = 0.5 * sound.rate_hz / WINDOW as f64;
+        for (bin, mode) in modes.iter().enumerate() {
+            let off_hz = mode.frequency_hz - 2.0 * half_bin_hz * bin as f64;
+            assert!(off_hz.abs() <= half_bin_hz, "bin {bin}: {mode:?}");
+            assert!(mode.frequency_hz > 0.0 && mode.frequency_hz < 0.5 * sound.rate_hz, "bin {bin}: {mode:?}");
         }
     }
 

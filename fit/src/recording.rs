@@ -175,7 +175,11 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let modes_alone = stage.distances(&rendering);
     let most_lsd_db = modes_alone.lsd_db + MOST_RISE_DB;
     let modes = PlayedTable { table, sound: rendering.clone(), distances: modes_alone };
-    let dry = stage.with_residual(modes, most_lsd_db)?;
+    let with_noise = |played: PlayedTable| match options.strike.estimator {
+        strike::Estimator::Modal => stage.with_residual(played, most_lsd_db),
+        strike::Estimator::Bins => stage.with_prior(played, most_lsd_db),
+    };
+    let dry = with_noise(modes)?;
     let with_residual = dry.0.distances;
     let room = room::estimate(heard, recording.rate_hz);
     let wet = match &room {
@@ -184,7 +188,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     };
     let (mut with_room, mut room_level_db, mut best) = (None, None, dry);
     if let Some((level_db, in_room)) = wet {
-        let wet = stage.with_residual(in_room, most_lsd_db)?;
+        let wet = with_noise(in_room)?;
         with_room = Some(wet.0.distances);
         if is_worth_its_room(&wet.0, &best.0, modes_alone) {
             (room_level_db, best) = (Some(level_db), wet);

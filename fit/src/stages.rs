@@ -136,13 +136,9 @@ impl<'a> RecordedStrike<'a> {
         plain: PlayedTable,
         most_lsd_db: f64,
     ) -> Result<(PlayedTable, Vec<residual::Band>), FitError> {
-        let rise_db = (most_lsd_db - plain.distances.lsd_db).max(0.0);
-        let all = residual::fit_bands(self.samples, &plain.sound, self.rate_hz)?;
-        let admitted = residual::admit(all.clone(), self.samples, &plain.sound, self.rate_hz, rise_db);
+        let tried = self.bands(&plain, most_lsd_db, &residual::usual_edges_hz(self.rate_hz))?;
         let mut best = (plain, Vec::new());
-        for (bands, level) in [&admitted, &all].into_iter().flat_map(|bands| LEVELS.map(|level| (bands, level))) {
-            let bands: Vec<_> =
-                bands.iter().map(|band| residual::Band { weight: band.weight * level, ..*band }).collect();
+        for bands in tried {
             let mut dry = best.0.table.clone();
             dry.objects.iter_mut().for_each(|object| object.residual = None);
             let table = residual::with_residual(dry, &bands, SEED);
@@ -155,6 +151,49 @@ impl<'a> RecordedStrike<'a> {
             }
         }
         Ok(best)
+    }
+
+    /// Adds the residual of a physical prior: 100 bands, fitted to what the modes leave.
+    ///
+    /// Of all weights that are tried, those are taken whose ERB distance is least. The modes alone
+    /// may be nearer, since a prior always has its bands. `plain` is returned if the modes leave
+    /// nothing. Among the residuals that are tried are those that `most_lsd_db` admits.
+    ///
+    /// # Errors
+    /// [`FitError`] if a board would refuse a table.
+    pub fn with_prior(
+        &self,
+        plain: PlayedTable,
+        most_lsd_db: f64,
+    ) -> Result<(PlayedTable, Vec<residual::Band>), FitError> {
+        let tried = self.bands(&plain, most_lsd_db, &residual::prior_edges_hz(self.rate_hz))?;
+        let (mut nearest, mut best) = (f64::INFINITY, None);
+        for bands in tried.into_iter().filter(|bands| bands.iter().any(|band| band.weight > 0.0)) {
+            let noisy = self.play(residual::with_bands(plain.table.clone(), &bands, SEED), DRAWS)?;
+            let ratio = nearness(&noisy, &plain);
+            if ratio < nearest {
+                (nearest, best) = (ratio, Some((noisy, bands)));
+            }
+        }
+        Ok(best.unwrap_or((plain, Vec::new())))
+    }
+
+    /// Residuals to try: the bands that the log-spectral distance admits and then all, each at
+    /// several levels.
+    fn bands(
+        &self,
+        plain: &PlayedTable,
+        most_lsd_db: f64,
+        edges_hz: &[f64],
+    ) -> Result<Vec<Vec<residual::Band>>, FitError> {
+        let rise_db = (most_lsd_db - plain.distances.lsd_db).max(0.0);
+        let all = residual::fit_bands(self.samples, &plain.sound, self.rate_hz, edges_hz)?;
+        let admitted = residual::admit(all.clone(), self.samples, &plain.sound, self.rate_hz, rise_db);
+        let at_levels = |bands: Vec<residual::Band>| {
+            LEVELS
+                .map(|level| bands.iter().map(|band| residual::Band { weight: band.weight * level, ..*band }).collect())
+        };
+        Ok([admitted, all].into_iter().flat_map(at_levels).collect())
     }
 
     /// The table's modes in the room, with the level in dB of the room that brings them nearest to
@@ -183,11 +222,17 @@ impl<'a> RecordedStrike<'a> {
 /// The ERB distance counts, as the mean over the whole strike and its beginning. The log-spectral
 /// distance must be at most `most_lsd_db`.
 pub fn is_worth(more: &PlayedTable, less: &PlayedTable, most_lsd_db: f64) -> bool {
+    let worse =
+        more.distances.erb_db > less.distances.erb_db || more.distances.early_erb_db > less.distances.early_erb_db;
+    !worse && nearness(more, less) < 1.0 - LEAST_GAIN && more.distances.lsd_db <= most_lsd_db
+}
+
+/// Ratio of the ERB distances of `more` to those of `less`, as the mean over the whole strike and
+/// its beginning.
+fn nearness(more: &PlayedTable, less: &PlayedTable) -> f64 {
     let (more, less) = (more.distances, less.distances);
     let ratio = |more: f64, less: f64| more / less.max(1e-9);
-    let worse = more.erb_db > less.erb_db || more.early_erb_db > less.early_erb_db;
-    let nearer = 0.5 * (ratio(more.erb_db, less.erb_db) + ratio(more.early_erb_db, less.early_erb_db));
-    !worse && nearer < 1.0 - LEAST_GAIN && more.lsd_db <= most_lsd_db
+    0.5 * (ratio(more.erb_db, less.erb_db) + ratio(more.early_erb_db, less.early_erb_db))
 }
 
 /// True if a room justifies its effect on the sound.

@@ -18,6 +18,7 @@ const KITS: &[Shipped] = &[
     Shipped { name: "demo", text: include_str!("../../tables/demo.toml") },
     Shipped { name: "recorded", text: include_str!("../../tables/recorded.toml") },
     Shipped { name: "filters", text: include_str!("../../tables/filters.toml") },
+    Shipped { name: "priors", text: include_str!("../../tables/priors.toml") },
 ];
 
 /// Tables that shipped kits include, each with the name of its file.
@@ -48,6 +49,9 @@ const TABLES: &[(&str, &str)] = &[
     ("recorded/utensil-holder.toml", include_str!("../../tables/recorded/utensil-holder.toml")),
     ("recorded/ceramic-mug.toml", include_str!("../../tables/recorded/ceramic-mug.toml")),
     ("recorded/plastic-cup.toml", include_str!("../../tables/recorded/plastic-cup.toml")),
+    ("priors/cymbal.toml", include_str!("../../tables/priors/cymbal.toml")),
+    ("priors/claves.toml", include_str!("../../tables/priors/claves.toml")),
+    ("priors/glass.toml", include_str!("../../tables/priors/glass.toml")),
 ];
 
 /// Names of the shipped kits.

@@ -50,7 +50,7 @@ pub(crate) struct DemoArguments {
 /// Arguments of `malleus play`.
 #[derive(Debug, Args)]
 pub(crate) struct PlayArguments {
-    /// Kit: a .toml or .bin file, or the name of a shipped kit (demo, recorded, filters)
+    /// Kit: a .toml or .bin file, or the name of a shipped kit (demo, recorded, filters, priors)
     #[arg(long)]
     pub(crate) kit: String,
     /// Events: a Standard MIDI File, or CSV in UTF-8 with the columns
@@ -116,11 +116,11 @@ pub(crate) struct FitArguments {
     /// Table to write: a .toml file for one recording, or a folder for one table per recording
     #[arg(short, long, value_name = "TABLE.toml|DIR")]
     pub(crate) output: PathBuf,
-    /// Maximum number of modes
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = parse_modes)]
-    pub(crate) modes: usize,
+    /// Maximum number of modes; the strongest are kept [default: 64, with --estimator bins 1025]
+    #[arg(long, value_name = "N", value_parser = parse_modes)]
+    pub(crate) modes: Option<usize>,
     /// Estimator of the modes: `modal` finds all together by maximum likelihood; `bins` finds one
-    /// per bin of a spectrogram, for comparison
+    /// per bin of a spectrogram, and always adds 100 bands of noise (a physical prior)
     #[arg(long, value_enum, value_name = "NAME", default_value_t = EstimatorName::Modal)]
     pub(crate) estimator: EstimatorName,
     /// Fit noise through a moving filter instead of modes and residual, with at most ten modes
@@ -244,8 +244,8 @@ fn parse_ceiling(text: &str) -> Result<f32, String> {
 }
 
 fn parse_modes(text: &str) -> Result<usize, String> {
-    let modes = text.parse().ok().filter(|modes| (1..=1024).contains(modes));
-    modes.ok_or("must be from 1 to 1024 modes".to_owned())
+    let modes = text.parse().ok().filter(|modes| (1..=1025).contains(modes));
+    modes.ok_or("must be from 1 to 1025 modes".to_owned())
 }
 
 fn parse_cycles(text: &str) -> Result<f64, String> {

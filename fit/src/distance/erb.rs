@@ -26,6 +26,15 @@ pub(crate) fn erb_edges_up_to_hz(highest_hz: f64) -> Vec<f64> {
     (0..=count as usize).map(|edge| ((low + width * edge as f64).exp() - 1.0) / 0.004_37).collect()
 }
 
+/// Edges in Hz of `count` bands between two frequencies, equally wide on the ERB scale.
+pub(crate) fn erb_edges_hz([lowest_hz, highest_hz]: [f64; 2], count: usize) -> Vec<f64> {
+    let [low, high] = [lowest_hz, highest_hz].map(erb_rate);
+    let inner = (1..count).map(|edge| low + (high - low) * edge as f64 / count as f64);
+    let inner = inner.map(|rate| (rate.exp() - 1.0) / 0.004_37);
+    // The outer edges are given, not computed: rounding could put the last one beyond its limit.
+    std::iter::once(lowest_hz).chain(inner).chain([highest_hz]).collect()
+}
+
 /// Energies of 40 bands (ERB-spaced, 50 Hz to 16 kHz) in Hann frames of 1024 samples every 256.
 ///
 /// The ERB distance compares them.

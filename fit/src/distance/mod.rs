@@ -6,7 +6,7 @@ mod lsd;
 mod spectrogram;
 
 pub use erb::{ERB_BANDS, ErbLevels};
-pub(crate) use erb::{band_power, erb_edges_up_to_hz};
+pub(crate) use erb::{band_power, erb_edges_hz, erb_edges_up_to_hz};
 pub(crate) use gradient::Target;
 pub(crate) use lsd::LONGEST_WINDOW;
 pub use lsd::{LSD_SECONDS, frame_distances_db, log_spectral_distance_db, lsd_window};

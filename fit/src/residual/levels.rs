@@ -6,13 +6,17 @@
 
 use super::band::Band;
 use super::spread;
-use crate::distance::{Spectrogram, band_power, erb_edges_up_to_hz};
+use crate::distance::{Spectrogram, band_power, erb_edges_hz, erb_edges_up_to_hz};
 use crate::error::FitError;
 
 /// Number of samples in a frame, as in the ERB distance.
 const WINDOW: usize = 1024;
 /// Upper limit of the bands in Hz: every rate of 44.1 kHz and more plays them.
 const HIGHEST_HZ: f64 = 20_000.0;
+/// Lower limit of a prior's bands in Hz, that of the ERB distance.
+const LOWEST_HZ: f64 = 50.0;
+/// Number of bands of a prior (physics-diffusion §4.1).
+const PRIOR_BANDS: usize = 100;
 /// Level, as a power ratio to the loudest band and frame, below which nothing counts: -60 dB.
 const FLOOR: f64 = 1e-6;
 /// Number of frames of the beginning (0.25 s), which are all used.
@@ -37,17 +41,33 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// mean square.
 const PASSES: usize = 4;
 
+/// Edges in Hz of the 40 bands of the ERB distance and of those above up to 20 kHz, as far as the
+/// rate reaches.
+pub fn usual_edges_hz(rate_hz: f64) -> Vec<f64> {
+    erb_edges_up_to_hz(highest_hz(rate_hz))
+}
+
+/// Edges in Hz of the 100 bands of a physical prior (physics-diffusion §4.1).
+///
+/// They reach from 50 Hz to 20 kHz, as far as the rate does, equally wide on the ERB scale: the
+/// paper does not say where its bands lie.
+pub fn prior_edges_hz(rate_hz: f64) -> Vec<f64> {
+    erb_edges_hz([LOWEST_HZ, highest_hz(rate_hz)], PRIOR_BANDS)
+}
+
+fn highest_hz(rate_hz: f64) -> f64 {
+    HIGHEST_HZ.min(0.49 * rate_hz)
+}
+
 /// Fits residual bands to the difference between `recording` and `model`, which begin at the strike
 /// and are equally long.
 ///
-/// The bands are the 40 of the ERB distance and those above up to 20 kHz, as far as the rate
-/// reaches. Bands in which noise would not help get the weight 0.
+/// Bands in which noise would not help get the weight 0.
 ///
 /// # Errors
 /// [`FitError::Render`] at a rate that the instrument does not play.
-pub fn fit_bands(recording: &[f64], model: &[f64], rate_hz: f64) -> Result<Vec<Band>, FitError> {
-    let edges_hz = erb_edges_up_to_hz(HIGHEST_HZ.min(0.49 * rate_hz));
-    let levels = Levels::new(recording, model, rate_hz, &edges_hz)?;
+pub fn fit_bands(recording: &[f64], model: &[f64], rate_hz: f64, edges_hz: &[f64]) -> Result<Vec<Band>, FitError> {
+    let levels = Levels::new(recording, model, rate_hz, edges_hz)?;
     let mut weights = levels.counts.clone();
     let mut bands = vec![Noise::NONE; edges_hz.len().saturating_sub(1)];
     for _ in 0..PASSES {
@@ -293,7 +313,8 @@ mod tests {
             let mut sound = crate::render::by_instrument(&table, 0.0, rate_hz, 44_100).expect("a right table");
             let mut random = SplitMix64(100 + u64::from(seed));
             sound.iter_mut().for_each(|x| *x += 1e-6 * random.normal());
-            let found = fit_bands(&sound, &vec![0.0; sound.len()], rate_hz).expect("a usual rate");
+            let found =
+                fit_bands(&sound, &vec![0.0; sound.len()], rate_hz, &usual_edges_hz(rate_hz)).expect("a usual rate");
             for ((truth, found), mean) in truth.iter().zip(&found).zip(&mut mean) {
                 let level_db = 20.0 * (found.weight.max(1e-6) / truth.weight).log10();
                 mean.0 += level_db / f64::from(DRAWS);
@@ -321,7 +342,7 @@ mod tests {
     fn a_model_equal_to_the_recording_leaves_no_noise() {
         let mut random = SplitMix64(5);
         let sound: Vec<f64> = (0..20_000).map(|n| random.normal() * (-1e-4 * f64::from(n)).exp()).collect();
-        let bands = fit_bands(&sound, &sound, 48_000.0).expect("a usual rate");
+        let bands = fit_bands(&sound, &sound, 48_000.0, &usual_edges_hz(48_000.0)).expect("a usual rate");
         assert!(bands.len() >= 40 && bands.iter().all(|band| band.weight < 1e-3), "{bands:?}");
     }
 }

@@ -15,6 +15,6 @@ mod table;
 
 pub use admit::admit;
 pub use band::Band;
-pub use levels::fit_bands;
+pub use levels::{fit_bands, prior_edges_hz, usual_edges_hz};
 pub use noise::render;
-pub use table::with_residual;
+pub use table::{with_bands, with_residual};

@@ -18,25 +18,33 @@ const MOST_DECAY_DB_PER_S: f32 = 20_000.0;
 /// `bands` are neighbours without gaps, fitted by [`fit_bands`](super::fit_bands) to a strike of
 /// the table's peak force. Bands that end above 20 kHz, and those without weight at either end, are
 /// left out. If no band has weight, the table stays as it is.
-pub fn with_residual(mut table: Kit, bands: &[Band], seed: u32) -> Kit {
-    let audible: Vec<&Band> = bands.iter().filter(|band| band.edges_hz[1] <= HIGHEST_EDGE_HZ).collect();
-    let sounds = |band: &&&Band| band.weight > 0.0;
-    let first = audible.iter().position(|band| sounds(&band)).unwrap_or(audible.len());
-    let last = audible.iter().rposition(|band| sounds(&band)).map_or(first, |last| last + 1);
+pub fn with_residual(table: Kit, bands: &[Band], seed: u32) -> Kit {
+    let audible: Vec<Band> = bands.iter().filter(|band| band.edges_hz[1] <= HIGHEST_EDGE_HZ).copied().collect();
+    let sounds = |band: &Band| band.weight > 0.0;
+    let first = audible.iter().position(sounds).unwrap_or(audible.len());
+    let last = audible.iter().rposition(sounds).map_or(first, |last| last + 1);
     let kept = audible.get(first..last).unwrap_or(&[]);
+    with_bands(table, kept, seed)
+}
+
+/// Adds a residual of all these bands to the table, silent ones included.
+///
+/// `bands` are neighbours without gaps, fitted by [`fit_bands`](super::fit_bands) to a strike of the
+/// table's peak force. Without bands the table stays as it is.
+pub fn with_bands(mut table: Kit, bands: &[Band], seed: u32) -> Kit {
     let peak_force = table.strikers.first().map_or(1.0, |striker| f64::from(striker.peak_force));
-    if let (Some(lowest), Some(object)) = (kept.first(), table.objects.first_mut()) {
-        let edges = std::iter::once(lowest.edges_hz[0]).chain(kept.iter().map(|band| band.edges_hz[1]));
+    if let (Some(lowest), Some(object)) = (bands.first(), table.objects.first_mut()) {
+        let edges = std::iter::once(lowest.edges_hz[0]).chain(bands.iter().map(|band| band.edges_hz[1]));
         // Bands are measured at the strike's peak force; a table's weights are those of the
         // reference force.
         let ratio = f64::from(object.reference_force) / peak_force;
-        let weight = |band: &&Band| ((band.weight * ratio) as f32).min(MOST_WEIGHT);
-        let decay = |band: &&Band| (band.decay_db_per_s as f32).clamp(LEAST_DECAY_DB_PER_S, MOST_DECAY_DB_PER_S);
+        let weight = |band: &Band| ((band.weight * ratio) as f32).min(MOST_WEIGHT);
+        let decay = |band: &Band| (band.decay_db_per_s as f32).clamp(LEAST_DECAY_DB_PER_S, MOST_DECAY_DB_PER_S);
         object.residual = Some(Residual {
             seed,
             edges_hz: edges.map(|edge| edge as f32).collect(),
-            weight: kept.iter().map(weight).collect(),
-            decay_db_per_s: kept.iter().map(decay).collect(),
+            weight: bands.iter().map(weight).collect(),
+            decay_db_per_s: bands.iter().map(decay).collect(),
         });
     }
     table

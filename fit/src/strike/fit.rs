@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 use serde::Serialize;
 
+use crate::bins::BINS;
 use crate::modes::{Gains, Settings as ModeSettings};
 use crate::segment::Hit;
 
@@ -16,6 +17,16 @@ pub enum Estimator {
     /// One mode a bin of a spectrogram (physics-diffusion §3.1, [`crate::bins`]), of the loudest
     /// strike alone.
     Bins,
+}
+
+impl Estimator {
+    /// Maximum number of modes of a fit whose caller asks for no number: 64, or one a bin.
+    pub fn usual_modes(self) -> usize {
+        match self {
+            Self::Modal => ModeSettings::default().most_modes,
+            Self::Bins => BINS,
+        }
+    }
 }
 
 /// Settings of a fit.

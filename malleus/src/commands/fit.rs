@@ -151,7 +151,8 @@ fn options(arguments: &FitArguments) -> Options {
         EstimatorName::Modal => Estimator::Modal,
         EstimatorName::Bins => Estimator::Bins,
     };
-    options.strike.modes.most_modes = arguments.modes.min(within);
+    let most = arguments.modes.unwrap_or(options.strike.estimator.usual_modes());
+    options.strike.modes.most_modes = most.min(within);
     options
 }
 

@@ -1,8 +1,9 @@
 //! Kits as the user of the program meets them: levels, balance, filters, whole sounds, the recorded
-//! kit. `cargo test -p malleus --test kits levels::` runs one part.
+//! kit, priors. `cargo test -p malleus --test kits levels::` runs one part.
 
 mod balance;
 mod filters;
 mod levels;
+mod priors;
 mod recorded;
 mod whole_sound;

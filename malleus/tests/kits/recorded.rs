@@ -103,7 +103,7 @@ fn each_pad_has_90_db_of_snr_to_the_reference() {
 
 /// Log-spectral distance in dB from a recording's first strike to the instrument's sound of a
 /// table.
-fn distance_db(recording: &Recording, table: &kit::Kit) -> f64 {
+pub(crate) fn distance_db(recording: &Recording, table: &kit::Kit) -> f64 {
     let (found, _) = fit::segment::hits(recording).expect("it holds a strike");
     let heard = &recording.samples[found[0].onset..found[0].end];
     let sound = fit::render::by_instrument(table, 0.0, recording.rate_hz, heard.len()).expect("it plays");
@@ -112,7 +112,7 @@ fn distance_db(recording: &Recording, table: &kit::Kit) -> f64 {
 }
 
 /// Does work on a large stack, on which the engine that renders a single table is built.
-fn on_a_large_stack(work: impl FnOnce() + Send + 'static) {
+pub(crate) fn on_a_large_stack(work: impl FnOnce() + Send + 'static) {
     let working = std::thread::Builder::new().stack_size(64 << 20).spawn(work);
     working.expect("a thread starts").join().expect("every table is near its sound");
 }
