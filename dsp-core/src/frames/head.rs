@@ -7,8 +7,13 @@ use crate::fixed;
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::time::TICK_FRAMES;
 
-/// Number of taps with the zeros at both ends that [`kernel::convolve`] may reach.
-const TAPS: usize = POINTS + 2 * (OUTPUTS - 1);
+/// Number of taps with the zeros at both ends that [`kernel::convolve`] may reach: before the
+/// longest lag for outputs that the block does not have, behind lag 0 for force that is yet to come
+/// in a run.
+const TAPS: usize = POINTS + OUTPUTS + TICK_FRAMES;
+
+/// Maximum number of groups of outputs in a run.
+const GROUPS: usize = TICK_FRAMES.div_ceil(OUTPUTS);
 
 /// Beginning of the response at one position, and the force of two blocks there.
 #[derive(Debug)]
@@ -68,13 +73,13 @@ impl<'m> Head<'m> {
         if !force && !self.is_active() {
             return 0;
         }
-        let (ranges, count) = merged(&self.forced);
-        let spans: u32 = ranges.iter().map(|(first, end)| u32::from(end - first)).sum();
-        // A force of a run goes on from the last one, or begins a part.
-        let parts = count as u32 + u32::from(force);
-        let span = spans + if force { frames } else { 0 };
-        // 2.2 cycles a product, and the loop around it.
-        frames * (span.min(POINTS as u32) * 22 / 10 + parts * 18 + 10) + 1200
+        let spans: u32 = self.forced.iter().map(|(first, end)| u32::from(end - first)).sum();
+        let parts = self.forced.iter().filter(|range| **range != NOTHING).count() as u32;
+        // On average half of the force of a run comes before an output of the run.
+        let span = spans + if force { frames / 2 } else { 0 };
+        let parts = parts + u32::from(force);
+        // 2.2 cycles a product, 60 a part and three outputs.
+        frames * (span.min(POINTS as u32) * 22 / 10 + parts * 20 + 35) + 500
     }
 
     /// True if the force of this block or the last one sounds.
@@ -120,21 +125,24 @@ impl<'m> Head<'m> {
         if !self.is_active() {
             return;
         }
-        let (ranges, count) = merged(&self.forced);
-        let ranges = ranges.get(..count).unwrap_or(&[]);
-        for (outputs, frame) in out.chunks_mut(OUTPUTS).zip((start..).step_by(OUTPUTS)) {
-            let mut sums = [0i64; OUTPUTS];
-            for &(first, end) in ranges {
-                let (first, end) = (usize::from(first), usize::from(end));
-                // Lags below 0 meet zeros.
-                let force = self.history.get(first..end.min(frame + OUTPUTS)).unwrap_or(&[]);
-                let taps = (POINTS - 1 + first).checked_sub(frame).and_then(|at| self.taps.get(at..)).unwrap_or(&[]);
-                // The sum of all taps' magnitudes bounds it ([`fix`]).
-                sums.iter_mut().zip(kernel::convolve(force, taps)).for_each(|(sum, more)| *sum += more);
-            }
-            for (out, sum) in outputs.iter_mut().zip(sums) {
-                *out = fixed::qadd(*out, scaled(sum, self.exponent));
-            }
+        let mut sums = [[0i64; OUTPUTS]; GROUPS];
+        let sums = sums.get_mut(..out.len().div_ceil(OUTPUTS)).unwrap_or(&mut []);
+        // First frame of the last group.
+        let last = start + OUTPUTS * sums.len().saturating_sub(1);
+        for &range in self.forced.iter().filter(|range| **range != NOTHING) {
+            let (first, end) = (usize::from(range.0), usize::from(range.1));
+            let force = self.history.get(first..end).unwrap_or(&[]);
+            let taps = (POINTS - 1 + first).checked_sub(last).and_then(|at| self.taps.get(at..)).unwrap_or(&[]);
+            // Force up to the first group's last output: lags below 0 meet zeros. Places in a
+            // history are below 2^10, and the sum of all taps' magnitudes bounds the sums ([`fix`]).
+            let count = (start + OUTPUTS) as i32 - first as i32;
+            kernel::convolve(force, taps, count, sums);
+        }
+        let sums = out.iter_mut().zip(sums.as_flattened());
+        match u32::try_from(self.exponent - 1) {
+            // Rounded: half of a step of the shifted sum is its last bit.
+            Ok(shift) => sums.for_each(|(out, &sum)| *out = fixed::qadd(*out, fixed::saturate(((sum >> shift) + 1) >> 1))),
+            Err(_) => sums.for_each(|(out, &sum)| *out = fixed::qadd(*out, enlarged(sum, self.exponent))),
         }
     }
 
@@ -150,23 +158,6 @@ impl<'m> Head<'m> {
         let (first, end) = ((start + first) as u16, (start + last + 1) as u16); // a history has 2N samples
         *range = if *range == NOTHING { (first, end) } else { (range.0.min(first), range.1.max(end)) };
     }
-}
-
-/// Ranges of a history, one for those that follow each other without a gap, and their number.
-fn merged(forced: &[(u16, u16); PARTS]) -> ([(u16, u16); PARTS], usize) {
-    let (mut ranges, mut count) = ([NOTHING; PARTS], 0usize);
-    for &range in forced.iter().filter(|range| **range != NOTHING) {
-        match count.checked_sub(1).and_then(|last| ranges.get_mut(last)).filter(|last| last.1 == range.0) {
-            Some(last) => last.1 = range.1,
-            None => {
-                if let Some(place) = ranges.get_mut(count) {
-                    *place = range;
-                }
-                count += 1;
-            }
-        }
-    }
-    (ranges, count)
 }
 
 /// Turns heads that hold the bits of floats into integers with one exponent, and gives it.
@@ -191,12 +182,8 @@ pub(super) fn fix(taps: &mut [i32]) -> i32 {
     exponent
 }
 
-/// Sum of taps and force on the bus, rounded, saturating.
-#[inline(always)]
-fn scaled(sum: i64, exponent: i32) -> i32 {
-    if exponent <= 0 {
-        // Only heads whose taps add up to 2^31 and more come here.
-        return fixed::saturate(sum.saturating_mul(1i64 << exponent.unsigned_abs().min(30)));
-    }
-    fixed::saturate(sum.saturating_add(1i64 << (exponent - 1)) >> exponent)
+/// Sum of taps and force on the bus, saturating, of taps that add up to 2^31 and more.
+#[inline(never)] // no shipped kit has such a head
+fn enlarged(sum: i64, exponent: i32) -> i32 {
+    fixed::saturate(sum.saturating_mul(1i64 << exponent.unsigned_abs().min(30)))
 }

@@ -21,7 +21,14 @@ const _: () = {
 unsafe extern "C" {
     fn malleus_frames_synthesize(modes: *mut FrameMode, lines: *const Line, count: usize, spectrum: *mut Complex);
     fn malleus_frames_gather(modes: *mut FrameMode, lines: *const Line, count: usize, spectrum: *const Complex);
-    fn malleus_frames_convolve(force: *const i32, taps: *const i32, count: usize, sums: *mut i64);
+    fn malleus_frames_convolve(
+        force: *const i32,
+        taps: *const i32,
+        length: usize,
+        sums: *mut i64,
+        groups: usize,
+        count: i32,
+    );
 }
 
 /// True if the modes of the lines are all there, and the lines in the spectrum.
@@ -56,15 +63,20 @@ pub fn gather(modes: &mut [FrameMode], lines: &[Line], first: usize, spectrum: &
     unsafe { malleus_frames_gather(modes.as_mut_ptr(), lines.as_ptr(), lines.len(), from.as_ptr()) }
 }
 
-/// Sums three outputs of a head as [`super::portable::convolve`] does.
+/// Adds to groups of three outputs of a head as [`super::portable::convolve`] does.
 ///
-/// Cost, counted from the code: 2.2 cycles for each product of a sample and a tap.
+/// Cost, counted from the code: 2.2 cycles for each product of a sample and a tap, 60 a group.
 #[inline(always)]
-pub fn convolve(force: &[i32], taps: &[i32]) -> [i64; OUTPUTS] {
-    let mut sums = [0; OUTPUTS];
-    if taps.len() >= force.len() + OUTPUTS - 1 {
-        // SAFETY: the taps are longer than the force by two; there is a place for each sum.
-        unsafe { malleus_frames_convolve(force.as_ptr(), taps.as_ptr(), force.len(), sums.as_mut_ptr()) }
+pub fn convolve(force: &[i32], taps: &[i32], count: i32, sums: &mut [[i64; OUTPUTS]]) {
+    let Some(first) = sums.len().checked_sub(1).map(|last| OUTPUTS * last) else { return };
+    if taps.len() < first + force.len() + OUTPUTS - 1 {
+        return;
     }
-    sums
+    let taps = taps.as_ptr().wrapping_add(first);
+    // SAFETY: the taps of the first group are longer than the force by two, and those of each group
+    // begin three before those of the group before it, the last ones with the slice. There are as
+    // many sums as groups.
+    unsafe {
+        malleus_frames_convolve(force.as_ptr(), taps, force.len(), sums.as_mut_ptr().cast(), sums.len(), count);
+    }
 }

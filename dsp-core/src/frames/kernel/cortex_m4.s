@@ -2,7 +2,7 @@
 @
 @ malleus_frames_synthesize(modes, lines, line count, spectrum)   lines from modes; steps the modes
 @ malleus_frames_gather(modes, lines, line count, spectrum)       modes from the lines of a force
-@ malleus_frames_convolve(force, taps, count, sums)               three outputs of a head
+@ malleus_frames_convolve(force, taps, length, sums, groups, count) groups of three outputs of a head
 @
 @ The bits are those of portable.rs. Layouts (checked at compile time in cortex_m4.rs):
 @   mode    state 0, seven numbers 8, step 64, rest of the step 72, gain 76; 84 bytes
@@ -197,17 +197,21 @@ malleus_frames_gather:
     .global malleus_frames_convolve
     .type   malleus_frames_convolve, %function
 malleus_frames_convolve:
-    push    {r3-r11, lr}
-    movs    r4, #0
-    movs    r5, #0
-    movs    r6, #0
-    movs    r7, #0
-    mov     r8, #0
-    mov     r9, #0
+    push    {r4-r11, lr}
+    ldr     r4, [sp, #36]
+    ldr     r5, [sp, #40]
+    push    {r0-r5}
+5:  ldm     sp, {r0-r3}
+    ldr     lr, [sp, #20]
+    bic     lr, lr, lr, asr #31
+    cmp     lr, r2
+    it      lo
+    movlo   r2, lr
+    ldm     r3, {r4-r9}
     ldr     r10, [r1], #4
     ldr     r11, [r1], #4
     subs    r2, r2, #6
-    blo     2f
+    blt     2f
 1:  convolve_step r10, r11, r12
     convolve_step r11, r12, r10
     convolve_step r12, r10, r11
@@ -215,7 +219,7 @@ malleus_frames_convolve:
     convolve_step r11, r12, r10
     convolve_step r12, r10, r11
     subs    r2, r2, #6
-    bhs     1b
+    bge     1b
 2:  adds    r2, r2, #6
     beq     4f
 3:  convolve_step r10, r11, r12
@@ -223,7 +227,16 @@ malleus_frames_convolve:
     mov     r11, r12
     subs    r2, r2, #1
     bne     3b
-4:  pop     {r3}
-    stm     r3, {r4-r9}
+4:  stm     r3!, {r4-r9}
+    ldr     r1, [sp, #4]
+    ldrd    r4, r5, [sp, #16]
+    sub     r1, r1, #12                 @ the taps of three outputs later
+    str     r1, [sp, #4]
+    str     r3, [sp, #12]
+    add     r5, r5, #3
+    subs    r4, r4, #1
+    strd    r4, r5, [sp, #16]
+    bne     5b
+    add     sp, sp, #24
     pop     {r4-r11, pc}
     .size   malleus_frames_convolve, . - malleus_frames_convolve

@@ -49,15 +49,20 @@ pub fn gather(modes: &mut [FrameMode], lines: &[Line], first: usize, spectrum: &
     }
 }
 
-/// Sums three outputs of a head: `Σ_m force[m] · taps[m + 2 - j]` for j = 0 to 2.
+/// Adds to groups of three outputs of a head: output `3g + j` gets
+/// `Σ_m force[m] · taps[m + 2 - j - 3g]`, with `taps` counted from that of the first group.
 ///
-/// `taps` is longer than the force by [`OUTPUTS`] - 1.
-pub fn convolve(force: &[i32], taps: &[i32]) -> [i64; OUTPUTS] {
-    let mut sums = [0; OUTPUTS];
-    for (&force, taps) in force.iter().zip(taps.array_windows::<OUTPUTS>()) {
-        for (sum, &tap) in sums.iter_mut().zip(taps.iter().rev()) {
-            *sum += i64::from(force) * i64::from(tap);
+/// Group g takes the first `count + 3g` samples of the force, as many as there are. The taps of the
+/// last group come first in `taps`.
+pub fn convolve(force: &[i32], taps: &[i32], count: i32, sums: &mut [[i64; OUTPUTS]]) {
+    let firsts = (0..sums.len()).rev().map(|group| group * OUTPUTS);
+    for ((sums, first), count) in sums.iter_mut().zip(firsts).zip((count..).step_by(OUTPUTS)) {
+        let force = force.get(..(count.max(0) as usize).min(force.len())).unwrap_or(&[]);
+        let taps = taps.get(first..).unwrap_or(&[]);
+        for (&force, taps) in force.iter().zip(taps.array_windows::<OUTPUTS>()) {
+            for (sum, &tap) in sums.iter_mut().zip(taps.iter().rev()) {
+                *sum += i64::from(force) * i64::from(tap);
+            }
         }
     }
-    sums
 }
