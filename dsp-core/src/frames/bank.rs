@@ -164,6 +164,11 @@ impl FrameBank<'_> {
         self.heads.get(slot).filter(|_| !self.modes.is_empty())?.last_block()
     }
 
+    /// Number of heads whose force lasted through most of the last block.
+    pub(super) fn lasting_forces(&self) -> u32 {
+        self.heads.iter().filter(|head| head.is_lasting()).count() as u32
+    }
+
     /// True if the bank has work to do for the next block.
     pub(super) fn works(&self) -> bool {
         self.ringing > 0 || (0..SLOTS).any(|slot| self.to_gather(slot).is_some())

@@ -36,6 +36,8 @@ pub struct FrameMixer<'m> {
     /// Cycles of this block's work that are done, and all of them.
     done: u32,
     all: u32,
+    /// Cycles by which each tick's share of the work is smaller than that of the tick before it.
+    slope: u32,
 }
 
 /// Memory of a mixer: 12.3 KB.
@@ -105,6 +107,7 @@ impl<'m> FrameMixer<'m> {
             is_first: true,
             done: 0,
             all: 0,
+            slope: 0,
         }
     }
 
@@ -172,6 +175,9 @@ impl<'m> FrameMixer<'m> {
         banks.iter_mut().filter_map(InFrames::frames_mut).for_each(FrameBank::begin_block);
         let works = |bank: &FrameBank<'_>| bank.works();
         (self.done, self.all) = (0, banks.iter().filter_map(InFrames::frames).map(bank_cycles).sum());
+        // Under a force that lasts, heads take more from tick to tick.
+        let lasting = banks.iter().filter_map(InFrames::frames).map(FrameBank::lasting_forces).sum::<u32>();
+        self.slope = (lasting * HEAD_SLOPE).min(self.all / (TICKS * TICKS) as u32);
         (self.bank, self.slot) = (0, 0);
         self.step = Step::Rest;
         if banks.iter().filter_map(InFrames::frames).any(works) {
@@ -187,7 +193,8 @@ impl<'m> FrameMixer<'m> {
     /// retired.
     pub fn end_tick<'b>(&mut self, tick: usize, retired_beside: f32, banks: &mut [impl InFrames<'b>]) -> u32 {
         self.retired_beside = retired_beside;
-        let due = if tick + 1 < TICKS { (self.all / TICKS as u32) * (tick as u32 + 1) } else { u32::MAX };
+        let (past, left) = (tick as u32 + 1, (TICKS as u32).saturating_sub(tick as u32 + 1));
+        let due = if left > 0 { (self.all / TICKS as u32 + self.slope * left / 2) * past } else { u32::MAX };
         while self.done < due && !matches!(self.step, Step::Rest) {
             self.advance(banks, due - self.done);
         }
@@ -359,6 +366,9 @@ const GATHER_LINE: u32 = 25;
 const SYNTHESIS_LINE: u32 = 90;
 const GATHER_MODE: u32 = 94;
 const SYNTHESIS_MODE: u32 = 112;
+/// Nominal cycles that a head takes more from tick to tick while its force lasts: the products with
+/// a tick's force.
+const HEAD_SLOPE: u32 = (TICK_FRAMES * TICK_FRAMES) as u32 * 22 / 10;
 /// Nominal cycles of a mode whose gain is derived for another position.
 const DERIVED_MODE: u32 = 90;
 /// Nominal cycles of a frame that plays, and of a tick beside its share of the work.
