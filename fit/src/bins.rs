@@ -1,9 +1,9 @@
 //! The bins estimator: one mode for each bin of a spectrogram (physical priors of physics-diffusion
 //! §3.1).
 //!
-//! It is simple and fast, and serves for comparison. A decay read off when a bin falls silent
-//! depends on the bin's noise, its neighbours and its window as much as on the mode. docs/fit.md
-//! has its figures beside those of [`crate::modes`].
+//! It is simple and fast, and gives the modes of a physical prior. A decay read off when a bin
+//! falls silent depends on the bin's noise, its neighbours and its window as much as on the mode.
+//! docs/fit.md has its figures beside those of [`crate::modes`].
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

@@ -99,8 +99,9 @@ pub struct Report {
     ///
     /// `None` if the table has no room.
     pub room_level_db: Option<f64>,
-    /// Residual bands of the table: what the modes lack of the loudest strike, if it brings the
-    /// sound nearer.
+    /// Residual bands of the table: what the modes lack of the loudest strike.
+    ///
+    /// Empty if they bring the sound no nearer; the bins estimator has them anyhow.
     pub residual_bands: Vec<residual::Band>,
     /// Estimator of the modes.
     pub estimator: strike::Estimator,

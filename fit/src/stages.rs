@@ -3,7 +3,7 @@
 //!
 //! The ERB distance decides, which follows hearing: over the whole strike and over its first
 //! quarter of a second, averaged over several noises. The log-spectral distance may not exceed that
-//! of the modes alone by more than [`MOST_RISE_DB`].
+//! of the modes alone by more than [`MOST_RISE_DB`]. A physical prior has its residual in any case.
 
 use crate::distance::{ErbLevels, log_spectral_distance_db, lsd_window};
 use crate::error::FitError;
