@@ -363,7 +363,9 @@ impl<S: Sample> Engine<'_, '_, S> {
             let is_driven = contact_frames > 0 || is_direct;
             let cycles = object.head_cycles(frames, is_driven) * self.frame_percent / 100;
             counts.add(CostItem::ResidualCycle, cycles);
-            if is_driven {
+            if voice.group_count() > 0 {
+                // Its strikers' banks have been counted with their bus.
+            } else if is_driven {
                 counts.add(CostItem::BusDrivenPad, 1);
                 counts.add(CostItem::DrivenFrame, frames);
                 counts.add(CostItem::ContactFrame, contact_frames);

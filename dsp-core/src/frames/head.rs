@@ -79,7 +79,7 @@ impl<'m> Head<'m> {
         let span = spans + if force { frames / 2 } else { 0 };
         let parts = parts + u32::from(force);
         // 2.2 cycles a product, 60 a part and three outputs.
-        frames * (span.min(POINTS as u32) * 22 / 10 + parts * 20 + 35) + 500
+        frames * (span.min(POINTS as u32) * 22 / 10 + parts * 20 + 80) + 500
     }
 
     /// True if the force of this block or the last one sounds.
@@ -147,7 +147,9 @@ impl<'m> Head<'m> {
         let sums = out.iter_mut().zip(sums.as_flattened());
         match u32::try_from(self.exponent - 1) {
             // Rounded: half of a step of the shifted sum is its last bit.
-            Ok(shift) => sums.for_each(|(out, &sum)| *out = fixed::qadd(*out, fixed::saturate(((sum >> shift) + 1) >> 1))),
+            Ok(shift) => {
+                sums.for_each(|(out, &sum)| *out = fixed::qadd(*out, fixed::saturate(((sum >> shift) + 1) >> 1)))
+            }
             Err(_) => sums.for_each(|(out, &sum)| *out = fixed::qadd(*out, enlarged(sum, self.exponent))),
         }
     }

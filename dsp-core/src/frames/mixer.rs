@@ -175,9 +175,10 @@ impl<'m> FrameMixer<'m> {
         banks.iter_mut().filter_map(InFrames::frames_mut).for_each(FrameBank::begin_block);
         let works = |bank: &FrameBank<'_>| bank.works();
         (self.done, self.all) = (0, banks.iter().filter_map(InFrames::frames).map(bank_cycles).sum());
-        // Under a force that lasts, heads take more from tick to tick.
+        // Under a force that lasts, heads take more from tick to tick; a block's first tick has more
+        // to do than the others as it is.
         let lasting = banks.iter().filter_map(InFrames::frames).map(FrameBank::lasting_forces).sum::<u32>();
-        self.slope = (lasting * HEAD_SLOPE).min(self.all / (TICKS * TICKS) as u32);
+        self.slope = (lasting * HEAD_SLOPE * 3 / 5).min(self.all / (TICKS * TICKS) as u32);
         (self.bank, self.slot) = (0, 0);
         self.step = Step::Rest;
         if banks.iter().filter_map(InFrames::frames).any(works) {
@@ -373,7 +374,7 @@ const HEAD_SLOPE: u32 = (TICK_FRAMES * TICK_FRAMES) as u32 * 22 / 10;
 const DERIVED_MODE: u32 = 90;
 /// Nominal cycles of a frame that plays, and of a tick beside its share of the work.
 const PLAY_FRAME: u32 = 78;
-const TICK: u32 = 3_100;
+const TICK: u32 = 2_300;
 const UNFOLD: u32 = 55;
 const PAN: u32 = 28;
 /// Nominal cycles of the preparation of a force, and of the clearing of lines.

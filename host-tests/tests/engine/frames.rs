@@ -19,7 +19,7 @@ fn thing(modes: usize, positions: usize) -> Kit {
     let mode = |index: usize| {
         let gain = |place: usize| {
             let phase = (index * 7 + place * index) as f32;
-            Gain { sine: 900.0 * phase.sin(), cosine: if index % 3 == 0 { 0.0 } else { 300.0 * phase.cos() } }
+            Gain { sine: 900.0 * phase.sin(), cosine: if index.is_multiple_of(3) { 0.0 } else { 300.0 * phase.cos() } }
         };
         Mode {
             frequency_hz: 40.0 + 20_000.0 * index as f32 / modes as f32,
