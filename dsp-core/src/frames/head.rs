@@ -23,6 +23,8 @@ pub struct Head<'m> {
     exponent: i32,
     /// Position along the object, 0 to 1.
     pub(super) position: f32,
+    /// Sums of a run's outputs.
+    sums: &'m mut [[i64; OUTPUTS]],
     /// Force of the last block, and of this one.
     history: &'m mut [i32],
     /// For each part of the history the range outside which all is 0.
@@ -39,13 +41,14 @@ const NOTHING: (u16, u16) = (0, 0);
 impl<'m> Head<'m> {
     /// A head without taps, whose output is silent.
     pub(super) const fn empty() -> Self {
-        Self { taps: &mut [], exponent: 0, position: 0.0, history: &mut [], forced: [NOTHING; PARTS] }
+        Self { taps: &mut [], exponent: 0, position: 0.0, sums: &mut [], history: &mut [], forced: [NOTHING; PARTS] }
     }
 
     /// Takes the memory of a head: 4 KB.
     pub(super) fn take(lender: &mut impl Lender<'m>) -> Result<Self, OutOfMemory> {
         let taps = lender.take(Region::Fast, TAPS, || 0)?;
-        Ok(Self { taps, history: lender.take(Region::Fast, POINTS, || 0)?, ..Self::empty() })
+        let sums = lender.take(Region::Fast, GROUPS, || [0; OUTPUTS])?;
+        Ok(Self { taps, sums, history: lender.take(Region::Fast, POINTS, || 0)?, ..Self::empty() })
     }
 
     /// Taps by lag, for the load: floats by their bits until they are [fixed](fix).
@@ -131,10 +134,10 @@ impl<'m> Head<'m> {
         if !self.is_active() {
             return;
         }
-        let mut sums = [[0i64; OUTPUTS]; GROUPS];
-        let sums = sums.get_mut(..out.len().div_ceil(OUTPUTS)).unwrap_or(&mut []);
+        let sums = self.sums.get_mut(..out.len().div_ceil(OUTPUTS)).unwrap_or(&mut []);
         // First frame of the last group.
         let last = start + OUTPUTS * sums.len().saturating_sub(1);
+        let mut is_first = true;
         for &range in self.forced.iter().filter(|range| **range != NOTHING) {
             let (first, end) = (usize::from(range.0), usize::from(range.1));
             let force = self.history.get(first..end).unwrap_or(&[]);
@@ -142,7 +145,10 @@ impl<'m> Head<'m> {
             // Force up to the first group's last output: lags below 0 meet zeros. Places in a
             // history are below 2^10, and the sum of all taps' magnitudes bounds the sums ([`fix`]).
             let count = (start + OUTPUTS) as i32 - first as i32;
-            kernel::convolve(force, taps, count, sums);
+            match core::mem::take(&mut is_first) {
+                true => kernel::convolve::<false>(force, taps, count, sums),
+                false => kernel::convolve::<true>(force, taps, count, sums),
+            }
         }
         let sums = out.iter_mut().zip(sums.as_flattened());
         match u32::try_from(self.exponent - 1) {

@@ -5,7 +5,6 @@ use super::kernel;
 use super::mode::Line;
 use super::spectrum::{self, Lines};
 use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, RETIREMENT_BLOCKS, TICKS};
-use crate::fixed;
 use crate::fourier::{self, Complex, Progress};
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::time::TICK_FRAMES;
@@ -142,12 +141,7 @@ impl<'m> FrameMixer<'m> {
         let (true, [buffers]) = (self.sounds[0], &*self.buffers) else { return };
         let [first, second] = &buffers.stereo;
         let stereo = if self.front { second } else { first };
-        for (out, frame) in out.iter_mut().zip(frame..) {
-            let [left, right] = spectrum::sample(stereo, frame);
-            // Rounded to nearest: `as` alone rounds to 0.
-            let step = |x: f32| (x + 0.5f32.copysign(x)) as i32;
-            *out = [fixed::qadd(out[0], step(left)), fixed::qadd(out[1], step(right))];
-        }
+        kernel::play(stereo, frame, out);
     }
 
     /// Nominal cycles of a tick's work on the next block, and of playing the present one.
@@ -373,7 +367,7 @@ const HEAD_SLOPE: u32 = (TICK_FRAMES * TICK_FRAMES) as u32 * 22 / 10;
 /// Nominal cycles of a mode whose gain is derived for another position.
 const DERIVED_MODE: u32 = 90;
 /// Nominal cycles of a frame that plays, and of a tick beside its share of the work.
-const PLAY_FRAME: u32 = 78;
+const PLAY_FRAME: u32 = 47;
 const TICK: u32 = 2_300;
 const UNFOLD: u32 = 55;
 const PAN: u32 = 28;

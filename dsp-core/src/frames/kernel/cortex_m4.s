@@ -2,7 +2,10 @@
 @
 @ malleus_frames_synthesize(modes, lines, line count, spectrum)   lines from modes; steps the modes
 @ malleus_frames_gather(modes, lines, line count, spectrum)       modes from the lines of a force
-@ malleus_frames_convolve(force, taps, length, sums, groups, count) groups of three outputs of a head
+@ malleus_frames_convolve(force, taps, length, sums, groups, count, adds)
+@                                                                  groups of three outputs of a head
+@ malleus_frames_play(transform, window, first frame, output, count)
+@                                                                  frames of a block, to the bus
 @
 @ The bits are those of portable.rs. Layouts (checked at compile time in cortex_m4.rs):
 @   mode    state 0, seven numbers 8, step 64, rest of the step 72, gain 76; 84 bytes
@@ -200,15 +203,19 @@ malleus_frames_convolve:
     push    {r4-r11, lr}
     ldr     r4, [sp, #36]
     ldr     r5, [sp, #40]
-    push    {r0-r5}
+    ldr     r6, [sp, #44]
+    push    {r0-r6}
 5:  ldm     sp, {r0-r3}
     ldr     lr, [sp, #20]
     bic     lr, lr, lr, asr #31
     cmp     lr, r2
     it      lo
     movlo   r2, lr
+    ldr     r4, [sp, #24]
+    cmp     r4, #0
+    beq.w   6f
     ldm     r3, {r4-r9}
-    ldr     r10, [r1], #4
+7:  ldr     r10, [r1], #4
     ldr     r11, [r1], #4
     subs    r2, r2, #6
     blt     2f
@@ -237,6 +244,56 @@ malleus_frames_convolve:
     subs    r4, r4, #1
     strd    r4, r5, [sp, #16]
     bne     5b
-    add     sp, sp, #24
+    add     sp, sp, #28
     pop     {r4-r11, pc}
+6:  movs    r5, #0
+    movs    r6, #0
+    movs    r7, #0
+    mov     r8, #0
+    mov     r9, #0
+    b       7b
     .size   malleus_frames_convolve, . - malleus_frames_convolve
+
+@ --------------------------------------------------------------------------------------------------
+@ Frames of a block. 45 cycles each.
+@ Registers: r0 transform, r1 window, r2 frame, r3 output, r8 frames left, r9 half as a float.
+    .p2align 4
+    .global malleus_frames_play
+    .type   malleus_frames_play, %function
+malleus_frames_play:
+    push    {r4-r9, lr}
+    ldr     r8, [sp, #28]
+    mov     r9, #0x3f000000
+1:  add     r4, r2, #384                @ 2N - N/2
+    rbit    r4, r4
+    lsr     r4, r4, #23
+    add     r4, r0, r4, lsl #3
+    subs    r5, r2, #128
+    it      mi
+    rsbmi   r5, r5, #0
+    add     r5, r1, r5, lsl #2
+    vldr    s0, [r4]
+    vldr    s1, [r4, #4]
+    vldr    s2, [r5]
+    vmul.f32 s0, s0, s2
+    vmul.f32 s1, s1, s2
+    vmov    r4, r5, s0, s1
+    and     r4, r4, #0x80000000
+    and     r5, r5, #0x80000000
+    orr     r4, r4, r9                  @ half with the sign of the sample
+    orr     r5, r5, r9
+    vmov    s2, s3, r4, r5
+    vadd.f32 s0, s0, s2
+    vadd.f32 s1, s1, s3
+    vcvt.s32.f32 s0, s0
+    vcvt.s32.f32 s1, s1
+    ldrd    r6, r7, [r3]
+    vmov    r4, r5, s0, s1
+    qadd    r6, r6, r4
+    qadd    r7, r7, r5
+    strd    r6, r7, [r3], #8
+    add     r2, r2, #1
+    subs    r8, r8, #1
+    bne     1b
+    pop     {r4-r9, pc}
+    .size   malleus_frames_play, . - malleus_frames_play

@@ -1,13 +1,14 @@
-//! The hot loops of frames: lines of a spectrum from modes, modes from lines, and the head.
+//! The hot loops of frames: lines of a spectrum from modes, modes from lines, the head,
+//! and the block that plays.
 
 #[cfg(cortex_m4f)]
 mod cortex_m4;
 pub mod portable;
 
 #[cfg(cortex_m4f)]
-pub use cortex_m4::{convolve, gather, synthesize};
+pub use cortex_m4::{convolve, gather, play, synthesize};
 #[cfg(not(cortex_m4f))]
-pub use portable::{convolve, gather, synthesize};
+pub use portable::{convolve, gather, play, synthesize};
 
 /// Number of outputs that [`convolve`] computes at once.
 pub const OUTPUTS: usize = 3;

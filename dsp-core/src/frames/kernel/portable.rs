@@ -1,8 +1,10 @@
 //! The hot loops in plain Rust.
 
 use super::super::mode::{FrameMode, Line};
-use super::super::{PADDED_LINES, WIDTH};
+use super::super::spectrum::sample;
+use super::super::{PADDED_LINES, POINTS, WIDTH};
 use super::OUTPUTS;
+use crate::fixed;
 use crate::fourier::Complex;
 
 /// Adds the ringing modes of some lines to a spectrum, and steps them to the next block.
@@ -49,20 +51,35 @@ pub fn gather(modes: &mut [FrameMode], lines: &[Line], first: usize, spectrum: &
     }
 }
 
-/// Adds to groups of three outputs of a head: output `3g + j` gets
-/// `Σ_m force[m] · taps[m + 2 - j - 3g]`, with `taps` counted from that of the first group.
+/// Sums groups of three outputs of a head: output `3g + j` is
+/// `Σ_m force[m] · taps[m + 2 - j - 3g]`, with `taps` counted from that of the first group. `ADDS`:
+/// it is added to what is there.
 ///
 /// Group g takes the first `count + 3g` samples of the force, as many as there are. The taps of the
 /// last group come first in `taps`.
-pub fn convolve(force: &[i32], taps: &[i32], count: i32, sums: &mut [[i64; OUTPUTS]]) {
+pub fn convolve<const ADDS: bool>(force: &[i32], taps: &[i32], count: i32, sums: &mut [[i64; OUTPUTS]]) {
     let firsts = (0..sums.len()).rev().map(|group| group * OUTPUTS);
     for ((sums, first), count) in sums.iter_mut().zip(firsts).zip((count..).step_by(OUTPUTS)) {
         let force = force.get(..(count.max(0) as usize).min(force.len())).unwrap_or(&[]);
         let taps = taps.get(first..).unwrap_or(&[]);
+        if !ADDS {
+            *sums = [0; OUTPUTS];
+        }
         for (&force, taps) in force.iter().zip(taps.array_windows::<OUTPUTS>()) {
             for (sum, &tap) in sums.iter_mut().zip(taps.iter().rev()) {
                 *sum += i64::from(force) * i64::from(tap);
             }
         }
+    }
+}
+
+/// Adds frames of a block to the stereo bus, from frame `first` on: the transform of both sides
+/// times the window, rounded.
+pub fn play(stereo: &[Complex; POINTS], first: usize, out: &mut [[i32; 2]]) {
+    for (out, frame) in out.iter_mut().zip(first..) {
+        let [left, right] = sample(stereo, frame);
+        // Rounded to nearest: `as` alone rounds to 0.
+        let step = |x: f32| (x + 0.5f32.copysign(x)) as i32;
+        *out = [fixed::qadd(out[0], step(left)), fixed::qadd(out[1], step(right))];
     }
 }
