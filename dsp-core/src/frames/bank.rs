@@ -164,7 +164,7 @@ impl FrameBank<'_> {
         self.heads.get(slot).filter(|_| !self.modes.is_empty())?.last_block()
     }
 
-    /// Number of heads whose force lasted through most of the last block.
+    /// Number of heads whose force lasted through nearly all of the last block.
     pub(super) fn lasting_forces(&self) -> u32 {
         self.heads.iter().filter(|head| head.is_lasting()).count() as u32
     }

@@ -97,10 +97,10 @@ impl<'m> Head<'m> {
         self.history.first_chunk().filter(|_| was_forced)
     }
 
-    /// True if the force of the last block lasted through at least half of it.
+    /// True if the force of the last block lasted through nearly all of it.
     pub(super) fn is_lasting(&self) -> bool {
         let span = |range: &(u16, u16)| usize::from(range.1 - range.0);
-        self.forced.iter().take(PARTS / 2).map(span).sum::<usize>() >= BLOCK_FRAMES / 2
+        self.forced.iter().take(PARTS / 2).map(span).sum::<usize>() >= BLOCK_FRAMES / 8 * 7
     }
 
     /// Begins a block.

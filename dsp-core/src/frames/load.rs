@@ -26,10 +26,10 @@ const DRIVEN_FRAME: f32 = 1545.0;
 const DRIVEN_MODE: f32 = 0.784;
 /// Nominal cycles a frame of a lone pad, to the output: in the dearest tick of a strike, in that
 /// under a force that never rests, and those of each mode (the same).
-const STRUCK_FRAME: f32 = 856.0;
-const STRUCK_MODE: f32 = 0.966;
-const DIRECT_FRAME: f32 = 1826.0;
-const DIRECT_MODE: f32 = 0.886;
+const STRUCK_FRAME: f32 = 848.0;
+const STRUCK_MODE: f32 = 0.802;
+const DIRECT_FRAME: f32 = 1833.0;
+const DIRECT_MODE: f32 = 0.756;
 /// Nominal cycles of a mode under a force in the fixed-point bank
 /// (`cargo bench -p host-tests --bench run_time_vs_error`).
 const DRIVEN_MODE_IN_BANK: f32 = 7.74;
@@ -86,7 +86,7 @@ impl<'m> FrameBank<'m> {
         (DIRECT_FRAME + DIRECT_MODE * modes as f32) as u32
     }
 
-    /// Takes the memory of a bank, at rest and without modes: 84 bytes a mode, and 5.3 KB.
+    /// Takes the memory of a bank, at rest and without modes: 84 bytes a mode, and 5.5 KB.
     ///
     /// A bank of several positions takes 2 bytes a mode, 2 KB a position and 4.1 KB more.
     ///

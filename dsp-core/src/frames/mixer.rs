@@ -168,9 +168,10 @@ impl<'m> FrameMixer<'m> {
         self.sounds = [self.sounds[1], false];
         banks.iter_mut().filter_map(InFrames::frames_mut).for_each(FrameBank::begin_block);
         let works = |bank: &FrameBank<'_>| bank.works();
-        (self.done, self.all) = (0, banks.iter().filter_map(InFrames::frames).map(bank_cycles).sum());
-        // Under a force that lasts, heads take more from tick to tick; a block's first tick has more
-        // to do than the others as it is.
+        self.all = banks.iter().filter_map(InFrames::frames).map(bank_cycles).sum();
+        let forces = |bank: &FrameBank<'_>| (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some()).count();
+        self.done = BEGIN * banks.iter().filter_map(InFrames::frames).map(forces).sum::<usize>() as u32;
+        // Under a force that lasts, heads take more from tick to tick.
         let lasting = banks.iter().filter_map(InFrames::frames).map(FrameBank::lasting_forces).sum::<u32>();
         self.slope = (lasting * HEAD_SLOPE * 3 / 5).min(self.all / (TICKS * TICKS) as u32);
         (self.bank, self.slot) = (0, 0);
@@ -340,7 +341,7 @@ fn piece(bank: &FrameBank<'_>, line: usize, cycles: u32, cost: impl Fn(&Line) ->
 fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
     let (modes, lines) = (bank.modes.len() as u32, LINES as u32);
     let synthesis = |modes: u32| CLEAR + lines * SYNTHESIS_LINE + modes * SYNTHESIS_MODE + lines * PAN;
-    let transform = FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD;
+    let transform = BEGIN + FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD;
     let forced = (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some());
     let of_forces: u32 = forced
         .map(|slot| {
@@ -368,11 +369,13 @@ const HEAD_SLOPE: u32 = (TICK_FRAMES * TICK_FRAMES) as u32 * 22 / 10;
 const DERIVED_MODE: u32 = 90;
 /// Nominal cycles of a frame that plays, and of a tick beside its share of the work.
 const PLAY_FRAME: u32 = 47;
-const TICK: u32 = 2_300;
-const UNFOLD: u32 = 55;
+const TICK: u32 = 1_900;
+const UNFOLD: u32 = 67;
 const PAN: u32 = 28;
+/// Nominal cycles of a block's beginning for a head with a force.
+const BEGIN: u32 = 3_000;
 /// Nominal cycles of the preparation of a force, and of the clearing of lines.
-const FILL: u32 = 6_000;
+const FILL: u32 = 7_000;
 const CLEAR: u32 = 1_800;
 
 /// Number of pairs of lines that are unfolded, and of lines that are panned, in one piece.

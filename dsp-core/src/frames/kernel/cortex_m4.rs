@@ -37,8 +37,12 @@ unsafe extern "C" {
 
 /// True if the modes of the lines are all there, and the lines in the spectrum.
 fn fits(modes: &[FrameMode], lines: &[Line], first: usize) -> bool {
-    let count: usize = lines.iter().map(|line| usize::from(line.count)).sum();
-    count <= modes.len() && first + lines.len() <= LINES && lines.iter().all(|line| line.ringing <= line.count)
+    let (mut count, mut is_valid) = (0usize, true);
+    for line in lines {
+        count += usize::from(line.count);
+        is_valid &= line.ringing <= line.count;
+    }
+    is_valid && count <= modes.len() && first + lines.len() <= LINES
 }
 
 /// Adds modes to a spectrum as [`super::portable::synthesize`] does.
