@@ -31,10 +31,6 @@ const INPUT_CYCLES: u32 = 9_000;
 /// (virtual-board/tests/boards/load.rs).
 const WORST_PERCENT: u32 = 180;
 
-/// Most cycles that frames take, in percent of their nominal ones: with the cycle model's worst
-/// case and the waits of flash.
-const FRAMES_WORST_PERCENT: u32 = 108;
-
 /// Board as far as its sound depends on it.
 pub trait Board {
     /// Name of the board in the project, such as in `--board`.
@@ -59,9 +55,13 @@ pub trait Board {
     /// With these no half of the DMA buffer is late when all piezos are struck at once (`cargo test
     /// -p virtual-board --test boards stages`).
     const STAGE_CYCLES: u32;
+    /// Most cycles that a tick with a strike takes on pads in frames, in percent of their nominal
+    /// ones: with the cycle model's worst case, the waits of flash, and the program round the
+    /// engine (`cargo test -p virtual-board --test boards frames -- --nocapture`).
+    const FRAME_WORST_PERCENT: u32;
     /// Cycles a frame that pads in frames may take: the time to the deadline, less that of the
-    /// inputs, divided by [`FRAMES_WORST_PERCENT`].
-    const FRAME_CYCLES: u32 = (Self::LEAD_CYCLES - INPUT_CYCLES) / FRAMES_WORST_PERCENT * 100 / TICK_FRAMES as u32;
+    /// inputs, divided by [`FRAME_WORST_PERCENT`](Self::FRAME_WORST_PERCENT).
+    const FRAME_CYCLES: u32 = (Self::LEAD_CYCLES - INPUT_CYCLES) / Self::FRAME_WORST_PERCENT * 100 / TICK_FRAMES as u32;
     /// Words of memory that the board lends its engine.
     const WORDS: Words;
     /// Maximum number of samples in the delay lines of the reverberation, 2 bytes each.
@@ -80,7 +80,8 @@ pub trait Board {
         Setup {
             room_samples: Self::ROOM_SAMPLES,
             frame_cycles: Self::FRAME_CYCLES,
-            frame_percent: 100 * FRAMES_WORST_PERCENT / WORST_PERCENT,
+            frame_worst_percent: Self::FRAME_WORST_PERCENT,
+            frame_percent: 100 * Self::FRAME_WORST_PERCENT / WORST_PERCENT,
             ceiling_db: Self::CEILING_DB,
             ..Setup::new(Self::rate())
         }

@@ -15,6 +15,7 @@ use crate::output::Panner;
 use crate::residual::Shaper;
 use crate::room::{Room, Sample};
 use crate::table::Kit;
+use crate::time::TICK_FRAMES;
 use crate::voice::{Filters, FiltersSize, Residual, Voice};
 
 /// Output below which noise ends, rms, 1.0 = full scale: -110 dBFS.
@@ -77,6 +78,10 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
     ) -> Result<Self, LoadError> {
         let mut engine = Self::take(kit, setup, lender)?;
         engine.load_modes(lender)?;
+        if engine.has_mixer {
+            let worst = setup.frame_worst_percent * TICK_FRAMES as u32;
+            fitting.limit(engine.frame_cycles.saturating_mul(worst) / 100);
+        }
         // Stages that sound for good come first: strikes share the time that they leave.
         engine.load_room(lender, &mut fitting)?;
         engine.load_background(lender, &mut fitting)?;

@@ -28,6 +28,9 @@ pub struct Setup {
     /// a force that never rests. Pads that find no room stay in the fixed-point bank, whose modes
     /// the [budget](crate::engine::Engine::set_budget) can shed; it cannot shed modes in frames.
     pub frame_cycles: u32,
+    /// Most cycles that frames take, in percent of their nominal ones: what they leave of
+    /// `frame_cycles` limits the stages of [`Engine::new_within`](super::Engine::new_within) too.
+    pub frame_worst_percent: u32,
     /// Percent of their cycles that frames count for in the
     /// [budget](crate::engine::Engine::set_budget), whose reserve for the worst case of other parts
     /// is more than frames need.
@@ -47,6 +50,7 @@ impl Setup {
             skipping: Skipping::On,
             room_samples: 49_152,
             frame_cycles: 2_800,
+            frame_worst_percent: 100,
             frame_percent: 100,
             ceiling_db: None,
         }
@@ -80,6 +84,11 @@ impl<'f> Fitting<'f> {
     /// Time of `cycles` a tick, less those of `pads` pads.
     pub(super) fn within(cycles: u32, pads: usize, tell: &'f mut dyn FnMut(LoadError)) -> Self {
         Self { cycles: Some(cycles.saturating_sub(pads as u32 * PAD_CYCLES)), tell: Some(tell) }
+    }
+
+    /// Limits the time that is left, if there is a limit.
+    pub(super) fn limit(&mut self, cycles: u32) {
+        self.cycles = self.cycles.map(|left| left.min(cycles));
     }
 
     /// Leaves a stage out and tells the receiver why.
