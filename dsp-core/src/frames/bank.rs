@@ -4,6 +4,7 @@ use super::head::Head;
 use super::mode::{FrameMode, Line};
 use super::{BLOCK_FRAMES, POINTS, RETIREMENT_BLOCKS};
 use crate::fixed;
+use crate::fourier::Complex;
 use crate::resonator::retirement::Retired;
 use crate::resonator::{Place, Retirement, gain_at};
 use crate::square_root::square_root;
@@ -162,6 +163,11 @@ impl FrameBank<'_> {
     /// Force of the last block in a slot that frames have to gather; `None` if there is none.
     pub(super) fn to_gather(&self, slot: usize) -> Option<&[i32; BLOCK_FRAMES]> {
         self.heads.get(slot).filter(|_| !self.modes.is_empty())?.last_block()
+    }
+
+    /// Response of a slot's head if a transform is to make its tail; else `None`.
+    pub(super) fn tail_response(&self, slot: usize) -> Option<&[Complex]> {
+        self.heads.get(slot).and_then(Head::tail_response)
     }
 
     /// True if the bank has work to do for the next block.

@@ -2,13 +2,21 @@
 //! response.
 
 use super::kernel::{self, OUTPUTS};
-use super::{BLOCK_FRAMES, POINTS};
+use super::{BLOCK_FRAMES, LINES, POINTS};
 use crate::fixed;
+use crate::fourier::Complex;
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::time::TICK_FRAMES;
 
 /// Number of taps with the zeros at both ends that [`kernel::convolve`] may reach.
 const TAPS: usize = POINTS + 2 * (OUTPUTS - 1);
+
+/// Number of sums in one piece of a run: a tick's, and what is missing to whole steps of
+/// [`kernel::convolve`].
+const SUMS: usize = TICK_FRAMES.next_multiple_of(OUTPUTS);
+
+/// Largest exponent of taps: half a bus step fits into the sums beside any product.
+const MAX_EXPONENT: i32 = 50;
 
 /// Beginning of the response at one position, and the force of two blocks there.
 #[derive(Debug)]
@@ -22,6 +30,20 @@ pub struct Head<'m> {
     history: &'m mut [i32],
     /// For each part of the history the range outside which all is 0.
     forced: [(u16, u16); PARTS],
+    /// Lines 0 to N of the taps' spectrum, times 1/2N; empty without a tail.
+    response: &'m mut [Complex],
+    tail: Tail,
+}
+
+/// Sound that the last block's force makes in this block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tail {
+    /// The products of taps and force make it throughout the block.
+    Direct,
+    /// A transform makes it in this block; until then the products do.
+    Due,
+    /// It lies in the history, in the place of the last block's force.
+    Ready,
 }
 
 /// Number of parts of a history, half blocks: most of the time between two strikes that are 5 ms
@@ -34,13 +56,54 @@ const NOTHING: (u16, u16) = (0, 0);
 impl<'m> Head<'m> {
     /// A head without taps, whose output is silent.
     pub(super) const fn empty() -> Self {
-        Self { taps: &mut [], exponent: 0, position: 0.0, history: &mut [], forced: [NOTHING; PARTS] }
+        Self {
+            taps: &mut [],
+            exponent: 0,
+            position: 0.0,
+            history: &mut [],
+            forced: [NOTHING; PARTS],
+            response: &mut [],
+            tail: Tail::Direct,
+        }
     }
 
-    /// Takes the memory of a head: 4 KB.
-    pub(super) fn take(lender: &mut impl Lender<'m>) -> Result<Self, OutOfMemory> {
+    /// Takes the memory of a head: 4 KB, and 2 KB more for tails.
+    pub(super) fn take(lender: &mut impl Lender<'m>, has_tails: bool) -> Result<Self, OutOfMemory> {
         let taps = lender.take(Region::Fast, TAPS, || 0)?;
-        Ok(Self { taps, history: lender.take(Region::Fast, POINTS, || 0)?, ..Self::empty() })
+        let history = lender.take(Region::Fast, POINTS, || 0)?;
+        let lines = if has_tails { LINES } else { 0 };
+        Ok(Self { taps, history, response: lender.take(Region::Fast, lines, || [0.0; 2])?, ..Self::empty() })
+    }
+
+    /// Taps by lag as numbers, and the place of their spectrum; `None` without tails.
+    pub(super) fn to_transform(&mut self) -> Option<(impl Iterator<Item = f32>, &mut [Complex])> {
+        let (ends, step) = (OUTPUTS - 1, libm::scalbnf(1.0, -self.exponent));
+        let taps = self.taps.get(ends..ends + POINTS)?.iter().rev().map(move |&tap| tap as f32 * step);
+        Some((taps, &mut *self.response)).filter(|(_, lines)| !lines.is_empty())
+    }
+
+    /// Number of samples of the last block that the products take; 0 without tails.
+    pub(super) fn last_span(&self) -> u32 {
+        let [first, second, ..] = self.forced;
+        let span = |(first, end): (u16, u16)| u32::from(end - first);
+        if self.response.is_empty() { 0 } else { span(first) + span(second) }
+    }
+
+    /// Says that a transform makes the tail of this block.
+    pub(super) fn want_tail(&mut self) {
+        self.tail = Tail::Due;
+    }
+
+    /// Spectrum of the taps if a tail is to be made, else `None`.
+    pub(super) fn tail_response(&self) -> Option<&[Complex]> {
+        (self.tail == Tail::Due).then_some(&*self.response)
+    }
+
+    /// Takes the tail of this block, which stands for the last block's force from now on.
+    pub(super) fn set_tail(&mut self, tail: impl Iterator<Item = i32>) {
+        self.history.iter_mut().zip(tail).for_each(|(place, tail)| *place = tail);
+        self.forced.iter_mut().take(PARTS / 2).for_each(|range| *range = NOTHING);
+        self.tail = Tail::Ready;
     }
 
     /// Taps by lag, for the load: floats by their bits until they are [fixed](fix).
@@ -80,7 +143,7 @@ impl<'m> Head<'m> {
     /// True if the force of this block or the last one sounds.
     #[inline(always)]
     pub fn is_active(&self) -> bool {
-        self.forced != [NOTHING; PARTS]
+        self.forced != [NOTHING; PARTS] || self.tail == Tail::Ready
     }
 
     /// Force of the last block; `None` if there was none.
@@ -97,6 +160,7 @@ impl<'m> Head<'m> {
         if let Some((last, this)) = self.history.split_at_mut_checked(BLOCK_FRAMES) {
             last.iter_mut().zip(this).for_each(|(last, this)| *last = core::mem::take(this));
         }
+        self.tail = Tail::Direct;
         let back = |(first, end): (u16, u16)| match end {
             0 => NOTHING,
             _ => (first - BLOCK_FRAMES as u16, end - BLOCK_FRAMES as u16), // of the second block
@@ -120,19 +184,30 @@ impl<'m> Head<'m> {
         if !self.is_active() {
             return;
         }
+        if self.tail == Tail::Ready {
+            let tail = self.history.get(frame..BLOCK_FRAMES).unwrap_or(&[]);
+            out.iter_mut().zip(tail).for_each(|(out, &tail)| *out = fixed::qadd(*out, tail));
+        }
         let (ranges, count) = merged(&self.forced);
         let ranges = ranges.get(..count).unwrap_or(&[]);
-        for (outputs, frame) in out.chunks_mut(OUTPUTS).zip((start..).step_by(OUTPUTS)) {
-            let mut sums = [0i64; OUTPUTS];
+        if ranges.is_empty() {
+            return;
+        }
+        for (outputs, frame) in out.chunks_mut(SUMS).zip((start..).step_by(SUMS)) {
+            // Half a bus step, so that the shift rounds to the nearest.
+            let mut sums = [1i64 << (self.exponent.clamp(1, MAX_EXPONENT) - 1); SUMS];
+            let used = sums.get_mut(..outputs.len().next_multiple_of(OUTPUTS)).unwrap_or(&mut []);
             for &(first, end) in ranges {
                 let (first, end) = (usize::from(first), usize::from(end));
-                // Lags below 0 meet zeros.
-                let force = self.history.get(first..end.min(frame + OUTPUTS)).unwrap_or(&[]);
-                let taps = (POINTS - 1 + first).checked_sub(frame).and_then(|at| self.taps.get(at..)).unwrap_or(&[]);
-                // The sum of all taps' magnitudes bounds it ([`fix`]).
-                sums.iter_mut().zip(kernel::convolve(force, taps)).for_each(|(sum, more)| *sum += more);
+                for (sums, frame) in used.as_chunks_mut().0.iter_mut().zip((frame..).step_by(OUTPUTS)) {
+                    // Lags below 0 meet zeros.
+                    let force = self.history.get(first..end.min(frame + OUTPUTS)).unwrap_or(&[]);
+                    let at = (POINTS - 1 + first).wrapping_sub(frame);
+                    // The sum of all taps' magnitudes bounds it ([`fix`]).
+                    kernel::convolve(force, self.taps.get(at..).unwrap_or(&[]), sums);
+                }
             }
-            for (out, sum) in outputs.iter_mut().zip(sums) {
+            for (out, &sum) in outputs.iter_mut().zip(&sums) {
                 *out = fixed::qadd(*out, scaled(sum, self.exponent));
             }
         }
@@ -152,11 +227,14 @@ impl<'m> Head<'m> {
     }
 }
 
-/// Ranges of a history, one for those that follow each other without a gap, and their number.
+/// Longest gap between two ranges that costs less to multiply than a range more, in samples.
+const GAP: u16 = 16;
+
+/// Ranges of a history, one for those that follow each other without a long gap, and their number.
 fn merged(forced: &[(u16, u16); PARTS]) -> ([(u16, u16); PARTS], usize) {
     let (mut ranges, mut count) = ([NOTHING; PARTS], 0usize);
     for &range in forced.iter().filter(|range| **range != NOTHING) {
-        match count.checked_sub(1).and_then(|last| ranges.get_mut(last)).filter(|last| last.1 == range.0) {
+        match count.checked_sub(1).and_then(|last| ranges.get_mut(last)).filter(|last| range.0.saturating_sub(last.1) <= GAP) {
             Some(last) => last.1 = range.1,
             None => {
                 if let Some(place) = ranges.get_mut(count) {
@@ -171,12 +249,12 @@ fn merged(forced: &[(u16, u16); PARTS]) -> ([(u16, u16); PARTS], usize) {
 
 /// Turns heads that hold the bits of floats into integers with one exponent, and gives it.
 ///
-/// The magnitudes of a head's taps add up to less than 2^32, so that with any force the sums stay
-/// below 2^63. Heads between two of them have no larger sums.
+/// The magnitudes of a head's taps add up to less than 2^32, so that with any force and with half a
+/// bus step the sums stay below 2^63. Heads between two of them have no larger sums.
 pub(super) fn fix(taps: &mut [i32]) -> i32 {
     let float = |tap: i32| f32::from_bits(tap as u32);
     let bits = |x: f32| libm::frexpf(x).1;
-    let mut exponent = 62;
+    let mut exponent = MAX_EXPONENT;
     for head in taps.chunks(POINTS) {
         let (sum, largest) = head.iter().fold((0.0f32, 0.0f32), |(sum, largest), &tap| {
             let size = float(tap).abs();
@@ -191,12 +269,12 @@ pub(super) fn fix(taps: &mut [i32]) -> i32 {
     exponent
 }
 
-/// Sum of taps and force on the bus, rounded, saturating.
+/// Sum of taps and force and half a bus step on the bus, saturating.
 #[inline(always)]
 fn scaled(sum: i64, exponent: i32) -> i32 {
     if exponent <= 0 {
-        // Only heads whose taps add up to 2^31 and more come here.
-        return fixed::saturate(sum.saturating_mul(1i64 << exponent.unsigned_abs().min(30)));
+        // Only heads whose taps add up to 2^31 and more come here; they have a half too much.
+        return fixed::saturate((sum - 1).saturating_mul(1i64 << exponent.unsigned_abs().min(30)));
     }
-    fixed::saturate(sum.saturating_add(1i64 << (exponent - 1)) >> exponent)
+    fixed::saturate(sum >> exponent)
 }

@@ -1,6 +1,7 @@
 //! Work of all banks in frames, a block ahead, in pieces; and their sum, as it plays.
 
 use super::bank::{FrameBank, SLOTS};
+use super::head::Head;
 use super::kernel;
 use super::mode::Line;
 use super::spectrum::{self, Lines};
@@ -36,6 +37,10 @@ pub struct FrameMixer<'m> {
     /// Cycles of this block's work that are done, and all of them.
     done: u32,
     all: u32,
+    /// Cycles of this block's work up to the end of the first bank's tail; 0 without one.
+    first_tail: u32,
+    /// Number of the tick in this block.
+    tick: usize,
 }
 
 /// Memory of a mixer: 12.3 KB.
@@ -76,6 +81,10 @@ enum Step {
     Force(Progress),
     /// Lines of the force: next pair.
     Unfold(usize),
+    /// Spectrum of the head's tail: next pair.
+    Combine(usize),
+    /// Transform of the tail.
+    Tail(Progress),
     /// States from the force's lines: next line and its first mode.
     Gather(usize, usize),
     /// Lines from the states: next line and its first mode.
@@ -105,6 +114,8 @@ impl<'m> FrameMixer<'m> {
             is_first: true,
             done: 0,
             all: 0,
+            first_tail: 0,
+            tick: 0,
         }
     }
 
@@ -141,9 +152,10 @@ impl<'m> FrameMixer<'m> {
         let stereo = if self.front { second } else { first };
         for (out, frame) in out.iter_mut().zip(frame..) {
             let [left, right] = spectrum::sample(stereo, frame);
-            // Rounded to nearest: `as` alone rounds to 0.
-            let step = |x: f32| (x + 0.5f32.copysign(x)) as i32;
-            *out = [fixed::qadd(out[0], step(left)), fixed::qadd(out[1], step(right))];
+            *out = [
+                fixed::qadd(out[0], spectrum::rounded(left)),
+                fixed::qadd(out[1], spectrum::rounded(right)),
+            ];
         }
     }
 
@@ -153,7 +165,21 @@ impl<'m> FrameMixer<'m> {
     pub fn tick_cycles(&self) -> u32 {
         let plays = if self.sounds[0] { TICK_FRAMES as u32 * PLAY_FRAME } else { 0 };
         let works = !matches!(self.step, Step::Rest);
-        plays + if works { self.all / TICKS as u32 + TICK } else { 0 }
+        let share = || self.due(self.tick).min(self.all).saturating_sub(self.done);
+        plays + if works { share() + TICK } else { 0 }
+    }
+
+    /// Cycles of this block's work that are to be done by the end of a tick, counted from 0.
+    fn due(&self, tick: usize) -> u32 {
+        let even = (self.all / TICKS as u32) * (tick as u32 + 1);
+        match (tick, self.first_tail) {
+            (tick, _) if tick + 1 >= TICKS => u32::MAX,
+            (_, 0) => even,
+            (tick, tail) => {
+                let earliest = tail * (tick as u32 + 1) / TAIL_TICKS;
+                even.saturating_add_signed(AHEAD.get(tick).copied().unwrap_or(0)).max(earliest.min(tail))
+            }
+        }
     }
 
     /// True if neither this block nor the next one has any sound from frames.
@@ -170,8 +196,9 @@ impl<'m> FrameMixer<'m> {
         self.block = (self.block + 1) % RETIREMENT_BLOCKS;
         self.sounds = [self.sounds[1], false];
         banks.iter_mut().filter_map(InFrames::frames_mut).for_each(FrameBank::begin_block);
+        (self.done, self.all, self.tick) = (0, 0, 0);
+        self.choose_tails(banks);
         let works = |bank: &FrameBank<'_>| bank.works();
-        (self.done, self.all) = (0, banks.iter().filter_map(InFrames::frames).map(bank_cycles).sum());
         (self.bank, self.slot) = (0, 0);
         self.step = Step::Rest;
         if banks.iter().filter_map(InFrames::frames).any(works) {
@@ -181,15 +208,36 @@ impl<'m> FrameMixer<'m> {
         }
     }
 
+    /// Counts the cycles of the banks' work, and chooses whose tails a transform makes: those that
+    /// cost less than the products that they save.
+    fn choose_tails<'b>(&mut self, banks: &mut [impl InFrames<'b>]) {
+        let without: u32 = banks.iter().filter_map(InFrames::frames).map(bank_cycles).sum();
+        self.first_tail = 0;
+        for bank in banks.iter_mut().filter_map(InFrames::frames_mut) {
+            let ready = self.all + FORCE + TAIL;
+            let ticks = if self.all == 0 { TAIL_TICKS } else { ready / (without / TICKS as u32).max(1) + 1 };
+            let saved_frames = (TICKS as u32).saturating_sub(ticks) * TICK_FRAMES as u32;
+            let [head, _] = &mut bank.heads;
+            if !bank.modes.is_empty() && head.last_span() * saved_frames * PRODUCT > TAIL {
+                head.want_tail();
+                if self.all == 0 {
+                    self.first_tail = ready;
+                }
+            }
+            self.all += bank_cycles(bank);
+        }
+    }
+
     /// Works on the next block at the end of a tick of this one, counted from 0: by then the share
     /// of the ticks that have passed is done. `retired_beside` is the retired amplitude of all modes
     /// that are not in frames, 1.0 = full scale. Gives the number of modes that have retired.
     pub fn end_tick<'b>(&mut self, tick: usize, retired_beside: f32, banks: &mut [impl InFrames<'b>]) -> u32 {
         self.retired_beside = retired_beside;
-        let due = if tick + 1 < TICKS { (self.all / TICKS as u32) * (tick as u32 + 1) } else { u32::MAX };
+        let due = self.due(tick);
         while self.done < due && !matches!(self.step, Step::Rest) {
             self.advance(banks, due - self.done);
         }
+        self.tick = tick + 1;
         core::mem::take(&mut self.retired_modes)
     }
 
@@ -243,7 +291,27 @@ impl<'m> FrameMixer<'m> {
                     (UNFOLD * PAIRS_AT_ONCE as u32, Step::Unfold(end))
                 } else {
                     bank.wake();
-                    (UNFOLD * (end - pair) as u32, Step::Gather(0, 0))
+                    let has_tail = bank.tail_response(self.slot).is_some();
+                    let next = if has_tail { Step::Combine(0) } else { Step::Gather(0, 0) };
+                    (UNFOLD * (end - pair) as u32, next)
+                }
+            }
+            Step::Combine(pair) => {
+                let end = spectrum::PAIRS.min(pair + PAIRS_AT_ONCE);
+                spectrum::combine(lines, bank.tail_response(self.slot).unwrap_or(&[]), pair..end, force);
+                let is_over = end == spectrum::PAIRS;
+                let next = if is_over { Step::Tail(Progress::start(BLOCK_FRAMES)) } else { Step::Combine(end) };
+                (COMBINE * (end - pair) as u32, next)
+            }
+            Step::Tail(mut progress) => {
+                let spent = progress.advance(force, cycles);
+                if progress.is_over() {
+                    if let Some(head) = bank.heads.get_mut(self.slot) {
+                        head.set_tail(spectrum::tail(force));
+                    }
+                    (spent + PUT, Step::Gather(0, 0))
+                } else {
+                    (spent, Step::Tail(progress))
                 }
             }
             Step::Gather(line, mode) => {
@@ -299,6 +367,20 @@ impl<'m> FrameMixer<'m> {
         self.step = next;
     }
 
+    /// Makes the spectrum of a head's taps, for its tails.
+    pub(super) fn make_response(&mut self, head: &mut Head<'_>) {
+        let ([buffers], Some((taps, response))) = (&mut *self.buffers, head.to_transform()) else { return };
+        spectrum::fill_taps(taps, &mut buffers.force);
+        let mut progress = Progress::start(BLOCK_FRAMES);
+        while !progress.is_over() {
+            progress.advance(&mut buffers.force, u32::MAX);
+        }
+        spectrum::unfold(&buffers.force, 0..spectrum::PAIRS, &mut buffers.lines);
+        for (to, line) in response.iter_mut().zip(spectrum::inner(&buffers.lines)) {
+            *to = line.map(|x| x * (1.0 / POINTS as f32));
+        }
+    }
+
     /// Makes a block of a bank from its states, for its head.
     pub(super) fn make_block(&mut self, bank: &mut FrameBank<'_>) {
         let [buffers] = &mut *self.buffers else { return };
@@ -337,12 +419,12 @@ fn piece(bank: &FrameBank<'_>, line: usize, cycles: u32, cost: impl Fn(&Line) ->
 fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
     let (modes, lines) = (bank.modes.len() as u32, LINES as u32);
     let synthesis = |modes: u32| CLEAR + lines * SYNTHESIS_LINE + modes * SYNTHESIS_MODE + lines * PAN;
-    let transform = FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD;
     let forced = (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some());
     let of_forces: u32 = forced
         .map(|slot| {
             let of_mode = GATHER_MODE + if bank.is_to_derive(slot) { DERIVED_MODE } else { 0 };
-            transform + lines * GATHER_LINE + modes * of_mode
+            let tail = if bank.tail_response(slot).is_some() { TAIL } else { 0 };
+            FORCE + tail + lines * GATHER_LINE + modes * of_mode
         })
         .sum();
     match (of_forces, bank.ringing) {
@@ -368,6 +450,19 @@ const PAN: u32 = 28;
 /// Nominal cycles of the preparation of a force, and of the clearing of lines.
 const FILL: u32 = 6_000;
 const CLEAR: u32 = 1_800;
+/// Nominal cycles of a pair of lines of a tail, of its rounding, and of all of it.
+const COMBINE: u32 = 140;
+const PUT: u32 = 5_000;
+const TAIL: u32 = spectrum::PAIRS as u32 * COMBINE + fourier::cycles(BLOCK_FRAMES) + PUT;
+/// Nominal cycles of the lines of a force.
+const FORCE: u32 = FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD;
+/// Nominal cycles of a product of the head.
+const PRODUCT: u32 = 2;
+/// Number of ticks in which the first bank's tail is made.
+const TAIL_TICKS: u32 = 2;
+/// Cycles by which the work is ahead of even shares at the end of each tick, in a block with a tail:
+/// what the head's products leave of their mean, if force goes on through this block.
+const AHEAD: [i32; TICKS] = [-5_120, -12_288, -5_120, 0, 3_072, 4_096, 3_072, 0];
 
 /// Number of pairs of lines that are unfolded, and of lines that are panned, in one piece.
 const PAIRS_AT_ONCE: usize = 32;

@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::numbers::{HALF, window_at};
+use super::numbers::{HALF, numbers_at_line, window_at};
 use super::{BLOCK_FRAMES, PADDED_LINES, POINTS, WIDTH};
 use crate::fourier::{self, Complex, MAX_POINTS, TWIDDLES};
 
@@ -22,6 +22,69 @@ pub(super) fn fill(force: &[i32; BLOCK_FRAMES], transform: &mut [Complex; BLOCK_
             *slot = [pair[0] as f32 * window_at(frame), pair[1] as f32 * window_at(frame + 1)];
         }
     }
+}
+
+/// Fills the input of a transform of N points with 2N taps, an even one as the real part, an odd
+/// one as the imaginary part.
+pub(super) fn fill_taps(mut taps: impl Iterator<Item = f32>, transform: &mut [Complex; BLOCK_FRAMES]) {
+    let mut next = || taps.next().unwrap_or(0.0);
+    transform.iter_mut().for_each(|pair| *pair = [next(), next()]);
+}
+
+/// Lines 0 to N among all.
+pub(super) fn inner(lines: &Lines) -> &[Complex] {
+    lines.get(BEYOND..=BEYOND + BLOCK_FRAMES).unwrap_or(&[])
+}
+
+/// Spectrum of a tail, folded for a transform of N points to its even samples as real parts and its
+/// odd ones as imaginary parts: the lines of a windowed force times a response (lines 0 to N, times
+/// 1/2N), for a range of the pairs k and N - k.
+///
+/// Seven lines of the windowed force make one without the window, as a mode gathers it.
+pub(super) fn combine(
+    lines: &Lines,
+    response: &[Complex],
+    pairs: Range<usize>,
+    transform: &mut [Complex; BLOCK_FRAMES],
+) {
+    let [c0, c1, c2, c3] = numbers_at_line();
+    let windows = lines.array_windows::<WIDTH>();
+    let product = |[l3, l2, l1, line, r1, r2, r3]: &[Complex; WIDTH], [x, y]: Complex| {
+        let part = |at: usize| c0 * line[at] + c1 * (l1[at] + r1[at]) + c2 * (l2[at] + r2[at]) + c3 * (l3[at] + r3[at]);
+        let (re, im) = (part(0), part(1));
+        [re * x - im * y, re * y + im * x]
+    };
+    let twiddles = TWIDDLES.iter().step_by(MAX_POINTS / BLOCK_FRAMES).skip(pairs.start);
+    let low = windows.clone().zip(response).skip(pairs.start);
+    let high = windows.zip(response).rev().skip(pairs.start);
+    for (((k, &[cos, sin]), low), high) in pairs.zip(twiddles).zip(low).zip(high) {
+        // Line k, and line N + k: the mirror image of N - k.
+        let ([a, b], [c, d]) = (product(low.0, *low.1), product(high.0, *high.1));
+        let (even, odd) = ([a + c, b - d], [a - c, b + d]);
+        let turned = [cos * odd[0] - sin * odd[1], cos * odd[1] + sin * odd[0]];
+        if let Some(slot) = transform.get_mut(k) {
+            *slot = [even[0] - turned[1], even[1] + turned[0]];
+        }
+        if let Some(slot) = transform.get_mut(BLOCK_FRAMES - k) {
+            *slot = [even[0] + turned[1], turned[0] - even[1]];
+        }
+    }
+}
+
+/// Samples of a tail from its transform, rounded to bus steps.
+pub(super) fn tail(transform: &[Complex; BLOCK_FRAMES]) -> impl Iterator<Item = i32> {
+    // The force lies around sample 0, so that its next block begins half a block behind.
+    (HALF / 2..HALF / 2 + HALF).flat_map(|pair| {
+        let place = fourier::place(pair as u32, BLOCK_FRAMES.trailing_zeros());
+        transform.get(place).map_or([0; 2], |pair| pair.map(rounded))
+    })
+}
+
+/// Nearest whole number, saturating.
+#[inline(always)]
+pub(super) fn rounded(x: f32) -> i32 {
+    // `as` alone rounds to 0.
+    (x + 0.5f32.copysign(x)) as i32
 }
 
 /// Number of pairs of lines k and N - k.

@@ -56,15 +56,13 @@ pub fn gather(modes: &mut [FrameMode], lines: &[Line], first: usize, spectrum: &
     unsafe { malleus_frames_gather(modes.as_mut_ptr(), lines.as_ptr(), lines.len(), from.as_ptr()) }
 }
 
-/// Sums three outputs of a head as [`super::portable::convolve`] does.
+/// Adds to three outputs of a head as [`super::portable::convolve`] does.
 ///
-/// Cost, counted from the code: 2.2 cycles for each product of a sample and a tap.
+/// Cost, counted from the code: 2.0 cycles for each product of a sample and a tap.
 #[inline(always)]
-pub fn convolve(force: &[i32], taps: &[i32]) -> [i64; OUTPUTS] {
-    let mut sums = [0; OUTPUTS];
+pub fn convolve(force: &[i32], taps: &[i32], sums: &mut [i64; OUTPUTS]) {
     if taps.len() >= force.len() + OUTPUTS - 1 {
         // SAFETY: the taps are longer than the force by two; there is a place for each sum.
         unsafe { malleus_frames_convolve(force.as_ptr(), taps.as_ptr(), force.len(), sums.as_mut_ptr()) }
     }
-    sums
 }

@@ -182,15 +182,21 @@ malleus_frames_gather:
     .size   malleus_frames_gather, . - malleus_frames_gather
 
 @ --------------------------------------------------------------------------------------------------
-@ Three outputs of a head. 6 cycles a sample of force, 2.0 a tap, and 4 for six samples' loop.
-@ Registers: r0 force, r1 taps, r2 samples left, r4-r9 sums of the outputs 0 to 2, r10-r12 window of
-@ taps, lr force.
-    .macro convolve_step a b c
-    ldr     lr, [r0], #4
+@ Three outputs of a head: their products are added to the sums. 5.5 cycles a sample of force, 1.8
+@ a product, and 5 for the loop of twelve samples; four loads in a row take 5 cycles, two 3.
+@ Registers: r0 force, r1 taps, r2 samples left, then a sample of force, r3 a sample of force,
+@ r4-r9 sums of the outputs 0 to 2, r10-r12 and lr window of taps; s0 end of the loop's samples.
+    .macro convolve_two a b c d
+    ldr     r2, [r0], #4
+    ldr     r3, [r0], #4
     ldr     \c, [r1], #4
-    smlal   r4, r5, lr, \c
-    smlal   r6, r7, lr, \b
-    smlal   r8, r9, lr, \a
+    ldr     \d, [r1], #4
+    smlal   r4, r5, r2, \c
+    smlal   r6, r7, r2, \b
+    smlal   r8, r9, r2, \a
+    smlal   r4, r5, r3, \d
+    smlal   r6, r7, r3, \c
+    smlal   r8, r9, r3, \b
     .endm
 
     .p2align 4
@@ -198,30 +204,35 @@ malleus_frames_gather:
     .type   malleus_frames_convolve, %function
 malleus_frames_convolve:
     push    {r3-r11, lr}
-    movs    r4, #0
-    movs    r5, #0
-    movs    r6, #0
-    movs    r7, #0
-    mov     r8, #0
-    mov     r9, #0
+    ldm     r3, {r4-r9}
     ldr     r10, [r1], #4
     ldr     r11, [r1], #4
-    subs    r2, r2, #6
-    blo     2f
-1:  convolve_step r10, r11, r12
-    convolve_step r11, r12, r10
-    convolve_step r12, r10, r11
-    convolve_step r10, r11, r12
-    convolve_step r11, r12, r10
-    convolve_step r12, r10, r11
-    subs    r2, r2, #6
-    bhs     1b
-2:  adds    r2, r2, #6
+    add     r2, r0, r2, lsl #2
+    vmov    s1, r2                      @ end of the samples
+    sub     r3, r2, #48
+    vmov    s0, r3                      @ last place at which twelve begin
+    cmp     r0, r3
+    bhi     2f
+1:  convolve_two r10, r11, r12, lr
+    convolve_two r12, lr, r10, r11
+    convolve_two r10, r11, r12, lr
+    convolve_two r12, lr, r10, r11
+    convolve_two r10, r11, r12, lr
+    convolve_two r12, lr, r10, r11
+    vmov    r2, s0
+    cmp     r0, r2
+    bls     1b
+    vmov    r2, s1
+2:  cmp     r0, r2
     beq     4f
-3:  convolve_step r10, r11, r12
+3:  ldr     r3, [r0], #4
+    ldr     r12, [r1], #4
+    smlal   r4, r5, r3, r12
+    smlal   r6, r7, r3, r11
+    smlal   r8, r9, r3, r10
     mov     r10, r11
     mov     r11, r12
-    subs    r2, r2, #1
+    cmp     r0, r2
     bne     3b
 4:  pop     {r3}
     stm     r3, {r4-r9}

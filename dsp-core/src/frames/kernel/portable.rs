@@ -49,15 +49,13 @@ pub fn gather(modes: &mut [FrameMode], lines: &[Line], first: usize, spectrum: &
     }
 }
 
-/// Sums three outputs of a head: `Σ_m force[m] · taps[m + 2 - j]` for j = 0 to 2.
+/// Adds to three outputs of a head: `Σ_m force[m] · taps[m + 2 - j]` for j = 0 to 2.
 ///
-/// `taps` is longer than the force by [`OUTPUTS`] - 1.
-pub fn convolve(force: &[i32], taps: &[i32]) -> [i64; OUTPUTS] {
-    let mut sums = [0; OUTPUTS];
+/// `taps` is longer than the force by [`OUTPUTS`] - 1. Sums stay below 2^63 in magnitude.
+pub fn convolve(force: &[i32], taps: &[i32], sums: &mut [i64; OUTPUTS]) {
     for (&force, taps) in force.iter().zip(taps.array_windows::<OUTPUTS>()) {
         for (sum, &tap) in sums.iter_mut().zip(taps.iter().rev()) {
             *sum += i64::from(force) * i64::from(tap);
         }
     }
-    sums
 }
