@@ -99,11 +99,11 @@ impl<'m> Head<'m> {
         (self.tail == Tail::Due).then_some(&*self.response)
     }
 
-    /// Takes the tail of this block, which stands for the last block's force from now on.
-    pub(super) fn set_tail(&mut self, tail: impl Iterator<Item = i32>) {
-        self.history.iter_mut().zip(tail).for_each(|(place, tail)| *place = tail);
+    /// Place for the tail of this block, which stands for the last block's force from now on.
+    pub(super) fn begin_tail(&mut self) -> Option<&mut [i32; BLOCK_FRAMES]> {
         self.forced.iter_mut().take(PARTS / 2).for_each(|range| *range = NOTHING);
         self.tail = Tail::Ready;
+        self.history.first_chunk_mut()
     }
 
     /// Taps by lag, for the load: floats by their bits until they are [fixed](fix).
@@ -131,10 +131,13 @@ impl<'m> Head<'m> {
         if !force && !self.is_active() {
             return 0;
         }
-        let (ranges, count) = merged(&self.forced);
-        let spans: u32 = ranges.iter().map(|(first, end)| u32::from(end - first)).sum();
+        let (mut spans, mut count) = (0, 0);
+        for (first, end) in self.forced {
+            spans += u32::from(end - first);
+            count += u32::from(end > 0);
+        }
         // A force of a run goes on from the last one, or begins a part.
-        let parts = count as u32 + u32::from(force);
+        let parts = count + u32::from(force);
         let span = spans + if force { frames } else { 0 };
         // 2.2 cycles a product, and the loop around it.
         frames * (span.min(POINTS as u32) * 22 / 10 + parts * 18 + 10) + 1200

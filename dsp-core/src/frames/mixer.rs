@@ -306,8 +306,8 @@ impl<'m> FrameMixer<'m> {
             Step::Tail(mut progress) => {
                 let spent = progress.advance(force, cycles);
                 if progress.is_over() {
-                    if let Some(head) = bank.heads.get_mut(self.slot) {
-                        head.set_tail(spectrum::tail(force));
+                    if let Some(tail) = bank.heads.get_mut(self.slot).and_then(Head::begin_tail) {
+                        spectrum::put_tail(force, tail);
                     }
                     (spent + PUT, Step::Gather(0, 0))
                 } else {

@@ -2,8 +2,8 @@
 
 use core::ops::Range;
 
-use super::numbers::{HALF, numbers_at_line, window_at};
-use super::{BLOCK_FRAMES, PADDED_LINES, POINTS, WIDTH};
+use super::numbers::{HALF, WINDOW, numbers_at_line, window_at};
+use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, WIDTH};
 use crate::fourier::{self, Complex, MAX_POINTS, TWIDDLES};
 
 /// Lines of a spectrum from -3 to N + 3, line k at place k + 3.
@@ -15,12 +15,18 @@ const BEYOND: usize = WIDTH / 2;
 /// Fills the input of a transform of N points with a block of force, windowed: an even frame as the
 /// real part, an odd one as the imaginary part, the middle of the block first.
 pub(super) fn fill(force: &[i32; BLOCK_FRAMES], transform: &mut [Complex; BLOCK_FRAMES]) {
-    transform.fill([0.0; 2]);
-    for (frame, pair) in (0..).step_by(2).zip(force.as_chunks::<2>().0) {
-        let place = ((frame + POINTS - HALF) / 2) % BLOCK_FRAMES;
-        if let Some(slot) = transform.get_mut(place) {
-            *slot = [pair[0] as f32 * window_at(frame), pair[1] as f32 * window_at(frame + 1)];
-        }
+    let (second, rest) = transform.split_at_mut(HALF / 2);
+    let (zeros, first) = rest.split_at_mut(BLOCK_FRAMES - HALF);
+    zeros.fill([0.0; 2]);
+    let (force, _) = force.as_chunks::<2>();
+    let (before, behind) = force.split_at(HALF / 2);
+    // The window by its distance from the middle: first it falls, from the whole half on.
+    let (fall, _) = WINDOW.get(1..).unwrap_or(&[]).as_chunks::<2>();
+    for ((place, force), [near, far]) in first.iter_mut().zip(before).zip(fall.iter().rev()) {
+        *place = [force[0] as f32 * far, force[1] as f32 * near];
+    }
+    for ((place, force), window) in second.iter_mut().zip(behind).zip(WINDOW.as_chunks::<2>().0) {
+        *place = [force[0] as f32 * window[0], force[1] as f32 * window[1]];
     }
 }
 
@@ -48,15 +54,18 @@ pub(super) fn combine(
     transform: &mut [Complex; BLOCK_FRAMES],
 ) {
     let [c0, c1, c2, c3] = numbers_at_line();
-    let windows = lines.array_windows::<WIDTH>();
     let product = |[l3, l2, l1, line, r1, r2, r3]: &[Complex; WIDTH], [x, y]: Complex| {
-        let part = |at: usize| c0 * line[at] + c1 * (l1[at] + r1[at]) + c2 * (l2[at] + r2[at]) + c3 * (l3[at] + r3[at]);
-        let (re, im) = (part(0), part(1));
+        let re = c0 * line[0] + c1 * (l1[0] + r1[0]) + c2 * (l2[0] + r2[0]) + c3 * (l3[0] + r3[0]);
+        let im = c0 * line[1] + c1 * (l1[1] + r1[1]) + c2 * (l2[1] + r2[1]) + c3 * (l3[1] + r3[1]);
         [re * x - im * y, re * y + im * x]
     };
-    let twiddles = TWIDDLES.iter().step_by(MAX_POINTS / BLOCK_FRAMES).skip(pairs.start);
-    let low = windows.clone().zip(response).skip(pairs.start);
-    let high = windows.zip(response).rev().skip(pairs.start);
+    let twiddles = TWIDDLES.get(pairs.start * (MAX_POINTS / BLOCK_FRAMES)..).unwrap_or(&[]);
+    let of = |range: Range<usize>| {
+        let lines = lines.get(range.start..range.end + WIDTH - 1).unwrap_or(&[]);
+        lines.array_windows::<WIDTH>().zip(response.get(range).unwrap_or(&[]))
+    };
+    let (low, high) = (of(pairs.clone()), of(LINES - pairs.end..LINES - pairs.start).rev());
+    let twiddles = twiddles.iter().step_by(MAX_POINTS / BLOCK_FRAMES);
     for (((k, &[cos, sin]), low), high) in pairs.zip(twiddles).zip(low).zip(high) {
         // Line k, and line N + k: the mirror image of N - k.
         let ([a, b], [c, d]) = (product(low.0, *low.1), product(high.0, *high.1));
@@ -71,13 +80,13 @@ pub(super) fn combine(
     }
 }
 
-/// Samples of a tail from its transform, rounded to bus steps.
-pub(super) fn tail(transform: &[Complex; BLOCK_FRAMES]) -> impl Iterator<Item = i32> {
+/// Puts a tail from its transform, rounded to bus steps.
+pub(super) fn put_tail(transform: &[Complex; BLOCK_FRAMES], tail: &mut [i32; BLOCK_FRAMES]) {
     // The force lies around sample 0, so that its next block begins half a block behind.
-    (HALF / 2..HALF / 2 + HALF).flat_map(|pair| {
-        let place = fourier::place(pair as u32, BLOCK_FRAMES.trailing_zeros());
-        transform.get(place).map_or([0; 2], |pair| pair.map(rounded))
-    })
+    for (samples, pair) in tail.as_chunks_mut::<2>().0.iter_mut().zip(HALF as u32 / 2..) {
+        let place = fourier::place(pair, BLOCK_FRAMES.trailing_zeros());
+        *samples = transform.get(place).copied().unwrap_or([0.0; 2]).map(rounded);
+    }
 }
 
 /// Nearest whole number, saturating.
