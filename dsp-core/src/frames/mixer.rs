@@ -37,8 +37,9 @@ pub struct FrameMixer<'m> {
     /// Cycles of this block's work that are done, and all of them.
     done: u32,
     all: u32,
-    /// Cycles of this block's work up to the end of the first bank's tail; 0 without one.
-    first_tail: u32,
+    /// Cycles of this block's work up to the end of the first bank's tail, 0 without one, and the
+    /// number of ticks for them.
+    first_tail: (u32, u32),
     /// Number of the tick in this block.
     tick: usize,
 }
@@ -114,7 +115,7 @@ impl<'m> FrameMixer<'m> {
             is_first: true,
             done: 0,
             all: 0,
-            first_tail: 0,
+            first_tail: (0, 1),
             tick: 0,
         }
     }
@@ -174,10 +175,10 @@ impl<'m> FrameMixer<'m> {
         let even = (self.all / TICKS as u32) * (tick as u32 + 1);
         match (tick, self.first_tail) {
             (tick, _) if tick + 1 >= TICKS => u32::MAX,
-            (_, 0) => even,
-            (tick, tail) => {
-                let earliest = tail * (tick as u32 + 1) / TAIL_TICKS;
-                even.saturating_add_signed(AHEAD.get(tick).copied().unwrap_or(0)).max(earliest.min(tail))
+            (_, (0, _)) => even,
+            (tick, (cycles, ticks)) => {
+                let earliest = (cycles / ticks) * (tick as u32 + 1);
+                even.saturating_add_signed(ahead(tick as i32, ticks as i32)).max(earliest.min(cycles))
             }
         }
     }
@@ -212,16 +213,17 @@ impl<'m> FrameMixer<'m> {
     /// cost less than the products that they save.
     fn choose_tails<'b>(&mut self, banks: &mut [impl InFrames<'b>]) {
         let without: u32 = banks.iter().filter_map(InFrames::frames).map(bank_cycles).sum();
-        self.first_tail = 0;
+        let share = ((without + fourier::cycles(POINTS)) / TICKS as u32).max(1);
+        self.first_tail = (0, 1);
         for bank in banks.iter_mut().filter_map(InFrames::frames_mut) {
             let ready = self.all + FORCE + TAIL;
-            let ticks = if self.all == 0 { TAIL_TICKS } else { ready / (without / TICKS as u32).max(1) + 1 };
+            let ticks = ready.div_ceil(share).max(TAIL_TICKS);
             let saved_frames = (TICKS as u32).saturating_sub(ticks) * TICK_FRAMES as u32;
             let [head, _] = &mut bank.heads;
             if !bank.modes.is_empty() && head.last_span() * saved_frames * PRODUCT > TAIL {
                 head.want_tail();
                 if self.all == 0 {
-                    self.first_tail = ready;
+                    self.first_tail = (ready, ticks);
                 }
             }
             self.all += bank_cycles(bank);
@@ -458,11 +460,20 @@ const TAIL: u32 = spectrum::PAIRS as u32 * COMBINE + fourier::cycles(BLOCK_FRAME
 const FORCE: u32 = FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD;
 /// Nominal cycles of a product of the head.
 const PRODUCT: u32 = 2;
-/// Number of ticks in which the first bank's tail is made.
+/// Least number of ticks in which a bank's tail is made.
 const TAIL_TICKS: u32 = 2;
-/// Cycles by which the work is ahead of even shares at the end of each tick, in a block with a tail:
-/// what the head's products leave of their mean, if force goes on through this block.
-const AHEAD: [i32; TICKS] = [-5_120, -12_288, -5_120, 0, 3_072, 4_096, 3_072, 0];
+
+/// Cycles by which the work is ahead of even shares at the end of a tick, in a block whose first
+/// tail takes a number of ticks: what the head's products leave of their mean, if force goes on
+/// through this block.
+const fn ahead(tick: i32, tail_ticks: i32) -> i32 {
+    const TICK_PRODUCTS: i32 = TICK_FRAMES as i32 * BLOCK_FRAMES as i32 * PRODUCT as i32;
+    // The last block's force takes a block of products a frame until its tail is there, this
+    // block's a 16th of it in the middle of the first tick and an 8th more in each tick.
+    let (ticks, with_last) = (tick + 1, if tick < tail_ticks { tick + 1 } else { tail_ticks });
+    let sixteenths = ticks * (2 * tail_ticks + 8) - ticks * ticks - 16 * with_last;
+    sixteenths * (TICK_PRODUCTS / 16)
+}
 
 /// Number of pairs of lines that are unfolded, and of lines that are panned, in one piece.
 const PAIRS_AT_ONCE: usize = 32;

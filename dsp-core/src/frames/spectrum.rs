@@ -59,22 +59,21 @@ pub(super) fn combine(
         let im = c0 * line[1] + c1 * (l1[1] + r1[1]) + c2 * (l2[1] + r2[1]) + c3 * (l3[1] + r3[1]);
         [re * x - im * y, re * y + im * x]
     };
-    let twiddles = TWIDDLES.get(pairs.start * (MAX_POINTS / BLOCK_FRAMES)..).unwrap_or(&[]);
-    let of = |range: Range<usize>| {
-        let lines = lines.get(range.start..range.end + WIDTH - 1).unwrap_or(&[]);
-        lines.array_windows::<WIDTH>().zip(response.get(range).unwrap_or(&[]))
-    };
-    let (low, high) = (of(pairs.clone()), of(LINES - pairs.end..LINES - pairs.start).rev());
-    let twiddles = twiddles.iter().step_by(MAX_POINTS / BLOCK_FRAMES);
-    for (((k, &[cos, sin]), low), high) in pairs.zip(twiddles).zip(low).zip(high) {
+    let (Some(response), true) = (response.first_chunk::<LINES>(), pairs.end <= PAIRS) else { return };
+    for k in pairs {
         // Line k, and line N + k: the mirror image of N - k.
-        let ([a, b], [c, d]) = (product(low.0, *low.1), product(high.0, *high.1));
+        let mirrored = BLOCK_FRAMES - k;
+        let (Some(low), Some(high)) = (lines.get(k..).and_then(<[_]>::first_chunk), lines.get(mirrored..).and_then(<[_]>::first_chunk))
+        else { return };
+        let (Some(&of_low), Some(&of_high)) = (response.get(k), response.get(mirrored)) else { return };
+        let ([a, b], [c, d]) = (product(low, of_low), product(high, of_high));
+        let [cos, sin] = TWIDDLES.get(k * (MAX_POINTS / BLOCK_FRAMES)).copied().unwrap_or([0.0; 2]);
         let (even, odd) = ([a + c, b - d], [a - c, b + d]);
         let turned = [cos * odd[0] - sin * odd[1], cos * odd[1] + sin * odd[0]];
         if let Some(slot) = transform.get_mut(k) {
             *slot = [even[0] - turned[1], even[1] + turned[0]];
         }
-        if let Some(slot) = transform.get_mut(BLOCK_FRAMES - k) {
+        if let Some(slot) = transform.get_mut(mirrored) {
             *slot = [even[0] + turned[1], turned[0] - even[1]];
         }
     }
