@@ -139,8 +139,8 @@ impl<'m> Head<'m> {
         // A force of a run goes on from the last one, or begins a part.
         let parts = count + u32::from(force);
         let span = spans + if force { frames } else { 0 };
-        // 2.2 cycles a product, and the loop around it.
-        frames * (span.min(POINTS as u32) * 22 / 10 + parts * 18 + 10) + 1200
+        // 2.0 cycles a product, and the loop around it.
+        frames * (span.min(POINTS as u32) * 2 + parts * 18 + 10) + 1200
     }
 
     /// True if the force of this block or the last one sounds.
@@ -161,7 +161,10 @@ impl<'m> Head<'m> {
             return;
         }
         if let Some((last, this)) = self.history.split_at_mut_checked(BLOCK_FRAMES) {
-            last.iter_mut().zip(this).for_each(|(last, this)| *last = core::mem::take(this));
+            for (last, this) in last.as_chunks_mut().0.iter_mut().zip(this.as_chunks_mut().0) {
+                let [a, b, c, d] = *this;
+                (*last, *this) = ([a, b, c, d], [0; 4]);
+            }
         }
         self.tail = Tail::Direct;
         let back = |(first, end): (u16, u16)| match end {

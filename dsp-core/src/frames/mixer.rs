@@ -4,7 +4,7 @@ use super::bank::{FrameBank, SLOTS};
 use super::head::Head;
 use super::kernel;
 use super::mode::Line;
-use super::spectrum::{self, Lines};
+use super::spectrum::{self, Lines, PAIRS_AT_ONCE};
 use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, RETIREMENT_BLOCKS, TICKS};
 use crate::fixed;
 use crate::fourier::{self, Complex, Progress};
@@ -177,7 +177,7 @@ impl<'m> FrameMixer<'m> {
             (tick, _) if tick + 1 >= TICKS => u32::MAX,
             (_, (0, _)) => even,
             (tick, (cycles, ticks)) => {
-                let earliest = (cycles / ticks) * (tick as u32 + 1);
+                let earliest = ((cycles + BEGIN) / ticks * (tick as u32 + 1)).saturating_sub(BEGIN);
                 even.saturating_add_signed(ahead(tick as i32, ticks as i32)).max(earliest.min(cycles))
             }
         }
@@ -213,8 +213,13 @@ impl<'m> FrameMixer<'m> {
     /// cost less than the products that they save.
     fn choose_tails<'b>(&mut self, banks: &mut [impl InFrames<'b>]) {
         let without: u32 = banks.iter().filter_map(InFrames::frames).map(bank_cycles).sum();
-        let share = ((without + fourier::cycles(POINTS)) / TICKS as u32).max(1);
         self.first_tail = (0, 1);
+        let is_long = |bank: &FrameBank<'_>| bank.heads[0].last_span() >= LEAST_SPAN;
+        if !banks.iter().filter_map(InFrames::frames).any(is_long) {
+            self.all = without;
+            return;
+        }
+        let share = ((without + fourier::cycles(POINTS)) / TICKS as u32).max(1);
         for bank in banks.iter_mut().filter_map(InFrames::frames_mut) {
             let ready = self.all + FORCE + TAIL;
             let ticks = ready.div_ceil(share).max(TAIL_TICKS);
@@ -299,7 +304,8 @@ impl<'m> FrameMixer<'m> {
                 }
             }
             Step::Combine(pair) => {
-                let end = spectrum::PAIRS.min(pair + PAIRS_AT_ONCE);
+                let count = PAIRS_AT_ONCE.min((cycles / COMBINE) as usize + 1);
+                let end = spectrum::PAIRS.min(pair + count);
                 spectrum::combine(lines, bank.tail_response(self.slot).unwrap_or(&[]), pair..end, force);
                 let is_over = end == spectrum::PAIRS;
                 let next = if is_over { Step::Tail(Progress::start(BLOCK_FRAMES)) } else { Step::Combine(end) };
@@ -440,26 +446,30 @@ fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
 /// force, a line that is panned (`cargo test -p host-tests --test on_chip frames`).
 const GATHER_LINE: u32 = 25;
 const SYNTHESIS_LINE: u32 = 90;
-const GATHER_MODE: u32 = 94;
+const GATHER_MODE: u32 = 102;
 const SYNTHESIS_MODE: u32 = 112;
 /// Nominal cycles of a mode whose gain is derived for another position.
 const DERIVED_MODE: u32 = 90;
 /// Nominal cycles of a frame that plays, and of a tick beside its share of the work.
 const PLAY_FRAME: u32 = 78;
-const TICK: u32 = 3_100;
+const TICK: u32 = 1_700;
 const UNFOLD: u32 = 55;
 const PAN: u32 = 28;
 /// Nominal cycles of the preparation of a force, and of the clearing of lines.
-const FILL: u32 = 6_000;
+const FILL: u32 = 3_800;
 const CLEAR: u32 = 1_800;
 /// Nominal cycles of a pair of lines of a tail, of its rounding, and of all of it.
-const COMBINE: u32 = 140;
-const PUT: u32 = 5_000;
+const COMBINE: u32 = 160;
+const PUT: u32 = 7_600;
 const TAIL: u32 = spectrum::PAIRS as u32 * COMBINE + fourier::cycles(BLOCK_FRAMES) + PUT;
 /// Nominal cycles of the lines of a force.
 const FORCE: u32 = FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD;
 /// Nominal cycles of a product of the head.
 const PRODUCT: u32 = 2;
+/// Number of samples of the last block whose products cost less than a tail at any rate.
+const LEAST_SPAN: u32 = TAIL / PRODUCT / BLOCK_FRAMES as u32;
+/// Nominal cycles by which the beginning of a block makes its first tick dearer.
+const BEGIN: u32 = 3_000;
 /// Least number of ticks in which a bank's tail is made.
 const TAIL_TICKS: u32 = 2;
 
@@ -475,6 +485,5 @@ const fn ahead(tick: i32, tail_ticks: i32) -> i32 {
     sixteenths * (TICK_PRODUCTS / 16)
 }
 
-/// Number of pairs of lines that are unfolded, and of lines that are panned, in one piece.
-const PAIRS_AT_ONCE: usize = 32;
+/// Number of lines that are panned in one piece.
 const LINES_AT_ONCE: usize = 64;

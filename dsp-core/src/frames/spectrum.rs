@@ -2,7 +2,8 @@
 
 use core::ops::Range;
 
-use super::numbers::{HALF, WINDOW, numbers_at_line, window_at};
+use super::kernel;
+use super::numbers::{HALF, NUMBERS_AT_LINE, WINDOW, window_at};
 use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, WIDTH};
 use crate::fourier::{self, Complex, MAX_POINTS, TWIDDLES};
 
@@ -53,21 +54,22 @@ pub(super) fn combine(
     pairs: Range<usize>,
     transform: &mut [Complex; BLOCK_FRAMES],
 ) {
-    let [c0, c1, c2, c3] = numbers_at_line();
-    let product = |[l3, l2, l1, line, r1, r2, r3]: &[Complex; WIDTH], [x, y]: Complex| {
-        let re = c0 * line[0] + c1 * (l1[0] + r1[0]) + c2 * (l2[0] + r2[0]) + c3 * (l3[0] + r3[0]);
-        let im = c0 * line[1] + c1 * (l1[1] + r1[1]) + c2 * (l2[1] + r2[1]) + c3 * (l3[1] + r3[1]);
-        [re * x - im * y, re * y + im * x]
+    let times = |[re, im]: Complex, [x, y]: Complex| [re * x - im * y, re * y + im * x];
+    let (mut low, mut high) = ([[0.0; 2]; PAIRS_AT_ONCE], [[0.0; 2]; PAIRS_AT_ONCE]);
+    let count = pairs.len().min(PAIRS_AT_ONCE);
+    let Some(response) = response.first_chunk::<LINES>() else { return };
+    let unwindow = |first: usize, to: &mut [Complex; PAIRS_AT_ONCE]| {
+        kernel::unwindow(lines.get(first..).unwrap_or(&[]), &NUMBERS_AT_LINE, to.get_mut(..count).unwrap_or(&mut []));
     };
-    let (Some(response), true) = (response.first_chunk::<LINES>(), pairs.end <= PAIRS) else { return };
-    for k in pairs {
+    unwindow(pairs.start, &mut low);
+    unwindow(LINES - pairs.end, &mut high);
+    for (index, k) in pairs.enumerate() {
         // Line k, and line N + k: the mirror image of N - k.
         let mirrored = BLOCK_FRAMES - k;
-        let (Some(low), Some(high)) = (lines.get(k..).and_then(<[_]>::first_chunk), lines.get(mirrored..).and_then(<[_]>::first_chunk))
-        else { return };
-        let (Some(&of_low), Some(&of_high)) = (response.get(k), response.get(mirrored)) else { return };
-        let ([a, b], [c, d]) = (product(low, of_low), product(high, of_high));
-        let [cos, sin] = TWIDDLES.get(k * (MAX_POINTS / BLOCK_FRAMES)).copied().unwrap_or([0.0; 2]);
+        let (Some(&x), Some(&y)) = (low.get(index), high.get((count - 1).wrapping_sub(index))) else { return };
+        let (Some(&of_x), Some(&of_y)) = (response.get(k), response.get(mirrored)) else { return };
+        let Some(&[cos, sin]) = TWIDDLES.get(k * (MAX_POINTS / BLOCK_FRAMES)) else { return };
+        let ([a, b], [c, d]) = (times(x, of_x), times(y, of_y));
         let (even, odd) = ([a + c, b - d], [a - c, b + d]);
         let turned = [cos * odd[0] - sin * odd[1], cos * odd[1] + sin * odd[0]];
         if let Some(slot) = transform.get_mut(k) {
@@ -94,6 +96,9 @@ pub(super) fn rounded(x: f32) -> i32 {
     // `as` alone rounds to 0.
     (x + 0.5f32.copysign(x)) as i32
 }
+
+/// Number of pairs of lines that are worked on in one piece.
+pub(super) const PAIRS_AT_ONCE: usize = 32;
 
 /// Number of pairs of lines k and N - k.
 pub(super) const PAIRS: usize = HALF + 1;

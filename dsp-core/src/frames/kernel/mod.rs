@@ -5,9 +5,9 @@ mod cortex_m4;
 pub mod portable;
 
 #[cfg(cortex_m4f)]
-pub use cortex_m4::{convolve, gather, synthesize};
+pub use cortex_m4::{convolve, gather, synthesize, unwindow};
 #[cfg(not(cortex_m4f))]
-pub use portable::{convolve, gather, synthesize};
+pub use portable::{convolve, gather, synthesize, unwindow};
 
 /// Number of outputs that [`convolve`] computes at once.
 pub const OUTPUTS: usize = 3;

@@ -59,3 +59,17 @@ pub fn convolve(force: &[i32], taps: &[i32], sums: &mut [i64; OUTPUTS]) {
         }
     }
 }
+
+/// Takes the window away from lines of a force: `Σ_l numbers[|l|] lines[k + 3 + l]`, l = -3 to 3, for
+/// line k.
+///
+/// `lines` is longer than `out` by [`WIDTH`] - 1.
+pub fn unwindow(lines: &[Complex], numbers: &[f32; WIDTH / 2 + 1], out: &mut [Complex]) {
+    for (out, [l3, l2, l1, line, r1, r2, r3]) in out.iter_mut().zip(lines.array_windows::<WIDTH>()) {
+        let [c0, c1, c2, c3] = numbers;
+        *out = [
+            c0 * line[0] + c1 * (l1[0] + r1[0]) + c2 * (l2[0] + r2[0]) + c3 * (l3[0] + r3[0]),
+            c0 * line[1] + c1 * (l1[1] + r1[1]) + c2 * (l2[1] + r2[1]) + c3 * (l3[1] + r3[1]),
+        ];
+    }
+}
