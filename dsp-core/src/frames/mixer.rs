@@ -178,6 +178,7 @@ impl<'m> FrameMixer<'m> {
             (_, (0, _)) => even,
             (tick, (cycles, ticks)) => {
                 let earliest = ((cycles + BEGIN) / ticks * (tick as u32 + 1)).saturating_sub(BEGIN);
+                let even = (even + BEGIN / TICKS as u32 * (tick as u32 + 1)).saturating_sub(BEGIN);
                 even.saturating_add_signed(ahead(tick as i32, ticks as i32)).max(earliest.min(cycles))
             }
         }
@@ -446,20 +447,20 @@ fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
 /// force, a line that is panned (`cargo test -p host-tests --test on_chip frames`).
 const GATHER_LINE: u32 = 25;
 const SYNTHESIS_LINE: u32 = 90;
-const GATHER_MODE: u32 = 102;
-const SYNTHESIS_MODE: u32 = 112;
+const GATHER_MODE: u32 = 94;
+const SYNTHESIS_MODE: u32 = 105;
 /// Nominal cycles of a mode whose gain is derived for another position.
 const DERIVED_MODE: u32 = 90;
 /// Nominal cycles of a frame that plays, and of a tick beside its share of the work.
 const PLAY_FRAME: u32 = 78;
-const TICK: u32 = 1_700;
+const TICK: u32 = 2_000;
 const UNFOLD: u32 = 55;
 const PAN: u32 = 28;
 /// Nominal cycles of the preparation of a force, and of the clearing of lines.
 const FILL: u32 = 3_800;
 const CLEAR: u32 = 1_800;
 /// Nominal cycles of a pair of lines of a tail, of its rounding, and of all of it.
-const COMBINE: u32 = 160;
+const COMBINE: u32 = 140;
 const PUT: u32 = 7_600;
 const TAIL: u32 = spectrum::PAIRS as u32 * COMBINE + fourier::cycles(BLOCK_FRAMES) + PUT;
 /// Nominal cycles of the lines of a force.
@@ -469,7 +470,7 @@ const PRODUCT: u32 = 2;
 /// Number of samples of the last block whose products cost less than a tail at any rate.
 const LEAST_SPAN: u32 = TAIL / PRODUCT / BLOCK_FRAMES as u32;
 /// Nominal cycles by which the beginning of a block makes its first tick dearer.
-const BEGIN: u32 = 3_000;
+const BEGIN: u32 = 8_000;
 /// Least number of ticks in which a bank's tail is made.
 const TAIL_TICKS: u32 = 2;
 

@@ -55,14 +55,16 @@ pub(super) fn combine(
     transform: &mut [Complex; BLOCK_FRAMES],
 ) {
     let times = |[re, im]: Complex, [x, y]: Complex| [re * x - im * y, re * y + im * x];
-    let (mut low, mut high) = ([[0.0; 2]; PAIRS_AT_ONCE], [[0.0; 2]; PAIRS_AT_ONCE]);
+    // Floats, not pairs of them: the compiler clears them in place.
+    let (mut low, mut high) = ([0.0; 2 * PAIRS_AT_ONCE], [0.0; 2 * PAIRS_AT_ONCE]);
+    let (low, high) = (low.as_chunks_mut().0, high.as_chunks_mut().0);
     let count = pairs.len().min(PAIRS_AT_ONCE);
     let Some(response) = response.first_chunk::<LINES>() else { return };
-    let unwindow = |first: usize, to: &mut [Complex; PAIRS_AT_ONCE]| {
+    let unwindow = |first: usize, to: &mut [Complex]| {
         kernel::unwindow(lines.get(first..).unwrap_or(&[]), &NUMBERS_AT_LINE, to.get_mut(..count).unwrap_or(&mut []));
     };
-    unwindow(pairs.start, &mut low);
-    unwindow(LINES - pairs.end, &mut high);
+    unwindow(pairs.start, low);
+    unwindow(LINES - pairs.end, high);
     for (index, k) in pairs.enumerate() {
         // Line k, and line N + k: the mirror image of N - k.
         let mirrored = BLOCK_FRAMES - k;
@@ -98,7 +100,7 @@ pub(super) fn rounded(x: f32) -> i32 {
 }
 
 /// Number of pairs of lines that are worked on in one piece.
-pub(super) const PAIRS_AT_ONCE: usize = 32;
+pub(super) const PAIRS_AT_ONCE: usize = 24;
 
 /// Number of pairs of lines k and N - k.
 pub(super) const PAIRS: usize = HALF + 1;
