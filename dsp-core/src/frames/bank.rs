@@ -53,6 +53,24 @@ pub(super) struct Positions<'m> {
     pub(super) held: f32,
 }
 
+/// A pad, with a bank in frames or without.
+pub trait InFrames<'b> {
+    /// Bank in frames of the pad.
+    fn frames(&self) -> Option<&FrameBank<'b>>;
+    /// Bank in frames of the pad, to work on.
+    fn frames_mut(&mut self) -> Option<&mut FrameBank<'b>>;
+}
+
+impl<'b> InFrames<'b> for FrameBank<'b> {
+    fn frames(&self) -> Option<&Self> {
+        Some(self)
+    }
+
+    fn frames_mut(&mut self) -> Option<&mut Self> {
+        Some(self)
+    }
+}
+
 impl FrameBank<'_> {
     /// A bank without modes.
     pub const fn empty() -> Self {

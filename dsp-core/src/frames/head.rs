@@ -76,7 +76,7 @@ impl<'m> Head<'m> {
     }
 
     /// Taps by lag as numbers, and the place of their spectrum; `None` without tails.
-    pub(super) fn to_transform(&mut self) -> Option<(impl Iterator<Item = f32>, &mut [Complex])> {
+    pub(super) fn taps_and_response(&mut self) -> Option<(impl Iterator<Item = f32>, &mut [Complex])> {
         let (ends, step) = (OUTPUTS - 1, libm::scalbnf(1.0, -self.exponent));
         let taps = self.taps.get(ends..ends + POINTS)?.iter().rev().map(move |&tap| tap as f32 * step);
         Some((taps, &mut *self.response)).filter(|(_, lines)| !lines.is_empty())

@@ -1,6 +1,10 @@
 //! Work of all banks in frames, a block ahead, in pieces; and their sum, as it plays.
 
-use super::bank::{FrameBank, SLOTS};
+use super::bank::{FrameBank, InFrames, SLOTS};
+use super::costs::{
+    CLEAR, COMBINE, DERIVED_MODE, FILL, FORCE, GATHER_LINE, GATHER_MODE, LEAST_SPAN, LINES_AT_ONCE, PAN, PLAY_FRAME,
+    PRODUCT, PUT, SYNTHESIS_LINE, SYNTHESIS_MODE, TAIL, TAIL_TICKS, TICK, UNFOLD, bank_cycles, due,
+};
 use super::head::Head;
 use super::kernel;
 use super::mode::Line;
@@ -53,24 +57,6 @@ struct Buffers {
     lines: Lines,
     /// Transform of one bank's force.
     force: [Complex; BLOCK_FRAMES],
-}
-
-/// A pad, with a bank in frames or without.
-pub trait InFrames<'b> {
-    /// Bank in frames of the pad.
-    fn frames(&self) -> Option<&FrameBank<'b>>;
-    /// Bank in frames of the pad, to work on.
-    fn frames_mut(&mut self) -> Option<&mut FrameBank<'b>>;
-}
-
-impl<'b> InFrames<'b> for FrameBank<'b> {
-    fn frames(&self) -> Option<&Self> {
-        Some(self)
-    }
-
-    fn frames_mut(&mut self) -> Option<&mut Self> {
-        Some(self)
-    }
 }
 
 /// Piece of the work that comes next.
@@ -166,22 +152,8 @@ impl<'m> FrameMixer<'m> {
     pub fn tick_cycles(&self) -> u32 {
         let plays = if self.sounds[0] { TICK_FRAMES as u32 * PLAY_FRAME } else { 0 };
         let works = !matches!(self.step, Step::Rest);
-        let share = || self.due(self.tick).min(self.all).saturating_sub(self.done);
+        let share = || due(self.tick, self.all, self.first_tail).min(self.all).saturating_sub(self.done);
         plays + if works { share() + TICK } else { 0 }
-    }
-
-    /// Cycles of this block's work that are to be done by the end of a tick, counted from 0.
-    fn due(&self, tick: usize) -> u32 {
-        let even = (self.all / TICKS as u32) * (tick as u32 + 1);
-        match (tick, self.first_tail) {
-            (tick, _) if tick + 1 >= TICKS => u32::MAX,
-            (_, (0, _)) => even,
-            (tick, (cycles, ticks)) => {
-                let earliest = ((cycles + BEGIN) / ticks * (tick as u32 + 1)).saturating_sub(BEGIN);
-                let even = (even + BEGIN / TICKS as u32 * (tick as u32 + 1)).saturating_sub(BEGIN);
-                even.saturating_add_signed(ahead(tick as i32, ticks as i32)).max(earliest.min(cycles))
-            }
-        }
     }
 
     /// True if neither this block nor the next one has any sound from frames.
@@ -241,7 +213,7 @@ impl<'m> FrameMixer<'m> {
     /// that are not in frames, 1.0 = full scale. Gives the number of modes that have retired.
     pub fn end_tick<'b>(&mut self, tick: usize, retired_beside: f32, banks: &mut [impl InFrames<'b>]) -> u32 {
         self.retired_beside = retired_beside;
-        let due = self.due(tick);
+        let due = due(tick, self.all, self.first_tail);
         while self.done < due && !matches!(self.step, Step::Rest) {
             self.advance(banks, due - self.done);
         }
@@ -378,7 +350,7 @@ impl<'m> FrameMixer<'m> {
 
     /// Makes the spectrum of a head's taps, for its tails.
     pub(super) fn make_response(&mut self, head: &mut Head<'_>) {
-        let ([buffers], Some((taps, response))) = (&mut *self.buffers, head.to_transform()) else { return };
+        let ([buffers], Some((taps, response))) = (&mut *self.buffers, head.taps_and_response()) else { return };
         spectrum::fill_taps(taps, &mut buffers.force);
         let mut progress = Progress::start(BLOCK_FRAMES);
         while !progress.is_over() {
@@ -423,68 +395,3 @@ fn piece(bank: &FrameBank<'_>, line: usize, cycles: u32, cost: impl Fn(&Line) ->
     }
     (LINES, count, spent)
 }
-
-/// Cycles of a bank's work on the next block.
-fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
-    let (modes, lines) = (bank.modes.len() as u32, LINES as u32);
-    let synthesis = |modes: u32| CLEAR + lines * SYNTHESIS_LINE + modes * SYNTHESIS_MODE + lines * PAN;
-    let forced = (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some());
-    let of_forces: u32 = forced
-        .map(|slot| {
-            let of_mode = GATHER_MODE + if bank.is_to_derive(slot) { DERIVED_MODE } else { 0 };
-            let tail = if bank.tail_response(slot).is_some() { TAIL } else { 0 };
-            FORCE + tail + lines * GATHER_LINE + modes * of_mode
-        })
-        .sum();
-    match (of_forces, bank.ringing) {
-        (0, 0) => 0,
-        (0, ringing) => synthesis(ringing.into()),
-        _ => of_forces + synthesis(modes),
-    }
-}
-
-/// Nominal cycles of pieces of the work: a line and a mode of the kernels, a pair of lines of a
-/// force, a line that is panned (`cargo test -p host-tests --test on_chip frames`).
-const GATHER_LINE: u32 = 25;
-const SYNTHESIS_LINE: u32 = 90;
-const GATHER_MODE: u32 = 94;
-const SYNTHESIS_MODE: u32 = 105;
-/// Nominal cycles of a mode whose gain is derived for another position.
-const DERIVED_MODE: u32 = 90;
-/// Nominal cycles of a frame that plays, and of a tick beside its share of the work.
-const PLAY_FRAME: u32 = 78;
-const TICK: u32 = 2_000;
-const UNFOLD: u32 = 55;
-const PAN: u32 = 28;
-/// Nominal cycles of the preparation of a force, and of the clearing of lines.
-const FILL: u32 = 3_800;
-const CLEAR: u32 = 1_800;
-/// Nominal cycles of a pair of lines of a tail, of its rounding, and of all of it.
-const COMBINE: u32 = 140;
-const PUT: u32 = 7_600;
-const TAIL: u32 = spectrum::PAIRS as u32 * COMBINE + fourier::cycles(BLOCK_FRAMES) + PUT;
-/// Nominal cycles of the lines of a force.
-const FORCE: u32 = FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD;
-/// Nominal cycles of a product of the head.
-const PRODUCT: u32 = 2;
-/// Number of samples of the last block whose products cost less than a tail at any rate.
-const LEAST_SPAN: u32 = TAIL / PRODUCT / BLOCK_FRAMES as u32;
-/// Nominal cycles by which the beginning of a block makes its first tick dearer.
-const BEGIN: u32 = 8_000;
-/// Least number of ticks in which a bank's tail is made.
-const TAIL_TICKS: u32 = 2;
-
-/// Cycles by which the work is ahead of even shares at the end of a tick, in a block whose first
-/// tail takes a number of ticks: what the head's products leave of their mean, if force goes on
-/// through this block.
-const fn ahead(tick: i32, tail_ticks: i32) -> i32 {
-    const TICK_PRODUCTS: i32 = TICK_FRAMES as i32 * BLOCK_FRAMES as i32 * PRODUCT as i32;
-    // The last block's force takes a block of products a frame until its tail is there, this
-    // block's a 16th of it in the middle of the first tick and an 8th more in each tick.
-    let (ticks, with_last) = (tick + 1, if tick < tail_ticks { tick + 1 } else { tail_ticks });
-    let sixteenths = ticks * (2 * tail_ticks + 8) - ticks * ticks - 16 * with_last;
-    sixteenths * (TICK_PRODUCTS / 16)
-}
-
-/// Number of lines that are panned in one piece.
-const LINES_AT_ONCE: usize = 64;
