@@ -4,6 +4,7 @@ use super::head::Head;
 use super::mode::{FrameMode, Line};
 use super::{BLOCK_FRAMES, POINTS, RETIREMENT_BLOCKS};
 use crate::fixed;
+use crate::fourier::Complex;
 use crate::resonator::retirement::Retired;
 use crate::resonator::{Place, Retirement, gain_at};
 use crate::square_root::square_root;
@@ -50,6 +51,24 @@ pub(super) struct Positions<'m> {
     pub(super) scale: f32,
     /// Position whose gains the modes hold.
     pub(super) held: f32,
+}
+
+/// A pad, with a bank in frames or without.
+pub trait InFrames<'b> {
+    /// Bank in frames of the pad.
+    fn frames(&self) -> Option<&FrameBank<'b>>;
+    /// Bank in frames of the pad, to work on.
+    fn frames_mut(&mut self) -> Option<&mut FrameBank<'b>>;
+}
+
+impl<'b> InFrames<'b> for FrameBank<'b> {
+    fn frames(&self) -> Option<&Self> {
+        Some(self)
+    }
+
+    fn frames_mut(&mut self) -> Option<&mut Self> {
+        Some(self)
+    }
 }
 
 impl FrameBank<'_> {
@@ -164,9 +183,9 @@ impl FrameBank<'_> {
         self.heads.get(slot).filter(|_| !self.modes.is_empty())?.last_block()
     }
 
-    /// Number of heads whose force lasted through nearly all of the last block.
-    pub(super) fn lasting_forces(&self) -> u32 {
-        self.heads.iter().filter(|head| head.is_lasting()).count() as u32
+    /// Response of a slot's head if a transform is to make its tail; else `None`.
+    pub(super) fn tail_response(&self, slot: usize) -> Option<&[Complex]> {
+        self.heads.get(slot).and_then(Head::tail_response)
     }
 
     /// True if the bank has work to do for the next block.

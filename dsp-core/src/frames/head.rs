@@ -2,18 +2,21 @@
 //! response.
 
 use super::kernel::{self, OUTPUTS};
-use super::{BLOCK_FRAMES, POINTS};
+use super::{BLOCK_FRAMES, LINES, POINTS};
 use crate::fixed;
+use crate::fourier::Complex;
 use crate::memory::{Lender, OutOfMemory, Region};
 use crate::time::TICK_FRAMES;
 
-/// Number of taps with the zeros at both ends that [`kernel::convolve`] may reach: before the
-/// longest lag for outputs that the block does not have, behind lag 0 for force that is yet to come
-/// in a run.
-const TAPS: usize = POINTS + OUTPUTS + TICK_FRAMES;
+/// Number of taps with the zeros at both ends that [`kernel::convolve`] may reach.
+const TAPS: usize = POINTS + 2 * (OUTPUTS - 1);
 
-/// Maximum number of groups of outputs in a run.
-const GROUPS: usize = TICK_FRAMES.div_ceil(OUTPUTS);
+/// Number of sums in one piece of a run: a tick's, and what is missing to whole steps of
+/// [`kernel::convolve`].
+const SUMS: usize = TICK_FRAMES.next_multiple_of(OUTPUTS);
+
+/// Largest exponent of taps: half a bus step fits into the sums beside any product.
+const MAX_EXPONENT: i32 = 50;
 
 /// Beginning of the response at one position, and the force of two blocks there.
 #[derive(Debug)]
@@ -23,12 +26,24 @@ pub struct Head<'m> {
     exponent: i32,
     /// Position along the object, 0 to 1.
     pub(super) position: f32,
-    /// Sums of a run's outputs.
-    sums: &'m mut [[i64; OUTPUTS]],
     /// Force of the last block, and of this one.
     history: &'m mut [i32],
     /// For each part of the history the range outside which all is 0.
     forced: [(u16, u16); PARTS],
+    /// Lines 0 to N of the taps' spectrum, times 1/2N; empty without a tail.
+    response: &'m mut [Complex],
+    tail: Tail,
+}
+
+/// Sound that the last block's force makes in this block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tail {
+    /// The products of taps and force make it throughout the block.
+    Direct,
+    /// A transform makes it in this block; until then the products do.
+    Due,
+    /// It lies in the history, in the place of the last block's force.
+    Ready,
 }
 
 /// Number of parts of a history, half blocks: most of the time between two strikes that are 5 ms
@@ -41,14 +56,54 @@ const NOTHING: (u16, u16) = (0, 0);
 impl<'m> Head<'m> {
     /// A head without taps, whose output is silent.
     pub(super) const fn empty() -> Self {
-        Self { taps: &mut [], exponent: 0, position: 0.0, sums: &mut [], history: &mut [], forced: [NOTHING; PARTS] }
+        Self {
+            taps: &mut [],
+            exponent: 0,
+            position: 0.0,
+            history: &mut [],
+            forced: [NOTHING; PARTS],
+            response: &mut [],
+            tail: Tail::Direct,
+        }
     }
 
-    /// Takes the memory of a head: 4 KB.
-    pub(super) fn take(lender: &mut impl Lender<'m>) -> Result<Self, OutOfMemory> {
+    /// Takes the memory of a head: 4 KB, and 2 KB more for tails.
+    pub(super) fn take(lender: &mut impl Lender<'m>, has_tails: bool) -> Result<Self, OutOfMemory> {
         let taps = lender.take(Region::Fast, TAPS, || 0)?;
-        let sums = lender.take(Region::Fast, GROUPS, || [0; OUTPUTS])?;
-        Ok(Self { taps, sums, history: lender.take(Region::Fast, POINTS, || 0)?, ..Self::empty() })
+        let history = lender.take(Region::Fast, POINTS, || 0)?;
+        let lines = if has_tails { LINES } else { 0 };
+        Ok(Self { taps, history, response: lender.take(Region::Fast, lines, || [0.0; 2])?, ..Self::empty() })
+    }
+
+    /// Taps by lag as numbers, and the place of their spectrum; `None` without tails.
+    pub(super) fn taps_and_response(&mut self) -> Option<(impl Iterator<Item = f32>, &mut [Complex])> {
+        let (ends, step) = (OUTPUTS - 1, libm::scalbnf(1.0, -self.exponent));
+        let taps = self.taps.get(ends..ends + POINTS)?.iter().rev().map(move |&tap| tap as f32 * step);
+        Some((taps, &mut *self.response)).filter(|(_, lines)| !lines.is_empty())
+    }
+
+    /// Number of samples of the last block that the products take; 0 without tails.
+    pub(super) fn last_span(&self) -> u32 {
+        let [first, second, ..] = self.forced;
+        let span = |(first, end): (u16, u16)| u32::from(end - first);
+        if self.response.is_empty() { 0 } else { span(first) + span(second) }
+    }
+
+    /// Says that a transform makes the tail of this block.
+    pub(super) fn want_tail(&mut self) {
+        self.tail = Tail::Due;
+    }
+
+    /// Spectrum of the taps if a tail is to be made, else `None`.
+    pub(super) fn tail_response(&self) -> Option<&[Complex]> {
+        (self.tail == Tail::Due).then_some(&*self.response)
+    }
+
+    /// Place for the tail of this block, which stands for the last block's force from now on.
+    pub(super) fn begin_tail(&mut self) -> Option<&mut [i32; BLOCK_FRAMES]> {
+        self.forced.iter_mut().take(PARTS / 2).for_each(|range| *range = NOTHING);
+        self.tail = Tail::Ready;
+        self.history.first_chunk_mut()
     }
 
     /// Taps by lag, for the load: floats by their bits until they are [fixed](fix).
@@ -76,19 +131,22 @@ impl<'m> Head<'m> {
         if !force && !self.is_active() {
             return 0;
         }
-        let spans: u32 = self.forced.iter().map(|(first, end)| u32::from(end - first)).sum();
-        let parts = self.forced.iter().filter(|range| **range != NOTHING).count() as u32;
-        // On average half of the force of a run comes before an output of the run.
-        let span = spans + if force { frames / 2 } else { 0 };
-        let parts = parts + u32::from(force);
-        // 2.2 cycles a product, 60 a part and three outputs.
-        frames * (span.min(POINTS as u32) * 22 / 10 + parts * 20 + 80) + 500
+        let (mut spans, mut count) = (0, 0);
+        for (first, end) in self.forced {
+            spans += u32::from(end - first);
+            count += u32::from(end > 0);
+        }
+        // A force of a run goes on from the last one, or begins a part.
+        let parts = count + u32::from(force);
+        let span = spans + if force { frames } else { 0 };
+        // 2.0 cycles a product, and the loop around it.
+        frames * (span.min(POINTS as u32) * 2 + parts * 18 + 10) + 1200
     }
 
     /// True if the force of this block or the last one sounds.
     #[inline(always)]
     pub fn is_active(&self) -> bool {
-        self.forced != [NOTHING; PARTS]
+        self.forced != [NOTHING; PARTS] || self.tail == Tail::Ready
     }
 
     /// Force of the last block; `None` if there was none.
@@ -97,20 +155,18 @@ impl<'m> Head<'m> {
         self.history.first_chunk().filter(|_| was_forced)
     }
 
-    /// True if the force of the last block lasted through nearly all of it.
-    pub(super) fn is_lasting(&self) -> bool {
-        let span = |range: &(u16, u16)| usize::from(range.1 - range.0);
-        self.forced.iter().take(PARTS / 2).map(span).sum::<usize>() >= BLOCK_FRAMES / 8 * 7
-    }
-
     /// Begins a block.
     pub(super) fn begin_block(&mut self) {
         if !self.is_active() {
             return;
         }
         if let Some((last, this)) = self.history.split_at_mut_checked(BLOCK_FRAMES) {
-            last.iter_mut().zip(this).for_each(|(last, this)| *last = core::mem::take(this));
+            for (last, this) in last.as_chunks_mut().0.iter_mut().zip(this.as_chunks_mut().0) {
+                let [a, b, c, d] = *this;
+                (*last, *this) = ([a, b, c, d], [0; 4]);
+            }
         }
+        self.tail = Tail::Direct;
         let back = |(first, end): (u16, u16)| match end {
             0 => NOTHING,
             _ => (first - BLOCK_FRAMES as u16, end - BLOCK_FRAMES as u16), // of the second block
@@ -134,29 +190,32 @@ impl<'m> Head<'m> {
         if !self.is_active() {
             return;
         }
-        let sums = self.sums.get_mut(..out.len().div_ceil(OUTPUTS)).unwrap_or(&mut []);
-        // First frame of the last group.
-        let last = start + OUTPUTS * sums.len().saturating_sub(1);
-        let mut is_first = true;
-        for &range in self.forced.iter().filter(|range| **range != NOTHING) {
-            let (first, end) = (usize::from(range.0), usize::from(range.1));
-            let force = self.history.get(first..end).unwrap_or(&[]);
-            let taps = (POINTS - 1 + first).checked_sub(last).and_then(|at| self.taps.get(at..)).unwrap_or(&[]);
-            // Force up to the first group's last output: lags below 0 meet zeros. Places in a
-            // history are below 2^10, and the sum of all taps' magnitudes bounds the sums ([`fix`]).
-            let count = (start + OUTPUTS) as i32 - first as i32;
-            match core::mem::take(&mut is_first) {
-                true => kernel::convolve::<false>(force, taps, count, sums),
-                false => kernel::convolve::<true>(force, taps, count, sums),
-            }
+        if self.tail == Tail::Ready {
+            let tail = self.history.get(frame..BLOCK_FRAMES).unwrap_or(&[]);
+            out.iter_mut().zip(tail).for_each(|(out, &tail)| *out = fixed::qadd(*out, tail));
         }
-        let sums = out.iter_mut().zip(sums.as_flattened());
-        match u32::try_from(self.exponent - 1) {
-            // Rounded: half of a step of the shifted sum is its last bit.
-            Ok(shift) => {
-                sums.for_each(|(out, &sum)| *out = fixed::qadd(*out, fixed::saturate(((sum >> shift) + 1) >> 1)))
+        let (ranges, count) = merged(&self.forced);
+        let ranges = ranges.get(..count).unwrap_or(&[]);
+        if ranges.is_empty() {
+            return;
+        }
+        for (outputs, frame) in out.chunks_mut(SUMS).zip((start..).step_by(SUMS)) {
+            // Half a bus step, so that the shift rounds to the nearest.
+            let mut sums = [1i64 << (self.exponent.clamp(1, MAX_EXPONENT) - 1); SUMS];
+            let used = sums.get_mut(..outputs.len().next_multiple_of(OUTPUTS)).unwrap_or(&mut []);
+            for &(first, end) in ranges {
+                let (first, end) = (usize::from(first), usize::from(end));
+                for (sums, frame) in used.as_chunks_mut().0.iter_mut().zip((frame..).step_by(OUTPUTS)) {
+                    // Lags below 0 meet zeros.
+                    let force = self.history.get(first..end.min(frame + OUTPUTS)).unwrap_or(&[]);
+                    let at = (POINTS - 1 + first).wrapping_sub(frame);
+                    // The sum of all taps' magnitudes bounds it ([`fix`]).
+                    kernel::convolve(force, self.taps.get(at..).unwrap_or(&[]), sums);
+                }
             }
-            Err(_) => sums.for_each(|(out, &sum)| *out = fixed::qadd(*out, enlarged(sum, self.exponent))),
+            for (out, &sum) in outputs.iter_mut().zip(&sums) {
+                *out = fixed::qadd(*out, scaled(sum, self.exponent));
+            }
         }
     }
 
@@ -174,14 +233,38 @@ impl<'m> Head<'m> {
     }
 }
 
+/// Longest gap between two ranges that costs less to multiply than a range more, in samples.
+const GAP: u16 = 16;
+
+/// Ranges of a history, one for those that follow each other without a long gap, and their number.
+fn merged(forced: &[(u16, u16); PARTS]) -> ([(u16, u16); PARTS], usize) {
+    let (mut ranges, mut count) = ([NOTHING; PARTS], 0usize);
+    for &range in forced.iter().filter(|range| **range != NOTHING) {
+        match count
+            .checked_sub(1)
+            .and_then(|last| ranges.get_mut(last))
+            .filter(|last| range.0.saturating_sub(last.1) <= GAP)
+        {
+            Some(last) => last.1 = range.1,
+            None => {
+                if let Some(place) = ranges.get_mut(count) {
+                    *place = range;
+                }
+                count += 1;
+            }
+        }
+    }
+    (ranges, count)
+}
+
 /// Turns heads that hold the bits of floats into integers with one exponent, and gives it.
 ///
-/// The magnitudes of a head's taps add up to less than 2^32, so that with any force the sums stay
-/// below 2^63. Heads between two of them have no larger sums.
+/// The magnitudes of a head's taps add up to less than 2^32, so that with any force and with half a
+/// bus step the sums stay below 2^63. Heads between two of them have no larger sums.
 pub(super) fn fix(taps: &mut [i32]) -> i32 {
     let float = |tap: i32| f32::from_bits(tap as u32);
     let bits = |x: f32| libm::frexpf(x).1;
-    let mut exponent = 62;
+    let mut exponent = MAX_EXPONENT;
     for head in taps.chunks(POINTS) {
         let (sum, largest) = head.iter().fold((0.0f32, 0.0f32), |(sum, largest), &tap| {
             let size = float(tap).abs();
@@ -196,8 +279,12 @@ pub(super) fn fix(taps: &mut [i32]) -> i32 {
     exponent
 }
 
-/// Sum of taps and force on the bus, saturating, of taps that add up to 2^31 and more.
-#[inline(never)] // no shipped kit has such a head
-fn enlarged(sum: i64, exponent: i32) -> i32 {
-    fixed::saturate(sum.saturating_mul(1i64 << exponent.unsigned_abs().min(30)))
+/// Sum of taps and force and half a bus step on the bus, saturating.
+#[inline(always)]
+fn scaled(sum: i64, exponent: i32) -> i32 {
+    if exponent <= 0 {
+        // Only heads whose taps add up to 2^31 and more come here; they have a half too much.
+        return fixed::saturate((sum - 1).saturating_mul(1i64 << exponent.unsigned_abs().min(30)));
+    }
+    fixed::saturate(sum >> exponent)
 }

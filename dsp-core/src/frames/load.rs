@@ -22,20 +22,20 @@ pub struct FrameBankSize {
 
 /// Nominal cycles a frame under a direct force, and those of each mode
 /// (`cargo test -p host-tests --test on_chip frames -- --nocapture`).
-const DRIVEN_FRAME: f32 = 1545.0;
-const DRIVEN_MODE: f32 = 0.784;
+const DRIVEN_FRAME: f32 = 1346.0;
+const DRIVEN_MODE: f32 = 0.644;
 /// Nominal cycles a frame of a lone pad, to the output: in the dearest tick of a strike, in that
 /// under a force that never rests, and those of each mode (the same).
-const STRUCK_FRAME: f32 = 848.0;
-const STRUCK_MODE: f32 = 0.802;
-const DIRECT_FRAME: f32 = 1833.0;
-const DIRECT_MODE: f32 = 0.756;
+const STRUCK_FRAME: f32 = 912.0;
+const STRUCK_MODE: f32 = 0.706;
+const DIRECT_FRAME: f32 = 1727.0;
+const DIRECT_MODE: f32 = 0.619;
 /// Nominal cycles of a mode under a force in the fixed-point bank
 /// (`cargo bench -p host-tests --bench run_time_vs_error`).
 const DRIVEN_MODE_IN_BANK: f32 = 7.74;
 
 /// Fewest modes of a bank that takes fewer cycles in frames than in the fixed-point bank, both
-/// under a force that never rests: 223.
+/// under a force that never rests: 190.
 ///
 /// A lone ringing pad is cheaper in frames from 65 modes on.
 pub const FEWEST_MODES: usize = (DRIVEN_FRAME / (DRIVEN_MODE_IN_BANK - DRIVEN_MODE)) as usize + 1;
@@ -86,9 +86,9 @@ impl<'m> FrameBank<'m> {
         (DIRECT_FRAME + DIRECT_MODE * modes as f32) as u32
     }
 
-    /// Takes the memory of a bank, at rest and without modes: 84 bytes a mode, and 5.5 KB.
+    /// Takes the memory of a bank, at rest and without modes: 84 bytes a mode, and 7.3 KB.
     ///
-    /// A bank of several positions takes 2 bytes a mode, 2 KB a position and 4.1 KB more.
+    /// A bank of several positions takes 2 bytes a mode, 2 KB a position and 2.1 KB more.
     ///
     /// # Errors
     /// [`OutOfMemory`].
@@ -96,11 +96,11 @@ impl<'m> FrameBank<'m> {
         let mut bank = Self {
             modes: lender.take(Region::Fast, size.modes, FrameMode::default)?,
             lines: lender.take(Region::Fast, LINES, Line::default)?,
-            heads: [Head::take(lender)?, Head::empty()],
+            heads: [Head::take(lender, size.positions <= 1)?, Head::empty()],
             ..Self::empty()
         };
         if size.positions > 1 {
-            bank.heads[1] = Head::take(lender)?;
+            bank.heads[1] = Head::take(lender, false)?;
             bank.positions = Positions {
                 count: size.positions,
                 heads: lender.take(Region::Bulk, size.positions * POINTS, || 0)?,
@@ -141,6 +141,7 @@ impl<'m> FrameBank<'m> {
         self.lines.iter_mut().for_each(|line| line.ringing = 0);
         if table.positions == 1 {
             self.heads[0].fix();
+            mixer.make_response(&mut self.heads[0]);
             return Ok(());
         }
         self.positions.indices.iter_mut().for_each(|index| *index &= !BY_RECURSION);

@@ -1,9 +1,14 @@
 //! Work of all banks in frames, a block ahead, in pieces; and their sum, as it plays.
 
-use super::bank::{FrameBank, SLOTS};
+use super::bank::{FrameBank, InFrames, SLOTS};
+use super::costs::{
+    BEGIN_FORCE, CLEAR, COMBINE, DERIVED_MODE, FILL, FORCE, GATHER_LINE, GATHER_MODE, LEAST_SPAN, LINES_AT_ONCE, PAN,
+    PLAY_FRAME, PRODUCT, PUT, SYNTHESIS_LINE, SYNTHESIS_MODE, TAIL, TAIL_TICKS, TICK, UNFOLD, bank_cycles, due,
+};
+use super::head::Head;
 use super::kernel;
 use super::mode::Line;
-use super::spectrum::{self, Lines};
+use super::spectrum::{self, Lines, PAIRS_AT_ONCE};
 use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, RETIREMENT_BLOCKS, TICKS};
 use crate::fourier::{self, Complex, Progress};
 use crate::memory::{Lender, OutOfMemory, Region};
@@ -35,8 +40,11 @@ pub struct FrameMixer<'m> {
     /// Cycles of this block's work that are done, and all of them.
     done: u32,
     all: u32,
-    /// Cycles by which each tick's share of the work is smaller than that of the tick before it.
-    slope: u32,
+    /// Cycles of this block's work up to the end of the first bank's tail, 0 without one, and the
+    /// number of ticks for them.
+    first_tail: (u32, u32),
+    /// Number of the tick in this block.
+    tick: usize,
 }
 
 /// Memory of a mixer: 12.3 KB.
@@ -50,24 +58,6 @@ struct Buffers {
     force: [Complex; BLOCK_FRAMES],
 }
 
-/// A pad, with a bank in frames or without.
-pub trait InFrames<'b> {
-    /// Bank in frames of the pad.
-    fn frames(&self) -> Option<&FrameBank<'b>>;
-    /// Bank in frames of the pad, to work on.
-    fn frames_mut(&mut self) -> Option<&mut FrameBank<'b>>;
-}
-
-impl<'b> InFrames<'b> for FrameBank<'b> {
-    fn frames(&self) -> Option<&Self> {
-        Some(self)
-    }
-
-    fn frames_mut(&mut self) -> Option<&mut Self> {
-        Some(self)
-    }
-}
-
 /// Piece of the work that comes next.
 #[derive(Clone, Copy, Debug)]
 enum Step {
@@ -77,6 +67,10 @@ enum Step {
     Force(Progress),
     /// Lines of the force: next pair.
     Unfold(usize),
+    /// Spectrum of the head's tail: next pair.
+    Combine(usize),
+    /// Transform of the tail.
+    Tail(Progress),
     /// States from the force's lines: next line and its first mode.
     Gather(usize, usize),
     /// Lines from the states: next line and its first mode.
@@ -106,7 +100,8 @@ impl<'m> FrameMixer<'m> {
             is_first: true,
             done: 0,
             all: 0,
-            slope: 0,
+            first_tail: (0, 1),
+            tick: 0,
         }
     }
 
@@ -150,7 +145,8 @@ impl<'m> FrameMixer<'m> {
     pub fn tick_cycles(&self) -> u32 {
         let plays = if self.sounds[0] { TICK_FRAMES as u32 * PLAY_FRAME } else { 0 };
         let works = !matches!(self.step, Step::Rest);
-        plays + if works { self.all / TICKS as u32 + TICK } else { 0 }
+        let share = || due(self.tick, self.all, self.first_tail).min(self.all).saturating_sub(self.done);
+        plays + if works { share() + TICK } else { 0 }
     }
 
     /// True if neither this block nor the next one has any sound from frames.
@@ -167,33 +163,59 @@ impl<'m> FrameMixer<'m> {
         self.block = (self.block + 1) % RETIREMENT_BLOCKS;
         self.sounds = [self.sounds[1], false];
         banks.iter_mut().filter_map(InFrames::frames_mut).for_each(FrameBank::begin_block);
+        (self.done, self.all, self.tick) = (0, 0, 0);
+        self.choose_tails(banks);
         let works = |bank: &FrameBank<'_>| bank.works();
-        self.all = banks.iter().filter_map(InFrames::frames).map(bank_cycles).sum();
-        let forces = |bank: &FrameBank<'_>| (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some()).count();
-        self.done = BEGIN * banks.iter().filter_map(InFrames::frames).map(forces).sum::<usize>() as u32;
-        // Under a force that lasts, heads take more from tick to tick.
-        let lasting = banks.iter().filter_map(InFrames::frames).map(FrameBank::lasting_forces).sum::<u32>();
-        self.slope = (lasting * HEAD_SLOPE * 3 / 5).min(self.all / (TICKS * TICKS) as u32);
         (self.bank, self.slot) = (0, 0);
         self.step = Step::Rest;
         if banks.iter().filter_map(InFrames::frames).any(works) {
             self.all += fourier::cycles(POINTS);
+            if self.first_tail.0 == 0 {
+                let forces = |bank: &FrameBank<'_>| (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some()).count();
+                self.done = BEGIN_FORCE * banks.iter().filter_map(InFrames::frames).map(forces).sum::<usize>() as u32;
+                self.all += self.done;
+            }
             self.sounds[1] = true;
             (self.step, self.is_first) = (Step::Bank, true);
         }
     }
 
+    /// Counts the cycles of the banks' work, and chooses whose tails a transform makes: those that
+    /// cost less than the products that they save.
+    fn choose_tails<'b>(&mut self, banks: &mut [impl InFrames<'b>]) {
+        let without: u32 = banks.iter().filter_map(InFrames::frames).map(bank_cycles).sum();
+        self.first_tail = (0, 1);
+        let is_long = |bank: &FrameBank<'_>| bank.heads[0].last_span() >= LEAST_SPAN;
+        if !banks.iter().filter_map(InFrames::frames).any(is_long) {
+            self.all = without;
+            return;
+        }
+        let share = ((without + fourier::cycles(POINTS)) / TICKS as u32).max(1);
+        for bank in banks.iter_mut().filter_map(InFrames::frames_mut) {
+            let ready = self.all + FORCE + TAIL;
+            let ticks = ready.div_ceil(share).max(TAIL_TICKS);
+            let saved_frames = (TICKS as u32).saturating_sub(ticks) * TICK_FRAMES as u32;
+            let [head, _] = &mut bank.heads;
+            if !bank.modes.is_empty() && head.last_span() * saved_frames * PRODUCT > TAIL {
+                head.want_tail();
+                if self.all == 0 {
+                    self.first_tail = (ready, ticks);
+                }
+            }
+            self.all += bank_cycles(bank);
+        }
+    }
+
     /// Works on the next block at the end of a tick of this one, counted from 0: by then the share
-    /// of the ticks that have passed is done. `retired_beside` is the retired amplitude of all
-    /// modes that are not in frames, 1.0 = full scale. Gives the number of modes that have
-    /// retired.
+    /// of the ticks that have passed is done. `retired_beside` is the retired amplitude of all modes
+    /// that are not in frames, 1.0 = full scale. Gives the number of modes that have retired.
     pub fn end_tick<'b>(&mut self, tick: usize, retired_beside: f32, banks: &mut [impl InFrames<'b>]) -> u32 {
         self.retired_beside = retired_beside;
-        let (past, left) = (tick as u32 + 1, (TICKS as u32).saturating_sub(tick as u32 + 1));
-        let due = if left > 0 { (self.all / TICKS as u32 + self.slope * left / 2) * past } else { u32::MAX };
+        let due = due(tick, self.all, self.first_tail);
         while self.done < due && !matches!(self.step, Step::Rest) {
             self.advance(banks, due - self.done);
         }
+        self.tick = tick + 1;
         core::mem::take(&mut self.retired_modes)
     }
 
@@ -247,7 +269,28 @@ impl<'m> FrameMixer<'m> {
                     (UNFOLD * PAIRS_AT_ONCE as u32, Step::Unfold(end))
                 } else {
                     bank.wake();
-                    (UNFOLD * (end - pair) as u32, Step::Gather(0, 0))
+                    let has_tail = bank.tail_response(self.slot).is_some();
+                    let next = if has_tail { Step::Combine(0) } else { Step::Gather(0, 0) };
+                    (UNFOLD * (end - pair) as u32, next)
+                }
+            }
+            Step::Combine(pair) => {
+                let count = PAIRS_AT_ONCE.min((cycles / COMBINE) as usize + 1);
+                let end = spectrum::PAIRS.min(pair + count);
+                spectrum::combine(lines, bank.tail_response(self.slot).unwrap_or(&[]), pair..end, force);
+                let is_over = end == spectrum::PAIRS;
+                let next = if is_over { Step::Tail(Progress::start(BLOCK_FRAMES)) } else { Step::Combine(end) };
+                (COMBINE * (end - pair) as u32, next)
+            }
+            Step::Tail(mut progress) => {
+                let spent = progress.advance(force, cycles);
+                if progress.is_over() {
+                    if let Some(tail) = bank.heads.get_mut(self.slot).and_then(Head::begin_tail) {
+                        spectrum::put_tail(force, tail);
+                    }
+                    (spent + PUT, Step::Gather(0, 0))
+                } else {
+                    (spent, Step::Tail(progress))
                 }
             }
             Step::Gather(line, mode) => {
@@ -303,6 +346,20 @@ impl<'m> FrameMixer<'m> {
         self.step = next;
     }
 
+    /// Makes the spectrum of a head's taps, for its tails.
+    pub(super) fn make_response(&mut self, head: &mut Head<'_>) {
+        let ([buffers], Some((taps, response))) = (&mut *self.buffers, head.taps_and_response()) else { return };
+        spectrum::fill_taps(taps, &mut buffers.force);
+        let mut progress = Progress::start(BLOCK_FRAMES);
+        while !progress.is_over() {
+            progress.advance(&mut buffers.force, u32::MAX);
+        }
+        spectrum::unfold(&buffers.force, 0..spectrum::PAIRS, &mut buffers.lines);
+        for (to, line) in response.iter_mut().zip(spectrum::inner(&buffers.lines)) {
+            *to = line.map(|x| x * (1.0 / POINTS as f32));
+        }
+    }
+
     /// Makes a block of a bank from its states, for its head.
     pub(super) fn make_block(&mut self, bank: &mut FrameBank<'_>) {
         let [buffers] = &mut *self.buffers else { return };
@@ -336,48 +393,3 @@ fn piece(bank: &FrameBank<'_>, line: usize, cycles: u32, cost: impl Fn(&Line) ->
     }
     (LINES, count, spent)
 }
-
-/// Cycles of a bank's work on the next block.
-fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
-    let (modes, lines) = (bank.modes.len() as u32, LINES as u32);
-    let synthesis = |modes: u32| CLEAR + lines * SYNTHESIS_LINE + modes * SYNTHESIS_MODE + lines * PAN;
-    let transform = BEGIN + FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD;
-    let forced = (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some());
-    let of_forces: u32 = forced
-        .map(|slot| {
-            let of_mode = GATHER_MODE + if bank.is_to_derive(slot) { DERIVED_MODE } else { 0 };
-            transform + lines * GATHER_LINE + modes * of_mode
-        })
-        .sum();
-    match (of_forces, bank.ringing) {
-        (0, 0) => 0,
-        (0, ringing) => synthesis(ringing.into()),
-        _ => of_forces + synthesis(modes),
-    }
-}
-
-/// Nominal cycles of pieces of the work: a line and a mode of the kernels, a pair of lines of a
-/// force, a line that is panned (`cargo test -p host-tests --test on_chip frames`).
-const GATHER_LINE: u32 = 25;
-const SYNTHESIS_LINE: u32 = 90;
-const GATHER_MODE: u32 = 94;
-const SYNTHESIS_MODE: u32 = 112;
-/// Nominal cycles that a head takes more from tick to tick while its force lasts: the products with
-/// a tick's force.
-const HEAD_SLOPE: u32 = (TICK_FRAMES * TICK_FRAMES) as u32 * 22 / 10;
-/// Nominal cycles of a mode whose gain is derived for another position.
-const DERIVED_MODE: u32 = 90;
-/// Nominal cycles of a frame that plays, and of a tick beside its share of the work.
-const PLAY_FRAME: u32 = 47;
-const TICK: u32 = 1_900;
-const UNFOLD: u32 = 67;
-const PAN: u32 = 28;
-/// Nominal cycles of a block's beginning for a head with a force.
-const BEGIN: u32 = 3_000;
-/// Nominal cycles of the preparation of a force, and of the clearing of lines.
-const FILL: u32 = 7_000;
-const CLEAR: u32 = 1_800;
-
-/// Number of pairs of lines that are unfolded, and of lines that are panned, in one piece.
-const PAIRS_AT_ONCE: usize = 32;
-const LINES_AT_ONCE: usize = 64;

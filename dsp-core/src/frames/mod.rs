@@ -20,12 +20,14 @@
 //! The amplitudes of block j hold what struck before block j-1. The rest is the **head**: the
 //! force of this block and the last one, convolved with the first 2N samples of the bank's
 //! response. So a strike sounds at its very sample, and the sum is linear and does not depend on
-//! the place of a strike within a block.
+//! the place of a strike within a block. Where it costs less, a transform makes what the last
+//! block's force adds, from the third tick on at the earliest: the **tail**.
 //!
 //! Arithmetic is `f32` in the lines, 64-bit integers in the head. Products are rounded before they
 //! are added, on every machine.
 
 mod bank;
+mod costs;
 mod head;
 pub mod kernel;
 mod load;
@@ -35,10 +37,10 @@ mod numbers;
 mod pole;
 mod spectrum;
 
-pub use bank::FrameBank;
+pub use bank::{FrameBank, InFrames};
 pub use head::Head;
 pub use load::{FEWEST_MODES, FrameBankSize};
-pub use mixer::{FrameMixer, InFrames};
+pub use mixer::FrameMixer;
 pub use mode::{FrameMode, Line};
 pub use numbers::numbers;
 

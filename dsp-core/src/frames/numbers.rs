@@ -49,6 +49,9 @@ pub(super) fn window_at(frame: usize) -> f32 {
 /// Coefficients of the power series of lines 0 to 3.
 static SERIES: [[f32; TERMS]; REACH + 1] = series();
 
+/// Numbers of the lines 0 to 3 for an undamped mode at its line, which are real.
+pub(super) static NUMBERS_AT_LINE: [f32; REACH + 1] = [SERIES[0][0], SERIES[1][0], SERIES[2][0], SERIES[3][0]];
+
 /// Numbers of a mode at a complex distance ξ from its line, of the lines -3 to 3.
 ///
 /// Re ξ is from -1/2 to 1/2, Im ξ from 0 to 4.2. Error of the sum of the lines against the mode,

@@ -2,8 +2,9 @@
 
 use core::ops::Range;
 
-use super::numbers::{HALF, window_at};
-use super::{BLOCK_FRAMES, PADDED_LINES, POINTS, WIDTH};
+use super::kernel;
+use super::numbers::{HALF, NUMBERS_AT_LINE, WINDOW, window_at};
+use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, WIDTH};
 use crate::fourier::{self, Complex, MAX_POINTS, TWIDDLES};
 
 /// Lines of a spectrum from -3 to N + 3, line k at place k + 3.
@@ -15,14 +16,91 @@ const BEYOND: usize = WIDTH / 2;
 /// Fills the input of a transform of N points with a block of force, windowed: an even frame as the
 /// real part, an odd one as the imaginary part, the middle of the block first.
 pub(super) fn fill(force: &[i32; BLOCK_FRAMES], transform: &mut [Complex; BLOCK_FRAMES]) {
-    transform.fill([0.0; 2]);
-    for (frame, pair) in (0..).step_by(2).zip(force.as_chunks::<2>().0) {
-        let place = ((frame + POINTS - HALF) / 2) % BLOCK_FRAMES;
-        if let Some(slot) = transform.get_mut(place) {
-            *slot = [pair[0] as f32 * window_at(frame), pair[1] as f32 * window_at(frame + 1)];
+    let (second, rest) = transform.split_at_mut(HALF / 2);
+    let (zeros, first) = rest.split_at_mut(BLOCK_FRAMES - HALF);
+    zeros.fill([0.0; 2]);
+    let (force, _) = force.as_chunks::<2>();
+    let (before, behind) = force.split_at(HALF / 2);
+    // The window by its distance from the middle: first it falls, from the whole half on.
+    let (fall, _) = WINDOW.get(1..).unwrap_or(&[]).as_chunks::<2>();
+    for ((place, force), [near, far]) in first.iter_mut().zip(before).zip(fall.iter().rev()) {
+        *place = [force[0] as f32 * far, force[1] as f32 * near];
+    }
+    for ((place, force), window) in second.iter_mut().zip(behind).zip(WINDOW.as_chunks::<2>().0) {
+        *place = [force[0] as f32 * window[0], force[1] as f32 * window[1]];
+    }
+}
+
+/// Fills the input of a transform of N points with 2N taps, an even one as the real part, an odd
+/// one as the imaginary part.
+pub(super) fn fill_taps(mut taps: impl Iterator<Item = f32>, transform: &mut [Complex; BLOCK_FRAMES]) {
+    let mut next = || taps.next().unwrap_or(0.0);
+    transform.iter_mut().for_each(|pair| *pair = [next(), next()]);
+}
+
+/// Lines 0 to N among all.
+pub(super) fn inner(lines: &Lines) -> &[Complex] {
+    lines.get(BEYOND..=BEYOND + BLOCK_FRAMES).unwrap_or(&[])
+}
+
+/// Spectrum of a tail, folded for a transform of N points to its even samples as real parts and its
+/// odd ones as imaginary parts: the lines of a windowed force times a response (lines 0 to N, times
+/// 1/2N), for a range of the pairs k and N - k.
+///
+/// Seven lines of the windowed force make one without the window, as a mode gathers it.
+pub(super) fn combine(
+    lines: &Lines,
+    response: &[Complex],
+    pairs: Range<usize>,
+    transform: &mut [Complex; BLOCK_FRAMES],
+) {
+    let times = |[re, im]: Complex, [x, y]: Complex| [re * x - im * y, re * y + im * x];
+    // Floats, not pairs of them: the compiler clears them in place.
+    let (mut low, mut high) = ([0.0; 2 * PAIRS_AT_ONCE], [0.0; 2 * PAIRS_AT_ONCE]);
+    let (low, high) = (low.as_chunks_mut().0, high.as_chunks_mut().0);
+    let count = pairs.len().min(PAIRS_AT_ONCE);
+    let Some(response) = response.first_chunk::<LINES>() else { return };
+    let unwindow = |first: usize, to: &mut [Complex]| {
+        kernel::unwindow(lines.get(first..).unwrap_or(&[]), &NUMBERS_AT_LINE, to.get_mut(..count).unwrap_or(&mut []));
+    };
+    unwindow(pairs.start, low);
+    unwindow(LINES - pairs.end, high);
+    for (index, k) in pairs.enumerate() {
+        // Line k, and line N + k: the mirror image of N - k.
+        let mirrored = BLOCK_FRAMES - k;
+        let (Some(&x), Some(&y)) = (low.get(index), high.get((count - 1).wrapping_sub(index))) else { return };
+        let (Some(&of_x), Some(&of_y)) = (response.get(k), response.get(mirrored)) else { return };
+        let Some(&[cos, sin]) = TWIDDLES.get(k * (MAX_POINTS / BLOCK_FRAMES)) else { return };
+        let ([a, b], [c, d]) = (times(x, of_x), times(y, of_y));
+        let (even, odd) = ([a + c, b - d], [a - c, b + d]);
+        let turned = [cos * odd[0] - sin * odd[1], cos * odd[1] + sin * odd[0]];
+        if let Some(slot) = transform.get_mut(k) {
+            *slot = [even[0] - turned[1], even[1] + turned[0]];
+        }
+        if let Some(slot) = transform.get_mut(mirrored) {
+            *slot = [even[0] + turned[1], turned[0] - even[1]];
         }
     }
 }
+
+/// Puts a tail from its transform, rounded to bus steps.
+pub(super) fn put_tail(transform: &[Complex; BLOCK_FRAMES], tail: &mut [i32; BLOCK_FRAMES]) {
+    // The force lies around sample 0, so that its next block begins half a block behind.
+    for (samples, pair) in tail.as_chunks_mut::<2>().0.iter_mut().zip(HALF as u32 / 2..) {
+        let place = fourier::place(pair, BLOCK_FRAMES.trailing_zeros());
+        *samples = transform.get(place).copied().unwrap_or([0.0; 2]).map(rounded);
+    }
+}
+
+/// Nearest whole number, saturating.
+#[inline(always)]
+pub(super) fn rounded(x: f32) -> i32 {
+    // `as` alone rounds to 0.
+    (x + 0.5f32.copysign(x)) as i32
+}
+
+/// Number of pairs of lines that are worked on in one piece.
+pub(super) const PAIRS_AT_ONCE: usize = 24;
 
 /// Number of pairs of lines k and N - k.
 pub(super) const PAIRS: usize = HALF + 1;

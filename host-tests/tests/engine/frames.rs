@@ -50,7 +50,7 @@ fn is_in_frames(loaded: &Loaded) -> bool {
 
 #[test]
 fn a_pad_is_in_frames_if_a_direct_force_costs_less_there_and_it_cannot_be_choked() {
-    assert!(!is_in_frames(&load(thing(222, 1))) && is_in_frames(&load(thing(223, 1))));
+    assert!(!is_in_frames(&load(thing(189, 1))) && is_in_frames(&load(thing(190, 1))));
     let mut kit = thing(300, 1);
     kit.pads[0].choke_t60_s = 0.1;
     assert!(!is_in_frames(&load(kit)));

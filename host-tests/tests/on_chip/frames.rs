@@ -70,9 +70,9 @@ fn thousand_modes_ring_and_are_struck_within_the_cycles_of_the_page() {
     // Number of modes; cycles a frame ringing, of the dearest tick of a strike, under a direct
     // force in the mean and at most.
     let page = [
-        (64, [358.0, 828.0, 1612.0, 1721.0]),
-        (256, [445.0, 1013.0, 1776.0, 1866.0]),
-        (1025, [753.0, 1579.0, 2362.0, 2447.0]),
+        (64, [358.0, 853.0, 1387.0, 1618.0]),
+        (256, [444.0, 1018.0, 1551.0, 1740.0]),
+        (1025, [752.0, 1556.0, 2006.0, 2143.0]),
     ];
     let mut ringing = Vec::new();
     for (count, stated) in page {
@@ -212,9 +212,9 @@ fn the_engine_keeps_the_cycles_of_the_page_with_a_thousand_modes_and_bands() {
     let mut wrong = Vec::new();
     // Mean of each scene, and dearest tick, on docs/frames.md.
     let stated = [
-        (256, 0, [535, 481, 2011, 1919], [580, 1053, 2344, 2026]),
-        (1025, 0, [844, 745, 2597, 2505], [891, 1670, 2922, 2607]),
-        (1025, 100, [1166, 1099, 2977, 2861], [1304, 1987, 3428, 3115]),
+        (256, 0, [539, 489, 1863, 1728], [581, 1093, 2106, 1885]),
+        (1025, 0, [848, 752, 2317, 2184], [891, 1636, 2582, 2361]),
+        (1025, 100, [1170, 1106, 2697, 2540], [1307, 2012, 2993, 2800]),
     ];
     for (modes, bands, means, dearest) in stated {
         let kit = load(thing(modes, bands)).binary;
@@ -224,7 +224,7 @@ fn the_engine_keeps_the_cycles_of_the_page_with_a_thousand_modes_and_bands() {
             let (mean, most) = (f64::from(mean), f64::from(most));
             let is_as_stated = (played.mean / mean - 1.0).abs() <= 0.03
                 && (played.dearest / most - 1.0).abs() <= 0.03
-                && played.dearest_with_flash <= 1.12 * played.dearest;
+                && played.dearest_with_flash <= 1.16 * played.dearest;
             if !is_as_stated {
                 wrong.push(format!("{modes} modes, {bands} bands, {what}: {played:.0?}, not {mean} and {most}"));
             }

@@ -5,7 +5,7 @@ use core::mem::offset_of;
 
 use super::super::mode::{FrameMode, Line};
 use super::super::numbers::WINDOW;
-use super::super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS};
+use super::super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, WIDTH};
 use super::OUTPUTS;
 use crate::fourier::Complex;
 
@@ -21,18 +21,11 @@ const _: () = {
 };
 
 unsafe extern "C" {
+    fn malleus_frames_play(stereo: *const Complex, window: *const f32, first: usize, out: *mut [i32; 2], count: usize);
     fn malleus_frames_synthesize(modes: *mut FrameMode, lines: *const Line, count: usize, spectrum: *mut Complex);
     fn malleus_frames_gather(modes: *mut FrameMode, lines: *const Line, count: usize, spectrum: *const Complex);
-    fn malleus_frames_convolve(
-        force: *const i32,
-        taps: *const i32,
-        length: usize,
-        sums: *mut i64,
-        groups: usize,
-        count: i32,
-        adds: u32,
-    );
-    fn malleus_frames_play(stereo: *const Complex, window: *const f32, first: usize, out: *mut [i32; 2], count: usize);
+    fn malleus_frames_convolve(force: *const i32, taps: *const i32, count: usize, sums: *mut i64);
+    fn malleus_frames_unwindow(lines: *const Complex, out: *mut Complex, count: usize, numbers: *const f32);
 }
 
 /// True if the modes of the lines are all there, and the lines in the spectrum.
@@ -71,22 +64,24 @@ pub fn gather(modes: &mut [FrameMode], lines: &[Line], first: usize, spectrum: &
     unsafe { malleus_frames_gather(modes.as_mut_ptr(), lines.as_ptr(), lines.len(), from.as_ptr()) }
 }
 
-/// Sums groups of three outputs of a head as [`super::portable::convolve`] does.
+/// Adds to three outputs of a head as [`super::portable::convolve`] does.
 ///
-/// Cost, counted from the code: 2.2 cycles for each product of a sample and a tap, 60 a group.
+/// Cost, counted from the code: 2.0 cycles for each product of a sample and a tap.
 #[inline(always)]
-pub fn convolve<const ADDS: bool>(force: &[i32], taps: &[i32], count: i32, sums: &mut [[i64; OUTPUTS]]) {
-    let Some(first) = sums.len().checked_sub(1).map(|last| OUTPUTS * last) else { return };
-    if taps.len() < first + force.len() + OUTPUTS - 1 {
-        return;
+pub fn convolve(force: &[i32], taps: &[i32], sums: &mut [i64; OUTPUTS]) {
+    if taps.len() >= force.len() + OUTPUTS - 1 {
+        // SAFETY: the taps are longer than the force by two; there is a place for each sum.
+        unsafe { malleus_frames_convolve(force.as_ptr(), taps.as_ptr(), force.len(), sums.as_mut_ptr()) }
     }
-    let taps = taps.as_ptr().wrapping_add(first);
-    // SAFETY: the taps of the first group are longer than the force by two, and those of each group
-    // begin three before those of the group before it, the last ones with the slice. There are as
-    // many sums as groups.
-    unsafe {
-        let (force, length, groups) = (force.as_ptr(), force.len(), sums.len());
-        malleus_frames_convolve(force, taps, length, sums.as_mut_ptr().cast(), groups, count, ADDS.into());
+}
+
+/// Takes the window away from lines of a force as [`super::portable::unwindow`] does.
+///
+/// Cost, counted from the code: 28 cycles a line.
+pub fn unwindow(lines: &[Complex], numbers: &[f32; WIDTH / 2 + 1], out: &mut [Complex]) {
+    if !out.is_empty() && lines.len() >= out.len() + WIDTH - 1 {
+        // SAFETY: each line that is made has seven from its own on; at least one is made.
+        unsafe { malleus_frames_unwindow(lines.as_ptr(), out.as_mut_ptr(), out.len(), numbers.as_ptr()) }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The hot loops in plain Rust.
 
 use super::super::mode::{FrameMode, Line};
-use super::super::spectrum::sample;
+use super::super::spectrum::{rounded, sample};
 use super::super::{PADDED_LINES, POINTS, WIDTH};
 use super::OUTPUTS;
 use crate::fixed;
@@ -51,25 +51,28 @@ pub fn gather(modes: &mut [FrameMode], lines: &[Line], first: usize, spectrum: &
     }
 }
 
-/// Sums groups of three outputs of a head: output `3g + j` is
-/// `Σ_m force[m] · taps[m + 2 - j - 3g]`, with `taps` counted from that of the first group. `ADDS`:
-/// it is added to what is there.
+/// Adds to three outputs of a head: `Σ_m force[m] · taps[m + 2 - j]` for j = 0 to 2.
 ///
-/// Group g takes the first `count + 3g` samples of the force, as many as there are. The taps of the
-/// last group come first in `taps`.
-pub fn convolve<const ADDS: bool>(force: &[i32], taps: &[i32], count: i32, sums: &mut [[i64; OUTPUTS]]) {
-    let firsts = (0..sums.len()).rev().map(|group| group * OUTPUTS);
-    for ((sums, first), count) in sums.iter_mut().zip(firsts).zip((count..).step_by(OUTPUTS)) {
-        let force = force.get(..(count.max(0) as usize).min(force.len())).unwrap_or(&[]);
-        let taps = taps.get(first..).unwrap_or(&[]);
-        if !ADDS {
-            *sums = [0; OUTPUTS];
+/// `taps` is longer than the force by [`OUTPUTS`] - 1. Sums stay below 2^63 in magnitude.
+pub fn convolve(force: &[i32], taps: &[i32], sums: &mut [i64; OUTPUTS]) {
+    for (&force, taps) in force.iter().zip(taps.array_windows::<OUTPUTS>()) {
+        for (sum, &tap) in sums.iter_mut().zip(taps.iter().rev()) {
+            *sum += i64::from(force) * i64::from(tap);
         }
-        for (&force, taps) in force.iter().zip(taps.array_windows::<OUTPUTS>()) {
-            for (sum, &tap) in sums.iter_mut().zip(taps.iter().rev()) {
-                *sum += i64::from(force) * i64::from(tap);
-            }
-        }
+    }
+}
+
+/// Takes the window away from lines of a force: `Σ_l numbers[|l|] lines[k + 3 + l]`, l = -3 to 3, for
+/// line k.
+///
+/// `lines` is longer than `out` by [`WIDTH`] - 1.
+pub fn unwindow(lines: &[Complex], numbers: &[f32; WIDTH / 2 + 1], out: &mut [Complex]) {
+    for (out, [l3, l2, l1, line, r1, r2, r3]) in out.iter_mut().zip(lines.array_windows::<WIDTH>()) {
+        let [c0, c1, c2, c3] = numbers;
+        *out = [
+            c0 * line[0] + c1 * (l1[0] + r1[0]) + c2 * (l2[0] + r2[0]) + c3 * (l3[0] + r3[0]),
+            c0 * line[1] + c1 * (l1[1] + r1[1]) + c2 * (l2[1] + r2[1]) + c3 * (l3[1] + r3[1]),
+        ];
     }
 }
 
@@ -78,8 +81,6 @@ pub fn convolve<const ADDS: bool>(force: &[i32], taps: &[i32], count: i32, sums:
 pub fn play(stereo: &[Complex; POINTS], first: usize, out: &mut [[i32; 2]]) {
     for (out, frame) in out.iter_mut().zip(first..) {
         let [left, right] = sample(stereo, frame);
-        // Rounded to nearest: `as` alone rounds to 0.
-        let step = |x: f32| (x + 0.5f32.copysign(x)) as i32;
-        *out = [fixed::qadd(out[0], step(left)), fixed::qadd(out[1], step(right))];
+        *out = [fixed::qadd(out[0], rounded(left)), fixed::qadd(out[1], rounded(right))];
     }
 }

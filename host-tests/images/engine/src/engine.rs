@@ -16,9 +16,9 @@ const ROOM_SAMPLES: usize = 4_096;
 
 /// Number of words that the image lends: enough for the kit of `host-tests/src/rolls.toml`, for
 /// 1024 modes on 16 pads, and with the large memory for 1025 modes in frames with 100 bands.
-const WORDS: usize = 13_500;
+const WORDS: usize = 14_500;
 /// Number of words of large memory, beside the core.
-const BULK_WORDS: usize = 4_096;
+const BULK_WORDS: usize = 3_584;
 
 /// Static that only the running call reads and writes.
 struct Global<T>(UnsafeCell<T>);

@@ -1,0 +1,88 @@
+//! Nominal cycles of the pieces of the mixer's work, and of a bank's share.
+
+use super::bank::{FrameBank, SLOTS};
+use super::{BLOCK_FRAMES, LINES, TICKS, spectrum};
+use crate::fourier;
+use crate::time::TICK_FRAMES;
+
+/// Cycles of a block's work that are to be done by the end of a tick, counted from 0, of `all`. The
+/// first tail, if it has any cycles, is to be ready within a number of ticks.
+pub(super) fn due(tick: usize, all: u32, first_tail: (u32, u32)) -> u32 {
+    let even = (all / TICKS as u32) * (tick as u32 + 1);
+    match (tick, first_tail) {
+        (tick, _) if tick + 1 >= TICKS => u32::MAX,
+        (_, (0, _)) => even,
+        (tick, (cycles, ticks)) => {
+            let earliest = ((cycles + BEGIN) / ticks * (tick as u32 + 1)).saturating_sub(BEGIN);
+            let even = (even + BEGIN / TICKS as u32 * (tick as u32 + 1)).saturating_sub(BEGIN);
+            even.saturating_add_signed(ahead(tick as i32, ticks as i32)).max(earliest.min(cycles))
+        }
+    }
+}
+
+/// Cycles of a bank's work on the next block.
+pub(super) fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
+    let (modes, lines) = (bank.modes.len() as u32, LINES as u32);
+    let synthesis = |modes: u32| CLEAR + lines * SYNTHESIS_LINE + modes * SYNTHESIS_MODE + lines * PAN;
+    let forced = (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some());
+    let of_forces: u32 = forced
+        .map(|slot| {
+            let of_mode = GATHER_MODE + if bank.is_to_derive(slot) { DERIVED_MODE } else { 0 };
+            let tail = if bank.tail_response(slot).is_some() { TAIL } else { 0 };
+            FORCE + tail + lines * GATHER_LINE + modes * of_mode
+        })
+        .sum();
+    match (of_forces, bank.ringing) {
+        (0, 0) => 0,
+        (0, ringing) => synthesis(ringing.into()),
+        _ => of_forces + synthesis(modes),
+    }
+}
+
+/// Nominal cycles of pieces of the work: a line and a mode of the kernels, a pair of lines of a
+/// force, a line that is panned (`cargo test -p host-tests --test on_chip frames`).
+pub(super) const GATHER_LINE: u32 = 25;
+pub(super) const SYNTHESIS_LINE: u32 = 90;
+pub(super) const GATHER_MODE: u32 = 94;
+pub(super) const SYNTHESIS_MODE: u32 = 105;
+/// Nominal cycles of a mode whose gain is derived for another position.
+pub(super) const DERIVED_MODE: u32 = 90;
+/// Nominal cycles of a frame that plays, and of a tick beside its share of the work.
+pub(super) const PLAY_FRAME: u32 = 47;
+pub(super) const TICK: u32 = 2_900;
+pub(super) const UNFOLD: u32 = 60;
+pub(super) const PAN: u32 = 28;
+/// Nominal cycles of the preparation of a force, and of the clearing of lines.
+pub(super) const FILL: u32 = 3_800;
+pub(super) const CLEAR: u32 = 1_800;
+/// Nominal cycles of a pair of lines of a tail, of its rounding, and of all of it.
+pub(super) const COMBINE: u32 = 140;
+pub(super) const PUT: u32 = 7_600;
+pub(super) const TAIL: u32 = spectrum::PAIRS as u32 * COMBINE + fourier::cycles(BLOCK_FRAMES) + PUT;
+/// Nominal cycles of the lines of a force.
+pub(super) const FORCE: u32 = FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD;
+/// Nominal cycles of a product of the head.
+pub(super) const PRODUCT: u32 = 2;
+/// Number of samples of the last block whose products cost less than a tail at any rate.
+pub(super) const LEAST_SPAN: u32 = TAIL / PRODUCT / BLOCK_FRAMES as u32;
+/// Nominal cycles of a block's beginning for a head with a force, which the first tick pays.
+pub(super) const BEGIN_FORCE: u32 = 3_500;
+/// Nominal cycles by which the beginning of a block makes its first tick dearer.
+const BEGIN: u32 = 8_000;
+/// Least number of ticks in which a bank's tail is made.
+pub(super) const TAIL_TICKS: u32 = 2;
+
+/// Cycles by which the work is ahead of even shares at the end of a tick, in a block whose first
+/// tail takes a number of ticks: what the head's products leave of their mean, if force goes on
+/// through this block.
+const fn ahead(tick: i32, tail_ticks: i32) -> i32 {
+    const TICK_PRODUCTS: i32 = TICK_FRAMES as i32 * BLOCK_FRAMES as i32 * PRODUCT as i32;
+    // The last block's force takes a block of products a frame until its tail is there, this
+    // block's a 16th of it in the middle of the first tick and an 8th more in each tick.
+    let (ticks, with_last) = (tick + 1, if tick < tail_ticks { tick + 1 } else { tail_ticks });
+    let sixteenths = ticks * (2 * tail_ticks + 8) - ticks * ticks - 16 * with_last;
+    sixteenths * (TICK_PRODUCTS / 16)
+}
+
+/// Number of lines that are panned in one piece.
+pub(super) const LINES_AT_ONCE: usize = 64;
