@@ -13,7 +13,7 @@ pub(super) fn due(tick: usize, all: u32, first_tail: (u32, u32)) -> u32 {
         (tick, _) if tick + 1 >= TICKS => u32::MAX,
         (_, (0, _)) => even,
         (tick, (cycles, ticks)) => {
-            let earliest = ((cycles + BEGIN) / ticks * (tick as u32 + 1)).saturating_sub(BEGIN);
+            let earliest = ((cycles + BEGIN) / ticks.max(1) * (tick as u32 + 1)).saturating_sub(BEGIN);
             let even = (even + BEGIN / TICKS as u32 * (tick as u32 + 1)).saturating_sub(BEGIN);
             even.saturating_add_signed(ahead(tick as i32, ticks as i32)).max(earliest.min(cycles))
         }

@@ -8,6 +8,7 @@ use super::costs::{
 use super::head::Head;
 use super::kernel;
 use super::mode::Line;
+use super::samples;
 use super::spectrum::{self, Lines, PAIRS_AT_ONCE};
 use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, RETIREMENT_BLOCKS, TICKS};
 use crate::fourier::{self, Complex, Progress};
@@ -207,8 +208,8 @@ impl<'m> FrameMixer<'m> {
     }
 
     /// Works on the next block at the end of a tick of this one, counted from 0: by then the share
-    /// of the ticks that have passed is done. `retired_beside` is the retired amplitude of all modes
-    /// that are not in frames, 1.0 = full scale. Gives the number of modes that have retired.
+    /// of the ticks that have passed is done. `retired_beside` is the retired amplitude of all
+    /// modes that are not in frames, 1.0 = full scale. Gives the number of modes that retired.
     pub fn end_tick<'b>(&mut self, tick: usize, retired_beside: f32, banks: &mut [impl InFrames<'b>]) -> u32 {
         self.retired_beside = retired_beside;
         let due = due(tick, self.all, self.first_tail);
@@ -376,7 +377,7 @@ impl<'m> FrameMixer<'m> {
 
     /// Sample of the block that [`FrameMixer::make_block`] made.
     pub(super) fn made(&self, frame: usize) -> f32 {
-        self.buffers.first().map_or(0.0, |buffers| spectrum::sample(&buffers.stereo[0], frame)[0])
+        self.buffers.first().map_or(0.0, |buffers| samples::sample(&buffers.stereo[0], frame)[0])
     }
 }
 

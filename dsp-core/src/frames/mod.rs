@@ -35,6 +35,7 @@ mod mixer;
 mod mode;
 mod numbers;
 mod pole;
+mod samples;
 mod spectrum;
 
 pub use bank::{FrameBank, InFrames};

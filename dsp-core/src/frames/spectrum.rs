@@ -3,7 +3,8 @@
 use core::ops::Range;
 
 use super::kernel;
-use super::numbers::{HALF, NUMBERS_AT_LINE, WINDOW, window_at};
+use super::numbers::{HALF, NUMBERS_AT_LINE, WINDOW};
+use super::samples::rounded;
 use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, WIDTH};
 use crate::fourier::{self, Complex, MAX_POINTS, TWIDDLES};
 
@@ -92,13 +93,6 @@ pub(super) fn put_tail(transform: &[Complex; BLOCK_FRAMES], tail: &mut [i32; BLO
     }
 }
 
-/// Nearest whole number, saturating.
-#[inline(always)]
-pub(super) fn rounded(x: f32) -> i32 {
-    // `as` alone rounds to 0.
-    (x + 0.5f32.copysign(x)) as i32
-}
-
 /// Number of pairs of lines that are worked on in one piece.
 pub(super) const PAIRS_AT_ONCE: usize = 24;
 
@@ -185,12 +179,4 @@ pub(super) fn pan<const ADDS: bool>(
         put(Some(low), [a - d, b + c]);
         put(Some(high), [a + d, c - b]);
     }
-}
-
-/// Both sides at a frame of a block, from the transform of their spectrum.
-#[inline(always)]
-pub(super) fn sample(stereo: &[Complex; POINTS], frame: usize) -> Complex {
-    let place = fourier::place((frame + POINTS - HALF) as u32, POINTS.trailing_zeros());
-    let window = window_at(frame);
-    stereo.get(place).map_or([0.0; 2], |side| side.map(|x| x * window))
 }

@@ -29,8 +29,8 @@ pub fn with_residual(table: Kit, bands: &[Band], seed: u32) -> Kit {
 
 /// Adds a residual of all these bands to the table, silent ones included.
 ///
-/// `bands` are neighbours without gaps, fitted by [`fit_bands`](super::fit_bands) to a strike of the
-/// table's peak force. Without bands the table stays as it is.
+/// `bands` are neighbours without gaps, fitted by [`fit_bands`](super::fit_bands) to a strike of
+/// the table's peak force. Without bands the table stays as it is.
 pub fn with_bands(mut table: Kit, bands: &[Band], seed: u32) -> Kit {
     let peak_force = table.strikers.first().map_or(1.0, |striker| f64::from(striker.peak_force));
     if let (Some(lowest), Some(object)) = (bands.first(), table.objects.first_mut()) {

@@ -134,7 +134,7 @@ fn thing(modes: usize, bands: usize) -> kit::Kit {
     kit
 }
 
-/// What drives a pad.
+/// Drive of a pad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Drive {
     Strike,

@@ -23,9 +23,9 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
             100.0 * load,
             100.0 * report.idle_share
         );
-        // The limit leaves a margin before a half is missed. The F407 board takes 77.1 %, the
-        // BlackPill 94.0 %; both move by 1.4 % with the order of the code in flash.
-        assert!(load <= 0.96, "{}: {load:.3} of the time to the deadline", board.name());
+        // The limit leaves a margin before a half is missed. The F407 board takes 76.4 %, the
+        // BlackPill 89.3 %; both move by some percent with the order of the code in flash.
+        assert!(load <= 0.95, "{}: {load:.3} of the time to the deadline", board.name());
         assert!(
             !report.log.iter().any(|line| line.message.contains("missed") && line.level == "warn"),
             "{:#?}",
@@ -109,7 +109,7 @@ fn images_leave_flash_and_stack_free() {
             report.static_ram_bytes
         );
         assert!(used + STACK_RESERVE <= room, "{}: {used} of {room} bytes of stack", board.name());
-        // The images take 342 904 and 340 400 bytes.
+        // The images take 347 200 and 344 588 bytes.
         assert!(report.flash_bytes <= 340 << 10, "{}: {} bytes of flash", board.name(), report.flash_bytes);
     }
 }

@@ -1,7 +1,7 @@
 //! The hot loops in plain Rust.
 
 use super::super::mode::{FrameMode, Line};
-use super::super::spectrum::{rounded, sample};
+use super::super::samples::{rounded, sample};
 use super::super::{PADDED_LINES, POINTS, WIDTH};
 use super::OUTPUTS;
 use crate::fixed;
@@ -62,7 +62,8 @@ pub fn convolve(force: &[i32], taps: &[i32], sums: &mut [i64; OUTPUTS]) {
     }
 }
 
-/// Takes the window away from lines of a force: `Σ_l numbers[|l|] lines[k + 3 + l]`, l = -3 to 3, for
+/// Takes the window away from lines of a force: `Σ_l numbers[|l|] lines[k + 3 + l]`, l = -3 to 3,
+/// for
 /// line k.
 ///
 /// `lines` is longer than `out` by [`WIDTH`] - 1.
