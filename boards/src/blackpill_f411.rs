@@ -27,7 +27,7 @@ impl Board for BlackpillF411 {
     const CORE_HZ: u32 = 96_000_000;
     /// Less than a half of the DMA buffer, of which a tick with a strike takes most at 96 MHz.
     const LEAD_FRAMES: usize = 27;
-    const FRAME_WORST_PERCENT: u32 = 128;
+    const FRAME_WORST_PERCENT: u32 = 124;
     const STAGE_CYCLES: u32 = 17_600;
     const WORDS: Words = Words { fast: 12_360, bulk: 0 };
     const ROOM_SAMPLES: usize = 4_096;
