@@ -110,6 +110,7 @@ pub fn by_reference(table: &Kit, position: f64, rate_hz: f64, frames: usize) -> 
         level_db: f64::from(CENTRE_DB),
         pan: 0.0,
         choke_t60_s: 0.1,
+        is_in_frames: false,
     };
     let strike = reference::Event {
         time_samples: 0.0,

@@ -161,6 +161,7 @@ fn under_force(modes: Vec<reference::Mode>, force: &[f64], length: usize) -> Vec
         level_db: 0.0,
         pan: -1.0,
         choke_t60_s: 0.0,
+        is_in_frames: false,
     };
     let rate = reference::SampleRate { numerator: RATE_HZ as u32, denominator: 1 };
     let direct = reference::Direct { pad: 0, force };

@@ -75,6 +75,7 @@
 //!     level_db: -6.0,
 //!     pan: 0.0,
 //!     choke_t60_s: 0.1,
+//!     is_in_frames: false,
 //! };
 //! let strike = Event {
 //!     time_samples: 10.25,

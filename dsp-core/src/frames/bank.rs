@@ -1,5 +1,6 @@
 //! A bank of modes in frames, and its head.
 
+use super::hand::Hand;
 use super::head::Head;
 use super::mode::{FrameMode, Line};
 use super::{BLOCK_FRAMES, POINTS, RETIREMENT_BLOCKS};
@@ -22,6 +23,7 @@ pub struct FrameBank<'m> {
     /// several positions.
     pub(super) heads: [Head<'m>; SLOTS],
     pub(super) positions: Positions<'m>,
+    pub(super) hand: Hand,
     /// Gains from the bank's bus to both sides.
     pub(super) gains: [f32; 2],
     /// Number of modes of the table below Nyquist, those that live in the head alone included.
@@ -87,6 +89,7 @@ impl FrameBank<'_> {
                 scale: 0.0,
                 held: 0.0,
             },
+            hand: Hand::NONE,
             gains: [0.0; 2],
             mode_count: 0,
             ringing: 0,
@@ -138,11 +141,24 @@ impl FrameBank<'_> {
     }
 
     /// Adds the heads' sound for the run that [began](Self::begin_run) to the pad's bus, under the
-    /// forces of both slots ([`Head::render`]).
+    /// forces of both slots: exact, at the very sample.
     pub fn render(&mut self, forces: [Option<&[i32]>; SLOTS], out: &mut [i32]) {
         for (head, force) in self.heads.iter_mut().zip(forces) {
-            head.render(self.frame.into(), force, out);
+            match self.hand.now() {
+                None => head.render(self.frame.into(), force, out),
+                Some(hand) => head.render_under(hand, self.frame.into(), force, out),
+            }
         }
+    }
+
+    /// Lays a hand on the bank, or lifts it: from the block behind the next one on.
+    pub fn lay_hand(&mut self, lies: bool) {
+        self.hand.lay(lies);
+    }
+
+    /// True if a hand is on its way to the bank or from it.
+    pub fn is_hand_moving(&self) -> bool {
+        self.hand.is_moving()
     }
 
     /// Slot for a strike at a position. `is_driven` says which slots contacts drive; a slot is also
@@ -223,6 +239,14 @@ impl FrameBank<'_> {
         self.ringing = self.modes.len() as u16; // banks count in 16 bits
     }
 
+    /// Takes the hand's share of a block from the states of some modes.
+    pub(super) fn fade(&mut self, modes: core::ops::Range<usize>) {
+        let Some(left) = self.hand.now().map(|hand| hand.after(BLOCK_FRAMES)) else { return };
+        for mode in self.modes.get_mut(modes).unwrap_or(&mut []) {
+            mode.state = mode.state.map(|x| x * left);
+        }
+    }
+
     /// Retires modes of some lines that no longer sound: those whose amplitude at the block's
     /// beginning is below the threshold, while the sum of retired amplitudes allows it. Gives their
     /// number.
@@ -269,9 +293,11 @@ impl FrameBank<'_> {
         u32::from(rang - self.ringing)
     }
 
-    /// Begins a block for the heads and for the sum of retired amplitudes.
+    /// Begins a block for the hand, the heads and the sum of retired amplitudes.
     pub(super) fn begin_block(&mut self) {
-        self.heads.iter_mut().for_each(Head::begin_block);
+        self.hand.begin_block();
+        let hand = self.hand.now();
+        self.heads.iter_mut().for_each(|head| head.begin_block(hand));
         self.retired.decay();
     }
 }

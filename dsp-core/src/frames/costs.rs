@@ -23,7 +23,8 @@ pub(super) fn due(tick: usize, all: u32, first_tail: (u32, u32)) -> u32 {
 /// Cycles of a bank's work on the next block.
 pub(super) fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
     let (modes, lines) = (bank.modes.len() as u32, LINES as u32);
-    let synthesis = |modes: u32| CLEAR + lines * SYNTHESIS_LINE + modes * SYNTHESIS_MODE + lines * PAN;
+    let out = if bank.hand.next().is_some() { ALONE } else { lines * PAN };
+    let synthesis = |modes: u32| CLEAR + lines * SYNTHESIS_LINE + modes * SYNTHESIS_MODE + out;
     let forced = (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some());
     let of_forces: u32 = forced
         .map(|slot| {
@@ -32,10 +33,11 @@ pub(super) fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
             FORCE + tail + lines * GATHER_LINE + modes * of_mode
         })
         .sum();
+    let faded = if bank.hand.now().is_some() { modes * FADED_MODE } else { 0 };
     match (of_forces, bank.ringing) {
         (0, 0) => 0,
-        (0, ringing) => synthesis(ringing.into()),
-        _ => of_forces + synthesis(modes),
+        (0, ringing) => faded + synthesis(ringing.into()),
+        _ => faded + of_forces + synthesis(modes),
     }
 }
 
@@ -50,6 +52,15 @@ pub(super) const DERIVED_MODE: u32 = 90;
 /// Nominal cycles of a frame that plays, and of a tick beside its share of the work.
 pub(super) const PLAY_FRAME: u32 = 47;
 pub(super) const TICK: u32 = 2_900;
+/// Nominal cycles of a mode under a hand, and of a pair of lines and a frame of a block of its own.
+pub(super) const FADED_MODE: u32 = 8;
+pub(super) const HALVE: u32 = 60;
+pub(super) const JOIN: u32 = 30;
+/// Nominal cycles from the lines of a bank under a hand to its block.
+pub(super) const ALONE: u32 =
+    spectrum::PAIRS as u32 * HALVE + fourier::cycles(BLOCK_FRAMES) + BLOCK_FRAMES as u32 * JOIN;
+/// Nominal cycles of a silent block, for banks that are all under a hand.
+pub(super) const SILENCE: u32 = 3_000;
 pub(super) const UNFOLD: u32 = 60;
 pub(super) const PAN: u32 = 28;
 /// Nominal cycles of the preparation of a force, and of the clearing of lines.
@@ -83,6 +94,10 @@ const fn ahead(tick: i32, tail_ticks: i32) -> i32 {
     let sixteenths = ticks * (2 * tail_ticks + 8) - ticks * ticks - 16 * with_last;
     sixteenths * (TICK_PRODUCTS / 16)
 }
+
+/// Number of modes that fade, and of frames that join the others, in one piece.
+pub(super) const FADED_AT_ONCE: usize = 256;
+pub(super) const FRAMES_AT_ONCE: usize = 64;
 
 /// Number of lines that are panned in one piece.
 pub(super) const LINES_AT_ONCE: usize = 64;

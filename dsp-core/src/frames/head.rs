@@ -1,7 +1,9 @@
 //! The head: what a force of this block and the last one makes of the first 2N samples of a
 //! response.
 
+use super::hand::Decay;
 use super::kernel::{self, OUTPUTS};
+use super::samples::rounded;
 use super::{BLOCK_FRAMES, LINES, POINTS};
 use crate::fixed;
 use crate::fourier::Complex;
@@ -155,8 +157,8 @@ impl<'m> Head<'m> {
         self.history.first_chunk().filter(|_| was_forced)
     }
 
-    /// Begins a block.
-    pub(super) fn begin_block(&mut self) {
+    /// Begins a block, under a hand or not.
+    pub(super) fn begin_block(&mut self, hand: Option<&Decay>) {
         if !self.is_active() {
             return;
         }
@@ -164,6 +166,10 @@ impl<'m> Head<'m> {
             for (last, this) in last.as_chunks_mut().0.iter_mut().zip(this.as_chunks_mut().0) {
                 let [a, b, c, d] = *this;
                 (*last, *this) = ([a, b, c, d], [0; 4]);
+            }
+            if let Some(hand) = hand {
+                let left = hand.after(BLOCK_FRAMES);
+                last.iter_mut().for_each(|force| *force = rounded(*force as f32 * left));
             }
         }
         self.tail = Tail::Direct;
@@ -182,7 +188,7 @@ impl<'m> Head<'m> {
     /// `force` is in bus steps, `None` without any. Each frame takes one product for each sample
     /// from the first to the last of the force in this block and the last one: 2.2 cycles each
     /// ([`kernel::convolve`]).
-    pub fn render(&mut self, frame: usize, force: Option<&[i32]>, out: &mut [i32]) {
+    pub(super) fn render(&mut self, frame: usize, force: Option<&[i32]>, out: &mut [i32]) {
         let start = BLOCK_FRAMES + frame;
         if let Some(force) = force {
             self.hear(start, force);
@@ -216,6 +222,31 @@ impl<'m> Head<'m> {
             for (out, &sum) in outputs.iter_mut().zip(&sums) {
                 *out = fixed::qadd(*out, scaled(sum, self.exponent));
             }
+        }
+    }
+
+    /// Adds the head's sound under a hand, of a run within a tick, as [`Head::render`] does.
+    ///
+    /// The history holds each force as small as it would be at the end of the block. So no sum is
+    /// larger than without the hand; the outputs are raised again, up to 16 times.
+    #[inline(never)] // its buffers must not weigh on pads without a hand
+    pub(super) fn render_under(&mut self, hand: &Decay, frame: usize, force: Option<&[i32]>, out: &mut [i32]) {
+        let (mut faded, mut sound) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
+        let left = |frame: usize| hand.after(BLOCK_FRAMES.saturating_sub(frame));
+        let force = force.and_then(|force| {
+            let faded = faded.get_mut(..force.len())?;
+            for ((faded, &force), frame) in faded.iter_mut().zip(force).zip(frame..) {
+                *faded = rounded(force as f32 * left(frame));
+            }
+            Some(&*faded)
+        });
+        let Some(sound) = sound.get_mut(..out.len()) else { return };
+        self.render(frame, force, sound);
+        if !self.is_active() {
+            return;
+        }
+        for ((out, &sound), frame) in out.iter_mut().zip(&*sound).zip(frame..) {
+            *out = fixed::qadd(*out, rounded(sound as f32 / left(frame)));
         }
     }
 

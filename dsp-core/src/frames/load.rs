@@ -1,6 +1,7 @@
 //! From a table to a bank in frames.
 
 use super::bank::{FrameBank, Positions};
+use super::hand::Hand;
 use super::head::{Head, fix};
 use super::mixer::FrameMixer;
 use super::mode::{FrameMode, Line};
@@ -70,9 +71,10 @@ impl<'m> FrameBank<'m> {
         rendered(table, rate).count() >= FEWEST_MODES
     }
 
-    /// True if frames can choke a pad as its table says: not at all.
-    pub fn can_choke(table: &BankTable<'_>) -> bool {
-        table.choke_t60_s == 0.0
+    /// True if frames can choke a pad as its table says: by at most 24 dB in a block, T60 14.5 ms
+    /// at 44.1 kHz.
+    pub fn can_choke(table: &BankTable<'_>, rate: SampleRate) -> bool {
+        Hand::can_have(table.choke_t60_s, rate)
     }
 
     /// Nominal cycles a frame of a lone pad in frames, in the dearest tick of a strike.
@@ -125,6 +127,7 @@ impl<'m> FrameBank<'m> {
     ) -> Result<(), BankError> {
         check_bank(table, rate)?;
         self.gains = gains;
+        self.hand = Hand::new(table.choke_t60_s, rate);
         self.mode_count = rendered(table, rate).count() as u16; // banks count in 16 bits
         self.place_modes(table, rate);
         for (index, mode) in self.positions.indices.iter_mut().zip(&*self.modes) {

@@ -28,6 +28,7 @@
 
 mod bank;
 mod costs;
+mod hand;
 mod head;
 pub mod kernel;
 mod load;
@@ -37,6 +38,7 @@ mod numbers;
 mod pole;
 mod samples;
 mod spectrum;
+mod work;
 
 pub use bank::{FrameBank, InFrames};
 pub use head::Head;
@@ -49,7 +51,8 @@ use crate::time::TICK_FRAMES;
 
 /// Number of frames N of a block: 5.3 ms at 48 kHz.
 ///
-/// Blocks of 128 frames would halve the delay of a choke, at twice the cycles of a mode.
+/// A choke or a release takes effect at a block's beginning, N to 2N frames behind its tick. Blocks
+/// of 128 frames would halve that, at twice the cycles of a mode.
 pub const BLOCK_FRAMES: usize = 256;
 
 /// Number of points of a transform, 2N.

@@ -4,12 +4,17 @@ use super::POINTS;
 use super::numbers::{HALF, window_at};
 use crate::fourier::{self, Complex};
 
+/// Place of a frame of a block in the transform of both sides.
+#[inline(always)]
+pub(super) fn place(frame: usize) -> usize {
+    fourier::place((frame + POINTS - HALF) as u32, POINTS.trailing_zeros())
+}
+
 /// Both sides at a frame of a block, from the transform of their spectrum.
 #[inline(always)]
 pub(super) fn sample(stereo: &[Complex; POINTS], frame: usize) -> Complex {
-    let place = fourier::place((frame + POINTS - HALF) as u32, POINTS.trailing_zeros());
     let window = window_at(frame);
-    stereo.get(place).map_or([0.0; 2], |side| side.map(|x| x * window))
+    stereo.get(place(frame)).map_or([0.0; 2], |side| side.map(|x| x * window))
 }
 
 /// Nearest whole number, saturating.

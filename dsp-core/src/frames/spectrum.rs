@@ -2,9 +2,10 @@
 
 use core::ops::Range;
 
+use super::hand::Decay;
 use super::kernel;
 use super::numbers::{HALF, NUMBERS_AT_LINE, WINDOW};
-use super::samples::rounded;
+use super::samples::{self, rounded};
 use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, WIDTH};
 use crate::fourier::{self, Complex, MAX_POINTS, TWIDDLES};
 
@@ -67,19 +68,59 @@ pub(super) fn combine(
     unwindow(pairs.start, low);
     unwindow(LINES - pairs.end, high);
     for (index, k) in pairs.enumerate() {
-        // Line k, and line N + k: the mirror image of N - k.
         let mirrored = BLOCK_FRAMES - k;
         let (Some(&x), Some(&y)) = (low.get(index), high.get((count - 1).wrapping_sub(index))) else { return };
         let (Some(&of_x), Some(&of_y)) = (response.get(k), response.get(mirrored)) else { return };
-        let Some(&[cos, sin]) = TWIDDLES.get(k * (MAX_POINTS / BLOCK_FRAMES)) else { return };
-        let ([a, b], [c, d]) = (times(x, of_x), times(y, of_y));
-        let (even, odd) = ([a + c, b - d], [a - c, b + d]);
-        let turned = [cos * odd[0] - sin * odd[1], cos * odd[1] + sin * odd[0]];
-        if let Some(slot) = transform.get_mut(k) {
-            *slot = [even[0] - turned[1], even[1] + turned[0]];
-        }
-        if let Some(slot) = transform.get_mut(mirrored) {
-            *slot = [even[0] + turned[1], turned[0] - even[1]];
+        halve(k, [times(x, of_x), times(y, of_y)], transform);
+    }
+}
+
+/// Puts the lines k and N - k of 2N real samples into a transform of N points: to their even
+/// samples as real parts, and their odd ones as imaginary parts.
+#[inline(always)]
+fn halve(k: usize, [[a, b], [c, d]]: [Complex; 2], transform: &mut [Complex; BLOCK_FRAMES]) {
+    // Line k, and line N + k: the mirror image of N - k.
+    let Some(&[cos, sin]) = TWIDDLES.get(k * (MAX_POINTS / BLOCK_FRAMES)) else { return };
+    let (even, odd) = ([a + c, b - d], [a - c, b + d]);
+    let turned = [cos * odd[0] - sin * odd[1], cos * odd[1] + sin * odd[0]];
+    if let Some(slot) = transform.get_mut(k) {
+        *slot = [even[0] - turned[1], even[1] + turned[0]];
+    }
+    if let Some(slot) = transform.get_mut(BLOCK_FRAMES - k) {
+        *slot = [even[0] + turned[1], turned[0] - even[1]];
+    }
+}
+
+/// Spectrum of one bank's block from its folded lines, for a transform of N points, for a range of
+/// the pairs k and N - k.
+pub(super) fn alone(lines: &Lines, pairs: Range<usize>, transform: &mut [Complex; BLOCK_FRAMES]) {
+    let lines = inner(lines);
+    // The ends are their own mirror images, of the others each side has half.
+    let at = |k: usize| match (k, lines.get(k)) {
+        (0 | BLOCK_FRAMES, line) => [line.map_or(0.0, |line| line[0]), 0.0],
+        (_, line) => line.map_or([0.0; 2], |line| line.map(|x| 0.5 * x)),
+    };
+    pairs.for_each(|k| halve(k, [at(k), at(BLOCK_FRAMES - k)], transform));
+}
+
+/// Adds frames of one bank's block from its transform to the block of all banks, under a hand, by
+/// the gains of both sides.
+pub(super) fn join(
+    transform: &[Complex; BLOCK_FRAMES],
+    frames: Range<usize>,
+    hand: &Decay,
+    [left, right]: [f32; 2],
+    stereo: &mut [Complex; POINTS],
+) {
+    for first in frames.step_by(2) {
+        let pair = (first + POINTS - HALF) / 2 % BLOCK_FRAMES;
+        let place = fourier::place(pair as u32, BLOCK_FRAMES.trailing_zeros());
+        let sounds = transform.get(place).copied().unwrap_or([0.0; 2]);
+        for (sound, frame) in sounds.into_iter().zip(first..) {
+            let sound = sound * hand.after(frame);
+            if let Some(sides) = stereo.get_mut(samples::place(frame)) {
+                *sides = [sides[0] + left * sound, sides[1] + right * sound];
+            }
         }
     }
 }

@@ -10,8 +10,8 @@ pub enum Form {
     FewModes,
     /// In the bank: a dynamic filter takes the modes sample by sample.
     Filtered,
-    /// In the bank: frames have no choke.
-    Choked,
+    /// In the bank: its choke is too fast for frames.
+    FastChoke,
     /// In the bank: a strike would take too many cycles in frames.
     TooDear,
     /// In the bank: there is no memory for frames.

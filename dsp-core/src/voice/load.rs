@@ -47,8 +47,8 @@ impl VoiceSize {
         if tables.filter_takes_modes() {
             return Ok(Err(Form::Filtered));
         }
-        if !FrameBank::can_choke(&table) {
-            return Ok(Err(Form::Choked));
+        if !FrameBank::can_choke(&table, rate) {
+            return Ok(Err(Form::FastChoke));
         }
         self.frames = Some(FrameBank::size(&table, rate)?);
         if let Some(object) = self.banks.first_mut() {

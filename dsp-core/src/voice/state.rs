@@ -214,12 +214,15 @@ impl Voice<'_, '_> {
         self.is_choked = self.is_choke_wanted;
         self.wake();
         let is_choked = self.is_choked;
+        if let Some(frames) = &mut self.frames {
+            frames.lay_hand(is_choked);
+        }
         self.banks.iter_mut().map(|bank| bank.lay_hand(is_choked)).sum()
     }
 
     /// True if a choke or a release has not reached all modes yet.
     pub fn is_being_reached(&self) -> bool {
-        self.banks.iter().any(Bank::is_being_reached)
+        self.banks.iter().any(Bank::is_being_reached) || self.frames.as_deref().is_some_and(FrameBank::is_hand_moving)
     }
 
     /// Chooses the slot of a strike at a position, where a direct force acts from now on as well.

@@ -15,7 +15,7 @@ const RATE: SampleRate = SampleRate::HZ_44100;
 
 /// Kit of one pad with modes at even distances up to 20 kHz, T60 from 0.01 s to 2 s, and gains at
 /// some positions.
-fn thing(modes: usize, positions: usize) -> Kit {
+pub(crate) fn thing(modes: usize, positions: usize) -> Kit {
     let mode = |index: usize| {
         let gain = |place: usize| {
             let phase = (index * 7 + place * index) as f32;
@@ -33,7 +33,7 @@ fn thing(modes: usize, positions: usize) -> Kit {
     kit
 }
 
-fn strike_at(frame: u64, position: f32, velocity: f32) -> Event {
+pub(crate) fn strike_at(frame: u64, position: f32, velocity: f32) -> Event {
     Event { time: Time { frame, fraction: 1 << 30 }, position, velocity, ..Event::default() }
 }
 
@@ -43,17 +43,19 @@ fn strikes() -> Vec<Event> {
     strikes.map(|(frame, position, velocity)| strike_at(frame, position, velocity)).to_vec()
 }
 
-fn is_in_frames(loaded: &Loaded) -> bool {
+pub(crate) fn is_in_frames(loaded: &Loaded) -> bool {
     let kit = KitView::parse(&loaded.binary).expect("the kit is valid");
     lent::engine(&kit, RATE, Skipping::On).expect("the kit can be played").form(0) == Some(Form::Frames)
 }
 
 #[test]
-fn a_pad_is_in_frames_if_a_direct_force_costs_less_there_and_it_cannot_be_choked() {
+fn a_pad_is_in_frames_if_a_direct_force_costs_less_there_and_its_choke_is_not_too_fast() {
     assert!(!is_in_frames(&load(thing(189, 1))) && is_in_frames(&load(thing(190, 1))));
-    let mut kit = thing(300, 1);
-    kit.pads[0].choke_t60_s = 0.1;
-    assert!(!is_in_frames(&load(kit)));
+    for (choke_t60_s, in_frames) in [(0.1, true), (0.0146, true), (0.0144, false)] {
+        let mut kit = thing(300, 1);
+        kit.pads[0].choke_t60_s = choke_t60_s;
+        assert_eq!(is_in_frames(&load(kit)), in_frames, "{choke_t60_s} s");
+    }
 }
 
 #[test]

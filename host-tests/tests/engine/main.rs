@@ -9,6 +9,7 @@ mod filters;
 mod filters_any;
 mod frames;
 mod hands;
+mod hands_on_frames;
 mod measured_force;
 mod positions;
 mod residual;

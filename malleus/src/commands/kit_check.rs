@@ -271,7 +271,7 @@ impl FormFinding {
             Form::Frames => None,
             Form::FewModes => Some("it has few"),
             Form::Filtered => Some("its dynamic filter takes them"),
-            Form::Choked => Some("it can be choked; choke_t60_s = 0 allows frames"),
+            Form::FastChoke => Some("its choke is too fast for frames: they fall by 24 dB in 256 frames at most"),
             Form::TooDear => Some("frames would take too many cycles when it is struck"),
             Form::NoMemory => Some("there is no memory for frames"),
         };

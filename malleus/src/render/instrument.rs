@@ -6,6 +6,7 @@ use dsp_core::event::{Event, EventError};
 use dsp_core::memory::{Memory, Word};
 use dsp_core::room::Sample;
 use dsp_core::table::Kit;
+use dsp_core::voice::Form;
 
 use super::performance::Performance;
 
@@ -57,6 +58,18 @@ pub enum Output {
 /// [`LoadError`] with the first part of the kit that the instrument refuses.
 pub fn plan(kit: &Kit<'_>, rate: SampleRate) -> Result<Plan, LoadError> {
     Plan::of::<RoomSample>(kit, Setup::new(rate))
+}
+
+/// Forms in which the instrument plays a kit's pads at a sample rate.
+///
+/// # Errors
+/// [`LoadError`] with the first part of the kit that the instrument refuses.
+pub fn forms(kit: &Kit<'_>, rate: SampleRate) -> Result<Vec<Form>, LoadError> {
+    let setup = Setup::new(rate);
+    let words = Plan::of::<RoomSample>(kit, setup)?.words;
+    let (mut fast, mut bulk) = (vec![Word::uninit(); words.fast], vec![Word::uninit(); words.bulk]);
+    let engine = Engine::<RoomSample>::new(kit, setup, Memory::new(&mut fast, &mut bulk))?;
+    Ok((0..engine.pad_count()).filter_map(|pad| engine.form(pad)).collect())
 }
 
 /// Renders a performance; `observe` gets the report of each tick.

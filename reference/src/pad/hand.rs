@@ -8,6 +8,9 @@
 
 use crate::rate::SampleRate;
 
+/// Number of samples of a block, with which a [`BlockHand`] comes and goes.
+pub(crate) const BLOCK_SAMPLES: u64 = 256;
+
 /// Share of a dynamic filter's sound below which a hand ends it for good: -120 dB.
 const MUTE: f64 = 1.0 / 1_048_576.0;
 
@@ -62,5 +65,32 @@ impl Hand {
             (self.left, self.spent) = (1.0, true);
         }
         is_mute
+    }
+}
+
+/// A hand on the modes of an object in frames: it comes and goes with the block behind the next one
+/// that begins, and rates add. A mode that falls by d falls by `d + d_c` under it.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct BlockHand {
+    is_wanted: bool,
+    lies_next: bool,
+    lies: bool,
+}
+
+impl BlockHand {
+    pub(crate) fn lay(&mut self, is_wanted: bool) {
+        self.is_wanted = is_wanted;
+    }
+
+    /// Begins a block.
+    pub(crate) fn begin_block(&mut self) {
+        self.lies = self.lies_next;
+        self.lies_next = self.is_wanted;
+    }
+
+    /// Share of the sound that is left after each sample from 0 on; `None` without the hand.
+    pub(crate) fn shares(&self, t60_s: f64, rate: SampleRate) -> Option<impl Iterator<Item = f64> + use<>> {
+        let nepers = 1000f64.ln() / (t60_s * rate.hz());
+        self.lies.then(|| (0u32..).map(move |n| (-nepers * f64::from(n)).exp()))
     }
 }

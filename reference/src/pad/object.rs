@@ -38,4 +38,7 @@ pub struct Pad {
     /// Longest T60 in seconds, above 0, of every mode of object and strikers while the pad is
     /// choked.
     pub choke_t60_s: f64,
+    /// True if a choke reaches the object's modes as it does in frames: at the beginning of the
+    /// block of 256 samples behind the next one to begin, and with rates that add, `d + d_c`.
+    pub is_in_frames: bool,
 }

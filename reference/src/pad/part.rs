@@ -1,5 +1,6 @@
 //! A pad's part in the scene: its voice, and the events that play it, each at its sample.
 
+use super::hand::BLOCK_SAMPLES;
 use super::object::Pad;
 use super::voice::Voice;
 use crate::error::Error;
@@ -52,6 +53,9 @@ impl<'a> Part<'a> {
             if self.next_sample.is_multiple_of(TICK_SAMPLES) {
                 self.voice.reach();
             }
+            if self.next_sample.is_multiple_of(BLOCK_SAMPLES) {
+                self.voice.begin_block();
+            }
             let (span, rest) = sound.split_at_mut(self.span_samples().min(sound.len()));
             let direct = self.direct(span.len());
             self.voice.add_sound(self.next_sample, &direct, span);
@@ -60,15 +64,15 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Number of samples up to the next event, or up to the next tick if a choke or release still
-    /// spreads.
+    /// Number of samples up to the next event or block, or up to the next tick if a choke or
+    /// release still spreads.
     fn span_samples(&self) -> usize {
         let until_event = self.to_come.last().map(|(sample, _)| sample - self.next_sample);
         let until_event = until_event.and_then(|samples| usize::try_from(samples).ok()).unwrap_or(SPAN_SAMPLES);
         // A choke or release reaches further modes at each tick.
         let until_tick = match self.voice.is_being_reached() {
             true => (TICK_SAMPLES - self.next_sample % TICK_SAMPLES) as usize,
-            false => SPAN_SAMPLES,
+            false => (BLOCK_SAMPLES - self.next_sample % BLOCK_SAMPLES) as usize,
         };
         until_event.min(until_tick).min(SPAN_SAMPLES)
     }

@@ -2,7 +2,7 @@
 
 use super::biquads::Biquads;
 use super::dynamic_filter::DynamicFilterVoice;
-use super::hand::Hand;
+use super::hand::{BlockHand, Hand};
 use super::object::Pad;
 use crate::contact::Impact;
 use crate::error::BankOwner;
@@ -23,6 +23,8 @@ pub(crate) struct Voice<'a> {
     dynamic_filter: Option<DynamicFilterVoice<'a>>,
     /// Hand on the biquads and the dynamic filter; each bank damps its own modes.
     hand: Hand,
+    /// Hand on the object's modes if they are in frames.
+    block_hand: BlockHand,
 }
 
 /// Striker in motion.
@@ -58,6 +60,7 @@ impl<'a> Voice<'a> {
             biquads: Biquads::new(&pad.object.biquads),
             dynamic_filter: pad.object.dynamic_filter.as_ref().map(|table| DynamicFilterVoice::new(table, rate)),
             hand: Hand::AWAY,
+            block_hand: BlockHand::default(),
         })
     }
 
@@ -77,11 +80,13 @@ impl<'a> Voice<'a> {
             }
             Action::Choke => {
                 let t60_s = self.pad.choke_t60_s;
-                self.banks().for_each(|bank| bank.choke(t60_s));
+                self.banks_under_hand().for_each(|bank| bank.choke(t60_s));
+                self.block_hand.lay(true);
                 self.hand.choke(t60_s, self.rate);
             }
             Action::Release => {
-                self.banks().for_each(Bank::release);
+                self.banks_under_hand().for_each(Bank::release);
+                self.block_hand.lay(false);
                 self.hand.release();
             }
         }
@@ -120,12 +125,36 @@ impl<'a> Voice<'a> {
             self.object.add_sound_at(&at_positions, &mut modes);
             self.add_filtered(first_sample, &force, Some(&modes), sound);
         } else {
-            self.object.add_sound_at(&at_positions, sound);
+            self.add_object(&at_positions, sound);
             self.add_filtered(first_sample, &force, None, sound);
         }
         if let Acceleration::Factor(alpha) = self.pad.object.acceleration {
             add_acceleration_sound(alpha, &force, sound);
         }
+    }
+
+    /// Adds the sound of the object's modes under forces at their positions.
+    fn add_object(&mut self, forces: &[(f64, &[f64])], sound: &mut [f64]) {
+        let hand = self.block_hand.shares(self.pad.choke_t60_s, self.rate).filter(|_| self.pad.is_in_frames);
+        let Some(hand) = hand else { return self.object.add_sound_at(forces, sound) };
+        let shares: Vec<f64> = hand.take(sound.len() + 1).collect();
+        // The hand is one factor on all that sounds, so a force is as much larger.
+        let raised: Vec<(f64, Vec<f64>)> = forces
+            .iter()
+            .map(|(position, force)| (*position, force.iter().zip(&shares).map(|(x, share)| x / share).collect()))
+            .collect();
+        let raised: Vec<_> = raised.iter().map(|(position, force)| (*position, force.as_slice())).collect();
+        let mut free = vec![0.0; sound.len()];
+        self.object.add_sound_at(&raised, &mut free);
+        for ((sound, free), share) in sound.iter_mut().zip(free).zip(&shares) {
+            *sound += free * share;
+        }
+        self.object.attenuate(shares[sound.len()]);
+    }
+
+    /// Begins a block of [`BLOCK_SAMPLES`](super::hand::BLOCK_SAMPLES).
+    pub(crate) fn begin_block(&mut self) {
+        self.block_hand.begin_block();
     }
 
     /// Adds the sound of biquads and dynamic filter under the hand. `modes` feed the dynamic
@@ -161,6 +190,12 @@ impl<'a> Voice<'a> {
     /// True while a choke or release has modes left to reach.
     pub(crate) fn is_being_reached(&self) -> bool {
         self.object.is_being_reached() || self.strikers.iter().any(|striker| striker.bank.is_being_reached())
+    }
+
+    /// Banks in which a hand moves poles.
+    fn banks_under_hand(&mut self) -> impl Iterator<Item = &mut Bank<'a>> {
+        let without_object = usize::from(self.pad.is_in_frames);
+        self.banks().skip(without_object)
     }
 
     fn banks(&mut self) -> impl Iterator<Item = &mut Bank<'a>> {

@@ -114,6 +114,11 @@ impl<'a> Bank<'a> {
         self.reached = self.reached.saturating_add(MODES_PER_TICK);
     }
 
+    /// Attenuates the vibration of all modes by a factor.
+    pub fn attenuate(&mut self, factor: f64) {
+        self.one_poles.iter_mut().flatten().for_each(|one_pole| one_pole.attenuate(factor));
+    }
+
     /// True while a choke or release has modes left to reach.
     pub fn is_being_reached(&self) -> bool {
         self.reached < self.one_poles.iter().flatten().count()

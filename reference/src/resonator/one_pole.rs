@@ -156,6 +156,11 @@ impl OnePole {
         self.state = z;
     }
 
+    /// Attenuates the vibration by a factor.
+    pub(crate) fn attenuate(&mut self, factor: f64) {
+        self.state = Complex { re: self.state.re * factor, im: self.state.im * factor };
+    }
+
     /// Amplitude `|z|` of the vibration in full scale.
     pub(crate) fn amplitude(&self) -> f64 {
         self.state.magnitude()

@@ -39,6 +39,7 @@ pub(crate) fn pad(modes: Vec<Mode>, strikers: Vec<Striker>) -> Pad {
         level_db: 0.0,
         pan: 0.0,
         choke_t60_s: 0.05,
+        is_in_frames: false,
     }
 }
 

@@ -1,9 +1,14 @@
 //! Conversion of a kit's pads to those of the reference.
 
 use dsp_core::SampleRate;
+use dsp_core::table::Kit;
+use dsp_core::voice::Form;
+
+use super::super::instrument;
 
 /// Pads of the reference for a kit at a sample rate.
 pub fn pads(kit: &kit::Kit, rate: SampleRate) -> Vec<reference::Pad> {
+    let forms = forms(kit, rate);
     (0u32..)
         .zip(&kit.pads)
         .map(|(number, pad)| {
@@ -25,9 +30,17 @@ pub fn pads(kit: &kit::Kit, rate: SampleRate) -> Vec<reference::Pad> {
                 level_db: f64::from(pad.level_db),
                 pan: f64::from(pad.pan),
                 choke_t60_s: f64::from(pad.choke_t60_s),
+                is_in_frames: forms.get(number as usize) == Some(&Form::Frames),
             }
         })
         .collect()
+}
+
+/// Forms in which the instrument plays a kit's pads; none of a kit that it refuses.
+fn forms(kit: &kit::Kit, rate: SampleRate) -> Vec<Form> {
+    let Ok(binary) = kit::binary::build(kit) else { return vec![] };
+    let Ok(table) = Kit::parse(&binary) else { return vec![] };
+    instrument::forms(&table, rate).unwrap_or_default()
 }
 
 fn acceleration(acceleration: kit::Acceleration) -> reference::Acceleration {

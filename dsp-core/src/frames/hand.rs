@@ -1,0 +1,97 @@
+//! A hand on a bank in frames.
+//!
+//! Rates add: under a hand that takes c nepers a frame, what falls by d nepers a frame by itself
+//! falls by `d + c`. So the hand is one factor on the whole sound, `e^{-c n}`, and what is struck
+//! under it answers with `h[n] e^{-c n}`. A hand comes and goes with a block.
+
+use super::{BLOCK_FRAMES, TICKS};
+use crate::SampleRate;
+use crate::resonator::coefficient::decay_of_t60;
+use crate::time::TICK_FRAMES;
+
+/// Largest fall in a block, in nepers: the head's sums are kept below their true value by as much,
+/// and lose 4 bits here.
+const MOST_NEPERS: f64 = 2.77;
+
+/// Share of the sound that a hand leaves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Decay {
+    /// After each number of ticks up to a block.
+    ticks: [f32; TICKS + 1],
+    /// After each number of frames below a tick.
+    frames: [f32; TICK_FRAMES],
+}
+
+/// Hand on a bank.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hand {
+    decay: Decay,
+    /// True if it is to lie on the bank from the block behind the next one on.
+    is_wanted: bool,
+    /// True if it lies on the block that is being made, and on the one that plays.
+    lies_next: bool,
+    lies: bool,
+}
+
+impl Decay {
+    /// Share that is left after a number of frames, at most those of a block: within 2^-23 of
+    /// itself.
+    #[inline(always)]
+    pub(super) fn after(&self, frames: usize) -> f32 {
+        let of_ticks = self.ticks.get(frames / TICK_FRAMES).copied().unwrap_or(0.0);
+        of_ticks * self.frames.get(frames % TICK_FRAMES).copied().unwrap_or(0.0)
+    }
+}
+
+impl Hand {
+    /// Hand that takes nothing.
+    pub(super) const NONE: Self = Self {
+        decay: Decay { ticks: [1.0; TICKS + 1], frames: [1.0; TICK_FRAMES] },
+        is_wanted: false,
+        lies_next: false,
+        lies: false,
+    };
+
+    /// True if frames have a hand of a T60: it takes at most 24 dB in a block. From 14.5 ms on at
+    /// 44.1 kHz, or with 0 for a pad that cannot be choked.
+    pub(super) fn can_have(t60_s: f64, rate: SampleRate) -> bool {
+        t60_s == 0.0 || decay_of_t60(t60_s, rate) / rate.hz() * BLOCK_FRAMES as f64 <= MOST_NEPERS
+    }
+
+    /// Hand of a T60, not on the bank; with 0 it takes nothing.
+    pub(super) fn new(t60_s: f64, rate: SampleRate) -> Self {
+        let mut hand = Self::NONE;
+        if t60_s > 0.0 {
+            let nepers = decay_of_t60(t60_s, rate) / rate.hz();
+            let after = |frames: usize| libm::exp(-nepers * frames as f64) as f32;
+            hand.decay.ticks = core::array::from_fn(|tick| after(tick * TICK_FRAMES));
+            hand.decay.frames = core::array::from_fn(after);
+        }
+        hand
+    }
+
+    /// Lays the hand on, or lifts it: from the block behind the next one on.
+    pub(super) fn lay(&mut self, is_wanted: bool) {
+        self.is_wanted = is_wanted;
+    }
+
+    /// True if the hand is on its way to the bank or from it.
+    pub(super) fn is_moving(&self) -> bool {
+        self.is_wanted != self.lies
+    }
+
+    /// Begins a block.
+    pub(super) fn begin_block(&mut self) {
+        self.lies = core::mem::replace(&mut self.lies_next, self.is_wanted);
+    }
+
+    /// Decay in the block that plays; `None` without the hand.
+    pub(super) fn now(&self) -> Option<&Decay> {
+        self.lies.then_some(&self.decay)
+    }
+
+    /// Decay in the block that is being made; `None` without the hand.
+    pub(super) fn next(&self) -> Option<&Decay> {
+        self.lies_next.then_some(&self.decay)
+    }
+}
