@@ -1,6 +1,6 @@
 //! A bank of modes in frames, and its head.
 
-use super::hand::Hand;
+use super::hand::{Decay, HEAD_FRAME, Hand};
 use super::head::Head;
 use super::mode::{FrameMode, Line};
 use super::{BLOCK_FRAMES, POINTS, RETIREMENT_BLOCKS};
@@ -132,7 +132,9 @@ impl FrameBank<'_> {
     /// Nominal cycles of the heads over a run of frames, under a force or not.
     pub fn head_cycles(&self, frames: u32, force: bool) -> u32 {
         let [first, second] = &self.heads;
-        first.cycles(frames, force) + second.cycles(frames, false)
+        let cycles = first.cycles(frames, force) + second.cycles(frames, false);
+        let under_hand = if self.hand.now().is_some() && cycles > 0 { frames * HEAD_FRAME } else { 0 };
+        cycles + under_hand
     }
 
     /// True if the bank sounds or will.
@@ -241,9 +243,10 @@ impl FrameBank<'_> {
 
     /// Takes the hand's share of a block from the states of some modes.
     pub(super) fn fade(&mut self, modes: core::ops::Range<usize>) {
-        let Some(left) = self.hand.now().map(|hand| hand.after(BLOCK_FRAMES)) else { return };
+        let Some(left) = self.hand.now().map(Decay::of_block) else { return };
         for mode in self.modes.get_mut(modes).unwrap_or(&mut []) {
-            mode.state = mode.state.map(|x| x * left);
+            let [re, im] = mode.state;
+            mode.state = [re * left, im * left];
         }
     }
 

@@ -33,12 +33,16 @@ pub(super) fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
             FORCE + tail + lines * GATHER_LINE + modes * of_mode
         })
         .sum();
-    let faded = if bank.hand.now().is_some() { modes * FADED_MODE } else { 0 };
     match (of_forces, bank.ringing) {
         (0, 0) => 0,
-        (0, ringing) => faded + synthesis(ringing.into()),
-        _ => faded + of_forces + synthesis(modes),
+        (0, ringing) => fade_cycles(bank) + synthesis(ringing.into()),
+        _ => fade_cycles(bank) + of_forces + synthesis(modes),
     }
+}
+
+/// Cycles in which a hand takes its share of a bank's states.
+pub(super) fn fade_cycles(bank: &FrameBank<'_>) -> u32 {
+    if bank.hand.now().is_some() { bank.modes.len() as u32 * FADED_MODE } else { 0 }
 }
 
 /// Nominal cycles of pieces of the work: a line and a mode of the kernels, a pair of lines of a
@@ -53,9 +57,9 @@ pub(super) const DERIVED_MODE: u32 = 90;
 pub(super) const PLAY_FRAME: u32 = 47;
 pub(super) const TICK: u32 = 2_900;
 /// Nominal cycles of a mode under a hand, and of a pair of lines and a frame of a block of its own.
-pub(super) const FADED_MODE: u32 = 8;
-pub(super) const HALVE: u32 = 60;
-pub(super) const JOIN: u32 = 30;
+pub(super) const FADED_MODE: u32 = 12;
+pub(super) const HALVE: u32 = 93;
+pub(super) const JOIN: u32 = 40;
 /// Nominal cycles from the lines of a bank under a hand to its block.
 pub(super) const ALONE: u32 =
     spectrum::PAIRS as u32 * HALVE + fourier::cycles(BLOCK_FRAMES) + BLOCK_FRAMES as u32 * JOIN;
@@ -95,8 +99,7 @@ const fn ahead(tick: i32, tail_ticks: i32) -> i32 {
     sixteenths * (TICK_PRODUCTS / 16)
 }
 
-/// Number of modes that fade, and of frames that join the others, in one piece.
-pub(super) const FADED_AT_ONCE: usize = 256;
+/// Number of frames of a block of its own that join the others in one piece.
 pub(super) const FRAMES_AT_ONCE: usize = 64;
 
 /// Number of lines that are panned in one piece.

@@ -13,13 +13,17 @@ use crate::time::TICK_FRAMES;
 /// and lose 4 bits here.
 const MOST_NEPERS: f64 = 2.77;
 
+/// Nominal cycles of a frame of a head under a hand, beside those without one
+/// (`cargo test -p host-tests --test on_chip hands`).
+pub(super) const HEAD_FRAME: u32 = 110;
+
 /// Share of the sound that a hand leaves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Decay {
     /// After each number of ticks up to a block.
     ticks: [f32; TICKS + 1],
-    /// After each number of frames below a tick.
-    frames: [f32; TICK_FRAMES],
+    /// After each number of frames up to a tick.
+    frames: [f32; TICK_FRAMES + 1],
 }
 
 /// Hand on a bank.
@@ -34,19 +38,30 @@ pub(super) struct Hand {
 }
 
 impl Decay {
-    /// Share that is left after a number of frames, at most those of a block: within 2^-23 of
-    /// itself.
-    #[inline(always)]
-    pub(super) fn after(&self, frames: usize) -> f32 {
-        let of_ticks = self.ticks.get(frames / TICK_FRAMES).copied().unwrap_or(0.0);
-        of_ticks * self.frames.get(frames % TICK_FRAMES).copied().unwrap_or(0.0)
+    /// Share that a block leaves.
+    pub(super) fn of_block(&self) -> f32 {
+        self.ticks[TICKS]
+    }
+
+    /// Share that is left at the beginning of the tick of a frame of a block, and the shares of the
+    /// tick's frames from there on.
+    pub(super) fn in_tick(&self, frame: usize) -> (f32, &[f32]) {
+        let of_ticks = self.ticks.get(frame / TICK_FRAMES).copied().unwrap_or(0.0);
+        (of_ticks, self.frames.get(..TICK_FRAMES).unwrap_or(&[]))
+    }
+
+    /// Shares that are left from each frame of a block to its end, from a frame on to the end of
+    /// its tick.
+    pub(super) fn to_end(&self, frame: usize) -> impl Iterator<Item = f32> + Clone {
+        let of_ticks = self.ticks.get((TICKS - 1).saturating_sub(frame / TICK_FRAMES)).copied().unwrap_or(0.0);
+        self.frames.iter().rev().skip(frame % TICK_FRAMES).map(move |of_frames| of_ticks * of_frames)
     }
 }
 
 impl Hand {
     /// Hand that takes nothing.
     pub(super) const NONE: Self = Self {
-        decay: Decay { ticks: [1.0; TICKS + 1], frames: [1.0; TICK_FRAMES] },
+        decay: Decay { ticks: [1.0; TICKS + 1], frames: [1.0; TICK_FRAMES + 1] },
         is_wanted: false,
         lies_next: false,
         lies: false,

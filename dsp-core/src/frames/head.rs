@@ -167,10 +167,6 @@ impl<'m> Head<'m> {
                 let [a, b, c, d] = *this;
                 (*last, *this) = ([a, b, c, d], [0; 4]);
             }
-            if let Some(hand) = hand {
-                let left = hand.after(BLOCK_FRAMES);
-                last.iter_mut().for_each(|force| *force = rounded(*force as f32 * left));
-            }
         }
         self.tail = Tail::Direct;
         let back = |(first, end): (u16, u16)| match end {
@@ -180,6 +176,13 @@ impl<'m> Head<'m> {
         let (last, this) = self.forced.split_at_mut(PARTS / 2);
         for (last, this) in last.iter_mut().zip(this) {
             *last = back(core::mem::replace(this, NOTHING));
+        }
+        if let Some(hand) = hand {
+            let left = hand.of_block();
+            for &(first, end) in &*last {
+                let force = self.history.get_mut(usize::from(first)..usize::from(end)).unwrap_or(&mut []);
+                force.iter_mut().for_each(|force| *force = rounded(*force as f32 * left));
+            }
         }
     }
 
@@ -232,11 +235,11 @@ impl<'m> Head<'m> {
     #[inline(never)] // its buffers must not weigh on pads without a hand
     pub(super) fn render_under(&mut self, hand: &Decay, frame: usize, force: Option<&[i32]>, out: &mut [i32]) {
         let (mut faded, mut sound) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
-        let left = |frame: usize| hand.after(BLOCK_FRAMES.saturating_sub(frame));
+        let left = hand.to_end(frame);
         let force = force.and_then(|force| {
             let faded = faded.get_mut(..force.len())?;
-            for ((faded, &force), frame) in faded.iter_mut().zip(force).zip(frame..) {
-                *faded = rounded(force as f32 * left(frame));
+            for ((faded, &force), left) in faded.iter_mut().zip(force).zip(left.clone()) {
+                *faded = rounded(force as f32 * left);
             }
             Some(&*faded)
         });
@@ -245,8 +248,8 @@ impl<'m> Head<'m> {
         if !self.is_active() {
             return;
         }
-        for ((out, &sound), frame) in out.iter_mut().zip(&*sound).zip(frame..) {
-            *out = fixed::qadd(*out, rounded(sound as f32 / left(frame)));
+        for ((out, &sound), left) in out.iter_mut().zip(&*sound).zip(left) {
+            *out = fixed::qadd(*out, rounded(sound as f32 / left));
         }
     }
 

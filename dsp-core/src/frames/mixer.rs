@@ -2,13 +2,13 @@
 
 use super::bank::{FrameBank, InFrames, SLOTS};
 use super::costs::{
-    BEGIN_FORCE, FORCE, LEAST_SPAN, PLAY_FRAME, PRODUCT, SILENCE, TAIL, TAIL_TICKS, TICK, bank_cycles, due,
+    BEGIN_FORCE, FORCE, LEAST_SPAN, PLAY_FRAME, PRODUCT, SILENCE, TAIL, TAIL_TICKS, TICK, bank_cycles, due, fade_cycles,
 };
 use super::head::Head;
 use super::kernel;
 use super::samples;
 use super::spectrum::{self, Lines};
-use super::work::Step;
+use super::step::Step;
 use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, RETIREMENT_BLOCKS, TICKS};
 use crate::fourier::{self, Complex, Progress};
 use crate::memory::{Lender, OutOfMemory, Region};
@@ -176,7 +176,7 @@ impl<'m> FrameMixer<'m> {
         }
         let share = ((without + fourier::cycles(POINTS)) / TICKS as u32).max(1);
         for bank in banks.iter_mut().filter_map(InFrames::frames_mut) {
-            let ready = self.all + FORCE + TAIL;
+            let ready = self.all + fade_cycles(bank) + FORCE + TAIL;
             let ticks = ready.div_ceil(share).max(TAIL_TICKS);
             let saved_frames = (TICKS as u32).saturating_sub(ticks) * TICK_FRAMES as u32;
             let [head, _] = &mut bank.heads;

@@ -8,6 +8,7 @@ use super::numbers::{HALF, NUMBERS_AT_LINE, WINDOW};
 use super::samples::{self, rounded};
 use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, WIDTH};
 use crate::fourier::{self, Complex, MAX_POINTS, TWIDDLES};
+use crate::time::TICK_FRAMES;
 
 /// Lines of a spectrum from -3 to N + 3, line k at place k + 3.
 pub(super) type Lines = [Complex; PADDED_LINES];
@@ -91,35 +92,43 @@ fn halve(k: usize, [[a, b], [c, d]]: [Complex; 2], transform: &mut [Complex; BLO
     }
 }
 
-/// Spectrum of one bank's block from its folded lines, for a transform of N points, for a range of
-/// the pairs k and N - k.
+/// Twice the spectrum of one bank's block from its folded lines, for a transform of N points, for a
+/// range of the pairs k and N - k.
 pub(super) fn alone(lines: &Lines, pairs: Range<usize>, transform: &mut [Complex; BLOCK_FRAMES]) {
-    let lines = inner(lines);
-    // The ends are their own mirror images, of the others each side has half.
-    let at = |k: usize| match (k, lines.get(k)) {
-        (0 | BLOCK_FRAMES, line) => [line.map_or(0.0, |line| line[0]), 0.0],
-        (_, line) => line.map_or([0.0; 2], |line| line.map(|x| 0.5 * x)),
-    };
-    pairs.for_each(|k| halve(k, [at(k), at(BLOCK_FRAMES - k)], transform));
+    let Some(lines) = inner(lines).first_chunk::<LINES>() else { return };
+    if pairs.contains(&0) {
+        // The ends are their own mirror images; of all others each side has half.
+        halve(0, [lines[0], lines[BLOCK_FRAMES]].map(|[re, _]| [2.0 * re, 0.0]), transform);
+    }
+    if pairs.contains(&HALF) {
+        halve(HALF, [lines[HALF]; 2], transform);
+    }
+    pairs.filter(|k| (1..HALF).contains(k)).for_each(|k| {
+        let [x, y] = [k, BLOCK_FRAMES - k].map(|line| lines.get(line).copied().unwrap_or([0.0; 2]));
+        halve(k, [x, y], transform);
+    });
 }
 
-/// Adds frames of one bank's block from its transform to the block of all banks, under a hand, by
-/// the gains of both sides.
+/// Adds frames of one bank's block from the transform of [`alone`] to the block of all banks, under
+/// a hand, by the gains of both sides. The frames are whole ticks.
 pub(super) fn join(
     transform: &[Complex; BLOCK_FRAMES],
     frames: Range<usize>,
     hand: &Decay,
-    [left, right]: [f32; 2],
+    gains: [f32; 2],
     stereo: &mut [Complex; POINTS],
 ) {
-    for first in frames.step_by(2) {
-        let pair = (first + POINTS - HALF) / 2 % BLOCK_FRAMES;
-        let place = fourier::place(pair as u32, BLOCK_FRAMES.trailing_zeros());
-        let sounds = transform.get(place).copied().unwrap_or([0.0; 2]);
-        for (sound, frame) in sounds.into_iter().zip(first..) {
-            let sound = sound * hand.after(frame);
-            if let Some(sides) = stereo.get_mut(samples::place(frame)) {
-                *sides = [sides[0] + left * sound, sides[1] + right * sound];
+    for tick in frames.step_by(TICK_FRAMES) {
+        let (of_tick, shares) = hand.in_tick(tick);
+        let [left, right] = gains.map(|gain| 0.5 * gain * of_tick);
+        for (shares, first) in shares.as_chunks::<2>().0.iter().zip((tick..).step_by(2)) {
+            let pair = (first + POINTS - HALF) / 2 % BLOCK_FRAMES;
+            let place = fourier::place(pair as u32, BLOCK_FRAMES.trailing_zeros());
+            let sounds = transform.get(place).copied().unwrap_or([0.0; 2]);
+            for ((sound, share), frame) in sounds.into_iter().zip(shares).zip(first..) {
+                if let Some(sides) = stereo.get_mut(samples::place(frame)) {
+                    *sides = [sides[0] + left * (sound * share), sides[1] + right * (sound * share)];
+                }
             }
         }
     }

@@ -2,51 +2,17 @@
 
 use super::bank::{FrameBank, InFrames, SLOTS};
 use super::costs::{
-    CLEAR, COMBINE, DERIVED_MODE, FADED_AT_ONCE, FADED_MODE, FILL, FRAMES_AT_ONCE, GATHER_LINE, GATHER_MODE, HALVE,
-    JOIN, LINES_AT_ONCE, PAN, PUT, SILENCE, SYNTHESIS_LINE, SYNTHESIS_MODE, UNFOLD,
+    CLEAR, COMBINE, DERIVED_MODE, FADED_MODE, FILL, FRAMES_AT_ONCE, GATHER_LINE, GATHER_MODE, HALVE, JOIN,
+    LINES_AT_ONCE, PAN, PUT, SILENCE, SYNTHESIS_LINE, SYNTHESIS_MODE, UNFOLD,
 };
 use super::head::Head;
 use super::kernel;
 use super::mixer::FrameMixer;
 use super::mode::Line;
 use super::spectrum::{self, PAIRS_AT_ONCE};
+use super::step::Step;
 use super::{BLOCK_FRAMES, LINES, POINTS};
 use crate::fourier::Progress;
-
-/// Piece of the work that comes next.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Step {
-    /// Look at the next bank.
-    Bank,
-    /// A hand takes its share of the states of a block: next mode.
-    Fade(usize),
-    /// Look at the next slot of the bank's force.
-    Slot,
-    /// Transform of the bank's force.
-    Force(Progress),
-    /// Lines of the force: next pair.
-    Unfold(usize),
-    /// Spectrum of the head's tail: next pair.
-    Combine(usize),
-    /// Transform of the tail.
-    Tail(Progress),
-    /// States from the force's lines: next line and its first mode.
-    Gather(usize, usize),
-    /// Lines from the states: next line and its first mode.
-    Synthesis(usize, usize),
-    /// Both sides from the bank's lines: next line.
-    Pan(usize),
-    /// Transform of both sides.
-    Sum(Progress),
-    /// Spectrum of the bank's block under a hand: next pair.
-    Alone(usize),
-    /// Transform of that block.
-    Block(Progress),
-    /// Both sides from that block: next frame.
-    Join(usize),
-    /// Nothing left to do in this block.
-    Rest,
-}
 
 impl FrameMixer<'_> {
     /// Works for about a number of cycles, or until the end of a step.
@@ -87,7 +53,7 @@ impl FrameMixer<'_> {
         let (spent, next) = match self.step {
             Step::Bank => (0, if bank.hand.now().is_some() { Step::Fade(0) } else { Step::Slot }),
             Step::Fade(mode) => {
-                let end = bank.modes.len().min(mode + FADED_AT_ONCE);
+                let end = bank.modes.len().min(mode + (cycles / FADED_MODE) as usize + 1);
                 bank.fade(mode..end);
                 let next = if end < bank.modes.len() { Step::Fade(end) } else { Step::Slot };
                 (FADED_MODE * (end - mode) as u32, next)

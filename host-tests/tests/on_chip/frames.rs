@@ -114,7 +114,7 @@ fn thousand_modes_ring_and_are_struck_within_the_cycles_of_the_page() {
 }
 
 /// Kit of a pad with a prior's modes, and with noise in bands if there are any.
-fn thing(modes: usize, bands: usize) -> kit::Kit {
+pub(crate) fn thing(modes: usize, bands: usize) -> kit::Kit {
     let records = prior(modes, [3.0, 20.0]);
     let mode = |heard: &host_tests::frames::HeardMode| {
         host_tests::scene::mode(heard.frequency_hz, heard.t60_s, RATE.hz() * heard.sine, RATE.hz() * heard.cosine)

@@ -271,7 +271,9 @@ impl FormFinding {
             Form::Frames => None,
             Form::FewModes => Some("it has few"),
             Form::Filtered => Some("its dynamic filter takes them"),
-            Form::FastChoke => Some("its choke is too fast for frames: they fall by 24 dB in 256 frames at most"),
+            Form::FastChoke => {
+                Some("its choke_t60_s is too short for frames, which fall by 24 dB in 256 frames at most")
+            }
             Form::TooDear => Some("frames would take too many cycles when it is struck"),
             Form::NoMemory => Some("there is no memory for frames"),
         };

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use clap::CommandFactory;
 use clap::error::ErrorKind;
 use dsp_core::SampleRate;
-use dsp_core::frames::FEWEST_MODES;
 use malleus::render::headroom::{self, LARGEST_FORCE};
 
 use super::error::CommandError;
@@ -61,15 +60,6 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
         let loaded = open(&table.display().to_string())?;
         let strikers: Vec<String> = loaded.kit.strikers.iter().take(4).map(|striker| striker.name.clone()).collect();
         for object in &loaded.kit.objects {
-            let in_frames = object.modes.len() >= FEWEST_MODES;
-            if in_frames {
-                eprintln!(
-                    "malleus: {}: {:?} has {} modes; its pad cannot be choked (choke_t60_s = 0), so that they can play in frames (docs/frames.md)",
-                    table.display(),
-                    object.name,
-                    object.modes.len()
-                );
-            }
             kit.pads.push(kit::Pad {
                 name: object.name.clone(),
                 object: object.name.clone(),
@@ -77,7 +67,7 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
                 level_db: 0.0,
                 pan: 0.0,
                 striker_weight: 1.0,
-                choke_t60_s: if in_frames { 0.0 } else { 0.1 },
+                choke_t60_s: 0.1,
                 midi_notes: notes.next().unwrap_or_default(),
                 trigger: None,
             });

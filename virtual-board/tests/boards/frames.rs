@@ -1,6 +1,7 @@
 //! A thousand modes in frames and a hundred bands of noise on the F407 board.
 
-use virtual_board::{Board, CycleCase, Setup};
+use dsp_core::trigger::Settings;
+use virtual_board::{Board, CycleCase, Press, Setup};
 
 use crate::common;
 use crate::hits::signal;
@@ -43,13 +44,23 @@ fn prior(modes: u32, bands: u32) -> kit::Kit {
 
 /// Plays three strikes of a prior on a board with the worst cycles and the waits of flash, and
 /// asserts that no half is missed and that the bits are those of the PC.
-fn plays_whole(board: Board, (modes, bands): (u32, u32), most: f64) {
+///
+/// With a hand, a button chokes the pad from the second strike on.
+fn plays_whole(board: Board, (modes, bands): (u32, u32), has_hand: bool, most: f64) {
     let strokes = [(1.4, 0.9), (1.8, 0.5), (2.2013, 0.2)];
-    let kit = kit::binary::build(&prior(modes, bands)).unwrap();
+    let mut kit = prior(modes, bands);
+    if has_hand {
+        // So slow that all modes ring throughout.
+        kit.pads[0].choke_t60_s = 2.0;
+        kit.pads[0].trigger = Some(Settings { button: None, choke_button: Some(0), ..Settings::of_unset_pad(0) });
+    }
+    let kit = kit::binary::build(&kit).unwrap();
+    let press = Press { at_s: 1.7, for_s: 0.7, bounce_s: 0.0 };
     let setup = Setup {
         cycles: CycleCase::Worst,
         flash_waits: true,
         piezos: vec![signal(0, 2.5, &strokes)],
+        presses: if has_hand { vec![press] } else { vec![] },
         kit: kit.clone(),
         ..Setup::default()
     };
@@ -71,6 +82,9 @@ fn plays_whole(board: Board, (modes, bands): (u32, u32), most: f64) {
         report.log
     );
     assert_eq!(report.log.iter().filter(|line| line.message.ends_with(",strike")).count(), 3);
+    let hands = if has_hand { 2 } else { 0 };
+    let is_of_hand = |message: &str| message.ends_with(",choke") || message.ends_with(",release");
+    assert_eq!(report.log.iter().filter(|line| is_of_hand(&line.message)).count(), hands);
     assert_eq!(work[0] > 0, bands > 0);
     assert!(load <= most, "{load:.3} of the time to the deadline");
     assert_eq!((report.audio.late_halves, report.resets.len()), (0, 0));
@@ -79,10 +93,15 @@ fn plays_whole(board: Board, (modes, bands): (u32, u32), most: f64) {
 
 #[test]
 fn the_disc1_plays_a_thousand_modes_and_a_hundred_bands_whole() {
-    plays_whole(Board::Stm32f407gDisc1, (1025, 100), 0.98);
+    plays_whole(Board::Stm32f407gDisc1, (1025, 100), false, 0.98);
+}
+
+#[test]
+fn the_disc1_plays_a_thousand_modes_and_a_hundred_bands_under_a_hand() {
+    plays_whole(Board::Stm32f407gDisc1, (1025, 100), true, 0.98);
 }
 
 #[test]
 fn the_blackpill_plays_three_hundred_modes_whole() {
-    plays_whole(Board::BlackpillF411, (300, 0), 0.98);
+    plays_whole(Board::BlackpillF411, (300, 0), false, 0.98);
 }
