@@ -61,7 +61,7 @@ pub trait Board {
     const FRAME_WORST_PERCENT: u32;
     /// Cycles a frame that pads in frames may take: the time to the deadline, less that of the
     /// inputs, divided by [`FRAME_WORST_PERCENT`](Self::FRAME_WORST_PERCENT).
-    const FRAME_CYCLES: u32 = (Self::LEAD_CYCLES - INPUT_CYCLES) / Self::FRAME_WORST_PERCENT * 100 / TICK_FRAMES as u32;
+    const FRAME_CYCLES: u32 = (Self::LEAD_CYCLES - INPUT_CYCLES) * 100 / Self::FRAME_WORST_PERCENT / TICK_FRAMES as u32;
     /// Words of memory that the board lends its engine.
     const WORDS: Words;
     /// Maximum number of samples in the delay lines of the reverberation, 2 bytes each.

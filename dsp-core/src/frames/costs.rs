@@ -20,11 +20,10 @@ pub(super) fn due(tick: usize, all: u32, first_tail: (u32, u32)) -> u32 {
     }
 }
 
-/// Cycles of a bank's work on the next block.
+/// Cycles of a bank's work on the next block up to its lines.
 pub(super) fn bank_cycles(bank: &FrameBank<'_>) -> u32 {
     let (modes, lines) = (bank.modes.len() as u32, LINES as u32);
-    let out = if bank.hand.next().is_some() { ALONE } else { lines * PAN };
-    let synthesis = |modes: u32| CLEAR + lines * SYNTHESIS_LINE + modes * SYNTHESIS_MODE + out;
+    let synthesis = |modes: u32| CLEAR + lines * SYNTHESIS_LINE + modes * SYNTHESIS_MODE;
     let forced = (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some());
     let of_forces: u32 = forced
         .map(|slot| {
@@ -58,9 +57,9 @@ pub(super) const PLAY_FRAME: u32 = 47;
 pub(super) const TICK: u32 = 2_900;
 /// Nominal cycles of a mode under a hand, and of a pair of lines and a frame of a block of its own.
 pub(super) const FADED_MODE: u32 = 12;
-pub(super) const HALVE: u32 = 93;
+pub(super) const HALVE: u32 = 58;
 pub(super) const JOIN: u32 = 40;
-/// Nominal cycles from the lines of a bank under a hand to its block.
+/// Nominal cycles from the lines of a bank to its own block under a hand.
 pub(super) const ALONE: u32 =
     spectrum::PAIRS as u32 * HALVE + fourier::cycles(BLOCK_FRAMES) + BLOCK_FRAMES as u32 * JOIN;
 /// Nominal cycles of a silent block, for banks that are all under a hand.
@@ -83,7 +82,7 @@ pub(super) const LEAST_SPAN: u32 = TAIL / PRODUCT / BLOCK_FRAMES as u32;
 /// Nominal cycles of a block's beginning for a head with a force, which the first tick pays.
 pub(super) const BEGIN_FORCE: u32 = 3_500;
 /// Nominal cycles by which the beginning of a block makes its first tick dearer.
-const BEGIN: u32 = 8_000;
+const BEGIN: u32 = 5_500;
 /// Least number of ticks in which a bank's tail is made.
 pub(super) const TAIL_TICKS: u32 = 2;
 

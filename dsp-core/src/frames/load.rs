@@ -23,20 +23,20 @@ pub struct FrameBankSize {
 
 /// Nominal cycles a frame under a direct force, and those of each mode
 /// (`cargo test -p host-tests --test on_chip frames -- --nocapture`).
-const DRIVEN_FRAME: f32 = 1346.0;
-const DRIVEN_MODE: f32 = 0.644;
+const DRIVEN_FRAME: f32 = 1318.0;
+const DRIVEN_MODE: f32 = 0.584;
 /// Nominal cycles a frame of a lone pad, to the output: in the dearest tick of a strike, in that
 /// under a force that never rests, and those of each mode (the same).
-const STRUCK_FRAME: f32 = 912.0;
-const STRUCK_MODE: f32 = 0.706;
-const DIRECT_FRAME: f32 = 1727.0;
-const DIRECT_MODE: f32 = 0.619;
+const STRUCK_FRAME: f32 = 769.0;
+const STRUCK_MODE: f32 = 0.728;
+const DIRECT_FRAME: f32 = 1563.0;
+const DIRECT_MODE: f32 = 0.746;
 /// Nominal cycles of a mode under a force in the fixed-point bank
 /// (`cargo bench -p host-tests --bench run_time_vs_error`).
 const DRIVEN_MODE_IN_BANK: f32 = 7.74;
 
 /// Fewest modes of a bank that takes fewer cycles in frames than in the fixed-point bank, both
-/// under a force that never rests: 190.
+/// under a force that never rests: 185.
 ///
 /// A lone ringing pad is cheaper in frames from 65 modes on.
 pub const FEWEST_MODES: usize = (DRIVEN_FRAME / (DRIVEN_MODE_IN_BANK - DRIVEN_MODE)) as usize + 1;

@@ -2,13 +2,14 @@
 
 use super::bank::{FrameBank, InFrames, SLOTS};
 use super::costs::{
-    BEGIN_FORCE, FORCE, LEAST_SPAN, PLAY_FRAME, PRODUCT, SILENCE, TAIL, TAIL_TICKS, TICK, bank_cycles, due, fade_cycles,
+    ALONE, BEGIN_FORCE, FORCE, JOIN, LEAST_SPAN, PAN, PLAY_FRAME, PRODUCT, SILENCE, TAIL, TAIL_TICKS, TICK,
+    bank_cycles, due, fade_cycles,
 };
 use super::head::Head;
 use super::kernel;
 use super::samples;
 use super::spectrum::{self, Lines};
-use super::step::Step;
+use super::step::{Pass, Step};
 use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, RETIREMENT_BLOCKS, TICKS};
 use crate::fourier::{self, Complex, Progress};
 use crate::memory::{Lender, OutOfMemory, Region};
@@ -28,8 +29,8 @@ pub struct FrameMixer<'m> {
     pub(super) retired_modes: u32,
     /// Number of blocks that have begun, modulo [`RETIREMENT_BLOCKS`](super::RETIREMENT_BLOCKS).
     pub(super) block: usize,
-    /// True if the block that plays, and the block that is being made, hold any sound.
-    sounds: [bool; 2],
+    /// Form of the block that plays, and of the block that is being made.
+    forms: [BlockForm; 2],
     pub(super) step: Step,
     /// Number of the bank that is being worked on.
     pub(super) bank: usize,
@@ -37,9 +38,8 @@ pub struct FrameMixer<'m> {
     pub(super) slot: usize,
     /// True if no bank has added to the next block yet.
     pub(super) is_first: bool,
-    /// True while the banks under a hand are worked on, whose blocks join the transform of all
-    /// others; and true if there are any.
-    pub(super) is_under_hand: bool,
+    pub(super) pass: Pass,
+    /// True if any bank is under a hand in the next block.
     pub(super) has_hands: bool,
     /// Cycles of this block's work that are done, and all of them.
     pub(super) done: u32,
@@ -51,10 +51,21 @@ pub struct FrameMixer<'m> {
     tick: usize,
 }
 
+/// Form of a block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum BlockForm {
+    Silent,
+    /// Transform of `left + i right`.
+    Stereo,
+    /// Transform of the only bank that sounds, and its gains to both sides.
+    Lone([f32; 2]),
+}
+
 /// Memory of a mixer: 12.3 KB.
 #[derive(Debug)]
 pub(super) struct Buffers {
-    /// Spectra or transforms of `left + i right`: of the block that plays, and of the next one.
+    /// Spectra or transforms of `left + i right`, or transforms of one bank: of the block that
+    /// plays, and of the next one.
     pub(super) stereo: [[Complex; POINTS]; 2],
     /// Lines of one bank: of its force, then of its modes.
     pub(super) lines: Lines,
@@ -72,12 +83,12 @@ impl<'m> FrameMixer<'m> {
             retired_beside: 0.0,
             retired_modes: 0,
             block: 0,
-            sounds: [false; 2],
+            forms: [BlockForm::Silent; 2],
             step: Step::Rest,
             bank: 0,
             slot: 0,
             is_first: true,
-            is_under_hand: false,
+            pass: Pass::Together,
             has_hands: false,
             done: 0,
             all: 0,
@@ -114,17 +125,21 @@ impl<'m> FrameMixer<'m> {
 
     /// Adds a run of frames from `frame` of the block on to the stereo bus.
     pub fn render(&self, frame: usize, out: &mut [[i32; 2]]) {
-        let (true, [buffers]) = (self.sounds[0], &*self.buffers) else { return };
+        let [buffers] = &*self.buffers else { return };
         let [first, second] = &buffers.stereo;
         let stereo = if self.front { second } else { first };
-        kernel::play(stereo, frame, out);
+        match (self.forms[0], stereo.first_chunk()) {
+            (BlockForm::Stereo, _) => kernel::play(stereo, frame, out),
+            (BlockForm::Lone(gains), Some(block)) => kernel::play_lone(block, &gains, frame, out),
+            _ => {}
+        }
     }
 
     /// Nominal cycles of a tick's work on the next block, and of playing the present one.
     ///
     /// A piece of the work may end up to 3000 cycles behind its share.
     pub fn tick_cycles(&self) -> u32 {
-        let plays = if self.sounds[0] { TICK_FRAMES as u32 * PLAY_FRAME } else { 0 };
+        let plays = if self.forms[0] == BlockForm::Silent { 0 } else { TICK_FRAMES as u32 * PLAY_FRAME };
         let works = !matches!(self.step, Step::Rest);
         let share = || due(self.tick, self.all, self.first_tail).min(self.all).saturating_sub(self.done);
         plays + if works { share() + TICK } else { 0 }
@@ -132,7 +147,7 @@ impl<'m> FrameMixer<'m> {
 
     /// True if neither this block nor the next one has any sound from frames.
     pub fn is_silent(&self) -> bool {
-        !self.sounds[0] && !self.sounds[1]
+        self.forms == [BlockForm::Silent; 2]
     }
 
     /// Begins a block: the one that was made plays, and the work on the next one begins.
@@ -142,26 +157,30 @@ impl<'m> FrameMixer<'m> {
         }
         self.front = !self.front;
         self.block = (self.block + 1) % RETIREMENT_BLOCKS;
-        self.sounds = [self.sounds[1], false];
+        self.forms = [self.forms[1], BlockForm::Silent];
         banks.iter_mut().filter_map(InFrames::frames_mut).for_each(FrameBank::begin_block);
         (self.done, self.all, self.tick) = (0, 0, 0);
         self.choose_tails(banks);
-        let works = |bank: &FrameBank<'_>| bank.works();
-        (self.bank, self.slot) = (0, 0);
-        self.step = Step::Rest;
-        if banks.iter().filter_map(InFrames::frames).any(works) {
-            let has_hand = |bank: &FrameBank<'_>| bank.hand.next().is_some();
-            self.has_hands = banks.iter().filter_map(InFrames::frames).any(has_hand);
-            let has_sum = banks.iter().filter_map(InFrames::frames).any(|bank| works(bank) && !has_hand(bank));
-            self.all += if has_sum { fourier::cycles(POINTS) } else { SILENCE };
-            if self.first_tail.0 == 0 {
-                let forces = |bank: &FrameBank<'_>| (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some()).count();
-                self.done = BEGIN_FORCE * banks.iter().filter_map(InFrames::frames).map(forces).sum::<usize>() as u32;
-                self.all += self.done;
-            }
-            self.sounds[1] = true;
-            (self.step, self.is_first, self.is_under_hand) = (Step::Bank, true, false);
+        (self.bank, self.slot, self.step) = (0, 0, Step::Rest);
+        let mut working = banks.iter().filter_map(InFrames::frames).filter(|bank| bank.works());
+        let Some(first) = working.next() else { return };
+        if let Some(second) = working.next() {
+            let has_hand = |bank: &&FrameBank<'_>| bank.hand.next().is_some();
+            let under_hand = [first, second].into_iter().chain(working.clone()).filter(has_hand).count() as u32;
+            let free = 2 + working.count() as u32 - under_hand;
+            self.all += under_hand * ALONE + free * LINES as u32 * PAN;
+            self.all += if free > 0 { fourier::cycles(POINTS) } else { SILENCE };
+            (self.has_hands, self.pass, self.forms[1]) = (under_hand > 0, Pass::Together, BlockForm::Stereo);
+        } else {
+            self.all += ALONE - if first.hand.next().is_some() { 0 } else { BLOCK_FRAMES as u32 * JOIN };
+            (self.pass, self.forms[1]) = (Pass::Lone, BlockForm::Lone(first.gains.map(|gain| 0.5 * gain)));
         }
+        if self.first_tail.0 == 0 {
+            let forces = |bank: &FrameBank<'_>| (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some()).count();
+            self.done = BEGIN_FORCE * banks.iter().filter_map(InFrames::frames).map(forces).sum::<usize>() as u32;
+            self.all += self.done;
+        }
+        (self.step, self.is_first) = (Step::Bank, true);
     }
 
     /// Counts the cycles of the banks' work, and chooses whose tails a transform makes: those that

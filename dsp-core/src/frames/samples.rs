@@ -1,13 +1,20 @@
 //! Samples of a block, from the transform of its spectrum.
 
-use super::POINTS;
 use super::numbers::{HALF, window_at};
+use super::{BLOCK_FRAMES, POINTS};
 use crate::fourier::{self, Complex};
 
 /// Place of a frame of a block in the transform of both sides.
 #[inline(always)]
 pub(super) fn place(frame: usize) -> usize {
     fourier::place((frame + POINTS - HALF) as u32, POINTS.trailing_zeros())
+}
+
+/// Place of a frame and its neighbour, an even and an odd one, in the transform of one bank's block.
+#[inline(always)]
+pub(super) fn place_of_pair(frame: usize) -> usize {
+    let pair = (frame + POINTS - HALF) / 2 % BLOCK_FRAMES;
+    fourier::place(pair as u32, BLOCK_FRAMES.trailing_zeros())
 }
 
 /// Both sides at a frame of a block, from the transform of their spectrum.

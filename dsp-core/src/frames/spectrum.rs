@@ -72,24 +72,26 @@ pub(super) fn combine(
         let mirrored = BLOCK_FRAMES - k;
         let (Some(&x), Some(&y)) = (low.get(index), high.get((count - 1).wrapping_sub(index))) else { return };
         let (Some(&of_x), Some(&of_y)) = (response.get(k), response.get(mirrored)) else { return };
-        halve(k, [times(x, of_x), times(y, of_y)], transform);
+        let Some(&turn) = TWIDDLES.get(k * (MAX_POINTS / BLOCK_FRAMES)) else { return };
+        let [low, high] = halve([times(x, of_x), times(y, of_y)], turn);
+        if let Some(slot) = transform.get_mut(k) {
+            *slot = low;
+        }
+        if let Some(slot) = transform.get_mut(mirrored) {
+            *slot = high;
+        }
     }
 }
 
-/// Puts the lines k and N - k of 2N real samples into a transform of N points: to their even
-/// samples as real parts, and their odd ones as imaginary parts.
+/// Lines k and N - k of a transform of N points that gives 2N real samples, their even ones as real
+/// parts and their odd ones as imaginary parts: from the lines k and N - k of the samples, and
+/// `e^{πik/N}`.
 #[inline(always)]
-fn halve(k: usize, [[a, b], [c, d]]: [Complex; 2], transform: &mut [Complex; BLOCK_FRAMES]) {
+fn halve([[a, b], [c, d]]: [Complex; 2], [cos, sin]: Complex) -> [Complex; 2] {
     // Line k, and line N + k: the mirror image of N - k.
-    let Some(&[cos, sin]) = TWIDDLES.get(k * (MAX_POINTS / BLOCK_FRAMES)) else { return };
     let (even, odd) = ([a + c, b - d], [a - c, b + d]);
     let turned = [cos * odd[0] - sin * odd[1], cos * odd[1] + sin * odd[0]];
-    if let Some(slot) = transform.get_mut(k) {
-        *slot = [even[0] - turned[1], even[1] + turned[0]];
-    }
-    if let Some(slot) = transform.get_mut(BLOCK_FRAMES - k) {
-        *slot = [even[0] + turned[1], turned[0] - even[1]];
-    }
+    [[even[0] - turned[1], even[1] + turned[0]], [even[0] + turned[1], turned[0] - even[1]]]
 }
 
 /// Twice the spectrum of one bank's block from its folded lines, for a transform of N points, for a
@@ -98,15 +100,38 @@ pub(super) fn alone(lines: &Lines, pairs: Range<usize>, transform: &mut [Complex
     let Some(lines) = inner(lines).first_chunk::<LINES>() else { return };
     if pairs.contains(&0) {
         // The ends are their own mirror images; of all others each side has half.
-        halve(0, [lines[0], lines[BLOCK_FRAMES]].map(|[re, _]| [2.0 * re, 0.0]), transform);
+        let ([x, _], [y, _]) = (lines[0], lines[BLOCK_FRAMES]);
+        transform[0] = [2.0 * (x + y), 2.0 * (x - y)];
     }
     if pairs.contains(&HALF) {
-        halve(HALF, [lines[HALF]; 2], transform);
+        let [re, im] = lines[HALF];
+        transform[HALF] = [2.0 * re, -2.0 * im];
     }
-    pairs.filter(|k| (1..HALF).contains(k)).for_each(|k| {
-        let [x, y] = [k, BLOCK_FRAMES - k].map(|line| lines.get(line).copied().unwrap_or([0.0; 2]));
-        halve(k, [x, y], transform);
-    });
+    let (start, end) = (pairs.start.max(1), pairs.end.min(HALF));
+    let (below, above) = transform.split_at_mut(HALF);
+    let mirrored = BLOCK_FRAMES + 1 - end..=BLOCK_FRAMES - start;
+    let above = above.get_mut(mirrored.start() - HALF..=mirrored.end() - HALF).unwrap_or(&mut []);
+    let slots = below.get_mut(start..end).unwrap_or(&mut []).iter_mut().zip(above.iter_mut().rev());
+    let lows = lines.get(start..end).unwrap_or(&[]);
+    let highs = lines.get(mirrored).unwrap_or(&[]);
+    let turns = TWIDDLES.get(start * (MAX_POINTS / BLOCK_FRAMES)..).unwrap_or(&[]);
+    let turns = turns.iter().step_by(MAX_POINTS / BLOCK_FRAMES);
+    for (((low, high), (x, y)), turn) in slots.zip(lows.iter().zip(highs.iter().rev())).zip(turns) {
+        [*low, *high] = halve([*x, *y], *turn);
+    }
+}
+
+/// Takes a hand's share of frames of one bank's block from its transform. The frames are whole
+/// ticks.
+pub(super) fn fade(transform: &mut [Complex; BLOCK_FRAMES], frames: Range<usize>, hand: &Decay) {
+    for tick in frames.step_by(TICK_FRAMES) {
+        let (of_tick, shares) = hand.in_tick(tick);
+        for (shares, first) in shares.as_chunks::<2>().0.iter().zip((tick..).step_by(2)) {
+            if let Some([even, odd]) = transform.get_mut(samples::place_of_pair(first)) {
+                (*even, *odd) = (*even * of_tick * shares[0], *odd * of_tick * shares[1]);
+            }
+        }
+    }
 }
 
 /// Adds frames of one bank's block from the transform of [`alone`] to the block of all banks, under
@@ -122,9 +147,7 @@ pub(super) fn join(
         let (of_tick, shares) = hand.in_tick(tick);
         let [left, right] = gains.map(|gain| 0.5 * gain * of_tick);
         for (shares, first) in shares.as_chunks::<2>().0.iter().zip((tick..).step_by(2)) {
-            let pair = (first + POINTS - HALF) / 2 % BLOCK_FRAMES;
-            let place = fourier::place(pair as u32, BLOCK_FRAMES.trailing_zeros());
-            let sounds = transform.get(place).copied().unwrap_or([0.0; 2]);
+            let sounds = transform.get(samples::place_of_pair(first)).copied().unwrap_or([0.0; 2]);
             for ((sound, share), frame) in sounds.into_iter().zip(shares).zip(first..) {
                 if let Some(sides) = stereo.get_mut(samples::place(frame)) {
                     *sides = [sides[0] + left * (sound * share), sides[1] + right * (sound * share)];

@@ -1,4 +1,4 @@
-//! Steps of the work on the next block.
+//! Steps and passes of the work on the next block.
 
 use crate::fourier::Progress;
 
@@ -27,12 +27,23 @@ pub(super) enum Step {
     Pan(usize),
     /// Transform of both sides.
     Sum(Progress),
-    /// Spectrum of the bank's block under a hand: next pair.
+    /// Spectrum of the bank's own block: next pair.
     Alone(usize),
     /// Transform of that block.
     Block(Progress),
-    /// Both sides from that block: next frame.
+    /// A hand takes its share of that block, and it joins the others: next frame.
     Join(usize),
     /// Nothing left to do in this block.
     Rest,
+}
+
+/// Pass over the banks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pass {
+    /// The only bank that works: its own block plays.
+    Lone,
+    /// Banks without a hand: their lines add up to one block.
+    Together,
+    /// Banks under a hand: their own blocks join that one.
+    UnderHand,
 }

@@ -10,9 +10,9 @@ use super::kernel;
 use super::mixer::FrameMixer;
 use super::mode::Line;
 use super::spectrum::{self, PAIRS_AT_ONCE};
-use super::step::Step;
+use super::step::{Pass, Step};
 use super::{BLOCK_FRAMES, LINES, POINTS};
-use crate::fourier::Progress;
+use crate::fourier::{Complex, Progress};
 
 impl FrameMixer<'_> {
     /// Works for about a number of cycles, or until the end of a step.
@@ -34,19 +34,24 @@ impl FrameMixer<'_> {
         }
         let retired: f32 = banks.iter().filter_map(InFrames::frames).map(FrameBank::retired_amplitude).sum();
         let Some(pad) = banks.get_mut(self.bank) else {
-            self.step = if self.is_under_hand {
-                Step::Rest
-            } else if self.is_first {
-                stereo.fill([0.0; 2]);
-                self.done += SILENCE;
-                self.begin_hands()
-            } else {
-                Step::Sum(Progress::start(POINTS))
+            self.step = match self.pass {
+                Pass::Lone | Pass::UnderHand => Step::Rest,
+                Pass::Together if self.is_first => {
+                    stereo.fill([0.0; 2]);
+                    self.done += SILENCE;
+                    self.begin_hands()
+                }
+                Pass::Together => Step::Sum(Progress::start(POINTS)),
             };
             return;
         };
-        let is_under_hand = self.is_under_hand;
-        let Some(bank) = pad.frames_mut().filter(|bank| bank.hand.next().is_some() == is_under_hand) else {
+        let pass = self.pass;
+        let is_of_pass = |bank: &&mut FrameBank<'_>| match pass {
+            Pass::Lone => true,
+            Pass::Together => bank.hand.next().is_none(),
+            Pass::UnderHand => bank.hand.next().is_some(),
+        };
+        let Some(bank) = pad.frames_mut().filter(is_of_pass) else {
             self.bank += 1;
             return;
         };
@@ -139,7 +144,7 @@ impl FrameMixer<'_> {
                     (spent, Step::Synthesis(end, mode + count))
                 } else {
                     spectrum::fold(lines);
-                    (spent, if is_under_hand { Step::Alone(0) } else { Step::Pan(0) })
+                    (spent, if pass == Pass::Together { Step::Pan(0) } else { Step::Alone(0) })
                 }
             }
             Step::Pan(line) => {
@@ -157,19 +162,26 @@ impl FrameMixer<'_> {
             }
             Step::Alone(pair) => {
                 let end = spectrum::PAIRS.min(pair + PAIRS_AT_ONCE);
-                spectrum::alone(lines, pair..end, force);
+                spectrum::alone(lines, pair..end, own_block(pass, stereo, force));
                 let is_over = end == spectrum::PAIRS;
                 let next = if is_over { Step::Block(Progress::start(BLOCK_FRAMES)) } else { Step::Alone(end) };
                 (HALVE * (end - pair) as u32, next)
             }
             Step::Block(mut progress) => {
-                let spent = progress.advance(force, cycles);
-                (spent, if progress.is_over() { Step::Join(0) } else { Step::Block(progress) })
+                let spent = progress.advance(own_block(pass, stereo, force), cycles);
+                let next = match (pass, bank.hand.next()) {
+                    _ if !progress.is_over() => Step::Block(progress),
+                    (Pass::Lone, None) => Step::Rest,
+                    _ => Step::Join(0),
+                };
+                (spent, next)
             }
             Step::Join(frame) => {
                 let end = BLOCK_FRAMES.min(frame + FRAMES_AT_ONCE);
-                if let Some(hand) = bank.hand.next() {
-                    spectrum::join(force, frame..end, hand, bank.gains, stereo);
+                match (pass, bank.hand.next()) {
+                    (Pass::Lone, Some(hand)) => spectrum::fade(own_block(pass, stereo, force), frame..end, hand),
+                    (_, Some(hand)) => spectrum::join(force, frame..end, hand, bank.gains, stereo),
+                    _ => {}
                 }
                 if end < BLOCK_FRAMES {
                     (JOIN * (end - frame) as u32, Step::Join(end))
@@ -186,8 +198,20 @@ impl FrameMixer<'_> {
 
     /// Begins the work on banks under a hand; gives the next step.
     fn begin_hands(&mut self) -> Step {
-        (self.bank, self.slot, self.is_under_hand) = (0, 0, true);
+        (self.bank, self.slot, self.pass) = (0, 0, Pass::UnderHand);
         if self.has_hands { Step::Bank } else { Step::Rest }
+    }
+}
+
+/// Place of a bank's own block: that of the block if it is the only one.
+fn own_block<'a>(
+    pass: Pass,
+    stereo: &'a mut [Complex; POINTS],
+    scratch: &'a mut [Complex; BLOCK_FRAMES],
+) -> &'a mut [Complex; BLOCK_FRAMES] {
+    match (pass, stereo.first_chunk_mut()) {
+        (Pass::Lone, Some(block)) => block,
+        _ => scratch,
     }
 }
 

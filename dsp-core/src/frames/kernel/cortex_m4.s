@@ -292,6 +292,28 @@ malleus_frames_unwindow:
     .size   malleus_frames_unwindow, . - malleus_frames_unwindow
 
 @ --------------------------------------------------------------------------------------------------
+@ Rounds left s0 and right s1, and adds them to the frame of the output. r9 is half as a float.
+    .macro play_frame
+    vmov    r4, r5, s0, s1
+    and     r4, r4, #0x80000000
+    and     r5, r5, #0x80000000
+    orr     r4, r4, r9                  @ half with the sign of the sample
+    orr     r5, r5, r9
+    vmov    s2, s3, r4, r5
+    vadd.f32 s0, s0, s2
+    vadd.f32 s1, s1, s3
+    vcvt.s32.f32 s0, s0
+    vcvt.s32.f32 s1, s1
+    ldrd    r6, r7, [r3]
+    vmov    r4, r5, s0, s1
+    qadd    r6, r6, r4
+    qadd    r7, r7, r5
+    strd    r6, r7, [r3], #8
+    add     r2, r2, #1
+    subs    r8, r8, #1
+    .endm
+
+@ --------------------------------------------------------------------------------------------------
 @ Frames of a block. 45 cycles each.
 @ Registers: r0 transform, r1 window, r2 frame, r3 output, r8 frames left, r9 half as a float.
     .p2align 4
@@ -314,23 +336,40 @@ malleus_frames_play:
     vldr    s2, [r5]
     vmul.f32 s0, s0, s2
     vmul.f32 s1, s1, s2
-    vmov    r4, r5, s0, s1
-    and     r4, r4, #0x80000000
-    and     r5, r5, #0x80000000
-    orr     r4, r4, r9                  @ half with the sign of the sample
-    orr     r5, r5, r9
-    vmov    s2, s3, r4, r5
-    vadd.f32 s0, s0, s2
-    vadd.f32 s1, s1, s3
-    vcvt.s32.f32 s0, s0
-    vcvt.s32.f32 s1, s1
-    ldrd    r6, r7, [r3]
-    vmov    r4, r5, s0, s1
-    qadd    r6, r6, r4
-    qadd    r7, r7, r5
-    strd    r6, r7, [r3], #8
-    add     r2, r2, #1
-    subs    r8, r8, #1
+    play_frame
     bne     1b
     pop     {r4-r9, pc}
     .size   malleus_frames_play, . - malleus_frames_play
+
+@ --------------------------------------------------------------------------------------------------
+@ Frames of a block of one bank. 48 cycles each.
+@ Registers: as above, and s4, s5 the gains of left and right.
+    .p2align 4
+    .global malleus_frames_play_lone
+    .type   malleus_frames_play_lone, %function
+malleus_frames_play_lone:
+    push    {r4-r9, lr}
+    ldrd    r8, r4, [sp, #28]
+    vldr    s4, [r4]
+    vldr    s5, [r4, #4]
+    mov     r9, #0x3f000000
+1:  add     r4, r2, #384                @ 2N - N/2
+    ubfx    r4, r4, #1, #8              @ two frames a pair
+    rbit    r4, r4
+    lsr     r4, r4, #24
+    and     r5, r2, #1
+    orr     r4, r5, r4, lsl #1
+    add     r4, r0, r4, lsl #2
+    subs    r5, r2, #128
+    it      mi
+    rsbmi   r5, r5, #0
+    add     r5, r1, r5, lsl #2
+    vldr    s0, [r4]
+    vldr    s2, [r5]
+    vmul.f32 s0, s0, s2
+    vmul.f32 s1, s0, s5
+    vmul.f32 s0, s0, s4
+    play_frame
+    bne     1b
+    pop     {r4-r9, pc}
+    .size   malleus_frames_play_lone, . - malleus_frames_play_lone

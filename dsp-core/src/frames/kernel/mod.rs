@@ -6,9 +6,9 @@ mod cortex_m4;
 pub mod portable;
 
 #[cfg(cortex_m4f)]
-pub use cortex_m4::{convolve, gather, play, synthesize, unwindow};
+pub use cortex_m4::{convolve, gather, play, play_lone, synthesize, unwindow};
 #[cfg(not(cortex_m4f))]
-pub use portable::{convolve, gather, play, synthesize, unwindow};
+pub use portable::{convolve, gather, play, play_lone, synthesize, unwindow};
 
 /// Number of outputs that [`convolve`] computes at once.
 pub const OUTPUTS: usize = 3;

@@ -1,8 +1,9 @@
 //! The hot loops in plain Rust.
 
 use super::super::mode::{FrameMode, Line};
-use super::super::samples::{rounded, sample};
-use super::super::{PADDED_LINES, POINTS, WIDTH};
+use super::super::numbers::window_at;
+use super::super::samples::{place_of_pair, rounded, sample};
+use super::super::{BLOCK_FRAMES, PADDED_LINES, POINTS, WIDTH};
 use super::OUTPUTS;
 use crate::fixed;
 use crate::fourier::Complex;
@@ -83,5 +84,14 @@ pub fn play(stereo: &[Complex; POINTS], first: usize, out: &mut [[i32; 2]]) {
     for (out, frame) in out.iter_mut().zip(first..) {
         let [left, right] = sample(stereo, frame);
         *out = [fixed::qadd(out[0], rounded(left)), fixed::qadd(out[1], rounded(right))];
+    }
+}
+
+/// Adds frames of a block of one bank to the stereo bus, from frame `first` on: its transform times
+/// the window, then the gain of each side, rounded.
+pub fn play_lone(block: &[Complex; BLOCK_FRAMES], gains: &[f32; 2], first: usize, out: &mut [[i32; 2]]) {
+    for (out, frame) in out.iter_mut().zip(first..) {
+        let sound = block.get(place_of_pair(frame)).map_or(0.0, |pair| pair[frame % 2]) * window_at(frame);
+        *out = [fixed::qadd(out[0], rounded(sound * gains[0])), fixed::qadd(out[1], rounded(sound * gains[1]))];
     }
 }
