@@ -13,8 +13,7 @@ pub(super) fn due(tick: usize, all: u32, first_tail: (u32, u32)) -> u32 {
         (tick, _) if tick + 1 >= TICKS => u32::MAX,
         (_, (0, _)) => even,
         (tick, (cycles, ticks)) => {
-            let earliest = ((cycles + BEGIN) / ticks.max(1) * (tick as u32 + 1)).saturating_sub(BEGIN);
-            let even = (even + BEGIN / TICKS as u32 * (tick as u32 + 1)).saturating_sub(BEGIN);
+            let earliest = cycles / ticks.max(1) * (tick as u32 + 1);
             even.saturating_add_signed(ahead(tick as i32, ticks as i32)).max(earliest.min(cycles))
         }
     }
@@ -64,7 +63,7 @@ pub(super) const ALONE: u32 =
     spectrum::PAIRS as u32 * HALVE + fourier::cycles(BLOCK_FRAMES) + BLOCK_FRAMES as u32 * JOIN;
 /// Nominal cycles of a silent block, for banks that are all under a hand.
 pub(super) const SILENCE: u32 = 3_000;
-pub(super) const UNFOLD: u32 = 60;
+pub(super) const UNFOLD: u32 = 66;
 pub(super) const PAN: u32 = 28;
 /// Nominal cycles of the preparation of a force, and of the clearing of lines.
 pub(super) const FILL: u32 = 3_800;
@@ -73,16 +72,18 @@ pub(super) const CLEAR: u32 = 1_800;
 pub(super) const COMBINE: u32 = 140;
 pub(super) const PUT: u32 = 7_600;
 pub(super) const TAIL: u32 = spectrum::PAIRS as u32 * COMBINE + fourier::cycles(BLOCK_FRAMES) + PUT;
+/// Nominal cycles in which all modes of a bank begin to ring.
+pub(super) const WAKE: u32 = 2_200;
 /// Nominal cycles of the lines of a force.
-pub(super) const FORCE: u32 = FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD;
+pub(super) const FORCE: u32 = FILL + fourier::cycles(BLOCK_FRAMES) + spectrum::PAIRS as u32 * UNFOLD + WAKE;
 /// Nominal cycles of a product of the head.
 pub(super) const PRODUCT: u32 = 2;
 /// Number of samples of the last block whose products cost less than a tail at any rate.
 pub(super) const LEAST_SPAN: u32 = TAIL / PRODUCT / BLOCK_FRAMES as u32;
 /// Nominal cycles of a block's beginning for a head with a force, which the first tick pays.
-pub(super) const BEGIN_FORCE: u32 = 3_500;
+pub(super) const BEGIN_FORCE: u32 = 4_500;
 /// Nominal cycles by which the beginning of a block makes its first tick dearer.
-const BEGIN: u32 = 5_500;
+const BEGIN: u32 = 4_000;
 /// Least number of ticks in which a bank's tail is made.
 pub(super) const TAIL_TICKS: u32 = 2;
 

@@ -27,10 +27,10 @@ const DRIVEN_FRAME: f32 = 1318.0;
 const DRIVEN_MODE: f32 = 0.584;
 /// Nominal cycles a frame of a lone pad, to the output: in the dearest tick of a strike, in that
 /// under a force that never rests, and those of each mode (the same).
-const STRUCK_FRAME: f32 = 769.0;
-const STRUCK_MODE: f32 = 0.728;
-const DIRECT_FRAME: f32 = 1563.0;
-const DIRECT_MODE: f32 = 0.746;
+const STRUCK_FRAME: f32 = 763.0;
+const STRUCK_MODE: f32 = 0.714;
+const DIRECT_FRAME: f32 = 1510.0;
+const DIRECT_MODE: f32 = 0.739;
 /// Nominal cycles of a mode under a force in the fixed-point bank
 /// (`cargo bench -p host-tests --bench run_time_vs_error`).
 const DRIVEN_MODE_IN_BANK: f32 = 7.74;

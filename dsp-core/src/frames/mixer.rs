@@ -46,9 +46,9 @@ pub struct FrameMixer<'m> {
     all: u32,
     /// Cycles of this block's work up to the end of the first bank's tail, 0 without one, and the
     /// number of ticks for them.
-    first_tail: (u32, u32),
+    pub(super) first_tail: (u32, u32),
     /// Number of the tick in this block.
-    tick: usize,
+    pub(super) tick: usize,
 }
 
 /// Form of a block.

@@ -3,7 +3,7 @@
 use super::bank::{FrameBank, InFrames, SLOTS};
 use super::costs::{
     CLEAR, COMBINE, DERIVED_MODE, FADED_MODE, FILL, FRAMES_AT_ONCE, GATHER_LINE, GATHER_MODE, HALVE, JOIN,
-    LINES_AT_ONCE, PAN, PUT, SILENCE, SYNTHESIS_LINE, SYNTHESIS_MODE, UNFOLD,
+    LINES_AT_ONCE, PAN, PUT, SILENCE, SYNTHESIS_LINE, SYNTHESIS_MODE, UNFOLD, WAKE,
 };
 use super::head::Head;
 use super::kernel;
@@ -32,7 +32,10 @@ impl FrameMixer<'_> {
             };
             return;
         }
-        let retired: f32 = banks.iter().filter_map(InFrames::frames).map(FrameBank::retired_amplitude).sum();
+        let retired = match self.step {
+            Step::Synthesis(..) => banks.iter().filter_map(InFrames::frames).map(FrameBank::retired_amplitude).sum(),
+            _ => 0.0,
+        };
         let Some(pad) = banks.get_mut(self.bank) else {
             self.step = match self.pass {
                 Pass::Lone | Pass::UnderHand => Step::Rest,
@@ -91,7 +94,7 @@ impl FrameMixer<'_> {
                     bank.wake();
                     let has_tail = bank.tail_response(self.slot).is_some();
                     let next = if has_tail { Step::Combine(0) } else { Step::Gather(0, 0) };
-                    (UNFOLD * (end - pair) as u32, next)
+                    (UNFOLD * (end - pair) as u32 + WAKE, next)
                 }
             }
             Step::Combine(pair) => {
@@ -108,6 +111,8 @@ impl FrameMixer<'_> {
                     if let Some(tail) = bank.heads.get_mut(self.slot).and_then(Head::begin_tail) {
                         spectrum::put_tail(force, tail);
                     }
+                    // From the next tick on its products are saved, maybe sooner than was planned.
+                    self.first_tail.1 = self.first_tail.1.min(self.tick as u32 + 1);
                     (spent + PUT, Step::Gather(0, 0))
                 } else {
                     (spent, Step::Tail(progress))
