@@ -37,7 +37,7 @@ const DRIVEN_MODE_IN_BANK: f32 = 7.74;
 /// Fewest modes of a bank that takes fewer cycles in frames than in the fixed-point bank, both
 /// under a force that never rests: 190.
 ///
-/// A lone ringing pad is cheaper in frames from 65 modes on.
+/// A lone ringing pad is cheaper in frames from 60 modes on (docs/run_time_vs_error.md).
 pub const FEWEST_MODES: usize = (DRIVEN_FRAME / (DRIVEN_MODE_IN_BANK - DRIVEN_MODE)) as usize + 1;
 
 /// Modes of a checked table below Nyquist: index and pole.

@@ -10,13 +10,16 @@ use std::fmt;
 use dsp_core::frames::FEWEST_MODES;
 use serde::Serialize;
 
-use crate::frames::prior;
+use crate::frames::{HeardMode, prior};
 use crate::on_chip::lone_pad::{Drive, RATE, T60_S, direct_force, kit_of, play_engine, play_stage, struck_once};
 use crate::on_chip::{EngineOnChip, FramesOnChip, OnChipError};
 use crate::scene::load;
 
 /// Numbers of modes of the table and the picture.
 pub const MODES: [usize; 12] = [16, 32, 64, 96, 128, 160, FEWEST_MODES, 256, 384, 512, 768, 1025];
+
+/// Number of ways to play a pad.
+const WAYS: usize = Play::ALL.len();
 
 /// Form in which a pad's modes are played.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -51,11 +54,16 @@ pub enum Play {
     /// Mean of ticks under a direct force that never rests.
     #[serde(rename = "direct force")]
     DirectForce,
+    /// Mean of ticks under a direct force, all modes with a sine gain alone.
+    ///
+    /// The bank then takes one product a mode and sample less; frames take the same cycles.
+    #[serde(rename = "direct force, sine gains")]
+    SineDirectForce,
 }
 
 impl Play {
     /// All ways, in the order of [`PadRow::cycles`].
-    pub const ALL: [Self; 3] = [Self::Ringing, Self::Strike, Self::DirectForce];
+    pub const ALL: [Self; 4] = [Self::Ringing, Self::Strike, Self::DirectForce, Self::SineDirectForce];
 
     /// Name of the way in table and picture.
     pub const fn name(self) -> &'static str {
@@ -63,6 +71,7 @@ impl Play {
             Self::Ringing => "ringing",
             Self::Strike => "dearest tick of a strike",
             Self::DirectForce => "direct force",
+            Self::SineDirectForce => "direct force, sine gains",
         }
     }
 }
@@ -77,8 +86,8 @@ pub struct PadRow {
     /// True if the whole engine was measured; false for frames measured as a stage, with the
     /// engine's own cycles added.
     pub is_whole_engine: bool,
-    /// Nominal cycles a frame: ringing, in the dearest tick of a strike, under a direct force.
-    pub cycles: [f64; 3],
+    /// Nominal cycles a frame, in the order of [`Play::ALL`].
+    pub cycles: [f64; WAYS],
 }
 
 /// Number of modes from which frames take fewer cycles than the bank.
@@ -99,6 +108,7 @@ impl fmt::Display for Crossing {
             Play::Ringing => "A ringing pad takes",
             Play::Strike => "The dearest tick of a strike takes",
             Play::DirectForce => "A pad under a force that never rests takes",
+            Play::SineDirectForce => "A pad under such a force whose modes have sine gains alone takes",
         };
         write!(f, "{what} fewer cycles in frames from {:.0} modes on, at {cycles:.0} cycles a frame.", modes.ceil())
     }
@@ -109,9 +119,9 @@ impl fmt::Display for Crossing {
 pub struct OverModes {
     /// Pads by their number of modes, each in the bank and then in frames.
     pub pads: Vec<PadRow>,
-    /// Nominal cycles a frame that the engine takes beside the stage of frames, in the order of
-    /// [`PadRow::cycles`], with [`FEWEST_MODES`] modes.
-    pub engine_beside_stage: [f64; 3],
+    /// Nominal cycles a frame that the engine takes beside the stage of frames with
+    /// [`FEWEST_MODES`] modes, in the order of [`Play::ALL`].
+    pub engine_beside_stage: [f64; WAYS],
     /// Points from which frames take fewer cycles.
     pub crossings: Vec<Crossing>,
 }
@@ -132,7 +142,7 @@ pub fn measure(modes: &[usize], mut advance: impl FnMut()) -> Result<OverModes, 
     let mut stage = FramesOnChip::new()?;
     let with_engine = in_engine(&mut engine, FEWEST_MODES, PadForm::Frames)?;
     let alone = as_stage(&mut stage, FEWEST_MODES)?;
-    let engine_beside_stage: [f64; 3] = std::array::from_fn(|play| with_engine[play] - alone[play]);
+    let engine_beside_stage: [f64; WAYS] = std::array::from_fn(|play| with_engine[play] - alone[play]);
     let mut pads = Vec::new();
     for &count in modes {
         let bank = in_engine(&mut engine, count, PadForm::Bank)?;
@@ -153,29 +163,35 @@ pub fn measure(modes: &[usize], mut advance: impl FnMut()) -> Result<OverModes, 
 }
 
 /// Cycles of a pad in the engine.
-fn in_engine(chip: &mut EngineOnChip, modes: usize, form: PadForm) -> Result<[f64; 3], OnChipError> {
+fn in_engine(chip: &mut EngineOnChip, modes: usize, form: PadForm) -> Result<[f64; WAYS], OnChipError> {
     let mut kit = kit_of(modes, 0);
     if form == PadForm::Bank {
         // Frames have no choke, so that a choke keeps the pad in the bank. No event chokes it here.
         kit.pads[0].choke_t60_s = 0.1;
     }
-    let kit = load(kit).binary;
+    let mut sines = kit.clone();
+    sines.objects[0].modes.iter_mut().for_each(|mode| mode.gains[0].cosine = 0.0);
+    let [kit, sines] = [kit, sines].map(|kit| load(kit).binary);
     Ok([
         play_engine(chip, &kit, Drive::Strike, None, 60..92)?.mean,
         play_engine(chip, &kit, Drive::Strike, None, 0..60)?.dearest,
         play_engine(chip, &kit, Drive::Direct, None, 24..56)?.mean,
+        play_engine(chip, &sines, Drive::Direct, None, 24..56)?.mean,
     ])
 }
 
 /// Cycles of a bank in frames to the stereo bus.
-fn as_stage(chip: &mut FramesOnChip, modes: usize) -> Result<[f64; 3], OnChipError> {
+fn as_stage(chip: &mut FramesOnChip, modes: usize) -> Result<[f64; WAYS], OnChipError> {
     let modes = prior(modes, T60_S);
     chip.load(&modes, RATE)?;
     let struck = play_stage(chip, struck_once, 0..40)?;
     let ringing = play_stage(chip, |_| None, 0..32)?;
-    chip.load(&modes, RATE)?;
-    let direct = play_stage(chip, |tick| Some(direct_force(tick)), 24..56)?;
-    Ok([ringing.mean(), struck.dearest(), direct.mean()])
+    let sines: Vec<HeardMode> = modes.iter().map(|mode| HeardMode { cosine: 0.0, ..*mode }).collect();
+    let mut direct = |modes: &[HeardMode]| {
+        chip.load(modes, RATE)?;
+        Ok::<_, OnChipError>(play_stage(chip, |tick| Some(direct_force(tick)), 24..56)?.mean())
+    };
+    Ok([ringing.mean(), struck.dearest(), direct(&modes)?, direct(&sines)?])
 }
 
 /// Points where the cycles of frames fall below those of the bank, on straight lines between the
@@ -211,7 +227,7 @@ mod tests {
 
     #[test]
     fn crossing_lies_where_two_straight_lines_meet() {
-        let row = |modes: u32, form, cycles: f64| PadRow { modes, form, is_whole_engine: true, cycles: [cycles; 3] };
+        let row = |modes: u32, form, cycles: f64| PadRow { modes, form, is_whole_engine: true, cycles: [cycles; WAYS] };
         let rows: Vec<PadRow> = [50u32, 100, 200]
             .into_iter()
             .flat_map(|modes| {
@@ -220,7 +236,7 @@ mod tests {
             })
             .collect();
         let found = crossings(&rows);
-        assert_eq!(found.len(), 3);
+        assert_eq!(found.len(), WAYS);
         assert!(found.iter().all(|one| (one.modes, one.cycles) == (75.0, 375.0)), "{found:?}");
         assert_eq!(crossings(&rows[..2]), []);
     }
