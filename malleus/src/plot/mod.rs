@@ -2,8 +2,8 @@
 //! against error.
 //!
 //! They need nothing of the machine, since the program carries its font. [`performance()`],
-//! [`kit()`], [`curves()`], [`crossings()`] and [`run_time()`] draw panels with scales on a canvas. Only
-//! spectrograms are computed; the other pictures show numbers that their caller has.
+//! [`kit()`], [`curves()`], [`crossings()`] and [`run_time()`] draw panels with scales on a canvas.
+//! Only spectrograms are computed; the other pictures show numbers that their caller has.
 
 mod canvas;
 mod colour;
