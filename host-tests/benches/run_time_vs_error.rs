@@ -6,7 +6,7 @@ use std::path::Path;
 
 use host_tests::on_chip::{BankOnChip, scenes};
 use host_tests::run_time::report::Report;
-use host_tests::run_time::{accuracy, measure, rivals};
+use host_tests::run_time::{accuracy, cycles_over_modes, measure, rivals};
 use host_tests::single_mode::{Case, grid};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -36,7 +36,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scenes = scenes::measure_all()?;
     progress.finish_and_clear();
 
-    let report = Report { kernels, scenes, bank_bits, rival_bits };
+    let progress = self::progress(cycles_over_modes::MODES.len() as u64, "cycles over modes")?;
+    let cycles_over_modes = cycles_over_modes::measure(&cycles_over_modes::MODES, || progress.inc(1))?;
+    progress.finish_and_clear();
+
+    let report = Report { kernels, scenes, cycles_over_modes, bank_bits, rival_bits };
     print!("{}", report.markdown());
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent().ok_or("this crate lies in a workspace")?;
     for path in report.write(workspace)? {

@@ -33,12 +33,12 @@ const DIRECT_FRAME: f32 = 1510.0;
 const DIRECT_MODE: f32 = 0.739;
 /// Nominal cycles of a mode under a force in the fixed-point bank
 /// (`cargo bench -p host-tests --bench run_time_vs_error`).
-const DRIVEN_MODE_IN_BANK: f32 = 7.74;
+const DRIVEN_MODE_IN_BANK: f32 = 7.75;
 
 /// Fewest modes of a bank that takes fewer cycles in frames than in the fixed-point bank, both
-/// under a force that never rests: 185.
+/// under a force that never rests: 184.
 ///
-/// A lone ringing pad is cheaper in frames from 65 modes on.
+/// A lone ringing pad is cheaper in frames from fewer modes on (docs/run_time_vs_error.md).
 pub const FEWEST_MODES: usize = (DRIVEN_FRAME / (DRIVEN_MODE_IN_BANK - DRIVEN_MODE)) as usize + 1;
 
 /// Modes of a checked table below Nyquist: index and pole.

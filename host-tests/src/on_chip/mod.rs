@@ -8,6 +8,7 @@ mod engine;
 mod filters;
 mod frames;
 mod loaded;
+pub mod lone_pad;
 mod residual;
 mod room;
 pub mod scenes;

@@ -84,7 +84,7 @@ pub struct SceneCost {
 }
 
 impl SceneCost {
-    fn add(&mut self, cost: Cost) {
+    pub(super) fn add(&mut self, cost: Cost) {
         self.ticks += 1;
         self.total += cost;
         if cost.nominal > self.dearest_tick.nominal {
@@ -92,9 +92,19 @@ impl SceneCost {
         }
     }
 
+    /// Nominal cycles a frame, the mean of all measured ticks.
+    pub fn mean(&self) -> f64 {
+        self.total.nominal as f64 / (self.ticks * TICK_FRAMES) as f64
+    }
+
+    /// Nominal cycles a frame of the dearest tick.
+    pub fn dearest(&self) -> f64 {
+        self.dearest_tick.nominal as f64 / TICK_FRAMES as f64
+    }
+
     fn row(&self, scene: &str, modes: usize) -> SceneRow {
         let frames = (self.ticks * TICK_FRAMES) as f64;
-        let per_frame = self.total.nominal as f64 / frames;
+        let per_frame = self.mean();
         let share = |clock_hz: f64| per_frame * 48_000.0 / clock_hz;
         SceneRow {
             scene: scene.into(),

@@ -2,13 +2,15 @@
 
 use super::fixed_forms::FixedForm;
 use super::rivals::{self, Rival};
-use crate::single_mode::{Case, float_forms::FloatForm, q31, snr_db, worst_and_median};
+use crate::single_mode::{Case, float_forms::FloatForm, framed, q31, snr_db, worst_and_median};
 
 /// Kernel that is measured.
 #[derive(Clone, Copy, Debug)]
 pub enum Subject {
     /// The fixed-point bank, over the cases that it plays in one form, or over all.
     Fixed(Option<FixedForm>),
+    /// The bank in frames.
+    Frames,
     /// The single-precision modes.
     Float,
     /// A resonator of another crate, or the plain loop.
@@ -34,7 +36,8 @@ impl Accuracy {
 /// Measures all subjects over a grid; `advance` is called after each case.
 pub fn measure(grid: &[Case], mut advance: impl FnMut()) -> Vec<Accuracy> {
     let mut fixed: Vec<(Option<FixedForm>, f64)> = Vec::new();
-    let mut others: Vec<Accuracy> = std::iter::once(Subject::Float)
+    let mut others: Vec<Accuracy> = [Subject::Frames, Subject::Float]
+        .into_iter()
         .chain(rivals::all().map(Subject::Rival))
         .map(|subject| Accuracy { subject, snr_db: Vec::new() })
         .collect();
@@ -45,6 +48,7 @@ pub fn measure(grid: &[Case], mut advance: impl FnMut()) -> Vec<Accuracy> {
         for other in &mut others {
             let sound = match &other.subject {
                 Subject::Rival(rival) => rival.render(&case),
+                Subject::Frames => framed::render(&case),
                 _ => FloatForm::Coupled.render(&case),
             };
             other.snr_db.push(snr(sound));

@@ -23,6 +23,8 @@ pub struct Measured {
     pub cost: Cost,
     /// Number of modes times number of samples.
     pub mode_samples: f64,
+    /// Number of modes that were played together; `None` for the cost of a further mode.
+    pub modes: Option<usize>,
     /// Length of the hottest loop in bytes; 0 if no loop ran.
     pub loop_bytes: u32,
 }
@@ -79,7 +81,8 @@ fn run_bank(
         }
     }
     let mode_samples = (used.cases.len() * ticks * TICK_FRAMES) as f64;
-    Ok(Measured { cost, mode_samples, loop_bytes: hottest_loop_bytes(chip.machine()) })
+    let modes = Some(used.cases.len());
+    Ok(Measured { cost, mode_samples, modes, loop_bytes: hottest_loop_bytes(chip.machine()) })
 }
 
 /// Records of modes that an impulse of 1.0 makes ring at their cases' levels.
@@ -172,7 +175,8 @@ impl Resonators<'_> {
             }
         }
         let mode_samples = (self.words.len() * SOUND_TICKS * TICK_FRAMES) as f64;
-        Ok(Measured { cost, mode_samples, loop_bytes: hottest_loop_bytes(machine) })
+        let modes = Some(self.words.len());
+        Ok(Measured { cost, mode_samples, modes, loop_bytes: hottest_loop_bytes(machine) })
     }
 }
 
@@ -183,7 +187,7 @@ fn bytes_of<'a>(words: impl IntoIterator<Item = &'a u32>) -> Vec<u8> {
 /// Length in bytes of the innermost loop that runs most.
 ///
 /// It is the shortest of the loops that ran at least half as many instructions as the busiest one.
-fn hottest_loop_bytes(machine: &Machine) -> u32 {
+pub(super) fn hottest_loop_bytes(machine: &Machine) -> u32 {
     let loops = machine.loops();
     let most = loops.first().map_or(0, |most| most.instructions);
     loops.iter().filter(|one| 2 * one.instructions >= most).map(|one| one.bytes).min().unwrap_or(0)

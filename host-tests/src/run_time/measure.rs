@@ -4,6 +4,7 @@ use super::accuracy::{Accuracy, Subject};
 use super::bits::{self, Compared};
 use super::chip::{BankUse, Measured, Resonators, measure_bank, measure_bookkeeping};
 use super::fixed_forms::FixedForm;
+use super::frames_rows;
 use super::on_pc;
 use super::rivals::Rival;
 use super::rows::{Driven, KernelRow, OURS_FIXED, OURS_FLOAT};
@@ -19,7 +20,7 @@ const LONG_T60_S: f64 = 5.0;
 /// T60 of modes whose bookkeeping is counted, in seconds.
 const BOOKKEEPING_T60_S: f64 = 1.0;
 /// Number of ticks over which the PC is timed.
-const PC_TICKS: usize = 200;
+pub(super) const PC_TICKS: usize = 200;
 /// [`KernelRow::form`] of the bank's accuracy over the whole grid.
 pub const ALL_FORMS: &str = "all";
 /// [`KernelRow::form`] of the bank's work between blocks.
@@ -40,6 +41,7 @@ pub fn kernel_rows(
     for accuracy in accuracies {
         match &accuracy.subject {
             Subject::Fixed(form) => fixed_rows(chip, *form, accuracy, &mut rows)?,
+            Subject::Frames => frames_rows::add(accuracy, &mut rows)?,
             Subject::Float => float_rows(chip, accuracy, &mut rows)?,
             Subject::Rival(rival) => rival_rows(chip, rival, accuracy, &mut rows)?,
         }
@@ -110,7 +112,7 @@ fn rival_rows(
     Ok(())
 }
 
-fn row(
+pub(super) fn row(
     kernel: &str,
     form: &str,
     driven: Driven,
@@ -126,6 +128,7 @@ fn row(
         form: form.to_owned(),
         driven,
         block: block as u32,
+        modes: measured.modes.map(|modes| modes as u32),
         cycles_best: each(measured.cost.best),
         cycles_nominal: each(measured.cost.nominal),
         cycles_worst: each(measured.cost.worst),

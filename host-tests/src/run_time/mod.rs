@@ -11,9 +11,12 @@
 pub mod accuracy;
 pub mod bits;
 pub mod chip;
+pub mod cycles_over_modes;
 pub mod fixed_forms;
+pub mod frames_rows;
 pub mod measure;
 pub mod on_pc;
+mod over_modes_page;
 pub mod report;
 pub mod rivals;
 pub mod rows;

@@ -7,8 +7,10 @@ use malleus::plot::{self, KernelMark, PlotError, RunTimePicture};
 use serde::Serialize;
 
 use super::bits::Compared;
+use super::cycles_over_modes::OverModes;
 use super::measure::ALL_FORMS;
-use super::rows::{Driven, KernelRow, OURS_FIXED, SceneRow};
+use super::over_modes_page;
+use super::rows::{Driven, FRAMES, FURTHER_MODE, KernelRow, OURS_FIXED, OURS_FRAMES, SceneRow};
 use super::verdict::Verdict;
 
 /// Command that makes page, JSON and picture.
@@ -35,6 +37,8 @@ pub struct Report {
     pub kernels: Vec<KernelRow>,
     /// Whole scenes.
     pub scenes: Vec<SceneRow>,
+    /// Pads with growing numbers of modes, in the bank and in frames.
+    pub cycles_over_modes: OverModes,
     /// Comparison of the bank on the virtual core with the bank on the PC.
     #[serde(skip)]
     pub bank_bits: Compared,
@@ -52,11 +56,12 @@ impl Report {
         if let Some(verdict) = Verdict::of(&self.kernels) {
             page += &format!("{verdict}\n");
         }
+        page += &self.frames_sentence().unwrap_or_default();
         page += &self.bits_sentence();
         page += NOTES;
         page += "## Kernels\n\n";
-        page += "| kernel | form | input | block | cycles: nominal | best to worst | with flash | instructions | loop, bytes | SNR: worst, dB | median, dB | PC, ns |\n";
-        page += "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+        page += "| kernel | form | input | block | modes | cycles: nominal | best to worst | with flash | instructions | loop, bytes | SNR: worst, dB | median, dB | PC, ns |\n";
+        page += "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
         self.kernels.iter().for_each(|row| page += &kernel_line(row));
         if !self.scenes.is_empty() {
             page += "\n## Scenes\n\n";
@@ -64,7 +69,22 @@ impl Report {
             page += "| --- | --- | --- | --- | --- | --- |\n";
             self.scenes.iter().for_each(|row| page += &scene_line(row));
         }
+        if !self.cycles_over_modes.pads.is_empty() {
+            page += &over_modes_page::section(&self.cycles_over_modes);
+        }
         page
+    }
+
+    /// Sentence about the dearest and the cheapest of the rows in frames; `None` without them.
+    fn frames_sentence(&self) -> Option<String> {
+        let free =
+            |form| move |row: &&KernelRow| row.kernel == OURS_FRAMES && row.form == form && row.driven == Driven::Free;
+        let all = self.kernels.iter().filter(free(FRAMES)).max_by_key(|row| row.modes)?;
+        let further = self.kernels.iter().find(free(FURTHER_MODE))?;
+        Some(format!(
+            "In frames, {} modes ring freely at {:.2} cycles a mode and sample, and a further mode takes {:.2}; worst SNR {:.1} dB.\n\n",
+            all.modes?, all.cycles_nominal, further.cycles_nominal, all.snr_worst_db?
+        ))
     }
 
     fn bits_sentence(&self) -> String {
@@ -85,22 +105,24 @@ impl Report {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 
-    /// Writes `docs/run_time_vs_error.md`, `docs/images/run_time_vs_error.png` and
+    /// Writes `docs/run_time_vs_error.md`, its two pictures in `docs/images` and
     /// `target/run_time_vs_error.json` of a workspace; gives their paths.
     ///
     /// # Errors
     /// [`ReportError`].
-    pub fn write(&self, workspace: &Path) -> Result<[PathBuf; 3], ReportError> {
+    pub fn write(&self, workspace: &Path) -> Result<[PathBuf; 4], ReportError> {
         let page = workspace.join("docs/run_time_vs_error.md");
         let picture = workspace.join("docs/images/run_time_vs_error.png");
         let json = workspace.join("target/run_time_vs_error.json");
-        for path in [&page, &picture, &json] {
+        let over_modes = workspace.join("docs/images/cycles_over_modes.png");
+        for path in [&page, &picture, &over_modes, &json] {
             create_folder_of(path)?;
         }
         write_whole(&page, self.markdown().as_bytes())?;
         write_whole(&json, self.json()?.as_bytes())?;
         plot::run_time(&picture, &self.picture())?;
-        Ok([page, picture, json])
+        plot::crossings(&over_modes, &over_modes_page::picture(&self.cycles_over_modes))?;
+        Ok([page, picture, over_modes, json])
     }
 
     fn picture(&self) -> RunTimePicture {
@@ -118,10 +140,20 @@ impl Report {
         if part_of_bank || row.driven != Driven::Free || row.block != 32 {
             return None;
         }
-        let same =
-            |other: &&KernelRow| (&other.kernel, &other.form, other.block) == (&row.kernel, &row.form, row.block);
+        let is_in_frames = row.kernel == OURS_FRAMES;
+        let frames = || self.kernels.iter().filter(|other| other.kernel == OURS_FRAMES);
+        // The other picture shows how the cycles of frames depend on the number of modes.
+        if is_in_frames && row.modes != frames().filter_map(|other| other.modes).max() {
+            return None;
+        }
+        let key = |row: &KernelRow| (row.kernel.clone(), row.form.clone(), row.block, row.modes);
+        let same = |other: &&KernelRow| key(other) == key(row);
         let driven = self.kernels.iter().filter(same).find(|other| other.driven == Driven::Gain)?;
-        let label = if row.form == ALL_FORMS { row.kernel.clone() } else { format!("{}: {}", row.kernel, row.form) };
+        let label = match row.modes {
+            _ if row.form == ALL_FORMS => row.kernel.clone(),
+            Some(modes) if is_in_frames => format!("{}, {modes} modes", row.form),
+            _ => format!("{}: {}", row.kernel, row.form),
+        };
         Some(KernelMark {
             label,
             ours: row.is_ours(),
@@ -149,13 +181,18 @@ gain a mode; *gain and phase* two. The crates are used as their documentation sh
 block, with their memory in registers and their output added to the mix in the same loop. Fixed-point rivals peak at 2^29, with two bits of
 headroom. `biquad` brings no fixed-point type.
 
+*frame bank* is a bank [in frames](frames.md) as a stage, at 44.1 kHz, with all its work: transform, force, panning, bookkeeping. Much of it
+does not depend on the number of modes, so that a mode's share falls with them. *A further mode* is the difference between 256 and 1025 modes.
+Cosine gains cost it nothing. For its SNR each mode is struck at a random frame of a block.
+
 ";
 
 fn kernel_line(row: &KernelRow) -> String {
     let decimal = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.1}"));
+    let modes = row.modes.map_or("-".to_owned(), |modes| modes.to_string());
     let loop_bytes = if row.loop_bytes == 0 { "-".to_owned() } else { row.loop_bytes.to_string() };
     format!(
-        "| {} | {} | {} | {} | {:.2} | {:.2} to {:.2} | {:.2} | {:.2} | {loop_bytes} | {} | {} | {} |\n",
+        "| {} | {} | {} | {} | {modes} | {:.2} | {:.2} to {:.2} | {:.2} | {:.2} | {loop_bytes} | {} | {} | {} |\n",
         row.kernel,
         typed(&row.form),
         row.driven.name(),
@@ -204,6 +241,7 @@ mod tests {
             form: form.to_owned(),
             driven,
             block: 32,
+            modes: Some(64),
             cycles_best: cycles,
             cycles_nominal: cycles,
             cycles_worst: cycles,
@@ -225,7 +263,13 @@ mod tests {
             row("idsp", "Normal<f32>", Driven::Free, 25.0, Some(60.0)),
             row("plain loop", "direct form", Driven::Free, 9.0, Some(10.0)),
         ];
-        Report { kernels, scenes: Vec::new(), bank_bits: Compared::default(), rival_bits: Compared::default() }
+        Report {
+            kernels,
+            scenes: Vec::new(),
+            cycles_over_modes: OverModes::default(),
+            bank_bits: Compared::default(),
+            rival_bits: Compared::default(),
+        }
     }
 
     #[test]

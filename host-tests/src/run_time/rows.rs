@@ -30,7 +30,7 @@ impl Driven {
 /// Kernel in one use. Cycles and instructions are for a mode and sample on the virtual Cortex-M4F.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct KernelRow {
-    /// Name of the kernel: `Q31 bank`, `f32 modes`, `plain loop`, or a crate.
+    /// Name of the kernel: `Q31 bank`, `frame bank`, `f32 modes`, `plain loop`, or a crate.
     pub kernel: String,
     /// Form of the recurrence, or type of the crate.
     pub form: String,
@@ -38,6 +38,11 @@ pub struct KernelRow {
     pub driven: Driven,
     /// Frames of a call.
     pub block: u32,
+    /// Number of modes that were played together, between which cycles, instructions and time are
+    /// shared.
+    ///
+    /// `None` for the cost of a further mode.
+    pub modes: Option<u32>,
     /// Fewest cycles that Arm's timing tables permit, with memory without wait states.
     pub cycles_best: f64,
     /// Cycles between best and worst: the figure to quote.
@@ -65,7 +70,7 @@ pub struct KernelRow {
 impl KernelRow {
     /// True if the kernel belongs to this project, false if it is a rival.
     pub fn is_ours(&self) -> bool {
-        self.kernel == OURS_FIXED || self.kernel == OURS_FLOAT
+        [OURS_FIXED, OURS_FLOAT, OURS_FRAMES].contains(&self.kernel.as_str())
     }
 }
 
@@ -73,6 +78,13 @@ impl KernelRow {
 pub const OURS_FIXED: &str = "Q31 bank";
 /// [`KernelRow::kernel`] of the single-precision modes.
 pub const OURS_FLOAT: &str = "f32 modes";
+/// [`KernelRow::kernel`] of the bank in frames.
+pub const OURS_FRAMES: &str = "frame bank";
+/// [`KernelRow::form`] of the bank in frames with all its work, shared between its modes.
+pub const FRAMES: &str = "frames";
+/// [`KernelRow::form`] of one mode more in frames, without what the bank takes for any number of
+/// modes.
+pub const FURTHER_MODE: &str = "frames, a further mode";
 
 /// A whole scene on the virtual core.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -2,6 +2,7 @@
 //! `e^{-dt} sin 2πft` in `f64`.
 
 pub mod float_forms;
+pub mod framed;
 pub mod q31;
 
 use dsp_core::SampleRate;

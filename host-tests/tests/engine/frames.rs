@@ -50,7 +50,7 @@ pub(crate) fn is_in_frames(loaded: &Loaded) -> bool {
 
 #[test]
 fn a_pad_is_in_frames_if_a_direct_force_costs_less_there_and_its_choke_is_slow() {
-    assert!(!is_in_frames(&load(thing(184, 1))) && is_in_frames(&load(thing(185, 1))));
+    assert!(!is_in_frames(&load(thing(183, 1))) && is_in_frames(&load(thing(184, 1))));
     for (choke_t60_s, in_frames) in [(0.1, true), (0.0146, true), (0.0144, false)] {
         let mut kit = thing(300, 1);
         kit.pads[0].choke_t60_s = choke_t60_s;

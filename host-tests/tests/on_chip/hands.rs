@@ -10,10 +10,9 @@ use dsp_core::table::Kit;
 use host_tests::lent;
 use host_tests::on_chip::EngineOnChip;
 use host_tests::on_chip::budget_scenes::{at_two_places, hands_on};
+use host_tests::on_chip::lone_pad::kit_of;
 use host_tests::on_chip::scenes::{choked_pads, pads_with_positions};
 use host_tests::scene::{hand, load, strike};
-
-use crate::frames::thing;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
@@ -72,7 +71,7 @@ fn strikes_at_two_places_have_the_same_bits_on_the_chip() {
 #[test]
 fn a_hand_on_frames_costs_what_the_page_states_and_has_the_pcs_bits() {
     const RATE: SampleRate = SampleRate::HZ_44100;
-    let mut kit = thing(1025, 0);
+    let mut kit = kit_of(1025, 0);
     // So slow that modes ring to the end of the scene.
     kit.pads[0].choke_t60_s = 2.0;
     let loaded = load(kit);

@@ -3,7 +3,7 @@
 
 use host_tests::on_chip::{BankOnChip, scenes};
 use host_tests::run_time::rows::KernelRow;
-use host_tests::run_time::{accuracy, measure};
+use host_tests::run_time::{accuracy, cycles_over_modes, measure};
 use host_tests::single_mode::{Case, grid};
 
 const PAGE: &str = include_str!("../../../docs/run_time_vs_error.md");
@@ -46,15 +46,16 @@ fn kernels_take_the_cycles_and_keep_the_snr_that_the_page_says() {
     for (row, page) in rows.iter().zip(page) {
         let KernelRow { kernel, form, driven, block, .. } = row;
         assert_eq!(page[..4], [kernel, form, driven.name(), &block.to_string()]);
+        assert_eq!(page[4], row.modes.map_or("-".into(), |modes| modes.to_string()), "{kernel}, {form}");
         println!("{page:?}: {:.2} cycles, {:.2} with flash", row.cycles_nominal, row.cycles_with_flash);
         for (measured, page) in
-            [(row.cycles_nominal, page[4]), (row.cycles_with_flash, page[6]), (row.instructions, page[7])]
+            [(row.cycles_nominal, page[5]), (row.cycles_with_flash, page[7]), (row.instructions, page[8])]
         {
             assert!(near(measured, number(page), 0.006), "{kernel}, {form}: {measured:.3}, {page} in the page");
         }
         let Some(worst_db) = row.snr_worst_db else { continue };
-        let lost_db = number(page[9]) - worst_db;
-        assert!((-3.0..=0.1).contains(&lost_db), "{kernel}, {form}: {worst_db:.1} dB, {} in the page", page[9]);
+        let lost_db = number(page[10]) - worst_db;
+        assert!((-3.0..=0.1).contains(&lost_db), "{kernel}, {form}: {worst_db:.1} dB, {} in the page", page[10]);
     }
 }
 
@@ -101,6 +102,33 @@ fn scenes_take_the_share_of_a_core_that_page_and_readme_say() {
 }
 
 #[test]
+fn pads_take_the_cycles_over_modes_and_cross_where_the_page_says() {
+    let measured = cycles_over_modes::measure(&[32, 64, 160, 256], || {}).expect("they run");
+    let page = table(PAGE, "modes | ringing");
+    assert_eq!(page.len(), cycles_over_modes::MODES.len());
+    for pair in measured.pads.chunks(2) {
+        let modes = pair[0].modes.to_string();
+        let row = page.iter().find(|row| row[0] == modes).unwrap_or_else(|| panic!("no row of {modes} modes"));
+        println!("{modes} modes: {:.0?} in the bank, {:.0?} in frames", pair[0].cycles, pair[1].cycles);
+        let both = pair[0].cycles.iter().zip(&pair[1].cycles).flat_map(|(bank, frames)| [*bank, *frames]);
+        for (cycles, said) in both.zip(&row[1..]) {
+            let said = said.trim_start_matches('~');
+            assert!(near(cycles, number(said), 0.6), "{modes} modes: {cycles:.1}, {said} in the page");
+        }
+    }
+    assert_eq!(measured.crossings.len(), 4);
+    for crossing in &measured.crossings {
+        let sentence = crossing.to_string();
+        let (what, modes) = sentence.split_once(" from ").expect("the sentence of a crossing");
+        let start = format!("- {what} from ");
+        let said = PAGE.lines().find_map(|line| line.strip_prefix(&start)).unwrap_or_else(|| panic!("no {what:?}"));
+        let first = |text: &str| number(text.split(' ').next().unwrap_or_default());
+        println!("{what}: {modes}");
+        assert!(near(first(modes), first(said), 1.0), "{sentence} The page says {said}");
+    }
+}
+
+#[test]
 fn kernels_of_the_readme_are_those_of_the_page() {
     let page = table(PAGE, "kernel | form");
     let of = |kernel: &str, form: &str, driven: &str| {
@@ -120,15 +148,15 @@ fn kernels_of_the_readme_are_those_of_the_page() {
     for (row, (kernel, form)) in readme.iter().zip(kernels) {
         let driven = ["free", "gain", "gain and phase"];
         for (said, driven) in row[1..4].iter().zip(driven).filter(|(said, _)| !said.is_empty()) {
-            let page = number(of(kernel, form, driven)[4]);
+            let page = number(of(kernel, form, driven)[5]);
             assert!((number(said) - page).abs() <= 0.051, "{kernel}, {form}, {driven}: {said}, {page} in the page");
         }
         for (said, driven) in row[4].split(", ").zip(driven).filter(|(said, _)| !said.is_empty()) {
-            let page = number(of(kernel, form, driven)[6]);
+            let page = number(of(kernel, form, driven)[7]);
             assert!((number(said) - page).abs() <= 0.051, "{kernel}, {form}, {driven}: {said}, {page} in the page");
         }
         if !row[5].is_empty() {
-            assert_eq!(number(row[5]), number(of(kernel, form, "free")[9]), "{kernel}, {form}");
+            assert_eq!(number(row[5]), number(of(kernel, form, "free")[10]), "{kernel}, {form}");
         }
     }
 }

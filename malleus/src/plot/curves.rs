@@ -108,11 +108,7 @@ pub fn curves(path: &Path, picture: &CurvesPicture) -> Result<(), PlotError> {
 }
 
 fn draw_panel(canvas: &mut Canvas, area: Area, content: &CurvesPanel) {
-    let scale = |axis: &Axis| {
-        let [low, high] = axis.range;
-        if axis.logarithmic { Scale::logarithmic(low, high) } else { Scale::linear(low, high) }
-    };
-    let panel = Panel { area, x: scale(&content.x), y: scale(&content.y) };
+    let panel = Panel { area, x: scale_of(&content.x), y: scale_of(&content.y) };
     let (x_ticks, y_ticks) = (panel.x.ticks(area.width, 60.0), panel.y.ticks(area.height, 40.0));
     panel.vertical_grid(canvas, &x_ticks);
     panel.horizontal_grid(canvas, &y_ticks);
@@ -128,8 +124,20 @@ fn draw_panel(canvas: &mut Canvas, area: Area, content: &CurvesPanel) {
     draw_names(canvas, area, &content.curves);
 }
 
-fn draw_curve(canvas: &mut Canvas, panel: &Panel, curve: &Curve) {
-    let colour = COLOURS[curve.colour % COLOURS.len()];
+/// Scale of an axis.
+pub(super) fn scale_of(axis: &Axis) -> Scale {
+    let [low, high] = axis.range;
+    if axis.logarithmic { Scale::logarithmic(low, high) } else { Scale::linear(low, high) }
+}
+
+/// Colour of a curve.
+pub(super) fn colour_of(curve: &Curve) -> Colour {
+    COLOURS[curve.colour % COLOURS.len()]
+}
+
+/// Draws the parts of a curve that lie within a panel.
+pub(super) fn draw_curve(canvas: &mut Canvas, panel: &Panel, curve: &Curve) {
+    let colour = colour_of(curve);
     let inside = |[x, y]: &[f64; 2]| {
         let seen = |share: f64| (-1e-9..=1.0 + 1e-9).contains(&share);
         seen(panel.x.share(*x)) && seen(panel.y.share(*y))
@@ -153,7 +161,7 @@ fn draw_names(canvas: &mut Canvas, area: Area, curves: &[Curve]) {
     let middle = baseline - LABEL_TEXT.size_px * CAPITAL_HEIGHT / 2.0;
     let mut right = area.right();
     for curve in curves.iter().rev().filter(|curve| !curve.name.is_empty()) {
-        let colour = COLOURS[curve.colour % COLOURS.len()];
+        let colour = colour_of(curve);
         canvas.text(&curve.name, (right, baseline), Anchor::End, LABEL_TEXT);
         let end = right - canvas.length_px(&curve.name, LABEL_TEXT) - 6.0;
         let line = [(end - 20.0, middle), (end, middle)];

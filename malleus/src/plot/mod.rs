@@ -1,11 +1,13 @@
-//! Pictures as PNG files: a performance over time, a kit's modes, curves, run time against error.
+//! Pictures as PNG files: a performance over time, a kit's modes, curves, crossings, run time
+//! against error.
 //!
 //! They need nothing of the machine, since the program carries its font. [`performance()`],
-//! [`kit()`], [`curves()`] and [`run_time()`] draw panels with scales on a canvas. Only
-//! spectrograms are computed; the other pictures show numbers that their caller has.
+//! [`kit()`], [`curves()`], [`crossings()`] and [`run_time()`] draw panels with scales on a canvas.
+//! Only spectrograms are computed; the other pictures show numbers that their caller has.
 
 mod canvas;
 mod colour;
+mod crossings;
 mod curves;
 mod error;
 mod kit_picture;
@@ -18,6 +20,7 @@ mod spectrogram;
 mod spectrogram_image;
 mod text;
 
+pub use crossings::{CrossingsPicture, Level, Mark, crossings};
 pub use curves::{Axis, Curve, CurvesPanel, CurvesPicture, StrokeKind, curves};
 pub use error::PlotError;
 pub use kit_picture::{KitPicture, ObjectPicture, kit};

@@ -104,6 +104,21 @@ impl Panel {
     }
 }
 
+/// Moves places along a column so that neighbours are at least `rise_px` pixels apart, and the last
+/// is not far below `bottom_px`. The places run from the top down.
+pub(super) fn push_apart(places: &mut [f32], rise_px: f32, bottom_px: f32) {
+    let mut above = f32::NEG_INFINITY;
+    for place in places.iter_mut() {
+        *place = place.max(above + rise_px);
+        above = *place;
+    }
+    let mut below = bottom_px + rise_px / 2.0;
+    for place in places.iter_mut().rev() {
+        *place = place.min(below - rise_px / 2.0);
+        below = *place - rise_px / 2.0;
+    }
+}
+
 /// Draws an outline one pixel thick just inside an area.
 pub(super) fn outline(canvas: &mut Canvas, area: Area, colour: Colour) {
     canvas.horizontal(area.left, area.right(), area.top, colour);

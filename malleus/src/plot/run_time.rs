@@ -6,7 +6,7 @@ use super::canvas::{Area, Canvas};
 use super::colour::{Colour, DRIVEN, FRAME, MUTED, PAGE, WAVEFORM};
 use super::error::PlotError;
 use super::page;
-use super::panel::{LABEL_TEXT, Panel, REMARK_TEXT, TITLE_TEXT};
+use super::panel::{LABEL_TEXT, Panel, REMARK_TEXT, TITLE_TEXT, push_apart};
 use super::scale::Scale;
 use super::text::{Anchor, CAPITAL_HEIGHT, TextStyle};
 
@@ -91,16 +91,7 @@ pub fn run_time(path: &Path, picture: &RunTimePicture) -> Result<(), PlotError> 
 /// are too close.
 fn name_places(panel: &Panel, kernels: &[&KernelMark]) -> Vec<f32> {
     let mut places: Vec<f32> = kernels.iter().map(|kernel| panel.y_px(kernel.snr_db.0)).collect();
-    let mut above = f32::NEG_INFINITY;
-    for place in &mut places {
-        *place = place.max(above + NAME_RISE_PX);
-        above = *place;
-    }
-    let mut below = panel.area.bottom() + NAME_RISE_PX / 2.0;
-    for place in places.iter_mut().rev() {
-        *place = place.min(below - NAME_RISE_PX / 2.0);
-        below = *place - NAME_RISE_PX / 2.0;
-    }
+    push_apart(&mut places, NAME_RISE_PX, panel.area.bottom());
     places
 }
 
