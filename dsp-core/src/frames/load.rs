@@ -19,6 +19,18 @@ pub struct FrameBankSize {
     pub modes: usize,
     /// Number of positions of the table.
     pub positions: usize,
+    /// True if the pad can be choked.
+    pub has_hand: bool,
+}
+
+impl FrameBankSize {
+    /// Nominal cycles a frame of a lone pad in its dearest tick: that of a strike, or under a force
+    /// that never rests if a sensor's signal itself is the force (`is_direct`).
+    pub fn cycles(&self, is_direct: bool) -> u32 {
+        let (frame, mode) = if is_direct { (DIRECT_FRAME, DIRECT_MODE) } else { (STRUCK_FRAME, STRUCK_MODE) };
+        let (hand_frame, hand_mode) = if self.has_hand { (HAND_FRAME, HAND_MODE) } else { (0.0, 0.0) };
+        (frame + hand_frame + (mode + hand_mode) * self.modes as f32) as u32
+    }
 }
 
 /// Nominal cycles a frame under a direct force, and those of each mode
@@ -31,6 +43,9 @@ const STRUCK_FRAME: f32 = 763.0;
 const STRUCK_MODE: f32 = 0.714;
 const DIRECT_FRAME: f32 = 1510.0;
 const DIRECT_MODE: f32 = 0.739;
+/// What a hand adds to both.
+const HAND_FRAME: f32 = 135.0;
+const HAND_MODE: f32 = 0.06;
 /// Nominal cycles of a mode under a force in the fixed-point bank
 /// (`cargo bench -p host-tests --bench run_time_vs_error`).
 const DRIVEN_MODE_IN_BANK: f32 = 7.75;
@@ -62,7 +77,7 @@ impl<'m> FrameBank<'m> {
     pub fn size(table: &BankTable<'_>, rate: SampleRate) -> Result<FrameBankSize, BankError> {
         check_bank(table, rate)?;
         let modes = rendered(table, rate).filter(|(_, pole)| outlasts_head(pole)).count();
-        Ok(FrameBankSize { modes, positions: table.positions })
+        Ok(FrameBankSize { modes, positions: table.positions, has_hand: table.choke_t60_s > 0.0 })
     }
 
     /// True if frames render a table's modes in fewer cycles than the fixed-point bank does, even
@@ -75,17 +90,6 @@ impl<'m> FrameBank<'m> {
     /// at 44.1 kHz.
     pub fn can_choke(table: &BankTable<'_>, rate: SampleRate) -> bool {
         Hand::can_have(table.choke_t60_s, rate)
-    }
-
-    /// Nominal cycles a frame of a lone pad in frames, in the dearest tick of a strike.
-    pub fn struck_cycles(modes: usize) -> u32 {
-        (STRUCK_FRAME + STRUCK_MODE * modes as f32) as u32
-    }
-
-    /// Nominal cycles a frame of a lone pad in frames, in the dearest tick under a force that never
-    /// rests.
-    pub fn direct_cycles(modes: usize) -> u32 {
-        (DIRECT_FRAME + DIRECT_MODE * modes as f32) as u32
     }
 
     /// Takes the memory of a bank, at rest and without modes: 84 bytes a mode, and 7.3 KB.

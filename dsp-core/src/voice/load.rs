@@ -75,8 +75,7 @@ impl VoiceSize {
     /// Nominal cycles a frame of the modes in frames: in the dearest tick of a strike, or under a
     /// force that never rests if a sensor's signal itself is the force (`is_direct`).
     pub fn frame_cycles(&self, is_direct: bool) -> u32 {
-        let cycles = if is_direct { FrameBank::direct_cycles } else { FrameBank::struck_cycles };
-        self.frames.map_or(0, |size| cycles(size.modes))
+        self.frames.map_or(0, |size| size.cycles(is_direct))
     }
 
     /// Number of register groups of all banks.

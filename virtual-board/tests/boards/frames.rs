@@ -105,3 +105,8 @@ fn the_disc1_plays_a_thousand_modes_and_a_hundred_bands_under_a_hand() {
 fn the_blackpill_plays_five_hundred_modes_whole() {
     plays_whole(Board::BlackpillF411, (500, 0), false, 0.98);
 }
+
+#[test]
+fn the_blackpill_plays_three_hundred_modes_under_a_hand() {
+    plays_whole(Board::BlackpillF411, (300, 0), true, 0.98);
+}
