@@ -79,7 +79,7 @@ pub trait Board {
     fn setup() -> Setup {
         Setup {
             room_samples: Self::ROOM_SAMPLES,
-            frame_cycles: Self::FRAME_CYCLES,
+            frame_cycles: Some(Self::FRAME_CYCLES),
             frame_worst_percent: Self::FRAME_WORST_PERCENT,
             frame_percent: 100 * Self::FRAME_WORST_PERCENT / WORST_PERCENT,
             ceiling_db: Self::CEILING_DB,

@@ -78,9 +78,9 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
     ) -> Result<Self, LoadError> {
         let mut engine = Self::take(kit, setup, lender)?;
         engine.load_modes(lender)?;
-        if engine.has_mixer {
+        if let Some(left) = engine.frame_cycles.filter(|_| engine.has_mixer) {
             let worst = setup.frame_worst_percent * TICK_FRAMES as u32;
-            fitting.limit(engine.frame_cycles.saturating_mul(worst) / 100);
+            fitting.limit(left.saturating_mul(worst) / 100);
         }
         // Stages that sound for good come first: strikes share the time that they leave.
         engine.load_room(lender, &mut fitting)?;
@@ -130,7 +130,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             retired_in_frames: 0.0,
             frames_tick_cycles: 0,
             frame_percent: setup.frame_percent,
-            frame_cycles: setup.frame_cycles.saturating_sub(STRUCK_PAD_FRAME * (pads - 1) as u32),
+            frame_cycles: setup.frame_cycles.map(|all| all.saturating_sub(STRUCK_PAD_FRAME * (pads - 1) as u32)),
             words: Words::default(),
             now: 0,
             budget: None,

@@ -4,7 +4,7 @@ use super::error::LoadError;
 use super::setup::Skipping;
 use super::stage::Stage;
 use super::state::Engine;
-use crate::frames::FrameMixer;
+use crate::frames::{FEWEST_MODES, FEWEST_MODES_OF_SEVERAL, FrameMixer};
 use crate::memory::{Lender, Region};
 use crate::room::Sample;
 use crate::voice::{Form, PadTables, Voice, VoiceSize};
@@ -17,17 +17,21 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
     pub(super) fn load_modes<L: Lender<'m>>(&mut self, lender: &mut L) -> Result<(), LoadError> {
         let (kit, rate) = (self.kit, self.rate);
         let mut in_frames = [false; PADS];
+        let fewest = self.fewest_modes_in_frames();
         for (number, in_frames) in (0..kit.pads().len() as u8).zip(&mut in_frames) {
             let Some(tables) = PadTables::new(kit, usize::from(number)) else { continue };
             let refused = |(error, striker)| LoadError::Pad { pad: usize::from(number), striker, error, rate };
             let size = VoiceSize::new(&tables, rate).map_err(refused)?;
-            let framed = size.in_frames(&tables, rate).map_err(|error| refused((error, None)))?;
+            let framed = size.in_frames(&tables, rate, fewest).map_err(|error| refused((error, None)))?;
             let framed = framed.and_then(|framed| self.admit_to_frames(number, framed, lender));
             let (size, form) = framed.map_or_else(|reason| (size, reason), |framed| (framed, Form::Frames));
             let missing = |error| LoadError::Memory { stage: Stage::Modes(number), error };
             if form == Form::Frames {
+                let is_direct = self.is_direct(number);
                 *in_frames = true;
-                self.frame_cycles -= size.frame_cycles(self.is_direct(number));
+                if let Some(left) = &mut self.frame_cycles {
+                    *left -= size.frame_cycles(is_direct);
+                }
                 if !self.has_mixer {
                     let retires = self.skipping == Skipping::On;
                     self.frames = FrameMixer::place(lender, retires).map_err(missing)?;
@@ -59,6 +63,23 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         Ok(())
     }
 
+    /// Fewest modes of a pad whose modes are played in frames.
+    ///
+    /// With a limit a pad must take fewer cycles there under any force. Without one it is the usual
+    /// case that counts: pads that ring, and some strikes.
+    fn fewest_modes_in_frames(&self) -> usize {
+        if self.frame_cycles.is_some() {
+            return FEWEST_MODES;
+        }
+        let framed = |number| {
+            let tables = PadTables::new(self.kit, number)?;
+            let size = VoiceSize::new(&tables, self.rate).ok()?;
+            size.in_frames(&tables, self.rate, FEWEST_MODES_OF_SEVERAL).ok()?.ok()
+        };
+        let modes: usize = (0..self.kit.pads().len()).filter_map(framed).map(|size| size.modes_in_frames()).sum();
+        if modes < FEWEST_MODES { FEWEST_MODES } else { FEWEST_MODES_OF_SEVERAL }
+    }
+
     /// True if a sensor's signal itself is the force on a pad.
     fn is_direct(&self, number: u8) -> bool {
         self.kit.triggers().any(|trigger| trigger.pad_index() == usize::from(number) && trigger.is_direct())
@@ -68,7 +89,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
     /// cycles, or memory beside the banks of the pads behind it.
     #[inline(never)]
     fn admit_to_frames<L: Lender<'m>>(&self, number: u8, framed: VoiceSize, lender: &L) -> Result<VoiceSize, Form> {
-        if framed.frame_cycles(self.is_direct(number)) > self.frame_cycles {
+        if self.frame_cycles.is_some_and(|left| framed.frame_cycles(self.is_direct(number)) > left) {
             return Err(Form::TooDear);
         }
         let mut account = lender.account();

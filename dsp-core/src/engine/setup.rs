@@ -27,7 +27,10 @@ pub struct Setup {
     /// a strike, with 375 for each other pad of the kit. A pad whose trigger is direct counts with
     /// a force that never rests. Pads that find no room stay in the fixed-point bank, whose modes
     /// the [budget](crate::engine::Engine::set_budget) can shed; it cannot shed modes in frames.
-    pub frame_cycles: u32,
+    /// `None` means no limit; an engine with a budget needs one. Without one smaller pads play in
+    /// frames too: those of [`FEWEST_MODES_OF_SEVERAL`](crate::frames::FEWEST_MODES_OF_SEVERAL) if
+    /// they have [`FEWEST_MODES`](crate::frames::FEWEST_MODES) together.
+    pub frame_cycles: Option<u32>,
     /// Most cycles that frames take, in percent of their nominal ones: what they leave of
     /// `frame_cycles` limits the stages of [`Engine::new_within`](super::Engine::new_within) too.
     pub frame_worst_percent: u32,
@@ -42,14 +45,13 @@ pub struct Setup {
 
 impl Setup {
     /// Settings that skip what cannot be heard and allow the largest room that bands can use:
-    /// 49 152 samples. Pads in frames may take 80 % of 168 MHz at 48
-    /// kHz.
+    /// 49 152 samples. There is no limit to pads in frames.
     pub const fn new(rate: SampleRate) -> Self {
         Self {
             rate,
             skipping: Skipping::On,
             room_samples: 49_152,
-            frame_cycles: 2_800,
+            frame_cycles: None,
             frame_worst_percent: 100,
             frame_percent: 100,
             ceiling_db: None,

@@ -62,8 +62,8 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) frames_tick_cycles: u32,
     /// Percent of their cycles that frames count for in the budget.
     pub(super) frame_percent: u32,
-    /// Nominal cycles a frame that are left for further pads in frames.
-    pub(super) frame_cycles: u32,
+    /// Nominal cycles a frame that are left for further pads in frames; `None` without a limit.
+    pub(super) frame_cycles: Option<u32>,
     pub(super) words: Words,
     pub(super) now: u64,
     /// Cycles that a tick may take; `None` without a limit.

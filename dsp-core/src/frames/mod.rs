@@ -46,7 +46,7 @@ mod work;
 
 pub use bank::{FrameBank, InFrames};
 pub use head::Head;
-pub use load::{FEWEST_MODES, FrameBankSize};
+pub use load::{FEWEST_MODES, FEWEST_MODES_OF_SEVERAL, FrameBankSize};
 pub use mixer::FrameMixer;
 pub use mode::{FrameMode, Line};
 pub use numbers::numbers;

@@ -35,13 +35,19 @@ impl VoiceSize {
         Ok(size)
     }
 
-    /// Sizes with the object's modes in frames, or the reason why they stay in the bank.
+    /// Sizes with the modes of an object that has at least `fewest` in frames, or the reason why
+    /// they stay in the bank.
     ///
     /// # Errors
     /// A [`BankError`] for a table that no bank can hold.
-    pub fn in_frames(mut self, tables: &PadTables<'_>, rate: SampleRate) -> Result<Result<Self, Form>, BankError> {
+    pub fn in_frames(
+        mut self,
+        tables: &PadTables<'_>,
+        rate: SampleRate,
+        fewest: usize,
+    ) -> Result<Result<Self, Form>, BankError> {
         let table = tables.object_table(NO_CONTACT);
-        if !FrameBank::is_cheaper(&table, rate) {
+        if FrameBank::mode_count_of(&table, rate) < fewest {
             return Ok(Err(Form::FewModes));
         }
         if tables.filter_takes_modes() {
@@ -76,6 +82,11 @@ impl VoiceSize {
     /// force that never rests if a sensor's signal itself is the force (`is_direct`).
     pub fn frame_cycles(&self, is_direct: bool) -> u32 {
         self.frames.map_or(0, |size| size.cycles(is_direct))
+    }
+
+    /// Number of modes in frames.
+    pub fn modes_in_frames(&self) -> usize {
+        self.frames.map_or(0, |size| size.modes)
     }
 
     /// Number of register groups of all banks.

@@ -49,6 +49,8 @@ pub struct EngineOnChip {
     image: Image,
     /// Bits of the limiter's ceiling in dB; bits of a NaN if there is no limiter.
     ceiling_db_bits: u32,
+    /// True if pads in frames have no limit.
+    is_unlimited: bool,
 }
 
 impl EngineOnChip {
@@ -58,7 +60,7 @@ impl EngineOnChip {
     /// [`OnChipError`].
     pub fn new() -> Result<Self, OnChipError> {
         let image = image("engine-image")?;
-        Ok(Self { machine: Machine::new(&image)?, image, ceiling_db_bits: f32::NAN.to_bits() })
+        Ok(Self { machine: Machine::new(&image)?, image, ceiling_db_bits: f32::NAN.to_bits(), is_unlimited: false })
     }
 
     /// Loads a kit in its binary form; gives the call with its cost.
@@ -69,7 +71,7 @@ impl EngineOnChip {
         // The engine reads its kit in place.
         self.machine.write(KIT_FLASH, kit)?;
         let (numerator, denominator) = rate.ratio();
-        let numbers = [numerator, denominator, self.ceiling_db_bits].map(u32::to_le_bytes);
+        let numbers = [numerator, denominator, self.ceiling_db_bits, self.is_unlimited.into()].map(u32::to_le_bytes);
         let key = [b"engine", numbers.as_flattened(), kit].concat();
         load_once(&mut self.machine, key, |machine| {
             let call = machine.call("engine_load", &[KIT_FLASH, kit.len() as u32, numerator, denominator])?;
@@ -118,6 +120,16 @@ impl EngineOnChip {
     pub fn set_ceiling(&mut self, ceiling_db: f32) -> Result<(), OnChipError> {
         self.ceiling_db_bits = ceiling_db.to_bits();
         self.machine.call("engine_limit", &[self.ceiling_db_bits])?;
+        Ok(())
+    }
+
+    /// Takes the limit to the cycles of pads in frames away, for kits that are loaded from now on.
+    ///
+    /// # Errors
+    /// [`OnChipError::Run`].
+    pub fn unlimit_frames(&mut self) -> Result<(), OnChipError> {
+        self.is_unlimited = true;
+        self.machine.call("engine_unlimited", &[])?;
         Ok(())
     }
 

@@ -1,15 +1,16 @@
 //! Pads of many modes, which the engine plays in frames.
 
 use dsp_core::SampleRate;
-use dsp_core::engine::Skipping;
-use dsp_core::event::{Event, Time};
+use dsp_core::engine::{Setup, Skipping};
+use dsp_core::event::{Action, Event, Time};
 use dsp_core::table::Kit as KitView;
 use dsp_core::voice::Form;
 use host_tests::lent;
 use host_tests::performance::{instrument, reference, snr_db};
 use host_tests::scene::{load, one_pad, play, strike};
 use kit::{Gain, Kit, Loaded, Mode};
-use malleus::render::Performance;
+use malleus::render::instrument::{Output, Settings};
+use malleus::render::{Performance, instrument as player};
 
 const RATE: SampleRate = SampleRate::HZ_44100;
 
@@ -113,4 +114,68 @@ fn a_struck_pad_in_frames_ends_in_silence_and_the_report_says_what_ran() {
     let skipped: u32 = reports.iter().map(|report| report.decayed_mode_frames + report.unstruck_mode_frames).sum();
     assert_eq!(u64::from(frames) + u64::from(skipped), 250 * 300_000);
     assert!(reports.iter().map(|report| report.retired_modes).sum::<u32>() == 250);
+}
+
+/// Kit of pads with 64 modes each.
+fn several(pads: usize) -> Kit {
+    let mut kit = thing(64, 1);
+    for number in 1..pads {
+        let name = format!("pad {number}");
+        let mut object = kit.objects[0].clone();
+        object.name = name.clone();
+        object.modes.iter_mut().for_each(|mode| mode.frequency_hz *= 1.0 + 0.01 * number as f32);
+        kit.objects.push(object);
+        kit.pads.push(kit::Pad { name: name.clone(), object: name, ..kit.pads[0].clone() });
+    }
+    kit
+}
+
+#[test]
+fn three_pads_of_64_modes_share_frames_unless_a_limit_is_set() {
+    for (pads, without_limit) in [(2, Form::FewModes), (3, Form::Frames)] {
+        let loaded = load(several(pads));
+        let kit = KitView::parse(&loaded.binary).expect("the kit is valid");
+        let engine = lent::engine_of::<i16>(&kit, Setup::new(RATE)).expect("the kit can be played");
+        assert_eq!(engine.form(0), Some(without_limit), "{pads} pads");
+        assert_eq!(lent::engine(&kit, RATE, Skipping::On).expect("as above").form(0), Some(Form::FewModes));
+    }
+    let loaded = load(several(3));
+    let events = (0..9).map(|n| Event { pad: n % 3, ..strike_at(100 + 397 * u64::from(n), 0.0, 0.7) }).collect();
+    let performance = Performance::new(events, None, &loaded.kit, RATE, Some(0.6));
+    let (bus, _) = instrument(&loaded, &performance, RATE, Skipping::Off);
+    let snr = snr_db(&reference(&loaded, &performance, RATE), &bus);
+    println!("three pads of 64 modes: {snr:.1} dB");
+    assert!(snr >= 105.0, "{snr:.1} dB");
+}
+
+#[test]
+fn modes_that_are_shed_beside_frames_replay_to_the_same_bits_in_any_block() {
+    // The second pad is in the bank, and a budget leaves modes of it out.
+    let mut kit = several(2);
+    kit.objects[0].modes = thing(230, 1).objects.remove(0).modes;
+    kit.pads.iter_mut().for_each(|pad| pad.choke_t60_s = 0.1);
+    let loaded = load(kit);
+    let view = KitView::parse(&loaded.binary).expect("the kit is valid");
+    let hand = |frame, action| Event { time: Time::at_frame(frame), action, ..Event::default() };
+    let mut events: Vec<Event> =
+        (0..40).map(|n| Event { pad: n % 2, ..strike_at(77 + 531 * u64::from(n), 0.0, 0.8) }).collect();
+    events.extend([hand(4_000, Action::Choke), hand(9_003, Action::Release)]);
+    events.sort_by_key(|event| event.time);
+    let performance = Performance::new(events, None, &loaded.kit, RATE, Some(0.3));
+    let setup = Setup { frame_cycles: Some(lent::FRAME_CYCLES), ..Setup::new(RATE) };
+    let play = |events: Vec<Event>, block, budget_cycles| {
+        let mut log = Vec::new();
+        let performance = Performance { events, ..performance.clone() };
+        let settings = Settings { setup, block, budget_cycles };
+        let log_event = |event: &Event| log.push(*event);
+        let sound = player::render_logged(&view, &performance, settings, Output::Bus, |_| {}, log_event);
+        (sound.expect("right events"), log)
+    };
+    let (whole, log) = play(performance.events.clone(), 32, Some(36_000));
+    let sheds = log.iter().filter(|event| matches!(event.action, Action::Shed(_))).count();
+    println!("{sheds} decisions to leave modes out");
+    assert!(sheds > 10, "{sheds}");
+    for block in [1, 8, 33, 128, 1000] {
+        assert!(play(log.clone(), block, None).0 == whole, "blocks of {block} change the bits");
+    }
 }

@@ -57,8 +57,10 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         // end.
         let block = arguments.block as usize;
         let block = if budget_cycles.is_some() { block.next_multiple_of(TICK_FRAMES) } else { block };
+        // What is in frames cannot be left out, and has to stay within the budget.
+        let frame_cycles = budget_cycles.map(|cycles| cycles / TICK_FRAMES as u32);
         let settings = Settings {
-            setup: Setup { skipping, ceiling_db: arguments.limit, ..Setup::new(rate) },
+            setup: Setup { skipping, frame_cycles, ceiling_db: arguments.limit, ..Setup::new(rate) },
             block,
             budget_cycles,
         };

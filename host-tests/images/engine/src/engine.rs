@@ -53,6 +53,18 @@ pub extern "C" fn engine_limit(ceiling_db_bits: u32) {
     unsafe { *CEILING_DB.0.get() = (!ceiling_db.is_nan()).then_some(ceiling_db) };
 }
 
+/// Limit to the cycles of pads in frames, for engines loaded from now on; at first as in
+/// `host-tests/src/lent.rs`.
+static FRAME_CYCLES: Global<Option<u32>> = Global(UnsafeCell::new(Some(2_800)));
+
+/// Takes the limit to the cycles of pads in frames away, for engines loaded from now on.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".text.exported")]
+pub extern "C" fn engine_unlimited() {
+    // SAFETY: see `Sync` for `Global`.
+    unsafe { *FRAME_CYCLES.0.get() = None };
+}
+
 /// Maximum number of events of a block. They lie beside the engine, because a board's queue is not
 /// on the stack of the audio path either.
 const EVENTS: usize = 64;
@@ -78,8 +90,8 @@ pub unsafe extern "C" fn engine_load(kit: *const u8, bytes: usize, numerator: u3
     // SAFETY: as above.
     let (lent, bulk) = unsafe { (&mut *LENT.0.get(), &mut *BULK.0.get()) };
     // SAFETY: see `Sync` for `Global`.
-    let ceiling_db = unsafe { *CEILING_DB.0.get() };
-    let setup = Setup { room_samples: ROOM_SAMPLES, ceiling_db, ..Setup::new(rate) };
+    let (ceiling_db, frame_cycles) = unsafe { (*CEILING_DB.0.get(), *FRAME_CYCLES.0.get()) };
+    let setup = Setup { room_samples: ROOM_SAMPLES, ceiling_db, frame_cycles, ..Setup::new(rate) };
     match Engine::new(&kit, setup, Memory::new(lent, bulk)) {
         Ok(engine) => {
             *used = engine.words();
