@@ -52,7 +52,7 @@ impl Decay {
 
     /// Shares that are left from each frame of a block to its end, from a frame on to the end of
     /// its tick.
-    pub(super) fn to_end(&self, frame: usize) -> impl Iterator<Item = f32> + Clone {
+    pub(super) fn until_end(&self, frame: usize) -> impl Iterator<Item = f32> + Clone {
         let of_ticks = self.ticks.get((TICKS - 1).saturating_sub(frame / TICK_FRAMES)).copied().unwrap_or(0.0);
         self.frames.iter().rev().skip(frame % TICK_FRAMES).map(move |of_frames| of_ticks * of_frames)
     }

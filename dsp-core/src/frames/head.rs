@@ -235,7 +235,7 @@ impl<'m> Head<'m> {
     #[inline(never)] // its buffers must not weigh on pads without a hand
     pub(super) fn render_under(&mut self, hand: &Decay, frame: usize, force: Option<&[i32]>, out: &mut [i32]) {
         let (mut faded, mut sound) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
-        let left = hand.to_end(frame);
+        let left = hand.until_end(frame);
         let force = force.and_then(|force| {
             let faded = faded.get_mut(..force.len())?;
             for ((faded, &force), left) in faded.iter_mut().zip(force).zip(left.clone()) {

@@ -43,7 +43,7 @@ const STRUCK_FRAME: f32 = 763.0;
 const STRUCK_MODE: f32 = 0.714;
 const DIRECT_FRAME: f32 = 1510.0;
 const DIRECT_MODE: f32 = 0.739;
-/// What a hand adds to both.
+/// Cycles that a hand adds to both.
 const HAND_FRAME: f32 = 135.0;
 const HAND_MODE: f32 = 0.06;
 /// Nominal cycles of a mode under a force in the fixed-point bank

@@ -23,7 +23,7 @@
 //! the place of a strike within a block. Where it costs less, a transform makes what the last
 //! block's force adds, from the third tick on at the earliest: the **tail**.
 //!
-//! A choke lays a [`hand`] on a bank: one factor on its whole sound, by which rates add. Its block
+//! A choke lays a hand on a bank: one factor on its whole sound, by which rates add. Its block
 //! then has a transform of its own.
 //!
 //! Arithmetic is `f32` in the lines, 64-bit integers in the head. Products are rounded before they

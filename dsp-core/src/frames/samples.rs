@@ -10,7 +10,7 @@ pub(super) fn place(frame: usize) -> usize {
     fourier::place((frame + POINTS - HALF) as u32, POINTS.trailing_zeros())
 }
 
-/// Place of a frame and its neighbour, an even and an odd one, in the transform of one bank's block.
+/// Place of an even frame and the odd one behind it in the transform of one bank's block.
 #[inline(always)]
 pub(super) fn place_of_pair(frame: usize) -> usize {
     let pair = (frame + POINTS - HALF) / 2 % BLOCK_FRAMES;
