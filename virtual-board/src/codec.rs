@@ -10,6 +10,8 @@ const ID: u8 = 0x01;
 const POWER_1: u8 = 0x02;
 const POWER_2: u8 = 0x04;
 const INTERFACE: u8 = 0x06;
+/// Register without a name in the data sheet: the initialisation sets and clears bit 7.
+const UNNAMED: u8 = 0x32;
 const REGISTERS: usize = 0x48;
 
 /// Value of register 0x02 that powers the codec up.
@@ -106,7 +108,13 @@ impl Codec {
             self.complain("the codec's identity register is written".to_owned());
             return true;
         }
-        self.registers[usize::from(register)] = byte;
+        let before = std::mem::replace(&mut self.registers[usize::from(register)], byte);
+        if register == UNNAMED && (before ^ byte) & 0x7f != 0 {
+            self.complain(format!(
+                "register {register:#04x} of the codec becomes {byte:#04x} from {before:#04x}; only bit 7 is to change \
+                 (CS43L22 data sheet 4.11)"
+            ));
+        }
         if let Some(&(expected, mask, value)) = INITIALISATION.get(self.initialised)
             && (expected, value) == (register, byte & mask)
         {
@@ -198,6 +206,16 @@ mod tests {
             assert_eq!(codec.complaints.len(), 1, "step {skip}: {:?}", codec.complaints);
         }
         assert!(started(None, false).complaints[0].contains("without MCLK"));
+    }
+
+    #[test]
+    fn a_write_to_register_0x32_that_changes_more_than_bit_7_is_named() {
+        let mut codec = Codec::new(true);
+        codec.set_reset_pin(true);
+        send(&mut codec, UNNAMED, 0xbb, true);
+        assert!(codec.complaints.is_empty());
+        send(&mut codec, UNNAMED, 0x80, true);
+        assert!(codec.complaints[0].contains("only bit 7"), "{:?}", codec.complaints);
     }
 
     #[test]

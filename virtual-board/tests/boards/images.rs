@@ -13,6 +13,7 @@ fn each_image_starts_and_plays_its_button() {
         let running = common::run(board, &setup, 0.4);
         let report = running.report().unwrap();
         assert!(report.resets.is_empty() && report.warnings.is_empty(), "{report:#?}");
+        assert!(report.codec_complaints.is_empty(), "{:#?}", report.codec_complaints);
         assert_eq!((report.audio.late_halves, report.adc.lost_triggers), (0, 0));
         let strikes =
             report.log.iter().filter(|line| line.message.contains("event ") && line.message.contains("strike"));
