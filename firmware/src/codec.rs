@@ -13,26 +13,30 @@ const ID: u8 = 0x01;
 /// Chip id of a CS43L22.
 const CHIP_ID: u8 = 0b11100 << 3;
 
-/// Registers and values that are written before power-up, in this order.
+/// Registers, bits and their values that are written before power-up, in this order. Other bits keep
+/// what the reset left there.
 ///
-/// First come the initialisation settings that the datasheet requires (section 4.11). Then the
-/// headphones are switched on by their pin and the speakers off. The codec detects its clock, takes
-/// I2S of up to 24 bits, and plays the headphones 12 dB down.
-const BEFORE_POWER_UP: [(u8, u8); 11] = [
-    (0x02, 0x01),
-    (0x00, 0x99),
-    (0x47, 0x80),
-    (0x32, 0x80),
-    (0x32, 0x00),
-    (0x00, 0x00),
-    (0x04, 0xAF),
-    (0x05, 0x81),
-    (0x06, 0x04),
-    (0x22, 0xE8),
-    (0x23, 0xE8),
+/// First come the initialisation settings that the datasheet requires (section 4.11), of which two
+/// concern bit 7 of a register alone. Then the headphones are switched on by their pin and the
+/// speakers off. The codec detects its clock, takes I2S of up to 24 bits, and plays the headphones
+/// 12 dB down.
+const BEFORE_POWER_UP: [(u8, u8, u8); 11] = [
+    (0x02, ALL, 0x01),
+    (0x00, ALL, 0x99),
+    (0x47, ALL, 0x80),
+    (0x32, 0x80, 0x80),
+    (0x32, 0x80, 0x00),
+    (0x00, ALL, 0x00),
+    (0x04, ALL, 0xAF),
+    (0x05, ALL, 0x81),
+    (0x06, ALL, 0x04),
+    (0x22, ALL, 0xE8),
+    (0x23, ALL, 0xE8),
 ];
-/// Register and value that power the codec up.
-const POWER_UP: (u8, u8) = (0x02, 0x9E);
+/// All bits of a register.
+const ALL: u8 = 0xFF;
+/// Register, bits and value that power the codec up.
+const POWER_UP: (u8, u8, u8) = (0x02, ALL, 0x9E);
 
 /// Reason for which the codec does not play.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
@@ -70,14 +74,23 @@ pub fn start(mut bus: I2c<'static, Blocking, Master>, mut reset: Output<'static>
 }
 
 fn write_settings(bus: &mut I2c<'static, Blocking, Master>) -> Result<(), Error> {
-    let mut id = [0];
-    bus.blocking_write_read(ADDRESS, &[ID], &mut id).map_err(|bus| Error::NotAnswering { register: ID, bus })?;
-    let [id] = id;
+    let id = read(bus, ID)?;
     if id & 0xF8 != CHIP_ID {
         return Err(Error::WrongChip { id });
     }
-    for (register, value) in BEFORE_POWER_UP.into_iter().chain([POWER_UP]) {
-        bus.blocking_write(ADDRESS, &[register, value]).map_err(|bus| Error::NotAnswering { register, bus })?;
+    for (register, bits, value) in BEFORE_POWER_UP.into_iter().chain([POWER_UP]) {
+        let others = if bits == ALL { 0 } else { read(bus, register)? & !bits };
+        let written = bus.blocking_write(ADDRESS, &[register, others | value]);
+        written.map_err(|bus| Error::NotAnswering { register, bus })?;
     }
     Ok(())
+}
+
+/// Reads a register of the codec.
+fn read(bus: &mut I2c<'static, Blocking, Master>, register: u8) -> Result<u8, Error> {
+    let mut content = [0];
+    let read = bus.blocking_write_read(ADDRESS, &[register], &mut content);
+    read.map_err(|bus| Error::NotAnswering { register, bus })?;
+    let [content] = content;
+    Ok(content)
 }
