@@ -113,6 +113,18 @@ fn a_stalled_core_is_restarted_by_the_watchdog_and_plays_again() {
 }
 
 #[test]
+fn a_board_that_goes_on_to_miss_halves_plays_the_others_and_is_not_restarted() {
+    // One half in 15 is missed for longer than the watchdog's time.
+    let lost = |n: u32| Fault::AudioInterruptLost { at_s: 0.35 + 0.01 * f64::from(n), for_s: 1.4e-3 };
+    let (running, report) = run(&(0..60).map(lost).collect::<Vec<_>>(), 1.0);
+    let lines = report.log.iter().filter(|line| line.message.contains("halves missed")).count();
+    assert!(report.resets.is_empty(), "{:#?}", report.resets);
+    assert!(lines >= 50, "{lines} lines");
+    assert_eq!(strikes(&report), 2);
+    assert!(peak(&running) < 0.7);
+}
+
+#[test]
 fn a_panic_and_a_hard_fault_mute_and_restart() {
     for (fault, name) in [(Fault::Panic { at_s: 0.4 }, "panic: "), (Fault::HardFault { at_s: 0.4 }, "hard fault at ")] {
         let (running, report) = run(&[fault], 0.8);
