@@ -147,6 +147,23 @@ fn a_piezo_at_the_rail_is_logged_and_neither_hangs_nor_plays() {
 }
 
 #[test]
+fn a_piezo_that_is_well_again_leaves_the_fault_of_another_on_the_led() {
+    let (seconds, rail) = (1.6, 4.0);
+    let mut at_rail = signal(1, seconds, &[]);
+    let [from, to] = [0.35, 0.6].map(|at_s| (at_s * f64::from(at_rail.rate_hz)) as usize);
+    at_rail.samples[from..to].fill(rail);
+    let faults = vec![Fault::PiezoAtRail { piezo: 2, at_s: 0.35 }];
+    let setup = Setup { piezos: vec![at_rail], faults, ..Setup::default() };
+    let report = common::run(Board::Stm32f407gDisc1, &setup, seconds).report().unwrap();
+    let well = report.log.iter().find(|line| line.message == "piezo 1: well again");
+    let well_s = well.unwrap_or_else(|| panic!("{:#?}", report.log)).at_s;
+    assert!(says(&report, "piezo 2: stuck at the upper rail") && !says(&report, "piezo 2: well again"));
+    let flashes = report.leds.iter().filter(|led| led.led == "blue" && led.lit && led.at_s > well_s + 0.1).count();
+    println!("{flashes} flashes after {well_s:.2} s");
+    assert!(flashes >= 1, "{:#?}", report.leds);
+}
+
+#[test]
 fn a_button_that_bounces_five_milliseconds_strikes_once() {
     let presses = vec![Press { at_s: 0.3, for_s: 0.1, bounce_s: 5e-3 }];
     let running = common::run(Board::BlackpillF411, &Setup { presses, ..Setup::default() }, 0.6);
