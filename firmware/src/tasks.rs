@@ -26,17 +26,19 @@ const SHOW_S: u64 = 5;
 #[embassy_executor::task]
 pub async fn log(mut lines: Log, kit: Kit<'static>) {
     let (mut sound_until, mut adc_until) = (Instant::MIN, Instant::MIN);
+    // Bit n is set while piezo n fails.
+    let mut failing_piezos = 0u32;
     loop {
         while let Some(line) = lines.take() {
             let shown_until = Instant::now() + embassy_time::Duration::from_secs(SHOW_S);
             match line {
                 Line::Event(event) => tell(&event, &kit),
                 Line::PiezoFault { channel, fault } => {
-                    faults::set(Fault::Piezo, true);
+                    failing_piezos |= 1 << (channel % 32);
                     defmt::error!("piezo {=u8}: {}", channel, defmt::Display2Format(&fault));
                 }
                 Line::PiezoRecovered { channel } => {
-                    faults::set(Fault::Piezo, false);
+                    failing_piezos &= !(1 << (channel % 32));
                     defmt::info!("piezo {=u8}: well again", channel);
                 }
                 Line::Missed { halves } => {
@@ -54,6 +56,7 @@ pub async fn log(mut lines: Log, kit: Kit<'static>) {
             }
         }
         let now = Instant::now();
+        faults::set(Fault::Piezo, failing_piezos != 0);
         faults::set(Fault::Sound, now < sound_until);
         faults::set(Fault::Adc, now < adc_until);
         Timer::after_millis(LOG_EVERY_MS).await;
