@@ -2,7 +2,7 @@
 
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// Queue of at most `N` items, a power of two.
 ///
@@ -14,10 +14,17 @@ pub struct Queue<T, const N: usize> {
     pushed: AtomicU32,
     /// Number of items taken so far, modulo 2^32.
     taken: AtomicU32,
+    is_split: AtomicBool,
 }
 
-// SAFETY: an item belongs to the one producer until `pushed` is stored, and then to the one
-// consumer until `taken` is stored.
+/// End of a queue at which items are appended. Each queue has one.
+pub struct Sender<T: 'static, const N: usize>(&'static Queue<T, N>);
+
+/// End of a queue at which items are removed. Each queue has one.
+pub struct Receiver<T: 'static, const N: usize>(&'static Queue<T, N>);
+
+// SAFETY: an item belongs to the one sender until `pushed` is stored, and then to the one receiver
+// until `taken` is stored.
 unsafe impl<T: Send, const N: usize> Sync for Queue<T, N> {}
 
 impl<T: Copy, const N: usize> Queue<T, N> {
@@ -28,38 +35,44 @@ impl<T: Copy, const N: usize> Queue<T, N> {
             items: [const { UnsafeCell::new(MaybeUninit::uninit()) }; N],
             pushed: AtomicU32::new(0),
             taken: AtomicU32::new(0),
+            is_split: AtomicBool::new(false),
         }
     }
 
+    /// Gives both ends of the queue, or `None` if it has been split before.
+    pub fn split(&'static self) -> Option<(Sender<T, N>, Receiver<T, N>)> {
+        (!self.is_split.swap(true, Ordering::Relaxed)).then_some((Sender(self), Receiver(self)))
+    }
+}
+
+impl<T: Copy, const N: usize> Sender<T, N> {
     /// Appends an item; returns `false` if the queue is full.
-    ///
-    /// # Safety
-    /// One context alone calls this.
-    pub unsafe fn push(&self, item: T) -> bool {
-        let pushed = self.pushed.load(Ordering::Relaxed);
-        if pushed.wrapping_sub(self.taken.load(Ordering::Acquire)) as usize >= N {
+    pub fn push(&mut self, item: T) -> bool {
+        let queue = self.0;
+        let pushed = queue.pushed.load(Ordering::Relaxed);
+        if pushed.wrapping_sub(queue.taken.load(Ordering::Acquire)) as usize >= N {
             return false;
         }
-        let Some(place) = self.items.get(pushed as usize % N) else { return false };
-        // SAFETY: the place is free, and the one producer fills it.
+        let Some(place) = queue.items.get(pushed as usize % N) else { return false };
+        // SAFETY: the place is free, and the one sender fills it.
         unsafe { (*place.get()).write(item) };
-        self.pushed.store(pushed.wrapping_add(1), Ordering::Release);
+        queue.pushed.store(pushed.wrapping_add(1), Ordering::Release);
         true
     }
+}
 
+impl<T: Copy, const N: usize> Receiver<T, N> {
     /// Removes and returns the oldest item, or `None` if the queue is empty.
-    ///
-    /// # Safety
-    /// One context alone calls this.
-    pub unsafe fn take(&self) -> Option<T> {
-        let taken = self.taken.load(Ordering::Relaxed);
-        if self.pushed.load(Ordering::Acquire) == taken {
+    pub fn take(&mut self) -> Option<T> {
+        let queue = self.0;
+        let taken = queue.taken.load(Ordering::Relaxed);
+        if queue.pushed.load(Ordering::Acquire) == taken {
             return None;
         }
-        let place = self.items.get(taken as usize % N)?;
-        // SAFETY: the place was filled before `pushed` was stored.
+        let place = queue.items.get(taken as usize % N)?;
+        // SAFETY: the place was filled before `pushed` was stored, and the one receiver reads it.
         let item = unsafe { (*place.get()).assume_init() };
-        self.taken.store(taken.wrapping_add(1), Ordering::Release);
+        queue.taken.store(taken.wrapping_add(1), Ordering::Release);
         Some(item)
     }
 }

@@ -28,7 +28,7 @@ use crate::board::{CLOCKS, Memory};
 use crate::half::HALF_FRAMES;
 use crate::input::{self, Inputs};
 use crate::owned::Owned;
-use crate::queue::Queue;
+use crate::queue::{Queue, Receiver, Sender};
 use crate::{counters, cycles};
 
 /// Number of frames from the interrupt that renders a tick to the tick's first frame, at most a
@@ -89,45 +89,35 @@ struct Audio {
 
 static LOG: Queue<Line, LINES> = Queue::new();
 
-/// End of the log's queue in the interrupt. There is one.
-struct Lines(());
+/// Lines of the log, as the interrupt appends them.
+struct Lines(Sender<Line, LINES>);
 
 impl Lines {
     /// Appends a line to the log, or counts it as lost if the queue is full.
     fn push(&mut self, line: Line) {
-        // SAFETY: there is one `Lines`, so one context pushes.
-        if !unsafe { LOG.push(line) } {
+        if !self.0.push(line) {
             counters::UNLOGGED_LINES.add(1);
         }
     }
 }
 
-/// End of the log's queue in the log task. There is one.
-pub struct Log(());
-
-impl Log {
-    /// Removes and returns the oldest line, or `None` if no line waits.
-    pub fn take(&mut self) -> Option<Line> {
-        // SAFETY: there is one `Log`, so one context takes.
-        unsafe { LOG.take() }
-    }
-}
+/// Lines of the log, as the log task takes them.
+pub type Log = Receiver<Line, LINES>;
 
 static AUDIO: Owned<Audio> = Owned::empty();
 /// True once `AUDIO` has been filled.
 static READY: AtomicBool = AtomicBool::new(false);
 
-/// Lets the I2S stream, which runs and is silent, play the instrument. Returns the log's lines.
-///
-/// # Safety
-/// This is called once.
-pub unsafe fn start(i2s: I2s, inputs: &'static mut Inputs, instrument: &'static mut Instrument) -> Log {
-    let played = i2s.half_played();
-    let audio = Audio { i2s, inputs, instrument, lines: Lines(()), last: cycles::now(), played, silent_halves: 0 };
-    // SAFETY: the caller calls this once, and the interrupt does not look before `READY` is set.
+/// Lets the I2S stream, which runs and is silent, play the instrument. Returns the log's lines, or
+/// `None` if it has been called before.
+pub fn start(i2s: I2s, inputs: &'static mut Inputs, instrument: &'static mut Instrument) -> Option<Log> {
+    let (lines, log) = LOG.split()?;
+    let (played, lines) = (i2s.half_played(), Lines(lines));
+    let audio = Audio { i2s, inputs, instrument, lines, last: cycles::now(), played, silent_halves: 0 };
+    // SAFETY: the log is split once, and the interrupt does not look before `READY` is set.
     unsafe { AUDIO.fill(audio) };
     READY.store(true, Ordering::Release);
-    Log(())
+    Some(log)
 }
 
 #[cfg(feature = "blackpill-f411")]

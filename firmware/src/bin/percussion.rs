@@ -38,12 +38,11 @@ async fn main(spawner: Spawner) {
     }
     watchdog::feed();
     // SAFETY: main runs once.
-    let log = unsafe {
-        let inputs = Inputs::place(Piezos::new(devices.piezos), devices.button, settings);
-        audio::start(devices.i2s, inputs, instrument)
-    };
+    let inputs = unsafe { Inputs::place(Piezos::new(devices.piezos), devices.button, settings) };
     spawn(&spawner, tasks::feed());
-    spawn(&spawner, tasks::log(log, kit));
+    if let Some(log) = audio::start(devices.i2s, inputs, instrument) {
+        spawn(&spawner, tasks::log(log, kit));
+    }
     spawn(&spawner, tasks::report());
     spawn(&spawner, tasks::meter(devices.leds, devices.leds_light_high));
 }
