@@ -162,18 +162,22 @@ impl<'m> FrameMixer<'m> {
         (self.done, self.all, self.tick) = (0, 0, 0);
         self.choose_tails(banks);
         (self.bank, self.slot, self.step) = (0, 0, Step::Rest);
-        let mut working = banks.iter().filter_map(InFrames::frames).filter(|bank| bank.works());
-        let Some(first) = working.next() else { return };
-        if let Some(second) = working.next() {
-            let has_hand = |bank: &&FrameBank<'_>| bank.hand.next().is_some();
-            let under_hand = [first, second].into_iter().chain(working.clone()).filter(has_hand).count() as u32;
-            let free = 2 + working.count() as u32 - under_hand;
-            self.all += under_hand * ALONE + free * LINES as u32 * PAN;
-            self.all += if free > 0 { fourier::cycles(POINTS) } else { SILENCE };
-            (self.has_hands, self.pass, self.forms[1]) = (under_hand > 0, Pass::Together, BlockForm::Stereo);
-        } else {
-            self.all += ALONE - if first.hand.next().is_some() { 0 } else { BLOCK_FRAMES as u32 * JOIN };
-            (self.pass, self.forms[1]) = (Pass::Lone, BlockForm::Lone(first.gains.map(|gain| 0.5 * gain)));
+        let (mut free, mut under_hand, mut gains) = (0, 0, [0.0; 2]);
+        for bank in banks.iter().filter_map(InFrames::frames).filter(|bank| bank.works()) {
+            *(if bank.hand.next().is_some() { &mut under_hand } else { &mut free }) += 1;
+            gains = bank.gains;
+        }
+        match free + under_hand {
+            0 => return,
+            1 => {
+                self.all += ALONE - free * BLOCK_FRAMES as u32 * JOIN;
+                (self.pass, self.forms[1]) = (Pass::Lone, BlockForm::Lone(gains.map(|gain| 0.5 * gain)));
+            }
+            _ => {
+                self.all += under_hand * ALONE + free * LINES as u32 * PAN;
+                self.all += if free > 0 { fourier::cycles(POINTS) } else { SILENCE };
+                (self.has_hands, self.pass, self.forms[1]) = (under_hand > 0, Pass::Together, BlockForm::Stereo);
+            }
         }
         if self.first_tail.0 == 0 {
             let forces = |bank: &FrameBank<'_>| (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some()).count();

@@ -26,6 +26,7 @@ impl VoiceSize {
     ///
     /// # Errors
     /// A [`BankError`] with the striker that it concerns, or `None` for the object.
+    #[inline(never)] // the engine's load asks for it in four places
     pub fn new(tables: &PadTables<'_>, rate: SampleRate) -> Result<Self, (BankError, Option<usize>)> {
         let mut size = Self::default();
         for (slot, (which, table)) in size.banks.iter_mut().zip(tables.banks()) {
@@ -40,6 +41,7 @@ impl VoiceSize {
     ///
     /// # Errors
     /// A [`BankError`] for a table that no bank can hold.
+    #[inline(never)]
     pub fn in_frames(
         mut self,
         tables: &PadTables<'_>,

@@ -35,7 +35,8 @@ fn the_limiter_has_the_bits_of_the_pc_and_keeps_its_cycles() {
     let (limited, with) = play(Some(CEILING_DB));
     let loaded = pads(4);
     let kit = Kit::parse(&loaded.binary).unwrap();
-    let setup = Setup { ceiling_db: Some(CEILING_DB), room_samples: lent::ROOM_SAMPLES, ..Setup::new(RATE) };
+    let (ceiling_db, frame_cycles) = (Some(CEILING_DB), Some(lent::FRAME_CYCLES));
+    let setup = Setup { ceiling_db, frame_cycles, room_samples: lent::ROOM_SAMPLES, ..Setup::new(RATE) };
     let words = Plan::of::<i16>(&kit, setup).unwrap().words;
     let mut engine = Engine::<i16>::new(&kit, setup, lent::memory(words)).unwrap();
     let mut expected = vec![[0; 2]; limited.len()];
