@@ -13,8 +13,8 @@ const ID: u8 = 0x01;
 /// Chip id of a CS43L22.
 const CHIP_ID: u8 = 0b11100 << 3;
 
-/// Registers, bits and their values that are written before power-up, in this order. Other bits keep
-/// what the reset left there.
+/// Registers, bits and their values that are written before power-up, in this order. Other bits
+/// keep what the reset left there.
 ///
 /// First come the initialisation settings that the datasheet requires (section 4.11), of which two
 /// concern bit 7 of a register alone. Then the headphones are switched on by their pin and the

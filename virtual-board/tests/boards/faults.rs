@@ -150,7 +150,7 @@ fn a_piezo_at_the_rail_is_logged_and_neither_hangs_nor_plays() {
 fn a_piezo_that_is_well_again_leaves_the_fault_of_another_on_the_led() {
     let (seconds, rail) = (1.6, 4.0);
     let mut at_rail = signal(1, seconds, &[]);
-    let [from, to] = [0.35, 0.6].map(|at_s| (at_s * f64::from(at_rail.rate_hz)) as usize);
+    let [from, to] = [0.35, 0.6].map(|at_s| (at_s * at_rail.rate_hz) as usize);
     at_rail.samples[from..to].fill(rail);
     let faults = vec![Fault::PiezoAtRail { piezo: 2, at_s: 0.35 }];
     let setup = Setup { piezos: vec![at_rail], faults, ..Setup::default() };
