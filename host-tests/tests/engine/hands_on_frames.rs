@@ -79,6 +79,25 @@ fn the_callers_blocks_change_no_bit_under_a_hand() {
 }
 
 #[test]
+fn a_hand_that_is_gone_again_in_silence_changes_no_later_strike() {
+    let mut kit = thing(300, 1);
+    kit.pads[0].choke_t60_s = 0.05;
+    let loaded = load(kit);
+    // The release comes after the block has begun that would have brought the hand.
+    let events = [hand(10, Action::Choke), hand(260, Action::Release), strike(9_000, 1.0)];
+    let sound = |events: &[Event]| play(&loaded, RATE, Skipping::On, events, None, (12_000, &[64][..])).0;
+    assert!(sound(&events) == sound(&events[2..]));
+}
+
+#[test]
+fn a_hand_on_a_pad_that_cannot_be_choked_changes_no_bit() {
+    let loaded = load(thing(300, 1));
+    let events = [strike(100, 1.0), hand(700, Action::Choke), strike(2_000, 0.7)];
+    let sound = |events: &[Event]| play(&loaded, RATE, Skipping::On, events, None, (6_000, &[64][..])).0;
+    assert!(sound(&events) == sound(&[events[0], events[2]]));
+}
+
+#[test]
 fn a_choked_pad_in_frames_falls_silent_and_a_pad_beside_it_rings_on() {
     let mut kit = thing(250, 1);
     kit.pads[0].choke_t60_s = 0.1;
