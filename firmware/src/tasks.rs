@@ -122,7 +122,8 @@ pub async fn report() {
 
 /// Feeds the watchdog if halves were rendered since the last look.
 ///
-/// A board that misses some is heard better than one that restarts; the log and a LED tell of them.
+/// Missed halves do not stop the feeding: a restart would silence the board for longer. The log and
+/// the LED report them.
 #[embassy_executor::task]
 pub async fn feed() {
     let mut halves_before = counters::HALVES.get();

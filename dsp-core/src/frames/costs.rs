@@ -54,7 +54,8 @@ pub(super) const DERIVED_MODE: u32 = 90;
 /// Nominal cycles of a frame that plays, and of a tick beside its share of the work.
 pub(super) const PLAY_FRAME: u32 = 47;
 pub(super) const TICK: u32 = 2_900;
-/// Nominal cycles of a mode under a hand, and of a pair of lines and a frame of a block of its own.
+/// Nominal cycles of a state that a hand makes smaller, and of two steps of a bank's own block: a
+/// pair of lines on the way to its transform, a frame that joins the other banks.
 pub(super) const FADED_MODE: u32 = 12;
 pub(super) const HALVE: u32 = 58;
 pub(super) const JOIN: u32 = 40;

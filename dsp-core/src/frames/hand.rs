@@ -9,8 +9,8 @@ use crate::SampleRate;
 use crate::resonator::coefficient::decay_of_t60;
 use crate::time::TICK_FRAMES;
 
-/// Largest fall in a block, in nepers: the head's sums are kept below their true value by as much,
-/// and lose 4 bits here.
+/// Largest fall in a block, in nepers (24 dB). The head computes with forces that are smaller by as
+/// much, and so loses 4 bits.
 const MOST_NEPERS: f64 = 2.77;
 
 /// Nominal cycles of a frame of a head under a hand, beside those without one
@@ -85,14 +85,15 @@ impl Hand {
         hand
     }
 
-    /// Lays the hand on, or lifts it: from the block behind the next one on.
+    /// Lays the hand on, or lifts it: from the block behind the next one on. A hand that takes
+    /// nothing never comes, so that a pad which cannot be choked keeps its bits and its cycles.
     pub(super) fn lay(&mut self, is_wanted: bool) {
-        self.is_wanted = is_wanted;
+        self.is_wanted = is_wanted && self.decay.of_block() < 1.0;
     }
 
     /// True if the hand is on its way to the bank or from it.
     pub(super) fn is_moving(&self) -> bool {
-        self.is_wanted != self.lies
+        self.is_wanted != self.lies || self.lies_next != self.lies
     }
 
     /// Begins a block.

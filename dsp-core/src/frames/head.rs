@@ -189,7 +189,7 @@ impl<'m> Head<'m> {
     /// Adds the head's sound for a run of frames that begins at `frame` of the block to `out`.
     ///
     /// `force` is in bus steps, `None` without any. Each frame takes one product for each sample
-    /// from the first to the last of the force in this block and the last one: 2.2 cycles each
+    /// from the first to the last of the force in this block and the last one: 2.0 cycles each
     /// ([`kernel::convolve`]).
     pub(super) fn render(&mut self, frame: usize, force: Option<&[i32]>, out: &mut [i32]) {
         let start = BLOCK_FRAMES + frame;

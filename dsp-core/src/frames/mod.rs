@@ -55,8 +55,8 @@ use crate::time::TICK_FRAMES;
 
 /// Number of frames N of a block: 5.3 ms at 48 kHz.
 ///
-/// A choke or a release takes effect at a block's beginning, N to 2N frames behind its tick. Blocks
-/// of 128 frames would halve that, at twice the cycles of a mode.
+/// A choke waits for the beginning of a block, N to 2N frames. With N = 128 it would wait half as
+/// long, and a mode would take twice the cycles.
 pub const BLOCK_FRAMES: usize = 256;
 
 /// Number of points of a transform, 2N.

@@ -83,9 +83,10 @@ pub(super) fn combine(
     }
 }
 
-/// Lines k and N - k of a transform of N points that gives 2N real samples, their even ones as real
-/// parts and their odd ones as imaginary parts: from the lines k and N - k of the samples, and
-/// `e^{πik/N}`.
+/// Points k and N - k of a transform of N points that gives 2N real samples: even samples as real
+/// parts, odd ones as imaginary parts.
+///
+/// The first argument holds the lines k and N - k of the samples, the second one `e^{πik/N}`.
 #[inline(always)]
 fn halve([[a, b], [c, d]]: [Complex; 2], [cos, sin]: Complex) -> [Complex; 2] {
     // Line k, and line N + k: the mirror image of N - k.
@@ -94,8 +95,8 @@ fn halve([[a, b], [c, d]]: [Complex; 2], [cos, sin]: Complex) -> [Complex; 2] {
     [[even[0] - turned[1], even[1] + turned[0]], [even[0] + turned[1], turned[0] - even[1]]]
 }
 
-/// Twice the spectrum of one bank's block from its folded lines, for a transform of N points, for a
-/// range of the pairs k and N - k.
+/// Prepares the transform of one bank's own block from its folded lines, for a range of the pairs k
+/// and N - k. The transform then gives twice the block.
 pub(super) fn alone(lines: &Lines, pairs: Range<usize>, transform: &mut [Complex; BLOCK_FRAMES]) {
     let Some(lines) = inner(lines).first_chunk::<LINES>() else { return };
     if pairs.contains(&0) {
@@ -134,8 +135,8 @@ pub(super) fn fade(transform: &mut [Complex; BLOCK_FRAMES], frames: Range<usize>
     }
 }
 
-/// Adds frames of one bank's block from the transform of [`alone`] to the block of all banks, under
-/// a hand, by the gains of both sides. The frames are whole ticks.
+/// Adds one bank's own block to the block of all banks, with a hand's share and the gains of both
+/// sides. The range consists of whole ticks; the transform is that of [`alone`].
 pub(super) fn join(
     transform: &[Complex; BLOCK_FRAMES],
     frames: Range<usize>,

@@ -73,7 +73,8 @@ pub(super) fn picture(over_modes: &OverModes) -> CrossingsPicture {
     }
 }
 
-/// Curves of a form, one for each way to play; where the engine does not play frames, a dashed one.
+/// Curves of a form, one for each way to play. The part of frames that the engine does not play is
+/// dashed.
 fn curves(over_modes: &OverModes, form: PadForm) -> Vec<Curve> {
     let mut curves = Vec::new();
     let colour = if form == PadForm::Frames { 0 } else { 1 };

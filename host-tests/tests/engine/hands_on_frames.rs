@@ -86,7 +86,11 @@ fn a_hand_that_is_gone_again_in_silence_changes_no_later_strike() {
     // The release comes after the block has begun that would have brought the hand.
     let events = [hand(10, Action::Choke), hand(260, Action::Release), strike(9_000, 1.0)];
     let sound = |events: &[Event]| play(&loaded, RATE, Skipping::On, events, None, (12_000, &[64][..])).0;
-    assert!(sound(&events) == sound(&events[2..]));
+    let (with, without) = (sound(&events), sound(&events[2..]));
+    let difference = with.iter().flatten().zip(without.iter().flatten()).map(|(a, b)| (a - b).abs()).max();
+    println!("{difference:?} bus steps");
+    // Modes retire in turns that count the blocks of sound, and each at most at -100 dBFS.
+    assert!(difference < Some(1_342), "{difference:?}");
 }
 
 #[test]

@@ -106,7 +106,7 @@ pub fn play(stereo: &[Complex; POINTS], first: usize, out: &mut [[i32; 2]]) {
 
 /// Adds frames of a block of one bank to the stereo bus as [`super::portable::play_lone`] does.
 ///
-/// Cost, counted from the code: 46 cycles a frame.
+/// Cost, counted from the code: 48 cycles a frame.
 pub fn play_lone(block: &[Complex; BLOCK_FRAMES], gains: &[f32; 2], first: usize, out: &mut [[i32; 2]]) {
     if out.is_empty() || first + out.len() > BLOCK_FRAMES {
         return;

@@ -292,6 +292,15 @@ malleus_frames_unwindow:
     .size   malleus_frames_unwindow, . - malleus_frames_unwindow
 
 @ --------------------------------------------------------------------------------------------------
+@ Loads the window at frame r2 into s2. r1 is the window by the distance from the middle.
+    .macro load_window
+    subs    r5, r2, #128
+    it      mi
+    rsbmi   r5, r5, #0
+    add     r5, r1, r5, lsl #2
+    vldr    s2, [r5]
+    .endm
+
 @ Rounds left s0 and right s1, and adds them to the frame of the output. r9 is half as a float.
     .macro play_frame
     vmov    r4, r5, s0, s1
@@ -327,13 +336,9 @@ malleus_frames_play:
     rbit    r4, r4
     lsr     r4, r4, #23
     add     r4, r0, r4, lsl #3
-    subs    r5, r2, #128
-    it      mi
-    rsbmi   r5, r5, #0
-    add     r5, r1, r5, lsl #2
     vldr    s0, [r4]
     vldr    s1, [r4, #4]
-    vldr    s2, [r5]
+    load_window
     vmul.f32 s0, s0, s2
     vmul.f32 s1, s1, s2
     play_frame
@@ -360,12 +365,8 @@ malleus_frames_play_lone:
     and     r5, r2, #1
     orr     r4, r5, r4, lsl #1
     add     r4, r0, r4, lsl #2
-    subs    r5, r2, #128
-    it      mi
-    rsbmi   r5, r5, #0
-    add     r5, r1, r5, lsl #2
     vldr    s0, [r4]
-    vldr    s2, [r5]
+    load_window
     vmul.f32 s0, s0, s2
     vmul.f32 s1, s0, s5
     vmul.f32 s0, s0, s4

@@ -63,9 +63,8 @@ pub fn convolve(force: &[i32], taps: &[i32], sums: &mut [i64; OUTPUTS]) {
     }
 }
 
-/// Takes the window away from lines of a force: `Σ_l numbers[|l|] lines[k + 3 + l]`, l = -3 to 3,
-/// for
-/// line k.
+/// Takes the window away from lines of a force. Line k becomes `Σ_l numbers[|l|] lines[k + 3 + l]`,
+/// l = -3 to 3.
 ///
 /// `lines` is longer than `out` by [`WIDTH`] - 1.
 pub fn unwindow(lines: &[Complex], numbers: &[f32; WIDTH / 2 + 1], out: &mut [Complex]) {
@@ -87,8 +86,8 @@ pub fn play(stereo: &[Complex; POINTS], first: usize, out: &mut [[i32; 2]]) {
     }
 }
 
-/// Adds frames of a block of one bank to the stereo bus, from frame `first` on: its transform times
-/// the window, then the gain of each side, rounded.
+/// Adds a bank's own block to the stereo bus, from frame `first` on. A sample of the transform is
+/// multiplied by the window, then by the gain of each side, and rounded.
 pub fn play_lone(block: &[Complex; BLOCK_FRAMES], gains: &[f32; 2], first: usize, out: &mut [[i32; 2]]) {
     for (out, frame) in out.iter_mut().zip(first..) {
         let sound = block.get(place_of_pair(frame)).map_or(0.0, |pair| pair[frame % 2]) * window_at(frame);
