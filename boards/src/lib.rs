@@ -14,6 +14,7 @@ pub use blackpill_f411::BlackpillF411;
 pub use stm32f407g_disc1::Stm32f407gDisc1;
 
 use dsp_core::SampleRate;
+use dsp_core::built::Built;
 use dsp_core::engine::{Engine, LoadError, Plan, Setup};
 use dsp_core::memory::{Memory, Words};
 use dsp_core::table::Kit;
@@ -62,6 +63,8 @@ pub trait Board {
     /// Cycles a frame that pads in frames may take: the time to the deadline, less that of the
     /// inputs, divided by [`FRAME_WORST_PERCENT`](Self::FRAME_WORST_PERCENT).
     const FRAME_CYCLES: u32 = (Self::LEAD_CYCLES - INPUT_CYCLES) * 100 / Self::FRAME_WORST_PERCENT / TICK_FRAMES as u32;
+    /// Optional stages that the board's program contains.
+    const BUILT: Built;
     /// Words of memory that the board lends its engine.
     const WORDS: Words;
     /// Maximum number of samples in the delay lines of the reverberation, 2 bytes each.
@@ -78,6 +81,7 @@ pub trait Board {
     /// Setup of the board's engine.
     fn setup() -> Setup {
         Setup {
+            built: Self::BUILT,
             room_samples: Self::ROOM_SAMPLES,
             frame_cycles: Some(Self::FRAME_CYCLES),
             frame_worst_percent: Self::FRAME_WORST_PERCENT,

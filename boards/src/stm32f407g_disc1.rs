@@ -12,6 +12,7 @@
 //!
 //! `cargo test -p virtual-board --test boards -- --nocapture load::images stages` prints the sums.
 
+use dsp_core::built::Built;
 use dsp_core::memory::Words;
 
 use crate::Board;
@@ -28,6 +29,7 @@ impl Board for Stm32f407gDisc1 {
     const LEAD_FRAMES: usize = 26;
     const FRAME_WORST_PERCENT: u32 = 120;
     const STAGE_CYCLES: u32 = 48_500;
+    const BUILT: Built = Built { biquads: true, room: true };
     const WORDS: Words = Words { fast: 7_500, bulk: 13_500 };
     const ROOM_SAMPLES: usize = 8_960;
 }

@@ -5,6 +5,7 @@
 extern crate std;
 
 pub mod biquad;
+pub mod built;
 pub mod contact;
 pub mod dynamic_filter;
 pub mod engine;

@@ -31,6 +31,11 @@ pub enum LoadError {
         /// Words of memory that the stage needs, and those that are left.
         error: OutOfMemory,
     },
+    /// The program has no code for a stage of the kit.
+    NotBuilt {
+        /// Stage that is left out.
+        stage: Stage,
+    },
     /// A band of noise reaches beyond half the sample rate.
     BeyondNyquist {
         /// Residual or background that has the band.
@@ -92,6 +97,10 @@ impl fmt::Display for LoadError {
                 f,
                 "{stage}: {} bytes of memory are missing: take a stage or modes out of the kit",
                 error.missing() * WORD_BYTES
+            ),
+            Self::NotBuilt { stage } => write!(
+                f,
+                "{stage}: this board's firmware has no code for it: take it out of the kit, or play the kit on another board"
             ),
             Self::BeyondNyquist { stage, edge_hz, rate } => write!(
                 f,

@@ -7,6 +7,7 @@ use super::report::TickReport;
 use super::setup::{Fitting, STRUCK_PAD_FRAME, Setup};
 use super::stage::Stage;
 use super::state::{Engine, STANDARD_CONTACTS};
+use crate::built::Built;
 use crate::contact::ActiveContacts;
 use crate::limiter::Limiter;
 use crate::memory::{Lender, Memory, OutOfMemory, Region, Words};
@@ -125,6 +126,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             levels: &mut [],
             rate: setup.rate,
             skipping: setup.skipping,
+            built: setup.built,
             room_samples: setup.room_samples,
             has_mixer: false,
             retired_in_frames: 0.0,
@@ -154,6 +156,9 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         let (bands, rate, samples) = (self.kit.room(), self.rate, self.room_samples);
         if bands.is_empty() {
             return Ok(());
+        }
+        if !(Built::HERE.room && self.built.room) {
+            return fitting.leave_out(LoadError::NotBuilt { stage: Stage::Room });
         }
         let size = match Room::<S>::size(bands, rate, samples) {
             Ok(size) => size,
@@ -287,7 +292,9 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         if let Some(biquads) = &biquads {
             let stage = Stage::Biquads(number);
             let wanted = FiltersSize { biquads: biquads.records().len(), ..size };
-            if let Err(error) = Filters::check_biquads(biquads, rate, reference_force) {
+            if !(Built::HERE.biquads && self.built.biquads) {
+                fitting.leave_out(LoadError::NotBuilt { stage })?;
+            } else if let Err(error) = Filters::check_biquads(biquads, rate, reference_force) {
                 fitting.leave_out(LoadError::Biquads { pad: number, error })?;
             } else if fits(lender, |account| Filters::place(account, wanted), stage, fitting)? {
                 let worst = Filters::max_biquad_cycles(wanted.biquads, biquads.depth());
@@ -308,7 +315,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             let loaded = place.load_dynamic(filter, rate, u32::from(number), hardest / reference_force, true);
             loaded.map_err(|error| LoadError::DynamicFilter { pad: number, error })?;
         }
-        if let (Some(biquads), 1..) = (&biquads, size.biquads) {
+        if let (true, Some(biquads), 1..) = (Built::HERE.biquads, &biquads, size.biquads) {
             let loaded = place.load_biquads(biquads, rate, reference_force, pad.choke_t60_s());
             if let Err(error) = loaded {
                 place.unload_biquads();

@@ -3,6 +3,7 @@
 use super::error::LoadError;
 use super::stage::Stage;
 use crate::SampleRate;
+use crate::built::Built;
 
 /// Work that an engine skips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +19,8 @@ pub enum Skipping {
 pub struct Setup {
     /// Sample rate.
     pub rate: SampleRate,
+    /// Optional stages that the engine loads. Those that are not [`Built::HERE`] are left out too.
+    pub built: Built,
     /// Work that the engine skips while it plays.
     pub skipping: Skipping,
     /// Maximum number of samples in the delay lines of the room. A room that would need more keeps
@@ -49,6 +52,7 @@ impl Setup {
     pub const fn new(rate: SampleRate) -> Self {
         Self {
             rate,
+            built: Built::HERE,
             skipping: Skipping::On,
             room_samples: 49_152,
             frame_cycles: None,

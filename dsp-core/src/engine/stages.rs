@@ -7,6 +7,7 @@
 use super::load::{ROOM_BAND_TICK, ROOM_TICK};
 use super::setup::CyclesLeft;
 use super::state::Engine;
+use crate::built::Built;
 use crate::fixed::ONE_Q27;
 use crate::frames::{BLOCK_FRAMES, FrameMixer};
 use crate::limiter;
@@ -263,7 +264,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// Adds the room's answer to a run of the stereo bus.
     #[inline(always)]
     fn render_room(&mut self, out: &mut [[i32; 2]]) {
-        if self.room.is_some() {
+        if Built::HERE.room && self.room.is_some() {
             self.add_room(out);
         }
     }
@@ -285,7 +286,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// Lets frames of silence pass in a silent room.
     #[inline(always)]
     pub(super) fn pass_room_silence(&mut self, frames: usize) {
-        if self.room.is_some() {
+        if Built::HERE.room && self.room.is_some() {
             self.pass_silence_of_room(frames);
         }
     }

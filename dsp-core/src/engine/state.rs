@@ -3,6 +3,7 @@
 use super::report::TickReport;
 use super::setup::Skipping;
 use crate::SampleRate;
+use crate::built::Built;
 use crate::contact::ActiveContacts;
 use crate::frames::FrameMixer;
 use crate::limiter::Limiter;
@@ -53,6 +54,8 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) levels: &'m mut [u8],
     pub(super) rate: SampleRate,
     pub(super) skipping: Skipping,
+    /// Optional stages that are loaded.
+    pub(super) built: Built,
     pub(super) room_samples: usize,
     /// True if memory for the mixer of the pads in frames has been taken.
     pub(super) has_mixer: bool,

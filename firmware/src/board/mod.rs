@@ -19,5 +19,10 @@ pub const NAME: &str = <Memory as boards::Board>::NAME;
 const _: () = {
     let ((a, b), (c, d)) = (CLOCKS.sample_rate_ratio(), <Memory as boards::Board>::RATE);
     assert!(a as u64 * d as u64 == c as u64 * b as u64, "boards/src and CLOCKS name different rates");
+    let (linked, played) = (dsp_core::built::Built::HERE, <Memory as boards::Board>::BUILT);
+    assert!(
+        linked.biquads == played.biquads && linked.room == played.room,
+        "boards/src and Cargo.toml name different stages"
+    );
     assert!(CLOCKS.core_hz() == <Memory as boards::Board>::CORE_HZ, "boards/src and CLOCKS name different clocks");
 };

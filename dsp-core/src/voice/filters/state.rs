@@ -2,6 +2,7 @@
 
 use super::super::choke::ChokeEnvelope;
 use crate::biquad::{self, TickKind};
+use crate::built::Built;
 use crate::dynamic_filter::level::Levels;
 use crate::dynamic_filter::{DynamicFilter, FilterSize};
 use crate::memory::{Lender, OutOfMemory, Region};
@@ -83,7 +84,7 @@ impl<'m> Filters<'m> {
     }
 
     pub(super) fn has_biquads(&self) -> bool {
-        self.biquads.size().0 > 0
+        Built::HERE.biquads && self.biquads.size().0 > 0
     }
 
     /// True if a force makes the biquads sound.
@@ -136,7 +137,9 @@ impl<'m> Filters<'m> {
             self.take_choke_gain();
         }
         self.choke.set(nepers);
-        self.biquads.set_choked(nepers.is_some());
+        if self.has_biquads() {
+            self.biquads.set_choked(nepers.is_some());
+        }
     }
 
     /// Attenuates the dynamic filter's state by the choke's gain, which begins anew at 1.
@@ -151,7 +154,9 @@ impl<'m> Filters<'m> {
         let passed = (TICK_FRAMES + frame - self.frame) % TICK_FRAMES;
         if passed > 0 {
             self.dynamic.pass(passed);
-            self.biquads.render(None, [0; TICK_FRAMES].get_mut(..passed).unwrap_or(&mut []));
+            if self.has_biquads() {
+                self.biquads.render(None, [0; TICK_FRAMES].get_mut(..passed).unwrap_or(&mut []));
+            }
         }
         self.frame = frame;
     }
