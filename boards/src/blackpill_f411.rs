@@ -31,7 +31,7 @@ impl Board for BlackpillF411 {
     const LEAD_FRAMES: usize = 27;
     const FRAME_WORST_PERCENT: u32 = 124;
     const STAGE_CYCLES: u32 = 17_600;
-    /// Biquads and a room find too little time beside strikes at 96 MHz, and would take 69 KB of the
+    /// Biquads and a room find too little time beside strikes at 96 MHz, and would take 69 of the
     /// 336 KB of flash.
     const BUILT: Built = Built { biquads: false, room: false };
     const WORDS: Words = Words { fast: 12_360, bulk: 0 };
