@@ -12,6 +12,7 @@ mod latency;
 mod load;
 mod played;
 mod replay;
+mod restarts;
 mod self_test;
 mod sound;
 mod stages;

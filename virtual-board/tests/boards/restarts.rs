@@ -1,0 +1,54 @@
+//! Restarts of the sampler in the midst of a scan: each piezo goes on to play its own pad.
+
+use virtual_board::{Board, Fault, Setup};
+
+use crate::common;
+use crate::hits::signal;
+
+/// Time of the first stall, in s from power-on.
+const FIRST_S: f64 = 0.3;
+/// Time in which a half plays, in s. A half is 0.12 us longer than 32 frames of the ADC, so that a
+/// scan, of which the first begins at a restart, moves by as much against the halves.
+const HALF_S: f64 = 32.0 * 1792.0 / 86e6;
+
+/// Times of stalls, each farther from the last one than the one before, until a scan of the ADC and
+/// the halves have met at all phases.
+fn stalls(count: usize) -> Vec<f64> {
+    let mut at_s = FIRST_S;
+    let distance = |stall: usize| 70 + 168 * stall / count;
+    let next = |stall: usize| {
+        let now = at_s;
+        at_s += distance(stall) as f64 * HALF_S;
+        now
+    };
+    (0..=count).map(next).collect()
+}
+
+/// Plays piezo 1 after each of a number of stalls, and gives the pads that were struck.
+///
+/// In a stall no half is rendered for 3 ms, so that the ADC goes round its ring, and is started
+/// anew. Where its scan is at that moment differs from stall to stall.
+fn pads_after_stalls(count: usize) -> Vec<String> {
+    let times = stalls(count);
+    let (stalls, seconds) = (&times[..count], times[count]);
+    let hits: Vec<(f64, f32)> = stalls.iter().map(|at_s| (at_s + 0.02, 0.4)).collect();
+    let setup = Setup {
+        piezos: vec![signal(1, seconds, &hits)],
+        faults: stalls.iter().map(|&at_s| Fault::AudioInterruptLost { at_s, for_s: 3e-3 }).collect(),
+        ..Setup::default()
+    };
+    let report = common::run(Board::Stm32f407gDisc1, &setup, seconds).report().unwrap();
+    let restarts = report.log.iter().filter(|line| line.message.contains("halves missed")).count();
+    assert!(restarts >= count && report.resets.is_empty(), "{restarts} stalls were noticed: {:#?}", report.resets);
+    let strikes = report.log.iter().filter_map(|line| line.message.strip_prefix("event ")?.strip_suffix(",strike"));
+    strikes.map(|strike| strike.split(',').nth(1).unwrap_or("").to_owned()).collect()
+}
+
+#[test]
+fn a_piezo_plays_its_own_pad_after_restarts_of_the_adc_at_any_phase() {
+    let demo = kit::open("demo").unwrap().kit;
+    let pads = pads_after_stalls(16);
+    let own = pads.iter().filter(|pad| **pad == demo.pads[1].name).count();
+    println!("{own} of {} strikes play pad 1: {pads:?}", pads.len());
+    assert_eq!((own, pads.len()), (16, 16));
+}
