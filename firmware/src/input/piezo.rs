@@ -67,17 +67,19 @@ impl Piezos {
             ADC1.sqr3().modify(|w| w.set_sq(place, channel));
             ADC1.smpr2().modify(|w| w.set_smp(usize::from(channel), SampleTime::CYCLES28));
         }
-        ADC1.cr2().modify(|w| w.set_adon(true));
-        cortex_m::asm::delay(CLOCKS.core_hz() / 1_000_000 * ADC_WAKES_US);
         TIM3.arr().write(|w| w.set_arr(CLOCKS.adc_period() as u16 - 1));
         TIM3.cr2().modify(|w| w.set_mms(Mms::UPDATE));
         Self { next: 0, _pins: pins }
     }
 
-    /// Starts or restarts the sampler. The first frame is sampled at once.
+    /// Starts or restarts the sampler. The first frame is sampled 4 us later.
+    ///
+    /// The ADC is switched off and on: a scan that went on would end in the new ring, and all later
+    /// scans would lie some channels beside their places.
     pub fn start(&mut self) {
         TIM3.cr1().modify(|w| w.set_cen(false));
         ADC1.cr2().modify(|w| {
+            w.set_adon(false);
             w.set_dma(false);
             w.set_exten(Exten::DISABLED);
         });
@@ -107,6 +109,8 @@ impl Piezos {
         registers.cr().modify(|w| w.set_en(true));
         // The ADC's flags, that of an overrun among them, are cleared by writing zeros.
         ADC1.sr().write(|w| w.0 = 0);
+        ADC1.cr2().modify(|w| w.set_adon(true));
+        cortex_m::asm::delay(CLOCKS.core_hz() / 1_000_000 * ADC_WAKES_US);
         ADC1.cr2().modify(|w| {
             w.set_dma(true);
             w.set_dds(Dds::CONTINUOUS);
