@@ -31,6 +31,7 @@ mod wiring;
 pub use chip::Chip;
 pub use devices::gpio::Pin;
 pub use devices::i2s::Stream;
+pub use devices::pins::PiezoPin;
 pub use error::{BoardError, Problem};
 pub use frequency::Frequency;
 pub use input::{Fault, PiezoSignal, Press};

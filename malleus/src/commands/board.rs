@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
-use virtual_board::{Board, BoardError, CycleCase, Fault, PiezoSignal, Press, Report, Setup, VirtualBoard};
+use virtual_board::{Board, BoardError, CycleCase, Fault, PiezoPin, PiezoSignal, Press, Report, Setup, VirtualBoard};
 
 use super::error::CommandError;
 use super::output::{print, print_json, progress};
@@ -29,6 +29,12 @@ pub(crate) struct RunArguments {
     /// count from 0 [default piezo: 0]
     #[arg(long, value_name = "[PIEZO=]HIT.wav")]
     piezo: Vec<String>,
+    /// Part that is wired to each piezo's pin, piezo 0 first
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "PIN,...")]
+    pins: Vec<PinPart>,
+    /// Noise of each conversion of the ADC, in counts rms
+    #[arg(long, value_name = "COUNTS", default_value_t = 0.0, value_parser = parse_seconds)]
+    adc_noise: f64,
     /// Start of these signals, in seconds after power-on: the firmware needs some time to start
     #[arg(long, value_name = "SECONDS", default_value_t = 0.5, value_parser = parse_seconds)]
     piezo_start: f64,
@@ -68,6 +74,30 @@ enum Cycles {
     Worst,
 }
 
+/// Part that is wired to a piezo's pin.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum PinPart {
+    /// A piezo with clamp and bias
+    Piezo,
+    /// Nothing
+    Open,
+    /// Ground
+    Ground,
+    /// 10 cm of wire, with nothing at its end
+    Wire,
+}
+
+impl From<PinPart> for PiezoPin {
+    fn from(part: PinPart) -> PiezoPin {
+        match part {
+            PinPart::Piezo => PiezoPin::Circuit,
+            PinPart::Open => PiezoPin::Open,
+            PinPart::Ground => PiezoPin::Grounded,
+            PinPart::Wire => PiezoPin::Wire,
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
 enum Form {
     Text,
@@ -92,6 +122,8 @@ pub(crate) fn run(command: &BoardCommand) -> Result<(), CommandError> {
         },
         flash_waits: arguments.flash_waits,
         piezos: piezos.collect::<Result<Vec<_>, BoardError>>()?,
+        pins: arguments.pins.iter().map(|&part| part.into()).collect(),
+        adc_noise_counts: arguments.adc_noise,
         presses: arguments.button.clone(),
         faults: arguments.fault.clone(),
         kit,

@@ -5,11 +5,14 @@ use virtual_core::{CCM_ADDRESS, CCM_BYTES, Machine};
 
 use super::dma::{COMPLETE, HALF, Item};
 use super::gpio::Mode;
+use super::pins::SUPPLY;
 use super::recording::AudioHalf;
 use super::{Context, Devices, Problem};
 
 /// Code of the 12-bit ADC at half the supply.
 const MIDDLE: f32 = 2048.0;
+/// Volts of a code of the 12-bit ADC.
+const VOLTS_A_COUNT: f64 = SUPPLY / 4095.0;
 /// Codes of the 12-bit ADC from the middle to full scale.
 const SCALE: f32 = 2047.0;
 
@@ -117,7 +120,7 @@ impl Devices {
     /// Returns the 12-bit code of a channel of the ADC.
     ///
     /// It is 0, with a warning, if no piezo is wired to the channel or its pin is not analog.
-    fn code(&self, channel: u8, seconds: f64, warning: &mut Option<String>) -> u16 {
+    fn code(&mut self, channel: u8, seconds: f64, warning: &mut Option<String>) -> u16 {
         let Some(piezo) = self.wiring.piezos.iter().position(|piezo| piezo.0 == channel) else {
             *warning = Some(format!("ADC1 converts channel {channel}, to which nothing is wired"));
             return 0;
@@ -134,7 +137,7 @@ impl Devices {
         }
         let level: f32 =
             self.piezos.iter().filter(|signal| signal.piezo == piezo).map(|signal| signal.at(seconds)).sum();
-        (MIDDLE + level * SCALE).round().clamp(0.0, 4095.0) as u16
+        self.pins.sample(piezo, f64::from(MIDDLE + level * SCALE) * VOLTS_A_COUNT, seconds)
     }
 
     /// Returns the controller and stream that serve the board's I2S, if one is enabled.
@@ -227,6 +230,10 @@ impl Devices {
     /// Passes the levels of the pins to EXTI, the LEDs, the codec's reset and the mute pin.
     pub(crate) fn pins_changed(&mut self, now: u64) {
         let at_s = self.seconds(now);
+        for (piezo, (_, pin)) in self.wiring.piezos.iter().enumerate() {
+            let port = &self.ports[usize::from(pin.port)];
+            self.pins.set_pull(piezo, port.mode(pin.number), port.pull(pin.number), at_s);
+        }
         let levels = self.exti_levels();
         self.exti.edges(self.watched_levels, levels);
         self.watched_levels = levels;

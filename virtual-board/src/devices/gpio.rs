@@ -34,6 +34,14 @@ pub(crate) enum Mode {
     Analog,
 }
 
+/// Pull resistor of a pin by the register PUPDR.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Pull {
+    None,
+    Up,
+    Down,
+}
+
 impl std::fmt::Display for Mode {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -99,6 +107,15 @@ impl Port {
             1 => Mode::Output,
             2 => Mode::Alternate((self.function[usize::from(number / 8)] >> (4 * (number % 8)) & 0xf) as u8),
             _ => Mode::Analog,
+        }
+    }
+
+    /// Returns the pull resistor of a pin that is switched on.
+    pub(crate) fn pull(&self, number: u8) -> Pull {
+        match self.pull >> (2 * number) & 3 {
+            1 => Pull::Up,
+            2 => Pull::Down,
+            _ => Pull::None,
         }
     }
 

@@ -17,6 +17,7 @@ pub(crate) mod i2c;
 pub(crate) mod i2s;
 mod interrupts;
 pub(crate) mod map;
+pub(crate) mod pins;
 pub(crate) mod power;
 pub(crate) mod rcc;
 mod recording;
@@ -43,6 +44,7 @@ use gpio::{Mode, Pin, Port};
 use i2c::I2c;
 use i2s::I2s;
 use map::Device;
+use pins::Pins;
 use power::{Debug, Power};
 use rcc::{ClockTree, Rcc, ResetCause};
 use timer::Timer;
@@ -133,6 +135,7 @@ pub(crate) struct Devices {
     watchdog: Watchdog,
     pub(crate) codec: Option<Codec>,
     pub(crate) piezos: Vec<PiezoSignal>,
+    pub(crate) pins: Pins,
     pub(crate) armed: Armed,
     pub(crate) refused: Option<Refused>,
     /// Levels of the pins that the lines of EXTI watch, as bits.
@@ -177,6 +180,7 @@ impl Devices {
             watchdog: Watchdog::default(),
             codec: wiring.codec.map(|_| Codec::new(true)),
             piezos: Vec::new(),
+            pins: Pins::new(&[], 0.0),
             armed: Armed::default(),
             refused: None,
             watched_levels: 0,

@@ -16,6 +16,7 @@ use crate::codec::Codec;
 use crate::devices::Devices;
 use crate::devices::i2s::Stream;
 use crate::devices::map::{REGIONS, dma_line};
+use crate::devices::pins::{PiezoPin, Pins};
 use crate::devices::rcc::ResetCause;
 use crate::error::BoardError;
 use crate::input::{Fault, PiezoSignal, Press};
@@ -42,6 +43,11 @@ pub struct Setup {
     pub flash_waits: bool,
     /// Signals at the piezos.
     pub piezos: Vec<PiezoSignal>,
+    /// Parts that are wired to the pins of the piezos, piezo 0 first; a circuit with a piezo where
+    /// none is named.
+    pub pins: Vec<PiezoPin>,
+    /// Noise of each conversion of the ADC in counts, rms.
+    pub adc_noise_counts: f64,
     /// Presses of the button.
     pub presses: Vec<Press>,
     /// Faults that happen.
@@ -115,6 +121,9 @@ impl VirtualBoard {
         let clock = machine.clock();
         let mut devices = Devices::new(wiring, Arc::clone(&clock));
         devices.piezos.clone_from(&setup.piezos);
+        let pin = |piezo: usize| setup.pins.get(piezo).copied().unwrap_or_default();
+        let pins: Vec<PiezoPin> = (0..wiring.piezos.len()).map(pin).collect();
+        devices.pins = Pins::new(&pins, setup.adc_noise_counts);
         if setup.faults.contains(&Fault::CodecSilent) {
             devices.codec = devices.codec.map(|_| Codec::new(false));
         }

@@ -8,6 +8,7 @@ mod faults;
 mod frames;
 mod hits;
 mod images;
+mod inputs;
 mod latency;
 mod load;
 mod played;
