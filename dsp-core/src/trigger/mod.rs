@@ -181,6 +181,14 @@ impl<const CHANNELS: usize> Trigger<CHANNELS> {
         }
     }
 
+    /// Disconnects a channel to which nothing is wired: its samples are not looked at any more.
+    pub fn disconnect(&mut self, channel: usize) {
+        if let Some(lane) = self.lanes.get_mut(channel) {
+            *lane = None;
+            self.heard &= !(1 << channel);
+        }
+    }
+
     /// Number of frames taken so far.
     pub fn now(&self) -> u64 {
         self.now

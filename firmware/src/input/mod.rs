@@ -136,8 +136,17 @@ impl Inputs {
     // Not inlined: the inputs are built here and moved to their place, and must not add to the
     // stack of the whole program.
     #[inline(never)]
-    pub unsafe fn place(piezos: Piezos, button: Button, settings: Settings) -> &'static mut Self {
-        let Settings { trigger, buttons, map, direct_pad } = settings;
+    pub unsafe fn place(mut piezos: Piezos, button: Button, settings: Settings) -> &'static mut Self {
+        let Settings { mut trigger, buttons, map, direct_pad } = settings;
+        for (channel, found) in piezos.find().into_iter().enumerate() {
+            match found {
+                true => defmt::info!("piezo {=usize}: found", channel),
+                false => {
+                    defmt::info!("piezo {=usize}: none, or no bias at its pin; not listened to", channel);
+                    trigger.disconnect(channel);
+                }
+            }
+        }
         button.listen();
         let direct = direct_pad.map(|pad| DirectPad { pad, resampler: None, force: [0; HALF_FRAMES] });
         // SAFETY: the caller promises to call this once, so nothing else uses the memory.

@@ -6,13 +6,14 @@
 use core::cell::UnsafeCell;
 use core::sync::atomic::{Ordering, compiler_fence};
 
-use embassy_stm32::gpio::Flex;
+use embassy_stm32::gpio::{Flex, Pull};
 use embassy_stm32::pac::adc::vals::{Dds, Exten, SampleTime};
 use embassy_stm32::pac::adccommon::vals::Adcpre;
 use embassy_stm32::pac::dma::vals::{Dir, Pl, Size};
 use embassy_stm32::pac::timer::vals::Mms;
 use embassy_stm32::pac::{ADC1, DMA2, TIM3};
 use embassy_stm32::{peripherals, rcc};
+use embassy_time::{Duration, block_for};
 
 use crate::board::{ADC_COMMON, CLOCKS, PIEZO_CHANNELS};
 
@@ -41,11 +42,22 @@ unsafe impl Sync for Ring {}
 
 static RING: Ring = Ring(UnsafeCell::new([[0; CHANNELS]; RING_FRAMES]));
 
+/// Time for which a pin is pulled to a rail: the bias charges the pin and the capacitor of the
+/// piezo, 18 nF, in 0.9 ms, the pull beside it in 0.4 ms.
+const PULLED: Duration = Duration::from_millis(2);
+/// Time from letting a pin go to its sample.
+const LET_GO: Duration = Duration::from_millis(4);
+/// Counts of a pin with bias and a piezo at rest: half the supply, and a quarter of it to each side.
+const AT_REST: core::ops::RangeInclusive<u16> = 1024..=3071;
+/// Largest difference of a wired pin's counts after pulls to the two rails. The pulls leave 25
+/// counts; an open pin is off by 3000.
+const BIASED_WITHIN: u16 = 200;
+
 /// Sampler of the piezos. There is one.
 pub struct Piezos {
     /// Place in the ring of the next frame that has not been taken.
     next: usize,
-    _pins: [Flex<'static>; CHANNELS],
+    pins: [Flex<'static>; CHANNELS],
 }
 
 /// Error of a sampler that has stopped, by an overrun of the ADC or an error of its DMA.
@@ -69,7 +81,47 @@ impl Piezos {
         }
         TIM3.arr().write(|w| w.set_arr(CLOCKS.adc_period() as u16 - 1));
         TIM3.cr2().modify(|w| w.set_mms(Mms::UPDATE));
-        Self { next: 0, _pins: pins }
+        Self { next: 0, pins }
+    }
+
+    /// Returns true for each piezo that is wired: with its bias, its pin goes back to half the supply
+    /// after a pull to either rail.
+    ///
+    /// An open pin keeps its charge, and would follow the channel that is sampled before it; a
+    /// grounded one stays at its rail. A pin is looked at twice, since a hit on its piezo hides the
+    /// bias. It takes 12 ms, or 24.
+    pub fn find(&mut self) -> [bool; CHANNELS] {
+        ADC1.cr2().modify(|w| w.set_adon(true));
+        let mut found = [false; CHANNELS];
+        for _ in 0..2 {
+            let [up, down] = [Pull::Up, Pull::Down].map(|pull| self.counts_after(pull));
+            for (found, (up, down)) in found.iter_mut().zip(up.into_iter().zip(down)) {
+                *found |= AT_REST.contains(&up) && AT_REST.contains(&down) && up.abs_diff(down) <= BIASED_WITHIN;
+            }
+            if found == [true; CHANNELS] {
+                break;
+            }
+        }
+        ADC1.cr1().modify(|w| w.set_scan(true));
+        ADC1.sqr3().modify(|w| w.set_sq(0, PIEZO_CHANNELS[0]));
+        found
+    }
+
+    /// Pulls all pins to a rail, lets them go, and returns their counts.
+    fn counts_after(&mut self, pull: Pull) -> [u16; CHANNELS] {
+        self.pins.iter_mut().for_each(|pin| pin.set_as_input(pull));
+        block_for(PULLED);
+        self.pins.iter_mut().for_each(Flex::set_as_analog);
+        block_for(LET_GO);
+        // One conversion each: more would draw an open pin to its neighbour.
+        ADC1.cr1().modify(|w| w.set_scan(false));
+        PIEZO_CHANNELS.map(|channel| {
+            ADC1.sqr3().modify(|w| w.set_sq(0, channel));
+            ADC1.cr2().modify(|w| w.set_swstart(true));
+            // A conversion takes 2 us.
+            block_for(Duration::from_micros(40));
+            ADC1.dr().read().data()
+        })
     }
 
     /// Starts or restarts the sampler. The first frame is sampled 4 us later.
