@@ -12,6 +12,7 @@ mod inputs;
 mod latency;
 mod load;
 mod played;
+mod presses;
 mod replay;
 mod restarts;
 mod self_test;
