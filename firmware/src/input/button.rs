@@ -9,8 +9,9 @@ use embassy_stm32::{interrupt, pac};
 
 use crate::cycles;
 
-/// Priority of the button's interrupt, next below that of the sound.
-const PRIORITY: Priority = Priority::P1;
+/// Priority of the button's interrupt, above that of the sound: its handler takes less than a
+/// microsecond, and would note the end of a half's rendering instead of the contact.
+const PRIORITY: Priority = Priority::P0;
 /// EXTI line of the button's pin, which is pin 0 on every board.
 const LINE: usize = 0;
 
@@ -45,15 +46,20 @@ impl Button {
         unsafe { interrupt::EXTI0.enable() };
     }
 
-    /// Returns the time of the first contact since the last call in core cycles, or `None` if the
-    /// contacts did not close.
-    pub fn touched(&self) -> Option<u32> {
-        if !TOUCHED.load(Ordering::Acquire) {
+    /// Takes the noted contact if it closed before the time `now`, and returns its time. Times are
+    /// in core cycles.
+    pub fn touched_before(&self, now: u32) -> Option<u32> {
+        let at = TOUCHED_AT.load(Ordering::Relaxed);
+        if !self.is_touched() || now.wrapping_sub(at).cast_signed() < 0 {
             return None;
         }
-        let at = TOUCHED_AT.load(Ordering::Relaxed);
         TOUCHED.store(false, Ordering::Release);
         Some(at)
+    }
+
+    /// Returns true if a contact has been noted and not been taken.
+    pub fn is_touched(&self) -> bool {
+        TOUCHED.load(Ordering::Acquire)
     }
 
     /// Returns true if the contacts are closed now. They may bounce.

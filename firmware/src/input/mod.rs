@@ -167,6 +167,7 @@ impl Inputs {
             return self.start(now);
         }
         // No frame in a half means that the ADC has stopped, whatever the reason.
+        let taken = cycles::now();
         let Some(parts) = self.piezos.take().ok().filter(|[first, _]| !first.is_empty()) else {
             counters::ADC_RESTARTS.add(1);
             return self.start(now);
@@ -186,22 +187,28 @@ impl Inputs {
         for part in parts {
             self.trigger.process(part, &mut hear);
         }
-        self.take_button(anchor, tell);
+        self.take_button(anchor, taken, tell);
     }
 
-    fn take_button(&mut self, anchor: Anchor, mut tell: impl FnMut(Told)) {
+    /// Reports a press. `taken` is the time in core cycles up to which the frames of the ADC have
+    /// been processed.
+    fn take_button(&mut self, anchor: Anchor, taken: u32, mut tell: impl FnMut(Told)) {
         let (map, now) = (self.map, self.trigger.now());
         let mut sample = |frame, is_down| {
             self.buttons.sample(0, frame, is_down, |found| {
                 tell(Told::Event(found.event(anchor.output_frame(map, found.frame))));
             });
         };
-        if let Some(at) = self.button.touched() {
-            let age = cycles::now().wrapping_sub(at) / CYCLES_PER_ADC_FRAME;
+        // The level is read first: a contact that closes behind it is noted with its time.
+        let is_pressed = self.button.is_pressed();
+        if let Some(at) = self.button.touched_before(taken) {
+            let age = taken.wrapping_sub(at) / CYCLES_PER_ADC_FRAME;
             // The contact must not lie before the frames that the last call has processed.
             sample(now.saturating_sub(u64::from(age).min(HALF_FRAMES as u64)), true);
         }
-        sample(now, self.button.is_pressed());
+        if !self.button.is_touched() {
+            sample(now, is_pressed);
+        }
     }
 
     /// Returns the force of the pad in direct mode for the half that is rendered next.
