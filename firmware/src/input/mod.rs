@@ -87,6 +87,8 @@ pub struct Inputs {
     buttons: Buttons<1>,
     map: FrameMap,
     anchor: Option<Anchor>,
+    /// True until the first frames since a start have come.
+    is_starting: bool,
     direct: Option<DirectPad>,
 }
 
@@ -150,7 +152,7 @@ impl Inputs {
         button.listen();
         let direct = direct_pad.map(|pad| DirectPad { pad, resampler: None, force: [0; HALF_FRAMES] });
         // SAFETY: the caller promises to call this once, so nothing else uses the memory.
-        unsafe { INPUTS.fill(Self { piezos, button, trigger, buttons, map, anchor: None, direct }) }
+        unsafe { INPUTS.fill(Self { piezos, button, trigger, buttons, map, anchor: None, is_starting: false, direct }) }
     }
 
     /// Reports by `tell` all that has happened since the last call.
@@ -158,20 +160,30 @@ impl Inputs {
     /// `now` is the frame of the output that is rendered next. `missed` is the number of halves of
     /// the output that were missed since the last call.
     pub fn take(&mut self, now: u64, missed: u32, mut tell: impl FnMut(Told)) {
-        let Some(anchor) = &mut self.anchor else { return self.start(now) };
+        let taken = cycles::now();
+        let Some(anchor) = &mut self.anchor else { return self.start(now, taken) };
         // Sound that is rendered from now on is heard later by the missed halves.
         anchor.output = anchor.output.saturating_sub(u64::from(missed) * HALF_FRAMES as u64);
         let anchor = *anchor;
         if missed as usize >= RING_FRAMES / HALF_FRAMES - 1 {
             counters::LOST_ADC_FRAMES.add((missed + 1) * HALF_FRAMES as u32);
-            return self.start(now);
+            return self.start(now, taken);
         }
         // No frame in a half means that the ADC has stopped, whatever the reason.
-        let taken = cycles::now();
         let Some(parts) = self.piezos.take().ok().filter(|[first, _]| !first.is_empty()) else {
             counters::ADC_RESTARTS.add(1);
-            return self.start(now);
+            return self.start(now, taken);
         };
+        if core::mem::take(&mut self.is_starting) {
+            // The first block is a frame short. Without it all others begin where a tick of the
+            // trigger does, which costs half as much in silence.
+            let passed = parts.iter().map(|part| part.len() as u64).sum();
+            self.anchor = Some(Anchor { output: anchor.output + self.map.output_frame(passed), ..anchor });
+            if let Some(direct) = &mut self.direct {
+                direct.start();
+            }
+            return;
+        }
         let (map, direct) = (self.map, &mut self.direct);
         let mut hear = |report: Report<'_>| match report {
             Report::Strike(found) => tell(Told::Event(found.event(anchor.output_frame(map, found.frame)))),
@@ -218,12 +230,11 @@ impl Inputs {
         Some(Direct { pad: *pad, force })
     }
 
-    /// Starts or restarts the ADC, and pairs its next frame with the frame `now` of the output.
-    fn start(&mut self, now: u64) {
-        self.piezos.start();
-        if let Some(direct) = &mut self.direct {
-            direct.start();
-        }
+    /// Starts or restarts the ADC at the time `taken` in core cycles, and pairs its next frame with
+    /// the frame `now` of the output.
+    fn start(&mut self, now: u64, taken: u32) {
+        self.piezos.start(taken);
+        self.is_starting = true;
         self.anchor = Some(Anchor { adc: self.trigger.now(), output: now });
     }
 

@@ -52,3 +52,14 @@ fn a_piezo_plays_its_own_pad_after_restarts_of_the_adc_at_any_phase() {
     println!("{own} of {} strikes play pad 1: {pads:?}", pads.len());
     assert_eq!((own, pads.len()), (16, 16));
 }
+
+/// `cargo test -p virtual-board --test boards restarts -- --ignored --nocapture`.
+#[test]
+#[ignore = "takes minutes; the test of 16 phases runs always"]
+fn a_piezo_plays_its_own_pad_after_restarts_of_the_adc_at_1000_phases() {
+    let demo = kit::open("demo").unwrap().kit;
+    let pads = pads_after_stalls(1000);
+    let own = pads.iter().filter(|pad| **pad == demo.pads[1].name).count();
+    println!("{own} of {} strikes play pad 1", pads.len());
+    assert_eq!((own, pads.len()), (1000, 1000));
+}

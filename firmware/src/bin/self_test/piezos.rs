@@ -29,8 +29,8 @@ struct Channel {
 /// Checks all channels. Piezos must be at rest or absent, but the bias resistors present.
 pub(crate) fn check(piezos: &mut Piezos, failures: &mut Failures) {
     let mut channels = [Channel::default(); CHANNELS];
-    piezos.start();
     let begun = cycles::now();
+    piezos.start(begun);
     let mut counted = 0;
     while counted < FRAMES {
         let Ok(parts) = piezos.take() else {
