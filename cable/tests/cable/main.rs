@@ -1,0 +1,10 @@
+//! Both ends of the cable: messages, uploads, refusals, and a wire that loses and mangles bytes.
+
+mod board;
+mod damage;
+mod messages;
+mod page;
+mod queries;
+mod refusals;
+mod uploads;
+mod wire;
