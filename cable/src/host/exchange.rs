@@ -77,7 +77,9 @@ impl Exchange {
                 self.wait_ms = Self::STILL_WORKING_MS;
                 return Ok(Turn::Wait);
             }
-            Answer::Refused(refusal @ (Refusal::DamagedMessage | Refusal::CutMessage | Refusal::LongMessage)) => {
+            // The board tells of a cut message when the next one begins, which may be the second try.
+            Answer::Refused(Refusal::CutMessage) => return Ok(Turn::Listen),
+            Answer::Refused(refusal @ (Refusal::DamagedMessage | Refusal::LongMessage)) => {
                 return self.again(HostError::Refused(refusal));
             }
             Answer::Refused(refusal) => task.refused(refusal)?,

@@ -123,15 +123,16 @@ impl Receiver {
         if self.is_too_long {
             return Err(Refusal::LongMessage);
         }
-        let version = self.bytes.get(PREFIX.len()).copied().unwrap_or_default();
-        if version != PROTOCOL_VERSION {
-            return Err(Refusal::OtherProtocol { found: version });
-        }
         let end = self.length.checked_sub(CHECKSUM_BYTES + 1).filter(|&end| end >= HEAD_BYTES);
         let end = end.ok_or(Refusal::DamagedMessage)?;
         let (checked, rest) = self.bytes.split_at_mut_checked(end).ok_or(Refusal::DamagedMessage)?;
         if !rest.starts_with(&checksum(checked)) {
             return Err(Refusal::DamagedMessage);
+        }
+        // Behind the checksum, because a damaged version is no other version.
+        let version = checked.get(PREFIX.len()).copied().unwrap_or_default();
+        if version != PROTOCOL_VERSION {
+            return Err(Refusal::OtherProtocol { found: version });
         }
         let packed = checked.get_mut(HEAD_BYTES..).unwrap_or_default();
         if packed.len() % GROUP_BYTES == 1 {

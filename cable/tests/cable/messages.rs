@@ -54,7 +54,8 @@ fn left_outs() -> impl Strategy<Value = LeftOuts> {
 }
 
 fn refusals() -> impl Strategy<Value = Refusal> {
-    (1..=23u8, any::<(u32, u32)>()).prop_map(|(code, (first, second))| Refusal::from_parts(code, first, second).unwrap())
+    (1..=23u8, any::<(u32, u32)>())
+        .prop_map(|(code, (first, second))| Refusal::from_parts(code, first, second).unwrap())
 }
 
 fn answers() -> impl Strategy<Value = Answer<'static>> {
@@ -66,19 +67,32 @@ fn answers() -> impl Strategy<Value = Answer<'static>> {
         (text(), any::<(u32, u32)>()).prop_map(|(name, (length, crc))| Content::Kit { name, length, crc }),
         refusals().prop_map(Content::Refused),
     ];
-    let identity = (text(), text(), text(), 8_000..192_000u32).prop_map(|(firmware, revision, board, hz)| {
-        Identity { firmware, revision, board, rate: SampleRate::new(hz, 1).unwrap() }
+    let identity = (text(), text(), text(), 8_000..192_000u32).prop_map(|(firmware, revision, board, hz)| Identity {
+        firmware,
+        revision,
+        board,
+        rate: SampleRate::new(hz, 1).unwrap(),
     });
     let bytes = prop::collection::vec(any::<u8>(), 0..=CHUNK_BYTES);
     let progress = any::<(u32, u8, u16, u16)>();
     let progress = progress.prop_map(|(session, slot, next, chunks)| Progress { session, slot, next, chunks });
     prop_oneof![
-        (identity, any::<u8>(), slot())
-            .prop_map(|(identity, slots, playing)| Answer::Identity { identity, slots, playing }),
-        (any::<(u8, u32)>(), content, left_outs())
-            .prop_map(|((slot, capacity), content, left_out)| Answer::Slot { slot, capacity, content, left_out }),
-        (any::<(u8, u32)>(), bytes)
-            .prop_map(|((slot, offset), bytes)| Answer::Bytes { slot, offset, bytes: bytes.leak() }),
+        (identity, any::<u8>(), slot()).prop_map(|(identity, slots, playing)| Answer::Identity {
+            identity,
+            slots,
+            playing
+        }),
+        (any::<(u8, u32)>(), content, left_outs()).prop_map(|((slot, capacity), content, left_out)| Answer::Slot {
+            slot,
+            capacity,
+            content,
+            left_out
+        }),
+        (any::<(u8, u32)>(), bytes).prop_map(|((slot, offset), bytes)| Answer::Bytes {
+            slot,
+            offset,
+            bytes: bytes.leak()
+        }),
         prop::option::of(progress).prop_map(Answer::Upload),
         any::<(u16, u32)>().prop_map(|(number, crc)| Answer::Written { number, crc }),
         keys().prop_map(|(key, value)| Answer::Setting { key, value }),
@@ -105,8 +119,8 @@ proptest! {
     #[test]
     fn request_comes_back_from_its_bytes(
         bytes in prop::collection::vec(any::<u8>(), 0..=CHUNK_BYTES),
-        header: [u8; 16],
-        (session, offset, number): (u32, u32, u16),
+        header in any::<[u8; 16]>(),
+        (session, offset, number) in any::<(u32, u32, u16)>(),
         slot in 0..255u8,
         playing in prop::option::of(0..255u8),
         (key, value) in keys(),
