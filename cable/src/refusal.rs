@@ -228,7 +228,7 @@ impl fmt::Display for Refusal {
             Self::EmptySlot { slot } => write!(f, "slot {slot} holds no kit: send one first"),
             Self::WriteUnderWay { session, slot } => write!(
                 f,
-                "another upload (session {session:08x}) writes slot {slot}: wait until it ends, or abandon it if its program is gone"
+                "another upload (session {session:08x}) writes slot {slot}: wait until it ends, or end it with --abandon if its program is gone"
             ),
             Self::NoUpload => write!(f, "the board knows nothing of this upload, as after a reset: begin it anew"),
             Self::ChunkOutOfOrder { found, expected } => {
