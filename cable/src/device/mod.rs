@@ -26,10 +26,14 @@ pub enum Outcome {
 ///
 /// ```text
 /// for byte in packet {
-///     if device.receive(byte, &mut store, &mut message) != Outcome::Nothing { send(message.bytes()) }
+///     if device.receive(byte, &mut store, &mut message) != Outcome::Nothing {
+///         send(message.bytes())
+///     }
 ///     if let Some(job) = device.job() {
 ///         // fade the sound for a job that stalls the core, feed the watchdog
-///         if device.work(&mut store, &mut message) != Outcome::Nothing { send(message.bytes()) }
+///         if device.work(&mut store, &mut message) != Outcome::Nothing {
+///             send(message.bytes())
+///         }
 ///     }
 /// }
 /// ```

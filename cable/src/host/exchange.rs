@@ -77,7 +77,7 @@ impl Exchange {
                 self.wait_ms = Self::STILL_WORKING_MS;
                 return Ok(Turn::Wait);
             }
-            // The board tells of a cut message when the next one begins, which may be the second try.
+            // The board tells of a cut message when the next one begins: the second try, perhaps.
             Answer::Refused(Refusal::CutMessage) => return Ok(Turn::Listen),
             Answer::Refused(refusal @ (Refusal::DamagedMessage | Refusal::LongMessage)) => {
                 return self.again(HostError::Refused(refusal));

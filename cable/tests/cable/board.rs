@@ -15,7 +15,7 @@ pub(crate) struct TestBoard {
     pub(crate) settings: BTreeMap<Key, Value>,
     pub(crate) erases: usize,
     pub(crate) is_in_dfu: bool,
-    /// Number of writes after which the flash fails, if it does.
+    /// Number of writes after which the flash takes half of one and fails, if it does.
     pub(crate) writes_left: Option<usize>,
 }
 
@@ -87,13 +87,13 @@ impl Store for TestBoard {
     }
 
     fn write(&mut self, slot: u8, offset: usize, bytes: &[u8]) -> Result<(), Refusal> {
-        if let Some(left) = &mut self.writes_left {
-            *left = left.checked_sub(1).ok_or(Refusal::Flash { offset: offset as u32 })?;
-        }
-        let flash = &mut self.slots[usize::from(slot)][offset..][..bytes.len()];
+        let fails = self.writes_left == Some(0);
+        self.writes_left = self.writes_left.map(|left| left.saturating_sub(1));
+        let written = if fails { bytes.len() / 2 } else { bytes.len() };
+        let flash = &mut self.slots[usize::from(slot)][offset..][..written];
         assert!(flash.iter().all(|&byte| byte == 0xFF), "flash is written twice at byte {offset}");
-        flash.copy_from_slice(bytes);
-        Ok(())
+        flash.copy_from_slice(&bytes[..written]);
+        if fails { Err(Refusal::Flash { offset: offset as u32 }) } else { Ok(()) }
     }
 
     fn setting(&self, key: Key) -> Result<Option<Value>, Refusal> {

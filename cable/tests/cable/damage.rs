@@ -27,7 +27,7 @@ fn outcomes(device: &mut Device, board: &mut TestBoard, bytes: &[u8]) -> Vec<(Ou
 }
 
 #[test]
-fn damaged_cut_and_oversized_messages_are_refused_by_name_and_the_next_one_is_answered() {
+fn broken_messages_are_refused_by_name_and_the_next_one_is_answered() {
     let good = identity();
     let mut altered = good.clone();
     *altered.iter_mut().rev().nth(2).unwrap() ^= 1;
