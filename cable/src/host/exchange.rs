@@ -102,7 +102,7 @@ impl Exchange {
     }
 
     fn again(&mut self, error: HostError) -> Result<Turn, HostError> {
-        self.tries += 1;
+        self.tries = self.tries.saturating_add(1);
         match self.tries < Self::TRIES {
             true => Ok(Turn::Ask),
             false => Err(error),

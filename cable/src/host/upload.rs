@@ -94,7 +94,7 @@ impl Task for Upload<'_> {
     }
 
     fn refused(&mut self, refusal: Refusal) -> Result<Next, HostError> {
-        self.setbacks += 1;
+        self.setbacks = self.setbacks.saturating_add(1);
         if self.setbacks > Self::SETBACKS {
             return Err(HostError::Refused(refusal));
         }
