@@ -152,6 +152,11 @@ fn flash_that_fails_at_any_write_ends_the_upload_by_name() {
         let failed = wire.carry_out(&mut Upload::new(&kit, 1).unwrap()).unwrap_err();
         assert!(matches!(failed, WireError::Host(HostError::Refused(Refusal::Flash { .. }))), "{failed:?}");
         assert_eq!(wire.board.playing, Some(0));
+        let Ok(Answer::Slot { content, .. }) = wire.ask(Request::Slot { slot: 1 }) else { panic!("no content") };
+        // The magic is the last write.
+        let is_last = writes == chunks + 1;
+        let expected = if is_last { Content::Refused(Refusal::NotAKit) } else { Content::Unfinished };
+        assert_eq!(content, expected, "after {writes} writes");
         assert!(wire.ask(Request::Start { slot: Some(1) }).is_err(), "after {writes} writes there is no kit");
         wire.board.writes_left = None;
         wire.carry_out(&mut Upload::new(&kit, 1).unwrap()).unwrap();

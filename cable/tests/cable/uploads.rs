@@ -130,6 +130,9 @@ fn chunk_whose_acknowledgement_is_lost_is_acknowledged_again() {
     assert_eq!(crc, dsp_core::table::checksum(bytes(1)));
     let twice = HostError::Refused(Refusal::ChunkTwice { found: 0, expected: 2 });
     assert_eq!(wire.ask(request(0)), Err(WireError::Host(twice)));
+    let altered = Request::Chunk { session, number: 1, bytes: bytes(2) };
+    let other = HostError::Refused(Refusal::ChunkTwice { found: 1, expected: 2 });
+    assert_eq!(wire.ask(altered), Err(WireError::Host(other)), "the last chunk with other bytes is refused");
     let early = HostError::Refused(Refusal::ChunkOutOfOrder { found: 3, expected: 2 });
     assert_eq!(wire.ask(request(3)), Err(WireError::Host(early)));
     wire.carry_out(&mut upload).unwrap();

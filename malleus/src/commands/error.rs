@@ -63,8 +63,8 @@ pub(crate) enum CommandError {
     )]
     Port { problem: &'static str, wanted: String, found: String },
     #[cfg(feature = "usb-midi")]
-    #[error("the system's MIDI failed: {what}; close other programs that use the board, and plug it in again")]
-    Midi { what: String },
+    #[error("{what}; close other programs that use the board, and plug it in again")]
+    Midi { what: &'static str },
     #[error("{}: is read by this command and would be lost; write to another file", output.display())]
     OutputIsInput { output: PathBuf },
     #[error(

@@ -28,16 +28,16 @@ pub(super) struct MidiLink {
 /// [`CommandError::Port`] if no port or several have such a name, [`CommandError::Midi`] if the
 /// system does not connect.
 pub(super) fn connect(wanted: &str) -> Result<MidiLink, CommandError> {
-    let midi = |error: &dyn std::fmt::Display| CommandError::Midi { what: error.to_string() };
-    let mut input = MidiInput::new(CLIENT).map_err(|error| midi(&error))?;
-    let output = MidiOutput::new(CLIENT).map_err(|error| midi(&error))?;
+    let (no_midi, no_port) = ("the system's MIDI cannot be used", "the board's MIDI port cannot be opened");
+    let mut input = MidiInput::new(CLIENT).map_err(|_| CommandError::Midi { what: no_midi })?;
+    let output = MidiOutput::new(CLIENT).map_err(|_| CommandError::Midi { what: no_midi })?;
     input.ignore(Ignore::TimeAndActiveSense);
     let (from, to) = (find(&input, wanted)?, find(&output, wanted)?);
     let (sender, received) = mpsc::channel();
     // At the end of the program nobody receives any more.
     let receive = move |_, bytes: &[u8], (): &mut ()| drop(sender.send(bytes.to_vec()));
-    let input = input.connect(&from, CLIENT, receive, ()).map_err(|error| midi(&error))?;
-    let output = output.connect(&to, CLIENT).map_err(|error| midi(&error))?;
+    let input = input.connect(&from, CLIENT, receive, ()).map_err(|_| CommandError::Midi { what: no_port })?;
+    let output = output.connect(&to, CLIENT).map_err(|_| CommandError::Midi { what: no_port })?;
     Ok(MidiLink { output, _input: input, received, bytes: VecDeque::new(), began: Instant::now() })
 }
 
@@ -60,7 +60,7 @@ impl Link for MidiLink {
     type Error = CommandError;
 
     fn send(&mut self, message: &[u8]) -> Result<(), CommandError> {
-        self.output.send(message).map_err(|error| CommandError::Midi { what: error.to_string() })
+        self.output.send(message).map_err(|_| CommandError::Midi { what: "the board's MIDI port takes no message" })
     }
 
     fn receive(&mut self, until_ms: u64) -> Result<Option<u8>, CommandError> {
@@ -70,7 +70,7 @@ impl Link for MidiLink {
                 Ok(bytes) => self.bytes.extend(bytes),
                 Err(RecvTimeoutError::Timeout) => return Ok(None),
                 Err(RecvTimeoutError::Disconnected) => {
-                    return Err(CommandError::Midi { what: "the connection ended".to_owned() });
+                    return Err(CommandError::Midi { what: "the connection to the board ended" });
                 }
             }
         }

@@ -5,10 +5,10 @@ mod board;
 
 use std::collections::VecDeque;
 
-use cable::{Device, Link, Message, Outcome};
+use cable::{Device, Link, Message, Outcome, Request};
 
 use super::settings::{parse, settings_over};
-use super::{PortArguments, SendArguments, info_over, open, read_over, send_over};
+use super::{PortArguments, SendArguments, ask, info_over, open, read_over, send_over};
 use crate::commands::error::CommandError;
 use board::TestBoard;
 
@@ -88,6 +88,19 @@ fn kit_that_the_board_cannot_load_is_refused_before_anything_is_erased() {
     let missing = send_over(&mut link, &open("demo").unwrap(), &to_slot("demo", 2)).unwrap_err().to_string();
     assert!(missing.contains("there is no slot 2: the board has 2"), "{missing}");
     assert_eq!((link.board.erases, link.board.playing), (0, None));
+}
+
+#[test]
+fn upload_that_another_program_left_is_ended_by_abandon_alone() {
+    let mut link = Memory::new(TestBoard::new());
+    let loaded = open("demo").unwrap();
+    let header = *loaded.binary.first_chunk().unwrap();
+    ask(&mut link, Request::Begin { session: 1, slot: 0, header }).unwrap();
+    let refused = send_over(&mut link, &loaded, &to_slot("demo", 0)).unwrap_err().to_string();
+    assert!(refused.contains("another upload (session 00000001) writes slot 0"), "{refused}");
+    assert!(refused.contains("--abandon"), "{refused}");
+    send_over(&mut link, &loaded, &SendArguments { abandon: true, ..to_slot("demo", 0) }).unwrap();
+    assert!(link.board.holds(0, &loaded.binary));
 }
 
 #[test]
