@@ -113,7 +113,7 @@ impl Device {
             Ok(request) => request,
             Err(refusal) => return refuse(refusal, message),
         };
-        match serve(&mut self.upload, &mut self.finished, request, store) {
+        match serve(&mut self.upload, self.finished, request, store) {
             Ok(Reply::Now(answer)) => answer.write(command, tag, message),
             Ok(Reply::Later(deed)) => {
                 self.waiting = Some(Waiting { command, tag, deed });
@@ -191,7 +191,7 @@ impl Default for Device {
 
 fn serve<'s, S: Store>(
     upload: &mut Option<Upload>,
-    finished: &mut Option<Upload>,
+    finished: Option<Upload>,
     request: Request<'_>,
     store: &'s mut S,
 ) -> Result<Reply<'s>, Refusal> {
@@ -212,12 +212,11 @@ fn serve<'s, S: Store>(
         }
         Request::Begin { session, slot, header } => {
             let capacity = capacity(slot, store)?;
-            return begin((*upload, *finished), (session, slot, header), capacity);
+            return begin((*upload, finished), (session, slot, header), capacity);
         }
         Request::Chunk { session, number, bytes } => {
-            let mine = |upload: &&mut Upload| upload.session == session;
-            let last = upload.as_mut().filter(mine).or(finished.as_mut().filter(mine));
-            let written = last.ok_or(Refusal::NoUpload)?.write(number, bytes, store);
+            let mine = upload.as_mut().filter(|upload| upload.session == session);
+            let written = mine.ok_or(Refusal::NoUpload)?.write(number, bytes, store);
             if let Err(Refusal::Flash { .. }) = written {
                 *upload = None;
             }

@@ -13,6 +13,13 @@ fn identity() -> Vec<u8> {
     message.bytes().to_vec()
 }
 
+/// Message of bytes without checksum and end.
+fn with_checksum(bytes: &[u8]) -> Vec<u8> {
+    let crc = dsp_core::table::checksum(&bytes[1..]);
+    let checksum = (0..5).map(|place| (crc >> (7 * place)) as u8 & 0x7F);
+    bytes.iter().copied().chain(checksum).chain([0xF7]).collect()
+}
+
 /// Outcomes other than nothing, with the command and the tag of the answer.
 fn outcomes(device: &mut Device, board: &mut TestBoard, bytes: &[u8]) -> Vec<(Outcome, u8, u8)> {
     let mut message = Message::new();
@@ -32,10 +39,8 @@ fn broken_messages_are_refused_by_name_and_the_next_one_is_answered() {
     let mut altered = good.clone();
     *altered.iter_mut().rev().nth(2).unwrap() ^= 1;
     // The version is told apart only if the checksum is right.
-    let mut newer = vec![0xF0, 0x7D, 0x4D, 2, 1, 5];
-    let crc = dsp_core::table::checksum(&newer[1..]);
-    newer.extend((0..5).map(|place| (crc >> (7 * place)) as u8 & 0x7F));
-    newer.push(0xF7);
+    let newer = with_checksum(&[0xF0, 0x7D, 0x4D, 2, 1, 5]);
+    let lone_top_bits = with_checksum(&[0xF0, 0x7D, 0x4D, 1, 1, 5, 0]);
     let mut long = good[..6].to_vec();
     long.extend([0; MESSAGE_BYTES - 6]);
     long.push(0xF7);
@@ -49,6 +54,7 @@ fn broken_messages_are_refused_by_name_and_the_next_one_is_answered() {
         (long, Refusal::LongMessage),
         (endless, Refusal::CutMessage),
         (newer, Refusal::OtherProtocol { found: 2 }),
+        (lone_top_bits, Refusal::BadMessage),
     ] {
         let found = outcomes(&mut Device::new(), &mut TestBoard::new(), &[bytes, good.clone()].concat());
         assert_eq!(found, [(Outcome::Refused(refusal), 0x7F, 5), (Outcome::Answered, 0x41, 5)]);

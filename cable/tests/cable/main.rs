@@ -2,6 +2,7 @@
 
 mod board;
 mod damage;
+mod host;
 mod messages;
 mod page;
 mod queries;
