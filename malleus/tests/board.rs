@@ -1,4 +1,4 @@
-//! `malleus board run`, as its user calls it.
+//! `malleus board`, as its user calls it.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -71,4 +71,23 @@ fn program_that_meets_a_breakpoint_ends_with_a_message_that_names_it() {
     std::fs::write(&image, virtual_core::build(program).unwrap()).unwrap();
     let refused = complaint(&[image.to_str().unwrap(), "--seconds", "0.1"]);
     assert!(refused.contains("breakpoint #0"), "{refused}");
+}
+
+#[cfg(not(feature = "usb-midi"))]
+#[test]
+fn command_to_a_real_board_tells_how_to_install_a_malleus_with_usb_midi() {
+    for arguments in [&["info"][..], &["send", "demo"], &["erase", "--slot", "0"], &["settings"], &["dfu"]] {
+        let output = Command::new(env!("CARGO_BIN_EXE_malleus")).arg("board").args(arguments).output().unwrap();
+        assert!(!output.status.success(), "{arguments:?}");
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert!(told.contains("--path malleus --features usb-midi"), "{arguments:?}: {told}");
+        assert!(told.contains("libasound2-dev"), "{arguments:?}: {told}");
+    }
+}
+
+#[test]
+fn kit_to_send_is_checked_before_the_board_is_looked_for() {
+    let output = Command::new(env!("CARGO_BIN_EXE_malleus")).args(["board", "send", "no-such-kit"]).output().unwrap();
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success() && told.contains("no-such-kit"), "{told}");
 }

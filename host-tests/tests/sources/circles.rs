@@ -8,8 +8,9 @@ use crate::modules::{self, Modules, Place};
 use crate::paths;
 
 /// Crates with their root files.
-const ROOTS: [(&str, &str); 6] = [
+const ROOTS: [(&str, &str); 7] = [
     ("dsp-core", "dsp-core/src/lib.rs"),
+    ("cable", "cable/src/lib.rs"),
     ("kit", "kit/src/lib.rs"),
     ("fit", "fit/src/lib.rs"),
     ("firmware", "firmware/src/lib.rs"),

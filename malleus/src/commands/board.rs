@@ -1,4 +1,5 @@
-//! `malleus board run`: runs an unmodified firmware image on a virtual board.
+//! `malleus board`: which command is run, and `run`, an unmodified firmware image on a virtual
+//! board.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -8,6 +9,7 @@ use virtual_board::{Board, BoardError, CycleCase, Fault, PiezoPin, PiezoSignal, 
 
 use super::error::CommandError;
 use super::output::{print, print_json, progress};
+use super::usb_midi::{self, EraseArguments, PortArguments, ReadArguments, SendArguments, SettingsArguments};
 
 /// Commands of `malleus board`.
 #[derive(Debug, Subcommand)]
@@ -15,6 +17,18 @@ pub(crate) enum BoardCommand {
     /// Run a firmware image on a virtual board: gives its sound as a WAV file, its log, and its
     /// cycles
     Run(RunArguments),
+    /// Show a board's firmware, its slots, their kits, and what it leaves out of each
+    Info(PortArguments),
+    /// Send a kit to a slot of a board over USB-MIDI, and play it
+    Send(SendArguments),
+    /// Read the kit in a slot of a board into a file
+    Read(ReadArguments),
+    /// Erase a slot of a board
+    Erase(EraseArguments),
+    /// Show or change a board's settings
+    Settings(SettingsArguments),
+    /// Restart a board in its bootloader, for dfu-util
+    Dfu(PortArguments),
 }
 
 /// Arguments of `malleus board run`.
@@ -110,7 +124,18 @@ const TAIL_S: f64 = 2.0;
 const LONGEST_S: f64 = 3600.0;
 
 pub(crate) fn run(command: &BoardCommand) -> Result<(), CommandError> {
-    let BoardCommand::Run(arguments) = command;
+    match command {
+        BoardCommand::Run(arguments) => run_image(arguments),
+        BoardCommand::Info(arguments) => usb_midi::info(arguments),
+        BoardCommand::Send(arguments) => usb_midi::send(arguments),
+        BoardCommand::Read(arguments) => usb_midi::read(arguments),
+        BoardCommand::Erase(arguments) => usb_midi::erase(arguments),
+        BoardCommand::Settings(arguments) => usb_midi::settings(arguments),
+        BoardCommand::Dfu(arguments) => usb_midi::enter_dfu(arguments),
+    }
+}
+
+fn run_image(arguments: &RunArguments) -> Result<(), CommandError> {
     let elf = read(&arguments.image)?;
     let kit = arguments.kit.as_deref().map(read).transpose()?.unwrap_or_default();
     let piezos = arguments.piezo.iter().map(|piezo| signal(piezo, arguments.piezo_start));

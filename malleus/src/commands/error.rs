@@ -48,6 +48,23 @@ pub(crate) enum CommandError {
     TooLong { file: String, seconds: f64, longest: f64 },
     #[error(transparent)]
     Board(#[from] virtual_board::BoardError),
+    #[error(transparent)]
+    Cable(#[from] cable::HostError),
+    #[error("{kit}: {board} cannot load it: {error}")]
+    NotLoadable { kit: String, board: &'static str, error: dsp_core::engine::LoadError },
+    #[cfg(not(feature = "usb-midi"))]
+    #[error(
+        "this malleus was built without USB-MIDI; install one that has it by `cargo install --locked --path malleus --features usb-midi` (on Linux after `apt install libasound2-dev`)"
+    )]
+    NoUsbMidi,
+    #[cfg(feature = "usb-midi")]
+    #[error(
+        "{problem} has a name with {wanted:?}; the ports are: {found}; connect one board, or name its port with --port"
+    )]
+    Port { problem: &'static str, wanted: String, found: String },
+    #[cfg(feature = "usb-midi")]
+    #[error("{what}; close other programs that use the board, and plug it in again")]
+    Midi { what: &'static str },
     #[error("{}: is read by this command and would be lost; write to another file", output.display())]
     OutputIsInput { output: PathBuf },
     #[error(

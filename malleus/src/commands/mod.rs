@@ -1,6 +1,7 @@
 //! The commands: each reads its files, calls the library, shows progress and writes its results.
 
 pub(crate) mod board;
+
 pub(crate) mod demo;
 mod error;
 pub(crate) mod fit;
@@ -14,3 +15,4 @@ mod kit_report;
 mod left_out;
 mod output;
 pub(crate) mod play;
+mod usb_midi;

@@ -1,0 +1,129 @@
+//! A board whose flash, settings and faults a test can look into.
+
+use std::collections::BTreeMap;
+
+use boards::{BlackpillF411, Board};
+use cable::{Content, Identity, Job, Key, LeftOut, Refusal, Store, Text, Value};
+
+/// Bytes of a slot.
+pub(crate) const CAPACITY: usize = 64 * 1024;
+
+/// Board with two slots of flash.
+pub(crate) struct TestBoard {
+    pub(crate) slots: [Vec<u8>; 2],
+    pub(crate) playing: Option<u8>,
+    pub(crate) settings: BTreeMap<Key, Value>,
+    pub(crate) erases: usize,
+    pub(crate) is_in_dfu: bool,
+    /// Number of writes after which the flash takes half of one and fails, if it does.
+    pub(crate) writes_left: Option<usize>,
+}
+
+impl TestBoard {
+    pub(crate) fn new() -> Self {
+        Self {
+            slots: [vec![0xFF; CAPACITY], vec![0xFF; CAPACITY]],
+            playing: None,
+            settings: BTreeMap::new(),
+            erases: 0,
+            is_in_dfu: false,
+            writes_left: None,
+        }
+    }
+
+    /// Board that plays a kit from slot 0.
+    pub(crate) fn playing(kit: &[u8]) -> Self {
+        let mut board = Self::new();
+        board.slots[0][..kit.len()].copy_from_slice(kit);
+        board.playing = Some(0);
+        board
+    }
+
+    /// True if a slot holds a kit and nothing else.
+    pub(crate) fn holds(&self, slot: u8, kit: &[u8]) -> bool {
+        let (held, rest) = self.slots[usize::from(slot)].split_at(kit.len());
+        held == kit && rest.iter().all(|&byte| byte == 0xFF)
+    }
+}
+
+impl Store for TestBoard {
+    fn identity(&self) -> Identity {
+        Identity {
+            firmware: Text::new("0.1.0"),
+            revision: Text::new("a85fb13"),
+            board: Text::new(BlackpillF411::NAME),
+            rate: BlackpillF411::rate(),
+        }
+    }
+
+    fn playing(&self) -> Option<u8> {
+        self.playing
+    }
+
+    fn slots(&self) -> u8 {
+        2
+    }
+
+    fn bytes(&self, slot: u8) -> Option<&[u8]> {
+        self.slots.get(usize::from(slot)).map(Vec::as_slice)
+    }
+
+    fn content(&self, slot: u8, tell: &mut dyn FnMut(LeftOut)) -> Content {
+        Content::of(&self.slots[usize::from(slot)], |kit, tell| BlackpillF411::plan(kit, tell).map(drop), tell)
+    }
+
+    fn longest_ms(&self, job: Job) -> u16 {
+        match job {
+            Job::Prepare(_) | Job::Erase(_) => 2000,
+            _ => 500,
+        }
+    }
+
+    fn erase(&mut self, slot: u8) -> Result<(), Refusal> {
+        self.slots[usize::from(slot)].fill(0xFF);
+        self.playing = self.playing.filter(|&playing| playing != slot);
+        self.erases += 1;
+        Ok(())
+    }
+
+    fn write(&mut self, slot: u8, offset: usize, bytes: &[u8]) -> Result<(), Refusal> {
+        let fails = self.writes_left == Some(0);
+        self.writes_left = self.writes_left.map(|left| left.saturating_sub(1));
+        let written = if fails { bytes.len() / 2 } else { bytes.len() };
+        let flash = &mut self.slots[usize::from(slot)][offset..][..written];
+        assert!(flash.iter().all(|&byte| byte == 0xFF), "flash is written twice at byte {offset}");
+        flash.copy_from_slice(&bytes[..written]);
+        if fails { Err(Refusal::Flash { offset: offset as u32 }) } else { Ok(()) }
+    }
+
+    fn setting(&self, key: Key) -> Result<Option<Value>, Refusal> {
+        refuse_input(key)?;
+        Ok(self.settings.get(&key).copied())
+    }
+
+    fn set(&mut self, key: Key, value: Option<Value>) -> Result<(), Refusal> {
+        refuse_input(key)?;
+        match value {
+            Some(value) => self.settings.insert(key, value),
+            None => self.settings.remove(&key),
+        };
+        Ok(())
+    }
+
+    fn start(&mut self, slot: Option<u8>) -> Result<(), Refusal> {
+        self.playing = slot;
+        Ok(())
+    }
+
+    fn enter_dfu(&mut self) {
+        self.is_in_dfu = true;
+    }
+}
+
+/// Refuses the settings of piezos that the board does not have.
+fn refuse_input(key: Key) -> Result<(), Refusal> {
+    match key {
+        Key::Threshold { piezo: 4.. } | Key::Curve { piezo: 4.. } => Err(Refusal::SettingRange { key: key.parts().0 }),
+        _ => Ok(()),
+    }
+}
