@@ -13,6 +13,8 @@ pub enum Lack {
     Time,
     /// The stage cannot be built at the board's sample rate.
     Rate,
+    /// The board's firmware has no code for the stage.
+    Code,
 }
 
 /// Stage of a kit that a board leaves out.
@@ -44,6 +46,7 @@ impl LeftOut {
             Lack::Memory => 1,
             Lack::Time => 2,
             Lack::Rate => 3,
+            Lack::Code => 4,
         };
         [stage, pad, lack]
     }
@@ -65,6 +68,7 @@ impl LeftOut {
             1 => Lack::Memory,
             2 => Lack::Time,
             3 => Lack::Rate,
+            4 => Lack::Code,
             _ => return None,
         };
         Some(Self { stage, lack })
@@ -76,6 +80,7 @@ impl From<LoadError> for LeftOut {
         let (stage, lack) = match error {
             LoadError::Memory { stage, .. } => (Some(stage), Lack::Memory),
             LoadError::TooDear { stage, .. } => (Some(stage), Lack::Time),
+            LoadError::NotBuilt { stage } => (Some(stage), Lack::Code),
             LoadError::BeyondNyquist { stage, .. } => (Some(stage), Lack::Rate),
             LoadError::Room(_) => (Some(Stage::Room), Lack::Rate),
             LoadError::DynamicFilter { pad, .. } => (Some(Stage::DynamicFilter(pad)), Lack::Rate),
@@ -97,6 +102,7 @@ impl fmt::Display for LeftOut {
             Lack::Memory => "no memory",
             Lack::Time => "no time",
             Lack::Rate => "cannot be built at the board's sample rate",
+            Lack::Code => "this board's firmware has no code for it",
         })
     }
 }

@@ -45,7 +45,7 @@ fn left_outs() -> impl Strategy<Value = LeftOuts> {
         any::<u8>().prop_map(|pad| Some(Stage::Biquads(pad))),
         prop::sample::select(vec![Some(Stage::Room), Some(Stage::Background), Some(Stage::Engine)]),
     ];
-    let lack = prop::sample::select(vec![Lack::Memory, Lack::Time, Lack::Rate]);
+    let lack = prop::sample::select(vec![Lack::Memory, Lack::Time, Lack::Rate, Lack::Code]);
     prop::collection::vec((stage, lack), 0..=LeftOuts::MOST + 1).prop_map(|stages| {
         let mut list = LeftOuts::new();
         stages.into_iter().for_each(|(stage, lack)| list.push(LeftOut { stage, lack }));
