@@ -118,12 +118,12 @@ pub enum Fault {
         /// Time of the fault, in seconds from power-on.
         at_s: f64,
     },
-    /// The DMA stream of the I2S ends with a transfer error at its next item.
+    /// The DMA stream of the I2S ends with a transfer error behind its next item.
     AudioDmaError {
         /// Time of the fault, in seconds from power-on.
         at_s: f64,
     },
-    /// The DMA stream of the ADC ends with a transfer error at its next item.
+    /// The DMA stream of the ADC ends with a transfer error behind its next item.
     AdcDmaError {
         /// Time of the fault, in seconds from power-on.
         at_s: f64,

@@ -196,7 +196,9 @@ impl Devices {
         if unreachable {
             self.recording.warn(&format!("a DMA stream reaches for {:#010x}, in the core-coupled memory", item.memory));
         }
-        if fails || unreachable || !self.move_item(item, machine)? {
+        // An error of the item after this one: the stream fetches ahead.
+        let moved = !unreachable && self.move_item(item, machine)?;
+        if fails || !moved {
             self.dma[controller].streams[stream].fail();
             return Ok(());
         }

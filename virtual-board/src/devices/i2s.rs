@@ -113,8 +113,9 @@ impl I2s {
         }
         self.configuration = value;
         if value & I2SE == 0 {
+            // What was not sent stays in the data register, and begins the next stream. Only a reset
+            // of the peripheral clears it.
             self.running = None;
-            self.data = None;
             return Ok(());
         }
         if value & I2SMOD == 0 || value >> 8 & 3 != 2 || value >> 4 & 3 != 0 {

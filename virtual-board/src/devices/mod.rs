@@ -44,7 +44,7 @@ use gpio::{Mode, Pin, Port};
 use i2c::I2c;
 use i2s::I2s;
 use map::Device;
-use pins::Pins;
+use pins::{PiezoPin, Pins};
 use power::{Debug, Power};
 use rcc::{ClockTree, Rcc, ResetCause};
 use timer::Timer;
@@ -180,7 +180,7 @@ impl Devices {
             watchdog: Watchdog::default(),
             codec: wiring.codec.map(|_| Codec::new(true)),
             piezos: Vec::new(),
-            pins: Pins::new(&[], 0.0),
+            pins: Pins::new(&vec![PiezoPin::Circuit; wiring.piezos.len()], 0.0),
             armed: Armed::default(),
             refused: None,
             watched_levels: 0,

@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn a_circuit_goes_back_to_its_bias_when_a_pull_ends_and_an_open_pin_stays() {
-        for (wired, after_pull, later) in [(PiezoPin::Circuit, 3185, 2086), (PiezoPin::Open, 3195, 3008)] {
+        for (wired, after_pull, later) in [(PiezoPin::Circuit, 3185, 2086), (PiezoPin::Open, 3194, 3008)] {
             let mut pins = pins(wired);
             pins.set_pull(1, Mode::Input, Pull::Up, 0.0);
             pins.set_pull(1, Mode::Analog, Pull::Up, 0.005);

@@ -1,4 +1,5 @@
-//! Restarts of the sampler in the midst of a scan: each piezo goes on to play its own pad.
+//! Restarts of the sampler and of the I2S at any phase: each piezo goes on to play its own pad, and
+//! each half-word leaves in its own slot.
 
 use virtual_board::{Board, Fault, Setup};
 
@@ -51,6 +52,44 @@ fn a_piezo_plays_its_own_pad_after_restarts_of_the_adc_at_any_phase() {
     let own = pads.iter().filter(|pad| **pad == demo.pads[1].name).count();
     println!("{own} of {} strikes play pad 1: {pads:?}", pads.len());
     assert_eq!((own, pads.len()), (16, 16));
+}
+
+/// Restarts the I2S `count` times while pads ring, each time at another place in a frame, and
+/// asserts that each half-word leaves in its own slot.
+///
+/// Samples have 24 bits, so the low byte of each slot is 0 unless half-words have changed places.
+fn half_words_stay_in_their_slots(count: usize) {
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let at_s = |restart: usize| FIRST_S + 0.01 * restart as f64 + (restart as f64 * golden).fract() / 48_000.0;
+    let seconds = at_s(count);
+    let hits: Vec<(f64, f32)> =
+        (0..).map(|n| (0.28 + 0.1 * f64::from(n), 0.9)).take_while(|(at_s, _)| *at_s < seconds - 0.05).collect();
+    for board in Board::ALL {
+        let setup = Setup {
+            piezos: vec![signal(0, seconds, &hits)],
+            faults: (0..count).map(|restart| Fault::AudioDmaError { at_s: at_s(restart) }).collect(),
+            ..Setup::default()
+        };
+        let running = common::run(board, &setup, seconds);
+        let streams = running.streams();
+        let wrong = streams.iter().filter(|stream| stream.frames.iter().flatten().any(|slot| slot & 0xff != 0)).count();
+        let sounding = streams.iter().filter(|stream| stream.frames.iter().any(|frame| *frame != [0; 2])).count();
+        println!("{}: {wrong} of {} streams have half-words in wrong slots", board.name(), streams.len());
+        assert!(streams.len() > count && sounding * 10 > count * 9, "{sounding} of {} streams sound", streams.len());
+        assert_eq!(wrong, 0, "{}", board.name());
+    }
+}
+
+#[test]
+fn half_words_stay_in_their_slots_after_restarts_of_the_i2s_at_any_phase() {
+    half_words_stay_in_their_slots(20);
+}
+
+/// `cargo test -p virtual-board --test boards restarts -- --ignored --nocapture`.
+#[test]
+#[ignore = "takes minutes; the test of 20 phases runs always"]
+fn half_words_stay_in_their_slots_after_restarts_of_the_i2s_at_1000_phases() {
+    half_words_stay_in_their_slots(1000);
 }
 
 /// `cargo test -p virtual-board --test boards restarts -- --ignored --nocapture`.
