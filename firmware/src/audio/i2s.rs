@@ -15,6 +15,7 @@ use core::cell::UnsafeCell;
 use core::sync::atomic::{Ordering, compiler_fence};
 
 use embassy_stm32::interrupt::{InterruptExt, Priority};
+use embassy_stm32::pac::RCC;
 use embassy_stm32::pac::dma::vals::{Dir, Pl, Size};
 use embassy_stm32::pac::spi::vals::{Chlen, Ckpol, Datlen, I2scfg, I2sstd, Odd};
 
@@ -57,35 +58,18 @@ pub enum Told {
 pub struct I2s(());
 
 impl I2s {
-    /// Sets up the peripheral without starting it.
-    ///
-    /// The peripheral must have been reset, and its bus clock be on.
-    pub fn set_up() -> Self {
+    /// Takes the peripheral without starting it. Its bus clock must be on.
+    pub fn take_over() -> Self {
         // The hardware library has enabled all DMA interrupts. Until there is something to play
         // their handler only acknowledges them.
         I2S.interrupt.set_priority(PRIORITY);
-        let clock = CLOCKS.audio;
-        I2S.spi.i2spr().write(|w| {
-            w.set_i2sdiv((clock.prescaler / 2) as u8);
-            w.set_odd(if clock.prescaler % 2 == 1 { Odd::ODD } else { Odd::EVEN });
-            w.set_mckoe(clock.master_clock);
-        });
-        I2S.spi.i2scfgr().write(|w| {
-            w.set_i2smod(true);
-            w.set_i2scfg(I2scfg::MASTER_TX);
-            w.set_i2sstd(I2sstd::PHILIPS);
-            w.set_ckpol(Ckpol::IDLE_LOW);
-            w.set_datlen(Datlen::BITS24);
-            w.set_chlen(Chlen::BITS32);
-        });
         Self(())
     }
 
     /// Starts or restarts the stream with two silent halves, at the left slot of frame 0.
     pub fn start(&mut self) {
         let Wiring { spi, dma, stream, channel, .. } = I2S;
-        spi.i2scfgr().modify(|w| w.set_i2se(false));
-        spi.cr2().modify(|w| w.set_txdmaen(false));
+        reset();
         let registers = dma.st(stream);
         registers.cr().modify(|w| w.set_en(false));
         // This ends: a transfer of two bytes takes a few cycles.
@@ -153,6 +137,29 @@ impl I2s {
         store(0, from_start);
         compiler_fence(Ordering::SeqCst);
     }
+}
+
+/// Resets the peripheral and sets it up.
+///
+/// Switched off alone, it keeps a half-word that was not sent. That one would lead the next stream,
+/// and all others would leave a slot too late: left and right would change places.
+fn reset() {
+    RCC.apb1rstr().modify(|w| w.0 |= 1 << I2S.reset_bit);
+    RCC.apb1rstr().modify(|w| w.0 &= !(1 << I2S.reset_bit));
+    let clock = CLOCKS.audio;
+    I2S.spi.i2spr().write(|w| {
+        w.set_i2sdiv((clock.prescaler / 2) as u8);
+        w.set_odd(if clock.prescaler % 2 == 1 { Odd::ODD } else { Odd::EVEN });
+        w.set_mckoe(clock.master_clock);
+    });
+    I2S.spi.i2scfgr().write(|w| {
+        w.set_i2smod(true);
+        w.set_i2scfg(I2scfg::MASTER_TX);
+        w.set_i2sstd(I2sstd::PHILIPS);
+        w.set_ckpol(Ckpol::IDLE_LOW);
+        w.set_datlen(Datlen::BITS24);
+        w.set_chlen(Chlen::BITS32);
+    });
 }
 
 /// Clears the interrupt flags of the stream.

@@ -110,8 +110,12 @@ static READY: AtomicBool = AtomicBool::new(false);
 
 /// Lets the I2S stream, which runs and is silent, play the instrument. Returns the log's lines, or
 /// `None` if it has been called before.
-pub fn start(i2s: I2s, inputs: &'static mut Inputs, instrument: &'static mut Instrument) -> Option<Log> {
+pub fn start(mut i2s: I2s, inputs: &'static mut Inputs, instrument: &'static mut Instrument) -> Option<Log> {
     let (lines, log) = LOG.split()?;
+    if i2s.take() == Told::TransferError {
+        // The stream has stopped while nobody served its interrupt, and no more would come.
+        i2s.start();
+    }
     let (played, lines) = (i2s.half_played(), Lines(lines));
     let audio = Audio { i2s, inputs, instrument, lines, last: cycles::now(), played, silent_halves: 0 };
     // SAFETY: the log is split once, and the interrupt does not look before `READY` is set.

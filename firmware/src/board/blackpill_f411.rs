@@ -27,7 +27,7 @@ pub const CLOCKS: ClockPlan = ClockPlan {
 
 /// Peripherals of the I2S output. Stream 4 and channel 0 of DMA1 serve the transmitter of SPI2.
 pub const I2S: Wiring =
-    Wiring { spi: pac::SPI2, dma: pac::DMA1, stream: 4, channel: 0, interrupt: interrupt::DMA1_STREAM4 };
+    Wiring { spi: pac::SPI2, reset_bit: 14, dma: pac::DMA1, stream: 4, channel: 0, interrupt: interrupt::DMA1_STREAM4 };
 
 /// Number of LEDs of the board.
 pub const LEDS: usize = 1;

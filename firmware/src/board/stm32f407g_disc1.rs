@@ -25,7 +25,7 @@ pub const CLOCKS: ClockPlan = ClockPlan {
 
 /// Peripherals of the I2S output. Stream 5 and channel 0 of DMA1 serve the transmitter of SPI3.
 pub const I2S: Wiring =
-    Wiring { spi: pac::SPI3, dma: pac::DMA1, stream: 5, channel: 0, interrupt: interrupt::DMA1_STREAM5 };
+    Wiring { spi: pac::SPI3, reset_bit: 15, dma: pac::DMA1, stream: 5, channel: 0, interrupt: interrupt::DMA1_STREAM5 };
 
 /// Number of LEDs of the board.
 pub const LEDS: usize = 4;

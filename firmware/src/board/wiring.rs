@@ -8,6 +8,8 @@ use embassy_stm32::pac::{dma::Dma, spi::Spi};
 pub struct Wiring {
     /// SPI peripheral in I2S mode; the board sets up its clock and pins.
     pub spi: Spi,
+    /// Number of the SPI peripheral's bit in RCC_APB1RSTR.
+    pub reset_bit: u8,
     /// DMA controller that serves the peripheral.
     pub dma: Dma,
     /// Number of the DMA stream.

@@ -3,10 +3,15 @@
 use embassy_stm32::exti::{ExtiInput, TriggerEdge};
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::{Peripherals, peripherals};
+use embassy_time::{Duration, block_for};
 
 use super::devices::Devices;
 use crate::audio::i2s::I2s;
 use crate::input::button::Button;
+
+/// Time from the first clock of the I2S until the converter is unmuted: more than the 1024 frames
+/// in which its own PLL locks.
+const CLOCKS_SETTLE: Duration = Duration::from_millis(30);
 
 /// Sets up the pins and starts the I2S output, silent.
 pub fn init(p: Peripherals) -> Devices {
@@ -21,10 +26,14 @@ pub fn init(p: Peripherals) -> Devices {
     core::mem::forget(pins);
     embassy_stm32::rcc::enable_and_reset::<peripherals::SPI2>();
 
-    // PB14 is XSMT, which mutes the PCM5102A while it is low.
-    core::mem::forget(Output::new(p.PB14, Level::High, Speed::Low));
-    let mut i2s = I2s::set_up();
+    // PB14 is XSMT, which mutes the PCM5102A while it is low: until its clocks have run for a
+    // while, or it pops.
+    let mut unmute = Output::new(p.PB14, Level::Low, Speed::Low);
+    let mut i2s = I2s::take_over();
     i2s.start();
+    block_for(CLOCKS_SETTLE);
+    unmute.set_high();
+    core::mem::forget(unmute);
     Devices {
         i2s,
         button: Button {

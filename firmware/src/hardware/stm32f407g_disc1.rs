@@ -25,7 +25,7 @@ pub fn init(p: Peripherals) -> Devices {
     core::mem::forget(pins);
     embassy_stm32::rcc::enable_and_reset::<peripherals::SPI3>();
     // The codec needs its master clock before it is started.
-    let mut i2s = I2s::set_up();
+    let mut i2s = I2s::take_over();
     i2s.start();
 
     let mut config = i2c::Config::default();

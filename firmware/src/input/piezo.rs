@@ -92,12 +92,12 @@ impl Piezos {
     /// after a pull to either rail.
     ///
     /// An open pin keeps its charge, and would follow the channel that is sampled before it; a
-    /// grounded one stays at its rail. A pin is looked at twice, since a hit on its piezo hides the
-    /// bias. It takes 12 ms, or 24.
+    /// grounded one stays at its rail. A hit on a piezo hides its bias, so a pin is looked at up to
+    /// four times. It takes 12 ms, or 48 if a pin is open.
     pub fn find(&mut self) -> [bool; CHANNELS] {
         ADC1.cr2().modify(|w| w.set_adon(true));
         let mut found = [false; CHANNELS];
-        for _ in 0..2 {
+        for _ in 0..4 {
             let [up, down] = [Pull::Up, Pull::Down].map(|pull| self.counts_after(pull));
             for (found, (up, down)) in found.iter_mut().zip(up.into_iter().zip(down)) {
                 *found |= AT_REST.contains(&up) && AT_REST.contains(&down) && up.abs_diff(down) <= BIASED_WITHIN;
