@@ -45,6 +45,11 @@ pub enum Action {
     /// An engine with a budget decides this itself when time is short, and reports the decision.
     /// Played back, the decision gives the same bits. The event's pad does not matter.
     Shed(u16),
+    /// The whole sound goes to a level, a gain of 0 to 1 that stands in the event's velocity, on a
+    /// ramp of 20 ms. The event's pad does not matter.
+    Level,
+    /// All sound ends within 5 ms. The event's pad does not matter.
+    Silence,
 }
 
 /// One event on one pad.

@@ -14,6 +14,7 @@ pub mod fixed;
 pub mod frames;
 pub mod limiter;
 pub mod memory;
+pub mod midi;
 pub mod noise;
 pub mod output;
 pub mod radiation;

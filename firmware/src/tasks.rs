@@ -83,6 +83,8 @@ fn tell(event: &Event, kit: &Kit<'static>) {
         }
         Action::Choke => defmt::info!("event {=u64},{=str},,,,choke", sample, name),
         Action::Release => defmt::info!("event {=u64},{=str},,,,release", sample, name),
+        Action::Level => defmt::info!("event {=u64},,{=f32},,,level", sample, event.velocity),
+        Action::Silence => defmt::info!("event {=u64},,,,,silence", sample),
         Action::Shed(groups) => defmt::info!("event {=u64},,,,,shed {=u16}", sample, groups),
     }
 }

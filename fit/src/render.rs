@@ -23,6 +23,7 @@ pub fn playable(table: &Kit) -> Kit {
             striker_weight: 1.0,
             choke_t60_s: 0.1,
             midi_notes: Vec::new(),
+            note_off: kit::NoteOff::Nothing,
             trigger: None,
         }],
         ..table.clone()

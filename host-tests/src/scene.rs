@@ -54,6 +54,7 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
             striker_weight: 1.0,
             choke_t60_s: 0.0,
             midi_notes: Vec::new(),
+            note_off: kit::NoteOff::Nothing,
             trigger: None,
         }],
         background: None,

@@ -216,6 +216,16 @@ pub struct Gain {
     pub cosine: f32,
 }
 
+/// Effect of the end of a MIDI note on its pad.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NoteOff {
+    /// The pad rings on.
+    #[default]
+    Nothing,
+    /// A hand is laid on the pad until it is struck again.
+    Choke,
+}
+
 /// Pad: an object, its strikers, and the way in which it is played.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pad {
@@ -235,6 +245,8 @@ pub struct Pad {
     pub choke_t60_s: f32,
     /// Up to 4 MIDI notes, 0 to 127, that play the pad; a note belongs to one pad only.
     pub midi_notes: Vec<u8>,
+    /// Effect of the end of a MIDI note.
+    pub note_off: NoteOff,
     /// Settings of the pad's trigger, if the pad has its own.
     ///
     /// If no pad of the kit has its own, each has its defaults ([`Settings::of_unset_pad`]). If

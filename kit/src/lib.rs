@@ -34,7 +34,9 @@ mod open;
 mod shipped;
 mod statistics;
 
-pub use content::{Acceleration, Background, Gain, Kit, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
+pub use content::{
+    Acceleration, Background, Gain, Kit, Mode, NoteOff, Object, Pad, Pulse, Residual, RoomBand, Striker,
+};
 pub use error::{Fault, KitError, Location};
 pub use filters::{Biquad, Biquads, Breakpoint, DynamicFilter, Exciter, Loop, ModesGo, Order};
 pub use load::{Loaded, load};

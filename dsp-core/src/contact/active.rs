@@ -208,6 +208,11 @@ impl<'m> ActiveContacts<'m> {
         self.contacts.iter_mut().take(self.count).filter(own).for_each(|contact| contact.add_to(force));
     }
 
+    /// Removes all contacts.
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
     /// Removes contacts that are over; the others keep their order.
     pub fn clear_finished(&mut self) {
         let mut kept = 0;

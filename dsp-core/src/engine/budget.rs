@@ -212,7 +212,7 @@ impl<S: Sample> Engine<'_, '_, S> {
                 [survey, groups, nothing, nothing]
             }
             // Counted at the tick at which they act.
-            Action::Choke | Action::Release => [nothing; 4],
+            Action::Choke | Action::Release | Action::Level | Action::Silence => [nothing; 4],
         }
     }
 

@@ -3,8 +3,10 @@
 //! Every slice is taken in one order, from memory or from an account.
 
 use super::error::LoadError;
+use super::fader::Fader;
 use super::report::TickReport;
 use super::setup::{Fitting, STRUCK_PAD_FRAME, Setup};
+use super::silence::Held;
 use super::stage::Stage;
 use super::state::{Engine, STANDARD_CONTACTS};
 use crate::built::Built;
@@ -117,6 +119,8 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             background: None,
             centre: Panner::new(0.0, 0.0),
             room: None,
+            fader: Fader::OPEN,
+            held: Held::NONE,
             limiter: match setup.ceiling_db {
                 Some(ceiling_db) => Limiter::place(lender, ceiling_db, setup.rate).map_err(missing)?,
                 None => None,

@@ -81,6 +81,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
         self.render_noise(out);
         self.render_room(out);
+        self.fader.render(out);
         if let Some(limiter) = &mut self.limiter {
             limiter.render((self.now % TICK_FRAMES as u64) as usize, out);
         }
@@ -137,7 +138,12 @@ impl<S: Sample> Engine<'_, '_, S> {
     #[inline(always)]
     pub(super) fn stage_cycles_ahead(&self) -> u32 {
         let limiter = if self.limiter.is_some() { limiter::TICK_CYCLES } else { 0 };
-        self.frames_tick_cycles + self.noise_cycles() + self.room_cycles() + self.filter_cycles() + limiter
+        self.frames_tick_cycles
+            + self.noise_cycles()
+            + self.room_cycles()
+            + self.filter_cycles()
+            + self.fader.cycles()
+            + limiter
     }
 
     /// Adds background and residuals to a run of the stereo bus.

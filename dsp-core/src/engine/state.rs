@@ -1,7 +1,9 @@
 //! State of an engine, and what a caller can ask it between blocks.
 
+use super::fader::Fader;
 use super::report::TickReport;
 use super::setup::Skipping;
+use super::silence::Held;
 use crate::SampleRate;
 use crate::built::Built;
 use crate::contact::ActiveContacts;
@@ -46,6 +48,9 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     /// Level and pan of the background.
     pub(super) centre: Panner,
     pub(super) room: Option<&'m mut Room<'m, S>>,
+    pub(super) fader: Fader,
+    /// Strikes that wait for the end of the sound before them.
+    pub(super) held: Held,
     pub(super) limiter: Option<&'m mut Limiter>,
     /// Scratch of the budget: how each pad is heard and will run, pads that known events will have
     /// struck, the level of each register group.

@@ -17,12 +17,20 @@ impl<S: Sample> Engine<'_, '_, S> {
     pub(super) fn begin_tick(&mut self, direct: Option<Direct<'_>>) {
         let chokes =
             if core::mem::take(&mut self.chokes_changed) { self.change_chokes() } else { [(CostItem::Choke, 0); 3] };
+        if self.fader.is_over() {
+            // The strikes that have waited make the tick one with sound, if any have.
+            (self.idle, self.was_idle) = (false, false);
+        }
         if self.idle && self.was_idle {
             self.report.begin_idle(self.now);
         } else {
             self.report.begin(self.now);
         }
         self.was_idle = self.idle;
+        if self.fader.is_over() {
+            let counts = self.end_silencing(direct);
+            self.report.counts.add_all(counts);
+        }
         if self.frames.is_some() {
             self.begin_frames_tick();
         }
@@ -71,6 +79,14 @@ impl<S: Sample> Engine<'_, '_, S> {
             voice.want_choke(event.action == Action::Choke);
             self.chokes_changed = true;
             return;
+        }
+        match event.action {
+            Action::Level => return self.fader.set_level(event.velocity, !self.idle, self.rate),
+            // What is silent already has nothing to end.
+            Action::Silence if self.idle => return,
+            Action::Silence => return self.fader.end(self.rate),
+            _ if self.fader.is_ending() => return self.held.push(event),
+            _ => {}
         }
         (self.idle, self.was_idle) = (false, false);
         self.admit(event.pad);
@@ -187,9 +203,11 @@ impl<S: Sample> Engine<'_, '_, S> {
             && self.report.residuals == 0
             && self.report.filters == 0
             && self.bus_stages_are_silent()
+            && self.held.is_empty()
             && self.retired_in_frames == 0.0
             && self.voices.iter().all(|voice| voice.retired_amplitude() == 0.0 && !voice.is_being_reached());
         if self.idle {
+            self.fader.settle();
             let unstruck = self.voices.iter().filter(|voice| !voice.was_struck());
             self.unstruck_modes = unstruck.map(|voice| voice.mode_count() as u32).sum();
         }

@@ -296,6 +296,14 @@ impl FrameBank<'_> {
         u32::from(rang - self.ringing)
     }
 
+    /// Ends the sound of all modes and heads at once. A hand stays.
+    pub fn rest(&mut self) {
+        self.modes.iter_mut().for_each(|mode| mode.state = [0.0; 2]);
+        self.lines.iter_mut().for_each(|line| line.ringing = 0);
+        self.heads.iter_mut().for_each(Head::rest);
+        (self.ringing, self.retired) = (0, Retired::NOTHING);
+    }
+
     /// Begins a block for the hand, the heads and the sum of retired amplitudes.
     pub(super) fn begin_block(&mut self) {
         self.hand.begin_block();

@@ -157,6 +157,12 @@ impl<'m> Head<'m> {
         self.history.first_chunk().filter(|_| was_forced)
     }
 
+    /// Forgets all force.
+    pub(super) fn rest(&mut self) {
+        self.history.fill(0);
+        (self.forced, self.tail) = ([NOTHING; PARTS], Tail::Direct);
+    }
+
     /// Begins a block, under a hand or not.
     pub(super) fn begin_block(&mut self, hand: Option<&Decay>) {
         if !self.is_active() {

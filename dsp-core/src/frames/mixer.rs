@@ -150,6 +150,12 @@ impl<'m> FrameMixer<'m> {
         self.forms == [BlockForm::Silent; 2]
     }
 
+    /// Forgets the block that plays and the work on the next one.
+    pub fn rest(&mut self) {
+        (self.forms, self.step) = ([BlockForm::Silent; 2], Step::Rest);
+        (self.done, self.all, self.retired_modes) = (0, 0, 0);
+    }
+
     /// Begins a block: the one that was made plays, and the work on the next one begins.
     pub fn begin_block<'b>(&mut self, banks: &mut [impl InFrames<'b>]) {
         while !matches!(self.step, Step::Rest) {

@@ -118,7 +118,8 @@ impl<'m> Shaper<'m> {
         }
     }
 
-    fn stop(&mut self) {
+    /// Ends all noise at once.
+    pub(crate) fn stop(&mut self) {
         self.bands.clear();
         (self.streams, self.job) = ([None; 4], None);
         (self.ticks_to_next, self.in_onset, self.just_struck, self.active) = (0, false, false, false);

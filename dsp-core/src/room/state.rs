@@ -133,6 +133,12 @@ impl<T: Sample> Room<'_, T> {
         self.bands.len()
     }
 
+    /// Ends all sound at once.
+    pub fn rest(&mut self) {
+        self.lines.fill([T::ZERO; 2]);
+        self.clear();
+    }
+
     /// Goes back to silence. A network that sleeps has cleared its lines.
     pub(super) fn clear(&mut self) {
         for band in &mut *self.bands {

@@ -46,7 +46,7 @@ impl<'a> Pad<'a> {
         let filled = self.striker_indices().count();
         let ordered = self.record.strikers.iter().skip(filled).all(|index| index.get() == NO_STRIKER);
         let notes_ordered = self.record.midi_notes.iter().skip(self.midi_notes().count()).all(|&note| note == NO_NOTE);
-        if !ordered || !notes_ordered || self.record.reserved.get() != 0 {
+        if !ordered || !notes_ordered || self.record.note_off > 1 || self.record.reserved != 0 {
             return Err(TableError::NotZero { place, field: Field::Padding });
         }
         let ranges = const {
@@ -96,6 +96,11 @@ impl<'a> Pad<'a> {
     /// T60 in seconds that a choke imposes; 0 if the pad cannot be choked.
     pub fn choke_t60_s(&self) -> f32 {
         self.record.choke_t60_s.get()
+    }
+
+    /// True if the end of a MIDI note chokes the pad.
+    pub fn note_off_chokes(&self) -> bool {
+        self.record.note_off == 1
     }
 
     /// MIDI notes that play the pad.

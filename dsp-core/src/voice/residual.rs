@@ -47,6 +47,11 @@ impl<'m> Residual<'m> {
         self.shaper.begin();
     }
 
+    /// Ends the noise at once. A hand stays.
+    pub(crate) fn rest(&mut self) {
+        self.shaper.stop();
+    }
+
     /// True if it sounds; otherwise rendering and ending a tick do nothing.
     #[inline(always)]
     pub(crate) fn is_active(&self) -> bool {

@@ -281,6 +281,22 @@ impl Voice<'_, '_> {
         self.acceleration.is_built() || self.banks.iter().any(Bank::has_admitted)
     }
 
+    /// Ends all sound at once. A hand stays.
+    pub fn rest(&mut self) {
+        self.wake();
+        self.banks.iter_mut().for_each(Bank::rest);
+        if let Some(frames) = &mut self.frames {
+            frames.rest();
+        }
+        if let Some(residual) = self.residual.as_deref_mut() {
+            residual.rest();
+        }
+        if let Some(filters) = self.filters.as_deref_mut() {
+            filters.rest();
+        }
+        (self.expected, self.retired_amplitude) = (0, 0.0);
+    }
+
     /// Lets forces reach groups again that were shed.
     pub fn admit(&mut self) {
         self.wake();

@@ -201,6 +201,8 @@ fn wire(event: &Event) -> [u8; 32] {
             bytes[24..26].copy_from_slice(&groups.to_le_bytes());
             3
         }
+        Action::Level => 4,
+        Action::Silence => 5,
     };
     bytes[16..20].copy_from_slice(&event.velocity.to_le_bytes());
     bytes[20..24].copy_from_slice(&event.position.to_le_bytes());

@@ -5,6 +5,7 @@ mod block_size;
 mod choke_residual;
 mod choke_stages;
 mod demo_kit;
+mod fader;
 mod filters;
 mod filters_any;
 mod frames;

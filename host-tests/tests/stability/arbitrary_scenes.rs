@@ -75,6 +75,7 @@ prop_compose! {
                 level_db, pan, striker_weight: weight,
                 choke_t60_s: if choke < 0.05 { 0.0 } else { choke },
                 midi_notes: Vec::new(),
+                note_off: kit::NoteOff::Nothing,
                 trigger: None,
             }).collect(),
             background: None,

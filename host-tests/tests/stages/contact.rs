@@ -55,6 +55,7 @@ fn force_alone(striker: Striker) -> Loaded {
         striker_weight: 1.0,
         choke_t60_s: 0.0,
         midi_notes: Vec::new(),
+        note_off: kit::NoteOff::Nothing,
         trigger: None,
     };
     load(Kit {

@@ -14,7 +14,7 @@ use zerocopy::byteorder::little_endian::{F32, U16, U32};
 use super::builder::{Build, append};
 use super::filters;
 use super::noise::room;
-use crate::content::{Acceleration, Kit, Mode, Object, Pad, Pulse, Striker};
+use crate::content::{Acceleration, Kit, Mode, NoteOff, Object, Pad, Pulse, Striker};
 use crate::error::{Fault, KitError};
 
 /// Builds the binary form of a kit. Equal kits give equal bytes.
@@ -216,7 +216,8 @@ impl Build<'_> {
         Ok(PadRecord {
             name: self.name(place, &pad.name)?,
             object: self.reference(place, ("object", "object"), &pad.object, names)?,
-            reserved: U16::ZERO,
+            note_off: u8::from(pad.note_off == NoteOff::Choke),
+            reserved: 0,
             strikers,
             level_db: F32::new(pad.level_db),
             pan: F32::new(pad.pan),

@@ -8,7 +8,9 @@ use dsp_core::table::{
 };
 use dsp_core::trigger::Settings;
 
-use crate::content::{Acceleration, Background, Gain, Kit, Mode, Object, Pad, Pulse, Residual, RoomBand, Striker};
+use crate::content::{
+    Acceleration, Background, Gain, Kit, Mode, NoteOff, Object, Pad, Pulse, Residual, RoomBand, Striker,
+};
 use crate::error::KitError;
 
 /// Reads a kit from its binary form, which erased flash (0xFF) may follow.
@@ -114,6 +116,7 @@ fn read_pad(view: PadView<'_>, objects: &[Object], strikers: &[Striker]) -> Pad 
         striker_weight: view.striker_weight(),
         choke_t60_s: view.choke_t60_s(),
         midi_notes: view.midi_notes().collect(),
+        note_off: if view.note_off_chokes() { NoteOff::Choke } else { NoteOff::Nothing },
         trigger: None,
     }
 }

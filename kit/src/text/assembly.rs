@@ -141,6 +141,7 @@ impl Assembly {
             striker_weight: table.striker_weight,
             choke_t60_s: table.choke_t60_s,
             midi_notes: Vec::new(),
+            note_off: table.note_off,
             trigger: table.trigger.map(|trigger| trigger.settings(self.kit.pads.len())),
         });
         self.refuse_duplicate(place)?;

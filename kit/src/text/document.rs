@@ -8,7 +8,7 @@ use toml::Spanned;
 use super::filters::{BiquadsTable, DynamicFilterTable};
 use super::residual::{BackgroundTable, ResidualTable};
 use super::trigger::TriggerTable;
-use crate::content::{Acceleration, Pulse, Striker};
+use crate::content::{Acceleration, NoteOff, Pulse, Striker};
 
 /// Content of a text file, key by key.
 #[derive(serde::Deserialize)]
@@ -109,6 +109,8 @@ pub(super) struct PadTable {
     pub(super) choke_t60_s: f32,
     #[serde(default)]
     pub(super) midi_notes: Vec<i64>,
+    #[serde(default, deserialize_with = "note_off")]
+    pub(super) note_off: NoteOff,
     pub(super) trigger: Option<TriggerTable>,
 }
 
@@ -169,6 +171,15 @@ fn acceleration<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Accelerati
     }
 
     deserializer.deserialize_any(NumberOrWord)
+}
+
+fn note_off<'de, D: Deserializer<'de>>(deserializer: D) -> Result<NoteOff, D::Error> {
+    let word = String::deserialize(deserializer)?;
+    match word.as_str() {
+        "nothing" => Ok(NoteOff::Nothing),
+        "choke" => Ok(NoteOff::Choke),
+        _ => Err(de::Error::custom(format!("note_off = {word:?}: must be \"nothing\" or \"choke\""))),
+    }
 }
 
 fn pulse<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Pulse, D::Error> {

@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 
 use super::number::shortest_decimal;
 use super::source::FORMAT;
-use crate::content::{Acceleration, Gain, Kit, Mode, Object, Pad, Pulse, RoomBand, Striker};
+use crate::content::{Acceleration, Gain, Kit, Mode, NoteOff, Object, Pad, Pulse, RoomBand, Striker};
 
 /// Writes a kit as text. Equal kits give equal texts.
 ///
@@ -84,7 +84,8 @@ impl Display for Text<&Striker> {
 
 impl Display for Text<&Pad> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Pad { name, object, strikers, level_db, pan, striker_weight, choke_t60_s, midi_notes, trigger } = self.0;
+        let Pad { name, object, strikers, level_db, pan, striker_weight, choke_t60_s, midi_notes, note_off, trigger } =
+            self.0;
         let strikers: Vec<String> = strikers.iter().map(|name| Text(name.as_str()).to_string()).collect();
         let midi_notes: Vec<String> = midi_notes.iter().map(u8::to_string).collect();
         writeln!(f, "\n[[pad]]\nname = {}", Text(name.as_str()))?;
@@ -92,6 +93,9 @@ impl Display for Text<&Pad> {
         writeln!(f, "level_db = {}\npan = {}", Text(*level_db), Text(*pan))?;
         writeln!(f, "striker_weight = {}\nchoke_t60_s = {}", Text(*striker_weight), Text(*choke_t60_s))?;
         writeln!(f, "midi_notes = [{}]", midi_notes.join(", "))?;
+        if *note_off == NoteOff::Choke {
+            writeln!(f, "note_off = \"choke\"")?;
+        }
         trigger.iter().try_for_each(|trigger| write!(f, "{}", super::trigger::Text(trigger)))
     }
 }

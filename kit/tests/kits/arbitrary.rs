@@ -154,6 +154,7 @@ fn pad(
             striker_weight,
             choke_t60_s,
             midi_notes: midi_notes.clone(),
+            note_off: kit::NoteOff::Nothing,
             trigger: None,
         },
     )

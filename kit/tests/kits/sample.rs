@@ -57,6 +57,7 @@ pub(crate) fn pad(name: &str, object: &str, striker: &str) -> Pad {
         striker_weight: 1.0,
         choke_t60_s: 0.1,
         midi_notes: vec![60],
+        note_off: kit::NoteOff::Nothing,
         trigger: None,
     }
 }

@@ -175,6 +175,7 @@ fn kit_text() -> String {
         striker_weight: 1.0,
         choke_t60_s: instrument.choke_t60_s,
         midi_notes: instrument.midi_notes.to_vec(),
+        note_off: kit::NoteOff::Nothing,
         trigger: None,
     });
     let kit = Kit {

@@ -366,6 +366,7 @@ fn one_object(object: &kit::Object) -> kit::Kit {
         striker_weight: 1.0,
         choke_t60_s: 0.0,
         midi_notes: vec![],
+        note_off: kit::NoteOff::Nothing,
         trigger: None,
     };
     let object = kit::Object { modes: vec![], residual: None, ..object.clone() };

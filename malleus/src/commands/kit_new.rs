@@ -69,6 +69,7 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
                 striker_weight: 1.0,
                 choke_t60_s: 0.1,
                 midi_notes: notes.next().unwrap_or_default(),
+                note_off: kit::NoteOff::Nothing,
                 trigger: None,
             });
         }

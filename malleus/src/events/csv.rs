@@ -68,6 +68,8 @@ pub fn write(events: &[Event], kit: &Kit<'_>, rate: SampleRate) -> String {
         let time = if whole { event.time.frame.to_string() } else { seconds(event.time, rate).to_string() };
         let line = match event.action {
             Action::Shed(groups) => format!("{time},,,,,shed {groups}\n"),
+            Action::Level => format!("{time},,{},,,level\n", event.velocity),
+            Action::Silence => format!("{time},,,,,silence\n"),
             action => {
                 let pad = kit.pads().nth(usize::from(event.pad));
                 let striker = pad.and_then(|pad| kit.strikers_of(pad).nth(usize::from(event.striker)));
@@ -137,14 +139,21 @@ impl Row<'_> {
             "" | "strike" => Action::Strike,
             "choke" => Action::Choke,
             "release" => Action::Release,
-            action => action
-                .strip_prefix("shed ")
-                .and_then(|groups| groups.parse().ok())
-                .map(Action::Shed)
-                .ok_or_else(|| self.fault("action", "must be strike, choke, release or shed N".to_owned()))?,
+            "level" => Action::Level,
+            "silence" => Action::Silence,
+            action => {
+                action.strip_prefix("shed ").and_then(|groups| groups.parse().ok()).map(Action::Shed).ok_or_else(
+                    || self.fault("action", "must be strike, choke, release, level, silence or shed N".to_owned()),
+                )?
+            }
         };
-        if let Action::Shed(_) = action {
-            return Ok(Event { time, action, ..Event::NOTHING });
+        match action {
+            Action::Shed(_) | Action::Silence => return Ok(Event { time, action, ..Event::NOTHING }),
+            Action::Level => {
+                let velocity = self.unit("velocity")?;
+                return Ok(Event { time, velocity, action, ..Event::NOTHING });
+            }
+            _ => {}
         }
         let (index, pad) = self.pad(kit)?;
         let velocity = match self.field("velocity") {

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use dsp_core::SampleRate;
-use dsp_core::event::{Action, Event};
+use dsp_core::event::Action;
+use dsp_core::midi::{self, Keyboard, Outcome};
 use dsp_core::table::Kit;
 use midly::{Fps, MetaMessage, MidiMessage, Smf, Timing, TrackEventKind};
 
@@ -15,10 +16,9 @@ const PERCUSSION_CHANNEL: u8 = 9;
 
 /// Parses a Standard MIDI File into events for a kit at a sample rate.
 ///
-/// A note-on of velocity v is a strike of velocity v/127 on the pad that has the note in
-/// `midi_notes`. Note-offs are ignored. Polyphonic aftertouch of 64 and more chokes the pad, less
-/// releases it. Only messages on channel 10 count, unless the file has no notes there. All tempo
-/// changes are followed; tracks of a format 2 file are merged.
+/// The [`Keyboard`] maps the messages, as on the boards. Only messages on channel 10 count, unless
+/// the file has no notes there. SysEx is left out. All tempo changes are followed; tracks of a
+/// format 2 file are merged.
 ///
 /// # Errors
 /// [`EventsFault`] for a damaged file and for one whose notes the kit maps to no pad.
@@ -34,7 +34,7 @@ pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList,
                     messages.push((ticks, Message::Tempo(tempo.as_int())))
                 }
                 TrackEventKind::Midi { channel, message } => {
-                    messages.push((ticks, Message::Midi(channel.as_int(), message)))
+                    messages.push((ticks, Message::Midi(message_of(channel.as_int(), message))))
                 }
                 _ => {}
             }
@@ -43,30 +43,42 @@ pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList,
     // The sort is stable: messages of one tick keep the file's order, in which the tempo track of a
     // format 1 file comes first.
     messages.sort_by_key(|(ticks, _)| *ticks);
-    let on_percussion = messages.iter().any(|(_, message)| message.is_note_on(Some(PERCUSSION_CHANNEL)));
+    let on_percussion = messages.iter().any(|(_, message)| message.is_note_on());
     let channel = on_percussion.then_some(PERCUSSION_CHANNEL);
 
     let mut list = EventList::default();
     let mut unmapped = BTreeMap::<u8, usize>::new();
+    let (mut strikes, mut programs) = (0usize, 0usize);
     let mut clock = Clock::new(smf.header.timing)?;
+    let mut keyboard = Keyboard::new(*kit, channel);
     for (ticks, message) in &messages {
         let seconds = clock.seconds_at(*ticks);
-        if let Message::Tempo(microseconds) = message {
-            clock.set_tempo(*microseconds);
-        }
-        let Some((note, velocity, action)) = message.action(channel) else { continue };
-        let Some(pad) = pad_of_note(kit, note) else {
-            if action == Action::Strike {
-                *unmapped.entry(note).or_default() += 1;
+        let Some(message) = (match message {
+            Message::Tempo(microseconds) => {
+                clock.set_tempo(*microseconds);
+                None
             }
+            Message::Midi(message) => Some(*message),
+        }) else {
             continue;
         };
         let Some(time) = time_from_seconds(seconds, rate) else { continue };
-        list.events.push(Event { time, pad, velocity, position: 0.0, striker: 0, action });
+        let outcome = keyboard.take(message, time, |event| {
+            strikes += usize::from(event.action == Action::Strike);
+            list.events.push(event);
+        });
+        match (outcome, message) {
+            (Outcome::NoPad(note), midi::Message::NoteOn { .. }) => *unmapped.entry(note).or_default() += 1,
+            (Outcome::Program(_), _) => programs += 1,
+            _ => {}
+        }
+    }
+    if programs > 0 {
+        list.remarks.push(format!("{programs} program changes are left out: a file plays one kit"));
     }
     let skipped: usize = unmapped.values().sum();
     if skipped > 0 {
-        if !list.events.iter().any(|event| event.action == Action::Strike) {
+        if strikes == 0 {
             return Err(EventsFault::NoMappedNote { notes: skipped, mapped: mapped_notes(kit) });
         }
         let notes: Vec<_> = unmapped.iter().map(|(note, count)| format!("{note} ({count} times)")).collect();
@@ -79,30 +91,35 @@ pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList,
 enum Message {
     /// New tempo, in microseconds per quarter note.
     Tempo(u32),
-    Midi(u8, MidiMessage),
+    Midi(midi::Message),
 }
 
 impl Message {
-    fn is_note_on(&self, channel: Option<u8>) -> bool {
-        matches!(self.action(channel), Some((_, _, Action::Strike)))
+    fn is_note_on(&self) -> bool {
+        matches!(self, Self::Midi(midi::Message::NoteOn { channel: PERCUSSION_CHANNEL, velocity: 1.., .. }))
     }
+}
 
-    /// Note, velocity and action of a message, or `None` if it means nothing or is on a channel
-    /// other than `only_channel`.
-    fn action(&self, only_channel: Option<u8>) -> Option<(u8, f32, Action)> {
-        let Self::Midi(channel, message) = self else { return None };
-        if only_channel.is_some_and(|only| only != *channel) {
-            return None;
+/// Converts a message of a file.
+fn message_of(channel: u8, message: MidiMessage) -> midi::Message {
+    match message {
+        MidiMessage::NoteOff { key, vel } => {
+            midi::Message::NoteOff { channel, note: key.as_int(), velocity: vel.as_int() }
         }
-        match message {
-            MidiMessage::NoteOn { key, vel } if vel.as_int() > 0 => {
-                Some((key.as_int(), f32::from(vel.as_int()) / 127.0, Action::Strike))
-            }
-            MidiMessage::Aftertouch { key, vel } => {
-                let action = if vel.as_int() >= 64 { Action::Choke } else { Action::Release };
-                Some((key.as_int(), 0.0, action))
-            }
-            _ => None,
+        MidiMessage::NoteOn { key, vel } => {
+            midi::Message::NoteOn { channel, note: key.as_int(), velocity: vel.as_int() }
+        }
+        MidiMessage::Aftertouch { key, vel } => {
+            midi::Message::PolyPressure { channel, note: key.as_int(), pressure: vel.as_int() }
+        }
+        MidiMessage::Controller { controller, value } => {
+            midi::Message::ControlChange { channel, controller: controller.as_int(), value: value.as_int() }
+        }
+        MidiMessage::ProgramChange { program } => midi::Message::ProgramChange { channel, program: program.as_int() },
+        MidiMessage::ChannelAftertouch { vel } => midi::Message::ChannelPressure { channel, pressure: vel.as_int() },
+        MidiMessage::PitchBend { bend } => {
+            let bend = bend.0.as_int();
+            midi::Message::PitchBend { channel, bend: [(bend & 0x7F) as u8, (bend >> 7) as u8] }
         }
     }
 }
@@ -146,10 +163,6 @@ fn frames_per_second(fps: Fps) -> f64 {
         Fps::Fps29 => 30_000.0 / 1001.0,
         other => f64::from(other.as_int()),
     }
-}
-
-fn pad_of_note(kit: &Kit<'_>, note: u8) -> Option<u8> {
-    (0u8..=254).zip(kit.pads()).find(|(_, pad)| pad.midi_notes().any(|own| own == note)).map(|(index, _)| index)
 }
 
 fn mapped_notes(kit: &Kit<'_>) -> String {

@@ -86,6 +86,7 @@ fn four_large_pads() -> Vec<u8> {
         object: object.name.clone(),
         strikers: vec![striker.name.clone()],
         midi_notes: vec![],
+        note_off: kit::NoteOff::Nothing,
         choke_t60_s: 0.0,
         trigger: None,
         ..demo.pads[0].clone()

@@ -13,7 +13,7 @@
 //! [`Bank::guards_per_tick`], about three more than fall due in it on average.
 
 use super::super::group::{Group, MAX_GUARD_TICKS};
-use super::super::retirement::Retirement;
+use super::super::retirement::{Retired, Retirement};
 use super::mix::MixShift;
 use super::state::{Bank, for_each_group};
 
@@ -69,6 +69,13 @@ impl Bank<'_> {
         let wanted = self.allowance.saturating_add(input);
         self.guard(wanted.min(MAX_ALLOWANCE), true);
         self.is_covered = wanted <= MAX_ALLOWANCE;
+    }
+
+    /// Ends the sound of all modes at once. A hand stays.
+    pub fn rest(&mut self) {
+        for_each_group(self.modes, self.groups, |group, modes| group.silence(modes));
+        (self.allowance, self.spent, self.is_covered, self.retired) = (0, 0, false, Retired::NOTHING);
+        self.prepare();
     }
 
     /// True if the rest of the allowance suffices for an input, without being so large that

@@ -143,8 +143,10 @@ pub struct PadRecord {
     pub name: [u8; NAME_BYTES],
     /// Number of the object, counted from 0 in the order of the `OBJT` sections.
     pub object: U16,
+    /// Effect of a MIDI note's end: 0 nothing, 1 chokes the pad.
+    pub note_off: u8,
     /// Reserved; must be 0.
-    pub reserved: U16,
+    pub reserved: u8,
     /// Numbers of the strikers, counted from 0 in the order of the `STRK` sections, the default one
     /// first. [`NO_STRIKER`] fills unused places.
     pub strikers: [U16; STRIKERS_PER_PAD],

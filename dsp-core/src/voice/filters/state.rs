@@ -119,6 +119,15 @@ impl<'m> Filters<'m> {
         (self.deaf, self.struck) = (!biquads, biquads);
     }
 
+    /// Ends all sound at once. A hand stays.
+    pub fn rest(&mut self) {
+        self.dynamic.rest();
+        if self.has_biquads() {
+            self.biquads.rest();
+        }
+        (self.since, self.deaf, self.struck) = (PAST, false, false);
+    }
+
     /// True for the dynamic filter and the biquads, in this order, if the pad has them.
     pub fn parts(&self) -> [bool; 2] {
         [self.has_dynamic, self.has_biquads()]

@@ -31,7 +31,9 @@ impl WireEvent {
                 0 => Action::Strike,
                 1 => Action::Choke,
                 2 => Action::Release,
-                _ => Action::Shed(self.groups as u16),
+                3 => Action::Shed(self.groups as u16),
+                4 => Action::Level,
+                _ => Action::Silence,
             },
         }
     }

@@ -4,6 +4,7 @@
 //! the room. Residuals and the background, which are nothing but noise, are left out
 //! ([`leaves_out`]).
 
+mod fader;
 mod pads;
 
 pub use pads::pads;
@@ -63,6 +64,27 @@ pub fn render_in(
     rate: SampleRate,
     mut progress: impl FnMut(usize),
 ) -> Result<Vec<[f64; 2]>, reference::Error> {
+    let mut frames = vec![[0.0; 2]; performance.frames];
+    for part in fader::parts(&performance.events, rate) {
+        let events = Performance { events: part.events, direct: performance.direct.clone(), frames: frames.len() };
+        let mut sound = render_part(room, kit, &events, rate, &mut progress)?;
+        fader::fade(&mut sound, (part.from, part.to), rate);
+        for (sum, [left, right]) in frames.iter_mut().zip(sound) {
+            *sum = [sum[0] + left, sum[1] + right];
+        }
+    }
+    fader::set_levels(&performance.events, rate, &mut frames);
+    Ok(frames)
+}
+
+/// Renders a performance without orders of silence.
+fn render_part(
+    room: Room,
+    kit: &kit::Kit,
+    performance: &Performance,
+    rate: SampleRate,
+    progress: &mut impl FnMut(usize),
+) -> Result<Vec<[f64; 2]>, reference::Error> {
     let pads = pads(kit, rate);
     let (numerator, denominator) = rate.ratio();
     let rate = reference::SampleRate { numerator, denominator };
@@ -78,6 +100,8 @@ pub fn render_in(
                 Action::Release => reference::Action::Release,
                 // The reference has no budget, and leaves nothing out for want of time.
                 Action::Shed(_) => return None,
+                // The fader does these.
+                Action::Level | Action::Silence => return None,
             };
             Some((event, action))
         })
