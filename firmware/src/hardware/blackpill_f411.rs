@@ -7,6 +7,7 @@ use embassy_stm32::{Peripherals, peripherals};
 use super::devices::Devices;
 use crate::audio::i2s::I2s;
 use crate::input::button::Button;
+use crate::usb;
 
 /// Sets up the pins and starts the I2S output, silent.
 pub fn init(p: Peripherals) -> Devices {
@@ -36,5 +37,6 @@ pub fn init(p: Peripherals) -> Devices {
         // The PCM5102A has no bus on which it could fail to answer.
         codec: Ok(()),
         piezos,
+        usb: usb::Port { peripheral: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
     }
 }
