@@ -26,6 +26,7 @@ mod error;
 mod frequency;
 mod input;
 mod run;
+mod usb_host;
 mod wiring;
 
 pub use chip::Chip;
@@ -38,5 +39,6 @@ pub use run::{
     AdcReport, AudioReport, FunctionReport, InterruptReport, LedReport, LogLine, MuteReport, Report, ResetReport,
     Setup, StreamReport, VirtualBoard,
 };
+pub use usb_host::{UsbAction, UsbHost, UsbReport, UsbTransfer};
 pub use virtual_core::CycleCase;
 pub use wiring::{Board, Led, Wiring};

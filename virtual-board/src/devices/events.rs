@@ -39,7 +39,7 @@ impl Devices {
         let context = self.context(0);
         let timers = self.timers.iter().map(|timer| timer.next_event());
         let i2s = self.i2s.iter().map(|i2s| i2s.next_event());
-        let others = [self.adc.next_event(&context), self.i2c.next_event()];
+        let others = [self.adc.next_event(&context), self.i2c.next_event(), self.next_usb_event()];
         timers.chain(i2s).chain(others).min().unwrap_or(u64::MAX)
     }
 
@@ -101,6 +101,12 @@ impl Devices {
         }
         if self.i2c.next_event() <= due {
             self.fire_i2c(&context);
+        }
+        if self.next_usb_event() <= due {
+            // The cycle of an event is rounded: it may lie before its time by the last bits.
+            let context = Context { seconds: context.seconds + 1e-9, ..context };
+            self.usb.look_for_suspend(context.seconds);
+            self.usb_host.fire(&mut self.usb, &context).map_err(|problem| ("USB_OTG_FS", problem))?;
         }
         Ok(())
     }
@@ -224,6 +230,21 @@ impl Devices {
         Ok(machine.write(item.memory, &bytes[..width]).is_ok())
     }
 
+    /// Returns the cycle of the next event on the USB.
+    fn next_usb_event(&self) -> u64 {
+        self.cycle_at(self.usb.next_s().min(self.usb_host.next_s()))
+    }
+
+    /// Tells the USB host if the board pulls D+ up.
+    pub(crate) fn usb_pins_changed(&mut self, now: u64) {
+        let connected = self.wiring.usb_pins.iter().all(|&pin| self.is_alternate(pin, 10));
+        if self.usb.is_attached() && !connected {
+            self.recording.warn("USB is on, and PA11 and PA12 do not have its alternate function");
+        }
+        let at_s = self.seconds(now);
+        self.usb_host.attached(self.usb.is_attached() && connected, at_s);
+    }
+
     /// Passes the levels of the pins to EXTI, the LEDs, the codec's reset and the mute pin.
     pub(crate) fn pins_changed(&mut self, now: u64) {
         let at_s = self.seconds(now);
@@ -239,6 +260,7 @@ impl Devices {
             codec.set_reset_pin(self.ports[usize::from(pins.reset.port)].is_driven_high(pins.reset.number));
         }
         self.mute_changed(now);
+        self.usb_pins_changed(now);
     }
 
     /// Returns the levels of the pins that the lines of EXTI watch, as bits.

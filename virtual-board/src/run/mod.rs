@@ -19,6 +19,7 @@ use crate::devices::map::{REGIONS, dma_line};
 use crate::devices::rcc::ResetCause;
 use crate::error::BoardError;
 use crate::input::{Fault, PiezoSignal, Press};
+use crate::usb_host::{Host, UsbHost};
 use crate::wiring::{Board, Wiring};
 use account::Account;
 use bus::{Shared, Window};
@@ -48,6 +49,8 @@ pub struct Setup {
     pub faults: Vec<Fault>,
     /// Bytes of the kit in its flash sector; the sector is erased if there are none.
     pub kit: Vec<u8>,
+    /// Host at the USB cable.
+    pub usb: UsbHost,
 }
 
 /// Board with an image in its flash, from power-on.
@@ -115,6 +118,7 @@ impl VirtualBoard {
         let clock = machine.clock();
         let mut devices = Devices::new(wiring, Arc::clone(&clock));
         devices.piezos.clone_from(&setup.piezos);
+        devices.usb_host = Host::new(&setup.usb);
         if setup.faults.contains(&Fault::CodecSilent) {
             devices.codec = devices.codec.map(|_| Codec::new(false));
         }
