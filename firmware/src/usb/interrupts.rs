@@ -63,6 +63,7 @@ fn I2C3_EV() {
             <usb::InterruptHandler<peripherals::USB_OTG_FS> as Handler<typelevel::OTG_FS>>::on_interrupt();
         }
         if flags.usbrst() {
+            forget_packets();
             BUS_RESET.wake();
         }
         // The line has been pending since `OTG_FS` began, also if it is quiet by now.
@@ -84,6 +85,20 @@ fn SDIO() {
 fn is_midi() -> bool {
     let entry = OTG.grxstsr().read();
     entry.epnum() != 0 && entry.pktstsd() == Pktstsd::OUT_DATA_RX
+}
+
+/// Disables the IN endpoints whose packet the host did not fetch before it reset the bus.
+///
+/// The driver does not: it would wait for ever for the end of that packet.
+fn forget_packets() {
+    for endpoint in [0, 1] {
+        if OTG.diepctl(endpoint).read().epena() {
+            OTG.diepctl(endpoint).modify(|w| {
+                w.set_snak(true);
+                w.set_epdis(true);
+            });
+        }
+    }
 }
 
 /// Calls `poll` while the driver's handler does not run, with the time at which the packet ended
