@@ -7,6 +7,7 @@
 //!  piezo WAV -> ADC1 --.                .-- I2S2/3 -> WAV at the board's true rate
 //!  presses -> GPIO -> EXTI -> core <--> DMA1/2
 //!  faults ------------'    |  '-- TIM2..5, IWDG, I2C1 -> CS43L22
+//!  MIDI <-> USB host <-----|-- OTG_FS
 //!                          '-- RTT -> defmt lines
 //! ```
 //!

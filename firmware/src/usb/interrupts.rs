@@ -12,10 +12,10 @@ use embassy_sync::waitqueue::AtomicWaker;
 use super::{EXECUTOR, ends};
 use crate::cycles;
 
-/// Priority of the handler that notes the time, which takes less than a microsecond: that of the
-/// sound, which it does not interrupt.
+/// Priority of the handler that notes the time, which takes 35 cycles: it need not wait for the
+/// sound.
 const NOTE_PRIORITY: Priority = Priority::P0;
-/// Priority of the driver's handler, below those of the sound and of the button.
+/// Priority of the driver's handler, below that of the sound.
 const DRIVER_PRIORITY: Priority = Priority::P2;
 /// Priority of the task, below that of the driver's handler.
 const TASK_PRIORITY: Priority = Priority::P3;

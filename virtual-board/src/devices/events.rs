@@ -103,10 +103,7 @@ impl Devices {
             self.fire_i2c(&context);
         }
         if self.next_usb_event() <= due {
-            // The cycle of an event is rounded: it may lie before its time by the last bits.
-            let context = Context { seconds: context.seconds + 1e-9, ..context };
-            self.usb.look_for_suspend(context.seconds);
-            self.usb_host.fire(&mut self.usb, &context).map_err(|problem| ("USB_OTG_FS", problem))?;
+            self.fire_usb(&context)?;
         }
         Ok(())
     }
@@ -228,21 +225,6 @@ impl Devices {
         let value = self.read(item.peripheral)?;
         bytes.copy_from_slice(&value.to_le_bytes());
         Ok(machine.write(item.memory, &bytes[..width]).is_ok())
-    }
-
-    /// Returns the cycle of the next event on the USB.
-    fn next_usb_event(&self) -> u64 {
-        self.cycle_at(self.usb.next_s().min(self.usb_host.next_s()))
-    }
-
-    /// Tells the USB host if the board pulls D+ up.
-    pub(crate) fn usb_pins_changed(&mut self, now: u64) {
-        let connected = self.wiring.usb_pins.iter().all(|&pin| self.is_alternate(pin, 10));
-        if self.usb.is_attached() && !connected {
-            self.recording.warn("USB is on, and PA11 and PA12 do not have its alternate function");
-        }
-        let at_s = self.seconds(now);
-        self.usb_host.attached(self.usb.is_attached() && connected, at_s);
     }
 
     /// Passes the levels of the pins to EXTI, the LEDs, the codec's reset and the mute pin.

@@ -245,14 +245,7 @@ impl Devices {
                 }
                 value
             }
-            Device::Usb => {
-                let asserted = self.usb.is_asserted();
-                let value = self.usb.read(offset, &context);
-                if self.usb.is_asserted() != asserted {
-                    self.clock.pause_now();
-                }
-                value
-            }
+            Device::Usb => self.read_usb(offset, &context),
             Device::Signature => power::signature(offset),
             Device::Power => self.power.read(offset),
             Device::Adc => self.adc.read(offset),
@@ -286,12 +279,7 @@ impl Devices {
             Device::Watchdog => self.watchdog.write(offset, value, &context),
             Device::I2s(i2s) => self.i2s[usize::from(i2s)].write(offset, value, &context),
             Device::I2c => self.i2c.write(offset, value, &context),
-            Device::Usb => {
-                self.usb.write(offset, value, &context)?;
-                self.usb_pins_changed(now);
-                self.usb.warnings.drain(..).for_each(|warning| self.recording.warn(&warning));
-                Ok(())
-            }
+            Device::Usb => self.write_usb(offset, value, &context),
             Device::Signature => Err(Problem::register()),
             Device::Power => {
                 self.power.write(offset, value)?;

@@ -138,7 +138,9 @@ pub(crate) struct Host {
 impl Host {
     pub(crate) fn new(setup: &UsbHost) -> Host {
         let mut actions = setup.actions.clone();
-        actions.sort_by(|a, b| b.0.total_cmp(&a.0));
+        // Stable, so that actions of one time keep their order.
+        actions.sort_by(|a, b| a.0.total_cmp(&b.0));
+        actions.reverse();
         Host {
             setup: setup.clone(),
             actions,

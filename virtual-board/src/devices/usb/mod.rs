@@ -10,6 +10,7 @@
 //! An OUT endpoint takes a packet if its NAK status is clear, whether or not EPENA is set: drivers
 //! that clear NAK alone are known to work on silicon.
 
+mod board;
 mod bus;
 mod endpoint;
 mod fifo;
