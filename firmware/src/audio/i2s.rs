@@ -22,9 +22,9 @@ use crate::board::wiring::Wiring;
 use crate::board::{CLOCKS, I2S};
 use crate::half::HALF_FRAMES;
 
-/// Priority of the stream's interrupt, above all others: a half is due after 667 us, and all else
-/// can wait for it.
-const PRIORITY: Priority = Priority::P0;
+/// Priority of the stream's interrupt, next below those that only note the time. A half is due
+/// after 667 us, and all other work can wait for it.
+const PRIORITY: Priority = Priority::P1;
 /// Number of frames of the buffer.
 const FRAMES: usize = 2 * HALF_FRAMES;
 /// Number of DMA transfers per frame: two slots of 32 bits, in half-words.

@@ -1,5 +1,6 @@
 //! Start of the hardware: clocks first, then pins, I2S output and codec.
 
+use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 use embassy_stm32::{Config, Peripherals, pac};
 
 use crate::board::CLOCKS;
@@ -23,6 +24,8 @@ pub fn start_clocks() -> Peripherals {
     let mut config = Config::default();
     config.rcc = CLOCKS.rcc();
     let peripherals = embassy_stm32::init(config);
+    // The library leaves its clock at the highest priority, where it would delay the sound.
+    interrupt::TIM4.set_priority(Priority::P2);
     switch_flash_accelerator_on();
     peripherals
 }

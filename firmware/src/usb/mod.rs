@@ -1,9 +1,9 @@
 //! USB-MIDI: a class-compliant MIDI interface with one cable in each direction.
 //!
 //! ```text
-//!            OTG_FS   notes the time and masks itself
+//!            OTG_FS   notes the time, masks what caused it
 //!               │
-//!            I2C3_EV  runs the driver's handler, unmasks OTG_FS, wakes the sender
+//!            I2C3_EV  runs the driver's handler, unmasks, wakes the sender
 //!               │
 //!             SDIO    polls the task: control requests, receiving, sending
 //!    Incoming ◄─┤─► Sysex        messages of the host: short ones to the audio interrupt,

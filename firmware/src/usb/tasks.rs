@@ -96,7 +96,8 @@ async fn receive(mut endpoint: impl EndpointOut, mut router: Router) {
 /// Reads a transfer. Returns its length in bytes, and the time at which it ended in core cycles.
 async fn read(endpoint: &mut impl EndpointOut, transfer: &mut [u8]) -> Result<(usize, u32), EndpointError> {
     let mut read = pin!(endpoint.read(transfer));
-    poll_fn(|context| interrupts::with_arrival(|at| read.as_mut().poll(context).map_ok(|bytes| (bytes, at)))).await
+    let (bytes, at) = poll_fn(|context| interrupts::with_arrival(|| read.as_mut().poll(context))).await;
+    Ok((bytes?, at))
 }
 
 /// Sends packets to the host. Those that it does not fetch are counted as unsent.

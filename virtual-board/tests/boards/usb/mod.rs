@@ -3,6 +3,7 @@
 mod descriptors;
 mod host;
 mod packets;
+mod times;
 
 use crate::common;
 use virtual_board::{Board, Report, Setup, UsbAction, UsbHost, VirtualBoard};
