@@ -57,7 +57,9 @@ fn OTG_FS() {
     if active.rxflvlm() {
         FILLED_AT.store(now, Ordering::Relaxed);
     }
-    // Only the causes that are there are masked: a packet that comes meanwhile is still noted.
+    // Only the causes that are there are masked: a packet that comes meanwhile is still noted. This
+    // access cannot corrupt a packet in a transmit FIFO (errata ES0182, ES0287): the driver writes
+    // them in critical sections.
     OTG.gintmsk().write_value(Gintmsk(mask.0 & !active.0));
     DRIVER_IS_DUE.store(true, Ordering::Release);
     interrupt::I2C3_EV.pend();

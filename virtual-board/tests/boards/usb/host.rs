@@ -2,7 +2,7 @@
 
 use super::{CONFIGURED_S, assert_sound, host, notes, received, run};
 use crate::common;
-use virtual_board::{Board, Setup, UsbAction, UsbHost};
+use virtual_board::{Board, Fault, Setup, UsbAction, UsbHost};
 
 /// Time from a plug to the end of the enumeration, with a reserve.
 const ENUMERATION_S: f64 = 0.2;
@@ -11,7 +11,14 @@ fn send(packets: &[[u8; 4]]) -> UsbAction {
     UsbAction::Send(packets.as_flattened().to_vec())
 }
 
-/// Replugs the cable `times` times amid notes, at different places of frames and transfers.
+/// Replugs the cable 20 times amid notes, or as often as the environment variable `REPLUGS` says, at
+/// different places of frames and transfers.
+#[test]
+fn cable_replugged_amid_notes_misses_no_half_and_is_heard_again_each_time() {
+    let times = std::env::var("REPLUGS").ok().and_then(|times| times.parse().ok()).unwrap_or(20);
+    Board::ALL.map(|board| replug(board, times));
+}
+
 fn replug(board: Board, times: usize) {
     let mut actions = vec![(CONFIGURED_S, send(&notes(16)))];
     let mut at_s = CONFIGURED_S;
@@ -32,21 +39,6 @@ fn replug(board: Board, times: usize) {
     for n in 0..times {
         let note = [0x09, 0x99, 1, 1 + (n % 127) as u8];
         assert!(back.contains(&note), "{}: no answer after plug {n}", board.name());
-    }
-}
-
-#[test]
-fn cable_replugged_20_times_amid_notes_misses_no_half() {
-    for board in Board::ALL {
-        replug(board, 20);
-    }
-}
-
-#[test]
-#[ignore = "takes a minute"]
-fn slow_cable_replugged_100_times_amid_notes_misses_no_half() {
-    for board in Board::ALL {
-        replug(board, 100);
     }
 }
 
@@ -98,6 +90,18 @@ fn reset_and_request_that_is_broken_off_are_survived() {
         assert_sound(board, &report);
         assert_eq!(report.usb.configured_s.len(), 3, "{}: {:?}", board.name(), report.usb);
         assert_eq!(received(&report), [notes(1)[0], [0x09, 0x99, 77, 7]], "{}", board.name());
+    }
+}
+
+#[test]
+fn board_that_restarts_is_enumerated_anew() {
+    for board in Board::ALL {
+        let usb = host(vec![(CONFIGURED_S + 0.5, send(&[[0x09, 0x99, 77, 7]]))]);
+        let faults = vec![Fault::Panic { at_s: CONFIGURED_S }];
+        let running = common::run(board, &Setup { usb, faults, ..Setup::default() }, CONFIGURED_S + 0.52);
+        let report = running.report().unwrap();
+        assert_eq!((report.resets.len(), report.usb.configured_s.len()), (1, 2), "{}", board.name());
+        assert_eq!(received(&report), [[0x09, 0x99, 77, 7]], "{}", board.name());
     }
 }
 
