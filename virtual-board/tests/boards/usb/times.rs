@@ -29,9 +29,11 @@ fn end_of_a_transfer_is_noted_to_20_us_whatever_the_sound_does() {
     for board in Board::ALL {
         // The places of the notes in a half move by 37 us from one to the next.
         let send = |n| (CONFIGURED_S + 0.1 + 0.003_37 * n as f64, UsbAction::Send(note(n).to_vec()));
-        let strokes: Vec<(f64, f32)> = (0..30).map(|n| (CONFIGURED_S + 0.01 * f64::from(n), 0.9)).collect();
-        let piezos = (0..4).map(|piezo| signal(piezo, 1.0, &strokes)).collect();
-        let setup = Setup { usb: host((0..NOTES).map(send).collect()), piezos, ..Setup::default() };
+        let piezos = (0..4).map(|piezo| {
+            let strokes = (0..9).map(|n| (CONFIGURED_S + 0.035 * f64::from(n) + 0.003 * piezo as f64, 0.9));
+            signal(piezo, 1.0, &strokes.collect::<Vec<_>>())
+        });
+        let setup = Setup { usb: host((0..NOTES).map(send).collect()), piezos: piezos.collect(), ..Setup::default() };
         let running = common::run(board, &setup, CONFIGURED_S + 0.35);
         let report = running.report().unwrap();
         assert_sound(board, &report);
