@@ -43,8 +43,8 @@ pub(super) async fn run(port: Port, inner: Inner) {
     let empty = Buffers { configuration: [0; _], control: [0; _], received: [0; _] };
     // SAFETY: the task runs once.
     let buffers = unsafe { BUFFERS.fill(empty) };
-    // Neither board has the USB supply on a pin that the core could watch: without a cable the bus
-    // is as if suspended.
+    // The BlackPill has the supply of the cable on no pin, and the DISC1 on PA9. Neither watches it,
+    // so that both do the same: without a cable the bus is as if suspended.
     let mut config = usb::Config::default();
     config.vbus_detection = false;
     let driver = Otg::new_fs(port.peripheral, Bound, port.dp, port.dm, &mut buffers.received, config);

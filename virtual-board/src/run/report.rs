@@ -62,7 +62,7 @@ pub struct Report {
     pub mutes: Vec<MuteReport>,
     /// Resets after power-on.
     pub resets: Vec<ResetReport>,
-    /// What the host at the USB cable saw.
+    /// Traffic on the USB, as its host saw it.
     pub usb: UsbReport,
     /// Faults of the codec's driver, as sentences.
     pub codec_complaints: Vec<String>,

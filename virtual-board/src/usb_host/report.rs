@@ -38,6 +38,6 @@ pub struct UsbReport {
     pub empty_polls: u64,
     /// Number of requests that the board stalled.
     pub stalls: u64,
-    /// What went wrong on the bus, as sentences.
+    /// Faults on the bus, as sentences.
     pub failures: Vec<String>,
 }

@@ -227,7 +227,7 @@ impl Out {
         self.setups << 29 | self.common.packets << 19 | self.common.bytes
     }
 
-    /// Writes the transfer size. Returns true if the endpoint is enabled, when the manual forbids it.
+    /// Writes the transfer size. Returns true if the endpoint is enabled: the manual forbids that.
     pub(super) fn write_size(&mut self, value: u32) -> bool {
         self.common.write_size(value);
         self.setups = value >> 29 & 3;

@@ -1,4 +1,4 @@
-//! Descriptors against USB 2.0 (chapter 9) and the USB Device Class Definition for MIDI Devices 1.0.
+//! Descriptors against USB 2.0, chapter 9, and the Device Class Definition for MIDI Devices 1.0.
 
 use super::{host, run};
 use virtual_board::Board;

@@ -11,12 +11,14 @@ fn send(packets: &[[u8; 4]]) -> UsbAction {
     UsbAction::Send(packets.as_flattened().to_vec())
 }
 
-/// Replugs the cable 20 times amid notes, or as often as the environment variable `REPLUGS` says, at
-/// different places of frames and transfers.
+/// Replugs the cable 20 times amid notes, or as often as the environment variable `REPLUGS` says,
+/// at different places of frames and transfers.
 #[test]
 fn cable_replugged_amid_notes_misses_no_half_and_is_heard_again_each_time() {
     let times = std::env::var("REPLUGS").ok().and_then(|times| times.parse().ok()).unwrap_or(20);
-    Board::ALL.map(|board| replug(board, times));
+    for board in Board::ALL {
+        replug(board, times);
+    }
 }
 
 fn replug(board: Board, times: usize) {

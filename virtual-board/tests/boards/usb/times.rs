@@ -45,7 +45,7 @@ fn end_of_a_transfer_is_noted_to_20_us_whatever_the_sound_does() {
         let spreads = [-1, 1].into_iter().filter_map(|beside| words(&running, beside)).map(|noted| {
             let late = noted.iter().zip(&ended).map(|(noted, ended)| noted.wrapping_sub(*ended) as i32);
             let late: Vec<f64> = late.map(f64::from).collect();
-            // The core's counter runs 42 ppm faster than the board's clock, so the times lie round a
+            // The core's counter runs 42 ppm faster than the board's clock: the times lie round a
             // line.
             let slope = (late[NOTES - 1] - late[0]) / (NOTES - 1) as f64;
             let apart: Vec<f64> = (0..NOTES).map(|n| late[n] - late[0] - slope * n as f64).collect();
