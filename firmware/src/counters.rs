@@ -63,6 +63,14 @@ counters! {
     /// Number of events that were refused: their pad or striker does not exist, too many wait, or
     /// the engine refuses them.
     REFUSED_EVENTS,
+    /// Number of USB transfers that were received.
+    USB_TRANSFERS,
+    /// Number of short MIDI messages that the audio interrupt took.
+    MIDI_MESSAGES,
+    /// Number of short MIDI messages that were received over USB and found no room.
+    USB_LOST,
+    /// Number of MIDI packets that the USB host did not fetch.
+    USB_UNSENT,
     /// Number of lines that are missing from the log because its queue was full.
     UNLOGGED_LINES,
     /// Core cycles that the audio interrupt has spent since the last report.

@@ -23,6 +23,7 @@ mod queue;
 pub mod refusal;
 pub mod restart;
 pub mod tasks;
+pub mod usb;
 pub mod watchdog;
 
 #[cfg(all(feature = "stm32f407g-disc1", feature = "blackpill-f411"))]

@@ -8,6 +8,7 @@ use embassy_time::{Instant, Timer};
 use crate::audio::{CYCLES_PER_HALF, Line, Log};
 use crate::board::LEDS;
 use crate::faults::{self, Fault};
+use crate::usb::{Replies, Sysex};
 use crate::{counters, watchdog};
 
 /// Time between two looks for lines of the log, in ms.
@@ -119,6 +120,22 @@ pub async fn report() {
             counters::REFUSED_EVENTS.get(),
             counters::UNLOGGED_LINES.get(),
         );
+        defmt::info!(
+            "USB: transfers {=u32}, messages {=u32}, lost {=u32}, unsent {=u32}",
+            counters::USB_TRANSFERS.get(),
+            counters::MIDI_MESSAGES.get(),
+            counters::USB_LOST.get(),
+            counters::USB_UNSENT.get(),
+        );
+    }
+}
+
+/// Sends each SysEx of the USB host back.
+#[embassy_executor::task]
+pub async fn sysex(mut sysex: Sysex, mut replies: Replies) {
+    loop {
+        let packet = sysex.next().await;
+        replies.push(packet).await;
     }
 }
 

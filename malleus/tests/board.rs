@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use malleus::events::usb_midi;
+
 fn malleus(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_malleus")).args(["board", "run"]).args(arguments).output().unwrap()
 }
@@ -59,6 +61,45 @@ fn firmware_plays_a_press_of_the_button_and_reports_it() {
     assert_eq!((wave.spec().sample_rate, wave.spec().bits_per_sample, wave.spec().channels), (47_991, 24, 2));
     let peak = wave.samples::<i32>().map(|sample| sample.unwrap().unsigned_abs()).max().unwrap();
     assert!(peak > 1 << 16, "{peak}");
+}
+
+#[test]
+fn song_and_sysex_go_to_the_board_over_usb_and_its_answers_to_a_midi_file() {
+    let firmware = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware/Cargo.toml"));
+    let features = ["--no-default-features", "--features", "stm32f407g-disc1"];
+    let elf = virtual_core::build_binary(firmware, "percussion", &features).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let [image, song, sysex, answers] = ["percussion.elf", "song.mid", "one.syx", "answers.mid"].map(path);
+    std::fs::write(&image, elf).unwrap();
+    let notes = [(0.0, [0x09, 0x99, 36, 90]), (0.01, [0x09, 0x99, 38, 91])];
+    std::fs::write(&song, usb_midi::song(&notes).unwrap()).unwrap();
+    std::fs::write(&sysex, [0xf0, 0x7d, 1, 2, 0xf7]).unwrap();
+    let output = malleus(&[
+        &image,
+        "--midi",
+        &song,
+        "--midi-start",
+        "0.4",
+        "--sysex",
+        &sysex,
+        "--midi-out",
+        &answers,
+        "--seconds",
+        "0.45",
+        "--report",
+        "json",
+    ]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let sent: Vec<u8> = (report["usb"]["sent"].as_array().unwrap().iter())
+        .flat_map(|transfer| transfer["bytes"].as_array().unwrap())
+        .map(|byte| byte.as_u64().unwrap() as u8)
+        .collect();
+    assert_eq!(sent.as_chunks().0, [[4, 0xf0, 0x7d, 1], [6, 2, 0xf7, 0], notes[0].1, notes[1].1]);
+    assert!(usb_midi::packets(&std::fs::read(&answers).unwrap()).is_ok());
+    let refused = complaint(&[&image, "--midi", &sysex]);
+    assert!(refused.contains("one.syx") && refused.contains("Standard MIDI File"), "{refused}");
 }
 
 #[test]

@@ -7,6 +7,7 @@
 //!  piezo WAV -> ADC1 --.                .-- I2S2/3 -> WAV at the board's true rate
 //!  presses -> GPIO -> EXTI -> core <--> DMA1/2
 //!  faults ------------'    |  '-- TIM2..5, IWDG, I2C1 -> CS43L22
+//!  MIDI <-> USB host <-----|-- OTG_FS
 //!                          '-- RTT -> defmt lines
 //! ```
 //!
@@ -26,6 +27,7 @@ mod error;
 mod frequency;
 mod input;
 mod run;
+mod usb_host;
 mod wiring;
 
 pub use chip::Chip;
@@ -39,5 +41,6 @@ pub use run::{
     AdcReport, AudioReport, FunctionReport, InterruptReport, LedReport, LogLine, MuteReport, Report, ResetReport,
     Setup, StreamReport, VirtualBoard,
 };
+pub use usb_host::{UsbAction, UsbHost, UsbReport, UsbTransfer};
 pub use virtual_core::CycleCase;
 pub use wiring::{Board, Led, Wiring};

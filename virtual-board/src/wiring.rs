@@ -55,6 +55,8 @@ pub struct Wiring {
     pub i2s: u8,
     /// Name, pin and alternate function of each I2S signal.
     pub i2s_pins: &'static [(&'static str, Pin, u8)],
+    /// Pins of USB: D- and D+.
+    pub usb_pins: [Pin; 2],
     /// Pins of the codec, or `None` if the converter is not set up by a bus.
     pub(crate) codec: Option<CodecPins>,
     /// Pin that mutes the converter while it is low, if there is one.
@@ -63,6 +65,8 @@ pub struct Wiring {
 
 const PIEZOS: [(u8, Pin); 4] =
     [(1, Pin::new('A', 1)), (2, Pin::new('A', 2)), (3, Pin::new('A', 3)), (9, Pin::new('B', 1))];
+
+const USB_PINS: [Pin; 2] = [Pin::new('A', 11), Pin::new('A', 12)];
 
 const DISC1: Wiring = Wiring {
     chip: Chip::Stm32F407,
@@ -83,6 +87,7 @@ const DISC1: Wiring = Wiring {
         ("SD", Pin::new('C', 12), 6),
         ("WS", Pin::new('A', 4), 6),
     ],
+    usb_pins: USB_PINS,
     codec: Some(CodecPins { clock: Pin::new('B', 6), data: Pin::new('B', 9), reset: Pin::new('D', 4) }),
     mute: None,
 };
@@ -96,6 +101,7 @@ const BLACKPILL: Wiring = Wiring {
     piezos: &PIEZOS,
     i2s: 2,
     i2s_pins: &[("CK", Pin::new('B', 13), 5), ("SD", Pin::new('B', 15), 5), ("WS", Pin::new('B', 12), 5)],
+    usb_pins: USB_PINS,
     codec: None,
     mute: Some(Pin::new('B', 14)),
 };

@@ -29,6 +29,7 @@ use crate::half::HALF_FRAMES;
 use crate::input::{self, Inputs};
 use crate::owned::Owned;
 use crate::queue::{Queue, Receiver, Sender};
+use crate::usb::{Incoming, Outgoing};
 use crate::{counters, cycles};
 
 /// Number of frames from the interrupt that renders a tick to the tick's first frame, at most a
@@ -78,6 +79,7 @@ struct Audio {
     i2s: I2s,
     inputs: &'static mut Inputs,
     instrument: &'static mut Instrument,
+    midi: (Incoming, Outgoing),
     lines: Lines,
     /// Time at which the last half was found played, in core cycles.
     last: u32,
@@ -110,14 +112,19 @@ static READY: AtomicBool = AtomicBool::new(false);
 
 /// Lets the I2S stream, which runs and is silent, play the instrument. Returns the log's lines, or
 /// `None` if it has been called before.
-pub fn start(mut i2s: I2s, inputs: &'static mut Inputs, instrument: &'static mut Instrument) -> Option<Log> {
+pub fn start(
+    mut i2s: I2s,
+    inputs: &'static mut Inputs,
+    instrument: &'static mut Instrument,
+    midi: (Incoming, Outgoing),
+) -> Option<Log> {
     let (lines, log) = LOG.split()?;
     if i2s.take() == Told::TransferError {
         // The stream has stopped while nobody served its interrupt, and no more would come.
         i2s.start();
     }
     let (played, lines) = (i2s.half_played(), Lines(lines));
-    let audio = Audio { i2s, inputs, instrument, lines, last: cycles::now(), played, silent_halves: 0 };
+    let audio = Audio { i2s, inputs, instrument, midi, lines, last: cycles::now(), played, silent_halves: 0 };
     // SAFETY: the log is split once, and the interrupt does not look before `READY` is set.
     unsafe { AUDIO.fill(audio) };
     READY.store(true, Ordering::Release);
@@ -168,6 +175,7 @@ impl Audio {
         (self.last, self.played) = (now, played);
         self.miss(missed);
         self.take_inputs(missed);
+        self.take_midi();
 
         let (inputs, lines) = (&mut self.inputs, &mut self.lines);
         let half = self.instrument.render(inputs.direct(), |event| lines.push(Line::Event(*event)));
@@ -202,6 +210,15 @@ impl Audio {
         });
         if counters::ADC_RESTARTS.get() != restarts {
             lines.push(Line::AdcRestarted);
+        }
+    }
+
+    /// Takes the MIDI messages of the USB host, and sends each one back.
+    fn take_midi(&mut self) {
+        let (incoming, outgoing) = &mut self.midi;
+        while let Some(received) = incoming.take() {
+            counters::MIDI_MESSAGES.add(1);
+            outgoing.push(received.packet);
         }
     }
 

@@ -12,7 +12,7 @@ use firmware::input::piezo::Piezos;
 use firmware::input::{self, Inputs};
 use firmware::refusal::Refusal;
 use firmware::restart::Cause;
-use firmware::{audio, board, cycles, hardware, kits, tasks, watchdog};
+use firmware::{audio, board, cycles, hardware, kits, tasks, usb, watchdog};
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
@@ -40,8 +40,11 @@ async fn main(spawner: Spawner) {
     // SAFETY: main runs once.
     let inputs = unsafe { Inputs::place(Piezos::new(devices.piezos), devices.button, settings) };
     spawn(&spawner, tasks::feed());
-    if let Some(log) = audio::start(devices.i2s, inputs, instrument) {
-        spawn(&spawner, tasks::log(log, kit));
+    if let Some(usb) = usb::start(devices.usb) {
+        spawn(&spawner, tasks::sysex(usb.sysex, usb.replies));
+        if let Some(log) = audio::start(devices.i2s, inputs, instrument, (usb.incoming, usb.outgoing)) {
+            spawn(&spawner, tasks::log(log, kit));
+        }
     }
     spawn(&spawner, tasks::report());
     spawn(&spawner, tasks::meter(devices.leds, devices.leds_light_high));

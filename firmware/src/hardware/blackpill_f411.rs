@@ -8,6 +8,7 @@ use embassy_time::{Duration, block_for};
 use super::devices::Devices;
 use crate::audio::i2s::I2s;
 use crate::input::button::Button;
+use crate::usb;
 
 /// Time from the first clock of the I2S until the converter is unmuted: more than the 1024 frames
 /// in which its own PLL locks.
@@ -45,5 +46,6 @@ pub fn init(p: Peripherals) -> Devices {
         // The PCM5102A has no bus on which it could fail to answer.
         codec: Ok(()),
         piezos,
+        usb: usb::Port { peripheral: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
     }
 }

@@ -6,6 +6,7 @@ use crate::audio::i2s::I2s;
 use crate::board::{LEDS, PIEZO_CHANNELS};
 use crate::codec;
 use crate::input::button::Button;
+use crate::usb;
 
 /// Devices of the board, set up.
 pub struct Devices {
@@ -21,4 +22,6 @@ pub struct Devices {
     pub codec: Result<(), codec::Error>,
     /// Analog pins of the piezos, held so that nothing else takes them.
     pub piezos: [Flex<'static>; PIEZO_CHANNELS.len()],
+    /// USB, which is not started yet.
+    pub usb: usb::Port,
 }

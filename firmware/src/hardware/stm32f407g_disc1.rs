@@ -11,6 +11,7 @@ use super::devices::Devices;
 use crate::audio::i2s::I2s;
 use crate::codec;
 use crate::input::button::Button;
+use crate::usb;
 
 /// Sets up the pins, and starts the I2S output, silent, and the codec.
 pub fn init(p: Peripherals) -> Devices {
@@ -49,5 +50,6 @@ pub fn init(p: Peripherals) -> Devices {
         leds_light_high: true,
         codec: codec::start(bus, reset),
         piezos,
+        usb: usb::Port { peripheral: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
     }
 }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand, ValueEnum};
 use virtual_board::{Board, BoardError, CycleCase, Fault, PiezoPin, PiezoSignal, Press, Report, Setup, VirtualBoard};
 
+use super::board_midi::{self, MidiArguments};
 use super::error::CommandError;
 use super::output::{print, print_json, progress};
 use super::usb_midi::{self, EraseArguments, PortArguments, ReadArguments, SendArguments, SettingsArguments};
@@ -61,6 +62,19 @@ pub(crate) struct RunArguments {
     /// panic@AT, hard-fault@AT; times in seconds
     #[arg(long, value_name = "FAULT[@AT,...]", value_parser = parse_fault)]
     fault: Vec<Fault>,
+    /// Song that a USB host plays on the board: a Standard MIDI File
+    #[arg(long, value_name = "SONG.mid")]
+    midi: Option<PathBuf>,
+    /// Start of the song and of --sysex, in seconds after power-on: a host needs 0.2 s to find the
+    /// board once it has loaded its kit
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.6, value_parser = parse_seconds)]
+    midi_start: f64,
+    /// Standard MIDI File to write: what the board sends over USB, from the start of the song on
+    #[arg(long, value_name = "OUT.mid")]
+    midi_out: Option<PathBuf>,
+    /// SysEx that a USB host sends to the board: raw bytes, one message after the other
+    #[arg(long, value_name = "FILE.syx")]
+    sysex: Option<PathBuf>,
     /// Binary kit in the kit sector of the board, from malleus kit build [default: erased flash]
     #[arg(long, value_name = "KIT.bin")]
     kit: Option<PathBuf>,
@@ -79,6 +93,17 @@ pub(crate) struct RunArguments {
     /// Form of the printed report: text for people, json for programs (docs/json.md)
     #[arg(long, value_enum, default_value = "text")]
     report: Form,
+}
+
+impl RunArguments {
+    fn midi_arguments(&self) -> MidiArguments<'_> {
+        MidiArguments {
+            song: self.midi.as_deref(),
+            sysex: self.sysex.as_deref(),
+            output: self.midi_out.as_deref(),
+            start_s: self.midi_start,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -152,6 +177,7 @@ fn run_image(arguments: &RunArguments) -> Result<(), CommandError> {
         presses: arguments.button.clone(),
         faults: arguments.fault.clone(),
         kit,
+        usb: board_midi::host(&arguments.midi_arguments())?,
     };
     let seconds = arguments.seconds.unwrap_or_else(|| length_s(&setup)).min(LONGEST_S);
     let mut board = VirtualBoard::new(arguments.board, &elf, &setup)?;
@@ -170,6 +196,7 @@ fn run_image(arguments: &RunArguments) -> Result<(), CommandError> {
         board.write_wav(output)?;
     }
     let report = board.report()?;
+    board_midi::write(&arguments.midi_arguments(), &report.usb)?;
     match arguments.report {
         Form::Json => print_json(&report)?,
         Form::Text => print(&text(&report))?,
@@ -177,7 +204,7 @@ fn run_image(arguments: &RunArguments) -> Result<(), CommandError> {
     Ok(ended?)
 }
 
-fn read(path: &Path) -> Result<Vec<u8>, CommandError> {
+pub(super) fn read(path: &Path) -> Result<Vec<u8>, CommandError> {
     std::fs::read(path).map_err(|error| CommandError::Unreadable { file: path.display().to_string(), error })
 }
 
@@ -190,7 +217,8 @@ fn signal(argument: &str, start_s: f64) -> Result<PiezoSignal, BoardError> {
 fn length_s(setup: &Setup) -> f64 {
     let signals = setup.piezos.iter().map(|signal| signal.start_s + signal.samples.len() as f64 / signal.rate_hz);
     let presses = setup.presses.iter().map(|press| press.at_s + press.for_s + press.bounce_s);
-    signals.chain(presses).fold(0.0, f64::max) + TAIL_S
+    let usb = setup.usb.actions.iter().map(|action| action.0);
+    signals.chain(presses).chain(usb).fold(0.0, f64::max) + TAIL_S
 }
 
 fn text(report: &Report) -> String {
@@ -238,6 +266,17 @@ fn text(report: &Report) -> String {
             microseconds(interrupt.worst_span_cycles as f64)
         );
     }
+    let usb = &report.usb;
+    if usb.resets > 0 {
+        let _ = writeln!(
+            text,
+            "USB: configured {} times, {} transfers to the board, {} refused for the moment, {} from the board",
+            usb.configured_s.len(),
+            usb.sent.len(),
+            usb.refused,
+            usb.received.len()
+        );
+    }
     for reset in &report.resets {
         let _ = writeln!(text, "{:10.4} s  reset: {}", reset.at_s, reset.cause);
     }
@@ -245,7 +284,7 @@ fn text(report: &Report) -> String {
         let _ = writeln!(text, "{:10.4} s  converter {}", mute.at_s, if mute.mute { "mute" } else { "audible" });
     }
     let _ = writeln!(text, "LEDs: {} changes", report.leds.len());
-    for warning in report.codec_complaints.iter().chain(&report.warnings) {
+    for warning in report.codec_complaints.iter().chain(&report.warnings).chain(&usb.failures) {
         let _ = writeln!(text, "warning: {warning}");
     }
     text

@@ -1,7 +1,7 @@
 //! The commands: each reads its files, calls the library, shows progress and writes its results.
 
 pub(crate) mod board;
-
+mod board_midi;
 pub(crate) mod demo;
 mod error;
 pub(crate) mod fit;

@@ -125,7 +125,7 @@ fn message_of(channel: u8, message: MidiMessage) -> midi::Message {
 }
 
 /// Converter from MIDI ticks to seconds that follows the tempo changes so far.
-struct Clock {
+pub(super) struct Clock {
     ticks: u64,
     seconds: f64,
     seconds_per_tick: f64,
@@ -133,7 +133,7 @@ struct Clock {
 }
 
 impl Clock {
-    fn new(timing: Timing) -> Result<Self, EventsFault> {
+    pub(super) fn new(timing: Timing) -> Result<Self, EventsFault> {
         let (ticks_per_quarter, seconds_per_tick) = match timing {
             // 120 quarter notes per minute until the file sets a tempo.
             Timing::Metrical(ticks) => (Some(f64::from(ticks.as_int())), 0.5 / f64::from(ticks.as_int())),
@@ -145,13 +145,13 @@ impl Clock {
         }
     }
 
-    fn seconds_at(&mut self, ticks: u64) -> f64 {
+    pub(super) fn seconds_at(&mut self, ticks: u64) -> f64 {
         self.seconds += (ticks - self.ticks) as f64 * self.seconds_per_tick;
         self.ticks = ticks;
         self.seconds
     }
 
-    fn set_tempo(&mut self, microseconds_per_quarter: u32) {
+    pub(super) fn set_tempo(&mut self, microseconds_per_quarter: u32) {
         if let Some(ticks_per_quarter) = self.ticks_per_quarter {
             self.seconds_per_tick = f64::from(microseconds_per_quarter) * 1e-6 / ticks_per_quarter;
         }

@@ -1,10 +1,11 @@
 //! Lists of events, as files.
 //!
 //! [`csv`] is the project's own format, the one in which `malleus play --log` writes what was
-//! played; [`midi`] reads a Standard MIDI File.
+//! played; [`midi`] reads a Standard MIDI File. [`usb_midi`] makes packets of one, for a board.
 
 pub mod csv;
 pub mod midi;
+pub mod usb_midi;
 
 mod error;
 mod list;

@@ -42,7 +42,7 @@ impl Devices {
         let context = self.context(0);
         let timers = self.timers.iter().map(|timer| timer.next_event());
         let i2s = self.i2s.iter().map(|i2s| i2s.next_event());
-        let others = [self.adc.next_event(&context), self.i2c.next_event()];
+        let others = [self.adc.next_event(&context), self.i2c.next_event(), self.next_usb_event()];
         timers.chain(i2s).chain(others).min().unwrap_or(u64::MAX)
     }
 
@@ -104,6 +104,9 @@ impl Devices {
         }
         if self.i2c.next_event() <= due {
             self.fire_i2c(&context);
+        }
+        if self.next_usb_event() <= due {
+            self.fire_usb(&context)?;
         }
         Ok(())
     }
@@ -248,6 +251,7 @@ impl Devices {
             codec.set_reset_pin(self.ports[usize::from(pins.reset.port)].is_driven_high(pins.reset.number));
         }
         self.mute_changed(now);
+        self.usb_pins_changed(now);
     }
 
     /// Returns the levels of the pins that the lines of EXTI watch, as bits.

@@ -24,6 +24,7 @@ impl Devices {
         for (i2s, line) in self.i2s.iter().zip([36, 51]) {
             assert(line, i2s.is_asserted());
         }
+        assert(67, self.usb.is_asserted());
         let audio = self.audio_stream();
         for (controller, dma) in (0..).zip(&self.dma) {
             for (index, stream) in (0..).zip(&dma.streams) {

@@ -23,6 +23,9 @@ pub(crate) enum Device {
     /// DMA1 (0) or DMA2 (1).
     Dma(u8),
     Debug,
+    Usb,
+    /// Unique identity of the chip.
+    Signature,
 }
 
 /// Peripheral of the chip.
@@ -63,7 +66,8 @@ const fn unmodelled(base: u32, name: &'static str, register: u32, bit: u32) -> B
 }
 
 /// Peripherals in the order of their addresses, of 1 KB each, and USB of 256 KB.
-const BLOCKS: [Block; 54] = [
+const BLOCKS: [Block; 55] = [
+    always(0x1fff_7a00, "device signature", Device::Signature),
     block(0x4000_0000, "TIM2", APB1, 0, Device::Timer(0)),
     block(0x4000_0400, "TIM3", APB1, 1, Device::Timer(1)),
     block(0x4000_0800, "TIM4", APB1, 2, Device::Timer(2)),
@@ -115,7 +119,7 @@ const BLOCKS: [Block; 54] = [
     always(0x4002_3c00, "FLASH", Device::Flash),
     block(0x4002_6000, "DMA1", AHB1, 21, Device::Dma(0)),
     block(0x4002_6400, "DMA2", AHB1, 22, Device::Dma(1)),
-    unmodelled(0x5000_0000, "USB_OTG_FS", AHB2, 7),
+    block(0x5000_0000, "USB_OTG_FS", AHB2, 7, Device::Usb),
     unmodelled(0x5006_0800, "RNG", AHB2, 6),
     always(0xe004_2000, "DBGMCU", Device::Debug),
 ];
@@ -125,8 +129,13 @@ const MORE_PORTS: [(u32, &str, u8); 3] =
     [(0x4002_1400, "GPIOF", 5), (0x4002_1800, "GPIOG", 6), (0x4002_2000, "GPIOI", 8)];
 
 /// Ranges of the bus in which peripherals may lie, as first address and length in bytes.
-pub(crate) const REGIONS: [(u32, u32); 4] =
-    [(0x4000_0000, 0x0001_8000), (0x4002_0000, 0x0006_0000), (0x5000_0000, 0x0008_0000), (0xe004_2000, 0x400)];
+pub(crate) const REGIONS: [(u32, u32); 5] = [
+    (0x1fff_7a00, 0x400),
+    (0x4000_0000, 0x0001_8000),
+    (0x4002_0000, 0x0006_0000),
+    (0x5000_0000, 0x0008_0000),
+    (0xe004_2000, 0x400),
+];
 
 /// Returns the peripheral that contains an address, and the offset in it.
 pub(crate) fn find(address: u32, chip: Chip) -> Option<(Block, u32)> {
@@ -168,6 +177,7 @@ pub(crate) fn interrupt_name(line: u16) -> Option<&'static str> {
         36 => "SPI2",
         40 => "EXTI15_10",
         47 => "DMA1_STREAM7",
+        49 => "SDIO",
         50 => "TIM5",
         51 => "SPI3",
         52 => "UART4",
@@ -181,6 +191,7 @@ pub(crate) fn interrupt_name(line: u16) -> Option<&'static str> {
         68 => "DMA2_STREAM5",
         69 => "DMA2_STREAM6",
         70 => "DMA2_STREAM7",
+        72 => "I2C3_EV",
         _ => return None,
     })
 }

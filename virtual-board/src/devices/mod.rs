@@ -25,6 +25,7 @@ mod resets;
 #[cfg(test)]
 mod tests;
 pub(crate) mod timer;
+pub(crate) mod usb;
 pub(crate) mod watchdog;
 
 use std::sync::Arc;
@@ -35,6 +36,7 @@ use crate::codec::Codec;
 use crate::error::Problem;
 use crate::frequency::Frequency;
 use crate::input::PiezoSignal;
+use crate::usb_host::{Host, UsbHost};
 use crate::wiring::Wiring;
 use adc::Adc;
 use dma::Dma;
@@ -48,6 +50,7 @@ use pins::{PiezoPin, Pins};
 use power::{Debug, Power};
 use rcc::{ClockTree, Rcc, ResetCause};
 use timer::Timer;
+use usb::Usb;
 use watchdog::Watchdog;
 
 pub(crate) use recording::{AudioHalf, Recording};
@@ -133,6 +136,8 @@ pub(crate) struct Devices {
     i2s: [I2s; 2],
     i2c: I2c,
     watchdog: Watchdog,
+    usb: Usb,
+    pub(crate) usb_host: Host,
     pub(crate) codec: Option<Codec>,
     pub(crate) piezos: Vec<PiezoSignal>,
     pub(crate) pins: Pins,
@@ -155,6 +160,7 @@ const RESET_CLOCKS: ClockTree = ClockTree {
     apb1_timers: Frequency::hz(16_000_000),
     apb2: Frequency::hz(16_000_000),
     i2s: None,
+    usb: None,
 };
 
 impl Devices {
@@ -178,6 +184,8 @@ impl Devices {
             i2s: Default::default(),
             i2c: I2c::default(),
             watchdog: Watchdog::default(),
+            usb: Usb::default(),
+            usb_host: Host::new(&UsbHost::default()),
             codec: wiring.codec.map(|_| Codec::new(true)),
             piezos: Vec::new(),
             pins: Pins::new(&vec![PiezoPin::Circuit; wiring.piezos.len()], 0.0),
@@ -241,6 +249,8 @@ impl Devices {
                 }
                 value
             }
+            Device::Usb => self.read_usb(offset, &context),
+            Device::Signature => power::signature(offset),
             Device::Power => self.power.read(offset),
             Device::Adc => self.adc.read(offset),
             Device::Syscfg => self.syscfg.read(offset),
@@ -273,6 +283,8 @@ impl Devices {
             Device::Watchdog => self.watchdog.write(offset, value, &context),
             Device::I2s(i2s) => self.i2s[usize::from(i2s)].write(offset, value, &context),
             Device::I2c => self.i2c.write(offset, value, &context),
+            Device::Usb => self.write_usb(offset, value, &context),
+            Device::Signature => Err(Problem::register()),
             Device::Power => {
                 self.power.write(offset, value)?;
                 self.clocks_changed(now)
@@ -347,9 +359,9 @@ impl Devices {
         if tree == self.clocks {
             return Ok(());
         }
-        let running = self.i2s.iter().any(I2s::is_running) || self.adc.is_running();
+        let running = self.i2s.iter().any(I2s::is_running) || self.adc.is_running() || self.usb.is_attached();
         if running {
-            let reason = "the clock tree changes while the I2S or the ADC runs".to_owned();
+            let reason = "the clock tree changes while the I2S, the ADC or USB runs".to_owned();
             return Err(Problem::ClockTree { reason });
         }
         let seconds = self.seconds(now);

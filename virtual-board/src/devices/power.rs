@@ -39,6 +39,16 @@ impl Power {
     }
 }
 
+/// Reads the chip's unique identity, 96 bits (RM0090 section 39, RM0383 section 24).
+pub(crate) fn signature(offset: u32) -> Access<u32> {
+    match offset {
+        0x10 => Ok(0x0027_0041),
+        0x14 => Ok(0x3436_510f),
+        0x18 => Ok(0x3231_3834),
+        _ => Err(Problem::register()),
+    }
+}
+
 /// DBGMCU: the identity, and registers for a core that a debugger halts, which have no effect.
 #[derive(Debug)]
 pub(crate) struct Debug {

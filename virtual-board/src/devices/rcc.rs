@@ -42,6 +42,8 @@ pub(crate) struct ClockTree {
     pub(crate) apb2: Frequency,
     /// Clock of the I2S, if PLLI2S runs.
     pub(crate) i2s: Option<Frequency>,
+    /// Clock of USB (PLL48CK), if the PLL runs.
+    pub(crate) usb: Option<Frequency>,
 }
 
 /// Cause of a reset.
@@ -190,7 +192,7 @@ impl Rcc {
 
     /// Returns true if a device is held in reset.
     pub(crate) fn holds_resets(&self) -> bool {
-        [0x10, 0x20, 0x24].into_iter().any(|offset: usize| self.registers[offset / 4] != 0)
+        [0x10, 0x14, 0x20, 0x24].into_iter().any(|offset: usize| self.registers[offset / 4] != 0)
     }
 
     /// Checks that the selected system clock runs.
@@ -257,6 +259,7 @@ impl Rcc {
             apb1_timers: if ppre1 == 1 { apb1 } else { apb1.scaled(2, 1) },
             apb2: core.scaled(1, ppre2),
             i2s: self.i2s_clock()?,
+            usb: self.usb_clock(),
         };
         let limits = self.chip.limits();
         for (name, frequency, limit) in
@@ -268,6 +271,17 @@ impl Rcc {
             }
         }
         Ok(tree)
+    }
+
+    /// Returns the clock of USB, or `None` if the PLL is off or makes none.
+    fn usb_clock(&self) -> Option<Frequency> {
+        let pllcfgr = self.registers[PLLCFGR];
+        let divider = pllcfgr >> 24 & 0xf;
+        if self.registers[CR] & PLLON == 0 || divider < 2 {
+            return None;
+        }
+        let oscillator = Rcc::oscillator(self.pll_input(pllcfgr & 0x3f).ok()?, pllcfgr >> 6 & 0x1ff).ok()?;
+        Some(oscillator.scaled(1, u64::from(divider)))
     }
 
     /// Returns the clock of the I2S, or `None` if PLLI2S is off.

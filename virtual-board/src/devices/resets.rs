@@ -8,6 +8,7 @@ use super::i2s::I2s;
 use super::power::Power;
 use super::rcc::{Rcc, ResetCause};
 use super::timer::Timer;
+use super::usb::Usb;
 use super::watchdog::Watchdog;
 use super::{Devices, RESET_CLOCKS, map, timers};
 
@@ -31,6 +32,7 @@ impl Devices {
         self.i2s.iter_mut().for_each(I2s::reset);
         self.i2c = I2c::default();
         self.watchdog = Watchdog::default();
+        self.usb = Usb::default();
         self.recording.reset(seconds, cause);
         self.pins_changed(now);
     }
@@ -44,6 +46,7 @@ impl Devices {
         let timers = [0x4000_0000, 0x4000_0400, 0x4000_0800, 0x4000_0c00].map(held);
         let [spi2, spi3] = [0x4000_3800, 0x4000_3c00].map(held);
         let [i2c, adc, syscfg, power] = [0x4000_5400, 0x4001_2000, 0x4001_3800, 0x4000_7000].map(held);
+        let usb = held(0x5000_0000);
         let dma = [0x4002_6000, 0x4002_6400].map(held);
         let ports: [bool; 9] = std::array::from_fn(|port| held(0x4002_0000 + 0x400 * port as u32));
         for (timer, reset) in self.timers.iter_mut().zip(timers) {
@@ -74,6 +77,9 @@ impl Devices {
         }
         if syscfg {
             self.syscfg = Syscfg::default();
+        }
+        if usb {
+            self.usb = Usb::default();
         }
         if power {
             self.power = Power::new(self.wiring.chip);

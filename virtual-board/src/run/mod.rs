@@ -20,6 +20,7 @@ use crate::devices::pins::{PiezoPin, Pins};
 use crate::devices::rcc::ResetCause;
 use crate::error::BoardError;
 use crate::input::{Fault, PiezoSignal, Press};
+use crate::usb_host::{Host, UsbHost};
 use crate::wiring::{Board, Wiring};
 use account::Account;
 use bus::{Shared, Window};
@@ -54,6 +55,8 @@ pub struct Setup {
     pub faults: Vec<Fault>,
     /// Bytes of the kit in its flash sector; the sector is erased if there are none.
     pub kit: Vec<u8>,
+    /// Host at the USB cable.
+    pub usb: UsbHost,
 }
 
 /// Board with an image in its flash, from power-on.
@@ -124,6 +127,7 @@ impl VirtualBoard {
         let pin = |piezo: usize| setup.pins.get(piezo).copied().unwrap_or_default();
         let pins: Vec<PiezoPin> = (0..wiring.piezos.len()).map(pin).collect();
         devices.pins = Pins::new(&pins, setup.adc_noise_counts);
+        devices.usb_host = Host::new(&setup.usb);
         if setup.faults.contains(&Fault::CodecSilent) {
             devices.codec = devices.codec.map(|_| Codec::new(false));
         }

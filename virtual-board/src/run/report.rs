@@ -11,6 +11,7 @@ use super::{LogLine, VirtualBoard};
 use crate::devices::AudioHalf;
 use crate::devices::rcc::ResetCause;
 use crate::error::BoardError;
+use crate::usb_host::UsbReport;
 
 /// Report of a run, without its sound.
 ///
@@ -61,6 +62,8 @@ pub struct Report {
     pub mutes: Vec<MuteReport>,
     /// Resets after power-on.
     pub resets: Vec<ResetReport>,
+    /// Traffic on the USB, as its host saw it.
+    pub usb: UsbReport,
     /// Faults of the codec's driver, as sentences.
     pub codec_complaints: Vec<String>,
     /// Faults of the program that a chip would let pass, as sentences.
@@ -243,6 +246,7 @@ impl VirtualBoard {
                     },
                 })
                 .collect(),
+            usb: devices.usb_host.report().clone(),
             codec_complaints: devices.codec.as_ref().map(|codec| codec.complaints.clone()).unwrap_or_default(),
             warnings: recording.warnings.clone(),
             log,

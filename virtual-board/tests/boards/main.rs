@@ -19,3 +19,4 @@ mod self_test;
 mod sound;
 mod stages;
 mod timing;
+mod usb;

@@ -4,6 +4,7 @@
 mod clocks;
 mod signals;
 mod time;
+mod usb;
 
 use std::path::Path;
 use std::sync::Arc;
