@@ -67,6 +67,8 @@ counters! {
     USB_TRANSFERS,
     /// Number of short MIDI messages that the audio interrupt took.
     MIDI_MESSAGES,
+    /// Number of MIDI messages that have no meaning for the board, or were damaged.
+    MIDI_UNKNOWN,
     /// Number of short MIDI messages that were received over USB and found no room.
     USB_LOST,
     /// Number of MIDI packets that the USB host did not fetch.

@@ -121,9 +121,10 @@ pub async fn report() {
             counters::UNLOGGED_LINES.get(),
         );
         defmt::info!(
-            "USB: transfers {=u32}, messages {=u32}, lost {=u32}, unsent {=u32}",
+            "USB: transfers {=u32}, messages {=u32}, unknown {=u32}, lost {=u32}, unsent {=u32}",
             counters::USB_TRANSFERS.get(),
             counters::MIDI_MESSAGES.get(),
+            counters::MIDI_UNKNOWN.get(),
             counters::USB_LOST.get(),
             counters::USB_UNSENT.get(),
         );

@@ -13,6 +13,7 @@
 
 pub mod i2s;
 pub mod instrument;
+pub mod midi;
 mod waiting;
 
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -24,12 +25,12 @@ use embassy_stm32::interrupt;
 
 use self::i2s::{I2s, Told};
 use self::instrument::Instrument;
+use self::midi::Midi;
 use crate::board::{CLOCKS, Memory};
 use crate::half::HALF_FRAMES;
 use crate::input::{self, Inputs};
 use crate::owned::Owned;
 use crate::queue::{Queue, Receiver, Sender};
-use crate::usb::{Incoming, Outgoing};
 use crate::{counters, cycles};
 
 /// Number of frames from the interrupt that renders a tick to the tick's first frame, at most a
@@ -79,7 +80,7 @@ struct Audio {
     i2s: I2s,
     inputs: &'static mut Inputs,
     instrument: &'static mut Instrument,
-    midi: (Incoming, Outgoing),
+    midi: Midi,
     lines: Lines,
     /// Time at which the last half was found played, in core cycles.
     last: u32,
@@ -116,7 +117,7 @@ pub fn start(
     mut i2s: I2s,
     inputs: &'static mut Inputs,
     instrument: &'static mut Instrument,
-    midi: (Incoming, Outgoing),
+    midi: Midi,
 ) -> Option<Log> {
     let (lines, log) = LOG.split()?;
     if i2s.take() == Told::TransferError {
@@ -175,7 +176,7 @@ impl Audio {
         (self.last, self.played) = (now, played);
         self.miss(missed);
         self.take_inputs(missed);
-        self.take_midi();
+        self.midi.take(now, self.instrument);
 
         let (inputs, lines) = (&mut self.inputs, &mut self.lines);
         let half = self.instrument.render(inputs.direct(), |event| lines.push(Line::Event(*event)));
@@ -201,24 +202,18 @@ impl Audio {
     // their place.
     #[inline(never)]
     fn take_inputs(&mut self, missed: u32) {
-        let (instrument, lines) = (&mut self.instrument, &mut self.lines);
+        let (instrument, lines, midi) = (&mut self.instrument, &mut self.lines, &mut self.midi);
         let restarts = counters::ADC_RESTARTS.get();
         self.inputs.take(instrument.now(), missed, |told| match told {
-            input::Told::Event(event) => instrument.expect(event),
+            input::Told::Event(event) => {
+                midi.tell(&event);
+                instrument.expect(event);
+            }
             input::Told::Fault { channel, fault } => lines.push(Line::PiezoFault { channel, fault }),
             input::Told::Recovered { channel } => lines.push(Line::PiezoRecovered { channel }),
         });
         if counters::ADC_RESTARTS.get() != restarts {
             lines.push(Line::AdcRestarted);
-        }
-    }
-
-    /// Takes the MIDI messages of the USB host, and sends each one back.
-    fn take_midi(&mut self) {
-        let (incoming, outgoing) = &mut self.midi;
-        while let Some(received) = incoming.take() {
-            counters::MIDI_MESSAGES.add(1);
-            outgoing.push(received.packet);
         }
     }
 

@@ -7,6 +7,7 @@ use defmt_rtt as _;
 use dsp_core::table::Kit;
 use embassy_executor::{SpawnError, SpawnToken, Spawner};
 use firmware::audio::instrument::Instrument;
+use firmware::audio::midi::Midi;
 use firmware::faults::{self, Fault};
 use firmware::input::piezo::Piezos;
 use firmware::input::{self, Inputs};
@@ -42,7 +43,8 @@ async fn main(spawner: Spawner) {
     spawn(&spawner, tasks::feed());
     if let Some(usb) = usb::start(devices.usb) {
         spawn(&spawner, tasks::sysex(usb.sysex, usb.replies));
-        if let Some(log) = audio::start(devices.i2s, inputs, instrument, (usb.incoming, usb.outgoing)) {
+        let midi = Midi::new((usb.incoming, usb.outgoing), kit);
+        if let Some(log) = audio::start(devices.i2s, inputs, instrument, midi) {
             spawn(&spawner, tasks::log(log, kit));
         }
     }

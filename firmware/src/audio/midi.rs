@@ -1,0 +1,76 @@
+//! MIDI of the USB host: its messages become events, and strikes of the pads become its messages.
+//!
+//! ```text
+//! transfer ends ──► age at the interrupt ──► frame of the next half - age + HALF_FRAMES ──► event
+//! ```
+
+use dsp_core::event::{Event, Time};
+use dsp_core::midi::{Cables, Heard, Keyboard, Message, MidiOut, Outcome, Packet};
+use dsp_core::table::Kit;
+
+use super::instrument::Instrument;
+use crate::board::CLOCKS;
+use crate::counters;
+use crate::half::HALF_FRAMES;
+use crate::usb::{Incoming, Outgoing};
+
+/// Maximum number of packets that a half takes: one full transfer. Others wait for the next half.
+const PACKETS_PER_HALF: usize = 16;
+/// Core cycles of a frame of the output.
+const CYCLES_PER_FRAME: i32 = CLOCKS.cycles_per_frames(1) as i32;
+/// Channel on which strikes go out, counted from 0: users know it as channel 10.
+const CHANNEL_OUT: u8 = 9;
+
+/// Ends of the MIDI queues, with the state of both directions.
+pub struct Midi {
+    incoming: Incoming,
+    outgoing: Outgoing,
+    cables: Cables,
+    keyboard: Keyboard<'static>,
+    out: MidiOut<'static>,
+}
+
+impl Midi {
+    /// Makes the MIDI of a kit, which listens to all channels.
+    pub fn new((incoming, outgoing): (Incoming, Outgoing), kit: Kit<'static>) -> Self {
+        let (keyboard, out) = (Keyboard::new(kit, None), MidiOut::new(kit, CHANNEL_OUT));
+        Self { incoming, outgoing, cables: Cables::new(), keyboard, out }
+    }
+
+    /// Passes the messages of the host to the instrument, each with the time at which its transfer
+    /// ended. `begun` is the time of the interrupt in core cycles.
+    // Not inlined, so that its stack and that of the renderer share their place.
+    #[inline(never)]
+    pub(super) fn take(&mut self, begun: u32, instrument: &mut Instrument) {
+        for _ in 0..PACKETS_PER_HALF {
+            let Some(received) = self.incoming.take() else { return };
+            // A transfer may end after the interrupt began.
+            let age = begun.wrapping_sub(received.at).cast_signed() / CYCLES_PER_FRAME;
+            let frame = (instrument.now() + HALF_FRAMES as u64).saturating_add_signed(-i64::from(age));
+            let (keyboard, time) = (&mut self.keyboard, Time::at_frame(frame.max(instrument.now())));
+            self.cables.take(Packet(received.packet), |heard| match heard {
+                Heard::Message(message) => {
+                    counters::MIDI_MESSAGES.add(1);
+                    count(message, keyboard.take(message, time, |event| instrument.expect(event)));
+                }
+                // SysEx goes to its task; only damaged streams have any here.
+                _ => counters::MIDI_UNKNOWN.add(1),
+            });
+        }
+    }
+
+    /// Tells the host what a piezo or a button has played.
+    pub(super) fn tell(&mut self, event: &Event) {
+        let outgoing = &mut self.outgoing;
+        self.out.tell(event, &self.keyboard, |packet| outgoing.push(packet.0));
+    }
+}
+
+/// Counts a message without a meaning here. Real-time messages come all the time and are not
+/// counted.
+fn count(message: Message, outcome: Outcome) {
+    let is_real_time = matches!(message, Message::System { status: 0xF8.., .. });
+    if !is_real_time && !matches!(outcome, Outcome::Taken) {
+        counters::MIDI_UNKNOWN.add(1);
+    }
+}
