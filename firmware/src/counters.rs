@@ -53,6 +53,8 @@ counters! {
     LOST_ADC_FRAMES,
     /// Number of strikes that were played.
     STRIKES,
+    /// Number of strikes that were put off to the next half, since so many were due in one.
+    DELAYED_STRIKES,
     /// Number of decisions to leave modes out.
     SHEDS,
     /// Number of residuals, dynamic filters and biquads that strikes did not begin for want of

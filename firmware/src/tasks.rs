@@ -101,13 +101,14 @@ pub async fn report() {
         let time = u64::from(CYCLES_PER_HALF) * u64::from(halves.wrapping_sub(halves_before)).max(1);
         halves_before = halves;
         defmt::info!(
-            "second: halves {=u32}, missed {=u32}, worst {=u32} of {=u32} cycles, load {=u32}/1000, strikes {=u32}, sheds {=u32}, refused stages {=u32}",
+            "second: halves {=u32}, missed {=u32}, worst {=u32} of {=u32} cycles, load {=u32}/1000, strikes {=u32}, put off {=u32}, sheds {=u32}, refused stages {=u32}",
             halves,
             counters::MISSED_HALVES.get(),
             counters::WORST_HALF_CYCLES.take(),
             CYCLES_PER_HALF,
             (busy / time) as u32,
             counters::STRIKES.get(),
+            counters::DELAYED_STRIKES.get(),
             counters::SHEDS.get(),
             counters::REFUSED_STAGES.get(),
         );

@@ -7,7 +7,7 @@ use dsp_core::memory::{Memory, Word};
 use dsp_core::table::Kit;
 
 use super::waiting::Waiting;
-use crate::board::Memory as Lent;
+use crate::board::{Memory as Lent, STRIKES_PER_TICK};
 use crate::counters;
 use crate::half::HALF_FRAMES;
 use crate::owned::Owned;
@@ -111,6 +111,7 @@ impl Instrument {
     pub fn render(&mut self, direct: Option<Direct<'_>>, mut log: impl FnMut(&Event)) -> Option<Half<'_>> {
         let engine = self.engine.as_mut()?;
         let end = engine.now() + HALF_FRAMES as u64;
+        counters::DELAYED_STRIKES.add(self.waiting.put_off(STRIKES_PER_TICK, end));
         let events = self.waiting.before(end);
         if events.is_empty() && direct.is_none() && engine.pass_silent_tick() {
             return None;

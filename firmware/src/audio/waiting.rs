@@ -1,6 +1,6 @@
 //! Events that wait for their frame.
 
-use dsp_core::event::Event;
+use dsp_core::event::{Action, Event, Time};
 
 /// Maximum number of events that wait. A press that chokes a whole kit makes one event per pad.
 const WAITING: usize = 32;
@@ -39,6 +39,22 @@ impl Waiting {
         let waiting = self.events.get(..self.count).unwrap_or(&[]);
         let due = waiting.iter().take_while(|event| event.time.first_frame() < frame).count();
         waiting.get(..due).unwrap_or(&[])
+    }
+
+    /// Lets all events after the first `strikes` strikes that happen before a frame wait for that
+    /// frame. Returns the number of strikes that are put off.
+    pub(super) fn put_off(&mut self, strikes: usize, frame: u64) -> u32 {
+        let (mut seen, mut late) = (0, 0);
+        let due = self.events.iter_mut().take(self.count).take_while(|event| event.time.first_frame() < frame);
+        for event in due {
+            let is_strike = event.action == Action::Strike;
+            seen += usize::from(is_strike);
+            if seen > strikes {
+                event.time = Time::at_frame(frame);
+                late += u32::from(is_strike);
+            }
+        }
+        late
     }
 
     /// Removes the first `due` events.

@@ -1,7 +1,8 @@
 //! Hosts that come and go, sleep, or do not care: sound goes on, and the board is there again.
 
-use super::{CONFIGURED_S, assert_sound, host, notes, received, run};
+use super::{CONFIGURED_S, NOTE, assert_sound, host, note, notes, played, received, run};
 use crate::common;
+use crate::hits::signal;
 use virtual_board::{Board, Fault, Setup, UsbAction, UsbHost};
 
 /// Time from a plug to the end of the enumeration, with a reserve.
@@ -31,41 +32,44 @@ fn replug(board: Board, times: usize) {
         actions.push((pulled_s, UsbAction::Unplug));
         actions.push((pulled_s + 0.005, UsbAction::Plug));
         at_s = pulled_s + 0.005 + ENUMERATION_S;
-        actions.push((at_s, send(&[[0x09, 0x99, 1, 1 + (n % 127) as u8]])));
+        actions.push((at_s, send(&[note(64 + (n % 63) as u8)])));
     }
     let (_, report) = run(board, host(actions), at_s + 0.02);
     assert_sound(board, &report);
     assert_eq!(report.usb.configured_s.len(), times + 1, "{}", board.name());
-    // After each plug the first note comes back.
-    let back = received(&report);
+    // After each plug the note sounds.
+    let played = played(&report);
     for n in 0..times {
-        let note = [0x09, 0x99, 1, 1 + (n % 127) as u8];
-        assert!(back.contains(&note), "{}: no answer after plug {n}", board.name());
+        assert!(played.contains(&note(64 + (n % 63) as u8)), "{}: no note after plug {n}", board.name());
     }
 }
 
 #[test]
-fn host_that_fetches_nothing_is_given_up_and_heard_again_after_a_replug() {
+fn host_that_fetches_nothing_is_given_up_and_told_again_after_a_replug() {
     for board in Board::ALL {
         let actions = vec![
             (CONFIGURED_S, UsbAction::Ignore),
-            // More than the queue and the FIFO hold.
-            (CONFIGURED_S + 0.01, send(&notes(160))),
-            (CONFIGURED_S + 0.1, UsbAction::Unplug),
-            (CONFIGURED_S + 0.11, UsbAction::Plug),
-            (CONFIGURED_S + 0.11, UsbAction::Listen),
-            (CONFIGURED_S + 0.11 + ENUMERATION_S, send(&[[0x09, 0x99, 77, 7]])),
+            (CONFIGURED_S + 0.5, UsbAction::Unplug),
+            (CONFIGURED_S + 0.51, UsbAction::Plug),
+            (CONFIGURED_S + 0.51, UsbAction::Listen),
         ];
-        let (_, report) = run(board, host(actions), CONFIGURED_S + 0.12 + ENUMERATION_S);
+        let last_s = CONFIGURED_S + 0.51 + ENUMERATION_S;
+        let mut hits: Vec<(f64, f32)> = (0..8).map(|n| (CONFIGURED_S + 0.05 * f64::from(n), 0.3)).collect();
+        hits.push((last_s, 0.6));
+        let piezos = vec![signal(0, last_s + 0.05, &hits)];
+        let running = common::run(board, &Setup { usb: host(actions), piezos, ..Setup::default() }, last_s + 0.05);
+        let report = running.report().unwrap();
         assert_sound(board, &report);
-        assert_eq!(received(&report), [[0x09, 0x99, 77, 7]], "{}: old notes are gone", board.name());
+        // Old notes are gone.
+        let [told] = received(&report)[..] else { panic!("{}: {:?}", board.name(), received(&report)) };
+        assert_eq!((told[..3].to_vec(), played(&report).last()), (vec![0x09, 0x99, NOTE], Some(&told)));
     }
 }
 
 #[test]
 fn suspended_bus_resumes_where_it_was() {
     for board in Board::ALL {
-        let (before, after) = (notes(3), [[0x09, 0x99, 77, 7]]);
+        let (before, after) = (notes(3), [note(7)]);
         let actions = vec![
             (CONFIGURED_S, send(&before)),
             (CONFIGURED_S + 0.02, UsbAction::Suspend),
@@ -75,7 +79,7 @@ fn suspended_bus_resumes_where_it_was() {
         let (_, report) = run(board, host(actions), CONFIGURED_S + 0.18);
         assert_sound(board, &report);
         assert_eq!(report.usb.resets, 1, "{}", board.name());
-        assert_eq!(received(&report), [before.as_slice(), &after].concat(), "{}", board.name());
+        assert_eq!(played(&report), [before.as_slice(), &after].concat(), "{}", board.name());
     }
 }
 
@@ -86,24 +90,24 @@ fn reset_and_request_that_is_broken_off_are_survived() {
             (CONFIGURED_S, UsbAction::BreakOff),
             (CONFIGURED_S + 0.1, send(&notes(1))),
             (CONFIGURED_S + 0.15, UsbAction::Reset),
-            (CONFIGURED_S + 0.25, send(&[[0x09, 0x99, 77, 7]])),
+            (CONFIGURED_S + 0.25, send(&[note(7)])),
         ];
         let (_, report) = run(board, host(actions), CONFIGURED_S + 0.3);
         assert_sound(board, &report);
         assert_eq!(report.usb.configured_s.len(), 3, "{}: {:?}", board.name(), report.usb);
-        assert_eq!(received(&report), [notes(1)[0], [0x09, 0x99, 77, 7]], "{}", board.name());
+        assert_eq!(played(&report), [notes(1)[0], note(7)], "{}", board.name());
     }
 }
 
 #[test]
 fn board_that_restarts_is_enumerated_anew() {
     for board in Board::ALL {
-        let usb = host(vec![(CONFIGURED_S + 0.5, send(&[[0x09, 0x99, 77, 7]]))]);
+        let usb = host(vec![(CONFIGURED_S + 0.5, send(&[note(7)]))]);
         let faults = vec![Fault::Panic { at_s: CONFIGURED_S }];
         let running = common::run(board, &Setup { usb, faults, ..Setup::default() }, CONFIGURED_S + 0.52);
         let report = running.report().unwrap();
         assert_eq!((report.resets.len(), report.usb.configured_s.len()), (1, 2), "{}", board.name());
-        assert_eq!(received(&report), [[0x09, 0x99, 77, 7]], "{}", board.name());
+        assert_eq!(played(&report), [note(7)], "{}", board.name());
     }
 }
 

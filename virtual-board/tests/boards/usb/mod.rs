@@ -3,6 +3,7 @@
 mod descriptors;
 mod host;
 mod packets;
+mod song;
 mod times;
 
 use crate::common;
@@ -34,9 +35,28 @@ fn assert_sound(board: Board, report: &Report) {
     assert!(report.usb.failures.is_empty(), "{}: {:?}", board.name(), report.usb.failures);
 }
 
-/// Returns `count` different note-on packets on channel 10.
+/// MIDI note of the demo kit's first pad.
+const NOTE: u8 = 60;
+
+/// Returns the packet of a note-on of that pad, on channel 10.
+fn note(velocity: u8) -> [u8; 4] {
+    [0x09, 0x99, NOTE, velocity]
+}
+
+/// Returns `count` note-on packets, whose velocities differ from one to the next.
 fn notes(count: usize) -> Vec<[u8; 4]> {
-    (0..count).map(|n| [0x09, 0x99, (n % 128) as u8, 1 + (n / 128 % 127) as u8]).collect()
+    (0..count).map(|n| note(1 + (n % 127) as u8)).collect()
+}
+
+/// Returns the packets of the notes that the board has played, by its log.
+fn played(report: &Report) -> Vec<[u8; 4]> {
+    let pad = &kit::open("demo").unwrap().kit.pads[0].name;
+    let note_of = |message: &str| {
+        let fields: Vec<&str> = message.strip_prefix("event ")?.strip_suffix(",strike")?.split(',').collect();
+        let velocity: f32 = fields.get(2)?.parse().ok()?;
+        (fields[1] == pad).then(|| note((127.0 * velocity).round() as u8))
+    };
+    report.log.iter().filter_map(|line| note_of(&line.message)).collect()
 }
 
 /// Returns the packets that came from the board.

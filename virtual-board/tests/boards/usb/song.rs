@@ -1,0 +1,108 @@
+//! A song over MIDI while piezos are played: bit for bit what the PC plays, each note in time, and
+//! the host is told of the piezos.
+
+use super::{CONFIGURED_S, assert_sound, host, received};
+use crate::common;
+use crate::hits::signal;
+use crate::played::heard_and_rendered_as_board;
+use crate::replay::assert_same;
+use virtual_board::{Board, Setup, UsbAction};
+
+fn send(at_s: f64, packets: &[[u8; 4]]) -> (f64, UsbAction) {
+    (at_s, UsbAction::Send(packets.as_flattened().to_vec()))
+}
+
+/// Returns a song of `count` notes with positions, levels, hands and other messages between them,
+/// and the time of its end in seconds.
+fn song(count: usize) -> (Vec<(f64, UsbAction)>, f64) {
+    let notes = [60u8, 81, 53, 49, 76, 75, 36, 52, 12];
+    let mut random = 12_345u32;
+    let mut below = |limit: u32| {
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (random >> 8) % limit
+    };
+    let (mut actions, mut at_s) = (Vec::new(), CONFIGURED_S);
+    for n in 0..count {
+        let key = notes[below(notes.len() as u32) as usize];
+        let mut packets = vec![[0x09, 0x99, key, 1 + below(127) as u8]];
+        match n % 11 {
+            3 => packets.insert(0, [0x0b, 0xb9, 16, below(128) as u8]),
+            5 => packets.push([0x0a, 0xa9, key, 64 + below(64) as u8]),
+            7 => packets.push([0x0a, 0xa9, key, below(64) as u8]),
+            8 => packets.push([0x0b, 0xb9, 7, 64 + below(64) as u8]),
+            9 => packets.extend([[0x0f, 0xf8, 0, 0], [0x0e, 0xe9, 0, 64]]),
+            10 if n % 33 == 32 => packets.push([0x0b, 0xb9, 120, 0]),
+            _ => packets.push([0x08, 0x89, key, 0]),
+        }
+        actions.push(send(at_s, &packets));
+        at_s += 0.02 + 0.03 * f64::from(below(1000)) / 1000.0;
+    }
+    (actions, at_s)
+}
+
+/// Plays a song of `count` notes with two piezos, and asserts that the board plays the bits of the
+/// PC for the events of its log.
+fn plays_the_bits_of_the_pc(count: usize) {
+    for board in Board::ALL {
+        let (actions, end_s) = song(count);
+        let piezos = (0..2).map(|piezo| {
+            let hits = (0..).map(|n| (CONFIGURED_S + 0.1 + 0.31 * f64::from(n) + 0.1 * piezo as f64, 0.4));
+            signal(piezo, end_s, &hits.take_while(|(at_s, _)| *at_s < end_s - 0.05).collect::<Vec<_>>())
+        });
+        let setup = Setup { usb: host(actions), piezos: piezos.collect(), ..Setup::default() };
+        let running = common::run(board, &setup, end_s + 0.3);
+        let report = running.report().unwrap();
+        assert_sound(board, &report);
+        let events = |action: &str| report.log.iter().filter(|line| line.message.ends_with(action)).count();
+        println!(
+            "{}: {} strikes, {} chokes, {} levels, {} silences",
+            board.name(),
+            events(",strike"),
+            events(",choke"),
+            events(",level"),
+            events(",silence")
+        );
+        assert!(events(",strike") * 10 > count * 8 && events(",level") > 0 && events(",silence") > 0);
+        let told = received(&report).iter().filter(|packet| packet[0] == 0x09).count();
+        assert!(told > 0, "{}: the host is told of no hit", board.name());
+        let demo = kit::open("demo").unwrap().binary;
+        let (sound, _) = heard_and_rendered_as_board(&running, board, &demo);
+        let same = assert_same(board, sound);
+        println!("{}: {same} frames with the same bits; the host was told of {told} hits", board.name());
+    }
+}
+
+#[test]
+fn song_and_piezos_together_sound_with_the_bits_of_the_pc() {
+    plays_the_bits_of_the_pc(120);
+}
+
+/// `cargo test -p virtual-board --test boards usb::song -- --ignored --nocapture`.
+#[test]
+#[ignore = "takes minutes; the test of 120 notes runs always"]
+fn song_of_2000_notes_and_piezos_sound_with_the_bits_of_the_pc() {
+    plays_the_bits_of_the_pc(2000);
+}
+
+/// On the BlackPill three strikes fit into a half: the others follow in the next halves.
+#[test]
+fn ten_notes_of_one_transfer_sound_in_one_frame_or_three_in_each_half() {
+    for board in Board::ALL {
+        let chord: Vec<[u8; 4]> = [60, 81, 53, 49, 51, 76, 77, 75, 36, 41].map(|key| [0x09, 0x99, key, 30]).to_vec();
+        let running = common::run(
+            board,
+            &Setup { usb: host(vec![send(CONFIGURED_S + 0.000_3, &chord)]), ..Setup::default() },
+            CONFIGURED_S + 0.1,
+        );
+        let report = running.report().unwrap();
+        assert_sound(board, &report);
+        let frame =
+            |message: &str| message.strip_prefix("event ")?.strip_suffix(",strike")?.split(',').next()?.parse().ok();
+        let frames: Vec<u64> = report.log.iter().filter_map(|line| frame(&line.message)).collect();
+        println!("{}: {frames:?}", board.name());
+        assert_eq!(frames.len(), 10, "{}: {frames:?}", board.name());
+        let (at_once, within) = if board == Board::Stm32f407gDisc1 { (10, 0) } else { (3, 96) };
+        assert!(frames.iter().take(at_once).all(|frame| *frame == frames[0]), "{}: {frames:?}", board.name());
+        assert!(frames[9] - frames[0] <= within, "{}: {frames:?}", board.name());
+    }
+}
