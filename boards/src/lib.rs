@@ -65,6 +65,9 @@ pub trait Board {
     const FRAME_CYCLES: u32 = (Self::LEAD_CYCLES - INPUT_CYCLES) * 100 / Self::FRAME_WORST_PERCENT / TICK_FRAMES as u32;
     /// Optional stages that the board's program contains.
     const BUILT: Built;
+    /// Cycles that a strike may spend on moving its pad to another position: what the
+    /// [budget](Self::BUDGET_CYCLES) leaves beside a strike and a choice of modes to leave out.
+    const POSITION_CYCLES: u32 = Self::BUDGET_CYCLES - 20_000;
     /// Words of memory that the board lends its engine.
     const WORDS: Words;
     /// Maximum number of samples in the delay lines of the reverberation, 2 bytes each.
@@ -84,6 +87,7 @@ pub trait Board {
             built: Self::BUILT,
             room_samples: Self::ROOM_SAMPLES,
             frame_cycles: Some(Self::FRAME_CYCLES),
+            position_cycles: Some(Self::POSITION_CYCLES),
             frame_worst_percent: Self::FRAME_WORST_PERCENT,
             frame_percent: 100 * Self::FRAME_WORST_PERCENT / WORST_PERCENT,
             ceiling_db: Self::CEILING_DB,

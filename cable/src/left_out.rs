@@ -41,6 +41,7 @@ impl LeftOut {
             Some(Stage::DynamicFilter(pad)) => (5, pad),
             Some(Stage::Biquads(pad)) => (6, pad),
             Some(Stage::Room) => (7, 0),
+            Some(Stage::Positions(pad)) => (8, pad),
         };
         let lack = match self.lack {
             Lack::Memory => 1,
@@ -62,6 +63,7 @@ impl LeftOut {
             5 => Some(Stage::DynamicFilter(pad)),
             6 => Some(Stage::Biquads(pad)),
             7 => Some(Stage::Room),
+            8 => Some(Stage::Positions(pad)),
             _ => return None,
         };
         let lack = match lack {

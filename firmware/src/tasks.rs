@@ -9,12 +9,10 @@ use crate::audio::{CYCLES_PER_HALF, Line, Log};
 use crate::board::LEDS;
 use crate::faults::{self, Fault};
 use crate::usb::{Replies, Sysex};
-use crate::{counters, watchdog};
+use crate::counters;
 
 /// Time between two looks for lines of the log, in ms.
 const LOG_EVERY_MS: u64 = 8;
-/// Time between two chances to feed the watchdog, in ms.
-const FEED_EVERY_MS: u64 = 20;
 /// Time between two updates of the level meter, in ms.
 const METER_EVERY_MS: u64 = 20;
 /// Time for which a passing fault is shown, in s.
@@ -138,23 +136,6 @@ pub async fn sysex(mut sysex: Sysex, mut replies: Replies) {
     loop {
         let packet = sysex.next().await;
         replies.push(packet).await;
-    }
-}
-
-/// Feeds the watchdog if halves were rendered since the last look.
-///
-/// Missed halves do not stop the feeding: a restart would silence the board for longer. The log and
-/// the LED report them.
-#[embassy_executor::task]
-pub async fn feed() {
-    let mut halves_before = counters::HALVES.get();
-    loop {
-        Timer::after_millis(FEED_EVERY_MS).await;
-        let halves = counters::HALVES.get();
-        if halves != halves_before {
-            watchdog::feed();
-        }
-        halves_before = halves;
     }
 }
 

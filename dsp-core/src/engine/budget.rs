@@ -10,6 +10,7 @@
 //! surprise within a tick.
 
 use super::cost::{CostItem, Counts};
+use super::load_modes::HEAD_MODES;
 use super::render::next_news;
 use super::setup::Skipping;
 use super::state::{Direct, Engine};
@@ -223,7 +224,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         match (place.moves, voice.frames()) {
             (false, _) => 0,
             // A head between two others takes as long as the gains of eight modes.
-            (true, Some(_)) => 8,
+            (true, Some(_)) => HEAD_MODES,
             (true, None) => voice.banks().first().map_or(0, |object| object.mode_count() as u32),
         }
     }

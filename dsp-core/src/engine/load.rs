@@ -80,7 +80,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         mut fitting: Fitting<'_>,
     ) -> Result<Self, LoadError> {
         let mut engine = Self::take(kit, setup, lender)?;
-        engine.load_modes(lender)?;
+        engine.load_modes(setup.position_cycles, lender, &mut fitting)?;
         if let Some(left) = engine.frame_cycles.filter(|_| engine.has_mixer) {
             let worst = setup.frame_worst_percent * TICK_FRAMES as u32;
             fitting.limit(left.saturating_mul(worst) / 100);

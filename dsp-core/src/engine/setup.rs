@@ -34,6 +34,10 @@ pub struct Setup {
     /// frames too: those of [`FEWEST_MODES_OF_SEVERAL`](crate::frames::FEWEST_MODES_OF_SEVERAL) if
     /// they have [`FEWEST_MODES`](crate::frames::FEWEST_MODES) together.
     pub frame_cycles: Option<u32>,
+    /// Most nominal cycles that a strike may spend on moving to another position
+    /// ([`CostItem::MovedMode`](super::CostItem::MovedMode) a mode); pads that need more are struck
+    /// at position 0. `None` means no limit.
+    pub position_cycles: Option<u32>,
     /// Most cycles that frames take, in percent of their nominal ones: what they leave of
     /// `frame_cycles` limits the stages of [`Engine::new_within`](super::Engine::new_within) too.
     pub frame_worst_percent: u32,
@@ -56,6 +60,7 @@ impl Setup {
             skipping: Skipping::On,
             room_samples: 49_152,
             frame_cycles: None,
+            position_cycles: None,
             frame_worst_percent: 100,
             frame_percent: 100,
             ceiling_db: None,

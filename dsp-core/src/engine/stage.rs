@@ -13,6 +13,8 @@ pub enum Stage {
     Engine,
     /// Modes of a pad, its strikers' included.
     Modes(u8),
+    /// Positions of the strikes on a pad: without them all fall on position 0.
+    Positions(u8),
     /// Residual of a pad's object.
     Residual(u8),
     /// Background behind all pads.
@@ -30,6 +32,7 @@ impl fmt::Display for Stage {
         match *self {
             Self::Engine => write!(f, "the engine"),
             Self::Modes(pad) => write!(f, "pad {pad}, modes"),
+            Self::Positions(pad) => write!(f, "pad {pad}, positions of its strikes"),
             Self::Residual(pad) => write!(f, "pad {pad}, residual of its object"),
             Self::Background => write!(f, "background"),
             Self::DynamicFilter(pad) => write!(f, "pad {pad}, dynamic filter of its object"),
@@ -57,7 +60,7 @@ impl Stage {
                 (CostItem::BusDrivenPad.cycles() + frames * frame, 175)
             }
             Self::Room => (0, 115),
-            Self::Engine | Self::Modes(_) => (0, 100),
+            Self::Engine | Self::Modes(_) | Self::Positions(_) => (0, 100),
         };
         (cycles + beside) * percent / 100
     }

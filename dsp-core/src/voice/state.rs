@@ -24,6 +24,8 @@ pub struct Voice<'k, 'm> {
     /// Object's modes in frames; its bank among `banks` is empty then. `None` if they are there.
     pub(crate) frames: Option<&'m mut FrameBank<'m>>,
     pub(crate) form: Form,
+    /// True if strikes may fall on any position; if false all fall on position 0.
+    pub(crate) moves: bool,
     /// True if the pad has neither modes in frames nor filters.
     pub(crate) is_plain: bool,
     /// Dynamic filter and biquads; `None` if the object has neither.
@@ -95,6 +97,7 @@ impl Voice<'_, '_> {
             banks: &mut [],
             frames: None,
             form: Form::FewModes,
+            moves: true,
             is_plain: true,
             filters: None,
             residual: None,
@@ -235,6 +238,7 @@ impl Voice<'_, '_> {
 
     /// Slot that a strike at a position would take.
     pub(crate) fn place_of(&self, position: f32, is_driven: impl Fn(u8) -> bool) -> Place {
+        let position = if self.moves { position } else { 0.0 };
         match self.frames.as_deref() {
             Some(frames) => frames.place(position, is_driven),
             None => self.banks.first().map_or(Place::FIRST, |object| object.place(position, is_driven)),

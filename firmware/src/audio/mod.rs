@@ -31,7 +31,7 @@ use crate::half::HALF_FRAMES;
 use crate::input::{self, Inputs};
 use crate::owned::Owned;
 use crate::queue::{Queue, Receiver, Sender};
-use crate::{counters, cycles};
+use crate::{counters, cycles, watchdog};
 
 /// Number of frames from the interrupt that renders a tick to the tick's first frame, at most a
 /// half.
@@ -191,6 +191,9 @@ impl Audio {
             counters::PEAK.keep_bits(half.peak_bits);
         }
         counters::HALVES.add(1);
+        // Sound is what the watchdog waits for, late or not: a restart would silence the board for
+        // longer. Tasks may wait while the sound and a host take all the time.
+        watchdog::feed();
         if self.i2s.frames_since(played) >= LEAD_FRAMES {
             // The DMA read a part of these frames before they were written: old frames were heard.
             self.miss(1);

@@ -40,7 +40,6 @@ async fn main(spawner: Spawner) {
     watchdog::feed();
     // SAFETY: main runs once.
     let inputs = unsafe { Inputs::place(Piezos::new(devices.piezos), devices.button, settings) };
-    spawn(&spawner, tasks::feed());
     if let Some(usb) = usb::start(devices.usb) {
         spawn(&spawner, tasks::sysex(usb.sysex, usb.replies));
         let midi = Midi::new((usb.incoming, usb.outgoing), kit);

@@ -52,6 +52,9 @@ fn plays_the_bits_of_the_pc(count: usize) {
         let setup = Setup { usb: host(actions), piezos: piezos.collect(), ..Setup::default() };
         let running = common::run(board, &setup, end_s + 0.3);
         let report = running.report().unwrap();
+        for line in &report.log {
+            println!("{:.5} {}", line.at_s, line.message);
+        }
         assert_sound(board, &report);
         let events = |action: &str| report.log.iter().filter(|line| line.message.ends_with(action)).count();
         println!(
