@@ -1,15 +1,16 @@
-//! Tasks that can wait for the sound: log, report, level meter, feeding of the watchdog.
+//! Tasks that can wait for the sound: log, report, level meter, answers to SysEx.
 
 use dsp_core::event::{Action, Event};
+use dsp_core::midi::Packet;
 use dsp_core::table::Kit;
 use embassy_stm32::gpio::Output;
 use embassy_time::{Instant, Timer};
 
 use crate::audio::{CYCLES_PER_HALF, Line, Log};
-use crate::board::LEDS;
+use crate::board::{LEDS, MIDI_NUMBER};
+use crate::counters;
 use crate::faults::{self, Fault};
 use crate::usb::{Replies, Sysex};
-use crate::counters;
 
 /// Time between two looks for lines of the log, in ms.
 const LOG_EVERY_MS: u64 = 8;
@@ -130,14 +131,50 @@ pub async fn report() {
     }
 }
 
-/// Sends each SysEx of the USB host back.
+/// Answers the identity request of MIDI (universal SysEx 06 01). Other SysEx is left unanswered.
 #[embassy_executor::task]
 pub async fn sysex(mut sysex: Sysex, mut replies: Replies) {
+    const REQUEST: [u8; 6] = [0xF0, 0x7E, 0x7F, 0x06, 0x01, 0xF7];
+    let mut matched = 0;
     loop {
         let packet = sysex.next().await;
-        replies.push(packet).await;
+        for &byte in Packet(packet).bytes() {
+            // The request goes to all devices, or to one by its number.
+            let is_next = REQUEST.get(matched).is_some_and(|&next| byte == next || matched == 2 && byte < 0x80);
+            matched = if is_next { matched + 1 } else { usize::from(byte == REQUEST[0]) };
+            if matched == REQUEST.len() {
+                matched = 0;
+                for packet in IDENTITY {
+                    replies.push(packet).await;
+                }
+            }
+        }
     }
 }
+
+/// Identity reply in packets: manufacturer 7D (not for sale), family 1, number of the board,
+/// version of the firmware.
+const IDENTITY: [[u8; 4]; 5] = [
+    [0x04, 0xF0, 0x7E, 0x7F],
+    [0x04, 0x06, 0x02, 0x7D],
+    [0x04, 1, 0, MIDI_NUMBER],
+    [0x04, 0, VERSION[0], VERSION[1]],
+    [0x07, VERSION[2], 0, 0xF7],
+];
+
+/// Version of the firmware, a number of 7 bits each.
+const VERSION: [u8; 3] = {
+    let text = env!("CARGO_PKG_VERSION").as_bytes();
+    let (mut version, mut part, mut at) = ([0; 3], 0, 0);
+    while at < text.len() && part < 3 {
+        match text[at] {
+            digit @ b'0'..=b'9' => version[part] = version[part] * 10 + (digit - b'0'),
+            _ => part += 1,
+        }
+        at += 1;
+    }
+    version
+};
 
 /// Shows the level on the LEDs, 12 dB each. If a fault is present the last LED flashes its number.
 #[embassy_executor::task]

@@ -108,6 +108,10 @@ impl fmt::Display for LoadError {
                 rate.hz() / 2.0
             ),
             Self::Room(error) => error.fmt(f),
+            Self::TooDear { stage: stage @ Stage::Positions(_), cycles, left } => write!(
+                f,
+                "{stage}: moving takes {cycles} cycles, but a strike leaves {left}: all fall on position 0; give the object fewer modes"
+            ),
             Self::TooDear { stage, cycles, left } => write!(
                 f,
                 "{stage}: takes up to {cycles} cycles a tick, but pads, room and background leave {left}: take some of them out of the kit, or make it smaller"

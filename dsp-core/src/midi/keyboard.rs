@@ -48,6 +48,11 @@ impl Pads {
         *word = if is_in { before | bit } else { before & !bit };
         *word != before
     }
+
+    /// True if a pad is in the set.
+    fn has(&self, pad: u8) -> bool {
+        self.0.get(usize::from(pad / 32)).is_some_and(|word| word >> (pad % 32) & 1 != 0)
+    }
 }
 
 /// Keyboard of a kit: which pads its notes play, and what messages have set.
@@ -96,6 +101,11 @@ impl<'k> Keyboard<'k> {
         notes.is_some_and(|pad| pad.midi_notes().any(|note| self.down_word(note) >> (note % 32) & 1 != 0))
     }
 
+    /// Forgets the keys that are down: another host plays from now on.
+    pub fn forget_keys(&mut self) {
+        self.down = [0; 4];
+    }
+
     fn down_word(&self, note: u8) -> u32 {
         self.down.get(usize::from(note / 32)).copied().unwrap_or(0)
     }
@@ -142,7 +152,9 @@ impl<'k> Keyboard<'k> {
                     play(Event { time, action: Action::Silence, ..Event::NOTHING });
                 }
                 RESET_CONTROLLERS => {
-                    self.positions = [0; 16];
+                    if let Some(position) = self.positions.get_mut(usize::from(channel)) {
+                        *position = 0;
+                    }
                     self.press_all(0, time, play);
                 }
                 _ => return Outcome::Unknown,
@@ -156,7 +168,7 @@ impl<'k> Keyboard<'k> {
     fn strike(&mut self, note: u8, velocity: u8, channel: u8, time: Time, mut play: impl FnMut(Event)) {
         let Some(pad) = self.pad_of_note(note) else { return };
         self.set_down(note, true);
-        if self.damped.set(pad, false) {
+        if self.damped.set(pad, false) && !self.pressed.has(pad) {
             play(Event { time, pad, action: Action::Release, ..Event::NOTHING });
         }
         let exponent = Settings::of_pad(&self.kit, pad).velocity_exponent;
@@ -171,7 +183,7 @@ impl<'k> Keyboard<'k> {
         self.set_down(note, false);
         let Some(number) = self.pad_of_note(note) else { return };
         let chokes = self.kit.pads().nth(usize::from(number)).is_some_and(|pad| pad.note_off_chokes());
-        if chokes && self.damped.set(number, true) {
+        if chokes && self.damped.set(number, true) && !self.pressed.has(number) {
             play(Event { time, pad: number, action: Action::Choke, ..Event::NOTHING });
         }
     }
@@ -179,7 +191,8 @@ impl<'k> Keyboard<'k> {
     /// Lays a hand on a pad or takes it away, if it was not so before.
     fn press(&mut self, pad: u8, pressure: u8, time: Time, play: &mut impl FnMut(Event)) {
         let is_hand = pressure >= HAND;
-        if self.pressed.set(pad, is_hand) {
+        // The end of a note may have laid a hand there already.
+        if self.pressed.set(pad, is_hand) && !self.damped.has(pad) {
             let action = if is_hand { Action::Choke } else { Action::Release };
             play(Event { time, pad, action, ..Event::NOTHING });
         }

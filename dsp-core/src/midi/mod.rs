@@ -20,6 +20,9 @@ mod out;
 mod packet;
 mod parser;
 
+#[cfg(test)]
+mod tests;
+
 pub use keyboard::{Keyboard, Outcome};
 pub use message::Message;
 pub use out::MidiOut;

@@ -56,6 +56,8 @@ impl Cables {
         let Some(parser) = self.0.get_mut(usize::from(packet.cable())) else { return };
         match packet.bytes() {
             [] => tell(Heard::Stray),
+            // A channel message begins with its status byte in each packet.
+            [..0x80, ..] if (0x8..=0xE).contains(&(packet.0[0] & 0xF)) => tell(Heard::Stray),
             bytes => bytes.iter().for_each(|&byte| parser.take(byte, &mut tell)),
         }
     }

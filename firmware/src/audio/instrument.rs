@@ -19,6 +19,8 @@ pub struct Instrument {
     /// Number of strikers of each pad.
     strikers: [u8; PADS],
     waiting: Waiting,
+    /// Number of strikes that the last half began.
+    begun: usize,
     /// Samples of the half that was rendered last.
     block: [[i32; 2]; HALF_FRAMES],
 }
@@ -46,7 +48,8 @@ impl Instrument {
     /// # Safety
     /// This is called once.
     pub unsafe fn place() -> &'static mut Self {
-        let empty = Self { engine: None, strikers: [0; PADS], waiting: Waiting::NONE, block: [[0; 2]; HALF_FRAMES] };
+        let empty =
+            Self { engine: None, strikers: [0; PADS], waiting: Waiting::NONE, begun: 0, block: [[0; 2]; HALF_FRAMES] };
         // SAFETY: the caller promises to call this once, so nothing else uses the memory.
         unsafe { INSTRUMENT.fill(empty) }
     }
@@ -111,7 +114,10 @@ impl Instrument {
     pub fn render(&mut self, direct: Option<Direct<'_>>, mut log: impl FnMut(&Event)) -> Option<Half<'_>> {
         let engine = self.engine.as_mut()?;
         let end = engine.now() + HALF_FRAMES as u64;
-        counters::DELAYED_STRIKES.add(self.waiting.put_off(STRIKES_PER_TICK, end));
+        // Contacts of the last half are still under way.
+        let most = STRIKES_PER_TICK.saturating_sub(self.begun).max(STRIKES_PER_TICK.div_ceil(2));
+        self.begun = 0;
+        counters::DELAYED_STRIKES.add(self.waiting.put_off(most, end));
         let events = self.waiting.before(end);
         if events.is_empty() && direct.is_none() && engine.pass_silent_tick() {
             return None;
@@ -144,6 +150,7 @@ impl Instrument {
         }
         if due > 0 {
             let strikes = events.iter().filter(|event| event.action == Action::Strike).count();
+            self.begun = strikes;
             counters::STRIKES.add(strikes as u32);
             self.waiting.pass(due);
         }

@@ -42,6 +42,9 @@ impl Midi {
     // Not inlined, so that its stack and that of the renderer share their place.
     #[inline(never)]
     pub(super) fn take(&mut self, begun: u32, instrument: &mut Instrument) {
+        if self.incoming.host_is_new() {
+            self.keyboard.forget_keys();
+        }
         for _ in 0..PACKETS_PER_HALF {
             let Some(received) = self.incoming.take() else { return };
             // A transfer may end after the interrupt began.

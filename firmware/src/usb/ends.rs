@@ -95,6 +95,11 @@ pub(super) fn split() -> Option<(super::Ends, Inner)> {
 }
 
 impl Incoming {
+    /// Returns true once for each reset of the bus: another host may play from now on.
+    pub fn host_is_new(&self) -> bool {
+        super::interrupts::host_is_new()
+    }
+
     /// Removes and returns the oldest message, or `None` if there is none.
     pub fn take(&mut self) -> Option<Received> {
         self.0.take()

@@ -32,6 +32,8 @@ static DRIVER_IS_DUE: AtomicBool = AtomicBool::new(false);
 static HOLDS_PACKET: AtomicBool = AtomicBool::new(false);
 /// Time at which that packet ended, in core cycles.
 static ARRIVED_AT: AtomicU32 = AtomicU32::new(0);
+/// True after a reset of the bus, until the sound has taken note of it.
+static HOST_IS_NEW: AtomicBool = AtomicBool::new(false);
 /// Waker of the part of the task that looks after resets of the bus.
 pub(super) static BUS_RESET: AtomicWaker = AtomicWaker::new();
 
@@ -78,6 +80,7 @@ fn I2C3_EV() {
         }
         if flags.usbrst() {
             forget_packets();
+            HOST_IS_NEW.store(true, Ordering::Relaxed);
             BUS_RESET.wake();
         }
         // The driver itself masks and unmasks the other causes.
@@ -128,6 +131,11 @@ pub(super) fn with_arrival<T>(poll: impl FnOnce() -> Poll<T>) -> Poll<(T, u32)> 
     // SAFETY: it was enabled before, since the task runs.
     unsafe { interrupt::I2C3_EV.enable() };
     polled.map(|polled| (polled, at))
+}
+
+/// Returns true once for each reset of the bus: another host may play from now on.
+pub(super) fn host_is_new() -> bool {
+    HOST_IS_NEW.swap(false, Ordering::Relaxed)
 }
 
 /// Returns true if a reset of the bus has not been served yet.

@@ -12,6 +12,7 @@ mod frames;
 mod hands;
 mod hands_on_frames;
 mod measured_force;
+mod midi;
 mod positions;
 mod residual;
 mod rolls;

@@ -52,9 +52,6 @@ fn plays_the_bits_of_the_pc(count: usize) {
         let setup = Setup { usb: host(actions), piezos: piezos.collect(), ..Setup::default() };
         let running = common::run(board, &setup, end_s + 0.3);
         let report = running.report().unwrap();
-        for line in &report.log {
-            println!("{:.5} {}", line.at_s, line.message);
-        }
         assert_sound(board, &report);
         let events = |action: &str| report.log.iter().filter(|line| line.message.ends_with(action)).count();
         println!(
@@ -87,9 +84,10 @@ fn song_of_2000_notes_and_piezos_sound_with_the_bits_of_the_pc() {
     plays_the_bits_of_the_pc(2000);
 }
 
-/// On the BlackPill three strikes fit into a half: the others follow in the next halves.
+/// On the BlackPill three strikes fit into a half, and two behind others: the rest follow in the next
+/// halves.
 #[test]
-fn ten_notes_of_one_transfer_sound_in_one_frame_or_three_in_each_half() {
+fn ten_notes_of_one_transfer_sound_in_one_frame_or_within_four_halves() {
     for board in Board::ALL {
         let chord: Vec<[u8; 4]> = [60, 81, 53, 49, 51, 76, 77, 75, 36, 41].map(|key| [0x09, 0x99, key, 30]).to_vec();
         let running = common::run(
@@ -104,7 +102,7 @@ fn ten_notes_of_one_transfer_sound_in_one_frame_or_three_in_each_half() {
         let frames: Vec<u64> = report.log.iter().filter_map(|line| frame(&line.message)).collect();
         println!("{}: {frames:?}", board.name());
         assert_eq!(frames.len(), 10, "{}: {frames:?}", board.name());
-        let (at_once, within) = if board == Board::Stm32f407gDisc1 { (10, 0) } else { (3, 96) };
+        let (at_once, within) = if board == Board::Stm32f407gDisc1 { (10, 0) } else { (3, 128) };
         assert!(frames.iter().take(at_once).all(|frame| *frame == frames[0]), "{}: {frames:?}", board.name());
         assert!(frames[9] - frames[0] <= within, "{}: {frames:?}", board.name());
     }
