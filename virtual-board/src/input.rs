@@ -137,6 +137,14 @@ pub enum Fault {
         /// Length of the fault, in seconds.
         for_s: f64,
     },
+    /// A debugger halts the core for a while. The peripherals go on, but for those that the program
+    /// has told to halt with it (DBGMCU).
+    Halted {
+        /// Beginning of the halt, in seconds from power-on.
+        at_s: f64,
+        /// Length of the halt, in seconds.
+        for_s: f64,
+    },
     /// The interrupt of the audio DMA stream does not reach the core.
     AudioInterruptLost {
         /// Beginning of the fault, in seconds from power-on.

@@ -58,7 +58,7 @@ pub(crate) struct RunArguments {
     #[arg(long, value_name = "AT[,FOR[,BOUNCE]]", value_parser = parse_press)]
     button: Vec<Press>,
     /// Fault of the hardware or the program: adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT,
-    /// codec-silent, core-stalled@AT,FOR, audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO,
+    /// codec-silent, core-stalled@AT,FOR, halted@AT,FOR, audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO,
     /// panic@AT, hard-fault@AT; times in seconds
     #[arg(long, value_name = "FAULT[@AT,...]", value_parser = parse_fault)]
     fault: Vec<Fault>,
@@ -324,6 +324,7 @@ fn parse_fault(text: &str) -> Result<Fault, String> {
         ("audio-dma-error", 1) => Fault::AudioDmaError { at_s: at(0)? },
         ("adc-dma-error", 1) => Fault::AdcDmaError { at_s: at(0)? },
         ("core-stalled", 2) => Fault::CoreStalled { at_s: at(0)?, for_s: at(1)? },
+        ("halted", 2) => Fault::Halted { at_s: at(0)?, for_s: at(1)? },
         ("audio-interrupt-lost", 2) => Fault::AudioInterruptLost { at_s: at(0)?, for_s: at(1)? },
         ("piezo-at-rail", 2) => Fault::PiezoAtRail {
             at_s: at(0)?,
@@ -333,7 +334,7 @@ fn parse_fault(text: &str) -> Result<Fault, String> {
         ("hard-fault", 1) => Fault::HardFault { at_s: at(0)? },
         _ => {
             return Err(
-                "must be adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT, codec-silent, core-stalled@AT,FOR, \
+                "must be adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT, codec-silent, core-stalled@AT,FOR, halted@AT,FOR, \
                         audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, panic@AT or hard-fault@AT"
                     .to_owned(),
             );

@@ -225,6 +225,14 @@ impl Devices {
         (self.adc.sequences, self.adc.lost_triggers)
     }
 
+    /// Notes that a debugger halts the core for some cycles: devices that halt with it go on where
+    /// they were.
+    pub(crate) fn halted(&mut self, cycles: u64) {
+        if self.debug.halts_watchdog() {
+            self.watchdog.delay(cycles);
+        }
+    }
+
     /// Presses or releases the button.
     pub(crate) fn set_button(&mut self, pressed: bool) {
         let Pin { port, number } = self.wiring.button;

@@ -49,7 +49,8 @@ pub(crate) fn signature(offset: u32) -> Access<u32> {
     }
 }
 
-/// DBGMCU: the identity, and registers for a core that a debugger halts, which have no effect.
+/// DBGMCU: the identity, and registers for a core that a debugger halts. Of these the bit of the
+/// watchdog has an effect.
 #[derive(Debug)]
 pub(crate) struct Debug {
     chip: Chip,
@@ -59,6 +60,11 @@ pub(crate) struct Debug {
 impl Debug {
     pub(crate) fn new(chip: Chip) -> Debug {
         Debug { chip, registers: [0; 3] }
+    }
+
+    /// Returns true if the watchdog halts with the core (DBGMCU_APB1_FZ.DBG_IWDG_STOP).
+    pub(crate) fn halts_watchdog(&self) -> bool {
+        self.registers[1] & 1 << 12 != 0
     }
 
     pub(crate) fn read(&self, offset: u32) -> Access<u32> {

@@ -65,6 +65,11 @@ impl Watchdog {
         }
     }
 
+    /// Puts the reset off by some cycles in which the watchdog does not count.
+    pub(crate) fn delay(&mut self, cycles: u64) {
+        self.deadline = self.deadline.saturating_add(cycles);
+    }
+
     /// Returns the cycle at which the watchdog resets the chip.
     pub(crate) fn next_event(&self) -> u64 {
         self.deadline

@@ -202,8 +202,12 @@ impl VirtualBoard {
         let mut stalled = None;
         while devices.cycle_at(self.schedule.next_s()) <= now {
             let Some(action) = self.schedule.take() else { break };
-            if let Action::Stall { for_s } = action {
-                stalled = Some(devices.cycle_at(devices.seconds(now) + for_s));
+            if let Action::Stall { for_s, by_debugger } = action {
+                let until = devices.cycle_at(devices.seconds(now) + for_s);
+                if by_debugger {
+                    devices.halted(until - now);
+                }
+                stalled = Some(until);
             } else {
                 self.act(action, &mut devices, now)?;
             }

@@ -11,7 +11,7 @@ pub(super) enum Action {
     AdcDmaError,
     AudioInterrupt { lost: bool },
     PiezoAtRail(usize),
-    Stall { for_s: f64 },
+    Stall { for_s: f64, by_debugger: bool },
     Panic,
     HardFault,
 }
@@ -33,7 +33,12 @@ impl Schedule {
                 Fault::AdcOverrun { at_s } => actions.push((*at_s, Action::AdcOverrun)),
                 Fault::AudioDmaError { at_s } => actions.push((*at_s, Action::AudioDmaError)),
                 Fault::AdcDmaError { at_s } => actions.push((*at_s, Action::AdcDmaError)),
-                Fault::CoreStalled { at_s, for_s } => actions.push((*at_s, Action::Stall { for_s: *for_s })),
+                Fault::CoreStalled { at_s, for_s } => {
+                    actions.push((*at_s, Action::Stall { for_s: *for_s, by_debugger: false }));
+                }
+                Fault::Halted { at_s, for_s } => {
+                    actions.push((*at_s, Action::Stall { for_s: *for_s, by_debugger: true }));
+                }
                 Fault::AudioInterruptLost { at_s, for_s } => {
                     actions.push((*at_s, Action::AudioInterrupt { lost: true }));
                     actions.push((at_s + for_s, Action::AudioInterrupt { lost: false }));

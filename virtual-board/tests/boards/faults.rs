@@ -125,6 +125,35 @@ fn a_board_that_goes_on_to_miss_halves_plays_the_others_and_is_not_restarted() {
 }
 
 #[test]
+fn a_debugger_may_halt_the_core_for_a_second_and_the_board_plays_on() {
+    let (running, report) = run(&[Fault::Halted { at_s: 0.4, for_s: 1.0 }], 2.0);
+    assert!(report.resets.is_empty(), "{:#?}", report.resets);
+    assert!(says(&report, "halves missed"), "{:#?}", report.log);
+    assert!(peak(&running) < 0.7);
+}
+
+#[test]
+fn a_panic_is_told_again_at_the_next_start_with_version_and_revision() {
+    for (fault, words) in
+        [(Fault::Panic { at_s: 0.4 }, "virtual-board.rs:1:1"), (Fault::HardFault { at_s: 0.4 }, "hard fault at 0x")]
+    {
+        let (_, report) = run(&[fault], 0.8);
+        let starts: Vec<_> = report.log.iter().filter(|line| line.message.starts_with("malleus ")).collect();
+        assert!(starts.len() == 2 && starts[0].message.starts_with("malleus 0.1.0 ("), "{starts:#?}");
+        let told = |boot| {
+            report.log.iter().any(|line| {
+                line.boot == boot && line.message.starts_with("last time: ") && line.message.contains(words)
+            })
+        };
+        assert!(!told(0) && told(1), "{:#?}", report.log);
+    }
+    // The words are told once.
+    let (_, report) = run(&[Fault::Panic { at_s: 0.4 }, Fault::CoreStalled { at_s: 0.9, for_s: 0.6 }], 1.8);
+    let told = report.log.iter().filter(|line| line.message.starts_with("last time: ")).count();
+    assert_eq!((report.resets.len(), told), (2, 1), "{:#?}", report.log);
+}
+
+#[test]
 fn a_panic_and_a_hard_fault_mute_and_restart() {
     for (fault, name) in [(Fault::Panic { at_s: 0.4 }, "panic: "), (Fault::HardFault { at_s: 0.4 }, "hard fault at ")] {
         let (running, report) = run(&[fault], 0.8);
