@@ -24,12 +24,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=../tables");
     build_self_test_kit(&out)?;
 
+    println!("cargo::rustc-env=GIT_REVISION={}", revision());
+
     // The image must not depend on the folder in which cargo was called, so the level is set here.
     println!("cargo::rerun-if-env-changed=DEFMT_LOG");
     if env::var_os("DEFMT_LOG").is_none() {
         println!("cargo::rustc-env=DEFMT_LOG=info");
     }
     Ok(())
+}
+
+/// Returns the short hash of the commit that is checked out, or `unknown` outside a git checkout.
+fn revision() -> String {
+    println!("cargo::rerun-if-changed=../.git/HEAD");
+    println!("cargo::rerun-if-changed=../.git/logs/HEAD");
+    let git = std::process::Command::new("git").args(["rev-parse", "--short=7", "HEAD"]).output();
+    let hash = git.ok().filter(|git| git.status.success()).and_then(|git| String::from_utf8(git.stdout).ok());
+    hash.map_or("unknown".to_owned(), |hash| hash.trim().to_owned())
 }
 
 /// Builds the kit that the self-test times: one object for each form of the modal bank and for each

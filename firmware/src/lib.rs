@@ -18,6 +18,7 @@ pub mod half;
 pub mod hardware;
 pub mod input;
 pub mod kits;
+pub mod last_words;
 pub mod owned;
 mod queue;
 pub mod refusal;

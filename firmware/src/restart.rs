@@ -7,7 +7,7 @@ use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 use embassy_stm32::pac::RCC;
 
-use crate::{audio, board};
+use crate::{audio, board, last_words};
 
 /// Cause of the chip's last start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
@@ -57,13 +57,19 @@ fn end(tell: impl FnOnce()) -> ! {
 
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
-    end(|| defmt::error!("panic: {}; muted, starting again", defmt::Display2Format(info)))
+    end(|| {
+        last_words::keep(format_args!("{info}"));
+        defmt::error!("panic: {}; muted, starting again", defmt::Display2Format(info));
+    })
 }
 
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     let (at, from) = (frame.pc(), frame.lr());
-    end(|| defmt::error!("hard fault at {=u32:#010x}, called from {=u32:#010x}; muted, starting again", at, from))
+    end(|| {
+        last_words::keep(format_args!("hard fault at {at:#010x}, called from {from:#010x}"));
+        defmt::error!("hard fault at {=u32:#010x}, called from {=u32:#010x}; muted, starting again", at, from);
+    })
 }
 
 #[exception]

@@ -1,7 +1,7 @@
 //! Independent watchdog, which restarts a board whose sound has stopped.
 
-use embassy_stm32::pac::IWDG;
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
+use embassy_stm32::pac::{DBGMCU, IWDG};
 
 /// Counts of the watchdog per second with the division by 32: its clock LSI has 32 kHz, on silicon
 /// 17 to 47 kHz.
@@ -14,8 +14,10 @@ const TIMEOUT_S: f32 = 0.25;
 /// Deriving a kit's tables may take seconds. This is the longest time with the division by 64.
 const LOADING_S: f32 = 8.19;
 
-/// Starts the watchdog with the time limit for loading a kit. It cannot be stopped.
+/// Starts the watchdog with the time limit for loading a kit. It cannot be stopped, but it waits
+/// while a debugger halts the core.
 pub fn start() {
+    DBGMCU.apb1fzr().modify(|w| w.set_iwdg(true));
     IWDG.kr().write(|w| w.set_key(Key::START));
     set(Pr::DIVIDE_BY64, LOADING_S / 2.0);
 }

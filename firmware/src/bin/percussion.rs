@@ -13,7 +13,7 @@ use firmware::input::piezo::Piezos;
 use firmware::input::{self, Inputs};
 use firmware::refusal::Refusal;
 use firmware::restart::Cause;
-use firmware::{audio, board, cycles, hardware, kits, tasks, usb, watchdog};
+use firmware::{audio, board, cycles, hardware, kits, last_words, tasks, usb, watchdog};
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
@@ -22,7 +22,9 @@ async fn main(spawner: Spawner) {
     if let Some(mut core) = cortex_m::Peripherals::take() {
         cycles::start(&mut core);
     }
-    defmt::info!("malleus on {=str}, started by {}", board::NAME, Cause::take());
+    let (version, revision) = (env!("CARGO_PKG_VERSION"), env!("GIT_REVISION"));
+    defmt::info!("malleus {=str} ({=str}) on {=str}, started by {}", version, revision, board::NAME, Cause::take());
+    last_words::take(|words| defmt::error!("last time: {=str}", words));
     watchdog::feed();
     // The kit is loaded before the stream runs, so that no interrupt slows it down.
     // SAFETY: main runs once.
