@@ -30,6 +30,7 @@ contact_exponent = 0.0
 name = "struck"
 object = "force"
 strikers = ["stick"]
+midi_notes = [60]
 trigger = {{ channel = 0 }}
 [[pad]]
 name = "driven"
@@ -49,7 +50,7 @@ trigger = {{ channel = 1, mode = "direct" }}
 }
 
 /// Returns the seconds from each onset until the sound has 10 % of the peak that follows it.
-fn latencies(running: &VirtualBoard, onsets: &[f64]) -> Vec<f64> {
+pub(crate) fn latencies(running: &VirtualBoard, onsets: &[f64]) -> Vec<f64> {
     let streams = running.streams();
     let stream = &streams[0];
     let rate_hz = stream.rate.as_f64();

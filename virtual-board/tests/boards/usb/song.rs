@@ -6,6 +6,7 @@ use crate::common;
 use crate::hits::signal;
 use crate::played::heard_and_rendered_as_board;
 use crate::replay::assert_same;
+use crate::timing;
 use virtual_board::{Board, Setup, UsbAction};
 
 fn send(at_s: f64, packets: &[[u8; 4]]) -> (f64, UsbAction) {
@@ -105,5 +106,46 @@ fn ten_notes_of_one_transfer_sound_in_one_frame_or_within_four_halves() {
         let (at_once, within) = if board == Board::Stm32f407gDisc1 { (10, 0) } else { (3, 128) };
         assert!(frames.iter().take(at_once).all(|frame| *frame == frames[0]), "{}: {frames:?}", board.name());
         assert!(frames[9] - frames[0] <= within, "{}: {frames:?}", board.name());
+    }
+}
+
+#[test]
+fn notes_sound_within_1_5_ms_of_their_transfer_and_0_05_ms_of_each_other() {
+    for board in Board::ALL {
+        // The places in a half move by the golden section.
+        let golden = 0.5 * (5f64.sqrt() - 1.0);
+        let place = |n: usize| 32.0 / 48_000.0 * (n as f64 * golden).fract();
+        let at_s = |n: usize| CONFIGURED_S + 0.03 * n as f64 + place(n);
+        let actions = (0..60).map(|n| send(at_s(n), &[[0x09, 0x99, 60, 64]])).collect();
+        let setup = Setup { usb: host(actions), kit: timing::kit(0.001), ..Setup::default() };
+        let running = common::run(board, &setup, at_s(60));
+        let report = running.report().unwrap();
+        assert_sound(board, &report);
+        let ended: Vec<f64> = report.usb.sent.iter().map(|transfer| transfer.ended_s).collect();
+        assert_eq!(ended.len(), 60);
+        let latencies = timing::latencies(&running, &ended);
+        let largest = latencies.iter().copied().fold(0.0, f64::max);
+        let smallest = latencies.iter().copied().fold(f64::INFINITY, f64::min);
+        println!("{}: notes sound {:.3} to {:.3} ms after their transfer", board.name(), 1e3 * smallest, 1e3 * largest);
+        assert!(largest <= 1.5e-3 && largest - smallest < 0.05e-3, "{}: {smallest} to {largest} s", board.name());
+    }
+}
+
+#[test]
+fn hits_reach_the_host_within_the_half_in_which_they_are_decided() {
+    for board in Board::ALL {
+        let hits: Vec<(f64, f32)> = (0..20).map(|n| (CONFIGURED_S + 0.05 + 0.050_13 * f64::from(n), 0.5)).collect();
+        let setup = Setup { usb: host(vec![]), piezos: vec![signal(0, 1.7, &hits)], ..Setup::default() };
+        let running = common::run(board, &setup, 1.7);
+        let report = running.report().unwrap();
+        assert_sound(board, &report);
+        let told: Vec<f64> = report.usb.received.iter().map(|transfer| transfer.ended_s).collect();
+        assert_eq!(told.len(), hits.len(), "{}", board.name());
+        // A hit is decided 1.5 ms after its onset, which lies up to 1 ms behind the start of the recording.
+        let late = told.iter().zip(&hits).map(|(told, hit)| told - hit.0);
+        let (least, most) = late.fold((f64::INFINITY, 0.0f64), |(least, most), x| (least.min(x), most.max(x)));
+        println!("{}: the host is told {:.2} to {:.2} ms after a hit begins", board.name(), 1e3 * least, 1e3 * most);
+        // A half, and a poll each millisecond.
+        assert!(most - least < 1.0e-3 + 32.0 / 48_000.0 + 0.3e-3, "{}: {least} to {most} s", board.name());
     }
 }
