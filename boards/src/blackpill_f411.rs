@@ -9,8 +9,8 @@
 //! | 2 272 | the inputs: triggers |
 //! | 24 280 | a residual; the background counts as one |
 //! | 39 328 | filters of four pads |
-//! | 5 232 | DMA buffers, the log, tasks |
-//! | 22 400 | the stack, of which loading a kit uses 10 KB and a test keeps 4 KB free |
+//! | 9 644 | DMA buffers, the log, tasks, USB |
+//! | 18 004 | the stack, of which a storm uses 11 KB and a test keeps 4 KB free |
 //!
 //! `cargo test -p virtual-board --test boards -- --nocapture load::images stages` prints the sums.
 
@@ -28,7 +28,8 @@ impl Board for BlackpillF411 {
     const RATE: (u32, u32) = (48_000, 1);
     const CORE_HZ: u32 = 96_000_000;
     /// Less than a half of the DMA buffer, of which a tick with a strike takes most at 96 MHz.
-    const LEAD_FRAMES: usize = 27;
+    const LEAD_FRAMES: usize = 28;
+    const INPUT_CYCLES: u32 = 11_000;
     const FRAME_WORST_PERCENT: u32 = 124;
     const STAGE_CYCLES: u32 = 17_600;
     /// Biquads and a room find too little time beside strikes at 96 MHz, and would take 69 of the

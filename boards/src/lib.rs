@@ -23,8 +23,6 @@ use dsp_core::time::TICK_FRAMES;
 /// Maximum number of pads of a kit on a board: the firmware has counters for so many.
 pub const PADS: usize = 16;
 
-/// Most cycles that the inputs take of the time to a tick's deadline: with four ringing piezos.
-const INPUT_CYCLES: u32 = 9_000;
 /// Most cycles that a tick takes, in percent of the engine's prediction.
 ///
 /// The prediction is nominal and without the waits of flash. These percent cover the cycle model's
@@ -46,11 +44,14 @@ pub trait Board {
     /// Cycles from the interrupt that renders a tick to the tick's deadline.
     const LEAD_CYCLES: u32 =
         (Self::CORE_HZ as u64 * Self::LEAD_FRAMES as u64 * Self::RATE.1 as u64 / Self::RATE.0 as u64) as u32;
+    /// Most cycles that the inputs take of the time to a tick's deadline: with four ringing piezos,
+    /// MIDI, and the notes of times above the sound.
+    const INPUT_CYCLES: u32;
     /// [Budget](Engine::set_budget) of the engine: predicted cycles that a tick may take.
     ///
     /// It is the time to the deadline, less the time of the inputs, divided by the largest ratio of
     /// a tick's cycles to their prediction.
-    const BUDGET_CYCLES: u32 = (Self::LEAD_CYCLES - INPUT_CYCLES) / WORST_PERCENT * 100;
+    const BUDGET_CYCLES: u32 = (Self::LEAD_CYCLES - Self::INPUT_CYCLES) / WORST_PERCENT * 100;
     /// Cycles per tick that pads and stages may take together ([`Engine::new_within`]).
     ///
     /// With these no half of the DMA buffer is late when all piezos are struck at once (`cargo test
@@ -62,7 +63,8 @@ pub trait Board {
     const FRAME_WORST_PERCENT: u32;
     /// Cycles a frame that pads in frames may take: the time to the deadline, less that of the
     /// inputs, divided by [`FRAME_WORST_PERCENT`](Self::FRAME_WORST_PERCENT).
-    const FRAME_CYCLES: u32 = (Self::LEAD_CYCLES - INPUT_CYCLES) * 100 / Self::FRAME_WORST_PERCENT / TICK_FRAMES as u32;
+    const FRAME_CYCLES: u32 =
+        (Self::LEAD_CYCLES - Self::INPUT_CYCLES) * 100 / Self::FRAME_WORST_PERCENT / TICK_FRAMES as u32;
     /// Optional stages that the board's program contains.
     const BUILT: Built;
     /// Cycles that a strike may spend on moving its pad to another position: what the

@@ -6,6 +6,7 @@ use dsp_core::event::{Action, Event, Time};
 use dsp_core::memory::{Memory, Word};
 use dsp_core::table::Kit;
 
+use super::BUDGET_CYCLES;
 use super::waiting::Waiting;
 use crate::board::{Memory as Lent, STRIKES_PER_TICK};
 use crate::counters;
@@ -21,6 +22,10 @@ pub struct Instrument {
     waiting: Waiting,
     /// Number of strikes that the last half began.
     begun: usize,
+    /// Cycles a tick that the engine may take now, and the number of halves in time since they
+    /// changed.
+    budget: u32,
+    in_time: u32,
     /// Samples of the half that was rendered last.
     block: [[i32; 2]; HALF_FRAMES],
 }
@@ -42,14 +47,24 @@ static FAST: Owned<[Word; Lent::WORDS.fast]> = Owned::empty();
 #[unsafe(link_section = ".stages.words")]
 static BULK: Owned<[Word; Lent::WORDS.bulk]> = Owned::empty();
 
+/// Number of halves in time after which the budget is raised: a second.
+const HALVES_PER_RAISE: u32 = 1500;
+
 impl Instrument {
     /// Makes the one instrument, without a kit.
     ///
     /// # Safety
     /// This is called once.
     pub unsafe fn place() -> &'static mut Self {
-        let empty =
-            Self { engine: None, strikers: [0; PADS], waiting: Waiting::NONE, begun: 0, block: [[0; 2]; HALF_FRAMES] };
+        let empty = Self {
+            engine: None,
+            strikers: [0; PADS],
+            waiting: Waiting::NONE,
+            begun: 0,
+            budget: 0,
+            in_time: 0,
+            block: [[0; 2]; HALF_FRAMES],
+        };
         // SAFETY: the caller promises to call this once, so nothing else uses the memory.
         unsafe { INSTRUMENT.fill(empty) }
     }
@@ -75,11 +90,34 @@ impl Instrument {
         let memory = unsafe { Memory::new(FAST.lend(), BULK.lend()) };
         let engine = self.engine.insert(Lent::engine(kit, memory, &mut tell)?);
         engine.set_budget(Some(budget_cycles_per_tick));
+        (self.budget, self.in_time) = (budget_cycles_per_tick, 0);
         self.strikers = [0; PADS];
         for (count, pad) in self.strikers.iter_mut().zip(kit.pads()) {
             *count = pad.striker_indices().count() as u8;
         }
         Ok(())
+    }
+
+    /// Adapts the budget to the time that there is: a late half lowers it by an eighth, down to a
+    /// quarter, and a second without one raises it again by a sixteenth of the whole.
+    ///
+    /// What it decides is in the log, as all decisions to leave modes out.
+    pub fn keep_time(&mut self, is_late: bool) {
+        self.in_time = if is_late { 0 } else { self.in_time + 1 };
+        let budget = match (is_late, self.in_time) {
+            (true, _) => (self.budget - self.budget / 8).max(BUDGET_CYCLES / 4),
+            (false, HALVES_PER_RAISE) => {
+                self.in_time = 0;
+                (self.budget + BUDGET_CYCLES / 16).min(BUDGET_CYCLES)
+            }
+            _ => return,
+        };
+        if budget != self.budget {
+            self.budget = budget;
+            if let Some(engine) = &mut self.engine {
+                engine.set_budget(Some(budget));
+            }
+        }
     }
 
     /// Returns the first frame of the next half.

@@ -175,6 +175,7 @@ impl Audio {
         let Some(missed) = self.halves_since_last(now, played).checked_sub(1) else { return };
         (self.last, self.played) = (now, played);
         self.miss(missed);
+        self.instrument.keep_time(missed > 0);
         self.take_inputs(missed);
         self.midi.take(now, self.instrument);
 
@@ -197,6 +198,7 @@ impl Audio {
         if self.i2s.frames_since(played) >= LEAD_FRAMES {
             // The DMA read a part of these frames before they were written: old frames were heard.
             self.miss(1);
+            self.instrument.keep_time(true);
         }
     }
 

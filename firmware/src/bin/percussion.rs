@@ -6,6 +6,7 @@
 use defmt_rtt as _;
 use dsp_core::table::Kit;
 use embassy_executor::{SpawnError, SpawnToken, Spawner};
+use embassy_stm32::Peripherals;
 use firmware::audio::instrument::Instrument;
 use firmware::audio::midi::Midi;
 use firmware::faults::{self, Fault};
@@ -33,6 +34,19 @@ async fn main(spawner: Spawner) {
         // The watchdog is not fed any more, so the board restarts.
         return defmt::error!("the built-in kit does not play: flash this image again");
     };
+    play(&spawner, peripherals, instrument, kit, settings);
+}
+
+/// Starts sound, inputs, USB and the tasks.
+// Not inlined: its stack must not add to that of loading a kit.
+#[inline(never)]
+fn play(
+    spawner: &Spawner,
+    peripherals: Peripherals,
+    instrument: &'static mut Instrument,
+    kit: Kit<'static>,
+    settings: input::Settings,
+) {
     watchdog::expect_sound();
     let devices = hardware::init(peripherals);
     if let Err(error) = devices.codec {
@@ -43,14 +57,14 @@ async fn main(spawner: Spawner) {
     // SAFETY: main runs once.
     let inputs = unsafe { Inputs::place(Piezos::new(devices.piezos), devices.button, settings) };
     if let Some(usb) = usb::start(devices.usb) {
-        spawn(&spawner, tasks::sysex(usb.sysex, usb.replies));
+        spawn(spawner, tasks::sysex(usb.sysex, usb.replies));
         let midi = Midi::new((usb.incoming, usb.outgoing), kit);
         if let Some(log) = audio::start(devices.i2s, inputs, instrument, midi) {
-            spawn(&spawner, tasks::log(log, kit));
+            spawn(spawner, tasks::log(log, kit));
         }
     }
-    spawn(&spawner, tasks::report());
-    spawn(&spawner, tasks::meter(devices.leds, devices.leds_light_high));
+    spawn(spawner, tasks::report());
+    spawn(spawner, tasks::meter(devices.leds, devices.leds_light_high));
 }
 
 /// Spawns a task. A task that is spawned once cannot be refused; if one were, the error is logged.

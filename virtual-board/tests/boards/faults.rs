@@ -132,6 +132,28 @@ fn a_debugger_may_halt_the_core_for_a_second_and_the_board_plays_on() {
     assert!(peak(&running) < 0.7);
 }
 
+/// Something takes half of the core's time, as a storm of interrupts would: each half has less
+/// time than the budget was made for.
+#[test]
+fn a_board_whose_halves_are_late_leaves_more_modes_out_until_they_are_in_time() {
+    let half_s = 32.0 * 1792.0 / 86e6;
+    let (from_s, halves) = (0.4, 1500);
+    let stall = |n: u32| Fault::CoreStalled { at_s: from_s + half_s * f64::from(n), for_s: 0.5 * half_s };
+    let hits =
+        |piezo: usize| (0..30).map(|n| (0.38 + 0.035 * f64::from(n) + 0.003 * piezo as f64, 0.9)).collect::<Vec<_>>();
+    let piezos = (0..4).map(|piezo| signal(piezo, 1.5, &hits(piezo))).collect();
+    let setup = Setup { piezos, faults: (0..halves).map(stall).collect(), ..Setup::default() };
+    let report = common::run(Board::Stm32f407gDisc1, &setup, 1.4).report().unwrap();
+    let missed = |from_s: f64, to_s: f64| {
+        let lines = report.log.iter().filter(|line| (from_s..to_s).contains(&line.at_s));
+        lines.filter(|line| line.message.contains("halves missed")).count()
+    };
+    let (first, later) = (missed(0.4, 0.6), missed(1.2, 1.4));
+    println!("{first} halves missed in the first 0.2 s, {later} in the last");
+    assert!(report.resets.is_empty(), "{:#?}", report.resets);
+    assert!(first > 0 && later * 4 <= first, "{first} and {later}");
+}
+
 #[test]
 fn a_panic_is_told_again_at_the_next_start_with_version_and_revision() {
     for (fault, words) in

@@ -39,8 +39,8 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
 /// (`LEAD_FRAMES` in `boards/src`).
 pub(crate) fn deadline(board: Board) -> f64 {
     let lead_frames = match board {
-        Board::Stm32f407gDisc1 => 26.0,
-        Board::BlackpillF411 => 27.0,
+        Board::Stm32f407gDisc1 => 27.0,
+        Board::BlackpillF411 => 28.0,
     };
     lead_frames / 32.0
 }
@@ -109,8 +109,9 @@ fn images_leave_flash_and_stack_free() {
             report.static_ram_bytes
         );
         assert!(used + STACK_RESERVE <= room, "{}: {used} of {room} bytes of stack", board.name());
-        // The images take 351 500 and 348 600 bytes.
-        assert!(report.flash_bytes <= 345 << 10, "{}: {} bytes of flash", board.name(), report.flash_bytes);
+        // The images take 385 300 and 314 600 bytes. The BlackPill's leaves 32 KB for settings.
+        let most = if board == Board::Stm32f407gDisc1 { 380 << 10 } else { 320 << 10 };
+        assert!(report.flash_bytes <= most, "{}: {} bytes of flash", board.name(), report.flash_bytes);
     }
 }
 
@@ -123,7 +124,7 @@ fn nothing_in_the_audio_and_trigger_paths_can_panic() {
         let calls = calls(&common::application(board));
         let from_main = reached(&calls, "main");
         assert!(from_main.iter().any(|function| panics(function)), "the list of panics is out of date");
-        for root in [interrupt, "EXTI0"] {
+        for root in [interrupt, "EXTI0", "OTG_FS"] {
             let reached = reached(&calls, root);
             let panicking: Vec<_> = reached.iter().filter(|function| panics(function)).collect();
             println!("{}: {root} reaches {} functions", board.name(), reached.len());
