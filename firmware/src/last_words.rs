@@ -60,8 +60,8 @@ pub fn keep(words: fmt::Arguments<'_>) {
 /// Passes the words of the last run to `tell`, if it left any, and forgets them.
 pub fn take(tell: impl FnOnce(&str)) {
     let place = PLACE.0.get().cast::<Kept>();
-    // SAFETY: all bits are a valid `Kept`, and only `keep` uses the place at other times. The read is
-    // volatile since a run before this one wrote the bits.
+    // SAFETY: all bits are a valid `Kept`, and only `keep` uses the place at other times. The read
+    // is volatile since a run before this one wrote the bits.
     let kept = unsafe { place.read_volatile() };
     if kept.mark == MARK && kept.check == !kept.length {
         // SAFETY: as above.

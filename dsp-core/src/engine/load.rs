@@ -4,9 +4,9 @@
 
 use super::error::LoadError;
 use super::fader::Fader;
+use super::held::Held;
 use super::report::TickReport;
 use super::setup::{Fitting, STRUCK_PAD_FRAME, Setup};
-use super::silence::Held;
 use super::stage::Stage;
 use super::state::{Engine, STANDARD_CONTACTS};
 use crate::built::Built;

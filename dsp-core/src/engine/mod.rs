@@ -16,6 +16,7 @@ mod check;
 mod cost;
 mod error;
 mod fader;
+mod held;
 mod load;
 mod load_modes;
 mod plan;

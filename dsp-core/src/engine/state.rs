@@ -1,9 +1,9 @@
 //! State of an engine, and what a caller can ask it between blocks.
 
 use super::fader::Fader;
+use super::held::Held;
 use super::report::TickReport;
 use super::setup::Skipping;
-use super::silence::Held;
 use crate::SampleRate;
 use crate::built::Built;
 use crate::contact::ActiveContacts;

@@ -57,7 +57,7 @@ impl Cables {
         match packet.bytes() {
             [] => tell(Heard::Stray),
             // A channel message begins with its status byte in each packet.
-            [..0x80, ..] if (0x8..=0xE).contains(&(packet.0[0] & 0xF)) => tell(Heard::Stray),
+            [first, ..] if *first < 0x80 && (0x8..=0xE).contains(&(packet.0[0] & 0xF)) => tell(Heard::Stray),
             bytes => bytes.iter().for_each(|&byte| parser.take(byte, &mut tell)),
         }
     }

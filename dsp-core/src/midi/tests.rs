@@ -24,9 +24,9 @@ impl Random {
     }
 }
 
-/// Messages of a stream, and its whole SysEx, by the rules of the MIDI 1.0 specification, applied to
-/// the stream as a whole: real-time bytes are taken out first, then the rest is cut at its status
-/// bytes.
+/// Messages of a stream, and its whole SysEx, by the rules of the MIDI 1.0 specification, applied
+/// to the stream as a whole: real-time bytes are taken out first, then the rest is cut at its
+/// status bytes.
 fn plainly(stream: &[u8]) -> (Vec<[u8; 3]>, Vec<Vec<u8>>, usize) {
     let is_real_time = |byte: &u8| *byte >= 0xF8;
     let rest: Vec<u8> = stream.iter().copied().filter(|byte| !is_real_time(byte)).collect();
@@ -51,7 +51,7 @@ fn plainly(stream: &[u8]) -> (Vec<[u8; 3]>, Vec<Vec<u8>>, usize) {
     (messages, sysex, real_time)
 }
 
-/// What the parser makes of a stream, in the form of [`plainly`].
+/// Result of the parser for a stream, in the form of [`plainly`].
 fn parsed(stream: &[u8]) -> (Vec<[u8; 3]>, Vec<Vec<u8>>, usize) {
     let (mut messages, mut sysex, mut real_time) = (Vec::new(), Vec::new(), 0);
     let mut parser = Parser::new();
@@ -69,8 +69,8 @@ fn parsed(stream: &[u8]) -> (Vec<[u8; 3]>, Vec<Vec<u8>>, usize) {
     (messages, sysex, real_time)
 }
 
-/// A stream of about `length` bytes: messages, whole and cut, SysEx, running status, real-time bytes
-/// between any two bytes, and bytes at random.
+/// A stream of about `length` bytes: messages, whole and cut, SysEx, running status, real-time
+/// bytes between any two bytes, and bytes at random.
 fn stream(length: usize, random: &mut Random) -> Vec<u8> {
     let mut bytes = Vec::new();
     while bytes.len() < length {
@@ -115,7 +115,7 @@ fn ten_million_bytes_give_the_messages_of_a_second_parser() {
 fn damage_costs_at_most_the_message_that_it_hits() {
     let mut random = Random(77);
     for _ in 0..2_000 {
-        let note = |n: u8| [0x90 | n % 16, n % 128, 1 + n % 100];
+        let note = |n: u8| [0x90 | (n % 16), n % 128, 1 + n % 100];
         let mut stream: Vec<u8> = (0..20).flat_map(note).collect();
         let place = random.below(stream.len() as u64) as usize;
         if random.below(2) == 0 {

@@ -6,7 +6,6 @@ use dsp_core::event::{Action, Event, Time};
 use dsp_core::memory::{Memory, Word};
 use dsp_core::table::Kit;
 
-use super::BUDGET_CYCLES;
 use super::waiting::Waiting;
 use crate::board::{Memory as Lent, STRIKES_PER_TICK};
 use crate::counters;
@@ -49,6 +48,9 @@ static BULK: Owned<[Word; Lent::WORDS.bulk]> = Owned::empty();
 
 /// Number of halves in time after which the budget is raised: a second.
 const HALVES_PER_RAISE: u32 = 1500;
+
+/// Core cycles that a tick may take by the engine's prediction, if all halves are in time.
+const BUDGET_CYCLES: u32 = Lent::BUDGET_CYCLES;
 
 impl Instrument {
     /// Makes the one instrument, without a kit.
@@ -101,7 +103,7 @@ impl Instrument {
     /// Adapts the budget to the time that there is: a late half lowers it by an eighth, down to a
     /// quarter, and a second without one raises it again by a sixteenth of the whole.
     ///
-    /// What it decides is in the log, as all decisions to leave modes out.
+    /// The log holds its decisions, as all those to leave modes out.
     pub fn keep_time(&mut self, is_late: bool) {
         self.in_time = if is_late { 0 } else { self.in_time + 1 };
         let budget = match (is_late, self.in_time) {

@@ -12,7 +12,7 @@ use super::instrument::Instrument;
 use crate::board::CLOCKS;
 use crate::counters;
 use crate::half::HALF_FRAMES;
-use crate::usb::{Incoming, Outgoing};
+use crate::usb::{self, Incoming, Outgoing};
 
 /// Maximum number of packets that a half takes: one full transfer. Others wait for the next half.
 const PACKETS_PER_HALF: usize = 16;
@@ -42,7 +42,7 @@ impl Midi {
     // Not inlined, so that its stack and that of the renderer share their place.
     #[inline(never)]
     pub(super) fn take(&mut self, begun: u32, instrument: &mut Instrument) {
-        if self.incoming.host_is_new() {
+        if usb::host_is_new() {
             self.keyboard.forget_keys();
         }
         for _ in 0..PACKETS_PER_HALF {

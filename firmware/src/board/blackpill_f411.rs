@@ -29,8 +29,8 @@ pub const CLOCKS: ClockPlan = ClockPlan {
 pub const I2S: Wiring =
     Wiring { spi: pac::SPI2, reset_bit: 14, dma: pac::DMA1, stream: 4, channel: 0, interrupt: interrupt::DMA1_STREAM4 };
 
-/// Maximum number of strikes that a half begins, and half of it right behind others: a pad that is struck takes up to 12 000 cycles
-/// beside its modes, which alone can be shed.
+/// Maximum number of strikes that a half begins, and half of it right behind others: a pad that is
+/// struck takes up to 12 000 cycles beside its modes, which alone can be shed.
 pub const STRIKES_PER_TICK: usize = 3;
 
 /// Number of the board in its MIDI identity.

@@ -29,8 +29,8 @@ pub const RING_FRAMES: usize = 128;
 const COUNTS: usize = RING_FRAMES * CHANNELS;
 /// Time from switching the ADC on to its first conversion, in microseconds.
 const ADC_WAKES_US: u32 = 4;
-/// Time by which the first frame comes later than a period of the timer after the start, in ticks of
-/// the timer: 2.8 us, so that with its scan of 7.6 us it ends in the middle of a period.
+/// Time by which the first frame comes later than a period of the timer after the start, in ticks
+/// of the timer: 2.8 us, so that with its scan of 7.6 us it ends in the middle of a period.
 const FIRST_FRAME_TICKS: u32 = (CLOCKS.timer_hz() as u64 * 28 / 10_000_000) as u32;
 /// Stream of DMA2 that serves ADC1.
 const STREAM: usize = 0;
@@ -51,7 +51,8 @@ static RING: Ring = Ring(UnsafeCell::new([[0; CHANNELS]; RING_FRAMES]));
 const PULLED: Duration = Duration::from_millis(2);
 /// Time from letting a pin go to its sample.
 const LET_GO: Duration = Duration::from_millis(4);
-/// Counts of a pin with bias and a piezo at rest: half the supply, and a quarter of it to each side.
+/// Counts of a pin with bias and a piezo at rest: half the supply, and a quarter of it to each
+/// side.
 const AT_REST: core::ops::RangeInclusive<u16> = 1024..=3071;
 /// Largest difference of a wired pin's counts after pulls to the two rails. The pulls leave 25
 /// counts; an open pin is off by 3000.
@@ -88,8 +89,8 @@ impl Piezos {
         Self { next: 0, pins }
     }
 
-    /// Returns true for each piezo that is wired: with its bias, its pin goes back to half the supply
-    /// after a pull to either rail.
+    /// Returns true for each piezo that is wired: with its bias, its pin goes back to half the
+    /// supply after a pull to either rail.
     ///
     /// An open pin keeps its charge, and would follow the channel that is sampled before it; a
     /// grounded one stays at its rail. A hit on a piezo hides its bias, so a pin is looked at up to

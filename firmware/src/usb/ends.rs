@@ -57,6 +57,18 @@ pub struct Sysex(Receiver<Packet, WAITING>);
 /// SysEx to the host, which a task appends.
 pub struct Replies(Sender<Packet, WAITING>);
 
+/// Ends of the queues between USB and the rest of the program.
+pub struct Ends {
+    /// Short messages of the host, for the audio interrupt.
+    pub incoming: Incoming,
+    /// Short messages to the host, of the audio interrupt.
+    pub outgoing: Outgoing,
+    /// SysEx of the host, for a task.
+    pub sysex: Sysex,
+    /// SysEx to the host, of a task.
+    pub replies: Replies,
+}
+
 /// Ends of the queues on the side of USB.
 pub(super) struct Inner {
     pub(super) router: Router,
@@ -78,12 +90,12 @@ pub(super) struct Gatherer {
 }
 
 /// Gives the ends of all queues, or `None` if they have been given before.
-pub(super) fn split() -> Option<(super::Ends, Inner)> {
+pub(super) fn split() -> Option<(Ends, Inner)> {
     let (to_audio, incoming) = INCOMING.split()?;
     let (outgoing, from_audio) = OUTGOING.split()?;
     let (to_task, sysex) = SYSEX_IN.split()?;
     let (replies, from_task) = REPLIES.split()?;
-    let ends = super::Ends {
+    let ends = Ends {
         incoming: Incoming(incoming),
         outgoing: Outgoing(outgoing),
         sysex: Sysex(sysex),
@@ -95,11 +107,6 @@ pub(super) fn split() -> Option<(super::Ends, Inner)> {
 }
 
 impl Incoming {
-    /// Returns true once for each reset of the bus: another host may play from now on.
-    pub fn host_is_new(&self) -> bool {
-        super::interrupts::host_is_new()
-    }
-
     /// Removes and returns the oldest message, or `None` if there is none.
     pub fn take(&mut self) -> Option<Received> {
         self.0.take()

@@ -3,6 +3,7 @@
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use core::task::Poll;
 
+use embassy_executor::InterruptExecutor;
 use embassy_stm32::interrupt::typelevel::{self, Handler};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::pac::USB_OTG_FS as OTG;
@@ -10,7 +11,7 @@ use embassy_stm32::pac::otg::regs::Gintmsk;
 use embassy_stm32::{interrupt, peripherals, usb};
 use embassy_sync::waitqueue::AtomicWaker;
 
-use super::{EXECUTOR, ends};
+use super::ends;
 use crate::cycles;
 
 /// Priority of the handler that notes the time, which takes 60 cycles: it need not wait for the
@@ -36,6 +37,9 @@ static ARRIVED_AT: AtomicU32 = AtomicU32::new(0);
 static HOST_IS_NEW: AtomicBool = AtomicBool::new(false);
 /// Waker of the part of the task that looks after resets of the bus.
 pub(super) static BUS_RESET: AtomicWaker = AtomicWaker::new();
+
+/// Executor of the task.
+pub(super) static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
 
 /// Proof for the driver that its handler is bound.
 #[derive(Clone, Copy)]
@@ -134,7 +138,7 @@ pub(super) fn with_arrival<T>(poll: impl FnOnce() -> Poll<T>) -> Poll<(T, u32)> 
 }
 
 /// Returns true once for each reset of the bus: another host may play from now on.
-pub(super) fn host_is_new() -> bool {
+pub fn host_is_new() -> bool {
     HOST_IS_NEW.swap(false, Ordering::Relaxed)
 }
 

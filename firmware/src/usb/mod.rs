@@ -23,36 +23,11 @@ mod ends;
 mod interrupts;
 mod tasks;
 
-use embassy_executor::InterruptExecutor;
-use embassy_stm32::Peri;
 use embassy_stm32::interrupt::{self, InterruptExt};
-use embassy_stm32::peripherals::{PA11, PA12, USB_OTG_FS};
 
-pub use ends::{Incoming, Outgoing, Packet, Received, Replies, Sysex};
-
-/// USB peripheral and its pins.
-pub struct Port {
-    /// USB core, full speed.
-    pub peripheral: Peri<'static, USB_OTG_FS>,
-    /// Pin of D+.
-    pub dp: Peri<'static, PA12>,
-    /// Pin of D-.
-    pub dm: Peri<'static, PA11>,
-}
-
-/// Ends of the queues between USB and the rest of the program.
-pub struct Ends {
-    /// Short messages of the host, for the audio interrupt.
-    pub incoming: Incoming,
-    /// Short messages to the host, of the audio interrupt.
-    pub outgoing: Outgoing,
-    /// SysEx of the host, for a task.
-    pub sysex: Sysex,
-    /// SysEx to the host, of a task.
-    pub replies: Replies,
-}
-
-static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
+pub use ends::{Ends, Incoming, Outgoing, Packet, Received, Replies, Sysex};
+pub use interrupts::host_is_new;
+pub use tasks::Port;
 
 /// Starts USB: the host sees the board from now on.
 ///
@@ -60,7 +35,7 @@ static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
 pub fn start(port: Port) -> Option<Ends> {
     let (ends, inner) = ends::split()?;
     interrupts::set_priorities();
-    let spawner = EXECUTOR.start(interrupt::SDIO);
+    let spawner = interrupts::EXECUTOR.start(interrupt::SDIO);
     spawner.spawn(tasks::run(port, inner).ok()?);
     // SAFETY: the handler shares atomics and wakers alone with other code.
     unsafe { interrupt::I2C3_EV.enable() };

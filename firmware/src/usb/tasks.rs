@@ -6,18 +6,28 @@ use core::task::Poll;
 
 use embassy_futures::join::join3;
 use embassy_futures::select::select;
-use embassy_stm32::peripherals::USB_OTG_FS;
+use embassy_stm32::Peri;
+use embassy_stm32::peripherals::{PA11, PA12, USB_OTG_FS};
 use embassy_stm32::usb;
 use embassy_time::{Duration, Timer, with_timeout};
 use embassy_usb::driver::{EndpointError, EndpointIn, EndpointOut};
 use embassy_usb::{Builder, UsbDevice};
 
-use super::Port;
 use super::descriptors::{self, CONFIGURATION_BYTES, TRANSFER_BYTES};
-use super::ends::{Gatherer, Inner, Router};
+use super::ends::{Gatherer, Inner, Packet, Router};
 use super::interrupts::{self, BUS_RESET, Bound};
 use crate::counters;
 use crate::owned::Owned;
+
+/// USB peripheral and its pins.
+pub struct Port {
+    /// USB core, full speed.
+    pub peripheral: Peri<'static, USB_OTG_FS>,
+    /// Pin of D+.
+    pub dp: Peri<'static, PA12>,
+    /// Pin of D-.
+    pub dm: Peri<'static, PA11>,
+}
 
 type Otg = usb::Driver<'static, USB_OTG_FS>;
 
@@ -43,8 +53,8 @@ pub(super) async fn run(port: Port, inner: Inner) {
     let empty = Buffers { configuration: [0; _], control: [0; _], received: [0; _] };
     // SAFETY: the task runs once.
     let buffers = unsafe { BUFFERS.fill(empty) };
-    // The BlackPill has the supply of the cable on no pin, and the DISC1 on PA9. Neither watches it,
-    // so that both do the same: without a cable the bus is as if suspended.
+    // The BlackPill has the supply of the cable on no pin, and the DISC1 on PA9. Neither watches
+    // it, so that both do the same: without a cable the bus is as if suspended.
     let mut config = usb::Config::default();
     config.vbus_detection = false;
     let driver = Otg::new_fs(port.peripheral, Bound, port.dp, port.dm, &mut buffers.received, config);
@@ -107,7 +117,7 @@ async fn send(mut endpoint: impl EndpointIn, mut gatherer: Gatherer) {
         let bytes = gatherer.gather(&mut transfer).await;
         let written = with_timeout(SEND_TIMEOUT, endpoint.write(transfer.get(..bytes).unwrap_or_default())).await;
         if !matches!(written, Ok(Ok(()))) {
-            counters::USB_UNSENT.add((bytes / size_of::<super::Packet>()) as u32);
+            counters::USB_UNSENT.add((bytes / size_of::<Packet>()) as u32);
         }
     }
 }

@@ -77,7 +77,8 @@ fn all_sound_ends_as_exact_zeros_within_5_ms_and_does_not_come_back() {
     }
 }
 
-/// In frames the turns of retirement go on while nothing sounds, which changes bits below -100 dBFS.
+/// In frames the turns of retirement go on while nothing sounds, which changes bits below -100
+/// dBFS.
 #[test]
 fn a_strike_after_silence_sounds_as_on_a_new_engine() {
     let mut frames = thing(1025, 1);

@@ -17,7 +17,7 @@ use super::usb_midi::{self, EraseArguments, PortArguments, ReadArguments, SendAr
 pub(crate) enum BoardCommand {
     /// Run a firmware image on a virtual board: gives its sound as a WAV file, its log, and its
     /// cycles
-    Run(RunArguments),
+    Run(Box<RunArguments>),
     /// Show a board's firmware, its slots, their kits, and what it leaves out of each
     Info(PortArguments),
     /// Send a kit to a slot of a board over USB-MIDI, and play it
@@ -58,8 +58,8 @@ pub(crate) struct RunArguments {
     #[arg(long, value_name = "AT[,FOR[,BOUNCE]]", value_parser = parse_press)]
     button: Vec<Press>,
     /// Fault of the hardware or the program: adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT,
-    /// codec-silent, core-stalled@AT,FOR, halted@AT,FOR, audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO,
-    /// panic@AT, hard-fault@AT; times in seconds
+    /// codec-silent, core-stalled@AT,FOR, halted@AT,FOR, audio-interrupt-lost@AT,FOR,
+    /// piezo-at-rail@AT,PIEZO, panic@AT, hard-fault@AT; times in seconds
     #[arg(long, value_name = "FAULT[@AT,...]", value_parser = parse_fault)]
     fault: Vec<Fault>,
     /// Song that a USB host plays on the board: a Standard MIDI File

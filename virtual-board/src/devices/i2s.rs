@@ -113,8 +113,8 @@ impl I2s {
         }
         self.configuration = value;
         if value & I2SE == 0 {
-            // What was not sent stays in the data register, and begins the next stream. Only a reset
-            // of the peripheral clears it.
+            // What was not sent stays in the data register, and begins the next stream. Only a
+            // reset of the peripheral clears it.
             self.running = None;
             return Ok(());
         }

@@ -8,6 +8,7 @@
 //! ```
 
 pub(crate) mod adc;
+mod connections;
 pub(crate) mod dma;
 mod events;
 pub(crate) mod exti;
@@ -42,7 +43,7 @@ use adc::Adc;
 use dma::Dma;
 use exti::{Exti, Syscfg};
 use flash::Flash;
-use gpio::{Mode, Pin, Port};
+use gpio::{Pin, Port};
 use i2c::I2c;
 use i2s::I2s;
 use map::Device;
@@ -380,25 +381,5 @@ impl Devices {
         let context = Context { now, seconds, clocks: &tree };
         self.timers.iter_mut().for_each(|timer| timer.clock_changed(&context));
         Ok(())
-    }
-
-    /// Returns true if a pin has an alternate function.
-    fn is_alternate(&self, pin: Pin, function: u8) -> bool {
-        self.ports[usize::from(pin.port)].mode(pin.number) == Mode::Alternate(function)
-    }
-
-    /// Returns true if clock and data of the I2S reach the converter.
-    fn audio_is_connected(&self) -> bool {
-        self.wiring.i2s_pins.iter().all(|&(name, pin, function)| name == "MCK" || self.is_alternate(pin, function))
-    }
-
-    /// Returns true if MCLK reaches the codec.
-    fn master_clock_runs(&self) -> bool {
-        let pin = self.wiring.i2s_pins.iter().find(|pin| pin.0 == "MCK");
-        let i2s = &self.i2s[usize::from(self.wiring.i2s) - 2];
-        pin.is_some_and(|&(_, pin, function)| self.is_alternate(pin, function))
-            && i2s.is_on()
-            && i2s.makes_master_clock()
-            && self.clocks.i2s.is_some()
     }
 }

@@ -19,8 +19,8 @@ fn frames_of(seconds: f64, rate: SampleRate) -> u64 {
     ((seconds * rate.hz()) as u64).max(1)
 }
 
-/// Splits events at orders of silence. A strike in the 4 ms in which a sound ends begins at the tick
-/// after them. An order where nothing has been struck before has no effect.
+/// Splits events at orders of silence. A strike in the 4 ms in which a sound ends begins at the
+/// tick after them. An order where nothing has been struck before has no effect.
 pub(super) fn parts(events: &[Event], rate: SampleRate) -> Vec<Part> {
     let mut parts = vec![Part { events: Vec::new(), from: 0, to: None }];
     // Tick at which the last part begins.

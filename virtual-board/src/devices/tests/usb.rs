@@ -73,7 +73,7 @@ fn usb_core_needs_its_bus_clock_and_48_mhz() {
 }
 
 #[test]
-fn usb_out_packet_waits_in_the_fifo_and_the_next_one_is_refused_until_nak_is_cleared() {
+fn usb_out_packet_waits_in_the_fifo_and_the_next_is_refused_until_nak_is_cleared() {
     let mut core = Core::ready();
     assert_eq!(core.output(false, &[1, 2, 3, 4, 5]), Answer::Ack);
     assert_eq!(core.output(true, &[6]), Answer::Nak);

@@ -85,8 +85,8 @@ fn song_of_2000_notes_and_piezos_sound_with_the_bits_of_the_pc() {
     plays_the_bits_of_the_pc(2000);
 }
 
-/// On the BlackPill three strikes fit into a half, and two behind others: the rest follow in the next
-/// halves.
+/// On the BlackPill three strikes fit into a half, and two behind others: the rest follow in the
+/// next halves.
 #[test]
 fn ten_notes_of_one_transfer_sound_in_one_frame_or_within_four_halves() {
     for board in Board::ALL {
@@ -141,7 +141,8 @@ fn hits_reach_the_host_within_the_half_in_which_they_are_decided() {
         assert_sound(board, &report);
         let told: Vec<f64> = report.usb.received.iter().map(|transfer| transfer.ended_s).collect();
         assert_eq!(told.len(), hits.len(), "{}", board.name());
-        // A hit is decided 1.5 ms after its onset, which lies up to 1 ms behind the start of the recording.
+        // A hit is decided 1.5 ms after its onset, which lies up to 1 ms behind the start of the
+        // recording.
         let late = told.iter().zip(&hits).map(|(told, hit)| told - hit.0);
         let (least, most) = late.fold((f64::INFINITY, 0.0f64), |(least, most), x| (least.min(x), most.max(x)));
         println!("{}: the host is told {:.2} to {:.2} ms after a hit begins", board.name(), 1e3 * least, 1e3 * most);
