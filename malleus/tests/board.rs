@@ -49,7 +49,7 @@ fn firmware_plays_a_press_of_the_button_and_reports_it() {
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (image, sound) = (path("percussion.elf"), path("sound.wav"));
     std::fs::write(&image, elf).unwrap();
-    let output = malleus(&[&image, "--button", "0.12,0.05", "--seconds", "0.2", "-o", &sound, "--report", "json"]);
+    let output = malleus(&[&image, "--button", "0.25,0.05", "--seconds", "0.33", "-o", &sound, "--report", "json"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["board"], "stm32f407g-disc1");
@@ -85,8 +85,10 @@ fn song_and_sysex_go_to_the_board_over_usb_and_its_answers_to_a_midi_file() {
         &sysex,
         "--midi-out",
         &answers,
+        "--button",
+        "0.45,0.02",
         "--seconds",
-        "0.45",
+        "0.5",
         "--report",
         "json",
     ]);
@@ -97,7 +99,9 @@ fn song_and_sysex_go_to_the_board_over_usb_and_its_answers_to_a_midi_file() {
         .map(|byte| byte.as_u64().unwrap() as u8)
         .collect();
     assert_eq!(sent.as_chunks().0, [[4, 0xf0, 0x7d, 1], [6, 2, 0xf7, 0], notes[0].1, notes[1].1]);
-    assert!(usb_midi::packets(&std::fs::read(&answers).unwrap()).is_ok());
+    // The press of the button goes out as a note of the first pad, with velocity 0.8.
+    let answers = usb_midi::packets(&std::fs::read(&answers).unwrap()).unwrap();
+    assert!(answers.iter().any(|(_, packets)| packets.contains(&[0x09, 0x99, 60, 102])), "{answers:?}");
     let refused = complaint(&[&image, "--midi", &sysex]);
     assert!(refused.contains("one.syx") && refused.contains("Standard MIDI File"), "{refused}");
 }
