@@ -9,8 +9,9 @@ use core::mem::MaybeUninit;
 /// initialised at the start.
 pub struct Owned<T>(UnsafeCell<MaybeUninit<T>>);
 
-// SAFETY: `fill` and `get` are unsafe and ask for one user at a time.
-unsafe impl<T> Sync for Owned<T> {}
+// SAFETY: `fill` and `get` are unsafe and ask for one user at a time. The user is an interrupt, and
+// another fills the memory, so the content must be `Send`.
+unsafe impl<T: Send> Sync for Owned<T> {}
 
 impl<T> Owned<T> {
     /// Makes empty memory.
