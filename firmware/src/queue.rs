@@ -62,6 +62,11 @@ impl<T: Copy, const N: usize> Sender<T, N> {
 }
 
 impl<T: Copy, const N: usize> Receiver<T, N> {
+    /// Returns true if no item waits.
+    pub fn is_empty(&self) -> bool {
+        self.0.pushed.load(Ordering::Relaxed) == self.0.taken.load(Ordering::Relaxed)
+    }
+
     /// Removes and returns the oldest item, or `None` if the queue is empty.
     pub fn take(&mut self) -> Option<T> {
         let queue = self.0;

@@ -4,6 +4,7 @@ use crate::event::Event;
 
 /// Maximum number of strikes that wait for the end of a sound; more displace the oldest.
 const WAITING: usize = 8;
+
 /// Strikes that wait until the sound before them has ended, at most 5 ms.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Held {
@@ -17,19 +18,16 @@ impl Held {
 
     /// Lets a strike wait.
     pub(super) fn push(&mut self, strike: &Event) {
-        if self.count == WAITING {
-            self.strikes.rotate_left(1);
-            self.count -= 1;
-        }
-        if let Some(place) = self.strikes.get_mut(self.count) {
+        // All begin in one frame, so their order does not matter.
+        if let Some(place) = self.strikes.get_mut(self.count % WAITING) {
             *place = *strike;
             self.count += 1;
         }
     }
 
-    /// Strikes that wait, the oldest first.
+    /// Strikes that wait.
     pub(super) fn strikes(&self) -> &[Event] {
-        self.strikes.get(..self.count).unwrap_or(&[])
+        self.strikes.get(..self.count.min(WAITING)).unwrap_or(&[])
     }
 
     /// True if no strike waits.

@@ -39,12 +39,19 @@ impl Midi {
 
     /// Passes the messages of the host to the instrument, each with the time at which its transfer
     /// ended. `begun` is the time of the interrupt in core cycles.
-    // Not inlined, so that its stack and that of the renderer share their place.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn take(&mut self, begun: u32, instrument: &mut Instrument) {
         if usb::host_is_new() {
             self.keyboard.forget_keys();
         }
+        if !self.incoming.is_empty() {
+            self.take_packets(begun, instrument);
+        }
+    }
+
+    // Not inlined, so that its stack and that of the renderer share their place.
+    #[inline(never)]
+    fn take_packets(&mut self, begun: u32, instrument: &mut Instrument) {
         for _ in 0..PACKETS_PER_HALF {
             let Some(received) = self.incoming.take() else { return };
             // A transfer may end after the interrupt began.

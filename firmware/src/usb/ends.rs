@@ -107,6 +107,11 @@ pub(super) fn split() -> Option<(Ends, Inner)> {
 }
 
 impl Incoming {
+    /// Returns true if no message waits.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Removes and returns the oldest message, or `None` if there is none.
     pub fn take(&mut self) -> Option<Received> {
         self.0.take()

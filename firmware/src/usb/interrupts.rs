@@ -139,7 +139,7 @@ pub(super) fn with_arrival<T>(poll: impl FnOnce() -> Poll<T>) -> Poll<(T, u32)> 
 
 /// Returns true once for each reset of the bus: another host may play from now on.
 pub fn host_is_new() -> bool {
-    HOST_IS_NEW.swap(false, Ordering::Relaxed)
+    HOST_IS_NEW.load(Ordering::Relaxed) && HOST_IS_NEW.swap(false, Ordering::Relaxed)
 }
 
 /// Returns true if a reset of the bus has not been served yet.
