@@ -7,8 +7,8 @@
 //! | 26 432 | the room: 18 KB of delay, 8960 samples, and 8 KB of state | beside the core |
 //! | 72 840 | three residuals, 24 280 each; the background counts as one | RAM |
 //! | 29 400 | filters of three to four pads | RAM |
-//! | 9 644 | DMA buffers, the log, tasks, USB | RAM |
-//! | 17 428 | the stack, of which a storm uses 11 KB and a test keeps 4 KB free | RAM |
+//! | 9 636 | DMA buffers, the log, tasks, USB | RAM |
+//! | 19 188 | the stack, of which a storm uses 11 KB and a test keeps 4 KB free | RAM |
 //!
 //! `cargo test -p virtual-board --test boards -- --nocapture load::images stages` prints the sums.
 
