@@ -54,8 +54,8 @@ impl Fader {
 
     fn go_to(&mut self, end: i32, seconds: f64, rate: SampleRate) {
         let frames = ((seconds * rate.hz()) as u32).max(1);
-        // Both gains are 0 to 2^30, so the difference is an i32. The quotient in floats has no panic,
-        // and what it lacks the last frame makes up for.
+        // Both gains are 0 to 2^30, so the difference is an i32. The quotient in floats has no
+        // panic, and what it lacks the last frame makes up for.
         let step = (end - self.gain) as f32 / frames as f32;
         (self.left, self.end, self.step) = (frames, end, step as i32);
     }
