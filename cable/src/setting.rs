@@ -75,7 +75,7 @@ impl Key {
             Self::Threshold { .. } => ValueRange::Number(0.001, 0.5),
             Self::Curve { .. } => ValueRange::Number(0.1, 8.0),
             Self::Channel => ValueRange::Count(1, 16),
-            Self::Level => ValueRange::Number(-60.0, 12.0),
+            Self::Level => ValueRange::Number(-60.0, 0.0),
             Self::StartSlot => ValueRange::Count(0, u8::MAX),
         }
     }

@@ -98,9 +98,10 @@ pub enum Job {
 /// Flash, settings and engine of a board, which [`Device`](crate::Device) serves to the computer.
 ///
 /// [`Device`](crate::Device) checks all that comes over the wire: slots exist, offsets lie in them,
-/// values are in range. It calls [`erase`](Store::erase), [`set`](Store::set),
-/// [`start`](Store::start) and [`enter_dfu`](Store::enter_dfu) within
-/// [`Device::work`](crate::Device::work) alone, behind a message that tells the computer to wait.
+/// values are in range. It calls [`erase`](Store::erase), [`prepare`](Store::prepare),
+/// [`commit`](Store::commit), [`set`](Store::set), [`start`](Store::start) and
+/// [`enter_dfu`](Store::enter_dfu) within [`Device::work`](crate::Device::work) alone, behind a
+/// message that tells the computer to wait.
 /// Every call may block; audio goes on in its interrupt, unless the flash stalls the core.
 pub trait Store {
     /// Names and rate of the board.
@@ -117,8 +118,13 @@ pub trait Store {
     /// Their number is the slot's capacity.
     fn bytes(&self, slot: u8) -> Option<&[u8]>;
 
-    /// Content of a slot, which exists; [`Content::of`] with the board's plan.
-    fn content(&self, slot: u8, tell: &mut dyn FnMut(LeftOut)) -> Content;
+    /// All bytes of the flash that an upload to a slot writes; `None` if there is no such slot.
+    ///
+    /// They are those of [`bytes`](Store::bytes) on a board that has one place a slot.
+    fn uploaded(&self, slot: u8) -> Option<&[u8]>;
+
+    /// Content of the bytes of a slot; [`Content::of`] with the board's plan.
+    fn content(&self, bytes: &[u8], tell: &mut dyn FnMut(LeftOut)) -> Content;
 
     /// Longest time that a job takes, in milliseconds, by the chip's data sheet.
     fn longest_ms(&self, job: Job) -> u16;
@@ -129,7 +135,20 @@ pub trait Store {
     /// [`Refusal::Flash`] if the slot is not erased.
     fn erase(&mut self, slot: u8) -> Result<(), Refusal>;
 
-    /// Writes bytes to erased flash of a slot and compares what it then reads.
+    /// Erases the flash that an upload to a slot writes. A board with one place a slot plays the
+    /// built-in kit from then on, if the slot's kit played.
+    ///
+    /// # Errors
+    /// [`Refusal::Flash`] if the flash is not erased.
+    fn prepare(&mut self, slot: u8) -> Result<(), Refusal>;
+
+    /// Makes the uploaded kit that of its slot, for all starts.
+    ///
+    /// # Errors
+    /// [`Refusal::Flash`] if the board cannot note it. The old kit then stays that of the slot.
+    fn commit(&mut self, slot: u8) -> Result<(), Refusal>;
+
+    /// Writes bytes to the erased flash of an upload to a slot, and compares what it then reads.
     ///
     /// `offset` and the number of bytes are multiples of 4, but for the end of a kit. Each byte is
     /// written once after an erase.

@@ -157,7 +157,7 @@ impl Device {
         match deed {
             Deed::Prepare(upload) => {
                 self.finished = None;
-                store.erase(upload.slot)?;
+                store.prepare(upload.slot)?;
                 self.upload = Some(upload);
                 return Ok(Answer::Upload(Some(upload.progress())));
             }
@@ -172,7 +172,7 @@ impl Device {
             }
             Deed::Set(key, value) => store.set(key, value)?,
             Deed::Start(None) => store.start(None)?,
-            Deed::Start(Some(slot)) => match store.content(slot, &mut |_| {}) {
+            Deed::Start(Some(slot)) => match store.content(store.bytes(slot).unwrap_or_default(), &mut |_| {}) {
                 Content::Kit { .. } => store.start(Some(slot))?,
                 Content::Refused(refusal) => return Err(refusal),
                 Content::Empty | Content::Unfinished => return Err(Refusal::EmptySlot { slot }),
@@ -202,7 +202,8 @@ fn serve<'s, S: Store>(
         Request::Slot { slot } => {
             let capacity = capacity(slot, store)? as u32;
             let mut left_out = LeftOuts::new();
-            let content = store.content(slot, &mut |stage| left_out.push(stage));
+            let bytes = store.bytes(slot).unwrap_or_default();
+            let content = store.content(bytes, &mut |stage| left_out.push(stage));
             Answer::Slot { slot, capacity, content, left_out }
         }
         Request::Read { slot, offset } => {

@@ -85,11 +85,11 @@ impl Upload {
         }
     }
 
-    /// Checks the kit in the flash, writes its header, and checks all of it.
+    /// Checks the kit in the flash, writes its header, checks all of it, and makes it the slot's.
     ///
-    /// The magic is written last of all: before that, the slot holds no kit at any start.
+    /// The magic is written last of all: before that, the flash holds no kit at any start.
     pub(super) fn finish<S: Store>(&self, store: &mut S) -> Result<(), Refusal> {
-        let body = store.bytes(self.slot).and_then(|bytes| bytes.get(HEADER_BYTES..self.length()));
+        let body = store.uploaded(self.slot).and_then(|bytes| bytes.get(HEADER_BYTES..self.length()));
         let (stored, computed) = (self.word(3), checksum(body.unwrap_or_default()));
         if stored != computed {
             return Err(Refusal::WrongCrc { stored, computed });
@@ -97,8 +97,8 @@ impl Upload {
         let (magic, rest) = self.header.split_at(MAGIC.len());
         store.write(self.slot, MAGIC.len(), rest)?;
         store.write(self.slot, 0, magic)?;
-        match store.content(self.slot, &mut |_| {}) {
-            Content::Kit { .. } => Ok(()),
+        match store.content(store.uploaded(self.slot).unwrap_or_default(), &mut |_| {}) {
+            Content::Kit { .. } => store.commit(self.slot),
             Content::Refused(refusal) => Err(refusal),
             Content::Empty | Content::Unfinished => Err(Refusal::Flash { offset: 0 }),
         }

@@ -68,8 +68,12 @@ impl Store for TestBoard {
         self.slots.get(usize::from(slot)).map(Vec::as_slice)
     }
 
-    fn content(&self, slot: u8, tell: &mut dyn FnMut(LeftOut)) -> Content {
-        Content::of(&self.slots[usize::from(slot)], |kit, tell| BlackpillF411::plan(kit, tell).map(drop), tell)
+    fn uploaded(&self, slot: u8) -> Option<&[u8]> {
+        self.bytes(slot)
+    }
+
+    fn content(&self, bytes: &[u8], tell: &mut dyn FnMut(LeftOut)) -> Content {
+        Content::of(bytes, |kit, tell| BlackpillF411::plan(kit, tell).map(drop), tell)
     }
 
     fn longest_ms(&self, job: Job) -> u16 {
@@ -83,6 +87,14 @@ impl Store for TestBoard {
         self.slots[usize::from(slot)].fill(0xFF);
         self.playing = self.playing.filter(|&playing| playing != slot);
         self.erases += 1;
+        Ok(())
+    }
+
+    fn prepare(&mut self, slot: u8) -> Result<(), Refusal> {
+        self.erase(slot)
+    }
+
+    fn commit(&mut self, _slot: u8) -> Result<(), Refusal> {
         Ok(())
     }
 

@@ -30,7 +30,7 @@ fn keys() -> impl Strategy<Value = (Key, Option<Value>)> {
         (0..16u8, 0.001..0.5f32).prop_map(|(piezo, value)| (Key::Threshold { piezo }, Value::Number(value))),
         (0..16u8, 0.1..8.0f32).prop_map(|(piezo, value)| (Key::Curve { piezo }, Value::Number(value))),
         (1..=16u8).prop_map(|value| (Key::Channel, Value::Count(value))),
-        (-60.0..12.0f32).prop_map(|value| (Key::Level, Value::Number(value))),
+        (-60.0..0.0f32).prop_map(|value| (Key::Level, Value::Number(value))),
         any::<u8>().prop_map(|value| (Key::StartSlot, Value::Count(value))),
     ]
     .prop_flat_map(|(key, value)| (Just(key), prop::option::of(Just(value))))
