@@ -1,16 +1,17 @@
-//! Tasks that can wait for the sound: log, report, level meter, answers to SysEx.
+//! Tasks that can wait for the sound: log, report, level meter.
+
+use core::cell::RefCell;
 
 use dsp_core::event::{Action, Event};
-use dsp_core::midi::Packet;
 use dsp_core::table::Kit;
 use embassy_stm32::gpio::Output;
+use embassy_sync::blocking_mutex::ThreadModeMutex;
 use embassy_time::{Instant, Timer};
 
-use crate::audio::{CYCLES_PER_HALF, Line, Log};
-use crate::board::{LEDS, MIDI_NUMBER};
-use crate::counters;
+use crate::audio::{CYCLES_PER_HALF, Line, Log, take_program};
+use crate::board::LEDS;
 use crate::faults::{self, Fault};
-use crate::usb::{Replies, Sysex};
+use crate::{counters, sysex};
 
 /// Time between two looks for lines of the log, in ms.
 const LOG_EVERY_MS: u64 = 8;
@@ -19,47 +20,85 @@ const METER_EVERY_MS: u64 = 20;
 /// Time for which a passing fault is shown, in s.
 const SHOW_S: u64 = 5;
 
-/// Logs the lines of the audio interrupt.
+/// Log of the audio interrupt, with what its lines say of faults.
+struct Journal {
+    lines: Log,
+    /// Kit whose pads the lines name.
+    kit: Kit<'static>,
+    sound_until: Instant,
+    adc_until: Instant,
+    /// Bit n is set while piezo n fails.
+    failing_piezos: u32,
+}
+
+static JOURNAL: ThreadModeMutex<RefCell<Option<Journal>>> = ThreadModeMutex::new(RefCell::new(None));
+
+/// Begins the log with the kit that plays.
+pub fn begin_log(lines: Log, kit: Kit<'static>) {
+    let journal = Journal { lines, kit, sound_until: Instant::MIN, adc_until: Instant::MIN, failing_piezos: 0 };
+    JOURNAL.lock(|place| *place.borrow_mut() = Some(journal));
+}
+
+/// Logs the lines of the audio interrupt that wait. Later lines name the pads of `next`, if there is
+/// one.
+pub fn pass_on_log(next: Option<Kit<'static>>) {
+    JOURNAL.lock(|journal| {
+        let Ok(mut journal) = journal.try_borrow_mut() else { return };
+        if let Some(journal) = journal.as_mut() {
+            journal.pass_on();
+            journal.kit = next.unwrap_or(journal.kit);
+        }
+    });
+}
+
+/// Logs the lines of the audio interrupt, and carries the programs that it was asked for to the
+/// task that changes kits.
 ///
 /// An event is logged as `event ` and a line of an events file: sample, pad, velocity, position,
 /// striker and action.
 #[embassy_executor::task]
-pub async fn log(mut lines: Log, kit: Kit<'static>) {
-    let (mut sound_until, mut adc_until) = (Instant::MIN, Instant::MIN);
-    // Bit n is set while piezo n fails.
-    let mut failing_piezos = 0u32;
+pub async fn log() {
     loop {
-        while let Some(line) = lines.take() {
+        pass_on_log(None);
+        if let Some(slot) = take_program() {
+            sysex::change_kit(slot);
+        }
+        Timer::after_millis(LOG_EVERY_MS).await;
+    }
+}
+
+impl Journal {
+    fn pass_on(&mut self) {
+        while let Some(line) = self.lines.take() {
             let shown_until = Instant::now() + embassy_time::Duration::from_secs(SHOW_S);
             match line {
-                Line::Event(event) => tell(&event, &kit),
+                Line::Event(event) => tell(&event, &self.kit),
                 Line::PiezoFault { channel, fault } => {
-                    failing_piezos |= 1 << (channel % 32);
+                    self.failing_piezos |= 1 << (channel % 32);
                     defmt::error!("piezo {=u8}: {}", channel, defmt::Display2Format(&fault));
                 }
                 Line::PiezoRecovered { channel } => {
-                    failing_piezos &= !(1 << (channel % 32));
+                    self.failing_piezos &= !(1 << (channel % 32));
                     defmt::info!("piezo {=u8}: well again", channel);
                 }
                 Line::Missed { halves } => {
-                    sound_until = shown_until;
+                    self.sound_until = shown_until;
                     defmt::warn!("audio: {=u32} halves missed", halves);
                 }
                 Line::StreamRestarted => {
-                    sound_until = shown_until;
+                    self.sound_until = shown_until;
                     defmt::error!("I2S: DMA transfer error, stream started anew");
                 }
                 Line::AdcRestarted => {
-                    adc_until = shown_until;
+                    self.adc_until = shown_until;
                     defmt::error!("ADC: overrun or DMA error, sampling started anew");
                 }
             }
         }
         let now = Instant::now();
-        faults::set(Fault::Piezo, failing_piezos != 0);
-        faults::set(Fault::Sound, now < sound_until);
-        faults::set(Fault::Adc, now < adc_until);
-        Timer::after_millis(LOG_EVERY_MS).await;
+        faults::set(Fault::Piezo, self.failing_piezos != 0);
+        faults::set(Fault::Sound, now < self.sound_until);
+        faults::set(Fault::Adc, now < self.adc_until);
     }
 }
 
@@ -130,51 +169,6 @@ pub async fn report() {
         );
     }
 }
-
-/// Answers the identity request of MIDI (universal SysEx 06 01). Other SysEx is left unanswered.
-#[embassy_executor::task]
-pub async fn sysex(mut sysex: Sysex, mut replies: Replies) {
-    const REQUEST: [u8; 6] = [0xF0, 0x7E, 0x7F, 0x06, 0x01, 0xF7];
-    let mut matched = 0;
-    loop {
-        let packet = sysex.next().await;
-        for &byte in Packet(packet).bytes() {
-            // The request goes to all devices, or to one by its number.
-            let is_next = REQUEST.get(matched).is_some_and(|&next| byte == next || matched == 2 && byte < 0x80);
-            matched = if is_next { matched + 1 } else { usize::from(byte == REQUEST[0]) };
-            if matched == REQUEST.len() {
-                matched = 0;
-                for packet in IDENTITY {
-                    replies.push(packet).await;
-                }
-            }
-        }
-    }
-}
-
-/// Identity reply in packets: manufacturer 7D (not for sale), family 1, number of the board,
-/// version of the firmware.
-const IDENTITY: [[u8; 4]; 5] = [
-    [0x04, 0xF0, 0x7E, 0x7F],
-    [0x04, 0x06, 0x02, 0x7D],
-    [0x04, 1, 0, MIDI_NUMBER],
-    [0x04, 0, VERSION[0], VERSION[1]],
-    [0x07, VERSION[2], 0, 0xF7],
-];
-
-/// Version of the firmware, a number of 7 bits each.
-const VERSION: [u8; 3] = {
-    let text = env!("CARGO_PKG_VERSION").as_bytes();
-    let (mut version, mut part, mut at) = ([0; 3], 0, 0);
-    while at < text.len() && part < 3 {
-        match text[at] {
-            digit @ b'0'..=b'9' => version[part] = version[part] * 10 + (digit - b'0'),
-            _ => part += 1,
-        }
-        at += 1;
-    }
-    version
-};
 
 /// Shows the level on the LEDs, 12 dB each. If a fault is present the last LED flashes its number.
 #[embassy_executor::task]

@@ -113,20 +113,14 @@ impl I2s {
         }
     }
 
-    /// Returns the frame of the buffer that the DMA reads next, 0 to 63.
-    pub fn position(&self) -> usize {
-        let left = usize::from(I2S.dma.st(I2S.stream).ndtr().read().ndt());
-        (HALF_WORDS - left.clamp(1, HALF_WORDS)) / HALF_WORDS_PER_FRAME
-    }
-
     /// Returns the half that the DMA has read last, 0 or 1.
     pub fn half_played(&self) -> usize {
-        1 - self.position() / HALF_FRAMES
+        1 - position() / HALF_FRAMES
     }
 
     /// Returns the number of frames that the DMA has read since it finished the half `half`.
     pub fn frames_since(&self, half: usize) -> usize {
-        (self.position() + FRAMES - (half + 1) * HALF_FRAMES % FRAMES) % FRAMES
+        (position() + FRAMES - (half + 1) * HALF_FRAMES % FRAMES) % FRAMES
     }
 
     /// Writes samples of 24 bits to the 32 frames of the buffer from `first` on, round its end.
@@ -137,6 +131,12 @@ impl I2s {
         store(0, from_start);
         compiler_fence(Ordering::SeqCst);
     }
+}
+
+/// Returns the frame of the buffer that the DMA reads next, 0 to 63; 0 before the stream starts.
+pub fn position() -> usize {
+    let left = usize::from(I2S.dma.st(I2S.stream).ndtr().read().ndt());
+    (HALF_WORDS - left.clamp(1, HALF_WORDS)) / HALF_WORDS_PER_FRAME
 }
 
 /// Resets the peripheral and sets it up.

@@ -25,6 +25,10 @@ pub struct Instrument {
     /// changed.
     budget: u32,
     in_time: u32,
+    /// Gain of the board's settings, and the level of the last event of one. The sound has their
+    /// product.
+    gain: f32,
+    level: f32,
     /// Samples of the half that was rendered last.
     block: [[i32; 2]; HALF_FRAMES],
 }
@@ -65,6 +69,8 @@ impl Instrument {
             begun: 0,
             budget: 0,
             in_time: 0,
+            gain: 1.0,
+            level: 1.0,
             block: [[0; 2]; HALF_FRAMES],
         };
         // SAFETY: the caller promises to call this once, so nothing else uses the memory.
@@ -93,11 +99,41 @@ impl Instrument {
         let engine = self.engine.insert(Lent::engine(kit, memory, &mut tell)?);
         engine.set_budget(Some(budget_cycles_per_tick));
         (self.budget, self.in_time) = (budget_cycles_per_tick, 0);
+        (self.begun, self.level) = (0, 1.0);
         self.strikers = [0; PADS];
         for (count, pad) in self.strikers.iter_mut().zip(kit.pads()) {
             *count = pad.striker_indices().count() as u8;
         }
+        self.restore_level();
         Ok(())
+    }
+
+    /// Sets the gain of the board's settings, 0 to 1, which multiplies each level.
+    pub fn set_gain(&mut self, gain: f32) {
+        self.gain = gain;
+    }
+
+    /// Drops the events that wait.
+    pub(super) fn forget_events(&mut self) {
+        self.waiting = Waiting::NONE;
+    }
+
+    /// Lets the sound go to its level at the next half.
+    pub(super) fn restore_level(&mut self) {
+        let level = Event { velocity: self.level, action: Action::Level, ..Event::NOTHING };
+        if self.gain * self.level < 1.0 || self.now() > 0 {
+            self.expect(Event { time: Time::at_frame(self.now()), ..level });
+        }
+    }
+
+    /// Lets the sound go to silence at the next half, whatever the level of the last event.
+    pub(super) fn mute(&mut self) {
+        self.wait_for(Event { time: Time::at_frame(self.now()), action: Action::Level, ..Event::NOTHING });
+    }
+
+    /// Lets all sound end at the next half.
+    pub(super) fn end(&mut self) {
+        self.wait_for(Event { time: Time::at_frame(self.now()), action: Action::Silence, ..Event::NOTHING });
     }
 
     /// Adapts the budget to the time that there is: a late half lowers it by an eighth, down to a
@@ -132,7 +168,11 @@ impl Instrument {
     /// An event whose frame has passed is counted, and happens at the first frame of the next half.
     pub fn expect(&mut self, event: Event) {
         let frame = event.time.first_frame();
-        let event = Event { time: Time::at_frame(frame.max(self.now())), ..event };
+        let mut event = Event { time: Time::at_frame(frame.max(self.now())), ..event };
+        if event.action == Action::Level {
+            self.level = event.velocity;
+            event.velocity *= self.gain;
+        }
         if frame < self.now() {
             counters::LATE_EVENTS.add(1);
         }
@@ -140,6 +180,10 @@ impl Instrument {
         if event.striker >= self.strikers.get(usize::from(event.pad)).copied().unwrap_or(0) {
             return counters::REFUSED_EVENTS.add(1);
         }
+        self.wait_for(event);
+    }
+
+    fn wait_for(&mut self, event: Event) {
         if !self.waiting.insert(event) {
             counters::REFUSED_EVENTS.add(1);
         }

@@ -9,6 +9,7 @@ use dsp_core::midi::{Cables, Heard, Keyboard, Message, MidiOut, Outcome, Packet}
 use dsp_core::table::Kit;
 
 use super::instrument::Instrument;
+use super::programs;
 use crate::board::CLOCKS;
 use crate::counters;
 use crate::half::HALF_FRAMES;
@@ -18,7 +19,7 @@ use crate::usb::{self, Incoming, Outgoing};
 const PACKETS_PER_HALF: usize = 16;
 /// Core cycles of a frame of the output.
 const CYCLES_PER_FRAME: i32 = CLOCKS.cycles_per_frames(1) as i32;
-/// Channel on which strikes go out, counted from 0: users know it as channel 10.
+/// Channel on which strikes go out unless the settings name another, counted from 0: users know it as channel 10.
 const CHANNEL_OUT: u8 = 9;
 
 /// Ends of the MIDI queues, with the state of both directions.
@@ -31,10 +32,26 @@ pub struct Midi {
 }
 
 impl Midi {
-    /// Makes the MIDI of a kit, which listens to all channels.
-    pub fn new((incoming, outgoing): (Incoming, Outgoing), kit: Kit<'static>) -> Self {
-        let (keyboard, out) = (Keyboard::new(kit, None), MidiOut::new(kit, CHANNEL_OUT));
+    /// Makes the MIDI of a kit on a channel, counted from 0. `None` listens to all channels, and
+    /// sends on channel 10.
+    pub fn new((incoming, outgoing): (Incoming, Outgoing), kit: Kit<'static>, channel: Option<u8>) -> Self {
+        let (keyboard, out) = (Keyboard::new(kit, channel), MidiOut::new(kit, channel.unwrap_or(CHANNEL_OUT)));
         Self { incoming, outgoing, cables: Cables::new(), keyboard, out }
+    }
+
+    /// Changes the kit and the channel.
+    // Not inlined: the keyboard that is built here must not add to the stack of its callers.
+    #[inline(never)]
+    pub(super) fn set(&mut self, kit: Kit<'static>, channel: Option<u8>) {
+        self.keyboard = Keyboard::new(kit, channel);
+        self.out = MidiOut::new(kit, channel.unwrap_or(CHANNEL_OUT));
+    }
+
+    /// Drops the messages that have come and not been taken.
+    pub(super) fn forget_waiting(&mut self) {
+        while self.incoming.take().is_some() {
+            counters::USB_LOST.add(1);
+        }
     }
 
     /// Passes the messages of the host to the instrument, each with the time at which its transfer
@@ -61,7 +78,10 @@ impl Midi {
             self.cables.take(Packet(received.packet), |heard| match heard {
                 Heard::Message(message) => {
                     counters::MIDI_MESSAGES.add(1);
-                    count(message, keyboard.take(message, time, |event| instrument.expect(event)));
+                    match keyboard.take(message, time, |event| instrument.expect(event)) {
+                        Outcome::Program(program) => programs::ask(program),
+                        outcome => count(message, outcome),
+                    }
                 }
                 // SysEx goes to its task; only damaged streams have any here.
                 _ => counters::MIDI_UNKNOWN.add(1),

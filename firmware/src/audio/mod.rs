@@ -11,18 +11,22 @@
 //! that renders it, which is the deadline. A lead of less than a half shortens the time from a
 //! strike to its sound; the engine's budget leaves the rest of the time to other tasks anyway.
 
+mod hush;
 pub mod i2s;
 pub mod instrument;
 pub mod midi;
+mod programs;
 mod waiting;
 
-use core::sync::atomic::{AtomicBool, Ordering};
+pub use hush::{Hushed, hush, wait_for_gap};
+pub use programs::take_program;
 
 use boards::Board;
 use dsp_core::event::Event;
 use dsp_core::trigger;
 use embassy_stm32::interrupt;
 
+use self::hush::{Fade, Holder};
 use self::i2s::{I2s, Told};
 use self::instrument::Instrument;
 use self::midi::Midi;
@@ -88,6 +92,8 @@ struct Audio {
     played: usize,
     /// Number of halves of zeros that were rendered in a row, at most 255.
     silent_halves: u8,
+    /// Way to silence, while a task waits for it.
+    fade: Fade,
 }
 
 static LOG: Queue<Line, LINES> = Queue::new();
@@ -108,8 +114,6 @@ impl Lines {
 pub type Log = Receiver<Line, LINES>;
 
 static AUDIO: Owned<Audio> = Owned::empty();
-/// True once `AUDIO` has been filled.
-static READY: AtomicBool = AtomicBool::new(false);
 
 /// Lets the I2S stream, which runs and is silent, play the instrument. Returns the log's lines, or
 /// `None` if it has been called before.
@@ -125,10 +129,11 @@ pub fn start(
         i2s.start();
     }
     let (played, lines) = (i2s.half_played(), Lines(lines));
-    let audio = Audio { i2s, inputs, instrument, midi, lines, last: cycles::now(), played, silent_halves: 0 };
-    // SAFETY: the log is split once, and the interrupt does not look before `READY` is set.
+    let audio =
+        Audio { i2s, inputs, instrument, midi, lines, last: cycles::now(), played, silent_halves: 0, fade: Fade::NONE };
+    // SAFETY: the log is split once, and the interrupt does not look before it holds the sound.
     unsafe { AUDIO.fill(audio) };
-    READY.store(true, Ordering::Release);
+    Holder::Interrupt.set();
     Some(log)
 }
 
@@ -146,10 +151,10 @@ fn DMA1_STREAM5() {
 
 fn on_half() {
     let begun = cycles::now();
-    if !READY.load(Ordering::Acquire) {
+    if Holder::get() != Holder::Interrupt {
         return i2s::acknowledge();
     }
-    // SAFETY: `start` has filled `AUDIO`, and an interrupt does not interrupt itself.
+    // SAFETY: `start` has filled `AUDIO`, the interrupt holds it, and does not interrupt itself.
     let audio = unsafe { AUDIO.get() };
     audio.on_interrupt(begun);
     let spent = cycles::now().wrapping_sub(begun);
@@ -175,12 +180,16 @@ impl Audio {
         let Some(missed) = self.halves_since_last(now, played).checked_sub(1) else { return };
         (self.last, self.played) = (now, played);
         self.miss(missed);
-        self.instrument.keep_time(missed > 0);
-        self.take_inputs(missed);
-        self.midi.take(now, self.instrument);
+        let is_fading = self.fade.step(self.instrument);
+        if !is_fading {
+            self.instrument.keep_time(missed > 0);
+            self.take_inputs(missed);
+            self.midi.take(now, self.instrument);
+        }
 
         let (inputs, lines) = (&mut self.inputs, &mut self.lines);
-        let half = self.instrument.render(inputs.direct(), |event| lines.push(Line::Event(*event)));
+        let direct = if is_fading { None } else { inputs.direct() };
+        let half = self.instrument.render(direct, |event| lines.push(Line::Event(*event)));
         self.silent_halves = if half.is_none() { self.silent_halves.saturating_add(1) } else { 0 };
         // If both halves hold zeros already there is nothing to write.
         if self.silent_halves <= 2 {
@@ -199,6 +208,10 @@ impl Audio {
             // The DMA read a part of these frames before they were written: old frames were heard.
             self.miss(1);
             self.instrument.keep_time(true);
+        }
+        if self.fade.is_over() {
+            i2s::silence_now();
+            Holder::Task.set();
         }
     }
 

@@ -4,20 +4,20 @@
 #![no_main]
 
 use defmt_rtt as _;
-use dsp_core::table::Kit;
 use embassy_executor::{SpawnError, SpawnToken, Spawner};
 use embassy_stm32::Peripherals;
 use firmware::audio::instrument::Instrument;
 use firmware::audio::midi::Midi;
 use firmware::faults::{self, Fault};
+use firmware::input::Inputs;
 use firmware::input::piezo::Piezos;
-use firmware::input::{self, Inputs};
-use firmware::refusal::Refusal;
 use firmware::restart::Cause;
-use firmware::{audio, board, cycles, hardware, kits, last_words, tasks, usb, watchdog};
+use firmware::storage::{Started, Storage};
+use firmware::{audio, board, cycles, dfu, hardware, last_words, sysex, tasks, usb, watchdog};
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
+    dfu::go_if_asked();
     watchdog::start();
     let peripherals = hardware::start_clocks();
     if let Some(mut core) = cortex_m::Peripherals::take() {
@@ -29,12 +29,12 @@ async fn main(spawner: Spawner) {
     watchdog::feed();
     // The kit is loaded before the stream runs, so that no interrupt slows it down.
     // SAFETY: main runs once.
-    let instrument = unsafe { Instrument::place() };
-    let Some((kit, settings)) = choose_kit(instrument) else {
+    let (instrument, mut storage) = unsafe { (Instrument::place(), Storage::open()) };
+    let Some(started) = storage.load_first(instrument) else {
         // The watchdog is not fed any more, so the board restarts.
         return defmt::error!("the built-in kit does not play: flash this image again");
     };
-    play(&spawner, peripherals, instrument, kit, settings);
+    play(&spawner, peripherals, instrument, storage, started);
 }
 
 /// Starts sound, inputs, USB and the tasks.
@@ -44,8 +44,8 @@ fn play(
     spawner: &Spawner,
     peripherals: Peripherals,
     instrument: &'static mut Instrument,
-    kit: Kit<'static>,
-    settings: input::Settings,
+    storage: Storage,
+    Started { kit, inputs, channel }: Started,
 ) {
     watchdog::expect_sound();
     let devices = hardware::init(peripherals);
@@ -55,13 +55,14 @@ fn play(
     }
     watchdog::feed();
     // SAFETY: main runs once.
-    let inputs = unsafe { Inputs::place(Piezos::new(devices.piezos), devices.button, settings) };
+    let inputs = unsafe { Inputs::place(Piezos::new(devices.piezos), devices.button, inputs) };
     if let Some(usb) = usb::start(devices.usb) {
-        spawn(spawner, tasks::sysex(usb.sysex, usb.replies));
-        let midi = Midi::new((usb.incoming, usb.outgoing), kit);
+        let midi = Midi::new((usb.incoming, usb.outgoing), kit, channel);
         if let Some(log) = audio::start(devices.i2s, inputs, instrument, midi) {
-            spawn(spawner, tasks::log(log, kit));
+            tasks::begin_log(log, kit);
+            spawn(spawner, tasks::log());
         }
+        spawn(spawner, sysex::serve(usb.sysex, usb.replies, storage));
     }
     spawn(spawner, tasks::report());
     spawn(spawner, tasks::meter(devices.leds, devices.leds_light_high));
@@ -73,35 +74,4 @@ fn spawn<T>(spawner: &Spawner, task: Result<SpawnToken<T>, SpawnError>) {
         Ok(task) => spawner.spawn(task),
         Err(_) => defmt::error!("a task could not start"),
     }
-}
-
-/// Loads the kit of the kit sector if it is good, else the built-in one.
-///
-/// Returns `None` if neither plays.
-fn choose_kit(instrument: &mut Instrument) -> Option<(Kit<'static>, input::Settings)> {
-    match kit_in_sector(instrument) {
-        Ok(Some(chosen)) => return Some(chosen),
-        Ok(None) => defmt::info!("kit sector: empty, the built-in kit plays"),
-        Err(refusal) => {
-            faults::set(Fault::Kit, true);
-            defmt::error!("kit sector: {}; the built-in kit plays", refusal);
-        }
-    }
-    let kit = Kit::parse(kits::BUILT_IN).ok()?;
-    instrument.load(&kit, audio::BUDGET_CYCLES, |_| {}).ok()?;
-    Some((kit, input::Settings::of(&kit).ok()?))
-}
-
-/// Loads the kit of the kit sector, or returns `None` if the sector is erased.
-fn kit_in_sector(instrument: &mut Instrument) -> Result<Option<(Kit<'static>, input::Settings)>, Refusal> {
-    let Some(kit) = kits::in_sector()? else { return Ok(None) };
-    let settings = input::Settings::of(&kit)?;
-    let tell = |error| {
-        defmt::warn!("kit sector, left out: {}", Refusal::Load(error));
-        // A large kit of which much is left out takes long to load.
-        watchdog::feed();
-    };
-    instrument.load(&kit, audio::BUDGET_CYCLES, tell)?;
-    defmt::info!("kit sector: {=str} plays", kit.name());
-    Ok(Some((kit, settings)))
 }

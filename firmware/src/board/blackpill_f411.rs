@@ -4,6 +4,7 @@
 use embassy_stm32::rcc::{APBPrescaler, PllPDiv};
 use embassy_stm32::{interrupt, pac};
 
+use super::sector::Sector;
 use super::wiring::Wiring;
 use crate::clock::{AudioClock, ClockPlan};
 
@@ -35,6 +36,21 @@ pub const STRIKES_PER_TICK: usize = 3;
 
 /// Number of the board in its MIDI identity.
 pub const MIDI_NUMBER: u8 = 2;
+
+/// Number of slots for kits.
+pub const SLOTS: u8 = 1;
+
+/// Sectors of the flash that hold kits, those of the slots first. The linker script leaves them
+/// out.
+///
+/// An upload overwrites the kit of the only slot.
+pub const KIT_SECTORS: [Sector; 1] = [Sector { number: 7, address: 0x0806_0000, bytes: 128 << 10 }];
+
+/// Sectors of the flash that hold the settings. The linker script leaves them out.
+pub const SETTINGS_SECTORS: [Sector; 2] = [
+    Sector { number: 1, address: 0x0800_4000, bytes: 16 << 10 },
+    Sector { number: 2, address: 0x0800_8000, bytes: 16 << 10 },
+];
 
 /// Number of LEDs of the board.
 pub const LEDS: usize = 1;

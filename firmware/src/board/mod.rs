@@ -1,5 +1,6 @@
 //! Constants of the board: clocks, wiring, number of LEDs. A feature chooses the board.
 
+pub mod sector;
 pub mod wiring;
 
 #[cfg(feature = "blackpill-f411")]

@@ -3,6 +3,7 @@
 use embassy_stm32::rcc::{APBPrescaler, PllPDiv};
 use embassy_stm32::{interrupt, pac};
 
+use super::sector::Sector;
 use super::wiring::Wiring;
 use crate::clock::{AudioClock, ClockPlan};
 
@@ -33,6 +34,25 @@ pub const STRIKES_PER_TICK: usize = 10;
 
 /// Number of the board in its MIDI identity.
 pub const MIDI_NUMBER: u8 = 1;
+
+/// Number of slots for kits.
+pub const SLOTS: u8 = 2;
+
+/// Sectors of the flash that hold kits, those of the slots first. The linker script leaves them
+/// out.
+///
+/// The third sector takes an upload, so that its slot keeps the old kit until the new one is whole.
+pub const KIT_SECTORS: [Sector; 3] = [
+    Sector { number: 11, address: 0x080E_0000, bytes: 128 << 10 },
+    Sector { number: 10, address: 0x080C_0000, bytes: 128 << 10 },
+    Sector { number: 9, address: 0x080A_0000, bytes: 128 << 10 },
+];
+
+/// Sectors of the flash that hold the settings. The linker script leaves them out.
+pub const SETTINGS_SECTORS: [Sector; 2] = [
+    Sector { number: 1, address: 0x0800_4000, bytes: 16 << 10 },
+    Sector { number: 2, address: 0x0800_8000, bytes: 16 << 10 },
+];
 
 /// Number of LEDs of the board.
 pub const LEDS: usize = 4;

@@ -71,6 +71,10 @@ struct DirectPad {
 }
 
 impl DirectPad {
+    fn new(pad: u8) -> Self {
+        Self { pad, resampler: None, force: [0; HALF_FRAMES] }
+    }
+
     /// Pairs the next sample of the ADC with the next frame of the output.
     // Not inlined: its kilobyte must not add to the stack of every half.
     #[inline(never)]
@@ -90,10 +94,32 @@ pub struct Inputs {
     /// True until the first frames since a start have come.
     is_starting: bool,
     direct: Option<DirectPad>,
+    /// Inputs at which a piezo was found.
+    found: [bool; CHANNELS],
 }
 
 #[unsafe(link_section = ".hot")]
 static INPUTS: Owned<Inputs> = Owned::empty();
+
+/// Settings of the board that go before those of the kit, piezo 0 first.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Overrides {
+    /// Softest peak that is a strike, of half the ADC's range.
+    pub thresholds: [Option<f32>; CHANNELS],
+    /// Exponent of the velocity curve.
+    pub exponents: [Option<f32>; CHANNELS],
+}
+
+impl Overrides {
+    fn apply(&self, pad: trigger::Settings) -> trigger::Settings {
+        let of = |values: &[Option<f32>; CHANNELS]| values.get(usize::from(pad.channel)).copied().flatten();
+        trigger::Settings {
+            threshold: of(&self.thresholds).unwrap_or(pad.threshold),
+            velocity_exponent: of(&self.exponents).unwrap_or(pad.velocity_exponent),
+            ..pad
+        }
+    }
+}
 
 /// Settings that a kit makes for the inputs.
 pub struct Settings {
@@ -105,13 +131,13 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Derives the settings from a kit.
+    /// Derives the settings from a kit and those of the board.
     ///
     /// # Errors
     /// [`TriggerError`] if a trigger or a button of the kit cannot be set as the kit says.
     // Not inlined: the settings that are built here must not add to the stack of the whole program.
     #[inline(never)]
-    pub fn of(kit: &Kit<'_>) -> Result<Self, TriggerError> {
+    pub fn of(kit: &Kit<'_>, board: &Overrides) -> Result<Self, TriggerError> {
         let rate = adc_rate();
         let is_direct = |settings: trigger::Settings| settings.mode == Mode::Direct;
         Ok(Self {
@@ -119,7 +145,7 @@ impl Settings {
                 .zip(trigger::Settings::of_kit(kit))
                 .find(|&(_, pad)| is_direct(pad))
                 .map(|(pad, _)| pad),
-            trigger: Trigger::from_kit(kit, rate)?,
+            trigger: Trigger::new(trigger::Settings::of_kit(kit).map(|pad| board.apply(pad)), rate)?,
             buttons: Buttons::from_kit(kit, rate)?,
             map: FrameMap::new(rate, CLOCKS.sample_rate())?,
         })
@@ -139,20 +165,39 @@ impl Inputs {
     // stack of the whole program.
     #[inline(never)]
     pub unsafe fn place(mut piezos: Piezos, button: Button, settings: Settings) -> &'static mut Self {
-        let Settings { mut trigger, buttons, map, direct_pad } = settings;
-        for (channel, found) in piezos.find().into_iter().enumerate() {
+        let found = piezos.find();
+        for (channel, found) in found.into_iter().enumerate() {
             match found {
                 true => defmt::info!("piezo {=usize}: found", channel),
-                false => {
-                    defmt::info!("piezo {=usize}: none, or no bias at its pin; not listened to", channel);
-                    trigger.disconnect(channel);
-                }
+                false => defmt::info!("piezo {=usize}: none, or no bias at its pin; not listened to", channel),
             }
         }
         button.listen();
-        let direct = direct_pad.map(|pad| DirectPad { pad, resampler: None, force: [0; HALF_FRAMES] });
+        let Settings { trigger, buttons, map, direct_pad } = settings;
+        let direct = direct_pad.map(DirectPad::new);
         // SAFETY: the caller promises to call this once, so nothing else uses the memory.
-        unsafe { INPUTS.fill(Self { piezos, button, trigger, buttons, map, anchor: None, is_starting: false, direct }) }
+        let inputs = unsafe {
+            INPUTS.fill(Self { piezos, button, trigger, buttons, map, anchor: None, is_starting: false, direct, found })
+        };
+        inputs.disconnect_open_inputs();
+        inputs
+    }
+
+    /// Changes the settings. The inputs must be started anew ([`forget_anchor`](Self::forget_anchor)).
+    #[inline(never)]
+    pub fn set(&mut self, settings: Settings) {
+        let Settings { trigger, buttons, map, direct_pad } = settings;
+        (self.trigger, self.buttons, self.map) = (trigger, buttons, map);
+        self.direct = direct_pad.map(DirectPad::new);
+        self.disconnect_open_inputs();
+    }
+
+    fn disconnect_open_inputs(&mut self) {
+        for (channel, found) in self.found.into_iter().enumerate() {
+            if !found {
+                self.trigger.disconnect(channel);
+            }
+        }
     }
 
     /// Reports by `tell` all that has happened since the last call.

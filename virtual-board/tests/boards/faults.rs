@@ -231,11 +231,11 @@ fn a_bad_kit_is_refused_by_name_and_the_built_in_kit_plays() {
     let mut too_new = good.clone();
     too_new[4] = 9;
     for (kit, words) in [
-        (corrupt, "kit sector: Table(WrongCrc {"),
-        (half_written, "kit sector: Table(WrongCrc {"),
-        (too_new, "kit sector: Table(NewerVersion { found: 9 })"),
-        (vec![0; 64], "kit sector: Table(WrongMagic {"),
-        (Vec::new(), "kit sector: empty"),
+        (corrupt, "slot 0: Table(WrongCrc {"),
+        (half_written, "slot 0: Table(WrongCrc {"),
+        (too_new, "slot 0: Table(NewerVersion { found: 9 })"),
+        (vec![0; 64], "slot 0: Table(WrongMagic {"),
+        (Vec::new(), "slot 0: empty"),
     ] {
         let presses = vec![Press { at_s: 0.3, for_s: 0.05, bounce_s: 0.0 }];
         let is_refused = !kit.is_empty();
@@ -251,7 +251,7 @@ fn a_bad_kit_is_refused_by_name_and_the_built_in_kit_plays() {
 fn a_good_kit_in_the_sector_plays() {
     let kit = kit::open("demo").unwrap().binary;
     let running = common::run(Board::BlackpillF411, &Setup { kit, ..Setup::default() }, 0.3);
-    assert!(says(&running.report().unwrap(), "kit sector: demo plays"));
+    assert!(says(&running.report().unwrap(), "slot 0: demo plays"));
 }
 
 #[test]
@@ -262,9 +262,9 @@ fn each_stage_that_a_board_leaves_out_of_a_kit_is_logged() {
     let kit = kit::binary::build(&demo).unwrap();
     let running = common::run(Board::BlackpillF411, &Setup { kit, ..Setup::default() }, 0.4);
     let report = running.report().unwrap();
-    assert!(says(&report, "kit sector: demo plays"), "{:#?}", report.log);
+    assert!(says(&report, "slot 0: demo plays"), "{:#?}", report.log);
     for reason in ["NotBuilt { stage: Room }", "TooDear { stage: DynamicFilter(2), cycles: "] {
-        assert!(says(&report, &format!("kit sector, left out: Load({reason}")), "{:#?}", report.log);
+        assert!(says(&report, &format!("left out: Load({reason}")), "{:#?}", report.log);
     }
     // The kit plays, and no LED shows a fault.
     assert!(!report.leds.iter().any(|led| led.at_s > 0.05 && led.lit), "{:#?}", report.leds);

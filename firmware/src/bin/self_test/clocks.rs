@@ -1,6 +1,6 @@
 //! Check of the clocks against each other. All come from one crystal, so this checks the dividers.
 
-use firmware::audio::i2s::I2s;
+use firmware::audio::i2s::{I2s, position};
 use firmware::board::CLOCKS;
 use firmware::{cycles, watchdog};
 
@@ -14,16 +14,16 @@ const TOLERANCE_PPM: i64 = 200;
 /// Checks the rate at which frames leave the I2S output against the core's clock.
 pub(crate) fn check(i2s: &mut I2s, failures: &mut Failures) {
     i2s.start();
-    let mut position = i2s.position();
+    let mut at = position();
     // The count goes from the beginning of one frame to that of another.
-    while i2s.position() == position {}
-    position = i2s.position();
+    while position() == at {}
+    at = position();
     let begun = cycles::now();
     let mut counted = 0;
     while counted < FRAMES {
-        let next = i2s.position();
-        counted += ((next + 64 - position) % 64) as u32;
-        position = next;
+        let next = position();
+        counted += ((next + 64 - at) % 64) as u32;
+        at = next;
         if counted % 512 == 0 {
             watchdog::feed();
         }

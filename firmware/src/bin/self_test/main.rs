@@ -22,8 +22,8 @@ use embassy_executor::Spawner;
 use embassy_time::Timer;
 use firmware::audio::BUDGET_CYCLES;
 use firmware::audio::instrument::Instrument;
-use firmware::input::Settings;
 use firmware::input::piezo::Piezos;
+use firmware::input::{Overrides, Settings};
 use firmware::refusal::Refusal;
 use firmware::restart::Cause;
 use firmware::{board, cycles, hardware, kits, watchdog};
@@ -59,12 +59,12 @@ async fn main(_spawner: Spawner) {
     }
 }
 
-/// Checks that the built-in kit and the kit of the kit sector load.
+/// Checks that the built-in kit and the kits of the slots load.
 fn check_kits(failures: &mut Failures) {
     // SAFETY: main runs once.
     let instrument = unsafe { Instrument::place() };
     let mut load = |kit: &Kit<'static>| -> Result<(), Refusal> {
-        Settings::of(kit)?;
+        Settings::of(kit, &Overrides::default())?;
         instrument.load(kit, BUDGET_CYCLES, |error| defmt::warn!("kit, left out: {}", Refusal::Load(error)))?;
         Ok(())
     };
@@ -73,13 +73,15 @@ fn check_kits(failures: &mut Failures) {
         Err(refusal) => defmt::error!("built-in kit: {}: {=str}", refusal, failures.check(false)),
     }
     watchdog::feed();
-    match kits::in_sector() {
-        Ok(None) => defmt::info!("kit sector: empty"),
-        Ok(Some(kit)) => match load(&kit) {
-            Ok(()) => defmt::info!("kit sector: {=str}: {=str}", kit.name(), failures.check(true)),
-            Err(refusal) => defmt::error!("kit sector: {}: {=str}", refusal, failures.check(false)),
-        },
-        Err(error) => defmt::error!("kit sector: {}: {=str}", Refusal::from(error), failures.check(false)),
+    for (slot, sector) in board::KIT_SECTORS.iter().enumerate().take(board::SLOTS.into()) {
+        match kits::read(sector.read()) {
+            Ok(None) => defmt::info!("slot {=usize}: empty", slot),
+            Ok(Some(kit)) => match load(&kit) {
+                Ok(()) => defmt::info!("slot {=usize}: {=str}: {=str}", slot, kit.name(), failures.check(true)),
+                Err(refusal) => defmt::error!("slot {=usize}: {}: {=str}", slot, refusal, failures.check(false)),
+            },
+            Err(error) => defmt::error!("slot {=usize}: {}: {=str}", slot, Refusal::from(error), failures.check(false)),
+        }
+        watchdog::feed();
     }
-    watchdog::feed();
 }

@@ -1,0 +1,166 @@
+//! Kit that plays: the one of the start, and others in its place.
+
+use cable::Refusal as CableRefusal;
+use dsp_core::table::Kit;
+
+use super::flash::Flash;
+use super::{Settings, Slots, Storage};
+use crate::audio::instrument::Instrument;
+use crate::audio::{self, BUDGET_CYCLES};
+use crate::board::sector::Sector;
+use crate::faults::{self, Fault};
+use crate::refusal::Refusal;
+use crate::{input, kits, tasks, watchdog};
+
+/// Kit that plays, and where it is.
+#[derive(Clone, Copy)]
+pub struct Playing {
+    /// Kit; `None` before the start.
+    kit: Option<Kit<'static>>,
+    /// Slot that the kit was started from; `None` for the built-in kit.
+    pub(super) slot: Option<u8>,
+    /// Sector that holds the kit; `None` for the built-in kit.
+    pub(super) sector: Option<Sector>,
+}
+
+/// Kit that a board plays after its start.
+pub struct Started {
+    /// Kit, which the instrument has loaded.
+    pub kit: Kit<'static>,
+    /// Settings of the inputs.
+    pub inputs: input::Settings,
+    /// MIDI channel, counted from 0; `None` for all channels.
+    pub channel: Option<u8>,
+}
+
+impl Storage {
+    /// Reads settings and slots.
+    ///
+    /// # Safety
+    /// This is called once.
+    pub unsafe fn open() -> Self {
+        // SAFETY: the caller promises to call this once.
+        let mut flash = unsafe { Flash::take_over() };
+        let settings = Settings::read(&mut flash);
+        let slots = Slots::read(&mut flash);
+        Self { flash, settings, slots, playing: Playing { kit: None, slot: None, sector: None } }
+    }
+
+    /// Loads the kit of the start's slot if it is good, else the built-in one.
+    ///
+    /// Returns `None` if neither plays.
+    // Not inlined: its stack must not add to that of the whole program.
+    #[inline(never)]
+    pub fn load_first(&mut self, instrument: &mut Instrument) -> Option<Started> {
+        instrument.set_gain(self.settings.gain());
+        let slot = self.settings.start_slot();
+        let loaded = match self.read(slot) {
+            Ok(Some((kit, sector))) => match self.load(instrument, &kit) {
+                Ok(inputs) => {
+                    defmt::info!("slot {=u8}: {=str} plays", slot, kit.name());
+                    self.playing = Playing { kit: Some(kit), slot: Some(slot), sector: Some(sector) };
+                    Some((kit, inputs))
+                }
+                Err(refusal) => refuse(slot, refusal),
+            },
+            Ok(None) => {
+                defmt::info!("slot {=u8}: empty, the built-in kit plays", slot);
+                None
+            }
+            Err(refusal) => refuse(slot, refusal),
+        };
+        let (kit, inputs) = match loaded {
+            Some(loaded) => loaded,
+            None => {
+                let kit = Kit::parse(kits::BUILT_IN).ok()?;
+                let inputs = self.load(instrument, &kit).ok()?;
+                self.playing.kit = Some(kit);
+                (kit, inputs)
+            }
+        };
+        Some(Started { kit, inputs, channel: self.settings.channel() })
+    }
+
+    /// Kit of a slot and its sector; `None` if the slot is empty.
+    fn read(&self, slot: u8) -> Result<Option<(Kit<'static>, Sector)>, Refusal> {
+        let Some(sector) = self.slots.sector(slot) else { return Ok(None) };
+        Ok(kits::read(sector.read())?.map(|kit| (kit, sector)))
+    }
+
+    /// Loads a kit into the instrument, and gives the settings of its inputs.
+    fn load(&self, instrument: &mut Instrument, kit: &Kit<'static>) -> Result<input::Settings, Refusal> {
+        let settings = input::Settings::of(kit, &self.settings.overrides())?;
+        let tell = |error| {
+            defmt::warn!("left out: {}", Refusal::Load(error));
+            // A large kit of which much is left out takes long to load.
+            watchdog::feed();
+        };
+        instrument.load(kit, BUDGET_CYCLES, tell)?;
+        Ok(settings)
+    }
+
+    /// Plays the kit of a slot in place of the one that plays, after a fade; `None` is the built-in
+    /// kit.
+    ///
+    /// # Errors
+    /// A refusal by name. The kit that played goes on.
+    pub fn play(&mut self, slot: Option<u8>) -> Result<(), CableRefusal> {
+        let next = match slot {
+            Some(slot) => match self.read(slot) {
+                Ok(Some((kit, sector))) => Playing { kit: Some(kit), slot: Some(slot), sector: Some(sector) },
+                Ok(None) => return Err(CableRefusal::EmptySlot { slot }),
+                Err(Refusal::Table(error)) => return Err(error.into()),
+                Err(_) => return Err(CableRefusal::NotLoadable),
+            },
+            None => Playing { kit: Kit::parse(kits::BUILT_IN).ok(), slot: None, sector: None },
+        };
+        let Some(mut hushed) = audio::hush() else { return Err(CableRefusal::Working) };
+        let before = core::mem::replace(&mut self.playing, next);
+        let changed = self.change(&mut hushed);
+        if changed.is_err() {
+            self.playing = before;
+            // It played before.
+            let _ = self.change(&mut hushed);
+        }
+        match self.playing.kit {
+            Some(kit) if changed.is_ok() => match slot {
+                Some(slot) => defmt::info!("slot {=u8}: {=str} plays", slot, kit.name()),
+                None => defmt::info!("the built-in kit plays"),
+            },
+            _ => {}
+        }
+        faults::set(Fault::Kit, false);
+        changed
+    }
+
+    /// Applies settings that have changed to the kit that plays, after a fade.
+    pub(super) fn apply_settings(&mut self) -> Result<(), CableRefusal> {
+        let (Some(kit), Some(mut hushed)) = (self.playing.kit, audio::hush()) else { return Ok(()) };
+        let inputs = input::Settings::of(&kit, &self.settings.overrides()).map_err(|_| CableRefusal::NotLoadable)?;
+        hushed.set_inputs(inputs);
+        hushed.set_keyboard(kit, self.settings.channel());
+        hushed.instrument().set_gain(self.settings.gain());
+        Ok(())
+    }
+
+    /// Plays the kit of `self.playing`.
+    fn change(&self, hushed: &mut audio::Hushed) -> Result<(), CableRefusal> {
+        let Some(kit) = self.playing.kit else { return Err(CableRefusal::NotLoadable) };
+        // Lines of before the change name the pads of the old kit.
+        tasks::pass_on_log(Some(kit));
+        let inputs = self.load(hushed.instrument(), &kit).map_err(|refusal| {
+            defmt::error!("the kit is refused: {}", refusal);
+            CableRefusal::NotLoadable
+        })?;
+        hushed.set_inputs(inputs);
+        hushed.set_keyboard(kit, self.settings.channel());
+        Ok(())
+    }
+}
+
+/// Logs that the kit of a slot is refused, and shows the fault.
+fn refuse<T>(slot: u8, refusal: Refusal) -> Option<T> {
+    faults::set(Fault::Kit, true);
+    defmt::error!("slot {=u8}: {}; the built-in kit plays", slot, refusal);
+    None
+}
