@@ -1,5 +1,7 @@
 //! Differences between the two microcontrollers.
 
+use virtual_core::FLASH_ADDRESS;
+
 use crate::frequency::Frequency;
 
 /// Microcontroller of the STM32F4 family.
@@ -19,6 +21,35 @@ pub(crate) struct Limits {
     pub(crate) pclk2: Frequency,
 }
 
+/// Sector of a chip's flash: the smallest part that can be erased.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sector {
+    /// Address of its first byte.
+    pub address: u32,
+    /// Length in bytes.
+    pub bytes: u32,
+}
+
+/// Sectors of the STM32F407VG, of which the STM32F411CE has the first eight: four of 16 KB, one of
+/// 64 KB, the others of 128 KB (RM0090 table 5, RM0383 table 4).
+const SECTORS: [Sector; 12] = {
+    let mut sectors = [Sector { address: FLASH_ADDRESS, bytes: 16 << 10 }; 12];
+    let mut number = 1;
+    while number < 12 {
+        let before = sectors[number - 1];
+        let kilobytes = if number < 4 {
+            16
+        } else if number == 4 {
+            64
+        } else {
+            128
+        };
+        sectors[number] = Sector { address: before.address + before.bytes, bytes: kilobytes << 10 };
+        number += 1;
+    }
+    sectors
+};
+
 impl Chip {
     /// Returns the name of the chip.
     pub fn name(self) -> &'static str {
@@ -34,6 +65,20 @@ impl Chip {
             Chip::Stm32F407 => (0x080e_0000, 128 << 10),
             Chip::Stm32F411 => (0x0806_0000, 128 << 10),
         }
+    }
+
+    /// Returns the sectors of flash, sector 0 first.
+    pub fn sectors(self) -> &'static [Sector] {
+        match self {
+            Chip::Stm32F407 => &SECTORS,
+            Chip::Stm32F411 => &SECTORS[..8],
+        }
+    }
+
+    /// Returns the number of the sector that contains an address, or `None` outside flash.
+    pub fn sector_at(self, address: u32) -> Option<u8> {
+        let found = self.sectors().iter().position(|sector| address.wrapping_sub(sector.address) < sector.bytes);
+        found.map(|number| number as u8)
     }
 
     /// Returns the number of bytes of flash.
@@ -94,5 +139,23 @@ impl Chip {
             (Chip::Stm32F411, _) => 64,
         };
         Frequency::hz(mhz * 1_000_000)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sectors_of_each_chip_fill_its_flash_and_the_kit_has_the_last() {
+        for chip in [Chip::Stm32F407, Chip::Stm32F411] {
+            let sectors = chip.sectors();
+            assert_eq!(sectors.iter().map(|sector| sector.bytes).sum::<u32>(), chip.flash_bytes());
+            assert!(sectors.windows(2).all(|pair| pair[0].address + pair[0].bytes == pair[1].address));
+            let last = sectors[sectors.len() - 1];
+            assert_eq!((last.address, last.bytes), chip.kit_sector());
+            assert_eq!(chip.sector_at(last.address - 1), Some(sectors.len() as u8 - 2));
+            assert_eq!(chip.sector_at(FLASH_ADDRESS + chip.flash_bytes()), None);
+        }
     }
 }

@@ -128,6 +128,24 @@ pub enum BoardError {
         /// Length of the sector in bytes.
         sector_bytes: u32,
     },
+    /// The chip has no flash at an address.
+    #[error("the {chip} has no flash for {bytes} bytes at {address:#010x}")]
+    NoFlash {
+        /// Address of the first byte.
+        address: u32,
+        /// Number of bytes.
+        bytes: usize,
+        /// Name of the chip.
+        chip: &'static str,
+    },
+    /// The flash belongs to another chip.
+    #[error("the flash is that of a {found}, and the board has a {chip}")]
+    OtherFlash {
+        /// Name of the chip to which the flash belongs.
+        found: &'static str,
+        /// Name of the board's chip.
+        chip: &'static str,
+    },
     /// The log table of the image cannot be read.
     #[error("the image's defmt table cannot be read: {reason}")]
     LogTable {

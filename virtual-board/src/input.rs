@@ -167,6 +167,27 @@ pub enum Fault {
         /// Time of the fault, in seconds from power-on.
         at_s: f64,
     },
+    /// An operation on flash is refused with an error flag (WRPERR), and has no effect.
+    FlashError {
+        /// Number of the operation since power-on, from 0.
+        nth: u64,
+    },
+    /// Power is lost for the rest of the run. An operation on flash that goes on is broken off.
+    PowerLost {
+        /// Time of the fault, in seconds from power-on.
+        at_s: f64,
+        /// Seed of what the operation leaves.
+        seed: u64,
+    },
+    /// Power is lost within an operation on flash, for the rest of the run.
+    PowerLostInFlash {
+        /// Number of the operation since power-on, from 0.
+        nth: u64,
+        /// Share of the operation's time after which power is lost, 0 to 1.
+        share: f64,
+        /// Seed of what the operation leaves.
+        seed: u64,
+    },
     /// The core goes on at an undefined instruction, which makes a hard fault.
     HardFault {
         /// Time of the fault, in seconds from power-on.

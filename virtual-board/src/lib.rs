@@ -8,6 +8,7 @@
 //!  presses -> GPIO -> EXTI -> core <--> DMA1/2
 //!  faults ------------'    |  '-- TIM2..5, IWDG, I2C1 -> CS43L22
 //!  MIDI <-> USB host <-----|-- OTG_FS
+//!  power ------------------|-- FLASH -> contents for the next run
 //!                          '-- RTT -> defmt lines
 //! ```
 //!
@@ -24,22 +25,24 @@ mod chip;
 mod codec;
 mod devices;
 mod error;
+mod flash;
 mod frequency;
 mod input;
 mod run;
 mod usb_host;
 mod wiring;
 
-pub use chip::Chip;
+pub use chip::{Chip, Sector};
 pub use devices::gpio::Pin;
 pub use devices::i2s::Stream;
 pub use devices::pins::PiezoPin;
 pub use error::{BoardError, Problem};
+pub use flash::{FlashChange, FlashEnding, FlashHistory, FlashMemory, FlashOperation, FlashTimes};
 pub use frequency::Frequency;
 pub use input::{Fault, PiezoSignal, Press};
 pub use run::{
-    AdcReport, AudioReport, FunctionReport, InterruptReport, LedReport, LogLine, MuteReport, Report, ResetReport,
-    Setup, StreamReport, VirtualBoard,
+    AdcReport, AudioReport, FlashReport, FunctionReport, InterruptReport, LedReport, LogLine, MuteReport, Report,
+    ResetReport, Setup, StreamReport, VirtualBoard,
 };
 pub use usb_host::{UsbAction, UsbHost, UsbReport, UsbTransfer};
 pub use virtual_core::CycleCase;

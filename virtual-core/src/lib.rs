@@ -45,5 +45,5 @@ pub use cycle::Cost;
 pub use error::{Access, BuildError, ImageError, RunError};
 pub use image::{Image, Symbol};
 pub use machine::{Call, Clock, CycleCase, ExceptionChange, FunctionCost, Loop, Machine, Pace, Run, Stop};
-pub use memory::{CCM_ADDRESS, CCM_BYTES, FLASH_ADDRESS, FLASH_BYTES, Peripheral, RAM_ADDRESS, RAM_BYTES};
+pub use memory::{CCM_ADDRESS, CCM_BYTES, FLASH_ADDRESS, FLASH_BYTES, Peripheral, RAM_ADDRESS, RAM_BYTES, ReadTrap};
 pub use program::{build, build_binary, build_one_of};

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use rsemu::core::BusError;
-use rsemu::core::space::{AddressSpace, MemAttrs, MemOps, MemResult, Perms, RamStore, Region};
+use rsemu::core::space::{AddressSpace, Mapping, MappingId, MemAttrs, MemOps, MemResult, Perms, RamStore, Region};
 
 use crate::error::RunError;
 
@@ -124,4 +124,38 @@ pub(crate) fn map(space: &AddressSpace, address: u32, bytes: u32, device: Arc<dy
     let region = Region::io("peripheral", u64::from(bytes), Arc::new(Mapped(device)));
     let mapped = space.topology().map(region, u64::from(address));
     mapped.map(drop).map_err(|error| RunError::Mapping { address, bytes, reason: error.to_string() })
+}
+
+/// Maps a device over the flash that takes the program's stores. Reads go to the memory as before.
+pub(crate) fn map_flash_stores(space: &AddressSpace, device: Arc<dyn Peripheral>) -> Result<(), RunError> {
+    let region = Region::io("flash stores", u64::from(FLASH_BYTES), Arc::new(Mapped(device)));
+    let mapped = space.topology().map_with_perms(region, u64::from(FLASH_ADDRESS), Perms::WRITE);
+    mapped.map(drop).map_err(|error| RunError::Mapping {
+        address: FLASH_ADDRESS,
+        bytes: FLASH_BYTES,
+        reason: error.to_string(),
+    })
+}
+
+/// Device that takes the program's reads of a part of memory.
+#[derive(Debug)]
+pub struct ReadTrap(MappingId);
+
+/// Maps a device over a part of memory that takes the program's reads, until it is unmapped.
+pub(crate) fn trap_reads(
+    space: &AddressSpace,
+    address: u32,
+    bytes: u32,
+    device: Arc<dyn Peripheral>,
+) -> Result<ReadTrap, RunError> {
+    let region = Region::io("read trap", u64::from(bytes), Arc::new(Mapped(device)));
+    let mapping = Mapping::new(region, u64::from(address)).with_priority(1).with_perms(Perms::READ);
+    let mapped = space.topology().map_with(mapping);
+    mapped.map(ReadTrap).map_err(|error| RunError::Mapping { address, bytes, reason: error.to_string() })
+}
+
+/// Gives the reads of a trap back to the memory.
+pub(crate) fn untrap_reads(space: &AddressSpace, trap: &ReadTrap) {
+    // A trap is unmapped once, so its mapping is there.
+    let _ = space.topology().unmap(trap.0);
 }

@@ -5,7 +5,7 @@ mod common;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use virtual_core::{Core, Image, Peripheral, RunError, Stop};
+use virtual_core::{Core, FLASH_ADDRESS, Image, Peripheral, RunError, Stop};
 
 const SCRATCH: u32 = 0x2000_2000;
 
@@ -333,4 +333,44 @@ fn a_run_in_single_steps_costs_as_much_as_a_run_in_one_piece() {
         assert_eq!(stepped.core().register(0), expected.value, "{function}");
         assert_eq!(stepped.cost() - before, expected.cost, "{function}");
     }
+}
+
+/// Device that keeps the last value that was written to it, and refuses all reads.
+#[derive(Debug, Default)]
+struct Stores(AtomicU32);
+
+impl Peripheral for Stores {
+    fn read(&self, _: u32, _: u32) -> Option<u32> {
+        None
+    }
+
+    fn write(&self, offset: u32, _: u32, value: u32) -> Option<()> {
+        (offset == 0x8_0000).then(|| self.0.store(value, Ordering::Relaxed))
+    }
+}
+
+#[test]
+fn stores_to_flash_go_to_their_device_and_loads_to_the_memory() {
+    const ADDRESS: u32 = FLASH_ADDRESS + 0x8_0000;
+    let mut machine = common::machine();
+    assert!(machine.call("store", &[ADDRESS, 5]).is_err(), "no device takes it");
+    let stores = Arc::new(Stores::default());
+    machine.map_flash_stores(Arc::<Stores>::clone(&stores)).unwrap();
+    machine.call("store", &[ADDRESS, 5]).unwrap();
+    assert_eq!(stores.0.load(Ordering::Relaxed), 5);
+    assert_eq!(machine.call("load", &[ADDRESS]).unwrap().value, 0xffff_ffff);
+    let error = machine.call("store", &[ADDRESS + 4, 5]).unwrap_err();
+    assert!(matches!(error, RunError::Address { address, .. } if address == ADDRESS + 4), "{error:?}");
+}
+
+#[test]
+fn trapped_reads_are_refused_until_the_trap_ends() {
+    const ADDRESS: u32 = FLASH_ADDRESS + 0x8_0000;
+    let mut machine = common::machine();
+    let trap = machine.trap_reads(ADDRESS, 0x4000, Arc::new(Stores::default())).unwrap();
+    let error = machine.call("load", &[ADDRESS + 0x100]).unwrap_err();
+    assert!(matches!(error, RunError::Address { address, .. } if address == ADDRESS + 0x100), "{error:?}");
+    assert_eq!(machine.call("load", &[ADDRESS + 0x4000]).unwrap().value, 0xffff_ffff);
+    machine.untrap_reads(trap);
+    assert_eq!(machine.call("load", &[ADDRESS + 0x100]).unwrap().value, 0xffff_ffff);
 }

@@ -59,7 +59,8 @@ pub(crate) struct RunArguments {
     button: Vec<Press>,
     /// Fault of the hardware or the program: adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT,
     /// codec-silent, core-stalled@AT,FOR, halted@AT,FOR, audio-interrupt-lost@AT,FOR,
-    /// piezo-at-rail@AT,PIEZO, panic@AT, hard-fault@AT; times in seconds
+    /// piezo-at-rail@AT,PIEZO, flash-error@NTH, power-lost@AT, panic@AT, hard-fault@AT; times in
+    /// seconds
     #[arg(long, value_name = "FAULT[@AT,...]", value_parser = parse_fault)]
     fault: Vec<Fault>,
     /// Song that a USB host plays on the board: a Standard MIDI File
@@ -178,6 +179,7 @@ fn run_image(arguments: &RunArguments) -> Result<(), CommandError> {
         faults: arguments.fault.clone(),
         kit,
         usb: board_midi::host(&arguments.midi_arguments())?,
+        ..Setup::default()
     };
     let seconds = arguments.seconds.unwrap_or_else(|| length_s(&setup)).min(LONGEST_S);
     let mut board = VirtualBoard::new(arguments.board, &elf, &setup)?;
@@ -277,6 +279,17 @@ fn text(report: &Report) -> String {
             usb.received.len()
         );
     }
+    let flash = &report.flash;
+    if flash.programmed + flash.failed + flash.torn > 0 || flash.erases.iter().any(|&erases| erases > 0) {
+        let _ = writeln!(
+            text,
+            "flash: {} programmed, {} failed, {} torn; erases by sector {:?}",
+            flash.programmed, flash.failed, flash.torn, flash.erases
+        );
+    }
+    if let Some(lost_s) = report.power_lost_s {
+        let _ = writeln!(text, "{lost_s:10.4} s  power lost");
+    }
     for reset in &report.resets {
         let _ = writeln!(text, "{:10.4} s  reset: {}", reset.at_s, reset.cause);
     }
@@ -318,6 +331,9 @@ fn parse_fault(text: &str) -> Result<Fault, String> {
         let part = parts.get(index).ok_or_else(|| format!("must give more times, such as {name}@1.5,0.1"))?;
         parse_seconds(part)
     };
+    let number = |index: usize| -> Result<u64, String> {
+        parts[index].parse().map_err(|_| format!("{name} takes a whole number, counted from 0"))
+    };
     Ok(match (name, parts.len()) {
         ("codec-silent", 0) => Fault::CodecSilent,
         ("adc-overrun", 1) => Fault::AdcOverrun { at_s: at(0)? },
@@ -326,16 +342,15 @@ fn parse_fault(text: &str) -> Result<Fault, String> {
         ("core-stalled", 2) => Fault::CoreStalled { at_s: at(0)?, for_s: at(1)? },
         ("halted", 2) => Fault::Halted { at_s: at(0)?, for_s: at(1)? },
         ("audio-interrupt-lost", 2) => Fault::AudioInterruptLost { at_s: at(0)?, for_s: at(1)? },
-        ("piezo-at-rail", 2) => Fault::PiezoAtRail {
-            at_s: at(0)?,
-            piezo: parts[1].parse().map_err(|_| "must name the piezo by a whole number, counted from 0".to_owned())?,
-        },
+        ("piezo-at-rail", 2) => Fault::PiezoAtRail { at_s: at(0)?, piezo: number(1)? as usize },
+        ("flash-error", 1) => Fault::FlashError { nth: number(0)? },
+        ("power-lost", 1) => Fault::PowerLost { at_s: at(0)?, seed: 0 },
         ("panic", 1) => Fault::Panic { at_s: at(0)? },
         ("hard-fault", 1) => Fault::HardFault { at_s: at(0)? },
         _ => {
             return Err(
                 "must be adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT, codec-silent, core-stalled@AT,FOR, halted@AT,FOR, \
-                        audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, panic@AT or hard-fault@AT"
+                        audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, flash-error@NTH, power-lost@AT, panic@AT or hard-fault@AT"
                     .to_owned(),
             );
         }

@@ -42,7 +42,8 @@ impl Devices {
         let context = self.context(0);
         let timers = self.timers.iter().map(|timer| timer.next_event());
         let i2s = self.i2s.iter().map(|i2s| i2s.next_event());
-        let others = [self.adc.next_event(&context), self.i2c.next_event(), self.next_usb_event()];
+        let others =
+            [self.adc.next_event(&context), self.i2c.next_event(), self.next_usb_event(), self.flash.next_event()];
         timers.chain(i2s).chain(others).min().unwrap_or(u64::MAX)
     }
 
@@ -64,6 +65,7 @@ impl Devices {
                 return Ok(());
             }
             self.fire(due)?;
+            self.end_flash_operation(due, machine);
             self.serve_dma(due, machine)?;
         }
     }

@@ -8,6 +8,7 @@ impl Devices {
     pub(crate) fn lines(&self) -> u128 {
         let mut lines = 0_u128;
         let mut assert = |line: u16, asserted: bool| lines |= u128::from(asserted) << line;
+        assert(4, self.flash.is_asserted());
         let exti = self.exti.asserted();
         for line in 0..5 {
             assert(6 + line, exti & 1 << line != 0);

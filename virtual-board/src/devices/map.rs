@@ -155,6 +155,7 @@ pub(crate) fn find(address: u32, chip: Chip) -> Option<(Block, u32)> {
 /// themselves.
 pub(crate) fn interrupt_name(line: u16) -> Option<&'static str> {
     Some(match line {
+        4 => "FLASH",
         6 => "EXTI0",
         7 => "EXTI1",
         8 => "EXTI2",

@@ -144,6 +144,8 @@ pub(crate) struct Devices {
     pub(crate) pins: Pins,
     pub(crate) armed: Armed,
     pub(crate) refused: Option<Refused>,
+    /// True if power was lost within an operation on flash.
+    pub(crate) is_power_lost: bool,
     /// Levels of the pins that the lines of EXTI watch, as bits.
     watched_levels: u32,
     pub(crate) recording: Recording,
@@ -173,7 +175,7 @@ impl Devices {
             clocks: RESET_CLOCKS,
             epoch: (0.0, 0),
             rcc: Rcc::new(wiring.chip, wiring.crystal, ResetCause::Power),
-            flash: Flash::default(),
+            flash: Flash::new(wiring.chip),
             power: Power::new(wiring.chip),
             debug: Debug::new(wiring.chip),
             ports: std::array::from_fn(|port| Port::new(port as u8)),
@@ -192,6 +194,7 @@ impl Devices {
             pins: Pins::new(&vec![PiezoPin::Circuit; wiring.piezos.len()], 0.0),
             armed: Armed::default(),
             refused: None,
+            is_power_lost: false,
             watched_levels: 0,
             recording: Recording::default(),
         };
@@ -207,13 +210,6 @@ impl Devices {
     /// Returns the first cycle at or after a time in seconds, at the present clock.
     pub(crate) fn cycle_at(&self, seconds: f64) -> u64 {
         self.epoch.1.saturating_add(((seconds - self.epoch.0).max(0.0) * self.clocks.core.as_f64()).ceil() as u64)
-    }
-
-    /// Returns the wait states of flash, and two flags: true if its instruction cache is on, and
-    /// true if its data cache is on.
-    pub(crate) fn flash(&self) -> (u32, bool, bool) {
-        let (instructions, data) = self.flash.caches();
-        (self.flash.latency(), instructions, data)
     }
 
     /// Returns the I2S of the board, with its streams so far.
@@ -318,10 +314,7 @@ impl Devices {
                 }
                 self.clocks_changed(now)
             }
-            Device::Flash => {
-                self.flash.write(offset, value)?;
-                self.clocks_changed(now)
-            }
+            Device::Flash => self.write_flash(offset, value, &context),
             Device::Dma(dma) => self.dma[usize::from(dma)].write(offset, value),
             Device::Debug => self.debug.write(offset, value),
         }

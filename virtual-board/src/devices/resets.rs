@@ -2,7 +2,6 @@
 
 use super::dma::Dma;
 use super::exti::{Exti, Syscfg};
-use super::flash::Flash;
 use super::i2c::I2c;
 use super::i2s::I2s;
 use super::power::Power;
@@ -19,7 +18,7 @@ impl Devices {
         self.epoch = (seconds, now);
         self.clocks = RESET_CLOCKS;
         self.rcc = Rcc::new(self.wiring.chip, self.wiring.crystal, cause);
-        self.flash = Flash::default();
+        self.flash.reset();
         self.power = Power::new(self.wiring.chip);
         for (index, port) in self.ports.iter_mut().enumerate() {
             port.reset(index as u8);

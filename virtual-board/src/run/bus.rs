@@ -2,8 +2,9 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use virtual_core::Peripheral;
+use virtual_core::{FLASH_ADDRESS, Peripheral};
 
+use crate::devices::flash::stale_read;
 use crate::devices::{Devices, Refused, map};
 use crate::error::Problem;
 
@@ -19,6 +20,51 @@ impl Shared {
 
     pub(super) fn lock(&self) -> MutexGuard<'_, Devices> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Flash, as far as the program's stores go.
+#[derive(Debug)]
+pub(super) struct FlashStores(pub(super) std::sync::Arc<Shared>);
+
+impl Peripheral for FlashStores {
+    fn read(&self, _: u32, _: u32) -> Option<u32> {
+        None
+    }
+
+    fn write(&self, offset: u32, bytes: u32, value: u32) -> Option<()> {
+        let mut devices = self.0.lock();
+        let address = FLASH_ADDRESS + offset;
+        let problem = devices.store_to_flash(address, bytes, value).err();
+        problem.is_none().then_some(()).or_else(|| {
+            let access = format!("write of {value:#x} to");
+            devices.refused = Some(Refused { access, register: "flash".to_owned(), address, problem: problem? });
+            None
+        })
+    }
+}
+
+/// Sector that the program must not read through its data cache.
+#[derive(Debug)]
+pub(super) struct StaleSector {
+    pub(super) address: u32,
+    pub(super) devices: std::sync::Arc<Shared>,
+}
+
+impl Peripheral for StaleSector {
+    fn read(&self, offset: u32, _: u32) -> Option<u32> {
+        let refused = Refused {
+            access: "read from".to_owned(),
+            register: "flash".to_owned(),
+            address: self.address + offset,
+            problem: stale_read(),
+        };
+        self.devices.lock().refused = Some(refused);
+        None
+    }
+
+    fn write(&self, _: u32, _: u32, _: u32) -> Option<()> {
+        None
     }
 }
 

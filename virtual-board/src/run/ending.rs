@@ -1,8 +1,6 @@
 //! Code to which a core is sent that is to panic or to fault.
 
-use virtual_core::{FLASH_ADDRESS, Image, Machine, RunError};
-
-use crate::chip::Chip;
+use virtual_core::{FLASH_ADDRESS, FLASH_BYTES, Image, Machine, RunError};
 
 /// Address of a function, and its words in r0 to r3.
 pub(super) type Jump = (u32, [u32; 4]);
@@ -11,12 +9,14 @@ const PANIC: &str = "core::panicking::panic";
 const MESSAGE: &[u8; 8] = b"injected";
 const FILE: &[u8; 16] = b"virtual-board.rs";
 
-/// Returns the start of a panic. Its message and place are written to the flash just below the kit
-/// sector, where no program has bytes.
-pub(super) fn panic(machine: &mut Machine, chip: Chip) -> Result<Jump, RunError> {
+/// Returns the start of a panic. Its message and place are written to the flash behind the image's
+/// last byte, as if the image held them.
+pub(super) fn panic(machine: &mut Machine, image: &Image) -> Result<Jump, RunError> {
     let symbol = machine.symbol(PANIC).filter(|symbol| symbol.is_function);
     let function = symbol.ok_or_else(|| RunError::NoFunction { name: PANIC.to_owned() })?.address;
-    let message = chip.kit_sector().0 - 64;
+    let is_in_flash = |end: &u32| end.wrapping_sub(FLASH_ADDRESS) < FLASH_BYTES;
+    let ends = image.ranges().map(|(address, bytes)| address + bytes).filter(is_in_flash);
+    let message = ends.max().unwrap_or(FLASH_ADDRESS).next_multiple_of(16);
     let file = message + MESSAGE.len() as u32;
     let location = file + FILE.len() as u32;
     machine.write(message, MESSAGE)?;

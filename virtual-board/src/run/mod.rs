@@ -4,13 +4,16 @@
 mod account;
 mod bus;
 mod ending;
+mod flash;
 mod log;
+mod memory;
 mod report;
 mod schedule;
+mod usb;
 
 use std::sync::Arc;
 
-use virtual_core::{Clock, Core, CycleCase, Image, Machine, Pace, RunError, Stop};
+use virtual_core::{Clock, Core, CycleCase, Image, Machine, ReadTrap, RunError, Stop};
 
 use crate::codec::Codec;
 use crate::devices::Devices;
@@ -19,17 +22,19 @@ use crate::devices::map::{REGIONS, dma_line};
 use crate::devices::pins::{PiezoPin, Pins};
 use crate::devices::rcc::ResetCause;
 use crate::error::BoardError;
+use crate::flash::{FlashMemory, FlashTimes};
 use crate::input::{Fault, PiezoSignal, Press};
 use crate::usb_host::{Host, UsbHost};
-use crate::wiring::{Board, Wiring};
+use crate::wiring::Board;
 use account::Account;
-use bus::{Shared, Window};
+use bus::{FlashStores, Shared, Window};
 use log::Log;
 use schedule::{Action, Schedule};
 
 pub use log::LogLine;
 pub use report::{
-    AdcReport, AudioReport, FunctionReport, InterruptReport, LedReport, MuteReport, Report, ResetReport, StreamReport,
+    AdcReport, AudioReport, FlashReport, FunctionReport, InterruptReport, LedReport, MuteReport, Report, ResetReport,
+    StreamReport,
 };
 
 /// Most cycles between two checks for a reset that the program has requested.
@@ -53,8 +58,13 @@ pub struct Setup {
     pub presses: Vec<Press>,
     /// Faults that happen.
     pub faults: Vec<Fault>,
-    /// Bytes of the kit in its flash sector; the sector is erased if there are none.
+    /// Bytes of the kit in its flash sector. If there are none the sector is as in `flash`.
     pub kit: Vec<u8>,
+    /// Contents of flash besides the image and the kit, such as another run left them
+    /// ([`VirtualBoard::flash`]); erased if there are none.
+    pub flash: Option<FlashMemory>,
+    /// Times of operations on flash.
+    pub flash_times: FlashTimes,
     /// Host at the USB cable.
     pub usb: UsbHost,
 }
@@ -86,7 +96,15 @@ pub struct VirtualBoard {
     account: Account,
     case: CycleCase,
     flash_waits: bool,
-    flash: (u32, bool, bool),
+    /// Wait states of flash, and two flags: true if its instruction cache is on, and true if its
+    /// data cache is on.
+    accelerator: (u32, bool, bool),
+    /// True while the core stands still for an operation on flash.
+    waits_for_flash: bool,
+    /// Sectors that the program must not read through its data cache, as bits.
+    stale: u16,
+    stale_traps: Vec<ReadTrap>,
+    power_lost_s: Option<f64>,
     lines: u128,
     boots: usize,
     asleep: bool,
@@ -104,13 +122,9 @@ impl VirtualBoard {
     pub fn new(board: Board, elf: &[u8], setup: &Setup) -> Result<VirtualBoard, BoardError> {
         let wiring = board.wiring();
         let image = Image::from_elf(elf)?;
-        check_memory(&image, wiring)?;
+        memory::check(&image, wiring.chip)?;
         let mut machine = Machine::new(&image)?;
-        let (sector, sector_bytes) = wiring.chip.kit_sector();
-        if setup.kit.len() > sector_bytes as usize {
-            return Err(BoardError::KitTooLong { bytes: setup.kit.len(), sector_bytes });
-        }
-        machine.write(sector, &setup.kit)?;
+        let flash = flash::fill(&mut machine, &image, wiring.chip, setup)?;
 
         let last = wiring.piezos.len() - 1;
         let at_rail = setup.faults.iter().filter_map(|fault| match fault {
@@ -131,10 +145,12 @@ impl VirtualBoard {
         if setup.faults.contains(&Fault::CodecSilent) {
             devices.codec = devices.codec.map(|_| Codec::new(false));
         }
+        devices.insert_flash(flash, flash::ranges(&image, wiring.chip), setup.flash_times, &setup.faults);
         let devices = Arc::new(Shared::new(devices));
         for (base, bytes) in REGIONS {
             machine.map(base, bytes, Arc::new(Window { base, devices: Arc::clone(&devices) }))?;
         }
+        machine.map_flash_stores(Arc::new(FlashStores(Arc::clone(&devices))))?;
         machine.reset()?;
         machine.take_exception_changes();
         Ok(VirtualBoard {
@@ -148,7 +164,11 @@ impl VirtualBoard {
             account: Account::default(),
             case: setup.cycles,
             flash_waits: setup.flash_waits,
-            flash: (0, true, true),
+            accelerator: (0, true, true),
+            waits_for_flash: false,
+            stale: 0,
+            stale_traps: Vec::new(),
+            power_lost_s: None,
             lines: 0,
             boots: 0,
             asleep: false,
@@ -157,7 +177,7 @@ impl VirtualBoard {
         })
     }
 
-    /// Runs the board until `seconds` seconds after power-on.
+    /// Runs the board until `seconds` seconds after power-on, or until it loses its power.
     ///
     /// # Errors
     /// [`BoardError`] if the program does what the chip or its manual does not allow, or what the
@@ -169,6 +189,10 @@ impl VirtualBoard {
                 self.account.settle(self.machine.now());
                 return Ok(());
             };
+            if self.waits_for_flash {
+                self.machine.sleep_until(due);
+                continue;
+            }
             if self.asleep && !lines_changed {
                 self.sleep_until(due);
                 continue;
@@ -229,13 +253,11 @@ impl VirtualBoard {
         if watchdog || self.machine.core().is_reset_requested() {
             self.reset(if watchdog { ResetCause::Watchdog } else { ResetCause::Software }, &mut devices)?;
         }
-        let flash = devices.flash();
-        if flash != self.flash {
-            self.flash = flash;
-            let refill_cycles = if self.flash_waits && flash.0 > 0 { u64::from(flash.0) + 1 } else { 0 };
-            self.machine.set_pace(Pace { case: self.case, refill_cycles });
-            self.machine.accelerator().switch(flash.1, flash.2);
+        if devices.is_power_lost {
+            self.power_lost_s.get_or_insert(devices.seconds(now));
+            return Ok((None, false));
         }
+        self.look_after_flash(&devices, now)?;
         if self.account.audio_number.is_none() {
             let stream = devices.audio_stream();
             self.account.audio_number = stream.map(|(controller, stream)| dma_line(controller, stream) + 16);
@@ -284,7 +306,11 @@ impl VirtualBoard {
             Action::AudioInterrupt { lost } => devices.armed.audio_interrupt_lost = lost,
             Action::PiezoAtRail(piezo) => devices.armed.piezos_at_rail |= 1 << piezo,
             Action::Stall { .. } => {}
-            Action::Panic => self.jump = Some(ending::panic(&mut self.machine, devices.wiring.chip)?),
+            Action::PowerLost { seed } => {
+                devices.break_flash_operation(seed, &mut self.machine);
+                devices.is_power_lost = true;
+            }
+            Action::Panic => self.jump = Some(ending::panic(&mut self.machine, &self.image)?),
             Action::HardFault => {
                 self.jump = Some(ending::hard_fault(&self.machine, &self.image)?);
                 self.machine.expect_fault();
@@ -297,6 +323,7 @@ impl VirtualBoard {
         let now = self.machine.now();
         self.account.reset(now);
         self.lowest_stack = self.lowest_stack.min(self.machine.lowest_stack());
+        devices.break_flash_operation(self.boots as u64, &mut self.machine);
         devices.reset(cause, now);
         self.machine.reset()?;
         self.log.restart();
@@ -348,25 +375,5 @@ impl VirtualBoard {
     /// Returns the sound that has left the I2S, one stream for each time without interruption.
     pub fn streams(&self) -> Vec<Stream> {
         self.devices.lock().audio().streams.clone()
-    }
-}
-
-/// Checks that the image lies in the memory of the board's chip.
-fn check_memory(image: &Image, wiring: &Wiring) -> Result<(), BoardError> {
-    let chip = wiring.chip;
-    let memories = [
-        (virtual_core::FLASH_ADDRESS, chip.flash_bytes()),
-        (virtual_core::RAM_ADDRESS, chip.ram_bytes()),
-        (virtual_core::CCM_ADDRESS, chip.ccm_bytes()),
-    ];
-    let fits = |address: u32, bytes: u32| {
-        memories.iter().any(|&(start, length)| {
-            let offset = address.wrapping_sub(start);
-            offset < length && bytes <= length - offset
-        })
-    };
-    match image.ranges().find(|&(address, bytes)| bytes != 0 && !fits(address, bytes)) {
-        Some((address, _)) => Err(BoardError::WrongChip { address, chip: chip.name() }),
-        None => Ok(()),
     }
 }

@@ -11,6 +11,7 @@ use super::{LogLine, VirtualBoard};
 use crate::devices::AudioHalf;
 use crate::devices::rcc::ResetCause;
 use crate::error::BoardError;
+use crate::flash::{FlashChange, FlashEnding, FlashHistory, FlashMemory, FlashOperation};
 use crate::usb_host::UsbReport;
 
 /// Report of a run, without its sound.
@@ -62,6 +63,10 @@ pub struct Report {
     pub mutes: Vec<MuteReport>,
     /// Resets after power-on.
     pub resets: Vec<ResetReport>,
+    /// Time at which power was lost, in seconds; `None` if it was not.
+    pub power_lost_s: Option<f64>,
+    /// Operations on flash.
+    pub flash: FlashReport,
     /// Traffic on the USB, as its host saw it.
     pub usb: UsbReport,
     /// Faults of the codec's driver, as sentences.
@@ -171,6 +176,35 @@ pub struct ResetReport {
     pub cause: &'static str,
 }
 
+/// Operations on flash.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FlashReport {
+    /// Number of erases of each sector, with those of earlier runs on this flash.
+    pub erases: Vec<u32>,
+    /// Number of bytes, half-words and words that were programmed.
+    pub programmed: usize,
+    /// Number of operations that were refused on request.
+    pub failed: usize,
+    /// Number of operations that a reset or a loss of power broke off.
+    pub torn: usize,
+}
+
+impl FlashReport {
+    fn of((memory, history): (&FlashMemory, &FlashHistory)) -> FlashReport {
+        let count = |is_counted: fn(&FlashOperation) -> bool| {
+            history.operations.iter().filter(|operation| is_counted(operation)).count()
+        };
+        FlashReport {
+            erases: memory.erases().to_vec(),
+            programmed: count(|operation| {
+                operation.ending == FlashEnding::Done && matches!(operation.change, FlashChange::Program { .. })
+            }),
+            failed: count(|operation| operation.ending == FlashEnding::Failed),
+            torn: count(|operation| matches!(operation.ending, FlashEnding::Torn { .. })),
+        }
+    }
+}
+
 /// Number of functions that a report names.
 const FUNCTIONS: usize = 20;
 
@@ -246,6 +280,8 @@ impl VirtualBoard {
                     },
                 })
                 .collect(),
+            power_lost_s: self.power_lost_s,
+            flash: FlashReport::of(devices.flash_contents()),
             usb: devices.usb_host.report().clone(),
             codec_complaints: devices.codec.as_ref().map(|codec| codec.complaints.clone()).unwrap_or_default(),
             warnings: recording.warnings.clone(),

@@ -12,6 +12,7 @@ pub(super) enum Action {
     AudioInterrupt { lost: bool },
     PiezoAtRail(usize),
     Stall { for_s: f64, by_debugger: bool },
+    PowerLost { seed: u64 },
     Panic,
     HardFault,
 }
@@ -29,7 +30,8 @@ impl Schedule {
         }
         for fault in faults {
             match fault {
-                Fault::CodecSilent => {}
+                Fault::CodecSilent | Fault::FlashError { .. } | Fault::PowerLostInFlash { .. } => {}
+                Fault::PowerLost { at_s, seed } => actions.push((*at_s, Action::PowerLost { seed: *seed })),
                 Fault::AdcOverrun { at_s } => actions.push((*at_s, Action::AdcOverrun)),
                 Fault::AudioDmaError { at_s } => actions.push((*at_s, Action::AudioDmaError)),
                 Fault::AdcDmaError { at_s } => actions.push((*at_s, Action::AdcDmaError)),

@@ -163,6 +163,12 @@ impl Host {
         }
     }
 
+    /// Adds an action at a time in seconds from power-on.
+    pub(crate) fn add(&mut self, at_s: f64, action: UsbAction) {
+        let place = self.actions.partition_point(|later| later.0 > at_s);
+        self.actions.insert(place, (at_s, action));
+    }
+
     pub(crate) fn report(&self) -> &UsbReport {
         &self.report
     }

@@ -76,9 +76,14 @@ impl Code {
         }
     }
 
-    /// Forgets the decoded instructions in flash, because its bytes have changed.
-    pub(super) fn flash_changed(&mut self) {
-        self.flash.slots.iter_mut().for_each(|slot| slot.decoded = false);
+    /// Forgets the decoded instructions of some bytes in flash, because the bytes have changed.
+    pub(super) fn flash_changed(&mut self, address: u32, bytes: usize) {
+        let slots = &mut self.flash.slots;
+        let offset = address.wrapping_sub(FLASH_ADDRESS) as usize;
+        // An instruction may begin in the half-word before.
+        let first = (offset / 2).saturating_sub(1).min(slots.len());
+        let end = (offset + bytes).div_ceil(2).clamp(first, slots.len());
+        slots[first..end].iter_mut().for_each(|slot| slot.decoded = false);
     }
 
     /// Returns the instruction at `address` and its counts, or `None` if no instruction can be

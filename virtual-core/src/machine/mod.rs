@@ -18,7 +18,7 @@ use crate::cycle::flash::Accelerator;
 use crate::cycle::hazard::Previous;
 use crate::error::RunError;
 use crate::image::{Image, Symbol};
-use crate::memory::{self, FLASH_ADDRESS, FLASH_BYTES, Memory, Peripheral, RAM_ADDRESS, RAM_BYTES};
+use crate::memory::{self, FLASH_ADDRESS, FLASH_BYTES, Memory, Peripheral, RAM_ADDRESS, RAM_BYTES, ReadTrap};
 
 pub use call::Call;
 pub use clock::{Clock, CycleCase, ExceptionChange, Pace};
@@ -126,7 +126,7 @@ impl Machine {
     pub fn write(&mut self, address: u32, source: &[u8]) -> Result<(), RunError> {
         self.memory.write(address, source)?;
         if address.wrapping_sub(FLASH_ADDRESS) < FLASH_BYTES {
-            self.code.flash_changed();
+            self.code.flash_changed(address, source.len());
         }
         Ok(())
     }
@@ -144,6 +144,29 @@ impl Machine {
     /// [`RunError::Mapping`] if the addresses are not free.
     pub fn map(&mut self, address: u32, bytes: u32, device: Arc<dyn Peripheral>) -> Result<(), RunError> {
         memory::map(&self.space, address, bytes, device)
+    }
+
+    /// Adds a device that takes the program's stores to flash, which are errors otherwise. Offsets
+    /// count from the start of flash, and reads go to the memory.
+    ///
+    /// # Errors
+    /// [`RunError::Mapping`] if there is such a device already.
+    pub fn map_flash_stores(&mut self, device: Arc<dyn Peripheral>) -> Result<(), RunError> {
+        memory::map_flash_stores(&self.space, device)
+    }
+
+    /// Lets a device take the program's reads of a part of memory, from which no instructions can
+    /// run meanwhile. [`Machine::untrap_reads`] ends it.
+    ///
+    /// # Errors
+    /// [`RunError::Mapping`] if the addresses cannot be mapped.
+    pub fn trap_reads(&mut self, address: u32, bytes: u32, device: Arc<dyn Peripheral>) -> Result<ReadTrap, RunError> {
+        memory::trap_reads(&self.space, address, bytes, device)
+    }
+
+    /// Gives reads that a device took back to the memory.
+    pub fn untrap_reads(&mut self, trap: ReadTrap) {
+        memory::untrap_reads(&self.space, &trap);
     }
 
     /// Drives an external interrupt line, which is level-sensitive. Line 0 is the first after the

@@ -2,6 +2,7 @@
 //! registers and signals are looked at.
 
 mod clocks;
+mod flash;
 mod signals;
 mod time;
 mod usb;

@@ -1,7 +1,9 @@
 //! USB: the images under a host that enumerates, sends, fetches, suspends, and is unplugged.
 
+mod conversation;
 mod descriptors;
 mod host;
+mod link;
 mod packets;
 mod song;
 mod times;
