@@ -3,16 +3,18 @@
 //! Nothing here allocates. A chip lends statics, a PC lends vectors:
 //!
 //! ```text
-//! Plan::of(kit, rate, limits)        counts words with an Account
-//! Engine::new(kit, plan, memory)     takes the same slices, in the same order, from a Memory
+//! Plan::of(kit, rate, limits)        counts words with a Memory that only counts
+//! Engine::new(kit, plan, memory)     takes the same slices, in the same order, from one that has words
 //! ```
 //!
-//! Both go through [`Lender::take`], so that a plan's words are those that the engine then takes.
+//! Both go through [`Memory::take`], so that a plan's words are those that the engine then takes.
 //! Slices lie in one of two memories ([`Region`]): a chip has a fast one beside the core and a
 //! large one, a PC has one of both.
 
 use core::fmt;
 use core::mem::MaybeUninit;
+
+use zerocopy::FromZeros;
 
 /// Unit of lent memory: 8 bytes.
 pub type Word = MaybeUninit<u64>;
@@ -80,20 +82,6 @@ impl fmt::Display for OutOfMemory {
 
 impl core::error::Error for OutOfMemory {}
 
-/// A source of slices: [`Memory`], or an [`Account`] that only counts.
-pub trait Lender<'m> {
-    /// Takes a slice of `count` items, each made by `make`, from the memory of `region`.
-    ///
-    /// The other memory serves if that one is full. An [`Account`] gives an empty slice.
-    ///
-    /// # Errors
-    /// [`OutOfMemory`]; nothing is taken then.
-    fn take<T>(&mut self, region: Region, count: usize, make: impl Fn() -> T) -> Result<&'m mut [T], OutOfMemory>;
-
-    /// Copy of the account so far, to try if slices fit before they are taken.
-    fn account(&self) -> Account;
-}
-
 /// Number of words of a slice, wherever it begins.
 ///
 /// If the product overflows it is `usize::MAX`, so that every memory refuses.
@@ -103,22 +91,83 @@ fn words_of<T>(count: usize) -> usize {
     bytes.map_or(usize::MAX, |bytes| bytes.div_ceil(WORD_BYTES))
 }
 
-/// A count of words without any memory behind it.
-#[derive(Clone, Copy, Debug)]
-pub struct Account {
+/// Words that a caller lends for the life of an engine, or a count of words without any.
+#[derive(Debug)]
+pub struct Memory<'m> {
+    fast: &'m mut [Word],
+    bulk: &'m mut [Word],
     left: Words,
     used: Words,
+    /// True if there are no words: slices are counted, and empty.
+    only_counts: bool,
 }
 
-impl Account {
-    /// An account of which nothing is used.
-    pub const fn new(limit: Words) -> Self {
-        Self { left: limit, used: Words { fast: 0, bulk: 0 } }
+impl<'m> Memory<'m> {
+    /// Makes a memory of words that may hold anything. Either slice may be empty.
+    pub fn new(fast: &'m mut [Word], bulk: &'m mut [Word]) -> Self {
+        let left = Words { fast: fast.len(), bulk: bulk.len() };
+        Self { fast, bulk, left, used: Words::default(), only_counts: false }
+    }
+
+    /// Makes a count of words up to a limit. It gives empty slices, and takes as many words for each
+    /// as a memory does.
+    pub const fn count(limit: Words) -> Self {
+        Self { fast: &mut [], bulk: &mut [], left: limit, used: Words { fast: 0, bulk: 0 }, only_counts: true }
+    }
+
+    /// Count of the words that are left, to try if slices fit before they are taken.
+    pub const fn rest(&self) -> Self {
+        Self::count(self.left)
     }
 
     /// Number of words that have been taken.
     pub const fn used(&self) -> Words {
         self.used
+    }
+
+    /// Takes a slice of `count` items, each made by `make`, from the memory of `region`. The other
+    /// memory serves if that one is full.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`]; nothing is taken then.
+    #[allow(unsafe_code)]
+    #[inline(always)] // so that large items are made in their place
+    pub fn take<T>(&mut self, region: Region, count: usize, make: impl Fn() -> T) -> Result<&'m mut [T], OutOfMemory> {
+        let items = self.take_places(region, count)?;
+        for item in &mut *items {
+            item.write(make());
+        }
+        // SAFETY: all items have just been set.
+        Ok(unsafe { items.assume_init_mut() })
+    }
+
+    /// Takes a slice of `count` items of zeros, as [`take`](Self::take) does.
+    ///
+    /// An item never lies on the stack, which has no room for one of many kilobytes.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`]; nothing is taken then.
+    #[allow(unsafe_code)]
+    pub fn take_zeros<T: FromZeros>(&mut self, region: Region, count: usize) -> Result<&'m mut [T], OutOfMemory> {
+        let items = self.take_places(region, count)?;
+        // SAFETY: the slice is that long, and zeros are a valid T.
+        Ok(unsafe {
+            items.as_mut_ptr().write_bytes(0, items.len());
+            items.assume_init_mut()
+        })
+    }
+
+    /// Takes places for `count` items from the memory of `region`.
+    fn take_places<T>(&mut self, region: Region, count: usize) -> Result<&'m mut [MaybeUninit<T>], OutOfMemory> {
+        let words = words_of::<T>(count);
+        let region = self.book(region, words)?;
+        if self.only_counts {
+            return Ok(&mut []);
+        }
+        let memory = if region == Region::Fast { &mut self.fast } else { &mut self.bulk };
+        // No more has been booked than there is.
+        let taken = memory.split_off_mut(..words).unwrap_or(&mut []);
+        Ok(places(taken, count))
     }
 
     /// Books words, and returns the memory that has them.
@@ -134,70 +183,16 @@ impl Account {
     }
 }
 
-impl<'m> Lender<'m> for Account {
-    fn take<T>(&mut self, region: Region, count: usize, _: impl Fn() -> T) -> Result<&'m mut [T], OutOfMemory> {
-        self.book(region, words_of::<T>(count)).map(|_| &mut [] as &mut [T])
-    }
-
-    fn account(&self) -> Account {
-        *self
-    }
-}
-
-/// Words that a caller lends for the life of an engine.
-#[derive(Debug)]
-pub struct Memory<'m> {
-    fast: &'m mut [Word],
-    bulk: &'m mut [Word],
-    account: Account,
-}
-
-impl<'m> Memory<'m> {
-    /// Makes a memory of words that may hold anything. Either slice may be empty.
-    pub fn new(fast: &'m mut [Word], bulk: &'m mut [Word]) -> Self {
-        let account = Account::new(Words { fast: fast.len(), bulk: bulk.len() });
-        Self { fast, bulk, account }
-    }
-
-    /// Number of words that have been taken.
-    pub const fn used(&self) -> Words {
-        self.account.used()
-    }
-}
-
-impl<'m> Lender<'m> for Memory<'m> {
-    fn take<T>(&mut self, region: Region, count: usize, make: impl Fn() -> T) -> Result<&'m mut [T], OutOfMemory> {
-        let words = words_of::<T>(count);
-        let region = self.account.book(region, words)?;
-        let memory = if region == Region::Fast { &mut self.fast } else { &mut self.bulk };
-        // The account has booked no more than there is.
-        let taken = memory.split_off_mut(..words).unwrap_or(&mut []);
-        Ok(typed(taken, count, make))
-    }
-
-    fn account(&self) -> Account {
-        self.account
-    }
-}
-
-/// The words as a slice of `count` items, which they have room for.
+/// The words as places for `count` items, which they have room for.
 #[allow(unsafe_code)]
-#[inline(always)] // so that large items are made in their place
-fn typed<T>(words: &mut [Word], count: usize, make: impl Fn() -> T) -> &mut [T] {
+fn places<T>(words: &mut [Word], count: usize) -> &mut [MaybeUninit<T>] {
     let start = words.as_ptr().align_offset(align_of::<T>().max(align_of::<Word>()));
     let Some(words) = words.get_mut(start..).filter(|words| size_of_val(*words) >= count * size_of::<T>()) else {
         return &mut [];
     };
-    let items = words.as_mut_ptr().cast::<MaybeUninit<T>>();
     // SAFETY: the words begin at an address that is aligned for T and are as long as `count` items,
-    // by the check above; they are borrowed for 'm by nobody else, and an item that is not set yet
-    // may hold anything.
-    let items = unsafe { core::slice::from_raw_parts_mut(items, count) };
-    for item in &mut *items {
-        item.write(make());
-    }
-    // SAFETY: all items have just been set.
-    unsafe { items.assume_init_mut() }
+    // by the check above; they are borrowed for 'm by nobody else, and a place may hold anything.
+    unsafe { core::slice::from_raw_parts_mut(words.as_mut_ptr().cast::<MaybeUninit<T>>(), count) }
 }
 
 #[cfg(test)]
@@ -205,10 +200,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn account_and_memory_take_the_same_words() {
+    fn count_and_memory_take_the_same_words() {
         let mut words = [Word::uninit(); 40];
         let (fast, bulk) = words.split_at_mut(10);
-        let mut account = Account::new(Words { fast: 10, bulk: 30 });
+        let mut account = Memory::count(Words { fast: 10, bulk: 30 });
         let mut memory = Memory::new(fast, bulk);
         // Fits the fast memory; is too large for it; fills it; finds nothing.
         for (count, fits) in [(9, true), (20, true), (11, true), (200, false), (3, true)] {
@@ -226,8 +221,8 @@ mod tests {
 
     #[test]
     fn missing_words_are_told() {
-        let mut account = Account::new(Words { fast: 3, bulk: 1 });
-        let error = <Account as Lender<'_>>::take::<u64>(&mut account, Region::Bulk, 5, || 0).unwrap_err();
+        let mut account = Memory::count(Words { fast: 3, bulk: 1 });
+        let error = account.take::<u64>(Region::Bulk, 5, || 0).unwrap_err();
         assert_eq!((error.missing(), account.used()), (2, Words::default()));
     }
 }

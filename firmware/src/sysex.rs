@@ -44,7 +44,7 @@ pub async fn serve(mut sysex: Sysex, mut replies: Replies, mut storage: Storage)
                 matched = 0;
                 send(&IDENTITY, &mut replies).await;
             }
-            let mut outcome = device.receive(byte, &mut storage, &mut message);
+            let mut outcome = receive(&mut device, byte, &mut storage, &mut message);
             while outcome != Outcome::Nothing {
                 if let Outcome::Refused(refusal) = outcome {
                     defmt::warn!("cable: {}", refusal);
@@ -53,11 +53,24 @@ pub async fn serve(mut sysex: Sysex, mut replies: Replies, mut storage: Storage)
                 outcome = Outcome::Nothing;
                 if let Some(job) = device.job() {
                     defmt::info!("cable: {}", job);
-                    outcome = device.work(&mut storage, &mut message);
+                    outcome = work(&mut device, &mut storage, &mut message);
                 }
             }
         }
     }
+}
+
+/// Takes a byte.
+// Not inlined: its stack must not add to that of a job.
+#[inline(never)]
+fn receive(device: &mut Device, byte: u8, storage: &mut Storage, message: &mut Message) -> Outcome {
+    device.receive(byte, storage, message)
+}
+
+/// Does the job that waits.
+#[inline(never)]
+fn work(device: &mut Device, storage: &mut Storage, message: &mut Message) -> Outcome {
+    device.work(storage, message)
 }
 
 /// Sends a whole SysEx.

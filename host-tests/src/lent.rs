@@ -38,11 +38,11 @@ pub fn engine_of<'k, S: Sample>(kit: &Kit<'k>, setup: Setup) -> Result<Engine<'k
 }
 
 /// Takes a stage from exactly the memory that it needs. `$take` is an expression that takes it from
-/// a `Lender` named `$lender`.
+/// a `Memory` named `$lender`.
 #[macro_export]
 macro_rules! lent {
     ($lender:ident => $take:expr) => {{
-        let mut account = dsp_core::memory::Account::new(dsp_core::memory::Words::MAX);
+        let mut account = dsp_core::memory::Memory::count(dsp_core::memory::Words::MAX);
         {
             let $lender = &mut account;
             // An account only counts, so the stage taken from it has no memory and is dropped.

@@ -7,15 +7,15 @@ use super::gain::Gain;
 use super::pair::Pair;
 use super::placement::Placement;
 use super::pole::Pole;
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 
 impl<'m> Bank<'m> {
     /// Takes memory for `sections` pairs, which suffice for that number of sections.
     ///
     /// # Errors
     /// [`OutOfMemory`].
-    pub fn take(lender: &mut impl Lender<'m>, sections: usize) -> Result<Self, OutOfMemory> {
-        Ok(Self { pairs: lender.take(Region::Bulk, sections, || Pair::EMPTY)?, ..Self::empty() })
+    pub fn take(memory: &mut Memory<'m>, sections: usize) -> Result<Self, OutOfMemory> {
+        Ok(Self { pairs: memory.take(Region::Bulk, sections, || Pair::EMPTY)?, ..Self::empty() })
     }
 
     /// Loads chains of `depth` sections in a row, and leaves the bank at rest.

@@ -4,7 +4,7 @@ use super::law::Impact;
 use super::pulse::{Asymmetry, Pulse, WHOLE};
 use super::shape::{self, SHAPE_BITS};
 use crate::fixed;
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 
 /// One contact under way.
 #[derive(Clone, Copy, Debug)]
@@ -134,8 +134,8 @@ impl<'m> ActiveContacts<'m> {
     ///
     /// # Errors
     /// [`OutOfMemory`].
-    pub fn take(lender: &mut impl Lender<'m>, capacity: usize) -> Result<Self, OutOfMemory> {
-        Ok(Self { contacts: lender.take(Region::Fast, capacity, || Contact::OVER)?, count: 0 })
+    pub fn take(memory: &mut Memory<'m>, capacity: usize) -> Result<Self, OutOfMemory> {
+        Ok(Self { contacts: memory.take(Region::Fast, capacity, || Contact::OVER)?, count: 0 })
     }
 
     /// Number of contacts under way.

@@ -7,7 +7,7 @@
 
 use super::settings::Breakpoint;
 use crate::SampleRate;
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 
 /// Levels from one breakpoint to the next, in frames after the strike.
 #[derive(Clone, Copy, Debug)]
@@ -67,8 +67,8 @@ impl<'m> Levels<'m> {
     ///
     /// # Errors
     /// [`OutOfMemory`].
-    pub fn take(lender: &mut impl Lender<'m>, count: usize) -> Result<Self, OutOfMemory> {
-        Ok(Self { pieces: lender.take(Region::Bulk, count, || Piece::NOTHING)?, ..Self::none() })
+    pub fn take(memory: &mut Memory<'m>, count: usize) -> Result<Self, OutOfMemory> {
+        Ok(Self { pieces: memory.take(Region::Bulk, count, || Piece::NOTHING)?, ..Self::none() })
     }
 
     /// Derives the levels of a path whose coefficients are for a rate of `1/ratio` times `rate`.

@@ -6,7 +6,7 @@ use super::path::{Input, Path};
 use super::settings::{Breakpoint, Exciter, Loop, Settings};
 use super::stability;
 use crate::SampleRate;
-use crate::memory::{Lender, OutOfMemory};
+use crate::memory::{Memory, OutOfMemory};
 use crate::noise::White;
 use crate::time::TICK_FRAMES;
 use crate::waveguide::Loops;
@@ -32,9 +32,9 @@ impl<'m> DynamicFilter<'m> {
     ///
     /// # Errors
     /// [`OutOfMemory`].
-    pub fn take(lender: &mut impl Lender<'m>, size: FilterSize) -> Result<Self, OutOfMemory> {
-        let path = Path::take(lender, size.breakpoints)?;
-        let loops = Loops::take(lender, size.loops, size.line_frames)?;
+    pub fn take(memory: &mut Memory<'m>, size: FilterSize) -> Result<Self, OutOfMemory> {
+        let path = Path::take(memory, size.breakpoints)?;
+        let loops = Loops::take(memory, size.loops, size.line_frames)?;
         let mut taken = Self { loops, ..Self::empty() };
         taken.filter.path = path;
         Ok(taken)

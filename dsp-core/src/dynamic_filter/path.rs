@@ -15,7 +15,7 @@ use super::error::PathError;
 use super::limits::{CARRIED, Limits, MAX_TIME_S, MIN_REAL_POLE, OF_TABLE};
 use super::settings::Breakpoint;
 use crate::SampleRate;
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 use crate::table::range::BREAKPOINTS;
 
 /// Exponent of two to which |e| is clipped: 2.0 in Q27.
@@ -157,8 +157,8 @@ impl<'m> Path<'m> {
     }
 
     /// Takes memory for `count` breakpoints.
-    pub(super) fn take(lender: &mut impl Lender<'m>, count: usize) -> Result<Self, OutOfMemory> {
-        Ok(Self { pieces: lender.take(Region::Bulk, count, || Piece::NOTHING)?, ..Self::empty() })
+    pub(super) fn take(memory: &mut Memory<'m>, count: usize) -> Result<Self, OutOfMemory> {
+        Ok(Self { pieces: memory.take(Region::Bulk, count, || Piece::NOTHING)?, ..Self::empty() })
     }
 
     /// Derives the path of a filter of order 1 or 2 for a rate. `ratio` is this rate over the rate

@@ -1,6 +1,6 @@
 //! Loading: from a kit to an engine.
 //!
-//! Every slice is taken in one order, from memory or from an account.
+//! Every slice is taken in one order, from a memory that has words or from one that only counts.
 
 use super::error::LoadError;
 use super::fader::Fader;
@@ -12,7 +12,7 @@ use super::state::{Engine, STANDARD_CONTACTS};
 use crate::built::Built;
 use crate::contact::ActiveContacts;
 use crate::limiter::Limiter;
-use crate::memory::{Lender, Memory, OutOfMemory, Region, Words};
+use crate::memory::{Memory, OutOfMemory, Region, Words};
 use crate::noise::Sfc32;
 use crate::output::Panner;
 use crate::residual::Shaper;
@@ -72,36 +72,36 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         Self::build(kit, setup, &mut memory, fitting)
     }
 
-    /// Builds an engine from memory, or from an account one that cannot be played.
-    pub(super) fn build<L: Lender<'m>>(
+    /// Builds an engine. From a memory that only counts it cannot be played.
+    pub(super) fn build(
         kit: &Kit<'k>,
         setup: Setup,
-        lender: &mut L,
+        memory: &mut Memory<'m>,
         mut fitting: Fitting<'_>,
     ) -> Result<Self, LoadError> {
-        let mut engine = Self::take(kit, setup, lender)?;
-        engine.load_modes(setup.position_cycles, lender, &mut fitting)?;
+        let mut engine = Self::take(kit, setup, memory)?;
+        engine.load_modes(setup.position_cycles, memory, &mut fitting)?;
         if let Some(left) = engine.frame_cycles.filter(|_| engine.has_mixer) {
             let worst = setup.frame_worst_percent * TICK_FRAMES as u32;
             fitting.limit(left.saturating_mul(worst) / 100);
         }
         // Stages that sound for good come first: strikes share the time that they leave.
-        engine.load_room(lender, &mut fitting)?;
-        engine.load_background(lender, &mut fitting)?;
+        engine.load_room(memory, &mut fitting)?;
+        engine.load_background(memory, &mut fitting)?;
         for number in 0..kit.pads().len() as u8 {
-            engine.load_residual(number, lender, &mut fitting)?;
+            engine.load_residual(number, memory, &mut fitting)?;
         }
         for number in 0..kit.pads().len() as u8 {
-            engine.load_filters(number, lender, &mut fitting)?;
+            engine.load_filters(number, memory, &mut fitting)?;
         }
-        engine.words = lender.account().used();
+        engine.words = memory.used();
         engine.stage_cycles = fitting.left();
         engine.modes_built = engine.voices.iter().map(|voice| voice.mode_count() as u32).sum();
         Ok(engine)
     }
 
     /// Takes the memory of the engine's own state.
-    fn take<L: Lender<'m>>(kit: &Kit<'k>, setup: Setup, lender: &mut L) -> Result<Self, LoadError> {
+    fn take(kit: &Kit<'k>, setup: Setup, memory: &mut Memory<'m>) -> Result<Self, LoadError> {
         let pads = kit.pads().len();
         // Events count pads in a byte.
         let capacity = usize::from(u8::MAX);
@@ -113,8 +113,8 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         let missing = |error| LoadError::Memory { stage: Stage::Engine, error };
         Ok(Self {
             kit: *kit,
-            voices: lender.take(Region::Fast, pads, Voice::empty).map_err(missing)?,
-            contacts: ActiveContacts::take(lender, STANDARD_CONTACTS).map_err(missing)?,
+            voices: memory.take(Region::Fast, pads, Voice::empty).map_err(missing)?,
+            contacts: ActiveContacts::take(memory, STANDARD_CONTACTS).map_err(missing)?,
             frames: None,
             background: None,
             centre: Panner::new(0.0, 0.0),
@@ -122,11 +122,11 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             fader: Fader::OPEN,
             held: Held::NONE,
             limiter: match setup.ceiling_db {
-                Some(ceiling_db) => Limiter::place(lender, ceiling_db, setup.rate).map_err(missing)?,
+                Some(ceiling_db) => Limiter::place(memory, ceiling_db, setup.rate).map_err(missing)?,
                 None => None,
             },
-            listening: lender.take(Region::Fast, pads, || None).map_err(missing)?,
-            struck: lender.take(Region::Fast, pads, || false).map_err(missing)?,
+            listening: memory.take(Region::Fast, pads, || None).map_err(missing)?,
+            struck: memory.take(Region::Fast, pads, || false).map_err(missing)?,
             levels: &mut [],
             rate: setup.rate,
             skipping: setup.skipping,
@@ -156,7 +156,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
     }
 
     #[inline(never)] // runs on load only: keeps its stack apart from the program's
-    fn load_room<L: Lender<'m>>(&mut self, lender: &mut L, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
+    fn load_room(&mut self, memory: &mut Memory<'m>, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
         let (bands, rate, samples) = (self.kit.room(), self.rate, self.room_samples);
         if bands.is_empty() {
             return Ok(());
@@ -168,13 +168,13 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             Ok(size) => size,
             Err(error) => return fitting.leave_out(LoadError::Room(error)),
         };
-        if !fits(lender, |account| Room::<S>::place(account, size), Stage::Room, fitting)?
+        if !fits(memory, |count| Room::<S>::place(count, size), Stage::Room, fitting)?
             || !fitting.take(Stage::Room, ROOM_TICK + size.bands as u32 * ROOM_BAND_TICK)
         {
             return Ok(());
         }
         let missing = |error| LoadError::Memory { stage: Stage::Room, error };
-        self.room = Room::place(lender, size).map_err(missing)?;
+        self.room = Room::place(memory, size).map_err(missing)?;
         match self.room.as_deref_mut() {
             Some(room) => room.load(bands, rate, samples).map_err(LoadError::Room),
             None => Ok(()),
@@ -182,11 +182,11 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
     }
 
     #[inline(never)]
-    fn load_background<L: Lender<'m>>(&mut self, lender: &mut L, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
+    fn load_background(&mut self, memory: &mut Memory<'m>, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
         let Some(background) = self.kit.background() else { return Ok(()) };
         let highest_hz = background.bands().last().map_or(0.0, |band| band.edges_hz[1]);
         let bands = background.bands().count();
-        let Some(place) = self.take_noise(Stage::Background, (bands, highest_hz), lender, fitting)? else {
+        let Some(place) = self.take_noise(Stage::Background, (bands, highest_hz), memory, fitting)? else {
             return Ok(());
         };
         self.noisy = true;
@@ -199,17 +199,17 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
     }
 
     #[inline(never)]
-    fn load_residual<L: Lender<'m>>(
+    fn load_residual(
         &mut self,
         number: u8,
-        lender: &mut L,
+        memory: &mut Memory<'m>,
         fitting: &mut Fitting<'_>,
     ) -> Result<(), LoadError> {
         let Some(pad) = self.kit.pads().nth(usize::from(number)) else { return Ok(()) };
         let Some(residual) = self.kit.residual_of(pad.object_index()) else { return Ok(()) };
         let highest_hz = residual.bands().last().map_or(0.0, |band| band.edges_hz[1]);
         let bands = residual.bands().count();
-        let Some(place) = self.take_noise(Stage::Residual(number), (bands, highest_hz), lender, fitting)? else {
+        let Some(place) = self.take_noise(Stage::Residual(number), (bands, highest_hz), memory, fitting)? else {
             return Ok(());
         };
         self.noisy = true;
@@ -226,18 +226,18 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
 
     /// Takes the memory and the time of noise in a number of bands up to an edge in Hz.
     ///
-    /// `None` if it is left out, `Some(None)` from an account.
-    fn take_noise<L: Lender<'m>>(
+    /// `None` if it is left out, `Some(None)` from a memory that only counts.
+    fn take_noise(
         &self,
         stage: Stage,
         (bands, edge_hz): (usize, f32),
-        lender: &mut L,
+        memory: &mut Memory<'m>,
         fitting: &mut Fitting<'_>,
     ) -> Result<Option<Option<&'m mut Residual<'m>>>, LoadError> {
         if f64::from(edge_hz) > self.rate.hz() / 2.0 {
             return fitting.leave_out(LoadError::BeyondNyquist { stage, edge_hz, rate: self.rate }).map(|()| None);
         }
-        if !fits(lender, |account| Residual::place(account, bands), stage, fitting)? {
+        if !fits(memory, |count| Residual::place(count, bands), stage, fitting)? {
             return Ok(None);
         }
         let cycles = Shaper::dearest_tick(bands);
@@ -246,7 +246,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             _ => fitting.afford(stage, cycles),
         };
         let Some(cycles) = cycles else { return Ok(None) };
-        let mut place = Residual::place(lender, bands).map_err(|error| LoadError::Memory { stage, error })?;
+        let mut place = Residual::place(memory, bands).map_err(|error| LoadError::Memory { stage, error })?;
         if let Some(place) = &mut place {
             place.worst_cycles = cycles;
         }
@@ -254,10 +254,10 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
     }
 
     #[inline(never)] // runs on load only: keeps its stack apart from the program's
-    fn load_filters<L: Lender<'m>>(
+    fn load_filters(
         &mut self,
         number: u8,
-        lender: &mut L,
+        memory: &mut Memory<'m>,
         fitting: &mut Fitting<'_>,
     ) -> Result<(), LoadError> {
         let (kit, rate) = (self.kit, self.rate);
@@ -280,7 +280,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
                 Err(error) => fitting.leave_out(LoadError::DynamicFilter { pad: number, error })?,
                 Ok(dynamic) => {
                     let wanted = FiltersSize { dynamic: Some(dynamic), ..FiltersSize::default() };
-                    if fits(lender, |account| Filters::place(account, wanted), stage, fitting)? {
+                    if fits(memory, |count| Filters::place(count, wanted), stage, fitting)? {
                         // A filter that modes go through runs with them, with or without noise.
                         let afforded = match tried.takes_modes() {
                             true => fitting.take(stage, tried.dynamic_cycles()).then_some(0),
@@ -300,7 +300,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
                 fitting.leave_out(LoadError::NotBuilt { stage })?;
             } else if let Err(error) = Filters::check_biquads(biquads, rate, reference_force) {
                 fitting.leave_out(LoadError::Biquads { pad: number, error })?;
-            } else if fits(lender, |account| Filters::place(account, wanted), stage, fitting)? {
+            } else if fits(memory, |count| Filters::place(count, wanted), stage, fitting)? {
                 let worst = Filters::max_biquad_cycles(wanted.biquads, biquads.depth());
                 if let Some(afforded) = fitting.afford(stage, worst) {
                     (size, cycles[1]) = (wanted, afforded);
@@ -311,7 +311,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             return Ok(());
         }
         let stage = if size.dynamic.is_some() { Stage::DynamicFilter(number) } else { Stage::Biquads(number) };
-        let place = Filters::place(lender, size).map_err(|error| LoadError::Memory { stage, error })?;
+        let place = Filters::place(memory, size).map_err(|error| LoadError::Memory { stage, error })?;
         self.filtered = true;
         let (Some(place), Some(voice)) = (place, self.voices.get_mut(usize::from(number))) else { return Ok(()) };
         place.worst_cycles = cycles;
@@ -334,12 +334,12 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
 /// True if there is memory for a stage, which is still to be taken; otherwise the stage is left
 /// out.
 fn fits<'m, T>(
-    lender: &impl Lender<'m>,
-    take: impl FnOnce(&mut crate::memory::Account) -> Result<T, OutOfMemory>,
+    memory: &Memory<'m>,
+    take: impl FnOnce(&mut Memory<'m>) -> Result<T, OutOfMemory>,
     stage: Stage,
     fitting: &mut Fitting<'_>,
 ) -> Result<bool, LoadError> {
-    match take(&mut lender.account()) {
+    match take(&mut memory.rest()) {
         Ok(_) => Ok(true),
         Err(error) => fitting.leave_out(LoadError::Memory { stage, error }).map(|()| false),
     }

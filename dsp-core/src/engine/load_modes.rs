@@ -6,7 +6,7 @@ use super::setup::{Fitting, Skipping};
 use super::stage::Stage;
 use super::state::Engine;
 use crate::frames::{FEWEST_MODES, FEWEST_MODES_OF_SEVERAL, FrameMixer};
-use crate::memory::{Lender, Region};
+use crate::memory::{Memory, Region};
 use crate::room::Sample;
 use crate::table::Kit;
 use crate::voice::{Form, PadTables, Voice, VoiceSize};
@@ -27,10 +27,10 @@ fn moving_cycles(kit: &Kit<'_>, number: u8, form: Form) -> u32 {
 
 impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
     #[inline(never)] // keeps its stack apart from that of the stages that follow
-    pub(super) fn load_modes<L: Lender<'m>>(
+    pub(super) fn load_modes(
         &mut self,
         position_cycles: Option<u32>,
-        lender: &mut L,
+        memory: &mut Memory<'m>,
         fitting: &mut Fitting<'_>,
     ) -> Result<(), LoadError> {
         let (kit, rate) = (self.kit, self.rate);
@@ -41,7 +41,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             let refused = |(error, striker)| LoadError::Pad { pad: usize::from(number), striker, error, rate };
             let size = VoiceSize::new(&tables, rate).map_err(refused)?;
             let framed = size.in_frames(&tables, rate, fewest).map_err(|error| refused((error, None)))?;
-            let framed = framed.and_then(|framed| self.admit_to_frames(number, framed, lender));
+            let framed = framed.and_then(|framed| self.admit_to_frames(number, framed, memory));
             let (size, form) = framed.map_or_else(|reason| (size, reason), |framed| (framed, Form::Frames));
             let missing = |error| LoadError::Memory { stage: Stage::Modes(number), error };
             if form == Form::Frames {
@@ -52,7 +52,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
                 }
                 if !self.has_mixer {
                     let retires = self.skipping == Skipping::On;
-                    self.frames = FrameMixer::place(lender, retires).map_err(missing)?;
+                    self.frames = FrameMixer::place(memory, retires).map_err(missing)?;
                     self.has_mixer = true;
                 }
             }
@@ -61,9 +61,9 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             if let Some(left) = left {
                 fitting.leave_out(LoadError::TooDear { stage: Stage::Positions(number), cycles, left })?;
             }
-            let voice = Voice::take(lender, &size).map_err(missing)?;
+            let voice = Voice::take(memory, &size).map_err(missing)?;
             self.groups_built += size.groups() as u32;
-            // An account gives no slices.
+            // A memory that only counts gives no slices.
             if let Some(slot) = self.voices.get_mut(usize::from(number)) {
                 *slot = voice;
                 slot.form = form;
@@ -73,14 +73,14 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             }
         }
         let missing = |error| LoadError::Memory { stage: Stage::Engine, error };
-        self.levels = lender.take(Region::Fast, self.groups_built as usize, || 0).map_err(missing)?;
+        self.levels = memory.take(Region::Fast, self.groups_built as usize, || 0).map_err(missing)?;
         // Memory that is left then serves second positions.
         for (number, in_frames) in (0..kit.pads().len()).zip(in_frames) {
             let Some(tables) = PadTables::new(kit, number).filter(|_| !in_frames) else { continue };
             let modes = VoiceSize::new(&tables, rate).map_or(0, |size| size.second_modes(&tables));
             let mut none = Voice::empty();
             let voice = self.voices.get_mut(number).unwrap_or(&mut none);
-            if modes > 0 && voice.take_second(lender, modes).is_err() {
+            if modes > 0 && voice.take_second(memory, modes).is_err() {
                 break;
             }
         }
@@ -112,23 +112,23 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
     /// Gives back the size of a pad in frames, or the reason why its modes stay in the bank:
     /// cycles, or memory beside the banks of the pads behind it.
     #[inline(never)]
-    fn admit_to_frames<L: Lender<'m>>(&self, number: u8, framed: VoiceSize, lender: &L) -> Result<VoiceSize, Form> {
+    fn admit_to_frames(&self, number: u8, framed: VoiceSize, memory: &Memory<'m>) -> Result<VoiceSize, Form> {
         if self.frame_cycles.is_some_and(|left| framed.frame_cycles(self.is_direct(number)) > left) {
             return Err(Form::TooDear);
         }
-        let mut account = lender.account();
+        let mut count = memory.rest();
         let mut groups = self.groups_built as usize;
         let mut take = |size: &VoiceSize| {
             groups += size.groups();
-            Voice::take(&mut account, size).is_ok()
+            Voice::take(&mut count, size).is_ok()
         };
         let mut fits = take(&framed);
         for later in usize::from(number) + 1..self.kit.pads().len() {
             let tables = PadTables::new(self.kit, later);
             fits &= tables.and_then(|tables| VoiceSize::new(&tables, self.rate).ok()).is_none_or(|size| take(&size));
         }
-        fits &= account.take(Region::Fast, groups, || 0u8).is_ok();
-        fits &= self.has_mixer || FrameMixer::place(&mut account, true).is_ok();
+        fits &= count.take(Region::Fast, groups, || 0u8).is_ok();
+        fits &= self.has_mixer || FrameMixer::place(&mut count, true).is_ok();
         if fits { Ok(framed) } else { Err(Form::NoMemory) }
     }
 }

@@ -3,7 +3,7 @@
 use super::error::LoadError;
 use super::setup::{Fitting, Setup};
 use super::state::Engine;
-use crate::memory::{Account, Words};
+use crate::memory::{Memory, Words};
 use crate::room::Sample;
 use crate::table::Kit;
 
@@ -43,8 +43,8 @@ impl Plan {
     }
 
     fn build<S: Sample>(kit: &Kit<'_>, setup: Setup, words: Words, fitting: Fitting<'_>) -> Result<Self, LoadError> {
-        let mut account = Account::new(words);
-        let engine = Engine::<S>::build(kit, setup, &mut account, fitting)?;
-        Ok(Self { words: account.used(), stage_cycles_left: engine.stage_cycles })
+        let mut memory = Memory::count(words);
+        let engine = Engine::<S>::build(kit, setup, &mut memory, fitting)?;
+        Ok(Self { words: memory.used(), stage_cycles_left: engine.stage_cycles })
     }
 }

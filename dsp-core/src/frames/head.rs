@@ -7,7 +7,7 @@ use super::samples::rounded;
 use super::{BLOCK_FRAMES, LINES, POINTS};
 use crate::fixed;
 use crate::fourier::Complex;
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 use crate::time::TICK_FRAMES;
 
 /// Number of taps with the zeros at both ends that [`kernel::convolve`] may reach.
@@ -70,11 +70,11 @@ impl<'m> Head<'m> {
     }
 
     /// Takes the memory of a head: 4 KB, and 2 KB more for tails.
-    pub(super) fn take(lender: &mut impl Lender<'m>, has_tails: bool) -> Result<Self, OutOfMemory> {
-        let taps = lender.take(Region::Fast, TAPS, || 0)?;
-        let history = lender.take(Region::Fast, POINTS, || 0)?;
+    pub(super) fn take(memory: &mut Memory<'m>, has_tails: bool) -> Result<Self, OutOfMemory> {
+        let taps = memory.take(Region::Fast, TAPS, || 0)?;
+        let history = memory.take(Region::Fast, POINTS, || 0)?;
         let lines = if has_tails { LINES } else { 0 };
-        Ok(Self { taps, history, response: lender.take(Region::Fast, lines, || [0.0; 2])?, ..Self::empty() })
+        Ok(Self { taps, history, response: memory.take(Region::Fast, lines, || [0.0; 2])?, ..Self::empty() })
     }
 
     /// Taps by lag as numbers, and the place of their spectrum; `None` without tails.

@@ -9,7 +9,7 @@ use super::numbers::numbers;
 use super::pole::{Complex64, FramePole, MAX_DAMPING, MAX_DAMPING_OF_HEAD, times};
 use super::{BLOCK_FRAMES, LINES, POINTS};
 use crate::SampleRate;
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 use crate::resonator::{BankError, BankTable, below_nyquist, check_bank, gain_at};
 
 /// Size of a bank in frames.
@@ -100,19 +100,19 @@ impl<'m> FrameBank<'m> {
     ///
     /// # Errors
     /// [`OutOfMemory`].
-    pub fn take(lender: &mut impl Lender<'m>, size: FrameBankSize) -> Result<Self, OutOfMemory> {
+    pub fn take(memory: &mut Memory<'m>, size: FrameBankSize) -> Result<Self, OutOfMemory> {
         let mut bank = Self {
-            modes: lender.take(Region::Fast, size.modes, FrameMode::default)?,
-            lines: lender.take(Region::Fast, LINES, Line::default)?,
-            heads: [Head::take(lender, size.positions <= 1)?, Head::empty()],
+            modes: memory.take(Region::Fast, size.modes, FrameMode::default)?,
+            lines: memory.take(Region::Fast, LINES, Line::default)?,
+            heads: [Head::take(memory, size.positions <= 1)?, Head::empty()],
             ..Self::empty()
         };
         if size.positions > 1 {
-            bank.heads[1] = Head::take(lender, false)?;
+            bank.heads[1] = Head::take(memory, false)?;
             bank.positions = Positions {
                 count: size.positions,
-                heads: lender.take(Region::Bulk, size.positions * POINTS, || 0)?,
-                indices: lender.take(Region::Fast, size.modes, || 0)?,
+                heads: memory.take(Region::Bulk, size.positions * POINTS, || 0)?,
+                indices: memory.take(Region::Fast, size.modes, || 0)?,
                 ..bank.positions
             };
         }

@@ -10,9 +10,11 @@ use super::kernel;
 use super::samples;
 use super::spectrum::{self, Lines};
 use super::step::{Pass, Step};
-use super::{BLOCK_FRAMES, LINES, PADDED_LINES, POINTS, RETIREMENT_BLOCKS, TICKS};
+use super::{BLOCK_FRAMES, LINES, POINTS, RETIREMENT_BLOCKS, TICKS};
+use zerocopy::FromZeros;
+
 use crate::fourier::{self, Complex, Progress};
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 use crate::time::TICK_FRAMES;
 
 /// Spectra of all banks in frames, and the work on the next block.
@@ -62,7 +64,7 @@ enum BlockForm {
 }
 
 /// Memory of a mixer: 12.3 KB.
-#[derive(Debug)]
+#[derive(Debug, FromZeros)]
 pub(super) struct Buffers {
     /// Spectra or transforms of `left + i right`, or transforms of one bank: of the block that
     /// plays, and of the next one.
@@ -101,22 +103,18 @@ impl<'m> FrameMixer<'m> {
     ///
     /// # Errors
     /// [`OutOfMemory`].
-    pub fn take(lender: &mut impl Lender<'m>, retires: bool) -> Result<Self, OutOfMemory> {
-        let silent = || Buffers {
-            stereo: [[[0.0; 2]; POINTS]; 2],
-            lines: [[0.0; 2]; PADDED_LINES],
-            force: [[0.0; 2]; BLOCK_FRAMES],
-        };
-        Ok(Self { buffers: lender.take(Region::Fast, 1, silent)?, retires, ..Self::empty() })
+    pub fn take(memory: &mut Memory<'m>, retires: bool) -> Result<Self, OutOfMemory> {
+        Ok(Self { buffers: memory.take_zeros(Region::Fast, 1)?, retires, ..Self::empty() })
     }
 
-    /// Takes the memory of a mixer and a place for it; `None` from an account.
+    /// Takes the memory of a mixer and a place for it; `None` from a memory that only
+    /// counts.
     ///
     /// # Errors
     /// [`OutOfMemory`].
-    pub fn place(lender: &mut impl Lender<'m>, retires: bool) -> Result<Option<&'m mut Self>, OutOfMemory> {
-        let mixer = Self::take(lender, retires)?;
-        let place = lender.take(Region::Fast, 1, Self::empty)?.first_mut();
+    pub fn place(memory: &mut Memory<'m>, retires: bool) -> Result<Option<&'m mut Self>, OutOfMemory> {
+        let mixer = Self::take(memory, retires)?;
+        let place = memory.take(Region::Fast, 1, Self::empty)?.first_mut();
         Ok(place.map(|place| {
             *place = mixer;
             place

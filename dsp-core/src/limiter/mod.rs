@@ -29,7 +29,7 @@
 use crate::SampleRate;
 use crate::exponential::power_of_two;
 use crate::fixed::{self, ONE_Q27};
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 use crate::time::TICK_FRAMES;
 
 /// Time constant of the gain's return to 1, in seconds.
@@ -92,11 +92,11 @@ impl Limiter {
     /// # Errors
     /// [`OutOfMemory`].
     pub fn place<'m>(
-        lender: &mut impl Lender<'m>,
+        memory: &mut Memory<'m>,
         ceiling_db: f32,
         rate: SampleRate,
     ) -> Result<Option<&'m mut Self>, OutOfMemory> {
-        Ok(lender.take(Region::Fast, 1, || Self::new(ceiling_db, rate))?.first_mut())
+        Ok(memory.take(Region::Fast, 1, || Self::new(ceiling_db, rate))?.first_mut())
     }
 
     /// True if the line is empty and the gain is 1: frames of silence may then pass untold.

@@ -4,7 +4,7 @@ use super::edges::retreats;
 use super::slope::SLOPE_FRAMES;
 use crate::SampleRate;
 use crate::exponential;
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 use crate::square_root::{exact_root, square_root};
 use crate::table::{ResidualBand, range};
 use crate::time::TICK_FRAMES;
@@ -195,8 +195,8 @@ impl<'m> Bands<'m> {
     }
 
     /// Takes memory for `count` bands.
-    pub(super) fn take(lender: &mut impl Lender<'m>, count: usize) -> Result<Self, OutOfMemory> {
-        Ok(Self { bands: lender.take(Region::Bulk, count, || Band::NONE)?, ..Self::none() })
+    pub(super) fn take(memory: &mut Memory<'m>, count: usize) -> Result<Self, OutOfMemory> {
+        Ok(Self { bands: memory.take(Region::Bulk, count, || Band::NONE)?, ..Self::none() })
     }
 
     /// Derives the bands for a rate. Under a hand they fall by at least `hand_db_per_s`; 0 if the

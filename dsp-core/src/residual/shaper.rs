@@ -8,7 +8,7 @@ use super::stream::Stream;
 use crate::SampleRate;
 use crate::fixed;
 use crate::fourier::{Complex, MAX_POINTS};
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 use crate::noise::Sfc32;
 use crate::square_root::square_root;
 use crate::table::ResidualBand;
@@ -84,9 +84,9 @@ impl<'m> Shaper<'m> {
     ///
     /// # Errors
     /// [`OutOfMemory`].
-    pub fn take(lender: &mut impl Lender<'m>, bands: usize) -> Result<Self, OutOfMemory> {
-        let points = lender.take(Region::Bulk, REGIONS * MAX_POINTS, || [0.0; 2])?;
-        Ok(Self { bands: Bands::take(lender, bands)?, waves: points.as_chunks_mut().0, ..Self::none() })
+    pub fn take(memory: &mut Memory<'m>, bands: usize) -> Result<Self, OutOfMemory> {
+        let points = memory.take(Region::Bulk, REGIONS * MAX_POINTS, || [0.0; 2])?;
+        Ok(Self { bands: Bands::take(memory, bands)?, waves: points.as_chunks_mut().0, ..Self::none() })
     }
 
     /// Derives the stage for a rate in the memory that was taken for as many bands; the pad cannot

@@ -9,7 +9,7 @@ use super::state::{Band, Room, Scratch};
 use super::turn::Turn;
 use super::upsample::Upsampler;
 use crate::SampleRate;
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 use crate::table::layout::RoomBandRecord;
 
 /// Size of a [`Room`].
@@ -35,28 +35,29 @@ impl<'m, T: Sample> Room<'m, T> {
     ///
     /// # Errors
     /// [`OutOfMemory`].
-    pub fn take(lender: &mut impl Lender<'m>, size: RoomSize) -> Result<Self, OutOfMemory> {
-        let mut block = || lender.take(Region::Fast, BLOCK_FRAMES, || 0);
+    pub fn take(memory: &mut Memory<'m>, size: RoomSize) -> Result<Self, OutOfMemory> {
+        let mut block = || memory.take(Region::Fast, BLOCK_FRAMES, || 0);
         let inputs = [block()?, block()?];
-        let mut stereo = || lender.take(Region::Fast, BLOCK_FRAMES, || [0; 2]);
+        let mut stereo = || memory.take(Region::Fast, BLOCK_FRAMES, || [0; 2]);
         Ok(Self {
             inputs,
             outputs: [stereo()?, stereo()?],
             rates: stereo()?,
-            bands: lender.take(Region::Fast, size.bands, || Band::NONE)?,
-            scratch: lender.take(Region::Fast, 1, || Scratch::EMPTY)?.first_mut(),
-            lines: lender.take(Region::Fast, size.pairs, || [T::ZERO; 2])?,
+            bands: memory.take(Region::Fast, size.bands, || Band::NONE)?,
+            scratch: memory.take(Region::Fast, 1, || Scratch::EMPTY)?.first_mut(),
+            lines: memory.take(Region::Fast, size.pairs, || [T::ZERO; 2])?,
             ..Self::none()
         })
     }
 
-    /// Takes the memory of a room and of its structure; `None` from an account.
+    /// Takes the memory of a room and of its structure; `None` from a memory that
+    /// only counts.
     ///
     /// # Errors
     /// [`OutOfMemory`].
-    pub fn place(lender: &mut impl Lender<'m>, size: RoomSize) -> Result<Option<&'m mut Self>, OutOfMemory> {
-        let room = Self::take(lender, size)?;
-        let Some(place) = lender.take(Region::Fast, 1, Self::none)?.first_mut() else { return Ok(None) };
+    pub fn place(memory: &mut Memory<'m>, size: RoomSize) -> Result<Option<&'m mut Self>, OutOfMemory> {
+        let room = Self::take(memory, size)?;
+        let Some(place) = memory.take(Region::Fast, 1, Self::none)?.first_mut() else { return Ok(None) };
         *place = room;
         Ok(Some(place))
     }

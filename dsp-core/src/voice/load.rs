@@ -6,7 +6,7 @@ use super::tables::{NO_CONTACT, PadTables};
 use crate::SampleRate;
 use crate::contact::law::typical_contact;
 use crate::frames::{FrameBank, FrameBankSize, FrameMixer};
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 use crate::output::Panner;
 use crate::radiation::Acceleration;
 use crate::resonator::{Bank, BankError, BankSize, BankTable};
@@ -107,19 +107,19 @@ impl<'k: 'm, 'm> Voice<'k, 'm> {
     ///
     /// # Errors
     /// [`OutOfMemory`] if too little is left.
-    pub fn take(lender: &mut impl Lender<'m>, size: &VoiceSize) -> Result<Self, OutOfMemory> {
-        let banks = lender.take(Region::Fast, size.banks().len(), Bank::empty)?;
+    pub fn take(memory: &mut Memory<'m>, size: &VoiceSize) -> Result<Self, OutOfMemory> {
+        let banks = memory.take(Region::Fast, size.banks().len(), Bank::empty)?;
         for (index, &size) in size.banks().iter().enumerate() {
-            let bank = Bank::take(lender, size)?;
-            // An account gives no slices.
+            let bank = Bank::take(memory, size)?;
+            // A memory that only counts gives no slices.
             if let Some(slot) = banks.get_mut(index) {
                 *slot = bank;
             }
         }
         let mut frames = None;
         if let Some(size) = size.frames {
-            let bank = FrameBank::take(lender, size)?;
-            let place = lender.take(Region::Fast, 1, FrameBank::empty)?;
+            let bank = FrameBank::take(memory, size)?;
+            let place = memory.take(Region::Fast, 1, FrameBank::empty)?;
             frames = place.first_mut();
             if let Some(slot) = &mut frames {
                 **slot = bank;
@@ -132,10 +132,10 @@ impl<'k: 'm, 'm> Voice<'k, 'm> {
     ///
     /// # Errors
     /// [`OutOfMemory`] if too little is left; contacts at a second position are then merged.
-    pub fn take_second(&mut self, lender: &mut impl Lender<'m>, modes: usize) -> Result<(), OutOfMemory> {
+    pub fn take_second(&mut self, memory: &mut Memory<'m>, modes: usize) -> Result<(), OutOfMemory> {
         match self.banks.first_mut() {
-            Some(object) => object.take_second(lender, modes),
-            None => Bank::empty().take_second(lender, modes),
+            Some(object) => object.take_second(memory, modes),
+            None => Bank::empty().take_second(memory, modes),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Noise of a voice or of the background, with the time that it takes.
 
 use crate::SampleRate;
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 use crate::noise::Sfc32;
 use crate::residual::{ResidualBand, Shaper};
 
@@ -18,13 +18,14 @@ impl<'m> Residual<'m> {
         Self { worst_cycles: 0, shaper: Shaper::none() }
     }
 
-    /// Takes the memory of noise in `bands` bands; `None` from an account.
+    /// Takes the memory of noise in `bands` bands; `None` from a memory that only
+    /// counts.
     ///
     /// # Errors
     /// [`OutOfMemory`] if too little is left.
-    pub fn place(lender: &mut impl Lender<'m>, bands: usize) -> Result<Option<&'m mut Self>, OutOfMemory> {
-        let shaper = Shaper::take(lender, bands)?;
-        let place = lender.take(Region::Bulk, 1, Self::none)?.first_mut();
+    pub fn place(memory: &mut Memory<'m>, bands: usize) -> Result<Option<&'m mut Self>, OutOfMemory> {
+        let shaper = Shaper::take(memory, bands)?;
+        let place = memory.take(Region::Bulk, 1, Self::none)?.first_mut();
         let Some(place) = place else { return Ok(None) };
         place.shaper = shaper;
         Ok(Some(place))

@@ -7,7 +7,7 @@ use super::tuning::{Loop, Tuned};
 use super::{NOTHING, SILENCE, STILL_S};
 use crate::SampleRate;
 use crate::fixed::times_q31;
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 use crate::noise::White;
 use crate::table::range::LOOPS as MOST_LOOPS;
 use crate::time::TICK_FRAMES;
@@ -115,9 +115,9 @@ impl<'m> Loops<'m> {
     }
 
     /// Takes memory for `count` loops on a line of `frames` frames.
-    pub(crate) fn take(lender: &mut impl Lender<'m>, count: usize, frames: usize) -> Result<Self, OutOfMemory> {
-        let bands = lender.take(Region::Bulk, count, || Resonance::EMPTY)?;
-        Ok(Self { bands, line: lender.take(Region::Bulk, frames, || 0)?, ..Self::empty() })
+    pub(crate) fn take(memory: &mut Memory<'m>, count: usize, frames: usize) -> Result<Self, OutOfMemory> {
+        let bands = memory.take(Region::Bulk, count, || Resonance::EMPTY)?;
+        Ok(Self { bands, line: memory.take(Region::Bulk, frames, || 0)?, ..Self::empty() })
     }
 
     /// Derives loops at rest, for a line whose s is larger than the bus by 2^`line_scale`. `stable`

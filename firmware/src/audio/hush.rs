@@ -11,12 +11,14 @@
 use core::sync::atomic::{AtomicU8, Ordering};
 
 use dsp_core::table::Kit;
+use dsp_core::trigger::TriggerError;
 
 use super::i2s::Told;
 use super::instrument::Instrument;
 use super::{AUDIO, Audio};
 use crate::half::HALF_FRAMES;
-use crate::{cycles, input, watchdog};
+use crate::input::Overrides;
+use crate::{cycles, watchdog};
 
 /// Who may use the sound's state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,8 +113,11 @@ impl Hushed {
     }
 
     /// Changes the settings of the inputs.
-    pub fn set_inputs(&mut self, settings: input::Settings) {
-        self.0.inputs.set(settings);
+    ///
+    /// # Errors
+    /// [`TriggerError`] if a trigger or a button cannot be set as the kit says. Nothing changes then.
+    pub fn set_inputs(&mut self, kit: &Kit<'static>, board: &Overrides) -> Result<(), TriggerError> {
+        self.0.inputs.set(kit, board)
     }
 
     /// Changes the kit and the channel of the MIDI.

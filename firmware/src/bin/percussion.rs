@@ -45,7 +45,7 @@ fn play(
     peripherals: Peripherals,
     instrument: &'static mut Instrument,
     storage: Storage,
-    Started { kit, inputs, channel }: Started,
+    Started { kit, overrides, channel }: Started,
 ) {
     watchdog::expect_sound();
     let devices = hardware::init(peripherals);
@@ -55,7 +55,9 @@ fn play(
     }
     watchdog::feed();
     // SAFETY: main runs once.
-    let inputs = unsafe { Inputs::place(Piezos::new(devices.piezos), devices.button, inputs) };
+    let inputs = unsafe { Inputs::place(Piezos::new(devices.piezos), devices.button, &kit, &overrides) };
+    // The settings have been checked with the kit.
+    let Ok(inputs) = inputs else { return };
     if let Some(usb) = usb::start(devices.usb) {
         let midi = Midi::new((usb.incoming, usb.outgoing), kit, channel);
         if let Some(log) = audio::start(devices.i2s, inputs, instrument, midi) {

@@ -131,13 +131,21 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Checks the settings of a kit and those of the board.
+    ///
+    /// # Errors
+    /// [`TriggerError`] if a trigger or a button cannot be set as the kit says.
+    // Not inlined: the settings that are built here must not add to the stack of a load.
+    #[inline(never)]
+    pub fn check(kit: &Kit<'_>, board: &Overrides) -> Result<(), TriggerError> {
+        Self::of(kit, board).map(drop)
+    }
+
     /// Derives the settings from a kit and those of the board.
     ///
     /// # Errors
     /// [`TriggerError`] if a trigger or a button of the kit cannot be set as the kit says.
-    // Not inlined: the settings that are built here must not add to the stack of the whole program.
-    #[inline(never)]
-    pub fn of(kit: &Kit<'_>, board: &Overrides) -> Result<Self, TriggerError> {
+    fn of(kit: &Kit<'_>, board: &Overrides) -> Result<Self, TriggerError> {
         let rate = adc_rate();
         let is_direct = |settings: trigger::Settings| settings.mode == Mode::Direct;
         Ok(Self {
@@ -159,12 +167,20 @@ fn adc_rate() -> SampleRate {
 impl Inputs {
     /// Makes the one set of inputs, not started.
     ///
+    /// # Errors
+    /// [`TriggerError`] if a trigger or a button cannot be set as the kit says.
+    ///
     /// # Safety
     /// This is called once.
     // Not inlined: the inputs are built here and moved to their place, and must not add to the
     // stack of the whole program.
     #[inline(never)]
-    pub unsafe fn place(mut piezos: Piezos, button: Button, settings: Settings) -> &'static mut Self {
+    pub unsafe fn place(
+        mut piezos: Piezos,
+        button: Button,
+        kit: &Kit<'_>,
+        board: &Overrides,
+    ) -> Result<&'static mut Self, TriggerError> {
         let found = piezos.find();
         for (channel, found) in found.into_iter().enumerate() {
             match found {
@@ -173,23 +189,29 @@ impl Inputs {
             }
         }
         button.listen();
-        let Settings { trigger, buttons, map, direct_pad } = settings;
+        let Settings { trigger, buttons, map, direct_pad } = Settings::of(kit, board)?;
         let direct = direct_pad.map(DirectPad::new);
         // SAFETY: the caller promises to call this once, so nothing else uses the memory.
         let inputs = unsafe {
             INPUTS.fill(Self { piezos, button, trigger, buttons, map, anchor: None, is_starting: false, direct, found })
         };
         inputs.disconnect_open_inputs();
-        inputs
+        Ok(inputs)
     }
 
-    /// Changes the settings. The inputs must be started anew ([`forget_anchor`](Self::forget_anchor)).
+    /// Changes the settings to those of another kit, or to others of the board. The inputs must be
+    /// started anew ([`forget_anchor`](Self::forget_anchor)).
+    ///
+    /// # Errors
+    /// [`TriggerError`] if a trigger or a button cannot be set as the kit says. Nothing changes then.
+    // Not inlined: the settings that are built here must not add to the stack of a load.
     #[inline(never)]
-    pub fn set(&mut self, settings: Settings) {
-        let Settings { trigger, buttons, map, direct_pad } = settings;
+    pub fn set(&mut self, kit: &Kit<'_>, board: &Overrides) -> Result<(), TriggerError> {
+        let Settings { trigger, buttons, map, direct_pad } = Settings::of(kit, board)?;
         (self.trigger, self.buttons, self.map) = (trigger, buttons, map);
         self.direct = direct_pad.map(DirectPad::new);
         self.disconnect_open_inputs();
+        Ok(())
     }
 
     fn disconnect_open_inputs(&mut self) {

@@ -113,6 +113,8 @@ impl Store for Storage {
     }
 
     fn enter_dfu(&mut self) {
+        // The answer leaves while the sound fades.
+        let _hushed = audio::hush();
         dfu::enter()
     }
 }

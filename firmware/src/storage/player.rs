@@ -9,6 +9,7 @@ use crate::audio::instrument::Instrument;
 use crate::audio::{self, BUDGET_CYCLES};
 use crate::board::sector::Sector;
 use crate::faults::{self, Fault};
+use crate::input::Overrides;
 use crate::refusal::Refusal;
 use crate::{input, kits, tasks, watchdog};
 
@@ -27,8 +28,8 @@ pub struct Playing {
 pub struct Started {
     /// Kit, which the instrument has loaded.
     pub kit: Kit<'static>,
-    /// Settings of the inputs.
-    pub inputs: input::Settings,
+    /// Settings that go before those of the kit's triggers.
+    pub overrides: Overrides,
     /// MIDI channel, counted from 0; `None` for all channels.
     pub channel: Option<u8>,
 }
@@ -56,10 +57,10 @@ impl Storage {
         let slot = self.settings.start_slot();
         let loaded = match self.read(slot) {
             Ok(Some((kit, sector))) => match self.load(instrument, &kit) {
-                Ok(inputs) => {
+                Ok(()) => {
                     defmt::info!("slot {=u8}: {=str} plays", slot, kit.name());
                     self.playing = Playing { kit: Some(kit), slot: Some(slot), sector: Some(sector) };
-                    Some((kit, inputs))
+                    Some(kit)
                 }
                 Err(refusal) => refuse(slot, refusal),
             },
@@ -69,16 +70,16 @@ impl Storage {
             }
             Err(refusal) => refuse(slot, refusal),
         };
-        let (kit, inputs) = match loaded {
-            Some(loaded) => loaded,
+        let kit = match loaded {
+            Some(kit) => kit,
             None => {
                 let kit = Kit::parse(kits::BUILT_IN).ok()?;
-                let inputs = self.load(instrument, &kit).ok()?;
+                self.load(instrument, &kit).ok()?;
                 self.playing.kit = Some(kit);
-                (kit, inputs)
+                kit
             }
         };
-        Some(Started { kit, inputs, channel: self.settings.channel() })
+        Some(Started { kit, overrides: self.settings.overrides(), channel: self.settings.channel() })
     }
 
     /// Kit of a slot and its sector; `None` if the slot is empty.
@@ -87,16 +88,15 @@ impl Storage {
         Ok(kits::read(sector.read())?.map(|kit| (kit, sector)))
     }
 
-    /// Loads a kit into the instrument, and gives the settings of its inputs.
-    fn load(&self, instrument: &mut Instrument, kit: &Kit<'static>) -> Result<input::Settings, Refusal> {
-        let settings = input::Settings::of(kit, &self.settings.overrides())?;
+    /// Loads a kit into the instrument, if its inputs can be set.
+    fn load(&self, instrument: &mut Instrument, kit: &Kit<'static>) -> Result<(), Refusal> {
+        input::Settings::check(kit, &self.settings.overrides())?;
         let tell = |error| {
             defmt::warn!("left out: {}", Refusal::Load(error));
             // A large kit of which much is left out takes long to load.
             watchdog::feed();
         };
-        instrument.load(kit, BUDGET_CYCLES, tell)?;
-        Ok(settings)
+        Ok(instrument.load(kit, BUDGET_CYCLES, tell)?)
     }
 
     /// Plays the kit of a slot in place of the one that plays, after a fade; `None` is the built-in
@@ -104,6 +104,8 @@ impl Storage {
     ///
     /// # Errors
     /// A refusal by name. The kit that played goes on.
+    // Not inlined: its stack must not add to that of the task's other work.
+    #[inline(never)]
     pub fn play(&mut self, slot: Option<u8>) -> Result<(), CableRefusal> {
         let next = match slot {
             Some(slot) => match self.read(slot) {
@@ -136,8 +138,7 @@ impl Storage {
     /// Applies settings that have changed to the kit that plays, after a fade.
     pub(super) fn apply_settings(&mut self) -> Result<(), CableRefusal> {
         let (Some(kit), Some(mut hushed)) = (self.playing.kit, audio::hush()) else { return Ok(()) };
-        let inputs = input::Settings::of(&kit, &self.settings.overrides()).map_err(|_| CableRefusal::NotLoadable)?;
-        hushed.set_inputs(inputs);
+        hushed.set_inputs(&kit, &self.settings.overrides()).map_err(|_| CableRefusal::NotLoadable)?;
         hushed.set_keyboard(kit, self.settings.channel());
         hushed.instrument().set_gain(self.settings.gain());
         Ok(())
@@ -148,11 +149,11 @@ impl Storage {
         let Some(kit) = self.playing.kit else { return Err(CableRefusal::NotLoadable) };
         // Lines of before the change name the pads of the old kit.
         tasks::pass_on_log(Some(kit));
-        let inputs = self.load(hushed.instrument(), &kit).map_err(|refusal| {
+        self.load(hushed.instrument(), &kit).map_err(|refusal| {
             defmt::error!("the kit is refused: {}", refusal);
             CableRefusal::NotLoadable
         })?;
-        hushed.set_inputs(inputs);
+        hushed.set_inputs(&kit, &self.settings.overrides()).map_err(|_| CableRefusal::NotLoadable)?;
         hushed.set_keyboard(kit, self.settings.channel());
         Ok(())
     }

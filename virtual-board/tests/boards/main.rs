@@ -18,5 +18,6 @@ mod restarts;
 mod self_test;
 mod sound;
 mod stages;
+mod storage;
 mod timing;
 mod usb;

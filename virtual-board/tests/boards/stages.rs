@@ -65,8 +65,7 @@ fn says(report: &Report, words: &str) -> bool {
 
 /// Returns the time at which the kit of the sector was ready, in seconds.
 fn loaded_at_s(report: &Report) -> f64 {
-    let line =
-        report.log.iter().find(|line| line.message.starts_with("slot 0: ") && line.message.ends_with(" plays"));
+    let line = report.log.iter().find(|line| line.message.starts_with("slot 0: ") && line.message.ends_with(" plays"));
     line.unwrap_or_else(|| panic!("{:#?}", report.log)).at_s
 }
 

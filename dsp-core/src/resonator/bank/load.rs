@@ -9,7 +9,7 @@ use super::choke::Choke;
 use super::origin::{Origin, set_order};
 use super::state::Bank;
 use crate::SampleRate;
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 
 /// Sizes of the slices that a bank takes from lent memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,11 +49,11 @@ impl<'m> Bank<'m> {
     ///
     /// # Errors
     /// [`OutOfMemory`].
-    pub fn take(lender: &mut impl Lender<'m>, size: BankSize) -> Result<Self, OutOfMemory> {
+    pub fn take(memory: &mut Memory<'m>, size: BankSize) -> Result<Self, OutOfMemory> {
         Ok(Self {
-            modes: lender.take(Region::Fast, size.modes, || Mode::SILENT)?,
-            groups: lender.take(Region::Fast, size.groups, || Group::EMPTY)?,
-            origins: lender.take(Region::Fast, size.origins, || Origin::NONE)?,
+            modes: memory.take(Region::Fast, size.modes, || Mode::SILENT)?,
+            groups: memory.take(Region::Fast, size.groups, || Group::EMPTY)?,
+            origins: memory.take(Region::Fast, size.origins, || Origin::NONE)?,
             ..Self::empty()
         })
     }

@@ -20,15 +20,15 @@ use super::origin::Origin;
 use super::slot::Place;
 use super::state::{Bank, for_each_group};
 use crate::SampleRate;
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 
 impl<'m> Bank<'m> {
     /// Takes memory for the gains of a second position.
     ///
     /// # Errors
     /// [`OutOfMemory`]; the bank then has one slot, in which contacts of other positions merge.
-    pub fn take_second(&mut self, lender: &mut impl Lender<'m>, modes: usize) -> Result<(), OutOfMemory> {
-        self.second.gains = lender.take(Region::Fast, modes, InputGain::default)?;
+    pub fn take_second(&mut self, memory: &mut Memory<'m>, modes: usize) -> Result<(), OutOfMemory> {
+        self.second.gains = memory.take(Region::Fast, modes, InputGain::default)?;
         Ok(())
     }
 

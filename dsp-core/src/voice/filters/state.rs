@@ -5,7 +5,7 @@ use crate::biquad::{self, TickKind};
 use crate::built::Built;
 use crate::dynamic_filter::level::Levels;
 use crate::dynamic_filter::{DynamicFilter, FilterSize};
-use crate::memory::{Lender, OutOfMemory, Region};
+use crate::memory::{Memory, OutOfMemory, Region};
 use crate::time::TICK_FRAMES;
 
 /// Number of frames since a strike that lie behind the end of any path.
@@ -69,14 +69,14 @@ impl<'m> Filters<'m> {
     ///
     /// # Errors
     /// [`OutOfMemory`] if too little is left.
-    pub fn place(lender: &mut impl Lender<'m>, size: FiltersSize) -> Result<Option<&'m mut Self>, OutOfMemory> {
+    pub fn place(memory: &mut Memory<'m>, size: FiltersSize) -> Result<Option<&'m mut Self>, OutOfMemory> {
         let mut filters = Self::empty();
         if let Some(size) = size.dynamic {
-            filters.dynamic = DynamicFilter::take(lender, size)?;
-            filters.levels = Levels::take(lender, size.breakpoints)?;
+            filters.dynamic = DynamicFilter::take(memory, size)?;
+            filters.levels = Levels::take(memory, size.breakpoints)?;
         }
-        filters.biquads = biquad::Bank::take(lender, size.biquads)?;
-        let place = lender.take(Region::Bulk, 1, Self::empty)?.first_mut();
+        filters.biquads = biquad::Bank::take(memory, size.biquads)?;
+        let place = memory.take(Region::Bulk, 1, Self::empty)?.first_mut();
         Ok(place.map(|place| {
             *place = filters;
             place

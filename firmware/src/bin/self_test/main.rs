@@ -64,7 +64,7 @@ fn check_kits(failures: &mut Failures) {
     // SAFETY: main runs once.
     let instrument = unsafe { Instrument::place() };
     let mut load = |kit: &Kit<'static>| -> Result<(), Refusal> {
-        Settings::of(kit, &Overrides::default())?;
+        Settings::check(kit, &Overrides::default())?;
         instrument.load(kit, BUDGET_CYCLES, |error| defmt::warn!("kit, left out: {}", Refusal::Load(error)))?;
         Ok(())
     };
