@@ -58,8 +58,9 @@ pub(crate) struct RunArguments {
     #[arg(long, value_name = "AT[,FOR[,BOUNCE]]", value_parser = parse_press)]
     button: Vec<Press>,
     /// Fault of the hardware or the program: adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT,
-    /// codec-silent, core-stalled@AT,FOR, halted@AT,FOR, audio-interrupt-lost@AT,FOR,
-    /// piezo-at-rail@AT,PIEZO, panic@AT, hard-fault@AT; times in seconds
+    /// codec-silent, crystal-dead, probe-away@AT,FOR, core-stalled@AT,FOR, halted@AT,FOR,
+    /// audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, stack-used-up@AT,BYTES (that are
+    /// left), panic@AT, hard-fault@AT; times in seconds
     #[arg(long, value_name = "FAULT[@AT,...]", value_parser = parse_fault)]
     fault: Vec<Fault>,
     /// Song that a USB host plays on the board: a Standard MIDI File
@@ -326,6 +327,12 @@ fn parse_fault(text: &str) -> Result<Fault, String> {
         ("core-stalled", 2) => Fault::CoreStalled { at_s: at(0)?, for_s: at(1)? },
         ("halted", 2) => Fault::Halted { at_s: at(0)?, for_s: at(1)? },
         ("audio-interrupt-lost", 2) => Fault::AudioInterruptLost { at_s: at(0)?, for_s: at(1)? },
+        ("crystal-dead", 0) => Fault::CrystalDead,
+        ("probe-away", 2) => Fault::ProbeAway { at_s: at(0)?, for_s: at(1)? },
+        ("stack-used-up", 2) => Fault::StackUsedUp {
+            at_s: at(0)?,
+            left_bytes: parts[1].parse().map_err(|_| "must give the bytes that are left as a whole number".to_owned())?,
+        },
         ("piezo-at-rail", 2) => Fault::PiezoAtRail {
             at_s: at(0)?,
             piezo: parts[1].parse().map_err(|_| "must name the piezo by a whole number, counted from 0".to_owned())?,
@@ -334,8 +341,9 @@ fn parse_fault(text: &str) -> Result<Fault, String> {
         ("hard-fault", 1) => Fault::HardFault { at_s: at(0)? },
         _ => {
             return Err(
-                "must be adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT, codec-silent, core-stalled@AT,FOR, halted@AT,FOR, \
-                        audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, panic@AT or hard-fault@AT"
+                "must be adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT, codec-silent, crystal-dead, probe-away@AT,FOR, \
+                        core-stalled@AT,FOR, halted@AT,FOR, audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, \
+                        stack-used-up@AT,BYTES, panic@AT or hard-fault@AT"
                     .to_owned(),
             );
         }

@@ -83,6 +83,8 @@ pub struct VirtualBoard {
     clock: Arc<Clock>,
     schedule: Schedule,
     log: Log,
+    /// True while no debug probe fetches the log.
+    probe_away: bool,
     account: Account,
     case: CycleCase,
     flash_waits: bool,
@@ -131,6 +133,9 @@ impl VirtualBoard {
         if setup.faults.contains(&Fault::CodecSilent) {
             devices.codec = devices.codec.map(|_| Codec::new(false));
         }
+        if setup.faults.contains(&Fault::CrystalDead) {
+            devices.kill_crystal();
+        }
         let devices = Arc::new(Shared::new(devices));
         for (base, bytes) in REGIONS {
             machine.map(base, bytes, Arc::new(Window { base, devices: Arc::clone(&devices) }))?;
@@ -140,6 +145,7 @@ impl VirtualBoard {
         Ok(VirtualBoard {
             board,
             log: Log::new(elf, &machine),
+            probe_away: false,
             image,
             machine,
             devices,
@@ -212,7 +218,7 @@ impl VirtualBoard {
                 self.act(action, &mut devices, now)?;
             }
         }
-        if !self.asleep {
+        if !self.asleep && !self.probe_away {
             self.log.fetch(devices.seconds(now), self.boots, &mut self.machine);
         }
         if !self.asleep
@@ -284,6 +290,8 @@ impl VirtualBoard {
             Action::AudioInterrupt { lost } => devices.armed.audio_interrupt_lost = lost,
             Action::PiezoAtRail(piezo) => devices.armed.piezos_at_rail |= 1 << piezo,
             Action::Stall { .. } => {}
+            Action::Probe { away } => self.probe_away = away,
+            Action::StackUsedUp { left_bytes } => ending::use_up_stack(&mut self.machine, left_bytes)?,
             Action::Panic => self.jump = Some(ending::panic(&mut self.machine, devices.wiring.chip)?),
             Action::HardFault => {
                 self.jump = Some(ending::hard_fault(&self.machine, &self.image)?);

@@ -12,6 +12,12 @@ pub(super) enum Action {
     AudioInterrupt { lost: bool },
     PiezoAtRail(usize),
     Stall { for_s: f64, by_debugger: bool },
+    Probe {
+        away: bool,
+    },
+    StackUsedUp {
+        left_bytes: u32,
+    },
     Panic,
     HardFault,
 }
@@ -29,7 +35,14 @@ impl Schedule {
         }
         for fault in faults {
             match fault {
-                Fault::CodecSilent => {}
+                Fault::CodecSilent | Fault::CrystalDead => {}
+                Fault::ProbeAway { at_s, for_s } => {
+                    actions.push((*at_s, Action::Probe { away: true }));
+                    actions.push((at_s + for_s, Action::Probe { away: false }));
+                }
+                Fault::StackUsedUp { at_s, left_bytes } => {
+                    actions.push((*at_s, Action::StackUsedUp { left_bytes: *left_bytes }));
+                }
                 Fault::AdcOverrun { at_s } => actions.push((*at_s, Action::AdcOverrun)),
                 Fault::AudioDmaError { at_s } => actions.push((*at_s, Action::AudioDmaError)),
                 Fault::AdcDmaError { at_s } => actions.push((*at_s, Action::AdcDmaError)),
