@@ -284,6 +284,11 @@ fn text(report: &Report) -> String {
     for mute in &report.mutes {
         let _ = writeln!(text, "{:10.4} s  converter {}", mute.at_s, if mute.mute { "mute" } else { "audible" });
     }
+    for volume in &report.volumes {
+        let side = |db: Option<f64>| db.map_or("mute".to_owned(), |db| format!("{db} dB"));
+        let [left, right] = volume.headphones_db.map(side);
+        let _ = writeln!(text, "{:10.4} s  headphones {left} and {right}", volume.at_s);
+    }
     let _ = writeln!(text, "LEDs: {} changes", report.leds.len());
     for warning in report.codec_complaints.iter().chain(&report.warnings).chain(&usb.failures) {
         let _ = writeln!(text, "warning: {warning}");
@@ -331,7 +336,9 @@ fn parse_fault(text: &str) -> Result<Fault, String> {
         ("probe-away", 2) => Fault::ProbeAway { at_s: at(0)?, for_s: at(1)? },
         ("stack-used-up", 2) => Fault::StackUsedUp {
             at_s: at(0)?,
-            left_bytes: parts[1].parse().map_err(|_| "must give the bytes that are left as a whole number".to_owned())?,
+            left_bytes: parts[1]
+                .parse()
+                .map_err(|_| "must give the bytes that are left as a whole number".to_owned())?,
         },
         ("piezo-at-rail", 2) => Fault::PiezoAtRail {
             at_s: at(0)?,

@@ -30,6 +30,7 @@ use schedule::{Action, Schedule};
 pub use log::LogLine;
 pub use report::{
     AdcReport, AudioReport, FunctionReport, InterruptReport, LedReport, MuteReport, Report, ResetReport, StreamReport,
+    VolumeReport,
 };
 
 /// Most cycles between two checks for a reset that the program has requested.

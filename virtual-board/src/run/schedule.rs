@@ -12,12 +12,8 @@ pub(super) enum Action {
     AudioInterrupt { lost: bool },
     PiezoAtRail(usize),
     Stall { for_s: f64, by_debugger: bool },
-    Probe {
-        away: bool,
-    },
-    StackUsedUp {
-        left_bytes: u32,
-    },
+    Probe { away: bool },
+    StackUsedUp { left_bytes: u32 },
     Panic,
     HardFault,
 }

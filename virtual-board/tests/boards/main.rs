@@ -20,3 +20,4 @@ mod sound;
 mod stages;
 mod timing;
 mod usb;
+mod volume;
