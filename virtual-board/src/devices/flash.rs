@@ -9,6 +9,8 @@ const DATA_CACHE: u32 = 1 << 10;
 const INSTRUCTION_RESET: u32 = 1 << 11;
 const DATA_RESET: u32 = 1 << 12;
 const LOCK: u32 = 1 << 31;
+/// Option bytes of a new chip in FLASH_OPTCR, locked: no protection, and no brown-out reset.
+const OPTIONS: u32 = 0x0fff_aaed;
 
 #[derive(Debug, Default)]
 pub(crate) struct Flash {
@@ -20,6 +22,7 @@ impl Flash {
         match offset {
             0x00 => Ok(self.control),
             0x0c => Ok(0),
+            0x14 => Ok(OPTIONS),
             0x10 => Ok(LOCK),
             _ => Err(Problem::register()),
         }

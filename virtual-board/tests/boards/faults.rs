@@ -227,12 +227,20 @@ fn a_board_whose_crystal_is_dead_plays_by_the_chips_oscillator_and_says_so() {
         let report = running.report().unwrap();
         assert!(says(&report, "crystal: does not start"), "{}: {:#?}", board.name(), report.log);
         assert!(report.resets.is_empty() && report.warnings.is_empty(), "{report:#?}");
-        assert_eq!(strikes(&report), 1);
+        assert_eq!(strikes(&report), 1, "{}: {:#?}", board.name(), report.log);
         // By its name the oscillator has the frequency that the crystal would make.
         assert!((running.streams()[0].rate.as_f64() / rate(board).hz() - 1.0).abs() < 1e-9);
         assert!(peak(&running) > 0.01);
         let flashes = report.leds.iter().filter(|led| led.led == "blue" && led.lit && led.at_s > 0.3).count();
         assert!(flashes >= 1, "{}: {:#?}", board.name(), report.leds);
+    }
+}
+
+#[test]
+fn a_chip_without_brown_out_reset_is_told_at_the_start() {
+    for board in Board::ALL {
+        let report = common::run(board, &Setup::default(), 0.3).report().unwrap();
+        assert!(says(&report, "brown-out reset: off"), "{:#?}", report.log);
     }
 }
 
