@@ -23,6 +23,7 @@ pub mod owned;
 mod queue;
 pub mod refusal;
 pub mod restart;
+mod rtt;
 pub mod tasks;
 pub mod usb;
 pub mod watchdog;

@@ -3,7 +3,6 @@
 #![no_std]
 #![no_main]
 
-use defmt_rtt as _;
 use dsp_core::table::Kit;
 use embassy_executor::{SpawnError, SpawnToken, Spawner};
 use embassy_stm32::Peripherals;

@@ -16,7 +16,6 @@ mod kernels;
 mod memory;
 mod piezos;
 
-use defmt_rtt as _;
 use dsp_core::table::Kit;
 use embassy_executor::Spawner;
 use embassy_time::Timer;
