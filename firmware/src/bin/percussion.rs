@@ -12,7 +12,7 @@ use firmware::faults::{self, Fault};
 use firmware::input::piezo::Piezos;
 use firmware::input::{self, Inputs};
 use firmware::refusal::Refusal;
-use firmware::restart::Cause;
+use firmware::restart::{self, Cause};
 use firmware::{audio, board, cycles, hardware, kits, last_words, tasks, usb, watchdog};
 
 #[embassy_executor::main]
@@ -20,6 +20,7 @@ async fn main(spawner: Spawner) {
     watchdog::start();
     let peripherals = hardware::start_clocks();
     if let Some(mut core) = cortex_m::Peripherals::take() {
+        restart::watch_faults(&mut core);
         cycles::start(&mut core);
     }
     let (version, revision) = (env!("CARGO_PKG_VERSION"), env!("GIT_REVISION"));
