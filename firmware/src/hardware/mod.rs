@@ -33,8 +33,14 @@ pub fn start_clocks() -> Peripherals {
     // The library leaves its clock at the highest priority, where it would delay the sound.
     interrupt::TIM4.set_priority(Priority::P2);
     switch_flash_accelerator_on();
+    if pac::FLASH.optcr().read().bor_lev() == BROWN_OUT_OFF {
+        defmt::warn!("brown-out reset: off; set the option byte BOR_LEV, as docs/hardware.md says");
+    }
     peripherals
 }
+
+/// Value of OPTCR.BOR_LEV in a new chip: it runs down to 1.8 V, at which its flash may be misread.
+const BROWN_OUT_OFF: u8 = 3;
 
 /// Switches the crystal on and returns true if it starts, which takes 2 ms.
 ///
