@@ -26,6 +26,7 @@ pub mod restart;
 mod rtt;
 pub mod tasks;
 pub mod usb;
+pub mod volume;
 pub mod watchdog;
 
 #[cfg(all(feature = "stm32f407g-disc1", feature = "blackpill-f411"))]

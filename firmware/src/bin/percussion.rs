@@ -4,6 +4,7 @@
 #![no_main]
 
 use dsp_core::table::Kit;
+use dsp_core::table::range::DEFAULT_HEADPHONE_DB;
 use embassy_executor::{SpawnError, SpawnToken, Spawner};
 use embassy_stm32::Peripherals;
 use firmware::audio::instrument::Instrument;
@@ -13,7 +14,7 @@ use firmware::input::piezo::Piezos;
 use firmware::input::{self, Inputs};
 use firmware::refusal::Refusal;
 use firmware::restart::{self, Cause};
-use firmware::{audio, board, cycles, hardware, kits, last_words, tasks, usb, watchdog};
+use firmware::{audio, board, cycles, hardware, kits, last_words, tasks, usb, volume, watchdog};
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
@@ -49,10 +50,12 @@ fn play(
 ) {
     watchdog::expect_sound();
     let devices = hardware::init(peripherals);
-    if let Err(error) = devices.codec {
+    let codec = devices.codec.unwrap_or_else(|error| {
         faults::set(Fault::Codec, true);
         defmt::error!("codec: {}", error);
-    }
+        None
+    });
+    volume::set_db(kit.headphone_db().unwrap_or(DEFAULT_HEADPHONE_DB));
     watchdog::feed();
     // SAFETY: main runs once.
     let inputs = unsafe { Inputs::place(Piezos::new(devices.piezos), devices.button, settings) };
@@ -63,6 +66,7 @@ fn play(
             spawn(spawner, tasks::log(log, kit));
         }
     }
+    spawn(spawner, volume::follow(codec));
     spawn(spawner, tasks::report());
     spawn(spawner, tasks::meter(devices.leds, devices.leds_light_high));
 }

@@ -38,8 +38,8 @@ async fn main(_spawner: Spawner) {
     }
     let mut failures = Failures::default();
     defmt::info!("self-test on {=str}, started by {}", board::NAME, Cause::take());
-    match devices.codec {
-        Ok(()) => defmt::info!("codec: {=str}", failures.check(true)),
+    match &devices.codec {
+        Ok(_) => defmt::info!("codec: {=str}", failures.check(true)),
         Err(error) => defmt::error!("codec: {}: {=str}", error, failures.check(false)),
     }
     // This check comes first, because it writes to memory that later checks use.
