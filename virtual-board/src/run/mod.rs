@@ -54,6 +54,9 @@ pub struct Setup {
     pub presses: Vec<Press>,
     /// Faults that happen.
     pub faults: Vec<Fault>,
+    /// True if a debug probe is attached that halts the core at hard faults, as `probe-rs run`
+    /// does.
+    pub probe_catches_faults: bool,
     /// Bytes of the kit in its flash sector; the sector is erased if there are none.
     pub kit: Vec<u8>,
     /// Host at the USB cable.
@@ -93,6 +96,8 @@ pub struct VirtualBoard {
     lines: u128,
     boots: usize,
     asleep: bool,
+    /// True if a debug probe has halted the core at a fault.
+    caught: bool,
     /// Function at which the core goes on as soon as it is awake, and its words in r0 to r3.
     jump: Option<(u32, [u32; 4])>,
     lowest_stack: u32,
@@ -142,6 +147,9 @@ impl VirtualBoard {
             machine.map(base, bytes, Arc::new(Window { base, devices: Arc::clone(&devices) }))?;
         }
         machine.reset()?;
+        if setup.probe_catches_faults {
+            machine.catch_faults();
+        }
         machine.take_exception_changes();
         Ok(VirtualBoard {
             board,
@@ -159,6 +167,7 @@ impl VirtualBoard {
             lines: 0,
             boots: 0,
             asleep: false,
+            caught: false,
             jump: None,
             lowest_stack: u32::MAX,
         })
@@ -176,7 +185,7 @@ impl VirtualBoard {
                 self.account.settle(self.machine.now());
                 return Ok(());
             };
-            if self.asleep && !lines_changed {
+            if self.caught || self.asleep && !lines_changed {
                 self.sleep_until(due);
                 continue;
             }
@@ -187,6 +196,10 @@ impl VirtualBoard {
                     self.asleep = true;
                     self.note_exceptions();
                     self.sleep_until(due);
+                }
+                Ok(Stop::Caught) => {
+                    self.caught = true;
+                    self.devices.lock().halted(u64::MAX / 2);
                 }
                 Ok(Stop::Breakpoint(number)) => return Err(BoardError::Breakpoint { number, time_s: self.now_s() }),
                 Err(error) => return Err(self.explain(error)),
@@ -311,7 +324,7 @@ impl VirtualBoard {
         self.log.restart();
         self.lines = 0;
         self.boots += 1;
-        self.asleep = false;
+        (self.asleep, self.caught) = (false, false);
         Ok(())
     }
 

@@ -189,6 +189,21 @@ fn a_panic_and_a_hard_fault_mute_and_restart() {
     }
 }
 
+/// `probe-rs run` halts the core where it enters a hard fault. The DMA would play its last frames
+/// round and round, while a pad rings.
+#[test]
+fn a_hard_fault_under_a_probe_that_catches_it_mutes_and_restarts() {
+    let piezos = vec![signal(0, 1.0, &[(0.35, 0.8)])];
+    let faults = vec![Fault::HardFault { at_s: 0.4 }];
+    let setup = Setup { piezos, faults, probe_catches_faults: true, ..Setup::default() };
+    for board in Board::ALL {
+        let report = common::run(board, &setup, 0.7).report().unwrap();
+        assert!(report.mutes.iter().any(|mute| mute.mute && (0.4..0.401).contains(&mute.at_s)), "{:#?}", report.mutes);
+        assert!(report.resets.iter().map(|reset| reset.cause).eq(["software"]), "{:#?}", report.resets);
+        assert!(says(&report, "last time: hard fault at 0x"), "{:#?}", report.log);
+    }
+}
+
 /// The stack pointer is moved near the end of the stack while the board is silent and while pads
 /// ring: an interrupt's frame does not fit any more, or what its handler calls does not.
 #[test]
