@@ -24,7 +24,7 @@ use firmware::audio::instrument::Instrument;
 use firmware::input::Settings;
 use firmware::input::piezo::Piezos;
 use firmware::refusal::Refusal;
-use firmware::restart::Cause;
+use firmware::restart::{self, Cause};
 use firmware::{board, cycles, hardware, kits, watchdog};
 
 use crate::failures::Failures;
@@ -34,6 +34,7 @@ async fn main(_spawner: Spawner) {
     watchdog::start();
     let mut devices = hardware::init(hardware::start_clocks());
     if let Some(mut core) = cortex_m::Peripherals::take() {
+        restart::watch_faults(&mut core);
         cycles::start(&mut core);
     }
     let mut failures = Failures::default();
