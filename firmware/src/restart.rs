@@ -68,13 +68,19 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 /// registers of the FPU, and what one instruction pushes.
 const SPENT_BYTES: i32 = 256;
 
-/// Lets faults of the bus come here by an exception of their own.
+/// Lets faults of the bus come here by an exception of their own, and in spite of a probe.
 ///
 /// The frame of a fault in a full stack does not fit, which is a second fault. It needs a level
-/// above that of the first one.
+/// above that of the first one. A probe that catches faults would halt the core before it has
+/// muted, while the DMA plays the last frames again and again.
 pub fn watch_faults(core: &mut cortex_m::Peripherals) {
     core.SCB.enable(Exception::BusFault);
+    // SAFETY: no bit of this register concerns memory.
+    unsafe { core.DCB.demcr.modify(|bits| bits & !CATCH_FAULTS) };
 }
+
+/// Bits of DEMCR by which a probe halts the core at faults: VC_HARDERR down to VC_MMERR.
+const CATCH_FAULTS: u32 = 0x7F0;
 
 // Both handlers run on a fresh stack, since the old one may be full. They pass on where the fault
 // was, if its frame is in memory, and how much of the old stack was left. FPCCR.LSPACT is cleared:
