@@ -52,10 +52,19 @@ pub struct AudioClock {
 const FRAME_BITS: u32 = 64;
 /// Periods of the master clock in one frame.
 const MASTER_CLOCKS_PER_FRAME: u32 = 256;
+/// Frequency of the chip's own oscillator HSI in Hz.
+const HSI_HZ: u32 = 16_000_000;
 /// Rate at which the piezos are sampled, in Hz.
 pub const ADC_RATE_HZ: u32 = 48_000;
 
 impl ClockPlan {
+    /// Returns the divider M with which the chip's own oscillator makes the input of the PLLs.
+    const fn hsi_divider(&self) -> u8 {
+        let input_hz = self.crystal_hz / self.divider as u32;
+        assert!(HSI_HZ.is_multiple_of(input_hz), "HSI must divide to the input of the PLLs");
+        (HSI_HZ / input_hz) as u8
+    }
+
     /// Returns the core clock in Hz.
     pub const fn core_hz(&self) -> u32 {
         self.crystal_hz / self.divider as u32 * self.multiplier as u32 / (2 * (self.core_divider as u32 + 1))
@@ -103,22 +112,27 @@ impl ClockPlan {
     }
 
     /// Returns these clocks in the form that the hardware library takes.
-    pub fn rcc(&self) -> rcc::Config {
+    ///
+    /// Without the crystal the chip's own oscillator makes the same input of the PLLs, and so all
+    /// rates, with its error of up to 1 % at room temperature.
+    pub fn rcc(&self, has_crystal: bool) -> rcc::Config {
         let mut config = rcc::Config::new();
-        config.hsi = false;
+        let divider =
+            |of_crystal: u8| rcc::PllPreDiv::from_bits(if has_crystal { of_crystal } else { self.hsi_divider() });
+        config.hsi = !has_crystal;
         // Neither the low-speed crystal nor the real-time clock is used.
         config.ls = rcc::LsConfig::off();
-        config.hse = Some(rcc::Hse { freq: Hertz(self.crystal_hz), mode: rcc::HseMode::Oscillator });
-        config.pll_src = rcc::PllSource::HSE;
+        config.hse = has_crystal.then_some(rcc::Hse { freq: Hertz(self.crystal_hz), mode: rcc::HseMode::Oscillator });
+        config.pll_src = if has_crystal { rcc::PllSource::HSE } else { rcc::PllSource::HSI };
         config.pll = Some(rcc::Pll {
-            prediv: rcc::PllPreDiv::from_bits(self.divider),
+            prediv: divider(self.divider),
             mul: rcc::PllMul::from_bits(self.multiplier),
             divp: Some(self.core_divider),
             divq: Some(rcc::PllQDiv::from_bits(self.usb_divider)),
             divr: None,
         });
         config.plli2s = Some(rcc::Pll {
-            prediv: rcc::PllPreDiv::from_bits(self.audio.divider),
+            prediv: divider(self.audio.divider),
             mul: rcc::PllMul::from_bits(self.audio.multiplier),
             divp: None,
             divq: None,

@@ -13,12 +13,16 @@ const ID: u8 = 0x01;
 /// Chip id of a CS43L22.
 const CHIP_ID: u8 = 0b11100 << 3;
 
+/// Volume at which the headphones start, in half decibels, which the codec counts.
+pub const START_VOLUME: i32 = -24;
+/// Registers of the volume of the headphones, left and right.
+const HEADPHONES: [u8; 2] = [0x22, 0x23];
+
 /// Registers, bits and their values that are written before power-up, in this order. Other bits
 /// keep what the reset left there.
 ///
 /// First come the initialisation settings that the datasheet requires (section 4.11), of which two
-/// concern bit 7 of a register alone. Then the headphones are switched on by their pin and the
-/// speakers off. The codec detects its clock, takes I2S of up to 24 bits, and plays the headphones
+/// concern bit 7 of a register alone. Then the headphones are switched on and the speakers off. The codec detects its clock, takes I2S of up to 24 bits, and plays the headphones
 /// 12 dB down.
 const BEFORE_POWER_UP: [(u8, u8, u8); 11] = [
     (0x02, ALL, 0x01),
@@ -30,8 +34,8 @@ const BEFORE_POWER_UP: [(u8, u8, u8); 11] = [
     (0x04, ALL, 0xAF),
     (0x05, ALL, 0x81),
     (0x06, ALL, 0x04),
-    (0x22, ALL, 0xE8),
-    (0x23, ALL, 0xE8),
+    (HEADPHONES[0], ALL, START_VOLUME as u8),
+    (HEADPHONES[1], ALL, START_VOLUME as u8),
 ];
 /// All bits of a register.
 const ALL: u8 = 0xFF;
@@ -55,11 +59,27 @@ pub enum Error {
     },
 }
 
+/// Codec that plays.
+pub struct Codec {
+    bus: I2c<'static, Blocking, Master>,
+}
+
+impl Codec {
+    /// Sets the volume of the headphones in half decibels, -204 to 0. The codec goes there by soft
+    /// ramps.
+    ///
+    /// # Errors
+    /// [`Error`] if the codec does not answer.
+    pub fn set_volume(&mut self, half_db: i32) -> Result<(), Error> {
+        HEADPHONES.into_iter().try_for_each(|register| write(&mut self.bus, register, half_db as u8))
+    }
+}
+
 /// Starts the codec: releases its reset, writes its settings and powers it up.
 ///
 /// # Errors
 /// [`Error`] if the codec does not answer as a CS43L22. It is then held in reset, silent.
-pub fn start(mut bus: I2c<'static, Blocking, Master>, mut reset: Output<'static>) -> Result<(), Error> {
+pub fn start(mut bus: I2c<'static, Blocking, Master>, mut reset: Output<'static>) -> Result<Codec, Error> {
     reset.set_low();
     block_for(Duration::from_millis(1));
     reset.set_high();
@@ -70,7 +90,7 @@ pub fn start(mut bus: I2c<'static, Blocking, Master>, mut reset: Output<'static>
     }
     // Dropping the pin would let it float.
     core::mem::forget(reset);
-    started
+    started.map(|()| Codec { bus })
 }
 
 fn write_settings(bus: &mut I2c<'static, Blocking, Master>) -> Result<(), Error> {
@@ -80,10 +100,15 @@ fn write_settings(bus: &mut I2c<'static, Blocking, Master>) -> Result<(), Error>
     }
     for (register, bits, value) in BEFORE_POWER_UP.into_iter().chain([POWER_UP]) {
         let others = if bits == ALL { 0 } else { read(bus, register)? & !bits };
-        let written = bus.blocking_write(ADDRESS, &[register, others | value]);
-        written.map_err(|bus| Error::NotAnswering { register, bus })?;
+        write(bus, register, others | value)?;
     }
     Ok(())
+}
+
+/// Writes a register of the codec.
+fn write(bus: &mut I2c<'static, Blocking, Master>, register: u8, content: u8) -> Result<(), Error> {
+    let written = bus.blocking_write(ADDRESS, &[register, content]);
+    written.map_err(|bus| Error::NotAnswering { register, bus })
 }
 
 /// Reads a register of the codec.

@@ -75,7 +75,8 @@ counters! {
     USB_LOST,
     /// Number of MIDI packets that the USB host did not fetch.
     USB_UNSENT,
-    /// Number of lines that are missing from the log because its queue was full.
+    /// Number of lines that are missing from the log because its queue, or the ring that a probe
+    /// fetches, was full.
     UNLOGGED_LINES,
     /// Core cycles that the audio interrupt has spent since the last report.
     AUDIO_CYCLES,

@@ -16,6 +16,8 @@ pub enum Fault {
     Sound = 5,
     /// The ADC was restarted in the last 5 s.
     Adc = 6,
+    /// The crystal does not start.
+    Crystal = 7,
 }
 
 /// Present faults: bit `n` is set if the fault of `n` flashes is present.

@@ -24,10 +24,12 @@ pub mod owned;
 mod queue;
 pub mod refusal;
 pub mod restart;
+mod rtt;
 pub mod storage;
 pub mod sysex;
 pub mod tasks;
 pub mod usb;
+pub mod volume;
 pub mod watchdog;
 
 #[cfg(all(feature = "stm32f407g-disc1", feature = "blackpill-f411"))]

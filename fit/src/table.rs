@@ -79,6 +79,7 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
         pads: Vec::new(),
         background: None,
         room: vec![],
+        headphone_db: None,
     }
 }
 

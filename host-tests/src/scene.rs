@@ -59,6 +59,7 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
         }],
         background: None,
         room: vec![],
+        headphone_db: None,
     }
 }
 

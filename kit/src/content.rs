@@ -27,6 +27,9 @@ pub struct Kit {
     /// Bands of the room round all pads (diffimpact §3.4), from the lowest up; empty without a
     /// room.
     pub room: Vec<RoomBand>,
+    /// Volume of a board's headphones in dB, if the kit gives one; else it is
+    /// [`DEFAULT_HEADPHONE_DB`](dsp_core::table::range::DEFAULT_HEADPHONE_DB).
+    pub headphone_db: Option<f32>,
 }
 
 /// Band of the room's response to an impulse: noise that decays.

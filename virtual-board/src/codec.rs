@@ -1,7 +1,8 @@
 //! Codec CS43L22 of the STM32F407G-DISC1, as far as a driver can be wrong about it.
 //!
-//! It has the reset pin, the identity, the start-up sequence of the data sheet (sections 4.9 and
-//! 4.11), interface format, clocks, and power and mute bits.
+//! It has the reset pin, the registers with their reset values and reserved bits (data sheet,
+//! sections 6 and 7), the start-up sequence (sections 4.9 and 4.11), interface format, clocks, and
+//! what decides how loud the headphones are: power states, mute bits and volumes.
 
 /// Address of the codec on the I2C bus, 7 bits.
 pub(crate) const ADDRESS: u8 = 0x4a;
@@ -10,9 +11,57 @@ const ID: u8 = 0x01;
 const POWER_1: u8 = 0x02;
 const POWER_2: u8 = 0x04;
 const INTERFACE: u8 = 0x06;
-/// Register without a name in the data sheet: the initialisation sets and clears bit 7.
-const UNNAMED: u8 = 0x32;
+const PLAYBACK_1: u8 = 0x0d;
+const MISCELLANEOUS: u8 = 0x0e;
+const PLAYBACK_2: u8 = 0x0f;
+const PCM_VOLUME: u8 = 0x1a;
+const MASTER_VOLUME: u8 = 0x20;
+const HEADPHONE_VOLUME: u8 = 0x22;
 const REGISTERS: usize = 0x48;
+
+/// Registers: number, reset value, and bits that a driver may change. The others are read-only or
+/// reserved. Registers 0x00, 0x32 and 0x47 are for the initialisation alone.
+const MAP: [(u8, u8, u8); 39] = [
+    (0x00, 0x00, 0xff),
+    (ID, 0xe3, 0x00),
+    (POWER_1, 0x01, 0xff),
+    (POWER_2, 0x05, 0xff),
+    (0x05, 0xa0, 0xff),
+    (INTERFACE, 0x00, 0xdf),
+    (0x07, 0x00, 0x40),
+    (0x08, 0x81, 0x0f),
+    (0x09, 0x81, 0x0f),
+    (0x0a, 0xa5, 0x0f),
+    (0x0c, 0x00, 0x80),
+    (PLAYBACK_1, 0x60, 0xff),
+    (MISCELLANEOUS, 0x02, 0xff),
+    (PLAYBACK_2, 0x00, 0xff),
+    (0x14, 0x00, 0xff),
+    (0x15, 0x00, 0xff),
+    (PCM_VOLUME, 0x00, 0xff),
+    (PCM_VOLUME + 1, 0x00, 0xff),
+    (0x1c, 0x00, 0xff),
+    (0x1d, 0x00, 0xff),
+    (0x1e, 0x00, 0xdf),
+    (0x1f, 0x88, 0xff),
+    (MASTER_VOLUME, 0x00, 0xff),
+    (MASTER_VOLUME + 1, 0x00, 0xff),
+    (HEADPHONE_VOLUME, 0x00, 0xff),
+    (HEADPHONE_VOLUME + 1, 0x00, 0xff),
+    (0x24, 0x00, 0xff),
+    (0x25, 0x00, 0xff),
+    (0x26, 0x00, 0xff),
+    (0x27, 0x00, 0xff),
+    (0x28, 0x7f, 0xff),
+    (0x29, 0xc0, 0x3f),
+    (0x2e, 0x00, 0x00),
+    (0x2f, 0x00, 0xcf),
+    (0x30, 0x00, 0x00),
+    (0x31, 0x00, 0x00),
+    (0x32, 0x3b, 0x80),
+    (0x34, 0x5f, 0xf0),
+    (0x47, 0x00, 0x80),
+];
 
 /// Value of register 0x02 that powers the codec up.
 const POWERED_UP: u8 = 0x9e;
@@ -53,18 +102,7 @@ impl Codec {
 
     fn reset(&mut self) {
         self.registers = [0; REGISTERS];
-        for (register, value) in [
-            (ID, 0xe3),
-            (POWER_1, 0x01),
-            (POWER_2, 0x05),
-            (0x05, 0xa0),
-            (0x0a, 0xa5),
-            (0x0d, 0x60),
-            (0x0e, 0x02),
-            (0x1f, 0x88),
-            (0x27, 0x00),
-            (0x32, 0x3b),
-        ] {
+        for (register, value, _) in MAP {
             self.registers[usize::from(register)] = value;
         }
         self.initialised = 0;
@@ -100,21 +138,20 @@ impl Codec {
         };
         self.pointer = if register & 0x80 != 0 { Some(0x80 | (register + 1) & 0x7f) } else { Some(register) };
         let register = register & 0x7f;
-        if usize::from(register) >= REGISTERS {
-            self.complain(format!("the codec has no register {register:#04x}"));
+        let known = MAP.iter().find(|known| known.0 == register);
+        let Some(&(_, _, changeable)) = known.filter(|known| known.2 != 0) else {
+            self.complain(format!("register {register:#04x} of the codec is read-only or reserved, and is written"));
             return true;
-        }
-        if register == ID {
-            self.complain("the codec's identity register is written".to_owned());
-            return true;
-        }
-        let before = std::mem::replace(&mut self.registers[usize::from(register)], byte);
-        if register == UNNAMED && (before ^ byte) & 0x7f != 0 {
+        };
+        let before = self.registers[usize::from(register)];
+        self.registers[usize::from(register)] = before & !changeable | byte & changeable;
+        if (before ^ byte) & !changeable != 0 {
             self.complain(format!(
-                "register {register:#04x} of the codec becomes {byte:#04x} from {before:#04x}; only bit 7 is to change \
-                 (CS43L22 data sheet 4.11)"
+                "register {register:#04x} of the codec, {before:#04x}, is written with {byte:#04x}; only the bits \
+                 {changeable:#04x} may change"
             ));
         }
+        self.check_volume(register, byte);
         if let Some(&(expected, mask, value)) = INITIALISATION.get(self.initialised)
             && (expected, value) == (register, byte & mask)
         {
@@ -164,10 +201,44 @@ impl Codec {
         }
     }
 
-    /// Returns true if the codec is powered up and an output is on.
+    /// Complains of a code of a volume that the data sheet does not define.
+    fn check_volume(&mut self, register: u8, byte: u8) {
+        // Half decibels: of the headphones down to -102 dB, and 0x01 for mute.
+        if matches!(register, HEADPHONE_VOLUME..=0x25) && matches!(byte, 0x02..0x34) {
+            self.complain(format!("the codec's volume register {register:#04x} has no code {byte:#04x}"));
+        }
+    }
+
+    /// Returns the level in dB at which the headphones play full scale, left and right; `None` for
+    /// a side that is mute.
+    pub(crate) fn headphones_db(&self) -> [Option<f64>; 2] {
+        [0, 1].map(|side| self.headphone_db(side))
+    }
+
+    /// Returns the level of the left (0) or right (1) headphone.
+    fn headphone_db(&self, side: u8) -> Option<f64> {
+        let register = |first: u8| self.registers[usize::from(first + side)];
+        let bit = |at: u8, bit: u8| self.registers[usize::from(at)] >> (bit + side) & 1 != 0;
+        let powered = self.out_of_reset && self.registers[usize::from(POWER_1)] == POWERED_UP;
+        // 10 is on, 11 off; by 00 and 01 a pin decides, which the board does not use.
+        let on = self.registers[usize::from(POWER_2)] >> (4 + 2 * side) & 3 == 2;
+        let pcm = register(PCM_VOLUME);
+        let muted = bit(PLAYBACK_1, 0) || bit(PLAYBACK_2, 6) || pcm & 0x80 != 0 || register(HEADPHONE_VOLUME) == 0x01;
+        if !powered || !on || muted {
+            return None;
+        }
+        // Half decibels; codes of the PCM volume have 7 bits. Up to 0x18 they raise the level.
+        let halves = |code: u8, bits: u32| {
+            let code = i32::from(code);
+            if code <= 0x18 { code } else { code - (1 << bits) }
+        };
+        let all = halves(pcm & 0x7f, 7) + halves(register(MASTER_VOLUME), 8) + halves(register(HEADPHONE_VOLUME), 8);
+        Some(0.5 * f64::from(all))
+    }
+
+    /// Returns true if a headphone can be heard.
     pub(crate) fn sounds(&self) -> bool {
-        let headphone_or_speaker_on = self.registers[usize::from(POWER_2)] != 0xff;
-        self.out_of_reset && self.registers[usize::from(POWER_1)] == POWERED_UP && headphone_or_speaker_on
+        self.headphones_db().iter().any(Option::is_some)
     }
 }
 
@@ -184,6 +255,7 @@ mod tests {
         let mut codec = Codec::new(true);
         codec.set_reset_pin(true);
         let sequence = [(0x00, 0x99), (0x47, 0x80), (0x32, 0xbb), (0x32, 0x3b), (0x00, 0x00), (0x06, 0x04)];
+        send(&mut codec, POWER_2, 0xaf, master_clock_runs);
         for (index, (register, byte)) in sequence.into_iter().enumerate() {
             if Some(index) != skip {
                 send(&mut codec, register, byte, master_clock_runs);
@@ -209,13 +281,51 @@ mod tests {
     }
 
     #[test]
-    fn a_write_to_register_0x32_that_changes_more_than_bit_7_is_named() {
-        let mut codec = Codec::new(true);
-        codec.set_reset_pin(true);
-        send(&mut codec, UNNAMED, 0xbb, true);
-        assert!(codec.complaints.is_empty());
-        send(&mut codec, UNNAMED, 0x80, true);
-        assert!(codec.complaints[0].contains("only bit 7"), "{:?}", codec.complaints);
+    fn each_write_is_judged_by_the_bits_that_a_driver_may_change() {
+        for (register, good, bad) in
+            [(0x32, 0xbb, 0x80), (INTERFACE, 0x04, 0x24), (0x29, 0xc5, 0x05), (0x34, 0x6f, 0x60)]
+        {
+            let mut codec = Codec::new(true);
+            codec.set_reset_pin(true);
+            send(&mut codec, register, good, true);
+            assert!(codec.complaints.is_empty(), "{:?}", codec.complaints);
+            send(&mut codec, register, bad, true);
+            assert!(codec.complaints[0].contains("may change"), "{:?}", codec.complaints);
+        }
+        for register in [ID, 0x0b, 0x2e, 0x33, 0x60] {
+            let mut codec = Codec::new(true);
+            codec.set_reset_pin(true);
+            send(&mut codec, register, 0, true);
+            assert!(codec.complaints[0].contains("read-only or reserved"), "{:?}", codec.complaints);
+        }
+    }
+
+    #[test]
+    fn the_level_of_the_headphones_follows_power_mutes_and_volumes() {
+        let mut codec = started(None, true);
+        assert_eq!(codec.headphones_db(), [Some(0.0); 2]);
+        for (register, byte, levels) in [
+            (HEADPHONE_VOLUME, 0xe8, [Some(-12.0), Some(0.0)]),
+            (HEADPHONE_VOLUME + 1, 0x34, [Some(-12.0), Some(-102.0)]),
+            (MASTER_VOLUME + 1, 0x18, [Some(-12.0), Some(-90.0)]),
+            (PCM_VOLUME, 0x7f, [Some(-12.5), Some(-90.0)]),
+            (PCM_VOLUME, 0x80, [None, Some(-90.0)]),
+            (PCM_VOLUME, 0x00, [Some(-12.0), Some(-90.0)]),
+            (HEADPHONE_VOLUME + 1, 0x01, [Some(-12.0), None]),
+            (HEADPHONE_VOLUME + 1, 0x00, [Some(-12.0), Some(12.0)]),
+            (PLAYBACK_1, 0x62, [Some(-12.0), None]),
+            (PLAYBACK_1, 0x60, [Some(-12.0), Some(12.0)]),
+            (PLAYBACK_2, 0x40, [None, Some(12.0)]),
+            (PLAYBACK_2, 0x00, [Some(-12.0), Some(12.0)]),
+            (POWER_2, 0xef, [Some(-12.0), None]),
+            (POWER_1, 0x9f, [None; 2]),
+        ] {
+            send(&mut codec, register, byte, true);
+            assert_eq!(codec.headphones_db(), levels, "{byte:#04x} to {register:#04x}");
+        }
+        assert!(codec.complaints.is_empty(), "{:?}", codec.complaints);
+        send(&mut codec, HEADPHONE_VOLUME, 0x20, true);
+        assert!(codec.complaints[0].contains("no code 0x20"), "{:?}", codec.complaints);
     }
 
     #[test]

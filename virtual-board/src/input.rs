@@ -130,6 +130,22 @@ pub enum Fault {
     },
     /// The codec does not acknowledge anything.
     CodecSilent,
+    /// The crystal does not start.
+    CrystalDead,
+    /// The debug probe does not fetch the log for a while.
+    ProbeAway {
+        /// Time at which the probe goes, in seconds from power-on.
+        at_s: f64,
+        /// Time for which the probe is away, in seconds.
+        for_s: f64,
+    },
+    /// Most of the stack is used up at once, as by calls that never return.
+    StackUsedUp {
+        /// Time of the fault, in seconds from power-on.
+        at_s: f64,
+        /// Number of bytes that are left.
+        left_bytes: u32,
+    },
     /// The core executes nothing for a while, as when flash is erased. The peripherals go on.
     CoreStalled {
         /// Beginning of the fault, in seconds from power-on.

@@ -42,7 +42,7 @@ pub use frequency::Frequency;
 pub use input::{Fault, PiezoSignal, Press};
 pub use run::{
     AdcReport, AudioReport, FlashReport, FunctionReport, InterruptReport, LedReport, LogLine, MuteReport, Report,
-    ResetReport, Setup, StreamReport, VirtualBoard,
+    ResetReport, Setup, StreamReport, VirtualBoard, VolumeReport,
 };
 pub use usb_host::{UsbAction, UsbHost, UsbReport, UsbTransfer};
 pub use virtual_core::CycleCase;

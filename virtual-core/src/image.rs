@@ -1,7 +1,7 @@
 //! ELF file as the board sees it: bytes in flash, bytes in RAM, and the names of functions.
 
 use object::read::elf::{ElfFile32, FileHeader, ProgramHeader};
-use object::{Endianness, Object, ObjectSymbol, SymbolKind};
+use object::{Endianness, Object, ObjectSymbol, SymbolKind, SymbolSection};
 
 use crate::error::ImageError;
 use crate::memory::{self, FLASH_ADDRESS, FLASH_BYTES};
@@ -129,7 +129,10 @@ fn symbols(file: &ElfFile32<'_, Endianness>) -> Vec<Symbol> {
         .filter(|symbol| matches!(symbol.kind(), SymbolKind::Text | SymbolKind::Data | SymbolKind::Unknown))
         .filter_map(|symbol| {
             let linker_name = symbol.name().ok().filter(|name| !name.is_empty() && !name.starts_with('$'))?;
-            symbol.section_index()?;
+            // Absolute symbols are those of the memory map, such as the end of the stack.
+            if symbol.section_index().is_none() && symbol.section() != SymbolSection::Absolute {
+                return None;
+            }
             let is_function = symbol.kind() == SymbolKind::Text;
             let address = symbol.address() as u32;
             Some(Symbol {

@@ -6,6 +6,7 @@ use super::balance;
 use super::check::{check_distinct, check_name, name_str};
 use super::error::TableError;
 use super::frame::{check_sections, is_known, only_section, optional_section, read_frame, sections, whole};
+use super::headphone;
 use super::layout::{MetaRecord, PadRecord, RoomBandRecord, SectionEntry, TriggerRecord, tag};
 use super::object::Object;
 use super::pad::{self, Pad};
@@ -25,6 +26,7 @@ pub struct Kit<'a> {
     triggers: &'a [TriggerRecord],
     /// One restitution for each striker; empty if all have the default.
     restitutions: &'a [F32],
+    headphone_db: Option<f32>,
 }
 
 impl<'a> Kit<'a> {
@@ -45,6 +47,7 @@ impl<'a> Kit<'a> {
             pads: only_section(directory, kit_bytes, tag::PADS).and_then(pad::read)?,
             triggers: trigger::read(optional_section(directory, kit_bytes, tag::TRIGGER)?)?,
             restitutions: striker::read_restitutions(directory, kit_bytes)?,
+            headphone_db: headphone::read(optional_section(directory, kit_bytes, tag::HEADPHONE)?)?,
         };
         kit.check()?;
         Ok(kit)
@@ -53,6 +56,11 @@ impl<'a> Kit<'a> {
     /// Name of the kit.
     pub fn name(&self) -> &'a str {
         name_str(&self.meta.name)
+    }
+
+    /// Volume of a board's headphones in dB; `None` if the kit gives none.
+    pub fn headphone_db(&self) -> Option<f32> {
+        self.headphone_db
     }
 
     /// Length of the kit in bytes, without the erased flash that may follow it.

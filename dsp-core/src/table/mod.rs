@@ -31,6 +31,7 @@ mod checksum;
 mod dynamic_filter;
 mod error;
 mod frame;
+mod headphone;
 mod kit;
 pub mod layout;
 mod object;

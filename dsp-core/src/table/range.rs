@@ -51,6 +51,10 @@ pub const RESTITUTION: Range = Range::new(0.1, 1.0);
 /// It is at or above the median of the measured hammer forces, and its spectrum has no ripple above
 /// 0.5 dB.
 pub const DEFAULT_RESTITUTION: f32 = 0.45;
+/// Volume of a board's headphones in dB.
+pub const HEADPHONE_DB: Range = Range::new(-60.0, 0.0);
+/// Volume in dB of a board's headphones with a kit that gives none.
+pub const DEFAULT_HEADPHONE_DB: f32 = -12.0;
 /// Level of a pad in dB.
 pub const LEVEL_DB: Range = Range::new(-120.0, 40.0);
 /// Constant-power pan of a pad, -1 (left) to 1 (right).

@@ -35,7 +35,7 @@ use crate::half::HALF_FRAMES;
 use crate::input::{self, Inputs};
 use crate::owned::Owned;
 use crate::queue::{Queue, Receiver, Sender};
-use crate::{counters, cycles, watchdog};
+use crate::{counters, cycles, volume, watchdog};
 
 /// Number of frames from the interrupt that renders a tick to the tick's first frame, at most a
 /// half.
@@ -230,6 +230,9 @@ impl Audio {
             input::Told::Fault { channel, fault } => lines.push(Line::PiezoFault { channel, fault }),
             input::Told::Recovered { channel } => lines.push(Line::PiezoRecovered { channel }),
         });
+        if let Some(event) = volume::take_event(instrument.now()) {
+            instrument.expect(event);
+        }
         if counters::ADC_RESTARTS.get() != restarts {
             lines.push(Line::AdcRestarted);
         }

@@ -3,7 +3,7 @@
 #![no_std]
 #![no_main]
 
-use defmt_rtt as _;
+use dsp_core::table::range::DEFAULT_HEADPHONE_DB;
 use embassy_executor::{SpawnError, SpawnToken, Spawner};
 use embassy_stm32::Peripherals;
 use firmware::audio::instrument::Instrument;
@@ -11,9 +11,9 @@ use firmware::audio::midi::Midi;
 use firmware::faults::{self, Fault};
 use firmware::input::Inputs;
 use firmware::input::piezo::Piezos;
-use firmware::restart::Cause;
+use firmware::restart::{self, Cause};
 use firmware::storage::{Started, Storage};
-use firmware::{audio, board, cycles, dfu, hardware, last_words, sysex, tasks, usb, watchdog};
+use firmware::{audio, board, cycles, dfu, hardware, last_words, sysex, tasks, usb, volume, watchdog};
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
@@ -21,6 +21,7 @@ async fn main(spawner: Spawner) {
     watchdog::start();
     let peripherals = hardware::start_clocks();
     if let Some(mut core) = cortex_m::Peripherals::take() {
+        restart::watch_faults(&mut core);
         cycles::start(&mut core);
     }
     let (version, revision) = (env!("CARGO_PKG_VERSION"), env!("GIT_REVISION"));
@@ -49,10 +50,12 @@ fn play(
 ) {
     watchdog::expect_sound();
     let devices = hardware::init(peripherals);
-    if let Err(error) = devices.codec {
+    let codec = devices.codec.unwrap_or_else(|error| {
         faults::set(Fault::Codec, true);
         defmt::error!("codec: {}", error);
-    }
+        None
+    });
+    volume::set_db(kit.headphone_db().unwrap_or(DEFAULT_HEADPHONE_DB));
     watchdog::feed();
     // SAFETY: main runs once.
     let inputs = unsafe { Inputs::place(Piezos::new(devices.piezos), devices.button, &kit, &overrides) };
@@ -66,6 +69,7 @@ fn play(
         }
         spawn(spawner, sysex::serve(usb.sysex, usb.replies, storage));
     }
+    spawn(spawner, volume::follow(codec));
     spawn(spawner, tasks::report());
     spawn(spawner, tasks::meter(devices.leds, devices.leds_light_high));
 }

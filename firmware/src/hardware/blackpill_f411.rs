@@ -44,7 +44,7 @@ pub fn init(p: Peripherals) -> Devices {
         leds: [Output::new(p.PC13, Level::High, Speed::Low)],
         leds_light_high: false,
         // The PCM5102A has no bus on which it could fail to answer.
-        codec: Ok(()),
+        codec: Ok(None),
         piezos,
         usb: usb::Port { peripheral: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
     }

@@ -4,7 +4,7 @@ use embassy_stm32::gpio::{Flex, Output};
 
 use crate::audio::i2s::I2s;
 use crate::board::{LEDS, PIEZO_CHANNELS};
-use crate::codec;
+use crate::codec::{self, Codec};
 use crate::input::button::Button;
 use crate::usb;
 
@@ -18,8 +18,8 @@ pub struct Devices {
     pub leds: [Output<'static>; LEDS],
     /// True if a high level lights a LED.
     pub leds_light_high: bool,
-    /// Result of starting the codec; `Ok` if the codec has no bus.
-    pub codec: Result<(), codec::Error>,
+    /// Codec, or the reason for which it does not play; `None` if the converter has no bus.
+    pub codec: Result<Option<Codec>, codec::Error>,
     /// Analog pins of the piezos, held so that nothing else takes them.
     pub piezos: [Flex<'static>; PIEZO_CHANNELS.len()],
     /// USB, which is not started yet.

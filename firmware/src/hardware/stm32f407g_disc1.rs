@@ -48,7 +48,7 @@ pub fn init(p: Peripherals) -> Devices {
             Output::new(p.PD15, Level::Low, Speed::Low),
         ],
         leds_light_high: true,
-        codec: codec::start(bus, reset),
+        codec: codec::start(bus, reset).map(Some),
         piezos,
         usb: usb::Port { peripheral: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
     }

@@ -28,6 +28,9 @@ static TOUCHED: AtomicBool = AtomicBool::new(false);
 /// Time of the noted contact, in core cycles.
 static TOUCHED_AT: AtomicU32 = AtomicU32::new(0);
 
+/// True while the button is pressed, as the sound's interrupt has seen it last.
+static DOWN: AtomicBool = AtomicBool::new(false);
+
 #[interrupt]
 fn EXTI0() {
     pac::EXTI.pr(0).write(|w| w.set_line(LINE, true));
@@ -64,6 +67,13 @@ impl Button {
 
     /// Returns true if the contacts are closed now. They may bounce.
     pub fn is_pressed(&self) -> bool {
-        self.pin.is_high() == self.pressed_is_high
+        let is_pressed = self.pin.is_high() == self.pressed_is_high;
+        DOWN.store(is_pressed, Ordering::Relaxed);
+        is_pressed
     }
+}
+
+/// Returns true if the button was pressed when the sound's interrupt looked last.
+pub fn is_down() -> bool {
+    DOWN.load(Ordering::Relaxed)
 }

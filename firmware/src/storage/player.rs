@@ -2,6 +2,7 @@
 
 use cable::Refusal as CableRefusal;
 use dsp_core::table::Kit;
+use dsp_core::table::range::DEFAULT_HEADPHONE_DB;
 
 use super::flash::Flash;
 use super::{Settings, Slots, Storage};
@@ -11,7 +12,7 @@ use crate::board::sector::Sector;
 use crate::faults::{self, Fault};
 use crate::input::Overrides;
 use crate::refusal::Refusal;
-use crate::{input, kits, tasks, watchdog};
+use crate::{input, kits, tasks, volume, watchdog};
 
 /// Kit that plays, and where it is.
 #[derive(Clone, Copy)]
@@ -155,6 +156,7 @@ impl Storage {
         })?;
         hushed.set_inputs(&kit, &self.settings.overrides()).map_err(|_| CableRefusal::NotLoadable)?;
         hushed.set_keyboard(kit, self.settings.channel());
+        volume::set_db(kit.headphone_db().unwrap_or(DEFAULT_HEADPHONE_DB));
         Ok(())
     }
 }

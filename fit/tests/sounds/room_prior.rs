@@ -36,6 +36,7 @@ fn click(room: Vec<RoomBand>) -> Kit {
         pads: vec![],
         background: None,
         room,
+        headphone_db: None,
     }
 }
 

@@ -37,7 +37,15 @@ pub fn pads_of(count: usize, turns: usize) -> Loaded {
             )
         })
         .unzip();
-    load(Kit { name: format!("{count} pads"), objects, strikers, pads, background: None, room: vec![] })
+    load(Kit {
+        name: format!("{count} pads"),
+        objects,
+        strikers,
+        pads,
+        background: None,
+        room: vec![],
+        headphone_db: None,
+    })
 }
 
 /// Kit of [`pads`] that can be choked, with a choke T60 of 0.1 s.

@@ -80,6 +80,7 @@ prop_compose! {
             }).collect(),
             background: None,
             room: vec![],
+            headphone_db: None,
         }
     }
 }

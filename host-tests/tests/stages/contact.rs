@@ -65,6 +65,7 @@ fn force_alone(striker: Striker) -> Loaded {
         pads: vec![pad],
         background: None,
         room: vec![],
+        headphone_db: None,
     })
 }
 

@@ -80,7 +80,15 @@ fn write_object(out: &Path, object: Object) -> Result<(), Failure> {
 }
 
 fn write(out: &Path, name: &str, objects: Vec<Object>, strikers: Vec<Striker>) -> Result<(), Failure> {
-    let table = Kit { name: name.to_owned(), objects, strikers, pads: Vec::new(), background: None, room: vec![] };
+    let table = Kit {
+        name: name.to_owned(),
+        objects,
+        strikers,
+        pads: Vec::new(),
+        background: None,
+        room: vec![],
+        headphone_db: None,
+    };
     let path = out.join(format!("{name}.toml"));
     kit::binary::build(&table)?; // refuses what a board would refuse
     kit::file::write_whole(&path, kit::text::write(&table).as_bytes())?;

@@ -23,7 +23,7 @@ use crate::error::{Fault, KitError};
 /// `trig` if a pad has its own trigger settings; one `resi` per residual; `bgnd` and `room` if the
 /// kit has a background or a room; one `dynf` per dynamic filter; one `biqd` per biquad bank;
 /// `rest` if a striker's restitution is not the default; `bala` if an object's acceleration sound
-/// is derived.
+/// is derived; `head` if the kit gives a volume of the headphones.
 ///
 /// # Errors
 /// [`KitError::Item`] for a number, name or text that the form cannot hold (nothing is ever cut
@@ -80,6 +80,9 @@ pub fn build(kit: &Kit) -> Result<Vec<u8>, KitError> {
     let balanced = build.balanced()?;
     if !balanced.is_empty() {
         sections.push((tag::BALANCE, balanced));
+    }
+    if let Some(volume_db) = kit.headphone_db {
+        sections.push((tag::HEADPHONE, F32::new(volume_db).as_bytes().to_vec()));
     }
     let bytes = build.frame(&sections)?;
     filters::parse(&bytes).map_err(|error| KitError::from_table(kit, error))?;

@@ -48,7 +48,8 @@ pub fn read(bytes: &[u8]) -> Result<Kit, KitError> {
         gain: band.gain.get(),
         decay_per_s: band.decay_per_s.get(),
     });
-    Ok(Kit { name: view.name().to_owned(), objects, strikers, pads, background, room: room.collect() })
+    let (name, headphone_db) = (view.name().to_owned(), view.headphone_db());
+    Ok(Kit { name, objects, strikers, pads, background, room: room.collect(), headphone_db })
 }
 
 fn object(view: ObjectView<'_>) -> Object {

@@ -28,6 +28,7 @@ impl Assembly {
                 pads: Vec::new(),
                 background: None,
                 room: Vec::new(),
+                headphone_db: None,
             },
             origins: Origins::new(main, name.map_or(0, |name| name.span().start)),
         }
@@ -40,6 +41,7 @@ impl Assembly {
             let offset = object.span().start;
             self.object(offset, object.into_inner())?;
         }
+        self.kit.headphone_db = document.headphone_db;
         if let Some(background) = document.background {
             let (background, origin) = BackgroundTable::read(background);
             self.kit.background = Some(background);

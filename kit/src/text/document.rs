@@ -20,6 +20,7 @@ pub(super) struct Document {
     pub(super) name: Option<Spanned<String>>,
     #[serde(default)]
     pub(super) include: Vec<Spanned<String>>,
+    pub(super) headphone_db: Option<f32>,
     pub(super) background: Option<Spanned<BackgroundTable>>,
     #[serde(default)]
     pub(super) room: Vec<Spanned<RoomBandTable>>,

@@ -20,8 +20,9 @@ struct Text<T>(T);
 
 impl Display for Text<&Kit> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Kit { name, objects, strikers, pads, background, room } = self.0;
+        let Kit { name, objects, strikers, pads, background, room, headphone_db } = self.0;
         writeln!(f, "format = {FORMAT}\nname = {}", Text(name.as_str()))?;
+        headphone_db.iter().try_for_each(|volume_db| writeln!(f, "headphone_db = {}", Text(*volume_db)))?;
         background.iter().try_for_each(|background| write!(f, "{}", super::residual::Text(background)))?;
         room.iter().try_for_each(|band| write!(f, "{}", Text(band)))?;
         objects.iter().try_for_each(|object| write!(f, "{}", Text(object)))?;

@@ -226,14 +226,10 @@ pub(crate) fn kit() -> impl Strategy<Value = Kit> {
         let pads = pads(objects.clone(), strikers.clone());
         let objects: Vec<_> = objects.into_iter().map(object).collect();
         let strikers: Vec<_> = strikers.into_iter().map(striker).collect();
-        let noise = prop::option::of(background());
-        (objects, strikers, pads, noise, room()).prop_map(move |(objects, strikers, pads, background, room)| Kit {
-            name: name.clone(),
-            objects,
-            strikers,
-            pads,
-            background,
-            room,
+        let around = (prop::option::of(background()), room(), prop::option::of(number(range::HEADPHONE_DB)));
+        (objects, strikers, pads, around).prop_map(move |(objects, strikers, pads, around)| {
+            let (background, room, headphone_db) = around;
+            Kit { name: name.clone(), objects, strikers, pads, background, room, headphone_db }
         })
     })
 }

@@ -8,6 +8,7 @@ mod balance;
 mod binary_refusals;
 mod files;
 mod filters;
+mod headphone;
 mod residual;
 mod restitution;
 mod room;

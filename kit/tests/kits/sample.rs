@@ -71,6 +71,7 @@ pub(crate) fn kit() -> Kit {
         pads: vec![pad("bar", "bar", "yarn"), Pad { midi_notes: vec![61], ..pad("string", "string", "wood") }],
         background: None,
         room: vec![],
+        headphone_db: None,
     }
 }
 

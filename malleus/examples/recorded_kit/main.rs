@@ -185,6 +185,7 @@ fn kit_text() -> String {
         pads: pads.collect(),
         background: None,
         room: Vec::new(),
+        headphone_db: None,
     };
     let text = kit::text::write(&kit);
     let included: String =

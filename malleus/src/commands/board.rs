@@ -58,9 +58,9 @@ pub(crate) struct RunArguments {
     #[arg(long, value_name = "AT[,FOR[,BOUNCE]]", value_parser = parse_press)]
     button: Vec<Press>,
     /// Fault of the hardware or the program: adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT,
-    /// codec-silent, core-stalled@AT,FOR, halted@AT,FOR, audio-interrupt-lost@AT,FOR,
-    /// piezo-at-rail@AT,PIEZO, flash-error@NTH, power-lost@AT, panic@AT, hard-fault@AT; times in
-    /// seconds
+    /// codec-silent, crystal-dead, probe-away@AT,FOR, core-stalled@AT,FOR, halted@AT,FOR,
+    /// audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, stack-used-up@AT,BYTES (that are
+    /// left), flash-error@NTH, power-lost@AT, panic@AT, hard-fault@AT; times in seconds
     #[arg(long, value_name = "FAULT[@AT,...]", value_parser = parse_fault)]
     fault: Vec<Fault>,
     /// Song that a USB host plays on the board: a Standard MIDI File
@@ -296,6 +296,11 @@ fn text(report: &Report) -> String {
     for mute in &report.mutes {
         let _ = writeln!(text, "{:10.4} s  converter {}", mute.at_s, if mute.mute { "mute" } else { "audible" });
     }
+    for volume in &report.volumes {
+        let side = |db: Option<f64>| db.map_or("mute".to_owned(), |db| format!("{db} dB"));
+        let [left, right] = volume.headphones_db.map(side);
+        let _ = writeln!(text, "{:10.4} s  headphones {left} and {right}", volume.at_s);
+    }
     let _ = writeln!(text, "LEDs: {} changes", report.leds.len());
     for warning in report.codec_complaints.iter().chain(&report.warnings).chain(&usb.failures) {
         let _ = writeln!(text, "warning: {warning}");
@@ -342,6 +347,9 @@ fn parse_fault(text: &str) -> Result<Fault, String> {
         ("core-stalled", 2) => Fault::CoreStalled { at_s: at(0)?, for_s: at(1)? },
         ("halted", 2) => Fault::Halted { at_s: at(0)?, for_s: at(1)? },
         ("audio-interrupt-lost", 2) => Fault::AudioInterruptLost { at_s: at(0)?, for_s: at(1)? },
+        ("crystal-dead", 0) => Fault::CrystalDead,
+        ("probe-away", 2) => Fault::ProbeAway { at_s: at(0)?, for_s: at(1)? },
+        ("stack-used-up", 2) => Fault::StackUsedUp { at_s: at(0)?, left_bytes: number(1)? as u32 },
         ("piezo-at-rail", 2) => Fault::PiezoAtRail { at_s: at(0)?, piezo: number(1)? as usize },
         ("flash-error", 1) => Fault::FlashError { nth: number(0)? },
         ("power-lost", 1) => Fault::PowerLost { at_s: at(0)?, seed: 0 },
@@ -349,8 +357,10 @@ fn parse_fault(text: &str) -> Result<Fault, String> {
         ("hard-fault", 1) => Fault::HardFault { at_s: at(0)? },
         _ => {
             return Err(
-                "must be adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT, codec-silent, core-stalled@AT,FOR, halted@AT,FOR, \
-                        audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, flash-error@NTH, power-lost@AT, panic@AT or hard-fault@AT"
+                "must be adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT, codec-silent, crystal-dead, probe-away@AT,FOR, \
+                        core-stalled@AT,FOR, halted@AT,FOR, audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, \
+                        stack-used-up@AT,BYTES, flash-error@NTH, power-lost@AT, \
+                        panic@AT or hard-fault@AT"
                     .to_owned(),
             );
         }

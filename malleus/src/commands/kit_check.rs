@@ -370,5 +370,13 @@ fn one_object(object: &kit::Object) -> kit::Kit {
         trigger: None,
     };
     let object = kit::Object { modes: vec![], residual: None, ..object.clone() };
-    kit::Kit { name, objects: vec![object], strikers: vec![striker], pads: vec![pad], background: None, room: vec![] }
+    kit::Kit {
+        name,
+        objects: vec![object],
+        strikers: vec![striker],
+        pads: vec![pad],
+        background: None,
+        room: vec![],
+        headphone_db: None,
+    }
 }

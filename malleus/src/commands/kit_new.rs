@@ -54,6 +54,7 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
         pads: vec![],
         background: None,
         room: vec![],
+        headphone_db: None,
     };
     let mut notes = (first_note..=127).map(|note| vec![note]);
     for table in tables {

@@ -185,6 +185,7 @@ fn alone(kit: &kit::Kit, pad: usize) -> kit::Kit {
         pads,
         background: None,
         room: kit.room.clone(),
+        headphone_db: None,
     }
 }
 

@@ -262,11 +262,14 @@ impl Devices {
         (0..16).map(level).sum()
     }
 
-    /// Records if the converter is mute now.
+    /// Records if the converter is mute now, and how loud its headphones are.
     fn mute_changed(&mut self, now: u64) {
         let pin_is_low = |pin: super::Pin| !self.ports[usize::from(pin.port)].is_driven_high(pin.number);
         let mute = self.codec.as_ref().is_some_and(|codec| !codec.sounds()) || self.wiring.mute.is_some_and(pin_is_low);
         let at_s = self.seconds(now);
         self.recording.mute_changed(at_s, mute);
+        if let Some(codec) = &self.codec {
+            self.recording.volume_changed(at_s, codec.headphones_db());
+        }
     }
 }

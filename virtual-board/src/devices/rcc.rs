@@ -61,6 +61,8 @@ pub(crate) enum ResetCause {
 pub(crate) struct Rcc {
     chip: Chip,
     hse: Frequency,
+    /// True if the crystal starts when the HSE is switched on.
+    crystal_starts: bool,
     registers: [u32; 0x94 / 4],
     /// Cycle at which the HSE is ready.
     hse_ready: u64,
@@ -93,7 +95,18 @@ impl Rcc {
                 ResetCause::Software => CSR_SOFTWARE,
                 ResetCause::Watchdog => CSR_WATCHDOG,
             };
-        Rcc { chip, hse, registers, hse_ready: u64::MAX, pll_ready: u64::MAX, plli2s_ready: u64::MAX }
+        let (hse_ready, pll_ready, plli2s_ready) = (u64::MAX, u64::MAX, u64::MAX);
+        Rcc { chip, hse, crystal_starts: true, registers, hse_ready, pll_ready, plli2s_ready }
+    }
+
+    /// Resets the registers. The crystal stays as it is.
+    pub(crate) fn reset(&mut self, cause: ResetCause) {
+        *self = Rcc { crystal_starts: self.crystal_starts, ..Rcc::new(self.chip, self.hse, cause) };
+    }
+
+    /// Lets the crystal never start again.
+    pub(crate) fn kill_crystal(&mut self) {
+        self.crystal_starts = false;
     }
 
     pub(crate) fn read(&self, offset: u32, context: &Context<'_>) -> Access<u32> {
@@ -120,7 +133,7 @@ impl Rcc {
             CR => {
                 let after = |seconds: f64| context.now + (seconds * context.clocks.core.as_f64()) as u64;
                 let started = |bit: u32| value & !before & bit != 0;
-                if started(HSEON) {
+                if started(HSEON) && self.crystal_starts {
                     self.hse_ready = after(HSE_START_S);
                 }
                 if started(PLLON) {

@@ -32,6 +32,15 @@ pub(crate) struct MuteChange {
     pub(crate) mute: bool,
 }
 
+/// Change of the level at which the codec's headphones play.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct VolumeChange {
+    /// Time of the change, in seconds from power-on.
+    pub(crate) at_s: f64,
+    /// Level of left and right in dB from then on, `None` for a side that is mute.
+    pub(crate) headphones_db: [Option<f64>; 2],
+}
+
 /// Step of the audio DMA to the other half of its buffer.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AudioHalf {
@@ -48,6 +57,7 @@ pub(crate) struct Recording {
     pub(crate) resets: Vec<Reset>,
     pub(crate) leds: Vec<LedChange>,
     pub(crate) mutes: Vec<MuteChange>,
+    pub(crate) volumes: Vec<VolumeChange>,
     /// Faults of the program that a chip would let pass, each once.
     pub(crate) warnings: Vec<String>,
     /// Steps of the audio DMA to the other half of its buffer.
@@ -74,6 +84,13 @@ impl Recording {
     pub(crate) fn mute_changed(&mut self, at_s: f64, mute: bool) {
         if mute != self.mutes.last().is_none_or(|change| change.mute) {
             self.mutes.push(MuteChange { at_s, mute });
+        }
+    }
+
+    /// Records the level of the codec's headphones. They are mute at power-on.
+    pub(crate) fn volume_changed(&mut self, at_s: f64, headphones_db: [Option<f64>; 2]) {
+        if headphones_db != self.volumes.last().map_or([None; 2], |change| change.headphones_db) {
+            self.volumes.push(VolumeChange { at_s, headphones_db });
         }
     }
 

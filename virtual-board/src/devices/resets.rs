@@ -5,7 +5,7 @@ use super::exti::{Exti, Syscfg};
 use super::i2c::I2c;
 use super::i2s::I2s;
 use super::power::Power;
-use super::rcc::{Rcc, ResetCause};
+use super::rcc::ResetCause;
 use super::timer::Timer;
 use super::usb::Usb;
 use super::watchdog::Watchdog;
@@ -17,7 +17,7 @@ impl Devices {
         let seconds = self.seconds(now);
         self.epoch = (seconds, now);
         self.clocks = RESET_CLOCKS;
-        self.rcc = Rcc::new(self.wiring.chip, self.wiring.crystal, cause);
+        self.rcc.reset(cause);
         self.flash.reset();
         self.power = Power::new(self.wiring.chip);
         for (index, port) in self.ports.iter_mut().enumerate() {
@@ -34,6 +34,11 @@ impl Devices {
         self.usb = Usb::default();
         self.recording.reset(seconds, cause);
         self.pins_changed(now);
+    }
+
+    /// Lets the crystal never start again.
+    pub(crate) fn kill_crystal(&mut self) {
+        self.rcc.kill_crystal();
     }
 
     /// Resets the registers of the devices whose reset bit is set.

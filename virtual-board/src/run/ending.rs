@@ -1,11 +1,12 @@
-//! Code to which a core is sent that is to panic or to fault.
+//! Code to which a core is sent that is to panic or to fault, and the end of its stack.
 
-use virtual_core::{FLASH_ADDRESS, FLASH_BYTES, Image, Machine, RunError};
+use virtual_core::{Core, FLASH_ADDRESS, FLASH_BYTES, Image, Machine, RunError};
 
 /// Address of a function, and its words in r0 to r3.
 pub(super) type Jump = (u32, [u32; 4]);
 
 const PANIC: &str = "core::panicking::panic";
+const STACK_END: &str = "_stack_end";
 const MESSAGE: &[u8; 8] = b"injected";
 const FILE: &[u8; 16] = b"virtual-board.rs";
 
@@ -24,6 +25,15 @@ pub(super) fn panic(machine: &mut Machine, image: &Image) -> Result<Jump, RunErr
     let words = [file, FILE.len() as u32, 1, 1];
     machine.write(location, &words.map(u32::to_le_bytes).concat())?;
     Ok((function, [message, MESSAGE.len() as u32, location, 0]))
+}
+
+/// Moves the stack pointer to `left_bytes` bytes above the end of the stack, to which cortex-m-rt
+/// and the memory map give a name.
+pub(super) fn use_up_stack(machine: &mut Machine, left_bytes: u32) -> Result<(), RunError> {
+    let symbol = machine.symbol(STACK_END).ok_or_else(|| RunError::NoFunction { name: STACK_END.to_owned() })?;
+    machine.core().set_register(13, symbol.address + left_bytes);
+    machine.expect_fault();
+    Ok(())
 }
 
 /// Returns the address of an undefined instruction of the image. Compilers put `udf` after calls

@@ -34,7 +34,7 @@ use schedule::{Action, Schedule};
 pub use log::LogLine;
 pub use report::{
     AdcReport, AudioReport, FlashReport, FunctionReport, InterruptReport, LedReport, MuteReport, Report, ResetReport,
-    StreamReport,
+    StreamReport, VolumeReport,
 };
 
 /// Most cycles between two checks for a reset that the program has requested.
@@ -58,6 +58,9 @@ pub struct Setup {
     pub presses: Vec<Press>,
     /// Faults that happen.
     pub faults: Vec<Fault>,
+    /// True if a debug probe is attached that halts the core at hard faults, as `probe-rs run`
+    /// does.
+    pub probe_catches_faults: bool,
     /// Bytes of the kit in its flash sector. If there are none the sector is as in `flash`.
     pub kit: Vec<u8>,
     /// Contents of flash besides the image and the kit, such as another run left them
@@ -93,6 +96,8 @@ pub struct VirtualBoard {
     clock: Arc<Clock>,
     schedule: Schedule,
     log: Log,
+    /// True while no debug probe fetches the log.
+    probe_away: bool,
     account: Account,
     case: CycleCase,
     flash_waits: bool,
@@ -108,6 +113,8 @@ pub struct VirtualBoard {
     lines: u128,
     boots: usize,
     asleep: bool,
+    /// True if a debug probe has halted the core at a fault.
+    caught: bool,
     /// Function at which the core goes on as soon as it is awake, and its words in r0 to r3.
     jump: Option<(u32, [u32; 4])>,
     lowest_stack: u32,
@@ -146,16 +153,23 @@ impl VirtualBoard {
             devices.codec = devices.codec.map(|_| Codec::new(false));
         }
         devices.insert_flash(flash, flash::ranges(&image, wiring.chip), setup.flash_times, &setup.faults);
+        if setup.faults.contains(&Fault::CrystalDead) {
+            devices.kill_crystal();
+        }
         let devices = Arc::new(Shared::new(devices));
         for (base, bytes) in REGIONS {
             machine.map(base, bytes, Arc::new(Window { base, devices: Arc::clone(&devices) }))?;
         }
         machine.map_flash_stores(Arc::new(FlashStores(Arc::clone(&devices))))?;
         machine.reset()?;
+        if setup.probe_catches_faults {
+            machine.catch_faults();
+        }
         machine.take_exception_changes();
         Ok(VirtualBoard {
             board,
             log: Log::new(elf, &machine),
+            probe_away: false,
             image,
             machine,
             devices,
@@ -172,6 +186,7 @@ impl VirtualBoard {
             lines: 0,
             boots: 0,
             asleep: false,
+            caught: false,
             jump: None,
             lowest_stack: u32::MAX,
         })
@@ -193,7 +208,7 @@ impl VirtualBoard {
                 self.machine.sleep_until(due);
                 continue;
             }
-            if self.asleep && !lines_changed {
+            if self.caught || self.asleep && !lines_changed {
                 self.sleep_until(due);
                 continue;
             }
@@ -204,6 +219,10 @@ impl VirtualBoard {
                     self.asleep = true;
                     self.note_exceptions();
                     self.sleep_until(due);
+                }
+                Ok(Stop::Caught) => {
+                    self.caught = true;
+                    self.devices.lock().halted(u64::MAX / 2);
                 }
                 Ok(Stop::Breakpoint(number)) => return Err(BoardError::Breakpoint { number, time_s: self.now_s() }),
                 Err(error) => return Err(self.explain(error)),
@@ -236,7 +255,7 @@ impl VirtualBoard {
                 self.act(action, &mut devices, now)?;
             }
         }
-        if !self.asleep {
+        if !self.asleep && !self.probe_away {
             self.log.fetch(devices.seconds(now), self.boots, &mut self.machine);
         }
         if !self.asleep
@@ -310,6 +329,8 @@ impl VirtualBoard {
                 devices.break_flash_operation(seed, &mut self.machine);
                 devices.is_power_lost = true;
             }
+            Action::Probe { away } => self.probe_away = away,
+            Action::StackUsedUp { left_bytes } => ending::use_up_stack(&mut self.machine, left_bytes)?,
             Action::Panic => self.jump = Some(ending::panic(&mut self.machine, &self.image)?),
             Action::HardFault => {
                 self.jump = Some(ending::hard_fault(&self.machine, &self.image)?);
@@ -329,7 +350,7 @@ impl VirtualBoard {
         self.log.restart();
         self.lines = 0;
         self.boots += 1;
-        self.asleep = false;
+        (self.asleep, self.caught) = (false, false);
         Ok(())
     }
 

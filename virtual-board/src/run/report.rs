@@ -61,6 +61,8 @@ pub struct Report {
     pub leds: Vec<LedReport>,
     /// Changes of the converter between audible and mute.
     pub mutes: Vec<MuteReport>,
+    /// Changes of the level at which the codec's headphones play.
+    pub volumes: Vec<VolumeReport>,
     /// Resets after power-on.
     pub resets: Vec<ResetReport>,
     /// Time at which power was lost, in seconds; `None` if it was not.
@@ -167,6 +169,15 @@ pub struct MuteReport {
     pub mute: bool,
 }
 
+/// Change of the level at which the codec's headphones play.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VolumeReport {
+    /// Time of the change.
+    pub at_s: f64,
+    /// Level of left and right in dB from then on, `None` for a side that is mute.
+    pub headphones_db: [Option<f64>; 2],
+}
+
 /// Reset of the chip.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResetReport {
@@ -270,6 +281,9 @@ impl VirtualBoard {
                 })
                 .collect(),
             mutes: recording.mutes.iter().map(|change| MuteReport { at_s: change.at_s, mute: change.mute }).collect(),
+            volumes: (recording.volumes.iter())
+                .map(|change| VolumeReport { at_s: change.at_s, headphones_db: change.headphones_db })
+                .collect(),
             resets: (recording.resets.iter())
                 .map(|reset| ResetReport {
                     at_s: reset.at_s,

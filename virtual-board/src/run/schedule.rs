@@ -13,6 +13,8 @@ pub(super) enum Action {
     PiezoAtRail(usize),
     Stall { for_s: f64, by_debugger: bool },
     PowerLost { seed: u64 },
+    Probe { away: bool },
+    StackUsedUp { left_bytes: u32 },
     Panic,
     HardFault,
 }
@@ -30,8 +32,16 @@ impl Schedule {
         }
         for fault in faults {
             match fault {
-                Fault::CodecSilent | Fault::FlashError { .. } | Fault::PowerLostInFlash { .. } => {}
+                Fault::CodecSilent | Fault::CrystalDead | Fault::FlashError { .. } | Fault::PowerLostInFlash { .. } => {
+                }
                 Fault::PowerLost { at_s, seed } => actions.push((*at_s, Action::PowerLost { seed: *seed })),
+                Fault::ProbeAway { at_s, for_s } => {
+                    actions.push((*at_s, Action::Probe { away: true }));
+                    actions.push((at_s + for_s, Action::Probe { away: false }));
+                }
+                Fault::StackUsedUp { at_s, left_bytes } => {
+                    actions.push((*at_s, Action::StackUsedUp { left_bytes: *left_bytes }));
+                }
                 Fault::AdcOverrun { at_s } => actions.push((*at_s, Action::AdcOverrun)),
                 Fault::AudioDmaError { at_s } => actions.push((*at_s, Action::AudioDmaError)),
                 Fault::AdcDmaError { at_s } => actions.push((*at_s, Action::AdcDmaError)),

@@ -47,6 +47,17 @@ fn the_sample_rate_of_each_board_is_that_of_its_clock_tree() {
     }
 }
 
+/// A PCM5102A that is unmuted before its clocks run, or before its PLL has locked to them, pops.
+#[test]
+fn the_converter_of_the_blackpill_is_unmuted_1024_frames_behind_its_clocks() {
+    let running = common::run(Board::BlackpillF411, &Setup::default(), 0.4);
+    let report = running.report().unwrap();
+    let [unmuted] = report.mutes.as_slice() else { panic!("{:#?}", report.mutes) };
+    let clocks_s = running.streams()[0].start_s;
+    println!("clocks from {clocks_s:.4} s on, unmuted at {:.4} s", unmuted.at_s);
+    assert!(!unmuted.mute && unmuted.at_s > clocks_s + 1024.0 / 48_000.0);
+}
+
 #[test]
 fn an_image_for_the_other_chip_is_refused() {
     let elf = common::application(Board::Stm32f407gDisc1);

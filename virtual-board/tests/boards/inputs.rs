@@ -6,13 +6,13 @@ use crate::common;
 use crate::hits::signal;
 
 /// Time of the first hit, in s from power-on.
-const FIRST_S: f64 = 0.3;
+const FIRST_S: f64 = 0.5;
 /// Time from a hit to the next one, in s.
 const APART_S: f64 = 0.075;
 
 /// Plays `hits` hits of all velocities on a piezo whose neighbours are other things, with noise of
 /// 2 to 6 counts, and gives the names of the pads that were struck.
-fn pads_struck(piezo: usize, others: [PiezoPin; 3], hits: usize, noise: f64) -> Vec<String> {
+fn pads_struck(board: Board, piezo: usize, others: [PiezoPin; 3], hits: usize, noise: f64) -> Vec<String> {
     let seconds = FIRST_S + hits as f64 * APART_S;
     let peak = |hit: usize| 0.06 * (0.9f32 / 0.06).powf((hit * 7 % hits) as f32 / hits as f32);
     let times: Vec<(f64, f32)> = (0..hits).map(|hit| (FIRST_S + hit as f64 * APART_S, peak(hit))).collect();
@@ -20,7 +20,7 @@ fn pads_struck(piezo: usize, others: [PiezoPin; 3], hits: usize, noise: f64) -> 
     pins.insert(piezo, PiezoPin::Circuit);
     let setup =
         Setup { piezos: vec![signal(piezo, seconds, &times)], pins, adc_noise_counts: noise, ..Setup::default() };
-    let report = common::run(Board::Stm32f407gDisc1, &setup, seconds).report().unwrap();
+    let report = common::run(board, &setup, seconds).report().unwrap();
     for line in report.log.iter().filter(|line| line.message.starts_with("piezo ")) {
         println!("piezo {piezo} beside {others:?}: {}", line.message);
     }
@@ -33,11 +33,14 @@ fn its_pad_alone_sounds(hits: usize) {
     use PiezoPin::{Grounded, Open, Wire};
     let pads = kit::open("demo").unwrap().kit.pads;
     let neighbours = [[Open, Grounded, Wire], [Wire, Open, Open], [Grounded, Wire, Open], [Open, Open, Open]];
-    for ((piezo, others), noise) in neighbours.into_iter().enumerate().zip([2.0, 6.0, 4.0, 3.0]) {
-        let struck = pads_struck(piezo, others, hits, noise);
-        let own = struck.iter().filter(|pad| **pad == pads[piezo].name).count();
-        println!("piezo {piezo} beside {others:?}: {own} of {} strikes on its pad, {hits} hits", struck.len());
-        assert_eq!((own, struck.len()), (hits, hits), "piezo {piezo} beside {others:?}");
+    for board in Board::ALL {
+        for ((piezo, others), noise) in neighbours.into_iter().enumerate().zip([2.0, 6.0, 4.0, 3.0]) {
+            let struck = pads_struck(board, piezo, others, hits, noise);
+            let own = struck.iter().filter(|pad| **pad == pads[piezo].name).count();
+            let case = format!("{}, piezo {piezo} beside {others:?}", board.name());
+            println!("{case}: {own} of {} strikes on its pad, {hits} hits", struck.len());
+            assert_eq!((own, struck.len()), (hits, hits), "{case}");
+        }
     }
 }
 
@@ -46,9 +49,10 @@ fn a_piezo_beside_open_grounded_and_hanging_inputs_sounds_its_pad_alone() {
     its_pad_alone_sounds(25);
 }
 
-/// `cargo test -p virtual-board --test boards inputs -- --ignored --nocapture`: 1000 hits.
+/// `cargo test -p virtual-board --test boards inputs -- --ignored --nocapture`: 1000 hits a
+/// board.
 #[test]
-#[ignore = "takes minutes; the test of 100 hits runs always"]
+#[ignore = "takes minutes; the test of 200 hits runs always"]
 fn a_piezo_beside_other_inputs_sounds_its_pad_alone_over_1000_strikes() {
     its_pad_alone_sounds(250);
 }

@@ -21,3 +21,4 @@ mod stages;
 mod storage;
 mod timing;
 mod usb;
+mod volume;

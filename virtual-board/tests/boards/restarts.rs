@@ -54,6 +54,49 @@ fn a_piezo_plays_its_own_pad_after_restarts_of_the_adc_at_any_phase() {
     assert_eq!((own, pads.len()), (16, 16));
 }
 
+/// Plays piezo 1 after each of a number of errors of the ADC's DMA and overruns of the ADC, and
+/// gives the pads that were struck. Each error comes at another place in a scan and in a half.
+fn pads_after_errors(board: Board, count: usize) -> Vec<String> {
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let at_s = |error: usize| FIRST_S + 0.1 + 0.075 * error as f64 + HALF_S * (error as f64 * golden).fract();
+    let seconds = at_s(count);
+    let hits: Vec<(f64, f32)> = (0..count).map(|error| (at_s(error) + 0.02, 0.4)).collect();
+    let fault = |error: usize| match error % 2 {
+        0 => Fault::AdcDmaError { at_s: at_s(error) },
+        _ => Fault::AdcOverrun { at_s: at_s(error) },
+    };
+    let setup =
+        Setup { piezos: vec![signal(1, seconds, &hits)], faults: (0..count).map(fault).collect(), ..Setup::default() };
+    let report = common::run(board, &setup, seconds).report().unwrap();
+    let restarts = report.log.iter().filter(|line| line.message.starts_with("ADC: overrun or DMA error")).count();
+    assert!(restarts == count && report.resets.is_empty(), "{restarts} restarts: {:#?}", report.resets);
+    let strikes = report.log.iter().filter_map(|line| line.message.strip_prefix("event ")?.strip_suffix(",strike"));
+    strikes.map(|strike| strike.split(',').nth(1).unwrap_or("").to_owned()).collect()
+}
+
+/// Asserts that the piezo plays its own pad after each of `count` errors.
+fn own_pad_plays_after_errors(count: usize) {
+    let demo = kit::open("demo").unwrap().kit;
+    for board in Board::ALL {
+        let pads = pads_after_errors(board, count);
+        let own = pads.iter().filter(|pad| **pad == demo.pads[1].name).count();
+        println!("{}: {own} of {} strikes play pad 1, {count} errors", board.name(), pads.len());
+        assert_eq!((own, pads.len()), (count, count), "{}", board.name());
+    }
+}
+
+#[test]
+fn a_piezo_plays_its_own_pad_after_errors_of_the_adc_and_its_dma_at_any_phase() {
+    own_pad_plays_after_errors(16);
+}
+
+/// `cargo test -p virtual-board --test boards restarts -- --ignored --nocapture`.
+#[test]
+#[ignore = "takes minutes; the test of 16 phases runs always"]
+fn a_piezo_plays_its_own_pad_after_errors_of_the_adc_and_its_dma_at_1000_phases() {
+    own_pad_plays_after_errors(1000);
+}
+
 /// Restarts the I2S `count` times while pads ring, each time at another place in a frame, and
 /// asserts that each half-word leaves in its own slot.
 ///

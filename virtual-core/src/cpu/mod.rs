@@ -61,6 +61,13 @@ pub trait Core {
     fn is_timer_running(&self) -> bool;
     /// Returns true if one of the core registers in a bit mask points to the registers of the DWT.
     fn is_in_trace_block(&self, registers: u16) -> bool;
+    /// Returns true if one of the core registers in a bit mask points to the registers of the
+    /// system: NVIC, system control block, and debug.
+    fn is_in_system_block(&self, registers: u16) -> bool;
+    /// Returns DEMCR, of which the bits of vector catch are kept, but have no effect on the core.
+    fn debug_monitor_control(&self) -> u32;
+    /// Sets DEMCR.
+    fn set_debug_monitor_control(&mut self, bits: u32);
     /// Returns the cycle counter of the DWT, or `None` if the program has not switched it on.
     fn cycle_counter(&self) -> Option<u32>;
     /// Sets the cycle counter of the DWT.

@@ -31,6 +31,9 @@ const FPCCR_LSPEN: u32 = 1 << 30;
 /// Address of the block of DWT registers.
 const DWT_ADDRESS: u32 = 0xe000_1000;
 
+/// Address of the block of system registers.
+const SYSTEM_ADDRESS: u32 = 0xe000_e000;
+
 /// Bit of SysTick's control register that enables it.
 const SYST_CSR_ENABLE: u32 = 1;
 
@@ -59,6 +62,20 @@ impl Rsemu {
         core.step();
         core.with_sys(|sys| sys.fpccr &= !FPCCR_LSPEN);
         Rsemu { core, exception: 0, active: 0, interrupted_blocks: Vec::new() }
+    }
+
+    /// Returns true if one of the core registers in a bit mask points to a block of 4 KB.
+    #[inline]
+    fn points_to(&self, registers: u16, block: u32) -> bool {
+        let mut left = registers;
+        while left != 0 {
+            let register = left.trailing_zeros() as u8;
+            if self.core.reg(register) & !0xfff == block {
+                return true;
+            }
+            left &= left - 1;
+        }
+        false
     }
 
     /// Finds out if the last step entered or left an exception, and keeps or restores the IT state.
@@ -144,15 +161,20 @@ impl Core for Rsemu {
 
     #[inline]
     fn is_in_trace_block(&self, registers: u16) -> bool {
-        let mut left = registers;
-        while left != 0 {
-            let register = left.trailing_zeros() as u8;
-            if self.core.reg(register) & !0xfff == DWT_ADDRESS {
-                return true;
-            }
-            left &= left - 1;
-        }
-        false
+        self.points_to(registers, DWT_ADDRESS)
+    }
+
+    #[inline]
+    fn is_in_system_block(&self, registers: u16) -> bool {
+        self.points_to(registers, SYSTEM_ADDRESS)
+    }
+
+    fn debug_monitor_control(&self) -> u32 {
+        self.core.with_sys(|sys| sys.demcr)
+    }
+
+    fn set_debug_monitor_control(&mut self, bits: u32) {
+        self.core.with_sys(|sys| sys.demcr = bits);
     }
 
     fn cycle_counter(&self) -> Option<u32> {

@@ -111,7 +111,8 @@ pub struct Instruction {
     pub words: u8,
     /// Comment field of BKPT or SVC, 0 for other instructions.
     pub comment: u8,
-    /// Numbers of the registers with dividend and divisor of SDIV or UDIV.
+    /// Numbers of the registers with dividend and divisor of SDIV or UDIV; of STR, the first is
+    /// that of the stored register.
     pub operands: [u8; 2],
     /// Core registers of its address, base and index.
     pub address: u16,

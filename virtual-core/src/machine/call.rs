@@ -90,7 +90,7 @@ impl Machine {
             }),
             Ended::Breakpoint(number) => Err(RunError::Breakpoint { number, pc, function }),
             Ended::Asleep => Err(RunError::Asleep { pc, function }),
-            Ended::Limit | Ended::Due => Err(RunError::Limit { limit, pc, function }),
+            Ended::Limit | Ended::Due | Ended::Caught => Err(RunError::Limit { limit, pc, function }),
         }
     }
 

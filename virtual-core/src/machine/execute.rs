@@ -6,7 +6,7 @@ use rsemu::cpu::arm::v7m::isa::Cond;
 
 use super::Machine;
 use super::clock::ExceptionChange;
-use super::code;
+use super::{catch, code};
 use crate::cpu::{Core, CpuFault, Stepped};
 use crate::cycle::hazard::Previous;
 use crate::cycle::rules;
@@ -23,6 +23,8 @@ pub(super) enum Ended {
     Arrived,
     /// The next instruction is the breakpoint of this number, which is not executed.
     Breakpoint(u8),
+    /// A debug probe has halted the core where it entered a fault.
+    Caught,
     /// The core sleeps after WFI or WFE.
     Asleep,
     /// The limit of instructions is reached.
@@ -70,9 +72,19 @@ impl Machine {
             if trace_block && self.core.cycle_counter().is_some() {
                 self.core.set_cycle_counter(now.wrapping_sub(self.cycle_counter_origin) as u32);
             }
+            let stored = (self.has_probe
+                && instruction.kind == Kind::StoreImmediate
+                && self.core.is_in_system_block(instruction.address))
+            .then(|| self.core.register(instruction.operands[0]));
+            if stored.is_some() {
+                catch::before_store(&mut self.core);
+            }
             let passed = !self.in_block || in_block_passes(&self.core, &mut self.in_block);
 
             let stepped = self.core.step(self.in_block);
+            if let Some(value) = stored {
+                catch::after_store(&mut self.core, value);
+            }
             if asleep {
                 asleep = self.core.is_asleep();
                 if asleep {
@@ -89,6 +101,9 @@ impl Machine {
             if let Stepped::Exception(number) = stepped {
                 if FAULTS.contains(&number) && !std::mem::take(&mut self.fault_expected) {
                     return Err(self.fault_error(instruction.kind, pc));
+                }
+                if self.has_probe && catch::catches(&self.core, number) {
+                    return Ok(Ended::Caught);
                 }
                 // The exception was entered before the instruction, unless this is the SVC that
                 // raised it.

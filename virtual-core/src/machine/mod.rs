@@ -1,6 +1,7 @@
 //! Machine: a core, its memory, the decoded program, and the account of its cost.
 
 mod call;
+mod catch;
 mod clock;
 mod code;
 mod execute;
@@ -60,6 +61,8 @@ pub struct Machine {
     cycles_beyond_cost: i64,
     /// Time of the clock at which the counter of the DWT was 0.
     cycle_counter_origin: u64,
+    /// True if a debug probe is attached that may halt the core at faults.
+    has_probe: bool,
     /// True if the program itself handles its next fault.
     fault_expected: bool,
     /// Changes of exceptions since they were last taken, or `None` before that.
@@ -98,6 +101,7 @@ impl Machine {
             pace: Pace::default(),
             cycles_beyond_cost: 0,
             cycle_counter_origin: 0,
+            has_probe: false,
             fault_expected: false,
             exception_changes: None,
         })

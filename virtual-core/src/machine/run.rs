@@ -22,6 +22,8 @@ const LONGEST_SLEEP_STEPS: u32 = 1 << 24;
 pub enum Stop {
     /// The next instruction is `bkpt` of this number, which is not executed.
     Breakpoint(u8),
+    /// A debug probe has halted the core where it entered a fault ([`Machine::catch_faults`]).
+    Caught,
     /// The core sleeps after `wfi` or `wfe`, and no interrupt is pending.
     Asleep,
     /// The allowed number of instructions has been executed.
@@ -59,8 +61,13 @@ impl Machine {
         }
         // A new core is made, because a reset clears all registers of the NVIC and of the system
         // control block.
+        let debug = self.core.debug_monitor_control();
         self.core = Rsemu::new(Arc::clone(&self.space), FLASH_ADDRESS);
         self.core.reset();
+        if self.has_probe {
+            // Only power-on clears the bits of the debugger.
+            self.core.set_debug_monitor_control(debug);
+        }
         self.previous = Previous::NOTHING;
         self.in_block = false;
         self.lowest_stack = stack;
@@ -79,6 +86,7 @@ impl Machine {
         Ok(match self.execute(NOWHERE, instructions)? {
             Ended::Breakpoint(number) => Stop::Breakpoint(number),
             Ended::Asleep => Stop::Asleep,
+            Ended::Caught => Stop::Caught,
             Ended::Limit | Ended::Arrived => Stop::Limit,
             Ended::Due => Stop::Due,
         })
@@ -107,7 +115,7 @@ impl Machine {
                 Ok(Run { breakpoint, value: self.core.register(0), cost: self.total - before })
             }
             Ended::Asleep => Err(RunError::Asleep { pc, function: self.functions.name_at(pc) }),
-            Ended::Limit | Ended::Arrived | Ended::Due => {
+            Ended::Limit | Ended::Arrived | Ended::Due | Ended::Caught => {
                 Err(RunError::Limit { limit: limit_instructions, pc, function: self.functions.name_at(pc) })
             }
         }

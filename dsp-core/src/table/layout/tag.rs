@@ -39,6 +39,23 @@ pub const RESTITUTION: [u8; 4] = *b"rest";
 /// of object numbers, then zeros up to a multiple of 4. At most one section; a reader that
 /// skips it plays the acceleration sound in [`ObjectHeader`](super::ObjectHeader).
 pub const BALANCE: [u8; 4] = *b"bala";
+/// Volume of a board's headphones in dB as [`F32`](super::F32). At most one section; without it
+/// they play at [`DEFAULT_HEADPHONE_DB`](crate::table::range::DEFAULT_HEADPHONE_DB). A reader
+/// may skip it.
+pub const HEADPHONE: [u8; 4] = *b"head";
 /// All tags that this crate knows.
-pub const KNOWN: [[u8; 4]; 12] =
-    [META, OBJECT, STRIKER, PADS, TRIGGER, RESIDUAL, BACKGROUND, ROOM, DYNAMIC_FILTER, BIQUADS, RESTITUTION, BALANCE];
+pub const KNOWN: [[u8; 4]; 13] = [
+    META,
+    OBJECT,
+    STRIKER,
+    PADS,
+    TRIGGER,
+    RESIDUAL,
+    BACKGROUND,
+    ROOM,
+    DYNAMIC_FILTER,
+    BIQUADS,
+    RESTITUTION,
+    BALANCE,
+    HEADPHONE,
+];

@@ -16,7 +16,6 @@ mod kernels;
 mod memory;
 mod piezos;
 
-use defmt_rtt as _;
 use dsp_core::table::Kit;
 use embassy_executor::Spawner;
 use embassy_time::Timer;
@@ -25,7 +24,7 @@ use firmware::audio::instrument::Instrument;
 use firmware::input::piezo::Piezos;
 use firmware::input::{Overrides, Settings};
 use firmware::refusal::Refusal;
-use firmware::restart::Cause;
+use firmware::restart::{self, Cause};
 use firmware::{board, cycles, hardware, kits, watchdog};
 
 use crate::failures::Failures;
@@ -35,12 +34,13 @@ async fn main(_spawner: Spawner) {
     watchdog::start();
     let mut devices = hardware::init(hardware::start_clocks());
     if let Some(mut core) = cortex_m::Peripherals::take() {
+        restart::watch_faults(&mut core);
         cycles::start(&mut core);
     }
     let mut failures = Failures::default();
     defmt::info!("self-test on {=str}, started by {}", board::NAME, Cause::take());
-    match devices.codec {
-        Ok(()) => defmt::info!("codec: {=str}", failures.check(true)),
+    match &devices.codec {
+        Ok(_) => defmt::info!("codec: {=str}", failures.check(true)),
         Err(error) => defmt::error!("codec: {}: {=str}", error, failures.check(false)),
     }
     // This check comes first, because it writes to memory that later checks use.
