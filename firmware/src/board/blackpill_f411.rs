@@ -36,6 +36,9 @@ pub const STRIKES_PER_TICK: usize = 3;
 /// Number of the board in its MIDI identity.
 pub const MIDI_NUMBER: u8 = 2;
 
+/// True if the converter is a codec that has a volume.
+pub const HAS_CODEC: bool = false;
+
 /// Number of LEDs of the board.
 pub const LEDS: usize = 1;
 

@@ -34,6 +34,9 @@ pub const STRIKES_PER_TICK: usize = 10;
 /// Number of the board in its MIDI identity.
 pub const MIDI_NUMBER: u8 = 1;
 
+/// True if the converter is a codec that has a volume.
+pub const HAS_CODEC: bool = true;
+
 /// Number of LEDs of the board.
 pub const LEDS: usize = 4;
 
