@@ -1,5 +1,6 @@
 //! Panics and faults: the output is muted, the cause is logged, and the chip restarts.
 
+use core::fmt;
 use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -43,25 +44,23 @@ impl Cause {
 /// True once [`end`] has begun to log.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// Mutes the output, logs the cause by `tell`, and restarts the chip.
+/// Mutes the output, keeps and logs the cause, and restarts the chip.
 ///
-/// A panic inside `tell` comes here again and restarts the chip without logging.
-fn end(tell: impl FnOnce()) -> ! {
+/// A panic while the words are written comes here again and restarts the chip without logging.
+fn end(cause: fmt::Arguments<'_>) -> ! {
     cortex_m::interrupt::disable();
     board::mute();
     audio::i2s::silence_now();
     if !ENDING.swap(true, Ordering::Relaxed) {
-        tell();
+        last_words::keep(cause);
+        defmt::error!("{}; muted, starting again", defmt::Display2Format(&cause));
     }
     SCB::sys_reset()
 }
 
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
-    end(|| {
-        last_words::keep(format_args!("{info}"));
-        defmt::error!("panic: {}; muted, starting again", defmt::Display2Format(info));
-    })
+    end(format_args!("panic: {info}"))
 }
 
 /// Bytes of stack below which a fault is taken for an overflow: the frame of an exception with the
@@ -116,18 +115,13 @@ core::arch::global_asm!(
 /// Ends the program for a fault at `at`, in a function that `from` called, with `left` bytes of
 /// stack left.
 extern "C" fn fault(at: u32, from: u32, left: i32) -> ! {
-    end(|| {
-        if left < SPENT_BYTES {
-            last_words::keep(format_args!("stack overflow"));
-            defmt::error!("stack overflow; muted, starting again");
-        } else {
-            last_words::keep(format_args!("hard fault at {at:#010x}, called from {from:#010x}"));
-            defmt::error!("hard fault at {=u32:#010x}, called from {=u32:#010x}; muted, starting again", at, from);
-        }
-    })
+    if left < SPENT_BYTES {
+        end(format_args!("stack overflow"));
+    }
+    end(format_args!("hard fault at {at:#010x}, called from {from:#010x}"))
 }
 
 #[exception]
 unsafe fn DefaultHandler(interrupt: i16) {
-    end(|| defmt::error!("interrupt {=i16} came and nobody serves it; muted, starting again", interrupt))
+    end(format_args!("interrupt {interrupt} came and nobody serves it"))
 }

@@ -13,6 +13,7 @@ use core::sync::atomic::{AtomicI32, AtomicU32, Ordering};
 use dsp_core::event::{Action, Event, Time};
 use embassy_time::Timer;
 
+use crate::board;
 use crate::codec::{Codec, START_VOLUME};
 use crate::faults::{self, Fault};
 use crate::input::button;
@@ -56,7 +57,9 @@ pub(crate) fn take_event(now: u64) -> Option<Event> {
 
 /// Follows kits and the button. Without a codec the engine's level is turned.
 #[embassy_executor::task]
-pub async fn follow(mut codec: Option<Codec>) {
+pub async fn follow(codec: Option<Codec>) {
+    // Where the board has none, its code is left out.
+    let mut codec = codec.filter(|_| board::HAS_CODEC);
     let mut volume = codec.as_ref().map_or(0, |_| START_VOLUME);
     let (mut is_rising, mut looks) = (true, 0u32);
     loop {

@@ -52,6 +52,9 @@ pub const SETTINGS_SECTORS: [Sector; 2] = [
     Sector { number: 2, address: 0x0800_8000, bytes: 16 << 10 },
 ];
 
+/// True if the converter is a codec that has a volume.
+pub const HAS_CODEC: bool = false;
+
 /// Number of LEDs of the board.
 pub const LEDS: usize = 1;
 
