@@ -83,6 +83,9 @@ pub(super) const PRODUCT: u32 = 2;
 pub(super) const LEAST_SPAN: u32 = TAIL / PRODUCT / BLOCK_FRAMES as u32;
 /// Nominal cycles of a block's beginning for a head with a force, which the first tick pays.
 pub(super) const BEGIN_FORCE: u32 = 4_500;
+/// Those cycles less what the products of the first tick cost less than those of the second, for a
+/// block whose tail a transform makes.
+pub(super) const BEGIN_TAIL: u32 = 2_000;
 /// Least number of ticks in which a bank's tail is made.
 pub(super) const TAIL_TICKS: u32 = 2;
 

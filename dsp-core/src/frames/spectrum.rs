@@ -168,7 +168,7 @@ pub(super) fn put_tail(transform: &[Complex; BLOCK_FRAMES], tail: &mut [i32; BLO
 }
 
 /// Number of pairs of lines that are worked on in one piece.
-pub(super) const PAIRS_AT_ONCE: usize = 24;
+pub(super) const PAIRS_AT_ONCE: usize = 43;
 
 /// Number of pairs of lines k and N - k.
 pub(super) const PAIRS: usize = HALF + 1;
