@@ -1,4 +1,4 @@
-//! The kernels for a Cortex-M4F: `cortex_m4.s`, with the bits of [`super::portable`].
+//! The kernels for a Cortex-M4F: `cortex_m4.s` and `head.s`, with the bits of [`super::portable`].
 #![allow(unsafe_code)] // assembly; the only place of this folder
 
 use core::mem::offset_of;
@@ -10,6 +10,7 @@ use super::{Convolution, OUTPUTS, SAMPLES};
 use crate::fourier::Complex;
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
+core::arch::global_asm!(include_str!("head.s"), options(raw));
 
 // The offsets that cortex_m4.s uses.
 const _: () = {
@@ -77,7 +78,7 @@ pub fn gather(modes: &mut [FrameMode], lines: &[Line], first: usize, spectrum: &
     unsafe { malleus_frames_gather(modes.start, lines.as_ptr(), lines.len(), from.as_ptr(), modes.end) }
 }
 
-/// A run of a head, as cortex_m4.s takes it.
+/// A run of a head, as head.s takes it.
 #[repr(C)]
 struct HeadRun {
     force: *const i32,
