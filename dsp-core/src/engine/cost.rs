@@ -110,7 +110,7 @@ pub const CYCLES: [u32; COST_ITEMS] = by_item([
     (CostItem::ResidualRun, 420),
     (CostItem::ResidualFrame, 40),
     (CostItem::ResidualCycle, 1),
-    (CostItem::IdleTick, 879),
+    (CostItem::IdleTick, 850),
 ]);
 
 /// Takes the cycles out of a list that must follow the order of [`CostItem`].
