@@ -27,6 +27,8 @@ pub mod trigger;
 pub mod voice;
 pub mod waveguide;
 
+#[cfg(cortex_m4f)]
+mod clear;
 mod exponential;
 mod fourier;
 mod quarter_turn;

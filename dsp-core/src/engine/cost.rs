@@ -80,16 +80,16 @@ pub const COST_ITEMS: usize = CostItem::IdleTick as usize + 1;
 /// one), and from profiles for items that a fit cannot tell apart.
 /// `cargo test -p host-tests --test on_chip budget` holds them to 3 %.
 pub const CYCLES: [u32; COST_ITEMS] = by_item([
-    (CostItem::Tick, 900),
+    (CostItem::Tick, 780),
     (CostItem::Pad, 457),
     (CostItem::WakingPad, 462),
     (CostItem::DueGroup, 118),
     (CostItem::RingingPad, 1089),
-    (CostItem::BusPad, 1305),
+    (CostItem::BusPad, 1262),
     (CostItem::BusFrame, 49),
     (CostItem::StrikerBank, 2394),
-    (CostItem::DrivenPad, 2900),
-    (CostItem::BusDrivenPad, 5380),
+    (CostItem::DrivenPad, 2820),
+    (CostItem::BusDrivenPad, 5290),
     (CostItem::DrivenFrame, 20),
     (CostItem::ContactFrame, 131),
     (CostItem::DirectFrame, 24),
@@ -107,10 +107,10 @@ pub const CYCLES: [u32; COST_ITEMS] = by_item([
     (CostItem::PredictedGroup, 30),
     (CostItem::KernelCycle, 1),
     (CostItem::ResidualStrike, 700),
-    (CostItem::ResidualRun, 500),
+    (CostItem::ResidualRun, 420),
     (CostItem::ResidualFrame, 40),
     (CostItem::ResidualCycle, 1),
-    (CostItem::IdleTick, 963),
+    (CostItem::IdleTick, 850),
 ]);
 
 /// Takes the cycles out of a list that must follow the order of [`CostItem`].

@@ -5,10 +5,11 @@
 //! pass. The result is in bit-reversed order ([`place`]). Its error is 120 dB below it or less
 //! (`cargo test -p dsp-core waves_agree`).
 
+mod kernel;
 mod twiddles;
 
 pub(crate) use twiddles::{Complex, MAX_POINTS, TURN, TWIDDLES, cosine, quarter_sine};
-use twiddles::{FACTORS_16, FACTORS_64, FACTORS_128, FACTORS_256, FACTORS_512, Factors};
+use twiddles::{FACTORS_16, FACTORS_64, FACTORS_128, FACTORS_256, FACTORS_512};
 
 /// Progress of a transform.
 #[derive(Clone, Copy, Debug)]
@@ -34,16 +35,15 @@ impl Progress {
     /// over. Gives their cycles.
     pub(crate) fn advance(&mut self, data: &mut [Complex], cycles: u32) -> u32 {
         let (radix, cost) = butterfly_cycles(self.block);
-        let (quarter, all) = (self.block / radix, data.len() / radix);
-        let mut count = (all - self.done).min((cycles / cost) as usize + 1);
+        let all = data.len() / radix;
+        let count = (all - self.done).min((cycles / cost) as usize + 1);
         match self.block {
-            4 => last_pass(data, self.done..self.done + count),
-            16 => {
-                // Whole blocks.
-                count = count.next_multiple_of(4);
-                pass_of_16(data, self.done / 4..(self.done + count) / 4);
-            }
-            _ => self.rows(data, quarter, count),
+            4 => kernel::last_pass(data, self.done, count),
+            16 => kernel::pass(data, &FACTORS_16, self.done, count),
+            64 => kernel::pass(data, &FACTORS_64, self.done, count),
+            256 => kernel::pass(data, &FACTORS_256, self.done, count),
+            128 => pass_of_2(data, &FACTORS_128, self.done, count),
+            _ => pass_of_2(data, &FACTORS_512, self.done, count),
         }
         self.done += count;
         if self.done == all {
@@ -51,32 +51,14 @@ impl Progress {
         }
         count as u32 * cost
     }
-
-    fn rows(&self, data: &mut [Complex], row: usize, count: usize) {
-        let (mut done, end) = (self.done, self.done + count);
-        let row = row.max(1);
-        while done < end {
-            let (block, first) = (done / row, done % row);
-            let length = (row - first).min(end - done);
-            let Some(points) = data.get_mut(block * self.block..(block + 1) * self.block) else { return };
-            match self.block {
-                512 => row_of_2(points, first, length, &FACTORS_512),
-                128 => row_of_2(points, first, length, &FACTORS_128),
-                256 => row_of_4(points, first, length, &FACTORS_256),
-                _ => row_of_4(points, first, length, &FACTORS_64),
-            }
-            done += length;
-        }
-    }
 }
 
 /// Radix of the pass over blocks of a size, and cycles of a butterfly, for sharing the work among
 /// ticks; measured on the virtual core.
 const fn butterfly_cycles(block: usize) -> (usize, u32) {
     match block {
-        4 => (4, 52),
-        16 => (4, 75),
-        64 | 256 => (4, 92),
+        4 => (4, 38),
+        16 | 64 | 256 => (4, 68),
         _ => (2, 37),
     }
 }
@@ -92,10 +74,11 @@ pub(crate) const fn cycles(points: usize) -> u32 {
     sum
 }
 
+/// Computes butterflies of radix 2 of the only block, from a butterfly on.
 #[inline(never)]
-fn row_of_2(points: &mut [Complex], first: usize, length: usize, factors: &[Complex]) {
+fn pass_of_2(points: &mut [Complex], factors: &[Complex], first: usize, count: usize) {
     let Some((low, high)) = points.split_at_mut_checked(points.len() / 2) else { return };
-    let range = first..first + length;
+    let range = first..first + count;
     let (Some(low), Some(high), Some(factors)) =
         (low.get_mut(range.clone()), high.get_mut(range.clone()), factors.get(range))
     else {
@@ -108,70 +91,7 @@ fn row_of_2(points: &mut [Complex], first: usize, length: usize, factors: &[Comp
     }
 }
 
-#[inline(never)] // one copy for all sizes
-fn row_of_4(points: &mut [Complex], first: usize, length: usize, factors: &[Factors]) {
-    let quarter = points.len() / 4;
-    let Some((low, high)) = points.split_at_mut_checked(2 * quarter) else { return };
-    let (Some((a, b)), Some((c, d))) = (low.split_at_mut_checked(quarter), high.split_at_mut_checked(quarter)) else {
-        return;
-    };
-    let range = first..first + length;
-    let (Some(a), Some(b), Some(c), Some(d), Some(factors)) = (
-        a.get_mut(range.clone()),
-        b.get_mut(range.clone()),
-        c.get_mut(range.clone()),
-        d.get_mut(range.clone()),
-        factors.get(range),
-    ) else {
-        return;
-    };
-    for ((((a, b), c), d), factors) in a.iter_mut().zip(b).zip(c).zip(d).zip(factors) {
-        (*a, *b, *c, *d) = turned_butterfly([*a, *b, *c, *d], factors);
-    }
-}
-
-#[inline(always)]
-fn turned_butterfly(points: [Complex; 4], [w1, w2, w3]: &Factors) -> (Complex, Complex, Complex, Complex) {
-    let [y0, y1, y2, y3] = butterfly(points);
-    (y0, times(y2, *w2), times(y1, *w1), times(y3, *w3))
-}
-
-#[inline(never)]
-fn pass_of_16(data: &mut [Complex], blocks: core::ops::Range<usize>) {
-    let (data, _) = data.as_chunks_mut::<16>();
-    let Some(blocks) = data.get_mut(blocks) else { return };
-    for block in blocks {
-        let (low, high) = block.split_at_mut(8);
-        let ((a, b), (c, d)) = (low.split_at_mut(4), high.split_at_mut(4));
-        for ((((a, b), c), d), factors) in a.iter_mut().zip(b).zip(c).zip(d).zip(&FACTORS_16) {
-            (*a, *b, *c, *d) = turned_butterfly([*a, *b, *c, *d], factors);
-        }
-    }
-}
-
-#[inline(never)]
-fn last_pass(data: &mut [Complex], blocks: core::ops::Range<usize>) {
-    let (data, _) = data.as_chunks_mut::<4>();
-    let Some(blocks) = data.get_mut(blocks) else { return };
-    for points in blocks {
-        let [y0, y1, y2, y3] = butterfly(*points);
-        *points = [y0, y2, y1, y3];
-    }
-}
-
-/// Inverse transform of four points.
-#[inline(always)]
-fn butterfly([a, b, c, d]: [Complex; 4]) -> [Complex; 4] {
-    let (even, odd) = ([a[0] + c[0], a[1] + c[1]], [a[0] - c[0], a[1] - c[1]]);
-    let (sum, turned) = ([b[0] + d[0], b[1] + d[1]], [d[1] - b[1], b[0] - d[0]]);
-    [
-        [even[0] + sum[0], even[1] + sum[1]],
-        [odd[0] + turned[0], odd[1] + turned[1]],
-        [even[0] - sum[0], even[1] - sum[1]],
-        [odd[0] - turned[0], odd[1] - turned[1]],
-    ]
-}
-
+/// Product of two complex numbers.
 #[inline(always)]
 fn times(x: Complex, w: Complex) -> Complex {
     [x[0] * w[0] - x[1] * w[1], x[0] * w[1] + x[1] * w[0]]

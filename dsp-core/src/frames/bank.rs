@@ -145,7 +145,8 @@ impl FrameBank<'_> {
     /// Adds the heads' sound for the run that [began](Self::begin_run) to the pad's bus, under the
     /// forces of both slots: exact, at the very sample.
     pub fn render(&mut self, forces: [Option<&[i32]>; SLOTS], out: &mut [i32]) {
-        for (head, force) in self.heads.iter_mut().zip(forces) {
+        let slots = if self.has_positions() { SLOTS } else { 1 };
+        for (head, force) in self.heads.iter_mut().zip(forces).take(slots) {
             match self.hand.now() {
                 None => head.render(self.frame.into(), force, out),
                 Some(hand) => head.render_under(hand, self.frame.into(), force, out),
@@ -266,34 +267,41 @@ impl FrameBank<'_> {
         let rang = self.ringing;
         let unit = self.gains[0].max(self.gains[1]) / fixed::ONE_Q27 as f32;
         let audible = Retirement::THRESHOLD / unit.max(f32::MIN_POSITIVE);
-        let audible = audible * audible;
-        let (mut first, first_line) = (first_mode, lines.start);
-        for (line, number) in self.lines.get_mut(lines).unwrap_or(&mut []).iter_mut().zip(first_line..) {
-            while number % RETIREMENT_BLOCKS == block
-                && let Some(last) = line.ringing.checked_sub(1)
-            {
-                let Some(mode) = self.modes.get_mut(first + usize::from(last)) else { break };
-                let squared = |[x, y]: [f32; 2]| x * x + y * y;
-                // At the block's beginning the amplitude is below |s|/|z^N|.
-                let (size, decay) = (squared(mode.state), squared(mode.step));
-                if size > audible * decay {
-                    break;
-                }
-                let decay = square_root(decay);
-                let amplitude = square_root(size) / decay * unit;
-                if elsewhere + self.retired.amplitude() + amplitude > Retirement::SUM {
-                    break;
-                }
-                if size > 0.0 {
-                    self.retired.add(amplitude, decay);
-                }
-                mode.state = [0.0; 2];
-                line.ringing = last;
-                self.ringing -= 1;
-            }
-            first += usize::from(line.count);
+        let (mut first, mut at) = (first_mode, lines.start);
+        let turn = (block + RETIREMENT_BLOCKS - at % RETIREMENT_BLOCKS) % RETIREMENT_BLOCKS;
+        for number in (at + turn..lines.end).step_by(RETIREMENT_BLOCKS) {
+            let before = self.lines.get(at..number).unwrap_or(&[]);
+            first += before.iter().map(|line| usize::from(line.count)).sum::<usize>();
+            at = number;
+            self.retire_from(number, first, [unit, audible * audible], elsewhere);
         }
         u32::from(rang - self.ringing)
+    }
+
+    /// Retires modes of a line from its last one on; `first` is its first mode. A mode is audible
+    /// from a squared amplitude in bus steps on.
+    fn retire_from(&mut self, line: usize, first: usize, [unit, audible]: [f32; 2], elsewhere: f32) {
+        let Some(line) = self.lines.get_mut(line) else { return };
+        while let Some(last) = line.ringing.checked_sub(1) {
+            let Some(mode) = self.modes.get_mut(first + usize::from(last)) else { return };
+            let squared = |[x, y]: [f32; 2]| x * x + y * y;
+            // At the block's beginning the amplitude is below |s|/|z^N|.
+            let (size, decay) = (squared(mode.state), squared(mode.step));
+            if size > audible * decay {
+                return;
+            }
+            let decay = square_root(decay);
+            let amplitude = square_root(size) / decay * unit;
+            if elsewhere + self.retired.amplitude() + amplitude > Retirement::SUM {
+                return;
+            }
+            if size > 0.0 {
+                self.retired.add(amplitude, decay);
+            }
+            mode.state = [0.0; 2];
+            line.ringing = last;
+            self.ringing -= 1;
+        }
     }
 
     /// Ends the sound of all modes and heads at once. A hand stays.

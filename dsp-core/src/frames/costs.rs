@@ -69,10 +69,13 @@ pub(super) const PAN: u32 = 28;
 /// Nominal cycles of the preparation of a force, and of the clearing of lines.
 pub(super) const FILL: u32 = 3_800;
 pub(super) const CLEAR: u32 = 1_800;
-/// Nominal cycles of a pair of lines of a tail, of its rounding, and of all of it.
-pub(super) const COMBINE: u32 = 140;
+/// Nominal cycles of a line of a tail without the window, of a pair of lines of its spectrum, of its
+/// rounding, and of all of it.
+pub(super) const UNWINDOW: u32 = 29;
+pub(super) const COMBINE: u32 = 75;
 pub(super) const PUT: u32 = 7_600;
-pub(super) const TAIL: u32 = spectrum::PAIRS as u32 * COMBINE + fourier::cycles(BLOCK_FRAMES) + PUT;
+pub(super) const TAIL: u32 =
+    BLOCK_FRAMES as u32 * UNWINDOW + spectrum::PAIRS as u32 * COMBINE + fourier::cycles(BLOCK_FRAMES) + PUT;
 /// Nominal cycles in which all modes of a bank begin to ring.
 pub(super) const WAKE: u32 = 2_200;
 /// Nominal cycles of the lines of a force.
@@ -83,6 +86,9 @@ pub(super) const PRODUCT: u32 = 2;
 pub(super) const LEAST_SPAN: u32 = TAIL / PRODUCT / BLOCK_FRAMES as u32;
 /// Nominal cycles of a block's beginning for a head with a force, which the first tick pays.
 pub(super) const BEGIN_FORCE: u32 = 4_500;
+/// Those cycles less what the products of the first tick cost less than those of the second, for a
+/// block whose tail a transform makes.
+pub(super) const BEGIN_TAIL: u32 = 2_000;
 /// Least number of ticks in which a bank's tail is made.
 pub(super) const TAIL_TICKS: u32 = 2;
 

@@ -2,7 +2,7 @@
 //! response.
 
 use super::hand::Decay;
-use super::kernel::{self, OUTPUTS};
+use super::kernel::{self, Convolution, SAMPLES, TAPS, ZEROS};
 use super::samples::rounded;
 use super::{BLOCK_FRAMES, LINES, POINTS};
 use crate::fixed;
@@ -10,12 +10,8 @@ use crate::fourier::Complex;
 use crate::memory::{Memory, OutOfMemory, Region};
 use crate::time::TICK_FRAMES;
 
-/// Number of taps with the zeros at both ends that [`kernel::convolve`] may reach.
-const TAPS: usize = POINTS + 2 * (OUTPUTS - 1);
-
-/// Number of sums in one piece of a run: a tick's, and what is missing to whole steps of
-/// [`kernel::convolve`].
-const SUMS: usize = TICK_FRAMES.next_multiple_of(OUTPUTS);
+/// Places of the taps between the zeros.
+const TAPS_OF_LAGS: core::ops::Range<usize> = ZEROS[0]..ZEROS[0] + POINTS;
 
 /// Largest exponent of taps: half a bus step fits into the sums beside any product.
 const MAX_EXPONENT: i32 = 50;
@@ -79,8 +75,8 @@ impl<'m> Head<'m> {
 
     /// Taps by lag as numbers, and the place of their spectrum; `None` without tails.
     pub(super) fn taps_and_response(&mut self) -> Option<(impl Iterator<Item = f32>, &mut [Complex])> {
-        let (ends, step) = (OUTPUTS - 1, libm::scalbnf(1.0, -self.exponent));
-        let taps = self.taps.get(ends..ends + POINTS)?.iter().rev().map(move |&tap| tap as f32 * step);
+        let step = libm::scalbnf(1.0, -self.exponent);
+        let taps = self.taps.get(TAPS_OF_LAGS)?.iter().rev().map(move |&tap| tap as f32 * step);
         Some((taps, &mut *self.response)).filter(|(_, lines)| !lines.is_empty())
     }
 
@@ -110,14 +106,12 @@ impl<'m> Head<'m> {
 
     /// Taps by lag, for the load: floats by their bits until they are [fixed](fix).
     pub(super) fn by_lag(&mut self) -> impl Iterator<Item = &mut i32> {
-        let ends = OUTPUTS - 1;
-        self.taps.get_mut(ends..ends + POINTS).unwrap_or(&mut []).iter_mut().rev()
+        self.taps.get_mut(TAPS_OF_LAGS).unwrap_or(&mut []).iter_mut().rev()
     }
 
     /// Turns taps that are floats into integers.
     pub(super) fn fix(&mut self) {
-        let ends = OUTPUTS - 1;
-        self.exponent = self.taps.get_mut(ends..ends + POINTS).map_or(0, fix);
+        self.exponent = self.taps.get_mut(TAPS_OF_LAGS).map_or(0, fix);
     }
 
     /// Takes the taps between two heads by lag, all fixed with one exponent.
@@ -210,28 +204,13 @@ impl<'m> Head<'m> {
             out.iter_mut().zip(tail).for_each(|(out, &tail)| *out = fixed::qadd(*out, tail));
         }
         let (ranges, count) = merged(&self.forced);
-        let ranges = ranges.get(..count).unwrap_or(&[]);
-        if ranges.is_empty() {
+        let (Some(ranges), Some(taps), Some(force)) =
+            (ranges.get(..count), self.taps.first_chunk(), self.history.first_chunk())
+        else {
             return;
-        }
-        for (outputs, frame) in out.chunks_mut(SUMS).zip((start..).step_by(SUMS)) {
-            // Half a bus step, so that the shift rounds to the nearest.
-            let mut sums = [1i64 << (self.exponent.clamp(1, MAX_EXPONENT) - 1); SUMS];
-            let used = sums.get_mut(..outputs.len().next_multiple_of(OUTPUTS)).unwrap_or(&mut []);
-            for &(first, end) in ranges {
-                let (first, end) = (usize::from(first), usize::from(end));
-                for (sums, frame) in used.as_chunks_mut().0.iter_mut().zip((frame..).step_by(OUTPUTS)) {
-                    // Lags below 0 meet zeros.
-                    let force = self.history.get(first..end.min(frame + OUTPUTS)).unwrap_or(&[]);
-                    let at = (POINTS - 1 + first).wrapping_sub(frame);
-                    // The sum of all taps' magnitudes bounds it ([`fix`]).
-                    kernel::convolve(force, self.taps.get(at..).unwrap_or(&[]), sums);
-                }
-            }
-            for (out, &sum) in outputs.iter_mut().zip(&sums) {
-                *out = fixed::qadd(*out, scaled(sum, self.exponent));
-            }
-        }
+        };
+        // The sum of all taps' magnitudes bounds the sums ([`fix`]).
+        kernel::convolve(&Convolution { taps, exponent: self.exponent, force, ranges }, start, out);
     }
 
     /// Adds the head's sound under a hand, of a run within a tick, as [`Head::render`] does.
@@ -276,16 +255,19 @@ impl<'m> Head<'m> {
 /// Longest gap between two ranges that costs less to multiply than a range more, in samples.
 const GAP: u16 = 16;
 
-/// Ranges of a history, one for those that follow each other without a long gap, and their number.
-fn merged(forced: &[(u16, u16); PARTS]) -> ([(u16, u16); PARTS], usize) {
-    let (mut ranges, mut count) = ([NOTHING; PARTS], 0usize);
-    for &range in forced.iter().filter(|range| **range != NOTHING) {
+/// Ranges of a history in whole steps of [`kernel::convolve`], one for those that follow each other
+/// without a long gap, and their number.
+fn merged(forced: &[(u16, u16); PARTS]) -> ([[u16; 2]; PARTS], usize) {
+    const STEP: u16 = SAMPLES as u16;
+    let (mut ranges, mut count) = ([[0; 2]; PARTS], 0usize);
+    for &(first, end) in forced.iter().filter(|range| **range != NOTHING) {
+        let range = [first - first % STEP, end.next_multiple_of(STEP)];
         match count
             .checked_sub(1)
             .and_then(|last| ranges.get_mut(last))
-            .filter(|last| range.0.saturating_sub(last.1) <= GAP)
+            .filter(|last| range[0].saturating_sub(last[1]) <= GAP)
         {
-            Some(last) => last.1 = range.1,
+            Some(last) => last[1] = range[1],
             None => {
                 if let Some(place) = ranges.get_mut(count) {
                     *place = range;
@@ -317,14 +299,4 @@ pub(super) fn fix(taps: &mut [i32]) -> i32 {
         *tap = libm::rint(libm::scalbn(f64::from(float(*tap)), exponent)) as i32;
     }
     exponent
-}
-
-/// Sum of taps and force and half a bus step on the bus, saturating.
-#[inline(always)]
-fn scaled(sum: i64, exponent: i32) -> i32 {
-    if exponent <= 0 {
-        // Only heads whose taps add up to 2^31 and more come here; they have a half too much.
-        return fixed::saturate((sum - 1).saturating_mul(1i64 << exponent.unsigned_abs().min(30)));
-    }
-    fixed::saturate(sum >> exponent)
 }

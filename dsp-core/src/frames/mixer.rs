@@ -2,7 +2,7 @@
 
 use super::bank::{FrameBank, InFrames, SLOTS};
 use super::costs::{
-    ALONE, BEGIN_FORCE, FORCE, JOIN, LEAST_SPAN, PAN, PLAY_FRAME, PRODUCT, SILENCE, TAIL, TAIL_TICKS, TICK,
+    ALONE, BEGIN_FORCE, BEGIN_TAIL, FORCE, JOIN, LEAST_SPAN, PAN, PLAY_FRAME, PRODUCT, SILENCE, TAIL, TAIL_TICKS, TICK,
     bank_cycles, due, fade_cycles,
 };
 use super::head::Head;
@@ -183,10 +183,13 @@ impl<'m> FrameMixer<'m> {
                 (self.has_hands, self.pass, self.forms[1]) = (under_hand > 0, Pass::Together, BlockForm::Stereo);
             }
         }
-        if self.first_tail.0 == 0 {
-            let forces = |bank: &FrameBank<'_>| (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some()).count();
-            self.done = BEGIN_FORCE * banks.iter().filter_map(InFrames::frames).map(forces).sum::<usize>() as u32;
-            self.all += self.done;
+        let forces = |bank: &FrameBank<'_>| (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some()).count() as u32;
+        let begun: u32 = banks.iter().filter_map(InFrames::frames).map(forces).sum();
+        let has_tail = self.first_tail.0 > 0;
+        self.done = begun * if has_tail { BEGIN_TAIL } else { BEGIN_FORCE };
+        self.all += self.done;
+        if has_tail {
+            self.first_tail.0 += self.done;
         }
         (self.step, self.is_first) = (Step::Bank, true);
     }

@@ -46,11 +46,16 @@ pub(super) fn inner(lines: &Lines) -> &[Complex] {
     lines.get(BEYOND..=BEYOND + BLOCK_FRAMES).unwrap_or(&[])
 }
 
+/// Takes the window away from a range of the lines 0 to N - 1 of a windowed force: seven lines make
+/// one, as a mode gathers it.
+pub(super) fn unwindow(lines: &Lines, range: Range<usize>, transform: &mut [Complex; BLOCK_FRAMES]) {
+    let from = lines.get(range.start..).unwrap_or(&[]);
+    kernel::unwindow(from, &NUMBERS_AT_LINE, transform.get_mut(range).unwrap_or(&mut []));
+}
+
 /// Spectrum of a tail, folded for a transform of N points to its even samples as real parts and its
-/// odd ones as imaginary parts: the lines of a windowed force times a response (lines 0 to N, times
-/// 1/2N), for a range of the pairs k and N - k.
-///
-/// Seven lines of the windowed force make one without the window, as a mode gathers it.
+/// odd ones as imaginary parts: the [lines without the window](unwindow) of a force times a response
+/// (lines 0 to N, times 1/2N), for a range of the pairs k and N - k.
 pub(super) fn combine(
     lines: &Lines,
     response: &[Complex],
@@ -58,29 +63,44 @@ pub(super) fn combine(
     transform: &mut [Complex; BLOCK_FRAMES],
 ) {
     let times = |[re, im]: Complex, [x, y]: Complex| [re * x - im * y, re * y + im * x];
-    // Floats, not pairs of them: the compiler clears them in place.
-    let (mut low, mut high) = ([0.0; 2 * PAIRS_AT_ONCE], [0.0; 2 * PAIRS_AT_ONCE]);
-    let (low, high) = (low.as_chunks_mut().0, high.as_chunks_mut().0);
-    let count = pairs.len().min(PAIRS_AT_ONCE);
     let Some(response) = response.first_chunk::<LINES>() else { return };
-    let unwindow = |first: usize, to: &mut [Complex]| {
-        kernel::unwindow(lines.get(first..).unwrap_or(&[]), &NUMBERS_AT_LINE, to.get_mut(..count).unwrap_or(&mut []));
-    };
-    unwindow(pairs.start, low);
-    unwindow(LINES - pairs.end, high);
-    for (index, k) in pairs.enumerate() {
-        let mirrored = BLOCK_FRAMES - k;
-        let (Some(&x), Some(&y)) = (low.get(index), high.get((count - 1).wrapping_sub(index))) else { return };
-        let (Some(&of_x), Some(&of_y)) = (response.get(k), response.get(mirrored)) else { return };
-        let Some(&turn) = TWIDDLES.get(k * (MAX_POINTS / BLOCK_FRAMES)) else { return };
-        let [low, high] = halve([times(x, of_x), times(y, of_y)], turn);
-        if let Some(slot) = transform.get_mut(k) {
-            *slot = low;
-        }
-        if let Some(slot) = transform.get_mut(mirrored) {
-            *slot = high;
-        }
+    if pairs.contains(&0) {
+        let mut last = [0.0; 2];
+        let end = lines.get(BLOCK_FRAMES..).unwrap_or(&[]);
+        kernel::unwindow(end, &NUMBERS_AT_LINE, core::slice::from_mut(&mut last));
+        let ends = [times(transform[0], response[0]), times(last, response[BLOCK_FRAMES])];
+        [transform[0], _] = halve(ends, TWIDDLES[0]);
     }
+    if pairs.contains(&HALF) {
+        let middle = times(transform[HALF], response[HALF]);
+        [_, transform[HALF]] = halve([middle; 2], TWIDDLES[HALF * (MAX_POINTS / BLOCK_FRAMES)]);
+    }
+    let (slots, [low, high], turns) = of_pairs(pairs, response, transform);
+    for (((low, high), (of_low, of_high)), turn) in slots.zip(low.iter().zip(high.iter().rev())).zip(turns) {
+        [*low, *high] = halve([times(*low, *of_low), times(*high, *of_high)], *turn);
+    }
+}
+
+/// Points k and N - k of a transform, lines k and N - k from below and above, and the turns of a
+/// range of the pairs that have two points and two lines.
+#[inline(always)]
+fn of_pairs<'a>(
+    pairs: Range<usize>,
+    lines: &'a [Complex; LINES],
+    transform: &'a mut [Complex; BLOCK_FRAMES],
+) -> (
+    impl Iterator<Item = (&'a mut Complex, &'a mut Complex)>,
+    [&'a [Complex]; 2],
+    impl Iterator<Item = &'static Complex>,
+) {
+    let (start, end) = (pairs.start.max(1), pairs.end.min(HALF));
+    let (below, above) = transform.split_at_mut(HALF);
+    let mirrored = BLOCK_FRAMES + 1 - end..=BLOCK_FRAMES - start;
+    let above = above.get_mut(mirrored.start() - HALF..=mirrored.end() - HALF).unwrap_or(&mut []);
+    let slots = below.get_mut(start..end).unwrap_or(&mut []).iter_mut().zip(above.iter_mut().rev());
+    let lines = [lines.get(start..end).unwrap_or(&[]), lines.get(mirrored).unwrap_or(&[])];
+    let turns = TWIDDLES.get(start * (MAX_POINTS / BLOCK_FRAMES)..).unwrap_or(&[]);
+    (slots, lines, turns.iter().step_by(MAX_POINTS / BLOCK_FRAMES))
 }
 
 /// Points k and N - k of a transform of N points that gives 2N real samples: even samples as real
@@ -108,17 +128,9 @@ pub(super) fn alone(lines: &Lines, pairs: Range<usize>, transform: &mut [Complex
         let [re, im] = lines[HALF];
         transform[HALF] = [2.0 * re, -2.0 * im];
     }
-    let (start, end) = (pairs.start.max(1), pairs.end.min(HALF));
-    let (below, above) = transform.split_at_mut(HALF);
-    let mirrored = BLOCK_FRAMES + 1 - end..=BLOCK_FRAMES - start;
-    let above = above.get_mut(mirrored.start() - HALF..=mirrored.end() - HALF).unwrap_or(&mut []);
-    let slots = below.get_mut(start..end).unwrap_or(&mut []).iter_mut().zip(above.iter_mut().rev());
-    let lows = lines.get(start..end).unwrap_or(&[]);
-    let highs = lines.get(mirrored).unwrap_or(&[]);
-    let turns = TWIDDLES.get(start * (MAX_POINTS / BLOCK_FRAMES)..).unwrap_or(&[]);
-    let turns = turns.iter().step_by(MAX_POINTS / BLOCK_FRAMES);
-    for (((low, high), (x, y)), turn) in slots.zip(lows.iter().zip(highs.iter().rev())).zip(turns) {
-        [*low, *high] = halve([*x, *y], *turn);
+    let (slots, [low, high], turns) = of_pairs(pairs, lines, transform);
+    for (((slot, mirrored), (x, y)), turn) in slots.zip(low.iter().zip(high.iter().rev())).zip(turns) {
+        [*slot, *mirrored] = halve([*x, *y], *turn);
     }
 }
 

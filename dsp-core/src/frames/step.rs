@@ -15,6 +15,8 @@ pub(super) enum Step {
     Force(Progress),
     /// Lines of the force: next pair.
     Unfold(usize),
+    /// Lines of the force without the window: next line.
+    Unwindow(usize),
     /// Spectrum of the head's tail: next pair.
     Combine(usize),
     /// Transform of the tail.

@@ -3,7 +3,7 @@
 use super::bank::{FrameBank, InFrames, SLOTS};
 use super::costs::{
     CLEAR, COMBINE, DERIVED_MODE, FADED_MODE, FILL, FRAMES_AT_ONCE, GATHER_LINE, GATHER_MODE, HALVE, JOIN,
-    LINES_AT_ONCE, PAN, PUT, SILENCE, SYNTHESIS_LINE, SYNTHESIS_MODE, UNFOLD, WAKE,
+    LINES_AT_ONCE, PAN, PUT, SILENCE, SYNTHESIS_LINE, SYNTHESIS_MODE, UNFOLD, UNWINDOW, WAKE,
 };
 use super::head::Head;
 use super::kernel;
@@ -93,13 +93,18 @@ impl FrameMixer<'_> {
                 } else {
                     bank.wake();
                     let has_tail = bank.tail_response(self.slot).is_some();
-                    let next = if has_tail { Step::Combine(0) } else { Step::Gather(0, 0) };
+                    let next = if has_tail { Step::Unwindow(0) } else { Step::Gather(0, 0) };
                     (UNFOLD * (end - pair) as u32 + WAKE, next)
                 }
             }
+            Step::Unwindow(line) => {
+                let end = BLOCK_FRAMES.min(line + (cycles / UNWINDOW) as usize + 1);
+                spectrum::unwindow(lines, line..end, force);
+                let next = if end < BLOCK_FRAMES { Step::Unwindow(end) } else { Step::Combine(0) };
+                (UNWINDOW * (end - line) as u32, next)
+            }
             Step::Combine(pair) => {
-                let count = PAIRS_AT_ONCE.min((cycles / COMBINE) as usize + 1);
-                let end = spectrum::PAIRS.min(pair + count);
+                let end = spectrum::PAIRS.min(pair + (cycles / COMBINE) as usize + 1);
                 spectrum::combine(lines, bank.tail_response(self.slot).unwrap_or(&[]), pair..end, force);
                 let is_over = end == spectrum::PAIRS;
                 let next = if is_over { Step::Tail(Progress::start(BLOCK_FRAMES)) } else { Step::Combine(end) };

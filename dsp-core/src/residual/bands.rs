@@ -259,9 +259,15 @@ impl<'m> Bands<'m> {
     }
 
     /// Brings the energies of some bands up to a frame's beginning. Gives their power there, and
-    /// the power that is left after a quarter of the frame without a hand and with one.
+    /// the power that is left after a quarter of the frame without a hand and with one; none of it
+    /// unless `counts`.
     #[inline(never)]
-    pub(super) fn advance(&mut self, bands: core::ops::Range<usize>, passage: &Passage) -> (f32, [f32; 2]) {
+    pub(super) fn advance(
+        &mut self,
+        bands: core::ops::Range<usize>,
+        passage: &Passage,
+        counts: bool,
+    ) -> (f32, [f32; 2]) {
         let below = bands.start.checked_sub(1).and_then(|below| self.bands.get(below));
         let mut lower = below.map_or(self.lower, |band| band.upper);
         let (mut power, mut left) = (0.0, [0.0; 2]);
@@ -294,10 +300,12 @@ impl<'m> Bands<'m> {
                 }
             }
             band.density = if density > LEAST { density } else { 0.0 };
-            let energy = band.density * (band.upper - lower);
-            lower = band.upper;
-            power += energy;
-            left = [left[0] + energy * square, left[1] + energy * choked * choked];
+            if counts {
+                let energy = band.density * (band.upper - lower);
+                lower = band.upper;
+                power += energy;
+                left = [left[0] + energy * square, left[1] + energy * choked * choked];
+            }
         }
         (power, left)
     }

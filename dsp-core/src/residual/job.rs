@@ -36,8 +36,8 @@ pub(super) struct Job {
 
 /// Cycles of bringing a band up to date, and extra cycles if a strike adds to it, for sharing the
 /// work; measured on the virtual core.
-const BAND_CYCLES: u32 = 60;
-const STRUCK_CYCLES: u32 = 90;
+const BAND_CYCLES: u32 = 75;
+const STRUCK_CYCLES: u32 = 120;
 
 impl Job {
     pub(super) fn new(region: usize, passage: Passage, bands: usize, is_struck: bool) -> Self {
@@ -80,7 +80,7 @@ impl Job {
     pub(super) fn give_up(&self, bands: &mut Bands<'_>) -> bool {
         match self.step {
             Step::Bands(0) if !self.passage.is_late => return false,
-            Step::Bands(from) => _ = bands.advance(from..bands.count(), &self.passage),
+            Step::Bands(from) => _ = bands.advance(from..bands.count(), &self.passage, false),
             _ => {}
         }
         true
@@ -105,7 +105,7 @@ impl Job {
             match &mut self.step {
                 Step::Bands(from) => {
                     let to = bands.count().min(*from + 10);
-                    let (power, left) = bands.advance(*from..to, &self.passage);
+                    let (power, left) = bands.advance(*from..to, &self.passage, true);
                     let (sum, [free, choked]) = self.sum;
                     self.sum = (sum + power, [free + left[0], choked + left[1]]);
                     let is_struck = self.passage.is_struck();

@@ -96,8 +96,8 @@ impl Stream {
             let length = length.min(out.len());
             let (now, later) = core::mem::take(&mut out).split_at_mut(length);
             match part {
-                Part::In(from) => self.add_slope(memory, per_frame, SLOPE.iter().skip(from), now),
-                Part::Out(from) => self.add_slope(memory, per_frame, SLOPE.iter().rev().skip(from), now),
+                Part::In(from) => self.add_slope(memory, per_frame, (from, 1), now),
+                Part::Out(from) => self.add_slope(memory, per_frame, (SLOPE.len() - 1 - from, -1), now),
                 Part::Whole => self.add_flat(memory, per_frame, now),
                 Part::Over => {}
             }
@@ -111,16 +111,15 @@ impl Stream {
         self.add(memory, per_frame, || 1.0, out);
     }
 
-    #[inline(never)]
-    fn add_slope<'s>(
-        &mut self,
-        memory: &[Complex],
-        per_frame: f32,
-        slope: impl Iterator<Item = &'s f32>,
-        out: &mut [f32],
-    ) {
-        let mut slope = slope.copied();
-        self.add(memory, per_frame, || slope.next().unwrap_or(0.0), out);
+    /// Adds frames of a slope, from a place on, up or down.
+    #[inline(never)] // one copy for both: each would wait for flash anew
+    fn add_slope(&mut self, memory: &[Complex], per_frame: f32, (mut place, step): (usize, isize), out: &mut [f32]) {
+        let next = || {
+            let slope = SLOPE.get(place).copied().unwrap_or(0.0);
+            place = place.wrapping_add_signed(step);
+            slope
+        };
+        self.add(memory, per_frame, next, out);
     }
 
     #[inline(always)]

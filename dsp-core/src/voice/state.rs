@@ -215,7 +215,7 @@ impl Voice<'_, '_> {
     /// modes. Gives the number of groups that were guarded.
     pub fn change_choke(&mut self) -> u32 {
         self.is_choked = self.is_choke_wanted;
-        self.wake();
+        self.wake_banks();
         let is_choked = self.is_choked;
         if let Some(frames) = &mut self.frames {
             frames.lay_hand(is_choked);
@@ -346,6 +346,15 @@ impl Voice<'_, '_> {
     /// Tells the banks of the ticks that have passed; call it before anything happens to them.
     #[inline(always)]
     pub fn wake(&mut self) {
+        // Of modes in frames the voice keeps no books.
+        if self.frames.is_none() || self.banks.len() > 1 {
+            self.wake_banks();
+        }
+    }
+
+    /// As [`Voice::wake`], whether the banks have modes or not.
+    #[inline(always)]
+    fn wake_banks(&mut self) {
         self.rest_ticks = 0;
         if self.passed_ticks > 0 {
             self.catch_up();
@@ -362,7 +371,7 @@ impl Voice<'_, '_> {
     /// `retired_elsewhere` is the retired amplitude of all other pads, 1.0 = full scale.
     #[inline(never)]
     pub fn tick(&mut self, skip: bool, retired_elsewhere: f32) -> u32 {
-        self.wake();
+        self.wake_banks();
         let mut already = retired_elsewhere;
         self.banks.iter().for_each(|bank| already += bank.retired_amplitude());
         // 1.0 on the bus is full scale, so that a bus step is 2^-27 of it.

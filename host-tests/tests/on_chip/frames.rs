@@ -12,6 +12,10 @@ use virtual_core::FunctionCost;
 
 const RATE: SampleRate = SampleRate::HZ_44100;
 
+/// Largest difference of the dearest ticks with the waits of flash and without, in cycles a frame:
+/// 5 % above the figure of docs/frames.md.
+const MOST_WAITS: f64 = 290.0;
+
 #[test]
 fn the_chip_gives_the_bits_of_the_pc_for_any_run_length() {
     let mut chip = FramesOnChip::new().unwrap();
@@ -51,9 +55,9 @@ fn thousand_modes_ring_and_are_struck_within_the_cycles_of_the_page() {
     // Number of modes; cycles a frame ringing, of the dearest tick of a strike, under a direct
     // force in the mean and at most.
     let page = [
-        (64, [264.0, 715.0, 1375.0, 1615.0]),
-        (256, [352.0, 873.0, 1452.0, 1555.0]),
-        (1025, [656.0, 1459.0, 1913.0, 2017.0]),
+        (64, [244.0, 643.0, 1233.0, 1312.0]),
+        (256, [332.0, 770.0, 1336.0, 1445.0]),
+        (1025, [637.0, 1339.0, 1796.0, 1872.0]),
     ];
     let mut ringing = Vec::new();
     for (count, stated) in page {
@@ -94,9 +98,9 @@ fn the_engine_keeps_the_cycles_of_the_page_with_a_thousand_modes_and_bands() {
     let mut wrong = Vec::new();
     // Mean of each scene, and dearest tick, on docs/frames.md.
     let stated = [
-        (256, 0, [443, 417, 1762, 1626], [484, 946, 1908, 1699]),
-        (1025, 0, [749, 679, 2221, 2086], [798, 1495, 2494, 2267]),
-        (1025, 100, [1071, 1033, 2601, 2443], [1210, 1947, 2945, 2763]),
+        (256, 0, [408, 376, 1605, 1470], [450, 811, 1750, 1549]),
+        (1025, 0, [715, 638, 2063, 1929], [764, 1383, 2254, 2041]),
+        (1025, 100, [1038, 978, 2430, 2269], [1119, 1754, 2644, 2441]),
     ];
     for (modes, bands, means, dearest) in stated {
         let kit = load(kit_of(modes, bands)).binary;
@@ -106,7 +110,7 @@ fn the_engine_keeps_the_cycles_of_the_page_with_a_thousand_modes_and_bands() {
             let (mean, most) = (f64::from(mean), f64::from(most));
             let is_as_stated = (played.mean / mean - 1.0).abs() <= 0.03
                 && (played.dearest / most - 1.0).abs() <= 0.03
-                && played.dearest_with_flash <= 1.16 * played.dearest;
+                && played.dearest_with_flash <= played.dearest + MOST_WAITS;
             if !is_as_stated {
                 wrong.push(format!("{modes} modes, {bands} bands, {what}: {played:.0?}, not {mean} and {most}"));
             }

@@ -1,9 +1,8 @@
 @ The hot loops of frames for a Cortex-M4F.
 @
-@ malleus_frames_synthesize(modes, lines, line count, spectrum)   lines from modes; steps the modes
-@ malleus_frames_gather(modes, lines, line count, spectrum)       modes from the lines of a force
-@ malleus_frames_convolve(force, taps, count, sums)               three outputs of a head
-@ malleus_frames_unwindow(lines, out, count, numbers)             lines of a force without window
+@ malleus_frames_synthesize(modes, lines, line count, spectrum, end)   lines from modes; steps them
+@ malleus_frames_gather(modes, lines, line count, spectrum, end)       modes from a force's lines
+@ malleus_frames_unwindow(lines, out, count, numbers)                  a force's lines, no window
 @
 @ The bits are those of portable.rs. Layouts (checked at compile time in cortex_m4.rs):
 @   mode    state 0, seven numbers 8, step 64, rest of the step 72, gain 76; 84 bytes
@@ -20,13 +19,14 @@
 
 @ --------------------------------------------------------------------------------------------------
 @ Lines from modes. 102 cycles a mode: 17 to load it, 56 for seven complex products and sums, 22 for
-@ the step, 7 for the loop and the store. 31 a line behind another with ringing modes, 44 one alone,
-@ 9 one without.
+@ the step, 7 for the loop and the store. 34 a line behind another with ringing modes, 47 one alone,
+@ 12 one without.
 @
 @ Optimisation log (nominal cycles a mode of 1025 modes, cargo test -p host-tests --test on_chip
 @ frames -- --nocapture): see docs/frames.md.
-@ Registers: r0 mode, r1 line, r2 end of the lines, r3 spectrum, r4 modes that ring, r5 modes behind
-@ them, lr MODE; s0-s1 state, s2-s15 numbers, s16-s29 seven lines, s30-s31 products.
+@ Registers: r0 mode, r1 line, r2 end of the lines, r3 spectrum, r4 modes that ring, r8 modes of the
+@ next line, r12 end of the modes, lr MODE; s0-s1 state, s2-s15 numbers, s16-s29 seven lines,
+@ s30-s31 products.
     .macro line_of_mode re im sum_re sum_im x y
     vmul.f32 s30, s\re, s\x
     vmul.f32 s31, s\re, s\y
@@ -38,12 +38,26 @@
     vadd.f32 s\sum_im, s\sum_im, s\im
     .endm
 
+@ Takes a line, unless its modes are not all there. EQ if none ring.
+    .macro next_line otherwise
+    ldrh    r5, [r1]
+    ldrh    r4, [r1, #2]
+    add     r1, r1, #4
+    mla     r8, r5, lr, r0
+    cmp     r4, r5
+    bhi     \otherwise
+    cmp     r8, r12
+    bhi     \otherwise
+    cmp     r4, #0
+    .endm
+
     .p2align 4
     .global malleus_frames_synthesize
     .type   malleus_frames_synthesize, %function
 malleus_frames_synthesize:
-    push    {r4-r7, lr}
+    push    {r4-r8, lr}
     vpush   {s16-s31}
+    ldr     r12, [sp, #88]
     add     r2, r1, r2, lsl #2
     mov     lr, #MODE
     b       4f
@@ -82,14 +96,10 @@ malleus_frames_synthesize:
     vstr    s1, [r0, #4]
     add     r0, r0, lr
     bne     2b
-    mla     r0, r5, lr, r0
+    mov     r0, r8
     cmp     r1, r2
     beq     6f
-    ldrh    r5, [r1]
-    ldrh    r4, [r1, #2]
-    add     r1, r1, #4
-    subs    r5, r5, r4
-    cmp     r4, #0
+    next_line 6f
     beq     7f
     vstr    s16, [r3]                   @ the next line rings too: all move up by one
     vstr    s17, [r3, #4]
@@ -111,32 +121,32 @@ malleus_frames_synthesize:
     b       2b
 7:  vstm    r3, {s16-s29}
     add     r3, r3, #8
-3:  mla     r0, r5, lr, r0
+3:  mov     r0, r8
     add     r3, r3, #8
 4:  cmp     r1, r2
     beq     5f
-    ldrh    r5, [r1]
-    ldrh    r4, [r1, #2]
-    add     r1, r1, #4
-    subs    r5, r5, r4
-    cmp     r4, #0
+    next_line 5f
     bne     1b
     b       3b
 6:  vstm    r3, {s16-s29}
 5:  vpop    {s16-s31}
-    pop     {r4-r7, pc}
+    pop     {r4-r8, pc}
     .size   malleus_frames_synthesize, . - malleus_frames_synthesize
 
 @ --------------------------------------------------------------------------------------------------
-@ Modes from the lines of a force. 94 cycles a mode, 25 a line with modes.
+@ Modes from the lines of a force. 94 cycles a mode, 29 a line with modes.
 @ Registers: r0 numbers of the mode, r1 line, r2 end of the lines, r3 spectrum, r4 modes left, r5
-@ zero; s0-s1 sum, s2-s15 numbers, s16-s29 seven lines, s30-s31 products.
+@ zero, r6 MODE, r12 end of the modes' numbers; s0-s1 sum, s2-s15 numbers, s16-s29 seven lines,
+@ s30-s31 products.
     .p2align 4
     .global malleus_frames_gather
     .type   malleus_frames_gather, %function
 malleus_frames_gather:
-    push    {r4-r5, lr}
+    push    {r4-r6, lr}
     vpush   {s16-s31}
+    ldr     r12, [sp, #80]
+    mov     r6, #MODE
+    add     r12, r12, #8
     add     r2, r1, r2, lsl #2
     add     r0, r0, #8
     mov     r5, #0
@@ -174,71 +184,16 @@ malleus_frames_gather:
     bhs     4f
     ldrh    r4, [r1]
     add     r1, r1, #4
+    mla     lr, r4, r6, r0
+    cmp     lr, r12
+    bhi     4f                          @ its modes are not all there
     cmp     r4, #0
     bne     1b
     add     r3, r3, #8
     b       3b
 4:  vpop    {s16-s31}
-    pop     {r4-r5, pc}
+    pop     {r4-r6, pc}
     .size   malleus_frames_gather, . - malleus_frames_gather
-
-@ --------------------------------------------------------------------------------------------------
-@ Three outputs of a head: their products are added to the sums. 5.5 cycles a sample of force, 1.8
-@ a product, and 5 for the loop of twelve samples; four loads in a row take 5 cycles, two 3.
-@ Registers: r0 force, r1 taps, r2 samples left, then a sample of force, r3 a sample of force,
-@ r4-r9 sums of the outputs 0 to 2, r10-r12 and lr window of taps; s0 end of the loop's samples.
-    .macro convolve_two a b c d
-    ldr     r2, [r0], #4
-    ldr     r3, [r0], #4
-    ldr     \c, [r1], #4
-    ldr     \d, [r1], #4
-    smlal   r4, r5, r2, \c
-    smlal   r6, r7, r2, \b
-    smlal   r8, r9, r2, \a
-    smlal   r4, r5, r3, \d
-    smlal   r6, r7, r3, \c
-    smlal   r8, r9, r3, \b
-    .endm
-
-    .p2align 4
-    .global malleus_frames_convolve
-    .type   malleus_frames_convolve, %function
-malleus_frames_convolve:
-    push    {r3-r11, lr}
-    ldm     r3, {r4-r9}
-    ldr     r10, [r1], #4
-    ldr     r11, [r1], #4
-    add     r2, r0, r2, lsl #2
-    vmov    s1, r2                      @ end of the samples
-    sub     r3, r2, #48
-    vmov    s0, r3                      @ last place at which twelve begin
-    cmp     r0, r3
-    bhi     2f
-1:  convolve_two r10, r11, r12, lr
-    convolve_two r12, lr, r10, r11
-    convolve_two r10, r11, r12, lr
-    convolve_two r12, lr, r10, r11
-    convolve_two r10, r11, r12, lr
-    convolve_two r12, lr, r10, r11
-    vmov    r2, s0
-    cmp     r0, r2
-    bls     1b
-    vmov    r2, s1
-2:  cmp     r0, r2
-    beq     4f
-3:  ldr     r3, [r0], #4
-    ldr     r12, [r1], #4
-    smlal   r4, r5, r3, r12
-    smlal   r6, r7, r3, r11
-    smlal   r8, r9, r3, r10
-    mov     r10, r11
-    mov     r11, r12
-    cmp     r0, r2
-    bne     3b
-4:  pop     {r3}
-    stm     r3, {r4-r9}
-    pop     {r4-r11, pc}
-    .size   malleus_frames_convolve, . - malleus_frames_convolve
 
 @ --------------------------------------------------------------------------------------------------
 @ Lines of a force without the window from seven with it: 28 cycles a line.

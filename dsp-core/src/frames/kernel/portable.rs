@@ -4,7 +4,7 @@ use super::super::mode::{FrameMode, Line};
 use super::super::numbers::window_at;
 use super::super::samples::{place_of_pair, rounded, sample};
 use super::super::{BLOCK_FRAMES, PADDED_LINES, POINTS, WIDTH};
-use super::OUTPUTS;
+use super::{Convolution, ZEROS};
 use crate::fixed;
 use crate::fourier::Complex;
 
@@ -52,15 +52,29 @@ pub fn gather(modes: &mut [FrameMode], lines: &[Line], first: usize, spectrum: &
     }
 }
 
-/// Adds to three outputs of a head: `Σ_m force[m] · taps[m + 2 - j]` for j = 0 to 2.
+/// Adds a head's outputs from a frame of two blocks on: `Σ_m force[m] taps[frame - m]` over the
+/// ranges, in bus steps, rounded and saturating.
 ///
-/// `taps` is longer than the force by [`OUTPUTS`] - 1. Sums stay below 2^63 in magnitude.
-pub fn convolve(force: &[i32], taps: &[i32], sums: &mut [i64; OUTPUTS]) {
-    for (&force, taps) in force.iter().zip(taps.array_windows::<OUTPUTS>()) {
-        for (sum, &tap) in sums.iter_mut().zip(taps.iter().rev()) {
-            *sum += i64::from(force) * i64::from(tap);
+/// Sums stay below 2^63 in magnitude.
+pub fn convolve(head: &Convolution<'_>, frame: usize, out: &mut [i32]) {
+    for (out, frame) in out.iter_mut().zip(frame..) {
+        let mut sum = head.half();
+        for &[first, end] in head.ranges {
+            let (first, end) = (usize::from(first), usize::from(end).min(frame + 1));
+            let force = head.force.get(first..end).unwrap_or(&[]);
+            let taps = head.taps.get((ZEROS[0] + POINTS - 1 + first).saturating_sub(frame)..).unwrap_or(&[]);
+            sum = force.iter().zip(taps).fold(sum, |sum, (&force, &tap)| sum + i64::from(force) * i64::from(tap));
         }
+        *out = fixed::qadd(*out, scaled(sum, head.exponent));
     }
+}
+
+/// Sum of taps and force on the bus, saturating.
+fn scaled(sum: i64, exponent: i32) -> i32 {
+    if exponent <= 0 {
+        return fixed::saturate(sum.saturating_mul(1i64 << exponent.unsigned_abs().min(30)));
+    }
+    fixed::saturate(sum >> exponent)
 }
 
 /// Takes the window away from lines of a force. Line k becomes `Σ_l numbers[|l|] lines[k + 3 + l]`,
