@@ -45,7 +45,7 @@ fn core_waits_for_each_word_and_each_erase_and_both_are_there_then() {
 fn adc_and_dma_go_on_while_the_core_waits() {
     let (adc, dma, timer) = (0x4001_2000, 0x4002_6400, 0x4000_0400);
     let lines = joined(&[
-        // A scan of two inputs each 1/8000 s into a ring of 16 frames, as the tests of devices have.
+        // A scan of two inputs each 1/8000 s into a ring of 16 frames.
         &[Write(RCC + 0x30, 0x0040_0003), Write(RCC + 0x40, 2), Write(RCC + 0x44, 0x100)],
         &[Write(0x4002_0000, 0xa800_003c), Write(adc + 0x04, 1 << 8), Write(adc + 0x2c, 1 << 20)],
         &[Write(adc + 0x34, 1 | 2 << 5), Write(adc + 8, 1), Write(dma + 0x14, 32), Write(dma + 0x18, adc + 0x4c)],
