@@ -180,7 +180,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         strike::Estimator::Modal => stage.with_residual(played, most_lsd_db),
         strike::Estimator::Bins => stage.with_prior(played, most_lsd_db),
     };
-    let dry = with_noise(modes)?;
+    let dry = if fit.noise.is_empty() { with_noise(modes)? } else { stage.with_noise(modes, &fit.noise)? };
     let with_residual = dry.0.distances;
     let room = room::estimate(heard, recording.rate_hz);
     let wet = match &room {

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::bins::BINS;
 use crate::modes::{Gains, Settings as ModeSettings};
+use crate::residual::Band;
 use crate::segment::Hit;
 
 /// Estimator of the modes.
@@ -98,6 +99,10 @@ pub struct Fit {
     /// True if the force was measured: gains are then those at positions, otherwise those of
     /// strikes.
     pub measured: bool,
+    /// Noise bands that belong to the modes of the loudest strike, at its peak force.
+    ///
+    /// Empty if the modes were fitted without noise.
+    pub noise: Vec<Band>,
     /// Index of the loudest strike, whose gains a table takes if the force was not measured.
     pub loudest: usize,
 }

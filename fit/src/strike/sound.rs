@@ -3,10 +3,12 @@
 use nalgebra::Complex;
 
 use super::fit::{Estimator, Fit, Mode, Settings, Strike, table_acceleration, table_gain};
+use super::near::Heard;
 use crate::bins;
 use crate::contact::{contact_time_s, force};
 use crate::distance::{log_spectral_distance_db, lsd_window};
 use crate::error::FitError;
+use crate::joint::Sounding;
 use crate::modes::{Ending, Gains, Group, Model, Pole, Stretch, estimate_poles, polish, refine};
 use crate::segment::Hit;
 
@@ -40,26 +42,58 @@ pub fn fit_sound(samples: &[f64], rate_hz: f64, hits: &[Hit], settings: Settings
         };
         return of_bins(sound, rate_hz, hit, *contact_s, settings).ok_or(FitError::NoModes { at_s });
     }
+    if let (true, Some(hit), Some(force)) = (settings.polish && std::env::var_os("BEFORE").is_none(), hits.get(loudest), forces.get(loudest)) {
+        let end = hit.onset + heard.get(loudest).map_or(0, |sound| sound.len());
+        let near = Heard { samples, onset: hit.onset, end, rate_hz, force };
+        if let Some(sounding) = near.near(settings.modes) {
+            return Ok(of_sounding(sounding, &heard, &forces, hits, &contacts_s, loudest, rate_hz));
+        }
+    }
     let behind = forces.get(loudest).map_or(0, Vec::len);
     let ringing = heard.get(loudest).and_then(|sound| sound.get(behind..)).unwrap_or(&[]);
     let poles = estimate_poles(ringing, rate_hz, settings.modes);
     if poles.is_empty() {
         return Err(FitError::NoModes { at_s });
     }
-    let groups: Vec<Group<'_>> = heard
-        .iter()
-        .zip(&forces)
-        .map(|(samples, force)| {
-            let force = Some(&force[..force.len().min(samples.len())]);
-            Group { stretches: vec![Stretch { samples, force }] }
-        })
-        .collect();
+    let groups = groups(&heard, &forces);
     let ending = if groups.len() > 1 { Ending::COARSE } else { Ending { steps: 0, ..Ending::COARSE } };
     let mut model = refine(&groups, &poles, ending).ok_or(FitError::NoModes { at_s })?;
     if settings.polish {
         polished(&mut model, &groups, loudest, rate_hz);
     }
     Ok(described(&model, &groups, hits, &contacts_s, loudest, rate_hz))
+}
+
+fn groups<'a>(heard: &[&'a [f64]], forces: &'a [Vec<f64>]) -> Vec<Group<'a>> {
+    let group = |(samples, force): (&&'a [f64], &'a Vec<f64>)| {
+        let force = Some(&force[..force.len().min(samples.len())]);
+        Group { stretches: vec![Stretch { samples, force }] }
+    };
+    heard.iter().zip(forces).map(group).collect()
+}
+
+/// Describes the loudest strike as the descent left it; the gains of the others are solved for.
+fn of_sounding(
+    sounding: Sounding,
+    heard: &[&[f64]],
+    forces: &[Vec<f64>],
+    hits: &[Hit],
+    contacts_s: &[f64],
+    loudest: usize,
+    rate_hz: f64,
+) -> Fit {
+    let Sounding { poles, gains, bands } = sounding;
+    let groups = groups(heard, forces);
+    let none = || Gains { modes: vec![Complex::new(0.0, 0.0); poles.len()], force: 0.0 };
+    let every = groups.iter().enumerate().map(|(index, group)| {
+        if index == loudest {
+            return gains.clone();
+        }
+        let solved = refine(std::slice::from_ref(group), &poles, Ending { steps: 0, ..Ending::COARSE });
+        solved.and_then(|model| model.gains.into_iter().next()).unwrap_or_else(none)
+    });
+    let model = Model { gains: every.collect(), worth: vec![0.0; poles.len()], poles };
+    Fit { noise: bands, ..described(&model, &groups, hits, contacts_s, loudest, rate_hz) }
 }
 
 fn heard<'a>(samples: &'a [f64], hit: &Hit, rate_hz: f64) -> &'a [f64] {
@@ -148,5 +182,5 @@ fn described(
         })
         .collect();
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-    Fit { rate_hz, modes, strikes: strikes.collect(), measured: false, loudest }
+    Fit { rate_hz, modes, strikes: strikes.collect(), measured: false, noise: Vec::new(), loudest }
 }
